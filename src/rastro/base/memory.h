@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace rastro {
+
+/// Resident memory of this process in MiB, from /proc/self/status; 0 where that does not exist.
+double resident_memory_mb();
+double peak_resident_memory_mb();
+
+}  // namespace rastro

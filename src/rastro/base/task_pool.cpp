@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/base/task_pool.h"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "rastro/base/error.h"
+
+namespace rastro {
+
+struct TaskPool::Arena {
+  explicit Arena(int threads) : arena(threads) {}
+  oneapi::tbb::task_arena arena;
+};
+
+TaskPool::TaskPool(int threads)
+    : threads_(threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()))) {
+  if (threads_ > 1) arena_ = std::make_unique<Arena>(threads_);
+}
+
+TaskPool::~TaskPool() = default;
+
+void TaskPool::for_chunks(int begin, int end, int grain, const std::function<void(int, int)>& body) {
+  RASTRO_CHECK(grain > 0, "a chunk holds at least one item");
+  if (begin >= end) return;
+  const int chunks = (end - begin - 1) / grain + 1;
+  const auto run = [&](int chunk) {
+    const int chunk_begin = begin + chunk * grain;
+    body(chunk_begin, std::min(end, chunk_begin + grain));
+  };
+  if (!arena_ || chunks == 1) {
+    for (int chunk = 0; chunk < chunks; ++chunk) run(chunk);
+    return;
+  }
+  arena_->arena.execute([&] { oneapi::tbb::parallel_for(0, chunks, run, oneapi::tbb::simple_partitioner()); });
+}
+
+}  // namespace rastro

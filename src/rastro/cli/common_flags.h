@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rastro/dataset/open.h"
+
+namespace rastro::cli {
+
+/// The flags that mean the same in every subcommand that reads data.
+struct DataFlags {
+  std::string path;         ///< DATA
+  std::string frames;       ///< --frames A:B (B not included; either may be empty)
+  int every = 1;            ///< --every N
+  double rate_hz = 0.0;     ///< --rate HZ, where stamps are missing
+  std::string camera;       ///< --camera NAME: which camera of the data (default: the left or only one)
+  double fov_deg = 0.0;     ///< --fov DEG, horizontal; 0 = not given
+  std::string intrinsics;   ///< --intrinsics fx,fy,cx,cy
+  std::string calibration;  ///< --calibration FILE
+  int threads = 0;          ///< --threads N, 0 = all of the machine
+  std::uint64_t seed = 1;   ///< --seed N
+  bool json = false;        ///< --json
+  bool quiet = false;       ///< --quiet
+};
+
+void add_data_flags(CLI::App& command, DataFlags& flags);
+/// Errors for values that make no sense, naming the flag.
+OpenOptions open_options(const DataFlags& flags);
+
+}  // namespace rastro::cli
