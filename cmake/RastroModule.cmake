@@ -1,5 +1,5 @@
 # rastro_module(NAME [PUBLIC lib...] [PRIVATE lib...]): the folder src/rastro/NAME as one internal library.
-# Every *.cpp below the folder is a source, every *_test.cpp a test; what it may use is read from layers.txt,
+# Every *.cpp below the folder is a source (main.cpp apart), every *_test.cpp a test, every *_testing.cpp a help to tests; what it may use is read from layers.txt,
 # and configuring stops when a line of that table is not sound. All modules together make librastro.
 define_property(GLOBAL PROPERTY RASTRO_MODULES BRIEF_DOCS "modules in build order" FULL_DOCS "modules in build order")
 
@@ -35,7 +35,11 @@ function(rastro_module name)
     message(FATAL_ERROR "module '${name}' has no line in layers.txt")
   endif()
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
-  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
+  list(FILTER sources EXCLUDE REGEX "(_test\\.cpp|_testing\\.cpp|/main\\.cpp)$")
+  if(NOT sources)  # a module of headers alone still needs something to archive
+    file(CONFIGURE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/headers_only.cpp" CONTENT "")
+    set(sources "${CMAKE_CURRENT_BINARY_DIR}/headers_only.cpp")
+  endif()
   add_library(rastro_${name} STATIC ${sources})
   set_target_properties(rastro_${name} PROPERTIES LINKER_LANGUAGE CXX)
   target_include_directories(rastro_${name} PUBLIC "${PROJECT_SOURCE_DIR}/src")
@@ -53,7 +57,8 @@ function(rastro_add_module_tests)
   include(GoogleTest)
   get_property(modules GLOBAL PROPERTY RASTRO_MODULES)
   foreach(name IN LISTS modules)
-    file(GLOB_RECURSE tests CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_test.cpp")
+    file(GLOB_RECURSE tests CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_test.cpp"
+         "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_testing.cpp")
     if(tests)
       rastro_add_test(rastro_${name}_test MODULES ${name} synthetic SOURCES ${tests})
     endif()

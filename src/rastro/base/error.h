@@ -8,8 +8,8 @@
 
 namespace rastro {
 
-/// Bad input from outside: a file, a setting, an argument. Its text is one plain line: what is wrong, where, what to do.
-/// The program prints it and ends with exit code 2.
+/// Bad input from outside: a file, a setting, an argument. Its text is one plain line: what is wrong, where, what to
+/// do. The program prints it and ends with exit code 2.
 class Error : public std::runtime_error {
  public:
   /// `what_is_wrong` and `remedy` are clauses without a final full stop; `where` is a file, file:line, key or argument.
@@ -29,8 +29,8 @@ namespace detail {
 }  // namespace rastro
 
 /// Stays on in releases. Use for promises between rastro's own parts, never for input from outside.
-#define RASTRO_CHECK(condition, message)                                                          \
-  do {                                                                                            \
-    if (!(condition)) [[unlikely]]                                                                \
-      ::rastro::detail::fail_check(#condition, (message), ::std::source_location::current());     \
+#define RASTRO_CHECK(condition, message)                                                      \
+  do {                                                                                        \
+    if (!(condition)) [[unlikely]]                                                            \
+      ::rastro::detail::fail_check(#condition, (message), ::std::source_location::current()); \
   } while (false)

@@ -7,7 +7,8 @@
 
 namespace rastro {
 
-/// Seeded generator (SplitMix64) whose draws are the same on every machine and standard library. Passed in, never global.
+/// Seeded generator (SplitMix64) whose draws are the same on every machine and standard library. Passed in, never
+/// global.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -21,7 +22,8 @@ class Random {
   /// Uniform in [0, 1).
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  /// Uniform in 0 .. count-1; count > 0. The bias of 2^-32 of this multiply-shift is far below what any use here notices.
+  /// Uniform in 0 .. count-1; count > 0. The bias of 2^-32 of this multiply-shift is far below what any use here
+  /// notices.
   std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(((next() >> 32) * count) >> 32); }
   /// Normal with mean 0 and standard deviation 1 (Box-Muller, one value a call, so that the state stays one word).
   double normal() {
@@ -33,7 +35,10 @@ class Random {
   std::uint64_t state_;
 };
 
-/// A well-mixed seed for an item of a stream (a frame, a pixel row), so that parallel items draw independently of order.
-inline std::uint64_t seed_for(std::uint64_t seed, std::uint64_t item) { return Random(seed ^ (item * 0xD1B54A32D192ED03ULL)).next(); }
+/// A well-mixed seed for an item of a stream (a frame, a pixel row), so that parallel items draw independently of
+/// order.
+inline std::uint64_t seed_for(std::uint64_t seed, std::uint64_t item) {
+  return Random(seed ^ (item * 0xD1B54A32D192ED03ULL)).next();
+}
 
 }  // namespace rastro

@@ -6,8 +6,9 @@
 
 namespace rastro {
 
-/// Runs loops on a fixed number of threads. Work is cut into chunks that depend only on the range and grain, never on the
-/// number of threads; a body that writes only to places of its own index therefore gives the same bytes for any pool.
+/// Runs loops on a fixed number of threads. Work is cut into chunks that depend only on the range and grain, never on
+/// the number of threads; a body that writes only to places of its own index therefore gives the same bytes for any
+/// pool.
 class TaskPool {
  public:
   /// `threads` >= 1; 0 takes the machine's count. One thread runs everything in the caller.

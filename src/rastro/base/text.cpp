@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/base/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -48,6 +50,8 @@ std::optional<double> parse_finite(std::string_view text) {
 
 std::optional<std::int64_t> parse_int64(std::string_view text) { return parse_whole<std::int64_t>(text); }
 
+std::optional<std::uint64_t> parse_uint64(std::string_view text) { return parse_whole<std::uint64_t>(text); }
+
 std::string_view trim(std::string_view text) {
   const auto first = text.find_first_not_of(blanks);
   if (first == std::string_view::npos) return {};
@@ -74,7 +78,23 @@ std::vector<std::string_view> split_words(std::string_view text) {
   return words;
 }
 
+std::string quoted(std::string_view text) {
+  constexpr std::size_t longest = 60;
+  std::string shown = "'";
+  for (const char letter : text.substr(0, longest)) {
+    const auto byte = static_cast<unsigned char>(letter);
+    if (byte < 0x20 || byte == 0x7f) {
+      shown += fmt::format("\\x{:02x}", byte);
+    } else {
+      shown += letter;
+    }
+  }
+  return shown + (text.size() > longest ? "...'" : "'");
+}
+
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names) {
+  // Names are short: what is longer than any of them is only compared by its beginning.
+  wanted = wanted.substr(0, 100);
   const auto nearest = std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
     return edit_distance(wanted, a) < edit_distance(wanted, b);
   });

@@ -10,17 +10,22 @@
 
 namespace rastro {
 
-/// Strict readers of one number: the whole text must be used; no locale; nullopt for anything else. Spaces around are allowed.
-/// parse_double reads nan and inf too; parse_finite does not.
+/// Strict readers of one number: the whole text must be used; no locale; nullopt for anything else. Spaces around are
+/// allowed. parse_double reads nan and inf too; parse_finite does not.
 std::optional<double> parse_double(std::string_view text);
 std::optional<double> parse_finite(std::string_view text);
 std::optional<std::int64_t> parse_int64(std::string_view text);
+std::optional<std::uint64_t> parse_uint64(std::string_view text);
 
 std::string_view trim(std::string_view text);
 /// Pieces between separators, trimmed; "a,,b" has an empty middle piece.
 std::vector<std::string_view> split(std::string_view text, char separator);
 /// Pieces between runs of spaces and tabs.
 std::vector<std::string_view> split_words(std::string_view text);
+
+/// Text from outside as it may stand in a one-line message: in single quotes, unprintable bytes as \xNN, cut after 60
+/// bytes.
+std::string quoted(std::string_view text);
 
 /// The name nearest to `wanted` by edit distance, for "unknown key ...; did you mean ...". Empty when there are none.
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names);
