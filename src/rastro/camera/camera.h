@@ -23,10 +23,12 @@ struct Camera {
   Distortion distortion = Distortion::none;
   std::array<double, 5> coefficients{};
 
-  /// Pixel of a point in the camera frame; nullopt when it is not in front of the camera (z <= 0) or off the model's range.
+  /// Pixel of a point in the camera frame; nullopt when it is not in front of the camera (z <= 0) or off the model's
+  /// range.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_in_camera) const;
   /// Same, with the 2x3 derivative of the pixel by the point.
-  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_in_camera, Eigen::Matrix<double, 2, 3>& jacobian) const;
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_in_camera,
+                                         Eigen::Matrix<double, 2, 3>& jacobian) const;
   /// Undistorted normalised ray (x/z, y/z) of a pixel; nullopt when the distortion cannot be undone there.
   std::optional<Eigen::Vector2d> unproject(const Eigen::Vector2d& pixel) const;
   /// The same camera for an image `scale` times as large.
@@ -36,8 +38,8 @@ struct Camera {
 /// A pinhole camera without distortion, from a horizontal field of view in degrees: a guess for uncalibrated images.
 Camera camera_from_field_of_view(double degrees, int width, int height);
 
-/// What looks wrong with a calibration, one plain line each; empty when nothing does: focal length against width, fx against fy,
-/// principal point inside the image, distortion monotonic over the image.
+/// What looks wrong with a calibration, one plain line each; empty when nothing does: focal length against width, fx
+/// against fy, principal point inside the image, distortion monotonic over the image.
 std::vector<std::string> calibration_warnings(const Camera& camera);
 
 }  // namespace rastro

@@ -11,8 +11,9 @@ namespace rastro {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// Rigid motion. `SE3 world_from_camera` maps points of the camera frame into the world frame: p_in_world = world_from_camera * p_in_camera.
-/// Tangent vectors are (translation, rotation). Sola et al. 2018, "A micro Lie theory for state estimation in robotics".
+/// Rigid motion. `SE3 world_from_camera` maps points of the camera frame into the world frame:
+/// p_in_world = world_from_camera * p_in_camera. Tangent vectors are (translation, rotation).
+/// Sola et al. 2018, "A micro Lie theory for state estimation in robotics".
 class SE3 {
  public:
   SE3() : translation_(Eigen::Vector3d::Zero()) {}
@@ -28,6 +29,8 @@ class SE3 {
   Eigen::Matrix4d matrix() const;
   /// From the upper 3x4; the rotation part is brought to the nearest rotation.
   static SE3 from_matrix(const Eigen::Matrix4d& matrix);
+  /// Derivative of adjoint() at the identity along `tangent`: the Lie bracket as a matrix.
+  static Matrix6d small_adjoint(const Vector6d& tangent);
 
   const SO3& rotation() const { return rotation_; }
   const Eigen::Vector3d& translation() const { return translation_; }

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/camera/distortion.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace rastro {
+namespace {
+
+/// Coefficients of a polynomial of degree 4, lowest first.
+using Polynomial = std::array<double, 5>;
+
+/// Whether every Bernstein coefficient is positive, and with it the polynomial on the interval; otherwise halves it.
+bool bernstein_positive(Polynomial b, int depth) {
+  if (!(b[0] > 0.0) || !(b[4] > 0.0)) return false;  // The values at the ends.
+  if (b[1] > 0.0 && b[2] > 0.0 && b[3] > 0.0) return true;
+  if (depth == 0) return false;
+  Polynomial left, right = b;  // De Casteljau's subdivision.
+  for (int i = 0; i < 5; ++i) {
+    left[i] = right[0];
+    for (int j = 0; j < 4 - i; ++j) right[j] = 0.5 * (right[j] + right[j + 1]);
+  }
+  // `right` was folded in place from the front: its entries now hold the right half.
+  return bernstein_positive(left, depth - 1) && bernstein_positive(right, depth - 1);
+}
+
+/// Whether 1 + p1 x + ... + p4 x^4 > 0 on [0, end].
+bool positive_up_to(const Polynomial& p, double end) {
+  const double a = p[1] * end, b = p[2] * end * end, c = p[3] * end * end * end, d = p[4] * end * end * end * end;
+  return bernstein_positive(
+      {1.0, 1.0 + a / 4.0, 1.0 + a / 2.0 + b / 6.0, 1.0 + 0.75 * a + b / 2.0 + c / 4.0, 1.0 + a + b + c + d}, 40);
+}
+
+/// Derivative of the distorted radius by the radius (radial-tangential) or by the angle (equidistant), in its square.
+Polynomial growth(const Camera& camera) {
+  const auto& k = camera.coefficients;
+  if (camera.distortion == Distortion::equidistant) return {1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k[2], 9.0 * k[3]};
+  return {1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k[4], 0.0};
+}
+
+double evaluate(const Polynomial& p, double x) { return p[0] + x * (p[1] + x * (p[2] + x * (p[3] + x * p[4]))); }
+
+struct Distorted {
+  Eigen::Vector2d value;
+  Eigen::Matrix2d jacobian;
+};
+
+Distorted radial_tangential(const Camera& camera, const Eigen::Vector2d& ray) {
+  const auto& [k1, k2, p1, p2, k3] = camera.coefficients;
+  const double x = ray.x(), y = ray.y(), xx = x * x, yy = y * y, xy = x * y, rr = xx + yy;
+  const double radial = 1.0 + rr * (k1 + rr * (k2 + rr * k3));
+  const double slope = 2.0 * (k1 + rr * (2.0 * k2 + rr * 3.0 * k3));  // Of `radial` by r^2, twice: d(rr)/dx = 2x.
+  Distorted result;
+  result.value << x * radial + 2.0 * p1 * xy + p2 * (rr + 2.0 * xx), y * radial + p1 * (rr + 2.0 * yy) + 2.0 * p2 * xy;
+  const double mixed = slope * xy + 2.0 * p1 * x + 2.0 * p2 * y;
+  result.jacobian << radial + slope * xx + 2.0 * p1 * y + 6.0 * p2 * x, mixed, mixed,
+      radial + slope * yy + 6.0 * p1 * y + 2.0 * p2 * x;
+  return result;
+}
+
+/// Distorted angle of an angle to the optical axis.
+double distorted_angle(const Camera& camera, double angle) {
+  const auto& k = camera.coefficients;
+  const double s = angle * angle;
+  return angle * (1.0 + s * (k[0] + s * (k[1] + s * (k[2] + s * k[3]))));
+}
+
+Distorted equidistant(const Camera& camera, const Eigen::Vector2d& ray) {
+  const double rr = ray.squaredNorm(), r = std::sqrt(rr);
+  if (r < 1e-9) return {ray, Eigen::Matrix2d::Identity()};
+  const double angle = std::atan(r);
+  const double scale = distorted_angle(camera, angle) / r;
+  const double growth_by_r = evaluate(growth(camera), angle * angle) / (1.0 + rr);
+  const Eigen::Matrix2d radial = ray * ray.transpose() / rr;
+  return {scale * ray, scale * (Eigen::Matrix2d::Identity() - radial) + growth_by_r * radial};
+}
+
+std::optional<Distorted> distort_checked(const Camera& camera, const Eigen::Vector2d& ray) {
+  if (!ray.allFinite()) return std::nullopt;
+  if (camera.distortion == Distortion::none) return Distorted{ray, Eigen::Matrix2d::Identity()};
+  const bool fisheye = camera.distortion == Distortion::equidistant;
+  const double radius = fisheye ? std::atan(ray.norm()) : ray.norm();
+  if (!positive_up_to(growth(camera), radius * radius)) return std::nullopt;
+  const Distorted result = fisheye ? equidistant(camera, ray) : radial_tangential(camera, ray);
+  // The tangential part can fold the plane too.
+  if (!(result.jacobian.determinant() > 0.0) || !result.value.allFinite()) return std::nullopt;
+  return result;
+}
+
+/// Largest radius (or angle) at which the model still grows, by bisection; `end` when it does up to there.
+double growing_up_to(const Camera& camera, double end) {
+  const Polynomial derivative = growth(camera);
+  if (positive_up_to(derivative, end * end)) return end;
+  double low = 0.0, high = end;
+  for (int i = 0; i < 100; ++i) {
+    const double middle = 0.5 * (low + high);
+    (positive_up_to(derivative, middle * middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+/// Angle or radius whose distorted value is `wanted`: Newton inside a bracket that bisection shrinks, so it cannot
+/// escape.
+template <typename Value>
+std::optional<double> solve_growing(const Value& value, const Polynomial& derivative, double wanted, double high) {
+  double low = 0.0, x = std::min(wanted, 0.5 * high);
+  if (!(value(high) >= wanted)) return std::nullopt;
+  for (int i = 0; i < 100; ++i) {
+    const double residual = value(x) - wanted;
+    (residual > 0.0 ? high : low) = x;
+    const double slope = evaluate(derivative, x * x);
+    double next = slope > 0.0 ? x - residual / slope : low - 1.0;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::abs(next - x) <= 1e-15 * x) return next;
+    x = next;
+  }
+  return x;
+}
+
+std::optional<Eigen::Vector2d> undistort_equidistant(const Camera& camera, const Eigen::Vector2d& distorted) {
+  const double radius = distorted.norm();
+  if (radius < 1e-9) return distorted;
+  constexpr double right_angle = 0.5 * std::numbers::pi;
+  const Polynomial derivative = growth(camera);
+  double end = right_angle * (1.0 - 1e-12);
+  if (!positive_up_to(derivative, end * end)) end = growing_up_to(camera, end);
+  const auto angle = solve_growing([&](double a) { return distorted_angle(camera, a); }, derivative, radius, end);
+  if (!angle) return std::nullopt;
+  return distorted * (std::tan(*angle) / radius);
+}
+
+constexpr int newton_steps = 20;
+
+/// Newton in the plane; steps that do not bring the distorted point nearer are halved. nullopt when it does not get
+/// there.
+std::optional<Eigen::Vector2d> newton_radial_tangential(const Camera& camera, const Eigen::Vector2d& distorted,
+                                                        Eigen::Vector2d ray) {
+  const double tolerance = 1e-14 * (1.0 + distorted.norm());
+  Distorted now = radial_tangential(camera, ray);
+  double error = (now.value - distorted).norm();
+  for (int step = 0; step < newton_steps && error > tolerance; ++step) {
+    const double determinant = now.jacobian.determinant();
+    if (!(determinant > 0.0)) return std::nullopt;
+    const Eigen::Vector2d residual = now.value - distorted;
+    Eigen::Vector2d change(now.jacobian(1, 1) * residual.x() - now.jacobian(0, 1) * residual.y(),
+                           now.jacobian(0, 0) * residual.y() - now.jacobian(1, 0) * residual.x());
+    change /= determinant;
+    bool nearer = false;
+    for (int halving = 0; halving < 10 && !nearer; ++halving, change *= 0.5) {
+      const Distorted next = radial_tangential(camera, ray - change);
+      const double next_error = (next.value - distorted).norm();
+      nearer = next_error < error && next.jacobian.determinant() > 0.0;
+      if (nearer) {
+        ray -= change;
+        now = next;
+        error = next_error;
+      }
+    }
+    if (!nearer) break;  // At the limit of rounding, or stuck: the caller looks at the error.
+  }
+  if (!(error <= 1e-11 * (1.0 + distorted.norm()))) return std::nullopt;
+  if (!positive_up_to(growth(camera), ray.squaredNorm())) return std::nullopt;
+  return ray;
+}
+
+// Rays farther out than this (89.4 degrees) are of no use in a plane z = 1.
+constexpr double farthest_radius = 100.0;
+
+std::optional<Eigen::Vector2d> undistort_radial_tangential(const Camera& camera, const Eigen::Vector2d& distorted) {
+  if (auto ray = newton_radial_tangential(camera, distorted, distorted)) return ray;
+  // Start from the radial part alone, which can always be solved where it can be undone.
+  const double radius = distorted.norm();
+  const auto& [k1, k2, p1, p2, k3] = camera.coefficients;
+  const auto radial = [&](double r) { return r * (1.0 + r * r * (k1 + r * r * (k2 + r * r * k3))); };
+  const double end = growing_up_to(camera, farthest_radius);
+  const auto undistorted = solve_growing(radial, growth(camera), std::min(radius, radial(end)), end);
+  if (!undistorted || radius == 0.0) return std::nullopt;
+  return newton_radial_tangential(camera, distorted, distorted * (0.999 * *undistorted / radius));
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> distort(const Camera& camera, const Eigen::Vector2d& ray) {
+  if (camera.distortion == Distortion::none) return ray.allFinite() ? std::optional(ray) : std::nullopt;
+  const auto distorted = distort_checked(camera, ray);
+  if (!distorted) return std::nullopt;
+  return distorted->value;
+}
+
+std::optional<Eigen::Vector2d> distort(const Camera& camera, const Eigen::Vector2d& ray, Eigen::Matrix2d& jacobian) {
+  const auto distorted = distort_checked(camera, ray);
+  if (!distorted) return std::nullopt;
+  jacobian = distorted->jacobian;
+  return distorted->value;
+}
+
+std::optional<Eigen::Vector2d> undistort(const Camera& camera, const Eigen::Vector2d& distorted) {
+  if (!distorted.allFinite()) return std::nullopt;
+  if (camera.distortion == Distortion::none) return distorted;
+  return camera.distortion == Distortion::equidistant ? undistort_equidistant(camera, distorted)
+                                                      : undistort_radial_tangential(camera, distorted);
+}
+
+double monotonic_radius(const Camera& camera) {
+  if (camera.distortion == Distortion::none) return std::numeric_limits<double>::infinity();
+  if (camera.distortion == Distortion::radial_tangential) {
+    const double end = growing_up_to(camera, farthest_radius);
+    return end < farthest_radius ? end : std::numeric_limits<double>::infinity();
+  }
+  constexpr double right_angle = 0.5 * std::numbers::pi;
+  const double end = growing_up_to(camera, right_angle);
+  return end < right_angle ? std::tan(end) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace rastro
