@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/base/append_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "rastro/base/error.h"
+
+namespace rastro {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path, std::string_view verb, int code) {
+  throw Error(fmt::format("cannot be {} ({})", verb, std::generic_category().message(code)), path.string(),
+              "check the path, the permissions and the space left");
+}
+
+}  // namespace
+
+AppendFile::AppendFile(std::filesystem::path path) : path_(std::move(path)) {
+  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
+  if (descriptor_ < 0) fail(path_, "created", errno);
+}
+
+AppendFile::~AppendFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void AppendFile::append(std::string_view piece) {
+  while (!piece.empty()) {
+    const ssize_t written = ::write(descriptor_, piece.data(), piece.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(path_, "written", errno);
+    piece.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void write_whole_file(const std::filesystem::path& path, std::string_view text) {
+  std::filesystem::path partial = path;
+  partial += ".partial";
+  AppendFile(partial).append(text);
+  std::error_code code;
+  std::filesystem::rename(partial, path, code);
+  if (code) fail(path, "put in place", code.value());
+}
+
+std::string read_whole_file(const std::filesystem::path& path) {
+  std::error_code code;
+  if (std::filesystem::is_directory(path, code)) fail(path, "read", EISDIR);
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) fail(path, "read", errno);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (stream.bad()) fail(path, "read", EIO);
+  return text;
+}
+
+}  // namespace rastro

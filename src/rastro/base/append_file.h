@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace rastro {
+
+/// A file that grows by whole pieces: each append() is one write to the system and nothing is kept back, so a program
+/// killed at any moment leaves all pieces appended so far. Errors (disk full, no permission) are Errors naming the
+/// file.
+class AppendFile {
+ public:
+  /// Creates the file or empties it.
+  explicit AppendFile(std::filesystem::path path);
+  ~AppendFile();
+  AppendFile(const AppendFile&) = delete;
+  AppendFile& operator=(const AppendFile&) = delete;
+
+  void append(std::string_view piece);
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+};
+
+/// Puts a whole small file in place: readers see the old one or the new one, never a part.
+void write_whole_file(const std::filesystem::path& path, std::string_view text);
+
+/// The text of a file; Error when it cannot be read.
+std::string read_whole_file(const std::filesystem::path& path);
+
+}  // namespace rastro

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/base/append_file.h"
+
+#include <gtest/gtest.h>
+
+#include "rastro/base/error.h"
+
+namespace rastro {
+namespace {
+
+std::filesystem::path scratch(const char* name) { return std::filesystem::path(testing::TempDir()) / name; }
+
+TEST(AppendFile, EveryPieceIsThereAtOnce) {
+  const auto path = scratch("append_file_pieces.txt");
+  AppendFile file(path);
+  EXPECT_EQ(read_whole_file(path), "");
+  file.append("one\n");
+  EXPECT_EQ(read_whole_file(path), "one\n");
+  file.append("two\n");
+  EXPECT_EQ(read_whole_file(path), "one\ntwo\n");
+}
+
+TEST(AppendFile, EmptiesWhatWasThere) {
+  const auto path = scratch("append_file_old.txt");
+  write_whole_file(path, "old");
+  const AppendFile file(path);
+  EXPECT_EQ(read_whole_file(path), "");
+}
+
+TEST(AppendFile, SaysWhichFileCannotBeWritten) {
+  EXPECT_THROW(AppendFile("/nowhere/at/all.txt"), Error);
+  EXPECT_THROW(write_whole_file("/nowhere/at/all.txt", "x"), Error);
+  EXPECT_THROW(read_whole_file("/nowhere/at/all.txt"), Error);
+  EXPECT_THROW(read_whole_file(testing::TempDir()), Error);
+}
+
+TEST(AppendFile, DiskFullIsAnError) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  AppendFile file("/dev/full");
+  EXPECT_THROW(file.append("x"), Error);
+}
+
+TEST(WriteWholeFile, ReplacesAndLeavesNoPartialFile) {
+  const auto path = scratch("whole_file.txt");
+  write_whole_file(path, "a longer text");
+  write_whole_file(path, "short");
+  EXPECT_EQ(read_whole_file(path), "short");
+  EXPECT_FALSE(std::filesystem::exists(path.string() + ".partial"));
+}
+
+}  // namespace
+}  // namespace rastro

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/program.h"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+
+#include "rastro/base/error.h"
+#include "rastro/base/log.h"
+#include "rastro/base/version.h"
+#include "rastro/cli/command.h"
+#include "rastro/cli/parse_error.h"
+
+namespace rastro::cli {
+namespace {
+
+constexpr const char* footer = R"(Exit codes:
+  0  done (also when stopped with Ctrl-C: what was computed is in the run folder)
+  1  done, but a limit asked for with --require was missed
+  2  wrong use, or input that cannot be used; one line on standard error says what and where
+  3  a fault in the program; please report it
+Results go to standard output; log and progress bar go to standard error.
+
+Examples:
+  rastro simulate hall --out hall                generate a world with exact truth
+  rastro track hall --out run --pictures         follow its features and draw every frame
+  rastro evaluate tracks run --truth hall        score the run against the truth
+  rastro track MH_01_easy --frames 0:300 --out run2 --video run2.avi
+  rastro check my_recording                      what is wrong with a recording
+  rastro options                                 every setting, its default, range and reason
+
+`rastro COMMAND --help` describes each command.)";
+
+std::string& stored_command_line() {
+  static std::string line;
+  return line;
+}
+
+std::string as_typed(int argc, const char* const* argv) {
+  std::string line;
+  for (int i = 0; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$&|;<>()*?[]{}~#`!") == std::string::npos;
+    std::string quoted;
+    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += (i == 0 ? "" : " ") + (plain ? word : "'" + quoted + "'");
+  }
+  return line;
+}
+
+std::string version_text() {
+  const Version& is = version();
+  std::string text = fmt::format("rastro {}\ncommit    {}\ncompiler  {}\n", is.number, is.commit, is.compiler);
+  for (const OptionalPart& part : is.optional_parts) {
+    text += fmt::format("{}  {}\n", part.included ? "with    " : "without ", part.name);
+  }
+  text.pop_back();
+  return text;
+}
+
+void send_log_to_stderr() {
+  const auto logger = spdlog::stderr_color_mt("rastro");
+  logger->set_pattern("%n: %^%l%$: %v");
+  set_log_sink([logger](LogLevel level, const std::string& line) {
+    if (level == LogLevel::warning) {
+      logger->warn(line);
+    } else if (level == LogLevel::info) {
+      logger->info(line);
+    } else {
+      logger->debug(line);
+    }
+  });
+}
+
+void add_commands(CLI::App& app, Context& context) {
+  add_track_command(app, context);
+  add_evaluate_command(app, context);
+  add_simulate_command(app, context);
+  add_occlude_command(app, context);
+  add_info_command(app, context);
+  add_check_command(app, context);
+  add_options_command(app, context);
+}
+
+int say(int code, const std::string& line) {
+  std::fflush(stdout);
+  fmt::print(stderr, "rastro: {}\n", line);
+  return code;
+}
+
+int dispatch(int argc, const char* const* argv) {
+  CLI::App app("Turns camera recordings into feature tracks that survive occlusion, and tells how far to trust them.",
+               "rastro");
+  app.set_version_flag("--version", version_text(), "Version, commit, compiler and optional parts");
+  app.footer(footer);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(32);
+  Context context;
+  add_commands(app, context);
+  try {
+    refuse_unknown_command(app, argc, argv);
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+    return say(unusable, one_line(app, error));
+  }
+  return context.exit_code;
+}
+
+}  // namespace
+
+const std::string& command_line() { return stored_command_line(); }
+
+int run_program(int argc, const char* const* argv) {
+  // OpenCV and FFmpeg print on their own; everything they have to say comes back as one line of ours.
+  setenv("OPENCV_LOG_LEVEL", "OFF", 0);
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  stored_command_line() = as_typed(argc, argv);
+  try {
+    send_log_to_stderr();
+    return dispatch(argc, argv);
+  } catch (const Error& error) {
+    return say(unusable, error.what());
+  } catch (const std::exception& error) {
+    return say(fault, fmt::format("a fault in the program: {}; please report it with this line, the command '{}' and "
+                                  "the output of 'rastro --version'",
+                                  error.what(), command_line()));
+  }
+}
+
+}  // namespace rastro::cli
