@@ -67,7 +67,7 @@ function(rastro_add_module_tests)
 endfunction()
 
 # rastro_add_test(TARGET MODULES m... SOURCES f... [LIBRARIES l...]): a GoogleTest program registered with ctest,
-# with OpenCV at hand as an oracle.
+# with OpenCV at hand as an oracle. Recorded data is found through RASTRO_DATA of the environment ctest runs in.
 function(rastro_add_test target)
   cmake_parse_arguments(arg "" "" "MODULES;SOURCES;LIBRARIES" ${ARGN})
   add_executable(${target} ${arg_SOURCES})
@@ -76,5 +76,5 @@ function(rastro_add_test target)
     opencv_core opencv_imgproc opencv_imgcodecs opencv_video opencv_calib3d rastro_build_flags)
   target_include_directories(${target} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
   gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 60
-    ENVIRONMENT "RASTRO_DATA=$ENV{RASTRO_DATA};RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
+    ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
 endfunction()

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+# Thin: every rule calls cmake, ctest, a script or the program. `make help` lists them.
+SHELL := /bin/bash
+PRESET ?= release
+BUILD := build/$(PRESET)
+RASTRO := $(BUILD)/rastro
+JOBS ?= $(shell nproc)
+DEMO := results/demo
+
+.PHONY: help build demo test bench format check-layers deps configure
+
+build: configure  ## compile everything into build/release (PRESET=dev, asan, ... for another preset)
+	cmake --build $(BUILD) --parallel $(JOBS)
+
+help:  ## this list
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
+
+deps:  ## install the Debian packages a build needs (quick when nothing is missing)
+	@scripts/install-deps
+
+configure: deps
+	@cmake --preset $(PRESET)
+
+demo: configure  ## generate the world `hall`, track it, score it; pictures, video and tables in results/demo
+	cmake --build $(BUILD) --parallel $(JOBS) --target rastro_program
+	@scripts/demo $(RASTRO) $(DEMO)
+
+test: build  ## build and run every test
+	ctest --preset $(PRESET) --parallel $(JOBS)
+
+bench: build  ## micro-benchmarks; the table of docs/benchmarks.md names the command of each figure
+	@for program in $(BUILD)/rastro_*_bench; do echo "== $$program"; $$program || exit 1; done
+
+format:  ## format every source in place
+	@scripts/format
+
+check-layers:  ## check the includes against layers.txt
+	@scripts/check_layers.py

@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Every rule of check_layers.py must find its breach, and a clean tree must pass."""
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+import check_layers  # noqa: E402
+
+LICENCE = check_layers.LICENCE + "\n"
+LAYERS = "0 base:\n1 image: base\n4 dataset, synthetic: image base\n4 feature: image base\n8 cli: dataset feature image base\n"
+
+
+def check(files):
+    """The report on a tree of these files (path -> text)."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        (root / "layers.txt").write_text(LAYERS)
+        for name, text in files.items():
+            path = root / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        return check_layers.check_tree(root)[0]
+
+
+class Breaches(unittest.TestCase):
+    def assert_breach(self, name, text, words):
+        report = check({name: text})
+        self.assertEqual(len(report.breaches), 1, report.breaches)
+        self.assertIn(words, report.breaches[0])
+
+    def assert_clean(self, name, text):
+        self.assertEqual(check({name: text}).breaches, [])
+
+    def test_upward_include(self):
+        self.assert_breach("src/rastro/base/a.cpp", LICENCE + '#include "rastro/image/image.h"\n', "may not include image")
+
+    def test_sideward_include(self):
+        self.assert_breach("src/rastro/feature/a.cpp", LICENCE + '#include "rastro/dataset/open.h"\n', "may not include dataset")
+
+    def test_downward_include(self):
+        self.assert_clean("src/rastro/feature/a.cpp", LICENCE + '#include "rastro/base/error.h"\n')
+
+    def test_tests_may_use_synthetic(self):
+        text = LICENCE + '#include "rastro/synthetic/hall.h"\n#include <gtest/gtest.h>\n#include <opencv2/core.hpp>\n'
+        self.assert_clean("src/rastro/feature/a_test.cpp", text)
+        self.assert_breach("src/rastro/feature/a.cpp", text.replace("#include <", "// <"), "may not include synthetic")
+
+    def test_third_party_away_from_home(self):
+        self.assert_breach("src/rastro/feature/a.cpp", LICENCE + "#include <opencv2/core.hpp>\n", "belongs to dataset")
+        self.assert_breach("src/rastro/dataset/a.cpp", LICENCE + "#include <CLI/CLI.hpp>\n", "belongs to cli")
+        self.assert_clean("src/rastro/dataset/a.cpp", LICENCE + "#include <opencv2/core.hpp>\n")
+
+    def test_third_party_in_public_header(self):
+        text = LICENCE + "#pragma once\n#include <opencv2/core.hpp>\n"
+        self.assert_breach("src/rastro/dataset/a.h", text, "public header")
+
+    def test_short_include_path(self):
+        self.assert_breach("src/rastro/base/a.cpp", LICENCE + '#include "error.h"\n', "whole path")
+
+    def test_licence_and_guard(self):
+        self.assert_breach("src/rastro/base/a.cpp", "int a;\n", "first line")
+        self.assert_breach("src/rastro/base/a.h", LICENCE + "int a;\n", "#pragma once")
+
+    def test_folder_without_layer(self):
+        self.assert_breach("src/rastro/novel/a.cpp", LICENCE, "no line in layers.txt")
+
+    def test_library_prints_or_exits(self):
+        self.assert_breach("src/rastro/base/a.cpp", LICENCE + 'void f() { std::printf(""); std::exit(1); }\n', "never prints")
+        self.assert_breach("src/rastro/base/a.cpp", LICENCE + "void f() { abort(); }\n", "never prints")
+        self.assert_clean("src/rastro/base/a.cpp", LICENCE + '// abort();\nvoid f() { g("std::cout"); }\n')
+        self.assert_clean("src/rastro/cli/a.cpp", LICENCE + "void f() { std::exit(1); }\n")
+
+    def test_sizes(self):
+        self.assert_breach("src/rastro/base/a.cpp", LICENCE + "int a;\n" * 801, "split it")
+        self.assert_breach("src/rastro/base/a.cpp", LICENCE + "void f() {\n" + "g();\n" * 120 + "}\n", ":2: a function of 122 lines")
+        self.assert_clean("src/rastro/base/a.cpp", LICENCE + ("void f() {\n" + "g();\n" * 50 + "}\n") * 3)
+        warnings = check({"src/rastro/base/a.cpp": LICENCE + "namespace a {\nint f(int b) const {\n" + "g();\n" * 61 + "}\n}\n"}).warnings
+        self.assertEqual(warnings, ["src/rastro/base/a.cpp:3: a function of 63 lines; aim at 30"])
+
+
+if __name__ == "__main__":
+    unittest.main()
