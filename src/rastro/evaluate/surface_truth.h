@@ -20,7 +20,8 @@ struct Sighting {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< Where the point projects; meaningless when outside_image.
 };
 
-/// What scoring needs to know of a generated sequence: which surface point a pixel shows, and where (and whether) a point is seen.
+/// What scoring needs to know of a generated sequence: which surface point a pixel shows, and where (and whether) a
+/// point is seen.
 class SurfaceTruth {
  public:
   virtual ~SurfaceTruth() = default;

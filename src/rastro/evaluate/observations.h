@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "rastro/evaluate/track_scores.h"
+
+namespace rastro {
+
+/// One feature of a table, by position of its frame in the table.
+struct Observation {
+  std::int64_t frame = 0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  TrackState state = TrackState::fresh;
+};
+
+/// All observations of one id in the order of frames.
+using Track = std::vector<Observation>;
+
+/// The tracks of the frames [first, end) of a table. Only observations inside the range are kept, so that nothing
+/// outside it can be counted by mistake; `before` of a track is the last observation ahead of the range.
+struct TrackIndex {
+  std::int64_t first = 0, end = 0;
+  std::map<std::int64_t, Track> tracks;        ///< By id, in ascending order.
+  std::map<std::int64_t, Observation> before;  ///< By id: last observation ahead of the range.
+  int duplicate_ids = 0;
+};
+
+/// Throws Error for an empty range or options out of range.
+TrackIndex index_tracks(const TrackTable& table, const TrackScoreOptions& options);
+
+/// True when the observation at `position` of the track was recognised again rather than followed.
+bool is_reidentification(const Track& track, std::size_t position);
+
+/// Rows of the scored frames with what the tracker itself said, for the scores to be booked in.
+std::vector<FrameScores> frame_rows(const TrackTable& table, const TrackIndex& index);
+
+/// Why a feature that reappeared at `visible_at` (frame and pixel, in order of frames) did not come back.
+/// `return_frame`: where the id came back wrongly, if it did.
+void book_miss(const TrackTable& table, const std::vector<std::pair<std::int64_t, Eigen::Vector2d>>& visible_at,
+               std::optional<std::int64_t> return_frame, const TrackScoreOptions& options, MissReasons& reasons);
+
+/// Lengths, totals of the rows, recall and precision.
+void finish_scores(const TrackIndex& index, TrackScores& scores);
+
+}  // namespace rastro

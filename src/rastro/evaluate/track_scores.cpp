@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/evaluate/track_scores.h"
+
+#include <algorithm>
+
+#include "rastro/base/error.h"
+#include "rastro/evaluate/observations.h"
+
+namespace rastro {
+namespace {
+
+enum class Verdict { correct, unscored, unknown_id, anchor_outside, anchor_hidden, other_place, on_occluder };
+
+/// The scoring of one run; a class only so that table, truth and options need not be handed around.
+class SurfaceScorer {
+ public:
+  SurfaceScorer(const TrackTable& table, const SurfaceTruth& truth, const TrackScoreOptions& options)
+      : table_(table), truth_(truth), options_(options), index_(index_tracks(table, options)) {
+    if (index_.end > truth.frame_count())
+      throw Error("the run has frame " + std::to_string(index_.end - 1) + " but the truth has only " +
+                      std::to_string(truth.frame_count()) + " frames",
+                  "evaluate tracks", "give the data folder that the run was made on");
+    scores_.truth = "surfaces";
+    scores_.frames = frame_rows(table, index_);
+  }
+
+  TrackScores score() {
+    for (const auto& [id, track] : index_.tracks) {
+      const auto before = index_.before.find(id);
+      for (std::size_t i = 0; i < track.size(); ++i) {
+        const Observation* previous = i > 0 ? &track[i - 1] : before != index_.before.end() ? &before->second : nullptr;
+        if (is_reidentification(track, i)) book_reidentification(track, i, previous);
+        if (previous) book_switch(*previous, track[i]);
+        const bool ends_here = i + 1 == track.size() || track[i + 1].frame > track[i].frame + 1;
+        if (ends_here && track[i].frame + 1 < index_.end) book_loss(track, i);
+      }
+      collect_drift(track);
+    }
+    finish_drift();
+    finish_scores(index_, scores_);
+    return std::move(scores_);
+  }
+
+ private:
+  struct Loss;
+
+  FrameScores& row(std::int64_t frame) { return scores_.frames[static_cast<std::size_t>(frame - index_.first)]; }
+
+  /// False where the size of the image is not known.
+  bool near_edge(const Eigen::Vector2d& pixel) const {
+    if (options_.image_width <= 0 || options_.image_height <= 0) return false;
+    const double border = options_.border_px;
+    return pixel.x() < border || pixel.y() < border || pixel.x() > options_.image_width - 1 - border ||
+           pixel.y() > options_.image_height - 1 - border;
+  }
+
+  bool same_point(const SurfacePoint& anchor, const Observation& anchor_seen, const SurfacePoint& corner) const {
+    if (anchor.surface == corner.surface) return true;
+    const Sighting back = truth_.sighting_of(anchor_seen.frame, corner);
+    return back.visibility != Visibility::outside_image &&
+           (back.pixel - anchor_seen.pixel).norm() <= options_.tolerance_px;
+  }
+
+  Verdict judge(const Observation* anchor_seen, const Observation& corner_seen) const {
+    if (!anchor_seen) return Verdict::unknown_id;
+    const auto anchor = truth_.surface_at(anchor_seen->frame, anchor_seen->pixel);
+    const auto corner = truth_.surface_at(corner_seen.frame, corner_seen.pixel);
+    if (!anchor || !corner) return Verdict::unscored;
+    const Sighting sighting = truth_.sighting_of(corner_seen.frame, *anchor);
+    if (sighting.visibility == Visibility::outside_image) return Verdict::anchor_outside;
+    if (sighting.visibility == Visibility::hidden_by_surface) return Verdict::anchor_hidden;
+    if ((sighting.pixel - corner_seen.pixel).norm() > options_.tolerance_px) return Verdict::other_place;
+    return same_point(*anchor, *anchor_seen, *corner) ? Verdict::correct : Verdict::on_occluder;
+  }
+
+  void book_reidentification(const Track& track, std::size_t i, const Observation* anchor_seen) {
+    FrameScores& frame = row(track[i].frame);
+    ++frame.reidentified;
+    const Verdict verdict = judge(anchor_seen, track[i]);
+    if (verdict == Verdict::correct || verdict == Verdict::unscored) {
+      ++(verdict == Verdict::correct ? frame.correct : frame.unscored);
+      return;
+    }
+    ++frame.wrong;
+    WrongReasons& wrongs = scores_.wrongs;
+    wrongs.unknown_id += verdict == Verdict::unknown_id;
+    wrongs.anchor_outside += verdict == Verdict::anchor_outside;
+    wrongs.anchor_hidden += verdict == Verdict::anchor_hidden;
+    wrongs.other_place += verdict == Verdict::other_place;
+    wrongs.on_occluder += verdict == Verdict::on_occluder;
+    const auto right_for = [&](const Observation& earlier) { return judge(&earlier, track[i]) == Verdict::correct; };
+    if (std::any_of(track.begin(), track.begin() + static_cast<std::ptrdiff_t>(i), right_for))
+      ++scores_.wrong_but_earlier_place;
+  }
+
+  void book_switch(const Observation& earlier, const Observation& later) {
+    const auto point = truth_.surface_at(earlier.frame, earlier.pixel);
+    if (!point) return;
+    const Sighting sighting = truth_.sighting_of(later.frame, *point);
+    if (sighting.visibility == Visibility::outside_image ||
+        (sighting.pixel - later.pixel).norm() > options_.tolerance_px)
+      ++scores_.id_switches;
+  }
+
+  void book_loss(const Track& track, std::size_t i);
+
+  void collect_drift(const Track& track) {
+    const auto first = truth_.surface_at(track.front().frame, track.front().pixel);
+    if (!first) return;
+    for (std::size_t i = 1; i < track.size(); ++i) {
+      const Sighting sighting = truth_.sighting_of(track[i].frame, *first);
+      if (sighting.visibility == Visibility::outside_image) continue;
+      drift_.push_back((sighting.pixel - track[i].pixel).norm());
+    }
+  }
+
+  void finish_drift() {
+    if (drift_.empty()) return;
+    std::sort(drift_.begin(), drift_.end());
+    scores_.drift_median_px = drift_[drift_.size() / 2];
+    scores_.drift_p95_px = drift_[drift_.size() * 95 / 100];
+    const auto beyond = drift_.end() - std::upper_bound(drift_.begin(), drift_.end(), options_.tolerance_px);
+    scores_.drifted_share = static_cast<double>(beyond) / static_cast<double>(drift_.size());
+  }
+
+  const TrackTable& table_;
+  const SurfaceTruth& truth_;
+  const TrackScoreOptions options_;
+  const TrackIndex index_;
+  TrackScores scores_;
+  std::vector<double> drift_;
+};
+
+/// What becomes of an anchor in the window after its loss.
+struct SurfaceScorer::Loss {
+  bool hidden_in_span = false;
+  std::vector<std::pair<std::int64_t, Eigen::Vector2d>> visible_again;  ///< Frames and places, after it was hidden.
+};
+
+void SurfaceScorer::book_loss(const Track& track, std::size_t i) {
+  const std::int64_t seen = track[i].frame;
+  FrameScores& frame = row(seen + 1);
+  const auto anchor = truth_.surface_at(seen, track[i].pixel);
+  if (!anchor) {
+    ++frame.lost_unscored;
+    return;
+  }
+  const std::int64_t window_end = std::min(seen + options_.window, index_.end - 1);
+  const bool returns = i + 1 < track.size() && track[i + 1].frame <= window_end;
+  const std::int64_t span_end = returns ? track[i + 1].frame : window_end;
+  const Sighting next = truth_.sighting_of(seen + 1, *anchor);
+  Loss loss;
+  bool hidden_before = false;
+  for (std::int64_t k = seen + 1; k <= window_end; ++k) {
+    const Sighting sighting = truth_.sighting_of(k, *anchor);
+    if (sighting.visibility == Visibility::hidden_by_surface) {
+      hidden_before = true;
+      loss.hidden_in_span = loss.hidden_in_span || k <= span_end;
+    } else if (hidden_before && sighting.visibility == Visibility::visible && !near_edge(sighting.pixel)) {
+      loss.visible_again.emplace_back(k, sighting.pixel);
+    }
+  }
+  if (next.visibility == Visibility::outside_image) {
+    ++frame.lost_outside;
+  } else if (!loss.hidden_in_span) {
+    ++(near_edge(next.pixel) ? frame.lost_outside : frame.lost_visible);
+  } else {
+    ++frame.lost;
+    if (loss.visible_again.empty()) return;
+    ++row(loss.visible_again.front().first).reappeared;
+    if (returns && judge(&track[i], track[i + 1]) == Verdict::correct)
+      ++row(track[i + 1].frame).recalled;
+    else
+      book_miss(table_, loss.visible_again, returns ? std::optional(span_end) : std::nullopt, options_, scores_.misses);
+  }
+}
+
+}  // namespace
+
+TrackScores score_tracks(const TrackTable& table, const SurfaceTruth& truth, const TrackScoreOptions& options) {
+  return SurfaceScorer(table, truth, options).score();
+}
+
+}  // namespace rastro
