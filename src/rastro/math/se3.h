@@ -16,6 +16,9 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// Sola et al. 2018, "A micro Lie theory for state estimation in robotics".
 class SE3 {
  public:
+  using Tangent = Vector6d;
+  using Point = Eigen::Vector3d;
+
   SE3() : translation_(Eigen::Vector3d::Zero()) {}
   SE3(const SO3& rotation, const Eigen::Vector3d& translation) : rotation_(rotation), translation_(translation) {}
 

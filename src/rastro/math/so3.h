@@ -13,6 +13,9 @@ Eigen::Matrix3d hat(const Eigen::Vector3d& vector);
 /// Sola et al. 2018, "A micro Lie theory for state estimation in robotics".
 class SO3 {
  public:
+  using Tangent = Eigen::Vector3d;
+  using Point = Eigen::Vector3d;
+
   SO3() : quaternion_(Eigen::Quaterniond::Identity()) {}
   /// Normalises; the quaternion must not be zero.
   explicit SO3(const Eigen::Quaterniond& quaternion) : quaternion_(quaternion.normalized()) {}

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/math/se3.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "rastro/math/math_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::matrix_near;
+using testing::pose_near;
+
+TEST(SE3, QuarterTurnOnACircle) {
+  // Driving a quarter of a circle of radius 1 m to the left: forward x, up z.
+  Vector6d tangent = Vector6d::Zero();
+  tangent << std::numbers::pi / 2.0, 0.0, 0.0, 0.0, 0.0, std::numbers::pi / 2.0;
+  const SE3 expected(SO3::exp({0.0, 0.0, std::numbers::pi / 2.0}), {1.0, 1.0, 0.0});
+  EXPECT_THAT(SE3::exp(tangent), pose_near(expected, 1e-15, 1e-15));
+  const SE3 half = interpolate(SE3(), expected, 0.5);
+  EXPECT_NEAR(half.translation().x(), std::sqrt(0.5), 1e-15);
+  EXPECT_NEAR(half.translation().y(), 1.0 - std::sqrt(0.5), 1e-15);
+}
+
+TEST(SE3, FromMatrixUndoesMatrix) {
+  Vector6d tangent;
+  tangent << 1.0, -2.0, 3.0, 0.4, 0.5, -2.0;
+  const SE3 pose = SE3::exp(tangent);
+  EXPECT_THAT(SE3::from_matrix(pose.matrix()), pose_near(pose, 1e-14, 1e-14));
+}
+
+TEST(MathTesting, PosesApartAreNotNear) {
+  const SE3 moved(SO3(), {0.1, 0.0, 0.0}), turned(SO3::exp({0.0, 0.1, 0.0}), Eigen::Vector3d::Zero());
+  EXPECT_THAT(moved, pose_near(SE3(), 0.11, 0.0));
+  EXPECT_THAT(moved, ::testing::Not(pose_near(SE3(), 0.09, 1.0)));
+  EXPECT_THAT(turned, pose_near(SE3(), 0.0, 0.11));
+  EXPECT_THAT(turned, ::testing::Not(pose_near(SE3(), 1.0, 0.09)));
+}
+
+}  // namespace
+}  // namespace rastro
