@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "rastro/image/image.h"
+#include "rastro/track/track_frame.h"
+
+// Included by the .cpp files of this folder only, so that OpenCV stays out of rastro's headers.
+namespace rastro::drawing {
+
+// OpenCV order: blue, green, red.
+inline const cv::Scalar red(40, 40, 255);
+inline const cv::Scalar green(60, 230, 60);
+inline const cv::Scalar magenta(255, 60, 255);
+inline const cv::Scalar white(255, 255, 255);
+
+/// A colour picture of a grey image, enlarged by a whole factor until ids can be read in it.
+struct Canvas {
+  cv::Mat picture;
+  int scale = 1;
+  cv::Point2f at(const Eigen::Vector2f& pixel) const;
+};
+
+/// How much an image of this width is enlarged.
+int scale_for(int width);
+Canvas canvas_of(GreyView image);
+
+/// Text with a dark rim, kept inside the picture.
+void put_text(cv::Mat& picture, const std::string& text, cv::Point2f lower_left, const cv::Scalar& colour, double size);
+/// A dark strip with one line of text in colours, put above the picture.
+struct Piece {
+  std::string text;
+  cv::Scalar colour;
+};
+cv::Mat with_caption(const cv::Mat& picture, const std::vector<Piece>& pieces);
+
+/// The frame with positions in red and ids in green, and a caption with its counts.
+cv::Mat overlay(const TrackFrame& frame, GreyView image);
+
+/// Error naming the file when the picture cannot be written.
+void save(const std::string& path, const cv::Mat& picture);
+
+}  // namespace rastro::drawing

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "rastro/base/append_file.h"
+#include "rastro/track/track_sink.h"
+
+namespace rastro {
+
+/// table.md: the columns of Table I of Galardi, Castro, Pire, "Seguimiento Robusto de Caracteristicas Visuales para
+/// Sistemas SLAM", one row per frame, and at the end the mean over the rows in which a feature was lost.
+class TrackTableFile : public TrackSink {
+ public:
+  explicit TrackTableFile(const std::filesystem::path& path);
+  void write(const TrackFrame& frame, GreyView image) override;
+  /// Writes the row of means.
+  void finish() override;
+
+  /// Re-identified corners as a percentage of all corners detected in the frame; nullopt when there were none.
+  static std::optional<double> reidentified_percent(const TrackFrame& frame);
+
+ private:
+  AppendFile file_;
+  int rows_with_loss_ = 0;
+  int rows_with_corners_ = 0;  ///< Of those with loss.
+  double tracked_ = 0, reidentified_ = 0, percent_ = 0, time_ms_ = 0;
+};
+
+}  // namespace rastro
