@@ -94,6 +94,13 @@ bool is_reidentification(const Track& track, std::size_t position) {
   return position > 0 && track[position].frame > track[position - 1].frame + 1;
 }
 
+bool near_image_edge(const Eigen::Vector2d& pixel, const TrackScoreOptions& options) {
+  if (options.image_width <= 0 || options.image_height <= 0) return false;
+  const double border = options.border_px;
+  return pixel.x() < border || pixel.y() < border || pixel.x() > options.image_width - 1 - border ||
+         pixel.y() > options.image_height - 1 - border;
+}
+
 std::vector<FrameScores> frame_rows(const TrackTable& table, const TrackIndex& index) {
   std::vector<FrameScores> rows;
   for (std::int64_t k = index.first; k < index.end; ++k) {

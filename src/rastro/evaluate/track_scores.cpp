@@ -46,13 +46,7 @@ class SurfaceScorer {
 
   FrameScores& row(std::int64_t frame) { return scores_.frames[static_cast<std::size_t>(frame - index_.first)]; }
 
-  /// False where the size of the image is not known.
-  bool near_edge(const Eigen::Vector2d& pixel) const {
-    if (options_.image_width <= 0 || options_.image_height <= 0) return false;
-    const double border = options_.border_px;
-    return pixel.x() < border || pixel.y() < border || pixel.x() > options_.image_width - 1 - border ||
-           pixel.y() > options_.image_height - 1 - border;
-  }
+  bool near_edge(const Eigen::Vector2d& pixel) const { return near_image_edge(pixel, options_); }
 
   bool same_point(const SurfacePoint& anchor, const Observation& anchor_seen, const SurfacePoint& corner) const {
     if (anchor.surface == corner.surface) return true;

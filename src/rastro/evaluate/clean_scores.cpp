@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/evaluate/clean_scores.h"
+
+#include <algorithm>
+
+#include "rastro/evaluate/clean_stretches.h"
+#include "rastro/evaluate/observations.h"
+
+namespace rastro {
+namespace {
+
+class CleanScorer {
+ public:
+  CleanScorer(const TrackTable& occluded, const TrackTable& clean, const OccluderCover* cover,
+              const TrackScoreOptions& options)
+      : table_(occluded),
+        cover_(cover),
+        options_(options),
+        index_(index_tracks(occluded, options)),
+        clean_(occluded, clean) {
+    scores_.truth = "clean run";
+    scores_.frames = frame_rows(occluded, index_);
+  }
+
+  TrackScores score() {
+    for (const auto& [id, track] : index_.tracks) {
+      for (std::size_t i = 0; i < track.size(); ++i) {
+        if (is_reidentification(track, i)) book_reidentification(track, i);
+        if (i > 0) book_switch(track, i);
+        const bool ends_here = i + 1 == track.size() || track[i + 1].frame > track[i].frame + 1;
+        if (ends_here && track[i].frame + 1 < index_.end) book_loss(track, i);
+      }
+    }
+    finish_scores(index_, scores_);
+    return std::move(scores_);
+  }
+
+ private:
+  enum class Verdict { correct, unscored, hidden, other_place, on_occluder };
+
+  FrameScores& row(std::int64_t frame) { return scores_.frames[static_cast<std::size_t>(frame - index_.first)]; }
+  bool covered(std::int64_t frame, const Eigen::Vector2d& pixel) const {
+    return cover_ && cover_->covered(frame, pixel, 0.0);
+  }
+  bool near_edge(const Eigen::Vector2d& pixel) const { return near_image_edge(pixel, options_); }
+
+  /// The stretch that stands for the feature which was last observed as track[i]; null when there is none.
+  const Stretch* counterpart(const Track& track, std::size_t i) const {
+    const std::int64_t oldest = track[i].frame - options_.window;
+    for (std::size_t k = i + 1; k-- > 0;) {
+      if (track[k].frame < oldest) break;
+      if (k < i && track[k + 1].frame != track[k].frame + 1) break;
+      if (cover_ && cover_->covered(track[k].frame, track[k].pixel, options_.clearance_px)) {
+        // An id recognised again here says nothing of where it was before.
+        if (is_reidentification(track, k)) break;
+        continue;
+      }
+      return clean_.nearest(track[k].frame, track[k].pixel, options_.same_feature_px);
+    }
+    return nullptr;
+  }
+
+  /// True when the id has been seen on the occluder only, up to track[i]: it belongs to the occluder's own texture.
+  bool only_on_occluder(const Track& track, std::size_t i) const {
+    for (std::size_t k = i + 1; k-- > 0;)
+      if (!covered(track[k].frame, track[k].pixel)) return false;
+    return true;
+  }
+
+  Verdict judge_reidentification(const Track& track, std::size_t i) const {
+    if (i == 0) return Verdict::unscored;
+    const Observation& corner = track[i];
+    const bool clear = cover_ && !cover_->covered(corner.frame, corner.pixel, options_.tolerance_px);
+    if (clear && only_on_occluder(track, i - 1)) return Verdict::other_place;
+    return judge(counterpart(track, i - 1), corner);
+  }
+
+  Verdict judge(const Stretch* truth, const Observation& corner) const {
+    const auto place = truth ? truth->at(corner.frame) : std::nullopt;
+    if (!place) return Verdict::unscored;
+    if (covered(corner.frame, *place)) return Verdict::hidden;
+    if ((*place - corner.pixel).norm() > options_.tolerance_px) return Verdict::other_place;
+    return covered(corner.frame, corner.pixel) ? Verdict::on_occluder : Verdict::correct;
+  }
+
+  void book_reidentification(const Track& track, std::size_t i) {
+    FrameScores& frame = row(track[i].frame);
+    ++frame.reidentified;
+    const Verdict verdict = judge_reidentification(track, i);
+    if (verdict == Verdict::correct || verdict == Verdict::unscored) {
+      ++(verdict == Verdict::correct ? frame.correct : frame.unscored);
+      return;
+    }
+    ++frame.wrong;
+    scores_.wrongs.anchor_hidden += verdict == Verdict::hidden;
+    scores_.wrongs.other_place += verdict == Verdict::other_place;
+    scores_.wrongs.on_occluder += verdict == Verdict::on_occluder;
+  }
+
+  void book_switch(const Track& track, std::size_t i) {
+    const Stretch* truth = counterpart(track, i - 1);
+    const auto place = truth ? truth->at(track[i].frame) : std::nullopt;
+    if (place && (*place - track[i].pixel).norm() > options_.tolerance_px) ++scores_.id_switches;
+  }
+
+  void book_loss(const Track& track, std::size_t i);
+
+  const TrackTable& table_;
+  const OccluderCover* cover_;
+  const TrackScoreOptions options_;
+  const TrackIndex index_;
+  const CleanStretches clean_;
+  TrackScores scores_;
+};
+
+void CleanScorer::book_loss(const Track& track, std::size_t i) {
+  const std::int64_t seen = track[i].frame;
+  FrameScores& frame = row(seen + 1);
+  const Stretch* truth = counterpart(track, i);
+  if (!truth) {
+    ++frame.lost_unscored;
+    return;
+  }
+  const std::int64_t window_end = std::min(seen + options_.window, index_.end - 1);
+  const bool returns = i + 1 < track.size() && track[i + 1].frame <= window_end;
+  const std::int64_t span_end = returns ? track[i + 1].frame : window_end;
+  bool hidden_in_span = false, hidden_before = false;
+  std::vector<std::pair<std::int64_t, Eigen::Vector2d>> visible_again;
+  for (std::int64_t k = seen + 1; k <= std::min(window_end, truth->last()); ++k) {
+    const auto place = truth->at(k);
+    if (!place) continue;
+    const bool hidden = cover_ ? covered(k, *place) : k == seen + 1;
+    if (hidden) hidden_in_span = hidden_in_span || k <= span_end;
+    hidden_before = hidden_before || hidden;
+    if (hidden_before && !hidden && !near_edge(*place)) visible_again.emplace_back(k, *place);
+  }
+  const bool ends_at_edge = truth->last() < window_end && near_edge(truth->places.back());
+  const bool followed_on = truth->last() >= window_end || ends_at_edge;
+  if (!hidden_in_span) {
+    if (ends_at_edge)
+      ++frame.lost_outside;
+    else
+      ++(followed_on || truth->last() > seen ? frame.lost_visible : frame.lost_unscored);
+    return;
+  }
+  // Hidden, and the counterpart ends before anyone can say whether it was seen again.
+  if (visible_again.empty() && !followed_on) {
+    ++frame.lost_unscored;
+    return;
+  }
+  // The id came back after the end of its counterpart: right or wrong, nobody knows.
+  const Verdict verdict = returns ? judge(truth, track[i + 1]) : Verdict::unscored;
+  if (returns && verdict == Verdict::unscored) {
+    ++frame.lost_unscored;
+    return;
+  }
+  ++frame.lost;
+  if (visible_again.empty()) return;
+  ++row(visible_again.front().first).reappeared;
+  if (verdict == Verdict::correct)
+    ++row(track[i + 1].frame).recalled;
+  else
+    book_miss(table_, visible_again, returns ? std::optional(span_end) : std::nullopt, options_, scores_.misses);
+}
+
+}  // namespace
+
+TrackScores score_clean_tracks(const TrackTable& occluded, const TrackTable& clean, const OccluderCover* cover,
+                               const TrackScoreOptions& options) {
+  return CleanScorer(occluded, clean, cover, options).score();
+}
+
+}  // namespace rastro
