@@ -6,6 +6,7 @@
 
 #include <array>
 #include <iterator>
+#include <utility>
 
 #include "rastro/base/error.h"
 
@@ -22,11 +23,15 @@ Sha256::Sha256() : context_(std::make_unique<Context>()) {
 
 Sha256::~Sha256() = default;
 
-void Sha256::add(std::string_view bytes) { EVP_DigestUpdate(context_->handle, bytes.data(), bytes.size()); }
+void Sha256::add(std::string_view bytes) {
+  RASTRO_CHECK(!finished_, "nothing is added to a finished digest");
+  EVP_DigestUpdate(context_->handle, bytes.data(), bytes.size());
+}
 
 std::string Sha256::finish() {
   std::array<unsigned char, 32> digest{};
-  RASTRO_CHECK(EVP_DigestFinal_ex(context_->handle, digest.data(), nullptr) == 1, "a digest is finished once");
+  RASTRO_CHECK(!std::exchange(finished_, true), "a digest is finished once");
+  RASTRO_CHECK(EVP_DigestFinal_ex(context_->handle, digest.data(), nullptr) == 1, "libcrypto gives a digest");
   std::string text;
   for (const unsigned char byte : digest) fmt::format_to(std::back_inserter(text), "{:02x}", byte);
   return text;

@@ -22,6 +22,7 @@ class Sha256 {
  private:
   struct Context;
   std::unique_ptr<Context> context_;
+  bool finished_ = false;
 };
 
 }  // namespace rastro

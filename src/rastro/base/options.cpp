@@ -43,7 +43,7 @@ std::string value_text(const Option& option) {
 [[noreturn]] void refuse(const Option& option, std::string_view value, std::string_view where,
                          std::string_view wanted) {
   const std::string allowed = allowed_text(option);
-  throw Error(fmt::format("{} is no value for '{}'", quoted(value), option.name), where,
+  throw Error(fmt::format("{} is no value for '{}'", in_quotes(value), option.name), where,
               fmt::format("give {}{}{}{}", wanted, allowed.empty() ? "" : ", ", allowed,
                           option.unit.empty() ? "" : " " + option.unit));
 }
@@ -189,7 +189,7 @@ Option& OptionTable::find(std::string_view name, std::string_view where) {
   std::vector<std::string> names;
   for (const Option& option : options_) names.push_back(option.name);
   const std::string nearest = nearest_name(name, names);
-  throw Error(fmt::format("unknown option {}", quoted(name)), where,
+  throw Error(fmt::format("unknown option {}", in_quotes(name)), where,
               nearest.empty() ? "there are no options here" : fmt::format("did you mean '{}'?", nearest));
 }
 
@@ -200,7 +200,7 @@ void OptionTable::set(std::string_view name, std::string_view value, std::string
 void OptionTable::set_assignment(std::string_view assignment, std::string_view where) {
   const auto equals = assignment.find('=');
   if (equals == std::string_view::npos) {
-    throw Error(fmt::format("{} is no setting", quoted(assignment)), where, "write key=value");
+    throw Error(fmt::format("{} is no setting", in_quotes(assignment)), where, "write key=value");
   }
   set(trim(assignment.substr(0, equals)), trim(assignment.substr(equals + 1)), where);
 }

@@ -22,7 +22,7 @@ struct Option {
       why;  ///< One line: what it does and why the default is what it is, with the publication where there is one.
   double minimum = 0.0;
   double maximum = 0.0;  ///< Range of numbers, both ends allowed; no range when both are equal; ignored for others.
-  std::vector<std::string> choices;  ///< Allowed names of a choice.
+  std::vector<std::string> choices = {};  ///< Allowed names of a choice.
 };
 
 /// The option table of one method: feeds the parser, --help, the reference page and the checks.

@@ -16,8 +16,10 @@ constexpr std::string_view blanks = " \t\r\n";
 template <typename Number>
 std::optional<Number> parse_whole(std::string_view text) {
   text = trim(text);
-  if (text.starts_with('+')) text.remove_prefix(1);
-  if (text.empty() || text.starts_with('+')) return std::nullopt;
+  if (text.starts_with('+')) {  // from_chars takes a minus only
+    text.remove_prefix(1);
+    if (text.starts_with('-')) return std::nullopt;
+  }
   Number number{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
@@ -78,7 +80,7 @@ std::vector<std::string_view> split_words(std::string_view text) {
   return words;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 60;
   std::string shown = "'";
   for (const char letter : text.substr(0, longest)) {

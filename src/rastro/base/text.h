@@ -25,7 +25,7 @@ std::vector<std::string_view> split_words(std::string_view text);
 
 /// Text from outside as it may stand in a one-line message: in single quotes, unprintable bytes as \xNN, cut after 60
 /// bytes.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 
 /// The name nearest to `wanted` by edit distance, for "unknown key ...; did you mean ...". Empty when there are none.
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names);

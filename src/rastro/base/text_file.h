@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rastro {
+
+/// The whole file. Error (naming it) where there is none, it is a folder, may not be read, or is empty.
+std::string read_text_file(const std::string& path);
+
+/// One line of a text file with its number, from 1.
+struct TextLine {
+  int number = 0;
+  std::string_view text;  ///< Trimmed; points into the text it was cut from.
+};
+
+/// The lines that hold something: neither blank nor a comment starting with '#'.
+std::vector<TextLine> content_lines(std::string_view text);
+
+/// "file:12", for messages.
+std::string at_line(std::string_view where, int line);
+
+/// A piece of a bad line fit for a message: cut to 40 characters, control characters replaced.
+std::string in_quotes(std::string_view text);
+
+}  // namespace rastro
