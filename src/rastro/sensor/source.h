@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "rastro/base/error.h"
 #include "rastro/camera/camera.h"
 #include "rastro/math/se3.h"
 #include "rastro/sensor/frame.h"
@@ -34,6 +35,13 @@ struct SourceInfo {
   std::string ground_truth_frame;            ///< "body" or "camera".
   std::string ground_truth_file;
   std::vector<std::string> warnings;         ///< Each one plain line, from calibration checks and guessing.
+};
+
+/// Thrown by Source::next() where reading on makes no sense for any of the frames to come, as with images of changing
+/// size; every other Error of next() is about one frame only.
+class UnusableSource : public Error {
+ public:
+  using Error::Error;
 };
 
 /// A stream of frames in the order of the recording, in constant memory.
