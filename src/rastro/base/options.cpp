@@ -62,25 +62,6 @@ std::optional<int> parse_int(std::string_view text) {
   return static_cast<int>(*number);
 }
 
-/// Length of the UTF-8 character at the front of `text`; 0 when there is no whole one.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte_at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char lead = byte_at(0);
-  const std::size_t length = lead < 0x80   ? 1
-                             : lead < 0xC2 ? 0
-                             : lead < 0xE0 ? 2
-                             : lead < 0xF0 ? 3
-                             : lead < 0xF5 ? 4
-                                           : 0;
-  if (length == 0 || length > text.size()) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte_at(i) & 0xC0) != 0x80) return 0;
-  }
-  const bool overlong = (lead == 0xE0 && byte_at(1) < 0xA0) || (lead == 0xF0 && byte_at(1) < 0x90);
-  const bool no_character = (lead == 0xED && byte_at(1) > 0x9F) || (lead == 0xF4 && byte_at(1) > 0x8F);
-  return overlong || no_character ? 0 : length;
-}
-
 /// One line of valid UTF-8: all that a YAML file gives back as it was.
 bool is_one_line_of_text(std::string_view text) {
   while (!text.empty()) {

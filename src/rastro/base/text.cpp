@@ -80,18 +80,39 @@ std::vector<std::string_view> split_words(std::string_view text) {
   return words;
 }
 
+std::size_t utf8_length(std::string_view text) {
+  if (text.empty()) return 0;
+  const auto byte_at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char lead = byte_at(0);
+  const std::size_t length = lead < 0x80   ? 1
+                             : lead < 0xC2 ? 0
+                             : lead < 0xE0 ? 2
+                             : lead < 0xF0 ? 3
+                             : lead < 0xF5 ? 4
+                                           : 0;
+  if (length == 0 || length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte_at(i) & 0xC0) != 0x80) return 0;
+  }
+  const bool overlong = (lead == 0xE0 && byte_at(1) < 0xA0) || (lead == 0xF0 && byte_at(1) < 0x90);
+  const bool no_character = (lead == 0xED && byte_at(1) > 0x9F) || (lead == 0xF4 && byte_at(1) > 0x8F);
+  return overlong || no_character ? 0 : length;
+}
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 60;
   std::string shown = "'";
-  for (const char letter : text.substr(0, longest)) {
-    const auto byte = static_cast<unsigned char>(letter);
-    if (byte < 0x20 || byte == 0x7f) {
-      shown += fmt::format("\\x{:02x}", byte);
+  while (!text.empty() && shown.size() <= longest) {
+    const std::size_t length = utf8_length(text);
+    const auto first = static_cast<unsigned char>(text.front());
+    if (length == 0 || first < 0x20 || first == 0x7F) {
+      shown += fmt::format("\\x{:02x}", first);
     } else {
-      shown += letter;
+      shown += text.substr(0, length);
     }
+    text.remove_prefix(std::max<std::size_t>(1, length));
   }
-  return shown + (text.size() > longest ? "...'" : "'");
+  return shown + (text.empty() ? "'" : "...'");
 }
 
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names) {

@@ -23,8 +23,11 @@ std::vector<std::string_view> split(std::string_view text, char separator);
 /// Pieces between runs of spaces and tabs.
 std::vector<std::string_view> split_words(std::string_view text);
 
-/// Text from outside as it may stand in a one-line message: in single quotes, unprintable bytes as \xNN, cut after 60
-/// bytes.
+/// Bytes of the UTF-8 character at the front of `text`; 0 when there is no whole and valid one.
+std::size_t utf8_length(std::string_view text);
+
+/// Text from outside as it may stand in a message: in single quotes, one line of valid UTF-8 cut after about 60 bytes;
+/// other bytes as \xNN.
 std::string in_quotes(std::string_view text);
 
 /// The name nearest to `wanted` by edit distance, for "unknown key ...; did you mean ...". Empty when there are none.

@@ -53,12 +53,4 @@ std::vector<TextLine> content_lines(std::string_view text) {
 
 std::string at_line(std::string_view where, int line) { return fmt::format("{}:{}", where, line); }
 
-std::string in_quotes(std::string_view text) {
-  constexpr std::size_t longest = 40;
-  std::string shown(text.substr(0, longest));
-  for (char& c : shown)
-    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7F) c = '?';
-  return "'" + shown + (text.size() > longest ? "...'" : "'");
-}
-
 }  // namespace rastro

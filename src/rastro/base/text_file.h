@@ -22,7 +22,4 @@ std::vector<TextLine> content_lines(std::string_view text);
 /// "file:12", for messages.
 std::string at_line(std::string_view where, int line);
 
-/// A piece of a bad line fit for a message: cut to 40 characters, control characters replaced.
-std::string in_quotes(std::string_view text);
-
 }  // namespace rastro

@@ -63,6 +63,24 @@ TEST(InQuotes, StaysOneShortLine) {
   EXPECT_EQ(in_quotes(std::string(61, 'x')), "'" + std::string(60, 'x') + "...'");
 }
 
+TEST(InQuotes, IsValidUtf8WhateverComesIn) {
+  EXPECT_EQ(in_quotes("Grüße €"), "'Grüße €'");
+  EXPECT_EQ(in_quotes("a\xff\xc3"), "'a\\xff\\xc3'");
+  // A character is never cut in two.
+  EXPECT_EQ(in_quotes(std::string(59, 'x') + "üü"), "'" + std::string(59, 'x') + "ü...'");
+}
+
+TEST(Utf8Length, KnowsWholeCharacters) {
+  EXPECT_EQ(utf8_length("a"), 1U);
+  EXPECT_EQ(utf8_length("ü"), 2U);
+  EXPECT_EQ(utf8_length("€"), 3U);
+  EXPECT_EQ(utf8_length("😀"), 4U);
+  for (const char* text :
+       {"", "\x80", "\xff", "\xc3", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe2\x82"}) {
+    EXPECT_EQ(utf8_length(text), 0U);
+  }
+}
+
 TEST(NearestName, FindsTheFewestEdits) {
   const std::vector<std::string> names = {"window", "features", "mode"};
   EXPECT_EQ(nearest_name("widnow", names), "window");
