@@ -8,19 +8,46 @@
 
 namespace rastro {
 
-/// Settings of the occlusion-robust tracker; the defaults are the paper's (METHODS 1).
-/// Names and reasons stand once, in option_table().
+/// Settings of the occlusion-robust tracker; the defaults are the paper's where it gives a value (METHODS 1).
+/// Meaning, range and reason of each stand once, in option_table().
 struct TrackOptions {
-  std::string mode = "priority";  ///< klt, vote, dual, priority
+  std::string mode = "priority";
   int features = 150;
   double min_distance_px = 30.0;
   int window = 30;
-  std::string validation = "homography";  ///< homography, epipolar, local
   std::uint64_t seed = 1;
-  // The rest is added by the tracker as it needs it.
+  bool equalise = false;
+
+  // Optical flow.
+  int flow_window_px = 21;
+  int flow_levels = 4;
+  int flow_iterations = 30;
+  double flow_epsilon_px = 0.01;
+  double max_backward_px = 0.5;
+  double max_residual_ratio = 0.6;
+  double max_epipolar_error_px = 1.0;
+
+  // Corners.
+  double corner_quality = 0.01;
+  int corner_border_px = 5;
+  double candidates_factor = 1.0;
+  double candidates_distance_px = 0.0;
+
+  // Descriptors and votes.
+  int brief_patch_px = 48;
+  int brief_smoothing_px = 9;
+  std::string descriptor = "upright";
+  int max_hamming = 50;
+  int min_votes = 1;
+
+  // Validation.
+  std::string validation = "homography";
+  double max_reprojection_px = 3.0;
+  int min_inliers = 8;
+  int ransac_iterations = 200;
 };
 
-/// The table points into `options`.
+/// The table points into `options`, which must outlive it.
 OptionTable option_table(TrackOptions& options);
 
 }  // namespace rastro

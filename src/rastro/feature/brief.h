@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "rastro/image/image.h"
+
+namespace rastro {
+
+/// 256 binary tests packed in four words; compared by Hamming distance.
+struct alignas(32) Descriptor {
+  std::array<std::uint64_t, 4> words{};
+  bool operator==(const Descriptor&) const = default;
+};
+
+/// Number of differing bits, 0..256.
+int hamming_distance(const Descriptor& a, const Descriptor& b);
+
+/// One test of BRIEF: is the smoothed intensity at (ax, ay) from the corner below that at (bx, by)?
+struct BriefTest {
+  float ax, ay, bx, by;
+};
+
+/// Calonder et al. 2010, "BRIEF", their sampling G II: both ends drawn from an isotropic Gaussian of variance S^2/25 around the corner,
+/// S the patch's side. The draws are seeded, so descriptors are the same on every machine. Smoothing is the caller's:
+/// tests read an image of box sums (image/box_sum.h).
+class Brief {
+ public:
+  /// `patch_px`: side S of the patch, 8..64.
+  Brief(int patch_px, std::uint64_t seed);
+
+  /// Descriptor of the corner at (x, y); pixels outside the image are taken at its edge.
+  Descriptor describe(const Image<std::uint16_t>& sums, float x, float y) const { return describe(sums, x, y, 0.0, 1.0); }
+  /// Steered: the pattern turned by `angle_rad` (rounded to 360/32 degrees) and scaled by one of scales() (nearest is taken).
+  Descriptor describe(const Image<std::uint16_t>& sums, float x, float y, double angle_rad, double scale) const;
+
+  static const std::vector<double>& scales();
+
+ private:
+  struct Offset {
+    std::int8_t x, y;
+  };
+  struct Pattern {
+    std::array<Offset, 512> offsets;  ///< Ends a and b of test 0, of test 1, ...
+  };
+  std::vector<Pattern> patterns_;  ///< By scale, then angle.
+  int reach_ = 0;                  ///< No test of any pattern ends farther out.
+};
+
+/// Direction of the intensity centroid in a disc around (x, y) (Rosin 1999; ORB 2011 section 3.2), radians.
+double intensity_centroid_angle(GreyView image, float x, float y, int radius);
+
+}  // namespace rastro

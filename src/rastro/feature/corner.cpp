@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/feature/corner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "rastro/feature/distance_grid.h"
+#include "rastro/feature/min_eigenvalue.h"
+
+namespace rastro {
+namespace {
+
+constexpr int tile_width = 32;
+constexpr int tile_height = 16;
+
+struct Area {
+  int x0, x1, y0, y1;
+};
+
+/// The local maxima of one band of tiles, and the best score in it.
+struct Band {
+  std::vector<Corner> maxima;
+  float best = 0.0F;
+};
+
+struct BandBuffers {
+  MinEigenvalueScratch gradients;
+  Image<float> scores;
+};
+
+bool any_free(GreyView free, const Area& tile) {
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    const std::uint8_t* row = free.row(y);
+    unsigned any = 0;
+    for (int x = tile.x0; x < tile.x1; ++x) any |= row[x];
+    if (any != 0) return true;
+  }
+  return false;
+}
+
+bool is_local_maximum(const float* above, const float* here, const float* below, int x) {
+  const float score = here[x];
+  return score > here[x - 1] && score >= here[x + 1] && score > above[x - 1] && score > above[x] && score > above[x + 1] &&
+         score >= below[x - 1] && score >= below[x] && score >= below[x + 1];
+}
+
+/// Adds the free local maxima of `area` to the band. Scores below `quality` times the best seen so far cannot survive the
+/// threshold that comes later, so leaving them out early changes nothing.
+void collect_maxima(const PaddedImage& image, GreyView free, const Area& area, double quality, BandBuffers& buffers, Band& band) {
+  min_eigenvalues(image, area.x0 - 1, area.x1 + 1, area.y0 - 1, area.y1 + 1, buffers.scores.row(0), buffers.scores.stride(),
+                  buffers.gradients);
+  for (int y = area.y0; y < area.y1; ++y) {
+    const float* here = buffers.scores.row(y - area.y0 + 1) + 1 - area.x0;
+    const float* above = here - buffers.scores.stride();
+    const float* below = here + buffers.scores.stride();
+    const std::uint8_t* free_row = free.row(y);
+    float floor = static_cast<float>(quality) * band.best;
+    for (int x = area.x0; x < area.x1; ++x) {
+      if (here[x] <= floor || free_row[x] == 0 || !is_local_maximum(above, here, below, x)) continue;
+      band.maxima.push_back({x, y, here[x]});
+      band.best = std::max(band.best, here[x]);
+      floor = static_cast<float>(quality) * band.best;
+    }
+  }
+}
+
+Band search_band(const PaddedImage& image, GreyView free, const Area& inside, int band_index, double quality) {
+  // One set of buffers per thread: their contents never outlive a call.
+  thread_local BandBuffers buffers;
+  if (buffers.scores.width() < image.width() + 64) buffers.scores = Image<float>(image.width() + 64, tile_height + 2);
+  Band band;
+  Area area{0, 0, inside.y0 + band_index * tile_height, std::min(inside.y1, inside.y0 + (band_index + 1) * tile_height)};
+  for (area.x0 = inside.x0; area.x0 < inside.x1; area.x0 = area.x1) {
+    const auto tile_free = [&](int x) {
+      return any_free(free, {x, std::min(inside.x1, x + tile_width), area.y0, area.y1});
+    };
+    if (!tile_free(area.x0)) {
+      area.x1 = area.x0 + tile_width;
+      continue;
+    }
+    // Neighbouring free tiles are done in one go, which saves their common margins.
+    area.x1 = std::min(inside.x1, area.x0 + tile_width);
+    while (area.x1 < inside.x1 && tile_free(area.x1)) area.x1 = std::min(inside.x1, area.x1 + tile_width);
+    collect_maxima(image, free, area, quality, buffers, band);
+  }
+  return band;
+}
+
+bool stronger(const Corner& a, const Corner& b) {
+  if (a.score != b.score) return a.score > b.score;
+  return a.y != b.y ? a.y < b.y : a.x < b.x;
+}
+
+/// Greedy choice, strongest first. Sorting goes in growing portions, since usually only a small part is ever looked at.
+std::vector<Corner> choose(std::vector<Corner>& candidates, int count, double min_distance, int width, int height) {
+  std::vector<Corner> chosen;
+  DistanceGrid grid(width, height, min_distance);
+  auto sorted_end = candidates.begin();
+  std::ptrdiff_t portion = std::max(64, 4 * count);
+  for (auto next = candidates.begin(); next != candidates.end() && static_cast<int>(chosen.size()) < count; ++next) {
+    if (next == sorted_end) {
+      sorted_end += std::min(portion, candidates.end() - sorted_end);
+      std::partial_sort(next, sorted_end, candidates.end(), stronger);
+      portion *= 2;
+    }
+    if (grid.add_if_far(static_cast<float>(next->x), static_cast<float>(next->y))) chosen.push_back(*next);
+  }
+  return chosen;
+}
+
+}  // namespace
+
+std::vector<Corner> CornerDetector::detect(const PaddedImage& image, GreyView free, int count, const CornerOptions& options,
+                                           TaskPool* pool) {
+  RASTRO_CHECK(free.width == image.width() && free.height == image.height(), "the free mask has the image's size");
+  candidates_ = 0;
+  const int border = std::max(options.border_px, 0);
+  const Area inside{border, image.width() - border, border, image.height() - border};
+  if (count <= 0 || inside.x0 >= inside.x1 || inside.y0 >= inside.y1) return {};
+
+  std::vector<Band> bands(static_cast<std::size_t>((inside.y1 - inside.y0 + tile_height - 1) / tile_height));
+  const auto search = [&](int begin, int end) {
+    for (int b = begin; b < end; ++b) bands[static_cast<std::size_t>(b)] = search_band(image, free, inside, b, options.quality);
+  };
+  if (pool) {
+    pool->for_chunks(0, static_cast<int>(bands.size()), 2, search);
+  } else {
+    search(0, static_cast<int>(bands.size()));
+  }
+
+  float best = 0.0F;
+  for (const Band& band : bands) best = std::max(best, band.best);
+  const float floor = static_cast<float>(options.quality) * best;
+  std::vector<Corner> candidates;
+  for (const Band& band : bands) {
+    std::copy_if(band.maxima.begin(), band.maxima.end(), std::back_inserter(candidates),
+                 [floor](const Corner& corner) { return corner.score > floor; });
+  }
+  candidates_ = static_cast<int>(candidates.size());
+  return choose(candidates, count, options.min_distance_px, image.width(), image.height());
+}
+
+}  // namespace rastro

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/multiview/fundamental.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <numbers>
+
+#include "rastro/multiview/ransac.h"
+
+namespace rastro {
+namespace {
+
+using Row9 = Eigen::Matrix<double, 1, 9>;
+// Pixels in units of about the image, so that the nine terms have like sizes.
+constexpr double unit = 500.0;
+
+Row9 epipolar_row(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  Row9 row;
+  row << b.x() * a.x(), b.x() * a.y(), b.x(), b.y() * a.x(), b.y() * a.y(), b.y(), a.x(), a.y(), 1.0;
+  return row;
+}
+
+Eigen::Matrix3d matrix_of(const Eigen::Matrix<double, 9, 1>& v) {
+  Eigen::Matrix3d f;
+  f << v(0), v(1), v(2), v(3), v(4), v(5), v(6), v(7), v(8);
+  return f;
+}
+
+Eigen::Matrix3d in_pixels(const Eigen::Matrix3d& f) {
+  const Eigen::DiagonalMatrix<double, 3> to_units(1.0 / unit, 1.0 / unit, 1.0);
+  return to_units * f * to_units;
+}
+
+/// Real roots of c3 x^3 + c2 x^2 + c1 x + c0, up to three.
+std::vector<double> cubic_roots(double c3, double c2, double c1, double c0) {
+  if (std::abs(c3) < 1e-12 * (std::abs(c2) + std::abs(c1) + std::abs(c0))) {
+    if (std::abs(c2) < 1e-300) return std::abs(c1) < 1e-300 ? std::vector<double>{} : std::vector<double>{-c0 / c1};
+    const double discriminant = c1 * c1 - 4.0 * c2 * c0;
+    if (discriminant < 0.0) return {};
+    return {(-c1 + std::sqrt(discriminant)) / (2.0 * c2), (-c1 - std::sqrt(discriminant)) / (2.0 * c2)};
+  }
+  const double a = c2 / c3, b = c1 / c3, c = c0 / c3;
+  const double q = (a * a - 3.0 * b) / 9.0, r = (2.0 * a * a * a - 9.0 * a * b + 27.0 * c) / 54.0;
+  if (r * r < q * q * q) {
+    const double theta = std::acos(std::clamp(r / std::sqrt(q * q * q), -1.0, 1.0));
+    const double scale = -2.0 * std::sqrt(q), shift = -a / 3.0;
+    return {scale * std::cos(theta / 3.0) + shift, scale * std::cos((theta + 2.0 * std::numbers::pi) / 3.0) + shift,
+            scale * std::cos((theta - 2.0 * std::numbers::pi) / 3.0) + shift};
+  }
+  const double s = -std::copysign(std::cbrt(std::abs(r) + std::sqrt(std::max(0.0, r * r - q * q * q))), r);
+  return {s + (s != 0.0 ? q / s : 0.0) - a / 3.0};
+}
+
+/// det(x F1 + (1 - x) F2) as a cubic in x, from its values at four places.
+std::vector<double> roots_of_determinant(const Eigen::Matrix3d& f1, const Eigen::Matrix3d& f2) {
+  const auto determinant = [&](double x) { return (x * f1 + (1.0 - x) * f2).determinant(); };
+  const double at0 = determinant(0.0), at1 = determinant(1.0), atm = determinant(-1.0), at2 = determinant(2.0);
+  const double c0 = at0, c2 = 0.5 * (at1 + atm) - at0;
+  const double odd = 0.5 * (at1 - atm);                       // c1 + c3
+  const double c3 = (at2 - 4.0 * c2 - c0 - 2.0 * odd) / 6.0;  // at2 = c0 + 2 c1 + 4 c2 + 8 c3
+  return cubic_roots(c3, c2, odd - c3, c0);
+}
+
+class FundamentalProblem {
+ public:
+  static constexpr std::size_t sample_size = 7;
+  explicit FundamentalProblem(const PointPairs& pairs) : pairs_(pairs) {}
+
+  template <typename Sink>
+  void fit(const std::array<std::uint32_t, 7>& sample, Sink&& sink) const {
+    for (const Eigen::Matrix3d& model : fundamental_from_seven(pairs_, sample.data())) sink(model);
+  }
+
+  void errors(const Eigen::Matrix3d& fundamental, float* out) const {
+    const Eigen::Matrix3f m = (fundamental / fundamental.norm()).cast<float>();
+    const float f00 = m(0, 0), f01 = m(0, 1), f02 = m(0, 2), f10 = m(1, 0), f11 = m(1, 1), f12 = m(1, 2);
+    const float f20 = m(2, 0), f21 = m(2, 1), f22 = m(2, 2);
+    const float *ax = pairs_.ax.data(), *ay = pairs_.ay.data(), *bx = pairs_.bx.data(), *by = pairs_.by.data();
+    for (std::size_t i = 0, count = pairs_.size(); i < count; ++i) {
+      const float lbx = f00 * ax[i] + f01 * ay[i] + f02, lby = f10 * ax[i] + f11 * ay[i] + f12;
+      const float lbz = f20 * ax[i] + f21 * ay[i] + f22;
+      const float lax = f00 * bx[i] + f10 * by[i] + f20, lay = f01 * bx[i] + f11 * by[i] + f21;
+      const float value = bx[i] * lbx + by[i] * lby + lbz;
+      out[i] = value * value / (lbx * lbx + lby * lby + lax * lax + lay * lay + 1e-30F);
+    }
+  }
+
+  /// Eight-point solution on the inliers, brought to rank two.
+  std::optional<Eigen::Matrix3d> refit(const RobustFit& best, float limit) const {
+    if (best.inliers < 9) return std::nullopt;
+    Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      if (!(best.squared_errors[i] <= limit)) continue;
+      const Row9 row = epipolar_row(centred(pairs_.a(i)), centred(pairs_.b(i)));
+      normal.selfadjointView<Eigen::Lower>().rankUpdate(row.transpose());
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(normal);
+    if (eigen.info() != Eigen::Success) return std::nullopt;
+    Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix_of(eigen.eigenvectors().col(0)), Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::Vector3d values(svd.singularValues().x(), svd.singularValues().y(), 0.0);
+    return uncentred(svd.matrixU() * values.asDiagonal() * svd.matrixV().transpose());
+  }
+
+ private:
+  // The middle of the points as origin and their spread as unit: Hartley's conditioning with fixed numbers suffices here.
+  static Eigen::Vector2d centred(const Eigen::Vector2d& p) { return (p - Eigen::Vector2d(middle, middle)) / unit; }
+  static Eigen::Matrix3d uncentred(const Eigen::Matrix3d& f) {
+    Eigen::Matrix3d to_units;
+    to_units << 1.0 / unit, 0.0, -middle / unit, 0.0, 1.0 / unit, -middle / unit, 0.0, 0.0, 1.0;
+    return to_units.transpose() * f * to_units;
+  }
+  static constexpr double middle = 300.0;
+  const PointPairs& pairs_;
+};
+
+}  // namespace
+
+std::vector<Eigen::Matrix3d> fundamental_from_seven(const PointPairs& pairs, const std::uint32_t* indices) {
+  Eigen::Matrix<double, 7, 9> rows;
+  for (int i = 0; i < 7; ++i) rows.row(i) = epipolar_row(pairs.a(indices[i]) / unit, pairs.b(indices[i]) / unit);
+  const Eigen::FullPivLU<Eigen::Matrix<double, 7, 9>> lu(rows);
+  if (lu.dimensionOfKernel() != 2) return {};
+  const Eigen::Matrix<double, 9, 2> kernel = lu.kernel();
+  const Eigen::Matrix3d f1 = matrix_of(kernel.col(0).normalized()), f2 = matrix_of(kernel.col(1).normalized());
+  std::vector<Eigen::Matrix3d> models;
+  for (const double x : roots_of_determinant(f1, f2)) {
+    const Eigen::Matrix3d f = in_pixels(x * f1 + (1.0 - x) * f2);
+    if (f.allFinite() && f.norm() > 0.0) models.push_back(f);
+  }
+  return models;
+}
+
+std::optional<RobustFit> estimate_fundamental(const PointPairs& pairs, const RansacOptions& options) {
+  return ransac(FundamentalProblem(pairs), pairs, options);
+}
+
+double sampson_distance_squared(const Eigen::Matrix3d& fundamental, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector3d line_b = fundamental * a.homogeneous(), line_a = fundamental.transpose() * b.homogeneous();
+  const double value = b.homogeneous().dot(line_b);
+  return value * value / (line_b.head<2>().squaredNorm() + line_a.head<2>().squaredNorm() + 1e-30);
+}
+
+}  // namespace rastro

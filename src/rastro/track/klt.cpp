@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/track/klt.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "rastro/track/klt_patch.h"
+
+namespace rastro {
+namespace {
+
+constexpr int points_per_chunk = 16;
+// Fixed-point scales of klt_patch.h.
+constexpr double intensity_scale = 32.0;
+constexpr double gradient_scale = 16.0;
+
+/// The window's corner for a centre, or nullopt when the window leaves the padding.
+std::optional<KltCorner> corner_of(const PaddedImage& image, double x, double y, int size) {
+  const double left = x - size / 2, top = y - size / 2;
+  const double floor_x = std::floor(left), floor_y = std::floor(top);
+  // The vectors read up to 35 pixels right of the corner; centres farther out than this are lost anyway.
+  constexpr double slack = 8.0;
+  if (!(x >= -slack && y >= -slack && x <= image.width() - 1 + slack && y <= image.height() - 1 + slack)) return std::nullopt;
+  const auto fraction = [](double value) { return static_cast<std::int16_t>(std::min(32767.0, std::round(value * 32768.0))); };
+  return KltCorner{static_cast<int>(floor_x), static_cast<int>(floor_y), fraction(left - floor_x), fraction(top - floor_y)};
+}
+
+/// The 2x2 normal equations of a patch with its mean brightness change eliminated, solved for the step.
+class StepSolver {
+ public:
+  StepSolver(const KltPatch& patch, double min_eigenvalue) : count_(static_cast<double>(patch.size) * patch.size) {
+    x_ = static_cast<double>(patch.x) / count_;
+    y_ = static_cast<double>(patch.y) / count_;
+    xx_ = static_cast<double>(patch.xx) - count_ * x_ * x_;
+    xy_ = static_cast<double>(patch.xy) - count_ * x_ * y_;
+    yy_ = static_cast<double>(patch.yy) - count_ * y_ * y_;
+    const double smaller = 0.5 * (xx_ + yy_ - std::sqrt((xx_ - yy_) * (xx_ - yy_) + 4.0 * xy_ * xy_));
+    determinant_ = xx_ * yy_ - xy_ * xy_;
+    solvable_ = determinant_ > 0.0 && smaller >= min_eigenvalue * count_ * gradient_scale * gradient_scale;
+  }
+  bool solvable() const { return solvable_; }
+  Eigen::Vector2d step(const KltMismatch& mismatch) const {
+    const double e = static_cast<double>(mismatch.e);
+    const double ex = static_cast<double>(mismatch.ex) - x_ * e, ey = static_cast<double>(mismatch.ey) - y_ * e;
+    constexpr double scale = gradient_scale / intensity_scale;
+    return Eigen::Vector2d(yy_ * ex - xy_ * ey, xx_ * ey - xy_ * ex) * (-scale / determinant_);
+  }
+
+ private:
+  double count_, x_, y_, xx_, xy_, yy_, determinant_;
+  bool solvable_;
+};
+
+double residual_ratio(const KltResidual& sums, int size) {
+  const double count = static_cast<double>(size) * size;
+  const auto variance = [count](std::int64_t squares, std::int64_t sum) {
+    return static_cast<double>(squares) - static_cast<double>(sum) * static_cast<double>(sum) / count;
+  };
+  return variance(sums.squared_difference, sums.difference) / std::max(1.0, variance(sums.squared_patch, sums.patch));
+}
+
+/// Moves `at` (in pixels of this level) until the window fits. False when it cannot be followed.
+bool align(const PaddedImage& image, const KltPatch& patch, const StepSolver& solver, const KltOptions& options,
+           const KltKernels& kernels, Eigen::Vector2d& at) {
+  Eigen::Vector2d last_step = Eigen::Vector2d::Zero();
+  for (int iteration = 0; iteration < options.iterations; ++iteration) {
+    const auto corner = corner_of(image, at.x(), at.y(), patch.size);
+    if (!corner) return false;
+    const Eigen::Vector2d step = solver.step(kernels.mismatch(image, *corner, patch));
+    at += step;
+    if (step.squaredNorm() < options.epsilon_px * options.epsilon_px) return true;
+    // Two steps that undo each other: the minimum lies between (Bouguet's stop).
+    if (iteration > 0 && (step + last_step).cwiseAbs().maxCoeff() < options.epsilon_px) {
+      at -= 0.5 * step;
+      return true;
+    }
+    last_step = step;
+  }
+  return true;
+}
+
+/// Follows one point through `levels` levels of the pyramids; nullopt when it is lost.
+struct Follower {
+  const Pyramid& from;
+  const Pyramid& to;
+  const KltOptions& options;
+  const KltKernels& kernels;
+
+  std::optional<Eigen::Vector2d> follow(const Eigen::Vector2d& point, const Eigen::Vector2d& guess, int levels, double* ratio) const {
+    KltPatch patch;
+    Eigen::Vector2d at = guess;
+    for (int level = levels - 1; level >= 0; --level) {
+      const double scale = 1.0 / (1 << level);
+      const PaddedImage& image = from.level(level);
+      const Eigen::Vector2d centre = point * scale;
+      const auto corner = corner_of(image, centre.x(), centre.y(), options.window_px);
+      if (!corner) return std::nullopt;
+      kernels.cut(image, *corner, options.window_px, patch);
+      const StepSolver solver(patch, options.min_eigenvalue);
+      Eigen::Vector2d here = at * scale;
+      // A coarse level without texture says nothing; only on the finest it means that the point cannot be followed.
+      if (!solver.solvable()) {
+        if (level == 0) return std::nullopt;
+        continue;
+      }
+      if (!align(to.level(level), patch, solver, options, kernels, here)) return std::nullopt;
+      at = here / scale;
+    }
+    if (ratio) {
+      const auto corner = corner_of(to.level(0), at.x(), at.y(), options.window_px);
+      if (!corner) return std::nullopt;
+      *ratio = residual_ratio(kernels.residual(to.level(0), *corner, patch), options.window_px);
+    }
+    return at;
+  }
+};
+
+bool inside(const PaddedImage& image, const Eigen::Vector2d& pixel) {
+  return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() <= image.width() - 1 && pixel.y() <= image.height() - 1;
+}
+
+KltResult follow_point(const Follower& forward, const Follower& backward, const Eigen::Vector2f& point, const Eigen::Vector2f& guess) {
+  const KltOptions& options = forward.options;
+  const Eigen::Vector2d start = point.cast<double>();
+  const int levels = std::min(forward.from.levels(), forward.to.levels());
+  double ratio = 0.0;
+  const auto found = forward.follow(start, guess.cast<double>(), levels, &ratio);
+  if (!found || !inside(forward.to.level(0), *found)) return {};
+  KltResult result{found->cast<float>(), ratio <= options.max_residual_ratio, static_cast<float>(ratio)};
+  if (result.followed && options.backward_levels > 0) {
+    const auto back = backward.follow(*found, start, std::min(levels, options.backward_levels), nullptr);
+    result.followed = back && (*back - start).norm() <= options.max_backward_px;
+  }
+  return result;
+}
+
+}  // namespace
+
+void klt_follow(const Pyramid& previous, const Pyramid& current, std::span<const Eigen::Vector2f> points,
+                std::span<const Eigen::Vector2f> guesses, const KltOptions& options, TaskPool* pool, std::span<KltResult> results) {
+  RASTRO_CHECK(points.size() == guesses.size() && points.size() == results.size(), "a guess and a result for every point");
+  RASTRO_CHECK(options.window_px % 2 == 1 && options.window_px >= 5 && options.window_px <= klt_largest_window, "window");
+  RASTRO_CHECK(previous.level(0).padding() >= klt_padding && current.level(0).padding() >= klt_padding, "padding");
+  const KltKernels& kernels = klt_kernels();
+  const Follower forward{previous, current, options, kernels};
+  const Follower backward{current, previous, options, kernels};
+  const auto follow = [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      results[k] = follow_point(forward, backward, points[k], guesses[k]);
+    }
+  };
+  const int count = static_cast<int>(points.size());
+  if (pool) {
+    pool->for_chunks(0, count, points_per_chunk, follow);
+  } else {
+    follow(0, count);
+  }
+}
+
+}  // namespace rastro

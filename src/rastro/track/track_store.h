@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "rastro/feature/brief.h"
+
+namespace rastro {
+
+/// A feature's life as far as the sliding window reaches: a ring of its observations in the last `window` frames.
+class Track {
+ public:
+  explicit Track(int window)
+      : frames_(static_cast<std::size_t>(window), -1),
+        pixels_(static_cast<std::size_t>(window)),
+        descriptors_(static_cast<std::size_t>(window)) {}
+
+  void start(std::int64_t id);
+  void observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Descriptor& descriptor);
+
+  /// The slot in which frame `frame` would be kept.
+  std::size_t slot(std::int64_t frame) const { return static_cast<std::size_t>(frame) % frames_.size(); }
+  bool seen_in(std::int64_t frame) const { return frame >= 0 && frames_[slot(frame)] == frame; }
+  const Eigen::Vector2f& pixel_in(std::int64_t frame) const { return pixels_[slot(frame)]; }
+  /// By slot; slots whose frame is -1 or has left the window mean nothing.
+  const std::vector<std::int64_t>& frames() const { return frames_; }
+  const std::vector<Descriptor>& descriptors() const { return descriptors_; }
+  const Descriptor& last_descriptor() const { return descriptors_[slot(last_seen)]; }
+
+  std::int64_t id = -1;
+  std::int64_t last_seen = -1;
+  std::int32_t age = 0;
+  /// No observation's descriptor is farther from the last one's; set by measure_spread().
+  int descriptor_spread = 0;
+  void measure_spread();
+
+ private:
+  std::vector<std::int64_t> frames_;
+  std::vector<Eigen::Vector2f> pixels_;
+  std::vector<Descriptor> descriptors_;
+};
+
+/// All tracks inside the window: those followed in the current frame and those lost. Memory is reused, so it does not grow with the run.
+class TrackStore {
+ public:
+  explicit TrackStore(int window) : window_(window) {}
+
+  int window() const { return window_; }
+  /// Index of a fresh track with the next global id.
+  std::size_t create();
+  Track& operator[](std::size_t index) { return tracks_[index]; }
+  const Track& operator[](std::size_t index) const { return tracks_[index]; }
+
+  /// Lost tracks in ascending order of id.
+  const std::vector<std::size_t>& lost() const { return lost_; }
+  void mark_lost(std::size_t index);
+  void mark_found(std::size_t index);
+  /// Forgets lost tracks whose last observation is older than the window of frame `current`.
+  void forget_old(std::int64_t current);
+
+ private:
+  int window_;
+  std::int64_t next_id_ = 0;
+  std::vector<Track> tracks_;
+  std::vector<std::size_t> unused_;
+  std::vector<std::size_t> lost_;
+};
+
+}  // namespace rastro

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rastro/multiview/point_pairs.h"
+#include "rastro/track/options.h"
+#include "rastro/track/track_store.h"
+
+namespace rastro {
+
+/// A feature of the current frame that belongs, or may belong, to a track.
+struct Association {
+  std::size_t track = 0;
+  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< In the current frame.
+};
+
+/// Geometric validation of proposals, METHODS 1, steps 6 and 7: does a corner lie where the motion of the other features since some
+/// window frame puts the track? The motion of a window frame is estimated once, when first asked for.
+class Validation {
+ public:
+  /// `associations`: the tracked features and the first proposals (one a track); what is shared with a window frame gives its motion.
+  Validation(const TrackStore& store, std::int64_t current, std::span<const Association> associations, const TrackOptions& options);
+  ~Validation();
+
+  /// Whether any window frame in which the track was seen confirms it at `pixel`; the newest is asked first.
+  bool confirms(std::size_t track, const Eigen::Vector2f& pixel);
+  /// Motions estimated so far.
+  int estimated() const { return static_cast<int>(models_.size()); }
+
+  /// The motion from one window frame to the current one.
+  class Model {
+   public:
+    virtual ~Model() = default;
+    virtual bool agrees(const Eigen::Vector2d& in_window_frame, const Eigen::Vector2d& in_current) const = 0;
+  };
+
+ private:
+  const Model* model_of(std::int64_t frame);
+  std::unique_ptr<Model> estimate(std::int64_t frame) const;
+
+  const TrackStore& store_;
+  std::int64_t current_;
+  std::span<const Association> associations_;
+  const TrackOptions& options_;
+  std::map<std::int64_t, std::unique_ptr<Model>> models_;
+};
+
+}  // namespace rastro
