@@ -3,3 +3,18 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 add_test(NAME repository.layers COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/check_layers.py")
 add_test(NAME repository.layers_checker
   COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/check_layers_test.py")
+
+# A project outside of rastro, against an installation. Sanitized libraries would need a sanitized consumer.
+if(NOT RASTRO_SANITIZERS)
+  add_test(NAME repository.consumer
+    COMMAND ${CMAKE_COMMAND} "-DBUILD=${PROJECT_BINARY_DIR}" "-DSOURCE=${PROJECT_SOURCE_DIR}/tests/consumer"
+            "-DWORK=${PROJECT_BINARY_DIR}/consumer" "-DCOMPILER=${CMAKE_CXX_COMPILER}"
+            -P "${PROJECT_SOURCE_DIR}/tests/consumer/run.cmake")
+  set_tests_properties(repository.consumer PROPERTIES TIMEOUT 120)
+endif()
+
+# The reference page of the options is generated: it must say what the program says.
+if(RASTRO_BUILD_PROGRAM)
+  add_test(NAME repository.option_pages
+    COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/option_pages.py" --check "$<TARGET_FILE:rastro_program>")
+endif()

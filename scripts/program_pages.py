@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the man page and the bash completion of the program from its own --help texts.
+
+  scripts/program_pages.py PROGRAM FOLDER      writes FOLDER/rastro.1 and FOLDER/rastro.bash
+"""
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+
+def output_of(program, *words):
+    done = subprocess.run([program, *words], capture_output=True, text=True, timeout=30)
+    if done.returncode != 0:
+        sys.exit(f"program_pages: '{' '.join([Path(program).name, *words])}' failed: {done.stderr.strip()}")
+    return done.stdout
+
+
+def subcommands(help_text):
+    """The names listed below 'Subcommands:'."""
+    names = []
+    listed = False
+    for line in help_text.splitlines():
+        if re.match(r"^\S", line):
+            listed = line.startswith("Subcommands:")
+        match = re.match(r"^  ([a-z][a-z-]*)(\s|$)", line)
+        if listed and match:
+            names.append(match.group(1))
+    return names
+
+
+def collect(program, words=()):
+    """[(words, help)] of the command and everything below it, depth first."""
+    text = output_of(program, *words, "--help")
+    found = [(words, text)]
+    for name in subcommands(text):
+        found += collect(program, (*words, name))
+    return found
+
+
+def flags(help_text):
+    return sorted(set(re.findall(r"(?:^|[\s,])(--[a-z][a-z-]*)", help_text.split("Examples:")[0])))
+
+
+def roff(text):
+    escaped = text.rstrip().replace("\\", "\\e").replace("-", "\\-")
+    return "\n".join("\\&" + line if line.startswith((".", "'")) else line for line in escaped.splitlines())
+
+
+def man_page(pages, version):
+    parts = [f'.TH RASTRO 1 "" "{version}" "User commands"', ".SH NAME",
+             "rastro \\- feature tracks that survive occlusion, from camera recordings", ".SH SYNOPSIS",
+             ".B rastro", "COMMAND [flags]"]
+    for words, text in pages:
+        parts += [f".SH {' '.join(words).upper() or 'DESCRIPTION'}", ".nf", roff(text), ".fi"]
+    return "\n".join(parts) + "\n"
+
+
+def completion(pages):
+    cases = []
+    for words, text in pages:
+        candidates = " ".join(subcommands(text) + flags(text))
+        cases.append(f'    "{" ".join(words)}") candidates="{candidates}" ;;')
+    return f"""# bash completion of rastro, made from its --help texts
+_rastro() {{
+  local word words="" candidates=""
+  for word in "${{COMP_WORDS[@]:1:COMP_CWORD-1}}"; do
+    case "$words${{words:+ }}$word" in
+      {" | ".join(chr(34) + " ".join(words) + chr(34) for words, _ in pages if words)}) words="$words${{words:+ }}$word" ;;
+    esac
+  done
+  case "$words" in
+{chr(10).join(cases)}
+  esac
+  mapfile -t COMPREPLY < <(compgen -W "$candidates" -- "${{COMP_WORDS[COMP_CWORD]}}")
+}}
+complete -o default -F _rastro rastro
+"""
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit("usage: scripts/program_pages.py PROGRAM FOLDER")
+    program, folder = sys.argv[1], Path(sys.argv[2])
+    pages = collect(program)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "rastro.1").write_text(man_page(pages, output_of(program, "--version").splitlines()[0]))
+    (folder / "rastro.bash").write_text(completion(pages))
+
+
+if __name__ == "__main__":
+    main()
