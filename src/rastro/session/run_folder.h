@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/options.h"
+#include "rastro/sensor/source.h"
+#include "rastro/track/track_frame.h"
+
+namespace rastro {
+
+/// The folder of one run, written as the run goes: about.json and options.yaml first, stats.csv and events.jsonl by the
+/// frame, result.json last. A killed run keeps all that was written, and has no result.json.
+class RunFolder {
+ public:
+  /// Makes the folder. A folder that holds anything is an Error unless `overwrite` is given; then the files of a former
+  /// run are removed, other files stay.
+  RunFolder(std::filesystem::path folder, bool overwrite);
+
+  const std::filesystem::path& path() const { return folder_; }
+  std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+
+  void write_options(const OptionTable& options) const;
+  /// Version, machine, input and command line.
+  void write_about(const SourceInfo& input, const std::string& command_line) const;
+  void write_result(const std::string& json) const { write_whole_file(file("result.json"), json); }
+
+  /// One row of stats.csv: counts and the time of each stage in ms.
+  void add_stats(const TrackFrame& frame);
+  /// One line of events.jsonl, which is made with the first event.
+  void add_event(std::int64_t frame, const std::string& kind, const std::string& text);
+
+ private:
+  std::filesystem::path folder_;
+  std::optional<AppendFile> stats_;
+  std::optional<AppendFile> events_;
+};
+
+}  // namespace rastro

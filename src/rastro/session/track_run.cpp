@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/session/track_run.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <utility>
+
+#include "rastro/base/error.h"
+#include "rastro/base/log.h"
+#include "rastro/base/memory.h"
+#include "rastro/session/frame_numbers.h"
+#include "rastro/session/time_histogram.h"
+#include "rastro/session/writer_thread.h"
+
+namespace rastro {
+namespace {
+
+constexpr std::size_t pictures_waiting = 4;
+/// A source that only ever fails must not keep the run going for ever.
+constexpr std::int64_t failures_in_a_row = 100'000;
+
+class Runner {
+ public:
+  explicit Runner(const TrackRun& run) : run_(run), writer_(run.picture_sinks, pictures_waiting) {}
+
+  TrackRunEnd run_to_the_end() {
+    try {
+      process_all();
+    } catch (const Error& error) {
+      end_.failure = std::current_exception();
+      end_.result.ended = error.what();
+    } catch (const std::exception& error) {
+      end_.failure = std::current_exception();
+      end_.result.ended = fmt::format("fault: {}", error.what());
+    }
+    finish_sinks();
+    sum_up();
+    return std::move(end_);
+  }
+
+ private:
+  void process_all() {
+    for (;;) {
+      if (run_.stop && run_.stop->load()) {
+        end_.result.interrupted = true;
+        end_.result.ended = "interrupted";
+        return;
+      }
+      std::optional<Frame> frame;
+      const Reading reading = read(frame);
+      if (reading == Reading::end) break;
+      if (reading == Reading::frame) process(*frame);
+    }
+    end_.result.ended = "end of data";
+  }
+
+  enum class Reading { frame, skipped, end };
+
+  Reading read(std::optional<Frame>& frame) {
+    try {
+      frame = run_.source->next();
+      skipped_in_a_row_ = 0;
+      return frame ? Reading::frame : Reading::end;
+    } catch (const UnusableSource&) {
+      throw;
+    } catch (const Error& error) {
+      skip(error);
+      return Reading::skipped;
+    }
+  }
+
+  void skip(const Error& error) {
+    if (end_.first_skip.empty()) end_.first_skip = error.what();
+    ++end_.result.skipped_frames;
+    if (run_.folder) run_.folder->add_event(last_index_, "frame skipped", error.what());
+    if (++skipped_in_a_row_ > failures_in_a_row) throw error;
+  }
+
+  void process(Frame& frame) {
+    const GreyView mask = run_.mask_of ? run_.mask_of(frame) : GreyView{};
+    const auto begin = std::chrono::steady_clock::now();
+    TrackFrame tracks = run_.process(frame.image, frame.stamp, mask);
+    tracks.times.total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    times_.add(tracks.times.total_ms);
+    renumber(tracks, frame.index);
+    count(tracks);
+    for (TrackSink* sink : run_.sinks) sink->write(tracks, frame.image);
+    if (run_.folder) write_to_folder(tracks);
+    if (run_.progress) report(tracks);
+    writer_.write(std::move(tracks), std::move(frame.image));
+  }
+
+  /// The tracker counts the frames it is given; people count the frames of the recording.
+  void renumber(TrackFrame& tracks, std::int64_t recorded) {
+    numbers_.add(recorded);
+    last_index_ = tracks.index = recorded;
+    for (TrackedFeature& feature : tracks.features) feature.last_seen = numbers_.recorded(feature.last_seen);
+  }
+
+  void count(const TrackFrame& tracks) {
+    TrackResult& result = end_.result;
+    ++result.frames;
+    result.features += tracks.fresh;
+    result.observations += static_cast<std::int64_t>(tracks.features.size());
+    result.tracked += tracks.tracked;
+    result.reidentified += tracks.reidentified;
+    result.lost += tracks.lost;
+    result.masked += tracks.masked;
+    result.unhealthy_frames += tracks.health == TrackHealth::good ? 0 : 1;
+  }
+
+  void write_to_folder(const TrackFrame& tracks) {
+    run_.folder->add_stats(tracks);
+    if (tracks.health != health_) {
+      const std::string text = tracks.health == TrackHealth::good
+                                   ? "good again"
+                                   : fmt::format("{}: {} features", name_of(tracks.health), tracks.features.size());
+      run_.folder->add_event(tracks.index, "health", text);
+    }
+    health_ = tracks.health;
+  }
+
+  void report(const TrackFrame& tracks) {
+    run_.progress({end_.result.frames + end_.result.skipped_frames, run_.frames_asked, &tracks, times_.mean_ms()});
+  }
+
+  /// The first failure is the one to report; a sink that fails here must not keep the others from finishing.
+  void finish_sinks() {
+    const auto attempt = [this](const auto& action) {
+      try {
+        action();
+      } catch (...) {
+        if (!end_.failure) end_.failure = std::current_exception();
+      }
+    };
+    for (TrackSink* sink : run_.sinks) attempt([sink] { sink->finish(); });
+    attempt([this] { writer_.finish(); });
+  }
+
+  void sum_up() {
+    TrackResult& result = end_.result;
+    const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames);
+    result.coverage = asked > 0 ? 100.0 * static_cast<double>(result.frames) / static_cast<double>(asked) : 0.0;
+    result.ms_per_frame_mean = times_.mean_ms();
+    result.ms_per_frame_p95 = times_.percentile_ms(0.95);
+    result.peak_memory_mb = peak_resident_memory_mb();
+    if (result.features > 0) {
+      result.mean_track_length = static_cast<double>(result.observations) / static_cast<double>(result.features);
+    }
+  }
+
+  const TrackRun& run_;
+  WriterThread writer_;
+  FrameNumbers numbers_;
+  TimeHistogram times_;
+  TrackRunEnd end_;
+  TrackHealth health_ = TrackHealth::good;
+  std::int64_t last_index_ = -1;  ///< Last frame that was processed.
+  std::int64_t skipped_in_a_row_ = 0;
+};
+
+}  // namespace
+
+TrackRunEnd track_run(const TrackRun& run) {
+  RASTRO_CHECK(run.source && run.process, "a run needs a source and a tracker");
+  return Runner(run).run_to_the_end();
+}
+
+}  // namespace rastro
