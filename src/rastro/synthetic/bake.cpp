@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Geometry>
+#include <array>
+#include <numbers>
+
+#include "rastro/synthetic/scene.h"
+
+namespace rastro {
+namespace {
+
+constexpr double reach_m = 3.0;  // Farther than this nothing darkens a corner.
+constexpr double node_spacing_m = 0.35;
+
+/// World point and outward normal of a place on a face, by walking from the middle of the face's local frame.
+struct Place {
+  Eigen::Vector3d point, normal;
+};
+
+Place place_on(const Scene& scene, const Surface& surface, double u, double v) {
+  const Primitive& solid = scene.primitives()[surface.primitive];
+  const Eigen::Vector3d& half = solid.half;
+  Eigen::Vector3d local = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+  if (solid.shape == Shape::sphere || (solid.shape == Shape::cylinder && surface.face == 0)) {
+    const double longitude = u / half.x() - std::numbers::pi;
+    const double colatitude = solid.shape == Shape::sphere ? v / half.x() : 0.5 * std::numbers::pi;
+    normal = {std::cos(longitude) * std::sin(colatitude), std::sin(longitude) * std::sin(colatitude),
+              std::cos(colatitude)};
+    local = half.x() * normal;
+    if (solid.shape == Shape::cylinder) local.z() = half.z() - v, normal.z() = 0.0;
+    return {solid.centre + solid.world_from_local * local, solid.world_from_local * normal};
+  }
+  // Flat faces: the picture's axes are constant, so start at the face's middle.
+  const int axis = solid.shape == Shape::box ? surface.face / 2 : 2;
+  const bool negative = solid.shape == Shape::box ? (surface.face & 1) != 0 : surface.face == 2;
+  local[axis] = negative ? -half[axis] : half[axis];
+  const Eigen::Vector3d middle = solid.centre + solid.world_from_local * local;
+  const FacePoint face = scene.face_point(solid.first_surface + static_cast<std::uint32_t>(surface.face), middle);
+  return {middle + (u - face.u) * face.along_u + (v - face.v) * face.along_v, face.normal};
+}
+
+/// Evenly spread directions (Fibonacci sphere), the same for every place: noise between neighbouring nodes would show
+/// as blotches.
+std::array<Eigen::Vector3d, 40> directions() {
+  std::array<Eigen::Vector3d, 40> result;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(result.size());
+    const double angle = static_cast<double>(i) * std::numbers::pi * (3.0 - std::sqrt(5.0));
+    result[i] = {std::sqrt(1.0 - z * z) * std::cos(angle), std::sqrt(1.0 - z * z) * std::sin(angle), z};
+  }
+  return result;
+}
+
+/// Light that reaches a place: lamps above, windows to the sides, less in corners. About 1 in the open.
+double light_at(const Scene& scene, const Place& place) {
+  static const std::array<Eigen::Vector3d, 40> rays = directions();
+  double light = 0.0, weight = 0.0;
+  const Eigen::Vector3d origin = place.point + 2e-3 * place.normal;
+  for (const Eigen::Vector3d& ray : rays) {
+    const double slope = ray.dot(place.normal);
+    if (slope <= 0.05) continue;
+    const std::optional<RayHit> hit = scene.trace(origin, ray, reach_m);
+    const double open = hit ? 0.25 + 0.75 * hit->t / reach_m : 1.0;
+    light += slope * open * (0.95 + 0.55 * ray.z() + 0.25 * ray.y());
+    weight += slope;
+  }
+  return weight > 0.0 ? light / weight : 1.0;
+}
+
+Image<float> light_map(const Scene& scene, const Surface& surface) {
+  const int columns = 2 + static_cast<int>(surface.width / node_spacing_m),
+            rows = 2 + static_cast<int>(surface.height / node_spacing_m);
+  Image<float> map(columns, rows);
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      // A little inside the border, where a neighbouring solid does not yet cover the place.
+      const double u = std::clamp(surface.width * column / (columns - 1), 0.01, std::max(0.01, surface.width - 0.01));
+      const double v = std::clamp(surface.height * row / (rows - 1), 0.01, std::max(0.01, surface.height - 0.01));
+      map.at(column, row) = static_cast<float>(light_at(scene, place_on(scene, surface, u, v)));
+    }
+  return map;
+}
+
+void multiply(Image<float>& values, const Image<float>& map) {
+  const float scale_x = static_cast<float>(map.width() - 1) / static_cast<float>(values.width());
+  const float scale_y = static_cast<float>(map.height() - 1) / static_cast<float>(values.height());
+  for (int y = 0; y < values.height(); ++y) {
+    const float map_y = (static_cast<float>(y) + 0.5F) * scale_y;
+    const int top = std::min(static_cast<int>(map_y), map.height() - 2);
+    const float v = map_y - static_cast<float>(top);
+    for (int x = 0; x < values.width(); ++x) {
+      const float map_x = (static_cast<float>(x) + 0.5F) * scale_x;
+      const int left = std::min(static_cast<int>(map_x), map.width() - 2);
+      const float u = map_x - static_cast<float>(left);
+      const float above = map.at(left, top) + u * (map.at(left + 1, top) - map.at(left, top));
+      const float below = map.at(left, top + 1) + u * (map.at(left + 1, top + 1) - map.at(left, top + 1));
+      values.at(x, y) *= above + v * (below - above);
+    }
+  }
+}
+
+}  // namespace
+
+void Scene::bake(std::uint64_t seed, TaskPool& pool) {
+  pool.for_chunks(0, static_cast<int>(surfaces_.size()), 1, [&](int begin, int end) {
+    for (int index = begin; index < end; ++index) {
+      Surface& surface = surfaces_[static_cast<std::size_t>(index)];
+      Random random(seed_for(seed, static_cast<std::uint64_t>(index)));
+      Canvas canvas(surface.width, surface.height, surface.material.texels_per_metre);
+      surface.material.paint(canvas, random);
+      if (!surface.material.shines) multiply(canvas.values(), light_map(*this, surface));
+      surface.texture = Texture(canvas.values());
+      surface.texels_x = canvas.values().width() / surface.width;
+      surface.texels_y = canvas.values().height() / surface.height;
+    }
+  });
+}
+
+}  // namespace rastro

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "rastro/base/random.h"
+#include "rastro/image/image.h"
+
+namespace rastro {
+
+/// A picture of one surface that painters draw on. Positions and sizes are metres from the upper left corner (x right,
+/// y down), values are grey levels (0 black, 255 white; painters may leave that range, the texture clamps). Edges are
+/// anti-aliased.
+class Canvas {
+ public:
+  /// The size is brought to whole texels, at least 2 x 2.
+  Canvas(double width_m, double height_m, double texels_per_metre);
+
+  double width() const { return width_m_; }
+  double height() const { return height_m_; }
+  double texels_per_metre() const { return density_; }
+  Image<float>& values() { return values_; }
+  const Image<float>& values() const { return values_; }
+
+  void fill(float value);
+  /// Adds smooth random variation of every wavelength from `coarsest_m` down to one texel, none of it periodic.
+  /// `amplitude` is that of the coarsest wavelength in grey levels; each halving of the wavelength multiplies it by
+  /// `persistence`.
+  void add_noise(Random& random, double coarsest_m, float amplitude, float persistence);
+
+  struct Box {
+    double x0, y0, x1, y1;
+  };
+  /// Draws `value` where the signed distance (metres, negative inside) says inside; `opacity` 0..1.
+  template <typename SignedDistance>
+  void shape(const Box& bounds, float value, float opacity, SignedDistance&& signed_distance) {
+    blend(bounds, [&](double x, double y, float& texel) {
+      const double coverage = std::clamp(0.5 - signed_distance(x, y) * density_, 0.0, 1.0);
+      texel += static_cast<float>(coverage) * opacity * (value - texel);
+    });
+  }
+  /// Calls change(x, y, texel) for every texel in the bounds.
+  template <typename Change>
+  void blend(const Box& bounds, Change&& change) {
+    const int x_begin = std::max(0, static_cast<int>(std::floor(bounds.x0 * density_ - 1.0)));
+    const int y_begin = std::max(0, static_cast<int>(std::floor(bounds.y0 * density_ - 1.0)));
+    const int x_end = std::min(values_.width(), static_cast<int>(std::ceil(bounds.x1 * density_ + 1.0)));
+    const int y_end = std::min(values_.height(), static_cast<int>(std::ceil(bounds.y1 * density_ + 1.0)));
+    for (int y = y_begin; y < y_end; ++y)
+      for (int x = x_begin; x < x_end; ++x) change((x + 0.5) / density_, (y + 0.5) / density_, values_.at(x, y));
+  }
+
+  void rectangle(double x0, double y0, double x1, double y1, float value, float opacity = 1.0F);
+  /// Only the border of the rectangle, `thickness` wide, centred on its edge.
+  void outline(double x0, double y0, double x1, double y1, double thickness, float value, float opacity = 1.0F);
+  void line(double x0, double y0, double x1, double y1, double thickness, float value, float opacity = 1.0F);
+  void disc(double x, double y, double radius, float value, float opacity = 1.0F);
+  void ring(double x, double y, double radius, double thickness, float value, float opacity = 1.0F);
+  /// A soft spot: adds `delta` in the middle, falling off as a Gaussian.
+  void spot(double x, double y, double radius_x, double radius_y, float delta);
+  /// Slanted stripes of two values, as on hazard markings.
+  void stripes(double x0, double y0, double x1, double y1, double period, float dark, float light);
+  /// Capital letters, digits, '-' and '.'; other characters are blank. Returns the width drawn.
+  double text(double x, double y, double letter_height, std::string_view letters, float value, float opacity = 1.0F);
+
+ private:
+  double width_m_, height_m_, density_;
+  Image<float> values_;
+};
+
+}  // namespace rastro

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "rastro/math/se3.h"
+
+namespace rastro {
+
+/// A smooth camera path without an end: a uniform cubic B-spline, cumulative in the rotation (Kim, Kim and Shin 1995),
+/// so that position and rotation have continuous second derivatives. Control poses are computed when they are needed.
+class CameraPath {
+ public:
+  /// world_from_camera of control pose `index`, which the path passes near at time index * spacing_s. Must depend on
+  /// nothing else.
+  using Controls = std::function<SE3(std::int64_t index)>;
+
+  CameraPath(Controls controls, double spacing_s) : controls_(std::move(controls)), spacing_s_(spacing_s) {}
+  SE3 world_from_camera(double time_s) const;
+
+ private:
+  Controls controls_;
+  double spacing_s_;
+};
+
+/// Rotation of a camera that looks along the world's x axis (z up), turned by yaw to the left, pitch downwards and roll
+/// about its own axis, radians.
+SO3 looking(double yaw, double pitch, double roll);
+
+}  // namespace rastro

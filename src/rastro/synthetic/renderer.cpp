@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/synthetic/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rastro/base/error.h"
+#include "rastro/synthetic/intersect.h"
+#include "rastro/synthetic/tiles.h"
+
+namespace rastro {
+namespace {
+
+constexpr int tile_px = 16;
+constexpr int tiles_per_block = 4;  // Blocks of tiles are culled first, so that a tile tests few solids.
+
+struct PixelHit {
+  double depth = 0.0;
+  std::uint32_t surface = no_surface;
+};
+
+/// One picture in the making.
+class Shot {
+ public:
+  Shot(const Scene& scene, const Renderer& renderer, const SE3& world_from_camera)
+      : scene_(scene),
+        renderer_(renderer),
+        rotation_(world_from_camera.rotation().matrix()),
+        centre_(world_from_camera.translation()),
+        step_x_(rotation_.col(0) / renderer.camera().fx),
+        step_y_(rotation_.col(1) / renderer.camera().fy),
+        viewed_(view_primitives(scene, world_from_camera)),
+        columns_((renderer.camera().width + tile_px - 1) / tile_px),
+        rows_((renderer.camera().height + tile_px - 1) / tile_px),
+        lists_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+        light(renderer.camera().width, renderer.camera().height) {
+    frame.depth = DepthImage(renderer.camera().width, renderer.camera().height);
+    frame.surface = Image<std::uint32_t>(renderer.camera().width, renderer.camera().height);
+  }
+
+  void cast(TaskPool& pool) {
+    pool.for_chunks(0, (rows_ + tiles_per_block - 1) / tiles_per_block, 1, [&](int begin, int end) {
+      for (int block_row = begin; block_row < end; ++block_row) cast_block_row(block_row);
+    });
+  }
+
+  /// Averages several rays in pixels that more than one surface reaches.
+  void smooth_edges(TaskPool& pool) {
+    const Image<float> centres = light;
+    pool.for_chunks(0, light.height(), tile_px, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y)
+        for (int x = 0; x < light.width(); ++x)
+          if (on_edge(x, y)) light.at(x, y) = supersampled(x, y, centres.at(x, y));
+    });
+  }
+
+ private:
+  void cast_block_row(int block_row) {
+    std::vector<const ViewedPrimitive*> all;
+    for (const ViewedPrimitive& viewed : viewed_) all.push_back(&viewed);
+    const int first_row = block_row * tiles_per_block, end_row = std::min(rows_, first_row + tiles_per_block);
+    for (int first = 0; first < columns_; first += tiles_per_block) {
+      const int end = std::min(columns_, first + tiles_per_block);
+      const auto candidates = seen_in(window_of(first, first_row, end, end_row), all);
+      for (int row = first_row; row < end_row; ++row)
+        for (int column = first; column < end; ++column) {
+          auto& list = lists_[static_cast<std::size_t>(row * columns_ + column)];
+          list = seen_in(window_of(column, row, column + 1, row + 1), candidates);
+          cast_tile(column, row, list);
+        }
+    }
+  }
+
+  /// Bounds of the rays of a range of tiles, half a pixel and more around for the rays of smooth_edges().
+  ViewWindow window_of(int column, int row, int end_column, int end_row) const {
+    const Camera& camera = renderer_.camera();
+    const int x0 = column * tile_px, x1 = std::min(camera.width, end_column * tile_px) - 1;
+    const int y0 = row * tile_px, y1 = std::min(camera.height, end_row * tile_px) - 1;
+    ViewWindow window{1e9, 1e9, -1e9, -1e9};
+    const auto include = [&](int x, int y) {
+      const Eigen::Vector3d ray = renderer_.ray(x, y);
+      window = {std::min(window.x0, ray.x()), std::min(window.y0, ray.y()), std::max(window.x1, ray.x()),
+                std::max(window.y1, ray.y())};
+    };
+    // Rays bend smoothly, so the extremes lie on the border.
+    for (int x = x0; x <= x1; ++x) include(x, y0), include(x, y1);
+    for (int y = y0; y <= y1; ++y) include(x0, y), include(x1, y);
+    const double margin_x = 1.5 / camera.fx, margin_y = 1.5 / camera.fy;
+    return {window.x0 - margin_x, window.y0 - margin_y, window.x1 + margin_x, window.y1 + margin_y};
+  }
+
+  void cast_tile(int column, int row, const std::vector<const ViewedPrimitive*>& list) {
+    const int x_end = std::min(light.width(), (column + 1) * tile_px),
+              y_end = std::min(light.height(), (row + 1) * tile_px);
+    for (int y = row * tile_px; y < y_end; ++y)
+      for (int x = column * tile_px; x < x_end; ++x) {
+        const Eigen::Vector3d direction = rotation_ * renderer_.ray(x, y);
+        const PixelHit hit = nearest(list, direction);
+        frame.depth.at(x, y) = static_cast<float>(hit.depth);
+        frame.surface.at(x, y) = hit.surface;
+        light.at(x, y) = shade(hit, direction);
+      }
+  }
+
+  static PixelHit nearest(const std::vector<const ViewedPrimitive*>& list, const Eigen::Vector3d& direction) {
+    Meeting best;
+    const Primitive* met = nullptr;
+    for (const ViewedPrimitive* viewed : list) {
+      if (viewed->nearest_depth > best.t) break;
+      const Meeting meeting = meet(*viewed->primitive, viewed->origin_in_local, direction);
+      if (meeting.t >= best.t) continue;
+      best = meeting;
+      met = viewed->primitive;
+    }
+    if (met == nullptr) return {};
+    return {best.t, met->first_surface + static_cast<std::uint32_t>(best.face)};
+  }
+
+  float shade(const PixelHit& hit, const Eigen::Vector3d& direction) const {
+    if (hit.surface == no_surface) return 0.0F;
+    const FacePoint place = scene_.face_point(hit.surface, centre_ + hit.depth * direction);
+    const Surface& surface = scene_.surfaces()[hit.surface];
+    const double facing = place.normal.dot(direction);
+    const double safe = std::abs(facing) < 1e-4 ? 1e-4 : facing;
+    const double along_u = place.along_u.dot(direction) / safe, along_v = place.along_v.dot(direction) / safe;
+    const double normal_x = place.normal.dot(step_x_), normal_y = place.normal.dot(step_y_);
+    const double scale_x = hit.depth * surface.texels_x, scale_y = hit.depth * surface.texels_y;
+    const auto du_dx = static_cast<float>(scale_x * (place.along_u.dot(step_x_) - along_u * normal_x));
+    const auto dv_dx = static_cast<float>(scale_y * (place.along_v.dot(step_x_) - along_v * normal_x));
+    const auto du_dy = static_cast<float>(scale_x * (place.along_u.dot(step_y_) - along_u * normal_y));
+    const auto dv_dy = static_cast<float>(scale_y * (place.along_v.dot(step_y_) - along_v * normal_y));
+    return surface.texture.sample(static_cast<float>(place.u * surface.texels_x),
+                                  static_cast<float>(place.v * surface.texels_y), du_dx, dv_dx, du_dy, dv_dy);
+  }
+
+  bool on_edge(int x, int y) const {
+    const std::uint32_t here = frame.surface.at(x, y);
+    return (x > 0 && frame.surface.at(x - 1, y) != here) ||
+           (x + 1 < light.width() && frame.surface.at(x + 1, y) != here) ||
+           (y > 0 && frame.surface.at(x, y - 1) != here) ||
+           (y + 1 < light.height() && frame.surface.at(x, y + 1) != here);
+  }
+
+  float supersampled(int x, int y, float centre) const {
+    // A rotated square: four different offsets along x and along y resolve edges near both directions best.
+    constexpr double offsets[4][2] = {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}};
+    const auto& list = lists_[static_cast<std::size_t>((y / tile_px) * columns_ + x / tile_px)];
+    const Eigen::Vector3d middle = rotation_ * renderer_.ray(x, y);
+    float sum = centre;
+    for (const auto& offset : offsets) {
+      const Eigen::Vector3d direction = middle + offset[0] * step_x_ + offset[1] * step_y_;
+      sum += shade(nearest(list, direction), direction);
+    }
+    return sum / 5.0F;
+  }
+
+  const Scene& scene_;
+  const Renderer& renderer_;
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3d centre_, step_x_, step_y_;
+  std::vector<ViewedPrimitive> viewed_;
+  int columns_, rows_;
+  std::vector<std::vector<const ViewedPrimitive*>> lists_;
+
+ public:
+  Image<float> light;
+  RenderedFrame frame;
+};
+
+}  // namespace
+
+Renderer::Renderer(const Scene& scene, const Camera& camera) : scene_(&scene), camera_(camera) {
+  if (camera.width < 2 || camera.height < 2)
+    throw Error("the camera has no image size", "renderer", "give a width and height of at least 2");
+  rays_.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const std::optional<Eigen::Vector2d> ray = camera.unproject({x, y});
+      if (!ray)
+        throw Error("the lens distortion cannot be undone in the whole image", "renderer",
+                    "use weaker distortion coefficients");
+      rays_.push_back(*ray);
+    }
+}
+
+RenderedFrame Renderer::render(const SE3& world_from_camera, const SensorModel& sensor, const ShutterMotion& shutter,
+                               std::uint64_t noise_seed, TaskPool& pool) const {
+  Shot shot(*scene_, *this, world_from_camera);
+  shot.cast(pool);
+  shot.smooth_edges(pool);
+  shot.frame.grey = expose(shot.light, shot.frame.depth, camera_, sensor, shutter, noise_seed, pool);
+  return std::move(shot.frame);
+}
+
+}  // namespace rastro

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/camera/camera.h"
+#include "rastro/image/image.h"
+#include "rastro/math/se3.h"
+#include "rastro/synthetic/scene.h"
+#include "rastro/synthetic/sensor_model.h"
+
+namespace rastro {
+
+constexpr std::uint32_t no_surface = 0xFFFFFFFF;
+
+struct RenderedFrame {
+  GreyImage grey;
+  DepthImage depth;  ///< Exact depth along the optical axis at each pixel's centre, metres; 0 where nothing is met.
+  Image<std::uint32_t> surface;  ///< Surface met at each pixel's centre; no_surface where there is none.
+};
+
+/// Casts one ray a pixel, more along the edges of solids, in small tiles that know which solids they may see.
+/// The scene must outlive the renderer. Rendering changes nothing in it and may run for several frames at once.
+class Renderer {
+ public:
+  /// Errors for a camera without size or whose distortion cannot be undone somewhere in the image.
+  Renderer(const Scene& scene, const Camera& camera);
+
+  /// The same bytes for any pool.
+  RenderedFrame render(const SE3& world_from_camera, const SensorModel& sensor, const ShutterMotion& shutter,
+                       std::uint64_t noise_seed, TaskPool& pool) const;
+
+  const Camera& camera() const { return camera_; }
+  /// Direction of a pixel's centre in the camera, with z = 1.
+  Eigen::Vector3d ray(int x, int y) const {
+    const std::size_t pixel =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);
+    return {rays_[pixel].x(), rays_[pixel].y(), 1.0};
+  }
+
+ private:
+  const Scene* scene_;
+  Camera camera_;
+  std::vector<Eigen::Vector2d> rays_;
+};
+
+}  // namespace rastro

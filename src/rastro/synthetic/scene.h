@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "rastro/base/random.h"
+#include "rastro/base/task_pool.h"
+#include "rastro/synthetic/paint/canvas.h"
+#include "rastro/synthetic/texture.h"
+
+namespace rastro {
+
+enum class Shape : std::uint8_t {
+  box,       ///< Faces in the order +x -x +y -y +z -z.
+  quad,      ///< A rectangle in its local plane z = 0, seen from both sides.
+  cylinder,  ///< Along local z: side, cap at +z, cap at -z.
+  sphere,
+};
+
+/// A solid of the scene in a frame of its own at its centre.
+struct Primitive {
+  Shape shape = Shape::box;
+  bool aligned = true;  ///< The rotation is the identity.
+  Eigen::Matrix3d world_from_local = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< In the world, metres.
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();  ///< Half sizes along the local axes: radius, radius, half height of
+                                                   ///< a cylinder; radii of a sphere.
+  std::uint32_t first_surface = 0;                 ///< Its faces are consecutive surfaces from here on.
+};
+
+/// How a face is painted. The painter draws the reflectance; light is multiplied in afterwards unless the face shines
+/// itself.
+struct Material {
+  std::function<void(Canvas&, Random&)> paint;
+  double texels_per_metre = 100.0;
+  bool shines = false;
+};
+
+/// One face: what a surface id stands for.
+struct Surface {
+  std::uint32_t primitive = 0;
+  int face = 0;
+  double width = 0.0, height = 0.0;  ///< Metres, unrolled.
+  Material material;
+  Texture texture;
+  double texels_x = 0.0, texels_y = 0.0;  ///< Texels per metre as made.
+};
+
+/// Where a ray origin + t * direction first meets a solid. With a direction of unit depth (x, y, 1) in a camera, t is
+/// the depth.
+struct RayHit {
+  double t = 0.0;
+  std::uint32_t surface = 0;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< In the world, metres.
+};
+
+/// The face at a point: its place in the texture and its local directions in the world.
+struct FacePoint {
+  double u = 0.0, v = 0.0;  ///< Metres from the upper left corner of the face.
+  Eigen::Vector3d normal, along_u, along_v;
+};
+
+/// Textured solids with exact geometry.
+class Scene {
+ public:
+  /// Rotated by `yaw` (radians) about the vertical unless a full rotation is given. Each returns the primitive's
+  /// number.
+  std::uint32_t add_box(const Eigen::Vector3d& centre, const Eigen::Vector3d& size, const Material& material,
+                        double yaw = 0.0);
+  std::uint32_t add_cylinder(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius,
+                             const Material& material);
+  std::uint32_t add_sphere(const Eigen::Vector3d& centre, double radius, const Material& material);
+  /// Spanned by full side vectors at right angles; `right` and `down` as the picture on it is seen from its front.
+  std::uint32_t add_quad(const Eigen::Vector3d& centre, const Eigen::Vector3d& right, const Eigen::Vector3d& down,
+                         const Material& material);
+  /// Replaces the material of one face of a primitive.
+  void paint_face(std::uint32_t primitive, int face, const Material& material);
+
+  /// Paints and lights all surfaces. The same pictures for any pool.
+  void bake(std::uint64_t seed, TaskPool& pool);
+
+  /// First solid met for t in (0, limit): the exact truth that pictures are made from. nullopt when there is none.
+  std::optional<RayHit> trace(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                              double limit = 1e9) const;
+  /// Where `point` of the surface lies on its face.
+  FacePoint face_point(std::uint32_t surface, const Eigen::Vector3d& point) const;
+  /// Whether a ball touches or is inside any solid (boxes and cylinders by their oriented box).
+  bool touches(const Eigen::Vector3d& centre, double radius) const;
+
+  const std::vector<Primitive>& primitives() const { return primitives_; }
+  const std::vector<Surface>& surfaces() const { return surfaces_; }
+  std::size_t texture_bytes() const;
+
+ private:
+  std::uint32_t add(Primitive primitive, const Material& material);
+  std::vector<Primitive> primitives_;
+  std::vector<Surface> surfaces_;
+};
+
+}  // namespace rastro

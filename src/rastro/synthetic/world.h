@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/base/time.h"
+#include "rastro/camera/camera.h"
+#include "rastro/math/se3.h"
+#include "rastro/sensor/source.h"
+#include "rastro/synthetic/path.h"
+#include "rastro/synthetic/renderer.h"
+#include "rastro/synthetic/scene.h"
+#include "rastro/synthetic/sensor_model.h"
+
+namespace rastro {
+
+/// How a point of the world is seen in one frame.
+struct PointView {
+  bool inside = false;                              ///< It projects into the image.
+  bool visible = false;                             ///< And no nearer surface is in the way.
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< Meaningless when not inside.
+};
+
+/// A generated world that a camera flies through: any frame can be rendered on its own, in any order, and everything
+/// about it is known exactly. Frames are numbered from 0 and never end. Const members may be called from several
+/// threads.
+class World {
+ public:
+  struct Parts {
+    std::string name;
+    Camera camera;
+    CameraPath path;
+    std::function<SensorModel(double time_s)> sensor;
+    double rate_hz = 20.0;
+    TimeNs first_stamp = 0;
+    std::uint64_t seed = 1;
+    SE3 body_from_camera;
+  };
+  World(std::unique_ptr<const Scene> scene, Parts parts);
+
+  const std::string& name() const { return parts_.name; }
+  const Scene& scene() const { return *scene_; }
+  const Camera& camera() const { return parts_.camera; }
+  const SE3& body_from_camera() const { return parts_.body_from_camera; }
+  double rate_hz() const { return parts_.rate_hz; }
+  TimeNs stamp(std::int64_t frame) const;
+  SE3 world_from_camera(std::int64_t frame) const;
+  SE3 world_from_camera_at(double time_s) const { return parts_.path.world_from_camera(time_s); }
+
+  RenderedFrame render(std::int64_t frame, TaskPool& pool) const;
+
+  /// What a pixel shows, exactly; nullopt outside the image or where the ray meets nothing.
+  std::optional<RayHit> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const;
+  /// Whether and where a point on a surface is seen.
+  PointView view_of(std::int64_t frame, const Eigen::Vector3d& point_in_world) const;
+
+ private:
+  std::unique_ptr<const Scene> scene_;
+  Parts parts_;
+  Renderer renderer_;
+};
+
+/// The first `frames` frames as a source with ground truth of the camera, without any file. The world must outlive the
+/// source.
+std::unique_ptr<Source> synthetic_source(const World& world, std::int64_t frames, int threads = 1);
+
+}  // namespace rastro

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "rastro/synthetic/scene.h"
+
+namespace rastro::hall {
+
+// Materials of the machine hall. `tone` is the mean grey of the bare material, 0..255.
+
+Material concrete_floor();
+Material brick_wall();
+Material ceiling_sheet();
+Material machine(float tone, double texels_per_metre = 170.0);
+Material cabinet(float tone);
+Material tank(float tone);
+Material pipe(float tone);
+Material steel_beam(float tone, double texels_per_metre = 110.0);
+Material concrete_pillar();
+Material wooden_crate();
+Material cardboard();
+Material drum(float tone);
+Material window();
+Material gate();
+Material sign(bool hazard);
+Material lamp();
+
+}  // namespace rastro::hall
