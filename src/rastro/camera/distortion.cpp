@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/camera/distortion.h"
 
+#include <Eigen/LU>
 #include <array>
 #include <cmath>
 #include <limits>

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/camera/undistort_map.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rastro/base/error.h"
+#include "rastro/camera/distortion.h"
+
+namespace rastro {
+namespace {
+
+// A flat image cannot show rays farther out: at 80 degrees a pixel is already stretched thirtyfold.
+constexpr double farthest_ray = 5.7;
+
+struct Rectangle {
+  double left, right, top, bottom;
+};
+
+/// Rays of the recorded image's border: the largest rectangle inside it and the smallest around it.
+struct BorderRays {
+  Rectangle inner, outer;
+};
+
+std::optional<Eigen::Vector2d> useful_ray(const Camera& camera, double x, double y) {
+  const auto ray = camera.unproject({x, y});
+  if (ray && ray->norm() <= farthest_ray) return ray;
+  // No ray there (a fisheye's black corner): the last useful one on the way to the middle.
+  const Eigen::Vector2d middle(camera.cx, camera.cy), outward = Eigen::Vector2d(x, y) - middle;
+  double low = 0.0, high = 1.0;
+  std::optional<Eigen::Vector2d> best;
+  for (int i = 0; i < 40; ++i) {
+    const double part = 0.5 * (low + high);
+    const auto nearer = camera.unproject(middle + part * outward);
+    const bool useful = nearer && nearer->norm() <= farthest_ray;
+    (useful ? low : high) = part;
+    if (useful) best = nearer;
+  }
+  return best;
+}
+
+BorderRays border_rays(const Camera& camera) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  BorderRays result{{-infinity, infinity, -infinity, infinity}, {infinity, -infinity, infinity, -infinity}};
+  auto& [inner, outer] = result;
+  const auto around = [&outer](const Eigen::Vector2d& ray) {
+    outer = {std::min(outer.left, ray.x()), std::max(outer.right, ray.x()), std::min(outer.top, ray.y()),
+             std::max(outer.bottom, ray.y())};
+  };
+  const double right = camera.width - 1.0, bottom = camera.height - 1.0;
+  for (int y = 0; y < camera.height; ++y) {
+    const auto at_left = useful_ray(camera, 0.0, y), at_right = useful_ray(camera, right, y);
+    if (!at_left || !at_right) continue;
+    inner.left = std::max(inner.left, at_left->x());
+    inner.right = std::min(inner.right, at_right->x());
+    around(*at_left);
+    around(*at_right);
+  }
+  for (int x = 0; x < camera.width; ++x) {
+    const auto at_top = useful_ray(camera, x, 0.0), at_bottom = useful_ray(camera, x, bottom);
+    if (!at_top || !at_bottom) continue;
+    inner.top = std::max(inner.top, at_top->y());
+    inner.bottom = std::min(inner.bottom, at_bottom->y());
+    around(*at_top);
+    around(*at_bottom);
+  }
+  return result;
+}
+
+bool usable(const Rectangle& r) {
+  return r.right > r.left && r.bottom > r.top && std::isfinite(r.right - r.left) && std::isfinite(r.bottom - r.top);
+}
+
+std::uint8_t sample(GreyView image, float x, float y) {
+  // Also false for NaN.
+  if (!(x >= 0.0F && y >= 0.0F && x <= static_cast<float>(image.width - 1) &&
+        y <= static_cast<float>(image.height - 1)))
+    return 0;
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const int right = std::min(left + 1, image.width - 1), bottom = std::min(top + 1, image.height - 1);
+  const float along = x - static_cast<float>(left), down = y - static_cast<float>(top);
+  const float above = image.at(left, top) + along * (image.at(right, top) - image.at(left, top));
+  const float below = image.at(left, bottom) + along * (image.at(right, bottom) - image.at(left, bottom));
+  return static_cast<std::uint8_t>(above + down * (below - above) + 0.5F);
+}
+
+}  // namespace
+
+Camera undistorted_camera(const Camera& camera, double alpha) {
+  RASTRO_CHECK(camera.width > 1 && camera.height > 1 && camera.fx > 0.0 && camera.fy > 0.0,
+               "only a camera with a size can be undistorted");
+  RASTRO_CHECK(alpha >= 0.0 && alpha <= 1.0, "alpha is between 0 and 1");
+  Camera result = camera;
+  result.distortion = Distortion::none;
+  result.coefficients = {};
+  if (camera.distortion == Distortion::none) return result;
+  const auto [inner, outer] = border_rays(camera);
+  if (!usable(inner) || !usable(outer)) return result;
+  const auto mix = [alpha](double from, double to) { return (1.0 - alpha) * from + alpha * to; };
+  const double left = mix(inner.left, outer.left), right = mix(inner.right, outer.right);
+  const double top = mix(inner.top, outer.top), bottom = mix(inner.bottom, outer.bottom);
+  result.fx = (camera.width - 1) / (right - left);
+  result.fy = (camera.height - 1) / (bottom - top);
+  result.cx = -result.fx * left;
+  result.cy = -result.fy * top;
+  return result;
+}
+
+UndistortMap undistort_map(const Camera& camera, const Camera& undistorted) {
+  RASTRO_CHECK(undistorted.distortion == Distortion::none, "an undistorted camera is a pinhole");
+  UndistortMap map{undistorted, Image<float>(undistorted.width, undistorted.height),
+                   Image<float>(undistorted.width, undistorted.height)};
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  for (int y = 0; y < undistorted.height; ++y)
+    for (int x = 0; x < undistorted.width; ++x) {
+      const Eigen::Vector2d ray((x - undistorted.cx) / undistorted.fx, (y - undistorted.cy) / undistorted.fy);
+      const auto pixel = camera.project(ray.homogeneous());
+      map.x.at(x, y) = pixel ? static_cast<float>(pixel->x()) : nan;
+      map.y.at(x, y) = pixel ? static_cast<float>(pixel->y()) : nan;
+    }
+  return map;
+}
+
+GreyImage remap(GreyView recorded, const UndistortMap& map) {
+  GreyImage result(map.camera.width, map.camera.height);
+  for (int y = 0; y < result.height(); ++y)
+    for (int x = 0; x < result.width(); ++x) result.at(x, y) = sample(recorded, map.x.at(x, y), map.y.at(x, y));
+  return result;
+}
+
+}  // namespace rastro

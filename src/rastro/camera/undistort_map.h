@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "rastro/camera/camera.h"
+#include "rastro/image/image.h"
+
+namespace rastro {
+
+/// Where each pixel of an undistorted image comes from in the recorded one.
+struct UndistortMap {
+  Camera camera;   ///< Pinhole without distortion: the camera of the undistorted image.
+  Image<float> x;  ///< Pixels in the recorded image; NaN where the lens images no such ray.
+  Image<float> y;
+};
+
+/// The pinhole camera of an undistorted image of the same size. `alpha` 0: every pixel of it is inside the recorded
+/// image; 1: every pixel of the recorded image is shown; between them is between. A recorded pixel without a ray, or at
+/// more than about 80 degrees from the axis, does not count. `camera` must have a size and positive focal lengths.
+Camera undistorted_camera(const Camera& camera, double alpha);
+
+UndistortMap undistort_map(const Camera& camera, const Camera& undistorted);
+inline UndistortMap undistort_map(const Camera& camera, double alpha) {
+  return undistort_map(camera, undistorted_camera(camera, alpha));
+}
+
+/// The undistorted image, bilinear with rounding to nearest; 0 where the map points outside `recorded`.
+GreyImage remap(GreyView recorded, const UndistortMap& map);
+
+}  // namespace rastro
