@@ -7,7 +7,7 @@ namespace rastro {
 
 void Track::start(std::int64_t new_id) {
   id = new_id;
-  last_seen = -1;
+  last_seen = seen_before = -1;
   age = 0;
   descriptor_spread = 0;
   std::fill(frames_.begin(), frames_.end(), -1);
@@ -18,6 +18,7 @@ void Track::observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Desc
   frames_[at] = frame;
   pixels_[at] = pixel;
   descriptors_[at] = descriptor;
+  seen_before = last_seen;
   last_seen = frame;
   ++age;
 }

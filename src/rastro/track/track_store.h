@@ -9,13 +9,13 @@
 
 namespace rastro {
 
-/// A feature's life as far as the sliding window reaches: a ring of its observations in the last `window` frames.
+/// A feature's life as far as the sliding window reaches: a ring of its observations in the current frame and the `window` before.
 class Track {
  public:
   explicit Track(int window)
-      : frames_(static_cast<std::size_t>(window), -1),
-        pixels_(static_cast<std::size_t>(window)),
-        descriptors_(static_cast<std::size_t>(window)) {}
+      : frames_(static_cast<std::size_t>(window) + 1, -1),
+        pixels_(frames_.size()),
+        descriptors_(frames_.size()) {}
 
   void start(std::int64_t id);
   void observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Descriptor& descriptor);
@@ -31,6 +31,7 @@ class Track {
 
   std::int64_t id = -1;
   std::int64_t last_seen = -1;
+  std::int64_t seen_before = -1;  ///< Observation before the last one; -1 for none.
   std::int32_t age = 0;
   /// No observation's descriptor is farther from the last one's; set by measure_spread().
   int descriptor_spread = 0;

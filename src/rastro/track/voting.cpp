@@ -32,7 +32,7 @@ Voting::Voting(const TrackStore& store, std::int64_t current, const VotingOption
 }
 
 std::vector<Candidate> Voting::candidates_for(std::span<const Descriptor> views) {
-  proposals_.assign(static_cast<std::size_t>(store_.window() * options_.proposals_per_frame), {no_distance, 0});
+  proposals_.assign(static_cast<std::size_t>((store_.window() + 1) * options_.proposals_per_frame), {no_distance, 0});
   nearest_of_views(views, last_descriptors_, distances_, nearest_);
   for (std::size_t i = 0; i < last_descriptors_.size(); ++i) {
     if (nearest_[i] <= options_.max_hamming + store_[store_.lost()[i]].descriptor_spread) propose(i, views);

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/track/options.h"
+#include "rastro/track/track_frame.h"
+#include "rastro/track/track_store.h"
+#include "rastro/track/validation.h"
+
+namespace rastro {
+
+/// A corner detected in the current frame that may be a lost feature. `views`: its descriptor, or several at different scales.
+struct NewCorner {
+  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
+  std::vector<Descriptor> views;
+};
+
+/// A corner recognised as a lost track.
+struct Recognised {
+  std::size_t corner = 0;
+  std::size_t track = 0;
+};
+
+/// METHODS 1, steps 4 to 8: match, vote, validate. At most `most` corners are recognised, each at least `min_distance_px` from the others; an id
+/// claimed by two corners goes to the one with more votes, then smaller distance, then the stronger corner.
+/// `tracked`: the features followed into the current frame. The result does not depend on the pool.
+std::vector<Recognised> recognise(std::span<const NewCorner> corners, std::span<const Association> tracked, const TrackStore& store,
+                                  std::int64_t current, int most, const TrackOptions& options, int width, int height, TaskPool* pool,
+                                  TrackTimes& times);
+
+}  // namespace rastro

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/track/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rastro/base/random.h"
+#include "rastro/feature/corner.h"
+#include "rastro/feature/distance_grid.h"
+#include "rastro/image/box_sum.h"
+#include "rastro/image/equalise.h"
+#include "rastro/image/pyramid.h"
+#include "rastro/multiview/fundamental.h"
+#include "rastro/track/free_area.h"
+#include "rastro/track/klt.h"
+#include "rastro/track/recognition.h"
+#include "rastro/track/stopwatch.h"
+#include "rastro/track/track_store.h"
+
+namespace rastro {
+namespace {
+
+// Radius of the disc whose intensity centroid steers a descriptor (ORB 2011 uses 15 for patches of 31).
+constexpr int orientation_radius = 15;
+constexpr double blank_deviation = 3.0;
+constexpr int descriptors_per_chunk = 32;
+
+/// A feature of the frame at work, before it is reported.
+struct Live {
+  std::size_t track = 0;
+  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
+  TrackState state = TrackState::tracked;
+};
+
+TrackOptions checked(TrackOptions options) {
+  // Goes through the table, which knows every range.
+  TrackOptions copy = options;
+  OptionTable table = option_table(copy);
+  for (std::size_t i = 0; i < table.options().size(); ++i) table.set(table.options()[i].name, table.value_of(i), "tracker options");
+  if (options.flow_window_px % 2 == 0) throw Error("must be odd", "flow_window_px", "use the next odd number");
+  if (options.brief_smoothing_px % 2 == 0) throw Error("must be odd", "brief_smoothing_px", "use the next odd number");
+  return options;
+}
+
+KltOptions klt_options(const TrackOptions& options) {
+  KltOptions klt;
+  klt.window_px = options.flow_window_px;
+  klt.iterations = options.flow_iterations;
+  klt.epsilon_px = options.flow_epsilon_px;
+  klt.max_backward_px = options.max_backward_px;
+  klt.max_residual_ratio = options.max_residual_ratio;
+  return klt;
+}
+
+}  // namespace
+
+class Tracker::State {
+ public:
+  State(const TrackOptions& options, std::optional<Camera> camera, TaskPool* pool)
+      : options_(checked(options)), camera_(camera), pool_(pool), store_(options.window), brief_(options.brief_patch_px, options.seed) {}
+
+  TrackFrame process(GreyView image, TimeNs stamp, GreyView mask);
+
+ private:
+  void begin_frame(GreyView image, GreyView mask);
+  void follow(TrackFrame& frame, GreyView mask);
+  void drop_outliers();
+  std::vector<NewCorner> detect(TrackFrame& frame, GreyView mask);
+  std::vector<Descriptor> describe(const Eigen::Vector2f& pixel, bool all_scales) const;
+  void describe_tracked();
+  void adopt(std::vector<NewCorner> corners, TrackFrame& frame);
+  void report(TrackFrame& frame) const;
+  Eigen::Vector2f ray_of(const Eigen::Vector2f& pixel) const;
+  Eigen::Vector2f rectified(const Eigen::Vector2f& pixel) const;
+
+  TrackOptions options_;
+  std::optional<Camera> camera_;
+  TaskPool* pool_;
+  TrackStore store_;
+  Brief brief_;
+  CornerDetector detector_;
+  FreeArea free_;
+  Pyramid previous_, current_;
+  Image<std::uint16_t> sums_;
+  Brightness brightness_;
+  std::int64_t index_ = -1;
+  std::vector<Live> live_;       ///< Features of the current frame.
+  std::vector<Live> before_;     ///< Those of the last frame, in the order of `live_` before any was dropped.
+};
+
+TrackFrame Tracker::State::process(GreyView image, TimeNs stamp, GreyView mask) {
+  Stopwatch whole, stage;
+  TrackFrame frame;
+  begin_frame(image, mask);
+  frame.index = index_;
+  frame.stamp = stamp;
+  frame.times.pyramid_ms = stage.lap_ms();
+  follow(frame, mask);
+  frame.times.flow_ms = stage.lap_ms();
+  drop_outliers();
+  frame.times.outlier_ms = stage.lap_ms();
+  std::vector<NewCorner> corners = detect(frame, mask);
+  frame.times.detect_ms = stage.lap_ms();
+  describe_tracked();
+  for (NewCorner& corner : corners) corner.views = describe(corner.pixel, true);
+  frame.times.describe_ms = stage.lap_ms();
+  adopt(std::move(corners), frame);
+  report(frame);
+  frame.times.total_ms = whole.lap_ms();
+  return frame;
+}
+
+void Tracker::State::begin_frame(GreyView image, GreyView mask) {
+  if (image.empty()) throw Error("the image is empty", "tracker", "give an image with pixels");
+  if (index_ >= 0 && (image.width != current_.level(0).width() || image.height != current_.level(0).height())) {
+    throw Error("the image's size differs from that of the frames before", "tracker", "start a new tracker for another size");
+  }
+  if (!mask.empty() && (mask.width != image.width || mask.height != image.height)) {
+    throw Error("the mask's size differs from the image's", "tracker", "give a mask as large as the image");
+  }
+  ++index_;
+  std::swap(previous_, current_);
+  brightness_ = brightness(image);
+  if (options_.equalise) {
+    current_.build(equalised(image), options_.flow_levels, klt_padding, pool_);
+  } else {
+    current_.build(image, options_.flow_levels, klt_padding, pool_);
+  }
+  if (options_.mode != "klt") box_sums(current_.level(0), options_.brief_smoothing_px / 2, sums_);
+}
+
+void Tracker::State::follow(TrackFrame& frame, GreyView mask) {
+  before_ = std::move(live_);
+  live_.clear();
+  std::vector<Eigen::Vector2f> points;
+  for (const Live& feature : before_) points.push_back(feature.pixel);
+  std::vector<KltResult> results(points.size());
+  if (!points.empty()) klt_follow(previous_, current_, points, points, klt_options(options_), pool_, results);
+  for (std::size_t i = 0; i < before_.size(); ++i) {
+    if (!results[i].followed) continue;
+    const Eigen::Vector2f& pixel = results[i].pixel;
+    if (!mask.empty() && mask.at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))) == 0) {
+      ++frame.masked;
+      continue;
+    }
+    live_.push_back({before_[i].track, pixel, TrackState::tracked});
+  }
+}
+
+void Tracker::State::drop_outliers() {
+  PointPairs pairs;
+  for (const Live& feature : live_) {
+    pairs.add(rectified(store_[feature.track].pixel_in(index_ - 1)), rectified(feature.pixel));
+  }
+  const RansacOptions ransac{options_.max_epipolar_error_px, 0.99, options_.ransac_iterations,
+                             seed_for(options_.seed, static_cast<std::uint64_t>(index_))};
+  // Fewer than this fit nearly any epipolar geometry, so it could not tell a wrong one.
+  constexpr std::size_t fewest = 15;
+  const auto fit = pairs.size() >= fewest ? estimate_fundamental(pairs, ransac) : std::nullopt;
+  std::vector<Live> kept;
+  const float limit = static_cast<float>(options_.max_epipolar_error_px * options_.max_epipolar_error_px);
+  for (std::size_t i = 0; i < live_.size(); ++i) {
+    if (!fit || fit->squared_errors[i] <= limit) kept.push_back(live_[i]);
+  }
+  live_ = std::move(kept);
+  // Both lists keep one order, so what is missing from the second is lost.
+  auto next = live_.begin();
+  for (const Live& feature : before_) {
+    if (next != live_.end() && next->track == feature.track) {
+      ++next;
+    } else {
+      store_.mark_lost(feature.track);
+    }
+  }
+  store_.forget_old(index_);
+}
+
+std::vector<NewCorner> Tracker::State::detect(TrackFrame& frame, GreyView mask) {
+  frame.tracked = static_cast<int>(live_.size());
+  frame.lost = static_cast<int>(before_.size()) - frame.tracked;
+  const int needed = options_.features - frame.tracked;
+  if (needed <= 0) return {};
+  const PaddedImage& image = current_.level(0);
+  free_.reset(image.width(), image.height(), mask);
+  for (const Live& feature : live_) free_.block(feature.pixel, options_.min_distance_px);
+  CornerOptions corner_options{options_.corner_quality, options_.min_distance_px, options_.corner_border_px};
+  const bool recognises = options_.mode != "klt" && !store_.lost().empty();
+  if (recognises && options_.candidates_distance_px > 0.0) corner_options.min_distance_px = options_.candidates_distance_px;
+  const int asked = recognises ? static_cast<int>(std::ceil(needed * options_.candidates_factor)) : needed;
+  std::vector<NewCorner> corners;
+  for (const Corner& corner : detector_.detect(image, free_.view(), asked, corner_options, pool_)) {
+    corners.push_back({{static_cast<float>(corner.x), static_cast<float>(corner.y)}, {}});
+  }
+  return corners;
+}
+
+std::vector<Descriptor> Tracker::State::describe(const Eigen::Vector2f& pixel, bool all_scales) const {
+  if (options_.mode == "klt") return {Descriptor{}};
+  const bool steered = options_.descriptor == "steered" || options_.descriptor == "steered_scaled";
+  const bool scaled = options_.descriptor == "scaled" || options_.descriptor == "steered_scaled";
+  const double angle =
+      steered ? intensity_centroid_angle(current_.level(0).view(), pixel.x(), pixel.y(), orientation_radius) : 0.0;
+  std::vector<Descriptor> views;
+  for (const double scale : Brief::scales()) {
+    views.push_back(brief_.describe(sums_, pixel.x(), pixel.y(), angle, scale));
+    if (!scaled || !all_scales) break;
+  }
+  return views;
+}
+
+void Tracker::State::describe_tracked() {
+  std::vector<Descriptor> descriptors(live_.size());
+  const auto describe_some = [&](int begin, int end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      descriptors[i] = describe(live_[i].pixel, false).front();
+    }
+  };
+  if (pool_) {
+    pool_->for_chunks(0, static_cast<int>(live_.size()), descriptors_per_chunk, describe_some);
+  } else {
+    describe_some(0, static_cast<int>(live_.size()));
+  }
+  for (std::size_t i = 0; i < live_.size(); ++i) store_[live_[i].track].observe(index_, live_[i].pixel, descriptors[i]);
+}
+
+void Tracker::State::adopt(std::vector<NewCorner> corners, TrackFrame& frame) {
+  const int needed = options_.features - frame.tracked;
+  const PaddedImage& image = current_.level(0);
+  std::vector<Recognised> recognised;
+  if (options_.mode != "klt") {
+    std::vector<Association> tracked;
+    for (const Live& feature : live_) tracked.push_back({feature.track, feature.pixel});
+    recognised = recognise(corners, tracked, store_, index_, needed, options_, image.width(), image.height(), pool_, frame.times);
+  }
+  frame.reidentified = static_cast<int>(recognised.size());
+  DistanceGrid grid(image.width(), image.height(), options_.min_distance_px);
+  std::vector<char> used(corners.size(), 0);
+  for (const Recognised& match : recognised) {
+    const NewCorner& corner = corners[match.corner];
+    used[match.corner] = 1;
+    grid.add_if_far(corner.pixel.x(), corner.pixel.y());
+    store_.mark_found(match.track);
+    store_[match.track].observe(index_, corner.pixel, corner.views.front());
+    live_.push_back({match.track, corner.pixel, TrackState::reidentified});
+  }
+  for (std::size_t i = 0; i < corners.size() && frame.reidentified + frame.fresh < needed; ++i) {
+    if (used[i] != 0 || !grid.add_if_far(corners[i].pixel.x(), corners[i].pixel.y())) continue;
+    const std::size_t track = store_.create();
+    store_[track].observe(index_, corners[i].pixel, corners[i].views.front());
+    live_.push_back({track, corners[i].pixel, TrackState::fresh});
+    ++frame.fresh;
+  }
+}
+
+void Tracker::State::report(TrackFrame& frame) const {
+  for (const Live& feature : live_) {
+    const Track& track = store_[feature.track];
+    frame.features.push_back({track.id, feature.pixel, ray_of(feature.pixel), track.age, feature.state, track.seen_before});
+  }
+  std::sort(frame.features.begin(), frame.features.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  if (brightness_.deviation < blank_deviation) {
+    frame.health = TrackHealth::dark_or_blank;
+  } else if (!before_.empty() && 4 * frame.tracked < static_cast<int>(before_.size())) {
+    frame.health = TrackHealth::abrupt_motion;
+  } else if (2 * static_cast<int>(live_.size()) < options_.features) {
+    frame.health = TrackHealth::few_corners;
+  }
+}
+
+Eigen::Vector2f Tracker::State::ray_of(const Eigen::Vector2f& pixel) const {
+  constexpr float none = std::numeric_limits<float>::quiet_NaN();
+  if (!camera_) return {none, none};
+  const auto ray = camera_->unproject(pixel.cast<double>());
+  return ray ? Eigen::Vector2f(ray->cast<float>()) : Eigen::Vector2f(none, none);
+}
+
+/// The pixel of a distortion-free camera of the same focal length and middle; the pixel itself without a calibration.
+Eigen::Vector2f Tracker::State::rectified(const Eigen::Vector2f& pixel) const {
+  if (!camera_ || camera_->distortion == Distortion::none) return pixel;
+  const Eigen::Vector2f ray = ray_of(pixel);
+  if (!ray.allFinite()) return pixel;
+  return {static_cast<float>(camera_->fx) * ray.x() + static_cast<float>(camera_->cx),
+          static_cast<float>(camera_->fy) * ray.y() + static_cast<float>(camera_->cy)};
+}
+
+Tracker::Tracker(const TrackOptions& options, std::optional<Camera> camera, TaskPool* pool)
+    : state_(std::make_unique<State>(options, camera, pool)) {}
+Tracker::~Tracker() = default;
+Tracker::Tracker(Tracker&&) noexcept = default;
+
+TrackFrame Tracker::process(GreyView image, TimeNs stamp, GreyView mask) { return state_->process(image, stamp, mask); }
+
+const char* name_of(TrackState state) {
+  switch (state) {
+    case TrackState::tracked: return "tracked";
+    case TrackState::fresh: return "new";
+    case TrackState::reidentified: return "reidentified";
+  }
+  return "unknown";
+}
+
+const char* name_of(TrackHealth health) {
+  switch (health) {
+    case TrackHealth::good: return "good";
+    case TrackHealth::few_corners: return "few corners";
+    case TrackHealth::dark_or_blank: return "dark or blank";
+    case TrackHealth::abrupt_motion: return "abrupt motion";
+  }
+  return "unknown";
+}
+
+}  // namespace rastro
