@@ -105,9 +105,9 @@ TEST(CleanScores, OnlyFollowedStretchesAreTruth) {
 
 TEST(CleanScores, LossInPlainSightAndAtTheEdgeAreNotOcclusion) {
   TableBuilder clean(frames);
-  clean.follow(0, 19, 900, 4, 1, fresh).follow(0, 8, 901, -9.0, 1, fresh);
+  clean.follow(0, 19, 900, 4, 1, fresh).follow(8, 16, 901, -8.6, 1, fresh);
   TableBuilder builder(frames);
-  builder.follow(0, 2, 1, 4, 1, fresh).follow(5, 19, 1, 4, 1, reidentified).follow(0, 1, 2, -9.0, 1, fresh);
+  builder.follow(0, 2, 1, 4, 1, fresh).follow(5, 19, 1, 4, 1, reidentified).follow(8, 10, 2, -8.6, 1, fresh);
   const TrackScores scores = score(builder, clean);
   EXPECT_EQ(scores.lost_visible, 1);
   EXPECT_EQ(scores.lost_outside, 1);
