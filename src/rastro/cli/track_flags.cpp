@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/track_flags.h"
+
+#include <fmt/format.h>
+
+#include "rastro/base/error.h"
+#include "rastro/base/text.h"
+
+namespace rastro::cli {
+namespace {
+
+constexpr const char* footer = R"(Writes into --out:
+  tracks.yaml tracks.csv tracks.jsonl  per frame and feature: id, pixel, undistorted ray, age, state, last frame seen
+  table.md       followed and re-identified per frame, as in Table I of the paper
+  stats.csv      counts and times per frame          options.yaml  all values in force
+  events.jsonl   skipped frames, weak moments        about.json    version, machine, input, command line
+  result.json    frames, coverage, times, memory, hash of the result
+Frames are numbered as in the recording. A run that is stopped (Ctrl-C) or killed keeps all frames written so far;
+Ctrl-C ends with exit code 0 and "interrupted": true in result.json.
+
+Examples:
+  rastro track hall --out run --pictures
+  rastro track MH_01_easy --out run --match-picture 1:29 --video run.avi
+  rastro track walk.mp4 --fov 70 --out run --set min_distance_px=20 --features 300
+  rastro track kitti/00 --frames 0:500 --mask bonnet.png --out run --require 'coverage>=99'
+  rastro options --yaml > mine.yaml && rastro track hall --out run --options mine.yaml)";
+
+void add_setting_flags(CLI::App& command, TrackFlags& flags) {
+  const char* group = "Tracker";
+  command.add_option("--mode", flags.mode, "klt, vote, dual or priority (default: priority)")->group(group);
+  command.add_option("--features", flags.features, "Features held per frame (default: 150)")->group(group);
+  command.add_option("--window", flags.window, "Frames in which lost features are looked for (default: 30)")
+      ->group(group);
+  command.add_option("--validation", flags.validation, "How a re-identification is confirmed (default: homography)")
+      ->group(group);
+  command.add_option("--options", flags.options_file, "YAML file with settings; see 'rastro options --yaml'")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--set", flags.settings, "Set one option, may be repeated; see 'rastro options'")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false)
+      ->group(group);
+  command.add_option("--mask", flags.mask, "Image (or folder of one per frame), black where nothing may be detected")
+      ->type_name("FILE|FOLDER")
+      ->group(group);
+}
+
+void add_output_flags(CLI::App& command, TrackFlags& flags) {
+  const char* group = "Output";
+  command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR")->required()->group(group);
+  command.add_flag("--force", flags.force, "Write into a folder that is not empty, replacing a former run")
+      ->group(group);
+  command.add_option("--formats", flags.formats, "Which of yaml,csv,jsonl to write (default: all)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->group(group);
+  command.add_flag("--pictures", flags.pictures, "Draw every frame: positions in red, ids in green")->group(group);
+  command.add_option("--match-picture", flags.match_picture, "Draw what became of frame A's features in frame B")
+      ->type_name("A:B")
+      ->group(group);
+  command.add_option("--video", flags.video, "The pictures as a video, .avi or .mp4")->type_name("FILE")->group(group);
+  command
+      .add_option("--require", flags.limits,
+                  "Limit on a number of result.json such as 'coverage>=95', may be repeated; exit code 1 when missed")
+      ->type_name("LIMIT")
+      ->allow_extra_args(false)
+      ->group(group);
+}
+
+}  // namespace
+
+void add_track_flags(CLI::App& command, TrackFlags& flags) {
+  add_data_flags(command, flags.data);
+  add_setting_flags(command, flags);
+  add_output_flags(command, flags);
+  command.footer(footer);
+}
+
+void apply_settings(const TrackFlags& flags, OptionTable& table) {
+  if (!flags.options_file.empty()) table.load_yaml(flags.options_file);
+  for (const std::string& setting : flags.settings) table.set_assignment(setting, "--set");
+  const std::pair<const char*, const std::string*> direct[] = {{"mode", &flags.mode},
+                                                               {"features", &flags.features},
+                                                               {"window", &flags.window},
+                                                               {"validation", &flags.validation}};
+  for (const auto& [name, value] : direct) {
+    if (!value->empty()) table.set(name, *value, fmt::format("--{}", name));
+  }
+  if (flags.seed_given) table.set("seed", fmt::format("{}", flags.data.seed), "--seed");
+}
+
+std::optional<std::pair<std::int64_t, std::int64_t>> match_frames(const TrackFlags& flags) {
+  if (flags.match_picture.empty()) return std::nullopt;
+  const auto ends = split(flags.match_picture, ':');
+  if (ends.size() == 2) {
+    const auto first = parse_int64(ends[0]);
+    const auto second = parse_int64(ends[1]);
+    if (first && second && *first >= 0 && *first < *second) return std::pair(*first, *second);
+  }
+  throw Error(fmt::format("'{}' is no pair of frames", flags.match_picture), "--match-picture",
+              "give two frame numbers, the earlier one first, such as 1:29");
+}
+
+}  // namespace rastro::cli

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rastro/base/options.h"
+#include "rastro/cli/common_flags.h"
+
+namespace rastro::cli {
+
+/// The flags of `rastro track`.
+struct TrackFlags {
+  DataFlags data;
+  std::string out;
+  std::string mode, features, window, validation;  ///< Empty = not given; they stand for options of the same name.
+  std::string options_file;
+  std::vector<std::string> settings;  ///< --set key=value
+  std::string mask;
+  bool pictures = false;
+  std::string match_picture;  ///< A:B
+  std::string video;
+  std::vector<std::string> formats = {"yaml", "csv", "jsonl"};
+  bool force = false;
+  std::vector<std::string> limits;  ///< --require
+  bool seed_given = false;
+};
+
+void add_track_flags(CLI::App& command, TrackFlags& flags);
+
+/// Sets the table from the options file, --set and the flags, in this order. Errors name the flag.
+void apply_settings(const TrackFlags& flags, OptionTable& table);
+
+/// The frames of --match-picture; nullopt when not given.
+std::optional<std::pair<std::int64_t, std::int64_t>> match_frames(const TrackFlags& flags);
+
+}  // namespace rastro::cli

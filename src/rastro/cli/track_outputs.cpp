@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/track_outputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "rastro/base/error.h"
+#include "rastro/base/text.h"
+#include "rastro/export/match_picture.h"
+#include "rastro/export/pictures.h"
+#include "rastro/export/track_table.h"
+#include "rastro/export/tracks_jsonl.h"
+#include "rastro/export/tracks_yaml.h"
+#include "rastro/export/video.h"
+
+namespace rastro::cli {
+namespace {
+
+const std::vector<std::string> known_formats = {"yaml", "csv", "jsonl"};
+
+bool wants(const TrackFlags& flags, const std::string& format) {
+  return std::find(flags.formats.begin(), flags.formats.end(), format) != flags.formats.end();
+}
+
+void check_formats(const TrackFlags& flags) {
+  for (const std::string& format : flags.formats) {
+    if (std::find(known_formats.begin(), known_formats.end(), format) != known_formats.end()) continue;
+    throw Error(fmt::format("'{}' is no format of tracks", format), "--formats",
+                fmt::format("did you mean '{}'? Known are yaml, csv, jsonl", nearest_name(format, known_formats)));
+  }
+}
+
+std::vector<TrackSink*> pointers(const std::vector<std::unique_ptr<TrackSink>>& sinks) {
+  std::vector<TrackSink*> result;
+  for (const auto& sink : sinks) result.push_back(sink.get());
+  return result;
+}
+
+}  // namespace
+
+TrackOutputs::TrackOutputs(const TrackFlags& flags, const RunFolder& folder, const TracksHeader& header) {
+  check_formats(flags);
+  add_text(flags, folder, header);
+  add_pictures(flags, folder);
+}
+
+void TrackOutputs::add_text(const TrackFlags& flags, const RunFolder& folder, const TracksHeader& header) {
+  std::string files;
+  if (wants(flags, "yaml")) {
+    text_.push_back(std::make_unique<TracksYaml>(folder.file("tracks.yaml"), header));
+    files += "tracks.yaml ";
+  }
+  csv_ = std::make_unique<TracksCsv>(wants(flags, "csv") ? std::optional(folder.file("tracks.csv")) : std::nullopt);
+  if (wants(flags, "csv")) files += "tracks.csv ";
+  if (wants(flags, "jsonl")) {
+    text_.push_back(std::make_unique<TracksJsonl>(folder.file("tracks.jsonl")));
+    files += "tracks.jsonl ";
+  }
+  if (!files.empty()) contents_.emplace_back(files, "the tracks");
+  text_.push_back(std::make_unique<TrackTableFile>(folder.file("table.md")));
+  contents_.emplace_back("table.md", "followed and re-identified per frame");
+}
+
+void TrackOutputs::add_pictures(const TrackFlags& flags, const RunFolder& folder) {
+  if (flags.pictures) {
+    pictures_.push_back(std::make_unique<Pictures>(folder.file("pictures")));
+    contents_.emplace_back("pictures/", "every frame with its features");
+  }
+  if (const auto frames = match_frames(flags)) {
+    const std::string name = fmt::format("match_{}_{}.png", frames->first, frames->second);
+    pictures_.push_back(std::make_unique<MatchPicture>(folder.file(name), frames->first, frames->second));
+    contents_.emplace_back(name, "magenta: followed all the way, green: lost and re-identified");
+  }
+  if (!flags.video.empty()) {
+    pictures_.push_back(std::make_unique<TrackVideo>(flags.video));
+    contents_.emplace_back(flags.video, "the pictures as a video");
+  }
+}
+
+std::vector<TrackSink*> TrackOutputs::text_sinks() const {
+  std::vector<TrackSink*> sinks = pointers(text_);
+  sinks.push_back(csv_.get());
+  return sinks;
+}
+
+std::vector<TrackSink*> TrackOutputs::picture_sinks() const { return pointers(pictures_); }
+
+}  // namespace rastro::cli

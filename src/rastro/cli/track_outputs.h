@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rastro/cli/track_flags.h"
+#include "rastro/export/tracks_csv.h"
+#include "rastro/export/tracks_header.h"
+#include "rastro/session/run_folder.h"
+#include "rastro/track/track_sink.h"
+
+namespace rastro::cli {
+
+/// The files of a run, as the flags ask for them.
+class TrackOutputs {
+ public:
+  TrackOutputs(const TrackFlags& flags, const RunFolder& folder, const TracksHeader& header);
+
+  std::vector<TrackSink*> text_sinks() const;
+  std::vector<TrackSink*> picture_sinks() const;
+  /// SHA-256 of the bytes of tracks.csv, whether it was written or not. Once, after the run.
+  std::string result_sha256() { return csv_->sha256(); }
+  /// File and what is in it, for the summary.
+  const std::vector<std::pair<std::string, std::string>>& contents() const { return contents_; }
+
+ private:
+  void add_text(const TrackFlags& flags, const RunFolder& folder, const TracksHeader& header);
+  void add_pictures(const TrackFlags& flags, const RunFolder& folder);
+
+  std::unique_ptr<TracksCsv> csv_;
+  std::vector<std::unique_ptr<TrackSink>> text_;
+  std::vector<std::unique_ptr<TrackSink>> pictures_;
+  std::vector<std::pair<std::string, std::string>> contents_;
+};
+
+}  // namespace rastro::cli
