@@ -9,8 +9,8 @@ Error::Error(std::string_view what_is_wrong, std::string_view where, std::string
     : std::runtime_error(remedy.empty() ? fmt::format("{}: {}", where, what_is_wrong)
                                         : fmt::format("{}: {}; {}", where, what_is_wrong, remedy)) {}
 
-void detail::fail_check(const char* condition, std::string_view message, std::source_location location) {
-  throw Fault(fmt::format("{}:{}: promise broken: {} ({})", location.file_name(), location.line(), message, condition));
+void detail::fail_check(const char* condition, std::string_view message, const char* file, int line) {
+  throw Fault(fmt::format("{}:{}: promise broken: {} ({})", file, line, message, condition));
 }
 
 }  // namespace rastro

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <source_location>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -24,13 +23,13 @@ class Fault : public std::logic_error {
 };
 
 namespace detail {
-[[noreturn]] void fail_check(const char* condition, std::string_view message, std::source_location location);
+[[noreturn]] void fail_check(const char* condition, std::string_view message, const char* file, int line);
 }  // namespace detail
 }  // namespace rastro
 
 /// Stays on in releases. Use for promises between rastro's own parts, never for input from outside.
-#define RASTRO_CHECK(condition, message)                                                      \
-  do {                                                                                        \
-    if (!(condition)) [[unlikely]]                                                            \
-      ::rastro::detail::fail_check(#condition, (message), ::std::source_location::current()); \
+#define RASTRO_CHECK(condition, message)                                       \
+  do {                                                                         \
+    if (!(condition)) [[unlikely]]                                             \
+      ::rastro::detail::fail_check(#condition, (message), __FILE__, __LINE__); \
   } while (false)
