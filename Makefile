@@ -7,7 +7,7 @@ RASTRO := $(BUILD)/rastro
 JOBS ?= $(shell nproc)
 DEMO := results/demo
 
-.PHONY: help build demo test bench format check-layers deps configure
+.PHONY: help build demo test bench format check-layers pages deps configure
 
 build: configure  ## compile everything into build/release (PRESET=dev, asan, ... for another preset)
 	cmake --build $(BUILD) --parallel $(JOBS)
@@ -33,6 +33,9 @@ bench: build  ## micro-benchmarks; the table of docs/benchmarks.md names the com
 
 format:  ## format every source in place
 	@scripts/format
+
+pages: build  ## write docs/reference-options.md from the option tables
+	@scripts/option_pages.py $(RASTRO)
 
 check-layers:  ## check the includes against layers.txt
 	@scripts/check_layers.py
