@@ -25,6 +25,8 @@ template <typename... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;
 };
+template <typename... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;  // clang before 17 needs it spelt out
 
 bool has_range(const Option& option) { return option.minimum != option.maximum; }
 

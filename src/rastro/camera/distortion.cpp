@@ -43,6 +43,12 @@ Polynomial growth(const Camera& camera) {
 
 double evaluate(const Polynomial& p, double x) { return p[0] + x * (p[1] + x * (p[2] + x * (p[3] + x * p[4]))); }
 
+/// Rays nearer to the axis than this are on it: their squares are no longer numbers.
+constexpr double on_axis = 1e-100;
+
+/// Largest difference, in focal lengths, at which a ray counts as imaged at the wanted place.
+double tolerance_at(double radius) { return 1e-11 * (1.0 + radius); }
+
 struct Distorted {
   Eigen::Vector2d value;
   Eigen::Matrix2d jacobian;
@@ -70,7 +76,7 @@ double distorted_angle(const Camera& camera, double angle) {
 
 Distorted equidistant(const Camera& camera, const Eigen::Vector2d& ray) {
   const double rr = ray.squaredNorm(), r = std::sqrt(rr);
-  if (r < 1e-9) return {ray, Eigen::Matrix2d::Identity()};
+  if (r < on_axis) return {ray, Eigen::Matrix2d::Identity()};
   const double angle = std::atan(r);
   const double scale = distorted_angle(camera, angle) / r;
   const double growth_by_r = evaluate(growth(camera), angle * angle) / (1.0 + rr);
@@ -122,13 +128,13 @@ std::optional<double> solve_growing(const Value& value, const Polynomial& deriva
 
 std::optional<Eigen::Vector2d> undistort_equidistant(const Camera& camera, const Eigen::Vector2d& distorted) {
   const double radius = distorted.norm();
-  if (radius < 1e-9) return distorted;
+  if (radius < on_axis) return distorted;
   constexpr double right_angle = 0.5 * std::numbers::pi;
   const Polynomial derivative = growth(camera);
   double end = right_angle * (1.0 - 1e-12);
   if (!positive_up_to(derivative, end * end)) end = growing_up_to(camera, end);
   const auto angle = solve_growing([&](double a) { return distorted_angle(camera, a); }, derivative, radius, end);
-  if (!angle) return std::nullopt;
+  if (!angle || !(std::abs(distorted_angle(camera, *angle) - radius) <= tolerance_at(radius))) return std::nullopt;
   return distorted * (std::tan(*angle) / radius);
 }
 
@@ -161,7 +167,7 @@ std::optional<Eigen::Vector2d> newton_radial_tangential(const Camera& camera, co
     }
     if (!nearer) break;  // At the limit of rounding, or stuck: the caller looks at the error.
   }
-  if (!(error <= 1e-11 * (1.0 + distorted.norm()))) return std::nullopt;
+  if (!(error <= tolerance_at(distorted.norm()))) return std::nullopt;
   if (!positive_up_to(growth(camera), ray.squaredNorm())) return std::nullopt;
   return ray;
 }
@@ -173,7 +179,8 @@ std::optional<Eigen::Vector2d> undistort_radial_tangential(const Camera& camera,
   if (auto ray = newton_radial_tangential(camera, distorted, distorted)) return ray;
   // Start from the radial part alone, which can always be solved where it can be undone.
   const double radius = distorted.norm();
-  const auto& [k1, k2, p1, p2, k3] = camera.coefficients;
+  // Plain names: clang before 16 cannot capture structured bindings.
+  const double k1 = camera.coefficients[0], k2 = camera.coefficients[1], k3 = camera.coefficients[4];
   const auto radial = [&](double r) { return r * (1.0 + r * r * (k1 + r * r * (k2 + r * r * k3))); };
   const double end = growing_up_to(camera, farthest_radius);
   const auto undistorted = solve_growing(radial, growth(camera), std::min(radius, radial(end)), end);

@@ -45,7 +45,7 @@ BorderRays border_rays(const Camera& camera) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   BorderRays result{{-infinity, infinity, -infinity, infinity}, {infinity, -infinity, infinity, -infinity}};
   auto& [inner, outer] = result;
-  const auto around = [&outer](const Eigen::Vector2d& ray) {
+  const auto around = [&outer = outer](const Eigen::Vector2d& ray) {
     outer = {std::min(outer.left, ray.x()), std::max(outer.right, ray.x()), std::min(outer.top, ray.y()),
              std::max(outer.bottom, ray.y())};
   };
