@@ -16,7 +16,8 @@ struct StampedPose {
 
 using Trajectory = std::vector<StampedPose>;  ///< In the order of time.
 
-/// Pose at `stamp` between its two neighbours; nullopt outside the trajectory or where the neighbours are farther apart than max_gap.
+/// Pose at `stamp` between its two neighbours; nullopt outside the trajectory or where the neighbours are farther apart
+/// than max_gap.
 std::optional<SE3> pose_at(const Trajectory& trajectory, TimeNs stamp, TimeNs max_gap);
 
 }  // namespace rastro

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/dataset/images/images.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "rastro/base/error.h"
+#include "rastro/base/text.h"
+#include "rastro/dataset/calibration.h"
+#include "rastro/dataset/folder.h"
+
+namespace rastro {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double usual_rate_hz = 30.0;
+
+struct Listing {
+  fs::path folder;
+  std::vector<std::string> names;
+};
+
+bool is_pattern(const std::string& path) { return path.find_first_of("*?[") != std::string::npos; }
+
+std::optional<Listing> list_images(const std::string& path) {
+  if (is_folder(path)) return Listing{path, image_names(path)};
+  if (is_file(path)) {
+    if (!has_image_ending(path)) return std::nullopt;
+    return Listing{fs::path(path).parent_path(), {fs::path(path).filename().string()}};
+  }
+  if (!is_pattern(path)) return std::nullopt;
+  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
+  if (is_pattern(folder.string()))
+    throw Error("patterns are understood in the file name only", path, "name one folder");
+  require_folder(folder);
+  Listing listing{folder, image_names(folder)};
+  const std::string pattern = fs::path(path).filename().string();
+  std::erase_if(listing.names, [&](const auto& name) { return !matches_pattern(name, pattern); });
+  if (listing.names.empty()) throw Error("no image matches the pattern", path, "");
+  return listing;
+}
+
+/// The part of a name before its number: images of two cameras in one folder differ there.
+std::vector<std::string> series(const std::vector<std::string>& names) {
+  std::map<std::string, int> counts;
+  for (const auto& name : names) ++counts[name.substr(0, name.find_first_of("0123456789"))];
+  std::vector<std::string> prefixes;
+  for (const auto& [prefix, count] : counts)
+    if (count > 1) prefixes.push_back(prefix + "*");
+  return prefixes;
+}
+
+void set_stamps(Recording& recording, const Listing& listing, double wanted_rate_hz) {
+  const auto stamps = wanted_rate_hz > 0.0 ? std::nullopt : stamps_from_names(listing.names);
+  const double rate_hz = wanted_rate_hz > 0.0 ? wanted_rate_hz : usual_rate_hz;
+  for (std::size_t k = 0; k < recording.frames.size(); ++k) {
+    recording.frames[k].stamp = stamps ? (*stamps)[k] : made_up_stamp(static_cast<std::int64_t>(k), rate_hz);
+  }
+  recording.info.has_stamps = stamps.has_value();
+  if (stamps) recording.info.warnings.push_back("stamps are taken from the file names, as nanoseconds");
+  if (!stamps && wanted_rate_hz <= 0.0) {
+    recording.info.warnings.push_back(
+        fmt::format("no stamps; they are made up at {:g} Hz, --rate HZ changes that", rate_hz));
+  }
+}
+
+}  // namespace
+
+std::optional<std::vector<TimeNs>> stamps_from_names(const std::vector<std::string>& names) {
+  constexpr std::size_t fewest_digits = 16;
+  std::vector<TimeNs> stamps;
+  for (const auto& name : names) {
+    const std::string stem = fs::path(name).stem().string();
+    const bool digits = std::all_of(stem.begin(), stem.end(), [](char c) { return c >= '0' && c <= '9'; });
+    const auto stamp = parse_int64(stem);
+    if (!digits || stem.size() < fewest_digits || !stamp) return std::nullopt;
+    if (!stamps.empty() && *stamp <= stamps.back()) return std::nullopt;
+    stamps.push_back(*stamp);
+  }
+  return stamps;
+}
+
+std::optional<Recording> index_images(const std::string& path, const OpenOptions& options) {
+  const auto listing = list_images(path);
+  if (!listing || listing->names.empty()) return std::nullopt;
+  if (!options.camera.empty()) throw Error("a folder of images has no named cameras", "--camera", "leave it out");
+  Recording recording;
+  recording.info.path = path;
+  recording.info.format = "images";
+  for (const auto& name : listing->names) recording.frames.push_back({0, (listing->folder / name).string(), "", "", 0});
+  set_stamps(recording, *listing, options.rate_hz);
+  if (const auto prefixes = series(listing->names); prefixes.size() > 1) {
+    recording.info.warnings.push_back(fmt::format("the names fall into series ({}); a pattern such as '{}' chooses one",
+                                                  fmt::join(prefixes, ", "),
+                                                  (listing->folder / prefixes.front()).string()));
+  }
+  const auto file = calibration_is_given(options) ? fs::path() : find_calibration_file(listing->folder);
+  if (file.empty()) {
+    recording.info.cameras.push_back(uncalibrated("images"));
+  } else {
+    read_cameras(recording.info, file, {"images"});
+  }
+  return recording;
+}
+
+}  // namespace rastro

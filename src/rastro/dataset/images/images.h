@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rastro/dataset/recording.h"
+
+namespace rastro {
+
+/// Stamps from file names that are nanoseconds (16 digits or more) and rise; nullopt where any is not.
+std::optional<std::vector<TimeNs>> stamps_from_names(const std::vector<std::string>& names);
+
+/// A folder of images, a glob ("dir/left*.jpg") or one image, in natural order. nullopt where `path` is nothing of the
+/// kind.
+std::optional<Recording> index_images(const std::string& path, const OpenOptions& options);
+
+}  // namespace rastro

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/dataset/tum_rgbd/tum_rgbd.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "rastro/base/error.h"
+#include "rastro/base/text.h"
+#include "rastro/base/text_file.h"
+#include "rastro/dataset/calibration.h"
+#include "rastro/dataset/folder.h"
+#include "rastro/dataset/ground_truth.h"
+#include "rastro/dataset/tum_rgbd/depth_factor.h"
+#include "rastro/dataset/tum_rgbd/published_intrinsics.h"
+#include "rastro/sensor/trajectory_file.h"
+
+namespace rastro {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr TimeNs max_depth_difference = 20'000'000;  // associate.py of the TUM benchmark.
+
+fs::path associations_file(const fs::path& folder) {
+  for (const char* name : {"associations.txt", "associate.txt", "association.txt", "rgbd_assoc.txt"}) {
+    if (is_file(folder / name)) return folder / name;
+  }
+  return {};
+}
+
+/// The images of the recording, and the depth image of each where there is one (index into depth, -1 = none).
+struct Lists {
+  ImageList colour;
+  ImageList depth;
+  std::vector<std::int64_t> partner;
+};
+
+void pair_as_listed(Lists& lists, const TumAssociations& associations) {
+  std::map<std::string, std::size_t> row_of;
+  for (std::size_t k = 0; k < associations.colour.images.size(); ++k)
+    row_of.emplace(associations.colour.images[k].file, k);
+  lists.depth = associations.depth;
+  for (const auto& image : lists.colour.images) {
+    const auto row = row_of.find(image.file);
+    lists.partner.push_back(row == row_of.end() ? -1 : static_cast<std::int64_t>(row->second));
+  }
+}
+
+Lists read_lists(const fs::path& folder) {
+  Lists lists;
+  const fs::path colour = folder / "rgb.txt", depth = folder / "depth.txt", pairs = associations_file(folder);
+  std::optional<TumAssociations> associations;
+  if (!pairs.empty()) associations = parse_tum_associations(read_text_file(pairs.string()), pairs.string());
+  lists.colour =
+      is_file(colour) ? parse_tum_image_list(read_text_file(colour.string()), colour.string()) : associations->colour;
+  if (associations) {
+    pair_as_listed(lists, *associations);
+  } else if (is_file(depth)) {
+    lists.depth = parse_tum_image_list(read_text_file(depth.string()), depth.string());
+    lists.partner = associate(lists.colour.images, lists.depth.images, max_depth_difference);
+  } else {
+    lists.partner.assign(lists.colour.images.size(), -1);
+  }
+  return lists;
+}
+
+void fill_frames(Recording& recording, const Lists& lists, const fs::path& folder) {
+  std::size_t pairs = 0;
+  for (std::size_t k = 0; k < lists.colour.images.size(); ++k) {
+    const auto& image = lists.colour.images[k];
+    RecordedFrame frame{image.stamp, (folder / image.file).string(), "", "", 0};
+    if (lists.partner[k] >= 0) {
+      const auto& depth = lists.depth.images[static_cast<std::size_t>(lists.partner[k])];
+      frame.depth = (folder / depth.file).string();
+      frame.depth_stamp = depth.stamp;
+      ++pairs;
+    }
+    recording.frames.push_back(std::move(frame));
+  }
+  recording.info.has_depth = pairs > 0;
+  if (pairs > 0 && pairs < recording.frames.size()) {
+    recording.info.warnings.push_back(
+        fmt::format("{} of {} colour images have a depth image within 0.02 s", pairs, recording.frames.size()));
+  }
+}
+
+void set_depth_factor(Recording& recording, const fs::path& folder, bool published) {
+  if (!recording.info.has_depth) return;
+  recording.info.depth_factor = 5000.0;
+  if (published) return;
+  std::vector<std::string> files;
+  for (const auto& frame : recording.frames)
+    if (!frame.depth.empty()) files.push_back(frame.depth);
+  const auto factor = find_depth_factor(folder, files);
+  recording.info.depth_factor = factor.units_per_metre;
+  if (factor.is_a_guess) {
+    recording.info.warnings.push_back(fmt::format("depth is taken to be {:g} units a metre: a guess, because {}",
+                                                  factor.units_per_metre, factor.reason));
+  }
+}
+
+/// Returns whether the folder is one of the benchmark's own.
+bool add_camera(SourceInfo& info, const fs::path& path, bool given) {
+  const auto published = tum_camera_of_folder(path);
+  const auto file = find_calibration_file(path);
+  if (!given && !file.empty()) {
+    read_cameras(info, file, {"rgb"});
+  } else {
+    info.cameras.push_back(published ? *published : uncalibrated("rgb"));
+  }
+  return published.has_value();
+}
+
+void require_main_camera(const std::string& wanted, const fs::path& path) {
+  if (!wanted.empty() && wanted != "rgb")
+    throw Error(fmt::format("there is no camera '{}'", wanted), path.string(), "there is rgb");
+}
+
+}  // namespace
+
+ImageList parse_tum_image_list(std::string_view text, std::string_view where) {
+  std::vector<RawListLine> lines;
+  for (const auto& line : content_lines(text)) {
+    const auto words = split_words(line.text);
+    if (words.size() != 2) {
+      throw Error(fmt::format("{} columns instead of the 2 of 'stamp file'", words.size()), at_line(where, line.number),
+                  "");
+    }
+    lines.push_back({line.number, words[0], words[1]});
+  }
+  return make_image_list(lines, StampUnit::seconds, where);
+}
+
+TumAssociations parse_tum_associations(std::string_view text, std::string_view where) {
+  std::vector<RawListLine> first, second;
+  for (const auto& line : content_lines(text)) {
+    const auto words = split_words(line.text);
+    if (words.size() != 4) {
+      throw Error(fmt::format("{} columns instead of the 4 of 'stamp file stamp file'", words.size()),
+                  at_line(where, line.number), "");
+    }
+    first.push_back({line.number, words[0], words[1]});
+    second.push_back({line.number, words[2], words[3]});
+  }
+  TumAssociations associations{make_image_list(first, StampUnit::seconds, where),
+                               make_image_list(second, StampUnit::seconds, where)};
+  if (associations.colour.images.front().file.starts_with("depth")) std::swap(associations.colour, associations.depth);
+  return associations;
+}
+
+std::optional<Recording> index_tum_rgbd(const fs::path& path, const OpenOptions& options) {
+  if (!is_file(path / "rgb.txt") && associations_file(path).empty()) return std::nullopt;
+  require_main_camera(options.camera, path);
+  Recording recording;
+  recording.info.path = path.string();
+  recording.info.format = "tum_rgbd";
+  const auto lists = read_lists(path);
+  if (auto warning = unit_warning(lists.colour, StampUnit::seconds, path.string()); !warning.empty()) {
+    recording.info.warnings.push_back(warning);
+  }
+  fill_frames(recording, lists, path);
+
+  const bool published = add_camera(recording.info, path, calibration_is_given(options));
+  set_depth_factor(recording, path, published);
+
+  const fs::path truth = path / "groundtruth.txt";
+  if (is_file(truth)) {
+    read_ground_truth(recording.info, truth, "camera",
+                      [&] { return parse_tum_trajectory(read_text_file(truth.string()), truth.string()); });
+  }
+  return recording;
+}
+
+}  // namespace rastro

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/dataset/video/video.h"
+
+#include "rastro/base/error.h"
+
+#if RASTRO_WITH_VIDEO
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <opencv2/videoio.hpp>
+
+#include "rastro/base/text_file.h"
+#include "rastro/dataset/calibration.h"
+#include "rastro/dataset/folder.h"
+#include "rastro/dataset/mat_conversion.h"
+#include "rastro/dataset/recording.h"
+
+namespace rastro {
+namespace {
+
+constexpr double usual_rate_hz = 30.0;
+
+class VideoSource final : public Source {
+ public:
+  VideoSource(const std::string& path, const OpenOptions& options) : options_(options) {
+    open_file(path);
+    const double count = video_.get(cv::CAP_PROP_FRAME_COUNT);
+    const double rate = video_.get(cv::CAP_PROP_FPS);
+    info_.path = path;
+    info_.format = "video";
+    info_.frame_count = count >= 1.0 && count < 1e12 ? std::llround(count) : -1;
+    info_.has_stamps = options.rate_hz <= 0.0 && std::isfinite(rate) && rate > 0.0;
+    rate_hz_ = options.rate_hz > 0.0 ? options.rate_hz : info_.has_stamps ? rate : usual_rate_hz;
+    info_.cameras.push_back({"video", std::nullopt, std::nullopt, ""});
+    finish_calibration(info_, options, frame_size());
+    // The count in the header is often an estimate: the end of the choice is not cut by it.
+    choice_ = FrameChoice(options, std::numeric_limits<std::int64_t>::max(), path);
+    seek(choice_.first);
+  }
+
+  const SourceInfo& info() const override { return info_; }
+
+  std::optional<Frame> next() override {
+    if (position_ >= choice_.count) return std::nullopt;
+    const std::int64_t wanted = choice_.index(position_++);
+    while (at_ < wanted) {
+      if (!grab()) return std::nullopt;
+    }
+    cv::Mat picture;
+    if (!grab() || !retrieve(picture)) return std::nullopt;
+    return make_frame(wanted, picture);
+  }
+
+ private:
+  void open_file(const std::string& path) {
+    try {
+      video_.open(path);
+    } catch (const cv::Exception& exception) {
+      throw Error("cannot be opened as a video (" + exception.err + ")", path, "");
+    }
+    if (!video_.isOpened())
+      throw Error("cannot be opened as a video", path, "it is damaged or of a kind this OpenCV does not read");
+  }
+
+  std::optional<ImageSize> frame_size() {
+    const ImageSize size{static_cast<int>(video_.get(cv::CAP_PROP_FRAME_WIDTH)),
+                         static_cast<int>(video_.get(cv::CAP_PROP_FRAME_HEIGHT))};
+    return size.width > 0 && size.height > 0 ? std::optional(size) : std::nullopt;
+  }
+
+  /// Frames are counted, not sought by time: only then is the frame number right with every codec.
+  void seek(std::int64_t frame) {
+    while (at_ < frame)
+      if (!grab()) throw Error(fmt::format("frame {} does not exist, the video has {}", frame, at_), "--frames", "");
+  }
+
+  bool grab() {
+    if (!video_.grab()) return false;
+    ++at_;
+    return true;
+  }
+
+  bool retrieve(cv::Mat& picture) { return video_.retrieve(picture) && !picture.empty(); }
+
+  Frame make_frame(std::int64_t index, const cv::Mat& picture) {
+    Frame frame;
+    frame.index = index;
+    frame.name = fmt::format("frame {}", index);
+    frame.stamp = made_up_stamp(index, rate_hz_);
+    DecodedImage image;
+    const auto reason = convert(picture, options_.want_colour, image);
+    if (!reason.empty()) throw Error(reason, info_.path, "");
+    const ImageSize size{image.grey.width(), image.grey.height()};
+    if (first_size_.width == 0) first_size_ = size;
+    if (first_size_ != size) {
+      throw UnusableSource(fmt::format("frame {} is {}x{}, but those before it {}x{}", index, size.width, size.height,
+                                       first_size_.width, first_size_.height),
+                           info_.path, "all frames must have one size");
+    }
+    frame.image = std::move(image.grey);
+    frame.colour = std::move(image.colour);
+    return frame;
+  }
+
+  OpenOptions options_;
+  SourceInfo info_;
+  cv::VideoCapture video_;
+  FrameChoice choice_;
+  ImageSize first_size_;
+  double rate_hz_ = usual_rate_hz;
+  std::int64_t at_ = 0;  ///< Number of the next frame that grab() gives.
+  std::int64_t position_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Source> open_video(const std::string& path, const OpenOptions& options) {
+  if (!has_video_ending(path))
+    throw Error("is neither an image nor a video", path, "give a folder, a pattern or a video file");
+  if (!options.camera.empty()) throw Error("a video has no named cameras", "--camera", "leave it out");
+  return std::make_unique<VideoSource>(path, options);
+}
+
+}  // namespace rastro
+
+#else
+
+namespace rastro {
+
+std::unique_ptr<Source> open_video(const std::string& path, const OpenOptions&) {
+  throw Error("this build reads no videos", path, "build with -DRASTRO_WITH_VIDEO=ON, or turn the video into images");
+}
+
+}  // namespace rastro
+
+#endif

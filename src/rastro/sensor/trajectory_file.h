@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rastro/sensor/trajectory.h"
+
+namespace rastro {
+
+enum class TrajectoryFormat {
+  tum,    ///< "stamp tx ty tz qx qy qz qw", seconds, spaces.
+  euroc,  ///< "stamp,px,py,pz,qw,qx,qy,qz[,...]", nanoseconds, commas.
+  kitti,  ///< 12 numbers a line, the upper 3x4 of the pose, row by row; no stamps.
+};
+
+// Readers of text. Each throws Error naming `where`:line for: a wrong number of columns, anything that is no finite
+// number, a quaternion farther than 10 % from unit length, a 3x3 block that is no rotation within 0.02, nothing but
+// comments. Poses are sorted by stamp; of equal stamps the first is kept, as evaluators do.
+Trajectory parse_tum_trajectory(std::string_view text, std::string_view where);
+Trajectory parse_euroc_trajectory(std::string_view text, std::string_view where);
+/// Row k is the pose of frame k.
+std::vector<SE3> parse_kitti_poses(std::string_view text, std::string_view where);
+/// KITTI's times.txt: one stamp in seconds a line.
+std::vector<TimeNs> parse_kitti_times(std::string_view text, std::string_view where);
+
+/// From the first line that holds something; Error where it looks like none of the three.
+TrajectoryFormat guess_trajectory_format(std::string_view text, std::string_view where);
+
+/// Reads a trajectory of any of the formats. KITTI poses take their stamps from `times_file`, or from FILE_times.txt or
+/// times.txt beside the file where there is one and it is long enough; otherwise frame k is stamped k seconds.
+Trajectory read_trajectory(const std::string& file, const std::string& times_file = "");
+
+}  // namespace rastro
