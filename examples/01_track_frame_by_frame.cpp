@@ -6,11 +6,10 @@
 
 #include <cstdio>
 #include <exception>
-#include <memory>
 
 #include "rastro/base/error.h"
 #include "rastro/dataset/open.h"
-#include "rastro/synthetic/world.h"
+#include "rastro/synthetic/worlds/hall.h"
 #include "rastro/track/tracker.h"
 
 namespace {
@@ -41,8 +40,8 @@ int main(int argc, char** argv) try {
   if (argc > 1) {
     track(*rastro::open(argv[1]));
   } else {
-    const std::unique_ptr<const rastro::World> world = rastro::make_world("hall", 1);
-    track(*rastro::synthetic_source(*world, frames_of_hall));
+    const rastro::World hall = rastro::make_hall();
+    track(*rastro::synthetic_source(hall, frames_of_hall));
   }
   return 0;
 } catch (const rastro::Error& error) {  // bad input: one plain line
