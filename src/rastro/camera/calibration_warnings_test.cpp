@@ -41,7 +41,7 @@ TEST(CalibrationWarnings, UnequalFocalLengths) {
 TEST(CalibrationWarnings, PrincipalPoint) {
   Camera camera = euroc();
   std::swap(camera.cx, camera.cy);
-  EXPECT_THAT(calibration_warnings(camera), ElementsAre(HasSubstr("26 % of the size away from the middle")));
+  EXPECT_THAT(calibration_warnings(camera), ElementsAre(HasSubstr("27 % of the size away from the middle")));
   camera.cx = -5.0;
   EXPECT_THAT(calibration_warnings(camera), ElementsAre(HasSubstr("outside the 752x480 image")));
 }

@@ -27,7 +27,7 @@ std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& point_in_c
                                                Eigen::Matrix<double, 2, 3>& jacobian) const {
   if (!(point_in_camera.z() > 0.0)) return std::nullopt;
   const double inverse_z = 1.0 / point_in_camera.z();
-  const Eigen::Vector2d ray = point_in_camera.head<2>() * inverse_z;
+  const Eigen::Vector2d ray = point_in_camera.head<2>() / point_in_camera.z();
   Eigen::Matrix2d distorted_by_ray;
   const auto distorted = distort(*this, ray, distorted_by_ray);
   if (!distorted) return std::nullopt;

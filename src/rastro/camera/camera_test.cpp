@@ -191,8 +191,9 @@ TEST(Distortion, ARayBeyondAFoldIsRefusedEvenWhereTheModelGrowsAgain) {
   EXPECT_NEAR(monotonic_radius(camera), std::sqrt(0.5), 1e-12);
   EXPECT_FALSE(camera.project({1.5, 0.0, 1.0}));
   camera.distortion = Distortion::equidistant;
-  camera.coefficients = {-4.0 / 3.0, 0.8, 0.0, 0.0};  // 1 - 4 x + 4 x^2 = (1 - 2 x)^2: touches zero and grows on.
-  EXPECT_NEAR(monotonic_radius(camera), std::tan(std::sqrt(0.5)), 1e-6);
+  camera.coefficients = {-4.03 / 3.0, 0.8};  // 1 - 4.03 x + 4 x^2: below zero only from 0.442 to 0.565.
+  EXPECT_NEAR(monotonic_radius(camera), std::tan(std::sqrt((4.03 - std::sqrt(4.03 * 4.03 - 16.0)) / 8.0)), 1e-9);
+  EXPECT_FALSE(camera.project({1.5, 0.0, 1.0}));
 }
 
 TEST(Distortion, WithoutDistortionNothingFolds) {

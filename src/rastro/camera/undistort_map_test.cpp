@@ -78,7 +78,8 @@ TEST(UndistortMap, AlphaZeroShowsOnlyRecordedPixels) {
             << x << " " << y << " comes from " << from_x << " " << from_y;
         nearest = std::min({nearest, double{from_x}, double{from_y}});
       }
-    EXPECT_LT(nearest, 1.0) << "and wastes none";
+    // Of the fisheye, what is more than 80 degrees off the axis (the corners) does not count and narrows the rest.
+    EXPECT_LT(nearest, camera.distortion == Distortion::equidistant ? 3.0 : 1.0) << "and wastes none";
   }
 }
 

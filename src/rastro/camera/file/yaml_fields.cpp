@@ -51,17 +51,17 @@ YamlFields YamlFields::parse(std::string_view text, std::string_view where) {
   }
 }
 
-std::optional<YAML::Node> YamlFields::find(Names names) const {
+std::optional<YamlFields::Field> YamlFields::find(Names names) const {
   for (const auto& item : map_)
     for (const char* name : names)
-      if (item.first.IsScalar() && item.first.Scalar() == name) return item.second;
+      if (item.first.IsScalar() && item.first.Scalar() == name) return Field{item.second, line_of(item.first, line_)};
   return std::nullopt;
 }
 
 YAML::Node YamlFields::require(Names names) const {
-  auto node = find(names);
-  if (!node) fail_missing(names);
-  return *node;
+  const auto field = find(names);
+  if (!field) fail_missing(names);
+  return field->value;
 }
 
 void YamlFields::fail_missing(Names names) const {
@@ -80,13 +80,13 @@ void YamlFields::fail(Names names, std::string_view what_is_wrong, std::string_v
 std::string YamlFields::at() const { return at_line(where_, line_); }
 
 std::string YamlFields::at(Names names) const {
-  const auto node = find(names);
-  return node ? at_line(where_, line_of(*node, line_)) : at();
+  const auto field = find(names);
+  return field ? at_line(where_, field->line) : at();
 }
 
 bool YamlFields::has_map(Names names) const {
-  const auto node = find(names);
-  return node && node->IsMap();
+  const auto field = find(names);
+  return field && field->value.IsMap();
 }
 
 YamlFields YamlFields::map(Names names) const {

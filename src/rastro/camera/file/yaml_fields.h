@@ -45,7 +45,11 @@ class YamlFields {
   [[noreturn]] void fail(Names names, std::string_view what_is_wrong, std::string_view remedy) const;
 
  private:
-  std::optional<YAML::Node> find(Names names) const;
+  struct Field {
+    YAML::Node value;
+    int line = 0;  ///< Of the key.
+  };
+  std::optional<Field> find(Names names) const;
   YAML::Node require(Names names) const;
   void append(const YAML::Node& node, Names names, int depth, std::vector<double>& values) const;
 
