@@ -60,7 +60,7 @@ double light_at(const Scene& scene, const Place& place) {
     if (slope <= 0.05) continue;
     const std::optional<RayHit> hit = scene.trace(origin, ray, reach_m);
     const double open = hit ? 0.25 + 0.75 * hit->t / reach_m : 1.0;
-    light += slope * open * (0.95 + 0.55 * ray.z() + 0.25 * ray.y());
+    light += slope * open * (1.35 + 0.55 * ray.z() + 0.3 * ray.y() - 0.2 * ray.x());
     weight += slope;
   }
   return weight > 0.0 ? light / weight : 1.0;
@@ -101,6 +101,7 @@ void multiply(Image<float>& values, const Image<float>& map) {
 }  // namespace
 
 void Scene::bake(std::uint64_t seed, TaskPool& pool) {
+  tree_ = BoundsTree(primitives_);
   pool.for_chunks(0, static_cast<int>(surfaces_.size()), 1, [&](int begin, int end) {
     for (int index = begin; index < end; ++index) {
       Surface& surface = surfaces_[static_cast<std::size_t>(index)];

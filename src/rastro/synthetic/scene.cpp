@@ -114,6 +114,7 @@ std::uint32_t Scene::add(Primitive primitive, const Material& material) {
     surfaces_.push_back(std::move(surface));
   }
   primitives_.push_back(primitive);
+  tree_ = {};
   return number;
 }
 
@@ -167,11 +168,19 @@ std::optional<RayHit> Scene::trace(const Eigen::Vector3d& origin, const Eigen::V
   Meeting best;
   best.t = limit;
   const Primitive* met = nullptr;
-  for (const Primitive& primitive : primitives_) {
+  const auto test = [&](std::uint32_t number) {
+    const Primitive& primitive = primitives_[number];
     const Meeting meeting = meet(primitive, to_local(primitive, origin - primitive.centre), direction);
-    if (meeting.t >= best.t) continue;
-    best = meeting;
-    met = &primitive;
+    if (meeting.t < best.t) {
+      best = meeting;
+      met = &primitive;
+    }
+    return best.t;
+  };
+  if (tree_.empty()) {
+    for (std::uint32_t number = 0; number < primitives_.size(); ++number) test(number);
+  } else {
+    tree_.visit(origin, direction, limit, test);
   }
   if (met == nullptr) return std::nullopt;
   return RayHit{best.t, met->first_surface + static_cast<std::uint32_t>(best.face), origin + best.t * direction};

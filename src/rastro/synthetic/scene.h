@@ -9,6 +9,7 @@
 
 #include "rastro/base/random.h"
 #include "rastro/base/task_pool.h"
+#include "rastro/synthetic/bounds_tree.h"
 #include "rastro/synthetic/paint/canvas.h"
 #include "rastro/synthetic/texture.h"
 
@@ -99,6 +100,7 @@ class Scene {
   std::uint32_t add(Primitive primitive, const Material& material);
   std::vector<Primitive> primitives_;
   std::vector<Surface> surfaces_;
+  BoundsTree tree_;  ///< Of all solids once bake() has run; empty while there are still some to come.
 };
 
 }  // namespace rastro

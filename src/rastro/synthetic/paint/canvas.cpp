@@ -64,7 +64,9 @@ void Canvas::fill(float value) {
 
 void Canvas::add_noise(Random& random, double coarsest_m, float amplitude, float persistence) {
   const double scale = std::exp2(std::floor(std::log2(std::max(1.0, coarsest_m * density_))));
-  const Image<float> noise = octaves(random, values_.width(), values_.height(), 1.0, scale, amplitude, persistence);
+  // A stream of its own: what is drawn afterwards must not depend on the number of texels.
+  Random stream(random.next());
+  const Image<float> noise = octaves(stream, values_.width(), values_.height(), 1.0, scale, amplitude, persistence);
   for (int y = 0; y < values_.height(); ++y)
     for (int x = 0; x < values_.width(); ++x) values_.at(x, y) += noise.at(x, y);
 }

@@ -29,13 +29,12 @@ class Furnisher {
     windows_and_gates();
   }
 
-  /// What hides the view: the press's head above, its posts, and the pillar at its right.
+  /// What hides the view: the press's head, hung from the roof, and the pillar at its right.
   void press() {
-    scene_.add_box({1.36, 0.15, 2.52}, {0.72, 3.3, 1.2}, machine(122, 330));
-    scene_.add_box({1.40, 1.62, 0.96}, {0.34, 0.30, 1.92}, steel_beam(96, 260));
-    scene_.add_box({1.00, -1.78, 0.5 * roof}, {0.38, 0.38, roof}, concrete_pillar());
-    scene_.add_cylinder({1.40, -0.6, 3.12}, {1.40, -0.6, 5.2}, 0.16, pipe(150));
-    scene_.add_cylinder({1.40, 0.9, 3.12}, {1.40, 0.9, 5.2}, 0.16, pipe(90));
+    scene_.add_box({0.72, 0.05, 2.26}, {0.12, 2.4, 1.1}, machine(122, 330));
+    scene_.add_box({1.00, 0.05, 3.02}, {0.60, 2.2, 0.5}, machine(96, 170));
+    for (const double y : {-0.7, 0.8}) scene_.add_cylinder({1.0, y, 3.27}, {1.0, y, roof - 0.01}, 0.13, pipe(150));
+    scene_.add_box({1.00, -1.78, 0.5 * roof}, {0.38, 0.38, roof - 0.01}, concrete_pillar());
   }
 
   void machines_ahead() {
