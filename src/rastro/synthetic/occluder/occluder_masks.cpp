@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
+#include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 
 namespace rastro {
@@ -15,9 +16,12 @@ constexpr std::size_t masks_kept = 128;  // a few windows of frames
 std::filesystem::path masks_of(const std::filesystem::path& folder) { return folder / "mav0" / "occluder"; }
 
 GreyImage read_mask(const std::filesystem::path& file) {
+  // Read by hand: OpenCV's own reader prints when a file is missing.
+  const std::string bytes = read_whole_file(file);
   cv::Mat read;
   try {
-    read = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+    if (!bytes.empty())
+      read = cv::imdecode(std::vector<std::uint8_t>(bytes.begin(), bytes.end()), cv::IMREAD_GRAYSCALE);
   } catch (const cv::Exception&) {
     read.release();
   }

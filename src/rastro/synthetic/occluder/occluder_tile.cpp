@@ -51,9 +51,11 @@ class Texture {
   explicit Texture(const OccluderLook& look) : look_(look), pixel_(1.0 / look.width_px) {
     Random random(look.seed);
     for (double& tone : part_tones_) tone = random.uniform(-0.5, 0.5);
+    part_tones_[static_cast<std::size_t>(OccluderPart::hair)] = -0.9;
+    part_tones_[static_cast<std::size_t>(OccluderPart::skin)] = 0.3;
     stripes_ = random.uniform() < 0.5 ? random.uniform(7.0, 12.0) : 0.0;
     const double height = look.height_px * pixel_;
-    const int count = static_cast<int>(std::clamp(18.0 * height, 12.0, 120.0));
+    const int count = static_cast<int>(std::clamp(40.0 * height, 20.0, 200.0));
     for (int i = 0; i < count; ++i) {
       Patch patch;
       patch.centre = {random.uniform(-0.5, 0.5), random.uniform(0.0, height)};
@@ -61,7 +63,7 @@ class Texture {
       patch.half_size = {size, size * random.uniform(0.4, 1.0)};
       const double turn = random.uniform(-0.5, 0.5);
       patch.along = {std::cos(turn), std::sin(turn)};
-      patch.tone = random.uniform(-0.9, 0.9);
+      patch.tone = (random.uniform() < 0.5 ? -1.0 : 1.0) * random.uniform(0.3, 1.1);
       patch.disc = random.uniform() < 0.25;
       patches_.push_back(patch);
     }
@@ -72,9 +74,9 @@ class Texture {
     double tone = part_tones_[static_cast<std::size_t>(outline.part)];
     const bool printed = outline.part == OccluderPart::shirt || outline.part == OccluderPart::post;
     if (stripes_ > 0.0 && printed) tone += 0.35 * std::clamp(4.0 * std::sin(place.y() * 2.0 * stripes_), -1.0, 1.0);
-    if (printed || outline.part == OccluderPart::trousers) tone = print(place, tone, printed ? 1.0 : 0.35);
-    double noise = 0.0, strength = 0.35, scale = 4.0;
-    for (std::uint64_t octave = 0; octave < 5; ++octave, scale *= 2.1, strength *= 0.72)
+    if (printed || outline.part == OccluderPart::trousers) tone = print(place, tone, printed ? 1.0 : 0.6);
+    double noise = 0.0, strength = 0.4, scale = 4.0;
+    for (std::uint64_t octave = 0; octave < 5; ++octave, scale *= 2.1, strength *= 0.8)
       noise += strength * lattice_noise(seed_for(look_.seed, 100 + octave), place.x() * scale, place.y() * scale);
     // Round bodies darken towards their outline, on one side more than on the other.
     const double depth = std::clamp(-outline.distance / 0.18, 0.0, 1.0);
