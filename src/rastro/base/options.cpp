@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
@@ -136,13 +138,37 @@ std::string without_opencv_header(std::string text) {
   return text;
 }
 
+/// Hears a YAML document without keeping anything.
+class DeafHandler : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
+/// YAML::Load is silent about anything behind the first document, and YAML::LoadAll never ends on some of it.
+bool holds_more_than_a_document(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DeafHandler handler;
+  parser.HandleNextDocument(handler);
+  return static_cast<bool>(parser);
+}
+
 YAML::Node parse_document(const std::string& text, std::string_view where) {
   try {
-    const auto documents = YAML::LoadAll(text);
-    if (documents.size() > 1) throw Error("holds several YAML documents", where, "keep one map of options");
-    return documents.empty() ? YAML::Node() : documents.front();
+    if (holds_more_than_a_document(text)) {
+      throw Error("holds more than one YAML document", where, "keep one map of options");
+    }
+    return YAML::Load(text);
   } catch (const YAML::Exception& problem) {
-    throw Error(fmt::format("not YAML ({})", problem.msg), fmt::format("{}:{}", where, problem.mark.line + 1),
+    throw Error(fmt::format("not YAML ({})", one_line(problem.msg)), fmt::format("{}:{}", where, problem.mark.line + 1),
                 "write one 'key: value' a line");
   }
 }

@@ -99,10 +99,9 @@ std::size_t utf8_length(std::string_view text) {
   return overlong || no_character ? 0 : length;
 }
 
-std::string in_quotes(std::string_view text) {
-  constexpr std::size_t longest = 60;
-  std::string shown = "'";
-  while (!text.empty() && shown.size() <= longest) {
+std::string one_line(std::string_view text, std::size_t longest) {
+  std::string shown;
+  while (!text.empty() && shown.size() < longest) {
     const std::size_t length = utf8_length(text);
     const auto first = static_cast<unsigned char>(text.front());
     if (length == 0 || first < 0x20 || first == 0x7F) {
@@ -112,8 +111,10 @@ std::string in_quotes(std::string_view text) {
     }
     text.remove_prefix(std::max<std::size_t>(1, length));
   }
-  return shown + (text.empty() ? "'" : "...'");
+  return text.empty() ? shown : shown + "...";
 }
+
+std::string in_quotes(std::string_view text) { return "'" + one_line(text, 60) + "'"; }
 
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names) {
   // Names are short: what is longer than any of them is only compared by its beginning.

@@ -26,8 +26,10 @@ std::vector<std::string_view> split_words(std::string_view text);
 /// Bytes of the UTF-8 character at the front of `text`; 0 when there is no whole and valid one.
 std::size_t utf8_length(std::string_view text);
 
-/// Text from outside as it may stand in a message: in single quotes, one line of valid UTF-8 cut after about 60 bytes;
-/// other bytes as \xNN.
+/// Text from outside as it may stand in a message: one line of valid UTF-8, other bytes as \xNN, cut after about
+/// `longest` bytes. What other libraries say of bad input needs this too: they quote from it.
+std::string one_line(std::string_view text, std::size_t longest = 200);
+/// The same in single quotes, cut after about 60 bytes.
 std::string in_quotes(std::string_view text);
 
 /// The name nearest to `wanted` by edit distance, for "unknown key ...; did you mean ...". Empty when there are none.
