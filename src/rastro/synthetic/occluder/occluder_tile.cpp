@@ -65,7 +65,7 @@ class Texture {
       patch.along = {std::cos(turn), std::sin(turn)};
       patch.tone = (random.uniform() < 0.5 ? -1.0 : 1.0) * random.uniform(0.3, 1.1);
       patch.disc = random.uniform() < 0.25;
-      patches_.push_back(patch);
+      add(patch);
     }
   }
 
@@ -85,18 +85,31 @@ class Texture {
   }
 
  private:
+  static std::size_t band_of(double y) { return static_cast<std::size_t>(std::max(0.0, y / reach + 1.0)); }
+
+  /// Into each band of rows that it may touch.
+  void add(const Patch& patch) {
+    const std::size_t last = band_of(patch.centre.y() + reach);
+    if (bands_.size() <= last) bands_.resize(last + 1);
+    for (std::size_t band = band_of(patch.centre.y() - reach); band <= last; ++band) bands_[band].push_back(patch);
+  }
+
   double print(const Vector2d& place, double tone, double strength) const {
-    for (const Patch& patch : patches_)
-      if ((place - patch.centre).squaredNorm() < 0.04)
+    const std::size_t band = band_of(place.y());
+    if (band >= bands_.size()) return tone;
+    for (const Patch& patch : bands_[band])
+      if ((place - patch.centre).squaredNorm() < reach * reach)
         tone += strength * patch.cover(place, 1.5 * pixel_) * (patch.tone - tone);
     return tone;
   }
+
+  static constexpr double reach = 0.2;  ///< No patch goes farther from its centre.
 
   const OccluderLook& look_;
   double pixel_;
   std::array<double, 5> part_tones_{};
   double stripes_ = 0.0;
-  std::vector<Patch> patches_;
+  std::vector<std::vector<Patch>> bands_;
 };
 
 /// Mean over `length` pixels along each row, ends weighted by their fraction.
