@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -64,7 +65,8 @@ std::string version_text() {
 
 void send_log_to_stderr() {
   const auto logger = spdlog::stderr_color_mt("rastro");
-  logger->set_pattern("%n: %^%l%$: %v");
+  // On a terminal a progress bar may stand in the line.
+  logger->set_pattern(isatty(STDERR_FILENO) != 0 ? "\r\033[K%n: %^%l%$: %v" : "%n: %l: %v");
   set_log_sink([logger](LogLevel level, const std::string& line) {
     if (level == LogLevel::warning) {
       logger->warn(line);
@@ -86,7 +88,9 @@ void add_commands(CLI::App& app, Context& context) {
   add_options_command(app, context);
 }
 
-int say(int code, const std::string& line) {
+int say(int code, std::string line) {
+  // File names may hold line breaks; what goes wrong is one line all the same.
+  for (char& c : line) c = static_cast<unsigned char>(c) < ' ' ? ' ' : c;
   std::fflush(stdout);
   fmt::print(stderr, "rastro: {}\n", line);
   return code;

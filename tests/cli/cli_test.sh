@@ -1,0 +1,273 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# One case of the tests of the program: cli_test.sh PROGRAM SCRATCH_FOLDER CASE
+set -euo pipefail
+rastro=$1
+scratch=$2
+case_name=$3
+hall=$scratch/hall
+here=$scratch/$case_name
+
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
+
+# run CODE ARGUMENTS...: runs the program, checks its exit code, leaves its output in $here/stdout and $here/stderr.
+run() {
+  local wanted=$1 code=0
+  shift
+  "$rastro" "$@" >"$here/stdout" 2>"$here/stderr" || code=$?
+  [[ $code -eq $wanted ]] || fail "'rastro $*' ended with $code, not $wanted: $(cat "$here/stderr")"
+}
+
+# refused TEXT ARGUMENTS...: exit code 2, nothing but one line on stderr, which holds TEXT.
+refused() {
+  local text=$1
+  shift
+  run 2 "$@"
+  [[ $(wc -l <"$here/stderr") -eq 1 ]] || fail "'rastro $*' should say one line: $(cat "$here/stderr")"
+  [[ ! -s $here/stdout ]] || fail "'rastro $*' should leave stdout empty: $(cat "$here/stdout")"
+  grep -qF -- "$text" "$here/stderr" || fail "'rastro $*' should say '$text': $(cat "$here/stderr")"
+}
+
+said() { grep -qF -- "$1" "$here/stdout" "$here/stderr" || fail "'$1' was not said: $(cat "$here/stdout" "$here/stderr")"; }
+value_of() { sed -n "s/^  \"$1\": \"\{0,1\}\([^\",]*\).*/\1/p" "$here/$2/result.json"; }
+frames_of() { tail -n +2 "$here/$1/tracks.csv" | cut -d, -f1 | sort -un | wc -l; }
+fresh() { rm -rf "$here" && mkdir -p "$here"; }
+
+# pgm FILE WIDTH HEIGHT: a small picture with something to see.
+pgm() {
+  { printf 'P5\n%d %d\n255\n' "$2" "$3"; seq 1 $((($2 * $3) / 4)) | tr -d '\n' | head -c $(($2 * $3)); } >"$1"
+}
+
+# A recording long enough that a run on it is still going when it is stopped.
+long_recording() {
+  local folder=$1 number=0 repeat image
+  mkdir -p "$folder"
+  for repeat in $(seq 1 200); do
+    for image in "$hall"/mav0/cam0/data/*.png; do
+      ln -s "$image" "$folder/$(printf '%06d' $number).png"
+      number=$((number + 1))
+    done
+  done
+}
+
+# Waits until the run in the background has written some frames, or ended.
+wait_for_frames() {
+  local run=$1 process=$2
+  while kill -0 "$process" 2>/dev/null; do
+    [[ -f $run/tracks.jsonl && $(wc -l <"$run/tracks.jsonl") -ge 5 ]] && return
+    read -r -t 0.05 <> <(:) || true
+  done
+  fail "the run ended before it could be stopped"
+}
+
+make_hall() {
+  rm -rf "$hall"
+  run 0 simulate hall --out "$hall" --frames 12
+}
+
+version() {
+  run 0 --version
+  for word in 'rastro ' 'commit ' 'compiler ' 'video files'; do said "$word"; done
+}
+
+help() {
+  run 0 --help
+  for word in 'Exit codes' 'Examples' '--require'; do said "$word"; done
+  local command
+  for command in track evaluate simulate occlude info check options; do
+    said "$command"
+    run 0 "$command" --help
+    said 'xample'
+  done
+}
+
+unknown_command() {
+  refused "did you mean 'track'" trck "$hall"
+  refused "command" --nonsense
+  refused "A subcommand is required"
+}
+
+unknown_flag() {
+  refused "did you mean '--window'" track "$hall" --out "$here/run" --windw 5
+  refused "did you mean '--out'" track "$hall" --ouut "$here/run"
+  refused "--out" track "$hall"
+  [[ ! -e $here/run ]] || fail "a folder was made although the command line is wrong"
+}
+
+bad_input() {
+  mkdir "$here/empty"
+  refused 'nowhere' track "$here/nowhere" --out "$here/run"
+  refused 'empty' track "$here/empty" --out "$here/run"
+  : >"$here/nothing.png"
+  refused 'nothing.png' track "$here/nothing.png" --out "$here/run"
+  refused 'options.yaml' track "$hall" --out "$here/run" --options "$here/options.yaml"
+  refused '--frames' track "$hall" --out "$here/run" --frames 500:600
+  [[ ! -e $here/run/tracks.csv ]] || fail "files were written although there is no input"
+}
+
+bad_values() {
+  refused "window" track "$hall" --out "$here/run" --window 0
+  refused "features" track "$hall" --out "$here/run" --features 0
+  refused "features" track "$hall" --out "$here/run" --features many
+  refused "priority" track "$hall" --out "$here/run" --mode priorty
+  refused "did you mean" track "$hall" --out "$here/run" --set windw=5
+  refused "--set" track "$hall" --out "$here/run" --set window
+  refused "did you mean 'coverage'" track "$hall" --out "$here/run" --require 'covrage>=5'
+  refused "did you mean 'csv'" track "$hall" --out "$here/run" --formats csw
+  refused "--match-picture" track "$hall" --out "$here/run" --match-picture 9:3
+  refused "--threads" track "$hall" --out "$here/run" --threads -1
+  refused "did you mean 'track'" options trak
+}
+
+folder_in_use() {
+  mkdir "$here/run"
+  echo mine >"$here/run/notes.txt"
+  refused '--force' track "$hall" --out "$here/run"
+  run 0 track "$hall" --out "$here/run" --force --frames 0:3
+  [[ -f $here/run/notes.txt ]] || fail "--force removed a file that is not of a run"
+  echo file >"$here/file"
+  refused 'not a folder' track "$hall" --out "$here/file"
+}
+
+broken_image() {
+  mkdir "$here/data"
+  cp "$hall"/mav0/cam0/data/*.png "$here/data"
+  local victim
+  victim=$(ls "$here"/data/*.png | sed -n 4p)
+  head -c 1000 "$victim" >"$here/cut" && mv "$here/cut" "$victim"
+  run 0 track "$here/data" --out "$here/run"
+  said "1 frames could not be read"
+  said "$(basename "$victim")"
+  [[ $(value_of skipped_frames run) == 1 && $(value_of frames run) == 11 ]] || fail "wrong counts in result.json"
+  grep -qF "$(basename "$victim")" "$here/run/events.jsonl" || fail "events.jsonl does not name the frame"
+  run 1 track "$here/data" --out "$here/run2" --require 'coverage>=99'
+  said 'coverage>=99 missed'
+}
+
+changing_size() {
+  mkdir "$here/data"
+  local i
+  for i in 0 1 2; do pgm "$here/data/$i.pgm" 320 240; done
+  pgm "$here/data/3.pgm" 160 120
+  run 2 track "$here/data" --out "$here/run" --rate 10
+  grep -qF '160x120' "$here/stderr" || fail "the sizes are not named: $(cat "$here/stderr")"
+  [[ $(frames_of run) == 3 ]] || fail "what was computed is not there"
+}
+
+one_frame() {
+  run 0 track "$hall" --out "$here/run" --frames 0:1
+  said 'one frame only'
+  [[ $(frames_of run) == 1 ]] || fail "the frame is missing"
+}
+
+no_calibration() {
+  run 0 track "$hall/mav0/cam0/data" --out "$here/run" --frames 0:3
+  said '--calibration FILE'
+  said '--fov DEG'
+  grep -q ',nan,nan,' "$here/run/tracks.csv" || fail "rays without a calibration"
+  run 0 track "$hall/mav0/cam0/data" --out "$here/run2" --frames 0:3 --fov 90
+  ! tail -n +2 "$here/run2/tracks.csv" | grep -q ',nan,' || fail "no rays in spite of --fov"
+}
+
+outputs() {
+  run 0 track "$hall" --out "$here/run" --pictures --match-picture 1:9
+  local file
+  for file in about.json options.yaml stats.csv result.json tracks.yaml tracks.csv tracks.jsonl table.md match_1_9.png; do
+    [[ -s $here/run/$file ]] || fail "$file is missing"
+  done
+  [[ $(ls "$here/run/pictures" | wc -l) == 12 ]] || fail "not a picture per frame"
+  [[ $(wc -l <"$here/run/tracks.jsonl") == 12 && $(frames_of run) == 12 ]] || fail "not every frame was written"
+  [[ $(value_of result_sha256 run) == $(sha256sum "$here/run/tracks.csv" | cut -d' ' -f1) ]] || fail "wrong hash"
+  run 0 track "$hall" --out "$here/run2" --options "$here/run/options.yaml" --formats csv
+  [[ ! -e $here/run2/tracks.yaml ]] || fail "--formats is not heeded"
+  cmp "$here/run/tracks.csv" "$here/run2/tracks.csv" || fail "the options in force do not give the same run again"
+  if "$rastro" --version | grep -q 'with  *video'; then
+    run 0 track "$hall" --out "$here/run3" --video "$here/run.avi"
+    [[ -s $here/run.avi ]] || fail "no video"
+  fi
+  refused '.avi' track "$hall" --out "$here/run4" --video "$here/run.gif"
+}
+
+repeats() {
+  local threads file
+  for threads in 1 2 8; do run 0 track "$hall" --out "$here/$threads" --threads $threads; done
+  run 0 track "$hall" --out "$here/again" --threads 2
+  for file in tracks.yaml tracks.csv tracks.jsonl; do
+    for threads in 2 8 again; do cmp "$here/1/$file" "$here/$threads/$file" || fail "$file differs: $threads"; done
+  done
+}
+
+masks() {
+  pgm "$here/small.pgm" 10 10
+  run 2 track "$hall" --out "$here/run" --mask "$here/small.pgm"
+  said 'the mask is 10x10'
+  refused 'nowhere' track "$hall" --out "$here/run2" --mask "$here/nowhere"
+  { printf 'P5\n752 480\n255\n'; head -c $((752 * 480)) /dev/zero; } >"$here/black.pgm"
+  run 0 track "$hall" --out "$here/run3" --mask "$here/black.pgm"
+  [[ $(value_of features run3) == 0 ]] || fail "features under a black mask"
+  mkdir "$here/masks"
+  local i
+  for i in 00 01 02; do { printf 'P5\n752 480\n255\n'; head -c $((752 * 480)) /dev/zero | tr '\0' '\377'; } >"$here/masks/$i.pgm"; done
+  run 0 track "$hall" --out "$here/run4" --mask "$here/masks" --frames 0:3
+  run 2 track "$hall" --out "$here/run5" --mask "$here/masks"
+  said 'none for frame 3'
+  [[ $(frames_of run5) == 3 ]] || fail "the frames with a mask are missing"
+}
+
+json_and_quiet() {
+  run 0 track "$hall" --out "$here/run" --frames 0:3 --json
+  cmp "$here/stdout" "$here/run/result.json" || fail "--json does not print result.json"
+  run 0 track "$hall/mav0/cam0/data" --out "$here/run2" --frames 0:3 --quiet
+  [[ ! -s $here/stdout && ! -s $here/stderr ]] || fail "--quiet is not: $(cat "$here/stdout" "$here/stderr")"
+}
+
+require() {
+  run 0 track "$hall" --out "$here/run" --require 'coverage>=100' --require 'frames<=12'
+  run 1 track "$hall" --out "$here/run2" --require 'coverage>=100' --require 'frames>12'
+  said 'frames>12 missed: it is 12'
+  [[ -s $here/run2/result.json ]] || fail "a missed limit must not lose the run"
+}
+
+options() {
+  run 0 options
+  for word in mode window features validation; do said "$word"; done
+  run 0 options track --yaml
+  cp "$here/stdout" "$here/options.yaml"
+  run 0 track "$hall" --out "$here/run" --frames 0:2 --options "$here/options.yaml"
+}
+
+interrupt() {
+  long_recording "$here/data"
+  "$rastro" track "$here/data" --out "$here/run" >"$here/stdout" 2>"$here/stderr" &
+  local process=$! code=0
+  wait_for_frames "$here/run" $process
+  kill -INT $process
+  wait $process || code=$?
+  [[ $code -eq 0 ]] || fail "Ctrl-C ended with $code"
+  said 'interrupted'
+  [[ $(value_of interrupted run) == true ]] || fail "result.json does not say so"
+  local frames
+  frames=$(value_of frames run)
+  [[ $(frames_of run) == "$frames" && $(wc -l <"$here/run/tracks.jsonl") == "$frames" ]] || fail "frames were lost"
+}
+
+kill_() {
+  long_recording "$here/data"
+  "$rastro" track "$here/data" --out "$here/run" >"$here/stdout" 2>"$here/stderr" &
+  local process=$!
+  wait_for_frames "$here/run" $process
+  kill -KILL $process
+  wait $process 2>/dev/null || true
+  [[ -z $(tail -c 1 "$here/run/tracks.jsonl") ]] || fail "tracks.jsonl ends within a frame"
+  # The last frame of the table of rows has as many rows as it says.
+  tail -n +2 "$here/run/tracks.csv" | awk -F, '{ if ($1 != frame) { rows = 0; frame = $1 } ++rows; wanted = $11 } END { exit !(rows == wanted && NF == 14) }' ||
+    fail "tracks.csv ends within a frame"
+  [[ $(frames_of run) -ge 5 ]] || fail "frames were lost"
+}
+
+fresh
+if [[ $case_name == kill ]]; then kill_; else "$case_name"; fi
+echo "passed"
