@@ -32,7 +32,7 @@ std::vector<std::string> hints_for(const TrackRunEnd& end) {
   if (result.frames > 1 && 2 * result.unhealthy_frames > result.frames) {
     hints.push_back(
         fmt::format("{} of {} frames gave fewer features than asked for or moved abruptly: see events.jsonl; "
-                    "try --set equalize=true where images are dark, a smaller min_distance_px, fewer --features",
+                    "try --set equalise=true where images are dark, a smaller min_distance_px, fewer --features",
                     result.unhealthy_frames, result.frames));
   }
   return hints;
