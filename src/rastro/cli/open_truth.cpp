@@ -1,12 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/cli/open_truth.h"
 
-#include "rastro/base/error.h"
+#include "rastro/dataset/surface_truth/surface_truth_reader.h"
 
 namespace rastro::cli {
+namespace {
+
+/// The truth of a recording on disk, in the terms of scoring.
+class RecordedTruth : public SurfaceTruth {
+ public:
+  explicit RecordedTruth(SurfaceTruthReader reader) : reader_(std::move(reader)) {}
+
+  std::int64_t frame_count() const override { return reader_.frame_count(); }
+  std::optional<SurfacePoint> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const override {
+    const auto found = reader_.surface_at(frame, pixel);
+    if (!found) return std::nullopt;
+    return SurfacePoint{found->point_in_world, found->surface};
+  }
+  Sighting sighting_of(std::int64_t frame, const SurfacePoint& point) const override {
+    const RecordedView view = reader_.view_of(frame, point.point_in_world);
+    if (!view.inside) return {};
+    return {view.visible ? Visibility::visible : Visibility::hidden_by_surface, view.pixel};
+  }
+
+ private:
+  SurfaceTruthReader reader_;
+};
+
+}  // namespace
 
 OpenedTruth open_truth(const std::string& data_folder) {
-  throw Error("there is no surface truth", data_folder, "give a folder written by `rastro simulate`");
+  SurfaceTruthReader reader = read_surface_truth(data_folder);
+  OpenedTruth opened;
+  opened.image_width = reader.camera().width;
+  opened.image_height = reader.camera().height;
+  opened.truth = std::make_unique<RecordedTruth>(std::move(reader));
+  return opened;
 }
 
 }  // namespace rastro::cli

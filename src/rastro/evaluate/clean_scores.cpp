@@ -27,8 +27,7 @@ class CleanScorer {
       for (std::size_t i = 0; i < track.size(); ++i) {
         if (is_reidentification(track, i)) book_reidentification(track, i);
         if (i > 0) book_switch(track, i);
-        const bool ends_here = i + 1 == track.size() || track[i + 1].frame > track[i].frame + 1;
-        if (ends_here && track[i].frame + 1 < index_.end) book_loss(track, i);
+        if (ends_at(track, i) && track[i].frame + 1 < index_.end) book_loss(track, i);
       }
     }
     finish_scores(index_, scores_);

@@ -94,6 +94,10 @@ bool is_reidentification(const Track& track, std::size_t position) {
   return position > 0 && track[position].frame > track[position - 1].frame + 1;
 }
 
+bool ends_at(const Track& track, std::size_t position) {
+  return position + 1 == track.size() || track[position + 1].frame > track[position].frame + 1;
+}
+
 bool near_image_edge(const Eigen::Vector2d& pixel, const TrackScoreOptions& options) {
   if (options.image_width <= 0 || options.image_height <= 0) return false;
   const double border = options.border_px;

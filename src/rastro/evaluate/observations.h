@@ -34,6 +34,9 @@ TrackIndex index_tracks(const TrackTable& table, const TrackScoreOptions& option
 /// True when the observation at `position` of the track was recognised again rather than followed.
 bool is_reidentification(const Track& track, std::size_t position);
 
+/// True when the id is missing in the frame after the observation at `position`.
+bool ends_at(const Track& track, std::size_t position);
+
 /// Whether nothing can be detected there because the image's edge is too near; false where the image's size is not
 /// known.
 bool near_image_edge(const Eigen::Vector2d& pixel, const TrackScoreOptions& options);

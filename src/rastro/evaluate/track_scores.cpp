@@ -2,6 +2,7 @@
 #include "rastro/evaluate/track_scores.h"
 
 #include <algorithm>
+#include <map>
 
 #include "rastro/base/error.h"
 #include "rastro/evaluate/observations.h"
@@ -24,17 +25,16 @@ class SurfaceScorer {
     scores_.frames = frame_rows(table, index_);
   }
 
+  /// By frame throughout: truth read from files keeps only a window of frames in memory.
   TrackScores score() {
-    for (const auto& [id, track] : index_.tracks) {
-      const auto before = index_.before.find(id);
-      for (std::size_t i = 0; i < track.size(); ++i) {
-        const Observation* previous = i > 0 ? &track[i - 1] : before != index_.before.end() ? &before->second : nullptr;
-        if (is_reidentification(track, i)) book_reidentification(track, i, previous);
-        if (previous) book_switch(*previous, track[i]);
-        const bool ends_here = i + 1 == track.size() || track[i + 1].frame > track[i].frame + 1;
-        if (ends_here && track[i].frame + 1 < index_.end) book_loss(track, i);
-      }
-      collect_drift(track);
+    find_points();
+    for (const Seen& seen : in_order_) {
+      if (is_reidentification(*seen.track, seen.position)) book_reidentification(seen);
+      book_switch(seen);
+      collect_drift(seen);
+    }
+    for (const Seen& seen : in_order_) {
+      if (ends_at(*seen.track, seen.position) && seen.observation().frame + 1 < index_.end) book_loss(seen);
     }
     finish_drift();
     finish_scores(index_, scores_);
@@ -43,6 +43,39 @@ class SurfaceScorer {
 
  private:
   struct Loss;
+  using Point = std::optional<SurfacePoint>;
+
+  /// One observation, and its id's observation before it with the surface point seen there.
+  struct Seen {
+    const Track* track = nullptr;
+    std::size_t position = 0;
+    const Observation* previous = nullptr;  ///< Null for the first one of an id.
+    Point* points = nullptr;                ///< Of the whole track.
+    const Point* previous_point = nullptr;  ///< Where there is a previous observation.
+
+    const Observation& observation() const { return (*track)[position]; }
+    Point& point() const { return points[position]; }
+  };
+
+  /// Orders the observations by frame, then id, and looks up what surface point each one shows.
+  void find_points() {
+    for (const auto& [id, track] : index_.tracks) {
+      std::vector<Point>& points = points_[id];
+      points.resize(track.size());
+      const auto before = index_.before.find(id);
+      const bool goes_back = before != index_.before.end();
+      if (goes_back) points_before_[id] = truth_.surface_at(before->second.frame, before->second.pixel);
+      in_order_.push_back(
+          {&track, 0, goes_back ? &before->second : nullptr, points.data(), goes_back ? &points_before_[id] : nullptr});
+      for (std::size_t i = 1; i < track.size(); ++i)
+        in_order_.push_back({&track, i, &track[i - 1], points.data(), &points[i - 1]});
+    }
+    std::stable_sort(in_order_.begin(), in_order_.end(), [](const Seen& left, const Seen& right) {
+      return left.observation().frame < right.observation().frame;
+    });
+    for (const Seen& seen : in_order_)
+      seen.point() = truth_.surface_at(seen.observation().frame, seen.observation().pixel);
+  }
 
   FrameScores& row(std::int64_t frame) { return scores_.frames[static_cast<std::size_t>(frame - index_.first)]; }
 
@@ -55,22 +88,22 @@ class SurfaceScorer {
            (back.pixel - anchor_seen.pixel).norm() <= options_.tolerance_px;
   }
 
-  Verdict judge(const Observation* anchor_seen, const Observation& corner_seen) const {
-    if (!anchor_seen) return Verdict::unknown_id;
-    const auto anchor = truth_.surface_at(anchor_seen->frame, anchor_seen->pixel);
-    const auto corner = truth_.surface_at(corner_seen.frame, corner_seen.pixel);
+  Verdict judge(const Observation& anchor_seen, const Point& anchor, const Observation& corner_seen,
+                const Point& corner) const {
     if (!anchor || !corner) return Verdict::unscored;
     const Sighting sighting = truth_.sighting_of(corner_seen.frame, *anchor);
     if (sighting.visibility == Visibility::outside_image) return Verdict::anchor_outside;
     if (sighting.visibility == Visibility::hidden_by_surface) return Verdict::anchor_hidden;
     if ((sighting.pixel - corner_seen.pixel).norm() > options_.tolerance_px) return Verdict::other_place;
-    return same_point(*anchor, *anchor_seen, *corner) ? Verdict::correct : Verdict::on_occluder;
+    return same_point(*anchor, anchor_seen, *corner) ? Verdict::correct : Verdict::on_occluder;
   }
 
-  void book_reidentification(const Track& track, std::size_t i, const Observation* anchor_seen) {
-    FrameScores& frame = row(track[i].frame);
+  void book_reidentification(const Seen& seen) {
+    const Observation& corner = seen.observation();
+    FrameScores& frame = row(corner.frame);
     ++frame.reidentified;
-    const Verdict verdict = judge(anchor_seen, track[i]);
+    const Verdict verdict =
+        seen.previous ? judge(*seen.previous, *seen.previous_point, corner, seen.point()) : Verdict::unknown_id;
     if (verdict == Verdict::correct || verdict == Verdict::unscored) {
       ++(verdict == Verdict::correct ? frame.correct : frame.unscored);
       return;
@@ -82,30 +115,28 @@ class SurfaceScorer {
     wrongs.anchor_hidden += verdict == Verdict::anchor_hidden;
     wrongs.other_place += verdict == Verdict::other_place;
     wrongs.on_occluder += verdict == Verdict::on_occluder;
-    const auto right_for = [&](const Observation& earlier) { return judge(&earlier, track[i]) == Verdict::correct; };
-    if (std::any_of(track.begin(), track.begin() + static_cast<std::ptrdiff_t>(i), right_for))
+    for (std::size_t k = seen.position; k-- > 0;) {
+      if (judge((*seen.track)[k], seen.points[k], corner, seen.point()) != Verdict::correct) continue;
       ++scores_.wrong_but_earlier_place;
+      break;
+    }
   }
 
-  void book_switch(const Observation& earlier, const Observation& later) {
-    const auto point = truth_.surface_at(earlier.frame, earlier.pixel);
-    if (!point) return;
-    const Sighting sighting = truth_.sighting_of(later.frame, *point);
+  void book_switch(const Seen& seen) {
+    if (!seen.previous || !*seen.previous_point) return;
+    const Sighting sighting = truth_.sighting_of(seen.observation().frame, **seen.previous_point);
     if (sighting.visibility == Visibility::outside_image ||
-        (sighting.pixel - later.pixel).norm() > options_.tolerance_px)
+        (sighting.pixel - seen.observation().pixel).norm() > options_.tolerance_px)
       ++scores_.id_switches;
   }
 
-  void book_loss(const Track& track, std::size_t i);
+  void book_loss(const Seen& seen);
 
-  void collect_drift(const Track& track) {
-    const auto first = truth_.surface_at(track.front().frame, track.front().pixel);
-    if (!first) return;
-    for (std::size_t i = 1; i < track.size(); ++i) {
-      const Sighting sighting = truth_.sighting_of(track[i].frame, *first);
-      if (sighting.visibility == Visibility::outside_image) continue;
-      drift_.push_back((sighting.pixel - track[i].pixel).norm());
-    }
+  void collect_drift(const Seen& seen) {
+    if (seen.position == 0 || !seen.points[0]) return;
+    const Sighting sighting = truth_.sighting_of(seen.observation().frame, *seen.points[0]);
+    if (sighting.visibility != Visibility::outside_image)
+      drift_.push_back((sighting.pixel - seen.observation().pixel).norm());
   }
 
   void finish_drift() {
@@ -122,6 +153,9 @@ class SurfaceScorer {
   const TrackScoreOptions options_;
   const TrackIndex index_;
   TrackScores scores_;
+  std::map<std::int64_t, std::vector<Point>> points_;  ///< By id, as the tracks.
+  std::map<std::int64_t, Point> points_before_;        ///< Of the observations ahead of the range.
+  std::vector<Seen> in_order_;
   std::vector<double> drift_;
 };
 
@@ -131,10 +165,12 @@ struct SurfaceScorer::Loss {
   std::vector<std::pair<std::int64_t, Eigen::Vector2d>> visible_again;  ///< Frames and places, after it was hidden.
 };
 
-void SurfaceScorer::book_loss(const Track& track, std::size_t i) {
+void SurfaceScorer::book_loss(const Seen& last_seen) {
+  const Track& track = *last_seen.track;
+  const std::size_t i = last_seen.position;
   const std::int64_t seen = track[i].frame;
   FrameScores& frame = row(seen + 1);
-  const auto anchor = truth_.surface_at(seen, track[i].pixel);
+  const Point& anchor = last_seen.point();
   if (!anchor) {
     ++frame.lost_unscored;
     return;
@@ -162,7 +198,7 @@ void SurfaceScorer::book_loss(const Track& track, std::size_t i) {
     ++frame.lost;
     if (loss.visible_again.empty()) return;
     ++row(loss.visible_again.front().first).reappeared;
-    if (returns && judge(&track[i], track[i + 1]) == Verdict::correct)
+    if (returns && judge(track[i], anchor, track[i + 1], last_seen.points[i + 1]) == Verdict::correct)
       ++row(track[i + 1].frame).recalled;
     else
       book_miss(table_, loss.visible_again, returns ? std::optional(span_end) : std::nullopt, options_, scores_.misses);
