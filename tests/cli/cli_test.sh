@@ -86,7 +86,7 @@ help() {
 
 unknown_command() {
   refused "did you mean 'track'" trck "$hall"
-  refused "command" --nonsense
+  refused "unknown option '--nonsense'" --nonsense
   refused "A subcommand is required"
 }
 
@@ -189,6 +189,7 @@ outputs() {
     [[ -s $here/run.avi ]] || fail "no video"
   fi
   refused '.avi' track "$hall" --out "$here/run4" --video "$here/run.gif"
+  [[ ! -e $here/run4 ]] || fail "a folder was made although the video cannot be"
 }
 
 repeats() {

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <opencv2/core/utils/logger.hpp>
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
@@ -121,7 +122,7 @@ const std::string& command_line() { return stored_command_line(); }
 
 int run_program(int argc, const char* const* argv) {
   // OpenCV and FFmpeg print on their own; everything they have to say comes back as one line of ours.
-  setenv("OPENCV_LOG_LEVEL", "OFF", 0);
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
   stored_command_line() = as_typed(argc, argv);
   try {

@@ -69,7 +69,7 @@ std::unique_ptr<Prepared> prepare(const TrackFlags& flags) {
   run->table = option_table(run->options);
   apply_settings(flags, run->table);
   for (const std::string& limit : flags.limits) run->limits.emplace_back(limit);
-  match_frames(flags);
+  check_outputs(flags);
   const OpenOptions open = open_options(flags.data);
   run->source = rastro::open(flags.data.path, open);
   const SourceInfo& info = run->source->info();

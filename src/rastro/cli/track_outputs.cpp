@@ -40,8 +40,13 @@ std::vector<TrackSink*> pointers(const std::vector<std::unique_ptr<TrackSink>>& 
 
 }  // namespace
 
-TrackOutputs::TrackOutputs(const TrackFlags& flags, const RunFolder& folder, const TracksHeader& header) {
+void check_outputs(const TrackFlags& flags) {
   check_formats(flags);
+  match_frames(flags);
+  if (!flags.video.empty()) TrackVideo{flags.video};
+}
+
+TrackOutputs::TrackOutputs(const TrackFlags& flags, const RunFolder& folder, const TracksHeader& header) {
   add_text(flags, folder, header);
   add_pictures(flags, folder);
 }

@@ -14,6 +14,9 @@
 
 namespace rastro::cli {
 
+/// Error for flags that ask for outputs that cannot be; before anything is written.
+void check_outputs(const TrackFlags& flags);
+
 /// The files of a run, as the flags ask for them.
 class TrackOutputs {
  public:
