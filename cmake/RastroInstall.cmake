@@ -5,8 +5,16 @@ include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/rastro")
 install(TARGETS rastro EXPORT rastroTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
 install(EXPORT rastroTargets NAMESPACE rastro:: DESTINATION "${package_dir}")
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/src/rastro" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
-  FILES_MATCHING PATTERN "*.h" PATTERN "*_testing.h" EXCLUDE PATTERN "cli" EXCLUDE)
+# Every header but those of tests, of the program, and those that say on their second line that they are internal.
+file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}/src" "${PROJECT_SOURCE_DIR}/src/rastro/*.h")
+list(FILTER headers EXCLUDE REGEX "_testing\\.h$|^rastro/cli/")
+foreach(header IN LISTS headers)
+  file(STRINGS "${PROJECT_SOURCE_DIR}/src/${header}" internal LIMIT_COUNT 1 REGEX "^// Internal: not installed\\.$")
+  if(NOT internal)
+    get_filename_component(folder "${header}" DIRECTORY)
+    install(FILES "${PROJECT_SOURCE_DIR}/src/${header}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/${folder}")
+  endif()
+endforeach()
 configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/rastroConfig.cmake.in" "${PROJECT_BINARY_DIR}/rastroConfig.cmake"
   INSTALL_DESTINATION "${package_dir}")
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/rastroConfigVersion.cmake" COMPATIBILITY SameMinorVersion)

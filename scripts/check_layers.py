@@ -15,9 +15,11 @@ from pathlib import Path
 
 FILE_WARNING, FILE_LIMIT = 500, 800
 FUNCTION_WARNING, FUNCTION_LIMIT = 60, 120
+INTERNAL = "// Internal: not installed."  # the second line of a header that other folders and programs never see
 LICENCE = "// SPDX-License-Identifier: Apache-2.0"
 # Header prefix -> folders of src/rastro whose sources may include it; tests, bench and examples may include anything.
 HOMES = {
+    "opencv2/core/utils/logger.hpp": {"cli"},  # the program silences OpenCV
     "opencv2/": {"dataset", "export", "synthetic"},
     "yaml-cpp/": {"base", "camera", "dataset"},
     "nlohmann/": {"dataset", "evaluate", "export", "session", "cli"},
@@ -54,6 +56,10 @@ def read_layers(path):
 
 def is_test(path):
     return re.search(r"_(test|testing)\.(h|cpp)$", path.name) is not None
+
+
+def is_internal(path):
+    return path.is_file() and path.suffix == ".h" and path.read_text(errors="replace").splitlines()[1:2] == [INTERNAL]
 
 
 def without_comments_and_strings(text):
@@ -98,6 +104,16 @@ def function_lengths(code):
     return lengths
 
 
+def check_internal(root, path, folder, name, report, where):
+    """An installed header that includes an internal one would not compile where it is installed."""
+    if not name.startswith("rastro/") or not folder or not is_internal(root / "src" / name):
+        return
+    if path.suffix == ".h" and folder != "cli" and not is_internal(path) and not is_test(path):
+        report.breaches.append(f"{where}: a public header may not include the internal {name}")
+    if name.split("/")[1] != folder:
+        report.breaches.append(f"{where}: {name} is internal to its own folder")
+
+
 def check_include(path, folder, name, quotes, uses, report, where):
     # CMake generates headers named rastro_*.h; everything else stands in the tree.
     if quotes == '"' and not name.startswith(("rastro/", "rastro_")) and folder:
@@ -116,8 +132,9 @@ def check_include(path, folder, name, quotes, uses, report, where):
             continue
         if folder not in homes:
             report.breaches.append(f"{where}: <{name}> belongs to {', '.join(sorted(homes)) or 'tests and benchmarks'}")
-        elif path.suffix == ".h" and folder != "cli":
-            report.breaches.append(f"{where}: a public header may not include <{name}>")
+        elif path.suffix == ".h" and folder != "cli" and not is_internal(path):
+            report.breaches.append(f"{where}: a public header may not include <{name}>; or mark it '{INTERNAL}'")
+        return
 
 
 def check_sizes(path, code, report, where):
@@ -149,6 +166,7 @@ def check_file(root, path, uses, report):
         match = INCLUDE.match(line)
         if match:
             check_include(path, folder, match.group(2), match.group(1), uses, report, f"{where}:{number}")
+            check_internal(root, path, folder, match.group(2), report, f"{where}:{number}")
     code = without_comments_and_strings(text)
     if folder and folder != "cli" and not is_test(path):
         for number, line in enumerate(code.splitlines(), 1):

@@ -57,6 +57,16 @@ class Breaches(unittest.TestCase):
         text = LICENCE + "#pragma once\n#include <opencv2/core.hpp>\n"
         self.assert_breach("src/rastro/dataset/a.h", text, "public header")
 
+    def test_internal_headers(self):
+        internal = LICENCE + check_layers.INTERNAL + "\n#pragma once\n#include <opencv2/core.hpp>\n"
+        user = LICENCE + '#pragma once\n#include "rastro/dataset/a.h"\n'
+        self.assert_clean("src/rastro/dataset/a.h", internal)
+        report = check({"src/rastro/dataset/a.h": internal, "src/rastro/dataset/b.h": user})
+        self.assertIn("a public header may not include the internal", report.breaches[0])
+        report = check({"src/rastro/dataset/a.h": internal, "src/rastro/cli/b.cpp": user})
+        self.assertIn("internal to its own folder", report.breaches[0])
+        self.assertEqual(check({"src/rastro/dataset/a.h": internal, "src/rastro/dataset/b.cpp": user}).breaches, [])
+
     def test_short_include_path(self):
         self.assert_breach("src/rastro/base/a.cpp", LICENCE + '#include "error.h"\n', "whole path")
 

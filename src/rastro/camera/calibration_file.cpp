@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "rastro/base/error.h"
+#include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
 #include "rastro/camera/file/formats.h"
 #include "rastro/camera/file/yaml_fields.h"
@@ -33,7 +34,7 @@ Calibration parse_yaml(std::string_view text, std::string_view where) {
     if (is_euroc(root)) return parse_euroc(root);
     if (is_opencv_or_ros(root)) return parse_opencv_or_ros(root);
   } catch (const YAML::Exception& error) {
-    throw Error(error.msg, at_line(where, error.mark.line + 1), "");
+    throw Error(one_line(error.msg), at_line(where, error.mark.line + 1), "");
   }
   throw Error("no calibration that rastro knows", where,
               "EuRoC has 'sensor_type', KITTI 'P0', OpenCV and ROS 'camera_matrix', Kalibr 'cam0' at the top level");

@@ -8,6 +8,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
+#include "rastro/camera/file/formats.h"
 
 namespace rastro::calibration {
 namespace {
@@ -47,7 +48,7 @@ YamlFields YamlFields::parse(std::string_view text, std::string_view where) {
                   "expected a file of EuRoC, KITTI, OpenCV, ROS or Kalibr");
     return {root, std::string(where), line_of(root, 1)};
   } catch (const YAML::Exception& error) {
-    throw Error(fmt::format("not valid YAML: {}", error.msg), at_line(where, error.mark.line + 1), "");
+    throw Error(fmt::format("not valid YAML: {}", one_line(error.msg)), at_line(where, error.mark.line + 1), "");
   }
 }
 
@@ -70,7 +71,7 @@ void YamlFields::fail_missing(Names names) const {
     if (item.first.IsScalar()) present.push_back(item.first.Scalar());
   const std::string nearest = nearest_name(*names.begin(), present);
   throw Error(fmt::format("no key '{}'", *names.begin()), at(),
-              nearest.empty() ? "" : fmt::format("did you mean '{}' to be it?", nearest));
+              nearest.empty() ? "" : fmt::format("did you mean '{}' to be it?", shown(nearest)));
 }
 
 void YamlFields::fail(Names names, std::string_view what_is_wrong, std::string_view remedy) const {
@@ -121,7 +122,7 @@ void YamlFields::append(const YAML::Node& node, Names names, int depth, std::vec
   const auto value = number_in(node);
   if (!value)
     throw Error(fmt::format("{} holds {}, not a finite number", *names.begin(),
-                            node.IsScalar() ? fmt::format("'{:.40}'", node.Scalar()) : "a nested value"),
+                            node.IsScalar() ? fmt::format("'{}'", shown(node.Scalar())) : "a nested value"),
                 at_line(where_, line_of(node, line_)), "");
   if (values.size() == largest_list) fail(names, "has far too many values", "");
   values.push_back(*value);

@@ -155,7 +155,7 @@ SE3 parse_sensor_pose(std::string_view text, std::string_view where) {
     if (!matrix.allFinite() || !(departure < 0.02)) throw Error("T_BS is no rigid motion", where, "");
     return SE3::from_matrix(matrix);
   } catch (const YAML::Exception& exception) {
-    throw Error("T_BS cannot be read (" + exception.msg + ")", where, "");
+    throw Error("T_BS cannot be read (" + one_line(exception.msg) + ")", where, "");
   }
 }
 
@@ -183,6 +183,7 @@ std::optional<Recording> index_euroc(const fs::path& path, const OpenOptions& op
   recording.info.path = path.string();
   recording.info.format = "euroc";
   const auto list = read_list(place->root, main, recording.info);
+  recording.stamp_unit = unit_name(list.unit);
   for (const auto& image : list.images) {
     recording.frames.push_back({image.stamp, (place->root / main / "data" / image.file).string(), "", "", 0});
   }
