@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rastro/camera/camera.h"
+#include "rastro/image/image.h"
+#include "rastro/sensor/trajectory.h"
+
+namespace rastro {
+
+/// A surface point as the depth and surface pictures of a generated recording have it.
+struct RecordedSurfacePoint {
+  Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
+  std::uint32_t surface = 0;
+};
+
+/// How a point of the world is seen in a frame of a generated recording.
+struct RecordedView {
+  bool inside = false;                              ///< It projects into the image.
+  bool visible = false;                             ///< And no nearer surface is in the way.
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< Meaningless when not inside.
+};
+
+/// The truth that `rastro simulate` writes to mav0/truth, read back. Pictures are read when they are asked for and the
+/// last few dozen are kept. Error, naming the file, for one that is missing or broken: when it is first needed. Not for
+/// use by several threads at once.
+class SurfaceTruthReader {
+ public:
+  explicit SurfaceTruthReader(const std::string& truth_folder);
+  ~SurfaceTruthReader();
+  SurfaceTruthReader(SurfaceTruthReader&&) noexcept;
+
+  const Camera& camera() const { return camera_; }
+  /// Of the camera (world_from_camera), one pose a frame.
+  const Trajectory& poses() const { return poses_; }
+  std::int64_t frame_count() const { return static_cast<std::int64_t>(poses_.size()); }
+
+  /// Between pixel centres the surface at the nearest centre is continued as a plane. nullopt outside the image and for
+  /// frames outside the recording, and where nothing was met.
+  std::optional<RecordedSurfacePoint> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const;
+  /// A point counts as hidden when every pixel of the 3x3 around it shows something nearer by more than a hundredth.
+  RecordedView view_of(std::int64_t frame, const Eigen::Vector3d& point_in_world) const;
+
+ private:
+  struct Pictures;
+  const Pictures& pictures(std::int64_t frame) const;
+
+  std::string folder_;
+  Camera camera_;
+  double inverse_depth_step_ = 0.0;
+  Trajectory poses_;
+  mutable std::vector<std::unique_ptr<Pictures>> kept_;
+};
+
+/// Reads the truth of a recording: `path` is its folder, its mav0 or the truth folder itself. Error where there is
+/// none.
+SurfaceTruthReader read_surface_truth(const std::string& path);
+
+}  // namespace rastro
