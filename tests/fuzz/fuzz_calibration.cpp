@@ -17,7 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       rastro::calibration_warnings(entry.camera);
       if (const auto ray = entry.camera.unproject({10.0, 20.0})) entry.camera.project({ray->x(), ray->y(), 1.0});
     }
-  } catch (const rastro::Error&) {
+  } catch (const rastro::Error& error) {
+    if (std::string_view(error.what()).find('\n') != std::string_view::npos) __builtin_trap();
   }
   try {
     rastro::parse_kitti_transform(text, "input");

@@ -339,6 +339,7 @@ TEST(CalibrationFile, EveryBrokenFileGivesOneLineThatSaysWhatAndWhere) {
       {"no colon", kitti + "hello\n", "calib:6: 'hello' is not of the form 'KEY: numbers'"},
       {"truncated", opencv.substr(0, opencv.find("2.3557")), "calib:"},
       {"other model", with(euroc, "radial-tangential", "fov"), "distortion model 'fov' is not supported"},
+      {"a line break in a value", with(ros, "plumb_bob", "\"plumb\\nbob\""), "distortion model 'plumb\\x0abob' is not"},
       {"misspelt model", with(kalibr, "equidistant", "equidistand"), "did you mean 'equidistant'"},
       {"other camera model", with(kalibr, "pinhole", "omni"), "calib:3: camera_model is 'omni'"},
       {"wrong count", with(kalibr, "-0.0123, 0.0044", "-0.0123"), "distortion_coeffs has 3 values"},

@@ -41,7 +41,7 @@ Model model_of(std::string_view name, const std::string& where) {
     if (known.name == name) return known.model;
     names.emplace_back(known.name);
   }
-  throw Error(fmt::format("distortion model '{:.40}' is not supported", name), where,
+  throw Error(fmt::format("distortion model '{}' is not supported", one_line(name, 40)), where,
               fmt::format("did you mean '{}'? Known are none, radial-tangential (radtan, plumb_bob) and equidistant",
                           nearest_name(name, names)));
 }

@@ -2,6 +2,7 @@
 // EuRoC's sensor.yaml (Burri et al. 2016). ASL's own and many other data sets write it, with and without "%YAML:1.0".
 #include <cmath>
 
+#include "rastro/base/text.h"
 #include "rastro/camera/file/formats.h"
 #include "rastro/camera/file/yaml_fields.h"
 
@@ -11,7 +12,7 @@ bool is_euroc(const YamlFields& root) { return root.has({"sensor_type", "T_BS"})
 
 Calibration parse_euroc(const YamlFields& root) {
   if (root.has({"sensor_type"}) && root.text({"sensor_type"}) != "camera")
-    root.fail({"sensor_type"}, "is '" + root.text({"sensor_type"}) + "', not 'camera'",
+    root.fail({"sensor_type"}, "is '" + one_line(root.text({"sensor_type"}), 40) + "', not 'camera'",
               "name the camera's own sensor.yaml");
   if (root.has({"camera_model"}) && root.text({"camera_model"}) != "pinhole")
     root.fail({"camera_model"}, "is not 'pinhole', the only one supported", "");

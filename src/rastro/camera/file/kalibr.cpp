@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "rastro/base/error.h"
+#include "rastro/base/text.h"
 #include "rastro/camera/file/formats.h"
 #include "rastro/camera/file/yaml_fields.h"
 
@@ -14,7 +15,8 @@ constexpr int most_cameras = 100;
 CalibratedCameraEntry parse_camera(const YamlFields& fields, const std::string& name,
                                    std::vector<std::string>& warnings) {
   if (fields.text({"camera_model"}) != "pinhole")
-    fields.fail({"camera_model"}, "is '" + fields.text({"camera_model"}) + "', and only 'pinhole' is supported",
+    fields.fail({"camera_model"},
+                "is '" + one_line(fields.text({"camera_model"}), 40) + "', and only 'pinhole' is supported",
                 "calibrate with pinhole-radtan or pinhole-equi");
   CalibratedCameraEntry entry;
   entry.name = name;

@@ -46,18 +46,20 @@ class KittiFields {
   void add(int number, std::string_view line) {
     const auto colon = line.find(':');
     if (colon == std::string_view::npos)
-      throw Error(fmt::format("'{:.40}' is not of the form 'KEY: numbers'", line), at_line(where_, number), "");
+      throw Error(fmt::format("'{}' is not of the form 'KEY: numbers'", one_line(line, 40)), at_line(where_, number),
+                  "");
     const std::string key(trim(line.substr(0, colon)));
     if (key == "calib_time") return;
     Values values{number, {}};
     for (const auto word : split_words(line.substr(colon + 1))) {
       const auto value = parse_finite(word);
       if (!value)
-        throw Error(fmt::format("{} holds '{:.40}', not a finite number", key, word), at_line(where_, number), "");
+        throw Error(fmt::format("{} holds '{}', not a finite number", one_line(key, 40), one_line(word, 40)),
+                    at_line(where_, number), "");
       values.numbers.push_back(*value);
     }
     if (!fields_.emplace(key, std::move(values)).second)
-      throw Error(fmt::format("the line '{:.40}:' is there twice", key), at_line(where_, number), "");
+      throw Error(fmt::format("the line '{}:' is there twice", one_line(key, 40)), at_line(where_, number), "");
   }
 
   std::string where_;

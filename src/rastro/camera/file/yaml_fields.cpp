@@ -8,7 +8,6 @@
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
-#include "rastro/camera/file/formats.h"
 
 namespace rastro::calibration {
 namespace {
@@ -71,7 +70,7 @@ void YamlFields::fail_missing(Names names) const {
     if (item.first.IsScalar()) present.push_back(item.first.Scalar());
   const std::string nearest = nearest_name(*names.begin(), present);
   throw Error(fmt::format("no key '{}'", *names.begin()), at(),
-              nearest.empty() ? "" : fmt::format("did you mean '{}' to be it?", shown(nearest)));
+              nearest.empty() ? "" : fmt::format("did you mean '{}' to be it?", one_line(nearest, 40)));
 }
 
 void YamlFields::fail(Names names, std::string_view what_is_wrong, std::string_view remedy) const {
@@ -122,7 +121,7 @@ void YamlFields::append(const YAML::Node& node, Names names, int depth, std::vec
   const auto value = number_in(node);
   if (!value)
     throw Error(fmt::format("{} holds {}, not a finite number", *names.begin(),
-                            node.IsScalar() ? fmt::format("'{}'", shown(node.Scalar())) : "a nested value"),
+                            node.IsScalar() ? fmt::format("'{}'", one_line(node.Scalar(), 40)) : "a nested value"),
                 at_line(where_, line_of(node, line_)), "");
   if (values.size() == largest_list) fail(names, "has far too many values", "");
   values.push_back(*value);
