@@ -26,6 +26,7 @@ struct RecordedFrame {
 struct Recording {
   SourceInfo info;
   std::vector<RecordedFrame> frames;  ///< In the order of the recording's list, stamps as they stand there.
+  std::string stamp_unit = "s";  ///< What the stamps are written in; "date" for KITTI raw, "" where there are none.
 };
 
 /// Finds the format of `path` and reads its lists; nullopt for a video, which has no list of files.

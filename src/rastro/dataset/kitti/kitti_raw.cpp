@@ -133,6 +133,7 @@ std::optional<Recording> index_kitti_raw(const fs::path& path, const OpenOptions
   recording.info.path = path.string();
   recording.info.format = "kitti_raw";
   recording.frames = kitti_frames(path / main / "data", right.empty() ? fs::path() : path / right / "data", names);
+  recording.stamp_unit = "date";
   set_stamps(recording, path / main, names, options.rate_hz);
   describe_right(recording, right);
 

@@ -159,6 +159,7 @@ std::optional<Recording> index_tum_rgbd(const fs::path& path, const OpenOptions&
   if (auto warning = unit_warning(lists.colour, StampUnit::seconds, path.string()); !warning.empty()) {
     recording.info.warnings.push_back(warning);
   }
+  recording.stamp_unit = unit_name(lists.colour.unit);
   fill_frames(recording, lists, path);
 
   const bool published = add_camera(recording.info, path, calibration_is_given(options));

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/dataset/check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "rastro/base/error.h"
+#include "rastro/dataset/image_file.h"
+#include "rastro/dataset/recording.h"
+#include "rastro/dataset/video/video.h"
+#include "rastro/sensor/stamp_text.h"
+
+namespace rastro {
+namespace {
+
+using Progress = std::function<void(std::int64_t, std::int64_t)>;
+
+constexpr double longest_usual_step = 1.5;          // Of the median step.
+constexpr TimeNs truth_tolerance = 20'000'000;      // At the ends of the trajectory.
+constexpr TimeNs shortest_truth_gap = 200'000'000;  // Poses farther apart than this (or two steps) say nothing between.
+constexpr double fewest_readable = 0.5;             // Share of the images.
+constexpr TimeNs bin_width = 5'000'000;             // Of the depth offset histogram.
+
+/// The frames' numbers and stamps, whether they could be read or not.
+struct Stamps {
+  std::vector<std::int64_t> frames;
+  std::vector<TimeNs> stamps;
+};
+
+/// Keeps what broke, and says whether the image may be used.
+template <typename Read>
+auto try_read(CheckReport& report, std::int64_t frame, Read read) -> std::optional<decltype(read())> {
+  try {
+    return read();
+  } catch (const Error& error) {
+    report.unreadable_images.push_back({frame, error.what()});
+    return std::nullopt;
+  }
+}
+
+void compare_size(CheckReport& report, std::int64_t frame, int width, int height, const std::string& file) {
+  if (report.width == 0) {
+    report.width = width;
+    report.height = height;
+  }
+  if (width == report.width && height == report.height) return;
+  report.size_changes.push_back(
+      {frame, fmt::format("{}: {}x{} instead of {}x{}", file, width, height, report.width, report.height)});
+}
+
+class ImageCheck {
+ public:
+  explicit ImageCheck(CheckReport& report) : report_(report) {}
+
+  void look_at(std::int64_t index, const RecordedFrame& frame) {
+    const auto main = try_read(report_, index, [&] { return read_image(frame.image).grey; });
+    if (main) {
+      ++report_.frames_read;
+      compare_size(report_, index, main->width(), main->height(), frame.image);
+    }
+    if (!frame.right.empty()) look_at_right(index, frame);
+    if (!frame.depth.empty()) look_at_depth(index, frame);
+  }
+
+  void finish() {
+    if (depth_pixels_ > 0.0) report_.depth_measured_percent = 100.0 * depth_measured_ / depth_pixels_;
+  }
+
+ private:
+  void look_at_right(std::int64_t index, const RecordedFrame& frame) {
+    const auto right = try_read(report_, index, [&] { return read_image(frame.right).grey; });
+    if (!right) return;
+    ++report_.frames_with_right;
+    compare_size(report_, index, right->width(), right->height(), frame.right);
+  }
+
+  void look_at_depth(std::int64_t index, const RecordedFrame& frame) {
+    const auto raw = try_read(report_, index, [&] { return read_raw_depth(frame.depth); });
+    if (!raw) return;
+    ++report_.frames_with_depth;
+    compare_size(report_, index, raw->width(), raw->height(), frame.depth);
+    const TimeNs offset = frame.depth_stamp - frame.stamp;
+    const auto bins = static_cast<TimeNs>(report_.depth_offset_histogram.size());
+    const TimeNs bin = std::clamp<TimeNs>((offset + bins / 2 * bin_width) / bin_width, 0, bins - 1);
+    ++report_.depth_offset_histogram[static_cast<std::size_t>(bin)];
+    report_.depth_offset_max_ms = std::max(report_.depth_offset_max_ms, std::abs(static_cast<double>(offset)) * 1e-6);
+    for (int y = 0; y < raw->height(); ++y) {
+      for (int x = 0; x < raw->width(); ++x)
+        depth_measured_ += raw->at(x, y) != 0 && raw->at(x, y) != 65535 ? 1.0 : 0.0;
+    }
+    depth_pixels_ += static_cast<double>(raw->width()) * raw->height();
+  }
+
+  CheckReport& report_;
+  double depth_measured_ = 0.0;
+  double depth_pixels_ = 0.0;
+};
+
+Stamps look_at_recording(CheckReport& report, const Recording& recording, const OpenOptions& options,
+                         const Progress& progress) {
+  const FrameChoice choice(options, static_cast<std::int64_t>(recording.frames.size()), recording.info.path);
+  report.frames_chosen = choice.count;
+  Stamps stamps;
+  ImageCheck images(report);
+  for (std::int64_t k = 0; k < choice.count; ++k) {
+    const auto index = choice.index(k);
+    const auto& frame = recording.frames[static_cast<std::size_t>(index)];
+    images.look_at(index, frame);
+    stamps.frames.push_back(index);
+    stamps.stamps.push_back(frame.stamp);
+    if (progress) progress(k + 1, choice.count);
+  }
+  images.finish();
+  return stamps;
+}
+
+Stamps look_at_video(CheckReport& report, Source& video, const Progress& progress) {
+  Stamps stamps;
+  report.frames_chosen = -1;
+  try {
+    while (const auto frame = video.next()) {
+      ++report.frames_read;
+      compare_size(report, frame->index, frame->image.width(), frame->image.height(), frame->name);
+      stamps.frames.push_back(frame->index);
+      stamps.stamps.push_back(frame->stamp);
+      if (progress) progress(report.frames_read, report.info.frame_count);
+    }
+  } catch (const Error& error) {
+    report.unreadable_images.push_back({report.frames_read, error.what()});
+  }
+  report.frames_chosen = report.frames_read;
+  return stamps;
+}
+
+TimeNs median_forward_step(const std::vector<TimeNs>& stamps) {
+  std::vector<TimeNs> steps;
+  for (std::size_t k = 1; k < stamps.size(); ++k) {
+    if (stamps[k] > stamps[k - 1]) steps.push_back(stamps[k] - stamps[k - 1]);
+  }
+  if (steps.empty()) return 0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+void judge_stamps(CheckReport& report, const Stamps& all) {
+  const auto& stamps = all.stamps;
+  const TimeNs median = median_forward_step(stamps);
+  if (median > 0) report.rate_hz = 1e9 / static_cast<double>(median);
+  if (!stamps.empty()) {
+    const auto [first, last] = std::minmax_element(stamps.begin(), stamps.end());
+    report.duration_s = to_seconds(*last - *first);
+  }
+  for (std::size_t k = 1; k < stamps.size(); ++k) {
+    if (stamps[k] == stamps[k - 1]) report.repeated_stamps.push_back(all.frames[k]);
+    if (stamps[k] < stamps[k - 1]) report.backward_stamps.push_back(all.frames[k]);
+    const double step = static_cast<double>(stamps[k]) - static_cast<double>(stamps[k - 1]);
+    if (step > longest_usual_step * static_cast<double>(median))
+      report.gaps.push_back({all.frames[k - 1], step * 1e-9});
+  }
+}
+
+void judge_unit(CheckReport& report, const Stamps& all) {
+  if (!report.info.has_stamps) {
+    report.stamp_unit.clear();
+    return;
+  }
+  std::vector<double> seconds;
+  for (const auto stamp : all.stamps) seconds.push_back(to_seconds(stamp));
+  const auto guess = guess_stamp_unit(seconds, StampUnit::seconds);
+  if (guess == StampUnit::seconds) return;
+  report.warnings.push_back(fmt::format("a frame each {:g} s: as if stamps of {} had been taken for s",
+                                        1.0 / report.rate_hz, unit_name(guess)));
+}
+
+void judge_truth(CheckReport& report, const Stamps& all) {
+  const auto& truth = report.info.ground_truth;
+  if (truth.empty() || all.stamps.empty()) return;
+  const TimeNs max_gap = std::max(shortest_truth_gap, 2 * median_forward_step(all.stamps));
+  const auto covered = std::count_if(all.stamps.begin(), all.stamps.end(), [&](TimeNs stamp) {
+    const double before = static_cast<double>(truth.front().stamp) - static_cast<double>(stamp);
+    const double behind = static_cast<double>(stamp) - static_cast<double>(truth.back().stamp);
+    const double outside = std::max(before, behind);
+    return outside <= 0.0 ? pose_at(truth, stamp, max_gap).has_value()
+                          : outside <= static_cast<double>(truth_tolerance);
+  });
+  report.ground_truth_percent = 100.0 * static_cast<double>(covered) / static_cast<double>(all.stamps.size());
+  if (report.ground_truth_percent < 90.0) {
+    report.warnings.push_back(
+        fmt::format("only {:.1f} % of the frames have ground truth at their time", report.ground_truth_percent));
+  }
+}
+
+void warn(CheckReport& report, std::size_t count, const char* what) {
+  if (count > 0) report.warnings.push_back(fmt::format("{} {}", count, what));
+}
+
+void give_verdict(CheckReport& report, const Stamps& all) {
+  warn(report, report.unreadable_images.size(), "images cannot be read");
+  warn(report, report.gaps.size(), "gaps between frames");
+  warn(report, report.repeated_stamps.size(), "stamps are repeated");
+  warn(report, report.backward_stamps.size(), "stamps go backward");
+  if (report.frames_read == 1) report.warnings.push_back("only one frame can be read");
+  const auto frames = static_cast<double>(all.stamps.size());
+  if (report.frames_read == 0) {
+    report.reasons.push_back("no frame can be read");
+  } else if (static_cast<double>(report.frames_read) < fewest_readable * frames) {
+    report.reasons.push_back(fmt::format("only {} of {} frames can be read", report.frames_read, all.stamps.size()));
+  }
+  if (!report.size_changes.empty()) {
+    report.reasons.push_back(
+        fmt::format("the images change their size, first at {}", report.size_changes.front().problem));
+  }
+  const auto bad_steps = report.repeated_stamps.size() + report.backward_stamps.size();
+  if (static_cast<double>(bad_steps) > fewest_readable * frames) {
+    report.reasons.push_back(
+        fmt::format("the stamps do not rise: {} of {} repeat or go backward", bad_steps, all.stamps.size()));
+  }
+  report.usable = report.reasons.empty();
+}
+
+}  // namespace
+
+CheckReport check(const std::string& path, const OpenOptions& options, const Progress& progress) {
+  CheckReport report;
+  Stamps stamps;
+  if (auto recording = index_recording(path, options)) {
+    report.info = recording->info;
+    report.stamp_unit = recording->stamp_unit;
+    stamps = look_at_recording(report, *recording, options, progress);
+  } else {
+    const auto video = open_video(path, options);
+    report.info = video->info();
+    report.stamp_unit = "s";
+    stamps = look_at_video(report, *video, progress);
+  }
+  report.warnings = report.info.warnings;
+  judge_stamps(report, stamps);
+  judge_unit(report, stamps);
+  judge_truth(report, stamps);
+  give_verdict(report, stamps);
+  return report;
+}
+
+}  // namespace rastro

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "rastro/dataset/check.h"
+#include "rastro/dataset/describe.h"
+#include "rastro/dataset/describe_fields.h"
+
+namespace rastro {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t most_shown = 5;
+
+void add_line(std::string& text, std::string_view name, const std::string& value) {
+  text += fmt::format("{:<14}{}\n", name, value);
+}
+
+/// "none", or how many and the first few.
+template <typename Item, typename Show>
+void add_list(std::string& text, std::string_view name, const std::vector<Item>& items, Show show) {
+  add_line(text, name, items.empty() ? "none" : fmt::format("{}", items.size()));
+  for (std::size_t k = 0; k < std::min(items.size(), most_shown); ++k) add_line(text, "", show(items[k]));
+  if (items.size() > most_shown)
+    add_line(text, "", fmt::format("... and {} more (--json lists all)", items.size() - most_shown));
+}
+
+std::string show_frame(std::int64_t frame) { return fmt::format("at frame {}", frame); }
+std::string show_problem(const FrameProblem& problem) {
+  return fmt::format("frame {}: {}", problem.frame, problem.problem);
+}
+std::string show_gap(const StampGap& gap) {
+  return fmt::format("{:.3f} s after frame {}", gap.seconds, gap.after_frame);
+}
+
+void add_depth(std::string& text, const CheckReport& report) {
+  if (!report.info.has_depth) return;
+  add_line(text, "depth images",
+           fmt::format("{} of {} frames, {:.0f} % of the pixels measured", report.frames_with_depth,
+                       report.frames_chosen, report.depth_measured_percent));
+  add_line(text, "depth - rgb",
+           fmt::format("at most {:.1f} ms; histogram of 5 ms bins from -20 to 20 ms: {}", report.depth_offset_max_ms,
+                       fmt::join(report.depth_offset_histogram, " ")));
+}
+
+void add_stamps(std::string& text, const CheckReport& report) {
+  add_line(text, "rate",
+           report.info.has_stamps ? fmt::format("{:.2f} Hz (median step), {:.2f} s in all, stamps in {}",
+                                                report.rate_hz, report.duration_s, report.stamp_unit)
+                                  : fmt::format("{:.2f} Hz, made up", report.rate_hz));
+  add_list(text, "gaps", report.gaps, show_gap);
+  add_list(text, "repeated", report.repeated_stamps, show_frame);
+  add_list(text, "backward", report.backward_stamps, show_frame);
+}
+
+Json problems(const std::vector<FrameProblem>& items) {
+  Json list = Json::array();
+  for (const auto& item : items) list.push_back({{"frame", item.frame}, {"problem", item.problem}});
+  return list;
+}
+
+}  // namespace
+
+std::string to_text(const CheckReport& report) {
+  std::string text = describe(report.info, false);
+  add_line(text, "images",
+           fmt::format("{} of {} read, {}x{}", report.frames_read, report.frames_chosen, report.width, report.height));
+  add_stamps(text, report);
+  add_list(text, "unreadable", report.unreadable_images, show_problem);
+  add_list(text, "size changes", report.size_changes, show_problem);
+  if (report.info.has_right)
+    add_line(text, "right images", fmt::format("{} of {} frames", report.frames_with_right, report.frames_chosen));
+  add_depth(text, report);
+  if (!report.info.ground_truth.empty())
+    add_line(text, "truth overlap", fmt::format("{:.1f} % of the frames", report.ground_truth_percent));
+  for (const auto& warning : report.warnings) add_line(text, "warning", warning);
+  for (const auto& reason : report.reasons) add_line(text, "reason", reason);
+  add_line(text, "verdict",
+           !report.usable            ? "cannot be used"
+           : report.warnings.empty() ? "good"
+                                     : "usable, see the warnings");
+  return text;
+}
+
+std::string to_json(const CheckReport& report) {
+  Json json = source_fields(report.info);
+  json["usable"] = report.usable;
+  json["reasons"] = report.reasons;
+  json["warnings"] = report.warnings;
+  json["frames_chosen"] = report.frames_chosen;
+  json["frames_read"] = report.frames_read;
+  json["width"] = report.width;
+  json["height"] = report.height;
+  json["rate_hz"] = report.rate_hz;
+  json["duration_s"] = report.duration_s;
+  json["stamp_unit"] = report.stamp_unit;
+  json["gaps"] = Json::array();
+  for (const auto& gap : report.gaps)
+    json["gaps"].push_back({{"after_frame", gap.after_frame}, {"seconds", gap.seconds}});
+  json["repeated_stamps"] = report.repeated_stamps;
+  json["backward_stamps"] = report.backward_stamps;
+  json["unreadable_images"] = problems(report.unreadable_images);
+  json["size_changes"] = problems(report.size_changes);
+  json["frames_with_right"] = report.frames_with_right;
+  json["frames_with_depth"] = report.frames_with_depth;
+  json["depth_offset_histogram"] = report.depth_offset_histogram;
+  json["depth_offset_max_ms"] = report.depth_offset_max_ms;
+  json["depth_measured_percent"] = report.depth_measured_percent;
+  json["ground_truth_percent"] = report.ground_truth_percent;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace rastro

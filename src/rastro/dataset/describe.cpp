@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/dataset/describe.h"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+#include "rastro/dataset/describe_fields.h"
+
+namespace rastro {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string_view distortion_name(Distortion distortion) {
+  switch (distortion) {
+    case Distortion::radial_tangential:
+      return "radial-tangential";
+    case Distortion::equidistant:
+      return "equidistant";
+    case Distortion::none:
+      break;
+  }
+  return "none";
+}
+
+std::size_t coefficient_count(const Camera& camera) {
+  if (camera.distortion == Distortion::none) return 0;
+  return camera.distortion == Distortion::radial_tangential && camera.coefficients[4] != 0.0 ? 5 : 4;
+}
+
+void add_line(std::string& text, std::string_view name, const std::string& value) {
+  text += fmt::format("{:<14}{}\n", name, value);
+}
+
+std::string frames_line(const SourceInfo& info) {
+  const auto count = info.frame_count < 0 ? std::string("an unknown number") : fmt::format("{}", info.frame_count);
+  return count + (info.has_stamps ? "" : ", stamps made up");
+}
+
+std::string truth_line(const SourceInfo& info) {
+  const auto& truth = info.ground_truth;
+  const double span = to_seconds(truth.back().stamp - truth.front().stamp);
+  double length = 0.0;
+  for (std::size_t k = 1; k < truth.size(); ++k) {
+    length += (truth[k].world_from_body.translation() - truth[k - 1].world_from_body.translation()).norm();
+  }
+  return fmt::format("{} poses of the {} over {:.2f} s, path {:.2f} m ({})", truth.size(), info.ground_truth_frame,
+                     span, length, info.ground_truth_file);
+}
+
+Json camera_fields(const CalibratedCamera& calibrated) {
+  Json fields = {{"name", calibrated.name}, {"calibrated", calibrated.camera.has_value()}};
+  if (!calibrated.camera) return fields;
+  const auto& camera = *calibrated.camera;
+  fields["calibration_file"] = calibrated.calibration_file;
+  fields["width"] = camera.width;
+  fields["height"] = camera.height;
+  fields["intrinsics"] = {camera.fx, camera.fy, camera.cx, camera.cy};
+  fields["distortion"] = distortion_name(camera.distortion);
+  fields["coefficients"] =
+      std::vector<double>(camera.coefficients.begin(),
+                          camera.coefficients.begin() + static_cast<std::ptrdiff_t>(coefficient_count(camera)));
+  return fields;
+}
+
+}  // namespace
+
+std::string describe_camera(const Camera& camera) {
+  auto text = fmt::format("{}x{}, fx fy cx cy = {:g} {:g} {:g} {:g}, ", camera.width, camera.height, camera.fx,
+                          camera.fy, camera.cx, camera.cy);
+  if (camera.distortion == Distortion::none) return text + "no distortion";
+  text += distortion_name(camera.distortion);
+  for (std::size_t i = 0; i < coefficient_count(camera); ++i) text += fmt::format(" {:g}", camera.coefficients[i]);
+  return text;
+}
+
+std::string describe(const SourceInfo& info, bool with_warnings) {
+  std::string text;
+  add_line(text, "path", info.path);
+  add_line(text, "format", info.format);
+  add_line(text, "frames", frames_line(info));
+  for (const auto& camera : info.cameras) {
+    add_line(text, "camera",
+             fmt::format("{}: {}", camera.name, camera.camera ? describe_camera(*camera.camera) : "no calibration"));
+    if (camera.camera) add_line(text, "", fmt::format("from {}", camera.calibration_file));
+  }
+  if (info.has_right) {
+    const auto& pose = info.left_from_right;
+    add_line(text, "stereo",
+             pose ? fmt::format("baseline {:.4f} m", pose->translation().norm()) : "baseline not known");
+  }
+  if (info.has_depth) add_line(text, "depth", fmt::format("{:g} units a metre", info.depth_factor));
+  add_line(text, "ground truth", info.ground_truth.empty() ? "none" : truth_line(info));
+  if (!with_warnings) return text;
+  for (const auto& warning : info.warnings) add_line(text, "warning", warning);
+  return text;
+}
+
+nlohmann::ordered_json source_fields(const SourceInfo& info) {
+  Json fields = {
+      {"path", info.path}, {"format", info.format}, {"frame_count", info.frame_count}, {"has_stamps", info.has_stamps}};
+  fields["cameras"] = Json::array();
+  for (const auto& camera : info.cameras) fields["cameras"].push_back(camera_fields(camera));
+  fields["has_right"] = info.has_right;
+  if (info.left_from_right) fields["baseline_m"] = info.left_from_right->translation().norm();
+  fields["has_depth"] = info.has_depth;
+  if (info.has_depth) fields["depth_factor"] = info.depth_factor;
+  fields["ground_truth_poses"] = info.ground_truth.size();
+  if (!info.ground_truth.empty()) {
+    fields["ground_truth_frame"] = info.ground_truth_frame;
+    fields["ground_truth_file"] = info.ground_truth_file;
+  }
+  return fields;
+}
+
+std::string describe_json(const SourceInfo& info) {
+  Json fields = source_fields(info);
+  fields["warnings"] = info.warnings;
+  return fields.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace rastro
