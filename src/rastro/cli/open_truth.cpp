@@ -6,22 +6,22 @@
 namespace rastro::cli {
 namespace {
 
-/// The truth on disk in the form in which scoring asks for it.
+/// The truth of a recording on disk, in the terms of scoring.
 class RecordedTruth : public SurfaceTruth {
  public:
   explicit RecordedTruth(SurfaceTruthReader reader) : reader_(std::move(reader)) {}
+
   std::int64_t frame_count() const override { return reader_.frame_count(); }
   std::optional<SurfacePoint> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const override {
-    const std::optional<RecordedSurfacePoint> point = reader_.surface_at(frame, pixel);
-    if (!point) return std::nullopt;
-    return SurfacePoint{point->point_in_world, point->surface};
+    const auto found = reader_.surface_at(frame, pixel);
+    if (!found) return std::nullopt;
+    return SurfacePoint{found->point_in_world, found->surface};
   }
   Sighting sighting_of(std::int64_t frame, const SurfacePoint& point) const override {
     const RecordedView view = reader_.view_of(frame, point.point_in_world);
     if (!view.inside) return {};
     return {view.visible ? Visibility::visible : Visibility::hidden_by_surface, view.pixel};
   }
-  const Camera& camera() const { return reader_.camera(); }
 
  private:
   SurfaceTruthReader reader_;
@@ -30,9 +30,12 @@ class RecordedTruth : public SurfaceTruth {
 }  // namespace
 
 OpenedTruth open_truth(const std::string& data_folder) {
-  auto truth = std::make_unique<RecordedTruth>(read_surface_truth(data_folder));
-  const int width = truth->camera().width, height = truth->camera().height;
-  return {std::move(truth), width, height};
+  SurfaceTruthReader reader = read_surface_truth(data_folder);
+  OpenedTruth opened;
+  opened.image_width = reader.camera().width;
+  opened.image_height = reader.camera().height;
+  opened.truth = std::make_unique<RecordedTruth>(std::move(reader));
+  return opened;
 }
 
 }  // namespace rastro::cli
