@@ -20,8 +20,9 @@ namespace rastro {
 namespace {
 
 constexpr const char* known_formats =
-    "looked for EuRoC (mav0/cam0/data.csv), TUM RGB-D (rgb.txt), KITTI odometry (image_0), KITTI raw (image_00/data), "
-    "images";
+    "looked for EuRoC (mav0/cam0/data.csv), TUM RGB-D (rgb.txt), KITTI odometry (image_0), KITTI raw (image_00/data) "
+    "and "
+    "images; name a video file itself";
 
 std::optional<Recording> guess(const std::string& path, const OpenOptions& options) {
   if (!is_folder(path)) return index_images(path, options);

@@ -5,7 +5,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "rastro/base/text.h"
@@ -36,7 +35,7 @@ std::optional<Decimal> split_decimal(std::string_view text) {
   const auto e = text.find_first_of("eE");
   if (e != std::string_view::npos) {
     const auto exponent = parse_int64(text.substr(e + 1));
-    if (!exponent || std::abs(*exponent) > 1000) return std::nullopt;
+    if (!exponent || *exponent < -1000 || *exponent > 1000) return std::nullopt;
     decimal.exponent = *exponent;
     text = text.substr(0, e);
   }
@@ -61,9 +60,8 @@ std::optional<std::int64_t> whole(const Decimal& decimal) {
     digits.resize(digits.size() - cut);
   }
   std::int64_t value = 0;
-  constexpr std::int64_t largest = std::numeric_limits<std::int64_t>::max();
   const auto append = [&](int digit) {
-    if (value > (largest - digit) / 10) return false;
+    if (value > (largest_stamp - digit) / 10) return false;
     value = value * 10 + digit;
     return true;
   };
@@ -71,7 +69,7 @@ std::optional<std::int64_t> whole(const Decimal& decimal) {
     if (!append(c - '0')) return std::nullopt;
   for (std::int64_t k = 0; k < decimal.exponent && value != 0; ++k)
     if (!append(0)) return std::nullopt;
-  if (round_up && value == largest) return std::nullopt;
+  if (round_up && value == largest_stamp) return std::nullopt;
   value += round_up ? 1 : 0;
   return decimal.negative ? -value : value;
 }
@@ -111,7 +109,7 @@ std::optional<TimeNs> parse_date_stamp(std::string_view text) {
   const auto hour = parse_int64(time[0]), minute = parse_int64(time[1]);
   const auto second = parse_stamp(time[2], StampUnit::seconds);
   if (!year || !month || !day || !hour || !minute || !second) return std::nullopt;
-  if (*year < 1700 || *year > 2200 || *month < 1 || *month > 12 || *day < 1 || *day > 31) return std::nullopt;
+  if (*year < 1900 || *year > 2100 || *month < 1 || *month > 12 || *day < 1 || *day > 31) return std::nullopt;
   if (*hour < 0 || *hour > 23 || *minute < 0 || *minute > 59 || *second < 0 || *second >= 61 * ns_per_second)
     return std::nullopt;
   const std::chrono::year_month_day calendar{std::chrono::year(static_cast<int>(*year)),

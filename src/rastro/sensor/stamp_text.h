@@ -10,6 +10,9 @@
 
 namespace rastro {
 
+/// 146 years: differences of two stamps then never overflow.
+constexpr TimeNs largest_stamp = 4'600'000'000'000'000'000;
+
 enum class StampUnit { seconds, milliseconds, microseconds, nanoseconds };
 
 std::string_view unit_name(StampUnit unit);

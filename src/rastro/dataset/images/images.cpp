@@ -11,6 +11,7 @@
 #include "rastro/base/text.h"
 #include "rastro/dataset/calibration.h"
 #include "rastro/dataset/folder.h"
+#include "rastro/sensor/stamp_text.h"
 
 namespace rastro {
 namespace {
@@ -77,7 +78,7 @@ std::optional<std::vector<TimeNs>> stamps_from_names(const std::vector<std::stri
     const std::string stem = fs::path(name).stem().string();
     const bool digits = std::all_of(stem.begin(), stem.end(), [](char c) { return c >= '0' && c <= '9'; });
     const auto stamp = parse_int64(stem);
-    if (!digits || stem.size() < fewest_digits || !stamp) return std::nullopt;
+    if (!digits || stem.size() < fewest_digits || !stamp || *stamp > largest_stamp) return std::nullopt;
     if (!stamps.empty() && *stamp <= stamps.back()) return std::nullopt;
     stamps.push_back(*stamp);
   }
