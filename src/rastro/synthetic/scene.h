@@ -81,8 +81,9 @@ class Scene {
   /// Replaces the material of one face of a primitive.
   void paint_face(std::uint32_t primitive, int face, const Material& material);
 
-  /// Paints and lights all surfaces. The same pictures for any pool.
-  void bake(std::uint64_t seed, TaskPool& pool);
+  /// Paints and lights all surfaces. The same pictures for any pool. `detail` scales the texels per metre of all
+  /// materials.
+  void bake(std::uint64_t seed, TaskPool& pool, double detail = 1.0);
 
   /// First solid met for t in (0, limit): the exact truth that pictures are made from. nullopt when there is none.
   std::optional<RayHit> trace(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,

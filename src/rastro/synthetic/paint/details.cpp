@@ -110,6 +110,20 @@ void stains(Canvas& canvas, Random& random, int count, double smallest, double l
   }
 }
 
+void specks(Canvas& canvas, Random& random, int count, float tone) {
+  for (int i = 0; i < count; ++i) {
+    const double radius = 0.002 * std::pow(15.0, random.uniform() * random.uniform());
+    const double x = random.uniform(0.0, canvas.width()), y = random.uniform(0.0, canvas.height());
+    const float change = random.uniform() < 0.65 ? -shade(random, 25, 80) : shade(random, 25, 80);
+    if (random.uniform() < 0.5) {
+      canvas.disc(x, y, radius, tone + change, 0.85F);
+    } else {
+      const double angle = random.uniform(0.0, std::numbers::pi), reach = 2.2 * radius;
+      canvas.line(x, y, x + reach * std::cos(angle), y + reach * std::sin(angle), 1.2 * radius, tone + change, 0.85F);
+    }
+  }
+}
+
 void drips(Canvas& canvas, Random& random, int count, float strength) {
   for (int i = 0; i < count; ++i) {
     const double x = random.uniform(0.0, canvas.width()), top = random.uniform(0.0, 0.7 * canvas.height());

@@ -24,6 +24,8 @@ void buttons(Canvas& canvas, Random& random, const Canvas::Box& box);
 void hazard_band(Canvas& canvas, Random& random, const Canvas::Box& box);
 
 void stains(Canvas& canvas, Random& random, int count, double smallest, double largest, float strength);
+/// Chips, splashes and dirt from 2 mm to 3 cm, most of them small.
+void specks(Canvas& canvas, Random& random, int count, float tone);
 void drips(Canvas& canvas, Random& random, int count, float strength);
 void scratches(Canvas& canvas, Random& random, int count, double longest);
 void cracks(Canvas& canvas, Random& random, int count, double longest, float tone);

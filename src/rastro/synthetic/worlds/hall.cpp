@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/synthetic/worlds/hall.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -48,7 +49,7 @@ World make_hall(const HallOptions& options) {
     throw Error("the scale is out of range", "hall", "use 0.05 to 4");
   World::Parts parts{"hall",        hall_camera(options), hall::flight(), hall_sensor,
                      hall::rate_hz, 1403636579763555584,  options.seed,   hall_body_from_camera()};
-  return World(hall::build_scene(options.seed, options.threads), std::move(parts));
+  return World(hall::build_scene(options.seed, options.threads, std::min(1.0, options.scale)), std::move(parts));
 }
 
 }  // namespace rastro

@@ -39,7 +39,8 @@ void paint_floor(Canvas& canvas, Random& random) {
     canvas.rectangle(x, y, x + size, y + size * random.uniform(0.4, 1.6),
                      random.uniform() < 0.6 ? some(random, 30, 60) : some(random, 170, 225), 0.9F);
   }
-  stains(canvas, random, many(canvas, 0.9), 0.05, 0.5, 58.0F);
+  specks(canvas, random, many(canvas, 7.0), 112.0F);
+  stains(canvas, random, many(canvas, 0.7), 0.05, 0.5, 34.0F);
   cracks(canvas, random, many(canvas, 0.25), 1.6, 42.0F);
   scratches(canvas, random, many(canvas, 1.5), 0.8);
 }
@@ -69,6 +70,7 @@ void paint_bricks(Canvas& canvas, Random& random) {
         break;
     }
   }
+  specks(canvas, random, many(canvas, 6.0), 98.0F);
   stains(canvas, random, many(canvas, 0.35), 0.1, 0.9, 45.0F);
   drips(canvas, random, many(canvas, 0.5), 40.0F);
   cracks(canvas, random, many(canvas, 0.1), 2.0, 40.0F);
@@ -88,10 +90,11 @@ void paint_ceiling(Canvas& canvas, Random& random) {
   stains(canvas, random, many(canvas, 0.4), 0.1, 0.7, 36.0F);
 }
 
-void paint_machine(Canvas& canvas, Random& random, float tone) {
+void paint_machine(Canvas& canvas, Random& random, float tone, double panel_m) {
   canvas.fill(tone + some(random, -12, 12));
   canvas.add_noise(random, 0.8, 8.0F, 0.72F);
-  panels(canvas, random, {0, 0, canvas.width(), canvas.height()}, tone, 0.42);
+  panels(canvas, random, {0, 0, canvas.width(), canvas.height()}, tone, panel_m);
+  specks(canvas, random, many(canvas, 45.0), tone);
   if (random.uniform() < 0.5) cables(canvas, random, 1 + static_cast<int>(random.below(3)), 35.0F);
   stains(canvas, random, many(canvas, 3.0), 0.02, 0.2, 42.0F);
   drips(canvas, random, many(canvas, 3.0), 45.0F);
@@ -115,6 +118,7 @@ void paint_cabinet(Canvas& canvas, Random& random, float tone) {
     if (random.uniform() < 0.6)
       hazard_band(canvas, random, {x0 + 0.1 * w, 0.82 * height, x1 - 0.1 * w, 0.82 * height + 0.08});
   }
+  specks(canvas, random, many(canvas, 30.0), tone);
   stains(canvas, random, many(canvas, 2.0), 0.03, 0.25, 35.0F);
   scratches(canvas, random, many(canvas, 6.0), 0.2);
   worn_edges(canvas, random, tone > 110.0F ? 40.0F : 170.0F);
@@ -138,6 +142,7 @@ void paint_tank(Canvas& canvas, Random& random, float tone) {
     else
       canvas.text(x, y, 0.4 * w, code(random, 1, 2), 30.0F);
   }
+  specks(canvas, random, many(canvas, 20.0), tone);
   stains(canvas, random, many(canvas, 1.5), 0.05, 0.4, 40.0F);
   drips(canvas, random, many(canvas, 3.0), 55.0F);
 }
@@ -150,6 +155,7 @@ void paint_pipe(Canvas& canvas, Random& random, float tone) {
     bolt_row(canvas, 0.02, y + 0.035, canvas.width(), y + 0.035, 0.06, 0.012, 120.0F);
     if (random.uniform() < 0.4) canvas.rectangle(0, y + 0.2, canvas.width(), y + 0.3, some(random, 30, 230));
   }
+  specks(canvas, random, many(canvas, 25.0), tone);
   stains(canvas, random, many(canvas, 5.0), 0.02, 0.12, 45.0F);
 }
 
@@ -183,6 +189,7 @@ void paint_beam(Canvas& canvas, Random& random, float tone) {
           hazard_band(canvas, random, {0, at, width, at + random.uniform(0.3, 0.6)});
     }
   }
+  specks(canvas, random, many(canvas, 30.0), tone);
   stains(canvas, random, many(canvas, 3.0), 0.03, 0.2, 45.0F);
   scratches(canvas, random, many(canvas, 5.0), 0.25);
 }
@@ -202,6 +209,7 @@ void paint_pillar(Canvas& canvas, Random& random) {
   for (int i = many(canvas, 12.0); i > 0; --i)
     canvas.disc(random.uniform(0.0, width), random.uniform(0.0, height), random.uniform(0.004, 0.016),
                 some(random, 40, 80));
+  specks(canvas, random, many(canvas, 90.0), 136.0F);
   stains(canvas, random, many(canvas, 6.0), 0.03, 0.2, 45.0F);
   cracks(canvas, random, many(canvas, 1.5), 0.6, 50.0F);
   worn_edges(canvas, random, 200.0F);
@@ -216,6 +224,7 @@ void paint_crate(Canvas& canvas, Random& random) {
   canvas.line(0.05, 0.05, width - 0.05, height - 0.05, 0.085, 158.0F);
   canvas.add_noise(random, 0.3, 8.0F, 0.8F);
   for (const double x : {0.045, width - 0.045}) bolt_row(canvas, x, 0.05, x, height - 0.05, plank, 0.008, 60.0F);
+  specks(canvas, random, many(canvas, 45.0), 142.0F);
   canvas.text(0.3 * width, 0.3 * height, 0.16 * height, code(random, 2, 3), 30.0F, 0.85F);
   label(canvas, random, {0.55 * width, 0.62 * height, 0.55 * width + 0.2, 0.62 * height + 0.13});
   stains(canvas, random, many(canvas, 4.0), 0.02, 0.12, 40.0F);
@@ -235,6 +244,19 @@ void paint_cardboard(Canvas& canvas, Random& random) {
   worn_edges(canvas, random, 80.0F);
 }
 
+void paint_lid(Canvas& canvas, Random& random, float tone) {
+  const double radius = 0.5 * canvas.width();
+  canvas.fill(tone);
+  canvas.add_noise(random, 0.3, 9.0F, 0.75F);
+  canvas.ring(radius, radius, 0.93 * radius, 0.05 * radius, tone - 50.0F);
+  canvas.ring(radius, radius, 0.86 * radius, 0.03 * radius, tone + 45.0F, 0.7F);
+  bolt(canvas, radius * 1.5, radius, 0.13 * radius, tone - 20.0F);
+  bolt(canvas, radius * 0.6, radius * 1.3, 0.07 * radius, tone - 10.0F);
+  canvas.text(0.6 * radius, 0.7 * radius, 0.22 * radius, code(random, 1, 2), tone > 120.0F ? 40.0F : 215.0F, 0.8F);
+  specks(canvas, random, many(canvas, 60.0), tone);
+  stains(canvas, random, many(canvas, 8.0), 0.02, 0.12, 40.0F);
+}
+
 void paint_drum(Canvas& canvas, Random& random, float tone) {
   canvas.fill(tone);
   canvas.add_noise(random, 0.4, 9.0F, 0.75F);
@@ -246,6 +268,7 @@ void paint_drum(Canvas& canvas, Random& random, float tone) {
     canvas.text(x, 0.44 * canvas.height(), 0.1, code(random, 1, 2), tone > 120.0F ? 225.0F : 30.0F);
     label(canvas, random, {x, 0.7 * canvas.height(), x + 0.2, 0.88 * canvas.height()});
   }
+  specks(canvas, random, many(canvas, 60.0), tone);
   stains(canvas, random, many(canvas, 6.0), 0.02, 0.12, 45.0F);
   drips(canvas, random, many(canvas, 5.0), 45.0F);
   scratches(canvas, random, many(canvas, 10.0), 0.12);
@@ -286,8 +309,9 @@ void paint_sign(Canvas& canvas, Random& random, bool hazard) {
 Material concrete_floor() { return {paint_floor, 120.0}; }
 Material brick_wall() { return {paint_bricks, 70.0}; }
 Material ceiling_sheet() { return {paint_ceiling, 50.0}; }
-Material machine(float tone, double texels_per_metre) {
-  return {[tone](Canvas& canvas, Random& random) { paint_machine(canvas, random, tone); }, texels_per_metre};
+Material machine(float tone, double texels_per_metre, double panel_m) {
+  const auto paint = [=](Canvas& canvas, Random& random) { paint_machine(canvas, random, tone, panel_m); };
+  return {paint, texels_per_metre};
 }
 Material cabinet(float tone) {
   return {[tone](Canvas& canvas, Random& random) { paint_cabinet(canvas, random, tone); }, 170.0};
@@ -306,6 +330,9 @@ Material wooden_crate() { return {paint_crate, 200.0}; }
 Material cardboard() { return {paint_cardboard, 150.0}; }
 Material drum(float tone) {
   return {[tone](Canvas& canvas, Random& random) { paint_drum(canvas, random, tone); }, 200.0};
+}
+Material lid(float tone) {
+  return {[tone](Canvas& canvas, Random& random) { paint_lid(canvas, random, tone); }, 200.0};
 }
 Material window() { return {paint_window, 50.0, true}; }
 Material gate() { return {paint_gate, 80.0}; }

@@ -12,7 +12,8 @@ namespace rastro::hall {
 Material concrete_floor();
 Material brick_wall();
 Material ceiling_sheet();
-Material machine(float tone, double texels_per_metre = 170.0);
+/// `panel_m`: size of the smallest panels.
+Material machine(float tone, double texels_per_metre = 170.0, double panel_m = 0.40);
 Material cabinet(float tone);
 Material tank(float tone);
 Material pipe(float tone);
@@ -21,6 +22,8 @@ Material concrete_pillar();
 Material wooden_crate();
 Material cardboard();
 Material drum(float tone);
+/// Of a drum, for its ends.
+Material lid(float tone);
 Material window();
 Material gate();
 Material sign(bool hazard);

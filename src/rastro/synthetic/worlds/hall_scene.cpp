@@ -31,7 +31,7 @@ class Furnisher {
 
   /// What hides the view: the press's head, hung from the roof, and the pillar at its right.
   void press() {
-    scene_.add_box({0.72, 0.05, 2.26}, {0.12, 2.4, 1.1}, machine(122, 330));
+    scene_.add_box({0.72, 0.05, 2.26}, {0.12, 2.4, 1.1}, machine(122, 330, 0.24));
     scene_.add_box({1.00, 0.05, 3.02}, {0.60, 2.2, 0.5}, machine(96, 170));
     for (const double y : {-0.7, 0.8}) scene_.add_cylinder({1.0, y, 3.27}, {1.0, y, roof - 0.01}, 0.13, pipe(150));
     scene_.add_box({1.00, -1.78, 0.5 * roof}, {0.38, 0.38, roof - 0.01}, concrete_pillar());
@@ -42,7 +42,7 @@ class Furnisher {
     scene_.add_box({3.6, 1.9, 1.55}, {0.5, 0.6, 0.8}, cabinet(100), 0.3);
     block({5.0, -1.15, 0.0}, {1.5, 1.3, 2.5}, 92);
     scene_.add_box({4.6, -2.3, 0.55}, {1.0, 0.8, 1.1}, machine(165), -0.2);
-    scene_.add_cylinder({4.6, -2.3, 1.1}, {4.6, -2.3, 1.75}, 0.24, drum(175));
+    barrel({4.6, -2.3, 1.1}, 0.24, 175);
     block({6.6, 2.9, 0.0}, {1.8, 2.2, 3.3}, 135);
     scene_.add_box({6.1, 0.55, 1.6}, {0.9, 0.9, 3.2}, cabinet(155), 0.12);
     block({8.6, -0.6, 0.0}, {1.6, 2.0, 4.1}, 110);
@@ -57,11 +57,11 @@ class Furnisher {
   void near_floor() {
     scene_.add_box({2.75, 0.55, 0.30}, {0.6, 0.75, 0.6}, wooden_crate(), 0.35);
     scene_.add_box({2.85, 0.60, 0.72}, {0.35, 0.45, 0.24}, cardboard(), 0.6);
-    scene_.add_cylinder({3.0, -0.75, 0.0}, {3.0, -0.75, 0.88}, 0.29, drum(70));
-    scene_.add_cylinder({3.5, -0.25, 0.0}, {3.5, -0.25, 0.88}, 0.29, drum(180));
+    barrel({3.0, -0.75, 0.0}, 0.29, 70);
+    barrel({3.5, -0.25, 0.0}, 0.29, 180);
     scene_.add_box({2.5, -1.7, 0.36}, {0.7, 0.7, 0.72}, wooden_crate(), -0.25);
     scene_.add_box({2.9, -3.2, 0.5}, {0.8, 1.0, 1.0}, machine(140), 0.2);
-    scene_.add_cylinder({2.6, -4.4, 0.0}, {2.6, -4.4, 0.88}, 0.29, drum(150));
+    barrel({2.6, -4.4, 0.0}, 0.29, 150);
     scene_.add_box({3.0, 3.3, 0.4}, {0.8, 1.0, 0.8}, wooden_crate(), 0.1);
   }
 
@@ -148,6 +148,11 @@ class Furnisher {
     }
   }
 
+  void barrel(const Vector3d& foot, double radius, float tone) {
+    const std::uint32_t barrel = scene_.add_cylinder(foot, foot + Vector3d(0, 0, 3.03 * radius), radius, drum(tone));
+    scene_.paint_face(barrel, 1, lid(tone));
+  }
+
   void rack(const Eigen::Vector2d& foot, double width, int shelves) {
     const double depth = 0.9, pitch = 0.95;
     for (const double y : {-0.5 * width, 0.5 * width})
@@ -196,7 +201,7 @@ class Furnisher {
 
 }  // namespace
 
-std::unique_ptr<Scene> build_scene(std::uint64_t seed, int threads) {
+std::unique_ptr<Scene> build_scene(std::uint64_t seed, int threads, double detail) {
   auto scene = std::make_unique<Scene>();
   Furnisher furnisher(*scene, seed_for(seed, 1));
   furnisher.shell();
@@ -209,7 +214,7 @@ std::unique_ptr<Scene> build_scene(std::uint64_t seed, int threads) {
   furnisher.overhead();
   furnisher.ladders();
   TaskPool pool(threads);
-  scene->bake(seed_for(seed, 2), pool);
+  scene->bake(seed_for(seed, 2), pool, detail);
   return scene;
 }
 

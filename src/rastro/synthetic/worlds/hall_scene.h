@@ -11,7 +11,7 @@
 namespace rastro::hall {
 
 /// World frame: x along the hall, y to the left, z up, the floor at z = 0, the drone starts above the origin.
-std::unique_ptr<Scene> build_scene(std::uint64_t seed, int threads);
+std::unique_ptr<Scene> build_scene(std::uint64_t seed, int threads, double detail = 1.0);
 
 /// The drone's flight; see make_hall().
 CameraPath flight();
