@@ -116,7 +116,7 @@ Stamps look_at_recording(CheckReport& report, const Recording& recording, const 
   return stamps;
 }
 
-Stamps look_at_video(CheckReport& report, Source& video, const Progress& progress) {
+Stamps look_at_video(CheckReport& report, Source& video, const OpenOptions& options, const Progress& progress) {
   Stamps stamps;
   report.frames_chosen = -1;
   try {
@@ -131,6 +131,11 @@ Stamps look_at_video(CheckReport& report, Source& video, const Progress& progres
     report.unreadable_images.push_back({report.frames_read, error.what()});
   }
   report.frames_chosen = report.frames_read;
+  const bool chosen = options.first_frame > 0 || options.every > 1 || options.end_frame < report.info.frame_count;
+  if (!chosen && report.frames_read < report.info.frame_count) {
+    report.warnings.push_back(
+        fmt::format("the video ends after {} frames, its header says {}", report.frames_read, report.info.frame_count));
+  }
   return stamps;
 }
 
@@ -228,15 +233,16 @@ CheckReport check(const std::string& path, const OpenOptions& options, const Pro
   Stamps stamps;
   if (auto recording = index_recording(path, options)) {
     report.info = recording->info;
+    report.warnings = report.info.warnings;
     report.stamp_unit = recording->stamp_unit;
     stamps = look_at_recording(report, *recording, options, progress);
   } else {
     const auto video = open_video(path, options);
     report.info = video->info();
+    report.warnings = report.info.warnings;
     report.stamp_unit = "s";
-    stamps = look_at_video(report, *video, progress);
+    stamps = look_at_video(report, *video, options, progress);
   }
-  report.warnings = report.info.warnings;
   judge_stamps(report, stamps);
   judge_unit(report, stamps);
   judge_truth(report, stamps);

@@ -40,7 +40,7 @@ TEST(Check, FindsEverythingThatIsBrokenAndGoesOn) {
                "1000.00 rgb/0.png\n1000.05 rgb/1.png\n1000.05 rgb/2.png\n1000.04 rgb/3.png\n1000.10 rgb/4.png\n"
                "1000.15 rgb/5.png\n1000.40 rgb/6.png\n1000.45 rgb/7.png\n");
   folder.truncate("rgb/1.png", 0.5);
-  folder.write("depth/4.png", "");
+  folder.write("depth/2.png", "");  // The one nearest to frame 4.
   const auto report = check(folder.path(), {});
   EXPECT_TRUE(report.usable);
   EXPECT_EQ(report.frames_read, 7);

@@ -36,10 +36,11 @@ std::vector<std::string> names_in(const fs::path& folder, Wanted wanted) {
   if (error) throw Error("cannot be listed (" + error.message() + ")", folder.string(), "");
   std::vector<std::string> names;
   for (; entry != fs::directory_iterator(); entry.increment(error)) {
-    if (error) throw Error("cannot be listed (" + error.message() + ")", folder.string(), "");
     const std::string name = entry->path().filename().string();
     if (!name.starts_with('.') && wanted(entry->path())) names.push_back(name);
   }
+  // An error in the middle ends the loop.
+  if (error) throw Error("cannot be listed (" + error.message() + ")", folder.string(), "");
   std::sort(names.begin(), names.end(), natural_less);
   return names;
 }

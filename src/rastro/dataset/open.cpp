@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "rastro/base/error.h"
@@ -66,7 +67,9 @@ std::optional<ImageSize> first_image_size(const Recording& recording) {
 
 std::optional<Recording> index_recording(const std::string& path, const OpenOptions& options) {
   if (is_file(path) && !has_image_ending(path)) return std::nullopt;
-  const bool is_pattern = !std::filesystem::exists(path) && path.find_first_of("*?[") != std::string::npos;
+  std::error_code ignored;
+  const bool exists = std::filesystem::exists(path, ignored);
+  const bool is_pattern = !exists && path.find_first_of("*?[") != std::string::npos;
   if (!is_file(path) && !is_pattern) require_folder(path);
   auto recording = guess(path, options);
   if (!recording) refuse_folder(path);

@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "rastro/base/error.h"
 #include "rastro/base/random.h"
+#include "rastro/dataset/open.h"
 #include "rastro/synthetic/worlds/hall.h"
 #include "rastro/synthetic/write_euroc.h"
 
@@ -84,6 +86,26 @@ TEST_F(SurfaceTruthTest, a_point_behind_a_nearer_surface_is_hidden) {
   EXPECT_TRUE(later.inside);
   EXPECT_FALSE(later.visible) << "the press hides the upper half at frame 16";
   EXPECT_FALSE(truth.view_of(0, truth.poses()[0].world_from_body * Eigen::Vector3d(0, 0, -2)).inside);
+}
+
+TEST_F(SurfaceTruthTest, the_recording_opens_like_any_other) {
+  const std::unique_ptr<Source> source = open(folder_.string());
+  EXPECT_EQ(source->info().format, "euroc");
+  EXPECT_EQ(source->info().frame_count, 18);
+  EXPECT_TRUE(source->info().warnings.empty()) << source->info().warnings.front();
+  ASSERT_TRUE(source->info().cameras.at(0).camera);
+  EXPECT_NEAR(source->info().cameras.at(0).camera->fx, world_->camera().fx, 1e-9);
+  ASSERT_TRUE(source->info().cameras.at(0).body_from_camera);
+  ASSERT_EQ(source->info().ground_truth.size(), 18U);
+  const SE3 camera = source->info().ground_truth[7].world_from_body * *source->info().cameras[0].body_from_camera;
+  EXPECT_LT((camera.inverse() * world_->world_from_camera(7)).log().norm(), 1e-6);
+  TaskPool pool(1);
+  const GreyImage first = world_->render(0, pool).grey;
+  const auto frame = source->next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->stamp, world_->stamp(0));
+  for (int y = 0; y < first.height(); ++y)
+    ASSERT_EQ(0, std::memcmp(frame->image.row(y), first.row(y), static_cast<std::size_t>(first.width())));
 }
 
 TEST_F(SurfaceTruthTest, outside_is_nothing) {

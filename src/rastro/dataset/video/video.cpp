@@ -55,7 +55,8 @@ class VideoSource final : public Source {
  private:
   void open_file(const std::string& path) {
     try {
-      video_.open(path);
+      // Named, because the other backends print on failure.
+      video_.open(path, cv::CAP_FFMPEG);
     } catch (const cv::Exception& exception) {
       throw Error("cannot be opened as a video (" + exception.err + ")", path, "");
     }

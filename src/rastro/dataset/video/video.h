@@ -8,7 +8,7 @@
 
 namespace rastro {
 
-/// A video file through OpenCV. Stamps are the file's own presentation times, or made up from --rate. Error where it
+/// A video file through OpenCV. Stamps are frame number over the file's rate, or over --rate. Error where it
 /// cannot be opened, and always in a build without video.
 std::unique_ptr<Source> open_video(const std::string& path, const OpenOptions& options);
 
