@@ -88,6 +88,8 @@ class CleanScorer {
     const Verdict verdict = judge_reidentification(track, i);
     if (verdict == Verdict::correct || verdict == Verdict::unscored) {
       ++(verdict == Verdict::correct ? frame.correct : frame.unscored);
+      const bool on_occluder = i > 0 && verdict == Verdict::unscored && only_on_occluder(track, i - 1);
+      scores_.unscored_on_occluder += on_occluder;
       return;
     }
     ++frame.wrong;

@@ -124,6 +124,17 @@ TEST(CleanScores, IdOfTheOccluderOnTheWallIsWrong) {
   EXPECT_EQ(score(builder, clean_point()).wrong, 1);
 }
 
+TEST(CleanScores, CornersOfTheOccluderItselfAreUnscoredAndCountedApart) {
+  const auto on_board = [](std::int64_t k) {
+    return Eigen::Vector2d(100 + 20 * (WallTruth::board_left(k) + 1.0 - WallTruth::camera_x(k)), 60);
+  };
+  TableBuilder builder(frames);
+  builder.see(5, 1, on_board(5), fresh).see(7, 1, on_board(7), reidentified);
+  const TrackScores scores = score(builder, clean_point());
+  EXPECT_EQ(scores.unscored, 1);
+  EXPECT_EQ(scores.unscored_on_occluder, 1);
+}
+
 TEST(CleanScores, FramesArePairedByTime) {
   TrackTable occluded = TableBuilder(frames).follow(0, 5, 1, 0, 1, fresh).follow(9, 19, 1, 0, 1, reidentified).table();
   TrackTable clean = clean_point().table();

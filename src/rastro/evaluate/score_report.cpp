@@ -48,6 +48,7 @@ Json totals(const TrackScores& s) {
   json["correct"] = s.correct;
   json["wrong"] = s.wrong;
   json["unscored"] = s.unscored;
+  json["unscored_on_occluder"] = s.unscored_on_occluder;
   json["unscored_share"] = s.reidentified > 0 ? Json(static_cast<double>(s.unscored) / s.reidentified) : Json(nullptr);
   json["wrong_but_earlier_place"] = s.wrong_but_earlier_place;
   json["lost_outside"] = s.lost_outside;
@@ -153,8 +154,10 @@ std::string scores_as_text(const TrackScores& s, bool per_frame) {
   std::string text = per_frame ? frames_as_text(s) + "\n" : "";
   text += fmt::format("recall {}: {} of {} features that were lost to occlusion and visible again got their id back\n",
                       ratio_text(s.recall), s.recalled, s.reappeared);
-  text += fmt::format("precision {}: {} correct and {} wrong of {} re-identified corners ({} unscored)\n",
-                      ratio_text(s.precision), s.correct, s.wrong, s.reidentified, s.unscored);
+  text += fmt::format(
+      "precision {}: {} correct and {} wrong of {} re-identified corners ({} unscored{})\n", ratio_text(s.precision),
+      s.correct, s.wrong, s.reidentified, s.unscored,
+      s.unscored_on_occluder > 0 ? fmt::format(", {} of them the occluder's own", s.unscored_on_occluder) : "");
   text += fmt::format("lost: {} to occlusion, {} by leaving the image, {} in plain sight, {} unscored\n", s.lost,
                       s.lost_outside, s.lost_visible, s.lost_unscored);
   text += reasons_as_text(s);

@@ -99,6 +99,9 @@ struct TrackScores {
   int lost = 0, lost_outside = 0, lost_visible = 0, lost_unscored = 0;
   int reappeared = 0, recalled = 0;
   int reidentified = 0, correct = 0, wrong = 0, unscored = 0;
+  /// Of `unscored`, those of ids seen only on the occluder of a clean run's copy: corners of its own, of which nothing
+  /// is asked.
+  int unscored_on_occluder = 0;
   std::optional<double> recall, precision;
   MissReasons misses;
   WrongReasons wrongs;
