@@ -38,7 +38,7 @@ fresh() { rm -rf "$here" && mkdir -p "$here"; }
 
 # pgm FILE WIDTH HEIGHT: a small picture with something to see.
 pgm() {
-  { printf 'P5\n%d %d\n255\n' "$2" "$3"; seq 1 $((($2 * $3) / 4)) | tr -d '\n' | head -c $(($2 * $3)); } >"$1"
+  { printf 'P5\n%d %d\n255\n' "$2" "$3"; seq 1 $(($2 * $3)) | tr -d '\n' | head -c $(($2 * $3)) || true; } >"$1"
 }
 
 # A recording long enough that a run on it is still going when it is stopped.
@@ -75,10 +75,9 @@ version() {
 
 help() {
   run 0 --help
-  for word in 'Exit codes' 'Examples' '--require'; do said "$word"; done
-  local command
-  for command in track evaluate simulate occlude info check options; do
-    said "$command"
+  local commands='track evaluate simulate occlude info check options' command
+  for word in 'Exit codes' 'Examples' '--require' $commands; do said "$word"; done
+  for command in $commands; do
     run 0 "$command" --help
     said 'xample'
   done

@@ -82,7 +82,10 @@ std::unique_ptr<Prepared> prepare(const TrackFlags& flags) {
 }
 
 void warn_about(const Prepared& run) {
-  for (const std::string& warning : run.source->info().warnings) log_warning(warning);
+  for (const std::string& warning : run.source->info().warnings) {
+    // Ours also says what the tracks lack.
+    if (run.camera || !warning.starts_with("no calibration found")) log_warning(warning);
+  }
   if (!run.camera) log_warning(no_calibration_warning);
 }
 
@@ -98,7 +101,12 @@ TrackRun wired(Prepared& prepared, RunFolder& folder, const TrackOutputs& output
   run.folder = &folder;
   run.stop = &catch_interrupts();
   run.frames_asked = prepared.frames;
-  run.progress = [&bar](const TrackProgress& progress) { bar.show(progress); };
+  // Warnings wait for the first frame: where there is none, the one line to read is why.
+  run.progress = [&bar, &prepared, warned = false](const TrackProgress& progress) mutable {
+    if (!warned) warn_about(prepared);
+    warned = true;
+    bar.show(progress);
+  };
   return run;
 }
 
@@ -128,7 +136,6 @@ int run_track(const TrackFlags& flags) {
   folder.write_options(prepared->table);
   const TracksHeader header = header_of(prepared->table, prepared->camera);
   TrackOutputs outputs(flags, folder, header);
-  warn_about(*prepared);
   ProgressBar bar(!flags.data.quiet);
   TrackRunEnd end = track_run(wired(*prepared, folder, outputs, bar));
   bar.clear();
