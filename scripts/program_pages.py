@@ -40,7 +40,8 @@ def collect(program, words=()):
 
 
 def flags(help_text):
-    return sorted(set(re.findall(r"(?:^|[\s,])(--[a-z][a-z-]*)", help_text.split("Examples:")[0])))
+    """The flags that are described, not those that examples and notes mention."""
+    return sorted(set(re.findall(r"^ +(?:-\w,)?(--[a-z][a-z-]*)", help_text, re.MULTILINE)))
 
 
 def roff(text):
