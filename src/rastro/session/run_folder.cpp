@@ -106,6 +106,14 @@ RunFolder::RunFolder(fs::path folder, bool overwrite) : folder_(std::move(folder
   if (!empty) remove_former_run(folder_);
 }
 
+void RunFolder::discard() const {
+  remove_former_run(folder_);
+  // remove() leaves folders alone that are not empty.
+  std::error_code ignored;
+  fs::remove(folder_ / "pictures", ignored);
+  fs::remove(folder_, ignored);
+}
+
 void RunFolder::write_options(const OptionTable& options) const {
   write_whole_file(file("options.yaml"), options.to_yaml());
 }

@@ -30,6 +30,9 @@ class RunFolder {
   void write_about(const SourceInfo& input, const std::string& command_line) const;
   void write_result(const std::string& json) const { write_whole_file(file("result.json"), json); }
 
+  /// Takes away what the run wrote, and the folder with it where nothing else is in there: for a run without a frame.
+  void discard() const;
+
   /// One row of stats.csv: counts and the time of each stage in ms.
   void add_stats(const TrackFrame& frame);
   /// One line of events.jsonl, which is made with the first event.

@@ -68,6 +68,20 @@ TEST(RunFolder, RefusesToMixRuns) {
   EXPECT_EQ(read_whole_file(path / "notes.txt"), "mine") << "what is not ours stays";
 }
 
+TEST(RunFolder, DiscardLeavesOnlyWhatIsNotOfTheRun) {
+  const auto path = scratch("discard");
+  RunFolder(path, false).write_result("{}");
+  std::filesystem::create_directories(path / "pictures");
+  RunFolder(path, true).discard();
+  EXPECT_FALSE(std::filesystem::exists(path));
+  const RunFolder folder(path, false);
+  folder.write_result("{}");
+  write_whole_file(path / "notes.txt", "mine");
+  folder.discard();
+  EXPECT_FALSE(std::filesystem::exists(path / "result.json"));
+  EXPECT_EQ(read_whole_file(path / "notes.txt"), "mine");
+}
+
 TEST(RunFolder, RefusesWhatIsNoFolder) {
   const auto path = scratch("file");
   write_whole_file(path, "a file");
