@@ -2,11 +2,17 @@
 #include "rastro/feature/corner.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
+#include "rastro/base/simd.h"
 #include "rastro/feature/distance_grid.h"
 #include "rastro/feature/min_eigenvalue.h"
+
+#if RASTRO_HAS_AVX2_CODE
+#include <immintrin.h>
+#endif
 
 namespace rastro {
 namespace {
@@ -29,14 +35,19 @@ struct BandBuffers {
   Image<float> scores;
 };
 
-bool any_free(GreyView free, const Area& tile) {
-  for (int y = tile.y0; y < tile.y1; ++y) {
-    const std::uint8_t* row = free.row(y);
-    unsigned any = 0;
-    for (int x = tile.x0; x < tile.x1; ++x) any |= row[x];
-    if (any != 0) return true;
+/// Which tiles of a band have a free pixel.
+std::vector<char> free_tiles(GreyView free, const Area& band) {
+  std::vector<char> tiles(static_cast<std::size_t>((band.x1 - band.x0 + tile_width - 1) / tile_width));
+  for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
+    const int x0 = band.x0 + static_cast<int>(tile) * tile_width;
+    const auto length = static_cast<std::size_t>(std::min(tile_width, band.x1 - x0));
+    for (int y = band.y0; y < band.y1 && tiles[tile] == 0; ++y) {
+      std::uint64_t words[tile_width / 8] = {};
+      std::memcpy(words, free.row(y) + x0, length);
+      if ((words[0] | words[1] | words[2] | words[3]) != 0) tiles[tile] = 1;
+    }
   }
-  return false;
+  return tiles;
 }
 
 bool is_local_maximum(const float* above, const float* here, const float* below, int x) {
@@ -44,6 +55,17 @@ bool is_local_maximum(const float* above, const float* here, const float* below,
   return score > here[x - 1] && score >= here[x + 1] && score > above[x - 1] && score > above[x] && score > above[x + 1] &&
          score >= below[x - 1] && score >= below[x] && score >= below[x + 1];
 }
+
+#if RASTRO_HAS_AVX2_CODE
+/// One bit for each of eight values that is above the floor and at least its two neighbours in the row.
+RASTRO_TARGET_AVX2 unsigned row_peaks_avx2(const float* values, float floor) {
+  const __m256 here = _mm256_loadu_ps(values);
+  const __m256 high = _mm256_cmp_ps(here, _mm256_set1_ps(floor), _CMP_GT_OQ);
+  const __m256 left = _mm256_cmp_ps(here, _mm256_loadu_ps(values - 1), _CMP_GT_OQ);
+  const __m256 right = _mm256_cmp_ps(here, _mm256_loadu_ps(values + 1), _CMP_GE_OQ);
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(high, _mm256_and_ps(left, right))));
+}
+#endif
 
 /// Adds the free local maxima of `area` to the band. Scores below `quality` times the best seen so far cannot survive the
 /// threshold that comes later, so leaving them out early changes nothing.
@@ -55,12 +77,22 @@ void collect_maxima(const PaddedImage& image, GreyView free, const Area& area, d
     const float* above = here - buffers.scores.stride();
     const float* below = here + buffers.scores.stride();
     const std::uint8_t* free_row = free.row(y);
-    float floor = static_cast<float>(quality) * band.best;
-    for (int x = area.x0; x < area.x1; ++x) {
-      if (here[x] <= floor || free_row[x] == 0 || !is_local_maximum(above, here, below, x)) continue;
+    const auto consider = [&](int x) {
+      if (free_row[x] == 0 || !is_local_maximum(above, here, below, x)) return;
       band.maxima.push_back({x, y, here[x]});
       band.best = std::max(band.best, here[x]);
-      floor = static_cast<float>(quality) * band.best;
+    };
+    int x = area.x0;
+#if RASTRO_HAS_AVX2_CODE
+    if (simd_level() == SimdLevel::avx2) {
+      for (; x + 8 <= area.x1; x += 8) {
+        unsigned peaks = row_peaks_avx2(here + x, static_cast<float>(quality) * band.best);
+        for (; peaks != 0; peaks &= peaks - 1) consider(x + std::countr_zero(peaks));
+      }
+    }
+#endif
+    for (; x < area.x1; ++x) {
+      if (here[x] > static_cast<float>(quality) * band.best) consider(x);
     }
   }
 }
@@ -71,18 +103,17 @@ Band search_band(const PaddedImage& image, GreyView free, const Area& inside, in
   if (buffers.scores.width() < image.width() + 64) buffers.scores = Image<float>(image.width() + 64, tile_height + 2);
   Band band;
   Area area{0, 0, inside.y0 + band_index * tile_height, std::min(inside.y1, inside.y0 + (band_index + 1) * tile_height)};
-  for (area.x0 = inside.x0; area.x0 < inside.x1; area.x0 = area.x1) {
-    const auto tile_free = [&](int x) {
-      return any_free(free, {x, std::min(inside.x1, x + tile_width), area.y0, area.y1});
-    };
-    if (!tile_free(area.x0)) {
-      area.x1 = area.x0 + tile_width;
-      continue;
-    }
+  const std::vector<char> tiles = free_tiles(free, {inside.x0, inside.x1, area.y0, area.y1});
+  for (std::size_t tile = 0; tile < tiles.size();) {
     // Neighbouring free tiles are done in one go, which saves their common margins.
-    area.x1 = std::min(inside.x1, area.x0 + tile_width);
-    while (area.x1 < inside.x1 && tile_free(area.x1)) area.x1 = std::min(inside.x1, area.x1 + tile_width);
-    collect_maxima(image, free, area, quality, buffers, band);
+    std::size_t end = tile;
+    while (end < tiles.size() && tiles[end] != 0) ++end;
+    if (end > tile) {
+      area.x0 = inside.x0 + static_cast<int>(tile) * tile_width;
+      area.x1 = std::min(inside.x1, inside.x0 + static_cast<int>(end) * tile_width);
+      collect_maxima(image, free, area, quality, buffers, band);
+    }
+    tile = std::max(end, tile + 1);
   }
   return band;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <optional>
 
 #include "rastro/track/klt_patch.h"
@@ -15,15 +16,26 @@ constexpr int points_per_chunk = 16;
 constexpr double intensity_scale = 32.0;
 constexpr double gradient_scale = 16.0;
 
-/// The window's corner for a centre, or nullopt when the window leaves the padding.
-std::optional<KltCorner> corner_of(const PaddedImage& image, double x, double y, int size) {
-  const double left = x - size / 2, top = y - size / 2;
-  const double floor_x = std::floor(left), floor_y = std::floor(top);
+/// The whole pixel and the fraction of the upper left corner of the window around a centre; nullopt when the window leaves the padding.
+struct Corner {
+  int x = 0, y = 0;
+  std::int16_t fraction_x = 0, fraction_y = 0;
+};
+
+std::optional<Corner> corner_of(const PaddedImage& image, double x, double y, int size) {
   // The vectors read up to 35 pixels right of the corner; centres farther out than this are lost anyway.
   constexpr double slack = 8.0;
   if (!(x >= -slack && y >= -slack && x <= image.width() - 1 + slack && y <= image.height() - 1 + slack)) return std::nullopt;
+  const double left = x - size / 2, top = y - size / 2;
+  const double floor_x = std::floor(left), floor_y = std::floor(top);
   const auto fraction = [](double value) { return static_cast<std::int16_t>(std::min(32767.0, std::round(value * 32768.0))); };
-  return KltCorner{static_cast<int>(floor_x), static_cast<int>(floor_y), fraction(left - floor_x), fraction(top - floor_y)};
+  return Corner{static_cast<int>(floor_x), static_cast<int>(floor_y), fraction(left - floor_x), fraction(top - floor_y)};
+}
+
+std::optional<KltWindow> window_of(const PaddedImage& image, double x, double y, int size) {
+  const auto corner = corner_of(image, x, y, size);
+  if (!corner) return std::nullopt;
+  return KltWindow{image.row(corner->y) + corner->x, image.stride(), corner->fraction_x, corner->fraction_y};
 }
 
 /// The 2x2 normal equations of a patch with its mean brightness change eliminated, solved for the step.
@@ -52,7 +64,7 @@ class StepSolver {
   bool solvable_;
 };
 
-double residual_ratio(const KltResidual& sums, int size) {
+double ratio_of(const KltResidual& sums, int size) {
   const double count = static_cast<double>(size) * size;
   const auto variance = [count](std::int64_t squares, std::int64_t sum) {
     return static_cast<double>(squares) - static_cast<double>(sum) * static_cast<double>(sum) / count;
@@ -61,13 +73,13 @@ double residual_ratio(const KltResidual& sums, int size) {
 }
 
 /// Moves `at` (in pixels of this level) until the window fits. False when it cannot be followed.
-bool align(const PaddedImage& image, const KltPatch& patch, const StepSolver& solver, const KltOptions& options,
+bool align_patch(const PaddedImage& image, const KltPatch& patch, const StepSolver& solver, const KltOptions& options,
            const KltKernels& kernels, Eigen::Vector2d& at) {
   Eigen::Vector2d last_step = Eigen::Vector2d::Zero();
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
-    const auto corner = corner_of(image, at.x(), at.y(), patch.size);
-    if (!corner) return false;
-    const Eigen::Vector2d step = solver.step(kernels.mismatch(image, *corner, patch));
+    const auto window = window_of(image, at.x(), at.y(), patch.size);
+    if (!window) return false;
+    const Eigen::Vector2d step = solver.step(kernels.mismatch(*window, patch));
     at += step;
     if (step.squaredNorm() < options.epsilon_px * options.epsilon_px) return true;
     // Two steps that undo each other: the minimum lies between (Bouguet's stop).
@@ -94,9 +106,9 @@ struct Follower {
       const double scale = 1.0 / (1 << level);
       const PaddedImage& image = from.level(level);
       const Eigen::Vector2d centre = point * scale;
-      const auto corner = corner_of(image, centre.x(), centre.y(), options.window_px);
-      if (!corner) return std::nullopt;
-      kernels.cut(image, *corner, options.window_px, patch);
+      const auto window = window_of(image, centre.x(), centre.y(), options.window_px);
+      if (!window) return std::nullopt;
+      kernels.cut(*window, options.window_px, patch);
       const StepSolver solver(patch, options.min_eigenvalue);
       Eigen::Vector2d here = at * scale;
       // A coarse level without texture says nothing; only on the finest it means that the point cannot be followed.
@@ -104,13 +116,13 @@ struct Follower {
         if (level == 0) return std::nullopt;
         continue;
       }
-      if (!align(to.level(level), patch, solver, options, kernels, here)) return std::nullopt;
+      if (!align_patch(to.level(level), patch, solver, options, kernels, here)) return std::nullopt;
       at = here / scale;
     }
     if (ratio) {
-      const auto corner = corner_of(to.level(0), at.x(), at.y(), options.window_px);
-      if (!corner) return std::nullopt;
-      *ratio = residual_ratio(kernels.residual(to.level(0), *corner, patch), options.window_px);
+      const auto window = window_of(to.level(0), at.x(), at.y(), options.window_px);
+      if (!window) return std::nullopt;
+      *ratio = ratio_of(kernels.residual(*window, patch), options.window_px);
     }
     return at;
   }
@@ -157,6 +169,44 @@ void klt_follow(const Pyramid& previous, const Pyramid& current, std::span<const
   } else {
     follow(0, count);
   }
+}
+
+void KltReference::keep(const Pyramid& pyramid, const Eigen::Vector2f& point, int window_px) {
+  const PaddedImage& image = pyramid.level(0);
+  const auto corner = corner_of(image, static_cast<double>(point.x()), static_cast<double>(point.y()), window_px);
+  if (!corner) return;
+  size_ = window_px;
+  fraction_x_ = corner->fraction_x;
+  fraction_y_ = corner->fraction_y;
+  // One pixel more on each side for the gradients, and one for interpolation.
+  for (int y = 0; y < size_ + 3; ++y) {
+    std::memcpy(pixels_.data() + y * stride_, image.row(corner->y - 1 + y) + corner->x - 1, static_cast<std::size_t>(size_) + 3);
+  }
+}
+
+KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& guess, const KltOptions& options) const {
+  if (empty()) return {};
+  const KltKernels& kernels = klt_kernels();
+  KltPatch patch;
+  kernels.cut({pixels_.data() + stride_ + 1, stride_, fraction_x_, fraction_y_}, size_, patch);
+  const StepSolver solver(patch, options.min_eigenvalue);
+  const PaddedImage& image = current.level(0);
+  Eigen::Vector2d at = guess.cast<double>();
+  if (!solver.solvable() || !align_patch(image, patch, solver, options, kernels, at) || !inside(image, at)) return {};
+  const auto window = window_of(image, at.x(), at.y(), size_);
+  if (!window) return {};
+  const double ratio = ratio_of(kernels.residual(*window, patch), size_);
+  return {at.cast<float>(), ratio <= options.max_residual_ratio, static_cast<float>(ratio)};
+}
+
+double KltReference::residual_ratio(const Pyramid& current, const Eigen::Vector2f& point, const KltOptions& options) const {
+  constexpr double outside = 1e9;
+  if (empty()) return outside;
+  const KltKernels& kernels = klt_kernels();
+  KltPatch patch;
+  kernels.cut({pixels_.data() + stride_ + 1, stride_, fraction_x_, fraction_y_}, size_, patch);
+  const auto window = window_of(current.level(0), static_cast<double>(point.x()), static_cast<double>(point.y()), options.window_px);
+  return window ? ratio_of(kernels.residual(*window, patch), size_) : outside;
 }
 
 }  // namespace rastro

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <optional>
 #include <span>
 
 #include "rastro/base/task_pool.h"
@@ -10,6 +12,7 @@
 namespace rastro {
 
 constexpr int klt_largest_window = 31;
+constexpr int klt_padding = 48;
 
 struct KltOptions {
   int window_px = 21;               ///< Side of the square patch; odd, 5..31.
@@ -18,7 +21,7 @@ struct KltOptions {
   int backward_levels = 2;          ///< Levels of the way back, starting from the old place; 0 leaves the check out.
   double max_backward_px = 0.5;     ///< Farther from the old place after going back: not followed.
   double min_eigenvalue = 1e-3;     ///< Of the patch's mean structure tensor, in (grey/px)^2: less texture cannot be followed.
-  double max_residual_ratio = 1.0;  ///< Squared difference left over, as share of the patch's own variance; above: not followed.
+  double max_residual_ratio = 0.3;  ///< Squared difference left over, as share of the patch's own variance; above: not followed.
 };
 
 struct KltResult {
@@ -33,6 +36,27 @@ struct KltResult {
 void klt_follow(const Pyramid& previous, const Pyramid& current, std::span<const Eigen::Vector2f> points,
                 std::span<const Eigen::Vector2f> guesses, const KltOptions& options, TaskPool* pool, std::span<KltResult> results);
 
-constexpr int klt_padding = 48;
+/// What a feature looked like at some time: the pixels around it, kept so that it can be compared and aligned later.
+class KltReference {
+ public:
+  bool empty() const { return size_ == 0; }
+  void clear() { size_ = 0; }
+  /// Keeps the window around `point` of the finest level; stays as it was when the point lies too far outside.
+  void keep(const Pyramid& pyramid, const Eigen::Vector2f& point, int window_px);
+
+  /// Moves from `guess` to where the current image looks like the reference (finest level only, so from a few pixels away);
+  /// `followed` says whether the options' limits hold. The way back is not gone.
+  KltResult align(const Pyramid& current, const Eigen::Vector2f& guess, const KltOptions& options) const;
+  /// Squared difference to the current image at `point` as share of the reference's variance (1e9 when outside).
+  double residual_ratio(const Pyramid& current, const Eigen::Vector2f& point, const KltOptions& options) const;
+
+ private:
+  static constexpr int stride_ = 40;
+  static constexpr int rows_ = klt_largest_window + 3;
+  // The vectors read behind the last row.
+  std::array<std::uint8_t, stride_ * rows_ + 64> pixels_;
+  std::int16_t fraction_x_ = 0, fraction_y_ = 0;
+  int size_ = 0;
+};
 
 }  // namespace rastro

@@ -14,38 +14,38 @@ constexpr int row_length = KltPatch::row_length;
 int scaled(int value, int fraction) { return (value * fraction + 0x4000) >> 15; }
 
 /// Interpolated intensities of `count` columns and `rows` rows from the corner on; row i at out + i * row_length.
-void interpolate_plain(const PaddedImage& image, const KltCorner& corner, int count, int rows, std::int16_t* out) {
+void interpolate_plain(const KltWindow& window, int count, int rows, std::int16_t* out) {
   std::int16_t across[2][row_length + 2];
   for (int y = 0; y <= rows; ++y) {
-    const std::uint8_t* pixels = image.row(corner.y + y) + corner.x;
+    const std::uint8_t* pixels = window.row(y);
     for (int x = 0; x < count; ++x) {
       const int left = pixels[x] << 5;
-      across[y & 1][x] = static_cast<std::int16_t>(left + scaled((pixels[x + 1] << 5) - left, corner.fraction_x));
+      across[y & 1][x] = static_cast<std::int16_t>(left + scaled((pixels[x + 1] << 5) - left, window.fraction_x));
     }
     if (y == 0) continue;
     const std::int16_t *above = across[(y - 1) & 1], *below = across[y & 1];
     for (int x = 0; x < count; ++x) {
-      out[(y - 1) * row_length + x] = static_cast<std::int16_t>(above[x] + scaled(below[x] - above[x], corner.fraction_y));
+      out[(y - 1) * row_length + x] = static_cast<std::int16_t>(above[x] + scaled(below[x] - above[x], window.fraction_y));
     }
   }
 }
 
-void cut_plain(const PaddedImage& image, const KltCorner& corner, int size, KltPatch& patch) {
+void cut_plain(const KltWindow& window, int size, KltPatch& patch) {
   // Up to 33 columns: rows of the buffer are longer than the patch's.
   constexpr int most = KltPatch::most_rows + 2;
   std::int16_t wide[most][most];
   {
     std::int16_t across[2][most];
     for (int y = 0; y <= size + 2; ++y) {
-      const std::uint8_t* pixels = image.row(corner.y - 1 + y) + corner.x - 1;
+      const std::uint8_t* pixels = window.row(y - 1) - 1;
       for (int x = 0; x < size + 2; ++x) {
         const int left = pixels[x] << 5;
-        across[y & 1][x] = static_cast<std::int16_t>(left + scaled((pixels[x + 1] << 5) - left, corner.fraction_x));
+        across[y & 1][x] = static_cast<std::int16_t>(left + scaled((pixels[x + 1] << 5) - left, window.fraction_x));
       }
       if (y == 0) continue;
       for (int x = 0; x < size + 2; ++x) {
         const int above = across[(y - 1) & 1][x];
-        wide[y - 1][x] = static_cast<std::int16_t>(above + scaled(across[y & 1][x] - above, corner.fraction_y));
+        wide[y - 1][x] = static_cast<std::int16_t>(above + scaled(across[y & 1][x] - above, window.fraction_y));
       }
     }
   }
@@ -77,9 +77,9 @@ void cut_plain(const PaddedImage& image, const KltCorner& corner, int size, KltP
   }
 }
 
-KltMismatch mismatch_plain(const PaddedImage& image, const KltCorner& corner, const KltPatch& patch) {
+KltMismatch mismatch_plain(const KltWindow& window, const KltPatch& patch) {
   std::int16_t current[KltPatch::most_rows * row_length];
-  interpolate_plain(image, corner, patch.size, patch.size, current);
+  interpolate_plain(window, patch.size, patch.size, current);
   KltMismatch sums;
   for (int y = 0; y < patch.size; ++y) {
     for (int i = y * row_length; i < y * row_length + patch.size; ++i) {
@@ -92,9 +92,9 @@ KltMismatch mismatch_plain(const PaddedImage& image, const KltCorner& corner, co
   return sums;
 }
 
-KltResidual residual_plain(const PaddedImage& image, const KltCorner& corner, const KltPatch& patch) {
+KltResidual residual_plain(const KltWindow& window, const KltPatch& patch) {
   std::int16_t current[KltPatch::most_rows * row_length];
-  interpolate_plain(image, corner, patch.size, patch.size, current);
+  interpolate_plain(window, patch.size, patch.size, current);
   KltResidual sums;
   for (int y = 0; y < patch.size; ++y) {
     for (int i = y * row_length; i < y * row_length + patch.size; ++i) {

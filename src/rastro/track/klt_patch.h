@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-
-#include "rastro/image/padded_image.h"
 
 namespace rastro {
 
@@ -32,18 +31,22 @@ struct KltResidual {
   std::int64_t squared_difference = 0, difference = 0, squared_patch = 0, patch = 0;
 };
 
-/// Where a window of a level begins: whole pixel of its upper left corner, and the fraction in 1/32768 pixel.
-struct KltCorner {
-  int x = 0, y = 0;
+/// A window in an image: the whole pixel its upper left corner lies in, and the fraction beyond in 1/32768 pixel. Kernels read up to
+/// 48 pixels of each row from one pixel left of the corner on, whatever the window's size.
+struct KltWindow {
+  const std::uint8_t* pixels = nullptr;
+  std::ptrdiff_t stride = 0;
   std::int16_t fraction_x = 0, fraction_y = 0;
+
+  const std::uint8_t* row(int y) const { return pixels + y * stride; }
 };
 
 /// `kernels` for a processor: each pair of functions gives equal results.
 struct KltKernels {
-  /// Cuts the window at `corner` with its gradients (Sobel on the interpolated pixels); reads one pixel more on each side.
-  void (*cut)(const PaddedImage& image, const KltCorner& corner, int size, KltPatch& patch);
-  KltMismatch (*mismatch)(const PaddedImage& image, const KltCorner& corner, const KltPatch& patch);
-  KltResidual (*residual)(const PaddedImage& image, const KltCorner& corner, const KltPatch& patch);
+  /// Cuts a window of `size` with its gradients (Sobel on the interpolated pixels); reads one pixel more on each side.
+  void (*cut)(const KltWindow& window, int size, KltPatch& patch);
+  KltMismatch (*mismatch)(const KltWindow& window, const KltPatch& patch);
+  KltResidual (*residual)(const KltWindow& window, const KltPatch& patch);
 };
 
 const KltKernels& klt_kernels_plain();

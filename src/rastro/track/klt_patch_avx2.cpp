@@ -44,23 +44,23 @@ RASTRO_TARGET_AVX2 inline __m256i smoothed(__m256i a, __m256i b, __m256i c) {
 }
 
 /// Interpolates (size + 2) rows of 48 columns, one pixel more on each side than the window.
-RASTRO_TARGET_AVX2 void interpolate_wide(const PaddedImage& image, const KltCorner& corner, int size, std::int16_t (*wide)[48]) {
-  const __m256i fraction_x = _mm256_set1_epi16(corner.fraction_x);
-  const __m256i fraction_y = _mm256_set1_epi16(corner.fraction_y);
+RASTRO_TARGET_AVX2 void interpolate_wide(const KltWindow& window, int size, std::int16_t (*wide)[48]) {
+  const __m256i fraction_x = _mm256_set1_epi16(window.fraction_x);
+  const __m256i fraction_y = _mm256_set1_epi16(window.fraction_y);
   const int vectors = (size + 2 + 15) / 16;
   for (int v = 0; v < vectors; ++v) {
-    __m256i above = across(image.row(corner.y - 1) + corner.x - 1 + 16 * v, fraction_x);
+    __m256i above = across(window.row(-1) - 1 + 16 * v, fraction_x);
     for (int y = 0; y < size + 2; ++y) {
-      const __m256i below = across(image.row(corner.y + y) + corner.x - 1 + 16 * v, fraction_x);
+      const __m256i below = across(window.row(y) - 1 + 16 * v, fraction_x);
       store(wide[y] + 16 * v, between(above, below, fraction_y));
       above = below;
     }
   }
 }
 
-RASTRO_TARGET_AVX2 void cut_avx2(const PaddedImage& image, const KltCorner& corner, int size, KltPatch& patch) {
+RASTRO_TARGET_AVX2 void cut_avx2(const KltWindow& window, int size, KltPatch& patch) {
   alignas(32) std::int16_t wide[KltPatch::most_rows + 2][48];
-  interpolate_wide(image, corner, size, wide);
+  interpolate_wide(window, size, wide);
   patch.size = size;
   for (int x = 0; x < row_length; ++x) patch.ones[x] = x < size ? 1 : 0;
   const __m256i one = _mm256_set1_epi16(1);
@@ -102,15 +102,15 @@ RASTRO_TARGET_AVX2 void cut_avx2(const PaddedImage& image, const KltCorner& corn
 }
 
 // A lane adds at most 2 * 31 products below 2^13 * 2^11 in each half of the row: below 2^31, no overflow.
-RASTRO_TARGET_AVX2 KltMismatch mismatch_avx2(const PaddedImage& image, const KltCorner& corner, const KltPatch& patch) {
-  const __m256i fraction_x = _mm256_set1_epi16(corner.fraction_x);
-  const __m256i fraction_y = _mm256_set1_epi16(corner.fraction_y);
+RASTRO_TARGET_AVX2 KltMismatch mismatch_avx2(const KltWindow& window, const KltPatch& patch) {
+  const __m256i fraction_x = _mm256_set1_epi16(window.fraction_x);
+  const __m256i fraction_y = _mm256_set1_epi16(window.fraction_y);
   KltMismatch sums;
   for (int v = 0; 16 * v < patch.size; ++v) {
     const __m256i ones = load(patch.ones + 16 * v);
     __m256i ex = _mm256_setzero_si256(), ey = ex, e = ex;
-    const std::uint8_t* pixels = image.row(corner.y) + corner.x + 16 * v;
-    const std::ptrdiff_t stride = image.stride();
+    const std::uint8_t* pixels = window.row(0) + 16 * v;
+    const std::ptrdiff_t stride = window.stride;
     __m256i above = across(pixels, fraction_x);
     for (int y = 0; y < patch.size; ++y) {
       pixels += stride;
@@ -129,18 +129,18 @@ RASTRO_TARGET_AVX2 KltMismatch mismatch_avx2(const PaddedImage& image, const Klt
   return sums;
 }
 
-RASTRO_TARGET_AVX2 KltResidual residual_avx2(const PaddedImage& image, const KltCorner& corner, const KltPatch& patch) {
-  const __m256i fraction_x = _mm256_set1_epi16(corner.fraction_x);
-  const __m256i fraction_y = _mm256_set1_epi16(corner.fraction_y);
+RASTRO_TARGET_AVX2 KltResidual residual_avx2(const KltWindow& window, const KltPatch& patch) {
+  const __m256i fraction_x = _mm256_set1_epi16(window.fraction_x);
+  const __m256i fraction_y = _mm256_set1_epi16(window.fraction_y);
   KltResidual sums;
   for (int v = 0; 16 * v < patch.size; ++v) {
     const __m256i ones = load(patch.ones + 16 * v);
     const __m256i inside = _mm256_cmpeq_epi16(ones, _mm256_set1_epi16(1));
     __m256i squared_difference = _mm256_setzero_si256(), difference_sum = squared_difference;
     __m256i squared_patch = squared_difference, patch_sum = squared_difference;
-    __m256i above = across(image.row(corner.y) + corner.x + 16 * v, fraction_x);
+    __m256i above = across(window.row(0) + 16 * v, fraction_x);
     for (int y = 0; y < patch.size; ++y) {
-      const __m256i below = across(image.row(corner.y + y + 1) + corner.x + 16 * v, fraction_x);
+      const __m256i below = across(window.row(y + 1) + 16 * v, fraction_x);
       const __m256i intensity = load(patch.intensity + y * row_length + 16 * v);
       const __m256i raw = _mm256_sub_epi16(between(above, below, fraction_y), intensity);
       const __m256i difference = _mm256_and_si256(_mm256_srai_epi16(raw, 2), inside);

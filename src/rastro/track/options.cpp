@@ -21,12 +21,15 @@ void add_flow_options(OptionTable& table, TrackOptions& o) {
   table.add({"flow_epsilon_px", &o.flow_epsilon_px, "px", "a smaller step ends a level", 1e-4, 1, {}});
   table.add({"max_backward_px", &o.max_backward_px, "px", "a feature followed back must end this near to where it was; 0.5 as in VINS-Fusion", 0.01, 50, {}});
   table.add({"max_residual_ratio", &o.max_residual_ratio, "", "squared brightness difference left after following, as share of the patch's variance; more means that something else came in front", 0.01, 100, {}});
+  table.add({"reference_interval", &o.reference_interval, "frames", "how often a followed feature's look is kept anew, to be compared and aligned with later", 1, 1000, {}});
+  table.add({"max_reference_residual", &o.max_reference_residual, "", "as max_residual_ratio, against the look kept before the last: finds features that slide slowly onto something in front. Large: no such check, the paper's way", 0.01, 1e6, {}});
   table.add({"max_epipolar_error_px", &o.max_epipolar_error_px, "px", "features that move against the fundamental matrix of two frames by more are dropped; 1 as in VINS-Fusion", 0.05, 100, {}});
   table.add({"corner_quality", &o.corner_quality, "", "least corner score as share of the frame's best (Shi and Tomasi)", 1e-6, 1, {}});
   table.add({"corner_border_px", &o.corner_border_px, "px", "no corner nearer to the edge", 1, 200, {}});
 }
 
 void add_recognition_options(OptionTable& table, TrackOptions& o) {
+  table.add({"verify_corners", &o.verify_corners, "", "a corner gets a new id only if it can be followed back to the last frame, as the crossing of an edge with a nearer one cannot; false: the paper's way", 0, 1, {}});
   table.add({"candidates_factor", &o.candidates_factor, "", "corners looked at for recognition, as multiple of those needed; recognised ones are taken first. 1 is the paper's way", 1, 20, {}});
   table.add({"candidates_distance_px", &o.candidates_distance_px, "px", "least distance between the corners looked at; 0: min_distance_px, the paper's way", 0, 500, {}});
   table.add({"brief_patch_px", &o.brief_patch_px, "px", "side of the patch BRIEF's tests are drawn in", 8, 64, {}});
@@ -35,6 +38,9 @@ void add_recognition_options(OptionTable& table, TrackOptions& o) {
              0, 0, {"upright", "steered", "scaled", "steered_scaled"}});
   table.add({"max_hamming", &o.max_hamming, "bits", "descriptors that differ in more of their 256 bits are not alike", 0, 256, {}});
   table.add({"min_votes", &o.min_votes, "frames", "window frames that must propose an id", 1, 1000, {}});
+  table.add({"align", &o.align, "", "a recognised corner must look like the lost feature did and is put where it does, by optical flow from the look kept; false: the paper's way", 0, 1, {}});
+  table.add({"max_alignment_px", &o.max_alignment_px, "px", "how far the alignment may move a recognised corner", 0.1, 20, {}});
+  table.add({"max_alignment_residual", &o.max_alignment_residual, "", "as max_residual_ratio, of a recognised corner against the look kept", 0.01, 1e6, {}});
   table.add({"validation", &o.validation, "", "homography: one plane or rotation, the paper's; epipolar: fundamental matrix, for scenes with depth; local: motion of the nearest features",
              0, 0, {"homography", "epipolar", "local"}});
   table.add({"max_reprojection_px", &o.max_reprojection_px, "px", "a recognised corner may lie this far from where the motion puts it", 0.1, 100, {}});

@@ -24,14 +24,17 @@ struct TrackOptions {
   int flow_iterations = 30;
   double flow_epsilon_px = 0.01;
   double max_backward_px = 0.5;
-  double max_residual_ratio = 0.6;
+  double max_residual_ratio = 0.3;
+  int reference_interval = 5;
+  double max_reference_residual = 0.6;
   double max_epipolar_error_px = 1.0;
 
   // Corners.
   double corner_quality = 0.01;
   int corner_border_px = 5;
-  double candidates_factor = 1.0;
-  double candidates_distance_px = 0.0;
+  bool verify_corners = true;
+  double candidates_factor = 4.0;
+  double candidates_distance_px = 8.0;
 
   // Descriptors and votes.
   int brief_patch_px = 48;
@@ -39,6 +42,11 @@ struct TrackOptions {
   std::string descriptor = "upright";
   int max_hamming = 50;
   int min_votes = 1;
+
+  // Alignment with what the lost feature looked like.
+  bool align = true;
+  double max_alignment_px = 3.0;
+  double max_alignment_residual = 0.5;
 
   // Validation.
   std::string validation = "homography";

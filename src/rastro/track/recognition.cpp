@@ -2,6 +2,7 @@
 #include "rastro/track/recognition.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "rastro/feature/distance_grid.h"
 #include "rastro/track/stopwatch.h"
@@ -16,6 +17,7 @@ constexpr int corners_per_chunk = 8;
 struct Claim {
   std::size_t corner = 0;
   std::vector<Candidate> candidates;
+  std::vector<Eigen::Vector2f> pixels;  ///< Where each candidate would be.
 };
 
 VotingOptions voting_options(const TrackOptions& options) {
@@ -23,14 +25,13 @@ VotingOptions voting_options(const TrackOptions& options) {
   return {options.max_hamming, options.mode == "priority" ? 2 : 1, dual ? 2 : 1, options.min_votes};
 }
 
-/// Claims with at least one candidate, the one with most votes first.
 std::vector<Claim> collect_claims(std::span<const NewCorner> corners, const TrackStore& store, std::int64_t current,
                                   const TrackOptions& options, TaskPool* pool) {
   std::vector<Claim> claims(corners.size());
   const auto vote = [&](int begin, int end) {
     Voting voting(store, current, voting_options(options));
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      claims[i] = {i, voting.candidates_for(corners[i].views)};
+      claims[i] = {i, voting.candidates_for(corners[i].views), {}};
     }
   };
   const int count = static_cast<int>(corners.size());
@@ -39,6 +40,11 @@ std::vector<Claim> collect_claims(std::span<const NewCorner> corners, const Trac
   } else {
     vote(0, count);
   }
+  return claims;
+}
+
+/// The claim with most votes first; those without a candidate go.
+void sort_claims(std::vector<Claim>& claims) {
   std::erase_if(claims, [](const Claim& claim) { return claim.candidates.empty(); });
   std::sort(claims.begin(), claims.end(), [](const Claim& a, const Claim& b) {
     const Candidate &first_a = a.candidates.front(), &first_b = b.candidates.front();
@@ -46,42 +52,69 @@ std::vector<Claim> collect_claims(std::span<const NewCorner> corners, const Trac
     if (first_a.distance != first_b.distance) return first_a.distance < first_b.distance;
     return a.corner < b.corner;
   });
-  return claims;
 }
 
 /// The tracked features, and each proposed track at the corner that claims it most strongly.
-std::vector<Association> with_proposals(std::span<const Association> tracked, std::span<const Claim> claims,
-                                        std::span<const NewCorner> corners) {
+std::vector<Association> with_proposals(std::span<const Association> tracked, std::span<const Claim> claims) {
   std::vector<Association> associations(tracked.begin(), tracked.end());
   for (const Claim& claim : claims) {
     const std::size_t track = claim.candidates.front().track;
     const bool taken = std::any_of(associations.begin() + static_cast<std::ptrdiff_t>(tracked.size()), associations.end(),
                                    [=](const Association& a) { return a.track == track; });
-    if (!taken) associations.push_back({track, corners[claim.corner].pixel});
+    if (!taken) associations.push_back({track, claim.pixels.front()});
   }
   return associations;
+}
+
+/// Where the corner looks like the lost track did; the corner itself when alignment is not asked for; nullopt when it does not.
+std::optional<Eigen::Vector2f> aligned(const Track& track, const Eigen::Vector2f& corner, const Pyramid& image, const TrackOptions& options) {
+  if (!options.align) return corner;
+  KltOptions klt;
+  klt.iterations = options.flow_iterations;
+  klt.epsilon_px = options.flow_epsilon_px;
+  klt.max_residual_ratio = options.max_alignment_residual;
+  const KltResult result = track.look().align(image, corner, klt);
+  if (!result.followed || static_cast<double>((result.pixel - corner).norm()) > options.max_alignment_px) return std::nullopt;
+  return result.pixel;
+}
+
+/// Leaves out candidates that do not look alike, and puts the others where they do.
+void align_claims(std::vector<Claim>& claims, std::span<const NewCorner> corners, const TrackStore& store, const Pyramid& image,
+                  const TrackOptions& options) {
+  for (Claim& claim : claims) {
+    std::vector<Candidate> kept;
+    for (const Candidate& candidate : claim.candidates) {
+      const auto pixel = aligned(store[candidate.track], corners[claim.corner].pixel, image, options);
+      if (!pixel) continue;
+      kept.push_back(candidate);
+      claim.pixels.push_back(*pixel);
+    }
+    claim.candidates = std::move(kept);
+  }
 }
 
 }  // namespace
 
 std::vector<Recognised> recognise(std::span<const NewCorner> corners, std::span<const Association> tracked, const TrackStore& store,
-                                  std::int64_t current, int most, const TrackOptions& options, int width, int height, TaskPool* pool,
+                                  std::int64_t current, const Pyramid& image, int most, const TrackOptions& options, TaskPool* pool,
                                   TrackTimes& times) {
   Stopwatch stopwatch;
-  const std::vector<Claim> claims = collect_claims(corners, store, current, options, pool);
+  std::vector<Claim> claims = collect_claims(corners, store, current, options, pool);
   times.match_ms += stopwatch.lap_ms();
 
-  const std::vector<Association> associations = with_proposals(tracked, claims, corners);
+  align_claims(claims, corners, store, image, options);
+  sort_claims(claims);
+  const std::vector<Association> associations = with_proposals(tracked, claims);
   Validation validation(store, current, associations, options);
-  DistanceGrid grid(width, height, options.min_distance_px);
+  DistanceGrid grid(image.level(0).width(), image.level(0).height(), options.min_distance_px);
   std::vector<Recognised> recognised;
   for (const Claim& claim : claims) {
     if (static_cast<int>(recognised.size()) >= most) break;
-    const Eigen::Vector2f& pixel = corners[claim.corner].pixel;
-    for (const Candidate& candidate : claim.candidates) {
-      const bool taken = std::any_of(recognised.begin(), recognised.end(), [&](const Recognised& r) { return r.track == candidate.track; });
-      if (taken || !validation.confirms(candidate.track, pixel)) continue;
-      if (grid.add_if_far(pixel.x(), pixel.y())) recognised.push_back({claim.corner, candidate.track});
+    for (std::size_t i = 0; i < claim.candidates.size(); ++i) {
+      const std::size_t track = claim.candidates[i].track;
+      const bool taken = std::any_of(recognised.begin(), recognised.end(), [=](const Recognised& r) { return r.track == track; });
+      if (taken || !validation.confirms(track, claim.pixels[i])) continue;
+      if (grid.add_if_far(claim.pixels[i].x(), claim.pixels[i].y())) recognised.push_back({claim.corner, track, claim.pixels[i]});
       break;
     }
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rastro/base/task_pool.h"
+#include "rastro/track/klt.h"
 #include "rastro/track/options.h"
 #include "rastro/track/track_frame.h"
 #include "rastro/track/track_store.h"
@@ -22,13 +23,14 @@ struct NewCorner {
 struct Recognised {
   std::size_t corner = 0;
   std::size_t track = 0;
+  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< Of the corner, or where it was aligned to.
 };
 
-/// METHODS 1, steps 4 to 8: match, vote, validate. At most `most` corners are recognised, each at least `min_distance_px` from the others; an id
+/// METHODS 1, steps 4 to 8: match, vote, align, validate. At most `most` corners are recognised, each at least `min_distance_px` from the others; an id
 /// claimed by two corners goes to the one with more votes, then smaller distance, then the stronger corner.
 /// `tracked`: the features followed into the current frame. The result does not depend on the pool.
 std::vector<Recognised> recognise(std::span<const NewCorner> corners, std::span<const Association> tracked, const TrackStore& store,
-                                  std::int64_t current, int most, const TrackOptions& options, int width, int height, TaskPool* pool,
+                                  std::int64_t current, const Pyramid& image, int most, const TrackOptions& options, TaskPool* pool,
                                   TrackTimes& times);
 
 }  // namespace rastro

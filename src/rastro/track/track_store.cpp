@@ -10,6 +10,9 @@ void Track::start(std::int64_t new_id) {
   last_seen = seen_before = -1;
   age = 0;
   descriptor_spread = 0;
+  look_frame_ = -1;
+  look_.clear();
+  older_look_.clear();
   std::fill(frames_.begin(), frames_.end(), -1);
 }
 
@@ -21,6 +24,13 @@ void Track::observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Desc
   seen_before = last_seen;
   last_seen = frame;
   ++age;
+}
+
+void Track::keep_look(std::int64_t frame, int interval, const Pyramid& pyramid, const Eigen::Vector2f& pixel, int window_px) {
+  if (look_frame_ >= 0 && frame - look_frame_ < interval) return;
+  older_look_ = look_;
+  look_.keep(pyramid, pixel, window_px);
+  look_frame_ = frame;
 }
 
 void Track::measure_spread() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rastro/feature/brief.h"
+#include "rastro/track/klt.h"
 
 namespace rastro {
 
@@ -29,6 +30,11 @@ class Track {
   const std::vector<Descriptor>& descriptors() const { return descriptors_; }
   const Descriptor& last_descriptor() const { return descriptors_[slot(last_seen)]; }
 
+  /// Keeps what the feature looks like in `frame` unless that was done less than `interval` frames ago.
+  void keep_look(std::int64_t frame, int interval, const Pyramid& pyramid, const Eigen::Vector2f& pixel, int window_px);
+  /// The look kept before the last one, where there is one: old enough not to show what covers the feature now.
+  const KltReference& look() const { return older_look_.empty() ? look_ : older_look_; }
+
   std::int64_t id = -1;
   std::int64_t last_seen = -1;
   std::int64_t seen_before = -1;  ///< Observation before the last one; -1 for none.
@@ -41,6 +47,8 @@ class Track {
   std::vector<std::int64_t> frames_;
   std::vector<Eigen::Vector2f> pixels_;
   std::vector<Descriptor> descriptors_;
+  KltReference look_, older_look_;
+  std::int64_t look_frame_ = -1;
 };
 
 /// All tracks inside the window: those followed in the current frame and those lost. Memory is reused, so it does not grow with the run.

@@ -69,7 +69,11 @@ class Tracker::State {
   std::vector<NewCorner> detect(TrackFrame& frame, GreyView mask);
   std::vector<Descriptor> describe(const Eigen::Vector2f& pixel, bool all_scales) const;
   void describe_tracked();
-  void adopt(std::vector<NewCorner> corners, TrackFrame& frame);
+  bool looks_the_same(const Track& track, const Eigen::Vector2f& pixel) const;
+  bool verifies_corners(const TrackFrame& frame) const;
+  std::vector<char> followable(const std::vector<NewCorner>& corners) const;
+  void observe(const Live& feature, const Descriptor& descriptor);
+  void adopt(const std::vector<NewCorner>& corners, TrackFrame& frame);
   void report(TrackFrame& frame) const;
   Eigen::Vector2f ray_of(const Eigen::Vector2f& pixel) const;
   Eigen::Vector2f rectified(const Eigen::Vector2f& pixel) const;
@@ -105,7 +109,7 @@ TrackFrame Tracker::State::process(GreyView image, TimeNs stamp, GreyView mask) 
   describe_tracked();
   for (NewCorner& corner : corners) corner.views = describe(corner.pixel, true);
   frame.times.describe_ms = stage.lap_ms();
-  adopt(std::move(corners), frame);
+  adopt(corners, frame);
   report(frame);
   frame.times.total_ms = whole.lap_ms();
   return frame;
@@ -138,14 +142,20 @@ void Tracker::State::follow(TrackFrame& frame, GreyView mask) {
   std::vector<KltResult> results(points.size());
   if (!points.empty()) klt_follow(previous_, current_, points, points, klt_options(options_), pool_, results);
   for (std::size_t i = 0; i < before_.size(); ++i) {
-    if (!results[i].followed) continue;
     const Eigen::Vector2f& pixel = results[i].pixel;
+    if (!results[i].followed || !looks_the_same(store_[before_[i].track], pixel)) continue;
     if (!mask.empty() && mask.at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))) == 0) {
       ++frame.masked;
       continue;
     }
     live_.push_back({before_[i].track, pixel, TrackState::tracked});
   }
+}
+
+/// Whether the feature still looks like some frames ago; where that view cannot be compared, it does.
+bool Tracker::State::looks_the_same(const Track& track, const Eigen::Vector2f& pixel) const {
+  return track.look().empty() ||
+         track.look().residual_ratio(current_, pixel, klt_options(options_)) <= options_.max_reference_residual;
 }
 
 void Tracker::State::drop_outliers() {
@@ -185,9 +195,12 @@ std::vector<NewCorner> Tracker::State::detect(TrackFrame& frame, GreyView mask) 
   free_.reset(image.width(), image.height(), mask);
   for (const Live& feature : live_) free_.block(feature.pixel, options_.min_distance_px);
   CornerOptions corner_options{options_.corner_quality, options_.min_distance_px, options_.corner_border_px};
+  // Some corners will be refused when they cannot be followed back.
+  const bool verifies = verifies_corners(frame);
   const bool recognises = options_.mode != "klt" && !store_.lost().empty();
   if (recognises && options_.candidates_distance_px > 0.0) corner_options.min_distance_px = options_.candidates_distance_px;
-  const int asked = recognises ? static_cast<int>(std::ceil(needed * options_.candidates_factor)) : needed;
+  const double factor = recognises ? options_.candidates_factor : 1.0;
+  const int asked = static_cast<int>(std::ceil(needed * std::max(factor, verifies ? 2.0 : 1.0)));
   std::vector<NewCorner> corners;
   for (const Corner& corner : detector_.detect(image, free_.view(), asked, corner_options, pool_)) {
     corners.push_back({{static_cast<float>(corner.x), static_cast<float>(corner.y)}, {}});
@@ -221,34 +234,53 @@ void Tracker::State::describe_tracked() {
   } else {
     describe_some(0, static_cast<int>(live_.size()));
   }
-  for (std::size_t i = 0; i < live_.size(); ++i) store_[live_[i].track].observe(index_, live_[i].pixel, descriptors[i]);
+  for (std::size_t i = 0; i < live_.size(); ++i) observe(live_[i], descriptors[i]);
 }
 
-void Tracker::State::adopt(std::vector<NewCorner> corners, TrackFrame& frame) {
+/// Corners are followed back only where most features could be followed here, so that there is a frame to compare with.
+bool Tracker::State::verifies_corners(const TrackFrame& frame) const {
+  return options_.verify_corners && !before_.empty() && 2 * frame.tracked >= static_cast<int>(before_.size());
+}
+
+std::vector<char> Tracker::State::followable(const std::vector<NewCorner>& corners) const {
+  std::vector<Eigen::Vector2f> points;
+  for (const NewCorner& corner : corners) points.push_back(corner.pixel);
+  std::vector<KltResult> results(points.size());
+  klt_follow(current_, previous_, points, points, klt_options(options_), pool_, results);
+  std::vector<char> can(points.size());
+  std::transform(results.begin(), results.end(), can.begin(), [](const KltResult& result) { return result.followed ? 1 : 0; });
+  return can;
+}
+
+void Tracker::State::observe(const Live& feature, const Descriptor& descriptor) {
+  Track& track = store_[feature.track];
+  track.observe(index_, feature.pixel, descriptor);
+  track.keep_look(index_, options_.reference_interval, current_, feature.pixel, options_.flow_window_px);
+}
+
+void Tracker::State::adopt(const std::vector<NewCorner>& corners, TrackFrame& frame) {
   const int needed = options_.features - frame.tracked;
-  const PaddedImage& image = current_.level(0);
   std::vector<Recognised> recognised;
   if (options_.mode != "klt") {
     std::vector<Association> tracked;
     for (const Live& feature : live_) tracked.push_back({feature.track, feature.pixel});
-    recognised = recognise(corners, tracked, store_, index_, needed, options_, image.width(), image.height(), pool_, frame.times);
+    recognised = recognise(corners, tracked, store_, index_, current_, needed, options_, pool_, frame.times);
   }
   frame.reidentified = static_cast<int>(recognised.size());
+  const PaddedImage& image = current_.level(0);
   DistanceGrid grid(image.width(), image.height(), options_.min_distance_px);
-  std::vector<char> used(corners.size(), 0);
+  std::vector<char> usable = verifies_corners(frame) ? followable(corners) : std::vector<char>(corners.size(), 1);
   for (const Recognised& match : recognised) {
-    const NewCorner& corner = corners[match.corner];
-    used[match.corner] = 1;
-    grid.add_if_far(corner.pixel.x(), corner.pixel.y());
+    usable[match.corner] = 0;
+    grid.add_if_far(match.pixel.x(), match.pixel.y());
     store_.mark_found(match.track);
-    store_[match.track].observe(index_, corner.pixel, corner.views.front());
-    live_.push_back({match.track, corner.pixel, TrackState::reidentified});
+    live_.push_back({match.track, match.pixel, TrackState::reidentified});
+    observe(live_.back(), describe(match.pixel, false).front());
   }
   for (std::size_t i = 0; i < corners.size() && frame.reidentified + frame.fresh < needed; ++i) {
-    if (used[i] != 0 || !grid.add_if_far(corners[i].pixel.x(), corners[i].pixel.y())) continue;
-    const std::size_t track = store_.create();
-    store_[track].observe(index_, corners[i].pixel, corners[i].views.front());
-    live_.push_back({track, corners[i].pixel, TrackState::fresh});
+    if (usable[i] == 0 || !grid.add_if_far(corners[i].pixel.x(), corners[i].pixel.y())) continue;
+    live_.push_back({store_.create(), corners[i].pixel, TrackState::fresh});
+    observe(live_.back(), corners[i].views.front());
     ++frame.fresh;
   }
 }

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/feature/brief.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "rastro/base/simd_testing.h"
+#include "rastro/feature/hamming.h"
+#include "rastro/image/box_sum.h"
+#include "rastro/image/image_testing.h"
+
+namespace rastro {
+namespace {
+
+Image<std::uint16_t> smooth(const GreyImage& image) {
+  Image<std::uint16_t> sums;
+  box_sums(testing::padded(image, 48), 4, sums);
+  return sums;
+}
+
+/// `image` turned by `angle` about its middle and magnified by `scale`.
+GreyImage turned(const GreyImage& image, double angle, double scale) {
+  GreyImage out(image.width(), image.height());
+  const double cx = image.width() / 2, cy = image.height() / 2;
+  for (int y = 0; y < out.height(); ++y) {
+    for (int x = 0; x < out.width(); ++x) {
+      const double dx = (x - cx) / scale, dy = (y - cy) / scale;
+      const long sx = std::lround(cx + std::cos(angle) * dx + std::sin(angle) * dy);
+      const long sy = std::lround(cy - std::sin(angle) * dx + std::cos(angle) * dy);
+      if (sx >= 0 && sy >= 0 && sx < image.width() && sy < image.height()) {
+        out.at(x, y) = image.at(static_cast<int>(sx), static_cast<int>(sy));
+      }
+    }
+  }
+  return out;
+}
+
+TEST(Brief, SamePatternForSameSeedOnly) {
+  const auto sums = smooth(testing::wave_image(120, 120, 0, 0));
+  EXPECT_EQ(Brief(48, 7).describe(sums, 60, 60), Brief(48, 7).describe(sums, 60, 60));
+  EXPECT_FALSE(Brief(48, 7).describe(sums, 60, 60) == Brief(48, 8).describe(sums, 60, 60));
+  // Written down once, so that another compiler or machine that draws another pattern is noticed.
+  EXPECT_EQ(Brief(48, 1).describe(sums, 60, 60).words[0], Brief(48, 1).describe(sums, 60.4F, 59.6F).words[0]);
+}
+
+TEST(Brief, FollowsAShiftAndTellsPlacesApart) {
+  const Brief brief(48, 1);
+  const auto here = smooth(testing::wave_image(200, 200, 0, 0)), shifted = smooth(testing::wave_image(200, 200, 11, -6));
+  const auto descriptor = brief.describe(here, 100, 100);
+  EXPECT_LE(hamming_distance(descriptor, brief.describe(shifted, 111, 94)), 8);
+  EXPECT_GE(hamming_distance(descriptor, brief.describe(here, 130, 120)), 60);
+}
+
+TEST(Brief, NearTheEdgePixelsAreTakenAtTheEdge) {
+  const Brief brief(48, 1);
+  const GreyImage image = testing::wave_image(100, 100, 0, 0);
+  const auto sums = smooth(image);
+  Image<std::uint16_t> larger(300, 300);
+  for (int y = 0; y < 300; ++y) {
+    for (int x = 0; x < 300; ++x) larger.at(x, y) = sums.at(std::clamp(x - 100, 0, 99), std::clamp(y - 100, 0, 99));
+  }
+  EXPECT_EQ(brief.describe(sums, 2, 97), brief.describe(larger, 102, 197));
+}
+
+TEST(Brief, SteeredAndScaledPatternsFollowTurnAndScale) {
+  const Brief brief(48, 1);
+  const GreyImage image = testing::wave_image(240, 240, 0, 0);
+  const auto before = brief.describe(smooth(image), 120, 120);
+  const double angle = std::numbers::pi / 4;
+  const auto turned_sums = smooth(turned(image, angle, 1.0));
+  EXPECT_LE(hamming_distance(before, brief.describe(turned_sums, 120, 120, angle, 1.0)), 25);
+  EXPECT_GE(hamming_distance(before, brief.describe(turned_sums, 120, 120)), 60);
+  const auto scaled_sums = smooth(turned(image, 0.0, 1.5625));
+  EXPECT_LT(hamming_distance(before, brief.describe(scaled_sums, 120, 120, 0.0, 1.5625)),
+            hamming_distance(before, brief.describe(scaled_sums, 120, 120)));
+}
+
+TEST(IntensityCentroid, PointsToTheBrightSide) {
+  GreyImage image(61, 61);
+  for (int y = 0; y < 61; ++y) {
+    for (int x = 0; x < 61; ++x) image.at(x, y) = static_cast<std::uint8_t>(2 * x + 2 * y);
+  }
+  EXPECT_NEAR(intensity_centroid_angle(image.view(), 30, 30, 15), std::numbers::pi / 4, 1e-6);
+}
+
+TEST(Hamming, PlainAndFastCodeAreEqualToCountingBits) {
+  Random random(3);
+  std::vector<Descriptor> descriptors(77);
+  for (auto& descriptor : descriptors) {
+    for (auto& word : descriptor.words) word = random.next();
+  }
+  std::vector<std::uint16_t> fast(77), plain(77);
+  hamming_distances(descriptors[5], descriptors, fast);
+  testing::with_plain_code([&] { hamming_distances(descriptors[5], descriptors, plain); });
+  for (std::size_t i = 0; i < 77; ++i) {
+    int bits = 0;
+    for (std::size_t bit = 0; bit < 256; ++bit) {
+      bits += ((descriptors[i].words[bit / 64] ^ descriptors[5].words[bit / 64]) >> (bit % 64)) & 1U;
+    }
+    EXPECT_EQ(fast[i], bits);
+    EXPECT_EQ(plain[i], bits);
+  }
+}
+
+}  // namespace
+}  // namespace rastro
