@@ -4,14 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "rastro/base/error.h"
+#include "rastro/base/scratch_testing.h"
 
 namespace rastro {
 namespace {
 
-std::filesystem::path scratch(const char* name) { return std::filesystem::path(testing::TempDir()) / name; }
-
 TEST(AppendFile, EveryPieceIsThereAtOnce) {
-  const auto path = scratch("append_file_pieces.txt");
+  const auto path = scratch_path("append_file_pieces.txt");
   AppendFile file(path);
   EXPECT_EQ(read_whole_file(path), "");
   file.append("one\n");
@@ -21,7 +20,7 @@ TEST(AppendFile, EveryPieceIsThereAtOnce) {
 }
 
 TEST(AppendFile, EmptiesWhatWasThere) {
-  const auto path = scratch("append_file_old.txt");
+  const auto path = scratch_path("append_file_old.txt");
   write_whole_file(path, "old");
   const AppendFile file(path);
   EXPECT_EQ(read_whole_file(path), "");
@@ -31,7 +30,7 @@ TEST(AppendFile, SaysWhichFileCannotBeWritten) {
   EXPECT_THROW(AppendFile("/nowhere/at/all.txt"), Error);
   EXPECT_THROW(write_whole_file("/nowhere/at/all.txt", "x"), Error);
   EXPECT_THROW(read_whole_file("/nowhere/at/all.txt"), Error);
-  EXPECT_THROW(read_whole_file(testing::TempDir()), Error);
+  EXPECT_THROW(read_whole_file(scratch_folder("folder")), Error);
 }
 
 TEST(AppendFile, DiskFullIsAnError) {
@@ -41,7 +40,7 @@ TEST(AppendFile, DiskFullIsAnError) {
 }
 
 TEST(WriteWholeFile, ReplacesAndLeavesNoPartialFile) {
-  const auto path = scratch("whole_file.txt");
+  const auto path = scratch_path("whole_file.txt");
   write_whole_file(path, "a longer text");
   write_whole_file(path, "short");
   EXPECT_EQ(read_whole_file(path), "short");

@@ -9,6 +9,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/random.h"
+#include "rastro/base/scratch_testing.h"
 #include "rastro/math/math_testing.h"
 
 namespace rastro {
@@ -386,15 +387,13 @@ TEST(CalibrationFile, GarbledAnywhereItReadsOrSaysWhy) {
 
 TEST(CalibrationFile, FilesThatCannotBeRead) {
   EXPECT_THROW(read_calibration("/no/such/file.yaml"), Error);
-  EXPECT_THROW(read_calibration(::testing::TempDir()), Error);
+  EXPECT_THROW(read_calibration(scratch_folder("folder")), Error);
 }
 
 TEST(CalibrationFile, AnEurocCameraIsNamedAfterItsFolder) {
-  const auto folder = std::filesystem::path(::testing::TempDir()) / "rastro_calibration_file_test" / "cam7";
-  std::filesystem::create_directories(folder);
+  const auto folder = scratch_folder("cam7");
   std::ofstream(folder / "sensor.yaml") << euroc;
   EXPECT_EQ(read_calibration(folder / "sensor.yaml").cameras.at(0).name, "cam7");
-  std::filesystem::remove_all(folder.parent_path());
 }
 
 TEST(CalibrationFile, PublishedTumCameras) {

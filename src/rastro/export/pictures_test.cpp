@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "rastro/base/error.h"
+#include "rastro/base/scratch_testing.h"
 #include "rastro/export/drawing.h"
 #include "rastro/export/match_picture.h"
 #include "rastro/export/track_frames_testing.h"
@@ -32,7 +33,7 @@ int count_of(const cv::Mat& picture, bool (*is_hue)(const cv::Vec3b&)) {
 }
 
 TEST(Pictures, RedDotStandsOnThePixelAndTheIdBesideIt) {
-  const auto folder = scratch_folder(testing::TempDir(), "pictures");
+  const auto folder = scratch_folder("pictures");
   Pictures pictures(folder / "pictures");
   const GreyImage image = flat_image(640, 200);
   pictures.write(make_frame(12, {make_feature(345, fresh, 100.0F, 80.0F)}), image);
@@ -68,7 +69,7 @@ TEST(Pictures, SmallImagesAreEnlargedAndTheDotStaysInPlace) {
 }
 
 TEST(MatchPicture, CountsFollowedAndReidentified) {
-  const auto folder = scratch_folder(testing::TempDir(), "match");
+  const auto folder = scratch_folder("match");
   MatchPicture match(folder / "m.png", 1, 4);
   const GreyImage image = flat_image(320, 240);
   // 0 followed; 1 lost in frame 2, back in 4; 2 lost for good; 3 re-identified in 3 and tracked in 4; 9 came later.
@@ -92,7 +93,7 @@ TEST(MatchPicture, CountsFollowedAndReidentified) {
 }
 
 TEST(MatchPicture, LinesHaveTheColoursOfTheirKind) {
-  const auto folder = scratch_folder(testing::TempDir(), "match_colours");
+  const auto folder = scratch_folder("match_colours");
   MatchPicture match(folder / "m.png", 0, 2);
   const GreyImage image = flat_image(640, 100);
   match.write(make_frame(0, {make_feature(0, fresh, 50.0F, 20.0F), make_feature(1, fresh, 50.0F, 80.0F)}), image);

@@ -66,12 +66,4 @@ inline bool same_frame(const TrackFrame& a, const TrackFrame& b) {
          a.fresh == b.fresh && a.lost == b.lost && a.masked == b.masked && a.health == b.health;
 }
 
-/// A folder of its own for one test, empty.
-inline std::filesystem::path scratch_folder(const std::string& temporary, const std::string& name) {
-  const std::filesystem::path folder = std::filesystem::path(temporary) / ("rastro_" + name);
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
-}
-
 }  // namespace rastro

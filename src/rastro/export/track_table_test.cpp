@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "rastro/base/scratch_testing.h"
 #include "rastro/export/track_frames_testing.h"
 
 namespace rastro {
@@ -21,7 +22,7 @@ TrackFrame row(std::int64_t index, int tracked, int reidentified, int fresh, int
 }
 
 std::string table_of(const std::vector<TrackFrame>& frames) {
-  const auto path = scratch_folder(testing::TempDir(), "table") / "table.md";
+  const auto path = scratch_folder("table") / "table.md";
   TrackTableFile table(path);
   for (const TrackFrame& frame : frames) table.write(frame, {});
   table.finish();

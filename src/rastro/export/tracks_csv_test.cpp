@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "rastro/base/error.h"
+#include "rastro/base/scratch_testing.h"
 #include "rastro/export/read_tracks.h"
 #include "rastro/export/track_frames_testing.h"
 
@@ -12,7 +13,7 @@ namespace rastro {
 namespace {
 
 std::string written(const std::vector<TrackFrame>& frames, const std::string& name) {
-  const auto folder = scratch_folder(testing::TempDir(), "csv_" + name);
+  const auto folder = scratch_folder("csv_" + name);
   TracksCsv csv(folder / "tracks.csv");
   for (const TrackFrame& frame : frames) csv.write(frame, {});
   csv.finish();
@@ -91,7 +92,7 @@ TEST(TracksCsv, NamesTheLineOfWhatIsWrong) {
 }
 
 TEST(ReadTracks, PrefersTheCsvAndSaysWhatIsMissing) {
-  const auto folder = scratch_folder(testing::TempDir(), "read_tracks");
+  const auto folder = scratch_folder("read_tracks");
   EXPECT_THROW(read_tracks(folder), Error);
   EXPECT_THROW(read_tracks(folder / "nothing"), Error);
   { TracksCsv csv(folder / "tracks.csv"); }

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "rastro/base/scratch_testing.h"
 #include "rastro/base/text.h"
 #include "rastro/export/track_frames_testing.h"
 
@@ -13,7 +14,7 @@ namespace {
 
 TEST(TracksJsonl, EveryLineIsAFrame) {
   const auto frames = awkward_frames();
-  const auto path = scratch_folder(testing::TempDir(), "jsonl") / "tracks.jsonl";
+  const auto path = scratch_folder("jsonl") / "tracks.jsonl";
   TracksJsonl file(path);
   for (const TrackFrame& frame : frames) file.write(frame, {});
   const std::string text = read_whole_file(path);

@@ -8,6 +8,7 @@
 #include <opencv2/core/persistence.hpp>
 
 #include "rastro/base/error.h"
+#include "rastro/base/scratch_testing.h"
 #include "rastro/export/read_tracks.h"
 #include "rastro/export/track_frames_testing.h"
 
@@ -29,7 +30,7 @@ TracksHeader full_header() {
 
 std::filesystem::path write_file(const std::vector<TrackFrame>& frames, const TracksHeader& header,
                                  const std::string& name) {
-  const auto folder = scratch_folder(testing::TempDir(), "yaml_" + name);
+  const auto folder = scratch_folder("yaml_" + name);
   TracksYaml yaml(folder / "tracks.yaml", header);
   for (const TrackFrame& frame : frames) yaml.write(frame, {});
   yaml.finish();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "rastro/base/error.h"
+#include "rastro/base/scratch_testing.h"
 #include "rastro/export/track_frames_testing.h"
 
 namespace rastro {
@@ -19,7 +20,7 @@ std::unique_ptr<TrackVideo> make_video(const std::filesystem::path& path) {
 }
 
 std::uintmax_t size_of_video(int frames, const std::string& name) {
-  const auto path = scratch_folder(testing::TempDir(), "video") / name;
+  const auto path = scratch_folder("video") / name;
   const auto video = make_video(path);
   if (!video) return 0;
   const GreyImage image(640, 101);

@@ -8,6 +8,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/random.h"
+#include "rastro/base/scratch_testing.h"
 #include "rastro/session/frame_numbers.h"
 #include "rastro/session/run_folder.h"
 #include "rastro/session/run_result.h"
@@ -15,12 +16,6 @@
 
 namespace rastro {
 namespace {
-
-std::filesystem::path scratch(const std::string& name) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / ("rastro_session_" + name);
-  std::filesystem::remove_all(folder);
-  return folder;
-}
 
 TEST(TimeHistogram, AgreesWithSortingWithinItsBins) {
   Random random(7);
@@ -57,7 +52,7 @@ TEST(FrameNumbers, MapsRunningNumbersToThoseOfTheRecording) {
 }
 
 TEST(RunFolder, RefusesToMixRuns) {
-  const auto path = scratch("folder");
+  const auto path = scratch_path("folder");
   RunFolder(path, false).write_result("{}");
   EXPECT_THROW(RunFolder(path, false), Error);
   write_whole_file(path / "notes.txt", "mine");
@@ -69,7 +64,7 @@ TEST(RunFolder, RefusesToMixRuns) {
 }
 
 TEST(RunFolder, DiscardLeavesOnlyWhatIsNotOfTheRun) {
-  const auto path = scratch("discard");
+  const auto path = scratch_path("discard");
   RunFolder(path, false).write_result("{}");
   std::filesystem::create_directories(path / "pictures");
   RunFolder(path, true).discard();
@@ -83,7 +78,7 @@ TEST(RunFolder, DiscardLeavesOnlyWhatIsNotOfTheRun) {
 }
 
 TEST(RunFolder, RefusesWhatIsNoFolder) {
-  const auto path = scratch("file");
+  const auto path = scratch_path("file");
   write_whole_file(path, "a file");
   EXPECT_THROW(RunFolder(path, true), Error);
   EXPECT_THROW(RunFolder("", true), Error);
@@ -91,7 +86,7 @@ TEST(RunFolder, RefusesWhatIsNoFolder) {
 }
 
 TEST(RunFolder, AboutSaysWhatRanOnWhat) {
-  const auto path = scratch("about");
+  const auto path = scratch_path("about");
   const RunFolder folder(path, false);
   SourceInfo input;
   input.path = "caf\xe9";  // not UTF-8

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "rastro/base/scratch_testing.h"
 #include "rastro/session/fakes_testing.h"
 
 namespace rastro {
@@ -26,12 +27,6 @@ struct Trial {
   FakeSink sink, pictures;
   TrackRun run;
 };
-
-std::filesystem::path scratch(const std::string& name) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / ("rastro_run_" + name);
-  std::filesystem::remove_all(folder);
-  return folder;
-}
 
 TEST(TrackRun, GivesEveryFrameToEverySinkInOrder) {
   Trial trial(FakeSource(50));
@@ -74,7 +69,7 @@ TEST(TrackRun, NumbersFramesAsInTheRecording) {
 }
 
 TEST(TrackRun, SkipsBrokenFramesAndSaysSo) {
-  const auto path = scratch("skip");
+  const auto path = scratch_path("skip");
   RunFolder folder(path, false);
   Trial trial(FakeSource(10, {3, 4, 9}));
   trial.run.folder = &folder;
@@ -139,7 +134,7 @@ TEST(TrackRun, MasksReachTheTracker) {
 }
 
 TEST(TrackRun, StatsHaveARowPerFrame) {
-  const auto path = scratch("stats");
+  const auto path = scratch_path("stats");
   RunFolder folder(path, false);
   Trial trial(FakeSource(5));
   trial.run.folder = &folder;

@@ -10,6 +10,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/random.h"
+#include "rastro/base/scratch_testing.h"
 #include "rastro/dataset/open.h"
 #include "rastro/synthetic/worlds/hall.h"
 #include "rastro/synthetic/write_euroc.h"
@@ -33,8 +34,7 @@ class SurfaceTruthTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     world_ = new World(make_hall({.seed = 3, .scale = 0.25, .distortion = true, .threads = 2}));
-    folder_ = fs::path(testing::TempDir()) / "rastro_surface_truth";
-    fs::remove_all(folder_);
+    folder_ = scratch_path("surface_truth");
     TaskPool pool(2);
     write_euroc(*world_, folder_, {.frames = 18}, pool);
   }

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "rastro/base/error.h"
+#include "rastro/base/scratch_testing.h"
 #include "rastro/synthetic/occluder/occluder_masks.h"
 
 namespace rastro {
@@ -63,8 +64,7 @@ class OccludedCopy : public testing::Test {
  protected:
   void SetUp() override {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("rastro_occluded_") + test->name());
-    fs::remove_all(folder_);
+    folder_ = scratch_path(test->name());
   }
   void TearDown() override { fs::remove_all(folder_); }
   OccludedCopyResult copy(const fs::path& name, int threads, StillSource source = {}, bool overwrite = false) {

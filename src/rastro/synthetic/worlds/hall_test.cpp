@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "rastro/base/error.h"
+#include "rastro/base/scratch_testing.h"
 #include "rastro/synthetic/write_euroc.h"
 
 namespace rastro {
@@ -155,8 +156,7 @@ TEST(HallTest, the_source_gives_frames_with_truth) {
 
 TEST(HallTest, a_folder_with_something_in_it_is_refused) {
   namespace fs = std::filesystem;
-  const fs::path folder = fs::path(testing::TempDir()) / "rastro_hall_refused";
-  fs::remove_all(folder);
+  const fs::path folder = scratch_path("refused");
   TaskPool pool(2);
   const EurocSummary summary = write_euroc(small_hall(), folder, {.frames = 2, .truth = false}, pool);
   EXPECT_EQ(summary.frames, 2);
