@@ -50,7 +50,9 @@ TEST_P(RealData, IsReadWhole) {
   std::int64_t count = 0;
   TimeNs last = -1;
   while (const auto frame = source->next()) {
-    if (count == 0) EXPECT_EQ(frame->stamp, expected.first_stamp);
+    if (count == 0) {
+      EXPECT_EQ(frame->stamp, expected.first_stamp);
+    }
     EXPECT_GT(frame->stamp, last);
     EXPECT_EQ(frame->index, count);
     EXPECT_EQ(frame->image.width(), expected.width);

@@ -41,7 +41,7 @@ TEST(Homography, FourPairsGiveItExactly) {
   Random random(2);
   const Eigen::Matrix3d truth = some_homography();
   PointPairs pairs;
-  for (const Eigen::Vector2d p : {Eigen::Vector2d(10, 20), {700, 60}, {640, 400}, {50, 450}}) {
+  for (const Eigen::Vector2d& p : {Eigen::Vector2d(10, 20), {700, 60}, {640, 400}, {50, 450}}) {
     pairs.add(p.cast<float>(), transfer(truth, p)->cast<float>());
   }
   const std::uint32_t indices[4] = {0, 1, 2, 3};
@@ -55,7 +55,7 @@ TEST(Homography, FourPairsGiveItExactly) {
 
 TEST(Homography, ThreePointsOnALineGiveNone) {
   PointPairs pairs;
-  for (const Eigen::Vector2f p : {Eigen::Vector2f(0, 0), {10, 10}, {20, 20}, {50, 10}}) pairs.add(p, p);
+  for (const Eigen::Vector2f& p : {Eigen::Vector2f(0, 0), {10, 10}, {20, 20}, {50, 10}}) pairs.add(p, p);
   const std::uint32_t indices[4] = {0, 1, 2, 3};
   EXPECT_FALSE(homography_from_four(pairs, indices));
 }

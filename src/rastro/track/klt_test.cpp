@@ -53,7 +53,9 @@ TEST(Klt, AChangeOfBrightnessMovesNothing) {
   std::vector<KltResult> results(points.size());
   klt_follow(pyramid_of(wave_image(320, 240, 0, 0)), pyramid_of(brighter), points, points, {}, nullptr, results);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (results[i].followed) EXPECT_NEAR(results[i].pixel.x() - points[i].x(), 3.3, 0.08);
+    if (results[i].followed) {
+      EXPECT_NEAR(results[i].pixel.x() - points[i].x(), 3.3, 0.08);
+    }
   }
   EXPECT_GE(std::count_if(results.begin(), results.end(), [](const KltResult& r) { return r.followed; }),
             static_cast<std::ptrdiff_t>(points.size() * 9 / 10));
