@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times rastro's tracker against plain OpenCV (goodFeaturesToTrack + calcOpticalFlowPyrLK forward and backward) on the same frames in the
-// same run:  rastro_bench_track DATA [--features N] [--threads N] [--mode M] [--repeats N] [--frames N] [--set key=value]...
+// Times rastro's tracker against plain OpenCV (goodFeaturesToTrack + calcOpticalFlowPyrLK forward and backward) on the
+// same frames in the same run:  rastro_bench_track DATA [--features N] [--threads N] [--mode M] [--repeats N] [--frames
+// N] [--set key=value]...
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,7 +25,8 @@ using namespace rastro;
 
 /// Wall time, or with one thread the thread's own processor time, which a busy machine does not disturb.
 double now_ms(int threads) {
-  if (threads > 1) return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  if (threads > 1)
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
@@ -93,13 +95,21 @@ Arguments read_arguments(int argc, char** argv) {
     const std::string flag = argv[i];
     const std::string value = i + 1 < argc ? argv[i + 1] : "";
     const auto number = [&] { return static_cast<int>(parse_int64(value).value_or(1)); };
-    if (!flag.starts_with("--")) { arguments.data = flag; continue; }
+    if (!flag.starts_with("--")) {
+      arguments.data = flag;
+      continue;
+    }
     ++i;
-    if (flag == "--threads") arguments.threads = number();
-    else if (flag == "--repeats") arguments.repeats = number();
-    else if (flag == "--frames") arguments.frames = number();
-    else if (flag == "--set") table.set_assignment(value, "--set");
-    else table.set(flag.substr(2), value, flag);
+    if (flag == "--threads")
+      arguments.threads = number();
+    else if (flag == "--repeats")
+      arguments.repeats = number();
+    else if (flag == "--frames")
+      arguments.frames = number();
+    else if (flag == "--set")
+      table.set_assignment(value, "--set");
+    else
+      table.set(flag.substr(2), value, flag);
   }
   if (arguments.data.empty()) throw Error("no data given", "rastro_bench_track", "give a recording");
   return arguments;
@@ -134,23 +144,35 @@ void run(const Arguments& arguments) {
       ours += middle - begin;
       theirs += end - middle;
       const TrackTimes& t = frame.times;
-      sum.pyramid_ms += t.pyramid_ms; sum.flow_ms += t.flow_ms; sum.outlier_ms += t.outlier_ms; sum.detect_ms += t.detect_ms;
-      sum.describe_ms += t.describe_ms; sum.match_ms += t.match_ms; sum.validate_ms += t.validate_ms; sum.total_ms += t.total_ms;
-      tracked += frame.tracked; reidentified += frame.reidentified; corners += frame.fresh + frame.reidentified;
+      sum.pyramid_ms += t.pyramid_ms;
+      sum.flow_ms += t.flow_ms;
+      sum.outlier_ms += t.outlier_ms;
+      sum.detect_ms += t.detect_ms;
+      sum.describe_ms += t.describe_ms;
+      sum.match_ms += t.match_ms;
+      sum.validate_ms += t.validate_ms;
+      sum.total_ms += t.total_ms;
+      tracked += frame.tracked;
+      reidentified += frame.reidentified;
+      corners += frame.fresh + frame.reidentified;
     }
     ours_ms.push_back(ours / static_cast<double>(images.size()));
     theirs_ms.push_back(theirs / static_cast<double>(images.size()));
     ratios.push_back(ours / theirs);
   }
   const double calls = static_cast<double>(images.size()) * arguments.repeats;
-  fmt::print("{} frames {}x{}, {} features, mode {}, {} thread(s), {} repeats\n", images.size(), mats[0].cols, mats[0].rows,
-             arguments.options.features, arguments.options.mode, arguments.threads, arguments.repeats);
-  fmt::print("rastro  {:.3f} ms a frame (median)\nOpenCV  {:.3f} ms a frame (median)\nratio   {:.3f} (min {:.3f}, max {:.3f})\n",
-             median(ours_ms), median(theirs_ms), median(ratios), *std::min_element(ratios.begin(), ratios.end()),
-             *std::max_element(ratios.begin(), ratios.end()));
-  fmt::print("stages  pyramid {:.3f}, flow {:.3f}, outliers {:.3f}, detect {:.3f}, describe {:.3f}, match {:.3f}, validate {:.3f} ms\n",
-             sum.pyramid_ms / calls, sum.flow_ms / calls, sum.outlier_ms / calls, sum.detect_ms / calls, sum.describe_ms / calls,
-             sum.match_ms / calls, sum.validate_ms / calls);
+  fmt::print("{} frames {}x{}, {} features, mode {}, {} thread(s), {} repeats\n", images.size(), mats[0].cols,
+             mats[0].rows, arguments.options.features, arguments.options.mode, arguments.threads, arguments.repeats);
+  fmt::print(
+      "rastro  {:.3f} ms a frame (median)\nOpenCV  {:.3f} ms a frame (median)\nratio   {:.3f} (min {:.3f}, max "
+      "{:.3f})\n",
+      median(ours_ms), median(theirs_ms), median(ratios), *std::min_element(ratios.begin(), ratios.end()),
+      *std::max_element(ratios.begin(), ratios.end()));
+  fmt::print(
+      "stages  pyramid {:.3f}, flow {:.3f}, outliers {:.3f}, detect {:.3f}, describe {:.3f}, match {:.3f}, validate "
+      "{:.3f} ms\n",
+      sum.pyramid_ms / calls, sum.flow_ms / calls, sum.outlier_ms / calls, sum.detect_ms / calls,
+      sum.describe_ms / calls, sum.match_ms / calls, sum.validate_ms / calls);
   fmt::print("tracked {:.1f} a frame, re-identified {:.2f} of {:.2f} corners\n", static_cast<double>(tracked) / calls,
              static_cast<double>(reidentified) / calls, static_cast<double>(corners) / calls);
 }

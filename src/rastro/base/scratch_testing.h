@@ -8,8 +8,9 @@
 
 namespace rastro {
 
-/// A path in a folder that only this process has and that goes with it: ctest runs tests of one program at once, so fixed
-/// names below /tmp would be shared. What an earlier test left there is removed; nothing is made but the folder above it.
+/// A path in a folder that only this process has and that goes with it: ctest runs tests of one program at once, so
+/// fixed names below /tmp would be shared. What an earlier test left there is removed; nothing is made but the folder
+/// above it.
 inline std::filesystem::path scratch_path(const std::string& name) {
   struct Folder {
     std::filesystem::path path = std::filesystem::temp_directory_path() / ("rastro_test_" + std::to_string(::getpid()));

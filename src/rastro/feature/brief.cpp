@@ -27,7 +27,8 @@ std::vector<BriefTest> draw_tests(int patch_px, std::uint64_t seed) {
     test.bx = draw();
     test.by = draw();
     // A test whose ends fall on one pixel says nothing.
-    if (std::lround(test.ax) != std::lround(test.bx) || std::lround(test.ay) != std::lround(test.by)) drawn.push_back(test);
+    if (std::lround(test.ax) != std::lround(test.bx) || std::lround(test.ay) != std::lround(test.by))
+      drawn.push_back(test);
   }
   return drawn;
 }
@@ -69,12 +70,12 @@ Brief::Brief(int patch_px, std::uint64_t seed) {
 }
 
 Descriptor Brief::describe(const Image<std::uint16_t>& sums, float x, float y, double angle_rad, double scale) const {
-  const auto nearest_scale = std::min_element(scales().begin(), scales().end(), [&](double a, double b) {
-    return std::abs(a - scale) < std::abs(b - scale);
-  });
+  const auto nearest_scale = std::min_element(
+      scales().begin(), scales().end(), [&](double a, double b) { return std::abs(a - scale) < std::abs(b - scale); });
   const auto turns = std::lround(angle_rad * angles / (2.0 * std::numbers::pi));
   const auto angle_index = ((turns % angles) + angles) % angles;
-  const Pattern& pattern = patterns_[static_cast<std::size_t>((nearest_scale - scales().begin()) * angles + angle_index)];
+  const Pattern& pattern =
+      patterns_[static_cast<std::size_t>((nearest_scale - scales().begin()) * angles + angle_index)];
   const int cx = static_cast<int>(std::lround(x)), cy = static_cast<int>(std::lround(y));
 
   const auto build = [&](auto value) {

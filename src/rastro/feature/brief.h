@@ -23,17 +23,20 @@ struct BriefTest {
   float ax, ay, bx, by;
 };
 
-/// Calonder et al. 2010, "BRIEF", their sampling G II: both ends drawn from an isotropic Gaussian of variance S^2/25 around the corner,
-/// S the patch's side. The draws are seeded, so descriptors are the same on every machine. Smoothing is the caller's:
-/// tests read an image of box sums (image/box_sum.h).
+/// Calonder et al. 2010, "BRIEF", their sampling G II: both ends drawn from an isotropic Gaussian of variance S^2/25
+/// around the corner, S the patch's side. The draws are seeded, so descriptors are the same on every machine. Smoothing
+/// is the caller's: tests read an image of box sums (image/box_sum.h).
 class Brief {
  public:
   /// `patch_px`: side S of the patch, 8..64.
   Brief(int patch_px, std::uint64_t seed);
 
   /// Descriptor of the corner at (x, y); pixels outside the image are taken at its edge.
-  Descriptor describe(const Image<std::uint16_t>& sums, float x, float y) const { return describe(sums, x, y, 0.0, 1.0); }
-  /// Steered: the pattern turned by `angle_rad` (rounded to 360/32 degrees) and scaled by one of scales() (nearest is taken).
+  Descriptor describe(const Image<std::uint16_t>& sums, float x, float y) const {
+    return describe(sums, x, y, 0.0, 1.0);
+  }
+  /// Steered: the pattern turned by `angle_rad` (rounded to 360/32 degrees) and scaled by one of scales() (nearest is
+  /// taken).
   Descriptor describe(const Image<std::uint16_t>& sums, float x, float y, double angle_rad, double scale) const;
 
   static const std::vector<double>& scales();

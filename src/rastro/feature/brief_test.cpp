@@ -46,7 +46,8 @@ TEST(Brief, SamePatternForSameSeedOnly) {
 
 TEST(Brief, FollowsAShiftAndTellsPlacesApart) {
   const Brief brief(48, 1);
-  const auto here = smooth(testing::wave_image(200, 200, 0, 0)), shifted = smooth(testing::wave_image(200, 200, 11, -6));
+  const auto here = smooth(testing::wave_image(200, 200, 0, 0)),
+             shifted = smooth(testing::wave_image(200, 200, 11, -6));
   const auto descriptor = brief.describe(here, 100, 100);
   EXPECT_LE(hamming_distance(descriptor, brief.describe(shifted, 111, 94)), 8);
   EXPECT_GE(hamming_distance(descriptor, brief.describe(here, 130, 120)), 60);

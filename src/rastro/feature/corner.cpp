@@ -52,8 +52,8 @@ std::vector<char> free_tiles(GreyView free, const Area& band) {
 
 bool is_local_maximum(const float* above, const float* here, const float* below, int x) {
   const float score = here[x];
-  return score > here[x - 1] && score >= here[x + 1] && score > above[x - 1] && score > above[x] && score > above[x + 1] &&
-         score >= below[x - 1] && score >= below[x] && score >= below[x + 1];
+  return score > here[x - 1] && score >= here[x + 1] && score > above[x - 1] && score > above[x] &&
+         score > above[x + 1] && score >= below[x - 1] && score >= below[x] && score >= below[x + 1];
 }
 
 #if RASTRO_HAS_AVX2_CODE
@@ -67,11 +67,12 @@ RASTRO_TARGET_AVX2 unsigned row_peaks_avx2(const float* values, float floor) {
 }
 #endif
 
-/// Adds the free local maxima of `area` to the band. Scores below `quality` times the best seen so far cannot survive the
-/// threshold that comes later, so leaving them out early changes nothing.
-void collect_maxima(const PaddedImage& image, GreyView free, const Area& area, double quality, BandBuffers& buffers, Band& band) {
-  min_eigenvalues(image, area.x0 - 1, area.x1 + 1, area.y0 - 1, area.y1 + 1, buffers.scores.row(0), buffers.scores.stride(),
-                  buffers.gradients);
+/// Adds the free local maxima of `area` to the band. Scores below `quality` times the best seen so far cannot survive
+/// the threshold that comes later, so leaving them out early changes nothing.
+void collect_maxima(const PaddedImage& image, GreyView free, const Area& area, double quality, BandBuffers& buffers,
+                    Band& band) {
+  min_eigenvalues(image, area.x0 - 1, area.x1 + 1, area.y0 - 1, area.y1 + 1, buffers.scores.row(0),
+                  buffers.scores.stride(), buffers.gradients);
   for (int y = area.y0; y < area.y1; ++y) {
     const float* here = buffers.scores.row(y - area.y0 + 1) + 1 - area.x0;
     const float* above = here - buffers.scores.stride();
@@ -102,7 +103,8 @@ Band search_band(const PaddedImage& image, GreyView free, const Area& inside, in
   thread_local BandBuffers buffers;
   if (buffers.scores.width() < image.width() + 64) buffers.scores = Image<float>(image.width() + 64, tile_height + 2);
   Band band;
-  Area area{0, 0, inside.y0 + band_index * tile_height, std::min(inside.y1, inside.y0 + (band_index + 1) * tile_height)};
+  Area area{0, 0, inside.y0 + band_index * tile_height,
+            std::min(inside.y1, inside.y0 + (band_index + 1) * tile_height)};
   const std::vector<char> tiles = free_tiles(free, {inside.x0, inside.x1, area.y0, area.y1});
   for (std::size_t tile = 0; tile < tiles.size();) {
     // Neighbouring free tiles are done in one go, which saves their common margins.
@@ -142,8 +144,8 @@ std::vector<Corner> choose(std::vector<Corner>& candidates, int count, double mi
 
 }  // namespace
 
-std::vector<Corner> CornerDetector::detect(const PaddedImage& image, GreyView free, int count, const CornerOptions& options,
-                                           TaskPool* pool) {
+std::vector<Corner> CornerDetector::detect(const PaddedImage& image, GreyView free, int count,
+                                           const CornerOptions& options, TaskPool* pool) {
   RASTRO_CHECK(free.width == image.width() && free.height == image.height(), "the free mask has the image's size");
   candidates_ = 0;
   const int border = std::max(options.border_px, 0);
@@ -152,7 +154,8 @@ std::vector<Corner> CornerDetector::detect(const PaddedImage& image, GreyView fr
 
   std::vector<Band> bands(static_cast<std::size_t>((inside.y1 - inside.y0 + tile_height - 1) / tile_height));
   const auto search = [&](int begin, int end) {
-    for (int b = begin; b < end; ++b) bands[static_cast<std::size_t>(b)] = search_band(image, free, inside, b, options.quality);
+    for (int b = begin; b < end; ++b)
+      bands[static_cast<std::size_t>(b)] = search_band(image, free, inside, b, options.quality);
   };
   if (pool) {
     pool->for_chunks(0, static_cast<int>(bands.size()), 2, search);

@@ -32,15 +32,17 @@ Image<float> scores_of(const PaddedImage& image) {
 TEST(MinEigenvalues, AreOpenCvsUpToScale) {
   const GreyImage image = testing::wave_image(97, 61, 0.0, 0.0);
   cv::Mat expected;
-  cv::cornerMinEigenVal(cv::Mat(61, 97, CV_8U, const_cast<std::uint8_t*>(image.row(0)), static_cast<std::size_t>(image.stride())),
-                        expected, 3, 3);
+  cv::cornerMinEigenVal(
+      cv::Mat(61, 97, CV_8U, const_cast<std::uint8_t*>(image.row(0)), static_cast<std::size_t>(image.stride())),
+      expected, 3, 3);
   const Image<float> scores = scores_of(padded(image, 48));
   double peak;
   cv::minMaxLoc(expected, nullptr, &peak);
   // OpenCV scales gradients by 1/(4 * 3 * 255); ours is twice the eigenvalue of unscaled sums.
   const double scale = 0.5 / (12.0 * 255.0 * 12.0 * 255.0);
   for (int y = 3; y < 58; ++y) {
-    for (int x = 3; x < 94; ++x) ASSERT_NEAR(scores.at(x, y) * scale, expected.at<float>(y, x), 1e-4 * peak) << x << ' ' << y;
+    for (int x = 3; x < 94; ++x)
+      ASSERT_NEAR(scores.at(x, y) * scale, expected.at<float>(y, x), 1e-4 * peak) << x << ' ' << y;
   }
 }
 
@@ -57,14 +59,16 @@ TEST(CornerDetector, FindsWhatGoodFeaturesToTrackFinds) {
   cv::Mat inside(240, 320, CV_8U, cv::Scalar(0));
   inside(cv::Rect(3, 3, 314, 234)) = 255;
   std::vector<cv::Point2f> expected;
-  cv::goodFeaturesToTrack(cv::Mat(240, 320, CV_8U, const_cast<std::uint8_t*>(image.row(0)), static_cast<std::size_t>(image.stride())),
-                          expected, 60, 0.01, 15, inside);
+  cv::goodFeaturesToTrack(
+      cv::Mat(240, 320, CV_8U, const_cast<std::uint8_t*>(image.row(0)), static_cast<std::size_t>(image.stride())),
+      expected, 60, 0.01, 15, inside);
   CornerDetector detector;
   const auto corners = detector.detect(padded(image, 48), all_free(320, 240).view(), 60, {0.01, 15.0, 3});
   ASSERT_EQ(corners.size(), expected.size());
   int same = 0;
   for (const Corner& corner : corners) {
-    for (const auto& other : expected) same += std::abs(other.x - corner.x) + std::abs(other.y - corner.y) < 0.5 ? 1 : 0;
+    for (const auto& other : expected)
+      same += std::abs(other.x - corner.x) + std::abs(other.y - corner.y) < 0.5 ? 1 : 0;
   }
   // Nearly equal scores may swap places, after which the greedy choice differs nearby.
   EXPECT_GE(same, 58);
@@ -83,7 +87,8 @@ TEST(CornerDetector, KeepsDistanceMaskBorderAndOrder) {
     EXPECT_LT(corners[i].y, 141);
     EXPECT_LT(corners[i].x, 191);
     EXPECT_LE(corners[i].score, corners[i > 0 ? i - 1 : i].score);
-    for (std::size_t j = 0; j < i; ++j) EXPECT_GE(std::hypot(corners[i].x - corners[j].x, corners[i].y - corners[j].y), 12.0);
+    for (std::size_t j = 0; j < i; ++j)
+      EXPECT_GE(std::hypot(corners[i].x - corners[j].x, corners[i].y - corners[j].y), 12.0);
   }
 }
 

@@ -10,8 +10,10 @@
 namespace rastro {
 namespace {
 
-void distances_plain(const Descriptor& query, const Descriptor* candidates, std::size_t count, std::uint16_t* distances) {
-  for (std::size_t i = 0; i < count; ++i) distances[i] = static_cast<std::uint16_t>(hamming_distance(query, candidates[i]));
+void distances_plain(const Descriptor& query, const Descriptor* candidates, std::size_t count,
+                     std::uint16_t* distances) {
+  for (std::size_t i = 0; i < count; ++i)
+    distances[i] = static_cast<std::uint16_t>(hamming_distance(query, candidates[i]));
 }
 
 #if RASTRO_HAS_AVX2_CODE
@@ -28,7 +30,8 @@ RASTRO_TARGET_AVX2 void distances_popcnt(const Descriptor& query, const Descript
 
 }  // namespace
 
-void hamming_distances(const Descriptor& query, std::span<const Descriptor> candidates, std::span<std::uint16_t> distances) {
+void hamming_distances(const Descriptor& query, std::span<const Descriptor> candidates,
+                       std::span<std::uint16_t> distances) {
   RASTRO_CHECK(distances.size() >= candidates.size(), "a place for every distance");
 #if RASTRO_HAS_AVX2_CODE
   if (simd_level() == SimdLevel::avx2) {

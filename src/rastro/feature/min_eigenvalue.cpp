@@ -62,8 +62,8 @@ RASTRO_TARGET_AVX2 inline __m256i smoothed(__m256i a, __m256i b, __m256i c) {
   return _mm256_add_epi16(_mm256_add_epi16(a, c), _mm256_add_epi16(b, b));
 }
 
-RASTRO_TARGET_AVX2 void gradient_row_avx2(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
-                                          int count, std::int16_t* gx, std::int16_t* gy) {
+RASTRO_TARGET_AVX2 void gradient_row_avx2(const std::uint8_t* above, const std::uint8_t* here,
+                                          const std::uint8_t* below, int count, std::int16_t* gx, std::int16_t* gy) {
   for (int i = 0; i < count; i += lanes) {
     const __m256i above_left = wide(above + i), above_right = wide(above + i + 2);
     const __m256i below_left = wide(below + i), below_right = wide(below + i + 2);
@@ -76,21 +76,24 @@ RASTRO_TARGET_AVX2 void gradient_row_avx2(const std::uint8_t* above, const std::
   }
 }
 
-/// Column sums over three rows of the products of 16 gradients: the values 0-3 and 8-11 in `low`, 4-7 and 12-15 in `high`.
+/// Column sums over three rows of the products of 16 gradients: the values 0-3 and 8-11 in `low`, 4-7 and 12-15 in
+/// `high`.
 struct Products {
   __m256i low, high;
 };
 
-RASTRO_TARGET_AVX2 inline __m256i load16(const std::int16_t* p) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)); }
+RASTRO_TARGET_AVX2 inline __m256i load16(const std::int16_t* p) {
+  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p));
+}
 
 RASTRO_TARGET_AVX2 inline Products products(const __m256i* a, const __m256i* b) {
   const __m256i zero = _mm256_setzero_si256();
-  const __m256i low = _mm256_add_epi32(
-      _mm256_madd_epi16(_mm256_unpacklo_epi16(a[0], a[1]), _mm256_unpacklo_epi16(b[0], b[1])),
-      _mm256_madd_epi16(_mm256_unpacklo_epi16(a[2], zero), _mm256_unpacklo_epi16(b[2], zero)));
-  const __m256i high = _mm256_add_epi32(
-      _mm256_madd_epi16(_mm256_unpackhi_epi16(a[0], a[1]), _mm256_unpackhi_epi16(b[0], b[1])),
-      _mm256_madd_epi16(_mm256_unpackhi_epi16(a[2], zero), _mm256_unpackhi_epi16(b[2], zero)));
+  const __m256i low =
+      _mm256_add_epi32(_mm256_madd_epi16(_mm256_unpacklo_epi16(a[0], a[1]), _mm256_unpacklo_epi16(b[0], b[1])),
+                       _mm256_madd_epi16(_mm256_unpacklo_epi16(a[2], zero), _mm256_unpacklo_epi16(b[2], zero)));
+  const __m256i high =
+      _mm256_add_epi32(_mm256_madd_epi16(_mm256_unpackhi_epi16(a[0], a[1]), _mm256_unpackhi_epi16(b[0], b[1])),
+                       _mm256_madd_epi16(_mm256_unpackhi_epi16(a[2], zero), _mm256_unpackhi_epi16(b[2], zero)));
   return {low, high};
 }
 

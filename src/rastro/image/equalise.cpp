@@ -20,11 +20,13 @@ GreyImage equalised(GreyView image) {
   std::int64_t sum = 0;
   for (std::size_t i = 0; i < 256; ++i) {
     sum += histogram[i];
-    level[i] = static_cast<std::uint8_t>(std::clamp<std::int64_t>((2 * 255 * (sum - below) + rest) / (2 * rest), 0, 255));
+    level[i] =
+        static_cast<std::uint8_t>(std::clamp<std::int64_t>((2 * 255 * (sum - below) + rest) / (2 * rest), 0, 255));
   }
   GreyImage out(image.width, image.height);
   for (int y = 0; y < image.height; ++y) {
-    std::transform(image.row(y), image.row(y) + image.width, out.row(y), [&](std::uint8_t grey) { return level[grey]; });
+    std::transform(image.row(y), image.row(y) + image.width, out.row(y),
+                   [&](std::uint8_t grey) { return level[grey]; });
   }
   return out;
 }

@@ -25,7 +25,8 @@ struct ImageView {
   operator ImageView<const T>() const { return {data, width, height, stride}; }
 };
 
-/// Owning image of one channel. Rows start at multiples of 64 bytes; the padding behind a row may be read but means nothing.
+/// Owning image of one channel. Rows start at multiples of 64 bytes; the padding behind a row may be read but means
+/// nothing.
 template <typename T>
 class Image {
  public:
@@ -37,7 +38,7 @@ class Image {
     stride_ = static_cast<std::ptrdiff_t>((static_cast<std::size_t>(width) + per_line - 1) / per_line * per_line);
     // One more line of slack lets SIMD read past the last row's end.
     bytes_ = (static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height) + per_line) * sizeof(T);
-    data_ = static_cast<T*>(::operator new(bytes_, std::align_val_t{alignment}));
+    data_ = static_cast<T*>(::operator new (bytes_, std::align_val_t{alignment}));
     std::memset(static_cast<void*>(data_), 0, bytes_);
   }
   Image(const Image& other) : Image(other.width_, other.height_) {
@@ -48,7 +49,7 @@ class Image {
     swap(other);
     return *this;
   }
-  ~Image() { ::operator delete(static_cast<void*>(data_), std::align_val_t{alignment}); }
+  ~Image() { ::operator delete (static_cast<void*>(data_), std::align_val_t{alignment}); }
 
   void swap(Image& other) noexcept {
     std::swap(width_, other.width_);

@@ -36,7 +36,8 @@ inline GreyImage wave_image(int width, int height, double dx, double dy) {
 inline PaddedImage padded(const GreyImage& image, int padding) {
   PaddedImage result;
   result.reset(image.width(), image.height(), padding);
-  for (int y = 0; y < image.height(); ++y) std::memcpy(result.row(y), image.row(y), static_cast<std::size_t>(image.width()));
+  for (int y = 0; y < image.height(); ++y)
+    std::memcpy(result.row(y), image.row(y), static_cast<std::size_t>(image.width()));
   result.fill_padding();
   return result;
 }

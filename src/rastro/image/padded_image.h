@@ -5,8 +5,9 @@
 
 namespace rastro {
 
-/// A grey image whose rows and columns may be read up to `padding` pixels outside: there it is mirrored about its border pixel
-/// (the border pixel itself not repeated), as long as the image is larger than the padding, else the border is repeated.
+/// A grey image whose rows and columns may be read up to `padding` pixels outside: there it is mirrored about its
+/// border pixel (the border pixel itself not repeated), as long as the image is larger than the padding, else the
+/// border is repeated.
 class PaddedImage {
  public:
   /// Makes room; keeps the memory when the size is as before. Pixels are undefined until written.

@@ -8,8 +8,8 @@
 
 namespace rastro {
 
-/// Image pyramid by the binomial filter [1 4 6 4 1]/16 in both directions and every second pixel (Burt and Adelson 1983):
-/// pixel (x, y) of level l lies at (x, y) * 2^l of level 0. Each level may be read `padding` pixels outside.
+/// Image pyramid by the binomial filter [1 4 6 4 1]/16 in both directions and every second pixel (Burt and Adelson
+/// 1983): pixel (x, y) of level l lies at (x, y) * 2^l of level 0. Each level may be read `padding` pixels outside.
 class Pyramid {
  public:
   /// Copies `image` and makes up to `levels` levels, fewer when one would get smaller than 8 pixels.
@@ -22,7 +22,8 @@ class Pyramid {
   int used_ = 0;
 };
 
-/// Halves `source` (its padding filled, at least 2) into `target`, whose size is set to (w+1)/2 x (h+1)/2; the target's padding is filled.
+/// Halves `source` (its padding filled, at least 2) into `target`, whose size is set to (w+1)/2 x (h+1)/2; the target's
+/// padding is filled.
 void halve(const PaddedImage& source, PaddedImage& target, TaskPool* pool = nullptr);
 
 }  // namespace rastro

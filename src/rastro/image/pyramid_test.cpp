@@ -17,7 +17,9 @@ using testing::with_plain_code;
 bool equal(const PaddedImage& a, const PaddedImage& b) {
   if (a.width() != b.width() || a.height() != b.height()) return false;
   for (int y = -a.padding(); y < a.height() + a.padding(); ++y) {
-    if (std::memcmp(a.row(y) - a.padding(), b.row(y) - b.padding(), static_cast<std::size_t>(a.width() + 2 * a.padding())) != 0) return false;
+    if (std::memcmp(a.row(y) - a.padding(), b.row(y) - b.padding(),
+                    static_cast<std::size_t>(a.width() + 2 * a.padding())) != 0)
+      return false;
   }
   return true;
 }
@@ -32,7 +34,8 @@ TEST(Pyramid, EqualsOpenCvsPyrDown) {
     ASSERT_EQ(pyramid.level(1).width(), expected.cols);
     ASSERT_EQ(pyramid.level(1).height(), expected.rows);
     for (int y = 0; y < expected.rows; ++y) {
-      for (int x = 0; x < expected.cols; ++x) ASSERT_EQ(pyramid.level(1).row(y)[x], expected.at<std::uint8_t>(y, x)) << x << ' ' << y;
+      for (int x = 0; x < expected.cols; ++x)
+        ASSERT_EQ(pyramid.level(1).row(y)[x], expected.at<std::uint8_t>(y, x)) << x << ' ' << y;
     }
   }
 }

@@ -98,13 +98,15 @@ class FundamentalProblem {
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(normal);
     if (eigen.info() != Eigen::Success) return std::nullopt;
-    Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix_of(eigen.eigenvectors().col(0)), Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix_of(eigen.eigenvectors().col(0)),
+                                          Eigen::ComputeFullU | Eigen::ComputeFullV);
     const Eigen::Vector3d values(svd.singularValues().x(), svd.singularValues().y(), 0.0);
     return uncentred(svd.matrixU() * values.asDiagonal() * svd.matrixV().transpose());
   }
 
  private:
-  // The middle of the points as origin and their spread as unit: Hartley's conditioning with fixed numbers suffices here.
+  // The middle of the points as origin and their spread as unit: Hartley's conditioning with fixed numbers suffices
+  // here.
   static Eigen::Vector2d centred(const Eigen::Vector2d& p) { return (p - Eigen::Vector2d(middle, middle)) / unit; }
   static Eigen::Matrix3d uncentred(const Eigen::Matrix3d& f) {
     Eigen::Matrix3d to_units;
@@ -136,7 +138,8 @@ std::optional<RobustFit> estimate_fundamental(const PointPairs& pairs, const Ran
   return ransac(FundamentalProblem(pairs), pairs, options);
 }
 
-double sampson_distance_squared(const Eigen::Matrix3d& fundamental, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+double sampson_distance_squared(const Eigen::Matrix3d& fundamental, const Eigen::Vector2d& a,
+                                const Eigen::Vector2d& b) {
   const Eigen::Vector3d line_b = fundamental * a.homogeneous(), line_a = fundamental.transpose() * b.homogeneous();
   const double value = b.homogeneous().dot(line_b);
   return value * value / (line_b.head<2>().squaredNorm() + line_a.head<2>().squaredNorm() + 1e-30);

@@ -7,11 +7,12 @@
 
 namespace rastro {
 
-/// Homography b ~ H a from four pairs, in closed form by way of the projective basis; nullopt when three points lie on a line.
+/// Homography b ~ H a from four pairs, in closed form by way of the projective basis; nullopt when three points lie on
+/// a line.
 std::optional<Eigen::Matrix3d> homography_from_four(const PointPairs& pairs, const std::uint32_t* indices);
 
-/// H with b ~ H a by RANSAC; errors are distances in image b. nullopt for fewer than four pairs or when every sample degenerates.
-/// Hartley and Zisserman 2004, algorithm 4.6.
+/// H with b ~ H a by RANSAC; errors are distances in image b. nullopt for fewer than four pairs or when every sample
+/// degenerates. Hartley and Zisserman 2004, algorithm 4.6.
 std::optional<RobustFit> estimate_homography(const PointPairs& pairs, const RansacOptions& options);
 
 /// Where `point` goes; nullopt at or behind infinity.

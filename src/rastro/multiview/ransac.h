@@ -28,13 +28,14 @@ inline int iterations_needed(double inlier_share, int sample_size, double confid
   const double clean = std::pow(inlier_share, sample_size);
   if (clean >= 1.0 - 1e-12) return 1;
   if (clean <= 1e-12) return most;
-  return static_cast<int>(std::min(static_cast<double>(most), std::ceil(std::log(1.0 - confidence) / std::log1p(-clean))));
+  return static_cast<int>(
+      std::min(static_cast<double>(most), std::ceil(std::log(1.0 - confidence) / std::log1p(-clean))));
 }
 
-/// RANSAC (Fischler and Bolles 1981) with the truncated squared cost of MSAC (Torr and Zisserman 2000) and one least-squares step on
-/// the inliers of every new best model (LO-RANSAC, Chum et al. 2003). `Problem` gives:
-///   sample_size; fit(sample, sink) calls sink(model) for every model of a minimal sample; refit(model, inlier errors) -> optional model;
-///   errors(model, out): squared errors of all pairs.
+/// RANSAC (Fischler and Bolles 1981) with the truncated squared cost of MSAC (Torr and Zisserman 2000) and one
+/// least-squares step on the inliers of every new best model (LO-RANSAC, Chum et al. 2003). `Problem` gives:
+///   sample_size; fit(sample, sink) calls sink(model) for every model of a minimal sample; refit(model, inlier errors)
+///   -> optional model; errors(model, out): squared errors of all pairs.
 /// Costs are summed in integers (1/1024 of the threshold), so that the order of summing does not matter.
 template <typename Problem>
 std::optional<RobustFit> ransac(const Problem& problem, const PointPairs& pairs, const RansacOptions& options) {
@@ -65,8 +66,8 @@ std::optional<RobustFit> ransac(const Problem& problem, const PointPairs& pairs,
     best.model = model;
     best.squared_errors = errors;
     best.inliers = static_cast<int>(std::count_if(errors.begin(), errors.end(), [=](float e) { return e <= limit; }));
-    needed = iterations_needed(static_cast<double>(best.inliers) / static_cast<double>(count), static_cast<int>(sample_size),
-                               options.confidence, options.max_iterations);
+    needed = iterations_needed(static_cast<double>(best.inliers) / static_cast<double>(count),
+                               static_cast<int>(sample_size), options.confidence, options.max_iterations);
     return true;
   };
 

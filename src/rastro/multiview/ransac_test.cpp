@@ -22,7 +22,9 @@ Eigen::Matrix3d some_homography() {
 PointPairs two_views(Random& random, int count, double outlier_share, double noise, std::vector<bool>& is_outlier) {
   const Eigen::AngleAxisd turn(0.05, Eigen::Vector3d(0.2, 1.0, 0.1).normalized());
   const Eigen::Vector3d shift(0.4, -0.1, 0.2);
-  const auto project = [](const Eigen::Vector3d& p) { return Eigen::Vector2d(450.0 * p.x() / p.z() + 376.0, 450.0 * p.y() / p.z() + 240.0); };
+  const auto project = [](const Eigen::Vector3d& p) {
+    return Eigen::Vector2d(450.0 * p.x() / p.z() + 376.0, 450.0 * p.y() / p.z() + 240.0);
+  };
   PointPairs pairs;
   for (int i = 0; i < count; ++i) {
     const double depth = random.uniform(2.0, 12.0);

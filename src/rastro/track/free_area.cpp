@@ -23,7 +23,8 @@ void FreeArea::block(const Eigen::Vector2f& centre, double radius) {
     radius_ = radius;
     half_widths_.clear();
     // A pixel at exactly the distance stays free.
-    for (int dy = 0; dy < radius; ++dy) half_widths_.push_back(static_cast<int>(std::ceil(std::sqrt(radius * radius - dy * dy))) - 1);
+    for (int dy = 0; dy < radius; ++dy)
+      half_widths_.push_back(static_cast<int>(std::ceil(std::sqrt(radius * radius - dy * dy))) - 1);
   }
   const int cx = static_cast<int>(std::lround(centre.x())), cy = static_cast<int>(std::lround(centre.y()));
   const int reach = static_cast<int>(half_widths_.size()) - 1;

@@ -8,7 +8,8 @@
 
 namespace rastro {
 
-/// Where new corners may be: outside the mask and nowhere nearer than a distance to a feature. Keeps its memory between frames.
+/// Where new corners may be: outside the mask and nowhere nearer than a distance to a feature. Keeps its memory between
+/// frames.
 class FreeArea {
  public:
   /// Starts from the mask (zero: not free), or all free when it is empty.

@@ -16,7 +16,8 @@ constexpr int points_per_chunk = 16;
 constexpr double intensity_scale = 32.0;
 constexpr double gradient_scale = 16.0;
 
-/// The whole pixel and the fraction of the upper left corner of the window around a centre; nullopt when the window leaves the padding.
+/// The whole pixel and the fraction of the upper left corner of the window around a centre; nullopt when the window
+/// leaves the padding.
 struct Corner {
   int x = 0, y = 0;
   std::int16_t fraction_x = 0, fraction_y = 0;
@@ -25,11 +26,15 @@ struct Corner {
 std::optional<Corner> corner_of(const PaddedImage& image, double x, double y, int size) {
   // The vectors read up to 35 pixels right of the corner; centres farther out than this are lost anyway.
   constexpr double slack = 8.0;
-  if (!(x >= -slack && y >= -slack && x <= image.width() - 1 + slack && y <= image.height() - 1 + slack)) return std::nullopt;
+  if (!(x >= -slack && y >= -slack && x <= image.width() - 1 + slack && y <= image.height() - 1 + slack))
+    return std::nullopt;
   const double left = x - size / 2, top = y - size / 2;
   const double floor_x = std::floor(left), floor_y = std::floor(top);
-  const auto fraction = [](double value) { return static_cast<std::int16_t>(std::min(32767.0, std::round(value * 32768.0))); };
-  return Corner{static_cast<int>(floor_x), static_cast<int>(floor_y), fraction(left - floor_x), fraction(top - floor_y)};
+  const auto fraction = [](double value) {
+    return static_cast<std::int16_t>(std::min(32767.0, std::round(value * 32768.0)));
+  };
+  return Corner{static_cast<int>(floor_x), static_cast<int>(floor_y), fraction(left - floor_x),
+                fraction(top - floor_y)};
 }
 
 std::optional<KltWindow> window_of(const PaddedImage& image, double x, double y, int size) {
@@ -74,7 +79,7 @@ double ratio_of(const KltResidual& sums, int size) {
 
 /// Moves `at` (in pixels of this level) until the window fits. False when it cannot be followed.
 bool align_patch(const PaddedImage& image, const KltPatch& patch, const StepSolver& solver, const KltOptions& options,
-           const KltKernels& kernels, Eigen::Vector2d& at) {
+                 const KltKernels& kernels, Eigen::Vector2d& at) {
   Eigen::Vector2d last_step = Eigen::Vector2d::Zero();
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     const auto window = window_of(image, at.x(), at.y(), patch.size);
@@ -99,7 +104,8 @@ struct Follower {
   const KltOptions& options;
   const KltKernels& kernels;
 
-  std::optional<Eigen::Vector2d> follow(const Eigen::Vector2d& point, const Eigen::Vector2d& guess, int levels, double* ratio) const {
+  std::optional<Eigen::Vector2d> follow(const Eigen::Vector2d& point, const Eigen::Vector2d& guess, int levels,
+                                        double* ratio) const {
     KltPatch patch;
     Eigen::Vector2d at = guess;
     for (int level = levels - 1; level >= 0; --level) {
@@ -132,7 +138,8 @@ bool inside(const PaddedImage& image, const Eigen::Vector2d& pixel) {
   return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() <= image.width() - 1 && pixel.y() <= image.height() - 1;
 }
 
-KltResult follow_point(const Follower& forward, const Follower& backward, const Eigen::Vector2f& point, const Eigen::Vector2f& guess) {
+KltResult follow_point(const Follower& forward, const Follower& backward, const Eigen::Vector2f& point,
+                       const Eigen::Vector2f& guess) {
   const KltOptions& options = forward.options;
   const Eigen::Vector2d start = point.cast<double>();
   const int levels = std::min(forward.from.levels(), forward.to.levels());
@@ -150,9 +157,12 @@ KltResult follow_point(const Follower& forward, const Follower& backward, const 
 }  // namespace
 
 void klt_follow(const Pyramid& previous, const Pyramid& current, std::span<const Eigen::Vector2f> points,
-                std::span<const Eigen::Vector2f> guesses, const KltOptions& options, TaskPool* pool, std::span<KltResult> results) {
-  RASTRO_CHECK(points.size() == guesses.size() && points.size() == results.size(), "a guess and a result for every point");
-  RASTRO_CHECK(options.window_px % 2 == 1 && options.window_px >= 5 && options.window_px <= klt_largest_window, "window");
+                std::span<const Eigen::Vector2f> guesses, const KltOptions& options, TaskPool* pool,
+                std::span<KltResult> results) {
+  RASTRO_CHECK(points.size() == guesses.size() && points.size() == results.size(),
+               "a guess and a result for every point");
+  RASTRO_CHECK(options.window_px % 2 == 1 && options.window_px >= 5 && options.window_px <= klt_largest_window,
+               "window");
   RASTRO_CHECK(previous.level(0).padding() >= klt_padding && current.level(0).padding() >= klt_padding, "padding");
   const KltKernels& kernels = klt_kernels();
   const Follower forward{previous, current, options, kernels};
@@ -180,7 +190,8 @@ void KltReference::keep(const Pyramid& pyramid, const Eigen::Vector2f& point, in
   fraction_y_ = corner->fraction_y;
   // One pixel more on each side for the gradients, and one for interpolation.
   for (int y = 0; y < size_ + 3; ++y) {
-    std::memcpy(pixels_.data() + y * stride_, image.row(corner->y - 1 + y) + corner->x - 1, static_cast<std::size_t>(size_) + 3);
+    std::memcpy(pixels_.data() + y * stride_, image.row(corner->y - 1 + y) + corner->x - 1,
+                static_cast<std::size_t>(size_) + 3);
   }
 }
 
@@ -199,13 +210,15 @@ KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& gue
   return {at.cast<float>(), ratio <= options.max_residual_ratio, static_cast<float>(ratio)};
 }
 
-double KltReference::residual_ratio(const Pyramid& current, const Eigen::Vector2f& point, const KltOptions& options) const {
+double KltReference::residual_ratio(const Pyramid& current, const Eigen::Vector2f& point,
+                                    const KltOptions& options) const {
   constexpr double outside = 1e9;
   if (empty()) return outside;
   const KltKernels& kernels = klt_kernels();
   KltPatch patch;
   kernels.cut({pixels_.data() + stride_ + 1, stride_, fraction_x_, fraction_y_}, size_, patch);
-  const auto window = window_of(current.level(0), static_cast<double>(point.x()), static_cast<double>(point.y()), options.window_px);
+  const auto window =
+      window_of(current.level(0), static_cast<double>(point.x()), static_cast<double>(point.y()), options.window_px);
   return window ? ratio_of(kernels.residual(*window, patch), size_) : outside;
 }
 

@@ -15,13 +15,15 @@ constexpr int klt_largest_window = 31;
 constexpr int klt_padding = 48;
 
 struct KltOptions {
-  int window_px = 21;               ///< Side of the square patch; odd, 5..31.
-  int iterations = 30;              ///< At most, per level.
-  double epsilon_px = 0.01;         ///< A smaller step ends a level.
-  int backward_levels = 2;          ///< Levels of the way back, starting from the old place; 0 leaves the check out.
-  double max_backward_px = 0.5;     ///< Farther from the old place after going back: not followed.
-  double min_eigenvalue = 1e-3;     ///< Of the patch's mean structure tensor, in (grey/px)^2: less texture cannot be followed.
-  double max_residual_ratio = 0.3;  ///< Squared difference left over, as share of the patch's own variance; above: not followed.
+  int window_px = 21;            ///< Side of the square patch; odd, 5..31.
+  int iterations = 30;           ///< At most, per level.
+  double epsilon_px = 0.01;      ///< A smaller step ends a level.
+  int backward_levels = 2;       ///< Levels of the way back, starting from the old place; 0 leaves the check out.
+  double max_backward_px = 0.5;  ///< Farther from the old place after going back: not followed.
+  double min_eigenvalue =
+      1e-3;  ///< Of the patch's mean structure tensor, in (grey/px)^2: less texture cannot be followed.
+  double max_residual_ratio =
+      0.3;  ///< Squared difference left over, as share of the patch's own variance; above: not followed.
 };
 
 struct KltResult {
@@ -30,11 +32,12 @@ struct KltResult {
   float residual_ratio = 0.0F;
 };
 
-/// Pyramidal Lucas-Kanade optical flow (Bouguet 2000) from `previous` to `current`, with forward-backward check and the patch's mean
-/// brightness change solved along. `guesses` are first guesses in the current image. All sums are integers, so every SIMD level and
-/// every pool gives the same bytes. Pyramids need padding >= klt_padding.
+/// Pyramidal Lucas-Kanade optical flow (Bouguet 2000) from `previous` to `current`, with forward-backward check and the
+/// patch's mean brightness change solved along. `guesses` are first guesses in the current image. All sums are
+/// integers, so every SIMD level and every pool gives the same bytes. Pyramids need padding >= klt_padding.
 void klt_follow(const Pyramid& previous, const Pyramid& current, std::span<const Eigen::Vector2f> points,
-                std::span<const Eigen::Vector2f> guesses, const KltOptions& options, TaskPool* pool, std::span<KltResult> results);
+                std::span<const Eigen::Vector2f> guesses, const KltOptions& options, TaskPool* pool,
+                std::span<KltResult> results);
 
 /// What a feature looked like at some time: the pixels around it, kept so that it can be compared and aligned later.
 class KltReference {
@@ -44,8 +47,8 @@ class KltReference {
   /// Keeps the window around `point` of the finest level; stays as it was when the point lies too far outside.
   void keep(const Pyramid& pyramid, const Eigen::Vector2f& point, int window_px);
 
-  /// Moves from `guess` to where the current image looks like the reference (finest level only, so from a few pixels away);
-  /// `followed` says whether the options' limits hold. The way back is not gone.
+  /// Moves from `guess` to where the current image looks like the reference (finest level only, so from a few pixels
+  /// away); `followed` says whether the options' limits hold. The way back is not gone.
   KltResult align(const Pyramid& current, const Eigen::Vector2f& guess, const KltOptions& options) const;
   /// Squared difference to the current image at `point` as share of the reference's variance (1e9 when outside).
   double residual_ratio(const Pyramid& current, const Eigen::Vector2f& point, const KltOptions& options) const;

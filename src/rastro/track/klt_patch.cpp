@@ -25,7 +25,8 @@ void interpolate_plain(const KltWindow& window, int count, int rows, std::int16_
     if (y == 0) continue;
     const std::int16_t *above = across[(y - 1) & 1], *below = across[y & 1];
     for (int x = 0; x < count; ++x) {
-      out[(y - 1) * row_length + x] = static_cast<std::int16_t>(above[x] + scaled(below[x] - above[x], window.fraction_y));
+      out[(y - 1) * row_length + x] =
+          static_cast<std::int16_t>(above[x] + scaled(below[x] - above[x], window.fraction_y));
     }
   }
 }
@@ -54,7 +55,9 @@ void cut_plain(const KltWindow& window, int size, KltPatch& patch) {
   for (int x = 0; x < row_length; ++x) patch.ones[x] = x < size ? 1 : 0;
   for (int y = 0; y < size; ++y) {
     const auto smooth_down = [&](int x) { return (wide[y][x] + 2 * wide[y + 1][x] + wide[y + 2][x] + 2) >> 2; };
-    const auto smooth_across = [&](int r, int x) { return (wide[r][x] + 2 * wide[r][x + 1] + wide[r][x + 2] + 2) >> 2; };
+    const auto smooth_across = [&](int r, int x) {
+      return (wide[r][x] + 2 * wide[r][x + 1] + wide[r][x + 2] + 2) >> 2;
+    };
     std::int16_t* intensity = patch.intensity + y * row_length;
     std::int16_t* gradient_x = patch.gradient_x + y * row_length;
     std::int16_t* gradient_y = patch.gradient_y + y * row_length;

@@ -31,8 +31,8 @@ struct KltResidual {
   std::int64_t squared_difference = 0, difference = 0, squared_patch = 0, patch = 0;
 };
 
-/// A window in an image: the whole pixel its upper left corner lies in, and the fraction beyond in 1/32768 pixel. Kernels read up to
-/// 48 pixels of each row from one pixel left of the corner on, whatever the window's size.
+/// A window in an image: the whole pixel its upper left corner lies in, and the fraction beyond in 1/32768 pixel.
+/// Kernels read up to 48 pixels of each row from one pixel left of the corner on, whatever the window's size.
 struct KltWindow {
   const std::uint8_t* pixels = nullptr;
   std::ptrdiff_t stride = 0;

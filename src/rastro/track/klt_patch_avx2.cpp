@@ -13,8 +13,12 @@ namespace {
 
 constexpr int row_length = KltPatch::row_length;
 
-RASTRO_TARGET_AVX2 inline __m256i load(const std::int16_t* p) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)); }
-RASTRO_TARGET_AVX2 inline void store(std::int16_t* p, __m256i v) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), v); }
+RASTRO_TARGET_AVX2 inline __m256i load(const std::int16_t* p) {
+  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p));
+}
+RASTRO_TARGET_AVX2 inline void store(std::int16_t* p, __m256i v) {
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), v);
+}
 
 /// 16 pixels of a row in 1/32 grey level, interpolated across.
 RASTRO_TARGET_AVX2 inline __m256i across(const std::uint8_t* pixels, __m256i fraction) {

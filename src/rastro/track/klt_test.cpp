@@ -67,7 +67,8 @@ TEST(Klt, FlatGroundAndUnrelatedImagesAreNotFollowed) {
   const Pyramid flat = pyramid_of(GreyImage(320, 240));
   klt_follow(flat, flat, points, points, {}, nullptr, results);
   for (const KltResult& result : results) EXPECT_FALSE(result.followed);
-  klt_follow(pyramid_of(noise_image(320, 240, 1)), pyramid_of(noise_image(320, 240, 2)), points, points, {}, nullptr, results);
+  klt_follow(pyramid_of(noise_image(320, 240, 1)), pyramid_of(noise_image(320, 240, 2)), points, points, {}, nullptr,
+             results);
   EXPECT_LE(std::count_if(results.begin(), results.end(), [](const KltResult& r) { return r.followed; }), 4);
 }
 
@@ -97,7 +98,8 @@ TEST(Klt, PlainAndFastKernelsGiveTheSameSums) {
     KltPatch plain, fast;
     klt_kernels_plain().cut(from, size, plain);
     klt_kernels_avx2().cut(from, size, fast);
-    ASSERT_TRUE(plain.xx == fast.xx && plain.xy == fast.xy && plain.yy == fast.yy && plain.x == fast.x && plain.y == fast.y);
+    ASSERT_TRUE(plain.xx == fast.xx && plain.xy == fast.xy && plain.yy == fast.yy && plain.x == fast.x &&
+                plain.y == fast.y);
     const KltMismatch m1 = klt_kernels_plain().mismatch(to, plain), m2 = klt_kernels_avx2().mismatch(to, fast);
     ASSERT_TRUE(m1.ex == m2.ex && m1.ey == m2.ey && m1.e == m2.e);
     const KltResidual r1 = klt_kernels_plain().residual(to, plain), r2 = klt_kernels_avx2().residual(to, fast);

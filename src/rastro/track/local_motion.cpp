@@ -41,7 +41,8 @@ std::vector<Pair> nearest_pairs(const PointPairs& pairs, const Eigen::Vector2d& 
 
 }  // namespace
 
-bool agrees_with_neighbours(const PointPairs& pairs, const Eigen::Vector2d& a, const Eigen::Vector2d& b, double max_error) {
+bool agrees_with_neighbours(const PointPairs& pairs, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                            double max_error) {
   const std::vector<Pair> nearest = nearest_pairs(pairs, a, b);
   const Complex from(a.x(), a.y()), to(b.x(), b.y());
   int best_support = 0;

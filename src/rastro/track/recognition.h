@@ -13,7 +13,8 @@
 
 namespace rastro {
 
-/// A corner detected in the current frame that may be a lost feature. `views`: its descriptor, or several at different scales.
+/// A corner detected in the current frame that may be a lost feature. `views`: its descriptor, or several at different
+/// scales.
 struct NewCorner {
   Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
   std::vector<Descriptor> views;
@@ -26,11 +27,12 @@ struct Recognised {
   Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< Of the corner, or where it was aligned to.
 };
 
-/// METHODS 1, steps 4 to 8: match, vote, align, validate. At most `most` corners are recognised, each at least `min_distance_px` from the others; an id
-/// claimed by two corners goes to the one with more votes, then smaller distance, then the stronger corner.
-/// `tracked`: the features followed into the current frame. The result does not depend on the pool.
-std::vector<Recognised> recognise(std::span<const NewCorner> corners, std::span<const Association> tracked, const TrackStore& store,
-                                  std::int64_t current, const Pyramid& image, int most, const TrackOptions& options, TaskPool* pool,
-                                  TrackTimes& times);
+/// METHODS 1, steps 4 to 8: match, vote, align, validate. At most `most` corners are recognised, each at least
+/// `min_distance_px` from the others; an id claimed by two corners goes to the one with more votes, then smaller
+/// distance, then the stronger corner. `tracked`: the features followed into the current frame. The result does not
+/// depend on the pool.
+std::vector<Recognised> recognise(std::span<const NewCorner> corners, std::span<const Association> tracked,
+                                  const TrackStore& store, std::int64_t current, const Pyramid& image, int most,
+                                  const TrackOptions& options, TaskPool* pool, TrackTimes& times);
 
 }  // namespace rastro

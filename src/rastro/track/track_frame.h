@@ -17,12 +17,12 @@ enum class TrackState : std::uint8_t {
 
 /// One feature of one frame.
 struct TrackedFeature {
-  std::int64_t id = 0;                                ///< Global, given in order of detection from 0.
-  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();    ///< In the image as given (distorted).
-  Eigen::Vector2f ray = Eigen::Vector2f::Zero();      ///< Undistorted, normalised (x/z, y/z); NaN without a calibration.
-  std::int32_t age = 1;                               ///< Frames in which this id has been observed, this one included.
+  std::int64_t id = 0;                              ///< Global, given in order of detection from 0.
+  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< In the image as given (distorted).
+  Eigen::Vector2f ray = Eigen::Vector2f::Zero();    ///< Undistorted, normalised (x/z, y/z); NaN without a calibration.
+  std::int32_t age = 1;                             ///< Frames in which this id has been observed, this one included.
   TrackState state = TrackState::fresh;
-  std::int64_t last_seen = -1;                        ///< Frame in which the id was observed before this one; -1 for a new one.
+  std::int64_t last_seen = -1;  ///< Frame in which the id was observed before this one; -1 for a new one.
 };
 
 /// Why a frame gave fewer features than asked for; `good` when it did not.
@@ -30,7 +30,8 @@ enum class TrackHealth : std::uint8_t { good, few_corners, dark_or_blank, abrupt
 
 /// Time of each stage in milliseconds. Not part of what must be equal between runs.
 struct TrackTimes {
-  double pyramid_ms = 0, flow_ms = 0, outlier_ms = 0, detect_ms = 0, describe_ms = 0, match_ms = 0, validate_ms = 0, total_ms = 0;
+  double pyramid_ms = 0, flow_ms = 0, outlier_ms = 0, detect_ms = 0, describe_ms = 0, match_ms = 0, validate_ms = 0,
+         total_ms = 0;
 };
 
 /// What the tracker says of one frame. Features are in ascending order of id.
@@ -38,11 +39,11 @@ struct TrackFrame {
   std::int64_t index = 0;  ///< Running number of the frames processed, from 0.
   TimeNs stamp = 0;
   std::vector<TrackedFeature> features;
-  int tracked = 0;         ///< Followed from the last frame.
+  int tracked = 0;  ///< Followed from the last frame.
   int reidentified = 0;
-  int fresh = 0;           ///< New ids.
-  int lost = 0;            ///< Features of the last frame that could not be followed.
-  int masked = 0;          ///< Corners and features left out because of the mask.
+  int fresh = 0;   ///< New ids.
+  int lost = 0;    ///< Features of the last frame that could not be followed.
+  int masked = 0;  ///< Corners and features left out because of the mask.
   TrackHealth health = TrackHealth::good;
   TrackTimes times;
 };

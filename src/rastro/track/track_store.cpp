@@ -26,7 +26,8 @@ void Track::observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Desc
   ++age;
 }
 
-void Track::keep_look(std::int64_t frame, int interval, const Pyramid& pyramid, const Eigen::Vector2f& pixel, int window_px) {
+void Track::keep_look(std::int64_t frame, int interval, const Pyramid& pyramid, const Eigen::Vector2f& pixel,
+                      int window_px) {
   if (look_frame_ >= 0 && frame - look_frame_ < interval) return;
   older_look_ = look_;
   look_.keep(pyramid, pixel, window_px);

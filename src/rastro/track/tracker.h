@@ -17,7 +17,8 @@ namespace rastro {
 class Tracker {
  public:
   /// Throws Error for settings out of range. `camera` gives the undistorted rays; without it they are NaN.
-  /// The pool must outlive the tracker; without one everything runs in the caller's thread. Results do not depend on it.
+  /// The pool must outlive the tracker; without one everything runs in the caller's thread. Results do not depend on
+  /// it.
   explicit Tracker(const TrackOptions& options, std::optional<Camera> camera = std::nullopt, TaskPool* pool = nullptr);
   ~Tracker();
   Tracker(Tracker&&) noexcept;

@@ -37,10 +37,12 @@ TrackOptions half_size() {
   return options;
 }
 
-std::vector<TrackFrame> run(const TrackOptions& options, const std::vector<GreyImage>& images, TaskPool* pool = nullptr) {
+std::vector<TrackFrame> run(const TrackOptions& options, const std::vector<GreyImage>& images,
+                            TaskPool* pool = nullptr) {
   Tracker tracker(options, std::nullopt, pool);
   std::vector<TrackFrame> frames;
-  for (std::size_t i = 0; i < images.size(); ++i) frames.push_back(tracker.process(images[i].view(), static_cast<TimeNs>(i)));
+  for (std::size_t i = 0; i < images.size(); ++i)
+    frames.push_back(tracker.process(images[i].view(), static_cast<TimeNs>(i)));
   return frames;
 }
 
@@ -50,7 +52,8 @@ bool equal(const std::vector<TrackFrame>& a, const std::vector<TrackFrame>& b) {
     if (a[i].features.size() != b[i].features.size()) return false;
     for (std::size_t k = 0; k < a[i].features.size(); ++k) {
       const TrackedFeature &f = a[i].features[k], &g = b[i].features[k];
-      if (f.id != g.id || f.pixel != g.pixel || f.state != g.state || f.age != g.age || f.last_seen != g.last_seen) return false;
+      if (f.id != g.id || f.pixel != g.pixel || f.state != g.state || f.age != g.age || f.last_seen != g.last_seen)
+        return false;
     }
   }
   return true;
@@ -178,7 +181,8 @@ TEST(Tracker, BadInputIsAnErrorOfOneLine) {
   EXPECT_NE(line_of([&] { tracker.process({}, 0); }).find("empty"), std::string::npos);
   tracker.process(hall()[0].view(), 0);
   EXPECT_NE(line_of([&] { tracker.process(GreyImage(10, 10).view(), 1); }).find("size"), std::string::npos);
-  EXPECT_NE(line_of([&] { tracker.process(hall()[1].view(), 1, GreyImage(10, 10).view()); }).find("mask"), std::string::npos);
+  EXPECT_NE(line_of([&] { tracker.process(hall()[1].view(), 1, GreyImage(10, 10).view()); }).find("mask"),
+            std::string::npos);
   // The tracker goes on after a refused frame.
   EXPECT_GT(tracker.process(hall()[1].view(), 1).tracked, 50);
 }

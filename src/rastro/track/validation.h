@@ -19,12 +19,15 @@ struct Association {
   Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< In the current frame.
 };
 
-/// Geometric validation of proposals, METHODS 1, steps 6 and 7: does a corner lie where the motion of the other features since some
-/// window frame puts the track? The motion of a window frame is estimated once, when first asked for.
+/// Geometric validation of proposals, METHODS 1, steps 6 and 7: does a corner lie where the motion of the other
+/// features since some window frame puts the track? The motion of a window frame is estimated once, when first asked
+/// for.
 class Validation {
  public:
-  /// `associations`: the tracked features and the first proposals (one a track); what is shared with a window frame gives its motion.
-  Validation(const TrackStore& store, std::int64_t current, std::span<const Association> associations, const TrackOptions& options);
+  /// `associations`: the tracked features and the first proposals (one a track); what is shared with a window frame
+  /// gives its motion.
+  Validation(const TrackStore& store, std::int64_t current, std::span<const Association> associations,
+             const TrackOptions& options);
   ~Validation();
 
   /// Whether any window frame in which the track was seen confirms it at `pixel`; the newest is asked first.

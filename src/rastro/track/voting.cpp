@@ -12,8 +12,8 @@ namespace {
 constexpr int no_distance = std::numeric_limits<int>::max();
 
 /// distances[i] = least Hamming distance of any view to candidates[i].
-void nearest_of_views(std::span<const Descriptor> views, std::span<const Descriptor> candidates, std::vector<std::uint16_t>& scratch,
-                      std::vector<std::uint16_t>& distances) {
+void nearest_of_views(std::span<const Descriptor> views, std::span<const Descriptor> candidates,
+                      std::vector<std::uint16_t>& scratch, std::vector<std::uint16_t>& distances) {
   distances.resize(candidates.size());
   hamming_distances(views[0], candidates, distances);
   for (std::size_t view = 1; view < views.size(); ++view) {
@@ -65,7 +65,8 @@ std::vector<Candidate> Voting::count_votes() const {
   for (const Proposal& proposal : proposals_) {
     if (proposal.distance == no_distance) continue;
     const std::size_t track = store_.lost()[proposal.lost_index];
-    auto found = std::find_if(candidates.begin(), candidates.end(), [=](const Candidate& c) { return c.track == track; });
+    auto found =
+        std::find_if(candidates.begin(), candidates.end(), [=](const Candidate& c) { return c.track == track; });
     if (found == candidates.end()) found = candidates.insert(candidates.end(), {track, 0, 0});
     ++found->votes;
     found->distance += proposal.distance;

@@ -16,22 +16,24 @@ struct Candidate {
 };
 
 struct VotingOptions {
-  int max_hamming = 50;        ///< Similarity threshold.
+  int max_hamming = 50;         ///< Similarity threshold.
   int proposals_per_frame = 2;  ///< 2: priority matching.
   int candidates = 2;           ///< 2: dual voting.
   int min_votes = 1;
 };
 
-/// Matching and voting of METHODS 1, steps 4 and 5: every window frame proposes the lost features most like the corner, and the ids
-/// proposed most often are the candidates. Ties go to the smaller summed distance, then the smaller id.
+/// Matching and voting of METHODS 1, steps 4 and 5: every window frame proposes the lost features most like the corner,
+/// and the ids proposed most often are the candidates. Ties go to the smaller summed distance, then the smaller id.
 ///
-/// Gives exactly the result of brute force over all observations, but looks at few: by the triangle inequality no observation of a
-/// track can be alike when the track's last one is farther than the threshold plus the track's own spread.
+/// Gives exactly the result of brute force over all observations, but looks at few: by the triangle inequality no
+/// observation of a track can be alike when the track's last one is farther than the threshold plus the track's own
+/// spread.
 class Voting {
  public:
   /// `current` is the frame whose corners are asked about. Keeps references.
   Voting(const TrackStore& store, std::int64_t current, const VotingOptions& options);
-  /// Up to `candidates` candidates, best first. `descriptors`: one, or several views (scales) of which each observation takes the nearest.
+  /// Up to `candidates` candidates, best first. `descriptors`: one, or several views (scales) of which each observation
+  /// takes the nearest.
   std::vector<Candidate> candidates_for(std::span<const Descriptor> descriptors);
 
  private:
@@ -46,11 +48,11 @@ class Voting {
   const TrackStore& store_;
   std::int64_t oldest_;
   VotingOptions options_;
-  std::vector<Descriptor> last_descriptors_;    ///< Of all lost tracks, side by side.
-  std::vector<std::uint16_t> nearest_;          ///< Scratch: to the last descriptors.
-  std::vector<std::uint16_t> distances_;        ///< Scratch.
-  std::vector<std::uint16_t> slot_distances_;   ///< Scratch: to a track's observations.
-  std::vector<Proposal> proposals_;             ///< proposals_per_frame for every slot of the window, best first.
+  std::vector<Descriptor> last_descriptors_;   ///< Of all lost tracks, side by side.
+  std::vector<std::uint16_t> nearest_;         ///< Scratch: to the last descriptors.
+  std::vector<std::uint16_t> distances_;       ///< Scratch.
+  std::vector<std::uint16_t> slot_distances_;  ///< Scratch: to a track's observations.
+  std::vector<Proposal> proposals_;            ///< proposals_per_frame for every slot of the window, best first.
 };
 
 }  // namespace rastro

@@ -25,7 +25,8 @@ Descriptor with_flips(Descriptor descriptor, int flips, Random& random) {
 }
 
 /// METHODS 1, steps 4 and 5, word by word: every frame of the window against every feature of it.
-std::vector<Candidate> brute_force(const TrackStore& store, std::int64_t current, const Descriptor& corner, const VotingOptions& options) {
+std::vector<Candidate> brute_force(const TrackStore& store, std::int64_t current, const Descriptor& corner,
+                                   const VotingOptions& options) {
   std::map<std::size_t, Candidate> votes;
   for (std::int64_t frame = std::max<std::int64_t>(0, current - store.window()); frame < current; ++frame) {
     std::vector<std::tuple<int, std::int64_t, std::size_t>> alike;
@@ -76,7 +77,8 @@ TEST(Voting, EqualsBruteForceOverTheWholeWindow) {
     std::vector<Descriptor> families;
     const std::int64_t frames = 14;
     const TrackStore store = lost_tracks(random, 10, 40, frames, families);
-    for (const VotingOptions& options : {VotingOptions{50, 1, 1, 1}, {50, 1, 2, 1}, {50, 2, 2, 1}, {35, 2, 2, 3}, {256, 2, 2, 1}}) {
+    for (const VotingOptions& options :
+         {VotingOptions{50, 1, 1, 1}, {50, 1, 2, 1}, {50, 2, 2, 1}, {35, 2, 2, 3}, {256, 2, 2, 1}}) {
       Voting voting(store, frames, options);
       for (int corner = 0; corner < 10; ++corner) {
         const Descriptor descriptor = with_flips(families[random.below(6)], 20, random);
