@@ -311,6 +311,7 @@ TEST(CalibrationFile, AWrongKeyIsNamedWithTheNearest) {
   EXPECT_THAT(error_of(with(ros, "distortion_coefficients", "distortion_coeffs")), HasSubstr("'distortion_coeffs'"));
   EXPECT_THAT(error_of(with(kalibr, "distortion_model", "model")), HasSubstr("no key 'distortion_model'"));
   EXPECT_THAT(error_of(with(kitti_raw, "D_00", "E_00")), HasSubstr("no line 'D_00:'"));
+  EXPECT_THAT(error_of(with(kitti_raw, "T_00: ", "T_00: 1.0 ")), HasSubstr("T_00 has 4 values, expected 3"));
   EXPECT_THAT(error_of("width of image: 3\n"), HasSubstr("no calibration that rastro knows"));
 }
 

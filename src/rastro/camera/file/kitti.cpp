@@ -40,6 +40,14 @@ class KittiFields {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     return Eigen::Map<const RowMajor>(numbers.data(), rows, columns);
   }
+
+  /// 3x4: [R t]. Both are read before they are joined: an Error must not pass through a half-filled Eigen matrix.
+  Eigen::MatrixXd rigid_rows(const std::string& rotation_key, const std::string& translation_key) const {
+    const Eigen::MatrixXd rotation = matrix(rotation_key, 3, 3), translation = matrix(translation_key, 3, 1);
+    Eigen::MatrixXd rows(3, 4);
+    rows << rotation, translation;
+    return rows;
+  }
   const std::string& where() const { return where_; }
 
  private:
@@ -128,8 +136,7 @@ void add_unrectified(const KittiFields& fields, Calibration& result) {
     set_distortion(entry.camera, "plumb_bob", {distortion.data(), 5}, fields.at("D" + suffix), "D" + suffix);
     require_usable(entry.camera, fields.at("K" + suffix));
     if (fields.has("R" + suffix) && fields.has("T" + suffix)) {
-      Eigen::MatrixXd transform(3, 4);
-      transform << fields.matrix("R" + suffix, 3, 3), fields.matrix("T" + suffix, 3, 1);
+      const Eigen::MatrixXd transform = fields.rigid_rows("R" + suffix, "T" + suffix);
       const SE3 from_first = rigid_transform(transform, "R" + suffix, fields.at("R" + suffix), result.warnings);
       if (previous_from_first) entry.camera_from_previous = from_first * previous_from_first->inverse();
       previous_from_first = from_first;
@@ -192,10 +199,8 @@ namespace rastro {
 
 SE3 parse_kitti_transform(std::string_view text, std::string_view where) {
   const calibration::KittiFields fields(text, where);
-  Eigen::MatrixXd transform(3, 4);
-  transform << fields.matrix("R", 3, 3), fields.matrix("T", 3, 1);
   std::vector<std::string> ignored;
-  return calibration::rigid_transform(transform, "R", fields.at("R"), ignored);
+  return calibration::rigid_transform(fields.rigid_rows("R", "T"), "R", fields.at("R"), ignored);
 }
 
 SE3 read_kitti_transform(const std::string& path) { return parse_kitti_transform(read_text_file(path), path); }
