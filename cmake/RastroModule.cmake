@@ -75,6 +75,10 @@ function(rastro_add_test target)
   target_link_libraries(${target} PRIVATE ${arg_MODULES} ${arg_LIBRARIES} GTest::gmock GTest::gtest_main
     opencv_core opencv_imgproc opencv_imgcodecs opencv_video opencv_calib3d rastro_build_flags)
   target_include_directories(${target} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
+  if(RASTRO_SANITIZERS)
+    # What is tested stays at the optimisation of the preset; the tests themselves would take most of the build.
+    target_compile_options(${target} PRIVATE -O0)
+  endif()
   gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 60
     ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
 endfunction()
