@@ -13,7 +13,7 @@ class RecordedTruth : public SurfaceTruth {
 
   std::int64_t frame_count() const override { return reader_.frame_count(); }
   std::optional<SurfacePoint> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const override {
-    const auto found = reader_.surface_at(frame, pixel);
+    const auto found = reader_.corner_surface_at(frame, pixel);
     if (!found) return std::nullopt;
     return SurfacePoint{found->point_in_world, found->surface};
   }

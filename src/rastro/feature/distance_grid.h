@@ -2,7 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
 #include <vector>
 
 namespace rastro {
@@ -16,35 +16,47 @@ class DistanceGrid {
         cell_(static_cast<float>(std::max(distance, 1.0))),
         columns_(static_cast<int>(static_cast<float>(width) / cell_) + 1),
         rows_(static_cast<int>(static_cast<float>(height) / cell_) + 1),
-        cells_(static_cast<std::size_t>(columns_ * rows_)) {}
+        first_(static_cast<std::size_t>(columns_ * rows_), none) {}
 
   /// Adds the point unless one nearer than the distance is there; says whether it did.
   bool add_if_far(float x, float y) {
-    const int column = std::clamp(static_cast<int>(x / cell_), 0, columns_ - 1);
-    const int row = std::clamp(static_cast<int>(y / cell_), 0, rows_ - 1);
+    if (!is_far(x, y)) return false;
+    std::int32_t& first = first_[static_cast<std::size_t>(row_of(y) * columns_ + column_of(x))];
+    points_.push_back({x, y, first});
+    first = static_cast<std::int32_t>(points_.size()) - 1;
+    return true;
+  }
+  /// Whether no point nearer than the distance is there.
+  bool is_far(float x, float y) const {
+    const int row = row_of(y), column = column_of(x);
     for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
       for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c) {
-        for (const Point& point : cell(c, r)) {
-          const float dx = point.x - x, dy = point.y - y;
+        for (std::int32_t i = first_[static_cast<std::size_t>(r * columns_ + c)]; i != none; i = at(i).next) {
+          const float dx = at(i).x - x, dy = at(i).y - y;
           if (dx * dx + dy * dy < squared_) return false;
         }
       }
     }
-    cell(column, row).push_back({x, y});
     return true;
   }
 
  private:
+  static constexpr std::int32_t none = -1;
+  /// Points of one cell are chained, so that making an empty grid costs one pass over plain numbers.
   struct Point {
     float x, y;
+    std::int32_t next;
   };
-  std::vector<Point>& cell(int column, int row) { return cells_[static_cast<std::size_t>(row * columns_ + column)]; }
+  const Point& at(std::int32_t index) const { return points_[static_cast<std::size_t>(index)]; }
+  int column_of(float x) const { return std::clamp(static_cast<int>(x / cell_), 0, columns_ - 1); }
+  int row_of(float y) const { return std::clamp(static_cast<int>(y / cell_), 0, rows_ - 1); }
 
   float squared_;
   float cell_;
   int columns_;
   int rows_;
-  std::vector<std::vector<Point>> cells_;
+  std::vector<std::int32_t> first_;  ///< Of each cell.
+  std::vector<Point> points_;
 };
 
 }  // namespace rastro

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 
 #include "rastro/track/klt_patch.h"
@@ -79,13 +80,15 @@ double ratio_of(const KltResidual& sums, int size) {
 
 /// Moves `at` (in pixels of this level) until the window fits. False when it cannot be followed.
 bool align_patch(const PaddedImage& image, const KltPatch& patch, const StepSolver& solver, const KltOptions& options,
-                 const KltKernels& kernels, Eigen::Vector2d& at) {
+                 const KltKernels& kernels, double reach_px, Eigen::Vector2d& at) {
+  const Eigen::Vector2d start = at;
   Eigen::Vector2d last_step = Eigen::Vector2d::Zero();
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     const auto window = window_of(image, at.x(), at.y(), patch.size);
     if (!window) return false;
     const Eigen::Vector2d step = solver.step(kernels.mismatch(*window, patch));
     at += step;
+    if ((at - start).squaredNorm() > reach_px * reach_px) return false;
     if (step.squaredNorm() < options.epsilon_px * options.epsilon_px) return true;
     // Two steps that undo each other: the minimum lies between (Bouguet's stop).
     if (iteration > 0 && (step + last_step).cwiseAbs().maxCoeff() < options.epsilon_px) {
@@ -122,7 +125,7 @@ struct Follower {
         if (level == 0) return std::nullopt;
         continue;
       }
-      if (!align_patch(to.level(level), patch, solver, options, kernels, here)) return std::nullopt;
+      if (!align_patch(to.level(level), patch, solver, options, kernels, std::numeric_limits<double>::infinity(), here)) return std::nullopt;
       at = here / scale;
     }
     if (ratio) {
@@ -195,7 +198,8 @@ void KltReference::keep(const Pyramid& pyramid, const Eigen::Vector2f& point, in
   }
 }
 
-KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& guess, const KltOptions& options) const {
+KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& guess, double reach_px,
+                              const KltOptions& options) const {
   if (empty()) return {};
   const KltKernels& kernels = klt_kernels();
   KltPatch patch;
@@ -203,22 +207,21 @@ KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& gue
   const StepSolver solver(patch, options.min_eigenvalue);
   const PaddedImage& image = current.level(0);
   Eigen::Vector2d at = guess.cast<double>();
-  if (!solver.solvable() || !align_patch(image, patch, solver, options, kernels, at) || !inside(image, at)) return {};
+  if (!solver.solvable() || !align_patch(image, patch, solver, options, kernels, reach_px, at) || !inside(image, at)) return {};
   const auto window = window_of(image, at.x(), at.y(), size_);
   if (!window) return {};
   const double ratio = ratio_of(kernels.residual(*window, patch), size_);
   return {at.cast<float>(), ratio <= options.max_residual_ratio, static_cast<float>(ratio)};
 }
 
-double KltReference::residual_ratio(const Pyramid& current, const Eigen::Vector2f& point,
-                                    const KltOptions& options) const {
+double KltReference::residual_ratio(const Pyramid& current, const Eigen::Vector2f& point) const {
   constexpr double outside = 1e9;
   if (empty()) return outside;
   const KltKernels& kernels = klt_kernels();
   KltPatch patch;
   kernels.cut({pixels_.data() + stride_ + 1, stride_, fraction_x_, fraction_y_}, size_, patch);
   const auto window =
-      window_of(current.level(0), static_cast<double>(point.x()), static_cast<double>(point.y()), options.window_px);
+      window_of(current.level(0), static_cast<double>(point.x()), static_cast<double>(point.y()), size_);
   return window ? ratio_of(kernels.residual(*window, patch), size_) : outside;
 }
 

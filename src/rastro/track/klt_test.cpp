@@ -132,14 +132,14 @@ TEST(KltReference, AlignsFromAFewPixelsAwayAndKnowsAStranger) {
   const Pyramid before = pyramid_of(wave_image(320, 240, 0, 0)), after = pyramid_of(wave_image(320, 240, 7.3, -4.6));
   KltReference reference;
   EXPECT_TRUE(reference.empty());
-  EXPECT_FALSE(reference.align(after, {100, 100}, {}).followed);
+  EXPECT_FALSE(reference.align(after, {100, 100}, 5.0, {}).followed);
   reference.keep(before, {120.3F, 90.7F}, 21);
-  const KltResult found = reference.align(after, {129.0F, 85.0F}, {});
+  const KltResult found = reference.align(after, {129.0F, 85.0F}, 5.0, {});
   ASSERT_TRUE(found.followed);
   EXPECT_NEAR(found.pixel.x(), 127.6F, 0.05F);
   EXPECT_NEAR(found.pixel.y(), 86.1F, 0.05F);
-  EXPECT_LT(reference.residual_ratio(after, {127.6F, 86.1F}, {}), 0.02);
-  EXPECT_GT(reference.residual_ratio(after, {227.6F, 176.1F}, {}), 0.3);
+  EXPECT_LT(reference.residual_ratio(after, {127.6F, 86.1F}), 0.02);
+  EXPECT_GT(reference.residual_ratio(after, {227.6F, 176.1F}), 0.3);
 }
 
 TEST(Klt, AnyPoolGivesTheSameBytes) {

@@ -2,6 +2,7 @@
 #include "rastro/track/recognition.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include "rastro/feature/distance_grid.h"
@@ -22,16 +23,53 @@ struct Claim {
 
 VotingOptions voting_options(const TrackOptions& options) {
   const bool dual = options.mode == "dual" || options.mode == "priority";
-  return {options.max_hamming, options.mode == "priority" ? 2 : 1, dual ? 2 : 1, options.min_votes};
+  return {options.max_hamming, options.mode == "priority" ? 2 : 1, dual ? 2 : 1, options.min_votes,
+          options.max_travel_px};
 }
 
-std::vector<Claim> collect_claims(std::span<const NewCorner> corners, const TrackStore& store, std::int64_t current,
+/// Where lost tracks would be had they moved like the median of the features followed since they were last seen; nullopt where too few were.
+std::vector<std::optional<Eigen::Vector2f>> expected_places(std::span<const Association> tracked, const TrackStore& store,
+                                                            std::int64_t current) {
+  constexpr std::size_t fewest = 8;
+  std::map<std::int64_t, std::optional<Eigen::Vector2f>> motion_since;
+  const auto median = [](std::vector<float>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  const auto motion = [&](std::int64_t frame) -> std::optional<Eigen::Vector2f> {
+    const auto [found, added] = motion_since.try_emplace(frame);
+    if (!added) return found->second;
+    std::vector<float> dx, dy;
+    for (const Association& feature : tracked) {
+      const Track& track = store[feature.track];
+      if (frame >= current || !track.seen_in(frame)) continue;
+      const Eigen::Vector2f moved = feature.pixel - track.pixel_in(frame);
+      dx.push_back(moved.x());
+      dy.push_back(moved.y());
+    }
+    if (dx.size() >= fewest) found->second = Eigen::Vector2f(median(dx), median(dy));
+    return found->second;
+  };
+  std::vector<std::optional<Eigen::Vector2f>> places;
+  for (const std::size_t index : store.lost()) {
+    const Track& track = store[index];
+    const auto moved = motion(track.last_seen);
+    places.push_back(moved ? std::optional<Eigen::Vector2f>(track.pixel_in(track.last_seen) + *moved) : std::nullopt);
+  }
+  return places;
+}
+
+
+std::vector<Claim> collect_claims(std::span<const NewCorner> corners, std::span<const Association> tracked, const TrackStore& store, std::int64_t current,
                                   const TrackOptions& options, TaskPool* pool) {
   std::vector<Claim> claims(corners.size());
+  const auto expected = expected_places(tracked, store, current);
   const auto vote = [&](int begin, int end) {
     Voting voting(store, current, voting_options(options));
+    voting.expect(expected);
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      claims[i] = {i, voting.candidates_for(corners[i].views), {}};
+      claims[i] = {i, voting.candidates_for(corners[i].views, corners[i].pixel), {}};
     }
   };
   const int count = static_cast<int>(corners.size());
@@ -67,24 +105,32 @@ std::vector<Association> with_proposals(std::span<const Association> tracked, st
 }
 
 /// Where the corner looks like the lost track did; the corner itself when alignment is not asked for; nullopt when it does not.
-std::optional<Eigen::Vector2f> aligned(const Track& track, const Eigen::Vector2f& corner, const Pyramid& image, const TrackOptions& options) {
+std::optional<Eigen::Vector2f> aligned(const Track& track, std::int64_t current, const Eigen::Vector2f& corner,
+                                       const Pyramid& image, const TrackOptions& options) {
   if (!options.align) return corner;
   KltOptions klt;
   klt.iterations = options.flow_iterations;
   klt.epsilon_px = options.flow_epsilon_px;
-  klt.max_residual_ratio = options.max_alignment_residual;
-  const KltResult result = track.look().align(image, corner, klt);
-  if (!result.followed || static_cast<double>((result.pixel - corner).norm()) > options.max_alignment_px) return std::nullopt;
-  return result.pixel;
+  klt.min_eigenvalue = options.min_alignment_texture;
+  // What was lost only now was not hidden: it must look as like as if it had been followed.
+  const bool just_lost = track.last_seen == current - 1;
+  klt.max_residual_ratio = just_lost ? options.max_residual_ratio : options.max_alignment_residual;
+  const double reach = options.max_alignment_px;
+  const KltResult older = track.look().align(image, corner, reach, klt);
+  if (older.followed && older.residual_ratio <= static_cast<float>(options.max_residual_ratio)) return older.pixel;
+  const KltResult newer = track.newest_look().align(image, corner, reach, klt);
+  if (!older.followed && !newer.followed) return std::nullopt;
+  return older.followed && (!newer.followed || older.residual_ratio <= newer.residual_ratio) ? older.pixel : newer.pixel;
 }
 
 /// Leaves out candidates that do not look alike, and puts the others where they do.
-void align_claims(std::vector<Claim>& claims, std::span<const NewCorner> corners, const TrackStore& store, const Pyramid& image,
+void align_claims(std::vector<Claim>& claims, std::span<const NewCorner> corners, const TrackStore& store, std::int64_t current,
+                  const Pyramid& image,
                   const TrackOptions& options) {
   for (Claim& claim : claims) {
     std::vector<Candidate> kept;
     for (const Candidate& candidate : claim.candidates) {
-      const auto pixel = aligned(store[candidate.track], corners[claim.corner].pixel, image, options);
+      const auto pixel = aligned(store[candidate.track], current, corners[claim.corner].pixel, image, options);
       if (!pixel) continue;
       kept.push_back(candidate);
       claim.pixels.push_back(*pixel);
@@ -99,10 +145,10 @@ std::vector<Recognised> recognise(std::span<const NewCorner> corners, std::span<
                                   std::int64_t current, const Pyramid& image, int most, const TrackOptions& options, TaskPool* pool,
                                   TrackTimes& times) {
   Stopwatch stopwatch;
-  std::vector<Claim> claims = collect_claims(corners, store, current, options, pool);
+  std::vector<Claim> claims = collect_claims(corners, tracked, store, current, options, pool);
   times.match_ms += stopwatch.lap_ms();
 
-  align_claims(claims, corners, store, image, options);
+  align_claims(claims, corners, store, current, image, options);
   sort_claims(claims);
   const std::vector<Association> associations = with_proposals(tracked, claims);
   Validation validation(store, current, associations, options);

@@ -34,6 +34,7 @@ class Track {
   void keep_look(std::int64_t frame, int interval, const Pyramid& pyramid, const Eigen::Vector2f& pixel, int window_px);
   /// The look kept before the last one, where there is one: old enough not to show what covers the feature now.
   const KltReference& look() const { return older_look_.empty() ? look_ : older_look_; }
+  const KltReference& newest_look() const { return look_; }
 
   std::int64_t id = -1;
   std::int64_t last_seen = -1;
@@ -66,6 +67,8 @@ class TrackStore {
   const std::vector<std::size_t>& lost() const { return lost_; }
   void mark_lost(std::size_t index);
   void mark_found(std::size_t index);
+  /// Forgets a track that is not lost.
+  void discard(std::size_t index) { unused_.push_back(index); }
   /// Forgets lost tracks whose last observation is older than the window of frame `current`.
   void forget_old(std::int64_t current);
 

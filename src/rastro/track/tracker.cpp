@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "rastro/base/random.h"
 #include "rastro/feature/corner.h"
@@ -50,6 +51,7 @@ KltOptions klt_options(const TrackOptions& options) {
   klt.epsilon_px = options.flow_epsilon_px;
   klt.max_backward_px = options.max_backward_px;
   klt.max_residual_ratio = options.max_residual_ratio;
+  klt.min_eigenvalue = options.min_texture;
   return klt;
 }
 
@@ -71,8 +73,11 @@ class Tracker::State {
   void describe_tracked();
   bool looks_the_same(const Track& track, const Eigen::Vector2f& pixel) const;
   bool verifies_corners(const TrackFrame& frame) const;
-  std::vector<char> followable(const std::vector<NewCorner>& corners) const;
+  bool near_a_loss(const Eigen::Vector2f& pixel) const;
+  bool can_be_followed_back(const Eigen::Vector2f& pixel) const;
   void observe(const Live& feature, const Descriptor& descriptor);
+  int most_displaced() const;
+  void make_room(std::vector<Recognised>& recognised, TrackFrame& frame);
   void adopt(const std::vector<NewCorner>& corners, TrackFrame& frame);
   void report(TrackFrame& frame) const;
   Eigen::Vector2f ray_of(const Eigen::Vector2f& pixel) const;
@@ -154,8 +159,7 @@ void Tracker::State::follow(TrackFrame& frame, GreyView mask) {
 
 /// Whether the feature still looks like some frames ago; where that view cannot be compared, it does.
 bool Tracker::State::looks_the_same(const Track& track, const Eigen::Vector2f& pixel) const {
-  return track.look().empty() ||
-         track.look().residual_ratio(current_, pixel, klt_options(options_)) <= options_.max_reference_residual;
+  return track.look().empty() || track.look().residual_ratio(current_, pixel) <= options_.max_reference_residual;
 }
 
 void Tracker::State::drop_outliers() {
@@ -190,7 +194,8 @@ std::vector<NewCorner> Tracker::State::detect(TrackFrame& frame, GreyView mask) 
   frame.tracked = static_cast<int>(live_.size());
   frame.lost = static_cast<int>(before_.size()) - frame.tracked;
   const int needed = options_.features - frame.tracked;
-  if (needed <= 0) return {};
+  const int wanted = std::max(needed, options_.mode != "klt" && options_.displace ? most_displaced() : 0);
+  if (wanted <= 0) return {};
   const PaddedImage& image = current_.level(0);
   free_.reset(image.width(), image.height(), mask);
   for (const Live& feature : live_) free_.block(feature.pixel, options_.min_distance_px);
@@ -200,7 +205,7 @@ std::vector<NewCorner> Tracker::State::detect(TrackFrame& frame, GreyView mask) 
   const bool recognises = options_.mode != "klt" && !store_.lost().empty();
   if (recognises && options_.candidates_distance_px > 0.0) corner_options.min_distance_px = options_.candidates_distance_px;
   const double factor = recognises ? options_.candidates_factor : 1.0;
-  const int asked = static_cast<int>(std::ceil(needed * std::max(factor, verifies ? 2.0 : 1.0)));
+  const int asked = static_cast<int>(std::ceil(wanted * std::max(factor, verifies ? 2.0 : 1.0)));
   std::vector<NewCorner> corners;
   for (const Corner& corner : detector_.detect(image, free_.view(), asked, corner_options, pool_)) {
     corners.push_back({{static_cast<float>(corner.x), static_cast<float>(corner.y)}, {}});
@@ -242,43 +247,87 @@ bool Tracker::State::verifies_corners(const TrackFrame& frame) const {
   return options_.verify_corners && !before_.empty() && 2 * frame.tracked >= static_cast<int>(before_.size());
 }
 
-std::vector<char> Tracker::State::followable(const std::vector<NewCorner>& corners) const {
-  std::vector<Eigen::Vector2f> points;
-  for (const NewCorner& corner : corners) points.push_back(corner.pixel);
-  std::vector<KltResult> results(points.size());
-  klt_follow(current_, previous_, points, points, klt_options(options_), pool_, results);
-  std::vector<char> can(points.size());
-  std::transform(results.begin(), results.end(), can.begin(), [](const KltResult& result) { return result.followed ? 1 : 0; });
-  return can;
+/// Whether the place is near one where a feature has just been lost: what hid that is likely to move on.
+bool Tracker::State::near_a_loss(const Eigen::Vector2f& pixel) const {
+  return std::any_of(before_.begin(), before_.end(), [&](const Live& feature) {
+    return store_[feature.track].last_seen < index_ &&
+           static_cast<double>((feature.pixel - pixel).norm()) < options_.min_distance_px;
+  });
+}
+
+bool Tracker::State::can_be_followed_back(const Eigen::Vector2f& pixel) const {
+  KltResult result;
+  klt_follow(current_, previous_, std::span(&pixel, 1), std::span(&pixel, 1), klt_options(options_), nullptr, std::span(&result, 1));
+  return result.followed;
+}
+
+/// At most this many features of a full frame give way in one frame.
+int Tracker::State::most_displaced() const { return std::min(static_cast<int>(store_.lost().size()), std::max(1, options_.features / 5)); }
+
+/// Where tracked and recognised features are more than asked for, the youngest tracked ones younger than what was recognised give way;
+/// what is recognised beyond that stays lost.
+void Tracker::State::make_room(std::vector<Recognised>& recognised, TrackFrame& frame) {
+  const auto excess = [&] { return static_cast<int>(live_.size() + recognised.size()) - options_.features; };
+  std::vector<std::size_t> youngest(live_.size());
+  std::iota(youngest.begin(), youngest.end(), std::size_t{0});
+  std::sort(youngest.begin(), youngest.end(), [&](std::size_t a, std::size_t b) {
+    const Track &first = store_[live_[a].track], &second = store_[live_[b].track];
+    return first.age != second.age ? first.age < second.age : first.id > second.id;
+  });
+  std::vector<char> gives_way(live_.size(), 0);
+  int displaced = 0;
+  const int most = std::min(most_displaced(), static_cast<int>(live_.size()));
+  while (excess() - displaced > 0) {
+    const std::size_t next = displaced < most ? youngest[static_cast<std::size_t>(displaced)] : live_.size();
+    if (next < live_.size() && store_[live_[next].track].age < store_[recognised.back().track].age) {
+      gives_way[next] = 1;
+      store_.discard(live_[next].track);
+      ++displaced;
+    } else {
+      recognised.pop_back();
+    }
+  }
+  std::vector<Live> kept;
+  for (std::size_t i = 0; i < live_.size(); ++i) {
+    if (gives_way[i] == 0) kept.push_back(live_[i]);
+  }
+  live_ = std::move(kept);
+  frame.tracked -= displaced;
+  frame.lost += displaced;
 }
 
 void Tracker::State::observe(const Live& feature, const Descriptor& descriptor) {
   Track& track = store_[feature.track];
   track.observe(index_, feature.pixel, descriptor);
-  track.keep_look(index_, options_.reference_interval, current_, feature.pixel, options_.flow_window_px);
+  track.keep_look(index_, options_.reference_interval, current_, feature.pixel, options_.look_window_px);
 }
 
 void Tracker::State::adopt(const std::vector<NewCorner>& corners, TrackFrame& frame) {
-  const int needed = options_.features - frame.tracked;
   std::vector<Recognised> recognised;
   if (options_.mode != "klt") {
     std::vector<Association> tracked;
     for (const Live& feature : live_) tracked.push_back({feature.track, feature.pixel});
-    recognised = recognise(corners, tracked, store_, index_, current_, needed, options_, pool_, frame.times);
+    const int most = options_.displace ? options_.features : options_.features - frame.tracked;
+    recognised = recognise(corners, tracked, store_, index_, current_, most, options_, pool_, frame.times);
+    make_room(recognised, frame);
   }
   frame.reidentified = static_cast<int>(recognised.size());
   const PaddedImage& image = current_.level(0);
   DistanceGrid grid(image.width(), image.height(), options_.min_distance_px);
-  std::vector<char> usable = verifies_corners(frame) ? followable(corners) : std::vector<char>(corners.size(), 1);
+  std::vector<char> used(corners.size(), 0);
   for (const Recognised& match : recognised) {
-    usable[match.corner] = 0;
+    used[match.corner] = 1;
     grid.add_if_far(match.pixel.x(), match.pixel.y());
     store_.mark_found(match.track);
     live_.push_back({match.track, match.pixel, TrackState::reidentified});
     observe(live_.back(), describe(match.pixel, false).front());
   }
-  for (std::size_t i = 0; i < corners.size() && frame.reidentified + frame.fresh < needed; ++i) {
-    if (usable[i] == 0 || !grid.add_if_far(corners[i].pixel.x(), corners[i].pixel.y())) continue;
+  const bool verify = verifies_corners(frame);
+  for (std::size_t i = 0; i < corners.size() && static_cast<int>(live_.size()) < options_.features; ++i) {
+    if (used[i] != 0 || (verify && near_a_loss(corners[i].pixel))) continue;
+    if (!grid.is_far(corners[i].pixel.x(), corners[i].pixel.y())) continue;
+    if (verify && !can_be_followed_back(corners[i].pixel)) continue;
+    grid.add_if_far(corners[i].pixel.x(), corners[i].pixel.y());
     live_.push_back({store_.create(), corners[i].pixel, TrackState::fresh});
     observe(live_.back(), corners[i].views.front());
     ++frame.fresh;

@@ -11,17 +11,23 @@
 namespace rastro {
 namespace {
 
+/// A homography that explains most of what two frames share is believed; one that explains little may be that of another plane or of
+/// something in front, and so confirms only what the nearest features confirm, too.
 class HomographyModel : public Validation::Model {
  public:
-  HomographyModel(const Eigen::Matrix3d& homography, double max_error) : homography_(homography), max_error_(max_error) {}
+  HomographyModel(const Eigen::Matrix3d& homography, double max_error, bool believed, PointPairs pairs)
+      : homography_(homography), max_error_(max_error), believed_(believed), pairs_(std::move(pairs)) {}
   bool agrees(const Eigen::Vector2d& in_window_frame, const Eigen::Vector2d& in_current) const override {
     const auto expected = transfer(homography_, in_window_frame);
-    return expected && (*expected - in_current).norm() <= max_error_;
+    if (!expected || (*expected - in_current).norm() > max_error_) return false;
+    return believed_ || agrees_with_neighbours(pairs_, in_window_frame, in_current, max_error_);
   }
 
  private:
   Eigen::Matrix3d homography_;
   double max_error_;
+  bool believed_;
+  PointPairs pairs_;
 };
 
 class EpipolarModel : public Validation::Model {
@@ -89,7 +95,8 @@ std::unique_ptr<Validation::Model> Validation::estimate(std::int64_t frame) cons
   const auto fit = epipolar ? estimate_fundamental(pairs, ransac) : estimate_homography(pairs, ransac);
   if (!fit || fit->inliers < options_.min_inliers) return nullptr;
   if (epipolar) return std::make_unique<EpipolarModel>(fit->model, options_.max_reprojection_px);
-  return std::make_unique<HomographyModel>(fit->model, options_.max_reprojection_px);
+  const bool believed = fit->inliers >= options_.min_inlier_share * static_cast<double>(pairs.size());
+  return std::make_unique<HomographyModel>(fit->model, options_.max_reprojection_px, believed, std::move(pairs));
 }
 
 }  // namespace rastro

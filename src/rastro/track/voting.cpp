@@ -31,13 +31,20 @@ Voting::Voting(const TrackStore& store, std::int64_t current, const VotingOption
   for (const std::size_t track : store.lost()) last_descriptors_.push_back(store[track].last_descriptor());
 }
 
-std::vector<Candidate> Voting::candidates_for(std::span<const Descriptor> views) {
+std::vector<Candidate> Voting::candidates_for(std::span<const Descriptor> views, const Eigen::Vector2f& pixel) {
   proposals_.assign(static_cast<std::size_t>((store_.window() + 1) * options_.proposals_per_frame), {no_distance, 0});
   nearest_of_views(views, last_descriptors_, distances_, nearest_);
   for (std::size_t i = 0; i < last_descriptors_.size(); ++i) {
-    if (nearest_[i] <= options_.max_hamming + store_[store_.lost()[i]].descriptor_spread) propose(i, views);
+    if (nearest_[i] <= options_.max_hamming + store_[store_.lost()[i]].descriptor_spread && within_travel(i, pixel)) {
+      propose(i, views);
+    }
   }
   return count_votes();
+}
+
+bool Voting::within_travel(std::size_t lost_index, const Eigen::Vector2f& pixel) const {
+  if (options_.max_travel_px <= 0.0 || lost_index >= expected_.size() || !expected_[lost_index]) return true;
+  return static_cast<double>((*expected_[lost_index] - pixel).norm()) <= options_.max_travel_px;
 }
 
 void Voting::propose(std::size_t lost_index, std::span<const Descriptor> views) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "rastro/track/track_store.h"
@@ -20,6 +22,7 @@ struct VotingOptions {
   int proposals_per_frame = 2;  ///< 2: priority matching.
   int candidates = 2;           ///< 2: dual voting.
   int min_votes = 1;
+  double max_travel_px = 0.0;  ///< A corner farther from where a track is expected is not compared with it; 0: no such limit.
 };
 
 /// Matching and voting of METHODS 1, steps 4 and 5: every window frame proposes the lost features most like the corner,
@@ -34,7 +37,9 @@ class Voting {
   Voting(const TrackStore& store, std::int64_t current, const VotingOptions& options);
   /// Up to `candidates` candidates, best first. `descriptors`: one, or several views (scales) of which each observation
   /// takes the nearest.
-  std::vector<Candidate> candidates_for(std::span<const Descriptor> descriptors);
+  std::vector<Candidate> candidates_for(std::span<const Descriptor> descriptors, const Eigen::Vector2f& pixel = {0, 0});
+  /// Where each lost track, in the order of store.lost(), may be expected now; nullopt: anywhere. Only used with max_travel_px.
+  void expect(std::vector<std::optional<Eigen::Vector2f>> places) { expected_ = std::move(places); }
 
  private:
   struct Proposal {
@@ -48,6 +53,9 @@ class Voting {
   const TrackStore& store_;
   std::int64_t oldest_;
   VotingOptions options_;
+  bool within_travel(std::size_t lost_index, const Eigen::Vector2f& pixel) const;
+
+  std::vector<std::optional<Eigen::Vector2f>> expected_;
   std::vector<Descriptor> last_descriptors_;   ///< Of all lost tracks, side by side.
   std::vector<std::uint16_t> nearest_;         ///< Scratch: to the last descriptors.
   std::vector<std::uint16_t> distances_;       ///< Scratch.

@@ -139,20 +139,44 @@ const SurfaceTruthReader::Pictures& SurfaceTruthReader::pictures(std::int64_t fr
 
 std::optional<RecordedSurfacePoint> SurfaceTruthReader::surface_at(std::int64_t frame,
                                                                    const Eigen::Vector2d& pixel) const {
+  return surface_near(frame, pixel, 0);
+}
+
+std::optional<RecordedSurfacePoint> SurfaceTruthReader::corner_surface_at(std::int64_t frame,
+                                                                          const Eigen::Vector2d& pixel) const {
+  return surface_near(frame, pixel, 1);
+}
+
+/// The surface at the nearest pixel centre, or the nearest surface up to `reach` pixels around it, continued as a plane.
+std::optional<RecordedSurfacePoint> SurfaceTruthReader::surface_near(std::int64_t frame, const Eigen::Vector2d& pixel,
+                                                                     int reach) const {
   if (frame < 0 || frame >= frame_count()) return std::nullopt;
   if (!(pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < camera_.width - 0.5 && pixel.y() < camera_.height - 0.5))
     return std::nullopt;
   const int x = static_cast<int>(std::floor(pixel.x() + 0.5)), y = static_cast<int>(std::floor(pixel.y() + 0.5));
   const std::optional<Eigen::Vector2d> ray = camera_.unproject(pixel);
+  if (!ray) return std::nullopt;
   const Pictures& seen = pictures(frame);
-  if (!ray || seen.inverse_depth.at(x, y) == 0) return std::nullopt;
   // On a plane the inverse depth changes linearly over the image.
-  const double steps =
-      seen.inverse_depth.at(x, y) + (pixel.x() - x) * seen.slope(x, y, 1, 0) + (pixel.y() - y) * seen.slope(x, y, 0, 1);
+  const auto steps_from = [&](int cx, int cy) {
+    if (seen.inverse_depth.at(cx, cy) == 0) return 0.0;
+    return seen.inverse_depth.at(cx, cy) + (pixel.x() - cx) * seen.slope(cx, cy, 1, 0) +
+           (pixel.y() - cy) * seen.slope(cx, cy, 0, 1);
+  };
+  double steps = steps_from(x, y);
+  std::uint32_t surface = seen.surface.at(x, y);
+  for (int cy = std::max(0, y - reach); cy <= std::min(camera_.height - 1, y + reach); ++cy) {
+    for (int cx = std::max(0, x - reach); cx <= std::min(camera_.width - 1, x + reach); ++cx) {
+      constexpr double clearly_nearer = 1.02;
+      if (steps_from(cx, cy) <= clearly_nearer * steps) continue;
+      steps = steps_from(cx, cy);
+      surface = seen.surface.at(cx, cy);
+    }
+  }
   if (!(steps >= 0.5)) return std::nullopt;
   const double depth = 1.0 / (steps * inverse_depth_step_);
   const SE3& pose = poses_[static_cast<std::size_t>(frame)].world_from_body;
-  return RecordedSurfacePoint{pose * Eigen::Vector3d(ray->x() * depth, ray->y() * depth, depth), seen.surface.at(x, y)};
+  return RecordedSurfacePoint{pose * Eigen::Vector3d(ray->x() * depth, ray->y() * depth, depth), surface};
 }
 
 RecordedView SurfaceTruthReader::view_of(std::int64_t frame, const Eigen::Vector3d& point_in_world) const {
