@@ -12,7 +12,7 @@ namespace rastro {
 namespace {
 
 constexpr int angles = 32;
-constexpr int tests = 256;
+constexpr std::size_t tests = 256;
 
 std::vector<BriefTest> draw_tests(int patch_px, std::uint64_t seed) {
   Random random(seed);
@@ -78,20 +78,27 @@ Descriptor Brief::describe(const Image<std::uint16_t>& sums, float x, float y, d
       patterns_[static_cast<std::size_t>((nearest_scale - scales().begin()) * angles + angle_index)];
   const int cx = static_cast<int>(std::lround(x)), cy = static_cast<int>(std::lround(y));
 
-  const auto build = [&](auto value) {
+  const auto build = [](auto value) {
     Descriptor descriptor;
-    for (std::size_t t = 0; t < tests; ++t) {
-      const auto bit = static_cast<std::uint64_t>(value(pattern.offsets[2 * t]) < value(pattern.offsets[2 * t + 1]));
-      descriptor.words[t / 64] |= bit << (t % 64);
+    for (std::size_t w = 0; w < 4; ++w) {
+      std::uint64_t word = 0;
+      for (std::size_t t = 0; t < 64; ++t) word |= static_cast<std::uint64_t>(value(2 * (64 * w + t)) < value(2 * (64 * w + t) + 1)) << t;
+      descriptor.words[w] = word;
     }
     return descriptor;
   };
   if (cx >= reach_ && cy >= reach_ && cx + reach_ < sums.width() && cy + reach_ < sums.height()) {
     const std::uint16_t* centre = sums.row(cy) + cx;
     const std::ptrdiff_t stride = sums.stride();
-    return build([=](Offset offset) { return centre[offset.y * stride + offset.x]; });
+    // All places first: the tests then are loads and compares alone.
+    std::array<std::int32_t, 2 * tests> places;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      places[i] = static_cast<std::int32_t>(pattern.offsets[i].y * stride + pattern.offsets[i].x);
+    }
+    return build([&](std::size_t i) { return centre[places[i]]; });
   }
-  return build([&](Offset offset) {
+  return build([&](std::size_t i) {
+    const Offset offset = pattern.offsets[i];
     return sums.at(std::clamp(cx + offset.x, 0, sums.width() - 1), std::clamp(cy + offset.y, 0, sums.height() - 1));
   });
 }

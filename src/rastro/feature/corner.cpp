@@ -2,6 +2,7 @@
 #include "rastro/feature/corner.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -24,10 +25,24 @@ struct Area {
   int x0, x1, y0, y1;
 };
 
-/// The local maxima of one band of tiles, and the best score in it.
+/// The local maxima of one band of tiles, and the best score found so far, in any band.
 struct Band {
   std::vector<Corner> maxima;
   float best = 0.0F;
+};
+
+/// The best score of all bands so far. What it is at some time depends on the threads, but it only ever leaves out maxima that the
+/// threshold at the end leaves out as well.
+class SharedBest {
+ public:
+  float get() const { return best_.load(std::memory_order_relaxed); }
+  void raise(float score) {
+    float seen = get();
+    while (seen < score && !best_.compare_exchange_weak(seen, score, std::memory_order_relaxed)) {}
+  }
+
+ private:
+  std::atomic<float> best_ = 0.0F;
 };
 
 struct BandBuffers {
@@ -98,11 +113,13 @@ void collect_maxima(const PaddedImage& image, GreyView free, const Area& area, d
   }
 }
 
-Band search_band(const PaddedImage& image, GreyView free, const Area& inside, int band_index, double quality) {
+void search_band(const PaddedImage& image, GreyView free, const Area& inside, int band_index, double quality,
+                 SharedBest& shared, Band& band) {
   // One set of buffers per thread: their contents never outlive a call.
   thread_local BandBuffers buffers;
   if (buffers.scores.width() < image.width() + 64) buffers.scores = Image<float>(image.width() + 64, tile_height + 2);
-  Band band;
+  band.maxima.clear();
+  band.best = shared.get();
   Area area{0, 0, inside.y0 + band_index * tile_height,
             std::min(inside.y1, inside.y0 + (band_index + 1) * tile_height)};
   const std::vector<char> tiles = free_tiles(free, {inside.x0, inside.x1, area.y0, area.y1});
@@ -117,7 +134,7 @@ Band search_band(const PaddedImage& image, GreyView free, const Area& inside, in
     }
     tile = std::max(end, tile + 1);
   }
-  return band;
+  shared.raise(band.best);
 }
 
 bool stronger(const Corner& a, const Corner& b) {
@@ -130,11 +147,12 @@ std::vector<Corner> choose(std::vector<Corner>& candidates, int count, double mi
   std::vector<Corner> chosen;
   DistanceGrid grid(width, height, min_distance);
   auto sorted_end = candidates.begin();
-  std::ptrdiff_t portion = std::max(64, 4 * count);
+  std::ptrdiff_t portion = std::max(64, 2 * count);
   for (auto next = candidates.begin(); next != candidates.end() && static_cast<int>(chosen.size()) < count; ++next) {
     if (next == sorted_end) {
       sorted_end += std::min(portion, candidates.end() - sorted_end);
-      std::partial_sort(next, sorted_end, candidates.end(), stronger);
+      if (sorted_end != candidates.end()) std::nth_element(next, sorted_end, candidates.end(), stronger);
+      std::sort(next, sorted_end, stronger);
       portion *= 2;
     }
     if (grid.add_if_far(static_cast<float>(next->x), static_cast<float>(next->y))) chosen.push_back(*next);
@@ -144,6 +162,14 @@ std::vector<Corner> choose(std::vector<Corner>& candidates, int count, double mi
 
 }  // namespace
 
+struct CornerDetector::Buffers {
+  std::vector<Band> bands;
+  std::vector<Corner> candidates;
+};
+
+CornerDetector::CornerDetector() : buffers_(std::make_unique<Buffers>()) {}
+CornerDetector::~CornerDetector() = default;
+
 std::vector<Corner> CornerDetector::detect(const PaddedImage& image, GreyView free, int count,
                                            const CornerOptions& options, TaskPool* pool) {
   RASTRO_CHECK(free.width == image.width() && free.height == image.height(), "the free mask has the image's size");
@@ -152,10 +178,13 @@ std::vector<Corner> CornerDetector::detect(const PaddedImage& image, GreyView fr
   const Area inside{border, image.width() - border, border, image.height() - border};
   if (count <= 0 || inside.x0 >= inside.x1 || inside.y0 >= inside.y1) return {};
 
-  std::vector<Band> bands(static_cast<std::size_t>((inside.y1 - inside.y0 + tile_height - 1) / tile_height));
+  auto& bands = buffers_->bands;
+  bands.resize(static_cast<std::size_t>((inside.y1 - inside.y0 + tile_height - 1) / tile_height));
+  SharedBest shared;
   const auto search = [&](int begin, int end) {
-    for (int b = begin; b < end; ++b)
-      bands[static_cast<std::size_t>(b)] = search_band(image, free, inside, b, options.quality);
+    for (int b = begin; b < end; ++b) {
+      search_band(image, free, inside, b, options.quality, shared, bands[static_cast<std::size_t>(b)]);
+    }
   };
   if (pool) {
     pool->for_chunks(0, static_cast<int>(bands.size()), 2, search);
@@ -163,10 +192,9 @@ std::vector<Corner> CornerDetector::detect(const PaddedImage& image, GreyView fr
     search(0, static_cast<int>(bands.size()));
   }
 
-  float best = 0.0F;
-  for (const Band& band : bands) best = std::max(best, band.best);
-  const float floor = static_cast<float>(options.quality) * best;
-  std::vector<Corner> candidates;
+  const float floor = static_cast<float>(options.quality) * shared.get();
+  std::vector<Corner>& candidates = buffers_->candidates;
+  candidates.clear();
   for (const Band& band : bands) {
     std::copy_if(band.maxima.begin(), band.maxima.end(), std::back_inserter(candidates),
                  [floor](const Corner& corner) { return corner.score > floor; });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "rastro/base/task_pool.h"
@@ -25,6 +26,9 @@ struct CornerOptions {
 /// features are nearly all tracked costs little. Keeps its buffers between calls.
 class CornerDetector {
  public:
+  CornerDetector();
+  ~CornerDetector();
+
   /// Up to `count` corners where `free` is not zero, strongest first (equal scores: upper, then left one first), each
   /// at least min_distance from all before it. `free` has the image's size. Local maxima are taken over 3x3 pixels, the
   /// strictly masked neighbours included. The result does not depend on the pool.
@@ -35,6 +39,8 @@ class CornerDetector {
   int candidates() const { return candidates_; }
 
  private:
+  struct Buffers;
+  std::unique_ptr<Buffers> buffers_;
   int candidates_ = 0;
 };
 

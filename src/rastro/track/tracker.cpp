@@ -262,7 +262,7 @@ bool Tracker::State::can_be_followed_back(const Eigen::Vector2f& pixel) const {
 }
 
 /// At most this many features of a full frame give way in one frame.
-int Tracker::State::most_displaced() const { return std::min(static_cast<int>(store_.lost().size()), std::max(1, options_.features / 5)); }
+int Tracker::State::most_displaced() const { return std::min(static_cast<int>(store_.lost().size()), std::max(1, options_.features / 10)); }
 
 /// Where tracked and recognised features are more than asked for, the youngest tracked ones younger than what was recognised give way;
 /// what is recognised beyond that stays lost.
