@@ -45,7 +45,7 @@ void add_recognition_options(OptionTable& table, TrackOptions& o) {
   table.add({"max_alignment_px", &o.max_alignment_px, "px", "how far the alignment may move a recognised corner", 0.1, 20, {}});
   table.add({"max_alignment_residual", &o.max_alignment_residual, "", "as max_residual_ratio, of a recognised corner against the look kept", 0.01, 1e6, {}});
   table.add({"min_alignment_texture", &o.min_alignment_texture, "(grey/px)^2", "as min_texture, for what a recognised corner is aligned with", 0, 1e4, {}});
-  table.add({"max_travel_px", &o.max_travel_px, "px", "corners farther from a lost feature's last place, moved by the median of the features followed since, are not compared with it; 0: all are, the paper's way", 0, 1e5, {}});
+  table.add({"max_travel_px", &o.max_travel_px, "px", "corners farther from a lost feature's last place, and from that place moved by the median of the features followed since, are not compared with it; 0: all are, the paper's way", 0, 1e5, {}});
   table.add({"validation", &o.validation, "", "homography: one plane or rotation, the paper's; epipolar: fundamental matrix, for scenes with depth; local: motion of the nearest features",
              0, 0, {"homography", "epipolar", "local"}});
   table.add({"max_reprojection_px", &o.max_reprojection_px, "px", "a recognised corner may lie this far from where the motion puts it", 0.1, 100, {}});

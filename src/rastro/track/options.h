@@ -26,15 +26,15 @@ struct TrackOptions {
   double max_backward_px = 0.5;
   double max_residual_ratio = 0.1;
   double min_texture = 0.1;
-  int reference_interval = 5;
+  int reference_interval = 4;
   double max_reference_residual = 0.4;
-  double max_epipolar_error_px = 1.0;
+  double max_epipolar_error_px = 0.7;
 
   // Corners.
   double corner_quality = 0.01;
   int corner_border_px = 5;
   bool verify_corners = true;
-  double candidates_factor = 8.0;
+  double candidates_factor = 12.0;
   double candidates_distance_px = 5.0;
   bool displace = true;
 
@@ -44,18 +44,18 @@ struct TrackOptions {
   std::string descriptor = "upright";
   int max_hamming = 50;
   int min_votes = 1;
-  double max_travel_px = 80.0;
+  double max_travel_px = 60.0;
 
   // Alignment with what the lost feature looked like.
   bool align = true;
   int look_window_px = 15;
   double max_alignment_px = 5.0;
-  double max_alignment_residual = 0.3;
+  double max_alignment_residual = 0.25;
   double min_alignment_texture = 0.5;
 
   // Validation.
   std::string validation = "homography";
-  double max_reprojection_px = 3.0;
+  double max_reprojection_px = 2.5;
   int min_inliers = 8;
   double min_inlier_share = 0.75;
   int ransac_iterations = 200;

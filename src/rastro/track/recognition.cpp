@@ -27,8 +27,8 @@ VotingOptions voting_options(const TrackOptions& options) {
           options.max_travel_px};
 }
 
-/// Where lost tracks would be had they moved like the median of the features followed since they were last seen; nullopt where too few were.
-std::vector<std::optional<Eigen::Vector2f>> expected_places(std::span<const Association> tracked, const TrackStore& store,
+/// The median motion of the features followed since each lost track was last seen; nullopt where too few were.
+std::vector<std::optional<Eigen::Vector2f>> motions_since_lost(std::span<const Association> tracked, const TrackStore& store,
                                                             std::int64_t current) {
   constexpr std::size_t fewest = 8;
   std::map<std::int64_t, std::optional<Eigen::Vector2f>> motion_since;
@@ -51,23 +51,19 @@ std::vector<std::optional<Eigen::Vector2f>> expected_places(std::span<const Asso
     if (dx.size() >= fewest) found->second = Eigen::Vector2f(median(dx), median(dy));
     return found->second;
   };
-  std::vector<std::optional<Eigen::Vector2f>> places;
-  for (const std::size_t index : store.lost()) {
-    const Track& track = store[index];
-    const auto moved = motion(track.last_seen);
-    places.push_back(moved ? std::optional<Eigen::Vector2f>(track.pixel_in(track.last_seen) + *moved) : std::nullopt);
-  }
-  return places;
+  std::vector<std::optional<Eigen::Vector2f>> motions;
+  for (const std::size_t index : store.lost()) motions.push_back(motion(store[index].last_seen));
+  return motions;
 }
 
 
 std::vector<Claim> collect_claims(std::span<const NewCorner> corners, std::span<const Association> tracked, const TrackStore& store, std::int64_t current,
                                   const TrackOptions& options, TaskPool* pool) {
   std::vector<Claim> claims(corners.size());
-  const auto expected = expected_places(tracked, store, current);
+  const auto motions = motions_since_lost(tracked, store, current);
   const auto vote = [&](int begin, int end) {
     Voting voting(store, current, voting_options(options));
-    voting.expect(expected);
+    voting.expect(motions);
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       claims[i] = {i, voting.candidates_for(corners[i].views, corners[i].pixel), {}};
     }

@@ -43,8 +43,12 @@ std::vector<Candidate> Voting::candidates_for(std::span<const Descriptor> views,
 }
 
 bool Voting::within_travel(std::size_t lost_index, const Eigen::Vector2f& pixel) const {
-  if (options_.max_travel_px <= 0.0 || lost_index >= expected_.size() || !expected_[lost_index]) return true;
-  return static_cast<double>((*expected_[lost_index] - pixel).norm()) <= options_.max_travel_px;
+  if (options_.max_travel_px <= 0.0 || lost_index >= motions_.size() || !motions_[lost_index]) return true;
+  const Track& track = store_[store_.lost()[lost_index]];
+  const Eigen::Vector2f travelled = pixel - track.pixel_in(track.last_seen);
+  const auto limit = static_cast<float>(options_.max_travel_px);
+  // What moves in front may hold most features: then standing still is the better guess.
+  return travelled.norm() <= limit || (travelled - *motions_[lost_index]).norm() <= limit;
 }
 
 void Voting::propose(std::size_t lost_index, std::span<const Descriptor> views) {

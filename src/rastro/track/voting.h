@@ -22,7 +22,8 @@ struct VotingOptions {
   int proposals_per_frame = 2;  ///< 2: priority matching.
   int candidates = 2;           ///< 2: dual voting.
   int min_votes = 1;
-  double max_travel_px = 0.0;  ///< A corner farther from where a track is expected is not compared with it; 0: no such limit.
+  /// A corner farther from a track's last place, and from that place moved like other features, is not compared; 0: no limit.
+  double max_travel_px = 0.0;
 };
 
 /// Matching and voting of METHODS 1, steps 4 and 5: every window frame proposes the lost features most like the corner,
@@ -38,8 +39,8 @@ class Voting {
   /// Up to `candidates` candidates, best first. `descriptors`: one, or several views (scales) of which each observation
   /// takes the nearest.
   std::vector<Candidate> candidates_for(std::span<const Descriptor> descriptors, const Eigen::Vector2f& pixel = {0, 0});
-  /// Where each lost track, in the order of store.lost(), may be expected now; nullopt: anywhere. Only used with max_travel_px.
-  void expect(std::vector<std::optional<Eigen::Vector2f>> places) { expected_ = std::move(places); }
+  /// How features moved since each lost track, in the order of store.lost(), was last seen; nullopt: not known. Only used with max_travel_px.
+  void expect(std::vector<std::optional<Eigen::Vector2f>> motions) { motions_ = std::move(motions); }
 
  private:
   struct Proposal {
@@ -55,7 +56,7 @@ class Voting {
   VotingOptions options_;
   bool within_travel(std::size_t lost_index, const Eigen::Vector2f& pixel) const;
 
-  std::vector<std::optional<Eigen::Vector2f>> expected_;
+  std::vector<std::optional<Eigen::Vector2f>> motions_;
   std::vector<Descriptor> last_descriptors_;   ///< Of all lost tracks, side by side.
   std::vector<std::uint16_t> nearest_;         ///< Scratch: to the last descriptors.
   std::vector<std::uint16_t> distances_;       ///< Scratch.
