@@ -45,6 +45,9 @@ function(rastro_module name)
   set_target_properties(rastro_${name} PROPERTIES LINKER_LANGUAGE CXX)
   target_include_directories(rastro_${name} PUBLIC "${PROJECT_SOURCE_DIR}/src")
   target_link_libraries(rastro_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} rastro_build_flags)
+  if(RASTRO_PRECOMPILED_HEADERS)
+    target_precompile_headers(rastro_${name} REUSE_FROM rastro_precompiled)
+  endif()
   foreach(used IN LISTS RASTRO_USES_${name})
     if(TARGET rastro_${used})
       target_link_libraries(rastro_${name} PUBLIC rastro_${used})
@@ -61,24 +64,40 @@ function(rastro_add_module_tests)
     file(GLOB_RECURSE tests CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_test.cpp"
          "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_testing.cpp")
     if(tests)
-      rastro_add_test(rastro_${name}_test MODULES ${name} synthetic SOURCES ${tests})
+      # The tests of the tracker share a flight through the hall, which every process of its own would render again.
+      set(shared "")
+      if(name STREQUAL "track")
+        set(shared Tracker.*)
+      endif()
+      rastro_add_test(rastro_${name}_test MODULES ${name} synthetic SOURCES ${tests} ONE_PROCESS ${shared})
     endif()
   endforeach()
 endfunction()
 
-# rastro_add_test(TARGET MODULES m... SOURCES f... [LIBRARIES l...]): a GoogleTest program registered with ctest,
-# with OpenCV at hand as an oracle. Recorded data is found through RASTRO_DATA of the environment ctest runs in.
+# rastro_add_test(TARGET MODULES m... SOURCES f... [LIBRARIES l...] [ONE_PROCESS filter]): a GoogleTest program registered
+# with ctest, one entry per test but for those of the filter, which are one together; with OpenCV at hand as an oracle. Recorded data is found through RASTRO_DATA of the environment ctest runs in.
 function(rastro_add_test target)
-  cmake_parse_arguments(arg "" "" "MODULES;SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "" "ONE_PROCESS" "MODULES;SOURCES;LIBRARIES" ${ARGN})
   add_executable(${target} ${arg_SOURCES})
   list(TRANSFORM arg_MODULES PREPEND rastro_)
   target_link_libraries(${target} PRIVATE ${arg_MODULES} ${arg_LIBRARIES} GTest::gmock GTest::gtest_main
     opencv_core opencv_imgproc opencv_imgcodecs opencv_video opencv_calib3d rastro_build_flags)
   target_include_directories(${target} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
-  if(RASTRO_SANITIZERS)
-    # What is tested stays at the optimisation of the preset; the tests themselves would take most of the build.
-    target_compile_options(${target} PRIVATE -O0)
+  if(RASTRO_PRECOMPILED_HEADERS)  # once more for programs, which are compiled as such; the first test does it for all
+    get_property(owner GLOBAL PROPERTY RASTRO_PRECOMPILED_TEST)
+    if(owner)
+      target_precompile_headers(${target} REUSE_FROM ${owner})
+    else()
+      target_precompile_headers(${target} PRIVATE ${rastro_precompiled_headers} <Eigen/Dense> <gmock/gmock.h> <gtest/gtest.h>)
+      set_property(GLOBAL PROPERTY RASTRO_PRECOMPILED_TEST ${target})
+    endif()
   endif()
-  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 60
+  set(filter)
+  if(arg_ONE_PROCESS)
+    add_test(NAME ${arg_ONE_PROCESS} COMMAND ${target} --gtest_filter=${arg_ONE_PROCESS})
+    set_tests_properties(${arg_ONE_PROCESS} PROPERTIES TIMEOUT 240 ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
+    set(filter TEST_FILTER -${arg_ONE_PROCESS})
+  endif()
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST ${filter} PROPERTIES TIMEOUT 60
     ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
 endfunction()
