@@ -18,7 +18,7 @@ constexpr int corners_per_chunk = 8;
 struct Claim {
   std::size_t corner = 0;
   std::vector<Candidate> candidates;
-  std::vector<Eigen::Vector2f> pixels;  ///< Where each candidate would be.
+  std::optional<Eigen::Vector2f> pixel;  ///< Where the first candidate would be.
 };
 
 VotingOptions voting_options(const TrackOptions& options) {
@@ -56,8 +56,7 @@ std::vector<std::optional<Eigen::Vector2f>> motions_since_lost(std::span<const A
   return motions;
 }
 
-
-std::vector<Claim> collect_claims(std::span<const NewCorner> corners, std::span<const Association> tracked, const TrackStore& store, std::int64_t current,
+std::vector<Claim> collect_claims(std::span<const Eigen::Vector2f> corners, const Describe& describe, std::span<const Association> tracked, const TrackStore& store, std::int64_t current,
                                   const TrackOptions& options, TaskPool* pool) {
   std::vector<Claim> claims(corners.size());
   const auto motions = motions_since_lost(tracked, store, current);
@@ -65,7 +64,8 @@ std::vector<Claim> collect_claims(std::span<const NewCorner> corners, std::span<
     Voting voting(store, current, voting_options(options));
     voting.expect(motions);
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      claims[i] = {i, voting.candidates_for(corners[i].views, corners[i].pixel), {}};
+      claims[i].corner = i;
+      if (voting.select_near(corners[i])) claims[i].candidates = voting.candidates_for(describe(corners[i]));
     }
   };
   const int count = static_cast<int>(corners.size());
@@ -95,7 +95,7 @@ std::vector<Association> with_proposals(std::span<const Association> tracked, st
     const std::size_t track = claim.candidates.front().track;
     const bool taken = std::any_of(associations.begin() + static_cast<std::ptrdiff_t>(tracked.size()), associations.end(),
                                    [=](const Association& a) { return a.track == track; });
-    if (!taken) associations.push_back({track, claim.pixels.front()});
+    if (!taken) associations.push_back({track, *claim.pixel});
   }
   return associations;
 }
@@ -119,29 +119,24 @@ std::optional<Eigen::Vector2f> aligned(const Track& track, std::int64_t current,
   return older.followed && (!newer.followed || older.residual_ratio <= newer.residual_ratio) ? older.pixel : newer.pixel;
 }
 
-/// Leaves out candidates that do not look alike, and puts the others where they do.
-void align_claims(std::vector<Claim>& claims, std::span<const NewCorner> corners, const TrackStore& store, std::int64_t current,
-                  const Pyramid& image,
-                  const TrackOptions& options) {
+/// Leaves out the first candidates that do not look alike, and places the first that does; those after it are left for later.
+void align_claims(std::vector<Claim>& claims, std::span<const Eigen::Vector2f> corners, const TrackStore& store,
+                  std::int64_t current, const Pyramid& image, const TrackOptions& options) {
   for (Claim& claim : claims) {
-    std::vector<Candidate> kept;
-    for (const Candidate& candidate : claim.candidates) {
-      const auto pixel = aligned(store[candidate.track], current, corners[claim.corner].pixel, image, options);
-      if (!pixel) continue;
-      kept.push_back(candidate);
-      claim.pixels.push_back(*pixel);
+    while (!claim.candidates.empty() && !claim.pixel) {
+      claim.pixel = aligned(store[claim.candidates.front().track], current, corners[claim.corner], image, options);
+      if (!claim.pixel) claim.candidates.erase(claim.candidates.begin());
     }
-    claim.candidates = std::move(kept);
   }
 }
 
 }  // namespace
 
-std::vector<Recognised> recognise(std::span<const NewCorner> corners, std::span<const Association> tracked, const TrackStore& store,
+std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, const Describe& describe, std::span<const Association> tracked, const TrackStore& store,
                                   std::int64_t current, const Pyramid& image, int most, const TrackOptions& options, TaskPool* pool,
                                   TrackTimes& times) {
   Stopwatch stopwatch;
-  std::vector<Claim> claims = collect_claims(corners, tracked, store, current, options, pool);
+  std::vector<Claim> claims = collect_claims(corners, describe, tracked, store, current, options, pool);
   times.match_ms += stopwatch.lap_ms();
 
   align_claims(claims, corners, store, current, image, options);
@@ -155,8 +150,10 @@ std::vector<Recognised> recognise(std::span<const NewCorner> corners, std::span<
     for (std::size_t i = 0; i < claim.candidates.size(); ++i) {
       const std::size_t track = claim.candidates[i].track;
       const bool taken = std::any_of(recognised.begin(), recognised.end(), [=](const Recognised& r) { return r.track == track; });
-      if (taken || !validation.confirms(track, claim.pixels[i])) continue;
-      if (grid.add_if_far(claim.pixels[i].x(), claim.pixels[i].y())) recognised.push_back({claim.corner, track, claim.pixels[i]});
+      if (taken) continue;
+      const auto pixel = i == 0 ? claim.pixel : aligned(store[track], current, corners[claim.corner], image, options);
+      if (!pixel || !validation.confirms(track, *pixel)) continue;
+      if (grid.add_if_far(pixel->x(), pixel->y())) recognised.push_back({claim.corner, track, *pixel});
       break;
     }
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -13,12 +14,8 @@
 
 namespace rastro {
 
-/// A corner detected in the current frame that may be a lost feature. `views`: its descriptor, or several at different
-/// scales.
-struct NewCorner {
-  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
-  std::vector<Descriptor> views;
-};
+/// The descriptor of a corner, or several at different scales.
+using Describe = std::function<std::vector<Descriptor>(const Eigen::Vector2f& corner)>;
 
 /// A corner recognised as a lost track.
 struct Recognised {
@@ -31,7 +28,8 @@ struct Recognised {
 /// `min_distance_px` from the others; an id claimed by two corners goes to the one with more votes, then smaller
 /// distance, then the stronger corner. `tracked`: the features followed into the current frame. The result does not
 /// depend on the pool.
-std::vector<Recognised> recognise(std::span<const NewCorner> corners, std::span<const Association> tracked,
+/// `describe` is called for corners near which a lost feature may be, from several threads where there is a pool.
+std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, const Describe& describe, std::span<const Association> tracked,
                                   const TrackStore& store, std::int64_t current, const Pyramid& image, int most,
                                   const TrackOptions& options, TaskPool* pool, TrackTimes& times);
 

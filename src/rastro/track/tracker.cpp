@@ -68,7 +68,7 @@ class Tracker::State {
   void begin_frame(GreyView image, GreyView mask);
   void follow(TrackFrame& frame, GreyView mask);
   void drop_outliers();
-  std::vector<NewCorner> detect(TrackFrame& frame, GreyView mask);
+  std::vector<Eigen::Vector2f> detect(TrackFrame& frame, GreyView mask);
   std::vector<Descriptor> describe(const Eigen::Vector2f& pixel, bool all_scales) const;
   void describe_tracked();
   bool looks_the_same(const Track& track, const Eigen::Vector2f& pixel) const;
@@ -78,7 +78,7 @@ class Tracker::State {
   void observe(const Live& feature, const Descriptor& descriptor);
   int most_displaced() const;
   void make_room(std::vector<Recognised>& recognised, TrackFrame& frame);
-  void adopt(const std::vector<NewCorner>& corners, TrackFrame& frame);
+  void adopt(const std::vector<Eigen::Vector2f>& corners, TrackFrame& frame);
   void report(TrackFrame& frame) const;
   Eigen::Vector2f ray_of(const Eigen::Vector2f& pixel) const;
   Eigen::Vector2f rectified(const Eigen::Vector2f& pixel) const;
@@ -109,10 +109,9 @@ TrackFrame Tracker::State::process(GreyView image, TimeNs stamp, GreyView mask) 
   frame.times.flow_ms = stage.lap_ms();
   drop_outliers();
   frame.times.outlier_ms = stage.lap_ms();
-  std::vector<NewCorner> corners = detect(frame, mask);
+  const std::vector<Eigen::Vector2f> corners = detect(frame, mask);
   frame.times.detect_ms = stage.lap_ms();
   describe_tracked();
-  for (NewCorner& corner : corners) corner.views = describe(corner.pixel, true);
   frame.times.describe_ms = stage.lap_ms();
   adopt(corners, frame);
   report(frame);
@@ -190,7 +189,7 @@ void Tracker::State::drop_outliers() {
   store_.forget_old(index_);
 }
 
-std::vector<NewCorner> Tracker::State::detect(TrackFrame& frame, GreyView mask) {
+std::vector<Eigen::Vector2f> Tracker::State::detect(TrackFrame& frame, GreyView mask) {
   frame.tracked = static_cast<int>(live_.size());
   frame.lost = static_cast<int>(before_.size()) - frame.tracked;
   const int needed = options_.features - frame.tracked;
@@ -206,9 +205,9 @@ std::vector<NewCorner> Tracker::State::detect(TrackFrame& frame, GreyView mask) 
   if (recognises && options_.candidates_distance_px > 0.0) corner_options.min_distance_px = options_.candidates_distance_px;
   const double factor = recognises ? options_.candidates_factor : 1.0;
   const int asked = static_cast<int>(std::ceil(wanted * std::max(factor, verifies ? 2.0 : 1.0)));
-  std::vector<NewCorner> corners;
+  std::vector<Eigen::Vector2f> corners;
   for (const Corner& corner : detector_.detect(image, free_.view(), asked, corner_options, pool_)) {
-    corners.push_back({{static_cast<float>(corner.x), static_cast<float>(corner.y)}, {}});
+    corners.emplace_back(static_cast<float>(corner.x), static_cast<float>(corner.y));
   }
   return corners;
 }
@@ -302,13 +301,14 @@ void Tracker::State::observe(const Live& feature, const Descriptor& descriptor) 
   track.keep_look(index_, options_.reference_interval, current_, feature.pixel, options_.look_window_px);
 }
 
-void Tracker::State::adopt(const std::vector<NewCorner>& corners, TrackFrame& frame) {
+void Tracker::State::adopt(const std::vector<Eigen::Vector2f>& corners, TrackFrame& frame) {
   std::vector<Recognised> recognised;
   if (options_.mode != "klt") {
     std::vector<Association> tracked;
     for (const Live& feature : live_) tracked.push_back({feature.track, feature.pixel});
     const int most = options_.displace ? options_.features : options_.features - frame.tracked;
-    recognised = recognise(corners, tracked, store_, index_, current_, most, options_, pool_, frame.times);
+    const Describe views = [this](const Eigen::Vector2f& corner) { return describe(corner, true); };
+    recognised = recognise(corners, views, tracked, store_, index_, current_, most, options_, pool_, frame.times);
     make_room(recognised, frame);
   }
   frame.reidentified = static_cast<int>(recognised.size());
@@ -324,12 +324,12 @@ void Tracker::State::adopt(const std::vector<NewCorner>& corners, TrackFrame& fr
   }
   const bool verify = verifies_corners(frame);
   for (std::size_t i = 0; i < corners.size() && static_cast<int>(live_.size()) < options_.features; ++i) {
-    if (used[i] != 0 || (verify && near_a_loss(corners[i].pixel))) continue;
-    if (!grid.is_far(corners[i].pixel.x(), corners[i].pixel.y())) continue;
-    if (verify && !can_be_followed_back(corners[i].pixel)) continue;
-    grid.add_if_far(corners[i].pixel.x(), corners[i].pixel.y());
-    live_.push_back({store_.create(), corners[i].pixel, TrackState::fresh});
-    observe(live_.back(), corners[i].views.front());
+    if (used[i] != 0 || (verify && near_a_loss(corners[i]))) continue;
+    if (!grid.is_far(corners[i].x(), corners[i].y())) continue;
+    if (verify && !can_be_followed_back(corners[i])) continue;
+    grid.add_if_far(corners[i].x(), corners[i].y());
+    live_.push_back({store_.create(), corners[i], TrackState::fresh});
+    observe(live_.back(), describe(corners[i], false).front());
     ++frame.fresh;
   }
 }

@@ -27,28 +27,40 @@ void nearest_of_views(std::span<const Descriptor> views, std::span<const Descrip
 
 Voting::Voting(const TrackStore& store, std::int64_t current, const VotingOptions& options)
     : store_(store), oldest_(current - store.window()), options_(options) {
-  last_descriptors_.reserve(store.lost().size());
-  for (const std::size_t track : store.lost()) last_descriptors_.push_back(store[track].last_descriptor());
+  for (const std::size_t index : store.lost()) {
+    const Track& track = store[index];
+    lost_.push_back({track.last_descriptor(), track.pixel_in(track.last_seen), track.descriptor_spread});
+    near_.push_back(near_.size());
+    near_descriptors_.push_back(track.last_descriptor());
+  }
 }
 
-std::vector<Candidate> Voting::candidates_for(std::span<const Descriptor> views, const Eigen::Vector2f& pixel) {
+bool Voting::select_near(const Eigen::Vector2f& pixel) {
+  near_.clear();
+  near_descriptors_.clear();
+  for (std::size_t i = 0; i < lost_.size(); ++i) {
+    if (!within_travel(i, pixel)) continue;
+    near_.push_back(i);
+    near_descriptors_.push_back(lost_[i].last_descriptor);
+  }
+  return !near_.empty();
+}
+
+std::vector<Candidate> Voting::candidates_for(std::span<const Descriptor> views) {
   proposals_.assign(static_cast<std::size_t>((store_.window() + 1) * options_.proposals_per_frame), {no_distance, 0});
-  nearest_of_views(views, last_descriptors_, distances_, nearest_);
-  for (std::size_t i = 0; i < last_descriptors_.size(); ++i) {
-    if (nearest_[i] <= options_.max_hamming + store_[store_.lost()[i]].descriptor_spread && within_travel(i, pixel)) {
-      propose(i, views);
-    }
+  nearest_of_views(views, near_descriptors_, distances_, nearest_);
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    if (nearest_[k] <= options_.max_hamming + lost_[near_[k]].spread) propose(near_[k], views);
   }
   return count_votes();
 }
 
 bool Voting::within_travel(std::size_t lost_index, const Eigen::Vector2f& pixel) const {
   if (options_.max_travel_px <= 0.0 || lost_index >= motions_.size() || !motions_[lost_index]) return true;
-  const Track& track = store_[store_.lost()[lost_index]];
-  const Eigen::Vector2f travelled = pixel - track.pixel_in(track.last_seen);
-  const auto limit = static_cast<float>(options_.max_travel_px);
+  const Eigen::Vector2f travelled = pixel - lost_[lost_index].last_pixel;
+  const auto limit = static_cast<float>(options_.max_travel_px * options_.max_travel_px);
   // What moves in front may hold most features: then standing still is the better guess.
-  return travelled.norm() <= limit || (travelled - *motions_[lost_index]).norm() <= limit;
+  return travelled.squaredNorm() <= limit || (travelled - *motions_[lost_index]).squaredNorm() <= limit;
 }
 
 void Voting::propose(std::size_t lost_index, std::span<const Descriptor> views) {
