@@ -82,7 +82,8 @@ Descriptor Brief::describe(const Image<std::uint16_t>& sums, float x, float y, d
     Descriptor descriptor;
     for (std::size_t w = 0; w < 4; ++w) {
       std::uint64_t word = 0;
-      for (std::size_t t = 0; t < 64; ++t) word |= static_cast<std::uint64_t>(value(2 * (64 * w + t)) < value(2 * (64 * w + t) + 1)) << t;
+      for (std::size_t t = 0; t < 64; ++t)
+        word |= static_cast<std::uint64_t>(value(2 * (64 * w + t)) < value(2 * (64 * w + t) + 1)) << t;
       descriptor.words[w] = word;
     }
     return descriptor;

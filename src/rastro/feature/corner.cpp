@@ -31,14 +31,15 @@ struct Band {
   float best = 0.0F;
 };
 
-/// The best score of all bands so far. What it is at some time depends on the threads, but it only ever leaves out maxima that the
-/// threshold at the end leaves out as well.
+/// The best score of all bands so far. What it is at some time depends on the threads, but it only ever leaves out
+/// maxima that the threshold at the end leaves out as well.
 class SharedBest {
  public:
   float get() const { return best_.load(std::memory_order_relaxed); }
   void raise(float score) {
     float seen = get();
-    while (seen < score && !best_.compare_exchange_weak(seen, score, std::memory_order_relaxed)) {}
+    while (seen < score && !best_.compare_exchange_weak(seen, score, std::memory_order_relaxed)) {
+    }
   }
 
  private:

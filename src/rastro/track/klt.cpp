@@ -125,7 +125,8 @@ struct Follower {
         if (level == 0) return std::nullopt;
         continue;
       }
-      if (!align_patch(to.level(level), patch, solver, options, kernels, std::numeric_limits<double>::infinity(), here)) return std::nullopt;
+      if (!align_patch(to.level(level), patch, solver, options, kernels, std::numeric_limits<double>::infinity(), here))
+        return std::nullopt;
       at = here / scale;
     }
     if (ratio) {
@@ -207,7 +208,8 @@ KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& gue
   const StepSolver solver(patch, options.min_eigenvalue);
   const PaddedImage& image = current.level(0);
   Eigen::Vector2d at = guess.cast<double>();
-  if (!solver.solvable() || !align_patch(image, patch, solver, options, kernels, reach_px, at) || !inside(image, at)) return {};
+  if (!solver.solvable() || !align_patch(image, patch, solver, options, kernels, reach_px, at) || !inside(image, at))
+    return {};
   const auto window = window_of(image, at.x(), at.y(), size_);
   if (!window) return {};
   const double ratio = ratio_of(kernels.residual(*window, patch), size_);

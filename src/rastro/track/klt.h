@@ -49,7 +49,8 @@ class KltReference {
 
   /// Moves from `guess` to where the current image looks like the reference (finest level only, so from a few pixels
   /// away); `followed` says whether the options' limits hold. The way back is not gone.
-  KltResult align(const Pyramid& current, const Eigen::Vector2f& guess, double reach_px, const KltOptions& options) const;
+  KltResult align(const Pyramid& current, const Eigen::Vector2f& guess, double reach_px,
+                  const KltOptions& options) const;
   /// Squared difference to the current image at `point` as share of the reference's variance (1e9 when outside).
   double residual_ratio(const Pyramid& current, const Eigen::Vector2f& point) const;
 

@@ -28,8 +28,8 @@ VotingOptions voting_options(const TrackOptions& options) {
 }
 
 /// The median motion of the features followed since each lost track was last seen; nullopt where too few were.
-std::vector<std::optional<Eigen::Vector2f>> motions_since_lost(std::span<const Association> tracked, const TrackStore& store,
-                                                            std::int64_t current) {
+std::vector<std::optional<Eigen::Vector2f>> motions_since_lost(std::span<const Association> tracked,
+                                                               const TrackStore& store, std::int64_t current) {
   constexpr std::size_t fewest = 8;
   std::map<std::int64_t, std::optional<Eigen::Vector2f>> motion_since;
   const auto median = [](std::vector<float>& values) {
@@ -56,7 +56,8 @@ std::vector<std::optional<Eigen::Vector2f>> motions_since_lost(std::span<const A
   return motions;
 }
 
-std::vector<Claim> collect_claims(std::span<const Eigen::Vector2f> corners, const Describe& describe, std::span<const Association> tracked, const TrackStore& store, std::int64_t current,
+std::vector<Claim> collect_claims(std::span<const Eigen::Vector2f> corners, const Describe& describe,
+                                  std::span<const Association> tracked, const TrackStore& store, std::int64_t current,
                                   const TrackOptions& options, TaskPool* pool) {
   std::vector<Claim> claims(corners.size());
   const auto motions = motions_since_lost(tracked, store, current);
@@ -93,14 +94,15 @@ std::vector<Association> with_proposals(std::span<const Association> tracked, st
   std::vector<Association> associations(tracked.begin(), tracked.end());
   for (const Claim& claim : claims) {
     const std::size_t track = claim.candidates.front().track;
-    const bool taken = std::any_of(associations.begin() + static_cast<std::ptrdiff_t>(tracked.size()), associations.end(),
-                                   [=](const Association& a) { return a.track == track; });
+    const bool taken = std::any_of(associations.begin() + static_cast<std::ptrdiff_t>(tracked.size()),
+                                   associations.end(), [=](const Association& a) { return a.track == track; });
     if (!taken) associations.push_back({track, *claim.pixel});
   }
   return associations;
 }
 
-/// Where the corner looks like the lost track did; the corner itself when alignment is not asked for; nullopt when it does not.
+/// Where the corner looks like the lost track did; the corner itself when alignment is not asked for; nullopt when it
+/// does not.
 std::optional<Eigen::Vector2f> aligned(const Track& track, std::int64_t current, const Eigen::Vector2f& corner,
                                        const Pyramid& image, const TrackOptions& options) {
   if (!options.align) return corner;
@@ -116,10 +118,12 @@ std::optional<Eigen::Vector2f> aligned(const Track& track, std::int64_t current,
   if (older.followed && older.residual_ratio <= static_cast<float>(options.max_residual_ratio)) return older.pixel;
   const KltResult newer = track.newest_look().align(image, corner, reach, klt);
   if (!older.followed && !newer.followed) return std::nullopt;
-  return older.followed && (!newer.followed || older.residual_ratio <= newer.residual_ratio) ? older.pixel : newer.pixel;
+  return older.followed && (!newer.followed || older.residual_ratio <= newer.residual_ratio) ? older.pixel
+                                                                                             : newer.pixel;
 }
 
-/// Leaves out the first candidates that do not look alike, and places the first that does; those after it are left for later.
+/// Leaves out the first candidates that do not look alike, and places the first that does; those after it are left for
+/// later.
 void align_claims(std::vector<Claim>& claims, std::span<const Eigen::Vector2f> corners, const TrackStore& store,
                   std::int64_t current, const Pyramid& image, const TrackOptions& options) {
   for (Claim& claim : claims) {
@@ -132,8 +136,9 @@ void align_claims(std::vector<Claim>& claims, std::span<const Eigen::Vector2f> c
 
 }  // namespace
 
-std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, const Describe& describe, std::span<const Association> tracked, const TrackStore& store,
-                                  std::int64_t current, const Pyramid& image, int most, const TrackOptions& options, TaskPool* pool,
+std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, const Describe& describe,
+                                  std::span<const Association> tracked, const TrackStore& store, std::int64_t current,
+                                  const Pyramid& image, int most, const TrackOptions& options, TaskPool* pool,
                                   TrackTimes& times) {
   Stopwatch stopwatch;
   std::vector<Claim> claims = collect_claims(corners, describe, tracked, store, current, options, pool);
@@ -149,7 +154,8 @@ std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, cons
     if (static_cast<int>(recognised.size()) >= most) break;
     for (std::size_t i = 0; i < claim.candidates.size(); ++i) {
       const std::size_t track = claim.candidates[i].track;
-      const bool taken = std::any_of(recognised.begin(), recognised.end(), [=](const Recognised& r) { return r.track == track; });
+      const bool taken =
+          std::any_of(recognised.begin(), recognised.end(), [=](const Recognised& r) { return r.track == track; });
       if (taken) continue;
       const auto pixel = i == 0 ? claim.pixel : aligned(store[track], current, corners[claim.corner], image, options);
       if (!pixel || !validation.confirms(track, *pixel)) continue;

@@ -29,8 +29,9 @@ struct Recognised {
 /// distance, then the stronger corner. `tracked`: the features followed into the current frame. The result does not
 /// depend on the pool.
 /// `describe` is called for corners near which a lost feature may be, from several threads where there is a pool.
-std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, const Describe& describe, std::span<const Association> tracked,
-                                  const TrackStore& store, std::int64_t current, const Pyramid& image, int most,
-                                  const TrackOptions& options, TaskPool* pool, TrackTimes& times);
+std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, const Describe& describe,
+                                  std::span<const Association> tracked, const TrackStore& store, std::int64_t current,
+                                  const Pyramid& image, int most, const TrackOptions& options, TaskPool* pool,
+                                  TrackTimes& times);
 
 }  // namespace rastro

@@ -10,13 +10,12 @@
 
 namespace rastro {
 
-/// A feature's life as far as the sliding window reaches: a ring of its observations in the current frame and the `window` before.
+/// A feature's life as far as the sliding window reaches: a ring of its observations in the current frame and the
+/// `window` before.
 class Track {
  public:
   explicit Track(int window)
-      : frames_(static_cast<std::size_t>(window) + 1, -1),
-        pixels_(frames_.size()),
-        descriptors_(frames_.size()) {}
+      : frames_(static_cast<std::size_t>(window) + 1, -1), pixels_(frames_.size()), descriptors_(frames_.size()) {}
 
   void start(std::int64_t id);
   void observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Descriptor& descriptor);
@@ -52,7 +51,8 @@ class Track {
   std::int64_t look_frame_ = -1;
 };
 
-/// All tracks inside the window: those followed in the current frame and those lost. Memory is reused, so it does not grow with the run.
+/// All tracks inside the window: those followed in the current frame and those lost. Memory is reused, so it does not
+/// grow with the run.
 class TrackStore {
  public:
   explicit TrackStore(int window) : window_(window) {}

@@ -38,7 +38,8 @@ TrackOptions checked(TrackOptions options) {
   // Goes through the table, which knows every range.
   TrackOptions copy = options;
   OptionTable table = option_table(copy);
-  for (std::size_t i = 0; i < table.options().size(); ++i) table.set(table.options()[i].name, table.value_of(i), "tracker options");
+  for (std::size_t i = 0; i < table.options().size(); ++i)
+    table.set(table.options()[i].name, table.value_of(i), "tracker options");
   if (options.flow_window_px % 2 == 0) throw Error("must be odd", "flow_window_px", "use the next odd number");
   if (options.brief_smoothing_px % 2 == 0) throw Error("must be odd", "brief_smoothing_px", "use the next odd number");
   return options;
@@ -60,7 +61,11 @@ KltOptions klt_options(const TrackOptions& options) {
 class Tracker::State {
  public:
   State(const TrackOptions& options, std::optional<Camera> camera, TaskPool* pool)
-      : options_(checked(options)), camera_(camera), pool_(pool), store_(options.window), brief_(options.brief_patch_px, options.seed) {}
+      : options_(checked(options)),
+        camera_(camera),
+        pool_(pool),
+        store_(options.window),
+        brief_(options.brief_patch_px, options.seed) {}
 
   TrackFrame process(GreyView image, TimeNs stamp, GreyView mask);
 
@@ -94,8 +99,8 @@ class Tracker::State {
   Image<std::uint16_t> sums_;
   Brightness brightness_;
   std::int64_t index_ = -1;
-  std::vector<Live> live_;       ///< Features of the current frame.
-  std::vector<Live> before_;     ///< Those of the last frame, in the order of `live_` before any was dropped.
+  std::vector<Live> live_;    ///< Features of the current frame.
+  std::vector<Live> before_;  ///< Those of the last frame, in the order of `live_` before any was dropped.
 };
 
 TrackFrame Tracker::State::process(GreyView image, TimeNs stamp, GreyView mask) {
@@ -122,7 +127,8 @@ TrackFrame Tracker::State::process(GreyView image, TimeNs stamp, GreyView mask) 
 void Tracker::State::begin_frame(GreyView image, GreyView mask) {
   if (image.empty()) throw Error("the image is empty", "tracker", "give an image with pixels");
   if (index_ >= 0 && (image.width != current_.level(0).width() || image.height != current_.level(0).height())) {
-    throw Error("the image's size differs from that of the frames before", "tracker", "start a new tracker for another size");
+    throw Error("the image's size differs from that of the frames before", "tracker",
+                "start a new tracker for another size");
   }
   if (!mask.empty() && (mask.width != image.width || mask.height != image.height)) {
     throw Error("the mask's size differs from the image's", "tracker", "give a mask as large as the image");
@@ -148,7 +154,8 @@ void Tracker::State::follow(TrackFrame& frame, GreyView mask) {
   for (std::size_t i = 0; i < before_.size(); ++i) {
     const Eigen::Vector2f& pixel = results[i].pixel;
     if (!results[i].followed || !looks_the_same(store_[before_[i].track], pixel)) continue;
-    if (!mask.empty() && mask.at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))) == 0) {
+    if (!mask.empty() &&
+        mask.at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))) == 0) {
       ++frame.masked;
       continue;
     }
@@ -202,7 +209,8 @@ std::vector<Eigen::Vector2f> Tracker::State::detect(TrackFrame& frame, GreyView 
   // Some corners will be refused when they cannot be followed back.
   const bool verifies = verifies_corners(frame);
   const bool recognises = options_.mode != "klt" && !store_.lost().empty();
-  if (recognises && options_.candidates_distance_px > 0.0) corner_options.min_distance_px = options_.candidates_distance_px;
+  if (recognises && options_.candidates_distance_px > 0.0)
+    corner_options.min_distance_px = options_.candidates_distance_px;
   const double factor = recognises ? options_.candidates_factor : 1.0;
   const int asked = static_cast<int>(std::ceil(wanted * std::max(factor, verifies ? 2.0 : 1.0)));
   std::vector<Eigen::Vector2f> corners;
@@ -256,15 +264,18 @@ bool Tracker::State::near_a_loss(const Eigen::Vector2f& pixel) const {
 
 bool Tracker::State::can_be_followed_back(const Eigen::Vector2f& pixel) const {
   KltResult result;
-  klt_follow(current_, previous_, std::span(&pixel, 1), std::span(&pixel, 1), klt_options(options_), nullptr, std::span(&result, 1));
+  klt_follow(current_, previous_, std::span(&pixel, 1), std::span(&pixel, 1), klt_options(options_), nullptr,
+             std::span(&result, 1));
   return result.followed;
 }
 
 /// At most this many features of a full frame give way in one frame.
-int Tracker::State::most_displaced() const { return std::min(static_cast<int>(store_.lost().size()), std::max(1, options_.features / 10)); }
+int Tracker::State::most_displaced() const {
+  return std::min(static_cast<int>(store_.lost().size()), std::max(1, options_.features / 10));
+}
 
-/// Where tracked and recognised features are more than asked for, the youngest tracked ones younger than what was recognised give way;
-/// what is recognised beyond that stays lost.
+/// Where tracked and recognised features are more than asked for, the youngest tracked ones younger than what was
+/// recognised give way; what is recognised beyond that stays lost.
 void Tracker::State::make_room(std::vector<Recognised>& recognised, TrackFrame& frame) {
   const auto excess = [&] { return static_cast<int>(live_.size() + recognised.size()) - options_.features; };
   std::vector<std::size_t> youngest(live_.size());
@@ -337,7 +348,8 @@ void Tracker::State::adopt(const std::vector<Eigen::Vector2f>& corners, TrackFra
 void Tracker::State::report(TrackFrame& frame) const {
   for (const Live& feature : live_) {
     const Track& track = store_[feature.track];
-    frame.features.push_back({track.id, feature.pixel, ray_of(feature.pixel), track.age, feature.state, track.seen_before});
+    frame.features.push_back(
+        {track.id, feature.pixel, ray_of(feature.pixel), track.age, feature.state, track.seen_before});
   }
   std::sort(frame.features.begin(), frame.features.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   if (brightness_.deviation < blank_deviation) {
@@ -374,19 +386,26 @@ TrackFrame Tracker::process(GreyView image, TimeNs stamp, GreyView mask) { retur
 
 const char* name_of(TrackState state) {
   switch (state) {
-    case TrackState::tracked: return "tracked";
-    case TrackState::fresh: return "new";
-    case TrackState::reidentified: return "reidentified";
+    case TrackState::tracked:
+      return "tracked";
+    case TrackState::fresh:
+      return "new";
+    case TrackState::reidentified:
+      return "reidentified";
   }
   return "unknown";
 }
 
 const char* name_of(TrackHealth health) {
   switch (health) {
-    case TrackHealth::good: return "good";
-    case TrackHealth::few_corners: return "few corners";
-    case TrackHealth::dark_or_blank: return "dark or blank";
-    case TrackHealth::abrupt_motion: return "abrupt motion";
+    case TrackHealth::good:
+      return "good";
+    case TrackHealth::few_corners:
+      return "few corners";
+    case TrackHealth::dark_or_blank:
+      return "dark or blank";
+    case TrackHealth::abrupt_motion:
+      return "abrupt motion";
   }
   return "unknown";
 }

@@ -11,8 +11,8 @@
 namespace rastro {
 namespace {
 
-/// A homography that explains most of what two frames share is believed; one that explains little may be that of another plane or of
-/// something in front, and so confirms only what the nearest features confirm, too.
+/// A homography that explains most of what two frames share is believed; one that explains little may be that of
+/// another plane or of something in front, and so confirms only what the nearest features confirm, too.
 class HomographyModel : public Validation::Model {
  public:
   HomographyModel(const Eigen::Matrix3d& homography, double max_error, bool believed, PointPairs pairs)
@@ -32,7 +32,8 @@ class HomographyModel : public Validation::Model {
 
 class EpipolarModel : public Validation::Model {
  public:
-  EpipolarModel(const Eigen::Matrix3d& fundamental, double max_error) : fundamental_(fundamental), max_error_(max_error) {}
+  EpipolarModel(const Eigen::Matrix3d& fundamental, double max_error)
+      : fundamental_(fundamental), max_error_(max_error) {}
   bool agrees(const Eigen::Vector2d& in_window_frame, const Eigen::Vector2d& in_current) const override {
     return sampson_distance_squared(fundamental_, in_window_frame, in_current) <= max_error_ * max_error_;
   }
@@ -86,7 +87,8 @@ std::unique_ptr<Validation::Model> Validation::estimate(std::int64_t frame) cons
     if (track.seen_in(frame)) pairs.add(track.pixel_in(frame), association.pixel);
   }
   if (static_cast<int>(pairs.size()) < options_.min_inliers) return nullptr;
-  if (options_.validation == "local") return std::make_unique<LocalModel>(std::move(pairs), options_.max_reprojection_px);
+  if (options_.validation == "local")
+    return std::make_unique<LocalModel>(std::move(pairs), options_.max_reprojection_px);
 
   const auto frames_seed = seed_for(options_.seed, static_cast<std::uint64_t>(current_));
   const RansacOptions ransac{options_.max_reprojection_px, 0.99, options_.ransac_iterations,

@@ -22,7 +22,8 @@ struct VotingOptions {
   int proposals_per_frame = 2;  ///< 2: priority matching.
   int candidates = 2;           ///< 2: dual voting.
   int min_votes = 1;
-  /// A corner farther from a track's last place, and from that place moved like other features, is not compared; 0: no limit.
+  /// A corner farther from a track's last place, and from that place moved like other features, is not compared; 0: no
+  /// limit.
   double max_travel_px = 0.0;
 };
 
@@ -36,11 +37,14 @@ class Voting {
  public:
   /// `current` is the frame whose corners are asked about. Keeps references.
   Voting(const TrackStore& store, std::int64_t current, const VotingOptions& options);
-  /// How features moved since each lost track, in the order of store.lost(), was last seen; nullopt: not known. Only used with max_travel_px.
+  /// How features moved since each lost track, in the order of store.lost(), was last seen; nullopt: not known. Only
+  /// used with max_travel_px.
   void expect(std::vector<std::optional<Eigen::Vector2f>> motions) { motions_ = std::move(motions); }
-  /// Compares from now on only with the lost tracks that may be at `pixel`; says whether there are any. At first all are compared.
+  /// Compares from now on only with the lost tracks that may be at `pixel`; says whether there are any. At first all
+  /// are compared.
   bool select_near(const Eigen::Vector2f& pixel);
-  /// Up to `candidates` candidates, best first. `descriptors`: one, or several views (scales) of which each observation takes the nearest.
+  /// Up to `candidates` candidates, best first. `descriptors`: one, or several views (scales) of which each observation
+  /// takes the nearest.
   std::vector<Candidate> candidates_for(std::span<const Descriptor> descriptors);
 
  private:
@@ -63,9 +67,9 @@ class Voting {
     Eigen::Vector2f last_pixel;
     int spread;
   };
-  std::vector<Lost> lost_;                    ///< What is needed of each lost track, side by side.
-  std::vector<std::size_t> near_;             ///< Lost tracks to compare with.
-  std::vector<Descriptor> near_descriptors_;  ///< Their last descriptors.
+  std::vector<Lost> lost_;                     ///< What is needed of each lost track, side by side.
+  std::vector<std::size_t> near_;              ///< Lost tracks to compare with.
+  std::vector<Descriptor> near_descriptors_;   ///< Their last descriptors.
   std::vector<std::uint16_t> nearest_;         ///< Scratch: to the last descriptors.
   std::vector<std::uint16_t> distances_;       ///< Scratch.
   std::vector<std::uint16_t> slot_distances_;  ///< Scratch: to a track's observations.

@@ -147,7 +147,8 @@ std::optional<RecordedSurfacePoint> SurfaceTruthReader::corner_surface_at(std::i
   return surface_near(frame, pixel, 1);
 }
 
-/// The surface at the nearest pixel centre, or the nearest surface up to `reach` pixels around it, continued as a plane.
+/// The surface at the nearest pixel centre, or the nearest surface up to `reach` pixels around it, continued as a
+/// plane.
 std::optional<RecordedSurfacePoint> SurfaceTruthReader::surface_near(std::int64_t frame, const Eigen::Vector2d& pixel,
                                                                      int reach) const {
   if (frame < 0 || frame >= frame_count()) return std::nullopt;

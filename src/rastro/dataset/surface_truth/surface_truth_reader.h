@@ -44,8 +44,9 @@ class SurfaceTruthReader {
   /// Between pixel centres the surface at the nearest centre is continued as a plane. nullopt outside the image and for
   /// frames outside the recording, and where nothing was met.
   std::optional<RecordedSurfacePoint> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const;
-  /// The surface that a corner detected there belongs to: one at an occluding edge is a corner of the nearer surface, though
-  /// its pixel may show what is behind. So the nearest surface of the 3x3 pixels around, placed on the pixel's own ray.
+  /// The surface that a corner detected there belongs to: one at an occluding edge is a corner of the nearer surface,
+  /// though its pixel may show what is behind. So the nearest surface of the 3x3 pixels around, placed on the pixel's
+  /// own ray.
   std::optional<RecordedSurfacePoint> corner_surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const;
   /// A point counts as hidden when every pixel of the 3x3 around it shows something nearer by more than a hundredth.
   RecordedView view_of(std::int64_t frame, const Eigen::Vector3d& point_in_world) const;
