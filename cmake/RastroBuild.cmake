@@ -46,6 +46,11 @@ endif()
 if(RASTRO_WARNINGS_AS_ERRORS)
   target_compile_options(rastro_build_flags INTERFACE -Werror)
 endif()
+# Seconds after which a test is stopped as hung.
+set(RASTRO_TEST_TIMEOUT 60)
+if(RASTRO_SANITIZERS)
+  set(RASTRO_TEST_TIMEOUT 300)
+endif()
 if(RASTRO_SANITIZERS)
   target_compile_options(rastro_build_flags INTERFACE
     -fsanitize=${RASTRO_SANITIZERS} -fno-omit-frame-pointer -fno-sanitize-recover=all)

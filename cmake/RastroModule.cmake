@@ -95,9 +95,9 @@ function(rastro_add_test target)
   set(filter)
   if(arg_ONE_PROCESS)
     add_test(NAME ${arg_ONE_PROCESS} COMMAND ${target} --gtest_filter=${arg_ONE_PROCESS})
-    set_tests_properties(${arg_ONE_PROCESS} PROPERTIES TIMEOUT 240 ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
+    set_tests_properties(${arg_ONE_PROCESS} PROPERTIES TIMEOUT 600 ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
     set(filter TEST_FILTER -${arg_ONE_PROCESS})
   endif()
-  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST ${filter} PROPERTIES TIMEOUT 60
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST ${filter} PROPERTIES TIMEOUT ${RASTRO_TEST_TIMEOUT}
     ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
 endfunction()
