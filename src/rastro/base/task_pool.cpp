@@ -14,7 +14,8 @@ namespace rastro {
 
 struct TaskPool::Arena {
   explicit Arena(int threads)
-      : allowed(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)), arena(threads) {}
+      : allowed(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
+        arena(threads) {}
   /// Without it TBB complains on standard error of more threads than the machine has.
   oneapi::tbb::global_control allowed;
   oneapi::tbb::task_arena arena;

@@ -105,6 +105,14 @@ void add_recognition_options(OptionTable& table, TrackOptions& o) {
              1,
              20,
              {}});
+  table.add({"max_candidates_factor",
+             &o.max_candidates_factor,
+             "",
+             "corners looked at for recognition at most, as multiple of features: bounds the time of a frame in which "
+             "all was lost",
+             1,
+             100,
+             {}});
   table.add({"candidates_distance_px",
              &o.candidates_distance_px,
              "px",

@@ -35,6 +35,7 @@ struct TrackOptions {
   int corner_border_px = 5;
   bool verify_corners = true;
   double candidates_factor = 12.0;
+  double max_candidates_factor = 4.0;
   double candidates_distance_px = 5.0;
   bool displace = true;
 

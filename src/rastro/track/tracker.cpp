@@ -212,7 +212,8 @@ std::vector<Eigen::Vector2f> Tracker::State::detect(TrackFrame& frame, GreyView 
   if (recognises && options_.candidates_distance_px > 0.0)
     corner_options.min_distance_px = options_.candidates_distance_px;
   const double factor = recognises ? options_.candidates_factor : 1.0;
-  const int asked = static_cast<int>(std::ceil(wanted * std::max(factor, verifies ? 2.0 : 1.0)));
+  const double most = std::max<double>(wanted, options_.max_candidates_factor * options_.features);
+  const int asked = static_cast<int>(std::ceil(std::min(most, wanted * std::max(factor, verifies ? 2.0 : 1.0))));
   std::vector<Eigen::Vector2f> corners;
   for (const Corner& corner : detector_.detect(image, free_.view(), asked, corner_options, pool_)) {
     corners.emplace_back(static_cast<float>(corner.x), static_cast<float>(corner.y));

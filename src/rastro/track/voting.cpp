@@ -35,11 +35,35 @@ Voting::Voting(const TrackStore& store, std::int64_t current, const VotingOption
   }
 }
 
+void Voting::expect(const std::vector<std::optional<Eigen::Vector2f>>& motions) {
+  RASTRO_CHECK(motions.size() == lost_.size(), "a motion for every lost track");
+  constexpr float anywhere = std::numeric_limits<float>::quiet_NaN();
+  for (std::size_t i = 0; i < lost_.size(); ++i) {
+    const Eigen::Vector2f last = motions[i] ? lost_[i].last_pixel : Eigen::Vector2f(anywhere, anywhere);
+    const Eigen::Vector2f moved = motions[i] ? Eigen::Vector2f(last + *motions[i]) : last;
+    x_.push_back(last.x());
+    y_.push_back(last.y());
+    moved_x_.push_back(moved.x());
+    moved_y_.push_back(moved.y());
+  }
+}
+
 bool Voting::select_near(const Eigen::Vector2f& pixel) {
+  if (options_.max_travel_px <= 0.0 || x_.empty()) return !lost_.empty();
+  const auto limit = static_cast<float>(options_.max_travel_px * options_.max_travel_px);
+  is_near_.resize(lost_.size());
+  // What moves in front may hold most features: then standing still is the better guess. Places that are no numbers are
+  // near to all.
+  for (std::size_t i = 0; i < lost_.size(); ++i) {
+    const float dx = pixel.x() - x_[i], dy = pixel.y() - y_[i];
+    const float moved_dx = pixel.x() - moved_x_[i], moved_dy = pixel.y() - moved_y_[i];
+    is_near_[i] =
+        static_cast<char>(!(dx * dx + dy * dy > limit) | !(moved_dx * moved_dx + moved_dy * moved_dy > limit));
+  }
   near_.clear();
   near_descriptors_.clear();
   for (std::size_t i = 0; i < lost_.size(); ++i) {
-    if (!within_travel(i, pixel)) continue;
+    if (is_near_[i] == 0) continue;
     near_.push_back(i);
     near_descriptors_.push_back(lost_[i].last_descriptor);
   }
@@ -53,14 +77,6 @@ std::vector<Candidate> Voting::candidates_for(std::span<const Descriptor> views)
     if (nearest_[k] <= options_.max_hamming + lost_[near_[k]].spread) propose(near_[k], views);
   }
   return count_votes();
-}
-
-bool Voting::within_travel(std::size_t lost_index, const Eigen::Vector2f& pixel) const {
-  if (options_.max_travel_px <= 0.0 || lost_index >= motions_.size() || !motions_[lost_index]) return true;
-  const Eigen::Vector2f travelled = pixel - lost_[lost_index].last_pixel;
-  const auto limit = static_cast<float>(options_.max_travel_px * options_.max_travel_px);
-  // What moves in front may hold most features: then standing still is the better guess.
-  return travelled.squaredNorm() <= limit || (travelled - *motions_[lost_index]).squaredNorm() <= limit;
 }
 
 void Voting::propose(std::size_t lost_index, std::span<const Descriptor> views) {

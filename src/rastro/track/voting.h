@@ -39,7 +39,7 @@ class Voting {
   Voting(const TrackStore& store, std::int64_t current, const VotingOptions& options);
   /// How features moved since each lost track, in the order of store.lost(), was last seen; nullopt: not known. Only
   /// used with max_travel_px.
-  void expect(std::vector<std::optional<Eigen::Vector2f>> motions) { motions_ = std::move(motions); }
+  void expect(const std::vector<std::optional<Eigen::Vector2f>>& motions);
   /// Compares from now on only with the lost tracks that may be at `pixel`; says whether there are any. At first all
   /// are compared.
   bool select_near(const Eigen::Vector2f& pixel);
@@ -59,14 +59,14 @@ class Voting {
   const TrackStore& store_;
   std::int64_t oldest_;
   VotingOptions options_;
-  bool within_travel(std::size_t lost_index, const Eigen::Vector2f& pixel) const;
-
-  std::vector<std::optional<Eigen::Vector2f>> motions_;
   struct Lost {
     Descriptor last_descriptor;
     Eigen::Vector2f last_pixel;
     int spread;
   };
+  std::vector<float> x_, y_, moved_x_,
+      moved_y_;                                ///< Last places of the lost tracks, and those places moved like others.
+  std::vector<char> is_near_;                  ///< Scratch.
   std::vector<Lost> lost_;                     ///< What is needed of each lost track, side by side.
   std::vector<std::size_t> near_;              ///< Lost tracks to compare with.
   std::vector<Descriptor> near_descriptors_;   ///< Their last descriptors.
