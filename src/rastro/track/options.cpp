@@ -88,7 +88,7 @@ void add_flow_options(OptionTable& table, TrackOptions& o) {
   table.add({"corner_border_px", &o.corner_border_px, "px", "no corner nearer to the edge", 1, 200, {}});
 }
 
-void add_recognition_options(OptionTable& table, TrackOptions& o) {
+void add_candidate_options(OptionTable& table, TrackOptions& o) {
   table.add({"verify_corners",
              &o.verify_corners,
              "",
@@ -128,6 +128,9 @@ void add_recognition_options(OptionTable& table, TrackOptions& o) {
              0,
              1,
              {}});
+}
+
+void add_descriptor_options(OptionTable& table, TrackOptions& o) {
   table.add({"brief_patch_px", &o.brief_patch_px, "px", "side of the patch BRIEF's tests are drawn in", 8, 64, {}});
   table.add({"brief_smoothing_px",
              &o.brief_smoothing_px,
@@ -152,6 +155,9 @@ void add_recognition_options(OptionTable& table, TrackOptions& o) {
              256,
              {}});
   table.add({"min_votes", &o.min_votes, "frames", "window frames that must propose an id", 1, 1000, {}});
+}
+
+void add_alignment_options(OptionTable& table, TrackOptions& o) {
   table.add({"align",
              &o.align,
              "",
@@ -190,6 +196,9 @@ void add_recognition_options(OptionTable& table, TrackOptions& o) {
              0,
              1e5,
              {}});
+}
+
+void add_validation_options(OptionTable& table, TrackOptions& o) {
   table.add({"validation",
              &o.validation,
              "",
@@ -229,7 +238,10 @@ OptionTable option_table(TrackOptions& options) {
   OptionTable table;
   add_method_options(table, options);
   add_flow_options(table, options);
-  add_recognition_options(table, options);
+  add_candidate_options(table, options);
+  add_descriptor_options(table, options);
+  add_alignment_options(table, options);
+  add_validation_options(table, options);
   return table;
 }
 
