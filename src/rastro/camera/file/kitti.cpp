@@ -200,7 +200,9 @@ namespace rastro {
 SE3 parse_kitti_transform(std::string_view text, std::string_view where) {
   const calibration::KittiFields fields(text, where);
   std::vector<std::string> ignored;
-  return calibration::rigid_transform(fields.rigid_rows("R", "T"), "R", fields.at("R"), ignored);
+  // First on its own: it complains of a missing key, which the place of that key cannot.
+  const Eigen::MatrixXd rows = fields.rigid_rows("R", "T");
+  return calibration::rigid_transform(rows, "R", fields.at("R"), ignored);
 }
 
 SE3 read_kitti_transform(const std::string& path) { return parse_kitti_transform(read_text_file(path), path); }
