@@ -24,7 +24,8 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer = R"(Against exact truth (--truth DATA, a folder written by `rastro simulate`):
-  anchor        the surface point seen at the pixel of an id's last observation before it was lost
+  anchor        the surface point seen at the pixel of an id's last observation before it was lost; a corner on an
+                occluding edge belongs to the nearest surface of the 3x3 pixels around it
   lost          ids that end from one frame to the next and whose anchor a nearer surface hides in at least one frame before the id
                 returns or the window ends; losses by leaving the image (lost_outside), in plain sight (lost_visible) and where the
                 truth has no surface (lost_unscored) are counted apart
