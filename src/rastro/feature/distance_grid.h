@@ -21,9 +21,7 @@ class DistanceGrid {
   /// Adds the point unless one nearer than the distance is there; says whether it did.
   bool add_if_far(float x, float y) {
     if (!is_far(x, y)) return false;
-    std::int32_t& first = first_[static_cast<std::size_t>(row_of(y) * columns_ + column_of(x))];
-    points_.push_back({x, y, first});
-    first = static_cast<std::int32_t>(points_.size()) - 1;
+    add(x, y);
     return true;
   }
   /// Whether no point nearer than the distance is there.
@@ -38,6 +36,12 @@ class DistanceGrid {
       }
     }
     return true;
+  }
+  /// Adds the point whatever is near.
+  void add(float x, float y) {
+    std::int32_t& first = first_[static_cast<std::size_t>(row_of(y) * columns_ + column_of(x))];
+    points_.push_back({x, y, first});
+    first = static_cast<std::int32_t>(points_.size()) - 1;
   }
 
  private:

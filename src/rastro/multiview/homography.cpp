@@ -108,6 +108,24 @@ std::optional<RobustFit> estimate_homography(const PointPairs& pairs, const Rans
   return ransac(HomographyProblem(pairs), pairs, options);
 }
 
+std::optional<RobustFit> refine_homography(const PointPairs& pairs, const Eigen::Matrix3d& start, double max_error_px) {
+  const HomographyProblem problem(pairs);
+  const auto limit = static_cast<float>(max_error_px * max_error_px);
+  RobustFit fit;
+  const auto judge = [&](const Eigen::Matrix3d& model) {
+    fit.model = model;
+    fit.squared_errors.resize(pairs.size());
+    problem.errors(model, fit.squared_errors.data());
+    fit.inliers = static_cast<int>(
+        std::count_if(fit.squared_errors.begin(), fit.squared_errors.end(), [=](float e) { return e <= limit; }));
+  };
+  judge(start);
+  const auto refined = problem.refit(fit, limit);
+  if (!refined) return std::nullopt;
+  judge(*refined);
+  return fit;
+}
+
 std::optional<Eigen::Vector2d> transfer(const Eigen::Matrix3d& homography, const Eigen::Vector2d& point) {
   const Eigen::Vector3d image = homography * point.homogeneous();
   // The sign of the last coordinate is that of the plane's middle: a point that changes it went through infinity.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/track/klt.h"
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -192,19 +194,55 @@ void KltReference::keep(const Pyramid& pyramid, const Eigen::Vector2f& point, in
   size_ = window_px;
   fraction_x_ = corner->fraction_x;
   fraction_y_ = corner->fraction_y;
+  // The vectors read behind the last row.
+  constexpr std::size_t slack = 64;
+  const auto side = static_cast<std::size_t>(stride());
+  pixels_.resize(side * side + slack);
   // One pixel more on each side for the gradients, and one for interpolation.
-  for (int y = 0; y < size_ + 3; ++y) {
-    std::memcpy(pixels_.data() + y * stride_, image.row(corner->y - 1 + y) + corner->x - 1,
-                static_cast<std::size_t>(size_) + 3);
+  const int left = corner->x - 1 - margin(), top = corner->y - 1 - margin();
+  for (int y = 0; y < stride(); ++y) {
+    std::memcpy(pixels_.data() + static_cast<std::size_t>(y) * side, image.row(top + y) + left, side);
   }
 }
 
+void KltReference::cut(const Eigen::Matrix2f& current_from_reference, KltPatch& patch) const {
+  // A window that hardly turned is cut as it was seen, without being resampled.
+  constexpr float hardly = 0.03F;
+  const std::ptrdiff_t side = stride();
+  if ((current_from_reference - Eigen::Matrix2f::Identity()).cwiseAbs().maxCoeff() < hardly) {
+    const std::uint8_t* corner = pixels_.data() + (margin() + 1) * (side + 1);
+    klt_kernels().cut({corner, side, fraction_x_, fraction_y_}, size_, patch);
+    return;
+  }
+  constexpr int row_length = 48;
+  std::array<std::uint8_t, row_length * (klt_largest_window + 3) + 64> turned{};
+  const Eigen::Matrix2f reference_from_current = current_from_reference.inverse();
+  const float centre_x = static_cast<float>(margin() + 1 + size_ / 2) + static_cast<float>(fraction_x_) / 32768.0F;
+  const float centre_y = static_cast<float>(margin() + 1 + size_ / 2) + static_cast<float>(fraction_y_) / 32768.0F;
+  const float most = static_cast<float>(side) - 1.001F;
+  for (int y = 0; y < size_ + 3; ++y) {
+    for (int x = 0; x < size_ + 3; ++x) {
+      const Eigen::Vector2f offset(static_cast<float>(x - 1 - size_ / 2), static_cast<float>(y - 1 - size_ / 2));
+      const Eigen::Vector2f from = reference_from_current * offset;
+      const float sx = std::clamp(centre_x + from.x(), 0.0F, most), sy = std::clamp(centre_y + from.y(), 0.0F, most);
+      const int ix = static_cast<int>(sx), iy = static_cast<int>(sy);
+      const float fx = sx - static_cast<float>(ix), fy = sy - static_cast<float>(iy);
+      const std::uint8_t* row = pixels_.data() + iy * side + ix;
+      const float upper = static_cast<float>(row[0]) * (1.0F - fx) + static_cast<float>(row[1]) * fx;
+      const float lower = static_cast<float>(row[side]) * (1.0F - fx) + static_cast<float>(row[side + 1]) * fx;
+      turned[static_cast<std::size_t>(y * row_length + x)] =
+          static_cast<std::uint8_t>(upper * (1.0F - fy) + lower * fy + 0.5F);
+    }
+  }
+  klt_kernels().cut({turned.data() + row_length + 1, row_length, 0, 0}, size_, patch);
+}
+
 KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& guess, double reach_px,
-                              const KltOptions& options) const {
+                              const KltOptions& options, const Eigen::Matrix2f& current_from_reference) const {
   if (empty()) return {};
   const KltKernels& kernels = klt_kernels();
   KltPatch patch;
-  kernels.cut({pixels_.data() + stride_ + 1, stride_, fraction_x_, fraction_y_}, size_, patch);
+  cut(current_from_reference, patch);
   const StepSolver solver(patch, options.min_eigenvalue);
   const PaddedImage& image = current.level(0);
   Eigen::Vector2d at = guess.cast<double>();
@@ -216,12 +254,13 @@ KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& gue
   return {at.cast<float>(), ratio <= options.max_residual_ratio, static_cast<float>(ratio)};
 }
 
-double KltReference::residual_ratio(const Pyramid& current, const Eigen::Vector2f& point) const {
+double KltReference::residual_ratio(const Pyramid& current, const Eigen::Vector2f& point,
+                                    const Eigen::Matrix2f& current_from_reference) const {
   constexpr double outside = 1e9;
   if (empty()) return outside;
   const KltKernels& kernels = klt_kernels();
   KltPatch patch;
-  kernels.cut({pixels_.data() + stride_ + 1, stride_, fraction_x_, fraction_y_}, size_, patch);
+  cut(current_from_reference, patch);
   const auto window =
       window_of(current.level(0), static_cast<double>(point.x()), static_cast<double>(point.y()), size_);
   return window ? ratio_of(kernels.residual(*window, patch), size_) : outside;

@@ -2,14 +2,16 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "rastro/base/task_pool.h"
 #include "rastro/image/pyramid.h"
 
 namespace rastro {
+
+struct KltPatch;
 
 constexpr int klt_largest_window = 31;
 constexpr int klt_padding = 48;
@@ -39,7 +41,8 @@ void klt_follow(const Pyramid& previous, const Pyramid& current, std::span<const
                 std::span<const Eigen::Vector2f> guesses, const KltOptions& options, TaskPool* pool,
                 std::span<KltResult> results);
 
-/// What a feature looked like at some time: the pixels around it, kept so that it can be compared and aligned later.
+/// What a feature looked like at some time: the pixels around it, kept so that it can be compared and aligned later,
+/// also turned and scaled.
 class KltReference {
  public:
   bool empty() const { return size_ == 0; }
@@ -49,16 +52,20 @@ class KltReference {
 
   /// Moves from `guess` to where the current image looks like the reference (finest level only, so from a few pixels
   /// away); `followed` says whether the options' limits hold. The way back is not gone.
-  KltResult align(const Pyramid& current, const Eigen::Vector2f& guess, double reach_px,
-                  const KltOptions& options) const;
+  /// `current_from_reference`: how the surroundings turned and stretched since (the derivative of the motion).
+  KltResult align(const Pyramid& current, const Eigen::Vector2f& guess, double reach_px, const KltOptions& options,
+                  const Eigen::Matrix2f& current_from_reference = Eigen::Matrix2f::Identity()) const;
   /// Squared difference to the current image at `point` as share of the reference's variance (1e9 when outside).
-  double residual_ratio(const Pyramid& current, const Eigen::Vector2f& point) const;
+  double residual_ratio(const Pyramid& current, const Eigen::Vector2f& point,
+                        const Eigen::Matrix2f& current_from_reference = Eigen::Matrix2f::Identity()) const;
 
  private:
-  static constexpr int stride_ = 40;
-  static constexpr int rows_ = klt_largest_window + 3;
-  // The vectors read behind the last row.
-  std::array<std::uint8_t, stride_ * rows_ + 64> pixels_;
+  void cut(const Eigen::Matrix2f& current_from_reference, KltPatch& patch) const;
+  /// Pixels kept on each side beyond what an unturned window needs.
+  int margin() const { return size_ / 4 + 2; }
+  int stride() const { return size_ + 3 + 2 * margin(); }
+
+  std::vector<std::uint8_t> pixels_;
   std::int16_t fraction_x_ = 0, fraction_y_ = 0;
   int size_ = 0;
 };

@@ -158,6 +158,14 @@ void add_descriptor_options(OptionTable& table, TrackOptions& o) {
 }
 
 void add_alignment_options(OptionTable& table, TrackOptions& o) {
+  table.add({"foresee",
+             &o.foresee,
+             "",
+             "lost features are looked for where the motion of the others puts them, turned and scaled by it, before "
+             "corners are detected; false: only at corners, the paper's way",
+             0,
+             1,
+             {}});
   table.add({"align",
              &o.align,
              "",

@@ -47,6 +47,9 @@ struct TrackOptions {
   int min_votes = 1;
   double max_travel_px = 60.0;
 
+  // Looking for lost features where they are expected.
+  bool foresee = true;
+
   // Alignment with what the lost feature looked like.
   bool align = true;
   int look_window_px = 15;

@@ -96,7 +96,7 @@ std::vector<Association> with_proposals(std::span<const Association> tracked, st
     const std::size_t track = claim.candidates.front().track;
     const bool taken = std::any_of(associations.begin() + static_cast<std::ptrdiff_t>(tracked.size()),
                                    associations.end(), [=](const Association& a) { return a.track == track; });
-    if (!taken) associations.push_back({track, *claim.pixel});
+    if (!taken) associations.push_back({track, *claim.pixel, {}});
   }
   return associations;
 }

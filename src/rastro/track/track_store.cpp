@@ -10,16 +10,19 @@ void Track::start(std::int64_t new_id) {
   last_seen = seen_before = -1;
   age = 0;
   descriptor_spread = 0;
-  look_frame_ = -1;
+  layer = -1;
+  look_frame_ = older_look_frame_ = -1;
   look_.clear();
   older_look_.clear();
   std::fill(frames_.begin(), frames_.end(), -1);
 }
 
-void Track::observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Descriptor& descriptor) {
+void Track::observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Eigen::Vector2f& ideal,
+                    const Descriptor& descriptor) {
   const std::size_t at = slot(frame);
   frames_[at] = frame;
   pixels_[at] = pixel;
+  ideals_[at] = ideal;
   descriptors_[at] = descriptor;
   seen_before = last_seen;
   last_seen = frame;
@@ -29,7 +32,8 @@ void Track::observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Desc
 void Track::keep_look(std::int64_t frame, int interval, const Pyramid& pyramid, const Eigen::Vector2f& pixel,
                       int window_px) {
   if (look_frame_ >= 0 && frame - look_frame_ < interval) return;
-  older_look_ = look_;
+  std::swap(older_look_, look_);
+  older_look_frame_ = look_frame_;
   look_.keep(pyramid, pixel, window_px);
   look_frame_ = frame;
 }

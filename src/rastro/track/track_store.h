@@ -15,15 +15,18 @@ namespace rastro {
 class Track {
  public:
   explicit Track(int window)
-      : frames_(static_cast<std::size_t>(window) + 1, -1), pixels_(frames_.size()), descriptors_(frames_.size()) {}
+      : frames_(static_cast<std::size_t>(window) + 1, -1), pixels_(frames_.size()), ideals_(frames_.size()), descriptors_(frames_.size()) {}
 
   void start(std::int64_t id);
-  void observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Descriptor& descriptor);
+  void observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Eigen::Vector2f& ideal,
+               const Descriptor& descriptor);
 
   /// The slot in which frame `frame` would be kept.
   std::size_t slot(std::int64_t frame) const { return static_cast<std::size_t>(frame) % frames_.size(); }
   bool seen_in(std::int64_t frame) const { return frame >= 0 && frames_[slot(frame)] == frame; }
   const Eigen::Vector2f& pixel_in(std::int64_t frame) const { return pixels_[slot(frame)]; }
+  /// The same, free of distortion.
+  const Eigen::Vector2f& ideal_in(std::int64_t frame) const { return ideals_[slot(frame)]; }
   /// By slot; slots whose frame is -1 or has left the window mean nothing.
   const std::vector<std::int64_t>& frames() const { return frames_; }
   const std::vector<Descriptor>& descriptors() const { return descriptors_; }
@@ -34,21 +37,33 @@ class Track {
   /// The look kept before the last one, where there is one: old enough not to show what covers the feature now.
   const KltReference& look() const { return older_look_.empty() ? look_ : older_look_; }
   const KltReference& newest_look() const { return look_; }
+  /// The frames they were seen in; -1 for none. The track was observed there.
+  std::int64_t look_frame() const { return older_look_.empty() ? look_frame_ : older_look_frame_; }
+  std::int64_t newest_look_frame() const { return look_frame_; }
 
   std::int64_t id = -1;
   std::int64_t last_seen = -1;
   std::int64_t seen_before = -1;  ///< Observation before the last one; -1 for none.
   std::int32_t age = 0;
+  /// Which of the motions in the image it took part in; -1: not known. Kept by MotionHistory.
+  int layer = -1;
   /// No observation's descriptor is farther from the last one's; set by measure_spread().
   int descriptor_spread = 0;
   void measure_spread();
 
  private:
   std::vector<std::int64_t> frames_;
-  std::vector<Eigen::Vector2f> pixels_;
+  std::vector<Eigen::Vector2f> pixels_, ideals_;
   std::vector<Descriptor> descriptors_;
   KltReference look_, older_look_;
-  std::int64_t look_frame_ = -1;
+  std::int64_t look_frame_ = -1, older_look_frame_ = -1;
+};
+
+/// A feature of the current frame that belongs, or may belong, to a track.
+struct Association {
+  std::size_t track = 0;
+  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< In the current frame.
+  Eigen::Vector2f ideal = Eigen::Vector2f::Zero();  ///< The same, free of distortion.
 };
 
 /// All tracks inside the window: those followed in the current frame and those lost. Memory is reused, so it does not

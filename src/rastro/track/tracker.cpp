@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 
 #include "rastro/base/random.h"
 #include "rastro/feature/corner.h"
@@ -14,7 +12,10 @@
 #include "rastro/image/pyramid.h"
 #include "rastro/multiview/fundamental.h"
 #include "rastro/track/free_area.h"
+#include "rastro/track/ideal_camera.h"
 #include "rastro/track/klt.h"
+#include "rastro/track/motion_history.h"
+#include "rastro/track/reappearance.h"
 #include "rastro/track/recognition.h"
 #include "rastro/track/stopwatch.h"
 #include "rastro/track/track_store.h"
@@ -65,6 +66,7 @@ class Tracker::State {
         camera_(camera),
         pool_(pool),
         store_(options.window),
+        history_(options_),
         brief_(options.brief_patch_px, options.seed) {}
 
   TrackFrame process(GreyView image, TimeNs stamp, GreyView mask);
@@ -72,11 +74,17 @@ class Tracker::State {
  private:
   void begin_frame(GreyView image, GreyView mask);
   void follow(TrackFrame& frame, GreyView mask);
-  void drop_outliers();
-  std::vector<Eigen::Vector2f> detect(TrackFrame& frame, GreyView mask);
+  void drop_outliers(TrackFrame& frame);
+  bool foresees() const { return options_.mode != "klt" && options_.foresee; }
+  void drop_changed();
+  void welcome_back(TrackFrame& frame, GreyView mask);
+  void remove_live(const std::vector<char>& marked, TrackFrame& frame);
+  bool may_be_at(const Eigen::Vector2f& pixel, GreyView mask) const;
+  DescribeTurned describe_turned() const;
+  std::vector<Association> associations() const;
+  std::vector<Eigen::Vector2f> detect(const TrackFrame& frame, GreyView mask);
   std::vector<Descriptor> describe(const Eigen::Vector2f& pixel, bool all_scales) const;
   void describe_tracked();
-  bool looks_the_same(const Track& track, const Eigen::Vector2f& pixel) const;
   bool verifies_corners(const TrackFrame& frame) const;
   bool near_a_loss(const Eigen::Vector2f& pixel) const;
   bool can_be_followed_back(const Eigen::Vector2f& pixel) const;
@@ -85,13 +93,12 @@ class Tracker::State {
   void make_room(std::vector<Recognised>& recognised, TrackFrame& frame);
   void adopt(const std::vector<Eigen::Vector2f>& corners, TrackFrame& frame);
   void report(TrackFrame& frame) const;
-  Eigen::Vector2f ray_of(const Eigen::Vector2f& pixel) const;
-  Eigen::Vector2f rectified(const Eigen::Vector2f& pixel) const;
 
   TrackOptions options_;
-  std::optional<Camera> camera_;
+  IdealCamera camera_;
   TaskPool* pool_;
   TrackStore store_;
+  MotionHistory history_;
   Brief brief_;
   CornerDetector detector_;
   FreeArea free_;
@@ -112,8 +119,10 @@ TrackFrame Tracker::State::process(GreyView image, TimeNs stamp, GreyView mask) 
   frame.times.pyramid_ms = stage.lap_ms();
   follow(frame, mask);
   frame.times.flow_ms = stage.lap_ms();
-  drop_outliers();
+  drop_outliers(frame);
   frame.times.outlier_ms = stage.lap_ms();
+  welcome_back(frame, mask);
+  frame.times.validate_ms = stage.lap_ms();
   const std::vector<Eigen::Vector2f> corners = detect(frame, mask);
   frame.times.detect_ms = stage.lap_ms();
   describe_tracked();
@@ -153,7 +162,7 @@ void Tracker::State::follow(TrackFrame& frame, GreyView mask) {
   if (!points.empty()) klt_follow(previous_, current_, points, points, klt_options(options_), pool_, results);
   for (std::size_t i = 0; i < before_.size(); ++i) {
     const Eigen::Vector2f& pixel = results[i].pixel;
-    if (!results[i].followed || !looks_the_same(store_[before_[i].track], pixel)) continue;
+    if (!results[i].followed) continue;
     if (!mask.empty() &&
         mask.at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))) == 0) {
       ++frame.masked;
@@ -163,15 +172,10 @@ void Tracker::State::follow(TrackFrame& frame, GreyView mask) {
   }
 }
 
-/// Whether the feature still looks like some frames ago; where that view cannot be compared, it does.
-bool Tracker::State::looks_the_same(const Track& track, const Eigen::Vector2f& pixel) const {
-  return track.look().empty() || track.look().residual_ratio(current_, pixel) <= options_.max_reference_residual;
-}
-
-void Tracker::State::drop_outliers() {
+void Tracker::State::drop_outliers(TrackFrame& frame) {
   PointPairs pairs;
   for (const Live& feature : live_) {
-    pairs.add(rectified(store_[feature.track].pixel_in(index_ - 1)), rectified(feature.pixel));
+    pairs.add(store_[feature.track].ideal_in(index_ - 1), camera_.from_pixel(feature.pixel));
   }
   const RansacOptions ransac{options_.max_epipolar_error_px, 0.99, options_.ransac_iterations,
                              seed_for(options_.seed, static_cast<std::uint64_t>(index_))};
@@ -184,6 +188,7 @@ void Tracker::State::drop_outliers() {
     if (!fit || fit->squared_errors[i] <= limit) kept.push_back(live_[i]);
   }
   live_ = std::move(kept);
+  drop_changed();
   // Both lists keep one order, so what is missing from the second is lost.
   auto next = live_.begin();
   for (const Live& feature : before_) {
@@ -194,12 +199,84 @@ void Tracker::State::drop_outliers() {
     }
   }
   store_.forget_old(index_);
-}
-
-std::vector<Eigen::Vector2f> Tracker::State::detect(TrackFrame& frame, GreyView mask) {
   frame.tracked = static_cast<int>(live_.size());
   frame.lost = static_cast<int>(before_.size()) - frame.tracked;
-  const int needed = options_.features - frame.tracked;
+}
+
+/// Drops what no longer looks like some frames ago, turned and scaled as the image was since; where that view cannot be
+/// compared, it does.
+void Tracker::State::drop_changed() {
+  const std::vector<Association> followed = associations();
+  if (foresees()) history_.advance(index_, followed, store_);
+  std::erase_if(live_, [&](const Live& feature) {
+    const Track& track = store_[feature.track];
+    if (track.look().empty()) return false;
+    Eigen::Matrix2f turned = Eigen::Matrix2f::Identity();
+    if (foresees()) {
+      const auto known = history_.turned_since(track.look_frame(), std::max(0, track.layer), track, followed, store_, camera_);
+      if (known) turned = *known;
+    }
+    return track.look().residual_ratio(current_, feature.pixel, turned) > options_.max_reference_residual;
+  });
+}
+
+std::vector<Association> Tracker::State::associations() const {
+  std::vector<Association> associations;
+  for (const Live& feature : live_) associations.push_back({feature.track, feature.pixel, camera_.from_pixel(feature.pixel)});
+  return associations;
+}
+
+/// Lost features that are seen again where the motion of the others puts them.
+void Tracker::State::welcome_back(TrackFrame& frame, GreyView mask) {
+  if (!foresees() || store_.lost().empty()) return;
+  DistanceGrid grid(current_.level(0).width(), current_.level(0).height(), options_.min_distance_px);
+  for (const Live& feature : live_) grid.add(feature.pixel.x(), feature.pixel.y());
+  const HasRoom has_room = [&](const Eigen::Vector2f& pixel) {
+    return may_be_at(pixel, mask) && grid.is_far(pixel.x(), pixel.y());
+  };
+  for (const Reappeared& found : find_reappeared(associations(), store_, index_, history_, camera_, current_, has_room,
+                                                 describe_turned(), options_)) {
+    if (static_cast<int>(live_.size()) >= options_.features) break;
+    if (!grid.add_if_far(found.pixel.x(), found.pixel.y())) continue;
+    live_.push_back({found.track, found.pixel, TrackState::reidentified});
+    store_.mark_found(found.track);
+    ++frame.reidentified;
+  }
+}
+
+/// Takes out the tracked features marked, for good.
+void Tracker::State::remove_live(const std::vector<char>& marked, TrackFrame& frame) {
+  std::vector<Live> kept;
+  for (std::size_t i = 0; i < live_.size(); ++i) {
+    if (marked[i] == 0) {
+      kept.push_back(live_[i]);
+      continue;
+    }
+    store_.discard(live_[i].track);
+    --frame.tracked;
+    ++frame.lost;
+  }
+  live_ = std::move(kept);
+}
+
+/// Inside the border and the mask.
+bool Tracker::State::may_be_at(const Eigen::Vector2f& pixel, GreyView mask) const {
+  const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+  const PaddedImage& image = current_.level(0);
+  const int border = options_.corner_border_px;
+  if (x < border || y < border || x >= image.width() - border || y >= image.height() - border) return false;
+  return mask.empty() || mask.at(x, y) != 0;
+}
+
+DescribeTurned Tracker::State::describe_turned() const {
+  const bool steered = options_.descriptor == "steered" || options_.descriptor == "steered_scaled";
+  return [this, steered](const Eigen::Vector2f& pixel, double angle, double scale) {
+    return steered ? describe(pixel, false).front() : brief_.describe(sums_, pixel.x(), pixel.y(), angle, scale);
+  };
+}
+
+std::vector<Eigen::Vector2f> Tracker::State::detect(const TrackFrame& frame, GreyView mask) {
+  const int needed = options_.features - static_cast<int>(live_.size());
   const int wanted = std::max(needed, options_.mode != "klt" && options_.displace ? most_displaced() : 0);
   if (wanted <= 0) return {};
   const PaddedImage& image = current_.level(0);
@@ -279,51 +356,46 @@ int Tracker::State::most_displaced() const {
 /// recognised give way; what is recognised beyond that stays lost.
 void Tracker::State::make_room(std::vector<Recognised>& recognised, TrackFrame& frame) {
   const auto excess = [&] { return static_cast<int>(live_.size() + recognised.size()) - options_.features; };
-  std::vector<std::size_t> youngest(live_.size());
-  std::iota(youngest.begin(), youngest.end(), std::size_t{0});
+  std::vector<std::size_t> youngest;
+  for (std::size_t i = 0; i < live_.size(); ++i) {
+    if (live_[i].state == TrackState::tracked) youngest.push_back(i);
+  }
   std::sort(youngest.begin(), youngest.end(), [&](std::size_t a, std::size_t b) {
     const Track &first = store_[live_[a].track], &second = store_[live_[b].track];
     return first.age != second.age ? first.age < second.age : first.id > second.id;
   });
   std::vector<char> gives_way(live_.size(), 0);
   int displaced = 0;
-  const int most = std::min(most_displaced(), static_cast<int>(live_.size()));
+  const int most = std::min(most_displaced(), static_cast<int>(youngest.size()));
   while (excess() - displaced > 0) {
     const std::size_t next = displaced < most ? youngest[static_cast<std::size_t>(displaced)] : live_.size();
     if (next < live_.size() && store_[live_[next].track].age < store_[recognised.back().track].age) {
       gives_way[next] = 1;
-      store_.discard(live_[next].track);
       ++displaced;
     } else {
       recognised.pop_back();
     }
   }
-  std::vector<Live> kept;
-  for (std::size_t i = 0; i < live_.size(); ++i) {
-    if (gives_way[i] == 0) kept.push_back(live_[i]);
-  }
-  live_ = std::move(kept);
-  frame.tracked -= displaced;
-  frame.lost += displaced;
+  remove_live(gives_way, frame);
 }
 
 void Tracker::State::observe(const Live& feature, const Descriptor& descriptor) {
   Track& track = store_[feature.track];
-  track.observe(index_, feature.pixel, descriptor);
+  track.observe(index_, feature.pixel, camera_.from_pixel(feature.pixel), descriptor);
   track.keep_look(index_, options_.reference_interval, current_, feature.pixel, options_.look_window_px);
 }
 
 void Tracker::State::adopt(const std::vector<Eigen::Vector2f>& corners, TrackFrame& frame) {
   std::vector<Recognised> recognised;
   if (options_.mode != "klt") {
-    std::vector<Association> tracked;
-    for (const Live& feature : live_) tracked.push_back({feature.track, feature.pixel});
-    const int most = options_.displace ? options_.features : options_.features - frame.tracked;
+    const std::vector<Association> tracked = associations();
+    const int room = options_.features - static_cast<int>(live_.size());
+    const int most = options_.displace ? options_.features : room;
     const Describe views = [this](const Eigen::Vector2f& corner) { return describe(corner, true); };
     recognised = recognise(corners, views, tracked, store_, index_, current_, most, options_, pool_, frame.times);
     make_room(recognised, frame);
   }
-  frame.reidentified = static_cast<int>(recognised.size());
+  frame.reidentified += static_cast<int>(recognised.size());
   const PaddedImage& image = current_.level(0);
   DistanceGrid grid(image.width(), image.height(), options_.min_distance_px);
   std::vector<char> used(corners.size(), 0);
@@ -350,7 +422,7 @@ void Tracker::State::report(TrackFrame& frame) const {
   for (const Live& feature : live_) {
     const Track& track = store_[feature.track];
     frame.features.push_back(
-        {track.id, feature.pixel, ray_of(feature.pixel), track.age, feature.state, track.seen_before});
+        {track.id, feature.pixel, camera_.ray_of(feature.pixel), track.age, feature.state, track.seen_before});
   }
   std::sort(frame.features.begin(), frame.features.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   if (brightness_.deviation < blank_deviation) {
@@ -360,22 +432,6 @@ void Tracker::State::report(TrackFrame& frame) const {
   } else if (2 * static_cast<int>(live_.size()) < options_.features) {
     frame.health = TrackHealth::few_corners;
   }
-}
-
-Eigen::Vector2f Tracker::State::ray_of(const Eigen::Vector2f& pixel) const {
-  constexpr float none = std::numeric_limits<float>::quiet_NaN();
-  if (!camera_) return {none, none};
-  const auto ray = camera_->unproject(pixel.cast<double>());
-  return ray ? Eigen::Vector2f(ray->cast<float>()) : Eigen::Vector2f(none, none);
-}
-
-/// The pixel of a distortion-free camera of the same focal length and middle; the pixel itself without a calibration.
-Eigen::Vector2f Tracker::State::rectified(const Eigen::Vector2f& pixel) const {
-  if (!camera_ || camera_->distortion == Distortion::none) return pixel;
-  const Eigen::Vector2f ray = ray_of(pixel);
-  if (!ray.allFinite()) return pixel;
-  return {static_cast<float>(camera_->fx) * ray.x() + static_cast<float>(camera_->cx),
-          static_cast<float>(camera_->fy) * ray.y() + static_cast<float>(camera_->cy)};
 }
 
 Tracker::Tracker(const TrackOptions& options, std::optional<Camera> camera, TaskPool* pool)

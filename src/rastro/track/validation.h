@@ -13,12 +13,6 @@
 
 namespace rastro {
 
-/// A feature of the current frame that belongs, or may belong, to a track.
-struct Association {
-  std::size_t track = 0;
-  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< In the current frame.
-};
-
 /// Geometric validation of proposals, METHODS 1, steps 6 and 7: does a corner lie where the motion of the other
 /// features since some window frame puts the track? The motion of a window frame is estimated once, when first asked
 /// for.

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/track/motion_history.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "rastro/base/random.h"
+#include "rastro/multiview/homography.h"
+
+namespace rastro {
+namespace {
+
+/// What of a layer is seen in both frames.
+PointPairs pairs_since(std::int64_t frame, int layer, std::span<const Association> followed, const TrackStore& store) {
+  PointPairs pairs;
+  for (const Association& feature : followed) {
+    const Track& track = store[feature.track];
+    if (track.layer == layer && track.seen_in(frame)) pairs.add(track.ideal_in(frame), feature.ideal);
+  }
+  return pairs;
+}
+
+/// A motion from one frame to the next, and which of the followed features take part.
+struct Step {
+  Eigen::Matrix3d current_from_last = Eigen::Matrix3d::Identity();
+  std::vector<char> takes_part;
+};
+
+/// The motion most features share, and that which most of the others share, where enough do.
+std::vector<Step> steps_to(std::int64_t current, std::span<const Association> followed, const TrackStore& store,
+                           const TrackOptions& options) {
+  std::vector<Step> steps;
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < followed.size(); ++i) {
+    if (store[followed[i].track].seen_in(current - 1)) left.push_back(i);
+  }
+  const auto seed = seed_for(options.seed ^ 0x6d6f74696f6eULL, static_cast<std::uint64_t>(current));
+  const float limit = static_cast<float>(options.max_reprojection_px * options.max_reprojection_px);
+  for (int layer = 0; layer < MotionHistory::layers && static_cast<int>(left.size()) >= options.min_inliers; ++layer) {
+    PointPairs pairs;
+    for (const std::size_t i : left) {
+      pairs.add(store[followed[i].track].ideal_in(current - 1), followed[i].ideal);
+    }
+    const auto fit = estimate_homography(pairs, {options.max_reprojection_px, 0.99, options.ransac_iterations,
+                                                 seed_for(seed, static_cast<std::uint64_t>(layer))});
+    if (!fit || fit->inliers < options.min_inliers) break;
+    Step step{fit->model, std::vector<char>(followed.size(), 0)};
+    std::vector<std::size_t> others;
+    for (std::size_t k = 0; k < left.size(); ++k) {
+      if (fit->squared_errors[k] <= limit) {
+        step.takes_part[left[k]] = 1;
+      } else {
+        others.push_back(left[k]);
+      }
+    }
+    steps.push_back(std::move(step));
+    left = std::move(others);
+  }
+  return steps;
+}
+
+/// Leaves in each step only the features that take part in no other: those of both tell nothing.
+void keep_exclusive(std::vector<Step>& steps, std::int64_t current, std::span<const Association> followed,
+                    const TrackStore& store, double max_error) {
+  if (steps.size() < 2) return;
+  for (std::size_t i = 0; i < followed.size(); ++i) {
+    const Track& track = store[followed[i].track];
+    if (!track.seen_in(current - 1)) continue;
+    const auto fits = [&](const Step& step) {
+      const auto there = transfer(step.current_from_last, track.ideal_in(current - 1).cast<double>());
+      return there && (*there - followed[i].ideal.cast<double>()).norm() <= max_error;
+    };
+    if (steps[0].takes_part[i] != 0 && fits(steps[1])) steps[0].takes_part[i] = 0;
+  }
+}
+
+/// How many features of a layer take part in a step.
+int members(const Step& step, int layer, std::span<const Association> followed, const TrackStore& store) {
+  int count = 0;
+  for (std::size_t i = 0; i < followed.size(); ++i) {
+    count += step.takes_part[i] != 0 && store[followed[i].track].layer == layer ? 1 : 0;
+  }
+  return count;
+}
+
+}  // namespace
+
+// Looks are kept for up to two intervals before a feature is lost.
+MotionHistory::MotionHistory(const TrackOptions& options) : options_(options) {
+  for (auto& motions : motions_) motions.resize(static_cast<std::size_t>(options.window + 2 * options.reference_interval + 2));
+}
+
+void MotionHistory::advance(std::int64_t current, std::span<const Association> followed, TrackStore& store) {
+  current_ = current;
+  std::vector<Step> steps = steps_to(current, followed, store, options_);
+  keep_exclusive(steps, current, followed, store, options_.max_reprojection_px);
+  int layer_of_first = 0;
+  if (!steps.empty()) {
+    int straight = members(steps[0], 0, followed, store), crossed = members(steps[0], 1, followed, store);
+    if (steps.size() > 1) {
+      straight += members(steps[1], 1, followed, store);
+      crossed += members(steps[1], 0, followed, store);
+    }
+    layer_of_first = crossed > straight ? 1 : 0;
+  }
+  for (int layer = 0; layer < layers; ++layer) {
+    // Where there is but one motion, it is that of both.
+    const Step* step = steps.empty() ? nullptr : layer == layer_of_first || steps.size() < 2 ? &steps[0] : &steps[1];
+    for (Motion& motion : motions_[static_cast<std::size_t>(layer)]) {
+      if (!step) motion.frame = -1;
+      if (motion.frame < 0) continue;
+      motion.current_from_frame = step->current_from_last * motion.current_from_frame;
+      motion.current_from_frame /= motion.current_from_frame.norm();
+    }
+    Motion& none = at(current, layer);
+    none.frame = current;
+    none.current_from_frame.setIdentity();
+  }
+  for (std::size_t i = 0; i < followed.size(); ++i) {
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      if (steps[k].takes_part[i] != 0) store[followed[i].track].layer = k == 0 ? layer_of_first : 1 - layer_of_first;
+    }
+  }
+}
+
+const MotionHistory::Motion* MotionHistory::since(std::int64_t frame, int layer, std::span<const Association> followed,
+                                                  const TrackStore& store) {
+  if (frame < 0) return nullptr;
+  Motion& motion = at(frame, layer);
+  if (motion.frame != frame) return nullptr;
+  if (motion.refined_in != current_) refine(motion, layer, followed, store);
+  return &motion;
+}
+
+std::optional<Eigen::Matrix2f> MotionHistory::turned_since(std::int64_t frame, int layer, const Track& track,
+                                                           std::span<const Association> followed,
+                                                           const TrackStore& store, const IdealCamera& camera) {
+  const Motion* motion = since(frame, layer, followed, store);
+  if (!motion || !track.seen_in(frame)) return std::nullopt;
+  return derivative_at(motion->current_from_frame, track.pixel_in(frame), track.ideal_in(frame), camera);
+}
+
+void MotionHistory::refine(Motion& motion, int layer, std::span<const Association> followed,
+                           const TrackStore& store) const {
+  motion.refined_in = current_;
+  motion.inlier_share = 0.0;
+  motion.shared = pairs_since(motion.frame, layer, followed, store);
+  // The chain drifts, so more is taken in at first.
+  for (const double limit : {3.0 * options_.max_reprojection_px, options_.max_reprojection_px}) {
+    const auto fit = refine_homography(motion.shared, motion.current_from_frame, limit);
+    if (!fit || fit->inliers < options_.min_inliers) return;
+    motion.current_from_frame = fit->model / fit->model.norm();
+    motion.inlier_share = static_cast<double>(fit->inliers) / static_cast<double>(motion.shared.size());
+  }
+}
+
+std::optional<Eigen::Vector2d> moved_pixel(const Eigen::Matrix3d& homography, const Eigen::Vector2f& ideal,
+                                           const IdealCamera& camera) {
+  const auto there = transfer(homography, ideal.cast<double>());
+  return there ? camera.to_pixel(*there) : std::nullopt;
+}
+
+std::optional<Eigen::Matrix2f> derivative_at(const Eigen::Matrix3d& homography, const Eigen::Vector2f& pixel,
+                                             const Eigen::Vector2f& ideal, const IdealCamera& camera) {
+  // About the radius of a look: what lies between is as good as linear.
+  constexpr float step = 6.0F;
+  const auto middle = moved_pixel(homography, ideal, camera);
+  const auto right = moved_pixel(homography, camera.from_pixel(pixel + Eigen::Vector2f(step, 0.0F)), camera);
+  const auto below = moved_pixel(homography, camera.from_pixel(pixel + Eigen::Vector2f(0.0F, step)), camera);
+  if (!middle || !right || !below) return std::nullopt;
+  Eigen::Matrix2d derivative;
+  derivative << (*right - *middle) / static_cast<double>(step), (*below - *middle) / static_cast<double>(step);
+  constexpr double most = 2.0;
+  const double area = derivative.determinant(), squares = derivative.squaredNorm();
+  // The singular values s, t have s t = area and s^2 + t^2 = squares.
+  if (!(area > 0.0)) return std::nullopt;
+  const double larger = std::sqrt(0.5 * (squares + std::sqrt(std::max(0.0, squares * squares - 4.0 * area * area))));
+  if (larger > most || area / larger < 1.0 / most) return std::nullopt;
+  return Eigen::Matrix2f(derivative.cast<float>());
+}
+
+}  // namespace rastro

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/track/reappearance.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "rastro/feature/hamming.h"
+#include "rastro/multiview/homography.h"
+#include "rastro/track/local_motion.h"
+
+namespace rastro {
+namespace {
+
+class Search {
+ public:
+  Search(std::span<const Association> followed, const TrackStore& store, std::int64_t current, MotionHistory& history,
+         const IdealCamera& camera, const Pyramid& image, const HasRoom& has_room, const DescribeTurned& describe, const TrackOptions& options)
+      : followed_(followed),
+        store_(store),
+        current_(current),
+        history_(history),
+        camera_(camera),
+        image_(image),
+        has_room_(has_room),
+        describe_(describe),
+        options_(options) {
+    klt_.iterations = options.flow_iterations;
+    klt_.epsilon_px = options.flow_epsilon_px;
+    klt_.min_eigenvalue = options.min_alignment_texture;
+  }
+
+  std::optional<Reappeared> find(std::size_t index) {
+    const int first = std::max(0, store_[index].layer);
+    const auto found = find_in(index, first);
+    return found ? found : find_in(index, 1 - first);
+  }
+
+  std::optional<Reappeared> find_in(std::size_t index, int layer) {
+    const Track& track = store_[index];
+    const MotionHistory::Motion* motion = history_.since(track.last_seen, layer, followed_, store_);
+    if (!motion) return std::nullopt;
+    const Eigen::Vector2f& last = track.ideal_in(track.last_seen);
+    const auto expected = moved_pixel(motion->current_from_frame, last, camera_);
+    if (!expected || !has_room_(expected->cast<float>())) return std::nullopt;
+    const auto turned = derivative_at(motion->current_from_frame, track.pixel_in(track.last_seen), last, camera_);
+    if (!turned || !is_alike(track, expected->cast<float>(), *turned, prefilter_slack)) return std::nullopt;
+    const KltResult found = align(track, layer, expected->cast<float>());
+    if (!found.followed || !has_room_(found.pixel)) return std::nullopt;
+    const Eigen::Vector2d there = found.pixel.cast<double>();
+    if ((there - *expected).norm() > options_.max_reprojection_px) return std::nullopt;
+    if (!is_alike(track, found.pixel, *turned, 0)) return std::nullopt;
+    if (motion->inlier_share < options_.min_inlier_share &&
+        !agrees_with_neighbours(motion->shared, last.cast<double>(), camera_.from_pixel(found.pixel).cast<double>(),
+                                options_.max_reprojection_px))
+      return std::nullopt;
+    return Reappeared{index, found.pixel, found.residual_ratio};
+  }
+
+ private:
+  // Before alignment a descriptor may be off by a pixel or two.
+  static constexpr int prefilter_slack = 15;
+
+  bool is_alike(const Track& track, const Eigen::Vector2f& pixel, const Eigen::Matrix2f& turned, int slack) const {
+    const double angle = std::atan2(static_cast<double>(turned(1, 0) - turned(0, 1)), static_cast<double>(turned.trace()));
+    const double scale = std::sqrt(static_cast<double>(turned.determinant()));
+    const Descriptor seen = describe_(pixel, angle, scale);
+    int votes = 0;
+    for (std::size_t slot = 0; slot < track.frames().size(); ++slot) {
+      if (track.frames()[slot] < 0 || track.frames()[slot] < current_ - store_.window()) continue;
+      votes += hamming_distance(track.descriptors()[slot], seen) <= options_.max_hamming + slack ? 1 : 0;
+    }
+    return votes >= options_.min_votes;
+  }
+
+  KltResult align_look(const KltReference& look, std::int64_t frame, const Track& track, int layer,
+                       const Eigen::Vector2f& pixel) {
+    const auto turned = history_.turned_since(frame, layer, track, followed_, store_, camera_);
+    return turned ? look.align(image_, pixel, options_.max_alignment_px, klt_, *turned) : KltResult{};
+  }
+
+  KltResult align(const Track& track, int layer, const Eigen::Vector2f& pixel) {
+    const bool just_lost = track.last_seen == current_ - 1;
+    klt_.max_residual_ratio = just_lost ? options_.max_residual_ratio : options_.max_alignment_residual;
+    const KltResult older = align_look(track.look(), track.look_frame(), track, layer, pixel);
+    if (older.followed && older.residual_ratio <= static_cast<float>(options_.max_residual_ratio)) return older;
+    const KltResult newer = align_look(track.newest_look(), track.newest_look_frame(), track, layer, pixel);
+    return older.followed && (!newer.followed || older.residual_ratio <= newer.residual_ratio) ? older : newer;
+  }
+
+  std::span<const Association> followed_;
+  const TrackStore& store_;
+  std::int64_t current_;
+  MotionHistory& history_;
+  const IdealCamera& camera_;
+  const Pyramid& image_;
+  const HasRoom& has_room_;
+  const DescribeTurned& describe_;
+  const TrackOptions& options_;
+  KltOptions klt_;
+};
+
+}  // namespace
+
+std::vector<Reappeared> find_reappeared(std::span<const Association> followed, const TrackStore& store,
+                                        std::int64_t current, MotionHistory& history, const IdealCamera& camera,
+                                        const Pyramid& image, const HasRoom& has_room, const DescribeTurned& describe, const TrackOptions& options) {
+  Search search(followed, store, current, history, camera, image, has_room, describe, options);
+  std::vector<Reappeared> found;
+  for (const std::size_t index : store.lost()) {
+    if (const auto reappeared = search.find(index)) found.push_back(*reappeared);
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Reappeared& a, const Reappeared& b) { return a.residual_ratio < b.residual_ratio; });
+  return found;
+}
+
+}  // namespace rastro
