@@ -34,7 +34,7 @@ struct TrackOptions {
   double corner_quality = 0.01;
   int corner_border_px = 5;
   bool verify_corners = true;
-  double candidates_factor = 12.0;
+  double candidates_factor = 4.0;
   double max_candidates_factor = 4.0;
   double candidates_distance_px = 5.0;
   bool displace = true;
@@ -52,7 +52,7 @@ struct TrackOptions {
 
   // Alignment with what the lost feature looked like.
   bool align = true;
-  int look_window_px = 15;
+  int look_window_px = 21;
   double max_alignment_px = 5.0;
   double max_alignment_residual = 0.25;
   double min_alignment_texture = 0.5;

@@ -81,7 +81,7 @@ class Search {
   }
 
   KltResult align(const Track& track, int layer, const Eigen::Vector2f& pixel) {
-    const bool just_lost = track.last_seen == current_ - 1;
+    const bool just_lost = track.last_seen >= current_ - options_.reference_interval;
     klt_.max_residual_ratio = just_lost ? options_.max_residual_ratio : options_.max_alignment_residual;
     const KltResult older = align_look(track.look(), track.look_frame(), track, layer, pixel);
     if (older.followed && older.residual_ratio <= static_cast<float>(options_.max_residual_ratio)) return older;
