@@ -58,21 +58,38 @@ class HomographyProblem {
     const Eigen::DiagonalMatrix<double, 3> from_units(unit, unit, 1.0);
     Eigen::Matrix3d h = to_units * best.model * from_units;
     h /= h(2, 2);
-    Eigen::Matrix<double, 8, 8> normal = Eigen::Matrix<double, 8, 8>::Zero();
+    // Every row of the Jacobian is (a/w, 0, -u p) or (0, a/w, -v p) with a = (x, y, 1) and p = (x, y)/w, so the normal
+    // equations are made of few sums: of a a', u a p', v a p' and (u^2 + v^2) p p'.
+    double axx = 0, axy = 0, ax = 0, ayy = 0, ay = 0, a1 = 0, uxx = 0, uxy = 0, ux = 0, uyy = 0, uy = 0;
+    double vxx = 0, vxy = 0, vx = 0, vyy = 0, vy = 0, wxx = 0, wxy = 0, wyy = 0;
     Eigen::Matrix<double, 8, 1> right = Eigen::Matrix<double, 8, 1>::Zero();
+    const double h00 = h(0, 0), h01 = h(0, 1), h02 = h(0, 2), h10 = h(1, 0), h11 = h(1, 1), h12 = h(1, 2);
+    const double h20 = h(2, 0), h21 = h(2, 1);
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       if (!(best.squared_errors[i] <= limit)) continue;
-      const Eigen::Vector2d a = pairs_.a(i) / unit, b = pairs_.b(i) / unit;
-      const double w = h(2, 0) * a.x() + h(2, 1) * a.y() + 1.0;
-      const double u = (h(0, 0) * a.x() + h(0, 1) * a.y() + h(0, 2)) / w;
-      const double v = (h(1, 0) * a.x() + h(1, 1) * a.y() + h(1, 2)) / w;
-      Eigen::Matrix<double, 8, 1> du, dv;
-      du << a.x() / w, a.y() / w, 1.0 / w, 0.0, 0.0, 0.0, -u * a.x() / w, -u * a.y() / w;
-      dv << 0.0, 0.0, 0.0, a.x() / w, a.y() / w, 1.0 / w, -v * a.x() / w, -v * a.y() / w;
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(du);
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(dv);
-      right += du * (b.x() - u) + dv * (b.y() - v);
+      const double x = static_cast<double>(pairs_.ax[i]) / unit, y = static_cast<double>(pairs_.ay[i]) / unit;
+      const double inverse = 1.0 / (h20 * x + h21 * y + 1.0);
+      const double u = (h00 * x + h01 * y + h02) * inverse, v = (h10 * x + h11 * y + h12) * inverse;
+      const double px = x * inverse, py = y * inverse, p1 = inverse;
+      const double du = static_cast<double>(pairs_.bx[i]) / unit - u, dv = static_cast<double>(pairs_.by[i]) / unit - v;
+      const double pxx = px * px, pxy = px * py, pyy = py * py, pxo = px * p1, pyo = py * p1, squares = u * u + v * v;
+      axx += pxx, axy += pxy, ax += pxo, ayy += pyy, ay += pyo, a1 += p1 * p1;
+      uxx += u * pxx, uxy += u * pxy, ux += u * pxo, uyy += u * pyy, uy += u * pyo;
+      vxx += v * pxx, vxy += v * pxy, vx += v * pxo, vyy += v * pyy, vy += v * pyo;
+      wxx += squares * pxx, wxy += squares * pxy, wyy += squares * pyy;
+      const double both = u * du + v * dv;
+      right(0) += px * du, right(1) += py * du, right(2) += p1 * du;
+      right(3) += px * dv, right(4) += py * dv, right(5) += p1 * dv;
+      right(6) -= px * both, right(7) -= py * both;
     }
+    Eigen::Matrix<double, 8, 8> normal;
+    normal << axx, axy, ax, 0, 0, 0, -uxx, -uxy,  //
+        axy, ayy, ay, 0, 0, 0, -uxy, -uyy,        //
+        ax, ay, a1, 0, 0, 0, -ux, -uy,            //
+        0, 0, 0, axx, axy, ax, -vxx, -vxy,        //
+        0, 0, 0, axy, ayy, ay, -vxy, -vyy,        //
+        0, 0, 0, ax, ay, a1, -vx, -vy,            //
+        -uxx, -uxy, -ux, -vxx, -vxy, -vx, wxx, wxy, -uxy, -uyy, -uy, -vxy, -vyy, -vy, wxy, wyy;
     const Eigen::LDLT<Eigen::Matrix<double, 8, 8>, Eigen::Lower> solver(normal);
     if (solver.info() != Eigen::Success) return std::nullopt;
     const Eigen::Matrix<double, 8, 1> step = solver.solve(right);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/track/motion_history.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -135,10 +136,10 @@ const MotionHistory::Motion* MotionHistory::since(std::int64_t frame, int layer,
 
 std::optional<Eigen::Matrix2f> MotionHistory::turned_since(std::int64_t frame, int layer, const Track& track,
                                                            std::span<const Association> followed,
-                                                           const TrackStore& store, const IdealCamera& camera) {
+                                                           const TrackStore& store) {
   const Motion* motion = since(frame, layer, followed, store);
   if (!motion || !track.seen_in(frame)) return std::nullopt;
-  return derivative_at(motion->current_from_frame, track.pixel_in(frame), track.ideal_in(frame), camera);
+  return derivative_at(motion->current_from_frame, track.ideal_in(frame));
 }
 
 void MotionHistory::refine(Motion& motion, int layer, std::span<const Association> followed,
@@ -161,16 +162,12 @@ std::optional<Eigen::Vector2d> moved_pixel(const Eigen::Matrix3d& homography, co
   return there ? camera.to_pixel(*there) : std::nullopt;
 }
 
-std::optional<Eigen::Matrix2f> derivative_at(const Eigen::Matrix3d& homography, const Eigen::Vector2f& pixel,
-                                             const Eigen::Vector2f& ideal, const IdealCamera& camera) {
-  // About the radius of a look: what lies between is as good as linear.
-  constexpr float step = 6.0F;
-  const auto middle = moved_pixel(homography, ideal, camera);
-  const auto right = moved_pixel(homography, camera.from_pixel(pixel + Eigen::Vector2f(step, 0.0F)), camera);
-  const auto below = moved_pixel(homography, camera.from_pixel(pixel + Eigen::Vector2f(0.0F, step)), camera);
-  if (!middle || !right || !below) return std::nullopt;
-  Eigen::Matrix2d derivative;
-  derivative << (*right - *middle) / static_cast<double>(step), (*below - *middle) / static_cast<double>(step);
+std::optional<Eigen::Matrix2f> derivative_at(const Eigen::Matrix3d& homography, const Eigen::Vector2f& ideal) {
+  const Eigen::Vector3d image = homography * ideal.cast<double>().homogeneous();
+  if (std::abs(image.z()) < 1e-12) return std::nullopt;
+  const Eigen::Vector2d to = image.head<2>() / image.z();
+  const Eigen::Matrix2d derivative =
+      (homography.topLeftCorner<2, 2>() - to * homography.block<1, 2>(2, 0)) / image.z();
   constexpr double most = 2.0;
   const double area = derivative.determinant(), squares = derivative.squaredNorm();
   // The singular values s, t have s t = area and s^2 + t^2 = squares.

@@ -43,8 +43,7 @@ class MotionHistory {
   /// How the surroundings of a track's place in frame `frame`, where it was seen, turned and stretched since, if they
   /// move with `layer`; nullopt when not known or unlikely much.
   std::optional<Eigen::Matrix2f> turned_since(std::int64_t frame, int layer, const Track& track,
-                                              std::span<const Association> followed, const TrackStore& store,
-                                              const IdealCamera& camera);
+                                              std::span<const Association> followed, const TrackStore& store);
 
  private:
   Motion& at(std::int64_t frame, int layer) {
@@ -62,9 +61,8 @@ class MotionHistory {
 std::optional<Eigen::Vector2d> moved_pixel(const Eigen::Matrix3d& homography, const Eigen::Vector2f& ideal,
                                            const IdealCamera& camera);
 
-/// The derivative of such a motion at a pixel: how the surroundings turn and stretch. nullopt where they would be
-/// mirrored, or stretched or shrunk to more than double or less than half.
-std::optional<Eigen::Matrix2f> derivative_at(const Eigen::Matrix3d& homography, const Eigen::Vector2f& pixel,
-                                             const Eigen::Vector2f& ideal, const IdealCamera& camera);
+/// The derivative of such a homography: how the surroundings turn and stretch. nullopt where they would be mirrored, or
+/// stretched or shrunk to more than double or less than half.
+std::optional<Eigen::Matrix2f> derivative_at(const Eigen::Matrix3d& homography, const Eigen::Vector2f& ideal);
 
 }  // namespace rastro

@@ -44,7 +44,7 @@ class Search {
     const Eigen::Vector2f& last = track.ideal_in(track.last_seen);
     const auto expected = moved_pixel(motion->current_from_frame, last, camera_);
     if (!expected || !has_room_(expected->cast<float>())) return std::nullopt;
-    const auto turned = derivative_at(motion->current_from_frame, track.pixel_in(track.last_seen), last, camera_);
+    const auto turned = derivative_at(motion->current_from_frame, last);
     if (!turned || !is_alike(track, expected->cast<float>(), *turned, prefilter_slack)) return std::nullopt;
     const KltResult found = align(track, layer, expected->cast<float>());
     if (!found.followed || !has_room_(found.pixel)) return std::nullopt;
@@ -76,7 +76,7 @@ class Search {
 
   KltResult align_look(const KltReference& look, std::int64_t frame, const Track& track, int layer,
                        const Eigen::Vector2f& pixel) {
-    const auto turned = history_.turned_since(frame, layer, track, followed_, store_, camera_);
+    const auto turned = history_.turned_since(frame, layer, track, followed_, store_);
     return turned ? look.align(image_, pixel, options_.max_alignment_px, klt_, *turned) : KltResult{};
   }
 

@@ -32,6 +32,7 @@ constexpr int descriptors_per_chunk = 32;
 struct Live {
   std::size_t track = 0;
   Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
+  Eigen::Vector2f ideal = Eigen::Vector2f::Zero();
   TrackState state = TrackState::tracked;
 };
 
@@ -168,14 +169,14 @@ void Tracker::State::follow(TrackFrame& frame, GreyView mask) {
       ++frame.masked;
       continue;
     }
-    live_.push_back({before_[i].track, pixel, TrackState::tracked});
+    live_.push_back({before_[i].track, pixel, camera_.from_pixel(pixel), TrackState::tracked});
   }
 }
 
 void Tracker::State::drop_outliers(TrackFrame& frame) {
   PointPairs pairs;
   for (const Live& feature : live_) {
-    pairs.add(store_[feature.track].ideal_in(index_ - 1), camera_.from_pixel(feature.pixel));
+    pairs.add(store_[feature.track].ideal_in(index_ - 1), feature.ideal);
   }
   const RansacOptions ransac{options_.max_epipolar_error_px, 0.99, options_.ransac_iterations,
                              seed_for(options_.seed, static_cast<std::uint64_t>(index_))};
@@ -213,7 +214,7 @@ void Tracker::State::drop_changed() {
     if (track.look().empty()) return false;
     Eigen::Matrix2f turned = Eigen::Matrix2f::Identity();
     if (foresees()) {
-      const auto known = history_.turned_since(track.look_frame(), std::max(0, track.layer), track, followed, store_, camera_);
+      const auto known = history_.turned_since(track.look_frame(), std::max(0, track.layer), track, followed, store_);
       if (known) turned = *known;
     }
     return track.look().residual_ratio(current_, feature.pixel, turned) > options_.max_reference_residual;
@@ -222,7 +223,7 @@ void Tracker::State::drop_changed() {
 
 std::vector<Association> Tracker::State::associations() const {
   std::vector<Association> associations;
-  for (const Live& feature : live_) associations.push_back({feature.track, feature.pixel, camera_.from_pixel(feature.pixel)});
+  for (const Live& feature : live_) associations.push_back({feature.track, feature.pixel, feature.ideal});
   return associations;
 }
 
@@ -238,7 +239,7 @@ void Tracker::State::welcome_back(TrackFrame& frame, GreyView mask) {
                                                  describe_turned(), options_)) {
     if (static_cast<int>(live_.size()) >= options_.features) break;
     if (!grid.add_if_far(found.pixel.x(), found.pixel.y())) continue;
-    live_.push_back({found.track, found.pixel, TrackState::reidentified});
+    live_.push_back({found.track, found.pixel, camera_.from_pixel(found.pixel), TrackState::reidentified});
     store_.mark_found(found.track);
     ++frame.reidentified;
   }
@@ -381,7 +382,7 @@ void Tracker::State::make_room(std::vector<Recognised>& recognised, TrackFrame& 
 
 void Tracker::State::observe(const Live& feature, const Descriptor& descriptor) {
   Track& track = store_[feature.track];
-  track.observe(index_, feature.pixel, camera_.from_pixel(feature.pixel), descriptor);
+  track.observe(index_, feature.pixel, feature.ideal, descriptor);
   track.keep_look(index_, options_.reference_interval, current_, feature.pixel, options_.look_window_px);
 }
 
@@ -403,7 +404,7 @@ void Tracker::State::adopt(const std::vector<Eigen::Vector2f>& corners, TrackFra
     used[match.corner] = 1;
     grid.add_if_far(match.pixel.x(), match.pixel.y());
     store_.mark_found(match.track);
-    live_.push_back({match.track, match.pixel, TrackState::reidentified});
+    live_.push_back({match.track, match.pixel, camera_.from_pixel(match.pixel), TrackState::reidentified});
     observe(live_.back(), describe(match.pixel, false).front());
   }
   const bool verify = verifies_corners(frame);
@@ -412,7 +413,7 @@ void Tracker::State::adopt(const std::vector<Eigen::Vector2f>& corners, TrackFra
     if (!grid.is_far(corners[i].x(), corners[i].y())) continue;
     if (verify && !can_be_followed_back(corners[i])) continue;
     grid.add_if_far(corners[i].x(), corners[i].y());
-    live_.push_back({store_.create(), corners[i], TrackState::fresh});
+    live_.push_back({store_.create(), corners[i], camera_.from_pixel(corners[i]), TrackState::fresh});
     observe(live_.back(), describe(corners[i], false).front());
     ++frame.fresh;
   }
