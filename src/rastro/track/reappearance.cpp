@@ -32,35 +32,44 @@ class Search {
   }
 
   std::optional<Reappeared> find(std::size_t index) {
-    const int first = std::max(0, store_[index].layer);
-    const auto found = find_in(index, first);
-    return found ? found : find_in(index, 1 - first);
+    const int first = std::max(0, store_[index].layer), second = 1 - first;
+    const auto expected = expected_place(index, first);
+    if (expected) {
+      if (const auto found = find_at(index, first, *expected)) return found;
+    }
+    const auto other = expected_place(index, second);
+    // Where both layers move alike there is nothing new to see.
+    constexpr double alike_px = 1.0;
+    if (!other || (expected && (*other - *expected).norm() < alike_px)) return std::nullopt;
+    return find_at(index, second, *other);
   }
 
-  std::optional<Reappeared> find_in(std::size_t index, int layer) {
+ private:
+  std::optional<Eigen::Vector2d> expected_place(std::size_t index, int layer) {
     const Track& track = store_[index];
     const MotionHistory::Motion* motion = history_.since(track.last_seen, layer, followed_, store_);
     if (!motion) return std::nullopt;
+    return moved_pixel(motion->current_from_frame, track.ideal_in(track.last_seen), camera_);
+  }
+
+  std::optional<Reappeared> find_at(std::size_t index, int layer, const Eigen::Vector2d& expected) {
+    if (!has_room_(expected.cast<float>())) return std::nullopt;
+    const Track& track = store_[index];
     const Eigen::Vector2f& last = track.ideal_in(track.last_seen);
-    const auto expected = moved_pixel(motion->current_from_frame, last, camera_);
-    if (!expected || !has_room_(expected->cast<float>())) return std::nullopt;
-    const auto turned = derivative_at(motion->current_from_frame, last);
-    if (!turned || !is_alike(track, expected->cast<float>(), *turned, prefilter_slack)) return std::nullopt;
-    const KltResult found = align(track, layer, expected->cast<float>());
-    if (!found.followed || !has_room_(found.pixel)) return std::nullopt;
-    const Eigen::Vector2d there = found.pixel.cast<double>();
-    if ((there - *expected).norm() > options_.max_reprojection_px) return std::nullopt;
-    if (!is_alike(track, found.pixel, *turned, 0)) return std::nullopt;
-    if (motion->inlier_share < options_.min_inlier_share &&
-        !agrees_with_neighbours(motion->shared, last.cast<double>(), camera_.from_pixel(found.pixel).cast<double>(),
+    const MotionHistory::Motion& motion = *history_.since(track.last_seen, layer, followed_, store_);
+    const auto turned = derivative_at(motion.current_from_frame, last);
+    if (!turned || !is_alike(track, expected.cast<float>(), *turned, prefilter_slack)) return std::nullopt;
+    const KltResult found = align(track, layer, expected.cast<float>());
+    if (!found.followed || !has_room_(found.pixel) || !is_alike(track, found.pixel, *turned, 0)) return std::nullopt;
+    if (motion.inlier_share < options_.min_inlier_share &&
+        !agrees_with_neighbours(motion.shared, last.cast<double>(), camera_.from_pixel(found.pixel).cast<double>(),
                                 options_.max_reprojection_px))
       return std::nullopt;
     return Reappeared{index, found.pixel, found.residual_ratio};
   }
 
- private:
   // Before alignment a descriptor may be off by a pixel or two.
-  static constexpr int prefilter_slack = 15;
+  static constexpr int prefilter_slack = 8;
 
   bool is_alike(const Track& track, const Eigen::Vector2f& pixel, const Eigen::Matrix2f& turned, int slack) const {
     const double angle = std::atan2(static_cast<double>(turned(1, 0) - turned(0, 1)), static_cast<double>(turned.trace()));
@@ -77,7 +86,8 @@ class Search {
   KltResult align_look(const KltReference& look, std::int64_t frame, const Track& track, int layer,
                        const Eigen::Vector2f& pixel) {
     const auto turned = history_.turned_since(frame, layer, track, followed_, store_);
-    return turned ? look.align(image_, pixel, options_.max_alignment_px, klt_, *turned) : KltResult{};
+    const double reach = std::min(options_.max_alignment_px, options_.max_reprojection_px);
+    return turned ? look.align(image_, pixel, reach, klt_, *turned) : KltResult{};
   }
 
   KltResult align(const Track& track, int layer, const Eigen::Vector2f& pixel) {
