@@ -147,6 +147,7 @@ void run(const Arguments& arguments) {
       sum.pyramid_ms += t.pyramid_ms;
       sum.flow_ms += t.flow_ms;
       sum.outlier_ms += t.outlier_ms;
+      sum.foresee_ms += t.foresee_ms;
       sum.detect_ms += t.detect_ms;
       sum.describe_ms += t.describe_ms;
       sum.match_ms += t.match_ms;
@@ -169,10 +170,10 @@ void run(const Arguments& arguments) {
       median(ours_ms), median(theirs_ms), median(ratios), *std::min_element(ratios.begin(), ratios.end()),
       *std::max_element(ratios.begin(), ratios.end()));
   fmt::print(
-      "stages  pyramid {:.3f}, flow {:.3f}, outliers {:.3f}, detect {:.3f}, describe {:.3f}, match {:.3f}, validate "
-      "{:.3f} ms\n",
-      sum.pyramid_ms / calls, sum.flow_ms / calls, sum.outlier_ms / calls, sum.detect_ms / calls,
-      sum.describe_ms / calls, sum.match_ms / calls, sum.validate_ms / calls);
+      "stages  pyramid {:.3f}, flow {:.3f}, outliers {:.3f}, foresee {:.3f}, detect {:.3f}, describe {:.3f}, match "
+      "{:.3f}, validate {:.3f} ms\n",
+      sum.pyramid_ms / calls, sum.flow_ms / calls, sum.outlier_ms / calls, sum.foresee_ms / calls,
+      sum.detect_ms / calls, sum.describe_ms / calls, sum.match_ms / calls, sum.validate_ms / calls);
   fmt::print("tracked {:.1f} a frame, re-identified {:.2f} of {:.2f} corners\n", static_cast<double>(tracked) / calls,
              static_cast<double>(reidentified) / calls, static_cast<double>(corners) / calls);
 }

@@ -136,14 +136,14 @@ void RunFolder::add_stats(const TrackFrame& frame) {
   if (!stats_) {
     stats_.emplace(file("stats.csv"));
     stats_->append(
-        "frame,stamp_ns,features,tracked,reidentified,new,lost,masked,health,pyramid_ms,flow_ms,outlier_ms,detect_ms,"
-        "describe_ms,match_ms,validate_ms,total_ms,resident_mb\n");
+        "frame,stamp_ns,features,tracked,reidentified,new,lost,masked,health,pyramid_ms,flow_ms,outlier_ms,foresee_ms,"
+        "detect_ms,describe_ms,match_ms,validate_ms,total_ms,resident_mb\n");
   }
   const TrackTimes& times = frame.times;
   stats_->append(fmt::format(
-      "{},{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.1f}\n", frame.index,
+      "{},{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.1f}\n", frame.index,
       frame.stamp, frame.features.size(), frame.tracked, frame.reidentified, frame.fresh, frame.lost, frame.masked,
-      name_of(frame.health), times.pyramid_ms, times.flow_ms, times.outlier_ms, times.detect_ms, times.describe_ms,
+      name_of(frame.health), times.pyramid_ms, times.flow_ms, times.outlier_ms, times.foresee_ms, times.detect_ms, times.describe_ms,
       times.match_ms, times.validate_ms, times.total_ms, resident_memory_mb()));
 }
 

@@ -71,14 +71,16 @@ class Search {
   // Before alignment a descriptor may be off by a pixel or two.
   static constexpr int prefilter_slack = 8;
 
-  bool is_alike(const Track& track, const Eigen::Vector2f& pixel, const Eigen::Matrix2f& turned, int slack) const {
+  bool is_alike(const Track& track, const Eigen::Vector2f& pixel, const Eigen::Matrix2f& turned, int slack) {
     const double angle = std::atan2(static_cast<double>(turned(1, 0) - turned(0, 1)), static_cast<double>(turned.trace()));
     const double scale = std::sqrt(static_cast<double>(turned.determinant()));
     const Descriptor seen = describe_(pixel, angle, scale);
+    distances_.resize(track.descriptors().size());
+    hamming_distances(seen, track.descriptors(), distances_);
     int votes = 0;
     for (std::size_t slot = 0; slot < track.frames().size(); ++slot) {
       if (track.frames()[slot] < 0 || track.frames()[slot] < current_ - store_.window()) continue;
-      votes += hamming_distance(track.descriptors()[slot], seen) <= options_.max_hamming + slack ? 1 : 0;
+      votes += distances_[slot] <= options_.max_hamming + slack ? 1 : 0;
     }
     return votes >= options_.min_votes;
   }
@@ -109,6 +111,7 @@ class Search {
   const DescribeTurned& describe_;
   const TrackOptions& options_;
   KltOptions klt_;
+  std::vector<std::uint16_t> distances_;  ///< Scratch.
 };
 
 }  // namespace

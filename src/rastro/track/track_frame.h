@@ -30,7 +30,8 @@ enum class TrackHealth : std::uint8_t { good, few_corners, dark_or_blank, abrupt
 
 /// Time of each stage in milliseconds. Not part of what must be equal between runs.
 struct TrackTimes {
-  double pyramid_ms = 0, flow_ms = 0, outlier_ms = 0, detect_ms = 0, describe_ms = 0, match_ms = 0, validate_ms = 0,
+  double pyramid_ms = 0, flow_ms = 0, outlier_ms = 0, foresee_ms = 0, detect_ms = 0, describe_ms = 0, match_ms = 0,
+         validate_ms = 0,
          total_ms = 0;
 };
 

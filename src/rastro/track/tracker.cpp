@@ -123,7 +123,7 @@ TrackFrame Tracker::State::process(GreyView image, TimeNs stamp, GreyView mask) 
   drop_outliers(frame);
   frame.times.outlier_ms = stage.lap_ms();
   welcome_back(frame, mask);
-  frame.times.validate_ms = stage.lap_ms();
+  frame.times.foresee_ms = stage.lap_ms();
   const std::vector<Eigen::Vector2f> corners = detect(frame, mask);
   frame.times.detect_ms = stage.lap_ms();
   describe_tracked();
