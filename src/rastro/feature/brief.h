@@ -42,12 +42,14 @@ class Brief {
   static const std::vector<double>& scales();
 
  private:
-  struct Offset {
-    std::int8_t x, y;
-  };
+  /// Pixels from the corner to both ends of every test.
   struct Pattern {
-    std::array<Offset, 512> offsets;  ///< Ends a and b of test 0, of test 1, ...
+    std::array<std::int8_t, 256> ax, ay, bx, by;
   };
+  static Descriptor compare_plain(const Pattern& pattern, const std::uint16_t* centre, std::ptrdiff_t stride);
+  static Descriptor compare_avx2(const Pattern& pattern, const std::uint16_t* centre, std::ptrdiff_t stride);
+  const Pattern& pattern_of(double angle_rad, double scale) const;
+
   std::vector<Pattern> patterns_;  ///< By scale, then angle.
   int reach_ = 0;                  ///< No test of any pattern ends farther out.
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/feature/brief.h"
 
+#include "rastro/base/simd.h"
+
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -75,6 +77,19 @@ TEST(Brief, SteeredAndScaledPatternsFollowTurnAndScale) {
   const auto scaled_sums = smooth(turned(image, 0.0, 1.5625));
   EXPECT_LT(hamming_distance(before, brief.describe(scaled_sums, 120, 120, 0.0, 1.5625)),
             hamming_distance(before, brief.describe(scaled_sums, 120, 120)));
+}
+
+TEST(Brief, EveryLevelOfSimdGivesTheSameBits) {
+  const Brief brief(48, 1);
+  const auto sums = smooth(testing::wave_image(160, 120, 0, 0));
+  for (const double scale : Brief::scales()) {
+    for (float place = 0.0F; place < 120.0F; place += 7.3F) {
+      limit_simd_level(SimdLevel::plain);
+      const Descriptor plain = brief.describe(sums, place, place, 0.1 * place, scale);
+      limit_simd_level(SimdLevel::avx2);
+      EXPECT_EQ(plain, brief.describe(sums, place, place, 0.1 * place, scale));
+    }
+  }
 }
 
 TEST(IntensityCentroid, PointsToTheBrightSide) {

@@ -49,6 +49,7 @@ class SharedBest {
 struct BandBuffers {
   MinEigenvalueScratch gradients;
   Image<float> scores;
+  std::vector<int> maxima;
 };
 
 /// Which tiles of a band have a free pixel.
@@ -72,16 +73,50 @@ bool is_local_maximum(const float* above, const float* here, const float* below,
          score > above[x + 1] && score >= below[x - 1] && score >= below[x] && score >= below[x + 1];
 }
 
+/// The rows of scores around one row of the image, so that here[x] is the score of pixel x.
+struct ScoreRows {
+  const float *above, *here, *below;
+  const std::uint8_t* free;
+};
+
+void row_maxima_plain(const ScoreRows& rows, int begin, int end, float floor, std::vector<int>& maxima) {
+  for (int x = begin; x < end; ++x) {
+    if (rows.here[x] > floor && rows.free[x] != 0 && is_local_maximum(rows.above, rows.here, rows.below, x))
+      maxima.push_back(x);
+  }
+}
+
 #if RASTRO_HAS_AVX2_CODE
-/// One bit for each of eight values that is above the floor and at least its two neighbours in the row.
-RASTRO_TARGET_AVX2 unsigned row_peaks_avx2(const float* values, float floor) {
-  const __m256 here = _mm256_loadu_ps(values);
-  const __m256 high = _mm256_cmp_ps(here, _mm256_set1_ps(floor), _CMP_GT_OQ);
-  const __m256 left = _mm256_cmp_ps(here, _mm256_loadu_ps(values - 1), _CMP_GT_OQ);
-  const __m256 right = _mm256_cmp_ps(here, _mm256_loadu_ps(values + 1), _CMP_GE_OQ);
-  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(high, _mm256_and_ps(left, right))));
+RASTRO_TARGET_AVX2 void row_maxima_avx2(const ScoreRows& rows, int begin, int end, float floor,
+                                        std::vector<int>& maxima) {
+  const __m256 floors = _mm256_set1_ps(floor);
+  int x = begin;
+  for (; x + 8 <= end; x += 8) {
+    const __m256 here = _mm256_loadu_ps(rows.here + x);
+    const __m256 left = _mm256_cmp_ps(here, _mm256_loadu_ps(rows.here + x - 1), _CMP_GT_OQ);
+    const __m256 right = _mm256_cmp_ps(here, _mm256_loadu_ps(rows.here + x + 1), _CMP_GE_OQ);
+    const __m256 high = _mm256_and_ps(_mm256_cmp_ps(here, floors, _CMP_GT_OQ), _mm256_and_ps(left, right));
+    auto peaks = static_cast<unsigned>(_mm256_movemask_ps(high));
+    for (; peaks != 0; peaks &= peaks - 1) {
+      const int peak = x + std::countr_zero(peaks);
+      if (rows.free[peak] != 0 && is_local_maximum(rows.above, rows.here, rows.below, peak)) maxima.push_back(peak);
+    }
+  }
+  row_maxima_plain(rows, x, end, floor, maxima);
 }
 #endif
+
+/// The free local maxima of a row above the floor, from left to right.
+void row_maxima(const ScoreRows& rows, int begin, int end, float floor, std::vector<int>& maxima) {
+  maxima.clear();
+#if RASTRO_HAS_AVX2_CODE
+  if (simd_level() == SimdLevel::avx2) {
+    row_maxima_avx2(rows, begin, end, floor, maxima);
+    return;
+  }
+#endif
+  row_maxima_plain(rows, begin, end, floor, maxima);
+}
 
 /// Adds the free local maxima of `area` to the band. Scores below `quality` times the best seen so far cannot survive
 /// the threshold that comes later, so leaving them out early changes nothing.
@@ -91,25 +126,11 @@ void collect_maxima(const PaddedImage& image, GreyView free, const Area& area, d
                   buffers.scores.stride(), buffers.gradients);
   for (int y = area.y0; y < area.y1; ++y) {
     const float* here = buffers.scores.row(y - area.y0 + 1) + 1 - area.x0;
-    const float* above = here - buffers.scores.stride();
-    const float* below = here + buffers.scores.stride();
-    const std::uint8_t* free_row = free.row(y);
-    const auto consider = [&](int x) {
-      if (free_row[x] == 0 || !is_local_maximum(above, here, below, x)) return;
+    const ScoreRows rows{here - buffers.scores.stride(), here, here + buffers.scores.stride(), free.row(y)};
+    row_maxima(rows, area.x0, area.x1, static_cast<float>(quality) * band.best, buffers.maxima);
+    for (const int x : buffers.maxima) {
       band.maxima.push_back({x, y, here[x]});
       band.best = std::max(band.best, here[x]);
-    };
-    int x = area.x0;
-#if RASTRO_HAS_AVX2_CODE
-    if (simd_level() == SimdLevel::avx2) {
-      for (; x + 8 <= area.x1; x += 8) {
-        unsigned peaks = row_peaks_avx2(here + x, static_cast<float>(quality) * band.best);
-        for (; peaks != 0; peaks &= peaks - 1) consider(x + std::countr_zero(peaks));
-      }
-    }
-#endif
-    for (; x < area.x1; ++x) {
-      if (here[x] > static_cast<float>(quality) * band.best) consider(x);
     }
   }
 }
