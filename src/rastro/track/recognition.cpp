@@ -90,13 +90,14 @@ void sort_claims(std::vector<Claim>& claims) {
 }
 
 /// The tracked features, and each proposed track at the corner that claims it most strongly.
-std::vector<Association> with_proposals(std::span<const Association> tracked, std::span<const Claim> claims) {
+std::vector<Association> with_proposals(std::span<const Association> tracked, std::span<const Claim> claims,
+                                        const TrackStore& store) {
   std::vector<Association> associations(tracked.begin(), tracked.end());
+  std::vector<char> taken(store.size(), 0);
   for (const Claim& claim : claims) {
     const std::size_t track = claim.candidates.front().track;
-    const bool taken = std::any_of(associations.begin() + static_cast<std::ptrdiff_t>(tracked.size()),
-                                   associations.end(), [=](const Association& a) { return a.track == track; });
-    if (!taken) associations.push_back({track, *claim.pixel, {}});
+    if (taken[track] == 0) associations.push_back({track, *claim.pixel, {}});
+    taken[track] = 1;
   }
   return associations;
 }
@@ -146,20 +147,22 @@ std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, cons
 
   align_claims(claims, corners, store, current, image, options);
   sort_claims(claims);
-  const std::vector<Association> associations = with_proposals(tracked, claims);
+  const std::vector<Association> associations = with_proposals(tracked, claims, store);
   Validation validation(store, current, associations, options);
   DistanceGrid grid(image.level(0).width(), image.level(0).height(), options.min_distance_px);
   std::vector<Recognised> recognised;
+  std::vector<char> taken(store.size(), 0);
   for (const Claim& claim : claims) {
     if (static_cast<int>(recognised.size()) >= most) break;
     for (std::size_t i = 0; i < claim.candidates.size(); ++i) {
       const std::size_t track = claim.candidates[i].track;
-      const bool taken =
-          std::any_of(recognised.begin(), recognised.end(), [=](const Recognised& r) { return r.track == track; });
-      if (taken) continue;
+      if (taken[track] != 0) continue;
       const auto pixel = i == 0 ? claim.pixel : aligned(store[track], current, corners[claim.corner], image, options);
       if (!pixel || !validation.confirms(track, *pixel)) continue;
-      if (grid.add_if_far(pixel->x(), pixel->y())) recognised.push_back({claim.corner, track, *pixel});
+      if (grid.add_if_far(pixel->x(), pixel->y())) {
+        taken[track] = 1;
+        recognised.push_back({claim.corner, track, *pixel});
+      }
       break;
     }
   }

@@ -73,6 +73,8 @@ class TrackStore {
   explicit TrackStore(int window) : window_(window) {}
 
   int window() const { return window_; }
+  /// All indices are below this.
+  std::size_t size() const { return tracks_.size(); }
   /// Index of a fresh track with the next global id.
   std::size_t create();
   Track& operator[](std::size_t index) { return tracks_[index]; }

@@ -51,14 +51,17 @@ void Voting::expect(const std::vector<std::optional<Eigen::Vector2f>>& motions) 
 bool Voting::select_near(const Eigen::Vector2f& pixel) {
   if (options_.max_travel_px <= 0.0 || x_.empty()) return !lost_.empty();
   const auto limit = static_cast<float>(options_.max_travel_px * options_.max_travel_px);
-  is_near_.resize(lost_.size());
+  const std::size_t count = lost_.size();
+  is_near_.resize(count);
+  const float *x = x_.data(), *y = y_.data(), *moved_x = moved_x_.data(), *moved_y = moved_y_.data();
+  std::int32_t* near = is_near_.data();
+  const float px = pixel.x(), py = pixel.y();
   // What moves in front may hold most features: then standing still is the better guess. Places that are no numbers are
   // near to all.
-  for (std::size_t i = 0; i < lost_.size(); ++i) {
-    const float dx = pixel.x() - x_[i], dy = pixel.y() - y_[i];
-    const float moved_dx = pixel.x() - moved_x_[i], moved_dy = pixel.y() - moved_y_[i];
-    is_near_[i] =
-        static_cast<char>(!(dx * dx + dy * dy > limit) | !(moved_dx * moved_dx + moved_dy * moved_dy > limit));
+  for (std::size_t i = 0; i < count; ++i) {
+    const float dx = px - x[i], dy = py - y[i], moved_dx = px - moved_x[i], moved_dy = py - moved_y[i];
+    const bool far = (dx * dx + dy * dy > limit) & (moved_dx * moved_dx + moved_dy * moved_dy > limit);
+    near[i] = far ? 0 : 1;
   }
   near_.clear();
   near_descriptors_.clear();
