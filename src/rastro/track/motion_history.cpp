@@ -22,11 +22,7 @@ PointPairs pairs_since(std::int64_t frame, int layer, std::span<const Associatio
   return pairs;
 }
 
-/// A motion from one frame to the next, and which of the followed features take part.
-struct Step {
-  Eigen::Matrix3d current_from_last = Eigen::Matrix3d::Identity();
-  std::vector<char> takes_part;
-};
+using Step = MotionHistory::Step;
 
 /// The motion most features share, and that which most of the others share, where enough do.
 std::vector<Step> steps_to(std::int64_t current, std::span<const Association> followed, const TrackStore& store,
@@ -92,36 +88,77 @@ MotionHistory::MotionHistory(const TrackOptions& options) : options_(options) {
   for (auto& motions : motions_) motions.resize(static_cast<std::size_t>(options.window + 2 * options.reference_interval + 2));
 }
 
+int MotionHistory::layer_of_first(const std::vector<Step>& steps, std::span<const Association> followed,
+                                  const TrackStore& store) {
+  int straight = members(steps[0], 0, followed, store), crossed = members(steps[0], 1, followed, store);
+  if (steps.size() > 1) {
+    straight += members(steps[1], 1, followed, store);
+    crossed += members(steps[1], 0, followed, store);
+  }
+  return crossed > straight ? 1 : 0;
+}
+
+/// How a layer moves that has no step of its own: by the median of what few features it has; as before, if the layers
+/// moved apart; else like the other.
+Eigen::Matrix3d MotionHistory::guess_step(int layer, const Step& other, std::int64_t current,
+                                          std::span<const Association> followed, const TrackStore& store) const {
+  constexpr std::size_t fewest = 3;
+  std::vector<float> dx, dy;
+  for (std::size_t i = 0; i < followed.size(); ++i) {
+    const Track& track = store[followed[i].track];
+    if (track.layer != layer || other.takes_part[i] != 0 || !track.seen_in(current - 1)) continue;
+    dx.push_back(followed[i].ideal.x() - track.ideal_in(current - 1).x());
+    dy.push_back(followed[i].ideal.y() - track.ideal_in(current - 1).y());
+  }
+  if (!apart_) return other.current_from_last;
+  if (dx.size() < fewest) return last_step_[static_cast<std::size_t>(layer)];
+  const auto median = [](std::vector<float>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return static_cast<double>(*middle);
+  };
+  Eigen::Matrix3d step = Eigen::Matrix3d::Identity();
+  step(0, 2) = median(dx);
+  step(1, 2) = median(dy);
+  return step;
+}
+
 void MotionHistory::advance(std::int64_t current, std::span<const Association> followed, TrackStore& store) {
   current_ = current;
   std::vector<Step> steps = steps_to(current, followed, store, options_);
   keep_exclusive(steps, current, followed, store, options_.max_reprojection_px);
-  int layer_of_first = 0;
-  if (!steps.empty()) {
-    int straight = members(steps[0], 0, followed, store), crossed = members(steps[0], 1, followed, store);
-    if (steps.size() > 1) {
-      straight += members(steps[1], 1, followed, store);
-      crossed += members(steps[1], 0, followed, store);
+  if (steps.empty()) {
+    for (auto& motions : motions_) {
+      for (Motion& motion : motions) motion.frame = -1;
     }
-    layer_of_first = crossed > straight ? 1 : 0;
+    apart_ = false;
+  } else {
+    const int first = layer_of_first(steps, followed, store);
+    if (steps.size() == 1 && members(steps[0], 1 - first, followed, store) > 0) apart_ = false;
+    if (steps.size() > 1) apart_ = true;
+    const Eigen::Matrix3d other = steps.size() > 1 ? steps[1].current_from_last
+                                                   : guess_step(1 - first, steps[0], current, followed, store);
+    move(first, steps[0].current_from_last);
+    move(1 - first, other);
+    for (std::size_t i = 0; i < followed.size(); ++i) {
+      for (std::size_t k = 0; k < steps.size(); ++k) {
+        if (steps[k].takes_part[i] != 0) store[followed[i].track].layer = k == 0 ? first : 1 - first;
+      }
+    }
   }
   for (int layer = 0; layer < layers; ++layer) {
-    // Where there is but one motion, it is that of both.
-    const Step* step = steps.empty() ? nullptr : layer == layer_of_first || steps.size() < 2 ? &steps[0] : &steps[1];
-    for (Motion& motion : motions_[static_cast<std::size_t>(layer)]) {
-      if (!step) motion.frame = -1;
-      if (motion.frame < 0) continue;
-      motion.current_from_frame = step->current_from_last * motion.current_from_frame;
-      motion.current_from_frame /= motion.current_from_frame.norm();
-    }
     Motion& none = at(current, layer);
     none.frame = current;
     none.current_from_frame.setIdentity();
   }
-  for (std::size_t i = 0; i < followed.size(); ++i) {
-    for (std::size_t k = 0; k < steps.size(); ++k) {
-      if (steps[k].takes_part[i] != 0) store[followed[i].track].layer = k == 0 ? layer_of_first : 1 - layer_of_first;
-    }
+}
+
+void MotionHistory::move(int layer, const Eigen::Matrix3d& step) {
+  last_step_[static_cast<std::size_t>(layer)] = step;
+  for (Motion& motion : motions_[static_cast<std::size_t>(layer)]) {
+    if (motion.frame < 0) continue;
+    motion.current_from_frame = step * motion.current_from_frame;
+    motion.current_from_frame /= motion.current_from_frame.norm();
   }
 }
 

@@ -38,6 +38,12 @@ class MotionHistory {
     double inlier_share = 0.0;  ///< Of what is shared; 0 where too few for a refinement.
   };
 
+  /// A motion from one frame to the next, and which of the followed features take part.
+  struct Step {
+    Eigen::Matrix3d current_from_last = Eigen::Matrix3d::Identity();
+    std::vector<char> takes_part;
+  };
+
   /// The motion of a layer from frame `frame` to the current one; null when not known. Refined when first asked for.
   const Motion* since(std::int64_t frame, int layer, std::span<const Association> followed, const TrackStore& store);
   /// How the surroundings of a track's place in frame `frame`, where it was seen, turned and stretched since, if they
@@ -50,10 +56,17 @@ class MotionHistory {
     auto& motions = motions_[static_cast<std::size_t>(layer)];
     return motions[static_cast<std::size_t>(frame) % motions.size()];
   }
+  static int layer_of_first(const std::vector<Step>& steps, std::span<const Association> followed,
+                            const TrackStore& store);
+  Eigen::Matrix3d guess_step(int layer, const Step& other, std::int64_t current, std::span<const Association> followed,
+                             const TrackStore& store) const;
+  void move(int layer, const Eigen::Matrix3d& step);
   void refine(Motion& motion, int layer, std::span<const Association> followed, const TrackStore& store) const;
 
   const TrackOptions& options_;
   std::int64_t current_ = -1;
+  bool apart_ = false;  ///< The layers moved otherwise when both were last seen.
+  std::array<Eigen::Matrix3d, layers> last_step_{Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity()};
   std::array<std::vector<Motion>, layers> motions_;
 };
 

@@ -34,8 +34,8 @@ struct TrackOptions {
   double corner_quality = 0.01;
   int corner_border_px = 5;
   bool verify_corners = true;
-  double candidates_factor = 4.0;
-  double max_candidates_factor = 4.0;
+  double candidates_factor = 3.0;
+  double max_candidates_factor = 3.0;
   double candidates_distance_px = 5.0;
   bool displace = true;
 
