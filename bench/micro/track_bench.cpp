@@ -75,7 +75,8 @@ void matching(benchmark::State& state) {
   for (std::int64_t i = 0; i < state.range(0); ++i) {
     const std::size_t track = store.create();
     const Descriptor descriptor = random_descriptor(random);
-    for (std::int64_t frame = 0; frame < 30; ++frame) store[track].observe(frame, {0.0F, 0.0F}, descriptor);
+    for (std::int64_t frame = 0; frame < 30; ++frame)
+      store[track].observe(frame, {0.0F, 0.0F}, {0.0F, 0.0F}, descriptor);
     store.mark_lost(track);
   }
   Voting voting(store, 30, {});

@@ -104,8 +104,7 @@ Descriptor Brief::describe(const Image<std::uint16_t>& sums, float x, float y, d
 Descriptor Brief::compare_plain(const Pattern& pattern, const std::uint16_t* centre, std::ptrdiff_t stride) {
   Descriptor descriptor;
   for (std::size_t t = 0; t < tests; ++t) {
-    const bool below =
-        centre[pattern.ay[t] * stride + pattern.ax[t]] < centre[pattern.by[t] * stride + pattern.bx[t]];
+    const bool below = centre[pattern.ay[t] * stride + pattern.ax[t]] < centre[pattern.by[t] * stride + pattern.bx[t]];
     descriptor.words[t / 64] |= static_cast<std::uint64_t>(below) << (t % 64);
   }
   return descriptor;

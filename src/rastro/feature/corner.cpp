@@ -87,19 +87,31 @@ void row_maxima_plain(const ScoreRows& rows, int begin, int end, float floor, st
 }
 
 #if RASTRO_HAS_AVX2_CODE
+RASTRO_TARGET_AVX2 inline __m256 beats(__m256 here, const float* there) {
+  return _mm256_cmp_ps(here, _mm256_loadu_ps(there), _CMP_GT_OQ);
+}
+RASTRO_TARGET_AVX2 inline __m256 holds(__m256 here, const float* there) {
+  return _mm256_cmp_ps(here, _mm256_loadu_ps(there), _CMP_GE_OQ);
+}
+RASTRO_TARGET_AVX2 inline __m256 all_of(__m256 a, __m256 b, __m256 c) { return _mm256_and_ps(a, _mm256_and_ps(b, c)); }
+
 RASTRO_TARGET_AVX2 void row_maxima_avx2(const ScoreRows& rows, int begin, int end, float floor,
                                         std::vector<int>& maxima) {
   const __m256 floors = _mm256_set1_ps(floor);
   int x = begin;
   for (; x + 8 <= end; x += 8) {
     const __m256 here = _mm256_loadu_ps(rows.here + x);
-    const __m256 left = _mm256_cmp_ps(here, _mm256_loadu_ps(rows.here + x - 1), _CMP_GT_OQ);
-    const __m256 right = _mm256_cmp_ps(here, _mm256_loadu_ps(rows.here + x + 1), _CMP_GE_OQ);
-    const __m256 high = _mm256_and_ps(_mm256_cmp_ps(here, floors, _CMP_GT_OQ), _mm256_and_ps(left, right));
-    auto peaks = static_cast<unsigned>(_mm256_movemask_ps(high));
+    const __m256 high =
+        all_of(_mm256_cmp_ps(here, floors, _CMP_GT_OQ), beats(here, rows.here + x - 1), holds(here, rows.here + x + 1));
+    if (_mm256_testz_ps(high, high) != 0) continue;
+    const __m256 over =
+        all_of(beats(here, rows.above + x - 1), beats(here, rows.above + x), beats(here, rows.above + x + 1));
+    const __m256 under =
+        all_of(holds(here, rows.below + x - 1), holds(here, rows.below + x), holds(here, rows.below + x + 1));
+    auto peaks = static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(high, _mm256_and_ps(over, under))));
     for (; peaks != 0; peaks &= peaks - 1) {
       const int peak = x + std::countr_zero(peaks);
-      if (rows.free[peak] != 0 && is_local_maximum(rows.above, rows.here, rows.below, peak)) maxima.push_back(peak);
+      if (rows.free[peak] != 0) maxima.push_back(peak);
     }
   }
   row_maxima_plain(rows, x, end, floor, maxima);

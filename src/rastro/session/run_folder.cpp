@@ -143,8 +143,8 @@ void RunFolder::add_stats(const TrackFrame& frame) {
   stats_->append(fmt::format(
       "{},{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.1f}\n", frame.index,
       frame.stamp, frame.features.size(), frame.tracked, frame.reidentified, frame.fresh, frame.lost, frame.masked,
-      name_of(frame.health), times.pyramid_ms, times.flow_ms, times.outlier_ms, times.foresee_ms, times.detect_ms, times.describe_ms,
-      times.match_ms, times.validate_ms, times.total_ms, resident_memory_mb()));
+      name_of(frame.health), times.pyramid_ms, times.flow_ms, times.outlier_ms, times.foresee_ms, times.detect_ms,
+      times.describe_ms, times.match_ms, times.validate_ms, times.total_ms, resident_memory_mb()));
 }
 
 void RunFolder::add_event(std::int64_t frame, const std::string& kind, const std::string& text) {

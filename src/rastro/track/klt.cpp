@@ -214,37 +214,24 @@ void KltReference::cut(const Eigen::Matrix2f& current_from_reference, KltPatch& 
     klt_kernels().cut({corner, side, fraction_x_, fraction_y_}, size_, patch);
     return;
   }
-  constexpr int row_length = 48;
-  std::array<std::uint8_t, row_length * (klt_largest_window + 3) + 64> turned{};
-  render_turned(current_from_reference.inverse(), turned.data(), row_length);
-  klt_kernels().cut({turned.data() + row_length + 1, row_length, 0, 0}, size_, patch);
-}
-
-/// The kept pixels as seen around the middle of a turned window: (size + 3)^2 of them, places in 1/65536 pixel.
-void KltReference::render_turned(const Eigen::Matrix2f& reference_from_current, std::uint8_t* turned,
-                                 int row_length) const {
   constexpr float one = 65536.0F;
   const auto fixed = [](float pixels) { return static_cast<std::int32_t>(std::lround(pixels * one)); };
-  const std::int32_t across_x = fixed(reference_from_current(0, 0)), across_y = fixed(reference_from_current(1, 0));
-  const std::int32_t down_x = fixed(reference_from_current(0, 1)), down_y = fixed(reference_from_current(1, 1));
-  const int half = 1 + size_ / 2, middle = margin() + half;
-  // The first pixel's place; fractions of the corner come in 1/32768.
-  std::int32_t row_x = middle * 65536 + 2 * fraction_x_ - half * (across_x + down_x);
-  std::int32_t row_y = middle * 65536 + 2 * fraction_y_ - half * (across_y + down_y);
-  const std::ptrdiff_t side = stride();
-  const auto most = static_cast<std::int32_t>((side - 1) * 65536 - 1);
-  for (int y = 0; y < size_ + 3; ++y, row_x += down_x, row_y += down_y) {
-    std::int32_t at_x = row_x, at_y = row_y;
-    std::uint8_t* out = turned + y * row_length;
-    for (int x = 0; x < size_ + 3; ++x, at_x += across_x, at_y += across_y) {
-      const std::int32_t px = std::clamp(at_x, 0, most), py = std::clamp(at_y, 0, most);
-      const std::uint8_t* pixel = pixels_.data() + (py >> 16) * side + (px >> 16);
-      const int fx = (px >> 8) & 255, fy = (py >> 8) & 255;
-      const int upper = pixel[0] * (256 - fx) + pixel[1] * fx;
-      const int lower = pixel[side] * (256 - fx) + pixel[side + 1] * fx;
-      out[x] = static_cast<std::uint8_t>((upper * (256 - fy) + lower * fy + 32768) >> 16);
-    }
-  }
+  const Eigen::Matrix2f reference_from_current = current_from_reference.inverse();
+  KltTurn turn;
+  turn.pixels = pixels_.data();
+  turn.side = stride();
+  turn.across_x = fixed(reference_from_current(0, 0));
+  turn.across_y = fixed(reference_from_current(1, 0));
+  turn.down_x = fixed(reference_from_current(0, 1));
+  turn.down_y = fixed(reference_from_current(1, 1));
+  turn.rows = size_ + 3;
+  // The window's middle stays where it is; fractions of the corner come in 1/32768.
+  const int half = 1 + size_ / 2, middle = (margin() + half) * 65536;
+  turn.x = middle + 2 * fraction_x_ - half * (turn.across_x + turn.down_x);
+  turn.y = middle + 2 * fraction_y_ - half * (turn.across_y + turn.down_y);
+  std::array<std::uint8_t, KltTurn::row_length*(klt_largest_window + 3) + 64> turned{};
+  klt_kernels().turn(turn, turned.data());
+  klt_kernels().cut({turned.data() + KltTurn::row_length + 1, KltTurn::row_length, 0, 0}, size_, patch);
 }
 
 KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& guess, double reach_px,

@@ -61,7 +61,6 @@ class KltReference {
 
  private:
   void cut(const Eigen::Matrix2f& current_from_reference, KltPatch& patch) const;
-  void render_turned(const Eigen::Matrix2f& reference_from_current, std::uint8_t* turned, int row_length) const;
   /// Pixels kept on each side beyond what an unturned window needs.
   int margin() const { return size_ / 4 + 2; }
   int stride() const { return size_ + 3 + 2 * margin(); }

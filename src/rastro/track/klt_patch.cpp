@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/track/klt_patch.h"
 
+#include <algorithm>
+
 #include <cstring>
 
 #include "rastro/base/simd.h"
@@ -112,10 +114,26 @@ KltResidual residual_plain(const KltWindow& window, const KltPatch& patch) {
   return sums;
 }
 
+void turn_plain(const KltTurn& turn, std::uint8_t* turned) {
+  const std::int32_t most = (turn.side - 1) * 65536 - 1;
+  for (int y = 0; y < turn.rows; ++y) {
+    std::int32_t at_x = turn.x + y * turn.down_x, at_y = turn.y + y * turn.down_y;
+    std::uint8_t* out = turned + y * KltTurn::row_length;
+    for (int x = 0; x < turn.rows; ++x, at_x += turn.across_x, at_y += turn.across_y) {
+      const std::int32_t px = std::clamp(at_x, 0, most), py = std::clamp(at_y, 0, most);
+      const std::uint8_t* pixel = turn.pixels + (py >> 16) * turn.side + (px >> 16);
+      const int fx = (px >> 8) & 255, fy = (py >> 8) & 255;
+      const int upper = pixel[0] * (256 - fx) + pixel[1] * fx;
+      const int lower = pixel[turn.side] * (256 - fx) + pixel[turn.side + 1] * fx;
+      out[x] = static_cast<std::uint8_t>((upper * (256 - fy) + lower * fy + 32768) >> 16);
+    }
+  }
+}
+
 }  // namespace
 
 const KltKernels& klt_kernels_plain() {
-  static const KltKernels kernels{cut_plain, mismatch_plain, residual_plain};
+  static const KltKernels kernels{cut_plain, mismatch_plain, residual_plain, turn_plain};
   return kernels;
 }
 

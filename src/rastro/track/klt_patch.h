@@ -41,12 +41,27 @@ struct KltWindow {
   const std::uint8_t* row(int y) const { return pixels + y * stride; }
 };
 
+/// A square image to be seen turned and stretched; places and steps in 1/65536 pixel. Kernels read up to three bytes
+/// behind its last pixel.
+struct KltTurn {
+  const std::uint8_t* pixels = nullptr;
+  int side = 0;               ///< Pixels a row, and rows.
+  std::int32_t x = 0, y = 0;  ///< Place of the first pixel of the turned image.
+  std::int32_t across_x = 0, across_y = 0, down_x = 0, down_y = 0;
+  int rows = 0;  ///< And columns, of the turned image.
+
+  static constexpr int row_length = 48;
+};
+
 /// `kernels` for a processor: each pair of functions gives equal results.
 struct KltKernels {
   /// Cuts a window of `size` with its gradients (Sobel on the interpolated pixels); reads one pixel more on each side.
   void (*cut)(const KltWindow& window, int size, KltPatch& patch);
   KltMismatch (*mismatch)(const KltWindow& window, const KltPatch& patch);
   KltResidual (*residual)(const KltWindow& window, const KltPatch& patch);
+  /// Bilinear, rounded; what lies outside is taken at the edge. Columns behind the last one may be written, up to the
+  /// next multiple of eight.
+  void (*turn)(const KltTurn& turn, std::uint8_t* turned);
 };
 
 const KltKernels& klt_kernels_plain();

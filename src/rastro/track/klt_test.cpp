@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/track/klt.h"
 
+#include <Eigen/LU>
+
 #include <gtest/gtest.h>
 
 #include "rastro/base/simd_testing.h"
@@ -140,6 +142,60 @@ TEST(KltReference, AlignsFromAFewPixelsAwayAndKnowsAStranger) {
   EXPECT_NEAR(found.pixel.y(), 86.1F, 0.05F);
   EXPECT_LT(reference.residual_ratio(after, {127.6F, 86.1F}), 0.02);
   EXPECT_GT(reference.residual_ratio(after, {227.6F, 176.1F}), 0.3);
+}
+
+TEST(KltReference, IsFoundAgainTurnedAndGrownWhenToldHow) {
+  // The image b(p) = a(M^-1 p) shows a's surroundings of the middle turned and grown by M.
+  Eigen::Matrix2f turned;
+  turned << 1.08F, -0.46F, 0.46F, 1.08F;
+  const GreyImage a = wave_image(320, 240, 0, 0);
+  GreyImage b(320, 240);
+  const Eigen::Vector2f middle(160.0F, 120.0F);
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      const Eigen::Vector2f from =
+          turned.inverse() * (Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - middle) + middle;
+      const int ix = std::clamp(static_cast<int>(std::floor(from.x())), 0, 318);
+      const int iy = std::clamp(static_cast<int>(std::floor(from.y())), 0, 238);
+      const float fx = from.x() - static_cast<float>(ix), fy = from.y() - static_cast<float>(iy);
+      const float upper = (1 - fx) * a.at(ix, iy) + fx * a.at(ix + 1, iy);
+      const float lower = (1 - fx) * a.at(ix, iy + 1) + fx * a.at(ix + 1, iy + 1);
+      b.at(x, y) = static_cast<std::uint8_t>(std::clamp((1 - fy) * upper + fy * lower, 0.0F, 255.0F));
+    }
+  }
+  const Pyramid before = pyramid_of(a), after = pyramid_of(b);
+  for (const Eigen::Vector2f place : {Eigen::Vector2f(160.0F, 120.0F), Eigen::Vector2f(140.3F, 131.8F)}) {
+    KltReference reference;
+    reference.keep(before, place, 21);
+    const Eigen::Vector2f there = turned * (place - middle) + middle;
+    const KltResult found = reference.align(after, there + Eigen::Vector2f(1.5F, -1.0F), 5.0, {}, turned);
+    ASSERT_TRUE(found.followed);
+    EXPECT_LT((found.pixel - there).norm(), 0.1F);
+    EXPECT_GT(reference.residual_ratio(after, there), 4.0 * reference.residual_ratio(after, there, turned));
+  }
+}
+
+TEST(Klt, PlainAndFastTurnsGiveTheSameBytes) {
+  Random random(11);
+  std::vector<std::uint8_t> pixels(38 * 38 + 64);
+  for (auto& pixel : pixels) pixel = static_cast<std::uint8_t>(random.below(256));
+  const auto within = [&](std::int32_t most) { return static_cast<std::int32_t>(random.below(2 * most)) - most; };
+  for (int i = 0; i < 200; ++i) {
+    const KltTurn turn{pixels.data(),      38,
+                       within(40 * 65536), within(40 * 65536),
+                       within(2 * 65536),  within(2 * 65536),
+                       within(131072),     within(131072),
+                       24 + i % 11};
+    std::vector<std::uint8_t> plain(KltTurn::row_length * 40), fast(plain.size());
+    klt_kernels_plain().turn(turn, plain.data());
+    klt_kernels_avx2().turn(turn, fast.data());
+    for (int y = 0; y < turn.rows; ++y) {
+      for (int x = 0; x < turn.rows; ++x) {
+        ASSERT_EQ(plain[static_cast<std::size_t>(y * KltTurn::row_length + x)],
+                  fast[static_cast<std::size_t>(y * KltTurn::row_length + x)]);
+      }
+    }
+  }
 }
 
 TEST(Klt, AnyPoolGivesTheSameBytes) {

@@ -85,7 +85,8 @@ int members(const Step& step, int layer, std::span<const Association> followed, 
 
 // Looks are kept for up to two intervals before a feature is lost.
 MotionHistory::MotionHistory(const TrackOptions& options) : options_(options) {
-  for (auto& motions : motions_) motions.resize(static_cast<std::size_t>(options.window + 2 * options.reference_interval + 2));
+  for (auto& motions : motions_)
+    motions.resize(static_cast<std::size_t>(options.window + 2 * options.reference_interval + 2));
 }
 
 int MotionHistory::layer_of_first(const std::vector<Step>& steps, std::span<const Association> followed,
@@ -136,8 +137,8 @@ void MotionHistory::advance(std::int64_t current, std::span<const Association> f
     const int first = layer_of_first(steps, followed, store);
     if (steps.size() == 1 && members(steps[0], 1 - first, followed, store) > 0) apart_ = false;
     if (steps.size() > 1) apart_ = true;
-    const Eigen::Matrix3d other = steps.size() > 1 ? steps[1].current_from_last
-                                                   : guess_step(1 - first, steps[0], current, followed, store);
+    const Eigen::Matrix3d other =
+        steps.size() > 1 ? steps[1].current_from_last : guess_step(1 - first, steps[0], current, followed, store);
     move(first, steps[0].current_from_last);
     move(1 - first, other);
     for (std::size_t i = 0; i < followed.size(); ++i) {
@@ -203,8 +204,7 @@ std::optional<Eigen::Matrix2f> derivative_at(const Eigen::Matrix3d& homography, 
   const Eigen::Vector3d image = homography * ideal.cast<double>().homogeneous();
   if (std::abs(image.z()) < 1e-12) return std::nullopt;
   const Eigen::Vector2d to = image.head<2>() / image.z();
-  const Eigen::Matrix2d derivative =
-      (homography.topLeftCorner<2, 2>() - to * homography.block<1, 2>(2, 0)) / image.z();
+  const Eigen::Matrix2d derivative = (homography.topLeftCorner<2, 2>() - to * homography.block<1, 2>(2, 0)) / image.z();
   constexpr double most = 2.0;
   const double area = derivative.determinant(), squares = derivative.squaredNorm();
   // The singular values s, t have s t = area and s^2 + t^2 = squares.

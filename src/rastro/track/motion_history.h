@@ -15,10 +15,10 @@
 
 namespace rastro {
 
-/// How the image, free of distortion, moved since each of the last frames: homographies chained from frame to frame, so that they outlive the
-/// features they were found from, and each refined with the features seen in both frames as long as there are any.
-/// There are two layers, such as a scene and what passes in front of it, each with a motion of its own; features stay
-/// with the layer they moved with.
+/// How the image, free of distortion, moved since each of the last frames: homographies chained from frame to frame, so
+/// that they outlive the features they were found from, and each refined with the features seen in both frames as long
+/// as there are any. There are two layers, such as a scene and what passes in front of it, each with a motion of its
+/// own; features stay with the layer they moved with.
 class MotionHistory {
  public:
   static constexpr int layers = 2;

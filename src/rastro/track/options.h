@@ -62,7 +62,7 @@ struct TrackOptions {
   double max_reprojection_px = 2.5;
   int min_inliers = 8;
   double min_inlier_share = 0.75;
-  int ransac_iterations = 200;
+  int ransac_iterations = 80;
 };
 
 /// The table points into `options`, which must outlive it.

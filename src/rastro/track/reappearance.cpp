@@ -16,7 +16,8 @@ namespace {
 class Search {
  public:
   Search(std::span<const Association> followed, const TrackStore& store, std::int64_t current, MotionHistory& history,
-         const IdealCamera& camera, const Pyramid& image, const HasRoom& has_room, const DescribeTurned& describe, const TrackOptions& options)
+         const IdealCamera& camera, const Pyramid& image, const HasRoom& has_room, const DescribeTurned& describe,
+         const TrackOptions& options)
       : followed_(followed),
         store_(store),
         current_(current),
@@ -72,7 +73,8 @@ class Search {
   static constexpr int prefilter_slack = 8;
 
   bool is_alike(const Track& track, const Eigen::Vector2f& pixel, const Eigen::Matrix2f& turned, int slack) {
-    const double angle = std::atan2(static_cast<double>(turned(1, 0) - turned(0, 1)), static_cast<double>(turned.trace()));
+    const double angle =
+        std::atan2(static_cast<double>(turned(1, 0) - turned(0, 1)), static_cast<double>(turned.trace()));
     const double scale = std::sqrt(static_cast<double>(turned.determinant()));
     const Descriptor seen = describe_(pixel, angle, scale);
     distances_.resize(track.descriptors().size());
@@ -118,7 +120,8 @@ class Search {
 
 std::vector<Reappeared> find_reappeared(std::span<const Association> followed, const TrackStore& store,
                                         std::int64_t current, MotionHistory& history, const IdealCamera& camera,
-                                        const Pyramid& image, const HasRoom& has_room, const DescribeTurned& describe, const TrackOptions& options) {
+                                        const Pyramid& image, const HasRoom& has_room, const DescribeTurned& describe,
+                                        const TrackOptions& options) {
   Search search(followed, store, current, history, camera, image, has_room, describe, options);
   std::vector<Reappeared> found;
   for (const std::size_t index : store.lost()) {

@@ -24,10 +24,11 @@ using DescribeTurned = std::function<Descriptor(const Eigen::Vector2f& pixel, do
 using HasRoom = std::function<bool(const Eigen::Vector2f& pixel)>;
 
 /// Looks for each lost feature where the motion of the followed ones since it was last seen puts it, turned and scaled
-/// by that motion; no corner need be detected there. Beyond METHODS 1, whose corners alone miss what a detector does not
-/// find again and what has turned or grown while hidden. The most alike come first.
+/// by that motion; no corner need be detected there. Beyond METHODS 1, whose corners alone miss what a detector does
+/// not find again and what has turned or grown while hidden. The most alike come first.
 std::vector<Reappeared> find_reappeared(std::span<const Association> followed, const TrackStore& store,
                                         std::int64_t current, MotionHistory& history, const IdealCamera& camera,
-                                        const Pyramid& image, const HasRoom& has_room, const DescribeTurned& describe, const TrackOptions& options);
+                                        const Pyramid& image, const HasRoom& has_room, const DescribeTurned& describe,
+                                        const TrackOptions& options);
 
 }  // namespace rastro

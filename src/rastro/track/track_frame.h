@@ -31,8 +31,7 @@ enum class TrackHealth : std::uint8_t { good, few_corners, dark_or_blank, abrupt
 /// Time of each stage in milliseconds. Not part of what must be equal between runs.
 struct TrackTimes {
   double pyramid_ms = 0, flow_ms = 0, outlier_ms = 0, foresee_ms = 0, detect_ms = 0, describe_ms = 0, match_ms = 0,
-         validate_ms = 0,
-         total_ms = 0;
+         validate_ms = 0, total_ms = 0;
 };
 
 /// What the tracker says of one frame. Features are in ascending order of id.

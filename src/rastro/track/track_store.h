@@ -15,7 +15,10 @@ namespace rastro {
 class Track {
  public:
   explicit Track(int window)
-      : frames_(static_cast<std::size_t>(window) + 1, -1), pixels_(frames_.size()), ideals_(frames_.size()), descriptors_(frames_.size()) {}
+      : frames_(static_cast<std::size_t>(window) + 1, -1),
+        pixels_(frames_.size()),
+        ideals_(frames_.size()),
+        descriptors_(frames_.size()) {}
 
   void start(std::int64_t id);
   void observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Eigen::Vector2f& ideal,

@@ -66,7 +66,7 @@ class Voting {
   };
   std::vector<float> x_, y_, moved_x_,
       moved_y_;                                ///< Last places of the lost tracks, and those places moved like others.
-  std::vector<std::int32_t> is_near_;               ///< Scratch.
+  std::vector<std::int32_t> is_near_;          ///< Scratch.
   std::vector<Lost> lost_;                     ///< What is needed of each lost track, side by side.
   std::vector<std::size_t> near_;              ///< Lost tracks to compare with.
   std::vector<Descriptor> near_descriptors_;   ///< Their last descriptors.

@@ -62,9 +62,9 @@ TrackStore lost_tracks(Random& random, int window, int count, std::int64_t frame
     const std::size_t track = store.create();
     const Descriptor base = with_flips(families[random.below(6)], 25, random);
     for (std::int64_t frame = 0; frame < frames; ++frame) {
-      if (random.uniform() < 0.6) store[track].observe(frame, {1.0F, 1.0F}, with_flips(base, 12, random));
+      if (random.uniform() < 0.6) store[track].observe(frame, {1.0F, 1.0F}, {1.0F, 1.0F}, with_flips(base, 12, random));
     }
-    if (store[track].last_seen < 0) store[track].observe(frames - 1, {1.0F, 1.0F}, base);
+    if (store[track].last_seen < 0) store[track].observe(frames - 1, {1.0F, 1.0F}, {1.0F, 1.0F}, base);
   }
   for (int i = 0; i < count; ++i) store.mark_lost(static_cast<std::size_t>(i));
   store.forget_old(frames);
@@ -105,7 +105,7 @@ TEST(Voting, NothingLostNothingProposed) {
 TEST(TrackStore, ForgetsWhatLeftTheWindowAndReusesItsPlace) {
   TrackStore store(5);
   const std::size_t first = store.create();
-  store[first].observe(0, {0, 0}, {});
+  store[first].observe(0, {0, 0}, {0, 0}, {});
   store.mark_lost(first);
   store.forget_old(5);
   EXPECT_EQ(store.lost().size(), 1U);
@@ -120,7 +120,7 @@ TEST(TrackStore, ForgetsWhatLeftTheWindowAndReusesItsPlace) {
 TEST(Track, KeepsTheWindowBesideTheCurrentFrame) {
   Track track(3);
   track.start(9);
-  for (std::int64_t frame = 0; frame <= 5; ++frame) track.observe(frame, {static_cast<float>(frame), 0.0F}, {});
+  for (std::int64_t frame = 0; frame <= 5; ++frame) track.observe(frame, {static_cast<float>(frame), 0.0F}, {}, {});
   EXPECT_TRUE(track.seen_in(2));
   EXPECT_FALSE(track.seen_in(1));
   EXPECT_EQ(track.pixel_in(2).x(), 2.0F);

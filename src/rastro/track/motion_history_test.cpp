@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/track/motion_history.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "rastro/base/random.h"
+#include "rastro/multiview/homography.h"
+
+namespace rastro {
+namespace {
+
+/// A scene that turns and drifts, and something in front that passes to the right; features live only a few frames.
+class TwoLayers {
+ public:
+  explicit TwoLayers(int life) : store_(30), history_(options_), life_(life) {}
+
+  static Eigen::Matrix3d place(int layer, std::int64_t frame) {
+    const double t = static_cast<double>(frame);
+    Eigen::Isometry2d pose = Eigen::Isometry2d::Identity();
+    pose.pretranslate(layer == 0 ? Eigen::Vector2d(3.0 * t, -2.0 * t) : Eigen::Vector2d(-9.0 * t, 0.5 * t));
+    if (layer == 0) pose.rotate(0.02 * t);
+    return pose.matrix();
+  }
+
+  /// The front has `front` features, the scene `scene`.
+  void advance(int scene, int front) {
+    ++frame_;
+    std::vector<Live> followed;
+    for (const Live& feature : live_) {
+      if (frame_ - feature.born < life_ && feature.number < (feature.layer == 0 ? scene : front))
+        followed.push_back(feature);
+    }
+    associations_.clear();
+    for (const Live& feature : followed) associations_.push_back({feature.track, at(feature), at(feature)});
+    history_.advance(frame_, associations_, store_);
+    live_ = followed;
+    for (int layer = 0; layer < 2; ++layer) {
+      for (int number = 0; number < (layer == 0 ? scene : front); ++number) {
+        const bool there = std::any_of(live_.begin(), live_.end(), [&](const Live& feature) {
+          return feature.layer == layer && feature.number == number;
+        });
+        if (there) continue;
+        const Eigen::Vector3d now(random_.uniform() * 600.0, random_.uniform() * 400.0, 1.0);
+        // Staggered, so that they do not all end in one frame.
+        const std::int64_t born = frame_ == 0 ? -(number % life_) : frame_;
+        live_.push_back({store_.create(), layer, number, born, place(layer, frame_).inverse() * now});
+      }
+    }
+    for (const Live& feature : live_) store_[feature.track].observe(frame_, at(feature), at(feature), {});
+  }
+
+  /// How far the history is off where the layer should have gone since `frame`; the number of the layer is free.
+  double error_since(std::int64_t frame, int layer) {
+    double best = 1e9;
+    for (int known = 0; known < MotionHistory::layers; ++known) {
+      const auto* motion = history_.since(frame, known, associations_, store_);
+      if (!motion) continue;
+      const Eigen::Vector2d from(300.0, 200.0);
+      const Eigen::Matrix3d truth = place(layer, frame_) * place(layer, frame).inverse();
+      best = std::min(best, (*transfer(motion->current_from_frame, from) - *transfer(truth, from)).norm());
+    }
+    return best;
+  }
+
+ private:
+  struct Live {
+    std::size_t track;
+    int layer, number;
+    std::int64_t born;
+    Eigen::Vector3d point;
+  };
+  Eigen::Vector2f at(const Live& feature) const {
+    return (place(feature.layer, frame_) * feature.point).hnormalized().cast<float>();
+  }
+
+  TrackOptions options_;
+  TrackStore store_;
+  MotionHistory history_;
+  Random random_{5};
+  int life_;
+  std::int64_t frame_ = -1;
+  std::vector<Live> live_;
+  std::vector<Association> associations_;
+};
+
+TEST(MotionHistory, TwoMotionsOutliveTheFeaturesTheyWereFoundFrom) {
+  TwoLayers world(4);
+  for (int frame = 0; frame <= 15; ++frame) world.advance(60, 30);
+  EXPECT_LT(world.error_since(3, 0), 0.1);
+  EXPECT_LT(world.error_since(3, 1), 0.1);
+}
+
+TEST(MotionHistory, ALayerKeepsItsNameWhenTheOtherGrows) {
+  TwoLayers world(6);
+  for (int frame = 0; frame <= 6; ++frame) world.advance(60, 20);
+  for (int frame = 7; frame <= 12; ++frame) world.advance(20, 60);
+  EXPECT_LT(world.error_since(2, 0), 0.1);
+  EXPECT_LT(world.error_since(2, 1), 0.1);
+}
+
+TEST(MotionHistory, ALayerOfFewFeaturesMovesByTheirMedian) {
+  TwoLayers world(30);
+  for (int frame = 0; frame <= 6; ++frame) world.advance(60, 20);
+  for (int frame = 7; frame <= 9; ++frame) world.advance(60, 4);
+  EXPECT_LT(world.error_since(4, 1), 1.0);
+}
+
+TEST(MotionHistory, WhatIsNotKnownIsNotGuessed) {
+  TwoLayers world(30);
+  for (int frame = 0; frame <= 3; ++frame) world.advance(60, 0);
+  for (int frame = 4; frame <= 5; ++frame) world.advance(3, 0);
+  EXPECT_EQ(world.error_since(2, 0), 1e9);
+}
+
+TEST(DerivativeAt, IsThatOfFiniteDifferences) {
+  Eigen::Matrix3d homography;
+  homography << 1.05, -0.2, 30.0, 0.18, 0.95, -12.0, 2e-4, -1e-4, 1.0;
+  const Eigen::Vector2d point(210.0, 140.0);
+  const auto derivative = derivative_at(homography, point.cast<float>());
+  ASSERT_TRUE(derivative);
+  constexpr double step = 1e-3;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector2d shift = step * Eigen::Vector2d::Unit(axis);
+    const Eigen::Vector2d slope =
+        (*transfer(homography, point + shift) - *transfer(homography, point - shift)) / (2 * step);
+    EXPECT_LT((derivative->col(axis).cast<double>() - slope).norm(), 1e-5);
+  }
+  EXPECT_FALSE(derivative_at(Eigen::DiagonalMatrix<double, 3>(3.0, 3.0, 1.0), {0.0F, 0.0F}));
+  EXPECT_FALSE(derivative_at(Eigen::DiagonalMatrix<double, 3>(-1.0, 1.0, 1.0), {0.0F, 0.0F}));
+}
+
+}  // namespace
+}  // namespace rastro
