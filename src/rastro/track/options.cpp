@@ -123,8 +123,8 @@ void add_candidate_options(OptionTable& table, TrackOptions& o) {
   table.add({"displace",
              &o.displace,
              "",
-             "in a full frame a recognised feature takes the place of the youngest one, if that is younger; false: the "
-             "paper's way",
+             "in a full frame a recognised feature takes the place of the youngest one, if that is younger: finds some "
+             "more again, a few of them wrongly, and costs time; false is the paper's way",
              0,
              1,
              {}});

@@ -37,7 +37,7 @@ struct TrackOptions {
   double candidates_factor = 3.0;
   double max_candidates_factor = 3.0;
   double candidates_distance_px = 5.0;
-  bool displace = true;
+  bool displace = false;
 
   // Descriptors and votes.
   int brief_patch_px = 48;
