@@ -40,4 +40,10 @@ struct RansacOptions {
   std::uint64_t seed = 1;
 };
 
+/// For views whose camera is known: points are normalised (x / z, y / z), and errors count in pixels of a camera of
+/// this focal length.
+struct CalibratedRansacOptions : RansacOptions {
+  double focal_px = 500.0;
+};
+
 }  // namespace rastro
