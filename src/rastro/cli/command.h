@@ -16,6 +16,7 @@ struct Context {
 // One file per subcommand: each adds its subcommand with flags, help and examples, and runs it in the callback.
 // A callback throws rastro::Error for bad input; main() prints the line and returns `unusable`.
 void add_track_command(CLI::App& app, Context& context);
+void add_odometry_command(CLI::App& app, Context& context);
 void add_evaluate_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);
 void add_occlude_command(CLI::App& app, Context& context);

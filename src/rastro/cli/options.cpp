@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -11,13 +12,19 @@
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
+#include "rastro/odometry/methods.h"
 #include "rastro/track/options.h"
 
 namespace rastro::cli {
 namespace {
 
 constexpr std::size_t text_width = 100;
-const std::vector<std::string> methods = {"track"};
+
+std::vector<std::string> methods() {
+  std::vector<std::string> names = {"track"};
+  names.insert(names.end(), odometry_methods().begin(), odometry_methods().end());
+  return names;
+}
 
 constexpr const char* footer =
     R"(Settings are taken in this order: default, --options FILE, --set KEY=VALUE and the flags of the command.
@@ -25,6 +32,7 @@ The values in force are written to options.yaml in the folder of each run.
 
 Examples:
   rastro options                                  every setting of the tracker
+  rastro options features                         and of an odometry
   rastro options --yaml > mine.yaml               a file to edit; it may be cut down to what differs
   rastro track hall --out run --options mine.yaml --set window=60)";
 
@@ -53,12 +61,14 @@ std::string described(const OptionTable& table) {
 }
 
 void print_options(const std::string& method, bool yaml) {
-  if (method != methods.front()) {
+  const std::vector<std::string> known = methods();
+  if (std::find(known.begin(), known.end(), method) == known.end()) {
     throw Error(fmt::format("'{}' has no options", method), "rastro options",
-                fmt::format("did you mean '{}'?", nearest_name(method, methods)));
+                fmt::format("did you mean '{}'?", nearest_name(method, known)));
   }
   TrackOptions options;
-  const OptionTable table = option_table(options);
+  OdometrySettings odometry;
+  const OptionTable table = method == "track" ? option_table(options) : odometry.table(method);
   fmt::print("{}", yaml ? table.to_yaml() : described(table));
 }
 

@@ -81,6 +81,7 @@ void send_log_to_stderr() {
 
 void add_commands(CLI::App& app, Context& context) {
   add_track_command(app, context);
+  add_odometry_command(app, context);
   add_evaluate_command(app, context);
   add_simulate_command(app, context);
   add_occlude_command(app, context);

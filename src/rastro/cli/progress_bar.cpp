@@ -20,37 +20,61 @@ std::string bar(double share) {
   return "[" + std::string(filled, '#') + std::string(bar_width - filled, '.') + "]";
 }
 
+/// Bar where the number of frames is known, frames, rate, time left.
+std::string frames_line(std::int64_t frames_done, std::optional<std::int64_t> frames_asked, double seconds) {
+  const double done = static_cast<double>(frames_done);
+  const double rate = seconds > 0.0 ? done / seconds : 0.0;
+  std::string line = fmt::format("{} frames", frames_done);
+  if (frames_asked && *frames_asked > 0) {
+    const double frames = static_cast<double>(*frames_asked);
+    line = fmt::format("{} {}/{} {:3.0f} %", bar(done / frames), frames_done, *frames_asked, 100.0 * done / frames);
+    if (rate > 0.0) line += fmt::format("  {:.0f} s left", std::max(0.0, (frames - done) / rate));
+  }
+  return line + fmt::format("  {:.1f} frames/s", rate);
+}
+
 }  // namespace
 
 std::string progress_line(const TrackProgress& progress, double seconds, double memory_mb) {
-  const double done = static_cast<double>(progress.done);
-  const double rate = seconds > 0.0 ? done / seconds : 0.0;
-  std::string line;
-  if (progress.frames && *progress.frames > 0) {
-    const double frames = static_cast<double>(*progress.frames);
-    line =
-        fmt::format("{} {}/{} {:3.0f} %", bar(done / frames), progress.done, *progress.frames, 100.0 * done / frames);
-    if (rate > 0.0) line += fmt::format("  {:.0f} s left", std::max(0.0, (frames - done) / rate));
-  } else {
-    line = fmt::format("{} frames", progress.done);
-  }
-  line += fmt::format("  {:.1f} frames/s", rate);
+  std::string line = frames_line(progress.done, progress.frames, seconds);
   if (progress.last)
     line += fmt::format("  {} features  {}", progress.last->features.size(), name_of(progress.last->health));
+  return line + fmt::format("  {:.0f} MB", memory_mb);
+}
+
+std::string progress_line(const OdometryProgress& progress, double seconds, double memory_mb) {
+  std::string line = frames_line(progress.done, progress.frames, seconds);
+  if (progress.last) {
+    line += fmt::format("  {} points  {}", progress.last->inliers, name_of(progress.last->state));
+    if (progress.last->reason != OdometryReason::none) line += fmt::format(" ({})", name_of(progress.last->reason));
+  }
   return line + fmt::format("  {:.0f} MB", memory_mb);
 }
 
 ProgressBar::ProgressBar(bool wanted)
     : wanted_(wanted && isatty(STDERR_FILENO) != 0), begin_(Clock::now()), last_(begin_ - redraw_every) {}
 
-void ProgressBar::show(const TrackProgress& progress) {
+bool ProgressBar::is_due() {
   const auto now = Clock::now();
-  if (!wanted_ || now - last_ < redraw_every) return;
+  if (!wanted_ || now - last_ < redraw_every) return false;
   last_ = now;
+  return true;
+}
+
+void ProgressBar::draw(const std::string& line) {
   shown_ = true;
-  const double seconds = std::chrono::duration<double>(now - begin_).count();
-  fmt::print(stderr, "\r\033[K{}", progress_line(progress, seconds, resident_memory_mb()));
+  fmt::print(stderr, "\r\033[K{}", line);
   std::fflush(stderr);
+}
+
+void ProgressBar::show(const TrackProgress& progress) {
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+  if (is_due()) draw(progress_line(progress, seconds, resident_memory_mb()));
+}
+
+void ProgressBar::show(const OdometryProgress& progress) {
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+  if (is_due()) draw(progress_line(progress, seconds, resident_memory_mb()));
 }
 
 void ProgressBar::clear() {

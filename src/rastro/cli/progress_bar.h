@@ -4,6 +4,7 @@
 #include <chrono>
 #include <string>
 
+#include "rastro/session/odometry_run.h"
 #include "rastro/session/track_run.h"
 
 namespace rastro::cli {
@@ -17,17 +18,21 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   void show(const TrackProgress& progress);
+  void show(const OdometryProgress& progress);
   void clear();
 
  private:
   using Clock = std::chrono::steady_clock;
   bool shown_ = false;
   bool wanted_;
+  bool is_due();
+  void draw(const std::string& line);
   Clock::time_point begin_;
   Clock::time_point last_;
 };
 
 /// The line itself: bar where the number of frames is known, rate, features, health, memory, time left.
 std::string progress_line(const TrackProgress& progress, double seconds, double memory_mb);
+std::string progress_line(const OdometryProgress& progress, double seconds, double memory_mb);
 
 }  // namespace rastro::cli

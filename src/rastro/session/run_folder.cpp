@@ -20,8 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* files_of_a_run[] = {"about.json",  "options.yaml", "stats.csv",    "events.jsonl", "result.json",
-                                          "tracks.yaml", "tracks.csv",   "tracks.jsonl", "table.md"};
+constexpr const char* files_of_a_run[] = {
+    "about.json", "options.yaml", "stats.csv", "events.jsonl",   "result.json",          "tracks.yaml",
+    "tracks.csv", "tracks.jsonl", "table.md",  "trajectory.txt", "trajectory_online.txt"};
 
 [[noreturn]] void refuse(const fs::path& folder, const std::string& what, const std::string& remedy) {
   throw Error(what, folder.string(), remedy);
@@ -145,6 +146,16 @@ void RunFolder::add_stats(const TrackFrame& frame) {
       frame.stamp, frame.features.size(), frame.tracked, frame.reidentified, frame.fresh, frame.lost, frame.masked,
       name_of(frame.health), times.pyramid_ms, times.flow_ms, times.outlier_ms, times.foresee_ms, times.detect_ms,
       times.describe_ms, times.match_ms, times.validate_ms, times.total_ms, resident_memory_mb()));
+}
+
+void RunFolder::add_stats(const OdometryUpdate& update) {
+  if (!stats_) {
+    stats_.emplace(file("stats.csv"));
+    stats_->append("frame,stamp_ns,state,reason,used,matches,inliers,confidence,total_ms,resident_mb\n");
+  }
+  stats_->append(fmt::format("{},{},{},{},{},{},{},{:.4f},{:.4f},{:.1f}\n", update.index, update.stamp,
+                             name_of(update.state), name_of(update.reason), update.used ? 1 : 0, update.matches,
+                             update.inliers, update.confidence, update.milliseconds, resident_memory_mb()));
 }
 
 void RunFolder::add_event(std::int64_t frame, const std::string& kind, const std::string& text) {

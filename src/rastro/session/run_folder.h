@@ -9,6 +9,7 @@
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/options.h"
+#include "rastro/odometry/odometry.h"
 #include "rastro/sensor/source.h"
 #include "rastro/track/track_frame.h"
 
@@ -35,6 +36,7 @@ class RunFolder {
 
   /// One row of stats.csv: counts and the time of each stage in ms.
   void add_stats(const TrackFrame& frame);
+  void add_stats(const OdometryUpdate& update);
   /// One line of events.jsonl, which is made with the first event.
   void add_event(std::int64_t frame, const std::string& kind, const std::string& text);
 

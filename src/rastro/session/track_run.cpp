@@ -10,6 +10,7 @@
 #include "rastro/base/log.h"
 #include "rastro/base/memory.h"
 #include "rastro/session/frame_numbers.h"
+#include "rastro/session/frame_reader.h"
 #include "rastro/session/time_histogram.h"
 #include "rastro/session/writer_thread.h"
 
@@ -17,12 +18,10 @@ namespace rastro {
 namespace {
 
 constexpr std::size_t pictures_waiting = 4;
-/// A source that only ever fails must not keep the run going for ever.
-constexpr std::int64_t failures_in_a_row = 100'000;
-
 class Runner {
  public:
-  explicit Runner(const TrackRun& run) : run_(run), writer_(run.picture_sinks, pictures_waiting) {}
+  explicit Runner(const TrackRun& run)
+      : run_(run), reader_(*run.source, run.folder), writer_(run.picture_sinks, pictures_waiting) {}
 
   TrackRunEnd run_to_the_end() {
     try {
@@ -47,34 +46,11 @@ class Runner {
         end_.result.ended = "interrupted";
         return;
       }
-      std::optional<Frame> frame;
-      const Reading reading = read(frame);
-      if (reading == Reading::end) break;
-      if (reading == Reading::frame) process(*frame);
+      std::optional<Frame> frame = reader_.next();
+      if (!frame) break;
+      process(*frame);
     }
     end_.result.ended = "end of data";
-  }
-
-  enum class Reading { frame, skipped, end };
-
-  Reading read(std::optional<Frame>& frame) {
-    try {
-      frame = run_.source->next();
-      skipped_in_a_row_ = 0;
-      return frame ? Reading::frame : Reading::end;
-    } catch (const UnusableSource&) {
-      throw;
-    } catch (const Error& error) {
-      skip(error);
-      return Reading::skipped;
-    }
-  }
-
-  void skip(const Error& error) {
-    if (end_.first_skip.empty()) end_.first_skip = error.what();
-    ++end_.result.skipped_frames;
-    if (run_.folder) run_.folder->add_event(last_index_, "frame skipped", error.what());
-    if (++skipped_in_a_row_ > failures_in_a_row) throw error;
   }
 
   void process(Frame& frame) {
@@ -94,7 +70,7 @@ class Runner {
   /// The tracker counts the frames it is given; people count the frames of the recording.
   void renumber(TrackFrame& tracks, std::int64_t recorded) {
     numbers_.add(recorded);
-    last_index_ = tracks.index = recorded;
+    tracks.index = recorded;
     for (TrackedFeature& feature : tracks.features) feature.last_seen = numbers_.recorded(feature.last_seen);
   }
 
@@ -122,7 +98,7 @@ class Runner {
   }
 
   void report(const TrackFrame& tracks) {
-    run_.progress({end_.result.frames + end_.result.skipped_frames, run_.frames_asked, &tracks, times_.mean_ms()});
+    run_.progress({end_.result.frames + reader_.skipped(), run_.frames_asked, &tracks, times_.mean_ms()});
   }
 
   /// The first failure is the one to report; a sink that fails here must not keep the others from finishing.
@@ -140,6 +116,8 @@ class Runner {
 
   void sum_up() {
     TrackResult& result = end_.result;
+    result.skipped_frames = reader_.skipped();
+    end_.first_skip = reader_.first_skip();
     const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames);
     result.coverage = asked > 0 ? 100.0 * static_cast<double>(result.frames) / static_cast<double>(asked) : 0.0;
     result.ms_per_frame_mean = times_.mean_ms();
@@ -151,13 +129,12 @@ class Runner {
   }
 
   const TrackRun& run_;
+  FrameReader reader_;
   WriterThread writer_;
   FrameNumbers numbers_;
   TimeHistogram times_;
   TrackRunEnd end_;
   TrackHealth health_ = TrackHealth::good;
-  std::int64_t last_index_ = -1;  ///< Last frame that was processed.
-  std::int64_t skipped_in_a_row_ = 0;
 };
 
 }  // namespace

@@ -96,7 +96,7 @@ std::vector<Association> with_proposals(std::span<const Association> tracked, st
   std::vector<char> taken(store.size(), 0);
   for (const Claim& claim : claims) {
     const std::size_t track = claim.candidates.front().track;
-    if (taken[track] == 0) associations.push_back({track, *claim.pixel, {}});
+    if (taken[track] == 0) associations.push_back({track, *claim.pixel, Eigen::Vector2f::Zero()});
     taken[track] = 1;
   }
   return associations;

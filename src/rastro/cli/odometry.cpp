@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <memory>
+
+#include "rastro/base/error.h"
+#include "rastro/base/hash.h"
+#include "rastro/base/log.h"
+#include "rastro/base/task_pool.h"
+#include "rastro/base/text.h"
+#include "rastro/cli/command.h"
+#include "rastro/cli/interrupt.h"
+#include "rastro/cli/odometry_flags.h"
+#include "rastro/cli/program.h"
+#include "rastro/cli/progress_bar.h"
+#include "rastro/dataset/open.h"
+#include "rastro/dataset/recording.h"
+#include "rastro/odometry/methods.h"
+#include "rastro/odometry/scale.h"
+#include "rastro/sensor/trajectory_file.h"
+#include "rastro/session/odometry_run.h"
+
+namespace rastro::cli {
+namespace {
+
+/// Where metres come from.
+struct ScaleSource {
+  std::string said = "relative";
+  Trajectory reference;  ///< Empty: relative.
+};
+
+ScaleSource scale_source(const std::string& text) {
+  ScaleSource source;
+  if (text.empty()) return source;
+  const std::string_view reference = "reference=";
+  if (!std::string_view(text).starts_with(reference))
+    throw Error(fmt::format("'{}' is no source of scale", text), "--scale", "give reference=FILE");
+  source.reference = read_trajectory(text.substr(reference.size()));
+  source.said = "metres, from " + text;
+  return source;
+}
+
+/// Everything that can be wrong with flags and input is found here, before a folder is made.
+struct Prepared {
+  OdometrySettings settings;
+  OptionTable table;
+  ScaleSource scale;
+  std::unique_ptr<Source> source;
+  std::optional<std::int64_t> frames;
+  std::unique_ptr<TaskPool> pool;
+  std::unique_ptr<Odometry> method;
+};
+
+std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
+  auto run = std::make_unique<Prepared>();  // the table points into it, so it must not move
+  run->table = run->settings.table(flags.method);
+  apply_settings(flags, run->table);
+  run->scale = scale_source(flags.scale);
+  const OpenOptions open = open_options(flags.data);
+  run->source = rastro::open(flags.data.path, open);
+  const SourceInfo& info = run->source->info();
+  if (info.frame_count >= 0) run->frames = FrameChoice(open, info.frame_count, info.path).count;
+  if (info.cameras.empty() || !info.cameras.front().camera) {
+    throw Error("has no calibration, and poses need one", info.path,
+                "give --calibration FILE, --intrinsics fx,fy,cx,cy or --fov DEG");
+  }
+  run->pool = std::make_unique<TaskPool>(flags.data.threads);
+  run->method = run->settings.make(flags.method, *info.cameras.front().camera, run->pool.get());
+  return run;
+}
+
+std::string trajectory_text(const Trajectory& trajectory, const std::string& scale) {
+  std::string text = fmt::format(
+      "# world_from_camera of every frame; world: the first camera; scale: {}\n# stamp tx ty tz qx qy qz qw\n", scale);
+  for (const StampedPose& pose : trajectory) text += tum_line(pose);
+  return text;
+}
+
+void apply_scale(const ScaleSource& source, OdometryRunEnd& end) {
+  if (source.reference.empty()) return;
+  const auto factor = scale_from_reference(end.trajectory, source.reference);
+  if (!factor) {
+    log_warning("the scale could not be found from --scale; lengths stay relative");
+    return;
+  }
+  scale_trajectory(end.trajectory, *factor);
+  end.result.scale = source.said;
+}
+
+std::string summary(const OdometryRunEnd& end, const std::string& folder) {
+  const OdometryResult& result = end.result;
+  std::string text = fmt::format("{} frames, {} of them followed as they came", result.frames, result.tracking);
+  if (result.initialising > 0) text += fmt::format(", {} before the start, placed afterwards", result.initialising);
+  if (result.weak + result.lost > 0) text += fmt::format(", {} weak, {} lost", result.weak, result.lost);
+  text += fmt::format("\npath {:.2f} (scale: {}); {:.1f} ms a frame, {:.0f} MB\n", result.path_length, result.scale,
+                      result.ms_per_frame_mean, result.peak_memory_mb);
+  if (!result.reasons.empty()) {
+    text += "reasons:";
+    for (const auto& [reason, count] : result.reasons) text += fmt::format(" {} {}", reason, count);
+    text += "  (events.jsonl says which frames, with the numbers)\n";
+  }
+  if (result.skipped_frames > 0) text += fmt::format("{} frames could not be read\n", result.skipped_frames);
+  if (result.tracking == 0)
+    text += "no motion was found: was the camera still, or the wrong calibration given? 'rastro check' says more\n";
+  return text + fmt::format("{}/trajectory.txt holds the poses\n", folder);
+}
+
+OdometryRun wired(const Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
+  OdometryRun run;
+  run.source = prepared.source.get();
+  run.method = prepared.method.get();
+  run.folder = &folder;
+  run.stop = &catch_interrupts();
+  run.frames_asked = prepared.frames;
+  run.progress = [&bar](const OdometryProgress& progress) { bar.show(progress); };
+  return run;
+}
+
+void run_odometry(const OdometryFlags& flags) {
+  if (flags.data.quiet) set_log_sink({});
+  const std::unique_ptr<Prepared> prepared = prepare(flags);
+  for (const std::string& warning : prepared->source->info().warnings) log_warning(warning);
+  RunFolder folder(flags.out, flags.force);
+  folder.write_about(prepared->source->info(), command_line());
+  folder.write_options(prepared->table);
+  ProgressBar bar(!flags.data.quiet);
+  OdometryRunEnd end = odometry_run(wired(*prepared, folder, bar));
+  bar.clear();
+  apply_scale(prepared->scale, end);
+  end.result.path_length = path_length(end.trajectory);
+  const std::string text = trajectory_text(end.trajectory, end.result.scale);
+  Sha256 hash;
+  hash.add(text);
+  end.result.result_sha256 = hash.finish();
+  if (end.result.frames == 0 && !end.result.interrupted) {
+    folder.discard();
+    if (end.failure) std::rethrow_exception(end.failure);
+    throw Error(
+        end.first_skip.empty() ? "holds no frame" : "no frame could be read, the first because: " + end.first_skip,
+        flags.data.path, "'rastro check' says more");
+  }
+  write_whole_file(folder.file("trajectory.txt"), text);
+  folder.write_result(to_json(end.result));
+  if (end.failure) std::rethrow_exception(end.failure);
+  if (flags.data.json) {
+    fmt::print("{}", to_json(end.result));
+  } else if (!flags.data.quiet) {
+    fmt::print("{}", summary(end, flags.out));
+  }
+}
+
+}  // namespace
+
+void add_odometry_command(CLI::App& app, Context&) {
+  CLI::App* command = app.add_subcommand("odometry", "The way one camera went, frame by frame");
+  const auto flags = std::make_shared<OdometryFlags>();
+  add_odometry_flags(*command, *flags);
+  command->callback([command, flags] {
+    const CLI::Option* seed = command->get_option_no_throw("--seed");
+    flags->seed_given = seed != nullptr && seed->count() > 0;
+    run_odometry(*flags);
+  });
+}
+
+}  // namespace rastro::cli

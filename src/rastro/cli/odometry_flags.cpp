@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/odometry_flags.h"
+
+#include <fmt/format.h>
+
+namespace rastro::cli {
+namespace {
+
+constexpr const char* footer = R"(Methods:
+  features   points in space from tracked features, every pose from the points it sees, the last keyframes adjusted
+
+Writes into --out:
+  trajectory.txt         final pose of every frame: stamp tx ty tz qx qy qz qw, world_from_camera; world: the first camera
+  trajectory_online.txt  each pose as first given
+  stats.csv    state, reason, matches, inliers, times per frame   events.jsonl  each change of state, with its reason
+  options.yaml all values in force    about.json  version, machine, input    result.json  coverage, states, times, hash
+One camera does not know lengths: they are relative unless --scale gives a source, and every output says which.
+
+Examples:
+  rastro odometry kitti/00 --out run
+  rastro odometry kitti/00 --out run --scale camera-height=1.65
+  rastro odometry MH_01_easy --out run --scale reference=truth.txt --set features=600
+  rastro evaluate trajectory kitti/poses/00.txt run --align sim3)";
+
+}  // namespace
+
+void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
+  add_data_flags(command, flags.data);
+  const char* group = "Odometry";
+  command.add_option("--method", flags.method, "How motion is found (default: features)")->group(group);
+  command.add_option("--matcher", flags.matcher, "What features are matched by (default: tracks)")->group(group);
+  command.add_flag("--refine", flags.refine, "Adjust the last keyframes together (the default of features)")
+      ->group(group);
+  command.add_flag("--no-refine", flags.no_refine, "Do not")->group(group);
+  command
+      .add_option("--scale", flags.scale,
+                  "Where metres come from: camera-height=METRES (above a flat road) or reference=FILE (a trajectory)")
+      ->type_name("SOURCE")
+      ->group(group);
+  command.add_option("--options", flags.options_file, "YAML file with settings; see 'rastro options METHOD --yaml'")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--set", flags.settings, "Set one option, may be repeated; see 'rastro options METHOD'")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false)
+      ->group(group);
+  command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR")->required()->group("Output");
+  command.add_flag("--force", flags.force, "Write into a folder that is not empty, replacing a former run")
+      ->group("Output");
+  command.footer(footer);
+}
+
+void apply_settings(const OdometryFlags& flags, OptionTable& table) {
+  if (!flags.options_file.empty()) table.load_yaml(flags.options_file);
+  for (const std::string& setting : flags.settings) table.set_assignment(setting, "--set");
+  if (!flags.matcher.empty()) table.set("matcher", flags.matcher, "--matcher");
+  if (flags.refine) table.set("refine", "true", "--refine");
+  if (flags.no_refine) table.set("refine", "false", "--no-refine");
+  if (flags.seed_given) table.set("seed", fmt::format("{}", flags.data.seed), "--seed");
+}
+
+}  // namespace rastro::cli

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "rastro/base/options.h"
+#include "rastro/cli/common_flags.h"
+
+namespace rastro::cli {
+
+/// The flags of `rastro odometry`.
+struct OdometryFlags {
+  DataFlags data;
+  std::string method = "features";
+  std::string out;
+  std::string matcher;  ///< Empty = not given; stands for the option of the same name.
+  std::string options_file;
+  std::vector<std::string> settings;  ///< --set key=value
+  std::string scale;                  ///< camera-height=METRES or reference=FILE; empty: relative.
+  bool force = false;
+  bool refine = false;
+  bool no_refine = false;
+  bool seed_given = false;
+};
+
+void add_odometry_flags(CLI::App& command, OdometryFlags& flags);
+
+/// Sets the table from the options file, --set and the flags, in this order. Errors name the flag.
+void apply_settings(const OdometryFlags& flags, OptionTable& table);
+
+}  // namespace rastro::cli

@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/odometry/features/features_odometry.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "rastro/base/random.h"
+#include "rastro/multiview/absolute_pose.h"
+#include "rastro/multiview/essential.h"
+#include "rastro/multiview/rotation.h"
+#include "rastro/odometry/features/local_map.h"
+#include "rastro/odometry/features/pose_chain.h"
+#include "rastro/odometry/frame_check.h"
+#include "rastro/track/stopwatch.h"
+#include "rastro/track/tracker.h"
+
+namespace rastro {
+namespace {
+
+/// Features are followed from frame to frame here, so what looks a little otherwise is kept: poses are robust.
+TrackOptions tracker_options(const FeaturesOptions& options) {
+  TrackOptions track;
+  track.features = options.features;
+  track.min_distance_px = options.min_distance_px;
+  track.seed = options.seed;
+  track.max_residual_ratio = 0.4;
+  track.max_reference_residual = 1e6;
+  track.max_epipolar_error_px = 2.0;
+  track.max_backward_px = 1.0;
+  track.flow_levels = 5;
+  return track;
+}
+
+FeaturesOptions checked(FeaturesOptions options) {
+  FeaturesOptions copy = options;
+  OptionTable table = option_table(copy);
+  for (std::size_t i = 0; i < table.options().size(); ++i)
+    table.set(table.options()[i].name, table.value_of(i), "odometry options");
+  return options;
+}
+
+/// What two frames share.
+struct SharedRays {
+  std::vector<Eigen::Vector2d> a, b;
+};
+
+SharedRays shared_rays(const Sightings& first, const Sightings& second) {
+  SharedRays shared;
+  for (const Sighting& sighting : second) {
+    if (const Eigen::Vector2d* ray = find_ray(first, sighting.id)) {
+      shared.a.push_back(*ray);
+      shared.b.push_back(sighting.ray);
+    }
+  }
+  return shared;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double median_motion_px(const SharedRays& shared, double focal_px) {
+  std::vector<double> motions;
+  for (std::size_t i = 0; i < shared.a.size(); ++i) motions.push_back(focal_px * (shared.b[i] - shared.a[i]).norm());
+  return median(std::move(motions));
+}
+
+}  // namespace
+
+class FeaturesOdometry::State {
+ public:
+  State(const FeaturesOptions& options, const Camera& camera, TaskPool* pool)
+      : options_(checked(options)),
+        focal_px_(camera.fx),
+        tracker_(tracker_options(options), camera, pool),
+        map_(options_, focal_px_) {}
+
+  OdometryUpdate process(const Frame& frame);
+  Trajectory trajectory() const;
+
+ private:
+  /// A frame that waits for the first pair with enough parallax.
+  struct Waiting {
+    std::size_t record;
+    TimeNs stamp;
+    Sightings sightings;
+  };
+
+  Sightings follow_features(const Frame& frame);
+  void start(OdometryUpdate& update, const Sightings& sightings);
+  bool start_from_pair(OdometryUpdate& update, const Waiting& first, const Waiting& second);
+  void place_waiting(std::size_t first_keyframe);
+  void follow(OdometryUpdate& update, const Sightings& sightings);
+  bool stands_still(OdometryUpdate& update, const Sightings& sightings);
+  std::optional<AbsolutePose> pose_from_points(const Sightings& sightings, const SE3& guess, OdometryUpdate& update);
+  bool is_keyframe(const Sightings& sightings, const SE3& camera_from_world, int inliers) const;
+  void add_keyframe(OdometryUpdate& update, const Sightings& sightings);
+  void bridge(OdometryUpdate& update);
+  void restart(const OdometryUpdate& update, const Sightings& sightings);
+  CalibratedRansacOptions ransac(double max_error_px) const;
+  SE3 keyframe_pose(std::size_t keyframe) const { return map_.keyframes()[keyframe].camera_from_world; }
+
+  FeaturesOptions options_;
+  double focal_px_;
+  Tracker tracker_;
+  FrameCheck check_;
+  LocalMap map_;
+  PoseChain chain_;
+  std::vector<Waiting> waiting_;
+  bool started_ = false;
+  Sightings moved_sightings_;  ///< Of the last frame that moved.
+  std::int64_t processed_ = 0;
+};
+
+OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
+  Stopwatch stopwatch;
+  OdometryUpdate update;
+  update.index = frame.index;
+  update.stamp = frame.stamp;
+  ++processed_;
+  const FrameCheckResult look = check_.check(frame.image.view(), frame.stamp);
+  if (look.useful()) {
+    const Sightings sightings = follow_features(frame);
+    started_ ? follow(update, sightings) : start(update, sightings);
+    // Against the last frame that moved, or a slow motion would never be seen.
+    if (update.reason != OdometryReason::no_motion) moved_sightings_ = sightings;
+    if (look.reason != OdometryReason::none && update.reason == OdometryReason::none) {
+      update.reason = look.reason;
+      update.detail = look.detail;
+    }
+  } else {
+    update.used = false;
+    update.state = started_ ? OdometryState::weak : OdometryState::initialising;
+    update.reason = look.reason;
+    update.detail = look.detail;
+    chain_.add_unknown(frame.stamp);
+  }
+  update.world_from_camera = chain_.last_camera_from_world(map_).inverse();
+  update.milliseconds = stopwatch.lap_ms();
+  return update;
+}
+
+Sightings FeaturesOdometry::State::follow_features(const Frame& frame) {
+  Sightings sightings;
+  for (const TrackedFeature& feature : tracker_.process(frame.image.view(), frame.stamp).features) {
+    if (feature.ray.allFinite()) sightings.push_back({feature.id, feature.ray.cast<double>()});
+  }
+  return sightings;
+}
+
+CalibratedRansacOptions FeaturesOdometry::State::ransac(double max_error_px) const {
+  CalibratedRansacOptions options;
+  options.max_error_px = max_error_px;
+  options.max_iterations = options_.ransac_iterations;
+  options.seed = seed_for(options_.seed, static_cast<std::uint64_t>(processed_));
+  options.focal_px = focal_px_;
+  return options;
+}
+
+/// Waits for a pair of frames with enough parallax, the oldest that still shares enough points and the newest.
+void FeaturesOdometry::State::start(OdometryUpdate& update, const Sightings& sightings) {
+  update.state = OdometryState::initialising;
+  const std::size_t record = chain_.add_unknown(update.stamp);
+  waiting_.push_back({record, update.stamp, sightings});
+  if (waiting_.size() == 1) {
+    update.reason = OdometryReason::first_frame;
+    return;
+  }
+  while (waiting_.size() > 2 && static_cast<int>(shared_rays(waiting_.front().sightings, sightings).a.size()) <
+                                    std::max(options_.min_start_points, options_.features / 4)) {
+    waiting_.erase(waiting_.begin());
+  }
+  if (start_from_pair(update, waiting_.front(), waiting_.back())) {
+    started_ = true;
+    waiting_.clear();
+    update.state = OdometryState::tracking;
+    update.reason = OdometryReason::none;
+  }
+}
+
+bool FeaturesOdometry::State::start_from_pair(OdometryUpdate& update, const Waiting& first, const Waiting& second) {
+  const SharedRays shared = shared_rays(first.sightings, second.sightings);
+  update.matches = static_cast<int>(shared.a.size());
+  const auto refuse = [&](OdometryReason reason, std::string detail) {
+    update.reason = reason;
+    update.detail = std::move(detail);
+    return false;
+  };
+  if (update.matches < options_.min_start_points) {
+    return refuse(OdometryReason::too_few_points,
+                  fmt::format("{} points shared, need {}", update.matches, options_.min_start_points));
+  }
+  const double motion_px = median_motion_px(shared, focal_px_);
+  if (motion_px < options_.min_motion_px)
+    return refuse(OdometryReason::no_motion, fmt::format("median motion {:.2f} px", motion_px));
+  const auto turned = rotation_between(shared.a, shared.b, ransac(options_.max_error_px));
+  if (turned && turned->median_error_px < options_.max_error_px) {
+    return refuse(turned->second_from_first.log().norm() * focal_px_ > 2.0 * options_.max_error_px
+                      ? OdometryReason::pure_rotation
+                      : OdometryReason::too_little_parallax,
+                  fmt::format("{:.2f} px beside a turn", turned->median_error_px));
+  }
+  const auto fit = estimate_essential(shared.a, shared.b, ransac(options_.max_error_px));
+  const int needed = static_cast<int>(options_.min_start_inlier_share * update.matches);
+  update.inliers = fit ? fit->in_front : 0;
+  if (!fit || fit->in_front < needed)
+    return refuse(OdometryReason::few_inliers, fmt::format("{} inliers, need {}", update.inliers, needed));
+  if (fit->median_parallax_deg < options_.min_start_parallax_deg) {
+    return refuse(OdometryReason::too_little_parallax,
+                  fmt::format("median parallax {:.2f} deg, need {:.2f}", fit->median_parallax_deg,
+                              options_.min_start_parallax_deg));
+  }
+  const SE3 base = chain_.camera_from_world_at(first.stamp, map_);
+  // After a loss the scale goes on from the speed before it.
+  const double length = chain_.length_between(first.stamp, second.stamp, map_).value_or(1.0);
+  const SE3 second_from_first(fit->second_from_first.rotation(), length * fit->second_from_first.translation());
+  const std::size_t keyframe = map_.add_keyframe(first.stamp, base, first.sightings);
+  map_.add_keyframe(second.stamp, second_from_first * base, second.sightings);
+  if (map_.triangulate() < options_.min_points) {
+    map_.restart();
+    return refuse(OdometryReason::too_few_points, "too few points could be placed in space");
+  }
+  map_.drop_bad_points();
+  place_waiting(keyframe);
+  return true;
+}
+
+/// Poses of the frames between the first pair, now that there are points.
+void FeaturesOdometry::State::place_waiting(std::size_t first_keyframe) {
+  const TimeNs begin = map_.keyframes()[first_keyframe].stamp, end = map_.keyframes()[first_keyframe + 1].stamp;
+  chain_.set(waiting_.front().record, first_keyframe, SE3());
+  chain_.set(waiting_.back().record, first_keyframe + 1, SE3());
+  for (std::size_t i = 1; i + 1 < waiting_.size(); ++i) {
+    const double fraction =
+        static_cast<double>(waiting_[i].stamp - begin) / std::max(1.0, static_cast<double>(end - begin));
+    const SE3 guess = interpolate(keyframe_pose(first_keyframe), keyframe_pose(first_keyframe + 1), fraction);
+    OdometryUpdate ignored;
+    const auto pose = pose_from_points(waiting_[i].sightings, guess, ignored);
+    if (pose)
+      chain_.set(waiting_[i].record, first_keyframe, pose->camera_from_world * keyframe_pose(first_keyframe).inverse());
+  }
+}
+
+std::optional<AbsolutePose> FeaturesOdometry::State::pose_from_points(const Sightings& sightings, const SE3& guess,
+                                                                      OdometryUpdate& update) {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector2d> rays;
+  for (const Sighting& sighting : sightings) {
+    const auto point = map_.points().find(sighting.id);
+    if (point == map_.points().end()) continue;
+    points.push_back(point->second);
+    rays.push_back(sighting.ray);
+  }
+  update.matches = static_cast<int>(points.size());
+  AbsolutePoseOptions options;
+  static_cast<CalibratedRansacOptions&>(options) = ransac(options_.max_error_px);
+  options.huber_px = options_.huber_px;
+  auto pose = estimate_absolute_pose(points, rays, options, guess);
+  update.inliers = pose ? pose->inliers : 0;
+  update.confidence = update.matches > 0 ? static_cast<double>(update.inliers) / update.matches : 0.0;
+  if (!pose || pose->inliers < options_.min_points || 2 * pose->inliers < update.matches) return std::nullopt;
+  return pose;
+}
+
+void FeaturesOdometry::State::follow(OdometryUpdate& update, const Sightings& sightings) {
+  update.state = OdometryState::tracking;
+  if (stands_still(update, sightings)) return;
+  const SE3 guess = chain_.predicted(update.stamp, map_);
+  const auto pose = pose_from_points(sightings, guess, update);
+  if (!pose) {
+    bridge(update);
+    restart(update, sightings);
+    return;
+  }
+  const std::size_t last = map_.keyframes().size() - 1;
+  chain_.add(update.stamp, last, pose->camera_from_world * keyframe_pose(last).inverse());
+  if (is_keyframe(sightings, pose->camera_from_world, pose->inliers)) add_keyframe(update, sightings);
+}
+
+bool FeaturesOdometry::State::stands_still(OdometryUpdate& update, const Sightings& sightings) {
+  const SharedRays shared = shared_rays(moved_sightings_, sightings);
+  if (static_cast<int>(shared.a.size()) < options_.min_points) return false;
+  const double motion_px = median_motion_px(shared, focal_px_);
+  // Smaller than what a feature is measured to: nothing can be said to have moved.
+  if (motion_px >= 0.5 * options_.min_motion_px) return false;
+  update.reason = OdometryReason::no_motion;
+  update.detail = fmt::format("median motion {:.2f} px", motion_px);
+  update.matches = static_cast<int>(shared.a.size());
+  chain_.repeat(update.stamp);
+  return true;
+}
+
+bool FeaturesOdometry::State::is_keyframe(const Sightings& sightings, const SE3& camera_from_world, int inliers) const {
+  if (inliers < options_.min_keyframe_share * static_cast<double>(sightings.size())) return true;
+  const LocalMap::Keyframe& keyframe = map_.keyframes().back();
+  const SO3 current_from_keyframe = camera_from_world.rotation() * keyframe.camera_from_world.rotation().inverse();
+  std::vector<double> motions;
+  for (const Sighting& sighting : sightings) {
+    const Eigen::Vector2d* ray = find_ray(keyframe.sightings, sighting.id);
+    if (!ray) continue;
+    const Eigen::Vector3d turned = current_from_keyframe * Eigen::Vector3d(ray->x(), ray->y(), 1.0);
+    if (turned.z() > 0.0) motions.push_back(focal_px_ * (sighting.ray - turned.head<2>() / turned.z()).norm());
+  }
+  return median(std::move(motions)) > options_.keyframe_parallax_px;
+}
+
+void FeaturesOdometry::State::add_keyframe(OdometryUpdate& update, const Sightings& sightings) {
+  const std::size_t keyframe = map_.add_keyframe(update.stamp, chain_.last_camera_from_world(map_), sightings);
+  chain_.set_last(keyframe, SE3());
+  map_.triangulate();
+  if (options_.refine) map_.refine();
+  map_.drop_bad_points();
+}
+
+/// No pose could be found: the last motion goes on.
+void FeaturesOdometry::State::bridge(OdometryUpdate& update) {
+  update.state = OdometryState::lost;
+  const bool few = update.matches < options_.min_points;
+  update.reason = few ? OdometryReason::too_few_points : OdometryReason::few_inliers;
+  update.detail = few ? fmt::format("{} points in space seen, need {}", update.matches, options_.min_points)
+                      : fmt::format("{} of {} points agree", update.inliers, update.matches);
+}
+
+/// Starts again from this frame, with the pose and the speed that the motion before lets expect.
+void FeaturesOdometry::State::restart(const OdometryUpdate& update, const Sightings& sightings) {
+  map_.restart();
+  started_ = false;
+  waiting_.clear();
+  waiting_.push_back({chain_.add_predicted(update.stamp, map_), update.stamp, sightings});
+}
+
+Trajectory FeaturesOdometry::State::trajectory() const { return chain_.trajectory(map_); }
+
+FeaturesOdometry::FeaturesOdometry(const FeaturesOptions& options, const Camera& camera, TaskPool* pool)
+    : state_(std::make_unique<State>(options, camera, pool)) {}
+FeaturesOdometry::~FeaturesOdometry() = default;
+OdometryUpdate FeaturesOdometry::process(const Frame& frame) { return state_->process(frame); }
+Trajectory FeaturesOdometry::trajectory() const { return state_->trajectory(); }
+
+}  // namespace rastro

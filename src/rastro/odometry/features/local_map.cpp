@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/odometry/features/local_map.h"
+
+#include <algorithm>
+
+#include "rastro/multiview/triangulation.h"
+#include "rastro/odometry/features/window_refinement.h"
+
+namespace rastro {
+
+const Eigen::Vector2d* find_ray(const Sightings& sightings, std::int64_t id) {
+  const auto found =
+      std::lower_bound(sightings.begin(), sightings.end(), id,
+                       [](const Sighting& sighting, std::int64_t wanted) { return sighting.id < wanted; });
+  return found != sightings.end() && found->id == id ? &found->ray : nullptr;
+}
+
+void LocalMap::restart() {
+  points_.clear();
+  for (Keyframe& keyframe : keyframes_) keyframe.sightings.clear();
+  restarted_at_ = keyframes_.size();
+}
+
+std::size_t LocalMap::add_keyframe(TimeNs stamp, const SE3& camera_from_world, Sightings sightings) {
+  keyframes_.push_back({stamp, camera_from_world, std::move(sightings)});
+  // What left the window is not looked at again; points that only it saw go with it.
+  const std::size_t begin = window_begin();
+  if (begin > 0 && begin > restarted_at_) keyframes_[begin - 1].sightings = {};
+  std::erase_if(points_, [&](const auto& point) {
+    for (std::size_t k = begin; k < keyframes_.size(); ++k) {
+      if (find_ray(keyframes_[k].sightings, point.first)) return false;
+    }
+    return true;
+  });
+  return keyframes_.size() - 1;
+}
+
+std::size_t LocalMap::window_begin() const {
+  const auto window = static_cast<std::size_t>(options_.window_keyframes);
+  return std::max(restarted_at_, keyframes_.size() > window ? keyframes_.size() - window : 0);
+}
+
+int LocalMap::triangulate() {
+  const TriangulationOptions options{focal_px_, options_.max_point_error_px, options_.min_point_parallax_deg};
+  int placed = 0;
+  for (const Sighting& sighting : keyframes_.back().sightings) {
+    if (points_.contains(sighting.id)) continue;
+    std::vector<SE3> world_from_camera;
+    std::vector<Eigen::Vector2d> rays;
+    for (std::size_t k = window_begin(); k < keyframes_.size(); ++k) {
+      const Eigen::Vector2d* ray = find_ray(keyframes_[k].sightings, sighting.id);
+      if (!ray) continue;
+      world_from_camera.push_back(keyframes_[k].camera_from_world.inverse());
+      rays.push_back(*ray);
+    }
+    if (rays.size() < 2) continue;
+    const auto point = rastro::triangulate(world_from_camera, rays, options);
+    if (!point) continue;
+    points_.emplace(sighting.id, point->position);
+    ++placed;
+  }
+  return placed;
+}
+
+double LocalMap::refine() {
+  RefinementWindow window;
+  window.focal_px = focal_px_;
+  const std::size_t begin = window_begin();
+  for (std::size_t k = begin; k < keyframes_.size(); ++k) {
+    window.camera_from_world.push_back(keyframes_[k].camera_from_world);
+    window.fixed.push_back(k < begin + 2 ? 1 : 0);
+  }
+  std::vector<std::int64_t> ids;
+  for (const auto& [id, position] : points_) {
+    const auto point = static_cast<int>(window.points.size());
+    const std::size_t before = window.observations.size();
+    for (std::size_t k = begin; k < keyframes_.size(); ++k) {
+      const Eigen::Vector2d* ray = find_ray(keyframes_[k].sightings, id);
+      if (ray) window.observations.push_back({static_cast<int>(k - begin), point, *ray});
+    }
+    if (window.observations.size() < before + 2) {
+      window.observations.resize(before);
+      continue;
+    }
+    window.points.push_back(position);
+    ids.push_back(id);
+  }
+  const double error = refine_window(window, {options_.refine_iterations, options_.huber_px});
+  for (std::size_t k = begin; k < keyframes_.size(); ++k)
+    keyframes_[k].camera_from_world = window.camera_from_world[k - begin];
+  for (std::size_t i = 0; i < ids.size(); ++i) points_[ids[i]] = window.points[i];
+  return error;
+}
+
+void LocalMap::drop_bad_points() {
+  const std::size_t begin = window_begin();
+  std::erase_if(points_, [&](const auto& point) {
+    for (std::size_t k = begin; k < keyframes_.size(); ++k) {
+      const Eigen::Vector2d* ray = find_ray(keyframes_[k].sightings, point.first);
+      if (ray && reprojection_error_px(keyframes_[k].camera_from_world, point.second, *ray, focal_px_) >
+                     options_.max_point_error_px)
+        return true;
+    }
+    return false;
+  });
+}
+
+void LocalMap::scale_from(std::size_t fixed, double factor) {
+  const Eigen::Vector3d centre = keyframes_[fixed].camera_from_world.inverse().translation();
+  const auto moved = [&](const Eigen::Vector3d& place) { return Eigen::Vector3d(centre + factor * (place - centre)); };
+  for (std::size_t k = fixed; k < keyframes_.size(); ++k) {
+    const SE3 world_from_camera = keyframes_[k].camera_from_world.inverse();
+    keyframes_[k].camera_from_world =
+        SE3(world_from_camera.rotation(), moved(world_from_camera.translation())).inverse();
+  }
+  for (auto& [id, position] : points_) position = moved(position);
+}
+
+}  // namespace rastro

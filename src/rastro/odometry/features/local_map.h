@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rastro/base/time.h"
+#include "rastro/math/se3.h"
+#include "rastro/odometry/features/options.h"
+
+namespace rastro {
+
+/// A feature in a frame: its id and its undistorted normalised ray.
+struct Sighting {
+  std::int64_t id = 0;
+  Eigen::Vector2d ray = Eigen::Vector2d::Zero();
+};
+
+/// Sightings of one frame, in ascending order of id.
+using Sightings = std::vector<Sighting>;
+
+/// The ray of a feature in a frame.
+const Eigen::Vector2d* find_ray(const Sightings& sightings, std::int64_t id);
+
+/// The last keyframes and the points in space seen from them.
+class LocalMap {
+ public:
+  struct Keyframe {
+    TimeNs stamp = 0;
+    SE3 camera_from_world;
+    Sightings sightings;  ///< Kept while in the window.
+  };
+
+  /// `options` must outlive it; `focal_px` turns rays into pixels.
+  LocalMap(const FeaturesOptions& options, double focal_px) : options_(options), focal_px_(focal_px) {}
+
+  /// Forgets all points and the window's sightings; the poses of the keyframes stay.
+  void restart();
+  std::size_t add_keyframe(TimeNs stamp, const SE3& camera_from_world, Sightings sightings);
+  /// All keyframes ever, oldest first.
+  const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  const std::map<std::int64_t, Eigen::Vector3d>& points() const { return points_; }
+
+  /// Places in space what the window sees from two sides well enough and has no point yet.
+  int triangulate();
+  /// Adjusts the window; the two oldest keyframes of it stay where they are. Returns the error in pixels.
+  double refine();
+  /// Drops points that any keyframe of the window sees too far off.
+  void drop_bad_points();
+  /// Multiplies the map around the centre of keyframe `fixed`, from that keyframe on.
+  void scale_from(std::size_t fixed, double factor);
+
+ private:
+  std::size_t window_begin() const;
+
+  const FeaturesOptions& options_;
+  double focal_px_;
+  std::size_t restarted_at_ = 0;
+  std::vector<Keyframe> keyframes_;
+  std::map<std::int64_t, Eigen::Vector3d> points_;
+};
+
+}  // namespace rastro

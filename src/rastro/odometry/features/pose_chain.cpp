@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/odometry/features/pose_chain.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace rastro {
+
+std::size_t PoseChain::add(TimeNs stamp, std::size_t keyframe, const SE3& camera_from_keyframe) {
+  records_.push_back({stamp, Kind::anchored, keyframe, camera_from_keyframe});
+  return records_.size() - 1;
+}
+
+std::size_t PoseChain::add_unknown(TimeNs stamp) {
+  records_.push_back({stamp, Kind::unknown, 0, {}});
+  return records_.size() - 1;
+}
+
+std::size_t PoseChain::add_predicted(TimeNs stamp, const LocalMap& map) {
+  records_.push_back({stamp, Kind::guessed, 0, predicted(stamp, map)});
+  return records_.size() - 1;
+}
+
+std::size_t PoseChain::repeat(TimeNs stamp) {
+  Record record = records_.empty() ? Record{} : records_.back();
+  record.stamp = stamp;
+  records_.push_back(record);
+  return records_.size() - 1;
+}
+
+void PoseChain::set(std::size_t record, std::size_t keyframe, const SE3& camera_from_keyframe) {
+  records_[record].kind = Kind::anchored;
+  records_[record].keyframe = keyframe;
+  records_[record].camera_from_anchor = camera_from_keyframe;
+}
+
+std::optional<SE3> PoseChain::pose_of(const Record& record, const LocalMap& map) const {
+  if (record.kind == Kind::unknown) return std::nullopt;
+  if (record.kind == Kind::guessed) return record.camera_from_anchor;
+  return record.camera_from_anchor * map.keyframes()[record.keyframe].camera_from_world;
+}
+
+std::optional<std::pair<const PoseChain::Record*, const PoseChain::Record*>> PoseChain::last_two() const {
+  const Record* newer = nullptr;
+  for (auto record = records_.rbegin(); record != records_.rend(); ++record) {
+    if (record->kind != Kind::anchored) continue;
+    if (newer && record->stamp < newer->stamp) return std::pair{&*record, newer};
+    if (!newer) newer = &*record;
+  }
+  return std::nullopt;
+}
+
+SE3 PoseChain::predicted(TimeNs stamp, const LocalMap& map) const {
+  const auto two = last_two();
+  if (!two) {
+    const auto known = std::find_if(records_.rbegin(), records_.rend(),
+                                    [](const Record& record) { return record.kind != Kind::unknown; });
+    return known == records_.rend() ? SE3() : *pose_of(*known, map);
+  }
+  const auto [before, last] = *two;
+  const SE3 last_pose = *pose_of(*last, map);
+  const SE3 world_from_last = last_pose.inverse(), world_from_before = pose_of(*before, map)->inverse();
+  const double steps =
+      static_cast<double>(stamp - last->stamp) / static_cast<double>(std::max<TimeNs>(1, last->stamp - before->stamp));
+  const Eigen::Vector3d moved = world_from_last.translation() - world_from_before.translation();
+  constexpr double longest_turn = 2.0;
+  const SO3 turn = world_from_before.rotation().inverse() * world_from_last.rotation();
+  const SO3 turned = world_from_last.rotation() * SO3::exp(std::clamp(steps, 0.0, longest_turn) * turn.log());
+  return SE3(turned, world_from_last.translation() + std::max(0.0, steps) * moved).inverse();
+}
+
+SE3 PoseChain::last_camera_from_world(const LocalMap& map) const {
+  if (records_.empty()) return {};
+  const auto pose = pose_of(records_.back(), map);
+  return pose ? *pose : predicted(records_.back().stamp, map);
+}
+
+SE3 PoseChain::camera_from_world_at(TimeNs stamp, const LocalMap& map) const {
+  const auto found =
+      std::find_if(records_.rbegin(), records_.rend(), [=](const Record& record) { return record.stamp == stamp; });
+  const auto pose = found == records_.rend() ? std::nullopt : pose_of(*found, map);
+  return pose ? *pose : predicted(stamp, map);
+}
+
+std::optional<double> PoseChain::length_between(TimeNs begin, TimeNs end, const LocalMap& map) const {
+  const auto two = last_two();
+  if (!two) return std::nullopt;
+  const auto [before, last] = *two;
+  const double moved =
+      (pose_of(*last, map)->inverse().translation() - pose_of(*before, map)->inverse().translation()).norm();
+  if (moved < 1e-9) return std::nullopt;
+  return moved * static_cast<double>(end - begin) / static_cast<double>(last->stamp - before->stamp);
+}
+
+Trajectory PoseChain::trajectory(const LocalMap& map) const {
+  Trajectory known;
+  for (const Record& record : records_) {
+    const auto pose = pose_of(record, map);
+    if (pose && (known.empty() || record.stamp > known.back().stamp)) known.push_back({record.stamp, pose->inverse()});
+  }
+  Trajectory all;
+  for (const Record& record : records_) {
+    StampedPose stamped{record.stamp, {}};
+    const auto pose = pose_of(record, map);
+    if (pose) {
+      stamped.world_from_body = pose->inverse();
+    } else if (!known.empty()) {
+      const auto between = pose_at(known, record.stamp, std::numeric_limits<TimeNs>::max());
+      const bool early = record.stamp <= known.front().stamp;
+      stamped.world_from_body =
+          between ? *between : (early ? known.front().world_from_body : known.back().world_from_body);
+    }
+    all.push_back(stamped);
+  }
+  return all;
+}
+
+}  // namespace rastro

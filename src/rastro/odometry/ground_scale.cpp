@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/odometry/ground_scale.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rastro {
+namespace {
+
+// The road looked at, in heights of the camera: to both sides and ahead.
+constexpr double widest = 1.5, nearest = 3.2, farthest = 9.0;
+constexpr int sample_step_px = 3;
+constexpr std::size_t fewest_samples = 100;
+// Heights tried, in the unit of the motion, from the length of the step times these.
+constexpr double lowest = 0.02, highest = 400.0;
+constexpr int heights = 500;
+constexpr int pitches = 9;
+constexpr double pitch_step = 0.5 * std::numbers::pi / 180.0;
+constexpr float largest_difference = 20.0F;
+constexpr float not_seen = -1.0F;
+// Steps between these, in heights, are seen well: shorter ones hardly move the road, longer ones leave it.
+constexpr double shortest_step = 0.15, longest_step = 2.0;
+constexpr std::size_t fewest_frames = 10;
+
+double height_at(double index) { return lowest * std::pow(highest / lowest, index / (heights - 1)); }
+double pitch_at(std::size_t index) { return (static_cast<double>(index) - pitches / 2) * pitch_step; }
+
+Eigen::Vector3d downwards(double pitch) { return {0.0, std::cos(pitch), std::sin(pitch)}; }
+
+std::optional<float> grey_at(GreyView image, const Eigen::Vector2d& pixel) {
+  const double x = std::floor(pixel.x()), y = std::floor(pixel.y());
+  if (!(x >= 0.0 && y >= 0.0 && x < image.width - 1 && y < image.height - 1)) return std::nullopt;
+  const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+  const float fx = static_cast<float>(pixel.x() - x), fy = static_cast<float>(pixel.y() - y);
+  const float upper = static_cast<float>(image.at(ix, iy)) * (1 - fx) + static_cast<float>(image.at(ix + 1, iy)) * fx;
+  const float lower =
+      static_cast<float>(image.at(ix, iy + 1)) * (1 - fx) + static_cast<float>(image.at(ix + 1, iy + 1)) * fx;
+  return upper * (1 - fy) + lower * fy;
+}
+
+}  // namespace
+
+void GroundScale::choose_samples(GreyView image) {
+  const Eigen::Vector3d down = downwards(0.0);
+  for (int y = 0; y < image.height; y += sample_step_px) {
+    for (int x = 0; x < image.width; x += sample_step_px) {
+      const auto ray = camera_.unproject({static_cast<double>(x), static_cast<double>(y)});
+      if (!ray) continue;
+      const double slope = down.dot(ray->homogeneous());
+      if (slope * farthest < 1.0 || slope * nearest > 1.0 || std::abs(ray->x()) > widest * slope) continue;
+      samples_.push_back({*ray, x, y});
+    }
+  }
+}
+
+void GroundScale::add(GreyView image, const SE3& world_from_camera) {
+  if (image.empty()) return;
+  if (samples_.empty()) choose_samples(image);
+  const bool comparable = last_pose_ && last_.width() == image.width && last_.height() == image.height;
+  if (comparable) {
+    if (auto costs = compare(image, world_from_camera.inverse() * *last_pose_)) frames_.push_back(std::move(*costs));
+  }
+  last_pose_ = world_from_camera;
+  last_ = GreyImage(image.width, image.height);
+  for (int y = 0; y < image.height; ++y) std::copy_n(image.row(y), image.width, last_.row(y));
+}
+
+std::optional<GroundScale::Costs> GroundScale::compare(GreyView image, const SE3& current_from_last) const {
+  const double step = current_from_last.translation().norm();
+  if (samples_.size() < fewest_samples || step < 1e-9) return std::nullopt;
+  Costs costs(static_cast<std::size_t>(heights * pitches), not_seen);
+  const Eigen::Matrix3d rotation = current_from_last.rotation().matrix();
+  for (std::size_t p = 0; p < pitches; ++p) {
+    const Eigen::Vector3d down = downwards(pitch_at(p));
+    for (int h = 0; h < heights; ++h) {
+      const double height = height_at(h);
+      if (step < shortest_step * height || step > longest_step * height) continue;
+      const Eigen::Vector3d moved = current_from_last.translation() / height;
+      float sum = 0.0F;
+      std::size_t seen = 0;
+      for (const Sample& sample : samples_) {
+        const Eigen::Vector3d ray = sample.ray.homogeneous();
+        const Eigen::Vector3d there = rotation * (ray / down.dot(ray)) + moved;
+        const auto pixel = there.z() > 0.1 ? camera_.project(there) : std::nullopt;
+        const auto grey = pixel ? grey_at(image, *pixel) : std::nullopt;
+        if (!grey) continue;
+        sum += std::min(largest_difference, std::abs(*grey - static_cast<float>(last_.at(sample.x, sample.y))));
+        ++seen;
+      }
+      if (2 * seen > samples_.size()) costs[p * heights + static_cast<std::size_t>(h)] = sum / static_cast<float>(seen);
+    }
+  }
+  return costs;
+}
+
+/// Index of the best height, in fractions, and of the pitch.
+std::optional<std::pair<double, std::size_t>> GroundScale::best_of(const std::vector<std::size_t>& frames) const {
+  std::vector<double> total(static_cast<std::size_t>(heights * pitches), 0.0);
+  std::vector<int> votes(total.size(), 0);
+  for (const std::size_t frame : frames) {
+    const Costs& costs = frames_[frame];
+    float worst = 0.0F;
+    for (const float cost : costs) worst = std::max(worst, cost);
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+      if (costs[i] == not_seen) continue;
+      total[i] += static_cast<double>(costs[i] / std::max(1.0F, worst));
+      ++votes[i];
+    }
+  }
+  std::optional<std::size_t> best;
+  const auto mean = [&](std::size_t i) { return total[i] / votes[i]; };
+  for (std::size_t i = 0; i < total.size(); ++i) {
+    if (2 * votes[i] < static_cast<int>(frames.size())) continue;
+    if (!best || mean(i) < mean(*best)) best = i;
+  }
+  if (!best) return std::nullopt;
+  const std::size_t pitch = *best / heights, h = *best % heights;
+  if (h == 0 || h + 1 == heights || votes[*best - 1] == 0 || votes[*best + 1] == 0) return std::nullopt;
+  const double before = mean(*best - 1), here = mean(*best), after = mean(*best + 1);
+  const double bend = before - 2.0 * here + after;
+  const double shift = bend > 0.0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0.0;
+  return std::pair(static_cast<double>(h) + shift, pitch);
+}
+
+std::optional<GroundScale::Found> GroundScale::find() const {
+  std::vector<std::size_t> all, halves[2];
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    all.push_back(i);
+    halves[i % 2].push_back(i);
+  }
+  if (all.size() < fewest_frames) return std::nullopt;
+  const auto best = best_of(all);
+  if (!best) return std::nullopt;
+  Found found;
+  found.metres_per_unit = camera_height_m_ / height_at(best->first);
+  found.pitch_rad = pitch_at(best->second);
+  found.frames = static_cast<int>(all.size());
+  const auto even = best_of(halves[0]), odd = best_of(halves[1]);
+  found.relative_sigma = even && odd ? 0.5 * std::abs(std::log(height_at(even->first) / height_at(odd->first))) : 1.0;
+  return found;
+}
+
+}  // namespace rastro

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "rastro/camera/camera.h"
+#include "rastro/image/image.h"
+#include "rastro/math/se3.h"
+
+namespace rastro {
+
+/// Metres from a camera at a known height above a flat road, METHODS 2.4. The road between two frames moves by the
+/// homography of its plane (Hartley and Zisserman 2004, section 13.1), whose only unknowns, once the camera's motion is
+/// known but for scale, are the height in the unit of that motion and how far the camera looks down. Both are found by
+/// comparing grey levels directly, over all frames together: single frames see too little texture on a road.
+class GroundScale {
+ public:
+  GroundScale(const Camera& camera, double camera_height_m) : camera_(camera), camera_height_m_(camera_height_m) {}
+
+  /// Frames in order, with poses of one scale.
+  void add(GreyView image, const SE3& world_from_camera);
+
+  struct Found {
+    double metres_per_unit = 1.0;
+    double pitch_rad = 0.0;       ///< How far the camera looks below the horizon.
+    double relative_sigma = 0.0;  ///< Of the scale, from the halves of the frames.
+    int frames = 0;               ///< Pairs that spoke.
+  };
+  /// nullopt when too few pairs of frames showed a road.
+  std::optional<Found> find() const;
+
+ private:
+  /// Mean difference of grey levels for every pitch and height tried.
+  using Costs = std::vector<float>;
+  void choose_samples(GreyView image);
+  std::optional<Costs> compare(GreyView image, const SE3& current_from_last) const;
+  std::optional<std::pair<double, std::size_t>> best_of(const std::vector<std::size_t>& frames) const;
+
+  struct Sample {
+    Eigen::Vector2d ray;
+    int x, y;
+  };
+  Camera camera_;
+  double camera_height_m_;
+  std::vector<Sample> samples_;
+  GreyImage last_;
+  std::optional<SE3> last_pose_;
+  std::vector<Costs> frames_;
+};
+
+}  // namespace rastro

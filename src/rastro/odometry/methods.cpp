@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/odometry/methods.h"
+
+#include <fmt/format.h>
+
+#include "rastro/base/error.h"
+#include "rastro/base/text.h"
+#include "rastro/odometry/features/features_odometry.h"
+
+namespace rastro {
+namespace {
+
+Error unknown_method(const std::string& method) {
+  return Error(fmt::format("'{}' is no odometry", method), "--method",
+               fmt::format("did you mean '{}'?", nearest_name(method, odometry_methods())));
+}
+
+}  // namespace
+
+const std::vector<std::string>& odometry_methods() {
+  static const std::vector<std::string> names = {"features"};
+  return names;
+}
+
+OptionTable OdometrySettings::table(const std::string& method) {
+  if (method == "features") return option_table(features);
+  throw unknown_method(method);
+}
+
+std::unique_ptr<Odometry> OdometrySettings::make(const std::string& method, const Camera& camera,
+                                                 TaskPool* pool) const {
+  if (method == "features") return std::make_unique<FeaturesOdometry>(features, camera, pool);
+  throw unknown_method(method);
+}
+
+}  // namespace rastro

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "rastro/odometry/odometry.h"
+#include "rastro/sensor/source.h"
+#include "rastro/session/run_folder.h"
+
+namespace rastro {
+
+/// Where the run stands, after each frame.
+struct OdometryProgress {
+  std::int64_t done = 0;               ///< Frames processed or skipped.
+  std::optional<std::int64_t> frames;  ///< Of how many, where that is known.
+  const OdometryUpdate* last = nullptr;
+};
+
+/// Everything one run is made of. The parts must outlive odometry_run().
+struct OdometryRun {
+  Source* source = nullptr;
+  Odometry* method = nullptr;
+  RunFolder* folder = nullptr;              ///< May be null: no stats, no events, no poses.
+  const std::atomic<bool>* stop = nullptr;  ///< Set from outside (Ctrl-C): the run ends after the current frame.
+  std::optional<std::int64_t> frames_asked;
+  std::function<void(const OdometryProgress&)> progress;
+};
+
+/// What a run came to; the fields of its result.json. Percentages are 0 to 100.
+struct OdometryResult {
+  std::int64_t frames = 0;                                          ///< Processed.
+  std::int64_t skipped_frames = 0;                                  ///< Could not be read.
+  std::int64_t tracking = 0, weak = 0, lost = 0, initialising = 0;  ///< Frames in each state, as first said.
+  std::int64_t unused_frames = 0;                                   ///< Told nothing and were left out.
+  std::map<std::string, std::int64_t> reasons;                      ///< How often each reason was given.
+  double coverage = 0.0;           ///< Frames with a pose in percent of the frames asked for.
+  double path_length = 0.0;        ///< Of the final trajectory.
+  std::string scale = "relative";  ///< Or where metres come from.
+  double ms_per_frame_mean = 0.0, ms_per_frame_p95 = 0.0;
+  double peak_memory_mb = 0.0;
+  std::string result_sha256;  ///< Of trajectory.txt.
+  bool interrupted = false;
+  std::string ended;  ///< "end of data", "interrupted", or the error that ended the run.
+};
+
+std::string to_json(const OdometryResult& result);
+
+struct OdometryRunEnd {
+  OdometryResult result;
+  Trajectory trajectory;  ///< Final, world_from_camera.
+  std::exception_ptr failure;
+  std::string first_skip;  ///< Why the first skipped frame could not be read.
+};
+
+/// Runs the method over the source. Each pose is written as it is first given (trajectory_online.txt), each change of
+/// state or reason as an event. Frames that cannot be read are skipped, counted and reported.
+OdometryRunEnd odometry_run(const OdometryRun& run);
+
+/// "stamp tx ty tz qx qy qz qw", as the TUM benchmark writes poses.
+std::string tum_line(const StampedPose& pose);
+
+}  // namespace rastro
