@@ -26,7 +26,7 @@ struct EssentialFit {
 };
 
 /// Up to ten essential matrices of five pairs, read at `indices`. Nister 2004, "An efficient solution to the five-point
-/// relative pose problem"; the polynomial's roots by Sturm sequences.
+/// relative pose problem"; the roots of its polynomial by real_roots().
 std::vector<Eigen::Matrix3d> essential_from_five(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b,
                                                  const std::uint32_t* indices);
 

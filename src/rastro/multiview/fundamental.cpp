@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
-#include <numbers>
 
+#include "rastro/multiview/polynomial.h"
 #include "rastro/multiview/ransac.h"
 
 namespace rastro {
@@ -31,26 +31,6 @@ Eigen::Matrix3d matrix_of(const Eigen::Matrix<double, 9, 1>& v) {
 Eigen::Matrix3d in_pixels(const Eigen::Matrix3d& f) {
   const Eigen::DiagonalMatrix<double, 3> to_units(1.0 / unit, 1.0 / unit, 1.0);
   return to_units * f * to_units;
-}
-
-/// Real roots of c3 x^3 + c2 x^2 + c1 x + c0, up to three.
-std::vector<double> cubic_roots(double c3, double c2, double c1, double c0) {
-  if (std::abs(c3) < 1e-12 * (std::abs(c2) + std::abs(c1) + std::abs(c0))) {
-    if (std::abs(c2) < 1e-300) return std::abs(c1) < 1e-300 ? std::vector<double>{} : std::vector<double>{-c0 / c1};
-    const double discriminant = c1 * c1 - 4.0 * c2 * c0;
-    if (discriminant < 0.0) return {};
-    return {(-c1 + std::sqrt(discriminant)) / (2.0 * c2), (-c1 - std::sqrt(discriminant)) / (2.0 * c2)};
-  }
-  const double a = c2 / c3, b = c1 / c3, c = c0 / c3;
-  const double q = (a * a - 3.0 * b) / 9.0, r = (2.0 * a * a * a - 9.0 * a * b + 27.0 * c) / 54.0;
-  if (r * r < q * q * q) {
-    const double theta = std::acos(std::clamp(r / std::sqrt(q * q * q), -1.0, 1.0));
-    const double scale = -2.0 * std::sqrt(q), shift = -a / 3.0;
-    return {scale * std::cos(theta / 3.0) + shift, scale * std::cos((theta + 2.0 * std::numbers::pi) / 3.0) + shift,
-            scale * std::cos((theta - 2.0 * std::numbers::pi) / 3.0) + shift};
-  }
-  const double s = -std::copysign(std::cbrt(std::abs(r) + std::sqrt(std::max(0.0, r * r - q * q * q))), r);
-  return {s + (s != 0.0 ? q / s : 0.0) - a / 3.0};
 }
 
 /// det(x F1 + (1 - x) F2) as a cubic in x, from its values at four places.

@@ -26,12 +26,14 @@ struct PointPairs {
 };
 
 /// A model fitted by RANSAC. `errors` are squared, in pixels, one a pair.
-struct RobustFit {
-  Eigen::Matrix3d model = Eigen::Matrix3d::Identity();
+template <typename Model>
+struct RobustFitOf {
+  Model model = Model::Identity();
   std::vector<float> squared_errors;
   int inliers = 0;
   int iterations = 0;
 };
+using RobustFit = RobustFitOf<Eigen::Matrix3d>;
 
 struct RansacOptions {
   double max_error_px = 3.0;

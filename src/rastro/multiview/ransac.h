@@ -37,15 +37,16 @@ inline int iterations_needed(double inlier_share, int sample_size, double confid
 ///   sample_size; fit(sample, sink) calls sink(model) for every model of a minimal sample; refit(model, inlier errors)
 ///   -> optional model; errors(model, out): squared errors of all pairs.
 /// Costs are summed in integers (1/1024 of the threshold), so that the order of summing does not matter.
-template <typename Problem>
-std::optional<RobustFit> ransac(const Problem& problem, const PointPairs& pairs, const RansacOptions& options) {
+/// `initial`, where given, is considered before the first sample. `count`: of pairs.
+template <typename Model, typename Problem>
+std::optional<RobustFitOf<Model>> ransac_of(const Problem& problem, std::size_t count, const RansacOptions& options,
+                                            const std::optional<Model>& initial = std::nullopt) {
   constexpr std::size_t sample_size = Problem::sample_size;
-  const std::size_t count = pairs.size();
   if (count < sample_size) return std::nullopt;
   const float limit = static_cast<float>(options.max_error_px * options.max_error_px);
   const float to_units = 1024.0F / limit;
   std::vector<float> errors(count);
-  const auto cost_of = [&](const Eigen::Matrix3d& model) {
+  const auto cost_of = [&](const Model& model) {
     problem.errors(model, errors.data());
     std::int32_t cost = 0;
     // Compared the way round that an error which is no number counts as an outlier.
@@ -56,10 +57,10 @@ std::optional<RobustFit> ransac(const Problem& problem, const PointPairs& pairs,
     return cost;
   };
 
-  RobustFit best;
+  RobustFitOf<Model> best;
   std::int32_t best_cost = static_cast<std::int32_t>(count) * 1024;
   int needed = options.max_iterations;
-  const auto consider = [&](const Eigen::Matrix3d& model) {
+  const auto consider = [&](const Model& model) {
     const std::int32_t cost = cost_of(model);
     if (cost >= best_cost) return false;
     best_cost = cost;
@@ -73,10 +74,13 @@ std::optional<RobustFit> ransac(const Problem& problem, const PointPairs& pairs,
 
   Random random(options.seed);
   int iteration = 0;
+  if (initial && consider(*initial)) {
+    if (const auto refined = problem.refit(best, limit)) consider(*refined);
+  }
   for (; iteration < needed; ++iteration) {
     bool improved = false;
     problem.fit(draw_sample<sample_size>(random, static_cast<std::uint32_t>(count)),
-                [&](const Eigen::Matrix3d& model) { improved |= consider(model); });
+                [&](const Model& model) { improved |= consider(model); });
     if (!improved) continue;
     if (const auto refined = problem.refit(best, limit)) consider(*refined);
   }
@@ -84,6 +88,11 @@ std::optional<RobustFit> ransac(const Problem& problem, const PointPairs& pairs,
   if (const auto refined = problem.refit(best, limit)) consider(*refined);
   best.iterations = iteration;
   return best;
+}
+
+template <typename Problem>
+std::optional<RobustFit> ransac(const Problem& problem, const PointPairs& pairs, const RansacOptions& options) {
+  return ransac_of<Eigen::Matrix3d>(problem, pairs.size(), options);
 }
 
 }  // namespace rastro

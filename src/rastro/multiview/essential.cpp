@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/multiview/essential.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "rastro/base/error.h"
+#include "rastro/multiview/ransac.h"
+
+namespace rastro {
+namespace {
+
+/// Two rotations and a direction: the four motions of E are both rotations with both signs.
+struct Decomposition {
+  std::array<Eigen::Matrix3d, 2> rotations;
+  Eigen::Vector3d direction;
+};
+
+Decomposition decompose(const Eigen::Matrix3d& essential) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(essential, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d u = svd.matrixU(), v = svd.matrixV();
+  if (u.determinant() < 0.0) u.col(2) *= -1.0;
+  if (v.determinant() < 0.0) v.col(2) *= -1.0;
+  Eigen::Matrix3d quarter_turn;
+  quarter_turn << 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0;
+  return {{u * quarter_turn * v.transpose(), u * quarter_turn.transpose() * v.transpose()}, u.col(2)};
+}
+
+bool counts(std::span<const std::uint8_t> is_inlier, std::size_t i) { return is_inlier.empty() || is_inlier[i] != 0; }
+
+/// A unit vector moved within its tangent plane.
+struct Direction {
+  Eigen::Vector3d value;
+  Eigen::Matrix<double, 3, 2> tangents() const {
+    const Eigen::Vector3d first = value.unitOrthogonal();
+    return (Eigen::Matrix<double, 3, 2>() << first, value.cross(first)).finished();
+  }
+  Direction moved(const Eigen::Vector2d& step) const { return {(value + tangents() * step).normalized()}; }
+};
+
+using Matrix5x9 = Eigen::Matrix<double, 5, 9>;
+using Row9 = Eigen::Matrix<double, 1, 9>;
+
+/// Derivatives of E's coefficients (row by row) by a turn of R from the left and a move of t in its tangent plane.
+Matrix5x9 essential_derivatives(const Eigen::Matrix3d& rotation, const Direction& direction) {
+  const Eigen::Matrix3d cross = hat(direction.value);
+  const Eigen::Matrix<double, 3, 2> tangents = direction.tangents();
+  Matrix5x9 derivatives;
+  for (int i = 0; i < 5; ++i) {
+    const Eigen::Matrix3d d = i < 3 ? Eigen::Matrix3d(cross * hat(Eigen::Vector3d::Unit(i)) * rotation)
+                                    : Eigen::Matrix3d(hat(tangents.col(i - 3)) * rotation);
+    derivatives.row(i) << d.row(0), d.row(1), d.row(2);
+  }
+  return derivatives;
+}
+
+/// Sampson distance and its derivative by E's coefficients.
+struct SampsonTerm {
+  double distance;
+  Eigen::Matrix<double, 9, 1> gradient;
+};
+
+SampsonTerm sampson_term(const Eigen::Matrix3d& e, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector3d p = a.homogeneous(), q = b.homogeneous(), line_b = e * p, line_a = e.transpose() * q;
+  const double square = line_b.head<2>().squaredNorm() + line_a.head<2>().squaredNorm() + 1e-30;
+  const double scale = 1.0 / std::sqrt(square), distance = q.dot(line_b) * scale;
+  const double bend = distance / square;  // how the distance shrinks with the lines' lengths
+  SampsonTerm term;
+  term.distance = distance;
+  for (int r = 0; r < 3; ++r) {
+    const double along_p = scale * q(r) - (r < 2 ? bend * line_b(r) : 0.0);
+    for (int c = 0; c < 3; ++c) term.gradient(3 * r + c) = along_p * p(c) - (c < 2 ? bend * line_a(c) * q(r) : 0.0);
+  }
+  return term;
+}
+
+struct Motion {
+  SO3 rotation;
+  Direction direction;
+  Eigen::Matrix3d essential() const { return hat(direction.value) * rotation.matrix(); }
+};
+
+/// One Gauss-Newton step over the pairs that `use` accepts; nullopt when they leave it open.
+template <typename Use>
+std::optional<Motion> step_from(const Motion& motion, std::span<const Eigen::Vector2d> a,
+                                std::span<const Eigen::Vector2d> b, const Use& use) {
+  const Eigen::Matrix3d essential = motion.essential();
+  const Matrix5x9 derivatives = essential_derivatives(motion.rotation.matrix(), motion.direction);
+  Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
+  Eigen::Matrix<double, 5, 1> right = Eigen::Matrix<double, 5, 1>::Zero();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!use(i)) continue;
+    const SampsonTerm term = sampson_term(essential, a[i], b[i]);
+    const Eigen::Matrix<double, 5, 1> row = derivatives * term.gradient;
+    normal.noalias() += row * row.transpose();
+    right.noalias() -= row * term.distance;
+  }
+  // A trace of damping keeps what the pairs leave open (a direction without motion) where it is.
+  normal.diagonal().array() += 1e-12 * normal.trace() + 1e-300;
+  const Eigen::Matrix<double, 5, 1> step = normal.ldlt().solve(right);
+  if (!step.allFinite() || step.norm() > 1.0) return std::nullopt;
+  return Motion{SO3::exp(step.head<3>()) * motion.rotation, motion.direction.moved(step.tail<2>())};
+}
+
+class EssentialProblem {
+ public:
+  static constexpr std::size_t sample_size = 5;
+  EssentialProblem(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b, double focal_px)
+      : a_(a), b_(b), focal_px_(focal_px) {
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      pixels_.add((focal_px * a[i]).cast<float>(), (focal_px * b[i]).cast<float>());
+    }
+  }
+
+  template <typename Sink>
+  void fit(const std::array<std::uint32_t, 5>& sample, Sink&& sink) const {
+    for (const Eigen::Matrix3d& model : essential_from_five(a_, b_, sample.data())) sink(model);
+  }
+
+  void errors(const Eigen::Matrix3d& essential, float* out) const {
+    const Eigen::DiagonalMatrix<double, 3> to_rays(1.0 / focal_px_, 1.0 / focal_px_, 1.0);
+    Eigen::Matrix3d fundamental = to_rays * essential * to_rays;
+    fundamental /= fundamental.norm();
+    const Eigen::Matrix3f m = fundamental.cast<float>();
+    const float f00 = m(0, 0), f01 = m(0, 1), f02 = m(0, 2), f10 = m(1, 0), f11 = m(1, 1), f12 = m(1, 2);
+    const float f20 = m(2, 0), f21 = m(2, 1), f22 = m(2, 2);
+    const float *ax = pixels_.ax.data(), *ay = pixels_.ay.data(), *bx = pixels_.bx.data(), *by = pixels_.by.data();
+    for (std::size_t i = 0, count = pixels_.size(); i < count; ++i) {
+      const float lbx = f00 * ax[i] + f01 * ay[i] + f02, lby = f10 * ax[i] + f11 * ay[i] + f12;
+      const float lbz = f20 * ax[i] + f21 * ay[i] + f22;
+      const float lax = f00 * bx[i] + f10 * by[i] + f20, lay = f01 * bx[i] + f11 * by[i] + f21;
+      const float value = bx[i] * lbx + by[i] * lby + lbz;
+      out[i] = value * value / (lbx * lbx + lby * lby + lax * lax + lay * lay + 1e-30F);
+    }
+  }
+
+  /// All four motions of E have the same E but for its sign, so any of them may be refined.
+  std::optional<Eigen::Matrix3d> refit(const RobustFit& best, float limit) const {
+    if (best.inliers < 6) return std::nullopt;
+    const Decomposition parts = decompose(best.model);
+    Motion motion{SO3::from_matrix(parts.rotations[0]), {parts.direction}};
+    for (int i = 0; i < 2; ++i) {
+      const auto next = step_from(motion, a_, b_, [&](std::size_t k) { return best.squared_errors[k] <= limit; });
+      if (!next) return std::nullopt;
+      motion = *next;
+    }
+    return motion.essential();
+  }
+
+ private:
+  std::span<const Eigen::Vector2d> a_, b_;
+  double focal_px_;
+  PointPairs pixels_;
+};
+
+std::vector<std::uint8_t> inliers_of(const std::vector<float>& squared_errors, double max_error_px) {
+  const auto limit = static_cast<float>(max_error_px * max_error_px);
+  std::vector<std::uint8_t> flags(squared_errors.size());
+  std::transform(squared_errors.begin(), squared_errors.end(), flags.begin(),
+                 [=](float e) { return static_cast<std::uint8_t>(e <= limit); });
+  return flags;
+}
+
+/// Median angle between the directions to the points after the rotation.
+double median_parallax_deg(const Eigen::Matrix3d& rotation, std::span<const Eigen::Vector2d> a,
+                           std::span<const Eigen::Vector2d> b, std::span<const std::uint8_t> is_inlier) {
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!counts(is_inlier, i)) continue;
+    const Eigen::Vector3d p = rotation * a[i].homogeneous(), q = b[i].homogeneous();
+    const double angle = std::atan2(p.cross(q).norm(), p.dot(q));
+    if (std::isfinite(angle)) angles.push_back(angle);
+  }
+  if (angles.empty()) return 0.0;
+  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
+  std::nth_element(angles.begin(), middle, angles.end());
+  return *middle * 180.0 / std::numbers::pi;
+}
+
+}  // namespace
+
+Eigen::Matrix3d essential_of(const SE3& second_from_first) {
+  return hat(second_from_first.translation().normalized()) * second_from_first.rotation().matrix();
+}
+
+std::optional<RecoveredPose> recover_pose(const Eigen::Matrix3d& essential, std::span<const Eigen::Vector2d> a,
+                                          std::span<const Eigen::Vector2d> b, std::span<const std::uint8_t> is_inlier) {
+  RASTRO_CHECK(a.size() == b.size() && (is_inlier.empty() || is_inlier.size() == a.size()), "pairs have two points");
+  if (!essential.allFinite()) return std::nullopt;
+  const Decomposition parts = decompose(essential);
+  std::array<int, 4> in_front{};
+  for (std::size_t r = 0; r < 2; ++r) {
+    const Eigen::Vector3d& t = parts.direction;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      if (!counts(is_inlier, i)) continue;
+      // Signs of the depths at which the rays come nearest to each other.
+      const Eigen::Vector3d p = parts.rotations[r] * a[i].homogeneous(), q = b[i].homogeneous();
+      const double pp = p.squaredNorm(), qq = q.squaredNorm(), pq = p.dot(q), pt = p.dot(t), qt = q.dot(t);
+      const double first = pq * qt - pt * qq, second = pp * qt - pq * pt;
+      if (first > 0.0 && second > 0.0) ++in_front[2 * r];
+      if (first < 0.0 && second < 0.0) ++in_front[2 * r + 1];
+    }
+  }
+  const auto best = static_cast<std::size_t>(std::max_element(in_front.begin(), in_front.end()) - in_front.begin());
+  if (in_front[best] == 0) return std::nullopt;
+  const Eigen::Matrix3d& rotation = parts.rotations[best / 2];
+  RecoveredPose pose;
+  pose.second_from_first = SE3(SO3::from_matrix(rotation), best % 2 == 0 ? parts.direction : -parts.direction);
+  pose.in_front = in_front[best];
+  std::swap(in_front[best], in_front[3]);
+  pose.runner_up = *std::max_element(in_front.begin(), in_front.begin() + 3);
+  pose.median_parallax_deg = median_parallax_deg(rotation, a, b, is_inlier);
+  return pose;
+}
+
+std::optional<SE3> refine_relative_pose(const SE3& start, std::span<const Eigen::Vector2d> a,
+                                        std::span<const Eigen::Vector2d> b, std::span<const std::uint8_t> is_inlier,
+                                        int iterations) {
+  RASTRO_CHECK(a.size() == b.size() && (is_inlier.empty() || is_inlier.size() == a.size()), "pairs have two points");
+  if (!(start.translation().norm() > 0.0)) return std::nullopt;
+  Motion motion{start.rotation(), {start.translation().normalized()}};
+  for (int i = 0; i < iterations; ++i) {
+    const auto next = step_from(motion, a, b, [&](std::size_t k) { return counts(is_inlier, k); });
+    if (!next) return std::nullopt;
+    const double change = (next->essential() - motion.essential()).norm();
+    motion = *next;
+    if (change < 1e-13) break;
+  }
+  return SE3(motion.rotation, motion.direction.value);
+}
+
+std::optional<EssentialFit> estimate_essential(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b,
+                                               const CalibratedRansacOptions& options) {
+  RASTRO_CHECK(a.size() == b.size(), "pairs have two points");
+  const EssentialProblem problem(a, b, options.focal_px);
+  const auto found = ransac_of<Eigen::Matrix3d>(problem, a.size(), options);
+  if (!found || found->inliers < 5) return std::nullopt;
+  EssentialFit fit;
+  fit.essential = found->model;
+  fit.iterations = found->iterations;
+  std::vector<float> errors = found->squared_errors;
+  fit.is_inlier = inliers_of(errors, options.max_error_px);
+  auto pose = recover_pose(fit.essential, a, b, fit.is_inlier);
+  if (!pose) return std::nullopt;
+  if (found->inliers > 5) {
+    if (const auto refined = refine_relative_pose(pose->second_from_first, a, b, fit.is_inlier)) {
+      problem.errors(essential_of(*refined), errors.data());
+      const auto flags = inliers_of(errors, options.max_error_px);
+      const auto again = recover_pose(essential_of(*refined), a, b, flags);
+      if (again && std::count(flags.begin(), flags.end(), 1) >= 5) {
+        fit.essential = essential_of(again->second_from_first);
+        fit.is_inlier = flags;
+        pose = again;
+      }
+    }
+  }
+  fit.inliers = static_cast<int>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), 1));
+  fit.second_from_first = pose->second_from_first;
+  fit.in_front = pose->in_front;
+  fit.median_parallax_deg = pose->median_parallax_deg;
+  return fit;
+}
+
+}  // namespace rastro
