@@ -32,8 +32,9 @@ std::vector<Eigen::Matrix3d> essential_from_five(std::span<const Eigen::Vector2d
 
 /// E by RANSAC over five pairs; errors are Sampson distances in pixels, and every new best model is refined over its
 /// inliers on the five-dimensional manifold of motions. `a` and `b`: the same points in the first and second view,
-/// normalised. nullopt for fewer than five pairs or when no sample gives a model with five inliers. The same seed gives
-/// the same bits.
+/// normalised. nullopt for fewer than five pairs or when no sample gives a model with five inliers. Points
+/// of one plane are explained by two motions, of which it takes either (Longuet-Higgins 1986). The same seed gives the
+/// same bits.
 std::optional<EssentialFit> estimate_essential(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b,
                                                const CalibratedRansacOptions& options);
 
