@@ -192,19 +192,13 @@ std::optional<double> score_named(const TrackScores& scores, const std::string& 
 }
 
 ScoreLimit parse_limit(const std::string& text) {
-  const std::size_t sign = text.find_first_of("<>");
-  const bool has_sign = sign != std::string::npos && sign + 1 < text.size() && text[sign + 1] == '=';
-  const auto value = has_sign ? parse_finite(text.substr(sign + 2)) : std::nullopt;
-  if (!value) throw Error("'" + text + "' is no limit", "--require", "write it like 'recall>=0.7' or 'wrong<=3'");
-  const ScoreLimit limit{std::string(trim(text.substr(0, sign))), text[sign] == '>', *value};
+  const ScoreLimit limit = read_limit(text, "'recall>=0.7' or 'wrong<=3'");
   score_named(TrackScores{}, limit.name);
   return limit;
 }
 
 bool keeps_limit(const TrackScores& scores, const ScoreLimit& limit) {
-  const std::optional<double> value = score_named(scores, limit.name);
-  if (!value) return false;
-  return limit.at_least ? *value >= limit.value : *value <= limit.value;
+  return keeps_limit(score_named(scores, limit.name), limit);
 }
 
 }  // namespace rastro

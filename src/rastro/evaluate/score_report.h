@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "rastro/evaluate/score_limit.h"
 #include "rastro/evaluate/track_scores.h"
 
 namespace rastro {
@@ -18,12 +19,6 @@ std::string scores_as_csv(const TrackScores& scores);
 /// to count. Throws Error for a name that is none, naming the nearest.
 std::optional<double> score_named(const TrackScores& scores, const std::string& name);
 
-/// A limit such as "recall>=0.7" or "wrong<=3".
-struct ScoreLimit {
-  std::string name;
-  bool at_least = true;
-  double value = 0.0;
-};
 /// Throws Error when the text is no limit or names no score.
 ScoreLimit parse_limit(const std::string& text);
 /// A score with nothing to count keeps no limit.

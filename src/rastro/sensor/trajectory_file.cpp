@@ -44,7 +44,7 @@ SE3 pose_from(const Eigen::Quaterniond& quaternion, const Eigen::Vector3d& trans
   return SE3(SO3(quaternion), translation);
 }
 
-SE3 pose_from_rows(const std::array<double, 12>& row, const std::string& where) {
+Eigen::Matrix4d pose_from_rows(const std::array<double, 12>& row, const std::string& where) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   for (int i = 0; i < 12; ++i) matrix(i / 4, i % 4) = row[static_cast<std::size_t>(i)];
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
@@ -52,7 +52,7 @@ SE3 pose_from_rows(const std::array<double, 12>& row, const std::string& where) 
   if (!(departure <= rotation_tolerance) || rotation.determinant() <= 0.0) {
     throw Error(fmt::format("the 3x3 block is no rotation (off by {:.3g})", departure), where, "");
   }
-  return SE3::from_matrix(matrix);
+  return matrix;
 }
 
 Trajectory in_order_of_time(Trajectory trajectory, std::string_view where) {
@@ -98,7 +98,7 @@ Trajectory read_kitti(const std::string& text, const std::string& file, const st
 
 }  // namespace
 
-Trajectory parse_tum_trajectory(std::string_view text, std::string_view where) {
+Trajectory parse_tum_trajectory(std::string_view text, std::string_view where, StampUnit unit) {
   Trajectory trajectory;
   for (const auto& line : content_lines(text)) {
     const auto here = at_line(where, line.number);
@@ -106,7 +106,7 @@ Trajectory parse_tum_trajectory(std::string_view text, std::string_view where) {
     if (words.size() != 8) {
       throw Error(fmt::format("{} columns instead of the 8 of 'stamp tx ty tz qx qy qz qw'", words.size()), here, "");
     }
-    const auto stamp = stamp_at(words[0], StampUnit::seconds, here);
+    const auto stamp = stamp_at(words[0], unit, here);
     std::array<double, 8> n{};
     for (std::size_t i = 1; i < 8; ++i) n[i] = number_at(words, i, here);
     trajectory.push_back({stamp, pose_from(Eigen::Quaterniond(n[7], n[4], n[5], n[6]), {n[1], n[2], n[3]}, here)});
@@ -114,7 +114,7 @@ Trajectory parse_tum_trajectory(std::string_view text, std::string_view where) {
   return in_order_of_time(std::move(trajectory), where);
 }
 
-Trajectory parse_euroc_trajectory(std::string_view text, std::string_view where) {
+Trajectory parse_euroc_trajectory(std::string_view text, std::string_view where, StampUnit unit) {
   Trajectory trajectory;
   for (const auto& line : content_lines(text)) {
     const auto here = at_line(where, line.number);
@@ -123,7 +123,7 @@ Trajectory parse_euroc_trajectory(std::string_view text, std::string_view where)
       throw Error(fmt::format("{} columns instead of at least the 8 of 'stamp,px,py,pz,qw,qx,qy,qz'", words.size()),
                   here, "");
     }
-    const auto stamp = stamp_at(words[0], StampUnit::nanoseconds, here);
+    const auto stamp = stamp_at(words[0], unit, here);
     std::array<double, 8> n{};
     for (std::size_t i = 1; i < 8; ++i) n[i] = number_at(words, i, here);
     trajectory.push_back({stamp, pose_from(Eigen::Quaterniond(n[4], n[5], n[6], n[7]), {n[1], n[2], n[3]}, here)});
@@ -133,6 +133,12 @@ Trajectory parse_euroc_trajectory(std::string_view text, std::string_view where)
 
 std::vector<SE3> parse_kitti_poses(std::string_view text, std::string_view where) {
   std::vector<SE3> poses;
+  for (const Eigen::Matrix4d& matrix : parse_kitti_matrices(text, where)) poses.push_back(SE3::from_matrix(matrix));
+  return poses;
+}
+
+std::vector<Eigen::Matrix4d> parse_kitti_matrices(std::string_view text, std::string_view where) {
+  std::vector<Eigen::Matrix4d> poses;
   for (const auto& line : content_lines(text)) {
     const auto here = at_line(where, line.number);
     const auto words = split_words(line.text);
@@ -146,13 +152,22 @@ std::vector<SE3> parse_kitti_poses(std::string_view text, std::string_view where
   return poses;
 }
 
-std::vector<TimeNs> parse_kitti_times(std::string_view text, std::string_view where) {
+std::vector<TimeNs> parse_kitti_times(std::string_view text, std::string_view where, StampUnit unit) {
   std::vector<TimeNs> times;
   for (const auto& line : content_lines(text)) {
-    times.push_back(stamp_at(line.text, StampUnit::seconds, at_line(where, line.number)));
+    times.push_back(stamp_at(line.text, unit, at_line(where, line.number)));
   }
   if (times.empty()) throw Error("holds no stamp", where, "");
   return times;
+}
+
+StampUnit guess_column_unit(std::string_view text, StampUnit native) {
+  std::vector<double> stamps;
+  for (const auto& line : content_lines(text)) {
+    // What is no number is found, and named, by the reader.
+    if (const auto stamp = parse_finite(columns(line.text).front())) stamps.push_back(*stamp);
+  }
+  return stamps.empty() ? native : guess_stamp_unit(stamps, native);
 }
 
 TrajectoryFormat guess_trajectory_format(std::string_view text, std::string_view where) {

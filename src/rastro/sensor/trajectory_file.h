@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "rastro/sensor/stamp_text.h"
 #include "rastro/sensor/trajectory.h"
 
 namespace rastro {
@@ -18,13 +19,20 @@ enum class TrajectoryFormat {
 
 // Readers of text. Each throws Error naming `where`:line for: a wrong number of columns, anything that is no finite
 // number, a quaternion farther than 10 % from unit length, a 3x3 block that is no rotation within 0.02, nothing but
-// comments. Poses are sorted by stamp; of equal stamps the first is kept, as evaluators do.
-Trajectory parse_tum_trajectory(std::string_view text, std::string_view where);
-Trajectory parse_euroc_trajectory(std::string_view text, std::string_view where);
+// comments. Poses are sorted by stamp; of equal stamps the first is kept, as evaluators do. `unit` is that of the
+// stamps.
+Trajectory parse_tum_trajectory(std::string_view text, std::string_view where, StampUnit unit = StampUnit::seconds);
+Trajectory parse_euroc_trajectory(std::string_view text, std::string_view where,
+                                  StampUnit unit = StampUnit::nanoseconds);
 /// Row k is the pose of frame k.
 std::vector<SE3> parse_kitti_poses(std::string_view text, std::string_view where);
+/// The same as the file gives them: rotations as exact as their digits.
+std::vector<Eigen::Matrix4d> parse_kitti_matrices(std::string_view text, std::string_view where);
 /// KITTI's times.txt: one stamp in seconds a line.
-std::vector<TimeNs> parse_kitti_times(std::string_view text, std::string_view where);
+std::vector<TimeNs> parse_kitti_times(std::string_view text, std::string_view where,
+                                      StampUnit unit = StampUnit::seconds);
+/// The unit of the stamps in the first column, see guess_stamp_unit().
+StampUnit guess_column_unit(std::string_view text, StampUnit native);
 
 /// From the first line that holds something; Error where it looks like none of the three.
 TrajectoryFormat guess_trajectory_format(std::string_view text, std::string_view where);

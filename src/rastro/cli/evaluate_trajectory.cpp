@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/evaluate_trajectory.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rastro/base/error.h"
+#include "rastro/base/log.h"
+#include "rastro/base/text.h"
+#include "rastro/cli/trajectory_files.h"
+#include "rastro/evaluate/trajectory_report.h"
+#include "rastro/export/trajectory_plot.h"
+
+namespace rastro::cli {
+namespace {
+
+constexpr const char* footer =
+    R"(REF and EST are text of TUM (stamp tx ty tz qx qy qz qw), KITTI (12 numbers a line) or EuRoC (stamp,x,y,z,qw,qx,qy,qz,...), or
+the folder of a run (its trajectory.txt); REF may be a recording with ground truth too. Format and unit of the stamps are guessed.
+
+  matched     poses of both sides whose stamps are at most --max-dt apart, nearest first, none twice, in order. KITTI poses
+              have the stamps of FILE_times.txt or times.txt beside them; two KITTI files are paired line by line
+  coverage    poses of the reference within 0.6 of a step of a matched pose, in % of all; step: the median step of REF or EST, the
+              longer one, EST's no longer than 0.1 s. A rank between estimates of different coverage means nothing
+  alignment   over all matched positions: none; se3 turns and moves; sim3 scales too (one camera knows no scale); yaw
+              turns about REF's z axis and moves. All that follows is measured after it
+  ATE         distance of the positions, m
+  RPE         error of the motion over each --rpe-delta: frames (f), seconds (s) or metres of EST's path (m), over pairs that
+              follow each other, or one from every pose (--rpe-pairs all)
+  segments    KITTI's errors: from every tenth pose to the first one farther than each length on REF's path; % and deg/m
+  drift       error of the motion from the first to the last matched pose per length of REF's path through them
+
+A EuRoC reference is of the body. Where ../cam0/sensor.yaml lies beside it (or --body-from-camera FILE is given) it is turned into poses
+of the camera, and this is said; --estimate-of body leaves it as it is. A KITTI raw recording is compared in its IMU's frame.
+The angles of a plot are turns since REF's first pose about the camera's axes (yaw about y, then pitch about x, roll about z), or a
+body's (z, y, x). --json gives an object for one EST, an array for several; rpe_* at its top are those of the first delta.
+
+Examples:
+  rastro evaluate trajectory groundtruth.txt run --align sim3
+  rastro evaluate trajectory 00_gt.txt orb.txt sptam.txt --plot compared.svg
+  rastro evaluate trajectory kitti_00 run --align sim3 --segments 10,20,30,40,50 --rpe-delta 10m
+  rastro evaluate trajectory MH_01 run --align sim3 --json --require 'ate_rmse<=0.1' --require 'coverage>=95')";
+
+struct Flags {
+  std::string reference;
+  std::vector<std::string> estimates;
+  TrajectoryFileFlags files;
+  std::string align = "se3", rpe_pairs = "consecutive", plot;
+  std::vector<std::string> rpe_deltas, limits;
+  std::vector<double> segments_m;
+  double max_dt_s = 0.02;
+  bool json = false, quiet = false;
+};
+
+TrajectoryScoreOptions score_options(const Flags& flags) {
+  TrajectoryScoreOptions options;
+  options.alignment = parse_alignment(flags.align);
+  if (!(flags.max_dt_s >= 0.0 && flags.max_dt_s <= 1e6))
+    throw Error(fmt::format("{} is no difference in seconds", flags.max_dt_s), "--max-dt", "give 0 or more, like 0.02");
+  options.max_difference = from_seconds(flags.max_dt_s);
+  if (flags.rpe_pairs != "consecutive" && flags.rpe_pairs != "all")
+    throw Error(in_quotes(flags.rpe_pairs) + " is no choice of pairs", "--rpe-pairs", "use consecutive or all");
+  options.rpe_all_pairs = flags.rpe_pairs == "all";
+  if (!flags.rpe_deltas.empty()) options.rpe_deltas.clear();
+  for (const std::string& text : flags.rpe_deltas) options.rpe_deltas.push_back(parse_rpe_delta(text));
+  if (!flags.segments_m.empty()) options.segments_m = flags.segments_m;
+  for (const double length : options.segments_m)
+    if (!(length > 0.0 && length < 1e9))
+      throw Error(fmt::format("{} is no length", length), "--segments", "give metres like 10,20,30,40,50");
+  return options;
+}
+
+TrajectoryPlot plot_of(const ReferenceTrajectory& reference, const std::vector<TrajectoryScores>& all) {
+  TrajectoryPlot plot;
+  const TrajectoryInput& input = reference.input;
+  plot.title = fmt::format("{}, alignment {}", one_line(input.file), name_of(all.front().alignment));
+  const bool by_frame = !input.has_stamps || all.front().by_index;
+  plot.along_label = by_frame ? "frame" : "time [s]";
+  for (std::size_t k = 0; k < input.poses.size(); ++k) {
+    plot.along.push_back(by_frame ? static_cast<double>(k)
+                                  : to_seconds(input.poses[k].stamp - input.poses.front().stamp));
+    plot.reference.push_back(input.poses[k].world_from_body);
+  }
+  for (const TrajectoryScores& scores : all) {
+    PlottedEstimate estimate;
+    estimate.name = fmt::format("{} (ATE rmse {:.4f} m, coverage {:.1f} %)", scores.estimate, scores.ate_m->rmse,
+                                scores.coverage_percent);
+    for (const PosePair& pair : scores.pairs) estimate.reference_index.push_back(pair.reference);
+    for (const StampedPose& pose : scores.aligned) estimate.poses.push_back(pose.world_from_body);
+    plot.estimates.push_back(estimate);
+  }
+  plot.camera_axes = !reference.of_body;
+  plot.y_is_down = reference.camera_world;
+  return plot;
+}
+
+int missed_limits(const TrajectoryScores& scores, const std::vector<ScoreLimit>& limits) {
+  int code = done;
+  for (const ScoreLimit& limit : limits) {
+    const auto value = trajectory_score_named(scores, limit.name);
+    if (keeps_limit(value, limit)) continue;
+    fmt::print(stderr, "rastro: --require {}{}{} is missed by {}: it is {}\n", limit.name,
+               limit.at_least ? ">=" : "<=", limit.value, one_line(scores.estimate),
+               value ? fmt::format("{:.6g}", *value) : "n/a");
+    code = limit_missed;
+  }
+  return code;
+}
+
+void print_text(const ReferenceTrajectory& reference, const std::vector<TrajectoryInput>& estimates,
+                const std::vector<TrajectoryScores>& all) {
+  fmt::print("reference   {}\n", one_line(describe(reference.input), 500));
+  fmt::print("poses       {}\n", one_line(reference.frames, 500));
+  for (std::size_t k = 0; k < all.size(); ++k)
+    fmt::print("\nestimate    {}\n{}", one_line(describe(estimates[k]), 500), trajectory_scores_as_text(all[k]));
+  if (all.size() > 1) fmt::print("\n{}", trajectory_scores_as_table(all));
+}
+
+int evaluate_trajectory(const Flags& flags) {
+  const TrajectoryScoreOptions options = score_options(flags);
+  std::vector<ScoreLimit> limits;
+  for (const std::string& text : flags.limits) limits.push_back(parse_trajectory_limit(text));
+  if (!flags.plot.empty()) require_plot_name(flags.plot);
+  const ReferenceTrajectory reference = read_reference(flags.reference, flags.files);
+  std::vector<TrajectoryInput> estimates;
+  std::vector<TrajectoryScores> all;
+  for (const std::string& path : flags.estimates) {
+    estimates.push_back(read_estimate(path, reference, flags.files));
+    all.push_back(score_trajectory(reference.input, estimates.back(), options));
+    all.back().frames = reference.frames;
+  }
+  if (!flags.plot.empty()) write_trajectory_plot(plot_of(reference, all), flags.plot);
+  if (flags.json)
+    fmt::print("{}", trajectory_scores_as_json(all));
+  else if (!flags.quiet)
+    print_text(reference, estimates, all);
+  int code = done;
+  for (const TrajectoryScores& scores : all) code = std::max(code, missed_limits(scores, limits));
+  return code;
+}
+
+void add_input_flags(CLI::App& command, Flags& flags) {
+  command.add_option("REF", flags.reference, "Reference: a trajectory file, a run folder or a recording")->required();
+  command.add_option("EST", flags.estimates, "Estimates: trajectory files or run folders")->required();
+  command.add_option("--max-dt", flags.max_dt_s, "Stamps farther apart are not matched (default: 0.02)")
+      ->type_name("S");
+  command.add_option("--times", flags.files.times, "Stamps of KITTI poses (default: FILE_times.txt or times.txt)")
+      ->type_name("FILE");
+  command
+      .add_option("--estimate-of", flags.files.estimate_of,
+                  "What EST's poses are of (default: the camera where REF is a body's and T_BS is found)")
+      ->type_name("camera|body");
+  command
+      .add_option("--body-from-camera", flags.files.body_from_camera,
+                  "Calibration with T_BS: REF is of the body, EST of the camera")
+      ->type_name("FILE");
+}
+
+void add_score_flags(CLI::App& command, Flags& flags) {
+  command.add_option("--align", flags.align, "How EST is brought to REF (default: se3)")
+      ->type_name("none|se3|sim3|yaw");
+  command.add_option("--rpe-delta", flags.rpe_deltas, "Distances for the RPE, such as 10m (default: 1f,1s,1m)")
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command.add_option("--rpe-pairs", flags.rpe_pairs, "Which pairs the RPE takes (default: consecutive)")
+      ->type_name("consecutive|all");
+  command.add_option("--segments", flags.segments_m, "Lengths of KITTI's segments (default: 100,200,...,800)")
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command
+      .add_option("--require", flags.limits,
+                  "Limit such as 'ate_rmse<=0.3' or 'coverage>=95' for every EST; exit code 1 when one is missed")
+      ->type_name("LIMIT")
+      ->allow_extra_args(false);
+  command.add_option("--plot", flags.plot, "Draw positions, angles, their errors and the path (.svg or .png)")
+      ->type_name("FILE");
+  command.add_flag("--json", flags.json, "Print JSON");
+  command.add_flag("--quiet", flags.quiet, "Print nothing but what goes wrong");
+}
+
+}  // namespace
+
+void add_evaluate_trajectory_command(CLI::App& evaluate, Context& context) {
+  CLI::App* command =
+      evaluate.add_subcommand("trajectory", "ATE, RPE, KITTI segment errors, coverage and drift against a reference");
+  const auto flags = std::make_shared<Flags>();
+  add_input_flags(*command, *flags);
+  add_score_flags(*command, *flags);
+  command->footer(footer);
+  command->callback([flags, &context] {
+    if (flags->quiet) set_log_sink({});
+    context.exit_code = evaluate_trajectory(*flags);
+  });
+}
+
+}  // namespace rastro::cli

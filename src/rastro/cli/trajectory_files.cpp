@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/trajectory_files.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "rastro/base/error.h"
+#include "rastro/base/text.h"
+#include "rastro/camera/calibration_file.h"
+#include "rastro/dataset/open.h"
+
+namespace rastro::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// T_BS and where it is from.
+struct CameraMount {
+  SE3 body_from_camera;
+  std::string from;
+};
+
+bool is_folder(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+std::optional<CameraMount> mount_of_file(const std::string& file) {
+  const Calibration calibration = read_calibration(file);
+  const auto& mount = calibration.cameras.front().body_from_camera;
+  if (!mount) return std::nullopt;
+  return CameraMount{*mount, file};
+}
+
+CameraMount given_mount(const std::string& file) {
+  const auto mount = mount_of_file(file);
+  if (!mount) throw Error("does not say where the camera is on the body", file, "give a sensor.yaml with T_BS");
+  return *mount;
+}
+
+std::optional<CameraMount> mount_beside(const std::string& truth_file) {
+  const fs::path file = fs::path(truth_file).parent_path() / ".." / "cam0" / "sensor.yaml";
+  if (!is_file(file)) return std::nullopt;
+  return mount_of_file(file.lexically_normal().string());
+}
+
+/// A reference and what is found with it.
+struct Found {
+  TrajectoryInput input;
+  bool of_body = false;
+  bool compare_in_body = false;
+  std::optional<CameraMount> mount;
+};
+
+Found read_recording(const std::string& path, const std::string& times) {
+  const auto source = open(path);
+  const SourceInfo& info = source->info();
+  if (info.ground_truth.empty())
+    throw Error("holds no ground truth", path, "give a file of poses, or a recording that has some");
+  Found found;
+  // The file itself, where it is one, gives its poses with all their digits.
+  found.input = is_file(info.ground_truth_file) ? read_trajectory_input(info.ground_truth_file, times)
+                                                : trajectory_input_from(info.ground_truth, info.ground_truth_file);
+  found.of_body = info.ground_truth_frame == "body";
+  found.compare_in_body = info.format == "kitti_raw";
+  const CalibratedCamera& camera = info.cameras.front();
+  if (camera.body_from_camera) found.mount = CameraMount{*camera.body_from_camera, camera.calibration_file};
+  return found;
+}
+
+Found find_reference(const std::string& path, const std::string& times) {
+  if (is_folder(path) && !is_file(fs::path(path) / "trajectory.txt")) return read_recording(path, times);
+  Found found;
+  found.input = read_trajectory_input(is_folder(path) ? (fs::path(path) / "trajectory.txt").string() : path, times);
+  found.of_body = found.input.format == TrajectoryFormat::euroc;
+  if (found.of_body) found.mount = mount_beside(path);
+  return found;
+}
+
+void move_poses(TrajectoryInput& input, const SE3& left, const SE3& right) {
+  for (StampedPose& pose : input.poses) pose.world_from_body = left * pose.world_from_body * right;
+  for (Eigen::Matrix4d& pose : input.matrices) pose = (left.matrix() * pose * right.matrix()).eval();
+}
+
+bool starts_at_identity(const TrajectoryInput& input) {
+  const SE3& first = input.poses.front().world_from_body;
+  return first.rotation().log().norm() < 1e-3 && first.translation().norm() < 1e-3;
+}
+
+void require_known(const std::string& estimate_of) {
+  if (estimate_of.empty() || estimate_of == "camera" || estimate_of == "body") return;
+  throw Error(in_quotes(estimate_of) + " is nothing that poses are of", "--estimate-of", "use camera or body");
+}
+
+}  // namespace
+
+ReferenceTrajectory read_reference(const std::string& path, const TrajectoryFileFlags& flags) {
+  require_known(flags.estimate_of);
+  Found found = find_reference(path, flags.times);
+  if (!flags.body_from_camera.empty()) {
+    found.mount = given_mount(flags.body_from_camera);
+    found.of_body = true;
+  }
+  ReferenceTrajectory reference;
+  reference.input = std::move(found.input);
+  const bool by_camera = found.of_body && flags.estimate_of != "body";
+  if (by_camera && !found.mount && flags.estimate_of == "camera")
+    throw Error("is of the body, and where the camera is on it is not known", path,
+                "give --body-from-camera FILE (a sensor.yaml with T_BS), or --estimate-of body");
+  if (by_camera && found.mount && found.compare_in_body) {
+    reference.frames = "of the body; the estimate's poses of the camera are brought there by " + found.mount->from;
+    reference.body_from_camera_of_estimates = found.mount->body_from_camera;
+    reference.of_body = true;
+  } else if (by_camera && found.mount) {
+    reference.frames = "of the body, turned into poses of the camera by T_BS of " + found.mount->from;
+    move_poses(reference.input, SE3(), found.mount->body_from_camera);
+  } else {
+    reference.of_body = found.of_body;
+    reference.frames = found.of_body ? "of the body, and the estimate is compared as it is" : "compared as they are";
+  }
+  reference.camera_world =
+      !reference.of_body && (reference.input.format == TrajectoryFormat::kitti || starts_at_identity(reference.input));
+  return reference;
+}
+
+TrajectoryInput read_estimate(const std::string& path, const ReferenceTrajectory& reference,
+                              const TrajectoryFileFlags& flags) {
+  std::string file = path;
+  if (is_folder(path)) {
+    file = (fs::path(path) / "trajectory.txt").string();
+    if (!is_file(file)) throw Error("there is no trajectory.txt in the folder", path, "give a run folder or a file");
+  }
+  TrajectoryInput input = read_trajectory_input(file, flags.times);
+  if (const auto& mount = reference.body_from_camera_of_estimates) move_poses(input, *mount, mount->inverse());
+  return input;
+}
+
+}  // namespace rastro::cli

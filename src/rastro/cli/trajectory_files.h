@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "rastro/evaluate/trajectory_input.h"
+#include "rastro/math/se3.h"
+
+namespace rastro::cli {
+
+struct TrajectoryFileFlags {
+  std::string times;             ///< --times FILE: stamps of KITTI poses.
+  std::string estimate_of;       ///< --estimate-of camera|body; empty: found out.
+  std::string body_from_camera;  ///< --body-from-camera FILE.
+};
+
+/// A reference, ready to be compared with the estimates.
+struct ReferenceTrajectory {
+  TrajectoryInput input;
+  std::string frames;  ///< What its poses are of, and how that came about; one clause.
+  bool of_body = false;
+  bool camera_world = false;  ///< The world is the first camera: x right, y down.
+  /// Estimates of the camera are brought to the body with it, where results are given there (KITTI raw).
+  std::optional<SE3> body_from_camera_of_estimates;
+};
+
+/// A trajectory file, a run folder (its trajectory.txt) or a recording with ground truth. A reference of the body is
+/// turned into one of the camera where the estimate is the camera's and T_BS is known: from --body-from-camera, the
+/// recording, or ../cam0/sensor.yaml beside EuRoC's state_groundtruth_estimate0/data.csv. Only KITTI raw is compared in
+/// the frame of its IMU. Error for what cannot be read, and for --estimate-of camera without a T_BS.
+ReferenceTrajectory read_reference(const std::string& path, const TrajectoryFileFlags& flags);
+
+/// A trajectory file or a run folder.
+TrajectoryInput read_estimate(const std::string& path, const ReferenceTrajectory& reference,
+                              const TrajectoryFileFlags& flags);
+
+}  // namespace rastro::cli
