@@ -17,6 +17,7 @@
 #include "rastro/cli/progress_bar.h"
 #include "rastro/dataset/open.h"
 #include "rastro/dataset/recording.h"
+#include "rastro/odometry/ground_scale.h"
 #include "rastro/odometry/methods.h"
 #include "rastro/odometry/scale.h"
 #include "rastro/sensor/trajectory_file.h"
@@ -25,20 +26,28 @@
 namespace rastro::cli {
 namespace {
 
-/// Where metres come from.
+/// Where metres come from; neither: lengths stay relative.
 struct ScaleSource {
   std::string said = "relative";
-  Trajectory reference;  ///< Empty: relative.
+  Trajectory reference;
+  double camera_height_m = 0.0;
 };
 
 ScaleSource scale_source(const std::string& text) {
+  constexpr std::string_view reference = "reference=", height = "camera-height=";
   ScaleSource source;
   if (text.empty()) return source;
-  const std::string_view reference = "reference=";
-  if (!std::string_view(text).starts_with(reference))
-    throw Error(fmt::format("'{}' is no source of scale", text), "--scale", "give reference=FILE");
-  source.reference = read_trajectory(text.substr(reference.size()));
   source.said = "metres, from " + text;
+  if (text.starts_with(reference)) {
+    source.reference = read_trajectory(text.substr(reference.size()));
+    return source;
+  }
+  const auto metres = text.starts_with(height) ? parse_finite(text.substr(height.size())) : std::nullopt;
+  if (!metres || *metres <= 0.0) {
+    throw Error(fmt::format("'{}' is no source of scale", text), "--scale",
+                "give camera-height=METRES, such as camera-height=1.65, or reference=FILE");
+  }
+  source.camera_height_m = *metres;
   return source;
 }
 
@@ -51,6 +60,7 @@ struct Prepared {
   std::optional<std::int64_t> frames;
   std::unique_ptr<TaskPool> pool;
   std::unique_ptr<Odometry> method;
+  std::optional<GroundScale> ground;
 };
 
 std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
@@ -67,6 +77,7 @@ std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
                 "give --calibration FILE, --intrinsics fx,fy,cx,cy or --fov DEG");
   }
   run->pool = std::make_unique<TaskPool>(flags.data.threads);
+  if (run->scale.camera_height_m > 0.0) run->ground.emplace(*info.cameras.front().camera, run->scale.camera_height_m);
   run->method = run->settings.make(flags.method, *info.cameras.front().camera, run->pool.get());
   return run;
 }
@@ -78,15 +89,26 @@ std::string trajectory_text(const Trajectory& trajectory, const std::string& sca
   return text;
 }
 
-void apply_scale(const ScaleSource& source, OdometryRunEnd& end) {
-  if (source.reference.empty()) return;
-  const auto factor = scale_from_reference(end.trajectory, source.reference);
-  if (!factor) {
-    log_warning("the scale could not be found from --scale; lengths stay relative");
+void apply_scale(const Prepared& prepared, OdometryRunEnd& end) {
+  const ScaleSource& source = prepared.scale;
+  if (source.reference.empty() && !prepared.ground) return;
+  std::optional<double> factor;
+  end.result.scale = source.said;
+  if (prepared.ground) {
+    if (const auto found = prepared.ground->find()) {
+      factor = found->metres_per_unit;
+      end.result.scale += fmt::format(" ({} pairs of frames, +- {:.1f} %)", found->frames, 100.0 * found->relative_sigma);
+    }
+  } else {
+    factor = scale_from_reference(end.trajectory, source.reference);
+  }
+  if (factor) {
+    scale_trajectory(end.trajectory, *factor);
     return;
   }
-  scale_trajectory(end.trajectory, *factor);
-  end.result.scale = source.said;
+  end.result.scale = "relative";
+  log_warning(prepared.ground ? "no road was seen well enough to give a scale; lengths stay relative"
+                              : "the reference shares too little with the run to give a scale; lengths stay relative");
 }
 
 std::string summary(const OdometryRunEnd& end, const std::string& folder) {
@@ -107,13 +129,18 @@ std::string summary(const OdometryRunEnd& end, const std::string& folder) {
   return text + fmt::format("{}/trajectory.txt holds the poses\n", folder);
 }
 
-OdometryRun wired(const Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
+OdometryRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
   OdometryRun run;
   run.source = prepared.source.get();
   run.method = prepared.method.get();
   run.folder = &folder;
   run.stop = &catch_interrupts();
   run.frames_asked = prepared.frames;
+  run.watch = [&prepared](const Frame& frame, const OdometryUpdate& update) {
+    if (prepared.ground && update.state == OdometryState::tracking) {
+      prepared.ground->add(frame.image, update.world_from_camera);
+    }
+  };
   run.progress = [&bar](const OdometryProgress& progress) { bar.show(progress); };
   return run;
 }
@@ -128,7 +155,7 @@ void run_odometry(const OdometryFlags& flags) {
   ProgressBar bar(!flags.data.quiet);
   OdometryRunEnd end = odometry_run(wired(*prepared, folder, bar));
   bar.clear();
-  apply_scale(prepared->scale, end);
+  apply_scale(*prepared, end);
   end.result.path_length = path_length(end.trajectory);
   const std::string text = trajectory_text(end.trajectory, end.result.scale);
   Sha256 hash;

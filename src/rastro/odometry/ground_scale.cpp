@@ -11,15 +11,16 @@ namespace {
 
 // The road looked at, in heights of the camera: to both sides and ahead.
 constexpr double widest = 1.5, nearest = 3.2, farthest = 9.0;
-constexpr int sample_step_px = 3;
+constexpr int sample_step_px = 4;
 constexpr std::size_t fewest_samples = 100;
 // Heights tried, in the unit of the motion, from the length of the step times these.
 constexpr double lowest = 0.02, highest = 400.0;
-constexpr int heights = 500;
-constexpr int pitches = 9;
+constexpr int heights = 160;
+constexpr int pitches = 7;
 constexpr double pitch_step = 0.5 * std::numbers::pi / 180.0;
 constexpr float largest_difference = 20.0F;
 constexpr float not_seen = -1.0F;
+constexpr double nearest_depth = 0.1;
 // Steps between these, in heights, are seen well: shorter ones hardly move the road, longer ones leave it.
 constexpr double shortest_step = 0.15, longest_step = 2.0;
 constexpr std::size_t fewest_frames = 10;
@@ -43,6 +44,7 @@ std::optional<float> grey_at(GreyView image, const Eigen::Vector2d& pixel) {
 }  // namespace
 
 void GroundScale::choose_samples(GreyView image) {
+  samples_.clear();
   const Eigen::Vector3d down = downwards(0.0);
   for (int y = 0; y < image.height; y += sample_step_px) {
     for (int x = 0; x < image.width; x += sample_step_px) {
@@ -50,49 +52,68 @@ void GroundScale::choose_samples(GreyView image) {
       if (!ray) continue;
       const double slope = down.dot(ray->homogeneous());
       if (slope * farthest < 1.0 || slope * nearest > 1.0 || std::abs(ray->x()) > widest * slope) continue;
-      samples_.push_back({*ray, x, y});
+      samples_.push_back({*ray, x, y, 0.0F});
     }
   }
 }
 
 void GroundScale::add(GreyView image, const SE3& world_from_camera) {
   if (image.empty()) return;
-  if (samples_.empty()) choose_samples(image);
-  const bool comparable = last_pose_ && last_.width() == image.width && last_.height() == image.height;
+  if (width_ != image.width || height_ != image.height) choose_samples(image);
+  const bool comparable = last_pose_ && width_ == image.width && height_ == image.height;
   if (comparable) {
     if (auto costs = compare(image, world_from_camera.inverse() * *last_pose_)) frames_.push_back(std::move(*costs));
   }
   last_pose_ = world_from_camera;
-  last_ = GreyImage(image.width, image.height);
-  for (int y = 0; y < image.height; ++y) std::copy_n(image.row(y), image.width, last_.row(y));
+  width_ = image.width;
+  height_ = image.height;
+  for (Sample& sample : samples_) sample.grey = static_cast<float>(image.at(sample.x, sample.y));
 }
 
 std::optional<GroundScale::Costs> GroundScale::compare(GreyView image, const SE3& current_from_last) const {
   const double step = current_from_last.translation().norm();
   if (samples_.size() < fewest_samples || step < 1e-9) return std::nullopt;
   Costs costs(static_cast<std::size_t>(heights * pitches), not_seen);
+  std::vector<Eigen::Vector3d> turned(samples_.size());
   const Eigen::Matrix3d rotation = current_from_last.rotation().matrix();
   for (std::size_t p = 0; p < pitches; ++p) {
     const Eigen::Vector3d down = downwards(pitch_at(p));
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const Eigen::Vector3d ray = samples_[i].ray.homogeneous();
+      turned[i] = rotation * (ray / down.dot(ray));
+    }
     for (int h = 0; h < heights; ++h) {
       const double height = height_at(h);
       if (step < shortest_step * height || step > longest_step * height) continue;
-      const Eigen::Vector3d moved = current_from_last.translation() / height;
-      float sum = 0.0F;
-      std::size_t seen = 0;
-      for (const Sample& sample : samples_) {
-        const Eigen::Vector3d ray = sample.ray.homogeneous();
-        const Eigen::Vector3d there = rotation * (ray / down.dot(ray)) + moved;
-        const auto pixel = there.z() > 0.1 ? camera_.project(there) : std::nullopt;
-        const auto grey = pixel ? grey_at(image, *pixel) : std::nullopt;
-        if (!grey) continue;
-        sum += std::min(largest_difference, std::abs(*grey - static_cast<float>(last_.at(sample.x, sample.y))));
-        ++seen;
-      }
-      if (2 * seen > samples_.size()) costs[p * heights + static_cast<std::size_t>(h)] = sum / static_cast<float>(seen);
+      costs[p * heights + static_cast<std::size_t>(h)] =
+          difference(image, turned, current_from_last.translation() / height);
     }
   }
   return costs;
+}
+
+/// Mean difference of grey levels where the road's samples should be now; not_seen when most of them left the image.
+float GroundScale::difference(GreyView image, const std::vector<Eigen::Vector3d>& turned,
+                              const Eigen::Vector3d& moved) const {
+  const bool plain = camera_.distortion == Distortion::none;
+  float sum = 0.0F;
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    const Eigen::Vector3d there = turned[i] + moved;
+    if (there.z() < nearest_depth) continue;
+    std::optional<Eigen::Vector2d> pixel;
+    if (plain) {
+      const double inverse = 1.0 / there.z();
+      pixel = Eigen::Vector2d(camera_.fx * there.x() * inverse + camera_.cx, camera_.fy * there.y() * inverse + camera_.cy);
+    } else {
+      pixel = camera_.project(there);
+    }
+    const auto grey = pixel ? grey_at(image, *pixel) : std::nullopt;
+    if (!grey) continue;
+    sum += std::min(largest_difference, std::abs(*grey - samples_[i].grey));
+    ++seen;
+  }
+  return 2 * seen > turned.size() ? sum / static_cast<float>(seen) : not_seen;
 }
 
 /// Index of the best height, in fractions, and of the pitch.

@@ -38,14 +38,18 @@ class GroundScale {
   std::optional<Costs> compare(GreyView image, const SE3& current_from_last) const;
   std::optional<std::pair<double, std::size_t>> best_of(const std::vector<std::size_t>& frames) const;
 
+  float difference(GreyView image, const std::vector<Eigen::Vector3d>& turned, const Eigen::Vector3d& moved) const;
+
+  /// A pixel of the last image where the road should be.
   struct Sample {
     Eigen::Vector2d ray;
     int x, y;
+    float grey;
   };
   Camera camera_;
   double camera_height_m_;
   std::vector<Sample> samples_;
-  GreyImage last_;
+  int width_ = 0, height_ = 0;
   std::optional<SE3> last_pose_;
   std::vector<Costs> frames_;
 };

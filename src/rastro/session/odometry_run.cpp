@@ -56,6 +56,7 @@ class Runner {
     const OdometryUpdate update = run_.method->process(frame);
     times_.add(update.milliseconds);
     count(update);
+    if (run_.watch) run_.watch(frame, update);
     if (run_.folder) write(update);
     if (run_.progress) run_.progress({end_.result.frames + reader_.skipped(), run_.frames_asked, &update});
   }

@@ -30,6 +30,8 @@ struct OdometryRun {
   const std::atomic<bool>* stop = nullptr;  ///< Set from outside (Ctrl-C): the run ends after the current frame.
   std::optional<std::int64_t> frames_asked;
   std::function<void(const OdometryProgress&)> progress;
+  /// Sees every frame with what was said of it. May be unset.
+  std::function<void(const Frame&, const OdometryUpdate&)> watch;
 };
 
 /// What a run came to; the fields of its result.json. Percentages are 0 to 100.
