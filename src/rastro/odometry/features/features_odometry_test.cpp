@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/odometry/features/features_odometry.h"
+
+#include <gtest/gtest.h>
+
+#include "rastro/math/alignment.h"
+#include "rastro/synthetic/worlds/hall.h"
+
+namespace rastro {
+namespace {
+
+const World& hall() {
+  static const World world = [] {
+    HallOptions options;
+    options.scale = 0.75;
+    return make_hall(options);
+  }();
+  return world;
+}
+
+/// The first frames of a flight through the generated hall, rendered once for all tests.
+struct Flight {
+  std::vector<Frame> frames;
+  Trajectory truth;
+  Camera camera;
+};
+
+const Flight& flight() {
+  static const Flight made = [] {
+    Flight made_now;
+    made_now.camera = hall().camera();
+    const auto source = synthetic_source(hall(), 40, 2);
+    made_now.truth = source->info().ground_truth;
+    while (auto frame = source->next()) made_now.frames.push_back(std::move(*frame));
+    return made_now;
+  }();
+  return made;
+}
+
+Trajectory run(const std::vector<Frame>& frames, FeaturesOptions options = {}, TaskPool* pool = nullptr) {
+  FeaturesOdometry odometry(options, flight().camera, pool);
+  for (const Frame& frame : frames) odometry.process(frame);
+  return odometry.trajectory();
+}
+
+double error_to_truth(const Trajectory& trajectory) {
+  std::vector<Eigen::Vector3d> truth, ours;
+  for (const StampedPose& pose : trajectory) {
+    const auto there = pose_at(flight().truth, pose.stamp, 1'000'000'000);
+    if (!there) continue;
+    truth.push_back(there->translation());
+    ours.push_back(pose.world_from_body.translation());
+  }
+  const auto alignment = align_points(truth, ours, AlignmentKind::similarity);
+  return alignment ? alignment->rmse : 1e9;
+}
+
+double path_of(const Trajectory& trajectory) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i)
+    length += (trajectory[i].world_from_body.translation() - trajectory[i - 1].world_from_body.translation()).norm();
+  return length;
+}
+
+void expect_sound(const Trajectory& trajectory, std::size_t frames) {
+  ASSERT_EQ(trajectory.size(), frames);
+  for (const StampedPose& pose : trajectory) {
+    ASSERT_TRUE(pose.world_from_body.matrix().allFinite());
+    const Eigen::Matrix3d rotation = pose.world_from_body.rotation().matrix();
+    ASSERT_LT((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-9);
+  }
+}
+
+TEST(FeaturesOdometry, FollowsTheFlightThroughTheHall) {
+  const Trajectory trajectory = run(flight().frames);
+  expect_sound(trajectory, flight().frames.size());
+  const double length = path_of(flight().truth);
+  EXPECT_LT(error_to_truth(trajectory), 0.02 * length);
+}
+
+TEST(FeaturesOdometry, TheSameBytesOnARerunAndForAnyPool) {
+  const std::vector<Frame> frames(flight().frames.begin(), flight().frames.begin() + 20);
+  TaskPool pool(3);
+  const Trajectory once = run(frames), again = run(frames), pooled = run(frames, {}, &pool);
+  ASSERT_EQ(once.size(), pooled.size());
+  for (std::size_t i = 0; i < once.size(); ++i) {
+    EXPECT_EQ(once[i].world_from_body.matrix(), again[i].world_from_body.matrix());
+    EXPECT_EQ(once[i].world_from_body.matrix(), pooled[i].world_from_body.matrix());
+  }
+}
+
+TEST(FeaturesOdometry, ACameraThatStandsStillGoesNowhere) {
+  std::vector<Frame> frames;
+  for (int i = 0; i < 8; ++i) {
+    frames.push_back(flight().frames[0]);
+    frames.back().stamp += i * 50'000'000LL;
+    frames.back().image.at(10 + i, 10) ^= 8;
+  }
+  const Trajectory trajectory = run(frames);
+  expect_sound(trajectory, frames.size());
+  EXPECT_EQ(path_of(trajectory), 0.0);
+}
+
+TEST(FeaturesOdometry, BlackFramesAreSaidAndBridged) {
+  std::vector<Frame> frames = flight().frames;
+  for (const std::size_t k : {18U, 19U}) frames[k].image = GreyImage(frames[k].image.width(), frames[k].image.height());
+  FeaturesOdometry odometry({}, flight().camera);
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const OdometryUpdate update = odometry.process(frames[k]);
+    if (k == 18 || k == 19) {
+      EXPECT_EQ(update.reason, OdometryReason::dark_or_blank);
+      EXPECT_FALSE(update.used);
+    }
+  }
+  expect_sound(odometry.trajectory(), frames.size());
+  EXPECT_LT(error_to_truth(odometry.trajectory()), 0.05 * path_of(flight().truth));
+}
+
+TEST(FeaturesOdometry, ARepeatedFrameAndAnEmptyOneAreNoFault) {
+  std::vector<Frame> frames(flight().frames.begin(), flight().frames.begin() + 20);
+  frames[12] = frames[11];
+  frames[15].image = GreyImage();
+  FeaturesOdometry odometry({}, flight().camera);
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const OdometryUpdate update = odometry.process(frames[k]);
+    if (k == 12) EXPECT_EQ(update.reason, OdometryReason::repeated_frame);
+    if (k == 15) EXPECT_EQ(update.reason, OdometryReason::dark_or_blank);
+  }
+  expect_sound(odometry.trajectory(), frames.size());
+}
+
+TEST(FeaturesOdometry, AGapIsSaidAndTheRunGoesOn) {
+  const auto source = synthetic_source(hall(), 70, 2);
+  FeaturesOdometry odometry({}, flight().camera);
+  std::size_t count = 0;
+  bool said = false;
+  while (auto frame = source->next()) {
+    if (frame->index >= 25 && frame->index < 55) continue;
+    const OdometryUpdate update = odometry.process(*frame);
+    if (frame->index >= 55 && frame->index < 60) said = said || update.reason != OdometryReason::none;
+    ++count;
+  }
+  EXPECT_TRUE(said);
+  expect_sound(odometry.trajectory(), count);
+}
+
+TEST(FeaturesOdometry, AWrongFocalLengthIsNoCrash) {
+  Camera camera = flight().camera;
+  camera.fx *= 1.1;
+  camera.fy *= 1.1;
+  FeaturesOdometry odometry({}, camera);
+  for (const Frame& frame : flight().frames) odometry.process(frame);
+  expect_sound(odometry.trajectory(), flight().frames.size());
+}
+
+TEST(FeaturesOdometry, SettingsOutOfRangeAreAnError) {
+  FeaturesOptions options;
+  options.window_keyframes = 1;
+  EXPECT_THROW(FeaturesOdometry(options, Camera{}), Error);
+}
+
+}  // namespace
+}  // namespace rastro
