@@ -51,14 +51,14 @@ std::array<Eigen::Vector3d, 40> directions() {
 }
 
 /// Light that reaches a place: lamps above, windows to the sides, less in corners. About 1 in the open.
-double light_at(const Scene& scene, const Place& place) {
+double light_at(const Scene& scene, std::uint32_t primitive, const Place& place) {
   static const std::array<Eigen::Vector3d, 40> rays = directions();
   double light = 0.0, weight = 0.0;
   const Eigen::Vector3d origin = place.point + 2e-3 * place.normal;
   for (const Eigen::Vector3d& ray : rays) {
     const double slope = ray.dot(place.normal);
     if (slope <= 0.05) continue;
-    const std::optional<RayHit> hit = scene.trace(origin, ray, reach_m);
+    const std::optional<RayHit> hit = scene.trace_beside(primitive, origin, ray, reach_m);
     const double open = hit ? 0.25 + 0.75 * hit->t / reach_m : 1.0;
     light += slope * open * (1.18 + 0.60 * ray.z() + 0.3 * ray.y() - 0.2 * ray.x());
     weight += slope;
@@ -77,7 +77,7 @@ Image<float> light_map(const Scene& scene, const Surface& surface, double detail
       // A little inside the border, where a neighbouring solid does not yet cover the place.
       const double u = std::clamp(surface.width * column / (columns - 1), 0.01, std::max(0.01, surface.width - 0.01));
       const double v = std::clamp(surface.height * row / (rows - 1), 0.01, std::max(0.01, surface.height - 0.01));
-      map.at(column, row) = static_cast<float>(light_at(scene, place_on(scene, surface, u, v)));
+      map.at(column, row) = static_cast<float>(light_at(scene, surface.primitive, place_on(scene, surface, u, v)));
     }
   return map;
 }
@@ -103,10 +103,10 @@ void multiply(Image<float>& values, const Image<float>& map) {
 }  // namespace
 
 void Scene::bake(std::uint64_t seed, TaskPool& pool, double detail) {
-  tree_ = BoundsTree(primitives_);
-  pool.for_chunks(0, static_cast<int>(surfaces_.size()), 1, [&](int begin, int end) {
+  tree_ = std::make_shared<const BoundsTree>(std::span(primitives_).first(still_count()));
+  pool.for_chunks(0, static_cast<int>(surfaces_->size()), 1, [&](int begin, int end) {
     for (int index = begin; index < end; ++index) {
-      Surface& surface = surfaces_[static_cast<std::size_t>(index)];
+      Surface& surface = (*surfaces_)[static_cast<std::size_t>(index)];
       Random random(seed_for(seed, static_cast<std::uint64_t>(index)));
       Canvas canvas(surface.width, surface.height, detail * surface.material.texels_per_metre);
       surface.material.paint(canvas, random);

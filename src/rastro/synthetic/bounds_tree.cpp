@@ -13,7 +13,7 @@ constexpr std::uint32_t leaf_size = 2;
 
 }  // namespace
 
-BoundsTree::BoundsTree(const std::vector<Primitive>& primitives) {
+BoundsTree::BoundsTree(std::span<const Primitive> primitives) {
   std::vector<Node> boxes(primitives.size());
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     // A hair larger, so that rounding never leaves out a solid that the exact test would meet.

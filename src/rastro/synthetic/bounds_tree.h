@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace rastro {
@@ -14,7 +15,7 @@ struct Primitive;
 class BoundsTree {
  public:
   BoundsTree() = default;
-  explicit BoundsTree(const std::vector<Primitive>& primitives);
+  explicit BoundsTree(std::span<const Primitive> primitives);
   bool empty() const { return nodes_.empty(); }
 
   /// Calls test(primitive number), which returns the new limit, for each solid whose box the ray enters before the

@@ -184,8 +184,9 @@ Renderer::Renderer(const Scene& scene, const Camera& camera) : scene_(&scene), c
 }
 
 RenderedFrame Renderer::render(const SE3& world_from_camera, const SensorModel& sensor, const ShutterMotion& shutter,
-                               std::uint64_t noise_seed, TaskPool& pool) const {
-  Shot shot(*scene_, *this, world_from_camera);
+                               std::uint64_t noise_seed, TaskPool& pool, double time_s) const {
+  const std::optional<Scene> moved = scene_->moves() ? std::optional(scene_->at(time_s)) : std::nullopt;
+  Shot shot(moved ? *moved : *scene_, *this, world_from_camera);
   shot.cast(pool);
   shot.smooth_edges(pool);
   shot.frame.grey = expose(shot.light, shot.frame.depth, camera_, sensor, shutter, noise_seed, pool);

@@ -29,9 +29,9 @@ class Renderer {
   /// Errors for a camera without size or whose distortion cannot be undone somewhere in the image.
   Renderer(const Scene& scene, const Camera& camera);
 
-  /// The same bytes for any pool.
+  /// The same bytes for any pool. Everything that moves is where it is at `time_s`.
   RenderedFrame render(const SE3& world_from_camera, const SensorModel& sensor, const ShutterMotion& shutter,
-                       std::uint64_t noise_seed, TaskPool& pool) const;
+                       std::uint64_t noise_seed, TaskPool& pool, double time_s = 0.0) const;
 
   const Camera& camera() const { return camera_; }
   /// Direction of a pixel's centre in the camera, with z = 1.

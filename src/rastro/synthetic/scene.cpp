@@ -102,7 +102,7 @@ FacePoint face_point_of(const Primitive& primitive, int face, const Eigen::Vecto
 std::uint32_t Scene::add(Primitive primitive, const Material& material) {
   RASTRO_CHECK(material.paint && material.texels_per_metre > 0.0, "a solid needs a painted material");
   primitive.aligned = primitive.world_from_local == Eigen::Matrix3d::Identity();
-  primitive.first_surface = static_cast<std::uint32_t>(surfaces_.size());
+  primitive.first_surface = static_cast<std::uint32_t>(surfaces_->size());
   const auto number = static_cast<std::uint32_t>(primitives_.size());
   for (int face = 0; face < face_count(primitive.shape); ++face) {
     Surface surface;
@@ -111,10 +111,10 @@ std::uint32_t Scene::add(Primitive primitive, const Material& material) {
     const Eigen::Vector2d size = face_size(primitive, face);
     surface.width = size.x(), surface.height = size.y();
     surface.material = material;
-    surfaces_.push_back(std::move(surface));
+    surfaces_->push_back(std::move(surface));
   }
   primitives_.push_back(primitive);
-  tree_ = {};
+  tree_ = std::make_shared<const BoundsTree>();
   return number;
 }
 
@@ -160,34 +160,104 @@ std::uint32_t Scene::add_quad(const Eigen::Vector3d& centre, const Eigen::Vector
 }
 
 void Scene::paint_face(std::uint32_t primitive, int face, const Material& material) {
-  surfaces_[primitives_[primitive].first_surface + static_cast<std::uint32_t>(face)].material = material;
+  (*surfaces_)[primitives_[primitive].first_surface + static_cast<std::uint32_t>(face)].material = material;
 }
+
+void Scene::begin_moving(Motion motion) {
+  RASTRO_CHECK(motion, "a thing that moves needs a motion");
+  movers_.push_back({static_cast<std::uint32_t>(primitives_.size()), std::move(motion)});
+}
+
+std::uint32_t Scene::still_count() const {
+  return movers_.empty() ? static_cast<std::uint32_t>(primitives_.size()) : movers_.front().first;
+}
+
+std::uint32_t Scene::end_of(std::size_t mover) const {
+  return mover + 1 < movers_.size() ? movers_[mover + 1].first : static_cast<std::uint32_t>(primitives_.size());
+}
+
+Scene Scene::at(double time_s) const {
+  Scene result = *this;
+  for (std::size_t mover = 0; mover < movers_.size(); ++mover) {
+    const SE3 world_from_rest = movers_[mover].motion(time_s);
+    for (std::uint32_t number = movers_[mover].first; number < end_of(mover); ++number) {
+      Primitive& primitive = result.primitives_[number];
+      primitive.centre = world_from_rest * primitive.centre;
+      primitive.world_from_local = world_from_rest.rotation().matrix() * primitive.world_from_local;
+      primitive.aligned = primitive.world_from_local == Eigen::Matrix3d::Identity();
+    }
+  }
+  return result;
+}
+
+namespace {
+
+/// The nearest meeting among the solids that test() is called with.
+class NearestMeeting {
+ public:
+  NearestMeeting(const std::vector<Primitive>& primitives, const Eigen::Vector3d& origin,
+                 const Eigen::Vector3d& direction, double limit)
+      : primitives_(primitives), origin_(origin), direction_(direction) {
+    best_.t = limit;
+  }
+  /// Returns the distance that a solid has to beat from now on.
+  double test(std::uint32_t number) {
+    const Primitive& primitive = primitives_[number];
+    const Meeting meeting = meet(primitive, to_local(primitive, origin_ - primitive.centre), direction_);
+    if (meeting.t < best_.t) {
+      best_ = meeting;
+      met_ = &primitive;
+    }
+    return best_.t;
+  }
+  void test(std::uint32_t first, std::uint32_t end) {
+    for (std::uint32_t number = first; number < end; ++number) test(number);
+  }
+  double limit() const { return best_.t; }
+  std::optional<RayHit> hit() const {
+    if (met_ == nullptr) return std::nullopt;
+    return RayHit{best_.t, met_->first_surface + static_cast<std::uint32_t>(best_.face),
+                  origin_ + best_.t * direction_};
+  }
+
+ private:
+  const std::vector<Primitive>& primitives_;
+  const Eigen::Vector3d& origin_;
+  const Eigen::Vector3d& direction_;
+  Meeting best_;
+  const Primitive* met_ = nullptr;
+};
+
+void test_still(NearestMeeting& nearest, const BoundsTree& tree, std::uint32_t count, const Eigen::Vector3d& origin,
+                const Eigen::Vector3d& direction) {
+  if (tree.empty())
+    nearest.test(0, count);
+  else
+    tree.visit(origin, direction, nearest.limit(), [&](std::uint32_t number) { return nearest.test(number); });
+}
+
+}  // namespace
 
 std::optional<RayHit> Scene::trace(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                    double limit) const {
-  Meeting best;
-  best.t = limit;
-  const Primitive* met = nullptr;
-  const auto test = [&](std::uint32_t number) {
-    const Primitive& primitive = primitives_[number];
-    const Meeting meeting = meet(primitive, to_local(primitive, origin - primitive.centre), direction);
-    if (meeting.t < best.t) {
-      best = meeting;
-      met = &primitive;
-    }
-    return best.t;
-  };
-  if (tree_.empty()) {
-    for (std::uint32_t number = 0; number < primitives_.size(); ++number) test(number);
-  } else {
-    tree_.visit(origin, direction, limit, test);
-  }
-  if (met == nullptr) return std::nullopt;
-  return RayHit{best.t, met->first_surface + static_cast<std::uint32_t>(best.face), origin + best.t * direction};
+  NearestMeeting nearest(primitives_, origin, direction, limit);
+  test_still(nearest, *tree_, still_count(), origin, direction);
+  nearest.test(still_count(), static_cast<std::uint32_t>(primitives_.size()));
+  return nearest.hit();
+}
+
+std::optional<RayHit> Scene::trace_beside(std::uint32_t primitive, const Eigen::Vector3d& origin,
+                                          const Eigen::Vector3d& direction, double limit) const {
+  NearestMeeting nearest(primitives_, origin, direction, limit);
+  if (primitive < still_count()) test_still(nearest, *tree_, still_count(), origin, direction);
+  for (std::size_t mover = 0; mover < movers_.size(); ++mover)
+    if (primitive >= movers_[mover].first && primitive < end_of(mover))
+      nearest.test(movers_[mover].first, end_of(mover));
+  return nearest.hit();
 }
 
 FacePoint Scene::face_point(std::uint32_t surface, const Eigen::Vector3d& point) const {
-  const Surface& face = surfaces_[surface];
+  const Surface& face = (*surfaces_)[surface];
   return face_point_of(primitives_[face.primitive], face.face, point);
 }
 
@@ -202,7 +272,7 @@ bool Scene::touches(const Eigen::Vector3d& centre, double radius) const {
 
 std::size_t Scene::texture_bytes() const {
   std::size_t total = 0;
-  for (const Surface& surface : surfaces_) total += surface.texture.bytes();
+  for (const Surface& surface : *surfaces_) total += surface.texture.bytes();
   return total;
 }
 

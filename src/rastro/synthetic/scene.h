@@ -4,11 +4,13 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "rastro/base/random.h"
 #include "rastro/base/task_pool.h"
+#include "rastro/math/se3.h"
 #include "rastro/synthetic/bounds_tree.h"
 #include "rastro/synthetic/paint/canvas.h"
 #include "rastro/synthetic/texture.h"
@@ -65,7 +67,10 @@ struct FacePoint {
   Eigen::Vector3d normal, along_u, along_v;
 };
 
-/// Textured solids with exact geometry.
+/// Where a thing that moves is: world_from_rest of the place where its solids were added. Must depend on the time only.
+using Motion = std::function<SE3(double time_s)>;
+
+/// Textured solids with exact geometry. Copies share the textures.
 class Scene {
  public:
   /// Rotated by `yaw` (radians) about the vertical unless a full rotation is given. Each returns the primitive's
@@ -80,28 +85,47 @@ class Scene {
                          const Material& material);
   /// Replaces the material of one face of a primitive.
   void paint_face(std::uint32_t primitive, int face, const Material& material);
+  /// The solids added from now on are one thing that moves (until the next call), as a car does. What stands still is
+  /// added first. Light on a moving thing is that of the open; it darkens nothing but itself.
+  void begin_moving(Motion motion);
 
   /// Paints and lights all surfaces. The same pictures for any pool. `detail` scales the texels per metre of all
   /// materials.
   void bake(std::uint64_t seed, TaskPool& pool, double detail = 1.0);
 
+  bool moves() const { return !movers_.empty(); }
+  /// The scene with everything where it is at `time_s`. Only of a scene whose moving things are at rest.
+  Scene at(double time_s) const;
+
   /// First solid met for t in (0, limit): the exact truth that pictures are made from. nullopt when there is none.
   std::optional<RayHit> trace(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                               double limit = 1e9) const;
+  /// The same among the solids that never move away from solid `primitive`.
+  std::optional<RayHit> trace_beside(std::uint32_t primitive, const Eigen::Vector3d& origin,
+                                     const Eigen::Vector3d& direction, double limit) const;
   /// Where `point` of the surface lies on its face.
   FacePoint face_point(std::uint32_t surface, const Eigen::Vector3d& point) const;
   /// Whether a ball touches or is inside any solid (boxes and cylinders by their oriented box).
   bool touches(const Eigen::Vector3d& centre, double radius) const;
 
   const std::vector<Primitive>& primitives() const { return primitives_; }
-  const std::vector<Surface>& surfaces() const { return surfaces_; }
+  const std::vector<Surface>& surfaces() const { return *surfaces_; }
   std::size_t texture_bytes() const;
 
  private:
+  struct Mover {
+    std::uint32_t first = 0;  ///< Its solids go on to the next mover's first one.
+    Motion motion;
+  };
+
   std::uint32_t add(Primitive primitive, const Material& material);
+  std::uint32_t still_count() const;
+  std::uint32_t end_of(std::size_t mover) const;
   std::vector<Primitive> primitives_;
-  std::vector<Surface> surfaces_;
-  BoundsTree tree_;  ///< Of all solids once bake() has run; empty while there are still some to come.
+  std::shared_ptr<std::vector<Surface>> surfaces_ = std::make_shared<std::vector<Surface>>();
+  std::vector<Mover> movers_;
+  /// Of all solids that stand still once bake() has run; empty while there are still some to come.
+  std::shared_ptr<const BoundsTree> tree_ = std::make_shared<const BoundsTree>();
 };
 
 }  // namespace rastro

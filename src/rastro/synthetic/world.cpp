@@ -55,6 +55,8 @@ SE3 World::world_from_camera(std::int64_t frame) const {
   return parts_.path.world_from_camera(static_cast<double>(frame) / parts_.rate_hz);
 }
 
+Scene World::scene_at(std::int64_t frame) const { return scene_->at(static_cast<double>(frame) / parts_.rate_hz); }
+
 RenderedFrame World::render(std::int64_t frame, TaskPool& pool) const {
   const double time = static_cast<double>(frame) / parts_.rate_hz;
   const SensorModel sensor = parts_.sensor(time);
@@ -62,7 +64,7 @@ RenderedFrame World::render(std::int64_t frame, TaskPool& pool) const {
   const double half = 0.5 * sensor.exposure_time_s;
   const SE3 begin_from_end = world_from_camera_at(time - half).inverse() * world_from_camera_at(time + half);
   return renderer_.render(world_from_camera_at(time), sensor, {begin_from_end.log()},
-                          seed_for(parts_.seed, static_cast<std::uint64_t>(frame)), pool);
+                          seed_for(parts_.seed, static_cast<std::uint64_t>(frame)), pool, time);
 }
 
 std::optional<RayHit> World::surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const {
@@ -72,7 +74,7 @@ std::optional<RayHit> World::surface_at(std::int64_t frame, const Eigen::Vector2
   const std::optional<Eigen::Vector2d> ray = camera.unproject(pixel);
   if (!ray) return std::nullopt;
   const SE3 pose = world_from_camera(frame);
-  return scene_->trace(pose.translation(), pose.rotation().matrix() * Eigen::Vector3d(ray->x(), ray->y(), 1.0));
+  return scene_at(frame).trace(pose.translation(), pose.rotation().matrix() * Eigen::Vector3d(ray->x(), ray->y(), 1.0));
 }
 
 PointView World::view_of(std::int64_t frame, const Eigen::Vector3d& point_in_world) const {
@@ -86,7 +88,8 @@ PointView World::view_of(std::int64_t frame, const Eigen::Vector3d& point_in_wor
   view.inside = true;
   view.pixel = *pixel;
   // A millimetre at ten metres before the point itself: its own surface must not hide it through rounding.
-  view.visible = !scene_->trace(pose.translation(), point_in_world - pose.translation(), 1.0 - 1e-4).has_value();
+  view.visible =
+      !scene_at(frame).trace(pose.translation(), point_in_world - pose.translation(), 1.0 - 1e-4).has_value();
   return view;
 }
 

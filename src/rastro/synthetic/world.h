@@ -45,7 +45,9 @@ class World {
   World(std::unique_ptr<const Scene> scene, Parts parts);
 
   const std::string& name() const { return parts_.name; }
+  /// Moving things at rest: scene_at() tells where they are.
   const Scene& scene() const { return *scene_; }
+  Scene scene_at(std::int64_t frame) const;
   const Camera& camera() const { return parts_.camera; }
   const SE3& body_from_camera() const { return parts_.body_from_camera; }
   double rate_hz() const { return parts_.rate_hz; }

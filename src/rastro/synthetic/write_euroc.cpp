@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <atomic>
-#include <fstream>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
 
 #include "rastro/base/error.h"
+#include "rastro/synthetic/recording_files.h"
 
 namespace rastro {
 namespace {
@@ -16,52 +16,6 @@ namespace fs = std::filesystem;
 
 constexpr int frames_at_once =
     16;  // Written in the order of time after each batch, so that a broken run is a shorter recording.
-
-[[noreturn]] void fail_to_write(const fs::path& file) {
-  throw Error("the file cannot be written", file.string(), "check the folder's permissions and the free space");
-}
-
-class TextFile {
- public:
-  TextFile(const fs::path& file, const std::string& head) : file_(file), stream_(file, std::ios::binary) {
-    write(head);
-  }
-  void write(const std::string& text) {
-    stream_ << text << std::flush;
-    if (!stream_) fail_to_write(file_);
-  }
-
- private:
-  fs::path file_;
-  std::ofstream stream_;
-};
-
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw Error("the folder cannot be made (" + error.message() + ")", folder.string(), "choose another --out");
-}
-
-void check_folder(const fs::path& folder, bool force) {
-  std::error_code error;
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error))
-    throw Error("this is not a folder", folder.string(), "choose another --out");
-  if (!force && fs::exists(folder, error) && !fs::is_empty(folder, error))
-    throw Error("the folder is not empty", folder.string(), "choose another --out or say --force");
-}
-
-/// Returns the size of the file.
-std::uintmax_t write_png(const fs::path& file, const cv::Mat& picture) {
-  std::vector<std::uint8_t> bytes;
-  // Without a level OpenCV takes the fastest one with row differences, which suits both pictures and smooth depth.
-  if (!cv::imencode(".png", picture, bytes)) fail_to_write(file);
-  std::ofstream stream(file, std::ios::binary);
-  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  stream.flush();
-  if (!stream) fail_to_write(file);
-  return bytes.size();
-}
 
 cv::Mat depth_picture(const DepthImage& depth) {
   cv::Mat picture(depth.height(), depth.width(), CV_16U);
@@ -149,10 +103,7 @@ std::uintmax_t write_pictures(const World& world, const fs::path& mav, std::int6
   TaskPool alone(1);
   const RenderedFrame rendered = world.render(frame, alone);
   const std::string name = fmt::format("{}.png", world.stamp(frame));
-  const GreyImage& grey = rendered.grey;
-  const cv::Mat view(grey.height(), grey.width(), CV_8U, const_cast<std::uint8_t*>(grey.row(0)),
-                     static_cast<std::size_t>(grey.stride()));
-  std::uintmax_t bytes = write_png(mav / "cam0/data" / name, view);
+  std::uintmax_t bytes = write_png(mav / "cam0/data" / name, grey_picture(rendered.grey));
   if (!truth) return bytes;
   bytes += write_png(mav / "truth/depth" / name, depth_picture(rendered.depth));
   bytes += write_png(mav / "truth/surface" / name, surface_picture(rendered.surface));

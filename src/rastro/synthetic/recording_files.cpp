@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/synthetic/recording_files.h"
+
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+#include "rastro/base/error.h"
+
+namespace rastro {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail_to_write(const fs::path& file) {
+  throw Error("the file cannot be written", file.string(), "check the folder's permissions and the free space");
+}
+
+}  // namespace
+
+TextFile::TextFile(const fs::path& file, const std::string& head) : file_(file), stream_(file, std::ios::binary) {
+  write(head);
+}
+
+void TextFile::write(const std::string& text) {
+  stream_ << text << std::flush;
+  if (!stream_) fail_to_write(file_);
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    throw Error("the folder cannot be made (" + error.message() + ")", folder.string(), "choose another --out");
+}
+
+void check_folder(const fs::path& folder, bool force) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error))
+    throw Error("this is not a folder", folder.string(), "choose another --out");
+  if (!force && fs::exists(folder, error) && !fs::is_empty(folder, error))
+    throw Error("the folder is not empty", folder.string(), "choose another --out or say --force");
+}
+
+std::uintmax_t write_png(const fs::path& file, const cv::Mat& picture) {
+  std::vector<std::uint8_t> bytes;
+  // Without a level OpenCV takes the fastest one with row differences, which suits both pictures and smooth depth.
+  if (!cv::imencode(".png", picture, bytes)) fail_to_write(file);
+  std::ofstream stream(file, std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  stream.flush();
+  if (!stream) fail_to_write(file);
+  return bytes.size();
+}
+
+cv::Mat grey_picture(const GreyImage& grey) {
+  return {grey.height(), grey.width(), CV_8U, const_cast<std::uint8_t*>(grey.row(0)),
+          static_cast<std::size_t>(grey.stride())};
+}
+
+}  // namespace rastro

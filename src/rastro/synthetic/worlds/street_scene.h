@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "rastro/base/random.h"
+#include "rastro/synthetic/scene.h"
+
+namespace rastro::street {
+
+/// World frame: x east, y north, z up, the road at z = 0; the streets lie as street_drive.h says.
+std::unique_ptr<Scene> build_scene(std::uint64_t seed, int threads, double detail = 1.0);
+
+/// One of the four streets, as the drive passes it: along it, the block is on the left.
+struct StreetLine {
+  Eigen::Vector2d from, along;
+  double length = 0.0;
+  double block = 0.0;  ///< From the first crossing to the second one.
+
+  Eigen::Vector2d left() const { return {-along.y(), along.x()}; }
+  /// `way` metres along the street, `left_m` to the left of its middle.
+  Eigen::Vector3d at(double way, double left_m, double z) const {
+    const Eigen::Vector2d place = from + way * along + left_m * left();
+    return {place.x(), place.y(), z};
+  }
+  Eigen::Vector3d along3() const { return {along.x(), along.y(), 0.0}; }
+  Eigen::Vector3d left3() const { return {-along.y(), along.x(), 0.0}; }
+  double heading() const;
+  /// Size of a box that is `along_m` by `across_m` by `height`, in the world's axes.
+  Eigen::Vector3d size(double along_m, double across_m, double height) const;
+};
+StreetLine street_line(int number);
+
+constexpr double kerb_m = 3.5;        ///< From the middle of the street to the kerb.
+constexpr double house_line_m = 6.8;  ///< And to the edge of the pavement.
+
+/// A car at rest on `line`, its middle at (way, left_m), pointing along the street or against it.
+void add_car(Scene& scene, Random& random, const StreetLine& line, double way, double left_m, bool against);
+/// Cars that drive. Periodic in the time of a lap of the drive, so that what happens once happens in every lap.
+void add_traffic(Scene& scene, Random& random);
+
+}  // namespace rastro::street

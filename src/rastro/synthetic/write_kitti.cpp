@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/synthetic/write_kitti.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+
+#include "rastro/base/error.h"
+#include "rastro/synthetic/recording_files.h"
+
+namespace rastro {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int frames_at_once =
+    16;  // Listed in the order of time after each batch: a broken run is a shorter recording.
+
+std::string numbers(const Eigen::MatrixXd& values) {
+  std::string text;
+  for (Eigen::Index row = 0; row < values.rows(); ++row)
+    for (Eigen::Index column = 0; column < values.cols(); ++column)
+      text += fmt::format(" {:.12e}", values(row, column));
+  return text;
+}
+
+Eigen::MatrixXd projection_rows(const Camera& camera) {
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, 4);
+  rows << camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0;
+  return rows;
+}
+
+std::string transform_text(const SE3& transform) {
+  return fmt::format("calib_time: 01-Jan-2020 00:00:00\nR:{}\nT:{}\n", numbers(transform.rotation().matrix()),
+                     numbers(transform.translation().transpose()));
+}
+
+std::string date_text(TimeNs stamp) {
+  const TimeNs second = 1'000'000'000;
+  const std::time_t whole = static_cast<std::time_t>(stamp / second);
+  return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:09}", fmt::gmtime(whole), stamp % second);
+}
+
+/// The lists of one layout; pictures are written apart from them, in any order.
+class Lists {
+ public:
+  virtual ~Lists() = default;
+  virtual fs::path picture(std::int64_t frame) const = 0;
+  virtual void add(std::int64_t frame) = 0;
+};
+
+class OdometryLists : public Lists {
+ public:
+  OdometryLists(const World& world, const fs::path& folder) : world_(world), folder_(folder) {
+    make_folder(folder / "image_0");
+    TextFile(folder / "calib.txt", fmt::format("P0:{}\n", numbers(projection_rows(world.camera()))));
+    times_.emplace(folder / "times.txt");
+    poses_.emplace(folder / "poses.txt");
+  }
+  fs::path picture(std::int64_t frame) const override { return folder_ / "image_0" / fmt::format("{:06}.png", frame); }
+  void add(std::int64_t frame) override {
+    times_->write(fmt::format("{:.9e}\n", to_seconds(world_.stamp(frame) - world_.stamp(0))));
+    const SE3 pose = world_.world_from_camera(0).inverse() * world_.world_from_camera(frame);
+    poses_->write(numbers(pose.matrix().topRows<3>()).substr(1) + "\n");
+  }
+
+ private:
+  const World& world_;
+  fs::path folder_;
+  std::optional<TextFile> times_, poses_;
+};
+
+class RawLists : public Lists {
+ public:
+  RawLists(const World& world, const fs::path& day, const fs::path& drive) : world_(world), drive_(drive) {
+    make_folder(drive / "image_00/data");
+    make_folder(drive / "oxts/data");
+    write_calibration(day);
+    image_times_.emplace(drive / "image_00/timestamps.txt");
+    oxts_times_.emplace(drive / "oxts/timestamps.txt");
+  }
+  fs::path picture(std::int64_t frame) const override {
+    return drive_ / "image_00/data" / fmt::format("{:010}.png", frame);
+  }
+  void add(std::int64_t frame) override {
+    image_times_->write(date_text(world_.stamp(frame)) + "\n");
+    oxts_times_->write(date_text(world_.stamp(frame)) + "\n");
+    TextFile(drive_ / "oxts/data" / fmt::format("{:010}.txt", frame), oxts_line(world_, frame) + "\n");
+  }
+
+ private:
+  /// The way from the camera to the body is cut into pieces as KITTI has them, with a laser scanner between the two
+  /// and a little rotation left for the rectification.
+  void write_calibration(const fs::path& day) const {
+    const Camera& camera = world_.camera();
+    const SO3 rectified_from_camera = SO3::exp({-0.003, 0.008, 0.005});
+    const SE3 scanner_from_body(SO3::exp({0.0004, -0.002, 0.0007}), {-0.81, 0.32, -0.80});
+    const SE3 camera_from_scanner = SE3(rectified_from_camera, Eigen::Vector3d::Zero()).inverse() *
+                                    world_.body_from_camera().inverse() * scanner_from_body.inverse();
+    TextFile(day / "calib_imu_to_velo.txt", transform_text(scanner_from_body));
+    TextFile(day / "calib_velo_to_cam.txt", transform_text(camera_from_scanner));
+    TextFile(
+        day / "calib_cam_to_cam.txt",
+        fmt::format("calib_time: 01-Jan-2020 00:00:00\nS_rect_00: {} {}\nR_rect_00:{}\nP_rect_00:{}\n", camera.width,
+                    camera.height, numbers(rectified_from_camera.matrix()), numbers(projection_rows(camera))));
+  }
+
+  const World& world_;
+  fs::path drive_;
+  std::optional<TextFile> image_times_, oxts_times_;
+};
+
+}  // namespace
+
+KittiSummary write_kitti(const World& world, const fs::path& folder, const KittiOptions& options, TaskPool& pool,
+                         const std::function<void(std::int64_t)>& progress) {
+  if (options.frames < 1) throw Error("there are no frames to write", "frames", "ask for at least one");
+  if (world.camera().distortion != Distortion::none)
+    throw Error("KITTI's formats hold rectified pictures only", world.name(), "leave the distortion out");
+  check_folder(folder, options.force);
+  KittiSummary summary;
+  summary.recording = folder;
+  std::unique_ptr<Lists> lists;
+  if (options.layout == KittiLayout::odometry) {
+    lists = std::make_unique<OdometryLists>(world, folder);
+  } else {
+    const std::string date = date_text(world.stamp(0)).substr(0, 10);
+    std::string day = date;
+    for (char& letter : day) letter = letter == '-' ? '_' : letter;
+    summary.recording = folder / day / (day + "_drive_0001_sync");
+    lists = std::make_unique<RawLists>(world, folder / day, summary.recording);
+  }
+  std::atomic<std::uintmax_t> bytes{0};
+  for (std::int64_t first = 0; first < options.frames; first += frames_at_once) {
+    const std::int64_t end = std::min(options.frames, first + frames_at_once);
+    pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
+      TaskPool alone(1);
+      for (int i = begin; i < stop; ++i)
+        bytes += write_png(lists->picture(first + i), grey_picture(world.render(first + i, alone).grey));
+    });
+    for (std::int64_t frame = first; frame < end; ++frame) lists->add(frame);
+    if (progress) progress(end);
+  }
+  summary.frames = options.frames;
+  summary.bytes = bytes;
+  return summary;
+}
+
+}  // namespace rastro
