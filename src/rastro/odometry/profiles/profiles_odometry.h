@@ -5,7 +5,7 @@
 #include "rastro/odometry/frame_check.h"
 #include "rastro/odometry/odometry.h"
 #include "rastro/odometry/profiles/options.h"
-#include "rastro/odometry/profiles/turn_meter.h"
+#include "rastro/odometry/profiles/turn_chain.h"
 
 namespace rastro {
 
@@ -26,18 +26,16 @@ class ProfilesOdometry : public Odometry {
 
  private:
   void bridge(OdometryUpdate& update);
-  void follow(const Turn& turn, OdometryUpdate& update);
+  void follow(const TurnStep& step, OdometryUpdate& update);
   SE3 motion_of(const SO3& rotation, int frames) const;
 
   ProfilesOptions options_;
   FrameCheck check_;
-  TurnMeter meter_;
+  TurnChain turns_;
   Trajectory trajectory_;
   SE3 world_from_reference_;  ///< Of the last frame that was used.
   SE3 world_from_current_;
-  SO3 last_turn_;          ///< From one frame to the next.
-  double last_yaw_ = 0.0;  ///< Radians a frame.
-  int bridged_ = 0;        ///< Frames since the reference.
+  int bridged_ = 0;  ///< Frames without use since the last useful one.
 };
 
 }  // namespace rastro

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/camera/camera.h"
+#include "rastro/odometry/frame_check.h"
+#include "rastro/odometry/hybrid/options.h"
+#include "rastro/odometry/hybrid/two_point.h"
+#include "rastro/odometry/odometry.h"
+#include "rastro/odometry/profiles/turn_chain.h"
+#include "rastro/track/tracker.h"
+
+namespace rastro {
+
+/// The hybrid odometry of METHODS 2.3: how the camera turns is told by the profiles, where it moves by points that are
+/// triangulated from frames k-2 and k-1 and seen in k. k-1 and k-2 are the last two frames with enough motion between
+/// them, METHODS 2.6. The first motion has length 1, and the points carry that scale on; where they cannot, the last
+/// motion is carried on and its speed taken for the scale of a new start.
+class HybridOdometry : public Odometry {
+ public:
+  /// Throws Error for settings out of range. The pool must outlive the odometry; without one all runs in the caller's
+  /// thread.
+  HybridOdometry(const HybridOptions& options, const Camera& camera, TaskPool* pool = nullptr);
+
+  OdometryUpdate process(const Frame& frame) override;
+  Trajectory trajectory() const override { return trajectory_; }
+
+ private:
+  struct View {
+    SE3 world_from_camera;
+    std::vector<TrackedFeature> features;  ///< In ascending order of id.
+    std::size_t position = 0;              ///< In trajectory_.
+  };
+  struct KnownPoint {
+    std::int64_t id = 0;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< In the camera of `first_`.
+  };
+  /// Two views' pixels of the same points.
+  struct Shared {
+    std::vector<Eigen::Vector2d> a, b;  ///< Normalised.
+    std::vector<std::int64_t> ids;
+    double motion_px = 0.0;    ///< Median.
+    double parallax_px = 0.0;  ///< Median of what the turn leaves.
+  };
+
+  void follow(const Frame& frame, OdometryUpdate& update);
+  void start(View current, OdometryUpdate& update);
+  void locate(View current, OdometryUpdate& update);
+  void accept(View current, const Shared& since_second);
+  void lose(View current, OdometryReason reason, std::string detail, OdometryUpdate& update);
+  void bridge(OdometryUpdate& update);
+  void place_between(std::size_t first, std::size_t last);
+  Shared shared_between(const View& a, const View& b) const;
+  std::vector<KnownPoint> triangulate_between(const View& a, const View& b) const;
+  CalibratedRansacOptions ransac_options(std::uint64_t item) const;
+  SE3 predicted(const SO3& world_from_current) const;
+
+  HybridOptions options_;
+  Camera camera_;
+  FrameCheck check_;
+  TurnChain turns_;
+  Tracker tracker_;
+  SO3 world_from_turned_;  ///< Rotation of the last frame that turned, from the profiles alone.
+  std::optional<View> first_, second_;
+  std::vector<KnownPoint> points_;
+  Trajectory trajectory_;
+  SE3 world_from_last_;
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< A frame's motion in its own camera.
+  double speed_ = 0.0;                                  ///< Length of the last motion that was one; 0: none yet.
+  int bridged_ = 0;                                     ///< Frames without use since the last useful one.
+};
+
+}  // namespace rastro

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "rastro/odometry/profiles/turn_meter.h"
+
+namespace rastro {
+
+/// What TurnChain makes of a frame.
+struct TurnStep {
+  Turn turn;                   ///< As measured.
+  SO3 reference_from_current;  ///< As believed.
+  bool believed = true;        ///< False: the last turn was carried on, as the measured one was weak and far from it.
+};
+
+/// Turns from frame to frame: each useful frame is measured against the last useful one that was not still, so that
+/// neither a frame without use nor a creeping motion loses anything.
+class TurnChain {
+ public:
+  /// Throws Error for settings out of range.
+  TurnChain(const TurnOptions& options, const Camera& camera) : options_(options), meter_(options, camera) {}
+
+  /// nullopt for the first frame. `frames`: steps of the recording since the frame before.
+  std::optional<TurnStep> step(GreyView image, int frames);
+  /// The turn of one frame as last believed, previous_from_next.
+  SO3 last_turn() const { return rotation_of(yaw_, pitch_); }
+
+ private:
+  TurnOptions options_;
+  TurnMeter meter_;
+  double yaw_ = 0.0, pitch_ = 0.0;  ///< Radians a frame.
+};
+
+}  // namespace rastro
