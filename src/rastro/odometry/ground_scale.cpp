@@ -4,20 +4,23 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace rastro {
 namespace {
 
 // The road looked at, in heights of the camera: to both sides and ahead.
 constexpr double widest = 1.5, nearest = 3.2, farthest = 9.0;
-constexpr int sample_step_px = 4;
+constexpr int sample_step_px = 3;
+// A pixel without texture costs time and tells nothing.
+constexpr int least_gradient = 8;
+constexpr std::size_t most_samples = 400;
 constexpr std::size_t fewest_samples = 100;
 // Heights tried, in the unit of the motion, from the length of the step times these.
 constexpr double lowest = 0.02, highest = 400.0;
-constexpr int heights = 160;
-constexpr int pitches = 7;
-constexpr double pitch_step = 0.5 * std::numbers::pi / 180.0;
+constexpr int heights = 400;
+// The road runs along the way the camera goes; over so many steps its direction is known well.
+constexpr double direction_memory = 0.1;
+constexpr double largest_pitch = 0.2;
 constexpr float largest_difference = 20.0F;
 constexpr float not_seen = -1.0F;
 constexpr double nearest_depth = 0.1;
@@ -26,8 +29,6 @@ constexpr double shortest_step = 0.15, longest_step = 2.0;
 constexpr std::size_t fewest_frames = 10;
 
 double height_at(double index) { return lowest * std::pow(highest / lowest, index / (heights - 1)); }
-double pitch_at(std::size_t index) { return (static_cast<double>(index) - pitches / 2) * pitch_step; }
-
 Eigen::Vector3d downwards(double pitch) { return {0.0, std::cos(pitch), std::sin(pitch)}; }
 
 std::optional<float> grey_at(GreyView image, const Eigen::Vector2d& pixel) {
@@ -67,27 +68,44 @@ void GroundScale::add(GreyView image, const SE3& world_from_camera) {
   last_pose_ = world_from_camera;
   width_ = image.width;
   height_ = image.height;
-  for (Sample& sample : samples_) sample.grey = static_cast<float>(image.at(sample.x, sample.y));
+  keep_textured(image);
 }
 
-std::optional<GroundScale::Costs> GroundScale::compare(GreyView image, const SE3& current_from_last) const {
+/// Those of the road's pixels that have texture, evenly thinned out where they are many.
+void GroundScale::keep_textured(GreyView image) {
+  std::vector<Sample> textured;
+  for (const Sample& sample : samples_) {
+    if (sample.x < 1 || sample.y < 1 || sample.x + 1 >= image.width || sample.y + 1 >= image.height) continue;
+    const int across = image.at(sample.x + 1, sample.y) - image.at(sample.x - 1, sample.y);
+    const int down = image.at(sample.x, sample.y + 1) - image.at(sample.x, sample.y - 1);
+    if (std::abs(across) + std::abs(down) < least_gradient) continue;
+    textured.push_back(sample);
+    textured.back().grey = static_cast<float>(image.at(sample.x, sample.y));
+  }
+  textured_.clear();
+  const std::size_t stride = 1 + textured.size() / most_samples;
+  for (std::size_t i = 0; i < textured.size(); i += stride) textured_.push_back(textured[i]);
+}
+
+std::optional<GroundScale::Costs> GroundScale::compare(GreyView image, const SE3& current_from_last) {
   const double step = current_from_last.translation().norm();
-  if (samples_.size() < fewest_samples || step < 1e-9) return std::nullopt;
-  Costs costs(static_cast<std::size_t>(heights * pitches), not_seen);
-  std::vector<Eigen::Vector3d> turned(samples_.size());
+  if (textured_.size() < fewest_samples || step < 1e-9) return std::nullopt;
+  const Eigen::Vector3d ahead = current_from_last.inverse().translation() / step;
+  direction_ =
+      direction_.isZero() ? ahead : Eigen::Vector3d((1.0 - direction_memory) * direction_ + direction_memory * ahead);
+  pitch_rad_ = std::clamp(-std::atan2(direction_.y(), direction_.z()), -largest_pitch, largest_pitch);
+  const Eigen::Vector3d down = downwards(pitch_rad_);
+  std::vector<Eigen::Vector3d> turned(textured_.size());
   const Eigen::Matrix3d rotation = current_from_last.rotation().matrix();
-  for (std::size_t p = 0; p < pitches; ++p) {
-    const Eigen::Vector3d down = downwards(pitch_at(p));
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      const Eigen::Vector3d ray = samples_[i].ray.homogeneous();
-      turned[i] = rotation * (ray / down.dot(ray));
-    }
-    for (int h = 0; h < heights; ++h) {
-      const double height = height_at(h);
-      if (step < shortest_step * height || step > longest_step * height) continue;
-      costs[p * heights + static_cast<std::size_t>(h)] =
-          difference(image, turned, current_from_last.translation() / height);
-    }
+  for (std::size_t i = 0; i < textured_.size(); ++i) {
+    const Eigen::Vector3d ray = textured_[i].ray.homogeneous();
+    turned[i] = rotation * (ray / down.dot(ray));
+  }
+  Costs costs(static_cast<std::size_t>(heights), not_seen);
+  for (int h = 0; h < heights; ++h) {
+    const double height = height_at(h);
+    if (step < shortest_step * height || step > longest_step * height) continue;
+    costs[static_cast<std::size_t>(h)] = difference(image, turned, current_from_last.translation() / height);
   }
   return costs;
 }
@@ -104,26 +122,26 @@ float GroundScale::difference(GreyView image, const std::vector<Eigen::Vector3d>
     std::optional<Eigen::Vector2d> pixel;
     if (plain) {
       const double inverse = 1.0 / there.z();
-      pixel = Eigen::Vector2d(camera_.fx * there.x() * inverse + camera_.cx, camera_.fy * there.y() * inverse + camera_.cy);
+      pixel =
+          Eigen::Vector2d(camera_.fx * there.x() * inverse + camera_.cx, camera_.fy * there.y() * inverse + camera_.cy);
     } else {
       pixel = camera_.project(there);
     }
     const auto grey = pixel ? grey_at(image, *pixel) : std::nullopt;
     if (!grey) continue;
-    sum += std::min(largest_difference, std::abs(*grey - samples_[i].grey));
+    sum += std::min(largest_difference, std::abs(*grey - textured_[i].grey));
     ++seen;
   }
   return 2 * seen > turned.size() ? sum / static_cast<float>(seen) : not_seen;
 }
 
-/// Index of the best height, in fractions, and of the pitch.
-std::optional<std::pair<double, std::size_t>> GroundScale::best_of(const std::vector<std::size_t>& frames) const {
-  std::vector<double> total(static_cast<std::size_t>(heights * pitches), 0.0);
+/// The best height for some of the frames together, as an index in fractions.
+std::optional<double> GroundScale::best_of(const std::vector<std::size_t>& frames) const {
+  std::vector<double> total(static_cast<std::size_t>(heights), 0.0);
   std::vector<int> votes(total.size(), 0);
   for (const std::size_t frame : frames) {
     const Costs& costs = frames_[frame];
-    float worst = 0.0F;
-    for (const float cost : costs) worst = std::max(worst, cost);
+    const float worst = *std::max_element(costs.begin(), costs.end());
     for (std::size_t i = 0; i < costs.size(); ++i) {
       if (costs[i] == not_seen) continue;
       total[i] += static_cast<double>(costs[i] / std::max(1.0F, worst));
@@ -136,13 +154,11 @@ std::optional<std::pair<double, std::size_t>> GroundScale::best_of(const std::ve
     if (2 * votes[i] < static_cast<int>(frames.size())) continue;
     if (!best || mean(i) < mean(*best)) best = i;
   }
-  if (!best) return std::nullopt;
-  const std::size_t pitch = *best / heights, h = *best % heights;
-  if (h == 0 || h + 1 == heights || votes[*best - 1] == 0 || votes[*best + 1] == 0) return std::nullopt;
+  if (!best || *best == 0 || *best + 1 == total.size() || votes[*best - 1] == 0 || votes[*best + 1] == 0)
+    return std::nullopt;
   const double before = mean(*best - 1), here = mean(*best), after = mean(*best + 1);
   const double bend = before - 2.0 * here + after;
-  const double shift = bend > 0.0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0.0;
-  return std::pair(static_cast<double>(h) + shift, pitch);
+  return static_cast<double>(*best) + (bend > 0.0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0.0);
 }
 
 std::optional<GroundScale::Found> GroundScale::find() const {
@@ -155,11 +171,11 @@ std::optional<GroundScale::Found> GroundScale::find() const {
   const auto best = best_of(all);
   if (!best) return std::nullopt;
   Found found;
-  found.metres_per_unit = camera_height_m_ / height_at(best->first);
-  found.pitch_rad = pitch_at(best->second);
+  found.metres_per_unit = camera_height_m_ / height_at(*best);
+  found.pitch_rad = pitch_rad_;
   found.frames = static_cast<int>(all.size());
   const auto even = best_of(halves[0]), odd = best_of(halves[1]);
-  found.relative_sigma = even && odd ? 0.5 * std::abs(std::log(height_at(even->first) / height_at(odd->first))) : 1.0;
+  found.relative_sigma = even && odd ? 0.5 * std::abs(std::log(height_at(*even) / height_at(*odd))) : 1.0;
   return found;
 }
 

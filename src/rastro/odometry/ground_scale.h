@@ -13,8 +13,9 @@ namespace rastro {
 
 /// Metres from a camera at a known height above a flat road, METHODS 2.4. The road between two frames moves by the
 /// homography of its plane (Hartley and Zisserman 2004, section 13.1), whose only unknowns, once the camera's motion is
-/// known but for scale, are the height in the unit of that motion and how far the camera looks down. Both are found by
-/// comparing grey levels directly, over all frames together: single frames see too little texture on a road.
+/// known but for scale, is the height in the unit of that motion: the road runs along the way the camera goes. The
+/// height is found by comparing grey levels directly, over all frames together: single frames see too little texture on
+/// a road.
 class GroundScale {
  public:
   GroundScale(const Camera& camera, double camera_height_m) : camera_(camera), camera_height_m_(camera_height_m) {}
@@ -32,11 +33,12 @@ class GroundScale {
   std::optional<Found> find() const;
 
  private:
-  /// Mean difference of grey levels for every pitch and height tried.
+  /// Mean difference of grey levels for every height tried.
   using Costs = std::vector<float>;
   void choose_samples(GreyView image);
-  std::optional<Costs> compare(GreyView image, const SE3& current_from_last) const;
-  std::optional<std::pair<double, std::size_t>> best_of(const std::vector<std::size_t>& frames) const;
+  void keep_textured(GreyView image);
+  std::optional<Costs> compare(GreyView image, const SE3& current_from_last);
+  std::optional<double> best_of(const std::vector<std::size_t>& frames) const;
 
   float difference(GreyView image, const std::vector<Eigen::Vector3d>& turned, const Eigen::Vector3d& moved) const;
 
@@ -48,9 +50,12 @@ class GroundScale {
   };
   Camera camera_;
   double camera_height_m_;
-  std::vector<Sample> samples_;
+  std::vector<Sample> samples_;   ///< Everywhere on the road.
+  std::vector<Sample> textured_;  ///< Those worth comparing with, of the last image.
   int width_ = 0, height_ = 0;
   std::optional<SE3> last_pose_;
+  Eigen::Vector3d direction_ = Eigen::Vector3d::Zero();  ///< Of the last steps.
+  double pitch_rad_ = 0.0;
   std::vector<Costs> frames_;
 };
 
