@@ -58,7 +58,7 @@ YawCalibration calibrate_yaw(std::span<const double> shifts, std::span<const dou
     for (std::size_t i = 0; i < shifts.size(); ++i) differences[i] = std::abs(yaws[i] - result.lambda * shifts[i]);
     // 1.4826 medians are a standard deviation of normal errors.
     const double deviation = std::max(1e-12, 1.4826 * median_of(differences));
-    const HuberKernel kernel{1.345 * deviation};
+    const TukeyKernel kernel{4.6851 * deviation};
     double squares = 0.0, products = 0.0, errors = 0.0, weights = 0.0;
     result.used = 0;
     for (std::size_t i = 0; i < shifts.size(); ++i) {

@@ -13,7 +13,7 @@ struct YawCalibration {
 };
 
 /// lambda of yaw = lambda * shift (METHODS 2.2) from shifts (pixels) and the yaw changes of a reference (radians,
-/// positive to the left) over the same pairs of frames: least squares, far pairs weighed less (Huber, its width from
+/// positive to the left) over the same pairs of frames: least squares, far pairs left out (Tukey, its width from
 /// the median of the differences). Error for fewer than 3 pairs or where hardly anything turns (shifts below 1 px).
 YawCalibration calibrate_yaw(std::span<const double> shifts_px, std::span<const double> yaw_changes_rad);
 
