@@ -44,6 +44,9 @@ Calibration parse_calibration(std::string_view text, std::string_view where);
 /// and T.
 SE3 read_kitti_transform(const std::string& path);
 SE3 parse_kitti_transform(std::string_view text, std::string_view where);
+/// R_rect_00 of KITTI raw's calib_cam_to_cam.txt: rectified_from_camera of camera 0. nullopt where there is no such
+/// line.
+std::optional<SO3> read_kitti_rectification(const std::string& path);
 
 /// The published colour camera of TUM RGB-D's "freiburg1", "freiburg2" or "freiburg3" (640x480); nullopt for other
 /// names. https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats

@@ -152,7 +152,7 @@ TEST(OpenKitti, RawDrive) {
   write_kitti_raw(folder, 3);
   const auto source = open(folder.path());
   EXPECT_EQ(source->info().format, "kitti_raw");
-  EXPECT_THAT(source->info().warnings, Contains(HasSubstr("oxts holds 3 GPS/IMU packets over 2.0 s")));
+  EXPECT_THAT(source->info().warnings, Contains(HasSubstr("oxts/data: holds no packets")));
   EXPECT_EQ(source->next()->stamp, 1317042120500000000);
 }
 

@@ -205,6 +205,17 @@ SE3 parse_kitti_transform(std::string_view text, std::string_view where) {
   return calibration::rigid_transform(rows, "R", fields.at("R"), ignored);
 }
 
+std::optional<SO3> read_kitti_rectification(const std::string& path) {
+  const calibration::KittiFields fields(read_text_file(path), path);
+  const std::string key = "R_rect_00";
+  if (!fields.has(key)) return std::nullopt;
+  std::vector<std::string> ignored;
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, 4);
+  const Eigen::MatrixXd rotation = fields.matrix(key, 3, 3);
+  rows.leftCols<3>() = rotation;
+  return calibration::rigid_transform(rows, key, fields.at(key), ignored).rotation();
+}
+
 SE3 read_kitti_transform(const std::string& path) { return parse_kitti_transform(read_text_file(path), path); }
 
 }  // namespace rastro

@@ -11,7 +11,9 @@
 #include "rastro/camera/calibration_file.h"
 #include "rastro/dataset/calibration.h"
 #include "rastro/dataset/folder.h"
+#include "rastro/dataset/ground_truth.h"
 #include "rastro/dataset/kitti/kitti_images.h"
+#include "rastro/dataset/kitti/oxts.h"
 #include "rastro/sensor/stamp_text.h"
 
 namespace rastro {
@@ -88,17 +90,25 @@ void add_cameras(Recording& recording, const fs::path& path, const std::string& 
   read_cameras(recording.info, file, names);
 }
 
-/// Says what the GPS/IMU unit recorded; its poses are not used as ground truth.
-void describe_oxts(SourceInfo& info, const fs::path& path) {
-  const fs::path file = path / "oxts" / "timestamps.txt";
-  if (!is_file(file)) return;
+/// The poses of oxts are of the GPS/IMU unit; the files of the calibration tell where the camera is on it.
+void place_on_body(SourceInfo& info, const fs::path& cam_to_cam) {
+  auto& main = info.cameras.front();
+  if (cam_to_cam.empty() || main.calibration_file != cam_to_cam.string()) return;
+  const auto body_from_first =
+      oxts_from_first_camera(cam_to_cam.parent_path(), cam_to_cam, !main.name.ends_with("_raw"));
+  const auto first_from_main = first_from_camera(cam_to_cam, main.name);
+  if (body_from_first && first_from_main) main.body_from_camera = *body_from_first * *first_from_main;
+}
+
+void add_oxts(SourceInfo& info, const fs::path& path) {
+  const fs::path folder = path / "oxts";
+  if (!is_file(folder / "timestamps.txt")) return;
+  read_ground_truth(info, folder / "data", "body", [&] { return read_oxts(folder); });
+  if (info.ground_truth.empty()) return;
   try {
-    const auto stamps = parse_kitti_timestamps(read_text_file(file.string()), file.string());
-    const double span = stamps.size() > 1 ? to_seconds(stamps.back() - stamps.front()) : 0.0;
-    info.warnings.push_back(
-        fmt::format("oxts holds {} GPS/IMU packets over {:.1f} s; they are not used", stamps.size(), span));
+    place_on_body(info, calibration_file(path));
   } catch (const Error& error) {
-    info.warnings.push_back(std::string("oxts not used: ") + error.what());
+    info.warnings.push_back(std::string("the camera's place on the GPS/IMU unit is not used: ") + error.what());
   }
 }
 
@@ -138,7 +148,7 @@ std::optional<Recording> index_kitti_raw(const fs::path& path, const OpenOptions
   describe_right(recording, right);
 
   add_cameras(recording, path, main, right, calibration_is_given(options));
-  describe_oxts(recording.info, path);
+  add_oxts(recording.info, path);
   return recording;
 }
 
