@@ -97,7 +97,8 @@ void apply_scale(const Prepared& prepared, OdometryRunEnd& end) {
   if (prepared.ground) {
     if (const auto found = prepared.ground->find()) {
       factor = found->metres_per_unit;
-      end.result.scale += fmt::format(" ({} pairs of frames, +- {:.1f} %)", found->frames, 100.0 * found->relative_sigma);
+      end.result.scale +=
+          fmt::format(" ({} pairs of frames, +- {:.1f} %)", found->frames, 100.0 * found->relative_sigma);
     }
   } else {
     factor = scale_from_reference(end.trajectory, source.reference);

@@ -8,6 +8,9 @@ namespace {
 
 constexpr const char* footer = R"(Methods:
   features   points in space from tracked features, every pose from the points it sees, the last keyframes adjusted
+             (--matcher tracks, sift, orb or surf)
+  profiles   how the camera turns, from the sums of the image's columns and rows; goes ahead at constant speed
+  hybrid     turns from profiles, the way from two points at a time
 
 Writes into --out:
   trajectory.txt         final pose of every frame: stamp tx ty tz qx qy qz qw, world_from_camera; world: the first camera
@@ -27,7 +30,7 @@ Examples:
 void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
   add_data_flags(command, flags.data);
   const char* group = "Odometry";
-  command.add_option("--method", flags.method, "How motion is found (default: features)")->group(group);
+  command.add_option("--method", flags.method, "features, profiles or hybrid (default: features)")->group(group);
   command.add_option("--matcher", flags.matcher, "What features are matched by (default: tracks)")->group(group);
   command.add_flag("--refine", flags.refine, "Adjust the last keyframes together (the default of features)")
       ->group(group);

@@ -6,6 +6,8 @@
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
 #include "rastro/odometry/features/features_odometry.h"
+#include "rastro/odometry/hybrid/hybrid_odometry.h"
+#include "rastro/odometry/profiles/profiles_odometry.h"
 
 namespace rastro {
 namespace {
@@ -18,18 +20,22 @@ Error unknown_method(const std::string& method) {
 }  // namespace
 
 const std::vector<std::string>& odometry_methods() {
-  static const std::vector<std::string> names = {"features"};
+  static const std::vector<std::string> names = {"features", "profiles", "hybrid"};
   return names;
 }
 
 OptionTable OdometrySettings::table(const std::string& method) {
   if (method == "features") return option_table(features);
+  if (method == "profiles") return option_table(profiles);
+  if (method == "hybrid") return option_table(hybrid);
   throw unknown_method(method);
 }
 
 std::unique_ptr<Odometry> OdometrySettings::make(const std::string& method, const Camera& camera,
                                                  TaskPool* pool) const {
   if (method == "features") return std::make_unique<FeaturesOdometry>(features, camera, pool);
+  if (method == "profiles") return std::make_unique<ProfilesOdometry>(profiles, camera);
+  if (method == "hybrid") return std::make_unique<HybridOdometry>(hybrid, camera, pool);
   throw unknown_method(method);
 }
 

@@ -9,7 +9,9 @@
 #include "rastro/base/task_pool.h"
 #include "rastro/camera/camera.h"
 #include "rastro/odometry/features/options.h"
+#include "rastro/odometry/hybrid/options.h"
 #include "rastro/odometry/odometry.h"
+#include "rastro/odometry/profiles/options.h"
 
 namespace rastro {
 
@@ -19,6 +21,8 @@ const std::vector<std::string>& odometry_methods();
 /// The settings of every odometry, defaults at first.
 struct OdometrySettings {
   FeaturesOptions features;
+  ProfilesOptions profiles;
+  HybridOptions hybrid;
 
   /// Of one method; points into these settings, which must outlive it. Error for a name that is no method.
   OptionTable table(const std::string& method);

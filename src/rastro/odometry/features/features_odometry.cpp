@@ -5,34 +5,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "rastro/base/random.h"
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/multiview/essential.h"
 #include "rastro/multiview/rotation.h"
+#include "rastro/odometry/features/feature_source.h"
 #include "rastro/odometry/features/local_map.h"
 #include "rastro/odometry/features/pose_chain.h"
 #include "rastro/odometry/frame_check.h"
 #include "rastro/track/stopwatch.h"
-#include "rastro/track/tracker.h"
 
 namespace rastro {
 namespace {
-
-/// Features are followed from frame to frame here, so what looks a little otherwise is kept: poses are robust.
-TrackOptions tracker_options(const FeaturesOptions& options) {
-  TrackOptions track;
-  track.features = options.features;
-  track.min_distance_px = options.min_distance_px;
-  track.seed = options.seed;
-  track.max_residual_ratio = 0.4;
-  track.max_reference_residual = 1e6;
-  track.max_epipolar_error_px = 2.0;
-  track.max_backward_px = 1.0;
-  track.flow_levels = 5;
-  return track;
-}
 
 FeaturesOptions checked(FeaturesOptions options) {
   FeaturesOptions copy = options;
@@ -78,7 +63,7 @@ class FeaturesOdometry::State {
   State(const FeaturesOptions& options, const Camera& camera, TaskPool* pool)
       : options_(checked(options)),
         focal_px_(camera.fx),
-        tracker_(tracker_options(options), camera, pool),
+        features_(make_feature_source(options_, camera, pool)),
         map_(options_, focal_px_) {}
 
   OdometryUpdate process(const Frame& frame);
@@ -92,7 +77,6 @@ class FeaturesOdometry::State {
     Sightings sightings;
   };
 
-  Sightings follow_features(const Frame& frame);
   void start(OdometryUpdate& update, const Sightings& sightings);
   bool start_from_pair(OdometryUpdate& update, const Waiting& first, const Waiting& second);
   void place_waiting(std::size_t first_keyframe);
@@ -108,7 +92,7 @@ class FeaturesOdometry::State {
 
   FeaturesOptions options_;
   double focal_px_;
-  Tracker tracker_;
+  std::unique_ptr<FeatureSource> features_;
   FrameCheck check_;
   LocalMap map_;
   PoseChain chain_;
@@ -126,7 +110,7 @@ OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
   ++processed_;
   const FrameCheckResult look = check_.check(frame.image.view(), frame.stamp);
   if (look.useful()) {
-    const Sightings sightings = follow_features(frame);
+    const Sightings sightings = features_->next(frame);
     started_ ? follow(update, sightings) : start(update, sightings);
     // Against the last frame that moved, or a slow motion would never be seen.
     if (update.reason != OdometryReason::no_motion) moved_sightings_ = sightings;
@@ -144,14 +128,6 @@ OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
   update.world_from_camera = chain_.last_camera_from_world(map_).inverse();
   update.milliseconds = stopwatch.lap_ms();
   return update;
-}
-
-Sightings FeaturesOdometry::State::follow_features(const Frame& frame) {
-  Sightings sightings;
-  for (const TrackedFeature& feature : tracker_.process(frame.image.view(), frame.stamp).features) {
-    if (feature.ray.allFinite()) sightings.push_back({feature.id, feature.ray.cast<double>()});
-  }
-  return sightings;
 }
 
 CalibratedRansacOptions FeaturesOdometry::State::ransac(double max_error_px) const {

@@ -1,13 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/odometry/features/options.h"
 
+#include "rastro/odometry/features/feature_source.h"
+
 namespace rastro {
 namespace {
 
 void add_input_options(OptionTable& table, FeaturesOptions& o) {
-  table.add({"matcher", &o.matcher, "", "tracks: the occlusion-robust tracks", 0, 0, {"tracks"}});
-  table.add({"features", &o.features, "", "features held in a frame", 20, 5000, {}});
-  table.add({"min_distance_px", &o.min_distance_px, "px", "least distance between features", 1, 500, {}});
+  table.add({"matcher", &o.matcher, "",
+             "what features are matched by: tracks (the occlusion-robust tracks, the fastest) or descriptors", 0, 0,
+             matcher_names()});
+  table.add({"features", &o.features, "", "features held in a frame by tracks", 20, 5000, {}});
+  table.add({"min_distance_px", &o.min_distance_px, "px", "least distance between features of tracks", 1, 500, {}});
+  table.add({"max_keypoints", &o.max_keypoints, "", "keypoints of a frame that get a descriptor", 20, 20000, {}});
+  table.add({"max_ratio",
+             &o.max_ratio,
+             "",
+             "a descriptor's nearest must be at most this share as far as its second nearest (Lowe 2004)",
+             0.1,
+             1,
+             {}});
   table.add({"seed", &o.seed, "", "of every random draw", 0, 1e18, {}});
 }
 

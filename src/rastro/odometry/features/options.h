@@ -14,6 +14,8 @@ struct FeaturesOptions {
   std::string matcher = "tracks";
   int features = 400;
   double min_distance_px = 14.0;
+  int max_keypoints = 1500;
+  double max_ratio = 0.8;
   std::uint64_t seed = 1;
 
   // Starting.
