@@ -83,6 +83,40 @@ help() {
   done
 }
 
+# Poses on a bent path, as TUM text: trajectory FILE COUNT SCALE
+trajectory() {
+  awk -v count="$2" -v scale="$3" 'BEGIN { for (k = 0; k < count; ++k)
+    printf "%.1f %.6f %.6f %.6f 0 0 0 1\n", k / 10, scale * k, scale * 9 * sin(k / 9), scale * cos(k / 5) }' >"$1"
+}
+
+evaluate_trajectory() {
+  trajectory "$here/truth.txt" 60 1
+  trajectory "$here/half.txt" 60 0.5
+  trajectory "$here/short.txt" 30 1
+  run 0 evaluate trajectory "$here/truth.txt" "$here/half.txt" --align sim3 --segments 10,20 --plot "$here/plot.svg"
+  said 'matched     60 of 60'
+  said 'scaled by 2.0000'
+  grep -q '</svg>' "$here/plot.svg" || fail "no plot was written"
+  run 0 evaluate trajectory "$here/truth.txt" "$here/half.txt" "$here/short.txt" --plot "$here/plot.png"
+  said 'coverage differs (50.0 to 100.0 %)'
+  run 0 evaluate trajectory "$here/truth.txt" "$here/short.txt" --json --require 'ate_rmse<=0.001'
+  said '"coverage": 50.0'
+  run 1 evaluate trajectory "$here/truth.txt" "$here/short.txt" --require 'coverage>=95' --quiet
+  refused "did you mean 'ate_rmse'" evaluate trajectory "$here/truth.txt" "$here/short.txt" --require 'ate_rms<=1'
+  refused '.svg or .png' evaluate trajectory "$here/truth.txt" "$here/short.txt" --plot "$here/plot.pdf"
+  refused 'nowhere' evaluate trajectory "$here/truth.txt" "$here/nowhere"
+  sed 's/^/9/' "$here/truth.txt" >"$here/late.txt"
+  refused 'no pose lies within' evaluate trajectory "$here/truth.txt" "$here/late.txt" --max-dt 0.01
+  mkdir "$here/run" && cp "$here/truth.txt" "$here/run/trajectory.txt"
+  run 0 evaluate trajectory "$here/truth.txt" "$here/run"
+  echo '1 0 0 0 0 1 0 0 0 0 1 0' >"$here/kitti.txt"
+  refused 'times.txt' evaluate trajectory "$here/truth.txt" "$here/kitti.txt"
+  run 0 evaluate trajectory "$hall" "$hall/mav0/state_groundtruth_estimate0/data.csv" --align none --estimate-of body
+  said 'compared as it is'
+  run 0 evaluate trajectory "$hall" "$hall/mav0/state_groundtruth_estimate0/data.csv"
+  said 'turned into poses of the camera by T_BS'
+}
+
 unknown_command() {
   refused "did you mean 'track'" trck "$hall"
   refused "unknown option '--nonsense'" --nonsense

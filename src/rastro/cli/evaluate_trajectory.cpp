@@ -25,7 +25,7 @@ the folder of a run (its trajectory.txt); REF may be a recording with ground tru
   matched     poses of both sides whose stamps are at most --max-dt apart, nearest first, none twice, in order. KITTI poses
               have the stamps of FILE_times.txt or times.txt beside them; two KITTI files are paired line by line
   coverage    poses of the reference within 0.6 of a step of a matched pose, in % of all; step: the median step of REF or EST, the
-              longer one, EST's no longer than 0.1 s. A rank between estimates of different coverage means nothing
+              longer one, EST's no longer than 0.1 s. A rank between estimates of different coverage means nothing. Of the truth in a EuRoC or TUM recording, only what lies between its first and last frame is asked for
   alignment   over all matched positions: none; se3 turns and moves; sim3 scales too (one camera knows no scale); yaw
               turns about REF's z axis and moves. All that follows is measured after it
   ATE         distance of the positions, m

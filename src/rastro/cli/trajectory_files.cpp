@@ -50,13 +50,59 @@ std::optional<CameraMount> mount_beside(const std::string& truth_file) {
   return mount_of_file(file.lexically_normal().string());
 }
 
+/// First and last stamp of the frames of a recording.
+struct Span {
+  TimeNs first = 0, last = 0;
+};
+
 /// A reference and what is found with it.
 struct Found {
   TrajectoryInput input;
   bool of_body = false;
   bool compare_in_body = false;
   std::optional<CameraMount> mount;
+  std::optional<Span> recording;
 };
+
+std::optional<Span> span_of_recording(const std::string& path) {
+  OpenOptions options;
+  options.read_ahead = 0;
+  const auto first = open(path, options);
+  options.first_frame = first->info().frame_count - 1;
+  if (options.first_frame < 0 || !first->info().has_stamps) return std::nullopt;
+  const auto begin = first->next(), end = open(path, options)->next();
+  if (!begin || !end) return std::nullopt;
+  return Span{begin->stamp, end->stamp};
+}
+
+/// Of the recording that a truth file lies in: EuRoC's or TUM's.
+std::optional<Span> span_beside(const fs::path& truth_file) {
+  const fs::path folder = truth_file.parent_path();
+  try {
+    if (is_file(folder / ".." / "cam0" / "data.csv")) return span_of_recording((folder / "..").string());
+    if (truth_file.filename() == "groundtruth.txt" && is_file(folder / "rgb.txt"))
+      return span_of_recording(folder.string());
+  } catch (const Error&) {
+    // A recording whose images are gone still has its truth.
+  }
+  return std::nullopt;
+}
+
+/// Truth often goes on longer than the camera: what no frame could give is not asked of an estimate.
+void keep_span(TrajectoryInput& input, const Span& span, std::string& said) {
+  constexpr TimeNs slack = 20'000'000;
+  TrajectoryInput kept = input;
+  kept.poses.clear();
+  kept.matrices.clear();
+  for (std::size_t k = 0; k < input.poses.size(); ++k) {
+    if (input.poses[k].stamp < span.first - slack || input.poses[k].stamp > span.last + slack) continue;
+    kept.poses.push_back(input.poses[k]);
+    kept.matrices.push_back(input.matrices[k]);
+  }
+  if (kept.poses.empty() || kept.poses.size() == input.poses.size()) return;
+  said += fmt::format("; only the {} of {} that lie within the recording", kept.poses.size(), input.poses.size());
+  input = std::move(kept);
+}
 
 Found read_recording(const std::string& path, const std::string& times) {
   const auto source = open(path);
@@ -69,6 +115,7 @@ Found read_recording(const std::string& path, const std::string& times) {
                                                 : trajectory_input_from(info.ground_truth, info.ground_truth_file);
   found.of_body = info.ground_truth_frame == "body";
   found.compare_in_body = info.format == "kitti_raw";
+  found.recording = found.input.format == TrajectoryFormat::kitti ? std::nullopt : span_of_recording(path);
   const CalibratedCamera& camera = info.cameras.front();
   if (camera.body_from_camera) found.mount = CameraMount{*camera.body_from_camera, camera.calibration_file};
   return found;
@@ -80,6 +127,7 @@ Found find_reference(const std::string& path, const std::string& times) {
   found.input = read_trajectory_input(is_folder(path) ? (fs::path(path) / "trajectory.txt").string() : path, times);
   found.of_body = found.input.format == TrajectoryFormat::euroc;
   if (found.of_body) found.mount = mount_beside(path);
+  if (found.input.format != TrajectoryFormat::kitti) found.recording = span_beside(path);
   return found;
 }
 
@@ -124,6 +172,7 @@ ReferenceTrajectory read_reference(const std::string& path, const TrajectoryFile
     reference.of_body = found.of_body;
     reference.frames = found.of_body ? "of the body, and the estimate is compared as it is" : "compared as they are";
   }
+  if (found.recording) keep_span(reference.input, *found.recording, reference.frames);
   reference.camera_world =
       !reference.of_body && (reference.input.format == TrajectoryFormat::kitti || starts_at_identity(reference.input));
   return reference;

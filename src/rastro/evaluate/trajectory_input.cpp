@@ -13,6 +13,8 @@
 namespace rastro {
 namespace {
 
+constexpr double farthest_m = 1e12;
+
 std::string times_beside(const std::string& file, std::size_t pose_count) {
   const std::filesystem::path path(file);
   for (const auto& candidate :
@@ -56,6 +58,13 @@ void set_matrices(TrajectoryInput& input) {
   for (const StampedPose& pose : input.poses) input.matrices.push_back(pose.world_from_body.matrix());
 }
 
+/// Squares of distances must stay finite.
+void require_near(const TrajectoryInput& input) {
+  for (const StampedPose& pose : input.poses)
+    if (pose.world_from_body.translation().cwiseAbs().maxCoeff() > farthest_m)
+      throw Error(fmt::format("a position is more than {:g} m away", farthest_m), input.file, "");
+}
+
 const char* name_of(TrajectoryFormat format) {
   switch (format) {
     case TrajectoryFormat::tum:
@@ -77,12 +86,14 @@ TrajectoryInput read_trajectory_input(const std::string& file, const std::string
   input.format = guess_trajectory_format(text, file);
   if (input.format == TrajectoryFormat::kitti) {
     read_kitti(text, times_file, input);
+    require_near(input);
     return input;
   }
   const bool tum = input.format == TrajectoryFormat::tum;
   const StampUnit unit = guess_column_unit(text, tum ? StampUnit::seconds : StampUnit::nanoseconds);
   input.stamps_from = fmt::format("in {}", unit_name(unit));
   input.poses = tum ? parse_tum_trajectory(text, file, unit) : parse_euroc_trajectory(text, file, unit);
+  require_near(input);
   set_matrices(input);
   return input;
 }

@@ -16,17 +16,21 @@ constexpr TimeNs longest_step = ns_per_second / 10;
 constexpr std::ptrdiff_t most_partners = 8;
 
 struct Candidate {
-  TimeNs difference = 0;
+  double difference_s = 0.0;
   std::size_t reference = 0;
   std::size_t estimate = 0;
 };
 
+/// As a double: which of two equally far poses is taken was decided by its rounding wherever published figures are
+/// from.
+double rounded_seconds(TimeNs stamp) { return static_cast<double>(static_cast<long double>(stamp) / 1e9L); }
+
 std::vector<Candidate> candidates_of(const Trajectory& reference, const Trajectory& estimate, TimeNs max_difference) {
   std::vector<Candidate> candidates;
   const auto add = [&](Trajectory::const_iterator partner, std::size_t k) {
-    const TimeNs difference = std::abs(partner->stamp - estimate[k].stamp);
-    if (difference <= max_difference)
-      candidates.push_back({difference, static_cast<std::size_t>(partner - reference.begin()), k});
+    if (std::abs(partner->stamp - estimate[k].stamp) > max_difference) return;
+    const double difference_s = std::abs(rounded_seconds(partner->stamp) - rounded_seconds(estimate[k].stamp));
+    candidates.push_back({difference_s, static_cast<std::size_t>(partner - reference.begin()), k});
   };
   for (std::size_t k = 0; k < estimate.size(); ++k) {
     const auto after = std::lower_bound(reference.begin(), reference.end(), estimate[k].stamp,
@@ -60,7 +64,7 @@ TimeNs median_step(const Trajectory& trajectory) {
 std::vector<PosePair> pair_by_stamp(const Trajectory& reference, const Trajectory& estimate, TimeNs max_difference) {
   std::vector<Candidate> candidates = candidates_of(reference, estimate, max_difference);
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return std::tie(a.difference, a.reference, a.estimate) < std::tie(b.difference, b.reference, b.estimate);
+    return std::tie(a.difference_s, a.reference, a.estimate) < std::tie(b.difference_s, b.reference, b.estimate);
   });
   std::map<std::size_t, std::size_t> taken;  // estimate by reference
   for (const Candidate& candidate : candidates)

@@ -62,7 +62,7 @@ class Axes {
 };
 
 void draw_marks(const PlotPanel& panel, const Range& range, const Axes& axes, PlotPen& pen) {
-  const int most_rows = std::max(2, static_cast<int>(panel.size.y() / 35.0));
+  const int most_rows = std::max(2, static_cast<int>(panel.size.y() / 25.0));
   for (const double y : round_marks(range.low.y(), range.high.y(), most_rows)) {
     pen.line({axes(range.low.x(), y), axes(range.high.x(), y)}, faint, 1.0);
     pen.text(fmt::format("{:.6g}", y), axes(range.low.x(), y) + Eigen::Vector2d(-5.0, 4.0), TextAnchor::right,
@@ -112,7 +112,7 @@ void draw_panel(const PlotPanel& panel, PlotPen& pen) {
   pen.line({axes(low.x(), low.y()), axes(high.x(), low.y()), axes(high.x(), high.y()), axes(low.x(), high.y()),
             axes(low.x(), low.y())},
            black, 1.0);
-  for (const PlotCurve& curve : panel.curves) pen.line(on_sheet(curve, axes), curve.colour, 1.5);
+  for (const PlotCurve& curve : panel.curves) pen.line(on_sheet(curve, axes), curve.colour, 1.2);
   pen.text(panel.title, panel.corner + Eigen::Vector2d(0.0, -6.0), TextAnchor::left, letter_px + 1.0, black);
   if (!panel.x_label.empty())
     pen.text(panel.x_label, panel.corner + Eigen::Vector2d(0.5 * panel.size.x(), panel.size.y() + 34.0),
