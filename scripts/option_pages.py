@@ -11,7 +11,10 @@ import sys
 from pathlib import Path
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "reference-options.md"
-METHODS = {"track": "The tracker: `rastro track`"}
+METHODS = {"track": "The tracker: `rastro track`",
+           "features": "Odometry from features: `rastro odometry --method features`",
+           "profiles": "Odometry from profiles: `rastro odometry --method profiles`",
+           "hybrid": "Hybrid odometry: `rastro odometry --method hybrid`"}
 HEAD = """# Options
 
 Made by `make pages` from the option tables in the program; do not edit. `rastro options METHOD` prints the same, and

@@ -15,6 +15,7 @@
 #include "rastro/cli/odometry_flags.h"
 #include "rastro/cli/program.h"
 #include "rastro/cli/progress_bar.h"
+#include "rastro/cli/yaw_calibration.h"
 #include "rastro/dataset/open.h"
 #include "rastro/dataset/recording.h"
 #include "rastro/odometry/ground_scale.h"
@@ -61,6 +62,7 @@ struct Prepared {
   std::unique_ptr<TaskPool> pool;
   std::unique_ptr<Odometry> method;
   std::optional<GroundScale> ground;
+  Trajectory yaw_reference;
 };
 
 std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
@@ -68,6 +70,13 @@ std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
   run->table = run->settings.table(flags.method);
   apply_settings(flags, run->table);
   run->scale = scale_source(flags.scale);
+  if (flags.calibrate_yaw) {
+    if (flags.method != "profiles" || flags.reference.empty()) {
+      throw Error("needs the profiles and a reference", "--calibrate-yaw",
+                  "give --method profiles --reference FILE as well");
+    }
+    run->yaw_reference = read_trajectory(flags.reference);
+  }
   const OpenOptions open = open_options(flags.data);
   run->source = rastro::open(flags.data.path, open);
   const SourceInfo& info = run->source->info();
@@ -172,7 +181,11 @@ void run_odometry(const OdometryFlags& flags) {
   write_whole_file(folder.file("trajectory.txt"), text);
   folder.write_result(to_json(end.result));
   if (end.failure) std::rethrow_exception(end.failure);
-  if (flags.data.json) {
+  if (flags.calibrate_yaw) {
+    const double lambda = prepared->settings.profiles.turn.lambda;
+    const double in_force = lambda > 0.0 ? lambda : 1.0 / prepared->source->info().cameras.front().camera->fx;
+    fmt::print("{}", yaw_calibration_report(end.trajectory, prepared->yaw_reference, in_force));
+  } else if (flags.data.json) {
     fmt::print("{}", to_json(end.result));
   } else if (!flags.data.quiet) {
     fmt::print("{}", summary(end, flags.out));

@@ -23,6 +23,7 @@ Examples:
   rastro odometry kitti/00 --out run
   rastro odometry kitti/00 --out run --scale camera-height=1.65
   rastro odometry MH_01_easy --out run --scale reference=truth.txt --set features=600
+  rastro odometry kitti/00 --out run --method profiles --calibrate-yaw --reference kitti/poses/00.txt
   rastro evaluate trajectory kitti/poses/00.txt run --align sim3)";
 
 }  // namespace
@@ -39,6 +40,13 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
       .add_option("--scale", flags.scale,
                   "Where metres come from: camera-height=METRES (above a flat road) or reference=FILE (a trajectory)")
       ->type_name("SOURCE")
+      ->group(group);
+  command
+      .add_flag("--calibrate-yaw", flags.calibrate_yaw,
+                "With --method profiles and --reference: print the radians of a pixel's shift that suit it best")
+      ->group(group);
+  command.add_option("--reference", flags.reference, "Trajectory of the camera, for --calibrate-yaw")
+      ->type_name("FILE")
       ->group(group);
   command.add_option("--options", flags.options_file, "YAML file with settings; see 'rastro options METHOD --yaml'")
       ->type_name("FILE")

@@ -19,6 +19,8 @@ struct OdometryFlags {
   std::string options_file;
   std::vector<std::string> settings;  ///< --set key=value
   std::string scale;                  ///< camera-height=METRES or reference=FILE; empty: relative.
+  bool calibrate_yaw = false;
+  std::string reference;  ///< Trajectory for calibrate_yaw.
   bool force = false;
   bool refine = false;
   bool no_refine = false;
