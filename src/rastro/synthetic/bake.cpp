@@ -8,8 +8,8 @@
 namespace rastro {
 namespace {
 
-constexpr double reach_m = 3.0;  // Farther than this nothing darkens a corner.
-constexpr double finest_node_spacing_m = 0.35;
+constexpr double reach_m = 3.0;           // Farther than this nothing darkens a corner.
+constexpr double texels_per_node = 16.0;  // Coarsely painted surfaces are lit coarsely.
 
 /// World point and outward normal of a place on a face, by walking from the middle of the face's local frame.
 struct Place {
@@ -66,9 +66,10 @@ double light_at(const Scene& scene, std::uint32_t primitive, const Place& place)
   return weight > 0.0 ? light / weight : 1.0;
 }
 
-Image<float> light_map(const Scene& scene, const Surface& surface, double detail) {
+Image<float> light_map(const Scene& scene, const Surface& surface, double detail, double finest_spacing_m) {
   // Small pictures show less of the light than of the surfaces, and light is what takes the time.
-  const double node_spacing_m = finest_node_spacing_m / std::clamp(detail, 0.25, 1.0);
+  const double node_spacing_m =
+      std::max(finest_spacing_m, texels_per_node / surface.material.texels_per_metre) / std::clamp(detail, 0.25, 1.0);
   const int columns = 2 + static_cast<int>(surface.width / node_spacing_m),
             rows = 2 + static_cast<int>(surface.height / node_spacing_m);
   Image<float> map(columns, rows);
@@ -102,7 +103,7 @@ void multiply(Image<float>& values, const Image<float>& map) {
 
 }  // namespace
 
-void Scene::bake(std::uint64_t seed, TaskPool& pool, double detail) {
+void Scene::bake(std::uint64_t seed, TaskPool& pool, double detail, double light_spacing_m) {
   tree_ = std::make_shared<const BoundsTree>(std::span(primitives_).first(still_count()));
   pool.for_chunks(0, static_cast<int>(surfaces_->size()), 1, [&](int begin, int end) {
     for (int index = begin; index < end; ++index) {
@@ -110,7 +111,7 @@ void Scene::bake(std::uint64_t seed, TaskPool& pool, double detail) {
       Random random(seed_for(seed, static_cast<std::uint64_t>(index)));
       Canvas canvas(surface.width, surface.height, detail * surface.material.texels_per_metre);
       surface.material.paint(canvas, random);
-      if (!surface.material.shines) multiply(canvas.values(), light_map(*this, surface, detail));
+      if (!surface.material.shines) multiply(canvas.values(), light_map(*this, surface, detail, light_spacing_m));
       surface.texture = Texture(canvas.values());
       surface.texels_x = canvas.values().width() / surface.width;
       surface.texels_y = canvas.values().height() / surface.height;

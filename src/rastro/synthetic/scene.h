@@ -90,8 +90,8 @@ class Scene {
   void begin_moving(Motion motion);
 
   /// Paints and lights all surfaces. The same pictures for any pool. `detail` scales the texels per metre of all
-  /// materials.
-  void bake(std::uint64_t seed, TaskPool& pool, double detail = 1.0);
+  /// materials; light is gathered every `light_spacing_m`.
+  void bake(std::uint64_t seed, TaskPool& pool, double detail = 1.0, double light_spacing_m = 0.35);
 
   bool moves() const { return !movers_.empty(); }
   /// The scene with everything where it is at `time_s`. Only of a scene whose moving things are at rest.

@@ -13,7 +13,7 @@ constexpr double camera_height_m = 1.65;
 // A block of houses with a street on each side. The middles of the streets are the lines x = 0, x = block_x, y = 0 and
 // y = block_y (metres); they cross and go on for street_beyond. Traffic keeps to the right.
 constexpr double block_x = 150.0, block_y = 150.0, street_beyond = 62.0;
-constexpr double lane = 3.5;  ///< Width; two to a street.
+constexpr double lane = 3.3;  ///< Width; two to a street, and parked cars on both sides of them.
 
 /// A place in the plane and where a car points there.
 struct PlanPose {

@@ -9,8 +9,10 @@ namespace {
 using namespace paint;
 
 float some(Random& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
+/// Fewer of them on canvases too coarse to show small things.
 int many(const Canvas& canvas, double per_square_metre) {
-  return static_cast<int>(canvas.width() * canvas.height() * per_square_metre + 0.5);
+  const double seen = std::min(1.0, canvas.texels_per_metre() / 20.0);
+  return static_cast<int>(canvas.width() * canvas.height() * per_square_metre * seen * seen + 0.5);
 }
 
 void paint_stones(Canvas& canvas, Random& random, float tone, double length, double height, float spread) {
@@ -22,8 +24,8 @@ void paint_stones(Canvas& canvas, Random& random, float tone, double length, dou
 
 void plaster(Canvas& canvas, Random& random, float tone) {
   canvas.fill(tone);
-  canvas.add_noise(random, 4.0, 10.0F, 0.80F);
-  for (int i = many(canvas, 0.02); i > 0; --i) {  // Where plaster came off or was mended.
+  canvas.add_noise(random, 4.0, 12.0F, 0.86F);
+  for (int i = many(canvas, 0.06); i > 0; --i) {  // Where plaster came off or was mended.
     const double x = random.uniform(0.0, canvas.width()), y = random.uniform(0.0, canvas.height());
     canvas.rectangle(x, y, x + random.uniform(0.2, 1.3), y + random.uniform(0.2, 0.9), tone + some(random, -34, 22),
                      0.6F);
@@ -134,11 +136,11 @@ void window_rows(Canvas& canvas, Random& random, int floors, bool ground_floor, 
 
 void weather(Canvas& canvas, Random& random, float tone) {
   const double width = canvas.width(), height = canvas.height();
-  stains(canvas, random, many(canvas, 0.35), 0.08, 0.9, 30.0F);
-  drips(canvas, random, many(canvas, 0.5), 34.0F);
-  cracks(canvas, random, many(canvas, 0.04), 2.2, 0.5F * tone);
-  specks(canvas, random, many(canvas, 3.0), tone);
-  canvas.spot(0.5 * width, height, width, 0.5, -26.0F);  // Splashes from the pavement.
+  stains(canvas, random, many(canvas, 1.2), 0.06, 0.7, 36.0F);
+  drips(canvas, random, many(canvas, 0.7), 34.0F);
+  cracks(canvas, random, many(canvas, 0.07), 2.2, 0.5F * tone);
+  specks(canvas, random, many(canvas, 6.0), tone);
+  canvas.rectangle(0, height - 0.35, width, height, 0.5F * tone, 0.4F);  // Splashes from the pavement.
 }
 
 void paint_front(Canvas& canvas, Random& random, float tone, int floors) {
@@ -208,17 +210,14 @@ void paint_garden_wall(Canvas& canvas, Random& random, float tone) {
 Material house_front(float tone, int floors) {
   return {[=](Canvas& canvas, Random& random) { paint_front(canvas, random, tone, floors); }, 55.0};
 }
-Material house_wall(float tone, int floors, double texels_per_metre) {
-  return {[=](Canvas& canvas, Random& random) { paint_wall(canvas, random, tone, floors); }, texels_per_metre};
+Material house_wall(float tone, int floors) {
+  return {[=](Canvas& canvas, Random& random) { paint_wall(canvas, random, tone, floors); }, 24.0};
 }
 Material roof(float tone) {
   return {[tone](Canvas& canvas, Random& random) { paint_roof(canvas, random, tone); }, 30.0};
 }
-Material chimney(float tone) {
-  return {[tone](Canvas& canvas, Random& random) { paint_garden_wall(canvas, random, tone); }, 40.0};
-}
-Material garden_wall(float tone) {
-  return {[tone](Canvas& canvas, Random& random) { paint_garden_wall(canvas, random, tone); }, 70.0};
+Material garden_wall(float tone, double texels_per_metre) {
+  return {[tone](Canvas& canvas, Random& random) { paint_garden_wall(canvas, random, tone); }, texels_per_metre};
 }
 
 }  // namespace rastro::street

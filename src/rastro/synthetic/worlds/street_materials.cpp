@@ -2,6 +2,7 @@
 #include "rastro/synthetic/worlds/street_materials.h"
 
 #include "rastro/synthetic/paint/details.h"
+#include "rastro/synthetic/worlds/street_drive.h"
 
 namespace rastro::street {
 namespace {
@@ -9,8 +10,10 @@ namespace {
 using namespace paint;
 
 float some(Random& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
+/// Fewer of them on canvases too coarse to show small things.
 int many(const Canvas& canvas, double per_square_metre) {
-  return static_cast<int>(canvas.width() * canvas.height() * per_square_metre + 0.5);
+  const double seen = std::min(1.0, canvas.texels_per_metre() / 20.0);
+  return static_cast<int>(canvas.width() * canvas.height() * per_square_metre * seen * seen + 0.5);
 }
 
 constexpr float asphalt_tone = 74.0F, mark_tone = 190.0F;
@@ -53,12 +56,12 @@ void mark(Canvas& canvas, Random& random, double x0, double y0, double x1, doubl
 void paint_road(Canvas& canvas, Random& random, double along_m) {
   asphalt(canvas, random);
   const double width = canvas.width(), height = canvas.height(), middle = 0.5 * width;
-  for (const double track : {0.25, 0.75})  // Where tyres have polished the road.
+  for (const double track : {-0.5 * lane, 0.5 * lane})  // Where tyres have polished the road.
     for (const double side : {-0.8, 0.8})
-      canvas.rectangle(track * width + side - 0.22, 0, track * width + side + 0.22, height, 62.0F, 0.28F);
+      canvas.rectangle(middle + track + side - 0.22, 0, middle + track + side + 0.22, height, 62.0F, 0.28F);
   for (double y = -std::fmod(along_m, 9.0); y < height; y += 9.0)
     mark(canvas, random, middle - 0.07, y, middle + 0.07, y + 3.0);
-  for (const double x : {0.28, width - 0.40}) mark(canvas, random, x, 0, x + 0.12, height);
+  for (const double x : {middle - lane - 0.1, middle + lane - 0.02}) mark(canvas, random, x, 0, x + 0.12, height);
   canvas.line(middle + 0.25, 0, middle + 0.22, height, 0.025, 36.0F, 0.8F);
   for (int i = many(canvas, 0.012); i > 0; --i)
     manhole(canvas, random, random.uniform(1.0, width - 1.0), random.uniform(0.5, height));
@@ -74,7 +77,7 @@ void paint_crossing(Canvas& canvas, Random& random) {
   asphalt(canvas, random);
   const double size = canvas.width();
   // Zebra crossings at all four sides, between the corners.
-  for (double at = 3.3; at < size - 3.6; at += 1.0) {
+  for (double at = 3.5; at < size - 3.9; at += 1.0) {
     mark(canvas, random, at, 0.3, at + 0.5, 2.7);
     mark(canvas, random, at, size - 2.7, at + 0.5, size - 0.3);
     mark(canvas, random, 0.3, at, 2.7, at + 0.5);
@@ -232,15 +235,18 @@ void paint_sky_top(Canvas& canvas, Random& random) {
 }  // namespace
 
 Material road(double along_m) {
-  return {[along_m](Canvas& canvas, Random& random) { paint_road(canvas, random, along_m); }, 100.0};
+  return {[along_m](Canvas& canvas, Random& random) { paint_road(canvas, random, along_m); }, 90.0};
 }
-Material crossing() { return {paint_crossing, 100.0}; }
-Material pavement() { return {paint_pavement, 70.0}; }
-Material kerb() { return {paint_kerb, 80.0}; }
-Material grass(double texels_per_metre) { return {paint_grass, texels_per_metre}; }
+Material crossing() { return {paint_crossing, 90.0}; }
+Material pavement() { return {paint_pavement, 60.0}; }
+Material kerb() { return {paint_kerb, 60.0}; }
+Material grass() { return {paint_grass, 2.0, true}; }
+Material plain(float tone) {
+  return {[tone](Canvas& canvas, Random&) { canvas.fill(tone); }, 2.0, true};
+}
 Material bark() { return {paint_bark, 90.0}; }
 Material foliage(float tone) {
-  return {[tone](Canvas& canvas, Random& random) { paint_leaves(canvas, random, tone, 60.0, 0.14); }, 45.0};
+  return {[tone](Canvas& canvas, Random& random) { paint_leaves(canvas, random, tone, 110.0, 0.11); }, 45.0};
 }
 Material hedge() {
   return {[](Canvas& canvas, Random& random) { paint_leaves(canvas, random, 62.0F, 160.0, 0.09); }, 55.0};

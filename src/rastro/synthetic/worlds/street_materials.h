@@ -13,22 +13,22 @@ Material road(double along_m);
 Material crossing();
 Material pavement();
 Material kerb();
-Material grass(double texels_per_metre);
+Material grass();
+/// For faces that nobody sees.
+Material plain(float tone);
 
-/// The front of a house, with windows and doors from `floors` floors; others of its walls have few windows and less
-/// detail.
+/// The front of a house with doors and windows; its other walls have fewer windows and less detail.
 Material house_front(float tone, int floors);
-Material house_wall(float tone, int floors, double texels_per_metre);
+Material house_wall(float tone, int floors);
 Material roof(float tone);
-Material chimney(float tone);
-Material garden_wall(float tone);
+Material garden_wall(float tone, double texels_per_metre = 60.0);
 
 Material bark();
 Material foliage(float tone);
 Material hedge();
 
 Material pole(float tone);
-/// A board with writing; round ones are painted on a square of their mean surroundings.
+/// A board with writing.
 Material board();
 Material street_lamp();
 
@@ -37,7 +37,7 @@ Material car_cabin(float tone);
 Material wheel();
 Material shadow();
 
-/// Walls of the sky, `height_m` high, the horizon `horizon_m` above their lower edge; and its top.
+/// Walls of the sky, the horizon `horizon_m` above their lower edge; and its top.
 Material sky(double horizon_m);
 Material sky_top();
 

@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double corner_m = 6.8;  // Half the size of a crossing with its pavements.
-constexpr double tile_m = 14.0;   // Length of a piece of road.
+constexpr double corner_m = house_line_m;  // Half the size of a crossing with its pavements.
+constexpr double tile_m = 14.0;            // Length of a piece of road.
 constexpr double pavement_height = 0.13;
 
 int face_towards(const Eigen::Vector2d& direction) {
@@ -27,7 +27,7 @@ class Builder {
 
   void surroundings() {
     const double middle_x = 0.5 * block_x, middle_y = 0.5 * block_y, reach = 420.0, low = -6.0, high = 190.0;
-    scene_.add_quad({middle_x, middle_y, -0.03}, {2 * reach, 0, 0}, {0, -2 * reach, 0}, grass(3.0));
+    scene_.add_quad({middle_x, middle_y, -0.03}, {2 * reach, 0, 0}, {0, -2 * reach, 0}, grass());
     const double z = 0.5 * (low + high), height = high - low;
     for (const double side : {-1.0, 1.0}) {
       scene_.add_quad({middle_x + side * reach, middle_y, z}, {0, -side * 2 * reach, 0}, {0, 0, -height}, sky(-low));
@@ -72,6 +72,7 @@ class Builder {
   void paved(const Vector3d& centre, const Vector3d& size) {
     const std::uint32_t box = scene_.add_box(centre, size, kerb());
     scene_.paint_face(box, 4, pavement());
+    scene_.paint_face(box, 5, plain(60.0F));
   }
 
   /// A part of a street between two ways along it, without crossings. Houses keep off its ends.
@@ -120,9 +121,9 @@ class Builder {
     const bool faces_along = std::abs(front.dot(line.along)) > 0.5;
     const double along_m = faces_along ? depth : width, across_m = faces_along ? width : depth;
     const std::uint32_t body = scene_.add_box(line.at(way, left_m, 0.5 * height), line.size(along_m, across_m, height),
-                                              house_wall(tone, floors, 24.0));
+                                              house_wall(tone, floors));
     scene_.paint_face(body, face_towards(front), house_front(tone, floors));
-    scene_.paint_face(body, face_towards(-front), house_wall(tone, floors, 8.0));
+    for (const int hidden : {4, 5}) scene_.paint_face(body, hidden, plain(60.0F));
     const Vector3d forward(front.x(), front.y(), 0.0), right(-front.y(), front.x(), 0.0);
     pitched_roof(line.at(way, left_m, height), forward, right, width, depth);
   }
@@ -142,11 +143,11 @@ class Builder {
       const double share = 1.0 - (step + 1.0) / (steps + 0.3), height = rise / (steps + 0.5);
       const Vector3d size =
           (width - 0.1) * right.cwiseAbs() + share * depth * forward.cwiseAbs() + Vector3d(0, 0, height);
-      scene_.add_box(eaves + Vector3d(0, 0, (step + 0.5) * height), size, garden_wall(110.0F));
+      scene_.add_box(eaves + Vector3d(0, 0, (step + 0.5) * height), size, plain(90.0F));
     }
     const double along = random_.uniform(-0.35, 0.35) * width;
     scene_.add_box(eaves + along * right + 0.12 * depth * forward + Vector3d(0, 0, rise + 0.3), {0.7, 0.7, 1.8},
-                   chimney(86.0F));
+                   garden_wall(86.0F, 30.0));
   }
 
   void front_garden(const StreetLine& line, double way, double width, double setback, double side) {
@@ -174,11 +175,11 @@ class Builder {
     const double trunk = random_.uniform(2.0, 2.6) * std::sqrt(size);
     scene_.add_cylinder(foot, foot + Vector3d(0, 0, trunk + 0.8), 0.13 * size, bark());
     const float tone = static_cast<float>(random_.uniform(52.0, 84.0));
-    for (int i = 0; i < 9; ++i) {
-      const double angle = random_.uniform(0.0, 2.0 * std::numbers::pi), reach = size * random_.uniform(0.2, 1.05);
+    for (int i = 0; i < 15; ++i) {
+      const double angle = random_.uniform(0.0, 2.0 * std::numbers::pi), reach = size * random_.uniform(0.1, 1.15);
       scene_.add_sphere(
           foot + Vector3d(reach * std::cos(angle), reach * std::sin(angle), trunk + size * random_.uniform(0.3, 2.0)),
-          size * random_.uniform(0.45, 0.8), foliage(tone));
+          size * random_.uniform(0.28, 0.66), foliage(tone));
     }
   }
 
@@ -202,7 +203,7 @@ class Builder {
       }
     }
     for (double way = begin + random_.uniform(6.0, 14.0); way < end - 6.0; way += random_.uniform(7.0, 26.0))
-      add_car(scene_, random_, line, way, side * (kerb_m - 0.62), side > 0.0);
+      add_car(scene_, random_, line, way, side * (kerb_m - 1.0), side > 0.0);
   }
 
   void lamp(const StreetLine& line, double way, double side) {
@@ -275,7 +276,7 @@ std::unique_ptr<Scene> build_scene(std::uint64_t seed, int threads, double detai
   Random traffic(seed_for(seed, 3));
   add_traffic(*scene, traffic);
   TaskPool pool(threads);
-  scene->bake(seed_for(seed, 2), pool, detail);
+  scene->bake(seed_for(seed, 2), pool, detail, 0.7);
   return scene;
 }
 

@@ -32,8 +32,8 @@ struct StreetLine {
 };
 StreetLine street_line(int number);
 
-constexpr double kerb_m = 3.5;        ///< From the middle of the street to the kerb.
-constexpr double house_line_m = 6.8;  ///< And to the edge of the pavement.
+constexpr double kerb_m = 5.4;        ///< From the middle of the street to the kerb.
+constexpr double house_line_m = 8.4;  ///< And to the edge of the pavement.
 
 /// A car at rest on `line`, its middle at (way, left_m), pointing along the street or against it.
 void add_car(Scene& scene, Random& random, const StreetLine& line, double way, double left_m, bool against);

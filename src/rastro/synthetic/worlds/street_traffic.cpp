@@ -20,7 +20,7 @@ struct Moving {
 
 // Chosen so that no car is where the drive turns across its lane; the world's test says so.
 constexpr Moving cars[] = {
-    {0, true, 2, 40.0},  {0, true, 2, 175.0},  {0, false, 2, 262.0}, {1, true, 3, 30.0},   {1, true, 3, 170.0},
+    {0, true, 2, 40.0},  {0, true, 2, 175.0},  {0, false, 2, 262.0}, {1, true, 3, 30.0},   {1, true, 3, 195.0},
     {1, true, 3, 215.0}, {1, false, 3, 105.0}, {2, true, 3, 45.0},   {2, true, 3, 160.0},  {2, false, 3, 20.0},
     {2, true, 3, 250.0}, {3, true, 2, 120.0},  {3, true, 2, 230.0},  {3, false, 2, 190.0},
 };
