@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "rastro/base/error.h"
+#include "rastro/math/robust_kernel.h"
 #include "rastro/multiview/ransac.h"
 
 namespace rastro {
@@ -84,10 +85,11 @@ struct Motion {
   Eigen::Matrix3d essential() const { return hat(direction.value) * rotation.matrix(); }
 };
 
-/// One Gauss-Newton step over the pairs that `use` accepts; nullopt when they leave it open.
+/// One Gauss-Newton step over the pairs that `use` accepts, those beyond `kernel` weighing less; nullopt when they
+/// leave it open.
 template <typename Use>
 std::optional<Motion> step_from(const Motion& motion, std::span<const Eigen::Vector2d> a,
-                                std::span<const Eigen::Vector2d> b, const Use& use) {
+                                std::span<const Eigen::Vector2d> b, const CauchyKernel& kernel, const Use& use) {
   const Eigen::Matrix3d essential = motion.essential();
   const Matrix5x9 derivatives = essential_derivatives(motion.rotation.matrix(), motion.direction);
   Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
@@ -96,8 +98,9 @@ std::optional<Motion> step_from(const Motion& motion, std::span<const Eigen::Vec
     if (!use(i)) continue;
     const SampsonTerm term = sampson_term(essential, a[i], b[i]);
     const Eigen::Matrix<double, 5, 1> row = derivatives * term.gradient;
-    normal.noalias() += row * row.transpose();
-    right.noalias() -= row * term.distance;
+    const double weight = kernel.weight(term.distance * term.distance);
+    normal.noalias() += weight * row * row.transpose();
+    right.noalias() -= weight * term.distance * row;
   }
   // A trace of damping keeps what the pairs leave open (a direction without motion) where it is.
   normal.diagonal().array() += 1e-12 * normal.trace() + 1e-300;
@@ -106,13 +109,34 @@ std::optional<Motion> step_from(const Motion& motion, std::span<const Eigen::Vec
   return Motion{SO3::exp(step.head<3>()) * motion.rotation, motion.direction.moved(step.tail<2>())};
 }
 
+/// All four motions of E have the same E but for its sign, so any of them may be refined.
+Motion motion_of(const Eigen::Matrix3d& essential) {
+  const Decomposition parts = decompose(essential);
+  return {SO3::from_matrix(parts.rotations[0]), {parts.direction}};
+}
+
+/// Gauss-Newton over the pairs with is_inlier.
+std::optional<Motion> refined_over(Motion motion, std::span<const Eigen::Vector2d> a,
+                                   std::span<const Eigen::Vector2d> b, std::span<const std::uint8_t> is_inlier,
+                                   const CauchyKernel& kernel, int iterations) {
+  for (int i = 0; i < iterations; ++i) {
+    const auto next = step_from(motion, a, b, kernel, [&](std::size_t k) { return counts(is_inlier, k); });
+    if (!next) return std::nullopt;
+    const double change = (next->essential() - motion.essential()).norm();
+    motion = *next;
+    if (change < 1e-13) break;
+  }
+  return motion;
+}
+
 class EssentialProblem {
  public:
   static constexpr std::size_t sample_size = 5;
-  EssentialProblem(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b, double focal_px)
-      : a_(a), b_(b), focal_px_(focal_px) {
+  EssentialProblem(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b,
+                   const CalibratedRansacOptions& options)
+      : a_(a), b_(b), focal_px_(options.focal_px), kernel_width_px_(options.max_error_px / 3.0) {
     for (std::size_t i = 0; i < a.size(); ++i) {
-      pixels_.add((focal_px * a[i]).cast<float>(), (focal_px * b[i]).cast<float>());
+      pixels_.add((focal_px_ * a[i]).cast<float>(), (focal_px_ * b[i]).cast<float>());
     }
   }
 
@@ -138,22 +162,34 @@ class EssentialProblem {
     }
   }
 
-  /// All four motions of E have the same E but for its sign, so any of them may be refined.
   std::optional<Eigen::Matrix3d> refit(const RobustFit& best, float limit) const {
     if (best.inliers < 6) return std::nullopt;
-    const Decomposition parts = decompose(best.model);
-    Motion motion{SO3::from_matrix(parts.rotations[0]), {parts.direction}};
+    Motion motion = motion_of(best.model);
     for (int i = 0; i < 2; ++i) {
-      const auto next = step_from(motion, a_, b_, [&](std::size_t k) { return best.squared_errors[k] <= limit; });
+      const auto next =
+          step_from(motion, a_, b_, kernel(), [&](std::size_t k) { return best.squared_errors[k] <= limit; });
       if (!next) return std::nullopt;
       motion = *next;
     }
     return motion.essential();
   }
 
+  /// An outlier that lies near its epipolar line by chance would pull a model of least squares to itself and so stay
+  /// in.
+  CauchyKernel kernel() const { return {kernel_width_px_ / focal_px_}; }
+  double cost(const std::vector<float>& squared_errors, double max_error_px) const {
+    const CauchyKernel in_pixels{kernel_width_px_};
+    double sum = 0.0;
+    for (const float e : squared_errors) {
+      const double squared = static_cast<double>(e), limit = max_error_px * max_error_px;
+      sum += in_pixels.cost(squared < limit ? squared : limit);
+    }
+    return sum;
+  }
+
  private:
   std::span<const Eigen::Vector2d> a_, b_;
-  double focal_px_;
+  double focal_px_, kernel_width_px_;
   PointPairs pixels_;
 };
 
@@ -163,6 +199,34 @@ std::vector<std::uint8_t> inliers_of(const std::vector<float>& squared_errors, d
   std::transform(squared_errors.begin(), squared_errors.end(), flags.begin(),
                  [=](float e) { return static_cast<std::uint8_t>(e <= limit); });
   return flags;
+}
+
+/// Refines over pairs within a wide limit first, since a model of few pairs counts some of the true ones out; the best
+/// of all stages is kept.
+void polish(const EssentialProblem& problem, std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b,
+            double max_error_px, RobustFit& best) {
+  double best_cost = problem.cost(best.squared_errors, max_error_px);
+  std::vector<float> errors = best.squared_errors;
+  Motion motion = motion_of(best.model);
+  const auto refine_over = [&](const Motion& from, const std::vector<std::uint8_t>& is_inlier, int iterations) {
+    const auto refined = refined_over(from, a, b, is_inlier, problem.kernel(), iterations);
+    if (refined) problem.errors(refined->essential(), errors.data());
+    return refined;
+  };
+  for (const double widening : {2.5, 1.5, 1.0}) {
+    const auto refined = refine_over(motion, inliers_of(errors, widening * max_error_px), 4);
+    if (!refined) break;
+    motion = *refined;
+    const double cost = problem.cost(errors, max_error_px);
+    if (!(cost < best_cost)) continue;
+    best_cost = cost;
+    best.model = motion.essential();
+    best.squared_errors = errors;
+  }
+  if (const auto refined = refine_over(motion_of(best.model), inliers_of(best.squared_errors, max_error_px), 5)) {
+    best.model = refined->essential();
+    best.squared_errors = errors;
+  }
 }
 
 /// Median angle between the directions to the points after the rotation.
@@ -222,44 +286,27 @@ std::optional<SE3> refine_relative_pose(const SE3& start, std::span<const Eigen:
                                         int iterations) {
   RASTRO_CHECK(a.size() == b.size() && (is_inlier.empty() || is_inlier.size() == a.size()), "pairs have two points");
   if (!(start.translation().norm() > 0.0)) return std::nullopt;
-  Motion motion{start.rotation(), {start.translation().normalized()}};
-  for (int i = 0; i < iterations; ++i) {
-    const auto next = step_from(motion, a, b, [&](std::size_t k) { return counts(is_inlier, k); });
-    if (!next) return std::nullopt;
-    const double change = (next->essential() - motion.essential()).norm();
-    motion = *next;
-    if (change < 1e-13) break;
-  }
-  return SE3(motion.rotation, motion.direction.value);
+  const auto motion =
+      refined_over({start.rotation(), {start.translation().normalized()}}, a, b, is_inlier, {1e9}, iterations);
+  if (!motion) return std::nullopt;
+  return SE3(motion->rotation, motion->direction.value);
 }
 
 std::optional<EssentialFit> estimate_essential(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b,
                                                const CalibratedRansacOptions& options) {
   RASTRO_CHECK(a.size() == b.size(), "pairs have two points");
-  const EssentialProblem problem(a, b, options.focal_px);
-  const auto found = ransac_of<Eigen::Matrix3d>(problem, a.size(), options);
+  const EssentialProblem problem(a, b, options);
+  auto found = ransac_of<Eigen::Matrix3d>(problem, a.size(), options);
   if (!found || found->inliers < 5) return std::nullopt;
+  if (found->inliers > 5) polish(problem, a, b, options.max_error_px, *found);
   EssentialFit fit;
-  fit.essential = found->model;
-  fit.iterations = found->iterations;
-  std::vector<float> errors = found->squared_errors;
-  fit.is_inlier = inliers_of(errors, options.max_error_px);
-  auto pose = recover_pose(fit.essential, a, b, fit.is_inlier);
-  if (!pose) return std::nullopt;
-  if (found->inliers > 5) {
-    if (const auto refined = refine_relative_pose(pose->second_from_first, a, b, fit.is_inlier)) {
-      problem.errors(essential_of(*refined), errors.data());
-      const auto flags = inliers_of(errors, options.max_error_px);
-      const auto again = recover_pose(essential_of(*refined), a, b, flags);
-      if (again && std::count(flags.begin(), flags.end(), 1) >= 5) {
-        fit.essential = essential_of(again->second_from_first);
-        fit.is_inlier = flags;
-        pose = again;
-      }
-    }
-  }
+  fit.is_inlier = inliers_of(found->squared_errors, options.max_error_px);
   fit.inliers = static_cast<int>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), 1));
+  fit.iterations = found->iterations;
+  const auto pose = recover_pose(found->model, a, b, fit.is_inlier);
+  if (!pose) return std::nullopt;
   fit.second_from_first = pose->second_from_first;
+  fit.essential = essential_of(fit.second_from_first);
   fit.in_front = pose->in_front;
   fit.median_parallax_deg = pose->median_parallax_deg;
   return fit;

@@ -36,7 +36,9 @@ inline TwoViewScene two_view_scene(Random& random, const SE3& second_from_first,
     const double depth = options.planar ? 8.0 / (1.0 + 0.3 * pixel.x() - 0.5 * pixel.y()) : random.uniform(3.0, 20.0);
     const Eigen::Vector3d point = depth * pixel.homogeneous(), other = second_from_first * point;
     if (other.z() < 0.5) continue;
-    const Eigen::Vector2d off(noise * random.normal(), noise * random.normal());
+    // Drawn one by one: the order of arguments is the compiler's.
+    const double off_x = noise * random.normal(), off_y = noise * random.normal();
+    const Eigen::Vector2d off(off_x, off_y);
     scene.is_outlier.push_back(random.uniform() < options.outlier_share);
     scene.points.push_back(point);
     scene.a.push_back(pixel);
