@@ -74,6 +74,12 @@ TrajectoryScoreOptions score_options(const Flags& flags) {
   return options;
 }
 
+/// The file with its folder: run folders all hold a trajectory.txt.
+std::string short_name(const std::string& file) {
+  const std::filesystem::path path(file);
+  return (path.parent_path().filename() / path.filename()).string();
+}
+
 TrajectoryPlot plot_of(const ReferenceTrajectory& reference, const std::vector<TrajectoryScores>& all) {
   TrajectoryPlot plot;
   const TrajectoryInput& input = reference.input;
@@ -87,8 +93,8 @@ TrajectoryPlot plot_of(const ReferenceTrajectory& reference, const std::vector<T
   }
   for (const TrajectoryScores& scores : all) {
     PlottedEstimate estimate;
-    estimate.name = fmt::format("{} (ATE rmse {:.4f} m, coverage {:.1f} %)", scores.estimate, scores.ate_m->rmse,
-                                scores.coverage_percent);
+    estimate.name = fmt::format("{} (ATE rmse {:.4f} m, coverage {:.1f} %)", short_name(scores.estimate),
+                                scores.ate_m->rmse, scores.coverage_percent);
     for (const PosePair& pair : scores.pairs) estimate.reference_index.push_back(pair.reference);
     for (const StampedPose& pose : scores.aligned) estimate.poses.push_back(pose.world_from_body);
     plot.estimates.push_back(estimate);
