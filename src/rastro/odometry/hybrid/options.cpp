@@ -33,13 +33,14 @@ void add_follow_options(OptionTable& table, HybridOptions& o) {
              0,
              1000,
              {}});
-  table.add({"max_error_px",
-             &o.max_error_px,
-             "px",
-             "points farther from where the motion puts them do not support it",
-             0.1,
-             100,
-             {}});
+  table.add(
+      {"max_error_px",
+       &o.max_error_px,
+       "px",
+       "points farther from where the motion puts them do not support it; turns without pitch and roll leave some px",
+       0.1,
+       100,
+       {}});
   table.add({"max_point_error_px",
              &o.max_point_error_px,
              "px",

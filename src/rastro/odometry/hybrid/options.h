@@ -21,8 +21,8 @@ struct HybridOptions {
 
   // Following.
   double min_parallax_px = 2.0;
-  double max_error_px = 2.0;
-  double max_point_error_px = 2.0;
+  double max_error_px = 4.0;
+  double max_point_error_px = 4.0;
   double min_point_parallax_deg = 0.2;
   int min_points = 12;
   double min_inlier_share = 0.3;

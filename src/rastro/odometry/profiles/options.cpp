@@ -54,6 +54,14 @@ void add_yaw_options(OptionTable& table, TurnOptions& o) {
 
 void add_pitch_options(OptionTable& table, TurnOptions& o) {
   table.add({"pitch", &o.pitch, "", "pitch from row profiles; false: none, the paper's way", 0, 1, {}});
+  table.add({"pitch_forgetting",
+             &o.pitch_forgetting,
+             "",
+             "share of each frame in the running mean of pitch, which is taken off: the ground that passes below makes "
+             "pitch drift, and a road stays level. 0: nothing is taken off",
+             0,
+             1,
+             {}});
   table.add({"max_pitch_shift_px", &o.max_pitch_shift_px, "px", "as max_shift_px, of row profiles", 1, 2000, {}});
   table.add({"band_left", &o.band_left, "", "first column of the row profiles, as share of the width", 0, 1, {}});
   table.add({"band_right", &o.band_right, "", "end of their columns, as share of the width", 0, 1, {}});

@@ -27,6 +27,7 @@ struct TurnOptions {
   double band_left = 0.35;
   double band_right = 0.65;
   double max_pitch_expansion = 0.4;
+  double pitch_forgetting = 0.05;
 
   // What to make of it.
   double min_confidence = 0.1;

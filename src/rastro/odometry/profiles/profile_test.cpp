@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rastro/base/random.h"
+#include "rastro/base/simd.h"
 #include "rastro/image/image_testing.h"
 #include "rastro/odometry/profiles/expansion.h"
 #include "rastro/odometry/profiles/shift.h"
@@ -102,6 +103,18 @@ TEST(Shift, IsThatOfTheFormulaOnNoise) {
     EXPECT_NEAR(found.shift, shift, 0.5);
     EXPECT_GT(found.confidence, 0.9);
   }
+}
+
+TEST(Shift, IsTheSameWithAndWithoutSimd) {
+  Random random(9);
+  Profile a(1021), b(1021);
+  for (auto* profile : {&a, &b}) {
+    for (auto& value : *profile) value = static_cast<std::int16_t>(static_cast<int>(random.below(32641)) - 16320);
+  }
+  const auto fast = sum_of_differences(a.data(), b.data(), 1021);
+  limit_simd_level(SimdLevel::plain);
+  EXPECT_EQ(sum_of_differences(a.data(), b.data(), 1021), fast);
+  limit_simd_level(SimdLevel::avx2);
 }
 
 TEST(Shift, IsSubPixel) {

@@ -7,9 +7,43 @@
 #include <numeric>
 
 #include "rastro/base/error.h"
+#include "rastro/base/simd.h"
+
+#if RASTRO_HAS_AVX2_CODE
+#include <immintrin.h>
+#endif
 
 namespace rastro {
 namespace {
+
+std::int64_t sum_plain(const std::int16_t* a, const std::int16_t* b, int count) {
+  std::int64_t sum = 0;
+  for (int i = 0; i < count; ++i) sum += std::abs(a[i] - b[i]);
+  return sum;
+}
+
+#if RASTRO_HAS_AVX2_CODE
+RASTRO_TARGET_AVX2 std::int64_t sum_avx2(const std::int16_t* a, const std::int16_t* b, int count) {
+  // A lane gains less than 2^16 a step: so many steps fit it.
+  constexpr int block = 16 * 16384;
+  const __m256i ones = _mm256_set1_epi16(1);
+  std::int64_t total = 0;
+  int i = 0;
+  while (i + 16 <= count) {
+    const int end = std::min(count, i + block);
+    __m256i sums = _mm256_setzero_si256();
+    for (; i + 16 <= end; i += 16) {
+      const __m256i difference = _mm256_sub_epi16(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(a + i)),
+                                                  _mm256_loadu_si256(reinterpret_cast<const __m256i*>(b + i)));
+      sums = _mm256_add_epi32(sums, _mm256_madd_epi16(_mm256_abs_epi16(difference), ones));
+    }
+    alignas(32) std::int32_t lanes[8];
+    _mm256_store_si256(reinterpret_cast<__m256i*>(lanes), sums);
+    for (const std::int32_t lane : lanes) total += lane;
+  }
+  return total + sum_plain(a + i, b + i, count - i);
+}
+#endif
 
 /// p(d) for d = -max_shift .. max_shift, grey levels.
 std::vector<double> differences(const Profile& previous, const Profile& current, int max_shift) {
@@ -51,16 +85,10 @@ double best_rival(const std::vector<double>& p, std::size_t best, double mean) {
 }  // namespace
 
 std::int64_t sum_of_differences(const std::int16_t* a, const std::int16_t* b, int count) {
-  // So many differences of 16 bits fit a 32-bit sum.
-  constexpr int block = 16384;
-  std::int64_t total = 0;
-  for (int begin = 0; begin < count; begin += block) {
-    std::uint32_t sum = 0;
-    const int end = std::min(begin + block, count);
-    for (int i = begin; i < end; ++i) sum += static_cast<std::uint32_t>(std::abs(a[i] - b[i]));
-    total += sum;
-  }
-  return total;
+#if RASTRO_HAS_AVX2_CODE
+  if (simd_level() == SimdLevel::avx2) return sum_avx2(a, b, count);
+#endif
+  return sum_plain(a, b, count);
 }
 
 ProfileShift find_shift(const Profile& previous, const Profile& current, int max_shift) {

@@ -28,7 +28,7 @@ ProfileShift find_shift(const Profile& previous, const Profile& current, int max
 /// What is read off p(d), d = -max_shift .. max_shift, in grey levels: minimum, parabola, confidence, sharpness.
 ProfileShift lowest_of(const std::vector<double>& p);
 
-/// Sum of the absolute differences of `count` values.
+/// Sum of the absolute differences of `count` values, each within 255 grey levels of 0.
 std::int64_t sum_of_differences(const std::int16_t* a, const std::int16_t* b, int count);
 
 }  // namespace rastro

@@ -22,7 +22,9 @@ std::optional<TurnStep> TurnChain::step(GreyView image, int frames) {
   result.believed = !turn->weak || change_deg <= options_.max_turn_change_deg;
   if (result.believed) {
     yaw_ = turn->yaw / frames;
-    pitch_ = turn->pitch / frames;
+    const double pitch = turn->pitch / frames;
+    pitch_ = pitch - pitch_bias_;
+    pitch_bias_ += options_.pitch_forgetting * (pitch - pitch_bias_);
   } else {
     pitch_ = 0.0;
   }

@@ -30,6 +30,7 @@ class TurnChain {
   TurnOptions options_;
   TurnMeter meter_;
   double yaw_ = 0.0, pitch_ = 0.0;  ///< Radians a frame.
+  double pitch_bias_ = 0.0;         ///< Running mean of the pitch measured, radians a frame.
 };
 
 }  // namespace rastro
