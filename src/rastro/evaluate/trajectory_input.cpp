@@ -102,14 +102,15 @@ TrajectoryInput trajectory_input_from(Trajectory trajectory, const std::string& 
   TrajectoryInput input;
   input.file = file;
   input.poses = std::move(trajectory);
+  input.of_recording = true;
   input.stamps_from = "of the recording";
   set_matrices(input);
   return input;
 }
 
 std::string describe(const TrajectoryInput& input) {
-  return fmt::format("{} ({}, {} poses, {})", input.file, name_of(input.format), input.poses.size(),
-                     input.has_stamps ? "stamps " + input.stamps_from : "no stamps");
+  return fmt::format("{} ({}, {} poses, {})", input.file, input.of_recording ? "recording" : name_of(input.format),
+                     input.poses.size(), input.has_stamps ? "stamps " + input.stamps_from : "no stamps");
 }
 
 }  // namespace rastro

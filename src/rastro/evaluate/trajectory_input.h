@@ -17,8 +17,9 @@ struct TrajectoryInput {
   Trajectory poses;  ///< In the order of time; those of a KITTI file in the order of its lines.
   /// The same poses, the rotations no better than the digits of the file: published figures are made of these.
   std::vector<Eigen::Matrix4d> matrices;
-  bool has_stamps = true;   ///< False: a KITTI file without stamps beside it; pose k is stamped k seconds.
-  std::string stamps_from;  ///< For people: "in ns", "of times.txt, in s"; empty without stamps.
+  bool has_stamps = true;     ///< False: a KITTI file without stamps beside it; pose k is stamped k seconds.
+  bool of_recording = false;  ///< Made from other files of a recording (GPS/IMU packets); `format` says nothing.
+  std::string stamps_from;    ///< For people: "in ns", "of times.txt, in s"; empty without stamps.
 };
 
 /// Reads TUM, KITTI or EuRoC text, guessing which, and guesses the unit of the stamps. KITTI poses take their stamps
