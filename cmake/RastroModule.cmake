@@ -64,10 +64,12 @@ function(rastro_add_module_tests)
     file(GLOB_RECURSE tests CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_test.cpp"
          "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_testing.cpp")
     if(tests)
-      # The tests of the tracker and of the odometry share a flight through the hall, which every process of its own would render again.
+      # The tests of the tracker and of the odometry share a flight, those of the street its paint through the hall, which every process of its own would render again.
       set(shared "")
       if(name STREQUAL "track")
         set(shared Tracker.*)
+      elseif(name STREQUAL "synthetic")
+        set(shared StreetTest.*)
       elseif(name STREQUAL "odometry")
         set(shared FeaturesOdometry.*)
       endif()
