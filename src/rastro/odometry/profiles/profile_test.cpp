@@ -152,7 +152,8 @@ TEST(Shift, MeanAndGradientIgnoreBrightness) {
 TEST(ExpandingShift, TellsWallsThatPassByFromATurn) {
   const ExpansionModel model{.focal_px = 720.0, .zero_step = 500};
   for (const double turn : {-25.0, 0.0, 8.5}) {
-    for (const auto& [low, high] : {std::pair{0.0, 0.0}, {0.12, 0.03}, {0.02, 0.16}}) {
+    for (const std::pair<double, double>& walls : {std::pair{0.0, 0.0}, {0.12, 0.03}, {0.02, 0.16}}) {
+      const double low = walls.first, high = walls.second;
       const auto previous = profile_of(1000, [](int i) { return i; });
       const auto current = profile_of(1000, [&](int i) {
         // What is at i now was at `before`: found by iterating the forward motion.
