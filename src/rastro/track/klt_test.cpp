@@ -164,7 +164,7 @@ TEST(KltReference, IsFoundAgainTurnedAndGrownWhenToldHow) {
     }
   }
   const Pyramid before = pyramid_of(a), after = pyramid_of(b);
-  for (const Eigen::Vector2f place : {Eigen::Vector2f(160.0F, 120.0F), Eigen::Vector2f(140.3F, 131.8F)}) {
+  for (const Eigen::Vector2f& place : {Eigen::Vector2f(160.0F, 120.0F), Eigen::Vector2f(140.3F, 131.8F)}) {
     KltReference reference;
     reference.keep(before, place, 21);
     const Eigen::Vector2f there = turned * (place - middle) + middle;

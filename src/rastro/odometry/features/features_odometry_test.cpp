@@ -136,8 +136,12 @@ TEST(FeaturesOdometry, ARepeatedFrameAndAnEmptyOneAreNoFault) {
   FeaturesOdometry odometry({}, flight().camera);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const OdometryUpdate update = odometry.process(frames[k]);
-    if (k == 12) EXPECT_EQ(update.reason, OdometryReason::repeated_frame);
-    if (k == 15) EXPECT_EQ(update.reason, OdometryReason::dark_or_blank);
+    if (k == 12) {
+      EXPECT_EQ(update.reason, OdometryReason::repeated_frame);
+    }
+    if (k == 15) {
+      EXPECT_EQ(update.reason, OdometryReason::dark_or_blank);
+    }
   }
   expect_sound(odometry.trajectory(), frames.size());
 }

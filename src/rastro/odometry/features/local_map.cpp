@@ -105,15 +105,4 @@ void LocalMap::drop_bad_points() {
   });
 }
 
-void LocalMap::scale_from(std::size_t fixed, double factor) {
-  const Eigen::Vector3d centre = keyframes_[fixed].camera_from_world.inverse().translation();
-  const auto moved = [&](const Eigen::Vector3d& place) { return Eigen::Vector3d(centre + factor * (place - centre)); };
-  for (std::size_t k = fixed; k < keyframes_.size(); ++k) {
-    const SE3 world_from_camera = keyframes_[k].camera_from_world.inverse();
-    keyframes_[k].camera_from_world =
-        SE3(world_from_camera.rotation(), moved(world_from_camera.translation())).inverse();
-  }
-  for (auto& [id, position] : points_) position = moved(position);
-}
-
 }  // namespace rastro

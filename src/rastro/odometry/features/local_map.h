@@ -51,8 +51,6 @@ class LocalMap {
   double refine();
   /// Drops points that any keyframe of the window sees too far off.
   void drop_bad_points();
-  /// Multiplies the map around the centre of keyframe `fixed`, from that keyframe on.
-  void scale_from(std::size_t fixed, double factor);
 
  private:
   std::size_t window_begin() const;

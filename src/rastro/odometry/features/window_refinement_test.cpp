@@ -36,7 +36,7 @@ RefinementWindow disturbed(const RefinementWindow& exact) {
   RefinementWindow window = exact;
   for (std::size_t i = 2; i < window.camera_from_world.size(); ++i) {
     const SE3& pose = window.camera_from_world[i];
-    const auto small = [&](double size) {
+    const auto small = [&](double size) -> Eigen::Vector3d {
       return size * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
     };
     window.camera_from_world[i] = SE3(SO3::exp(small(0.01)) * pose.rotation(), pose.translation() + small(0.05));
