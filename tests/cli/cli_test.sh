@@ -89,6 +89,25 @@ trajectory() {
     printf "%.1f %.6f %.6f %.6f 0 0 0 1\n", k / 10, scale * k, scale * 9 * sin(k / 9), scale * cos(k / 5) }' >"$1"
 }
 
+odometry() {
+  local method
+  for method in features profiles hybrid; do
+    run 0 odometry "$hall" --out "$here/$method" --method "$method"
+    said 'trajectory.txt holds the poses'
+    [[ $(grep -cv '^#' "$here/$method/trajectory.txt") -eq $(grep -cv '^#' "$here/$method/trajectory_online.txt") ]] ||
+      fail "not every frame has a pose"
+    grep -q 'scale: relative' "$here/$method/trajectory.txt" || fail "the scale is not said"
+  done
+  run 0 odometry "$hall" --out "$here/scaled" --scale "reference=$here/features/trajectory.txt" --json
+  said '"scale": "metres, from reference='
+  refused "did you mean 'features'" odometry "$hall" --out "$here/no" --method featurs
+  refused "did you mean 'features'" odometry "$hall" --out "$here/no" --set featurs=3
+  refused 'camera-height' odometry "$hall" --out "$here/no" --scale height=1
+  refused 'give --method profiles' odometry "$hall" --out "$here/no" --calibrate-yaw
+  refused 'nowhere' odometry "$here/nowhere" --out "$here/no"
+  [[ ! -e "$here/no" ]] || fail "a refused run left a folder"
+}
+
 evaluate_trajectory() {
   trajectory "$here/truth.txt" 60 1
   trajectory "$here/half.txt" 60 0.5
