@@ -64,7 +64,8 @@ function(rastro_add_module_tests)
     file(GLOB_RECURSE tests CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_test.cpp"
          "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_testing.cpp")
     if(tests)
-      # The tests of the tracker and of the odometry share a flight, those of the street its paint through the hall, which every process of its own would render again.
+      # Tests that share what is dear to make, such as a flight through the hall, run in one process; else each would
+      # render it again.
       set(shared "")
       if(name STREQUAL "track")
         set(shared Tracker.*)

@@ -26,7 +26,7 @@ constexpr float not_seen = -1.0F;
 constexpr double nearest_depth = 0.1;
 // Steps between these, in heights, are seen well: shorter ones hardly move the road, longer ones leave it.
 constexpr double shortest_step = 0.15, longest_step = 2.0;
-constexpr std::size_t fewest_frames = 10;
+constexpr int fewest_frames = 10;
 
 double height_at(double index) { return lowest * std::pow(highest / lowest, index / (heights - 1)); }
 Eigen::Vector3d downwards(double pitch) { return {0.0, std::cos(pitch), std::sin(pitch)}; }
@@ -63,7 +63,8 @@ void GroundScale::add(GreyView image, const SE3& world_from_camera) {
   if (width_ != image.width || height_ != image.height) choose_samples(image);
   const bool comparable = last_pose_ && width_ == image.width && height_ == image.height;
   if (comparable) {
-    if (auto costs = compare(image, world_from_camera.inverse() * *last_pose_)) frames_.push_back(std::move(*costs));
+    if (const auto costs = compare(image, world_from_camera.inverse() * *last_pose_))
+      (even_.frames == odd_.frames ? even_ : odd_).add(*costs);
   }
   last_pose_ = world_from_camera;
   width_ = image.width;
@@ -135,23 +136,36 @@ float GroundScale::difference(GreyView image, const std::vector<Eigen::Vector3d>
   return 2 * seen > turned.size() ? sum / static_cast<float>(seen) : not_seen;
 }
 
-/// The best height for some of the frames together, as an index in fractions.
-std::optional<double> GroundScale::best_of(const std::vector<std::size_t>& frames) const {
-  std::vector<double> total(static_cast<std::size_t>(heights), 0.0);
-  std::vector<int> votes(total.size(), 0);
-  for (const std::size_t frame : frames) {
-    const Costs& costs = frames_[frame];
-    const float worst = *std::max_element(costs.begin(), costs.end());
-    for (std::size_t i = 0; i < costs.size(); ++i) {
-      if (costs[i] == not_seen) continue;
-      total[i] += static_cast<double>(costs[i] / std::max(1.0F, worst));
-      ++votes[i];
-    }
+void GroundScale::Sums::add(const Costs& costs) {
+  total.resize(costs.size(), 0.0);
+  votes.resize(costs.size(), 0);
+  ++frames;
+  const float worst = *std::max_element(costs.begin(), costs.end());
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    if (costs[i] == not_seen) continue;
+    total[i] += static_cast<double>(costs[i] / std::max(1.0F, worst));
+    ++votes[i];
   }
+}
+
+void GroundScale::Sums::add(const Sums& other) {
+  total.resize(std::max(total.size(), other.total.size()), 0.0);
+  votes.resize(total.size(), 0);
+  frames += other.frames;
+  for (std::size_t i = 0; i < other.total.size(); ++i) {
+    total[i] += other.total[i];
+    votes[i] += other.votes[i];
+  }
+}
+
+/// The best height, as an index in fractions.
+std::optional<double> GroundScale::best_of(const Sums& sums) {
+  const std::vector<double>& total = sums.total;
+  const std::vector<int>& votes = sums.votes;
   std::optional<std::size_t> best;
   const auto mean = [&](std::size_t i) { return total[i] / votes[i]; };
   for (std::size_t i = 0; i < total.size(); ++i) {
-    if (2 * votes[i] < static_cast<int>(frames.size())) continue;
+    if (votes[i] == 0 || 2 * votes[i] < sums.frames) continue;
     if (!best || mean(i) < mean(*best)) best = i;
   }
   if (!best || *best == 0 || *best + 1 == total.size() || votes[*best - 1] == 0 || votes[*best + 1] == 0)
@@ -162,19 +176,16 @@ std::optional<double> GroundScale::best_of(const std::vector<std::size_t>& frame
 }
 
 std::optional<GroundScale::Found> GroundScale::find() const {
-  std::vector<std::size_t> all, halves[2];
-  for (std::size_t i = 0; i < frames_.size(); ++i) {
-    all.push_back(i);
-    halves[i % 2].push_back(i);
-  }
-  if (all.size() < fewest_frames) return std::nullopt;
+  Sums all = even_;
+  all.add(odd_);
+  if (all.frames < fewest_frames) return std::nullopt;
   const auto best = best_of(all);
   if (!best) return std::nullopt;
   Found found;
   found.metres_per_unit = camera_height_m_ / height_at(*best);
   found.pitch_rad = pitch_rad_;
-  found.frames = static_cast<int>(all.size());
-  const auto even = best_of(halves[0]), odd = best_of(halves[1]);
+  found.frames = all.frames;
+  const auto even = best_of(even_), odd = best_of(odd_);
   found.relative_sigma = even && odd ? 0.5 * std::abs(std::log(height_at(*even) / height_at(*odd))) : 1.0;
   return found;
 }

@@ -38,7 +38,16 @@ class GroundScale {
   void choose_samples(GreyView image);
   void keep_textured(GreyView image);
   std::optional<Costs> compare(GreyView image, const SE3& current_from_last);
-  std::optional<double> best_of(const std::vector<std::size_t>& frames) const;
+  /// Costs of pairs of frames together, each brought to at most 1: constant memory however long the run.
+  struct Sums {
+    std::vector<double> total;
+    std::vector<int> votes;
+    int frames = 0;
+
+    void add(const Costs& costs);
+    void add(const Sums& other);
+  };
+  static std::optional<double> best_of(const Sums& sums);
 
   float difference(GreyView image, const std::vector<Eigen::Vector3d>& turned, const Eigen::Vector3d& moved) const;
 
@@ -56,7 +65,7 @@ class GroundScale {
   std::optional<SE3> last_pose_;
   Eigen::Vector3d direction_ = Eigen::Vector3d::Zero();  ///< Of the last steps.
   double pitch_rad_ = 0.0;
-  std::vector<Costs> frames_;
+  Sums even_, odd_;  ///< Every second pair, so that two halves can be held against each other.
 };
 
 }  // namespace rastro
