@@ -18,6 +18,7 @@ constexpr int points_per_chunk = 16;
 // Fixed-point scales of klt_patch.h.
 constexpr double intensity_scale = 32.0;
 constexpr double gradient_scale = 16.0;
+constexpr double everywhere = std::numeric_limits<double>::infinity();
 
 /// The whole pixel and the fraction of the upper left corner of the window around a centre; nullopt when the window
 /// leaves the padding.
@@ -82,7 +83,7 @@ double ratio_of(const KltResidual& sums, int size) {
 
 /// Moves `at` (in pixels of this level) until the window fits. False when it cannot be followed.
 bool align_patch(const PaddedImage& image, const KltPatch& patch, const StepSolver& solver, const KltOptions& options,
-                 const KltKernels& kernels, double reach_px, Eigen::Vector2d& at) {
+                 const KltKernels& kernels, double reach_px, double epsilon_px, Eigen::Vector2d& at) {
   const Eigen::Vector2d start = at;
   Eigen::Vector2d last_step = Eigen::Vector2d::Zero();
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
@@ -91,9 +92,9 @@ bool align_patch(const PaddedImage& image, const KltPatch& patch, const StepSolv
     const Eigen::Vector2d step = solver.step(kernels.mismatch(*window, patch));
     at += step;
     if ((at - start).squaredNorm() > reach_px * reach_px) return false;
-    if (step.squaredNorm() < options.epsilon_px * options.epsilon_px) return true;
+    if (step.squaredNorm() < epsilon_px * epsilon_px) return true;
     // Two steps that undo each other: the minimum lies between (Bouguet's stop).
-    if (iteration > 0 && (step + last_step).cwiseAbs().maxCoeff() < options.epsilon_px) {
+    if (iteration > 0 && (step + last_step).cwiseAbs().maxCoeff() < epsilon_px) {
       at -= 0.5 * step;
       return true;
     }
@@ -127,7 +128,8 @@ struct Follower {
         if (level == 0) return std::nullopt;
         continue;
       }
-      if (!align_patch(to.level(level), patch, solver, options, kernels, std::numeric_limits<double>::infinity(), here))
+      const double epsilon_px = level == 0 ? options.epsilon_px : options.coarse_epsilon_px;
+      if (!align_patch(to.level(level), patch, solver, options, kernels, everywhere, epsilon_px, here))
         return std::nullopt;
       at = here / scale;
     }
@@ -243,7 +245,8 @@ KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& gue
   const StepSolver solver(patch, options.min_eigenvalue);
   const PaddedImage& image = current.level(0);
   Eigen::Vector2d at = guess.cast<double>();
-  if (!solver.solvable() || !align_patch(image, patch, solver, options, kernels, reach_px, at) || !inside(image, at))
+  if (!solver.solvable() || !align_patch(image, patch, solver, options, kernels, reach_px, options.epsilon_px, at) ||
+      !inside(image, at))
     return {};
   const auto window = window_of(image, at.x(), at.y(), size_);
   if (!window) return {};

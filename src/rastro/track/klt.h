@@ -17,11 +17,12 @@ constexpr int klt_largest_window = 31;
 constexpr int klt_padding = 48;
 
 struct KltOptions {
-  int window_px = 21;            ///< Side of the square patch; odd, 5..31.
-  int iterations = 30;           ///< At most, per level.
-  double epsilon_px = 0.01;      ///< A smaller step ends a level.
-  int backward_levels = 1;       ///< Levels of the way back, starting from the old place; 0 leaves the check out.
-  double max_backward_px = 0.5;  ///< Farther from the old place after going back: not followed.
+  int window_px = 21;               ///< Side of the square patch; odd, 5..31.
+  int iterations = 30;              ///< At most, per level.
+  double epsilon_px = 0.01;         ///< A smaller step ends the finest level.
+  double coarse_epsilon_px = 0.01;  ///< As `epsilon_px`, for the coarser levels, which the next one refines.
+  int backward_levels = 1;          ///< Levels of the way back, starting from the old place; 0 leaves the check out.
+  double max_backward_px = 0.5;     ///< Farther from the old place after going back: not followed.
   double min_eigenvalue =
       1e-3;  ///< Of the patch's mean structure tensor, in (grey/px)^2: less texture cannot be followed.
   double max_residual_ratio =

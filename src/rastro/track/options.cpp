@@ -32,7 +32,14 @@ void add_flow_options(OptionTable& table, TrackOptions& o) {
       {"flow_window_px", &o.flow_window_px, "px", "side of the patch followed, odd; 21 as in VINS-Fusion", 5, 31, {}});
   table.add({"flow_levels", &o.flow_levels, "", "pyramid levels; 4 follow motions of about 80 px a frame", 1, 8, {}});
   table.add({"flow_iterations", &o.flow_iterations, "", "most steps on a level", 1, 200, {}});
-  table.add({"flow_epsilon_px", &o.flow_epsilon_px, "px", "a smaller step ends a level", 1e-4, 1, {}});
+  table.add({"flow_epsilon_px", &o.flow_epsilon_px, "px", "a smaller step ends the finest level", 1e-4, 1, {}});
+  table.add({"flow_coarse_epsilon_px",
+             &o.flow_coarse_epsilon_px,
+             "px",
+             "as flow_epsilon_px, for the coarser levels, in their own pixels; the next level refines what they leave",
+             1e-4,
+             1,
+             {}});
   table.add({"max_backward_px",
              &o.max_backward_px,
              "px",
@@ -67,8 +74,8 @@ void add_flow_options(OptionTable& table, TrackOptions& o) {
              &o.max_reference_residual,
              "",
              "as max_residual_ratio, against the look kept before the last: finds features that slide slowly onto "
-             "something in front. Large: no such check, the paper's way",
-             0.01,
+             "something in front. 0: no such check, the paper's way",
+             0,
              1e6,
              {}});
   table.add({"max_epipolar_error_px",

@@ -23,6 +23,7 @@ struct TrackOptions {
   int flow_levels = 4;
   int flow_iterations = 30;
   double flow_epsilon_px = 0.03;
+  double flow_coarse_epsilon_px = 0.03;
   double max_backward_px = 0.5;
   double max_residual_ratio = 0.1;
   double min_texture = 0.1;

@@ -52,6 +52,7 @@ KltOptions klt_options(const TrackOptions& options) {
   klt.window_px = options.flow_window_px;
   klt.iterations = options.flow_iterations;
   klt.epsilon_px = options.flow_epsilon_px;
+  klt.coarse_epsilon_px = options.flow_coarse_epsilon_px;
   klt.max_backward_px = options.max_backward_px;
   klt.max_residual_ratio = options.max_residual_ratio;
   klt.min_eigenvalue = options.min_texture;
@@ -209,6 +210,7 @@ void Tracker::State::drop_outliers(TrackFrame& frame) {
 void Tracker::State::drop_changed() {
   const std::vector<Association> followed = associations();
   if (foresees()) history_.advance(index_, followed, store_);
+  if (options_.max_reference_residual <= 0.0) return;
   std::erase_if(live_, [&](const Live& feature) {
     const Track& track = store_[feature.track];
     if (track.look().empty()) return false;

@@ -18,11 +18,12 @@ TrackOptions tracker_options(const FeaturesOptions& options) {
   track.min_distance_px = options.min_distance_px;
   track.seed = options.seed;
   track.max_residual_ratio = 0.4;
-  track.max_reference_residual = 1e6;
+  track.max_reference_residual = 0.0;
   track.max_epipolar_error_px = 2.0;
   track.max_backward_px = 1.0;
   track.flow_levels = 5;
-  track.window = 8;
+  track.flow_coarse_epsilon_px = 0.1;
+  track.window = 6;
   track.candidates_factor = 1.0;
   track.candidates_distance_px = 0.0;
   track.verify_corners = false;

@@ -38,7 +38,7 @@ struct FeaturesOptions {
   // Refinement.
   bool refine = true;
   int window_keyframes = 8;
-  int refine_iterations = 5;
+  int refine_iterations = 4;
   double huber_px = 1.0;
 };
 

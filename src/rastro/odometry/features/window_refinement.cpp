@@ -9,6 +9,7 @@
 namespace rastro {
 namespace {
 
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 constexpr double least_depth = 1e-6;
 constexpr double behind = 1e9;
@@ -22,20 +23,25 @@ struct Linearised {
   bool valid = false;
 };
 
-Linearised linearise(const SE3& camera_from_world, const Eigen::Vector3d& point, const Eigen::Vector2d& ray,
+/// A pose as its matrix: cheaper to use for many points than the quaternion.
+struct CameraMatrix {
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d translation;
+};
+
+Linearised linearise(const CameraMatrix& camera_from_world, const Eigen::Vector3d& point, const Eigen::Vector2d& ray,
                      double focal, double huber) {
   Linearised out;
-  const Eigen::Vector3d p = camera_from_world * point;
+  const Eigen::Vector3d p = camera_from_world.rotation * point + camera_from_world.translation;
   if (p.z() < least_depth) return out;
   const double inverse = 1.0 / p.z(), x = p.x() * inverse, y = p.y() * inverse;
   out.error = focal * (Eigen::Vector2d(x, y) - ray);
   Eigen::Matrix<double, 2, 3> by_place;
   by_place << focal * inverse, 0.0, -focal * x * inverse, 0.0, focal * inverse, -focal * y * inverse;
   out.by_camera.leftCols<3>() = by_place;
-  Eigen::Matrix3d cross;
-  cross << 0.0, -p.z(), p.y(), p.z(), 0.0, -p.x(), -p.y(), p.x(), 0.0;
-  out.by_camera.rightCols<3>() = -by_place * cross;
-  out.by_point = by_place * camera_from_world.rotation().matrix();
+  out.by_camera.rightCols<3>() << -focal * x * y, focal * (1.0 + x * x), -focal * y,  //
+      -focal * (1.0 + y * y), focal * x * y, focal * x;
+  out.by_point = by_place * camera_from_world.rotation;
   const double norm = out.error.norm();
   out.weight = norm <= huber ? 1.0 : huber / norm;
   out.valid = true;
@@ -62,8 +68,9 @@ class Schur {
  public:
   Schur(const RefinementWindow& window, const std::vector<int>& places, int free_cameras, double huber, double damping)
       : window_(window), places_(places) {
-    reduced_.setZero(6 * free_cameras, 6 * free_cameras);
+    blocks_.assign(static_cast<std::size_t>(free_cameras) * static_cast<std::size_t>(free_cameras), Matrix6::Zero());
     right_.setZero(6 * free_cameras);
+    for (const SE3& pose : window.camera_from_world) cameras_.push_back({pose.rotation().matrix(), pose.translation()});
     const auto& seen = window.observations;
     for (std::size_t begin = 0; begin < seen.size();) {
       std::size_t end = begin;
@@ -71,7 +78,7 @@ class Schur {
       add_point(begin, end, huber, damping);
       begin = end;
     }
-    for (Eigen::Index i = 0; i < reduced_.rows(); ++i) reduced_(i, i) *= 1.0 + damping;
+    assemble(free_cameras, damping);
   }
 
   /// Steps of the cameras, six numbers each, then of the points; false when it cannot be solved.
@@ -106,22 +113,34 @@ class Schur {
     Eigen::Vector3d right;
   };
 
+  /// Of the lower half, row by row of cameras.
+  Matrix6& block(int row, int column) { return blocks_[static_cast<std::size_t>(row * (row + 1) / 2 + column)]; }
+
+  void assemble(int free_cameras, double damping) {
+    reduced_.setZero(6 * free_cameras, 6 * free_cameras);
+    for (int row = 0; row < free_cameras; ++row) {
+      for (int column = 0; column <= row; ++column) reduced_.block<6, 6>(6 * row, 6 * column) = block(row, column);
+    }
+    reduced_.diagonal() *= 1.0 + damping;
+  }
+
   void add_point(std::size_t begin, std::size_t end, double huber, double damping) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Point point{window_.observations[begin].point, links_.size(), links_.size(), {}, Eigen::Vector3d::Zero()};
     for (std::size_t i = begin; i < end; ++i) {
       const WindowObservation& seen = window_.observations[i];
       const Linearised l =
-          linearise(window_.camera_from_world[static_cast<std::size_t>(seen.camera)],
+          linearise(cameras_[static_cast<std::size_t>(seen.camera)],
                     window_.points[static_cast<std::size_t>(seen.point)], seen.ray, window_.focal_px, huber);
       if (!l.valid) continue;
       normal += l.weight * l.by_point.transpose() * l.by_point;
       point.right -= l.weight * l.by_point.transpose() * l.error;
       const int place = places_[static_cast<std::size_t>(seen.camera)];
       if (place < 0) continue;
-      reduced_.block<6, 6>(6 * place, 6 * place) += l.weight * l.by_camera.transpose() * l.by_camera;
-      right_.segment<6>(6 * place) -= l.weight * l.by_camera.transpose() * l.error;
-      links_.push_back({place, l.weight * l.by_camera.transpose() * l.by_point});
+      const Eigen::Matrix<double, 6, 2> weighted = l.weight * l.by_camera.transpose();
+      block(place, place).noalias() += weighted * l.by_camera;
+      right_.segment<6>(6 * place).noalias() -= weighted * l.error;
+      links_.push_back({place, weighted * l.by_point});
     }
     normal.diagonal() *= 1.0 + damping;
     normal.diagonal().array() += 1e-9;
@@ -133,7 +152,7 @@ class Schur {
       for (std::size_t b = point.begin; b < point.end; ++b) {
         // The lower half is all the solver reads.
         if (links_[b].place <= links_[a].place)
-          reduced_.block<6, 6>(6 * links_[a].place, 6 * links_[b].place) -= scaled * links_[b].by_both.transpose();
+          block(links_[a].place, links_[b].place).noalias() -= scaled * links_[b].by_both.transpose();
       }
     }
     eliminated_.push_back(point);
@@ -141,6 +160,8 @@ class Schur {
 
   const RefinementWindow& window_;
   const std::vector<int>& places_;
+  std::vector<CameraMatrix> cameras_;
+  std::vector<Matrix6> blocks_;
   Eigen::MatrixXd reduced_;
   Eigen::VectorXd right_;
   std::vector<Link> links_;
