@@ -23,12 +23,17 @@ struct CalibratedCamera {
 /// What a source holds, known before the first frame is read.
 struct SourceInfo {
   std::string path;
-  std::string format;                     ///< "euroc", "tum_rgbd", "kitti_odometry", "kitti_raw", "images", "video".
+  std::string format;  ///< "euroc", "tum_rgbd", "kitti_odometry", "kitti_raw", "images", "video", "carmen", ....
   std::vector<CalibratedCamera> cameras;  ///< Left or only one first.
   std::optional<SE3> left_from_right;     ///< Stereo baseline where known.
   std::int64_t frame_count = 0;           ///< -1 when not known (some videos).
   bool has_depth = false;
   bool has_right = false;
+  bool has_image = true;  ///< False for a laser log.
+  bool has_scan = false;
+  bool has_odometry = false;
+  bool has_landmarks = false;
+  bool has_imu = false;
   double depth_factor = 0.0;       ///< Raw depth units per metre.
   bool has_stamps = true;          ///< False: stamps are made up from --rate.
   Trajectory ground_truth;         ///< Empty where there is none.
