@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/sensor/scan_text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "rastro/base/error.h"
+
+namespace rastro {
+namespace {
+
+/// The smallest float that is not below max_range: the nearest one might be, and would then be taken for a return.
+float free_range(double max_range) {
+  const auto nearest = static_cast<float>(max_range);
+  return static_cast<double>(nearest) >= max_range ? nearest
+                                                   : std::nextafter(nearest, std::numeric_limits<float>::infinity());
+}
+
+float written_range(const LaserScan& scan, std::size_t beam) {
+  if (scan.is_free(beam)) return free_range(scan.max_range);
+  return scan.is_return(beam) ? scan.ranges[beam] : 0.0F;
+}
+
+std::string seconds_of(TimeNs stamp) {
+  // Unsigned, because the least TimeNs has no positive counterpart.
+  const auto all = static_cast<std::uint64_t>(stamp);
+  const std::uint64_t size = stamp < 0 ? 0 - all : all;
+  constexpr auto second = static_cast<std::uint64_t>(ns_per_second);
+  return fmt::format("{}{}.{:09}", stamp < 0 ? "-" : "", size / second, size % second);
+}
+
+void append_pose(std::string& line, const SE2& pose) {
+  fmt::format_to(std::back_inserter(line), " {} {} {}", pose.translation().x(), pose.translation().y(),
+                 pose.rotation().angle());
+}
+
+}  // namespace
+
+std::string carmen_header() {
+  return "# CARMEN log\n"
+         "# ROBOTLASER1 laser_type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode "
+         "num_readings [range_readings] num_remissions [remission values] laser_pose_x laser_pose_y laser_pose_theta "
+         "robot_pose_x robot_pose_y robot_pose_theta laser_tv laser_rv forward_safety_dist side_safety_dist turn_axis "
+         "ipc_timestamp ipc_hostname logger_timestamp\n";
+}
+
+std::string carmen_robot_laser_line(const LaserScan& scan, const SE2& odometry_from_body, TimeNs stamp) {
+  RASTRO_CHECK(std::isfinite(scan.max_range) && std::isfinite(scan.first_angle) && std::isfinite(scan.angle_step),
+               "a scan's geometry must be finite");
+  const auto beams = scan.ranges.size();
+  const double span = beams < 2 ? 0.0 : static_cast<double>(beams - 1) * scan.angle_step;
+  std::string line = fmt::format("ROBOTLASER1 0 {} {} {} {} 0.01 0 {}", scan.first_angle, span, scan.angle_step,
+                                 scan.max_range, beams);
+  for (std::size_t beam = 0; beam < beams; ++beam)
+    fmt::format_to(std::back_inserter(line), " {}", written_range(scan, beam));
+  line += " 0";
+  append_pose(line, odometry_from_body * scan.body_from_laser);
+  append_pose(line, odometry_from_body);
+  const auto seconds = seconds_of(stamp);
+  fmt::format_to(std::back_inserter(line), " 0 0 0 0 0 {} rastro {}\n", seconds, seconds);
+  return line;
+}
+
+}  // namespace rastro
