@@ -10,7 +10,7 @@ sys.dont_write_bytecode = True
 import check_layers  # noqa: E402
 
 LICENCE = check_layers.LICENCE + "\n"
-LAYERS = "0 base:\n1 image: base\n4 dataset, synthetic: image base\n4 feature: image base\n8 cli: dataset feature image base\n"
+LAYERS = "0 base:\n1 image: base\n4 dataset, synthetic: image base\n4 feature: image base\n5 feature/fast: feature base\n8 cli: dataset feature image base\n"
 
 
 def check(files):
@@ -42,6 +42,11 @@ class Breaches(unittest.TestCase):
 
     def test_downward_include(self):
         self.assert_clean("src/rastro/feature/a.cpp", LICENCE + '#include "rastro/base/error.h"\n')
+
+    def test_a_folder_below_with_a_line_of_its_own(self):
+        self.assert_clean("src/rastro/feature/fast/a.cpp", LICENCE + '#include "rastro/feature/b.h"\n')
+        self.assert_breach("src/rastro/feature/fast/a.cpp", LICENCE + '#include "rastro/image/b.h"\n', "feature/fast may not include image")
+        self.assert_breach("src/rastro/feature/a.cpp", LICENCE + '#include "rastro/feature/fast/b.h"\n', "may not include feature/fast")
 
     def test_tests_may_use_synthetic(self):
         text = LICENCE + '#include "rastro/synthetic/hall.h"\n#include <gtest/gtest.h>\n#include <opencv2/core.hpp>\n'
