@@ -13,6 +13,7 @@
 #include "rastro/dataset/images/images.h"
 #include "rastro/dataset/kitti/kitti_odometry.h"
 #include "rastro/dataset/kitti/kitti_raw.h"
+#include "rastro/dataset/laser_log/open_log.h"
 #include "rastro/dataset/recording.h"
 #include "rastro/dataset/tum_rgbd/tum_rgbd.h"
 #include "rastro/dataset/video/video.h"
@@ -79,6 +80,7 @@ std::optional<Recording> index_recording(const std::string& path, const OpenOpti
 }
 
 std::unique_ptr<Source> open(const std::string& path, const OpenOptions& options) {
+  if (auto log = open_log(path, options)) return read_ahead(std::move(log), options.read_ahead);
   auto recording = index_recording(path, options);
   auto source = recording ? make_recording_source(std::move(*recording), options) : open_video(path, options);
   return read_ahead(std::move(source), options.read_ahead);

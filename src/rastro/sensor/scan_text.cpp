@@ -12,13 +12,6 @@
 namespace rastro {
 namespace {
 
-/// The smallest float that is not below max_range: the nearest one might be, and would then be taken for a return.
-float free_range(double max_range) {
-  const auto nearest = static_cast<float>(max_range);
-  return static_cast<double>(nearest) >= max_range ? nearest
-                                                   : std::nextafter(nearest, std::numeric_limits<float>::infinity());
-}
-
 float written_range(const LaserScan& scan, std::size_t beam) {
   if (scan.is_free(beam)) return free_range(scan.max_range);
   return scan.is_return(beam) ? scan.ranges[beam] : 0.0F;
@@ -38,6 +31,12 @@ void append_pose(std::string& line, const SE2& pose) {
 }
 
 }  // namespace
+
+float free_range(double max_range) {
+  const auto nearest = static_cast<float>(max_range);
+  return static_cast<double>(nearest) >= max_range ? nearest
+                                                   : std::nextafter(nearest, std::numeric_limits<float>::infinity());
+}
 
 std::string carmen_header() {
   return "# CARMEN log\n"

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace rastro {
+
+/// The lines of a text file, plain or packed by gzip, one at a time in constant memory.
+class LogLines {
+ public:
+  /// Error where the file cannot be opened.
+  explicit LogLines(const std::string& path);
+  ~LogLines();
+  LogLines(LogLines&&) noexcept;
+  LogLines& operator=(LogLines&&) noexcept;
+
+  /// The next line without its end, valid until the next call; nullopt at the end. Error for a line of more than 4 MiB:
+  /// that is no text. What follows the last newline of a damaged packed file is a part of a line and is left out.
+  std::optional<std::string_view> next();
+  /// Of the line that next() gave last, from 1.
+  std::int64_t number() const;
+  /// Whether the packed data broke off or is damaged; known when next() has given nullopt.
+  bool damaged() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The first 64 KiB of text in a file, plain or packed; empty where it cannot be read or holds bytes that are no text.
+std::string text_at_front(const std::string& path);
+
+}  // namespace rastro

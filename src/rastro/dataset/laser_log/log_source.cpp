@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "rastro/base/error.h"
+#include "rastro/dataset/laser_log/log_lines.h"
+#include "rastro/dataset/laser_log/log_parser.h"
+#include "rastro/dataset/recording.h"
+
+namespace rastro {
+namespace {
+
+class LogSource final : public Source {
+ public:
+  LogSource(const std::string& path, std::unique_ptr<LogParser> parser, const OpenOptions& options)
+      : parser_(std::move(parser)), lines_(path) {
+    if (!options.camera.empty()) throw Error("a laser log has no cameras", "--camera", "leave it out");
+    info_.path = path;
+    info_.has_image = false;
+    read_all();
+    parser_->start_over(info_);
+    choice_ = FrameChoice(options, info_.frame_count, path);
+    lines_ = LogLines(path);
+  }
+
+  const SourceInfo& info() const override { return info_; }
+
+  std::optional<Frame> next() override {
+    if (position_ >= choice_.count) return std::nullopt;
+    const std::int64_t wanted = choice_.index(position_++);
+    while (const auto line = lines_.next()) {
+      const LinePlace place{info_.path, lines_.number()};
+      try {
+        auto frame = parser_->read(*line, place);
+        if (!frame || at_++ < wanted) continue;
+        frame->index = wanted;
+        frame->name = fmt::format("line {}", place.line);
+        return frame;
+      } catch (const Error&) {
+        if (at_++ >= wanted) throw;
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  void read_all() {
+    std::int64_t broken = 0;
+    std::string first_problem;
+    while (const auto line = lines_.next()) {
+      try {
+        if (parser_->read(*line, {info_.path, lines_.number()})) ++info_.frame_count;
+      } catch (const Error& error) {
+        if (broken++ == 0) first_problem = error.what();
+        ++info_.frame_count;
+      }
+    }
+    if (lines_.damaged())
+      info_.warnings.push_back(fmt::format("the packed file is damaged or breaks off after {} frames, line {}: {}",
+                                           info_.frame_count, lines_.number(), info_.path));
+    if (broken > 0)
+      info_.warnings.push_back(
+          fmt::format("{} of {} frames cannot be read; the first: {}", broken, info_.frame_count, first_problem));
+    if (broken < info_.frame_count) return;
+    if (broken > 0)
+      throw Error(fmt::format("none of its {} scans can be read; {}", broken, first_problem), info_.path, "");
+    throw Error("holds no laser scan", info_.path, "the log must have scans of a front laser");
+  }
+
+  std::unique_ptr<LogParser> parser_;
+  LogLines lines_;
+  SourceInfo info_;
+  FrameChoice choice_;
+  std::int64_t at_ = 0;  ///< Number of the next frame in the file.
+  std::int64_t position_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Source> make_log_source(const std::string& path, std::unique_ptr<LogParser> parser,
+                                        const OpenOptions& options) {
+  return std::make_unique<LogSource>(path, std::move(parser), options);
+}
+
+}  // namespace rastro

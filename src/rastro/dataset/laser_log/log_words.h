@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: not installed.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "rastro/base/time.h"
+#include "rastro/math/se2.h"
+
+namespace rastro {
+
+/// Where a line stands, for messages made only when something is wrong.
+struct LinePlace {
+  std::string_view file;
+  std::int64_t line = 0;
+
+  std::string text() const;
+};
+
+/// The words of one line from left to right. Everything asked for is there and sound, or an Error says which thing of
+/// the line is not.
+class LogWords {
+ public:
+  LogWords(std::string_view line, const LinePlace& place) : rest_(line), place_(place) {}
+
+  /// nullopt at the end of the line.
+  std::optional<std::string_view> next();
+  double finite(std::string_view what);
+  /// May be nan or inf, as a range may.
+  double number(std::string_view what);
+  /// From 0 to `most`.
+  std::size_t count(std::string_view what, std::size_t most);
+  SE2 pose(std::string_view what);
+  TimeNs seconds(std::string_view what);
+  [[noreturn]] void refuse(const std::string& problem) const;
+
+ private:
+  std::string_view word(std::string_view what);
+
+  std::string_view rest_;
+  LinePlace place_;
+};
+
+}  // namespace rastro

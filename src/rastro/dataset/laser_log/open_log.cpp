@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/dataset/laser_log/open_log.h"
+
+#include "rastro/dataset/folder.h"
+#include "rastro/dataset/laser_log/carmen.h"
+#include "rastro/dataset/laser_log/log_lines.h"
+
+namespace rastro {
+
+std::unique_ptr<Source> open_log(const std::string& path, const OpenOptions& options) {
+  if (!is_file(path) || has_image_ending(path) || has_video_ending(path)) return nullptr;
+  const auto front = text_at_front(path);
+  if (looks_like_carmen(front)) return make_log_source(path, std::make_unique<CarmenParser>(), options);
+  return nullptr;
+}
+
+}  // namespace rastro
