@@ -133,6 +133,11 @@ std::string summary(const OdometryRunEnd& end, const std::string& folder) {
     for (const auto& [reason, count] : result.reasons) text += fmt::format(" {} {}", reason, count);
     text += "  (events.jsonl says which frames, with the numbers)\n";
   }
+  if (result.reasons.contains(name_of(OdometryReason::calibration_doubtful))) {
+    text +=
+        "the images do not fit the calibration: check fx, fy, cx, cy and the distortion (--calibration, --intrinsics); "
+        "events.jsonl says what would fit better\n";
+  }
   if (result.skipped_frames > 0) text += fmt::format("{} frames could not be read\n", result.skipped_frames);
   if (result.tracking == 0)
     text += "no motion was found: was the camera still, or the wrong calibration given? 'rastro check' says more\n";

@@ -41,6 +41,8 @@ const char* name_of(OdometryReason reason) {
       return "repeated_frame";
     case OdometryReason::gap:
       return "gap";
+    case OdometryReason::calibration_doubtful:
+      return "calibration_doubtful";
   }
   return "unknown";
 }

@@ -30,8 +30,9 @@ enum class OdometryReason : std::uint8_t {
   few_inliers,          ///< No motion explains enough of the matches.
   dark_or_blank,
   blurred,
-  repeated_frame,  ///< The same image, or a stamp that does not go on.
-  gap,             ///< Frames are missing: the motion since is larger than it can be followed over.
+  repeated_frame,        ///< The same image, or a stamp that does not go on.
+  gap,                   ///< Frames are missing: the motion since is larger than it can be followed over.
+  calibration_doubtful,  ///< Another calibration would fit the images clearly better; the poses are as bad as it is.
 };
 
 /// What an odometry says of one frame.

@@ -10,6 +10,7 @@
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/multiview/essential.h"
 #include "rastro/multiview/rotation.h"
+#include "rastro/odometry/features/calibration_check.h"
 #include "rastro/odometry/features/feature_source.h"
 #include "rastro/odometry/features/local_map.h"
 #include "rastro/odometry/features/pose_chain.h"
@@ -64,7 +65,8 @@ class FeaturesOdometry::State {
       : options_(checked(options)),
         focal_px_(camera.fx),
         features_(make_feature_source(options_, camera, pool)),
-        map_(options_, focal_px_) {}
+        map_(options_, focal_px_),
+        calibration_(options_.calibration_tolerance) {}
 
   OdometryUpdate process(const Frame& frame);
   Trajectory trajectory() const;
@@ -85,6 +87,7 @@ class FeaturesOdometry::State {
   std::optional<AbsolutePose> pose_from_points(const Sightings& sightings, const SE3& guess, OdometryUpdate& update);
   bool is_keyframe(const Sightings& sightings, const SE3& camera_from_world, int inliers) const;
   void add_keyframe(OdometryUpdate& update, const Sightings& sightings);
+  void check_calibration();
   void bridge(OdometryUpdate& update);
   void restart(const OdometryUpdate& update, const Sightings& sightings);
   CalibratedRansacOptions ransac(double max_error_px) const;
@@ -96,6 +99,8 @@ class FeaturesOdometry::State {
   FrameCheck check_;
   LocalMap map_;
   PoseChain chain_;
+  CalibrationCheck calibration_;
+  std::size_t next_calibration_check_ = 0;
   std::vector<Waiting> waiting_;
   bool started_ = false;
   Sightings moved_sightings_;  ///< Of the last frame that moved.
@@ -117,6 +122,10 @@ OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
     if (look.reason != OdometryReason::none && update.reason == OdometryReason::none) {
       update.reason = look.reason;
       update.detail = look.detail;
+    }
+    if (update.state == OdometryState::tracking && update.reason == OdometryReason::none && calibration_.doubtful()) {
+      update.reason = OdometryReason::calibration_doubtful;
+      update.detail = calibration_.detail(focal_px_);
     }
   } else {
     update.used = false;
@@ -292,6 +301,15 @@ void FeaturesOdometry::State::add_keyframe(OdometryUpdate& update, const Sightin
   map_.triangulate();
   if (options_.refine) map_.refine();
   map_.drop_bad_points();
+  if (options_.refine) check_calibration();
+}
+
+/// Of windows that share no more than a keyframe, so that each is news.
+void FeaturesOdometry::State::check_calibration() {
+  if (!map_.window_is_full() || map_.keyframes().size() < next_calibration_check_) return;
+  next_calibration_check_ = map_.keyframes().size() + static_cast<std::size_t>(options_.window_keyframes) - 1;
+  std::vector<std::int64_t> ids;
+  calibration_.add(map_.window(ids));
 }
 
 /// No pose could be found: the last motion goes on.

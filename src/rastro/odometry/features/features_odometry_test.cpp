@@ -160,13 +160,27 @@ TEST(FeaturesOdometry, AGapIsSaidAndTheRunGoesOn) {
   expect_sound(odometry.trajectory(), count);
 }
 
-TEST(FeaturesOdometry, AWrongFocalLengthIsNoCrash) {
+/// The flight with focal lengths `factor` times the right ones: how many frames call the calibration doubtful.
+int doubtful_frames(double factor) {
   Camera camera = flight().camera;
-  camera.fx *= 1.1;
-  camera.fy *= 1.1;
+  camera.fx *= factor;
+  camera.fy *= factor;
   FeaturesOdometry odometry({}, camera);
-  for (const Frame& frame : flight().frames) odometry.process(frame);
-  expect_sound(odometry.trajectory(), flight().frames.size());
+  int doubtful = 0;
+  for (const Frame& frame : all_frames()) {
+    const OdometryUpdate update = odometry.process(frame);
+    if (update.reason != OdometryReason::calibration_doubtful) continue;
+    EXPECT_NE(update.detail.find("check the calibration"), std::string::npos);
+    ++doubtful;
+  }
+  expect_sound(odometry.trajectory(), all_frames().size());
+  return doubtful;
+}
+
+TEST(FeaturesOdometry, AWrongFocalLengthIsSaidAndTheRunGoesOn) {
+  EXPECT_EQ(doubtful_frames(1.0), 0);
+  EXPECT_GT(doubtful_frames(1.1), 0);
+  EXPECT_GT(doubtful_frames(0.9), 0);
 }
 
 TEST(FeaturesOdometry, SettingsOutOfRangeAreAnError) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "rastro/multiview/triangulation.h"
-#include "rastro/odometry/features/window_refinement.h"
 
 namespace rastro {
 
@@ -40,6 +39,10 @@ std::size_t LocalMap::window_begin() const {
   return std::max(restarted_at_, keyframes_.size() > window ? keyframes_.size() - window : 0);
 }
 
+bool LocalMap::window_is_full() const {
+  return keyframes_.size() >= restarted_at_ + static_cast<std::size_t>(options_.window_keyframes);
+}
+
 int LocalMap::triangulate() {
   const TriangulationOptions options{focal_px_, options_.max_point_error_px, options_.min_point_parallax_deg};
   int placed = 0;
@@ -62,7 +65,7 @@ int LocalMap::triangulate() {
   return placed;
 }
 
-double LocalMap::refine() {
+RefinementWindow LocalMap::window(std::vector<std::int64_t>& ids) const {
   RefinementWindow window;
   window.focal_px = focal_px_;
   const std::size_t begin = window_begin();
@@ -70,7 +73,6 @@ double LocalMap::refine() {
     window.camera_from_world.push_back(keyframes_[k].camera_from_world);
     window.fixed.push_back(k < begin + 2 ? 1 : 0);
   }
-  std::vector<std::int64_t> ids;
   for (const auto& [id, position] : points_) {
     const auto point = static_cast<int>(window.points.size());
     const std::size_t before = window.observations.size();
@@ -85,6 +87,13 @@ double LocalMap::refine() {
     window.points.push_back(position);
     ids.push_back(id);
   }
+  return window;
+}
+
+double LocalMap::refine() {
+  std::vector<std::int64_t> ids;
+  RefinementWindow window = this->window(ids);
+  const std::size_t begin = window_begin();
   const double error = refine_window(window, {options_.refine_iterations, options_.huber_px});
   for (std::size_t k = begin; k < keyframes_.size(); ++k)
     keyframes_[k].camera_from_world = window.camera_from_world[k - begin];

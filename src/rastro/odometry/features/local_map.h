@@ -11,6 +11,7 @@
 #include "rastro/base/time.h"
 #include "rastro/math/se3.h"
 #include "rastro/odometry/features/options.h"
+#include "rastro/odometry/features/window_refinement.h"
 
 namespace rastro {
 
@@ -47,6 +48,11 @@ class LocalMap {
 
   /// Places in space what the window sees from two sides well enough and has no point yet.
   int triangulate();
+  /// Whether the window holds as many keyframes as it may.
+  bool window_is_full() const;
+  /// The window's keyframes and its points seen by two of them or more; the two oldest keyframes are fixed. `ids` gets
+  /// one id a point.
+  RefinementWindow window(std::vector<std::int64_t>& ids) const;
   /// Adjusts the window; the two oldest keyframes of it stay where they are. Returns the error in pixels.
   double refine();
   /// Drops points that any keyframe of the window sees too far off.

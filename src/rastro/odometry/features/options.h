@@ -40,6 +40,7 @@ struct FeaturesOptions {
   int window_keyframes = 8;
   int refine_iterations = 4;
   double huber_px = 1.0;
+  double calibration_tolerance = 0.045;
 };
 
 /// The table points into `options`, which must outlive it.
