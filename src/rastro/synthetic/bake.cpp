@@ -103,8 +103,10 @@ void multiply(Image<float>& values, const Image<float>& map) {
 
 }  // namespace
 
+void Scene::make_tree() { tree_ = std::make_shared<const BoundsTree>(std::span(primitives_).first(still_count())); }
+
 void Scene::bake(std::uint64_t seed, TaskPool& pool, double detail, double light_spacing_m) {
-  tree_ = std::make_shared<const BoundsTree>(std::span(primitives_).first(still_count()));
+  make_tree();
   pool.for_chunks(0, static_cast<int>(surfaces_->size()), 1, [&](int begin, int end) {
     for (int index = begin; index < end; ++index) {
       Surface& surface = (*surfaces_)[static_cast<std::size_t>(index)];

@@ -6,6 +6,7 @@
 namespace rastro {
 
 SE3 CameraPath::world_from_camera(double time_s) const {
+  if (exact_) return exact_(time_s);
   const double knots = time_s / spacing_s_;
   const auto first = static_cast<std::int64_t>(std::floor(knots));
   const double f = knots - static_cast<double>(first);

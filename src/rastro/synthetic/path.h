@@ -8,8 +8,8 @@
 
 namespace rastro {
 
-/// A smooth camera path without an end: a uniform cubic B-spline, cumulative in the rotation (Kim, Kim and Shin 1995),
-/// so that position and rotation have continuous second derivatives. Control poses are computed when they are needed.
+/// A camera path without an end. From control poses it is a uniform cubic B-spline, cumulative in the rotation (Kim,
+/// Kim and Shin 1995), so that position and rotation have continuous second derivatives; they are computed when needed.
 class CameraPath {
  public:
   /// world_from_camera of control pose `index`, which the path passes near at time index * spacing_s. Must depend on
@@ -17,11 +17,14 @@ class CameraPath {
   using Controls = std::function<SE3(std::int64_t index)>;
 
   CameraPath(Controls controls, double spacing_s) : controls_(std::move(controls)), spacing_s_(spacing_s) {}
+  /// A path that is known at all times. Must depend on nothing else.
+  explicit CameraPath(std::function<SE3(double time_s)> exact) : exact_(std::move(exact)) {}
   SE3 world_from_camera(double time_s) const;
 
  private:
   Controls controls_;
-  double spacing_s_;
+  double spacing_s_ = 0.0;
+  std::function<SE3(double time_s)> exact_;
 };
 
 /// Rotation of a camera that looks along the world's x axis (z up), turned by yaw to the left, pitch downwards and roll

@@ -93,6 +93,11 @@ class Scene {
   /// materials; light is gathered every `light_spacing_m`.
   void bake(std::uint64_t seed, TaskPool& pool, double detail = 1.0, double light_spacing_m = 0.35);
 
+  /// Makes the tree that finds solids near a ray, for scenes that are never painted; bake() does so too.
+  void make_tree();
+
+  /// How many solids never move; they come first.
+  std::uint32_t still_count() const;
   bool moves() const { return !movers_.empty(); }
   /// The scene with everything where it is at `time_s`. Only of a scene whose moving things are at rest.
   Scene at(double time_s) const;
@@ -119,7 +124,6 @@ class Scene {
   };
 
   std::uint32_t add(Primitive primitive, const Material& material);
-  std::uint32_t still_count() const;
   std::uint32_t end_of(std::size_t mover) const;
   std::vector<Primitive> primitives_;
   std::shared_ptr<std::vector<Surface>> surfaces_ = std::make_shared<std::vector<Surface>>();

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/image/image.h"
+#include "rastro/synthetic/laser_world.h"
+
+namespace rastro {
+
+enum class PlanCell : std::uint8_t { unknown, free, occupied };
+
+/// A plan at the height of the laser in square cells. Cell (column, row) covers low + resolution * [column, column + 1)
+/// x [row, row + 1): rows go up with y.
+struct FloorPlan {
+  Eigen::Vector2d low = Eigen::Vector2d::Zero();  ///< In the world, metres.
+  double resolution = 0.05;                       ///< Metres.
+  Image<PlanCell> cells;
+
+  /// unknown outside of the plan.
+  PlanCell at(const Eigen::Vector2d& point) const {
+    const Eigen::Vector2d cell = (point - low) / resolution;
+    const int x = static_cast<int>(std::floor(cell.x())), y = static_cast<int>(std::floor(cell.y()));
+    return x >= 0 && y >= 0 && x < cells.width() && y < cells.height() ? cells.at(x, y) : PlanCell::unknown;
+  }
+};
+
+/// The true plan of what stands still, as far as the first `scans` scans can see it through open doors and glass: the
+/// best that any map of them can be. occupied: the outermost millimetre of a solid or a pane runs through the cell;
+/// free: a beam does and nothing stands there; unknown: no beam ever comes there. The same for any pool.
+FloorPlan true_floor_plan(const LaserWorld& world, std::int64_t scans, double resolution, TaskPool& pool);
+
+/// floor_plan.pgm and floor_plan.yaml as map_server reads them: 0 occupied, 254 free, 205 unknown. Error where they
+/// cannot be written.
+void write_floor_plan(const FloorPlan& plan, const std::filesystem::path& folder);
+
+/// Calls visit(column, row) for every cell that a line touches, in order; places in units of cells (Amanatides and Woo
+/// 1987).
+template <typename Visit>
+void visit_cells(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Visit&& visit) {
+  const Eigen::Vector2d way = to - from;
+  int cell[2], step[2];
+  double next[2], gap[2];
+  int left = 0;
+  for (int axis = 0; axis < 2; ++axis) {
+    cell[axis] = static_cast<int>(std::floor(from[axis]));
+    left += std::abs(static_cast<int>(std::floor(to[axis])) - cell[axis]);
+    step[axis] = way[axis] > 0.0 ? 1 : -1;
+    gap[axis] = way[axis] == 0.0 ? std::numeric_limits<double>::infinity() : 1.0 / std::abs(way[axis]);
+    const double border = way[axis] > 0.0 ? cell[axis] + 1.0 - from[axis] : from[axis] - cell[axis];
+    next[axis] = way[axis] == 0.0 ? gap[axis] : border * gap[axis];
+  }
+  visit(cell[0], cell[1]);
+  for (; left > 0; --left) {
+    const int axis = next[0] < next[1] ? 0 : 1;
+    cell[axis] += step[axis];
+    next[axis] += gap[axis];
+    visit(cell[0], cell[1]);
+  }
+}
+
+}  // namespace rastro

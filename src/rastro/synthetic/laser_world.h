@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rastro/base/time.h"
+#include "rastro/math/se2.h"
+#include "rastro/synthetic/laser_model.h"
+#include "rastro/synthetic/scene.h"
+
+namespace rastro {
+
+/// A place that can be found again: a door post or a column.
+struct Landmark {
+  std::int64_t id = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< In the world, metres.
+  double radius = 0.0;                                 ///< Of the solid around it, metres.
+};
+
+/// A generated building that a robot with wheels drives through. The world is the place where the robot starts: x
+/// ahead, y left, z up, the floor at z = 0.
+struct LaserWorld {
+  std::string name;
+  std::uint64_t seed = 1;
+  /// With its tree of bounds made; only upright boxes and cylinders reach the height of the laser.
+  std::shared_ptr<const Scene> scene;
+  std::vector<GlassPane> panes;
+  std::vector<Landmark> landmarks;
+  LaserModel laser;
+  std::function<SE2(double time_s)> world_from_body;
+  double duration_s = 0.0;
+  double rate_hz = 10.0;
+  TimeNs first_stamp = 0;
+
+  /// Scans from the beginning to the end of the drive.
+  std::int64_t scan_count() const { return 1 + static_cast<std::int64_t>(duration_s * rate_hz); }
+  double time_of(std::int64_t scan) const { return static_cast<double>(scan) / rate_hz; }
+  TimeNs stamp(std::int64_t scan) const { return first_stamp + from_seconds(time_of(scan)); }
+};
+
+}  // namespace rastro
