@@ -10,7 +10,6 @@
 #include <numbers>
 
 #include "rastro/base/text.h"
-#include "rastro/base/text_file.h"
 #include "rastro/sensor/scan_text.h"
 
 namespace rastro {
@@ -97,7 +96,7 @@ Frame CarmenParser::read_flaser(LogWords words) {
   read_ranges(words, scan, beams);
   words.pose("the laser's pose");
   frame.odometry_from_body = words.pose("the odometry");
-  frame.stamp = words.seconds("the time");
+  frame.stamp = words.stamp("the time", StampUnit::seconds);
   require_end(words);
   return frame;
 }
@@ -122,7 +121,7 @@ Frame CarmenParser::read_robot_laser(LogWords words) {
   frame.odometry_from_body = words.pose("the robot's pose");
   scan.body_from_laser = frame.odometry_from_body->inverse() * odometry_from_laser;
   for (int k = 0; k < 5; ++k) words.finite("the velocities and distances");
-  frame.stamp = words.seconds("the time");
+  frame.stamp = words.stamp("the time", StampUnit::seconds);
   require_end(words);
   return frame;
 }
@@ -157,9 +156,9 @@ void CarmenParser::start_over(SourceInfo& info) {
 }
 
 bool looks_like_carmen(std::string_view front) {
-  for (const auto& line : content_lines(front)) {
-    const auto words = split_words(line.text);
-    if (words.size() > 1) return is_one_of(words.front(), known_words);
+  for (const auto line : split(front, '\n')) {
+    const auto words = split_words(line);
+    if (words.size() > 1 && !line.starts_with('#')) return is_one_of(words.front(), known_words);
   }
   return false;
 }

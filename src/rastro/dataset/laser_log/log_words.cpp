@@ -5,7 +5,6 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
-#include "rastro/sensor/stamp_text.h"
 
 namespace rastro {
 namespace {
@@ -52,10 +51,10 @@ SE2 LogWords::pose(std::string_view what) {
   return {SO2::from_angle(angle), {x, y}};
 }
 
-TimeNs LogWords::seconds(std::string_view what) {
+TimeNs LogWords::stamp(std::string_view what, StampUnit unit) {
   const auto text = word(what);
-  const auto stamp = parse_stamp(text, StampUnit::seconds);
-  if (!stamp) refuse(fmt::format("{} is {}, no time in seconds", what, in_quotes(text)));
+  const auto stamp = parse_stamp(text, unit);
+  if (!stamp) refuse(fmt::format("{} is {}, no time in {}", what, in_quotes(text), unit_name(unit)));
   return *stamp;
 }
 

@@ -9,6 +9,7 @@
 
 #include "rastro/base/time.h"
 #include "rastro/math/se2.h"
+#include "rastro/sensor/stamp_text.h"
 
 namespace rastro {
 
@@ -34,7 +35,7 @@ class LogWords {
   /// From 0 to `most`.
   std::size_t count(std::string_view what, std::size_t most);
   SE2 pose(std::string_view what);
-  TimeNs seconds(std::string_view what);
+  TimeNs stamp(std::string_view what, StampUnit unit);
   [[noreturn]] void refuse(const std::string& problem) const;
 
  private:
