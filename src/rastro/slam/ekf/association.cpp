@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/ekf/association.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace rastro {
+namespace {
+
+constexpr double nothing_near = std::numeric_limits<double>::infinity();
+
+class Associator {
+ public:
+  Associator(const EkfFilter& filter, std::span<const LandmarkRecord> records, const EkfOptions& options)
+      : records_(records), options_(options), heading_(filter.world_from_body().rotation().angle()) {
+    expected_.reserve(records.size());
+    for (std::size_t i = 0; i < records.size(); ++i) expected_.push_back(filter.expected(i));
+  }
+
+  Association operator()(const Sighting& sighting) const {
+    return sighting.sensor_id >= 0 ? by_name(sighting) : by_distance(sighting);
+  }
+
+ private:
+  double distance(const Sighting& sighting, std::size_t landmark) const {
+    const auto& expected = expected_[landmark];
+    return squared_mahalanobis(sighting.in_body - expected.in_body, expected.covariance + sighting.covariance);
+  }
+
+  bool alike(const Sighting& sighting, const LandmarkRecord& record) const {
+    if (sighting.kind != record.kind || record.sensor_id >= 0) return false;
+    if (sighting.kind != LandmarkKind::corner) return true;
+    const double off = angle_between(sighting.direction + heading_, record.direction);
+    return off <= options_.max_direction_deg * std::numbers::pi / 180.0;
+  }
+
+  Association by_name(const Sighting& sighting) const {
+    for (std::size_t i = 0; i < records_.size(); ++i) {
+      if (records_[i].sensor_id != sighting.sensor_id) continue;
+      const double found = distance(sighting, i);
+      return {found <= options_.named_gate ? Association::Kind::landmark : Association::Kind::contradicting, i, found};
+    }
+    return {};
+  }
+
+  Association by_distance(const Sighting& sighting) const {
+    Association best{Association::Kind::fresh, 0, nothing_near};
+    double second = nothing_near;
+    for (std::size_t i = 0; i < records_.size(); ++i) {
+      if (!alike(sighting, records_[i])) continue;
+      const double found = distance(sighting, i);
+      if (found < best.distance) {
+        second = best.distance;
+        best = {Association::Kind::fresh, i, found};
+      } else if (found < second) {
+        second = found;
+      }
+    }
+    if (best.distance > options_.new_gate) return best;
+    best.kind = Association::Kind::contradicting;
+    if (best.distance > options_.gate) return best;
+    const bool clear = second > options_.gate || second - best.distance >= options_.ambiguity;
+    best.kind = clear ? Association::Kind::landmark : Association::Kind::ambiguous;
+    return best;
+  }
+
+  std::span<const LandmarkRecord> records_;
+  const EkfOptions& options_;
+  double heading_;
+  std::vector<EkfFilter::Expected> expected_;
+};
+
+/// Where several sightings claim one landmark, the nearest has it.
+void settle_claims(std::vector<Association>& associations, std::size_t landmarks) {
+  std::vector<std::optional<std::size_t>> claimed(landmarks);
+  for (std::size_t i = 0; i < associations.size(); ++i) {
+    if (associations[i].kind != Association::Kind::landmark) continue;
+    auto& holder = claimed[associations[i].landmark];
+    std::size_t loser = i;
+    if (!holder) {
+      holder = i;
+      continue;
+    }
+    if (associations[i].distance < associations[*holder].distance) std::swap(loser, *holder);
+    associations[loser].kind = Association::Kind::ambiguous;
+  }
+}
+
+}  // namespace
+
+std::vector<Association> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
+                                   std::span<const Sighting> sightings, const EkfOptions& options) {
+  const Associator associator(filter, records, options);
+  std::vector<Association> result;
+  result.reserve(sightings.size());
+  for (const Sighting& sighting : sightings) result.push_back(associator(sighting));
+  settle_claims(result, records.size());
+  return result;
+}
+
+double angle_between(double a, double b) { return std::abs(std::remainder(a - b, 2.0 * std::numbers::pi)); }
+
+double squared_mahalanobis(const Eigen::Vector2d& difference, const Eigen::Matrix2d& covariance) {
+  return difference.dot(covariance.inverse() * difference);
+}
+
+}  // namespace rastro

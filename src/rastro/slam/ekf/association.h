@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "rastro/slam/ekf/filter.h"
+#include "rastro/slam/ekf/options.h"
+#include "rastro/slam/ekf/sighting.h"
+
+namespace rastro {
+
+/// What one sighting is taken for.
+struct Association {
+  enum class Kind : std::uint8_t {
+    landmark,      ///< Of the map: it corrects the filter.
+    fresh,         ///< Far from all: perhaps a landmark to be.
+    ambiguous,     ///< Two landmarks would do, or another sighting fits this landmark better: not used.
+    contradicting  ///< Near a landmark or of its name, but outside the gate: not used.
+  };
+  Kind kind = Kind::fresh;
+  std::size_t landmark = 0;
+  double distance = 0.0;  ///< Squared Mahalanobis distance to it.
+};
+
+/// Each sighting to the nearest landmark inside the gate, by squared Mahalanobis distance (Durrant-Whyte and Bailey
+/// 2006, part II); by name where the sensor gives one. A landmark is taken once at most. `records` are those of the
+/// filter's landmarks. The outcome does not depend on anything but the arguments.
+std::vector<Association> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
+                                   std::span<const Sighting> sightings, const EkfOptions& options);
+
+/// The angle between two directions, 0 to pi.
+double angle_between(double a, double b);
+
+/// v^T C^-1 v
+double squared_mahalanobis(const Eigen::Vector2d& difference, const Eigen::Matrix2d& covariance);
+
+}  // namespace rastro

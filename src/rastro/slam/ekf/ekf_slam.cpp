@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/ekf/ekf_slam.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "rastro/base/random.h"
+#include "rastro/slam/ekf/motion_model.h"
+#include "rastro/slam/ekf/scan_features.h"
+
+namespace rastro {
+namespace {
+
+constexpr double degrees = 180.0 / std::numbers::pi;
+
+SE3 in_space(const SE2& pose) {
+  return {SO3::exp({0.0, 0.0, pose.rotation().angle()}), {pose.translation().x(), pose.translation().y(), 0.0}};
+}
+
+bool is_finite(const SE2& pose) { return pose.translation().allFinite() && std::isfinite(pose.rotation().angle()); }
+
+/// The first reason stands: what comes later often follows from it.
+void doubt(SlamUpdate& update, SlamReason reason, std::string detail) {
+  update.state = SlamState::weak;
+  if (update.reason != SlamReason::none && update.reason != SlamReason::first_frame) return;
+  update.reason = reason;
+  update.detail = std::move(detail);
+}
+
+int returns_of(const LaserScan& scan) {
+  int count = 0;
+  for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) count += scan.is_return(beam) ? 1 : 0;
+  return count;
+}
+
+bool is_new_keyframe(const Trajectory& keyframes, const SE3& pose, const EkfOptions& options) {
+  if (keyframes.empty()) return true;
+  const SE3 motion = keyframes.back().world_from_body.inverse() * pose;
+  return motion.translation().norm() >= options.keyframe_m ||
+         motion.rotation().log().norm() * degrees >= options.keyframe_deg;
+}
+
+}  // namespace
+
+EkfSlam::EkfSlam(const EkfOptions& options, bool scans_expected)
+    : options_(options), scans_expected_(scans_expected), candidates_(options), grid_(options.cell_m, {}) {}
+
+SlamUpdate EkfSlam::process(const Frame& frame) {
+  SlamUpdate update;
+  update.index = frame.index;
+  update.stamp = frame.stamp;
+  update.state = SlamState::tracking;
+  if (last_stamp_ && frame.stamp <= *last_stamp_) {
+    doubt(update, SlamReason::repeated_frame, "its time does not go on; not used");
+    say_pose(update);
+    return update;
+  }
+  predict(frame, update);
+  const std::vector<Sighting> sightings = see(frame, update);
+  const std::vector<Sighting> fresh = correct(sightings, update);
+  learn(fresh, update);
+  keep(frame, update);
+  return update;
+}
+
+void EkfSlam::predict(const Frame& frame, SlamUpdate& update) {
+  if (!last_stamp_) update.reason = SlamReason::first_frame;
+  const Motion motion = last_stamp_ ? motion_since_last(frame, update) : Motion();
+  filter_.predict(motion.last_from_body, motion.covariance);
+  candidates_.move(motion);
+  blind_m_ += motion.last_from_body.translation().norm();
+}
+
+Motion EkfSlam::motion_since_last(const Frame& frame, SlamUpdate& update) {
+  const double seconds = static_cast<double>(frame.stamp - *last_stamp_) * 1e-9;
+  const bool told = frame.odometry_from_body && is_finite(*frame.odometry_from_body);
+  if (told && last_odometry_) return motion_by_odometry(*frame.odometry_from_body, seconds, update);
+  doubt(update, SlamReason::no_odometry,
+        told ? "the frame before had none; the last motion is carried on" : "the last motion is carried on");
+  return carried_motion(last_motion_, last_seconds_, seconds, options_);
+}
+
+Motion EkfSlam::motion_by_odometry(const SE2& odometry_from_body, double seconds, SlamUpdate& update) {
+  const SE2 last_from_body = last_odometry_->inverse() * odometry_from_body;
+  if (is_jump(last_from_body, seconds, options_)) {
+    doubt(update, SlamReason::odometry_jumped,
+          fmt::format("{:.3g} m and {:.0f} deg in {:.3g} s; the last motion is carried on",
+                      last_from_body.translation().norm(), last_from_body.rotation().angle() * degrees, seconds));
+    odometry_check_.interrupt();
+    return carried_motion(last_motion_, last_seconds_, seconds, options_);
+  }
+  last_motion_ = last_from_body;
+  last_seconds_ = seconds;
+  return measured_motion(last_from_body, options_);
+}
+
+std::vector<Sighting> EkfSlam::see(const Frame& frame, SlamUpdate& update) const {
+  std::vector<Sighting> sightings = given_sightings(frame.landmarks, options_);
+  if (!frame.scan) {
+    if (scans_expected_ && sightings.empty()) doubt(update, SlamReason::no_data, "no scan; odometry alone");
+    return sightings;
+  }
+  const int returns = returns_of(*frame.scan);
+  if (returns < options_.min_returns) {
+    doubt(update, SlamReason::few_returns,
+          fmt::format("{} of {} beams returned, need {}; odometry alone", returns, frame.scan->ranges.size(),
+                      options_.min_returns));
+    return sightings;
+  }
+  Random random(seed_for(options_.seed, static_cast<std::uint64_t>(frame.index)));
+  for (Sighting& sighting : scan_sightings(*frame.scan, options_, random)) sightings.push_back(std::move(sighting));
+  return sightings;
+}
+
+std::vector<Sighting> EkfSlam::correct(std::span<const Sighting> sightings, SlamUpdate& update) {
+  const std::vector<Association> associations = associate(filter_, records_, sightings, options_);
+  std::vector<Sighting> fresh;
+  int contradicting = 0;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const auto& [kind, landmark, distance] = associations[i];
+    if (kind == Association::Kind::fresh) fresh.push_back(sightings[i]);
+    if (kind == Association::Kind::contradicting) ++contradicting;
+    if (kind != Association::Kind::landmark) continue;
+    filter_.update(landmark, sightings[i].in_body, sightings[i].covariance);
+    ++records_[landmark].observations;
+    ++update.used;
+  }
+  if (!sightings.empty()) update.score = static_cast<double>(update.used) / static_cast<double>(sightings.size());
+  if (update.used > 0) blind_m_ = 0.0;
+  if (contradicting > 1 && contradicting > update.used) {
+    doubt(update, SlamReason::poor_match,
+          fmt::format("{} of {} sightings contradict the map", contradicting, sightings.size()));
+  } else if (blind_m_ > options_.max_blind_m) {
+    doubt(update, SlamReason::too_few_points, fmt::format("no landmark recognised over {:.1f} m", blind_m_));
+  }
+  return fresh;
+}
+
+void EkfSlam::learn(std::span<const Sighting> fresh, SlamUpdate& update) {
+  const auto frame = static_cast<std::int64_t>(trajectory_.size());
+  for (const Sighting& sighting : fresh) {
+    if (candidates_.confirms(sighting, frame)) add_landmark(sighting, update);
+  }
+  candidates_.forget(frame);
+}
+
+void EkfSlam::add_landmark(const Sighting& sighting, SlamUpdate& update) {
+  if (static_cast<int>(records_.size()) >= options_.max_landmarks) return;
+  filter_.add(sighting.in_body, sighting.covariance);
+  const double heading = filter_.world_from_body().rotation().angle();
+  records_.push_back({sighting.kind, sighting.sensor_id, sighting.direction + heading, 1});
+  const std::size_t number = records_.size() - 1;
+  const Eigen::Vector2d place = filter_.landmark(number);
+  update.events.push_back({"landmark", fmt::format("{} at ({:.2f}, {:.2f}) m, known to {:.2g} m", number, place.x(),
+                                                   place.y(), std::sqrt(filter_.landmark_covariance(number).trace()))});
+}
+
+void EkfSlam::keep(const Frame& frame, SlamUpdate& update) {
+  say_pose(update);
+  const SE2 world_from_body = filter_.world_from_body();
+  trajectory_.push_back({frame.stamp, update.world_from_body});
+  if (is_new_keyframe(keyframes_, update.world_from_body, options_)) keyframes_.push_back(trajectory_.back());
+  if (frame.scan && options_.grid) {
+    const SE2 world_from_laser = world_from_body * frame.scan->body_from_laser;
+    grid_.insert(world_from_laser.translation(), returns_in(*frame.scan, world_from_laser));
+    grid_used_ = true;
+  }
+  const bool told = frame.odometry_from_body && is_finite(*frame.odometry_from_body);
+  last_odometry_ = told ? frame.odometry_from_body : std::nullopt;
+  if (told) {
+    odometry_check_.add(*frame.odometry_from_body, world_from_body);
+  } else {
+    odometry_check_.interrupt();
+  }
+  last_stamp_ = frame.stamp;
+}
+
+void EkfSlam::say_pose(SlamUpdate& update) const {
+  update.world_from_body = in_space(filter_.world_from_body());
+  constexpr int planar[3] = {0, 1, 5};  // Of a pose in space: x, y and the turn about z.
+  const Eigen::Matrix3d covariance = filter_.body_covariance();
+  Matrix6d& whole = update.covariance.emplace(Matrix6d::Zero());
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) whole(planar[a], planar[b]) = covariance(a, b);
+  }
+}
+
+std::vector<SlamEvent> EkfSlam::finish() {
+  const OdometryCheck::Result result = odometry_check_.result();
+  if (result.metres == 0 && result.turns == 0) return {};
+  return {{"odometry", describe(result)}};
+}
+
+std::shared_ptr<const Snapshot> EkfSlam::snapshot() const {
+  auto snapshot = std::make_shared<Snapshot>();
+  snapshot->revision = static_cast<std::int64_t>(trajectory_.size());
+  snapshot->keyframes = keyframes_;
+  for (std::size_t i = 1; i < keyframes_.size(); ++i) snapshot->edges.push_back({i - 1, i, false});
+  for (std::size_t i = 0; i < records_.size(); ++i) {
+    snapshot->landmarks.push_back({static_cast<std::int64_t>(i), records_[i].sensor_id, filter_.landmark(i),
+                                   filter_.landmark_covariance(i), records_[i].observations});
+  }
+  if (grid_used_) snapshot->grid = std::make_shared<const OccupancyGrid>(to_occupancy(grid_.view()));
+  return snapshot;
+}
+
+}  // namespace rastro

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rastro/map/grid/log_odds_grid.h"
+#include "rastro/slam/ekf/association.h"
+#include "rastro/slam/ekf/candidates.h"
+#include "rastro/slam/ekf/filter.h"
+#include "rastro/slam/ekf/odometry_check.h"
+#include "rastro/slam/ekf/options.h"
+#include "rastro/slam/slam.h"
+
+namespace rastro {
+
+/// EKF-SLAM in the plane, METHODS 3: Durrant-Whyte and Bailey 2006; Thrun, Burgard and Fox 2005, chapter 10. The world
+/// is where the first frame's body stood. A filter: what it once said of a pose it does not take back.
+class EkfSlam : public Slam {
+ public:
+  /// `scans_expected`: a frame without a scan lacks something.
+  EkfSlam(const EkfOptions& options, bool scans_expected);
+
+  SlamUpdate process(const Frame& frame) override;
+  std::vector<SlamEvent> finish() override;
+  Trajectory trajectory() const override { return trajectory_; }
+  std::shared_ptr<const Snapshot> snapshot() const override;
+
+  const EkfFilter& filter() const { return filter_; }
+
+ private:
+  void predict(const Frame& frame, SlamUpdate& update);
+  Motion motion_since_last(const Frame& frame, SlamUpdate& update);
+  Motion motion_by_odometry(const SE2& odometry_from_body, double seconds, SlamUpdate& update);
+  std::vector<Sighting> see(const Frame& frame, SlamUpdate& update) const;
+  /// Returns the sightings that belong to nothing in the map.
+  std::vector<Sighting> correct(std::span<const Sighting> sightings, SlamUpdate& update);
+  void learn(std::span<const Sighting> fresh, SlamUpdate& update);
+  void add_landmark(const Sighting& sighting, SlamUpdate& update);
+  void keep(const Frame& frame, SlamUpdate& update);
+  void say_pose(SlamUpdate& update) const;
+
+  EkfOptions options_;
+  bool scans_expected_;
+  EkfFilter filter_;
+  std::vector<LandmarkRecord> records_;  ///< Of the filter's landmarks.
+  Candidates candidates_;
+  OdometryCheck odometry_check_;
+  LogOddsGrid grid_;
+
+  std::optional<TimeNs> last_stamp_;
+  std::optional<SE2> last_odometry_;  ///< Of the frame before this one; nothing where that had none.
+  SE2 last_motion_;                   ///< The last that odometry told, over last_seconds_.
+  double last_seconds_ = 0.0;
+  double blind_m_ = 0.0;  ///< Way since a landmark was last recognised.
+  bool grid_used_ = false;
+
+  Trajectory trajectory_, keyframes_;
+};
+
+}  // namespace rastro

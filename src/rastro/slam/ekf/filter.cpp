@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/ekf/filter.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "rastro/base/error.h"
+
+namespace rastro {
+namespace {
+
+constexpr Eigen::Index first_capacity = 64;
+
+/// Derivative of a turned vector with respect to the angle it is turned by.
+Eigen::Vector2d turned_left(const Eigen::Vector2d& vector) { return {-vector.y(), vector.x()}; }
+
+double wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+
+}  // namespace
+
+EkfFilter::EkfFilter()
+    : mean_(Eigen::VectorXd::Zero(first_capacity)),
+      covariance_(Eigen::MatrixXd::Zero(first_capacity, first_capacity)) {}
+
+SE2 EkfFilter::world_from_body() const { return {SO2::from_angle(mean_[2]), mean_.head<2>()}; }
+
+Eigen::Matrix3d EkfFilter::body_covariance() const {
+  return covariance_.topLeftCorner<3, 3>().selfadjointView<Eigen::Lower>();
+}
+
+Eigen::Matrix2d EkfFilter::landmark_covariance(std::size_t number) const {
+  const Eigen::Index row = row_of(number);
+  return covariance_.block<2, 2>(row, row).selfadjointView<Eigen::Lower>();
+}
+
+Eigen::MatrixXd EkfFilter::covariance() const {
+  return covariance_.topLeftCorner(size(), size()).selfadjointView<Eigen::Lower>();
+}
+
+void EkfFilter::predict(const SE2& last_from_body, const Eigen::Matrix3d& covariance) {
+  const SE2 world_from_last = world_from_body();
+  const Eigen::Vector2d step = world_from_last.rotation() * last_from_body.translation();
+  mean_.head<2>() += step;
+  mean_[2] = wrapped(mean_[2] + last_from_body.rotation().angle());
+
+  Eigen::Matrix3d F = Eigen::Matrix3d::Identity(), G = Eigen::Matrix3d::Identity();
+  F.topRightCorner<2, 1>() = turned_left(step);
+  G.topLeftCorner<2, 2>() = world_from_last.rotation().matrix();
+  const Eigen::Matrix3d body = F * body_covariance() * F.transpose() + G * covariance * G.transpose();
+  covariance_.topLeftCorner<3, 3>().triangularView<Eigen::Lower>() = body;
+  auto rest = covariance_.block(3, 0, size() - 3, 3);
+  rest.col(0) += F(0, 2) * rest.col(2);
+  rest.col(1) += F(1, 2) * rest.col(2);
+}
+
+Eigen::Index EkfFilter::involved(std::size_t number, Eigen::Index which) const {
+  return which < 3 ? which : row_of(number) + which - 3;
+}
+
+Eigen::Matrix<double, 5, 5> EkfFilter::involved_covariance(std::size_t number) const {
+  Eigen::Matrix<double, 5, 5> result;
+  for (Eigen::Index a = 0; a < 5; ++a) {
+    for (Eigen::Index b = 0; b < 5; ++b) result(a, b) = entry(involved(number, a), involved(number, b));
+  }
+  return result;
+}
+
+EkfFilter::Derivative EkfFilter::derivative(std::size_t number) const {
+  const SE2 body_from_world = world_from_body().inverse();
+  const Eigen::Matrix2d rotation = body_from_world.rotation().matrix();
+  Derivative H;
+  H.leftCols<2>() = -rotation;
+  H.col(2) = -turned_left(body_from_world * landmark(number));
+  H.rightCols<2>() = rotation;
+  return H;
+}
+
+EkfFilter::Expected EkfFilter::expected(std::size_t number) const {
+  const Derivative H = derivative(number);
+  return {world_from_body().inverse() * landmark(number), H * involved_covariance(number) * H.transpose()};
+}
+
+void EkfFilter::times_derivative(std::size_t number, const Derivative& H, Columns& product) const {
+  product.setZero(size(), 2);
+  for (Eigen::Index which = 0; which < 5; ++which) {
+    const Eigen::Index middle = involved(number, which);
+    product.topRows(middle) += covariance_.row(middle).head(middle).transpose() * H.col(which).transpose();
+    product.bottomRows(size() - middle) +=
+        covariance_.col(middle).segment(middle, size() - middle) * H.col(which).transpose();
+  }
+}
+
+void EkfFilter::update(std::size_t number, const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise) {
+  RASTRO_CHECK(number < count_, "a landmark that the filter has");
+  const Derivative H = derivative(number);
+  const Eigen::Vector2d innovation = in_body - world_from_body().inverse() * landmark(number);
+  times_derivative(number, H, cross_);
+  const Eigen::Matrix2d own = H * involved_covariance(number) * H.transpose();
+  const Eigen::Matrix2d innovation_covariance = own + noise;
+  gain_ = cross_ * innovation_covariance.inverse();
+  mean_.head(size()) += gain_ * innovation;
+  mean_[2] = wrapped(mean_[2]);
+  // (I - KH) P H^T - K R: nothing but rounding when K is the optimal gain, and this is what Joseph's form keeps.
+  rest_ = cross_ - gain_ * own;
+  rest_ -= gain_ * noise;
+  shrink(cross_, gain_, rest_);
+}
+
+void EkfFilter::shrink(const Columns& PHt, const Columns& gain, const Columns& rest) {
+  for (Eigen::Index column = 0; column < size(); ++column) {
+    const Eigen::Index below = size() - column;
+    auto target = covariance_.col(column).segment(column, below);
+    target -= PHt(column, 0) * gain.col(0).tail(below) + PHt(column, 1) * gain.col(1).tail(below);
+    target -= gain(column, 0) * rest.col(0).tail(below) + gain(column, 1) * rest.col(1).tail(below);
+  }
+}
+
+void EkfFilter::add(const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise) {
+  const Eigen::Index row = size();
+  reserve(row + 2);
+  const Eigen::Matrix2d rotation = world_from_body().rotation().matrix();
+  const Eigen::Vector2d offset = rotation * in_body;
+  mean_.segment<2>(row) = mean_.head<2>() + offset;
+
+  Eigen::Matrix<double, 2, 3> by_body;
+  by_body << Eigen::Matrix2d::Identity(), turned_left(offset);
+  const Eigen::Matrix3d body = body_covariance();
+  covariance_.block<2, 3>(row, 0) = by_body * body;
+  covariance_.block(row, 3, 2, row - 3) = by_body * covariance_.block(3, 0, row - 3, 3).transpose();
+  covariance_.block<2, 2>(row, row) = by_body * body * by_body.transpose() + rotation * noise * rotation.transpose();
+  ++count_;
+}
+
+void EkfFilter::reserve(Eigen::Index size) {
+  if (size <= mean_.size()) return;
+  const Eigen::Index capacity = std::max(size, 2 * mean_.size());
+  mean_.conservativeResize(capacity);
+  covariance_.conservativeResize(capacity, capacity);
+}
+
+}  // namespace rastro

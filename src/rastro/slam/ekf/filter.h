@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+
+#include "rastro/math/se2.h"
+
+namespace rastro {
+
+/// The extended Kalman filter over one robot pose (x, y, angle) and any number of landmarks (x, y), all in the world;
+/// Durrant-Whyte and Bailey 2006, equations 8 to 10. A landmark is measured as its place in the body frame: exactly
+/// linear in both places, and without an angle that wraps. Only the lower triangle of the covariance is kept, so it
+/// cannot stop being symmetric.
+class EkfFilter {
+ public:
+  /// The body stands at the world's origin, exactly, and there are no landmarks.
+  EkfFilter();
+
+  SE2 world_from_body() const;
+  /// Of (x, y, angle) in the world's axes.
+  Eigen::Matrix3d body_covariance() const;
+  std::size_t landmarks() const { return count_; }
+  Eigen::Vector2d landmark(std::size_t number) const { return mean_.segment<2>(row_of(number)); }
+  Eigen::Matrix2d landmark_covariance(std::size_t number) const;
+  /// All of it: body, then landmarks in order of their numbers. For tests and reports; a copy.
+  Eigen::MatrixXd covariance() const;
+
+  /// The body moved. `covariance` is that of the motion's translation (in the body frame before it) and angle.
+  /// Linear in the number of landmarks.
+  void predict(const SE2& last_from_body, const Eigen::Matrix3d& covariance);
+
+  /// Where a landmark should be seen, with the filter's own doubt; the sensor's noise is not in it.
+  struct Expected {
+    Eigen::Vector2d in_body;
+    Eigen::Matrix2d covariance;
+  };
+  Expected expected(std::size_t number) const;
+
+  /// A landmark was seen. Joseph's form, (I - KH) P (I - KH)^T + K R K^T, which stays positive definite where the short
+  /// form loses it to rounding; H has five columns that are not zero, so that this takes two passes of rank two over
+  /// one triangle: quadratic in the number of landmarks. `noise` is positive definite.
+  void update(std::size_t number, const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise);
+
+  /// A landmark seen for the first time; its number is the count before. Its covariance with the body and with all
+  /// other landmarks comes from the body's.
+  void add(const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise);
+
+ private:
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
+  using Derivative = Eigen::Matrix<double, 2, 5>;
+
+  static Eigen::Index row_of(std::size_t number) { return 3 + 2 * static_cast<Eigen::Index>(number); }
+  Eigen::Index size() const { return row_of(count_); }
+  Eigen::Index involved(std::size_t number, Eigen::Index which) const;
+  double entry(Eigen::Index a, Eigen::Index b) const { return a >= b ? covariance_(a, b) : covariance_(b, a); }
+  Eigen::Matrix<double, 5, 5> involved_covariance(std::size_t number) const;
+  /// Of the measurement with respect to the body's x, y, angle and the landmark's x, y.
+  Derivative derivative(std::size_t number) const;
+  void times_derivative(std::size_t number, const Derivative& H, Columns& product) const;
+  void shrink(const Columns& PHt, const Columns& gain, const Columns& rest);
+  void reserve(Eigen::Index size);
+
+  std::size_t count_ = 0;
+  // Grown by doubling; what lies beyond size(), and above the diagonal, means nothing.
+  Eigen::VectorXd mean_;
+  Eigen::MatrixXd covariance_;
+  Columns cross_, gain_, rest_;  // Kept between updates for their memory.
+};
+
+}  // namespace rastro

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/ekf/filter.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "rastro/base/random.h"
+#include "rastro/math/math_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::matrix_near;
+using testing::random_vector;
+
+const Eigen::Matrix3d motion_noise = Eigen::Vector3d(4e-4, 1e-4, 9e-4).asDiagonal();
+const Eigen::Matrix2d sensor_noise = (Eigen::Matrix2d() << 0.01, 0.002, 0.002, 0.02).finished();
+
+SE2 motion(double x, double y, double angle) { return {SO2::from_angle(angle), {x, y}}; }
+
+/// The filter as in the textbook: whole matrices, every product written out.
+struct DenseFilter {
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(3);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(3, 3);
+
+  static Eigen::VectorXd moved(Eigen::VectorXd state, const Eigen::Vector3d& step) {
+    const SE2 body = SE2(SO2::from_angle(state[2]), state.head<2>()) * motion(step.x(), step.y(), step.z());
+    state.head<2>() = body.translation();
+    state[2] += step.z();
+    return state;
+  }
+  static Eigen::Vector2d seen(const Eigen::VectorXd& state, Eigen::Index landmark) {
+    return SE2(SO2::from_angle(state[2]), state.head<2>()).inverse() * state.segment<2>(3 + 2 * landmark).eval();
+  }
+  static Eigen::VectorXd with_landmark(const Eigen::VectorXd& state, const Eigen::Vector2d& in_body) {
+    Eigen::VectorXd result(state.size() + 2);
+    result << state, SE2(SO2::from_angle(state[2]), state.head<2>()) * in_body;
+    return result;
+  }
+  /// By central differences, good to about 1e-10.
+  template <typename Function>
+  static Eigen::MatrixXd derivative(const Function& function, const Eigen::VectorXd& at) {
+    const double step = 1e-5;
+    Eigen::MatrixXd result(function(at).size(), at.size());
+    for (Eigen::Index i = 0; i < at.size(); ++i) {
+      Eigen::VectorXd high = at, low = at;
+      high[i] += step;
+      low[i] -= step;
+      result.col(i) = (function(high) - function(low)) / (2.0 * step);
+    }
+    return result;
+  }
+
+  void predict(const Eigen::Vector3d& step, const Eigen::Matrix3d& noise) {
+    const Eigen::MatrixXd F = derivative([&](const Eigen::VectorXd& x) { return moved(x, step); }, mean);
+    const Eigen::MatrixXd G = derivative([&](const Eigen::VectorXd& u) { return moved(mean, u); }, step);
+    covariance = F * covariance * F.transpose() + G * noise * G.transpose();
+    mean = moved(mean, step);
+  }
+  void update(Eigen::Index landmark, const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise) {
+    const auto measure = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return seen(x, landmark); };
+    const Eigen::MatrixXd H = derivative(measure, mean);
+    const Eigen::MatrixXd K = covariance * H.transpose() * (H * covariance * H.transpose() + noise).inverse();
+    mean += K * (in_body - seen(mean, landmark));
+    const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(mean.size(), mean.size()) - K * H;
+    covariance = A * covariance * A.transpose() + K * noise * K.transpose();
+  }
+  void add(const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise) {
+    const auto by_state = [&](const Eigen::VectorXd& x) { return with_landmark(x, in_body); };
+    const auto by_sight = [&](const Eigen::VectorXd& z) { return with_landmark(mean, z); };
+    const Eigen::MatrixXd J = derivative(by_state, mean), N = derivative(by_sight, in_body);
+    covariance = J * covariance * J.transpose() + N * noise * N.transpose();
+    mean = with_landmark(mean, in_body);
+  }
+};
+
+Eigen::VectorXd mean_of(const EkfFilter& filter) {
+  Eigen::VectorXd mean(3 + 2 * static_cast<Eigen::Index>(filter.landmarks()));
+  mean.head<2>() = filter.world_from_body().translation();
+  mean[2] = filter.world_from_body().rotation().angle();
+  for (std::size_t i = 0; i < filter.landmarks(); ++i) {
+    mean.segment<2>(3 + 2 * static_cast<Eigen::Index>(i)) = filter.landmark(i);
+  }
+  return mean;
+}
+
+double least_eigenvalue(const Eigen::MatrixXd& matrix) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues().minCoeff();
+}
+
+TEST(EkfFilter, EqualsTheTextbookWithWholeMatricesAndNumericDerivatives) {
+  Random random(3);
+  EkfFilter filter;
+  DenseFilter dense;
+  for (int step = 0; step < 60; ++step) {
+    const Eigen::Vector3d moved(0.3, 0.02, 0.1);
+    filter.predict(motion(moved.x(), moved.y(), moved.z()), motion_noise);
+    dense.predict(moved, motion_noise);
+    if (step % 2 == 0) {  // 30 landmarks: the memory of the filter has to grow once
+      const Eigen::Vector2d in_body = random_vector<Eigen::Vector2d>(random, 5.0);
+      filter.add(in_body, sensor_noise);
+      dense.add(in_body, sensor_noise);
+    }
+    const std::size_t seen = random.below(static_cast<std::uint32_t>(filter.landmarks()));
+    const Eigen::Vector2d in_body = filter.expected(seen).in_body + random_vector<Eigen::Vector2d>(random, 0.1);
+    filter.update(seen, in_body, sensor_noise);
+    dense.update(static_cast<Eigen::Index>(seen), in_body, sensor_noise);
+  }
+  dense.mean[2] = std::remainder(dense.mean[2], 2.0 * std::numbers::pi);
+  EXPECT_THAT(mean_of(filter), matrix_near(dense.mean, 1e-8));
+  EXPECT_THAT(filter.covariance(), matrix_near(dense.covariance, 1e-8));
+  EXPECT_GT(least_eigenvalue(filter.covariance()), 0.0);
+}
+
+TEST(EkfFilter, ExpectsWhatItWillMeasureWithTheCovarianceOfTheDifference) {
+  EkfFilter filter;
+  filter.predict(motion(1.0, 0.0, 0.5), motion_noise);
+  filter.add({2.0, 1.0}, sensor_noise);
+  // Seen at the same instant the body's own error has no part in it.
+  EXPECT_THAT(filter.expected(0).in_body, matrix_near(Eigen::Vector2d(2.0, 1.0), 1e-12));
+  EXPECT_THAT(filter.expected(0).covariance, matrix_near(sensor_noise, 1e-12));
+}
+
+TEST(EkfFilter, AUselessSensorChangesNothingAndAPerfectOneFixesTheLandmark) {
+  EkfFilter filter;
+  filter.predict(motion(1.0, 0.0, 0.5), motion_noise);
+  filter.add({2.0, 1.0}, sensor_noise);
+  filter.predict(motion(1.0, 0.0, 0.5), motion_noise);
+  const Eigen::MatrixXd before = filter.covariance();
+  filter.update(0, {5.0, 5.0}, 1e12 * Eigen::Matrix2d::Identity());
+  EXPECT_THAT(filter.covariance(), matrix_near(before, 1e-9));
+  filter.update(0, {1.1, 0.3}, 1e-12 * Eigen::Matrix2d::Identity());
+  EXPECT_THAT(filter.expected(0).in_body, matrix_near(Eigen::Vector2d(1.1, 0.3), 1e-3));
+  EXPECT_LT(filter.expected(0).covariance.norm(), 1e-11);
+}
+
+TEST(EkfFilter, StaysPositiveDefiniteWhereTheShortFormDoesNot) {
+  // Doubt of a kilometre, then a sensor of micrometres, over and over: 18 digits between them.
+  const Eigen::Matrix3d doubt = Eigen::Vector3d(1e6, 1e6, 1e-2).asDiagonal();
+  const Eigen::Matrix2d precise = 1e-12 * Eigen::Matrix2d::Identity();
+  EkfFilter filter;
+  filter.add({3.0, 1.0}, precise);
+  filter.add({-2.0, 4.0}, precise);
+  DenseFilter shortened;
+  shortened.add({3.0, 1.0}, precise);
+  shortened.add({-2.0, 4.0}, precise);
+  double least = 0.0, least_shortened = 0.0;
+  for (int step = 0; step < 20; ++step) {
+    filter.predict(motion(0.1, 0.0, 0.05), doubt);
+    shortened.predict({0.1, 0.0, 0.05}, doubt);
+    for (std::size_t landmark = 0; landmark < 2; ++landmark) {
+      const Eigen::Vector2d in_body = filter.expected(landmark).in_body;
+      filter.update(landmark, in_body, precise);
+      Eigen::MatrixXd H = DenseFilter::derivative(
+          [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+            return DenseFilter::seen(x, static_cast<Eigen::Index>(landmark));
+          },
+          shortened.mean);
+      Eigen::MatrixXd& P = shortened.covariance;
+      const Eigen::MatrixXd K = P * H.transpose() * (H * P * H.transpose() + precise).inverse();
+      P = ((Eigen::MatrixXd::Identity(7, 7) - K * H) * P).eval();
+      least_shortened = std::min(least_shortened, least_eigenvalue(0.5 * (P + P.transpose())));
+    }
+    least = std::min(least, least_eigenvalue(filter.covariance()));
+  }
+  RecordProperty("least", std::to_string(least));
+  EXPECT_LT(least_shortened, -1e-10);
+  EXPECT_GT(least, -1e-12);
+}
+
+TEST(EkfFilter, PredictionGrowsDoubtAndAnUpdateShrinksIt) {
+  EkfFilter filter;
+  filter.add({2.0, 1.0}, sensor_noise);
+  filter.predict(motion(1.0, 0.2, 0.5), motion_noise);
+  const Eigen::MatrixXd predicted = filter.covariance();
+  filter.update(0, filter.expected(0).in_body, sensor_noise);
+  EXPECT_GE(least_eigenvalue(predicted - filter.covariance()), -1e-15);
+  EXPECT_LT(filter.body_covariance().trace(), 0.99 * (predicted.topLeftCorner<3, 3>().trace()));
+}
+
+}  // namespace
+}  // namespace rastro

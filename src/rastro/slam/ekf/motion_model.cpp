@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/ekf/motion_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rastro {
+namespace {
+
+constexpr double radians_per_degree = std::numbers::pi / 180.0;
+
+double square(double value) { return value * value; }
+
+}  // namespace
+
+Motion measured_motion(const SE2& last_from_body, const EkfOptions& options) {
+  const double way = last_from_body.translation().norm();
+  const double turn = std::abs(last_from_body.rotation().angle());
+  const double along = square(options.odometry_error_m_per_m) * way;
+  const double angle =
+      square(options.odometry_error_deg_per_45_deg * radians_per_degree) * turn / (45.0 * radians_per_degree) +
+      square(options.heading_error_deg_per_m * radians_per_degree) * way;
+  return {last_from_body, Eigen::Vector3d(along, along, angle).asDiagonal()};
+}
+
+Motion carried_motion(const SE2& last_motion, double last_seconds, double seconds, const EkfOptions& options) {
+  // Not farther than over the last step but a few times: a pause is no flight.
+  const double share = last_seconds > 0.0 ? std::clamp(seconds / last_seconds, 0.0, 5.0) : 0.0;
+  const double time = std::min(seconds, 10.0);
+  const double way = square(options.unknown_speed_m_per_s * time);
+  const double angle = square(options.unknown_turn_deg_per_s * radians_per_degree * time);
+  return {SE2::exp(share * last_motion.log()), Eigen::Vector3d(way, way, std::min(angle, 4.0)).asDiagonal()};
+}
+
+bool is_jump(const SE2& last_from_body, double seconds, const EkfOptions& options) {
+  const double way = last_from_body.translation().norm();
+  const double turn = std::abs(last_from_body.rotation().angle());
+  const bool plausible = way <= options.max_speed_m_per_s * seconds + options.jump_m &&
+                         turn <= (options.max_turn_deg_per_s * seconds + options.jump_deg) * radians_per_degree;
+  return !plausible;
+}
+
+}  // namespace rastro
