@@ -23,8 +23,9 @@ namespace {
 
 }  // namespace
 
-AppendFile::AppendFile(std::filesystem::path path) : path_(std::move(path)) {
-  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
+AppendFile::AppendFile(std::filesystem::path path, Former former) : path_(std::move(path)) {
+  const int emptied = former == Former::dropped ? O_TRUNC : 0;
+  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | emptied | O_APPEND | O_CLOEXEC, 0644);
   if (descriptor_ < 0) fail(path_, "created", errno);
 }
 

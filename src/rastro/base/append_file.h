@@ -12,8 +12,9 @@ namespace rastro {
 /// file.
 class AppendFile {
  public:
-  /// Creates the file or empties it.
-  explicit AppendFile(std::filesystem::path path);
+  enum class Former { dropped, kept };
+  /// Creates the file; what a former one holds is dropped, or kept and added to.
+  explicit AppendFile(std::filesystem::path path, Former former = Former::dropped);
   ~AppendFile();
   AppendFile(const AppendFile&) = delete;
   AppendFile& operator=(const AppendFile&) = delete;

@@ -23,6 +23,7 @@
 #include "rastro/odometry/scale.h"
 #include "rastro/sensor/trajectory_file.h"
 #include "rastro/session/odometry_run.h"
+#include "rastro/session/trajectory_text.h"
 
 namespace rastro::cli {
 namespace {
@@ -91,11 +92,9 @@ std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
   return run;
 }
 
-std::string trajectory_text(const Trajectory& trajectory, const std::string& scale) {
-  std::string text = fmt::format(
-      "# world_from_camera of every frame; world: the first camera; scale: {}\n# stamp tx ty tz qx qy qz qw\n", scale);
-  for (const StampedPose& pose : trajectory) text += tum_line(pose);
-  return text;
+std::string poses_text(const Trajectory& trajectory, const std::string& scale) {
+  return trajectory_text(trajectory,
+                         fmt::format("world_from_camera of every frame; world: the first camera; scale: {}", scale));
 }
 
 void apply_scale(const Prepared& prepared, OdometryRunEnd& end) {
@@ -172,7 +171,7 @@ void run_odometry(const OdometryFlags& flags) {
   bar.clear();
   apply_scale(*prepared, end);
   end.result.path_length = path_length(end.trajectory);
-  const std::string text = trajectory_text(end.trajectory, end.result.scale);
+  const std::string text = poses_text(end.trajectory, end.result.scale);
   Sha256 hash;
   hash.add(text);
   end.result.result_sha256 = hash.finish();

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "rastro/base/error.h"
+#include "rastro/sensor/stamp_text.h"
 
 namespace rastro {
 namespace {
@@ -15,14 +16,6 @@ namespace {
 float written_range(const LaserScan& scan, std::size_t beam) {
   if (scan.is_free(beam)) return free_range(scan.max_range);
   return scan.is_return(beam) ? scan.ranges[beam] : 0.0F;
-}
-
-std::string seconds_of(TimeNs stamp) {
-  // Unsigned, because the least TimeNs has no positive counterpart.
-  const auto all = static_cast<std::uint64_t>(stamp);
-  const std::uint64_t size = stamp < 0 ? 0 - all : all;
-  constexpr auto second = static_cast<std::uint64_t>(ns_per_second);
-  return fmt::format("{}{}.{:09}", stamp < 0 ? "-" : "", size / second, size % second);
 }
 
 void append_pose(std::string& line, const SE2& pose) {
@@ -58,7 +51,7 @@ std::string carmen_robot_laser_line(const LaserScan& scan, const SE2& odometry_f
   line += " 0";
   append_pose(line, odometry_from_body * scan.body_from_laser);
   append_pose(line, odometry_from_body);
-  const auto seconds = seconds_of(stamp);
+  const auto seconds = seconds_text(stamp);
   fmt::format_to(std::back_inserter(line), " 0 0 0 0 0 {} rastro {}\n", seconds, seconds);
   return line;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/sensor/stamp_text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -97,6 +99,14 @@ std::optional<TimeNs> parse_stamp(std::string_view text, StampUnit unit) {
   if (!decimal) return std::nullopt;
   decimal->exponent += decimals_below_unit(unit);
   return whole(*decimal);
+}
+
+std::string seconds_text(TimeNs stamp) {
+  // Unsigned, because the least TimeNs has no positive counterpart.
+  const auto all = static_cast<std::uint64_t>(stamp);
+  const std::uint64_t size = stamp < 0 ? 0 - all : all;
+  constexpr auto second = static_cast<std::uint64_t>(ns_per_second);
+  return fmt::format("{}{}.{:09}", stamp < 0 ? "-" : "", size / second, size % second);
 }
 
 std::optional<TimeNs> parse_date_stamp(std::string_view text) {

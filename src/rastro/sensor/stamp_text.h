@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -21,6 +22,9 @@ std::string_view unit_name(StampUnit unit);
 /// double would lose a hundred of them. nullopt where it is no finite number or lies outside int64 nanoseconds (292
 /// years).
 std::optional<TimeNs> parse_stamp(std::string_view text, StampUnit unit);
+
+/// The stamp in seconds with nine digits after the point, exact: "1305031239.529662000".
+std::string seconds_text(TimeNs stamp);
 
 /// "2011-09-26 13:02:25.964389445" (taken as UTC), as KITTI raw writes it.
 std::optional<TimeNs> parse_date_stamp(std::string_view text);

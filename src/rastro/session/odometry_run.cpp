@@ -7,51 +7,34 @@
 #include <nlohmann/json.hpp>
 
 #include "rastro/base/append_file.h"
-#include "rastro/base/error.h"
 #include "rastro/base/memory.h"
 #include "rastro/session/frame_reader.h"
+#include "rastro/session/run_loop.h"
 #include "rastro/session/time_histogram.h"
+#include "rastro/session/trajectory_text.h"
 
 namespace rastro {
 namespace {
 
-constexpr const char* online_header =
-    "# world_from_camera of each frame as first given; world: the first camera; scale: relative\n"
-    "# stamp tx ty tz qx qy qz qw\n";
+constexpr const char* online_poses =
+    "world_from_camera of each frame as first given; world: the first camera; scale: relative";
 
 class Runner {
  public:
   explicit Runner(const OdometryRun& run) : run_(run), reader_(*run.source, run.folder) {
-    if (run.folder) online_.emplace(run.folder->file("trajectory_online.txt")).append(online_header);
+    if (run.folder) online_.emplace(run.folder->file("trajectory_online.txt")).append(tum_header(online_poses));
   }
 
   OdometryRunEnd run_to_the_end() {
-    try {
-      process_all();
-    } catch (const Error& error) {
-      end_.failure = std::current_exception();
-      end_.result.ended = error.what();
-    } catch (const std::exception& error) {
-      end_.failure = std::current_exception();
-      end_.result.ended = fmt::format("fault: {}", error.what());
-    }
+    const RunLoopEnd loop = run_loop(reader_, run_.stop, [this](const Frame& frame) { process(frame); });
+    end_.failure = loop.failure;
+    end_.result.interrupted = loop.interrupted;
+    end_.result.ended = loop.ended;
     sum_up();
     return std::move(end_);
   }
 
  private:
-  void process_all() {
-    end_.result.ended = "end of data";
-    while (const auto frame = reader_.next()) {
-      if (run_.stop && run_.stop->load()) {
-        end_.result.interrupted = true;
-        end_.result.ended = "interrupted";
-        return;
-      }
-      process(*frame);
-    }
-  }
-
   void process(const Frame& frame) {
     const OdometryUpdate update = run_.method->process(frame);
     times_.add(update.milliseconds);
@@ -105,13 +88,6 @@ class Runner {
 }  // namespace
 
 OdometryRunEnd odometry_run(const OdometryRun& run) { return Runner(run).run_to_the_end(); }
-
-std::string tum_line(const StampedPose& pose) {
-  const Eigen::Vector3d& t = pose.world_from_body.translation();
-  const Eigen::Quaterniond& q = pose.world_from_body.rotation().quaternion();
-  return fmt::format("{}.{:09d} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n", pose.stamp / 1'000'000'000,
-                     pose.stamp % 1'000'000'000, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-}
 
 std::string to_json(const OdometryResult& result) {
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };

@@ -64,7 +64,4 @@ struct OdometryRunEnd {
 /// state or reason as an event. Frames that cannot be read are skipped, counted and reported.
 OdometryRunEnd odometry_run(const OdometryRun& run);
 
-/// "stamp tx ty tz qx qy qz qw", as the TUM benchmark writes poses.
-std::string tum_line(const StampedPose& pose);
-
 }  // namespace rastro

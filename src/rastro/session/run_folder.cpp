@@ -21,8 +21,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* files_of_a_run[] = {
-    "about.json", "options.yaml", "stats.csv", "events.jsonl",   "result.json",          "tracks.yaml",
-    "tracks.csv", "tracks.jsonl", "table.md",  "trajectory.txt", "trajectory_online.txt"};
+    "about.json", "options.yaml", "stats.csv", "events.jsonl",   "result.json",           "tracks.yaml",
+    "tracks.csv", "tracks.jsonl", "table.md",  "trajectory.txt", "trajectory_online.txt", "covariance_online.txt",
+    "map.pgm",    "map.yaml",     "map.png",   "landmarks.csv"};
 
 [[noreturn]] void refuse(const fs::path& folder, const std::string& what, const std::string& remedy) {
   throw Error(what, folder.string(), remedy);
@@ -78,10 +79,18 @@ Json described(const CalibratedCamera& calibrated) {
   return json;
 }
 
+std::vector<std::pair<const char*, bool>> sensors_of(const SourceInfo& input) {
+  return {{"image", input.has_image}, {"right image", input.has_right}, {"depth", input.has_depth},
+          {"scan", input.has_scan},   {"odometry", input.has_odometry}, {"landmarks", input.has_landmarks},
+          {"imu", input.has_imu}};
+}
+
 Json described(const SourceInfo& input) {
   Json json{{"path", input.path}, {"format", input.format}, {"frames", input.frame_count}};
   json["cameras"] = Json::array();
   for (const CalibratedCamera& camera : input.cameras) json["cameras"].push_back(described(camera));
+  for (const auto& [sensor, there] : sensors_of(input))
+    if (there) json["sensors"].push_back(sensor);
   json["warnings"] = input.warnings;
   return json;
 }

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/export/grid_map_server.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "rastro/base/error.h"
+#include "rastro/base/text.h"
+#include "rastro/base/text_file.h"
+#include "rastro/camera/file/yaml_fields.h"
+
+namespace rastro {
+namespace {
+
+using calibration::YamlFields;
+
+constexpr int unknown_grey = 205;
+constexpr double occupied_threshold = 0.65, free_threshold = 0.196;
+constexpr std::int64_t most_cells = 400'000'000;
+constexpr double farthest_m = 1e7;
+
+int grey_of(std::int8_t percent) {
+  if (percent == OccupancyGrid::unknown) return unknown_grey;
+  return 255 - static_cast<int>(std::lround(2.55 * percent));
+}
+
+struct Picture {
+  int width = 0, height = 0;
+  std::string_view pixels;  ///< 8-bit grey, the top row first.
+};
+
+/// The numbers of a PGM's head, which spaces and comments may stand between.
+class Head {
+ public:
+  Head(std::string_view bytes, std::string_view where) : bytes_(bytes), where_(where) {
+    if (!bytes.starts_with("P5")) refuse("is no binary PGM (P5)");
+    place_ = 2;
+  }
+
+  std::int64_t number(std::int64_t largest) {
+    skip_space();
+    const std::size_t begin = place_;
+    while (place_ < bytes_.size() && bytes_[place_] >= '0' && bytes_[place_] <= '9') ++place_;
+    const auto value = parse_int64(bytes_.substr(begin, place_ - begin));
+    if (!value || *value < 1 || *value > largest) refuse("has no sound width, height and largest grey");
+    return *value;
+  }
+
+  /// What follows the one space after the head.
+  std::string_view rest() const { return bytes_.substr(std::min(place_ + 1, bytes_.size())); }
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw Error(what, where_, "give the 8-bit picture that map_server writes");
+  }
+
+ private:
+  void skip_space() {
+    while (place_ < bytes_.size()) {
+      if (bytes_[place_] == '#') {
+        place_ = std::min(bytes_.find('\n', place_), bytes_.size());
+      } else if (std::string_view(" \t\r\n").find(bytes_[place_]) == std::string_view::npos) {
+        return;
+      } else {
+        ++place_;
+      }
+    }
+  }
+
+  std::string_view bytes_, where_;
+  std::size_t place_ = 0;
+};
+
+Picture parse_pgm(std::string_view bytes, std::string_view where) {
+  Head head(bytes, where);
+  const std::int64_t width = head.number(most_cells), height = head.number(most_cells);
+  if (width * height > most_cells) head.refuse("is too large");
+  if (head.number(65535) != 255) head.refuse("is not of 256 greys");
+  const std::string_view pixels = head.rest();
+  if (static_cast<std::int64_t>(pixels.size()) < width * height) {
+    head.refuse(fmt::format("ends early: {} of {} cells", pixels.size(), width * height));
+  }
+  return {static_cast<int>(width), static_cast<int>(height), pixels};
+}
+
+struct Thresholds {
+  bool negate = false;
+  double occupied = occupied_threshold, free = free_threshold;
+
+  std::int8_t percent_of(unsigned char grey) const {
+    const double occupancy = (negate ? grey : 255 - grey) / 255.0;
+    if (occupancy > occupied) return 100;
+    return occupancy < free ? std::int8_t{0} : OccupancyGrid::unknown;
+  }
+};
+
+Thresholds thresholds_of(const YamlFields& fields) {
+  Thresholds found;
+  found.negate = fields.has({"negate"}) && fields.integer({"negate"}) != 0;
+  if (fields.has({"occupied_thresh"})) found.occupied = fields.number({"occupied_thresh"});
+  if (fields.has({"free_thresh"})) found.free = fields.number({"free_thresh"});
+  if (fields.has({"mode"}) && fields.text({"mode"}) != "trinary") {
+    fields.fail({"mode"}, "is not 'trinary', the only one read", "save the map with map_server's default mode");
+  }
+  return found;
+}
+
+void place(OccupancyGrid& grid, const YamlFields& fields) {
+  grid.cell_m = fields.number({"resolution"});
+  if (!(grid.cell_m > 1e-6 && grid.cell_m < 1e6)) fields.fail({"resolution"}, "is no size of a cell in metres", "");
+  const auto origin = fields.numbers({"origin"}, 3);
+  grid.origin = {origin[0], origin[1]};
+  if (grid.origin.cwiseAbs().maxCoeff() > farthest_m) fields.fail({"origin"}, "is out of this world", "");
+  if (origin[2] != 0.0) fields.fail({"origin"}, "is turned, which is not read", "its third number must be 0");
+}
+
+YamlFields parse_fields(std::string_view yaml, std::string_view where) {
+  if (yaml.starts_with("P5")) throw Error("is the picture of a map, not its yaml", where, "name the .yaml beside it");
+  return YamlFields::parse(yaml, where, "map", "expected the .yaml that map_server writes beside a picture");
+}
+
+}  // namespace
+
+std::string map_server_pgm(const OccupancyGrid& grid) {
+  std::string bytes = fmt::format("P5\n{} {}\n255\n", grid.width, grid.height);
+  bytes.reserve(bytes.size() + grid.percent.size());
+  for (int y = grid.height - 1; y >= 0; --y)
+    for (int x = 0; x < grid.width; ++x) bytes += static_cast<char>(grey_of(grid.at(x, y)));
+  return bytes;
+}
+
+std::string map_server_yaml(const OccupancyGrid& grid, const std::string& image) {
+  return fmt::format(
+      "image: {}\nresolution: {}\norigin: [{}, {}, 0]\nnegate: 0\noccupied_thresh: {}\nfree_thresh: {}\n", image,
+      grid.cell_m, grid.origin.x(), grid.origin.y(), occupied_threshold, free_threshold);
+}
+
+OccupancyGrid parse_map_server(std::string_view yaml, std::string_view where, std::string_view pgm,
+                               std::string_view picture) {
+  const YamlFields fields = parse_fields(yaml, where);
+  const Thresholds thresholds = thresholds_of(fields);
+  OccupancyGrid grid;
+  place(grid, fields);
+  const Picture read = parse_pgm(pgm, picture);
+  grid.width = read.width;
+  grid.height = read.height;
+  grid.percent.reserve(static_cast<std::size_t>(read.width) * static_cast<std::size_t>(read.height));
+  for (int y = read.height - 1; y >= 0; --y) {
+    const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(read.width);
+    for (const char grey : read.pixels.substr(row, static_cast<std::size_t>(read.width)))
+      grid.percent.push_back(thresholds.percent_of(static_cast<unsigned char>(grey)));
+  }
+  return grid;
+}
+
+OccupancyGrid read_map_server(const std::string& yaml_file) {
+  const std::string yaml = read_text_file(yaml_file);
+  const YamlFields fields = parse_fields(yaml, yaml_file);
+  const std::filesystem::path image(fields.text({"image"}));
+  const std::string picture = (std::filesystem::path(yaml_file).parent_path() / image).string();
+  return parse_map_server(yaml, yaml_file, read_text_file(picture), picture);
+}
+
+}  // namespace rastro

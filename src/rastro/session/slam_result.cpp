@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/session/slam_result.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace rastro {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double rounded(double value) { return std::round(value * 1e4) / 1e4; }
+
+Json number(double value) {
+  if (value == std::floor(value) && std::abs(value) < 1e15) return static_cast<std::int64_t>(value);
+  return rounded(value);
+}
+
+Json stages_of(const SlamResult& result) {
+  Json stages = Json::object();
+  for (const SlamStage& stage : result.stages) {
+    stages[stage.name] = {{"frames", stage.times.count()},
+                          {"ms_mean", rounded(stage.times.mean_ms())},
+                          {"ms_p95", rounded(stage.times.percentile_ms(0.95))}};
+  }
+  return stages;
+}
+
+}  // namespace
+
+std::optional<double> SlamResult::times_real_time() const {
+  if (!(method_seconds > 0.0) || !(recording_seconds > 0.0)) return std::nullopt;
+  return recording_seconds / method_seconds;
+}
+
+std::vector<std::pair<std::string, double>> numbers_of(const SlamResult& result) {
+  const auto count = [](std::int64_t value) { return static_cast<double>(value); };
+  return {{"frames", count(result.frames)},
+          {"skipped_frames", count(result.skipped_frames)},
+          {"coverage", result.coverage},
+          {"tracking", count(result.tracking)},
+          {"weak", count(result.weak)},
+          {"lost", count(result.lost)},
+          {"relocalised", count(result.relocalised)},
+          {"initialising", count(result.initialising)},
+          {"loops_closed", count(result.loops_closed)},
+          {"keyframes", count(result.keyframes)},
+          {"landmarks", count(result.landmarks)},
+          {"path_length", result.path_length},
+          {"ms_per_frame_mean", result.frame_times.mean_ms()},
+          {"ms_per_frame_p95", result.frame_times.percentile_ms(0.95)},
+          {"times_real_time", result.times_real_time().value_or(0.0)},
+          {"peak_memory_mb", result.peak_memory_mb}};
+}
+
+std::string to_json(const SlamResult& result) {
+  Json json{{"method", result.method}};
+  for (const auto& [name, value] : numbers_of(result)) json[name] = number(value);
+  json["reasons"] = result.reasons;
+  json["stages"] = stages_of(result);
+  json["result_sha256"] = result.result_sha256;
+  json["interrupted"] = result.interrupted;
+  json["ended"] = result.ended;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace rastro

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/session/slam_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/memory.h"
+#include "rastro/odometry/scale.h"
+#include "rastro/sensor/stamp_text.h"
+#include "rastro/session/frame_reader.h"
+#include "rastro/session/run_loop.h"
+#include "rastro/session/slam_stats.h"
+#include "rastro/session/trajectory_text.h"
+
+namespace rastro {
+namespace {
+
+constexpr double covariance_step_m = 2.0;
+constexpr const char* online_poses = "world_from_body of each frame as first given; metres";
+constexpr const char* covariance_header =
+    "# covariance of world_from_body as first given: translation x y z (m), rotation x y z (rad), in the world's axes; "
+    "upper triangle, row by row\n# stamp, then 21 numbers\n";
+
+std::string covariance_line(TimeNs stamp, const Matrix6d& covariance) {
+  std::string line = seconds_text(stamp);
+  for (int row = 0; row < 6; ++row)
+    for (int column = row; column < 6; ++column) line += fmt::format(" {:.6g}", covariance(row, column));
+  return line + "\n";
+}
+
+class Runner {
+ public:
+  explicit Runner(const SlamRun& run) : run_(run), reader_(*run.source, run.folder) {
+    if (!run.folder) return;
+    stats_.emplace(run.folder->file("stats.csv"));
+    online_.emplace(run.folder->file("trajectory_online.txt")).append(tum_header(online_poses));
+  }
+
+  SlamRunEnd run_to_the_end() {
+    RunLoopEnd loop = run_loop(reader_, run_.stop, [this](const Frame& frame) { process(frame); });
+    run_guarded(loop, [this] { finish(); });
+    end_.failure = loop.failure;
+    end_.result.interrupted = loop.interrupted;
+    end_.result.ended = loop.ended;
+    sum_up();
+    return std::move(end_);
+  }
+
+ private:
+  void process(const Frame& frame) {
+    const SlamUpdate update = run_.method->process(frame);
+    count(update);
+    note_place(update);
+    if (run_.folder) write(update);
+    if (run_.progress)
+      run_.progress({end_.result.frames + reader_.skipped(), run_.frames_asked, end_.result.loops_closed, &update});
+  }
+
+  void finish() {
+    const auto begin = std::chrono::steady_clock::now();
+    const std::vector<SlamEvent> events = run_.method->finish();
+    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - begin;
+    add_time("finish", time.count());
+    end_.result.method_seconds += time.count() / 1e3;
+    note(last_index_, events);
+    end_.trajectory = run_.method->trajectory();
+    end_.map = run_.method->snapshot();
+  }
+
+  void count(const SlamUpdate& update) {
+    SlamResult& result = end_.result;
+    if (result.frames++ == 0) first_stamp_ = last_stamp_ = update.stamp;
+    last_stamp_ = std::max(last_stamp_, update.stamp);
+    last_index_ = update.index;
+    std::int64_t* const by_state[] = {&result.initialising, &result.tracking, &result.weak, &result.lost,
+                                      &result.relocalised};
+    ++*by_state[static_cast<std::size_t>(update.state)];
+    if (update.reason != SlamReason::none) ++result.reasons[name_of(update.reason)];
+    result.frame_times.add(update.milliseconds);
+    result.method_seconds += update.milliseconds / 1e3;
+    for (const StageTime& time : update.times) add_time(time.stage, time.milliseconds);
+    note(update.index, update.events);
+  }
+
+  void add_time(const std::string& stage, double milliseconds) {
+    std::vector<SlamStage>& stages = end_.result.stages;
+    auto place = std::find_if(stages.begin(), stages.end(), [&](const SlamStage& each) { return each.name == stage; });
+    if (place == stages.end()) place = stages.insert(stages.end(), SlamStage{stage, {}});
+    place->times.add(milliseconds);
+  }
+
+  void note(std::int64_t index, const std::vector<SlamEvent>& events) {
+    for (const SlamEvent& event : events) {
+      end_.result.loops_closed += event.kind == "loop_closed" ? 1 : 0;
+      if (run_.folder) run_.folder->add_event(index, event.kind, event.detail);
+    }
+  }
+
+  void note_place(const SlamUpdate& update) {
+    if (!update.covariance || update.state == SlamState::initialising) return;
+    const Eigen::Vector2d place = update.world_from_body.translation().head<2>();
+    if (!end_.places.empty() && (place - end_.places.back().place).norm() < covariance_step_m) return;
+    end_.places.push_back({place, update.covariance->topLeftCorner<2, 2>()});
+  }
+
+  void write(const SlamUpdate& update) {
+    stats_->add(update);
+    if (update.state != SlamState::initialising) online_->append(tum_line({update.stamp, update.world_from_body}));
+    if (update.covariance) {
+      if (!covariances_) {
+        covariances_.emplace(run_.folder->file("covariance_online.txt"));
+        covariances_->append(covariance_header);
+      }
+      covariances_->append(covariance_line(update.stamp, *update.covariance));
+    }
+    if (update.state == last_state_ && update.reason == last_reason_) return;
+    last_state_ = update.state;
+    last_reason_ = update.reason;
+    const std::string detail = update.detail.empty() ? "" : ": " + update.detail;
+    run_.folder->add_event(update.index, name_of(update.state), name_of(update.reason) + detail);
+  }
+
+  void sum_up() {
+    SlamResult& result = end_.result;
+    end_.first_skip = reader_.first_skip();
+    result.skipped_frames = reader_.skipped();
+    const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames);
+    const double posed = static_cast<double>(end_.trajectory.size());
+    result.coverage = asked > 0 ? 100.0 * posed / static_cast<double>(asked) : 0.0;
+    result.path_length = path_length(end_.trajectory);
+    result.recording_seconds = to_seconds(last_stamp_ - first_stamp_);
+    result.peak_memory_mb = peak_resident_memory_mb();
+    if (!end_.map) return;
+    result.keyframes = static_cast<std::int64_t>(end_.map->keyframes.size());
+    result.landmarks = static_cast<std::int64_t>(end_.map->landmarks.size());
+  }
+
+  const SlamRun& run_;
+  FrameReader reader_;
+  std::optional<SlamStats> stats_;
+  std::optional<AppendFile> online_, covariances_;
+  SlamRunEnd end_;
+  std::int64_t last_index_ = -1;
+  TimeNs first_stamp_ = 0, last_stamp_ = 0;
+  SlamState last_state_ = SlamState::initialising;
+  SlamReason last_reason_ = SlamReason::none;
+};
+
+}  // namespace
+
+SlamRunEnd slam_run(const SlamRun& run) { return Runner(run).run_to_the_end(); }
+
+}  // namespace rastro
