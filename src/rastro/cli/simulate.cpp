@@ -4,16 +4,20 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
+#include "rastro/synthetic/worlds/corridor.h"
 #include "rastro/synthetic/worlds/hall.h"
 #include "rastro/synthetic/worlds/street.h"
 #include "rastro/synthetic/write_euroc.h"
 #include "rastro/synthetic/write_kitti.h"
+#include "rastro/synthetic/write_laser_log.h"
+#include "rastro/synthetic/write_tum.h"
 
 namespace rastro::cli {
 namespace {
@@ -23,6 +27,7 @@ struct SimulateFlags {
   std::string out;
   std::string format;
   std::optional<std::int64_t> frames;
+  std::optional<double> odometry_error;
   std::uint64_t seed = 1;
   int threads = 0;
   bool distortion = false;
@@ -38,7 +43,13 @@ constexpr const char* worlds_text =
     "street a drive around a block of houses as in KITTI, 1242x375 at 10 Hz: a turn (frames 6-43), a straight, a "
     "second "
     "turn\n"
-    "       (about 210-250) and so on without end; other cars drive, the exposure changes\n";
+    "       (about 210-250) and so on without end; other cars drive, the exposure changes\n"
+    "corridor an office floor driven through by a robot with a 2D laser (270 degrees, 10 m, 10 Hz) and wheels that "
+    "count "
+    "wrongly:\n"
+    "       a loop of 76 m and 10 m more, glass doors, 26 m of bare corridor, a person walking; --format tum for what "
+    "its\n"
+    "       depth camera sees\n";
 
 struct Written {
   std::int64_t frames = 0;
@@ -54,13 +65,18 @@ Written write_as_asked(const World& world, const SimulateFlags& flags, std::int6
     const EurocSummary summary = write_euroc(world, flags.out, options, pool, progress);
     return {summary.frames, summary.bytes, flags.out};
   }
+  if (flags.format == "tum") {
+    const TumSummary summary = write_tum(world, flags.out, {frames, DepthModel{}, flags.force}, pool, progress);
+    return {summary.frames, summary.bytes, flags.out};
+  }
   const KittiLayout layout = flags.format == "kitti" ? KittiLayout::odometry : KittiLayout::raw;
   const KittiSummary summary = write_kitti(world, flags.out, {frames, layout, flags.force}, pool, progress);
   return {summary.frames, summary.bytes, summary.recording.string()};
 }
 
 void check_flags(const SimulateFlags& flags) {
-  const std::vector<std::string> names = {"hall", "street"}, formats = {"euroc", "kitti", "kitti-raw"};
+  const std::vector<std::string> names = {"hall", "street", "corridor"},
+                                 formats = {"euroc", "kitti", "kitti-raw", "tum", "carmen"};
   const auto is_one_of = [](const std::string& name, const std::vector<std::string>& list) {
     return std::find(list.begin(), list.end(), name) != list.end();
   };
@@ -68,11 +84,18 @@ void check_flags(const SimulateFlags& flags) {
     throw Error("there is no such world", flags.world,
                 fmt::format("did you mean '{}'? `rastro simulate` lists the worlds", nearest_name(flags.world, names)));
   if (!flags.format.empty() && !is_one_of(flags.format, formats))
-    throw Error(
-        "there is no such format", flags.format,
-        fmt::format("did you mean '{}'? There are euroc, kitti and kitti-raw", nearest_name(flags.format, formats)));
+    throw Error("there is no such format", flags.format,
+                fmt::format("did you mean '{}'? There are euroc, kitti, kitti-raw, tum and carmen",
+                            nearest_name(flags.format, formats)));
   if (flags.distortion && flags.world != "hall")
     throw Error("only the hall has a lens with distortion", "--distortion", "leave it out");
+  const bool drives = flags.world == "corridor";
+  if (flags.format == "carmen" && !drives)
+    throw Error("only the corridor has a laser", "--format carmen", "simulate the corridor or choose another format");
+  if (flags.odometry_error && !(drives && (flags.format.empty() || flags.format == "carmen")))
+    throw Error("only a laser log has wheel odometry", "--odometry-error", "leave it out or simulate the corridor");
+  if (flags.odometry_error && !(*flags.odometry_error >= 0.0 && *flags.odometry_error <= 100.0))
+    throw Error("the odometry's error is out of range", "--odometry-error", "use a factor of 0 to 100");
   if (flags.out.empty()) throw Error("there is nowhere to write to", "--out", "give a folder with --out DIR");
   if (flags.frames && (*flags.frames < 1 || *flags.frames > 10'000'000))
     throw Error("the number of frames is out of range", "--frames", "use 1 to 10000000");
@@ -81,8 +104,57 @@ void check_flags(const SimulateFlags& flags) {
 }
 
 World make_world(const SimulateFlags& flags) {
+  if (flags.world == "corridor") return make_corridor({.seed = flags.seed, .threads = flags.threads});
   if (flags.world == "street") return make_street({.seed = flags.seed, .threads = flags.threads});
   return make_hall({.seed = flags.seed, .distortion = flags.distortion, .threads = flags.threads});
+}
+
+/// Shows how far it is, where somebody looks.
+class Progress {
+ public:
+  Progress(const SimulateFlags& flags, std::int64_t frames)
+      : frames_(frames), shows_(!flags.quiet && isatty(STDERR_FILENO) == 1) {}
+  ~Progress() {
+    if (shows_) fmt::print(stderr, "\r{:40}\r", "");
+  }
+  void operator()(std::int64_t done) const {
+    if (shows_) fmt::print(stderr, "\r{} of {} frames", done, frames_);
+  }
+
+ private:
+  std::int64_t frames_;
+  bool shows_;
+};
+
+void simulate_laser(const SimulateFlags& flags) {
+  const LaserWorld world = make_corridor_floor({.seed = flags.seed});
+  TaskPool pool(flags.threads);
+  const LaserLogOptions options{flags.frames, {.factor = flags.odometry_error.value_or(1.0)}, flags.force};
+  LaserLogSummary summary;
+  {
+    const Progress progress(flags, std::min(world.scan_count(), flags.frames.value_or(world.scan_count())));
+    summary = write_laser_log(world, flags.out, options, pool, std::cref(progress));
+  }
+  if (!flags.quiet)
+    fmt::print(
+        "world      {} (seed {})\nscans      {}, {} beams, {:g} Hz\nway        {:.2f} m, the wheels' end is {:.2f} m "
+        "off\nrelations  {}\nwritten to {} ({:.1f} MB)\n",
+        world.name, flags.seed, summary.scans, world.laser.beams, world.rate_hz, summary.way_m, summary.odometry_end_m,
+        summary.relations, flags.out, static_cast<double>(summary.bytes) * 1e-6);
+}
+
+void simulate_camera(const SimulateFlags& flags) {
+  const std::int64_t frames = flags.frames.value_or(flags.world == "street" ? 400 : 150);
+  const World world = make_world(flags);
+  Written written;
+  {
+    const Progress progress(flags, frames);
+    written = write_as_asked(world, flags, frames, std::cref(progress));
+  }
+  if (!flags.quiet)
+    fmt::print("world      {} (seed {})\nframes     {}, {}x{}, {:g} Hz\nwritten to {} ({:.1f} MB)\n", world.name(),
+               flags.seed, written.frames, world.camera().width, world.camera().height, world.rate_hz(),
+               written.recording, static_cast<double>(written.bytes) * 1e-6);
 }
 
 void simulate(SimulateFlags flags) {
@@ -91,19 +163,9 @@ void simulate(SimulateFlags flags) {
     return;
   }
   check_flags(flags);
-  const bool street = flags.world == "street";
-  if (flags.format.empty()) flags.format = street ? "kitti" : "euroc";
-  const std::int64_t frames = flags.frames.value_or(street ? 400 : 150);
-  const World world = make_world(flags);
-  const bool shows = !flags.quiet && isatty(STDERR_FILENO) == 1;
-  const Written written = write_as_asked(world, flags, frames, [&](std::int64_t done) {
-    if (shows) fmt::print(stderr, "\r{} of {} frames", done, frames);
-  });
-  if (shows) fmt::print(stderr, "\r{:40}\r", "");
-  if (!flags.quiet)
-    fmt::print("world      {} (seed {})\nframes     {}, {}x{}, {:g} Hz\nwritten to {} ({:.1f} MB)\n", world.name(),
-               flags.seed, written.frames, world.camera().width, world.camera().height, world.rate_hz(),
-               written.recording, static_cast<double>(written.bytes) * 1e-6);
+  if (flags.format.empty())
+    flags.format = flags.world == "street" ? "kitti" : flags.world == "corridor" ? "carmen" : "euroc";
+  flags.format == "carmen" ? simulate_laser(flags) : simulate_camera(flags);
 }
 
 }  // namespace
@@ -114,9 +176,15 @@ void add_simulate_command(CLI::App& app, Context& context) {
   command->add_option("world", flags->world, "Which world; without it the worlds are listed");
   command->add_option("--out", flags->out, "Folder to write")->type_name("DIR");
   command->add_option("--format", flags->format,
-                      "euroc, kitti (odometry) or kitti-raw; default euroc for the hall, "
-                      "kitti for the street");
-  command->add_option("--frames", flags->frames, "How many frames; default 150 in the hall, 400 in the street");
+                      "euroc, kitti (odometry), kitti-raw, tum (with depth) or carmen (laser, the corridor's); default "
+                      "euroc for the hall, kitti for the street, carmen for the corridor");
+  command->add_option("--frames", flags->frames,
+                      "How many frames; default 150, 400 in the street, the whole drive for a laser log");
+  command
+      ->add_option("--odometry-error", flags->odometry_error,
+                   "Of the corridor's wheels: 1 (the default) for 2 cm a metre and 2 degrees in 45, 3 for three times "
+                   "that")
+      ->type_name("FACTOR");
   command->add_option("--seed", flags->seed, "Of textures, furniture or houses, and noise; the path stays the same")
       ->capture_default_str();
   command->add_option("--threads", flags->threads, "0 = all of the machine; the bytes do not depend on it")
@@ -132,7 +200,10 @@ void add_simulate_command(CLI::App& app, Context& context) {
       "  rastro simulate hall --out long --frames 10000 --no-truth\n"
       "  rastro simulate hall --out bent --distortion --seed 7\n"
       "  rastro simulate street --out street                  400 frames as KITTI odometry, with poses\n"
-      "  rastro simulate street --out raw --format kitti-raw  the same drive with GPS/IMU packets");
+      "  rastro simulate street --out raw --format kitti-raw  the same drive with GPS/IMU packets\n"
+      "  rastro simulate corridor --out office                a 2D laser with odometry, truth, relations and floor "
+      "plan\n"
+      "  rastro simulate corridor --out rgbd --format tum --frames 1750   the same drive with a depth camera");
   command->callback([flags, &context] {
     simulate(*flags);
     context.exit_code = done;

@@ -51,6 +51,7 @@ class World {
   const Camera& camera() const { return parts_.camera; }
   const SE3& body_from_camera() const { return parts_.body_from_camera; }
   double rate_hz() const { return parts_.rate_hz; }
+  std::uint64_t seed() const { return parts_.seed; }
   TimeNs stamp(std::int64_t frame) const;
   SE3 world_from_camera(std::int64_t frame) const;
   SE3 world_from_camera_at(double time_s) const { return parts_.path.world_from_camera(time_s); }

@@ -10,6 +10,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/sensor/scan_text.h"
+#include "rastro/sensor/stamp_text.h"
 #include "rastro/synthetic/floor_plan.h"
 #include "rastro/synthetic/recording_files.h"
 
@@ -32,7 +33,8 @@ constexpr const char* readme =
     "relations.txt        true motions between scans: stamp stamp x y z roll pitch yaw, the second seen from the "
     "first\n"
     "floor_plan.pgm/.yaml true plan at the laser's height as far as the laser can see it, glass included (map_server)\n"
-    "landmarks.txt        door posts seen in each scan, with the odometry\n"
+    "landmarks.txt        door posts seen (landmark STAMP ID RANGE BEARING) and the odometry (odometry STAMP FORWARD "
+    "TURN)\n"
     "landmarks_truth.csv  where those posts are\n";
 
 class Recorder {
@@ -47,7 +49,9 @@ class Recorder {
     TextFile(folder / "README.txt", readme);
     log_.emplace(folder / "scans.log", carmen_header());
     truth_.emplace(folder / "groundtruth.txt", "# world_from_body: stamp tx ty tz qx qy qz qw\n");
-    landmarks_.emplace(folder / "landmarks.txt", landmark_header());
+    landmarks_.emplace(folder / "landmarks.txt",
+                       "# odometry STAMP FORWARD TURN: m/s and rad/s until the next one\n"
+                       "# landmark STAMP ID RANGE BEARING: m and rad, from the body\n");
   }
 
   void record(TaskPool& pool, const std::function<void(std::int64_t)>& progress) {
@@ -79,9 +83,6 @@ class Recorder {
   }
 
  private:
-  static std::string landmark_header() {
-    return "# stamp odometry_x odometry_y odometry_heading, then id range bearing of each landmark seen\n";
-  }
   SE2 pose(std::int64_t scan) const { return world_.world_from_body(world_.time_of(scan)); }
   LaserScan scan(std::int64_t number) const {
     const Scene now = world_.scene->at(world_.time_of(number));
@@ -92,23 +93,24 @@ class Recorder {
 
   void write(std::int64_t number, const LaserScan& scan, const std::vector<LandmarkSighting>& sightings) {
     const SE2 here = pose(number);
-    if (number > 0) {
-      const SE2 motion = pose(number - 1).inverse() * here;
-      wheels_.move(motion);
-      way_m_ += motion.translation().norm();
-    }
-    const SE2& odometry = wheels_.odometry_from_body();
-    const std::string line = carmen_robot_laser_line(scan, odometry, world_.stamp(number));
+    if (number > 0) move(number, pose(number - 1).inverse() * here);
+    const std::string line = carmen_robot_laser_line(scan, wheels_.odometry_from_body(), world_.stamp(number));
     log_->write(line);
     bytes_ += line.size();
     const double half = 0.5 * here.rotation().angle();
-    truth_->write(fmt::format("{} {:.9f} {:.9f} 0 0 0 {:.12f} {:.12f}\n", seconds_text(world_.stamp(number)),
-                              here.translation().x(), here.translation().y(), std::sin(half), std::cos(half)));
-    std::string seen = fmt::format("{} {} {} {}", seconds_text(world_.stamp(number)), odometry.translation().x(),
-                                   odometry.translation().y(), odometry.rotation().angle());
-    for (const LandmarkSighting& sighting : sightings)
-      seen += fmt::format(" {} {:.4f} {:.5f}", sighting.id, sighting.range, sighting.bearing);
-    landmarks_->write(seen + "\n");
+    const std::string stamp = seconds_text(world_.stamp(number));
+    truth_->write(fmt::format("{} {:.9f} {:.9f} 0 0 0 {:.12f} {:.12f}\n", stamp, here.translation().x(),
+                              here.translation().y(), std::sin(half), std::cos(half)));
+    for (const LandmarkSighting& seen : sightings)
+      landmarks_->write(fmt::format("landmark {} {} {:.4f} {:.5f}\n", stamp, seen.id, seen.range, seen.bearing));
+  }
+
+  void move(std::int64_t number, const SE2& before_from_body) {
+    const SE2 before = wheels_.odometry_from_body();
+    const Eigen::Vector3d counted = world_.rate_hz * (before.inverse() * wheels_.move(before_from_body)).log();
+    landmarks_->write(
+        fmt::format("odometry {} {:.6f} {:.6f}\n", seconds_text(world_.stamp(number - 1)), counted.x(), counted.z()));
+    way_m_ += before_from_body.translation().norm();
   }
 
   const LaserWorld& world_;

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/synthetic/write_tum.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <cmath>
+
+#include "rastro/base/error.h"
+#include "rastro/base/random.h"
+#include "rastro/sensor/stamp_text.h"
+#include "rastro/synthetic/recording_files.h"
+
+namespace rastro {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int frames_at_once =
+    16;  // Listed in the order of time after each batch: a broken run is a shorter recording.
+constexpr std::uint64_t depth_noise = 21;
+
+std::uint16_t raw_depth(double metres, const DepthModel& model, double normal) {
+  if (!(metres >= model.nearest_m && metres <= model.farthest_m)) return 0;
+  const double farther = metres - 0.4;
+  const double sigma = model.sigma_m + (farther > 0.0 ? model.sigma_per_square_metre * farther * farther : 0.0);
+  return static_cast<std::uint16_t>(
+      std::clamp(std::round((metres + sigma * normal) * model.units_per_metre), 0.0, 65535.0));
+}
+
+cv::Mat depth_picture(const DepthImage& depth, const DepthModel& model, Random random) {
+  cv::Mat picture(depth.height(), depth.width(), CV_16U);
+  for (int y = 0; y < depth.height(); ++y)
+    for (int x = 0; x < depth.width(); ++x)
+      picture.at<std::uint16_t>(y, x) = raw_depth(static_cast<double>(depth.at(x, y)), model, random.normal());
+  return picture;
+}
+
+std::string camera_text(const Camera& camera) {
+  const auto& k = camera.coefficients;
+  return fmt::format(
+      "%YAML:1.0\nimage_width: {}\nimage_height: {}\n"
+      "camera_matrix: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n"
+      "  data: [{:.15g}, 0., {:.15g}, 0., {:.15g}, {:.15g}, 0., 0., 1.]\n"
+      "distortion_coefficients: !!opencv-matrix\n  rows: 1\n  cols: 5\n  dt: d\n"
+      "  data: [{:.15g}, {:.15g}, {:.15g}, {:.15g}, {:.15g}]\n",
+      camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy, k[0], k[1], k[2], k[3], k[4]);
+}
+
+std::string truth_line(const World& world, std::int64_t frame) {
+  const SE3 pose = world.world_from_camera(frame);
+  const Eigen::Vector3d& p = pose.translation();
+  const Eigen::Quaterniond& q = pose.rotation().quaternion();
+  return fmt::format("{} {:.9f} {:.9f} {:.9f} {:.12f} {:.12f} {:.12f} {:.12f}\n", seconds_text(world.stamp(frame)),
+                     p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+}
+
+}  // namespace
+
+TumSummary write_tum(const World& world, const fs::path& folder, const TumOptions& options, TaskPool& pool,
+                     const std::function<void(std::int64_t)>& progress) {
+  if (options.frames < 1) throw Error("there are no frames to write", "frames", "ask for at least one");
+  check_folder(folder, options.force);
+  make_folder(folder / "rgb");
+  make_folder(folder / "depth");
+  TextFile(folder / "camera.yaml", camera_text(world.camera()));
+  TextFile(folder / "info.txt", fmt::format("depth_factor: {:g}\n", options.depth.units_per_metre));
+  TextFile rgb(folder / "rgb.txt", "# stamp file\n"), depth(folder / "depth.txt", "# stamp file\n");
+  TextFile truth(folder / "groundtruth.txt", "# world_from_camera: stamp tx ty tz qx qy qz qw\n");
+  const auto name_of = [&](std::int64_t frame) { return seconds_text(world.stamp(frame)) + ".png"; };
+  std::atomic<std::uintmax_t> bytes{0};
+  const auto write_frame = [&](std::int64_t frame) {
+    TaskPool alone(1);
+    const RenderedFrame shot = world.render(frame, alone);
+    const std::uint64_t stream = seed_for(world.seed(), depth_noise);
+    const Random noise(seed_for(stream, static_cast<std::uint64_t>(frame)));
+    bytes += write_png(folder / "rgb" / name_of(frame), grey_picture(shot.grey));
+    bytes += write_png(folder / "depth" / name_of(frame), depth_picture(shot.depth, options.depth, noise));
+  };
+  for (std::int64_t first = 0; first < options.frames; first += frames_at_once) {
+    const std::int64_t end = std::min(options.frames, first + frames_at_once);
+    pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
+      for (int i = begin; i < stop; ++i) write_frame(first + i);
+    });
+    for (std::int64_t frame = first; frame < end; ++frame) {
+      rgb.write(fmt::format("{} rgb/{}\n", seconds_text(world.stamp(frame)), name_of(frame)));
+      depth.write(fmt::format("{} depth/{}\n", seconds_text(world.stamp(frame)), name_of(frame)));
+      truth.write(truth_line(world, frame));
+    }
+    if (progress) progress(end);
+  }
+  return {options.frames, bytes};
+}
+
+}  // namespace rastro

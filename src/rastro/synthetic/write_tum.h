@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/synthetic/world.h"
+
+namespace rastro {
+
+/// Depth pictures as a depth camera with structured light gives them.
+struct DepthModel {
+  double units_per_metre = 5000.0;           ///< As the TUM benchmark has it.
+  double nearest_m = 0.4, farthest_m = 8.0;  ///< Outside of this nothing is measured: 0.
+  double sigma_m = 0.0012;                   ///< Noise up to 0.4 m, and how it grows from there with the square of the
+  double sigma_per_square_metre = 0.0019;    ///< distance (Nguyen, Izadi and Lovell 2012, axial part).
+};
+
+struct TumOptions {
+  std::int64_t frames = 150;
+  DepthModel depth;
+  bool force = false;  ///< Write into a folder that is not empty.
+};
+
+struct TumSummary {
+  std::int64_t frames = 0;
+  std::uintmax_t bytes = 0;
+};
+
+/// Writes a generated world in the layout of the TUM RGB-D benchmark: rgb/ (grey pictures), depth/ (16 bits), rgb.txt,
+/// depth.txt, groundtruth.txt (of the camera), camera.yaml and info.txt (the depth factor). Frames are rendered and
+/// written in parallel; the bytes are the same for any pool. `progress` is called with the number of frames written so
+/// far. Errors for folders that cannot be written or are not empty.
+TumSummary write_tum(const World& world, const std::filesystem::path& folder, const TumOptions& options, TaskPool& pool,
+                     const std::function<void(std::int64_t)>& progress = {});
+
+}  // namespace rastro
