@@ -6,11 +6,12 @@
 namespace rastro {
 
 const Version& version() {
-  static const Version instance = {
-      RASTRO_VERSION_NUMBER,
-      RASTRO_VERSION_COMMIT,
-      RASTRO_VERSION_COMPILER,
-      {{"video files", RASTRO_VERSION_WITH_VIDEO != 0}, {"SURF", RASTRO_VERSION_WITH_SURF != 0}}};
+  static const Version instance = {RASTRO_VERSION_NUMBER,
+                                   RASTRO_VERSION_COMMIT,
+                                   RASTRO_VERSION_COMPILER,
+                                   {{"video files", RASTRO_VERSION_WITH_VIDEO != 0},
+                                    {"SURF", RASTRO_VERSION_WITH_SURF != 0},
+                                    {"ROS bags", RASTRO_VERSION_WITH_ROSBAG != 0}}};
   return instance;
 }
 

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: not installed.
+#pragma once
+
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/LaserScan.h>
+
+#include <memory>
+#include <string>
+
+#include "rastro/dataset/image_file.h"
+#include "rastro/sensor/source.h"
+
+namespace rastro {
+
+/// The generated messages ask their allocator for rebind, which std::allocator lost in C++20; this gives it back.
+template <typename T>
+struct MessageAllocator : std::allocator<T> {
+  MessageAllocator() = default;
+  template <typename Other>
+  MessageAllocator(const MessageAllocator<Other>&) {}
+  template <typename Other>
+  struct rebind {
+    using other = MessageAllocator<Other>;
+  };
+};
+using ScanMessage = sensor_msgs::LaserScan_<MessageAllocator<void>>;
+using ImageMessage = sensor_msgs::Image_<MessageAllocator<void>>;
+using CompressedMessage = sensor_msgs::CompressedImage_<MessageAllocator<void>>;
+using CameraMessage = sensor_msgs::CameraInfo_<MessageAllocator<void>>;
+using ImuMessage = sensor_msgs::Imu_<MessageAllocator<void>>;
+using OdometryMessage = nav_msgs::Odometry_<MessageAllocator<void>>;
+
+/// Nanoseconds of a ROS time.
+TimeNs nanoseconds(const ros::Time& time);
+
+// Each throws Error, naming `where`, for a message that is not sound.
+LaserScan scan_of(const ScanMessage& message, const std::string& where);
+SE2 pose_of(const OdometryMessage& message, const std::string& where);
+ImuSample sample_of(const ImuMessage& message);
+DecodedImage image_of(const ImageMessage& message, bool want_colour, const std::string& where);
+DecodedImage image_of(const CompressedMessage& message, bool want_colour, const std::string& where);
+/// Metres from 16UC1 (millimetres) or 32FC1 (metres).
+DepthImage depth_of(const ImageMessage& message, const std::string& where);
+bool is_depth(const ImageMessage& message);
+/// nullopt where the message says that nobody calibrated, or has a distortion that Camera does not have.
+std::optional<Camera> camera_of(const CameraMessage& message, bool rectified);
+
+}  // namespace rastro
