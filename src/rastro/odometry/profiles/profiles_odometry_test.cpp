@@ -33,10 +33,8 @@ void PrintTo(const RecordedDrive& drive, std::ostream* out) { *out << drive.fold
 
 class ProfilesOnRecorded : public testing::TestWithParam<RecordedDrive> {};
 
-std::optional<Frame> read_frame(const std::filesystem::path& folder, int index) {
-  char name[16];
-  std::snprintf(name, sizeof name, "%06d.png", index);
-  const cv::Mat grey = cv::imread((folder / "image_0" / name).string(), cv::IMREAD_GRAYSCALE);
+std::optional<Frame> read_image(const std::filesystem::path& file, int index) {
+  const cv::Mat grey = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   if (grey.empty()) return std::nullopt;
   Frame frame;
   frame.index = index;
@@ -46,17 +44,27 @@ std::optional<Frame> read_frame(const std::filesystem::path& folder, int index) 
   return frame;
 }
 
+std::optional<Frame> read_frame(const std::filesystem::path& folder, int index) {
+  char name[16];
+  std::snprintf(name, sizeof name, "%06d.png", index);
+  return read_image(folder / "image_0" / name, index);
+}
+
 /// Turn to the left between two poses of KITTI's camera.
 double yaw_between(const SE3& a, const SE3& b) { return -(a.inverse() * b).rotation().log().y(); }
 
-TEST_P(ProfilesOnRecorded, YawFollowsTheReference) {
-  const RecordedDrive& drive = GetParam();
+std::filesystem::path recorded(const char* folder) {
   const char* set = std::getenv("RASTRO_DATA");
   const char* source_dir = std::getenv("RASTRO_SOURCE_DIR");
   const std::filesystem::path root = set && *set
                                          ? std::filesystem::path(set)
                                          : std::filesystem::path(source_dir ? source_dir : ".") / "../shared/data";
-  const auto folder = root / drive.folder;
+  return root / folder;
+}
+
+TEST_P(ProfilesOnRecorded, YawFollowsTheReference) {
+  const RecordedDrive& drive = GetParam();
+  const auto folder = recorded(drive.folder);
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no recorded data at " << folder << " (set RASTRO_DATA)";
   const auto file = (folder / "poses.txt").string();
   const auto truth = parse_kitti_poses(read_text_file(file), file);
@@ -89,6 +97,24 @@ TEST_P(ProfilesOnRecorded, YawFollowsTheReference) {
   EXPECT_LE(rms, drive.max_yaw_rms_deg);
   EXPECT_LE(std::abs(accumulated) * degrees, drive.max_yaw_end_deg);
   EXPECT_NEAR(calibration.lambda * drive.camera.fx, 1.0, drive.max_lambda_error);
+}
+
+TEST(ProfilesOnRecordedGround, ACameraOnTheGroundGoesNowhere) {
+  const auto folder = recorded("euroc_v1_01_still_stereo") / "mav0/cam0/data";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no recorded data at " << folder << " (set RASTRO_DATA)";
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  ASSERT_GT(files.size(), 5U);
+  ProfilesOdometry odometry(
+      {}, Camera{.width = 752, .height = 480, .fx = 458.654, .fy = 457.296, .cx = 367.215, .cy = 248.375});
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto frame = read_image(files[i], static_cast<int>(i));
+    ASSERT_TRUE(frame) << files[i];
+    const auto update = odometry.process(*frame);
+    EXPECT_EQ(update.reason, i > 0 ? OdometryReason::no_motion : OdometryReason::first_frame) << i;
+    EXPECT_EQ(update.world_from_camera.translation().norm(), 0.0) << i;
+  }
 }
 
 const Camera camera_of_00{.width = 1241, .height = 376, .fx = 718.856, .fy = 718.856, .cx = 607.1928, .cy = 185.2157};

@@ -11,7 +11,8 @@ namespace {
 // About a twentieth of a driving camera's profiles: finer blocks cost time, coarser ones blur the expansion.
 constexpr int column_block = 64, row_block = 16;
 constexpr double expansion_step = 0.01;
-constexpr double still_shift_px = 0.25;
+// What a profile of a camera that stands still is measured to; a creeping one adds up, as the reference stays.
+constexpr double still_shift_px = 0.5;
 
 int expansions_up_to(double most) { return static_cast<int>(std::lround(most / expansion_step)); }
 
