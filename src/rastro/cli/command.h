@@ -17,6 +17,8 @@ struct Context {
 // A callback throws rastro::Error for bad input; main() prints the line and returns `unusable`.
 void add_track_command(CLI::App& app, Context& context);
 void add_odometry_command(CLI::App& app, Context& context);
+void add_slam_command(CLI::App& app, Context& context);
+void add_methods_command(CLI::App& app, Context& context);
 void add_evaluate_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);
 void add_occlude_command(CLI::App& app, Context& context);

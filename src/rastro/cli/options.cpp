@@ -12,6 +12,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
+#include "rastro/methods/methods.h"
 #include "rastro/odometry/methods.h"
 #include "rastro/track/options.h"
 
@@ -23,6 +24,7 @@ constexpr std::size_t text_width = 100;
 std::vector<std::string> methods() {
   std::vector<std::string> names = {"track"};
   names.insert(names.end(), odometry_methods().begin(), odometry_methods().end());
+  for (const auto& method : slam_methods()) names.push_back(method->name());
   return names;
 }
 
@@ -32,7 +34,8 @@ The values in force are written to options.yaml in the folder of each run.
 
 Examples:
   rastro options                                  every setting of the tracker
-  rastro options features                         and of an odometry
+  rastro options features                         of an odometry
+  rastro options hector                           and of a SLAM method
   rastro options --yaml > mine.yaml               a file to edit; it may be cut down to what differs
   rastro track hall --out run --options mine.yaml --set window=60)";
 
@@ -60,15 +63,28 @@ std::string described(const OptionTable& table) {
   return text;
 }
 
+/// Whatever the tables of all methods point into.
+struct Settings {
+  TrackOptions track;
+  OdometrySettings odometry;
+  std::vector<std::unique_ptr<SlamMethod>> slam = slam_methods();
+
+  OptionTable table(const std::string& method) {
+    if (method == "track") return option_table(track);
+    for (const auto& each : slam)
+      if (each->name() == method) return each->options();
+    return odometry.table(method);
+  }
+};
+
 void print_options(const std::string& method, bool yaml) {
   const std::vector<std::string> known = methods();
   if (std::find(known.begin(), known.end(), method) == known.end()) {
     throw Error(fmt::format("'{}' has no options", method), "rastro options",
                 fmt::format("did you mean '{}'?", nearest_name(method, known)));
   }
-  TrackOptions options;
-  OdometrySettings odometry;
-  const OptionTable table = method == "track" ? option_table(options) : odometry.table(method);
+  Settings settings;
+  const OptionTable table = settings.table(method);
   fmt::print("{}", yaml ? table.to_yaml() : described(table));
 }
 

@@ -31,6 +31,7 @@ Examples:
   rastro simulate hall --out hall                generate a world with exact truth
   rastro track hall --out run --pictures         follow its features and draw every frame
   rastro evaluate tracks run --truth hall        score the run against the truth
+  rastro slam intel.clf.gz --method hector --out run3
   rastro track MH_01_easy --frames 0:300 --out run2 --video run2.avi
   rastro check my_recording                      what is wrong with a recording
   rastro options                                 every setting, its default, range and reason
@@ -82,11 +83,13 @@ void send_log_to_stderr() {
 void add_commands(CLI::App& app, Context& context) {
   add_track_command(app, context);
   add_odometry_command(app, context);
+  add_slam_command(app, context);
   add_evaluate_command(app, context);
   add_simulate_command(app, context);
   add_occlude_command(app, context);
   add_info_command(app, context);
   add_check_command(app, context);
+  add_methods_command(app, context);
   add_options_command(app, context);
 }
 

@@ -51,6 +51,16 @@ std::string progress_line(const OdometryProgress& progress, double seconds, doub
   return line + fmt::format("  {:.0f} MB", memory_mb);
 }
 
+std::string progress_line(const SlamProgress& progress, double seconds, double memory_mb) {
+  std::string line = frames_line(progress.done, progress.frames, seconds);
+  if (progress.last) {
+    line += fmt::format("  {}", name_of(progress.last->state));
+    if (progress.last->reason != SlamReason::none) line += fmt::format(" ({})", name_of(progress.last->reason));
+  }
+  if (progress.loops_closed > 0) line += fmt::format("  {} loops", progress.loops_closed);
+  return line + fmt::format("  {:.0f} MB", memory_mb);
+}
+
 ProgressBar::ProgressBar(bool wanted)
     : wanted_(wanted && isatty(STDERR_FILENO) != 0), begin_(Clock::now()), last_(begin_ - redraw_every) {}
 
@@ -67,15 +77,15 @@ void ProgressBar::draw(const std::string& line) {
   std::fflush(stderr);
 }
 
-void ProgressBar::show(const TrackProgress& progress) {
+template <typename Progress>
+void ProgressBar::show_any(const Progress& progress) {
   const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
   if (is_due()) draw(progress_line(progress, seconds, resident_memory_mb()));
 }
 
-void ProgressBar::show(const OdometryProgress& progress) {
-  const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-  if (is_due()) draw(progress_line(progress, seconds, resident_memory_mb()));
-}
+void ProgressBar::show(const TrackProgress& progress) { show_any(progress); }
+void ProgressBar::show(const OdometryProgress& progress) { show_any(progress); }
+void ProgressBar::show(const SlamProgress& progress) { show_any(progress); }
 
 void ProgressBar::clear() {
   if (shown_) fmt::print(stderr, "\r\033[K");

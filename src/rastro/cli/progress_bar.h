@@ -5,6 +5,7 @@
 #include <string>
 
 #include "rastro/session/odometry_run.h"
+#include "rastro/session/slam_run.h"
 #include "rastro/session/track_run.h"
 
 namespace rastro::cli {
@@ -19,6 +20,7 @@ class ProgressBar {
 
   void show(const TrackProgress& progress);
   void show(const OdometryProgress& progress);
+  void show(const SlamProgress& progress);
   void clear();
 
  private:
@@ -27,6 +29,8 @@ class ProgressBar {
   bool wanted_;
   bool is_due();
   void draw(const std::string& line);
+  template <typename Progress>
+  void show_any(const Progress& progress);
   Clock::time_point begin_;
   Clock::time_point last_;
 };
@@ -34,5 +38,6 @@ class ProgressBar {
 /// The line itself: bar where the number of frames is known, rate, features, health, memory, time left.
 std::string progress_line(const TrackProgress& progress, double seconds, double memory_mb);
 std::string progress_line(const OdometryProgress& progress, double seconds, double memory_mb);
+std::string progress_line(const SlamProgress& progress, double seconds, double memory_mb);
 
 }  // namespace rastro::cli

@@ -24,6 +24,13 @@ const std::vector<std::string>& odometry_methods() {
   return names;
 }
 
+std::string odometry_summary(const std::string& method) {
+  if (method == "features") return "points in space from features, every pose from the points it sees";
+  if (method == "profiles") return "turns from the sums of the image's columns and rows, constant speed";
+  if (method == "hybrid") return "turns from profiles, the way from two points at a time";
+  throw unknown_method(method);
+}
+
 OptionTable OdometrySettings::table(const std::string& method) {
   if (method == "features") return option_table(features);
   if (method == "profiles") return option_table(profiles);

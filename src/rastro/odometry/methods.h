@@ -17,6 +17,8 @@ namespace rastro {
 
 /// The names of the odometries.
 const std::vector<std::string>& odometry_methods();
+/// One line on how it works. Error for a name that is no method.
+std::string odometry_summary(const std::string& method);
 
 /// The settings of every odometry, defaults at first.
 struct OdometrySettings {

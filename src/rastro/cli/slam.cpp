@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <memory>
+
+#include "rastro/base/error.h"
+#include "rastro/base/log.h"
+#include "rastro/base/task_pool.h"
+#include "rastro/base/text.h"
+#include "rastro/cli/command.h"
+#include "rastro/cli/interrupt.h"
+#include "rastro/cli/program.h"
+#include "rastro/cli/progress_bar.h"
+#include "rastro/cli/slam_flags.h"
+#include "rastro/cli/slam_outputs.h"
+#include "rastro/dataset/open.h"
+#include "rastro/dataset/recording.h"
+#include "rastro/evaluate/score_limit.h"
+#include "rastro/methods/methods.h"
+#include "rastro/session/slam_run.h"
+
+namespace rastro::cli {
+namespace {
+
+std::optional<double> number_named(const SlamResult& result, const std::string& name) {
+  for (const auto& [each, value] : numbers_of(result))
+    if (each == name) return value;
+  return std::nullopt;
+}
+
+ScoreLimit parse_limit(const std::string& text) {
+  const ScoreLimit limit = read_limit(text, "'coverage>=95'");
+  std::vector<std::string> names;
+  for (const auto& [name, value] : numbers_of(SlamResult{})) names.push_back(name);
+  if (std::find(names.begin(), names.end(), limit.name) == names.end()) {
+    throw Error(fmt::format("{} is no number of result.json", in_quotes(limit.name)), "--require",
+                fmt::format("did you mean '{}'?", nearest_name(limit.name, names)));
+  }
+  return limit;
+}
+
+/// Everything that can be wrong with flags and input is found here, before a folder is made.
+struct Prepared {
+  std::unique_ptr<SlamMethod> method;
+  OptionTable table;  ///< Points into the method.
+  std::vector<ScoreLimit> limits;
+  std::unique_ptr<Source> source;
+  std::optional<std::int64_t> frames;
+  std::unique_ptr<TaskPool> pool;
+  std::unique_ptr<Slam> slam;
+};
+
+Prepared prepare(const SlamFlags& flags) {
+  Prepared run;
+  run.method = slam_method(flags.method);
+  run.table = run.method->options();
+  apply_settings(flags, run.table);
+  for (const std::string& limit : flags.limits) run.limits.push_back(parse_limit(limit));
+  const OpenOptions open = open_options(flags.data);
+  run.source = rastro::open(flags.data.path, open);
+  const SourceInfo& info = run.source->info();
+  if (info.frame_count >= 0) run.frames = FrameChoice(open, info.frame_count, info.path).count;
+  run.pool = std::make_unique<TaskPool>(flags.data.threads);
+  run.slam = run.method->make(info, run.pool.get());
+  return run;
+}
+
+SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
+  SlamRun run;
+  run.source = prepared.source.get();
+  run.method = prepared.slam.get();
+  run.folder = &folder;
+  run.stop = &catch_interrupts();
+  run.frames_asked = prepared.frames;
+  run.progress = [&bar](const SlamProgress& progress) { bar.show(progress); };
+  return run;
+}
+
+int missed_limits(const Prepared& prepared, const SlamResult& result) {
+  int code = done;
+  for (const ScoreLimit& limit : prepared.limits) {
+    const auto value = number_named(result, limit.name);
+    if (keeps_limit(value, limit)) continue;
+    fmt::print(stderr, "rastro: --require {}{}{} missed: it is {:.6g}\n", limit.name,
+               limit.at_least ? ">=" : "<=", limit.value, value.value_or(0.0));
+    code = limit_missed;
+  }
+  return code;
+}
+
+[[noreturn]] void refuse_without_frames(const SlamRunEnd& end, const RunFolder& folder, const std::string& path) {
+  folder.discard();
+  if (end.failure) std::rethrow_exception(end.failure);
+  throw Error(
+      end.first_skip.empty() ? "holds no frame" : "no frame could be read, the first because: " + end.first_skip, path,
+      "'rastro check' says more");
+}
+
+int run_slam(const SlamFlags& flags) {
+  if (flags.data.quiet) set_log_sink({});
+  Prepared prepared = prepare(flags);
+  for (const std::string& warning : prepared.source->info().warnings) log_warning(warning);
+  RunFolder folder(flags.out, flags.force);
+  folder.write_about(prepared.source->info(), command_line());
+  folder.write_options(prepared.table);
+  ProgressBar bar(!flags.data.quiet);
+  SlamRunEnd end = slam_run(wired(prepared, folder, bar));
+  bar.clear();
+  end.result.method = flags.method;
+  if (end.result.frames == 0 && !end.result.interrupted) refuse_without_frames(end, folder, flags.data.path);
+  write_slam_outputs(end, folder);
+  folder.write_result(to_json(end.result));
+  if (end.failure) std::rethrow_exception(end.failure);
+  if (flags.data.json) {
+    fmt::print("{}", to_json(end.result));
+  } else if (!flags.data.quiet) {
+    fmt::print("{}", slam_summary(end, flags.out));
+  }
+  return missed_limits(prepared, end.result);
+}
+
+}  // namespace
+
+void add_slam_command(CLI::App& app, Context& context) {
+  CLI::App* command = app.add_subcommand("slam", "Positions and a map at once, by any of the SLAM methods");
+  const auto flags = std::make_shared<SlamFlags>();
+  add_slam_flags(*command, *flags);
+  command->callback([command, flags, &context] {
+    flags->seed_given = command->count("--seed") > 0;
+    context.exit_code = run_slam(*flags);
+  });
+}
+
+}  // namespace rastro::cli

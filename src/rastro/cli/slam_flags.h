@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "rastro/base/options.h"
+#include "rastro/cli/common_flags.h"
+
+namespace rastro::cli {
+
+/// The flags of `rastro slam`.
+struct SlamFlags {
+  DataFlags data;
+  std::string method;
+  std::string out;
+  std::string guess, loop_closing;  ///< Empty = not given; stand for the options of the same names.
+  std::string options_file;
+  std::vector<std::string> settings;  ///< --set key=value
+  std::vector<std::string> limits;    ///< --require
+  bool force = false;
+  bool seed_given = false;
+};
+
+void add_slam_flags(CLI::App& command, SlamFlags& flags);
+
+/// Sets the table from the options file, --set and the flags, in this order. Errors name the flag, also for a flag
+/// whose option the method does not have.
+void apply_settings(const SlamFlags& flags, OptionTable& table);
+
+}  // namespace rastro::cli

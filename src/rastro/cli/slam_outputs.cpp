@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/slam_outputs.h"
+
+#include <fmt/format.h>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/hash.h"
+#include "rastro/export/grid_map_server.h"
+#include "rastro/export/grid_picture.h"
+#include "rastro/export/landmarks_csv.h"
+#include "rastro/session/trajectory_text.h"
+
+namespace rastro::cli {
+namespace {
+
+constexpr const char* final_poses = "world_from_body of every frame with what was learnt later; metres";
+
+/// Writes files and hashes them as it goes.
+class HashedFiles {
+ public:
+  explicit HashedFiles(const RunFolder& folder) : folder_(folder) {}
+  void write(const std::string& name, const std::string& bytes) {
+    write_whole_file(folder_.file(name), bytes);
+    hash_.add(bytes);
+  }
+  std::string finish() { return hash_.finish(); }
+
+ private:
+  const RunFolder& folder_;
+  Sha256 hash_;
+};
+
+void write_picture(const SlamRunEnd& end, const RunFolder& folder) {
+  MapPicture picture = map_picture(*end.map, end.trajectory);
+  // A matcher's covariance is of one scan against the map; only a filter over landmarks knows that of the place.
+  if (!end.map->landmarks.empty())
+    for (const PlaceCovariance& place : end.places) picture.places.push_back({place.place, place.covariance});
+  write_map_picture(picture, folder.file("map.png").string());
+}
+
+std::string reasons_line(const SlamResult& result) {
+  if (result.reasons.empty()) return "";
+  std::string text = "  reasons     ";
+  for (const auto& [reason, count] : result.reasons) text += fmt::format(" {} {}", reason, count);
+  return text + "  (events.jsonl says where, with the numbers)\n";
+}
+
+std::string states_line(const SlamResult& result) {
+  std::string text = fmt::format("  states       {} tracking", result.tracking);
+  const std::pair<const char*, std::int64_t> others[] = {{"weak", result.weak},
+                                                         {"lost", result.lost},
+                                                         {"relocalised", result.relocalised},
+                                                         {"initialising", result.initialising}};
+  for (const auto& [state, count] : others)
+    if (count > 0) text += fmt::format(", {} {}", count, state);
+  return text + "\n";
+}
+
+std::string map_line(const SlamRunEnd& end) {
+  const SlamResult& result = end.result;
+  std::string text = fmt::format("  map          path {:.2f} m", result.path_length);
+  if (end.map && end.map->grid) {
+    const OccupancyGrid& grid = *end.map->grid;
+    text += fmt::format(", {:.1f} x {:.1f} m in cells of {:g} m", grid.width * grid.cell_m, grid.height * grid.cell_m,
+                        grid.cell_m);
+  }
+  if (result.landmarks > 0) text += fmt::format(", {} landmarks", result.landmarks);
+  if (result.keyframes > 0) text += fmt::format(", {} keyframes", result.keyframes);
+  return text + fmt::format(", {} loops closed\n", result.loops_closed);
+}
+
+std::string time_line(const SlamResult& result) {
+  std::string text = fmt::format("  time         {:.2f} ms a frame, 95 % within {:.2f} ms",
+                                 result.frame_times.mean_ms(), result.frame_times.percentile_ms(0.95));
+  if (const auto times = result.times_real_time()) text += fmt::format(", {:.0f} times real time", *times);
+  return text + fmt::format("; memory {:.0f} MB\n", result.peak_memory_mb);
+}
+
+std::string files_line(const SlamRunEnd& end, const std::string& folder) {
+  std::string text = fmt::format("written to {}: trajectory.txt", folder);
+  if (end.map && end.map->grid) text += " map.pgm map.yaml";
+  if (end.map) text += " map.png";
+  if (end.result.landmarks > 0) text += " landmarks.csv";
+  return text + " result.json stats.csv\n";
+}
+
+}  // namespace
+
+void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder) {
+  HashedFiles files(folder);
+  files.write("trajectory.txt", trajectory_text(end.trajectory, final_poses));
+  if (end.map && end.map->grid) {
+    files.write("map.pgm", map_server_pgm(*end.map->grid));
+    files.write("map.yaml", map_server_yaml(*end.map->grid, "map.pgm"));
+  }
+  if (end.map && !end.map->landmarks.empty()) files.write("landmarks.csv", landmarks_csv(end.map->landmarks));
+  if (end.map) write_picture(end, folder);
+  end.result.result_sha256 = files.finish();
+}
+
+std::string slam_summary(const SlamRunEnd& end, const std::string& folder) {
+  const SlamResult& result = end.result;
+  std::string text = fmt::format("{}: {} frames, {:.1f} % of those asked for have a pose{}\n", result.method,
+                                 result.frames, result.coverage, result.interrupted ? " (interrupted)" : "");
+  text += states_line(result) + reasons_line(result) + map_line(end) + time_line(result);
+  text += fmt::format("  result       sha256 {}\n", result.result_sha256) + files_line(end, folder);
+  if (result.skipped_frames > 0) {
+    text += fmt::format("warning: {} frames could not be read and were skipped, the first because: {}\n",
+                        result.skipped_frames, end.first_skip);
+  }
+  return text;
+}
+
+}  // namespace rastro::cli
