@@ -14,7 +14,7 @@ namespace rastro {
 
 struct LaserLogOptions {
   std::optional<std::int64_t> scans;  ///< The first so many; without it, the whole drive.
-  OdometryModel odometry;
+  OdometryModel odometry = {};
   bool force = false;  ///< Write into a folder that is not empty.
 };
 

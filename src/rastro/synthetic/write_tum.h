@@ -20,7 +20,7 @@ struct DepthModel {
 
 struct TumOptions {
   std::int64_t frames = 150;
-  DepthModel depth;
+  DepthModel depth = {};
   bool force = false;  ///< Write into a folder that is not empty.
 };
 
