@@ -56,8 +56,8 @@ const FloorPlan& plan() {
 }
 
 bool occupied_beside(const Eigen::Vector2d& point) {
-  for (const double x : {-0.05, 0.0, 0.05})
-    for (const double y : {-0.05, 0.0, 0.05})
+  for (const double x : {-0.04, 0.0, 0.04})
+    for (const double y : {-0.04, 0.0, 0.04})
       if (plan().at(point + Eigen::Vector2d(x, y)) == PlanCell::occupied) return true;
   return false;
 }
