@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rastro/map/grid/occupancy_grid.h"
+#include "rastro/math/se2.h"
+
+namespace rastro {
+
+/// What one scan does to the cells it touches. The defaults are those of Hector SLAM (Kohlbrecher et al. 2011).
+struct LogOddsModel {
+  double occupied_probability = 0.9;  ///< Of a cell with a return, from this scan alone; above 0.5.
+  double free_probability = 0.4;      ///< Of a cell a beam went through; below 0.5.
+  double largest_log_odds = 6.0;      ///< No cell gets surer than this, so that it can still be convinced.
+};
+
+/// How likely each cell is occupied, for reading: what the matchers work on. Values are 0 (free) to 255 (occupied),
+/// 128 where nothing is known. Points into the grid it comes from.
+struct ProbabilityView {
+  const std::uint8_t* cells = nullptr;
+  int width = 0, height = 0;
+  double cell_m = 0.05;
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< Of the corner of cell (0, 0), in the grid's frame.
+};
+
+/// An occupancy grid that grows with what is put in, in log-odds (Moravec and Elfes 1985; Thrun et al. 2005, 9.2).
+class LogOddsGrid {
+ public:
+  LogOddsGrid(double cell_m, const LogOddsModel& model);
+
+  /// Beams from `sensor` to each of `returns`, both in the grid's frame: free along the way, occupied at the end. A
+  /// cell is changed once a scan, and a return there outweighs a beam through it. Returns farther than 32,768 cells
+  /// from the sensor are left out.
+  void insert(const Eigen::Vector2d& sensor, std::span<const Eigen::Vector2d> returns);
+
+  ProbabilityView view() const;
+  /// Gives up what only insert() needs.
+  void freeze();
+
+ private:
+  void grow_to_hold(const Eigen::Vector2i& least, const Eigen::Vector2i& most);
+  Eigen::Vector2i cell_of(const Eigen::Vector2d& point) const;
+  void draw_beam(const Eigen::Vector2i& from, const Eigen::Vector2i& to);
+  void add(std::size_t cell, int log_odds);
+  std::size_t index_of(const Eigen::Vector2i& cell) const {
+    return static_cast<std::size_t>(cell.y() - first_.y()) * static_cast<std::size_t>(size_.x()) +
+           static_cast<std::size_t>(cell.x() - first_.x());
+  }
+
+  double cell_m_;
+  int occupied_step_, free_step_, largest_;
+  std::vector<std::uint8_t> probability_of_;  ///< Of each log-odds value from -largest_ on.
+  Eigen::Vector2i first_ = Eigen::Vector2i::Zero();
+  Eigen::Vector2i size_ = Eigen::Vector2i::Zero();
+  std::vector<std::int16_t> log_odds_;
+  std::vector<std::uint8_t> probability_;
+  std::vector<std::uint32_t> touched_;  ///< Number of the scan that last changed the cell, twice; odd: by a return.
+  std::uint32_t scans_ = 0;
+};
+
+/// As percent, unknown where no beam came.
+OccupancyGrid to_occupancy(const ProbabilityView& view);
+
+}  // namespace rastro

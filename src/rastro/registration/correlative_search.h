@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rastro/map/grid/log_odds_grid.h"
+#include "rastro/math/se2.h"
+
+namespace rastro {
+
+struct CorrelativeWindow {
+  double reach_m = 0.5;      ///< Half of the square searched, metres.
+  double reach_rad = 0.35;   ///< Half of the turn searched.
+  double least_score = 0.5;  ///< Mean of the map at the returns; nothing below is found.
+};
+
+struct CorrelativeFit {
+  SE2 map_from_body;
+  double score = 0.0;
+};
+
+/// A probability map with its maxima over squares of 1, 2, 4, ... cells: bounds that let the search leave out whole
+/// regions and still find the best place (Hess et al. 2016, section V; Olson 2009).
+class CorrelativeMap {
+ public:
+  /// Copies the map. Values are the larger of a cell and its right and upper neighbours' mean smear, see `levels`.
+  CorrelativeMap(const ProbabilityView& map, int levels);
+
+  /// The best pose on a raster of one cell and of the turn that moves the farthest return by one cell, within the
+  /// window about `guess`; nullopt where none reaches least_score. Ties go to the nearer to the guess, then to the
+  /// first in order of angle, y and x.
+  std::optional<CorrelativeFit> search(std::span<const Eigen::Vector2d> points, const SE2& guess,
+                                       const CorrelativeWindow& window) const;
+
+ private:
+  struct Level {
+    int size = 1;  ///< Side of the square over which the largest value was taken.
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> cells;  ///< Of (x - size + 1, y - size + 1) on.
+  };
+  struct Candidate;
+  class Search;
+
+  static Level widened(const Level& fine);
+
+  double cell_m_;
+  Eigen::Vector2d origin_;
+  std::vector<Level> levels_;
+};
+
+}  // namespace rastro

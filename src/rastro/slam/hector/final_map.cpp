@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/hector/final_map.h"
+
+#include <algorithm>
+
+namespace rastro {
+
+std::vector<StampedPlanarPose> placed(const std::vector<PlacedScan>& scans, const SubmapGraph& graph) {
+  std::vector<StampedPlanarPose> poses;
+  const std::vector<KeyScan>& keys = graph.key_scans();
+  const auto world_by = [&](std::size_t key, const SE2& local_from_body) {
+    return graph.world_from_key_scan(key) * keys[key].local_from_body.inverse() * local_from_body;
+  };
+  for (const PlacedScan& scan : scans) {
+    if (keys.empty()) continue;
+    const SE2 by_last = world_by(scan.key_scan, scan.local_from_body);
+    const std::size_t next = scan.key_scan + 1;
+    if (next >= keys.size() || scan.stamp <= keys[scan.key_scan].stamp) {
+      poses.push_back({scan.stamp, by_last});
+      continue;
+    }
+    const double fraction = static_cast<double>(scan.stamp - keys[scan.key_scan].stamp) /
+                            static_cast<double>(keys[next].stamp - keys[scan.key_scan].stamp);
+    poses.push_back({scan.stamp, interpolate(by_last, world_by(next, scan.local_from_body), std::min(1.0, fraction))});
+  }
+  return poses;
+}
+
+OccupancyGrid render(const SubmapGraph& graph, const HectorOptions& options) {
+  LogOddsGrid grid(options.cell_m, {options.occupied_probability, options.free_probability});
+  for (std::size_t k = 0; k < graph.key_scans().size(); ++k) {
+    const ScanPoints& scan = graph.key_scans()[k].scan;
+    const SE2 world_from_body = graph.world_from_key_scan(k);
+    std::vector<Eigen::Vector2d> points;
+    points.reserve(scan.points.size());
+    for (const Eigen::Vector2d& point : scan.points) points.push_back(world_from_body * point);
+    grid.insert(world_from_body * scan.sensor, points);
+  }
+  return to_occupancy(grid.view());
+}
+
+}  // namespace rastro

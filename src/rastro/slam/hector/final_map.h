@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "rastro/base/time.h"
+#include "rastro/map/grid/occupancy_grid.h"
+#include "rastro/math/se2.h"
+#include "rastro/slam/hector/options.h"
+#include "rastro/slam/hector/submap_graph.h"
+
+namespace rastro {
+
+/// Every scan as the matcher placed it, after which key scan.
+struct PlacedScan {
+  TimeNs stamp = 0;
+  std::size_t key_scan = 0;
+  SE2 local_from_body;
+};
+
+struct StampedPlanarPose {
+  TimeNs stamp = 0;
+  SE2 pose;
+};
+
+/// Every scan in the world: between two key scans it goes with both, in proportion to time.
+std::vector<StampedPlanarPose> placed(const std::vector<PlacedScan>& scans, const SubmapGraph& graph);
+
+/// The map of all key scans where the graph has them now.
+OccupancyGrid render(const SubmapGraph& graph, const HectorOptions& options);
+
+}  // namespace rastro

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/hector/hector_slam.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "rastro/base/error.h"
+#include "rastro/slam/hector/final_map.h"
+#include "rastro/slam/hector/motion_guess.h"
+#include "rastro/slam/hector/scan_follower.h"
+#include "rastro/slam/hector/submap_graph.h"
+#include "rastro/track/stopwatch.h"
+
+namespace rastro {
+namespace {
+
+HectorOptions checked(HectorOptions options) {
+  HectorOptions copy = options;
+  OptionTable table = option_table(copy);
+  for (std::size_t i = 0; i < table.options().size(); ++i)
+    table.set(table.options()[i].name, table.value_of(i), "hector options");
+  return options;
+}
+
+SE3 in_space(const SE2& pose) {
+  const Eigen::Vector3d turn(0.0, 0.0, pose.rotation().angle());
+  return SE3(SO3::exp(turn), Eigen::Vector3d(pose.translation().x(), pose.translation().y(), 0.0));
+}
+
+Matrix6d in_space(const Eigen::Matrix3d& covariance) {
+  constexpr int place[] = {0, 1, 5};
+  Matrix6d full = Matrix6d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) full(place[i], place[j]) = covariance(i, j);
+  }
+  return full;
+}
+
+/// Covariance of (x, y, angle) in axes turned by `rotation`.
+Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const SO2& rotation) {
+  Eigen::Matrix3d by = Eigen::Matrix3d::Identity();
+  by.topLeftCorner<2, 2>() = rotation.matrix();
+  return by * covariance * by.transpose();
+}
+
+}  // namespace
+
+class HectorSlam::State {
+ public:
+  State(const HectorOptions& options, TaskPool* pool)
+      : options_(checked(options)), follower_(options_), guess_(options_), graph_(options_, pool) {}
+
+  SlamUpdate process(const Frame& frame);
+  std::vector<SlamEvent> finish();
+  Trajectory trajectory() const;
+  std::shared_ptr<const Snapshot> snapshot() const;
+
+ private:
+  void follow(const Frame& frame, const ScanPoints& scan, SlamUpdate& update);
+  void start(const Frame& frame, const ScanPoints& scan, SlamUpdate& update);
+  void judge(const FollowedScan& followed, SlamUpdate& update);
+  void carry_on(const Frame& frame, SlamUpdate& update, SlamReason reason, std::string detail);
+  void extend_map(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed, SlamUpdate& update);
+  bool moved_enough() const;
+  void turn_over_submaps(SlamUpdate& update);
+  void close_loops(SlamUpdate& update);
+  void settle(const Frame& frame, const SE2& local_from_body, SlamUpdate& update);
+
+  HectorOptions options_;
+  ScanFollower follower_;
+  MotionGuess guess_;
+  SubmapGraph graph_;
+  std::vector<PlacedScan> scans_;
+  std::size_t looked_up_to_ = 0;  ///< Key scans before this one were looked for in older submaps.
+  double path_m_ = 0.0;
+  std::int64_t revision_ = 0;
+  bool lost_ = false;
+};
+
+SlamUpdate HectorSlam::State::process(const Frame& frame) {
+  Stopwatch whole, stage;
+  SlamUpdate update;
+  update.index = frame.index;
+  update.stamp = frame.stamp;
+  const ScanPoints scan = frame.scan ? returns_of(*frame.scan, options_) : ScanPoints{};
+  update.used = static_cast<int>(scan.points.size());
+  update.times.push_back({"scan", stage.lap_ms()});
+  if (!scans_.empty() && frame.stamp == scans_.back().stamp) {
+    update.state = SlamState::weak;
+    update.reason = SlamReason::repeated_frame;
+    update.detail = "it has the stamp of the one before";
+    update.world_from_body = in_space(graph_.world_from_local() * guess_.last());
+  } else if (!frame.scan) {
+    carry_on(frame, update, SlamReason::no_data, "no scan");
+  } else if (update.used < options_.min_returns) {
+    carry_on(
+        frame, update, SlamReason::few_returns,
+        fmt::format("{} of {} beams returned, need {}", update.used, frame.scan->ranges.size(), options_.min_returns));
+  } else if (graph_.key_scans().empty()) {
+    start(frame, scan, update);
+  } else {
+    follow(frame, scan, update);
+  }
+  update.milliseconds = whole.lap_ms();
+  return update;
+}
+
+void HectorSlam::State::start(const Frame& frame, const ScanPoints& scan, SlamUpdate& update) {
+  const SE2 pose = guess_.guess(frame.stamp, frame.odometry_from_body).local_from_body;
+  graph_.add_submap(pose);
+  graph_.add_key_scan({frame.stamp, scan, pose, 0.0}, Eigen::Matrix3d::Zero());
+  ++revision_;
+  update.state = SlamState::tracking;
+  update.reason = SlamReason::first_frame;
+  update.score = 1.0;
+  update.covariance = Matrix6d::Zero();
+  update.events.push_back({"submap", "the first"});
+  settle(frame, pose, update);
+}
+
+void HectorSlam::State::follow(const Frame& frame, const ScanPoints& scan, SlamUpdate& update) {
+  Stopwatch stage;
+  const ScanGuess guess = guess_.guess(frame.stamp, frame.odometry_from_body);
+  // The oldest unfinished submap holds the most.
+  const auto map = std::find_if(graph_.submaps().begin(), graph_.submaps().end(),
+                                [](const auto& submap) { return !submap->finished(); });
+  const FollowedScan followed = follower_.follow(**map, scan.points, guess);
+  update.times.push_back({"match", stage.lap_ms()});
+  judge(followed, update);
+  path_m_ += (guess_.last().inverse() * followed.local_from_body).translation().norm();
+  settle(frame, followed.local_from_body, update);
+  if (followed.fits) extend_map(frame, scan, followed, update);
+  update.times.push_back({"map", stage.lap_ms()});
+  close_loops(update);
+  update.times.push_back({"loops", stage.lap_ms()});
+}
+
+/// State and reason in the order of what troubles most.
+void HectorSlam::State::judge(const FollowedScan& followed, SlamUpdate& update) {
+  update.score = followed.score;
+  update.state = lost_ ? SlamState::relocalised : SlamState::tracking;
+  if (!followed.fits) {
+    update.state = SlamState::lost;
+    update.reason = SlamReason::poor_match;
+    update.detail = fmt::format("score {:.2f}, need {:.2f}", followed.score, options_.min_score);
+  } else {
+    update.covariance = in_space(turned(followed.covariance, graph_.world_from_local().rotation()));
+    if (followed.unseen_direction) {
+      const Eigen::Vector2d along =
+          (graph_.world_from_local() * followed.local_from_body).rotation().inverse() * *followed.unseen_direction;
+      update.state = SlamState::weak;
+      update.reason = SlamReason::degenerate;
+      update.detail = fmt::format("nothing seen tells of motion along {:.0f} deg from ahead",
+                                  std::atan(along.y() / along.x()) * 180.0 / M_PI);
+    } else if (guess_.odometry_jumped()) {
+      update.reason = SlamReason::odometry_jumped;
+      update.detail =
+          fmt::format("faster than {:g} m/s; the odometry of this scan was left out", options_.max_speed_m_per_s);
+    }
+  }
+  lost_ = !followed.fits;
+}
+
+/// A frame without a scan to match: the guess is all there is.
+void HectorSlam::State::carry_on(const Frame& frame, SlamUpdate& update, SlamReason reason, std::string detail) {
+  update.state = graph_.key_scans().empty() ? SlamState::initialising : SlamState::weak;
+  update.reason = reason;
+  update.detail = std::move(detail);
+  settle(frame, guess_.guess(frame.stamp, frame.odometry_from_body).local_from_body, update);
+}
+
+void HectorSlam::State::settle(const Frame& frame, const SE2& local_from_body, SlamUpdate& update) {
+  guess_.settle(frame.stamp, frame.odometry_from_body, local_from_body);
+  const std::size_t keys = graph_.key_scans().size();
+  scans_.push_back({frame.stamp, keys > 0 ? keys - 1 : 0, local_from_body});
+  update.world_from_body = in_space(graph_.world_from_local() * local_from_body);
+}
+
+bool HectorSlam::State::moved_enough() const {
+  const SE2 moved = graph_.key_scans().back().local_from_body.inverse() * guess_.last();
+  return moved.translation().norm() >= options_.insert_distance_m ||
+         std::abs(moved.rotation().angle()) >= options_.insert_angle_rad;
+}
+
+void HectorSlam::State::extend_map(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed,
+                                   SlamUpdate& update) {
+  if (!moved_enough()) return;
+  const std::size_t key =
+      graph_.add_key_scan({frame.stamp, scan, followed.local_from_body, path_m_}, followed.covariance);
+  scans_.back().key_scan = key;
+  ++revision_;
+  update.events.push_back({"keyframe", fmt::format("{}, after {:.2f} m", key, path_m_)});
+  if (options_.loop_closing) turn_over_submaps(update);
+}
+
+/// Two submaps overlap by half, so that a scan always has one with enough in it.
+void HectorSlam::State::turn_over_submaps(SlamUpdate& update) {
+  std::vector<Submap*> open;
+  for (const auto& submap : graph_.submaps()) {
+    if (!submap->finished()) open.push_back(submap.get());
+  }
+  const auto most = static_cast<std::size_t>(options_.submap_scans);
+  const bool full = open.front()->key_scans().size() >= most;
+  if (full && open.size() > 1) open.front()->finish();
+  if (open.back()->key_scans().size() < std::max<std::size_t>(1, most / 2)) return;
+  const std::size_t submap = graph_.add_submap(guess_.last());
+  update.events.push_back({"submap", fmt::format("{} begun", submap)});
+}
+
+void HectorSlam::State::close_loops(SlamUpdate& update) {
+  const std::size_t keys = graph_.key_scans().size();
+  if (!options_.loop_closing || keys < looked_up_to_ + static_cast<std::size_t>(options_.optimize_every)) return;
+  const int closed = graph_.look_for_loops(looked_up_to_);
+  looked_up_to_ = keys;
+  if (closed == 0) return;
+  graph_.optimize();
+  ++revision_;
+  update.world_from_body = in_space(graph_.world_from_local() * guess_.last());
+  update.events.push_back({"loop_closed", fmt::format("{} key scans found again", closed)});
+  update.events.push_back({"map_revised", fmt::format("{} key scans in {} submaps", keys, graph_.submaps().size())});
+}
+
+std::vector<SlamEvent> HectorSlam::State::finish() {
+  std::vector<SlamEvent> events;
+  if (!options_.loop_closing || graph_.key_scans().empty()) return events;
+  for (const auto& submap : graph_.submaps()) {
+    if (!submap->finished() && !submap->key_scans().empty()) submap->finish();
+  }
+  const int closed = graph_.look_for_loops(looked_up_to_);
+  graph_.optimize();
+  const int tied = graph_.tie_neighbours();
+  graph_.optimize();
+  ++revision_;
+  events.push_back(
+      {"map_revised", fmt::format("{} loops closed at the end, {} key scans tied to submaps near them", closed, tied)});
+  return events;
+}
+
+Trajectory HectorSlam::State::trajectory() const {
+  Trajectory trajectory;
+  for (const StampedPlanarPose& pose : placed(scans_, graph_)) trajectory.push_back({pose.stamp, in_space(pose.pose)});
+  // Scans are taken in the order of the log, which some logs' stamps do not keep.
+  std::stable_sort(trajectory.begin(), trajectory.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+  return trajectory;
+}
+
+std::shared_ptr<const Snapshot> HectorSlam::State::snapshot() const {
+  auto snapshot = std::make_shared<Snapshot>();
+  snapshot->revision = revision_;
+  snapshot->grid = std::make_shared<OccupancyGrid>(render(graph_, options_));
+  for (std::size_t k = 0; k < graph_.key_scans().size(); ++k) {
+    snapshot->keyframes.push_back({graph_.key_scans()[k].stamp, in_space(graph_.world_from_key_scan(k))});
+    if (k > 0) snapshot->edges.push_back({k - 1, k, false});
+  }
+  for (const ClosedLoop& loop : graph_.loops()) {
+    const auto& made_it = graph_.key_scans_of(loop.submap);
+    snapshot->edges.push_back({made_it[made_it.size() / 2], loop.key_scan, true});
+  }
+  return snapshot;
+}
+
+HectorSlam::HectorSlam(const HectorOptions& options, TaskPool* pool) : state_(std::make_unique<State>(options, pool)) {}
+HectorSlam::~HectorSlam() = default;
+SlamUpdate HectorSlam::process(const Frame& frame) { return state_->process(frame); }
+std::vector<SlamEvent> HectorSlam::finish() { return state_->finish(); }
+Trajectory HectorSlam::trajectory() const { return state_->trajectory(); }
+std::shared_ptr<const Snapshot> HectorSlam::snapshot() const { return state_->snapshot(); }
+
+}  // namespace rastro

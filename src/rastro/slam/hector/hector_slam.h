@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/slam/hector/options.h"
+#include "rastro/slam/slam.h"
+
+namespace rastro {
+
+/// Scan matching against a map that grows with the scans (Kohlbrecher et al. 2011), with loops closed by a graph of
+/// submaps. Planar: z, roll and pitch stay 0. The world is the body at the first scan.
+class HectorSlam : public Slam {
+ public:
+  /// `pool` may be null and must outlive this.
+  HectorSlam(const HectorOptions& options, TaskPool* pool);
+  ~HectorSlam() override;
+  SlamUpdate process(const Frame& frame) override;
+  std::vector<SlamEvent> finish() override;
+  Trajectory trajectory() const override;
+  std::shared_ptr<const Snapshot> snapshot() const override;
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rastro

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+#include <optional>
+
+#include "rastro/base/time.h"
+#include "rastro/math/se2.h"
+#include "rastro/slam/hector/options.h"
+#include "rastro/slam/hector/scan_follower.h"
+
+namespace rastro {
+
+/// Where the next scan is expected: from odometry, from the speed so far, or where the last one was.
+class MotionGuess {
+ public:
+  explicit MotionGuess(const HectorOptions& options) : options_(options) {}
+
+  ScanGuess guess(TimeNs stamp, const std::optional<SE2>& odometry_from_body);
+  /// Whether the last guess threw its odometry away because no vehicle moves like that.
+  bool odometry_jumped() const { return jumped_; }
+  void settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body);
+  const SE2& last() const { return last_; }
+
+ private:
+  ScanGuess from_speed(TimeNs stamp) const;
+  double scans_since_last(TimeNs stamp) const;
+
+  const HectorOptions& options_;
+  SE2 last_;
+  std::optional<SE2> last_odometry_;
+  Eigen::Vector3d step_ = Eigen::Vector3d::Zero();  ///< From one scan to the next, body frame, metres and radians.
+  TimeNs last_stamp_ = 0;
+  std::deque<double> periods_;  ///< Seconds between the last scans.
+  bool started_ = false, jumped_ = false;
+};
+
+}  // namespace rastro

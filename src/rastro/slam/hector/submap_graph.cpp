@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/hector/submap_graph.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "rastro/registration/scan_to_map.h"
+
+namespace rastro {
+namespace {
+
+/// Of a scan in its own submap beside what the match says: cells, and beams that are not quite where they are said to
+/// be.
+constexpr double least_sigma_m = 0.02, least_sigma_rad = 0.005;
+
+Eigen::Matrix3d root_information(const Eigen::Matrix3d& covariance, double sigma_m, double sigma_rad) {
+  Eigen::Matrix3d sum = covariance;
+  sum.diagonal() += Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
+  const Eigen::Matrix3d information = sum.inverse();
+  return information.llt().matrixU();
+}
+
+}  // namespace
+
+std::size_t SubmapGraph::add_submap(const SE2& local_from_body) {
+  const SE2 world_from_local_now = world_from_local();
+  submaps_.push_back(std::make_unique<Submap>(options_, local_from_body));
+  pose_of_submap_.push_back(poses_.size());
+  poses_.push_back(world_from_local_now * submaps_.back()->local_from_submap());
+  return submaps_.size() - 1;
+}
+
+std::size_t SubmapGraph::add_key_scan(KeyScan scan, const Eigen::Matrix3d& covariance) {
+  const std::size_t key_scan = key_scans_.size();
+  const SE2 world_from_body = world_from_local() * scan.local_from_body;
+  for (std::size_t s = 0; s < submaps_.size(); ++s) {
+    if (!submaps_[s]->finished()) submaps_[s]->insert(scan.scan, scan.local_from_body, key_scan);
+  }
+  key_scans_.push_back(std::move(scan));
+  pose_of_key_scan_.push_back(poses_.size());
+  poses_.push_back(world_from_body);
+  for (std::size_t s = 0; s < submaps_.size(); ++s) {
+    if (!submaps_[s]->finished()) tie(s, key_scan, covariance);
+  }
+  return key_scan;
+}
+
+SE2 SubmapGraph::world_from_local() const {
+  if (key_scans_.empty()) return SE2();
+  return poses_[pose_of_key_scan_.back()] * key_scans_.back().local_from_body.inverse();
+}
+
+void SubmapGraph::tie(std::size_t submap, std::size_t key_scan, const Eigen::Matrix3d& covariance) {
+  PlanarEdge edge;
+  edge.a = pose_of_submap_[submap];
+  edge.b = pose_of_key_scan_[key_scan];
+  edge.a_from_b = submaps_[submap]->local_from_submap().inverse() * key_scans_[key_scan].local_from_body;
+  edge.root_information = root_information(covariance, least_sigma_m, least_sigma_rad);
+  ties_.push_back(edge);
+}
+
+bool SubmapGraph::made_by(std::size_t submap, std::size_t key_scan) const {
+  const std::vector<std::size_t>& scans = submaps_[submap]->key_scans();
+  return !scans.empty() && key_scan >= scans.front() && key_scan <= scans.back();
+}
+
+/// To the nearest place a scan of the submap was taken from.
+double SubmapGraph::distance_to(std::size_t submap, const Eigen::Vector2d& world) const {
+  double nearest = 1e9;
+  for (const std::size_t k : submaps_[submap]->key_scans())
+    nearest = std::min(nearest, (world_from_key_scan(k).translation() - world).norm());
+  return nearest;
+}
+
+std::vector<SubmapGraph::Candidate> SubmapGraph::candidates_of(std::size_t key_scan, bool near_only) const {
+  std::vector<Candidate> candidates;
+  const KeyScan& scan = key_scans_[key_scan];
+  double last_loop_m = 0.0;
+  for (const ClosedLoop& loop : loops_) last_loop_m = std::max(last_loop_m, key_scans_[loop.key_scan].path_m);
+  for (std::size_t s = 0; s < submaps_.size(); ++s) {
+    if (!submaps_[s]->finished() || made_by(s, key_scan)) continue;
+    const std::size_t newest = submaps_[s]->key_scans().back();
+    if (!near_only && key_scan < newest) continue;
+    const double path_m = std::max(0.0, scan.path_m - std::max(last_loop_m, key_scans_[newest].path_m));
+    Candidate candidate{s, key_scan, options_.loop_reach_m, options_.loop_reach_rad};
+    if (!near_only) {
+      const auto last =
+          std::find_if(loops_.rbegin(), loops_.rend(), [s](const auto& loop) { return loop.submap == s; });
+      if (last != loops_.rend() && key_scan < last->key_scan + static_cast<std::size_t>(options_.loop_every)) continue;
+      candidate.reach_m = std::min(options_.loop_max_reach_m, candidate.reach_m + options_.loop_drift_share * path_m);
+      candidate.reach_rad =
+          std::min(options_.loop_max_reach_rad, candidate.reach_rad + options_.loop_drift_rad_per_m * path_m);
+    }
+    const double distance = distance_to(s, world_from_key_scan(key_scan).translation());
+    if (distance < options_.loop_near_m + (near_only ? 0.0 : candidate.reach_m)) candidates.push_back(candidate);
+  }
+  return candidates;
+}
+
+/// Of the key scan and those before it, in its body frame, one a cell: more than one scan says less often the same.
+std::vector<Eigen::Vector2d> SubmapGraph::points_around(std::size_t key_scan) const {
+  const std::size_t first = key_scan + 1 - std::min(key_scan + 1, static_cast<std::size_t>(options_.loop_scans));
+  const SE2 body_from_local = key_scans_[key_scan].local_from_body.inverse();
+  std::set<std::pair<int, int>> taken;
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t k = first; k <= key_scan; ++k) {
+    const SE2 body_from_other = body_from_local * key_scans_[k].local_from_body;
+    for (const Eigen::Vector2d& point : key_scans_[k].scan.points) {
+      const Eigen::Vector2d here = body_from_other * point;
+      const Eigen::Vector2d cell = (here / options_.cell_m).array().floor();
+      if (taken.insert({static_cast<int>(cell.x()), static_cast<int>(cell.y())}).second) points.push_back(here);
+    }
+  }
+  return points;
+}
+
+std::optional<ClosedLoop> SubmapGraph::try_candidate(const Candidate& candidate) const {
+  Submap& submap = *submaps_[candidate.submap];
+  const std::vector<Eigen::Vector2d> points = points_around(candidate.key_scan);
+  const SE2 expected = world_from_submap(candidate.submap).inverse() * world_from_key_scan(candidate.key_scan);
+  const CorrelativeWindow window{candidate.reach_m, candidate.reach_rad, 0.85 * options_.loop_min_score};
+  const auto found = submap.correlative().search(points, expected, window);
+  if (!found) return std::nullopt;
+  const auto fit =
+      match_scan_to_map(submap.levels(), points, found->map_from_body, nullptr, {options_.match_iterations});
+  if (!fit || fit->score < options_.loop_min_score) return std::nullopt;
+  ClosedLoop loop{candidate.submap, candidate.key_scan, fit->score, fit->map_from_body, Eigen::Matrix3d::Zero()};
+  const Eigen::Matrix3d information = fit->information + 1e-3 * Eigen::Matrix3d::Identity();
+  loop.covariance = std::max(0.01, fit->residual_variance) * information.inverse();
+  return loop;
+}
+
+int SubmapGraph::close(const std::vector<Candidate>& candidates) {
+  // Made before the threads look at them.
+  for (const Candidate& candidate : candidates) submaps_[candidate.submap]->correlative();
+  std::vector<std::optional<ClosedLoop>> found(candidates.size());
+  const auto try_some = [&](int begin, int end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      found[i] = try_candidate(candidates[i]);
+  };
+  const int count = static_cast<int>(candidates.size());
+  if (pool_) {
+    pool_->for_chunks(0, count, 1, try_some);
+  } else {
+    try_some(0, count);
+  }
+  int closed = 0;
+  for (const auto& loop : found) {
+    if (!loop) continue;
+    std::erase_if(loops_,
+                  [&](const ClosedLoop& old) { return old.submap == loop->submap && old.key_scan == loop->key_scan; });
+    loops_.push_back(*loop);
+    ++closed;
+  }
+  return closed;
+}
+
+int SubmapGraph::look_for_loops(std::size_t first) {
+  std::vector<Candidate> candidates;
+  for (std::size_t k = first; k < key_scans_.size(); ++k) {
+    for (const Candidate& candidate : candidates_of(k, false)) candidates.push_back(candidate);
+  }
+  return close(candidates);
+}
+
+int SubmapGraph::tie_neighbours() {
+  std::vector<Candidate> candidates;
+  for (std::size_t k = 0; k < key_scans_.size(); ++k) {
+    for (const Candidate& candidate : candidates_of(k, true)) candidates.push_back(candidate);
+  }
+  return close(candidates);
+}
+
+std::vector<PlanarEdge> SubmapGraph::edges() const {
+  std::vector<PlanarEdge> edges = ties_;
+  for (const ClosedLoop& loop : loops_) {
+    PlanarEdge edge;
+    edge.a = pose_of_submap_[loop.submap];
+    edge.b = pose_of_key_scan_[loop.key_scan];
+    edge.a_from_b = loop.submap_from_body;
+    edge.root_information = root_information(loop.covariance, options_.loop_sigma_m, options_.loop_sigma_rad);
+    edge.robust = true;
+    edges.push_back(edge);
+  }
+  return edges;
+}
+
+void SubmapGraph::optimize() {
+  PlanarPoseGraphOptions options;
+  options.robust_width = options_.robust_width;
+  optimize_planar_pose_graph(poses_, edges(), options);
+}
+
+}  // namespace rastro
