@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/ekf/ekf_testing.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "rastro/slam/ekf/motion_model.h"
@@ -57,6 +59,43 @@ void LandmarkDrive::see(Frame& frame) {
     seen.range = range + range_noise * random_.normal();
     seen.bearing = std::atan2(in_body.y(), in_body.x()) + bearing_noise * random_.normal();
   }
+}
+
+void WallWorld::add_polygon(const std::vector<Eigen::Vector2d>& corners) {
+  for (std::size_t i = 0; i < corners.size(); ++i) walls.push_back({corners[i], corners[(i + 1) % corners.size()]});
+}
+
+double WallWorld::distance(const Eigen::Vector2d& from, const Eigen::Vector2d& direction) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Wall& wall : walls) {
+    Eigen::Matrix2d ways;
+    ways << direction, wall.from - wall.to;
+    if (std::abs(ways.determinant()) < 1e-12) continue;
+    const Eigen::Vector2d hit = ways.inverse() * (wall.from - from);
+    if (hit.x() > 0.0 && hit.y() >= 0.0 && hit.y() <= 1.0) nearest = std::min(nearest, hit.x());
+  }
+  for (const Pole& pole : poles) {
+    const Eigen::Vector2d to_middle = pole.middle - from;
+    const double along = to_middle.dot(direction);
+    const double inside = pole.radius * pole.radius - (to_middle.squaredNorm() - along * along);
+    if (along > 0.0 && inside >= 0.0) nearest = std::min(nearest, along - std::sqrt(inside));
+  }
+  return nearest;
+}
+
+LaserScan scan_of(const WallWorld& world, const SE2& world_from_laser, std::size_t beams, double span, double noise_m,
+                  Random& random) {
+  LaserScan scan;
+  scan.first_angle = -0.5 * span;
+  scan.angle_step = span / static_cast<double>(beams - 1);
+  scan.max_range = 80.0;
+  for (std::size_t beam = 0; beam < beams; ++beam) {
+    const Eigen::Vector2d direction =
+        world_from_laser.rotation() * (SO2::from_angle(scan.angle_of(beam)) * Eigen::Vector2d(1.0, 0.0));
+    const double range = world.distance(world_from_laser.translation(), direction);
+    scan.ranges.push_back(static_cast<float>(std::min(range + noise_m * random.normal(), scan.max_range)));
+  }
+  return scan;
 }
 
 }  // namespace rastro::testing

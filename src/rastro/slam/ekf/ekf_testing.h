@@ -45,4 +45,26 @@ class LandmarkDrive {
   std::int64_t frames_ = 0;
 };
 
+/// Walls and poles in the plane, in metres, for a laser.
+struct WallWorld {
+  struct Wall {
+    Eigen::Vector2d from, to;
+  };
+  struct Pole {
+    Eigen::Vector2d middle;
+    double radius = 0.05;
+  };
+  std::vector<Wall> walls;
+  std::vector<Pole> poles;
+
+  /// A closed row of walls.
+  void add_polygon(const std::vector<Eigen::Vector2d>& corners);
+  /// How far a ray goes; infinite where nothing is hit.
+  double distance(const Eigen::Vector2d& from, const Eigen::Vector2d& direction) const;
+};
+
+/// `beams` over `span` radians about straight ahead; noise along the beams in metres.
+LaserScan scan_of(const WallWorld& world, const SE2& world_from_laser, std::size_t beams, double span, double noise_m,
+                  Random& random);
+
 }  // namespace rastro::testing

@@ -155,12 +155,12 @@ void add_line_options(OptionTable& table, EkfOptions& o) {
   table.add(
       {"beam_gap_share", &o.beam_gap_share, "", "see beam_gap_m: far returns lie apart on the same wall", 0, 1, {}});
   table.add({"ransac_iterations", &o.ransac_iterations, "", "samples drawn for one line", 1, 10000, {}});
-  table.add({"ransac_reach_beams",
-             &o.ransac_reach_beams,
-             "beams",
-             "the second return of a sample is at most so far from the first",
-             1,
-             1000,
+  table.add({"ransac_reach_deg",
+             &o.ransac_reach_deg,
+             "deg",
+             "the two returns of a sample are at most so far apart, as seen from the scanner",
+             0.1,
+             180,
              {}});
   table.add({"line_tolerance_m", &o.line_tolerance_m, "m", "returns farther from a line are not on it", 0.001, 1, {}});
   table.add({"min_line_beams", &o.min_line_beams, "beams", "a line with fewer returns is not used", 3, 1000, {}});
@@ -181,10 +181,12 @@ void add_feature_options(OptionTable& table, EkfOptions& o) {
              &o.corner_error_m,
              "m",
              "standard deviation of a corner's place besides what the beams' noise gives: walls are not lines",
-             0,
+             1e-4,
              1,
              {}});
   table.add({"spikes", &o.spikes, "", "poles as landmarks", 0, 1, {}});
+  table.add(
+      {"min_spike_beams", &o.min_spike_beams, "beams", "a pole takes no fewer: one alone may be noise", 1, 100, {}});
   table.add({"max_spike_beams", &o.max_spike_beams, "beams", "a pole takes no more", 1, 100, {}});
   table.add({"max_spike_m", &o.max_spike_m, "m", "a pole is no wider", 0.01, 5, {}});
   table.add({"spike_depth_m", &o.spike_depth_m, "m", "what is beside a pole is farther away by this", 0.05, 50, {}});
@@ -193,7 +195,7 @@ void add_feature_options(OptionTable& table, EkfOptions& o) {
              &o.spike_error_m,
              "m",
              "standard deviation of a pole's place besides what the beams' noise gives",
-             0,
+             1e-4,
              1,
              {}});
 }

@@ -46,7 +46,7 @@ struct EkfOptions {
   double beam_gap_m = 0.3;
   double beam_gap_share = 0.1;
   int ransac_iterations = 40;
-  int ransac_reach_beams = 12;
+  double ransac_reach_deg = 12.0;
   double line_tolerance_m = 0.04;
   int min_line_beams = 8;
   double min_line_m = 0.4;
@@ -57,7 +57,8 @@ struct EkfOptions {
   double corner_gap_m = 0.2;
   double corner_error_m = 0.02;
   bool spikes = true;
-  int max_spike_beams = 6;
+  int min_spike_beams = 2;
+  int max_spike_beams = 8;
   double max_spike_m = 0.3;
   double spike_depth_m = 0.5;
   double max_spike_range_m = 10.0;

@@ -1,9 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/ekf/scan_features.h"
 
-namespace rastro {
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 
-std::vector<Sighting> scan_sightings(const LaserScan&, const EkfOptions&, Random&) { return {}; }
+#include "rastro/slam/ekf/corner_features.h"
+#include "rastro/slam/ekf/line_extraction.h"
+
+namespace rastro {
+namespace {
+
+Sighting sighting_of(const ScanFeature& feature, LandmarkKind kind, const SE2& body_from_laser) {
+  const Eigen::Matrix2d rotation = body_from_laser.rotation().matrix();
+  return {kind, -1, body_from_laser * feature.place, rotation * feature.covariance * rotation.transpose(),
+          feature.direction + body_from_laser.rotation().angle()};
+}
+
+std::size_t reach_in_beams(const LaserScan& scan, const EkfOptions& options) {
+  const double step = std::max(std::abs(scan.angle_step), 1e-6);
+  return static_cast<std::size_t>(options.ransac_reach_deg * std::numbers::pi / 180.0 / step);
+}
+
+}  // namespace
+
+std::vector<Sighting> scan_sightings(const LaserScan& scan, const EkfOptions& options, Random& random) {
+  std::vector<Sighting> sightings;
+  const auto runs = runs_of(scan, options);
+  if (options.corners) {
+    for (const auto& run : runs) {
+      for (const ScanFeature& corner :
+           find_corners(run, extract_lines(run, reach_in_beams(scan, options), options, random), options)) {
+        sightings.push_back(sighting_of(corner, LandmarkKind::corner, scan.body_from_laser));
+      }
+    }
+  }
+  if (options.spikes) {
+    for (const ScanFeature& spike : find_spikes(scan, runs, options)) {
+      sightings.push_back(sighting_of(spike, LandmarkKind::spike, scan.body_from_laser));
+    }
+  }
+  // Beams of a broken scan may all lie on one another; no line follows from that.
+  std::erase_if(sightings, [](const Sighting& sighting) {
+    return !sighting.in_body.allFinite() || !sighting.covariance.allFinite() || !std::isfinite(sighting.direction);
+  });
+  return sightings;
+}
 
 std::vector<Eigen::Vector2d> returns_in(const LaserScan& scan, const SE2& frame_from_laser) {
   std::vector<Eigen::Vector2d> points;

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/ekf/association.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "rastro/slam/ekf/candidates.h"
+
+namespace rastro {
+namespace {
+
+using Kind = Association::Kind;
+
+Sighting sighting_at(double x, double y, LandmarkKind kind = LandmarkKind::given, std::int64_t id = -1) {
+  return {kind, id, {x, y}, 0.01 * Eigen::Matrix2d::Identity(), 0.0};
+}
+
+/// Landmarks known to 0.1 m, as the sightings are, seen from an exactly known body: squared distance = metres^2 / 0.02.
+struct Map {
+  EkfFilter filter;
+  std::vector<LandmarkRecord> records;
+
+  void add(double x, double y, LandmarkKind kind = LandmarkKind::given, std::int64_t id = -1) {
+    filter.add({x, y}, 0.01 * Eigen::Matrix2d::Identity());
+    records.push_back({kind, id, 0.0, 1});
+  }
+  std::vector<Association> associated(const std::vector<Sighting>& sightings, const EkfOptions& options = {}) const {
+    return associate(filter, records, sightings, options);
+  }
+  Kind kind_of(const Sighting& sighting, const EkfOptions& options = {}) const {
+    return associated({sighting}, options)[0].kind;
+  }
+};
+
+TEST(Association, TheGateIsASquaredMahalanobisDistance) {
+  Map map;
+  map.add(5.0, 0.0);
+  const double gate_m = std::sqrt(9.21 * 0.02), new_gate_m = std::sqrt(27.6 * 0.02);
+  EXPECT_EQ(map.kind_of(sighting_at(5.0 + 0.999 * gate_m, 0.0)), Kind::landmark);
+  EXPECT_EQ(map.kind_of(sighting_at(5.0 + 1.001 * gate_m, 0.0)), Kind::contradicting);
+  EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.999 * new_gate_m)), Kind::contradicting);
+  EXPECT_EQ(map.kind_of(sighting_at(5.0, 1.001 * new_gate_m)), Kind::fresh);
+  EXPECT_NEAR(map.associated({sighting_at(5.1, 0.2)})[0].distance, 0.05 / 0.02, 1e-9);
+}
+
+TEST(Association, AnEmptyMapKnowsNothing) { EXPECT_EQ(Map().kind_of(sighting_at(1.0, 1.0)), Kind::fresh); }
+
+TEST(Association, WhatFitsTwoLandmarksIsNotUsed) {
+  Map map;
+  map.add(5.0, 0.0);
+  map.add(5.0, 0.5);
+  EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.2)), Kind::ambiguous);
+  EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.05)), Kind::landmark);  // the other one is far out of the gate
+  EkfOptions bold;
+  bold.ambiguity = 0.0;
+  EXPECT_EQ(map.associated({sighting_at(5.0, 0.2)}, bold)[0].landmark, 0U);
+  EXPECT_EQ(map.associated({sighting_at(5.0, 0.3)}, bold)[0].landmark, 1U);
+}
+
+TEST(Association, ALandmarkIsSeenOnceByTheNearest) {
+  Map map;
+  map.add(5.0, 0.0);
+  for (const bool turned : {false, true}) {
+    std::vector<Sighting> sightings = {sighting_at(5.0, 0.1), sighting_at(5.0, -0.2)};
+    if (turned) std::swap(sightings[0], sightings[1]);
+    const auto found = map.associated(sightings);
+    EXPECT_EQ(found[turned ? 1 : 0].kind, Kind::landmark);
+    EXPECT_EQ(found[turned ? 0 : 1].kind, Kind::ambiguous);
+  }
+}
+
+TEST(Association, NamesDecideButNotAgainstAllSense) {
+  Map map;
+  map.add(5.0, 0.0, LandmarkKind::given, 7);
+  map.add(5.0, 0.1, LandmarkKind::given, 8);
+  EXPECT_EQ(map.associated({sighting_at(5.0, 0.1, LandmarkKind::given, 7)})[0].landmark, 0U);
+  EXPECT_EQ(map.kind_of(sighting_at(9.0, 0.0, LandmarkKind::given, 7)), Kind::contradicting);
+  EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.0, LandmarkKind::given, 9)), Kind::fresh);
+}
+
+TEST(Association, KindsAndDirectionsMustFit) {
+  Map map;
+  map.add(5.0, 0.0, LandmarkKind::corner);
+  EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.0, LandmarkKind::spike)), Kind::fresh);
+  Sighting corner = sighting_at(5.0, 0.0, LandmarkKind::corner);
+  EXPECT_EQ(map.kind_of(corner), Kind::landmark);
+  corner.direction = std::numbers::pi;
+  EXPECT_EQ(map.kind_of(corner), Kind::fresh);
+  corner.direction = 2.0 * std::numbers::pi + 0.1;
+  EXPECT_EQ(map.kind_of(corner), Kind::landmark);
+}
+
+TEST(Candidates, BecomeLandmarksAfterAsManyFrames) {
+  EkfOptions options;
+  options.observations = 3;
+  Candidates candidates(options);
+  EXPECT_FALSE(candidates.confirms(sighting_at(5.0, 0.0), 0));
+  EXPECT_FALSE(candidates.confirms(sighting_at(5.05, 0.0), 0));  // the same frame again
+  EXPECT_FALSE(candidates.confirms(sighting_at(5.0, 0.1), 1));
+  EXPECT_FALSE(candidates.confirms(sighting_at(7.0, 0.0), 2));  // another one
+  EXPECT_EQ(candidates.count(), 2U);
+  EXPECT_TRUE(candidates.confirms(sighting_at(5.0, 0.0), 3));
+  EXPECT_EQ(candidates.count(), 1U);
+}
+
+TEST(Candidates, OneObservationCanBeEnough) {
+  EkfOptions options;
+  options.observations = 1;
+  EXPECT_TRUE(Candidates(options).confirms(sighting_at(5.0, 0.0), 0));
+}
+
+TEST(Candidates, StayWhereTheyAreWhileTheBodyMoves) {
+  EkfOptions options;
+  options.observations = 2;
+  Candidates candidates(options);
+  const SE2 last_from_body(SO2::from_angle(1.0), {2.0, -1.0});
+  candidates.confirms(sighting_at(5.0, 0.0), 0);
+  candidates.move({last_from_body, Eigen::Matrix3d::Zero()});
+  const Eigen::Vector2d now = last_from_body.inverse() * Eigen::Vector2d(5.0, 0.0);
+  EXPECT_TRUE(candidates.confirms(sighting_at(now.x(), now.y()), 1));
+}
+
+TEST(Candidates, AreLooserAfterAnUncertainMotion) {
+  EkfOptions options;
+  options.observations = 2;
+  for (const double noise : {0.0, 0.3}) {
+    Candidates candidates(options);
+    candidates.confirms(sighting_at(5.0, 0.0), 0);
+    candidates.move({SE2(), noise * noise * Eigen::Matrix3d::Identity()});
+    EXPECT_EQ(candidates.confirms(sighting_at(5.0, 1.0), 1), noise > 0.0);
+  }
+}
+
+TEST(Candidates, AreForgottenAfterTooLong) {
+  EkfOptions options;
+  options.candidate_frames = 10;
+  Candidates candidates(options);
+  candidates.confirms(sighting_at(5.0, 0.0), 0);
+  candidates.forget(10);
+  EXPECT_EQ(candidates.count(), 1U);
+  candidates.forget(11);
+  EXPECT_EQ(candidates.count(), 0U);
+}
+
+}  // namespace
+}  // namespace rastro

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/ekf/corner_features.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace rastro {
+namespace {
+
+constexpr double radians_per_degree = std::numbers::pi / 180.0;
+
+Eigen::Matrix2d normals_of(const ScanLine& a, const ScanLine& b) {
+  return (Eigen::Matrix2d() << a.normal().transpose(), b.normal().transpose()).finished();
+}
+
+/// Where the lines cross, if they make a corner there.
+std::optional<Eigen::Vector2d> corner_of(std::span<const ScanPoint> run, const ScanLine& a, const ScanLine& b,
+                                         const EkfOptions& options) {
+  const double sine = a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x();
+  if (std::abs(sine) < std::sin(options.min_corner_deg * radians_per_degree)) return std::nullopt;
+  const Eigen::Vector2d offsets(a.normal().dot(a.centre), b.normal().dot(b.centre));
+  const Eigen::Vector2d crossing = normals_of(a, b).inverse() * offsets;
+  const bool seen = (run[a.last].place - crossing).norm() <= options.corner_gap_m &&
+                    (run[b.first].place - crossing).norm() <= options.corner_gap_m;
+  return seen ? std::optional(crossing) : std::nullopt;
+}
+
+/// Both lines end at the crossing: points beyond it belong to the other one.
+void part_at(const Eigen::Vector2d& crossing, std::span<const ScanPoint> run, ScanLine& a, ScanLine& b,
+             const EkfOptions& options) {
+  const auto before = [&](const ScanLine& line, std::size_t point) {
+    return line.direction.dot(run[point].place - crossing) < 0.0;
+  };
+  const auto is_on = [&](const ScanLine& line, std::size_t point) {
+    return std::abs(line.distance(run[point].place)) <= options.line_tolerance_m;
+  };
+  // A point near the corner lies on both; it goes to the nearer one.
+  const auto of_a = [&](std::size_t point) {
+    return before(a, point) &&
+           (before(b, point) || std::abs(a.distance(run[point].place)) <= std::abs(b.distance(run[point].place)));
+  };
+  std::size_t last = a.last, first = b.first;
+  while (last > a.first + 2 && !of_a(last)) --last;
+  while (last + 1 < b.last - 2 && of_a(last + 1) && is_on(a, last + 1)) ++last;
+  first = std::max(first, last + 1);
+  while (first > last + 1 && is_on(b, first - 1) && !of_a(first - 1)) --first;
+  a = fit_line(run, a.first, last, options.beam_noise_m);
+  b = fit_line(run, first, b.last, options.beam_noise_m);
+}
+
+ScanFeature feature_at(const Eigen::Vector2d& crossing, const ScanLine& a, const ScanLine& b,
+                       const EkfOptions& options) {
+  const auto variance_at = [&](const ScanLine& line) {
+    const Eigen::Vector2d lever(1.0, line.direction.dot(crossing - line.centre));
+    return lever.dot(line.covariance * lever);
+  };
+  const Eigen::Matrix2d place_by_offsets = normals_of(a, b).inverse();
+  const Eigen::Vector2d variances(variance_at(a), variance_at(b));
+  const Eigen::Vector2d between = b.direction - a.direction;
+  return {crossing,
+          place_by_offsets * variances.asDiagonal() * place_by_offsets.transpose() +
+              options.corner_error_m * options.corner_error_m * Eigen::Matrix2d::Identity(),
+          std::atan2(between.y(), between.x())};
+}
+
+bool is_background(const LaserScan& scan, std::size_t beam, double range, const EkfOptions& options) {
+  if (scan.is_free(beam)) return true;
+  return scan.is_return(beam) && static_cast<double>(scan.ranges[beam]) >= range + options.spike_depth_m;
+}
+
+std::optional<ScanFeature> spike_of(const LaserScan& scan, std::span<const ScanPoint> run, const EkfOptions& options) {
+  const auto count = static_cast<int>(run.size());
+  const std::size_t before = run.front().beam, after = run.back().beam + 1;
+  if (count < options.min_spike_beams || count > options.max_spike_beams) return std::nullopt;
+  if (before == 0 || after >= scan.ranges.size()) return std::nullopt;
+  double range = 0.0;
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  for (const ScanPoint& point : run) {
+    range += point.range / count;
+    place += point.place / count;
+  }
+  const double width = (run.back().place - run.front().place).norm() + std::abs(scan.angle_step) * range;
+  if (range > options.max_spike_range_m || width > options.max_spike_m) return std::nullopt;
+  if (!is_background(scan, before - 1, range, options) || !is_background(scan, after, range, options)) {
+    return std::nullopt;
+  }
+  const Eigen::Vector2d away = place.normalized(), across(-away.y(), away.x());
+  // Over the width of a round pole its surface is pi/4 of the radius in front of the middle, on average.
+  place += std::numbers::pi / 8.0 * width * away;
+  const double step = std::abs(scan.angle_step) * range;
+  const double along = options.beam_noise_m * options.beam_noise_m / count + step * step / 12.0;
+  const double sideways = step * step / 12.0;
+  return ScanFeature{place,
+                     along * away * away.transpose() + sideways * across * across.transpose() +
+                         options.spike_error_m * options.spike_error_m * Eigen::Matrix2d::Identity(),
+                     0.0};
+}
+
+}  // namespace
+
+std::vector<ScanFeature> find_corners(std::span<const ScanPoint> run, std::vector<ScanLine> lines,
+                                      const EkfOptions& options) {
+  constexpr int rounds = 2;  // The crossing is better known once the lines are.
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i + 1 < lines.size(); ++i) {
+      const auto corner = corner_of(run, lines[i], lines[i + 1], options);
+      if (corner) part_at(*corner, run, lines[i], lines[i + 1], options);
+    }
+  }
+  std::vector<ScanFeature> features;
+  for (std::size_t i = 0; i + 1 < lines.size(); ++i) {
+    const auto corner = corner_of(run, lines[i], lines[i + 1], options);
+    if (corner) features.push_back(feature_at(*corner, lines[i], lines[i + 1], options));
+  }
+  return features;
+}
+
+std::vector<ScanFeature> find_spikes(const LaserScan& scan, std::span<const std::vector<ScanPoint>> runs,
+                                     const EkfOptions& options) {
+  std::vector<ScanFeature> features;
+  for (const auto& run : runs) {
+    const auto spike = spike_of(scan, run, options);
+    if (spike) features.push_back(*spike);
+  }
+  return features;
+}
+
+}  // namespace rastro

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/ekf/line_extraction.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace rastro {
+namespace {
+
+/// Points of a run, the last one included.
+struct Stretch {
+  std::size_t first = 0, last = 0;
+  std::size_t count() const { return last - first + 1; }
+};
+
+class LineFinder {
+ public:
+  LineFinder(std::span<const ScanPoint> run, std::size_t reach, const EkfOptions& options, Random& random)
+      : run_(run), reach_(reach), options_(options), random_(random) {}
+
+  std::vector<ScanLine> find_all() {
+    std::vector<ScanLine> lines;
+    std::vector<Stretch> open;
+    if (!run_.empty()) open.push_back({0, run_.size() - 1});
+    while (!open.empty()) {
+      const Stretch stretch = open.back();
+      open.pop_back();
+      if (stretch.count() < static_cast<std::size_t>(options_.min_line_beams)) continue;
+      const auto line = find(stretch);
+      if (!line) continue;
+      lines.push_back(*line);
+      if (line->first > stretch.first) open.push_back({stretch.first, line->first - 1});
+      if (line->last < stretch.last) open.push_back({line->last + 1, stretch.last});
+    }
+    std::sort(lines.begin(), lines.end(), [](const ScanLine& a, const ScanLine& b) { return a.first < b.first; });
+    return lines;
+  }
+
+ private:
+  /// The longest line of the stretch, if there is one.
+  std::optional<ScanLine> find(const Stretch& stretch) {
+    Stretch best{0, 0};
+    for (int i = 0; i < options_.ransac_iterations; ++i) {
+      const auto grown = grown_sample(stretch);
+      if (grown && grown->count() > best.count()) best = *grown;
+    }
+    return refined(best, stretch);
+  }
+
+  std::optional<Stretch> grown_sample(const Stretch& stretch) {
+    const std::size_t a = stretch.first + random_.below(static_cast<std::uint32_t>(stretch.count() - 1));
+    const std::size_t reach = std::min(reach_, stretch.last - a);
+    const std::size_t b = a + 1 + random_.below(static_cast<std::uint32_t>(reach));
+    const Eigen::Vector2d way = run_[b].place - run_[a].place;
+    if (way.squaredNorm() < 1e-12) return std::nullopt;
+    ScanLine line;
+    line.centre = run_[a].place;
+    line.direction = way.normalized();
+    for (std::size_t between = a + 1; between < b; ++between) {
+      if (!is_on(line, between)) return std::nullopt;
+    }
+    return grown(line, {a, b}, stretch);
+  }
+
+  std::optional<ScanLine> refined(Stretch found, const Stretch& stretch) const {
+    constexpr int rounds = 4;
+    for (int round = 0; round < rounds; ++round) {
+      if (found.count() < static_cast<std::size_t>(options_.min_line_beams)) return std::nullopt;
+      const ScanLine line = fit_line(run_, found.first, found.last, options_.beam_noise_m);
+      const std::size_t middle = found.first + found.count() / 2;
+      const Stretch next = grown(line, {middle, middle}, stretch);
+      if (next.first == found.first && next.last == found.last) break;
+      found = next;
+    }
+    const bool long_enough = (run_[found.last].place - run_[found.first].place).norm() >= options_.min_line_m &&
+                             found.count() >= static_cast<std::size_t>(options_.min_line_beams);
+    if (!long_enough) return std::nullopt;
+    return fit_line(run_, found.first, found.last, options_.beam_noise_m);
+  }
+
+  bool is_on(const ScanLine& line, std::size_t point) const {
+    return std::abs(line.distance(run_[point].place)) <= options_.line_tolerance_m;
+  }
+
+  Stretch grown(const ScanLine& line, Stretch part, const Stretch& whole) const {
+    while (part.first > whole.first && is_on(line, part.first - 1)) --part.first;
+    while (part.last < whole.last && is_on(line, part.last + 1)) ++part.last;
+    return part;
+  }
+
+  std::span<const ScanPoint> run_;
+  std::size_t reach_;
+  const EkfOptions& options_;
+  Random& random_;
+};
+
+}  // namespace
+
+std::vector<std::vector<ScanPoint>> runs_of(const LaserScan& scan, const EkfOptions& options) {
+  std::vector<std::vector<ScanPoint>> runs;
+  for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
+    if (!scan.is_return(beam)) continue;
+    const double range = static_cast<double>(scan.ranges[beam]), angle = scan.angle_of(beam);
+    if (range > options.max_beam_m || !(range > 0.0)) continue;
+    const Eigen::Vector2d place(range * std::cos(angle), range * std::sin(angle));
+    if (!place.allFinite()) continue;
+    const double gap = std::max(options.beam_gap_m, options.beam_gap_share * range);
+    if (runs.empty() || (runs.back().back().place - place).norm() > gap) runs.emplace_back();
+    runs.back().push_back({place, range, beam});
+  }
+  return runs;
+}
+
+ScanLine fit_line(std::span<const ScanPoint> run, std::size_t first, std::size_t last, double beam_noise_m) {
+  const auto points = run.subspan(first, last - first + 1);
+  const auto count = static_cast<double>(points.size());
+  ScanLine line{first, last, Eigen::Vector2d::Zero(), Eigen::Vector2d::UnitX(), Eigen::Matrix2d::Zero()};
+  for (const ScanPoint& point : points) line.centre += point.place / count;
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const ScanPoint& point : points) {
+    const Eigen::Vector2d offset = point.place - line.centre;
+    spread += offset * offset.transpose();
+  }
+  line.direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(1);
+  if (line.direction.dot(points.back().place - points.front().place) < 0.0) line.direction *= -1.0;
+
+  double offset = 0.0, mixed = 0.0, turn = 0.0, square = 0.0;
+  for (const ScanPoint& point : points) {
+    // Noise lies along the beam; only its part across the line moves the line.
+    const double across = line.normal().dot(point.place) / point.range * beam_noise_m;
+    const double along = line.direction.dot(point.place - line.centre);
+    offset += across * across;
+    mixed += along * across * across;
+    turn += along * along * across * across;
+    square += along * along;
+  }
+  line.covariance << offset / (count * count), mixed / (count * square), mixed / (count * square),
+      turn / (square * square);
+  return line;
+}
+
+std::vector<ScanLine> extract_lines(std::span<const ScanPoint> run, std::size_t reach_beams, const EkfOptions& options,
+                                    Random& random) {
+  return LineFinder(run, std::max<std::size_t>(1, reach_beams), options, random).find_all();
+}
+
+}  // namespace rastro
