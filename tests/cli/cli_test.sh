@@ -122,6 +122,7 @@ evaluate_trajectory() {
   said '"coverage": 50.0'
   run 1 evaluate trajectory "$here/truth.txt" "$here/short.txt" --require 'coverage>=95' --quiet
   refused "did you mean 'ate_rmse'" evaluate trajectory "$here/truth.txt" "$here/short.txt" --require 'ate_rms<=1'
+  refused 'no KITTI poses' evaluate trajectory "$here/truth.txt" "$here/short.txt" --times "$here/truth.txt"
   refused '.svg or .png' evaluate trajectory "$here/truth.txt" "$here/short.txt" --plot "$here/plot.pdf"
   refused 'nowhere' evaluate trajectory "$here/truth.txt" "$here/nowhere"
   sed 's/^/9/' "$here/truth.txt" >"$here/late.txt"

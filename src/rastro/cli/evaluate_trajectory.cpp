@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -126,6 +127,16 @@ void print_text(const ReferenceTrajectory& reference, const std::vector<Trajecto
   if (all.size() > 1) fmt::print("\n{}", trajectory_scores_as_table(all));
 }
 
+void require_use_of_times(const Flags& flags, const ReferenceTrajectory& reference,
+                          const std::vector<TrajectoryInput>& estimates) {
+  const auto takes_times = [](const TrajectoryInput& input) {
+    return input.format == TrajectoryFormat::kitti && !input.of_recording;
+  };
+  if (flags.files.times.empty() || takes_times(reference.input)) return;
+  if (std::any_of(estimates.begin(), estimates.end(), takes_times)) return;
+  throw Error("is of no use: no KITTI poses were given, and the others have stamps", "--times", "leave it out");
+}
+
 int evaluate_trajectory(const Flags& flags) {
   const TrajectoryScoreOptions options = score_options(flags);
   std::vector<ScoreLimit> limits;
@@ -139,6 +150,7 @@ int evaluate_trajectory(const Flags& flags) {
     all.push_back(score_trajectory(reference.input, estimates.back(), options));
     all.back().frames = reference.frames;
   }
+  require_use_of_times(flags, reference, estimates);
   if (!flags.plot.empty()) write_trajectory_plot(plot_of(reference, all), flags.plot);
   if (flags.json)
     fmt::print("{}", trajectory_scores_as_json(all));
