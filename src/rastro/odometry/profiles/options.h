@@ -31,7 +31,7 @@ struct TurnOptions {
 
   // What to make of it.
   double min_confidence = 0.1;
-  double max_still_difference = 0.12;  ///< Of the mean over all shifts.
+  double max_still_difference = 0.15;  ///< Of the mean over all shifts.
   double max_turn_change_deg = 4.0;
 };
 

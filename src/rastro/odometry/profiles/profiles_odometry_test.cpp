@@ -106,8 +106,15 @@ TEST(ProfilesOnRecordedGround, ACameraOnTheGroundGoesNowhere) {
   for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   ASSERT_GT(files.size(), 5U);
-  ProfilesOdometry odometry(
-      {}, Camera{.width = 752, .height = 480, .fx = 458.654, .fy = 457.296, .cx = 367.215, .cy = 248.375});
+  const Camera camera{.width = 752,
+                      .height = 480,
+                      .fx = 458.654,
+                      .fy = 457.296,
+                      .cx = 367.215,
+                      .cy = 248.375,
+                      .distortion = Distortion::radial_tangential,
+                      .coefficients = {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05, 0.0}};
+  ProfilesOdometry odometry({}, camera);
   for (std::size_t i = 0; i < files.size(); ++i) {
     const auto frame = read_image(files[i], static_cast<int>(i));
     ASSERT_TRUE(frame) << files[i];
