@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/cli/command.h"
+#include "rastro/cli/evaluate_relations.h"
 #include "rastro/cli/evaluate_tracks.h"
 #include "rastro/cli/evaluate_trajectory.h"
 
@@ -14,6 +15,7 @@ void add_evaluate_command(CLI::App& app, Context& context) {
       "sim3\n`rastro evaluate tracks --help` and `rastro evaluate trajectory --help` describe every figure.");
   add_evaluate_tracks_command(*command, context);
   add_evaluate_trajectory_command(*command, context);
+  add_evaluate_relations_command(*command, context);
 }
 
 }  // namespace rastro::cli

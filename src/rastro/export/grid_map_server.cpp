@@ -133,8 +133,8 @@ std::string map_server_pgm(const OccupancyGrid& grid) {
 
 std::string map_server_yaml(const OccupancyGrid& grid, const std::string& image) {
   return fmt::format(
-      "image: {}\nresolution: {}\norigin: [{}, {}, 0]\nnegate: 0\noccupied_thresh: {}\nfree_thresh: {}\n", image,
-      grid.cell_m, grid.origin.x(), grid.origin.y(), occupied_threshold, free_threshold);
+      "image: {}\nresolution: {:.9g}\norigin: [{:.9g}, {:.9g}, 0]\nnegate: 0\noccupied_thresh: {}\nfree_thresh: {}\n",
+      image, grid.cell_m, grid.origin.x(), grid.origin.y(), occupied_threshold, free_threshold);
 }
 
 OccupancyGrid parse_map_server(std::string_view yaml, std::string_view where, std::string_view pgm,

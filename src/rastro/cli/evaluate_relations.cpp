@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/evaluate_relations.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rastro/base/error.h"
+#include "rastro/base/log.h"
+#include "rastro/base/text.h"
+#include "rastro/base/text_file.h"
+#include "rastro/evaluate/relations.h"
+#include "rastro/evaluate/score_limit.h"
+#include "rastro/evaluate/trajectory_input.h"
+
+namespace rastro::cli {
+namespace {
+
+constexpr const char* footer =
+    R"(RUN is the folder of a run (its trajectory.txt) or a trajectory file with stamps. FILE holds lines of
+"stamp_a stamp_b x y z roll pitch yaw": where the body was at b, seen from where it was at a (seconds, metres, radians).
+
+  error       of a relation: relation^-1 * (a^-1 * b of the run); Kuemmerle et al. 2009. It needs no alignment
+  trans, rot  mean and standard deviation of the error's length (m) and angle (deg)
+  skipped     relations with no pose of the run within --max-dt of one of their stamps; figures of runs that skip
+              differently make no rank
+
+--json: relations, trans_mean, trans_sigma, rot_mean_deg, rot_sigma_deg, skipped and trans_max.
+
+Examples:
+  rastro evaluate relations run --relations intel.relations
+  rastro evaluate relations run --relations intel.relations --json --require 'trans_mean<=0.03' --require 'skipped<=0')";
+
+struct Flags {
+  std::string run, relations;
+  double max_dt_s = 0.05;
+  std::vector<std::string> limits;
+  bool json = false, quiet = false;
+};
+
+using Named = std::vector<std::pair<std::string, double>>;
+
+Named numbers_of(const RelationScores& scores) {
+  return {{"relations", static_cast<double>(scores.relations)},
+          {"trans_mean", scores.trans_mean_m},
+          {"trans_sigma", scores.trans_sigma_m},
+          {"rot_mean_deg", scores.rot_mean_deg},
+          {"rot_sigma_deg", scores.rot_sigma_deg},
+          {"skipped", static_cast<double>(scores.skipped)},
+          {"trans_max", scores.worst_trans_m}};
+}
+
+std::string json_of(const RelationScores& scores) {
+  nlohmann::ordered_json json;
+  for (const auto& [name, value] : numbers_of(scores)) {
+    if (value == std::floor(value) && (name == "relations" || name == "skipped")) {
+      json[name] = static_cast<std::int64_t>(value);
+    } else if (scores.relations == 0) {
+      json[name] = nullptr;
+    } else {
+      json[name] = std::round(value * 1e6) / 1e6;
+    }
+  }
+  return json.dump(2) + "\n";
+}
+
+std::string text_of(const RelationScores& scores, const std::string& run) {
+  std::string text = fmt::format("run          {}\nrelations    {} held against it, {} skipped\n", one_line(run),
+                                 scores.relations, scores.skipped);
+  if (scores.relations == 0) return text;
+  text += fmt::format("translation  mean {:.4f} m, sigma {:.4f} m, largest {:.3f} m\n", scores.trans_mean_m,
+                      scores.trans_sigma_m, scores.worst_trans_m);
+  text += fmt::format("rotation     mean {:.4f} deg, sigma {:.4f} deg\n", scores.rot_mean_deg, scores.rot_sigma_deg);
+  if (scores.worst_dt > 1'000'000)
+    text += fmt::format("stamps       up to {:.3f} s apart\n", to_seconds(scores.worst_dt));
+  return text;
+}
+
+std::vector<ScoreLimit> parse_limits(const std::vector<std::string>& texts) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : numbers_of({})) names.push_back(name);
+  std::vector<ScoreLimit> limits;
+  for (const std::string& text : texts) {
+    limits.push_back(read_limit(text, "'trans_mean<=0.03'"));
+    if (std::find(names.begin(), names.end(), limits.back().name) == names.end()) {
+      throw Error(fmt::format("{} is no figure", in_quotes(limits.back().name)), "--require",
+                  fmt::format("did you mean '{}'?", nearest_name(limits.back().name, names)));
+    }
+  }
+  return limits;
+}
+
+int missed_limits(const RelationScores& scores, const std::vector<ScoreLimit>& limits) {
+  int code = done;
+  for (const ScoreLimit& limit : limits) {
+    std::optional<double> value;
+    for (const auto& [name, number] : numbers_of(scores))
+      if (name == limit.name && (scores.relations > 0 || name == "skipped")) value = number;
+    if (keeps_limit(value, limit)) continue;
+    fmt::print(stderr, "rastro: --require {}{}{} missed: it is {}\n", limit.name,
+               limit.at_least ? ">=" : "<=", limit.value, value ? fmt::format("{:.6g}", *value) : "n/a");
+    code = limit_missed;
+  }
+  return code;
+}
+
+int evaluate_relations(const Flags& flags) {
+  const std::vector<ScoreLimit> limits = parse_limits(flags.limits);
+  if (!(flags.max_dt_s >= 0.0 && flags.max_dt_s <= 1e6))
+    throw Error(fmt::format("{} is no difference in seconds", flags.max_dt_s), "--max-dt", "give 0 or more, like 0.05");
+  const std::vector<Relation> relations = parse_relations(read_text_file(flags.relations), flags.relations);
+  std::error_code ignored;
+  const std::filesystem::path run(flags.run);
+  const bool is_folder = std::filesystem::is_directory(run, ignored);
+  const TrajectoryInput input = read_trajectory_input((is_folder ? run / "trajectory.txt" : run).string());
+  if (!input.has_stamps) throw Error("has no stamps to find relations by", input.file, "give a file in TUM's form");
+  const RelationScores scores = score_relations(relations, input.poses, from_seconds(flags.max_dt_s));
+  if (flags.json)
+    fmt::print("{}", json_of(scores));
+  else if (!flags.quiet)
+    fmt::print("{}", text_of(scores, describe(input)));
+  return missed_limits(scores, limits);
+}
+
+}  // namespace
+
+void add_evaluate_relations_command(CLI::App& evaluate, Context& context) {
+  CLI::App* command =
+      evaluate.add_subcommand("relations", "Error of known relations between instants, as 2D SLAM benchmarks measure");
+  const auto flags = std::make_shared<Flags>();
+  command->add_option("RUN", flags->run, "Run folder or trajectory file")->required();
+  command->add_option("--relations", flags->relations, "What is known")->type_name("FILE")->required();
+  command->add_option("--max-dt", flags->max_dt_s, "Poses farther from a stamp are not taken (default: 0.05)")
+      ->type_name("S");
+  command->add_option("--require", flags->limits, "Limit such as 'trans_mean<=0.03'; exit code 1 when one is missed")
+      ->type_name("LIMIT")
+      ->allow_extra_args(false);
+  command->add_flag("--json", flags->json, "Print JSON");
+  command->add_flag("--quiet", flags->quiet, "Print nothing but what goes wrong");
+  command->footer(footer);
+  command->callback([flags, &context] {
+    if (flags->quiet) set_log_sink({});
+    context.exit_code = evaluate_relations(*flags);
+  });
+}
+
+}  // namespace rastro::cli
