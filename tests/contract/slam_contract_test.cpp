@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every SLAM method promises, whatever it does inside. Methods are found through the generated list.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <limits>
+
+#include "rastro/base/error.h"
+#include "rastro/methods/methods.h"
+#include "room_testing.h"
+
+namespace rastro {
+namespace {
+
+constexpr double far_off_m = 0.35;  ///< In a small room, with a method that works at all.
+
+std::string text_of(const SE3& pose) {
+  const Eigen::Vector3d& t = pose.translation();
+  const Eigen::Quaterniond& q = pose.rotation().quaternion();
+  return fmt::format("{} {} {} {} {} {} {}\n", t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+}
+
+std::string text_of(const Trajectory& trajectory) {
+  std::string text;
+  for (const StampedPose& pose : trajectory) text += fmt::format("{} ", pose.stamp) + text_of(pose.world_from_body);
+  return text;
+}
+
+/// Everything of an update but its times.
+std::string text_of(const SlamUpdate& update) {
+  std::string text = fmt::format("{} {} {} {} {} {} {} ", update.index, update.stamp, name_of(update.state),
+                                 name_of(update.reason), update.detail, update.score, update.used);
+  for (const SlamEvent& event : update.events) text += event.kind + ":" + event.detail + " ";
+  if (update.covariance)
+    for (const double entry : update.covariance->reshaped()) text += fmt::format("{} ", entry);
+  return text + text_of(update.world_from_body);
+}
+
+std::string text_of(const Snapshot& map) {
+  std::string text = fmt::format("{}\n", map.revision);
+  if (map.grid) {
+    text += fmt::format("{} {} {} {} {} ", map.grid->cell_m, map.grid->origin.x(), map.grid->origin.y(),
+                        map.grid->width, map.grid->height);
+    text.append(map.grid->percent.begin(), map.grid->percent.end());
+  }
+  for (const PlanarLandmark& landmark : map.landmarks) {
+    text += fmt::format("{} {} {} {} {} {} {} {}\n", landmark.id, landmark.sensor_id, landmark.position.x(),
+                        landmark.position.y(), landmark.covariance(0, 0), landmark.covariance(0, 1),
+                        landmark.covariance(1, 1), landmark.observations);
+  }
+  for (const GraphEdge& edge : map.edges) text += fmt::format("{} {} {}\n", edge.from, edge.to, edge.loop);
+  return text + text_of(map.keyframes);
+}
+
+void expect_sound(const SE3& pose) {
+  const Eigen::Matrix3d rotation = pose.rotation().matrix();
+  EXPECT_TRUE(pose.translation().allFinite());
+  EXPECT_LT((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+void expect_sound(const Eigen::MatrixXd& covariance) {
+  ASSERT_TRUE(covariance.allFinite());
+  const double size = covariance.cwiseAbs().maxCoeff();
+  EXPECT_LE((covariance - covariance.transpose()).cwiseAbs().maxCoeff(), 1e-12 * size);
+  EXPECT_GE(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariance).eigenvalues().minCoeff(), -1e-9 * size);
+}
+
+void expect_sound(const SlamUpdate& update, const Frame& frame) {
+  SCOPED_TRACE(fmt::format("frame {} ({}, {})", frame.index, name_of(update.state), name_of(update.reason)));
+  EXPECT_EQ(update.index, frame.index);
+  EXPECT_EQ(update.stamp, frame.stamp);
+  expect_sound(update.world_from_body);
+  if (update.covariance) expect_sound(Eigen::MatrixXd(*update.covariance));
+  EXPECT_GE(update.score, 0.0);
+  EXPECT_LE(update.score, 1.0);
+  EXPECT_GE(update.used, 0);
+  EXPECT_GE(update.milliseconds, 0.0);
+  for (const SlamEvent& event : update.events) EXPECT_FALSE(event.kind.empty());
+  for (const StageTime& time : update.times) EXPECT_GE(time.milliseconds, 0.0) << time.stage;
+}
+
+void expect_sound(const Trajectory& trajectory) {
+  for (std::size_t k = 0; k < trajectory.size(); ++k) {
+    expect_sound(trajectory[k].world_from_body);
+    if (k > 0) {
+      EXPECT_GT(trajectory[k].stamp, trajectory[k - 1].stamp);
+    }
+  }
+}
+
+void expect_sound(const Snapshot& map) {
+  expect_sound(map.keyframes);
+  for (const PlanarLandmark& landmark : map.landmarks) {
+    EXPECT_TRUE(landmark.position.allFinite());
+    expect_sound(Eigen::MatrixXd(landmark.covariance));
+    EXPECT_GT(landmark.observations, 0);
+  }
+  for (const GraphEdge& edge : map.edges) EXPECT_LT(std::max(edge.from, edge.to), map.keyframes.size());
+  if (!map.grid) return;
+  const auto cells = static_cast<std::size_t>(map.grid->width) * static_cast<std::size_t>(map.grid->height);
+  ASSERT_EQ(map.grid->percent.size(), cells);
+  for (const std::int8_t percent : map.grid->percent) ASSERT_TRUE(percent >= OccupancyGrid::unknown && percent <= 100);
+}
+
+SE3 in_space(const SE2& pose) {
+  return {SO3::exp(pose.rotation().angle() * Eigen::Vector3d::UnitZ()),
+          {pose.translation().x(), pose.translation().y(), 0.0}};
+}
+
+/// How far the last pose is from where it should be, seen from the first one.
+double end_error_m(const Trajectory& trajectory) {
+  if (trajectory.empty()) return std::numeric_limits<double>::infinity();
+  const auto truth = [](const StampedPose& pose) {
+    return in_space(Room::world_from_body(static_cast<int>((pose.stamp - Room::first_stamp) / Room::step)));
+  };
+  const StampedPose &first = trajectory.front(), &last = trajectory.back();
+  const SE3 estimated = first.world_from_body.inverse() * last.world_from_body;
+  const SE3 true_motion = truth(first).inverse() * truth(last);
+  return (true_motion.inverse() * estimated).translation().norm();
+}
+
+class SlamContract : public testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<Slam> make(const SourceInfo& info = Room::info(), TaskPool* pool = nullptr) const {
+    return slam_method(GetParam())->make(info, pool);
+  }
+
+  /// Processes all, checks every update, and finishes.
+  static void run(Slam& slam, const std::vector<Frame>& frames) {
+    for (const Frame& frame : frames) expect_sound(slam.process(frame), frame);
+    slam.finish();
+    expect_sound(slam.trajectory());
+    ASSERT_NE(slam.snapshot(), nullptr);
+    expect_sound(*slam.snapshot());
+  }
+
+  /// Everything that a run gives, as text.
+  std::string text_of_run(TaskPool* pool) const {
+    const auto slam = make(Room::info(), pool);
+    std::string text;
+    for (const Frame& frame : Room::frames()) text += text_of(slam->process(frame));
+    for (const SlamEvent& event : slam->finish()) text += event.kind + ":" + event.detail + "\n";
+    return text + text_of(slam->trajectory()) + text_of(*slam->snapshot());
+  }
+};
+
+TEST_P(SlamContract, SaysWhatItIsAndWhatItCanBeSetTo) {
+  const auto method = slam_method(GetParam());
+  EXPECT_FALSE(method->summary().empty());
+  EXPECT_FALSE(method->needs().empty());
+  OptionTable table = method->options();
+  EXPECT_FALSE(table.options().empty());
+  for (const Option& option : table.options()) EXPECT_FALSE(option.why.empty()) << option.name;
+  table.load_yaml_text(table.to_yaml(), "its own settings");
+  EXPECT_THROW(table.set("nonsense", "1", "a test"), Error);
+}
+
+TEST_P(SlamContract, RefusesASourceWithoutWhatItNeeds) {
+  SourceInfo nothing;
+  nothing.path = "nothing.log";
+  nothing.has_image = false;
+  try {
+    make(nothing);
+    FAIL() << "a source with nothing at all was taken";
+  } catch (const Error& error) {
+    const std::string line = error.what();
+    EXPECT_THAT(line, testing::HasSubstr("nothing.log"));
+    EXPECT_EQ(line.find('\n'), std::string::npos);
+  }
+}
+
+TEST_P(SlamContract, FollowsARobotThroughARoom) {
+  const auto slam = make();
+  run(*slam, Room::frames());
+  EXPECT_EQ(slam->trajectory().size(), static_cast<std::size_t>(Room::frame_count));
+  EXPECT_LT(end_error_m(slam->trajectory()), far_off_m);
+  EXPECT_GT(slam->snapshot()->revision, 0);
+}
+
+TEST_P(SlamContract, WorksOrRefusesWithoutOdometry) {
+  SourceInfo info = Room::info();
+  info.has_odometry = false;
+  std::unique_ptr<Slam> slam;
+  try {
+    slam = make(info);
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("odometry"));
+    return;
+  }
+  std::vector<Frame> frames = Room::frames();
+  for (Frame& frame : frames) frame.odometry_from_body.reset();
+  run(*slam, frames);
+  EXPECT_LT(end_error_m(slam->trajectory()), far_off_m);
+}
+
+TEST_P(SlamContract, SurvivesNoFrameAndOneFrame) {
+  const auto none = make();
+  run(*none, {});
+  EXPECT_TRUE(none->trajectory().empty());
+  const auto one = make();
+  run(*one, {Room::frame(0)});
+  EXPECT_LE(one->trajectory().size(), 1U);
+}
+
+TEST_P(SlamContract, CanBeAskedAtAnyTime) {
+  const auto slam = make();
+  EXPECT_TRUE(slam->trajectory().empty());
+  ASSERT_NE(slam->snapshot(), nullptr);
+  std::int64_t revision = slam->snapshot()->revision;
+  for (int k = 0; k < 20; ++k) {
+    slam->process(Room::frame(k));
+    expect_sound(slam->trajectory());
+    EXPECT_GE(slam->snapshot()->revision, revision);
+    revision = slam->snapshot()->revision;
+  }
+}
+
+/// One bad frame in place of, or between, good ones.
+struct Hostile {
+  const char* what;
+  void (*spoil)(Frame& frame);
+};
+
+LaserScan& scan_of(Frame& frame) { return *frame.scan; }
+void fill(Frame& frame, float range) { std::fill(scan_of(frame).ranges.begin(), scan_of(frame).ranges.end(), range); }
+
+const Hostile spoilt[] = {
+    {"nothing at all",
+     [](Frame& frame) {
+       Frame bare;
+       bare.index = frame.index;
+       bare.stamp = frame.stamp;
+       frame = bare;
+     }},
+    {"no odometry", [](Frame& frame) { frame.odometry_from_body.reset(); }},
+    {"no scan and no sightings",
+     [](Frame& frame) {
+       frame.scan.reset();
+       frame.landmarks.clear();
+     }},
+    {"a black image and nothing else",
+     [](Frame& frame) {
+       frame.scan.reset();
+       frame.landmarks.clear();
+       frame.image = GreyImage(64, 48);
+     }},
+    {"an empty scan", [](Frame& frame) { scan_of(frame).ranges.clear(); }},
+    {"one beam", [](Frame& frame) { scan_of(frame).ranges.resize(1); }},
+    {"beams that are no number", [](Frame& frame) { fill(frame, std::numeric_limits<float>::quiet_NaN()); }},
+    {"endless beams", [](Frame& frame) { fill(frame, std::numeric_limits<float>::infinity()); }},
+    {"negative endless beams", [](Frame& frame) { fill(frame, -std::numeric_limits<float>::infinity()); }},
+    {"beams of no length", [](Frame& frame) { fill(frame, 0.0F); }},
+    {"free beams", [](Frame& frame) { fill(frame, 1e9F); }},
+    {"all beams in one direction", [](Frame& frame) { scan_of(frame).angle_step = 0.0; }},
+    {"sightings of no length",
+     [](Frame& frame) {
+       for (LandmarkSighting& sighting : frame.landmarks) sighting.range = 0.0;
+     }},
+    {"the same landmark everywhere",
+     [](Frame& frame) {
+       for (LandmarkSighting& sighting : frame.landmarks) sighting.id = 3;
+     }},
+    {"the stamp before", [](Frame& frame) { frame.stamp -= Room::step; }},
+    {"a stamp far back", [](Frame& frame) { frame.stamp -= 100 * ns_per_second; }},
+    {"no stamp", [](Frame& frame) { frame.stamp = 0; }},
+};
+
+TEST_P(SlamContract, SurvivesAnySpoiltFrameAndGoesOn) {
+  for (const Hostile& hostile : spoilt) {
+    SCOPED_TRACE(hostile.what);
+    std::vector<Frame> frames = Room::frames();
+    hostile.spoil(frames[40]);
+    const auto slam = make();
+    run(*slam, frames);
+    EXPECT_LT(end_error_m(slam->trajectory()), far_off_m);
+  }
+}
+
+TEST_P(SlamContract, SurvivesARunOfNothingButSpoiltFrames) {
+  for (const Hostile& hostile : spoilt) {
+    SCOPED_TRACE(hostile.what);
+    std::vector<Frame> frames = Room::frames();
+    frames.resize(12);
+    for (Frame& frame : frames) hostile.spoil(frame);
+    run(*make(), frames);
+  }
+}
+
+TEST_P(SlamContract, SurvivesRepeatedAndMissingFrames) {
+  std::vector<Frame> frames = Room::frames();
+  frames.insert(frames.begin() + 30, frames[29]);
+  frames.erase(frames.begin() + 50, frames.begin() + 53);
+  const auto slam = make();
+  run(*slam, frames);
+  EXPECT_LT(end_error_m(slam->trajectory()), far_off_m);
+}
+
+TEST_P(SlamContract, SurvivesOdometryThatJumps) {
+  std::vector<Frame> frames = Room::frames();
+  for (std::size_t k = 40; k < frames.size(); ++k)
+    frames[k].odometry_from_body = SE2(SO2::from_angle(2.0), {500.0, -300.0}) * *frames[k].odometry_from_body;
+  run(*make(), frames);
+}
+
+TEST_P(SlamContract, GivesTheSameBytesAgainAndForAnyNumberOfThreads) {
+  const std::string once = text_of_run(nullptr);
+  EXPECT_GT(once.size(), 1000U);
+  for (const int threads : {1, 2, 8}) {
+    TaskPool pool(threads);
+    EXPECT_EQ(text_of_run(&pool), once) << threads << " threads";
+  }
+}
+
+TEST_P(SlamContract, KeepsNothingOutsideOfItself) {
+  const auto alone = make(), first = make(), second = make();
+  for (const Frame& frame : Room::frames()) alone->process(frame);
+  for (int k = 0; k < Room::frame_count; ++k) {
+    first->process(Room::frame(k));
+    if (k > 20) second->process(Room::frame(k - 20));
+  }
+  EXPECT_EQ(text_of(first->trajectory()), text_of(alone->trajectory()));
+  EXPECT_EQ(text_of(*first->snapshot()), text_of(*alone->snapshot()));
+}
+
+TEST_P(SlamContract, GivesSnapshotsThatNeverChange) {
+  const auto slam = make();
+  std::vector<std::pair<std::shared_ptr<const Snapshot>, std::string>> kept;
+  for (const Frame& frame : Room::frames()) {
+    slam->process(frame);
+    if (frame.index % 15 != 14) continue;
+    kept.emplace_back(slam->snapshot(), "");
+    kept.back().second = text_of(*kept.back().first);
+  }
+  slam->finish();
+  kept.emplace_back(slam->snapshot(), text_of(*slam->snapshot()));
+  for (const auto& [snapshot, text] : kept) EXPECT_EQ(text_of(*snapshot), text);
+  EXPECT_NE(kept.front().second, kept.back().second) << "nothing was ever learnt";
+}
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const auto& method : slam_methods()) names.push_back(method->name());
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, SlamContract, testing::ValuesIn(method_names()),
+                         [](const auto& parameter) { return parameter.param; });
+
+}  // namespace
+}  // namespace rastro
