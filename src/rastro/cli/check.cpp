@@ -15,11 +15,14 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    "Decodes every image and reports: frame count and rate, gaps, repeated and backward stamps, the unit of the "
+    "Reads every image, scan or sighting and reports: frame count and rate, gaps, repeated and backward stamps, the "
+    "unit of the "
     "stamps,\n"
     "unreadable images, changes of size, missing calibration, offsets between depth and colour, overlap with the "
     "ground\n"
-    "truth. Goes on after broken images. Exit code 0: can be used (perhaps with warnings); 2: cannot, with the "
+    "truth; shape of the scans, shares of beams that measured something, nothing or are broken, jumps of the "
+    "odometry.\n"
+    "Goes on after broken frames. Exit code 0: can be used (perhaps with warnings); 2: cannot, with the "
     "reason.\n"
     "\n"
     "Examples:\n"

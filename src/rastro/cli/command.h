@@ -22,6 +22,7 @@ void add_methods_command(CLI::App& app, Context& context);
 void add_evaluate_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);
 void add_occlude_command(CLI::App& app, Context& context);
+void add_convert_command(CLI::App& app, Context& context);
 void add_info_command(CLI::App& app, Context& context);
 void add_check_command(CLI::App& app, Context& context);
 void add_options_command(CLI::App& app, Context& context);

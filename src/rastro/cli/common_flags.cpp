@@ -12,7 +12,7 @@ namespace {
 constexpr const char* data_help =
     "Recording: a EuRoC/ASL folder, a TUM RGB-D folder, a KITTI odometry sequence, a KITTI raw drive, a folder or "
     "quoted "
-    "pattern of images, or a video";
+    "pattern of images, a video, a laser log (CARMEN or minesrover, packed or not), a landmark log, or a ROS 1 bag";
 
 std::int64_t frame_number(std::string_view text, std::int64_t if_empty, const std::string& whole) {
   if (trim(text).empty()) return if_empty;

@@ -13,7 +13,8 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    "Says which format the data has, its frames, cameras with their calibration, stereo, depth and ground truth, and\n"
+    "Says which format the data has, its frames, cameras with their calibration, stereo, depth, laser scans, wheel\n"
+    "odometry, landmarks and ground truth, and\n"
     "warns of what had to be guessed or looks wrong. Reads the lists and the first image only; 'rastro check' reads "
     "all.\n"
     "\n"
@@ -21,7 +22,20 @@ constexpr const char* footer =
     "  rastro info MH_01_easy                        a EuRoC folder\n"
     "  rastro info sequences/00 --camera image_2     the left colour camera of a KITTI sequence\n"
     "  rastro info 'photos/left*.jpg' --fov 70       images without calibration\n"
+    "  rastro info intel.clf.gz                      a CARMEN log: beams, angles, reach\n"
     "  rastro info clip.mp4 --json                   for programs";
+
+/// The first scan that can be read: its shape stands in no header.
+std::optional<LaserScan> first_scan(Source& source) {
+  if (!source.info().has_scan) return std::nullopt;
+  for (;;) {
+    try {
+      auto frame = source.next();
+      return frame ? frame->scan : std::nullopt;
+    } catch (const Error&) {
+    }
+  }
+}
 
 }  // namespace
 
@@ -35,7 +49,9 @@ void add_info_command(CLI::App& app, Context& context) {
     auto options = open_options(*flags);
     options.read_ahead = 0;
     const auto source = rastro::open(flags->path, options);
-    fmt::print("{}", flags->json ? describe_json(source->info()) : describe(source->info()));
+    const auto scan = first_scan(*source);
+    const LaserScan* shown = scan ? &*scan : nullptr;
+    fmt::print("{}", flags->json ? describe_json(source->info(), shown) : describe(source->info(), true, shown));
     context.exit_code = done;
   });
 }

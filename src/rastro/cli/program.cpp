@@ -87,6 +87,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_evaluate_command(app, context);
   add_simulate_command(app, context);
   add_occlude_command(app, context);
+  add_convert_command(app, context);
   add_info_command(app, context);
   add_check_command(app, context);
   add_methods_command(app, context);

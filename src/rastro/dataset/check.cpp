@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "rastro/base/error.h"
+#include "rastro/dataset/check_scans.h"
 #include "rastro/dataset/image_file.h"
+#include "rastro/dataset/laser_log/open_log.h"
 #include "rastro/dataset/recording.h"
 #include "rastro/dataset/video/video.h"
 #include "rastro/sensor/stamp_text.h"
@@ -50,6 +52,13 @@ void compare_size(CheckReport& report, std::int64_t frame, int width, int height
       {frame, fmt::format("{}: {}x{} instead of {}x{}", file, width, height, report.width, report.height)});
 }
 
+void note_depth_offset(CheckReport& report, TimeNs offset) {
+  const auto bins = static_cast<TimeNs>(report.depth_offset_histogram.size());
+  const TimeNs bin = std::clamp<TimeNs>((offset + bins / 2 * bin_width) / bin_width, 0, bins - 1);
+  ++report.depth_offset_histogram[static_cast<std::size_t>(bin)];
+  report.depth_offset_max_ms = std::max(report.depth_offset_max_ms, std::abs(static_cast<double>(offset)) * 1e-6);
+}
+
 class ImageCheck {
  public:
   explicit ImageCheck(CheckReport& report) : report_(report) {}
@@ -81,11 +90,7 @@ class ImageCheck {
     if (!raw) return;
     ++report_.frames_with_depth;
     compare_size(report_, index, raw->width(), raw->height(), frame.depth);
-    const TimeNs offset = frame.depth_stamp - frame.stamp;
-    const auto bins = static_cast<TimeNs>(report_.depth_offset_histogram.size());
-    const TimeNs bin = std::clamp<TimeNs>((offset + bins / 2 * bin_width) / bin_width, 0, bins - 1);
-    ++report_.depth_offset_histogram[static_cast<std::size_t>(bin)];
-    report_.depth_offset_max_ms = std::max(report_.depth_offset_max_ms, std::abs(static_cast<double>(offset)) * 1e-6);
+    note_depth_offset(report_, frame.depth_stamp - frame.stamp);
     for (int y = 0; y < raw->height(); ++y) {
       for (int x = 0; x < raw->width(); ++x)
         depth_measured_ += raw->at(x, y) != 0 && raw->at(x, y) != 65535 ? 1.0 : 0.0;
@@ -136,6 +141,43 @@ Stamps look_at_video(CheckReport& report, Source& video, const OpenOptions& opti
     report.warnings.push_back(
         fmt::format("the video ends after {} frames, its header says {}", report.frames_read, report.info.frame_count));
   }
+  return stamps;
+}
+
+double measured_share(const DepthImage& depth) {
+  std::int64_t measured = 0;
+  for (int y = 0; y < depth.height(); ++y)
+    measured += std::count_if(depth.row(y), depth.row(y) + depth.width(), [](float metres) { return metres > 0.0F; });
+  return static_cast<double>(measured) / (static_cast<double>(depth.width()) * depth.height());
+}
+
+/// Scans, landmarks and bags: whatever next() gives, going on after broken frames.
+Stamps look_at_log(CheckReport& report, Source& log, const OpenOptions& options, const Progress& progress) {
+  const FrameChoice choice(options, report.info.frame_count, report.info.path);
+  report.frames_chosen = choice.count;
+  Stamps stamps;
+  ScanCheck scans(report);
+  double measured_percent = 0.0;
+  for (std::int64_t k = 0; k < choice.count; ++k) {
+    const auto frame = try_read(report, choice.index(k), [&] { return log.next(); });
+    if (progress) progress(k + 1, choice.count);
+    if (!frame) continue;
+    if (!*frame) break;
+    ++report.frames_read;
+    scans.look_at(**frame);
+    const auto& image = (*frame)->image;
+    if (!image.empty()) compare_size(report, (*frame)->index, image.width(), image.height(), (*frame)->name);
+    if (const auto& depth = (*frame)->depth; !depth.empty()) {
+      ++report.frames_with_depth;
+      note_depth_offset(report, (*frame)->depth_stamp - (*frame)->stamp);
+      measured_percent += 100.0 * measured_share(depth);
+    }
+    stamps.frames.push_back((*frame)->index);
+    stamps.stamps.push_back((*frame)->stamp);
+  }
+  scans.finish();
+  if (report.frames_with_depth > 0)
+    report.depth_measured_percent = measured_percent / static_cast<double>(report.frames_with_depth);
   return stamps;
 }
 
@@ -203,7 +245,8 @@ void warn(CheckReport& report, std::size_t count, const char* what) {
 }
 
 void give_verdict(CheckReport& report, const Stamps& all) {
-  warn(report, report.unreadable_images.size(), "images cannot be read");
+  warn(report, report.unreadable_images.size(),
+       report.info.has_image ? "images cannot be read" : "frames cannot be read");
   warn(report, report.gaps.size(), "gaps between frames");
   warn(report, report.repeated_stamps.size(), "stamps are repeated");
   warn(report, report.backward_stamps.size(), "stamps go backward");
@@ -214,7 +257,10 @@ void give_verdict(CheckReport& report, const Stamps& all) {
   } else if (static_cast<double>(report.frames_read) < fewest_readable * frames) {
     report.reasons.push_back(fmt::format("only {} of {} frames can be read", report.frames_read, all.stamps.size()));
   }
-  if (!report.size_changes.empty()) {
+  if (!report.size_changes.empty() && !report.info.has_image) {
+    report.warnings.push_back(
+        fmt::format("the scans change their shape, first at frame {}", report.size_changes.front().frame));
+  } else if (!report.size_changes.empty()) {
     report.reasons.push_back(
         fmt::format("the images change their size, first at {}", report.size_changes.front().problem));
   }
@@ -231,7 +277,14 @@ void give_verdict(CheckReport& report, const Stamps& all) {
 CheckReport check(const std::string& path, const OpenOptions& options, const Progress& progress) {
   CheckReport report;
   Stamps stamps;
-  if (auto recording = index_recording(path, options)) {
+  OpenOptions with_depth = options;
+  with_depth.want_depth = true;
+  if (const auto log = open_log(path, with_depth)) {
+    report.info = log->info();
+    report.warnings = report.info.warnings;
+    report.stamp_unit = report.info.format == "minesrover" ? "us" : "s";
+    stamps = look_at_log(report, *log, options, progress);
+  } else if (auto recording = index_recording(path, options)) {
     report.info = recording->info;
     report.warnings = report.info.warnings;
     report.stamp_unit = recording->stamp_unit;

@@ -28,7 +28,7 @@ struct FrameProblem {
 struct CheckReport {
   SourceInfo info;
   std::int64_t frames_chosen = 0;  ///< After --frames and --every; -1 where a video does not say.
-  std::int64_t frames_read = 0;    ///< Decoded without an Error.
+  std::int64_t frames_read = 0;    ///< Without an Error.
   int width = 0, height = 0;       ///< Of the first image that could be read.
 
   double rate_hz = 0.0;  ///< 1 / median step; 0 with fewer than two frames.
@@ -47,6 +47,18 @@ struct CheckReport {
   double depth_offset_max_ms = 0.0;
   double depth_measured_percent = 0.0;  ///< Pixels with a measurement, mean over the depth images.
 
+  // Of sources with laser scans, odometry or landmarks; a change of a scan's geometry is among size_changes.
+  std::optional<LaserScan> first_scan;
+  double returns_percent = 0.0;           ///< Of all beams: something was measured,
+  double free_percent = 0.0;              ///< nothing stood within reach,
+  double broken_percent = 0.0;            ///< or the beam says nothing.
+  std::vector<std::int64_t> empty_scans;  ///< Frames whose scan has not one return.
+  std::int64_t frames_with_odometry = 0;
+  double odometry_length_m = 0.0;            ///< Of the path through all read frames.
+  std::vector<FrameProblem> odometry_jumps;  ///< Steps that no wheels take: from the frame before to this one.
+  std::int64_t landmark_sightings = 0;
+  std::int64_t landmarks = 0;  ///< Different ones, where the sensor tells them apart.
+
   double ground_truth_percent = 0.0;  ///< Frames with a pose of the ground truth at their stamp.
 
   bool usable = true;
@@ -54,8 +66,8 @@ struct CheckReport {
   std::vector<std::string> warnings;  ///< What a user should look at, one line each.
 };
 
-/// Opens a recording and decodes every chosen image, going on after broken ones. `progress` is called with the number
-/// of frames looked at and of all (-1 = not known). Error only where open() throws one.
+/// Opens a recording and decodes every chosen image, scan or sighting, going on after broken ones. `progress` is called
+/// with the number of frames looked at and of all (-1 = not known). Error only where open() throws one.
 CheckReport check(const std::string& path, const OpenOptions& options,
                   const std::function<void(std::int64_t, std::int64_t)>& progress = {});
 

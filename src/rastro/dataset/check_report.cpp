@@ -46,6 +46,22 @@ void add_depth(std::string& text, const CheckReport& report) {
                        fmt::join(report.depth_offset_histogram, " ")));
 }
 
+void add_scans(std::string& text, const CheckReport& report) {
+  if (report.first_scan) {
+    add_line(text, "beams",
+             fmt::format("{:.1f} % returns, {:.1f} % free, {:.1f} % broken", report.returns_percent,
+                         report.free_percent, report.broken_percent));
+    add_list(text, "no return", report.empty_scans, show_frame);
+  }
+  if (report.info.has_odometry) {
+    add_line(text, "odometry path",
+             fmt::format("{:.2f} m over {} frames", report.odometry_length_m, report.frames_with_odometry));
+    add_list(text, "jumps", report.odometry_jumps, show_problem);
+  }
+  if (report.info.has_landmarks)
+    add_line(text, "sightings", fmt::format("{} of {} landmarks", report.landmark_sightings, report.landmarks));
+}
+
 void add_stamps(std::string& text, const CheckReport& report) {
   add_line(text, "rate",
            report.info.has_stamps ? fmt::format("{:.2f} Hz (median step), {:.2f} s in all, stamps in {}",
@@ -65,15 +81,21 @@ Json problems(const std::vector<FrameProblem>& items) {
 }  // namespace
 
 std::string to_text(const CheckReport& report) {
-  std::string text = describe(report.info, false);
-  add_line(text, "images",
-           fmt::format("{} of {} read, {}x{}", report.frames_read, report.frames_chosen, report.width, report.height));
+  std::string text = describe(report.info, false, report.first_scan ? &*report.first_scan : nullptr);
+  if (report.info.has_image) {
+    add_line(
+        text, "images",
+        fmt::format("{} of {} read, {}x{}", report.frames_read, report.frames_chosen, report.width, report.height));
+  } else {
+    add_line(text, "read", fmt::format("{} of {}", report.frames_read, report.frames_chosen));
+  }
   add_stamps(text, report);
   add_list(text, "unreadable", report.unreadable_images, show_problem);
   add_list(text, "size changes", report.size_changes, show_problem);
   if (report.info.has_right)
     add_line(text, "right images", fmt::format("{} of {} frames", report.frames_with_right, report.frames_chosen));
   add_depth(text, report);
+  add_scans(text, report);
   if (!report.info.ground_truth.empty())
     add_line(text, "truth overlap", fmt::format("{:.1f} % of the frames", report.ground_truth_percent));
   for (const auto& warning : report.warnings) add_line(text, "warning", warning);
@@ -109,6 +131,18 @@ std::string to_json(const CheckReport& report) {
   json["depth_offset_histogram"] = report.depth_offset_histogram;
   json["depth_offset_max_ms"] = report.depth_offset_max_ms;
   json["depth_measured_percent"] = report.depth_measured_percent;
+  if (report.first_scan) {
+    json["scan"] = scan_fields(*report.first_scan);
+    json["returns_percent"] = report.returns_percent;
+    json["free_percent"] = report.free_percent;
+    json["broken_percent"] = report.broken_percent;
+    json["empty_scans"] = report.empty_scans;
+  }
+  json["frames_with_odometry"] = report.frames_with_odometry;
+  json["odometry_length_m"] = report.odometry_length_m;
+  json["odometry_jumps"] = problems(report.odometry_jumps);
+  json["landmark_sightings"] = report.landmark_sightings;
+  json["landmarks"] = report.landmarks;
   json["ground_truth_percent"] = report.ground_truth_percent;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

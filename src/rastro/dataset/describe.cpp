@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
 #include <string_view>
 
 #include "rastro/dataset/describe_fields.h"
@@ -11,6 +12,8 @@ namespace rastro {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr double degrees_per_radian = 180.0 / std::numbers::pi;
 
 std::string_view distortion_name(Distortion distortion) {
   switch (distortion) {
@@ -75,7 +78,14 @@ std::string describe_camera(const Camera& camera) {
   return text;
 }
 
-std::string describe(const SourceInfo& info, bool with_warnings) {
+std::string describe_scan(const LaserScan& scan) {
+  const auto last = scan.ranges.empty() ? 0 : scan.ranges.size() - 1;
+  return fmt::format("{} beams from {:.2f} to {:.2f} deg, {:g} to {:g} m", scan.ranges.size(),
+                     scan.first_angle * degrees_per_radian, scan.angle_of(last) * degrees_per_radian, scan.min_range,
+                     scan.max_range);
+}
+
+std::string describe(const SourceInfo& info, bool with_warnings, const LaserScan* first_scan) {
   std::string text;
   add_line(text, "path", info.path);
   add_line(text, "format", info.format);
@@ -90,6 +100,11 @@ std::string describe(const SourceInfo& info, bool with_warnings) {
     add_line(text, "stereo",
              pose ? fmt::format("baseline {:.4f} m", pose->translation().norm()) : "baseline not known");
   }
+  if (first_scan) add_line(text, "scans", describe_scan(*first_scan));
+  if (info.has_scan || info.has_landmarks || info.has_odometry)
+    add_line(text, "odometry", info.has_odometry ? "of the wheels" : "none");
+  if (info.has_landmarks) add_line(text, "landmarks", "by range and bearing");
+  if (info.has_imu) add_line(text, "inertial", "yes");
   if (info.has_depth) add_line(text, "depth", fmt::format("{:g} units a metre", info.depth_factor));
   add_line(text, "ground truth", info.ground_truth.empty() ? "none" : truth_line(info));
   if (!with_warnings) return text;
@@ -104,6 +119,11 @@ nlohmann::ordered_json source_fields(const SourceInfo& info) {
   for (const auto& camera : info.cameras) fields["cameras"].push_back(camera_fields(camera));
   fields["has_right"] = info.has_right;
   if (info.left_from_right) fields["baseline_m"] = info.left_from_right->translation().norm();
+  fields["has_image"] = info.has_image;
+  fields["has_scan"] = info.has_scan;
+  fields["has_odometry"] = info.has_odometry;
+  fields["has_landmarks"] = info.has_landmarks;
+  fields["has_imu"] = info.has_imu;
   fields["has_depth"] = info.has_depth;
   if (info.has_depth) fields["depth_factor"] = info.depth_factor;
   fields["ground_truth_poses"] = info.ground_truth.size();
@@ -114,8 +134,19 @@ nlohmann::ordered_json source_fields(const SourceInfo& info) {
   return fields;
 }
 
-std::string describe_json(const SourceInfo& info) {
+nlohmann::ordered_json scan_fields(const LaserScan& scan) {
+  const auto last = scan.ranges.empty() ? 0 : scan.ranges.size() - 1;
+  return {{"beams", scan.ranges.size()},
+          {"first_angle_deg", scan.first_angle * degrees_per_radian},
+          {"last_angle_deg", scan.angle_of(last) * degrees_per_radian},
+          {"angle_step_deg", scan.angle_step * degrees_per_radian},
+          {"min_range_m", scan.min_range},
+          {"max_range_m", scan.max_range}};
+}
+
+std::string describe_json(const SourceInfo& info, const LaserScan* first_scan) {
   Json fields = source_fields(info);
+  if (first_scan) fields["scan"] = scan_fields(*first_scan);
   fields["warnings"] = info.warnings;
   return fields.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -28,7 +28,8 @@ struct OpenOptions {
 };
 
 /// Opens a recording, guessing the format from what is there: EuRoC/ASL, TUM RGB-D, KITTI odometry, KITTI raw (synced),
-/// a folder or glob of images, a video file. Throws Error when nothing usable is there, naming what was looked for.
+/// a folder or glob of images, a video file, a CARMEN, minesrover or landmark log, MRCLAM, a ROS 1 bag. Throws Error
+/// when nothing usable is there, naming what was looked for.
 std::unique_ptr<Source> open(const std::string& path, const OpenOptions& options = {});
 
 /// Decodes up to `depth` frames ahead on a thread of its own; order and errors stay as the inner source gives them.

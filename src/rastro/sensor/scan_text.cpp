@@ -13,9 +13,19 @@
 namespace rastro {
 namespace {
 
-float written_range(const LaserScan& scan, std::size_t beam) {
-  if (scan.is_free(beam)) return free_range(scan.max_range);
-  return scan.is_return(beam) ? scan.ranges[beam] : 0.0F;
+void append_range(std::string& line, const LaserScan& scan, std::size_t beam) {
+  const auto end = std::back_inserter(line);
+  const float range = scan.ranges[beam];
+  if (scan.is_free(beam)) {
+    fmt::format_to(end, " {}", free_range(scan.max_range));
+  } else if (!scan.is_return(beam)) {
+    line += " 0";
+  } else if (range == static_cast<float>(scan.max_range)) {
+    // In the digits of a float it would read as max_range itself.
+    fmt::format_to(end, " {}", static_cast<double>(range));
+  } else {
+    fmt::format_to(end, " {}", range);
+  }
 }
 
 void append_pose(std::string& line, const SE2& pose) {
@@ -46,8 +56,7 @@ std::string carmen_robot_laser_line(const LaserScan& scan, const SE2& odometry_f
   const double span = beams < 2 ? 0.0 : static_cast<double>(beams - 1) * scan.angle_step;
   std::string line = fmt::format("ROBOTLASER1 0 {} {} {} {} 0.01 0 {}", scan.first_angle, span, scan.angle_step,
                                  scan.max_range, beams);
-  for (std::size_t beam = 0; beam < beams; ++beam)
-    fmt::format_to(std::back_inserter(line), " {}", written_range(scan, beam));
+  for (std::size_t beam = 0; beam < beams; ++beam) append_range(line, scan, beam);
   line += " 0";
   append_pose(line, odometry_from_body * scan.body_from_laser);
   append_pose(line, odometry_from_body);

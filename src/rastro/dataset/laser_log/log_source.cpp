@@ -1,13 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "rastro/base/error.h"
+#include "rastro/base/text_file.h"
+#include "rastro/dataset/folder.h"
+#include "rastro/dataset/ground_truth.h"
 #include "rastro/dataset/laser_log/log_lines.h"
 #include "rastro/dataset/laser_log/log_parser.h"
 #include "rastro/dataset/recording.h"
+#include "rastro/sensor/trajectory_file.h"
 
 namespace rastro {
 namespace {
+
+/// groundtruth.txt in the folder of the log: the body's poses, as generated recordings have them.
+void read_truth_beside(SourceInfo& info) {
+  const auto file = std::filesystem::path(info.path).replace_filename("groundtruth.txt");
+  if (!is_file(file)) return;
+  read_ground_truth(info, file, "body",
+                    [&] { return parse_tum_trajectory(read_text_file(file.string()), file.string()); });
+}
 
 class LogSource final : public Source {
  public:
@@ -18,6 +32,7 @@ class LogSource final : public Source {
     info_.has_image = false;
     read_all();
     parser_->start_over(info_);
+    read_truth_beside(info_);
     choice_ = FrameChoice(options, info_.frame_count, path);
     lines_ = LogLines(path);
   }

@@ -50,7 +50,8 @@ cv::Mat picture_of(const ImageMessage& message, const std::string& where) {
   constexpr std::uint32_t most_pixels = 1U << 15;  // A side.
   const std::uint64_t row = std::uint64_t{message.width} * static_cast<std::uint64_t>(CV_ELEM_SIZE(encoding->type));
   if (message.width == 0 || message.height == 0 || message.width > most_pixels || message.height > most_pixels ||
-      message.step < row || message.data.size() < std::uint64_t{message.step} * message.height) {
+      message.step < row || message.step % CV_ELEM_SIZE1(encoding->type) != 0 ||
+      message.data.size() < std::uint64_t{message.step} * message.height) {
     throw Error(fmt::format("the image is said to be {}x{}, {} bytes a row, but has {} bytes", message.width,
                             message.height, message.step, message.data.size()),
                 where, "");

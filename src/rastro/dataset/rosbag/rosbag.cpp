@@ -268,8 +268,8 @@ class BagSource final : public Source {
         const auto image = decode<CompressedMessage>(message, frame, where);
         keep_image(frame, image_of(*image, options_.want_colour, where), where);
       }
+      if (!topics_.depth.empty() && options_.want_depth) add_depth(frame, where);
     });
-    if (!topics_.depth.empty() && options_.want_depth) add_depth(frame, where);
     return frame;
   }
 

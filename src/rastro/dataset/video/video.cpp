@@ -118,7 +118,8 @@ class VideoSource final : public Source {
 
 std::unique_ptr<Source> open_video(const std::string& path, const OpenOptions& options) {
   if (!has_video_ending(path))
-    throw Error("is neither an image nor a video", path, "give a folder, a pattern or a video file");
+    throw Error("is neither an image nor a video, laser log, landmark log or bag", path,
+                "give a folder, a pattern or one of these");
   if (!options.camera.empty()) throw Error("a video has no named cameras", "--camera", "leave it out");
   return std::make_unique<VideoSource>(path, options);
 }

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/dataset/rosbag/rosbag.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rastro/dataset/check.h"
+#include "rastro/dataset/dataset_testing.h"
+#include "rastro/dataset/open.h"
+
+#if RASTRO_WITH_ROSBAG
+
+#include <rosbag/bag.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+
+#include "rastro/dataset/rosbag/bag_messages.h"
+
+namespace rastro {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+/// Times of the headers; the recorder is 5 ms late.
+ros::Time at(double seconds) { return ros::Time(1000.0 + seconds); }
+
+class BagWriter {
+ public:
+  explicit BagWriter(const std::string& path,
+                     rosbag::compression::CompressionType packed = rosbag::compression::Uncompressed) {
+    bag_.open(path, rosbag::bagmode::Write);
+    bag_.setCompression(packed);
+    bag_.setChunkThreshold(2000);
+  }
+
+  template <typename Message>
+  void write(const std::string& topic, double seconds, Message message) {
+    message.header.stamp = at(seconds);
+    bag_.write(topic, at(seconds + 0.005), message);
+  }
+
+  void scan(const std::string& topic, double seconds) {
+    ScanMessage message;
+    message.angle_min = -1.0F;
+    message.angle_increment = 0.5F;
+    message.range_min = 0.1F;
+    message.range_max = 10.0F;
+    message.ranges = {1.0F, std::numeric_limits<float>::infinity(), std::nanf(""), static_cast<float>(seconds) + 2.0F};
+    write(topic, seconds, message);
+  }
+
+  void odometry(double seconds, double x, double angle) {
+    OdometryMessage message;
+    message.pose.pose.position.x = x;
+    message.pose.pose.orientation.z = std::sin(angle / 2.0);
+    message.pose.pose.orientation.w = std::cos(angle / 2.0);
+    write("/odom", seconds, message);
+  }
+
+  void imu(double seconds, double turn) {
+    ImuMessage message;
+    message.angular_velocity.z = turn;
+    message.linear_acceleration.z = 9.81;
+    write("/imu", seconds, message);
+  }
+
+  void image(const std::string& topic, double seconds, const std::string& encoding, std::vector<std::uint8_t> pixel,
+             int width = 8, int height = 6) {
+    ImageMessage message;
+    message.width = static_cast<std::uint32_t>(width);
+    message.height = static_cast<std::uint32_t>(height);
+    message.step = static_cast<std::uint32_t>(width) * static_cast<std::uint32_t>(pixel.size()) + 4U;
+    message.encoding = encoding.c_str();
+    message.data.resize(std::size_t{message.step} * message.height);
+    for (std::uint32_t y = 0; y < message.height; ++y)
+      for (std::uint32_t k = 0; k < message.step - 4U; ++k)
+        message.data[y * message.step + k] = pixel[k % pixel.size()];
+    write(topic, seconds, message);
+  }
+
+  void camera_info(const std::string& topic, double seconds) {
+    CameraMessage message;
+    message.width = 8;
+    message.height = 6;
+    message.distortion_model = "plumb_bob";
+    message.D = {0.01, -0.02, 0.001, 0.002, 0.003};
+    message.K = {{9.0, 0.0, 4.0, 0.0, 9.5, 3.0, 0.0, 0.0, 1.0}};
+    write(topic, seconds, message);
+  }
+
+ private:
+  rosbag::Bag bag_;
+};
+
+TEST(RosBag, ScansComeWithOdometryAndInertialReadings) {
+  const ScratchFolder folder;
+  {
+    BagWriter bag(folder.path("a.bag"), rosbag::compression::LZ4);
+    for (int k = 0; k < 10; ++k) {
+      bag.imu(k - 0.2, k);
+      bag.imu(k - 0.1, k);
+      bag.odometry(k - 0.05, 0.5 * k, 0.1 * k);
+      bag.scan("/scan", k);
+      bag.scan("/rear/scan_unused", k + 0.01);
+    }
+  }
+  OpenOptions options;
+  options.first_frame = 2;
+  options.every = 3;
+  const auto source = open(folder.path("a.bag"), options);
+  const auto& info = source->info();
+  EXPECT_EQ(info.format, "rosbag");
+  EXPECT_EQ(info.frame_count, 10);
+  EXPECT_TRUE(info.has_scan && info.has_odometry && info.has_imu && !info.has_image && !info.has_depth);
+  EXPECT_THAT(info.warnings, Contains(HasSubstr("topic /rear/scan_unused is read, not /scan")));
+  for (const int k : {2, 5, 8}) {
+    const auto frame = source->next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->index, k);
+    EXPECT_EQ(frame->stamp, (1000 + k) * ns_per_second + 10'000'000);
+    EXPECT_NEAR(frame->odometry_from_body->translation().x(), 0.5 * k, 1e-12);
+    EXPECT_NEAR(frame->odometry_from_body->rotation().angle(), 0.1 * k, 1e-12);
+    EXPECT_EQ(frame->imu.size(), 6u);  // Of this frame and of the two left out before it.
+    EXPECT_EQ(frame->imu.back().angular_velocity.z(), k);
+    EXPECT_EQ(frame->imu.back().acceleration.z(), 9.81);
+    const LaserScan& scan = *frame->scan;
+    EXPECT_TRUE(scan.is_return(0) && scan.is_free(1) && !scan.is_free(2) && !scan.is_return(2));
+    EXPECT_EQ(scan.ranges[3], static_cast<float>(k) + 0.01F + 2.0F);
+    EXPECT_EQ(scan.angle_step, 0.5);
+  }
+  EXPECT_FALSE(source->next());
+}
+
+TEST(RosBag, ImagesComeWithTheNearestDepthAndTheirCalibration) {
+  const ScratchFolder folder;
+  {
+    BagWriter bag(folder.path("a.bag"));
+    bag.camera_info("/camera/rgb/camera_info", 0.0);
+    bag.camera_info("/another/camera_info", 0.0);
+    for (int k = 0; k < 5; ++k) {
+      const auto value = static_cast<std::uint8_t>(10 * k + 10);
+      bag.image("/camera/depth/image", k - 0.015, "16UC1", {0xB8, 0x0B});  // 3000 mm, 15 ms before.
+      bag.image("/camera/rgb/image_color", k, "rgb8", {value, 0, 0});
+      // 2.5 m, 4 ms behind; the third one is missing.
+      if (k != 2) bag.image("/camera/depth/image", k + 0.004, "16UC1", {0xC4, 0x09});
+    }
+  }
+  OpenOptions options;
+  options.want_depth = options.want_colour = true;
+  const auto source = open(folder.path("a.bag"), options);
+  const auto& info = source->info();
+  EXPECT_EQ(info.frame_count, 5);
+  EXPECT_TRUE(info.has_image && info.has_depth && !info.has_scan);
+  ASSERT_TRUE(info.cameras.front().camera.has_value());
+  EXPECT_EQ(info.cameras.front().calibration_file, "/camera/rgb/camera_info");
+  EXPECT_EQ(info.cameras.front().camera->fy, 9.5);
+  EXPECT_EQ(info.cameras.front().camera->coefficients[4], 0.003);
+  for (int k = 0; k < 5; ++k) {
+    const auto frame = source->next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->colour.rgb.at(3 * 3, 2), 10 * k + 10);
+    EXPECT_EQ(frame->image.width(), 8);
+    EXPECT_NEAR(frame->depth.at(7, 5), k == 2 ? 3.0F : 2.5F, 1e-6F);
+    EXPECT_EQ(frame->depth_stamp - frame->stamp, k == 2 ? -15'000'000 : 4'000'000);
+  }
+  EXPECT_FALSE(source->next());
+  const auto report = check(folder.path("a.bag"), {});
+  EXPECT_EQ(report.frames_with_depth, 5);
+  EXPECT_EQ(report.depth_measured_percent, 100.0);
+}
+
+TEST(RosBag, AnImageTopicCanBeNamedAndABrokenImageCostsOnlyItself) {
+  const ScratchFolder folder;
+  {
+    BagWriter bag(folder.path("a.bag"));
+    for (int k = 0; k < 4; ++k) {
+      bag.scan("/scan", k);
+      bag.image("/right", k, k == 1 ? "what" : "mono8", {static_cast<std::uint8_t>(k + 1)});
+      std::vector<std::uint8_t> bytes;
+      cv::imencode(".png", cv::Mat(6, 8, CV_8UC1, cv::Scalar(40 + k)), bytes);
+      CompressedMessage packed;
+      packed.format = "png";
+      packed.data.assign(bytes.begin(), k == 2 ? bytes.begin() + 30 : bytes.end());
+      bag.write("/packed", k, packed);
+    }
+  }
+  EXPECT_THAT(open(folder.path("a.bag"))->info().warnings, Contains(HasSubstr("--camera TOPIC gives the images")));
+  for (const std::string topic : {"/right", "/packed"}) {
+    OpenOptions options;
+    options.camera = topic;
+    const auto source = open(folder.path("a.bag"), options);
+    int read = 0;
+    std::string problem;
+    for (int k = 0; k < 4; ++k) {
+      try {
+        const auto frame = source->next();
+        ASSERT_TRUE(frame);
+        EXPECT_EQ(frame->index, k);
+        EXPECT_EQ(frame->image.at(4, 4), topic == "/right" ? k + 1 : 40 + k);
+        ++read;
+      } catch (const Error& error) {
+        problem = error.what();
+      }
+    }
+    EXPECT_EQ(read, 3);
+    EXPECT_THAT(problem, HasSubstr("topic " + topic));
+    EXPECT_FALSE(source->next());
+  }
+  OpenOptions options;
+  options.camera = "/nothing";
+  EXPECT_THAT(error_of([&] { open(folder.path("a.bag"), options); }), HasSubstr("there is no image topic '/nothing'"));
+}
+
+TEST(RosBag, WhatHoldsNothingToReadOrIsDamagedIsAnErrorOfOneLine) {
+  const ScratchFolder folder;
+  {
+    BagWriter bag(folder.path("a.bag"));
+    for (int k = 0; k < 200; ++k) bag.odometry(k, k, 0.0);
+  }
+  const auto nothing = error_of([&] { open(folder.path("a.bag")); });
+  EXPECT_THAT(nothing, HasSubstr("holds neither laser scans nor images"));
+  EXPECT_THAT(nothing, HasSubstr("/odom (nav_msgs/Odometry)"));
+  {
+    BagWriter bag(folder.path("scans.bag"));
+    for (int k = 0; k < 200; ++k) bag.scan("/scan", k);
+  }
+  for (const double share : {0.9, 0.5, 0.1, 0.001}) {
+    const std::string name = "cut.bag";
+    std::filesystem::copy_file(folder.path("scans.bag"), folder.path(name),
+                               std::filesystem::copy_options::overwrite_existing);
+    folder.truncate(name, share);
+    const auto problem = error_of([&] { open(folder.path(name)); });
+    EXPECT_THAT(problem, HasSubstr("cut.bag")) << share;
+    EXPECT_THAT(problem, testing::Not(HasSubstr("\n"))) << share;
+  }
+  folder.write("text.bag", "no bag at all\n");
+  EXPECT_THAT(error_of([&] { open(folder.path("text.bag")); }), HasSubstr("text.bag"));
+}
+
+}  // namespace
+}  // namespace rastro
+
+#else
+
+namespace rastro {
+namespace {
+
+TEST(RosBag, IsRefusedInABuildWithout) {
+  const ScratchFolder folder;
+  folder.write("a.bag", "#ROSBAG V2.0\n");
+  EXPECT_THAT(error_of([&] { open(folder.path("a.bag")); }), testing::HasSubstr("this build reads no ROS bags"));
+}
+
+}  // namespace
+}  // namespace rastro
+
+#endif
