@@ -13,6 +13,7 @@
 namespace rastro {
 namespace {
 
+constexpr double most_velocity = 1e4;
 constexpr std::int64_t most_robots = 5;  // Subjects of MRCLAM; landmarks follow.
 
 /// Calls `read` with the words of each line, going on after broken ones.
@@ -40,8 +41,8 @@ void require_end(LogWords& words) {
 WheelVelocity read_velocity(LogWords& words) {
   WheelVelocity velocity;
   velocity.stamp = words.stamp("the time", StampUnit::seconds);
-  velocity.forward = words.finite("the forward velocity");
-  velocity.turn = words.finite("the turn's velocity");
+  velocity.forward = words.bounded("the forward velocity", most_velocity);
+  velocity.turn = words.bounded("the turn's velocity", most_velocity);
   require_end(words);
   return velocity;
 }

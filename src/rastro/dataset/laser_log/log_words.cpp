@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
 
@@ -39,6 +41,12 @@ double LogWords::finite(std::string_view what) {
   return *number;
 }
 
+double LogWords::bounded(std::string_view what, double most) {
+  const double number = finite(what);
+  if (std::abs(number) > most) refuse(fmt::format("{} is {}, beyond {}", what, number, most));
+  return number;
+}
+
 std::size_t LogWords::count(std::string_view what, std::size_t most) {
   const auto text = word(what);
   const auto number = parse_uint64(text);
@@ -47,7 +55,8 @@ std::size_t LogWords::count(std::string_view what, std::size_t most) {
 }
 
 SE2 LogWords::pose(std::string_view what) {
-  const double x = finite(what), y = finite(what), angle = finite(what);
+  constexpr double most = 1e9;
+  const double x = bounded(what, most), y = bounded(what, most), angle = bounded(what, most);
   return {SO2::from_angle(angle), {x, y}};
 }
 

@@ -30,6 +30,8 @@ class LogWords {
   /// nullopt at the end of the line.
   std::optional<std::string_view> next();
   double finite(std::string_view what);
+  /// From -most to most: absurd sizes would become infinite later, far from the line that has them.
+  double bounded(std::string_view what, double most);
   /// May be nan or inf, as a range may.
   double number(std::string_view what);
   /// From 0 to `most`.

@@ -16,6 +16,7 @@ constexpr std::size_t columns_with_wheels = 25 + beam_count;
 constexpr std::size_t columns_with_pose = 13 + beam_count;
 constexpr double radians_per_degree = std::numbers::pi / 180.0;
 constexpr double radians_per_step = 2.0 * std::numbers::pi / 1024.0;
+constexpr double most_counts = 1e12;
 constexpr double metres_per_count = 0.23e-3;
 constexpr double metres_between_wheels = 0.33;
 constexpr double metres_to_laser = 0.1;
@@ -57,12 +58,12 @@ std::optional<Frame> MinesroverParser::read(std::string_view line, const LinePla
   frame.stamp = words.stamp("the time", StampUnit::microseconds);
   skip(words, columns == columns_with_wheels ? 1 : 2);
   if (columns == columns_with_wheels) {
-    const double left = words.finite("the left wheel");
-    turn_wheels({left, words.finite("the right wheel")});
+    const double left = words.bounded("the left wheel", most_counts);
+    turn_wheels({left, words.bounded("the right wheel", most_counts)});
     frame.odometry_from_body = odometry_from_body_;
     skip(words, 21);
   } else {
-    const double x = words.finite("x"), y = words.finite("y"), degrees = words.finite("the heading");
+    const double x = words.bounded("x", 1e9), y = words.bounded("y", 1e9), degrees = words.bounded("the heading", 1e9);
     frame.odometry_from_body = SE2(SO2::from_angle(degrees * radians_per_degree), {x, y});
     skip(words, 7);
   }
