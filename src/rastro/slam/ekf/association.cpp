@@ -41,16 +41,25 @@ class Associator {
     for (std::size_t i = 0; i < records_.size(); ++i) {
       if (records_[i].sensor_id != sighting.sensor_id) continue;
       const double found = distance(sighting, i);
-      return {found <= options_.named_gate ? Association::Kind::landmark : Association::Kind::contradicting, i, found};
+      return {found <= options_.named_gate ? kind_of(records_[i]) : Association::Kind::contradicting, i, found};
     }
     return {};
   }
 
+  static Association::Kind kind_of(const LandmarkRecord& record) {
+    return record.is_candidate() ? Association::Kind::candidate : Association::Kind::landmark;
+  }
+
   Association by_distance(const Sighting& sighting) const {
+    const Association in_map = nearest(sighting, false);
+    return in_map.kind == Association::Kind::fresh ? nearest(sighting, true) : in_map;
+  }
+
+  Association nearest(const Sighting& sighting, bool candidates) const {
     Association best{Association::Kind::fresh, 0, nothing_near};
     double second = nothing_near;
     for (std::size_t i = 0; i < records_.size(); ++i) {
-      if (!alike(sighting, records_[i])) continue;
+      if (records_[i].is_candidate() != candidates || !alike(sighting, records_[i])) continue;
       const double found = distance(sighting, i);
       if (found < best.distance) {
         second = best.distance;
@@ -60,10 +69,11 @@ class Associator {
       }
     }
     if (best.distance > options_.new_gate) return best;
-    best.kind = Association::Kind::contradicting;
-    if (best.distance > options_.gate) return best;
     const bool clear = second > options_.gate || second - best.distance >= options_.ambiguity;
-    best.kind = clear ? Association::Kind::landmark : Association::Kind::ambiguous;
+    best.kind = clear ? kind_of(records_[best.landmark]) : Association::Kind::ambiguous;
+    if (best.distance > options_.gate) {
+      best.kind = candidates ? Association::Kind::ambiguous : Association::Kind::contradicting;
+    }
     return best;
   }
 
@@ -77,7 +87,8 @@ class Associator {
 void settle_claims(std::vector<Association>& associations, std::size_t landmarks) {
   std::vector<std::optional<std::size_t>> claimed(landmarks);
   for (std::size_t i = 0; i < associations.size(); ++i) {
-    if (associations[i].kind != Association::Kind::landmark) continue;
+    const Association::Kind kind = associations[i].kind;
+    if (kind != Association::Kind::landmark && kind != Association::Kind::candidate) continue;
     auto& holder = claimed[associations[i].landmark];
     std::size_t loser = i;
     if (!holder) {

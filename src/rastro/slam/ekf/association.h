@@ -14,7 +14,8 @@ namespace rastro {
 struct Association {
   enum class Kind : std::uint8_t {
     landmark,      ///< Of the map: it corrects the filter.
-    fresh,         ///< Far from all: perhaps a landmark to be.
+    candidate,     ///< Seen before, but not often enough to be a landmark.
+    fresh,         ///< Far from all: a new candidate.
     ambiguous,     ///< Two landmarks would do, or another sighting fits this landmark better: not used.
     contradicting  ///< Near a landmark or of its name, but outside the gate: not used.
   };
@@ -24,8 +25,8 @@ struct Association {
 };
 
 /// Each sighting to the nearest landmark inside the gate, by squared Mahalanobis distance (Durrant-Whyte and Bailey
-/// 2006, part II); by name where the sensor gives one. A landmark is taken once at most. `records` are those of the
-/// filter's landmarks. The outcome does not depend on anything but the arguments.
+/// 2006, part II), and to a candidate only where no landmark is near; by name where the sensor gives one. A landmark is
+/// taken once at most. `records` are those of the filter's landmarks.
 std::vector<Association> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
                                    std::span<const Sighting> sightings, const EkfOptions& options);
 

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
-
-#include "rastro/slam/ekf/candidates.h"
+#include <utility>
 
 namespace rastro {
 namespace {
@@ -23,7 +23,7 @@ struct Map {
 
   void add(double x, double y, LandmarkKind kind = LandmarkKind::given, std::int64_t id = -1) {
     filter.add({x, y}, 0.01 * Eigen::Matrix2d::Identity());
-    records.push_back({kind, id, 0.0, 1});
+    records.push_back({static_cast<std::int64_t>(records.size()), kind, id, 0.0, 1, 0});
   }
   std::vector<Association> associated(const std::vector<Sighting>& sightings, const EkfOptions& options = {}) const {
     return associate(filter, records, sightings, options);
@@ -91,56 +91,17 @@ TEST(Association, KindsAndDirectionsMustFit) {
   EXPECT_EQ(map.kind_of(corner), Kind::landmark);
 }
 
-TEST(Candidates, BecomeLandmarksAfterAsManyFrames) {
-  EkfOptions options;
-  options.observations = 3;
-  Candidates candidates(options);
-  EXPECT_FALSE(candidates.confirms(sighting_at(5.0, 0.0), 0));
-  EXPECT_FALSE(candidates.confirms(sighting_at(5.05, 0.0), 0));  // the same frame again
-  EXPECT_FALSE(candidates.confirms(sighting_at(5.0, 0.1), 1));
-  EXPECT_FALSE(candidates.confirms(sighting_at(7.0, 0.0), 2));  // another one
-  EXPECT_EQ(candidates.count(), 2U);
-  EXPECT_TRUE(candidates.confirms(sighting_at(5.0, 0.0), 3));
-  EXPECT_EQ(candidates.count(), 1U);
-}
-
-TEST(Candidates, OneObservationCanBeEnough) {
-  EkfOptions options;
-  options.observations = 1;
-  EXPECT_TRUE(Candidates(options).confirms(sighting_at(5.0, 0.0), 0));
-}
-
-TEST(Candidates, StayWhereTheyAreWhileTheBodyMoves) {
-  EkfOptions options;
-  options.observations = 2;
-  Candidates candidates(options);
-  const SE2 last_from_body(SO2::from_angle(1.0), {2.0, -1.0});
-  candidates.confirms(sighting_at(5.0, 0.0), 0);
-  candidates.move({last_from_body, Eigen::Matrix3d::Zero()});
-  const Eigen::Vector2d now = last_from_body.inverse() * Eigen::Vector2d(5.0, 0.0);
-  EXPECT_TRUE(candidates.confirms(sighting_at(now.x(), now.y()), 1));
-}
-
-TEST(Candidates, AreLooserAfterAnUncertainMotion) {
-  EkfOptions options;
-  options.observations = 2;
-  for (const double noise : {0.0, 0.3}) {
-    Candidates candidates(options);
-    candidates.confirms(sighting_at(5.0, 0.0), 0);
-    candidates.move({SE2(), noise * noise * Eigen::Matrix3d::Identity()});
-    EXPECT_EQ(candidates.confirms(sighting_at(5.0, 1.0), 1), noise > 0.0);
-  }
-}
-
-TEST(Candidates, AreForgottenAfterTooLong) {
-  EkfOptions options;
-  options.candidate_frames = 10;
-  Candidates candidates(options);
-  candidates.confirms(sighting_at(5.0, 0.0), 0);
-  candidates.forget(10);
-  EXPECT_EQ(candidates.count(), 1U);
-  candidates.forget(11);
-  EXPECT_EQ(candidates.count(), 0U);
+TEST(Association, CandidatesComeAfterLandmarks) {
+  Map map;
+  map.add(5.0, 0.0);
+  map.add(5.0, 0.5);
+  map.records[1].id = -1;
+  EXPECT_EQ(map.associated({sighting_at(5.0, 0.25)})[0].landmark, 0U);
+  const auto beyond = map.associated({sighting_at(5.0, 0.85)})[0];
+  EXPECT_EQ(beyond.kind, Kind::candidate);
+  EXPECT_EQ(beyond.landmark, 1U);
+  EXPECT_EQ(map.kind_of(sighting_at(5.0, 1.1)), Kind::ambiguous);  // too near to it to be another one
+  EXPECT_EQ(map.kind_of(sighting_at(5.0, 1.5)), Kind::fresh);
 }
 
 }  // namespace

@@ -23,8 +23,11 @@ std::optional<Eigen::Vector2d> corner_of(std::span<const ScanPoint> run, const S
   if (std::abs(sine) < std::sin(options.min_corner_deg * radians_per_degree)) return std::nullopt;
   const Eigen::Vector2d offsets(a.normal().dot(a.centre), b.normal().dot(b.centre));
   const Eigen::Vector2d crossing = normals_of(a, b).inverse() * offsets;
-  const bool seen = (run[a.last].place - crossing).norm() <= options.corner_gap_m &&
-                    (run[b.first].place - crossing).norm() <= options.corner_gap_m;
+  // The last beam on a wall ends anywhere up to one step before the corner.
+  const double step_a = (run[a.last].place - run[a.last - 1].place).norm();
+  const double step_b = (run[b.first + 1].place - run[b.first].place).norm();
+  const bool seen = (run[a.last].place - crossing).norm() <= options.corner_gap_m + step_a &&
+                    (run[b.first].place - crossing).norm() <= options.corner_gap_m + step_b;
   return seen ? std::optional(crossing) : std::nullopt;
 }
 
@@ -47,8 +50,8 @@ void part_at(const Eigen::Vector2d& crossing, std::span<const ScanPoint> run, Sc
   while (last + 1 < b.last - 2 && of_a(last + 1) && is_on(a, last + 1)) ++last;
   first = std::max(first, last + 1);
   while (first > last + 1 && is_on(b, first - 1) && !of_a(first - 1)) --first;
-  a = fit_line(run, a.first, last, options.beam_noise_m);
-  b = fit_line(run, first, b.last, options.beam_noise_m);
+  a = fit_line(run, a.first, last, options);
+  b = fit_line(run, first, b.last, options);
 }
 
 ScanFeature feature_at(const Eigen::Vector2d& crossing, const ScanLine& a, const ScanLine& b,

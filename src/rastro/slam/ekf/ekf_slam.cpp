@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 #include <utility>
 
 #include "rastro/base/random.h"
-#include "rastro/slam/ekf/motion_model.h"
 #include "rastro/slam/ekf/scan_features.h"
 
 namespace rastro {
@@ -47,7 +47,7 @@ bool is_new_keyframe(const Trajectory& keyframes, const SE3& pose, const EkfOpti
 }  // namespace
 
 EkfSlam::EkfSlam(const EkfOptions& options, bool scans_expected)
-    : options_(options), scans_expected_(scans_expected), candidates_(options), grid_(options.cell_m, {}) {}
+    : options_(options), scans_expected_(scans_expected), grid_(options.cell_m, {}) {}
 
 SlamUpdate EkfSlam::process(const Frame& frame) {
   SlamUpdate update;
@@ -61,8 +61,10 @@ SlamUpdate EkfSlam::process(const Frame& frame) {
   }
   predict(frame, update);
   const std::vector<Sighting> sightings = see(frame, update);
-  const std::vector<Sighting> fresh = correct(sightings, update);
-  learn(fresh, update);
+  const std::vector<Association> associations = associate(filter_, records_, sightings, options_);
+  correct(sightings, associations, update);
+  judge(associations, update);
+  learn(sightings, associations, update);
   keep(frame, update);
   return update;
 }
@@ -71,7 +73,6 @@ void EkfSlam::predict(const Frame& frame, SlamUpdate& update) {
   if (!last_stamp_) update.reason = SlamReason::first_frame;
   const Motion motion = last_stamp_ ? motion_since_last(frame, update) : Motion();
   filter_.predict(motion.last_from_body, motion.covariance);
-  candidates_.move(motion);
   blind_m_ += motion.last_from_body.translation().norm();
 }
 
@@ -116,47 +117,67 @@ std::vector<Sighting> EkfSlam::see(const Frame& frame, SlamUpdate& update) const
   return sightings;
 }
 
-std::vector<Sighting> EkfSlam::correct(std::span<const Sighting> sightings, SlamUpdate& update) {
-  const std::vector<Association> associations = associate(filter_, records_, sightings, options_);
-  std::vector<Sighting> fresh;
-  int contradicting = 0;
+void EkfSlam::correct(std::span<const Sighting> sightings, std::span<const Association> associations,
+                      SlamUpdate& update) {
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     const auto& [kind, landmark, distance] = associations[i];
-    if (kind == Association::Kind::fresh) fresh.push_back(sightings[i]);
-    if (kind == Association::Kind::contradicting) ++contradicting;
-    if (kind != Association::Kind::landmark) continue;
+    if (kind != Association::Kind::landmark && kind != Association::Kind::candidate) continue;
+    LandmarkRecord& record = records_[landmark];
+    ++record.observations;
+    record.last_frame = static_cast<std::int64_t>(trajectory_.size());
+    if (record.is_candidate() && record.observations >= options_.observations) confirm(landmark, update);
+    if (record.is_candidate()) continue;
     filter_.update(landmark, sightings[i].in_body, sightings[i].covariance);
-    ++records_[landmark].observations;
     ++update.used;
   }
-  if (!sightings.empty()) update.score = static_cast<double>(update.used) / static_cast<double>(sightings.size());
+}
+
+void EkfSlam::confirm(std::size_t landmark, SlamUpdate& update) {
+  records_[landmark].id = confirmed_++;
+  const Eigen::Vector2d place = filter_.landmark(landmark);
+  update.events.push_back(
+      {"landmark", fmt::format("{} at ({:.2f}, {:.2f}) m, known to {:.2g} m", records_[landmark].id, place.x(),
+                               place.y(), std::sqrt(filter_.landmark_covariance(landmark).trace()))});
+}
+
+void EkfSlam::judge(std::span<const Association> associations, SlamUpdate& update) {
+  if (!associations.empty()) update.score = static_cast<double>(update.used) / static_cast<double>(associations.size());
   if (update.used > 0) blind_m_ = 0.0;
+  const auto contradicting = std::count_if(associations.begin(), associations.end(), [](const Association& one) {
+    return one.kind == Association::Kind::contradicting;
+  });
   if (contradicting > 1 && contradicting > update.used) {
     doubt(update, SlamReason::poor_match,
-          fmt::format("{} of {} sightings contradict the map", contradicting, sightings.size()));
+          fmt::format("{} of {} sightings contradict the map", contradicting, associations.size()));
   } else if (blind_m_ > options_.max_blind_m) {
     doubt(update, SlamReason::too_few_points, fmt::format("no landmark recognised over {:.1f} m", blind_m_));
   }
-  return fresh;
 }
 
-void EkfSlam::learn(std::span<const Sighting> fresh, SlamUpdate& update) {
+void EkfSlam::learn(std::span<const Sighting> sightings, std::span<const Association> associations,
+                    SlamUpdate& update) {
   const auto frame = static_cast<std::int64_t>(trajectory_.size());
-  for (const Sighting& sighting : fresh) {
-    if (candidates_.confirms(sighting, frame)) add_landmark(sighting, update);
+  const double heading = filter_.world_from_body().rotation().angle();
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const bool room = records_.size() < static_cast<std::size_t>(options_.max_landmarks);
+    if (associations[i].kind != Association::Kind::fresh || !room) continue;
+    const Sighting& seen = sightings[i];
+    filter_.add(seen.in_body, seen.covariance);
+    records_.push_back({-1, seen.kind, seen.sensor_id, seen.direction + heading, 1, frame});
+    if (options_.observations <= 1) confirm(records_.size() - 1, update);
   }
-  candidates_.forget(frame);
+  forget_candidates();
 }
 
-void EkfSlam::add_landmark(const Sighting& sighting, SlamUpdate& update) {
-  if (static_cast<int>(records_.size()) >= options_.max_landmarks) return;
-  filter_.add(sighting.in_body, sighting.covariance);
-  const double heading = filter_.world_from_body().rotation().angle();
-  records_.push_back({sighting.kind, sighting.sensor_id, sighting.direction + heading, 1});
-  const std::size_t number = records_.size() - 1;
-  const Eigen::Vector2d place = filter_.landmark(number);
-  update.events.push_back({"landmark", fmt::format("{} at ({:.2f}, {:.2f}) m, known to {:.2g} m", number, place.x(),
-                                                   place.y(), std::sqrt(filter_.landmark_covariance(number).trace()))});
+void EkfSlam::forget_candidates() {
+  const auto frame = static_cast<std::int64_t>(trajectory_.size());
+  // From the back: the last landmark, which takes a forgotten one's number, has been looked at then.
+  for (std::size_t i = records_.size(); i-- > 0;) {
+    if (!records_[i].is_candidate() || frame - records_[i].last_frame <= options_.candidate_frames) continue;
+    filter_.remove(i);
+    records_[i] = records_.back();
+    records_.pop_back();
+  }
 }
 
 void EkfSlam::keep(const Frame& frame, SlamUpdate& update) {
@@ -190,9 +211,13 @@ void EkfSlam::say_pose(SlamUpdate& update) const {
 }
 
 std::vector<SlamEvent> EkfSlam::finish() {
+  std::vector<SlamEvent> events;
+  if (records_.size() >= static_cast<std::size_t>(options_.max_landmarks)) {
+    events.push_back({"landmark", fmt::format("the map is full with max_landmarks={}", options_.max_landmarks)});
+  }
   const OdometryCheck::Result result = odometry_check_.result();
-  if (result.metres == 0 && result.turns == 0) return {};
-  return {{"odometry", describe(result)}};
+  if (result.metres > 0 || result.turns > 0) events.push_back({"odometry", describe(result)});
+  return events;
 }
 
 std::shared_ptr<const Snapshot> EkfSlam::snapshot() const {
@@ -201,9 +226,12 @@ std::shared_ptr<const Snapshot> EkfSlam::snapshot() const {
   snapshot->keyframes = keyframes_;
   for (std::size_t i = 1; i < keyframes_.size(); ++i) snapshot->edges.push_back({i - 1, i, false});
   for (std::size_t i = 0; i < records_.size(); ++i) {
-    snapshot->landmarks.push_back({static_cast<std::int64_t>(i), records_[i].sensor_id, filter_.landmark(i),
+    if (records_[i].is_candidate()) continue;
+    snapshot->landmarks.push_back({records_[i].id, records_[i].sensor_id, filter_.landmark(i),
                                    filter_.landmark_covariance(i), records_[i].observations});
   }
+  std::sort(snapshot->landmarks.begin(), snapshot->landmarks.end(),
+            [](const PlanarLandmark& a, const PlanarLandmark& b) { return a.id < b.id; });
   if (grid_used_) snapshot->grid = std::make_shared<const OccupancyGrid>(to_occupancy(grid_.view()));
   return snapshot;
 }

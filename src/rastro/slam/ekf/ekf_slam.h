@@ -8,8 +8,8 @@
 
 #include "rastro/map/grid/log_odds_grid.h"
 #include "rastro/slam/ekf/association.h"
-#include "rastro/slam/ekf/candidates.h"
 #include "rastro/slam/ekf/filter.h"
+#include "rastro/slam/ekf/motion_model.h"
 #include "rastro/slam/ekf/odometry_check.h"
 #include "rastro/slam/ekf/options.h"
 #include "rastro/slam/slam.h"
@@ -35,10 +35,11 @@ class EkfSlam : public Slam {
   Motion motion_since_last(const Frame& frame, SlamUpdate& update);
   Motion motion_by_odometry(const SE2& odometry_from_body, double seconds, SlamUpdate& update);
   std::vector<Sighting> see(const Frame& frame, SlamUpdate& update) const;
-  /// Returns the sightings that belong to nothing in the map.
-  std::vector<Sighting> correct(std::span<const Sighting> sightings, SlamUpdate& update);
-  void learn(std::span<const Sighting> fresh, SlamUpdate& update);
-  void add_landmark(const Sighting& sighting, SlamUpdate& update);
+  void correct(std::span<const Sighting> sightings, std::span<const Association> associations, SlamUpdate& update);
+  void judge(std::span<const Association> associations, SlamUpdate& update);
+  void learn(std::span<const Sighting> sightings, std::span<const Association> associations, SlamUpdate& update);
+  void confirm(std::size_t landmark, SlamUpdate& update);
+  void forget_candidates();
   void keep(const Frame& frame, SlamUpdate& update);
   void say_pose(SlamUpdate& update) const;
 
@@ -46,7 +47,7 @@ class EkfSlam : public Slam {
   bool scans_expected_;
   EkfFilter filter_;
   std::vector<LandmarkRecord> records_;  ///< Of the filter's landmarks.
-  Candidates candidates_;
+  std::int64_t confirmed_ = 0;           ///< Candidates that became landmarks.
   OdometryCheck odometry_check_;
   LogOddsGrid grid_;
 

@@ -25,6 +25,24 @@ LandmarkWorld ring_world(std::size_t landmarks, std::uint64_t seed) {
   return world;
 }
 
+LandmarkWorld room_world() {
+  LandmarkWorld world;
+  const double y = world.radius_m;
+  world.walls.add_polygon({{-7.0, y - 7.0},
+                           {7.0, y - 7.0},
+                           {7.0, y + 2.0},
+                           {8.5, y + 2.0},
+                           {8.5, y + 4.0},
+                           {7.0, y + 4.0},
+                           {7.0, y + 7.0},
+                           {-7.0, y + 7.0}});
+  for (const double x : {-1.2, 1.0}) {
+    world.walls.add_polygon({{x, y - 0.5}, {x, y + 0.2}, {x + 0.6, y + 0.2}, {x + 0.6, y - 0.5}});
+  }
+  world.walls.poles = {{{5.6, y - 5.0}, 0.05}, {{-5.5, y + 5.2}, 0.05}};
+  return world;
+}
+
 Frame LandmarkDrive::next() {
   Frame frame;
   if (frames_ > 0) {
@@ -36,6 +54,10 @@ Frame LandmarkDrive::next() {
   frame.stamp = 100'000'000 * ++frames_;
   frame.odometry_from_body = odometry_;
   see(frame);
+  if (!world_.walls.walls.empty()) {
+    constexpr double full_turn = 2.0 * std::numbers::pi * 360.0 / 361.0;
+    frame.scan = scan_of(world_.walls, truth_, 361, full_turn, world_.beam_noise_m, random_);
+  }
   return frame;
 }
 

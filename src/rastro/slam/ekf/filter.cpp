@@ -133,6 +133,17 @@ void EkfFilter::add(const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise
   ++count_;
 }
 
+void EkfFilter::remove(std::size_t number) {
+  RASTRO_CHECK(number < count_, "a landmark that the filter has");
+  --count_;
+  if (number == count_) return;
+  const Eigen::Index to = row_of(number), from = row_of(count_), between = from - to - 2;
+  mean_.segment<2>(to) = mean_.segment<2>(from);
+  covariance_.block(to, 0, 2, to) = covariance_.block(from, 0, 2, to);
+  covariance_.block(to + 2, to, between, 2) = covariance_.block(from, to + 2, 2, between).transpose();
+  covariance_.block<2, 2>(to, to) = covariance_.block<2, 2>(from, from);
+}
+
 void EkfFilter::reserve(Eigen::Index size) {
   if (size <= mean_.size()) return;
   const Eigen::Index capacity = std::max(size, 2 * mean_.size());

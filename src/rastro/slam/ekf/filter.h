@@ -45,6 +45,8 @@ class EkfFilter {
   /// A landmark seen for the first time; its number is the count before. Its covariance with the body and with all
   /// other landmarks comes from the body's.
   void add(const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise);
+  /// Forgets a landmark; the last one takes its number.
+  void remove(std::size_t number);
 
  private:
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, 2>;

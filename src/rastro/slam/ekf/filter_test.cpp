@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "rastro/base/random.h"
 #include "rastro/math/math_testing.h"
@@ -172,6 +173,26 @@ TEST(EkfFilter, StaysPositiveDefiniteWhereTheShortFormDoesNot) {
   }
   EXPECT_LT(least_shortened, -1e-10);
   EXPECT_GT(least, 1e-12);
+}
+
+TEST(EkfFilter, ForgetsALandmarkAndKeepsTheRest) {
+  for (const std::size_t forgotten : {0U, 1U, 3U}) {
+    EkfFilter filter;
+    for (int i = 0; i < 4; ++i) {
+      filter.predict(motion(0.3, 0.0, 0.2), motion_noise);
+      filter.add({3.0 - i, 1.0 + i}, sensor_noise);
+    }
+    std::vector<Eigen::Index> kept = {0, 1, 2};  // of the state: the body, then landmarks in their new order
+    for (std::size_t landmark = 0; landmark < 3; ++landmark) {
+      const auto row = 3 + 2 * static_cast<Eigen::Index>(landmark == forgotten ? 3 : landmark);
+      kept.insert(kept.end(), {row, row + 1});
+    }
+    const Eigen::VectorXd mean = mean_of(filter);
+    const Eigen::MatrixXd covariance = filter.covariance();
+    filter.remove(forgotten);
+    EXPECT_EQ(mean_of(filter), mean(kept).eval());
+    EXPECT_EQ(filter.covariance(), covariance(kept, kept).eval());
+  }
 }
 
 TEST(EkfFilter, PredictionGrowsDoubtAndAnUpdateShrinksIt) {

@@ -4,10 +4,38 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 namespace rastro {
 namespace {
+
+ScanLine fit(std::span<const ScanPoint> points, double beam_noise_m) {
+  const auto count = static_cast<double>(points.size());
+  ScanLine line{0, 0, Eigen::Vector2d::Zero(), Eigen::Vector2d::UnitX(), Eigen::Matrix2d::Zero()};
+  for (const ScanPoint& point : points) line.centre += point.place / count;
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const ScanPoint& point : points) {
+    const Eigen::Vector2d offset = point.place - line.centre;
+    spread += offset * offset.transpose();
+  }
+  line.direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(1);
+  if (line.direction.dot(points.back().place - points.front().place) < 0.0) line.direction *= -1.0;
+
+  double offset = 0.0, mixed = 0.0, turn = 0.0, square = 0.0;
+  for (const ScanPoint& point : points) {
+    // Noise lies along the beam; only its part across the line moves the line.
+    const double across = line.normal().dot(point.place) / point.range * beam_noise_m;
+    const double along = line.direction.dot(point.place - line.centre);
+    offset += across * across;
+    mixed += along * across * across;
+    turn += along * along * across * across;
+    square += along * along;
+  }
+  line.covariance << offset / (count * count), mixed / (count * square), mixed / (count * square),
+      turn / (square * square);
+  return line;
+}
 
 /// Points of a run, the last one included.
 struct Stretch {
@@ -68,7 +96,7 @@ class LineFinder {
     constexpr int rounds = 4;
     for (int round = 0; round < rounds; ++round) {
       if (found.count() < static_cast<std::size_t>(options_.min_line_beams)) return std::nullopt;
-      const ScanLine line = fit_line(run_, found.first, found.last, options_.beam_noise_m);
+      const ScanLine line = fit_line(run_, found.first, found.last, options_);
       const std::size_t middle = found.first + found.count() / 2;
       const Stretch next = grown(line, {middle, middle}, stretch);
       if (next.first == found.first && next.last == found.last) break;
@@ -77,7 +105,7 @@ class LineFinder {
     const bool long_enough = (run_[found.last].place - run_[found.first].place).norm() >= options_.min_line_m &&
                              found.count() >= static_cast<std::size_t>(options_.min_line_beams);
     if (!long_enough) return std::nullopt;
-    return fit_line(run_, found.first, found.last, options_.beam_noise_m);
+    return fit_line(run_, found.first, found.last, options_);
   }
 
   bool is_on(const ScanLine& line, std::size_t point) const {
@@ -85,8 +113,24 @@ class LineFinder {
   }
 
   Stretch grown(const ScanLine& line, Stretch part, const Stretch& whole) const {
-    while (part.first > whole.first && is_on(line, part.first - 1)) --part.first;
-    while (part.last < whole.last && is_on(line, part.last + 1)) ++part.last;
+    for (;;) {
+      if (part.first > whole.first && is_on(line, part.first - 1)) {
+        --part.first;
+      } else if (part.first > whole.first + 2 && is_on(line, part.first - 2) && is_on(line, part.first - 3)) {
+        part.first -= 3;
+      } else {
+        break;
+      }
+    }
+    for (;;) {
+      if (part.last < whole.last && is_on(line, part.last + 1)) {
+        ++part.last;
+      } else if (part.last + 2 < whole.last && is_on(line, part.last + 2) && is_on(line, part.last + 3)) {
+        part.last += 3;
+      } else {
+        break;
+      }
+    }
     return part;
   }
 
@@ -113,31 +157,15 @@ std::vector<std::vector<ScanPoint>> runs_of(const LaserScan& scan, const EkfOpti
   return runs;
 }
 
-ScanLine fit_line(std::span<const ScanPoint> run, std::size_t first, std::size_t last, double beam_noise_m) {
+ScanLine fit_line(std::span<const ScanPoint> run, std::size_t first, std::size_t last, const EkfOptions& options) {
   const auto points = run.subspan(first, last - first + 1);
-  const auto count = static_cast<double>(points.size());
-  ScanLine line{first, last, Eigen::Vector2d::Zero(), Eigen::Vector2d::UnitX(), Eigen::Matrix2d::Zero()};
-  for (const ScanPoint& point : points) line.centre += point.place / count;
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  for (const ScanPoint& point : points) {
-    const Eigen::Vector2d offset = point.place - line.centre;
-    spread += offset * offset.transpose();
-  }
-  line.direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(1);
-  if (line.direction.dot(points.back().place - points.front().place) < 0.0) line.direction *= -1.0;
-
-  double offset = 0.0, mixed = 0.0, turn = 0.0, square = 0.0;
-  for (const ScanPoint& point : points) {
-    // Noise lies along the beam; only its part across the line moves the line.
-    const double across = line.normal().dot(point.place) / point.range * beam_noise_m;
-    const double along = line.direction.dot(point.place - line.centre);
-    offset += across * across;
-    mixed += along * across * across;
-    turn += along * along * across * across;
-    square += along * along;
-  }
-  line.covariance << offset / (count * count), mixed / (count * square), mixed / (count * square),
-      turn / (square * square);
+  const ScanLine all = fit(points, options.beam_noise_m);
+  std::vector<ScanPoint> near;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(near),
+               [&](const ScanPoint& point) { return std::abs(all.distance(point.place)) <= options.line_tolerance_m; });
+  ScanLine line = near.size() > 1 && near.size() < points.size() ? fit(near, options.beam_noise_m) : all;
+  line.first = first;
+  line.last = last;
   return line;
 }
 

@@ -35,13 +35,13 @@ struct ScanLine {
   double distance(const Eigen::Vector2d& point) const { return normal().dot(point - centre); }
 };
 
-/// The line of least squared distances through the points first to last of a run, with the covariance that noise along
-/// the beams gives it. At least two different points.
-ScanLine fit_line(std::span<const ScanPoint> run, std::size_t first, std::size_t last, double beam_noise_m);
+/// The line of least squared distances through the points first to last of a run, without those farther from it than
+/// `line_tolerance_m`, and with the covariance that noise along the beams gives it. At least two different points.
+ScanLine fit_line(std::span<const ScanPoint> run, std::size_t first, std::size_t last, const EkfOptions& options);
 
 /// Lines of a run by RANSAC (Fischler and Bolles 1981), the one with most points first, then the others before and
 /// after it; sorted along the run. A sample is two near returns; its points are the stretch around it that stays within
-/// `line_tolerance_m`.
+/// `line_tolerance_m`, but for single ones.
 std::vector<ScanLine> extract_lines(std::span<const ScanPoint> run, std::size_t reach_beams, const EkfOptions& options,
                                     Random& random);
 

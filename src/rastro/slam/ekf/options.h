@@ -47,14 +47,14 @@ struct EkfOptions {
   double beam_gap_share = 0.1;
   int ransac_iterations = 40;
   double ransac_reach_deg = 12.0;
-  double line_tolerance_m = 0.04;
+  double line_tolerance_m = 0.06;
   int min_line_beams = 8;
   double min_line_m = 0.4;
 
   // Corners and spikes.
   bool corners = true;
   double min_corner_deg = 35.0;
-  double corner_gap_m = 0.2;
+  double corner_gap_m = 0.1;
   double corner_error_m = 0.02;
   bool spikes = true;
   int min_spike_beams = 2;

@@ -190,7 +190,8 @@ TEST(ScanFeatures, OfExactWallsDoNotDependOnTheDraws) {
 TEST(LineFit, KnowsHowFarItMayBeOff) {
   // A wall 2 m ahead, seen again and again: offset and turn scatter as the fit says.
   Random random(3);
-  constexpr double noise = 0.01;
+  EkfOptions options;
+  const double noise = options.beam_noise_m = 0.01;
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero(), said = Eigen::Matrix2d::Zero();
   constexpr int rounds = 2000;
   for (int i = 0; i < rounds; ++i) {
@@ -199,7 +200,7 @@ TEST(LineFit, KnowsHowFarItMayBeOff) {
       const double angle = beam * 0.01, range = 2.0 / std::cos(angle) + noise * random.normal();
       run.push_back({{range * std::cos(angle), range * std::sin(angle)}, range, 0});
     }
-    const ScanLine line = fit_line(run, 0, run.size() - 1, noise);
+    const ScanLine line = fit_line(run, 0, run.size() - 1, options);
     const Eigen::Vector2d off(2.0 - line.centre.x(), std::atan2(-line.direction.x(), line.direction.y()));
     scatter += off * off.transpose() / rounds;
     said += line.covariance / rounds;

@@ -28,12 +28,18 @@ struct Sighting {
   double direction = 0.0;
 };
 
-/// A landmark of the map, but for its place, which the filter keeps under the same number.
+/// A landmark of the filter, which keeps its place under the same number.
 struct LandmarkRecord {
+  /// The map's own, in the order in which candidates became landmarks; -1: still a candidate. It stands in the filter
+  /// with all its covariances from the first sighting on, but corrects nothing.
+  std::int64_t id = -1;
   LandmarkKind kind = LandmarkKind::given;
   std::int64_t sensor_id = -1;
   double direction = 0.0;  ///< As in Sighting, in the world.
   int observations = 0;
+  std::int64_t last_frame = 0;  ///< In which it was last seen.
+
+  bool is_candidate() const { return id < 0; }
 };
 
 /// Range and bearing as places in the body frame, with the noise of the options. What is not a number, not in front of
