@@ -137,9 +137,9 @@ void simulate_laser(const SimulateFlags& flags) {
   }
   if (!flags.quiet)
     fmt::print(
-        "world      {} (seed {})\nscans      {}, {} beams, {:g} Hz\nway        {:.2f} m, the wheels' end is {:.2f} m "
+        "world      {} (seed {})\nscans      {}, {} beams, {:g} Hz\nway        {:.2f} m, the wheels are up to {:.2f} m "
         "off\nrelations  {}\nwritten to {} ({:.1f} MB)\n",
-        world.name, flags.seed, summary.scans, world.laser.beams, world.rate_hz, summary.way_m, summary.odometry_end_m,
+        world.name, flags.seed, summary.scans, world.laser.beams, world.rate_hz, summary.way_m, summary.odometry_off_m,
         summary.relations, flags.out, static_cast<double>(summary.bytes) * 1e-6);
 }
 

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the writers of KITTI recordings write, the readers read: the poses are the world's.
+// What the writers of recordings write, the readers read: the poses are the world's.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "rastro/base/error.h"
 #include "rastro/base/scratch_testing.h"
 #include "rastro/dataset/open.h"
+#include "rastro/synthetic/worlds/corridor.h"
 #include "rastro/synthetic/worlds/hall.h"
 #include "rastro/synthetic/worlds/street.h"
 #include "rastro/synthetic/write_kitti.h"
+#include "rastro/synthetic/write_laser_log.h"
+#include "rastro/synthetic/write_tum.h"
 
 namespace rastro {
 namespace {
@@ -87,6 +91,77 @@ TEST(WriteKitti, a_lens_with_distortion_is_refused) {
   TaskPool pool(1);
   const World bent = make_hall({.scale = 0.05, .distortion = true});
   EXPECT_THROW(write_kitti(bent, scratch_path("bent"), {.frames = 1}, pool), Error);
+}
+
+TEST(WriteLaserLog, a_folder_is_read_back_as_scans_with_odometry_and_truth) {
+  const fs::path folder = scratch_path("laser");
+  TaskPool pool(2);
+  const LaserWorld world = make_corridor_floor();
+  write_laser_log(world, folder, {.scans = 40}, pool);
+  const auto source = open(folder.string());
+  const SourceInfo& info = source->info();
+  EXPECT_EQ(info.format, "carmen");
+  EXPECT_TRUE(info.warnings.empty()) << info.warnings.front();
+  EXPECT_TRUE(info.has_scan && info.has_odometry && !info.has_image);
+  EXPECT_EQ(info.ground_truth.size(), 40U);
+  EXPECT_EQ(info.ground_truth_frame, "body");
+  const auto landmarks = open((folder / "landmarks.txt").string());
+  auto sighted = landmarks->next();
+  for (std::int64_t scan = 0; scan < 40; ++scan) {
+    const auto frame = source->next();
+    ASSERT_TRUE(frame && frame->scan && frame->odometry_from_body);
+    EXPECT_EQ(frame->stamp, world.stamp(scan));
+    EXPECT_LT((world.laser.body_from_laser.inverse() * frame->scan->body_from_laser).log().norm(), 1e-9);
+    const SE2 laser = world.world_from_body(world.time_of(scan)) * world.laser.body_from_laser;
+    int near = 0, returns = 0;
+    for (std::size_t beam = 0; beam < frame->scan->ranges.size(); ++beam) {
+      if (!frame->scan->is_return(beam)) continue;
+      const LaserHit hit = trace_level(world.scene->at(world.time_of(scan)), {}, laser.translation(),
+                                       world.laser.height_m, laser.rotation().angle() + frame->scan->angle_of(beam));
+      ++returns, near += std::abs(hit.range - static_cast<double>(frame->scan->ranges[beam])) < 0.05 ? 1 : 0;
+    }
+    EXPECT_GT(returns, 480);
+    EXPECT_GT(near, 0.97 * returns) << "all but what glass sends back";
+    if (!sighted || sighted->stamp != frame->stamp) continue;
+    ASSERT_TRUE(sighted->odometry_from_body);
+    EXPECT_LT((sighted->odometry_from_body->inverse() * *frame->odometry_from_body).log().norm(), 1e-3);
+    EXPECT_EQ(sighted->landmarks.size(), sight_landmarks(world, scan).size());
+    sighted = landmarks->next();
+  }
+  EXPECT_FALSE(source->next() || sighted) << "nothing is left";
+}
+
+TEST(WriteTum, depth_and_poses_are_read_back) {
+  const fs::path folder = scratch_path("rgbd");
+  TaskPool pool(2);
+  const World world = make_corridor({.scale = 0.1, .threads = 2});
+  write_tum(world, folder, {.frames = 3}, pool);
+  OpenOptions options;
+  options.want_depth = true;
+  const auto source = open(folder.string(), options);
+  EXPECT_EQ(source->info().format, "tum_rgbd");
+  EXPECT_TRUE(source->info().warnings.empty()) << source->info().warnings.front();
+  EXPECT_EQ(source->info().depth_factor, 5000.0);
+  EXPECT_NEAR(source->info().cameras.at(0).camera->fx, world.camera().fx, 1e-9);
+  for (int frame = 0; frame < 3; ++frame) {
+    const auto read = source->next();
+    ASSERT_TRUE(read && !read->depth.empty());
+    EXPECT_EQ(read->stamp, world.stamp(frame));
+    EXPECT_EQ(read->depth_stamp, read->stamp);
+    expect_near(source->info().ground_truth.at(static_cast<std::size_t>(frame)).world_from_body,
+                world.world_from_camera(frame), frame);
+    const RenderedFrame shot = world.render(frame, pool);
+    for (int y = 0; y < shot.depth.height(); ++y)
+      for (int x = 0; x < shot.depth.width(); ++x) {
+        ASSERT_EQ(read->image.at(x, y), shot.grey.at(x, y));
+        const double should = static_cast<double>(shot.depth.at(x, y)), is = static_cast<double>(read->depth.at(x, y));
+        if (should < 0.4 || should > 8.0) {
+          ASSERT_EQ(is, 0.0) << x << ' ' << y;
+        } else {
+          ASSERT_NEAR(is, should, 6.0 * (0.0012 + 0.0019 * should * should)) << x << ' ' << y;
+        }
+      }
+  }
 }
 
 }  // namespace

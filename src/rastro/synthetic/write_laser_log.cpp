@@ -77,7 +77,7 @@ class Recorder {
     LaserLogSummary result;
     result.scans = scans_;
     result.way_m = way_m_;
-    result.odometry_end_m = (wheels_.odometry_from_body().translation() - pose(scans_ - 1).translation()).norm();
+    result.odometry_off_m = off_m_;
     result.bytes = bytes_;
     return result;
   }
@@ -111,13 +111,14 @@ class Recorder {
     landmarks_->write(
         fmt::format("odometry {} {:.6f} {:.6f}\n", seconds_text(world_.stamp(number - 1)), counted.x(), counted.z()));
     way_m_ += before_from_body.translation().norm();
+    off_m_ = std::max(off_m_, (wheels_.odometry_from_body().translation() - pose(number).translation()).norm());
   }
 
   const LaserWorld& world_;
   std::int64_t scans_;
   WheelOdometry wheels_;
   std::optional<TextFile> log_, truth_, landmarks_;
-  double way_m_ = 0.0;
+  double way_m_ = 0.0, off_m_ = 0.0;
   std::uintmax_t bytes_ = 0;
 };
 

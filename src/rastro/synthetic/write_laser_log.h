@@ -22,7 +22,7 @@ struct LaserLogSummary {
   std::int64_t scans = 0;
   std::int64_t relations = 0;
   double way_m = 0.0;           ///< Driven, truly.
-  double odometry_end_m = 0.0;  ///< How far the wheels are off at the end.
+  double odometry_off_m = 0.0;  ///< How far the wheels are off at worst.
   std::uintmax_t bytes = 0;     ///< Of the log.
 };
 

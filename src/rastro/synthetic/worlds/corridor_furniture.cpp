@@ -29,7 +29,7 @@ void add_table(Scene& scene, const Vector2d& middle, const Vector2d& size, doubl
 }
 
 void add_chair(Scene& scene, const Vector2d& at, double yaw) {
-  upright(scene, at, 0.05, 0.42, 0.04, metal(80.0F));
+  upright(scene, at, 0.0, 0.42, 0.04, metal(80.0F));
   scene.add_box({at.x(), at.y(), 0.45}, {0.45, 0.45, 0.06}, cloth(70.0F), yaw);
   const Vector2d back = at + 0.22 * Vector2d(std::cos(yaw), std::sin(yaw));
   scene.add_box({back.x(), back.y(), 0.75}, {0.05, 0.42, 0.5}, cloth(70.0F), yaw);
@@ -115,11 +115,11 @@ SE3 person_pose(double time_s) {
   return {SO3::exp({0, 0, heading}), {at.x(), at.y(), 0.0}};
 }
 
-/// Steps of 0.7 m while walking; a foot swings 0.3 m ahead of the body and as far behind it.
+/// Steps of 0.7 m while walking; a foot swings 0.2 m ahead of the body and as far behind it.
 Motion leg_motion(double side) {
   return [side](double time_s) {
     const double speed = (person_at(time_s + 0.1) - person_at(time_s - 0.1)).norm() / 0.2;
-    const double swing = std::min(1.0, speed) * 0.3 * std::sin(std::numbers::pi * time_s * 1.8);
+    const double swing = std::min(1.0, speed) * 0.2 * std::sin(std::numbers::pi * time_s * 1.8);
     return person_pose(time_s) * SE3(SO3(), {side * swing, 0.0, 0.0});
   };
 }
