@@ -29,6 +29,8 @@ class Room {
     return info;
   }
 
+  static TimeNs stamp(int frame) { return first_stamp + frame * step; }
+
   static SE2 world_from_body(int frame) {
     const double angle = turn_rad * frame;
     return {SO2::from_angle(angle), radius_m * Eigen::Vector2d(std::sin(angle), 1.0 - std::cos(angle))};
@@ -45,7 +47,7 @@ class Room {
     Random random(seed_for(7, static_cast<std::uint64_t>(number)));
     Frame frame;
     frame.index = number;
-    frame.stamp = first_stamp + number * step;
+    frame.stamp = stamp(number);
     frame.name = std::to_string(number);
     const SE2 pose = world_from_body(number);
     frame.scan = scan_from(pose, random);

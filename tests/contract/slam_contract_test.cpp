@@ -6,6 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <limits>
+#include <optional>
 
 #include "rastro/base/error.h"
 #include "rastro/methods/methods.h"
@@ -109,16 +110,17 @@ SE3 in_space(const SE2& pose) {
           {pose.translation().x(), pose.translation().y(), 0.0}};
 }
 
-/// How far the last pose is from where it should be, seen from the first one.
+/// How far the pose of the last frame is from where it should be, seen from the first one; infinite without one of
+/// them.
 double end_error_m(const Trajectory& trajectory) {
-  if (trajectory.empty()) return std::numeric_limits<double>::infinity();
-  const auto truth = [](const StampedPose& pose) {
-    return in_space(Room::world_from_body(static_cast<int>((pose.stamp - Room::first_stamp) / Room::step)));
-  };
-  const StampedPose &first = trajectory.front(), &last = trajectory.back();
-  const SE3 estimated = first.world_from_body.inverse() * last.world_from_body;
-  const SE3 true_motion = truth(first).inverse() * truth(last);
-  return (true_motion.inverse() * estimated).translation().norm();
+  std::optional<SE3> first, last;
+  for (const StampedPose& pose : trajectory) {
+    if (pose.stamp == Room::stamp(0)) first = pose.world_from_body;
+    if (pose.stamp == Room::stamp(Room::frame_count - 1)) last = pose.world_from_body;
+  }
+  if (!first || !last) return std::numeric_limits<double>::infinity();
+  const SE3 true_motion = in_space(Room::world_from_body(0).inverse() * Room::world_from_body(Room::frame_count - 1));
+  return (true_motion.inverse() * first->inverse() * *last).translation().norm();
 }
 
 class SlamContract : public testing::TestWithParam<std::string> {

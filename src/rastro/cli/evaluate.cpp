@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/cli/command.h"
+#include "rastro/cli/evaluate_map.h"
 #include "rastro/cli/evaluate_relations.h"
 #include "rastro/cli/evaluate_tracks.h"
 #include "rastro/cli/evaluate_trajectory.h"
@@ -8,14 +9,17 @@ namespace rastro::cli {
 
 void add_evaluate_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
-      "evaluate", "Score a run against truth: how many ids came back, and how many wrongly; how far poses are off");
+      "evaluate",
+      "Score a run against truth: ids that came back, rightly or wrongly; how far poses are off; how true a map is");
   command->require_subcommand(1);
   command->footer(
       "Examples:\n  rastro evaluate tracks run --truth hall\n  rastro evaluate trajectory groundtruth.txt run --align "
-      "sim3\n`rastro evaluate tracks --help` and `rastro evaluate trajectory --help` describe every figure.");
+      "sim3\n  rastro evaluate relations run --relations intel.relations\n  rastro evaluate map run "
+      "corridor/floor_plan.yaml\n`rastro evaluate tracks --help` and so on describe every figure.");
   add_evaluate_tracks_command(*command, context);
   add_evaluate_trajectory_command(*command, context);
   add_evaluate_relations_command(*command, context);
+  add_evaluate_map_command(*command, context);
 }
 
 }  // namespace rastro::cli

@@ -3,12 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +13,8 @@
 #include "rastro/base/log.h"
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
+#include "rastro/cli/limits.h"
 #include "rastro/evaluate/relations.h"
-#include "rastro/evaluate/score_limit.h"
 #include "rastro/evaluate/trajectory_input.h"
 
 namespace rastro::cli {
@@ -45,30 +42,13 @@ struct Flags {
   bool json = false, quiet = false;
 };
 
-using Named = std::vector<std::pair<std::string, double>>;
-
-Named numbers_of(const RelationScores& scores) {
-  return {{"relations", static_cast<double>(scores.relations)},
-          {"trans_mean", scores.trans_mean_m},
-          {"trans_sigma", scores.trans_sigma_m},
-          {"rot_mean_deg", scores.rot_mean_deg},
-          {"rot_sigma_deg", scores.rot_sigma_deg},
-          {"skipped", static_cast<double>(scores.skipped)},
-          {"trans_max", scores.worst_trans_m}};
-}
-
-std::string json_of(const RelationScores& scores) {
-  nlohmann::ordered_json json;
-  for (const auto& [name, value] : numbers_of(scores)) {
-    if (value == std::floor(value) && (name == "relations" || name == "skipped")) {
-      json[name] = static_cast<std::int64_t>(value);
-    } else if (scores.relations == 0) {
-      json[name] = nullptr;
-    } else {
-      json[name] = std::round(value * 1e6) / 1e6;
-    }
-  }
-  return json.dump(2) + "\n";
+NamedNumbers numbers_of(const RelationScores& scores) {
+  const double unmeasured = std::numeric_limits<double>::quiet_NaN();
+  const auto measured = [&](double value) { return scores.relations > 0 ? value : unmeasured; };
+  return {{"relations", static_cast<double>(scores.relations)}, {"trans_mean", measured(scores.trans_mean_m)},
+          {"trans_sigma", measured(scores.trans_sigma_m)},      {"rot_mean_deg", measured(scores.rot_mean_deg)},
+          {"rot_sigma_deg", measured(scores.rot_sigma_deg)},    {"skipped", static_cast<double>(scores.skipped)},
+          {"trans_max", measured(scores.worst_trans_m)}};
 }
 
 std::string text_of(const RelationScores& scores, const std::string& run) {
@@ -83,36 +63,8 @@ std::string text_of(const RelationScores& scores, const std::string& run) {
   return text;
 }
 
-std::vector<ScoreLimit> parse_limits(const std::vector<std::string>& texts) {
-  std::vector<std::string> names;
-  for (const auto& [name, value] : numbers_of({})) names.push_back(name);
-  std::vector<ScoreLimit> limits;
-  for (const std::string& text : texts) {
-    limits.push_back(read_limit(text, "'trans_mean<=0.03'"));
-    if (std::find(names.begin(), names.end(), limits.back().name) == names.end()) {
-      throw Error(fmt::format("{} is no figure", in_quotes(limits.back().name)), "--require",
-                  fmt::format("did you mean '{}'?", nearest_name(limits.back().name, names)));
-    }
-  }
-  return limits;
-}
-
-int missed_limits(const RelationScores& scores, const std::vector<ScoreLimit>& limits) {
-  int code = done;
-  for (const ScoreLimit& limit : limits) {
-    std::optional<double> value;
-    for (const auto& [name, number] : numbers_of(scores))
-      if (name == limit.name && (scores.relations > 0 || name == "skipped")) value = number;
-    if (keeps_limit(value, limit)) continue;
-    fmt::print(stderr, "rastro: --require {}{}{} missed: it is {}\n", limit.name,
-               limit.at_least ? ">=" : "<=", limit.value, value ? fmt::format("{:.6g}", *value) : "n/a");
-    code = limit_missed;
-  }
-  return code;
-}
-
 int evaluate_relations(const Flags& flags) {
-  const std::vector<ScoreLimit> limits = parse_limits(flags.limits);
+  const std::vector<ScoreLimit> limits = parse_limits(flags.limits, numbers_of({}), "'trans_mean<=0.03'");
   if (!(flags.max_dt_s >= 0.0 && flags.max_dt_s <= 1e6))
     throw Error(fmt::format("{} is no difference in seconds", flags.max_dt_s), "--max-dt", "give 0 or more, like 0.05");
   const std::vector<Relation> relations = parse_relations(read_text_file(flags.relations), flags.relations);
@@ -123,10 +75,10 @@ int evaluate_relations(const Flags& flags) {
   if (!input.has_stamps) throw Error("has no stamps to find relations by", input.file, "give a file in TUM's form");
   const RelationScores scores = score_relations(relations, input.poses, from_seconds(flags.max_dt_s));
   if (flags.json)
-    fmt::print("{}", json_of(scores));
+    fmt::print("{}", as_json(numbers_of(scores)));
   else if (!flags.quiet)
     fmt::print("{}", text_of(scores, describe(input)));
-  return missed_limits(scores, limits);
+  return report_missed(limits, numbers_of(scores));
 }
 
 }  // namespace

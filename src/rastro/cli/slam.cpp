@@ -1,46 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <memory>
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
 #include "rastro/base/task_pool.h"
-#include "rastro/base/text.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/interrupt.h"
+#include "rastro/cli/limits.h"
 #include "rastro/cli/program.h"
 #include "rastro/cli/progress_bar.h"
 #include "rastro/cli/slam_flags.h"
 #include "rastro/cli/slam_outputs.h"
 #include "rastro/dataset/open.h"
 #include "rastro/dataset/recording.h"
-#include "rastro/evaluate/score_limit.h"
 #include "rastro/methods/methods.h"
 #include "rastro/session/slam_run.h"
 
 namespace rastro::cli {
 namespace {
-
-std::optional<double> number_named(const SlamResult& result, const std::string& name) {
-  for (const auto& [each, value] : numbers_of(result))
-    if (each == name) return value;
-  return std::nullopt;
-}
-
-ScoreLimit parse_limit(const std::string& text) {
-  const ScoreLimit limit = read_limit(text, "'coverage>=95'");
-  std::vector<std::string> names;
-  for (const auto& [name, value] : numbers_of(SlamResult{})) names.push_back(name);
-  if (std::find(names.begin(), names.end(), limit.name) == names.end()) {
-    throw Error(fmt::format("{} is no number of result.json", in_quotes(limit.name)), "--require",
-                fmt::format("did you mean '{}'?", nearest_name(limit.name, names)));
-  }
-  return limit;
-}
 
 /// Everything that can be wrong with flags and input is found here, before a folder is made.
 struct Prepared {
@@ -58,7 +38,7 @@ Prepared prepare(const SlamFlags& flags) {
   run.method = slam_method(flags.method);
   run.table = run.method->options();
   apply_settings(flags, run.table);
-  for (const std::string& limit : flags.limits) run.limits.push_back(parse_limit(limit));
+  run.limits = parse_limits(flags.limits, numbers_of(SlamResult{}), "'coverage>=95'");
   const OpenOptions open = open_options(flags.data);
   run.source = rastro::open(flags.data.path, open);
   const SourceInfo& info = run.source->info();
@@ -77,18 +57,6 @@ SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
   run.frames_asked = prepared.frames;
   run.progress = [&bar](const SlamProgress& progress) { bar.show(progress); };
   return run;
-}
-
-int missed_limits(const Prepared& prepared, const SlamResult& result) {
-  int code = done;
-  for (const ScoreLimit& limit : prepared.limits) {
-    const auto value = number_named(result, limit.name);
-    if (keeps_limit(value, limit)) continue;
-    fmt::print(stderr, "rastro: --require {}{}{} missed: it is {:.6g}\n", limit.name,
-               limit.at_least ? ">=" : "<=", limit.value, value.value_or(0.0));
-    code = limit_missed;
-  }
-  return code;
 }
 
 [[noreturn]] void refuse_without_frames(const SlamRunEnd& end, const RunFolder& folder, const std::string& path) {
@@ -119,7 +87,7 @@ int run_slam(const SlamFlags& flags) {
   } else if (!flags.data.quiet) {
     fmt::print("{}", slam_summary(end, flags.out));
   }
-  return missed_limits(prepared, end.result);
+  return report_missed(prepared.limits, numbers_of(end.result));
 }
 
 }  // namespace

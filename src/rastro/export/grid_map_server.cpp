@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -19,8 +20,9 @@ using calibration::YamlFields;
 
 constexpr int unknown_grey = 205;
 constexpr double occupied_threshold = 0.65, free_threshold = 0.196;
-constexpr std::int64_t most_cells = 400'000'000;
-constexpr double farthest_m = 1e7;
+constexpr std::int64_t most_cells = 100'000'000;
+constexpr double smallest_cell_m = 1e-3, largest_cell_m = 1e3;
+constexpr double farthest_m = 1e5;  ///< With the smallest cell a number of cells that fits an int.
 
 int grey_of(std::int8_t percent) {
   if (percent == OccupancyGrid::unknown) return unknown_grey;
@@ -109,7 +111,8 @@ Thresholds thresholds_of(const YamlFields& fields) {
 
 void place(OccupancyGrid& grid, const YamlFields& fields) {
   grid.cell_m = fields.number({"resolution"});
-  if (!(grid.cell_m > 1e-6 && grid.cell_m < 1e6)) fields.fail({"resolution"}, "is no size of a cell in metres", "");
+  if (!(grid.cell_m >= smallest_cell_m && grid.cell_m <= largest_cell_m))
+    fields.fail({"resolution"}, "is no size of a cell in metres", "");
   const auto origin = fields.numbers({"origin"}, 3);
   grid.origin = {origin[0], origin[1]};
   if (grid.origin.cwiseAbs().maxCoeff() > farthest_m) fields.fail({"origin"}, "is out of this world", "");
@@ -146,6 +149,8 @@ OccupancyGrid parse_map_server(std::string_view yaml, std::string_view where, st
   const Picture read = parse_pgm(pgm, picture);
   grid.width = read.width;
   grid.height = read.height;
+  if (std::max(read.width, read.height) * grid.cell_m > farthest_m)
+    throw Error("is larger than a map of this world", picture, "check the resolution");
   grid.percent.reserve(static_cast<std::size_t>(read.width) * static_cast<std::size_t>(read.height));
   for (int y = read.height - 1; y >= 0; --y) {
     const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(read.width);

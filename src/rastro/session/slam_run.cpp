@@ -31,6 +31,16 @@ std::string covariance_line(TimeNs stamp, const Matrix6d& covariance) {
   return line + "\n";
 }
 
+class Stopwatch {
+ public:
+  double milliseconds() const {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
 class Runner {
  public:
   explicit Runner(const SlamRun& run) : run_(run), reader_(*run.source, run.folder) {
@@ -51,7 +61,9 @@ class Runner {
 
  private:
   void process(const Frame& frame) {
-    const SlamUpdate update = run_.method->process(frame);
+    const Stopwatch watch;
+    SlamUpdate update = run_.method->process(frame);
+    update.milliseconds = watch.milliseconds();
     count(update);
     note_place(update);
     if (run_.folder) write(update);
@@ -60,11 +72,11 @@ class Runner {
   }
 
   void finish() {
-    const auto begin = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const std::vector<SlamEvent> events = run_.method->finish();
-    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - begin;
-    add_time("finish", time.count());
-    end_.result.method_seconds += time.count() / 1e3;
+    const double milliseconds = watch.milliseconds();
+    add_time("finish", milliseconds);
+    end_.result.method_seconds += milliseconds / 1e3;
     note(last_index_, events);
     end_.trajectory = run_.method->trajectory();
     end_.map = run_.method->snapshot();

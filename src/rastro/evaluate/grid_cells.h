@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: not installed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "rastro/map/grid/occupancy_grid.h"
+
+namespace rastro {
+
+inline bool is_occupied(std::int8_t percent) { return percent > 65; }
+inline bool is_free(std::int8_t percent) { return percent >= 0 && percent < 20; }
+inline bool is_known(std::int8_t percent) { return is_occupied(percent) || is_free(percent); }
+
+using CellMask = std::vector<std::uint8_t>;  ///< A 0 or 1 for each cell, row by row.
+
+inline std::size_t cell_index(const OccupancyGrid& grid, int x, int y) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x);
+}
+
+inline CellMask mask_of(const OccupancyGrid& grid, bool (*is_it)(std::int8_t)) {
+  CellMask mask;
+  mask.reserve(grid.percent.size());
+  for (const std::int8_t percent : grid.percent) mask.push_back(is_it(percent) ? 1 : 0);
+  return mask;
+}
+
+/// visit(percent, centre), row by row.
+template <typename Visit>
+void for_each_cell(const OccupancyGrid& grid, const Visit& visit) {
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) visit(grid.at(x, y), grid.centre_of(x, y));
+}
+
+}  // namespace rastro
