@@ -165,7 +165,10 @@ void simulate(SimulateFlags flags) {
   check_flags(flags);
   if (flags.format.empty())
     flags.format = flags.world == "street" ? "kitti" : flags.world == "corridor" ? "carmen" : "euroc";
-  flags.format == "carmen" ? simulate_laser(flags) : simulate_camera(flags);
+  if (flags.format == "carmen")
+    simulate_laser(flags);
+  else
+    simulate_camera(flags);
 }
 
 }  // namespace
