@@ -100,6 +100,39 @@ void settle_claims(std::vector<Association>& associations, std::size_t landmarks
   }
 }
 
+bool is_known(const Association& association) { return association.kind == Association::Kind::landmark; }
+
+/// Whether two sightings are as far apart as the landmarks they are taken for.
+bool agree(const EkfFilter& filter, const Sighting& a, const Sighting& b, std::size_t landmark_a,
+           std::size_t landmark_b, double gate) {
+  const Eigen::Vector2d between = a.in_body - b.in_body;
+  const double distance = between.norm();
+  if (!(distance > 0.0)) return false;
+  const auto in_map = filter.separation(landmark_a, landmark_b);
+  const double variance = between.dot((a.covariance + b.covariance) * between) / (distance * distance);
+  const double off = distance - in_map.distance;
+  return off * off <= gate * (variance + in_map.variance);
+}
+
+/// Where the body is uncertain one landmark in the gate says little: some other must be where it should be, too.
+void drop_lonely(const EkfFilter& filter, std::span<const Sighting> sightings, const EkfOptions& options,
+                 std::vector<Association>& associations) {
+  const std::vector<Association> before = associations;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (!is_known(before[i]) || sightings[i].sensor_id >= 0) continue;
+    const double doubt = filter.expected(before[i].landmark).covariance.trace();
+    if (doubt <= options.unsure_m * options.unsure_m) continue;
+    int companions = 0;
+    for (std::size_t j = 0; j < before.size(); ++j) {
+      const bool other =
+          j != i && is_known(before[j]) &&
+          agree(filter, sightings[i], sightings[j], before[i].landmark, before[j].landmark, options.gate);
+      companions += other ? 1 : 0;
+    }
+    if (companions < options.companions) associations[i].kind = Association::Kind::ambiguous;
+  }
+}
+
 }  // namespace
 
 std::vector<Association> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
@@ -109,6 +142,7 @@ std::vector<Association> associate(const EkfFilter& filter, std::span<const Land
   result.reserve(sightings.size());
   for (const Sighting& sighting : sightings) result.push_back(associator(sighting));
   settle_claims(result, records.size());
+  drop_lonely(filter, sightings, options, result);
   return result;
 }
 

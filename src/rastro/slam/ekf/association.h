@@ -16,7 +16,7 @@ struct Association {
     landmark,      ///< Of the map: it corrects the filter.
     candidate,     ///< Seen before, but not often enough to be a landmark.
     fresh,         ///< Far from all: a new candidate.
-    ambiguous,     ///< Two landmarks would do, or another sighting fits this landmark better: not used.
+    ambiguous,     ///< Two landmarks would do, or another sighting fits this one better, or it stands alone: not used.
     contradicting  ///< Near a landmark or of its name, but outside the gate: not used.
   };
   Kind kind = Kind::fresh;
@@ -26,7 +26,9 @@ struct Association {
 
 /// Each sighting to the nearest landmark inside the gate, by squared Mahalanobis distance (Durrant-Whyte and Bailey
 /// 2006, part II), and to a candidate only where no landmark is near; by name where the sensor gives one. A landmark is
-/// taken once at most. `records` are those of the filter's landmarks.
+/// taken once at most. Where the body's place is so uncertain that the gate of a landmark is wider than `unsure_m`, it
+/// is recognised only together with `companions` others that lie as far from it as the map says. `records` are those of
+/// the filter's landmarks.
 std::vector<Association> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
                                    std::span<const Sighting> sightings, const EkfOptions& options);
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "rastro/base/random.h"
+#include "rastro/base/stopwatch.h"
 #include "rastro/slam/ekf/scan_features.h"
 
 namespace rastro {
@@ -50,6 +51,7 @@ EkfSlam::EkfSlam(const EkfOptions& options, bool scans_expected)
     : options_(options), scans_expected_(scans_expected), grid_(options.cell_m, {}) {}
 
 SlamUpdate EkfSlam::process(const Frame& frame) {
+  Stopwatch whole, stage;
   SlamUpdate update;
   update.index = frame.index;
   update.stamp = frame.stamp;
@@ -61,11 +63,15 @@ SlamUpdate EkfSlam::process(const Frame& frame) {
   }
   predict(frame, update);
   const std::vector<Sighting> sightings = see(frame, update);
+  update.times.push_back({"landmarks", stage.lap_ms()});
   const std::vector<Association> associations = associate(filter_, records_, sightings, options_);
   correct(sightings, associations, update);
   judge(associations, update);
   learn(sightings, associations, update);
+  update.times.push_back({"filter", stage.lap_ms()});
   keep(frame, update);
+  update.times.push_back({"map", stage.lap_ms()});
+  update.milliseconds = whole.lap_ms();
   return update;
 }
 
@@ -193,7 +199,7 @@ void EkfSlam::keep(const Frame& frame, SlamUpdate& update) {
   const bool told = frame.odometry_from_body && is_finite(*frame.odometry_from_body);
   last_odometry_ = told ? frame.odometry_from_body : std::nullopt;
   if (told) {
-    odometry_check_.add(*frame.odometry_from_body, world_from_body);
+    odometry_check_.add(*frame.odometry_from_body, world_from_body, update.used > 0);
   } else {
     odometry_check_.interrupt();
   }

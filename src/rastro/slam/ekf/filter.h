@@ -37,6 +37,13 @@ class EkfFilter {
   };
   Expected expected(std::size_t number) const;
 
+  /// How far apart two landmarks are, and the variance of that: far better known than the place of either.
+  struct Separation {
+    double distance;
+    double variance;
+  };
+  Separation separation(std::size_t a, std::size_t b) const;
+
   /// A landmark was seen. Joseph's form, (I - KH) P (I - KH)^T + K R K^T, which stays positive definite where the short
   /// form loses it to rounding; H has five columns that are not zero, so that this takes two passes of rank two over
   /// one triangle: quadratic in the number of landmarks. `noise` is positive definite.

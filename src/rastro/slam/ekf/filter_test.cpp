@@ -185,7 +185,8 @@ TEST(EkfFilter, ForgetsALandmarkAndKeepsTheRest) {
     std::vector<Eigen::Index> kept = {0, 1, 2};  // of the state: the body, then landmarks in their new order
     for (std::size_t landmark = 0; landmark < 3; ++landmark) {
       const auto row = 3 + 2 * static_cast<Eigen::Index>(landmark == forgotten ? 3 : landmark);
-      kept.insert(kept.end(), {row, row + 1});
+      kept.push_back(row);
+      kept.push_back(row + 1);
     }
     const Eigen::VectorXd mean = mean_of(filter);
     const Eigen::MatrixXd covariance = filter.covariance();

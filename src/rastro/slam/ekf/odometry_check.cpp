@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 namespace rastro {
@@ -14,51 +15,55 @@ constexpr double bound_m = 0.02, bound_deg = 2.0;  // The paper's, per metre and
 constexpr double stretch_m = 1.0, stretch_rad = std::numbers::pi / 4.0;
 constexpr double degrees = 180.0 / std::numbers::pi;
 
-double root_mean(double sum, int count) { return count > 0 ? std::sqrt(sum / count) : 0.0; }
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 }  // namespace
 
-SE2 OdometryCheck::difference(const Pose& from, const Pose& to) {
-  const SE2 by_odometry = from.odometry_from_body.inverse() * to.odometry_from_body;
-  const SE2 by_filter = from.world_from_body.inverse() * to.world_from_body;
+std::optional<SE2> OdometryCheck::finished(Stretch& stretch, double length, double motion, const Pose& now, bool seen) {
+  stretch.length += motion;
+  if (!seen || (stretch.start && stretch.length < length)) return std::nullopt;
+  const std::optional<Pose> start = stretch.start;
+  stretch.start = now;
+  // Over a much longer one errors add up as they would not over many short ones.
+  if (!start || stretch.length > 2.0 * length) {
+    stretch.length = 0.0;
+    return std::nullopt;
+  }
+  const SE2 by_odometry = start->odometry_from_body.inverse() * now.odometry_from_body;
+  const SE2 by_filter = start->world_from_body.inverse() * now.world_from_body;
   return by_filter.inverse() * by_odometry;
 }
 
-void OdometryCheck::add(const SE2& odometry_from_body, const SE2& world_from_body) {
+void OdometryCheck::add(const SE2& odometry_from_body, const SE2& world_from_body, bool seen) {
   const Pose now{odometry_from_body, world_from_body};
-  if (!last_) {
-    last_ = stretch_start_ = turn_start_ = now;
-    way_ = turn_ = 0.0;
-    return;
+  if (!last_odometry_) way_.start = turn_.start = std::nullopt;
+  const SE2 motion = last_odometry_ ? last_odometry_->inverse() * odometry_from_body : SE2();
+  last_odometry_ = odometry_from_body;
+  if (const auto error = finished(way_, stretch_m, motion.translation().norm(), now, seen)) {
+    way_.errors.push_back(error->translation().norm() / way_.length);
+    way_.length = 0.0;
   }
-  const SE2 motion = last_->odometry_from_body.inverse() * odometry_from_body;
-  last_ = now;
-  way_ += motion.translation().norm();
-  turn_ += std::abs(motion.rotation().angle());
-  if (way_ >= stretch_m) {
-    // Per metre, also where one step is longer than that.
-    squared_metres_ += difference(stretch_start_, now).translation().squaredNorm() / (way_ * way_);
-    ++metres_;
-    stretch_start_ = now;
-    way_ = 0.0;
-  }
-  if (turn_ >= stretch_rad) {
-    const double error = difference(turn_start_, now).rotation().angle() * stretch_rad / turn_;
-    squared_turns_ += error * error;
-    ++turns_;
-    turn_start_ = now;
-    turn_ = 0.0;
+  if (const auto error = finished(turn_, stretch_rad, std::abs(motion.rotation().angle()), now, seen)) {
+    turn_.errors.push_back(std::abs(error->rotation().angle()) * stretch_rad / turn_.length);
+    turn_.length = 0.0;
   }
 }
 
 OdometryCheck::Result OdometryCheck::result() const {
-  return {metres_, root_mean(squared_metres_, metres_), turns_, degrees * root_mean(squared_turns_, turns_)};
+  return {static_cast<int>(way_.errors.size()), median(way_.errors), static_cast<int>(turn_.errors.size()),
+          degrees * median(turn_.errors)};
 }
 
 std::string describe(const OdometryCheck::Result& result) {
   const bool kept = result.error_m < bound_m && result.error_deg < bound_deg;
   return fmt::format(
-      "odometry differs from the filter by {:.1f} cm per metre over {} metres and {:.1f} deg per 45 deg over {} turns; "
+      "odometry differs from the filter by {:.1f} cm in a metre (median of {}) and {:.1f} deg in a turn of 45 deg "
+      "(median of {}); "
       "{} the bound of {:.0f} cm and {:.0f} deg",
       100.0 * result.error_m, result.metres, result.error_deg, result.turns, kept ? "within" : "beyond",
       100.0 * bound_m, bound_deg);

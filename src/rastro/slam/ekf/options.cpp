@@ -113,6 +113,21 @@ void add_association_options(OptionTable& table, EkfOptions& o) {
        0,
        1000,
        {}});
+  table.add({"unsure_m",
+             &o.unsure_m,
+             "m",
+             "a landmark without a name whose place in front of the body is less certain than this is recognised only "
+             "together with companions",
+             0,
+             1e6,
+             {}});
+  table.add({"companions",
+             &o.companions,
+             "",
+             "other landmarks recognised in the same frame, at the distances the map says, that unsure_m asks for",
+             0,
+             100,
+             {}});
   table.add({"max_direction_deg",
              &o.max_direction_deg,
              "deg",

@@ -33,6 +33,8 @@ struct EkfOptions {
   double named_gate = 27.6;
   double new_gate = 27.6;
   double ambiguity = 6.0;
+  double unsure_m = 0.5;
+  int companions = 1;
   double max_direction_deg = 30.0;
   int observations = 5;
   int candidate_frames = 30;
