@@ -10,6 +10,7 @@
 #include <sensor_msgs/LaserScan.h>
 
 #include <memory>
+#include <new>
 #include <string>
 
 #include "rastro/dataset/image_file.h"
@@ -17,12 +18,18 @@
 
 namespace rastro {
 
-/// The generated messages ask their allocator for rebind, which std::allocator lost in C++20; this gives it back.
+/// The generated messages ask their allocator for rebind, which std::allocator lost in C++20; this gives it back. And
+/// it gives no more than a message may need: a damaged one asks for any size.
 template <typename T>
 struct MessageAllocator : std::allocator<T> {
   MessageAllocator() = default;
   template <typename Other>
   MessageAllocator(const MessageAllocator<Other>&) {}
+  T* allocate(std::size_t count) {
+    constexpr std::size_t most_bytes = std::size_t{1} << 28;
+    if (count > most_bytes / sizeof(T)) throw std::bad_alloc();
+    return std::allocator<T>::allocate(count);
+  }
   template <typename Other>
   struct rebind {
     using other = MessageAllocator<Other>;

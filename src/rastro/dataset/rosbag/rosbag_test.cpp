@@ -13,10 +13,11 @@
 #include <rosbag/bag.h>
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
+#include "rastro/base/random.h"
+#include "rastro/base/text_file.h"
 #include "rastro/dataset/rosbag/bag_messages.h"
 
 namespace rastro {
@@ -215,7 +216,64 @@ TEST(RosBag, AnImageTopicCanBeNamedAndABrokenImageCostsOnlyItself) {
   EXPECT_THAT(error_of([&] { open(folder.path("a.bag"), options); }), HasSubstr("there is no image topic '/nothing'"));
 }
 
-TEST(RosBag, WhatHoldsNothingToReadOrIsDamagedIsAnErrorOfOneLine) {
+void write_scans(const std::string& path, rosbag::compression::CompressionType packed) {
+  BagWriter bag(path, packed);
+  for (int k = 0; k < 200; ++k) {
+    bag.odometry(k - 0.05, k, 0.0);
+    bag.scan("/scan", k);
+  }
+}
+
+TEST(RosBag, ABagThatWasCutShortIsReadAsFarAsItIsWhole) {
+  const ScratchFolder folder;
+  for (const auto packed : {rosbag::compression::Uncompressed, rosbag::compression::LZ4, rosbag::compression::BZ2}) {
+    for (const double share : {0.9, 0.4}) {
+      write_scans(folder.path("cut.bag"), packed);
+      folder.truncate("cut.bag", share);
+      const auto source = open(folder.path("cut.bag"));
+      EXPECT_THAT(source->info().warnings, Contains(HasSubstr("whole messages are read")));
+      std::int64_t count = 0;
+      while (const auto frame = source->next()) {
+        EXPECT_EQ(frame->index, count);
+        EXPECT_EQ(frame->stamp, nanoseconds(at(static_cast<double>(count))));
+        EXPECT_EQ(frame->odometry_from_body->translation().x(), count);
+        EXPECT_TRUE(frame->scan->is_return(0));
+        ++count;
+      }
+      EXPECT_EQ(count, source->info().frame_count);
+      // A chunk holds some ten scans, and the index behind them takes its share of the bytes.
+      EXPECT_GT(static_cast<double>(count), 200 * share - 40);
+      if (share < 0.5) {
+        EXPECT_LT(count, 200);
+      }
+    }
+  }
+}
+
+TEST(RosBag, DamagedBytesAreNeverMoreThanAnError) {
+  const ScratchFolder folder;
+  write_scans(folder.path("whole.bag"), rosbag::compression::LZ4);
+  const std::string whole = read_text_file(folder.path("whole.bag"));
+  Random random(7);
+  for (int trial = 0; trial < 60; ++trial) {
+    std::string damaged = whole;
+    for (int k = 0; k < 3; ++k)
+      damaged[random.below(static_cast<std::uint32_t>(whole.size()))] = static_cast<char>(random.below(256));
+    folder.write("damaged.bag", damaged);
+    try {
+      const auto source = open(folder.path("damaged.bag"));
+      for (int k = 0; k < 250; ++k) {
+        try {
+          if (!source->next()) break;
+        } catch (const Error&) {
+        }
+      }
+    } catch (const Error&) {
+    }
+  }
+}
+
+TEST(RosBag, WhatHoldsNothingToReadIsAnErrorOfOneLine) {
   const ScratchFolder folder;
   {
     BagWriter bag(folder.path("a.bag"));
@@ -224,19 +282,6 @@ TEST(RosBag, WhatHoldsNothingToReadOrIsDamagedIsAnErrorOfOneLine) {
   const auto nothing = error_of([&] { open(folder.path("a.bag")); });
   EXPECT_THAT(nothing, HasSubstr("holds neither laser scans nor images"));
   EXPECT_THAT(nothing, HasSubstr("/odom (nav_msgs/Odometry)"));
-  {
-    BagWriter bag(folder.path("scans.bag"));
-    for (int k = 0; k < 200; ++k) bag.scan("/scan", k);
-  }
-  for (const double share : {0.9, 0.5, 0.1, 0.001}) {
-    const std::string name = "cut.bag";
-    std::filesystem::copy_file(folder.path("scans.bag"), folder.path(name),
-                               std::filesystem::copy_options::overwrite_existing);
-    folder.truncate(name, share);
-    const auto problem = error_of([&] { open(folder.path(name)); });
-    EXPECT_THAT(problem, HasSubstr("cut.bag")) << share;
-    EXPECT_THAT(problem, testing::Not(HasSubstr("\n"))) << share;
-  }
   folder.write("text.bag", "no bag at all\n");
   EXPECT_THAT(error_of([&] { open(folder.path("text.bag")); }), HasSubstr("text.bag"));
 }
