@@ -8,8 +8,8 @@
 
 namespace rastro {
 
-/// How two occupancy maps agree. Cells over 65 % are occupied, cells under 20 % free, the others unknown. "Near" is
-/// within the tolerance, in either direction of the axes. Shares are 0 to 1, and 0 where there is nothing to count.
+/// How two occupancy maps agree. Cells of 65 % and more are occupied, cells under 20 % free, the others unknown. "Near"
+/// is within the tolerance, in either direction of the axes. Shares are 0 to 1, and 0 where there is nothing to count.
 struct GridAgreement {
   SE2 truth_from_map;             ///< As given, or as found.
   std::int64_t map_occupied = 0;  ///< Occupied cells of the map.

@@ -10,7 +10,7 @@
 
 namespace rastro {
 
-inline bool is_occupied(std::int8_t percent) { return percent > 65; }
+inline bool is_occupied(std::int8_t percent) { return percent >= 65; }
 inline bool is_free(std::int8_t percent) { return percent >= 0 && percent < 20; }
 inline bool is_known(std::int8_t percent) { return is_occupied(percent) || is_free(percent); }
 

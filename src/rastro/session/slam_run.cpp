@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/memory.h"
+#include "rastro/base/stopwatch.h"
 #include "rastro/odometry/scale.h"
 #include "rastro/sensor/stamp_text.h"
 #include "rastro/session/frame_reader.h"
@@ -31,16 +31,6 @@ std::string covariance_line(TimeNs stamp, const Matrix6d& covariance) {
   return line + "\n";
 }
 
-class Stopwatch {
- public:
-  double milliseconds() const {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
-
 class Runner {
  public:
   explicit Runner(const SlamRun& run) : run_(run), reader_(*run.source, run.folder) {
@@ -61,9 +51,9 @@ class Runner {
 
  private:
   void process(const Frame& frame) {
-    const Stopwatch watch;
+    Stopwatch watch;
     SlamUpdate update = run_.method->process(frame);
-    update.milliseconds = watch.milliseconds();
+    update.milliseconds = watch.lap_ms();
     count(update);
     note_place(update);
     if (run_.folder) write(update);
@@ -72,9 +62,9 @@ class Runner {
   }
 
   void finish() {
-    const Stopwatch watch;
+    Stopwatch watch;
     const std::vector<SlamEvent> events = run_.method->finish();
-    const double milliseconds = watch.milliseconds();
+    const double milliseconds = watch.lap_ms();
     add_time("finish", milliseconds);
     end_.result.method_seconds += milliseconds / 1e3;
     note(last_index_, events);

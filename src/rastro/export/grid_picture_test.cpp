@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/export/grid_picture.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+
+#include "rastro/base/scratch_testing.h"
+
+namespace rastro {
+namespace {
+
+cv::Mat drawn(const MapPicture& picture) {
+  const std::string file = scratch_path("map.png").string();
+  write_map_picture(picture, file);
+  return cv::imread(file);
+}
+
+int pixels_like(const cv::Mat& picture, const cv::Vec3b& colour) {
+  int count = 0;
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x) count += picture.at<cv::Vec3b>(y, x) == colour ? 1 : 0;
+  return count;
+}
+
+/// Free cells of 10 cm in 4 x 2 m with a wall along the top.
+std::shared_ptr<const OccupancyGrid> hall() {
+  auto grid = std::make_shared<OccupancyGrid>();
+  grid->cell_m = 0.1;
+  grid->width = 40;
+  grid->height = 20;
+  grid->percent.assign(800, 0);
+  for (std::size_t x = 0; x < 40; ++x) grid->percent[19 * 40 + x] = 100;
+  return grid;
+}
+
+TEST(MapPicture, PutsWallsAndWayWhereTheyAre) {
+  MapPicture picture;
+  picture.grid = hall();
+  picture.path = {{0.5, 0.5}, {3.5, 0.5}};
+  const cv::Mat drawing = drawn(picture);
+  // 4 x 2 m with half a metre around cell centres, 200 pixels a metre.
+  const auto at = [&](double x, double y) {
+    return drawing.at<cv::Vec3b>(drawing.rows - static_cast<int>((y + 0.45) * 200.0),
+                                 static_cast<int>((x + 0.45) * 200.0));
+  };
+  EXPECT_NEAR(drawing.cols, 980, 2);
+  EXPECT_NEAR(drawing.rows, 580, 2);
+  EXPECT_EQ(at(2.0, 1.95), cv::Vec3b(0, 0, 0)) << "the wall is at the top";
+  EXPECT_EQ(at(2.0, 1.5), cv::Vec3b(255, 255, 255));
+  EXPECT_EQ(at(2.0, 0.5), cv::Vec3b(200, 90, 0)) << "the way";
+  EXPECT_EQ(at(0.5, 0.5), cv::Vec3b(0, 150, 0)) << "its start";
+  EXPECT_EQ(at(3.5, 0.5), cv::Vec3b(0, 0, 220)) << "its end";
+  EXPECT_EQ(at(-0.3, 1.0), cv::Vec3b(215, 215, 215)) << "beyond the map";
+}
+
+TEST(MapPicture, DrawsLoopsLandmarksAndEllipses) {
+  Snapshot map;
+  map.grid = hall();
+  map.keyframes = {{0, SE3({}, {0.5, 0.5, 0.0})}, {1, SE3({}, {3.5, 1.5, 0.0})}};
+  map.edges = {{0, 1, true}, {0, 1, false}, {0, 99, true}};
+  map.landmarks.resize(1);
+  map.landmarks[0].position = {2.0, 0.5};
+  map.landmarks[0].covariance = 0.01 * Eigen::Matrix2d::Identity();
+  MapPicture picture = map_picture(map, {});
+  EXPECT_EQ(picture.loops.size(), 1U) << "an edge to no keyframe is left away";
+  const cv::Mat with = drawn(picture);
+  EXPECT_GT(pixels_like(with, {190, 0, 190}), 30);
+  picture.loops.clear();
+  picture.landmarks.clear();
+  EXPECT_EQ(pixels_like(drawn(picture), {190, 0, 190}), 0);
+  EXPECT_GT(cv::norm(with, drawn(picture), cv::NORM_L1), 0.0);
+}
+
+TEST(MapPicture, SurvivesNothingAndTheEndless) {
+  EXPECT_FALSE(drawn({}).empty());
+  MapPicture picture;
+  const double no_number = std::numeric_limits<double>::quiet_NaN();
+  picture.path = {{0.0, 0.0}, {no_number, 1.0}, {1e7, -1e7}};
+  picture.landmarks.push_back({{1.0, 1.0}, Eigen::Matrix2d::Constant(no_number)});
+  picture.landmarks.push_back({{1.0, 1.0}, 1e30 * Eigen::Matrix2d::Identity()});
+  const cv::Mat drawing = drawn(picture);
+  EXPECT_LE(std::max(drawing.cols, drawing.rows), 1601);
+}
+
+TEST(MapPicture, KeepsThinWallsOfALargeMap) {
+  auto grid = std::make_shared<OccupancyGrid>();
+  grid->cell_m = 0.05;
+  grid->width = grid->height = 4000;
+  grid->percent.assign(16'000'000, 0);
+  for (std::size_t y = 0; y < 4000; ++y) grid->percent[y * 4000 + 1001] = 100;
+  MapPicture picture;
+  picture.grid = grid;
+  const cv::Mat drawing = drawn(picture);
+  int rows_with_wall = 0;
+  for (int y = 0; y < drawing.rows; ++y)
+    for (int x = 380; x < 420; ++x)
+      if (drawing.at<cv::Vec3b>(y, x) == cv::Vec3b(0, 0, 0)) {
+        ++rows_with_wall;
+        break;
+      }
+  EXPECT_GT(rows_with_wall, drawing.rows - 20);
+}
+
+}  // namespace
+}  // namespace rastro

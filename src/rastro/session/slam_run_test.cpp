@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/session/slam_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "rastro/base/error.h"
+#include "rastro/base/scratch_testing.h"
+#include "rastro/base/text.h"
+#include "rastro/base/text_file.h"
+#include "rastro/session/fakes_testing.h"
+#include "rastro/session/slam_stats.h"
+#include "rastro/session/trajectory_text.h"
+
+namespace rastro {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Walks 0.5 m a frame along x, closes a loop every tenth frame, and is weak on every seventh.
+class FakeSlam : public Slam {
+ public:
+  SlamUpdate process(const Frame& frame) override {
+    if (frame.index == fault_at) throw std::runtime_error("out of order");
+    SlamUpdate update;
+    update.index = frame.index;
+    update.stamp = frame.stamp;
+    update.state = frame.index % 7 == 6 ? SlamState::weak : SlamState::tracking;
+    if (update.state == SlamState::weak) {
+      update.reason = SlamReason::few_returns;
+      update.detail = "3 of 180";
+    }
+    update.world_from_body = SE3({}, {0.5 * static_cast<double>(trajectory_.size()), 0.0, 0.0});
+    update.covariance = Matrix6d(1e-4 * Matrix6d::Identity());
+    update.times.push_back({"match", 1.0});
+    if (frame.index % 10 == 9) {
+      update.events.push_back({"loop_closed", "with 0"});
+      update.times.push_back({"loop", 2.0});
+    }
+    trajectory_.push_back({frame.stamp, update.world_from_body});
+    return update;
+  }
+  std::vector<SlamEvent> finish() override {
+    ++finished;
+    return {{"loop_closed", "at last"}};
+  }
+  Trajectory trajectory() const override { return trajectory_; }
+  std::shared_ptr<const Snapshot> snapshot() const override {
+    auto map = std::make_shared<Snapshot>();
+    map->landmarks.resize(3);
+    map->keyframes = {{0, {}}, {1, {}}};
+    return map;
+  }
+
+  std::int64_t fault_at = -1;
+  int finished = 0;
+
+ private:
+  Trajectory trajectory_;
+};
+
+SlamRun wired(Source& source, Slam& method) {
+  SlamRun run;
+  run.source = &source;
+  run.method = &method;
+  return run;
+}
+
+std::vector<std::string> lines_of(const std::filesystem::path& file) {
+  const std::string text = read_text_file(file.string());
+  std::vector<std::string> lines;
+  for (const std::string_view line : split(text, '\n'))
+    if (!line.empty()) lines.emplace_back(line);
+  return lines;
+}
+
+TEST(SlamRun, CountsStatesLoopsAndCoverage) {
+  FakeSource source(30, {4, 5});
+  FakeSlam method;
+  SlamRun run = wired(source, method);
+  run.frames_asked = 30;
+  const SlamRunEnd end = slam_run(run);
+  EXPECT_EQ(end.result.frames, 28);
+  EXPECT_EQ(end.result.skipped_frames, 2);
+  EXPECT_EQ(end.result.weak, 4);
+  EXPECT_EQ(end.result.tracking, 24);
+  EXPECT_EQ(end.result.reasons.at("few_returns"), 4);
+  EXPECT_EQ(end.result.loops_closed, 4) << "three on the way, one at the end";
+  EXPECT_EQ(end.result.landmarks, 3);
+  EXPECT_EQ(end.result.keyframes, 2);
+  EXPECT_DOUBLE_EQ(end.result.path_length, 13.5);
+  EXPECT_NEAR(end.result.coverage, 100.0 * 28 / 30, 1e-9);
+  EXPECT_NEAR(end.result.recording_seconds, 29 * 0.05, 1e-9);
+  EXPECT_EQ(end.places.size(), 7U) << "one every two metres";
+  EXPECT_EQ(method.finished, 1);
+  EXPECT_EQ(end.result.ended, "end of data");
+  EXPECT_THAT(end.first_skip, HasSubstr("frame 4"));
+}
+
+TEST(SlamRun, WritesAsItGoes) {
+  const auto path = scratch_path("slam_run");
+  RunFolder folder(path, false);
+  FakeSource source(20, {4});
+  FakeSlam method;
+  SlamRun run = wired(source, method);
+  run.folder = &folder;
+  slam_run(run);
+  EXPECT_EQ(lines_of(path / "trajectory_online.txt").size(), 2U + 19U);
+  EXPECT_EQ(lines_of(path / "covariance_online.txt").size(), 2U + 19U);
+  EXPECT_EQ(split_words(lines_of(path / "covariance_online.txt").back()).size(), 22U);
+  const auto events = lines_of(path / "events.jsonl");
+  EXPECT_THAT(events, testing::Contains(HasSubstr("few_returns: 3 of 180")));
+  EXPECT_THAT(events, testing::Contains(HasSubstr("frame skipped")));
+  EXPECT_THAT(events.back(), HasSubstr("at last"));
+}
+
+TEST(SlamRun, StatsGetAColumnForEveryStageThatComesUp) {
+  const auto path = scratch_path("slam_stats.csv");
+  SlamStats stats(path);
+  SlamUpdate update;
+  update.times = {{"match", 1.0}};
+  stats.add(update);
+  update.times = {{"loop", 3.0}, {"match", 2.0}};
+  stats.add(update);
+  update.times = {{"match", 4.0}};
+  stats.add(update);
+  const auto lines = lines_of(path);
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_THAT(lines[0], testing::EndsWith(",match_ms,loop_ms"));
+  EXPECT_THAT(lines[1], testing::EndsWith(",1.0000,"));
+  EXPECT_THAT(lines[2], testing::EndsWith(",2.0000,3.0000"));
+  EXPECT_THAT(lines[3], testing::EndsWith(",4.0000,"));
+  for (const std::string& line : lines) EXPECT_EQ(split(line, ',').size(), split(lines[0], ',').size());
+}
+
+TEST(SlamRun, KeepsWhatAFaultyMethodHadDone) {
+  FakeSource source(30);
+  FakeSlam method;
+  method.fault_at = 12;
+  const SlamRunEnd end = slam_run(wired(source, method));
+  EXPECT_TRUE(end.failure);
+  EXPECT_EQ(end.result.ended, "fault: out of order");
+  EXPECT_EQ(end.result.frames, 12);
+  EXPECT_EQ(end.trajectory.size(), 12U);
+  EXPECT_TRUE(end.map);
+}
+
+TEST(SlamRun, StopsWhenAskedAndFinishes) {
+  FakeSource source(30);
+  FakeSlam method;
+  std::atomic<bool> stop = false;
+  SlamRun run = wired(source, method);
+  run.stop = &stop;
+  run.progress = [&](const SlamProgress& progress) { stop = progress.done == 8; };
+  const SlamRunEnd end = slam_run(run);
+  EXPECT_TRUE(end.result.interrupted);
+  EXPECT_EQ(end.result.frames, 8);
+  EXPECT_EQ(method.finished, 1);
+  EXPECT_FALSE(end.failure);
+}
+
+TEST(SlamResult, SaysEverythingAsJson) {
+  FakeSource source(10);
+  FakeSlam method;
+  SlamRunEnd end = slam_run(wired(source, method));
+  end.result.method = "fake";
+  const auto json = nlohmann::json::parse(to_json(end.result));
+  EXPECT_EQ(json["method"], "fake");
+  EXPECT_EQ(json["frames"], 10);
+  EXPECT_EQ(json["coverage"], 100);
+  EXPECT_EQ(json["loops_closed"], 2);
+  EXPECT_EQ(json["reasons"]["few_returns"], 1);
+  EXPECT_EQ(json["stages"]["match"]["frames"], 10);
+  EXPECT_NEAR(json["stages"]["loop"]["ms_mean"].get<double>(), 2.0, 1e-4);
+  EXPECT_TRUE(json["stages"].contains("finish"));
+  for (const auto& [name, value] : numbers_of(end.result)) EXPECT_TRUE(json.contains(name)) << name;
+}
+
+TEST(TrajectoryText, WritesStampsBeforeTheEpochToo) {
+  EXPECT_THAT(tum_line({-1'500'000'000, {}}), testing::StartsWith("-1.500000000 0.000000000"));
+  EXPECT_THAT(split_words(tum_line({976'052'857'337'530'001, {}}))[0], "976052857.337530001");
+}
+
+}  // namespace
+}  // namespace rastro
