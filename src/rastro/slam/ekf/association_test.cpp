@@ -104,5 +104,23 @@ TEST(Association, CandidatesComeAfterLandmarks) {
   EXPECT_EQ(map.kind_of(sighting_at(5.0, 1.5)), Kind::fresh);
 }
 
+TEST(Association, InDoubtALandmarkNeedsACompanionAtTheRightDistance) {
+  Map map;
+  map.add(5.0, 0.0);
+  map.add(5.0, 20.0);
+  map.filter.predict(SE2(), Eigen::Vector3d(1.0, 1.0, 1e-6).asDiagonal());
+  const Sighting one = sighting_at(6.0, 1.0), other = sighting_at(6.0, 21.0), wrong = sighting_at(6.0, 19.5);
+  EXPECT_EQ(map.kind_of(one), Kind::ambiguous);
+  const auto together = map.associated({one, other});
+  EXPECT_EQ(together[0].kind, Kind::landmark);
+  EXPECT_EQ(together[1].kind, Kind::landmark);
+  const auto apart = map.associated({one, wrong});
+  EXPECT_EQ(apart[0].kind, Kind::ambiguous);
+  EXPECT_EQ(apart[1].kind, Kind::ambiguous);
+  EkfOptions bold;
+  bold.companions = 0;
+  EXPECT_EQ(map.kind_of(one, bold), Kind::landmark);
+}
+
 }  // namespace
 }  // namespace rastro

@@ -86,8 +86,7 @@ EkfFilter::Separation EkfFilter::separation(std::size_t a, std::size_t b) const 
   const Eigen::Vector2d between = landmark(a) - landmark(b);
   const double distance = between.norm();
   if (!(distance > 0.0)) return {0.0, 0.0};
-  const auto [low, high] = std::minmax(row_of(a), row_of(b));
-  const Eigen::Matrix2d cross = covariance_.block<2, 2>(high, low);
+  const Eigen::Matrix2d cross = covariance_.block<2, 2>(row_of(std::max(a, b)), row_of(std::min(a, b)));
   const Eigen::Matrix2d both =
       landmark_covariance(a) + landmark_covariance(b) - cross - Eigen::Matrix2d(cross.transpose());
   return {distance, between.dot(both * between) / (distance * distance)};

@@ -137,6 +137,21 @@ TEST(EkfFilter, ExpectsWhatItWillMeasureWithTheCovarianceOfTheDifference) {
   EXPECT_THAT(filter.expected(0).covariance, matrix_near(sensor_noise, 1e-12));
 }
 
+TEST(EkfFilter, KnowsDistancesBetterThanPlaces) {
+  EkfFilter filter;
+  filter.predict(motion(1.0, 0.0, 0.5), 100.0 * motion_noise);
+  filter.add({2.0, 1.0}, sensor_noise);
+  filter.add({5.0, 5.0}, sensor_noise);
+  const auto separation = filter.separation(0, 1);
+  EXPECT_NEAR(separation.distance, 5.0, 1e-12);
+  // Neither the body's place nor its angle has a part in it: only both sights, along the line between.
+  const Eigen::Vector2d along(0.6, 0.8);
+  EXPECT_NEAR(separation.variance, 2.0 * along.dot(sensor_noise * along), 1e-12);
+  EXPECT_EQ(filter.separation(1, 0).distance, separation.distance);
+  EXPECT_NEAR(filter.separation(1, 0).variance, separation.variance, 1e-12);
+  EXPECT_GT(filter.landmark_covariance(0).trace(), 10.0 * separation.variance);
+}
+
 TEST(EkfFilter, AUselessSensorChangesNothingAndAPerfectOneFixesTheLandmark) {
   EkfFilter filter;
   filter.predict(motion(1.0, 0.0, 0.5), motion_noise);
