@@ -75,7 +75,7 @@ version() {
 
 help() {
   run 0 --help
-  local commands='track evaluate simulate occlude info check options' command
+  local commands='track odometry slam methods evaluate simulate occlude info check options' command
   for word in 'Exit codes' 'Examples' '--require' $commands; do said "$word"; done
   for command in $commands; do
     run 0 "$command" --help
@@ -135,6 +135,51 @@ evaluate_trajectory() {
   said 'compared as it is'
   run 0 evaluate trajectory "$hall" "$hall/mav0/state_groundtruth_estimate0/data.csv"
   said 'turned into poses of the camera by T_BS'
+}
+
+slam() {
+  run 0 simulate corridor --out "$here/corridor" --frames 260 --quiet
+  local method file
+  for method in hector ekf; do
+    run 0 methods
+    said "$method"
+    run 0 slam "$here/corridor" --method "$method" --out "$here/$method" --frames 0:200
+    said "$method: 200 frames, 100.0 % of those asked for have a pose"
+    for file in about.json options.yaml stats.csv events.jsonl result.json trajectory.txt trajectory_online.txt \
+      covariance_online.txt map.pgm map.yaml map.png; do
+      [[ -s $here/$method/$file ]] || fail "$method wrote no $file"
+    done
+    cat "$here/$method"/{trajectory.txt,map.pgm,map.yaml} >"$here/all"
+    [[ ! -e $here/$method/landmarks.csv ]] || cat "$here/$method/landmarks.csv" >>"$here/all"
+    [[ $(value_of result_sha256 "$method") == $(sha256sum "$here/all" | cut -d' ' -f1) ]] || fail "wrong hash of $method"
+    run 0 evaluate relations "$here/$method" --relations "$here/corridor/relations.txt" --json --require 'trans_mean<=1'
+    said '"trans_mean": 0.'
+    run 0 evaluate map "$here/$method" "$here/corridor/floor_plan.yaml" --require 'free_agreement>=0.9'
+    said 'precision'
+  done
+  [[ $(head -1 "$here/ekf/landmarks.csv") == id,* ]] || fail "ekf wrote no landmarks"
+  run 0 slam "$here/corridor" --method hector --out "$here/again" --frames 0:200 --options "$here/hector/options.yaml" --json
+  [[ $(value_of result_sha256 again) == $(value_of result_sha256 hector) ]] || fail "the options in force give another run"
+  cmp "$here/stdout" "$here/again/result.json" || fail "--json does not print result.json"
+  slam_refusals
+}
+
+slam_refusals() {
+  run 1 slam "$here/corridor" --method hector --out "$here/limit" --frames 0:9 --require 'frames>=10' --quiet
+  run 0 slam "$here/corridor" --method hector --out "$here/flags" --frames 0:9 --guess none --loop-closing false
+  grep -q '^guess: none' "$here/flags/options.yaml" || fail "--guess is not heeded"
+  refused "did you mean 'hector'" slam "$here/corridor" --method hektor --out "$here/no"
+  refused '--method' slam "$here/corridor" --out "$here/no"
+  refused "no option 'guess'" slam "$here/corridor" --method ekf --out "$here/no" --guess none
+  refused 'true' slam "$here/corridor" --method hector --out "$here/no" --loop-closing perhaps
+  refused "did you mean 'coverage'" slam "$here/corridor" --method hector --out "$here/no" --require 'covrage>=3'
+  refused "$hall" slam "$hall" --method hector --out "$here/no"
+  refused 'nowhere' slam "$here/nowhere" --method hector --out "$here/no"
+  refused 'none of its' evaluate relations "$here/hector" --relations "$here/hector/trajectory.txt"
+  refused 'nowhere' evaluate relations "$here/nowhere" --relations "$here/corridor/relations.txt"
+  refused '.yaml' evaluate map "$here/hector/map.pgm" "$here/corridor/floor_plan.yaml"
+  refused 'none or se2' evaluate map "$here/hector" "$here/corridor/floor_plan.yaml" --align sim3
+  [[ ! -e "$here/no" ]] || fail "a refused run left a folder"
 }
 
 unknown_command() {

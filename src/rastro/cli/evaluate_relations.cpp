@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,18 +42,18 @@ struct Flags {
 };
 
 NamedNumbers numbers_of(const RelationScores& scores) {
-  const double unmeasured = std::numeric_limits<double>::quiet_NaN();
-  const auto measured = [&](double value) { return scores.relations > 0 ? value : unmeasured; };
-  return {{"relations", static_cast<double>(scores.relations)}, {"trans_mean", measured(scores.trans_mean_m)},
-          {"trans_sigma", measured(scores.trans_sigma_m)},      {"rot_mean_deg", measured(scores.rot_mean_deg)},
-          {"rot_sigma_deg", measured(scores.rot_sigma_deg)},    {"skipped", static_cast<double>(scores.skipped)},
-          {"trans_max", measured(scores.worst_trans_m)}};
+  return {{"relations", static_cast<double>(scores.relations)},
+          {"trans_mean", scores.trans_mean_m},
+          {"trans_sigma", scores.trans_sigma_m},
+          {"rot_mean_deg", scores.rot_mean_deg},
+          {"rot_sigma_deg", scores.rot_sigma_deg},
+          {"skipped", static_cast<double>(scores.skipped)},
+          {"trans_max", scores.worst_trans_m}};
 }
 
 std::string text_of(const RelationScores& scores, const std::string& run) {
   std::string text = fmt::format("run          {}\nrelations    {} held against it, {} skipped\n", one_line(run),
                                  scores.relations, scores.skipped);
-  if (scores.relations == 0) return text;
   text += fmt::format("translation  mean {:.4f} m, sigma {:.4f} m, largest {:.3f} m\n", scores.trans_mean_m,
                       scores.trans_sigma_m, scores.worst_trans_m);
   text += fmt::format("rotation     mean {:.4f} deg, sigma {:.4f} deg\n", scores.rot_mean_deg, scores.rot_sigma_deg);
@@ -74,6 +73,11 @@ int evaluate_relations(const Flags& flags) {
   const TrajectoryInput input = read_trajectory_input((is_folder ? run / "trajectory.txt" : run).string());
   if (!input.has_stamps) throw Error("has no stamps to find relations by", input.file, "give a file in TUM's form");
   const RelationScores scores = score_relations(relations, input.poses, from_seconds(flags.max_dt_s));
+  if (scores.relations == 0) {
+    throw Error(fmt::format("none of its {} relations has poses within {} s in {}", relations.size(), flags.max_dt_s,
+                            one_line(input.file)),
+                flags.relations, "are both of one recording, and is it a file of relations?");
+  }
   if (flags.json)
     fmt::print("{}", as_json(numbers_of(scores)));
   else if (!flags.quiet)

@@ -19,7 +19,7 @@ namespace {
 
 std::optional<double> number_named(const NamedNumbers& numbers, const std::string& name) {
   for (const auto& [each, value] : numbers)
-    if (each == name && !std::isnan(value)) return value;
+    if (each == name) return value;
   return std::nullopt;
 }
 
@@ -58,7 +58,7 @@ std::string as_json(const NamedNumbers& numbers) {
     if (value == std::floor(value) && std::abs(value) < 1e15) {
       json[name] = static_cast<std::int64_t>(value);
     } else {
-      json[name] = std::round(value * 1e6) / 1e6;  // NaN becomes null
+      json[name] = std::round(value * 1e6) / 1e6;
     }
   }
   return json.dump(2) + "\n";

@@ -9,7 +9,7 @@
 
 namespace rastro::cli {
 
-/// The figures of a result by name; NaN where there was nothing to measure.
+/// The figures of a result by name.
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
 
 /// The limits given with --require; Error for text that is none and for names that are not among `known`.
@@ -19,7 +19,7 @@ std::vector<ScoreLimit> parse_limits(const std::vector<std::string>& texts, cons
 /// Says on standard error which limits are missed. `limit_missed` if any is, else `done`.
 int report_missed(const std::vector<ScoreLimit>& limits, const NamedNumbers& numbers);
 
-/// One JSON object; whole numbers without a point, others with six digits, null where there is none.
+/// One JSON object; whole numbers without a point, others with six digits.
 std::string as_json(const NamedNumbers& numbers);
 
 }  // namespace rastro::cli
