@@ -122,8 +122,9 @@ void EkfFilter::shrink(const Columns& PHt, const Columns& gain, const Columns& r
   for (Eigen::Index column = 0; column < size(); ++column) {
     const Eigen::Index below = size() - column;
     auto target = covariance_.col(column).segment(column, below);
-    target -= PHt(column, 0) * gain.col(0).tail(below) + PHt(column, 1) * gain.col(1).tail(below);
-    target -= gain(column, 0) * rest.col(0).tail(below) + gain(column, 1) * rest.col(1).tail(below);
+    const auto short_form = PHt(column, 0) * gain.col(0).tail(below) + PHt(column, 1) * gain.col(1).tail(below);
+    const auto joseph = gain(column, 0) * rest.col(0).tail(below) + gain(column, 1) * rest.col(1).tail(below);
+    target = (target - short_form) - joseph;
   }
 }
 
