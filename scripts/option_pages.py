@@ -53,9 +53,15 @@ def rows(program, method):
     return found
 
 
+def slam_methods(program):
+    """Name -> title of every SLAM method: the program's list is generated, and the page follows it."""
+    listed = output_of(program, "methods").split("\nSLAM ", 1)[1]
+    return {name: f"SLAM by {name}: `rastro slam --method {name}`" for name in re.findall(r"(?m)^  (\w+)", listed)}
+
+
 def page(program):
     parts = [HEAD]
-    for method, title in METHODS.items():
+    for method, title in {**METHODS, **slam_methods(program)}.items():
         parts += [f"## {title}", "", "| option | default | unit | allowed | what it does, and why |",
                   "| --- | --- | --- | --- | --- |"]
         for name, default, unit, allowed, why in rows(program, method):
