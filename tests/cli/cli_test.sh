@@ -75,7 +75,7 @@ version() {
 
 help() {
   run 0 --help
-  local commands='track odometry slam methods evaluate simulate occlude info check options' command
+  local commands='track odometry slam methods evaluate simulate occlude convert info check options' command
   for word in 'Exit codes' 'Examples' '--require' $commands; do said "$word"; done
   for command in $commands; do
     run 0 "$command" --help
@@ -259,6 +259,32 @@ one_frame() {
   run 0 track "$hall" --out "$here/run" --frames 0:1
   said 'one frame only'
   [[ $(frames_of run) == 1 ]] || fail "the frame is missing"
+}
+
+laser() {
+  local log=$here/a.log
+  seq 0 9 | awk '{ printf "FLASER 4 1.5 2.5 0 50 0 0 0 %g 0 0 %d.25 host 0\n", $1 / 10, $1 }' >"$log"
+  run 0 info "$log"
+  said 'format        carmen'
+  said '4 beams from -90.00 to 45.00 deg, 0 to 50 m'
+  run 0 check "$log"
+  said '50.0 % returns, 25.0 % free, 25.0 % broken'
+  echo 'FLASER 4 1.5 x' >>"$log"
+  run 0 check "$log"
+  said "a.log:11: broken line: a range is 'x', no number"
+  run 0 convert "$log" --to scan --out "$here/b.log"
+  said '10 scans written'
+  run 0 info "$here/b.log"
+  said '4 beams from -90.00 to 45.00 deg, 0 to 50 m'
+  refused "there is no kind 'cloud'" convert "$log" --to cloud --out "$here/c.log"
+  run 2 convert "$log" --to scan --out "$log"
+  said 'would overwrite the data itself'
+  refused 'holds no images' track "$log" --out "$here/run"
+  printf 'ODOM 0 0 0 0 0 0 1 host 0\n' >"$here/none.log"
+  refused 'holds no laser scan' info "$here/none.log"
+  printf '#ROSBAG V2.0\n' >"$here/cut.bag"
+  run 2 info "$here/cut.bag"
+  [[ $(wc -l <"$here/stderr") -eq 1 ]] || fail "more than one line for a cut bag"
 }
 
 no_calibration() {

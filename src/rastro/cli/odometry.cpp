@@ -81,6 +81,8 @@ std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
   const OpenOptions open = open_options(flags.data);
   run->source = rastro::open(flags.data.path, open);
   const SourceInfo& info = run->source->info();
+  if (!info.has_image)
+    throw Error("holds no images, and the way is found in them", info.path, "'rastro slam' reads laser scans");
   if (info.frame_count >= 0) run->frames = FrameChoice(open, info.frame_count, info.path).count;
   if (info.cameras.empty() || !info.cameras.front().camera) {
     throw Error("has no calibration, and poses need one", info.path,

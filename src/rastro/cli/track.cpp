@@ -73,6 +73,7 @@ std::unique_ptr<Prepared> prepare(const TrackFlags& flags) {
   const OpenOptions open = open_options(flags.data);
   run->source = rastro::open(flags.data.path, open);
   const SourceInfo& info = run->source->info();
+  if (!info.has_image) throw Error("holds no images to track", info.path, "'rastro slam' reads laser scans");
   run->frames = frames_asked(info, open);
   if (!info.cameras.empty()) run->camera = info.cameras.front().camera;
   if (!flags.mask.empty()) run->masks.emplace(flags.mask);

@@ -88,7 +88,7 @@ void ScanCheck::find_jumps() {
 void ScanCheck::finish() {
   report_.returns_percent = percent(returns_, beams_);
   report_.free_percent = percent(free_, beams_);
-  report_.broken_percent = beams_ > 0 ? 100.0 - report_.returns_percent - report_.free_percent : 0.0;
+  report_.broken_percent = percent(beams_ - returns_ - free_, beams_);
   report_.landmarks = static_cast<std::int64_t>(landmarks_.size());
   find_jumps();
   if (report_.first_scan && returns_ == 0) report_.reasons.push_back("no beam of any scan measured anything");
