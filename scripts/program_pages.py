@@ -51,7 +51,7 @@ def roff(text):
 
 def man_page(pages, version):
     parts = [f'.TH RASTRO 1 "" "{version}" "User commands"', ".SH NAME",
-             "rastro \\- feature tracks that survive occlusion, from camera recordings", ".SH SYNOPSIS",
+             "rastro \\- feature tracks, ways and maps from recordings of cameras and lasers", ".SH SYNOPSIS",
              ".B rastro", "COMMAND [flags]"]
     for words, text in pages:
         parts += [f".SH {' '.join(words).upper() or 'DESCRIPTION'}", ".nf", roff(text), ".fi"]

@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <atomic>
 #include <limits>
 #include <optional>
+#include <thread>
 
 #include "rastro/base/error.h"
 #include "rastro/methods/methods.h"
@@ -339,6 +341,25 @@ TEST_P(SlamContract, GivesSnapshotsThatNeverChange) {
   kept.emplace_back(slam->snapshot(), text_of(*slam->snapshot()));
   for (const auto& [snapshot, text] : kept) EXPECT_EQ(text_of(*snapshot), text);
   EXPECT_NE(kept.front().second, kept.back().second) << "nothing was ever learnt";
+}
+
+TEST_P(SlamContract, GivesSnapshotsThatAnotherThreadCanRead) {
+  const auto slam = make();
+  for (int k = 0; k < 30; ++k) slam->process(Room::frame(k));
+  const auto snapshot = slam->snapshot();
+  const std::string before = text_of(*snapshot);
+  std::atomic<bool> done = false;
+  int changes = 0;
+  std::thread reader([&] {
+    do {
+      changes += text_of(*snapshot) == before ? 0 : 1;
+    } while (!done);
+  });
+  for (int k = 30; k < Room::frame_count; ++k) slam->process(Room::frame(k));
+  slam->finish();
+  done = true;
+  reader.join();
+  EXPECT_EQ(changes, 0);
 }
 
 std::vector<std::string> method_names() {

@@ -103,8 +103,9 @@ int say(int code, std::string line) {
 }
 
 int dispatch(int argc, const char* const* argv) {
-  CLI::App app("Turns camera recordings into feature tracks that survive occlusion, and tells how far to trust them.",
-               "rastro");
+  CLI::App app(
+      "Turns recordings of cameras and lasers into feature tracks, ways and maps, and tells how far to trust them.",
+      "rastro");
   app.set_version_flag("--version", version_text(), "Version, commit, compiler and optional parts");
   app.footer(footer);
   app.require_subcommand(1);

@@ -2,8 +2,10 @@
 #include "rastro/export/grid_map_server.h"
 
 #include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -11,12 +13,9 @@
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
-#include "rastro/camera/file/yaml_fields.h"
 
 namespace rastro {
 namespace {
-
-using calibration::YamlFields;
 
 constexpr int unknown_grey = 205;
 constexpr double occupied_threshold = 0.65, free_threshold = 0.196;
@@ -98,30 +97,75 @@ struct Thresholds {
   }
 };
 
-Thresholds thresholds_of(const YamlFields& fields) {
+/// The keys of a map's yaml; whatever is not as it should be is one line with file, line and key.
+class MapFields {
+ public:
+  MapFields(std::string_view yaml, std::string_view where) : where_(where) {
+    if (yaml.starts_with("P5")) throw Error("is the picture of a map, not its yaml", where, "name the .yaml beside it");
+    try {
+      root_ = YAML::Load(std::string(yaml));
+    } catch (const YAML::Exception& error) {
+      throw Error(fmt::format("not valid YAML: {}", one_line(error.msg)), at_line(where, error.mark.line + 1),
+                  expected);
+    }
+    if (!root_.IsMap()) throw Error("not a map: no 'key: value' lines", where, expected);
+  }
+
+  bool has(const char* key) const { return static_cast<bool>(root_[key]); }
+
+  std::string text(const char* key) const {
+    if (!has(key)) throw Error(fmt::format("no key '{}'", key), where_, expected);
+    if (!root_[key].IsScalar()) fail(key, "is not a single word", "");
+    return root_[key].Scalar();
+  }
+
+  double number(const char* key) const { return number_in(text(key), key); }
+
+  std::array<double, 3> three_numbers(const char* key) const {
+    if (!has(key)) throw Error(fmt::format("no key '{}'", key), where_, expected);
+    const YAML::Node list = root_[key];
+    if (!list.IsSequence() || list.size() != 3) fail(key, "is not three numbers", "write [x, y, 0]");
+    std::array<double, 3> numbers{};
+    for (std::size_t k = 0; k < 3; ++k) numbers[k] = number_in(list[k].IsScalar() ? list[k].Scalar() : "?", key);
+    return numbers;
+  }
+
+  [[noreturn]] void fail(const char* key, const std::string& what, const char* remedy) const {
+    throw Error(fmt::format("{} {}", key, what), at_line(where_, root_[key].Mark().line + 1), remedy);
+  }
+
+ private:
+  static constexpr const char* expected = "expected the .yaml that map_server writes beside a picture";
+
+  double number_in(const std::string& word, const char* key) const {
+    const auto number = parse_finite(word);
+    if (!number) fail(key, fmt::format("holds {}, no number", in_quotes(word)), "");
+    return *number;
+  }
+
+  YAML::Node root_;
+  std::string where_;
+};
+
+Thresholds thresholds_of(const MapFields& fields) {
   Thresholds found;
-  found.negate = fields.has({"negate"}) && fields.integer({"negate"}) != 0;
-  if (fields.has({"occupied_thresh"})) found.occupied = fields.number({"occupied_thresh"});
-  if (fields.has({"free_thresh"})) found.free = fields.number({"free_thresh"});
-  if (fields.has({"mode"}) && fields.text({"mode"}) != "trinary") {
-    fields.fail({"mode"}, "is not 'trinary', the only one read", "save the map with map_server's default mode");
+  found.negate = fields.has("negate") && fields.number("negate") != 0.0;
+  if (fields.has("occupied_thresh")) found.occupied = fields.number("occupied_thresh");
+  if (fields.has("free_thresh")) found.free = fields.number("free_thresh");
+  if (fields.has("mode") && fields.text("mode") != "trinary") {
+    fields.fail("mode", "is not 'trinary', the only one read", "save the map with map_server's default mode");
   }
   return found;
 }
 
-void place(OccupancyGrid& grid, const YamlFields& fields) {
-  grid.cell_m = fields.number({"resolution"});
+void place(OccupancyGrid& grid, const MapFields& fields) {
+  grid.cell_m = fields.number("resolution");
   if (!(grid.cell_m >= smallest_cell_m && grid.cell_m <= largest_cell_m))
-    fields.fail({"resolution"}, "is no size of a cell in metres", "");
-  const auto origin = fields.numbers({"origin"}, 3);
+    fields.fail("resolution", "is no size of a cell in metres", "");
+  const std::array<double, 3> origin = fields.three_numbers("origin");
   grid.origin = {origin[0], origin[1]};
-  if (grid.origin.cwiseAbs().maxCoeff() > farthest_m) fields.fail({"origin"}, "is out of this world", "");
-  if (origin[2] != 0.0) fields.fail({"origin"}, "is turned, which is not read", "its third number must be 0");
-}
-
-YamlFields parse_fields(std::string_view yaml, std::string_view where) {
-  if (yaml.starts_with("P5")) throw Error("is the picture of a map, not its yaml", where, "name the .yaml beside it");
-  return YamlFields::parse(yaml, where, "map", "expected the .yaml that map_server writes beside a picture");
+  if (grid.origin.cwiseAbs().maxCoeff() > farthest_m) fields.fail("origin", "is out of this world", "");
+  if (origin[2] != 0.0) fields.fail("origin", "is turned, which is not read", "its third number must be 0");
 }
 
 }  // namespace
@@ -142,7 +186,7 @@ std::string map_server_yaml(const OccupancyGrid& grid, const std::string& image)
 
 OccupancyGrid parse_map_server(std::string_view yaml, std::string_view where, std::string_view pgm,
                                std::string_view picture) {
-  const YamlFields fields = parse_fields(yaml, where);
+  const MapFields fields(yaml, where);
   const Thresholds thresholds = thresholds_of(fields);
   OccupancyGrid grid;
   place(grid, fields);
@@ -162,8 +206,8 @@ OccupancyGrid parse_map_server(std::string_view yaml, std::string_view where, st
 
 OccupancyGrid read_map_server(const std::string& yaml_file) {
   const std::string yaml = read_text_file(yaml_file);
-  const YamlFields fields = parse_fields(yaml, yaml_file);
-  const std::filesystem::path image(fields.text({"image"}));
+  const MapFields fields(yaml, yaml_file);
+  const std::filesystem::path image(fields.text("image"));
   const std::string picture = (std::filesystem::path(yaml_file).parent_path() / image).string();
   return parse_map_server(yaml, yaml_file, read_text_file(picture), picture);
 }

@@ -39,11 +39,12 @@ std::optional<double> number_in(const YAML::Node& node) {
 YamlFields::YamlFields(YAML::Node map, std::string where, int line)
     : map_(std::move(map)), where_(std::move(where)), line_(line) {}
 
-YamlFields YamlFields::parse(std::string_view text, std::string_view where, std::string_view kind,
-                             std::string_view expected) {
+YamlFields YamlFields::parse(std::string_view text, std::string_view where) {
   try {
     YAML::Node root = YAML::Load(without_directive(text));
-    if (!root.IsMap()) throw Error(fmt::format("not a {}: no 'key: value' lines", kind), where, expected);
+    if (!root.IsMap())
+      throw Error("not a calibration: no 'key: value' lines", where,
+                  "expected a file of EuRoC, KITTI, OpenCV, ROS or Kalibr");
     return {root, std::string(where), line_of(root, 1)};
   } catch (const YAML::Exception& error) {
     throw Error(fmt::format("not valid YAML: {}", one_line(error.msg)), at_line(where, error.mark.line + 1), "");

@@ -21,10 +21,8 @@ class YamlFields {
  public:
   YamlFields(YAML::Node map, std::string where, int line);
 
-  /// The document's root. OpenCV's "%YAML:1.0" line, which YAML does not know, is passed over. `kind` and `expected`
-  /// are for the message where it is no map.
-  static YamlFields parse(std::string_view text, std::string_view where, std::string_view kind = "calibration",
-                          std::string_view expected = "expected a file of EuRoC, KITTI, OpenCV, ROS or Kalibr");
+  /// The document's root. OpenCV's "%YAML:1.0" line, which YAML does not know, is passed over.
+  static YamlFields parse(std::string_view text, std::string_view where);
 
   bool has(Names names) const { return find(names).has_value(); }
   /// Whether the value of this key is a map.
