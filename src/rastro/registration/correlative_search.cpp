@@ -6,6 +6,18 @@
 #include <cstdlib>
 
 namespace rastro {
+namespace {
+
+/// Nine in ten points are nearer.
+double usual_range(std::span<const Eigen::Vector2d> points) {
+  std::vector<double> ranges;
+  for (const Eigen::Vector2d& point : points) ranges.push_back(point.norm());
+  const auto at = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() * 9 / 10);
+  std::nth_element(ranges.begin(), at, ranges.end());
+  return *at;
+}
+
+}  // namespace
 
 struct CorrelativeMap::Candidate {
   int x = 0, y = 0;  ///< Offset in cells.
@@ -18,9 +30,7 @@ class CorrelativeMap::Search {
   Search(const CorrelativeMap& map, std::span<const Eigen::Vector2d> points, const SE2& guess,
          const CorrelativeWindow& window)
       : map_(map), points_(points), guess_(guess), window_(window) {
-    double farthest = map.cell_m_;
-    for (const Eigen::Vector2d& point : points) farthest = std::max(farthest, point.norm());
-    step_rad_ = map.cell_m_ / farthest;
+    step_rad_ = map.cell_m_ / std::max(map.cell_m_, usual_range(points));
     turns_ = static_cast<int>(std::ceil(window.reach_rad / step_rad_));
     reach_ = static_cast<int>(std::ceil(window.reach_m / map.cell_m_));
     best_sum_ = static_cast<int>(std::ceil(255.0 * window.least_score * static_cast<double>(points.size()))) - 1;

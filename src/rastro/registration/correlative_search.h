@@ -29,7 +29,7 @@ class CorrelativeMap {
   /// Copies the map. Values are the larger of a cell and its right and upper neighbours' mean smear, see `levels`.
   CorrelativeMap(const ProbabilityView& map, int levels);
 
-  /// The best pose on a raster of one cell and of the turn that moves the farthest return by one cell, within the
+  /// The best pose on a raster of one cell and of the turn that moves nine in ten returns by a cell at most, within the
   /// window about `guess`; nullopt where none reaches least_score. Ties go to the nearer to the guess, then to the
   /// first in order of angle, y and x.
   std::optional<CorrelativeFit> search(std::span<const Eigen::Vector2d> points, const SE2& guess,

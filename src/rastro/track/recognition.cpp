@@ -5,8 +5,8 @@
 #include <map>
 #include <optional>
 
+#include "rastro/base/stopwatch.h"
 #include "rastro/feature/distance_grid.h"
-#include "rastro/track/stopwatch.h"
 #include "rastro/track/voting.h"
 
 namespace rastro {

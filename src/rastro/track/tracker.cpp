@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "rastro/base/random.h"
+#include "rastro/base/stopwatch.h"
 #include "rastro/feature/corner.h"
 #include "rastro/feature/distance_grid.h"
 #include "rastro/image/box_sum.h"
@@ -17,7 +18,6 @@
 #include "rastro/track/motion_history.h"
 #include "rastro/track/reappearance.h"
 #include "rastro/track/recognition.h"
-#include "rastro/track/stopwatch.h"
 #include "rastro/track/track_store.h"
 
 namespace rastro {

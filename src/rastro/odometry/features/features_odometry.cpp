@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "rastro/base/random.h"
+#include "rastro/base/stopwatch.h"
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/multiview/essential.h"
 #include "rastro/multiview/rotation.h"
@@ -15,7 +16,6 @@
 #include "rastro/odometry/features/local_map.h"
 #include "rastro/odometry/features/pose_chain.h"
 #include "rastro/odometry/frame_check.h"
-#include "rastro/track/stopwatch.h"
 
 namespace rastro {
 namespace {

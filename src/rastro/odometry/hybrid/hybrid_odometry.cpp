@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "rastro/base/random.h"
+#include "rastro/base/stopwatch.h"
 #include "rastro/multiview/triangulation.h"
-#include "rastro/track/stopwatch.h"
 
 namespace rastro {
 namespace {

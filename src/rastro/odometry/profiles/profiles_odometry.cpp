@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "rastro/track/stopwatch.h"
+#include "rastro/base/stopwatch.h"
 
 namespace rastro {
 

@@ -7,11 +7,11 @@
 #include <cmath>
 
 #include "rastro/base/error.h"
+#include "rastro/base/stopwatch.h"
 #include "rastro/slam/hector/final_map.h"
 #include "rastro/slam/hector/motion_guess.h"
 #include "rastro/slam/hector/scan_follower.h"
 #include "rastro/slam/hector/submap_graph.h"
-#include "rastro/track/stopwatch.h"
 
 namespace rastro {
 namespace {

@@ -100,7 +100,7 @@ void add_match_options(OptionTable& table, HectorOptions& o) {
   table.add({"degenerate_ratio",
              &o.degenerate_ratio,
              "",
-             "the map's slope across over that along, squared; below, the scan says nothing along one direction",
+             "share of surfaces across the way to those along it; below, the scan says nothing along one direction",
              0,
              1,
              {}});
@@ -127,10 +127,27 @@ void add_loop_options(OptionTable& table, HectorOptions& o) {
   table.add({"loop_near_m", &o.loop_near_m, "m", "submaps that come no nearer are not looked at", 0.1, 100, {}});
   table.add(
       {"loop_every", &o.loop_every, "", "key scans between two looks at a submap that has been found", 1, 1000, {}});
+  table.add(
+      {"tie_every", &o.tie_every, "", "at the end, each n-th key scan is tied to all submaps near it", 1, 1000, {}});
   table.add({"optimize_every", &o.optimize_every, "", "key scans between two searches for loops", 1, 10000, {}});
   table.add(
       {"loop_sigma_m", &o.loop_sigma_m, "m", "of a place found again, beside what the match says", 0.001, 10, {}});
   table.add({"loop_sigma_rad", &o.loop_sigma_rad, "rad", "the same for the turn", 0.0001, 1, {}});
+  table.add({"loop_agreement_m",
+             &o.loop_agreement_m,
+             "m",
+             "a loop that moves the map by more needs a second that moves it the same way to this",
+             0.01,
+             100,
+             {}});
+  table.add({"loop_agreement_rad", &o.loop_agreement_rad, "rad", "the same for the turn", 0.001, 3.2, {}});
+  table.add({"loop_reject_sigmas",
+             &o.loop_reject_sigmas,
+             "sigma",
+             "loops that disagree with all else by more are taken out",
+             1,
+             1000,
+             {}});
   table.add({"robust_width", &o.robust_width, "sigma", "loops that disagree by more lose their pull", 0.1, 1000, {}});
 }
 

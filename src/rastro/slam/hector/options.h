@@ -22,8 +22,8 @@ struct HectorOptions {
   int levels = 3;
   double occupied_probability = 0.9;
   double free_probability = 0.4;
-  double insert_distance_m = 0.4;
-  double insert_angle_rad = 0.9;
+  double insert_distance_m = 0.2;
+  double insert_angle_rad = 0.3;
 
   // Matching.
   int match_iterations = 8;
@@ -31,11 +31,11 @@ struct HectorOptions {
   double odometry_sigma_share = 0.1;
   double odometry_turn_sigma_share = 0.1;
   double max_speed_m_per_s = 10.0;
-  double search_from_m = 0.4;
-  double search_from_rad = 0.3;
+  double search_from_m = 0.15;
+  double search_from_rad = 0.1;
   double search_reach_m = 0.4;
   double search_reach_rad = 0.5;
-  double degenerate_ratio = 0.03;
+  double degenerate_ratio = 0.02;
 
   // Submaps and loops.
   int submap_scans = 30;
@@ -44,14 +44,18 @@ struct HectorOptions {
   double loop_reach_m = 0.4;
   double loop_reach_rad = 0.15;
   double loop_drift_share = 0.03;
-  double loop_drift_rad_per_m = 0.01;
+  double loop_drift_rad_per_m = 0.005;
   double loop_max_reach_m = 6.0;
   double loop_max_reach_rad = 0.6;
   double loop_near_m = 4.0;
   int loop_every = 4;
+  int tie_every = 2;
   int optimize_every = 20;
   double loop_sigma_m = 0.03;
   double loop_sigma_rad = 0.01;
+  double loop_agreement_m = 0.4;
+  double loop_agreement_rad = 0.06;
+  double loop_reject_sigmas = 8.0;
   double robust_width = 2.0;
 };
 

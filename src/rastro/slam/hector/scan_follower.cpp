@@ -23,11 +23,45 @@ ScanPrior prior_of(const ScanGuess& guess, const SE2& submap_from_body) {
   return prior;
 }
 
-std::optional<Eigen::Vector2d> unseen_direction(const Eigen::Matrix3d& information, double ratio) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(information.topLeftCorner<2, 2>());
-  const Eigen::Vector2d values = solver.eigenvalues();
-  if (values[0] >= ratio * values[1]) return std::nullopt;
+/// The direction along which all surfaces run, body frame; nullopt where enough of them run across it. Judged by the scan
+/// alone, since the cells of a map are never as smooth as a wall. `points` in the order of the beams.
+std::optional<Eigen::Vector2d> unseen_direction(std::span<const Eigen::Vector2d> points, double ratio) {
+  constexpr double base_m = 0.3, gap_m = 0.5;
+  Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
+  for (std::size_t i = 0, j = 0; i < points.size(); ++i) {
+    // A base this long, or the noise of ranges would turn the normals.
+    j = std::max(j, i);
+    while (j + 1 < points.size() && (points[j] - points[i]).norm() < base_m &&
+           (points[j + 1] - points[j]).norm() < gap_m)
+      ++j;
+    const Eigen::Vector2d along = points[j] - points[i];
+    if (along.norm() < base_m) continue;
+    const Eigen::Vector2d normal = Eigen::Vector2d(-along.y(), along.x()).normalized();
+    normals += normal * normal.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(normals);
+  if (solver.eigenvalues()[0] >= ratio * solver.eigenvalues()[1]) return std::nullopt;
   return Eigen::Vector2d(solver.eigenvectors().col(0));
+}
+
+Eigen::Matrix3d covariance_of(const ScanToMapFit& fit, const ScanPrior& prior,
+                              const std::optional<Eigen::Vector2d>& unseen) {
+  Eigen::Matrix3d seen = fit.information;
+  if (unseen) {
+    Eigen::Matrix3d without = Eigen::Matrix3d::Identity();
+    without.topLeftCorner<2, 2>() -= *unseen * unseen->transpose();
+    seen = without * seen * without;
+  }
+  const Eigen::Matrix3d information = seen + prior.information + 1e-3 * Eigen::Matrix3d::Identity();
+  return std::max(0.01, fit.residual_variance) * information.inverse();
+}
+
+/// What the map says along that direction is noise of its cells, which would hold the robot in place (Zhang et al.
+/// 2016).
+void keep_guess_along(const Eigen::Vector2d& direction, const ScanGuess& guess, FollowedScan& followed) {
+  const Eigen::Vector2d place = followed.local_from_body.translation();
+  const double off = direction.dot(guess.local_from_body.translation() - place);
+  followed.local_from_body = SE2(followed.local_from_body.rotation(), place + off * direction);
 }
 
 }  // namespace
@@ -42,10 +76,13 @@ FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> 
   const bool far = guess.sigma_m > options_.search_from_m || guess.sigma_rad > options_.search_from_rad;
   if (far || !fit || fit->score < options_.min_score) {
     followed.searched = true;
-    const CorrelativeWindow window{options_.search_reach_m, options_.search_reach_rad,
-                                   std::max(options_.min_score, fit ? fit->score : 0.0)};
-    if (const auto found = map.correlative().search(points, start, window))
-      fit = match_scan_to_map(map.levels(), points, found->map_from_body, nullptr, matching);
+    // Little of it may be known there: the better of the two fits decides, not this.
+    constexpr double least_score = 0.2;
+    const CorrelativeWindow window{options_.search_reach_m, options_.search_reach_rad, least_score};
+    if (const auto found = map.correlative().search(points, start, window)) {
+      const auto other = match_scan_to_map(map.levels(), points, found->map_from_body, nullptr, matching);
+      if (other && (!fit || other->score > fit->score)) fit = other;
+    }
   }
   followed.local_from_body = guess.local_from_body;
   if (!fit) return followed;
@@ -53,9 +90,10 @@ FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> 
   followed.fits = fit->score >= options_.min_score;
   if (!followed.fits) return followed;
   followed.local_from_body = map.local_from_submap() * fit->map_from_body;
-  const Eigen::Matrix3d information = fit->information + prior.information + 1e-3 * Eigen::Matrix3d::Identity();
-  followed.covariance = std::max(0.01, fit->residual_variance) * information.inverse();
-  followed.unseen_direction = unseen_direction(fit->information, options_.degenerate_ratio);
+  if (const auto unseen = unseen_direction(points, options_.degenerate_ratio))
+    followed.unseen_direction = followed.local_from_body.rotation() * *unseen;
+  if (followed.unseen_direction && guess.trusted) keep_guess_along(*followed.unseen_direction, guess, followed);
+  followed.covariance = covariance_of(*fit, prior, followed.unseen_direction);
   return followed;
 }
 

@@ -24,6 +24,15 @@ Eigen::Matrix3d root_information(const Eigen::Matrix3d& covariance, double sigma
   return information.llt().matrixU();
 }
 
+/// The search looks at very many places: some of the points tell nearly as much as all.
+std::vector<Eigen::Vector2d> thinned(const std::vector<Eigen::Vector2d>& points) {
+  constexpr std::size_t most = 200;
+  const std::size_t every = (points.size() + most - 1) / most;
+  std::vector<Eigen::Vector2d> kept;
+  for (std::size_t i = 0; i < points.size(); i += every) kept.push_back(points[i]);
+  return kept;
+}
+
 }  // namespace
 
 std::size_t SubmapGraph::add_submap(const SE2& local_from_body) {
@@ -86,11 +95,8 @@ std::vector<SubmapGraph::Candidate> SubmapGraph::candidates_of(std::size_t key_s
     const std::size_t newest = submaps_[s]->key_scans().back();
     if (!near_only && key_scan < newest) continue;
     const double path_m = std::max(0.0, scan.path_m - std::max(last_loop_m, key_scans_[newest].path_m));
-    Candidate candidate{s, key_scan, options_.loop_reach_m, options_.loop_reach_rad};
+    Candidate candidate{s, key_scan, options_.loop_reach_m, options_.loop_reach_rad, !near_only};
     if (!near_only) {
-      const auto last =
-          std::find_if(loops_.rbegin(), loops_.rend(), [s](const auto& loop) { return loop.submap == s; });
-      if (last != loops_.rend() && key_scan < last->key_scan + static_cast<std::size_t>(options_.loop_every)) continue;
       candidate.reach_m = std::min(options_.loop_max_reach_m, candidate.reach_m + options_.loop_drift_share * path_m);
       candidate.reach_rad =
           std::min(options_.loop_max_reach_rad, candidate.reach_rad + options_.loop_drift_rad_per_m * path_m);
@@ -122,11 +128,14 @@ std::optional<ClosedLoop> SubmapGraph::try_candidate(const Candidate& candidate)
   Submap& submap = *submaps_[candidate.submap];
   const std::vector<Eigen::Vector2d> points = points_around(candidate.key_scan);
   const SE2 expected = world_from_submap(candidate.submap).inverse() * world_from_key_scan(candidate.key_scan);
-  const CorrelativeWindow window{candidate.reach_m, candidate.reach_rad, 0.85 * options_.loop_min_score};
-  const auto found = submap.correlative().search(points, expected, window);
-  if (!found) return std::nullopt;
-  const auto fit =
-      match_scan_to_map(submap.levels(), points, found->map_from_body, nullptr, {options_.match_iterations});
+  SE2 start = expected;
+  if (candidate.search) {
+    const CorrelativeWindow window{candidate.reach_m, candidate.reach_rad, 0.85 * options_.loop_min_score};
+    const auto found = submap.correlative().search(thinned(points), expected, window);
+    if (!found) return std::nullopt;
+    start = found->map_from_body;
+  }
+  const auto fit = match_scan_to_map(submap.levels(), points, start, nullptr, {options_.match_iterations});
   if (!fit || fit->score < options_.loop_min_score) return std::nullopt;
   ClosedLoop loop{candidate.submap, candidate.key_scan, fit->score, fit->map_from_body, Eigen::Matrix3d::Zero()};
   const Eigen::Matrix3d information = fit->information + 1e-3 * Eigen::Matrix3d::Identity();
@@ -134,9 +143,40 @@ std::optional<ClosedLoop> SubmapGraph::try_candidate(const Candidate& candidate)
   return loop;
 }
 
+SE2 SubmapGraph::correction_by(const ClosedLoop& loop) const {
+  return world_from_submap(loop.submap) * loop.submap_from_body * world_from_key_scan(loop.key_scan).inverse();
+}
+
+/// One place may look like another; two scans that would move the map in the same way are hardly both wrong. What moves
+/// it by little needs no witness.
+std::vector<ClosedLoop> SubmapGraph::confirmed(const std::vector<std::optional<ClosedLoop>>& found) const {
+  std::vector<ClosedLoop> loops;
+  for (const auto& loop : found) {
+    if (loop) loops.push_back(*loop);
+  }
+  const auto place_of = [&](const ClosedLoop& loop) { return world_from_key_scan(loop.key_scan).translation(); };
+  const auto agree = [&](const ClosedLoop& a, const ClosedLoop& b) {
+    const SE2 by_a = correction_by(a), by_b = correction_by(b);
+    return a.key_scan != b.key_scan && (by_a * place_of(a) - by_b * place_of(a)).norm() < options_.loop_agreement_m &&
+           std::abs((by_a.rotation().inverse() * by_b.rotation()).angle()) < options_.loop_agreement_rad;
+  };
+  std::vector<ClosedLoop> kept;
+  for (const ClosedLoop& loop : loops) {
+    const SE2 by_loop = correction_by(loop);
+    const bool little = (by_loop * place_of(loop) - place_of(loop)).norm() < options_.loop_agreement_m &&
+                        std::abs(by_loop.rotation().angle()) < options_.loop_agreement_rad;
+    const bool seen_twice =
+        std::any_of(loops.begin(), loops.end(), [&](const ClosedLoop& other) { return agree(loop, other); });
+    if (little || seen_twice) kept.push_back(loop);
+  }
+  return kept;
+}
+
 int SubmapGraph::close(const std::vector<Candidate>& candidates) {
   // Made before the threads look at them.
-  for (const Candidate& candidate : candidates) submaps_[candidate.submap]->correlative();
+  for (const Candidate& candidate : candidates) {
+    if (candidate.search) submaps_[candidate.submap]->correlative();
+  }
   std::vector<std::optional<ClosedLoop>> found(candidates.size());
   const auto try_some = [&](int begin, int end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
@@ -149,11 +189,10 @@ int SubmapGraph::close(const std::vector<Candidate>& candidates) {
     try_some(0, count);
   }
   int closed = 0;
-  for (const auto& loop : found) {
-    if (!loop) continue;
+  for (const auto& loop : confirmed(found)) {
     std::erase_if(loops_,
-                  [&](const ClosedLoop& old) { return old.submap == loop->submap && old.key_scan == loop->key_scan; });
-    loops_.push_back(*loop);
+                  [&](const ClosedLoop& old) { return old.submap == loop.submap && old.key_scan == loop.key_scan; });
+    loops_.push_back(loop);
     ++closed;
   }
   return closed;
@@ -161,7 +200,8 @@ int SubmapGraph::close(const std::vector<Candidate>& candidates) {
 
 int SubmapGraph::look_for_loops(std::size_t first) {
   std::vector<Candidate> candidates;
-  for (std::size_t k = first; k < key_scans_.size(); ++k) {
+  const auto every = static_cast<std::size_t>(options_.loop_every);
+  for (std::size_t k = (first + every - 1) / every * every; k < key_scans_.size(); k += every) {
     for (const Candidate& candidate : candidates_of(k, false)) candidates.push_back(candidate);
   }
   return close(candidates);
@@ -169,23 +209,26 @@ int SubmapGraph::look_for_loops(std::size_t first) {
 
 int SubmapGraph::tie_neighbours() {
   std::vector<Candidate> candidates;
-  for (std::size_t k = 0; k < key_scans_.size(); ++k) {
+  const auto every = static_cast<std::size_t>(options_.tie_every);
+  for (std::size_t k = 0; k < key_scans_.size(); k += every) {
     for (const Candidate& candidate : candidates_of(k, true)) candidates.push_back(candidate);
   }
   return close(candidates);
 }
 
+PlanarEdge SubmapGraph::edge_of(const ClosedLoop& loop) const {
+  PlanarEdge edge;
+  edge.a = pose_of_submap_[loop.submap];
+  edge.b = pose_of_key_scan_[loop.key_scan];
+  edge.a_from_b = loop.submap_from_body;
+  edge.root_information = root_information(loop.covariance, options_.loop_sigma_m, options_.loop_sigma_rad);
+  edge.robust = true;
+  return edge;
+}
+
 std::vector<PlanarEdge> SubmapGraph::edges() const {
   std::vector<PlanarEdge> edges = ties_;
-  for (const ClosedLoop& loop : loops_) {
-    PlanarEdge edge;
-    edge.a = pose_of_submap_[loop.submap];
-    edge.b = pose_of_key_scan_[loop.key_scan];
-    edge.a_from_b = loop.submap_from_body;
-    edge.root_information = root_information(loop.covariance, options_.loop_sigma_m, options_.loop_sigma_rad);
-    edge.robust = true;
-    edges.push_back(edge);
-  }
+  for (const ClosedLoop& loop : loops_) edges.push_back(edge_of(loop));
   return edges;
 }
 
@@ -193,6 +236,15 @@ void SubmapGraph::optimize() {
   PlanarPoseGraphOptions options;
   options.robust_width = options_.robust_width;
   optimize_planar_pose_graph(poses_, edges(), options);
+  const std::size_t before = loops_.size();
+  std::erase_if(loops_, [&](const ClosedLoop& loop) { return contradicted(loop); });
+  if (loops_.size() < before) optimize_planar_pose_graph(poses_, edges(), options);
+}
+
+/// Whether all else together says that the loop is wrong.
+bool SubmapGraph::contradicted(const ClosedLoop& loop) const {
+  const PlanarEdge edge = edge_of(loop);
+  return planar_edge_error(edge, poses_[edge.a], poses_[edge.b]).norm() > options_.loop_reject_sigmas;
 }
 
 }  // namespace rastro

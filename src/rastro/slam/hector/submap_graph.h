@@ -52,6 +52,7 @@ class SubmapGraph {
   struct Candidate {
     std::size_t submap, key_scan;
     double reach_m, reach_rad;
+    bool search;  ///< False: only refined from where the graph puts it.
   };
 
   void tie(std::size_t submap, std::size_t key_scan, const Eigen::Matrix3d& covariance);
@@ -60,7 +61,11 @@ class SubmapGraph {
   double distance_to(std::size_t submap, const Eigen::Vector2d& world) const;
   std::vector<Eigen::Vector2d> points_around(std::size_t key_scan) const;
   std::optional<ClosedLoop> try_candidate(const Candidate& candidate) const;
+  SE2 correction_by(const ClosedLoop& loop) const;
+  std::vector<ClosedLoop> confirmed(const std::vector<std::optional<ClosedLoop>>& found) const;
   int close(const std::vector<Candidate>& candidates);
+  bool contradicted(const ClosedLoop& loop) const;
+  PlanarEdge edge_of(const ClosedLoop& loop) const;
   std::vector<PlanarEdge> edges() const;
 
   const HectorOptions& options_;
