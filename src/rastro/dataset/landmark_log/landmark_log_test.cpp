@@ -31,11 +31,13 @@ constexpr const char* log_text =
 TEST(LandmarkLog, SightingsOfOneTimeAreOneFrameAndVelocitiesAreSummedUp) {
   const ScratchFolder folder;
   folder.write("walk.log", log_text);
+  folder.write("groundtruth.txt", "9 0 0 0 0 0 0 1\n14 1 0 0 0 0 0 1\n");
   const auto source = open(folder.path("walk.log"));
   EXPECT_EQ(source->info().format, "landmark_log");
   EXPECT_EQ(source->info().frame_count, 3);
   EXPECT_TRUE(source->info().has_landmarks && source->info().has_odometry && !source->info().has_scan);
   EXPECT_THAT(source->info().warnings, IsEmpty());
+  EXPECT_EQ(source->info().ground_truth.size(), 2u);
   const auto before = source->next(), first = source->next(), last = source->next();
   ASSERT_TRUE(before && first && last);
   EXPECT_FALSE(source->next());

@@ -11,6 +11,7 @@
 #include "rastro/dataset/ground_truth.h"
 #include "rastro/dataset/landmark_log/landmark_log.h"
 #include "rastro/dataset/recording.h"
+#include "rastro/sensor/trajectory_file.h"
 
 namespace rastro {
 namespace {
@@ -68,6 +69,10 @@ std::unique_ptr<Source> open_landmark_log(const std::string& path, const OpenOpt
   SourceInfo info;
   info.path = path;
   info.format = "landmark_log";
+  const auto truth = fs::path(path).replace_filename("groundtruth.txt");
+  if (is_file(truth))
+    read_ground_truth(info, truth, "body",
+                      [&] { return parse_tum_trajectory(read_text_file(truth.string()), truth.string()); });
   return std::make_unique<LandmarkSource>(std::move(info), parse_landmark_log(read_text_file(path), path), options);
 }
 
