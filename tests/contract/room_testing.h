@@ -36,10 +36,10 @@ class Room {
     return {SO2::from_angle(angle), radius_m * Eigen::Vector2d(std::sin(angle), 1.0 - std::cos(angle))};
   }
 
-  /// The frames of the whole drive, with everything that any method may ask for.
-  static std::vector<Frame> frames() {
+  /// The frames of the drive, with everything that any method may ask for. 210 frames are once around.
+  static std::vector<Frame> frames(int count = frame_count) {
     std::vector<Frame> frames;
-    for (int k = 0; k < frame_count; ++k) frames.push_back(frame(k));
+    for (int k = 0; k < count; ++k) frames.push_back(frame(k));
     return frames;
   }
 
