@@ -15,19 +15,17 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    "Reads every image, scan or sighting and reports: frame count and rate, gaps, repeated and backward stamps, the "
-    "unit of the "
-    "stamps,\n"
-    "unreadable images, changes of size, missing calibration, offsets between depth and colour, overlap with the "
-    "ground\n"
-    "truth; shape of the scans, shares of beams that measured something, nothing or are broken, jumps of the "
-    "odometry.\n"
-    "Goes on after broken frames. Exit code 0: can be used (perhaps with warnings); 2: cannot, with the "
-    "reason.\n"
+    "Reads every image, scan or sighting and reports: frame count and rate, gaps, repeated and backward stamps, the\n"
+    "unit of the stamps, unreadable images, changes of size, missing calibration, offsets between depth and colour,\n"
+    "overlap with the ground truth; shape of the scans, shares of beams that measured something, nothing or are "
+    "broken,\n"
+    "jumps of the odometry. Goes on after broken frames. Exit code 0: can be used (perhaps with warnings); 2: cannot,\n"
+    "with the reason.\n"
     "\n"
     "Examples:\n"
     "  rastro check MH_01_easy                       everything\n"
     "  rastro check freiburg1_desk --frames 0:100    the first hundred frames\n"
+    "  rastro check intel.clf.gz                     a laser log\n"
     "  rastro check sequences/00 --json > check.json every finding, for programs";
 
 void show_progress(std::int64_t frame, std::int64_t count) {

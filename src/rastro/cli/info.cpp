@@ -14,9 +14,9 @@ namespace {
 
 constexpr const char* footer =
     "Says which format the data has, its frames, cameras with their calibration, stereo, depth, laser scans, wheel\n"
-    "odometry, landmarks and ground truth, and\n"
-    "warns of what had to be guessed or looks wrong. Reads the lists and the first image only; 'rastro check' reads "
-    "all.\n"
+    "odometry, landmarks and ground truth, and warns of what had to be guessed or looks wrong. Reads the lists and "
+    "the\n"
+    "first image or scan only; 'rastro check' reads all.\n"
     "\n"
     "Examples:\n"
     "  rastro info MH_01_easy                        a EuRoC folder\n"
