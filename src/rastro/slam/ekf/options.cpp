@@ -109,7 +109,7 @@ void add_association_options(OptionTable& table, EkfOptions& o) {
        &o.ambiguity,
        "",
        "squared distance by which the second nearest landmark must be farther, if it is inside the gate; else the "
-       "sighting is not used",
+       "sighting is not used; 3 makes the nearest more than four times as likely",
        0,
        1000,
        {}});
@@ -205,7 +205,13 @@ void add_feature_options(OptionTable& table, EkfOptions& o) {
   table.add({"max_spike_beams", &o.max_spike_beams, "beams", "a pole takes no more", 1, 100, {}});
   table.add({"max_spike_m", &o.max_spike_m, "m", "a pole is no wider", 0.01, 5, {}});
   table.add({"spike_depth_m", &o.spike_depth_m, "m", "what is beside a pole is farther away by this", 0.05, 50, {}});
-  table.add({"max_spike_range_m", &o.max_spike_range_m, "m", "a farther pole is not used", 0.5, 1000, {}});
+  table.add({"max_spike_range_m",
+             &o.max_spike_range_m,
+             "m",
+             "a farther pole is not used: few beams hit it, and much looks like it",
+             0.5,
+             1000,
+             {}});
   table.add({"spike_error_m",
              &o.spike_error_m,
              "m",

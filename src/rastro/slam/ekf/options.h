@@ -32,7 +32,7 @@ struct EkfOptions {
   double gate = 9.21;
   double named_gate = 27.6;
   double new_gate = 27.6;
-  double ambiguity = 6.0;
+  double ambiguity = 3.0;
   double unsure_m = 0.5;
   int companions = 1;
   double max_direction_deg = 30.0;
@@ -63,7 +63,7 @@ struct EkfOptions {
   int max_spike_beams = 8;
   double max_spike_m = 0.3;
   double spike_depth_m = 0.5;
-  double max_spike_range_m = 10.0;
+  double max_spike_range_m = 5.0;
   double spike_error_m = 0.03;
 
   // What is kept.
