@@ -135,6 +135,9 @@ void add_association_options(OptionTable& table, EkfOptions& o) {
              1,
              180,
              {}});
+}
+
+void add_candidate_options(OptionTable& table, EkfOptions& o) {
   table.add(
       {"observations", &o.observations, "", "frames in which a thing must be seen to become a landmark", 1, 1000, {}});
   table.add({"candidate_frames",
@@ -235,6 +238,7 @@ OptionTable option_table(EkfOptions& options) {
   add_odometry_options(table, options);
   add_sighting_options(table, options);
   add_association_options(table, options);
+  add_candidate_options(table, options);
   add_line_options(table, options);
   add_feature_options(table, options);
   add_map_options(table, options);
