@@ -21,7 +21,8 @@ std::vector<StampedPlanarPose> placed(const std::vector<PlacedScan>& scans, cons
     }
     const double fraction = static_cast<double>(scan.stamp - keys[scan.key_scan].stamp) /
                             static_cast<double>(keys[next].stamp - keys[scan.key_scan].stamp);
-    poses.push_back({scan.stamp, interpolate(by_last, world_by(next, scan.local_from_body), std::clamp(fraction, 0.0, 1.0))});
+    poses.push_back(
+        {scan.stamp, interpolate(by_last, world_by(next, scan.local_from_body), std::clamp(fraction, 0.0, 1.0))});
   }
   return poses;
 }

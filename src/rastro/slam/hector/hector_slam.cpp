@@ -180,8 +180,9 @@ void HectorSlam::State::settle(const Frame& frame, const SE2& local_from_body, S
 
 bool HectorSlam::State::moved_enough() const {
   const SE2 moved = graph_.key_scans().back().local_from_body.inverse() * guess_.last();
-  return moved.translation().norm() >= options_.insert_distance_m ||
-         std::abs(moved.rotation().angle()) >= options_.insert_angle_rad;
+  const double way = options_.loop_closing ? options_.submap_insert_distance_m : options_.insert_distance_m;
+  const double turn = options_.loop_closing ? options_.submap_insert_angle_rad : options_.insert_angle_rad;
+  return moved.translation().norm() >= way || std::abs(moved.rotation().angle()) >= turn;
 }
 
 void HectorSlam::State::extend_map(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed,

@@ -54,14 +54,14 @@ void add_map_options(OptionTable& table, HectorOptions& o) {
   table.add({"insert_distance_m",
              &o.insert_distance_m,
              "m",
-             "way after which a scan goes into the map; 0.4 as in the paper",
+             "way after which a scan goes into the map where no loops are closed; 0.4 as in the paper",
              0,
              10,
              {}});
   table.add({"insert_angle_rad",
              &o.insert_angle_rad,
              "rad",
-             "turn after which a scan goes into the map; 0.9 as in the paper",
+             "turn after which a scan goes into the map where no loops are closed; 0.9 as in the paper",
              0,
              3.2,
              {}});
@@ -95,7 +95,7 @@ void add_match_options(OptionTable& table, HectorOptions& o) {
              100,
              {}});
   table.add({"search_from_rad", &o.search_from_rad, "rad", "the same for the turn", 0.01, 10, {}});
-  table.add({"search_reach_m", &o.search_reach_m, "m", "half of that window", 0.05, 10, {}});
+  table.add({"search_reach_m", &o.search_reach_m, "m", "half of that window at most", 0.05, 10, {}});
   table.add({"search_reach_rad", &o.search_reach_rad, "rad", "half of that window's turn", 0.01, 3.2, {}});
   table.add({"degenerate_ratio",
              &o.degenerate_ratio,
@@ -108,6 +108,15 @@ void add_match_options(OptionTable& table, HectorOptions& o) {
 
 void add_loop_options(OptionTable& table, HectorOptions& o) {
   table.add({"submap_scans", &o.submap_scans, "", "scans that make a submap", 2, 10000, {}});
+  table.add({"submap_insert_distance_m",
+             &o.submap_insert_distance_m,
+             "m",
+             "as insert_distance_m, into submaps: small ones bear more, as their errors can be mended",
+             0,
+             10,
+             {}});
+  table.add(
+      {"submap_insert_angle_rad", &o.submap_insert_angle_rad, "rad", "as insert_angle_rad, into submaps", 0, 3.2, {}});
   table.add({"loop_scans", &o.loop_scans, "", "scans looked for together: one alone fits in many places", 1, 100, {}});
   table.add({"loop_min_score",
              &o.loop_min_score,

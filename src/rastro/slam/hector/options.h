@@ -22,23 +22,25 @@ struct HectorOptions {
   int levels = 3;
   double occupied_probability = 0.9;
   double free_probability = 0.4;
-  double insert_distance_m = 0.2;
-  double insert_angle_rad = 0.3;
+  double insert_distance_m = 0.4;
+  double insert_angle_rad = 0.9;
 
   // Matching.
   int match_iterations = 8;
   double min_score = 0.4;
   double odometry_sigma_share = 0.1;
-  double odometry_turn_sigma_share = 0.1;
+  double odometry_turn_sigma_share = 0.2;
   double max_speed_m_per_s = 10.0;
   double search_from_m = 0.15;
-  double search_from_rad = 0.1;
+  double search_from_rad = 0.05;
   double search_reach_m = 0.4;
   double search_reach_rad = 0.5;
   double degenerate_ratio = 0.02;
 
   // Submaps and loops.
-  int submap_scans = 30;
+  int submap_scans = 40;
+  double submap_insert_distance_m = 0.2;
+  double submap_insert_angle_rad = 0.3;
   int loop_scans = 5;
   double loop_min_score = 0.6;
   double loop_reach_m = 0.4;

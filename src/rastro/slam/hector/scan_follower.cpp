@@ -23,9 +23,15 @@ ScanPrior prior_of(const ScanGuess& guess, const SE2& submap_from_body) {
   return prior;
 }
 
-/// The direction along which all surfaces run, body frame; nullopt where enough of them run across it. Judged by the scan
-/// alone, since the cells of a map are never as smooth as a wall. `points` in the order of the beams.
-std::optional<Eigen::Vector2d> unseen_direction(std::span<const Eigen::Vector2d> points, double ratio) {
+/// The direction along which most surfaces run, body frame, and the share of those that run across it.
+struct WeakDirection {
+  Eigen::Vector2d direction;
+  double share;
+};
+
+/// Judged by the scan alone, since the cells of a map are never as smooth as a wall. `points` in the order of the
+/// beams.
+WeakDirection weak_direction(std::span<const Eigen::Vector2d> points) {
   constexpr double base_m = 0.3, gap_m = 0.5;
   Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
   for (std::size_t i = 0, j = 0; i < points.size(); ++i) {
@@ -40,8 +46,7 @@ std::optional<Eigen::Vector2d> unseen_direction(std::span<const Eigen::Vector2d>
     normals += normal * normal.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(normals);
-  if (solver.eigenvalues()[0] >= ratio * solver.eigenvalues()[1]) return std::nullopt;
-  return Eigen::Vector2d(solver.eigenvectors().col(0));
+  return {solver.eigenvectors().col(0), solver.eigenvalues()[0] / std::max(1.0, solver.eigenvalues()[1])};
 }
 
 Eigen::Matrix3d covariance_of(const ScanToMapFit& fit, const ScanPrior& prior,
@@ -56,12 +61,12 @@ Eigen::Matrix3d covariance_of(const ScanToMapFit& fit, const ScanPrior& prior,
   return std::max(0.01, fit.residual_variance) * information.inverse();
 }
 
-/// What the map says along that direction is noise of its cells, which would hold the robot in place (Zhang et al.
-/// 2016).
-void keep_guess_along(const Eigen::Vector2d& direction, const ScanGuess& guess, FollowedScan& followed) {
+/// Takes the guess along that direction, by `weight`: what the map says there is the noise of its cells, which would
+/// hold the robot in place (Zhang et al. 2016).
+void keep_guess_along(const Eigen::Vector2d& direction, double weight, const ScanGuess& guess, FollowedScan& followed) {
   const Eigen::Vector2d place = followed.local_from_body.translation();
   const double off = direction.dot(guess.local_from_body.translation() - place);
-  followed.local_from_body = SE2(followed.local_from_body.rotation(), place + off * direction);
+  followed.local_from_body = SE2(followed.local_from_body.rotation(), place + weight * off * direction);
 }
 
 }  // namespace
@@ -78,7 +83,11 @@ FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> 
     followed.searched = true;
     // Little of it may be known there: the better of the two fits decides, not this.
     constexpr double least_score = 0.2;
-    const CorrelativeWindow window{options_.search_reach_m, options_.search_reach_rad, least_score};
+    constexpr double sigmas = 4.0;
+    const bool poor = !fit || fit->score < options_.min_score;
+    const CorrelativeWindow window{
+        poor ? options_.search_reach_m : std::min(options_.search_reach_m, sigmas * guess.sigma_m),
+        poor ? options_.search_reach_rad : std::min(options_.search_reach_rad, sigmas * guess.sigma_rad), least_score};
     if (const auto found = map.correlative().search(points, start, window)) {
       const auto other = match_scan_to_map(map.levels(), points, found->map_from_body, nullptr, matching);
       if (other && (!fit || other->score > fit->score)) fit = other;
@@ -90,9 +99,12 @@ FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> 
   followed.fits = fit->score >= options_.min_score;
   if (!followed.fits) return followed;
   followed.local_from_body = map.local_from_submap() * fit->map_from_body;
-  if (const auto unseen = unseen_direction(points, options_.degenerate_ratio))
-    followed.unseen_direction = followed.local_from_body.rotation() * *unseen;
-  if (followed.unseen_direction && guess.trusted) keep_guess_along(*followed.unseen_direction, guess, followed);
+  const WeakDirection weak = weak_direction(points);
+  const Eigen::Vector2d direction = followed.local_from_body.rotation() * weak.direction;
+  if (weak.share < options_.degenerate_ratio) followed.unseen_direction = direction;
+  // From nothing to three times that share the scan gains its say.
+  const double weight = std::clamp(1.5 - 0.5 * weak.share / options_.degenerate_ratio, 0.0, 1.0);
+  if (guess.trusted && weight > 0.0) keep_guess_along(direction, weight, guess, followed);
   followed.covariance = covariance_of(*fit, prior, followed.unseen_direction);
   return followed;
 }

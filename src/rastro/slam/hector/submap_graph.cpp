@@ -16,11 +16,15 @@ namespace {
 /// Of a scan in its own submap beside what the match says: cells, and beams that are not quite where they are said to
 /// be.
 constexpr double least_sigma_m = 0.02, least_sigma_rad = 0.005;
+/// However little a match says, the scan is not farther off than this.
+constexpr double largest_sigma_m = 0.3, largest_sigma_rad = 0.1;
 
 Eigen::Matrix3d root_information(const Eigen::Matrix3d& covariance, double sigma_m, double sigma_rad) {
   Eigen::Matrix3d sum = covariance;
   sum.diagonal() += Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
-  const Eigen::Matrix3d information = sum.inverse();
+  Eigen::Matrix3d information = sum.inverse();
+  constexpr double place = 1.0 / (largest_sigma_m * largest_sigma_m);
+  information.diagonal() += Eigen::Vector3d(place, place, 1.0 / (largest_sigma_rad * largest_sigma_rad));
   return information.llt().matrixU();
 }
 
@@ -85,24 +89,35 @@ double SubmapGraph::distance_to(std::size_t submap, const Eigen::Vector2d& world
   return nearest;
 }
 
+/// Way for which nothing has tied the matcher to the submap or an older one: what may have drifted against it.
+std::vector<double> SubmapGraph::untied_paths(const KeyScan& scan) const {
+  std::vector<double> tied_m(submaps_.size(), 0.0);
+  for (const ClosedLoop& loop : loops_)
+    tied_m[loop.submap] = std::max(tied_m[loop.submap], key_scans_[loop.key_scan].path_m);
+  double tied_to_older_m = 0.0;
+  for (std::size_t s = 0; s < submaps_.size(); ++s) {
+    tied_to_older_m = std::max(tied_to_older_m, tied_m[s]);
+    const double made_m = submaps_[s]->key_scans().empty() ? 0.0 : key_scans_[submaps_[s]->key_scans().back()].path_m;
+    tied_m[s] = std::max(0.0, scan.path_m - std::max(made_m, tied_to_older_m));
+  }
+  return tied_m;
+}
+
 std::vector<SubmapGraph::Candidate> SubmapGraph::candidates_of(std::size_t key_scan, bool near_only) const {
   std::vector<Candidate> candidates;
-  const KeyScan& scan = key_scans_[key_scan];
-  double last_loop_m = 0.0;
-  for (const ClosedLoop& loop : loops_) last_loop_m = std::max(last_loop_m, key_scans_[loop.key_scan].path_m);
+  const std::vector<double> untied_m = untied_paths(key_scans_[key_scan]);
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
     if (!submaps_[s]->finished() || made_by(s, key_scan)) continue;
-    const std::size_t newest = submaps_[s]->key_scans().back();
-    if (!near_only && key_scan < newest) continue;
-    const double path_m = std::max(0.0, scan.path_m - std::max(last_loop_m, key_scans_[newest].path_m));
-    Candidate candidate{s, key_scan, options_.loop_reach_m, options_.loop_reach_rad, !near_only};
+    if (!near_only && key_scan < submaps_[s]->key_scans().back()) continue;
+    Candidate candidate{s, key_scan, 0.0, 0.0, !near_only};
     if (!near_only) {
-      candidate.reach_m = std::min(options_.loop_max_reach_m, candidate.reach_m + options_.loop_drift_share * path_m);
+      candidate.reach_m =
+          std::min(options_.loop_max_reach_m, options_.loop_reach_m + options_.loop_drift_share * untied_m[s]);
       candidate.reach_rad =
-          std::min(options_.loop_max_reach_rad, candidate.reach_rad + options_.loop_drift_rad_per_m * path_m);
+          std::min(options_.loop_max_reach_rad, options_.loop_reach_rad + options_.loop_drift_rad_per_m * untied_m[s]);
     }
     const double distance = distance_to(s, world_from_key_scan(key_scan).translation());
-    if (distance < options_.loop_near_m + (near_only ? 0.0 : candidate.reach_m)) candidates.push_back(candidate);
+    if (distance < options_.loop_near_m + candidate.reach_m) candidates.push_back(candidate);
   }
   return candidates;
 }
