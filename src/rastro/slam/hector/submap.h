@@ -48,6 +48,8 @@ class Submap {
   bool finished() const { return finished_; }
   /// For the search over a large window; made when first asked for, and again after insert().
   const CorrelativeMap& correlative();
+  /// Gives up its memory, several times that of the cells.
+  void forget_correlative() { correlative_.reset(); }
 
  private:
   SE2 local_from_submap_;

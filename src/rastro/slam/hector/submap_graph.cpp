@@ -188,9 +188,17 @@ std::vector<ClosedLoop> SubmapGraph::confirmed(const std::vector<std::optional<C
 }
 
 int SubmapGraph::close(const std::vector<Candidate>& candidates) {
-  // Made before the threads look at them.
+  std::set<std::size_t> searched;
   for (const Candidate& candidate : candidates) {
-    if (candidate.search) submaps_[candidate.submap]->correlative();
+    if (candidate.search) searched.insert(candidate.submap);
+  }
+  // Made before the threads look at them.
+  for (std::size_t s = 0; s < submaps_.size(); ++s) {
+    if (searched.contains(s)) {
+      submaps_[s]->correlative();
+    } else {
+      submaps_[s]->forget_correlative();
+    }
   }
   std::vector<std::optional<ClosedLoop>> found(candidates.size());
   const auto try_some = [&](int begin, int end) {
