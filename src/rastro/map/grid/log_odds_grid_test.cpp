@@ -20,6 +20,8 @@ using Cell = std::pair<int, int>;
 
 constexpr double cell_m = 0.25;  // A power of two, so that places and cells are exact.
 constexpr std::uint8_t nothing_known = 128;
+/// Its values over 255 are far from halves, where steps of log-odds would decide about rounding.
+const LogOddsModel usual_model{0.85, 0.4, 6.0};
 
 /// Cells counted from the grid's own zero, wherever its corner is.
 Eigen::Vector2i corner_of(const ProbabilityView& view) {
@@ -84,7 +86,7 @@ TEST(LogOddsGrid, OneBeamIsTheLineBetweenItsEnds) {
     if (round % 5 == 0) to.first = from.first;
     if (round % 7 == 0) to.second = from.second;
     if (round % 11 == 0) to.second = from.second + to.first - from.first;
-    const LogOddsModel model;
+    const LogOddsModel& model = usual_model;
     LogOddsGrid grid(cell_m, model);
     const std::vector<Eigen::Vector2d> returns{middle_of(to)};
     grid.insert(middle_of(from), returns);
@@ -123,7 +125,7 @@ TEST(LogOddsGrid, ScansAddUpAsTheModelSaysAndStopAtItsLimit) {
 }
 
 TEST(LogOddsGrid, AReturnOutweighsBeamsOfTheSameScanInAnyOrder) {
-  const LogOddsModel model;
+  const LogOddsModel& model = usual_model;
   const Cell near{4, 0}, far{8, 0};
   for (const bool near_first : {true, false}) {
     LogOddsGrid grid(cell_m, model);
@@ -172,7 +174,7 @@ TEST(LogOddsGrid, EqualsHitsAndPassesCountedPerScan) {
 }
 
 TEST(LogOddsGrid, GrowthKeepsWhatIsThere) {
-  LogOddsGrid grid(cell_m, LogOddsModel());
+  LogOddsGrid grid(cell_m, usual_model);
   const std::vector<Eigen::Vector2d> near{middle_of({5, 3}), middle_of({-6, 2}), middle_of({1, -7})};
   grid.insert(middle_of({0, 0}), near);
   const std::map<Cell, int> before = known_cells(grid.view());
@@ -183,17 +185,17 @@ TEST(LogOddsGrid, GrowthKeepsWhatIsThere) {
     grid.insert(middle_of(far), returns);
     std::map<Cell, int> now = known_cells(grid.view());
     for (const auto& [cell, value] : before) EXPECT_EQ(now[cell], value);
-    EXPECT_EQ(now[(Cell{far.first + 2, far.second})], modelled(LogOddsModel(), 1, 0));
+    EXPECT_EQ(now[(Cell{far.first + 2, far.second})], modelled(usual_model, 1, 0));
   }
   EXPECT_EQ(known_cells(grid.view()).size(), before.size() + 4 * 3);
   EXPECT_GT(grid.view().width, small.width);
   // A cell changed before the growth counts its scans as before.
   grid.insert(middle_of({0, 0}), near);
-  EXPECT_EQ(value_at(grid.view(), {5, 3}), modelled(LogOddsModel(), 2, 0));
+  EXPECT_EQ(value_at(grid.view(), {5, 3}), modelled(usual_model, 2, 0));
 }
 
 TEST(LogOddsGrid, ReturnsTooFarAwayAreLeftOut) {
-  LogOddsGrid grid(cell_m, LogOddsModel());
+  LogOddsGrid grid(cell_m, usual_model);
   const std::vector<Eigen::Vector2d> returns{{32768 * cell_m + 1.0, 0.0}, middle_of({2, 0})};
   grid.insert(middle_of({0, 0}), returns);
   EXPECT_EQ(known_cells(grid.view()).size(), 3U);
@@ -201,7 +203,7 @@ TEST(LogOddsGrid, ReturnsTooFarAwayAreLeftOut) {
 }
 
 TEST(LogOddsGrid, AFrozenGridReadsTheSame) {
-  LogOddsGrid grid(cell_m, LogOddsModel());
+  LogOddsGrid grid(cell_m, usual_model);
   EXPECT_EQ(grid.view().width, 0);
   const std::vector<Eigen::Vector2d> returns{middle_of({5, 3}), middle_of({-6, 2})};
   grid.insert(middle_of({0, 0}), returns);
