@@ -26,12 +26,12 @@ struct CorrelativeFit {
 /// regions and still find the best place (Hess et al. 2016, section V; Olson 2009).
 class CorrelativeMap {
  public:
-  /// Copies the map. Values are the larger of a cell and its right and upper neighbours' mean smear, see `levels`.
+  /// Copies the map, with maxima over squares of up to 2^(levels - 1) cells; `levels` >= 1.
   CorrelativeMap(const ProbabilityView& map, int levels);
 
   /// The best pose on a raster of one cell and of the turn that moves nine in ten returns by a cell at most, within the
-  /// window about `guess`; nullopt where none reaches least_score. Ties go to the nearer to the guess, then to the
-  /// first in order of angle, y and x.
+  /// window about `guess`; nullopt where none reaches least_score. Of equal ones one that turns least is taken,
+  /// the same on every run.
   std::optional<CorrelativeFit> search(std::span<const Eigen::Vector2d> points, const SE2& guess,
                                        const CorrelativeWindow& window) const;
 

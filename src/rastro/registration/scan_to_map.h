@@ -32,7 +32,8 @@ struct ScanToMapFit {
 
 /// Moves the scan until its ends lie on what the map has as occupied: Gauss-Newton on the sum of (1 - M(end))^2, coarse
 /// to fine, with M interpolated between cells (Kohlbrecher et al. 2011, equations 4 to 12). `levels`: the finest first.
-/// `points`: the returns in the body frame, metres. nullopt where the map says nothing about them.
+/// `points`: the returns in the body frame, metres. nullopt without points or levels; where the
+/// map knows nothing, the guess stays and the score is that of the unknown, 128/255.
 std::optional<ScanToMapFit> match_scan_to_map(std::span<const ProbabilityView> levels,
                                               std::span<const Eigen::Vector2d> points, const SE2& guess,
                                               const ScanPrior* prior, const ScanToMapOptions& options);

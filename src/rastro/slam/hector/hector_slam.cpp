@@ -149,7 +149,7 @@ void HectorSlam::State::judge(const FollowedScan& followed, SlamUpdate& update) 
     update.covariance = in_space(turned(followed.covariance, graph_.world_from_local().rotation()));
     if (followed.unseen_direction) {
       const Eigen::Vector2d along =
-          (graph_.world_from_local() * followed.local_from_body).rotation().inverse() * *followed.unseen_direction;
+          followed.local_from_body.rotation().inverse() * *followed.unseen_direction;
       update.state = SlamState::weak;
       update.reason = SlamReason::degenerate;
       update.detail = fmt::format("nothing seen tells of motion along {:.0f} deg from ahead",

@@ -24,7 +24,8 @@ ScanGuess MotionGuess::guess(TimeNs stamp, const std::optional<SE2>& odometry_fr
   if (options_.guess == "constant-velocity" || !odometry_from_body || !last_odometry_) return from_speed(stamp);
   const SE2 moved = last_odometry_->inverse() * *odometry_from_body;
   const double way = moved.translation().norm(), turn = std::abs(moved.rotation().angle());
-  if (!(way <= options_.max_speed_m_per_s * std::max(seconds_between(last_stamp_, stamp), 1.0))) {
+  if (!(way <= options_.max_speed_m_per_s * std::max(seconds_between(last_stamp_, stamp), 1.0)) ||
+      !std::isfinite(turn)) {
     jumped_ = true;
     return from_speed(stamp);
   }
