@@ -63,6 +63,7 @@ class HectorSlam::State {
   void judge(const FollowedScan& followed, SlamUpdate& update);
   void carry_on(const Frame& frame, SlamUpdate& update, SlamReason reason, std::string detail);
   void extend_map(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed, SlamUpdate& update);
+  Eigen::Matrix3d with_unseen_way(const FollowedScan& followed) const;
   bool moved_enough() const;
   void turn_over_submaps(SlamUpdate& update);
   void close_loops(SlamUpdate& update);
@@ -75,6 +76,7 @@ class HectorSlam::State {
   std::vector<PlacedScan> scans_;
   std::size_t looked_up_to_ = 0;  ///< Key scans before this one were looked for in older submaps.
   double path_m_ = 0.0;
+  double unseen_path_m_ = 0.0;  ///< Way since one direction was last seen.
   std::int64_t revision_ = 0;
   bool lost_ = false;
 };
@@ -129,7 +131,9 @@ void HectorSlam::State::follow(const Frame& frame, const ScanPoints& scan, SlamU
   const FollowedScan followed = follower_.follow(**map, scan.points, guess);
   update.times.push_back({"match", stage.lap_ms()});
   judge(followed, update);
-  path_m_ += (guess_.last().inverse() * followed.local_from_body).translation().norm();
+  const double way_m = (guess_.last().inverse() * followed.local_from_body).translation().norm();
+  path_m_ += way_m;
+  unseen_path_m_ = followed.unseen_direction ? unseen_path_m_ + way_m : 0.0;
   settle(frame, followed.local_from_body, update);
   if (followed.fits) extend_map(frame, scan, followed, update);
   update.times.push_back({"map", stage.lap_ms()});
@@ -148,8 +152,7 @@ void HectorSlam::State::judge(const FollowedScan& followed, SlamUpdate& update) 
   } else {
     update.covariance = in_space(turned(followed.covariance, graph_.world_from_local().rotation()));
     if (followed.unseen_direction) {
-      const Eigen::Vector2d along =
-          followed.local_from_body.rotation().inverse() * *followed.unseen_direction;
+      const Eigen::Vector2d along = followed.local_from_body.rotation().inverse() * *followed.unseen_direction;
       update.state = SlamState::weak;
       update.reason = SlamReason::degenerate;
       update.detail = fmt::format("nothing seen tells of motion along {:.0f} deg from ahead",
@@ -178,6 +181,16 @@ void HectorSlam::State::settle(const Frame& frame, const SE2& local_from_body, S
   update.world_from_body = in_space(graph_.world_from_local() * local_from_body);
 }
 
+/// Along a direction that is not seen, the error of odometry adds up: wheels that slip do so in each scan alike.
+Eigen::Matrix3d HectorSlam::State::with_unseen_way(const FollowedScan& followed) const {
+  Eigen::Matrix3d covariance = followed.covariance;
+  if (followed.unseen_direction) {
+    const Eigen::Vector2d along = options_.odometry_sigma_share * unseen_path_m_ * *followed.unseen_direction;
+    covariance.topLeftCorner<2, 2>() += along * along.transpose();
+  }
+  return covariance;
+}
+
 bool HectorSlam::State::moved_enough() const {
   const SE2 moved = graph_.key_scans().back().local_from_body.inverse() * guess_.last();
   const double way = options_.loop_closing ? options_.submap_insert_distance_m : options_.insert_distance_m;
@@ -188,8 +201,10 @@ bool HectorSlam::State::moved_enough() const {
 void HectorSlam::State::extend_map(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed,
                                    SlamUpdate& update) {
   if (!moved_enough()) return;
-  const std::size_t key =
-      graph_.add_key_scan({frame.stamp, scan, followed.local_from_body, path_m_}, followed.covariance);
+  KeyScan key_scan{frame.stamp, scan, followed.local_from_body, path_m_};
+  if (followed.unseen_direction)
+    key_scan.unseen_direction = followed.local_from_body.rotation().inverse() * *followed.unseen_direction;
+  const std::size_t key = graph_.add_key_scan(std::move(key_scan), with_unseen_way(followed));
   scans_.back().key_scan = key;
   ++revision_;
   update.events.push_back({"keyframe", fmt::format("{}, after {:.2f} m", key, path_m_)});

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,8 +29,9 @@ ScanPoints returns_of(const LaserScan& scan, const HectorOptions& options);
 struct KeyScan {
   TimeNs stamp = 0;
   ScanPoints scan;
-  SE2 local_from_body;  ///< As the matcher found it.
-  double path_m = 0.0;  ///< Way up to here.
+  SE2 local_from_body;                                             ///< As the matcher found it.
+  double path_m = 0.0;                                             ///< Way up to here.
+  std::optional<Eigen::Vector2d> unseen_direction = std::nullopt;  ///< Body frame; along it the scan tells nothing.
 };
 
 /// A piece of the map, made of consecutive key scans, in cells of several sizes. Its frame: the axes of the matcher's

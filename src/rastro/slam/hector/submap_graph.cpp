@@ -17,7 +17,7 @@ namespace {
 /// be.
 constexpr double least_sigma_m = 0.02, least_sigma_rad = 0.005;
 /// However little a match says, the scan is not farther off than this.
-constexpr double largest_sigma_m = 0.3, largest_sigma_rad = 0.1;
+constexpr double largest_sigma_m = 3.0, largest_sigma_rad = 0.3;
 
 Eigen::Matrix3d root_information(const Eigen::Matrix3d& covariance, double sigma_m, double sigma_rad) {
   Eigen::Matrix3d sum = covariance;
@@ -59,6 +59,7 @@ std::size_t SubmapGraph::add_key_scan(KeyScan scan, const Eigen::Matrix3d& covar
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
     if (!submaps_[s]->finished()) tie(s, key_scan, covariance);
   }
+  if (key_scan > 0) tie_to_last(key_scan);
   return key_scan;
 }
 
@@ -72,6 +73,23 @@ void SubmapGraph::tie(std::size_t submap, std::size_t key_scan, const Eigen::Mat
   edge.a = pose_of_submap_[submap];
   edge.b = pose_of_key_scan_[key_scan];
   edge.a_from_b = submaps_[submap]->local_from_submap().inverse() * key_scans_[key_scan].local_from_body;
+  edge.root_information = root_information(covariance, least_sigma_m, least_sigma_rad);
+  ties_.push_back(edge);
+}
+
+/// From one key scan to the next the matcher's way, odometry's where a direction is not seen, bends but does not break.
+void SubmapGraph::tie_to_last(std::size_t key_scan) {
+  const KeyScan &last = key_scans_[key_scan - 1], &scan = key_scans_[key_scan];
+  PlanarEdge edge;
+  edge.a = pose_of_key_scan_[key_scan - 1];
+  edge.b = pose_of_key_scan_[key_scan];
+  edge.a_from_b = last.local_from_body.inverse() * scan.local_from_body;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  if (last.unseen_direction) {
+    constexpr double slip_share = 0.3;
+    const Eigen::Vector2d along = slip_share * edge.a_from_b.translation().norm() * *last.unseen_direction;
+    covariance.topLeftCorner<2, 2>() = along * along.transpose();
+  }
   edge.root_information = root_information(covariance, least_sigma_m, least_sigma_rad);
   ties_.push_back(edge);
 }
@@ -155,6 +173,11 @@ std::optional<ClosedLoop> SubmapGraph::try_candidate(const Candidate& candidate)
   ClosedLoop loop{candidate.submap, candidate.key_scan, fit->score, fit->map_from_body, Eigen::Matrix3d::Zero()};
   const Eigen::Matrix3d information = fit->information + 1e-3 * Eigen::Matrix3d::Identity();
   loop.covariance = std::max(0.01, fit->residual_variance) * information.inverse();
+  if (const auto& unseen = key_scans_[candidate.key_scan].unseen_direction) {
+    // The cells' noise is all that speaks about this direction.
+    const Eigen::Vector2d along = largest_sigma_m * (fit->map_from_body.rotation() * *unseen);
+    loop.covariance.topLeftCorner<2, 2>() += along * along.transpose();
+  }
   return loop;
 }
 

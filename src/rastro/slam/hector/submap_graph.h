@@ -56,6 +56,7 @@ class SubmapGraph {
   };
 
   void tie(std::size_t submap, std::size_t key_scan, const Eigen::Matrix3d& covariance);
+  void tie_to_last(std::size_t key_scan);
   std::vector<double> untied_paths(const KeyScan& scan) const;
   std::vector<Candidate> candidates_of(std::size_t key_scan, bool near_only) const;
   bool made_by(std::size_t submap, std::size_t key_scan) const;
