@@ -25,8 +25,9 @@ struct FloorPlan {
   /// unknown outside of the plan.
   PlanCell at(const Eigen::Vector2d& point) const {
     const Eigen::Vector2d cell = (point - low) / resolution;
-    const int x = static_cast<int>(std::floor(cell.x())), y = static_cast<int>(std::floor(cell.y()));
-    return x >= 0 && y >= 0 && x < cells.width() && y < cells.height() ? cells.at(x, y) : PlanCell::unknown;
+    if (!(cell.x() >= 0.0 && cell.y() >= 0.0 && cell.x() < cells.width() && cell.y() < cells.height()))
+      return PlanCell::unknown;
+    return cells.at(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
   }
 };
 

@@ -68,7 +68,6 @@ TEST(CalibrationCheck, AShiftedCentreAndMissingDistortionAreFound) {
   EXPECT_TRUE(shifted.doubtful());
   EXPECT_NE(shifted.detail(500.0).find("cx about +"), std::string::npos) << shifted.detail(500.0);
   EXPECT_TRUE(distorted.doubtful());
-  EXPECT_NE(distorted.detail(500.0).find("radial"), std::string::npos) << distorted.detail(500.0);
 }
 
 TEST(CalibrationCheck, AStraightWayDoesNotShowTheFocalLengthAndNothingIsSaid) {

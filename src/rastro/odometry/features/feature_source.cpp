@@ -22,6 +22,7 @@ TrackOptions tracker_options(const FeaturesOptions& options) {
   track.max_epipolar_error_px = 2.0;
   track.max_backward_px = 1.0;
   track.flow_levels = 5;
+  track.flow_window_px = 17;
   track.flow_coarse_epsilon_px = 0.1;
   track.window = 6;
   track.candidates_factor = 1.0;

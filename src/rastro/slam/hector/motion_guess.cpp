@@ -12,6 +12,8 @@ namespace {
 constexpr double least_sigma_m = 0.02, least_sigma_rad = 0.01;
 /// A speed says less the longer it was measured ago.
 constexpr double most_scans_ahead = 5.0;
+/// Nobody knows how far a robot went unseen for longer; a map must not grow to hold a guess.
+constexpr double longest_gap_s = 5.0;
 constexpr std::size_t periods_kept = 15;
 
 double seconds_between(TimeNs from, TimeNs to) { return 1e-9 * static_cast<double>(to - from); }
@@ -24,7 +26,7 @@ ScanGuess MotionGuess::guess(TimeNs stamp, const std::optional<SE2>& odometry_fr
   if (options_.guess == "constant-velocity" || !odometry_from_body || !last_odometry_) return from_speed(stamp);
   const SE2 moved = last_odometry_->inverse() * *odometry_from_body;
   const double way = moved.translation().norm(), turn = std::abs(moved.rotation().angle());
-  if (!(way <= options_.max_speed_m_per_s * std::max(seconds_between(last_stamp_, stamp), 1.0)) ||
+  if (!(way <= options_.max_speed_m_per_s * std::clamp(seconds_between(last_stamp_, stamp), 1.0, longest_gap_s)) ||
       !std::isfinite(turn)) {
     jumped_ = true;
     return from_speed(stamp);
