@@ -36,8 +36,8 @@ class TrackedFeatures : public FeatureSource {
   TrackedFeatures(const FeaturesOptions& options, const Camera& camera, TaskPool* pool)
       : tracker_(tracker_options(options), camera, pool) {}
 
-  Sightings next(const Frame& frame) override {
-    Sightings sightings;
+  RaySightings next(const Frame& frame) override {
+    RaySightings sightings;
     for (const TrackedFeature& feature : tracker_.process(frame.image.view(), frame.stamp).features) {
       if (feature.ray.allFinite()) sightings.push_back({feature.id, feature.ray.cast<double>()});
     }
@@ -57,21 +57,22 @@ class MatchedFeatures : public FeatureSource {
     matching_.max_ratio = options.max_ratio;
   }
 
-  Sightings next(const Frame& frame) override {
+  RaySightings next(const Frame& frame) override {
     DescribedKeypoints current = extractor_->extract(frame.image.view());
     std::vector<std::int64_t> ids(current.size(), -1);
     if (last_.size() > 0 && current.size() > 0) {
       for (const DescriptorMatch& match : match_descriptors(last_, current, matching_, pool_))
         ids[match.second] = last_ids_[match.first];
     }
-    Sightings sightings;
+    RaySightings sightings;
     for (std::size_t i = 0; i < current.size(); ++i) {
       if (ids[i] < 0) ids[i] = next_id_++;
       const Keypoint& keypoint = current.keypoints[i];
       const auto ray = camera_.unproject({static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)});
       if (ray) sightings.push_back({ids[i], *ray});
     }
-    std::sort(sightings.begin(), sightings.end(), [](const Sighting& a, const Sighting& b) { return a.id < b.id; });
+    std::sort(sightings.begin(), sightings.end(),
+              [](const RaySighting& a, const RaySighting& b) { return a.id < b.id; });
     last_ = std::move(current);
     last_ids_ = std::move(ids);
     return sightings;

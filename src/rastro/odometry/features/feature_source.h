@@ -18,7 +18,7 @@ class FeatureSource {
  public:
   virtual ~FeatureSource() = default;
   /// Features with an undistorted ray; frames in the order of the recording.
-  virtual Sightings next(const Frame& frame) = 0;
+  virtual RaySightings next(const Frame& frame) = 0;
 };
 
 /// The names `matcher` may have in this build: tracks, sift, orb and, where dlib is in, surf.

@@ -33,9 +33,9 @@ struct SharedRays {
   std::vector<Eigen::Vector2d> a, b;
 };
 
-SharedRays shared_rays(const Sightings& first, const Sightings& second) {
+SharedRays shared_rays(const RaySightings& first, const RaySightings& second) {
   SharedRays shared;
-  for (const Sighting& sighting : second) {
+  for (const RaySighting& sighting : second) {
     if (const Eigen::Vector2d* ray = find_ray(first, sighting.id)) {
       shared.a.push_back(*ray);
       shared.b.push_back(sighting.ray);
@@ -76,20 +76,20 @@ class FeaturesOdometry::State {
   struct Waiting {
     std::size_t record;
     TimeNs stamp;
-    Sightings sightings;
+    RaySightings sightings;
   };
 
-  void start(OdometryUpdate& update, const Sightings& sightings);
+  void start(OdometryUpdate& update, const RaySightings& sightings);
   bool start_from_pair(OdometryUpdate& update, const Waiting& first, const Waiting& second);
   void place_waiting(std::size_t first_keyframe);
-  void follow(OdometryUpdate& update, const Sightings& sightings);
-  bool stands_still(OdometryUpdate& update, const Sightings& sightings);
-  std::optional<AbsolutePose> pose_from_points(const Sightings& sightings, const SE3& guess, OdometryUpdate& update);
-  bool is_keyframe(const Sightings& sightings, const SE3& camera_from_world, int inliers) const;
-  void add_keyframe(OdometryUpdate& update, const Sightings& sightings);
+  void follow(OdometryUpdate& update, const RaySightings& sightings);
+  bool stands_still(OdometryUpdate& update, const RaySightings& sightings);
+  std::optional<AbsolutePose> pose_from_points(const RaySightings& sightings, const SE3& guess, OdometryUpdate& update);
+  bool is_keyframe(const RaySightings& sightings, const SE3& camera_from_world, int inliers) const;
+  void add_keyframe(OdometryUpdate& update, const RaySightings& sightings);
   void check_calibration();
   void bridge(OdometryUpdate& update);
-  void restart(const OdometryUpdate& update, const Sightings& sightings);
+  void restart(const OdometryUpdate& update, const RaySightings& sightings);
   CalibratedRansacOptions ransac(double max_error_px) const;
   SE3 keyframe_pose(std::size_t keyframe) const { return map_.keyframes()[keyframe].camera_from_world; }
 
@@ -103,7 +103,7 @@ class FeaturesOdometry::State {
   std::size_t next_calibration_check_ = 0;
   std::vector<Waiting> waiting_;
   bool started_ = false;
-  Sightings moved_sightings_;  ///< Of the last frame that moved.
+  RaySightings moved_sightings_;  ///< Of the last frame that moved.
   std::int64_t processed_ = 0;
 };
 
@@ -115,7 +115,7 @@ OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
   ++processed_;
   const FrameCheckResult look = check_.check(frame.image.view(), frame.stamp);
   if (look.useful()) {
-    const Sightings sightings = features_->next(frame);
+    const RaySightings sightings = features_->next(frame);
     started_ ? follow(update, sightings) : start(update, sightings);
     // Against the last frame that moved, or a slow motion would never be seen.
     if (update.reason != OdometryReason::no_motion) moved_sightings_ = sightings;
@@ -149,7 +149,7 @@ CalibratedRansacOptions FeaturesOdometry::State::ransac(double max_error_px) con
 }
 
 /// Waits for a pair of frames with enough parallax, the oldest that still shares enough points and the newest.
-void FeaturesOdometry::State::start(OdometryUpdate& update, const Sightings& sightings) {
+void FeaturesOdometry::State::start(OdometryUpdate& update, const RaySightings& sightings) {
   update.state = OdometryState::initialising;
   const std::size_t record = chain_.add_unknown(update.stamp);
   waiting_.push_back({record, update.stamp, sightings});
@@ -232,11 +232,11 @@ void FeaturesOdometry::State::place_waiting(std::size_t first_keyframe) {
   }
 }
 
-std::optional<AbsolutePose> FeaturesOdometry::State::pose_from_points(const Sightings& sightings, const SE3& guess,
+std::optional<AbsolutePose> FeaturesOdometry::State::pose_from_points(const RaySightings& sightings, const SE3& guess,
                                                                       OdometryUpdate& update) {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector2d> rays;
-  for (const Sighting& sighting : sightings) {
+  for (const RaySighting& sighting : sightings) {
     const auto point = map_.points().find(sighting.id);
     if (point == map_.points().end()) continue;
     points.push_back(point->second);
@@ -253,7 +253,7 @@ std::optional<AbsolutePose> FeaturesOdometry::State::pose_from_points(const Sigh
   return pose;
 }
 
-void FeaturesOdometry::State::follow(OdometryUpdate& update, const Sightings& sightings) {
+void FeaturesOdometry::State::follow(OdometryUpdate& update, const RaySightings& sightings) {
   update.state = OdometryState::tracking;
   if (stands_still(update, sightings)) return;
   const SE3 guess = chain_.predicted(update.stamp, map_);
@@ -268,7 +268,7 @@ void FeaturesOdometry::State::follow(OdometryUpdate& update, const Sightings& si
   if (is_keyframe(sightings, pose->camera_from_world, pose->inliers)) add_keyframe(update, sightings);
 }
 
-bool FeaturesOdometry::State::stands_still(OdometryUpdate& update, const Sightings& sightings) {
+bool FeaturesOdometry::State::stands_still(OdometryUpdate& update, const RaySightings& sightings) {
   const SharedRays shared = shared_rays(moved_sightings_, sightings);
   if (static_cast<int>(shared.a.size()) < options_.min_points) return false;
   const double motion_px = median_motion_px(shared, focal_px_);
@@ -281,12 +281,13 @@ bool FeaturesOdometry::State::stands_still(OdometryUpdate& update, const Sightin
   return true;
 }
 
-bool FeaturesOdometry::State::is_keyframe(const Sightings& sightings, const SE3& camera_from_world, int inliers) const {
+bool FeaturesOdometry::State::is_keyframe(const RaySightings& sightings, const SE3& camera_from_world,
+                                          int inliers) const {
   if (inliers < options_.min_keyframe_share * static_cast<double>(sightings.size())) return true;
   const LocalMap::Keyframe& keyframe = map_.keyframes().back();
   const SO3 current_from_keyframe = camera_from_world.rotation() * keyframe.camera_from_world.rotation().inverse();
   std::vector<double> motions;
-  for (const Sighting& sighting : sightings) {
+  for (const RaySighting& sighting : sightings) {
     const Eigen::Vector2d* ray = find_ray(keyframe.sightings, sighting.id);
     if (!ray) continue;
     const Eigen::Vector3d turned = current_from_keyframe * Eigen::Vector3d(ray->x(), ray->y(), 1.0);
@@ -295,7 +296,7 @@ bool FeaturesOdometry::State::is_keyframe(const Sightings& sightings, const SE3&
   return median(std::move(motions)) > options_.keyframe_parallax_px;
 }
 
-void FeaturesOdometry::State::add_keyframe(OdometryUpdate& update, const Sightings& sightings) {
+void FeaturesOdometry::State::add_keyframe(OdometryUpdate& update, const RaySightings& sightings) {
   const std::size_t keyframe = map_.add_keyframe(update.stamp, chain_.last_camera_from_world(map_), sightings);
   chain_.set_last(keyframe, SE3());
   map_.triangulate();
@@ -322,7 +323,7 @@ void FeaturesOdometry::State::bridge(OdometryUpdate& update) {
 }
 
 /// Starts again from this frame, with the pose and the speed that the motion before lets expect.
-void FeaturesOdometry::State::restart(const OdometryUpdate& update, const Sightings& sightings) {
+void FeaturesOdometry::State::restart(const OdometryUpdate& update, const RaySightings& sightings) {
   map_.restart();
   started_ = false;
   waiting_.clear();

@@ -16,16 +16,16 @@
 namespace rastro {
 
 /// A feature in a frame: its id and its undistorted normalised ray.
-struct Sighting {
+struct RaySighting {
   std::int64_t id = 0;
   Eigen::Vector2d ray = Eigen::Vector2d::Zero();
 };
 
-/// Sightings of one frame, in ascending order of id.
-using Sightings = std::vector<Sighting>;
+/// RaySightings of one frame, in ascending order of id.
+using RaySightings = std::vector<RaySighting>;
 
 /// The ray of a feature in a frame.
-const Eigen::Vector2d* find_ray(const Sightings& sightings, std::int64_t id);
+const Eigen::Vector2d* find_ray(const RaySightings& sightings, std::int64_t id);
 
 /// The last keyframes and the points in space seen from them.
 class LocalMap {
@@ -33,7 +33,7 @@ class LocalMap {
   struct Keyframe {
     TimeNs stamp = 0;
     SE3 camera_from_world;
-    Sightings sightings;  ///< Kept while in the window.
+    RaySightings sightings;  ///< Kept while in the window.
   };
 
   /// `options` must outlive it; `focal_px` turns rays into pixels.
@@ -41,7 +41,7 @@ class LocalMap {
 
   /// Forgets all points and the window's sightings; the poses of the keyframes stay.
   void restart();
-  std::size_t add_keyframe(TimeNs stamp, const SE3& camera_from_world, Sightings sightings);
+  std::size_t add_keyframe(TimeNs stamp, const SE3& camera_from_world, RaySightings sightings);
   /// All keyframes ever, oldest first.
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   const std::map<std::int64_t, Eigen::Vector3d>& points() const { return points_; }

@@ -20,59 +20,59 @@ class Associator {
     for (std::size_t i = 0; i < records.size(); ++i) expected_.push_back(filter.expected(i));
   }
 
-  Association operator()(const Sighting& sighting) const {
+  LandmarkAssociation operator()(const BodySighting& sighting) const {
     return sighting.sensor_id >= 0 ? by_name(sighting) : by_distance(sighting);
   }
 
  private:
-  double distance(const Sighting& sighting, std::size_t landmark) const {
+  double distance(const BodySighting& sighting, std::size_t landmark) const {
     const auto& expected = expected_[landmark];
     return squared_mahalanobis(sighting.in_body - expected.in_body, expected.covariance + sighting.covariance);
   }
 
-  bool alike(const Sighting& sighting, const LandmarkRecord& record) const {
+  bool alike(const BodySighting& sighting, const LandmarkRecord& record) const {
     if (sighting.kind != record.kind || record.sensor_id >= 0) return false;
     if (sighting.kind != LandmarkKind::corner) return true;
     const double off = angle_between(sighting.direction + heading_, record.direction);
     return off <= options_.max_direction_deg * std::numbers::pi / 180.0;
   }
 
-  Association by_name(const Sighting& sighting) const {
+  LandmarkAssociation by_name(const BodySighting& sighting) const {
     for (std::size_t i = 0; i < records_.size(); ++i) {
       if (records_[i].sensor_id != sighting.sensor_id) continue;
       const double found = distance(sighting, i);
-      return {found <= options_.named_gate ? kind_of(records_[i]) : Association::Kind::contradicting, i, found};
+      return {found <= options_.named_gate ? kind_of(records_[i]) : LandmarkAssociation::Kind::contradicting, i, found};
     }
     return {};
   }
 
-  static Association::Kind kind_of(const LandmarkRecord& record) {
-    return record.is_candidate() ? Association::Kind::candidate : Association::Kind::landmark;
+  static LandmarkAssociation::Kind kind_of(const LandmarkRecord& record) {
+    return record.is_candidate() ? LandmarkAssociation::Kind::candidate : LandmarkAssociation::Kind::landmark;
   }
 
-  Association by_distance(const Sighting& sighting) const {
-    const Association in_map = nearest(sighting, false);
-    return in_map.kind == Association::Kind::fresh ? nearest(sighting, true) : in_map;
+  LandmarkAssociation by_distance(const BodySighting& sighting) const {
+    const LandmarkAssociation in_map = nearest(sighting, false);
+    return in_map.kind == LandmarkAssociation::Kind::fresh ? nearest(sighting, true) : in_map;
   }
 
-  Association nearest(const Sighting& sighting, bool candidates) const {
-    Association best{Association::Kind::fresh, 0, nothing_near};
+  LandmarkAssociation nearest(const BodySighting& sighting, bool candidates) const {
+    LandmarkAssociation best{LandmarkAssociation::Kind::fresh, 0, nothing_near};
     double second = nothing_near;
     for (std::size_t i = 0; i < records_.size(); ++i) {
       if (records_[i].is_candidate() != candidates || !alike(sighting, records_[i])) continue;
       const double found = distance(sighting, i);
       if (found < best.distance) {
         second = best.distance;
-        best = {Association::Kind::fresh, i, found};
+        best = {LandmarkAssociation::Kind::fresh, i, found};
       } else if (found < second) {
         second = found;
       }
     }
     if (best.distance > options_.new_gate) return best;
     const bool clear = second > options_.gate || second - best.distance >= options_.ambiguity;
-    best.kind = clear ? kind_of(records_[best.landmark]) : Association::Kind::ambiguous;
+    best.kind = clear ? kind_of(records_[best.landmark]) : LandmarkAssociation::Kind::ambiguous;
     if (best.distance > options_.gate) {
-      best.kind = candidates ? Association::Kind::ambiguous : Association::Kind::contradicting;
+      best.kind = candidates ? LandmarkAssociation::Kind::ambiguous : LandmarkAssociation::Kind::contradicting;
     }
     return best;
   }
@@ -84,11 +84,11 @@ class Associator {
 };
 
 /// Where several sightings claim one landmark, the nearest has it.
-void settle_claims(std::vector<Association>& associations, std::size_t landmarks) {
+void settle_claims(std::vector<LandmarkAssociation>& associations, std::size_t landmarks) {
   std::vector<std::optional<std::size_t>> claimed(landmarks);
   for (std::size_t i = 0; i < associations.size(); ++i) {
-    const Association::Kind kind = associations[i].kind;
-    if (kind != Association::Kind::landmark && kind != Association::Kind::candidate) continue;
+    const LandmarkAssociation::Kind kind = associations[i].kind;
+    if (kind != LandmarkAssociation::Kind::landmark && kind != LandmarkAssociation::Kind::candidate) continue;
     auto& holder = claimed[associations[i].landmark];
     std::size_t loser = i;
     if (!holder) {
@@ -96,14 +96,16 @@ void settle_claims(std::vector<Association>& associations, std::size_t landmarks
       continue;
     }
     if (associations[i].distance < associations[*holder].distance) std::swap(loser, *holder);
-    associations[loser].kind = Association::Kind::ambiguous;
+    associations[loser].kind = LandmarkAssociation::Kind::ambiguous;
   }
 }
 
-bool is_known(const Association& association) { return association.kind == Association::Kind::landmark; }
+bool is_known(const LandmarkAssociation& association) {
+  return association.kind == LandmarkAssociation::Kind::landmark;
+}
 
 /// Whether two sightings are as far apart as the landmarks they are taken for.
-bool agree(const EkfFilter& filter, const Sighting& a, const Sighting& b, std::size_t landmark_a,
+bool agree(const EkfFilter& filter, const BodySighting& a, const BodySighting& b, std::size_t landmark_a,
            std::size_t landmark_b, double gate) {
   const Eigen::Vector2d between = a.in_body - b.in_body;
   const double distance = between.norm();
@@ -115,9 +117,9 @@ bool agree(const EkfFilter& filter, const Sighting& a, const Sighting& b, std::s
 }
 
 /// Where the body is uncertain one landmark in the gate says little: some other must be where it should be, too.
-void drop_lonely(const EkfFilter& filter, std::span<const Sighting> sightings, const EkfOptions& options,
-                 std::vector<Association>& associations) {
-  const std::vector<Association> before = associations;
+void drop_lonely(const EkfFilter& filter, std::span<const BodySighting> sightings, const EkfOptions& options,
+                 std::vector<LandmarkAssociation>& associations) {
+  const std::vector<LandmarkAssociation> before = associations;
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (!is_known(before[i]) || sightings[i].sensor_id >= 0) continue;
     const double doubt = filter.expected(before[i].landmark).covariance.trace();
@@ -129,18 +131,18 @@ void drop_lonely(const EkfFilter& filter, std::span<const Sighting> sightings, c
           agree(filter, sightings[i], sightings[j], before[i].landmark, before[j].landmark, options.gate);
       companions += other ? 1 : 0;
     }
-    if (companions < options.companions) associations[i].kind = Association::Kind::ambiguous;
+    if (companions < options.companions) associations[i].kind = LandmarkAssociation::Kind::ambiguous;
   }
 }
 
 }  // namespace
 
-std::vector<Association> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
-                                   std::span<const Sighting> sightings, const EkfOptions& options) {
+std::vector<LandmarkAssociation> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
+                                           std::span<const BodySighting> sightings, const EkfOptions& options) {
   const Associator associator(filter, records, options);
-  std::vector<Association> result;
+  std::vector<LandmarkAssociation> result;
   result.reserve(sightings.size());
-  for (const Sighting& sighting : sightings) result.push_back(associator(sighting));
+  for (const BodySighting& sighting : sightings) result.push_back(associator(sighting));
   settle_claims(result, records.size());
   drop_lonely(filter, sightings, options, result);
   return result;

@@ -11,7 +11,7 @@
 namespace rastro {
 
 /// What one sighting is taken for.
-struct Association {
+struct LandmarkAssociation {
   enum class Kind : std::uint8_t {
     landmark,      ///< Of the map: it corrects the filter.
     candidate,     ///< Seen before, but not often enough to be a landmark.
@@ -29,8 +29,8 @@ struct Association {
 /// taken once at most. Where the body's place is so uncertain that the gate of a landmark is wider than `unsure_m`, it
 /// is recognised only together with `companions` others that lie as far from it as the map says. `records` are those of
 /// the filter's landmarks.
-std::vector<Association> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
-                                   std::span<const Sighting> sightings, const EkfOptions& options);
+std::vector<LandmarkAssociation> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
+                                           std::span<const BodySighting> sightings, const EkfOptions& options);
 
 /// The angle between two directions, 0 to pi.
 double angle_between(double a, double b);

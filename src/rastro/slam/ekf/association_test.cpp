@@ -10,9 +10,9 @@
 namespace rastro {
 namespace {
 
-using Kind = Association::Kind;
+using Kind = LandmarkAssociation::Kind;
 
-Sighting sighting_at(double x, double y, LandmarkKind kind = LandmarkKind::given, std::int64_t id = -1) {
+BodySighting sighting_at(double x, double y, LandmarkKind kind = LandmarkKind::given, std::int64_t id = -1) {
   return {kind, id, {x, y}, 0.01 * Eigen::Matrix2d::Identity(), 0.0};
 }
 
@@ -25,15 +25,16 @@ struct Map {
     filter.add({x, y}, 0.01 * Eigen::Matrix2d::Identity());
     records.push_back({static_cast<std::int64_t>(records.size()), kind, id, 0.0, 1, 0});
   }
-  std::vector<Association> associated(const std::vector<Sighting>& sightings, const EkfOptions& options = {}) const {
+  std::vector<LandmarkAssociation> associated(const std::vector<BodySighting>& sightings,
+                                              const EkfOptions& options = {}) const {
     return associate(filter, records, sightings, options);
   }
-  Kind kind_of(const Sighting& sighting, const EkfOptions& options = {}) const {
+  Kind kind_of(const BodySighting& sighting, const EkfOptions& options = {}) const {
     return associated({sighting}, options)[0].kind;
   }
 };
 
-TEST(Association, TheGateIsASquaredMahalanobisDistance) {
+TEST(LandmarkAssociation, TheGateIsASquaredMahalanobisDistance) {
   Map map;
   map.add(5.0, 0.0);
   const double gate_m = std::sqrt(9.21 * 0.02), new_gate_m = std::sqrt(27.6 * 0.02);
@@ -44,9 +45,9 @@ TEST(Association, TheGateIsASquaredMahalanobisDistance) {
   EXPECT_NEAR(map.associated({sighting_at(5.1, 0.2)})[0].distance, 0.05 / 0.02, 1e-9);
 }
 
-TEST(Association, AnEmptyMapKnowsNothing) { EXPECT_EQ(Map().kind_of(sighting_at(1.0, 1.0)), Kind::fresh); }
+TEST(LandmarkAssociation, AnEmptyMapKnowsNothing) { EXPECT_EQ(Map().kind_of(sighting_at(1.0, 1.0)), Kind::fresh); }
 
-TEST(Association, WhatFitsTwoLandmarksIsNotUsed) {
+TEST(LandmarkAssociation, WhatFitsTwoLandmarksIsNotUsed) {
   Map map;
   map.add(5.0, 0.0);
   map.add(5.0, 0.5);
@@ -58,11 +59,11 @@ TEST(Association, WhatFitsTwoLandmarksIsNotUsed) {
   EXPECT_EQ(map.associated({sighting_at(5.0, 0.3)}, bold)[0].landmark, 1U);
 }
 
-TEST(Association, ALandmarkIsSeenOnceByTheNearest) {
+TEST(LandmarkAssociation, ALandmarkIsSeenOnceByTheNearest) {
   Map map;
   map.add(5.0, 0.0);
   for (const bool turned : {false, true}) {
-    std::vector<Sighting> sightings = {sighting_at(5.0, 0.1), sighting_at(5.0, -0.2)};
+    std::vector<BodySighting> sightings = {sighting_at(5.0, 0.1), sighting_at(5.0, -0.2)};
     if (turned) std::swap(sightings[0], sightings[1]);
     const auto found = map.associated(sightings);
     EXPECT_EQ(found[turned ? 1 : 0].kind, Kind::landmark);
@@ -70,7 +71,7 @@ TEST(Association, ALandmarkIsSeenOnceByTheNearest) {
   }
 }
 
-TEST(Association, NamesDecideButNotAgainstAllSense) {
+TEST(LandmarkAssociation, NamesDecideButNotAgainstAllSense) {
   Map map;
   map.add(5.0, 0.0, LandmarkKind::given, 7);
   map.add(5.0, 0.1, LandmarkKind::given, 8);
@@ -79,11 +80,11 @@ TEST(Association, NamesDecideButNotAgainstAllSense) {
   EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.0, LandmarkKind::given, 9)), Kind::fresh);
 }
 
-TEST(Association, KindsAndDirectionsMustFit) {
+TEST(LandmarkAssociation, KindsAndDirectionsMustFit) {
   Map map;
   map.add(5.0, 0.0, LandmarkKind::corner);
   EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.0, LandmarkKind::spike)), Kind::fresh);
-  Sighting corner = sighting_at(5.0, 0.0, LandmarkKind::corner);
+  BodySighting corner = sighting_at(5.0, 0.0, LandmarkKind::corner);
   EXPECT_EQ(map.kind_of(corner), Kind::landmark);
   corner.direction = std::numbers::pi;
   EXPECT_EQ(map.kind_of(corner), Kind::fresh);
@@ -91,7 +92,7 @@ TEST(Association, KindsAndDirectionsMustFit) {
   EXPECT_EQ(map.kind_of(corner), Kind::landmark);
 }
 
-TEST(Association, CandidatesComeAfterLandmarks) {
+TEST(LandmarkAssociation, CandidatesComeAfterLandmarks) {
   Map map;
   map.add(5.0, 0.0);
   map.add(5.0, 0.5);
@@ -104,12 +105,12 @@ TEST(Association, CandidatesComeAfterLandmarks) {
   EXPECT_EQ(map.kind_of(sighting_at(5.0, 1.5)), Kind::fresh);
 }
 
-TEST(Association, InDoubtALandmarkNeedsACompanionAtTheRightDistance) {
+TEST(LandmarkAssociation, InDoubtALandmarkNeedsACompanionAtTheRightDistance) {
   Map map;
   map.add(5.0, 0.0);
   map.add(5.0, 20.0);
   map.filter.predict(SE2(), Eigen::Vector3d(1.0, 1.0, 1e-6).asDiagonal());
-  const Sighting one = sighting_at(6.0, 1.0), other = sighting_at(6.0, 21.0), wrong = sighting_at(6.0, 19.5);
+  const BodySighting one = sighting_at(6.0, 1.0), other = sighting_at(6.0, 21.0), wrong = sighting_at(6.0, 19.5);
   EXPECT_EQ(map.kind_of(one), Kind::ambiguous);
   const auto together = map.associated({one, other});
   EXPECT_EQ(together[0].kind, Kind::landmark);

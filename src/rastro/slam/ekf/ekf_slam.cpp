@@ -62,9 +62,9 @@ SlamUpdate EkfSlam::process(const Frame& frame) {
     return update;
   }
   predict(frame, update);
-  const std::vector<Sighting> sightings = see(frame, update);
+  const std::vector<BodySighting> sightings = see(frame, update);
   update.times.push_back({"landmarks", stage.lap_ms()});
-  const std::vector<Association> associations = associate(filter_, records_, sightings, options_);
+  const std::vector<LandmarkAssociation> associations = associate(filter_, records_, sightings, options_);
   correct(sightings, associations, update);
   judge(associations, update);
   learn(sightings, associations, update);
@@ -105,8 +105,8 @@ Motion EkfSlam::motion_by_odometry(const SE2& odometry_from_body, double seconds
   return measured_motion(last_from_body, options_);
 }
 
-std::vector<Sighting> EkfSlam::see(const Frame& frame, SlamUpdate& update) const {
-  std::vector<Sighting> sightings = given_sightings(frame.landmarks, options_);
+std::vector<BodySighting> EkfSlam::see(const Frame& frame, SlamUpdate& update) const {
+  std::vector<BodySighting> sightings = given_sightings(frame.landmarks, options_);
   if (!frame.scan) {
     if (scans_expected_ && sightings.empty()) doubt(update, SlamReason::no_data, "no scan; odometry alone");
     return sightings;
@@ -119,15 +119,15 @@ std::vector<Sighting> EkfSlam::see(const Frame& frame, SlamUpdate& update) const
     return sightings;
   }
   Random random(seed_for(options_.seed, static_cast<std::uint64_t>(frame.index)));
-  for (Sighting& sighting : scan_sightings(*frame.scan, options_, random)) sightings.push_back(std::move(sighting));
+  for (BodySighting& sighting : scan_sightings(*frame.scan, options_, random)) sightings.push_back(std::move(sighting));
   return sightings;
 }
 
-void EkfSlam::correct(std::span<const Sighting> sightings, std::span<const Association> associations,
+void EkfSlam::correct(std::span<const BodySighting> sightings, std::span<const LandmarkAssociation> associations,
                       SlamUpdate& update) {
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     const auto& [kind, landmark, distance] = associations[i];
-    if (kind != Association::Kind::landmark && kind != Association::Kind::candidate) continue;
+    if (kind != LandmarkAssociation::Kind::landmark && kind != LandmarkAssociation::Kind::candidate) continue;
     LandmarkRecord& record = records_[landmark];
     ++record.observations;
     record.last_frame = static_cast<std::int64_t>(trajectory_.size());
@@ -146,12 +146,12 @@ void EkfSlam::confirm(std::size_t landmark, SlamUpdate& update) {
                                place.y(), std::sqrt(filter_.landmark_covariance(landmark).trace()))});
 }
 
-void EkfSlam::judge(std::span<const Association> associations, SlamUpdate& update) {
+void EkfSlam::judge(std::span<const LandmarkAssociation> associations, SlamUpdate& update) {
   if (!associations.empty()) update.score = static_cast<double>(update.used) / static_cast<double>(associations.size());
   if (update.used > 0) blind_m_ = 0.0;
-  const auto contradicting = std::count_if(associations.begin(), associations.end(), [](const Association& one) {
-    return one.kind == Association::Kind::contradicting;
-  });
+  const auto contradicting = std::count_if(
+      associations.begin(), associations.end(),
+      [](const LandmarkAssociation& one) { return one.kind == LandmarkAssociation::Kind::contradicting; });
   if (contradicting > 1 && contradicting > update.used) {
     doubt(update, SlamReason::poor_match,
           fmt::format("{} of {} sightings contradict the map", contradicting, associations.size()));
@@ -160,14 +160,14 @@ void EkfSlam::judge(std::span<const Association> associations, SlamUpdate& updat
   }
 }
 
-void EkfSlam::learn(std::span<const Sighting> sightings, std::span<const Association> associations,
+void EkfSlam::learn(std::span<const BodySighting> sightings, std::span<const LandmarkAssociation> associations,
                     SlamUpdate& update) {
   const auto frame = static_cast<std::int64_t>(trajectory_.size());
   const double heading = filter_.world_from_body().rotation().angle();
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     const bool room = records_.size() < static_cast<std::size_t>(options_.max_landmarks);
-    if (associations[i].kind != Association::Kind::fresh || !room) continue;
-    const Sighting& seen = sightings[i];
+    if (associations[i].kind != LandmarkAssociation::Kind::fresh || !room) continue;
+    const BodySighting& seen = sightings[i];
     filter_.add(seen.in_body, seen.covariance);
     records_.push_back({-1, seen.kind, seen.sensor_id, seen.direction + heading, 1, frame});
     if (options_.observations <= 1) confirm(records_.size() - 1, update);

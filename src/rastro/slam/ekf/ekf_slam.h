@@ -34,10 +34,12 @@ class EkfSlam : public Slam {
   void predict(const Frame& frame, SlamUpdate& update);
   Motion motion_since_last(const Frame& frame, SlamUpdate& update);
   Motion motion_by_odometry(const SE2& odometry_from_body, double seconds, SlamUpdate& update);
-  std::vector<Sighting> see(const Frame& frame, SlamUpdate& update) const;
-  void correct(std::span<const Sighting> sightings, std::span<const Association> associations, SlamUpdate& update);
-  void judge(std::span<const Association> associations, SlamUpdate& update);
-  void learn(std::span<const Sighting> sightings, std::span<const Association> associations, SlamUpdate& update);
+  std::vector<BodySighting> see(const Frame& frame, SlamUpdate& update) const;
+  void correct(std::span<const BodySighting> sightings, std::span<const LandmarkAssociation> associations,
+               SlamUpdate& update);
+  void judge(std::span<const LandmarkAssociation> associations, SlamUpdate& update);
+  void learn(std::span<const BodySighting> sightings, std::span<const LandmarkAssociation> associations,
+             SlamUpdate& update);
   void confirm(std::size_t landmark, SlamUpdate& update);
   void forget_candidates();
   void keep(const Frame& frame, SlamUpdate& update);

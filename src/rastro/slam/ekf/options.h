@@ -28,7 +28,7 @@ struct EkfOptions {
   double bearing_noise_deg = 1.0;
   double max_sighting_m = 200.0;
 
-  // Association.
+  // LandmarkAssociation.
   double gate = 9.21;
   double named_gate = 27.6;
   double new_gate = 27.6;

@@ -25,14 +25,14 @@ constexpr double pi = std::numbers::pi;
 constexpr std::size_t beams = 721;
 constexpr double full_turn = 2.0 * pi * 720.0 / 721.0;
 
-std::vector<Sighting> seen(const WallWorld& world, const SE2& world_from_laser, const EkfOptions& options = {},
-                           std::uint64_t seed = 1) {
+std::vector<BodySighting> seen(const WallWorld& world, const SE2& world_from_laser, const EkfOptions& options = {},
+                               std::uint64_t seed = 1) {
   Random random(seed);
   const LaserScan scan = scan_of(world, world_from_laser, beams, full_turn, 0.0, random);
   return scan_sightings(scan, options, random);
 }
 
-const Sighting* nearest_to(const std::vector<Sighting>& sightings, const Eigen::Vector2d& place) {
+const BodySighting* nearest_to(const std::vector<BodySighting>& sightings, const Eigen::Vector2d& place) {
   const auto nearest = std::min_element(sightings.begin(), sightings.end(), [&](const auto& a, const auto& b) {
     return (a.in_body - place).norm() < (b.in_body - place).norm();
   });
@@ -58,7 +58,7 @@ TEST(ScanFeatures, FindsEveryCornerOfExactPolygonsWhereItIs) {
     EXPECT_EQ(sightings.size(), corners.size());
     for (const Eigen::Vector2d& corner : corners) {
       const Eigen::Vector2d expected = world_from_laser.inverse() * corner;
-      const Sighting* found = nearest_to(sightings, expected);
+      const BodySighting* found = nearest_to(sightings, expected);
       ASSERT_NE(found, nullptr);
       EXPECT_THAT(found->in_body, matrix_near(expected, 1e-5));
       EXPECT_EQ(found->kind, LandmarkKind::corner);
@@ -71,7 +71,7 @@ TEST(ScanFeatures, ACornerLooksWhereItsWallsLead) {
   const auto sightings =
       seen(polygon({{-3.0, -2.0}, {4.0, -2.0}, {4.0, 3.0}, {2.0, 3.0}, {2.0, 1.5}, {-3.0, 1.5}}), world_from_laser);
   const auto direction_at = [&](double x, double y) {
-    const Sighting* found = nearest_to(sightings, {x - 2.8, y});
+    const BodySighting* found = nearest_to(sightings, {x - 2.8, y});
     EXPECT_THAT(found->in_body, matrix_near(Eigen::Vector2d(x - 2.8, y), 1e-5));
     return found->direction;
   };
@@ -88,7 +88,7 @@ TEST(ScanFeatures, AreGivenInTheBodyFrame) {
   LaserScan scan = scan_of(world, body_from_laser, beams, full_turn, 0.0, random);
   scan.body_from_laser = body_from_laser;
   const auto sightings = scan_sightings(scan, {}, random);
-  const Sighting* corner = nearest_to(sightings, {4.0, 3.0});
+  const BodySighting* corner = nearest_to(sightings, {4.0, 3.0});
   EXPECT_THAT(corner->in_body, matrix_near(Eigen::Vector2d(4.0, 3.0), 1e-5));
   EXPECT_NEAR(angle_between(corner->direction, -0.75 * pi), 0.0, 1e-4);
 }
@@ -114,7 +114,7 @@ TEST(ScanFeatures, SayHowWrongTheyAre) {
     const LaserScan scan = scan_of(world, {}, 361, full_turn, options.beam_noise_m, random);
     const auto sightings = scan_sightings(scan, options, random);
     for (const Eigen::Vector2d& corner : {Eigen::Vector2d(4.0, 3.0), Eigen::Vector2d(-3.0, -2.0)}) {
-      const Sighting* found = nearest_to(sightings, corner);
+      const BodySighting* found = nearest_to(sightings, corner);
       ASSERT_NE(found, nullptr);
       if ((found->in_body - corner).norm() > 0.2) continue;
       sum += squared_mahalanobis(found->in_body - corner, found->covariance);
@@ -176,7 +176,7 @@ TEST(ScanFeatures, BrokenScansGiveNothing) {
     scan.angle_step = step;
     for (std::size_t beam = 0; beam < 300; ++beam)
       scan.ranges[beam] = static_cast<float>(1.0 + 0.05 * random.uniform());
-    for (const Sighting& sighting : scan_sightings(scan, {}, random)) EXPECT_TRUE(sighting.in_body.allFinite());
+    for (const BodySighting& sighting : scan_sightings(scan, {}, random)) EXPECT_TRUE(sighting.in_body.allFinite());
   }
 }
 

@@ -6,13 +6,13 @@
 
 namespace rastro {
 
-std::vector<Sighting> given_sightings(std::span<const LandmarkSighting> landmarks, const EkfOptions& options) {
+std::vector<BodySighting> given_sightings(std::span<const LandmarkSighting> landmarks, const EkfOptions& options) {
   const double bearing_noise = options.bearing_noise_deg * std::numbers::pi / 180.0;
-  std::vector<Sighting> result;
+  std::vector<BodySighting> result;
   for (const LandmarkSighting& seen : landmarks) {
     const bool usable = seen.range > 0.0 && seen.range <= options.max_sighting_m && std::isfinite(seen.bearing);
     if (!usable) continue;
-    Sighting sighting;
+    BodySighting sighting;
     sighting.sensor_id = seen.id;
     const SO2 direction = SO2::from_angle(seen.bearing);
     sighting.in_body = direction * Eigen::Vector2d(seen.range, 0.0);

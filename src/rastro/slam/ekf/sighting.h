@@ -18,7 +18,7 @@ enum class LandmarkKind : std::uint8_t {
 };
 
 /// One landmark as seen from the body at one instant.
-struct Sighting {
+struct BodySighting {
   LandmarkKind kind = LandmarkKind::given;
   std::int64_t sensor_id = -1;                               ///< As the sensor names it, else -1.
   Eigen::Vector2d in_body = Eigen::Vector2d::Zero();         ///< Metres.
@@ -35,7 +35,7 @@ struct LandmarkRecord {
   std::int64_t id = -1;
   LandmarkKind kind = LandmarkKind::given;
   std::int64_t sensor_id = -1;
-  double direction = 0.0;  ///< As in Sighting, in the world.
+  double direction = 0.0;  ///< As in BodySighting, in the world.
   int observations = 0;
   std::int64_t last_frame = 0;  ///< In which it was last seen.
 
@@ -44,6 +44,6 @@ struct LandmarkRecord {
 
 /// Range and bearing as places in the body frame, with the noise of the options. What is not a number, not in front of
 /// the sensor or farther than `max_sighting_m` is left out.
-std::vector<Sighting> given_sightings(std::span<const LandmarkSighting> landmarks, const EkfOptions& options);
+std::vector<BodySighting> given_sightings(std::span<const LandmarkSighting> landmarks, const EkfOptions& options);
 
 }  // namespace rastro
