@@ -131,7 +131,7 @@ double end_error_m(const Trajectory& trajectory) {
 class SlamContract : public testing::TestWithParam<std::string> {
  protected:
   std::unique_ptr<Slam> make(const SourceInfo& info = Room::info(), TaskPool* pool = nullptr) const {
-    return slam_method(GetParam())->make(info, pool);
+    return slam_method(GetParam())->make(info, {.pool = pool});
   }
 
   /// Processes all, checks every update, and finishes.

@@ -39,12 +39,16 @@ Prepared prepare(const SlamFlags& flags) {
   run.table = run.method->options();
   apply_settings(flags, run.table);
   run.limits = parse_limits(flags.limits, numbers_of(SlamResult{}), "'coverage>=95'");
-  const OpenOptions open = open_options(flags.data);
+  OpenOptions open = open_options(flags.data);
+  open.want_colour = run.method->wants_colour();
+  open.want_depth = run.method->wants_depth();
   run.source = rastro::open(flags.data.path, open);
   const SourceInfo& info = run.source->info();
   if (info.frame_count >= 0) run.frames = FrameChoice(open, info.frame_count, info.path).count;
   run.pool = std::make_unique<TaskPool>(flags.data.threads);
-  run.slam = run.method->make(info, run.pool.get());
+  SlamMeans means;
+  means.pool = run.pool.get();
+  run.slam = run.method->make(info, means);
   return run;
 }
 

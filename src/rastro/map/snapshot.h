@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rastro/map/grid/occupancy_grid.h"
+#include "rastro/map/keyframe/rgbd_map.h"
 #include "rastro/sensor/trajectory.h"
 
 namespace rastro {
@@ -31,6 +32,7 @@ struct Snapshot {
   std::int64_t revision = 0;  ///< Grows with each change of the map.
   std::shared_ptr<const OccupancyGrid> grid;
   std::vector<PlanarLandmark> landmarks;
+  std::shared_ptr<const RgbdMap> rgbd;
   Trajectory keyframes;  ///< world_from_body
   std::vector<GraphEdge> edges;
 };

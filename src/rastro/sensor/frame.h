@@ -23,6 +23,7 @@ struct Frame {
   ColourImage colour;  ///< Only where the source was opened with `want_colour`.
   DepthImage depth;    ///< Metres, 0 = none, in the left camera.
   TimeNs depth_stamp = 0;
+  GreyImage mask;  ///< Zero where nothing may be used; empty: everything may.
   std::optional<LaserScan> scan;
   std::optional<SE2> odometry_from_body;    ///< Where the wheels say the body is at `stamp`; drifts without bound.
   std::vector<LandmarkSighting> landmarks;  ///< Seen at `stamp`.

@@ -7,9 +7,19 @@
 #include "rastro/base/options.h"
 #include "rastro/base/task_pool.h"
 #include "rastro/sensor/source.h"
+#include "rastro/map/map_archive.h"
 #include "rastro/slam/slam.h"
 
 namespace rastro {
+
+/// What a method may use of the run it is part of. Everything outlives the method.
+struct SlamMeans {
+  TaskPool* pool = nullptr;       ///< Null: one thread.
+  MapArchive* archive = nullptr;  ///< Where the growing map is kept safe; null: in memory only.
+  bool pipelined = false;         ///< Mapping may run beside tracking, with the same results.
+  std::size_t max_memory_bytes = 0;             ///< Of the whole program; 0: no ceiling.
+  std::shared_ptr<const RgbdMap> map = nullptr;  ///< Only find the way in this map; null: make a new one.
+};
 
 /// One entry of the generated list of methods: its name, its settings and how to make it.
 class SlamMethod {
@@ -20,8 +30,13 @@ class SlamMethod {
   virtual std::string needs() const = 0;    ///< "2D laser scans; odometry where there is any".
   /// Points into this object, which must outlive the table.
   virtual OptionTable options() = 0;
-  /// With the settings in force. Error where the source lacks what the method needs. `pool` may be null: one thread.
-  virtual std::unique_ptr<Slam> make(const SourceInfo& source, TaskPool* pool) const = 0;
+  /// Whether pictures are wanted in colour, and with depth, where the source has them.
+  virtual bool wants_colour() const { return false; }
+  virtual bool wants_depth() const { return false; }
+  /// Whether the method can find its way in a map made before (SlamMeans::map).
+  virtual bool can_localize() const { return false; }
+  /// With the settings in force. Error where the source lacks what the method needs.
+  virtual std::unique_ptr<Slam> make(const SourceInfo& source, const SlamMeans& means) const = 0;
 };
 
 }  // namespace rastro

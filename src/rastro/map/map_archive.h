@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "rastro/map/keyframe/rgbd_map.h"
+
+namespace rastro {
+
+/// Where a map that grows is kept safe while the run goes on, and where pictures go instead of memory. Called by one
+/// thread at a time; pictures() of the store by any.
+class MapArchive {
+ public:
+  virtual ~MapArchive() = default;
+  /// What the whole map shares; once, before anything else. Of `map` only what is no list is read.
+  virtual void begin(const RgbdMap& map) = 0;
+  virtual void add_keyframe(const RgbdKeyframe& keyframe, const KeyframePose& pose, PackedPictures pictures) = 0;
+  virtual void add_edge(const PoseEdge& edge) = 0;
+  /// New poses of the keyframes with ids 0, 1, ..., after an optimisation or a join.
+  virtual void set_poses(const std::vector<KeyframePose>& poses) = 0;
+  /// One more frame; may be written late, but not by more than a second.
+  virtual void add_pose(const StampedPose& world_from_camera) = 0;
+  /// The pictures added so far.
+  virtual std::shared_ptr<const PictureStore> pictures() const = 0;
+};
+
+}  // namespace rastro
