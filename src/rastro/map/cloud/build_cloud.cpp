@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/cloud/build_cloud.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "rastro/base/error.h"
+#include "rastro/map/cloud/voxel_table.h"
+#include "rastro/map/keyframe/map_views.h"
+
+namespace rastro {
+namespace {
+
+using detail::Voxel;
+using detail::VoxelTable;
+using detail::WorldSample;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr int most_layers = 6;           ///< Voxels on each side that one noisy surface may be spread over.
+constexpr double layer_sigmas = 3.0;     ///< How far noise carries measurements off the surface.
+constexpr float same_side = 0.5F;        ///< Cosine between normals of one surface.
+constexpr float least_agreement = 0.4F;  ///< Length of the mean of unit normals: less is a contradiction.
+
+struct KeyedSample {
+  std::uint64_t key = 0;
+  WorldSample sample;
+};
+/// The samples of a keyframe, by shard.
+using Sorted = std::array<std::vector<KeyedSample>, VoxelTable::shard_count>;
+
+void sort_samples(const std::vector<SurfaceSample>& samples, const SE3& world_from_camera, const VoxelTable& table,
+                  Sorted& sorted) {
+  for (auto& shard : sorted) shard.clear();
+  const Eigen::Matrix3f turn = world_from_camera.rotation().matrix().cast<float>();
+  for (const SurfaceSample& sample : samples) {
+    KeyedSample keyed;
+    keyed.sample.point = world_from_camera * sample.point_in_camera.cast<double>();
+    keyed.key = table.key_of(keyed.sample.point);
+    if (keyed.key == 0) continue;
+    keyed.sample.normal = turn * sample.normal_in_camera;
+    keyed.sample.ray = turn * (sample.point_in_camera / sample.point_in_camera.z());
+    keyed.sample.sigma = sample.sigma;
+    keyed.sample.colour = sample.colour;
+    sorted[static_cast<std::size_t>(VoxelTable::shard_of(keyed.key))].push_back(keyed);
+  }
+}
+
+VoxelTable gather(const RgbdMap& map, const CloudOptions& options, TaskPool* pool, const MapProgress& progress) {
+  VoxelTable table(options.voxel_m);
+  SurfaceOptions surface = detail::surface_options(map, options.stride, options.min_depth_m, options.max_depth_m);
+  surface.grazing_deg = options.grazing_deg;
+  std::vector<Sorted> group(detail::MapViews::group_size);
+  detail::MapViews views(map, detail::keyframes_of(map, options.submap), pool);
+  views.walk(
+      [&](std::size_t slot, std::size_t keyframe, const UnpackedPictures& pictures, const RayTable& rays) {
+        sort_samples(surface_samples(pictures, rays, surface), map.poses[keyframe].world_from_camera, table,
+                     group[slot]);
+      },
+      [&](std::size_t first, std::size_t count) {
+        detail::for_each_index(pool, VoxelTable::shard_count, [&](std::size_t shard) {
+          for (std::size_t slot = 0; slot < count; ++slot)
+            for (const KeyedSample& keyed : group[slot][shard])
+              table.add(keyed.key, keyed.sample, static_cast<std::int32_t>(first + slot));
+        });
+        while (table.size() > options.max_voxels) table.coarsen();
+      },
+      progress);
+  return table;
+}
+
+struct KeyedPoint {
+  std::uint64_t key = 0;
+  CloudPoint point;
+};
+
+/// Sums over the voxels along a normal, about the middle one's mean.
+struct Layers {
+  double weight = 0.0, variance = 0.0, along = 0.0, along2 = 0.0;
+  Vector3f normal = Vector3f::Zero(), colour = Vector3f::Zero();
+  std::uint32_t count = 0, views = 0;
+
+  void add(const Voxel& voxel, double mean_along) {
+    // Within a voxel: the scatter along the measurements' own normals; between voxels: that of the means.
+    const double own = voxel.along / voxel.weight;
+    const double scatter = std::max(0.0, voxel.along2 / voxel.weight - own * own);
+    weight += voxel.weight;
+    variance += voxel.variance;
+    along += voxel.weight * mean_along;
+    along2 += voxel.weight * (mean_along * mean_along + scatter);
+    normal += voxel.normal;
+    colour += voxel.colour;
+    count += voxel.count;
+    views = std::max(views, voxel.views);
+  }
+  double mean() const { return along / weight; }
+
+  double sigma() const {
+    const double per_measurement = variance / weight;  // weighted mean of sigma^2 times w, about the mean variance
+    const double expected = per_measurement / (weight / count);
+    const double found = count > 1 ? std::max(0.0, along2 / weight - mean() * mean()) * count / (count - 1.0) : 0.0;
+    return std::sqrt(std::max(expected, found) / std::max(1U, views));
+  }
+};
+
+/// One point from the voxel and those in front of and behind it that noise spread the same surface over; none where
+/// another of them stands for it.
+class Thinning {
+ public:
+  Thinning(const VoxelTable& table, const CloudOptions& options) : table_(table), options_(options) {}
+
+  void add_points(int shard, std::vector<KeyedPoint>& points) const {
+    for (const Voxel& voxel : table_.shard(shard)) add_point(voxel, points);
+  }
+
+ private:
+  Vector3d mean_of(const Voxel& voxel) const {
+    return table_.corner_of(voxel.key) + (voxel.place / voxel.weight).cast<double>();
+  }
+
+  void add_point(const Voxel& voxel, std::vector<KeyedPoint>& points) const {
+    Layers layers;
+    layers.add(voxel, 0.0);
+    const Vector3d middle = mean_of(voxel);
+    const float length = voxel.normal.norm();
+    const Vector3d normal = length > 0.0F ? Vector3d((voxel.normal / length).cast<double>()) : Vector3d::Zero();
+    if (length > 0.0F) {
+      add_layers(voxel, middle, normal, 1.0, layers);
+      add_layers(voxel, middle, normal, -1.0, layers);
+      const double off = layers.mean();
+      if (std::abs(off) > 0.5 * table_.side_m() && stands_there(middle + off * normal, voxel.key)) return;
+    }
+    if (static_cast<int>(layers.count) < options_.min_count || static_cast<int>(layers.views) < options_.min_views)
+      return;
+    if (length > 0.0F && layers.normal.norm() < least_agreement * layers.weight) return;
+    points.push_back({voxel.key, point_of(layers, middle + layers.mean() * normal)});
+  }
+
+  void add_layers(const Voxel& voxel, const Vector3d& middle, const Vector3d& normal, double side,
+                  Layers& layers) const {
+    const double reach = layer_sigmas * std::sqrt(voxel.count / voxel.weight);
+    const int steps = std::min(most_layers, static_cast<int>(std::ceil(reach / table_.side_m())));
+    std::uint64_t last = voxel.key;
+    for (int step = 1; step <= steps; ++step) {
+      const std::uint64_t key = table_.key_of(middle + side * step * table_.side_m() * normal);
+      if (key == last || key == 0) continue;
+      last = key;
+      const Voxel* other = table_.find(key);
+      if (other == nullptr) continue;
+      const float other_length = other->normal.norm();
+      if (other_length > 0.0F && other->normal.dot(normal.cast<float>()) < same_side * other_length) continue;
+      const double along = normal.dot(mean_of(*other) - middle);
+      if (std::abs(along) <= reach) layers.add(*other, along);
+    }
+  }
+
+  bool stands_there(const Vector3d& place, std::uint64_t self) const {
+    const std::uint64_t key = table_.key_of(place);
+    return key != 0 && key != self && table_.find(key) != nullptr;
+  }
+
+  static CloudPoint point_of(const Layers& layers, const Vector3d& place) {
+    CloudPoint point;
+    point.position = place.cast<float>();
+    if (!layers.normal.isZero()) point.normal = layers.normal.normalized();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double mean = layers.colour[static_cast<int>(k)] / layers.weight;
+      point.colour[k] = static_cast<std::uint8_t>(std::clamp(std::lround(mean), 0L, 255L));
+    }
+    point.count = layers.count;
+    point.sigma = static_cast<float>(layers.sigma());
+    return point;
+  }
+
+  const VoxelTable& table_;
+  const CloudOptions& options_;
+};
+
+}  // namespace
+
+PointCloud build_cloud(const RgbdMap& map, const CloudOptions& options, TaskPool* pool, const MapProgress& progress) {
+  RASTRO_CHECK(options.voxel_m > 0.0, "voxels have a size");
+  const VoxelTable table = gather(map, options, pool, progress);
+  const Thinning thinning(table, options);
+  std::array<std::vector<KeyedPoint>, VoxelTable::shard_count> parts;
+  detail::for_each_index(pool, parts.size(),
+                         [&](std::size_t shard) { thinning.add_points(static_cast<int>(shard), parts[shard]); });
+  std::vector<KeyedPoint> points;
+  for (const auto& part : parts) points.insert(points.end(), part.begin(), part.end());
+  std::sort(points.begin(), points.end(), [](const KeyedPoint& a, const KeyedPoint& b) { return a.key < b.key; });
+  PointCloud cloud;
+  cloud.voxel_m = table.side_m();
+  cloud.points.reserve(points.size());
+  for (const KeyedPoint& point : points) cloud.points.push_back(point.point);
+  return cloud;
+}
+
+}  // namespace rastro

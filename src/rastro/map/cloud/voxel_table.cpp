@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/cloud/voxel_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace rastro::detail {
+namespace {
+
+constexpr std::int64_t half_range = 1 << 20;
+constexpr int bits = 21;
+constexpr std::uint64_t coordinate_mask = (1ULL << bits) - 1;
+
+std::uint64_t packed(std::int64_t x, std::int64_t y, std::int64_t z) {
+  const auto biased = [](std::int64_t value) { return static_cast<std::uint64_t>(value + half_range); };
+  return biased(z) << (2 * bits) | biased(y) << bits | biased(x);
+}
+
+}  // namespace
+
+std::size_t VoxelTable::size() const {
+  std::size_t sum = 0;
+  for (const Shard& shard : shards_) sum += shard.voxels.size();
+  return sum;
+}
+
+std::uint64_t VoxelTable::key_of(const Eigen::Vector3d& place) const {
+  const Eigen::Vector3d voxel = (place / side_m_).array().floor();
+  if (!(voxel.cwiseAbs().maxCoeff() < static_cast<double>(half_range - 1))) return 0;
+  return packed(static_cast<std::int64_t>(voxel.x()), static_cast<std::int64_t>(voxel.y()),
+                static_cast<std::int64_t>(voxel.z()));
+}
+
+Eigen::Vector3d VoxelTable::corner_of(std::uint64_t key) const {
+  const auto coordinate = [&](int shift) {
+    return static_cast<double>(static_cast<std::int64_t>(key >> shift & coordinate_mask) - half_range);
+  };
+  return side_m_ * Eigen::Vector3d(coordinate(0), coordinate(bits), coordinate(2 * bits));
+}
+
+const Voxel* VoxelTable::find(std::uint64_t key) const {
+  const Shard& shard = shards_[static_cast<std::size_t>(shard_of(key))];
+  if (shard.slots.empty()) return nullptr;
+  const std::size_t mask = shard.slots.size() - 1;
+  for (std::size_t slot = hash_of(key) & mask;; slot = (slot + 1) & mask) {
+    if (shard.slots[slot] == 0) return nullptr;
+    const Voxel& voxel = shard.voxels[shard.slots[slot] - 1];
+    if (voxel.key == key) return &voxel;
+  }
+}
+
+void VoxelTable::grow(Shard& shard) {
+  shard.slots.assign(std::max<std::size_t>(256, shard.slots.size() * 2), 0);
+  const std::size_t mask = shard.slots.size() - 1;
+  for (std::uint32_t index = 0; index < shard.voxels.size(); ++index) {
+    std::size_t slot = hash_of(shard.voxels[index].key) & mask;
+    while (shard.slots[slot] != 0) slot = (slot + 1) & mask;
+    shard.slots[slot] = index + 1;
+  }
+}
+
+Voxel& VoxelTable::voxel_at(std::uint64_t key) {
+  Shard& shard = shards_[static_cast<std::size_t>(shard_of(key))];
+  if (3 * shard.slots.size() <= 4 * shard.voxels.size() + 4) grow(shard);
+  const std::size_t mask = shard.slots.size() - 1;
+  std::size_t slot = hash_of(key) & mask;
+  for (; shard.slots[slot] != 0; slot = (slot + 1) & mask) {
+    Voxel& voxel = shard.voxels[shard.slots[slot] - 1];
+    if (voxel.key == key) return voxel;
+  }
+  shard.voxels.emplace_back();
+  shard.voxels.back().key = key;
+  shard.slots[slot] = static_cast<std::uint32_t>(shard.voxels.size());
+  return shard.voxels.back();
+}
+
+void VoxelTable::add(std::uint64_t key, const WorldSample& sample, std::int32_t view) {
+  Voxel& voxel = voxel_at(key);
+  const Eigen::Vector3f place = (sample.point - corner_of(key)).cast<float>();
+  const bool has_normal = !sample.normal.isZero();
+  const Eigen::Vector3f normal = has_normal ? sample.normal : Eigen::Vector3f(-sample.ray.normalized());
+  const float sigma_along = sample.sigma * std::abs(normal.dot(sample.ray));
+  const float w = 1.0F / (sample.sigma * sample.sigma), d = normal.dot(place);
+  voxel.weight += w;
+  voxel.variance += w * w * sigma_along * sigma_along;
+  voxel.along += w * d;
+  voxel.along2 += w * d * d;
+  voxel.place += w * place;
+  if (has_normal) voxel.normal += w * normal;
+  voxel.colour += w * Eigen::Vector3f(sample.colour[0], sample.colour[1], sample.colour[2]);
+  ++voxel.count;
+  if (voxel.last_view != view) ++voxel.views, voxel.last_view = view;
+}
+
+void VoxelTable::coarsen() {
+  VoxelTable coarse(2.0 * side_m_);
+  for (const Shard& shard : shards_) {
+    for (const Voxel& fine : shard.voxels) {
+      const Eigen::Vector3d corner = corner_of(fine.key);
+      const std::uint64_t key = coarse.key_of(corner + Eigen::Vector3d::Constant(0.5 * side_m_));
+      const Eigen::Vector3f shift = (corner - coarse.corner_of(key)).cast<float>();
+      Voxel& voxel = coarse.voxel_at(key);
+      const float d = fine.normal.isZero() ? 0.0F : fine.normal.normalized().dot(shift);
+      voxel.along += fine.along + fine.weight * d;
+      voxel.along2 += fine.along2 + 2.0F * d * fine.along + fine.weight * d * d;
+      voxel.weight += fine.weight;
+      voxel.variance += fine.variance;
+      voxel.place += fine.place + fine.weight * shift;
+      voxel.normal += fine.normal;
+      voxel.colour += fine.colour;
+      voxel.count += fine.count;
+      voxel.views = std::max(voxel.views, fine.views);
+      voxel.last_view = std::max(voxel.last_view, fine.last_view);
+    }
+  }
+  *this = std::move(coarse);
+}
+
+}  // namespace rastro::detail

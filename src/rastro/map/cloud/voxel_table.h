@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: not installed.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "rastro/base/task_pool.h"
+
+namespace rastro::detail {
+
+/// A measurement in the world.
+struct WorldSample {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< Zero: not known.
+  Eigen::Vector3f ray = Eigen::Vector3f::Zero();     ///< From the camera to the point, 1 m along the optical axis.
+  float sigma = 0.0F;                                ///< Of the depth, metres.
+  std::array<std::uint8_t, 3> colour{};
+};
+
+/// Sums over the measurements in a voxel. Places are relative to the voxel's lowest corner.
+struct Voxel {
+  std::uint64_t key = 0;
+  float weight = 0.0F;                               ///< Sum of w = 1 / sigma^2.
+  float variance = 0.0F;                             ///< Sum of w^2 times the variance along the normal.
+  float along = 0.0F, along2 = 0.0F;                 ///< Sums of w d and w d^2, d = the place along its own normal.
+  Eigen::Vector3f place = Eigen::Vector3f::Zero();   ///< Sum of w times place.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< Sum of w times normal.
+  Eigen::Vector3f colour = Eigen::Vector3f::Zero();  ///< Sum of w times colour.
+  std::uint32_t count = 0, views = 0;                ///< Measurements, and keyframes they came from.
+  std::int32_t last_view = -1;
+};
+
+/// Voxels by place, in shards that threads fill side by side. What it holds depends only on what was added and in which
+/// order.
+class VoxelTable {
+ public:
+  static constexpr int shard_count = 16;
+
+  explicit VoxelTable(double side_m) : side_m_(side_m), shards_(shard_count) {}
+
+  double side_m() const { return side_m_; }
+  std::size_t size() const;
+  /// The voxel of a place; 0 for one too far away to be numbered.
+  std::uint64_t key_of(const Eigen::Vector3d& place) const;
+  Eigen::Vector3d corner_of(std::uint64_t key) const;
+  static int shard_of(std::uint64_t key) { return static_cast<int>(hash_of(key) >> 60); }
+  const std::vector<Voxel>& shard(int index) const { return shards_[static_cast<std::size_t>(index)].voxels; }
+  const Voxel* find(std::uint64_t key) const;
+  /// Threads may add to different shards at once; `key` belongs to the sample and is not 0.
+  void add(std::uint64_t key, const WorldSample& sample, std::int32_t view);
+  /// Voxels of twice the side.
+  void coarsen();
+
+ private:
+  struct Shard {
+    std::vector<std::uint32_t> slots;  ///< Index into voxels + 1, or 0; a power of two of them.
+    std::vector<Voxel> voxels;
+  };
+  static std::uint64_t hash_of(std::uint64_t key) {
+    key = (key ^ (key >> 31)) * 0x9E3779B97F4A7C15ULL;
+    return (key ^ (key >> 29)) * 0xBF58476D1CE4E5B9ULL;
+  }
+  static void grow(Shard& shard);
+  Voxel& voxel_at(std::uint64_t key);
+
+  double side_m_;
+  std::vector<Shard> shards_;
+};
+
+}  // namespace rastro::detail
