@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/file/contents.h"
+
+#include "rastro/base/hash.h"
+#include "rastro/map/file/bytes.h"
+
+namespace rastro {
+
+std::string contents_body(const Database& database) {
+  ByteWriter bytes;
+  for (const MapTable table : map_tables) {
+    if (table == MapTable::contents) continue;
+    Sha256 hash;
+    std::int64_t rows = 0;
+    for (RowReader reader(database, table, 0, RowReader::What::checksums); reader.next(); ++rows) {
+      ByteWriter checksum;
+      checksum.put(reader.checksum());
+      hash.add(checksum.take());
+    }
+    bytes.put_text(name_of(table));
+    bytes.put(rows);
+    bytes.put_text(hash.finish());
+  }
+  return bytes.take();
+}
+
+}  // namespace rastro

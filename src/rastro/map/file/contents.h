@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: not installed.
+#pragma once
+
+#include "rastro/map/file/database.h"
+
+namespace rastro {
+
+/// Rows of the table `contents`: the table of contents, which only a finished file has, and the head once more, so that
+/// one lost page does not cost the camera.
+constexpr std::int64_t contents_row = 0, second_head_row = 1;
+
+/// How many rows each table has and what their checksums come to.
+std::string contents_body(const Database& database);
+
+}  // namespace rastro

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: not installed.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "rastro/map/file/map_rows.h"
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace rastro {
+
+/// The four bytes "RSTR" by which a map file is known among SQLite files, and the version of what it holds.
+constexpr std::uint32_t map_file_id = 0x52535452;
+constexpr std::uint32_t map_file_version = 1;
+
+/// One connection to the SQLite file of a map. Every failure is an Error naming the file. One thread at a time.
+class Database {
+ public:
+  /// Of an existing map, to read. Error where it is none, is of a newer version, is cut off or has other tables.
+  static Database open(const std::filesystem::path& file);
+  /// A new file with empty tables; what was there is replaced.
+  static Database create(const std::filesystem::path& file);
+  Database(Database&& other) noexcept;
+  Database& operator=(Database&& other) noexcept;
+  ~Database();
+
+  const std::string& file() const { return file_; }
+  void run(const char* sql);
+  /// Adds the row, or replaces it.
+  void put(MapTable table, std::int64_t id, std::string_view body);
+  void clear(MapTable table);
+
+ private:
+  friend class RowReader;
+  explicit Database(const std::filesystem::path& file) : file_(file.string()) {}
+  void connect(const std::string& name, int flags);
+  void harden();
+  void check_tables();
+  [[noreturn]] void fail(int code) const;
+
+  std::string file_;
+  sqlite3* connection_ = nullptr;
+  std::array<sqlite3_stmt*, map_tables.size()> put_{};
+};
+
+/// Reads the rows of one table in order of their numbers. A row that is not as it was written is an Error.
+class RowReader {
+ public:
+  enum class What { all, checksums };
+  /// From row `first` on. Where checksums are enough, bodies are not read from the disk.
+  RowReader(const Database& database, MapTable table, std::int64_t first = 0, What what = What::all);
+  ~RowReader();
+  RowReader(const RowReader&) = delete;
+  RowReader& operator=(const RowReader&) = delete;
+
+  /// Goes on to the next row; false at the end.
+  bool next();
+  std::int64_t id() const { return id_; }
+  std::int64_t checksum() const;
+  /// Checked. Valid until the next call of next().
+  std::string_view body() const;
+  /// "FILE: row 3 of keyframes", for messages.
+  std::string where() const;
+
+ private:
+  const Database& database_;
+  MapTable table_;
+  sqlite3_stmt* statement_ = nullptr;
+  std::int64_t id_ = -1;
+};
+
+}  // namespace rastro

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: not installed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "rastro/map/keyframe/rgbd_map.h"
+
+namespace rastro {
+
+/// The tables of a map file, in the order in which they are written. All have the same columns: a running number from
+/// 0, a checksum, and a body.
+enum class MapTable : std::uint8_t { head, keyframes, pictures, poses, edges, way, contents };
+constexpr std::array<MapTable, 7> map_tables = {MapTable::head,    MapTable::keyframes, MapTable::pictures,
+                                                MapTable::poses,   MapTable::edges,     MapTable::way,
+                                                MapTable::contents};
+const char* name_of(MapTable table);
+
+/// Over everything of a row, the table's name included: a row in the wrong place does not pass.
+std::int64_t row_checksum(MapTable table, std::int64_t id, std::string_view body);
+
+// Bodies of rows. The readers throw Error naming `where` for anything that is not as it was written.
+std::string head_body(const RgbdMap& map);  ///< What is no list.
+void read_head(std::string_view body, const std::string& where, RgbdMap& map);
+std::string body_of(const RgbdKeyframe& keyframe);
+std::shared_ptr<const RgbdKeyframe> read_keyframe(std::string_view body, std::int64_t id, const std::string& where);
+std::string body_of(const PackedPictures& pictures);
+PackedPictures read_pictures(std::string_view body, const std::string& where);
+std::string body_of(const KeyframePose& pose);
+KeyframePose read_pose(std::string_view body, const std::string& where);
+std::string body_of(const PoseEdge& edge);
+PoseEdge read_edge(std::string_view body, const std::string& where);
+std::string body_of(const StampedPose& pose);
+StampedPose read_stamped_pose(std::string_view body, const std::string& where);
+
+}  // namespace rastro
