@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/export/cloud_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "rastro/export/drawing.h"
+#include "rastro/map/cloud/upright.h"
+
+namespace rastro {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double longest_px = 1600.0, most_px_per_m = 200.0, margin_m = 0.3;
+constexpr double above_cameras_m = 0.25;
+constexpr double strays = 0.002;  ///< Share of points on each side that may lie outside the picture.
+
+// OpenCV order: blue, green, red.
+const cv::Scalar path_colour(200, 90, 0), start_colour(0, 150, 0), end_colour(0, 0, 220), bar_colour(0, 0, 0);
+
+class Sheet {
+ public:
+  Sheet(std::vector<double> x, std::vector<double> y) {
+    for (auto [values, axis] : {std::pair{&x, 0}, std::pair{&y, 1}}) {
+      if (values->empty()) values->push_back(0.0);
+      std::sort(values->begin(), values->end());
+      const auto last = static_cast<double>(values->size() - 1);
+      low_[axis] = (*values)[static_cast<std::size_t>(last * strays)] - margin_m;
+      high_[axis] = (*values)[static_cast<std::size_t>(last * (1.0 - strays))] + margin_m;
+    }
+    scale_ = std::min(most_px_per_m, longest_px / (high_ - low_).maxCoeff());
+    const Vector2d size = (high_ - low_) * scale_;
+    picture = cv::Mat(std::max(1, cvRound(size.y())), std::max(1, cvRound(size.x())), CV_8UC3, cv::Scalar::all(255));
+  }
+
+  Vector2d pixel(const Vector3d& place) const {
+    return {(place.x() - low_.x()) * scale_, (high_.y() - place.y()) * scale_};
+  }
+  cv::Point whole(const Vector3d& place) const {
+    const Vector2d at = pixel(place).cwiseMax(-1e6).cwiseMin(1e6);
+    return {cvRound(at.x()), cvRound(at.y())};
+  }
+  double px_per_m() const { return scale_; }
+
+  cv::Mat picture;
+
+ private:
+  Vector2d low_, high_;
+  double scale_ = 1.0;
+};
+
+void draw_points(Sheet& sheet, const std::vector<std::pair<Vector3d, const CloudPoint*>>& points, double voxel_m) {
+  cv::Mat heights(sheet.picture.size(), CV_32F, cv::Scalar(-1e9));
+  const int side = std::max(1, static_cast<int>(std::ceil(voxel_m * sheet.px_per_m())));
+  for (const auto& [place, point] : points) {
+    const cv::Point corner = sheet.whole(place) - cv::Point(side / 2, side / 2);
+    for (int y = std::max(0, corner.y); y < std::min(heights.rows, corner.y + side); ++y) {
+      for (int x = std::max(0, corner.x); x < std::min(heights.cols, corner.x + side); ++x) {
+        const auto height = static_cast<float>(place.z());
+        if (height <= heights.at<float>(y, x)) continue;
+        heights.at<float>(y, x) = height;
+        sheet.picture.at<cv::Vec3b>(y, x) = {point->colour[2], point->colour[1], point->colour[0]};
+      }
+    }
+  }
+}
+
+void draw_way(Sheet& sheet, const std::vector<Vector3d>& way) {
+  if (way.empty()) return;
+  std::vector<cv::Point> corners;
+  for (const Vector3d& place : way) corners.push_back(sheet.whole(place));
+  cv::polylines(sheet.picture, corners, false, path_colour, 2, cv::LINE_AA);
+  for (const auto& [name, at, colour] :
+       {std::tuple{"end", corners.back(), end_colour}, std::tuple{"start", corners.front(), start_colour}}) {
+    cv::circle(sheet.picture, at, 5, colour, cv::FILLED, cv::LINE_AA);
+    drawing::put_text(sheet.picture, name, {static_cast<float>(at.x) + 8.0F, static_cast<float>(at.y) - 6.0F},
+                      drawing::white, 0.5);
+  }
+}
+
+void draw_bar(Sheet& sheet) {
+  double metres = 1.0;
+  while (metres * sheet.px_per_m() < 20.0) metres *= 10.0;
+  const int y = sheet.picture.rows - 12;
+  cv::line(sheet.picture, {10, y}, {10 + cvRound(metres * sheet.px_per_m()), y}, bar_colour, 3);
+  drawing::put_text(sheet.picture, fmt::format("{:g} m", metres), {10.0F, static_cast<float>(y) - 8.0F}, drawing::white,
+                    0.5);
+}
+
+}  // namespace
+
+void write_cloud_picture(const PointCloud& cloud, const Trajectory& trajectory, const std::string& file) {
+  const SE3 upright_from_world = find_upright(cloud, trajectory).upright_from_world;
+  std::vector<Vector3d> way;
+  double highest = trajectory.empty() ? 1e9 : -1e9;
+  for (const StampedPose& pose : trajectory) {
+    way.push_back(upright_from_world * pose.world_from_body.translation());
+    highest = std::max(highest, way.back().z() + above_cameras_m);
+  }
+  std::vector<std::pair<Vector3d, const CloudPoint*>> points;
+  std::vector<double> x, y;
+  for (const CloudPoint& point : cloud.points) {
+    const Vector3d place = upright_from_world * point.position.cast<double>();
+    if (place.z() > highest) continue;
+    points.emplace_back(place, &point);
+    x.push_back(place.x()), y.push_back(place.y());
+  }
+  for (const Vector3d& place : way) x.push_back(place.x()), y.push_back(place.y());
+  Sheet sheet(std::move(x), std::move(y));
+  draw_points(sheet, points, cloud.voxel_m);
+  draw_way(sheet, way);
+  draw_bar(sheet);
+  drawing::save(file, sheet.picture);
+}
+
+}  // namespace rastro

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/export/colmap.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <system_error>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/error.h"
+#include "rastro/map/keyframe/pack_pictures.h"
+
+namespace rastro {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr double half_px = 0.5;  ///< COLMAP's upper left pixel has its centre at (0.5, 0.5).
+
+std::string picture_name(std::size_t keyframe) { return fmt::format("{:06}.jpg", keyframe); }
+
+bool wanted(const RgbdMap& map, std::size_t keyframe, int submap) {
+  return submap < 0 || map.poses[keyframe].submap == submap;
+}
+
+/// Colours of the features that show a point first, keyframe by keyframe, so that each picture is read once.
+std::vector<std::array<std::uint8_t, 3>> colours_of(const RgbdMap& map, const std::vector<FeaturePoint>& points) {
+  std::map<std::size_t, std::vector<std::size_t>> by_keyframe;
+  for (std::size_t k = 0; k < points.size(); ++k) by_keyframe[points[k].views.front().keyframe].push_back(k);
+  std::vector<std::array<std::uint8_t, 3>> colours(points.size());
+  for (const auto& [keyframe, shown] : by_keyframe) {
+    const ColourImage colour =
+        unpack_pictures(map.pictures->pictures(map.keyframes[keyframe]->id), fmt::format("keyframe {}", keyframe))
+            .colour;
+    for (const std::size_t k : shown) {
+      const Keypoint& at = map.keyframes[keyframe]->features.keypoints[points[k].views.front().feature];
+      const int x = std::clamp(static_cast<int>(std::lround(at.x)), 0, colour.width() - 1);
+      const int y = std::clamp(static_cast<int>(std::lround(at.y)), 0, colour.height() - 1);
+      const std::uint8_t* rgb = colour.rgb.row(y) + 3 * static_cast<std::ptrdiff_t>(x);
+      colours[k] = {rgb[0], rgb[1], rgb[2]};
+    }
+  }
+  return colours;
+}
+
+}  // namespace
+
+std::string colmap_cameras(const Camera& camera, int width, int height) {
+  const auto& k = camera.coefficients;
+  std::string model = "PINHOLE", distortion;
+  if (camera.distortion == Distortion::radial_tangential) {
+    model = k[4] == 0.0 ? "OPENCV" : "FULL_OPENCV";
+    distortion = fmt::format(" {:.9g} {:.9g} {:.9g} {:.9g}", k[0], k[1], k[2], k[3]);
+    if (k[4] != 0.0) distortion += fmt::format(" {:.9g} 0 0 0", k[4]);
+  } else if (camera.distortion == Distortion::equidistant) {
+    model = "OPENCV_FISHEYE";
+    distortion = fmt::format(" {:.9g} {:.9g} {:.9g} {:.9g}", k[0], k[1], k[2], k[3]);
+  }
+  return fmt::format("# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 {} {} {} {:.9g} {:.9g} {:.9g} {:.9g}{}\n", model,
+                     width, height, camera.fx, camera.fy, camera.cx + half_px, camera.cy + half_px, distortion);
+}
+
+std::string colmap_images(const RgbdMap& map, const std::vector<FeaturePoint>& points, int submap) {
+  std::vector<std::map<std::size_t, std::size_t>> point_of(map.keyframes.size());
+  for (std::size_t k = 0; k < points.size(); ++k)
+    for (const FeatureView& view : points[k].views) point_of[view.keyframe][view.feature] = k + 1;
+  std::string text = "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)\n";
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    if (!wanted(map, k, submap)) continue;
+    const SE3 pose = map.poses[k].world_from_camera.inverse();
+    const Eigen::Quaterniond& q = pose.rotation().quaternion();
+    const Eigen::Vector3d& t = pose.translation();
+    fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} 1 {}\n", k + 1, q.w(),
+                   q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), picture_name(k));
+    const auto& features = map.keyframes[k]->features.keypoints;
+    for (std::size_t f = 0; f < features.size(); ++f) {
+      const auto point = point_of[k].find(f);
+      const std::int64_t id = point == point_of[k].end() ? -1 : static_cast<std::int64_t>(point->second);
+      fmt::format_to(std::back_inserter(text), "{}{:.2f} {:.2f} {}", f == 0 ? "" : " ",
+                     static_cast<double>(features[f].x) + half_px, static_cast<double>(features[f].y) + half_px, id);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string colmap_points(const RgbdMap& map, const std::vector<FeaturePoint>& points) {
+  const auto colours = colours_of(map, points);
+  std::string text = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const FeaturePoint& point = points[k];
+    const Eigen::Vector3d& p = point.position;
+    fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {} {} {} {:.3f}", k + 1, p.x(), p.y(), p.z(),
+                   colours[k][0], colours[k][1], colours[k][2], point.error_px);
+    for (const FeatureView& view : point.views)
+      fmt::format_to(std::back_inserter(text), " {} {}", view.keyframe + 1, view.feature);
+    text += '\n';
+  }
+  return text;
+}
+
+void write_colmap(const RgbdMap& map, const fs::path& folder, int submap) {
+  std::error_code code;
+  fs::create_directories(folder / "images", code);
+  if (code) throw Error("the folder cannot be made (" + code.message() + ")", folder.string(), "choose another --out");
+  int width = map.camera.width, height = map.camera.height;
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    if (!wanted(map, k, submap)) continue;
+    const PackedPictures packed = map.pictures->pictures(map.keyframes[k]->id);
+    if (width == 0) {
+      const DepthImage depth = unpack_pictures(packed, fmt::format("keyframe {}", k)).depth;
+      width = depth.width(), height = depth.height();
+    }
+    write_whole_file(folder / "images" / picture_name(k),
+                     {reinterpret_cast<const char*>(packed.colour.data()), packed.colour.size()});
+  }
+  const std::vector<FeaturePoint> points = feature_points(map, submap);
+  write_whole_file(folder / "cameras.txt", colmap_cameras(map.camera, width, height));
+  write_whole_file(folder / "images.txt", colmap_images(map, points, submap));
+  write_whole_file(folder / "points3D.txt", colmap_points(map, points));
+}
+
+}  // namespace rastro

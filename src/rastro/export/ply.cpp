@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/export/ply.h"
+
+#include <fmt/format.h>
+
+#include "rastro/base/text.h"
+#include "rastro/export/raw_bytes.h"
+
+namespace rastro {
+namespace {
+
+using detail::append_raw;
+
+constexpr const char* place_properties =
+    "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+    "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+
+std::string head(const std::string& frame) {
+  return "ply\nformat binary_little_endian 1.0\ncomment written by rastro; lengths in metres; " + one_line(frame) +
+         "\n";
+}
+
+}  // namespace
+
+std::string cloud_ply(const PointCloud& cloud, const std::string& frame) {
+  std::string bytes = head(frame);
+  if (cloud.voxel_m > 0.0) bytes += fmt::format("comment one point a voxel of {:g} m\n", cloud.voxel_m);
+  bytes += "comment count: measurements; sigma: of the position along the normal, metres\n";
+  bytes += fmt::format("element vertex {}\n{}property uint count\nproperty float sigma\nend_header\n",
+                       cloud.points.size(), place_properties);
+  bytes.reserve(bytes.size() + 35 * cloud.points.size());
+  for (const CloudPoint& point : cloud.points) {
+    append_raw(bytes, point.position);
+    append_raw(bytes, point.normal);
+    append_raw(bytes, point.colour);
+    append_raw(bytes, point.count);
+    append_raw(bytes, point.sigma);
+  }
+  return bytes;
+}
+
+std::string mesh_ply(const TriangleMesh& mesh, const std::string& frame) {
+  std::string bytes = head(frame);
+  bytes += fmt::format("element vertex {}\n{}element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+                       mesh.vertices.size(), place_properties, mesh.triangles.size());
+  for (const MeshVertex& vertex : mesh.vertices) {
+    append_raw(bytes, vertex.position);
+    append_raw(bytes, vertex.normal);
+    append_raw(bytes, vertex.colour);
+  }
+  for (const auto& triangle : mesh.triangles) {
+    bytes += '\3';
+    append_raw(bytes, triangle);
+  }
+  return bytes;
+}
+
+}  // namespace rastro

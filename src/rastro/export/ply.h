@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "rastro/map/cloud/point_cloud.h"
+#include "rastro/map/mesh/triangle_mesh.h"
+
+namespace rastro {
+
+/// Binary PLY: x y z nx ny nz (float, metres), red green blue (uchar), count (uint: measurements), sigma (float, metres
+/// along the normal). `frame` says in a comment what the coordinates are of.
+std::string cloud_ply(const PointCloud& cloud, const std::string& frame);
+std::string mesh_ply(const TriangleMesh& mesh, const std::string& frame);
+
+/// Reads the vertices of a PLY, text or binary of either byte order, from whatever program: x, y, z are needed;
+/// normals, colours, count and sigma are taken where they are. Points that are not finite are left out. Error naming
+/// `where` for what is no PLY or ends early.
+PointCloud parse_cloud_ply(std::string_view bytes, const std::string& where);
+/// The same with faces; polygons are cut into triangles.
+TriangleMesh parse_mesh_ply(std::string_view bytes, const std::string& where);
+
+PointCloud read_cloud_ply(const std::string& file);
+TriangleMesh read_mesh_ply(const std::string& file);
+
+}  // namespace rastro

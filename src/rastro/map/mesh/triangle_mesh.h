@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace rastro {
+
+struct MeshVertex {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< World, metres.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();    ///< Unit length, out of the solid; zero where not known.
+  std::array<std::uint8_t, 3> colour{};                ///< Red, green, blue.
+};
+
+/// Surfaces as triangles; corners are counter-clockwise as seen from outside.
+struct TriangleMesh {
+  std::vector<MeshVertex> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Into vertices.
+};
+
+}  // namespace rastro
