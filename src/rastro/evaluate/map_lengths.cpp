@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/evaluate/map_lengths.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rastro/base/error.h"
+#include "rastro/base/random.h"
+#include "rastro/evaluate/length_combine.h"
+#include "rastro/evaluate/length_edge.h"
+#include "rastro/evaluate/length_face.h"
+#include "rastro/evaluate/length_views.h"
+
+namespace rastro {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double vote_width_m = 0.010;    ///< Of one candidate: poses of keyframes differ by about as much.
+constexpr double agree_widths = 2.5;      ///< Candidates nearer to the chosen place than this many widths are taken.
+constexpr double spot_sigma_share = 0.6;  ///< Standard deviation of a rough spot in its radius.
+constexpr double weak_support = 0.5;      ///< Below, depth is said to contradict.
+constexpr int few_keyframes = 3;
+
+/// A straight edge to look for, or a face where there is none; world.
+struct Feature {
+  Vector3d spot;
+  Vector3d along;    ///< Unit; of the edge, or any direction in the face.
+  Vector3d inwards;  ///< Unit, at right angles to `along`: from the edge into the face.
+  bool is_edge = false;
+  bool normal_known = false;
+  double reach_m = 0.0;  ///< How far the face is known to go inwards.
+
+  Vector3d normal() const { return along.cross(inwards); }
+};
+
+/// One view's idea of where the feature is; world.
+struct Candidate {
+  Vector3d point = Vector3d::Zero();
+  Vector3d direction = Vector3d::Zero();  ///< Of the edge, or the normal of the face.
+  Matrix3d covariance = Matrix3d::Zero();
+  double score = 0.0;
+  int points = 0;
+  double support = 0.0;
+  std::array<Vector2d, 2> pixels{};
+};
+
+/// What one view says of the features of an object.
+struct ViewFinding {
+  std::int64_t keyframe = 0;
+  std::vector<std::vector<Candidate>> candidates;  ///< For each feature.
+};
+
+/// A feature in all the views that agree on it.
+struct Found {
+  std::vector<std::pair<std::size_t, Candidate>> sightings;         ///< With the number of the finding.
+  Vector3d point = Vector3d::Zero(), direction = Vector3d::Zero();  ///< Means.
+};
+
+Feature edge_feature(const Vector3d& spot, const Vector3d& direction, const Vector3d& face) {
+  Feature feature{spot, direction, face - spot, true, true, 0.0};
+  feature.inwards -= feature.inwards.dot(direction) * direction;
+  feature.reach_m = feature.inwards.norm();
+  RASTRO_CHECK(feature.reach_m > 0.0, "an edge with a face beside it");
+  feature.inwards.normalize();
+  return feature;
+}
+
+Feature face_feature(const Vector3d& spot, const std::optional<Vector3d>& normal) {
+  const Vector3d axis = normal.value_or(Vector3d::UnitZ());
+  const Vector3d along = axis.unitOrthogonal();
+  return {spot, along, axis.cross(along), false, normal.has_value(), 0.0};
+}
+
+/// The features of both ends: one each, two for a corner.
+std::vector<Feature> features_of(const LengthObject& object, const LengthSpot& spot) {
+  const Vector3d face = spot.face.value_or(0.5 * (object.a.point + object.b.point));
+  std::vector<Feature> features;
+  for (std::size_t k = 0; k < spot.directions.size(); ++k) {
+    // Each edge of a corner is looked at beside the corner, and the face lies where the other one goes.
+    features.push_back(edge_feature(spot.point, spot.directions[k], face));
+  }
+  if (features.empty()) features.push_back(face_feature(spot.point, spot.normal));
+  return features;
+}
+
+LengthRegion region_of(const Feature& feature, double radius_m, const MapLengthOptions& options) {
+  LengthRegion region;
+  region.centre = feature.spot;
+  region.axes << feature.along, feature.inwards, feature.normal();
+  region.normal_known = feature.normal_known;
+  const double half = feature.is_edge ? options.half_length_m : 0.5 * options.patch_m;
+  if (!feature.is_edge) {
+    const double deep = feature.normal_known ? radius_m : half;
+    region.low = {-half, -half, -deep};
+    region.high = {half, half, deep};
+    return region;
+  }
+  // A narrow board ends soon behind its edge; a bed goes on, and the middle of it tells nothing more.
+  const double reach = std::clamp(2.0 * feature.reach_m, radius_m, options.patch_m);
+  region.low = {-half, -0.5 * radius_m, -radius_m};
+  region.high = {half, reach, radius_m};
+  return region;
+}
+
+Candidate face_candidate(const LengthView& view, const LengthFace& face, const Vector3d& spot) {
+  Candidate found;
+  const Vector3d foot = face.foot(spot), normal = face.normal();
+  const Vector3d ray = foot / foot.z();
+  const double sigma = std::abs(normal.dot(ray)) * face.depth_sigma_at(ray);
+  const Matrix3d turn = view.world_from_camera.rotation().matrix();
+  found.point = view.world_from_camera * foot;
+  found.direction = turn * normal;
+  found.covariance = sigma * sigma * found.direction * found.direction.transpose();
+  found.score = std::sqrt(static_cast<double>(face.points)) * face.support;
+  const auto pixel = view.camera.project(foot);
+  if (pixel) found.pixels = {*pixel, *pixel};
+  return found;
+}
+
+std::vector<Candidate> edge_candidates(const LengthView& view, const LengthFace& face, const LengthEdgeSearch& search) {
+  std::vector<Candidate> found;
+  const Matrix3d turn = view.world_from_camera.rotation().matrix();
+  for (const LengthEdge& edge : find_edges(view, face, search)) {
+    Candidate one;
+    one.point = view.world_from_camera * edge.point;
+    one.direction = turn * edge.direction;
+    one.covariance = turn * edge.covariance * turn.transpose();
+    one.score = edge.score;
+    one.pixels = edge.pixels;
+    found.push_back(one);
+  }
+  return found;
+}
+
+std::vector<Candidate> candidates_in(const LengthView& view, const Feature& feature, double radius_m,
+                                     const MapLengthOptions& options) {
+  const SE3 camera_from_world = view.world_from_camera.inverse();
+  const Matrix3d turn = camera_from_world.rotation().matrix();
+  LengthRegion region = region_of(feature, radius_m, options);
+  region.centre = camera_from_world * region.centre;
+  region.axes = turn * region.axes;
+  const auto face = find_face(view, region, seed_for(options.seed, static_cast<std::uint64_t>(view.keyframe)));
+  if (!face) return {};
+  const Vector3d spot = camera_from_world * feature.spot;
+  std::vector<Candidate> found;
+  if (feature.is_edge) {
+    found = edge_candidates(view, *face,
+                            {spot, turn * feature.along, turn * feature.inwards, radius_m, options.half_length_m});
+  } else {
+    found.push_back(face_candidate(view, *face, spot));
+  }
+  for (Candidate& one : found) one.points = face->points, one.support = face->support;
+  return found;
+}
+
+/// Offset of a candidate from the rough spot, along the direction it was searched in.
+double offset_of(const Feature& feature, const Candidate& candidate) {
+  const Vector3d axis = feature.is_edge ? feature.inwards : candidate.direction;
+  return axis.dot(candidate.point - feature.spot);
+}
+
+double vote(double distance_m, double width_m) { return std::exp(-0.5 * std::pow(distance_m / width_m, 2)); }
+
+/// The offset that the views agree on best, near the spot rather than far from it.
+std::optional<double> agreed_offset(const std::vector<ViewFinding>& findings, std::size_t which, const Feature& feature,
+                                    double radius_m) {
+  std::optional<double> best;
+  double most = 0.0;
+  for (const ViewFinding& proposer : findings) {
+    for (const Candidate& proposed : proposer.candidates[which]) {
+      const double offset = offset_of(feature, proposed);
+      double sum = 0.0;
+      for (const ViewFinding& voter : findings) {
+        double strongest = 0.0;
+        for (const Candidate& one : voter.candidates[which])
+          strongest = std::max(strongest, one.score * vote(offset_of(feature, one) - offset, vote_width_m));
+        sum += strongest;
+      }
+      sum *= vote(offset, spot_sigma_share * radius_m);
+      if (sum > most) most = sum, best = offset;
+    }
+  }
+  return best;
+}
+
+Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const Feature& feature, double radius_m) {
+  Found found;
+  const auto offset = agreed_offset(findings, which, feature, radius_m);
+  if (!offset) return found;
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    const Candidate* best = nullptr;
+    double most = 0.0;
+    for (const Candidate& one : findings[i].candidates[which]) {
+      const double distance = offset_of(feature, one) - *offset;
+      const double score = one.score * vote(distance, vote_width_m);
+      if (std::abs(distance) < agree_widths * vote_width_m && score > most) most = score, best = &one;
+    }
+    if (best != nullptr) found.sightings.emplace_back(i, *best);
+  }
+  for (auto& [finding, one] : found.sightings) {
+    if (one.direction.dot(found.sightings.front().second.direction) < 0.0) one.direction = -one.direction;
+    found.point += one.point / static_cast<double>(found.sightings.size());
+    found.direction += one.direction;
+  }
+  if (!found.sightings.empty()) found.direction.normalize();
+  return found;
+}
+
+/// Where two edges of a corner cross, or come nearest, in each view that has both.
+Found crossing(const Found& one, const Found& other) {
+  Found corner;
+  for (const auto& [finding, first] : one.sightings) {
+    for (const auto& [same, second] : other.sightings) {
+      if (finding != same) continue;
+      const double cosine = first.direction.dot(second.direction), sine_squared = 1.0 - cosine * cosine;
+      if (sine_squared < 0.05) continue;
+      const Vector3d between = second.point - first.point;
+      const double along = (between.dot(first.direction) - cosine * between.dot(second.direction)) / sine_squared;
+      Candidate point = first;
+      point.point = first.point + along * first.direction;
+      point.covariance = first.covariance + second.covariance;
+      point.pixels = {first.pixels[0], second.pixels[0]};
+      corner.sightings.emplace_back(finding, point);
+      corner.point += point.point;
+    }
+  }
+  if (!corner.sightings.empty()) corner.point /= static_cast<double>(corner.sightings.size());
+  return corner;
+}
+
+/// The direction that is measured; nullopt where the two features are one.
+std::optional<Vector3d> measured_direction(LengthKind kind, const Found& a, const Found& b) {
+  Vector3d direction = b.point - a.point;
+  if (kind != LengthKind::points) {
+    const Vector3d common = a.direction + (a.direction.dot(b.direction) < 0.0 ? -1.0 : 1.0) * b.direction;
+    const Vector3d axis = common.normalized();
+    direction = kind == LengthKind::edges ? Vector3d(direction - direction.dot(axis) * axis)
+                                          : Vector3d(direction.dot(axis) * axis);
+  }
+  if (!(direction.norm() > 1e-4)) return std::nullopt;
+  return direction.normalized();
+}
+
+std::vector<LengthSighting> along(const Found& found, const std::vector<ViewFinding>& findings,
+                                  const Vector3d& direction) {
+  std::vector<LengthSighting> sightings;
+  for (const auto& [finding, one] : found.sightings) {
+    sightings.push_back({findings[finding].keyframe, direction.dot(one.point),
+                         std::sqrt(std::max(0.0, direction.dot(one.covariance * direction)))});
+  }
+  return sightings;
+}
+
+/// The keyframe that shows most: both features, and those clearly.
+LengthPicture best_picture(const Found& a, const Found& b, const std::vector<ViewFinding>& findings) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  LengthPicture best;
+  double most = 0.0;
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    LengthPicture picture{
+        findings[i].keyframe, {Vector2d(nan, nan), Vector2d(nan, nan)}, {Vector2d(nan, nan), Vector2d(nan, nan)}};
+    double score = 0.0;
+    for (const auto& [finding, one] : a.sightings)
+      if (finding == i) picture.a = one.pixels, score += 1e3 + one.score;
+    for (const auto& [finding, one] : b.sightings)
+      if (finding == i) picture.b = one.pixels, score += 1e3 + one.score;
+    if (score > most) most = score, best = picture;
+  }
+  return best;
+}
+
+double mean_support(const Found& a, const Found& b) {
+  double sum = 0.0;
+  for (const auto* found : {&a, &b})
+    for (const auto& [finding, one] : found->sightings) sum += one.support;
+  return sum / std::max<double>(1.0, static_cast<double>(a.sightings.size() + b.sightings.size()));
+}
+
+std::string doubts(const MeasuredLength& measured) {
+  if (measured.support < weak_support)
+    return fmt::format("depth is missing or behind over {:.0f} % of the face", 100.0 * (1.0 - measured.support));
+  if (std::min(measured.keyframes_a, measured.keyframes_b) < few_keyframes) return "few keyframes show it";
+  return "";
+}
+
+MeasuredLength not_measured(const LengthObject& object, const std::string& why) {
+  MeasuredLength measured;
+  measured.name = object.name;
+  measured.kind = object.kind;
+  measured.true_length_m = object.true_length_m;
+  measured.a = object.a.point;
+  measured.b = object.b.point;
+  measured.note = why;
+  return measured;
+}
+
+/// All of one object, so that what is looked up often need not be handed around.
+class LengthSearch {
+ public:
+  LengthSearch(const RgbdMap& map, const LengthObject& object, const MapLengthOptions& options)
+      : map_(map), object_(object), options_(options) {
+    a_ = features_of(object, object.a);
+    b_ = features_of(object, object.b);
+  }
+
+  MeasuredLength measure(TaskPool& pool) {
+    look(pool);
+    if (findings_.empty()) return not_measured(object_, "no keyframe shows it");
+    const Found a = found(a_, 0), b = found(b_, a_.size());
+    if (a.sightings.empty() || b.sightings.empty()) {
+      const char* end = a.sightings.empty() ? (b.sightings.empty() ? "neither end" : "a") : "b";
+      return not_measured(object_, fmt::format("{} was not found in {} keyframes", end, findings_.size()));
+    }
+    return combined(a, b);
+  }
+
+ private:
+  LengthPlace place_of(const Feature& feature) const {
+    return {feature.spot, feature.normal_known ? std::optional<Vector3d>(feature.normal()) : std::nullopt};
+  }
+
+  void look(TaskPool& pool) {
+    const std::vector<std::int64_t> views =
+        choose_views(map_, place_of(a_.front()), place_of(b_.front()), options_.views);
+    findings_.resize(views.size());
+    pool.for_chunks(0, static_cast<int>(views.size()), 1, [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) {
+        const LengthView view = open_view(map_, views[static_cast<std::size_t>(i)]);
+        ViewFinding& finding = findings_[static_cast<std::size_t>(i)];
+        finding.keyframe = view.keyframe;
+        for (const auto* features : {&a_, &b_})
+          for (const Feature& feature : *features)
+            finding.candidates.push_back(candidates_in(view, feature, object_.radius_m, options_));
+      }
+    });
+  }
+
+  Found found(const std::vector<Feature>& features, std::size_t first) const {
+    const Found one = agreed(findings_, first, features[0], object_.radius_m);
+    if (features.size() == 1) return one;
+    return crossing(one, agreed(findings_, first + 1, features[1], object_.radius_m));
+  }
+
+  MeasuredLength combined(const Found& a, const Found& b) const {
+    const auto direction = measured_direction(object_.kind, a, b);
+    if (!direction) return not_measured(object_, "both ends were found at one place");
+    const auto length = combine_lengths(along(a, findings_, *direction), along(b, findings_, *direction));
+    if (!length) return not_measured(object_, "the keyframes contradict one another");
+    MeasuredLength measured = not_measured(object_, "");
+    measured.length_m = length->length_m;
+    measured.sigma_m = length->sigma_m;
+    measured.a = a.point;
+    measured.b = b.point;
+    measured.keyframes_a = length->seen_a;
+    measured.keyframes_b = length->seen_b;
+    measured.together = length->together;
+    measured.scatter_m = length->scatter_m;
+    for (const auto* found : {&a, &b})
+      for (const auto& [finding, one] : found->sightings) measured.points += one.points;
+    measured.support = mean_support(a, b);
+    measured.picture = best_picture(a, b, findings_);
+    measured.note = doubts(measured);
+    return measured;
+  }
+
+  const RgbdMap& map_;
+  const LengthObject& object_;
+  const MapLengthOptions& options_;
+  std::vector<Feature> a_, b_;
+  std::vector<ViewFinding> findings_;
+};
+
+}  // namespace
+
+std::vector<MeasuredLength> measure_lengths(const RgbdMap& map, const std::vector<LengthObject>& objects,
+                                            const MapLengthOptions& options, TaskPool& pool) {
+  std::vector<MeasuredLength> measured;
+  for (const LengthObject& object : objects) measured.push_back(LengthSearch(map, object, options).measure(pool));
+  return measured;
+}
+
+}  // namespace rastro
