@@ -1,4 +1,4 @@
-# rastro_module(NAME [PUBLIC lib...] [PRIVATE lib...]): the folder src/rastro/NAME as one internal library.
+# rastro_module(NAME [PUBLIC lib...] [PRIVATE lib...] [PRECOMPILE header...]): the folder src/rastro/NAME as one internal library.
 # Every *.cpp below the folder is a source (main.cpp apart), every *_test.cpp a test, every *_testing.cpp a help to tests; what it may use is read from layers.txt,
 # and configuring stops when a line of that table is not sound. All modules together make librastro.
 define_property(GLOBAL PROPERTY RASTRO_MODULES BRIEF_DOCS "modules in build order" FULL_DOCS "modules in build order")
@@ -44,7 +44,7 @@ function(rastro_without_modules_below name list)
 endfunction()
 
 function(rastro_module name)
-  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
   string(REPLACE "/" "_" target rastro_${name})
   if(NOT DEFINED RASTRO_LAYER_${name})
     message(FATAL_ERROR "module '${name}' has no line in layers.txt")
@@ -60,7 +60,12 @@ function(rastro_module name)
   set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX)
   target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}/src")
   target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} rastro_build_flags)
-  if(RASTRO_PRECOMPILED_HEADERS)
+  if(name IN_LIST RASTRO_FUZZED_MODULES)
+    target_compile_options(${target} PRIVATE -fsanitize-coverage=inline-8bit-counters,pc-table,indirect-calls,trace-cmp)
+  endif()
+  if(RASTRO_PRECOMPILED_HEADERS AND arg_PRECOMPILE)
+    target_precompile_headers(${target} PRIVATE ${rastro_precompiled_headers} ${arg_PRECOMPILE})
+  elseif(RASTRO_PRECOMPILED_HEADERS)
     target_precompile_headers(${target} REUSE_FROM rastro_precompiled)
   endif()
   foreach(used IN LISTS RASTRO_USES_${name})
