@@ -78,11 +78,18 @@ std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
     }
     run->yaw_reference = read_trajectory(flags.reference);
   }
-  const OpenOptions open = open_options(flags.data);
+  const bool depth = odometry_needs_depth(flags.method);
+  if (depth && !flags.scale.empty())
+    throw Error("is for methods that do not know lengths", "--scale", "leave it out: depth gives metres");
+  if (depth) run->scale.said = "metres, from depth";
+  OpenOptions open = open_options(flags.data);
+  open.want_depth = depth;
   run->source = rastro::open(flags.data.path, open);
   const SourceInfo& info = run->source->info();
   if (!info.has_image)
     throw Error("holds no images, and the way is found in them", info.path, "'rastro slam' reads laser scans");
+  if (depth && !info.has_depth)
+    throw Error("holds no depth, and this method needs it", info.path, "try --method features");
   if (info.frame_count >= 0) run->frames = FrameChoice(open, info.frame_count, info.path).count;
   if (info.cameras.empty() || !info.cameras.front().camera) {
     throw Error("has no calibration, and poses need one", info.path,
@@ -101,9 +108,9 @@ std::string poses_text(const Trajectory& trajectory, const std::string& scale) {
 
 void apply_scale(const Prepared& prepared, OdometryRunEnd& end) {
   const ScaleSource& source = prepared.scale;
+  end.result.scale = source.said;
   if (source.reference.empty() && !prepared.ground) return;
   std::optional<double> factor;
-  end.result.scale = source.said;
   if (prepared.ground) {
     if (const auto found = prepared.ground->find()) {
       factor = found->metres_per_unit;

@@ -11,17 +11,20 @@ constexpr const char* footer = R"(Methods:
              (--matcher tracks, sift, orb or surf)
   profiles   how the camera turns, from the sums of the image's columns and rows; goes ahead at constant speed
   hybrid     turns from profiles, the way from two points at a time
+  rgbd       features and surfaces of a depth camera against its last reference frames; in metres
 
 Writes into --out:
   trajectory.txt         final pose of every frame: stamp tx ty tz qx qy qz qw, world_from_camera; world: the first camera
   trajectory_online.txt  each pose as first given
   stats.csv    state, reason, matches, inliers, times per frame   events.jsonl  each change of state, with its reason
   options.yaml all values in force    about.json  version, machine, input    result.json  coverage, states, times, hash
-One camera does not know lengths: they are relative unless --scale gives a source, and every output says which.
+One camera without depth does not know lengths: they are relative unless --scale gives a source, and every output says
+which.
 
 Examples:
   rastro odometry kitti/00 --out run
   rastro odometry kitti/00 --out run --scale camera-height=1.65
+  rastro odometry rgbd_dataset_freiburg1_desk --out run --method rgbd
   rastro odometry MH_01_easy --out run --scale reference=truth.txt --set features=600
   rastro odometry kitti/00 --out run --method profiles --calibrate-yaw --reference kitti/poses/00.txt
   rastro evaluate trajectory kitti/poses/00.txt run --align sim3)";
@@ -31,7 +34,7 @@ Examples:
 void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
   add_data_flags(command, flags.data);
   const char* group = "Odometry";
-  command.add_option("--method", flags.method, "features, profiles or hybrid (default: features)")->group(group);
+  command.add_option("--method", flags.method, "features, profiles, hybrid or rgbd (default: features)")->group(group);
   command.add_option("--matcher", flags.matcher, "What features are matched by (default: tracks)")->group(group);
   command.add_flag("--refine", flags.refine, "Adjust the last keyframes together (the default of features)")
       ->group(group);

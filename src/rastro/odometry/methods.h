@@ -12,6 +12,7 @@
 #include "rastro/odometry/hybrid/options.h"
 #include "rastro/odometry/odometry.h"
 #include "rastro/odometry/profiles/options.h"
+#include "rastro/odometry/rgbd/options.h"
 
 namespace rastro {
 
@@ -19,12 +20,15 @@ namespace rastro {
 const std::vector<std::string>& odometry_methods();
 /// One line on how it works. Error for a name that is no method.
 std::string odometry_summary(const std::string& method);
+/// Whether the method needs pictures with depth, and then knows lengths in metres.
+bool odometry_needs_depth(const std::string& method);
 
 /// The settings of every odometry, defaults at first.
 struct OdometrySettings {
   FeaturesOptions features;
   ProfilesOptions profiles;
   HybridOptions hybrid;
+  RgbdOptions rgbd;
 
   /// Of one method; points into these settings, which must outlive it. Error for a name that is no method.
   OptionTable table(const std::string& method);

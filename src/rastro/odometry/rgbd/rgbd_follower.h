@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "rastro/base/task_pool.h"
 #include "rastro/camera/camera.h"
@@ -43,6 +44,10 @@ class RgbdFollower {
   void restart(const SE3& world_from_camera);
   /// Takes the world and everything in it elsewhere: the graph corrected the newest keyframe.
   void move(const SE3& new_world_from_world);
+  /// Of the last frame, as followed or guessed.
+  const SE3& world_from_camera() const;
+  /// Where the reference frames stand now, oldest first: the newest ones are still being adjusted.
+  std::vector<SE3> reference_poses() const;
 
  private:
   class State;

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "rastro/base/options.h"
+#include "rastro/odometry/frame_check.h"
+
+namespace rastro {
+
+/// Settings of following a depth camera, METHODS 8. Meaning, range and reason of each stand once, in option_table().
+struct RgbdOptions {
+  // Depth.
+  double depth_sigma_m = 0.001;
+  double depth_sigma_per_m2 = 0.002;
+  double min_depth_m = 0.3;
+  double max_depth_m = 6.0;
+
+  // Features.
+  int features = 500;
+  double min_distance_px = 12.0;
+  int patch_px = 13;
+  double pixel_sigma = 0.7;
+  double max_error_px = 3.0;
+  int min_points = 12;
+  int ransac_iterations = 200;
+  std::uint64_t seed = 1;
+
+  // References.
+  double max_reference_turn_deg = 12.0;
+  double max_reference_way = 0.1;
+  double min_reference_share = 0.6;
+  int map_references = 40;
+  int window = 7;
+
+  FrameCheckOptions frame_check;
+};
+
+/// The table points into `options`, which must outlive it.
+OptionTable option_table(RgbdOptions& options);
+
+}  // namespace rastro

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/odometry/rgbd/pose_solver.h"
+
+#include <Eigen/Dense>
+
+#include "rastro/math/robust_kernel.h"
+
+namespace rastro {
+namespace {
+
+// Standard deviations from which on an error weighs less.
+constexpr double kernel_width = 2.0;
+// Metres and radians: a smaller step changes nothing worth another round.
+constexpr double smallest_step = 1e-6;
+// Holds directions that nothing measures, far weaker than any measurement.
+constexpr double hold = 1e-3;
+
+using Matrix23 = Eigen::Matrix<double, 2, 3>;
+
+void add_point(const PointMeasurement& point, const SE3& camera_from_world, const Eigen::Matrix3d& rotation,
+               const CauchyKernel& kernel, PoseQuadratic& sum) {
+  const Eigen::Vector3d p = camera_from_world * point.in_world;
+  if (p.z() < 0.05) return;
+  const double inverse = 1.0 / p.z();
+  Matrix23 projection;
+  projection << inverse, 0.0, -p.x() * inverse * inverse, 0.0, inverse, -p.y() * inverse * inverse;
+  const Eigen::Vector3d slide = rotation * point.in_world_per_inverse_depth;
+  // With d at the right of world_from_camera: p' = exp(-d) p.
+  Eigen::Matrix<double, 3, 6> motion;
+  motion << -Eigen::Matrix3d::Identity(), hat(p);
+  Eigen::Matrix<double, 3, 6> jacobian = Eigen::Matrix<double, 3, 6>::Zero();
+  Eigen::Vector3d error = Eigen::Vector3d::Zero(), along = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d noise = Eigen::Matrix3d::Identity();
+  error.head<2>() = point.ray - projection.leftCols<2>() * p.head<2>();
+  jacobian.topRows<2>() = projection * motion;
+  along.head<2>() = projection * slide;
+  noise.topLeftCorner<2, 2>() *= point.ray_sigma * point.ray_sigma;
+  if (point.inverse_depth > 0.0) {
+    const double by_z = -inverse * inverse;
+    error.z() = point.inverse_depth - inverse;
+    jacobian.row(2) = by_z * motion.row(2);
+    along.z() = by_z * slide.z();
+    noise(2, 2) = point.inverse_depth_sigma * point.inverse_depth_sigma;
+  }
+  // The map's own depth is uncertain, which moves all three together.
+  noise += point.inverse_depth_variance * along * along.transpose();
+  const Eigen::Matrix3d information = noise.inverse();
+  const double weight = kernel.weight(error.dot(information * error));
+  const Eigen::Matrix<double, 6, 3> weighted = weight * jacobian.transpose() * information;
+  sum.information.noalias() += weighted * jacobian;
+  sum.gradient.noalias() += weighted * error;
+}
+
+}  // namespace
+
+PoseQuadratic points_quadratic(const std::vector<PointMeasurement>& points, const SE3& world_from_camera,
+                               double kernel) {
+  PoseQuadratic sum;
+  const SE3 camera_from_world = world_from_camera.inverse();
+  const Eigen::Matrix3d rotation = camera_from_world.rotation().matrix();
+  for (const PointMeasurement& point : points) add_point(point, camera_from_world, rotation, {kernel}, sum);
+  return sum;
+}
+
+PoseSolution solve_pose(const std::vector<PointMeasurement>& points, const SE3& start, int iterations,
+                        const std::function<PoseQuadratic(const SE3&, int iteration)>& others) {
+  PoseSolution solution;
+  solution.world_from_camera = start;
+  for (int i = 0; i < iterations; ++i) {
+    solution.points = points_quadratic(points, solution.world_from_camera, kernel_width);
+    solution.others = others ? others(solution.world_from_camera, i) : PoseQuadratic();
+    const Matrix6d information =
+        solution.points.information + solution.others.information + hold * Matrix6d::Identity();
+    const Vector6d step = information.ldlt().solve(solution.points.gradient + solution.others.gradient);
+    if (!step.allFinite()) break;
+    solution.world_from_camera = solution.world_from_camera * SE3::exp(step);
+    solution.converged = step.norm() < smallest_step;
+    if (solution.converged) break;
+  }
+  return solution;
+}
+
+}  // namespace rastro

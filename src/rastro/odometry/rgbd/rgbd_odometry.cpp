@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/odometry/rgbd/rgbd_odometry.h"
+
+#include <algorithm>
+
+#include "rastro/base/stopwatch.h"
+#include "rastro/odometry/rgbd/rgbd_follower.h"
+
+namespace rastro {
+namespace {
+
+// The view may come back after a jolt; after this many frames in which nothing was known again, a new start is better.
+constexpr int most_lost_frames = 30;
+
+}  // namespace
+
+class RgbdOdometry::State {
+ public:
+  State(const RgbdOptions& options, const Camera& camera, TaskPool* pool) : follower(options, camera, pool) {}
+
+  RgbdFollower follower;
+  struct Record {
+    TimeNs stamp;
+    int reference;  ///< Number of the newest reference then.
+    SE3 reference_from_camera;
+  };
+  std::vector<Record> records;
+  int lost = 0;
+};
+
+RgbdOdometry::RgbdOdometry(const RgbdOptions& options, const Camera& camera, TaskPool* pool)
+    : state_(std::make_unique<State>(options, camera, pool)) {}
+RgbdOdometry::~RgbdOdometry() = default;
+
+OdometryUpdate RgbdOdometry::process(const Frame& frame) {
+  Stopwatch stopwatch;
+  if (state_->lost >= most_lost_frames) {
+    state_->follower.restart(state_->follower.world_from_camera());
+    state_->lost = 0;
+  }
+  const RgbdFollow follow = state_->follower.follow(frame);
+  state_->lost = follow.state == OdometryState::lost ? state_->lost + 1 : 0;
+  OdometryUpdate update;
+  update.index = frame.index;
+  update.stamp = frame.stamp;
+  update.state = follow.state;
+  update.reason = follow.reason;
+  update.detail = follow.detail;
+  update.world_from_camera = follow.world_from_camera;
+  update.used = follow.state == OdometryState::tracking;
+  update.matches = follow.points;
+  update.inliers = follow.inliers;
+  update.confidence = follow.points > 0 ? static_cast<double>(follow.inliers) / follow.points : 0.0;
+  const int reference = static_cast<int>(state_->follower.reference_poses().size()) - 1;
+  const SE3 world_from_reference = reference < 0 ? SE3() : state_->follower.reference_poses().back();
+  state_->records.push_back({frame.stamp, reference, world_from_reference.inverse() * follow.world_from_camera});
+  update.milliseconds = stopwatch.lap_ms();
+  return update;
+}
+
+Trajectory RgbdOdometry::trajectory() const {
+  const std::vector<SE3> references = state_->follower.reference_poses();
+  Trajectory trajectory;
+  for (const State::Record& record : state_->records) {
+    const SE3 world_from_reference =
+        record.reference < 0 ? SE3() : references[static_cast<std::size_t>(record.reference)];
+    trajectory.push_back({record.stamp, world_from_reference * record.reference_from_camera});
+  }
+  return trajectory;
+}
+
+}  // namespace rastro
