@@ -13,6 +13,7 @@
 #include "rastro/cli/command.h"
 #include "rastro/synthetic/worlds/corridor.h"
 #include "rastro/synthetic/worlds/hall.h"
+#include "rastro/synthetic/worlds/rooms.h"
 #include "rastro/synthetic/worlds/street.h"
 #include "rastro/synthetic/write_euroc.h"
 #include "rastro/synthetic/write_kitti.h"
@@ -75,7 +76,7 @@ Written write_as_asked(const World& world, const SimulateFlags& flags, std::int6
 }
 
 void check_flags(const SimulateFlags& flags) {
-  const std::vector<std::string> names = {"hall", "street", "corridor"},
+  const std::vector<std::string> names = {"hall", "street", "corridor", "bedroom", "study"},
                                  formats = {"euroc", "kitti", "kitti-raw", "tum", "carmen"};
   const auto is_one_of = [](const std::string& name, const std::vector<std::string>& list) {
     return std::find(list.begin(), list.end(), name) != list.end();
@@ -103,9 +104,24 @@ void check_flags(const SimulateFlags& flags) {
     throw Error("the number of threads is negative", "--threads", "use 0 for all of the machine, or 1 and more");
 }
 
+bool is_room(const std::string& world) { return world == "bedroom" || world == "study"; }
+
+const char* default_format(const std::string& world) {
+  if (is_room(world)) return "tum";
+  return world == "street" ? "kitti" : world == "corridor" ? "carmen" : "euroc";
+}
+
+std::int64_t default_frames(const std::string& world) {
+  const double round_s = world == "bedroom" ? bedroom_round_s : study_round_s;
+  if (is_room(world)) return static_cast<std::int64_t>(round_s * 30.0) + 1;
+  return world == "street" ? 400 : 150;
+}
+
 World make_world(const SimulateFlags& flags) {
   if (flags.world == "corridor") return make_corridor({.seed = flags.seed, .threads = flags.threads});
   if (flags.world == "street") return make_street({.seed = flags.seed, .threads = flags.threads});
+  if (flags.world == "bedroom") return make_bedroom({.seed = flags.seed, .threads = flags.threads});
+  if (flags.world == "study") return make_study({.seed = flags.seed, .threads = flags.threads});
   return make_hall({.seed = flags.seed, .distortion = flags.distortion, .threads = flags.threads});
 }
 
@@ -144,7 +160,7 @@ void simulate_laser(const SimulateFlags& flags) {
 }
 
 void simulate_camera(const SimulateFlags& flags) {
-  const std::int64_t frames = flags.frames.value_or(flags.world == "street" ? 400 : 150);
+  const std::int64_t frames = flags.frames.value_or(default_frames(flags.world));
   const World world = make_world(flags);
   Written written;
   {
@@ -163,8 +179,7 @@ void simulate(SimulateFlags flags) {
     return;
   }
   check_flags(flags);
-  if (flags.format.empty())
-    flags.format = flags.world == "street" ? "kitti" : flags.world == "corridor" ? "carmen" : "euroc";
+  if (flags.format.empty()) flags.format = default_format(flags.world);
   if (flags.format == "carmen")
     simulate_laser(flags);
   else

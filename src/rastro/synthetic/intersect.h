@@ -24,19 +24,22 @@ inline Eigen::Vector3d to_local(const Primitive& primitive, const Eigen::Vector3
 
 namespace detail {
 
-inline Meeting meet_box(const Eigen::Vector3d& half, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+/// Steps along each axis' unit of way. A tiny slope in place of zero keeps infinity times zero out.
+inline Eigen::Vector3d inverse_of(const Eigen::Vector3d& direction) {
+  return direction.unaryExpr([](double slope) { return 1.0 / (slope == 0.0 ? 1e-300 : slope); });
+}
+
+inline Meeting meet_box(const Eigen::Vector3d& half, const Eigen::Vector3d& origin, const Eigen::Vector3d& inverses) {
   double enter = 0.0, leave = std::numeric_limits<double>::infinity();
   int face = -1;
   for (int axis = 0; axis < 3; ++axis) {
-    // A tiny slope in place of zero keeps infinity times zero out.
-    const double slope = direction[axis] == 0.0 ? 1e-300 : direction[axis];
-    const double inverse = 1.0 / slope;
-    const double side = slope > 0.0 ? -half[axis] : half[axis];
+    const double inverse = inverses[axis];
+    const double side = inverse > 0.0 ? -half[axis] : half[axis];
     const double near = (side - origin[axis]) * inverse;
     const double far = (-side - origin[axis]) * inverse;
     if (near > enter) {
       enter = near;
-      face = 2 * axis + (slope > 0.0 ? 1 : 0);
+      face = 2 * axis + (inverse > 0.0 ? 1 : 0);
     }
     if (far < leave) leave = far;
   }
@@ -82,12 +85,15 @@ inline Meeting meet_sphere(const Eigen::Vector3d& half, const Eigen::Vector3d& o
 
 }  // namespace detail
 
+/// `inverse_in_world`: detail::inverse_of(direction_in_world), which many solids share.
 inline Meeting meet(const Primitive& primitive, const Eigen::Vector3d& origin_in_local,
-                    const Eigen::Vector3d& direction_in_world) {
+                    const Eigen::Vector3d& direction_in_world, const Eigen::Vector3d& inverse_in_world) {
+  if (primitive.aligned && primitive.shape == Shape::box)
+    return detail::meet_box(primitive.half, origin_in_local, inverse_in_world);
   const Eigen::Vector3d direction = to_local(primitive, direction_in_world);
   switch (primitive.shape) {
     case Shape::box:
-      return detail::meet_box(primitive.half, origin_in_local, direction);
+      return detail::meet_box(primitive.half, origin_in_local, detail::inverse_of(direction));
     case Shape::quad:
       return detail::meet_quad(primitive.half, origin_in_local, direction);
     case Shape::cylinder:
@@ -96,6 +102,11 @@ inline Meeting meet(const Primitive& primitive, const Eigen::Vector3d& origin_in
       return detail::meet_sphere(primitive.half, origin_in_local, direction);
   }
   return {};
+}
+
+inline Meeting meet(const Primitive& primitive, const Eigen::Vector3d& origin_in_local,
+                    const Eigen::Vector3d& direction_in_world) {
+  return meet(primitive, origin_in_local, direction_in_world, detail::inverse_of(direction_in_world));
 }
 
 }  // namespace rastro

@@ -22,7 +22,9 @@ struct PixelHit {
 /// One picture in the making.
 class Shot {
  public:
-  Shot(const Scene& scene, const Renderer& renderer, const SE3& world_from_camera)
+  enum class Want { depth, grey, colour };
+
+  Shot(const Scene& scene, const Renderer& renderer, const SE3& world_from_camera, Want want)
       : scene_(scene),
         renderer_(renderer),
         rotation_(world_from_camera.rotation().matrix()),
@@ -33,7 +35,8 @@ class Shot {
         columns_((renderer.camera().width + tile_px - 1) / tile_px),
         rows_((renderer.camera().height + tile_px - 1) / tile_px),
         lists_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
-        light(renderer.camera().width, renderer.camera().height) {
+        want_(want),
+        light(light_width(renderer.camera().width, want), renderer.camera().height) {
     frame.depth = DepthImage(renderer.camera().width, renderer.camera().height);
     frame.surface = Image<std::uint32_t>(renderer.camera().width, renderer.camera().height);
   }
@@ -46,15 +49,29 @@ class Shot {
 
   /// Averages several rays in pixels that more than one surface reaches.
   void smooth_edges(TaskPool& pool) {
-    const Image<float> centres = light;
     pool.for_chunks(0, light.height(), tile_px, [&](int begin, int end) {
       for (int y = begin; y < end; ++y)
-        for (int x = 0; x < light.width(); ++x)
-          if (on_edge(x, y)) light.at(x, y) = supersampled(x, y, centres.at(x, y));
+        for (int x = 0; x < frame.depth.width(); ++x) {
+          if (!on_edge(x, y)) continue;
+          if (want_ == Want::colour)
+            smooth(channels(x, y), x, y, [&](const PixelHit& hit, const Vector3d& ray) { return colour(hit, ray); });
+          else
+            smooth(light.at(x, y), x, y, [&](const PixelHit& hit, const Vector3d& ray) { return shade(hit, ray); });
+        }
     });
   }
 
  private:
+  using Channels = Eigen::Array4f;
+  using Vector3d = Eigen::Vector3d;
+
+  static int light_width(int width, Want want) {
+    return want == Want::depth ? 0 : want == Want::colour ? 4 * width : width;
+  }
+  Eigen::Map<Channels, Eigen::Aligned16> channels(int x, int y) {
+    return Eigen::Map<Channels, Eigen::Aligned16>(light.row(y) + 4 * x);
+  }
+
   void cast_block_row(int block_row) {
     std::vector<const ViewedPrimitive*> all;
     for (const ViewedPrimitive& viewed : viewed_) all.push_back(&viewed);
@@ -90,24 +107,26 @@ class Shot {
   }
 
   void cast_tile(int column, int row, const std::vector<const ViewedPrimitive*>& list) {
-    const int x_end = std::min(light.width(), (column + 1) * tile_px),
-              y_end = std::min(light.height(), (row + 1) * tile_px);
+    const int x_end = std::min(frame.depth.width(), (column + 1) * tile_px),
+              y_end = std::min(frame.depth.height(), (row + 1) * tile_px);
     for (int y = row * tile_px; y < y_end; ++y)
       for (int x = column * tile_px; x < x_end; ++x) {
         const Eigen::Vector3d direction = rotation_ * renderer_.ray(x, y);
         const PixelHit hit = nearest(list, direction);
         frame.depth.at(x, y) = static_cast<float>(hit.depth);
         frame.surface.at(x, y) = hit.surface;
-        light.at(x, y) = shade(hit, direction);
+        if (want_ == Want::grey) light.at(x, y) = shade(hit, direction);
+        if (want_ == Want::colour) channels(x, y) = colour(hit, direction);
       }
   }
 
   static PixelHit nearest(const std::vector<const ViewedPrimitive*>& list, const Eigen::Vector3d& direction) {
     Meeting best;
     const Primitive* met = nullptr;
+    const Eigen::Vector3d inverse = detail::inverse_of(direction);
     for (const ViewedPrimitive* viewed : list) {
       if (viewed->nearest_depth > best.t) break;
-      const Meeting meeting = meet(*viewed->primitive, viewed->origin_in_local, direction);
+      const Meeting meeting = meet(*viewed->primitive, viewed->origin_in_local, direction, inverse);
       if (meeting.t >= best.t) continue;
       best = meeting;
       met = viewed->primitive;
@@ -116,9 +135,22 @@ class Shot {
     return {best.t, met->first_surface + static_cast<std::uint32_t>(best.face)};
   }
 
+  /// Where a ray meets a texture, and how much of it a pixel covers: in texels.
+  struct Footprint {
+    float x, y, dx_dx, dy_dx, dx_dy, dy_dy;
+  };
+
   float shade(const PixelHit& hit, const Eigen::Vector3d& direction) const {
     if (hit.surface == no_surface) return 0.0F;
-    const FacePoint place = scene_.face_point(hit.surface, centre_ + hit.depth * direction);
+    return sample(scene_.surfaces()[hit.surface].texture, footprint(hit, direction, centre_));
+  }
+
+  static float sample(const Texture& texture, const Footprint& at) {
+    return texture.sample(at.x, at.y, at.dx_dx, at.dy_dx, at.dx_dy, at.dy_dy);
+  }
+
+  Footprint footprint(const PixelHit& hit, const Eigen::Vector3d& direction, const Eigen::Vector3d& origin) const {
+    const FacePoint place = scene_.face_point(hit.surface, origin + hit.depth * direction);
     const Surface& surface = scene_.surfaces()[hit.surface];
     const double facing = place.normal.dot(direction);
     const double safe = std::abs(facing) < 1e-4 ? 1e-4 : facing;
@@ -129,29 +161,76 @@ class Shot {
     const auto dv_dx = static_cast<float>(scale_y * (place.along_v.dot(step_x_) - along_v * normal_x));
     const auto du_dy = static_cast<float>(scale_x * (place.along_u.dot(step_y_) - along_u * normal_y));
     const auto dv_dy = static_cast<float>(scale_y * (place.along_v.dot(step_y_) - along_v * normal_y));
-    return surface.texture.sample(static_cast<float>(place.u * surface.texels_x),
-                                  static_cast<float>(place.v * surface.texels_y), du_dx, dv_dx, du_dy, dv_dy);
+    return {static_cast<float>(place.u * surface.texels_x),
+            static_cast<float>(place.v * surface.texels_y),
+            du_dx,
+            dv_dx,
+            du_dy,
+            dv_dy};
+  }
+
+  /// Through glass in front of what was met.
+  Channels colour(const PixelHit& hit, const Eigen::Vector3d& direction) const {
+    Channels result = opaque_colour(hit, direction, centre_);
+    for (const GlassSheet& sheet : scene_.glass()) {
+      const double glass = sheet.meet(centre_, direction);
+      if (hit.surface == no_surface || glass < hit.depth) result = behind_glass(sheet, glass, direction, result);
+    }
+    return result;
+  }
+
+  Channels opaque_colour(const PixelHit& hit, const Eigen::Vector3d& direction, const Eigen::Vector3d& origin) const {
+    if (hit.surface == no_surface) return Channels::Zero();
+    const Surface& surface = scene_.surfaces()[hit.surface];
+    const Footprint at = footprint(hit, direction, origin);
+    const float grey = sample(surface.texture, at);
+    Tint tint = surface.tint;
+    if (!surface.redness.empty()) {
+      const float scale = 0.5F;
+      const float side = scale * std::sqrt(std::abs(at.dx_dx * at.dy_dy - at.dx_dy * at.dy_dx));
+      const auto share = [&](const Texture& texture) {
+        return texture.sample(scale * at.x, scale * at.y, side, 0.0F, 0.0F, side) / 64.0F;
+      };
+      tint.red = share(surface.redness), tint.blue = share(surface.blueness);
+      tint.green = std::max(0.0F, (1.0F - 0.299F * tint.red - 0.114F * tint.blue) / 0.587F);
+    }
+    return grey * Channels(tint.red, tint.green, tint.blue, 0.0F);
+  }
+
+  /// A pane takes a tenth of the light, more of its red, and mirrors the more the flatter it is looked at (Schlick
+  /// 1994).
+  Channels behind_glass(const GlassSheet& sheet, double t, const Eigen::Vector3d& direction,
+                        const Channels& behind) const {
+    const Eigen::Vector3d normal = sheet.right.cross(sheet.down).normalized();
+    const double slope = std::abs(normal.dot(direction)) / direction.norm();
+    const auto mirrored = static_cast<float>(0.08 + 0.92 * std::pow(1.0 - slope, 5.0));
+    const Eigen::Vector3d origin = centre_ + t * direction, away = direction - 2.0 * normal.dot(direction) * normal;
+    const std::optional<RayHit> hit = scene_.trace(origin, away);
+    const Channels reflection = hit ? opaque_colour({hit->t, hit->surface}, away, origin) : Channels(Channels::Zero());
+    return (1.0F - mirrored) * behind * Channels(0.86F, 0.93F, 0.90F, 0.0F) + mirrored * reflection;
   }
 
   bool on_edge(int x, int y) const {
     const std::uint32_t here = frame.surface.at(x, y);
     return (x > 0 && frame.surface.at(x - 1, y) != here) ||
-           (x + 1 < light.width() && frame.surface.at(x + 1, y) != here) ||
+           (x + 1 < frame.surface.width() && frame.surface.at(x + 1, y) != here) ||
            (y > 0 && frame.surface.at(x, y - 1) != here) ||
-           (y + 1 < light.height() && frame.surface.at(x, y + 1) != here);
+           (y + 1 < frame.surface.height() && frame.surface.at(x, y + 1) != here);
   }
 
-  float supersampled(int x, int y, float centre) const {
+  /// `value` is that of the pixel's centre, which becomes the mean.
+  template <typename Value, typename Shader>
+  void smooth(Value&& value, int x, int y, Shader&& shader) const {
     // A rotated square: four different offsets along x and along y resolve edges near both directions best.
     constexpr double offsets[4][2] = {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}};
     const auto& list = lists_[static_cast<std::size_t>((y / tile_px) * columns_ + x / tile_px)];
     const Eigen::Vector3d middle = rotation_ * renderer_.ray(x, y);
-    float sum = centre;
+    std::decay_t<decltype(shader(PixelHit(), middle))> sum = value;
     for (const auto& offset : offsets) {
       const Eigen::Vector3d direction = middle + offset[0] * step_x_ + offset[1] * step_y_;
-      sum += shade(nearest(list, direction), direction);
+      sum += shader(nearest(list, direction), direction);
     }
-    return sum / 5.0F;
+    value = sum / 5.0F;
   }
 
   const Scene& scene_;
@@ -161,6 +240,7 @@ class Shot {
   std::vector<ViewedPrimitive> viewed_;
   int columns_, rows_;
   std::vector<std::vector<const ViewedPrimitive*>> lists_;
+  Want want_;
 
  public:
   Image<float> light;
@@ -184,12 +264,24 @@ Renderer::Renderer(const Scene& scene, const Camera& camera) : scene_(&scene), c
 }
 
 RenderedFrame Renderer::render(const SE3& world_from_camera, const SensorModel& sensor, const ShutterMotion& shutter,
-                               std::uint64_t noise_seed, TaskPool& pool, double time_s) const {
+                               std::uint64_t noise_seed, TaskPool& pool, double time_s, bool in_colour) const {
   const std::optional<Scene> moved = scene_->moves() ? std::optional(scene_->at(time_s)) : std::nullopt;
-  Shot shot(moved ? *moved : *scene_, *this, world_from_camera);
+  Shot shot(moved ? *moved : *scene_, *this, world_from_camera, in_colour ? Shot::Want::colour : Shot::Want::grey);
   shot.cast(pool);
   shot.smooth_edges(pool);
-  shot.frame.grey = expose(shot.light, shot.frame.depth, camera_, sensor, shutter, noise_seed, pool);
+  if (in_colour) {
+    shot.frame.colour = expose_colour(shot.light, shot.frame.depth, camera_, sensor, shutter, noise_seed, pool);
+    shot.frame.grey = grey_from_colour(shot.frame.colour);
+  } else {
+    shot.frame.grey = expose(shot.light, shot.frame.depth, camera_, sensor, shutter, noise_seed, pool);
+  }
+  return std::move(shot.frame);
+}
+
+RenderedFrame Renderer::cast(const SE3& world_from_camera, TaskPool& pool, double time_s) const {
+  const std::optional<Scene> moved = scene_->moves() ? std::optional(scene_->at(time_s)) : std::nullopt;
+  Shot shot(moved ? *moved : *scene_, *this, world_from_camera, Shot::Want::depth);
+  shot.cast(pool);
   return std::move(shot.frame);
 }
 

@@ -20,6 +20,7 @@ struct RenderedFrame {
   GreyImage grey;
   DepthImage depth;  ///< Exact depth along the optical axis at each pixel's centre, metres; 0 where nothing is met.
   Image<std::uint32_t> surface;  ///< Surface met at each pixel's centre; no_surface where there is none.
+  ColourImage colour;            ///< Only where asked for; `grey` is then made from it.
 };
 
 /// Casts one ray a pixel, more along the edges of solids, in small tiles that know which solids they may see.
@@ -31,7 +32,11 @@ class Renderer {
 
   /// The same bytes for any pool. Everything that moves is where it is at `time_s`.
   RenderedFrame render(const SE3& world_from_camera, const SensorModel& sensor, const ShutterMotion& shutter,
-                       std::uint64_t noise_seed, TaskPool& pool, double time_s = 0.0) const;
+                       std::uint64_t noise_seed, TaskPool& pool, double time_s = 0.0, bool in_colour = false) const;
+  /// Only depth and surfaces.
+  RenderedFrame cast(const SE3& world_from_camera, TaskPool& pool, double time_s = 0.0) const;
+
+  const Scene& scene() const { return *scene_; }
 
   const Camera& camera() const { return camera_; }
   /// Direction of a pixel's centre in the camera, with z = 1.

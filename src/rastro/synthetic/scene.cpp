@@ -197,13 +197,13 @@ class NearestMeeting {
  public:
   NearestMeeting(const std::vector<Primitive>& primitives, const Eigen::Vector3d& origin,
                  const Eigen::Vector3d& direction, double limit)
-      : primitives_(primitives), origin_(origin), direction_(direction) {
+      : primitives_(primitives), origin_(origin), direction_(direction), inverse_(detail::inverse_of(direction)) {
     best_.t = limit;
   }
   /// Returns the distance that a solid has to beat from now on.
   double test(std::uint32_t number) {
     const Primitive& primitive = primitives_[number];
-    const Meeting meeting = meet(primitive, to_local(primitive, origin_ - primitive.centre), direction_);
+    const Meeting meeting = meet(primitive, to_local(primitive, origin_ - primitive.centre), direction_, inverse_);
     if (meeting.t < best_.t) {
       best_ = meeting;
       met_ = &primitive;
@@ -224,6 +224,7 @@ class NearestMeeting {
   const std::vector<Primitive>& primitives_;
   const Eigen::Vector3d& origin_;
   const Eigen::Vector3d& direction_;
+  Eigen::Vector3d inverse_;
   Meeting best_;
   const Primitive* met_ = nullptr;
 };

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -41,6 +44,7 @@ struct Material {
   std::function<void(Canvas&, Random&)> paint;
   double texels_per_metre = 100.0;
   bool shines = false;
+  float infrared = 1.0F;  ///< How well a depth camera sees it: 0 never, 1 always.
 };
 
 /// One face: what a surface id stands for.
@@ -50,6 +54,8 @@ struct Surface {
   double width = 0.0, height = 0.0;  ///< Metres, unrolled.
   Material material;
   Texture texture;
+  Tint tint;                              ///< Of all of it, where `redness` is empty.
+  Texture redness, blueness;              ///< What grey is multiplied with, in steps of 1/64.
   double texels_x = 0.0, texels_y = 0.0;  ///< Texels per metre as made.
 };
 
@@ -65,6 +71,23 @@ struct RayHit {
 struct FacePoint {
   double u = 0.0, v = 0.0;  ///< Metres from the upper left corner of the face.
   Eigen::Vector3d normal, along_u, along_v;
+};
+
+/// A rectangle of glass, thin and flat. Rays of sight go through it (it is part of no trace()); pictures in colour show
+/// a weak reflection on it, and depth cameras see nothing or what lies behind.
+struct GlassSheet {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::UnitX(), down = Eigen::Vector3d::UnitY();  ///< Full sides, at right angles.
+
+  /// How far along a ray it is met, in lengths of `direction`; infinite where it is missed.
+  double meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+    const Eigen::Vector3d normal = right.cross(down);
+    const double t = normal.dot(centre - origin) / normal.dot(direction);
+    const Eigen::Vector3d place = origin + t * direction - centre;
+    const bool met = t > 0.0 && std::abs(place.dot(right)) <= 0.5 * right.squaredNorm() &&
+                     std::abs(place.dot(down)) <= 0.5 * down.squaredNorm();
+    return met ? t : std::numeric_limits<double>::infinity();
+  }
 };
 
 /// Where a thing that moves is: world_from_rest of the place where its solids were added. Must depend on the time only.
@@ -83,6 +106,8 @@ class Scene {
   /// Spanned by full side vectors at right angles; `right` and `down` as the picture on it is seen from its front.
   std::uint32_t add_quad(const Eigen::Vector3d& centre, const Eigen::Vector3d& right, const Eigen::Vector3d& down,
                          const Material& material);
+  void add_glass(const GlassSheet& sheet) { glass_.push_back(sheet); }
+  const std::vector<GlassSheet>& glass() const { return glass_; }
   /// Replaces the material of one face of a primitive.
   void paint_face(std::uint32_t primitive, int face, const Material& material);
   /// The solids added from now on are one thing that moves (until the next call), as a car does. What stands still is
@@ -128,6 +153,7 @@ class Scene {
   std::vector<Primitive> primitives_;
   std::shared_ptr<std::vector<Surface>> surfaces_ = std::make_shared<std::vector<Surface>>();
   std::vector<Mover> movers_;
+  std::vector<GlassSheet> glass_;
   /// Of all solids that stand still once bake() has run; empty while there are still some to come.
   std::shared_ptr<const BoundsTree> tree_ = std::make_shared<const BoundsTree>();
 };

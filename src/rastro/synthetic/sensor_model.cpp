@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/synthetic/sensor_model.h"
 
+#include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "rastro/base/random.h"
@@ -62,6 +64,36 @@ float blurred(const Image<float>& light, int x, int y, float flow_x, float flow_
   return sum / static_cast<float>(probes);
 }
 
+using Channels = Eigen::Array4f;
+
+Channels channels_at(const Image<float>& light, int x, int y) {
+  return Eigen::Map<const Channels, Eigen::Aligned16>(light.row(y) + 4 * x);
+}
+
+Channels channels_between(const Image<float>& light, float x, float y) {
+  const int width = light.width() / 4;
+  x = std::clamp(x, 0.0F, static_cast<float>(width - 1));
+  y = std::clamp(y, 0.0F, static_cast<float>(light.height() - 1));
+  const int left = std::min(static_cast<int>(x), width - 2), top = std::min(static_cast<int>(y), light.height() - 2);
+  const float u = x - static_cast<float>(left), v = y - static_cast<float>(top);
+  const Channels upper = channels_at(light, left, top), lower = channels_at(light, left, top + 1);
+  const Channels above = upper + u * (channels_at(light, left + 1, top) - upper);
+  const Channels below = lower + u * (channels_at(light, left + 1, top + 1) - lower);
+  return above + v * (below - above);
+}
+
+Channels blurred_channels(const Image<float>& light, int x, int y, float flow_x, float flow_y) {
+  const float length = std::sqrt(flow_x * flow_x + flow_y * flow_y);
+  if (length < least_blur_px) return channels_at(light, x, y);
+  const int probes = std::min(24, 2 + static_cast<int>(0.5F * length));
+  Channels sum = Channels::Zero();
+  for (int probe = 0; probe < probes; ++probe) {
+    const float along = (static_cast<float>(probe) + 0.5F) / static_cast<float>(probes) - 0.5F;
+    sum += channels_between(light, static_cast<float>(x) + along * flow_x, static_cast<float>(y) + along * flow_y);
+  }
+  return sum / static_cast<float>(probes);
+}
+
 /// Standard normal to within what 8-bit pictures can tell: the sum of four uniform 16-bit numbers (Irwin and Hall).
 float quick_normal(Random& random) {
   const std::uint64_t bits = random.next();
@@ -69,6 +101,19 @@ float quick_normal(Random& random) {
       static_cast<std::int32_t>((bits & 0xFFFF) + ((bits >> 16) & 0xFFFF) + ((bits >> 32) & 0xFFFF) + (bits >> 48));
   return static_cast<float>(sum - 131070) * (1.0F / 37837.2F);
 }
+
+/// The same from a list of 4096 that is drawn once: 12 bits a number.
+class NormalList {
+ public:
+  NormalList() {
+    Random random(1);
+    for (float& value : values_) value = quick_normal(random);
+  }
+  float at(std::uint64_t bits) const { return values_[bits & 4095]; }
+
+ private:
+  std::array<float, 4096> values_;
+};
 
 }  // namespace
 
@@ -97,6 +142,38 @@ GreyImage expose(const Image<float>& light, const DepthImage& depth, const Camer
     }
   });
   return grey;
+}
+
+ColourImage expose_colour(const Image<float>& light, const DepthImage& depth, const Camera& camera,
+                          const SensorModel& sensor, const ShutterMotion& shutter, std::uint64_t noise_seed,
+                          TaskPool& pool) {
+  const int width = light.width() / 4, height = light.height();
+  ColourImage colour{Image<std::uint8_t>(3 * width, height)};
+  if (width < 2 || height < 2) return colour;
+  const NormalList normals;
+  const BlurField field(camera, shutter);
+  const float middle_x = 0.5F * static_cast<float>(width - 1), middle_y = 0.5F * static_cast<float>(height - 1);
+  const float to_corner = 1.0F / (middle_x * middle_x + middle_y * middle_y);
+  pool.for_chunks(0, height, rows_per_task, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) {
+      Random random(seed_for(noise_seed, static_cast<std::uint64_t>(y)));
+      const float dy = static_cast<float>(y) - middle_y;
+      for (int x = 0; x < width; ++x) {
+        float flow_x = 0.0F, flow_y = 0.0F;
+        if (sensor.exposure_time_s > 0.0) field.at(x, y, depth.at(x, y), flow_x, flow_y);
+        const float dx = static_cast<float>(x) - middle_x;
+        const float falloff = 1.0F - sensor.vignette * (dx * dx + dy * dy) * to_corner;
+        const std::uint64_t bits = random.next();
+        Channels value = (blurred_channels(light, x, y, flow_x, flow_y) * (sensor.gain * falloff)).min(255.0F);
+        const Channels sigma = (sensor.read_noise * sensor.read_noise + sensor.shot_noise * value).sqrt();
+        value += sigma * Channels(normals.at(bits), normals.at(bits >> 12), normals.at(bits >> 24), 0.0F) + 0.5F;
+        value = value.max(0.0F).min(255.0F);
+        for (int channel = 0; channel < 3; ++channel)
+          colour.rgb.at(3 * x + channel, y) = static_cast<std::uint8_t>(value[channel]);
+      }
+    }
+  });
+  return colour;
 }
 
 }  // namespace rastro

@@ -29,4 +29,10 @@ struct ShutterMotion {
 GreyImage expose(const Image<float>& light, const DepthImage& depth, const Camera& camera, const SensorModel& sensor,
                  const ShutterMotion& shutter, std::uint64_t noise_seed, TaskPool& pool);
 
+/// The same for colours: four values a pixel (red, green, blue, unused), so that light.width() is four times the
+/// picture's. Each channel has noise of its own.
+ColourImage expose_colour(const Image<float>& light, const DepthImage& depth, const Camera& camera,
+                          const SensorModel& sensor, const ShutterMotion& shutter, std::uint64_t noise_seed,
+                          TaskPool& pool);
+
 }  // namespace rastro

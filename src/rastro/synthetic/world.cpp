@@ -29,6 +29,7 @@ class WorldSource : public Source {
     frame.stamp = world_.stamp(next_);
     frame.name = world_.name() + " frame " + std::to_string(next_);
     frame.image = std::move(rendered.grey);
+    frame.colour = std::move(rendered.colour);
     frame.depth = std::move(rendered.depth);
     frame.depth_stamp = frame.stamp;
     ++next_;
@@ -64,7 +65,7 @@ RenderedFrame World::render(std::int64_t frame, TaskPool& pool) const {
   const double half = 0.5 * sensor.exposure_time_s;
   const SE3 begin_from_end = world_from_camera_at(time - half).inverse() * world_from_camera_at(time + half);
   return renderer_.render(world_from_camera_at(time), sensor, {begin_from_end.log()},
-                          seed_for(parts_.seed, static_cast<std::uint64_t>(frame)), pool, time);
+                          seed_for(parts_.seed, static_cast<std::uint64_t>(frame)), pool, time, parts_.in_colour);
 }
 
 std::optional<RayHit> World::surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const {

@@ -13,6 +13,8 @@
 #include "rastro/camera/camera.h"
 #include "rastro/math/se3.h"
 #include "rastro/sensor/source.h"
+#include "rastro/synthetic/kinect_model.h"
+#include "rastro/synthetic/named_length.h"
 #include "rastro/synthetic/path.h"
 #include "rastro/synthetic/renderer.h"
 #include "rastro/synthetic/scene.h"
@@ -41,6 +43,9 @@ class World {
     TimeNs first_stamp = 0;
     std::uint64_t seed = 1;
     SE3 body_from_camera;
+    bool in_colour = false;                            ///< Frames have colour pictures, and grey ones made from them.
+    std::optional<KinectModel> kinect = std::nullopt;  ///< How its depth camera measures, where it has one of its own.
+    std::vector<NamedLength> lengths = {};             ///< What can be measured in it.
   };
   World(std::unique_ptr<const Scene> scene, Parts parts);
 
@@ -56,7 +61,17 @@ class World {
   SE3 world_from_camera(std::int64_t frame) const;
   SE3 world_from_camera_at(double time_s) const { return parts_.path.world_from_camera(time_s); }
 
+  const std::optional<KinectModel>& kinect() const { return parts_.kinect; }
+  const std::vector<NamedLength>& lengths() const { return parts_.lengths; }
+  /// When a frame is taken, from the start.
+  double time_of(std::int64_t frame) const { return static_cast<double>(frame) / parts_.rate_hz; }
+
   RenderedFrame render(std::int64_t frame, TaskPool& pool) const;
+  /// Exact depth and surfaces at any time, without a picture.
+  RenderedFrame depth_at(double time_s, TaskPool& pool) const {
+    return renderer_.cast(world_from_camera_at(time_s), pool, time_s);
+  }
+  const Renderer& renderer() const { return renderer_; }
 
   /// What a pixel shows, exactly; nullopt outside the image or where the ray meets nothing.
   std::optional<RayHit> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const;

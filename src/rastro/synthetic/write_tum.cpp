@@ -36,6 +36,31 @@ cv::Mat depth_picture(const DepthImage& depth, const DepthModel& model, Random r
   return picture;
 }
 
+TimeNs depth_delay(const World& world) { return world.kinect() ? from_seconds(world.kinect()->delay_s) : 0; }
+
+cv::Mat depth_of(const World& world, std::int64_t frame, const RenderedFrame& shot, const TumOptions& options,
+                 TaskPool& pool) {
+  const std::uint64_t noise = seed_for(seed_for(world.seed(), depth_noise), static_cast<std::uint64_t>(frame));
+  if (!world.kinect()) return depth_picture(shot.depth, options.depth, Random(noise));
+  const double time = world.time_of(frame) + world.kinect()->delay_s;
+  const Image<std::uint16_t> raw = kinect_depth(world.depth_at(time, pool), world.renderer(),
+                                                world.world_from_camera_at(time), *world.kinect(), noise, pool);
+  return cv::Mat(raw.height(), raw.width(), CV_16U, const_cast<std::uint16_t*>(raw.row(0)),
+                 static_cast<std::size_t>(raw.stride()) * sizeof(std::uint16_t))
+      .clone();
+}
+
+/// OpenCV's order is blue first.
+cv::Mat colour_picture(const ColourImage& colour) {
+  cv::Mat picture(colour.height(), colour.width(), CV_8UC3);
+  for (int y = 0; y < colour.height(); ++y) {
+    const std::uint8_t* from = colour.rgb.row(y);
+    std::uint8_t* to = picture.ptr<std::uint8_t>(y);
+    for (int x = 0; x < 3 * colour.width(); x += 3) to[x] = from[x + 2], to[x + 1] = from[x + 1], to[x + 2] = from[x];
+  }
+  return picture;
+}
+
 std::string camera_text(const Camera& camera) {
   const auto& k = camera.coefficients;
   return fmt::format(
@@ -64,18 +89,23 @@ TumSummary write_tum(const World& world, const fs::path& folder, const TumOption
   make_folder(folder / "rgb");
   make_folder(folder / "depth");
   TextFile(folder / "camera.yaml", camera_text(world.camera()));
-  TextFile(folder / "info.txt", fmt::format("depth_factor: {:g}\n", options.depth.units_per_metre));
+  TextFile(folder / "info.txt", fmt::format("depth_factor: {:g}\n", world.kinect() ? world.kinect()->units_per_metre
+                                                                                   : options.depth.units_per_metre));
   TextFile rgb(folder / "rgb.txt", "# stamp file\n"), depth(folder / "depth.txt", "# stamp file\n");
   TextFile truth(folder / "groundtruth.txt", "# world_from_camera: stamp tx ty tz qx qy qz qw\n");
   const auto name_of = [&](std::int64_t frame) { return seconds_text(world.stamp(frame)) + ".png"; };
+  const auto depth_stamp = [&](std::int64_t frame) { return seconds_text(world.stamp(frame) + depth_delay(world)); };
+  const auto depth_name_of = [&](std::int64_t frame) { return depth_stamp(frame) + ".png"; };
   std::atomic<std::uintmax_t> bytes{0};
   const auto write_frame = [&](std::int64_t frame) {
     TaskPool alone(1);
-    const RenderedFrame shot = world.render(frame, alone);
-    const std::uint64_t stream = seed_for(world.seed(), depth_noise);
-    const Random noise(seed_for(stream, static_cast<std::uint64_t>(frame)));
-    bytes += write_png(folder / "rgb" / name_of(frame), grey_picture(shot.grey));
-    bytes += write_png(folder / "depth" / name_of(frame), depth_picture(shot.depth, options.depth, noise));
+    RenderedFrame shot = world.render(frame, alone);
+    cv::Mat depth_raw = depth_of(world, frame, shot, options, alone);
+    cv::Mat picture = shot.colour.empty() ? grey_picture(shot.grey) : colour_picture(shot.colour);
+    if (options.black && world.time_of(frame) >= options.black->first && world.time_of(frame) < options.black->second)
+      picture.setTo(0), depth_raw.setTo(0);
+    bytes += write_png(folder / "rgb" / name_of(frame), picture);
+    bytes += write_png(folder / "depth" / depth_name_of(frame), depth_raw);
   };
   for (std::int64_t first = 0; first < options.frames; first += frames_at_once) {
     const std::int64_t end = std::min(options.frames, first + frames_at_once);
@@ -84,7 +114,7 @@ TumSummary write_tum(const World& world, const fs::path& folder, const TumOption
     });
     for (std::int64_t frame = first; frame < end; ++frame) {
       rgb.write(fmt::format("{} rgb/{}\n", seconds_text(world.stamp(frame)), name_of(frame)));
-      depth.write(fmt::format("{} depth/{}\n", seconds_text(world.stamp(frame)), name_of(frame)));
+      depth.write(fmt::format("{} depth/{}\n", depth_stamp(frame), depth_name_of(frame)));
       truth.write(truth_line(world, frame));
     }
     if (progress) progress(end);

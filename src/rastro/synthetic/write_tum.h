@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
+
+#include <utility>
 
 #include "rastro/base/task_pool.h"
 #include "rastro/synthetic/world.h"
@@ -22,6 +25,9 @@ struct TumOptions {
   std::int64_t frames = 150;
   DepthModel depth = {};
   bool force = false;  ///< Write into a folder that is not empty.
+  /// Something covers the camera from the first of these times to the second (seconds from the start): its pictures are
+  /// black and without depth.
+  std::optional<std::pair<double, double>> black = {};
 };
 
 struct TumSummary {
@@ -29,8 +35,10 @@ struct TumSummary {
   std::uintmax_t bytes = 0;
 };
 
-/// Writes a generated world in the layout of the TUM RGB-D benchmark: rgb/ (grey pictures), depth/ (16 bits), rgb.txt,
-/// depth.txt, groundtruth.txt (of the camera), camera.yaml and info.txt (the depth factor). Frames are rendered and
+/// Writes a generated world in the layout of the TUM RGB-D benchmark: rgb/ (in colour where the world is), depth/ (16
+/// bits), rgb.txt, depth.txt, groundtruth.txt (of the camera at the stamps of rgb.txt), camera.yaml and info.txt (the
+/// depth factor). A world with a Kinect uses its model and not options.depth; depth.txt then has stamps of its own. A
+/// world with lengths also gets objects.yaml (write_objects.h) and truth.ply (truth_mesh.h). Frames are rendered and
 /// written in parallel; the bytes are the same for any pool. `progress` is called with the number of frames written so
 /// far. Errors for folders that cannot be written or are not empty.
 TumSummary write_tum(const World& world, const std::filesystem::path& folder, const TumOptions& options, TaskPool& pool,

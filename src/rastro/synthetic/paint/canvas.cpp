@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/synthetic/paint/canvas.h"
 
+#include "rastro/base/error.h"
 #include "rastro/synthetic/paint/font.h"
 
 namespace rastro {
@@ -58,8 +59,19 @@ Canvas::Canvas(double width_m, double height_m, double texels_per_metre)
       density_(texels_per_metre),
       values_(texels(width_m, texels_per_metre), texels(height_m, texels_per_metre)) {}
 
+void Canvas::set_ink(const Tint& tint) {
+  const auto known = std::find(inks_.begin(), inks_.end(), tint);
+  ink_ = static_cast<std::uint8_t>(known - inks_.begin());
+  if (known != inks_.end()) return;
+  RASTRO_CHECK(inks_.size() < 250, "a canvas has less than 250 inks");
+  inks_.push_back(tint);
+  if (inks_.size() == 2) ink_of_ = Image<std::uint8_t>(values_.width(), values_.height());
+}
+
 void Canvas::fill(float value) {
   blend({0, 0, width_m_, height_m_}, [&](double, double, float& texel) { texel = value; });
+  for (int y = 0; y < ink_of_.height(); ++y)
+    for (int x = 0; x < ink_of_.width(); ++x) ink_of_.at(x, y) = ink_;
 }
 
 void Canvas::add_noise(Random& random, double coarsest_m, float amplitude, float persistence) {

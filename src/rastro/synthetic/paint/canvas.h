@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <vector>
 
 #include "rastro/base/random.h"
 #include "rastro/image/image.h"
+#include "rastro/synthetic/paint/tint.h"
 
 namespace rastro {
 
@@ -24,6 +26,13 @@ class Canvas {
   Image<float>& values() { return values_; }
   const Image<float>& values() const { return values_; }
 
+  /// The colour of what is drawn from now on. What was drawn before has the first one.
+  void set_ink(const Tint& tint);
+  /// The inks in the order of their first use; empty when all is grey.
+  const std::vector<Tint>& inks() const { return inks_; }
+  /// Which ink each texel has; empty when there are less than two.
+  const Image<std::uint8_t>& ink_of() const { return ink_of_; }
+
   void fill(float value);
   /// Adds smooth random variation of every wavelength from `coarsest_m` down to one texel, none of it periodic.
   /// `amplitude` is that of the coarsest wavelength in grey levels; each halving of the wavelength multiplies it by
@@ -39,6 +48,7 @@ class Canvas {
     blend(bounds, [&](double x, double y, float& texel) {
       const double coverage = std::clamp(0.5 - signed_distance(x, y) * density_, 0.0, 1.0);
       texel += static_cast<float>(coverage) * opacity * (value - texel);
+      if (!ink_of_.empty() && static_cast<float>(coverage) * opacity > 0.5F) ink_at(&texel) = ink_;
     });
   }
   /// Calls change(x, y, texel) for every texel in the bounds.
@@ -66,8 +76,16 @@ class Canvas {
   double text(double x, double y, double letter_height, std::string_view letters, float value, float opacity = 1.0F);
 
  private:
+  std::uint8_t& ink_at(const float* texel) {
+    const std::ptrdiff_t place = texel - values_.row(0);
+    return ink_of_.at(static_cast<int>(place % values_.stride()), static_cast<int>(place / values_.stride()));
+  }
+
   double width_m_, height_m_, density_;
   Image<float> values_;
+  std::vector<Tint> inks_;
+  std::uint8_t ink_ = 0;
+  Image<std::uint8_t> ink_of_;
 };
 
 }  // namespace rastro
