@@ -47,6 +47,12 @@ const char* name_of(SlamReason reason) {
       return "gap";
     case SlamReason::odometry_jumped:
       return "odometry_jumped";
+    case SlamReason::blurred:
+      return "blurred";
+    case SlamReason::not_found:
+      return "not_found";
+    case SlamReason::apart:
+      return "apart";
   }
   return "unknown";
 }

@@ -39,6 +39,9 @@ enum class SlamReason : std::uint8_t {
   repeated_frame,   ///< The same data, or a stamp that does not go on.
   gap,              ///< Frames are missing: the motion since is larger than it can be followed over.
   odometry_jumped,  ///< Odometry says a motion that no vehicle makes.
+  blurred,          ///< The image is smeared by motion.
+  not_found,        ///< What is seen was not found in the map yet.
+  apart,            ///< In a part of the map that nothing ties to the first one yet.
 };
 
 const char* name_of(SlamState state);    ///< "initialising", "tracking", ...
@@ -46,7 +49,8 @@ const char* name_of(SlamReason reason);  ///< "none", "first_frame", ...
 
 /// Something worth a line in events.jsonl.
 struct SlamEvent {
-  std::string kind;    ///< "keyframe", "loop_closed", "map_revised", "landmark", "submap".
+  std::string
+      kind;  ///< "keyframe", "loop_closed", "map_revised", "landmark", "submap", "joined", "relocalised", "memory".
   std::string detail;  ///< One short clause with numbers.
 };
 

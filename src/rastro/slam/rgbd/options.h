@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "rastro/base/options.h"
+#include "rastro/odometry/rgbd/options.h"
+
+namespace rastro {
+
+/// Settings of RGB-D SLAM; meaning, range and reason of each stand once, in option_table(). Those of the camera's noise
+/// are the follower's.
+struct RgbdSlamOptions {
+  RgbdOptions follow;  ///< Of the odometry below; its table is part of this one's.
+
+  // Keyframes.
+  std::string descriptor = "orb";
+  int keyframe_features = 600;
+  double keyframe_distance_m = 0.15;
+  double keyframe_angle_rad = 0.15;
+  int keyframe_frames = 30;
+
+  // Which keyframes are compared.
+  int last_candidates = 3;
+  int near_candidates = 4;
+  int graph_candidates = 2;
+  int random_candidates = 2;
+  int join_candidates = 3;
+  double near_distance_m = 1.0;
+  double near_angle_rad = 0.7;
+
+  // Matching.
+  double max_ratio = 0.8;
+  double pixel_sigma = 1.0;
+  int ransac_iterations = 300;
+  int min_inliers = 25;
+  double min_inlier_share = 0.25;
+  double agreement = 0.75;
+  double agreement_overlap = 0.1;
+  double edge_sigma_m = 0.003;
+  double edge_sigma_rad = 0.0015;
+
+  // Graph.
+  std::string loops = "switchable";
+  double switch_price = 30.0;
+  double robust_width = 4.0;
+  int graph_window = 15;
+  int loop_steps = 12;
+  int optimize_iterations = 10;
+  int backend_delay_frames = 10;
+
+  // Lost.
+  int relocalise_every = 2;
+  int relocalise_last = 3;
+  int relocalise_random = 3;
+  int relocalise_inliers = 30;
+  int lost_frames = 60;
+
+  double memory_reserve_mb = 250.0;
+};
+
+/// The table points into `options`, which must outlive it.
+OptionTable option_table(RgbdSlamOptions& options);
+
+}  // namespace rastro

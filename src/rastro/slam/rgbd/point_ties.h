@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rastro/math/se3.h"
+#include "rastro/slam/rgbd/depth_grid.h"
+
+namespace rastro {
+
+/// One feature seen by two views. A depth of 0 means not measured; at least one of the two is there.
+struct PointTie {
+  Eigen::Vector2d ray_a = Eigen::Vector2d::Zero(), ray_b = Eigen::Vector2d::Zero();  ///< Normalised (x/z, y/z).
+  double depth_a = 0.0, depth_b = 0.0;                                               ///< Metres.
+  double sigma_a = 1.0, sigma_b = 1.0;  ///< Of the place in the picture, pixels.
+};
+
+struct PointTieOptions {
+  DepthNoise noise;
+  double focal_px = 500.0;
+  double max_sigmas = 3.0;
+  int iterations = 300;
+  int min_inliers = 10;
+  std::uint64_t seed = 1;
+};
+
+struct TiedViews {
+  SE3 a_from_b;
+  /// Inverse covariance of d in truth = a_from_b * exp(d), from the noise model and no surer than the misfits are.
+  Matrix6d information = Matrix6d::Identity();
+  int inliers = 0;
+};
+
+/// The motion that most ties agree with: RANSAC over three ties each, 3D to 3D where all have both depths (closed form)
+/// and else 3D to 2D (P3P), scored and refined over pixels and depths in their own sigmas. `guess`, where given, is
+/// tried first. nullopt with fewer than min_inliers, or when they leave the pose open. The same seed gives the same
+/// bits.
+std::optional<TiedViews> estimate_views(std::span<const PointTie> ties, const PointTieOptions& options,
+                                        const std::optional<SE3>& guess = std::nullopt);
+
+}  // namespace rastro

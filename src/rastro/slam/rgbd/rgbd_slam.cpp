@@ -1,0 +1,415 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/rgbd/rgbd_slam.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "rastro/base/background.h"
+#include "rastro/base/error.h"
+#include "rastro/base/stopwatch.h"
+#include "rastro/odometry/rgbd/rgbd_follower.h"
+#include "rastro/slam/rgbd/mapper.h"
+#include "rastro/slam/rgbd/relocaliser.h"
+#include "rastro/slam/rgbd/tracked_map.h"
+
+namespace rastro {
+namespace {
+
+RgbdSlamOptions checked(RgbdSlamOptions options) {
+  RgbdSlamOptions copy = options;
+  OptionTable table = option_table(copy);
+  for (std::size_t i = 0; i < table.options().size(); ++i)
+    table.set(table.options()[i].name, table.value_of(i), "rgbd options");
+  return options;
+}
+
+SlamReason reason_of(OdometryReason reason) {
+  switch (reason) {
+    case OdometryReason::none:
+    case OdometryReason::no_motion:
+    case OdometryReason::pure_rotation:
+      return SlamReason::none;
+    case OdometryReason::first_frame:
+      return SlamReason::first_frame;
+    case OdometryReason::too_few_points:
+      return SlamReason::too_few_points;
+    case OdometryReason::dark_or_blank:
+      return SlamReason::dark_or_blank;
+    case OdometryReason::blurred:
+      return SlamReason::blurred;
+    case OdometryReason::repeated_frame:
+      return SlamReason::repeated_frame;
+    case OdometryReason::gap:
+      return SlamReason::gap;
+    case OdometryReason::too_little_parallax:
+    case OdometryReason::few_inliers:
+    case OdometryReason::calibration_doubtful:
+      return SlamReason::few_inliers;
+  }
+  return SlamReason::none;
+}
+
+/// What the map's files and pictures need of a frame.
+Frame kept_of(const Frame& frame) {
+  Frame kept;
+  kept.index = frame.index;
+  kept.stamp = frame.stamp;
+  kept.image = frame.image;
+  kept.colour.rgb = frame.colour.rgb;
+  kept.depth = frame.depth;
+  kept.mask = frame.mask;
+  return kept;
+}
+
+/// Of b in a * b, at the right, where both are known so well.
+Matrix6d chained(const Matrix6d& of_a, const SE3& b, const Matrix6d& of_b) {
+  const Matrix6d turned = b.inverse().adjoint();
+  const Matrix6d sum = turned * of_a * turned.transpose() + of_b;
+  return 0.5 * (sum + sum.transpose());
+}
+
+/// At the right of the pose to errors in the world's axes.
+Matrix6d in_world_axes(const Matrix6d& covariance, const SE3& pose) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = pose.rotation().matrix();
+  const Matrix6d turned = turn * covariance * turn.transpose();
+  return 0.5 * (turned + turned.transpose());
+}
+
+RgbdMap base_map(const RgbdSlamOptions& options, const Camera& camera,
+                 const std::shared_ptr<const PictureStore>& pictures) {
+  RgbdMap map;
+  map.method = "rgbd";
+  map.camera = camera;
+  map.pictures = pictures;
+  map.depth_sigma_m = options.follow.depth_sigma_m;
+  map.depth_sigma_per_m2 = options.follow.depth_sigma_per_m2;
+  return map;
+}
+
+/// Where and how surely the frame is, as far as the follower knows.
+struct Anchor {
+  std::int64_t keyframe = -1;
+  SE3 world_from_keyframe;                           ///< In the follower's world.
+  Matrix6d covariance = Matrix6d::Zero();            ///< Of the keyframe, from the graph.
+  SE3 world_from_reference;                          ///< What the follower's covariance counts from.
+  Matrix6d reference_covariance = Matrix6d::Zero();  ///< Of the reference as seen from the keyframe.
+};
+
+}  // namespace
+
+class RgbdSlam::State {
+ public:
+  State(const RgbdSlamOptions& options, const Camera& camera, const SlamMeans& means);
+
+  SlamUpdate process(const Frame& frame);
+  std::vector<SlamEvent> finish();
+  Trajectory trajectory() const { return map_.trajectory(); }
+  std::shared_ptr<const Snapshot> snapshot() const { return map_.snapshot(); }
+
+ private:
+  struct Pending {
+    std::int64_t due = 0;  ///< Number of the frame that may see it.
+    std::size_t job = 0;
+    std::int64_t keyframe = 0;
+    int stretch = 0;
+    std::shared_ptr<MapRevision> revision;
+  };
+
+  bool exists() const { return anchor_.keyframe >= 0; }
+  void follow(const Frame& frame, SlamUpdate& update);
+  void on_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
+  void on_loss(const Frame& frame, SlamUpdate& update);
+  void look_around(const Frame& frame, SlamUpdate& update);
+  bool start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<PoseEdge>& tie,
+                   SlamUpdate& update);
+  bool needs_keyframe(const RgbdFollow& followed) const;
+  void make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<PoseEdge>& ties, int submap,
+                     const Matrix6d& covariance, SlamUpdate& update);
+  PoseEdge way_edge(const SE3& world_from_camera, const Matrix6d& covariance) const;
+  void take_revisions(std::int64_t up_to, std::vector<SlamEvent>& events);
+  void apply(const Pending& pending, std::vector<SlamEvent>& events);
+  void say_pose(const SE3& world_from_camera, const Matrix6d& covariance, SlamUpdate& update);
+  void archive_pose(const StampedPose& pose);
+  void send_poses();
+
+  RgbdSlamOptions options_;
+  Camera camera_;
+  bool maps_;
+  Mapper mapper_;
+  TrackedMap map_;
+  Relocaliser relocaliser_;
+  RgbdFollower follower_;
+  Anchor anchor_;
+  std::deque<Pending> pending_;
+  Trajectory unsent_;
+  bool archives_;
+  std::int64_t seen_ = 0;         ///< Frames given, of any kind.
+  std::int64_t anchor_seen_ = 0;  ///< When the last keyframe was made.
+  bool lost_ = false;
+  int lost_frames_ = 0;  ///< With something to see in them.
+  int stretch_ = 0;      ///< Of frames followed without a break.
+  SE3 last_pose_;
+  Background background_;  ///< Last: its jobs use what is above.
+};
+
+RgbdSlam::State::State(const RgbdSlamOptions& options, const Camera& camera, const SlamMeans& means)
+    : options_(checked(options)),
+      camera_(camera),
+      maps_(means.map == nullptr),
+      mapper_(options_, camera, means),
+      map_(means.map ? *means.map : base_map(options_, camera, mapper_.pictures()), means.map != nullptr),
+      relocaliser_(options_, camera, mapper_.depths()),
+      follower_(options_.follow, camera, means.pool),
+      archives_(maps_ && means.archive != nullptr),
+      lost_(!maps_),
+      background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {
+  if (archives_) means.archive->begin(base_map(options_, camera, nullptr));
+}
+
+SlamUpdate RgbdSlam::State::process(const Frame& frame) {
+  Stopwatch whole, stage;
+  SlamUpdate update;
+  update.index = frame.index;
+  update.stamp = frame.stamp;
+  ++seen_;
+  take_revisions(seen_, update.events);
+  update.times.push_back({"wait", stage.lap_ms()});
+  update.world_from_body = last_pose_;
+  follow(frame, update);
+  last_pose_ = update.world_from_body;
+  if (seen_ % 15 == 0) send_poses();
+  update.milliseconds = whole.lap_ms();
+  return update;
+}
+
+void RgbdSlam::State::follow(const Frame& frame, SlamUpdate& update) {
+  Stopwatch stage;
+  if (!maps_ && !exists()) {
+    update.state = SlamState::initialising;
+    update.reason = SlamReason::not_found;
+    look_around(frame, update);
+    update.times.push_back({"relocalise", stage.lap_ms()});
+    return;
+  }
+  const RgbdFollow followed = follower_.follow(frame);
+  update.times.push_back({"follow", stage.lap_ms()});
+  update.reason = reason_of(followed.reason);
+  update.detail = followed.detail;
+  update.world_from_body = followed.world_from_camera;
+  const bool nothing_new =
+      followed.reason == OdometryReason::dark_or_blank || followed.reason == OdometryReason::repeated_frame;
+  if (followed.state == OdometryState::initialising) {
+    update.state = SlamState::initialising;
+  } else if (followed.reason == OdometryReason::repeated_frame && !lost_) {
+    update.state = SlamState::weak;
+  } else if (followed.state == OdometryState::lost || nothing_new) {
+    update.state = SlamState::lost;
+    on_loss(frame, update);
+    update.times.push_back({"relocalise", stage.lap_ms()});
+  } else {
+    on_pose(frame, followed, update);
+    update.times.push_back({"keyframe", stage.lap_ms()});
+  }
+}
+
+void RgbdSlam::State::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update) {
+  update.state = followed.state == OdometryState::weak ? SlamState::weak : SlamState::tracking;
+  if (lost_) update.state = SlamState::relocalised;
+  lost_ = false;
+  lost_frames_ = 0;
+  update.score = followed.points > 0 ? static_cast<double>(followed.inliers) / followed.points : 1.0;
+  update.used = followed.inliers + followed.surface_points;
+  const SE3& pose = followed.world_from_camera;
+  if (!exists()) {
+    make_keyframe(frame, pose, {}, map_.new_submap(), Matrix6d::Zero(), update);
+  } else {
+    const Matrix6d from_keyframe =
+        chained(anchor_.reference_covariance, anchor_.world_from_reference.inverse() * pose, followed.covariance);
+    const SE3 keyframe_from_camera = anchor_.world_from_keyframe.inverse() * pose;
+    const Matrix6d covariance = chained(anchor_.covariance, keyframe_from_camera, from_keyframe);
+    if (followed.new_reference || needs_keyframe(followed)) {
+      make_keyframe(frame, pose, {way_edge(pose, from_keyframe)}, map_.submap(anchor_.keyframe), covariance, update);
+    } else {
+      say_pose(pose, covariance, update);
+    }
+    map_.add_frame(frame.stamp, anchor_.keyframe, anchor_.world_from_keyframe.inverse() * pose);
+    return;
+  }
+  map_.add_frame(frame.stamp, anchor_.keyframe, SE3());
+}
+
+bool RgbdSlam::State::needs_keyframe(const RgbdFollow& followed) const {
+  const SE3 moved = anchor_.world_from_keyframe.inverse() * followed.world_from_camera;
+  return moved.translation().norm() >= options_.keyframe_distance_m ||
+         moved.rotation().log().norm() >= options_.keyframe_angle_rad ||
+         seen_ - anchor_seen_ >= options_.keyframe_frames;
+}
+
+PoseEdge RgbdSlam::State::way_edge(const SE3& world_from_camera, const Matrix6d& covariance) const {
+  PoseEdge edge;
+  edge.from = anchor_.keyframe;
+  edge.to = map_.keyframe_count();
+  edge.from_from_to = anchor_.world_from_keyframe.inverse() * world_from_camera;
+  Matrix6d softened = covariance;
+  softened.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
+  softened.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;
+  edge.information = softened.inverse();
+  edge.information = (0.5 * (edge.information + edge.information.transpose())).eval();
+  edge.kind = PoseEdgeKind::way;
+  return edge;
+}
+
+void RgbdSlam::State::make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<PoseEdge>& ties,
+                                    int submap, const Matrix6d& covariance, SlamUpdate& update) {
+  const std::int64_t id = map_.keyframe_count();
+  auto order = std::make_shared<KeyframeOrder>(KeyframeOrder{id, kept_of(frame), world_from_camera, submap, ties});
+  map_.add_pending({world_from_camera, submap}, covariance);
+  anchor_ = {id, world_from_camera, covariance, world_from_camera, Matrix6d::Zero()};
+  anchor_seen_ = seen_;
+  update.events.push_back({"keyframe", fmt::format("{}", id)});
+  say_pose(world_from_camera, covariance, update);
+  auto revision = std::make_shared<MapRevision>();
+  const std::size_t job = background_.submit([this, order, revision] { *revision = mapper_.add(*order); });
+  pending_.push_back({seen_ + options_.backend_delay_frames, job, id, stretch_, revision});
+}
+
+void RgbdSlam::State::say_pose(const SE3& world_from_camera, const Matrix6d& covariance, SlamUpdate& update) {
+  update.world_from_body = world_from_camera;
+  update.covariance = in_world_axes(covariance, world_from_camera);
+  const int submap = map_.submap(anchor_.keyframe);
+  if (submap == 0) {
+    archive_pose({update.stamp, world_from_camera});
+    return;
+  }
+  if (update.state == SlamState::tracking) update.state = SlamState::weak;
+  update.reason = SlamReason::apart;
+  update.detail = fmt::format("in submap {}, not tied to the first yet: placed by a guess", submap);
+}
+
+void RgbdSlam::State::on_loss(const Frame& frame, SlamUpdate& update) {
+  if (!lost_) lost_frames_ = 0;
+  lost_ = true;
+  if (update.reason == SlamReason::dark_or_blank || update.reason == SlamReason::repeated_frame) return;
+  look_around(frame, update);
+}
+
+/// For the map first; ground that was not found again long enough is taken for new.
+void RgbdSlam::State::look_around(const Frame& frame, SlamUpdate& update) {
+  if (frame.image.empty() || frame.depth.empty()) {
+    if (update.reason == SlamReason::not_found || update.reason == SlamReason::none)
+      update.reason = SlamReason::no_data;
+    return;
+  }
+  ++lost_frames_;
+  if ((lost_frames_ - 1) % options_.relocalise_every == 0) {
+    const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(seen_));
+    const Relocaliser::Try tried = relocaliser_.find(frame, map_.keyframes(), seed);
+    if (update.detail.empty())
+      update.detail = fmt::format("{} features, not found in {} keyframes", tried.features, tried.compared);
+    if (tried.found) {
+      const auto& [keyframe, tie] = *tried.found;
+      const PoseEdge edge{keyframe, map_.keyframe_count(), tie.a_from_b, tie.information, PoseEdgeKind::near, 1.0};
+      if (!start_again(frame, map_.pose(keyframe) * tie.a_from_b, edge, update)) return;
+      update.score = static_cast<double>(tie.inliers) / std::max(1, tie.matches);
+      update.used = tie.inliers;
+      update.events.push_back(
+          {"relocalised", fmt::format("in keyframe {} with {} inliers of {} matches after {} frames", keyframe,
+                                      tie.inliers, tie.matches, lost_frames_)});
+      return;
+    }
+  }
+  if (maps_ && exists() && lost_frames_ >= options_.lost_frames) {
+    const SE3 guess = update.world_from_body;
+    if (start_again(frame, guess, std::nullopt, update))
+      update.events.push_back({"submap", fmt::format("{} begun, nothing known was seen in {} frames",
+                                                     map_.submap(anchor_.keyframe), lost_frames_)});
+  }
+}
+
+bool RgbdSlam::State::start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<PoseEdge>& tie,
+                                  SlamUpdate& update) {
+  follower_.restart(world_from_camera);
+  const RgbdFollow followed = follower_.follow(frame);
+  if (!followed.new_reference) return false;
+  ++stretch_;
+  lost_ = false;
+  update.state = SlamState::relocalised;
+  update.reason = SlamReason::none;
+  update.detail.clear();
+  if (tie) {
+    const Matrix6d covariance = chained(map_.covariance(tie->from), tie->from_from_to, tie->information.inverse());
+    make_keyframe(frame, world_from_camera, {*tie}, map_.submap(tie->from), covariance, update);
+  } else {
+    make_keyframe(frame, world_from_camera, {}, map_.new_submap(), Matrix6d::Zero(), update);
+  }
+  map_.add_frame(frame.stamp, anchor_.keyframe, SE3());
+  return true;
+}
+
+void RgbdSlam::State::take_revisions(std::int64_t up_to, std::vector<SlamEvent>& events) {
+  while (!pending_.empty() && pending_.front().due <= up_to) {
+    const Pending pending = pending_.front();
+    background_.wait(pending.job);
+    apply(pending, events);
+    pending_.pop_front();
+  }
+}
+
+/// The follower goes on from where the graph put its keyframe.
+void RgbdSlam::State::apply(const Pending& pending, std::vector<SlamEvent>& events) {
+  events.insert(events.end(), pending.revision->events.begin(), pending.revision->events.end());
+  const SE3 before = map_.pose(pending.keyframe);
+  map_.apply(std::move(*pending.revision));
+  if (pending.keyframe == anchor_.keyframe) anchor_.covariance = map_.covariance(pending.keyframe);
+  if (pending.stretch != stretch_) return;
+  const SE3 correction = map_.pose(pending.keyframe) * before.inverse();
+  constexpr double least = 1e-9;
+  if (!(correction.log().norm() > least)) return;
+  follower_.move(correction);
+  map_.move_pending(pending.keyframe + 1, correction);
+  if (pending.keyframe != anchor_.keyframe)
+    anchor_.world_from_keyframe = correction * anchor_.world_from_keyframe;
+  else
+    anchor_.world_from_keyframe = map_.pose(pending.keyframe);
+  anchor_.world_from_reference = correction * anchor_.world_from_reference;
+  last_pose_ = correction * last_pose_;
+}
+
+void RgbdSlam::State::archive_pose(const StampedPose& pose) {
+  if (archives_) unsent_.push_back(pose);
+}
+
+void RgbdSlam::State::send_poses() {
+  if (unsent_.empty()) return;
+  background_.submit([this, poses = std::move(unsent_)] { mapper_.archive_poses(poses); });
+  unsent_.clear();
+}
+
+std::vector<SlamEvent> RgbdSlam::State::finish() {
+  std::vector<SlamEvent> events;
+  send_poses();
+  take_revisions(std::numeric_limits<std::int64_t>::max(), events);
+  background_.wait_for_all();
+  if (!maps_) return events;
+  auto revision = std::make_shared<MapRevision>();
+  background_.wait(background_.submit([this, revision] { *revision = mapper_.settle(); }));
+  events.insert(events.end(), revision->events.begin(), revision->events.end());
+  map_.apply(std::move(*revision));
+  if (map_.make_largest_first()) events.push_back({"submap", "the largest is the first from now on"});
+  return events;
+}
+
+RgbdSlam::RgbdSlam(const RgbdSlamOptions& options, const Camera& camera, const SlamMeans& means)
+    : state_(std::make_unique<State>(options, camera, means)) {}
+RgbdSlam::~RgbdSlam() = default;
+SlamUpdate RgbdSlam::process(const Frame& frame) { return state_->process(frame); }
+std::vector<SlamEvent> RgbdSlam::finish() { return state_->finish(); }
+Trajectory RgbdSlam::trajectory() const { return state_->trajectory(); }
+std::shared_ptr<const Snapshot> RgbdSlam::snapshot() const { return state_->snapshot(); }
+
+}  // namespace rastro
