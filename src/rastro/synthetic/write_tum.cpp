@@ -10,6 +10,7 @@
 #include "rastro/base/random.h"
 #include "rastro/sensor/stamp_text.h"
 #include "rastro/synthetic/recording_files.h"
+#include "rastro/synthetic/write_objects.h"
 
 namespace rastro {
 namespace {
@@ -97,6 +98,10 @@ TumSummary write_tum(const World& world, const fs::path& folder, const TumOption
   const auto depth_stamp = [&](std::int64_t frame) { return seconds_text(world.stamp(frame) + depth_delay(world)); };
   const auto depth_name_of = [&](std::int64_t frame) { return depth_stamp(frame) + ".png"; };
   std::atomic<std::uintmax_t> bytes{0};
+  if (!world.lengths().empty()) {
+    TextFile(folder / "objects.yaml", objects_text(world));
+    bytes += write_truth_mesh(world, folder / "truth.ply");
+  }
   const auto write_frame = [&](std::int64_t frame) {
     TaskPool alone(1);
     RenderedFrame shot = world.render(frame, alone);

@@ -38,7 +38,7 @@ struct TumSummary {
 /// Writes a generated world in the layout of the TUM RGB-D benchmark: rgb/ (in colour where the world is), depth/ (16
 /// bits), rgb.txt, depth.txt, groundtruth.txt (of the camera at the stamps of rgb.txt), camera.yaml and info.txt (the
 /// depth factor). A world with a Kinect uses its model and not options.depth; depth.txt then has stamps of its own. A
-/// world with lengths also gets objects.yaml (write_objects.h) and truth.ply (truth_mesh.h). Frames are rendered and
+/// world with lengths also gets objects.yaml and truth.ply (write_objects.h). Frames are rendered and
 /// written in parallel; the bytes are the same for any pool. `progress` is called with the number of frames written so
 /// far. Errors for folders that cannot be written or are not empty.
 TumSummary write_tum(const World& world, const std::filesystem::path& folder, const TumOptions& options, TaskPool& pool,

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/synthetic/write_objects.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "rastro/synthetic/recording_files.h"
+
+namespace rastro {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the mesh is written as it lies in memory");
+
+using Eigen::Vector3d;
+
+constexpr double click_m = 0.02;
+
+std::string roughly(const Vector3d& point) {
+  const Vector3d steps = (point / click_m).array().round();
+  // The sum turns -0 into 0.
+  return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", steps.x() * click_m + 0.0, steps.y() * click_m + 0.0,
+                     steps.z() * click_m + 0.0);
+}
+
+std::string edge_text(const char* key, const NamedEdge& edge, const Vector3d& face, const SE3& camera_from_world) {
+  const Vector3d along = camera_from_world.rotation() * edge.direction;
+  return fmt::format("    {}: {{point: {}, direction: [{:.2f}, {:.2f}, {:.2f}], face: {}}}\n", key,
+                     roughly(camera_from_world * edge.middle), along.x() + 0.0, along.y() + 0.0, along.z() + 0.0,
+                     roughly(camera_from_world * face));
+}
+
+struct Vertex {
+  float x, y, z;
+};
+struct Rgb {
+  std::uint8_t red, green, blue;
+};
+
+std::uint8_t mean_of(const Texture& texture) {
+  int last = 0;
+  while (texture.level(last).width() > 1 || texture.level(last).height() > 1) ++last;
+  return texture.level(last).at(0, 0);
+}
+
+Rgb mean_colour(const Surface& surface) {
+  const auto grey = static_cast<float>(mean_of(surface.texture));
+  Tint tint = surface.tint;
+  if (!surface.redness.empty()) {
+    tint.red = static_cast<float>(mean_of(surface.redness)) / 64.0F;
+    tint.blue = static_cast<float>(mean_of(surface.blueness)) / 64.0F;
+    tint.green = (1.0F - 0.299F * tint.red - 0.114F * tint.blue) / 0.587F;
+  }
+  const auto level = [&](float share) { return static_cast<std::uint8_t>(std::clamp(grey * share, 0.0F, 255.0F)); };
+  return {level(tint.red), level(tint.green), level(tint.blue)};
+}
+
+class Mesh {
+ public:
+  explicit Mesh(const SE3& mesh_from_world) : mesh_from_world_(mesh_from_world) {}
+
+  void add_face(const Primitive& solid, int face, const Rgb& colour) {
+    const bool round = solid.shape == Shape::cylinder || solid.shape == Shape::sphere;
+    const int columns = round ? 48 : 1, rows = solid.shape == Shape::sphere ? 24 : 1;
+    const auto place = [&](int column, int row) {
+      return solid.centre + solid.world_from_local * local_place(solid, face, static_cast<double>(column) / columns,
+                                                                 static_cast<double>(row) / rows);
+    };
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column) {
+        const Vector3d a = place(column, row), b = place(column + 1, row), c = place(column + 1, row + 1),
+                       d = place(column, row + 1);
+        add_triangle(a, b, c, solid, colour);
+        add_triangle(a, c, d, solid, colour);
+      }
+  }
+  void add_glass(const GlassSheet& sheet) {
+    Primitive quad;
+    quad.shape = Shape::quad;
+    quad.centre = sheet.centre;
+    quad.half = {0.5 * sheet.right.norm(), 0.5 * sheet.down.norm(), 0.0};
+    quad.world_from_local.col(0) = sheet.right.normalized();
+    quad.world_from_local.col(1) = -sheet.down.normalized();
+    quad.world_from_local.col(2) = quad.world_from_local.col(0).cross(quad.world_from_local.col(1));
+    add_face(quad, 0, {190, 215, 205});
+  }
+
+  std::string ply(const std::string& name) const {
+    const std::size_t faces = vertices_.size() / 3;
+    std::string text = fmt::format(
+        "ply\nformat binary_little_endian 1.0\ncomment {}: surfaces in the frame of the first camera, metres\n"
+        "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+        "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        name, vertices_.size(), faces);
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      text.append(reinterpret_cast<const char*>(&vertices_[i]), sizeof(Vertex));
+      text.append(reinterpret_cast<const char*>(&colours_[i]), sizeof(Rgb));
+    }
+    for (std::size_t face = 0; face < faces; ++face) {
+      text += '\3';
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        const auto index = static_cast<std::int32_t>(3 * face + corner);
+        text.append(reinterpret_cast<const char*>(&index), sizeof(index));
+      }
+    }
+    return text;
+  }
+
+ private:
+  /// A face as a square of s and t in 0..1.
+  static Vector3d local_place(const Primitive& solid, int face, double s, double t) {
+    const Vector3d& half = solid.half;
+    const double turn = 2.0 * std::numbers::pi * s;
+    switch (solid.shape) {
+      case Shape::box: {
+        Vector3d place;
+        const int axis = face / 2;
+        place[axis] = (face & 1) != 0 ? -half[axis] : half[axis];
+        place[(axis + 1) % 3] = (2.0 * s - 1.0) * half[(axis + 1) % 3];
+        place[(axis + 2) % 3] = (2.0 * t - 1.0) * half[(axis + 2) % 3];
+        return place;
+      }
+      case Shape::quad:
+        return {(2.0 * s - 1.0) * half.x(), (2.0 * t - 1.0) * half.y(), 0.0};
+      case Shape::cylinder: {
+        const double radius = face == 0 ? half.x() : t * half.x();
+        const double z = face == 0 ? (2.0 * t - 1.0) * half.z() : face == 1 ? half.z() : -half.z();
+        return {radius * std::cos(turn), radius * std::sin(turn), z};
+      }
+      case Shape::sphere: {
+        const double colatitude = std::numbers::pi * t;
+        return half.x() * Vector3d(std::sin(colatitude) * std::cos(turn), std::sin(colatitude) * std::sin(turn),
+                                   std::cos(colatitude));
+      }
+    }
+    return Vector3d::Zero();
+  }
+
+  /// Counter-clockwise from outside; those without an area (at poles and in the middle of caps) are left out.
+  void add_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Primitive& solid,
+                    const Rgb& colour) {
+    const Vector3d normal = (b - a).cross(c - a);
+    if (normal.norm() < 1e-12) return;
+    const bool inward = normal.dot((a + b + c) / 3.0 - solid.centre) < 0.0;
+    for (const Vector3d& corner : {a, inward ? c : b, inward ? b : c}) {
+      const Vector3d place = mesh_from_world_ * corner;
+      vertices_.push_back(
+          {static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(place.z())});
+      colours_.push_back(colour);
+    }
+  }
+
+  SE3 mesh_from_world_;
+  std::vector<Vertex> vertices_;
+  std::vector<Rgb> colours_;
+};
+
+}  // namespace
+
+std::string objects_text(const World& world) {
+  std::string text =
+      "# Lengths to find in a map of this recording. Metres. Spots are rough, in the frame of the first camera\n"
+      "# (x right, y down, z forward); length_m is exact.\n"
+      "frame: first_camera\nobjects:\n";
+  const SE3 camera_from_world = world.world_from_camera(0).inverse();
+  for (const NamedLength& length : world.lengths()) {
+    text += fmt::format("  - name: {}\n    length_m: {:.10g}\n    kind: edges\n", length.name, length.length_m);
+    text += edge_text("a", length.a, length.face, camera_from_world);
+    text += edge_text("b", length.b, length.face, camera_from_world);
+  }
+  return text;
+}
+
+std::uintmax_t write_truth_mesh(const World& world, const std::filesystem::path& file) {
+  Mesh mesh(world.world_from_camera(0).inverse());
+  const Scene scene = world.scene_at(0);
+  for (const Surface& surface : scene.surfaces())
+    mesh.add_face(scene.primitives()[surface.primitive], surface.face, mean_colour(surface));
+  for (const GlassSheet& sheet : scene.glass()) mesh.add_glass(sheet);
+  const std::string ply = mesh.ply(world.name());
+  TextFile(file, ply);
+  return ply.size();
+}
+
+}  // namespace rastro
