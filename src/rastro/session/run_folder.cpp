@@ -20,10 +20,27 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* files_of_a_run[] = {
-    "about.json", "options.yaml", "stats.csv", "events.jsonl",   "result.json",           "tracks.yaml",
-    "tracks.csv", "tracks.jsonl", "table.md",  "trajectory.txt", "trajectory_online.txt", "covariance_online.txt",
-    "map.pgm",    "map.yaml",     "map.png",   "landmarks.csv"};
+constexpr const char* files_of_a_run[] = {"about.json",
+                                          "options.yaml",
+                                          "stats.csv",
+                                          "events.jsonl",
+                                          "result.json",
+                                          "tracks.yaml",
+                                          "tracks.csv",
+                                          "tracks.jsonl",
+                                          "table.md",
+                                          "trajectory.txt",
+                                          "trajectory_online.txt",
+                                          "covariance_online.txt",
+                                          "map.pgm",
+                                          "map.yaml",
+                                          "map.png",
+                                          "landmarks.csv",
+                                          "cloud.ply",
+                                          "map.rastro",
+                                          "map.rastro-wal",
+                                          "map.rastro-shm",
+                                          "map.rastro.new"};
 
 [[noreturn]] void refuse(const fs::path& folder, const std::string& what, const std::string& remedy) {
   throw Error(what, folder.string(), remedy);

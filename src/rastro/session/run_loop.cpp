@@ -26,11 +26,10 @@ void run_guarded(RunLoopEnd& end, const std::function<void()>& work) {
   }
 }
 
-RunLoopEnd run_loop(FrameReader& reader, const std::atomic<bool>* stop,
-                    const std::function<void(const Frame&)>& process) {
+RunLoopEnd run_loop(FrameReader& reader, const std::atomic<bool>* stop, const std::function<void(Frame&)>& process) {
   RunLoopEnd end;
   run_guarded(end, [&] {
-    while (const auto frame = reader.next()) {
+    while (auto frame = reader.next()) {
       if (stop && stop->load()) {
         end.interrupted = true;
         end.ended = "interrupted";

@@ -19,8 +19,7 @@ struct RunLoopEnd {
 
 /// Hands every frame that can be read to `process` until the data ends, `stop` is set (may be null) or something
 /// throws, which is kept.
-RunLoopEnd run_loop(FrameReader& reader, const std::atomic<bool>* stop,
-                    const std::function<void(const Frame&)>& process);
+RunLoopEnd run_loop(FrameReader& reader, const std::atomic<bool>* stop, const std::function<void(Frame&)>& process);
 
 /// Calls `work`; what it throws is kept in `end`, unless something went wrong before.
 void run_guarded(RunLoopEnd& end, const std::function<void()>& work);

@@ -27,7 +27,10 @@ struct SlamResult {
   std::int64_t tracking = 0, weak = 0, lost = 0, relocalised = 0, initialising = 0;
   std::map<std::string, std::int64_t> reasons;  ///< How often each reason was given.
   double coverage = 0.0;                        ///< Frames with a pose in percent of the frames asked for.
-  std::int64_t loops_closed = 0, keyframes = 0, landmarks = 0;
+  double recall =
+      0.0;  ///< Frames with a pose that was seen, neither lost nor carried on, in percent of those asked for.
+  std::optional<double> seconds_to_first_pose;  ///< Of the recording; nullopt: there was none.
+  std::int64_t loops_closed = 0, keyframes = 0, submaps = 0, landmarks = 0;
   double path_length = 0.0;  ///< Of the final trajectory, metres.
   TimeHistogram frame_times;
   std::vector<SlamStage> stages;   ///< In the order in which they first came up.

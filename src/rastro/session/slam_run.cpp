@@ -3,9 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <malloc.h>
+
 #include <algorithm>
+#include <set>
 
 #include "rastro/base/append_file.h"
+#include "rastro/base/error.h"
 #include "rastro/base/memory.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/odometry/scale.h"
@@ -31,6 +35,12 @@ std::string covariance_line(TimeNs stamp, const Matrix6d& covariance) {
   return line + "\n";
 }
 
+GreyImage copy_of(GreyView view) {
+  GreyImage image(view.width, view.height);
+  for (int y = 0; y < view.height; ++y) std::copy_n(view.row(y), view.width, image.row(y));
+  return image;
+}
+
 class Runner {
  public:
   explicit Runner(const SlamRun& run) : run_(run), reader_(*run.source, run.folder) {
@@ -40,7 +50,7 @@ class Runner {
   }
 
   SlamRunEnd run_to_the_end() {
-    RunLoopEnd loop = run_loop(reader_, run_.stop, [this](const Frame& frame) { process(frame); });
+    RunLoopEnd loop = run_loop(reader_, run_.stop, [this](Frame& frame) { process(frame); });
     run_guarded(loop, [this] { finish(); });
     end_.failure = loop.failure;
     end_.result.interrupted = loop.interrupted;
@@ -50,7 +60,8 @@ class Runner {
   }
 
  private:
-  void process(const Frame& frame) {
+  void process(Frame& frame) {
+    if (run_.mask_of) frame.mask = copy_of(run_.mask_of(frame));
     Stopwatch watch;
     SlamUpdate update = run_.method->process(frame);
     update.milliseconds = watch.lap_ms();
@@ -59,6 +70,17 @@ class Runner {
     if (run_.folder) write(update);
     if (run_.progress)
       run_.progress({end_.result.frames + reader_.skipped(), run_.frames_asked, end_.result.loops_closed, &update});
+    keep_below_ceiling(frame.index);
+  }
+
+  void keep_below_ceiling(std::int64_t frame) const {
+    if (run_.max_memory_bytes == 0) return;
+    const double most_mb = static_cast<double>(run_.max_memory_bytes) / (1024.0 * 1024.0);
+    if (resident_memory_mb() <= most_mb) return;
+    ::malloc_trim(0);  // what was freed but not given back counts as well
+    if (resident_memory_mb() <= most_mb) return;
+    throw Error(fmt::format("the memory allowed, {:.0f} MiB, is used up", most_mb), fmt::format("frame {}", frame),
+                "raise --max-memory; what was done so far is kept");
   }
 
   void finish() {
@@ -70,6 +92,11 @@ class Runner {
     note(last_index_, events);
     end_.trajectory = run_.method->trajectory();
     end_.map = run_.method->snapshot();
+    if (run_.map_file && end_.map && end_.map->rgbd) {
+      watch.lap_ms();
+      run_.map_file->finish(*end_.map->rgbd);
+      add_time("map_file", watch.lap_ms());
+    }
   }
 
   void count(const SlamUpdate& update) {
@@ -80,6 +107,8 @@ class Runner {
     std::int64_t* const by_state[] = {&result.initialising, &result.tracking, &result.weak, &result.lost,
                                       &result.relocalised};
     ++*by_state[static_cast<std::size_t>(update.state)];
+    const bool placed = update.state != SlamState::initialising && update.state != SlamState::lost;
+    if (placed && !result.seconds_to_first_pose) result.seconds_to_first_pose = to_seconds(update.stamp - first_stamp_);
     if (update.reason != SlamReason::none) ++result.reasons[name_of(update.reason)];
     result.frame_times.add(update.milliseconds);
     result.method_seconds += update.milliseconds / 1e3;
@@ -132,12 +161,23 @@ class Runner {
     const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames);
     const double posed = static_cast<double>(end_.trajectory.size());
     result.coverage = asked > 0 ? 100.0 * posed / static_cast<double>(asked) : 0.0;
+    const double placed = static_cast<double>(result.tracking + result.weak + result.relocalised);
+    result.recall = asked > 0 ? 100.0 * placed / static_cast<double>(asked) : 0.0;
     result.path_length = path_length(end_.trajectory);
     result.recording_seconds = to_seconds(last_stamp_ - first_stamp_);
     result.peak_memory_mb = peak_resident_memory_mb();
     if (!end_.map) return;
     result.keyframes = static_cast<std::int64_t>(end_.map->keyframes.size());
     result.landmarks = static_cast<std::int64_t>(end_.map->landmarks.size());
+    if (end_.map->rgbd) count(*end_.map->rgbd);
+  }
+
+  void count(const RgbdMap& map) {
+    SlamResult& result = end_.result;
+    result.keyframes = static_cast<std::int64_t>(map.keyframes.size());
+    std::set<int> submaps;
+    for (const KeyframePose& pose : map.poses) submaps.insert(pose.submap);
+    result.submaps = static_cast<std::int64_t>(submaps.size());
   }
 
   const SlamRun& run_;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "rastro/map/file/growing_map_file.h"
 #include "rastro/map/snapshot.h"
 #include "rastro/sensor/source.h"
 #include "rastro/session/run_folder.h"
@@ -35,6 +36,11 @@ struct SlamRun {
   const std::atomic<bool>* stop = nullptr;  ///< Set from outside (Ctrl-C): the run ends after the current frame.
   std::optional<std::int64_t> frames_asked;
   std::function<void(const SlamProgress&)> progress;
+  std::function<GreyView(const Frame&)> mask_of;  ///< Put into each frame; empty: nothing is masked.
+  /// The archive that the method was given, which gets the final map of a method that makes one of keyframes; may be
+  /// null.
+  GrowingMapFile* map_file = nullptr;
+  std::size_t max_memory_bytes = 0;  ///< The run ends with an Error before it takes more; 0: no ceiling.
 };
 
 /// How well the place at one point of the way was known.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -34,28 +35,21 @@ class GrowingMapFile::State {
   ~State() {
     stop_committing();
     // A second failure has nobody to be told to; the first was.
-    if (pictures_->database && !failure_) guarded([this] { commit(); });
+    if (pictures_->database && !finished_ && !failure_) guarded([this] { commit(); });
   }
 
   void begin(const RgbdMap& map) {
-    std::unique_lock lock(pictures_->mutex);
-    RASTRO_CHECK(!pictures_->database, "a map is begun once");
-    Database& database = pictures_->database.emplace(Database::create(file_));
-    // The log is added to at its end and takes what is killed in its middle; 16 MB of it are kept before they are
-    // moved.
-    database.run("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=4000; BEGIN");
-    const std::string head = head_body(map);
-    database.put(MapTable::head, 0, head);
-    database.put(MapTable::contents, second_head_row, head);
-    lock.unlock();
-    committer_ = std::thread([this] { commit_now_and_then(); });
+    const std::lock_guard lock(pictures_->mutex);
+    RASTRO_CHECK(!head_, "a map is begun once");
+    head_ = head_body(map);
   }
 
   template <typename Work>
   void change(Work work) {
     const std::lock_guard lock(pictures_->mutex);
-    RASTRO_CHECK(pictures_->database && !finished_, "a map is begun and not finished when something is added");
+    RASTRO_CHECK(head_ && !finished_, "a map is begun and not finished when something is added");
     if (failure_) std::rethrow_exception(failure_);
+    if (!pictures_->database) create();
     changed_ = true;
     work(*pictures_->database);
   }
@@ -113,6 +107,16 @@ class GrowingMapFile::State {
   std::shared_ptr<const PictureStore> pictures() const { return pictures_; }
 
  private:
+  void create() {
+    Database& database = pictures_->database.emplace(Database::create(file_));
+    // The log is added to at its end and takes what is killed in its middle; 16 MB of it are kept before they are
+    // moved.
+    database.run("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=4000; BEGIN");
+    database.put(MapTable::head, 0, *head_);
+    database.put(MapTable::contents, second_head_row, *head_);
+    committer_ = std::thread([this] { commit_now_and_then(); });
+  }
+
   void commit() {
     Database& database = *pictures_->database;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
@@ -156,6 +160,7 @@ class GrowingMapFile::State {
   const std::shared_ptr<FilePictures> pictures_ = std::make_shared<FilePictures>();
   std::vector<KeyframePose> poses_, written_poses_;
   Trajectory way_;  ///< Not yet written.
+  std::optional<std::string> head_;
   std::int64_t edges_ = 0, ways_written_ = 0;
   bool changed_ = false, stopping_ = false, finished_ = false;
   std::exception_ptr failure_;

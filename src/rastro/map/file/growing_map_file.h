@@ -12,7 +12,7 @@ namespace rastro {
 /// program killed at any moment leaves a file that load_map() reads. When writing fails, the next call says so.
 class GrowingMapFile : public MapArchive {
  public:
-  /// The file is made by begin(); one that is there before is replaced then.
+  /// The file is made with the first thing added after begin(); one that is there before is replaced then.
   explicit GrowingMapFile(std::filesystem::path file);
   /// Without finish() the file stays as far as it came.
   ~GrowingMapFile() override;

@@ -232,7 +232,8 @@ TEST(GrowingMapFile, IsReadableWhileItGrowsAndWhereItStopped) {
 
 TEST(GrowingMapFile, AWrongPlaceIsSaidAndPicturesAreReadByManyThreads) {
   GrowingMapFile nowhere(scratch_path("no_folder") / "map.rastro");
-  EXPECT_THAT(message_of([&] { nowhere.begin(room()); }), HasSubstr("no_folder"));
+  nowhere.begin(room());
+  EXPECT_THAT(message_of([&] { nowhere.add_edge(room().edges[0]); }), HasSubstr("no_folder"));
   GrowingMapFile growing(scratch_path("threads.rastro"));
   growing.begin(room());
   std::vector<std::thread> readers;
