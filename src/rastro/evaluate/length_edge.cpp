@@ -17,17 +17,20 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double samples_per_pixel = 2.0;  ///< Across the edge.
-constexpr int blur_samples = 2;            ///< Standard deviation of the Gaussian whose derivative finds the change.
-constexpr int kernel_radius = 3 * blur_samples;
+constexpr double blur_samples = 1.4;       ///< Standard deviation of the Gaussian whose derivative finds the change.
+constexpr int kernel_radius = 4;
 constexpr double coarsest_radius_px = 2.5;  ///< With fewer pixels in the radius nothing is told apart.
 constexpr int fewest_profiles = 9, most_profiles = 161, most_offsets = 401;
 constexpr double steepest = 0.14;        ///< Tangent of the angle to the rough direction.
 constexpr double largest_change = 25.0;  ///< Grey levels per pixel; more counts as this.
 constexpr double smallest_score = 1.5;   ///< Grey levels per pixel.
-constexpr double weakest_share = 0.12;   ///< Of the best score.
-constexpr int segments = 4;              ///< Along the edge, each with a sign of its own.
+/// An edge that is twice as strong is not twice as likely: this many grey levels per pixel count half of what endless
+/// ones do.
+constexpr double half_score = 5.0;
+constexpr double weakest_share = 0.08;  ///< Of the best score.
+constexpr int segments = 4;             ///< Along the edge, each with a sign of its own.
 constexpr std::size_t most_edges = 6;
-constexpr int apart_samples = 4;           ///< Maxima nearer than this are one.
+constexpr double apart_samples = 2.0;      ///< Maxima nearer than this are one.
 constexpr double reach_samples = 3.0;      ///< From the line to the peak of a profile.
 constexpr double picture_sigma_px = 0.12;  ///< What blur and compression move all profiles alike.
 
@@ -78,7 +81,7 @@ std::vector<float> derivative_kernel() {
   std::vector<float> kernel;
   double sum = 0.0;
   for (int k = -kernel_radius; k <= kernel_radius; ++k) {
-    const double x = static_cast<double>(k) / blur_samples;
+    const double x = k / blur_samples;
     kernel.push_back(static_cast<float>(x * std::exp(-0.5 * x * x)));
     sum += static_cast<double>(kernel.back()) * k;
   }
@@ -245,7 +248,7 @@ struct BesideLine {
 BesideLine beside(const LengthView& view, const LengthFace& face, const Strip& strip, const StripLine& line, int side) {
   BesideLine counts;
   for (int row = 0; row < strip.rows; row += 2) {
-    for (const double pixels : {3.0, 4.5, 6.0}) {
+    for (const double pixels : {1.5, 2.5, 3.5}) {
       const Vector3d point = strip.point(row, line.at(strip, row) + side * pixels * samples_per_pixel);
       const auto pixel = view.camera.project(point);
       if (!pixel) continue;
@@ -254,7 +257,7 @@ BesideLine beside(const LengthView& view, const LengthFace& face, const Strip& s
       const auto z = static_cast<double>(view.depth.at(x, y));
       if (!(z > 0.0)) continue;
       const double expected = face.depth_at(point / point.z());
-      const double gate = std::max(0.01, 4.0 * view.depth_sigma(expected));
+      const double gate = std::max(0.01, 3.0 * view.depth_sigma(expected));
       ++counts.measured;
       if (std::abs(z - expected) <= gate) ++counts.on_face;
       if (z < expected - gate) ++counts.nearer;
@@ -267,7 +270,8 @@ BesideLine beside(const LengthView& view, const LengthFace& face, const Strip& s
 double depth_factor(const LengthView& view, const LengthFace& face, const Strip& strip, const StripLine& line) {
   const BesideLine inner = beside(view, face, strip, line, 1), outer = beside(view, face, strip, line, -1);
   const double hidden = outer.measured >= 8 ? outer.share(outer.nearer) : 0.0;
-  return (0.2 + 0.8 * inner.share(inner.on_face)) * (2.0 - outer.share(outer.on_face)) * (1.0 - 0.9 * hidden);
+  const double carried = inner.share(inner.on_face);
+  return (0.05 + 0.95 * carried * carried) * (2.0 - outer.share(outer.on_face)) * (1.0 - 0.9 * hidden);
 }
 
 LengthEdge edge_of(const LengthView& view, const LengthFace& face, const Strip& strip, const StripLine& line) {
@@ -279,7 +283,7 @@ LengthEdge edge_of(const LengthView& view, const LengthFace& face, const Strip& 
   const double sigma_across = line.sigma_column * strip.step_across, sigma_depth = face.depth_sigma_at(ray);
   edge.covariance = sigma_across * sigma_across * strip.across * strip.across.transpose() +
                     sigma_depth * sigma_depth * ray * ray.transpose();
-  edge.score = line.score * depth_factor(view, face, strip, line);
+  edge.score = line.score / (line.score + half_score) * depth_factor(view, face, strip, line);
   for (int end = 0; end < 2; ++end) {
     const double row = end * (strip.rows - 1);
     const auto pixel = view.camera.project(strip.point(row, line.at(strip, row)));
@@ -290,8 +294,11 @@ LengthEdge edge_of(const LengthView& view, const LengthFace& face, const Strip& 
 
 /// Maxima over the columns, best first.
 std::vector<StripLine> strong_lines(const Strip& strip) {
-  std::vector<StripLine> all, kept;
+  std::vector<StripLine> all, peaks, kept;
   for (int column = 1; column < strip.columns - 1; ++column) all.push_back(best_slope(strip, column));
+  for (std::size_t k = 1; k + 1 < all.size(); ++k)
+    if (all[k].score >= all[k - 1].score && all[k].score > all[k + 1].score) peaks.push_back(all[k]);
+  all.swap(peaks);
   std::stable_sort(all.begin(), all.end(), [](const StripLine& a, const StripLine& b) { return a.score > b.score; });
   for (const StripLine& line : all) {
     if (line.score < std::max(smallest_score, weakest_share * all.front().score) || kept.size() == most_edges) break;
@@ -309,11 +316,16 @@ std::vector<LengthEdge> find_edges(const LengthView& view, const LengthFace& fac
   std::vector<LengthEdge> edges;
   const auto strip = strip_of(view, face, search);
   if (!strip) return edges;
+  std::vector<StripLine> lines;
   for (const StripLine& rough : strong_lines(*strip)) {
     const auto line = refined(*strip, rough);
-    if (line && std::abs(line->column - rough.column) < 2.0 * reach_samples)
-      edges.push_back(edge_of(view, face, *strip, *line));
+    if (!line || std::abs(line->column - rough.column) > reach_samples) continue;
+    const bool known = std::any_of(lines.begin(), lines.end(), [&](const StripLine& other) {
+      return std::abs(other.column - line->column) < apart_samples;
+    });
+    if (!known) lines.push_back(*line);
   }
+  for (const StripLine& line : lines) edges.push_back(edge_of(view, face, *strip, line));
   std::stable_sort(edges.begin(), edges.end(),
                    [](const LengthEdge& a, const LengthEdge& b) { return a.score > b.score; });
   return edges;

@@ -23,7 +23,7 @@ struct LengthEdge {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();       ///< On the edge, beside the spot.
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();   ///< Unit length.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< Of the point: of the line in the picture and of the face.
-  double score = 0.0;  ///< Mean change in grey levels per pixel, more where the face ends here, less where it does not.
+  double score = 0.0;  ///< 0 .. 2: clear changes of grey count for more, and so does a face that ends here.
   std::array<Eigen::Vector2d, 2> pixels{};  ///< Ends of what was looked at, for drawing.
 };
 

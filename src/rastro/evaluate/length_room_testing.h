@@ -35,9 +35,8 @@ class LengthRoom {
   /// From one side to the other, looking round and down; every one sees the box, few the whole bed.
   static SE3 true_pose(int k) {
     const double share = static_cast<double>(k) / (keyframes - 1);
-    return {
-        looking(0.35 - 0.7 * share + 0.25 * std::sin(2.1 * k), -0.28 - 0.06 * std::cos(1.3 * k), 0.03 * std::sin(k)),
-        {-0.1 + 0.2 * std::sin(1.7 * k), -0.5 + share, 1.35 + 0.08 * std::cos(k)}};
+    return {looking(0.35 - 0.7 * share + 0.25 * std::sin(2.1 * k), 0.30 + 0.06 * std::cos(1.3 * k), 0.03 * std::sin(k)),
+            {-0.1 + 0.2 * std::sin(1.7 * k), -0.5 + share, 1.35 + 0.08 * std::cos(k)}};
   }
 
   /// Depth as a Kinect measures it: disparity in steps of 1/8 px with noise. Keyframes stand where they stood but for

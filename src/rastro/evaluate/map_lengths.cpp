@@ -8,11 +8,11 @@
 #include <cmath>
 #include <limits>
 
-#include "rastro/base/error.h"
 #include "rastro/base/random.h"
 #include "rastro/evaluate/length_combine.h"
 #include "rastro/evaluate/length_edge.h"
 #include "rastro/evaluate/length_face.h"
+#include "rastro/evaluate/length_feature.h"
 #include "rastro/evaluate/length_views.h"
 
 namespace rastro {
@@ -22,23 +22,13 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double vote_width_m = 0.010;    ///< Of one candidate: poses of keyframes differ by about as much.
-constexpr double agree_widths = 2.5;      ///< Candidates nearer to the chosen place than this many widths are taken.
+constexpr double vote_width_m = 0.006;    ///< Of one candidate: poses of keyframes differ by about as much.
+constexpr double agree_widths = 3.5;      ///< Candidates nearer to the chosen place than this many widths are taken.
+constexpr double rival_widths = 1.5;      ///< Places farther apart are two.
+constexpr double clear_rivalry = 0.75;    ///< Another place that fits this well is told of.
 constexpr double spot_sigma_share = 0.6;  ///< Standard deviation of a rough spot in its radius.
 constexpr double weak_support = 0.5;      ///< Below, depth is said to contradict.
 constexpr int few_keyframes = 3;
-
-/// A straight edge to look for, or a face where there is none; world.
-struct Feature {
-  Vector3d spot;
-  Vector3d along;    ///< Unit; of the edge, or any direction in the face.
-  Vector3d inwards;  ///< Unit, at right angles to `along`: from the edge into the face.
-  bool is_edge = false;
-  bool normal_known = false;
-  double reach_m = 0.0;  ///< How far the face is known to go inwards.
-
-  Vector3d normal() const { return along.cross(inwards); }
-};
 
 /// One view's idea of where the feature is; world.
 struct Candidate {
@@ -61,53 +51,9 @@ struct ViewFinding {
 struct Found {
   std::vector<std::pair<std::size_t, Candidate>> sightings;         ///< With the number of the finding.
   Vector3d point = Vector3d::Zero(), direction = Vector3d::Zero();  ///< Means.
+  double wrong_place_variance = 0.0;                                ///< For taking one edge for another.
+  double rivalry = 0.0;                                             ///< How well another place fits, 0 .. 1.
 };
-
-Feature edge_feature(const Vector3d& spot, const Vector3d& direction, const Vector3d& face) {
-  Feature feature{spot, direction, face - spot, true, true, 0.0};
-  feature.inwards -= feature.inwards.dot(direction) * direction;
-  feature.reach_m = feature.inwards.norm();
-  RASTRO_CHECK(feature.reach_m > 0.0, "an edge with a face beside it");
-  feature.inwards.normalize();
-  return feature;
-}
-
-Feature face_feature(const Vector3d& spot, const std::optional<Vector3d>& normal) {
-  const Vector3d axis = normal.value_or(Vector3d::UnitZ());
-  const Vector3d along = axis.unitOrthogonal();
-  return {spot, along, axis.cross(along), false, normal.has_value(), 0.0};
-}
-
-/// The features of both ends: one each, two for a corner.
-std::vector<Feature> features_of(const LengthObject& object, const LengthSpot& spot) {
-  const Vector3d face = spot.face.value_or(0.5 * (object.a.point + object.b.point));
-  std::vector<Feature> features;
-  for (std::size_t k = 0; k < spot.directions.size(); ++k) {
-    // Each edge of a corner is looked at beside the corner, and the face lies where the other one goes.
-    features.push_back(edge_feature(spot.point, spot.directions[k], face));
-  }
-  if (features.empty()) features.push_back(face_feature(spot.point, spot.normal));
-  return features;
-}
-
-LengthRegion region_of(const Feature& feature, double radius_m, const MapLengthOptions& options) {
-  LengthRegion region;
-  region.centre = feature.spot;
-  region.axes << feature.along, feature.inwards, feature.normal();
-  region.normal_known = feature.normal_known;
-  const double half = feature.is_edge ? options.half_length_m : 0.5 * options.patch_m;
-  if (!feature.is_edge) {
-    const double deep = feature.normal_known ? radius_m : half;
-    region.low = {-half, -half, -deep};
-    region.high = {half, half, deep};
-    return region;
-  }
-  // A narrow board ends soon behind its edge; a bed goes on, and the middle of it tells nothing more.
-  const double reach = std::clamp(2.0 * feature.reach_m, radius_m, options.patch_m);
-  region.low = {-half, -0.5 * radius_m, -radius_m};
-  region.high = {half, reach, radius_m};
-  return region;
-}
 
 Candidate face_candidate(const LengthView& view, const LengthFace& face, const Vector3d& spot) {
   Candidate found;
@@ -139,11 +85,11 @@ std::vector<Candidate> edge_candidates(const LengthView& view, const LengthFace&
   return found;
 }
 
-std::vector<Candidate> candidates_in(const LengthView& view, const Feature& feature, double radius_m,
+std::vector<Candidate> candidates_in(const LengthView& view, const LengthFeature& feature, double radius_m,
                                      const MapLengthOptions& options) {
   const SE3 camera_from_world = view.world_from_camera.inverse();
   const Matrix3d turn = camera_from_world.rotation().matrix();
-  LengthRegion region = region_of(feature, radius_m, options);
+  LengthRegion region = length_region(feature, radius_m, options);
   region.centre = camera_from_world * region.centre;
   region.axes = turn * region.axes;
   const auto face = find_face(view, region, seed_for(options.seed, static_cast<std::uint64_t>(view.keyframe)));
@@ -161,44 +107,72 @@ std::vector<Candidate> candidates_in(const LengthView& view, const Feature& feat
 }
 
 /// Offset of a candidate from the rough spot, along the direction it was searched in.
-double offset_of(const Feature& feature, const Candidate& candidate) {
+double offset_of(const LengthFeature& feature, const Candidate& candidate) {
   const Vector3d axis = feature.is_edge ? feature.inwards : candidate.direction;
   return axis.dot(candidate.point - feature.spot);
 }
 
 double vote(double distance_m, double width_m) { return std::exp(-0.5 * std::pow(distance_m / width_m, 2)); }
 
-/// The offset that the views agree on best, near the spot rather than far from it.
-std::optional<double> agreed_offset(const std::vector<ViewFinding>& findings, std::size_t which, const Feature& feature,
-                                    double radius_m) {
-  std::optional<double> best;
-  double most = 0.0;
+/// How many views see the feature at an offset from its spot, each counted by its score.
+double votes_for(const std::vector<ViewFinding>& findings, std::size_t which, const LengthFeature& feature,
+                 double offset) {
+  double sum = 0.0;
+  for (const ViewFinding& voter : findings) {
+    double strongest = 0.0;
+    for (const Candidate& one : voter.candidates[which])
+      strongest = std::max(strongest, one.score * vote(offset_of(feature, one) - offset, vote_width_m));
+    sum += strongest;
+  }
+  return sum;
+}
+
+/// The offset that the views agree on best, near the spot rather than far from it, and what it may be off for being
+/// the wrong one.
+struct AgreedOffset {
+  double offset_m = 0.0, votes = 0.0;
+  double rival_m = 0.0, rival_votes = 0.0;  ///< The next best place that is another one.
+
+  double rivalry() const { return rival_votes / votes; }
+  /// Votes are no probabilities: a place with half of them is hardly ever the right one.
+  double variance() const {
+    const double odds = std::pow(rivalry(), 4), share = odds / (1.0 + odds);
+    return share * (1.0 - share) * (rival_m - offset_m) * (rival_m - offset_m);
+  }
+};
+
+std::optional<AgreedOffset> agreed_offset(const std::vector<ViewFinding>& findings, std::size_t which,
+                                          const LengthFeature& feature, double radius_m) {
+  std::vector<std::pair<double, double>> places;  // offset, votes
+  AgreedOffset best;
   for (const ViewFinding& proposer : findings) {
     for (const Candidate& proposed : proposer.candidates[which]) {
       const double offset = offset_of(feature, proposed);
-      double sum = 0.0;
-      for (const ViewFinding& voter : findings) {
-        double strongest = 0.0;
-        for (const Candidate& one : voter.candidates[which])
-          strongest = std::max(strongest, one.score * vote(offset_of(feature, one) - offset, vote_width_m));
-        sum += strongest;
-      }
-      sum *= vote(offset, spot_sigma_share * radius_m);
-      if (sum > most) most = sum, best = offset;
+      const double prior = vote(offset, spot_sigma_share * radius_m);
+      places.emplace_back(offset, prior * votes_for(findings, which, feature, offset));
+      if (places.back().second > best.votes) best.offset_m = offset, best.votes = places.back().second;
     }
+  }
+  if (best.votes <= 0.0) return std::nullopt;
+  for (const auto& [offset, votes] : places) {
+    if (std::abs(offset - best.offset_m) < rival_widths * vote_width_m || votes <= best.rival_votes) continue;
+    best.rival_m = offset, best.rival_votes = votes;
   }
   return best;
 }
 
-Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const Feature& feature, double radius_m) {
+Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const LengthFeature& feature,
+             double radius_m) {
   Found found;
-  const auto offset = agreed_offset(findings, which, feature, radius_m);
-  if (!offset) return found;
+  const auto place = agreed_offset(findings, which, feature, radius_m);
+  if (!place) return found;
+  found.wrong_place_variance = place->variance();
+  found.rivalry = place->rivalry();
   for (std::size_t i = 0; i < findings.size(); ++i) {
     const Candidate* best = nullptr;
     double most = 0.0;
     for (const Candidate& one : findings[i].candidates[which]) {
-      const double distance = offset_of(feature, one) - *offset;
+      const double distance = offset_of(feature, one) - place->offset_m;
       const double score = one.score * vote(distance, vote_width_m);
       if (std::abs(distance) < agree_widths * vote_width_m && score > most) most = score, best = &one;
     }
@@ -216,6 +190,8 @@ Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const 
 /// Where two edges of a corner cross, or come nearest, in each view that has both.
 Found crossing(const Found& one, const Found& other) {
   Found corner;
+  corner.wrong_place_variance = one.wrong_place_variance + other.wrong_place_variance;
+  corner.rivalry = std::max(one.rivalry, other.rivalry);
   for (const auto& [finding, first] : one.sightings) {
     for (const auto& [same, second] : other.sightings) {
       if (finding != same) continue;
@@ -283,22 +259,12 @@ double mean_support(const Found& a, const Found& b) {
   return sum / std::max<double>(1.0, static_cast<double>(a.sightings.size() + b.sightings.size()));
 }
 
-std::string doubts(const MeasuredLength& measured) {
+std::string doubts(const MeasuredLength& measured, double rivalry) {
   if (measured.support < weak_support)
     return fmt::format("depth is missing or behind over {:.0f} % of the face", 100.0 * (1.0 - measured.support));
   if (std::min(measured.keyframes_a, measured.keyframes_b) < few_keyframes) return "few keyframes show it";
+  if (rivalry > clear_rivalry) return "another edge near it fits about as well";
   return "";
-}
-
-MeasuredLength not_measured(const LengthObject& object, const std::string& why) {
-  MeasuredLength measured;
-  measured.name = object.name;
-  measured.kind = object.kind;
-  measured.true_length_m = object.true_length_m;
-  measured.a = object.a.point;
-  measured.b = object.b.point;
-  measured.note = why;
-  return measured;
 }
 
 /// All of one object, so that what is looked up often need not be handed around.
@@ -306,8 +272,8 @@ class LengthSearch {
  public:
   LengthSearch(const RgbdMap& map, const LengthObject& object, const MapLengthOptions& options)
       : map_(map), object_(object), options_(options) {
-    a_ = features_of(object, object.a);
-    b_ = features_of(object, object.b);
+    a_ = length_features(object, object.a, options);
+    b_ = length_features(object, object.b, options);
   }
 
   MeasuredLength measure(TaskPool& pool) {
@@ -322,7 +288,7 @@ class LengthSearch {
   }
 
  private:
-  LengthPlace place_of(const Feature& feature) const {
+  LengthPlace place_of(const LengthFeature& feature) const {
     return {feature.spot, feature.normal_known ? std::optional<Vector3d>(feature.normal()) : std::nullopt};
   }
 
@@ -336,13 +302,13 @@ class LengthSearch {
         ViewFinding& finding = findings_[static_cast<std::size_t>(i)];
         finding.keyframe = view.keyframe;
         for (const auto* features : {&a_, &b_})
-          for (const Feature& feature : *features)
+          for (const LengthFeature& feature : *features)
             finding.candidates.push_back(candidates_in(view, feature, object_.radius_m, options_));
       }
     });
   }
 
-  Found found(const std::vector<Feature>& features, std::size_t first) const {
+  Found found(const std::vector<LengthFeature>& features, std::size_t first) const {
     const Found one = agreed(findings_, first, features[0], object_.radius_m);
     if (features.size() == 1) return one;
     return crossing(one, agreed(findings_, first + 1, features[1], object_.radius_m));
@@ -355,7 +321,7 @@ class LengthSearch {
     if (!length) return not_measured(object_, "the keyframes contradict one another");
     MeasuredLength measured = not_measured(object_, "");
     measured.length_m = length->length_m;
-    measured.sigma_m = length->sigma_m;
+    measured.sigma_m = std::sqrt(std::pow(length->sigma_m, 2) + a.wrong_place_variance + b.wrong_place_variance);
     measured.a = a.point;
     measured.b = b.point;
     measured.keyframes_a = length->seen_a;
@@ -366,14 +332,14 @@ class LengthSearch {
       for (const auto& [finding, one] : found->sightings) measured.points += one.points;
     measured.support = mean_support(a, b);
     measured.picture = best_picture(a, b, findings_);
-    measured.note = doubts(measured);
+    measured.note = doubts(measured, std::max(a.rivalry, b.rivalry));
     return measured;
   }
 
   const RgbdMap& map_;
   const LengthObject& object_;
   const MapLengthOptions& options_;
-  std::vector<Feature> a_, b_;
+  std::vector<LengthFeature> a_, b_;
   std::vector<ViewFinding> findings_;
 };
 

@@ -55,4 +55,9 @@ struct MapLengthOptions {
 std::vector<MeasuredLength> measure_lengths(const RgbdMap& map, const std::vector<LengthObject>& objects,
                                             const MapLengthOptions& options, TaskPool& pool);
 
+/// The same in a cloud, which has no pictures: an edge is where the points of a face end, which is where depth does,
+/// and sigmas are larger for it.
+std::vector<MeasuredLength> measure_lengths(const PointCloud& cloud, const std::vector<LengthObject>& objects,
+                                            const MapLengthOptions& options);
+
 }  // namespace rastro

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rastro/base/error.h"
+#include "rastro/base/log.h"
+#include "rastro/base/text.h"
+#include "rastro/base/text_file.h"
+#include "rastro/cli/command.h"
+#include "rastro/cli/limits.h"
+#include "rastro/cli/map_path.h"
+#include "rastro/evaluate/length_report.h"
+#include "rastro/evaluate/trajectory_input.h"
+#include "rastro/evaluate/trajectory_pairs.h"
+#include "rastro/export/length_picture.h"
+#include "rastro/export/ply.h"
+#include "rastro/map/file/map_file.h"
+#include "rastro/map/keyframe/pack_pictures.h"
+#include "rastro/math/alignment.h"
+
+namespace rastro::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* footer =
+    R"(MAP is a map file (map.rastro), the folder of a run, or a point cloud (.ply, metres; sigma is used where it is there). Planes
+are fitted to the depth pictures of the keyframes and edges are found in their colour pictures, to a part of a pixel; each
+keyframe that shows both ends tells the length on its own, those that show one end count with the scatter of their poses.
+A cloud has no pictures: there an edge is where the points end, and sigmas are larger.
+
+FILE (YAML, metres):
+  frame: first_camera        # world of the map (default); or `truth`: that of the trajectory given with --align
+  radius_m: 0.06             # how far a spot may be off (default 0.06); may stand in an object too
+  objects:
+    - name: box width
+      length_m: 0.32         # the true length, if it is known
+      kind: edges            # two parallel straight edges, measured at right angles to both
+      a: {point: [-0.16, 0.2, 2.0], direction: [0, 1, 0]}   # rough spot near the edge's middle, its rough direction
+      b: {point: [0.16, 0.2, 2.0], direction: [0, 1, 0]}    # face: [x, y, z] is a spot on the flat face that the edge
+                                                            # bounds (default: halfway between a and b)
+    - name: room width
+      kind: planes           # two parallel faces
+      a: {point: [-1.5, 0, 2], normal: [1, 0, 0]}           # normal, rough and of either sign, may be left out
+      b: {point: [1.7, 0, 2], normal: [1, 0, 0]}
+    - name: diagonal
+      kind: points           # two points of surfaces, or corners where two edges meet
+      a: {point: [-0.16, 0.1, 2.0], edges: [[1, 0, 0], [0, 1, 0]], face: [0, 0.2, 2.0]}
+      b: {point: [0.16, 0.3, 2.0], edges: [[1, 0, 0], [0, 1, 0]], face: [0, 0.2, 2.0]}
+
+sigma is one standard deviation: of picture, depth and poses, and of taking one edge for another. What cannot be measured is
+said to be so, with the reason; a note tells what makes a measure doubtful. Over several maps (of one recording) there is a
+table of mean measures, mean and largest error, and error by sigma (about 1 where the sigmas are honest).
+
+--require takes measured (share of all), mean_error_m, max_error_m, max_error_percent, max_sigma_m, rms_sigmas.
+
+Examples:
+  rastro measure run --objects bedroom/objects.yaml
+  rastro measure seed*/map.rastro --objects study/objects.yaml --csv > lengths.csv
+  rastro measure run --objects objects.yaml --only 'box width' --require 'max_error_m<=0.01' --out pictures
+  rastro measure run/map.rastro --between -0.5,0.2,2.1 0.4,0.2,2.1)";
+
+struct Flags {
+  std::vector<std::string> maps, between, only, limits;
+  std::string objects, align, out;
+  int threads = 0;
+  std::uint64_t seed = 1;
+  bool json = false, csv = false, quiet = false;
+};
+
+/// A map of either kind.
+struct OpenedMap {
+  std::shared_ptr<const RgbdMap> keyframes;
+  PointCloud cloud;  ///< Where there are no keyframes.
+};
+
+OpenedMap open_map(const std::string& path) {
+  const fs::path file = map_file_of(path);
+  std::error_code ignored;
+  if (file.extension() == ".ply") return {nullptr, read_cloud_ply(file.string())};
+  if (fs::is_directory(path, ignored) && !fs::exists(file, ignored)) {
+    const fs::path cloud = fs::path(path) / "cloud.ply";
+    if (!fs::exists(cloud, ignored))
+      throw Error("has neither map.rastro nor cloud.ply", path, "name the run of a depth camera");
+    return {nullptr, read_cloud_ply(cloud.string())};
+  }
+  return {load_map(file), {}};
+}
+
+/// truth_from_map, from the poses of equal stamps.
+SE3 aligned(const OpenedMap& map, const std::string& path, const std::string& truth_file) {
+  if (!map.keyframes) throw Error("has no trajectory to align", path, "give a map file or a run folder");
+  const TrajectoryInput truth = read_trajectory_input(truth_file);
+  constexpr TimeNs max_difference = 20'000'000;
+  std::vector<Eigen::Vector3d> target, source;
+  for (const PosePair& pair : pair_by_stamp(truth.poses, map.keyframes->trajectory, max_difference)) {
+    target.push_back(truth.poses[pair.reference].world_from_body.translation());
+    source.push_back(map.keyframes->trajectory[pair.estimate].world_from_body.translation());
+  }
+  const auto alignment = align_points(target, source, AlignmentKind::rigid);
+  if (!alignment || !alignment->unique)
+    throw Error(fmt::format("{} poses have a stamp of {}, too few or all on a line", target.size(), one_line(path)),
+                truth_file, "is it of the same recording?");
+  return {alignment->target_from_source.rotation(), alignment->target_from_source.translation()};
+}
+
+Eigen::Vector3d point_in(const std::string& text) {
+  const auto pieces = split(text, ',');
+  Eigen::Vector3d point;
+  for (int k = 0; k < 3; ++k) {
+    const auto number = pieces.size() == 3 ? parse_finite(pieces[static_cast<std::size_t>(k)]) : std::nullopt;
+    if (!number || std::abs(*number) > 1e4)
+      throw Error(in_quotes(text) + " is no point", "--between", "give x,y,z in metres, like 0.5,-0.2,2.1");
+    point[k] = *number;
+  }
+  return point;
+}
+
+LengthObjects objects_of(const Flags& flags) {
+  if (flags.objects.empty() == flags.between.empty())
+    throw Error("does not say what to measure", "rastro measure", "give --objects FILE or --between x,y,z x,y,z");
+  if (!flags.between.empty()) {
+    LengthObject object;
+    object.name = "between";
+    object.kind = LengthKind::points;
+    object.a.point = point_in(flags.between[0]);
+    object.b.point = point_in(flags.between[1]);
+    if ((object.a.point - object.b.point).norm() < 1e-3) throw Error("are one point", "--between", "give two");
+    return {false, {object}};
+  }
+  LengthObjects all = parse_length_objects(read_text_file(flags.objects), flags.objects);
+  std::vector<std::string> names;
+  for (const LengthObject& object : all.objects) names.push_back(object.name);
+  for (const std::string& name : flags.only) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    throw Error(fmt::format("{} is no object of {}", in_quotes(name), one_line(flags.objects)), "--only",
+                fmt::format("did you mean '{}'?", nearest_name(name, names)));
+  }
+  std::erase_if(all.objects, [&](const LengthObject& object) {
+    return !flags.only.empty() && std::find(flags.only.begin(), flags.only.end(), object.name) == flags.only.end();
+  });
+  return all;
+}
+
+std::string file_name_of(const std::string& name) {
+  std::string safe;
+  for (const char letter : name) safe += std::isalnum(static_cast<unsigned char>(letter)) != 0 ? letter : '_';
+  return safe;
+}
+
+/// One picture for each length that was found in pictures: OUT/MAP_NAME.png.
+void write_pictures(const fs::path& folder, std::size_t number, const RgbdMap& map,
+                    const std::vector<MeasuredLength>& lengths) {
+  fs::create_directories(folder);
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    const MeasuredLength& one = lengths[k];
+    if (one.picture.keyframe < 0 || !one.length_m) continue;
+    const std::string where = fmt::format("keyframe {}", one.picture.keyframe);
+    const auto pictures = unpack_pictures(map.pictures->pictures(one.picture.keyframe), where);
+    const std::string file = fmt::format("map{}_{}_{}.png", number + 1, k + 1, file_name_of(one.name));
+    write_length_picture(pictures.colour, {one.picture.a, one.picture.b},
+                         fmt::format("{}: {:.4f} m +- {:.4f}", one.name, *one.length_m, one.sigma_m),
+                         (folder / file).string());
+  }
+}
+
+int measure(const Flags& flags) {
+  if (flags.json && flags.csv) throw Error("cannot be given together", "--json and --csv", "choose one");
+  const std::vector<ScoreLimit> limits = parse_limits(flags.limits, length_figures({}), "'max_error_m<=0.01'");
+  const LengthObjects wanted = objects_of(flags);
+  if (wanted.in_frame_of_truth && flags.align.empty())
+    throw Error("gives its spots in the frame of the truth", flags.objects, "give --align with the true trajectory");
+  if (!wanted.in_frame_of_truth && !flags.align.empty())
+    throw Error("is of no use: spots are given in the map's own frame", "--align", "leave it out, or see 'frame:'");
+  TaskPool pool(flags.threads);
+  MapLengthOptions options;
+  options.seed = flags.seed;
+  std::vector<MapOfLengths> results;
+  for (const std::string& path : flags.maps) {
+    const OpenedMap map = open_map(path);
+    std::vector<LengthObject> objects = wanted.objects;
+    if (wanted.in_frame_of_truth) {
+      const SE3 map_from_truth = aligned(map, path, flags.align).inverse();
+      for (LengthObject& object : objects) object = moved(object, map_from_truth);
+    }
+    results.push_back({path, map.keyframes ? measure_lengths(*map.keyframes, objects, options, pool)
+                                           : measure_lengths(map.cloud, objects, options)});
+    if (!flags.out.empty() && map.keyframes)
+      write_pictures(flags.out, results.size() - 1, *map.keyframes, results.back().lengths);
+  }
+  if (flags.json)
+    fmt::print("{}", lengths_as_json(results));
+  else if (flags.csv)
+    fmt::print("{}", lengths_as_csv(results));
+  else if (!flags.quiet)
+    fmt::print("{}", lengths_as_text(results));
+  return report_missed(limits, length_figures(results));
+}
+
+void check_threads(int threads) {
+  if (threads < 0 || threads > 1024)
+    throw Error(fmt::format("{} is no number of threads", threads), "--threads", "give 0 to 1024");
+}
+
+}  // namespace
+
+void add_measure_command(CLI::App& app, Context& context) {
+  CLI::App* command = app.add_subcommand("measure", "Measure named lengths in maps, with their uncertainty");
+  const auto flags = std::make_shared<Flags>();
+  command->add_option("MAP", flags->maps, "Map files, run folders or point clouds (.ply)")->required();
+  command->add_option("--objects", flags->objects, "Lengths to find")->type_name("FILE");
+  command->add_option("--between", flags->between, "One length: between the surface points nearest to two spots, x,y,z")
+      ->type_name("POINT")
+      ->expected(2);
+  command->add_option("--only", flags->only, "Only the object of this name; may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  command->add_option("--align", flags->align, "True trajectory, for objects given in its frame")->type_name("FILE");
+  command->add_option("--out", flags->out, "Folder for a picture of each length, the measured edges drawn into it")
+      ->type_name("DIR");
+  command->add_option("--require", flags->limits, "Limit such as 'max_error_m<=0.01'; exit code 1 when one is missed")
+      ->type_name("LIMIT")
+      ->allow_extra_args(false);
+  command->add_option("--seed", flags->seed, "Of the samples drawn when planes are fitted (default: 1)")
+      ->type_name("N");
+  command->add_option("--threads", flags->threads, "0: all of the machine (default); results do not depend on it")
+      ->type_name("N");
+  command->add_flag("--json", flags->json, "Print JSON");
+  command->add_flag("--csv", flags->csv, "Print CSV, a line for each measure");
+  command->add_flag("--quiet", flags->quiet, "Print nothing but what goes wrong");
+  command->footer(footer);
+  command->callback([flags, &context] {
+    if (flags->quiet) set_log_sink({});
+    check_threads(flags->threads);
+    context.exit_code = measure(*flags);
+  });
+}
+
+}  // namespace rastro::cli
