@@ -87,6 +87,11 @@ void ProgressBar::show(const TrackProgress& progress) { show_any(progress); }
 void ProgressBar::show(const OdometryProgress& progress) { show_any(progress); }
 void ProgressBar::show(const SlamProgress& progress) { show_any(progress); }
 
+void ProgressBar::show_steps(const std::string& what, std::size_t done, std::size_t all) {
+  if (is_due())
+    draw(fmt::format("{} {} {}/{}", bar(static_cast<double>(done) / static_cast<double>(all)), what, done, all));
+}
+
 void ProgressBar::clear() {
   if (shown_) fmt::print(stderr, "\r\033[K");
   std::fflush(stderr);

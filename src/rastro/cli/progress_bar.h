@@ -21,6 +21,8 @@ class ProgressBar {
   void show(const TrackProgress& progress);
   void show(const OdometryProgress& progress);
   void show(const SlamProgress& progress);
+  /// Of something that is no run over frames: what is done, how many of how many.
+  void show_steps(const std::string& what, std::size_t done, std::size_t all);
   void clear();
 
  private:

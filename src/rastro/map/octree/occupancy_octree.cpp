@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/map/octree/occupancy_octree.h"
 
+#include <fmt/format.h>
 #include <octomap/OcTree.h>
 
 #include <sstream>
@@ -48,6 +49,13 @@ void update(octomap::OcTree& tree, const RayCells& cells) {
   for (const CellKey key : cells.hits()) tree.updateNode(key_of(key), true, true);
 }
 
+std::string head_of(const octomap::OcTree& tree, const char* format) {
+  return fmt::format(
+      "{}\n# (feel free to add / change comments, but leave the first line as it is!)\n#\n# written by rastro, "
+      "metres\nid OcTree\nsize {}\nres {:g}\ndata\n",
+      format, tree.size(), tree.getResolution());
+}
+
 std::size_t count_leaves(const octomap::OcTree& tree, bool occupied) {
   std::size_t count = 0;
   for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf)
@@ -87,9 +95,11 @@ Eigen::Vector3d OccupancyOctree::high() const {
 std::size_t OccupancyOctree::occupied_leaves() const { return count_leaves(*tree_->octomap, true); }
 std::size_t OccupancyOctree::free_leaves() const { return count_leaves(*tree_->octomap, false); }
 
+// The heads are written here, not by OctoMap's own functions, as those print.
 std::string OccupancyOctree::ot_bytes() const {
   std::ostringstream stream;
-  tree_->octomap->write(stream);
+  stream << head_of(*tree_->octomap, "# Octomap OcTree file");
+  tree_->octomap->writeData(stream);
   return stream.str();
 }
 
@@ -98,7 +108,8 @@ std::string OccupancyOctree::bt_bytes() const {
   decided.toMaxLikelihood();
   decided.prune();
   std::ostringstream stream;
-  decided.writeBinaryConst(stream);
+  stream << head_of(decided, "# Octomap OcTree binary file");
+  decided.writeBinaryData(stream);
   return stream.str();
 }
 
@@ -124,20 +135,6 @@ OccupancyOctree build_octree(const RgbdMap& map, const OctreeOptions& options, T
       progress);
   tree->updateInnerOccupancy();
   tree->prune();
-  return OccupancyOctree(std::make_unique<OccupancyOctree::Tree>(std::move(tree)));
-}
-
-OccupancyOctree parse_octree(const std::string& bytes, const std::string& where) {
-  std::istringstream stream(bytes);
-  std::unique_ptr<octomap::OcTree> tree;
-  if (bytes.starts_with("# Octomap OcTree binary file")) {
-    tree = std::make_unique<octomap::OcTree>(0.1);
-    if (!tree->readBinary(stream)) tree.reset();
-  } else if (bytes.starts_with("# Octomap OcTree file")) {
-    std::unique_ptr<octomap::AbstractOcTree> any(octomap::AbstractOcTree::read(stream));
-    if (dynamic_cast<octomap::OcTree*>(any.get()) != nullptr) tree.reset(static_cast<octomap::OcTree*>(any.release()));
-  }
-  if (!tree) throw Error("is no OctoMap (.ot or .bt)", where, "give what 'rastro export --to octomap' writes");
   return OccupancyOctree(std::make_unique<OccupancyOctree::Tree>(std::move(tree)));
 }
 

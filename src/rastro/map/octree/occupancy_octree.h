@@ -55,7 +55,4 @@ class OccupancyOctree {
 OccupancyOctree build_octree(const RgbdMap& map, const OctreeOptions& options, TaskPool* pool = nullptr,
                              const MapProgress& progress = {});
 
-/// Reads the bytes of either format. Error naming `where` for others.
-OccupancyOctree parse_octree(const std::string& bytes, const std::string& where);
-
 }  // namespace rastro

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/export_input.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "rastro/base/error.h"
+#include "rastro/map/file/map_file.h"
+#include "rastro/sensor/trajectory_file.h"
+
+namespace rastro::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+bool is_folder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
+ExportInput read_run(const fs::path& folder) {
+  ExportInput input;
+  input.path = folder.string();
+  const fs::path map = folder / "map.rastro", poses = folder / "trajectory.txt";
+  if (is_file(map)) input.map = load_map(map);
+  if (is_file(poses)) input.trajectory = read_trajectory(poses.string());
+  if (!input.map && input.trajectory.empty())
+    throw Error("holds neither map.rastro nor trajectory.txt", input.path, "give the folder of a run, or a map file");
+  return input;
+}
+
+}  // namespace
+
+ExportInput read_export_input(const std::string& path) {
+  if (is_folder(path)) return read_run(path);
+  if (!is_file(path)) throw Error("does not exist", path, "give the folder of a run, or a map file");
+  ExportInput input;
+  input.path = path;
+  if (is_map_file(path)) {
+    input.map = load_map(path);
+    input.trajectory = input.map->trajectory;
+  } else {
+    input.trajectory = read_trajectory(path);
+  }
+  return input;
+}
+
+const RgbdMap& need_map(const ExportInput& input, const std::string& kind) {
+  if (input.map && !input.map->keyframes.empty()) return *input.map;
+  if (input.map) throw Error("the map has no keyframes", input.path, "there is nothing to export as " + kind);
+  const bool planar = is_file(fs::path(input.path) / "map.yaml");
+  throw Error("has no map of a depth camera (map.rastro), which " + kind + " is made from", input.path,
+              planar ? "its 2D map is map.pgm with map.yaml; poses can be had with --to tum, kitti or euroc"
+                     : "'rastro slam DATA --method rgbd' makes one; poses can be had with --to tum, kitti or euroc");
+}
+
+const Trajectory& need_trajectory(const ExportInput& input, const std::string& kind) {
+  if (input.trajectory.empty()) throw Error("has no poses of frames", input.path, "--to " + kind + " writes those");
+  return input.trajectory;
+}
+
+}  // namespace rastro::cli

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/cloud/build_cloud.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "rastro/base/error.h"
+#include "rastro/base/random.h"
+#include "rastro/map/cloud/upright.h"
+#include "rastro/map/cloud/voxel_table.h"
+#include "rastro/map/keyframe/depth_surface.h"
+#include "rastro/map/keyframe/feature_points.h"
+#include "rastro/map/rgbd_map_testing.h"
+
+namespace rastro {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Of the nearest wall or face of the box: distance, and the normal that points into the room.
+struct Nearest {
+  double distance = 1e9;
+  Vector3d normal = Vector3d::Zero();
+};
+
+Nearest nearest_face(const Vector3d& point) {
+  Nearest nearest;
+  const auto consider = [&](double signed_distance, int axis, double side) {
+    if (std::abs(signed_distance) < std::abs(nearest.distance))
+      nearest = {signed_distance, side * Vector3d::Unit(axis)};
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    consider(point[axis] - test_room::low[axis], axis, 1.0);
+    consider(test_room::high[axis] - point[axis], axis, -1.0);
+  }
+  const Vector3d outside = (test_room::box_low - point).cwiseMax(point - test_room::box_high);
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool beside = outside[(axis + 1) % 3] < 0.0 && outside[(axis + 2) % 3] < 0.0;
+    if (!beside) continue;
+    consider(point[axis] - test_room::box_high[axis], axis, 1.0);
+    consider(test_room::box_low[axis] - point[axis], axis, -1.0);
+  }
+  return nearest;
+}
+
+/// The test map with the noise of its depth camera.
+RgbdMap noisy_map(int keyframes) {
+  RgbdMap map = make_test_map(keyframes);
+  auto pictures = std::make_shared<MemoryPictures>();
+  for (int k = 0; k < keyframes; ++k) {
+    Frame frame = test_room::frame_from(map.poses[static_cast<std::size_t>(k)].world_from_camera);
+    Random random(static_cast<std::uint64_t>(k) + 5);
+    for (int y = 0; y < frame.depth.height(); ++y) {
+      for (int x = 0; x < frame.depth.width(); ++x) {
+        float& z = frame.depth.at(x, y);
+        z += static_cast<float>(random.normal() * (map.depth_sigma_m + map.depth_sigma_per_m2 * z * z));
+      }
+    }
+    pictures->add(k, pack_pictures(frame));
+  }
+  map.pictures = pictures;
+  return map;
+}
+
+CloudOptions dense() {
+  CloudOptions options;
+  options.stride = 1;
+  options.voxel_m = 0.02;
+  return options;
+}
+
+TEST(BuildCloud, LiesOnTheSurfacesOfARoomSeenExactly) {
+  const RgbdMap map = make_test_map(3);
+  const PointCloud cloud = build_cloud(map, dense());
+  ASSERT_GT(cloud.points.size(), 5000U);
+  std::size_t box = 0;
+  double off = 0.0;
+  for (const CloudPoint& point : cloud.points) {
+    const Nearest face = nearest_face(point.position.cast<double>());
+    // Packed depth has steps of 0.2 mm; points of two walls share the voxels of a corner.
+    EXPECT_LT(std::abs(face.distance), 0.02) << point.position.transpose();
+    off += std::abs(face.distance);
+    EXPECT_GE(point.count, 3U);
+    const bool blue = point.colour[2] > 2 * point.colour[0];
+    const Vector3d place = point.position.cast<double>();
+    box += blue ? 1 : 0;
+    const bool at_box = (place.array() > test_room::box_low.array() - 0.02).all() &&
+                        (place.array() < test_room::box_high.array() + 0.02).all();
+    EXPECT_TRUE(at_box || !blue) << place.transpose();
+  }
+  EXPECT_GT(box, 300U);
+  EXPECT_LT(off / static_cast<double>(cloud.points.size()), 0.001);
+}
+
+TEST(BuildCloud, NoisySurfacesStayThinWithNormalsAndSigmasThatHold) {
+  const PointCloud cloud = build_cloud(noisy_map(6), dense());
+  ASSERT_GT(cloud.points.size(), 5000U);
+  double squares = 0.0, turned = 0.0, off = 0.0;
+  std::size_t flat = 0, outside = 0;
+  for (const CloudPoint& point : cloud.points) {
+    const Vector3d place = point.position.cast<double>();
+    // Edges apart: there neither normal nor distance is that of one face.
+    int near_faces = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double wall : {test_room::low[axis], test_room::high[axis]})
+        near_faces += std::abs(place[axis] - wall) < 0.15 ? 1 : 0;
+    if (near_faces != 1 || (place - 0.5 * (test_room::box_low + test_room::box_high)).norm() < 0.8) continue;
+    const Nearest face = nearest_face(place);
+    const double share = face.distance / static_cast<double>(point.sigma);
+    squares += share * share;
+    outside += std::abs(share) > 3.0 ? 1 : 0;
+    off += std::abs(face.distance);
+    turned += std::acos(std::min(1.0, point.normal.cast<double>().dot(face.normal)));
+    ++flat;
+  }
+  ASSERT_GT(flat, 3000U);
+  const auto count = static_cast<double>(flat);
+  EXPECT_LT(std::sqrt(squares / count), 1.3) << "errors against their sigmas";
+  EXPECT_GT(std::sqrt(squares / count), 0.2) << "sigmas are no mere fear";
+  EXPECT_LT(static_cast<double>(outside) / count, 0.02);
+  EXPECT_LT(off / count, 0.006) << "the noise of one measurement is 4 to 20 mm";
+  EXPECT_LT(turned / count, 0.12) << "radians";
+}
+
+TEST(BuildCloud, CountsEveryMeasurementOnceWhereNothingIsLeftOut) {
+  const RgbdMap map = make_test_map(1);
+  CloudOptions options = dense();
+  options.voxel_m = 0.3;
+  options.min_count = 1;
+  options.grazing_deg = 89.9;
+  const PointCloud cloud = build_cloud(map, options);
+  std::uint64_t sum = 0;
+  for (const CloudPoint& point : cloud.points) sum += point.count;
+  // All pixels but the outermost ones and those along edges of the box.
+  EXPECT_GT(sum, 318U * 238U * 97U / 100U);
+}
+
+std::string bytes_of(const PointCloud& cloud) {
+  std::string bytes;
+  for (const CloudPoint& p : cloud.points) {
+    bytes.append(reinterpret_cast<const char*>(p.position.data()), 12);
+    bytes.append(reinterpret_cast<const char*>(p.normal.data()), 12);
+    bytes.append(reinterpret_cast<const char*>(&p.sigma), 4);
+    bytes.append(reinterpret_cast<const char*>(p.colour.data()), 3);
+    bytes += std::to_string(p.count);
+  }
+  return bytes;
+}
+
+TEST(BuildCloud, GivesTheSameBytesForAnyPool) {
+  const RgbdMap map = make_test_map(9);
+  const std::string alone = bytes_of(build_cloud(map, CloudOptions()));
+  for (const int threads : {1, 2, 8}) {
+    TaskPool pool(threads);
+    EXPECT_TRUE(bytes_of(build_cloud(map, CloudOptions(), &pool)) == alone) << threads;
+  }
+}
+
+TEST(BuildCloud, CoarsensRatherThanGrowBeyondItsLimit) {
+  const RgbdMap map = make_test_map(2);
+  CloudOptions options = dense();
+  options.max_voxels = 3000;
+  const PointCloud cloud = build_cloud(map, options);
+  EXPECT_LE(cloud.points.size(), 3000U);
+  EXPECT_DOUBLE_EQ(cloud.voxel_m, 0.16);
+  for (const CloudPoint& point : cloud.points)
+    EXPECT_LT(std::abs(nearest_face(point.position.cast<double>()).distance), 0.08);
+}
+
+TEST(BuildCloud, TakesOnlyTheSubmapAskedForAndNothingFromAnEmptyMap) {
+  RgbdMap map = make_test_map(2);
+  map.poses[1].submap = 1;
+  CloudOptions options;
+  options.submap = 2;
+  EXPECT_TRUE(build_cloud(map, options).points.empty());
+  options.submap = 1;
+  const std::size_t one = build_cloud(map, options).points.size();
+  options.submap = -1;
+  EXPECT_GT(build_cloud(map, options).points.size(), one);
+  EXPECT_TRUE(build_cloud(RgbdMap(), CloudOptions()).points.empty());
+}
+
+TEST(BuildCloud, RefusesDamagedPicturesInOneLine) {
+  RgbdMap map = make_test_map(1);
+  auto pictures = std::make_shared<MemoryPictures>();
+  pictures->add(0, {{1, 2, 3}, {4, 5}});
+  map.pictures = pictures;
+  EXPECT_THROW(build_cloud(map, CloudOptions()), Error);
+}
+
+TEST(SurfaceSamples, LeaveOutEdgesOfDepthAndGrazingSurfaces) {
+  UnpackedPictures pictures;
+  pictures.depth = DepthImage(64, 48);
+  pictures.colour.rgb = Image<std::uint8_t>(3 * 64, 48);
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) pictures.depth.at(x, y) = x < 30 ? 1.0F : 2.0F;
+  pictures.depth.at(50, 20) = 0.0F;
+  Camera camera = test_room::camera();
+  camera.cx = 31.5, camera.cy = 23.5;
+  SurfaceOptions options;
+  options.stride = 1;
+  const auto samples = surface_samples(pictures, RayTable(camera, 64, 48), options);
+  EXPECT_EQ(samples.size(), 62U * 46U - 2U * 46U - 1U) << "two columns beside the edge, and the hole";
+  std::size_t unknown = 0;
+  for (const SurfaceSample& sample : samples) {
+    unknown += sample.normal_in_camera.isZero() ? 1 : 0;
+    EXPECT_TRUE(sample.normal_in_camera.isZero() || -sample.normal_in_camera.z() > 0.99F);
+  }
+  EXPECT_EQ(unknown, 2U * 46U) << "beside the edge, in the blocks that it cuts";
+}
+
+TEST(Upright, FindsTheFloorOfARoomWhereverItsWorldPoints) {
+  RgbdMap map = make_test_map(6);
+  const SE3 turn(SO3::exp({0.7, -1.1, 0.4}), {3.0, -2.0, 1.0});
+  Trajectory cameras;
+  for (KeyframePose& pose : map.poses) {
+    pose.world_from_camera = turn * pose.world_from_camera;
+    cameras.push_back({0, pose.world_from_camera});
+  }
+  CloudOptions options;
+  options.voxel_m = 0.04;
+  const Upright upright = find_upright(build_cloud(map, options), cameras);
+  EXPECT_TRUE(upright.floor_found);
+  EXPECT_THAT(upright.found_by, testing::HasSubstr("1.20 m below"));
+  const Vector3d up = upright.upright_from_world.rotation() * (turn.rotation() * Vector3d::UnitZ());
+  EXPECT_LT((up - Vector3d::UnitZ()).norm(), 0.003);
+  const Vector3d first = upright.upright_from_world * cameras.front().world_from_body.translation();
+  EXPECT_LT((first - Vector3d(0.0, 0.0, 1.2)).norm(), 0.005);
+  EXPECT_FALSE(find_upright(PointCloud(), cameras).floor_found);
+}
+
+TEST(FeaturePoints, JoinWhatKeyframesShowOfOnePlace) {
+  const RgbdMap map = make_test_map(4);
+  const std::vector<FeaturePoint> points = feature_points(map);
+  ASSERT_GT(points.size(), 20U);
+  for (const FeaturePoint& point : points) {
+    ASSERT_GE(point.views.size(), 2U);
+    EXPECT_LT(point.error_px, 8.0);
+    for (std::size_t k = 1; k < point.views.size(); ++k)
+      EXPECT_LT(point.views[k - 1].keyframe, point.views[k].keyframe);
+  }
+}
+
+TEST(VoxelTable, FindsWhatWasAddedAndNumbersPlacesBothWays) {
+  detail::VoxelTable table(0.01);
+  Random random(3);
+  std::vector<std::uint64_t> keys;
+  for (int k = 0; k < 20000; ++k) {
+    detail::WorldSample sample;
+    sample.point = Vector3d(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5));
+    sample.ray = {0, 0, 1}, sample.sigma = 0.01F;
+    keys.push_back(table.key_of(sample.point));
+    const Vector3d inside = (sample.point - table.corner_of(keys.back())) / 0.01;
+    EXPECT_TRUE((inside.array() > -1e-6).all() && (inside.array() < 1.0 + 1e-6).all());
+    table.add(keys.back(), sample, 0);
+  }
+  for (const std::uint64_t key : keys) ASSERT_NE(table.find(key), nullptr);
+  EXPECT_EQ(table.find(table.key_of({7, 7, 7})), nullptr);
+  EXPECT_EQ(table.key_of({1e9, 0, 0}), 0U);
+  EXPECT_EQ(table.key_of({std::nan(""), 0, 0}), 0U);
+}
+
+}  // namespace
+}  // namespace rastro

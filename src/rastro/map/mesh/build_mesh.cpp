@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/mesh/build_mesh.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "rastro/base/error.h"
+#include "rastro/map/keyframe/map_views.h"
+#include "rastro/map/mesh/distance_volume.h"
+
+namespace rastro {
+namespace {
+
+using detail::block_cells;
+using detail::block_side;
+using detail::DistanceBlock;
+using detail::DistanceVolume;
+using detail::DistanceVoxel;
+using Eigen::Vector3f;
+using Eigen::Vector3i;
+
+constexpr float steepest = 2.0F;  ///< Distances change by at most a voxel from one to the next, noise apart.
+
+Vector3i corner(int index) { return {index & 1, index >> 1 & 1, index >> 2 & 1}; }
+
+/// The voxels around a block's cells: its own and those of the next blocks.
+class Neighbourhood {
+ public:
+  Neighbourhood(const DistanceVolume& volume, const DistanceBlock& block) {
+    for (int index = 0; index < 8; ++index) {
+      const int found = volume.block_at(block.place + corner(index));
+      blocks_[static_cast<std::size_t>(index)] =
+          found < 0 ? nullptr : volume.blocks()[static_cast<std::size_t>(found)].get();
+    }
+  }
+  /// 0 to 8 along each axis; null where no block is.
+  const DistanceVoxel* at(const Vector3i& cell) const {
+    const Vector3i block = cell / block_side, inside = cell - block_side * block;
+    const DistanceBlock* found = blocks_[static_cast<std::size_t>(block.x() + 2 * block.y() + 4 * block.z())];
+    if (found == nullptr) return nullptr;
+    return &found->voxels[static_cast<std::size_t>((inside.z() * block_side + inside.y()) * block_side + inside.x())];
+  }
+
+ private:
+  std::array<const DistanceBlock*, 8> blocks_;
+};
+
+/// The vertices of a block and, for each of its cells, which it is.
+struct BlockNet {
+  std::vector<MeshVertex> vertices;
+  std::array<std::int32_t, block_cells> vertex_of{};
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+class SurfaceNet {
+ public:
+  SurfaceNet(const DistanceVolume& volume, int min_views) : volume_(volume), min_views_(min_views) {}
+
+  TriangleMesh make(TaskPool* pool) {
+    nets_.resize(volume_.blocks().size());
+    detail::for_each_index(pool, nets_.size(), [&](std::size_t block) { place_vertices(block); });
+    first_.assign(nets_.size() + 1, 0);
+    for (std::size_t k = 0; k < nets_.size(); ++k)
+      first_[k + 1] = first_[k] + static_cast<std::uint32_t>(nets_[k].vertices.size());
+    detail::for_each_index(pool, nets_.size(), [&](std::size_t block) { tie_faces(block); });
+    TriangleMesh mesh;
+    for (const BlockNet& net : nets_) {
+      mesh.vertices.insert(mesh.vertices.end(), net.vertices.begin(), net.vertices.end());
+      mesh.triangles.insert(mesh.triangles.end(), net.triangles.begin(), net.triangles.end());
+    }
+    return mesh;
+  }
+
+ private:
+  bool is_known(const DistanceVoxel* voxel) const {
+    return voxel != nullptr && voxel->weight > 0.0F && voxel->views >= min_views_;
+  }
+
+  void place_vertices(std::size_t index) {
+    const DistanceBlock& block = *volume_.blocks()[index];
+    const Neighbourhood around(volume_, block);
+    BlockNet& net = nets_[index];
+    for (int cell = 0; cell < block_cells; ++cell) {
+      const Vector3i inside(cell % block_side, cell / block_side % block_side, cell / (block_side * block_side));
+      net.vertex_of[static_cast<std::size_t>(cell)] = -1;
+      MeshVertex vertex;
+      if (!find_vertex(around, inside, vertex)) continue;
+      const auto voxel = static_cast<float>(volume_.voxel_m());
+      const Vector3f base = (block_side * block.place + inside).cast<float>() + Vector3f::Constant(0.5F);
+      vertex.position = voxel * (base + vertex.position);
+      net.vertex_of[static_cast<std::size_t>(cell)] = static_cast<std::int32_t>(net.vertices.size());
+      net.vertices.push_back(vertex);
+    }
+  }
+
+  /// The mean of the places where the edges of a cell cross the surface, in cells from its first corner.
+  bool find_vertex(const Neighbourhood& around, const Vector3i& cell, MeshVertex& vertex) const {
+    std::array<const DistanceVoxel*, 8> corners{};
+    int inside = 0;
+    for (int k = 0; k < 8; ++k) {
+      corners[static_cast<std::size_t>(k)] = around.at(cell + corner(k));
+      if (!is_known(corners[static_cast<std::size_t>(k)])) return false;
+      inside += corners[static_cast<std::size_t>(k)]->distance < 0.0F ? 1 : 0;
+    }
+    if (inside == 0 || inside == 8) return false;
+    Vector3f place = Vector3f::Zero(), gradient = Vector3f::Zero(), colour = Vector3f::Zero();
+    int crossings = 0;
+    for (int k = 0; k < 8; ++k) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (k >> axis & 1) continue;
+        const DistanceVoxel &a = *corners[static_cast<std::size_t>(k)],
+                            &b = *corners[static_cast<std::size_t>(k | 1 << axis)];
+        gradient[axis] += b.distance - a.distance;
+        if ((a.distance < 0.0F) == (b.distance < 0.0F)) continue;
+        // From far before to far behind in one step: the rim of a surface and what lies hidden behind it.
+        if (std::abs(a.distance - b.distance) > steepest * static_cast<float>(volume_.voxel_m())) return false;
+        const float share = a.distance / (a.distance - b.distance);
+        Vector3f crossing = corner(k).cast<float>();
+        crossing[axis] += share;
+        place += crossing;
+        for (int c = 0; c < 3; ++c) {
+          const auto channel = static_cast<std::size_t>(c);
+          colour[c] += (1.0F - share) * a.colour[channel] + share * b.colour[channel];
+        }
+        ++crossings;
+      }
+    }
+    vertex.position = place / static_cast<float>(crossings);
+    if (gradient.norm() > 0.0F) vertex.normal = gradient.normalized();
+    for (std::size_t c = 0; c < 3; ++c)
+      vertex.colour[c] = static_cast<std::uint8_t>(std::lround(colour[static_cast<int>(c)] / crossings));
+    return true;
+  }
+
+  /// Number of a cell's vertex; -1: none. `cell` may lie one before the block.
+  std::int64_t vertex_at(std::size_t index, const Vector3i& cell) const {
+    Vector3i place = volume_.blocks()[index]->place, inside = cell;
+    for (int axis = 0; axis < 3; ++axis)
+      if (inside[axis] < 0) inside[axis] += block_side, --place[axis];
+    const int block = place == volume_.blocks()[index]->place ? static_cast<int>(index) : volume_.block_at(place);
+    if (block < 0) return -1;
+    const auto found = static_cast<std::size_t>(block);
+    const std::int32_t vertex =
+        nets_[found]
+            .vertex_of[static_cast<std::size_t>((inside.z() * block_side + inside.y()) * block_side + inside.x())];
+    return vertex < 0 ? -1 : static_cast<std::int64_t>(first_[found]) + vertex;
+  }
+
+  void tie_faces(std::size_t index) {
+    const Neighbourhood around(volume_, *volume_.blocks()[index]);
+    for (int cell = 0; cell < block_cells; ++cell) {
+      const Vector3i inside(cell % block_side, cell / block_side % block_side, cell / (block_side * block_side));
+      const DistanceVoxel* from = around.at(inside);
+      if (!is_known(from)) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        const DistanceVoxel* to = around.at(inside + Vector3i::Unit(axis));
+        if (is_known(to) && (from->distance < 0.0F) != (to->distance < 0.0F))
+          tie_face(index, inside, axis, from->distance < 0.0F);
+      }
+    }
+  }
+
+  /// The four cells around an edge of the grid that crosses the surface; `outwards`: along the axis it leaves the
+  /// solid.
+  void tie_face(std::size_t index, const Vector3i& inside, int axis, bool outwards) {
+    const Vector3i u = Vector3i::Unit((axis + 1) % 3), v = Vector3i::Unit((axis + 2) % 3);
+    std::array<std::int64_t, 4> quad{vertex_at(index, inside - u - v), vertex_at(index, inside - v),
+                                     vertex_at(index, inside), vertex_at(index, inside - u)};
+    if (std::any_of(quad.begin(), quad.end(), [](std::int64_t vertex) { return vertex < 0; })) return;
+    if (!outwards) std::swap(quad[1], quad[3]);
+    const auto at = [&](std::size_t k) { return static_cast<std::uint32_t>(quad[k]); };
+    nets_[index].triangles.push_back({at(0), at(1), at(2)});
+    nets_[index].triangles.push_back({at(0), at(2), at(3)});
+  }
+
+  const DistanceVolume& volume_;
+  int min_views_;
+  std::vector<BlockNet> nets_;
+  std::vector<std::uint32_t> first_;
+};
+
+/// Takes out vertices that no triangle needs.
+void drop_loose_vertices(TriangleMesh& mesh) {
+  std::vector<std::uint32_t> moved(mesh.vertices.size(), 0);
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t vertex : triangle) moved[vertex] = 1;
+  std::uint32_t kept = 0;
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    if (moved[k] == 0) continue;
+    mesh.vertices[kept] = mesh.vertices[k];
+    moved[k] = kept++;
+  }
+  mesh.vertices.resize(kept);
+  for (auto& triangle : mesh.triangles)
+    for (std::uint32_t& vertex : triangle) vertex = moved[vertex];
+}
+
+}  // namespace
+
+TriangleMesh build_mesh(const RgbdMap& map, const MeshOptions& options, TaskPool* pool, const MapProgress& progress) {
+  RASTRO_CHECK(options.voxel_m > 0.0, "voxels have a size");
+  DistanceVolume volume(options);
+  const SurfaceOptions surface = detail::surface_options(map, 1, options.min_depth_m, options.max_depth_m);
+  std::vector<std::vector<SurfaceSample>> group(detail::MapViews::group_size);
+  detail::MapViews views(map, detail::keyframes_of(map, options.submap), pool);
+  int width = 0, height = 0;
+  views.walk(
+      [&](std::size_t slot, std::size_t, const UnpackedPictures& pictures, const RayTable& rays) {
+        group[slot] = surface_samples(pictures, rays, surface);
+        if (slot == 0) width = rays.width(), height = rays.height();
+      },
+      [&](std::size_t first, std::size_t count) {
+        for (std::size_t slot = 0; slot < count; ++slot) {
+          const SE3& pose = map.poses[views.keyframes()[first + slot]].world_from_camera;
+          volume.add(group[slot], map.camera, width, height, pose, pool);
+        }
+      },
+      progress);
+  volume.sort();
+  const int min_views = std::min(options.min_views, static_cast<int>(views.keyframes().size()));
+  TriangleMesh mesh = SurfaceNet(volume, min_views).make(pool);
+  drop_loose_vertices(mesh);
+  return mesh;
+}
+
+}  // namespace rastro
