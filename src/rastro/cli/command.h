@@ -18,11 +18,16 @@ struct Context {
 void add_track_command(CLI::App& app, Context& context);
 void add_odometry_command(CLI::App& app, Context& context);
 void add_slam_command(CLI::App& app, Context& context);
+void add_localize_command(CLI::App& app, Context& context);
+void add_recover_command(CLI::App& app, Context& context);
+void add_export_command(CLI::App& app, Context& context);
+void add_measure_command(CLI::App& app, Context& context);
 void add_methods_command(CLI::App& app, Context& context);
 void add_evaluate_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);
 void add_occlude_command(CLI::App& app, Context& context);
 void add_convert_command(CLI::App& app, Context& context);
+void add_export_command(CLI::App& app, Context& context);
 void add_info_command(CLI::App& app, Context& context);
 void add_check_command(CLI::App& app, Context& context);
 void add_options_command(CLI::App& app, Context& context);

@@ -84,10 +84,14 @@ void add_commands(CLI::App& app, Context& context) {
   add_track_command(app, context);
   add_odometry_command(app, context);
   add_slam_command(app, context);
+  add_localize_command(app, context);
+  add_recover_command(app, context);
   add_evaluate_command(app, context);
   add_simulate_command(app, context);
   add_occlude_command(app, context);
   add_convert_command(app, context);
+  add_export_command(app, context);
+  add_measure_command(app, context);
   add_info_command(app, context);
   add_check_command(app, context);
   add_methods_command(app, context);

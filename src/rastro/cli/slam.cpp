@@ -1,21 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 #include <memory>
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
 #include "rastro/base/task_pool.h"
+#include "rastro/base/text.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/interrupt.h"
 #include "rastro/cli/limits.h"
+#include "rastro/cli/map_path.h"
+#include "rastro/cli/masks.h"
 #include "rastro/cli/program.h"
 #include "rastro/cli/progress_bar.h"
+#include "rastro/cli/size_text.h"
+#include "rastro/cli/slam.h"
 #include "rastro/cli/slam_flags.h"
 #include "rastro/cli/slam_outputs.h"
 #include "rastro/dataset/open.h"
 #include "rastro/dataset/recording.h"
+#include "rastro/map/file/growing_map_file.h"
+#include "rastro/map/file/map_file.h"
 #include "rastro/methods/methods.h"
 #include "rastro/session/slam_run.h"
 
@@ -29,13 +37,39 @@ struct Prepared {
   std::vector<ScoreLimit> limits;
   std::unique_ptr<Source> source;
   std::optional<std::int64_t> frames;
+  std::optional<Masks> masks;
   std::unique_ptr<TaskPool> pool;
+  std::unique_ptr<GrowingMapFile> map_file;  ///< Null: no map is made.
+  SlamMeans means;
   std::unique_ptr<Slam> slam;
 };
 
+SlamMeans means_of(const SlamFlags& flags) {
+  SlamMeans means;
+  const std::vector<std::string> modes = {"step", "pipelined"};
+  if (std::find(modes.begin(), modes.end(), flags.mode) == modes.end()) {
+    throw Error(in_quotes(flags.mode) + " is no mode", "--mode",
+                fmt::format("did you mean '{}'?", nearest_name(flags.mode, modes)));
+  }
+  means.pipelined = flags.mode == "pipelined";
+  if (!flags.max_memory.empty()) means.max_memory_bytes = parse_size(flags.max_memory, "--max-memory");
+  if (!flags.map.empty()) means.map = load_map(map_file_of(flags.map));
+  return means;
+}
+
+std::unique_ptr<SlamMethod> method_for(const SlamFlags& flags, const SlamMeans& means) {
+  if (!means.map) return slam_method(flags.method);
+  auto method = slam_method(means.map->method);
+  if (!method->can_localize())
+    throw Error(fmt::format("the method '{}' cannot find its way in a map", method->name()), flags.map,
+                "give a map made by 'rastro slam DATA --method rgbd'");
+  return method;
+}
+
 Prepared prepare(const SlamFlags& flags) {
   Prepared run;
-  run.method = slam_method(flags.method);
+  run.means = means_of(flags);
+  run.method = method_for(flags, run.means);
   run.table = run.method->options();
   apply_settings(flags, run.table);
   run.limits = parse_limits(flags.limits, numbers_of(SlamResult{}), "'coverage>=95'");
@@ -45,10 +79,12 @@ Prepared prepare(const SlamFlags& flags) {
   run.source = rastro::open(flags.data.path, open);
   const SourceInfo& info = run.source->info();
   if (info.frame_count >= 0) run.frames = FrameChoice(open, info.frame_count, info.path).count;
+  if (!flags.mask.empty()) run.masks.emplace(flags.mask);
   run.pool = std::make_unique<TaskPool>(flags.data.threads);
-  SlamMeans means;
-  means.pool = run.pool.get();
-  run.slam = run.method->make(info, means);
+  run.means.pool = run.pool.get();
+  if (!run.means.map) run.map_file = std::make_unique<GrowingMapFile>(std::filesystem::path(flags.out) / "map.rastro");
+  run.means.archive = run.map_file.get();
+  run.slam = run.method->make(info, run.means);
   return run;
 }
 
@@ -60,6 +96,9 @@ SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
   run.stop = &catch_interrupts();
   run.frames_asked = prepared.frames;
   run.progress = [&bar](const SlamProgress& progress) { bar.show(progress); };
+  if (prepared.masks) run.mask_of = [&prepared](const Frame& frame) { return prepared.masks->mask_of(frame); };
+  run.map_file = prepared.map_file.get();
+  run.max_memory_bytes = prepared.means.max_memory_bytes;
   return run;
 }
 
@@ -71,6 +110,8 @@ SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
       "'rastro check' says more");
 }
 
+}  // namespace
+
 int run_slam(const SlamFlags& flags) {
   if (flags.data.quiet) set_log_sink({});
   Prepared prepared = prepare(flags);
@@ -81,20 +122,19 @@ int run_slam(const SlamFlags& flags) {
   ProgressBar bar(!flags.data.quiet);
   SlamRunEnd end = slam_run(wired(prepared, folder, bar));
   bar.clear();
-  end.result.method = flags.method;
+  end.result.method = prepared.method->name();
   if (end.result.frames == 0 && !end.result.interrupted) refuse_without_frames(end, folder, flags.data.path);
-  write_slam_outputs(end, folder);
+  const SlamTask task = prepared.means.map ? SlamTask::localize : SlamTask::map;
+  write_slam_outputs(end, folder, task, prepared.pool.get());
   folder.write_result(to_json(end.result));
   if (end.failure) std::rethrow_exception(end.failure);
   if (flags.data.json) {
     fmt::print("{}", to_json(end.result));
   } else if (!flags.data.quiet) {
-    fmt::print("{}", slam_summary(end, flags.out));
+    fmt::print("{}", slam_summary(end, flags.out, task));
   }
   return report_missed(prepared.limits, numbers_of(end.result));
 }
-
-}  // namespace
 
 void add_slam_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("slam", "Positions and a map at once, by any of the SLAM methods");

@@ -16,6 +16,8 @@ Writes into --out:
   trajectory.txt         final pose of every frame: stamp tx ty tz qx qy qz qw, world_from_body, metres
   trajectory_online.txt  each pose as first given; covariance_online.txt: how well it was known, where the method says so
   map.pgm map.yaml       the map as ROS's map_server reads it    map.png  the same with the way drawn in
+  map.rastro             the map of a depth camera, kept safe as the run goes: for 'rastro info', 'rastro localize'
+  cloud.ply              the same as a coloured cloud of points    map.png  seen from above with the way drawn in
   landmarks.csv          place, covariance and number of sightings of each landmark, where the method has landmarks
   stats.csv    state, reason, score, times of each stage per frame    events.jsonl  changes of state with reasons, loops
   options.yaml all values in force    about.json  version, machine, input    result.json  coverage, states, times, hash
@@ -23,6 +25,7 @@ Writes into --out:
 Examples:
   rastro slam intel.clf.gz --method hector --out run
   rastro slam intel.clf.gz --method hector --out odometry_off --guess none --loop-closing false
+  rastro slam rgbd_dataset_freiburg1_room --method rgbd --out room --max-memory 600MB
   rastro slam corridor --method ekf --out run --require 'coverage>=99'
   rastro evaluate relations run --relations intel.relations
   rastro evaluate map run/map.yaml corridor/floor_plan.yaml)";
@@ -50,6 +53,57 @@ void set_from_flag(OptionTable& table, const std::string& name, const std::strin
   table.set(name, value, flag);
 }
 
+constexpr const char* localize_footer = R"(
+MAP is made by 'rastro slam DATA --method rgbd'. The recording may be another one, by the same kind of camera.
+
+Writes into --out:
+  trajectory.txt   pose of every frame that was found: stamp tx ty tz qx qy qz qw in the frame of the map, metres
+  stats.csv, events.jsonl, options.yaml, about.json, result.json   as 'rastro slam' does; in result.json:
+    recall                 frames whose place was seen, neither lost nor carried on, in percent of those asked for
+    seconds_to_first_pose  of the recording, until the first of them; -1 where there was none
+
+Examples:
+  rastro localize kitchen_again --map run --out found
+  rastro localize kitchen_again --map kitchen.rastro --out found --require 'recall>=95')";
+
+void add_settings_flags(CLI::App& command, SlamFlags& flags, const char* group) {
+  command.add_option("--options", flags.options_file, "YAML file with settings; see 'rastro options METHOD --yaml'")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--set", flags.settings, "Set one option, may be repeated; see 'rastro options METHOD'")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false)
+      ->group(group);
+  command
+      .add_option("--mode", flags.mode,
+                  "'pipelined': mapping runs beside tracking; 'step': one after the other, with the same results")
+      ->type_name("MODE")
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--mask", flags.mask,
+                  "Image (or folder of one per frame), black where nothing may be used, as on the camera's carrier")
+      ->type_name("FILE")
+      ->group(group);
+  command
+      .add_option("--max-memory", flags.max_memory,
+                  "Memory of the whole program, such as 600MB; the method makes do with it, or the run ends before")
+      ->type_name("SIZE")
+      ->group(group);
+}
+
+void add_output_flags(CLI::App& command, SlamFlags& flags, const std::string& example) {
+  command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR")->required()->group("Output");
+  command.add_flag("--force", flags.force, "Write into a folder that is not empty, replacing a former run")
+      ->group("Output");
+  command
+      .add_option("--require", flags.limits,
+                  "Limit on a number of result.json, such as '" + example + "'; exit code 1 when one is missed")
+      ->type_name("LIMIT")
+      ->allow_extra_args(false)
+      ->group("Output");
+}
+
 void add_method_flags(CLI::App& command, SlamFlags& flags) {
   const char* group = "SLAM";
   command.add_option("--method", flags.method, "Which one; see below")->required()->group(group);
@@ -58,13 +112,7 @@ void add_method_flags(CLI::App& command, SlamFlags& flags) {
   command.add_option("--loop-closing", flags.loop_closing, "Whether places are recognised (option loop_closing)")
       ->type_name("true|false")
       ->group(group);
-  command.add_option("--options", flags.options_file, "YAML file with settings; see 'rastro options METHOD --yaml'")
-      ->type_name("FILE")
-      ->group(group);
-  command.add_option("--set", flags.settings, "Set one option, may be repeated; see 'rastro options METHOD'")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false)
-      ->group(group);
+  add_settings_flags(command, flags, group);
 }
 
 }  // namespace
@@ -72,16 +120,19 @@ void add_method_flags(CLI::App& command, SlamFlags& flags) {
 void add_slam_flags(CLI::App& command, SlamFlags& flags) {
   add_data_flags(command, flags.data);
   add_method_flags(command, flags);
-  command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR")->required()->group("Output");
-  command.add_flag("--force", flags.force, "Write into a folder that is not empty, replacing a former run")
-      ->group("Output");
-  command
-      .add_option("--require", flags.limits,
-                  "Limit on a number of result.json, such as 'coverage>=95'; exit code 1 when one is missed")
-      ->type_name("LIMIT")
-      ->allow_extra_args(false)
-      ->group("Output");
+  add_output_flags(command, flags, "coverage>=95");
   command.footer(methods_text() + footer);
+}
+
+void add_localize_flags(CLI::App& command, SlamFlags& flags) {
+  add_data_flags(command, flags.data);
+  command.add_option("--map", flags.map, "Map file, or the folder of the run that made it")
+      ->type_name("MAP")
+      ->required()
+      ->group("Map");
+  add_settings_flags(command, flags, "Map");
+  add_output_flags(command, flags, "recall>=95");
+  command.footer(localize_footer);
 }
 
 void apply_settings(const SlamFlags& flags, OptionTable& table) {

@@ -13,7 +13,10 @@ namespace rastro::cli {
 /// The flags of `rastro slam`.
 struct SlamFlags {
   DataFlags data;
-  std::string method;
+  std::string method;  ///< Empty where `map` says it.
+  std::string map;     ///< Find the way in this map, or that of this run; empty: make a new one.
+  std::string mode = "pipelined";
+  std::string mask, max_memory;  ///< Empty = not given.
   std::string out;
   std::string guess, loop_closing;  ///< Empty = not given; stand for the options of the same names.
   std::string options_file;
@@ -24,6 +27,9 @@ struct SlamFlags {
 };
 
 void add_slam_flags(CLI::App& command, SlamFlags& flags);
+
+/// The flags of `rastro localize`, for the same run.
+void add_localize_flags(CLI::App& command, SlamFlags& flags);
 
 /// Sets the table from the options file, --set and the flags, in this order. Errors name the flag, also for a flag
 /// whose option the method does not have.

@@ -3,11 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+
 #include "rastro/base/append_file.h"
 #include "rastro/base/hash.h"
+#include "rastro/export/cloud_picture.h"
 #include "rastro/export/grid_map_server.h"
 #include "rastro/export/grid_picture.h"
 #include "rastro/export/landmarks_csv.h"
+#include "rastro/export/ply.h"
+#include "rastro/map/cloud/build_cloud.h"
 #include "rastro/session/trajectory_text.h"
 
 namespace rastro::cli {
@@ -23,6 +28,13 @@ class HashedFiles {
     write_whole_file(folder_.file(name), bytes);
     hash_.add(bytes);
   }
+  /// A file that is there already.
+  void add(const std::string& name) {
+    std::ifstream stream(folder_.file(name), std::ios::binary);
+    std::string piece(1 << 20, '\0');
+    while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())), stream.gcount() > 0)
+      hash_.add(std::string_view(piece).substr(0, static_cast<std::size_t>(stream.gcount())));
+  }
   std::string finish() { return hash_.finish(); }
 
  private:
@@ -36,6 +48,14 @@ void write_picture(const SlamRunEnd& end, const RunFolder& folder) {
   if (!end.map->landmarks.empty())
     for (const PlaceCovariance& place : end.places) picture.places.push_back({place.place, place.covariance});
   write_map_picture(picture, folder.file("map.png").string());
+}
+
+/// Coarse enough to be looked at; 'rastro export' makes finer ones from the map file.
+void write_cloud(const SlamRunEnd& end, const RunFolder& folder, TaskPool* pool) {
+  CloudOptions options;
+  const PointCloud cloud = build_cloud(*end.map->rgbd, options, pool);
+  write_whole_file(folder.file("cloud.ply"), cloud_ply(cloud, "world"));
+  write_cloud_picture(cloud, end.trajectory, folder.file("map.png").string());
 }
 
 std::string reasons_line(const SlamResult& result) {
@@ -56,6 +76,12 @@ std::string states_line(const SlamResult& result) {
   return text + "\n";
 }
 
+std::string recall_line(const SlamResult& result) {
+  std::string text = fmt::format("  in the map   {:.1f} % of the frames", result.recall);
+  if (result.seconds_to_first_pose) text += fmt::format(", the first after {:.2f} s", *result.seconds_to_first_pose);
+  return text + "\n";
+}
+
 std::string map_line(const SlamRunEnd& end) {
   const SlamResult& result = end.result;
   std::string text = fmt::format("  map          path {:.2f} m", result.path_length);
@@ -66,6 +92,7 @@ std::string map_line(const SlamRunEnd& end) {
   }
   if (result.landmarks > 0) text += fmt::format(", {} landmarks", result.landmarks);
   if (result.keyframes > 0) text += fmt::format(", {} keyframes", result.keyframes);
+  if (result.submaps > 1) text += fmt::format(" in {} submaps", result.submaps);
   return text + fmt::format(", {} loops closed\n", result.loops_closed);
 }
 
@@ -76,9 +103,11 @@ std::string time_line(const SlamResult& result) {
   return text + fmt::format("; memory {:.0f} MB\n", result.peak_memory_mb);
 }
 
-std::string files_line(const SlamRunEnd& end, const std::string& folder) {
+std::string files_line(const SlamRunEnd& end, const std::string& folder, SlamTask task) {
+  if (task == SlamTask::localize) return fmt::format("written to {}: trajectory.txt result.json stats.csv\n", folder);
   std::string text = fmt::format("written to {}: trajectory.txt", folder);
   if (end.map && end.map->grid) text += " map.pgm map.yaml";
+  if (end.map && end.map->rgbd) text += " map.rastro cloud.ply";
   if (end.map) text += " map.png";
   if (end.result.landmarks > 0) text += " landmarks.csv";
   return text + " result.json stats.csv\n";
@@ -86,24 +115,34 @@ std::string files_line(const SlamRunEnd& end, const std::string& folder) {
 
 }  // namespace
 
-void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder) {
+void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, SlamTask task, TaskPool* pool) {
   HashedFiles files(folder);
   files.write("trajectory.txt", trajectory_text(end.trajectory, final_poses));
+  if (task == SlamTask::localize) {
+    end.result.result_sha256 = files.finish();
+    return;
+  }
   if (end.map && end.map->grid) {
     files.write("map.pgm", map_server_pgm(*end.map->grid));
     files.write("map.yaml", map_server_yaml(*end.map->grid, "map.pgm"));
   }
   if (end.map && !end.map->landmarks.empty()) files.write("landmarks.csv", landmarks_csv(end.map->landmarks));
-  if (end.map) write_picture(end, folder);
+  if (end.map && end.map->rgbd) {
+    files.add("map.rastro");
+    write_cloud(end, folder, pool);
+  } else if (end.map) {
+    write_picture(end, folder);
+  }
   end.result.result_sha256 = files.finish();
 }
 
-std::string slam_summary(const SlamRunEnd& end, const std::string& folder) {
+std::string slam_summary(const SlamRunEnd& end, const std::string& folder, SlamTask task) {
   const SlamResult& result = end.result;
   std::string text = fmt::format("{}: {} frames, {:.1f} % of those asked for have a pose{}\n", result.method,
                                  result.frames, result.coverage, result.interrupted ? " (interrupted)" : "");
-  text += states_line(result) + reasons_line(result) + map_line(end) + time_line(result);
-  text += fmt::format("  result       sha256 {}\n", result.result_sha256) + files_line(end, folder);
+  text += states_line(result) + reasons_line(result);
+  text += (task == SlamTask::localize ? recall_line(result) : map_line(end)) + time_line(result);
+  text += fmt::format("  result       sha256 {}\n", result.result_sha256) + files_line(end, folder, task);
   if (result.skipped_frames > 0) {
     text += fmt::format("warning: {} frames could not be read and were skipped, the first because: {}\n",
                         result.skipped_frames, end.first_skip);

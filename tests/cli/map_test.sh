@@ -1,0 +1,133 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Map files as a user meets them: map_test.sh PROGRAM SCRATCH_FOLDER CASE [--twenty]
+# CASE is make_room (first), files, or kill: a run killed with -9 at three moments (twenty with --twenty) leaves a map that
+# opens and has all but the last second.
+set -euo pipefail
+rastro=$1
+scratch=$2
+case_name=$3
+kills=3
+[[ ${4:-} == --twenty ]] && kills=20
+room=$scratch/room
+here=$scratch/$case_name
+rm -rf "$here" && mkdir -p "$here"
+
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
+
+# run CODE ARGUMENTS...: as in cli_test.sh.
+run() {
+  local wanted=$1 code=0
+  shift
+  "$rastro" "$@" >"$here/stdout" 2>"$here/stderr" || code=$?
+  [[ $code -eq $wanted ]] || fail "'rastro $*' ended with $code, not $wanted: $(cat "$here/stderr")"
+}
+
+refused() {
+  local text=$1
+  shift
+  run 2 "$@"
+  [[ $(wc -l <"$here/stderr") -eq 1 ]] || fail "'rastro $*' should say one line: $(cat "$here/stderr")"
+  grep -qF -- "$text" "$here/stderr" || fail "'rastro $*' should say '$text': $(cat "$here/stderr")"
+}
+
+said() { grep -qF -- "$1" "$here/stdout" "$here/stderr" || fail "'$1' was not said: $(cat "$here/stdout" "$here/stderr")"; }
+value_of() { sed -n "s/^  \"$1\": \"\{0,1\}\([^\",]*\).*/\1/p" "$2"; }
+
+make_room() {
+  rm -rf "$room"
+  run 0 simulate bedroom --out "$room" --frames 24
+}
+
+files() {
+  local map=$here/run/map.rastro
+  run 0 slam "$room" --method rgbd --out "$here/run" --max-memory 2GB --set features=300
+  said 'map.rastro'
+  local file
+  for file in map.rastro cloud.ply map.png trajectory.txt result.json; do
+    [[ -s $here/run/$file ]] || fail "$file is missing"
+  done
+  [[ $(cat "$here/run/trajectory.txt" "$map" | sha256sum | cut -d' ' -f1) == $(value_of result_sha256 "$here/run/result.json") ]] ||
+    fail "the hash is not that of trajectory and map"
+  run 0 slam "$room" --method rgbd --out "$here/step" --mode step --threads 1 --set features=300 --quiet
+  cmp "$map" "$here/step/map.rastro" || fail "another map with one thread, one step after the other"
+  run 0 info "$here/run"
+  said 'whole, every checksum holds'
+  run 0 localize "$room" --map "$here/run" --out "$here/found" --every 3 --require 'recall>=60'
+  [[ -s $here/found/trajectory.txt && ! -e $here/found/map.rastro ]] || fail "localize leaves a trajectory and no map"
+
+  head -c $(($(stat -c %s "$map") / 2)) "$map" >"$here/cut.rastro"
+  run 0 info "$here/cut.rastro"
+  said 'damaged'
+  refused 'rastro recover' localize "$room" --map "$here/cut.rastro" --out "$here/no"
+  run 0 recover "$here/cut.rastro" --out "$here/saved.rastro"
+  said 'lost'
+  run 0 info "$here/saved.rastro"
+  said 'whole'
+  run 0 recover "$map" --out "$here/again.rastro"
+  said 'nothing'
+  cmp "$map" "$here/again.rastro" || fail "read and written again, the map has other bytes"
+
+  refused 'there already' recover "$map" --out "$here/saved.rastro"
+  refused 'no map of rastro' localize "$room" --map "$room/rgb.txt" --out "$here/no"
+  refused "did you mean 600MB" slam "$room" --method rgbd --out "$here/no" --max-memory 600mb
+  refused "did you mean 'step'" slam "$room" --method rgbd --out "$here/no" --mode stp
+  [[ ! -e $here/no ]] || fail "a refused run left a folder"
+  refused '--max-memory' slam "$room" --method rgbd --out "$here/small" --max-memory 20MB
+}
+
+# The recording of the room there and back again, for minutes.
+long_room() {
+  local kind
+  mkdir -p "$here/long"
+  cp "$room"/*.yaml "$here/long" 2>/dev/null || true
+  for kind in rgb depth; do
+    ln -s "$room/$kind" "$here/long/$kind"
+    grep -v '^#' "$room/$kind.txt" | awk '{ name[NR - 1] = $2 }
+      END { n = NR; for (i = 0; i < 6000; i++) { k = i % (2 * n - 2); if (k >= n) k = 2 * n - 2 - k; printf "%.6f %s\n", 1000 + i / 30, name[k] } }' >"$here/long/$kind.txt"
+  done
+}
+
+lines() { if [[ -f $1 ]]; then wc -l <"$1"; else echo 0; fi; }
+
+# Lets it run for a while, kills it, and checks what is left against what there was a second before.
+kill_one() {
+  local number=$1 run=$here/run$1 process before=0 tenth
+  local -a history=()
+  "$rastro" slam "$here/long" --method rgbd --out "$run" --quiet 2>"$here/stderr" &
+  process=$!
+  while [[ $(lines "$run/trajectory_online.txt") -lt 8 ]]; do
+    kill -0 $process 2>/dev/null || fail "the run ended before it could be killed: $(cat "$here/stderr")"
+    read -r -t 0.05 <> <(:) || true
+  done
+  for ((tenth = 0; tenth < 11 + RANDOM % 20; tenth++)); do
+    history+=("$(lines "$run/trajectory_online.txt")")
+    read -r -t 0.1 <> <(:) || true
+  done
+  kill -9 $process
+  wait $process 2>/dev/null || true
+  before=$((history[${#history[@]} - 10] - 2))
+  run 0 info "$run" --json
+  [[ $(value_of damage "$here/stdout") == '' ]] || fail "kill $number: $(cat "$here/stdout")"
+  local kept
+  kept=$(value_of poses "$here/stdout")
+  ((kept >= before)) || fail "kill $number: $kept poses are left, and a second before there were $before"
+  run 0 recover "$run" --out "$here/saved$number.rastro"
+  echo "kill $number: $kept poses, a second before $before"
+}
+
+kill_runs() {
+  local number
+  RANDOM=7
+  long_room
+  for ((number = 1; number <= kills; number++)); do kill_one $number; done
+}
+
+case $case_name in
+  make_room | files) $case_name ;;
+  kill) kill_runs ;;
+  *) fail "no case '$case_name'" ;;
+esac
