@@ -87,7 +87,8 @@ PackedPictures pack_pictures(const Frame& frame) { return {packed_colour(frame),
 
 UnpackedPictures unpack_pictures(const PackedPictures& pictures, const std::string& where) {
   const cv::Mat bgr = decoded(pictures.colour, cv::IMREAD_COLOR);
-  const cv::Mat units = decoded(pictures.depth, cv::IMREAD_UNCHANGED);
+  cv::Mat units = decoded(pictures.depth, cv::IMREAD_UNCHANGED);
+  if (pictures.depth.empty()) units = cv::Mat::zeros(bgr.size(), CV_16UC1);  // a frame that came without depth
   if (bgr.empty() || units.empty() || units.type() != CV_16UC1 || bgr.size() != units.size())
     throw Error("its pictures are damaged", where, "'rastro recover' saves what can be read");
   return {unpacked_colour(bgr), unpacked_depth(units)};
