@@ -68,7 +68,7 @@ std::optional<DepthReading> read_depth(const DepthImage& depth, const Camera& ca
   const double z_in_depth = 1.0 / plane->inverse_depth;
   const double z = (z_in_depth - depth_from_colour.translation().z()) / (depth_from_colour.rotation() * direction).z();
   if (!(z >= options.min_depth_m && z <= options.max_depth_m)) return std::nullopt;
-  return DepthReading{1.0 / z, inverse_depth_sigma(options, 1.0 / z)};
+  return DepthReading{1.0 / z, inverse_depth_sigma(options, 1.0 / z), 0.0};
 }
 
 }  // namespace rastro

@@ -15,6 +15,8 @@ namespace rastro {
 struct DepthReading {
   double inverse_depth = 0.0;  ///< 1/m, along the colour camera's optical axis.
   double sigma = 0.0;          ///< Of it, 1/m.
+  /// How it would change if the depth had been taken later than thought, 1/m/s. Filled by the follower.
+  double per_second = 0.0;
 };
 
 /// Standard deviation of an inverse depth, 1/m: nearly the same everywhere, as disparity is what is measured.

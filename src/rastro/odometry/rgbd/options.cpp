@@ -17,6 +17,13 @@ void add_depth_options(OptionTable& table, RgbdOptions& o) {
        {}});
   table.add({"min_depth_m", &o.min_depth_m, "m", "nearer depths are not used", 0, 100, {}});
   table.add({"max_depth_m", &o.max_depth_m, "m", "farther depths are not used", 0.1, 1000, {}});
+  table.add({"learn_delay",
+             &o.learn_delay,
+             "",
+             "learn how much later depth was taken than its stamps say, which in a fast turn is many pixels",
+             0,
+             1,
+             {}});
 }
 
 void add_feature_options(OptionTable& table, RgbdOptions& o) {
@@ -53,7 +60,7 @@ void add_reference_options(OptionTable& table, RgbdOptions& o) {
              1,
              {}});
   table.add({"map_references", &o.map_references, "", "references whose features are kept", 2, 1000, {}});
-  table.add({"window", &o.window, "", "references adjusted together; less than 2: none are", 0, 50, {}});
+  table.add({"window", &o.window, "", "references adjusted together with their features; 0: none are", 0, 50, {}});
 }
 
 }  // namespace

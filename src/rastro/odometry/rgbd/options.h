@@ -16,6 +16,7 @@ struct RgbdOptions {
   double depth_sigma_per_m2 = 0.002;
   double min_depth_m = 0.3;
   double max_depth_m = 6.0;
+  bool learn_delay = true;
 
   // Features.
   int features = 500;

@@ -9,6 +9,7 @@
 #include "rastro/feature/brief.h"
 #include "rastro/math/se3.h"
 #include "rastro/odometry/rgbd/depth_reading.h"
+#include "rastro/odometry/rgbd/reference_adjustment.h"
 #include "rastro/track/klt.h"
 
 namespace rastro {
@@ -18,6 +19,8 @@ struct PointSighting {
   int reference = 0;           ///< Number of the reference.
   Eigen::Vector2d ray;         ///< Normalised.
   double inverse_depth = 0.0;  ///< Read there, 1/m; 0 = not.
+  double inverse_depth_sigma = 1.0;
+  double per_second = 0.0;  ///< As of MapPoint.
 };
 
 /// A feature of the local map: a ray of the reference it was first seen in, and how deep it lies there.
@@ -28,6 +31,7 @@ struct MapPoint {
   double information = 0;         ///< Of that by depth readings, m^2.
   double read_inverse_depth = 0;  ///< Mean of the readings.
   double readings = 0.0;
+  double per_second = 0.0;  ///< Change of the mean of the readings with the delay of depth, 1/m/s.
   KltReference patch;
   Descriptor descriptor;
   int seen = 1, missed = 0;                         ///< Frames; missed: in a row, although it should have been in view.
@@ -41,6 +45,7 @@ struct Reference {
   TimeNs stamp = 0;
   SE3 world_from_camera;
   double median_depth = 1.0;
+  std::vector<CameraLink> links;  ///< To references before it, by their surfaces; numbers of references.
 };
 
 /// The local map of a depth camera: features of the last references. All references' poses are kept.
@@ -57,10 +62,18 @@ class PointMap {
   static void add_reading(MapPoint& point, const DepthReading& reading);
   /// Drops points whose anchor is older than the last `count` references, and points missed too often.
   void forget(int count, int most_missed);
+  /// Depth is now thought to have been taken so much later.
+  void delay_depths(double seconds);
+  /// Adjusts the last `window` references and the points they see together; sightings that do not fit afterwards are
+  /// dropped. `ray_sigma`: of a feature's place; `max_error`: of one that fits, both normalised.
+  void adjust(int window, double ray_sigma, double max_error);
 
   std::vector<Reference> references;  ///< By number.
   std::vector<MapPoint> points;
   int first_live = 0;  ///< References before this one belong to maps given up.
+
+ private:
+  void drop_misfits(MapPoint& point, double max_error) const;
 };
 
 }  // namespace rastro

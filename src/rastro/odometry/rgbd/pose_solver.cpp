@@ -2,6 +2,7 @@
 #include "rastro/odometry/rgbd/pose_solver.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 #include "rastro/math/robust_kernel.h"
 
@@ -17,10 +18,18 @@ constexpr double hold = 1e-3;
 
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
 
-void add_point(const PointMeasurement& point, const SE3& camera_from_world, const Eigen::Matrix3d& rotation,
-               const CauchyKernel& kernel, PoseQuadratic& sum) {
+/// One point's errors (right, down, inverse depth), what they change with, and their weight.
+struct Linearised {
+  Eigen::Vector3d error = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 3, 6> by_pose = Eigen::Matrix<double, 3, 6>::Zero();
+  Eigen::Vector3d by_delay = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< The kernel's weight included.
+};
+
+bool linearise(const PointMeasurement& point, const SE3& camera_from_world, const Eigen::Matrix3d& rotation,
+               const CauchyKernel& kernel, Linearised& out) {
   const Eigen::Vector3d p = camera_from_world * point.in_world;
-  if (p.z() < 0.05) return;
+  if (p.z() < 0.05) return false;
   const double inverse = 1.0 / p.z();
   Matrix23 projection;
   projection << inverse, 0.0, -p.x() * inverse * inverse, 0.0, inverse, -p.y() * inverse * inverse;
@@ -28,37 +37,62 @@ void add_point(const PointMeasurement& point, const SE3& camera_from_world, cons
   // With d at the right of world_from_camera: p' = exp(-d) p.
   Eigen::Matrix<double, 3, 6> motion;
   motion << -Eigen::Matrix3d::Identity(), hat(p);
-  Eigen::Matrix<double, 3, 6> jacobian = Eigen::Matrix<double, 3, 6>::Zero();
-  Eigen::Vector3d error = Eigen::Vector3d::Zero(), along = Eigen::Vector3d::Zero();
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();
   Eigen::Matrix3d noise = Eigen::Matrix3d::Identity();
-  error.head<2>() = point.ray - projection.leftCols<2>() * p.head<2>();
-  jacobian.topRows<2>() = projection * motion;
+  out = {};
+  out.error.head<2>() = point.ray - inverse * p.head<2>();
+  out.by_pose.topRows<2>() = projection * motion;
   along.head<2>() = projection * slide;
   noise.topLeftCorner<2, 2>() *= point.ray_sigma * point.ray_sigma;
   if (point.inverse_depth > 0.0) {
     const double by_z = -inverse * inverse;
-    error.z() = point.inverse_depth - inverse;
-    jacobian.row(2) = by_z * motion.row(2);
+    out.error.z() = point.inverse_depth - inverse;
+    out.by_pose.row(2) = by_z * motion.row(2);
     along.z() = by_z * slide.z();
     noise(2, 2) = point.inverse_depth_sigma * point.inverse_depth_sigma;
   }
+  out.by_delay = along * point.map_per_second - Eigen::Vector3d::UnitZ() * point.per_second;
   // The map's own depth is uncertain, which moves all three together.
   noise += point.inverse_depth_variance * along * along.transpose();
-  const Eigen::Matrix3d information = noise.inverse();
-  const double weight = kernel.weight(error.dot(information * error));
-  const Eigen::Matrix<double, 6, 3> weighted = weight * jacobian.transpose() * information;
-  sum.information.noalias() += weighted * jacobian;
-  sum.gradient.noalias() += weighted * error;
+  out.information = noise.inverse();
+  out.information *= kernel.weight(out.error.dot(out.information * out.error));
+  return true;
 }
 
 }  // namespace
+
+DelayQuadratic delay_quadratic(const std::vector<PointMeasurement>& points, const SE3& world_from_camera) {
+  const SE3 camera_from_world = world_from_camera.inverse();
+  const Eigen::Matrix3d rotation = camera_from_world.rotation().matrix();
+  Eigen::Matrix<double, 7, 7> normal = Eigen::Matrix<double, 7, 7>::Zero();
+  Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero();
+  Linearised point;
+  for (const PointMeasurement& measured : points) {
+    if (!(measured.inverse_depth > 0.0) || !linearise(measured, camera_from_world, rotation, {kernel_width}, point))
+      continue;
+    Eigen::Matrix<double, 3, 7> jacobian;
+    jacobian << point.by_pose, point.by_delay;
+    normal.noalias() += jacobian.transpose() * point.information * jacobian;
+    right.noalias() += jacobian.transpose() * point.information * point.error;
+  }
+  const Matrix6d pose = normal.topLeftCorner<6, 6>() + hold * Matrix6d::Identity();
+  const Vector6d cross = normal.topRightCorner<6, 1>();
+  const Vector6d solved = pose.ldlt().solve(cross);
+  return {std::max(0.0, normal(6, 6) - solved.dot(cross)), right(6) - solved.dot(right.head<6>())};
+}
 
 PoseQuadratic points_quadratic(const std::vector<PointMeasurement>& points, const SE3& world_from_camera,
                                double kernel) {
   PoseQuadratic sum;
   const SE3 camera_from_world = world_from_camera.inverse();
   const Eigen::Matrix3d rotation = camera_from_world.rotation().matrix();
-  for (const PointMeasurement& point : points) add_point(point, camera_from_world, rotation, {kernel}, sum);
+  Linearised point;
+  for (const PointMeasurement& measured : points) {
+    if (!linearise(measured, camera_from_world, rotation, {kernel}, point)) continue;
+    const Eigen::Matrix<double, 6, 3> weighted = point.by_pose.transpose() * point.information;
+    sum.information.noalias() += weighted * point.by_pose;
+    sum.gradient.noalias() += weighted * point.error;
+  }
   return sum;
 }
 

@@ -17,7 +17,9 @@ struct PointMeasurement {
   Eigen::Vector2d ray;                         ///< Normalised.
   double ray_sigma = 0.002;
   double inverse_depth = 0.0;  ///< Read in this frame; 0 = not.
-  double inverse_depth_sigma = 0.0;
+  double inverse_depth_sigma = 1.0;
+  /// How the reading and the map's inverse depth change with the delay of depth, 1/m/s.
+  double per_second = 0.0, map_per_second = 0.0;
 };
 
 /// Quadratic approximation 0.5 d^T H d - b^T d of a cost around a pose, d in pose * exp(d).
@@ -35,6 +37,13 @@ struct PoseQuadratic {
 /// Of the points, with a Cauchy kernel of `kernel` standard deviations.
 PoseQuadratic points_quadratic(const std::vector<PointMeasurement>& points, const SE3& world_from_camera,
                                double kernel);
+
+/// What a frame says of how much later depth was taken than its stamps say, the pose eliminated.
+struct DelayQuadratic {
+  double information = 0.0;  ///< 1/s^2
+  double gradient = 0.0;     ///< Downhill.
+};
+DelayQuadratic delay_quadratic(const std::vector<PointMeasurement>& points, const SE3& world_from_camera);
 
 struct PoseSolution {
   SE3 world_from_camera;

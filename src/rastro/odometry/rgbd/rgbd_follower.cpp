@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "rastro/base/random.h"
 #include "rastro/multiview/absolute_pose.h"
@@ -21,6 +22,9 @@ namespace {
 constexpr int most_missed = 20;
 constexpr int solver_iterations = 6;
 constexpr double most_depth_offset_s = 0.1;
+constexpr double first_delay_sigma_s = 0.02, most_delay_s = 0.06, delay_step_s = 0.005;
+// Points of one frame err together, and so do frames that follow each other.
+constexpr double delay_share = 0.02;
 // A point carried on by optical flow alone has drifted since it was first seen.
 constexpr double carried_sigma_factor = 2.0;
 
@@ -50,12 +54,15 @@ class RgbdFollower::State {
   bool find_pose(const Frame& frame, const SE3& guess, RgbdFollow& result);
   std::optional<SE3> pose_from(const std::vector<FoundPoint>& found, const SE3& guess, RgbdFollow& result);
   std::vector<PointMeasurement> measurements(const Frame& frame, const std::vector<FoundPoint>& found) const;
-  SE3 depth_from_colour(const Frame& frame, const SE3& pose) const;
+  SE3 depth_from_colour(const Frame& frame, const Vector6d& velocity, double later_s = 0.0) const;
+  std::optional<DepthReading> read(const Frame& frame, const Eigen::Vector2d& ray, const Vector6d& velocity) const;
+  void learn_delay(const SE3& pose);
   void learn_depths(const std::vector<FoundPoint>& found, const std::vector<PointMeasurement>& measured,
                     const SE3& pose);
   bool is_reference(const SE3& pose, int inliers) const;
   void add_reference(const Frame& frame, const SE3& pose, const std::vector<FoundPoint>& found);
   SE3 predicted(TimeNs stamp) const;
+  Vector6d velocity_to(TimeNs stamp, const SE3& pose) const;
   void note_pose(TimeNs stamp, const SE3& pose);
   double measured_share(const Frame& frame) const;
 
@@ -68,7 +75,9 @@ class RgbdFollower::State {
   SE3 pose_;                              ///< world_from_camera of the last frame.
   TimeNs stamp_ = 0;                      ///< Of the last frame.
   Vector6d velocity_ = Vector6d::Zero();  ///< Per second, in the camera.
-  int reference_inliers_ = 0;             ///< Points the newest reference could be followed by.
+  double depth_delay_s_ = 0.0;            ///< Learnt: depth was taken so much later than its stamps say.
+  double delay_information_ = 1.0 / (first_delay_sigma_s * first_delay_sigma_s);
+  int reference_inliers_ = 0;  ///< Points the newest reference could be followed by.
   std::int64_t followed_ = 0;
   std::vector<FoundPoint> found_;
   std::vector<PointMeasurement> measured_;
@@ -122,8 +131,12 @@ void RgbdFollower::State::follow_useful(const Frame& frame, RgbdFollow& result) 
   result.state = OdometryState::tracking;
   if (!frame.depth.empty() && is_reference(result.world_from_camera, result.inliers)) {
     add_reference(frame, result.world_from_camera, found_);
+    if (options_.window > 0)
+      map_.adjust(options_.window, options_.pixel_sigma / camera_.fx, options_.max_error_px / camera_.fx);
+    pose_ = result.world_from_camera = map_.references.back().world_from_camera;
     result.new_reference = true;
   }
+  map_.forget(options_.map_references, most_missed);  // indices into the points end here
 }
 
 SE3 RgbdFollower::State::predicted(TimeNs stamp) const {
@@ -138,12 +151,36 @@ void RgbdFollower::State::note_pose(TimeNs stamp, const SE3& pose) {
   has_pose_ = true;
 }
 
-SE3 RgbdFollower::State::depth_from_colour(const Frame& frame, const SE3& pose) const {
-  const double seconds = to_seconds(frame.stamp - stamp_);
-  const double offset = to_seconds(frame.depth_stamp - frame.stamp);
-  if (!has_pose_ || seconds <= 0.0 || std::abs(offset) > most_depth_offset_s) return {};
-  const Vector6d velocity = (pose_.inverse() * pose).log() / seconds;
+Vector6d RgbdFollower::State::velocity_to(TimeNs stamp, const SE3& pose) const {
+  const double seconds = to_seconds(stamp - stamp_);
+  if (!has_pose_ || seconds <= 0.0) return Vector6d::Zero();
+  return (pose_.inverse() * pose).log() / seconds;
+}
+
+SE3 RgbdFollower::State::depth_from_colour(const Frame& frame, const Vector6d& velocity, double later_s) const {
+  const double offset = to_seconds(frame.depth_stamp - frame.stamp) + depth_delay_s_ + later_s;
+  if (std::abs(offset) > most_depth_offset_s) return {};
   return SE3::exp(-offset * velocity);
+}
+
+std::optional<DepthReading> RgbdFollower::State::read(const Frame& frame, const Eigen::Vector2d& ray,
+                                                      const Vector6d& velocity) const {
+  auto reading = read_depth(frame.depth, camera_, ray, depth_from_colour(frame, velocity), options_);
+  if (!reading || !options_.learn_delay) return reading;
+  const auto later = read_depth(frame.depth, camera_, ray, depth_from_colour(frame, velocity, delay_step_s), options_);
+  if (later) reading->per_second = (later->inverse_depth - reading->inverse_depth) / delay_step_s;
+  return reading;
+}
+
+/// Depth and colour are taken at different times, and stamps often say something else: where a turn moves the depth
+/// against the colour tells when it was taken.
+void RgbdFollower::State::learn_delay(const SE3& pose) {
+  const DelayQuadratic frame = delay_quadratic(measured_, pose);
+  delay_information_ += delay_share * frame.information;
+  const double change = delay_share * frame.gradient / delay_information_;
+  const double delay = std::clamp(depth_delay_s_ + change, -most_delay_s, most_delay_s);
+  map_.delay_depths(delay - depth_delay_s_);
+  depth_delay_s_ = delay;
 }
 
 std::optional<SE3> RgbdFollower::State::pose_from(const std::vector<FoundPoint>& found, const SE3& guess,
@@ -173,10 +210,11 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, RgbdFo
   found_ = tracker_.recognise(map_, *first, carried);
   measured_ = measurements(frame, found_);
   // Depth readings rest on where the camera was when the depth was taken, which is known now.
-  const SE3 offset = depth_from_colour(frame, *first);
+  const Vector6d velocity = velocity_to(frame.stamp, *first);
   if (!frame.depth.empty()) {
     for (PointMeasurement& point : measured_) {
-      if (const auto reading = read_depth(frame.depth, camera_, point.ray, offset, options_)) {
+      if (const auto reading = read(frame, point.ray, velocity)) {
+        point.per_second = reading->per_second;
         point.inverse_depth = reading->inverse_depth;
         point.inverse_depth_sigma = reading->sigma;
       }
@@ -205,8 +243,8 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, RgbdFo
   result.world_from_camera = solution.world_from_camera;
   result.covariance = (solution.points.information + 1e-6 * Matrix6d::Identity()).inverse();
   note_pose(frame.stamp, solution.world_from_camera);
+  if (options_.learn_delay) learn_delay(solution.world_from_camera);
   learn_depths(found_, measured_, solution.world_from_camera);
-  map_.forget(options_.map_references, most_missed);
   result.texture_share = 1.0;
   return true;
 }
@@ -221,6 +259,7 @@ std::vector<PointMeasurement> RgbdFollower::State::measurements(const Frame&,
     const Eigen::Vector3d along = map_.world_from_anchor(point).rotation() * Eigen::Vector3d(point.ray.homogeneous());
     m.in_world_per_inverse_depth = -along / (point.inverse_depth * point.inverse_depth);
     m.inverse_depth_variance = 1.0 / point.information;
+    m.map_per_second = point.per_second;
     m.ray = here.ray;
     m.ray_sigma = options_.pixel_sigma / camera_.fx * (here.recognised ? 1.0 : carried_sigma_factor);
     measured.push_back(m);
@@ -238,8 +277,8 @@ void RgbdFollower::State::learn_depths(const std::vector<FoundPoint>& found,
     const Eigen::Vector3d p = anchor_from_camera * Eigen::Vector3d(Eigen::Vector3d(measured[i].ray.homogeneous()) /
                                                                    measured[i].inverse_depth);
     if (p.z() < options_.min_depth_m) continue;
-    PointMap::add_reading(point, {1.0 / p.z(), measured[i].inverse_depth_sigma});
-    point.inverse_depth = point.read_inverse_depth;
+    PointMap::add_reading(point, {1.0 / p.z(), measured[i].inverse_depth_sigma, measured[i].per_second});
+    if (options_.window == 0 || point.sightings.empty()) point.inverse_depth = point.read_inverse_depth;
   }
 }
 
@@ -259,12 +298,11 @@ bool RgbdFollower::State::is_reference(const SE3& pose, int inliers) const {
 
 void RgbdFollower::State::add_reference(const Frame& frame, const SE3& pose, const std::vector<FoundPoint>& found) {
   const int number = static_cast<int>(map_.references.size());
-  map_.references.push_back({frame.stamp, pose, 1.0});
+  map_.references.push_back({frame.stamp, pose, 1.0, {}});
   for (std::size_t i = 0; i < found.size(); ++i) {
-    map_.points[found[i].point].sightings.push_back({number, found[i].ray, measured_[i].inverse_depth});
+    map_.points[found[i].point].sightings.push_back(
+        {number, found[i].ray, measured_[i].inverse_depth, measured_[i].inverse_depth_sigma, measured_[i].per_second});
   }
-  const SE3 offset =
-      number == map_.first_live ? SE3() : SE3::exp(-to_seconds(frame.depth_stamp - frame.stamp) * velocity_);
   const int wanted = options_.features - static_cast<int>(found.size());
   std::vector<double> depths;
   int added = 0;
@@ -272,7 +310,7 @@ void RgbdFollower::State::add_reference(const Frame& frame, const SE3& pose, con
     if (added >= wanted) break;
     const auto ray = camera_.unproject(pixel.cast<double>());
     if (!ray) continue;
-    const auto reading = read_depth(frame.depth, camera_, *ray, offset, options_);
+    const auto reading = read(frame, *ray, velocity_);
     if (!reading) continue;
     MapPoint point;
     point.anchor = number;
