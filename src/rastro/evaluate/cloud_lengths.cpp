@@ -21,7 +21,7 @@ constexpr int drawn_planes = 100;
 constexpr double gate_sigmas = 3.0, smallest_sigma_m = 0.002;
 constexpr double cos_largest_tilt = 0.8;
 constexpr double shared_sigma_m = 0.003;  ///< What all points of a face may be off alike.
-constexpr double depth_edge_m = 0.006;    ///< How far from a thing's end its depth may end.
+constexpr double depth_edge_m = 0.012;    ///< How far from a thing's end its depth may end.
 constexpr int fewest_slices = 4;
 
 /// A face of a cloud, and the points on it in the axes of the region it was looked for in.

@@ -89,31 +89,61 @@ double pose_variance(const std::vector<LengthSighting>& a, const std::vector<Len
   return freedom > 0.0 ? std::max(0.0, (squares - expected) / freedom) : 0.0;
 }
 
-/// Information of (a, b) and its product with them, summed over the keyframes.
-void sum_up(const std::vector<Pair>& pairs, double variance, Eigen::Matrix2d& information, Eigen::Vector2d& right) {
-  information.setZero();
-  right.setZero();
-  for (const Pair& pair : pairs) {
-    // A feature that is not seen has an endless variance, which the inverse below turns into a zero.
-    const double own_a = pair.a != nullptr ? 1.0 / (pair.a->sigma_m * pair.a->sigma_m) : 0.0;
-    const double own_b = pair.b != nullptr ? 1.0 / (pair.b->sigma_m * pair.b->sigma_m) : 0.0;
-    const Eigen::Vector2d own(own_a, own_b);
-    // Sherman and Morrison: (D + v 1 1^T)^-1 = D^-1 - D^-1 1 1^T D^-1 v / (1 + v 1^T D^-1 1).
-    Eigen::Matrix2d weight = own.asDiagonal();
-    weight -= variance / (1.0 + variance * own.sum()) * own * own.transpose();
-    const Eigen::Vector2d values(pair.a != nullptr ? pair.a->value_m : 0.0, pair.b != nullptr ? pair.b->value_m : 0.0);
-    information += weight;
-    right += weight * values;
+/// The unknowns: places of a and b, heights of their faces.
+struct Solution {
+  Eigen::Vector4d places = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+
+  double difference(const Pair& pair) const {
+    return pair.difference() - pair.b->lever * places[3] + pair.a->lever * places[2];
   }
+};
+
+/// Inverse covariance of what a keyframe says of a and b. A feature that is not seen has an endless variance, which is
+/// a zero here. Sherman and Morrison: (D + v 1 1^T)^-1 = D^-1 - D^-1 1 1^T D^-1 v / (1 + v 1^T D^-1 1).
+Eigen::Matrix2d weight_of(const Pair& pair, double pose_variance) {
+  const double own_a = pair.a != nullptr ? 1.0 / (pair.a->sigma_m * pair.a->sigma_m) : 0.0;
+  const double own_b = pair.b != nullptr ? 1.0 / (pair.b->sigma_m * pair.b->sigma_m) : 0.0;
+  const Eigen::Vector2d own(own_a, own_b);
+  Eigen::Matrix2d weight = own.asDiagonal();
+  weight -= pose_variance / (1.0 + pose_variance * own.sum()) * own * own.transpose();
+  return weight;
+}
+
+Solution solved(const std::vector<Pair>& pairs, double pose_variance, const LengthSightings& a,
+                const LengthSightings& b) {
+  // Where all keyframes see both, the sum of a and b is only known to the variance of the poses, which may be large.
+  Eigen::Matrix4d information = 1e-9 * Eigen::Matrix4d::Identity();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  for (const Pair& pair : pairs) {
+    Eigen::Matrix<double, 2, 4> design = Eigen::Matrix<double, 2, 4>::Zero();
+    Eigen::Vector2d values = Eigen::Vector2d::Zero();
+    design(0, 0) = design(1, 1) = 1.0;
+    if (pair.a != nullptr) design(0, 2) = pair.a->lever, values[0] = pair.a->value_m;
+    if (pair.b != nullptr) design(1, 3) = pair.b->lever, values[1] = pair.b->value_m;
+    const Eigen::Matrix2d weight = weight_of(pair, pose_variance);
+    information += design.transpose() * weight * design;
+    right += design.transpose() * weight * values;
+  }
+  for (const auto& [sightings, unknown] : {std::pair(&a, 2), std::pair(&b, 3)}) {
+    const double sigma = std::max(sightings->height_sigma_m, 1e-6);
+    information(unknown, unknown) += 1.0 / (sigma * sigma);
+    right[unknown] += sightings->height_m / (sigma * sigma);
+  }
+  Solution solution;
+  solution.covariance = information.inverse();
+  solution.places = solution.covariance * right;
+  return solution;
 }
 
 /// Mean variance of one keyframe's length, and how much more the lengths scatter than that.
-void judge_scatter(const std::vector<Pair>& pairs, CombinedLength& result, double& own_variance, double& excess) {
+void judge_scatter(const std::vector<Pair>& pairs, const Solution& solution, CombinedLength& result,
+                   double& own_variance, double& excess) {
   double squares = 0.0, ratio = 0.0, own = 0.0;
   for (const Pair& pair : pairs) {
     if (pair.a == nullptr || pair.b == nullptr) continue;
     ++result.together;
-    const double error = pair.difference() - result.length_m, sigma = pair.difference_sigma();
+    const double error = solution.difference(pair) - result.length_m, sigma = pair.difference_sigma();
     squares += error * error;
     ratio += error * error / (sigma * sigma);
     own += sigma * sigma;
@@ -124,37 +154,41 @@ void judge_scatter(const std::vector<Pair>& pairs, CombinedLength& result, doubl
   if (result.together > 1) excess = std::max(1.0, ratio / (result.together - 1));
 }
 
+/// Mean of what may be off alike in all keyframes, as a variance.
+double shared_by_all(const LengthSightings& sightings) {
+  double sum = 0.0;
+  for (const LengthSighting& one : sightings.all) sum += one.shared_m * one.shared_m;
+  return sum / std::max<double>(1.0, static_cast<double>(sightings.all.size()));
+}
+
 }  // namespace
 
-std::optional<CombinedLength> combine_lengths(std::vector<LengthSighting> a, std::vector<LengthSighting> b) {
-  for (auto* all : {&a, &b}) {
-    for (LengthSighting& one : *all) one.sigma_m = std::max(one.sigma_m, 1e-6);
-    drop_outliers(*all);
+std::optional<CombinedLength> combine_lengths(LengthSightings a, LengthSightings b) {
+  for (auto* end : {&a, &b}) {
+    for (LengthSighting& one : end->all) one.sigma_m = std::max(one.sigma_m, 1e-6);
+    drop_outliers(end->all);
   }
-  std::vector<Pair> pairs = paired(a, b);
+  std::vector<Pair> pairs = paired(a.all, b.all);
   drop_disagreeing(pairs);
   CombinedLength result;
   for (const Pair& pair : pairs) result.seen_a += pair.a != nullptr, result.seen_b += pair.b != nullptr;
   if (result.seen_a == 0 || result.seen_b == 0) return std::nullopt;
-  const double variance = pose_variance(a, b);
-  Eigen::Matrix2d information;
-  Eigen::Vector2d right;
-  sum_up(pairs, variance, information, right);
-  // Where all keyframes see both, the sum of a and b is only known to the variance of the poses, which may be large.
-  const Eigen::Matrix2d covariance = (information + 1e-9 * Eigen::Matrix2d::Identity()).inverse();
-  const Eigen::Vector2d places = covariance * right;
-  result.length_m = places[1] - places[0];
+  const double variance = pose_variance(a.all, b.all);
+  const Solution solution = solved(pairs, variance, a, b);
+  const Eigen::Matrix4d& covariance = solution.covariance;
+  result.length_m = solution.places[1] - solution.places[0];
   result.pose_sigma_m = std::sqrt(variance);
   double own_variance = 0.0, excess = 1.0;
-  judge_scatter(pairs, result, own_variance, excess);
+  judge_scatter(pairs, solution, result, own_variance, excess);
   double total = excess * (covariance(0, 0) + covariance(1, 1) - 2.0 * covariance(0, 1));
   if (result.together == 0) {
     // Neighbouring keyframes err alike: their number takes little of the poses' scatter away.
     result.scatter_m = std::sqrt(variance);
     total += variance;
-    own_variance = a.front().sigma_m * a.front().sigma_m + b.front().sigma_m * b.front().sigma_m;
+    own_variance = std::pow(a.all.front().sigma_m, 2) + std::pow(b.all.front().sigma_m, 2);
   }
-  total += shared_variance * own_variance + std::pow(floor_m, 2) + std::pow(floor_per_metre * result.length_m, 2);
+  total += shared_variance * own_variance + shared_by_all(a) + shared_by_all(b);
+  total += std::pow(floor_m, 2) + std::pow(floor_per_metre * result.length_m, 2);
   result.sigma_m = std::sqrt(total);
   return result;
 }

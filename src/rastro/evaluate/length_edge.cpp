@@ -268,6 +268,7 @@ BesideLine beside(const LengthView& view, const LengthFace& face, const Strip& s
 
 /// What the depths say of a line: the face should be on its inner side, end there, and be hidden by nothing.
 double depth_factor(const LengthView& view, const LengthFace& face, const Strip& strip, const StripLine& line) {
+  if (!(face.support > 0.0)) return 1.0;
   const BesideLine inner = beside(view, face, strip, line, 1), outer = beside(view, face, strip, line, -1);
   const double hidden = outer.measured >= 8 ? outer.share(outer.nearer) : 0.0;
   const double carried = inner.share(inner.on_face);
@@ -283,6 +284,7 @@ LengthEdge edge_of(const LengthView& view, const LengthFace& face, const Strip& 
   const double sigma_across = line.sigma_column * strip.step_across, sigma_depth = face.depth_sigma_at(ray);
   edge.covariance = sigma_across * sigma_across * strip.across * strip.across.transpose() +
                     sigma_depth * sigma_depth * ray * ray.transpose();
+  edge.pixel_m = samples_per_pixel * strip.step_across;
   edge.score = line.score / (line.score + half_score) * depth_factor(view, face, strip, line);
   for (int end = 0; end < 2; ++end) {
     const double row = end * (strip.rows - 1);

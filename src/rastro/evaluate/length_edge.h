@@ -23,12 +23,14 @@ struct LengthEdge {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();       ///< On the edge, beside the spot.
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();   ///< Unit length.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< Of the point: of the line in the picture and of the face.
+  double pixel_m = 0.0;                                  ///< Size of a pixel on the face, across the edge.
   double score = 0.0;  ///< 0 .. 2: clear changes of grey count for more, and so does a face that ends here.
   std::array<Eigen::Vector2d, 2> pixels{};  ///< Ends of what was looked at, for drawing.
 };
 
 /// The strongest such lines near the spot, best first, a handful at most; of either sign of change. None where the
-/// picture does not show the spot or is too coarse there.
+/// picture does not show the spot or is too coarse there. What depth says of a line counts only where the face has
+/// support.
 std::vector<LengthEdge> find_edges(const LengthView& view, const LengthFace& face, const LengthEdgeSearch& search);
 
 }  // namespace rastro

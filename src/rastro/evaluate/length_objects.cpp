@@ -139,9 +139,9 @@ LengthObject object_in(const YAML::Node& node, const std::string& where, double 
   object.a = spot_in(fields.part("a"), where, object.kind);
   object.b = spot_in(fields.part("b"), where, object.kind);
   if ((object.a.point - object.b.point).norm() < 1e-3) fields.refuse(fields.part("b"), "b", "is where a is");
-  check_faces(object, fields);
   if (object.kind == LengthKind::edges && std::abs(object.a.directions[0].dot(object.b.directions[0])) < 0.8)
     fields.refuse(fields.part("b"), "b", "has an edge that is not parallel to that of a");
+  check_faces(object, fields);
   return object;
 }
 

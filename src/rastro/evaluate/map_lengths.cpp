@@ -24,11 +24,13 @@ using Eigen::Vector3d;
 
 constexpr double vote_width_m = 0.006;    ///< Of one candidate: poses of keyframes differ by about as much.
 constexpr double agree_widths = 3.5;      ///< Candidates nearer to the chosen place than this many widths are taken.
-constexpr double rival_widths = 1.5;      ///< Places farther apart are two.
 constexpr double clear_rivalry = 0.75;    ///< Another place that fits this well is told of.
+constexpr double shared_px = 0.35;        ///< Light, blur and what lies beside an edge move it alike in all pictures.
+constexpr double height_sigma_m = 0.015;  ///< Of a rough face, where depth does not tell.
+constexpr double height_step_m = 0.005;
 constexpr double spot_sigma_share = 0.6;  ///< Standard deviation of a rough spot in its radius.
 constexpr double weak_support = 0.5;      ///< Below, depth is said to contradict.
-constexpr int few_keyframes = 3;
+constexpr std::size_t few_keyframes = 3;
 
 /// One view's idea of where the feature is; world.
 struct Candidate {
@@ -38,6 +40,8 @@ struct Candidate {
   double score = 0.0;
   int points = 0;
   double support = 0.0;
+  double shared_m = 0.0;              ///< Standard deviation of what is off alike in all views.
+  Vector3d lever = Vector3d::Zero();  ///< How the point moves with the height of the face, where that is not measured.
   std::array<Vector2d, 2> pixels{};
 };
 
@@ -51,8 +55,9 @@ struct ViewFinding {
 struct Found {
   std::vector<std::pair<std::size_t, Candidate>> sightings;         ///< With the number of the finding.
   Vector3d point = Vector3d::Zero(), direction = Vector3d::Zero();  ///< Means.
-  double wrong_place_variance = 0.0;                                ///< For taking one edge for another.
-  double rivalry = 0.0;                                             ///< How well another place fits, 0 .. 1.
+  double height_m = 0.0;              ///< Of the face above the rough one, where depth does not tell.
+  double wrong_place_variance = 0.0;  ///< For taking one edge for another.
+  double rivalry = 0.0;               ///< How well another place fits, 0 .. 1.
 };
 
 Candidate face_candidate(const LengthView& view, const LengthFace& face, const Vector3d& spot) {
@@ -79,21 +84,38 @@ std::vector<Candidate> edge_candidates(const LengthView& view, const LengthFace&
     one.direction = turn * edge.direction;
     one.covariance = turn * edge.covariance * turn.transpose();
     one.score = edge.score;
+    one.shared_m = shared_px * edge.pixel_m;
     one.pixels = edge.pixels;
     found.push_back(one);
   }
   return found;
 }
 
-std::vector<Candidate> candidates_in(const LengthView& view, const LengthFeature& feature, double radius_m,
-                                     const MapLengthOptions& options) {
+/// The face as the spots tell it, for things that depth does not see.
+LengthFace rough_face(const LengthView& view, const LengthFeature& feature) {
   const SE3 camera_from_world = view.world_from_camera.inverse();
-  const Matrix3d turn = camera_from_world.rotation().matrix();
+  const Vector3d normal = camera_from_world.rotation() * feature.normal();
+  const double distance = normal.dot(camera_from_world * feature.spot);
+  LengthFace face;
+  if (std::abs(distance) > 0.02) face.inverse = normal / distance;
+  return face;
+}
+
+std::optional<LengthFace> measured_face(const LengthView& view, const LengthFeature& feature, double radius_m,
+                                        const MapLengthOptions& options) {
+  const SE3 camera_from_world = view.world_from_camera.inverse();
   LengthRegion region = length_region(feature, radius_m, options);
   region.centre = camera_from_world * region.centre;
-  region.axes = turn * region.axes;
-  const auto face = find_face(view, region, seed_for(options.seed, static_cast<std::uint64_t>(view.keyframe)));
-  if (!face) return {};
+  region.axes = camera_from_world.rotation().matrix() * region.axes;
+  return find_face(view, region, seed_for(options.seed, static_cast<std::uint64_t>(view.keyframe)));
+}
+
+std::vector<Candidate> candidates_in(const LengthView& view, const LengthFeature& feature, double radius_m,
+                                     const MapLengthOptions& options, bool by_depth) {
+  const auto face = by_depth ? measured_face(view, feature, radius_m, options) : rough_face(view, feature);
+  if (!face || face->inverse.isZero()) return {};
+  const SE3 camera_from_world = view.world_from_camera.inverse();
+  const Matrix3d turn = camera_from_world.rotation().matrix();
   const Vector3d spot = camera_from_world * feature.spot;
   std::vector<Candidate> found;
   if (feature.is_edge) {
@@ -102,88 +124,113 @@ std::vector<Candidate> candidates_in(const LengthView& view, const LengthFeature
   } else {
     found.push_back(face_candidate(view, *face, spot));
   }
-  for (Candidate& one : found) one.points = face->points, one.support = face->support;
+  for (Candidate& one : found) {
+    one.points = face->points;
+    one.support = face->support;
+    if (by_depth) continue;
+    const Vector3d ray = one.point - view.world_from_camera.translation();
+    one.lever = ray / ray.dot(feature.normal());
+  }
   return found;
 }
 
 /// Offset of a candidate from the rough spot, along the direction it was searched in.
-double offset_of(const LengthFeature& feature, const Candidate& candidate) {
+double offset_of(const LengthFeature& feature, const Candidate& candidate, double height_m) {
   const Vector3d axis = feature.is_edge ? feature.inwards : candidate.direction;
-  return axis.dot(candidate.point - feature.spot);
+  return axis.dot(candidate.point + height_m * candidate.lever - feature.spot);
 }
 
 double vote(double distance_m, double width_m) { return std::exp(-0.5 * std::pow(distance_m / width_m, 2)); }
 
-/// How many views see the feature at an offset from its spot, each counted by its score.
-double votes_for(const std::vector<ViewFinding>& findings, std::size_t which, const LengthFeature& feature,
-                 double offset) {
-  double sum = 0.0;
-  for (const ViewFinding& voter : findings) {
-    double strongest = 0.0;
-    for (const Candidate& one : voter.candidates[which])
-      strongest = std::max(strongest, one.score * vote(offset_of(feature, one) - offset, vote_width_m));
-    sum += strongest;
-  }
-  return sum;
-}
-
-/// The offset that the views agree on best, near the spot rather than far from it, and what it may be off for being
-/// the wrong one.
-struct AgreedOffset {
+/// Where the votes of the views meet: the offset from the spot with the most, and how many those are.
+struct VotedOffset {
   double offset_m = 0.0, votes = 0.0;
-  double rival_m = 0.0, rival_votes = 0.0;  ///< The next best place that is another one.
-
-  double rivalry() const { return rival_votes / votes; }
-  /// Votes are no probabilities: a place with half of them is hardly ever the right one.
-  double variance() const {
-    const double odds = std::pow(rivalry(), 4), share = odds / (1.0 + odds);
-    return share * (1.0 - share) * (rival_m - offset_m) * (rival_m - offset_m);
-  }
+  double height_m = 0.0;  ///< Of the face, for candidates with a lever.
 };
 
-std::optional<AgreedOffset> agreed_offset(const std::vector<ViewFinding>& findings, std::size_t which,
-                                          const LengthFeature& feature, double radius_m) {
-  std::vector<std::pair<double, double>> places;  // offset, votes
-  AgreedOffset best;
-  for (const ViewFinding& proposer : findings) {
-    for (const Candidate& proposed : proposer.candidates[which]) {
-      const double offset = offset_of(feature, proposed);
-      const double prior = vote(offset, spot_sigma_share * radius_m);
-      places.emplace_back(offset, prior * votes_for(findings, which, feature, offset));
-      if (places.back().second > best.votes) best.offset_m = offset, best.votes = places.back().second;
-    }
+/// The offset that the candidates agree on best, near the spot rather than far from it. A view has one vote for each
+/// offset, that of its best candidate there.
+VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const LengthFeature& feature, double radius_m,
+                       double height_m) {
+  std::vector<std::vector<std::pair<double, double>>> ballots;  // offsets with scores
+  for (const auto& view : views) {
+    ballots.emplace_back();
+    for (const Candidate& one : view) ballots.back().emplace_back(offset_of(feature, one, height_m), one.score);
   }
-  if (best.votes <= 0.0) return std::nullopt;
-  for (const auto& [offset, votes] : places) {
-    if (std::abs(offset - best.offset_m) < rival_widths * vote_width_m || votes <= best.rival_votes) continue;
-    best.rival_m = offset, best.rival_votes = votes;
+  VotedOffset best;
+  for (const auto& proposer : ballots) {
+    for (const auto& [offset, ignored] : proposer) {
+      double votes = 0.0;
+      for (const auto& voter : ballots) {
+        double strongest = 0.0;
+        for (const auto& [other, score] : voter)
+          strongest = std::max(strongest, score * vote(other - offset, vote_width_m));
+        votes += strongest;
+      }
+      votes *= vote(offset, spot_sigma_share * radius_m) * vote(height_m, height_sigma_m);
+      if (votes > best.votes) best = {offset, votes, height_m};
+    }
   }
   return best;
 }
 
-Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const LengthFeature& feature,
-             double radius_m) {
-  Found found;
-  const auto place = agreed_offset(findings, which, feature, radius_m);
-  if (!place) return found;
-  found.wrong_place_variance = place->variance();
-  found.rivalry = place->rivalry();
-  for (std::size_t i = 0; i < findings.size(); ++i) {
-    const Candidate* best = nullptr;
-    double most = 0.0;
-    for (const Candidate& one : findings[i].candidates[which]) {
-      const double distance = offset_of(feature, one) - place->offset_m;
-      const double score = one.score * vote(distance, vote_width_m);
-      if (std::abs(distance) < agree_widths * vote_width_m && score > most) most = score, best = &one;
-    }
-    if (best != nullptr) found.sightings.emplace_back(i, *best);
+/// The same over all heights that the face may have, where depth does not tell.
+VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const LengthFeature& feature, double radius_m,
+                       bool by_depth) {
+  VotedOffset best = most_voted(views, feature, radius_m, 0.0);
+  for (int step = -6; step <= 6 && !by_depth; ++step) {
+    const VotedOffset other = most_voted(views, feature, radius_m, step * height_step_m);
+    if (other.votes > best.votes) best = other;
   }
+  return best;
+}
+
+/// Takes the candidate of a view that is meant by the offset out of the others; nullopt where it has none.
+std::optional<Candidate> taken_at(std::vector<Candidate>& candidates, const LengthFeature& feature,
+                                  const VotedOffset& place) {
+  auto best = candidates.end();
+  double most = 0.0;
+  for (auto one = candidates.begin(); one != candidates.end(); ++one) {
+    const double distance = offset_of(feature, *one, place.height_m) - place.offset_m;
+    const double score = one->score * vote(distance, vote_width_m);
+    if (std::abs(distance) < agree_widths * vote_width_m && score > most) most = score, best = one;
+  }
+  if (best == candidates.end()) return std::nullopt;
+  const Candidate taken = *best;
+  candidates.erase(best);
+  return taken;
+}
+
+std::vector<std::vector<Candidate>> candidates_for(const std::vector<ViewFinding>& findings, std::size_t which) {
+  std::vector<std::vector<Candidate>> views;
+  for (const ViewFinding& finding : findings) views.push_back(finding.candidates[which]);
+  return views;
+}
+
+Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const LengthFeature& feature, double radius_m,
+             bool by_depth) {
+  Found found;
+  std::vector<std::vector<Candidate>> views = candidates_for(findings, which);
+  const VotedOffset chosen = most_voted(views, feature, radius_m, by_depth);
+  if (!(chosen.votes > 0.0)) return found;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto taken = taken_at(views[i], feature, chosen);
+    if (!taken) continue;
+    found.sightings.emplace_back(i, *taken);
+    found.sightings.back().second.point += chosen.height_m * taken->lever;
+  }
+  const VotedOffset rival = most_voted(views, feature, radius_m, by_depth);
+  found.rivalry = rival.votes / chosen.votes;
+  found.height_m = chosen.height_m;
+  // Votes are no probabilities: a place with half of them is hardly ever the right one.
+  const double odds = std::pow(found.rivalry, 4), share = odds / (1.0 + odds);
+  found.wrong_place_variance = share * (1.0 - share) * std::pow(rival.offset_m - chosen.offset_m, 2);
   for (auto& [finding, one] : found.sightings) {
     if (one.direction.dot(found.sightings.front().second.direction) < 0.0) one.direction = -one.direction;
     found.point += one.point / static_cast<double>(found.sightings.size());
     found.direction += one.direction;
   }
-  if (!found.sightings.empty()) found.direction.normalize();
+  found.direction.normalize();
   return found;
 }
 
@@ -224,13 +271,16 @@ std::optional<Vector3d> measured_direction(LengthKind kind, const Found& a, cons
   return direction.normalized();
 }
 
-std::vector<LengthSighting> along(const Found& found, const std::vector<ViewFinding>& findings,
-                                  const Vector3d& direction) {
-  std::vector<LengthSighting> sightings;
+LengthSightings along(const Found& found, const std::vector<ViewFinding>& findings, const Vector3d& direction) {
+  LengthSightings sightings;
   for (const auto& [finding, one] : found.sightings) {
-    sightings.push_back({findings[finding].keyframe, direction.dot(one.point),
-                         std::sqrt(std::max(0.0, direction.dot(one.covariance * direction)))});
+    sightings.all.push_back({findings[finding].keyframe, direction.dot(one.point),
+                             std::sqrt(std::max(0.0, direction.dot(one.covariance * direction))), one.shared_m,
+                             direction.dot(one.lever)});
   }
+  // The points stand at the height that was voted for; what is left to find is counted from there.
+  sightings.height_m = -found.height_m;
+  sightings.height_sigma_m = height_sigma_m;
   return sightings;
 }
 
@@ -260,9 +310,12 @@ double mean_support(const Found& a, const Found& b) {
 }
 
 std::string doubts(const MeasuredLength& measured, double rivalry) {
+  if (measured.points == 0)
+    return "depth is missing or behind: measured in the pictures alone, the face as the spots tell";
   if (measured.support < weak_support)
     return fmt::format("depth is missing or behind over {:.0f} % of the face", 100.0 * (1.0 - measured.support));
-  if (std::min(measured.keyframes_a, measured.keyframes_b) < few_keyframes) return "few keyframes show it";
+  if (std::min(measured.keyframes_a, measured.keyframes_b) < static_cast<int>(few_keyframes))
+    return "few keyframes show it";
   if (rivalry > clear_rivalry) return "another edge near it fits about as well";
   return "";
 }
@@ -279,7 +332,12 @@ class LengthSearch {
   MeasuredLength measure(TaskPool& pool) {
     look(pool);
     if (findings_.empty()) return not_measured(object_, "no keyframe shows it");
-    const Found a = found(a_, 0), b = found(b_, a_.size());
+    Found a = found(a_, 0), b = found(b_, a_.size());
+    if (object_.kind == LengthKind::edges && std::min(a.sightings.size(), b.sightings.size()) < few_keyframes) {
+      by_depth_ = false;
+      look(pool);
+      a = found(a_, 0), b = found(b_, a_.size());
+    }
     if (a.sightings.empty() || b.sightings.empty()) {
       const char* end = a.sightings.empty() ? (b.sightings.empty() ? "neither end" : "a") : "b";
       return not_measured(object_, fmt::format("{} was not found in {} keyframes", end, findings_.size()));
@@ -300,18 +358,18 @@ class LengthSearch {
       for (int i = begin; i < end; ++i) {
         const LengthView view = open_view(map_, views[static_cast<std::size_t>(i)]);
         ViewFinding& finding = findings_[static_cast<std::size_t>(i)];
-        finding.keyframe = view.keyframe;
+        finding = {view.keyframe, {}};
         for (const auto* features : {&a_, &b_})
           for (const LengthFeature& feature : *features)
-            finding.candidates.push_back(candidates_in(view, feature, object_.radius_m, options_));
+            finding.candidates.push_back(candidates_in(view, feature, object_.radius_m, options_, by_depth_));
       }
     });
   }
 
   Found found(const std::vector<LengthFeature>& features, std::size_t first) const {
-    const Found one = agreed(findings_, first, features[0], object_.radius_m);
+    const Found one = agreed(findings_, first, features[0], object_.radius_m, by_depth_);
     if (features.size() == 1) return one;
-    return crossing(one, agreed(findings_, first + 1, features[1], object_.radius_m));
+    return crossing(one, agreed(findings_, first + 1, features[1], object_.radius_m, by_depth_));
   }
 
   MeasuredLength combined(const Found& a, const Found& b) const {
@@ -340,6 +398,7 @@ class LengthSearch {
   const LengthObject& object_;
   const MapLengthOptions& options_;
   std::vector<LengthFeature> a_, b_;
+  bool by_depth_ = true;  ///< False: depth does not see the thing, its faces are taken as the spots tell.
   std::vector<ViewFinding> findings_;
 };
 

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/evaluate/cloud_agreement.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <nanoflann.hpp>
+#include <numeric>
+#include <vector>
+
+#include "rastro/base/error.h"
+
+namespace rastro {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr double most_places = 5e6;
+constexpr std::size_t nearest_places = 8;  ///< Whose triangles a point is held against.
+constexpr int grain = 4096;
+
+struct Places {
+  std::vector<Vector3f> at;
+  std::vector<std::uint32_t> triangle;  ///< Of each; empty without triangles.
+
+  // What nanoflann asks for.
+  std::size_t kdtree_get_point_count() const { return at.size(); }
+  float kdtree_get_pt(std::size_t index, std::size_t axis) const { return at[index][static_cast<int>(axis)]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Places>, Places, 3, std::uint32_t>;
+
+std::array<Vector3f, 3> corners_of(const TriangleMesh& mesh, std::size_t triangle) {
+  const auto& of = mesh.triangles[triangle];
+  return {mesh.vertices[of[0]].position, mesh.vertices[of[1]].position, mesh.vertices[of[2]].position};
+}
+
+double area_of(const std::array<Vector3f, 3>& corners) {
+  const Vector3d a = (corners[1] - corners[0]).cast<double>(), b = (corners[2] - corners[0]).cast<double>();
+  return 0.5 * a.cross(b).norm();
+}
+
+/// Places at equal distances all over the triangles, in the middle of small triangles of the same shape.
+void cover(const std::array<Vector3f, 3>& corners, std::uint32_t triangle, double spacing, Places& places) {
+  double longest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k)
+    longest = std::max(longest, static_cast<double>((corners[(k + 1) % 3] - corners[k]).norm()));
+  const int rows = std::max(1, static_cast<int>(std::ceil(longest / spacing)));
+  const auto add = [&](double u, double v) {
+    const auto a = static_cast<float>(u / rows), b = static_cast<float>(v / rows);
+    places.at.push_back(corners[0] + a * (corners[1] - corners[0]) + b * (corners[2] - corners[0]));
+    places.triangle.push_back(triangle);
+  };
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; i + j < rows; ++j) {
+      add(i + 1.0 / 3.0, j + 1.0 / 3.0);
+      if (i + j + 1 < rows) add(i + 2.0 / 3.0, j + 2.0 / 3.0);
+    }
+  }
+}
+
+Places places_of(const TriangleMesh& mesh, double spacing) {
+  Places places;
+  if (mesh.triangles.empty()) {
+    for (const MeshVertex& vertex : mesh.vertices) places.at.push_back(vertex.position);
+    return places;
+  }
+  double area = 0.0;
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) area += area_of(corners_of(mesh, k));
+  spacing = std::max(spacing, std::sqrt(4.0 * area / most_places));
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k)
+    cover(corners_of(mesh, k), static_cast<std::uint32_t>(k), spacing, places);
+  return places;
+}
+
+/// Ericson 2005, "Real-Time Collision Detection", 5.1.5.
+double distance_to(const Vector3d& p, const std::array<Vector3f, 3>& corners) {
+  const Vector3d a = corners[0].cast<double>(), b = corners[1].cast<double>(), c = corners[2].cast<double>();
+  const Vector3d normal = (b - a).cross(c - a);
+  bool inside = normal.norm() > 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}}) {
+    const Vector3d side = to - from;
+    const double share = side.squaredNorm() > 0.0 ? std::clamp(side.dot(p - from) / side.squaredNorm(), 0.0, 1.0) : 0.0;
+    least = std::min(least, (p - from - share * side).norm());
+    inside = inside && side.cross(p - from).dot(normal) >= 0.0;
+  }
+  return inside ? std::abs(normal.dot(p - a)) / normal.norm() : least;
+}
+
+double distance_to_truth(const Vector3f& point, const TriangleMesh& mesh, const Places& places, const Tree& tree) {
+  std::array<std::uint32_t, nearest_places> found{};
+  std::array<float, nearest_places> squares{};
+  const std::size_t wanted = places.triangle.empty() ? 1 : nearest_places;
+  const std::size_t count = tree.knnSearch(point.data(), wanted, found.data(), squares.data());
+  double least = std::sqrt(static_cast<double>(squares[0]));
+  if (places.triangle.empty()) return least;
+  for (std::size_t k = 0; k < count; ++k)
+    least = std::min(least, distance_to(point.cast<double>(), corners_of(mesh, places.triangle[found[k]])));
+  return least;
+}
+
+void for_all(TaskPool* pool, std::size_t count, const std::function<void(std::size_t)>& body) {
+  const auto over = [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) body(static_cast<std::size_t>(k));
+  };
+  if (pool == nullptr) return over(0, static_cast<int>(count));
+  pool->for_chunks(0, static_cast<int>(count), grain, over);
+}
+
+double share_within(const std::vector<double>& distances, double tolerance) {
+  const auto within = std::count_if(distances.begin(), distances.end(), [&](double d) { return d <= tolerance; });
+  return static_cast<double>(within) / static_cast<double>(distances.size());
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const double sum = std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+}  // namespace
+
+CloudAgreement cloud_agreement(const TriangleMesh& truth, const PointCloud& cloud, const CloudAgreementOptions& options,
+                               TaskPool* pool) {
+  const Places places = places_of(truth, options.spacing_m);
+  if (places.at.empty()) throw Error("the truth holds no points", "REF", "give a PLY with vertices");
+  if (cloud.points.empty()) throw Error("the cloud holds no points", "EST", "give a PLY with vertices");
+  const Tree tree(3, places);
+  std::vector<double> distances(cloud.points.size());
+  for_all(pool, distances.size(),
+          [&](std::size_t k) { distances[k] = distance_to_truth(cloud.points[k].position, truth, places, tree); });
+  Places own;
+  for (const CloudPoint& point : cloud.points) own.at.push_back(point.position);
+  const Tree own_tree(3, own);
+  std::vector<double> gaps(places.at.size());
+  for_all(pool, gaps.size(), [&](std::size_t k) { gaps[k] = distance_to_truth(places.at[k], {}, own, own_tree); });
+
+  CloudAgreement agreement;
+  std::vector<double> ratios;
+  for (std::size_t k = 0; k < distances.size(); ++k)
+    if (cloud.points[k].sigma > 0.0F) ratios.push_back(distances[k] / static_cast<double>(cloud.points[k].sigma));
+  agreement.points = distances.size();
+  agreement.precision = share_within(distances, options.tolerance_m);
+  agreement.completeness = share_within(gaps, options.tolerance_m);
+  agreement.sigma_ratio = root_mean_square(ratios);
+  agreement.rms = root_mean_square(distances);
+  agreement.mean = std::accumulate(distances.begin(), distances.end(), 0.0) / static_cast<double>(distances.size());
+  std::sort(distances.begin(), distances.end());
+  agreement.median = distances[distances.size() / 2];
+  agreement.percentile_95 = distances[(distances.size() * 95) / 100];
+  agreement.largest = distances.back();
+  return agreement;
+}
+
+}  // namespace rastro
