@@ -26,13 +26,18 @@ const cv::Scalar path_colour(200, 90, 0), start_colour(0, 150, 0), end_colour(0,
 
 class Sheet {
  public:
-  Sheet(std::vector<double> x, std::vector<double> y) {
-    for (auto [values, axis] : {std::pair{&x, 0}, std::pair{&y, 1}}) {
-      if (values->empty()) values->push_back(0.0);
-      std::sort(values->begin(), values->end());
-      const auto last = static_cast<double>(values->size() - 1);
-      low_[axis] = (*values)[static_cast<std::size_t>(last * strays)] - margin_m;
-      high_[axis] = (*values)[static_cast<std::size_t>(last * (1.0 - strays))] + margin_m;
+  /// All of the way and nearly all of the cloud.
+  Sheet(const std::vector<Vector3d>& cloud, const std::vector<Vector3d>& way) {
+    for (int axis = 0; axis < 2; ++axis) {
+      std::vector<double> values;
+      for (const Vector3d& place : cloud) values.push_back(place[axis]);
+      std::sort(values.begin(), values.end());
+      const auto skipped = static_cast<std::size_t>(strays * static_cast<double>(values.size()));
+      values = values.empty() ? std::vector<double>{} : std::vector<double>{values[skipped], values.rbegin()[skipped]};
+      for (const Vector3d& place : way) values.push_back(place[axis]);
+      if (values.empty()) values.push_back(0.0);
+      low_[axis] = *std::min_element(values.begin(), values.end()) - margin_m;
+      high_[axis] = *std::max_element(values.begin(), values.end()) + margin_m;
     }
     scale_ = std::min(most_px_per_m, longest_px / (high_ - low_).maxCoeff());
     const Vector2d size = (high_ - low_) * scale_;
@@ -55,17 +60,20 @@ class Sheet {
   double scale_ = 1.0;
 };
 
-void draw_points(Sheet& sheet, const std::vector<std::pair<Vector3d, const CloudPoint*>>& points, double voxel_m) {
+void draw_points(Sheet& sheet, const std::vector<Vector3d>& places, const std::vector<const CloudPoint*>& points,
+                 double voxel_m) {
   cv::Mat heights(sheet.picture.size(), CV_32F, cv::Scalar(-1e9));
   const int side = std::max(1, static_cast<int>(std::ceil(voxel_m * sheet.px_per_m())));
-  for (const auto& [place, point] : points) {
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const Vector3d& place = places[k];
+    const auto& colour = points[k]->colour;
     const cv::Point corner = sheet.whole(place) - cv::Point(side / 2, side / 2);
     for (int y = std::max(0, corner.y); y < std::min(heights.rows, corner.y + side); ++y) {
       for (int x = std::max(0, corner.x); x < std::min(heights.cols, corner.x + side); ++x) {
         const auto height = static_cast<float>(place.z());
         if (height <= heights.at<float>(y, x)) continue;
         heights.at<float>(y, x) = height;
-        sheet.picture.at<cv::Vec3b>(y, x) = {point->colour[2], point->colour[1], point->colour[0]};
+        sheet.picture.at<cv::Vec3b>(y, x) = {colour[2], colour[1], colour[0]};
       }
     }
   }
@@ -103,17 +111,16 @@ void write_cloud_picture(const PointCloud& cloud, const Trajectory& trajectory, 
     way.push_back(upright_from_world * pose.world_from_body.translation());
     highest = std::max(highest, way.back().z() + above_cameras_m);
   }
-  std::vector<std::pair<Vector3d, const CloudPoint*>> points;
-  std::vector<double> x, y;
+  std::vector<Vector3d> places;
+  std::vector<const CloudPoint*> points;
   for (const CloudPoint& point : cloud.points) {
     const Vector3d place = upright_from_world * point.position.cast<double>();
     if (place.z() > highest) continue;
-    points.emplace_back(place, &point);
-    x.push_back(place.x()), y.push_back(place.y());
+    places.push_back(place);
+    points.push_back(&point);
   }
-  for (const Vector3d& place : way) x.push_back(place.x()), y.push_back(place.y());
-  Sheet sheet(std::move(x), std::move(y));
-  draw_points(sheet, points, cloud.voxel_m);
+  Sheet sheet(places, way);
+  draw_points(sheet, places, points, cloud.voxel_m);
   draw_way(sheet, way);
   draw_bar(sheet);
   drawing::save(file, sheet.picture);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "rastro/base/error.h"
@@ -183,16 +184,20 @@ class Thinning {
 
 PointCloud build_cloud(const RgbdMap& map, const CloudOptions& options, TaskPool* pool, const MapProgress& progress) {
   RASTRO_CHECK(options.voxel_m > 0.0, "voxels have a size");
-  const VoxelTable table = gather(map, options, pool, progress);
-  const Thinning thinning(table, options);
+  std::optional<VoxelTable> table = gather(map, options, pool, progress);
   std::array<std::vector<KeyedPoint>, VoxelTable::shard_count> parts;
+  const Thinning thinning(*table, options);
   detail::for_each_index(pool, parts.size(),
                          [&](std::size_t shard) { thinning.add_points(static_cast<int>(shard), parts[shard]); });
-  std::vector<KeyedPoint> points;
-  for (const auto& part : parts) points.insert(points.end(), part.begin(), part.end());
-  std::sort(points.begin(), points.end(), [](const KeyedPoint& a, const KeyedPoint& b) { return a.key < b.key; });
   PointCloud cloud;
-  cloud.voxel_m = table.side_m();
+  cloud.voxel_m = table->side_m();
+  table.reset();  // it is much larger than the points
+  std::vector<KeyedPoint> points;
+  for (auto& part : parts) {
+    points.insert(points.end(), part.begin(), part.end());
+    std::vector<KeyedPoint>().swap(part);
+  }
+  std::sort(points.begin(), points.end(), [](const KeyedPoint& a, const KeyedPoint& b) { return a.key < b.key; });
   cloud.points.reserve(points.size());
   for (const KeyedPoint& point : points) cloud.points.push_back(point.point);
   return cloud;

@@ -18,8 +18,9 @@ struct CloudOptions {
   int submap = 0;             ///< Keyframes of this submap; -1: of all, each in the frame of its own.
   int min_count = 3;          ///< Points of fewer measurements are left out.
   int min_views = 1;          ///< And those seen from fewer keyframes.
-  /// Where a map needs more voxels, their side is doubled; PointCloud::voxel_m says what came of it.
-  std::size_t max_voxels = 8'000'000;
+  /// Where a map needs more voxels, their side is doubled; PointCloud::voxel_m says what came of it. Each takes about
+  /// 100 bytes of memory.
+  std::size_t max_voxels = 4'000'000;
 };
 
 /// Told how many of how many keyframes are done.

@@ -17,6 +17,12 @@ std::uint64_t packed(std::int64_t x, std::int64_t y, std::int64_t z) {
   return biased(z) << (2 * bits) | biased(y) << bits | biased(x);
 }
 
+constexpr std::uint64_t index_mask = 0xFFFFFFFF;
+
+/// What a slot holds of a key: bits of the hash that choose neither shard nor slot of all but the largest tables.
+std::uint64_t tagged(std::uint64_t hash, std::size_t index) { return hash >> 28 << 32 | (index + 1); }
+bool may_be(std::uint64_t slot, std::uint64_t hash) { return ((slot ^ hash >> 28 << 32) & ~index_mask) == 0; }
+
 }  // namespace
 
 std::size_t VoxelTable::size() const {
@@ -42,36 +48,41 @@ Eigen::Vector3d VoxelTable::corner_of(std::uint64_t key) const {
 const Voxel* VoxelTable::find(std::uint64_t key) const {
   const Shard& shard = shards_[static_cast<std::size_t>(shard_of(key))];
   if (shard.slots.empty()) return nullptr;
-  const std::size_t mask = shard.slots.size() - 1;
-  for (std::size_t slot = hash_of(key) & mask;; slot = (slot + 1) & mask) {
-    if (shard.slots[slot] == 0) return nullptr;
-    const Voxel& voxel = shard.voxels[shard.slots[slot] - 1];
+  const std::uint64_t hash = hash_of(key), mask = shard.slots.size() - 1;
+  for (std::size_t slot = hash & mask; shard.slots[slot] != 0; slot = (slot + 1) & mask) {
+    if (!may_be(shard.slots[slot], hash)) continue;
+    const Voxel& voxel = shard.voxels[(shard.slots[slot] & index_mask) - 1];
     if (voxel.key == key) return &voxel;
   }
+  return nullptr;
 }
 
 void VoxelTable::grow(Shard& shard) {
   shard.slots.assign(std::max<std::size_t>(256, shard.slots.size() * 2), 0);
   const std::size_t mask = shard.slots.size() - 1;
-  for (std::uint32_t index = 0; index < shard.voxels.size(); ++index) {
-    std::size_t slot = hash_of(shard.voxels[index].key) & mask;
+  for (std::size_t index = 0; index < shard.voxels.size(); ++index) {
+    const std::uint64_t hash = hash_of(shard.voxels[index].key);
+    std::size_t slot = hash & mask;
     while (shard.slots[slot] != 0) slot = (slot + 1) & mask;
-    shard.slots[slot] = index + 1;
+    shard.slots[slot] = tagged(hash, index);
   }
 }
 
 Voxel& VoxelTable::voxel_at(std::uint64_t key) {
   Shard& shard = shards_[static_cast<std::size_t>(shard_of(key))];
-  if (3 * shard.slots.size() <= 4 * shard.voxels.size() + 4) grow(shard);
-  const std::size_t mask = shard.slots.size() - 1;
-  std::size_t slot = hash_of(key) & mask;
+  if (4 * (shard.voxels.size() + 1) > 3 * shard.slots.size()) grow(shard);
+  const std::uint64_t hash = hash_of(key), mask = shard.slots.size() - 1;
+  std::size_t slot = hash & mask;
   for (; shard.slots[slot] != 0; slot = (slot + 1) & mask) {
-    Voxel& voxel = shard.voxels[shard.slots[slot] - 1];
+    if (!may_be(shard.slots[slot], hash)) continue;
+    Voxel& voxel = shard.voxels[(shard.slots[slot] & index_mask) - 1];
     if (voxel.key == key) return voxel;
   }
+  // Grows by less than a vector would by itself: there may be millions.
+  if (shard.voxels.size() == shard.voxels.capacity()) shard.voxels.reserve(shard.voxels.size() * 5 / 4 + 64);
+  shard.slots[slot] = tagged(hash, shard.voxels.size());
   shard.voxels.emplace_back();
   shard.voxels.back().key = key;
-  shard.slots[slot] = static_cast<std::uint32_t>(shard.voxels.size());
   return shard.voxels.back();
 }
 

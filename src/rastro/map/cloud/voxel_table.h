@@ -56,7 +56,8 @@ class VoxelTable {
 
  private:
   struct Shard {
-    std::vector<std::uint32_t> slots;  ///< Index into voxels + 1, or 0; a power of two of them.
+    /// Index into voxels + 1, or 0, below bits of the hash that spare a look at most voxels; a power of two of them.
+    std::vector<std::uint64_t> slots;
     std::vector<Voxel> voxels;
   };
   static std::uint64_t hash_of(std::uint64_t key) {
