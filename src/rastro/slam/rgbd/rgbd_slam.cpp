@@ -150,6 +150,7 @@ class RgbdSlam::State {
   bool archives_;
   std::int64_t seen_ = 0;         ///< Frames given, of any kind.
   std::int64_t anchor_seen_ = 0;  ///< When the last keyframe was made.
+  bool following_ = true;  ///< False: the follower knows no place to go on from.
   bool lost_ = false;
   int lost_frames_ = 0;  ///< With something to see in them.
   int stretch_ = 0;      ///< Of frames followed without a break.
@@ -166,6 +167,7 @@ RgbdSlam::State::State(const RgbdSlamOptions& options, const Camera& camera, con
       relocaliser_(options_, camera, mapper_.depths()),
       follower_(options_.follow, camera, means.pool),
       archives_(maps_ && means.archive != nullptr),
+      following_(maps_),
       lost_(!maps_),
       background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {
   if (archives_) means.archive->begin(base_map(options_, camera, nullptr));
@@ -189,8 +191,8 @@ SlamUpdate RgbdSlam::State::process(const Frame& frame) {
 
 void RgbdSlam::State::follow(const Frame& frame, SlamUpdate& update) {
   Stopwatch stage;
-  if (!maps_ && !exists()) {
-    update.state = SlamState::initialising;
+  if (!following_) {
+    update.state = exists() ? SlamState::lost : SlamState::initialising;
     update.reason = SlamReason::not_found;
     look_around(frame, update);
     update.times.push_back({"relocalise", stage.lap_ms()});
@@ -205,8 +207,9 @@ void RgbdSlam::State::follow(const Frame& frame, SlamUpdate& update) {
       followed.reason == OdometryReason::dark_or_blank || followed.reason == OdometryReason::repeated_frame;
   if (followed.state == OdometryState::initialising) {
     update.state = SlamState::initialising;
-  } else if (followed.reason == OdometryReason::repeated_frame && !lost_) {
+  } else if (followed.reason == OdometryReason::repeated_frame && !lost_ && exists()) {
     update.state = SlamState::weak;
+    map_.add_frame(frame.stamp, anchor_.keyframe, anchor_.world_from_keyframe.inverse() * followed.world_from_camera);
   } else if (followed.state == OdometryState::lost || nothing_new) {
     update.state = SlamState::lost;
     on_loss(frame, update);
@@ -335,7 +338,8 @@ bool RgbdSlam::State::start_again(const Frame& frame, const SE3& world_from_came
                                   SlamUpdate& update) {
   follower_.restart(world_from_camera);
   const RgbdFollow followed = follower_.follow(frame);
-  if (!followed.new_reference) return false;
+  following_ = followed.new_reference;
+  if (!following_) return false;
   ++stretch_;
   lost_ = false;
   update.state = SlamState::relocalised;
