@@ -29,6 +29,7 @@ struct SimulateFlags {
   std::string format;
   std::optional<std::int64_t> frames;
   std::optional<double> odometry_error;
+  std::string black;
   std::uint64_t seed = 1;
   int threads = 0;
   bool distortion = false;
@@ -50,13 +51,34 @@ constexpr const char* worlds_text =
     "wrongly:\n"
     "       a loop of 76 m and 10 m more, glass doors, 26 m of bare corridor, a person walking; --format tum for what "
     "its\n"
-    "       depth camera sees\n";
+    "       depth camera sees\n"
+    "bedroom a small room with few things in artificial light, in colour and depth as a hand-held Kinect sees it, "
+    "640x480 at\n"
+    "       30 Hz: a blue box on a shelf (0.32 x 0.25 m), a bed of 2 m seen aslant; a round of 38.5 s back to the "
+    "start, an\n"
+    "       abrupt swing at 15 s, and on without end; with objects.yaml for `rastro measure` and truth.ply\n"
+    "study  the same for a room full of things in less light: shelves (0.16 m high, 0.75 m wide), a wall calendar "
+    "(0.42 m),\n"
+    "       a table of glass (0.85 m) whose depth is missing or what lies behind; the swing is at 20.5 s\n";
 
 struct Written {
   std::int64_t frames = 0;
   std::uintmax_t bytes = 0;
   std::string recording;
 };
+
+bool is_room(const std::string& world) { return world == "bedroom" || world == "study"; }
+
+/// "8:9" as two times; nothing where it was not asked for.
+std::optional<std::pair<double, double>> black_of(const SimulateFlags& flags) {
+  if (flags.black.empty()) return std::nullopt;
+  const std::size_t colon = flags.black.find(':');
+  if (colon != std::string::npos) {
+    const auto from = parse_finite(flags.black.substr(0, colon)), to = parse_finite(flags.black.substr(colon + 1));
+    if (from && to && *from >= 0.0 && *to > *from) return std::pair(*from, *to);
+  }
+  throw Error("this is no stretch of time", "--black " + flags.black, "give two times in seconds, such as 8:9");
+}
 
 Written write_as_asked(const World& world, const SimulateFlags& flags, std::int64_t frames,
                        const std::function<void(std::int64_t)>& progress) {
@@ -67,7 +89,8 @@ Written write_as_asked(const World& world, const SimulateFlags& flags, std::int6
     return {summary.frames, summary.bytes, flags.out};
   }
   if (flags.format == "tum") {
-    const TumSummary summary = write_tum(world, flags.out, {frames, DepthModel{}, flags.force}, pool, progress);
+    const TumOptions options{frames, DepthModel{}, flags.force, black_of(flags)};
+    const TumSummary summary = write_tum(world, flags.out, options, pool, progress);
     return {summary.frames, summary.bytes, flags.out};
   }
   const KittiLayout layout = flags.format == "kitti" ? KittiLayout::odometry : KittiLayout::raw;
@@ -90,6 +113,9 @@ void check_flags(const SimulateFlags& flags) {
                             nearest_name(flags.format, formats)));
   if (flags.distortion && flags.world != "hall")
     throw Error("only the hall has a lens with distortion", "--distortion", "leave it out");
+  if (!flags.black.empty() && flags.format != "tum" && !(flags.format.empty() && is_room(flags.world)))
+    throw Error("only recordings with depth can be black for a while", "--black", "leave it out or say --format tum");
+  black_of(flags);
   const bool drives = flags.world == "corridor";
   if (flags.format == "carmen" && !drives)
     throw Error("only the corridor has a laser", "--format carmen", "simulate the corridor or choose another format");
@@ -103,8 +129,6 @@ void check_flags(const SimulateFlags& flags) {
   if (flags.threads < 0)
     throw Error("the number of threads is negative", "--threads", "use 0 for all of the machine, or 1 and more");
 }
-
-bool is_room(const std::string& world) { return world == "bedroom" || world == "study"; }
 
 const char* default_format(const std::string& world) {
   if (is_room(world)) return "tum";
@@ -195,14 +219,21 @@ void add_simulate_command(CLI::App& app, Context& context) {
   command->add_option("--out", flags->out, "Folder to write")->type_name("DIR");
   command->add_option("--format", flags->format,
                       "euroc, kitti (odometry), kitti-raw, tum (with depth) or carmen (laser, the corridor's); default "
-                      "euroc for the hall, kitti for the street, carmen for the corridor");
-  command->add_option("--frames", flags->frames,
-                      "How many frames; default 150, 400 in the street, the whole drive for a laser log");
+                      "euroc for the hall, kitti for the street, carmen for the corridor, tum for the rooms");
+  command->add_option(
+      "--frames", flags->frames,
+      "How many frames; default 150, 400 in the street, one round (1156) in a room, the whole drive for a "
+      "laser log");
   command
       ->add_option("--odometry-error", flags->odometry_error,
                    "Of the corridor's wheels: 1 (the default) for 2 cm a metre and 2 degrees in 45, 3 for three times "
                    "that")
       ->type_name("FACTOR");
+  command
+      ->add_option("--black", flags->black,
+                   "Cover the camera from the first time to the second, in seconds from the start (tum): its pictures "
+                   "are black and without depth")
+      ->type_name("FROM:TO");
   command->add_option("--seed", flags->seed, "Of textures, furniture or houses, and noise; the path stays the same")
       ->capture_default_str();
   command->add_option("--threads", flags->threads, "0 = all of the machine; the bytes do not depend on it")
@@ -221,7 +252,9 @@ void add_simulate_command(CLI::App& app, Context& context) {
       "  rastro simulate street --out raw --format kitti-raw  the same drive with GPS/IMU packets\n"
       "  rastro simulate corridor --out office                a 2D laser with odometry, truth, relations and floor "
       "plan\n"
-      "  rastro simulate corridor --out rgbd --format tum --frames 1750   the same drive with a depth camera");
+      "  rastro simulate corridor --out rgbd --format tum --frames 1750   the same drive with a depth camera\n"
+      "  rastro simulate bedroom --out bedroom                one round with a Kinect, truth and what to measure\n"
+      "  rastro simulate study --out dark --seed 3 --black 10:11   a second in which the camera is covered");
   command->callback([flags, &context] {
     simulate(*flags);
     context.exit_code = done;

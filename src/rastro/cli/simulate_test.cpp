@@ -2,6 +2,7 @@
 // What the writers of recordings write, the readers read: the poses are the world's.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "rastro/base/error.h"
@@ -9,6 +10,7 @@
 #include "rastro/dataset/open.h"
 #include "rastro/synthetic/worlds/corridor.h"
 #include "rastro/synthetic/worlds/hall.h"
+#include "rastro/synthetic/worlds/rooms.h"
 #include "rastro/synthetic/worlds/street.h"
 #include "rastro/synthetic/write_kitti.h"
 #include "rastro/synthetic/write_laser_log.h"
@@ -161,6 +163,37 @@ TEST(WriteTum, depth_and_poses_are_read_back) {
         }
       }
   }
+}
+
+TEST(WriteTum, a_room_is_read_back_in_colour_with_depth_at_times_of_its_own) {
+  const fs::path folder = scratch_path("room");
+  TaskPool pool(2);
+  const World world = make_bedroom({.scale = 0.125, .threads = 2});
+  write_tum(world, folder, {.frames = 4, .black = std::pair(0.09, 0.2)}, pool);
+  OpenOptions options;
+  options.want_depth = options.want_colour = true;
+  const auto source = open(folder.string(), options);
+  EXPECT_TRUE(source->info().warnings.empty()) << source->info().warnings.front();
+  for (int frame = 0; frame < 4; ++frame) {
+    const auto read = source->next();
+    ASSERT_TRUE(read && !read->depth.empty() && !read->colour.empty());
+    EXPECT_EQ(read->stamp, world.stamp(frame));
+    EXPECT_EQ(read->depth_stamp - read->stamp, 12'000'000);
+    const RenderedFrame shot = world.render(frame, pool), later = world.depth_at(world.time_of(frame) + 0.012, pool);
+    int measured = 0;
+    for (int y = 0; y < shot.depth.height(); ++y)
+      for (int x = 0; x < shot.depth.width(); ++x) {
+        const bool black = frame == 3;
+        for (int channel = 0; channel < 3; ++channel)
+          ASSERT_EQ(read->colour.rgb.at(3 * x + channel, y), black ? 0 : shot.colour.rgb.at(3 * x + channel, y));
+        const float is = read->depth.at(x, y), should = later.depth.at(x, y);
+        measured += is > 0.0F && std::abs(is - should) < 0.06F * should ? 1 : 0;
+      }
+    EXPECT_GT(measured, frame == 3 ? -1 : shot.depth.width() * shot.depth.height() * 7 / 10);
+    if (frame == 3) EXPECT_EQ(measured, 0);
+  }
+  EXPECT_GT(fs::file_size(folder / "truth.ply"), 100'000U);
+  EXPECT_TRUE(fs::exists(folder / "objects.yaml"));
 }
 
 }  // namespace

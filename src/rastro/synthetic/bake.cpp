@@ -101,18 +101,6 @@ void multiply(Image<float>& values, const Image<float>& map) {
   }
 }
 
-/// How much of one of a surface's colours there is, at half the texels: eyes and cameras see colours less sharply too.
-Texture colour_share(const Canvas& canvas, float Tint::*share) {
-  const Image<std::uint8_t>& inks = canvas.ink_of();
-  Image<float> values(std::max(1, inks.width() / 2), std::max(1, inks.height() / 2));
-  for (int y = 0; y < values.height(); ++y)
-    for (int x = 0; x < values.width(); ++x) {
-      const auto at = [&](int dx, int dy) { return canvas.inks()[inks.at(2 * x + dx, 2 * y + dy)].*share; };
-      values.at(x, y) = 16.0F * (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1));
-    }
-  return Texture(values);
-}
-
 }  // namespace
 
 void Scene::make_tree() { tree_ = std::make_shared<const BoundsTree>(std::span(primitives_).first(still_count())); }
@@ -127,11 +115,7 @@ void Scene::bake(std::uint64_t seed, TaskPool& pool, double detail, double light
       surface.material.paint(canvas, random);
       if (!surface.material.shines) multiply(canvas.values(), light_map(*this, surface, detail, light_spacing_m));
       surface.texture = Texture(canvas.values());
-      if (canvas.inks().size() == 1) surface.tint = canvas.inks().front();
-      if (canvas.inks().size() > 1) {
-        surface.redness = colour_share(canvas, &Tint::red);
-        surface.blueness = colour_share(canvas, &Tint::blue);
-      }
+      if (!canvas.inks().empty()) surface.colours = ColourTexture(canvas.values(), canvas.ink_of(), canvas.inks());
       surface.texels_x = canvas.values().width() / surface.width;
       surface.texels_y = canvas.values().height() / surface.height;
     }

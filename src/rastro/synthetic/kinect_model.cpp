@@ -110,7 +110,7 @@ class KinectShot {
     const float chance = static_cast<float>(bits >> 40) * 0x1.0p-24F;
     if (edge && chance < 0.4F) return true;
     // Whole patches go, not single pixels: the matching looks at windows.
-    const float patch = 0.5F + 0.2F * coarse_noise(x, y) + 0.3F * (chance - 0.5F);
+    const float patch = std::clamp(0.5F + 0.2F * coarse_noise(x, y) + 0.3F * (chance - 0.5F), 0.001F, 0.999F);
     const Surface& surface = renderer_.scene().surfaces()[exact_.surface.at(x, y)];
     if (surface.material.infrared < 1.0F && patch > surface.material.infrared) return true;
     const float steep = steepness(x, y, z) / static_cast<float>(model_.steepest);

@@ -183,18 +183,8 @@ class Shot {
     if (hit.surface == no_surface) return Channels::Zero();
     const Surface& surface = scene_.surfaces()[hit.surface];
     const Footprint at = footprint(hit, direction, origin);
-    const float grey = sample(surface.texture, at);
-    Tint tint = surface.tint;
-    if (!surface.redness.empty()) {
-      const float scale = 0.5F;
-      const float side = scale * std::sqrt(std::abs(at.dx_dx * at.dy_dy - at.dx_dy * at.dy_dx));
-      const auto share = [&](const Texture& texture) {
-        return texture.sample(scale * at.x, scale * at.y, side, 0.0F, 0.0F, side) / 64.0F;
-      };
-      tint.red = share(surface.redness), tint.blue = share(surface.blueness);
-      tint.green = std::max(0.0F, (1.0F - 0.299F * tint.red - 0.114F * tint.blue) / 0.587F);
-    }
-    return grey * Channels(tint.red, tint.green, tint.blue, 0.0F);
+    if (surface.colours.empty()) return sample(surface.texture, at) * Channels(1.0F, 1.0F, 1.0F, 0.0F);
+    return surface.colours.sample(at.x, at.y, at.dx_dx, at.dy_dx, at.dx_dy, at.dy_dy);
   }
 
   /// A pane takes a tenth of the light, more of its red, and mirrors the more the flatter it is looked at (Schlick

@@ -273,7 +273,7 @@ bool Scene::touches(const Eigen::Vector3d& centre, double radius) const {
 
 std::size_t Scene::texture_bytes() const {
   std::size_t total = 0;
-  for (const Surface& surface : *surfaces_) total += surface.texture.bytes();
+  for (const Surface& surface : *surfaces_) total += surface.texture.bytes() + surface.colours.bytes();
   return total;
 }
 

@@ -54,8 +54,7 @@ struct Surface {
   double width = 0.0, height = 0.0;  ///< Metres, unrolled.
   Material material;
   Texture texture;
-  Tint tint;                              ///< Of all of it, where `redness` is empty.
-  Texture redness, blueness;              ///< What grey is multiplied with, in steps of 1/64.
+  ColourTexture colours;                  ///< Empty where all is grey.
   double texels_x = 0.0, texels_y = 0.0;  ///< Texels per metre as made.
 };
 

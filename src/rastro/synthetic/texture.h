@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "rastro/image/image.h"
+#include "rastro/synthetic/paint/tint.h"
 
 namespace rastro {
 
@@ -28,6 +31,29 @@ class Texture {
  private:
   float trilinear(float x, float y, float level) const;
   std::vector<GreyImage> levels_;
+};
+
+/// The same in colour: red, green, blue and an unused channel in each texel, looked up together.
+class ColourTexture {
+ public:
+  ColourTexture() = default;
+  /// Grey values times the tint that `ink_of` names for each texel; the first one where `ink_of` is empty.
+  ColourTexture(const Image<float>& values, const Image<std::uint8_t>& ink_of, std::span<const Tint> inks);
+
+  bool empty() const { return levels_.empty(); }
+  std::size_t bytes() const;
+  /// The mean of all of it: red, green and blue, 0..255.
+  Eigen::Array4f mean() const;
+  /// As Texture::sample().
+  Eigen::Array4f sample(float x, float y, float dx_dx, float dy_dx, float dx_dy, float dy_dy) const;
+
+ private:
+  struct Level {
+    Image<std::uint32_t> texels;           ///< Red in the lowest byte.
+    float scale_x = 1.0F, scale_y = 1.0F;  ///< From texels of the finest level.
+  };
+  Eigen::Array4f trilinear(float x, float y, float level) const;
+  std::vector<Level> levels_;
 };
 
 }  // namespace rastro

@@ -49,15 +49,10 @@ std::uint8_t mean_of(const Texture& texture) {
 }
 
 Rgb mean_colour(const Surface& surface) {
-  const auto grey = static_cast<float>(mean_of(surface.texture));
-  Tint tint = surface.tint;
-  if (!surface.redness.empty()) {
-    tint.red = static_cast<float>(mean_of(surface.redness)) / 64.0F;
-    tint.blue = static_cast<float>(mean_of(surface.blueness)) / 64.0F;
-    tint.green = (1.0F - 0.299F * tint.red - 0.114F * tint.blue) / 0.587F;
-  }
-  const auto level = [&](float share) { return static_cast<std::uint8_t>(std::clamp(grey * share, 0.0F, 255.0F)); };
-  return {level(tint.red), level(tint.green), level(tint.blue)};
+  const std::uint8_t grey = mean_of(surface.texture);
+  if (surface.colours.empty()) return {grey, grey, grey};
+  const Eigen::Array4f mean = surface.colours.mean();
+  return {static_cast<std::uint8_t>(mean[0]), static_cast<std::uint8_t>(mean[1]), static_cast<std::uint8_t>(mean[2])};
 }
 
 class Mesh {

@@ -135,13 +135,13 @@ void paint_cloth(Canvas& canvas, Random& random, const Colour& colour) {
 
 void paint_checks(Canvas& canvas, Random& random, const Colour& colour, const Colour& other) {
   base(canvas, colour, random, 0.3, 8.0F);
-  // Not a period that repeats: the widths of the stripes are drawn.
-  for (double x = random.uniform(0.05, 0.2); x < canvas.width(); x += random.uniform(0.13, 0.27)) {
-    const double stripe = random.uniform(0.02, 0.07);
-    canvas.rectangle(x, 0, x + stripe, canvas.height(), take(canvas, other), 0.55F);
-  }
-  for (double y = random.uniform(0.05, 0.2); y < canvas.height(); y += random.uniform(0.13, 0.27))
-    canvas.rectangle(0, y, canvas.width(), y + random.uniform(0.02, 0.07), take(canvas, other), 0.55F);
+  // Not a period that repeats: the widths of the stripes are drawn. None is near a border, for an edge to be alone
+  // there.
+  const double hem = 0.09, widest = 0.07;
+  for (double x = hem + random.uniform(0.0, 0.1); x + widest + hem < canvas.width(); x += random.uniform(0.13, 0.27))
+    canvas.rectangle(x, 0, x + random.uniform(0.02, widest), canvas.height(), take(canvas, other), 0.55F);
+  for (double y = hem + random.uniform(0.0, 0.1); y + widest + hem < canvas.height(); y += random.uniform(0.13, 0.27))
+    canvas.rectangle(0, y, canvas.width(), y + random.uniform(0.02, widest), take(canvas, other), 0.55F);
   for (int i = many(canvas, 6.0); i > 0; --i)
     canvas.spot(random.uniform(0.0, canvas.width()), random.uniform(0.0, canvas.height()), random.uniform(0.03, 0.2),
                 random.uniform(0.02, 0.06), -some(random, 10, 30));
