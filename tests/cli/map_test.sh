@@ -44,7 +44,7 @@ make_room() {
 
 files() {
   local map=$here/run/map.rastro
-  run 0 slam "$room" --method rgbd --out "$here/run" --max-memory 2GB --set features=300
+  run 0 slam "$room" --method rgbd --out "$here/run" --max-memory 2GB --set keyframe_frames=4
   said 'map.rastro'
   local file
   for file in map.rastro cloud.ply map.png trajectory.txt result.json; do
@@ -52,7 +52,7 @@ files() {
   done
   [[ $(cat "$here/run/trajectory.txt" "$map" | sha256sum | cut -d' ' -f1) == $(value_of result_sha256 "$here/run/result.json") ]] ||
     fail "the hash is not that of trajectory and map"
-  run 0 slam "$room" --method rgbd --out "$here/step" --mode step --threads 1 --set features=300 --quiet
+  run 0 slam "$room" --method rgbd --out "$here/step" --mode step --threads 1 --set keyframe_frames=4 --quiet
   cmp "$map" "$here/step/map.rastro" || fail "another map with one thread, one step after the other"
   run 0 info "$here/run"
   said 'whole, every checksum holds'

@@ -125,7 +125,7 @@ int run_slam(const SlamFlags& flags) {
   end.result.method = prepared.method->name();
   if (end.result.frames == 0 && !end.result.interrupted) refuse_without_frames(end, folder, flags.data.path);
   const SlamTask task = prepared.means.map ? SlamTask::localize : SlamTask::map;
-  write_slam_outputs(end, folder, task, prepared.pool.get());
+  write_slam_outputs(end, folder, prepared.means);
   folder.write_result(to_json(end.result));
   if (end.failure) std::rethrow_exception(end.failure);
   if (flags.data.json) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "rastro/base/append_file.h"
@@ -51,9 +52,12 @@ void write_picture(const SlamRunEnd& end, const RunFolder& folder) {
 }
 
 /// Coarse enough to be looked at; 'rastro export' makes finer ones from the map file.
-void write_cloud(const SlamRunEnd& end, const RunFolder& folder, TaskPool* pool) {
+void write_cloud(const SlamRunEnd& end, const RunFolder& folder, const SlamMeans& means) {
+  constexpr std::size_t bytes_a_voxel = 256;  // with room to grow; half of what is allowed is left to the rest
   CloudOptions options;
-  const PointCloud cloud = build_cloud(*end.map->rgbd, options, pool);
+  if (means.max_memory_bytes > 0)
+    options.max_voxels = std::min(options.max_voxels, means.max_memory_bytes / 2 / bytes_a_voxel + 1);
+  const PointCloud cloud = build_cloud(*end.map->rgbd, options, means.pool);
   write_whole_file(folder.file("cloud.ply"), cloud_ply(cloud, "world"));
   write_cloud_picture(cloud, end.trajectory, folder.file("map.png").string());
 }
@@ -115,10 +119,10 @@ std::string files_line(const SlamRunEnd& end, const std::string& folder, SlamTas
 
 }  // namespace
 
-void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, SlamTask task, TaskPool* pool) {
+void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const SlamMeans& means) {
   HashedFiles files(folder);
   files.write("trajectory.txt", trajectory_text(end.trajectory, final_poses));
-  if (task == SlamTask::localize) {
+  if (means.map) {
     end.result.result_sha256 = files.finish();
     return;
   }
@@ -129,7 +133,7 @@ void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, SlamTask task,
   if (end.map && !end.map->landmarks.empty()) files.write("landmarks.csv", landmarks_csv(end.map->landmarks));
   if (end.map && end.map->rgbd) {
     files.add("map.rastro");
-    write_cloud(end, folder, pool);
+    write_cloud(end, folder, means);
   } else if (end.map) {
     write_picture(end, folder);
   }

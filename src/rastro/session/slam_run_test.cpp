@@ -10,6 +10,8 @@
 #include "rastro/base/scratch_testing.h"
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
+#include "rastro/map/file/map_file.h"
+#include "rastro/map/rgbd_map_testing.h"
 #include "rastro/session/fakes_testing.h"
 #include "rastro/session/slam_stats.h"
 #include "rastro/session/trajectory_text.h"
@@ -26,6 +28,7 @@ class FakeSlam : public Slam {
   SlamUpdate process(const Frame& frame) override {
     if (frame.index == fault_at) throw std::runtime_error("out of order");
     SlamUpdate update;
+    masked += frame.mask.empty() ? 0 : frame.mask.at(3, 2);
     update.index = frame.index;
     update.stamp = frame.stamp;
     update.state = frame.index % 7 == 6 ? SlamState::weak : SlamState::tracking;
@@ -52,11 +55,13 @@ class FakeSlam : public Slam {
     auto map = std::make_shared<Snapshot>();
     map->landmarks.resize(3);
     map->keyframes = {{0, {}}, {1, {}}};
+    map->rgbd = rgbd;
     return map;
   }
 
   std::int64_t fault_at = -1;
-  int finished = 0;
+  int finished = 0, masked = 0;
+  std::shared_ptr<const RgbdMap> rgbd;
 
  private:
   Trajectory trajectory_;
@@ -89,6 +94,8 @@ TEST(SlamRun, CountsStatesLoopsAndCoverage) {
   EXPECT_EQ(end.result.tracking, 24);
   EXPECT_EQ(end.result.reasons.at("few_returns"), 4);
   EXPECT_EQ(end.result.loops_closed, 4) << "three on the way, one at the end";
+  EXPECT_NEAR(end.result.recall, 100.0 * 28 / 30, 1e-9);
+  EXPECT_DOUBLE_EQ(end.result.seconds_to_first_pose.value(), 0.0);
   EXPECT_EQ(end.result.landmarks, 3);
   EXPECT_EQ(end.result.keyframes, 2);
   EXPECT_DOUBLE_EQ(end.result.path_length, 13.5);
@@ -160,6 +167,51 @@ TEST(SlamRun, StopsWhenAskedAndFinishes) {
   EXPECT_EQ(end.result.frames, 8);
   EXPECT_EQ(method.finished, 1);
   EXPECT_FALSE(end.failure);
+}
+
+TEST(SlamRun, PutsMasksIntoFrames) {
+  FakeSource source(4);
+  FakeSlam method;
+  SlamRun run = wired(source, method);
+  GreyImage mask(32, 24);
+  mask.at(3, 2) = 1;
+  run.mask_of = [&](const Frame& frame) -> GreyView {
+    if (frame.index == 3) throw Error("no mask for frame 3");
+    return mask;
+  };
+  const SlamRunEnd end = slam_run(run);
+  EXPECT_EQ(method.masked, 3);
+  EXPECT_EQ(end.result.ended, "no mask for frame 3");
+}
+
+TEST(SlamRun, EndsBeforeItTakesMoreMemoryThanAllowedAndKeepsWhatItHas) {
+  FakeSource source(4);
+  FakeSlam method;
+  SlamRun run = wired(source, method);
+  run.max_memory_bytes = 1 << 20;  // less than any program has
+  const SlamRunEnd end = slam_run(run);
+  EXPECT_THAT(end.result.ended, HasSubstr("--max-memory"));
+  EXPECT_TRUE(end.failure);
+  EXPECT_EQ(end.trajectory.size(), 1U);
+  EXPECT_EQ(method.finished, 1);
+}
+
+TEST(SlamRun, LeavesTheFinalMapInTheMapFile) {
+  auto map = std::make_shared<RgbdMap>(make_test_map(3));
+  map->poses[2].submap = 1;
+  const auto file = scratch_path("slam_run.rastro");
+  FakeSource source(4);
+  FakeSlam method;
+  method.rgbd = map;
+  GrowingMapFile map_file(file);
+  SlamRun run = wired(source, method);
+  run.map_file = &map_file;
+  const SlamRunEnd end = slam_run(run);
+  EXPECT_FALSE(end.failure);
+  EXPECT_EQ(end.result.keyframes, 3);
+  EXPECT_EQ(end.result.submaps, 2);
+  EXPECT_TRUE(check_map_file(file).finished);
+  EXPECT_EQ(load_map(file)->poses[2].submap, 1);
 }
 
 TEST(SlamResult, SaysEverythingAsJson) {
