@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr int fewest_points = 12;  ///< That make a face.
 constexpr int drawn_planes = 100;
-constexpr double gate_sigmas = 3.0, smallest_sigma_m = 0.002;
+constexpr double gate_sigmas = 3.0, smallest_sigma_m = 0.002, largest_sigma_m = 0.005;
 constexpr double cos_largest_tilt = 0.8;
 constexpr double shared_sigma_m = 0.003;  ///< What all points of a face may be off alike.
 constexpr double depth_edge_m = 0.012;    ///< How far from a thing's end its depth may end.
@@ -52,7 +52,7 @@ std::vector<Sample> samples_in(const PointCloud& cloud, const LengthRegion& regi
     const Vector3d point = one.position.cast<double>();
     const Vector3d along = region.axes.transpose() * (point - region.centre);
     if ((along.array() >= region.low.array()).all() && (along.array() <= region.high.array()).all())
-      found.push_back({point, std::max(smallest_sigma_m, static_cast<double>(one.sigma))});
+      found.push_back({point, std::clamp(static_cast<double>(one.sigma), smallest_sigma_m, largest_sigma_m)});
   }
   return found;
 }
@@ -197,7 +197,7 @@ CloudEnd end_in(const PointCloud& cloud, const LengthObject& object, const Lengt
   std::vector<CloudEnd> ends;
   for (const LengthFeature& feature : length_features(object, spot, options)) {
     LengthRegion region = length_region(feature, object.radius_m, options);
-    if (feature.is_edge) region.low.y() = -1.5 * object.radius_m;
+    if (feature.is_edge) region.low.y() = -object.radius_m;
     const auto face = face_in(cloud, region, options.seed);
     if (!face) return {"no face was found there", {}, {}, {}, 0};
     ends.push_back(feature.is_edge ? edge_end(*face, feature, region, spacing_of(cloud, *face, region))

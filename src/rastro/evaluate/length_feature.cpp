@@ -49,7 +49,9 @@ LengthRegion length_region(const LengthFeature& feature, double radius_m, const 
   region.axes << feature.along, feature.inwards, feature.normal();
   region.normal_known = feature.normal_known;
   if (!feature.is_edge) {
-    const double half = 0.5 * options.patch_m, deep = feature.normal_known ? radius_m : half;
+    // A point without a normal may be of something small: only what is near it tells.
+    const double half = (feature.normal_known ? 0.5 : 0.25) * options.patch_m;
+    const double deep = feature.normal_known ? radius_m : half;
     region.low = {-half, -half, -deep};
     region.high = {half, half, deep};
     return region;

@@ -24,11 +24,12 @@ using Eigen::Vector3d;
 
 constexpr double vote_width_m = 0.006;    ///< Of one candidate: poses of keyframes differ by about as much.
 constexpr double agree_widths = 3.5;      ///< Candidates nearer to the chosen place than this many widths are taken.
+constexpr double unsure_share = 0.3;      ///< Of the radius: what an edge seen in hardly any keyframe may be off.
 constexpr double clear_rivalry = 0.75;    ///< Another place that fits this well is told of.
 constexpr double shared_px = 0.35;        ///< Light, blur and what lies beside an edge move it alike in all pictures.
 constexpr double height_sigma_m = 0.015;  ///< Of a rough face, where depth does not tell.
 constexpr double height_step_m = 0.005;
-constexpr double spot_sigma_share = 0.6;  ///< Standard deviation of a rough spot in its radius.
+constexpr double spot_sigma_share = 0.4;  ///< Standard deviation of a rough spot in its radius.
 constexpr double weak_support = 0.5;      ///< Below, depth is said to contradict.
 constexpr std::size_t few_keyframes = 3;
 
@@ -316,7 +317,9 @@ std::string doubts(const MeasuredLength& measured, double rivalry) {
     return fmt::format("depth is missing or behind over {:.0f} % of the face", 100.0 * (1.0 - measured.support));
   if (std::min(measured.keyframes_a, measured.keyframes_b) < static_cast<int>(few_keyframes))
     return "few keyframes show it";
-  if (rivalry > clear_rivalry) return "another edge near it fits about as well";
+  if (rivalry > clear_rivalry)
+    return measured.kind == LengthKind::edges ? "another edge near it fits about as well"
+                                              : "another surface near it fits about as well";
   return "";
 }
 
@@ -379,7 +382,11 @@ class LengthSearch {
     if (!length) return not_measured(object_, "the keyframes contradict one another");
     MeasuredLength measured = not_measured(object_, "");
     measured.length_m = length->length_m;
-    measured.sigma_m = std::sqrt(std::pow(length->sigma_m, 2) + a.wrong_place_variance + b.wrong_place_variance);
+    double variance = std::pow(length->sigma_m, 2) + a.wrong_place_variance + b.wrong_place_variance;
+    // Without others that agree, a keyframe may well have taken another edge.
+    if (std::min(length->seen_a, length->seen_b) < static_cast<int>(few_keyframes))
+      variance += std::pow(unsure_share * object_.radius_m, 2);
+    measured.sigma_m = std::sqrt(variance);
     measured.a = a.point;
     measured.b = b.point;
     measured.keyframes_a = length->seen_a;

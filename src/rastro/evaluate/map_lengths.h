@@ -45,8 +45,8 @@ struct MeasuredLength {
 struct MapLengthOptions {
   int views = 12;               ///< Keyframes for each feature, and as many that see both: the nearest and squarest.
   double half_length_m = 0.08;  ///< Of an edge that is looked at, either side of the spot.
-  double patch_m = 0.20;        ///< Into the face, from its edge; about the spot half of it where there is no edge.
-  std::uint64_t seed = 1;       ///< Of the samples drawn when planes are fitted.
+  double patch_m = 0.20;  ///< Into the face, from its edge; half of it about a spot on a face, a quarter about a point.
+  std::uint64_t seed = 1;  ///< Of the samples drawn when planes are fitted.
 };
 
 /// Finds the objects, whose spots are in the map's frame, in the pictures of its keyframes and measures them there: a

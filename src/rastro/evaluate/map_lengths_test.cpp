@@ -124,8 +124,8 @@ TEST(MapLengths, AreNotMadeUp) {
   const auto far = parse_length_objects(
       "objects:\n"
       "  - {name: behind, kind: planes, a: {point: [-3, 0, 1]}, b: {point: [-4, 0, 1]}}\n"
-      "  - {name: bare wall, kind: edges, a: {point: [3, 1.5, 2.2], direction: [0, 0, 1]},"
-      " b: {point: [3, 1.8, 2.2], direction: [0, 0, 1]}}\n",
+      "  - {name: bare wall, kind: edges, a: {point: [3, -0.9, 1.7], direction: [0, 0, 1]},"
+      " b: {point: [3, -0.6, 1.7], direction: [0, 0, 1]}}\n",
       "far.yaml");
   const auto lengths = measure_lengths(room().map(1, 0.0), far.objects, {}, room().pool());
   EXPECT_FALSE(lengths[0].length_m);
