@@ -54,6 +54,14 @@ files() {
     fail "the hash is not that of trajectory and map"
   run 0 slam "$room" --method rgbd --out "$here/step" --mode step --threads 1 --set keyframe_frames=4 --quiet
   cmp "$map" "$here/step/map.rastro" || fail "another map with one thread, one step after the other"
+  run 0 measure "$here/run" --objects "$room/objects.yaml" --only 'blue box width' --only 'blue box height' \
+    --out "$here/pictures" --require 'measured>=1' --require 'max_error_m<=0.015'
+  said 'blue box width'
+  [[ $(find "$here/pictures" -name '*.png' | wc -l) -eq 2 ]] || fail "no picture of each length"
+  run 0 measure "$here/run" "$here/run/map.rastro" --between -0.3,0.05,2.1 -0.05,0.02,2.1 --csv
+  [[ $(wc -l <"$here/stdout") -eq 3 ]] || fail "a line for each of two maps"
+  refused "did you mean 'blue box width'?" measure "$here/run" --objects "$room/objects.yaml" --only 'blue bx width'
+  refused 'give --objects FILE or --between' measure "$here/run"
   run 0 info "$here/run"
   said 'whole, every checksum holds'
   run 0 localize "$room" --map "$here/run" --out "$here/found" --every 3 --require 'recall>=60'
