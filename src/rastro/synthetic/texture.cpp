@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/synthetic/texture.h"
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -46,9 +50,17 @@ float bilinear(const GreyImage& image, float x, float y) {
 using Channels = Eigen::Array4f;
 
 Channels unpacked(std::uint32_t texel) {
+#ifdef __SSE2__
+  const __m128i zero = _mm_setzero_si128();
+  const __m128i words = _mm_unpacklo_epi8(_mm_cvtsi32_si128(static_cast<int>(texel)), zero);
+  Channels channels;
+  _mm_store_ps(channels.data(), _mm_cvtepi32_ps(_mm_unpacklo_epi16(words, zero)));
+  return channels;
+#else
   return Eigen::Array4i(static_cast<int>(texel & 255U), static_cast<int>(texel >> 8 & 255U),
                         static_cast<int>(texel >> 16 & 255U), 0)
       .cast<float>();
+#endif
 }
 
 std::uint32_t packed(const Channels& channels) {
