@@ -19,7 +19,7 @@ class MapArchive {
   virtual void add_edge(const PoseEdge& edge) = 0;
   /// New poses of the keyframes with ids 0, 1, ..., after an optimisation or a join.
   virtual void set_poses(const std::vector<KeyframePose>& poses) = 0;
-  /// One more frame; may be written late, but not by more than a second.
+  /// One more frame; written late, but by less than a second. Never waits; may come from another thread than the rest.
   virtual void add_pose(const StampedPose& world_from_camera) = 0;
   /// The pictures added so far.
   virtual std::shared_ptr<const PictureStore> pictures() const = 0;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -26,8 +27,8 @@ bool same(const KeyframePose& a, const KeyframePose& b) {
 
 }  // namespace
 
-/// All of it is guarded by the mutex of the pictures, which are read over the same connection: what is not yet
-/// committed can only be seen there. Time decides when a row reaches the disk and nothing else.
+/// All of it but the way is guarded by the mutex of the pictures, which are read over the same connection: what is not
+/// yet committed can only be seen there. Time decides when a row reaches the disk and nothing else.
 class GrowingMapFile::State {
  public:
   explicit State(std::filesystem::path file) : file_(std::move(file)) {}
@@ -79,7 +80,8 @@ class GrowingMapFile::State {
   }
 
   void add_pose(const StampedPose& pose) {
-    change([&](Database&) { way_.push_back(pose); });
+    const std::lock_guard lock(way_mutex_);
+    way_.push_back(pose);
   }
 
   void finish(const RgbdMap& map) {
@@ -124,10 +126,19 @@ class GrowingMapFile::State {
       database.put(MapTable::poses, static_cast<std::int64_t>(i), body_of(poses_[i]));
       written_poses_[i] = poses_[i];
     }
-    for (const StampedPose& pose : way_) database.put(MapTable::way, ways_written_++, body_of(pose));
-    way_.clear();
+    for (const StampedPose& pose : take_way()) database.put(MapTable::way, ways_written_++, body_of(pose));
     database.run("COMMIT; BEGIN");
     changed_ = false;
+  }
+
+  Trajectory take_way() {
+    const std::lock_guard lock(way_mutex_);
+    return std::exchange(way_, {});
+  }
+
+  bool has_way() {
+    const std::lock_guard lock(way_mutex_);
+    return !way_.empty();
   }
 
   template <typename Work>
@@ -143,7 +154,7 @@ class GrowingMapFile::State {
     std::unique_lock lock(pictures_->mutex);
     while (!stopping_) {
       wake_.wait_for(lock, commit_every, [this] { return stopping_; });
-      if (changed_ && !failure_) guarded([this] { commit(); });
+      if ((changed_ || has_way()) && !failure_) guarded([this] { commit(); });
     }
   }
 
@@ -159,7 +170,8 @@ class GrowingMapFile::State {
   const std::filesystem::path file_;
   const std::shared_ptr<FilePictures> pictures_ = std::make_shared<FilePictures>();
   std::vector<KeyframePose> poses_, written_poses_;
-  Trajectory way_;  ///< Not yet written.
+  std::mutex way_mutex_;  ///< Its own: who follows the camera does not wait for the disk.
+  Trajectory way_;        ///< Not yet written.
   std::optional<std::string> head_;
   std::int64_t edges_ = 0, ways_written_ = 0;
   bool changed_ = false, stopping_ = false, finished_ = false;

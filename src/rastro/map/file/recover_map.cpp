@@ -116,8 +116,8 @@ class Recovery {
   }
 
   void take_edges() {
-    for (const auto& [id, body] : of(MapTable::edges)) {
-      auto edge = try_to([&] { return read_edge(body, file_); });
+    for (const auto& row : of(MapTable::edges)) {
+      auto edge = try_to([&] { return read_edge(row.second, file_); });
       if (!edge || !new_number_.contains(edge->from) || !new_number_.contains(edge->to)) continue;
       edge->from = new_number_[edge->from];
       edge->to = new_number_[edge->to];
@@ -127,8 +127,9 @@ class Recovery {
   }
 
   void take_way() {
-    for (const auto& [id, body] : of(MapTable::way))
-      if (const auto pose = try_to([&] { return read_stamped_pose(body, file_); })) map_->trajectory.push_back(*pose);
+    for (const auto& row : of(MapTable::way))
+      if (const auto pose = try_to([&] { return read_stamped_pose(row.second, file_); }))
+        map_->trajectory.push_back(*pose);
     say_lost(map_->trajectory.size(), wanted(MapTable::way), "poses of the way");
   }
 
