@@ -48,23 +48,24 @@ double area_of(const std::array<Vector3f, 3>& corners) {
   return 0.5 * a.cross(b).norm();
 }
 
-/// Places at equal distances all over the triangles, in the middle of small triangles of the same shape.
-void cover(const std::array<Vector3f, 3>& corners, std::uint32_t triangle, double spacing, Places& places) {
-  double longest = 0.0;
-  for (std::size_t k = 0; k < 3; ++k)
-    longest = std::max(longest, static_cast<double>((corners[(k + 1) % 3] - corners[k]).norm()));
-  const int rows = std::max(1, static_cast<int>(std::ceil(longest / spacing)));
-  const auto add = [&](double u, double v) {
-    const auto a = static_cast<float>(u / rows), b = static_cast<float>(v / rows);
-    places.at.push_back(corners[0] + a * (corners[1] - corners[0]) + b * (corners[2] - corners[0]));
-    places.triangle.push_back(triangle);
-  };
-  for (int i = 0; i < rows; ++i) {
-    for (int j = 0; i + j < rows; ++j) {
-      add(i + 1.0 / 3.0, j + 1.0 / 3.0);
-      if (i + j + 1 < rows) add(i + 2.0 / 3.0, j + 2.0 / 3.0);
-    }
+/// Places all over a triangle: the middles of the pieces that halving the longest side leaves.
+void cover(const std::array<Vector3f, 3>& corners, std::uint32_t triangle, float spacing, Places& places) {
+  std::size_t from = 0;
+  float longest = 0.0F;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float length = (corners[(k + 1) % 3] - corners[k]).squaredNorm();
+    if (length > longest) longest = length, from = k;
   }
+  // The halves of a piece of this size are about as large as a square of `spacing`.
+  if (!(longest > 4.0F * spacing * spacing)) {
+    places.at.push_back((corners[0] + corners[1] + corners[2]) / 3.0F);
+    places.triangle.push_back(triangle);
+    return;
+  }
+  const Vector3f &a = corners[from], &b = corners[(from + 1) % 3], &c = corners[(from + 2) % 3];
+  const Vector3f middle = 0.5F * (a + b);
+  cover({a, middle, c}, triangle, spacing, places);
+  cover({middle, b, c}, triangle, spacing, places);
 }
 
 Places places_of(const TriangleMesh& mesh, double spacing) {
@@ -75,9 +76,9 @@ Places places_of(const TriangleMesh& mesh, double spacing) {
   }
   double area = 0.0;
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) area += area_of(corners_of(mesh, k));
-  spacing = std::max(spacing, std::sqrt(4.0 * area / most_places));
+  spacing = std::max(spacing, std::sqrt(area / most_places));
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k)
-    cover(corners_of(mesh, k), static_cast<std::uint32_t>(k), spacing, places);
+    cover(corners_of(mesh, k), static_cast<std::uint32_t>(k), static_cast<float>(spacing), places);
   return places;
 }
 
