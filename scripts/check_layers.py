@@ -22,7 +22,7 @@ HOMES = {
     "opencv2/core/utils/logger.hpp": {"cli"},  # the program silences OpenCV
     "opencv2/": {"dataset", "export", "feature", "synthetic"},
     "dlib/": {"feature"},
-    "yaml-cpp/": {"base", "camera", "dataset", "export"},
+    "yaml-cpp/": {"base", "camera", "dataset", "evaluate", "export"},
     "nlohmann/": {"dataset", "evaluate", "export", "session", "cli"},
     "CLI/": {"cli"},
     "spdlog/": {"cli"},
