@@ -10,12 +10,12 @@
 namespace rastro {
 
 void DepthStore::add(std::int64_t keyframe, const DepthImage& depth) {
-  auto grid = std::make_shared<const DepthGrid>(depth);
+  auto grid = std::make_shared<const KeyframeSurface>(check_.surface_of(depth));
   const std::lock_guard lock(mutex_);
   hold(keyframe, std::move(grid));
 }
 
-std::shared_ptr<const DepthGrid> DepthStore::depth(std::int64_t keyframe) {
+std::shared_ptr<const KeyframeSurface> DepthStore::depth(std::int64_t keyframe) {
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = held_.find(keyframe); found != held_.end()) {
@@ -25,13 +25,13 @@ std::shared_ptr<const DepthGrid> DepthStore::depth(std::int64_t keyframe) {
   }
   const UnpackedPictures pictures =
       unpack_pictures(pictures_->pictures(keyframe), fmt::format("keyframe {}", keyframe));
-  auto grid = std::make_shared<const DepthGrid>(pictures.depth);
+  auto grid = std::make_shared<const KeyframeSurface>(check_.surface_of(pictures.depth));
   const std::lock_guard lock(mutex_);
   hold(keyframe, grid);
   return grid;
 }
 
-void DepthStore::hold(std::int64_t keyframe, std::shared_ptr<const DepthGrid> grid) {
+void DepthStore::hold(std::int64_t keyframe, std::shared_ptr<const KeyframeSurface> grid) {
   constexpr std::size_t most = 64;
   held_[keyframe] = {std::move(grid), ++uses_};
   if (held_.size() <= most) return;

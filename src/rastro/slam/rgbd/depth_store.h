@@ -7,25 +7,27 @@
 #include <mutex>
 
 #include "rastro/map/keyframe/rgbd_keyframe.h"
-#include "rastro/slam/rgbd/depth_grid.h"
+#include "rastro/slam/rgbd/surface_check.h"
 
 namespace rastro {
 
-/// Depth of keyframes for checks: the last ones asked for are held, the others are made again from their pictures. May
-/// be used by several threads.
+/// Surfaces of keyframes for checks: the last ones asked for are held, the others are made again from their pictures.
+/// May be used by several threads. `check` must outlive this.
 class DepthStore {
  public:
-  explicit DepthStore(std::shared_ptr<const PictureStore> pictures) : pictures_(std::move(pictures)) {}
+  DepthStore(const SurfaceCheck& check, std::shared_ptr<const PictureStore> pictures)
+      : check_(check), pictures_(std::move(pictures)) {}
   void add(std::int64_t keyframe, const DepthImage& depth);
-  std::shared_ptr<const DepthGrid> depth(std::int64_t keyframe);
+  std::shared_ptr<const KeyframeSurface> depth(std::int64_t keyframe);
 
  private:
   struct Held {
-    std::shared_ptr<const DepthGrid> grid;
+    std::shared_ptr<const KeyframeSurface> grid;
     std::uint64_t last_use = 0;
   };
-  void hold(std::int64_t keyframe, std::shared_ptr<const DepthGrid> grid);
+  void hold(std::int64_t keyframe, std::shared_ptr<const KeyframeSurface> grid);
 
+  const SurfaceCheck& check_;
   std::shared_ptr<const PictureStore> pictures_;
   std::mutex mutex_;
   std::map<std::int64_t, Held> held_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/rgbd/keyframe_matcher.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 
@@ -17,9 +19,31 @@ float finest_size(const DescribedKeypoints& features) {
 }
 
 double pixel_sigma(const Keypoint& keypoint, float finest, double sigma) {
-  constexpr float most = 4.0F;
+  constexpr float most = 2.0F;
   const float scale = finest > 0.0F ? keypoint.size_px / finest : 1.0F;
   return sigma * static_cast<double>(std::clamp(scale, 1.0F, most));
+}
+
+/// Blocks of depth next to each other err together.
+constexpr double surface_weight = 0.05;
+
+/// Surfaces slid onto each other from where features put them; nullopt where they leave a direction open.
+std::optional<TiedViews> slide(const SurfaceCheck& check, const KeyframeSurface& a, const KeyframeSurface& b,
+                               const TiedViews& start) {
+  constexpr double reaches_m[] = {0.2, 0.2, 0.2, 0.1, 0.1, 0.1, 0.05, 0.05, 0.05};
+  constexpr double least_information = 1.0 / (0.02 * 0.02);
+  TiedViews slid = start;
+  for (const double reach_m : reaches_m) {
+    const SurfaceFit fit = check.fit(a, b, slid.a_from_b, reach_m);
+    slid.information = surface_weight * fit.information;
+    const Eigen::LDLT<Matrix6d> solver(slid.information);
+    if (!(Eigen::SelfAdjointEigenSolver<Matrix6d>(slid.information).eigenvalues().minCoeff() > least_information))
+      return std::nullopt;
+    const Vector6d step = solver.solve(surface_weight * fit.gradient);
+    if (!step.allFinite() || step.norm() > 0.5) return std::nullopt;
+    slid.a_from_b = slid.a_from_b * SE3::exp(step);
+  }
+  return slid;
 }
 
 }  // namespace
@@ -28,8 +52,13 @@ DepthNoise depth_noise(const RgbdSlamOptions& options) {
   return {options.follow.depth_sigma_m, options.follow.depth_sigma_per_m2};
 }
 
+SurfaceOptions surface_options(const RgbdSlamOptions& options) {
+  return {options.follow.depth_sigma_m, options.follow.depth_sigma_per_m2, options.follow.min_depth_m,
+          options.follow.max_depth_m};
+}
+
 KeyframeMatcher::KeyframeMatcher(const RgbdSlamOptions& options, const Camera& camera)
-    : options_(options), camera_(camera), check_(camera, depth_noise(options)) {}
+    : options_(options), camera_(camera), check_(camera, surface_options(options)) {}
 
 std::vector<PointTie> KeyframeMatcher::ties_of(const RgbdKeyframe& a, const RgbdKeyframe& b) const {
   DescriptorMatchOptions matching;
@@ -56,17 +85,21 @@ std::optional<KeyframeTie> KeyframeMatcher::match(const ViewOfKeyframe& a, const
   fitting.noise = depth_noise(options_);
   fitting.focal_px = camera_.fx;
   fitting.iterations = options_.ransac_iterations;
-  fitting.min_inliers = min_inliers;
+  const bool may_slide = options_.few_features == "icp";
+  fitting.min_inliers = may_slide ? std::min(min_inliers, options_.few_inliers) : min_inliers;
   fitting.seed = seed;
-  const std::optional<TiedViews> views = estimate_views(ties, fitting, guess);
+  std::optional<TiedViews> views = estimate_views(ties, fitting, guess);
   if (!views || views->inliers < options_.min_inlier_share * static_cast<double>(ties.size())) return std::nullopt;
+  const auto surface_a = a.depth(), surface_b = b.depth();
+  const bool few = views->inliers < min_inliers;
+  if (few) views = slide(check_, *surface_a, *surface_b, *views);
+  if (!views) return std::nullopt;
   KeyframeTie tie{views->a_from_b, Matrix6d::Identity(), static_cast<int>(ties.size()), views->inliers, {}};
-  const auto depth_a = a.depth(), depth_b = b.depth();
-  if (depth_a && depth_b) {
-    tie.agreement = check_.compare(*depth_a, *depth_b, tie.a_from_b);
-    if (tie.agreement.share() < options_.agreement || tie.agreement.overlap() < options_.agreement_overlap)
-      return std::nullopt;
-  }
+  tie.agreement = check_.compare(*surface_a, *surface_b, tie.a_from_b);
+  // Where features say less, surfaces must say more.
+  const double share = few ? 0.5 * (1.0 + options_.agreement) : options_.agreement;
+  const double overlap = few ? 3.0 * options_.agreement_overlap : options_.agreement_overlap;
+  if (tie.agreement.share() < share || tie.agreement.overlap() < overlap) return std::nullopt;
   // What pixels and depths have wrong in common, as by lens and clocks, does not go down with their number.
   Matrix6d covariance = views->information.inverse();
   covariance.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;

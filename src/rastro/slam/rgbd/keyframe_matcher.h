@@ -9,16 +9,16 @@
 #include "rastro/camera/camera.h"
 #include "rastro/map/keyframe/rgbd_keyframe.h"
 #include "rastro/math/se3.h"
-#include "rastro/slam/rgbd/depth_grid.h"
 #include "rastro/slam/rgbd/options.h"
 #include "rastro/slam/rgbd/point_ties.h"
+#include "rastro/slam/rgbd/surface_check.h"
 
 namespace rastro {
 
 /// A keyframe and how to come by its depth, which may have to be read from a file.
 struct ViewOfKeyframe {
   const RgbdKeyframe* keyframe = nullptr;
-  std::function<std::shared_ptr<const DepthGrid>()> depth;
+  std::function<std::shared_ptr<const KeyframeSurface>()> depth;
 };
 
 /// How two keyframes were found to stand to each other.
@@ -38,6 +38,7 @@ class KeyframeMatcher {
   /// to try.
   std::optional<KeyframeTie> match(const ViewOfKeyframe& a, const ViewOfKeyframe& b, int min_inliers,
                                    std::uint64_t seed, const std::optional<SE3>& guess) const;
+  const SurfaceCheck& surfaces() const { return check_; }
   std::vector<PointTie> ties_of(const RgbdKeyframe& a, const RgbdKeyframe& b) const;
 
  private:
@@ -47,5 +48,6 @@ class KeyframeMatcher {
 };
 
 DepthNoise depth_noise(const RgbdSlamOptions& options);
+SurfaceOptions surface_options(const RgbdSlamOptions& options);
 
 }  // namespace rastro

@@ -53,9 +53,9 @@ Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamM
       ceiling_bytes_(ceiling_of(options, means.max_memory_bytes)),
       in_memory_(std::make_shared<MemoryPictures>()),
       pictures_(pictures_of(means, in_memory_)),
-      depths_(pictures_),
-      features_(options),
       matcher_(options, camera),
+      depths_(matcher_.surfaces(), pictures_),
+      features_(options),
       graph_(options, means.map ? static_cast<std::int64_t>(means.map->keyframes.size()) : 0) {
   if (!means.map) return;
   for (std::size_t k = 0; k < means.map->keyframes.size(); ++k)
@@ -189,9 +189,8 @@ MapRevision Mapper::settle() {
   return revision;
 }
 
-void Mapper::archive_poses(const Trajectory& poses) {
-  if (archive_ == nullptr) return;
-  for (const StampedPose& pose : poses) archive_->add_pose(pose);
+void Mapper::archive_pose(const StampedPose& pose) {
+  if (archive_ != nullptr) archive_->add_pose(pose);
 }
 
 }  // namespace rastro

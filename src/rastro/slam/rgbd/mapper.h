@@ -47,7 +47,8 @@ class Mapper {
   MapRevision add(const KeyframeOrder& order);
   /// All keyframes once more over all ties; the keyframe of the result stays null.
   MapRevision settle();
-  void archive_poses(const Trajectory& poses);
+  /// By any thread.
+  void archive_pose(const StampedPose& pose);
 
   const std::shared_ptr<const PictureStore>& pictures() const { return pictures_; }
   /// May be asked by any thread.
@@ -69,9 +70,9 @@ class Mapper {
   std::int64_t next_forgotten_ = 0;
   std::shared_ptr<MemoryPictures> in_memory_;
   std::shared_ptr<const PictureStore> pictures_;
+  KeyframeMatcher matcher_;
   DepthStore depths_;
   KeyframeFeatures features_;
-  KeyframeMatcher matcher_;
   KeyframeGraph graph_;
 };
 

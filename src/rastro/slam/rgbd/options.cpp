@@ -71,7 +71,22 @@ void add_matching_options(OptionTable& table, RgbdSlamOptions& o) {
              1,
              100000,
              {}});
-  table.add({"min_inliers", &o.min_inliers, "", "matches that must agree on how two keyframes stand", 6, 5000, {}});
+  table.add({"min_inliers",
+             &o.min_inliers,
+             "",
+             "matches that must agree on how two keyframes stand for these to decide",
+             6,
+             5000,
+             {}});
+  table.add(
+      {"few_features",
+       &o.few_features,
+       "",
+       "where fewer matches agree: the surfaces decide, slid onto each other (point-to-plane ICP), or there is no tie",
+       0,
+       0,
+       {"icp", "refuse"}});
+  table.add({"few_inliers", &o.few_inliers, "", "matches that must agree for surfaces to be tried", 4, 5000, {}});
   table.add({"min_inlier_share", &o.min_inlier_share, "", "share of all matches that must agree", 0, 1, {}});
   table.add({"agreement",
              &o.agreement,

@@ -16,7 +16,7 @@ struct RgbdSlamOptions {
 
   // Keyframes.
   std::string descriptor = "orb";
-  int keyframe_features = 600;
+  int keyframe_features = 800;
   double keyframe_distance_m = 0.15;
   double keyframe_angle_rad = 0.15;
   int keyframe_frames = 30;
@@ -31,12 +31,14 @@ struct RgbdSlamOptions {
   double near_angle_rad = 0.7;
 
   // Matching.
-  double max_ratio = 0.8;
+  double max_ratio = 0.85;
   double pixel_sigma = 1.0;
   int ransac_iterations = 300;
   int min_inliers = 25;
+  std::string few_features = "icp";
+  int few_inliers = 10;
   double min_inlier_share = 0.25;
-  double agreement = 0.75;
+  double agreement = 0.9;
   double agreement_overlap = 0.1;
   double edge_sigma_m = 0.003;
   double edge_sigma_rad = 0.0015;

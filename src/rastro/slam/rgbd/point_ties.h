@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "rastro/math/se3.h"
-#include "rastro/slam/rgbd/depth_grid.h"
+#include "rastro/slam/rgbd/surface_check.h"
 
 namespace rastro {
 

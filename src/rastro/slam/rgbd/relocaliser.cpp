@@ -31,7 +31,7 @@ Relocaliser::Try Relocaliser::find(const Frame& frame,
   if (keyframes.empty()) return result;
   const RgbdKeyframe seen = features_.extract(frame);
   result.features = static_cast<int>(seen.features.size());
-  const auto grid = std::make_shared<const DepthGrid>(frame.depth);
+  const auto grid = std::make_shared<const KeyframeSurface>(matcher_.surfaces().surface_of(frame.depth));
   for (const std::int64_t id : candidates(static_cast<std::int64_t>(keyframes.size()), seed)) {
     const RgbdKeyframe& keyframe = *keyframes[static_cast<std::size_t>(id)];
     if (keyframe.features.size() == 0) continue;

@@ -135,7 +135,6 @@ class RgbdSlam::State {
   void apply(const Pending& pending, std::vector<SlamEvent>& events);
   void say_pose(const SE3& world_from_camera, const Matrix6d& covariance, SlamUpdate& update);
   void archive_pose(const StampedPose& pose);
-  void send_poses();
 
   RgbdSlamOptions options_;
   Camera camera_;
@@ -146,11 +145,10 @@ class RgbdSlam::State {
   RgbdFollower follower_;
   Anchor anchor_;
   std::deque<Pending> pending_;
-  Trajectory unsent_;
   bool archives_;
   std::int64_t seen_ = 0;         ///< Frames given, of any kind.
   std::int64_t anchor_seen_ = 0;  ///< When the last keyframe was made.
-  bool following_ = true;  ///< False: the follower knows no place to go on from.
+  bool following_ = true;         ///< False: the follower knows no place to go on from.
   bool lost_ = false;
   int lost_frames_ = 0;  ///< With something to see in them.
   int stretch_ = 0;      ///< Of frames followed without a break.
@@ -184,7 +182,6 @@ SlamUpdate RgbdSlam::State::process(const Frame& frame) {
   update.world_from_body = last_pose_;
   follow(frame, update);
   last_pose_ = update.world_from_body;
-  if (seen_ % 15 == 0) send_poses();
   update.milliseconds = whole.lap_ms();
   return update;
 }
@@ -385,18 +382,12 @@ void RgbdSlam::State::apply(const Pending& pending, std::vector<SlamEvent>& even
 }
 
 void RgbdSlam::State::archive_pose(const StampedPose& pose) {
-  if (archives_) unsent_.push_back(pose);
-}
-
-void RgbdSlam::State::send_poses() {
-  if (unsent_.empty()) return;
-  background_.submit([this, poses = std::move(unsent_)] { mapper_.archive_poses(poses); });
-  unsent_.clear();
+  // At once, past whatever mapping is busy with: a run that is killed keeps all but its last second.
+  if (archives_) mapper_.archive_pose(pose);
 }
 
 std::vector<SlamEvent> RgbdSlam::State::finish() {
   std::vector<SlamEvent> events;
-  send_poses();
   take_revisions(std::numeric_limits<std::int64_t>::max(), events);
   background_.wait_for_all();
   if (!maps_) return events;

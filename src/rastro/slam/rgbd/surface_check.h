@@ -9,6 +9,7 @@
 #include "rastro/image/image.h"
 #include "rastro/map/keyframe/rgbd_keyframe.h"
 #include "rastro/math/se3.h"
+#include "rastro/registration/projective_icp.h"
 
 namespace rastro {
 
@@ -18,26 +19,10 @@ struct DepthNoise {
   double sigma(double depth_m) const { return constant_m + per_m2 * depth_m * depth_m; }
 };
 
-/// A depth picture of which few pixels are kept, for telling whether two views contradict each other. The same from a
-/// frame as from its packed pictures.
-class DepthGrid {
- public:
-  static constexpr int step_px = 4;
-
-  DepthGrid() = default;
-  explicit DepthGrid(const DepthImage& depth);
-  int width() const { return width_; }
-  int height() const { return height_; }
-  /// Of the pixel (x, y) * step_px; metres, 0 = none.
-  float at(int x, int y) const { return metres_per_unit * static_cast<float>(units_[index(x, y)]); }
-
- private:
-  static constexpr float metres_per_unit = static_cast<float>(1.0 / packed_depth_units_per_metre);
-  std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
-  }
-  int width_ = 0, height_ = 0;
-  std::vector<std::uint16_t> units_;
+/// What a keyframe's depth says, in blocks. The same from a frame as from its packed pictures.
+struct KeyframeSurface {
+  DepthBlocks blocks;
+  std::vector<BlockPlane> planes;
 };
 
 /// What the surfaces that one view measured look like to another.
@@ -55,19 +40,25 @@ struct SurfaceAgreement {
   }
 };
 
-/// The environment measurement check of Endres et al. 2014, section III-E, on grids: both ways.
+/// Compares the surfaces of two keyframes. May be used by several threads.
 class SurfaceCheck {
  public:
-  SurfaceCheck(const Camera& camera, const DepthNoise& noise);
-  SurfaceAgreement compare(const DepthGrid& a, const DepthGrid& b, const SE3& a_from_b) const;
+  SurfaceCheck(const Camera& camera, const SurfaceOptions& options);
+  KeyframeSurface surface_of(const DepthImage& depth) const;
+  /// The environment measurement check of Endres et al. 2014, section III-E, both ways.
+  SurfaceAgreement compare(const KeyframeSurface& a, const KeyframeSurface& b, const SE3& a_from_b) const;
+  /// What the planes of `a` say of a_from_b, for pairs within `reach_m`.
+  SurfaceFit fit(const KeyframeSurface& a, const KeyframeSurface& b, const SE3& a_from_b, double reach_m) const;
 
  private:
-  void count(const DepthGrid& seen, const DepthGrid& by, const SE3& by_from_seen, SurfaceAgreement& sum) const;
+  void count(const DepthBlocks& seen, const DepthBlocks& by, const SE3& by_from_seen, SurfaceAgreement& sum) const;
 
   Camera camera_;
+  SurfaceOptions options_;
   DepthNoise noise_;
-  int width_ = 0, height_ = 0;
-  std::vector<Eigen::Vector2d> rays_;  ///< Of the grid's pixels, normalised; not a number where there is none.
+  ProjectiveIcp icp_;
+  int width_ = 0, height_ = 0;         ///< Blocks.
+  std::vector<Eigen::Vector2d> rays_;  ///< Of the blocks' middles, normalised; not a number where there is none.
 };
 
 }  // namespace rastro

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "rastro/map/rgbd_map_testing.h"
+#include "rastro/sensor/source.h"
+#include "rastro/slam/slam_method.h"
+#include "room_testing.h"
+
+namespace rastro {
+
+/// A generated recording of known truth, of a kind that some methods can use.
+class Place {
+ public:
+  virtual ~Place() = default;
+  virtual int frame_count() const = 0;
+  /// Frames of a drive on which places come back.
+  virtual int long_count() const = 0;
+  virtual SourceInfo info() const = 0;
+  virtual Frame frame(int number) const = 0;
+  virtual TimeNs stamp(int number) const = 0;
+  virtual SE3 world_from_body(int number) const = 0;
+  /// No pose is ever farther from the first.
+  virtual double reach_m() const = 0;
+
+  std::vector<Frame> frames(int count) const {
+    std::vector<Frame> frames;
+    for (int k = 0; k < count; ++k) frames.push_back(frame(k));
+    return frames;
+  }
+  std::vector<Frame> frames() const { return frames(frame_count()); }
+  TimeNs step() const { return stamp(1) - stamp(0); }
+};
+
+/// Driven through with a laser and wheels.
+class LaserPlace : public Place {
+ public:
+  int frame_count() const override { return Room::frame_count; }
+  int long_count() const override { return 600; }  // nearly three times around
+  SourceInfo info() const override { return Room::info(); }
+  Frame frame(int number) const override { return Room::frame(number); }
+  TimeNs stamp(int number) const override { return Room::stamp(number); }
+  SE3 world_from_body(int number) const override {
+    const SE2 pose = Room::world_from_body(number);
+    return {SO3::exp(pose.rotation().angle() * Eigen::Vector3d::UnitZ()),
+            {pose.translation().x(), pose.translation().y(), 0.0}};
+  }
+  double reach_m() const override { return 2.0 * Room::radius_m; }
+};
+
+/// Looked at by a depth camera in the hand, which swings to and fro.
+class DepthPlace : public Place {
+ public:
+  static constexpr int swing = 48;  ///< Frames of one turn there and back.
+
+  int frame_count() const override { return 48; }
+  int long_count() const override { return 100; }
+  SourceInfo info() const override {
+    SourceInfo info;
+    info.path = "depth room";
+    info.format = "generated";
+    info.frame_count = frame_count();
+    info.has_depth = true;
+    info.cameras.push_back({"rgb", camera(), std::nullopt, "generated"});
+    return info;
+  }
+  Frame frame(int number) const override {
+    // The same at every swing but for its stamp, so that each picture is made once.
+    static std::map<int, Frame> made;
+    const int place = number % swing;
+    if (!made.contains(place)) made[place] = test_room::frame_from(world_from_body(place), camera());
+    Frame frame = made[place];
+    frame.index = number;
+    frame.stamp = frame.depth_stamp = stamp(number);
+    frame.name = std::to_string(number);
+    return frame;
+  }
+  TimeNs stamp(int number) const override { return 1'000 * ns_per_second + number * (ns_per_second / 30); }
+  SE3 world_from_body(int number) const override {
+    const double phase = 2.0 * M_PI * (number % swing) / swing;
+    const SE3 middle = test_room::world_from_camera(1, 3);
+    return middle * SE3(SO3::exp({0.12 * std::sin(2.0 * phase), 0.3 * std::sin(phase), 0.05 * std::sin(phase)}),
+                        {0.25 * std::sin(phase), 0.06 * std::sin(2.0 * phase), 0.2 * (1.0 - std::cos(phase))});
+  }
+  double reach_m() const override { return 0.6; }
+
+ private:
+  static Camera camera() { return test_room::camera().scaled(0.75); }
+};
+
+/// The kind of recording that a method is made for.
+inline std::unique_ptr<Place> place_for(const SlamMethod& method) {
+  if (method.wants_depth()) return std::make_unique<DepthPlace>();
+  return std::make_unique<LaserPlace>();
+}
+
+}  // namespace rastro
