@@ -6,11 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <string_view>
 
-#include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/map/file/map_file.h"
 #include "rastro/map/file/map_rows.h"
@@ -29,7 +29,7 @@ void read_or_refuse(const std::function<void()>& read) {
 void try_file(std::string_view bytes) {
   static const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("rastro_fuzz_" + std::to_string(::getpid()) + ".rastro");
-  rastro::write_whole_file(file, bytes);
+  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   read_or_refuse([] {
     const auto map = rastro::load_map(file);
     if (map->poses.size() != map->keyframes.size()) __builtin_trap();
