@@ -20,7 +20,7 @@ LICENCE = "// SPDX-License-Identifier: Apache-2.0"
 # Header prefix -> folders of src/rastro whose sources may include it; tests, bench and examples may include anything.
 HOMES = {
     "opencv2/core/utils/logger.hpp": {"cli"},  # the program silences OpenCV
-    "opencv2/": {"dataset", "export", "feature", "synthetic"},
+    "opencv2/": {"dataset", "export", "feature", "map", "synthetic"},
     "dlib/": {"feature"},
     "yaml-cpp/": {"base", "camera", "dataset", "evaluate", "export"},
     "nlohmann/": {"dataset", "evaluate", "export", "session", "cli"},

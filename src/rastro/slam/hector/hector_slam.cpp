@@ -65,6 +65,7 @@ class HectorSlam::State {
   void extend_map(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed, SlamUpdate& update);
   Eigen::Matrix3d with_unseen_way(const FollowedScan& followed) const;
   bool moved_enough() const;
+  Submap* open_submap();
   void turn_over_submaps(SlamUpdate& update);
   void close_loops(SlamUpdate& update);
   void settle(const Frame& frame, const SE2& local_from_body, SlamUpdate& update);
@@ -100,7 +101,7 @@ SlamUpdate HectorSlam::State::process(const Frame& frame) {
     carry_on(
         frame, update, SlamReason::few_returns,
         fmt::format("{} of {} beams returned, need {}", update.used, frame.scan->ranges.size(), options_.min_returns));
-  } else if (graph_.key_scans().empty()) {
+  } else if (!open_submap()) {
     start(frame, scan, update);
   } else {
     follow(frame, scan, update);
@@ -118,17 +119,15 @@ void HectorSlam::State::start(const Frame& frame, const ScanPoints& scan, SlamUp
   update.reason = SlamReason::first_frame;
   update.score = 1.0;
   update.covariance = Matrix6d::Zero();
-  update.events.push_back({"submap", "the first"});
+  update.events.push_back(
+      {"submap", graph_.submaps().size() == 1 ? "the first" : "a new one, as the last was finished"});
   settle(frame, pose, update);
 }
 
 void HectorSlam::State::follow(const Frame& frame, const ScanPoints& scan, SlamUpdate& update) {
   Stopwatch stage;
   const ScanGuess guess = guess_.guess(frame.stamp, frame.odometry_from_body);
-  // The oldest unfinished submap holds the most.
-  const auto map = std::find_if(graph_.submaps().begin(), graph_.submaps().end(),
-                                [](const auto& submap) { return !submap->finished(); });
-  const FollowedScan followed = follower_.follow(**map, scan.points, guess);
+  const FollowedScan followed = follower_.follow(*open_submap(), scan.points, guess);
   update.times.push_back({"match", stage.lap_ms()});
   judge(followed, update);
   const double way_m = (guess_.last().inverse() * followed.local_from_body).translation().norm();
@@ -189,6 +188,13 @@ Eigen::Matrix3d HectorSlam::State::with_unseen_way(const FollowedScan& followed)
     covariance.topLeftCorner<2, 2>() += along * along.transpose();
   }
   return covariance;
+}
+
+/// The oldest unfinished one, which holds the most; null before the first scan and after finish().
+Submap* HectorSlam::State::open_submap() {
+  for (const auto& submap : graph_.submaps())
+    if (!submap->finished()) return submap.get();
+  return nullptr;
 }
 
 bool HectorSlam::State::moved_enough() const {
