@@ -23,17 +23,21 @@ struct RgbdOptions {
   double min_distance_px = 12.0;
   int patch_px = 13;
   double pixel_sigma = 0.7;
+  double shared_error_px = 1.0;
   double max_error_px = 3.0;
   int min_points = 12;
   int ransac_iterations = 200;
   std::uint64_t seed = 1;
+
+  // Surfaces.
+  std::string surfaces = "on";
+  double surface_weight = 0.2;
 
   // References.
   double max_reference_turn_deg = 12.0;
   double max_reference_way = 0.1;
   double min_reference_share = 0.6;
   int map_references = 40;
-  int window = 7;
 
   FrameCheckOptions frame_check;
 };

@@ -9,27 +9,17 @@
 #include "rastro/feature/brief.h"
 #include "rastro/math/se3.h"
 #include "rastro/odometry/rgbd/depth_reading.h"
-#include "rastro/odometry/rgbd/reference_adjustment.h"
+#include "rastro/registration/projective_icp.h"
 #include "rastro/track/klt.h"
 
 namespace rastro {
 
-/// A feature seen in a reference frame.
-struct PointSighting {
-  int reference = 0;           ///< Number of the reference.
-  Eigen::Vector2d ray;         ///< Normalised.
-  double inverse_depth = 0.0;  ///< Read there, 1/m; 0 = not.
-  double inverse_depth_sigma = 1.0;
-  double per_second = 0.0;  ///< As of MapPoint.
-};
-
 /// A feature of the local map: a ray of the reference it was first seen in, and how deep it lies there.
 struct MapPoint {
-  int anchor = 0;                 ///< Number of the reference.
-  Eigen::Vector2d ray;            ///< In the anchor, normalised.
-  double inverse_depth = 0;       ///< In the anchor, 1/m; > 0.
-  double information = 0;         ///< Of that by depth readings, m^2.
-  double read_inverse_depth = 0;  ///< Mean of the readings.
+  int anchor = 0;            ///< Number of the reference.
+  Eigen::Vector2d ray;       ///< In the anchor, normalised.
+  double inverse_depth = 0;  ///< In the anchor, 1/m; > 0.
+  double information = 0;    ///< Of that by depth readings, m^2.
   double readings = 0.0;
   double per_second = 0.0;  ///< Change of the mean of the readings with the delay of depth, 1/m/s.
   KltReference patch;
@@ -37,7 +27,6 @@ struct MapPoint {
   int seen = 1, missed = 0;                         ///< Frames; missed: in a row, although it should have been in view.
   Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< In the last frame.
   bool tracked = false;                             ///< In the last frame.
-  std::vector<PointSighting> sightings;             ///< In references after the anchor.
 };
 
 /// A frame that others are followed against.
@@ -45,7 +34,9 @@ struct Reference {
   TimeNs stamp = 0;
   SE3 world_from_camera;
   double median_depth = 1.0;
-  std::vector<CameraLink> links;  ///< To references before it, by their surfaces; numbers of references.
+  std::vector<BlockPlane> planes;        ///< Its surfaces; empty where it has none, or is too old.
+  SE3 camera_from_depth;                 ///< How the camera moved between colour and depth.
+  Vector6d velocity = Vector6d::Zero();  ///< Of the camera then, per second.
 };
 
 /// The local map of a depth camera: features of the last references. All references' poses are kept.
@@ -64,16 +55,10 @@ class PointMap {
   void forget(int count, int most_missed);
   /// Depth is now thought to have been taken so much later.
   void delay_depths(double seconds);
-  /// Adjusts the last `window` references and the points they see together; sightings that do not fit afterwards are
-  /// dropped. `ray_sigma`: of a feature's place; `max_error`: of one that fits, both normalised.
-  void adjust(int window, double ray_sigma, double max_error);
 
   std::vector<Reference> references;  ///< By number.
   std::vector<MapPoint> points;
   int first_live = 0;  ///< References before this one belong to maps given up.
-
- private:
-  void drop_misfits(MapPoint& point, double max_error) const;
 };
 
 }  // namespace rastro

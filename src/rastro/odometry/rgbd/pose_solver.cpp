@@ -61,24 +61,27 @@ bool linearise(const PointMeasurement& point, const SE3& camera_from_world, cons
 
 }  // namespace
 
-DelayQuadratic delay_quadratic(const std::vector<PointMeasurement>& points, const SE3& world_from_camera) {
+DelayedQuadratic points_with_delay(const std::vector<PointMeasurement>& points, const SE3& world_from_camera) {
   const SE3 camera_from_world = world_from_camera.inverse();
   const Eigen::Matrix3d rotation = camera_from_world.rotation().matrix();
-  Eigen::Matrix<double, 7, 7> normal = Eigen::Matrix<double, 7, 7>::Zero();
-  Eigen::Matrix<double, 7, 1> right = Eigen::Matrix<double, 7, 1>::Zero();
+  DelayedQuadratic sum;
   Linearised point;
   for (const PointMeasurement& measured : points) {
-    if (!(measured.inverse_depth > 0.0) || !linearise(measured, camera_from_world, rotation, {kernel_width}, point))
-      continue;
+    if (!linearise(measured, camera_from_world, rotation, {kernel_width}, point)) continue;
     Eigen::Matrix<double, 3, 7> jacobian;
     jacobian << point.by_pose, point.by_delay;
-    normal.noalias() += jacobian.transpose() * point.information * jacobian;
-    right.noalias() += jacobian.transpose() * point.information * point.error;
+    sum.information.noalias() += jacobian.transpose() * point.information * jacobian;
+    sum.gradient.noalias() += jacobian.transpose() * point.information * point.error;
   }
-  const Matrix6d pose = normal.topLeftCorner<6, 6>() + hold * Matrix6d::Identity();
-  const Vector6d cross = normal.topRightCorner<6, 1>();
+  return sum;
+}
+
+std::pair<double, double> delay_alone(const DelayedQuadratic& quadratic) {
+  const Matrix6d pose = quadratic.information.topLeftCorner<6, 6>() + hold * Matrix6d::Identity();
+  const Vector6d cross = quadratic.information.topRightCorner<6, 1>();
   const Vector6d solved = pose.ldlt().solve(cross);
-  return {std::max(0.0, normal(6, 6) - solved.dot(cross)), right(6) - solved.dot(right.head<6>())};
+  return {std::max(0.0, quadratic.information(6, 6) - solved.dot(cross)),
+          quadratic.gradient(6) - solved.dot(quadratic.gradient.head<6>())};
 }
 
 PoseQuadratic points_quadratic(const std::vector<PointMeasurement>& points, const SE3& world_from_camera,
@@ -96,16 +99,46 @@ PoseQuadratic points_quadratic(const std::vector<PointMeasurement>& points, cons
   return sum;
 }
 
-PoseSolution solve_pose(const std::vector<PointMeasurement>& points, const SE3& start, int iterations,
-                        const std::function<PoseQuadratic(const SE3&, int iteration)>& others) {
+namespace {
+
+/// Of the pose, from an error that moves all rays alike.
+Vector6d shared_variance(const std::vector<PointMeasurement>& points, double ray_error, const SE3& world_from_camera) {
+  double depths = 0.0;
+  for (const PointMeasurement& point : points) depths += (point.in_world - world_from_camera.translation()).norm();
+  const double way = ray_error * depths / std::max<double>(1.0, static_cast<double>(points.size()));
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(way * way), Eigen::Vector3d::Constant(ray_error * ray_error);
+  return variance;
+}
+
+/// (H^-1 + C)^-1 and what it does to the gradient, also where H cannot be inverted.
+PoseQuadratic with_shared_error(const PoseQuadratic& points, const Vector6d& variance) {
+  const Matrix6d scale = Matrix6d::Identity() + points.information * variance.asDiagonal();
+  const Eigen::PartialPivLU<Matrix6d> inverse(scale);
+  PoseQuadratic shared{inverse.solve(points.information), inverse.solve(points.gradient)};
+  shared.information = 0.5 * (shared.information + shared.information.transpose()).eval();
+  return shared;
+}
+
+}  // namespace
+
+SE3 PoseSolution::by_points_alone() const {
+  const Vector6d step = (points.information + hold * Matrix6d::Identity()).ldlt().solve(points.gradient);
+  return step.allFinite() ? world_from_camera * SE3::exp(step) : world_from_camera;
+}
+
+PoseSolution solve_pose(const std::vector<PointMeasurement>& points, double shared_ray_error, const SE3& start,
+                        int iterations, const std::function<PoseQuadratic(const SE3&, int iteration)>& others) {
   PoseSolution solution;
   solution.world_from_camera = start;
+  const Vector6d shared = shared_variance(points, shared_ray_error, start);
   for (int i = 0; i < iterations; ++i) {
     solution.points = points_quadratic(points, solution.world_from_camera, kernel_width);
     solution.others = others ? others(solution.world_from_camera, i) : PoseQuadratic();
+    solution.shared_points = with_shared_error(solution.points, shared);
     const Matrix6d information =
-        solution.points.information + solution.others.information + hold * Matrix6d::Identity();
-    const Vector6d step = information.ldlt().solve(solution.points.gradient + solution.others.gradient);
+        solution.shared_points.information + solution.others.information + hold * Matrix6d::Identity();
+    const Vector6d step = information.ldlt().solve(solution.shared_points.gradient + solution.others.gradient);
     if (!step.allFinite()) break;
     solution.world_from_camera = solution.world_from_camera * SE3::exp(step);
     solution.converged = step.norm() < smallest_step;

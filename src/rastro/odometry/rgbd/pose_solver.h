@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "rastro/math/se3.h"
@@ -38,23 +39,38 @@ struct PoseQuadratic {
 PoseQuadratic points_quadratic(const std::vector<PointMeasurement>& points, const SE3& world_from_camera,
                                double kernel);
 
-/// What a frame says of how much later depth was taken than its stamps say, the pose eliminated.
-struct DelayQuadratic {
-  double information = 0.0;  ///< 1/s^2
-  double gradient = 0.0;     ///< Downhill.
+/// As PoseQuadratic, with one more unknown: how much later depth was taken than thought (seconds, last).
+struct DelayedQuadratic {
+  Eigen::Matrix<double, 7, 7> information = Eigen::Matrix<double, 7, 7>::Zero();
+  Eigen::Matrix<double, 7, 1> gradient = Eigen::Matrix<double, 7, 1>::Zero();
+
+  DelayedQuadratic& operator+=(const DelayedQuadratic& other) {
+    information += other.information;
+    gradient += other.gradient;
+    return *this;
+  }
 };
-DelayQuadratic delay_quadratic(const std::vector<PointMeasurement>& points, const SE3& world_from_camera);
+DelayedQuadratic points_with_delay(const std::vector<PointMeasurement>& points, const SE3& world_from_camera);
+
+/// What is known of the delay when the pose is not: information (1/s^2) and gradient (1/s).
+std::pair<double, double> delay_alone(const DelayedQuadratic& quadratic);
 
 struct PoseSolution {
   SE3 world_from_camera;
-  PoseQuadratic points;  ///< At the solution.
+  PoseQuadratic points;         ///< At the solution, every point taken as independent.
+  PoseQuadratic shared_points;  ///< With the error that all points share.
   PoseQuadratic others;
   bool converged = false;
+
+  /// Where the points alone would have it.
+  SE3 by_points_alone() const;
 };
 
-/// Gauss-Newton over the points and `others` (may be empty) together. Directions that nothing measures stay as they
+/// Gauss-Newton over the points and `others` (may be empty) together. `shared_ray_error` is an error that all points
+/// have in common (normalised; colour and depth are never quite registered), so that many points are not surer than it.
+/// Directions that nothing measures stay as they
 /// are.
-PoseSolution solve_pose(const std::vector<PointMeasurement>& points, const SE3& start, int iterations,
-                        const std::function<PoseQuadratic(const SE3&, int iteration)>& others = {});
+PoseSolution solve_pose(const std::vector<PointMeasurement>& points, double shared_ray_error, const SE3& start,
+                        int iterations, const std::function<PoseQuadratic(const SE3&, int iteration)>& others = {});
 
 }  // namespace rastro

@@ -46,7 +46,7 @@ class RgbdFollower {
   void move(const SE3& new_world_from_world);
   /// Of the last frame, as followed or guessed.
   const SE3& world_from_camera() const;
-  /// Where the reference frames stand now, oldest first: the newest ones are still being adjusted.
+  /// Where the reference frames stand now, oldest first.
   std::vector<SE3> reference_poses() const;
 
  private:
