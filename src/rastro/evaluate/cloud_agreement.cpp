@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double most_places = 5e6;
+constexpr double most_places = 2e6;
 constexpr std::size_t nearest_places = 8;  ///< Whose triangles a point is held against.
 constexpr int grain = 4096;
 
@@ -74,9 +74,13 @@ Places places_of(const TriangleMesh& mesh, double spacing) {
     for (const MeshVertex& vertex : mesh.vertices) places.at.push_back(vertex.position);
     return places;
   }
-  double area = 0.0;
-  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) area += area_of(corners_of(mesh, k));
-  spacing = std::max(spacing, std::sqrt(area / most_places));
+  double area = 0.0, length = 0.0;  // slivers take places by their length
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    const auto corners = corners_of(mesh, k);
+    area += area_of(corners);
+    length += static_cast<double>((corners[1] - corners[0]).norm() + (corners[2] - corners[0]).norm());
+  }
+  spacing = std::max({spacing, std::sqrt(area / most_places), length / most_places});
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k)
     cover(corners_of(mesh, k), static_cast<std::uint32_t>(k), static_cast<float>(spacing), places);
   return places;
