@@ -67,7 +67,7 @@ TEST_F(LaserRelations, RawOdometryHasTheKnownErrors) {
 
 TEST_F(LaserRelations, HectorFollowsTheFirstRoundOfIntel) {
   const auto source = open_log("intel");
-  const auto slam = slam_method("hector")->make(source->info(), nullptr);
+  const auto slam = slam_method("hector")->make(source->info(), {});
   for (int k = 0; k < 2000; ++k) slam->process(source->next().value());
   slam->finish();
   const RelationScores scores = scores_of("intel", slam->trajectory());

@@ -12,20 +12,57 @@ namespace rastro {
 namespace {
 
 constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
-constexpr float far_off = std::numeric_limits<float>::infinity();
+
+/// As far off as nothing is.
+template <typename Value>
+constexpr Value far_off() {
+  return std::numeric_limits<Value>::has_infinity ? std::numeric_limits<Value>::infinity()
+                                                  : std::numeric_limits<Value>::max();
+}
+
+template <typename Value>
+Value least(const Value* values, std::size_t count) {
+  Value result = far_off<Value>();
+  for (std::size_t i = 0; i < count; ++i) result = values[i] < result ? values[i] : result;
+  return result;
+}
 
 struct Nearest {
   std::uint32_t index = nobody;
-  float distance = far_off;
-  float runner_up = far_off;
+  float distance = std::numeric_limits<float>::infinity();
+  float runner_up = std::numeric_limits<float>::infinity();
+};
 
-  void offer(std::uint32_t candidate, float value) {
-    if (value < distance) {
-      runner_up = distance;
-      distance = value;
-      index = candidate;
-    } else if (value < runner_up) {
-      runner_up = value;
+/// The nearest and the second nearest of a row, which is changed. Three plain passes run faster than one that branches.
+template <typename Value>
+Nearest nearest_of(Value* row, std::size_t count) {
+  const Value nearest = least(row, count);
+  if (!(nearest < far_off<Value>())) return {};
+  Nearest result;
+  result.index = static_cast<std::uint32_t>(std::find(row, row + count, nearest) - row);
+  row[result.index] = far_off<Value>();
+  const Value runner_up = least(row, count);
+  row[result.index] = nearest;
+  result.distance = static_cast<float>(nearest);
+  if (runner_up < far_off<Value>()) result.runner_up = static_cast<float>(runner_up);
+  return result;
+}
+
+/// For each of the second image, the nearest of the rows offered so far; of equal ones the first.
+template <typename Value, typename Index>
+struct NearestRows {
+  std::vector<Value> distance;
+  std::vector<Index> row;
+
+  explicit NearestRows(std::size_t count = 0) : distance(count, far_off<Value>()), row(count, Index{0}) {}
+  void offer(Index candidate, const Value* values) {
+    const std::size_t count = distance.size();
+    Value* best = distance.data();
+    Index* of = row.data();
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool nearer = values[k] < best[k];
+      of[k] = nearer ? candidate : of[k];
+      best[k] = nearer ? values[k] : best[k];
     }
   }
 };
@@ -39,6 +76,9 @@ Eigen::Map<const RowMajor> matrix_of(const DescribedKeypoints& features) {
 /// Squared Euclidean distances of a block of rows to all of the second image.
 class FloatDistances {
  public:
+  using Value = float;
+  using Index = std::int32_t;
+
   FloatDistances(const DescribedKeypoints& first, const DescribedKeypoints& second)
       : first_(matrix_of(first)),
         second_(matrix_of(second)),
@@ -63,16 +103,19 @@ class FloatDistances {
   Eigen::VectorXf first_squares_, second_squares_;
 };
 
-/// Differing bits, as floats.
+/// Differing bits. Signed 16 bits, whose minimum every processor has in SIMD.
 class BitDistances {
  public:
+  using Value = std::int16_t;
+  using Index = std::int16_t;
+
   BitDistances(const DescribedKeypoints& first, const DescribedKeypoints& second)
       : first_(first.bits), second_(second.bits) {}
 
   template <typename Sink>
   void for_rows(int begin, int end, Sink&& sink) const {
     std::vector<std::uint16_t> bits(second_.size());
-    std::vector<float> row(second_.size());
+    std::vector<Value> row(second_.size());
     for (int i = begin; i < end; ++i) {
       hamming_distances(first_[static_cast<std::size_t>(i)], second_, bits);
       std::copy(bits.begin(), bits.end(), row.begin());
@@ -87,24 +130,27 @@ class BitDistances {
 
 /// The nearest of `second` to each of `first`, and where asked the other way round.
 struct Search {
-  std::vector<Nearest> of_first, of_second;
+  std::vector<Nearest> of_first;
+  std::vector<std::uint32_t> of_second;
 };
 
 template <typename Distances>
 Search search(const Distances& distances, std::size_t first_size, std::size_t second_size, bool both_ways,
               TaskPool* pool) {
+  using Value = typename Distances::Value;
+  using Rows = NearestRows<Value, typename Distances::Index>;
   constexpr int grain = 64;
-  Search result{std::vector<Nearest>(first_size), std::vector<Nearest>(both_ways ? second_size : 0)};
+  const std::size_t columns = both_ways ? second_size : 0;
+  Search result{std::vector<Nearest>(first_size), std::vector<std::uint32_t>(columns, nobody)};
   const int rows = static_cast<int>(first_size);
-  std::vector<std::vector<Nearest>> offers(static_cast<std::size_t>((rows + grain - 1) / grain));
+  std::vector<Rows> chunks(static_cast<std::size_t>((rows + grain - 1) / grain));
   const auto body = [&](int begin, int end) {
-    auto& offered = offers[static_cast<std::size_t>(begin / grain)];
-    offered.resize(result.of_second.size());
-    distances.for_rows(begin, end, [&](std::uint32_t i, const float* row) {
-      Nearest& mine = result.of_first[i];
-      for (std::uint32_t k = 0; k < second_size; ++k) mine.offer(k, row[k]);
-      for (std::uint32_t k = 0; k < offered.size(); ++k) offered[k].offer(i, row[k]);
+    Rows offered(columns);
+    distances.for_rows(begin, end, [&](std::uint32_t i, Value* row) {
+      offered.offer(static_cast<typename Distances::Index>(static_cast<int>(i) - begin), row);
+      result.of_first[i] = nearest_of(row, second_size);
     });
+    chunks[static_cast<std::size_t>(begin / grain)] = std::move(offered);
   };
   if (pool != nullptr) {
     pool->for_chunks(0, rows, grain, body);
@@ -112,8 +158,14 @@ Search search(const Distances& distances, std::size_t first_size, std::size_t se
     for (int begin = 0; begin < rows; begin += grain) body(begin, std::min(begin + grain, rows));
   }
   // In the order of the chunks, so that of equal distances the smaller index wins.
-  for (const auto& chunk : offers) {
-    for (std::size_t k = 0; k < chunk.size(); ++k) result.of_second[k].offer(chunk[k].index, chunk[k].distance);
+  std::vector<Value> best(columns, far_off<Value>());
+  for (std::size_t chunk = 0; chunk < chunks.size(); ++chunk) {
+    for (std::size_t k = 0; k < columns; ++k) {
+      if (!(chunks[chunk].distance[k] < best[k])) continue;
+      best[k] = chunks[chunk].distance[k];
+      result.of_second[k] =
+          static_cast<std::uint32_t>(chunk * grain) + static_cast<std::uint32_t>(chunks[chunk].row[k]);
+    }
   }
   return result;
 }
@@ -126,7 +178,7 @@ std::vector<DescriptorMatch> matches(const DescribedKeypoints& first, const Desc
   for (std::uint32_t i = 0; i < first.size(); ++i) {
     const Nearest& nearest = found.of_first[i];
     if (nearest.index == nobody) continue;
-    if (options.mutual && found.of_second[nearest.index].index != i) continue;
+    if (options.mutual && found.of_second[nearest.index] != i) continue;
     const auto distance = static_cast<double>(Distances::distance(nearest.distance));
     if (!(distance <= options.max_distance)) continue;
     const auto runner_up = static_cast<double>(Distances::distance(nearest.runner_up));

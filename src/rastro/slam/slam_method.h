@@ -6,18 +6,18 @@
 
 #include "rastro/base/options.h"
 #include "rastro/base/task_pool.h"
-#include "rastro/sensor/source.h"
 #include "rastro/map/map_archive.h"
+#include "rastro/sensor/source.h"
 #include "rastro/slam/slam.h"
 
 namespace rastro {
 
 /// What a method may use of the run it is part of. Everything outlives the method.
 struct SlamMeans {
-  TaskPool* pool = nullptr;       ///< Null: one thread.
-  MapArchive* archive = nullptr;  ///< Where the growing map is kept safe; null: in memory only.
-  bool pipelined = false;         ///< Mapping may run beside tracking, with the same results.
-  std::size_t max_memory_bytes = 0;             ///< Of the whole program; 0: no ceiling.
+  TaskPool* pool = nullptr;                      ///< Null: one thread.
+  MapArchive* archive = nullptr;                 ///< Where the growing map is kept safe; null: in memory only.
+  bool pipelined = false;                        ///< Mapping may run beside tracking, with the same results.
+  std::size_t max_memory_bytes = 0;              ///< Of the whole program; 0: no ceiling.
   std::shared_ptr<const RgbdMap> map = nullptr;  ///< Only find the way in this map; null: make a new one.
 };
 

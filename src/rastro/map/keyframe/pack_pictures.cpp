@@ -47,7 +47,8 @@ std::vector<std::uint8_t> packed_depth(const DepthImage& depth) {
       to[x] = units > 0.0 && units <= 65535.0 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
     }
   }
-  cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  cv::imencode(".png", picture, bytes,
+               {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_RLE});
   return bytes;
 }
 

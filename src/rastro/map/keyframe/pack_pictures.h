@@ -12,8 +12,8 @@ namespace rastro {
 /// The colour picture (the grey one where there is none) and the depth of a frame, packed. The same bytes for the same
 /// pixels. Depth beyond 13.1 m does not fit 16 bits and is left out.
 PackedPictures pack_pictures(const Frame& frame);
-/// Without packed depth there is none anywhere. Error (naming `where`) for bytes that are not such pictures, or pictures
-/// of two sizes.
+/// Without packed depth there is none anywhere. Error (naming `where`) for bytes that are not such pictures, or
+/// pictures of two sizes.
 UnpackedPictures unpack_pictures(const PackedPictures& pictures, const std::string& where);
 
 /// Pictures in memory. Several threads may ask and add.

@@ -19,9 +19,9 @@ TEST(EkfMethod, NeedsOdometryAndScansOrLandmarks) {
         source.has_scan = scan;
         source.has_landmarks = landmarks;
         if (odometry && (scan || landmarks)) {
-          EXPECT_NE(method->make(source, nullptr), nullptr);
+          EXPECT_NE(method->make(source, {}), nullptr);
         } else {
-          EXPECT_THROW(method->make(source, nullptr), Error);
+          EXPECT_THROW(method->make(source, {}), Error);
         }
       }
     }
@@ -35,7 +35,7 @@ TEST(EkfMethod, MakesWhatItsOptionsSay) {
   table.set("observations", "1", "test");
   SourceInfo source;
   source.has_odometry = source.has_landmarks = true;
-  const auto slam = method->make(source, nullptr);
+  const auto slam = method->make(source, {});
   Frame frame;
   frame.odometry_from_body = SE2();
   frame.landmarks = {{1, 3.0, 0.0}, {2, 3.0, 1.0}};

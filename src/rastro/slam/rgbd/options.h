@@ -16,14 +16,14 @@ struct RgbdSlamOptions {
 
   // Keyframes.
   std::string descriptor = "orb";
-  int keyframe_features = 800;
+  int keyframe_features = 600;
   double keyframe_distance_m = 0.15;
   double keyframe_angle_rad = 0.15;
   int keyframe_frames = 30;
 
   // Which keyframes are compared.
-  int last_candidates = 3;
-  int near_candidates = 4;
+  int last_candidates = 2;
+  int near_candidates = 3;
   int graph_candidates = 2;
   int random_candidates = 2;
   int join_candidates = 3;
