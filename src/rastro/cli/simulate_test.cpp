@@ -9,6 +9,7 @@
 #include "rastro/base/scratch_testing.h"
 #include "rastro/dataset/open.h"
 #include "rastro/evaluate/length_objects.h"
+#include "rastro/export/ply.h"
 #include "rastro/synthetic/worlds/corridor.h"
 #include "rastro/synthetic/worlds/hall.h"
 #include "rastro/synthetic/worlds/rooms.h"
@@ -194,7 +195,12 @@ TEST(WriteTum, a_room_is_read_back_in_colour_with_depth_at_times_of_its_own) {
     const int pixels = shot.depth.width() * shot.depth.height();
     EXPECT_TRUE(frame == 3 ? measured == 0 : measured > pixels * 7 / 10) << frame << ' ' << measured;
   }
-  EXPECT_GT(fs::file_size(folder / "truth.ply"), 100'000U);
+  const TriangleMesh truth = read_mesh_ply((folder / "truth.ply").string());
+  EXPECT_GT(truth.triangles.size(), 1000U);
+  for (const MeshVertex& vertex : truth.vertices) {
+    const Eigen::Vector3d place = world.world_from_camera(0) * vertex.position.cast<double>();
+    ASSERT_TRUE(world.scene().touches(place, 1e-3)) << place.transpose();
+  }
   EXPECT_TRUE(fs::exists(folder / "objects.yaml"));
 }
 

@@ -62,7 +62,8 @@ class Mesh {
   void add_face(const Primitive& solid, int face, const Rgb& colour) {
     const bool round = solid.shape == Shape::cylinder || solid.shape == Shape::sphere;
     const int columns = round ? 48 : 1, rows = solid.shape == Shape::sphere ? 24 : 1;
-    const auto place = [&](int column, int row) {
+    // Says its type: an Eigen expression would outlive what it refers to.
+    const auto place = [&](int column, int row) -> Vector3d {
       return solid.centre + solid.world_from_local * local_place(solid, face, static_cast<double>(column) / columns,
                                                                  static_cast<double>(row) / rows);
     };
