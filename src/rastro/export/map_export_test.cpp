@@ -129,7 +129,8 @@ TEST(G2o, HasPosesMeasurementsAndTheInformationOfHalfTurns) {
   EXPECT_THAT(text, HasSubstr("FIX 0\n"));
   EXPECT_THAT(text, HasSubstr("# switched off: EDGE_SE3:QUAT 1 2 "));
   const std::string edge = text.substr(text.find("EDGE_SE3:QUAT 0 1"));
-  const auto words = split_words(edge.substr(0, edge.find('\n')));
+  const std::string line = edge.substr(0, edge.find('\n'));
+  const auto words = split_words(line);
   ASSERT_EQ(words.size(), 3U + 7U + 21U);
   const auto number = [&](std::size_t k) { return parse_double(words[k]).value_or(-1.0); };
   const SE3& measured = map.edges[0].from_from_to;

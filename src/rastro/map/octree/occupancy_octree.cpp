@@ -73,6 +73,9 @@ OccupancyOctree::~OccupancyOctree() = default;
 double OccupancyOctree::resolution_m() const { return tree_->octomap->getResolution(); }
 
 std::optional<double> OccupancyOctree::occupancy_at(const Eigen::Vector3d& place) const {
+  // OctoMap turns any coordinate into an int before it looks whether it fits.
+  const double reach = tree_->octomap->getResolution() * 32768.0;
+  if (!(place.cwiseAbs().maxCoeff() < reach)) return std::nullopt;
   octomap::OcTreeKey key;
   if (!tree_->octomap->coordToKeyChecked(place.x(), place.y(), place.z(), key)) return std::nullopt;
   const octomap::OcTreeNode* node = tree_->octomap->search(key);
