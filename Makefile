@@ -7,7 +7,7 @@ RASTRO := $(BUILD)/rastro
 JOBS ?= $(shell nproc)
 DEMO := results/demo
 
-.PHONY: help build demo test bench format check-layers pages deps configure
+.PHONY: help build demo test sanitize bench format check-layers pages deps configure
 
 build: configure  ## compile everything into build/release (PRESET=dev, asan, ... for another preset)
 	cmake --build $(BUILD) --parallel $(JOBS)
@@ -27,6 +27,12 @@ demo: configure  ## generate the world `hall`, track it, score it; pictures, vid
 
 test: build  ## build and run every test
 	ctest --preset $(PRESET) --parallel $(JOBS)
+
+sanitize: deps  ## build and run every test under AddressSanitizer and UndefinedBehaviorSanitizer (half an hour)
+	@cmake --preset asan
+	cmake --build build/asan --parallel $(JOBS)
+	ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1 UBSAN_OPTIONS=print_stacktrace=1 \
+	  ctest --preset asan --parallel $(JOBS) --label-exclude release_only
 
 bench: build  ## micro-benchmarks; the table of docs/benchmarks.md names the command of each figure
 	@for program in $(BUILD)/rastro_*_bench; do echo "== $$program"; $$program || exit 1; done

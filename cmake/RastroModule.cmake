@@ -141,6 +141,20 @@ function(rastro_add_module_tests)
   endforeach()
 endfunction()
 
+# Precompiled headers once more for programs, which are compiled as such; the first one does it for all.
+function(rastro_precompile_program target)
+  if(NOT RASTRO_PRECOMPILED_HEADERS)
+    return()
+  endif()
+  get_property(owner GLOBAL PROPERTY RASTRO_PRECOMPILED_PROGRAM)
+  if(owner)
+    target_precompile_headers(${target} REUSE_FROM ${owner})
+  else()
+    target_precompile_headers(${target} PRIVATE ${rastro_precompiled_headers} <Eigen/Dense> <gmock/gmock.h> <gtest/gtest.h>)
+    set_property(GLOBAL PROPERTY RASTRO_PRECOMPILED_PROGRAM ${target})
+  endif()
+endfunction()
+
 # rastro_add_test(TARGET MODULES m... SOURCES f... [LIBRARIES l...] [ONE_PROCESS filter]): a GoogleTest program registered
 # with ctest, one entry per test but for those of the filter, which are one together; with OpenCV at hand as an oracle. Recorded data is found through RASTRO_DATA of the environment ctest runs in.
 function(rastro_add_test target)
@@ -150,15 +164,7 @@ function(rastro_add_test target)
   target_link_libraries(${target} PRIVATE ${arg_MODULES} ${arg_LIBRARIES} GTest::gmock GTest::gtest_main
     opencv_core opencv_imgproc opencv_imgcodecs opencv_video opencv_calib3d rastro_build_flags)
   target_include_directories(${target} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
-  if(RASTRO_PRECOMPILED_HEADERS)  # once more for programs, which are compiled as such; the first test does it for all
-    get_property(owner GLOBAL PROPERTY RASTRO_PRECOMPILED_TEST)
-    if(owner)
-      target_precompile_headers(${target} REUSE_FROM ${owner})
-    else()
-      target_precompile_headers(${target} PRIVATE ${rastro_precompiled_headers} <Eigen/Dense> <gmock/gmock.h> <gtest/gtest.h>)
-      set_property(GLOBAL PROPERTY RASTRO_PRECOMPILED_TEST ${target})
-    endif()
-  endif()
+  rastro_precompile_program(${target})
   set(filter)
   if(arg_ONE_PROCESS)
     add_test(NAME ${arg_ONE_PROCESS} COMMAND ${target} --gtest_filter=${arg_ONE_PROCESS})
