@@ -8,6 +8,7 @@
 
 #include "rastro/map/grid/occupancy_grid.h"
 #include "rastro/map/keyframe/rgbd_map.h"
+#include "rastro/map/landmark/landmark_map.h"
 #include "rastro/sensor/trajectory.h"
 
 namespace rastro {
@@ -33,6 +34,7 @@ struct Snapshot {
   std::shared_ptr<const OccupancyGrid> grid;
   std::vector<PlanarLandmark> landmarks;
   std::shared_ptr<const RgbdMap> rgbd;
+  std::shared_ptr<const LandmarkMap> landmark_map;
   Trajectory keyframes;  ///< world_from_body
   std::vector<GraphEdge> edges;
 };

@@ -19,6 +19,8 @@ struct SlamMeans {
   bool pipelined = false;                        ///< Mapping may run beside tracking, with the same results.
   std::size_t max_memory_bytes = 0;              ///< Of the whole program; 0: no ceiling.
   std::shared_ptr<const RgbdMap> map = nullptr;  ///< Only find the way in this map; null: make a new one.
+  std::shared_ptr<const LandmarkMap> landmark_map = nullptr;  ///< The same for methods with landmarks...
+  bool extend_map = false;                                    ///< ... or go on with it.
 };
 
 /// One entry of the generated list of methods: its name, its settings and how to make it.

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/feature/descriptor_extractor.h"
+#include "rastro/image/image.h"
+
+namespace rastro {
+
+struct OrbOptions {
+  int features = 1000;           ///< At most, over all levels.
+  int levels = 8;                ///< Of the image pyramid.
+  double scale_factor = 1.2;     ///< From one level to the next.
+  int fast_threshold = 20;       ///< Grey levels of the corner test...
+  int least_fast_threshold = 7;  ///< ... and where a cell has no corner by that.
+  bool operator==(const OrbOptions&) const = default;
+};
+
+/// Features with what is needed to compare them and to say how sure they are: strongest levels first is not promised,
+/// but the order depends on nothing but image and options.
+struct OrbFeatures {
+  std::vector<Keypoint> keypoints;   ///< Pixels of the full image; size_px is that of the patch described.
+  std::vector<std::uint8_t> levels;  ///< Of the pyramid, one a keypoint.
+  std::vector<Descriptor> descriptors;
+
+  std::size_t size() const { return keypoints.size(); }
+};
+
+/// Side of a pixel of a level in pixels of the image: scale_factor^level.
+std::vector<double> orb_level_scales(const OrbOptions& options);
+
+/// Oriented FAST and rotated BRIEF (Rublee et al. 2011) on an image pyramid, spread evenly over the picture (Mur-Artal
+/// et al. 2015, section IV). Keeps its buffers between calls; not to be used by two threads at once.
+class OrbExtractor {
+ public:
+  /// Error for options out of range.
+  explicit OrbExtractor(const OrbOptions& options);
+  ~OrbExtractor();
+  /// Nothing where `mask` (empty or of the image's size) is zero. An image too small for a level has none there. The
+  /// result depends neither on the pool nor on the processor.
+  OrbFeatures extract(GreyView image, GreyView mask = {}, TaskPool* pool = nullptr);
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rastro
