@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "rastro/math/se3.h"
+
+namespace rastro {
+
+/// A known point and where the camera sees it, normalised (x/z, y/z).
+struct PoseObservation {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< In the world.
+  Eigen::Vector2d ray = Eigen::Vector2d::Zero();    ///< Undistorted.
+  /// x in the right camera, (x - baseline) / z; not a number: unknown.
+  double right_x = std::numeric_limits<double>::quiet_NaN();
+  double sigma = 1.0 / 500.0;  ///< Standard deviation of each number above.
+};
+
+struct PoseRefinementOptions {
+  double baseline = 0.0;       ///< Between left and right camera, in the unit of the points.
+  int rounds = 4;              ///< After each, outliers are found anew; the last two are plain least squares.
+  int iterations = 10;         ///< Of a round, at most.
+  double chi2_mono = 5.991;    ///< Squared sigmas beyond which an observation is an outlier...
+  double chi2_stereo = 7.815;  ///< ... and where right_x is known.
+};
+
+struct PoseRefinement {
+  SE3 camera_from_world;
+  /// Of d in truth = exp(d) * camera_from_world, (translation, rotation) in the camera frame, from the sigmas given and
+  /// the inliers. Zero where the pose is open.
+  Matrix6d covariance = Matrix6d::Zero();
+  std::vector<std::uint8_t> is_inlier;  ///< One an observation.
+  int inliers = 0;                      ///< 0: nothing held the pose, which is the one it started from.
+  double mean_squared = 0.0;            ///< Of the inliers' errors, squared sigmas.
+};
+
+/// The pose that fits the observations best: Gauss-Newton with damping where needed and Huber's kernel, in rounds
+/// between which outliers are left out or taken back. `camera_from_world` is where it starts. The same input gives the
+/// same bytes.
+PoseRefinement refine_pose(const SE3& camera_from_world, std::span<const PoseObservation> observations,
+                           const PoseRefinementOptions& options);
+
+}  // namespace rastro
