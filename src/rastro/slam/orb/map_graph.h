@@ -130,7 +130,6 @@ class MapGraph {
     double unit = 1.0;         ///< The keyframe's own then.
   };
   void count(std::int64_t a, std::int64_t b, int change);
-  void forget_observation(MapKeyframe& keyframe, MapLandmark& landmark, std::size_t index);
 
   Camera camera_;
   LandmarkSensor sensor_;
