@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/optimize/bundle_normal.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <optional>
+
+namespace rastro {
+namespace {
+
+/// Chunks of points whose sums are kept apart, so that the order of adding is the same for any pool.
+constexpr int most_chunks = 16, least_grain = 128;
+
+int grain_of(int points) { return std::max(least_grain, (points + most_chunks - 1) / most_chunks); }
+
+/// Up to so many free cameras the matrix is small and full enough for a dense factorisation.
+constexpr int most_dense = 60;
+
+}  // namespace
+
+/// The cameras' matrix: the blocks of its lower half that are not zero, row by row.
+class BundleNormal::Reduced {
+ public:
+  /// `columns[row]`: ascending, the last is the row itself.
+  explicit Reduced(std::vector<std::vector<int>> columns) : columns_(std::move(columns)) {
+    begin_.push_back(0);
+    for (const auto& row : columns_) begin_.push_back(begin_.back() + row.size());
+    blocks_.resize(begin_.back());
+    right_.setZero(6 * size());
+    if (size() > most_dense) lay_out();
+  }
+
+  int size() const { return static_cast<int>(columns_.size()); }
+  const std::vector<int>& columns(int row) const { return columns_[static_cast<std::size_t>(row)]; }
+  Matrix6d* blocks(int row) { return blocks_.data() + begin_[static_cast<std::size_t>(row)]; }
+  auto right(int row) { return right_.segment<6>(6 * row); }
+
+  bool solve(Eigen::VectorXd& result) {
+    if (size() == 0) {
+      result.resize(0);
+      return true;
+    }
+    return (size() <= most_dense ? solve_dense(result) : solve_sparse(result)) && result.allFinite();
+  }
+
+ private:
+  bool solve_dense(Eigen::VectorXd& result) {
+    dense_.setZero(6 * size(), 6 * size());
+    for (int row = 0; row < size(); ++row) {
+      const Matrix6d* block = blocks(row);
+      for (const int column : columns(row)) dense_.block<6, 6>(6 * row, 6 * column) = *block++;
+    }
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Lower> solver(dense_);
+    if (solver.info() != Eigen::Success) return false;
+    result = solver.solve(right_);
+    return true;
+  }
+
+  /// The sparse matrix, column by column, diagonal blocks in full.
+  void lay_out() {
+    std::vector<int> count(columns_.size(), 0);
+    for (const auto& row : columns_) {
+      for (const int column : row) place_.push_back(count[static_cast<std::size_t>(column)]++);
+    }
+    sparse_.resize(6 * size(), 6 * size());
+    sparse_.resizeNonZeros(static_cast<Eigen::Index>(36 * begin_.back()));
+    int* outer = sparse_.outerIndexPtr();
+    for (int column = 0, at = 0; column < size(); ++column) {
+      column_begin_.push_back(at);
+      for (int k = 0; k < 6; ++k, at += 6 * count[static_cast<std::size_t>(column)]) outer[6 * column + k] = at;
+    }
+    outer[6 * size()] = static_cast<int>(36 * begin_.back());
+    height_ = std::move(count);
+    for (int row = 0; row < size(); ++row) {
+      for (std::size_t k = begin_[static_cast<std::size_t>(row)]; k < begin_[static_cast<std::size_t>(row) + 1]; ++k) {
+        for (int j = 0; j < 6; ++j) {
+          int* inner = sparse_.innerIndexPtr() + offset_of(k, column_of(row, k), j);
+          for (int i = 0; i < 6; ++i) inner[i] = 6 * row + i;
+        }
+      }
+    }
+    solver_.emplace();
+    solver_->analyzePattern(sparse_);
+  }
+
+  int column_of(int row, std::size_t k) const { return columns(row)[k - begin_[static_cast<std::size_t>(row)]]; }
+  std::ptrdiff_t offset_of(std::size_t k, int column, int j) const {
+    const auto at = static_cast<std::size_t>(column);
+    return column_begin_[at] + 6 * (static_cast<std::ptrdiff_t>(j) * height_[at] + place_[k]);
+  }
+
+  bool solve_sparse(Eigen::VectorXd& result) {
+    for (int row = 0; row < size(); ++row) {
+      for (std::size_t k = begin_[static_cast<std::size_t>(row)]; k < begin_[static_cast<std::size_t>(row) + 1]; ++k) {
+        for (int j = 0; j < 6; ++j)
+          Eigen::Map<Vector6d>(sparse_.valuePtr() + offset_of(k, column_of(row, k), j)) = blocks_[k].col(j);
+      }
+    }
+    solver_->factorize(sparse_);
+    if (solver_->info() != Eigen::Success) return false;
+    result = solver_->solve(right_);
+    return true;
+  }
+
+  std::vector<std::vector<int>> columns_;
+  std::vector<std::size_t> begin_;
+  std::vector<Matrix6d> blocks_;
+  Eigen::VectorXd right_;
+  Eigen::MatrixXd dense_;
+  Eigen::SparseMatrix<double> sparse_;
+  std::optional<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>> solver_;
+  std::vector<int> place_;         ///< By block: which of its column.
+  std::vector<int> column_begin_;  ///< In the values.
+  std::vector<int> height_;        ///< Blocks of a column.
+};
+
+BundleNormal::BundleNormal(const Bundle& bundle, const BundleOptions& options, TaskPool* pool)
+    : options_(options), pool_(pool), places_(bundle.fixed.size(), -1), points_(bundle.points.size()) {
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (bundle.fixed[i] == 0) places_[i] = free_++;
+  }
+  sort(bundle);
+  find_rows();
+}
+
+BundleNormal::~BundleNormal() = default;
+
+void BundleNormal::sort(const Bundle& bundle) {
+  const auto& seen = bundle.observations;
+  point_begin_.assign(bundle.points.size() + 1, 0);
+  for (const BundleObservation& one : seen) ++point_begin_[one.point + 1];
+  for (std::size_t i = 1; i < point_begin_.size(); ++i) point_begin_[i] += point_begin_[i - 1];
+  std::vector<std::size_t> next(point_begin_.begin(), point_begin_.end() - 1);
+  order_.resize(seen.size());
+  point_of_.resize(seen.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const std::size_t at = next[seen[i].point]++;
+    order_[at] = static_cast<std::uint32_t>(i);
+    point_of_[at] = seen[i].point;
+  }
+  links_.resize(seen.size());
+  link_place_.resize(seen.size());
+  for (std::size_t k = 0; k < order_.size(); ++k) link_place_[k] = places_[seen[order_[k]].camera];
+}
+
+void BundleNormal::find_rows() {
+  row_begin_.assign(static_cast<std::size_t>(free_) + 1, 0);
+  for (const int place : link_place_) {
+    if (place >= 0) ++row_begin_[static_cast<std::size_t>(place) + 1];
+  }
+  for (std::size_t i = 1; i < row_begin_.size(); ++i) row_begin_[i] += row_begin_[i - 1];
+  row_link_.resize(row_begin_.back());
+  std::vector<std::size_t> next(row_begin_.begin(), row_begin_.end() - 1);
+  for (std::size_t k = 0; k < link_place_.size(); ++k) {
+    if (link_place_[k] >= 0)
+      row_link_[next[static_cast<std::size_t>(link_place_[k])]++] = static_cast<std::uint32_t>(k);
+  }
+  std::vector<std::vector<int>> columns(static_cast<std::size_t>(free_));
+  std::vector<int> last_row(static_cast<std::size_t>(free_), -1);
+  for (int row = 0; row < free_; ++row) {
+    auto& mine = columns[static_cast<std::size_t>(row)];
+    const auto add = [&](int place) {
+      if (place < 0 || place > row || last_row[static_cast<std::size_t>(place)] == row) return;
+      last_row[static_cast<std::size_t>(place)] = row;
+      mine.push_back(place);
+    };
+    add(row);
+    for (std::size_t r = row_begin_[static_cast<std::size_t>(row)]; r < row_begin_[static_cast<std::size_t>(row) + 1];
+         ++r) {
+      const std::uint32_t point = point_of_[row_link_[r]];
+      for (std::size_t k = point_begin_[point]; k < point_begin_[point + 1]; ++k) add(link_place_[k]);
+    }
+    std::sort(mine.begin(), mine.end());
+  }
+  reduced_ = std::make_unique<Reduced>(std::move(columns));
+}
+
+template <int Rows>
+void BundleNormal::add_observation(const Bundle& bundle, std::size_t k, Eigen::Matrix3d& normal, Eigen::Vector3d& right,
+                                   CameraSums& sums) {
+  const BundleObservation& seen = bundle.observations[order_[k]];
+  const CameraMatrix& camera = cameras_[seen.camera];
+  link_place_[k] = -1;
+  const Eigen::Vector3d p = camera.rotation * bundle.points[seen.point] + camera.translation;
+  if (!(p.z() > least_bundle_depth)) return;
+  const double inverse = 1.0 / p.z(), unit = 1.0 / seen.sigma, x = p.x() * inverse, y = p.y() * inverse;
+  Eigen::Matrix<double, Rows, 3> by_place;
+  Eigen::Matrix<double, Rows, 1> error;
+  const double along = unit * inverse;
+  by_place.row(0) << along, 0.0, -x * along;
+  by_place.row(1) << 0.0, along, -y * along;
+  error[0] = unit * (x - seen.ray.x());
+  error[1] = unit * (y - seen.ray.y());
+  if constexpr (Rows == 3) {
+    const double right_x = x - bundle.baseline * inverse;
+    by_place.row(2) << along, 0.0, -right_x * along;
+    error[2] = unit * (right_x - seen.right_x);
+  }
+  const double weight = bundle_kernel(seen, options_).weight(error.squaredNorm());
+  const Eigen::Matrix<double, Rows, 3> by_point = by_place * camera.rotation;
+  const Eigen::Matrix<double, 3, Rows> weighted_point = weight * by_point.transpose();
+  normal.noalias() += weighted_point * by_point;
+  right.noalias() -= weighted_point * error;
+  const int place = places_[seen.camera];
+  if (place < 0) return;
+  Eigen::Matrix<double, Rows, 6> by_camera;
+  by_camera.template leftCols<3>() = by_place;
+  for (int row = 0; row < Rows; ++row)
+    by_camera.template block<1, 3>(row, 3) = p.cross(by_place.row(row).transpose()).transpose();
+  const Eigen::Matrix<double, 6, Rows> weighted = weight * by_camera.transpose();
+  sums.blocks[static_cast<std::size_t>(place)].noalias() += weighted * by_camera;
+  sums.right[static_cast<std::size_t>(place)].noalias() -= weighted * error;
+  links_[k].noalias() = weighted * by_point;
+  link_place_[k] = place;
+}
+
+void BundleNormal::add_points(const Bundle& bundle, int begin, int end, double damping, CameraSums& sums) {
+  sums.blocks.assign(static_cast<std::size_t>(free_), Matrix6d::Zero());
+  sums.right.assign(static_cast<std::size_t>(free_), Vector6d::Zero());
+  for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Point& point = points_[i];
+    point.right.setZero();
+    for (std::size_t k = point_begin_[i]; k < point_begin_[i + 1]; ++k) {
+      const bool stereo = !std::isnan(bundle.observations[order_[k]].right_x);
+      if (stereo) {
+        add_observation<3>(bundle, k, normal, point.right, sums);
+      } else {
+        add_observation<2>(bundle, k, normal, point.right, sums);
+      }
+    }
+    // Where the views leave its depth open, a point stays: its place would be rounding.
+    const double size = normal.trace() / 3.0;
+    const bool held = normal.determinant() > 1e-14 * size * size * size;
+    normal.diagonal() *= 1.0 + damping;
+    point.inverse = held ? normal.inverse().eval() : Eigen::Matrix3d::Zero().eval();
+  }
+}
+
+void BundleNormal::reduce_row(int row, double damping) {
+  const auto& columns = reduced_->columns(row);
+  Matrix6d* blocks = reduced_->blocks(row);
+  std::vector<int> slot(static_cast<std::size_t>(row) + 1, -1);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    slot[static_cast<std::size_t>(columns[i])] = static_cast<int>(i);
+    blocks[i].setZero();
+  }
+  Vector6d right = Vector6d::Zero();
+  Matrix6d& own = blocks[columns.size() - 1];
+  for (const CameraSums& sums : sums_) {
+    own += sums.blocks[static_cast<std::size_t>(row)];
+    right += sums.right[static_cast<std::size_t>(row)];
+  }
+  own.diagonal() *= 1.0 + damping;
+  own.diagonal().array() += 1e-12 * own.trace() + 1e-30;
+  for (std::size_t r = row_begin_[static_cast<std::size_t>(row)]; r < row_begin_[static_cast<std::size_t>(row) + 1];
+       ++r) {
+    const std::uint32_t k = row_link_[r], i = point_of_[k];
+    if (link_place_[k] < 0) continue;
+    const Matrix63 scaled = links_[k] * points_[i].inverse;
+    right.noalias() -= scaled * points_[i].right;
+    for (std::size_t other = point_begin_[i]; other < point_begin_[i + 1]; ++other) {
+      const int place = link_place_[other];
+      if (place < 0 || place > row) continue;
+      blocks[slot[static_cast<std::size_t>(place)]].noalias() -= scaled * links_[other].transpose();
+    }
+  }
+  reduced_->right(row) = right;
+}
+
+bool BundleNormal::solve(const Bundle& bundle, double damping, BundleStep& step) {
+  cameras_.clear();
+  for (const SE3& pose : bundle.camera_from_world) cameras_.push_back({pose.rotation().matrix(), pose.translation()});
+  const int count = static_cast<int>(points_.size()), grain = grain_of(count);
+  sums_.resize(static_cast<std::size_t>((count + grain - 1) / grain));
+  const auto over = [&](int end, int chunk, const std::function<void(int, int)>& body) {
+    if (pool_ != nullptr) return pool_->for_chunks(0, end, chunk, body);
+    for (int begin = 0; begin < end; begin += chunk) body(begin, std::min(end, begin + chunk));
+  };
+  over(count, grain, [&](int begin, int end) {
+    add_points(bundle, begin, end, damping, sums_[static_cast<std::size_t>(begin / grain)]);
+  });
+  over(free_, 2, [&](int begin, int end) {
+    for (int row = begin; row < end; ++row) reduce_row(row, damping);
+  });
+  if (!reduced_->solve(step.cameras)) return false;
+  step.points.resize(points_.size());
+  in_chunks(pool_, count, [&](int begin, int end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      Eigen::Vector3d right = points_[i].right;
+      for (std::size_t k = point_begin_[i]; k < point_begin_[i + 1]; ++k) {
+        if (link_place_[k] >= 0) right.noalias() -= links_[k].transpose() * step.cameras.segment<6>(6 * link_place_[k]);
+      }
+      step.points[i] = points_[i].inverse * right;
+    }
+  });
+  return true;
+}
+
+}  // namespace rastro

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/math/robust_kernel.h"
+#include "rastro/optimize/bundle_adjustment.h"
+
+/// Inner parts of adjust_bundle().
+namespace rastro {
+
+/// Nearer a point counts as behind the camera.
+constexpr double least_bundle_depth = 1e-9;
+
+/// Chunks that depend on the count alone.
+inline void in_chunks(TaskPool* pool, int count, const std::function<void(int, int)>& body) {
+  constexpr int grain = 2048;
+  if (pool != nullptr && count > grain) return pool->for_chunks(0, count, grain, body);
+  body(0, count);
+}
+
+inline HuberKernel bundle_kernel(const BundleObservation& seen, const BundleOptions& options) {
+  const double width = std::isnan(seen.right_x) ? options.huber_mono : options.huber_stereo;
+  return {width > 0.0 ? width : std::numeric_limits<double>::infinity()};
+}
+
+struct BundleStep {
+  Eigen::VectorXd cameras;              ///< (translation, rotation) of each free camera, from the left.
+  std::vector<Eigen::Vector3d> points;  ///< One a point.
+};
+
+/// The normal equations of a bundle with the points eliminated. Keeps its structure and memory from step to step.
+class BundleNormal {
+ public:
+  BundleNormal(const Bundle& bundle, const BundleOptions& options, TaskPool* pool);
+  ~BundleNormal();
+  /// Place of a camera among the free ones; < 0: fixed.
+  int place_of(std::size_t camera) const { return places_[camera]; }
+  /// At the bundle's cameras and points; `damping`: share of the diagonal that is added to it. False when it has no
+  /// solution.
+  bool solve(const Bundle& bundle, double damping, BundleStep& step);
+
+ private:
+  using Matrix63 = Eigen::Matrix<double, 6, 3>;
+  /// Rotation and translation: cheaper for many points than the quaternion.
+  struct CameraMatrix {
+    Eigen::Matrix3d rotation;
+    Eigen::Vector3d translation;
+  };
+  struct Point {
+    Eigen::Matrix3d inverse;
+    Eigen::Vector3d right;
+  };
+  /// Diagonal blocks and right sides of the cameras, of one chunk of points.
+  struct CameraSums {
+    std::vector<Matrix6d> blocks;
+    std::vector<Vector6d> right;
+  };
+  class Reduced;
+
+  void sort(const Bundle& bundle);
+  void find_rows();
+  void add_points(const Bundle& bundle, int begin, int end, double damping, CameraSums& sums);
+  template <int Rows>
+  void add_observation(const Bundle& bundle, std::size_t k, Eigen::Matrix3d& normal, Eigen::Vector3d& right,
+                       CameraSums& sums);
+  void reduce_row(int row, double damping);
+
+  const BundleOptions& options_;
+  TaskPool* pool_;
+  std::vector<int> places_;
+  int free_ = 0;
+  std::vector<std::uint32_t> order_;      ///< Observations by point.
+  std::vector<std::size_t> point_begin_;  ///< In order_; one more than there are points.
+  std::vector<int> link_place_;           ///< By place in order_: of its camera; -1: fixed or of no use now.
+  std::vector<Matrix63> links_;           ///< By place in order_.
+  std::vector<std::uint32_t> row_link_;   ///< Places in order_, by free camera.
+  std::vector<std::size_t> row_begin_;    ///< In row_link_.
+  std::vector<std::uint32_t> point_of_;   ///< By place in order_.
+  std::vector<CameraMatrix> cameras_;
+  std::vector<Point> points_;
+  std::vector<CameraSums> sums_;  ///< One a chunk of points.
+  std::unique_ptr<Reduced> reduced_;
+};
+
+}  // namespace rastro
