@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rastro/map/keyframe/rgbd_map.h"
+#include "rastro/map/landmark/landmark_map.h"
 
 namespace rastro {
 
@@ -23,6 +24,13 @@ class MapArchive {
   virtual void add_pose(const StampedPose& world_from_camera) = 0;
   /// The pictures added so far.
   virtual std::shared_ptr<const PictureStore> pictures() const = 0;
+
+  /// For maps of landmarks, instead of all of the above: takes the map as it stands, to be written in the background.
+  /// Never waits. Each replaces the one before; about one a second is written.
+  virtual void keep(std::shared_ptr<const LandmarkMap> map) = 0;
+  /// Whether a map given to keep() now would be written soon; where not, it need not be put together. Only how safe a
+  /// run is may depend on it, never a result.
+  virtual bool wants_map() const = 0;
 };
 
 }  // namespace rastro

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 
@@ -21,6 +22,9 @@ struct SlamMeans {
   std::shared_ptr<const RgbdMap> map = nullptr;  ///< Only find the way in this map; null: make a new one.
   std::shared_ptr<const LandmarkMap> landmark_map = nullptr;  ///< The same for methods with landmarks...
   bool extend_map = false;                                    ///< ... or go on with it.
+  /// Set from outside (Ctrl-C) when the run is to end within two seconds: process() and finish() leave away what can be
+  /// left away. Null: never.
+  const std::atomic<bool>* stop = nullptr;
 };
 
 /// One entry of the generated list of methods: its name, its settings and how to make it.
@@ -32,11 +36,14 @@ class SlamMethod {
   virtual std::string needs() const = 0;    ///< "2D laser scans; odometry where there is any".
   /// Points into this object, which must outlive the table.
   virtual OptionTable options() = 0;
-  /// Whether pictures are wanted in colour, and with depth, where the source has them.
+  /// Whether pictures are wanted in colour, with depth, and with the right one of a pair, where the source has them.
+  /// Asked with the settings in force.
   virtual bool wants_colour() const { return false; }
   virtual bool wants_depth() const { return false; }
-  /// Whether the method can find its way in a map made before (SlamMeans::map).
+  virtual bool wants_right() const { return false; }
+  /// Whether the method can find its way in a map made before (SlamMeans::map or landmark_map), and go on with one.
   virtual bool can_localize() const { return false; }
+  virtual bool can_extend() const { return false; }
   /// With the settings in force. Error where the source lacks what the method needs.
   virtual std::unique_ptr<Slam> make(const SourceInfo& source, const SlamMeans& means) const = 0;
 };

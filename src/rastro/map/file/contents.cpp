@@ -8,7 +8,7 @@ namespace rastro {
 
 std::string contents_body(const Database& database) {
   ByteWriter bytes;
-  for (const MapTable table : map_tables) {
+  for (const MapTable table : tables_of(database.kind())) {
     if (table == MapTable::contents) continue;
     Sha256 hash;
     std::int64_t rows = 0;
@@ -22,6 +22,13 @@ std::string contents_body(const Database& database) {
     bytes.put_text(hash.finish());
   }
   return bytes.take();
+}
+
+bool is_finished(const Database& database) {
+  const auto contents = row_of(database, MapTable::contents, contents_row);
+  if (contents && *contents != contents_body(database))
+    refuse_damaged(database.file(), "does not hold what its table of contents says");
+  return contents.has_value();
 }
 
 }  // namespace rastro

@@ -13,4 +13,8 @@ constexpr std::int64_t contents_row = 0, second_head_row = 1;
 /// How many rows each table has and what their checksums come to.
 std::string contents_body(const Database& database);
 
+/// Whether the run that made the file came to its end. Error where the file does not hold what its table of contents
+/// says.
+bool is_finished(const Database& database);
+
 }  // namespace rastro

@@ -81,18 +81,21 @@ Database Database::open(const std::filesystem::path& file) {
   return database;
 }
 
-Database Database::create(const std::filesystem::path& file) {
+std::uint32_t version_of(MapKind kind) { return kind == MapKind::rgbd ? 1 : 2; }
+
+Database Database::create(const std::filesystem::path& file, MapKind kind) {
   for (const char* ending : {"", "-wal", "-shm"}) {
     std::error_code code;
     std::filesystem::remove(file.string() + ending, code);
   }
   Database database(file);
+  database.kind_ = kind;
   database.connect(uri_of(file.string(), false), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_URI);
   // Freed space is zeroed, so that the bytes of a file depend on what it holds alone.
   database.run(
       "PRAGMA page_size=4096; PRAGMA secure_delete=ON; PRAGMA journal_mode=MEMORY; PRAGMA synchronous=OFF; BEGIN");
-  database.run(fmt::format("PRAGMA application_id={}; PRAGMA user_version={}", map_file_id, map_file_version).c_str());
-  for (const MapTable table : map_tables) database.run(create_statement(table).c_str());
+  database.run(fmt::format("PRAGMA application_id={}; PRAGMA user_version={}", map_file_id, version_of(kind)).c_str());
+  for (const MapTable table : tables_of(kind)) database.run(create_statement(table).c_str());
   database.run("COMMIT");
   return database;
 }
@@ -101,6 +104,7 @@ Database::Database(Database&& other) noexcept { *this = std::move(other); }
 
 Database& Database::operator=(Database&& other) noexcept {
   std::swap(file_, other.file_);
+  std::swap(kind_, other.kind_);
   std::swap(connection_, other.connection_);
   std::swap(put_, other.put_);
   return *this;
@@ -129,18 +133,28 @@ void Database::harden() {
 }
 
 void Database::check_tables() {
+  for (const MapKind kind : {MapKind::rgbd, MapKind::landmarks}) {
+    if (!has_tables_of(kind)) continue;
+    kind_ = kind;
+    return;
+  }
+  refuse_damaged(file_);
+}
+
+bool Database::has_tables_of(MapKind kind) {
+  const auto tables = tables_of(kind);
   sqlite3_stmt* statement = nullptr;
   int code = sqlite3_prepare_v2(connection_, "SELECT sql FROM sqlite_master ORDER BY rowid", -1, &statement, nullptr);
   std::size_t number = 0;
   bool sound = code == SQLITE_OK;
   while (sound && (code = sqlite3_step(statement)) == SQLITE_ROW) {
     const auto* sql = reinterpret_cast<const char*>(sqlite3_column_text(statement, 0));
-    sound = sql && number < map_tables.size() && create_statement(map_tables[number]) == sql;
+    sound = sql && number < tables.size() && create_statement(tables[number]) == sql;
     ++number;
   }
   sqlite3_finalize(statement);
   if (code == SQLITE_BUSY || code == SQLITE_CANTOPEN) fail(code);
-  if (!sound || code != SQLITE_DONE || number != map_tables.size()) refuse_damaged(file_);
+  return sound && code == SQLITE_DONE && number == tables.size();
 }
 
 void Database::run(const char* sql) {
@@ -162,6 +176,10 @@ void Database::put(MapTable table, std::int64_t id, std::string_view body) {
   sqlite3_reset(statement);
   sqlite3_clear_bindings(statement);
   if (code != SQLITE_DONE) fail(code);
+}
+
+void Database::remove(MapTable table, std::int64_t id) {
+  run(fmt::format("DELETE FROM {} WHERE id={}", name_of(table), id).c_str());
 }
 
 void Database::clear(MapTable table) { run(fmt::format("DELETE FROM {}", name_of(table)).c_str()); }
@@ -219,5 +237,11 @@ std::string_view RowReader::body() const {
 }
 
 std::string RowReader::where() const { return fmt::format("{}: row {} of {}", database_.file(), id_, name_of(table_)); }
+
+std::optional<std::string> row_of(const Database& database, MapTable table, std::int64_t id) {
+  RowReader rows(database, table, id);
+  if (!rows.next() || rows.id() != id) return std::nullopt;
+  return std::string(rows.body());
+}
 
 }  // namespace rastro

@@ -15,9 +15,12 @@ struct sqlite3_stmt;
 
 namespace rastro {
 
-/// The four bytes "RSTR" by which a map file is known among SQLite files, and the version of what it holds.
+/// The four bytes "RSTR" by which a map file is known among SQLite files, and the newest version of what one holds:
+/// 1 maps of a depth camera, 2 maps of landmarks.
 constexpr std::uint32_t map_file_id = 0x52535452;
-constexpr std::uint32_t map_file_version = 1;
+constexpr std::uint32_t map_file_version = 2;
+/// The version a kind of map is written in: the oldest that can hold it.
+std::uint32_t version_of(MapKind kind);
 
 /// One connection to the SQLite file of a map. Every failure is an Error naming the file. One thread at a time.
 class Database {
@@ -25,15 +28,17 @@ class Database {
   /// Of an existing map, to read. Error where it is none, is of a newer version, is cut off or has other tables.
   static Database open(const std::filesystem::path& file);
   /// A new file with empty tables; what was there is replaced.
-  static Database create(const std::filesystem::path& file);
+  static Database create(const std::filesystem::path& file, MapKind kind = MapKind::rgbd);
   Database(Database&& other) noexcept;
   Database& operator=(Database&& other) noexcept;
   ~Database();
 
   const std::string& file() const { return file_; }
+  MapKind kind() const { return kind_; }
   void run(const char* sql);
   /// Adds the row, or replaces it.
   void put(MapTable table, std::int64_t id, std::string_view body);
+  void remove(MapTable table, std::int64_t id);
   void clear(MapTable table);
 
  private:
@@ -42,9 +47,11 @@ class Database {
   void connect(const std::string& name, int flags);
   void harden();
   void check_tables();
+  bool has_tables_of(MapKind kind);
   [[noreturn]] void fail(int code) const;
 
   std::string file_;
+  MapKind kind_ = MapKind::rgbd;
   sqlite3* connection_ = nullptr;
   std::array<sqlite3_stmt*, map_tables.size()> put_{};
 };
@@ -74,5 +81,8 @@ class RowReader {
   sqlite3_stmt* statement_ = nullptr;
   std::int64_t id_ = -1;
 };
+
+/// The body of one row; nullopt where there is none.
+std::optional<std::string> row_of(const Database& database, MapTable table, std::int64_t id);
 
 }  // namespace rastro

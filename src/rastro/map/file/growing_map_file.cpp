@@ -12,6 +12,7 @@
 #include "rastro/base/error.h"
 #include "rastro/map/file/contents.h"
 #include "rastro/map/file/file_pictures.h"
+#include "rastro/map/file/landmark_keeper.h"
 #include "rastro/map/file/save_map.h"
 
 namespace rastro {
@@ -85,14 +86,7 @@ class GrowingMapFile::State {
   }
 
   void finish(const RgbdMap& map) {
-    const std::filesystem::path aside = file_.string() + ".new";
-    try {
-      write_map(map, aside);
-    } catch (...) {
-      std::error_code ignored;
-      std::filesystem::remove(aside, ignored);
-      throw;
-    }
+    const std::filesystem::path aside = write_map_beside(map, file_);
     stop_committing();
     const std::lock_guard lock(pictures_->mutex);
     finished_ = true;
@@ -180,7 +174,8 @@ class GrowingMapFile::State {
   std::thread committer_;
 };
 
-GrowingMapFile::GrowingMapFile(std::filesystem::path file) : state_(std::make_unique<State>(std::move(file))) {}
+GrowingMapFile::GrowingMapFile(std::filesystem::path file)
+    : state_(std::make_unique<State>(file)), landmarks_(std::make_unique<LandmarkKeeper>(file)) {}
 GrowingMapFile::~GrowingMapFile() = default;
 void GrowingMapFile::begin(const RgbdMap& map) { state_->begin(map); }
 void GrowingMapFile::add_keyframe(const RgbdKeyframe& keyframe, const KeyframePose& pose, PackedPictures pictures) {
@@ -190,6 +185,9 @@ void GrowingMapFile::add_edge(const PoseEdge& edge) { state_->add_edge(edge); }
 void GrowingMapFile::set_poses(const std::vector<KeyframePose>& poses) { state_->set_poses(poses); }
 void GrowingMapFile::add_pose(const StampedPose& world_from_camera) { state_->add_pose(world_from_camera); }
 std::shared_ptr<const PictureStore> GrowingMapFile::pictures() const { return state_->pictures(); }
+void GrowingMapFile::keep(std::shared_ptr<const LandmarkMap> map) { landmarks_->keep(std::move(map)); }
+bool GrowingMapFile::wants_map() const { return landmarks_->wants_map(); }
 void GrowingMapFile::finish(const RgbdMap& map) { state_->finish(map); }
+void GrowingMapFile::finish(const LandmarkMap& map) { landmarks_->finish(map); }
 
 }  // namespace rastro

@@ -8,6 +8,7 @@
 #include "rastro/map/file/bytes.h"
 #include "rastro/map/file/contents.h"
 #include "rastro/map/file/file_pictures.h"
+#include "rastro/map/file/landmark_tables.h"
 #include "rastro/map/file/map_file.h"
 
 namespace rastro {
@@ -21,19 +22,6 @@ void read_table(const Database& database, MapTable table, Read read) {
     if (rows.id() != next) refuse_damaged(database.file(), fmt::format("lacks row {} of {}", next, name_of(table)));
     read(rows.body(), rows.id(), rows.where());
   }
-}
-
-std::optional<std::string> row_of(const Database& database, MapTable table, std::int64_t id) {
-  RowReader rows(database, table, id);
-  if (!rows.next() || rows.id() != id) return std::nullopt;
-  return std::string(rows.body());
-}
-
-bool is_finished(const Database& database) {
-  const auto contents = row_of(database, MapTable::contents, contents_row);
-  if (contents && *contents != contents_body(database))
-    refuse_damaged(database.file(), "does not hold what its table of contents says");
-  return contents.has_value();
 }
 
 std::int64_t count_pictures(const Database& database) {
@@ -57,17 +45,16 @@ void check_consistency(RgbdMap& map, const Database& database, bool finished) {
   map.edges.erase(dangling, map.edges.end());
 }
 
-struct Loaded {
-  std::shared_ptr<RgbdMap> map = std::make_shared<RgbdMap>();
-  bool finished = false;
-};
+[[noreturn]] void refuse_kind(const Database& database) {
+  if (database.kind() == MapKind::landmarks)
+    throw Error("is a map of landmarks, and one of a depth camera is needed", database.file(),
+                "'rastro slam DATA --method rgbd' makes those");
+  throw Error("is a map of a depth camera, and one of landmarks is needed", database.file(),
+              "'rastro slam DATA --method orb' makes those");
+}
 
-Loaded load(const std::filesystem::path& file) {
-  Loaded loaded;
-  RgbdMap& map = *loaded.map;
-  auto pictures = std::make_shared<FilePictures>();
-  const Database& database = pictures->database.emplace(Database::open(file));
-  loaded.finished = is_finished(database);
+RgbdMap read_rgbd_map(const Database& database) {
+  RgbdMap map;
   const auto head = row_of(database, MapTable::head, 0);
   if (!head) refuse_damaged(database.file());
   read_head(*head, database.file(), map);
@@ -83,14 +70,44 @@ Loaded load(const std::filesystem::path& file) {
   read_table(database, MapTable::way, [&](std::string_view body, std::int64_t, const std::string& where) {
     map.trajectory.push_back(read_stamped_pose(body, where));
   });
-  check_consistency(map, database, loaded.finished);
-  map.pictures = std::move(pictures);
+  return map;
+}
+
+/// A file of either kind.
+struct Loaded {
+  std::shared_ptr<const RgbdMap> map;
+  std::shared_ptr<const LandmarkMap> landmark_map;
+  bool finished = false;
+  std::uint32_t version = 0;
+};
+
+Loaded load(const std::filesystem::path& file, std::optional<MapKind> wanted = std::nullopt) {
+  auto pictures = std::make_shared<FilePictures>();
+  const Database& database = pictures->database.emplace(Database::open(file));
+  if (wanted && *wanted != database.kind()) refuse_kind(database);
+  Loaded loaded;
+  loaded.version = version_of(database.kind());
+  loaded.finished = is_finished(database);
+  if (database.kind() == MapKind::landmarks) {
+    loaded.landmark_map = std::make_shared<LandmarkMap>(read_landmark_map(database));
+    return loaded;
+  }
+  const auto map = std::make_shared<RgbdMap>(read_rgbd_map(database));
+  check_consistency(*map, database, loaded.finished);
+  map->pictures = std::move(pictures);
+  loaded.map = map;
   return loaded;
 }
 
 }  // namespace
 
-std::shared_ptr<const RgbdMap> load_map(const std::filesystem::path& file) { return load(file).map; }
+std::shared_ptr<const RgbdMap> load_map(const std::filesystem::path& file) { return load(file, MapKind::rgbd).map; }
+
+std::shared_ptr<const LandmarkMap> load_landmark_map(const std::filesystem::path& file) {
+  return load(file, MapKind::landmarks).landmark_map;
+}
+
+MapKind kind_of_map(const std::filesystem::path& file) { return Database::open(file).kind(); }
 
 bool is_map_file(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -101,15 +118,17 @@ bool is_map_file(const std::filesystem::path& file) {
 
 MapFileReport check_map_file(const std::filesystem::path& file) {
   MapFileReport report;
-  report.version = map_file_version;
   std::error_code code;
   report.bytes = std::filesystem::file_size(file, code);
   if (!is_map_file(file)) load(file);  // says what is wrong
   try {
     const Loaded loaded = load(file);
+    report.version = loaded.version;
     report.finished = loaded.finished;
-    for (const auto& keyframe : loaded.map->keyframes) loaded.map->pictures->pictures(keyframe->id);
+    if (loaded.map)
+      for (const auto& keyframe : loaded.map->keyframes) loaded.map->pictures->pictures(keyframe->id);
     report.map = loaded.map;
+    report.landmark_map = loaded.landmark_map;
   } catch (const Error& error) {
     report.damage = error.what();
   }

@@ -2,68 +2,13 @@
 #include "rastro/map/file/map_rows.h"
 
 #include <charconv>
-#include <cmath>
 
 #include "rastro/base/hash.h"
 #include "rastro/map/file/bytes.h"
+#include "rastro/map/file/row_parts.h"
 
 namespace rastro {
 namespace {
-
-using Eigen::Quaterniond;
-
-bool same(const Quaterniond& a, const Quaterniond& b) { return a.coeffs() == b.coeffs(); }
-
-/// The nearest quaternion that SO3's normalising leaves as it is to the last bit: a map read and written again must
-/// have the same bytes.
-Quaterniond unmoved_by_normalising(const Quaterniond& quaternion) {
-  int largest = 0;
-  quaternion.coeffs().cwiseAbs().maxCoeff(&largest);
-  for (int tries = 0; tries < 64; ++tries) {
-    Quaterniond nudged = quaternion;
-    double& value = nudged.coeffs()[largest];
-    for (int step = 0; step < (tries + 1) / 2; ++step) value = std::nextafter(value, tries % 2 == 0 ? 2.0 : -2.0);
-    if (same(SO3(nudged).quaternion(), nudged)) return nudged;
-  }
-  return quaternion;
-}
-
-void put(ByteWriter& bytes, const SE3& pose) {
-  const Quaterniond q = unmoved_by_normalising(pose.rotation().quaternion());
-  for (const double value : {q.w(), q.x(), q.y(), q.z()}) bytes.put(value);
-  for (int i = 0; i < 3; ++i) bytes.put(pose.translation()[i]);
-}
-
-SE3 get_pose(ByteReader& bytes) {
-  std::array<double, 7> v{};
-  for (double& value : v) value = bytes.get<double>();
-  const Quaterniond q(v[0], v[1], v[2], v[3]);
-  bytes.check(std::abs(q.squaredNorm() - 1.0) < 1e-9);
-  return {SO3(q), {v[4], v[5], v[6]}};
-}
-
-void put(ByteWriter& bytes, const Camera& camera) {
-  bytes.put<std::int32_t>(camera.width);
-  bytes.put<std::int32_t>(camera.height);
-  for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy}) bytes.put(value);
-  bytes.put(static_cast<std::uint8_t>(camera.distortion));
-  for (const double value : camera.coefficients) bytes.put(value);
-}
-
-Camera get_camera(ByteReader& bytes) {
-  constexpr int largest_side = 65'536;
-  Camera camera;
-  camera.width = bytes.get<std::int32_t>();
-  camera.height = bytes.get<std::int32_t>();
-  bytes.check(camera.width >= 0 && camera.width <= largest_side && camera.height >= 0 && camera.height <= largest_side);
-  for (double* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *value = bytes.get<double>();
-  bytes.check(camera.fx > 0.0 && camera.fy > 0.0);
-  const auto distortion = bytes.get<std::uint8_t>();
-  bytes.check(distortion <= static_cast<std::uint8_t>(Distortion::equidistant));
-  camera.distortion = static_cast<Distortion>(distortion);
-  for (double& value : camera.coefficients) value = bytes.get<double>();
-  return camera;
-}
 
 void put(ByteWriter& bytes, const DescribedKeypoints& features) {
   bytes.put(static_cast<std::uint32_t>(features.size()));
@@ -102,8 +47,16 @@ std::vector<std::uint8_t> get_bytes(ByteReader& bytes) {
 }  // namespace
 
 const char* name_of(MapTable table) {
-  constexpr const char* names[] = {"head", "keyframes", "pictures", "poses", "edges", "way", "contents"};
+  constexpr const char* names[] = {"head", "keyframes", "pictures",  "poses", "edges",
+                                   "way",  "contents",  "landmarks", "ties"};
   return names[static_cast<std::size_t>(table)];
+}
+
+std::span<const MapTable> tables_of(MapKind kind) {
+  using enum MapTable;
+  static constexpr std::array rgbd = {head, keyframes, pictures, poses, edges, way, contents};
+  static constexpr std::array with_landmarks = {head, keyframes, poses, landmarks, ties, way, contents};
+  return kind == MapKind::rgbd ? std::span<const MapTable>(rgbd) : std::span<const MapTable>(with_landmarks);
 }
 
 std::int64_t row_checksum(MapTable table, std::int64_t id, std::string_view body) {

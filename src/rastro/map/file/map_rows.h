@@ -5,20 +5,23 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
+#include "rastro/map/file/map_file.h"
 #include "rastro/map/keyframe/rgbd_map.h"
 
 namespace rastro {
 
-/// The tables of a map file, in the order in which they are written. All have the same columns: a running number from
-/// 0, a checksum, and a body.
-enum class MapTable : std::uint8_t { head, keyframes, pictures, poses, edges, way, contents };
-constexpr std::array<MapTable, 7> map_tables = {MapTable::head,    MapTable::keyframes, MapTable::pictures,
-                                                MapTable::poses,   MapTable::edges,     MapTable::way,
-                                                MapTable::contents};
+/// The tables of map files. All have the same columns: a number, a checksum, and a body.
+enum class MapTable : std::uint8_t { head, keyframes, pictures, poses, edges, way, contents, landmarks, ties };
+constexpr std::array<MapTable, 9> map_tables = {MapTable::head,     MapTable::keyframes, MapTable::pictures,
+                                                MapTable::poses,    MapTable::edges,     MapTable::way,
+                                                MapTable::contents, MapTable::landmarks, MapTable::ties};
 const char* name_of(MapTable table);
+/// Those of one kind of map, in the order in which they are written.
+std::span<const MapTable> tables_of(MapKind kind);
 
 /// Over everything of a row, the table's name included: a row in the wrong place does not pass.
 std::int64_t row_checksum(MapTable table, std::int64_t id, std::string_view body);

@@ -9,31 +9,17 @@
 #include <optional>
 
 #include "rastro/base/error.h"
-#include "rastro/map/file/bytes.h"
 #include "rastro/map/file/carve.h"
-#include "rastro/map/file/contents.h"
+#include "rastro/map/file/landmark_rows.h"
+#include "rastro/map/file/recovered_rows.h"
 #include "rastro/map/keyframe/pack_pictures.h"
 
 namespace rastro {
 namespace {
 
-using Rows = std::map<std::int64_t, std::string>;
-
-/// What a bad row costs is that row.
-template <typename Read>
-auto try_to(Read read) -> std::optional<decltype(read())> {
-  try {
-    return read();
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
-
 class Recovery {
  public:
-  explicit Recovery(const std::filesystem::path& file) : file_(file.string()) {
-    carve_rows(file, [this](MapTable table, std::int64_t id, const std::string& body) { of(table)[id] = body; });
-  }
+  explicit Recovery(RecoveredRows& rows) : file_(rows.file), rows_(rows) {}
 
   RecoveredMap run() {
     read_head_rows();
@@ -47,7 +33,7 @@ class Recovery {
   }
 
  private:
-  Rows& of(MapTable table) { return rows_[static_cast<std::size_t>(table)]; }
+  RecoveredRows::Rows& of(MapTable table) { return rows_.of(table); }
 
   void read_head_rows() {
     for (const auto& [table, id] :
@@ -65,19 +51,9 @@ class Recovery {
     for (const MapTable table : map_tables)
       wanted_[static_cast<std::size_t>(table)] =
           of(table).empty() ? 0 : std::clamp<std::int64_t>(of(table).rbegin()->first, -1, most) + 1;
-    const auto row = of(MapTable::contents).find(contents_row);
-    if (row != of(MapTable::contents).end())
-      result_.finished = try_to([&] { return read_contents(row->second), true; }).has_value();
-  }
-
-  void read_contents(const std::string& body) {
-    ByteReader bytes(body, file_);
-    for (const MapTable table : map_tables) {
-      if (table == MapTable::contents) continue;
-      bytes.text();
-      wanted_[static_cast<std::size_t>(table)] = bytes.get<std::int64_t>();
-      bytes.text();
-    }
+    const auto counts = rows_.counts(MapKind::rgbd);
+    result_.finished = counts.has_value();
+    if (counts) wanted_ = *counts;
   }
 
   std::int64_t wanted(MapTable table) const { return wanted_[static_cast<std::size_t>(table)]; }
@@ -123,23 +99,18 @@ class Recovery {
       edge->to = new_number_[edge->to];
       map_->edges.push_back(*edge);
     }
-    say_lost(map_->edges.size(), wanted(MapTable::edges), "edges");
+    say_lost(result_, map_->edges.size(), wanted(MapTable::edges), "edges");
   }
 
   void take_way() {
     for (const auto& row : of(MapTable::way))
       if (const auto pose = try_to([&] { return read_stamped_pose(row.second, file_); }))
         map_->trajectory.push_back(*pose);
-    say_lost(map_->trajectory.size(), wanted(MapTable::way), "poses of the way");
+    say_lost(result_, map_->trajectory.size(), wanted(MapTable::way), "poses of the way");
   }
 
-  void say_lost(std::size_t kept, std::int64_t all, const char* what) {
-    const std::int64_t lost = all - static_cast<std::int64_t>(kept);
-    if (lost > 0) result_.lost.push_back(fmt::format("{} of {} {}", lost, all, what));
-  }
-
-  const std::string file_;
-  std::array<Rows, map_tables.size()> rows_;
+  const std::string& file_;
+  RecoveredRows& rows_;
   std::array<std::int64_t, map_tables.size()> wanted_{};
   std::shared_ptr<RgbdMap> map_ = std::make_shared<RgbdMap>();
   std::shared_ptr<MemoryPictures> pictures_ = std::make_shared<MemoryPictures>();
@@ -149,6 +120,14 @@ class Recovery {
 
 }  // namespace
 
-RecoveredMap recover_map(const std::filesystem::path& file) { return Recovery(file).run(); }
+RecoveredMap recover_map(const std::filesystem::path& file) {
+  RecoveredRows rows(file.string());
+  carve_rows(file, [&](MapTable table, std::int64_t id, const std::string& body) { rows.of(table)[id] = body; });
+  for (const auto& [table, id] : {std::pair(MapTable::head, std::int64_t{0}), {MapTable::contents, second_head_row}}) {
+    const auto row = rows.of(table).find(id);
+    if (row != rows.of(table).end() && is_landmark_head(row->second)) return recover_landmark_map(rows);
+  }
+  return Recovery(rows).run();
+}
 
 }  // namespace rastro

@@ -10,6 +10,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/map/file/contents.h"
+#include "rastro/map/file/landmark_tables.h"
 #include "rastro/map/file/map_file.h"
 
 namespace rastro {
@@ -57,23 +58,34 @@ void write_map(const RgbdMap& map, const std::filesystem::path& file) {
   sync_to_disk(file);
 }
 
+void write_map(const LandmarkMap& map, const std::filesystem::path& file) {
+  {
+    Database database = Database::create(file, MapKind::landmarks);
+    database.run("BEGIN");
+    write_changes(nullptr, map, database);
+    database.put(MapTable::contents, contents_row, contents_body(database));
+    database.run("COMMIT");
+  }
+  sync_to_disk(file);
+}
+
 void replace_file(const std::filesystem::path& from, const std::filesystem::path& to) {
   std::error_code code;
   std::filesystem::rename(from, to, code);
-  if (code) throw Error("cannot be put in place (" + code.message() + ")", to.string(), "choose another file");
+  if (code) {
+    std::error_code ignored;
+    std::filesystem::remove(from, ignored);
+    throw Error("cannot be put in place (" + code.message() + ")", to.string(), "choose another file");
+  }
   sync_to_disk(to.has_parent_path() ? to.parent_path() : std::filesystem::path("."));
 }
 
 void save_map(const RgbdMap& map, const std::filesystem::path& file) {
-  const std::filesystem::path aside = file.string() + ".new";
-  try {
-    write_map(map, aside);
-    replace_file(aside, file);
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(aside, ignored);
-    throw;
-  }
+  replace_file(write_map_beside(map, file), file);
+}
+
+void save_map(const LandmarkMap& map, const std::filesystem::path& file) {
+  replace_file(write_map_beside(map, file), file);
 }
 
 }  // namespace rastro

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/file/row_parts.h"
+
+#include <cmath>
+
+namespace rastro {
+namespace {
+
+using Eigen::Quaterniond;
+
+bool same(const Quaterniond& a, const Quaterniond& b) { return a.coeffs() == b.coeffs(); }
+
+/// The nearest quaternion that SO3's normalising leaves as it is to the last bit: a map read and written again must
+/// have the same bytes.
+Quaterniond unmoved_by_normalising(const Quaterniond& quaternion) {
+  int largest = 0;
+  quaternion.coeffs().cwiseAbs().maxCoeff(&largest);
+  for (int tries = 0; tries < 64; ++tries) {
+    Quaterniond nudged = quaternion;
+    double& value = nudged.coeffs()[largest];
+    for (int step = 0; step < (tries + 1) / 2; ++step) value = std::nextafter(value, tries % 2 == 0 ? 2.0 : -2.0);
+    if (same(SO3(nudged).quaternion(), nudged)) return nudged;
+  }
+  return quaternion;
+}
+
+}  // namespace
+
+void put(ByteWriter& bytes, const SO3& rotation) {
+  const Quaterniond q = unmoved_by_normalising(rotation.quaternion());
+  for (const double value : {q.w(), q.x(), q.y(), q.z()}) bytes.put(value);
+}
+
+SO3 get_rotation(ByteReader& bytes) {
+  std::array<double, 4> v{};
+  for (double& value : v) value = bytes.get<double>();
+  const Quaterniond q(v[0], v[1], v[2], v[3]);
+  bytes.check(std::abs(q.squaredNorm() - 1.0) < 1e-9);
+  return SO3(q);
+}
+
+void put(ByteWriter& bytes, const SE3& pose) {
+  put(bytes, pose.rotation());
+  for (int i = 0; i < 3; ++i) bytes.put(pose.translation()[i]);
+}
+
+SE3 get_pose(ByteReader& bytes) {
+  const SO3 rotation = get_rotation(bytes);
+  Eigen::Vector3d translation;
+  for (double& value : translation) value = bytes.get<double>();
+  return {rotation, translation};
+}
+
+void put(ByteWriter& bytes, const Camera& camera) {
+  bytes.put<std::int32_t>(camera.width);
+  bytes.put<std::int32_t>(camera.height);
+  for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy}) bytes.put(value);
+  bytes.put(static_cast<std::uint8_t>(camera.distortion));
+  for (const double value : camera.coefficients) bytes.put(value);
+}
+
+Camera get_camera(ByteReader& bytes) {
+  constexpr int largest_side = 65'536;
+  Camera camera;
+  camera.width = bytes.get<std::int32_t>();
+  camera.height = bytes.get<std::int32_t>();
+  bytes.check(camera.width >= 0 && camera.width <= largest_side && camera.height >= 0 && camera.height <= largest_side);
+  for (double* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *value = bytes.get<double>();
+  bytes.check(camera.fx > 0.0 && camera.fy > 0.0);
+  const auto distortion = bytes.get<std::uint8_t>();
+  bytes.check(distortion <= static_cast<std::uint8_t>(Distortion::equidistant));
+  camera.distortion = static_cast<Distortion>(distortion);
+  for (double& value : camera.coefficients) value = bytes.get<double>();
+  return camera;
+}
+
+}  // namespace rastro
