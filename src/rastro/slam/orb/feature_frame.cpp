@@ -35,6 +35,14 @@ FeatureFrame::FeatureFrame(std::shared_ptr<const LandmarkKeyframe> data, const C
   build_grid(camera);
 }
 
+std::shared_ptr<const FeatureFrame> FeatureFrame::with_id(std::int64_t id) const {
+  auto keyframe = std::make_shared<LandmarkKeyframe>(*data_);
+  keyframe->id = id;
+  auto copy = std::make_shared<FeatureFrame>(*this);
+  copy->data_ = std::move(keyframe);
+  return copy;
+}
+
 void FeatureFrame::build_grid(const Camera& camera) {
   min_x_ = min_y_ = std::numeric_limits<float>::max();
   max_x_ = max_y_ = std::numeric_limits<float>::lowest();

@@ -18,6 +18,9 @@ class FeatureFrame {
   /// Features whose distortion cannot be undone get NaN and are never found.
   FeatureFrame(std::shared_ptr<const LandmarkKeyframe> data, const Camera& camera, double baseline);
 
+  /// The same as a keyframe.
+  std::shared_ptr<const FeatureFrame> with_id(std::int64_t id) const;
+
   const LandmarkKeyframe& data() const { return *data_; }
   const std::shared_ptr<const LandmarkKeyframe>& shared_data() const { return data_; }
   std::size_t size() const { return pixels_.size(); }

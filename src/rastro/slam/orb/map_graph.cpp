@@ -128,6 +128,16 @@ void MapGraph::remove_keyframe(std::int64_t id) {
   --keyframe_count_;
 }
 
+void MapGraph::remove_root(std::int64_t id) {
+  RASTRO_CHECK(keyframe(id).children.empty(), "a root that is removed stands alone");
+  const std::vector<std::int64_t> seen = keyframe(id).landmarks;
+  for (const std::int64_t landmark_id : seen) {
+    if (landmark_id >= 0) remove_landmark(landmark_id);
+  }
+  keyframes_[static_cast<std::size_t>(id)].reset();
+  --keyframe_count_;
+}
+
 SE3 MapGraph::camera_from_world(std::int64_t id) const {
   if (has_keyframe(id)) return keyframe(id).camera_from_world;
   const Removed& gone = removed_.at(id);

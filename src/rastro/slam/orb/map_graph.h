@@ -77,6 +77,8 @@ class MapGraph {
   /// Its observations go, landmarks left with fewer than two observations too (mono; one where depths are known). Its
   /// children take parents among its parent and each other by covisibility. Not for the root of a submap.
   void remove_keyframe(std::int64_t id);
+  /// The last keyframe of a submap that is not begun after all, with its landmarks.
+  void remove_root(std::int64_t id);
   /// Also of keyframes that were removed: those keep their place relative to their parent.
   SE3 camera_from_world(std::int64_t id) const;
   double unit(std::int64_t id) const;

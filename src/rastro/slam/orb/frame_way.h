@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "rastro/sensor/trajectory.h"
+#include "rastro/slam/orb/map_graph.h"
+
+namespace rastro {
+
+/// A frame that was tracked, relative to a keyframe, so that it follows where that goes later.
+struct PlacedFrame {
+  std::int64_t index = 0;
+  TimeNs stamp = 0;
+  std::int64_t keyframe = 0;
+  SE3 camera_from_keyframe;
+  double unit = 1.0;  ///< The keyframe's when the frame was placed.
+};
+
+/// All frames that have a pose.
+class FrameWay {
+ public:
+  void add(const PlacedFrame& frame);
+  const std::vector<PlacedFrame>& frames() const { return frames_; }
+  /// world_from_camera of the frames whose keyframe stands in `submap`, in the order of the recording.
+  Trajectory trajectory(const MapGraph& graph, int submap) const;
+  /// The submap with most frames, the smallest of equals.
+  int largest_submap(const MapGraph& graph) const;
+
+ private:
+  std::vector<PlacedFrame> frames_;  ///< By index.
+};
+
+}  // namespace rastro

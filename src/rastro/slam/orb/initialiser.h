@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rastro/multiview/two_view.h"
+#include "rastro/slam/orb/feature_frame.h"
+#include "rastro/slam/orb/options.h"
+
+namespace rastro {
+
+/// Two frames from which a map can begin.
+struct StartPair {
+  std::size_t first = 0, second = 0;  ///< Indices into Initialiser::frames().
+  SE3 second_from_first;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  std::vector<std::optional<Eigen::Vector3d>> points;  ///< One a pair, in the first camera's frame.
+};
+
+/// Waits for two frames of one camera that tell motion and points apart, METHODS 6. Keeps the features of the frames
+/// it has seen, so that those before and between can be followed once there is a map.
+class Initialiser {
+ public:
+  Initialiser(const OrbSlamOptions& options, const Camera& camera) : options_(options), camera_(camera) {}
+
+  /// nullopt: not yet, detail() says why.
+  std::optional<StartPair> add(std::shared_ptr<const FeatureFrame> frame);
+  const std::deque<std::shared_ptr<const FeatureFrame>>& frames() const { return frames_; }
+  const std::string& detail() const { return detail_; }
+  void clear();
+
+ private:
+  std::optional<StartPair> try_pair(std::size_t first, std::size_t second);
+
+  OrbSlamOptions options_;
+  Camera camera_;
+  std::deque<std::shared_ptr<const FeatureFrame>> frames_;
+  std::size_t first_ = 0;  ///< What the newest frame is held against.
+  std::string detail_;
+};
+
+}  // namespace rastro

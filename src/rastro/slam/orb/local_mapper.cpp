@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/local_mapper.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "rastro/optimize/bundle_adjustment.h"
+
+namespace rastro {
+
+LocalMapper::LocalMapper(const OrbSlamOptions& options, MapGraph& graph, TaskPool* pool)
+    : options_(options), graph_(graph), pool_(pool) {}
+
+bool LocalMapper::start(const std::shared_ptr<const FeatureFrame>& first,
+                        const std::shared_ptr<const FeatureFrame>& second, const SE3& second_from_first,
+                        const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs,
+                        const std::vector<std::optional<Eigen::Vector3d>>& points, int submap) {
+  const std::int64_t a = graph_.add_keyframe(first, SE3(), submap, -1).id;
+  const std::int64_t b = graph_.add_keyframe(second, second_from_first, submap, a).id;
+  std::vector<std::int64_t> made;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!points[i]) continue;
+    const std::int64_t id = graph_.add_landmark(*points[i], a).id;
+    graph_.add_observation(a, pairs[i].first, id);
+    graph_.add_observation(b, pairs[i].second, id);
+    graph_.describe(id);
+    made.push_back(id);
+  }
+  adjust({b}, {a}, 2 * options_.adjust_iterations);
+  const double depth = median_depth(graph_.keyframe(a));
+  if (graph_.shared(a, b) < options_.init_points || !(depth > 0.0)) {
+    graph_.remove_keyframe(b);
+    graph_.remove_root(a);
+    return false;
+  }
+  graph_.transform(submap, Sim3(1.0 / depth, SO3(), Eigen::Vector3d::Zero()));
+  graph_.keyframe(a).unit = graph_.keyframe(b).unit = 1.0;
+  for (const std::int64_t id : made) {
+    if (graph_.has_landmark(id)) recent_.push_back(id);
+  }
+  return true;
+}
+
+void LocalMapper::start(const std::shared_ptr<const FeatureFrame>& frame, int submap) {
+  add_depth_landmarks(graph_.add_keyframe(frame, SE3(), submap, -1).id);
+}
+
+void LocalMapper::add(const KeyframeInput& input) {
+  insert(input);
+  const std::int64_t id = input.frame->data().id;
+  cull_landmarks(id);
+  add_depth_landmarks(id);
+  triangulate(id);
+  fuse(id);
+  adjust(id);
+  cull_keyframes(id);
+}
+
+void LocalMapper::insert(const KeyframeInput& input) {
+  const double scale = graph_.unit(input.reference) / input.reference_unit;
+  const SE3 from_reference(input.camera_from_reference.rotation(), scale * input.camera_from_reference.translation());
+  const SE3 pose = from_reference * graph_.camera_from_world(input.reference);
+  std::int64_t parent = input.reference;
+  const int submap = graph_.submap(input.reference);
+  if (!graph_.has_keyframe(parent)) parent = graph_.keyframe_ids(submap).back();
+  const std::int64_t id = graph_.add_keyframe(input.frame, pose, submap, parent).id;
+  for (const TrackedPoint& point : input.points) {
+    std::int64_t landmark = point.landmark;
+    if (landmark < 0 && graph_.has_keyframe(point.keyframe))
+      landmark = graph_.keyframe(point.keyframe).landmarks[point.keyframe_feature];
+    landmark = graph_.current(landmark);
+    if (landmark < 0) continue;
+    graph_.add_observation(id, point.feature, landmark);
+    graph_.describe(landmark);
+  }
+  for (const std::int64_t landmark : input.visible) {
+    if (graph_.has_landmark(landmark)) ++graph_.landmark(landmark).visible;
+  }
+  for (const std::int64_t landmark : input.found) {
+    if (graph_.has_landmark(landmark)) ++graph_.landmark(landmark).found;
+  }
+  // The tree follows what is shared.
+  const auto best = graph_.covisible(id, 1, 1);
+  if (!best.empty() && best.front().id < id && graph_.submap(best.front().id) == submap)
+    graph_.set_parent(id, best.front().id);
+}
+
+void LocalMapper::add_depth_landmarks(std::int64_t keyframe) {
+  if (graph_.sensor() == LandmarkSensor::mono) return;
+  const MapKeyframe& seer = graph_.keyframe(keyframe);
+  const double far = options_.far_baselines * graph_.baseline();
+  const SE3 world_from_camera = seer.camera_from_world.inverse();
+  for (std::uint32_t i = 0; i < seer.frame->size(); ++i) {
+    if (seer.landmarks[i] >= 0 || !std::isfinite(seer.frame->right_pixel(i))) continue;
+    if (static_cast<double>(seer.frame->data().depths[i]) > far) continue;
+    const std::int64_t id = graph_.add_landmark(world_from_camera * seer.frame->point(i), keyframe).id;
+    graph_.add_observation(keyframe, i, id);
+    graph_.describe(id);
+    recent_.push_back(id);
+  }
+}
+
+void LocalMapper::cull_landmarks(std::int64_t keyframe) {
+  const std::size_t least = graph_.sensor() == LandmarkSensor::mono ? 3 : 2;
+  std::vector<std::int64_t> still_recent;
+  for (const std::int64_t id : recent_) {
+    if (!graph_.has_landmark(id)) continue;
+    const MapLandmark& landmark = graph_.landmark(id);
+    const std::int64_t age = keyframe - landmark.first_keyframe;
+    const bool unseen = landmark.found < options_.cull_found_share * landmark.visible;
+    if (unseen || (age >= 2 && landmark.observations.size() < least)) {
+      graph_.remove_landmark(id);
+    } else if (age < options_.cull_keyframes) {
+      still_recent.push_back(id);
+    }
+  }
+  recent_ = std::move(still_recent);
+}
+
+double LocalMapper::median_depth(const MapKeyframe& keyframe) const {
+  std::vector<double> depths;
+  for (const std::int64_t id : keyframe.landmarks) {
+    if (id >= 0) depths.push_back((keyframe.camera_from_world * graph_.landmark(id).position).z());
+  }
+  if (depths.empty()) return 0.0;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
+void LocalMapper::adjust(std::int64_t keyframe) {
+  std::vector<std::int64_t> free{keyframe};
+  for (const Neighbour& n : graph_.covisible(keyframe, 1, static_cast<std::size_t>(options_.adjust_keyframes)))
+    free.push_back(n.id);
+  std::sort(free.begin(), free.end());
+  // Whoever else sees their landmarks holds them; most shared first.
+  std::vector<Neighbour> others;
+  for (const std::int64_t id : free) {
+    for (const Neighbour& n : graph_.keyframe(id).neighbours) {
+      if (std::binary_search(free.begin(), free.end(), n.id)) continue;
+      const auto at = std::find_if(others.begin(), others.end(), [&](const Neighbour& o) { return o.id == n.id; });
+      at == others.end() ? others.push_back(n) : void(at->shared += n.shared);
+    }
+  }
+  std::sort(others.begin(), others.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.shared != b.shared ? a.shared > b.shared : a.id < b.id;
+  });
+  if (others.size() > static_cast<std::size_t>(options_.adjust_fixed))
+    others.resize(static_cast<std::size_t>(options_.adjust_fixed));
+  std::vector<std::int64_t> fixed;
+  for (const Neighbour& n : others) fixed.push_back(n.id);
+  // The root of a submap is where its world begins.
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    if (graph_.keyframe(free[i]).parent >= 0) continue;
+    fixed.push_back(free[i]);
+    free.erase(free.begin() + static_cast<std::ptrdiff_t>(i--));
+  }
+  if (fixed.empty()) {
+    fixed.push_back(free.front());
+    free.erase(free.begin());
+  }
+  adjust(free, fixed, options_.adjust_iterations);
+}
+
+void LocalMapper::adjust_all(int submap, int iterations) {
+  std::vector<std::int64_t> free, fixed;
+  for (const std::int64_t id : graph_.keyframe_ids(submap))
+    (graph_.keyframe(id).parent < 0 ? fixed : free).push_back(id);
+  if (!free.empty()) adjust(free, fixed, iterations);
+}
+
+namespace {
+
+/// Which keyframe and landmark each part of a bundle stands for.
+struct BundleParts {
+  Bundle bundle;
+  std::vector<std::int64_t> keyframes, landmarks;
+  std::vector<std::pair<std::int64_t, std::int64_t>> seen;  ///< Keyframe and landmark, one an observation.
+};
+
+BundleParts parts_of(const MapGraph& graph, const std::vector<std::int64_t>& free,
+                     const std::vector<std::int64_t>& fixed, double pixel_sigma) {
+  BundleParts parts;
+  parts.bundle.baseline = graph.baseline();
+  std::vector<std::pair<std::int64_t, std::uint32_t>> camera_of;
+  for (const auto* list : {&free, &fixed}) {
+    for (const std::int64_t id : *list) {
+      camera_of.emplace_back(id, static_cast<std::uint32_t>(parts.keyframes.size()));
+      parts.keyframes.push_back(id);
+      parts.bundle.camera_from_world.push_back(graph.keyframe(id).camera_from_world);
+      parts.bundle.fixed.push_back(list == &fixed ? 1 : 0);
+    }
+  }
+  std::sort(camera_of.begin(), camera_of.end());
+  for (const std::int64_t id : free) {
+    for (const std::int64_t landmark : graph.keyframe(id).landmarks) {
+      if (landmark >= 0) parts.landmarks.push_back(landmark);
+    }
+  }
+  std::sort(parts.landmarks.begin(), parts.landmarks.end());
+  parts.landmarks.erase(std::unique(parts.landmarks.begin(), parts.landmarks.end()), parts.landmarks.end());
+  for (const std::int64_t id : parts.landmarks) {
+    const MapLandmark& landmark = graph.landmark(id);
+    const auto point = static_cast<std::uint32_t>(parts.bundle.points.size());
+    parts.bundle.points.push_back(landmark.position);
+    for (const LandmarkObservation& o : landmark.observations) {
+      const auto at = std::lower_bound(camera_of.begin(), camera_of.end(), std::pair{o.keyframe, std::uint32_t{0}});
+      if (at == camera_of.end() || at->first != o.keyframe) continue;
+      const FeatureFrame& frame = *graph.keyframe(o.keyframe).frame;
+      parts.bundle.observations.push_back({at->second, point, frame.ray(o.feature), frame.right_ray(o.feature),
+                                           pixel_sigma * graph.sigma(frame, o.feature)});
+      parts.seen.emplace_back(o.keyframe, id);
+    }
+  }
+  return parts;
+}
+
+bool is_outlier(const BundleObservation& observation, double squared_error) {
+  return squared_error > (std::isfinite(observation.right_x) ? 7.815 : 5.991);
+}
+
+}  // namespace
+
+void LocalMapper::adjust(const std::vector<std::int64_t>& free, const std::vector<std::int64_t>& fixed,
+                         int iterations) {
+  BundleParts parts = parts_of(graph_, free, fixed, options_.pixel_sigma);
+  if (parts.bundle.observations.empty()) return;
+  BundleOptions options;
+  options.iterations = (iterations + 1) / 2;
+  std::vector<std::pair<std::int64_t, std::int64_t>> outliers;
+  for (int round = 0; round < 2; ++round) {
+    const BundleResult result = adjust_bundle(parts.bundle, options, pool_);
+    std::vector<BundleObservation> kept;
+    std::vector<std::pair<std::int64_t, std::int64_t>> kept_seen;
+    for (std::size_t i = 0; i < parts.seen.size(); ++i) {
+      if (is_outlier(parts.bundle.observations[i], result.squared_errors[i])) {
+        outliers.push_back(parts.seen[i]);
+      } else {
+        kept.push_back(parts.bundle.observations[i]);
+        kept_seen.push_back(parts.seen[i]);
+      }
+    }
+    parts.bundle.observations = std::move(kept);
+    parts.seen = std::move(kept_seen);
+    options.iterations = iterations;
+  }
+  for (std::size_t i = 0; i < parts.keyframes.size(); ++i) {
+    if (parts.bundle.fixed[i] == 0)
+      graph_.keyframe(parts.keyframes[i]).camera_from_world = parts.bundle.camera_from_world[i];
+  }
+  for (std::size_t i = 0; i < parts.landmarks.size(); ++i)
+    graph_.landmark(parts.landmarks[i]).position = parts.bundle.points[i];
+  for (const auto& [keyframe, landmark] : outliers) graph_.remove_observation(keyframe, landmark);
+  const std::size_t least = graph_.sensor() == LandmarkSensor::mono ? 2 : 1;
+  for (const std::int64_t id : parts.landmarks) {
+    if (graph_.landmark(id).observations.size() < least) {
+      graph_.remove_landmark(id);
+    } else {
+      graph_.describe(id);
+    }
+  }
+}
+
+bool LocalMapper::is_redundant(const MapKeyframe& keyframe) const {
+  int solid = 0, redundant = 0;
+  const double far = options_.far_baselines * graph_.baseline();
+  for (std::size_t i = 0; i < keyframe.landmarks.size(); ++i) {
+    if (keyframe.landmarks[i] < 0) continue;
+    if (graph_.sensor() != LandmarkSensor::mono && !(static_cast<double>(keyframe.frame->data().depths[i]) <= far))
+      continue;
+    const MapLandmark& landmark = graph_.landmark(keyframe.landmarks[i]);
+    ++solid;
+    if (landmark.observations.size() <= 3) continue;
+    const int level = keyframe.frame->level(i);
+    int others = 0;
+    for (const LandmarkObservation& o : landmark.observations) {
+      if (o.keyframe != keyframe.id && graph_.keyframe(o.keyframe).frame->level(o.feature) <= level + 1) ++others;
+    }
+    if (others >= 3) ++redundant;
+  }
+  return solid > 0 && redundant > options_.cull_seen_share * solid;
+}
+
+void LocalMapper::cull_keyframes(std::int64_t keyframe) {
+  for (const Neighbour& n : graph_.covisible(keyframe, options_.covisible_landmarks)) {
+    if (!graph_.has_keyframe(n.id)) continue;
+    const MapKeyframe& candidate = graph_.keyframe(n.id);
+    if (candidate.parent < 0 || candidate.id + 2 > keyframe) continue;
+    const bool tied = std::any_of(graph_.ties().begin(), graph_.ties().end(), [&](const LandmarkTie& tie) {
+      return tie.from == candidate.id || tie.to == candidate.id;
+    });
+    if (!tied && is_redundant(candidate)) graph_.remove_keyframe(candidate.id);
+  }
+}
+
+}  // namespace rastro

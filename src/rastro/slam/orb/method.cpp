@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/method.h"
+
+#include "rastro/base/error.h"
+#include "rastro/slam/orb/options.h"
+#include "rastro/slam/orb/orb_slam.h"
+
+namespace rastro {
+namespace {
+
+class OrbMethod : public SlamMethod {
+ public:
+  std::string name() const override { return "orb"; }
+  std::string summary() const override {
+    return "one camera, two cameras or a depth camera: keyframes and landmarks, after Mur-Artal et al. 2015, 2017";
+  }
+  std::string needs() const override { return "images, calibrated; a second camera or depth where there is any"; }
+  OptionTable options() override { return option_table(options_); }
+  bool wants_depth() const override { return true; }
+  bool can_localize() const override { return true; }
+  std::unique_ptr<Slam> make(const SourceInfo& source, const SlamMeans& means) const override {
+    if (!source.has_image) throw Error("holds no images", source.path, "'--method orb' needs a recording of a camera");
+    if (source.cameras.empty() || !source.cameras.front().camera)
+      throw Error("has no calibration", source.path, "give one with --calibration FILE");
+    return std::make_unique<OrbSlam>(options_, source, means);
+  }
+
+ private:
+  OrbSlamOptions options_;
+};
+
+}  // namespace
+
+std::unique_ptr<SlamMethod> orb_method() { return std::make_unique<OrbMethod>(); }
+
+}  // namespace rastro

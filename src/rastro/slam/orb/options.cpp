@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/options.h"
+
+namespace rastro {
+namespace {
+
+void add_feature_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add({"sensor",
+             &o.sensor,
+             "",
+             "what to use of the recording: all it has (depth before a second camera), or less",
+             0,
+             0,
+             {"auto", "mono", "stereo", "rgbd"}});
+  table.add({"features",
+             &o.features,
+             "",
+             "ORB features a picture; 0: 1000, and 2000 where it is more than a third larger than 640 x 480",
+             0,
+             20000,
+             {}});
+  table.add({"levels", &o.levels, "", "of the pyramid (Mur-Artal et al. 2015)", 1, 16, {}});
+  table.add({"scale_factor", &o.scale_factor, "", "from one level to the next", 1.05, 2, {}});
+  table.add({"fast_threshold", &o.fast_threshold, "grey levels", "of the corner test", 1, 255, {}});
+  table.add({"least_fast_threshold",
+             &o.least_fast_threshold,
+             "grey levels",
+             "the same where a cell has no corner by that",
+             1,
+             255,
+             {}});
+  table.add({"pixel_sigma",
+             &o.pixel_sigma,
+             "px",
+             "standard deviation of the place of a feature of the finest level; that of others grows with the scale",
+             0.05,
+             20,
+             {}});
+}
+
+void add_depth_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add(
+      {"virtual_baseline_m",
+       &o.virtual_baseline_m,
+       "m",
+       "depth z is taken for a right camera so far aside, whose pixels are as sure: sigma grows with z squared, as "
+       "a depth camera's does",
+       0.01,
+       1,
+       {}});
+  table.add({"far_baselines",
+             &o.far_baselines,
+             "",
+             "depths beyond so many baselines say little: no landmark is made of one of them alone (Mur-Artal and "
+             "Tardos 2017)",
+             5,
+             1000,
+             {}});
+  table.add({"start_depth_points",
+             &o.start_depth_points,
+             "",
+             "features with depth that a map begins with, where depth is seen",
+             20,
+             20000,
+             {}});
+}
+
+void add_start_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add({"init_window_share",
+             &o.init_window_share,
+             "",
+             "of the picture's width, how far a feature may move between the two frames a map begins with",
+             0.01,
+             1,
+             {}});
+  table.add({"init_hamming", &o.init_hamming, "bits", "by which two of the same may differ there", 1, 256, {}});
+  table.add({"init_ratio", &o.init_ratio, "", "best to second best difference, at most (Lowe 2004)", 0.1, 1, {}});
+  table.add({"init_matches", &o.init_matches, "", "pairs of features two frames must have", 8, 20000, {}});
+  table.add({"init_points", &o.init_points, "", "points that must be in front of both, at its pixels", 5, 20000, {}});
+  table.add({"init_parallax_deg",
+             &o.init_parallax_deg,
+             "deg",
+             "median angle between both directions to a point: less makes depth a guess",
+             0.01,
+             45,
+             {}});
+  table.add({"init_homography_share",
+             &o.init_homography_share,
+             "",
+             "S_H / (S_H + S_F) above which the scene is a plane (Mur-Artal et al. 2015, section IV)",
+             0,
+             1,
+             {}});
+  table.add({"init_iterations", &o.init_iterations, "", "most samples of either model", 10, 100000, {}});
+  table.add({"init_frames",
+             &o.init_frames,
+             "",
+             "frames whose features are kept until a map begins, to be followed afterwards",
+             2,
+             10000,
+             {}});
+}
+
+void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add({"search_px",
+             &o.search_px,
+             "px",
+             "around where the last frame's points should be, at the finest level; wider where that fails",
+             1,
+             200,
+             {}});
+  table.add({"local_search_px", &o.local_search_px, "px", "the same once the pose is about known", 0.5, 100, {}});
+  table.add({"match_hamming", &o.match_hamming, "bits", "by which a landmark's looks may differ", 1, 256, {}});
+  table.add({"match_ratio", &o.match_ratio, "", "best to second best difference, at most", 0.1, 1, {}});
+  table.add({"max_view_angle_deg",
+             &o.max_view_angle_deg,
+             "deg",
+             "from which a landmark is expected to look the same, against the mean direction it was seen from",
+             5,
+             180,
+             {}});
+  table.add({"min_guess_inliers",
+             &o.min_guess_inliers,
+             "",
+             "points of the last frame that must fit, else a wider search, then the reference keyframe",
+             4,
+             1000,
+             {}});
+  table.add({"min_inliers", &o.min_inliers, "", "landmarks that must fit, or the way is lost", 4, 1000, {}});
+  table.add({"pnp_iterations", &o.pnp_iterations, "", "most samples of three points", 10, 100000, {}});
+  table.add({"local_keyframes", &o.local_keyframes, "", "around the newest, whose landmarks are tracked", 2, 1000, {}});
+  table.add({"local_landmarks", &o.local_landmarks, "", "at most", 100, 1000000, {}});
+}
+
+void add_keyframe_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add({"keyframe_frames",
+             &o.keyframe_frames,
+             "",
+             "frames after the last keyframe from which mapping need not be idle for another",
+             1,
+             100000,
+             {}});
+  table.add({"keyframe_share",
+             &o.keyframe_share,
+             "",
+             "of the reference keyframe's landmarks: fewer tracked makes a keyframe",
+             0.05,
+             1,
+             {}});
+  table.add({"backend_delay_frames",
+             &o.backend_delay_frames,
+             "",
+             "so many frames later tracking learns what mapping made of a keyframe: the time mapping has beside it",
+             1,
+             1000,
+             {}});
+}
+
+void add_mapping_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add({"cull_found_share",
+             &o.cull_found_share,
+             "",
+             "of the frames that should see a new landmark, that must find it",
+             0,
+             1,
+             {}});
+  table.add(
+      {"cull_keyframes", &o.cull_keyframes, "", "keyframes after which a landmark has proved itself", 1, 100, {}});
+  table.add({"triangulate_neighbours",
+             &o.triangulate_neighbours,
+             "",
+             "covisible keyframes that new landmarks are made with and fused with",
+             1,
+             200,
+             {}});
+  table.add(
+      {"triangulate_hamming", &o.triangulate_hamming, "bits", "by which a new landmark's two may differ", 1, 256, {}});
+  table.add({"triangulate_parallax_deg",
+             &o.triangulate_parallax_deg,
+             "deg",
+             "least angle between both directions to a new landmark",
+             0.01,
+             45,
+             {}});
+  table.add({"epipolar_chi2",
+             &o.epipolar_chi2,
+             "",
+             "squared sigmas from the epipolar line: 95 % with one degree of freedom",
+             0.1,
+             100,
+             {}});
+  table.add(
+      {"fuse_px", &o.fuse_px, "px", "around where a landmark should be, for another to be the same", 0.5, 50, {}});
+  table.add({"adjust_keyframes", &o.adjust_keyframes, "", "covisible keyframes that each new one moves", 1, 1000, {}});
+  table.add({"adjust_fixed",
+             &o.adjust_fixed,
+             "",
+             "keyframes that see the same landmarks, at most, which hold them in place",
+             1,
+             1000,
+             {}});
+  table.add({"adjust_iterations", &o.adjust_iterations, "", "of bundle adjustment, at most", 1, 1000, {}});
+  table.add({"cull_seen_share",
+             &o.cull_seen_share,
+             "",
+             "of its landmarks that three others see as finely: the keyframe goes",
+             0.1,
+             1,
+             {}});
+  table.add({"covisible_landmarks", &o.covisible_landmarks, "", "that make two keyframes covisible", 1, 1000, {}});
+}
+
+void add_loss_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add({"lost_frames",
+             &o.lost_frames,
+             "",
+             "frames in which nothing known was seen before a new submap is begun",
+             1,
+             1000000,
+             {}});
+  table.add({"settled_frames", &o.settled_frames, "", "after relocalisation before a keyframe is made", 0, 10000, {}});
+  table.add({"seed", &o.seed, "", "of everything that is drawn at random", 0, 0, {}});
+}
+
+}  // namespace
+
+OptionTable option_table(OrbSlamOptions& options) {
+  OptionTable table;
+  add_feature_options(table, options);
+  add_depth_options(table, options);
+  add_start_options(table, options);
+  add_tracking_options(table, options);
+  add_keyframe_options(table, options);
+  add_mapping_options(table, options);
+  add_loss_options(table, options);
+  add_options(table, options.frame_check);
+  return table;
+}
+
+}  // namespace rastro

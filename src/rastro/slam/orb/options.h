@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "rastro/base/options.h"
+#include "rastro/odometry/frame_check.h"
+
+namespace rastro {
+
+/// Settings of keyframe SLAM; meaning, range and reason of each stand once, in option_table().
+struct OrbSlamOptions {
+  std::string sensor = "auto";
+
+  // Features.
+  int features = 0;
+  int levels = 8;
+  double scale_factor = 1.2;
+  int fast_threshold = 20;
+  int least_fast_threshold = 7;
+  double pixel_sigma = 1.0;
+
+  // Depth.
+  double virtual_baseline_m = 0.08;
+  double far_baselines = 40.0;
+  int start_depth_points = 200;
+
+  // Initialisation.
+  double init_window_share = 0.16;
+  int init_hamming = 64;
+  double init_ratio = 0.9;
+  int init_matches = 100;
+  int init_points = 50;
+  double init_parallax_deg = 1.0;
+  double init_homography_share = 0.45;
+  int init_iterations = 200;
+  int init_frames = 60;
+
+  // Tracking.
+  double search_px = 12.0;
+  double local_search_px = 4.0;
+  int match_hamming = 80;
+  double match_ratio = 0.9;
+  double max_view_angle_deg = 60.0;
+  int min_guess_inliers = 20;
+  int min_inliers = 30;
+  int pnp_iterations = 200;
+  int local_keyframes = 40;
+  int local_landmarks = 6000;
+
+  // Keyframes.
+  int keyframe_frames = 20;
+  int keyframe_min_points = 50;
+  double keyframe_share = 0.9;
+  int backend_delay_frames = 2;
+
+  // Mapping.
+  double cull_found_share = 0.25;
+  int cull_keyframes = 3;
+  int triangulate_neighbours = 12;
+  int triangulate_hamming = 50;
+  double triangulate_parallax_deg = 1.0;
+  double epipolar_chi2 = 3.84;
+  double fuse_px = 3.0;
+  int adjust_keyframes = 20;
+  int adjust_fixed = 20;
+  int adjust_iterations = 10;
+  double cull_seen_share = 0.9;
+
+  // Loops, loss.
+  std::string loops = "on";
+  int covisible_landmarks = 15;
+  int essential_landmarks = 100;
+  int lost_frames = 30;
+  int settled_frames = 20;
+  std::uint64_t seed = 1;
+
+  FrameCheckOptions frame_check;
+};
+
+/// The table points into `options`, which must outlive it.
+OptionTable option_table(OrbSlamOptions& options);
+
+}  // namespace rastro

@@ -1,0 +1,411 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/orb_slam.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <optional>
+
+#include "rastro/base/background.h"
+#include "rastro/base/error.h"
+#include "rastro/base/stopwatch.h"
+#include "rastro/odometry/frame_check.h"
+#include "rastro/slam/orb/frame_tracker.h"
+#include "rastro/slam/orb/frame_way.h"
+#include "rastro/slam/orb/initialiser.h"
+#include "rastro/slam/orb/local_mapper.h"
+#include "rastro/slam/orb/map_export.h"
+#include "rastro/slam/orb/sensor_choice.h"
+
+namespace rastro {
+namespace {
+
+using FramePointer = std::shared_ptr<const FeatureFrame>;
+
+SlamReason reason_of(OdometryReason reason) {
+  if (reason == OdometryReason::dark_or_blank) return SlamReason::dark_or_blank;
+  if (reason == OdometryReason::repeated_frame) return SlamReason::repeated_frame;
+  if (reason == OdometryReason::blurred) return SlamReason::blurred;
+  if (reason == OdometryReason::gap) return SlamReason::gap;
+  return SlamReason::none;
+}
+
+/// Of d in truth = exp(d) * camera_from_world to errors of world_from_camera in the world's axes.
+Matrix6d in_world_axes(const Matrix6d& covariance, const SE3& camera_from_world) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = camera_from_world.rotation().inverse().matrix();
+  const Matrix6d turned = turn * covariance * turn.transpose();
+  return 0.5 * (turned + turned.transpose());
+}
+
+std::vector<TrackedPoint> points_of(const MapGraph& graph, std::int64_t keyframe) {
+  std::vector<TrackedPoint> points;
+  const MapKeyframe& seer = graph.keyframe(keyframe);
+  for (std::uint32_t i = 0; i < seer.landmarks.size(); ++i) {
+    if (seer.landmarks[i] < 0) continue;
+    TrackedPoint point;
+    point.feature = i;
+    point.landmark = seer.landmarks[i];
+    point.position = graph.landmark(point.landmark).position;
+    points.push_back(point);
+  }
+  return points;
+}
+
+}  // namespace
+
+class OrbSlam::State {
+ public:
+  State(const OrbSlamOptions& options, const SourceInfo& source, const SlamMeans& means);
+
+  SlamUpdate process(const Frame& frame);
+  std::vector<SlamEvent> finish();
+  Trajectory trajectory() const;
+  std::shared_ptr<const Snapshot> snapshot() const;
+
+ private:
+  struct MappingResult {
+    std::shared_ptr<const MapView> view;
+    std::vector<SlamEvent> events;
+  };
+  struct Pending {
+    std::int64_t due = 0;  ///< Number of the frame that may see it.
+    std::size_t job = 0;
+    int submap = 0;
+    std::shared_ptr<MappingResult> result;
+  };
+
+  void look(const Frame& frame, SlamUpdate& update);
+  void follow(const FramePointer& frame, SlamUpdate& update);
+  void on_pose(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update);
+  void on_loss(const FramePointer& frame, SlamUpdate& update);
+  bool begin(const FramePointer& frame, SlamUpdate& update);
+  bool begin_from_pair(const StartPair& start, SlamUpdate& update);
+  bool begin_from_depth(const FramePointer& frame, SlamUpdate& update);
+  void track_waiting(const StartPair& start, SlamUpdate& update);
+  void track_back(std::size_t first, SlamUpdate& update);
+  void place(const FeatureFrame& frame, const TrackResult& tracked);
+  void place_keyframe(const FeatureFrame& frame, std::int64_t keyframe);
+  void count_seen(const TrackResult& tracked);
+  bool needs_keyframe(const FeatureFrame& frame, const TrackResult& tracked) const;
+  KeyframeInput keyframe_input(const FramePointer& frame, const TrackResult& tracked);
+  void make_keyframe(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update);
+  void map_now(const FramePointer& frame, const TrackResult& tracked);
+  void take_results(std::int64_t up_to, std::vector<SlamEvent>& events);
+  void wait_for_mapping() const { background_.wait_for_all(); }
+  MapViewOptions view_options() const { return {options_.local_keyframes, options_.local_landmarks}; }
+  std::vector<std::uint32_t> fresh_features(const FeatureFrame& frame, const TrackResult& tracked) const;
+
+  OrbSlamOptions options_;
+  SensorChoice sensor_;
+  FrameCheck check_;
+  FeatureMaker maker_;
+  MapGraph graph_;
+  LocalMapper mapper_;
+  FrameTracker tracker_;
+  Initialiser initialiser_;
+  FrameWay way_;
+  std::deque<Pending> pending_;
+  std::vector<std::int64_t> visible_, found_;
+  std::int64_t next_keyframe_ = 0;
+  std::int64_t seen_ = 0;           ///< Frames given, of any kind.
+  std::int64_t keyframe_seen_ = 0;  ///< When the last keyframe was made.
+  std::int64_t settled_seen_ = 0;   ///< When the way was last lost and found.
+  bool tracking_ = false;
+  bool exists_ = false;  ///< There is a map.
+  int lost_frames_ = 0;
+  SE3 last_pose_;                  ///< world_from_camera
+  mutable Background background_;  ///< Last: its jobs use what is above.
+};
+
+OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, const SlamMeans& means)
+    : options_(options_for(options, source)),
+      sensor_(choose_sensor(options_, source)),
+      check_(options_.frame_check),
+      maker_(options_, sensor_, means.pool),
+      graph_(sensor_.camera, sensor_.sensor, sensor_.baseline, orb_options(options_)),
+      mapper_(options_, graph_, means.pool),
+      tracker_(options_, sensor_.camera, sensor_.sensor, sensor_.baseline),
+      initialiser_(options_, sensor_.camera),
+      background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {}
+
+SlamUpdate OrbSlam::State::process(const Frame& frame) {
+  Stopwatch whole, stage;
+  SlamUpdate update;
+  update.index = frame.index;
+  update.stamp = frame.stamp;
+  ++seen_;
+  update.world_from_body = last_pose_;
+  take_results(seen_, update.events);
+  update.times.push_back({"wait", stage.lap_ms()});
+  look(frame, update);
+  last_pose_ = update.world_from_body;
+  update.milliseconds = whole.lap_ms();
+  return update;
+}
+
+void OrbSlam::State::look(const Frame& frame, SlamUpdate& update) {
+  const FrameCheckResult checked = check_.check(frame.image.view(), frame.stamp);
+  update.reason = reason_of(checked.reason);
+  update.detail = checked.detail;
+  if (!checked.useful()) {
+    update.state = exists_ ? SlamState::lost : SlamState::initialising;
+    if (frame.image.empty()) update.reason = SlamReason::no_data;
+    return;
+  }
+  Stopwatch stage;
+  const FramePointer features = maker_.make(frame);
+  update.times.push_back({"features", stage.lap_ms()});
+  if (tracking_) {
+    follow(features, update);
+  } else {
+    on_loss(features, update);
+  }
+}
+
+void OrbSlam::State::follow(const FramePointer& frame, SlamUpdate& update) {
+  Stopwatch stage;
+  const TrackResult tracked = tracker_.track(frame);
+  update.times.push_back({"track", stage.lap_ms()});
+  if (tracked.ok) {
+    update.state = SlamState::tracking;
+    on_pose(frame, tracked, update);
+    return;
+  }
+  update.reason = SlamReason::few_inliers;
+  update.detail = fmt::format("{} of {} matches fit, need {}", tracked.inliers, tracked.matches, options_.min_inliers);
+  update.world_from_body = tracker_.predicted().inverse();
+  tracking_ = false;
+  lost_frames_ = 0;
+  initialiser_.clear();
+  on_loss(frame, update);
+}
+
+void OrbSlam::State::on_pose(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update) {
+  Stopwatch stage;
+  update.world_from_body = tracked.camera_from_world.inverse();
+  update.covariance = in_world_axes(tracked.covariance, tracked.camera_from_world);
+  update.score = static_cast<double>(tracked.inliers) / std::max(1, tracked.matches);
+  update.used = tracked.inliers;
+  place(*frame, tracked);
+  count_seen(tracked);
+  if (needs_keyframe(*frame, tracked)) make_keyframe(frame, tracked, update);
+  update.times.push_back({"keyframe", stage.lap_ms()});
+}
+
+void OrbSlam::State::place(const FeatureFrame& frame, const TrackResult& tracked) {
+  const MapView& view = *tracker_.view();
+  const auto& reference = view.keyframes[static_cast<std::size_t>(view.find_keyframe(tracked.reference))];
+  way_.add({frame.data().frame, frame.data().stamp, reference.id,
+            tracked.camera_from_world * reference.camera_from_world.inverse(), reference.unit});
+}
+
+void OrbSlam::State::place_keyframe(const FeatureFrame& frame, std::int64_t keyframe) {
+  way_.add({frame.data().frame, frame.data().stamp, keyframe, SE3(), graph_.unit(keyframe)});
+}
+
+void OrbSlam::State::count_seen(const TrackResult& tracked) {
+  visible_.insert(visible_.end(), tracked.visible.begin(), tracked.visible.end());
+  for (const TrackedPoint& point : tracked.points) {
+    if (point.landmark >= 0) found_.push_back(point.landmark);
+  }
+}
+
+bool OrbSlam::State::needs_keyframe(const FeatureFrame& frame, const TrackResult& tracked) const {
+  if (settled_seen_ > 0 && seen_ - settled_seen_ < options_.settled_frames &&
+      static_cast<int>(graph_.submap_count()) == 0)
+    return false;
+  const bool overdue = seen_ - keyframe_seen_ > options_.keyframe_frames;
+  if (!pending_.empty() && !overdue) return false;
+  const MapView& view = *tracker_.view();
+  const auto& reference = view.keyframes[static_cast<std::size_t>(view.find_keyframe(tracked.reference))];
+  if (tracked.inliers < options_.min_inliers) return false;
+  const bool few = tracked.inliers < options_.keyframe_share * reference.landmarks;
+  (void)frame;
+  return few || (overdue && tracked.inliers < reference.landmarks);
+}
+
+std::vector<std::uint32_t> OrbSlam::State::fresh_features(const FeatureFrame& frame, const TrackResult& tracked) const {
+  std::vector<std::uint32_t> fresh;
+  if (sensor_.sensor == LandmarkSensor::mono) return fresh;
+  std::vector<std::uint8_t> taken(frame.size(), 0);
+  for (const TrackedPoint& point : tracked.points) taken[point.feature] = 1;
+  const double far = options_.far_baselines * sensor_.baseline;
+  for (std::uint32_t i = 0; i < frame.size(); ++i) {
+    if (taken[i] == 0 && std::isfinite(frame.right_pixel(i)) && static_cast<double>(frame.data().depths[i]) <= far)
+      fresh.push_back(i);
+  }
+  return fresh;
+}
+
+KeyframeInput OrbSlam::State::keyframe_input(const FramePointer& frame, const TrackResult& tracked) {
+  const MapView& view = *tracker_.view();
+  const auto& reference = view.keyframes[static_cast<std::size_t>(view.find_keyframe(tracked.reference))];
+  KeyframeInput input{frame->with_id(next_keyframe_++),
+                      reference.id,
+                      tracked.camera_from_world * reference.camera_from_world.inverse(),
+                      reference.unit,
+                      tracked.points,
+                      std::move(visible_),
+                      std::move(found_)};
+  visible_.clear();
+  found_.clear();
+  keyframe_seen_ = seen_;
+  return input;
+}
+
+void OrbSlam::State::make_keyframe(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update) {
+  const auto input = std::make_shared<KeyframeInput>(keyframe_input(frame, tracked));
+  const std::int64_t id = input->frame->data().id;
+  tracker_.add_fresh(id, input->frame, tracked.camera_from_world, fresh_features(*frame, tracked));
+  update.events.push_back({"keyframe", fmt::format("{}", id)});
+  const auto result = std::make_shared<MappingResult>();
+  const std::size_t job = background_.submit([this, input, result, id] {
+    mapper_.add(*input);
+    result->view = view_of(graph_, id, view_options());
+  });
+  pending_.push_back({seen_ + options_.backend_delay_frames, job, 0, result});
+}
+
+/// The same without a later frame to hand the result over to.
+void OrbSlam::State::map_now(const FramePointer& frame, const TrackResult& tracked) {
+  const KeyframeInput input = keyframe_input(frame, tracked);
+  mapper_.add(input);
+  tracker_.set_view(view_of(graph_, input.frame->data().id, view_options()));
+}
+
+void OrbSlam::State::take_results(std::int64_t up_to, std::vector<SlamEvent>& events) {
+  while (!pending_.empty() && pending_.front().due <= up_to) {
+    const Pending pending = pending_.front();
+    pending_.pop_front();
+    background_.wait(pending.job);
+    events.insert(events.end(), pending.result->events.begin(), pending.result->events.end());
+    if (tracking_) tracker_.set_view(pending.result->view);
+  }
+}
+
+void OrbSlam::State::on_loss(const FramePointer& frame, SlamUpdate& update) {
+  Stopwatch stage;
+  ++lost_frames_;
+  update.state = exists_ ? SlamState::lost : SlamState::initialising;
+  if (exists_ && update.reason == SlamReason::none) update.reason = SlamReason::not_found;
+  begin(frame, update);
+  update.times.push_back({"start", stage.lap_ms()});
+}
+
+bool OrbSlam::State::begin(const FramePointer& frame, SlamUpdate& update) {
+  if (sensor_.sensor != LandmarkSensor::mono) return begin_from_depth(frame, update);
+  const auto start = initialiser_.add(frame);
+  if (!exists_) update.reason = initialiser_.frames().size() < 2 ? SlamReason::first_frame : SlamReason::too_few_points;
+  update.detail = initialiser_.detail();
+  if (!start || (exists_ && lost_frames_ < options_.lost_frames)) return false;
+  return begin_from_pair(*start, update);
+}
+
+bool OrbSlam::State::begin_from_pair(const StartPair& start, SlamUpdate& update) {
+  take_results(std::numeric_limits<std::int64_t>::max(), update.events);
+  const FramePointer first = initialiser_.frames()[start.first]->with_id(next_keyframe_);
+  const FramePointer second = initialiser_.frames()[start.second]->with_id(next_keyframe_ + 1);
+  next_keyframe_ += 2;
+  const int submap = exists_ ? graph_.submap_count() : 0;
+  if (!mapper_.start(first, second, start.second_from_first, start.pairs, start.points, submap)) {
+    update.detail = fmt::format("fewer than {} points left after adjustment", options_.init_points);
+    return false;
+  }
+  exists_ = tracking_ = true;
+  keyframe_seen_ = settled_seen_ = seen_;
+  tracker_.set_view(view_of(graph_, second->data().id, view_options()));
+  place_keyframe(*first, first->data().id);
+  place_keyframe(*second, second->data().id);
+  update.events.push_back({"submap", fmt::format("{} begun from frames {} and {} with {} points", submap,
+                                                 first->data().frame, second->data().frame, graph_.landmark_count())});
+  track_waiting(start, update);
+  update.state = SlamState::tracking;
+  update.reason = SlamReason::none;
+  update.detail.clear();
+  update.world_from_body = tracker_.last_pose().inverse();
+  initialiser_.clear();
+  return true;
+}
+
+/// The frames between the two, those before them, and on from the second.
+void OrbSlam::State::track_waiting(const StartPair& start, SlamUpdate& update) {
+  const std::int64_t first = graph_.keyframe_ids().back() - 1, second = first + 1;
+  const auto& frames = initialiser_.frames();
+  tracker_.restart(graph_.keyframe(first).camera_from_world, points_of(graph_, first), graph_.keyframe(first).frame);
+  track_back(start.first, update);
+  tracker_.restart(graph_.camera_from_world(first), points_of(graph_, first), graph_.keyframe(first).frame);
+  for (std::size_t i = start.first + 1; i < start.second; ++i) {
+    const TrackResult tracked = tracker_.track(frames[i]);
+    if (tracked.ok) place(*frames[i], tracked);
+  }
+  if (tracker_.track(frames[start.second]).ok) return;
+  tracker_.restart(graph_.camera_from_world(second), points_of(graph_, second), graph_.keyframe(second).frame);
+}
+
+void OrbSlam::State::track_back(std::size_t first, SlamUpdate& update) {
+  const auto& frames = initialiser_.frames();
+  for (std::size_t i = first; i-- > 0;) {
+    const TrackResult tracked = tracker_.track(frames[i]);
+    if (!tracked.ok) break;
+    place(*frames[i], tracked);
+    if (needs_keyframe(*frames[i], tracked)) map_now(frames[i], tracked);
+  }
+  (void)update;
+}
+
+bool OrbSlam::State::begin_from_depth(const FramePointer& frame, SlamUpdate& update) {
+  if (exists_ && lost_frames_ < options_.lost_frames) return false;
+  const auto known =
+      std::count_if(frame->data().depths.begin(), frame->data().depths.end(), [](float depth) { return depth > 0.0F; });
+  if (known < options_.start_depth_points) {
+    update.reason = SlamReason::too_few_points;
+    update.detail = fmt::format("{} features with depth, need {}", known, options_.start_depth_points);
+    return false;
+  }
+  take_results(std::numeric_limits<std::int64_t>::max(), update.events);
+  const FramePointer keyframe = frame->with_id(next_keyframe_++);
+  const std::int64_t id = keyframe->data().id;
+  const int submap = exists_ ? graph_.submap_count() : 0;
+  mapper_.start(keyframe, submap);
+  exists_ = tracking_ = true;
+  keyframe_seen_ = settled_seen_ = seen_;
+  tracker_.set_view(view_of(graph_, id, view_options()));
+  tracker_.restart(SE3(), points_of(graph_, id), keyframe);
+  place_keyframe(*keyframe, id);
+  update.state = SlamState::tracking;
+  update.reason = SlamReason::none;
+  update.world_from_body = SE3();
+  update.events.push_back({"submap", fmt::format("{} begun with {} points", submap, known)});
+  return true;
+}
+
+std::vector<SlamEvent> OrbSlam::State::finish() {
+  std::vector<SlamEvent> events;
+  take_results(std::numeric_limits<std::int64_t>::max(), events);
+  wait_for_mapping();
+  return events;
+}
+
+Trajectory OrbSlam::State::trajectory() const {
+  wait_for_mapping();
+  return exists_ ? way_.trajectory(graph_, way_.largest_submap(graph_)) : Trajectory();
+}
+
+std::shared_ptr<const Snapshot> OrbSlam::State::snapshot() const {
+  wait_for_mapping();
+  return snapshot_of(graph_, way_);
+}
+
+OrbSlam::OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamMeans& means)
+    : state_(std::make_unique<State>(options, source, means)) {}
+OrbSlam::~OrbSlam() = default;
+SlamUpdate OrbSlam::process(const Frame& frame) { return state_->process(frame); }
+std::vector<SlamEvent> OrbSlam::finish() { return state_->finish(); }
+Trajectory OrbSlam::trajectory() const { return state_->trajectory(); }
+std::shared_ptr<const Snapshot> OrbSlam::snapshot() const { return state_->snapshot(); }
+
+}  // namespace rastro

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "rastro/sensor/source.h"
+#include "rastro/slam/orb/options.h"
+#include "rastro/slam/slam.h"
+#include "rastro/slam/slam_method.h"
+
+namespace rastro {
+
+/// Keyframe SLAM, METHODS 6: R. Mur-Artal, J. M. M. Montiel and J. D. Tardos, "ORB-SLAM: a versatile and accurate
+/// monocular SLAM system", 2015; R. Mur-Artal and J. D. Tardos, "ORB-SLAM2", 2017. The body is the (left) camera; the
+/// world is the first keyframe's camera, in metres where two cameras or depth say so, else in the unit in which half
+/// the first points are nearer than 1.
+class OrbSlam : public Slam {
+ public:
+  /// `source` must have a calibrated camera. Error for options out of range, and where it lacks what `sensor` names.
+  OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamMeans& means);
+  ~OrbSlam() override;
+  SlamUpdate process(const Frame& frame) override;
+  std::vector<SlamEvent> finish() override;
+  Trajectory trajectory() const override;
+  std::shared_ptr<const Snapshot> snapshot() const override;
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rastro

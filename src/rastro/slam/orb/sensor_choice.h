@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/feature/orb.h"
+#include "rastro/sensor/frame.h"
+#include "rastro/sensor/source.h"
+#include "rastro/slam/orb/feature_frame.h"
+#include "rastro/slam/orb/options.h"
+
+namespace rastro {
+
+/// What a run works with.
+struct SensorChoice {
+  LandmarkSensor sensor = LandmarkSensor::mono;
+  Camera camera;
+  double baseline = 0.0;  ///< Metres; that of a made-up right camera where depth is seen.
+};
+
+/// With what depends on the pictures filled in. Error for options out of range.
+OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source);
+OrbOptions orb_options(const OrbSlamOptions& options);
+/// All that the source has, or what `sensor` names; Error where the source lacks that.
+SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& source);
+
+/// Turns frames into features, with depth where it is seen.
+class FeatureMaker {
+ public:
+  FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool);
+  std::shared_ptr<const FeatureFrame> make(const Frame& frame);
+
+ private:
+  OrbSlamOptions options_;
+  SensorChoice sensor_;
+  TaskPool* pool_;
+  OrbExtractor extractor_;
+};
+
+}  // namespace rastro
