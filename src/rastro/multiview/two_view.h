@@ -19,15 +19,16 @@ struct TwoViewPair {
 };
 
 struct TwoViewOptions {
-  double focal_px = 500.0;          ///< Turns normalised lengths into pixels.
-  double homography_chi2 = 5.991;   ///< Squared sigmas up to which a pair fits: two degrees of freedom...
-  double fundamental_chi2 = 3.841;  ///< ... and one.
-  double homography_share = 0.45;   ///< S_H / (S_H + S_F) above which the scene is taken for a plane.
-  int max_iterations = 200;         ///< Samples, of either model.
-  int min_points = 50;              ///< To be triangulated, or it does not start.
-  double min_inlier_share = 0.75;   ///< Of the model's inliers, that the motion taken must see in front.
-  double max_runner_up = 0.7;       ///< Share of the best motion's points that the second best may have.
-  double min_parallax_deg = 1.0;    ///< Median over the points.
+  double focal_px = 500.0;                 ///< Turns normalised lengths into pixels.
+  double homography_chi2 = 5.991;          ///< Squared sigmas up to which a pair fits: two degrees of freedom...
+  double fundamental_chi2 = 3.841;         ///< ... and one.
+  double homography_share = 0.45;          ///< S_H / (S_H + S_F) above which the scene is taken for a plane.
+  int max_iterations = 200;                ///< Samples, of either model.
+  int min_points = 50;                     ///< To be triangulated, or it does not start.
+  double min_inlier_share = 0.8;           ///< Of the model's inliers, that the motion taken must see in front.
+  double max_runner_up = 0.7;              ///< Share of the best motion's points that the second best may have.
+  double min_parallax_deg = 1.0;           ///< Median over the model's inliers.
+  double least_point_parallax_deg = 0.36;  ///< Of a point; with less it is taken to be at infinity.
   std::uint64_t seed = 1;
 };
 
@@ -50,8 +51,8 @@ struct TwoViewFit {
   double homography_score = 0.0, fundamental_score = 0.0;  ///< S_H and S_F.
   double share = 0.0;                                      ///< S_H / (S_H + S_F).
   int inliers = 0;                                         ///< Of the model taken.
-  double median_parallax_deg = 0.0;                        ///< Over the points of the best motion.
-  SE3 second_from_first;                                   ///< Translation of length 1. Of meaning when found.
+  double median_parallax_deg = 0.0;  ///< Of its inliers: how far directions differ once the turn is taken out.
+  SE3 second_from_first;             ///< Translation of length 1. Of meaning when found.
   /// One a pair, in the first camera's frame; nullopt: not seen in front of both at its pixels with parallax.
   std::vector<std::optional<Eigen::Vector3d>> points;
   int triangulated = 0;

@@ -13,7 +13,7 @@ namespace rastro {
 namespace {
 
 /// Squared sigmas beyond which an error counts no more: what lies behind a camera has it.
-constexpr double most_squared = 1e8;
+constexpr double most_squared = 1e6;
 
 void check(const Bundle& bundle) {
   RASTRO_CHECK(bundle.fixed.size() == bundle.camera_from_world.size(), "every camera is fixed or free");

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/multiview/two_view.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "rastro/math/math_testing.h"
+#include "rastro/multiview/homography_motion.h"
+#include "rastro/multiview/scene_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::angle_between;
+using testing::SceneOptions;
+using testing::two_view_scene;
+
+/// The parallax over which the camera of the scenes looks sideways at what is 3 to 20 m away.
+SE3 sideways() { return SE3(SO3::exp({0.02, -0.05, 0.01}), {0.9, -0.1, 0.2}); }
+
+std::vector<TwoViewPair> pairs_of(const testing::TwoViewScene& scene) {
+  std::vector<TwoViewPair> pairs;
+  for (std::size_t i = 0; i < scene.a.size(); ++i) {
+    TwoViewPair pair;
+    pair.first = scene.a[i];
+    pair.second = scene.b[i];
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+TEST(MotionsOfHomography, HoldTheTruthAndNoOtherLengthThanOne) {
+  Random random(1);
+  for (int trial = 0; trial < 50; ++trial) {
+    const SE3 motion = SE3::exp((Vector6d() << testing::random_vector<Eigen::Vector3d>(random, 1.0),
+                                 testing::random_vector<Eigen::Vector3d>(random, 0.4))
+                                    .finished());
+    const Eigen::Vector3d normal = testing::random_vector<Eigen::Vector3d>(random, 0.3) + Eigen::Vector3d(0, 0, 0.5);
+    const Eigen::Matrix3d h = motion.rotation().matrix() + 0.3 * motion.translation() * normal.transpose();
+    double nearest = 10.0;
+    const auto motions = motions_of_homography(random.uniform(0.2, 5.0) * h);
+    EXPECT_EQ(motions.size(), 4U);
+    for (const SE3& one : motions) {
+      EXPECT_NEAR(one.translation().norm(), 1.0, 1e-9);
+      const SE3 off = one.inverse() * SE3(motion.rotation(), motion.translation().normalized());
+      nearest = std::min(nearest, off.log().norm());
+    }
+    EXPECT_LT(nearest, 1e-6);
+  }
+  const auto turn = motions_of_homography(SO3::exp({0.1, 0.2, 0.3}).matrix());
+  ASSERT_EQ(turn.size(), 1U);
+  EXPECT_EQ(turn[0].translation().norm(), 0.0);
+  EXPECT_TRUE(motions_of_homography(Eigen::Matrix3d::Zero()).empty());
+  EXPECT_TRUE(motions_of_homography(Eigen::Vector3d(1, 1, 0).asDiagonal()).empty());
+}
+
+TEST(TwoViewMotion, IsFoundInSpiteOfNoiseAndOutliers) {
+  for (const SE3& motion : {sideways(), testing::some_motion()}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      Random random(seed);
+      const auto scene = two_view_scene(random, motion, {.count = 300, .noise_px = 0.5, .outlier_share = 0.2});
+      const TwoViewFit fit = find_two_view_motion(pairs_of(scene), {});
+      ASSERT_EQ(fit.status, TwoViewStatus::found) << fit.detail;
+      EXPECT_FALSE(fit.planar);
+      EXPECT_LT(fit.share, 0.45);
+      EXPECT_EQ(fit.detail, "");
+      EXPECT_LT(angle_between(fit.second_from_first.translation(), motion.translation()), 0.03);
+      EXPECT_LT((fit.second_from_first.rotation().inverse() * motion.rotation()).log().norm(), 0.005);
+      int points = 0, far_off = 0;
+      for (std::size_t i = 0; i < scene.points.size(); ++i) {
+        if (!fit.points[i]) continue;
+        ++points;
+        const double scale = motion.translation().norm();
+        far_off += (*fit.points[i] * scale - scene.points[i]).norm() > 0.2 * scene.points[i].norm();
+      }
+      EXPECT_EQ(points, fit.triangulated);
+      EXPECT_GT(points, 150);
+      EXPECT_LT(far_off, points / 10);
+    }
+  }
+}
+
+TEST(TwoViewMotion, APlaneIsTakenForOneAndItsWrongTwinNever) {
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    const SE3 motion = SE3::exp((Vector6d() << testing::random_vector<Eigen::Vector3d>(random, 4.0),
+                                 testing::random_vector<Eigen::Vector3d>(random, 0.2))
+                                    .finished());
+    const auto scene = two_view_scene(random, motion, {.count = 300, .noise_px = 0.3, .planar = true});
+    const TwoViewFit fit = find_two_view_motion(pairs_of(scene), {});
+    EXPECT_TRUE(fit.planar) << seed;
+    if (fit.status != TwoViewStatus::found) {
+      EXPECT_TRUE(fit.status == TwoViewStatus::ambiguous || fit.status == TwoViewStatus::little_motion) << fit.detail;
+      continue;
+    }
+    ++found;
+    EXPECT_LT(angle_between(fit.second_from_first.translation(), motion.translation()), 0.1) << seed;
+  }
+  EXPECT_GE(found, 4) << "points that only one motion has in front tell them apart";
+}
+
+TEST(TwoViewMotion, ARotationAloneOrNoMotionGivesNoneAndSaysWhatItWaitsFor) {
+  for (const SE3& motion : {SE3(SO3::exp({0.02, -0.1, 0.03}), {0, 0, 0}), SE3(SO3(), {0, 0, 0}),
+                            SE3(SO3::exp({0.0, 0.1, 0.0}), {0.01, 0.0, 0.0})}) {
+    Random random(3);
+    const auto scene = two_view_scene(random, motion, {.count = 300, .noise_px = 0.7, .outlier_share = 0.1});
+    const TwoViewFit fit = find_two_view_motion(pairs_of(scene), {});
+    EXPECT_EQ(fit.status, TwoViewStatus::little_motion);
+    EXPECT_THAT(fit.detail, ::testing::MatchesRegex("median parallax 0\\.[0-9] deg, need 1\\.0"));
+  }
+}
+
+TEST(TwoViewMotion, TooFewOrSenselessMatchesGiveNone) {
+  Random random(4);
+  const auto scene = two_view_scene(random, sideways(), {.count = 40});
+  const TwoViewFit few = find_two_view_motion(pairs_of(scene), {});
+  EXPECT_EQ(few.status, TwoViewStatus::too_few_pairs);
+  EXPECT_EQ(few.detail, "40 matches, need 50");
+  EXPECT_EQ(find_two_view_motion({}, {}).status, TwoViewStatus::too_few_pairs);
+  auto chance = pairs_of(two_view_scene(random, sideways(), {.count = 200, .outlier_share = 1.0}));
+  EXPECT_EQ(find_two_view_motion(chance, {}).status, TwoViewStatus::no_model);
+  for (TwoViewPair& pair : chance) pair.first.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(find_two_view_motion(chance, {}).status, TwoViewStatus::no_model);
+  const std::vector<TwoViewPair> one(100);
+  EXPECT_NE(find_two_view_motion(one, {}).status, TwoViewStatus::found);
+}
+
+TEST(TwoViewMotion, CoarseFeaturesMayBeFartherOff) {
+  Random random(5);
+  auto scene = two_view_scene(random, sideways(), {.count = 200, .noise_px = 3.0});
+  auto pairs = pairs_of(scene);
+  TwoViewOptions options;
+  EXPECT_LT(find_two_view_motion(pairs, options).inliers, 130);
+  for (TwoViewPair& pair : pairs) pair.first_sigma_px = pair.second_sigma_px = 3.0;
+  EXPECT_GT(find_two_view_motion(pairs, options).inliers, 160);
+}
+
+}  // namespace
+}  // namespace rastro
