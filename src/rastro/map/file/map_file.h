@@ -24,9 +24,10 @@ enum class MapKind : std::uint8_t { rgbd, landmarks };
 MapKind kind_of_map(const std::filesystem::path& file);
 
 /// Reads a map file; pictures are read from it when they are asked for, so the file must stay. A file left by a run
-/// that was killed is taken as far as it goes. Error for a file that is no map, is of a newer version, cut off or
-/// damaged.
+/// that was killed is taken as far as it goes. Error for a file that is no map, is of the other kind or of a newer
+/// version, cut off or damaged.
 std::shared_ptr<const RgbdMap> load_map(const std::filesystem::path& file);
+std::shared_ptr<const LandmarkMap> load_landmark_map(const std::filesystem::path& file);
 
 /// Whether a file calls itself a map, sound or not.
 bool is_map_file(const std::filesystem::path& file);

@@ -131,8 +131,8 @@ TEST(MapFile, SaysWhatIsWrongInOneLine) {
   write_whole_file(file, whole.substr(0, whole.size() / 2));
   EXPECT_THAT(message_of([&] { load_map(file); }), testing::AllOf(HasSubstr("cut off"), HasSubstr("recover")));
   write_whole_file(file, whole);
-  run_sql(file, "PRAGMA user_version=2");
-  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("version 2"));
+  run_sql(file, "PRAGMA user_version=3");
+  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("version 3"));
   for (const char* sql : {"DELETE FROM poses WHERE id=2", "DELETE FROM edges", "UPDATE edges SET body=x'00' WHERE id=1",
                           "UPDATE keyframes SET id=9 WHERE id=3", "CREATE TABLE more (x)", "DROP TABLE way",
                           "UPDATE head SET body='text'", "UPDATE contents SET checksum=1 WHERE id=0"}) {

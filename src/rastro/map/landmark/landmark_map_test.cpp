@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/landmark/landmark_map.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <map>
+#include <set>
+
+#include "rastro/base/error.h"
+#include "rastro/map/landmark/essential_graph.h"
+#include "rastro/map/landmark/landmark_checks.h"
+#include "rastro/map/landmark/landmark_map_testing.h"
+#include "rastro/map/landmark/map_scale.h"
+
+namespace rastro {
+namespace {
+
+using testing::HasSubstr;
+
+LandmarkMap road_in_units(double unit, LandmarkSensor sensor = LandmarkSensor::mono) {
+  TestRoad road;
+  road.unit = unit, road.sensor = sensor, road.keyframes = 24, road.landmarks = 900;
+  return make_landmark_test_map(road);
+}
+
+std::size_t shared_by(const LandmarkMap& map, std::int64_t a, std::int64_t b) {
+  const auto sees = [](const Landmark& landmark, std::int64_t keyframe) {
+    return std::any_of(landmark.observations.begin(), landmark.observations.end(),
+                       [&](const auto& observation) { return observation.keyframe == keyframe; });
+  };
+  return static_cast<std::size_t>(std::count_if(map.landmarks.begin(), map.landmarks.end(),
+                                                [&](const Landmark& each) { return sees(each, a) && sees(each, b); }));
+}
+
+TEST(CovisibilityGraph, IsWhatCountingPairByPairGives) {
+  const LandmarkMap map = make_landmark_test_map();
+  const auto graph = covisibility_graph(map, 15);
+  std::size_t next = 0;
+  for (std::uint32_t a = 0; a < map.keyframes.size(); ++a) {
+    for (std::uint32_t b = a + 1; b < map.keyframes.size(); ++b) {
+      const std::size_t shared = shared_by(map, map.keyframes[a]->id, map.keyframes[b]->id);
+      if (shared < 15) continue;
+      ASSERT_LT(next, graph.size());
+      EXPECT_EQ(graph[next].first, a);
+      EXPECT_EQ(graph[next].second, b);
+      EXPECT_EQ(graph[next++].shared, static_cast<int>(shared));
+    }
+  }
+  EXPECT_EQ(next, graph.size());
+  EXPECT_GT(next, 10U);
+}
+
+TEST(EssentialGraph, HasTheTreeTheTiesAndWhatIsStrong) {
+  const LandmarkMap map = make_landmark_test_map();
+  const int strong = covisibility_graph(map, 1).size() > 12 ? 60 : 1;
+  const auto graph = essential_graph(map, strong);
+  std::map<EssentialKind, int> kinds;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (const EssentialEdge& edge : graph) {
+    ++kinds[edge.kind];
+    EXPECT_LT(edge.first, edge.second);
+    EXPECT_TRUE(pairs.emplace(edge.first, edge.second).second) << "each pair once";
+    if (edge.kind == EssentialKind::covisible) {
+      EXPECT_GE(edge.shared, strong);
+    }
+  }
+  EXPECT_EQ(kinds[EssentialKind::tie], 1);
+  EXPECT_EQ(kinds[EssentialKind::tree], 11);
+  for (const Covisibility& pair : covisibility_graph(map, strong))
+    EXPECT_TRUE(pairs.contains({pair.first, pair.second}));
+}
+
+TEST(MapScale, OfKnownLengthsIsExactOnAnExactMap) {
+  const LandmarkMap map = road_in_units(0.37);
+  const auto metres = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm() / 0.37; };
+  const Landmark &a = map.landmarks[5], &b = map.landmarks[200];
+  const KnownLength between_landmarks{a.id, b.id, false, metres(a.position, b.position)};
+  const MapScaleFound one = scale_from_lengths(map, std::array{between_landmarks}, "here");
+  EXPECT_NEAR(one.metres_per_unit, 1.0 / 0.37, 1e-9);
+  EXPECT_GT(one.relative_sigma, 0.0) << "the places of landmarks are known so well and no better";
+  EXPECT_LT(one.relative_sigma, 0.1);
+  const KnownLength between_frames{
+      7, 33, true,
+      metres(map.trajectory[7].world_from_body.translation(), map.trajectory[33].world_from_body.translation())};
+  const MapScaleFound frames = scale_from_lengths(map, std::array{between_frames}, "here");
+  EXPECT_NEAR(frames.metres_per_unit, 1.0 / 0.37, 1e-6);
+  KnownLength wrong = between_landmarks;
+  wrong.metres *= 1.1;
+  const MapScaleFound two = scale_from_lengths(map, std::array{between_frames, wrong}, "here");
+  EXPECT_GT(two.relative_sigma, 0.005);
+  EXPECT_THROW(scale_from_lengths(map, std::array{KnownLength{10, 11, false, 1.0}}, "here"), Error) << "10 was culled";
+  EXPECT_THROW(scale_from_lengths(map, std::array{KnownLength{0, 4000, true, 1.0}}, "here"), Error);
+  EXPECT_THROW(scale_from_lengths(map, std::array{KnownLength{a.id, a.id, false, 1.0}}, "here"), Error);
+}
+
+TEST(MapScale, OfAReferenceInAnotherFrameIsFoundWithItsSigma) {
+  const LandmarkMap map = road_in_units(0.37);
+  const SE3 other(SO3::exp({0.1, 2.0, -0.4}), {100.0, -20.0, 3.0});
+  Trajectory reference;
+  Random random(3);
+  for (const StampedPose& pose : map.trajectory) {
+    Eigen::Vector3d place = other * Eigen::Vector3d(pose.world_from_body.translation() / 0.37);
+    for (double& value : place) value += 0.05 * random.normal();
+    reference.push_back({pose.stamp, SE3(SO3(), place)});
+  }
+  const MapScaleFound found = scale_from_reference(map, reference, "here");
+  EXPECT_NEAR(found.metres_per_unit * 0.37, 1.0, 4.0 * found.relative_sigma);
+  EXPECT_LT(found.relative_sigma, 0.005);
+  EXPECT_GT(found.relative_sigma, 1e-5);
+  for (StampedPose& pose : reference) pose.stamp += 1'000'000'000'000;
+  EXPECT_THROW(scale_from_reference(map, reference, "here"), Error) << "another clock";
+}
+
+TEST(MapScale, OfACameraHeightComesFromTheGroundAhead) {
+  const LandmarkMap map = road_in_units(0.37);
+  const MapScaleFound found = scale_from_camera_height(map, TestRoad::camera_height_m, "here");
+  EXPECT_NEAR(found.metres_per_unit * 0.37, 1.0, 0.02);
+  EXPECT_LT(found.relative_sigma, 0.02);
+  LandmarkMap without_ground = map;
+  for (Landmark& landmark : without_ground.landmarks) landmark.position.y() = -std::abs(landmark.position.y()) - 1.0;
+  EXPECT_THROW(scale_from_camera_height(without_ground, 1.65, "here"), Error);
+}
+
+TEST(MapScale, AScaledMapIsTheOneMadeInMetres) {
+  const LandmarkMap metres = road_in_units(1.0);
+  MapScaleFound found;
+  found.metres_per_unit = 1.0 / 0.37;
+  found.relative_sigma = 0.01;
+  found.from = "a known length";
+  const LandmarkMap map = scaled(road_in_units(0.37), found);
+  EXPECT_TRUE(map.scale.metric);
+  EXPECT_EQ(map.scale.relative_sigma, 0.01);
+  for (std::size_t k = 0; k < map.poses.size(); ++k)
+    EXPECT_LT((map.poses[k].world_from_camera.translation() - metres.poses[k].world_from_camera.translation()).norm(),
+              1e-12);
+  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
+    EXPECT_LT((map.landmarks[i].position - metres.landmarks[i].position).norm(), 1e-12);
+    EXPECT_NEAR(map.landmarks[i].max_distance, metres.landmarks[i].max_distance, 1e-4);
+  }
+  EXPECT_LT((map.ties[0].from_from_to.matrix() - metres.ties[0].from_from_to.matrix()).norm(), 1e-12);
+  EXPECT_LT(
+      (map.trajectory.back().world_from_body.translation() - metres.trajectory.back().world_from_body.translation())
+          .norm(),
+      1e-12);
+}
+
+TEST(PlaceCovariance, GrowsWithFewerViewsAndIsOpenWithOne) {
+  const LandmarkMap map = road_in_units(1.0);
+  const auto seen_often = std::max_element(
+      map.landmarks.begin(), map.landmarks.end(),
+      [](const Landmark& a, const Landmark& b) { return a.observations.size() < b.observations.size(); });
+  const auto covariance = place_covariance(map, *seen_often);
+  ASSERT_TRUE(covariance);
+  Landmark fewer = *seen_often;
+  fewer.observations.resize(2);
+  const auto more = place_covariance(map, fewer);
+  ASSERT_TRUE(more);
+  EXPECT_GT(more->trace(), covariance->trace());
+  fewer.observations.resize(1);
+  EXPECT_FALSE(place_covariance(map, fewer)) << "one camera leaves the distance open";
+}
+
+}  // namespace
+}  // namespace rastro
