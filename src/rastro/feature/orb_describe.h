@@ -24,8 +24,7 @@ struct OrbDirection {
 /// `centre` is the corner's pixel; 16 pixels either side may be read.
 OrbDirection orb_direction(const std::uint8_t* centre, std::ptrdiff_t stride);
 
-/// Both ends of the binary tests, in pixels from the corner before turning: x and y of 256 first ends, then of the
-/// second.
+/// Both ends of the binary tests, in pixels from the corner before turning.
 using OrbPattern = std::array<std::array<std::int8_t, 4>, 256>;  ///< ax, ay, bx, by.
 const OrbPattern& orb_pattern();
 

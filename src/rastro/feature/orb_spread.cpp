@@ -9,7 +9,7 @@
 namespace rastro {
 namespace {
 
-constexpr double corners_per_cell = 3.0;
+constexpr double corners_per_cell = 10.0;
 constexpr int least_cell = 8;
 
 bool better(const FastCorner& a, const FastCorner& b) {

