@@ -13,8 +13,10 @@
 #include "rastro/cli/command.h"
 #include "rastro/synthetic/worlds/corridor.h"
 #include "rastro/synthetic/worlds/hall.h"
+#include "rastro/synthetic/worlds/loop.h"
 #include "rastro/synthetic/worlds/rooms.h"
 #include "rastro/synthetic/worlds/street.h"
+#include "rastro/synthetic/write_closures.h"
 #include "rastro/synthetic/write_euroc.h"
 #include "rastro/synthetic/write_kitti.h"
 #include "rastro/synthetic/write_laser_log.h"
@@ -34,6 +36,7 @@ struct SimulateFlags {
   int threads = 0;
   bool distortion = false;
   bool no_truth = false;
+  bool stereo = false;
   bool force = false;
   bool quiet = false;
 };
@@ -59,7 +62,14 @@ constexpr const char* worlds_text =
     "       abrupt swing at 15 s, and on without end; with objects.yaml for `rastro measure` and truth.ply\n"
     "study  the same for a room full of things in less light: shelves (0.16 m high, 0.75 m wide), a wall calendar "
     "(0.42 m),\n"
-    "       a table of glass (0.85 m) whose depth is missing or what lies behind; the swing is at 20.5 s\n";
+    "       a table of glass (0.85 m) whose depth is missing or what lies behind; the swing is at 20.5 s\n"
+    "loop   a walk of 120 m through streets, a hall and a square, 640x480 at 20 Hz, with --stereo or --format tum: "
+    "back at "
+    "the\n"
+    "       start in the same direction (frames 860-), across the square against it (1420-), a crowd (210-420), and "
+    "two "
+    "seconds\n"
+    "       of another place (550-589); closures.yaml says which frames show the same\n";
 
 struct Written {
   std::int64_t frames = 0;
@@ -84,7 +94,7 @@ Written write_as_asked(const World& world, const SimulateFlags& flags, std::int6
                        const std::function<void(std::int64_t)>& progress) {
   TaskPool pool(flags.threads);
   if (flags.format == "euroc") {
-    const EurocOptions options{frames, !flags.no_truth, flags.force};
+    const EurocOptions options{frames, !flags.no_truth, flags.force, flags.stereo};
     const EurocSummary summary = write_euroc(world, flags.out, options, pool, progress);
     return {summary.frames, summary.bytes, flags.out};
   }
@@ -94,12 +104,13 @@ Written write_as_asked(const World& world, const SimulateFlags& flags, std::int6
     return {summary.frames, summary.bytes, flags.out};
   }
   const KittiLayout layout = flags.format == "kitti" ? KittiLayout::odometry : KittiLayout::raw;
-  const KittiSummary summary = write_kitti(world, flags.out, {frames, layout, flags.force}, pool, progress);
+  const KittiSummary summary =
+      write_kitti(world, flags.out, {frames, layout, flags.force, flags.stereo}, pool, progress);
   return {summary.frames, summary.bytes, summary.recording.string()};
 }
 
 void check_flags(const SimulateFlags& flags) {
-  const std::vector<std::string> names = {"hall", "street", "corridor", "bedroom", "study"},
+  const std::vector<std::string> names = {"hall", "street", "corridor", "bedroom", "study", "loop"},
                                  formats = {"euroc", "kitti", "kitti-raw", "tum", "carmen"};
   const auto is_one_of = [](const std::string& name, const std::vector<std::string>& list) {
     return std::find(list.begin(), list.end(), name) != list.end();
@@ -116,6 +127,9 @@ void check_flags(const SimulateFlags& flags) {
   if (!flags.black.empty() && flags.format != "tum" && !(flags.format.empty() && is_room(flags.world)))
     throw Error("only recordings with depth can be black for a while", "--black", "leave it out or say --format tum");
   black_of(flags);
+  const bool has_two = flags.format.empty() || flags.format == "euroc" || flags.format == "kitti";
+  if (flags.stereo && !(flags.world == "loop" && has_two))
+    throw Error("only the loop has two cameras, and only euroc and kitti hold them", "--stereo", "leave it out");
   const bool drives = flags.world == "corridor";
   if (flags.format == "carmen" && !drives)
     throw Error("only the corridor has a laser", "--format carmen", "simulate the corridor or choose another format");
@@ -138,7 +152,7 @@ const char* default_format(const std::string& world) {
 std::int64_t default_frames(const std::string& world) {
   const double round_s = world == "bedroom" ? bedroom_round_s : study_round_s;
   if (is_room(world)) return static_cast<std::int64_t>(round_s * 30.0) + 1;
-  return world == "street" ? 400 : 150;
+  return world == "loop" ? loop_frames : world == "street" ? 400 : 150;
 }
 
 World make_world(const SimulateFlags& flags) {
@@ -146,6 +160,7 @@ World make_world(const SimulateFlags& flags) {
   if (flags.world == "street") return make_street({.seed = flags.seed, .threads = flags.threads});
   if (flags.world == "bedroom") return make_bedroom({.seed = flags.seed, .threads = flags.threads});
   if (flags.world == "study") return make_study({.seed = flags.seed, .threads = flags.threads});
+  if (flags.world == "loop") return make_loop({.seed = flags.seed, .threads = flags.threads});
   return make_hall({.seed = flags.seed, .distortion = flags.distortion, .threads = flags.threads});
 }
 
@@ -190,6 +205,7 @@ void simulate_camera(const SimulateFlags& flags) {
   {
     const Progress progress(flags, frames);
     written = write_as_asked(world, flags, frames, std::cref(progress));
+    if (flags.world == "loop") write_closures(world, frames, written.recording);
   }
   if (!flags.quiet)
     fmt::print("world      {} (seed {})\nframes     {}, {}x{}, {:g} Hz\nwritten to {} ({:.1f} MB)\n", world.name(),
@@ -217,13 +233,14 @@ void add_simulate_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("simulate", "Generate a recording of a made-up world, with exact truth");
   command->add_option("world", flags->world, "Which world; without it the worlds are listed");
   command->add_option("--out", flags->out, "Folder to write")->type_name("DIR");
-  command->add_option("--format", flags->format,
-                      "euroc, kitti (odometry), kitti-raw, tum (with depth) or carmen (laser, the corridor's); default "
-                      "euroc for the hall, kitti for the street, carmen for the corridor, tum for the rooms");
+  command->add_option(
+      "--format", flags->format,
+      "euroc, kitti (odometry), kitti-raw, tum (with depth) or carmen (laser, the corridor's); default "
+      "euroc for the hall and the loop, kitti for the street, carmen for the corridor, tum for the rooms");
   command->add_option(
       "--frames", flags->frames,
-      "How many frames; default 150, 400 in the street, one round (1156) in a room, the whole drive for a "
-      "laser log");
+      "How many frames; default 150, 400 in the street, one round (1156) in a room, the whole walk (1541) of the "
+      "loop, the whole drive for a laser log");
   command
       ->add_option("--odometry-error", flags->odometry_error,
                    "Of the corridor's wheels: 1 (the default) for 2 cm a metre and 2 degrees in 45, 3 for three times "
@@ -241,6 +258,7 @@ void add_simulate_command(CLI::App& app, Context& context) {
   command->add_flag("--distortion", flags->distortion, "The hall with EuRoC's lens distortion; else an ideal pinhole");
   command->add_flag("--no-truth", flags->no_truth,
                     "Leave out the depth and surface pictures that scoring needs (euroc)");
+  command->add_flag("--stereo", flags->stereo, "The loop's right camera too (euroc, kitti)");
   command->add_flag("--force", flags->force, "Write into a folder that is not empty");
   command->add_flag("--quiet", flags->quiet, "Print nothing but errors");
   command->footer(
@@ -254,7 +272,9 @@ void add_simulate_command(CLI::App& app, Context& context) {
       "plan\n"
       "  rastro simulate corridor --out rgbd --format tum --frames 1750   the same drive with a depth camera\n"
       "  rastro simulate bedroom --out bedroom                one round with a Kinect, truth and what to measure\n"
-      "  rastro simulate study --out dark --seed 3 --black 10:11   a second in which the camera is covered");
+      "  rastro simulate study --out dark --seed 3 --black 10:11   a second in which the camera is covered\n"
+      "  rastro simulate loop --out loop                      a walk with two loops, one camera\n"
+      "  rastro simulate loop --out pair --stereo             the same with two cameras");
   command->callback([flags, &context] {
     simulate(*flags);
     context.exit_code = done;

@@ -3,17 +3,27 @@
 
 #include <cmath>
 
+#include "rastro/base/error.h"
 #include "rastro/base/random.h"
 
 namespace rastro {
 namespace {
 
+constexpr std::uint64_t right_noise = 31;
+
 class WorldSource : public Source {
  public:
-  WorldSource(const World& world, std::int64_t frames, int threads) : world_(world), pool_(threads) {
+  WorldSource(const World& world, std::int64_t frames, int threads, bool stereo)
+      : world_(world), pool_(threads), stereo_(stereo && world.left_from_right()) {
     info_.path = world.name();
     info_.format = "synthetic";
     info_.cameras.push_back({"cam0", world.camera(), world.body_from_camera(), "generated"});
+    if (stereo_) {
+      const SE3 body_from_right = world.body_from_camera() * *world.left_from_right();
+      info_.cameras.push_back({"cam1", world.camera(), body_from_right, "generated"});
+      info_.left_from_right = world.left_from_right();
+      info_.has_right = true;
+    }
     info_.frame_count = frames;
     info_.ground_truth_frame = "camera";
     info_.ground_truth_file = "generated";
@@ -29,6 +39,7 @@ class WorldSource : public Source {
     frame.stamp = world_.stamp(next_);
     frame.name = world_.name() + " frame " + std::to_string(next_);
     frame.image = std::move(rendered.grey);
+    if (stereo_) frame.right = world_.render_right(next_, pool_).grey;
     frame.colour = std::move(rendered.colour);
     frame.depth = std::move(rendered.depth);
     frame.depth_stamp = frame.stamp;
@@ -39,6 +50,7 @@ class WorldSource : public Source {
  private:
   const World& world_;
   TaskPool pool_;
+  bool stereo_;
   SourceInfo info_;
   std::int64_t next_ = 0;
 };
@@ -59,13 +71,25 @@ SE3 World::world_from_camera(std::int64_t frame) const {
 Scene World::scene_at(std::int64_t frame) const { return scene_->at(static_cast<double>(frame) / parts_.rate_hz); }
 
 RenderedFrame World::render(std::int64_t frame, TaskPool& pool) const {
+  return render_from(SE3(), frame, seed_for(parts_.seed, static_cast<std::uint64_t>(frame)), pool);
+}
+
+RenderedFrame World::render_right(std::int64_t frame, TaskPool& pool) const {
+  RASTRO_CHECK(parts_.left_from_right, "the world has a right camera");
+  const std::uint64_t noise = seed_for(seed_for(parts_.seed, right_noise), static_cast<std::uint64_t>(frame));
+  return render_from(*parts_.left_from_right, frame, noise, pool);
+}
+
+RenderedFrame World::render_from(const SE3& left_from_camera, std::int64_t frame, std::uint64_t noise_seed,
+                                 TaskPool& pool) const {
   const double time = static_cast<double>(frame) / parts_.rate_hz;
   const SensorModel sensor = parts_.sensor(time);
   // The picture's pose is that of the middle of the exposure.
   const double half = 0.5 * sensor.exposure_time_s;
-  const SE3 begin_from_end = world_from_camera_at(time - half).inverse() * world_from_camera_at(time + half);
-  return renderer_.render(world_from_camera_at(time), sensor, {begin_from_end.log()},
-                          seed_for(parts_.seed, static_cast<std::uint64_t>(frame)), pool, time, parts_.in_colour);
+  const SE3 begin = world_from_camera_at(time - half) * left_from_camera;
+  const SE3 end = world_from_camera_at(time + half) * left_from_camera;
+  return renderer_.render(world_from_camera_at(time) * left_from_camera, sensor, {(begin.inverse() * end).log()},
+                          noise_seed, pool, time, parts_.in_colour);
 }
 
 std::optional<RayHit> World::surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const {
@@ -94,8 +118,8 @@ PointView World::view_of(std::int64_t frame, const Eigen::Vector3d& point_in_wor
   return view;
 }
 
-std::unique_ptr<Source> synthetic_source(const World& world, std::int64_t frames, int threads) {
-  return std::make_unique<WorldSource>(world, frames, threads);
+std::unique_ptr<Source> synthetic_source(const World& world, std::int64_t frames, int threads, bool stereo) {
+  return std::make_unique<WorldSource>(world, frames, threads, stereo);
 }
 
 }  // namespace rastro

@@ -46,6 +46,8 @@ class World {
     bool in_colour = false;                            ///< Frames have colour pictures, and grey ones made from them.
     std::optional<KinectModel> kinect = std::nullopt;  ///< How its depth camera measures, where it has one of its own.
     std::vector<NamedLength> lengths = {};             ///< What can be measured in it.
+    /// Pose of a second camera of the same kind, where there is one.
+    std::optional<SE3> left_from_right = std::nullopt;
   };
   World(std::unique_ptr<const Scene> scene, Parts parts);
 
@@ -67,6 +69,9 @@ class World {
   double time_of(std::int64_t frame) const { return static_cast<double>(frame) / parts_.rate_hz; }
 
   RenderedFrame render(std::int64_t frame, TaskPool& pool) const;
+  const std::optional<SE3>& left_from_right() const { return parts_.left_from_right; }
+  /// The same moment in the right camera. Only of a world that has one.
+  RenderedFrame render_right(std::int64_t frame, TaskPool& pool) const;
   /// Exact depth and surfaces at any time, without a picture.
   RenderedFrame depth_at(double time_s, TaskPool& pool) const {
     return renderer_.cast(world_from_camera_at(time_s), pool, time_s);
@@ -79,13 +84,16 @@ class World {
   PointView view_of(std::int64_t frame, const Eigen::Vector3d& point_in_world) const;
 
  private:
+  RenderedFrame render_from(const SE3& left_from_camera, std::int64_t frame, std::uint64_t noise_seed,
+                            TaskPool& pool) const;
+
   std::unique_ptr<const Scene> scene_;
   Parts parts_;
   Renderer renderer_;
 };
 
-/// The first `frames` frames as a source with ground truth of the camera, without any file. The world must outlive the
-/// source.
-std::unique_ptr<Source> synthetic_source(const World& world, std::int64_t frames, int threads = 1);
+/// The first `frames` frames as a source with ground truth of the camera, without any file; of both cameras where
+/// `stereo` is set and the world has two. The world must outlive the source.
+std::unique_ptr<Source> synthetic_source(const World& world, std::int64_t frames, int threads = 1, bool stereo = false);
 
 }  // namespace rastro

@@ -52,12 +52,12 @@ std::string intrinsics_text(const Camera& camera) {
       camera.coefficients[1], camera.coefficients[2], camera.coefficients[3]);
 }
 
-std::string camera_yaml(const World& world) {
+std::string camera_yaml(const World& world, const SE3& body_from_camera) {
   return fmt::format(
       "# General sensor definitions.\nsensor_type: camera\ncomment: generated world '{}'\n\n"
       "# Sensor extrinsics wrt. the body-frame.\nT_BS:\n  cols: 4\n  rows: 4\n{}\n"
       "# Camera specific definitions.\nrate_hz: {:g}\n{}\n",
-      world.name(), rows_of(world.body_from_camera().matrix()), world.rate_hz(), intrinsics_text(world.camera()));
+      world.name(), rows_of(body_from_camera.matrix()), world.rate_hz(), intrinsics_text(world.camera()));
 }
 
 std::string truth_yaml(const World& world) {
@@ -99,12 +99,21 @@ std::string camera_line(const World& world, std::int64_t frame) {
                      p.z(), q.w(), q.x(), q.y(), q.z());
 }
 
-std::uintmax_t write_pictures(const World& world, const fs::path& mav, std::int64_t frame, bool truth) {
+/// The list of one camera's pictures, with its calibration beside it.
+TextFile camera_list(const World& world, const fs::path& folder, const SE3& body_from_camera) {
+  make_folder(folder / "data");
+  TextFile(folder / "sensor.yaml", camera_yaml(world, body_from_camera));
+  return TextFile(folder / "data.csv", "#timestamp [ns],filename\n");
+}
+
+std::uintmax_t write_pictures(const World& world, const fs::path& mav, std::int64_t frame,
+                              const EurocOptions& options) {
   TaskPool alone(1);
   const RenderedFrame rendered = world.render(frame, alone);
   const std::string name = fmt::format("{}.png", world.stamp(frame));
   std::uintmax_t bytes = write_png(mav / "cam0/data" / name, grey_picture(rendered.grey));
-  if (!truth) return bytes;
+  if (options.stereo) bytes += write_png(mav / "cam1/data" / name, grey_picture(world.render_right(frame, alone).grey));
+  if (!options.truth) return bytes;
   bytes += write_png(mav / "truth/depth" / name, depth_picture(rendered.depth));
   bytes += write_png(mav / "truth/surface" / name, surface_picture(rendered.surface));
   return bytes;
@@ -115,13 +124,15 @@ std::uintmax_t write_pictures(const World& world, const fs::path& mav, std::int6
 EurocSummary write_euroc(const World& world, const fs::path& folder, const EurocOptions& options, TaskPool& pool,
                          const std::function<void(std::int64_t)>& progress) {
   if (options.frames < 1) throw Error("there are no frames to write", "frames", "ask for at least one");
+  if (options.stereo && !world.left_from_right())
+    throw Error("the world has one camera only", world.name(), "leave out what asks for two");
   check_folder(folder, options.force);
   const fs::path mav = folder / "mav0";
-  make_folder(mav / "cam0/data");
   make_folder(mav / "state_groundtruth_estimate0");
-  TextFile(mav / "cam0/sensor.yaml", camera_yaml(world));
   TextFile(mav / "state_groundtruth_estimate0/sensor.yaml", truth_yaml(world));
-  TextFile images(mav / "cam0/data.csv", "#timestamp [ns],filename\n");
+  TextFile images = camera_list(world, mav / "cam0", world.body_from_camera());
+  std::optional<TextFile> right;
+  if (options.stereo) right = camera_list(world, mav / "cam1", world.body_from_camera() * *world.left_from_right());
   TextFile poses(mav / "state_groundtruth_estimate0/data.csv",
                  "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z "
                  "[],v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],"
@@ -141,10 +152,11 @@ EurocSummary write_euroc(const World& world, const fs::path& folder, const Euroc
   for (std::int64_t first = 0; first < options.frames; first += frames_at_once) {
     const std::int64_t end = std::min(options.frames, first + frames_at_once);
     pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
-      for (int i = begin; i < stop; ++i) bytes += write_pictures(world, mav, first + i, options.truth);
+      for (int i = begin; i < stop; ++i) bytes += write_pictures(world, mav, first + i, options);
     });
     for (std::int64_t frame = first; frame < end; ++frame) {
       images.write(fmt::format("{0},{0}.png\n", world.stamp(frame)));
+      if (right) right->write(fmt::format("{0},{0}.png\n", world.stamp(frame)));
       poses.write(body_line(world, frame));
       if (cameras) cameras->write(camera_line(world, frame));
     }

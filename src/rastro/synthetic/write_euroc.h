@@ -12,8 +12,9 @@ namespace rastro {
 
 struct EurocOptions {
   std::int64_t frames = 150;
-  bool truth = true;   ///< Also depth, surfaces and camera poses under mav0/truth.
-  bool force = false;  ///< Write into a folder that is not empty.
+  bool truth = true;    ///< Also depth, surfaces and camera poses under mav0/truth.
+  bool force = false;   ///< Write into a folder that is not empty.
+  bool stereo = false;  ///< Also the right camera, as mav0/cam1. Error for a world that has none.
 };
 
 struct EurocSummary {

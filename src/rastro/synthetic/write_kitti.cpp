@@ -27,9 +27,10 @@ std::string numbers(const Eigen::MatrixXd& values) {
   return text;
 }
 
-Eigen::MatrixXd projection_rows(const Camera& camera) {
+/// Of a camera so far to the right of the first one.
+Eigen::MatrixXd projection_rows(const Camera& camera, double right_m = 0.0) {
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, 4);
-  rows << camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0;
+  rows << camera.fx, 0, camera.cx, -camera.fx * right_m, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0;
   return rows;
 }
 
@@ -49,18 +50,28 @@ class Lists {
  public:
   virtual ~Lists() = default;
   virtual fs::path picture(std::int64_t frame) const = 0;
+  virtual fs::path right_picture(std::int64_t) const { return {}; }
   virtual void add(std::int64_t frame) = 0;
 };
 
 class OdometryLists : public Lists {
  public:
-  OdometryLists(const World& world, const fs::path& folder) : world_(world), folder_(folder) {
+  OdometryLists(const World& world, const fs::path& folder, bool stereo) : world_(world), folder_(folder) {
     make_folder(folder / "image_0");
-    TextFile(folder / "calib.txt", fmt::format("P0:{}\n", numbers(projection_rows(world.camera()))));
+    std::string calibration = fmt::format("P0:{}\n", numbers(projection_rows(world.camera())));
+    if (stereo) {
+      make_folder(folder / "image_1");
+      const double baseline_m = world.left_from_right()->translation().x();
+      calibration += fmt::format("P1:{}\n", numbers(projection_rows(world.camera(), baseline_m)));
+    }
+    TextFile(folder / "calib.txt", calibration);
     times_.emplace(folder / "times.txt");
     poses_.emplace(folder / "poses.txt");
   }
   fs::path picture(std::int64_t frame) const override { return folder_ / "image_0" / fmt::format("{:06}.png", frame); }
+  fs::path right_picture(std::int64_t frame) const override {
+    return folder_ / "image_1" / fmt::format("{:06}.png", frame);
+  }
   void add(std::int64_t frame) override {
     times_->write(fmt::format("{:.9e}\n", to_seconds(world_.stamp(frame) - world_.stamp(0))));
     const SE3 pose = world_.world_from_camera(0).inverse() * world_.world_from_camera(frame);
@@ -120,12 +131,15 @@ KittiSummary write_kitti(const World& world, const fs::path& folder, const Kitti
   if (options.frames < 1) throw Error("there are no frames to write", "frames", "ask for at least one");
   if (world.camera().distortion != Distortion::none)
     throw Error("KITTI's formats hold rectified pictures only", world.name(), "leave the distortion out");
+  if (options.stereo && !(world.left_from_right() && options.layout == KittiLayout::odometry))
+    throw Error("only one camera can be written", world.name(),
+                "leave out what asks for two, or choose a world with two and the layout of KITTI odometry");
   check_folder(folder, options.force);
   KittiSummary summary;
   summary.recording = folder;
   std::unique_ptr<Lists> lists;
   if (options.layout == KittiLayout::odometry) {
-    lists = std::make_unique<OdometryLists>(world, folder);
+    lists = std::make_unique<OdometryLists>(world, folder, options.stereo);
   } else {
     const std::string date = date_text(world.stamp(0)).substr(0, 10);
     std::string day = date;
@@ -138,8 +152,11 @@ KittiSummary write_kitti(const World& world, const fs::path& folder, const Kitti
     const std::int64_t end = std::min(options.frames, first + frames_at_once);
     pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
       TaskPool alone(1);
-      for (int i = begin; i < stop; ++i)
+      for (int i = begin; i < stop; ++i) {
         bytes += write_png(lists->picture(first + i), grey_picture(world.render(first + i, alone).grey));
+        if (options.stereo)
+          bytes += write_png(lists->right_picture(first + i), grey_picture(world.render_right(first + i, alone).grey));
+      }
     });
     for (std::int64_t frame = first; frame < end; ++frame) lists->add(frame);
     if (progress) progress(end);

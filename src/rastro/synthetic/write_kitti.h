@@ -19,7 +19,8 @@ enum class KittiLayout {
 struct KittiOptions {
   std::int64_t frames = 400;
   KittiLayout layout = KittiLayout::odometry;
-  bool force = false;  ///< Write into a folder that is not empty.
+  bool force = false;   ///< Write into a folder that is not empty.
+  bool stereo = false;  ///< Also the right camera (odometry only). Error for a world that has none.
 };
 
 struct KittiSummary {
