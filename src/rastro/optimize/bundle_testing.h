@@ -37,9 +37,9 @@ inline BundleScene bundle_scene(const BundleSceneOptions& options, std::uint64_t
   for (int i = 0; i < options.cameras; ++i) {
     const SE3 pose(SO3::exp({0.02 * std::sin(i), 0.03 * std::cos(i), 0.01 * i}), {-0.4 * i, 0.05 * std::sin(i), 0.0});
     scene.camera_from_world.push_back(pose);
-    bundle.fixed.push_back(i < options.fixed ? 1 : 0);
-    bundle.camera_from_world.push_back(i < options.fixed ? pose
-                                                         : SE3::exp(random_twist(random, options.pose_off)) * pose);
+    const bool fixed = i < (options.fixed + 1) / 2 || i >= options.cameras - options.fixed / 2;
+    bundle.fixed.push_back(fixed ? 1 : 0);
+    bundle.camera_from_world.push_back(fixed ? pose : SE3::exp(random_twist(random, options.pose_off)) * pose);
   }
   for (int i = 0; i < options.points; ++i) {
     const int first =

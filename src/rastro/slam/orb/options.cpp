@@ -222,6 +222,71 @@ void add_loss_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"seed", &o.seed, "", "of everything that is drawn at random", 0, 0, {}});
 }
 
+void add_place_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add({"place_shared_words",
+             &o.place_shared_words,
+             "",
+             "of the words that the likest place shares, that another must",
+             0,
+             1,
+             {}});
+  table.add({"place_candidates",
+             &o.place_candidates,
+             "",
+             "places, likest first, that are compared feature by feature",
+             1,
+             1000,
+             {}});
+  table.add({"place_hamming", &o.place_hamming, "", "bits in which features of one place may differ", 1, 256, {}});
+  table.add({"place_ratio", &o.place_ratio, "", "of the bits by which the second best may differ", 0.1, 1, {}});
+  table.add({"relocalise_matches",
+             &o.relocalise_matches,
+             "",
+             "features a lost frame and a keyframe must share to be tried",
+             4,
+             10000,
+             {}});
+  table.add({"relocalise_search_px",
+             &o.relocalise_search_px,
+             "px",
+             "around where the first pose expects a landmark, at the finest level",
+             0.5,
+             100,
+             {}});
+  table.add({"loop_neighbour_landmarks",
+             &o.loop_neighbour_landmarks,
+             "",
+             "shared by neighbours, of which a place must be likelier than the least like",
+             1,
+             10000,
+             {}});
+  table.add({"loop_consistent",
+             &o.loop_consistent,
+             "",
+             "keyframes in a row that must recognise the same surroundings",
+             1,
+             100,
+             {}});
+  table.add({"loop_inliers", &o.loop_inliers, "", "pairs of landmarks that must fit one similarity", 4, 10000, {}});
+  table.add(
+      {"loop_landmarks", &o.loop_landmarks, "", "of a place that must be found again in the keyframe", 4, 10000, {}});
+  table.add({"loop_search_px",
+             &o.loop_search_px,
+             "px",
+             "around where a similarity expects a landmark, at the finest level",
+             0.5,
+             100,
+             {}});
+  table.add({"loop_apart", &o.loop_apart, "", "keyframes after a loop before another is looked for", 0, 100000, {}});
+  table.add({"loop_adjust_iterations",
+             &o.loop_adjust_iterations,
+             "",
+             "of bundle adjustment of all after a loop, at most",
+             0,
+             1000,
+             {}});
+}
+
 }  // namespace
 
 OptionTable option_table(OrbSlamOptions& options) {
@@ -233,6 +298,7 @@ OptionTable option_table(OrbSlamOptions& options) {
   add_keyframe_options(table, options);
   add_mapping_options(table, options);
   add_loss_options(table, options);
+  add_place_options(table, options);
   add_options(table, options.frame_check);
   return table;
 }

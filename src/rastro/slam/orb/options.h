@@ -74,6 +74,19 @@ struct OrbSlamOptions {
   int essential_landmarks = 100;
   int lost_frames = 30;
   int settled_frames = 20;
+  double place_shared_words = 0.8;
+  int place_candidates = 5;
+  int place_hamming = 60;
+  double place_ratio = 0.8;
+  int relocalise_matches = 15;
+  double relocalise_search_px = 10.0;
+  int loop_neighbour_landmarks = 30;
+  int loop_consistent = 3;
+  int loop_inliers = 20;
+  int loop_landmarks = 40;
+  double loop_search_px = 8.0;
+  int loop_apart = 10;
+  int loop_adjust_iterations = 10;
   std::uint64_t seed = 1;
 
   FrameCheckOptions frame_check;
