@@ -94,6 +94,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_measure_command(app, context);
   add_info_command(app, context);
   add_check_command(app, context);
+  add_vocabulary_command(app, context);
   add_methods_command(app, context);
   add_options_command(app, context);
 }

@@ -44,6 +44,19 @@ struct Prepared {
   std::unique_ptr<Slam> slam;
 };
 
+void load_map_of(const SlamFlags& flags, SlamMeans& means) {
+  if (flags.map.empty()) {
+    if (flags.extend) throw Error("needs the map to go on with", "--continue", "give --map MAP");
+    return;
+  }
+  const auto file = map_file_of(flags.map);
+  if (kind_of_map(file) == MapKind::landmarks)
+    means.landmark_map = load_landmark_map(file);
+  else
+    means.map = load_map(file);
+  means.extend_map = flags.extend;
+}
+
 SlamMeans means_of(const SlamFlags& flags) {
   SlamMeans means;
   const std::vector<std::string> modes = {"step", "pipelined"};
@@ -53,17 +66,37 @@ SlamMeans means_of(const SlamFlags& flags) {
   }
   means.pipelined = flags.mode == "pipelined";
   if (!flags.max_memory.empty()) means.max_memory_bytes = parse_size(flags.max_memory, "--max-memory");
-  if (!flags.map.empty()) means.map = load_map(map_file_of(flags.map));
+  load_map_of(flags, means);
+  means.stop = &catch_interrupts();
   return means;
 }
 
+/// The name of the method that made the map; nullopt where a new one is to be made.
+std::optional<std::string> maker_of(const SlamMeans& means) {
+  if (means.landmark_map) return means.landmark_map->method;
+  if (means.map) return means.map->method;
+  return std::nullopt;
+}
+
 std::unique_ptr<SlamMethod> method_for(const SlamFlags& flags, const SlamMeans& means) {
-  if (!means.map) return slam_method(flags.method);
-  auto method = slam_method(means.map->method);
+  const auto maker = maker_of(means);
+  if (!maker && flags.method.empty())
+    throw Error("is needed", "--method", "give one, such as --method orb; 'rastro methods' lists them all");
+  if (!maker) return slam_method(flags.method);
+  auto method = slam_method(*maker);
+  if (!flags.method.empty() && flags.method != *maker)
+    throw Error(fmt::format("the map was made by '{}'", one_line(*maker)), "--method", "leave it away");
+  if (flags.extend && !method->can_extend())
+    throw Error(fmt::format("the method '{}' cannot go on with a map", method->name()), flags.map,
+                "give a map made by 'rastro slam DATA --method orb'");
   if (!method->can_localize())
     throw Error(fmt::format("the method '{}' cannot find its way in a map", method->name()), flags.map,
-                "give a map made by 'rastro slam DATA --method rgbd'");
+                "give a map made by 'rastro slam DATA --method rgbd' or orb");
   return method;
+}
+
+SlamTask task_of(const SlamMeans& means) {
+  return (means.map || means.landmark_map) && !means.extend_map ? SlamTask::localize : SlamTask::map;
 }
 
 Prepared prepare(const SlamFlags& flags) {
@@ -76,13 +109,15 @@ Prepared prepare(const SlamFlags& flags) {
   OpenOptions open = open_options(flags.data);
   open.want_colour = run.method->wants_colour();
   open.want_depth = run.method->wants_depth();
+  open.want_right = run.method->wants_right();
   run.source = rastro::open(flags.data.path, open);
   const SourceInfo& info = run.source->info();
   if (info.frame_count >= 0) run.frames = FrameChoice(open, info.frame_count, info.path).count;
   if (!flags.mask.empty()) run.masks.emplace(flags.mask);
   run.pool = std::make_unique<TaskPool>(flags.data.threads);
   run.means.pool = run.pool.get();
-  if (!run.means.map) run.map_file = std::make_unique<GrowingMapFile>(std::filesystem::path(flags.out) / "map.rastro");
+  if (task_of(run.means) == SlamTask::map)
+    run.map_file = std::make_unique<GrowingMapFile>(std::filesystem::path(flags.out) / "map.rastro");
   run.means.archive = run.map_file.get();
   run.slam = run.method->make(info, run.means);
   return run;
@@ -124,8 +159,8 @@ int run_slam(const SlamFlags& flags) {
   bar.clear();
   end.result.method = prepared.method->name();
   if (end.result.frames == 0 && !end.result.interrupted) refuse_without_frames(end, folder, flags.data.path);
-  const SlamTask task = prepared.means.map ? SlamTask::localize : SlamTask::map;
-  write_slam_outputs(end, folder, prepared.means);
+  const SlamTask task = task_of(prepared.means);
+  write_slam_outputs(end, folder, prepared.means, task);
   folder.write_result(to_json(end.result));
   if (end.failure) std::rethrow_exception(end.failure);
   if (flags.data.json) {
@@ -142,6 +177,8 @@ void add_slam_command(CLI::App& app, Context& context) {
   add_slam_flags(*command, *flags);
   command->callback([command, flags, &context] {
     flags->seed_given = command->count("--seed") > 0;
+    if (!flags->map.empty() && !flags->extend)
+      throw Error("is used with --continue", "--map", "to find the way in a map, use 'rastro localize DATA --map MAP'");
     context.exit_code = run_slam(*flags);
   });
 }

@@ -16,8 +16,9 @@ Writes into --out:
   trajectory.txt         final pose of every frame: stamp tx ty tz qx qy qz qw, world_from_body, metres
   trajectory_online.txt  each pose as first given; covariance_online.txt: how well it was known, where the method says so
   map.pgm map.yaml       the map as ROS's map_server reads it    map.png  the same with the way drawn in
-  map.rastro             the map of a depth camera, kept safe as the run goes: for 'rastro info', 'rastro localize'
+  map.rastro             the map of a camera, kept safe as the run goes: for 'rastro info', 'rastro localize'
   cloud.ply              the same as a coloured cloud of points    map.png  seen from above with the way drawn in
+  keyframes.txt          final pose of each keyframe of a map of landmarks; its map.png shows them from above
   landmarks.csv          place, covariance and number of sightings of each landmark, where the method has landmarks
   stats.csv    state, reason, score, times of each stage per frame    events.jsonl  changes of state with reasons, loops
   options.yaml all values in force    about.json  version, machine, input    result.json  coverage, states, times, hash
@@ -26,6 +27,9 @@ Examples:
   rastro slam intel.clf.gz --method hector --out run
   rastro slam intel.clf.gz --method hector --out odometry_off --guess none --loop-closing false
   rastro slam rgbd_dataset_freiburg1_room --method rgbd --out room --max-memory 600MB
+  rastro slam sequences/00 --method orb --sensor mono --out run     one camera: lengths in a unit of their own,
+  rastro scale run --camera-height 1.65                             which this makes metres
+  rastro slam sequences/00_again --map run --continue --out longer
   rastro slam corridor --method ekf --out run --require 'coverage>=99'
   rastro evaluate relations run --relations intel.relations
   rastro evaluate map run/map.yaml corridor/floor_plan.yaml)";
@@ -54,10 +58,10 @@ void set_from_flag(OptionTable& table, const std::string& name, const std::strin
 }
 
 constexpr const char* localize_footer = R"(
-MAP is made by 'rastro slam DATA --method rgbd'. The recording may be another one, by the same kind of camera.
+MAP is made by 'rastro slam DATA --method rgbd' or orb. The recording may be another one, by the same kind of camera.
 
 Writes into --out:
-  trajectory.txt   pose of every frame that was found: stamp tx ty tz qx qy qz qw in the frame of the map, metres
+  trajectory.txt   pose of every frame that was found: stamp tx ty tz qx qy qz qw in the frame and unit of the map
   stats.csv, events.jsonl, options.yaml, about.json, result.json   as 'rastro slam' does; in result.json:
     recall                 frames whose place was seen, neither lost nor carried on, in percent of those asked for
     seconds_to_first_pose  of the recording, until the first of them; -1 where there was none
@@ -106,7 +110,17 @@ void add_output_flags(CLI::App& command, SlamFlags& flags, const std::string& ex
 
 void add_method_flags(CLI::App& command, SlamFlags& flags) {
   const char* group = "SLAM";
-  command.add_option("--method", flags.method, "Which one; see below")->required()->group(group);
+  command.add_option("--method", flags.method, "Which one; see below (default with --map: that of the map)")
+      ->group(group);
+  command
+      .add_option("--map", flags.map, "With --continue: map file of landmarks, or the folder of the run that made it")
+      ->type_name("MAP")
+      ->group(group);
+  command.add_flag("--continue", flags.extend, "Go on with the map of --map; the longer one is written into --out")
+      ->group(group);
+  command.add_option("--sensor", flags.sensor, "What to use of the recording (option sensor): all it has, or less")
+      ->type_name("mono|stereo|rgbd")
+      ->group(group);
   command.add_option("--guess", flags.guess, "Where the next pose is first looked for (option guess of the method)")
       ->group(group);
   command.add_option("--loop-closing", flags.loop_closing, "Whether places are recognised (option loop_closing)")
@@ -139,6 +153,7 @@ void apply_settings(const SlamFlags& flags, OptionTable& table) {
   if (!flags.options_file.empty()) table.load_yaml(flags.options_file);
   for (const std::string& setting : flags.settings) table.set_assignment(setting, "--set");
   set_from_flag(table, "guess", flags.guess, "--guess", flags.method);
+  set_from_flag(table, "sensor", flags.sensor, "--sensor", flags.method);
   set_from_flag(table, "loop_closing", flags.loop_closing, "--loop-closing", flags.method);
   // A method without a seed draws nothing at random: any seed gives its result.
   if (flags.seed_given && has_option(table, "seed")) table.set("seed", fmt::format("{}", flags.data.seed), "--seed");

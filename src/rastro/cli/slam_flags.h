@@ -13,12 +13,13 @@ namespace rastro::cli {
 /// The flags of `rastro slam`.
 struct SlamFlags {
   DataFlags data;
-  std::string method;  ///< Empty where `map` says it.
-  std::string map;     ///< Find the way in this map, or that of this run; empty: make a new one.
+  std::string method;   ///< Empty where `map` says it.
+  std::string map;      ///< Find the way in this map, or that of this run, or go on with it; empty: make a new one.
+  bool extend = false;  ///< --continue
   std::string mode = "pipelined";
   std::string mask, max_memory;  ///< Empty = not given.
   std::string out;
-  std::string guess, loop_closing;  ///< Empty = not given; stand for the options of the same names.
+  std::string guess, loop_closing, sensor;  ///< Empty = not given; stand for the options of the same names.
   std::string options_file;
   std::vector<std::string> settings;  ///< --set key=value
   std::vector<std::string> limits;    ///< --require

@@ -11,6 +11,7 @@
 #include "rastro/export/cloud_picture.h"
 #include "rastro/export/grid_map_server.h"
 #include "rastro/export/grid_picture.h"
+#include "rastro/export/landmark_picture.h"
 #include "rastro/export/landmarks_csv.h"
 #include "rastro/export/ply.h"
 #include "rastro/map/cloud/build_cloud.h"
@@ -19,7 +20,22 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* final_poses = "world_from_body of every frame with what was learnt later; metres";
+bool has_metres(const SlamRunEnd& end) { return !end.result.scale || end.result.scale->metric; }
+const char* unit_of(const SlamRunEnd& end) { return has_metres(end) ? "metres" : "the map's own unit"; }
+
+std::string final_poses(const SlamRunEnd& end) {
+  return "world_from_body of every frame with what was learnt later; " + unit_of(end);
+}
+
+/// Of the keyframes of the map's first part, in the order of time.
+Trajectory keyframes_of(const LandmarkMap& map) {
+  Trajectory trajectory;
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k)
+    if (map.poses[k].submap == 0) trajectory.push_back({map.keyframes[k]->stamp, map.poses[k].world_from_camera});
+  std::stable_sort(trajectory.begin(), trajectory.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+  return trajectory;
+}
 
 /// Writes files and hashes them as it goes.
 class HashedFiles {
@@ -88,7 +104,7 @@ std::string recall_line(const SlamResult& result) {
 
 std::string map_line(const SlamRunEnd& end) {
   const SlamResult& result = end.result;
-  std::string text = fmt::format("  map          path {:.2f} m", result.path_length);
+  std::string text = fmt::format("  map          path {:.2f} {}", result.path_length, has_metres(end) ? "m" : "units");
   if (end.map && end.map->grid) {
     const OccupancyGrid& grid = *end.map->grid;
     text += fmt::format(", {:.1f} x {:.1f} m in cells of {:g} m", grid.width * grid.cell_m, grid.height * grid.cell_m,
@@ -98,6 +114,16 @@ std::string map_line(const SlamRunEnd& end) {
   if (result.keyframes > 0) text += fmt::format(", {} keyframes", result.keyframes);
   if (result.submaps > 1) text += fmt::format(" in {} submaps", result.submaps);
   return text + fmt::format(", {} loops closed\n", result.loops_closed);
+}
+
+std::string scale_line(const SlamResult& result) {
+  if (!result.scale) return "";
+  if (!result.scale->metric)
+    return "  scale        arbitrary: lengths are in a unit of the map's own; 'rastro scale' makes them metres\n";
+  std::string text = fmt::format("  scale        metres, from {}", result.scale->origin);
+  if (result.scale->relative_sigma > 0.0)
+    text += fmt::format(" (sigma {:.2g} %)", 100.0 * result.scale->relative_sigma);
+  return text + "\n";
 }
 
 std::string time_line(const SlamResult& result) {
@@ -112,17 +138,18 @@ std::string files_line(const SlamRunEnd& end, const std::string& folder, SlamTas
   std::string text = fmt::format("written to {}: trajectory.txt", folder);
   if (end.map && end.map->grid) text += " map.pgm map.yaml";
   if (end.map && end.map->rgbd) text += " map.rastro cloud.ply";
+  if (end.map && end.map->landmark_map) text += " keyframes.txt map.rastro";
   if (end.map) text += " map.png";
-  if (end.result.landmarks > 0) text += " landmarks.csv";
+  if (end.map && !end.map->landmarks.empty()) text += " landmarks.csv";
   return text + " result.json stats.csv\n";
 }
 
 }  // namespace
 
-void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const SlamMeans& means) {
+void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const SlamMeans& means, SlamTask task) {
   HashedFiles files(folder);
-  files.write("trajectory.txt", trajectory_text(end.trajectory, final_poses));
-  if (means.map) {
+  files.write("trajectory.txt", trajectory_text(end.trajectory, final_poses(end)));
+  if (task == SlamTask::localize) {
     end.result.result_sha256 = files.finish();
     return;
   }
@@ -134,6 +161,13 @@ void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const SlamMean
   if (end.map && end.map->rgbd) {
     files.add("map.rastro");
     write_cloud(end, folder, means);
+  } else if (end.map && end.map->landmark_map) {
+    const LandmarkMap& map = *end.map->landmark_map;
+    files.write("keyframes.txt",
+                trajectory_text(keyframes_of(map),
+                                fmt::format("world_from_body of keyframes, as it came to be; {}", unit_of(end))));
+    files.add("map.rastro");
+    write_landmark_picture(map, folder.file("map.png").string());
   } else if (end.map) {
     write_picture(end, folder);
   }
@@ -145,7 +179,7 @@ std::string slam_summary(const SlamRunEnd& end, const std::string& folder, SlamT
   std::string text = fmt::format("{}: {} frames, {:.1f} % of those asked for have a pose{}\n", result.method,
                                  result.frames, result.coverage, result.interrupted ? " (interrupted)" : "");
   text += states_line(result) + reasons_line(result);
-  text += (task == SlamTask::localize ? recall_line(result) : map_line(end)) + time_line(result);
+  text += (task == SlamTask::localize ? recall_line(result) : map_line(end)) + scale_line(result) + time_line(result);
   text += fmt::format("  result       sha256 {}\n", result.result_sha256) + files_line(end, folder, task);
   if (result.skipped_frames > 0) {
     text += fmt::format("warning: {} frames could not be read and were skipped, the first because: {}\n",

@@ -14,7 +14,7 @@ enum class SlamTask { map, localize };
 
 /// Writes trajectory.txt and the files of the map, and sets the hash of the result, which is over all of them but what
 /// is made from the map file: pictures and clouds. Of a run in a map made before, the trajectory alone.
-void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const SlamMeans& means);
+void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const SlamMeans& means, SlamTask task);
 
 /// What a person wants to know of the run.
 std::string slam_summary(const SlamRunEnd& end, const std::string& folder, SlamTask task);

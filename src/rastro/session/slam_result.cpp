@@ -59,6 +59,10 @@ std::vector<std::pair<std::string, double>> numbers_of(const SlamResult& result)
 std::string to_json(const SlamResult& result) {
   Json json{{"method", result.method}};
   for (const auto& [name, value] : numbers_of(result)) json[name] = number(value);
+  if (result.scale)
+    json["scale"] = {{"metric", result.scale->metric},
+                     {"relative_sigma", result.scale->relative_sigma},
+                     {"from", result.scale->origin}};
   json["reasons"] = result.reasons;
   json["stages"] = stages_of(result);
   json["result_sha256"] = result.result_sha256;

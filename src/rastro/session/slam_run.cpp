@@ -92,11 +92,11 @@ class Runner {
     note(last_index_, events);
     end_.trajectory = run_.method->trajectory();
     end_.map = run_.method->snapshot();
-    if (run_.map_file && end_.map && end_.map->rgbd) {
-      watch.lap_ms();
-      run_.map_file->finish(*end_.map->rgbd);
-      add_time("map_file", watch.lap_ms());
-    }
+    if (!run_.map_file || !end_.map) return;
+    watch.lap_ms();
+    if (end_.map->rgbd) run_.map_file->finish(*end_.map->rgbd);
+    if (end_.map->landmark_map) run_.map_file->finish(*end_.map->landmark_map);
+    if (end_.map->rgbd || end_.map->landmark_map) add_time("map_file", watch.lap_ms());
   }
 
   void count(const SlamUpdate& update) {
@@ -170,13 +170,18 @@ class Runner {
     result.keyframes = static_cast<std::int64_t>(end_.map->keyframes.size());
     result.landmarks = static_cast<std::int64_t>(end_.map->landmarks.size());
     if (end_.map->rgbd) count(*end_.map->rgbd);
+    if (!end_.map->landmark_map) return;
+    count(*end_.map->landmark_map);
+    result.landmarks = static_cast<std::int64_t>(end_.map->landmark_map->landmarks.size());
+    result.scale = end_.map->landmark_map->scale;
   }
 
-  void count(const RgbdMap& map) {
+  template <typename Map>
+  void count(const Map& map) {
     SlamResult& result = end_.result;
     result.keyframes = static_cast<std::int64_t>(map.keyframes.size());
     std::set<int> submaps;
-    for (const KeyframePose& pose : map.poses) submaps.insert(pose.submap);
+    for (const auto& pose : map.poses) submaps.insert(pose.submap);
     result.submaps = static_cast<std::int64_t>(submaps.size());
   }
 

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/export/landmark_picture.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "rastro/base/error.h"
+#include "rastro/export/trajectory_plot_pen.h"
+#include "rastro/map/landmark/essential_graph.h"
+#include "rastro/map/landmark/keyframe_places.h"
+
+namespace rastro {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int longest_px = 1200, shortest_px = 300, margin_px = 40, caption_px = 30;
+constexpr double strays = 0.02;  ///< Share of the landmarks on each side that may lie outside the sheet.
+constexpr PlotColour grey{190, 190, 190}, light_green{190, 230, 190}, green{60, 150, 60}, red{220, 40, 40},
+    blue{40, 70, 220}, dark{30, 30, 30};
+
+/// Rows: right, up on the sheet, as directions of the world.
+Eigen::Matrix<double, 2, 3> sheet_axes(const LandmarkMap& map) {
+  Vector3d up = Vector3d::Zero(), ahead = Vector3d::UnitZ();
+  for (const LandmarkKeyframePose& pose : map.poses)
+    if (pose.submap == 0) up -= pose.world_from_camera.rotation() * Vector3d::UnitY();
+  if (!(up.norm() > 1e-6)) up = -Vector3d::UnitY();
+  up.normalize();
+  if (!map.poses.empty()) ahead = map.poses.front().world_from_camera.rotation() * Vector3d::UnitZ();
+  ahead -= ahead.dot(up) * up;
+  if (ahead.norm() < 1e-3) ahead = up.unitOrthogonal();
+  ahead.normalize();
+  Eigen::Matrix<double, 2, 3> axes;
+  axes << ahead.cross(up).transpose(), ahead.transpose();
+  return axes;
+}
+
+/// What is drawn, in sheet directions and the map's unit.
+struct Seen {
+  std::vector<Vector2d> landmarks, keyframes, way;
+};
+
+bool in_first_part(const LandmarkMap& map, const KeyframePlaces& places, const Landmark& landmark) {
+  const auto viewer = landmark.observations.empty() ? std::nullopt : places.of(landmark.observations.front().keyframe);
+  return viewer && map.poses[*viewer].submap == 0;
+}
+
+Seen seen_from_above(const LandmarkMap& map) {
+  const auto axes = sheet_axes(map);
+  const KeyframePlaces places(map);
+  Seen seen;
+  for (const Landmark& landmark : map.landmarks)
+    if (in_first_part(map, places, landmark)) seen.landmarks.emplace_back(axes * landmark.position);
+  for (const LandmarkKeyframePose& pose : map.poses)
+    seen.keyframes.emplace_back(axes * pose.world_from_camera.translation());
+  for (const StampedPose& pose : map.trajectory) seen.way.emplace_back(axes * pose.world_from_body.translation());
+  return seen;
+}
+
+/// Brings places to pixels.
+class Sheet {
+ public:
+  Sheet(const LandmarkMap& map, const Seen& seen) {
+    Vector2d size;
+    for (int axis = 0; axis < 2; ++axis) {
+      std::vector<double> values;
+      for (const Vector2d& place : seen.landmarks) values.push_back(place[axis]);
+      std::sort(values.begin(), values.end());
+      const auto skipped = static_cast<std::size_t>(strays * static_cast<double>(values.size()));
+      values = values.empty() ? std::vector<double>{} : std::vector<double>{values[skipped], values.rbegin()[skipped]};
+      for (std::size_t k = 0; k < map.poses.size(); ++k)
+        if (map.poses[k].submap == 0) values.push_back(seen.keyframes[k][axis]);
+      for (const Vector2d& place : seen.way) values.push_back(place[axis]);
+      if (values.empty()) values.push_back(0.0);
+      low_[axis] = *std::min_element(values.begin(), values.end());
+      size[axis] = *std::max_element(values.begin(), values.end()) - low_[axis];
+    }
+    if (!size.allFinite() || !(size.maxCoeff() > 0.0)) size = Vector2d::Ones();
+    scale_ = (longest_px - 2 * margin_px) / size.maxCoeff();
+    const auto side = [&](int axis) {
+      return std::clamp(static_cast<int>(std::lround(size[axis] * scale_)) + 2 * margin_px, shortest_px, longest_px);
+    };
+    width = side(0), height = side(1) + caption_px;
+  }
+
+  Vector2d pixel(const Vector2d& place) const {
+    return {margin_px + (place.x() - low_.x()) * scale_, height - margin_px - (place.y() - low_.y()) * scale_};
+  }
+  bool holds(const Vector2d& at) const {
+    return at.x() >= 0.0 && at.y() >= caption_px && at.x() < width && at.y() < height;
+  }
+  double px_per_unit() const { return scale_; }
+
+  int width = 0, height = 0;
+
+ private:
+  Vector2d low_ = Vector2d::Zero();
+  double scale_ = 1.0;
+};
+
+class Drawing {
+ public:
+  Drawing(const LandmarkMap& map, PlotPen& pen, const Sheet& sheet, const Seen& seen)
+      : map_(map), pen_(pen), sheet_(sheet), seen_(seen) {}
+
+  void draw(int covisible) {
+    for (const Vector2d& place : seen_.landmarks) dot(place, 0.6, grey);
+    for (const Covisibility& pair : covisibility_graph(map_, covisible))
+      edge(pair.first, pair.second, light_green, 1.0);
+    const auto essential = essential_graph(map_);
+    for (const EssentialEdge& each : essential)
+      if (each.kind != EssentialKind::tie) edge(each.first, each.second, green, 1.0);
+    for (const EssentialEdge& each : essential)
+      if (each.kind == EssentialKind::tie) edge(each.first, each.second, red, 2.0);
+    draw_way();
+    for (std::size_t k = 0; k < map_.poses.size(); ++k)
+      if (map_.poses[k].submap == 0) dot(seen_.keyframes[k], 2.0, blue);
+    draw_caption(covisible);
+  }
+
+ private:
+  void dot(const Vector2d& place, double radius, PlotColour colour) {
+    const Vector2d at = sheet_.pixel(place);
+    if (!sheet_.holds(at)) return;
+    pen_.line({at - Vector2d(radius, 0.0), at + Vector2d(radius, 0.0)}, colour, 2.0 * radius);
+  }
+
+  void edge(std::size_t a, std::size_t b, PlotColour colour, double width) {
+    if (map_.poses[a].submap != 0 || map_.poses[b].submap != 0) return;
+    pen_.line({sheet_.pixel(seen_.keyframes[a]), sheet_.pixel(seen_.keyframes[b])}, colour, width);
+  }
+
+  void draw_way() {
+    if (seen_.way.empty()) return;
+    std::vector<Vector2d> corners;
+    for (const Vector2d& place : seen_.way) corners.push_back(sheet_.pixel(place));
+    pen_.line(corners, dark, 1.5);
+    const Vector2d beside(6.0, -6.0);
+    pen_.text("S", corners.front() + beside, TextAnchor::left, 16.0, dark);
+    pen_.text("E", corners.back() + beside, TextAnchor::left, 16.0, dark);
+  }
+
+  void draw_caption(int covisible) {
+    double length = 1.0;
+    while (length * sheet_.px_per_unit() < 30.0) length *= 10.0;
+    while (length * sheet_.px_per_unit() > 300.0) length /= 10.0;
+    pen_.line({{10.0, 22.0}, {10.0 + length * sheet_.px_per_unit(), 22.0}}, dark, 3.0);
+    pen_.text(fmt::format("{:g} {}   {} keyframes, {} landmarks, covisible: {} shared", length,
+                          map_.scale.metric ? "m" : "units", map_.keyframes.size(), map_.landmarks.size(), covisible),
+              {10.0, 16.0}, TextAnchor::left, 13.0, dark);
+  }
+
+  const LandmarkMap& map_;
+  PlotPen& pen_;
+  const Sheet& sheet_;
+  const Seen& seen_;
+};
+
+}  // namespace
+
+void write_landmark_picture(const LandmarkMap& map, const std::string& file, int covisible) {
+  const std::string extension = std::filesystem::path(file).extension().string();
+  if (extension != ".svg" && extension != ".png")
+    throw Error("a picture is a .svg or a .png file", file, "give --out FILE.svg or FILE.png");
+  const Seen seen = seen_from_above(map);
+  const Sheet sheet(map, seen);
+  const auto pen = extension == ".svg" ? svg_pen(sheet.width, sheet.height) : png_pen(sheet.width, sheet.height);
+  Drawing(map, *pen, sheet, seen).draw(covisible);
+  pen->save(file);
+}
+
+}  // namespace rastro
