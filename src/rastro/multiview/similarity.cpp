@@ -63,6 +63,17 @@ struct Normal {
     right.noalias() += weight * jacobian.transpose() * rest;
     cost += kernel.cost(squared);
   }
+
+  /// Of the point p, which the camera itself puts at `depth`.
+  void add_depth(const Eigen::Vector3d& p, const Eigen::Matrix<double, 3, 7>& by_step, double depth, double sigma,
+                 const HuberKernel& kernel) {
+    if (!(p.z() > least_depth && depth > least_depth)) return;
+    const Eigen::Matrix<double, 1, 7> jacobian = by_step.row(2) / (sigma * p.z());
+    const double rest = std::log(depth / p.z()) / sigma, weight = kernel.weight(rest * rest);
+    matrix.noalias() += weight * jacobian.transpose() * jacobian;
+    right.noalias() += weight * jacobian.transpose() * rest;
+    cost += kernel.cost(rest * rest);
+  }
 };
 
 /// Velocity of a point under a step of the similarity from the left.
@@ -84,6 +95,8 @@ Normal normal_at(const Sim3& first_from_second, std::span<const SimilarityPair> 
     const SimilarityPair& pair = pairs[i];
     const Eigen::Vector3d in_first = first_from_second * pair.second_point;
     normal.add(in_first, moves(in_first), pair.first_ray, pair.first_sigma, kernel);
+    if (!options.fix_scale)
+      normal.add_depth(in_first, moves(in_first), pair.first_point.z(), options.depth_sigma, kernel);
     normal.add(second_from_first * pair.first_point, -linear * moves(pair.first_point), pair.second_ray,
                pair.second_sigma, kernel);
   }

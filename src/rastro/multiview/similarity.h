@@ -19,8 +19,11 @@ struct SimilarityPair {
 };
 
 struct SimilarityOptions {
-  bool fix_scale = false;    ///< Both units are the same: only a rigid motion is looked for.
-  double chi2 = 9.21;        ///< Squared sigmas up to which a pair is an inlier, in either camera: 99 %.
+  bool fix_scale = false;  ///< Both units are the same: only a rigid motion is looked for.
+  double chi2 = 9.21;      ///< Squared sigmas up to which a pair is an inlier, in either camera: 99 %.
+  /// Of the logarithm of a point's depths in the first camera, one by its own point and one by the other's. All that
+  /// tells the scale where both cameras stand at the same place. Not used where the scale is fixed.
+  double depth_sigma = 0.2;
   double confidence = 0.99;  ///< That one sample is free of outliers.
   int max_iterations = 300;
   int refine_iterations = 10;
@@ -40,8 +43,8 @@ struct SimilarityFit {
 std::optional<SimilarityFit> estimate_similarity(std::span<const SimilarityPair> pairs,
                                                  const SimilarityOptions& options);
 
-/// The refinement alone: the least sum of squared reprojection errors in both cameras with Huber's kernel, then inliers
-/// judged anew and once more. nullopt when nothing is left.
+/// The refinement alone: the least sum of squared reprojection errors in both cameras, and of depths, with Huber's
+/// kernel, then inliers judged anew and once more. nullopt when nothing is left.
 std::optional<SimilarityFit> refine_similarity(std::span<const SimilarityPair> pairs, const Sim3& first_from_second,
                                                const SimilarityOptions& options);
 

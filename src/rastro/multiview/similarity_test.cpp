@@ -80,6 +80,8 @@ TEST(RefineSimilarity, NoStepFromTheResultFitsBetter) {
       const Eigen::Vector3d first = first_from_second * pair.second_point;
       const Eigen::Vector3d second = first_from_second.inverse() * pair.first_point;
       sum += (first.hnormalized() - pair.first_ray).squaredNorm() / std::pow(pair.first_sigma, 2);
+      const double depths = std::log(pair.first_point.z() / first.z());
+      sum += depths * depths / (options.depth_sigma * options.depth_sigma);
       sum += (second.hnormalized() - pair.second_ray).squaredNorm() / std::pow(pair.second_sigma, 2);
     }
     return sum;
@@ -92,6 +94,14 @@ TEST(RefineSimilarity, NoStepFromTheResultFitsBetter) {
     step[axis / 2] = axis % 2 == 0 ? 1e-4 : -1e-4;
     EXPECT_GT(cost(Sim3::exp(step) * fit->first_from_second), best) << axis;
   }
+}
+
+TEST(EstimateSimilarity, TheScaleIsFoundWhereBothStandAtTheSamePlace) {
+  Random random(6);
+  const Sim3 same_place(1.7, SO3::exp({0.02, -0.05, 0.1}), {0.001, 0.0, 0.0});
+  const auto fit = estimate_similarity(pairs_of(same_place, random, 100, 1.0, 0.2), {});
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->first_from_second.scale(), 1.7, 0.05);
 }
 
 TEST(EstimateSimilarity, WhatHasNoSimilarityGivesNone) {
