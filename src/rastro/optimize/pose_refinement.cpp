@@ -132,7 +132,7 @@ bool refine_round(PoseProblem& problem, bool robust, int iterations, SE3& pose, 
     pose = next;
     normal = there;
     damping *= 0.1;
-    if (gain <= 1e-6 * normal.cost) break;
+    if (gain <= (robust ? 1e-4 : 1e-6) * normal.cost) break;
   }
   return true;
 }

@@ -29,10 +29,10 @@ struct Bench {
 
   /// Root mean square of the keyframes' distances from truth, best aligned.
   double error() const { return error(way); }
-  double error(const DriftingMapper& way) const {
+  double error(const DriftingMapper& made) const {
     std::vector<Eigen::Vector3d> truth, estimate;
     for (const std::int64_t id : graph.keyframe_ids()) {
-      truth.push_back(way.centres[static_cast<std::size_t>(id)]);
+      truth.push_back(made.centres[static_cast<std::size_t>(id)]);
       estimate.push_back(graph.keyframe(id).camera_from_world.inverse().translation());
     }
     const bool mono = graph.sensor() == LandmarkSensor::mono;
