@@ -12,8 +12,10 @@
 #include "rastro/export/ply.h"
 #include "rastro/synthetic/worlds/corridor.h"
 #include "rastro/synthetic/worlds/hall.h"
+#include "rastro/synthetic/worlds/loop.h"
 #include "rastro/synthetic/worlds/rooms.h"
 #include "rastro/synthetic/worlds/street.h"
+#include "rastro/synthetic/write_euroc.h"
 #include "rastro/synthetic/write_kitti.h"
 #include "rastro/synthetic/write_laser_log.h"
 #include "rastro/synthetic/write_objects.h"
@@ -95,6 +97,33 @@ TEST(WriteKitti, a_lens_with_distortion_is_refused) {
   TaskPool pool(1);
   const World bent = make_hall({.scale = 0.05, .distortion = true});
   EXPECT_THROW(write_kitti(bent, scratch_path("bent"), {.frames = 1}, pool), Error);
+}
+
+TEST(WriteStereo, both_cameras_are_read_back_where_they_are) {
+  TaskPool pool(2);
+  const World world = make_loop({.scale = 0.1, .threads = 2});
+  const fs::path euroc = scratch_path("euroc_stereo"), kitti = scratch_path("kitti_stereo");
+  fs::remove_all(euroc);
+  fs::remove_all(kitti);
+  write_euroc(world, euroc, {.frames = 2, .truth = false, .stereo = true}, pool);
+  write_kitti(world, kitti, {.frames = 2, .stereo = true}, pool);
+  const GreyImage right = world.render_right(1, pool).grey;
+  for (const fs::path& folder : {euroc, kitti}) {
+    SCOPED_TRACE(folder.string());
+    const auto source = open(folder.string());
+    EXPECT_TRUE(source->info().warnings.empty()) << source->info().warnings.front();
+    EXPECT_TRUE(source->info().has_right);
+    ASSERT_TRUE(source->info().left_from_right);
+    expect_near(*source->info().left_from_right, *world.left_from_right(), 0);
+    source->next();
+    const auto frame = source->next();
+    ASSERT_TRUE(frame && frame->right.width() == right.width());
+    for (int y = 0; y < right.height(); ++y)
+      for (int x = 0; x < right.width(); ++x) ASSERT_EQ(frame->right.at(x, y), right.at(x, y));
+    fs::remove_all(folder);
+  }
+  EXPECT_THROW(write_euroc(small_street(), euroc, {.frames = 1, .stereo = true}, pool), Error);
+  EXPECT_THROW(write_kitti(world, kitti, {.frames = 1, .layout = KittiLayout::raw, .stereo = true}, pool), Error);
 }
 
 TEST(WriteLaserLog, a_folder_is_read_back_as_scans_with_odometry_and_truth) {
