@@ -19,13 +19,14 @@ Landmark public_form(const MapLandmark& landmark) {
 
 }  // namespace
 
-std::shared_ptr<const LandmarkMap> landmark_map_of(const MapGraph& graph, const FrameWay& way) {
+std::shared_ptr<const LandmarkMap> landmark_map_of(const MapGraph& graph, const FrameWay& way,
+                                                   const std::optional<MapScale>& scale) {
   auto map = std::make_shared<LandmarkMap>();
   map->method = "orb";
   map->sensor = graph.sensor();
   map->camera = graph.camera();
   map->baseline = graph.sensor() == LandmarkSensor::stereo ? graph.baseline() : 0.0;
-  map->scale = scale_of(graph.sensor());
+  map->scale = scale ? *scale : scale_of(graph.sensor());
   map->features = graph.orb_options();
   const int largest = way.largest_submap(graph);
   for (const std::int64_t id : graph.keyframe_ids()) {
@@ -44,9 +45,10 @@ std::shared_ptr<const LandmarkMap> landmark_map_of(const MapGraph& graph, const 
   return map;
 }
 
-std::shared_ptr<const Snapshot> snapshot_of(const MapGraph& graph, const FrameWay& way) {
+std::shared_ptr<const Snapshot> snapshot_of(const MapGraph& graph, const FrameWay& way,
+                                            const std::optional<MapScale>& scale) {
   auto snapshot = std::make_shared<Snapshot>();
-  auto map = landmark_map_of(graph, way);
+  auto map = landmark_map_of(graph, way, scale);
   snapshot->revision = map->keyframes.empty() ? 0 : map->keyframes.back()->id + 1;
   std::map<std::int64_t, std::size_t> place;
   for (std::size_t i = 0; i < map->keyframes.size(); ++i) {
@@ -65,6 +67,16 @@ std::shared_ptr<const Snapshot> snapshot_of(const MapGraph& graph, const FrameWa
   }
   snapshot->landmark_map = std::move(map);
   return snapshot;
+}
+
+void restore(const LandmarkMap& map, double baseline, MapGraph& graph) {
+  for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
+    auto frame = std::make_shared<FeatureFrame>(map.keyframes[i], graph.camera(), baseline);
+    graph.add_keyframe(std::move(frame), map.poses[i].world_from_camera.inverse(), map.poses[i].submap, -1);
+  }
+  for (std::size_t i = 0; i < map.keyframes.size(); ++i) graph.set_parent(map.keyframes[i]->id, map.poses[i].parent);
+  for (const Landmark& landmark : map.landmarks) graph.restore_landmark(landmark);
+  graph.ties() = map.ties;
 }
 
 }  // namespace rastro

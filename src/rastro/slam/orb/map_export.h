@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "rastro/map/snapshot.h"
 #include "rastro/slam/orb/frame_way.h"
@@ -10,8 +11,13 @@
 namespace rastro {
 
 /// The map as others read it. The submap with most frames is called 0.
-std::shared_ptr<const LandmarkMap> landmark_map_of(const MapGraph& graph, const FrameWay& way);
+/// `scale`: what its unit is worth, where somebody said so.
+std::shared_ptr<const LandmarkMap> landmark_map_of(const MapGraph& graph, const FrameWay& way,
+                                                   const std::optional<MapScale>& scale);
 /// With keyframes and edges of that map.
-std::shared_ptr<const Snapshot> snapshot_of(const MapGraph& graph, const FrameWay& way);
+std::shared_ptr<const Snapshot> snapshot_of(const MapGraph& graph, const FrameWay& way,
+                                            const std::optional<MapScale>& scale);
+/// Fills an empty graph with a map made before.
+void restore(const LandmarkMap& map, double baseline, MapGraph& graph);
 
 }  // namespace rastro

@@ -182,6 +182,18 @@ MapLandmark& MapGraph::add_landmark(const Eigen::Vector3d& position, std::int64_
   return *landmarks_.back();
 }
 
+void MapGraph::restore_landmark(const Landmark& landmark) {
+  RASTRO_CHECK(landmark.id >= static_cast<std::int64_t>(landmarks_.size()), "ids of landmarks ascend");
+  landmarks_.resize(static_cast<std::size_t>(landmark.id));
+  MapLandmark& restored =
+      add_landmark(landmark.position, landmark.observations.empty() ? -1 : landmark.observations.front().keyframe);
+  restored.direction = landmark.direction;
+  restored.descriptor = landmark.descriptor;
+  restored.min_distance = landmark.min_distance;
+  restored.max_distance = landmark.max_distance;
+  for (const LandmarkObservation& o : landmark.observations) add_observation(o.keyframe, o.feature, restored.id);
+}
+
 bool MapGraph::has_landmark(std::int64_t id) const {
   return id >= 0 && id < static_cast<std::int64_t>(landmarks_.size()) && landmarks_[static_cast<std::size_t>(id)];
 }

@@ -90,6 +90,8 @@ class MapGraph {
 
   /// Observed by nobody yet; `keyframe` made it.
   MapLandmark& add_landmark(const Eigen::Vector3d& position, std::int64_t keyframe);
+  /// One that was saved, with its id, larger than all before; its keyframes are there.
+  void restore_landmark(const Landmark& landmark);
   bool has_landmark(std::int64_t id) const;
   MapLandmark& landmark(std::int64_t id);
   const MapLandmark& landmark(std::int64_t id) const;

@@ -16,8 +16,10 @@ class OrbMethod : public SlamMethod {
   }
   std::string needs() const override { return "images, calibrated; a second camera or depth where there is any"; }
   OptionTable options() override { return option_table(options_); }
-  bool wants_depth() const override { return true; }
+  bool wants_depth() const override { return options_.sensor == "auto" || options_.sensor == "rgbd"; }
+  bool wants_right() const override { return options_.sensor == "auto" || options_.sensor == "stereo"; }
   bool can_localize() const override { return true; }
+  bool can_extend() const override { return true; }
   std::unique_ptr<Slam> make(const SourceInfo& source, const SlamMeans& means) const override {
     if (!source.has_image) throw Error("holds no images", source.path, "'--method orb' needs a recording of a camera");
     if (source.cameras.empty() || !source.cameras.front().camera)

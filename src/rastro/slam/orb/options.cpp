@@ -147,6 +147,21 @@ void add_keyframe_options(OptionTable& table, OrbSlamOptions& o) {
              0.05,
              1,
              {}});
+  table.add({"keyframe_share_depth",
+             &o.keyframe_share_depth,
+             "",
+             "the same where depth is seen: a keyframe brings all its landmarks at once",
+             0.05,
+             1,
+             {}});
+  table.add({"keyframe_few_points",
+             &o.keyframe_few_points,
+             "",
+             "landmarks, of which fewer tracked make a keyframe where depth shows many new ones",
+             0,
+             10000,
+             {}});
+  table.add({"keyframe_new_points", &o.keyframe_new_points, "", "features with depth that are many", 1, 10000, {}});
   table.add({"backend_delay_frames",
              &o.backend_delay_frames,
              "",

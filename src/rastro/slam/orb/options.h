@@ -51,8 +51,10 @@ struct OrbSlamOptions {
 
   // Keyframes.
   int keyframe_frames = 20;
-  int keyframe_min_points = 50;
   double keyframe_share = 0.9;
+  double keyframe_share_depth = 0.75;
+  int keyframe_few_points = 150;
+  int keyframe_new_points = 70;
   int backend_delay_frames = 2;
 
   // Mapping.

@@ -17,7 +17,9 @@
 #include "rastro/slam/orb/frame_way.h"
 #include "rastro/slam/orb/initialiser.h"
 #include "rastro/slam/orb/local_mapper.h"
+#include "rastro/slam/orb/loop_closer.h"
 #include "rastro/slam/orb/map_export.h"
+#include "rastro/slam/orb/relocaliser.h"
 #include "rastro/slam/orb/sensor_choice.h"
 
 namespace rastro {
@@ -74,10 +76,15 @@ class OrbSlam::State {
   struct Pending {
     std::int64_t due = 0;  ///< Number of the frame that may see it.
     std::size_t job = 0;
-    int submap = 0;
     std::shared_ptr<MappingResult> result;
   };
 
+  void use_map(const SlamMeans& means);
+  void keep_map();
+  bool relocalise(const FramePointer& frame, SlamUpdate& update);
+  void place_lost();
+  void say_submap(const TrackResult& tracked, SlamUpdate& update) const;
+  void follow_reference(const TrackResult& tracked);
   void look(const Frame& frame, SlamUpdate& update);
   void follow(const FramePointer& frame, SlamUpdate& update);
   void on_pose(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update);
@@ -105,6 +112,9 @@ class OrbSlam::State {
   FeatureMaker maker_;
   MapGraph graph_;
   LocalMapper mapper_;
+  PlaceMemory places_;
+  LoopCloser closer_;
+  Relocaliser relocaliser_;
   FrameTracker tracker_;
   Initialiser initialiser_;
   FrameWay way_;
@@ -116,21 +126,47 @@ class OrbSlam::State {
   std::int64_t settled_seen_ = 0;   ///< When the way was last lost and found.
   bool tracking_ = false;
   bool exists_ = false;  ///< There is a map.
+  bool maps_ = true;     ///< False: only finds its way in a map given.
   int lost_frames_ = 0;
+  std::deque<FramePointer> lost_;  ///< The last ones, to be placed once the way is known again.
+  std::optional<MapScale> scale_;  ///< Of a map given.
+  MapArchive* archive_;
   SE3 last_pose_;                  ///< world_from_camera
   mutable Background background_;  ///< Last: its jobs use what is above.
 };
 
 OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, const SlamMeans& means)
-    : options_(options_for(options, source)),
+    : options_(options_for(options, source, means.landmark_map.get())),
       sensor_(choose_sensor(options_, source)),
       check_(options_.frame_check),
       maker_(options_, sensor_, means.pool),
       graph_(sensor_.camera, sensor_.sensor, sensor_.baseline, orb_options(options_)),
       mapper_(options_, graph_, means.pool),
+      places_(graph_, standard_vocabulary()),
+      closer_(options_, graph_, mapper_, places_),
+      relocaliser_(options_, graph_, places_),
       tracker_(options_, sensor_.camera, sensor_.sensor, sensor_.baseline),
       initialiser_(options_, sensor_.camera),
-      background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {}
+      archive_(means.archive),
+      background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {
+  if (means.landmark_map) use_map(means);
+}
+
+void OrbSlam::State::use_map(const SlamMeans& means) {
+  const LandmarkMap& map = *means.landmark_map;
+  check_map(map, sensor_, means.extend_map);
+  restore(map, sensor_.baseline, graph_);
+  places_.update();
+  scale_ = map.scale;
+  maps_ = means.extend_map;
+  exists_ = !map.keyframes.empty();
+  next_keyframe_ = map.keyframes.empty() ? 0 : map.keyframes.back()->id + 1;
+}
+
+void OrbSlam::State::keep_map() {
+  if (archive_ != nullptr && maps_ && pending_.empty() && archive_->wants_map())
+    archive_->keep(landmark_map_of(graph_, way_, scale_));
+}
 
 SlamUpdate OrbSlam::State::process(const Frame& frame) {
   Stopwatch whole, stage;
@@ -192,8 +228,30 @@ void OrbSlam::State::on_pose(const FramePointer& frame, const TrackResult& track
   update.used = tracked.inliers;
   place(*frame, tracked);
   count_seen(tracked);
-  if (needs_keyframe(*frame, tracked)) make_keyframe(frame, tracked, update);
+  say_submap(tracked, update);
+  if (!maps_) {
+    follow_reference(tracked);
+  } else if (needs_keyframe(*frame, tracked)) {
+    make_keyframe(frame, tracked, update);
+  }
   update.times.push_back({"keyframe", stage.lap_ms()});
+}
+
+void OrbSlam::State::say_submap(const TrackResult& tracked, SlamUpdate& update) const {
+  const MapView& view = *tracker_.view();
+  const int submap = view.keyframes[static_cast<std::size_t>(view.find_keyframe(tracked.reference))].submap;
+  if (submap == 0) return;
+  if (update.state == SlamState::tracking) update.state = SlamState::weak;
+  update.reason = SlamReason::apart;
+  update.detail = fmt::format("in submap {}, not tied to the first yet", submap);
+}
+
+/// Without mapping, the view goes where the camera goes.
+void OrbSlam::State::follow_reference(const TrackResult& tracked) {
+  visible_.clear();
+  found_.clear();
+  if (tracked.reference != tracker_.view()->centre)
+    tracker_.set_view(view_of(graph_, tracked.reference, view_options()));
 }
 
 void OrbSlam::State::place(const FeatureFrame& frame, const TrackResult& tracked) {
@@ -215,17 +273,17 @@ void OrbSlam::State::count_seen(const TrackResult& tracked) {
 }
 
 bool OrbSlam::State::needs_keyframe(const FeatureFrame& frame, const TrackResult& tracked) const {
-  if (settled_seen_ > 0 && seen_ - settled_seen_ < options_.settled_frames &&
-      static_cast<int>(graph_.submap_count()) == 0)
-    return false;
+  if (settled_seen_ > 0 && seen_ - settled_seen_ < options_.settled_frames) return false;
   const bool overdue = seen_ - keyframe_seen_ > options_.keyframe_frames;
   if (!pending_.empty() && !overdue) return false;
   const MapView& view = *tracker_.view();
   const auto& reference = view.keyframes[static_cast<std::size_t>(view.find_keyframe(tracked.reference))];
-  if (tracked.inliers < options_.min_inliers) return false;
-  const bool few = tracked.inliers < options_.keyframe_share * reference.landmarks;
-  (void)frame;
-  return few || (overdue && tracked.inliers < reference.landmarks);
+  const bool mono = sensor_.sensor == LandmarkSensor::mono;
+  const double share = mono ? options_.keyframe_share : options_.keyframe_share_depth;
+  if (tracked.inliers < share * reference.landmarks || (overdue && tracked.inliers < reference.landmarks)) return true;
+  // Where depth is seen, new ground may come into view while the old is still tracked well.
+  if (mono || tracked.inliers >= options_.keyframe_few_points) return false;
+  return fresh_features(frame, tracked).size() > static_cast<std::size_t>(options_.keyframe_new_points);
 }
 
 std::vector<std::uint32_t> OrbSlam::State::fresh_features(const FeatureFrame& frame, const TrackResult& tracked) const {
@@ -265,9 +323,12 @@ void OrbSlam::State::make_keyframe(const FramePointer& frame, const TrackResult&
   const auto result = std::make_shared<MappingResult>();
   const std::size_t job = background_.submit([this, input, result, id] {
     mapper_.add(*input);
+    if (options_.loops == "on") {
+      if (const auto loop = closer_.consider(id)) result->events.push_back(loop->event());
+    }
     result->view = view_of(graph_, id, view_options());
   });
-  pending_.push_back({seen_ + options_.backend_delay_frames, job, 0, result});
+  pending_.push_back({seen_ + options_.backend_delay_frames, job, result});
 }
 
 /// The same without a later frame to hand the result over to.
@@ -284,6 +345,7 @@ void OrbSlam::State::take_results(std::int64_t up_to, std::vector<SlamEvent>& ev
     background_.wait(pending.job);
     events.insert(events.end(), pending.result->events.begin(), pending.result->events.end());
     if (tracking_) tracker_.set_view(pending.result->view);
+    keep_map();
   }
 }
 
@@ -292,8 +354,48 @@ void OrbSlam::State::on_loss(const FramePointer& frame, SlamUpdate& update) {
   ++lost_frames_;
   update.state = exists_ ? SlamState::lost : SlamState::initialising;
   if (exists_ && update.reason == SlamReason::none) update.reason = SlamReason::not_found;
+  const bool found = exists_ && relocalise(frame, update);
+  if (exists_) update.times.push_back({"relocalise", stage.lap_ms()});
+  if (found || !maps_) return;
   begin(frame, update);
   update.times.push_back({"start", stage.lap_ms()});
+}
+
+bool OrbSlam::State::relocalise(const FramePointer& frame, SlamUpdate& update) {
+  take_results(std::numeric_limits<std::int64_t>::max(), update.events);
+  lost_.push_back(frame);
+  if (lost_.size() > static_cast<std::size_t>(options_.init_frames)) lost_.pop_front();
+  if (options_.loops != "on") places_.update();
+  const auto relocation = relocaliser_.find(*frame);
+  if (!relocation) return false;
+  tracker_.set_view(view_of(graph_, relocation->keyframe, view_options()));
+  tracker_.restart(relocation->camera_from_world, {}, frame);
+  const TrackResult tracked = tracker_.track_from(frame, relocation->camera_from_world);
+  if (!tracked.ok) return false;
+  tracking_ = true;
+  lost_.pop_back();
+  place_lost();
+  settled_seen_ = seen_;
+  update.state = SlamState::relocalised;
+  update.reason = SlamReason::none;
+  update.detail.clear();
+  update.events.push_back({"relocalised", fmt::format("in keyframe {} with {} landmarks after {} frames",
+                                                      relocation->keyframe, tracked.inliers, lost_frames_)});
+  on_pose(frame, tracked, update);
+  initialiser_.clear();
+  return true;
+}
+
+/// Frames before the one that was found again, as far back as they can be followed.
+void OrbSlam::State::place_lost() {
+  FrameTracker backwards = tracker_;
+  while (!lost_.empty()) {
+    const TrackResult tracked = backwards.track(lost_.back());
+    if (!tracked.ok) break;
+    place(*lost_.back(), tracked);
+    lost_.pop_back();
+  }
+  lost_.clear();
 }
 
 bool OrbSlam::State::begin(const FramePointer& frame, SlamUpdate& update) {
@@ -316,7 +418,8 @@ bool OrbSlam::State::begin_from_pair(const StartPair& start, SlamUpdate& update)
     return false;
   }
   exists_ = tracking_ = true;
-  keyframe_seen_ = settled_seen_ = seen_;
+  keyframe_seen_ = seen_;
+  settled_seen_ = 0;
   tracker_.set_view(view_of(graph_, second->data().id, view_options()));
   place_keyframe(*first, first->data().id);
   place_keyframe(*second, second->data().id);
@@ -372,7 +475,8 @@ bool OrbSlam::State::begin_from_depth(const FramePointer& frame, SlamUpdate& upd
   const int submap = exists_ ? graph_.submap_count() : 0;
   mapper_.start(keyframe, submap);
   exists_ = tracking_ = true;
-  keyframe_seen_ = settled_seen_ = seen_;
+  keyframe_seen_ = seen_;
+  settled_seen_ = 0;
   tracker_.set_view(view_of(graph_, id, view_options()));
   tracker_.restart(SE3(), points_of(graph_, id), keyframe);
   place_keyframe(*keyframe, id);
@@ -387,6 +491,7 @@ std::vector<SlamEvent> OrbSlam::State::finish() {
   std::vector<SlamEvent> events;
   take_results(std::numeric_limits<std::int64_t>::max(), events);
   wait_for_mapping();
+  keep_map();
   return events;
 }
 
@@ -397,7 +502,7 @@ Trajectory OrbSlam::State::trajectory() const {
 
 std::shared_ptr<const Snapshot> OrbSlam::State::snapshot() const {
   wait_for_mapping();
-  return snapshot_of(graph_, way_);
+  return snapshot_of(graph_, way_, scale_);
 }
 
 OrbSlam::OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamMeans& means)

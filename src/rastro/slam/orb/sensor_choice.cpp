@@ -19,11 +19,18 @@ float depth_at(const DepthImage& depth, const Keypoint& keypoint) {
 
 }  // namespace
 
-OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source) {
+OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source, const LandmarkMap* map) {
   OrbSlamOptions copy = options;
   OptionTable table = option_table(copy);
   for (std::size_t i = 0; i < table.options().size(); ++i)
     table.set(table.options()[i].name, table.value_of(i), "orb options");
+  if (map != nullptr) {
+    options.features = map->features.features;
+    options.levels = map->features.levels;
+    options.scale_factor = map->features.scale_factor;
+    options.fast_threshold = map->features.fast_threshold;
+    options.least_fast_threshold = map->features.least_fast_threshold;
+  }
   if (options.features == 0) {
     const Camera& camera = *source.cameras.front().camera;
     options.features = camera.width > 0 && camera.width * camera.height > 1.3 * pixels_of_vga ? 2000 : 1000;
@@ -45,6 +52,14 @@ SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& sour
     choice.baseline = options.virtual_baseline_m;
   }
   return choice;
+}
+
+void check_map(const LandmarkMap& map, const SensorChoice& choice, bool extend) {
+  if (map.method != "orb")
+    throw Error("was made by method '" + map.method + "'", "--map", "give a map that 'orb' made");
+  if (map.sensor != choice.sensor && (extend || choice.sensor != LandmarkSensor::mono))
+    throw Error("was made with other sensors than this run has", "--map",
+                "give --sensor as when it was made; --sensor mono finds its way in any map");
 }
 
 FeatureMaker::FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool)

@@ -19,11 +19,14 @@ struct SensorChoice {
   double baseline = 0.0;  ///< Metres; that of a made-up right camera where depth is seen.
 };
 
-/// With what depends on the pictures filled in. Error for options out of range.
-OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source);
+/// With what depends on the pictures, and on a map given (may be null), filled in. Error for options out of range.
+OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source, const LandmarkMap* map);
 OrbOptions orb_options(const OrbSlamOptions& options);
 /// All that the source has, or what `sensor` names; Error where the source lacks that.
 SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& source);
+
+/// Error where a run cannot use the map: one camera finds its way in any, but goes on only with its own kind.
+void check_map(const LandmarkMap& map, const SensorChoice& choice, bool extend);
 
 /// Turns frames into features, with depth where it is seen.
 class FeatureMaker {
