@@ -57,11 +57,11 @@ class VocabularyReader {
     read_tree(count);
     made_.centres_.resize(count);
     const std::string_view centres = take((count - 1) * sizeof(Descriptor));
-    if (!centres.empty()) std::memcpy(&made_.centres_[1], centres.data(), centres.size());
+    if (!centres.empty()) std::memcpy(made_.centres_.data() + 1, centres.data(), centres.size());
     for (auto& node : made_.nodes_) {
       if (node.children > 0) continue;
       node.weight = get<float>();
-      check(std::isfinite(node.weight) && node.weight >= 0.0F);
+      check(node.weight >= 0.0F && node.weight <= max_word_weight);
     }
     check(bytes_.size() == 4);
     made_.number_words();
@@ -126,7 +126,7 @@ class VocabularyReader {
         made_.nodes_[c].depth = static_cast<std::uint16_t>(node.depth + 1);
       next += node.children;
     }
-    check(next == count && count > 1);
+    check(next == count);
   }
 
   std::string_view bytes_;
@@ -150,7 +150,7 @@ std::string Vocabulary::bytes() const {
   put(bytes, static_cast<std::uint8_t>(depth_));
   put(bytes, static_cast<std::uint32_t>(nodes_.size()));
   for (const Node& node : nodes_) put(bytes, static_cast<std::uint8_t>(node.children));
-  bytes.append(reinterpret_cast<const char*>(&centres_[1]), (centres_.size() - 1) * sizeof(Descriptor));
+  bytes.append(reinterpret_cast<const char*>(centres_.data() + 1), (centres_.size() - 1) * sizeof(Descriptor));
   for (const Node& node : nodes_)
     if (node.children == 0) put(bytes, node.weight);
   put(bytes, checksum(bytes));

@@ -62,7 +62,7 @@ std::optional<Descriptor> read_descriptor(Numbers& numbers) {
 
 std::optional<float> read_weight(Numbers& numbers) {
   const auto weight = numbers.next<float>();
-  return weight && std::isfinite(*weight) && *weight >= 0.0F ? weight : std::nullopt;
+  return weight && *weight >= 0.0F && *weight <= max_word_weight ? weight : std::nullopt;
 }
 
 bool is_shape(std::optional<int> branching, std::optional<int> depth) {

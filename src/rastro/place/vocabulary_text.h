@@ -12,6 +12,9 @@
 
 namespace rastro {
 
+/// Weights are logarithms of shares; what is far above is none, and sums of it would overflow.
+constexpr float max_word_weight = 1e6F;
+
 /// The text forms of DBoW2 and DBoW3: either lines of numbers (first "branching depth scoring weighting", then of each
 /// node its parent, whether it is a word, 32 bytes and its weight; nodes count from 1) or YAML as OpenCV writes it.
 struct VocabularyText {
