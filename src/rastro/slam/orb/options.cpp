@@ -65,6 +65,31 @@ void add_depth_options(OptionTable& table, OrbSlamOptions& o) {
              {}});
 }
 
+void add_stereo_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add({"stereo_hamming", &o.stereo_hamming, "bits", "by which left and right may differ", 1, 256, {}});
+  table.add({"stereo_disparity_share",
+             &o.stereo_disparity_share,
+             "",
+             "of the width, the largest disparity: nearer things are too different in both pictures",
+             0.01,
+             1,
+             {}});
+  table.add({"stereo_least_disparity_px",
+             &o.stereo_least_disparity_px,
+             "px",
+             "less is as good as infinitely far",
+             0.01,
+             100,
+             {}});
+  table.add({"stereo_difference_ratio",
+             &o.stereo_difference_ratio,
+             "",
+             "grey levels of left and right may differ by so many times the median of all pairs",
+             0.5,
+             100,
+             {}});
+}
+
 void add_start_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"init_window_share",
              &o.init_window_share,
@@ -308,6 +333,7 @@ OptionTable option_table(OrbSlamOptions& options) {
   OptionTable table;
   add_feature_options(table, options);
   add_depth_options(table, options);
+  add_stereo_options(table, options);
   add_start_options(table, options);
   add_tracking_options(table, options);
   add_keyframe_options(table, options);

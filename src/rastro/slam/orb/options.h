@@ -25,6 +25,10 @@ struct OrbSlamOptions {
   double virtual_baseline_m = 0.08;
   double far_baselines = 40.0;
   int start_depth_points = 200;
+  int stereo_hamming = 75;
+  double stereo_disparity_share = 0.3;
+  double stereo_least_disparity_px = 0.3;
+  double stereo_difference_ratio = 2.0;
 
   // Initialisation.
   double init_window_share = 0.16;

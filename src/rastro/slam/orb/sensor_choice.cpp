@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
+#include "rastro/slam/orb/stereo_matching.h"
 
 namespace rastro {
 namespace {
@@ -42,14 +44,41 @@ OrbOptions orb_options(const OrbSlamOptions& options) {
   return {options.features, options.levels, options.scale_factor, options.fast_threshold, options.least_fast_threshold};
 }
 
+namespace {
+
+/// Whether rows of both pictures show the same: pinhole cameras of one kind, side by side.
+bool is_rectified(const SourceInfo& source) {
+  if (source.cameras.size() < 2 || !source.cameras[1].camera || !source.left_from_right) return false;
+  const Camera &left = *source.cameras[0].camera, &right = *source.cameras[1].camera;
+  constexpr double most_px = 0.5, most_rad = 0.001, most_share = 0.005;
+  const Eigen::Vector3d aside = source.left_from_right->translation();
+  return left.distortion == Distortion::none && right.distortion == Distortion::none &&
+         std::abs(left.fx - right.fx) < most_px && std::abs(left.fy - right.fy) < most_px &&
+         std::abs(left.cx - right.cx) < most_px && std::abs(left.cy - right.cy) < most_px &&
+         source.left_from_right->rotation().log().norm() < most_rad && aside.x() > 0.0 &&
+         std::hypot(aside.y(), aside.z()) < most_share * aside.x();
+}
+
+}  // namespace
+
 SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& source) {
   SensorChoice choice;
   choice.camera = *source.cameras.front().camera;
-  const bool rgbd = options.sensor == "rgbd" || (options.sensor == "auto" && source.has_depth);
-  if (rgbd) {
-    if (!source.has_depth) throw Error("holds no depth images", source.path, "'sensor=mono' works with images alone");
+  if (options.sensor == "rgbd" && !source.has_depth)
+    throw Error("holds no depth images", source.path, "'--sensor mono' works with images alone");
+  if (options.sensor == "stereo" && !source.has_right)
+    throw Error("holds no pictures of a right camera", source.path, "'--sensor mono' works with one camera");
+  if (options.sensor == "stereo" && !is_rectified(source))
+    throw Error("has pairs that are not rectified to the same rows", source.path,
+                "rectify them first, or give '--sensor mono'");
+  if (options.sensor == "rgbd" || (options.sensor == "auto" && source.has_depth)) {
     choice.sensor = LandmarkSensor::rgbd;
     choice.baseline = options.virtual_baseline_m;
+  } else if (options.sensor == "stereo" || (options.sensor == "auto" && source.has_right && is_rectified(source))) {
+    choice.sensor = LandmarkSensor::stereo;
+    choice.baseline = source.left_from_right->translation().x();
+  } else if (options.sensor == "auto" && source.has_right) {
+    log_warning("pairs are not rectified to the same rows: the left camera alone is used");
   }
   return choice;
 }
@@ -74,6 +103,13 @@ std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame) {
   if (sensor_.sensor == LandmarkSensor::rgbd) {
     for (const Keypoint& keypoint : data->features.keypoints)
       data->depths.push_back(frame.depth.empty() ? 0.0F : depth_at(frame.depth, keypoint));
+  }
+  if (sensor_.sensor == LandmarkSensor::stereo) {
+    data->right_x.assign(data->features.size(), -1.0F);
+    data->depths.assign(data->features.size(), 0.0F);
+    if (!frame.right.empty())
+      match_stereo(frame.image.view(), frame.right.view(), extractor_.extract(frame.right.view(), {}, pool_),
+                   sensor_.camera.fx * sensor_.baseline, options_, *data);
   }
   return std::make_shared<FeatureFrame>(std::move(data), sensor_.camera, sensor_.baseline);
 }
