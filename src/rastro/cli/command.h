@@ -20,6 +20,7 @@ void add_odometry_command(CLI::App& app, Context& context);
 void add_slam_command(CLI::App& app, Context& context);
 void add_localize_command(CLI::App& app, Context& context);
 void add_recover_command(CLI::App& app, Context& context);
+void add_scale_command(CLI::App& app, Context& context);
 void add_export_command(CLI::App& app, Context& context);
 void add_measure_command(CLI::App& app, Context& context);
 void add_methods_command(CLI::App& app, Context& context);

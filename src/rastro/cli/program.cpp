@@ -86,6 +86,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_slam_command(app, context);
   add_localize_command(app, context);
   add_recover_command(app, context);
+  add_scale_command(app, context);
   add_evaluate_command(app, context);
   add_simulate_command(app, context);
   add_occlude_command(app, context);

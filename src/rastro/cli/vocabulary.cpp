@@ -105,7 +105,7 @@ void learn(const Flags& flags) {
 
 void add_flags(CLI::App& command, Flags& flags) {
   command.add_option("images", flags.images, "Recordings, folders or globs of pictures, videos")->required();
-  command.add_option("--out", flags.out, "File to write, .rvoc by custom")->type_name("FILE")->required();
+  command.add_option("--out", flags.out, "File to write; .rvoc by custom")->type_name("FILE")->required();
   command.add_option("--every", flags.every, "Of each argument, take every N-th picture")
       ->type_name("N")
       ->check(CLI::PositiveNumber)
