@@ -12,6 +12,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/random.h"
 #include "rastro/base/simd_testing.h"
+#include "rastro/feature/descriptor_matching.h"
 #include "rastro/feature/fast.h"
 #include "rastro/feature/orb_blur.h"
 #include "rastro/feature/orb_resize.h"
@@ -80,9 +81,12 @@ TEST(Fast, FindsWhatOpenCvFinds) {
     EXPECT_LE(expected.size(), corners.size());
     for (const cv::KeyPoint& point : expected) {
       if (point.pt.x < 4 || point.pt.x > 206 || point.pt.y < 4 || point.pt.y > 125) continue;  // It looks no farther.
-      EXPECT_TRUE(std::any_of(corners.begin(), corners.end(), [&](const FastCorner& corner) {
-        return point.pt == cv::Point2f(corner.x, corner.y) && point.response == static_cast<float>(corner.score - 1);
-      })) << threshold << " " << point.pt;
+      EXPECT_TRUE(std::any_of(corners.begin(), corners.end(),
+                              [&](const FastCorner& corner) {
+                                return point.pt == cv::Point2f(corner.x, corner.y) &&
+                                       point.response == static_cast<float>(corner.score - 1);
+                              }))
+          << threshold << " " << point.pt;
     }
   }
 }
@@ -103,8 +107,6 @@ TEST(OrbBlur, IsAGaussianOfTwoPixels) {
   orb_blur(padded(image), blurred, 0, 67);
   cv::Mat expected;
   cv::GaussianBlur(as_mat(image), expected, {7, 7}, 2.0, 2.0, cv::BORDER_REFLECT_101);
-  double worst = 0.0;
-  cv::minMaxLoc(cv::abs(as_mat(blurred) - expected), nullptr, &worst);
   EXPECT_LE(cv::norm(as_mat(blurred), expected, cv::NORM_INF), 3.0);
 }
 
@@ -135,6 +137,147 @@ TEST(Orb, IsTheSameByAnyCodeAndPool) {
         same(features, rastro::testing::with_plain_code([&] { return OrbExtractor({}).extract(image.view()); })));
     EXPECT_TRUE(same(features, OrbExtractor({}).extract(image.view(), {}, &pool)));
   }
+}
+
+/// The picture turned about its middle, magnified and shifted; looked up bilinearly.
+GreyImage moved(const GreyImage& image, const cv::Mat& to_moved) {
+  cv::Mat warped;
+  cv::warpAffine(as_mat(image), warped, to_moved, {image.width(), image.height()}, cv::INTER_LINEAR,
+                 cv::BORDER_REFLECT);
+  GreyImage result(image.width(), image.height());
+  for (int y = 0; y < image.height(); ++y) std::copy_n(warped.ptr(y), image.width(), result.row(y));
+  return result;
+}
+
+struct MatchFigures {
+  int matches = 0, right = 0;
+  double median_error_px = 0.0;  ///< Of the right ones.
+};
+
+/// Mutual nearest neighbours with a ratio test, against where they must be.
+MatchFigures match(const OrbFeatures& first, const OrbFeatures& second, const cv::Mat& second_from_first) {
+  const auto described = [](const OrbFeatures& features) {
+    DescribedKeypoints result;
+    result.keypoints = features.keypoints;
+    result.bits = features.descriptors;
+    return result;
+  };
+  MatchFigures figures;
+  std::vector<double> errors;
+  for (const auto& pair : match_descriptors(described(first), described(second), {})) {
+    const Keypoint &a = first.keypoints[pair.first], &b = second.keypoints[pair.second];
+    const cv::Mat at = second_from_first * (cv::Mat_<double>(3, 1) << a.x, a.y, 1.0);
+    const double error =
+        std::hypot(at.at<double>(0) - static_cast<double>(b.x), at.at<double>(1) - static_cast<double>(b.y));
+    ++figures.matches;
+    if (error < 0.1 * static_cast<double>(a.size_px)) errors.push_back(error);
+  }
+  figures.right = static_cast<int>(errors.size());
+  if (errors.empty()) return figures;
+  std::nth_element(errors.begin(), errors.begin() + figures.right / 2, errors.end());
+  figures.median_error_px = errors[errors.size() / 2];
+  return figures;
+}
+
+TEST(Orb, IsFoundAgainTurnedAndMagnified) {
+  const GreyImage image = blocks(420, 320, 7, 1.0);
+  const OrbFeatures features = OrbExtractor({}).extract(image.view());
+  for (const auto& [degrees, scale] :
+       {std::pair(3.0, 1.0), std::pair(40.0, 1.0), std::pair(171.0, 0.8), std::pair(-75.0, 1.3)}) {
+    const cv::Mat to_moved = cv::getRotationMatrix2D({209.5F, 159.5F}, degrees, scale);
+    const auto figures = match(features, OrbExtractor({}).extract(moved(image, to_moved).view()), to_moved);
+    EXPECT_GT(figures.matches, 150) << degrees;
+    EXPECT_GT(figures.right, 0.9 * figures.matches) << degrees;
+    EXPECT_LT(figures.median_error_px, 0.9) << degrees;
+  }
+}
+
+TEST(Orb, PlacesAreRightOnAllLevels) {
+  const GreyImage image = blocks(420, 320, 8, 1.0);
+  const cv::Mat to_moved = (cv::Mat_<double>(2, 3) << 1, 0, 7.3, 0, 1, -4.6);
+  const auto figures =
+      match(OrbExtractor({}).extract(image.view()), OrbExtractor({}).extract(moved(image, to_moved).view()), to_moved);
+  EXPECT_GT(figures.right, 250);
+  EXPECT_LT(figures.median_error_px, 0.5);
+}
+
+TEST(Orb, DirectionTurnsWithThePicture) {
+  const GreyImage image = blocks(300, 300, 9, 2.0);
+  GreyImage quarter(300, 300);  // (x, y) comes to (299 - y, x): a quarter turn from x towards y.
+  for (int y = 0; y < 300; ++y)
+    for (int x = 0; x < 300; ++x) quarter.at(299 - y, x) = image.at(x, y);
+  OrbOptions options;
+  options.levels = 1;
+  options.features = 100000;
+  const OrbFeatures before = OrbExtractor(options).extract(image.view());
+  const OrbFeatures after = OrbExtractor(options).extract(quarter.view());
+  int found = 0, turned = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    for (std::size_t j = 0; j < after.size(); ++j) {
+      if (std::abs(after.keypoints[j].x - (299.0F - before.keypoints[i].y)) > 0.01F ||
+          std::abs(after.keypoints[j].y - before.keypoints[i].x) > 0.01F)
+        continue;
+      ++found;
+      const double by = static_cast<double>(after.keypoints[j].angle_rad - before.keypoints[i].angle_rad);
+      turned += std::abs(std::remainder(by - std::numbers::pi / 2, 2 * std::numbers::pi)) < 1e-5 &&
+                hamming_distance(before.descriptors[i], after.descriptors[j]) <= 12;
+    }
+  }
+  // Of two equal neighbours another one is taken in the turned picture.
+  EXPECT_GT(found, 0.9 * static_cast<double>(before.size()));
+  EXPECT_GT(turned, 0.9 * found);
+}
+
+TEST(Orb, SpreadsOverThePicture) {
+  // Strong corners in the left half, weak ones in the right half.
+  GreyImage image = blocks(400, 300, 10, 0.0);
+  for (int y = 0; y < 300; ++y)
+    for (int x = 200; x < 400; ++x) image.at(x, y) = static_cast<std::uint8_t>(100 + image.at(x, y) / 4);
+  OrbOptions options;
+  options.features = 500;
+  const OrbFeatures features = OrbExtractor(options).extract(image.view());
+  const auto right = std::count_if(features.keypoints.begin(), features.keypoints.end(),
+                                   [](const Keypoint& keypoint) { return keypoint.x > 200.0F; });
+  EXPECT_EQ(features.size(), 500U);
+  EXPECT_GT(right, 125);
+  EXPECT_LT(right, 375);
+  for (std::uint8_t level = 0; level < 8; ++level)
+    EXPECT_GT(std::count(features.levels.begin(), features.levels.end(), level), 20) << int{level};
+}
+
+TEST(Orb, LeavesOutWhatIsMasked) {
+  const GreyImage image = blocks(300, 200, 11);
+  GreyImage mask(300, 200);
+  for (int y = 0; y < 200; ++y) std::fill_n(mask.row(y) + 120, 180, std::uint8_t{255});
+  const OrbFeatures features = OrbExtractor({}).extract(image.view(), mask.view());
+  ASSERT_GT(features.size(), 100U);
+  for (std::size_t i = 0; i < features.size(); ++i)
+    EXPECT_GT(features.keypoints[i].x, 119.0 - std::pow(1.2, features.levels[i]));
+}
+
+TEST(Orb, TakesWhatThereIs) {
+  OrbExtractor extractor({});
+  EXPECT_EQ(extractor.extract(GreyImage(200, 150).view()).size(), 0U);
+  EXPECT_EQ(extractor.extract(blocks(20, 300, 12).view()).size(), 0U);
+  EXPECT_EQ(extractor.extract({}).size(), 0U);
+  const OrbFeatures few = extractor.extract(blocks(60, 60, 13).view());
+  EXPECT_LT(few.levels.empty() ? 0 : *std::max_element(few.levels.begin(), few.levels.end()), 3);
+}
+
+TEST(Orb, RefusesWrongOptions) {
+  OrbOptions many, shallow, flat, loose;
+  many.features = 0;
+  shallow.levels = 0;
+  flat.scale_factor = 1.0;
+  loose.least_fast_threshold = 30;
+  for (const OrbOptions& options : {many, shallow, flat, loose}) EXPECT_THROW(OrbExtractor{options}, Error);
+}
+
+TEST(OrbQuotas, GiveWhatALevelCannotFillToOthers) {
+  EXPECT_EQ(orb_quotas(100, 2.0, {500, 500}), (std::vector<std::size_t>{67, 33}));
+  EXPECT_EQ(orb_quotas(100, 2.0, {500, 3}), (std::vector<std::size_t>{97, 3}));
+  EXPECT_EQ(orb_quotas(100, 2.0, {10, 500}), (std::vector<std::size_t>{10, 90}));
+  EXPECT_EQ(orb_quotas(100, 2.0, {1, 2}), (std::vector<std::size_t>{1, 2}));
 }
 
 TEST(Orb, ForgetsThePictureBefore) {
