@@ -14,6 +14,7 @@
 #include "rastro/multiview/essential.h"
 #include "rastro/multiview/homography.h"
 #include "rastro/multiview/homography_motion.h"
+#include "rastro/multiview/rotation.h"
 #include "rastro/multiview/triangulation.h"
 
 namespace rastro {
@@ -88,19 +89,35 @@ std::optional<Eigen::Matrix3d> find_homography(std::span<const TwoViewPair> pair
   return h.allFinite() && std::abs(h.determinant()) > 1e-12 ? std::optional(h) : std::nullopt;
 }
 
-std::optional<EssentialFit> find_essential(std::span<const TwoViewPair> pairs, const TwoViewOptions& options) {
+/// The pairs as lists of both views' points.
+struct Points {
   std::vector<Eigen::Vector2d> first, second;
-  for (const TwoViewPair& pair : pairs) {
-    first.push_back(pair.first);
-    second.push_back(pair.second);
+
+  explicit Points(std::span<const TwoViewPair> pairs) {
+    for (const TwoViewPair& pair : pairs) first.push_back(pair.first), second.push_back(pair.second);
   }
+};
+
+CalibratedRansacOptions ransac_options(const TwoViewOptions& options, double chi2, std::uint64_t stream) {
   CalibratedRansacOptions ransac;
-  ransac.max_error_px = std::sqrt(options.fundamental_chi2);
+  ransac.max_error_px = std::sqrt(chi2);
   ransac.confidence = 0.999;
   ransac.max_iterations = options.max_iterations;
-  ransac.seed = seed_for(options.seed, 1);
+  ransac.seed = seed_for(options.seed, stream);
   ransac.focal_px = options.focal_px;
-  return estimate_essential(first, second, ransac);
+  return ransac;
+}
+
+std::optional<EssentialFit> find_essential(std::span<const TwoViewPair> pairs, const TwoViewOptions& options) {
+  const Points points(pairs);
+  return estimate_essential(points.first, points.second, ransac_options(options, options.fundamental_chi2, 1));
+}
+
+/// How well a turn on the spot explains the pairs, measured as a homography is.
+double rotation_score(std::span<const TwoViewPair> pairs, const TwoViewOptions& options) {
+  const Points points(pairs);
+  const auto turn = rotation_between(points.first, points.second, ransac_options(options, options.homography_chi2, 2));
+  return turn ? score_homography(pairs, turn->second_from_first.matrix(), options).score : 0.0;
 }
 
 /// The four of an essential matrix (Hartley and Zisserman 2004, result 9.19).
@@ -236,16 +253,25 @@ TwoViewFit find_two_view_motion(std::span<const TwoViewPair> pairs, const TwoVie
   const Scored& model = fit.planar ? plane : scene;
   fit.inliers = model.inliers;
   std::vector<SE3> motions;
+  const int needed = std::max(options.min_points, static_cast<int>(options.min_model_share * double(pairs.size())));
   if (model.inliers > 0)
     motions = fit.planar ? motions_of_homography(*homography) : motions_of_essential(essential->essential);
-  if (motions.empty() || fit.inliers < options.min_points) {
+  if (motions.empty() || fit.inliers < needed) {
     fit.status = TwoViewStatus::no_model;
-    fit.detail = fmt::format("{} of {} matches fit one motion, need {}", fit.inliers, pairs.size(), options.min_points);
+    fit.detail = fmt::format("{} of {} matches fit one motion, need {}", fit.inliers, pairs.size(), needed);
     return fit;
   }
   std::vector<Hypothesis> hypotheses;
   for (const SE3& motion : motions) hypotheses.push_back(judged(motion, pairs, model, options));
   decide(std::move(hypotheses), options, fit);
+  if (fit.status != TwoViewStatus::found) return fit;
+  // The error of a turn, taken for a motion, gives points parallax.
+  const double turned = rotation_score(pairs, options) / model.score;
+  if (turned > options.max_rotation_score) {
+    fit.status = TwoViewStatus::little_motion;
+    fit.detail = fmt::format("a turn on the spot explains the matches {:.0f} % as well, need at most {:.0f} %",
+                             100.0 * turned, 100.0 * options.max_rotation_score);
+  }
   return fit;
 }
 

@@ -25,6 +25,8 @@ struct TwoViewOptions {
   double homography_share = 0.45;          ///< S_H / (S_H + S_F) above which the scene is taken for a plane.
   int max_iterations = 200;                ///< Samples, of either model.
   int min_points = 50;                     ///< To be triangulated, or it does not start.
+  double min_model_share = 0.5;            ///< Of all pairs, that the model taken must explain.
+  double max_rotation_score = 0.9;         ///< Share of its score that a turn on the spot may reach.
   double min_inlier_share = 0.8;           ///< Of the model's inliers, that the motion taken must see in front.
   double max_runner_up = 0.7;              ///< Share of the best motion's points that the second best may have.
   double min_parallax_deg = 1.0;           ///< Median over the model's inliers.

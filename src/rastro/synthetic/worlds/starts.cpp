@@ -78,8 +78,8 @@ void fill_scene(Scene& scene, StartKind kind, int variation, Random& random) {
   const double v = static_cast<double>(variation);
   switch (kind) {
     case StartKind::planar: {
-      const double away = 2.0 + 1.2 * v, aslant = 0.35 * v;
-      const Material wall = variation % 2 == 0 ? hall::machine(120.0F, 100.0) : hall::brick_wall();
+      const double away = 2.0 + 1.2 * v, aslant = 0.25 * v;
+      const Material wall = variation != 1 ? hall::machine(120.0F, 100.0) : hall::brick_wall();
       scene.add_quad({away, 0, 0}, 5.0 * away * Vector3d(std::sin(aslant), -std::cos(aslant), 0), {0, 0, -3.0 * away},
                      for_distance(wall, away));
       return;
