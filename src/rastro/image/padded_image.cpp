@@ -25,6 +25,11 @@ void PaddedImage::reset(int width, int height, int padding) {
 void PaddedImage::fill_padding() {
   for (int y = 0; y < height_; ++y) {
     std::uint8_t* pixels = row(y);
+    if (padding_ < width_) {
+      std::reverse_copy(pixels + 1, pixels + 1 + padding_, pixels - padding_);
+      std::reverse_copy(pixels + width_ - 1 - padding_, pixels + width_ - 1, pixels + width_);
+      continue;
+    }
     for (int x = 1; x <= padding_; ++x) {
       pixels[-x] = pixels[mirrored(-x, width_)];
       pixels[width_ - 1 + x] = pixels[mirrored(width_ - 1 + x, width_)];

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -9,6 +8,7 @@
 #include <fstream>
 
 #include "rastro/base/error.h"
+#include "rastro/base/hash.h"
 #include "rastro/base/text_file.h"
 #include "rastro/place/vocabulary.h"
 #include "rastro/place/vocabulary_text.h"
@@ -25,8 +25,11 @@ constexpr std::uint8_t version = 1;
   throw Error(what, where, "make it anew with 'rastro vocabulary', or fetch it again");
 }
 
+/// The first eight digits of SHA-256.
 std::uint32_t checksum(std::string_view bytes) {
-  return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+  Sha256 hash;
+  hash.add(bytes);
+  return static_cast<std::uint32_t>(std::stoul(hash.finish().substr(0, 8), nullptr, 16));
 }
 
 template <typename Number>
@@ -38,7 +41,7 @@ void put(std::string& bytes, Number number) {
 
 /// Own form: magic, version, branching and depth (a byte each), number of nodes (4), then of each node, level by level,
 /// how many children it has (a byte); centres of all but the root (32 bytes each); weights of the words (4 each);
-/// CRC-32 of all before.
+/// the checksum of all before (4).
 class VocabularyReader {
  public:
   VocabularyReader(std::string_view bytes, const std::string& where) : bytes_(bytes), where_(where) {}
