@@ -3,7 +3,18 @@
 
 #include <algorithm>
 
+#include "rastro/optimize/pose_refinement.h"
+
 namespace rastro {
+namespace {
+
+SE3 pose_of(const MapGraph& graph, const PlacedFrame& frame) {
+  const double scale = graph.unit(frame.keyframe) / frame.unit;
+  const SE3 from_keyframe(frame.camera_from_keyframe.rotation(), scale * frame.camera_from_keyframe.translation());
+  return from_keyframe * graph.camera_from_world(frame.keyframe);
+}
+
+}  // namespace
 
 void FrameWay::add(const PlacedFrame& frame) {
   const auto at = std::upper_bound(frames_.begin(), frames_.end(), frame.index,
@@ -11,13 +22,41 @@ void FrameWay::add(const PlacedFrame& frame) {
   frames_.insert(at, frame);
 }
 
+void FrameWay::set_keyframe(std::int64_t index, std::int64_t keyframe) {
+  for (auto frame = frames_.rbegin(); frame != frames_.rend(); ++frame) {
+    if (frame->index == index) frame->became = keyframe;
+    if (frame->index <= index) return;
+  }
+}
+
+void FrameWay::settle(const MapGraph& graph, int least) {
+  for (PlacedFrame& frame : frames_) {
+    if (frame.became >= 0 && graph.has_keyframe(frame.became)) {
+      frame = {frame.index, frame.stamp, frame.became, SE3(), graph.unit(frame.became), frame.became, {}};
+      continue;
+    }
+    const int submap = graph.submap(frame.keyframe);
+    std::vector<PoseObservation> observations;
+    for (const SeenLandmark& seen : frame.seen) {
+      const std::int64_t id = graph.current(seen.landmark);
+      if (id < 0 || graph.landmark(id).observations.empty()) continue;
+      const MapLandmark& landmark = graph.landmark(id);
+      if (graph.submap(landmark.observations.front().keyframe) != submap) continue;
+      observations.push_back({landmark.position, seen.ray.cast<double>(), static_cast<double>(seen.right),
+                              static_cast<double>(seen.sigma)});
+    }
+    const PoseRefinement refined = refine_pose(pose_of(graph, frame), observations, {.baseline = graph.baseline()});
+    if (refined.inliers < least) continue;
+    frame.camera_from_keyframe = refined.camera_from_world * graph.camera_from_world(frame.keyframe).inverse();
+    frame.unit = graph.unit(frame.keyframe);
+  }
+}
+
 Trajectory FrameWay::trajectory(const MapGraph& graph, int submap) const {
   Trajectory way;
   for (const PlacedFrame& frame : frames_) {
     if (graph.submap(frame.keyframe) != submap) continue;
-    const double scale = graph.unit(frame.keyframe) / frame.unit;
-    const SE3 from_keyframe(frame.camera_from_keyframe.rotation(), scale * frame.camera_from_keyframe.translation());
-    way.push_back({frame.stamp, (from_keyframe * graph.camera_from_world(frame.keyframe)).inverse()});
+    way.push_back({frame.stamp, pose_of(graph, frame).inverse()});
   }
   return way;
 }

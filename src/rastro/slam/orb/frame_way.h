@@ -9,19 +9,34 @@
 
 namespace rastro {
 
+/// A landmark as a frame saw it.
+struct SeenLandmark {
+  std::int64_t landmark = 0;
+  Eigen::Vector2f ray;  ///< Normalised.
+  float right = 0.0F;   ///< Of the right camera; NaN: unknown.
+  float sigma = 0.0F;   ///< Normalised.
+};
+
 /// A frame that was tracked, relative to a keyframe, so that it follows where that goes later.
 struct PlacedFrame {
   std::int64_t index = 0;
   TimeNs stamp = 0;
   std::int64_t keyframe = 0;
   SE3 camera_from_keyframe;
-  double unit = 1.0;  ///< The keyframe's when the frame was placed.
+  double unit = 1.0;               ///< The keyframe's when the frame was placed.
+  std::int64_t became = -1;        ///< The keyframe made of it.
+  std::vector<SeenLandmark> seen;  ///< What its pose rests on.
 };
 
 /// All frames that have a pose.
 class FrameWay {
  public:
   void add(const PlacedFrame& frame);
+  /// The frame became that keyframe.
+  void set_keyframe(std::int64_t index, std::int64_t keyframe);
+  /// Places every frame anew by what it saw of the map as it now is; a frame of which fewer than `least` landmarks
+  /// still fit stays.
+  void settle(const MapGraph& graph, int least);
   const std::vector<PlacedFrame>& frames() const { return frames_; }
   /// world_from_camera of the frames whose keyframe stands in `submap`, in the order of the recording.
   Trajectory trajectory(const MapGraph& graph, int submap) const;

@@ -240,6 +240,20 @@ void add_mapping_options(OptionTable& table, OrbSlamOptions& o) {
              1000,
              {}});
   table.add({"adjust_iterations", &o.adjust_iterations, "", "of bundle adjustment, at most", 1, 1000, {}});
+  table.add({"final_iterations",
+             &o.final_iterations,
+             "",
+             "of bundle adjustment of the whole map at the end; 0: none",
+             0,
+             1000,
+             {}});
+  table.add({"final_keyframes",
+             &o.final_keyframes,
+             "",
+             "of a larger map it is left out, so that a run ends at once",
+             0,
+             1000000,
+             {}});
   table.add({"cull_seen_share",
              &o.cull_seen_share,
              "",

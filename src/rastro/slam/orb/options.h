@@ -73,6 +73,8 @@ struct OrbSlamOptions {
   int adjust_fixed = 20;
   int adjust_iterations = 10;
   double cull_seen_share = 0.9;
+  int final_iterations = 10;
+  int final_keyframes = 200;
 
   // Loops, loss.
   std::string loops = "on";

@@ -257,12 +257,24 @@ void OrbSlam::State::follow_reference(const TrackResult& tracked) {
 void OrbSlam::State::place(const FeatureFrame& frame, const TrackResult& tracked) {
   const MapView& view = *tracker_.view();
   const auto& reference = view.keyframes[static_cast<std::size_t>(view.find_keyframe(tracked.reference))];
-  way_.add({frame.data().frame, frame.data().stamp, reference.id,
-            tracked.camera_from_world * reference.camera_from_world.inverse(), reference.unit});
+  PlacedFrame placed{frame.data().frame,
+                     frame.data().stamp,
+                     reference.id,
+                     tracked.camera_from_world * reference.camera_from_world.inverse(),
+                     reference.unit,
+                     -1,
+                     {}};
+  for (const TrackedPoint& point : tracked.points) {
+    if (point.landmark < 0) continue;
+    placed.seen.push_back({point.landmark, frame.ray(point.feature).cast<float>(),
+                           static_cast<float>(frame.right_ray(point.feature)),
+                           static_cast<float>(options_.pixel_sigma * graph_.sigma(frame, point.feature))});
+  }
+  way_.add(placed);
 }
 
 void OrbSlam::State::place_keyframe(const FeatureFrame& frame, std::int64_t keyframe) {
-  way_.add({frame.data().frame, frame.data().stamp, keyframe, SE3(), graph_.unit(keyframe)});
+  way_.add({frame.data().frame, frame.data().stamp, keyframe, SE3(), graph_.unit(keyframe), keyframe, {}});
 }
 
 void OrbSlam::State::count_seen(const TrackResult& tracked) {
@@ -312,6 +324,7 @@ KeyframeInput OrbSlam::State::keyframe_input(const FramePointer& frame, const Tr
   visible_.clear();
   found_.clear();
   keyframe_seen_ = seen_;
+  way_.set_keyframe(frame->data().frame, input.frame->data().id);
   return input;
 }
 
@@ -491,6 +504,13 @@ std::vector<SlamEvent> OrbSlam::State::finish() {
   std::vector<SlamEvent> events;
   take_results(std::numeric_limits<std::int64_t>::max(), events);
   wait_for_mapping();
+  if (!exists_) return events;
+  if (maps_ && options_.final_iterations > 0 &&
+      graph_.keyframe_count() <= static_cast<std::size_t>(options_.final_keyframes)) {
+    for (int submap = 0; submap < graph_.submap_count(); ++submap)
+      mapper_.adjust_all(submap, options_.final_iterations);
+  }
+  way_.settle(graph_, options_.min_inliers / 2);
   keep_map();
   return events;
 }
