@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Map files as a user meets them: map_test.sh PROGRAM SCRATCH_FOLDER CASE [--twenty]
-# CASE is make_room (first), files, or kill: a run killed with -9 at three moments (twenty with --twenty) leaves a map that
+# CASE is make_room (first), files, landmarks, or kill: a run killed with -9 at three moments (twenty with --twenty) leaves a map that
 # opens and has all but the last second.
 set -euo pipefail
 rastro=$1
@@ -87,6 +87,57 @@ files() {
   refused '--max-memory' slam "$room" --method rgbd --out "$here/small" --max-memory 20MB
 }
 
+landmarks() {
+  local map=$here/run/map.rastro file
+  run 0 slam "$room" --method orb --sensor rgbd --out "$here/run"
+  said 'scale        metres'
+  for file in map.rastro map.png keyframes.txt trajectory.txt trajectory_online.txt result.json; do
+    [[ -s $here/run/$file ]] || fail "$file is missing"
+  done
+  [[ $(cat "$here/run/trajectory.txt" "$here/run/keyframes.txt" "$map" | sha256sum | cut -d' ' -f1) == $(value_of result_sha256 "$here/run/result.json") ]] ||
+    fail "the hash is not that of trajectory, keyframes and map"
+  run 0 info "$here/run"
+  said 'whole, every checksum holds'
+  run 0 localize "$room" --map "$here/run" --out "$here/found" --require 'recall>=60'
+  [[ -s $here/found/trajectory.txt && ! -e $here/found/map.rastro ]] || fail "localize leaves a trajectory and no map"
+  run 0 slam "$room" --map "$here/run" --continue --out "$here/longer" --quiet
+  run 0 info "$here/longer"
+  said 'whole'
+  run 0 recover "$map" --out "$here/again.rastro"
+  cmp "$map" "$here/again.rastro" || fail "read and written again, the map has other bytes"
+  for file in points.ply landmarks.csv graph.g2o above.svg above.png poses.tum; do
+    local kind=${file##*.}
+    [[ $kind == csv ]] && kind=landmarks
+    run 0 export "$here/run" --to "$kind" --out "$here/$file"
+    [[ -s $here/$file ]] || fail "$file is missing"
+  done
+  run 0 export "$map" --to colmap-binary --out "$here/colmap"
+  [[ -s $here/colmap/points3D.bin ]] || fail "no points3D.bin"
+  refused 'is a map of landmarks' measure "$here/run" --between 0,0,1 0,0,2
+  refused 'known for landmarks are' export "$here/run" --to mesh --out "$here/no"
+  refused 'in metres already' scale "$here/run" --camera-height 1
+  refused 'use '"'"'rastro localize' slam "$room" --method orb --map "$map" --out "$here/no"
+  refused 'give --map' slam "$room" --method orb --continue --out "$here/no"
+  refused 'give --method' slam "$room" --out "$here/no"
+  [[ ! -e $here/no ]] || fail "a refused run left a folder"
+  mono
+}
+
+# A map of one camera, brought to metres twice: the second time it is there already.
+mono() {
+  run 0 slam "$room" --method orb --sensor mono --out "$here/mono"
+  said 'scale        arbitrary'
+  refused 'give one of' scale "$here/mono"
+  refused 'is no length' scale "$here/mono" --length 1,2
+  refused 'has no landmark' scale "$here/mono" --length 1,987654321,2
+  run 0 scale "$here/mono" --reference "$room"
+  run 0 scale "$here/mono" --reference "$room" --json
+  grep -Eq '"metres_per_unit": (1|0.99999|1.00000)[0-9]*,$' "$here/stdout" || fail "not in metres: $(cat "$here/stdout")"
+  run 0 info "$here/mono"
+  said 'metres, from a reference trajectory'
+  run 0 evaluate trajectory "$room" "$here/mono" --align se3 --require 'ate_rmse<=0.1'
+}
+
 # The recording of the room there and back again, for minutes.
 long_room() {
   local kind
@@ -135,7 +186,7 @@ kill_runs() {
 }
 
 case $case_name in
-  make_room | files) $case_name ;;
+  make_room | files | landmarks) $case_name ;;
   kill) kill_runs ;;
   *) fail "no case '$case_name'" ;;
 esac

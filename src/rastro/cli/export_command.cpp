@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
@@ -14,6 +16,7 @@
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/export_input.h"
+#include "rastro/cli/export_landmarks.h"
 #include "rastro/cli/progress_bar.h"
 #include "rastro/export/cloud_pcd.h"
 #include "rastro/export/colmap.h"
@@ -42,6 +45,12 @@ constexpr const char* footer =
   pgm      what stands between two heights, from above: FILE.pgm and FILE.yaml as ROS's map_server reads them
   g2o      pose graph of the keyframes with information matrices
   colmap   folder with cameras.txt, images.txt, points3D.txt and images/
+Of a map of landmarks (one camera, two cameras, or --method orb on depth):
+  ply      one grey point a landmark: count (sightings) and sigma (along the view); binary
+  landmarks  CSV: id, place, sigma, sightings, and the frame and pixel that show it first
+  g2o      its essential graph    svg, png  keyframes, landmarks, covisibility and essential graph from above
+  colmap   folder with cameras, images (named by frame, such as 000123.png) and points3D; colmap-binary: as .bin
+Of both:
   tum, kitti, euroc   poses of all frames; kitti also writes FILE_times.txt
 Lengths are in metres, in the world of the map: for a depth camera its first view, x right, y down, z ahead. With
 --upright clouds, meshes and octrees stand on the floor: z up, the origin below the first camera, which looks along
@@ -188,6 +197,15 @@ Facts export_colmap(const Job& job) {
   return {{"keyframes", map.keyframes.size()}};
 }
 
+/// Of a map of landmarks; only for what has no other writer here.
+Facts export_landmark_kind(const Job& job) {
+  Facts facts;
+  const LandmarkMap& map = need_landmark_map(job.input, job.flags.to);
+  for (const auto& [name, value] : export_landmarks(map, job.flags.to, job.flags.out, job.flags.cloud.submap))
+    facts[name] = value;
+  return facts;
+}
+
 Facts export_poses(const Job& job) {
   const Trajectory& trajectory = need_trajectory(job.input, job.flags.to);
   const fs::path out = job.flags.out;
@@ -206,10 +224,20 @@ struct Kind {
 };
 
 const std::vector<Kind>& kinds() {
-  static const std::vector<Kind> all{{"ply", export_cloud},       {"pcd", export_cloud}, {"mesh", export_mesh},
-                                     {"octomap", export_octomap}, {"pgm", export_slice}, {"g2o", export_g2o},
-                                     {"colmap", export_colmap},   {"tum", export_poses}, {"kitti", export_poses},
-                                     {"euroc", export_poses}};
+  static const std::vector<Kind> all{{"ply", export_cloud},
+                                     {"pcd", export_cloud},
+                                     {"mesh", export_mesh},
+                                     {"octomap", export_octomap},
+                                     {"pgm", export_slice},
+                                     {"g2o", export_g2o},
+                                     {"colmap", export_colmap},
+                                     {"tum", export_poses},
+                                     {"kitti", export_poses},
+                                     {"euroc", export_poses},
+                                     {"landmarks", export_landmark_kind},
+                                     {"colmap-binary", export_landmark_kind},
+                                     {"svg", export_landmark_kind},
+                                     {"png", export_landmark_kind}};
   return all;
 }
 
@@ -232,11 +260,12 @@ double checked(double value, double lowest, double highest, const char* flag, co
 void set_height(Flags& flags) {
   if (flags.height.empty()) return;
   const auto ends = split(flags.height, ':');
-  const auto lowest = ends.size() == 2 ? parse_finite(ends[0]) : std::nullopt;
-  const auto highest = ends.size() == 2 ? parse_finite(ends[1]) : std::nullopt;
-  if (!lowest || !highest || *lowest >= *highest)
+  const bool two = ends.size() == 2;
+  const double lowest = two ? parse_finite(ends[0]).value_or(NAN) : NAN;
+  const double highest = two ? parse_finite(ends[1]).value_or(NAN) : NAN;
+  if (!(lowest < highest))
     throw Error(in_quotes(flags.height) + " is no band of heights", "--height", "give A:B in metres, such as 0.1:1.8");
-  flags.lowest_m = *lowest, flags.highest_m = *highest;
+  flags.lowest_m = lowest, flags.highest_m = highest;
 }
 
 void settle(Flags& flags) {
@@ -281,8 +310,10 @@ void run_export(Flags& flags) {
   const ExportInput input = read_export_input(flags.input);
   TaskPool pool(flags.threads);
   ProgressBar bar(!flags.quiet);
-  const Facts facts = kind.write(
-      {flags, input, pool, [&](std::size_t done, std::size_t all) { bar.show_steps("keyframes", done, all); }});
+  const bool of_landmarks = input.landmark_map && !std::set<std::string>{"tum", "kitti", "euroc"}.contains(flags.to);
+  const std::function<Facts(const Job&)> write = of_landmarks ? export_landmark_kind : kind.write;
+  const Facts facts =
+      write({flags, input, pool, [&](std::size_t done, std::size_t all) { bar.show_steps("keyframes", done, all); }});
   bar.clear();
   report(flags, facts);
 }
@@ -293,7 +324,10 @@ void add_export_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("export", "Write a map or its poses for other programs");
   const auto flags = std::make_shared<Flags>();
   command->add_option("RUN", flags->input, "Folder of a run, or a map file")->required()->type_name("RUN|MAP");
-  command->add_option("--to", flags->to, "ply, pcd, mesh, octomap, pgm, g2o, colmap, tum, kitti or euroc")
+  command
+      ->add_option("--to", flags->to,
+                   "ply, pcd, mesh, octomap, pgm, g2o, colmap, tum, kitti, euroc, or, of landmarks, landmarks, "
+                   "colmap-binary, svg, png")
       ->required()
       ->type_name("FORMAT");
   command->add_option("--out", flags->out, "File to write; for colmap a folder")->required()->type_name("FILE");

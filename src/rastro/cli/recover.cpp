@@ -15,7 +15,9 @@ namespace {
 constexpr const char* footer =
     "Looks through a map file that is cut off, damaged or was left by a run that was killed, takes every row whose\n"
     "checksum holds and writes a sound map of them. A keyframe is kept where its features, its pose and its pictures\n"
-    "are; edges to lost keyframes go with them. Keyframes are numbered anew. MAP itself is not touched.\n"
+    "are; edges to lost keyframes go with them. Keyframes are numbered anew. Of a map of landmarks, keyframes with\n"
+    "features and pose and the landmarks that one of them sees are kept, with their numbers. MAP itself is not "
+    "touched.\n"
     "\n"
     "Example:\n"
     "  rastro recover run/map.rastro --out saved.rastro";
@@ -33,9 +35,16 @@ int recover(const RecoverFlags& flags) {
   if (std::filesystem::exists(out, code) && !flags.force)
     throw Error("is there already", flags.out, "choose another --out or add --force");
   const RecoveredMap recovered = recover_map(file);
-  save_map(*recovered.map, out);
-  fmt::print("{}: {} keyframes, {} edges, {} poses of the way\n", flags.out, recovered.map->keyframes.size(),
-             recovered.map->edges.size(), recovered.map->trajectory.size());
+  if (recovered.landmark_map) {
+    const LandmarkMap& map = *recovered.landmark_map;
+    save_map(map, out);
+    fmt::print("{}: {} keyframes, {} landmarks, {} poses of the way\n", flags.out, map.keyframes.size(),
+               map.landmarks.size(), map.trajectory.size());
+  } else {
+    save_map(*recovered.map, out);
+    fmt::print("{}: {} keyframes, {} edges, {} poses of the way\n", flags.out, recovered.map->keyframes.size(),
+               recovered.map->edges.size(), recovered.map->trajectory.size());
+  }
   for (const std::string& lost : recovered.lost) fmt::print("  lost         {}\n", lost);
   if (!recovered.finished)
     fmt::print("  unfinished   the file does not say how much it should hold: what came last may be missing\n");

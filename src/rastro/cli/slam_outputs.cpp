@@ -24,7 +24,7 @@ bool has_metres(const SlamRunEnd& end) { return !end.result.scale || end.result.
 const char* unit_of(const SlamRunEnd& end) { return has_metres(end) ? "metres" : "the map's own unit"; }
 
 std::string final_poses(const SlamRunEnd& end) {
-  return "world_from_body of every frame with what was learnt later; " + unit_of(end);
+  return fmt::format("world_from_body of every frame with what was learnt later; {}", unit_of(end));
 }
 
 /// Of the keyframes of the map's first part, in the order of time.

@@ -48,19 +48,27 @@ std::vector<std::array<std::uint8_t, 3>> colours_of(const RgbdMap& map, const st
 
 }  // namespace
 
-std::string colmap_cameras(const Camera& camera, int width, int height) {
+ColmapModel colmap_model(const Camera& camera) {
   const auto& k = camera.coefficients;
-  std::string model = "PINHOLE", distortion;
-  if (camera.distortion == Distortion::radial_tangential) {
-    model = k[4] == 0.0 ? "OPENCV" : "FULL_OPENCV";
-    distortion = fmt::format(" {:.9g} {:.9g} {:.9g} {:.9g}", k[0], k[1], k[2], k[3]);
-    if (k[4] != 0.0) distortion += fmt::format(" {:.9g} 0 0 0", k[4]);
-  } else if (camera.distortion == Distortion::equidistant) {
-    model = "OPENCV_FISHEYE";
-    distortion = fmt::format(" {:.9g} {:.9g} {:.9g} {:.9g}", k[0], k[1], k[2], k[3]);
+  ColmapModel model{"PINHOLE", 1, {camera.fx, camera.fy, camera.cx + half_px, camera.cy + half_px}};
+  if (camera.distortion == Distortion::none) return model;
+  model.parameters.insert(model.parameters.end(), k.begin(), k.begin() + 4);
+  if (camera.distortion == Distortion::equidistant) {
+    model.name = "OPENCV_FISHEYE", model.id = 5;
+  } else if (k[4] == 0.0) {
+    model.name = "OPENCV", model.id = 4;
+  } else {
+    model.name = "FULL_OPENCV", model.id = 6;
+    model.parameters.insert(model.parameters.end(), {k[4], 0.0, 0.0, 0.0});
   }
-  return fmt::format("# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 {} {} {} {:.9g} {:.9g} {:.9g} {:.9g}{}\n", model,
-                     width, height, camera.fx, camera.fy, camera.cx + half_px, camera.cy + half_px, distortion);
+  return model;
+}
+
+std::string colmap_cameras(const Camera& camera, int width, int height) {
+  const ColmapModel model = colmap_model(camera);
+  std::string text = fmt::format("# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 {} {} {}", model.name, width, height);
+  for (const double value : model.parameters) text += fmt::format(" {:.9g}", value);
+  return text + "\n";
 }
 
 std::string colmap_images(const RgbdMap& map, const std::vector<FeaturePoint>& points, int submap) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "rastro/map/keyframe/feature_points.h"
 #include "rastro/map/keyframe/rgbd_map.h"
@@ -10,6 +11,14 @@
 namespace rastro {
 
 // A reconstruction as COLMAP's text files have it: poses are camera_from_world, pixel centres at halves.
+
+/// A camera as COLMAP names it, pixel centres at halves.
+struct ColmapModel {
+  const char* name = "";
+  int id = 0;  ///< In its binary files.
+  std::vector<double> parameters;
+};
+ColmapModel colmap_model(const Camera& camera);
 
 /// cameras.txt: the one camera with its distortion, for pictures of this size.
 std::string colmap_cameras(const Camera& camera, int width, int height);

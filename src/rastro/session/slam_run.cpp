@@ -23,7 +23,8 @@ namespace rastro {
 namespace {
 
 constexpr double covariance_step_m = 2.0;
-constexpr const char* online_poses = "world_from_body of each frame as first given; metres";
+constexpr const char* online_poses =
+    "world_from_body of each frame as first given; metres, unless result.json says that the scale is arbitrary";
 constexpr const char* covariance_header =
     "# covariance of world_from_body as first given: translation x y z (m), rotation x y z (rad), in the world's axes; "
     "upper triangle, row by row\n# stamp, then 21 numbers\n";

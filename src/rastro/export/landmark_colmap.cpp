@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <iterator>
+#include <system_error>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/error.h"
+#include "rastro/export/colmap.h"
+#include "rastro/export/landmark_export.h"
+#include "rastro/export/landmark_parts.h"
+#include "rastro/export/raw_bytes.h"
+
+namespace rastro {
+namespace {
+
+using detail::append_raw;
+using Eigen::Vector3d;
+
+constexpr double half_px = 0.5;  ///< COLMAP's upper left pixel has its centre at (0.5, 0.5).
+constexpr std::int64_t no_point = -1;
+constexpr std::uint8_t unknown_colour = 128;
+
+struct ImagePoint {
+  double x = 0.0, y = 0.0;
+  std::int64_t point = no_point;
+};
+
+struct ModelImage {
+  std::int64_t id = 0;
+  SE3 camera_from_world;
+  std::string name;
+  std::vector<ImagePoint> points;
+};
+
+struct ModelPoint {
+  std::int64_t id = 0;
+  Vector3d place = Vector3d::Zero();
+  double error_px = 0.0;
+  std::vector<std::pair<std::int64_t, std::uint32_t>> track;  ///< Image, and place of its point in there.
+};
+
+/// What both forms hold.
+struct Model {
+  std::vector<ModelImage> images;
+  std::vector<ModelPoint> points;
+};
+
+ModelImage image_of(const LandmarkKeyframe& keyframe, const SE3& world_from_camera) {
+  ModelImage image;
+  image.id = keyframe.id + 1;
+  image.camera_from_world = world_from_camera.inverse();
+  image.name = fmt::format("{:06}.png", keyframe.frame);
+  for (const Keypoint& point : keyframe.features.keypoints)
+    image.points.push_back({static_cast<double>(point.x) + half_px, static_cast<double>(point.y) + half_px, no_point});
+  return image;
+}
+
+Model model_of(const LandmarkMap& map, int submap) {
+  const LandmarkPart part(map, submap);
+  Model model;
+  std::vector<std::size_t> image_at(map.keyframes.size());
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    if (!part.has_keyframe(k)) continue;
+    image_at[k] = model.images.size();
+    model.images.push_back(image_of(*map.keyframes[k], map.poses[k].world_from_camera));
+  }
+  for (const Landmark& landmark : map.landmarks) {
+    ModelPoint point{landmark.id + 1, landmark.position, 0.0, {}};
+    for (const LandmarkObservation& observation : landmark.observations) {
+      const auto k = part.places().of(observation.keyframe);
+      if (!k || !part.has_keyframe(*k)) continue;
+      ModelImage& image = model.images[image_at[*k]];
+      image.points[observation.feature].point = point.id;
+      point.track.emplace_back(image.id, observation.feature);
+      const Keypoint& at = map.keyframes[*k]->features.keypoints[observation.feature];
+      if (const auto pixel = map.camera.project(image.camera_from_world * landmark.position))
+        point.error_px += (*pixel - Eigen::Vector2d(at.x, at.y)).norm();
+    }
+    if (point.track.empty()) continue;
+    point.error_px /= static_cast<double>(point.track.size());
+    model.points.push_back(std::move(point));
+  }
+  return model;
+}
+
+std::string images_text(const Model& model) {
+  std::string text = "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)\n";
+  for (const ModelImage& image : model.images) {
+    const Eigen::Quaterniond& q = image.camera_from_world.rotation().quaternion();
+    const Vector3d& t = image.camera_from_world.translation();
+    fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} 1 {}\n", image.id,
+                   q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), image.name);
+    for (const ImagePoint& point : image.points)
+      fmt::format_to(std::back_inserter(text), "{}{:.2f} {:.2f} {}", &point == image.points.data() ? "" : " ", point.x,
+                     point.y, point.point);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string points_text(const Model& model) {
+  std::string text = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
+  for (const ModelPoint& point : model.points) {
+    fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {} {} {} {:.3f}", point.id, point.place.x(),
+                   point.place.y(), point.place.z(), unknown_colour, unknown_colour, unknown_colour, point.error_px);
+    for (const auto& [image, place] : point.track) fmt::format_to(std::back_inserter(text), " {} {}", image, place);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string cameras_bytes(const Camera& camera) {
+  const ColmapModel model = colmap_model(camera);
+  std::string bytes;
+  append_raw(bytes, std::uint64_t{1});
+  append_raw(bytes, std::uint32_t{1});
+  append_raw(bytes, static_cast<std::int32_t>(model.id));
+  append_raw(bytes, static_cast<std::uint64_t>(camera.width));
+  append_raw(bytes, static_cast<std::uint64_t>(camera.height));
+  for (const double value : model.parameters) append_raw(bytes, value);
+  return bytes;
+}
+
+std::string images_bytes(const Model& model) {
+  std::string bytes;
+  append_raw(bytes, static_cast<std::uint64_t>(model.images.size()));
+  for (const ModelImage& image : model.images) {
+    const Eigen::Quaterniond& q = image.camera_from_world.rotation().quaternion();
+    const Vector3d& t = image.camera_from_world.translation();
+    append_raw(bytes, static_cast<std::uint32_t>(image.id));
+    for (const double value : {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()}) append_raw(bytes, value);
+    append_raw(bytes, std::uint32_t{1});
+    bytes.append(image.name.c_str(), image.name.size() + 1);
+    append_raw(bytes, static_cast<std::uint64_t>(image.points.size()));
+    for (const ImagePoint& point : image.points) {
+      append_raw(bytes, point.x);
+      append_raw(bytes, point.y);
+      append_raw(bytes, point.point);  // -1 in two's complement is COLMAP's mark for none
+    }
+  }
+  return bytes;
+}
+
+std::string points_bytes(const Model& model) {
+  std::string bytes;
+  append_raw(bytes, static_cast<std::uint64_t>(model.points.size()));
+  for (const ModelPoint& point : model.points) {
+    append_raw(bytes, point.id);
+    for (const double value : point.place) append_raw(bytes, value);
+    for (int i = 0; i < 3; ++i) append_raw(bytes, unknown_colour);
+    append_raw(bytes, point.error_px);
+    append_raw(bytes, static_cast<std::uint64_t>(point.track.size()));
+    for (const auto& [image, place] : point.track) {
+      append_raw(bytes, static_cast<std::uint32_t>(image));
+      append_raw(bytes, place);
+    }
+  }
+  return bytes;
+}
+
+}  // namespace
+
+void write_landmark_colmap(const LandmarkMap& map, const std::filesystem::path& folder, ColmapForm form, int submap) {
+  std::error_code code;
+  std::filesystem::create_directories(folder, code);
+  if (code) throw Error("the folder cannot be made (" + code.message() + ")", folder.string(), "choose another --out");
+  const Model model = model_of(map, submap);
+  if (form == ColmapForm::text) {
+    write_whole_file(folder / "cameras.txt", colmap_cameras(map.camera, map.camera.width, map.camera.height));
+    write_whole_file(folder / "images.txt", images_text(model));
+    write_whole_file(folder / "points3D.txt", points_text(model));
+  } else {
+    write_whole_file(folder / "cameras.bin", cameras_bytes(map.camera));
+    write_whole_file(folder / "images.bin", images_bytes(model));
+    write_whole_file(folder / "points3D.bin", points_bytes(model));
+  }
+}
+
+}  // namespace rastro

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/export/landmark_export.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <map>
+#include <sstream>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/error.h"
+#include "rastro/base/scratch_testing.h"
+#include "rastro/export/landmark_picture.h"
+#include "rastro/export/ply.h"
+#include "rastro/map/landmark/essential_graph.h"
+#include "rastro/map/landmark/landmark_map_testing.h"
+
+namespace rastro {
+namespace {
+
+const LandmarkMap& road() {
+  static const LandmarkMap map = make_landmark_test_map();
+  return map;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);)
+    if (!line.starts_with('#')) lines.push_back(line);
+  return lines;
+}
+
+std::vector<double> numbers_of(const std::string& line) {
+  std::vector<double> numbers;
+  std::istringstream stream(line);
+  for (double value; stream >> value;) numbers.push_back(value);
+  return numbers;
+}
+
+TEST(LandmarkColmap, PointsOfTheTextReprojectOntoTheirImages) {
+  const auto folder = scratch_path("colmap");
+  write_landmark_colmap(road(), folder, ColmapForm::text, 0);
+  const auto images = lines_of(read_whole_file(folder / "images.txt"));
+  const auto points = lines_of(read_whole_file(folder / "points3D.txt"));
+  ASSERT_EQ(images.size(), 2 * road().keyframes.size());
+  ASSERT_EQ(points.size(), road().landmarks.size());
+  const auto point = numbers_of(points[7]);
+  const Eigen::Vector3d place(point[1], point[2], point[3]);
+  EXPECT_NEAR(point[7], 0.0, 1e-3) << "an exact map";
+  for (std::size_t i = 8; i + 1 < point.size(); i += 2) {
+    std::size_t row = 0;
+    while (row < images.size() && numbers_of(images[row])[0] != point[i]) row += 2;
+    ASSERT_LT(row, images.size());
+    const auto pose = numbers_of(images[row]), seen = numbers_of(images[row + 1]);
+    const Eigen::Quaterniond q(pose[1], pose[2], pose[3], pose[4]);
+    const Eigen::Vector3d in_camera = q * place + Eigen::Vector3d(pose[5], pose[6], pose[7]);
+    const auto at = static_cast<std::size_t>(point[i + 1]) * 3;
+    const Camera camera = TestRoad::camera();
+    EXPECT_NEAR(camera.fx * in_camera.x() / in_camera.z() + camera.cx + 0.5, seen[at], 0.01);
+    EXPECT_NEAR(camera.fy * in_camera.y() / in_camera.z() + camera.cy + 0.5, seen[at + 1], 0.01);
+    EXPECT_EQ(seen[at + 2], point[0]);
+  }
+}
+
+/// Reads COLMAP's binary files by their published layout.
+class Bytes {
+ public:
+  explicit Bytes(std::string bytes) : bytes_(std::move(bytes)) {}
+  template <typename Number>
+  Number get() {
+    Number number{};
+    EXPECT_LE(at_ + sizeof number, bytes_.size());
+    std::memcpy(&number, bytes_.data() + at_, sizeof number);
+    at_ += sizeof number;
+    return number;
+  }
+  std::string text() {
+    const std::string text = bytes_.c_str() + at_;
+    at_ += text.size() + 1;
+    return text;
+  }
+  bool ended() const { return at_ == bytes_.size(); }
+
+ private:
+  std::string bytes_;
+  std::size_t at_ = 0;
+};
+
+TEST(LandmarkColmap, TheBinaryFilesSayTheSame) {
+  const auto folder = scratch_path("colmap_binary");
+  write_landmark_colmap(road(), folder, ColmapForm::binary, 0);
+  Bytes cameras(read_whole_file(folder / "cameras.bin"));
+  EXPECT_EQ(cameras.get<std::uint64_t>(), 1U);
+  EXPECT_EQ(cameras.get<std::uint32_t>(), 1U);
+  EXPECT_EQ(cameras.get<std::int32_t>(), 1) << "PINHOLE";
+  EXPECT_EQ(cameras.get<std::uint64_t>(), 640U);
+  EXPECT_EQ(cameras.get<std::uint64_t>(), 480U);
+  for (const double value : {400.0, 400.0, 320.0, 240.0}) EXPECT_EQ(cameras.get<double>(), value);
+  EXPECT_TRUE(cameras.ended());
+  Bytes images(read_whole_file(folder / "images.bin"));
+  ASSERT_EQ(images.get<std::uint64_t>(), road().keyframes.size());
+  std::size_t with_point = 0;
+  for (const auto& keyframe : road().keyframes) {
+    EXPECT_EQ(images.get<std::uint32_t>(), keyframe->id + 1);
+    for (int i = 0; i < 7; ++i) images.get<double>();
+    EXPECT_EQ(images.get<std::uint32_t>(), 1U);
+    EXPECT_EQ(images.text().size(), std::string("000000.png").size());
+    ASSERT_EQ(images.get<std::uint64_t>(), keyframe->features.size());
+    for (std::size_t i = 0; i < keyframe->features.size(); ++i) {
+      EXPECT_NEAR(images.get<double>(), keyframe->features.keypoints[i].x + 0.5, 1e-9);
+      images.get<double>();
+      with_point += images.get<std::uint64_t>() != std::uint64_t(-1) ? 1 : 0;
+    }
+  }
+  EXPECT_TRUE(images.ended());
+  Bytes points(read_whole_file(folder / "points3D.bin"));
+  ASSERT_EQ(points.get<std::uint64_t>(), road().landmarks.size());
+  std::size_t tracked = 0;
+  for (const Landmark& landmark : road().landmarks) {
+    EXPECT_EQ(points.get<std::uint64_t>(), landmark.id + 1);
+    for (const double value : landmark.position) EXPECT_EQ(points.get<double>(), value);
+    for (int i = 0; i < 3; ++i) points.get<std::uint8_t>();
+    EXPECT_LT(points.get<double>(), 1e-3);
+    const auto length = points.get<std::uint64_t>();
+    ASSERT_EQ(length, landmark.observations.size());
+    for (std::uint64_t i = 0; i < 2 * length; ++i) points.get<std::uint32_t>();
+    tracked += length;
+  }
+  EXPECT_TRUE(points.ended());
+  EXPECT_EQ(tracked, with_point);
+}
+
+TEST(LandmarkExport, AnotherSubmapIsLeftOutUnlessAskedFor) {
+  LandmarkMap map = road();
+  for (std::size_t k = 6; k < map.poses.size(); ++k) map.poses[k].submap = 1;
+  map.poses[6].parent = -1;
+  const std::size_t first = landmark_cloud(map, 0).points.size(), second = landmark_cloud(map, 1).points.size();
+  EXPECT_EQ(landmark_cloud(map, -1).points.size(), map.landmarks.size());
+  EXPECT_LT(first, map.landmarks.size());
+  EXPECT_GE(first + second, map.landmarks.size()) << "some are seen from both";
+  EXPECT_EQ(lines_of(landmark_list_csv(map, 0)).size(), first + 1);
+}
+
+TEST(LandmarkExport, TheCloudIsAPlyAndTheGraphHasPosesThatAgreeWithItsEdges) {
+  const PointCloud cloud = parse_cloud_ply(cloud_ply(landmark_cloud(road(), 0), "frame"), "ply");
+  ASSERT_EQ(cloud.points.size(), road().landmarks.size());
+  EXPECT_EQ(cloud.points[3].count, road().landmarks[3].observations.size());
+  EXPECT_GT(cloud.points[3].sigma, 0.0F);
+  std::map<int, SE3> poses;
+  std::size_t edges = 0;
+  const auto pose_of = [](const std::vector<double>& v, std::size_t from) {
+    return SE3(SO3(Eigen::Quaterniond(v[from + 6], v[from + 3], v[from + 4], v[from + 5])),
+               {v[from], v[from + 1], v[from + 2]});
+  };
+  for (const std::string& line : lines_of(landmark_graph_g2o(road(), 0))) {
+    const auto v = numbers_of(line.substr(line.find(' ')));
+    if (line.starts_with("VERTEX")) poses[static_cast<int>(v[0])] = pose_of(v, 1);
+    if (!line.starts_with("EDGE")) continue;
+    const SE3 expected = poses.at(static_cast<int>(v[0])).inverse() * poses.at(static_cast<int>(v[1]));
+    EXPECT_LT((expected.inverse() * pose_of(v, 2)).log().norm(), 1e-6);
+    ASSERT_EQ(v.size(), 2U + 7U + 21U);
+    ++edges;
+  }
+  EXPECT_EQ(poses.size(), road().keyframes.size());
+  EXPECT_EQ(edges, essential_graph(road()).size());
+}
+
+TEST(LandmarkPicture, IsDrawnAsBothKindsAndOfAnEmptyMap) {
+  const auto svg = scratch_path("road.svg"), png = scratch_path("road.png");
+  write_landmark_picture(road(), svg.string());
+  write_landmark_picture(road(), png.string());
+  const std::string text = read_whole_file(svg);
+  EXPECT_THAT(text, testing::AllOf(testing::StartsWith("<svg"), testing::EndsWith("</svg>\n")));
+  std::size_t red_lines = 0;
+  for (auto at = text.find("#dc2828"); at != std::string::npos; at = text.find("#dc2828", at + 1)) ++red_lines;
+  EXPECT_EQ(red_lines, 1U) << "one tie";
+  EXPECT_EQ(read_whole_file(png).substr(1, 3), "PNG");
+  write_landmark_picture(LandmarkMap(), svg.string());
+  EXPECT_THROW(write_landmark_picture(road(), scratch_path("road.bmp").string()), Error);
+}
+
+}  // namespace
+}  // namespace rastro
