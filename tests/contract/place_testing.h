@@ -9,6 +9,7 @@
 #include "rastro/map/rgbd_map_testing.h"
 #include "rastro/sensor/source.h"
 #include "rastro/slam/slam_method.h"
+#include "rastro/synthetic/worlds/loop.h"
 #include "room_testing.h"
 
 namespace rastro {
@@ -26,6 +27,8 @@ class Place {
   virtual SE3 world_from_body(int number) const = 0;
   /// No pose is ever farther from the first.
   virtual double reach_m() const = 0;
+  /// False: lengths are known up to a factor.
+  virtual bool is_metric() const { return true; }
 
   std::vector<Frame> frames(int count) const {
     std::vector<Frame> frames;
@@ -92,8 +95,62 @@ class DepthPlace : public Place {
   static Camera camera() { return test_room::camera().scaled(0.75); }
 };
 
-/// The kind of recording that a method is made for.
-inline std::unique_ptr<Place> place_for(const SlamMethod& method) {
+/// A square looked at from the side by somebody who walks along it, to and fro, with one camera or two.
+class CameraPlace : public Place {
+ public:
+  static constexpr int first = 748, there = 48;  ///< Frames of the loop that are shown, then the same backwards.
+
+  explicit CameraPlace(bool stereo) : stereo_(stereo) {}
+  int frame_count() const override { return there; }
+  int long_count() const override { return there + 24; }
+  SourceInfo info() const override {
+    SourceInfo info;
+    info.path = "square";
+    info.format = "generated";
+    info.frame_count = frame_count();
+    info.cameras.push_back({"cam0", world().camera(), std::nullopt, "generated"});
+    if (!stereo_) return info;
+    info.cameras.push_back({"cam1", world().camera(), std::nullopt, "generated"});
+    info.has_right = true;
+    info.left_from_right = world().left_from_right();
+    return info;
+  }
+  Frame frame(int number) const override {
+    static std::map<int, Frame> made;
+    const int place = place_of(number);
+    if (!made.contains(place)) {
+      TaskPool alone(1);
+      made[place].image = world().render(place, alone).grey;
+      made[place].right = world().render_right(place, alone).grey;
+    }
+    Frame frame = made[place];
+    if (!stereo_) frame.right = {};
+    frame.index = number;
+    frame.stamp = stamp(number);
+    frame.name = std::to_string(number);
+    return frame;
+  }
+  TimeNs stamp(int number) const override { return 1'000 * ns_per_second + number * (ns_per_second / 20); }
+  SE3 world_from_body(int number) const override { return world().world_from_camera(place_of(number)); }
+  double reach_m() const override { return stereo_ ? 5.0 : 1e3; }
+  bool is_metric() const override { return stereo_; }
+
+ private:
+  static int place_of(int number) {
+    const int within = number % (2 * there - 2);
+    return first + (within < there ? within : 2 * there - 2 - within);
+  }
+  static const World& world() {
+    static const World world = make_loop({.scale = 0.5, .threads = 2});
+    return world;
+  }
+
+  bool stereo_;
+};
+
+/// The kind of recording that a method is made for; `sensor` where it takes several.
+inline std::unique_ptr<Place> place_for(const SlamMethod& method, const std::string& sensor) {
+  if (sensor == "mono" || sensor == "stereo") return std::make_unique<CameraPlace>(sensor == "stereo");
   if (method.wants_depth()) return std::make_unique<DepthPlace>();
   return std::make_unique<LaserPlace>();
 }
