@@ -82,8 +82,8 @@ void say(const Flags& flags, const Descriptors& descriptors, const Vocabulary& v
     json["bytes"] = bytes;
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else if (!flags.quiet) {
-    fmt::print("{} words of {} descriptors of {} pictures written to {} ({:.1f} MB)\n", vocabulary.words(), count,
-               descriptors.size(), flags.out, static_cast<double>(bytes) / 1e6);
+    fmt::print("{} words of {} descriptors of {} pictures written to {} ({:.0f} kB)\n", vocabulary.words(), count,
+               descriptors.size(), flags.out, static_cast<double>(bytes) / 1e3);
   }
 }
 
