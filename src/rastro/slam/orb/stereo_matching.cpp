@@ -29,14 +29,18 @@ std::vector<std::vector<std::uint32_t>> by_row(const OrbFeatures& features, int 
   return result;
 }
 
-/// Mean absolute difference of grey levels, each less its window's centre; pixels `step` apart.
+/// Mean squared difference of grey levels, each less its window's centre; pixels `step` apart. Squares are smooth at
+/// their least, so that a parabola finds it; absolute differences have a kink there.
 double difference(GreyView left, int lx, GreyView right, int rx, int y, int step) {
   const int shift = left.at(lx, y) - right.at(rx, y);
   int sum = 0;
   for (int dy = -half_window; dy <= half_window; ++dy) {
     const std::uint8_t* a = left.row(y + dy * step) + lx;
     const std::uint8_t* b = right.row(y + dy * step) + rx;
-    for (int dx = -half_window * step; dx <= half_window * step; dx += step) sum += std::abs(a[dx] - b[dx] - shift);
+    for (int dx = -half_window * step; dx <= half_window * step; dx += step) {
+      const int d = a[dx] - b[dx] - shift;
+      sum += d * d;
+    }
   }
   return static_cast<double>(sum) / ((2 * half_window + 1) * (2 * half_window + 1));
 }
@@ -59,7 +63,7 @@ std::optional<Shift> refine(GreyView left, GreyView right, const Keypoint& keypo
   const double before = differences[best - 1], at = differences[best], after = differences[best + 1];
   const double bend = before - 2.0 * at + after;
   const double part = bend > 0.0 ? 0.5 * (before - after) / bend : 0.0;
-  return Shift{lx - (start - reach * step + static_cast<double>(best) + part), at};
+  return Shift{lx - (start - reach * step + static_cast<double>(best) + part), std::sqrt(at)};
 }
 
 }  // namespace
