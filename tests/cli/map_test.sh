@@ -118,7 +118,7 @@ landmarks() {
   refused 'in metres already' scale "$here/run" --camera-height 1
   refused 'use '"'"'rastro localize' slam "$room" --method orb --map "$map" --out "$here/no"
   refused 'give --map' slam "$room" --method orb --continue --out "$here/no"
-  refused 'give --method' slam "$room" --out "$here/no"
+  refused '--method: is needed' slam "$room" --out "$here/no"
   [[ ! -e $here/no ]] || fail "a refused run left a folder"
   mono
 }
