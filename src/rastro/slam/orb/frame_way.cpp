@@ -22,6 +22,15 @@ void FrameWay::add(const PlacedFrame& frame) {
   frames_.insert(at, frame);
 }
 
+bool FrameWay::repeat_last(std::int64_t index, TimeNs stamp) {
+  if (frames_.empty() || frames_.back().index >= index || frames_.back().stamp >= stamp) return false;
+  PlacedFrame frame = frames_.back();
+  frame.index = index;
+  frame.stamp = stamp;
+  frames_.push_back(std::move(frame));
+  return true;
+}
+
 void FrameWay::set_keyframe(std::int64_t index, std::int64_t keyframe) {
   for (auto frame = frames_.rbegin(); frame != frames_.rend(); ++frame) {
     if (frame->index == index) frame->became = keyframe;

@@ -32,6 +32,8 @@ struct PlacedFrame {
 class FrameWay {
  public:
   void add(const PlacedFrame& frame);
+  /// The camera is where it was at the last frame; false where the stamp does not go on.
+  bool repeat_last(std::int64_t index, TimeNs stamp);
   /// The frame became that keyframe.
   void set_keyframe(std::int64_t index, std::int64_t keyframe);
   /// Places every frame anew by what it saw of the map as it now is; a frame of which fewer than `least` landmarks

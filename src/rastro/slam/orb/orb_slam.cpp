@@ -187,9 +187,11 @@ void OrbSlam::State::look(const Frame& frame, SlamUpdate& update) {
   const FrameCheckResult checked = check_.check(frame.image.view(), frame.stamp);
   update.reason = reason_of(checked.reason);
   update.detail = checked.detail;
-  if (!checked.useful()) {
+  if (!checked.useful() && checked.reason != OdometryReason::blurred) {
     update.state = exists_ ? SlamState::lost : SlamState::initialising;
     if (frame.image.empty()) update.reason = SlamReason::no_data;
+    const bool repeated = tracking_ && checked.reason == OdometryReason::repeated_frame;
+    if (repeated && way_.repeat_last(frame.index, frame.stamp)) update.state = SlamState::tracking;
     return;
   }
   Stopwatch stage;
