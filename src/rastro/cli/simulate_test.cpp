@@ -110,7 +110,7 @@ TEST(WriteStereo, both_cameras_are_read_back_where_they_are) {
   const GreyImage right = world.render_right(1, pool).grey;
   for (const fs::path& folder : {euroc, kitti}) {
     SCOPED_TRACE(folder.string());
-    const auto source = open(folder.string());
+    const auto source = open(folder.string(), {.want_right = true});
     EXPECT_TRUE(source->info().warnings.empty()) << source->info().warnings.front();
     EXPECT_TRUE(source->info().has_right);
     ASSERT_TRUE(source->info().left_from_right);

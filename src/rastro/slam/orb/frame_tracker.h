@@ -60,6 +60,8 @@ class FrameTracker {
   /// Where the next frame should be.
   SE3 predicted() const { return velocity_ * last_pose_; }
   const SE3& last_pose() const { return last_pose_; }
+  /// The next camera from the last one, if it goes on as it went.
+  const SE3& velocity() const { return velocity_; }
 
  private:
   struct Fresh {

@@ -44,7 +44,7 @@ void add_depth_options(OptionTable& table, OrbSlamOptions& o) {
        &o.virtual_baseline_m,
        "m",
        "depth z is taken for a right camera so far aside, whose pixels are as sure: sigma grows with z squared, as "
-       "a depth camera's does",
+       "a depth camera's does; 0.4 at 585 px gives 4 mm at 1 m",
        0.01,
        1,
        {}});

@@ -22,7 +22,7 @@ struct OrbSlamOptions {
   double pixel_sigma = 1.0;
 
   // Depth.
-  double virtual_baseline_m = 0.08;
+  double virtual_baseline_m = 0.4;
   double far_baselines = 40.0;
   int start_depth_points = 200;
   int stereo_hamming = 75;

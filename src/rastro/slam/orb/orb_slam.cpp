@@ -86,14 +86,15 @@ class OrbSlam::State {
   void say_submap(const TrackResult& tracked, SlamUpdate& update) const;
   void follow_reference(const TrackResult& tracked);
   void look(const Frame& frame, SlamUpdate& update);
+  SE3 depth_from_colour(const Frame& frame) const;
   void follow(const FramePointer& frame, SlamUpdate& update);
   void on_pose(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update);
   void on_loss(const FramePointer& frame, SlamUpdate& update);
   bool begin(const FramePointer& frame, SlamUpdate& update);
   bool begin_from_pair(const StartPair& start, SlamUpdate& update);
   bool begin_from_depth(const FramePointer& frame, SlamUpdate& update);
-  void track_waiting(const StartPair& start, SlamUpdate& update);
-  void track_back(std::size_t first, SlamUpdate& update);
+  void track_waiting(const StartPair& start);
+  void track_back(std::size_t first);
   void place(const FeatureFrame& frame, const TrackResult& tracked);
   void place_keyframe(const FeatureFrame& frame, std::int64_t keyframe);
   void count_seen(const TrackResult& tracked);
@@ -122,6 +123,7 @@ class OrbSlam::State {
   std::vector<std::int64_t> visible_, found_;
   std::int64_t next_keyframe_ = 0;
   std::int64_t seen_ = 0;           ///< Frames given, of any kind.
+  TimeNs last_stamp_ = 0;           ///< Of the last frame with features.
   std::int64_t keyframe_seen_ = 0;  ///< When the last keyframe was made.
   std::int64_t settled_seen_ = 0;   ///< When the way was last lost and found.
   bool tracking_ = false;
@@ -131,6 +133,7 @@ class OrbSlam::State {
   std::deque<FramePointer> lost_;  ///< The last ones, to be placed once the way is known again.
   std::optional<MapScale> scale_;  ///< Of a map given.
   MapArchive* archive_;
+  const std::atomic<bool>* stop_;
   SE3 last_pose_;                  ///< world_from_camera
   mutable Background background_;  ///< Last: its jobs use what is above.
 };
@@ -148,6 +151,7 @@ OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, c
       tracker_(options_, sensor_.camera, sensor_.sensor, sensor_.baseline),
       initialiser_(options_, sensor_.camera),
       archive_(means.archive),
+      stop_(means.stop),
       background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {
   if (means.landmark_map) use_map(means);
 }
@@ -195,13 +199,21 @@ void OrbSlam::State::look(const Frame& frame, SlamUpdate& update) {
     return;
   }
   Stopwatch stage;
-  const FramePointer features = maker_.make(frame);
+  const FramePointer features = maker_.make(frame, depth_from_colour(frame));
+  last_stamp_ = frame.stamp;
   update.times.push_back({"features", stage.lap_ms()});
   if (tracking_) {
     follow(features, update);
   } else {
     on_loss(features, update);
   }
+}
+
+/// Depth cameras take both pictures at different instants; the last motion is carried on from one to the other.
+SE3 OrbSlam::State::depth_from_colour(const Frame& frame) const {
+  const double interval = to_seconds(frame.stamp - last_stamp_), offset = to_seconds(frame.depth_stamp - frame.stamp);
+  if (!tracking_ || frame.depth.empty() || !(interval > 0.0) || std::abs(offset) > interval) return {};
+  return SE3::exp(offset / interval * tracker_.velocity().log());
 }
 
 void OrbSlam::State::follow(const FramePointer& frame, SlamUpdate& update) {
@@ -440,7 +452,7 @@ bool OrbSlam::State::begin_from_pair(const StartPair& start, SlamUpdate& update)
   place_keyframe(*second, second->data().id);
   update.events.push_back({"submap", fmt::format("{} begun from frames {} and {} with {} points", submap,
                                                  first->data().frame, second->data().frame, graph_.landmark_count())});
-  track_waiting(start, update);
+  track_waiting(start);
   update.state = SlamState::tracking;
   update.reason = SlamReason::none;
   update.detail.clear();
@@ -450,11 +462,11 @@ bool OrbSlam::State::begin_from_pair(const StartPair& start, SlamUpdate& update)
 }
 
 /// The frames between the two, those before them, and on from the second.
-void OrbSlam::State::track_waiting(const StartPair& start, SlamUpdate& update) {
+void OrbSlam::State::track_waiting(const StartPair& start) {
   const std::int64_t first = graph_.keyframe_ids().back() - 1, second = first + 1;
   const auto& frames = initialiser_.frames();
   tracker_.restart(graph_.keyframe(first).camera_from_world, points_of(graph_, first), graph_.keyframe(first).frame);
-  track_back(start.first, update);
+  track_back(start.first);
   tracker_.restart(graph_.camera_from_world(first), points_of(graph_, first), graph_.keyframe(first).frame);
   for (std::size_t i = start.first + 1; i < start.second; ++i) {
     const TrackResult tracked = tracker_.track(frames[i]);
@@ -464,7 +476,7 @@ void OrbSlam::State::track_waiting(const StartPair& start, SlamUpdate& update) {
   tracker_.restart(graph_.camera_from_world(second), points_of(graph_, second), graph_.keyframe(second).frame);
 }
 
-void OrbSlam::State::track_back(std::size_t first, SlamUpdate& update) {
+void OrbSlam::State::track_back(std::size_t first) {
   const auto& frames = initialiser_.frames();
   for (std::size_t i = first; i-- > 0;) {
     const TrackResult tracked = tracker_.track(frames[i]);
@@ -472,7 +484,6 @@ void OrbSlam::State::track_back(std::size_t first, SlamUpdate& update) {
     place(*frames[i], tracked);
     if (needs_keyframe(*frames[i], tracked)) map_now(frames[i], tracked);
   }
-  (void)update;
 }
 
 bool OrbSlam::State::begin_from_depth(const FramePointer& frame, SlamUpdate& update) {
@@ -507,7 +518,8 @@ std::vector<SlamEvent> OrbSlam::State::finish() {
   take_results(std::numeric_limits<std::int64_t>::max(), events);
   wait_for_mapping();
   if (!exists_) return events;
-  if (maps_ && options_.final_iterations > 0 &&
+  const bool in_haste = stop_ != nullptr && stop_->load();
+  if (maps_ && !in_haste && options_.final_iterations > 0 &&
       graph_.keyframe_count() <= static_cast<std::size_t>(options_.final_keyframes)) {
     for (int submap = 0; submap < graph_.submap_count(); ++submap)
       mapper_.adjust_all(submap, options_.final_iterations);

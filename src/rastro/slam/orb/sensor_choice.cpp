@@ -5,6 +5,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
+#include "rastro/odometry/rgbd/depth_reading.h"
 #include "rastro/slam/orb/stereo_matching.h"
 
 namespace rastro {
@@ -12,11 +13,20 @@ namespace {
 
 constexpr int pixels_of_vga = 640 * 480;
 
-/// Of the pixels around the feature that have one: depth pictures have holes.
-float depth_at(const DepthImage& depth, const Keypoint& keypoint) {
-  const int x = static_cast<int>(std::lround(keypoint.x)), y = static_cast<int>(std::lround(keypoint.y));
-  if (x < 0 || y < 0 || x >= depth.width() || y >= depth.height()) return 0.0F;
-  return depth.at(x, y);
+RgbdOptions farther_reading() {
+  RgbdOptions options;
+  options.max_depth_m = 20.0;
+  return options;
+}
+
+/// Nothing at the edge of an object, where depth belongs to one side or the other.
+float depth_at(const DepthImage& depth, const Camera& camera, const Keypoint& keypoint, const SE3& depth_from_colour) {
+  if (depth.empty()) return 0.0F;
+  const auto ray = camera.unproject(Eigen::Vector2d(keypoint.x, keypoint.y));
+  if (!ray) return 0.0F;
+  static const RgbdOptions reading = farther_reading();
+  const auto read = read_depth(depth, camera, *ray, depth_from_colour, reading);
+  return read ? static_cast<float>(1.0 / read->inverse_depth) : 0.0F;
 }
 
 }  // namespace
@@ -94,7 +104,7 @@ void check_map(const LandmarkMap& map, const SensorChoice& choice, bool extend) 
 FeatureMaker::FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool)
     : options_(options), sensor_(sensor), pool_(pool), extractor_(orb_options(options)) {}
 
-std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame) {
+std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const SE3& depth_from_colour) {
   auto data = std::make_shared<LandmarkKeyframe>();
   data->id = -1;
   data->frame = frame.index;
@@ -102,7 +112,7 @@ std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame) {
   data->features = extractor_.extract(frame.image.view(), frame.mask.view(), pool_);
   if (sensor_.sensor == LandmarkSensor::rgbd) {
     for (const Keypoint& keypoint : data->features.keypoints)
-      data->depths.push_back(frame.depth.empty() ? 0.0F : depth_at(frame.depth, keypoint));
+      data->depths.push_back(depth_at(frame.depth, sensor_.camera, keypoint, depth_from_colour));
   }
   if (sensor_.sensor == LandmarkSensor::stereo) {
     data->right_x.assign(data->features.size(), -1.0F);

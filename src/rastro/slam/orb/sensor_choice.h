@@ -32,7 +32,8 @@ void check_map(const LandmarkMap& map, const SensorChoice& choice, bool extend);
 class FeatureMaker {
  public:
   FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool);
-  std::shared_ptr<const FeatureFrame> make(const Frame& frame);
+  /// `depth_from_colour`: how the camera moves from the instant of the picture to that of its depth.
+  std::shared_ptr<const FeatureFrame> make(const Frame& frame, const SE3& depth_from_colour);
 
  private:
   OrbSlamOptions options_;
