@@ -108,9 +108,11 @@ TEST(WriteStereo, both_cameras_are_read_back_where_they_are) {
   write_euroc(world, euroc, {.frames = 2, .truth = false, .stereo = true}, pool);
   write_kitti(world, kitti, {.frames = 2, .stereo = true}, pool);
   const GreyImage right = world.render_right(1, pool).grey;
+  OpenOptions both;
+  both.want_right = true;
   for (const fs::path& folder : {euroc, kitti}) {
     SCOPED_TRACE(folder.string());
-    const auto source = open(folder.string(), {.want_right = true});
+    const auto source = open(folder.string(), both);
     EXPECT_TRUE(source->info().warnings.empty()) << source->info().warnings.front();
     EXPECT_TRUE(source->info().has_right);
     ASSERT_TRUE(source->info().left_from_right);
