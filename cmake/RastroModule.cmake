@@ -183,6 +183,7 @@ function(rastro_add_test target)
   target_link_libraries(${target} PRIVATE ${arg_MODULES} ${arg_LIBRARIES} GTest::gmock GTest::gtest_main
     opencv_core opencv_imgproc opencv_imgcodecs opencv_video opencv_calib3d rastro_build_flags)
   target_include_directories(${target} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)  # a test is compiled longer than it runs
   rastro_precompile_program(${target})
   set(filter)
   if(arg_ONE_PROCESS)

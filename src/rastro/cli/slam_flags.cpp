@@ -121,6 +121,9 @@ void add_method_flags(CLI::App& command, SlamFlags& flags) {
   command.add_option("--sensor", flags.sensor, "What to use of the recording (option sensor): all it has, or less")
       ->type_name("mono|stereo|rgbd")
       ->group(group);
+  command.add_option("--frontend", flags.frontend, "How points are found from frame to frame (option frontend)")
+      ->type_name("orb|tracks")
+      ->group(group);
   command.add_option("--guess", flags.guess, "Where the next pose is first looked for (option guess of the method)")
       ->group(group);
   command.add_option("--loop-closing", flags.loop_closing, "Whether places are recognised (option loop_closing)")
@@ -154,6 +157,7 @@ void apply_settings(const SlamFlags& flags, OptionTable& table) {
   for (const std::string& setting : flags.settings) table.set_assignment(setting, "--set");
   set_from_flag(table, "guess", flags.guess, "--guess", flags.method);
   set_from_flag(table, "sensor", flags.sensor, "--sensor", flags.method);
+  set_from_flag(table, "frontend", flags.frontend, "--frontend", flags.method);
   set_from_flag(table, "loop_closing", flags.loop_closing, "--loop-closing", flags.method);
   // A method without a seed draws nothing at random: any seed gives its result.
   if (flags.seed_given && has_option(table, "seed")) table.set("seed", fmt::format("{}", flags.data.seed), "--seed");

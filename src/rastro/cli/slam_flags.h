@@ -19,7 +19,7 @@ struct SlamFlags {
   std::string mode = "pipelined";
   std::string mask, max_memory;  ///< Empty = not given.
   std::string out;
-  std::string guess, loop_closing, sensor;  ///< Empty = not given; stand for the options of the same names.
+  std::string guess, loop_closing, sensor, frontend;  ///< Empty = not given; stand for the options of the same names.
   std::string options_file;
   std::vector<std::string> settings;  ///< --set key=value
   std::vector<std::string> limits;    ///< --require

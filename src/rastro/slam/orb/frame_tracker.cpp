@@ -233,17 +233,41 @@ std::int64_t FrameTracker::reference_of(const std::vector<TrackedPoint>& points)
   return view_->keyframes.empty() ? -1 : view_->keyframes[best].id;
 }
 
-TrackResult FrameTracker::track(const std::shared_ptr<const FeatureFrame>& frame) {
+PoseRefinement FrameTracker::pose_by_tracks(const std::vector<FollowedLandmark>& followed) const {
+  std::vector<PoseObservation> observations;
+  for (const FollowedLandmark& seen : followed) {
+    const std::int64_t at = view_->find(seen.landmark);
+    if (at < 0) continue;
+    PoseObservation o;
+    o.point = view_->positions[static_cast<std::size_t>(at)];
+    o.ray = seen.ray;
+    o.sigma = options_.pixel_sigma / camera_.fx;
+    observations.push_back(o);
+  }
+  return refine_pose(predicted(), observations, {.baseline = baseline_});
+}
+
+PoseRefinement FrameTracker::guess(const FeatureFrame& frame, const std::vector<FollowedLandmark>& followed) const {
+  if (!followed.empty()) {
+    PoseRefinement by_tracks = pose_by_tracks(followed);
+    if (by_tracks.inliers >= options_.min_guess_inliers) return by_tracks;
+  }
   const auto radius = static_cast<float>(options_.search_px);
-  PoseRefinement guess = guess_pose(*frame, predicted(), radius);
-  if (guess.inliers < options_.min_guess_inliers) guess = guess_pose(*frame, predicted(), 2.5F * radius);
-  if (guess.inliers < options_.min_guess_inliers) guess = guess_pose(*frame, last_pose_, 4.0F * radius);
-  SE3 start = guess.camera_from_world;
-  if (guess.inliers < options_.min_guess_inliers) {
+  PoseRefinement found = guess_pose(frame, predicted(), radius);
+  if (found.inliers < options_.min_guess_inliers) found = guess_pose(frame, predicted(), 2.5F * radius);
+  if (found.inliers < options_.min_guess_inliers) found = guess_pose(frame, last_pose_, 4.0F * radius);
+  return found;
+}
+
+TrackResult FrameTracker::track(const std::shared_ptr<const FeatureFrame>& frame,
+                                const std::vector<FollowedLandmark>& followed) {
+  const PoseRefinement guessed = guess(*frame, followed);
+  SE3 start = guessed.camera_from_world;
+  if (guessed.inliers < options_.min_guess_inliers) {
     if (const auto pose = pose_by_reference(*frame)) start = *pose;
   }
   TrackResult result = track_local(*frame, start);
-  result.guessed = guess.inliers;
+  result.guessed = guessed.inliers;
   result.ok = result.inliers >= options_.min_inliers;
   if (result.ok) accept(frame, result);
   return result;

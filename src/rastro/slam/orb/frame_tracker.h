@@ -24,6 +24,12 @@ struct TrackedPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< World of the view.
 };
 
+/// A landmark and where something else than its looks says it is in a frame.
+struct FollowedLandmark {
+  std::int64_t landmark = -1;
+  Eigen::Vector2d ray = Eigen::Vector2d::Zero();  ///< Normalised: (x/z, y/z).
+};
+
 /// Where a frame is, and why it is thought so.
 struct TrackResult {
   bool ok = false;
@@ -53,8 +59,10 @@ class FrameTracker {
   /// Points with depth of a keyframe that a later view will know.
   void add_fresh(std::int64_t keyframe, std::shared_ptr<const FeatureFrame> frame, const SE3& camera_from_world,
                  const std::vector<std::uint32_t>& features);
-  /// Takes the pose for the next frame's guess where it is ok.
-  TrackResult track(const std::shared_ptr<const FeatureFrame>& frame);
+  /// Takes the pose for the next frame's guess where it is ok. `followed` takes the place of a search where enough of
+  /// it fits one pose.
+  TrackResult track(const std::shared_ptr<const FeatureFrame>& frame,
+                    const std::vector<FollowedLandmark>& followed = {});
   /// The same from a pose that is about right, as after relocalisation.
   TrackResult track_from(const std::shared_ptr<const FeatureFrame>& frame, const SE3& camera_from_world);
   /// Where the next frame should be.
@@ -75,7 +83,9 @@ class FrameTracker {
     std::vector<TrackedPoint> subjects;
   };
 
+  PoseRefinement guess(const FeatureFrame& frame, const std::vector<FollowedLandmark>& followed) const;
   PoseRefinement guess_pose(const FeatureFrame& frame, const SE3& start, float radius) const;
+  PoseRefinement pose_by_tracks(const std::vector<FollowedLandmark>& followed) const;
   std::optional<SE3> pose_by_reference(const FeatureFrame& frame) const;
   TrackResult track_local(const FeatureFrame& frame, const SE3& guess) const;
   void expect_landmarks(const FeatureFrame& frame, const SE3& pose, Search& search,

@@ -126,6 +126,27 @@ void add_start_options(OptionTable& table, OrbSlamOptions& o) {
              {}});
 }
 
+void add_frontend_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add({"frontend",
+             &o.frontend,
+             "",
+             "how points are found again from one frame to the next: by their looks where they are expected, or by "
+             "tracks that survive occlusion (Galardi et al.)",
+             0,
+             0,
+             {"orb", "tracks"}});
+  table.add({"tracks", &o.tracks, "", "features followed where frontend is tracks", 20, 20000, {}});
+  table.add({"tracks_distance_px", &o.tracks_distance_px, "px", "between two of them, at least", 2, 200, {}});
+  table.add({"tracks_near_px",
+             &o.tracks_near_px,
+             "px",
+             "from a feature that shows a landmark, within which a track shows it too",
+             0.1,
+             20,
+             {}});
+  table.add({"tracks_kept", &o.tracks_kept, "", "newest tracks whose landmarks are remembered", 100, 100000000, {}});
+}
+
 void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"search_px",
              &o.search_px,
@@ -349,6 +370,7 @@ OptionTable option_table(OrbSlamOptions& options) {
   add_depth_options(table, options);
   add_stereo_options(table, options);
   add_start_options(table, options);
+  add_frontend_options(table, options);
   add_tracking_options(table, options);
   add_keyframe_options(table, options);
   add_mapping_options(table, options);

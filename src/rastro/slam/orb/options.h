@@ -42,6 +42,11 @@ struct OrbSlamOptions {
   int init_frames = 60;
 
   // Tracking.
+  std::string frontend = "orb";
+  int tracks = 300;
+  double tracks_distance_px = 15.0;
+  double tracks_near_px = 2.0;
+  int tracks_kept = 20000;
   double search_px = 12.0;
   double local_search_px = 4.0;
   int match_hamming = 80;

@@ -21,6 +21,7 @@
 #include "rastro/slam/orb/map_export.h"
 #include "rastro/slam/orb/relocaliser.h"
 #include "rastro/slam/orb/sensor_choice.h"
+#include "rastro/slam/orb/track_association.h"
 
 namespace rastro {
 namespace {
@@ -87,7 +88,7 @@ class OrbSlam::State {
   void follow_reference(const TrackResult& tracked);
   void look(const Frame& frame, SlamUpdate& update);
   SE3 depth_from_colour(const Frame& frame) const;
-  void follow(const FramePointer& frame, SlamUpdate& update);
+  void follow(const FramePointer& frame, const std::vector<FollowedLandmark>& followed, SlamUpdate& update);
   void on_pose(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update);
   void on_loss(const FramePointer& frame, SlamUpdate& update);
   bool begin(const FramePointer& frame, SlamUpdate& update);
@@ -117,6 +118,7 @@ class OrbSlam::State {
   LoopCloser closer_;
   Relocaliser relocaliser_;
   FrameTracker tracker_;
+  std::optional<TrackAssociation> tracks_;  ///< Where frontend is tracks.
   Initialiser initialiser_;
   FrameWay way_;
   std::deque<Pending> pending_;
@@ -153,6 +155,7 @@ OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, c
       archive_(means.archive),
       stop_(means.stop),
       background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {
+  if (options_.frontend == "tracks") tracks_.emplace(options_, sensor_.camera, means.pool);
   if (means.landmark_map) use_map(means);
 }
 
@@ -202,8 +205,13 @@ void OrbSlam::State::look(const Frame& frame, SlamUpdate& update) {
   const FramePointer features = maker_.make(frame, depth_from_colour(frame));
   last_stamp_ = frame.stamp;
   update.times.push_back({"features", stage.lap_ms()});
+  std::vector<FollowedLandmark> followed;
+  if (tracks_) {
+    followed = tracks_->follow(frame);
+    update.times.push_back({"tracks", stage.lap_ms()});
+  }
   if (tracking_) {
-    follow(features, update);
+    follow(features, followed, update);
   } else {
     on_loss(features, update);
   }
@@ -216,9 +224,10 @@ SE3 OrbSlam::State::depth_from_colour(const Frame& frame) const {
   return SE3::exp(offset / interval * tracker_.velocity().log());
 }
 
-void OrbSlam::State::follow(const FramePointer& frame, SlamUpdate& update) {
+void OrbSlam::State::follow(const FramePointer& frame, const std::vector<FollowedLandmark>& followed,
+                            SlamUpdate& update) {
   Stopwatch stage;
-  const TrackResult tracked = tracker_.track(frame);
+  const TrackResult tracked = tracker_.track(frame, followed);
   update.times.push_back({"track", stage.lap_ms()});
   if (tracked.ok) {
     update.state = SlamState::tracking;
@@ -242,6 +251,7 @@ void OrbSlam::State::on_pose(const FramePointer& frame, const TrackResult& track
   update.used = tracked.inliers;
   place(*frame, tracked);
   count_seen(tracked);
+  if (tracks_) tracks_->learn(*frame, tracked.points);
   say_submap(tracked, update);
   if (!maps_) {
     follow_reference(tracked);
