@@ -211,9 +211,16 @@ void add_keyframe_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"backend_delay_frames",
              &o.backend_delay_frames,
              "",
-             "so many frames later tracking learns what mapping made of a keyframe: the time mapping has beside it",
+             "so many frames later, at least, tracking learns what mapping made of a keyframe, and ...",
              1,
              1000,
+             {}});
+  table.add({"backend_delay_s",
+             &o.backend_delay_s,
+             "s",
+             "... so much later: the time mapping has beside it. 0.18 is four frames of 20 Hz",
+             0,
+             60,
              {}});
 }
 

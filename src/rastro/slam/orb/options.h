@@ -65,6 +65,7 @@ struct OrbSlamOptions {
   int keyframe_few_points = 150;
   int keyframe_new_points = 70;
   int backend_delay_frames = 2;
+  double backend_delay_s = 0.18;
 
   // Mapping.
   double cull_found_share = 0.25;

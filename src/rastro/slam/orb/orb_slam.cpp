@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <limits>
 #include <optional>
 
 #include "rastro/base/background.h"
@@ -75,7 +74,8 @@ class OrbSlam::State {
     std::vector<SlamEvent> events;
   };
   struct Pending {
-    std::int64_t due = 0;  ///< Number of the frame that may see it.
+    std::int64_t due = 0;  ///< Number of the first frame that may see it, and ...
+    TimeNs due_stamp = 0;  ///< ... its least stamp.
     std::size_t job = 0;
     std::shared_ptr<MappingResult> result;
   };
@@ -103,7 +103,9 @@ class OrbSlam::State {
   KeyframeInput keyframe_input(const FramePointer& frame, const TrackResult& tracked);
   void make_keyframe(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update);
   void map_now(const FramePointer& frame, const TrackResult& tracked);
-  void take_results(std::int64_t up_to, std::vector<SlamEvent>& events);
+  void take_results(TimeNs stamp, std::vector<SlamEvent>& events);
+  void take_all_results(std::vector<SlamEvent>& events);
+  void take_next_result(std::vector<SlamEvent>& events);
   void wait_for_mapping() const { background_.wait_for_all(); }
   MapViewOptions view_options() const { return {options_.local_keyframes, options_.local_landmarks}; }
   std::vector<std::uint32_t> fresh_features(const FeatureFrame& frame, const TrackResult& tracked) const;
@@ -182,7 +184,7 @@ SlamUpdate OrbSlam::State::process(const Frame& frame) {
   update.stamp = frame.stamp;
   ++seen_;
   update.world_from_body = last_pose_;
-  take_results(seen_, update.events);
+  take_results(frame.stamp, update.events);
   update.times.push_back({"wait", stage.lap_ms()});
   look(frame, update);
   last_pose_ = update.world_from_body;
@@ -365,7 +367,8 @@ void OrbSlam::State::make_keyframe(const FramePointer& frame, const TrackResult&
     }
     result->view = view_of(graph_, id, view_options());
   });
-  pending_.push_back({seen_ + options_.backend_delay_frames, job, result});
+  const TimeNs due_stamp = frame->data().stamp + from_seconds(options_.backend_delay_s);
+  pending_.push_back({seen_ + options_.backend_delay_frames, due_stamp, job, result});
 }
 
 /// The same without a later frame to hand the result over to.
@@ -375,15 +378,25 @@ void OrbSlam::State::map_now(const FramePointer& frame, const TrackResult& track
   tracker_.set_view(view_of(graph_, input.frame->data().id, view_options()));
 }
 
-void OrbSlam::State::take_results(std::int64_t up_to, std::vector<SlamEvent>& events) {
-  while (!pending_.empty() && pending_.front().due <= up_to) {
-    const Pending pending = pending_.front();
-    pending_.pop_front();
-    background_.wait(pending.job);
-    events.insert(events.end(), pending.result->events.begin(), pending.result->events.end());
-    if (tracking_) tracker_.set_view(pending.result->view);
-    keep_map();
-  }
+void OrbSlam::State::take_results(TimeNs stamp, std::vector<SlamEvent>& events) {
+  const auto due = [&](const Pending& next) {
+    const bool whatever_the_clock = next.due + options_.keyframe_frames <= seen_;
+    return next.due <= seen_ && (next.due_stamp <= stamp || whatever_the_clock);
+  };
+  while (!pending_.empty() && due(pending_.front())) take_next_result(events);
+}
+
+void OrbSlam::State::take_all_results(std::vector<SlamEvent>& events) {
+  while (!pending_.empty()) take_next_result(events);
+}
+
+void OrbSlam::State::take_next_result(std::vector<SlamEvent>& events) {
+  const Pending pending = pending_.front();
+  pending_.pop_front();
+  background_.wait(pending.job);
+  events.insert(events.end(), pending.result->events.begin(), pending.result->events.end());
+  if (tracking_) tracker_.set_view(pending.result->view);
+  keep_map();
 }
 
 void OrbSlam::State::on_loss(const FramePointer& frame, SlamUpdate& update) {
@@ -399,7 +412,7 @@ void OrbSlam::State::on_loss(const FramePointer& frame, SlamUpdate& update) {
 }
 
 bool OrbSlam::State::relocalise(const FramePointer& frame, SlamUpdate& update) {
-  take_results(std::numeric_limits<std::int64_t>::max(), update.events);
+  take_all_results(update.events);
   lost_.push_back(frame);
   if (lost_.size() > static_cast<std::size_t>(options_.init_frames)) lost_.pop_front();
   if (options_.loops != "on") places_.update();
@@ -445,7 +458,7 @@ bool OrbSlam::State::begin(const FramePointer& frame, SlamUpdate& update) {
 }
 
 bool OrbSlam::State::begin_from_pair(const StartPair& start, SlamUpdate& update) {
-  take_results(std::numeric_limits<std::int64_t>::max(), update.events);
+  take_all_results(update.events);
   const FramePointer first = initialiser_.frames()[start.first]->with_id(next_keyframe_);
   const FramePointer second = initialiser_.frames()[start.second]->with_id(next_keyframe_ + 1);
   next_keyframe_ += 2;
@@ -505,7 +518,7 @@ bool OrbSlam::State::begin_from_depth(const FramePointer& frame, SlamUpdate& upd
     update.detail = fmt::format("{} features with depth, need {}", known, options_.start_depth_points);
     return false;
   }
-  take_results(std::numeric_limits<std::int64_t>::max(), update.events);
+  take_all_results(update.events);
   const FramePointer keyframe = frame->with_id(next_keyframe_++);
   const std::int64_t id = keyframe->data().id;
   const int submap = exists_ ? graph_.submap_count() : 0;
@@ -525,7 +538,7 @@ bool OrbSlam::State::begin_from_depth(const FramePointer& frame, SlamUpdate& upd
 
 std::vector<SlamEvent> OrbSlam::State::finish() {
   std::vector<SlamEvent> events;
-  take_results(std::numeric_limits<std::int64_t>::max(), events);
+  take_all_results(events);
   wait_for_mapping();
   if (!exists_) return events;
   const bool in_haste = stop_ != nullptr && stop_->load();
