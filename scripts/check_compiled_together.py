@@ -14,7 +14,7 @@ LIST = ROOT / "cmake/compiled_alone.txt"
 DEFINITIONS = [re.compile(form) for form in (
     r"^(?:struct|class|enum class|enum) (\w+)",
     r"^using (\w+) =",
-    r"^(?:constexpr |inline )?[\w:<>,*& ]+? [*&]?(\w+)\(",
+    r"^(?:\[\[\w+\]\] )?(?:constexpr |inline )?[\w:<>,*& ]+? [*&]?(\w+)\(",
     r"^(?:constexpr |const |inline |static )*[\w:<>,&*\s]+?[\s*&](\w+)\s*(?:=|\{|;|\[|\()",
 )]
 
