@@ -253,7 +253,10 @@ TwoViewFit find_two_view_motion(std::span<const TwoViewPair> pairs, const TwoVie
   const Scored& model = fit.planar ? plane : scene;
   fit.inliers = model.inliers;
   std::vector<SE3> motions;
-  const int needed = std::max(options.min_points, static_cast<int>(options.min_model_share * double(pairs.size())));
+  // Of a plane with many wrong pairs the fundamental matrix, which a plane leaves open, explains a little more.
+  const bool may_be_plane = !fit.planar && fit.share > options.near_plane_share;
+  const double least_share = may_be_plane ? options.near_plane_model_share : options.min_model_share;
+  const int needed = std::max(options.min_points, static_cast<int>(least_share * double(pairs.size())));
   if (model.inliers > 0)
     motions = fit.planar ? motions_of_homography(*homography) : motions_of_essential(essential->essential);
   if (motions.empty() || fit.inliers < needed) {

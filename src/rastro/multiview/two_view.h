@@ -26,6 +26,8 @@ struct TwoViewOptions {
   int max_iterations = 200;                ///< Samples, of either model.
   int min_points = 50;                     ///< To be triangulated, or it does not start.
   double min_model_share = 0.5;            ///< Of all pairs, that the model taken must explain.
+  double near_plane_share = 0.40;          ///< S_H / (S_H + S_F) above which a plane may be what is seen ...
+  double near_plane_model_share = 0.8;     ///< ... unless this share of all pairs fits the fundamental matrix.
   double max_rotation_score = 0.9;         ///< Share of its score that a turn on the spot may reach.
   double min_inlier_share = 0.8;           ///< Of the model's inliers, that the motion taken must see in front.
   double max_runner_up = 0.7;              ///< Share of the best motion's points that the second best may have.

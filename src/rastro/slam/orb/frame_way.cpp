@@ -38,6 +38,10 @@ void FrameWay::set_keyframe(std::int64_t index, std::int64_t keyframe) {
   }
 }
 
+void FrameWay::forget(const MapGraph& graph, int submap) {
+  std::erase_if(frames_, [&](const PlacedFrame& frame) { return graph.submap(frame.keyframe) == submap; });
+}
+
 void FrameWay::settle(const MapGraph& graph, int least) {
   for (PlacedFrame& frame : frames_) {
     if (frame.became >= 0 && graph.has_keyframe(frame.became)) {

@@ -36,6 +36,8 @@ class FrameWay {
   bool repeat_last(std::int64_t index, TimeNs stamp);
   /// The frame became that keyframe.
   void set_keyframe(std::int64_t index, std::int64_t keyframe);
+  /// Frames of a submap have no pose any more.
+  void forget(const MapGraph& graph, int submap);
   /// Places every frame anew by what it saw of the map as it now is; a frame of which fewer than `least` landmarks
   /// still fit stays.
   void settle(const MapGraph& graph, int least);

@@ -15,33 +15,51 @@ void Initialiser::clear() {
   detail_.clear();
 }
 
-std::optional<StartPair> Initialiser::add(std::shared_ptr<const FeatureFrame> frame) {
+void Initialiser::keep(std::shared_ptr<const FeatureFrame> frame) {
   frames_.push_back(std::move(frame));
   if (frames_.size() > static_cast<std::size_t>(options_.init_frames)) {
     frames_.pop_front();
     first_ -= first_ > 0 ? 1 : 0;
   }
+}
+
+std::optional<StartPair> Initialiser::add(std::shared_ptr<const FeatureFrame> frame) {
+  keep(std::move(frame));
   const std::size_t second = frames_.size() - 1;
   if (second == 0) detail_ = "the first frame";
   // What no longer looks like the newest frame gives way to what came after it.
   while (first_ < second) {
-    const std::size_t tried = first_;
-    if (auto start = try_pair(first_, second)) return start;
-    if (first_ == tried) break;
+    Attempt attempt = try_pair(first_, second);
+    detail_ = attempt.detail;
+    if (attempt.start) return attempt.start;
+    if (attempt.status == TwoViewStatus::no_model) return nearer_pair(second);
+    if (attempt.status != TwoViewStatus::too_few_pairs) break;
+    ++first_;
   }
   return std::nullopt;
 }
 
-std::optional<StartPair> Initialiser::try_pair(std::size_t first, std::size_t second) {
+/// Of two frames far apart many matches may be wrong; one nearer the second that shares a motion with it takes the
+/// place of the first. Where none does, the newest frame is to blame.
+std::optional<StartPair> Initialiser::nearer_pair(std::size_t second) {
+  for (std::size_t gap = (second - first_) / 2; gap > 0; gap /= 2) {
+    Attempt attempt = try_pair(second - gap, second);
+    if (attempt.status == TwoViewStatus::no_model || attempt.status == TwoViewStatus::too_few_pairs) continue;
+    first_ = second - gap;
+    detail_ = attempt.detail;
+    return attempt.start;
+  }
+  return std::nullopt;
+}
+
+Initialiser::Attempt Initialiser::try_pair(std::size_t first, std::size_t second) const {
   const FeatureFrame &a = *frames_[first], &b = *frames_[second];
   const auto radius = static_cast<float>(options_.init_window_share * camera_.width);
   StartPair start{first, second, {}, {}, {}};
   start.pairs = match_within(a, b, radius, {.max_distance = options_.init_hamming, .max_ratio = options_.init_ratio});
-  if (start.pairs.size() < static_cast<std::size_t>(options_.init_matches)) {
-    detail_ = fmt::format("{} matches, need {}", start.pairs.size(), options_.init_matches);
-    ++first_;
-    return std::nullopt;
-  }
+  if (start.pairs.size() < static_cast<std::size_t>(options_.init_matches))
+    return {TwoViewStatus::too_few_pairs, fmt::format("{} matches, need {}", start.pairs.size(), options_.init_matches),
+            std::nullopt};
   const std::vector<double> scales =
       orb_level_scales({.levels = options_.levels, .scale_factor = options_.scale_factor});
   std::vector<TwoViewPair> pairs;
@@ -56,11 +74,10 @@ std::optional<StartPair> Initialiser::try_pair(std::size_t first, std::size_t se
   options.max_iterations = options_.init_iterations;
   options.seed = options_.seed;
   TwoViewFit fit = find_two_view_motion(pairs, options);
-  detail_ = fit.detail;
-  if (fit.status != TwoViewStatus::found) return std::nullopt;
+  if (fit.status != TwoViewStatus::found) return {fit.status, fit.detail, std::nullopt};
   start.second_from_first = fit.second_from_first;
   start.points = std::move(fit.points);
-  return start;
+  return {fit.status, fit.detail, std::move(start)};
 }
 
 }  // namespace rastro

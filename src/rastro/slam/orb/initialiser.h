@@ -32,12 +32,21 @@ class Initialiser {
 
   /// nullopt: not yet, detail() says why.
   std::optional<StartPair> add(std::shared_ptr<const FeatureFrame> frame);
+  /// Once there is a map, for the case that it has to begin anew.
+  void keep(std::shared_ptr<const FeatureFrame> frame);
   const std::deque<std::shared_ptr<const FeatureFrame>>& frames() const { return frames_; }
   const std::string& detail() const { return detail_; }
   void clear();
 
  private:
-  std::optional<StartPair> try_pair(std::size_t first, std::size_t second);
+  struct Attempt {
+    TwoViewStatus status = TwoViewStatus::too_few_pairs;
+    std::string detail;
+    std::optional<StartPair> start;
+  };
+
+  Attempt try_pair(std::size_t first, std::size_t second) const;
+  std::optional<StartPair> nearer_pair(std::size_t second);
 
   OrbSlamOptions options_;
   Camera camera_;

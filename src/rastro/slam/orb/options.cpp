@@ -124,6 +124,15 @@ void add_start_options(OptionTable& table, OrbSlamOptions& o) {
              2,
              10000,
              {}});
+  table.add({"init_trial_frames", &o.init_trial_frames, "", "in which a new map has to prove itself", 0, 1000, {}});
+  table.add({"init_max_error",
+             &o.init_max_error,
+             "",
+             "mean squared error of a frame's points, squared sigmas, of which three in a row make a new map a wrong "
+             "one, which begins anew; about 0.5 where all is well",
+             0.1,
+             100,
+             {}});
 }
 
 void add_frontend_options(OptionTable& table, OrbSlamOptions& o) {

@@ -33,13 +33,15 @@ struct OrbSlamOptions {
   // Initialisation.
   double init_window_share = 0.16;
   int init_hamming = 64;
-  double init_ratio = 0.9;
+  double init_ratio = 0.8;
   int init_matches = 100;
   int init_points = 50;
   double init_parallax_deg = 1.0;
   double init_homography_share = 0.45;
   int init_iterations = 200;
   int init_frames = 60;
+  int init_trial_frames = 30;
+  double init_max_error = 1.5;
 
   // Tracking.
   std::string frontend = "orb";

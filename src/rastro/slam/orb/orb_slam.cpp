@@ -94,6 +94,9 @@ class OrbSlam::State {
   bool begin(const FramePointer& frame, SlamUpdate& update);
   bool begin_from_pair(const StartPair& start, SlamUpdate& update);
   bool begin_from_depth(const FramePointer& frame, SlamUpdate& update);
+  int next_submap() const;
+  bool proves_wrong(const FramePointer& frame, const TrackResult& tracked);
+  void drop_start(const TrackResult& tracked, SlamUpdate& update);
   void track_waiting(const StartPair& start);
   void track_back(std::size_t first);
   void place(const FeatureFrame& frame, const TrackResult& tracked);
@@ -134,6 +137,8 @@ class OrbSlam::State {
   bool exists_ = false;  ///< There is a map.
   bool maps_ = true;     ///< False: only finds its way in a map given.
   int lost_frames_ = 0;
+  int trial_frames_ = 0;           ///< That a map just begun from one camera still has to prove itself in.
+  int misfits_ = 0;                ///< Of them, in a row.
   std::deque<FramePointer> lost_;  ///< The last ones, to be placed once the way is known again.
   std::optional<MapScale> scale_;  ///< Of a map given.
   MapArchive* archive_;
@@ -231,18 +236,59 @@ void OrbSlam::State::follow(const FramePointer& frame, const std::vector<Followe
   Stopwatch stage;
   const TrackResult tracked = tracker_.track(frame, followed);
   update.times.push_back({"track", stage.lap_ms()});
+  if (tracked.ok && proves_wrong(frame, tracked)) {
+    drop_start(tracked, update);
+    return on_loss(frame, update);
+  }
   if (tracked.ok) {
     update.state = SlamState::tracking;
-    on_pose(frame, tracked, update);
-    return;
+    return on_pose(frame, tracked, update);
   }
   update.reason = SlamReason::few_inliers;
   update.detail = fmt::format("{} of {} matches fit, need {}", tracked.inliers, tracked.matches, options_.min_inliers);
   update.world_from_body = tracker_.predicted().inverse();
   tracking_ = false;
-  lost_frames_ = 0;
+  lost_frames_ = trial_frames_ = 0;
   initialiser_.clear();
   on_loss(frame, update);
+}
+
+/// Two views may agree on a wrong motion, as near a plane; those that follow do not.
+bool OrbSlam::State::proves_wrong(const FramePointer& frame, const TrackResult& tracked) {
+  constexpr int least_misfits = 3;
+  if (trial_frames_ == 0) return false;
+  misfits_ = tracked.mean_squared > options_.init_max_error ? misfits_ + 1 : 0;
+  if (misfits_ == least_misfits) return true;
+  initialiser_.keep(frame);
+  if (--trial_frames_ == 0) initialiser_.clear();
+  return false;
+}
+
+void OrbSlam::State::drop_start(const TrackResult& tracked, SlamUpdate& update) {
+  take_all_results(update.events);
+  const int submap = graph_.submap(tracked.reference);
+  way_.forget(graph_, submap);
+  const std::vector<std::int64_t> keyframes = graph_.keyframe_ids(submap);
+  for (const std::int64_t id : keyframes) {
+    if (graph_.keyframe(id).parent >= 0) graph_.remove_keyframe(id);
+  }
+  for (const std::int64_t id : graph_.keyframe_ids(submap)) graph_.remove_root(id);
+  tracking_ = false;
+  exists_ = graph_.keyframe_count() > 0;
+  lost_frames_ = exists_ ? options_.lost_frames : 0;
+  trial_frames_ = misfits_ = 0;
+  visible_.clear();
+  found_.clear();
+  update.events.push_back({"start_dropped", fmt::format("submap {} does not fit what came after: squared error {:.1f}, "
+                                                        "need {:.1f}; it begins anew",
+                                                        submap, tracked.mean_squared, options_.init_max_error)});
+}
+
+/// A number that a dropped start has left free is taken again.
+int OrbSlam::State::next_submap() const {
+  if (!exists_) return 0;
+  const int newest = graph_.submap_count() - 1;
+  return graph_.keyframe_ids(newest).empty() ? newest : newest + 1;
 }
 
 void OrbSlam::State::on_pose(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update) {
@@ -462,7 +508,7 @@ bool OrbSlam::State::begin_from_pair(const StartPair& start, SlamUpdate& update)
   const FramePointer first = initialiser_.frames()[start.first]->with_id(next_keyframe_);
   const FramePointer second = initialiser_.frames()[start.second]->with_id(next_keyframe_ + 1);
   next_keyframe_ += 2;
-  const int submap = exists_ ? graph_.submap_count() : 0;
+  const int submap = next_submap();
   if (!mapper_.start(first, second, start.second_from_first, start.pairs, start.points, submap)) {
     update.detail = fmt::format("fewer than {} points left after adjustment", options_.init_points);
     return false;
@@ -480,7 +526,9 @@ bool OrbSlam::State::begin_from_pair(const StartPair& start, SlamUpdate& update)
   update.reason = SlamReason::none;
   update.detail.clear();
   update.world_from_body = tracker_.last_pose().inverse();
-  initialiser_.clear();
+  trial_frames_ = options_.init_trial_frames;
+  misfits_ = 0;
+  if (trial_frames_ == 0) initialiser_.clear();
   return true;
 }
 
@@ -521,7 +569,7 @@ bool OrbSlam::State::begin_from_depth(const FramePointer& frame, SlamUpdate& upd
   take_all_results(update.events);
   const FramePointer keyframe = frame->with_id(next_keyframe_++);
   const std::int64_t id = keyframe->data().id;
-  const int submap = exists_ ? graph_.submap_count() : 0;
+  const int submap = next_submap();
   mapper_.start(keyframe, submap);
   exists_ = tracking_ = true;
   keyframe_seen_ = seen_;
