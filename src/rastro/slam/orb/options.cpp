@@ -314,6 +314,20 @@ void add_loss_options(OptionTable& table, OrbSlamOptions& o) {
 }
 
 void add_place_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add({"loop_closing",
+             &o.loop_closing,
+             "",
+             "find places again, correct the map and join submaps; false: only lost frames are looked for",
+             0,
+             1,
+             {}});
+  table.add({"essential_landmarks",
+             &o.essential_landmarks,
+             "",
+             "shared by two keyframes, that make the graph a loop bends hold them together",
+             15,
+             10000,
+             {}});
   table.add({"place_shared_words",
              &o.place_shared_words,
              "",

@@ -85,7 +85,7 @@ struct OrbSlamOptions {
   int final_keyframes = 200;
 
   // Loops, loss.
-  std::string loops = "on";
+  bool loop_closing = true;
   int covisible_landmarks = 15;
   int essential_landmarks = 100;
   int lost_frames = 30;

@@ -89,7 +89,7 @@ void OrbSlam::State::make_keyframe(const FramePointer& frame, const TrackResult&
   const auto result = std::make_shared<MappingResult>();
   const std::size_t job = background_.submit([this, input, result, id] {
     mapper_.add(*input);
-    if (options_.loops == "on") {
+    if (options_.loop_closing) {
       if (const auto loop = closer_.consider(id)) result->events.push_back(loop->event());
     }
     result->view = view_of(graph_, id, view_options());

@@ -22,7 +22,7 @@ bool OrbSlam::State::relocalise(const FramePointer& frame, SlamUpdate& update) {
   take_all_results(update.events);
   lost_.push_back(frame);
   if (lost_.size() > static_cast<std::size_t>(options_.init_frames)) lost_.pop_front();
-  if (options_.loops != "on") places_.update();
+  if (!options_.loop_closing) places_.update();
   const auto relocation = relocaliser_.find(*frame);
   if (!relocation) return false;
   tracker_.set_view(view_of(graph_, relocation->keyframe, view_options()));
