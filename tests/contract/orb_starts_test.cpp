@@ -32,5 +32,11 @@ TEST(OrbStarts, BricksThatLookAlikeGiveNoWrongMap) {
   EXPECT_TRUE(judged.right()) << *judged.started << ' ' << judged.position_error << ' ' << judged.depth_error;
 }
 
+TEST(OrbStarts, WhatProvesWrongBeginsAnew) {
+  const StartJudgement judged = judge(StartKind::near, 3, start_frames);
+  EXPECT_TRUE(judged.started);
+  EXPECT_TRUE(judged.right()) << judged.position_error << ' ' << judged.depth_error;
+}
+
 }  // namespace
 }  // namespace rastro

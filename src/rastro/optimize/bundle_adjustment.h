@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -36,6 +37,7 @@ struct BundleOptions {
       2.4477;  ///< Sigmas from which errors count linearly: 95 % of chi squared, 2 degrees of freedom...
   double huber_stereo = 2.7955;  ///< ... and 3, where right_x is known. 0, both: plain least squares.
   double least_gain = 1e-5;      ///< Share of the cost by which an iteration must lower it, else it was the last.
+  const std::atomic<bool>* stop = nullptr;  ///< Once true no iteration is begun any more; those done stand.
 };
 
 struct BundleResult {

@@ -9,8 +9,8 @@
 
 namespace rastro {
 
-LocalMapper::LocalMapper(const OrbSlamOptions& options, MapGraph& graph, TaskPool* pool)
-    : options_(options), graph_(graph), pool_(pool) {}
+LocalMapper::LocalMapper(const OrbSlamOptions& options, MapGraph& graph, TaskPool* pool, const std::atomic<bool>* stop)
+    : options_(options), graph_(graph), pool_(pool), stop_(stop) {}
 
 bool LocalMapper::start(const std::shared_ptr<const FeatureFrame>& first,
                         const std::shared_ptr<const FeatureFrame>& second, const SE3& second_from_first,
@@ -228,9 +228,11 @@ void LocalMapper::adjust(const std::vector<std::int64_t>& free, const std::vecto
   if (parts.bundle.observations.empty()) return;
   BundleOptions options;
   options.iterations = (iterations + 1) / 2;
+  options.stop = stop_;
   std::vector<std::pair<std::int64_t, std::int64_t>> outliers;
   for (int round = 0; round < 2; ++round) {
     const BundleResult result = adjust_bundle(parts.bundle, options, pool_);
+    if (stop_ != nullptr && stop_->load()) break;  // what still is far off may have become an inlier
     std::vector<BundleObservation> kept;
     std::vector<std::pair<std::int64_t, std::int64_t>> kept_seen;
     for (std::size_t i = 0; i < parts.seen.size(); ++i) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -27,7 +28,8 @@ struct KeyframeInput {
 class LocalMapper {
  public:
   /// The graph is the caller's and outlives this.
-  LocalMapper(const OrbSlamOptions& options, MapGraph& graph, TaskPool* pool);
+  /// `stop` (may be null): once true, adjustments end early, as the run is left.
+  LocalMapper(const OrbSlamOptions& options, MapGraph& graph, TaskPool* pool, const std::atomic<bool>* stop = nullptr);
 
   /// The first two keyframes of a submap and their points in the first camera's frame (one a pair of features, in
   /// order). False, and nothing is kept, where fewer than init_points are left after bundle adjustment.
@@ -58,6 +60,7 @@ class LocalMapper {
   OrbSlamOptions options_;
   MapGraph& graph_;
   TaskPool* pool_;
+  const std::atomic<bool>* stop_;
   std::vector<std::int64_t> recent_;  ///< Landmarks that still have to prove themselves.
 };
 

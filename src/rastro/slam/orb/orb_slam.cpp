@@ -36,7 +36,7 @@ OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, c
       check_(options_.frame_check),
       maker_(options_, sensor_, means.pool),
       graph_(sensor_.camera, sensor_.sensor, sensor_.baseline, orb_options(options_)),
-      mapper_(options_, graph_, means.pool),
+      mapper_(options_, graph_, means.pool, means.stop),
       places_(graph_, standard_vocabulary()),
       closer_(options_, graph_, mapper_, places_),
       relocaliser_(options_, graph_, places_),
