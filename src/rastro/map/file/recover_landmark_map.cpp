@@ -45,7 +45,8 @@ class LandmarkRecovery {
     for (const auto& [id, body] : rows_.of(MapTable::keyframes)) {
       const auto pose_row = poses.find(id);
       if (pose_row == poses.end()) continue;
-      const auto keyframe = try_to([&] { return read_landmark_keyframe(body, id, rows_.file); });
+      const auto keyframe =
+          try_to([&, &id = id, &body = body] { return read_landmark_keyframe(body, id, rows_.file); });
       const auto pose = try_to([&] { return read_landmark_keyframe_pose(pose_row->second, rows_.file); });
       if (!keyframe || !pose) continue;
       map_->keyframes.push_back(*keyframe);
@@ -65,7 +66,7 @@ class LandmarkRecovery {
 
   void take_landmarks() {
     for (const auto& [id, body] : rows_.of(MapTable::landmarks)) {
-      auto landmark = try_to([&] { return read_landmark(body, id, rows_.file); });
+      auto landmark = try_to([&, &id = id, &body = body] { return read_landmark(body, id, rows_.file); });
       if (!landmark) continue;
       std::erase_if(landmark->observations, [&](const auto& observation) { return !is_seen_by(observation); });
       if (!landmark->observations.empty()) map_->landmarks.push_back(std::move(*landmark));
