@@ -102,7 +102,7 @@ struct OrbSlamOptions {
   int loop_landmarks = 40;
   double loop_search_px = 8.0;
   int loop_apart = 10;
-  int loop_adjust_iterations = 10;
+  int loop_adjust_iterations = 4;
   std::uint64_t seed = 1;
 
   FrameCheckOptions frame_check;
