@@ -13,17 +13,19 @@
 namespace rastro {
 
 struct TaskPool::Arena {
-  explicit Arena(int threads)
+  Arena(int threads, TaskPriority priority)
       : allowed(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
-        arena(threads) {}
+        arena(threads, 1,
+              priority == TaskPriority::low ? oneapi::tbb::task_arena::priority::low
+                                            : oneapi::tbb::task_arena::priority::normal) {}
   /// Without it TBB complains on standard error of more threads than the machine has.
   oneapi::tbb::global_control allowed;
   oneapi::tbb::task_arena arena;
 };
 
-TaskPool::TaskPool(int threads)
+TaskPool::TaskPool(int threads, TaskPriority priority)
     : threads_(threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()))) {
-  if (threads_ > 1) arena_ = std::make_unique<Arena>(threads_);
+  if (threads_ > 1) arena_ = std::make_unique<Arena>(threads_, priority);
 }
 
 TaskPool::~TaskPool() = default;

@@ -2,9 +2,9 @@
 #include "rastro/feature/orb_spread.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <tuple>
 
 namespace rastro {
 namespace {
@@ -12,11 +12,15 @@ namespace {
 constexpr double corners_per_cell = 10.0;
 constexpr int least_cell = 8;
 
-bool better(const FastCorner& a, const FastCorner& b) {
-  return std::make_tuple(-a.score, a.y, a.x) < std::make_tuple(-b.score, b.y, b.x);
+/// Smaller for the better corner: by score, then row, then column.
+std::uint64_t better_first(const FastCorner& corner) {
+  return std::uint64_t{255U - corner.score} << 32U | std::uint64_t{static_cast<std::uint16_t>(corner.y)} << 16U |
+         static_cast<std::uint16_t>(corner.x);
 }
 
-bool before(const FastCorner& a, const FastCorner& b) { return std::make_pair(a.y, a.x) < std::make_pair(b.y, b.x); }
+bool better(const FastCorner& a, const FastCorner& b) { return better_first(a) < better_first(b); }
+
+bool before(const FastCorner& a, const FastCorner& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; }
 
 /// An area in square cells.
 struct Grid {
@@ -29,32 +33,50 @@ struct Grid {
     rows = (y1 - y0 + cell - 1) / cell;
   }
   std::size_t cells() const { return static_cast<std::size_t>(columns * rows); }
-  std::size_t cell_of(const FastCorner& corner) const {
-    return static_cast<std::size_t>((corner.y - top) / cell * columns + (corner.x - left) / cell);
+
+  /// The cell of each corner.
+  std::vector<std::uint32_t> cells_of(const std::vector<FastCorner>& corners) const {
+    std::vector<std::uint32_t> column_of(static_cast<std::size_t>(columns * cell)), result(corners.size());
+    for (std::size_t x = 0; x < column_of.size(); ++x)
+      column_of[x] = static_cast<std::uint32_t>(x) / static_cast<std::uint32_t>(cell);
+    int row = top, first = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (corners[i].y != row) {
+        row = corners[i].y;
+        first = (row - top) / cell * columns;
+      }
+      result[i] = static_cast<std::uint32_t>(first) + column_of[static_cast<std::size_t>(corners[i].x - left)];
+    }
+    return result;
   }
 };
+
+/// The places of `corners` that are row by row, the best first; a counting sort, as it is done for every corner found.
+std::vector<std::uint32_t> best_first(const std::vector<FastCorner>& corners) {
+  std::array<std::uint32_t, 257> next{};
+  for (const FastCorner& corner : corners) ++next[256U - corner.score];
+  for (std::size_t score = 1; score < next.size(); ++score) next[score] += next[score - 1];
+  std::vector<std::uint32_t> order(corners.size());
+  for (std::uint32_t i = 0; i < corners.size(); ++i) order[next[255U - corners[i].score]++] = i;
+  return order;
+}
 
 }  // namespace
 
 OrbCells::OrbCells(const std::vector<FastCorner>& corners, int x0, int x1, int y0, int y1, int wanted, int threshold) {
   const Grid grid(x0, x1, y0, y1, wanted);
+  const std::vector<std::uint32_t> cells = grid.cells_of(corners);
   std::vector<std::uint8_t> strong(grid.cells());
-  for (const FastCorner& corner : corners) strong[grid.cell_of(corner)] |= corner.score > threshold ? 1 : 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) strong[cells[i]] |= corners[i].score > threshold ? 1 : 0;
+  const auto stays = [&](std::size_t i) { return corners[i].score > threshold || strong[cells[i]] == 0; };
   first_.assign(grid.cells() + 1, 0);
-  for (const FastCorner& corner : corners) {
-    const std::size_t cell = grid.cell_of(corner);
-    if (corner.score > threshold || strong[cell] == 0) ++first_[cell + 1];
-  }
+  for (std::size_t i = 0; i < corners.size(); ++i) first_[cells[i] + 1] += stays(i) ? 1 : 0;
   for (std::size_t cell = 0; cell < grid.cells(); ++cell) first_[cell + 1] += first_[cell];
   corners_.resize(first_.back());
   std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-  for (const FastCorner& corner : corners) {
-    const std::size_t cell = grid.cell_of(corner);
-    if (corner.score > threshold || strong[cell] == 0) corners_[next[cell]++] = corner;
+  for (const std::uint32_t i : best_first(corners)) {
+    if (stays(i)) corners_[next[cells[i]]++] = corners[i];
   }
-  for (std::size_t cell = 0; cell < grid.cells(); ++cell)
-    std::sort(corners_.begin() + static_cast<std::ptrdiff_t>(first_[cell]),
-              corners_.begin() + static_cast<std::ptrdiff_t>(first_[cell + 1]), better);
 }
 
 std::vector<FastCorner> OrbCells::take(std::size_t quota) const {

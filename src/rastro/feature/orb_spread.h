@@ -12,8 +12,8 @@ namespace rastro {
 /// The corners of one level by cells of a grid, each cell's best first.
 class OrbCells {
  public:
-  /// Sorts `corners` of the area [x0, x1) x [y0, y1) into cells for about `wanted` of them. In a cell with a corner
-  /// whose score is above `threshold`, those that are not are dropped.
+  /// Sorts `corners`, row by row, of the area [x0, x1) x [y0, y1) into cells for about `wanted` of them. In a cell with
+  /// a corner whose score is above `threshold`, those that are not are dropped.
   OrbCells(const std::vector<FastCorner>& corners, int x0, int x1, int y0, int y1, int wanted, int threshold);
 
   /// How many are left.

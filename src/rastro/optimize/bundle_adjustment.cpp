@@ -62,7 +62,7 @@ class Adjustment {
     std::vector<double> errors(result.squared_errors.size());
     constexpr double first_damping = 1e-5, most_damping = 1e8;
     double damping = first_damping, growth = 2.0;
-    const auto stopped = [&] { return options_.stop != nullptr && options_.stop->load(); };
+    const auto stopped = [&] { return options_.stopped && options_.stopped(); };
     while (result.iterations < options_.iterations && !result.converged && damping < most_damping && !stopped()) {
       ++result.iterations;
       BundleStep step;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -35,9 +35,9 @@ struct BundleOptions {
   int iterations = 10;  ///< At most.
   double huber_mono =
       2.4477;  ///< Sigmas from which errors count linearly: 95 % of chi squared, 2 degrees of freedom...
-  double huber_stereo = 2.7955;  ///< ... and 3, where right_x is known. 0, both: plain least squares.
-  double least_gain = 1e-5;      ///< Share of the cost by which an iteration must lower it, else it was the last.
-  const std::atomic<bool>* stop = nullptr;  ///< Once true no iteration is begun any more; those done stand.
+  double huber_stereo = 2.7955;   ///< ... and 3, where right_x is known. 0, both: plain least squares.
+  double least_gain = 1e-5;       ///< Share of the cost by which an iteration must lower it, else it was the last.
+  std::function<bool()> stopped;  ///< Once true no iteration is begun any more; those done stand. May be empty.
 };
 
 struct BundleResult {

@@ -8,6 +8,7 @@
 #include "rastro/multiview/triangulation.h"
 #include "rastro/slam/orb/local_mapper.h"
 #include "rastro/slam/orb/matching.h"
+#include "rastro/slam/orb/near_line.h"
 
 namespace rastro {
 namespace {
@@ -37,17 +38,8 @@ void near_line(const FreeFeatures& free, const Eigen::Vector3d& line, std::vecto
   found.clear();
   const double norm = line.head<2>().norm();
   if (!(norm > 0.0)) return;
-  const auto a = static_cast<float>(line.x() / norm), b = static_cast<float>(line.y() / norm),
-             c = static_cast<float>(line.z() / norm);
-  const std::size_t count = free.x.size();
-  found.resize(count);
-  std::size_t used = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const float distance = a * free.x[i] + b * free.y[i] + c;
-    found[used] = static_cast<std::uint32_t>(i);
-    used += static_cast<std::size_t>(distance * distance < free.limit[i]);
-  }
-  found.resize(used);
+  const Eigen::Vector3f unit = (line / norm).cast<float>();
+  find_near_line(free.x, free.y, free.limit, unit.x(), unit.y(), unit.z(), found);
 }
 
 struct EpipolarMatch {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "rastro/optimize/bundle_adjustment.h"
+#include "rastro/slam/orb/bundle_parts.h"
 
 namespace rastro {
 
@@ -170,98 +170,19 @@ void LocalMapper::adjust_all(int submap, int iterations) {
   if (!free.empty()) adjust(free, fixed, iterations);
 }
 
-namespace {
-
-/// Which keyframe and landmark each part of a bundle stands for.
-struct BundleParts {
-  Bundle bundle;
-  std::vector<std::int64_t> keyframes, landmarks;
-  std::vector<std::pair<std::int64_t, std::int64_t>> seen;  ///< Keyframe and landmark, one an observation.
-};
-
-BundleParts parts_of(const MapGraph& graph, const std::vector<std::int64_t>& free,
-                     const std::vector<std::int64_t>& fixed, double pixel_sigma) {
-  BundleParts parts;
-  parts.bundle.baseline = graph.baseline();
-  std::vector<std::pair<std::int64_t, std::uint32_t>> camera_of;
-  for (const auto* list : {&free, &fixed}) {
-    for (const std::int64_t id : *list) {
-      camera_of.emplace_back(id, static_cast<std::uint32_t>(parts.keyframes.size()));
-      parts.keyframes.push_back(id);
-      parts.bundle.camera_from_world.push_back(graph.keyframe(id).camera_from_world);
-      parts.bundle.fixed.push_back(list == &fixed ? 1 : 0);
-    }
-  }
-  std::sort(camera_of.begin(), camera_of.end());
-  for (const std::int64_t id : free) {
-    for (const std::int64_t landmark : graph.keyframe(id).landmarks) {
-      if (landmark >= 0) parts.landmarks.push_back(landmark);
-    }
-  }
-  std::sort(parts.landmarks.begin(), parts.landmarks.end());
-  parts.landmarks.erase(std::unique(parts.landmarks.begin(), parts.landmarks.end()), parts.landmarks.end());
-  for (const std::int64_t id : parts.landmarks) {
-    const MapLandmark& landmark = graph.landmark(id);
-    const auto point = static_cast<std::uint32_t>(parts.bundle.points.size());
-    parts.bundle.points.push_back(landmark.position);
-    for (const LandmarkObservation& o : landmark.observations) {
-      const auto at = std::lower_bound(camera_of.begin(), camera_of.end(), std::pair{o.keyframe, std::uint32_t{0}});
-      if (at == camera_of.end() || at->first != o.keyframe) continue;
-      const FeatureFrame& frame = *graph.keyframe(o.keyframe).frame;
-      parts.bundle.observations.push_back({at->second, point, frame.ray(o.feature), frame.right_ray(o.feature),
-                                           pixel_sigma * graph.sigma(frame, o.feature)});
-      parts.seen.emplace_back(o.keyframe, id);
-    }
-  }
-  return parts;
-}
-
-bool is_outlier(const BundleObservation& observation, double squared_error) {
-  return squared_error > (std::isfinite(observation.right_x) ? 7.815 : 5.991);
-}
-
-}  // namespace
-
 void LocalMapper::adjust(const std::vector<std::int64_t>& free, const std::vector<std::int64_t>& fixed,
                          int iterations) {
-  BundleParts parts = parts_of(graph_, free, fixed, options_.pixel_sigma);
+  BundleParts parts = bundle_parts(graph_, free, fixed, options_.pixel_sigma);
   if (parts.bundle.observations.empty()) return;
-  BundleOptions options;
-  options.iterations = (iterations + 1) / 2;
-  options.stop = stop_;
-  std::vector<std::pair<std::int64_t, std::int64_t>> outliers;
-  for (int round = 0; round < 2; ++round) {
-    const BundleResult result = adjust_bundle(parts.bundle, options, pool_);
-    if (stop_ != nullptr && stop_->load()) break;  // what still is far off may have become an inlier
-    std::vector<BundleObservation> kept;
-    std::vector<std::pair<std::int64_t, std::int64_t>> kept_seen;
-    for (std::size_t i = 0; i < parts.seen.size(); ++i) {
-      if (is_outlier(parts.bundle.observations[i], result.squared_errors[i])) {
-        outliers.push_back(parts.seen[i]);
-      } else {
-        kept.push_back(parts.bundle.observations[i]);
-        kept_seen.push_back(parts.seen[i]);
-      }
-    }
-    parts.bundle.observations = std::move(kept);
-    parts.seen = std::move(kept_seen);
-    options.iterations = iterations;
-  }
+  adjust_parts(
+      parts, iterations, [this] { return stop_ != nullptr && stop_->load(); }, pool_);
   for (std::size_t i = 0; i < parts.keyframes.size(); ++i) {
     if (parts.bundle.fixed[i] == 0)
       graph_.keyframe(parts.keyframes[i]).camera_from_world = parts.bundle.camera_from_world[i];
   }
   for (std::size_t i = 0; i < parts.landmarks.size(); ++i)
     graph_.landmark(parts.landmarks[i]).position = parts.bundle.points[i];
-  for (const auto& [keyframe, landmark] : outliers) graph_.remove_observation(keyframe, landmark);
-  const std::size_t least = graph_.sensor() == LandmarkSensor::mono ? 2 : 1;
-  for (const std::int64_t id : parts.landmarks) {
-    if (graph_.landmark(id).observations.size() < least) {
-      graph_.remove_landmark(id);
-    } else {
-      graph_.describe(id);
-    }
-  }
+  drop_outliers(graph_, parts);
 }
 
 bool LocalMapper::is_redundant(const MapKeyframe& keyframe) const {

@@ -60,8 +60,8 @@ std::vector<SimilarityPair> landmark_pairs(const MapGraph& graph, const MapKeyfr
 
 }  // namespace
 
-LoopCloser::LoopCloser(const OrbSlamOptions& options, MapGraph& graph, LocalMapper& mapper, PlaceMemory& places)
-    : options_(options), graph_(graph), mapper_(mapper), places_(places) {}
+LoopCloser::LoopCloser(const OrbSlamOptions& options, MapGraph& graph, PlaceMemory& places)
+    : options_(options), graph_(graph), places_(places) {}
 
 std::optional<LoopResult> LoopCloser::consider(std::int64_t id) {
   places_.update();
@@ -71,7 +71,7 @@ std::optional<LoopResult> LoopCloser::consider(std::int64_t id) {
     if (!place) continue;
     last_closed_ = id;
     groups_.clear();
-    return correct_map(graph_, mapper_, options_, *place);
+    return correct_map(graph_, options_, *place);
   }
   return std::nullopt;
 }

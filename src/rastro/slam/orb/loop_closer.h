@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "rastro/slam/orb/local_mapper.h"
 #include "rastro/slam/orb/loop_correction.h"
 #include "rastro/slam/orb/options.h"
 #include "rastro/slam/orb/place_memory.h"
@@ -17,7 +16,7 @@ namespace rastro {
 class LoopCloser {
  public:
   /// All outlive this.
-  LoopCloser(const OrbSlamOptions& options, MapGraph& graph, LocalMapper& mapper, PlaceMemory& places);
+  LoopCloser(const OrbSlamOptions& options, MapGraph& graph, PlaceMemory& places);
 
   /// After local mapping of a keyframe; call it for each, in order. What it returns has been done to the graph.
   std::optional<LoopResult> consider(std::int64_t keyframe);
@@ -36,7 +35,6 @@ class LoopCloser {
 
   OrbSlamOptions options_;
   MapGraph& graph_;
-  LocalMapper& mapper_;
   PlaceMemory& places_;
   std::vector<Group> groups_;
   std::int64_t last_closed_ = -1;

@@ -8,6 +8,7 @@
 #include "rastro/math/alignment.h"
 #include "rastro/slam/orb/place_testing.h"
 #include "rastro/slam/orb/relocaliser.h"
+#include "rastro/slam/orb/submap_adjustment.h"
 
 namespace rastro {
 namespace {
@@ -17,13 +18,12 @@ using testing::RoundWorld;
 
 constexpr double step = 2.0 * M_PI / 60.0;
 
-/// Map, mapper and closer over one world.
+/// Map and closer over one world.
 struct Bench {
   explicit Bench(LandmarkSensor sensor)
       : graph(world.camera, sensor, sensor == LandmarkSensor::mono ? 0.0 : 0.1, OrbOptions{}),
-        mapper(options, graph, nullptr),
         places(graph, world.vocabulary()),
-        closer(options, graph, mapper, places),
+        closer(options, graph, places),
         way(world, graph, sensor == LandmarkSensor::mono ? 0.004 : 0.006,
             sensor == LandmarkSensor::mono ? 1.004 : 1.0) {}
 
@@ -42,7 +42,6 @@ struct Bench {
   OrbSlamOptions options;
   RoundWorld world{1};
   MapGraph graph;
-  LocalMapper mapper;
   PlaceMemory places;
   LoopCloser closer;
   DriftingMapper way;
@@ -89,6 +88,10 @@ TEST_P(LoopCloserTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
   EXPECT_GT(closed->fused, 20);
   EXPECT_EQ(closed->event().kind, "loop_closed");
   EXPECT_GT(before, 0.2);
+  EXPECT_LT(bench.error(), 0.4 * before);
+  SubmapAdjustment adjustment(bench.graph, 0, bench.options.pixel_sigma);
+  adjustment.run(10, nullptr, nullptr);
+  adjustment.apply(bench.graph);
   EXPECT_LT(bench.error(), 0.1 * before);
   expect_sound(bench.graph);
   ASSERT_EQ(bench.graph.ties().size(), 1U);

@@ -224,7 +224,7 @@ SlamEvent LoopResult::event() const {
   return {joined ? "joined" : "loop_closed", std::move(detail)};
 }
 
-LoopResult correct_map(MapGraph& graph, LocalMapper& mapper, const OrbSlamOptions& options, const PlaceFound& place) {
+LoopResult correct_map(MapGraph& graph, const OrbSlamOptions& options, const PlaceFound& place) {
   LoopResult result;
   result.keyframe = place.keyframe;
   result.matched = place.matched;
@@ -239,7 +239,6 @@ LoopResult correct_map(MapGraph& graph, LocalMapper& mapper, const OrbSlamOption
     result.fused = LoopWithin(graph, options, place).run();
     result.scale = 1.0 / place.keyframe_from_matched.scale();
   }
-  if (options.loop_adjust_iterations > 0) mapper.adjust_all(keyframe.submap, options.loop_adjust_iterations);
   const SE3 keyframe_from_matched =
       keyframe.camera_from_world * graph.keyframe(place.matched).camera_from_world.inverse();
   graph.ties().push_back({place.keyframe, place.matched, Sim3(keyframe_from_matched), place.inliers});

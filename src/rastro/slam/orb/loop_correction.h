@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "rastro/math/sim3.h"
-#include "rastro/slam/orb/local_mapper.h"
 #include "rastro/slam/orb/map_graph.h"
 #include "rastro/slam/orb/options.h"
 #include "rastro/slam/slam.h"
@@ -36,7 +35,7 @@ struct LoopResult {
 
 /// Makes the map agree with itself (Mur-Artal et al. 2015, section VII): within a submap the surroundings of the
 /// keyframe are moved, landmarks fused and the error spread over the essential graph; of two submaps the younger is
-/// brought over to the older. Then bundle adjustment of the whole submap.
-LoopResult correct_map(MapGraph& graph, LocalMapper& mapper, const OrbSlamOptions& options, const PlaceFound& place);
+/// brought over to the older. Bundle adjustment of the whole submap comes after it (SubmapAdjustment).
+LoopResult correct_map(MapGraph& graph, const OrbSlamOptions& options, const PlaceFound& place);
 
 }  // namespace rastro

@@ -390,6 +390,14 @@ void add_place_options(OptionTable& table, OrbSlamOptions& o) {
              0,
              1000,
              {}});
+  table.add({"loop_adjust_delay_s",
+             &o.loop_adjust_delay_s,
+             "s",
+             "after a loop until the map as adjusted is taken over, for each 100000 observations; earlier, tracking "
+             "waits for it; later, it is older than it need be",
+             0,
+             1000,
+             {}});
 }
 
 }  // namespace

@@ -103,6 +103,7 @@ struct OrbSlamOptions {
   double loop_search_px = 8.0;
   int loop_apart = 10;
   int loop_adjust_iterations = 4;
+  double loop_adjust_delay_s = 2.0;
   std::uint64_t seed = 1;
 
   FrameCheckOptions frame_check;

@@ -36,15 +36,18 @@ OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, c
       check_(options_.frame_check),
       maker_(options_, sensor_, means.pool),
       graph_(sensor_.camera, sensor_.sensor, sensor_.baseline, orb_options(options_)),
-      mapper_(options_, graph_, means.pool, means.stop),
+      adjusting_pool_(means.pool ? means.pool->threads() : 1, TaskPriority::low),
+      mapping_pool_(means.pool ? means.pool->threads() : 1, TaskPriority::low),
+      mapper_(options_, graph_, &mapping_pool_, means.stop),
       places_(graph_, standard_vocabulary()),
-      closer_(options_, graph_, mapper_, places_),
+      closer_(options_, graph_, places_),
       relocaliser_(options_, graph_, places_),
       tracker_(options_, sensor_.camera, sensor_.sensor, sensor_.baseline),
       initialiser_(options_, sensor_.camera),
       archive_(means.archive),
       stop_(means.stop),
-      background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {
+      background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1),
+      adjusting_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {
   if (options_.frontend == "tracks") tracks_.emplace(options_, sensor_.camera, means.pool);
   if (means.landmark_map) use_map(means);
 }
@@ -174,9 +177,15 @@ void OrbSlam::State::follow_reference(const TrackResult& tracked) {
 std::vector<SlamEvent> OrbSlam::State::finish() {
   std::vector<SlamEvent> events;
   take_all_results(events);
+  const bool in_haste = stop_ != nullptr && stop_->load();
+  if (in_haste) {
+    drop_adjustment();
+  } else if (adjustment_) {
+    take_adjustment(last_stamp_);
+    take_all_results(events);
+  }
   wait_for_mapping();
   if (!exists_) return events;
-  const bool in_haste = stop_ != nullptr && stop_->load();
   if (maps_ && !in_haste && options_.final_iterations > 0 &&
       graph_.keyframe_count() <= static_cast<std::size_t>(options_.final_keyframes)) {
     for (int submap = 0; submap < graph_.submap_count(); ++submap)

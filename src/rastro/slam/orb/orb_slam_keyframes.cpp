@@ -90,7 +90,12 @@ void OrbSlam::State::make_keyframe(const FramePointer& frame, const TrackResult&
   const std::size_t job = background_.submit([this, input, result, id] {
     mapper_.add(*input);
     if (options_.loop_closing) {
-      if (const auto loop = closer_.consider(id)) result->events.push_back(loop->event());
+      if (const auto loop = closer_.consider(id)) {
+        result->events.push_back(loop->event());
+        if (options_.loop_adjust_iterations > 0)
+          result->adjustment =
+              std::make_shared<SubmapAdjustment>(graph_, graph_.keyframe(id).submap, options_.pixel_sigma);
+      }
     }
     result->view = view_of(graph_, id, view_options());
   });
@@ -105,12 +110,16 @@ void OrbSlam::State::map_now(const FramePointer& frame, const TrackResult& track
   tracker_.set_view(view_of(graph_, input.frame->data().id, view_options()));
 }
 
+/// Where stamps stand still, frames alone count.
+bool OrbSlam::State::is_due(std::int64_t due, TimeNs due_stamp, int frames_at_most, TimeNs stamp) const {
+  return due <= seen_ && (due_stamp <= stamp || due + frames_at_most <= seen_);
+}
+
 void OrbSlam::State::take_results(TimeNs stamp, std::vector<SlamEvent>& events) {
-  const auto due = [&](const Pending& next) {
-    const bool whatever_the_clock = next.due + options_.keyframe_frames <= seen_;
-    return next.due <= seen_ && (next.due_stamp <= stamp || whatever_the_clock);
-  };
-  while (!pending_.empty() && due(pending_.front())) take_next_result(events);
+  if (adjustment_ && is_due(adjustment_->due, adjustment_->due_stamp, 20 * options_.keyframe_frames, stamp))
+    take_adjustment(stamp);
+  while (!pending_.empty() && is_due(pending_.front().due, pending_.front().due_stamp, options_.keyframe_frames, stamp))
+    take_next_result(events);
 }
 
 void OrbSlam::State::take_all_results(std::vector<SlamEvent>& events) {
@@ -122,8 +131,39 @@ void OrbSlam::State::take_next_result(std::vector<SlamEvent>& events) {
   pending_.pop_front();
   background_.wait(pending.job);
   events.insert(events.end(), pending.result->events.begin(), pending.result->events.end());
-  if (tracking_) tracker_.set_view(pending.result->view);
+  if (tracking_ && pending.result->view) tracker_.set_view(pending.result->view);
+  if (pending.result->adjustment) begin_adjustment(pending.result->adjustment);
   keep_map();
+}
+
+/// What is under way no longer fits a map that has been corrected again.
+void OrbSlam::State::begin_adjustment(const std::shared_ptr<SubmapAdjustment>& work) {
+  drop_adjustment();
+  const double delay_s = options_.loop_adjust_delay_s * static_cast<double>(work->observations()) / 1e5;
+  const std::size_t job =
+      adjusting_.submit([this, work] { work->run(options_.loop_adjust_iterations, stop_, &adjusting_pool_); });
+  adjustment_ = {seen_ + options_.backend_delay_frames, last_stamp_ + from_seconds(delay_s), job, work};
+}
+
+/// Mapping carries the adjusted submap over, in turn with the keyframes.
+void OrbSlam::State::take_adjustment(TimeNs stamp) {
+  const std::shared_ptr<SubmapAdjustment> work = adjustment_->work;
+  adjusting_.wait(adjustment_->job);
+  adjustment_.reset();
+  const auto result = std::make_shared<MappingResult>();
+  result->events.push_back({"adjusted", work->detail()});
+  const std::int64_t centre = tracking_ ? tracker_.view()->centre : -1;
+  const std::size_t job = background_.submit([this, work, result, centre] {
+    work->apply(graph_);
+    if (graph_.has_keyframe(centre)) result->view = view_of(graph_, centre, view_options());
+  });
+  pending_.push_back(
+      {seen_ + options_.backend_delay_frames, stamp + from_seconds(options_.backend_delay_s), job, result});
+}
+
+void OrbSlam::State::drop_adjustment() {
+  if (adjustment_) adjustment_->work->cancel();
+  adjustment_.reset();
 }
 
 }  // namespace rastro

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rastro/base/background.h"
+#include "rastro/base/task_pool.h"
 #include "rastro/odometry/frame_check.h"
 #include "rastro/slam/orb/frame_tracker.h"
 #include "rastro/slam/orb/frame_way.h"
@@ -21,6 +22,7 @@
 #include "rastro/slam/orb/place_memory.h"
 #include "rastro/slam/orb/relocaliser.h"
 #include "rastro/slam/orb/sensor_choice.h"
+#include "rastro/slam/orb/submap_adjustment.h"
 #include "rastro/slam/orb/track_association.h"
 
 namespace rastro {
@@ -41,12 +43,21 @@ class OrbSlam::State {
   struct MappingResult {
     std::shared_ptr<const MapView> view;
     std::vector<SlamEvent> events;
+    std::shared_ptr<SubmapAdjustment> adjustment;  ///< To be done; null: none.
   };
   struct Pending {
     std::int64_t due = 0;  ///< Number of the first frame that may see it, and ...
     TimeNs due_stamp = 0;  ///< ... its least stamp.
     std::size_t job = 0;
     std::shared_ptr<MappingResult> result;
+  };
+
+  /// Under way; the tracking thread alone knows of it.
+  struct Adjustment {
+    std::int64_t due = 0;  ///< As above.
+    TimeNs due_stamp = 0;
+    std::size_t job = 0;
+    std::shared_ptr<SubmapAdjustment> work;
   };
 
   void use_map(const SlamMeans& means);
@@ -78,6 +89,10 @@ class OrbSlam::State {
   void take_results(TimeNs stamp, std::vector<SlamEvent>& events);
   void take_all_results(std::vector<SlamEvent>& events);
   void take_next_result(std::vector<SlamEvent>& events);
+  bool is_due(std::int64_t due, TimeNs due_stamp, int frames_at_most, TimeNs stamp) const;
+  void begin_adjustment(const std::shared_ptr<SubmapAdjustment>& work);
+  void take_adjustment(TimeNs stamp);
+  void drop_adjustment();
   void wait_for_mapping() const { background_.wait_for_all(); }
   MapViewOptions view_options() const { return {options_.local_keyframes, options_.local_landmarks}; }
   std::vector<std::uint32_t> fresh_features(const FeatureFrame& frame, const TrackResult& tracked) const;
@@ -87,6 +102,8 @@ class OrbSlam::State {
   FrameCheck check_;
   FeatureMaker maker_;
   MapGraph graph_;
+  TaskPool adjusting_pool_;
+  TaskPool mapping_pool_;  ///< Of its own, so that tracking's loops never wait for mapping's.
   LocalMapper mapper_;
   PlaceMemory places_;
   LoopCloser closer_;
@@ -112,8 +129,10 @@ class OrbSlam::State {
   std::optional<MapScale> scale_;  ///< Of a map given.
   MapArchive* archive_;
   const std::atomic<bool>* stop_;
-  SE3 last_pose_;                  ///< world_from_camera
+  SE3 last_pose_;  ///< world_from_camera
+  std::optional<Adjustment> adjustment_;
   mutable Background background_;  ///< Last: its jobs use what is above.
+  Background adjusting_;           ///< Whole submaps, beside mapping.
 };
 
 }  // namespace rastro

@@ -119,7 +119,7 @@ std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const
     data->depths.assign(data->features.size(), 0.0F);
     if (!frame.right.empty())
       match_stereo(frame.image.view(), frame.right.view(), extractor_.extract(frame.right.view(), {}, pool_),
-                   sensor_.camera.fx * sensor_.baseline, options_, *data);
+                   sensor_.camera.fx * sensor_.baseline, options_, pool_, *data);
   }
   return std::make_shared<FeatureFrame>(std::move(data), sensor_.camera, sensor_.baseline);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "rastro/base/task_pool.h"
 #include "rastro/feature/orb.h"
 #include "rastro/image/image.h"
 #include "rastro/map/landmark/landmark_map.h"
@@ -11,8 +12,8 @@ namespace rastro {
 /// Fills right_x and depths of the left camera's features from a rectified pair (rows are the same in both): the most
 /// similar feature of the right picture about the same row, then the shift at which grey levels differ least, to a
 /// fraction of a pixel (Mur-Artal and Tardos 2017, section III.A). `focal_baseline`: focal length in pixels times
-/// baseline.
+/// baseline. `pool` may be null; the result is the same with any.
 void match_stereo(GreyView left, GreyView right, const OrbFeatures& right_features, double focal_baseline,
-                  const OrbSlamOptions& options, LandmarkKeyframe& keyframe);
+                  const OrbSlamOptions& options, TaskPool* pool, LandmarkKeyframe& keyframe);
 
 }  // namespace rastro

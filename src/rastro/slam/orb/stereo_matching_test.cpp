@@ -29,7 +29,7 @@ TEST(StereoMatching, DisparitiesAreKnownToATenthOfAPixel) {
   LandmarkKeyframe keyframe;
   keyframe.features = extractor.extract(left.view());
   ASSERT_GT(keyframe.features.size(), 100U);
-  match_stereo(left.view(), right.view(), extractor.extract(right.view()), focal_baseline, {}, keyframe);
+  match_stereo(left.view(), right.view(), extractor.extract(right.view()), focal_baseline, {}, nullptr, keyframe);
   std::size_t known = 0, right_ones = 0;
   for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
     if (!(keyframe.depths[i] > 0.0F)) continue;
@@ -47,7 +47,7 @@ TEST(StereoMatching, APictureOfAnotherSizeHasNoDepth) {
   OrbExtractor extractor(OrbOptions{.features = 100});
   LandmarkKeyframe keyframe;
   keyframe.features = extractor.extract(left.view());
-  match_stereo(left.view(), GreyImage(100, 100).view(), {}, 100.0, {}, keyframe);
+  match_stereo(left.view(), GreyImage(100, 100).view(), {}, 100.0, {}, nullptr, keyframe);
   for (const float depth : keyframe.depths) EXPECT_EQ(depth, 0.0F);
 }
 
