@@ -61,6 +61,7 @@ void FrameTracker::restart(const SE3& camera_from_world, std::vector<TrackedPoin
                            std::shared_ptr<const FeatureFrame> frame) {
   last_pose_ = camera_from_world;
   velocity_ = SE3();
+  reference_ = -1;
   last_points_ = std::move(points);
   last_frame_ = std::move(frame);
   fresh_.clear();

@@ -241,9 +241,7 @@ TEST(FrameTracker, PointsOfAKeyframeTheMapDoesNotKnowYetAreTracked) {
   EXPECT_GT(of_fresh, 140U);
   // Once the map knows that keyframe, its points are found as landmarks or not at all.
   half.add(5, at(0.3), {.from = 0, .to = 100});
-  auto view = std::make_shared<MapView>(*view_of(half.graph, 5, {}));
-  view->latest = 5;
-  bench.tracker.set_view(view);
+  bench.tracker.set_view(view_of(half.graph, 5, {}));
   const std::vector<TrackedPoint> known = bench.tracker.track_from(look.frame, at(0.31)).points;
   EXPECT_GT(known.size(), 100U);
   for (const TrackedPoint& point : known) EXPECT_GE(point.landmark, 0);

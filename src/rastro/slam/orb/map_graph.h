@@ -74,6 +74,8 @@ class MapGraph {
   std::vector<std::int64_t> keyframe_ids() const;
   std::vector<std::int64_t> keyframe_ids(int submap) const;
   std::size_t keyframe_count() const { return keyframe_count_; }
+  /// Of all that were ever added, also if it is gone; -1: none.
+  std::int64_t newest_keyframe() const { return static_cast<std::int64_t>(keyframes_.size()) - 1; }
   /// Its observations go, landmarks left with fewer than two observations too (mono; one where depths are known). Its
   /// children take parents among its parent and each other by covisibility. Not for the root of a submap.
   void remove_keyframe(std::int64_t id);

@@ -67,6 +67,7 @@ std::int64_t MapView::find_keyframe(std::int64_t id) const {
 std::shared_ptr<const MapView> view_of(const MapGraph& graph, std::int64_t centre, const MapViewOptions& options) {
   auto view = std::make_shared<MapView>();
   view->centre = centre;
+  view->latest = graph.newest_keyframe();
   std::vector<std::int64_t> ids = keyframes_around(graph, centre, static_cast<std::size_t>(options.keyframes));
   std::vector<std::int64_t> landmarks;
   for (const std::int64_t id : ids) {

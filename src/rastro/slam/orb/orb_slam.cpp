@@ -48,6 +48,7 @@ OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, c
       stop_(means.stop),
       background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1),
       adjusting_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {
+  if (sensor_.rectification) rectifier_.emplace(sensor_.rectification, means.pool);
   if (options_.frontend == "tracks") tracks_.emplace(options_, sensor_.camera, means.pool);
   if (means.landmark_map) use_map(means);
 }
@@ -77,13 +78,14 @@ SlamUpdate OrbSlam::State::process(const Frame& frame) {
   update.world_from_body = last_pose_;
   take_results(frame.stamp, update.events);
   update.times.push_back({"wait", stage.lap_ms()});
-  look(frame, update);
+  check_and_look(frame, update);
   last_pose_ = update.world_from_body;
+  update.world_from_body = update.world_from_body * sensor_.camera_from_left();
   update.milliseconds = whole.lap_ms();
   return update;
 }
 
-void OrbSlam::State::look(const Frame& frame, SlamUpdate& update) {
+void OrbSlam::State::check_and_look(const Frame& frame, SlamUpdate& update) {
   const FrameCheckResult checked = check_.check(frame.image.view(), frame.stamp);
   update.reason = reason_of(checked.reason);
   update.detail = checked.detail;
@@ -94,6 +96,14 @@ void OrbSlam::State::look(const Frame& frame, SlamUpdate& update) {
     if (repeated && way_.repeat_last(frame.index, frame.stamp)) update.state = SlamState::tracking;
     return;
   }
+  if (!rectifier_) return look(frame, update);
+  Stopwatch stage;
+  const Frame rectified = rectifier_->rectified(frame);
+  update.times.push_back({"rectify", stage.lap_ms()});
+  look(rectified, update);
+}
+
+void OrbSlam::State::look(const Frame& frame, SlamUpdate& update) {
   Stopwatch stage;
   const FramePointer features = maker_.make(frame, depth_from_colour(frame));
   last_stamp_ = frame.stamp;
@@ -198,7 +208,10 @@ std::vector<SlamEvent> OrbSlam::State::finish() {
 
 Trajectory OrbSlam::State::trajectory() const {
   wait_for_mapping();
-  return exists_ ? way_.trajectory(graph_, way_.largest_submap(graph_)) : Trajectory();
+  if (!exists_) return {};
+  Trajectory trajectory = way_.trajectory(graph_, way_.largest_submap(graph_));
+  for (StampedPose& pose : trajectory) pose.world_from_body = pose.world_from_body * sensor_.camera_from_left();
+  return trajectory;
 }
 
 std::shared_ptr<const Snapshot> OrbSlam::State::snapshot() const {

@@ -66,6 +66,7 @@ class OrbSlam::State {
   void place_lost();
   void say_submap(const TrackResult& tracked, SlamUpdate& update) const;
   void follow_reference(const TrackResult& tracked);
+  void check_and_look(const Frame& frame, SlamUpdate& update);
   void look(const Frame& frame, SlamUpdate& update);
   SE3 depth_from_colour(const Frame& frame) const;
   void follow(const FramePointer& frame, const std::vector<FollowedLandmark>& followed, SlamUpdate& update);
@@ -100,6 +101,7 @@ class OrbSlam::State {
   OrbSlamOptions options_;
   SensorChoice sensor_;
   FrameCheck check_;
+  std::optional<FrameRectifier> rectifier_;
   FeatureMaker maker_;
   MapGraph graph_;
   TaskPool adjusting_pool_;

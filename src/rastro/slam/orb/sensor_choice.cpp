@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/orb/sensor_choice.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "rastro/base/error.h"
@@ -69,7 +72,35 @@ bool is_rectified(const SourceInfo& source) {
          std::hypot(aside.y(), aside.z()) < most_share * aside.x();
 }
 
+/// Both cameras, rectified where they are not; with `auto` the left one alone where they cannot be.
+void choose_pair(const OrbSlamOptions& options, const SourceInfo& source, SensorChoice& choice) {
+  choice.sensor = LandmarkSensor::stereo;
+  if (is_rectified(source)) {
+    choice.baseline = source.left_from_right->translation().x();
+    return;
+  }
+  const bool calibrated = source.cameras.size() > 1 && source.cameras[1].camera && source.left_from_right;
+  auto made =
+      calibrated ? rectify_stereo(choice.camera, *source.cameras[1].camera, *source.left_from_right) : std::nullopt;
+  if (made) {
+    choice.rectification = std::make_shared<StereoRectification>(std::move(*made));
+    choice.camera = choice.rectification->camera;
+    choice.baseline = choice.rectification->baseline;
+    return;
+  }
+  const char* why = calibrated ? "has pairs of pictures of cameras that are not side by side, or whose sizes the "
+                                 "calibration does not say"
+                               : "has pairs of pictures without calibration of both cameras and their places";
+  if (options.sensor == "stereo") throw Error(why, source.path, "give '--calibration', or '--sensor mono'");
+  log_warning(fmt::format("{} {}: the left camera alone is used", source.path, why));
+  choice.sensor = LandmarkSensor::mono;
+}
+
 }  // namespace
+
+SE3 SensorChoice::camera_from_left() const {
+  return rectification ? SE3(rectification->left_from_rectified.inverse(), Eigen::Vector3d::Zero()) : SE3();
+}
 
 SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& source) {
   SensorChoice choice;
@@ -78,19 +109,41 @@ SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& sour
     throw Error("holds no depth images", source.path, "'--sensor mono' works with images alone");
   if (options.sensor == "stereo" && !source.has_right)
     throw Error("holds no pictures of a right camera", source.path, "'--sensor mono' works with one camera");
-  if (options.sensor == "stereo" && !is_rectified(source))
-    throw Error("has pairs that are not rectified to the same rows", source.path,
-                "rectify them first, or give '--sensor mono'");
   if (options.sensor == "rgbd" || (options.sensor == "auto" && source.has_depth)) {
     choice.sensor = LandmarkSensor::rgbd;
     choice.baseline = options.virtual_baseline_m;
-  } else if (options.sensor == "stereo" || (options.sensor == "auto" && source.has_right && is_rectified(source))) {
-    choice.sensor = LandmarkSensor::stereo;
-    choice.baseline = source.left_from_right->translation().x();
-  } else if (options.sensor == "auto" && source.has_right) {
-    log_warning("pairs are not rectified to the same rows: the left camera alone is used");
+  } else if (options.sensor == "stereo" || (options.sensor == "auto" && source.has_right)) {
+    choose_pair(options, source, choice);
   }
   return choice;
+}
+
+FrameRectifier::FrameRectifier(std::shared_ptr<const StereoRectification> rectification, TaskPool* pool)
+    : rectification_(std::move(rectification)), pool_(pool) {
+  constexpr int margin = 16;  // Corners at the edge of what is shown are none; the coarsest level sees this far.
+  shown_ = rectification_->left.warp_mask({}, margin);
+}
+
+Frame FrameRectifier::rectified(const Frame& frame) const {
+  const auto is_of_camera = [&](GreyView image) {
+    return image.width == rectification_->camera.width && image.height == rectification_->camera.height;
+  };
+  if (!is_of_camera(frame.image.view()) || !(frame.right.empty() || is_of_camera(frame.right.view())))
+    throw Error("has another size than the calibration says", fmt::format("frame {}", frame.index),
+                "give the calibration of these pictures");
+  Frame made;
+  made.index = frame.index;
+  made.stamp = frame.stamp;
+  made.name = frame.name;
+  made.image = rectification_->left.warp(frame.image.view(), pool_);
+  if (!frame.right.empty()) made.right = rectification_->right.warp(frame.right.view(), pool_);
+  made.mask = shown_;
+  if (frame.mask.empty()) return made;
+  const GreyImage mask = rectification_->left.warp_mask(frame.mask.view(), 0);
+  for (int y = 0; y < mask.height(); ++y)
+    std::transform(mask.row(y), mask.row(y) + mask.width(), made.mask.row(y), made.mask.row(y),
+                   [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); });
+  return made;
 }
 
 void check_map(const LandmarkMap& map, const SensorChoice& choice, bool extend) {

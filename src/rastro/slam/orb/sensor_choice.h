@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "rastro/base/task_pool.h"
+#include "rastro/camera/stereo_rectification.h"
 #include "rastro/feature/orb.h"
 #include "rastro/sensor/frame.h"
 #include "rastro/sensor/source.h"
@@ -17,6 +18,11 @@ struct SensorChoice {
   LandmarkSensor sensor = LandmarkSensor::mono;
   Camera camera;
   double baseline = 0.0;  ///< Metres; that of a made-up right camera where depth is seen.
+  /// Of a pair whose rows do not show the same; null: pictures are used as they are. Camera and baseline are those of
+  /// the rectified pair then.
+  std::shared_ptr<const StereoRectification> rectification;
+
+  SE3 camera_from_left() const;  ///< From what the recording has for its (left) camera; no turn where not rectified.
 };
 
 /// With what depends on the pictures, and on a map given (may be null), filled in. Error for options out of range.
@@ -27,6 +33,19 @@ SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& sour
 
 /// Error where a run cannot use the map: one camera finds its way in any, but goes on only with its own kind.
 void check_map(const LandmarkMap& map, const SensorChoice& choice, bool extend);
+
+/// Frames as a rectified pair has them.
+class FrameRectifier {
+ public:
+  FrameRectifier(std::shared_ptr<const StereoRectification> rectification, TaskPool* pool);
+  /// Pictures and mask are new, the rest as it is. A picture of another size than the calibration's: Error.
+  Frame rectified(const Frame& frame) const;
+
+ private:
+  std::shared_ptr<const StereoRectification> rectification_;
+  TaskPool* pool_;
+  GreyImage shown_;  ///< Mask of what the left picture shows.
+};
 
 /// Turns frames into features, with depth where it is seen.
 class FeatureMaker {
