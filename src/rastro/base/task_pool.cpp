@@ -10,7 +10,32 @@
 
 #include "rastro/base/error.h"
 
+#ifdef RASTRO_UNDER_TSAN
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace rastro {
+namespace {
+
+/// Debian's oneTBB is not compiled with ThreadSanitizer, which then does not see that a loop begins after what was
+/// before it and that what is after it begins last. Chunks are not ordered among each other.
+class LoopOrder {
+ public:
+#ifdef RASTRO_UNDER_TSAN
+  LoopOrder() { __tsan_release(&begin_); }
+  ~LoopOrder() { __tsan_acquire(&end_); }
+  void begin_chunk() { __tsan_acquire(&begin_); }
+  void end_chunk() { __tsan_release(&end_); }
+
+ private:
+  char begin_ = 0, end_ = 0;
+#else
+  void begin_chunk() {}
+  void end_chunk() {}
+#endif
+};
+
+}  // namespace
 
 struct TaskPool::Arena {
   Arena(int threads, TaskPriority priority)
@@ -42,7 +67,13 @@ void TaskPool::for_chunks(int begin, int end, int grain, const std::function<voi
     for (int chunk = 0; chunk < chunks; ++chunk) run(chunk);
     return;
   }
-  arena_->arena.execute([&] { oneapi::tbb::parallel_for(0, chunks, run, oneapi::tbb::simple_partitioner()); });
+  LoopOrder order;
+  const auto run_in_order = [&](int chunk) {
+    order.begin_chunk();
+    run(chunk);
+    order.end_chunk();
+  };
+  arena_->arena.execute([&] { oneapi::tbb::parallel_for(0, chunks, run_in_order, oneapi::tbb::simple_partitioner()); });
 }
 
 }  // namespace rastro

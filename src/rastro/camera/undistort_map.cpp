@@ -86,6 +86,24 @@ std::uint8_t sample(GreyView image, float x, float y) {
   return static_cast<std::uint8_t>(above + down * (below - above) + 0.5F);
 }
 
+/// Zero where a zero lies within `margin` rows and columns.
+void shrink(GreyImage& mask, int margin) {
+  const GreyImage before = mask;
+  const auto is_shown = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < before.width() && y < before.height() && before.at(x, y) != 0;
+  };
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      // Only what lies at an edge reaches farther than its neighbours do.
+      if (is_shown(x, y) || !(is_shown(x - 1, y) || is_shown(x + 1, y) || is_shown(x, y - 1) || is_shown(x, y + 1)))
+        continue;
+      const int left = std::max(0, x - margin), right = std::min(mask.width(), x + margin + 1);
+      for (int row = std::max(0, y - margin); row < std::min(mask.height(), y + margin + 1); ++row)
+        std::fill(mask.row(row) + left, mask.row(row) + right, std::uint8_t{0});
+    }
+  }
+}
+
 }  // namespace
 
 Camera undistorted_camera(const Camera& camera, double alpha) {
@@ -108,7 +126,7 @@ Camera undistorted_camera(const Camera& camera, double alpha) {
   return result;
 }
 
-UndistortMap undistort_map(const Camera& camera, const Camera& undistorted) {
+UndistortMap undistort_map(const Camera& camera, const Camera& undistorted, const SO3& camera_from_undistorted) {
   RASTRO_CHECK(undistorted.distortion == Distortion::none, "an undistorted camera is a pinhole");
   UndistortMap map{undistorted, Image<float>(undistorted.width, undistorted.height),
                    Image<float>(undistorted.width, undistorted.height)};
@@ -116,18 +134,36 @@ UndistortMap undistort_map(const Camera& camera, const Camera& undistorted) {
   for (int y = 0; y < undistorted.height; ++y)
     for (int x = 0; x < undistorted.width; ++x) {
       const Eigen::Vector2d ray((x - undistorted.cx) / undistorted.fx, (y - undistorted.cy) / undistorted.fy);
-      const auto pixel = camera.project(ray.homogeneous());
+      const auto pixel = camera.project(camera_from_undistorted * Eigen::Vector3d(ray.homogeneous()));
       map.x.at(x, y) = pixel ? static_cast<float>(pixel->x()) : nan;
       map.y.at(x, y) = pixel ? static_cast<float>(pixel->y()) : nan;
     }
   return map;
 }
 
-GreyImage remap(GreyView recorded, const UndistortMap& map) {
+GreyImage remap(GreyView recorded, const UndistortMap& map, TaskPool* pool) {
+  constexpr int rows_at_a_time = 16;
   GreyImage result(map.camera.width, map.camera.height);
-  for (int y = 0; y < result.height(); ++y)
-    for (int x = 0; x < result.width(); ++x) result.at(x, y) = sample(recorded, map.x.at(x, y), map.y.at(x, y));
+  const auto rows = [&](int begin, int end) {
+    for (int y = begin; y < end; ++y)
+      for (int x = 0; x < result.width(); ++x) result.at(x, y) = sample(recorded, map.x.at(x, y), map.y.at(x, y));
+  };
+  pool != nullptr ? pool->for_chunks(0, result.height(), rows_at_a_time, rows) : rows(0, result.height());
   return result;
+}
+
+GreyImage shown_by(const UndistortMap& map, int recorded_width, int recorded_height, int margin) {
+  GreyImage shown(map.camera.width, map.camera.height);
+  for (int y = 0; y < shown.height(); ++y) {
+    for (int x = 0; x < shown.width(); ++x) {
+      const float u = map.x.at(x, y), v = map.y.at(x, y);
+      const bool inside = u >= 0.0F && v >= 0.0F && u <= static_cast<float>(recorded_width - 1) &&
+                          v <= static_cast<float>(recorded_height - 1);
+      shown.at(x, y) = inside ? 255 : 0;
+    }
+  }
+  if (margin > 0) shrink(shown, margin);
+  return shown;
 }
 
 }  // namespace rastro

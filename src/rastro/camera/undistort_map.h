@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "rastro/base/task_pool.h"
 #include "rastro/camera/camera.h"
 #include "rastro/image/image.h"
+#include "rastro/math/so3.h"
 
 namespace rastro {
 
@@ -18,12 +20,18 @@ struct UndistortMap {
 /// more than about 80 degrees from the axis, does not count. `camera` must have a size and positive focal lengths.
 Camera undistorted_camera(const Camera& camera, double alpha);
 
-UndistortMap undistort_map(const Camera& camera, const Camera& undistorted);
+/// `camera_from_undistorted`: where the undistorted camera looks somewhere else, as that of a rectified pair.
+UndistortMap undistort_map(const Camera& camera, const Camera& undistorted, const SO3& camera_from_undistorted = {});
 inline UndistortMap undistort_map(const Camera& camera, double alpha) {
   return undistort_map(camera, undistorted_camera(camera, alpha));
 }
 
-/// The undistorted image, bilinear with rounding to nearest; 0 where the map points outside `recorded`.
-GreyImage remap(GreyView recorded, const UndistortMap& map);
+/// The undistorted image, bilinear with rounding to nearest; 0 where the map points outside `recorded`. The same bytes
+/// for any pool.
+GreyImage remap(GreyView recorded, const UndistortMap& map, TaskPool* pool = nullptr);
+
+/// Mask of the undistorted image for a recorded image of this size: 0 where it shows nothing, and in `margin` rows and
+/// columns around that; else 255.
+GreyImage shown_by(const UndistortMap& map, int recorded_width, int recorded_height, int margin);
 
 }  // namespace rastro

@@ -121,7 +121,8 @@ SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& sour
 FrameRectifier::FrameRectifier(std::shared_ptr<const StereoRectification> rectification, TaskPool* pool)
     : rectification_(std::move(rectification)), pool_(pool) {
   constexpr int margin = 16;  // Corners at the edge of what is shown are none; the coarsest level sees this far.
-  shown_ = rectification_->left.warp_mask({}, margin);
+  const Camera& camera = rectification_->camera;  // of the recorded size
+  shown_ = shown_by(rectification_->left, camera.width, camera.height, margin);
 }
 
 Frame FrameRectifier::rectified(const Frame& frame) const {
@@ -135,14 +136,15 @@ Frame FrameRectifier::rectified(const Frame& frame) const {
   made.index = frame.index;
   made.stamp = frame.stamp;
   made.name = frame.name;
-  made.image = rectification_->left.warp(frame.image.view(), pool_);
-  if (!frame.right.empty()) made.right = rectification_->right.warp(frame.right.view(), pool_);
+  made.image = remap(frame.image.view(), rectification_->left, pool_);
+  if (!frame.right.empty()) made.right = remap(frame.right.view(), rectification_->right, pool_);
   made.mask = shown_;
   if (frame.mask.empty()) return made;
-  const GreyImage mask = rectification_->left.warp_mask(frame.mask.view(), 0);
+  const GreyImage mask = remap(frame.mask.view(), rectification_->left, pool_);
+  constexpr std::uint8_t half = 128;  // A mask's edge is mixed.
   for (int y = 0; y < mask.height(); ++y)
     std::transform(mask.row(y), mask.row(y) + mask.width(), made.mask.row(y), made.mask.row(y),
-                   [](std::uint8_t a, std::uint8_t b) { return std::min(a, b); });
+                   [](std::uint8_t a, std::uint8_t b) { return a < half ? std::uint8_t{0} : b; });
   return made;
 }
 
