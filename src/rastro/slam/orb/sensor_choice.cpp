@@ -166,8 +166,13 @@ std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const
   data->stamp = frame.stamp;
   data->features = extractor_.extract(frame.image.view(), frame.mask.view(), pool_);
   if (sensor_.sensor == LandmarkSensor::rgbd) {
-    for (const Keypoint& keypoint : data->features.keypoints)
-      data->depths.push_back(depth_at(frame.depth, sensor_.camera, keypoint, depth_from_colour));
+    data->depths.resize(data->features.size());
+    const auto read = [&](int begin, int end) {
+      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+        data->depths[i] = depth_at(frame.depth, sensor_.camera, data->features.keypoints[i], depth_from_colour);
+    };
+    const auto count = static_cast<int>(data->features.size());
+    pool_ != nullptr ? pool_->for_chunks(0, count, 64, read) : read(0, count);
   }
   if (sensor_.sensor == LandmarkSensor::stereo) {
     data->right_x.assign(data->features.size(), -1.0F);
