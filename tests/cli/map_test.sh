@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Map files as a user meets them: map_test.sh PROGRAM SCRATCH_FOLDER CASE [--twenty]
-# CASE is make_room (first), files, landmarks, or kill: a run killed with -9 at three moments (twenty with --twenty) leaves a map that
-# opens and has all but the last second.
+# CASE is make_room (first), files, landmarks, kill or kill_landmarks: a run killed with -9 at three moments (twenty with --twenty) leaves a
+# map that opens and has all but the last second; a map of landmarks, which is written whole, all but the last two.
 set -euo pipefail
 rastro=$1
 scratch=$2
@@ -154,39 +154,42 @@ lines() { if [[ -f $1 ]]; then wc -l <"$1"; else echo 0; fi; }
 
 # Lets it run for a while, kills it, and checks what is left against what there was a second before.
 kill_one() {
-  local number=$1 run=$here/run$1 process before=0 tenth
+  local number=$1 run=$here/run$1 process before=0 tenth back=10
+  shift
+  [[ $2 == orb ]] && back=20
   local -a history=()
-  "$rastro" slam "$here/long" --method rgbd --out "$run" --quiet 2>"$here/stderr" &
+  "$rastro" slam "$here/long" "$@" --out "$run" --quiet 2>"$here/stderr" &
   process=$!
   while [[ $(lines "$run/trajectory_online.txt") -lt 8 ]]; do
     kill -0 $process 2>/dev/null || fail "the run ended before it could be killed: $(cat "$here/stderr")"
     read -r -t 0.05 <> <(:) || true
   done
-  for ((tenth = 0; tenth < 11 + RANDOM % 20; tenth++)); do
+  for ((tenth = 0; tenth < back + 1 + RANDOM % 20; tenth++)); do
     history+=("$(lines "$run/trajectory_online.txt")")
     read -r -t 0.1 <> <(:) || true
   done
   kill -9 $process
   wait $process 2>/dev/null || true
-  before=$((history[${#history[@]} - 10] - 2))
+  ((${#history[@]} >= back)) && before=$((history[${#history[@]} - back] - 2))
   run 0 info "$run" --json
   [[ $(value_of damage "$here/stdout") == '' ]] || fail "kill $number: $(cat "$here/stdout")"
   local kept
   kept=$(value_of poses "$here/stdout")
-  ((kept >= before)) || fail "kill $number: $kept poses are left, and a second before there were $before"
+  ((kept >= before)) || fail "kill $number: $kept poses are left, and $((back / 10)) s before there were $before"
   run 0 recover "$run" --out "$here/saved$number.rastro"
-  echo "kill $number: $kept poses, a second before $before"
+  echo "kill $number: $kept poses, $((back / 10)) s before $before"
 }
 
 kill_runs() {
   local number
   RANDOM=7
   long_room
-  for ((number = 1; number <= kills; number++)); do kill_one $number; done
+  for ((number = 1; number <= kills; number++)); do kill_one $number "$@"; done
 }
 
 case $case_name in
   make_room | files | landmarks) $case_name ;;
-  kill) kill_runs ;;
+  kill) kill_runs --method rgbd ;;
+  kill_landmarks) kill_runs --method orb --sensor rgbd ;;
   *) fail "no case '$case_name'" ;;
 esac

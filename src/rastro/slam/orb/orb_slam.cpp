@@ -81,6 +81,7 @@ SlamUpdate OrbSlam::State::process(const Frame& frame) {
   check_and_look(frame, update);
   last_pose_ = update.world_from_body;
   update.world_from_body = update.world_from_body * sensor_.camera_from_left();
+  if (exists_) keep_map();
   update.milliseconds = whole.lap_ms();
   return update;
 }
