@@ -73,6 +73,17 @@ bool usable(const Rectangle& r) {
   return r.right > r.left && r.bottom > r.top && std::isfinite(r.right - r.left) && std::isfinite(r.bottom - r.top);
 }
 
+/// Between four pixels that are all inside.
+inline std::uint8_t blend(GreyView image, float x, float y) {
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const float along = x - static_cast<float>(left), down = y - static_cast<float>(top);
+  const std::uint8_t *above_left = image.row(top) + left, *below_left = above_left + image.stride;
+  const float above = above_left[0] + along * (above_left[1] - above_left[0]);
+  const float below = below_left[0] + along * (below_left[1] - below_left[0]);
+  return static_cast<std::uint8_t>(above + down * (below - above) + 0.5F);
+}
+
+/// Also at the last row and column; black outside.
 std::uint8_t sample(GreyView image, float x, float y) {
   // Also false for NaN.
   if (!(x >= 0.0F && y >= 0.0F && x <= static_cast<float>(image.width - 1) &&
@@ -144,9 +155,17 @@ UndistortMap undistort_map(const Camera& camera, const Camera& undistorted, cons
 GreyImage remap(GreyView recorded, const UndistortMap& map, TaskPool* pool) {
   constexpr int rows_at_a_time = 16;
   GreyImage result(map.camera.width, map.camera.height);
+  const auto last_x = static_cast<float>(recorded.width - 1), last_y = static_cast<float>(recorded.height - 1);
   const auto rows = [&](int begin, int end) {
-    for (int y = begin; y < end; ++y)
-      for (int x = 0; x < result.width(); ++x) result.at(x, y) = sample(recorded, map.x.at(x, y), map.y.at(x, y));
+    for (int y = begin; y < end; ++y) {
+      const float *from_x = map.x.row(y), *from_y = map.y.row(y);
+      std::uint8_t* to = result.row(y);
+      for (int x = 0; x < result.width(); ++x) {
+        const float u = from_x[x], v = from_y[x];
+        const bool well_inside = u >= 0.0F && v >= 0.0F && u < last_x && v < last_y;
+        to[x] = well_inside ? blend(recorded, u, v) : sample(recorded, u, v);
+      }
+    }
   };
   pool != nullptr ? pool->for_chunks(0, result.height(), rows_at_a_time, rows) : rows(0, result.height());
   return result;
