@@ -19,7 +19,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int longest_px = 1200, shortest_px = 300, margin_px = 40, caption_px = 30;
+constexpr int longest_px = 1200, margin_px = 40, caption_px = 30;
+constexpr int least_width_px = 600, least_height_px = 300;  // The caption fits in.
 constexpr double strays = 0.02;  ///< Share of the landmarks on each side that may lie outside the sheet.
 constexpr PlotColour grey{190, 190, 190}, light_green{190, 230, 190}, green{60, 150, 60}, red{220, 40, 40},
     blue{40, 70, 220}, dark{30, 30, 30};
@@ -82,14 +83,15 @@ class Sheet {
     }
     if (!size.allFinite() || !(size.maxCoeff() > 0.0)) size = Vector2d::Ones();
     scale_ = (longest_px - 2 * margin_px) / size.maxCoeff();
-    const auto side = [&](int axis) {
-      return std::clamp(static_cast<int>(std::lround(size[axis] * scale_)) + 2 * margin_px, shortest_px, longest_px);
+    const auto side = [&](int axis, int least) {
+      return std::clamp(static_cast<int>(std::lround(size[axis] * scale_)) + 2 * margin_px, least, longest_px);
     };
-    width = side(0), height = side(1) + caption_px;
+    width = side(0, least_width_px), height = side(1, least_height_px) + caption_px;
+    left_ = 0.5 * (width - size.x() * scale_);
   }
 
   Vector2d pixel(const Vector2d& place) const {
-    return {margin_px + (place.x() - low_.x()) * scale_, height - margin_px - (place.y() - low_.y()) * scale_};
+    return {left_ + (place.x() - low_.x()) * scale_, height - margin_px - (place.y() - low_.y()) * scale_};
   }
   bool holds(const Vector2d& at) const {
     return at.x() >= 0.0 && at.y() >= caption_px && at.x() < width && at.y() < height;
@@ -100,6 +102,7 @@ class Sheet {
 
  private:
   Vector2d low_ = Vector2d::Zero();
+  double left_ = 0.0;  ///< Pixels, of the leftmost place.
   double scale_ = 1.0;
 };
 

@@ -38,7 +38,8 @@ void check_map(const LandmarkMap& map, const SensorChoice& choice, bool extend);
 class FrameRectifier {
  public:
   FrameRectifier(std::shared_ptr<const StereoRectification> rectification, TaskPool* pool);
-  /// Pictures and mask are new, the rest as it is. A picture of another size than the calibration's: Error.
+  /// Pictures and mask; besides them only number, stamp and name. A picture of another size than the calibration's:
+  /// Error.
   Frame rectified(const Frame& frame) const;
 
  private:
