@@ -38,11 +38,11 @@ class SiftExtractor final : public DescriptorExtractor {
       : sift_(cv::SIFT::create(options.max_keypoints, 3, options.sift_contrast)) {}
 
  private:
-  DescribedKeypoints extract_unsorted(GreyView image) override {
+  Features extract_unsorted(GreyView image) override {
     std::vector<cv::KeyPoint> found;
     cv::Mat descriptors;
     sift_->detectAndCompute(as_matrix(image), cv::noArray(), found, descriptors);
-    DescribedKeypoints result;
+    Features result;
     result.keypoints = keypoints_of(found);
     result.length = 128;
     for (int i = 0; i < descriptors.rows; ++i) {
@@ -61,15 +61,15 @@ class OrbExtractor final : public DescriptorExtractor {
                              options.orb_fast_threshold)) {}
 
  private:
-  DescribedKeypoints extract_unsorted(GreyView image) override {
+  Features extract_unsorted(GreyView image) override {
     std::vector<cv::KeyPoint> found;
     cv::Mat descriptors;
     orb_->detectAndCompute(as_matrix(image), cv::noArray(), found, descriptors);
-    DescribedKeypoints result;
+    Features result;
     result.keypoints = keypoints_of(found);
-    result.bits.resize(result.keypoints.size());
+    result.descriptors.resize(result.keypoints.size());
     for (int i = 0; i < descriptors.rows; ++i) {
-      std::memcpy(result.bits[static_cast<std::size_t>(i)].words.data(), descriptors.ptr(i), 32);
+      std::memcpy(result.descriptors[static_cast<std::size_t>(i)].words.data(), descriptors.ptr(i), 32);
     }
     return result;
   }
@@ -77,7 +77,7 @@ class OrbExtractor final : public DescriptorExtractor {
 };
 
 /// Strongest first, in an order that any two equal sets of keypoints have in common.
-DescribedKeypoints sorted(const DescribedKeypoints& features, std::size_t most) {
+Features sorted(const Features& features, std::size_t most) {
   std::vector<std::size_t> order(features.size());
   std::iota(order.begin(), order.end(), 0U);
   const auto key = [&](std::size_t i) {
@@ -86,14 +86,14 @@ DescribedKeypoints sorted(const DescribedKeypoints& features, std::size_t most) 
   };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
   order.resize(std::min(order.size(), most));
-  DescribedKeypoints result;
+  Features result;
   result.length = features.length;
   const auto length = static_cast<std::ptrdiff_t>(features.length);
   for (const std::size_t i : order) {
     result.keypoints.push_back(features.keypoints[i]);
     const auto begin = features.floats.begin() + static_cast<std::ptrdiff_t>(i) * length;
     if (length > 0) result.floats.insert(result.floats.end(), begin, begin + length);
-    if (length == 0) result.bits.push_back(features.bits[i]);
+    if (length == 0) result.descriptors.push_back(features.descriptors[i]);
   }
   return result;
 }
@@ -139,7 +139,7 @@ std::unique_ptr<DescriptorExtractor> DescriptorExtractor::create(DescriptorKind 
   return extractor;
 }
 
-DescribedKeypoints DescriptorExtractor::extract(GreyView image) {
+Features DescriptorExtractor::extract(GreyView image) {
   if (image.width < least_side || image.height < least_side) return {};
   return sorted(extract_unsorted(image), max_keypoints_);
 }

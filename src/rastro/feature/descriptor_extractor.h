@@ -5,29 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "rastro/feature/brief.h"
+#include "rastro/feature/features.h"
 #include "rastro/image/image.h"
 
 namespace rastro {
-
-struct Keypoint {
-  float x = 0.0F, y = 0.0F;  ///< Pixels.
-  float size_px = 0.0F;      ///< Diameter of what is described.
-  float angle_rad = 0.0F;    ///< Its direction, from x towards y.
-  float response = 0.0F;     ///< Strength; the unit is the extractor's own.
-};
-
-/// Keypoints with a descriptor each: either `length` floats compared by Euclidean distance, or 256 bits compared by
-/// Hamming distance (then length is 0).
-struct DescribedKeypoints {
-  std::vector<Keypoint> keypoints;
-  int length = 0;
-  std::vector<float> floats;     ///< keypoints.size() * length, one keypoint after the other.
-  std::vector<Descriptor> bits;  ///< One a keypoint, or none.
-
-  std::size_t size() const { return keypoints.size(); }
-  bool binary() const { return length == 0; }
-};
 
 enum class DescriptorKind {
   sift,  ///< Lowe 2004; 128 floats, by OpenCV.
@@ -53,10 +34,10 @@ class DescriptorExtractor {
   static std::unique_ptr<DescriptorExtractor> create(DescriptorKind kind, const DescriptorExtractorOptions& options);
   virtual ~DescriptorExtractor() = default;
   /// An image smaller than 64 pixels either way has no keypoints.
-  DescribedKeypoints extract(GreyView image);
+  Features extract(GreyView image);
 
  private:
-  virtual DescribedKeypoints extract_unsorted(GreyView image) = 0;
+  virtual Features extract_unsorted(GreyView image) = 0;
   std::size_t max_keypoints_ = 0;
 };
 

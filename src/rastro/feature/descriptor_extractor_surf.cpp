@@ -23,12 +23,12 @@ class SurfExtractor final : public DescriptorExtractor {
   explicit SurfExtractor(const DescriptorExtractorOptions& options) : options_(options) {}
 
  private:
-  DescribedKeypoints extract_unsorted(GreyView image) override {
+  Features extract_unsorted(GreyView image) override {
     pixels_.set_size(image.height, image.width);
     for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < image.width; ++x) pixels_[y][x] = image.at(x, y);
     }
-    DescribedKeypoints result;
+    Features result;
     result.length = 64;
     for (const dlib::surf_point& point :
          dlib::get_surf_points(pixels_, options_.max_keypoints, options_.surf_threshold)) {

@@ -94,12 +94,12 @@ TEST_P(DescriptorExtractorTest, GivesTheStrongestFirstAndTheSameAgain) {
   const GreyImage image = Blots(2).image(0, 0, 0);
   const auto first = extractor()->extract(image), second = extractor()->extract(image);
   EXPECT_EQ(first.floats, second.floats);
-  EXPECT_EQ(first.bits, second.bits);
+  EXPECT_EQ(first.descriptors, second.descriptors);
   for (std::size_t i = 1; i < first.size(); ++i) {
     EXPECT_GE(first.keypoints[i - 1].response, first.keypoints[i].response);
   }
   if (first.binary()) {
-    EXPECT_EQ(first.bits.size(), first.size());
+    EXPECT_EQ(first.descriptors.size(), first.size());
   } else {
     EXPECT_EQ(first.floats.size(), first.size() * static_cast<std::size_t>(first.length));
   }

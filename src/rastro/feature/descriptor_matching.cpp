@@ -69,7 +69,7 @@ struct NearestRows {
 
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-Eigen::Map<const RowMajor> matrix_of(const DescribedKeypoints& features) {
+Eigen::Map<const RowMajor> matrix_of(const Features& features) {
   return {features.floats.data(), static_cast<Eigen::Index>(features.size()), features.length};
 }
 
@@ -79,7 +79,7 @@ class FloatDistances {
   using Value = float;
   using Index = std::int32_t;
 
-  FloatDistances(const DescribedKeypoints& first, const DescribedKeypoints& second)
+  FloatDistances(const Features& first, const Features& second)
       : first_(matrix_of(first)),
         second_(matrix_of(second)),
         first_squares_(first_.rowwise().squaredNorm()),
@@ -109,8 +109,8 @@ class BitDistances {
   using Value = std::int16_t;
   using Index = std::int16_t;
 
-  BitDistances(const DescribedKeypoints& first, const DescribedKeypoints& second)
-      : first_(first.bits), second_(second.bits) {}
+  BitDistances(const Features& first, const Features& second)
+      : first_(first.descriptors), second_(second.descriptors) {}
 
   template <typename Sink>
   void for_rows(int begin, int end, Sink&& sink) const {
@@ -171,7 +171,7 @@ Search search(const Distances& distances, std::size_t first_size, std::size_t se
 }
 
 template <typename Distances>
-std::vector<DescriptorMatch> matches(const DescribedKeypoints& first, const DescribedKeypoints& second,
+std::vector<DescriptorMatch> matches(const Features& first, const Features& second,
                                      const DescriptorMatchOptions& options, TaskPool* pool) {
   const Search found = search(Distances(first, second), first.size(), second.size(), options.mutual, pool);
   std::vector<DescriptorMatch> result;
@@ -190,7 +190,7 @@ std::vector<DescriptorMatch> matches(const DescribedKeypoints& first, const Desc
 
 }  // namespace
 
-std::vector<DescriptorMatch> match_descriptors(const DescribedKeypoints& first, const DescribedKeypoints& second,
+std::vector<DescriptorMatch> match_descriptors(const Features& first, const Features& second,
                                                const DescriptorMatchOptions& options, TaskPool* pool) {
   if (first.size() == 0 || second.size() == 0) return {};
   if (first.length != second.length) {

@@ -24,7 +24,7 @@ struct DescriptorMatch {
 /// Matches of `first` to `second` by comparing all with all, in the order of `first`; of equal distances the smaller
 /// index wins. A keypoint of `second` may be matched twice only without the mutual test. Descriptors must be of one
 /// kind, else Error. The result does not depend on the pool.
-std::vector<DescriptorMatch> match_descriptors(const DescribedKeypoints& first, const DescribedKeypoints& second,
+std::vector<DescriptorMatch> match_descriptors(const Features& first, const Features& second,
                                                const DescriptorMatchOptions& options, TaskPool* pool = nullptr);
 
 }  // namespace rastro

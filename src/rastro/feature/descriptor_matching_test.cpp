@@ -12,24 +12,24 @@
 namespace rastro {
 namespace {
 
-DescribedKeypoints random_floats(Random& random, int count) {
-  DescribedKeypoints features;
+Features random_floats(Random& random, int count) {
+  Features features;
   features.length = 8;
   features.keypoints.resize(static_cast<std::size_t>(count));
   for (int i = 0; i < count * 8; ++i) features.floats.push_back(static_cast<float>(random.uniform(-1, 1)));
   return features;
 }
 
-DescribedKeypoints random_bits(Random& random, int count) {
-  DescribedKeypoints features;
+Features random_bits(Random& random, int count) {
+  Features features;
   features.keypoints.resize(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
-    features.bits.push_back({{random.next(), random.next(), random.next(), random.next()}});
+    features.descriptors.push_back({{random.next(), random.next(), random.next(), random.next()}});
   return features;
 }
 
-float distance_of(const DescribedKeypoints& a, std::size_t i, const DescribedKeypoints& b, std::size_t k) {
-  if (a.binary()) return static_cast<float>(hamming_distance(a.bits[i], b.bits[k]));
+float distance_of(const Features& a, std::size_t i, const Features& b, std::size_t k) {
+  if (a.binary()) return static_cast<float>(hamming_distance(a.descriptors[i], b.descriptors[k]));
   double sum = 0.0;
   for (std::size_t d = 0; d < 8; ++d) {
     const auto difference = static_cast<double>(a.floats[8 * i + d]) - static_cast<double>(b.floats[8 * k + d]);
@@ -39,9 +39,9 @@ float distance_of(const DescribedKeypoints& a, std::size_t i, const DescribedKey
 }
 
 /// By definition, one pair after the other.
-std::vector<DescriptorMatch> slow_matches(const DescribedKeypoints& a, const DescribedKeypoints& b,
+std::vector<DescriptorMatch> slow_matches(const Features& a, const Features& b,
                                           const DescriptorMatchOptions& options) {
-  const auto nearest = [](const DescribedKeypoints& from, std::size_t i, const DescribedKeypoints& to) {
+  const auto nearest = [](const Features& from, std::size_t i, const Features& to) {
     std::vector<std::pair<float, std::size_t>> all;
     for (std::size_t k = 0; k < to.size(); ++k) all.emplace_back(distance_of(from, i, to, k), k);
     std::sort(all.begin(), all.end());
@@ -93,11 +93,11 @@ TEST(MatchDescriptors, DoesNotDependOnThePool) {
 }
 
 TEST(MatchDescriptors, OfEqualDistancesTheSmallerIndexWins) {
-  DescribedKeypoints a, b;
+  Features a, b;
   a.keypoints.resize(2);
-  a.bits.resize(2);
+  a.descriptors.resize(2);
   b.keypoints.resize(3);
-  b.bits.resize(3);
+  b.descriptors.resize(3);
   const auto matches = match_descriptors(a, b, {.max_ratio = 1.0});
   ASSERT_EQ(matches.size(), 1U);
   EXPECT_EQ(matches[0].first, 0U);
@@ -106,11 +106,11 @@ TEST(MatchDescriptors, OfEqualDistancesTheSmallerIndexWins) {
 }
 
 TEST(MatchDescriptors, NearMeansWithinTheLargestDistance) {
-  DescribedKeypoints a, b;
+  Features a, b;
   a.keypoints.resize(1);
   b.keypoints.resize(1);
-  a.bits.push_back({{0, 0, 0, 0}});
-  b.bits.push_back({{0xFF, 0, 0, 0}});
+  a.descriptors.push_back({{0, 0, 0, 0}});
+  b.descriptors.push_back({{0xFF, 0, 0, 0}});
   EXPECT_EQ(match_descriptors(a, b, {.max_distance = 8.0}).size(), 1U);
   EXPECT_TRUE(match_descriptors(a, b, {.max_distance = 7.0}).empty());
 }

@@ -61,7 +61,7 @@ class OrbExtractor::State {
  public:
   explicit State(const OrbOptions& options) : options_(options), scales_(orb_level_scales(options)) { check(options); }
 
-  OrbFeatures extract(GreyView image, GreyView mask, TaskPool* pool) {
+  Features extract(GreyView image, GreyView mask, TaskPool* pool) {
     RASTRO_CHECK(mask.empty() || (mask.width == image.width && mask.height == image.height), "a mask of the same size");
     if (image.width != width_ || image.height != height_) plan(image.width, image.height);
     if (used_ == 0) return {};
@@ -169,8 +169,8 @@ class OrbExtractor::State {
     for (std::size_t level = 0; level < used_; ++level) levels_[level].corners = cells[level]->take(quotas[level]);
   }
 
-  OrbFeatures describe(TaskPool* pool) {
-    OrbFeatures features;
+  Features describe(TaskPool* pool) {
+    Features features;
     std::vector<FastCorner> corners;
     for (std::size_t level = 0; level < used_; ++level) {
       corners.insert(corners.end(), levels_[level].corners.begin(), levels_[level].corners.end());
@@ -208,7 +208,7 @@ class OrbExtractor::State {
 OrbExtractor::OrbExtractor(const OrbOptions& options) : state_(std::make_unique<State>(options)) {}
 OrbExtractor::~OrbExtractor() = default;
 
-OrbFeatures OrbExtractor::extract(GreyView image, GreyView mask, TaskPool* pool) {
+Features OrbExtractor::extract(GreyView image, GreyView mask, TaskPool* pool) {
   return state_->extract(image, mask, pool);
 }
 

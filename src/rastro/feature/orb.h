@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "rastro/base/task_pool.h"
-#include "rastro/feature/descriptor_extractor.h"
+#include "rastro/feature/features.h"
 #include "rastro/image/image.h"
 
 namespace rastro {
@@ -18,16 +18,6 @@ struct OrbOptions {
   int fast_threshold = 20;       ///< Grey levels of the corner test...
   int least_fast_threshold = 7;  ///< ... and where a cell has no corner by that.
   bool operator==(const OrbOptions&) const = default;
-};
-
-/// Features with what is needed to compare them and to say how sure they are: strongest levels first is not promised,
-/// but the order depends on nothing but image and options.
-struct OrbFeatures {
-  std::vector<Keypoint> keypoints;   ///< Pixels of the full image; size_px is that of the patch described.
-  std::vector<std::uint8_t> levels;  ///< Of the pyramid, one a keypoint.
-  std::vector<Descriptor> descriptors;
-
-  std::size_t size() const { return keypoints.size(); }
 };
 
 /// Side of a pixel of a level in pixels of the image: scale_factor^level.
@@ -42,7 +32,8 @@ class OrbExtractor {
   ~OrbExtractor();
   /// Nothing where `mask` (empty or of the image's size) is zero. An image too small for a level has none there. The
   /// result depends neither on the pool nor on the processor.
-  OrbFeatures extract(GreyView image, GreyView mask = {}, TaskPool* pool = nullptr);
+  /// Every keypoint has its level; their order depends on nothing but image and options.
+  Features extract(GreyView image, GreyView mask = {}, TaskPool* pool = nullptr);
 
  private:
   class State;

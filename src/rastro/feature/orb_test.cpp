@@ -56,7 +56,7 @@ cv::Mat as_mat(GreyView image) {
           static_cast<std::size_t>(image.stride)};
 }
 
-bool same(const OrbFeatures& a, const OrbFeatures& b) {
+bool same(const Features& a, const Features& b) {
   const auto equal = [](const Keypoint& p, const Keypoint& q) {
     return p.x == q.x && p.y == q.y && p.size_px == q.size_px && p.angle_rad == q.angle_rad && p.response == q.response;
   };
@@ -131,7 +131,7 @@ TEST(Orb, IsTheSameByAnyCodeAndPool) {
   TaskPool pool(3);
   for (const auto& [width, height] : {std::pair(320, 240), std::pair(333, 217)}) {
     const GreyImage image = blocks(width, height, 4);
-    const OrbFeatures features = OrbExtractor({}).extract(image.view());
+    const Features features = OrbExtractor({}).extract(image.view());
     ASSERT_GT(features.size(), 500U);
     EXPECT_TRUE(
         same(features, rastro::testing::with_plain_code([&] { return OrbExtractor({}).extract(image.view()); })));
@@ -155,11 +155,11 @@ struct MatchFigures {
 };
 
 /// Mutual nearest neighbours with a ratio test, against where they must be.
-MatchFigures match(const OrbFeatures& first, const OrbFeatures& second, const cv::Mat& second_from_first) {
-  const auto described = [](const OrbFeatures& features) {
-    DescribedKeypoints result;
+MatchFigures match(const Features& first, const Features& second, const cv::Mat& second_from_first) {
+  const auto described = [](const Features& features) {
+    Features result;
     result.keypoints = features.keypoints;
-    result.bits = features.descriptors;
+    result.descriptors = features.descriptors;
     return result;
   };
   MatchFigures figures;
@@ -181,7 +181,7 @@ MatchFigures match(const OrbFeatures& first, const OrbFeatures& second, const cv
 
 TEST(Orb, IsFoundAgainTurnedAndMagnified) {
   const GreyImage image = blocks(420, 320, 7, 1.0);
-  const OrbFeatures features = OrbExtractor({}).extract(image.view());
+  const Features features = OrbExtractor({}).extract(image.view());
   for (const auto& [degrees, scale] :
        {std::pair(3.0, 1.0), std::pair(40.0, 1.0), std::pair(171.0, 0.8), std::pair(-75.0, 1.3)}) {
     const cv::Mat to_moved = cv::getRotationMatrix2D({209.5F, 159.5F}, degrees, scale);
@@ -209,8 +209,8 @@ TEST(Orb, DirectionTurnsWithThePicture) {
   OrbOptions options;
   options.levels = 1;
   options.features = 100000;
-  const OrbFeatures before = OrbExtractor(options).extract(image.view());
-  const OrbFeatures after = OrbExtractor(options).extract(quarter.view());
+  const Features before = OrbExtractor(options).extract(image.view());
+  const Features after = OrbExtractor(options).extract(quarter.view());
   int found = 0, turned = 0;
   for (std::size_t i = 0; i < before.size(); ++i) {
     for (std::size_t j = 0; j < after.size(); ++j) {
@@ -235,7 +235,7 @@ TEST(Orb, SpreadsOverThePicture) {
     for (int x = 200; x < 400; ++x) image.at(x, y) = static_cast<std::uint8_t>(100 + image.at(x, y) / 4);
   OrbOptions options;
   options.features = 500;
-  const OrbFeatures features = OrbExtractor(options).extract(image.view());
+  const Features features = OrbExtractor(options).extract(image.view());
   const auto right = std::count_if(features.keypoints.begin(), features.keypoints.end(),
                                    [](const Keypoint& keypoint) { return keypoint.x > 200.0F; });
   EXPECT_EQ(features.size(), 500U);
@@ -249,7 +249,7 @@ TEST(Orb, LeavesOutWhatIsMasked) {
   const GreyImage image = blocks(300, 200, 11);
   GreyImage mask(300, 200);
   for (int y = 0; y < 200; ++y) std::fill_n(mask.row(y) + 120, 180, std::uint8_t{255});
-  const OrbFeatures features = OrbExtractor({}).extract(image.view(), mask.view());
+  const Features features = OrbExtractor({}).extract(image.view(), mask.view());
   ASSERT_GT(features.size(), 100U);
   for (std::size_t i = 0; i < features.size(); ++i)
     EXPECT_GT(features.keypoints[i].x, 119.0 - std::pow(1.2, features.levels[i]));
@@ -260,7 +260,7 @@ TEST(Orb, TakesWhatThereIs) {
   EXPECT_EQ(extractor.extract(GreyImage(200, 150).view()).size(), 0U);
   EXPECT_EQ(extractor.extract(blocks(20, 300, 12).view()).size(), 0U);
   EXPECT_EQ(extractor.extract({}).size(), 0U);
-  const OrbFeatures few = extractor.extract(blocks(60, 60, 13).view());
+  const Features few = extractor.extract(blocks(60, 60, 13).view());
   EXPECT_LT(few.levels.empty() ? 0 : *std::max_element(few.levels.begin(), few.levels.end()), 3);
 }
 

@@ -10,7 +10,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/map/cloud/voxel_table.h"
-#include "rastro/map/keyframe/map_views.h"
+#include "rastro/map/images/map_views.h"
 
 namespace rastro {
 namespace {
@@ -50,7 +50,7 @@ void sort_samples(const std::vector<SurfaceSample>& samples, const SE3& world_fr
   }
 }
 
-VoxelTable gather(const RgbdMap& map, const CloudOptions& options, TaskPool* pool, const MapProgress& progress) {
+VoxelTable gather(const Map& map, const CloudOptions& options, TaskPool* pool, const MapProgress& progress) {
   VoxelTable table(options.voxel_m);
   SurfaceOptions surface = detail::surface_options(map, options.stride, options.min_depth_m, options.max_depth_m);
   surface.grazing_deg = options.grazing_deg;
@@ -58,7 +58,7 @@ VoxelTable gather(const RgbdMap& map, const CloudOptions& options, TaskPool* poo
   detail::MapViews views(map, detail::keyframes_of(map, options.submap), pool);
   views.walk(
       [&](std::size_t slot, std::size_t keyframe, const UnpackedPictures& pictures, const RayTable& rays) {
-        sort_samples(surface_samples(pictures, rays, surface), map.poses[keyframe].world_from_camera, table,
+        sort_samples(surface_samples(pictures, rays, surface), map.keyframes[keyframe].world_from_camera, table,
                      group[slot]);
       },
       [&](std::size_t first, std::size_t count) {
@@ -182,7 +182,7 @@ class Thinning {
 
 }  // namespace
 
-PointCloud build_cloud(const RgbdMap& map, const CloudOptions& options, TaskPool* pool, const MapProgress& progress) {
+PointCloud build_cloud(const Map& map, const CloudOptions& options, TaskPool* pool, const MapProgress& progress) {
   RASTRO_CHECK(options.voxel_m > 0.0, "voxels have a size");
   std::optional<VoxelTable> table = gather(map, options, pool, progress);
   std::array<std::vector<KeyedPoint>, VoxelTable::shard_count> parts;

@@ -6,7 +6,7 @@
 
 #include "rastro/base/task_pool.h"
 #include "rastro/map/cloud/point_cloud.h"
-#include "rastro/map/keyframe/rgbd_map.h"
+#include "rastro/map/graph/map.h"
 
 namespace rastro {
 
@@ -31,7 +31,7 @@ using MapProgress = std::function<void(std::size_t done, std::size_t all)>;
 /// points whose measurements contradict each other are left out. The sigma of a point counts the measurements of one
 /// keyframe in a voxel as one, since their noise is not independent, and grows where they scatter more than the noise
 /// model says. The same bytes for any pool. Error where pictures cannot be read.
-PointCloud build_cloud(const RgbdMap& map, const CloudOptions& options, TaskPool* pool = nullptr,
+PointCloud build_cloud(const Map& map, const CloudOptions& options, TaskPool* pool = nullptr,
                        const MapProgress& progress = {});
 
 }  // namespace rastro

@@ -11,9 +11,9 @@
 #include "rastro/base/random.h"
 #include "rastro/map/cloud/upright.h"
 #include "rastro/map/cloud/voxel_table.h"
-#include "rastro/map/keyframe/depth_surface.h"
+#include "rastro/map/images/depth_surface.h"
 #include "rastro/map/keyframe/feature_points.h"
-#include "rastro/map/rgbd_map_testing.h"
+#include "rastro/map/images/room_map_testing.h"
 
 namespace rastro {
 namespace {
@@ -47,11 +47,11 @@ Nearest nearest_face(const Vector3d& point) {
 }
 
 /// The test map with the noise of its depth camera.
-RgbdMap noisy_map(int keyframes) {
-  RgbdMap map = make_test_map(keyframes);
+Map noisy_map(int keyframes) {
+  Map map = make_test_map(keyframes);
   auto pictures = std::make_shared<MemoryPictures>();
   for (int k = 0; k < keyframes; ++k) {
-    Frame frame = test_room::frame_from(map.poses[static_cast<std::size_t>(k)].world_from_camera);
+    Frame frame = test_room::frame_from(map.keyframes[static_cast<std::size_t>(k)].world_from_camera);
     Random random(static_cast<std::uint64_t>(k) + 5);
     for (int y = 0; y < frame.depth.height(); ++y) {
       for (int x = 0; x < frame.depth.width(); ++x) {
@@ -73,7 +73,7 @@ CloudOptions dense() {
 }
 
 TEST(BuildCloud, LiesOnTheSurfacesOfARoomSeenExactly) {
-  const RgbdMap map = make_test_map(3);
+  const Map map = make_test_map(3);
   const PointCloud cloud = build_cloud(map, dense());
   ASSERT_GT(cloud.points.size(), 5000U);
   std::size_t box = 0;
@@ -126,7 +126,7 @@ TEST(BuildCloud, NoisySurfacesStayThinWithNormalsAndSigmasThatHold) {
 }
 
 TEST(BuildCloud, CountsEveryMeasurementOnceWhereNothingIsLeftOut) {
-  const RgbdMap map = make_test_map(1);
+  const Map map = make_test_map(1);
   CloudOptions options = dense();
   options.voxel_m = 0.3;
   options.min_count = 1;
@@ -151,7 +151,7 @@ std::string bytes_of(const PointCloud& cloud) {
 }
 
 TEST(BuildCloud, GivesTheSameBytesForAnyPool) {
-  const RgbdMap map = make_test_map(9);
+  const Map map = make_test_map(9);
   const std::string alone = bytes_of(build_cloud(map, CloudOptions()));
   for (const int threads : {1, 2, 8}) {
     TaskPool pool(threads);
@@ -160,7 +160,7 @@ TEST(BuildCloud, GivesTheSameBytesForAnyPool) {
 }
 
 TEST(BuildCloud, CoarsensRatherThanGrowBeyondItsLimit) {
-  const RgbdMap map = make_test_map(2);
+  const Map map = make_test_map(2);
   CloudOptions options = dense();
   options.max_voxels = 3000;
   const PointCloud cloud = build_cloud(map, options);
@@ -171,8 +171,8 @@ TEST(BuildCloud, CoarsensRatherThanGrowBeyondItsLimit) {
 }
 
 TEST(BuildCloud, TakesOnlyTheSubmapAskedForAndNothingFromAnEmptyMap) {
-  RgbdMap map = make_test_map(2);
-  map.poses[1].submap = 1;
+  Map map = make_test_map(2);
+  map.keyframes[1].submap = 1;
   CloudOptions options;
   options.submap = 2;
   EXPECT_TRUE(build_cloud(map, options).points.empty());
@@ -180,11 +180,11 @@ TEST(BuildCloud, TakesOnlyTheSubmapAskedForAndNothingFromAnEmptyMap) {
   const std::size_t one = build_cloud(map, options).points.size();
   options.submap = -1;
   EXPECT_GT(build_cloud(map, options).points.size(), one);
-  EXPECT_TRUE(build_cloud(RgbdMap(), CloudOptions()).points.empty());
+  EXPECT_TRUE(build_cloud(Map(), CloudOptions()).points.empty());
 }
 
 TEST(BuildCloud, RefusesDamagedPicturesInOneLine) {
-  RgbdMap map = make_test_map(1);
+  Map map = make_test_map(1);
   auto pictures = std::make_shared<MemoryPictures>();
   pictures->add(0, {{1, 2, 3}, {4, 5}});
   map.pictures = pictures;
@@ -213,7 +213,7 @@ TEST(SurfaceSamples, LeaveOutEdgesOfDepthAndGrazingSurfaces) {
 }
 
 TEST(Upright, FindsTheFloorOfARoomWhereverItsWorldPoints) {
-  RgbdMap map = make_test_map(6);
+  Map map = make_test_map(6);
   const SE3 turn(SO3::exp({0.7, -1.1, 0.4}), {3.0, -2.0, 1.0});
   Trajectory cameras;
   for (KeyframePose& pose : map.poses) {
@@ -233,7 +233,7 @@ TEST(Upright, FindsTheFloorOfARoomWhereverItsWorldPoints) {
 }
 
 TEST(FeaturePoints, JoinWhatKeyframesShowOfOnePlace) {
-  const RgbdMap map = make_test_map(4);
+  const Map map = make_test_map(4);
   const std::vector<FeaturePoint> points = feature_points(map);
   ASSERT_GT(points.size(), 20U);
   for (const FeaturePoint& point : points) {

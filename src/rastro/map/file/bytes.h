@@ -72,6 +72,7 @@ class ByteReader {
     if (!sound) refuse_damaged(where_);
   }
   void finish() const { check(bytes_.empty()); }
+  std::size_t left() const { return bytes_.size(); }
 
  private:
   std::string_view bytes_;

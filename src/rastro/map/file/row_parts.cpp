@@ -39,16 +39,24 @@ SO3 get_rotation(ByteReader& bytes) {
   return SO3(q);
 }
 
+void put(ByteWriter& bytes, const Eigen::Vector3d& vector) {
+  for (int i = 0; i < 3; ++i) bytes.put(vector[i]);
+}
+
+Eigen::Vector3d get_vector(ByteReader& bytes) {
+  Eigen::Vector3d vector;
+  for (double& value : vector) value = bytes.get<double>();
+  return vector;
+}
+
 void put(ByteWriter& bytes, const SE3& pose) {
   put(bytes, pose.rotation());
-  for (int i = 0; i < 3; ++i) bytes.put(pose.translation()[i]);
+  put(bytes, pose.translation());
 }
 
 SE3 get_pose(ByteReader& bytes) {
   const SO3 rotation = get_rotation(bytes);
-  Eigen::Vector3d translation;
-  for (double& value : translation) value = bytes.get<double>();
-  return {rotation, translation};
+  return {rotation, get_vector(bytes)};
 }
 
 void put(ByteWriter& bytes, const Camera& camera) {

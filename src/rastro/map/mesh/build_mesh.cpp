@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "rastro/base/error.h"
-#include "rastro/map/keyframe/map_views.h"
+#include "rastro/map/images/map_views.h"
 #include "rastro/map/mesh/distance_volume.h"
 
 namespace rastro {
@@ -199,7 +199,7 @@ void drop_loose_vertices(TriangleMesh& mesh) {
 
 }  // namespace
 
-TriangleMesh build_mesh(const RgbdMap& map, const MeshOptions& options, TaskPool* pool, const MapProgress& progress) {
+TriangleMesh build_mesh(const Map& map, const MeshOptions& options, TaskPool* pool, const MapProgress& progress) {
   RASTRO_CHECK(options.voxel_m > 0.0, "voxels have a size");
   DistanceVolume volume(options);
   const SurfaceOptions surface = detail::surface_options(map, 1, options.min_depth_m, options.max_depth_m);
@@ -213,7 +213,7 @@ TriangleMesh build_mesh(const RgbdMap& map, const MeshOptions& options, TaskPool
       },
       [&](std::size_t first, std::size_t count) {
         for (std::size_t slot = 0; slot < count; ++slot) {
-          const SE3& pose = map.poses[views.keyframes()[first + slot]].world_from_camera;
+          const SE3& pose = map.keyframes[views.keyframes()[first + slot]].world_from_camera;
           volume.add(group[slot], map.camera, width, height, pose, pool);
         }
       },

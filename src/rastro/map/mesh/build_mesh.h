@@ -5,7 +5,7 @@
 
 #include "rastro/base/task_pool.h"
 #include "rastro/map/cloud/build_cloud.h"
-#include "rastro/map/keyframe/rgbd_map.h"
+#include "rastro/map/graph/map.h"
 #include "rastro/map/mesh/triangle_mesh.h"
 
 namespace rastro {
@@ -24,7 +24,7 @@ struct MeshOptions {
 /// 1 / sigma(z)^2 (Curless and Levoy 1996, "A volumetric method for building complex models from range images"), in
 /// blocks near surfaces only (Niessner et al. 2013), and their zero as a surface net (Gibson 1998). The same bytes for
 /// any pool. Error where pictures cannot be read.
-TriangleMesh build_mesh(const RgbdMap& map, const MeshOptions& options, TaskPool* pool = nullptr,
+TriangleMesh build_mesh(const Map& map, const MeshOptions& options, TaskPool* pool = nullptr,
                         const MapProgress& progress = {});
 
 }  // namespace rastro

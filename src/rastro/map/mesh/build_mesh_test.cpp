@@ -8,7 +8,7 @@
 #include <map>
 
 #include "rastro/base/error.h"
-#include "rastro/map/rgbd_map_testing.h"
+#include "rastro/map/images/room_map_testing.h"
 
 namespace rastro {
 namespace {
@@ -44,9 +44,9 @@ TEST(BuildMesh, IsASurfaceWhereTheRoomHasOne) {
 }
 
 TEST(BuildMesh, TurnsEveryTriangleToTheCamerasAndNeighboursShareEdges) {
-  const RgbdMap map = make_test_map(4);
+  const Map map = make_test_map(4);
   const TriangleMesh mesh = build_mesh(map, coarse());
-  const Vector3d camera = map.poses[1].world_from_camera.translation();
+  const Vector3d camera = map.keyframes[1].world_from_camera.translation();
   std::size_t towards = 0;
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   for (const auto& triangle : mesh.triangles) {
@@ -66,7 +66,7 @@ TEST(BuildMesh, TurnsEveryTriangleToTheCamerasAndNeighboursShareEdges) {
 }
 
 TEST(BuildMesh, GivesTheSameMeshForAnyPoolAndAsksForLargerVoxels) {
-  const RgbdMap map = make_test_map(2);
+  const Map map = make_test_map(2);
   const TriangleMesh alone = build_mesh(map, coarse());
   for (const int threads : {2, 8}) {
     TaskPool pool(threads);
@@ -79,7 +79,7 @@ TEST(BuildMesh, GivesTheSameMeshForAnyPoolAndAsksForLargerVoxels) {
   MeshOptions few = coarse();
   few.max_blocks = 10;
   EXPECT_THROW(build_mesh(map, few), Error);
-  EXPECT_TRUE(build_mesh(RgbdMap(), coarse()).triangles.empty());
+  EXPECT_TRUE(build_mesh(Map(), coarse()).triangles.empty());
 }
 
 }  // namespace

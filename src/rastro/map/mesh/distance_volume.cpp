@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "rastro/base/error.h"
-#include "rastro/map/keyframe/map_views.h"
+#include "rastro/map/images/map_views.h"
 
 namespace rastro::detail {
 namespace {

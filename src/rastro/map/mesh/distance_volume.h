@@ -11,7 +11,7 @@
 
 #include "rastro/base/task_pool.h"
 #include "rastro/camera/camera.h"
-#include "rastro/map/keyframe/depth_surface.h"
+#include "rastro/map/images/depth_surface.h"
 #include "rastro/map/mesh/build_mesh.h"
 #include "rastro/math/se3.h"
 

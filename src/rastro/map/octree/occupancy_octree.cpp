@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "rastro/base/error.h"
-#include "rastro/map/keyframe/map_views.h"
+#include "rastro/map/images/map_views.h"
 #include "rastro/map/octree/ray_cells.h"
 
 namespace rastro {
@@ -116,7 +116,7 @@ std::string OccupancyOctree::bt_bytes() const {
   return stream.str();
 }
 
-OccupancyOctree build_octree(const RgbdMap& map, const OctreeOptions& options, TaskPool* pool,
+OccupancyOctree build_octree(const Map& map, const OctreeOptions& options, TaskPool* pool,
                              const MapProgress& progress) {
   RASTRO_CHECK(options.resolution_m > 0.0, "cubes have a size");
   auto tree = std::make_unique<octomap::OcTree>(options.resolution_m);
@@ -130,7 +130,7 @@ OccupancyOctree build_octree(const RgbdMap& map, const OctreeOptions& options, T
   views.walk(
       [&](std::size_t slot, std::size_t keyframe, const UnpackedPictures& pictures, const RayTable& rays) {
         group[slot] =
-            cells_of(surface_samples(pictures, rays, surface), map.poses[keyframe].world_from_camera, options);
+            cells_of(surface_samples(pictures, rays, surface), map.keyframes[keyframe].world_from_camera, options);
       },
       [&](std::size_t, std::size_t count) {
         for (std::size_t slot = 0; slot < count; ++slot) update(*tree, group[slot]);

@@ -9,7 +9,7 @@
 
 #include "rastro/base/task_pool.h"
 #include "rastro/map/cloud/build_cloud.h"
-#include "rastro/map/keyframe/rgbd_map.h"
+#include "rastro/map/graph/map.h"
 
 namespace rastro {
 
@@ -52,7 +52,7 @@ class OccupancyOctree {
 
 /// Every depth picture says once of each cube whether a ray ends in it (it is hit) or only passes (it is free).
 /// Keyframes count in order; the same bytes for any pool. Error where pictures cannot be read.
-OccupancyOctree build_octree(const RgbdMap& map, const OctreeOptions& options, TaskPool* pool = nullptr,
+OccupancyOctree build_octree(const Map& map, const OctreeOptions& options, TaskPool* pool = nullptr,
                              const MapProgress& progress = {});
 
 }  // namespace rastro

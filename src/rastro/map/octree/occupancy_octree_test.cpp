@@ -10,7 +10,7 @@
 
 #include "rastro/map/grid/slice.h"
 #include "rastro/map/octree/ray_cells.h"
-#include "rastro/map/rgbd_map_testing.h"
+#include "rastro/map/images/room_map_testing.h"
 
 namespace rastro {
 namespace {
@@ -71,7 +71,7 @@ TEST(OccupancyOctree, IsReadByOctoMapFromBothFormats) {
 }
 
 TEST(OccupancyOctree, GivesTheSameBytesForAnyPool) {
-  const RgbdMap map = make_test_map(9);
+  const Map map = make_test_map(9);
   const OctreeOptions coarse{.resolution_m = 0.1};
   const std::string alone = build_octree(map, coarse).ot_bytes();
   for (const int threads : {1, 2, 8}) {

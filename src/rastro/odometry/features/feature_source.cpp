@@ -58,7 +58,7 @@ class MatchedFeatures : public FeatureSource {
   }
 
   RaySightings next(const Frame& frame) override {
-    DescribedKeypoints current = extractor_->extract(frame.image.view());
+    Features current = extractor_->extract(frame.image.view());
     std::vector<std::int64_t> ids(current.size(), -1);
     if (last_.size() > 0 && current.size() > 0) {
       for (const DescriptorMatch& match : match_descriptors(last_, current, matching_, pool_))
@@ -83,7 +83,7 @@ class MatchedFeatures : public FeatureSource {
   TaskPool* pool_;
   std::unique_ptr<DescriptorExtractor> extractor_;
   DescriptorMatchOptions matching_;
-  DescribedKeypoints last_;
+  Features last_;
   std::vector<std::int64_t> last_ids_;
   std::int64_t next_id_ = 0;
 };

@@ -22,7 +22,7 @@ constexpr int grain = 32;  ///< Features done at a time.
 /// Right features by row, those of a row one after the other.
 class Rows {
  public:
-  Rows(const OrbFeatures& features, int rows, const std::vector<double>& scales)
+  Rows(const Features& features, int rows, const std::vector<double>& scales)
       : first_(static_cast<std::size_t>(std::max(0, rows)) + 1, 0) {
     const auto each = [&](const auto& visit) {
       for (std::uint32_t i = 0; i < features.size(); ++i) {
@@ -136,7 +136,7 @@ std::optional<Shift> refine(GreyView left, GreyView right, const Keypoint& keypo
 /// One feature of the left picture after the other.
 class StereoMatcher {
  public:
-  StereoMatcher(GreyView left, GreyView right, const OrbFeatures& left_features, const OrbFeatures& right_features,
+  StereoMatcher(GreyView left, GreyView right, const Features& left_features, const Features& right_features,
                 const OrbSlamOptions& options)
       : left_(left),
         right_(right),
@@ -182,7 +182,7 @@ class StereoMatcher {
   }
 
   GreyView left_, right_;
-  const OrbFeatures &features_, &right_features_;
+  const Features &features_, &right_features_;
   const OrbSlamOptions& options_;
   std::vector<double> scales_;
   Rows rows_;
@@ -202,9 +202,9 @@ double most_difference(const std::vector<std::optional<Shift>>& shifts, double r
 
 }  // namespace
 
-void match_stereo(GreyView left, GreyView right, const OrbFeatures& right_features, double focal_baseline,
+void match_stereo(GreyView left, GreyView right, const Features& right_features, double focal_baseline,
                   const OrbSlamOptions& options, TaskPool* pool, LandmarkKeyframe& keyframe) {
-  const OrbFeatures& features = keyframe.features;
+  const Features& features = keyframe.features;
   keyframe.right_x.assign(features.size(), -1.0F);
   keyframe.depths.assign(features.size(), 0.0F);
   if (right.width != left.width || right.height != left.height) return;

@@ -13,7 +13,7 @@ namespace rastro {
 /// similar feature of the right picture about the same row, then the shift at which grey levels differ least, to a
 /// fraction of a pixel (Mur-Artal and Tardos 2017, section III.A). `focal_baseline`: focal length in pixels times
 /// baseline. `pool` may be null; the result is the same with any.
-void match_stereo(GreyView left, GreyView right, const OrbFeatures& right_features, double focal_baseline,
+void match_stereo(GreyView left, GreyView right, const Features& right_features, double focal_baseline,
                   const OrbSlamOptions& options, TaskPool* pool, LandmarkKeyframe& keyframe);
 
 }  // namespace rastro

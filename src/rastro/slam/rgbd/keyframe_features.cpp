@@ -23,16 +23,16 @@ bool masked(const Frame& frame, const Keypoint& keypoint) {
   return frame.mask.at(x, y) == 0;
 }
 
-void append(const DescribedKeypoints& from, std::size_t i, DescribedKeypoints& to) {
+void append(const Features& from, std::size_t i, Features& to) {
   to.keypoints.push_back(from.keypoints[i]);
   const auto length = static_cast<std::ptrdiff_t>(from.length);
   const auto begin = from.floats.begin() + static_cast<std::ptrdiff_t>(i) * length;
   if (length > 0) to.floats.insert(to.floats.end(), begin, begin + length);
-  if (length == 0) to.bits.push_back(from.bits[i]);
+  if (length == 0) to.descriptors.push_back(from.descriptors[i]);
 }
 
 /// The strongest of each cell of the picture first, then the second of each, until there are enough.
-DescribedKeypoints spread(const DescribedKeypoints& all, const Frame& frame, std::size_t most) {
+Features spread(const Features& all, const Frame& frame, std::size_t most) {
   std::array<std::vector<std::size_t>, cells_across * cells_down> cells;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Keypoint& keypoint = all.keypoints[i];
@@ -54,7 +54,7 @@ DescribedKeypoints spread(const DescribedKeypoints& all, const Frame& frame, std
     }
   }
   std::sort(chosen.begin(), chosen.end());
-  DescribedKeypoints result;
+  Features result;
   result.length = all.length;
   for (const std::size_t i : chosen) append(all, i, result);
   return result;

@@ -12,7 +12,7 @@ namespace rastro {
 namespace {
 
 /// Size of the finest features; those found on coarser pictures are placed worse in proportion.
-float finest_size(const DescribedKeypoints& features) {
+float finest_size(const Features& features) {
   float finest = std::numeric_limits<float>::infinity();
   for (const Keypoint& keypoint : features.keypoints) finest = std::min(finest, keypoint.size_px);
   return finest;

@@ -13,9 +13,9 @@ namespace {
 constexpr double bytes_per_mb = 1e6;
 
 std::size_t bytes_of(const RgbdKeyframe& keyframe) {
-  const DescribedKeypoints& features = keyframe.features;
+  const Features& features = keyframe.features;
   return sizeof(RgbdKeyframe) + features.size() * (sizeof(Keypoint) + sizeof(float)) +
-         features.floats.size() * sizeof(float) + features.bits.size() * sizeof(Descriptor);
+         features.floats.size() * sizeof(float) + features.descriptors.size() * sizeof(Descriptor);
 }
 
 std::size_t ceiling_of(const RgbdSlamOptions& options, std::size_t max_memory_bytes) {

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "rastro/map/graph/keyframe_id.h"
+#include "rastro/math/se3.h"
+#include "rastro/math/sim3.h"
+
+namespace rastro {
+
+/// How a constraint came about. All but odometry may be wrong.
+enum class ConstraintKind : std::uint8_t {
+  odometry,     ///< From one keyframe to the next.
+  proximity,    ///< Matched to another keyframe of the neighborhood.
+  loop,         ///< Matched to a place seen much earlier.
+  merge,        ///< Connects two submaps.
+  inter_robot,  ///< Connects the maps of two robots.
+};
+constexpr int constraint_kinds = 5;
+const char* name_of(ConstraintKind kind);  ///< "odometry", "proximity", ...
+
+/// Relative pose of two keyframes, an edge of the pose graph. SE2 and SE3 are Sim3 with scale 1.
+struct Constraint {
+  KeyframeId from = 0, to = 0;
+  Sim3 from_from_to;  ///< Maps points of camera (or body) `to` into that of `from`.
+  /// Inverse covariance of d in ground truth = from_from_to * exp(d), (translation m, rotation rad).
+  Matrix6d information = Matrix6d::Identity();
+  ConstraintKind kind = ConstraintKind::odometry;
+  double weight = 1.0;  ///< 0..1, what the robust kernel left of it after the last optimization.
+  int inliers = 0;      ///< Matches that agree with it; 0: not known.
+
+  SE3 rigid() const { return {from_from_to.rotation(), from_from_to.translation()}; }  ///< Without the scale.
+};
+
+}  // namespace rastro

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/images/image_layer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "rastro/map/file/bytes.h"
+#include "rastro/map/file/image_bytes.h"
+#include "rastro/map/images/pack_images.h"
+
+namespace rastro {
+namespace {
+
+const ImageLayer& typed(const Layer& layer) { return static_cast<const ImageLayer&>(layer); }
+
+/// Images that stay in a map file.
+class StoredPictures : public PictureStore {
+ public:
+  explicit StoredPictures(std::shared_ptr<const RowStore> rows) : rows_(std::move(rows)) {}
+  PackedPictures pictures(KeyframeId keyframe) const override {
+    return read_pictures(rows_->row(keyframe), fmt::format("images of keyframe {}", keyframe));
+  }
+
+ private:
+  std::shared_ptr<const RowStore> rows_;
+};
+
+/// A store with the images of one keyframe more.
+class PicturesAndOne : public PictureStore {
+ public:
+  PicturesAndOne(std::shared_ptr<const PictureStore> others, KeyframeId id, PackedPictures own)
+      : others_(std::move(others)), id_(id), own_(std::move(own)) {}
+  PackedPictures pictures(KeyframeId keyframe) const override {
+    return keyframe == id_ || !others_ ? own_ : others_->pictures(keyframe);
+  }
+
+ private:
+  std::shared_ptr<const PictureStore> others_;
+  KeyframeId id_;
+  PackedPictures own_;
+};
+
+class ImageLayerType : public LayerType {
+ public:
+  std::string name() const override { return ImageLayer::layer_name; }
+  std::vector<std::int64_t> rows(const Map&, const Layer& layer) const override { return typed(layer).keyframes; }
+  std::string row(const Layer& layer, std::int64_t id) const override {
+    return body_of(typed(layer).store->pictures(id));
+  }
+  bool same_row(const Layer&, const Layer&, std::int64_t) const override { return true; }
+  bool stays_in_file() const override { return true; }
+
+  std::shared_ptr<Layer> make(std::string_view, const std::string&) const override {
+    auto layer = std::make_shared<ImageLayer>();
+    layer->store = std::make_shared<MemoryPictures>();
+    return layer;
+  }
+  void attach(Layer& layer, std::shared_ptr<const RowStore> rows) const override {
+    static_cast<ImageLayer&>(layer).store = std::make_shared<StoredPictures>(std::move(rows));
+  }
+  /// Of a file that is attached, only the number is wanted.
+  void read(Layer& layer, std::int64_t id, std::string_view body, const std::string& where) const override {
+    auto& images = static_cast<ImageLayer&>(layer);
+    images.keyframes.push_back(id);
+    if (body.empty()) return;
+    const auto memory = std::dynamic_pointer_cast<const MemoryPictures>(images.store);
+    if (memory) std::const_pointer_cast<MemoryPictures>(memory)->add(id, read_pictures(body, where));
+  }
+
+  std::string contradiction(const Map& map, const Layer& layer) const override {
+    const auto& with_images = typed(layer).keyframes;
+    for (const Keyframe& keyframe : map.keyframes)
+      if (!std::binary_search(with_images.begin(), with_images.end(), keyframe.id))
+        return "does not have images for every keyframe";
+    return with_images.size() == map.keyframes.size() ? "" : "has images of a keyframe that is not there";
+  }
+  std::shared_ptr<const Layer> repaired(const Map& map, const std::shared_ptr<const Layer>& layer) const override {
+    auto kept = std::make_shared<ImageLayer>(typed(*layer));
+    std::erase_if(kept->keyframes, [&](KeyframeId id) { return !map.index_of(id); });
+    return kept;
+  }
+  LayerDescription describe(const Map&, const Layer& layer) const override {
+    const std::size_t count = typed(layer).keyframes.size();
+    return {fmt::format("color and depth of {} keyframes", count), {{"images", static_cast<double>(count)}}};
+  }
+
+  LayerCut cut(const Layer& layer, KeyframeId id) const override {
+    auto rest = std::make_shared<ImageLayer>(typed(layer));
+    const bool there = std::erase(rest->keyframes, id) > 0;
+    return {std::move(rest), there ? row(layer, id) : std::string()};
+  }
+  std::shared_ptr<const Layer> paste(const Layer& layer, KeyframeId id, std::string_view bytes) const override {
+    auto whole = std::make_shared<ImageLayer>(typed(layer));
+    if (bytes.empty()) return whole;
+    whole->store = std::make_shared<PicturesAndOne>(whole->store, id, read_pictures(bytes, name()));
+    const auto at = std::lower_bound(whole->keyframes.begin(), whole->keyframes.end(), id);
+    if (at == whole->keyframes.end() || *at != id) whole->keyframes.insert(at, id);
+    return whole;
+  }
+};
+
+std::vector<std::uint8_t> get_bytes(ByteReader& bytes) {
+  const std::string_view piece = bytes.text();
+  return {piece.begin(), piece.end()};
+}
+
+}  // namespace
+
+std::string body_of(const PackedPictures& pictures) {
+  ByteWriter bytes;
+  for (const auto* picture : {&pictures.colour, &pictures.depth})
+    bytes.put_text({reinterpret_cast<const char*>(picture->data()), picture->size()});
+  return bytes.take();
+}
+
+PackedPictures read_pictures(std::string_view body, const std::string& where) {
+  ByteReader bytes(body, where);
+  PackedPictures pictures;
+  pictures.colour = get_bytes(bytes);
+  pictures.depth = get_bytes(bytes);
+  bytes.finish();
+  return pictures;
+}
+
+std::shared_ptr<const PictureStore> images_of(const Map& map) {
+  const auto layer = map.layer<ImageLayer>();
+  return layer ? layer->store : nullptr;
+}
+
+std::unique_ptr<LayerType> images_layer_type() { return std::make_unique<ImageLayerType>(); }
+
+}  // namespace rastro

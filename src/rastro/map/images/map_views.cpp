@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/images/map_views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "rastro/base/error.h"
+#include "rastro/map/images/pack_images.h"
+
+namespace rastro::detail {
+
+void for_each_index(TaskPool* pool, std::size_t count, const std::function<void(std::size_t)>& body) {
+  const auto over = [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) body(static_cast<std::size_t>(k));
+  };
+  if (pool == nullptr) return over(0, static_cast<int>(count));
+  pool->for_chunks(0, static_cast<int>(count), 1, over);
+}
+
+std::vector<std::size_t> keyframes_of(const Map& map, int submap) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    const bool wanted = submap < 0 || map.keyframes[k].submap == submap;
+    if (wanted && map.keyframes[k].world_from_camera.matrix().allFinite()) chosen.push_back(k);
+  }
+  return chosen;
+}
+
+SurfaceOptions surface_options(const Map& map, int stride, double min_depth_m, double max_depth_m) {
+  SurfaceOptions options;
+  options.stride = stride;
+  options.min_depth_m = min_depth_m;
+  options.max_depth_m = max_depth_m;
+  if (map.cameras.empty()) return options;
+  options.depth_sigma_m = map.cameras.front().depth_noise.sigma_m;
+  options.depth_sigma_per_m2 = map.cameras.front().depth_noise.sigma_per_m2;
+  return options;
+}
+
+MapViews::MapViews(const Map& map, std::vector<std::size_t> keyframes, TaskPool* pool)
+    : map_(map), images_(images_of(map)), keyframes_(std::move(keyframes)), pool_(pool) {
+  if (!keyframes_.empty() && (!images_ || map.cameras.empty()))
+    throw Error("holds no depth images", "the map", "give a map of a depth camera");
+}
+
+UnpackedPictures MapViews::pictures_of(std::size_t keyframe) const {
+  const std::int64_t id = map_.keyframes[keyframe].id;
+  return unpack_pictures(images_->pictures(id), fmt::format("keyframe {}", id));
+}
+
+void MapViews::walk(const Prepare& prepare, const Merge& merge,
+                    const std::function<void(std::size_t, std::size_t)>& progress) {
+  for (std::size_t first = 0; first < keyframes_.size(); first += group_size) {
+    if (rays_.width() == 0) {
+      const DepthImage depth = pictures_of(keyframes_.front()).depth;
+      rays_ = RayTable(map_.cameras.front().intrinsics, depth.width(), depth.height());
+    }
+    const std::size_t count = std::min(group_size, keyframes_.size() - first);
+    for_each_index(pool_, count, [&](std::size_t slot) {
+      const std::size_t keyframe = keyframes_[first + slot];
+      const UnpackedPictures pictures = pictures_of(keyframe);
+      if (pictures.depth.width() != rays_.width() || pictures.depth.height() != rays_.height())
+        throw Error("its pictures are of another size than the first ones", fmt::format("keyframe {}", keyframe),
+                    "'rastro recover' saves what can be read");
+      prepare(slot, keyframe, pictures, rays_);
+    });
+    merge(first, count);
+    if (progress) progress(first + count, keyframes_.size());
+  }
+}
+
+}  // namespace rastro::detail

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/images/pack_images.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "rastro/base/error.h"
+
+namespace rastro {
+namespace {
+
+constexpr int jpeg_quality = 92;
+
+/// Shares the pixels, which are not written to.
+cv::Mat shared(const std::uint8_t* pixels, int width, int height, int type, std::ptrdiff_t stride) {
+  return cv::Mat(height, width, type, const_cast<std::uint8_t*>(pixels), static_cast<std::size_t>(stride));
+}
+
+std::vector<std::uint8_t> packed_colour(const Frame& frame) {
+  std::vector<std::uint8_t> bytes;
+  if (frame.colour.empty() && frame.image.empty()) return bytes;
+  cv::Mat picture;
+  if (frame.colour.empty()) {
+    picture = shared(frame.image.row(0), frame.image.width(), frame.image.height(), CV_8UC1, frame.image.stride());
+  } else {
+    const Image<std::uint8_t>& rgb = frame.colour.rgb;
+    cv::cvtColor(shared(rgb.row(0), frame.colour.width(), rgb.height(), CV_8UC3, rgb.stride()), picture,
+                 cv::COLOR_RGB2BGR);
+  }
+  cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
+  return bytes;
+}
+
+std::vector<std::uint8_t> packed_depth(const DepthImage& depth) {
+  std::vector<std::uint8_t> bytes;
+  if (depth.empty()) return bytes;
+  cv::Mat picture(depth.height(), depth.width(), CV_16U);
+  for (int y = 0; y < depth.height(); ++y) {
+    const float* from = depth.row(y);
+    auto* to = picture.ptr<std::uint16_t>(y);
+    for (int x = 0; x < depth.width(); ++x) {
+      const double units = std::round(static_cast<double>(from[x]) * packed_depth_units_per_metre);
+      to[x] = units > 0.0 && units <= 65535.0 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
+    }
+  }
+  cv::imencode(".png", picture, bytes,
+               {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_RLE});
+  return bytes;
+}
+
+cv::Mat decoded(const std::vector<std::uint8_t>& bytes, int flags) {
+  if (bytes.empty()) return {};
+  try {
+    return cv::imdecode(bytes, flags);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+ColourImage unpacked_colour(const cv::Mat& bgr) {
+  ColourImage colour;
+  colour.rgb = Image<std::uint8_t>(3 * bgr.cols, bgr.rows);
+  for (int y = 0; y < bgr.rows; ++y) {
+    const std::uint8_t* from = bgr.ptr<std::uint8_t>(y);
+    std::uint8_t* to = colour.rgb.row(y);
+    for (int x = 0; x < bgr.cols; ++x, from += 3, to += 3) to[0] = from[2], to[1] = from[1], to[2] = from[0];
+  }
+  return colour;
+}
+
+DepthImage unpacked_depth(const cv::Mat& units) {
+  DepthImage depth(units.cols, units.rows);
+  for (int y = 0; y < units.rows; ++y) {
+    const auto* from = units.ptr<std::uint16_t>(y);
+    for (int x = 0; x < units.cols; ++x)
+      depth.at(x, y) = static_cast<float>(static_cast<double>(from[x]) / packed_depth_units_per_metre);
+  }
+  return depth;
+}
+
+}  // namespace
+
+PackedPictures pack_pictures(const Frame& frame) { return {packed_colour(frame), packed_depth(frame.depth)}; }
+
+UnpackedPictures unpack_pictures(const PackedPictures& pictures, const std::string& where) {
+  const cv::Mat bgr = decoded(pictures.colour, cv::IMREAD_COLOR);
+  cv::Mat units = decoded(pictures.depth, cv::IMREAD_UNCHANGED);
+  if (pictures.depth.empty()) units = cv::Mat::zeros(bgr.size(), CV_16UC1);  // a frame that came without depth
+  if (bgr.empty() || units.empty() || units.type() != CV_16UC1 || bgr.size() != units.size())
+    throw Error("its pictures are damaged", where, "'rastro recover' saves what can be read");
+  return {unpacked_colour(bgr), unpacked_depth(units)};
+}
+
+void MemoryPictures::add(std::int64_t keyframe_id, PackedPictures pictures) {
+  const std::lock_guard lock(mutex_);
+  pictures_[keyframe_id] = std::move(pictures);
+}
+
+PackedPictures MemoryPictures::pictures(std::int64_t keyframe_id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = pictures_.find(keyframe_id);
+  if (found == pictures_.end())
+    throw Error("has no pictures", fmt::format("keyframe {}", keyframe_id), "the map was not made by this program");
+  return found->second;
+}
+
+}  // namespace rastro

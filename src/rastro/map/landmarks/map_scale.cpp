@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/landmarks/map_scale.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "rastro/base/error.h"
+#include "rastro/map/landmarks/jackknife.h"
+#include "rastro/map/landmarks/landmark_layer.h"
+#include "rastro/map/landmarks/landmark_uncertainty.h"
+#include "rastro/math/alignment.h"
+
+namespace rastro {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr TimeNs largest_gap = 1'000'000'000;  ///< Between poses that are interpolated.
+
+Landmark landmark_named(const Map& map, std::int64_t id, const std::string& where) {
+  const auto layer = map.layer<LandmarkLayer>();
+  const Landmark* found = layer ? layer->find(id) : nullptr;
+  if (!found)
+    throw Error(fmt::format("the map has no landmark {}", id), where,
+                "'rastro export RUN --to landmarks' lists them; frames are written f0,f120,METRES");
+  if (found->observations.empty() || submap_of(map, *found) != 0)
+    throw Error(fmt::format("landmark {} is in a submap that is not connected to the first one", id), where,
+                "take landmarks of submap 0");
+  return *found;
+}
+
+/// Stamps run evenly between the keyframes around a frame.
+TimeNs stamp_of_frame(const Map& map, std::int64_t frame, const std::string& where) {
+  const auto& keyframes = map.keyframes;
+  const auto after = std::find_if(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) { return k.frame >= frame; });
+  if (after != keyframes.end() && after->frame == frame) return after->stamp;
+  if (after == keyframes.end() || after == keyframes.begin())
+    throw Error(fmt::format("frame {} is not between the first and the last keyframe of the map", frame), where,
+                keyframes.empty()
+                    ? "the map is empty"
+                    : fmt::format("give frames {} to {}", keyframes.front().frame, keyframes.back().frame));
+  const Keyframe &a = *(after - 1), &b = *after;
+  const double share = static_cast<double>(frame - a.frame) / static_cast<double>(b.frame - a.frame);
+  return a.stamp + static_cast<TimeNs>(std::llround(share * static_cast<double>(b.stamp - a.stamp)));
+}
+
+Vector3d camera_at(const Map& map, std::int64_t frame, const std::string& where) {
+  const auto pose = pose_at(trajectory_of(map), stamp_of_frame(map, frame, where), largest_gap);
+  if (!pose)
+    throw Error(fmt::format("frame {} has no pose", frame), where, "take frames with a pose in trajectory.txt");
+  return pose->translation();
+}
+
+struct MeasuredLength {
+  double units = 0.0, metres = 0.0;
+  double variance = 0.0;  ///< Of `units`; 0: not known.
+};
+
+MeasuredLength measured(const Map& map, const KnownLength& length, const std::string& where) {
+  MeasuredLength result;
+  result.metres = length.metres;
+  Vector3d apart;
+  if (length.between_frames) {
+    apart = camera_at(map, length.to, where) - camera_at(map, length.from, where);
+  } else {
+    const Landmark from = landmark_named(map, length.from, where);
+    const Landmark to = landmark_named(map, length.to, where);
+    apart = to.position - from.position;
+    const auto a = landmark_covariance(map, from), b = landmark_covariance(map, to);
+    const Vector3d along = apart.normalized();
+    if (a && b) result.variance = along.dot((*a + *b) * along);
+  }
+  result.units = apart.norm();
+  if (!(result.units > 0.0) || !std::isfinite(result.units))
+    throw Error(fmt::format("{} and {} are at the same place", length.from, length.to), where, "give two places apart");
+  return result;
+}
+
+}  // namespace
+
+MapScaleFound scale_from_lengths(const Map& map, std::span<const KnownLength> lengths,
+                                 const std::string& where) {
+  RASTRO_CHECK(!lengths.empty(), "there is a length");
+  double products = 0.0, squares = 0.0, variance = 0.0;
+  std::vector<MeasuredLength> all;
+  for (const KnownLength& length : lengths) {
+    all.push_back(measured(map, length, where));
+    products += all.back().metres * all.back().units;
+    squares += all.back().units * all.back().units;
+    variance += all.back().variance * all.back().units * all.back().units;
+  }
+  MapScaleFound found;
+  found.metres_per_unit = products / squares;
+  found.measurements = static_cast<int>(lengths.size());
+  found.from = lengths.size() == 1 ? "a known length" : fmt::format("{} known lengths", lengths.size());
+  if (lengths.size() == 1) {
+    found.relative_sigma = std::sqrt(variance) / squares;
+    return found;
+  }
+  double rest = 0.0;
+  for (const MeasuredLength& length : all) rest += std::pow(length.metres - found.metres_per_unit * length.units, 2);
+  const double residual_variance = rest / static_cast<double>(lengths.size() - 1);
+  found.relative_sigma = std::sqrt(residual_variance / squares) / found.metres_per_unit;
+  return found;
+}
+
+MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, const std::string& where) {
+  constexpr std::size_t least_pairs = 10;
+  std::vector<Vector3d> target, source;
+  const Trajectory trajectory = trajectory_of(map);
+  for (const StampedPose& pose : trajectory) {
+    const auto known = pose_at(reference, pose.stamp, largest_gap);
+    if (!known) continue;
+    target.push_back(known->translation());
+    source.push_back(pose.world_from_body.translation());
+  }
+  if (source.size() < least_pairs)
+    throw Error(fmt::format("{} of the map's {} poses lie within the reference, need {}", source.size(),
+                            trajectory.size(), least_pairs),
+                where, "give a reference with the clock of the recording");
+  const auto scale_without = [&](std::size_t begin, std::size_t end) -> std::optional<double> {
+    std::vector<Vector3d> to, from;
+    for (std::size_t i = 0; i < source.size(); ++i) {
+      if (i >= begin && i < end) continue;
+      to.push_back(target[i]);
+      from.push_back(source[i]);
+    }
+    const auto alignment = align_points(to, from, AlignmentKind::similarity);
+    return alignment ? std::optional(alignment->target_from_source.scale()) : std::nullopt;
+  };
+  const auto whole = scale_without(0, 0);
+  if (!whole) throw Error("the camera or the reference does not move", where, "give a reference of a moving camera");
+  MapScaleFound found;
+  found.metres_per_unit = *whole;
+  found.relative_sigma = jackknife_sigma(source.size(), scale_without) / *whole;
+  found.measurements = static_cast<int>(source.size());
+  found.from = "a reference trajectory";
+  return found;
+}
+
+Map scaled(const Map& map, const MapScaleFound& found) {
+  RASTRO_CHECK(!scale_of(map).metric || map.cameras.empty() || map.cameras.front().kind == CameraKind::mono,
+               "only the map of one camera has a unit that can be chosen");
+  const double factor = found.metres_per_unit;
+  RASTRO_CHECK(factor > 0.0 && std::isfinite(factor), "a scale is positive");
+  const auto stretched = [factor](const SE3& pose) { return SE3(pose.rotation(), factor * pose.translation()); };
+  Map result = map;
+  ++result.revision;
+  for (Keyframe& keyframe : result.keyframes) keyframe.world_from_camera = stretched(keyframe.world_from_camera);
+  for (MapFrame& frame : result.frames) frame.keyframe_from_camera = stretched(frame.keyframe_from_camera);
+  for (Constraint& each : result.constraints)
+    each.from_from_to = Sim3(each.from_from_to.scale(), each.from_from_to.rotation(),
+                             factor * each.from_from_to.translation());
+  for (MapSession& session : result.sessions) session.scale = {true, found.relative_sigma, found.from};
+  const auto layer = map.layer<LandmarkLayer>();
+  if (!layer) return result;
+  auto landmarks = std::make_shared<LandmarkLayer>(*layer);
+  for (Landmark& landmark : landmarks->landmarks) {
+    landmark.position *= factor;
+    landmark.min_distance = static_cast<float>(factor * landmark.min_distance);
+    landmark.max_distance = static_cast<float>(factor * landmark.max_distance);
+  }
+  result.layers.put<LandmarkLayer>(std::move(landmarks));
+  return result;
+}
+
+}  // namespace rastro
