@@ -68,7 +68,19 @@ class KeyframeLayerType : public LayerType {
     return whole;
   }
 
+  std::shared_ptr<const Layer> renumbered(const std::shared_ptr<const Layer>& layer,
+                                          const std::map<KeyframeId, KeyframeId>& new_id) const override {
+    auto result = std::make_shared<L>(typed(*layer));
+    result->of.clear();
+    for (const auto& [id, thing] : typed(*layer).of) result->of[new_id.at(id)] = with_id(thing, new_id.at(id));
+    return result;
+  }
+
  protected:
+  /// Of a thing that knows its keyframe: the same with another id.
+  virtual std::shared_ptr<const Thing> with_id(const std::shared_ptr<const Thing>& thing, KeyframeId) const {
+    return thing;
+  }
   static const L& typed(const Layer& layer) { return static_cast<const L&>(layer); }
 };
 

@@ -2,9 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -70,6 +69,9 @@ class LayerType {
   /// Without a keyframe, and with it again.
   virtual LayerCut cut(const Layer& layer, KeyframeId id) const = 0;
   virtual std::shared_ptr<const Layer> paste(const Layer& layer, KeyframeId id, std::string_view bytes) const = 0;
+  /// With other ids of keyframes in the same order; `new_id` has all of the map.
+  virtual std::shared_ptr<const Layer> renumbered(const std::shared_ptr<const Layer>& layer,
+                                                  const std::map<KeyframeId, KeyframeId>& new_id) const = 0;
 };
 
 /// Every layer that this program knows, by name. Generated from the rastro_layer() lines of the build.

@@ -85,6 +85,13 @@ class FeatureLayerType : public KeyframeLayerType<FeatureLayer, ImageFeatures> {
     return kept;
   }
 
+  std::shared_ptr<const ImageFeatures> with_id(const std::shared_ptr<const ImageFeatures>& image,
+                                               KeyframeId id) const override {
+    auto copy = std::make_shared<ImageFeatures>(*image);
+    copy->id = id;
+    return copy;
+  }
+
   LayerDescription describe(const Map&, const Layer& layer) const override {
     std::size_t count = 0;
     for (const auto& [id, image] : typed(layer).of) count += image->features.size();

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "rastro/base/error.h"
+#include "rastro/map/file/database.h"
 
 namespace rastro {
 namespace {
@@ -133,7 +134,7 @@ std::optional<std::int64_t> integer(Cell& record, std::uint64_t type) {
 }
 
 /// A record of three columns: the row's number (which stands in the cell), an integer, a blob.
-std::optional<Row> row_of(const std::string& payload, std::uint64_t id) {
+std::optional<Row> carved_row(const std::string& payload, std::uint64_t id) {
   Cell record(payload);
   std::uint64_t types[4] = {};
   for (std::uint64_t& type : types) {
@@ -153,13 +154,13 @@ std::optional<Row> row_at(Pages& pages, std::string_view page, std::size_t at) {
   const auto id = cell.varint();
   if (!size || !id) return std::nullopt;
   const auto payload = payload_of(pages, cell.rest(), *size);
-  return payload ? row_of(*payload, *id) : std::nullopt;
+  return payload ? carved_row(*payload, *id) : std::nullopt;
 }
 
 }  // namespace
 
-void carve_rows(const std::filesystem::path& file,
-                const std::function<void(MapTable table, std::int64_t id, const std::string& body)>& found) {
+void carve_rows(const std::filesystem::path& file, const std::vector<std::string>& tables,
+                const std::function<void(const std::string& table, std::int64_t id, const std::string& body)>& found) {
   constexpr char table_leaf = 0x0D;
   constexpr std::size_t leaf_header = 8;
   Pages pages(file);
@@ -173,7 +174,7 @@ void carve_rows(const std::filesystem::path& file,
       if (at >= page_size) continue;
       const auto row = row_at(pages, page, at);
       if (!row) continue;
-      for (const MapTable table : map_tables)
+      for (const std::string& table : tables)
         if (row_checksum(table, row->id, row->body) == row->checksum) found(table, row->id, row->body);
     }
   }

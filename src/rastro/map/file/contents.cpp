@@ -8,8 +8,8 @@ namespace rastro {
 
 std::string contents_body(const Database& database) {
   ByteWriter bytes;
-  for (const MapTable table : tables_of(database.kind())) {
-    if (table == MapTable::contents) continue;
+  for (const std::string& table : database.tables()) {
+    if (table == "contents") continue;
     Sha256 hash;
     std::int64_t rows = 0;
     for (RowReader reader(database, table, 0, RowReader::What::checksums); reader.next(); ++rows) {
@@ -17,7 +17,7 @@ std::string contents_body(const Database& database) {
       checksum.put(reader.checksum());
       hash.add(checksum.take());
     }
-    bytes.put_text(name_of(table));
+    bytes.put_text(table);
     bytes.put(rows);
     bytes.put_text(hash.finish());
   }
@@ -25,7 +25,7 @@ std::string contents_body(const Database& database) {
 }
 
 bool is_finished(const Database& database) {
-  const auto contents = row_of(database, MapTable::contents, contents_row);
+  const auto contents = row_of(database, "contents", contents_row);
   if (contents && *contents != contents_body(database))
     refuse_damaged(database.file(), "does not hold what its table of contents says");
   return contents.has_value();

@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <utility>
 
 #include "rastro/base/error.h"
+#include "rastro/base/hash.h"
 #include "rastro/map/file/bytes.h"
 
 namespace rastro {
@@ -16,10 +19,22 @@ namespace {
 constexpr std::size_t header_size = 100;
 constexpr int longest_row = 256 << 20;
 
-std::string create_statement(MapTable table) {
+constexpr std::string_view layer_prefix = "layer_";
+constexpr const char* tables_of_depth_cameras[] = {"head", "keyframes", "pictures", "poses", "edges", "way", "contents"};
+constexpr const char* tables_of_landmarks[] = {"head", "keyframes", "poses", "landmarks", "ties", "way", "contents"};
+constexpr const char* tables_of_layers[] = {"head",        "cameras", "sessions", "keyframes",
+                                            "constraints", "frames",  "layers",   "contents"};
+
+bool is_layer_table(std::string_view name) {
+  constexpr std::size_t longest = 64;
+  return name.starts_with(layer_prefix) && name.size() > layer_prefix.size() && name.size() <= longest &&
+         std::all_of(name.begin(), name.end(), [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; });
+}
+
+std::string create_statement(std::string_view table) {
   // The checksum lies before the body: it can be had without reading pictures.
   return fmt::format("CREATE TABLE {} (id INTEGER PRIMARY KEY, checksum INTEGER NOT NULL, body BLOB NOT NULL)",
-                     name_of(table));
+                     table);
 }
 
 /// A number of SQLite's header, which is big-endian.
@@ -35,7 +50,7 @@ bool has_log(const std::string& file) {
 }
 
 /// What can be told without SQLite, in plain words.
-void check_header(const std::string& file) {
+std::uint32_t check_header(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error("cannot be read", file, "check the path");
   std::string header(header_size, '\0');
@@ -56,6 +71,7 @@ void check_header(const std::string& file) {
   const std::uint64_t size = std::filesystem::file_size(file, code);
   if (!has_log(file) && size < wanted)
     refuse_damaged(file, fmt::format("is cut off after {} of {} bytes", size, wanted));
+  return static_cast<std::uint32_t>(version);
 }
 
 /// `file` as a URI that SQLite takes for exactly this file.
@@ -73,29 +89,47 @@ std::string uri_of(const std::string& file, bool immutable) {
 }  // namespace
 
 Database Database::open(const std::filesystem::path& file) {
-  check_header(file.string());
   Database database(file);
+  database.version_ = check_header(file.string());
   // Without a log beside it the file is complete and nobody writes: nothing need be locked or made next to it.
   database.connect(uri_of(file.string(), !has_log(file.string())), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
   database.check_tables();
   return database;
 }
 
-std::uint32_t version_of(MapKind kind) { return kind == MapKind::rgbd ? 1 : 2; }
+std::span<const char* const> tables_of_version(std::uint32_t version) {
+  if (version == 1) return tables_of_depth_cameras;
+  if (version == 2) return tables_of_landmarks;
+  return tables_of_layers;
+}
 
-Database Database::create(const std::filesystem::path& file, MapKind kind) {
+std::string table_of_layer(std::string_view layer) { return std::string(layer_prefix) + std::string(layer); }
+
+std::int64_t row_checksum(std::string_view table, std::int64_t id, std::string_view body) {
+  ByteWriter begin;
+  begin.put_text(table);
+  begin.put(id);
+  Sha256 hash;
+  hash.add(begin.take());
+  hash.add(body);
+  const std::string digits = hash.finish();
+  std::uint64_t value = 0;
+  std::from_chars(digits.data(), digits.data() + 16, value, 16);
+  return static_cast<std::int64_t>(value);
+}
+
+Database Database::create(const std::filesystem::path& file) {
   for (const char* ending : {"", "-wal", "-shm"}) {
     std::error_code code;
     std::filesystem::remove(file.string() + ending, code);
   }
   Database database(file);
-  database.kind_ = kind;
   database.connect(uri_of(file.string(), false), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_URI);
   // Freed space is zeroed, so that the bytes of a file depend on what it holds alone.
   database.run(
       "PRAGMA page_size=4096; PRAGMA secure_delete=ON; PRAGMA journal_mode=MEMORY; PRAGMA synchronous=OFF; BEGIN");
-  database.run(fmt::format("PRAGMA application_id={}; PRAGMA user_version={}", map_file_id, version_of(kind)).c_str());
-  for (const MapTable table : tables_of(kind)) database.run(create_statement(table).c_str());
+  database.run(fmt::format("PRAGMA application_id={}; PRAGMA user_version={}", map_file_id, map_file_version).c_str());
+  for (const char* table : tables_of_version(map_file_version)) database.need_table(table);
   database.run("COMMIT");
   return database;
 }
@@ -104,14 +138,15 @@ Database::Database(Database&& other) noexcept { *this = std::move(other); }
 
 Database& Database::operator=(Database&& other) noexcept {
   std::swap(file_, other.file_);
-  std::swap(kind_, other.kind_);
+  std::swap(version_, other.version_);
+  std::swap(tables_, other.tables_);
   std::swap(connection_, other.connection_);
   std::swap(put_, other.put_);
   return *this;
 }
 
 Database::~Database() {
-  for (sqlite3_stmt* statement : put_) sqlite3_finalize(statement);
+  for (const auto& [table, statement] : put_) sqlite3_finalize(statement);
   sqlite3_close(connection_);
 }
 
@@ -132,29 +167,30 @@ void Database::harden() {
   run("PRAGMA cell_size_check=ON; PRAGMA mmap_size=0");
 }
 
+/// Every file has the tables of its version first; newer ones have those of layers behind them.
 void Database::check_tables() {
-  for (const MapKind kind : {MapKind::rgbd, MapKind::landmarks}) {
-    if (!has_tables_of(kind)) continue;
-    kind_ = kind;
-    return;
-  }
-  refuse_damaged(file_);
-}
-
-bool Database::has_tables_of(MapKind kind) {
-  const auto tables = tables_of(kind);
+  const auto wanted = tables_of_version(version_);
   sqlite3_stmt* statement = nullptr;
-  int code = sqlite3_prepare_v2(connection_, "SELECT sql FROM sqlite_master ORDER BY rowid", -1, &statement, nullptr);
-  std::size_t number = 0;
+  int code =
+      sqlite3_prepare_v2(connection_, "SELECT name, sql FROM sqlite_master ORDER BY rowid", -1, &statement, nullptr);
   bool sound = code == SQLITE_OK;
   while (sound && (code = sqlite3_step(statement)) == SQLITE_ROW) {
-    const auto* sql = reinterpret_cast<const char*>(sqlite3_column_text(statement, 0));
-    sound = sql && number < tables.size() && create_statement(tables[number]) == sql;
-    ++number;
+    const auto* name = reinterpret_cast<const char*>(sqlite3_column_text(statement, 0));
+    const auto* sql = reinterpret_cast<const char*>(sqlite3_column_text(statement, 1));
+    sound = name && sql && create_statement(name) == sql &&
+            (tables_.size() < wanted.size() ? std::string_view(wanted[tables_.size()]) == name
+                                            : version_ >= 3 && is_layer_table(name));
+    if (sound) tables_.emplace_back(name);
   }
   sqlite3_finalize(statement);
   if (code == SQLITE_BUSY || code == SQLITE_CANTOPEN) fail(code);
-  return sound && code == SQLITE_DONE && number == tables.size();
+  if (!sound || code != SQLITE_DONE || tables_.size() < wanted.size()) refuse_damaged(file_);
+}
+
+void Database::need_table(const std::string& table) {
+  if (std::find(tables_.begin(), tables_.end(), table) != tables_.end()) return;
+  run(create_statement(table).c_str());
+  tables_.push_back(table);
 }
 
 void Database::run(const char* sql) {
@@ -162,10 +198,10 @@ void Database::run(const char* sql) {
   if (code != SQLITE_OK) fail(code);
 }
 
-void Database::put(MapTable table, std::int64_t id, std::string_view body) {
-  sqlite3_stmt*& statement = put_[static_cast<std::size_t>(table)];
+void Database::put(const std::string& table, std::int64_t id, std::string_view body) {
+  sqlite3_stmt*& statement = put_[table];
   if (!statement) {
-    const std::string sql = fmt::format("INSERT OR REPLACE INTO {} VALUES (?, ?, ?)", name_of(table));
+    const std::string sql = fmt::format("INSERT OR REPLACE INTO {} VALUES (?, ?, ?)", table);
     const int code = sqlite3_prepare_v3(connection_, sql.c_str(), -1, SQLITE_PREPARE_PERSISTENT, &statement, nullptr);
     if (code != SQLITE_OK) fail(code);
   }
@@ -178,11 +214,11 @@ void Database::put(MapTable table, std::int64_t id, std::string_view body) {
   if (code != SQLITE_DONE) fail(code);
 }
 
-void Database::remove(MapTable table, std::int64_t id) {
-  run(fmt::format("DELETE FROM {} WHERE id={}", name_of(table), id).c_str());
+void Database::remove(const std::string& table, std::int64_t id) {
+  run(fmt::format("DELETE FROM {} WHERE id={}", table, id).c_str());
 }
 
-void Database::clear(MapTable table) { run(fmt::format("DELETE FROM {}", name_of(table)).c_str()); }
+void Database::clear(const std::string& table) { run(fmt::format("DELETE FROM {}", table).c_str()); }
 
 void Database::fail(int code) const {
   switch (code & 0xFF) {
@@ -205,10 +241,10 @@ void Database::fail(int code) const {
   }
 }
 
-RowReader::RowReader(const Database& database, MapTable table, std::int64_t first, What what)
+RowReader::RowReader(const Database& database, const std::string& table, std::int64_t first, What what)
     : database_(database), table_(table) {
   const std::string sql = fmt::format("SELECT id, checksum{} FROM {} WHERE id >= ? ORDER BY id",
-                                      what == What::all ? ", body" : "", name_of(table));
+                                      what == What::all ? ", body" : "", table);
   const int code = sqlite3_prepare_v2(database.connection_, sql.c_str(), -1, &statement_, nullptr);
   if (code != SQLITE_OK) database.fail(code);
   sqlite3_bind_int64(statement_, 1, first);
@@ -236,9 +272,9 @@ std::string_view RowReader::body() const {
   return body;
 }
 
-std::string RowReader::where() const { return fmt::format("{}: row {} of {}", database_.file(), id_, name_of(table_)); }
+std::string RowReader::where() const { return fmt::format("{}: row {} of {}", database_.file(), id_, table_); }
 
-std::optional<std::string> row_of(const Database& database, MapTable table, std::int64_t id) {
+std::optional<std::string> row_of(const Database& database, const std::string& table, std::int64_t id) {
   RowReader rows(database, table, id);
   if (!rows.next() || rows.id() != id) return std::nullopt;
   return std::string(rows.body());

@@ -4,23 +4,31 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "rastro/map/file/map_rows.h"
 
 struct sqlite3;
 struct sqlite3_stmt;
 
 namespace rastro {
 
-/// The four bytes "RSTR" by which a map file is known among SQLite files, and the newest version of what one holds:
-/// 1 maps of a depth camera, 2 maps of landmarks.
+/// The four bytes "RSTR" by which a map file is known among SQLite files, and the newest version of what one holds: 1
+/// maps of a depth camera, 2 maps of landmarks, 3 maps with layers.
 constexpr std::uint32_t map_file_id = 0x52535452;
-constexpr std::uint32_t map_file_version = 2;
-/// The version a kind of map is written in: the oldest that can hold it.
-std::uint32_t version_of(MapKind kind);
+constexpr std::uint32_t map_file_version = 3;
+
+/// The tables that every file of a version has, in the order in which they are made.
+std::span<const char* const> tables_of_version(std::uint32_t version);
+/// "layer_images" for the layer `images`.
+std::string table_of_layer(std::string_view layer);
+
+/// Over everything of a row, the table's name included: a row in the wrong place does not pass.
+std::int64_t row_checksum(std::string_view table, std::int64_t id, std::string_view body);
 
 /// One connection to the SQLite file of a map. Every failure is an Error naming the file. One thread at a time.
 class Database {
@@ -28,18 +36,22 @@ class Database {
   /// Of an existing map, to read. Error where it is none, is of a newer version, is cut off or has other tables.
   static Database open(const std::filesystem::path& file);
   /// A new file with empty tables; what was there is replaced.
-  static Database create(const std::filesystem::path& file, MapKind kind = MapKind::rgbd);
+  static Database create(const std::filesystem::path& file);
   Database(Database&& other) noexcept;
   Database& operator=(Database&& other) noexcept;
   ~Database();
 
   const std::string& file() const { return file_; }
-  MapKind kind() const { return kind_; }
+  std::uint32_t version() const { return version_; }
+  /// All of them, those of layers last, in the order in which they were made.
+  const std::vector<std::string>& tables() const { return tables_; }
+  /// Makes an empty table where there is none of the name.
+  void need_table(const std::string& table);
   void run(const char* sql);
   /// Adds the row, or replaces it.
-  void put(MapTable table, std::int64_t id, std::string_view body);
-  void remove(MapTable table, std::int64_t id);
-  void clear(MapTable table);
+  void put(const std::string& table, std::int64_t id, std::string_view body);
+  void remove(const std::string& table, std::int64_t id);
+  void clear(const std::string& table);
 
  private:
   friend class RowReader;
@@ -47,13 +59,13 @@ class Database {
   void connect(const std::string& name, int flags);
   void harden();
   void check_tables();
-  bool has_tables_of(MapKind kind);
   [[noreturn]] void fail(int code) const;
 
   std::string file_;
-  MapKind kind_ = MapKind::rgbd;
+  std::uint32_t version_ = map_file_version;
+  std::vector<std::string> tables_;
   sqlite3* connection_ = nullptr;
-  std::array<sqlite3_stmt*, map_tables.size()> put_{};
+  std::map<std::string, sqlite3_stmt*> put_;  ///< By table.
 };
 
 /// Reads the rows of one table in order of their numbers. A row that is not as it was written is an Error.
@@ -61,7 +73,7 @@ class RowReader {
  public:
   enum class What { all, checksums };
   /// From row `first` on. Where checksums are enough, bodies are not read from the disk.
-  RowReader(const Database& database, MapTable table, std::int64_t first = 0, What what = What::all);
+  RowReader(const Database& database, const std::string& table, std::int64_t first = 0, What what = What::all);
   ~RowReader();
   RowReader(const RowReader&) = delete;
   RowReader& operator=(const RowReader&) = delete;
@@ -77,12 +89,12 @@ class RowReader {
 
  private:
   const Database& database_;
-  MapTable table_;
+  std::string table_;
   sqlite3_stmt* statement_ = nullptr;
   std::int64_t id_ = -1;
 };
 
 /// The body of one row; nullopt where there is none.
-std::optional<std::string> row_of(const Database& database, MapTable table, std::int64_t id);
+std::optional<std::string> row_of(const Database& database, const std::string& table, std::int64_t id);
 
 }  // namespace rastro

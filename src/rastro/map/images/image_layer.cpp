@@ -26,6 +26,18 @@ class StoredPictures : public PictureStore {
   std::shared_ptr<const RowStore> rows_;
 };
 
+/// The same images under other numbers.
+class RenumberedPictures : public PictureStore {
+ public:
+  RenumberedPictures(std::shared_ptr<const PictureStore> images, std::map<KeyframeId, KeyframeId> old_id)
+      : images_(std::move(images)), old_id_(std::move(old_id)) {}
+  PackedPictures pictures(KeyframeId keyframe) const override { return images_->pictures(old_id_.at(keyframe)); }
+
+ private:
+  std::shared_ptr<const PictureStore> images_;
+  std::map<KeyframeId, KeyframeId> old_id_;
+};
+
 /// A store with the images of one keyframe more.
 class PicturesAndOne : public PictureStore {
  public:
@@ -69,11 +81,9 @@ class ImageLayerType : public LayerType {
   }
 
   std::string contradiction(const Map& map, const Layer& layer) const override {
-    const auto& with_images = typed(layer).keyframes;
-    for (const Keyframe& keyframe : map.keyframes)
-      if (!std::binary_search(with_images.begin(), with_images.end(), keyframe.id))
-        return "does not have images for every keyframe";
-    return with_images.size() == map.keyframes.size() ? "" : "has images of a keyframe that is not there";
+    for (const KeyframeId id : typed(layer).keyframes)
+      if (!map.index_of(id)) return "has images of a keyframe that is not there";
+    return {};
   }
   std::shared_ptr<const Layer> repaired(const Map& map, const std::shared_ptr<const Layer>& layer) const override {
     auto kept = std::make_shared<ImageLayer>(typed(*layer));
@@ -97,6 +107,18 @@ class ImageLayerType : public LayerType {
     const auto at = std::lower_bound(whole->keyframes.begin(), whole->keyframes.end(), id);
     if (at == whole->keyframes.end() || *at != id) whole->keyframes.insert(at, id);
     return whole;
+  }
+
+  std::shared_ptr<const Layer> renumbered(const std::shared_ptr<const Layer>& layer,
+                                          const std::map<KeyframeId, KeyframeId>& new_id) const override {
+    auto result = std::make_shared<ImageLayer>(typed(*layer));
+    std::map<KeyframeId, KeyframeId> old_id;
+    for (KeyframeId& id : result->keyframes) {
+      old_id[new_id.at(id)] = id;
+      id = new_id.at(id);
+    }
+    result->store = std::make_shared<RenumberedPictures>(result->store, std::move(old_id));
+    return result;
   }
 };
 

@@ -35,7 +35,7 @@ class PictureStore {
   virtual PackedPictures pictures(KeyframeId keyframe) const = 0;
 };
 
-/// Color and depth image of every keyframe of a map. They are read when asked for.
+/// Color and depth image of keyframes, read when asked for.
 struct ImageLayer : Layer {
   static constexpr const char* layer_name = "images";
   std::shared_ptr<const PictureStore> store;

@@ -20,10 +20,13 @@ void for_each_index(TaskPool* pool, std::size_t count, const std::function<void(
 }
 
 std::vector<std::size_t> keyframes_of(const Map& map, int submap) {
+  const auto images = map.layer<ImageLayer>();
   std::vector<std::size_t> chosen;
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-    const bool wanted = submap < 0 || map.keyframes[k].submap == submap;
-    if (wanted && map.keyframes[k].world_from_camera.matrix().allFinite()) chosen.push_back(k);
+    const Keyframe& keyframe = map.keyframes[k];
+    const bool wanted = submap < 0 || keyframe.submap == submap;
+    const bool shown = !images || std::binary_search(images->keyframes.begin(), images->keyframes.end(), keyframe.id);
+    if (wanted && shown && keyframe.world_from_camera.matrix().allFinite()) chosen.push_back(k);
   }
   return chosen;
 }

@@ -15,7 +15,7 @@ namespace rastro::detail {
 /// body(i) for i in [0, count), on the pool where there is one.
 void for_each_index(TaskPool* pool, std::size_t count, const std::function<void(std::size_t)>& body);
 
-/// The keyframes of a submap (-1: of all) whose pose is finite, in order.
+/// The keyframes of a submap (-1: of all) that have images, where the map has any, and a finite pose; in order.
 std::vector<std::size_t> keyframes_of(const Map& map, int submap);
 
 SurfaceOptions surface_options(const Map& map, int stride, double min_depth_m, double max_depth_m);

@@ -209,6 +209,15 @@ class LandmarkLayerType : public LayerType {
     }
     return whole;
   }
+
+  std::shared_ptr<const Layer> renumbered(const std::shared_ptr<const Layer>& layer,
+                                          const std::map<KeyframeId, KeyframeId>& new_id) const override {
+    auto result = std::make_shared<LandmarkLayer>(typed(*layer));
+    for (Landmark& landmark : result->landmarks)
+      for (LandmarkObservation& observation : landmark.observations)
+        observation.keyframe = new_id.at(observation.keyframe);
+    return result;
+  }
 };
 
 }  // namespace

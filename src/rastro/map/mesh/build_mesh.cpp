@@ -214,7 +214,7 @@ TriangleMesh build_mesh(const Map& map, const MeshOptions& options, TaskPool* po
       [&](std::size_t first, std::size_t count) {
         for (std::size_t slot = 0; slot < count; ++slot) {
           const SE3& pose = map.keyframes[views.keyframes()[first + slot]].world_from_camera;
-          volume.add(group[slot], map.camera, width, height, pose, pool);
+          volume.add(group[slot], map.cameras.front().intrinsics, width, height, pose, pool);
         }
       },
       progress);

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/file/write_map.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "rastro/base/error.h"
+#include "rastro/map/file/bytes.h"
+#include "rastro/map/file/contents.h"
+#include "rastro/map/file/graph_rows.h"
+#include "rastro/map/file/map_file.h"
+#include "rastro/map/layer_type.h"
+
+namespace rastro {
+namespace {
+
+void sync_to_disk(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;  // a folder that may not be read: the system writes it when it likes
+  const bool failed = ::fsync(descriptor) != 0 && errno != EINVAL;
+  const int reason = errno;
+  ::close(descriptor);
+  if (failed)
+    throw Error(std::string("cannot be written (") + std::strerror(reason) + ")", path.string(), "check the disk");
+}
+
+bool same(const SE3& a, const SE3& b) {
+  return a.translation() == b.translation() && a.rotation().quaternion().coeffs() == b.rotation().quaternion().coeffs();
+}
+
+bool same(const Keyframe& a, const Keyframe& b) {
+  return a.frame == b.frame && a.stamp == b.stamp && a.camera == b.camera && a.submap == b.submap &&
+         a.parent == b.parent && a.weight == b.weight && same(a.world_from_camera, b.world_from_camera);
+}
+
+bool same(const Constraint& a, const Constraint& b) {
+  return a.from == b.from && a.to == b.to && a.kind == b.kind && a.weight == b.weight && a.inliers == b.inliers &&
+         a.information == b.information && a.from_from_to.matrix() == b.from_from_to.matrix();
+}
+
+bool same(const MapFrame& a, const MapFrame& b) {
+  return a.stamp == b.stamp && a.keyframe == b.keyframe && same(a.keyframe_from_camera, b.keyframe_from_camera);
+}
+
+bool same(const MapCamera& a, const MapCamera& b) { return body_of(a) == body_of(b); }
+bool same(const MapSession& a, const MapSession& b) { return body_of(a) == body_of(b); }
+
+/// Walks two lists of ids that ascend: what is gone, and what is there now, known before or not.
+template <typename Gone, typename There>
+void compare_ids(const std::vector<std::int64_t>& before, const std::vector<std::int64_t>& now, Gone gone,
+                 There there) {
+  std::size_t b = 0;
+  for (const std::int64_t id : now) {
+    for (; b < before.size() && before[b] < id; ++b) gone(before[b]);
+    const bool known = b < before.size() && before[b] == id;
+    there(id, known);
+    if (known) ++b;
+  }
+  for (; b < before.size(); ++b) gone(before[b]);
+}
+
+std::vector<std::int64_t> ids_of(const std::vector<Keyframe>& keyframes) {
+  std::vector<std::int64_t> ids;
+  for (const Keyframe& keyframe : keyframes) ids.push_back(keyframe.id);
+  return ids;
+}
+
+template <typename Item>
+void write_list(const std::string& table, const std::vector<Item>& before, const std::vector<Item>& now,
+                Database& database) {
+  for (std::size_t i = 0; i < now.size(); ++i)
+    if (i >= before.size() || !same(before[i], now[i]))
+      database.put(table, static_cast<std::int64_t>(i), body_of(now[i]));
+  for (std::size_t i = now.size(); i < before.size(); ++i) database.remove(table, static_cast<std::int64_t>(i));
+}
+
+void write_keyframes(const Map& before, const Map& now, Database& database) {
+  compare_ids(
+      ids_of(before.keyframes), ids_of(now.keyframes), [&](std::int64_t id) { database.remove("keyframes", id); },
+      [&](std::int64_t id, bool known) {
+        const Keyframe& keyframe = *now.find(id);
+        if (!known || !same(*before.find(id), keyframe)) database.put("keyframes", id, body_of(keyframe));
+      });
+}
+
+void write_unknown(const std::string& table, const UnknownLayer& layer, Database& database) {
+  database.clear(table);
+  for (const auto& [id, body] : layer.rows) database.put(table, id, body);
+}
+
+void write_rows(const LayerType& type, const Map& before, const Map& now, Database& database) {
+  const std::string table = table_of_layer(type.name());
+  const auto former = before.layers.find(type.name()), layer = now.layers.find(type.name());
+  if (former == layer) return;
+  const auto ids = former ? type.rows(before, *former) : std::vector<std::int64_t>{};
+  compare_ids(
+      ids, type.rows(now, *layer), [&](std::int64_t id) { database.remove(table, id); },
+      [&](std::int64_t id, bool known) {
+        if (!known || !type.same_row(*former, *layer, id)) database.put(table, id, type.row(*layer, id));
+      });
+}
+
+std::string layer_body(const std::string& name, const Layer& layer) {
+  const LayerType* type = layer_type(name);
+  const auto* unknown = dynamic_cast<const UnknownLayer*>(&layer);
+  ByteWriter bytes;
+  bytes.put_text(name);
+  bytes.put_text(unknown ? unknown->header : type ? type->header(layer) : std::string());
+  return bytes.take();
+}
+
+void write_layers(const Map& before, const Map& now, LayersWritten which, Database& database) {
+  std::vector<std::string> listed, listed_before;
+  for (const auto& [name, layer] : before.layers.all()) listed_before.push_back(layer_body(name, *layer));
+  for (const auto& [name, layer] : now.layers.all()) {
+    const std::string table = table_of_layer(name);
+    database.need_table(table);
+    listed.push_back(layer_body(name, *layer));
+    const LayerType* type = layer_type(name);
+    if (const auto* unknown = dynamic_cast<const UnknownLayer*>(layer.get())) {
+      if (before.layers.find(name) != layer) write_unknown(table, *unknown, database);
+    } else if (type && (which == LayersWritten::all || !type->stays_in_file())) {
+      write_rows(*type, before, now, database);
+    }
+  }
+  for (const auto& [name, layer] : before.layers.all())
+    if (!now.layers.find(name)) database.clear(table_of_layer(name));
+  for (std::size_t i = 0; i < listed.size(); ++i)
+    if (i >= listed_before.size() || listed_before[i] != listed[i])
+      database.put("layers", static_cast<std::int64_t>(i), listed[i]);
+  for (std::size_t i = listed.size(); i < listed_before.size(); ++i)
+    database.remove("layers", static_cast<std::int64_t>(i));
+}
+
+void write_map(const Map& map, const std::filesystem::path& file) {
+  {
+    Database database = Database::create(file);
+    database.run("BEGIN");
+    write_changes(nullptr, map, LayersWritten::all, database);
+    database.put("contents", contents_row, contents_body(database));
+    database.run("COMMIT");
+  }
+  sync_to_disk(file);
+}
+
+}  // namespace
+
+void write_changes(const Map* before, const Map& now, LayersWritten layers, Database& database) {
+  const Map nothing;
+  const Map& former = before ? *before : nothing;
+  const std::string head = head_body(now);
+  if (!before || head_body(*before) != head) {
+    database.put("head", 0, head);
+    database.put("contents", second_head_row, head);
+  }
+  write_list("cameras", former.cameras, now.cameras, database);
+  write_list("sessions", former.sessions, now.sessions, database);
+  write_keyframes(former, now, database);
+  write_list("constraints", former.constraints, now.constraints, database);
+  write_list("frames", former.frames, now.frames, database);
+  write_layers(former, now, layers, database);
+}
+
+std::filesystem::path write_map_beside(const Map& map, const std::filesystem::path& file) {
+  const std::filesystem::path aside = file.string() + ".new";
+  try {
+    write_map(map, aside);
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(aside, ignored);
+    throw;
+  }
+  return aside;
+}
+
+void replace_file(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code code;
+  std::filesystem::rename(from, to, code);
+  if (code) {
+    std::error_code ignored;
+    std::filesystem::remove(from, ignored);
+    throw Error("cannot be put in place (" + code.message() + ")", to.string(), "choose another file");
+  }
+  sync_to_disk(to.has_parent_path() ? to.parent_path() : std::filesystem::path("."));
+}
+
+void save_map(const Map& map, const std::filesystem::path& file) { replace_file(write_map_beside(map, file), file); }
+
+}  // namespace rastro

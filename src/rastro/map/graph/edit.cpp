@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/graph/edit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "rastro/base/error.h"
+#include "rastro/map/layer_type.h"
+
+namespace rastro {
+namespace {
+
+std::string named(KeyframeId id) { return fmt::format("keyframe {}", id); }
+
+std::vector<Keyframe>::iterator place_for(Map& map, KeyframeId id) {
+  return std::lower_bound(map.keyframes.begin(), map.keyframes.end(), id,
+                          [](const Keyframe& keyframe, KeyframeId wanted) { return keyframe.id < wanted; });
+}
+
+/// Moves the elements that hold to the end of another list, keeping their order in both.
+template <typename Item, typename Holds>
+void move_if(std::vector<Item>& from, std::vector<Item>& to, Holds holds) {
+  std::copy_if(from.begin(), from.end(), std::back_inserter(to), holds);
+  std::erase_if(from, holds);
+}
+
+}  // namespace
+
+void insert_keyframe(Map& map, const Keyframe& keyframe) {
+  const auto place = place_for(map, keyframe.id);
+  if (keyframe.id < 0 || (place != map.keyframes.end() && place->id == keyframe.id))
+    throw Error("the map has a keyframe of this id", named(keyframe.id), "give it one of its own");
+  if (!map.cameras.empty() &&
+      (keyframe.camera < 0 || static_cast<std::size_t>(keyframe.camera) >= map.cameras.size()))
+    throw Error("is of a camera that the map does not have", named(keyframe.id), "add the camera first");
+  if (keyframe.parent != no_keyframe && !map.index_of(keyframe.parent))
+    throw Error("has a parent that the map does not have", named(keyframe.id), "insert the parent first");
+  map.keyframes.insert(place, keyframe);
+  ++map.revision;
+}
+
+RemovedKeyframe remove_keyframe(Map& map, KeyframeId id) {
+  const auto place = place_for(map, id);
+  if (place == map.keyframes.end() || place->id != id)
+    throw Error("the map has no such keyframe", named(id), "'rastro info' counts them");
+  RemovedKeyframe removed;
+  removed.keyframe = *place;
+  map.keyframes.erase(place);
+  for (Keyframe& keyframe : map.keyframes) {
+    if (keyframe.parent != id) continue;
+    removed.children.push_back(keyframe.id);
+    keyframe.parent = removed.keyframe.parent;
+  }
+  move_if(map.constraints, removed.constraints,
+          [id](const Constraint& each) { return each.from == id || each.to == id; });
+  move_if(map.frames, removed.frames, [id](const MapFrame& frame) { return frame.keyframe == id; });
+  const LayerSet::Layers layers = map.layers.all();
+  for (const auto& [name, layer] : layers) {
+    const LayerType* type = layer_type(name);
+    if (!type) continue;
+    LayerCut cut = type->cut(*layer, id);
+    map.layers.put(name, std::move(cut.rest));
+    removed.layers[name] = std::move(cut.bytes);
+  }
+  ++map.revision;
+  return removed;
+}
+
+void restore_keyframe(Map& map, const RemovedKeyframe& removed) {
+  Keyframe keyframe = removed.keyframe;
+  if (!map.index_of(keyframe.parent)) keyframe.parent = no_keyframe;
+  insert_keyframe(map, keyframe);
+  for (const KeyframeId id : removed.children) {
+    const auto index = map.index_of(id);
+    if (index && map.keyframes[*index].parent == keyframe.parent) map.keyframes[*index].parent = keyframe.id;
+  }
+  for (const Constraint& each : removed.constraints)
+    if (map.index_of(each.from) && map.index_of(each.to)) map.constraints.push_back(each);
+  map.frames.insert(map.frames.end(), removed.frames.begin(), removed.frames.end());
+  std::stable_sort(map.frames.begin(), map.frames.end(),
+                   [](const MapFrame& a, const MapFrame& b) { return a.stamp < b.stamp; });
+  for (const auto& [name, bytes] : removed.layers) {
+    const LayerType* type = layer_type(name);
+    const auto layer = map.layers.find(name);
+    if (type && layer) map.layers.put(name, type->paste(*layer, keyframe.id, bytes));
+  }
+}
+
+Map renumbered(const Map& map) {
+  const auto number = static_cast<std::int64_t>(map.keyframes.size());
+  if (map.keyframes.empty() || (map.keyframes.front().id == 0 && map.keyframes.back().id == number - 1)) return map;
+  std::map<KeyframeId, KeyframeId> new_id{{no_keyframe, no_keyframe}};
+  for (const Keyframe& keyframe : map.keyframes) new_id.emplace(keyframe.id, static_cast<KeyframeId>(new_id.size()) - 1);
+  Map result = map;
+  for (Keyframe& keyframe : result.keyframes) {
+    keyframe.id = new_id.at(keyframe.id);
+    keyframe.parent = new_id.at(keyframe.parent);
+  }
+  for (Constraint& each : result.constraints) each.from = new_id.at(each.from), each.to = new_id.at(each.to);
+  for (MapFrame& frame : result.frames) frame.keyframe = new_id.at(frame.keyframe);
+  for (const auto& [name, layer] : map.layers.all())
+    if (const LayerType* type = layer_type(name)) result.layers.put(name, type->renumbered(layer, new_id));
+  return result;
+}
+
+}  // namespace rastro
