@@ -74,8 +74,8 @@ Matrix6d root_of(const Matrix6d& information) {
 
 class EdgeCost final : public ceres::SizedCostFunction<6, 7, 7> {
  public:
-  explicit EdgeCost(const PoseEdge& edge)
-      : root_(root_of(edge.information)), to_from_from_(edge.from_from_to.inverse()) {}
+  explicit EdgeCost(const Constraint& edge)
+      : root_(root_of(edge.information)), to_from_from_(edge.rigid().inverse()) {}
 
   bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
     const SE3 from_from_to = pose_of(poses[0]).inverse() * pose_of(poses[1]);
@@ -130,10 +130,10 @@ ceres::Solver::Options solver_options(const PoseGraphOptions& options) {
 /// One optimisation, stage by stage.
 class Graph {
  public:
-  Graph(std::vector<SE3>& poses, std::span<PoseEdge> edges, std::span<const std::uint8_t> fixed,
+  Graph(std::vector<SE3>& poses, std::span<Constraint> edges, std::span<const std::uint8_t> fixed,
         const PoseGraphOptions& options)
       : poses_(poses), fixed_(fixed), options_(options) {
-    for (PoseEdge& edge : edges) {
+    for (Constraint& edge : edges) {
       if (!is_fixed(edge.from) || !is_fixed(edge.to)) edges_.push_back(&edge);
     }
     for (const SE3& pose : poses) values_.push_back(values_of(pose));
@@ -161,9 +161,9 @@ class Graph {
  private:
   bool is_fixed(std::int64_t pose) const { return fixed_[static_cast<std::size_t>(pose)] != 0; }
   SE3& pose(std::int64_t id) { return poses_[static_cast<std::size_t>(id)]; }
-  double error_of(const PoseEdge& edge) { return squared_sigmas(edge, pose(edge.from), pose(edge.to)); }
-  bool may_be_wrong(const PoseEdge& edge) const {
-    return edge.kind != PoseEdgeKind::way && options_.loops != LoopModel::trusted;
+  double error_of(const Constraint& edge) { return squared_sigmas(edge, pose(edge.from), pose(edge.to)); }
+  bool may_be_wrong(const Constraint& edge) const {
+    return edge.kind != ConstraintKind::odometry && options_.loops != LoopModel::trusted;
   }
 
   /// From one at which no edge is yet turned off down to the one asked for.
@@ -171,7 +171,7 @@ class Graph {
     std::vector<double> prices{options_.switch_price};
     if (options_.loops != LoopModel::switchable) return prices;
     double worst = 0.0;
-    for (const PoseEdge* edge : edges_) {
+    for (const Constraint* edge : edges_) {
       if (may_be_wrong(*edge)) worst = std::max(worst, error_of(*edge));
     }
     constexpr double step = 10.0;
@@ -180,7 +180,7 @@ class Graph {
     return prices;
   }
 
-  ceres::LossFunction* loss_for(const PoseEdge& edge, double price) const {
+  ceres::LossFunction* loss_for(const Constraint& edge, double price) const {
     if (!may_be_wrong(edge)) return nullptr;
     if (options_.loops == LoopModel::switchable) return new SwitchLoss(price);
     return new ceres::CauchyLoss(options_.robust_width);
@@ -191,7 +191,7 @@ class Graph {
     owners.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ceres::Problem problem(owners);
     PoseManifold manifold;
-    for (const PoseEdge* edge : edges_) {
+    for (const Constraint* edge : edges_) {
       for (const std::int64_t id : {edge->from, edge->to}) {
         double* values = values_[static_cast<std::size_t>(id)].data();
         if (problem.HasParameterBlock(values)) continue;
@@ -208,7 +208,7 @@ class Graph {
   }
 
   void set_weights() {
-    for (PoseEdge* edge : edges_) {
+    for (Constraint* edge : edges_) {
       edge->weight = 1.0;
       if (!may_be_wrong(*edge)) continue;
       const double squared = error_of(*edge), width = options_.robust_width * options_.robust_width;
@@ -220,23 +220,23 @@ class Graph {
   std::vector<SE3>& poses_;
   std::span<const std::uint8_t> fixed_;
   PoseGraphOptions options_;
-  std::vector<PoseEdge*> edges_;
+  std::vector<Constraint*> edges_;
   std::vector<PoseValues> values_;
 };
 
 }  // namespace
 
-PoseGraphResult optimize_pose_graph(std::vector<SE3>& world_from_pose, std::span<PoseEdge> edges,
+PoseGraphResult optimize_pose_graph(std::vector<SE3>& world_from_pose, std::span<Constraint> edges,
                                     std::span<const std::uint8_t> fixed, const PoseGraphOptions& options) {
   RASTRO_CHECK(fixed.size() == world_from_pose.size(), "every pose is fixed or free");
   return Graph(world_from_pose, edges, fixed, options).run();
 }
 
-Vector6d pose_edge_error(const PoseEdge& edge, const SE3& world_from_from, const SE3& world_from_to) {
-  return (edge.from_from_to.inverse() * world_from_from.inverse() * world_from_to).log();
+Vector6d pose_edge_error(const Constraint& edge, const SE3& world_from_from, const SE3& world_from_to) {
+  return (edge.rigid().inverse() * world_from_from.inverse() * world_from_to).log();
 }
 
-double squared_sigmas(const PoseEdge& edge, const SE3& world_from_from, const SE3& world_from_to) {
+double squared_sigmas(const Constraint& edge, const SE3& world_from_from, const SE3& world_from_to) {
   const Vector6d error = pose_edge_error(edge, world_from_from, world_from_to);
   return error.dot(edge.information * error);
 }

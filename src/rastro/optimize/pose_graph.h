@@ -5,12 +5,12 @@
 #include <span>
 #include <vector>
 
-#include "rastro/map/keyframe/rgbd_map.h"
+#include "rastro/map/graph/constraint.h"
 #include "rastro/math/se3.h"
 
 namespace rastro {
 
-/// What is done about ties that may be wrong: all but PoseEdgeKind::way.
+/// What is done about ties that may be wrong: all but ConstraintKind::odometry.
 enum class LoopModel : std::uint8_t {
   switchable,  ///< Each has a switch that turns it off at a price (Suenderhauf and Protzel 2012).
   robust,      ///< Cauchy's kernel: its pull grows no more.
@@ -36,12 +36,12 @@ struct PoseGraphResult {
 /// Switches are eliminated in closed form (Agarwal et al. 2013, "Robust map optimization using dynamic covariance
 /// scaling") and brought in by degrees (Yang et al. 2020, "Graduated non-convexity"), so that a true loop after a long
 /// drift is not taken for a wrong one.
-PoseGraphResult optimize_pose_graph(std::vector<SE3>& world_from_pose, std::span<PoseEdge> edges,
+PoseGraphResult optimize_pose_graph(std::vector<SE3>& world_from_pose, std::span<Constraint> edges,
                                     std::span<const std::uint8_t> fixed, const PoseGraphOptions& options);
 
 /// The d of the edge's truth = from_from_to * exp(d) for these poses.
-Vector6d pose_edge_error(const PoseEdge& edge, const SE3& world_from_from, const SE3& world_from_to);
+Vector6d pose_edge_error(const Constraint& edge, const SE3& world_from_from, const SE3& world_from_to);
 /// Squared error in sigmas.
-double squared_sigmas(const PoseEdge& edge, const SE3& world_from_from, const SE3& world_from_to);
+double squared_sigmas(const Constraint& edge, const SE3& world_from_from, const SE3& world_from_to);
 
 }  // namespace rastro

@@ -29,11 +29,11 @@ std::vector<SE3> square_loop() {
   return poses;
 }
 
-PoseEdge edge_between(const std::vector<SE3>& truth, std::size_t from, std::size_t to, PoseEdgeKind kind) {
-  PoseEdge edge;
+Constraint edge_between(const std::vector<SE3>& truth, std::size_t from, std::size_t to, ConstraintKind kind) {
+  Constraint edge;
   edge.from = static_cast<std::int64_t>(from);
   edge.to = static_cast<std::int64_t>(to);
-  edge.from_from_to = truth[from].inverse() * truth[to];
+  edge.from_from_to = Sim3(truth[from].inverse() * truth[to]);
   edge.kind = kind;
   // Sure of some directions more than of others, and not along the axes.
   Random random(5);
@@ -43,11 +43,11 @@ PoseEdge edge_between(const std::vector<SE3>& truth, std::size_t from, std::size
   return edge;
 }
 
-std::vector<PoseEdge> loop_edges(const std::vector<SE3>& truth) {
-  std::vector<PoseEdge> edges;
-  for (std::size_t k = 1; k < truth.size(); ++k) edges.push_back(edge_between(truth, k - 1, k, PoseEdgeKind::way));
+std::vector<Constraint> loop_edges(const std::vector<SE3>& truth) {
+  std::vector<Constraint> edges;
+  for (std::size_t k = 1; k < truth.size(); ++k) edges.push_back(edge_between(truth, k - 1, k, ConstraintKind::odometry));
   for (std::size_t k = 0; k + 16 < truth.size(); k += 3)
-    edges.push_back(edge_between(truth, k, k + 16, PoseEdgeKind::loop));
+    edges.push_back(edge_between(truth, k, k + 16, ConstraintKind::loop));
   return edges;
 }
 
@@ -69,13 +69,13 @@ double worst_error(const std::vector<SE3>& a, const std::vector<SE3>& b) {
   return worst;
 }
 
-double cost_of(const std::vector<SE3>& poses, const std::vector<PoseEdge>& edges, const PoseGraphOptions& options) {
+double cost_of(const std::vector<SE3>& poses, const std::vector<Constraint>& edges, const PoseGraphOptions& options) {
   double cost = 0.0;
-  for (const PoseEdge& edge : edges) {
+  for (const Constraint& edge : edges) {
     const double squared =
         squared_sigmas(edge, poses[static_cast<std::size_t>(edge.from)], poses[static_cast<std::size_t>(edge.to)]);
     const double width = options.robust_width * options.robust_width, price = options.switch_price;
-    if (edge.kind == PoseEdgeKind::way || options.loops == LoopModel::trusted) {
+    if (edge.kind == ConstraintKind::odometry || options.loops == LoopModel::trusted) {
       cost += 0.5 * squared;
     } else {
       cost += 0.5 * (options.loops == LoopModel::robust ? width * std::log1p(squared / width)
@@ -87,7 +87,7 @@ double cost_of(const std::vector<SE3>& poses, const std::vector<PoseEdge>& edges
 
 TEST(PoseGraph, ErrorIsWhatTheEdgeLeavesOpenAtItsEnd) {
   const std::vector<SE3> truth = square_loop();
-  const PoseEdge edge = edge_between(truth, 2, 9, PoseEdgeKind::loop);
+  const Constraint edge = edge_between(truth, 2, 9, ConstraintKind::loop);
   EXPECT_LT(pose_edge_error(edge, truth[2], truth[9]).norm(), 1e-12);
   Vector6d off;
   off << 0.1, -0.2, 0.3, 0.04, -0.05, 0.06;
@@ -97,7 +97,7 @@ TEST(PoseGraph, ErrorIsWhatTheEdgeLeavesOpenAtItsEnd) {
 
 TEST(PoseGraph, ADisturbedLoopComesBackToTruth) {
   const std::vector<SE3> truth = square_loop();
-  std::vector<PoseEdge> edges = loop_edges(truth);
+  std::vector<Constraint> edges = loop_edges(truth);
   Random random(2);
   for (const LoopModel loops : {LoopModel::switchable, LoopModel::robust, LoopModel::trusted}) {
     std::vector<SE3> poses = disturbed(truth, 0.2, 0.15, random);
@@ -108,7 +108,7 @@ TEST(PoseGraph, ADisturbedLoopComesBackToTruth) {
     EXPECT_TRUE(result.converged);
     EXPECT_LT(result.last_cost, 1e-9 * result.first_cost);
     EXPECT_LT(worst_error(poses, truth), 1e-4);
-    for (const PoseEdge& edge : edges) EXPECT_NEAR(edge.weight, 1.0, 1e-4);
+    for (const Constraint& edge : edges) EXPECT_NEAR(edge.weight, 1.0, 1e-4);
   }
 }
 
@@ -118,8 +118,8 @@ TEST(PoseGraph, WhereEdgesDisagreeNoStepLowersTheCost) {
   const std::vector<SE3> truth = square_loop();
   Random random(3);
   for (const LoopModel loops : {LoopModel::switchable, LoopModel::robust}) {
-    std::vector<PoseEdge> edges = loop_edges(truth);
-    for (PoseEdge& edge : edges) edge.from_from_to = edge.from_from_to * SE3::exp(random_tangent(0.03, 0.03, random));
+    std::vector<Constraint> edges = loop_edges(truth);
+    for (Constraint& edge : edges) edge.from_from_to = Sim3(edge.rigid() * SE3::exp(random_tangent(0.03, 0.03, random)));
     std::vector<SE3> poses = disturbed(truth, 0.1, 0.1, random);
     PoseGraphOptions options{loops, 100.0, 8.0, 300};
     const PoseGraphResult result = optimize_pose_graph(poses, edges, only_first(poses), options);
@@ -139,13 +139,14 @@ TEST(PoseGraph, WhereEdgesDisagreeNoStepLowersTheCost) {
 
 TEST(PoseGraph, AWrongLoopIsTurnedOffAndTrueOnesAfterALongDriftAreNot) {
   const std::vector<SE3> truth = square_loop();
-  std::vector<PoseEdge> edges = loop_edges(truth);
-  edges.push_back(edge_between(truth, 4, 25, PoseEdgeKind::loop));
-  edges.back().from_from_to = edges.back().from_from_to * SE3(SO3::exp({0.0, 0.5, 0.0}), {1.5, -1.0, 0.0});
+  std::vector<Constraint> edges = loop_edges(truth);
+  edges.push_back(edge_between(truth, 4, 25, ConstraintKind::loop));
+  edges.back().from_from_to =
+      Sim3(edges.back().rigid() * SE3(SO3::exp({0.0, 0.5, 0.0}), {1.5, -1.0, 0.0}));
   // The way bends, as odometry's does: its end is far off, and so are the true loops.
   std::vector<SE3> poses{truth[0]};
   const SE3 bend = SE3::exp((Vector6d() << 0.01, 0.005, 0.0, 0.0, 0.01, 0.01).finished());
-  for (std::size_t k = 1; k < truth.size(); ++k) poses.push_back(poses.back() * edges[k - 1].from_from_to * bend);
+  for (std::size_t k = 1; k < truth.size(); ++k) poses.push_back(poses.back() * edges[k - 1].rigid() * bend);
   ASSERT_GT((poses.back().translation() - truth.back().translation()).norm(), 0.15);
   PoseGraphOptions options;
   options.iterations = 50;
@@ -161,17 +162,17 @@ TEST(PoseGraph, AWrongLoopIsTurnedOffAndTrueOnesAfterALongDriftAreNot) {
 TEST(PoseGraph, WhatIsFixedOrHeldByNothingStays) {
   Random random(4);
   std::vector<SE3> truth = square_loop();
-  std::vector<PoseEdge> edges = loop_edges(truth);
+  std::vector<Constraint> edges = loop_edges(truth);
   truth.push_back(SE3(SO3::exp({1.0, 2.0, 0.5}), {7.0, 8.0, 9.0}));
   const std::vector<SE3> start = disturbed(truth, 0.1, 0.1, random);
   std::vector<std::uint8_t> fixed(start.size(), 1);
   for (std::size_t k = 20; k < fixed.size(); ++k) fixed[k] = 0;
   std::vector<SE3> poses = start;
-  for (PoseEdge& edge : edges) edge.weight = -1.0;
+  for (Constraint& edge : edges) edge.weight = -1.0;
   optimize_pose_graph(poses, edges, fixed, {});
   const auto same = [&](std::size_t k) { return (poses[k].matrix() - start[k].matrix()).norm() < 1e-14; };
   for (std::size_t k = 0; k < poses.size(); ++k) EXPECT_EQ(same(k), k < 20 || k + 1 == poses.size()) << k;
-  for (const PoseEdge& edge : edges) EXPECT_EQ(edge.weight < 0.0, edge.from < 20 && edge.to < 20);
+  for (const Constraint& edge : edges) EXPECT_EQ(edge.weight < 0.0, edge.from < 20 && edge.to < 20);
 }
 
 TEST(PoseGraph, NothingToDoIsDoneAndTwiceTheSameBytes) {
@@ -179,7 +180,7 @@ TEST(PoseGraph, NothingToDoIsDoneAndTwiceTheSameBytes) {
   EXPECT_TRUE(optimize_pose_graph(none, {}, {}, {}).converged);
   Random random(6);
   const std::vector<SE3> truth = square_loop();
-  std::vector<PoseEdge> edges = loop_edges(truth);
+  std::vector<Constraint> edges = loop_edges(truth);
   std::vector<SE3> first = disturbed(truth, 0.2, 0.1, random), second = first;
   optimize_pose_graph(first, edges, only_first(first), {});
   optimize_pose_graph(second, edges, only_first(second), {});

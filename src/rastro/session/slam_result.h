@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "rastro/map/landmark/landmark_map.h"
+#include "rastro/map/graph/map.h"
 #include "rastro/session/time_histogram.h"
 
 namespace rastro {
@@ -32,7 +32,7 @@ struct SlamResult {
       0.0;  ///< Frames with a pose that was seen, neither lost nor carried on, in percent of those asked for.
   std::optional<double> seconds_to_first_pose;  ///< Of the recording; nullopt: there was none.
   std::int64_t loops_closed = 0, keyframes = 0, submaps = 0, landmarks = 0;
-  std::optional<MapScale> scale;  ///< Of a map of landmarks.
+  std::optional<MapScale> scale;  ///< Of the map, where there is one.
   double path_length = 0.0;       ///< Of the final trajectory, metres, or the map's unit where `scale` is not metric.
   TimeHistogram frame_times;
   std::vector<SlamStage> stages;   ///< In the order in which they first came up.

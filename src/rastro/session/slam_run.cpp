@@ -12,6 +12,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/memory.h"
 #include "rastro/base/stopwatch.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/odometry/scale.h"
 #include "rastro/sensor/stamp_text.h"
 #include "rastro/session/frame_reader.h"
@@ -95,9 +96,8 @@ class Runner {
     end_.map = run_.method->snapshot();
     if (!run_.map_file || !end_.map) return;
     watch.lap_ms();
-    if (end_.map->rgbd) run_.map_file->finish(*end_.map->rgbd);
-    if (end_.map->landmark_map) run_.map_file->finish(*end_.map->landmark_map);
-    if (end_.map->rgbd || end_.map->landmark_map) add_time("map_file", watch.lap_ms());
+    run_.map_file->finish(*end_.map);
+    add_time("map_file", watch.lap_ms());
   }
 
   void count(const SlamUpdate& update) {
@@ -168,22 +168,18 @@ class Runner {
     result.recording_seconds = to_seconds(last_stamp_ - first_stamp_);
     result.peak_memory_mb = peak_resident_memory_mb();
     if (!end_.map) return;
-    result.keyframes = static_cast<std::int64_t>(end_.map->keyframes.size());
-    result.landmarks = static_cast<std::int64_t>(end_.map->landmarks.size());
-    if (end_.map->rgbd) count(*end_.map->rgbd);
-    if (!end_.map->landmark_map) return;
-    count(*end_.map->landmark_map);
-    result.landmarks = static_cast<std::int64_t>(end_.map->landmark_map->landmarks.size());
-    result.scale = end_.map->landmark_map->scale;
+    count(*end_.map);
   }
 
-  template <typename Map>
   void count(const Map& map) {
     SlamResult& result = end_.result;
     result.keyframes = static_cast<std::int64_t>(map.keyframes.size());
+    const auto landmarks = map.layer<LandmarkLayer>();
+    result.landmarks = landmarks ? static_cast<std::int64_t>(landmarks->landmarks.size()) : 0;
     std::set<int> submaps;
-    for (const auto& pose : map.poses) submaps.insert(pose.submap);
+    for (const Keyframe& keyframe : map.keyframes) submaps.insert(keyframe.submap);
     result.submaps = static_cast<std::int64_t>(submaps.size());
+    if (!map.sessions.empty()) result.scale = scale_of(map);
   }
 
   const SlamRun& run_;

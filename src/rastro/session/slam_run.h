@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "rastro/map/file/growing_map_file.h"
-#include "rastro/map/snapshot.h"
+#include "rastro/map/graph/map.h"
 #include "rastro/sensor/source.h"
 #include "rastro/session/run_folder.h"
 #include "rastro/session/slam_result.h"
@@ -37,8 +37,7 @@ struct SlamRun {
   std::optional<std::int64_t> frames_asked;
   std::function<void(const SlamProgress&)> progress;
   std::function<GreyView(const Frame&)> mask_of;  ///< Put into each frame; empty: nothing is masked.
-  /// The archive that the method was given, which gets the final map of a method that makes one of keyframes; may be
-  /// null.
+  /// The archive that the method was given, which gets the final map; may be null.
   GrowingMapFile* map_file = nullptr;
   std::size_t max_memory_bytes = 0;  ///< The run ends with an Error before it takes more; 0: no ceiling.
 };
@@ -52,7 +51,7 @@ struct PlaceCovariance {
 struct SlamRunEnd {
   SlamResult result;  ///< Without the method's name and the hash.
   Trajectory trajectory;
-  std::shared_ptr<const Snapshot> map;  ///< Null where the method could not give one any more.
+  std::shared_ptr<const Map> map;  ///< Null where the method could not give one any more.
   /// As first known, every two metres of the way; empty where the method has no covariance.
   std::vector<PlaceCovariance> places;
   std::exception_ptr failure;

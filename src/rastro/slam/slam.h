@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "rastro/base/time.h"
-#include "rastro/map/snapshot.h"
+#include "rastro/map/graph/map.h"
 #include "rastro/math/se3.h"
 #include "rastro/sensor/frame.h"
 #include "rastro/sensor/trajectory.h"
@@ -59,8 +59,6 @@ struct StageTime {
   double milliseconds;
 };
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
 /// What a method says of one frame.
 struct SlamUpdate {
   std::int64_t index = 0;  ///< Of the frame in the recording.
@@ -91,7 +89,7 @@ class Slam {
   /// world_from_body for every frame that has a pose, with what was learnt later.
   virtual Trajectory trajectory() const = 0;
   /// The map as it stands. Never changes afterwards, whatever the method goes on to do.
-  virtual std::shared_ptr<const Snapshot> snapshot() const = 0;
+  virtual std::shared_ptr<const Map> snapshot() const = 0;
 };
 
 }  // namespace rastro

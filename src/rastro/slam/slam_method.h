@@ -13,17 +13,16 @@
 
 namespace rastro {
 
-/// What a method may use of the run it is part of. Everything outlives the method.
-struct SlamMeans {
-  TaskPool* pool = nullptr;                      ///< Null: one thread.
-  MapArchive* archive = nullptr;                 ///< Where the growing map is kept safe; null: in memory only.
-  bool pipelined = false;                        ///< Mapping may run beside tracking, with the same results.
-  std::size_t max_memory_bytes = 0;              ///< Of the whole program; 0: no ceiling.
-  std::shared_ptr<const RgbdMap> map = nullptr;  ///< Only find the way in this map; null: make a new one.
-  std::shared_ptr<const LandmarkMap> landmark_map = nullptr;  ///< The same for methods with landmarks...
-  bool extend_map = false;                                    ///< ... or go on with it.
-  /// Set from outside (Ctrl-C) when the run is to end within two seconds: process() and finish() leave away what can be
-  /// left away. Null: never.
+/// What a method may use of the run that it is part of. Everything outlives the method.
+struct SlamContext {
+  TaskPool* pool = nullptr;                  ///< Null: one thread.
+  MapArchive* archive = nullptr;             ///< Where the growing map is kept safe; null: in memory only.
+  bool pipelined = false;                    ///< Mapping may run beside tracking, with the same results.
+  std::size_t max_memory_bytes = 0;          ///< Of the whole program; 0: no ceiling.
+  std::shared_ptr<const Map> map = nullptr;  ///< Only localize in this map; null: make a new one...
+  bool extend_map = false;                   ///< ... or continue the map given.
+  /// Set from outside (Ctrl-C) when the run is to end within two seconds: process() and finish() leave out what can be
+  /// left out. Null: never.
   const std::atomic<bool>* stop = nullptr;
 };
 
@@ -41,11 +40,11 @@ class SlamMethod {
   virtual bool wants_colour() const { return false; }
   virtual bool wants_depth() const { return false; }
   virtual bool wants_right() const { return false; }
-  /// Whether the method can find its way in a map made before (SlamMeans::map or landmark_map), and go on with one.
+  /// Whether the method can localize in a map made before (SlamContext::map), and continue one.
   virtual bool can_localize() const { return false; }
   virtual bool can_extend() const { return false; }
   /// With the settings in force. Error where the source lacks what the method needs.
-  virtual std::unique_ptr<Slam> make(const SourceInfo& source, const SlamMeans& means) const = 0;
+  virtual std::unique_ptr<Slam> make(const SourceInfo& source, const SlamContext& context) const = 0;
 };
 
 }  // namespace rastro

@@ -23,6 +23,7 @@ const char* name_of(CameraKind kind);  ///< "one camera", "two cameras", "depth 
 /// Standard deviation of a measured depth z: sigma_m + sigma_per_m2 * z^2.
 struct DepthNoise {
   double sigma_m = 0.001, sigma_per_m2 = 0.002;
+  double sigma(double depth_m) const { return sigma_m + sigma_per_m2 * depth_m * depth_m; }
   bool operator==(const DepthNoise&) const = default;
 };
 

@@ -3,9 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "rastro/map/file/bytes.h"
+#include "rastro/map/graph/planar.h"
 
 namespace rastro {
 namespace {
@@ -95,11 +94,6 @@ class ScanLayerType : public KeyframeLayerType<ScanLayer, KeyframeScans> {
     }
   }
 };
-
-SE2 in_plane(const SE3& pose) {
-  const Eigen::Vector3d ahead = pose.rotation() * Eigen::Vector3d::UnitX();
-  return {SO2::exp(SO2::Tangent(std::atan2(ahead.y(), ahead.x()))), pose.translation().head<2>()};
-}
 
 }  // namespace
 

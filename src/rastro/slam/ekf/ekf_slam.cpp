@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,16 +12,13 @@
 
 #include "rastro/base/random.h"
 #include "rastro/base/stopwatch.h"
+#include "rastro/map/graph/planar.h"
 #include "rastro/slam/ekf/scan_features.h"
 
 namespace rastro {
 namespace {
 
 constexpr double degrees = 180.0 / std::numbers::pi;
-
-SE3 in_space(const SE2& pose) {
-  return {SO3::exp({0.0, 0.0, pose.rotation().angle()}), {pose.translation().x(), pose.translation().y(), 0.0}};
-}
 
 bool is_finite(const SE2& pose) { return pose.translation().allFinite() && std::isfinite(pose.rotation().angle()); }
 
@@ -38,9 +36,9 @@ int returns_of(const LaserScan& scan) {
   return count;
 }
 
-bool is_new_keyframe(const Trajectory& keyframes, const SE3& pose, const EkfOptions& options) {
+bool is_new_keyframe(const std::vector<Keyframe>& keyframes, const SE3& pose, const EkfOptions& options) {
   if (keyframes.empty()) return true;
-  const SE3 motion = keyframes.back().world_from_body.inverse() * pose;
+  const SE3 motion = keyframes.back().world_from_camera.inverse() * pose;
   return motion.translation().norm() >= options.keyframe_m ||
          motion.rotation().log().norm() * degrees >= options.keyframe_deg;
 }
@@ -48,7 +46,7 @@ bool is_new_keyframe(const Trajectory& keyframes, const SE3& pose, const EkfOpti
 }  // namespace
 
 EkfSlam::EkfSlam(const EkfOptions& options, bool scans_expected)
-    : options_(options), scans_expected_(scans_expected), grid_(options.cell_m, {}) {}
+    : options_(options), scans_expected_(scans_expected) {}
 
 SlamUpdate EkfSlam::process(const Frame& frame) {
   Stopwatch whole, stage;
@@ -190,11 +188,12 @@ void EkfSlam::keep(const Frame& frame, SlamUpdate& update) {
   say_pose(update);
   const SE2 world_from_body = filter_.world_from_body();
   trajectory_.push_back({frame.stamp, update.world_from_body});
-  if (is_new_keyframe(keyframes_, update.world_from_body, options_)) keyframes_.push_back(trajectory_.back());
+  if (is_new_keyframe(keyframes_, update.world_from_body, options_)) add_keyframe(frame, update.world_from_body);
+  keyframe_of_frame_.push_back(keyframes_.back().id);
   if (frame.scan && options_.grid) {
-    const SE2 world_from_laser = world_from_body * frame.scan->body_from_laser;
-    grid_.insert(world_from_laser.translation(), returns_in(*frame.scan, world_from_laser));
-    grid_used_ = true;
+    const SE2 keyframe_from_body = in_plane(keyframes_.back().world_from_camera).inverse() * world_from_body;
+    const SE2 keyframe_from_laser = keyframe_from_body * frame.scan->body_from_laser;
+    scans_.back().push_back({keyframe_from_laser.translation(), returns_in(*frame.scan, keyframe_from_laser)});
   }
   const bool told = frame.odometry_from_body && is_finite(*frame.odometry_from_body);
   last_odometry_ = told ? frame.odometry_from_body : std::nullopt;
@@ -206,14 +205,15 @@ void EkfSlam::keep(const Frame& frame, SlamUpdate& update) {
   last_stamp_ = frame.stamp;
 }
 
+void EkfSlam::add_keyframe(const Frame& frame, const SE3& world_from_body) {
+  const auto id = static_cast<KeyframeId>(keyframes_.size());
+  keyframes_.push_back({id, frame.index, frame.stamp, 0, world_from_body, 0, id - 1, 1.0});
+  scans_.emplace_back();
+}
+
 void EkfSlam::say_pose(SlamUpdate& update) const {
   update.world_from_body = in_space(filter_.world_from_body());
-  constexpr int planar[3] = {0, 1, 5};  // Of a pose in space: x, y and the turn about z.
-  const Eigen::Matrix3d covariance = filter_.body_covariance();
-  Matrix6d& whole = update.covariance.emplace(Matrix6d::Zero());
-  for (int a = 0; a < 3; ++a) {
-    for (int b = 0; b < 3; ++b) whole(planar[a], planar[b]) = covariance(a, b);
-  }
+  update.covariance = in_space(filter_.body_covariance());
 }
 
 std::vector<SlamEvent> EkfSlam::finish() {
@@ -226,20 +226,52 @@ std::vector<SlamEvent> EkfSlam::finish() {
   return events;
 }
 
-std::shared_ptr<const Snapshot> EkfSlam::snapshot() const {
-  auto snapshot = std::make_shared<Snapshot>();
-  snapshot->revision = static_cast<std::int64_t>(trajectory_.size());
-  snapshot->keyframes = keyframes_;
-  for (std::size_t i = 1; i < keyframes_.size(); ++i) snapshot->edges.push_back({i - 1, i, false});
-  for (std::size_t i = 0; i < records_.size(); ++i) {
-    if (records_[i].is_candidate()) continue;
-    snapshot->landmarks.push_back({records_[i].id, records_[i].sensor_id, filter_.landmark(i),
-                                   filter_.landmark_covariance(i), records_[i].observations});
+std::shared_ptr<const LandmarkLayer> EkfSlam::landmarks() const {
+  auto layer = std::make_shared<LandmarkLayer>();
+  std::vector<std::size_t> confirmed;
+  for (std::size_t i = 0; i < records_.size(); ++i)
+    if (!records_[i].is_candidate()) confirmed.push_back(i);
+  std::sort(confirmed.begin(), confirmed.end(),
+            [this](std::size_t a, std::size_t b) { return records_[a].id < records_[b].id; });
+  for (const std::size_t i : confirmed) {
+    Landmark& landmark = layer->landmarks.emplace_back();
+    landmark.id = records_[i].id;
+    landmark.position.head<2>() = filter_.landmark(i);
+    LandmarkEstimate& estimate = layer->estimates.emplace_back();
+    estimate.sensor_id = records_[i].sensor_id;
+    estimate.observations = records_[i].observations;
+    estimate.covariance.setZero();
+    estimate.covariance.topLeftCorner<2, 2>() = filter_.landmark_covariance(i);
   }
-  std::sort(snapshot->landmarks.begin(), snapshot->landmarks.end(),
-            [](const PlanarLandmark& a, const PlanarLandmark& b) { return a.id < b.id; });
-  if (grid_used_) snapshot->grid = std::make_shared<const OccupancyGrid>(to_occupancy(grid_.view()));
-  return snapshot;
+  return layer;
+}
+
+std::shared_ptr<const Map> EkfSlam::snapshot() const {
+  auto map = std::make_shared<Map>();
+  map->method = "ekf";
+  map->revision = static_cast<std::int64_t>(trajectory_.size());
+  map->keyframes = keyframes_;
+  for (std::size_t i = 1; i < keyframes_.size(); ++i) {
+    const SE2 motion = in_plane(keyframes_[i - 1].world_from_camera.inverse() * keyframes_[i].world_from_camera);
+    const Eigen::Matrix3d information = measured_motion(motion, options_).covariance.inverse();
+    map->constraints.push_back(planar_constraint(keyframes_[i - 1].id, keyframes_[i].id, motion, information,
+                                                 ConstraintKind::odometry));
+  }
+  for (std::size_t i = 0; i < trajectory_.size(); ++i) {
+    const Keyframe& keyframe = keyframes_[static_cast<std::size_t>(keyframe_of_frame_[i])];
+    map->frames.push_back(
+        {trajectory_[i].stamp, keyframe.id, keyframe.world_from_camera.inverse() * trajectory_[i].world_from_body});
+  }
+  const TimeNs first = trajectory_.empty() ? 0 : trajectory_.front().stamp;
+  map->sessions.push_back({0, 0, "", first, last_stamp_.value_or(0), {true, 0.0, "wheel odometry and laser"}});
+  map->layers.put<LandmarkLayer>(landmarks());
+  if (!options_.grid || !scans_expected_) return map;
+  auto scans = std::make_shared<ScanLayer>();
+  scans->cell_m = options_.cell_m;
+  for (std::size_t i = 0; i < scans_.size(); ++i)
+    if (!scans_[i].empty()) scans->of[keyframes_[i].id] = std::make_shared<KeyframeScans>(scans_[i]);
+  if (!scans->of.empty()) map->layers.put<ScanLayer>(std::move(scans));
+  return map;
 }
 
 }  // namespace rastro

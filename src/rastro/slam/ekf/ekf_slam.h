@@ -6,7 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "rastro/map/grid/log_odds_grid.h"
+#include "rastro/map/landmarks/landmark_layer.h"
+#include "rastro/map/scans/scan_layer.h"
 #include "rastro/slam/ekf/association.h"
 #include "rastro/slam/ekf/filter.h"
 #include "rastro/slam/ekf/motion_model.h"
@@ -26,7 +27,7 @@ class EkfSlam : public Slam {
   SlamUpdate process(const Frame& frame) override;
   std::vector<SlamEvent> finish() override;
   Trajectory trajectory() const override { return trajectory_; }
-  std::shared_ptr<const Snapshot> snapshot() const override;
+  std::shared_ptr<const Map> snapshot() const override;
 
   const EkfFilter& filter() const { return filter_; }
 
@@ -43,7 +44,9 @@ class EkfSlam : public Slam {
   void confirm(std::size_t landmark, SlamUpdate& update);
   void forget_candidates();
   void keep(const Frame& frame, SlamUpdate& update);
+  void add_keyframe(const Frame& frame, const SE3& world_from_body);
   void say_pose(SlamUpdate& update) const;
+  std::shared_ptr<const LandmarkLayer> landmarks() const;
 
   EkfOptions options_;
   bool scans_expected_;
@@ -51,16 +54,17 @@ class EkfSlam : public Slam {
   std::vector<LandmarkRecord> records_;  ///< Of the filter's landmarks.
   std::int64_t confirmed_ = 0;           ///< Candidates that became landmarks.
   OdometryCheck odometry_check_;
-  LogOddsGrid grid_;
 
   std::optional<TimeNs> last_stamp_;
   std::optional<SE2> last_odometry_;  ///< Of the frame before this one; nothing where that had none.
   SE2 last_motion_;                   ///< The last that odometry told, over last_seconds_.
   double last_seconds_ = 0.0;
   double blind_m_ = 0.0;  ///< Way since a landmark was last recognised.
-  bool grid_used_ = false;
 
-  Trajectory trajectory_, keyframes_;
+  Trajectory trajectory_;
+  std::vector<KeyframeId> keyframe_of_frame_;  ///< One a frame of the trajectory.
+  std::vector<Keyframe> keyframes_;
+  std::vector<KeyframeScans> scans_;  ///< One a keyframe: of the frames up to the next, in its body frame.
 };
 
 }  // namespace rastro

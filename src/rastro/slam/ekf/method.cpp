@@ -16,7 +16,7 @@ class EkfMethod : public SlamMethod {
   }
   std::string needs() const override { return "wheel odometry, and 2D laser scans or landmark sightings"; }
   OptionTable options() override { return option_table(options_); }
-  std::unique_ptr<Slam> make(const SourceInfo& source, const SlamMeans&) const override {
+  std::unique_ptr<Slam> make(const SourceInfo& source, const SlamContext&) const override {
     if (!source.has_odometry) {
       throw Error("has no wheel odometry, which the method ekf needs", source.path,
                   "use --method hector, which does without");

@@ -27,17 +27,4 @@ std::vector<StampedPlanarPose> placed(const std::vector<PlacedScan>& scans, cons
   return poses;
 }
 
-OccupancyGrid render(const SubmapGraph& graph, const HectorOptions& options) {
-  LogOddsGrid grid(options.cell_m, {options.occupied_probability, options.free_probability});
-  for (std::size_t k = 0; k < graph.key_scans().size(); ++k) {
-    const ScanPoints& scan = graph.key_scans()[k].scan;
-    const SE2 world_from_body = graph.world_from_key_scan(k);
-    std::vector<Eigen::Vector2d> points;
-    points.reserve(scan.points.size());
-    for (const Eigen::Vector2d& point : scan.points) points.push_back(world_from_body * point);
-    grid.insert(world_from_body * scan.sensor, points);
-  }
-  return to_occupancy(grid.view());
-}
-
 }  // namespace rastro

@@ -5,9 +5,7 @@
 #include <vector>
 
 #include "rastro/base/time.h"
-#include "rastro/map/grid/occupancy_grid.h"
 #include "rastro/math/se2.h"
-#include "rastro/slam/hector/options.h"
 #include "rastro/slam/hector/submap_graph.h"
 
 namespace rastro {
@@ -26,8 +24,5 @@ struct StampedPlanarPose {
 
 /// Every scan in the world: between two key scans it goes with both, in proportion to time.
 std::vector<StampedPlanarPose> placed(const std::vector<PlacedScan>& scans, const SubmapGraph& graph);
-
-/// The map of all key scans where the graph has them now.
-OccupancyGrid render(const SubmapGraph& graph, const HectorOptions& options);
 
 }  // namespace rastro

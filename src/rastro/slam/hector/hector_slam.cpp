@@ -8,6 +8,8 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/stopwatch.h"
+#include "rastro/map/graph/planar.h"
+#include "rastro/map/scans/scan_layer.h"
 #include "rastro/slam/hector/final_map.h"
 #include "rastro/slam/hector/motion_guess.h"
 #include "rastro/slam/hector/scan_follower.h"
@@ -22,20 +24,6 @@ HectorOptions checked(HectorOptions options) {
   for (std::size_t i = 0; i < table.options().size(); ++i)
     table.set(table.options()[i].name, table.value_of(i), "hector options");
   return options;
-}
-
-SE3 in_space(const SE2& pose) {
-  const Eigen::Vector3d turn(0.0, 0.0, pose.rotation().angle());
-  return SE3(SO3::exp(turn), Eigen::Vector3d(pose.translation().x(), pose.translation().y(), 0.0));
-}
-
-Matrix6d in_space(const Eigen::Matrix3d& covariance) {
-  constexpr int place[] = {0, 1, 5};
-  Matrix6d full = Matrix6d::Zero();
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) full(place[i], place[j]) = covariance(i, j);
-  }
-  return full;
 }
 
 /// Covariance of (x, y, angle) in axes turned by `rotation`.
@@ -55,7 +43,7 @@ class HectorSlam::State {
   SlamUpdate process(const Frame& frame);
   std::vector<SlamEvent> finish();
   Trajectory trajectory() const;
-  std::shared_ptr<const Snapshot> snapshot() const;
+  std::shared_ptr<const Map> snapshot() const;
 
  private:
   void follow(const Frame& frame, const ScanPoints& scan, SlamUpdate& update);
@@ -113,7 +101,7 @@ SlamUpdate HectorSlam::State::process(const Frame& frame) {
 void HectorSlam::State::start(const Frame& frame, const ScanPoints& scan, SlamUpdate& update) {
   const SE2 pose = guess_.guess(frame.stamp, frame.odometry_from_body).local_from_body;
   graph_.add_submap(pose);
-  graph_.add_key_scan({frame.stamp, scan, pose, 0.0}, Eigen::Matrix3d::Zero());
+  graph_.add_key_scan({frame.index, frame.stamp, scan, pose, 0.0}, Eigen::Matrix3d::Zero());
   ++revision_;
   update.state = SlamState::tracking;
   update.reason = SlamReason::first_frame;
@@ -207,7 +195,7 @@ bool HectorSlam::State::moved_enough() const {
 void HectorSlam::State::extend_map(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed,
                                    SlamUpdate& update) {
   if (!moved_enough()) return;
-  KeyScan key_scan{frame.stamp, scan, followed.local_from_body, path_m_};
+  KeyScan key_scan{frame.index, frame.stamp, scan, followed.local_from_body, path_m_};
   if (followed.unseen_direction)
     key_scan.unseen_direction = followed.local_from_body.rotation().inverse() * *followed.unseen_direction;
   const std::size_t key = graph_.add_key_scan(std::move(key_scan), with_unseen_way(followed));
@@ -269,19 +257,31 @@ Trajectory HectorSlam::State::trajectory() const {
   return trajectory;
 }
 
-std::shared_ptr<const Snapshot> HectorSlam::State::snapshot() const {
-  auto snapshot = std::make_shared<Snapshot>();
-  snapshot->revision = revision_;
-  snapshot->grid = std::make_shared<OccupancyGrid>(render(graph_, options_));
+std::shared_ptr<const Map> HectorSlam::State::snapshot() const {
+  auto map = std::make_shared<Map>();
+  map->method = "hector";
+  map->revision = revision_;
+  auto scans = std::make_shared<ScanLayer>();
+  scans->cell_m = options_.cell_m;
+  scans->model = {options_.occupied_probability, options_.free_probability};
   for (std::size_t k = 0; k < graph_.key_scans().size(); ++k) {
-    snapshot->keyframes.push_back({graph_.key_scans()[k].stamp, in_space(graph_.world_from_key_scan(k))});
-    if (k > 0) snapshot->edges.push_back({k - 1, k, false});
+    const KeyScan& key_scan = graph_.key_scans()[k];
+    const auto id = static_cast<KeyframeId>(k);
+    map->keyframes.push_back({id, key_scan.frame, key_scan.stamp, 0, in_space(graph_.world_from_key_scan(k)), 0,
+                              id - 1, 1.0});
+    scans->of[id] = std::make_shared<KeyframeScans>(1, key_scan.scan);
   }
-  for (const ClosedLoop& loop : graph_.loops()) {
-    const auto& made_it = graph_.key_scans_of(loop.submap);
-    snapshot->edges.push_back({made_it[made_it.size() / 2], loop.key_scan, true});
+  map->layers.put<ScanLayer>(std::move(scans));
+  map->constraints = graph_.constraints();
+  const std::vector<StampedPlanarPose> poses = placed(scans_, graph_);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const std::size_t key = scans_[i].key_scan;
+    map->frames.push_back({poses[i].stamp, static_cast<KeyframeId>(key),
+                           in_space(graph_.world_from_key_scan(key).inverse() * poses[i].pose)});
   }
-  return snapshot;
+  const TimeNs first = scans_.empty() ? 0 : scans_.front().stamp, last = scans_.empty() ? 0 : scans_.back().stamp;
+  map->sessions.push_back({0, 0, "", first, last, {true, 0.0, "laser"}});
+  return map;
 }
 
 HectorSlam::HectorSlam(const HectorOptions& options, TaskPool* pool) : state_(std::make_unique<State>(options, pool)) {}
@@ -289,6 +289,6 @@ HectorSlam::~HectorSlam() = default;
 SlamUpdate HectorSlam::process(const Frame& frame) { return state_->process(frame); }
 std::vector<SlamEvent> HectorSlam::finish() { return state_->finish(); }
 Trajectory HectorSlam::trajectory() const { return state_->trajectory(); }
-std::shared_ptr<const Snapshot> HectorSlam::snapshot() const { return state_->snapshot(); }
+std::shared_ptr<const Map> HectorSlam::snapshot() const { return state_->snapshot(); }
 
 }  // namespace rastro

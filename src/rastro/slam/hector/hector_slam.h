@@ -19,7 +19,7 @@ class HectorSlam : public Slam {
   SlamUpdate process(const Frame& frame) override;
   std::vector<SlamEvent> finish() override;
   Trajectory trajectory() const override;
-  std::shared_ptr<const Snapshot> snapshot() const override;
+  std::shared_ptr<const Map> snapshot() const override;
 
  private:
   class State;

@@ -25,7 +25,7 @@ using testing::WalledDrive;
 struct Driven {
   std::vector<SlamUpdate> updates;
   Trajectory trajectory;
-  std::shared_ptr<const Snapshot> snapshot;
+  std::shared_ptr<const Map> snapshot;
 };
 
 Driven run(const std::vector<Frame>& frames, const HectorOptions& options, TaskPool* pool = nullptr) {

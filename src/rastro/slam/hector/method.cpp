@@ -14,10 +14,10 @@ class HectorMethod : public SlamMethod {
   std::string summary() const override { return "2D scan matching with loop closing, after Kohlbrecher et al. 2011"; }
   std::string needs() const override { return "2D laser scans; wheel odometry where there is any"; }
   OptionTable options() override { return option_table(options_); }
-  std::unique_ptr<Slam> make(const SourceInfo& source, const SlamMeans& means) const override {
+  std::unique_ptr<Slam> make(const SourceInfo& source, const SlamContext& context) const override {
     if (!source.has_scan)
       throw Error("holds no laser scans", source.path, "'rastro convert DATA --to scan' cuts them from depth images");
-    return std::make_unique<HectorSlam>(options_, means.pool);
+    return std::make_unique<HectorSlam>(options_, context.pool);
   }
 
  private:

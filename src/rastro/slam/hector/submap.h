@@ -10,6 +10,7 @@
 
 #include "rastro/base/time.h"
 #include "rastro/map/grid/log_odds_grid.h"
+#include "rastro/map/scans/scan_layer.h"
 #include "rastro/registration/correlative_search.h"
 #include "rastro/sensor/laser_scan.h"
 #include "rastro/slam/hector/options.h"
@@ -17,16 +18,14 @@
 namespace rastro {
 
 /// The returns of one scan in the body frame, and where the laser stood in it.
-struct ScanPoints {
-  Eigen::Vector2d sensor = Eigen::Vector2d::Zero();
-  std::vector<Eigen::Vector2d> points;
-};
+using ScanPoints = KeyframeScan;
 
 /// Those within the options' ranges.
 ScanPoints returns_of(const LaserScan& scan, const HectorOptions& options);
 
 /// A scan that went into the map.
 struct KeyScan {
+  std::int64_t frame = 0;  ///< Index in the recording.
   TimeNs stamp = 0;
   ScanPoints scan;
   SE2 local_from_body;                                             ///< As the matcher found it.

@@ -5,9 +5,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 
+#include "rastro/map/graph/planar.h"
 #include "rastro/registration/scan_to_map.h"
 
 namespace rastro {
@@ -105,6 +107,30 @@ double SubmapGraph::distance_to(std::size_t submap, const Eigen::Vector2d& world
   for (const std::size_t k : submaps_[submap]->key_scans())
     nearest = std::min(nearest, (world_from_key_scan(k).translation() - world).norm());
   return nearest;
+}
+
+std::vector<Constraint> SubmapGraph::constraints() const {
+  std::map<std::size_t, KeyframeId> key_scan_of;  // by pose
+  for (std::size_t k = 0; k < pose_of_key_scan_.size(); ++k)
+    key_scan_of[pose_of_key_scan_[k]] = static_cast<KeyframeId>(k);
+  const auto information = [](const PlanarEdge& edge) -> Eigen::Matrix3d {
+    return edge.root_information.transpose() * edge.root_information;
+  };
+  std::vector<Constraint> constraints;
+  for (const PlanarEdge& edge : ties_) {
+    const auto from = key_scan_of.find(edge.a), to = key_scan_of.find(edge.b);
+    if (from == key_scan_of.end() || to == key_scan_of.end()) continue;
+    constraints.push_back(
+        planar_constraint(from->second, to->second, edge.a_from_b, information(edge), ConstraintKind::odometry));
+  }
+  for (const ClosedLoop& loop : loops_) {
+    const std::size_t first = key_scans_of(loop.submap).front();
+    const SE2 first_from_submap = world_from_key_scan(first).inverse() * world_from_submap(loop.submap);
+    constraints.push_back(planar_constraint(static_cast<KeyframeId>(first), static_cast<KeyframeId>(loop.key_scan),
+                                            first_from_submap * loop.submap_from_body, information(edge_of(loop)),
+                                            ConstraintKind::loop));
+  }
+  return constraints;
 }
 
 /// Way for which nothing has tied the matcher to the submap or an older one: what may have drifted against it.

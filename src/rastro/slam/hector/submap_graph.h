@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rastro/base/task_pool.h"
+#include "rastro/map/graph/constraint.h"
 #include "rastro/optimize/planar_pose_graph.h"
 #include "rastro/slam/hector/options.h"
 #include "rastro/slam/hector/submap.h"
@@ -36,6 +37,8 @@ class SubmapGraph {
   const std::vector<KeyScan>& key_scans() const { return key_scans_; }
   const std::vector<std::size_t>& key_scans_of(std::size_t submap) const { return submaps_[submap]->key_scans(); }
   const std::vector<ClosedLoop>& loops() const { return loops_; }
+  /// Between key scans: from each to the next, and from the first one of a submap to one found again in it.
+  std::vector<Constraint> constraints() const;
   SE2 world_from_key_scan(std::size_t key_scan) const { return poses_[pose_of_key_scan_[key_scan]]; }
   SE2 world_from_submap(std::size_t submap) const { return poses_[pose_of_submap_[submap]]; }
   /// Where the newest key scan puts the matcher's frame.

@@ -81,7 +81,7 @@ void drop_outliers(MapGraph& graph, const BundleParts& parts) {
   for (const auto& [keyframe, landmark] : parts.outliers) {
     if (graph.has_keyframe(keyframe) && graph.has_landmark(landmark)) graph.remove_observation(keyframe, landmark);
   }
-  const std::size_t least = graph.sensor() == LandmarkSensor::mono ? 2 : 1;
+  const std::size_t least = graph.sensor() == CameraKind::mono ? 2 : 1;
   for (const std::int64_t id : parts.landmarks) {
     if (!graph.has_landmark(id)) continue;
     if (graph.landmark(id).observations.size() < least) {

@@ -17,7 +17,7 @@ int cell_of(float value, float least, int count) {
 
 }  // namespace
 
-FeatureFrame::FeatureFrame(std::shared_ptr<const LandmarkKeyframe> data, const Camera& camera, double baseline)
+FeatureFrame::FeatureFrame(std::shared_ptr<const ImageFeatures> data, const Camera& camera, double baseline)
     : data_(std::move(data)), fx_(camera.fx), fy_(camera.fy), cx_(camera.cx), cy_(camera.cy), baseline_(baseline) {
   const auto& keypoints = data_->features.keypoints;
   pixels_.reserve(keypoints.size());
@@ -36,7 +36,7 @@ FeatureFrame::FeatureFrame(std::shared_ptr<const LandmarkKeyframe> data, const C
 }
 
 std::shared_ptr<const FeatureFrame> FeatureFrame::with_id(std::int64_t id) const {
-  auto keyframe = std::make_shared<LandmarkKeyframe>(*data_);
+  auto keyframe = std::make_shared<ImageFeatures>(*data_);
   keyframe->id = id;
   auto copy = std::make_shared<FeatureFrame>(*this);
   copy->data_ = std::move(keyframe);

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "rastro/camera/camera.h"
-#include "rastro/map/landmark/landmark_map.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 
 namespace rastro {
 
@@ -16,13 +17,13 @@ namespace rastro {
 class FeatureFrame {
  public:
   /// Features whose distortion cannot be undone get NaN and are never found.
-  FeatureFrame(std::shared_ptr<const LandmarkKeyframe> data, const Camera& camera, double baseline);
+  FeatureFrame(std::shared_ptr<const ImageFeatures> data, const Camera& camera, double baseline);
 
   /// The same as a keyframe.
   std::shared_ptr<const FeatureFrame> with_id(std::int64_t id) const;
 
-  const LandmarkKeyframe& data() const { return *data_; }
-  const std::shared_ptr<const LandmarkKeyframe>& shared_data() const { return data_; }
+  const ImageFeatures& data() const { return *data_; }
+  const std::shared_ptr<const ImageFeatures>& shared_data() const { return data_; }
   std::size_t size() const { return pixels_.size(); }
   const Eigen::Vector2f& pixel(std::size_t feature) const { return pixels_[feature]; }
   /// x of the feature in the (ideal) right camera, from stereo or from depth; NaN: unknown.
@@ -44,7 +45,7 @@ class FeatureFrame {
  private:
   void build_grid(const Camera& camera);
 
-  std::shared_ptr<const LandmarkKeyframe> data_;
+  std::shared_ptr<const ImageFeatures> data_;
   double fx_, fy_, cx_, cy_, baseline_;
   std::vector<Eigen::Vector2f> pixels_;
   std::vector<float> right_;

@@ -49,7 +49,7 @@ class PointWorld {
   /// Features are in another order in each frame.
   Look look(std::int64_t id, const SE3& camera_from_world, const LookOptions& options = {}) const {
     Random random(options.seed);
-    auto data = std::make_shared<LandmarkKeyframe>();
+    auto data = std::make_shared<ImageFeatures>();
     data->id = data->frame = id;
     data->stamp = 100000000 * (id + 1);
     Look look;
@@ -92,7 +92,7 @@ class PointWorld {
 /// A map of a PointWorld: where the landmarks are that its keyframes see, exactly.
 class ExactMap {
  public:
-  ExactMap(const PointWorld& world, LandmarkSensor sensor, double baseline)
+  ExactMap(const PointWorld& world, CameraKind sensor, double baseline)
       : graph(world.camera, sensor, baseline, OrbOptions{}), landmark_of(world.points.size(), -1), world_(world) {}
 
   /// A keyframe that sees all landmarks of its points; those that have none get one.

@@ -15,7 +15,7 @@ constexpr double least_depth = 1e-6;
 
 }  // namespace
 
-FrameTracker::FrameTracker(const OrbSlamOptions& options, const Camera& camera, LandmarkSensor sensor, double baseline)
+FrameTracker::FrameTracker(const OrbSlamOptions& options, const Camera& camera, CameraKind sensor, double baseline)
     : options_(options),
       camera_(camera),
       sensor_(sensor),

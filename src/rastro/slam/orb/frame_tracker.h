@@ -48,7 +48,7 @@ struct TrackResult {
 /// around (Mur-Artal et al. 2015, section V). A value: a copy goes its own way.
 class FrameTracker {
  public:
-  FrameTracker(const OrbSlamOptions& options, const Camera& camera, LandmarkSensor sensor, double baseline);
+  FrameTracker(const OrbSlamOptions& options, const Camera& camera, CameraKind sensor, double baseline);
 
   /// A newer view; the last pose moves with the map.
   void set_view(std::shared_ptr<const MapView> view);
@@ -100,7 +100,7 @@ class FrameTracker {
 
   OrbSlamOptions options_;
   Camera camera_;
-  LandmarkSensor sensor_;
+  CameraKind sensor_;
   double baseline_;
   std::vector<double> level_scales_;
   std::shared_ptr<const MapView> view_;

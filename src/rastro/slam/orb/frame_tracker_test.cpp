@@ -18,7 +18,7 @@ using testing::LookOptions;
 using testing::PointWorld;
 using testing::pose_near;
 
-double baseline_of(LandmarkSensor sensor) { return sensor == LandmarkSensor::mono ? 0.0 : 0.1; }
+double baseline_of(CameraKind sensor) { return sensor == CameraKind::mono ? 0.0 : 0.1; }
 
 SE3 at(double x) { return SE3(SO3(), {-x, 0.0, 0.0}); }
 
@@ -29,7 +29,7 @@ SE3 upside_down() { return SE3(SO3::exp({0.05, 0.03, 3.0}), {-0.2, 0.1, 0.1}); }
 
 /// A map of two keyframes and a tracker that stands in the second.
 struct TrackingBench {
-  explicit TrackingBench(LandmarkSensor sensor = LandmarkSensor::mono, int points = 300)
+  explicit TrackingBench(CameraKind sensor = CameraKind::mono, int points = 300)
       : world(points, 5),
         map(world, sensor, baseline_of(sensor)),
         tracker({}, world.camera, sensor, baseline_of(sensor)) {
@@ -57,7 +57,7 @@ std::size_t wrong_points(const TrackingBench& bench, const TrackResult& result, 
   return wrong;
 }
 
-class FrameTrackerTest : public ::testing::TestWithParam<LandmarkSensor> {};
+class FrameTrackerTest : public ::testing::TestWithParam<CameraKind> {};
 
 TEST_P(FrameTrackerTest, FindsThePoseAndTheLandmarksOfAnExactFrame) {
   TrackingBench bench(GetParam());
@@ -113,7 +113,7 @@ TEST_P(FrameTrackerTest, CovarianceIsAsLargeAsTheSpreadOfPoses) {
   const Vector6d ratio = squares.cwiseQuotient(variances);
   EXPECT_GT(ratio.minCoeff(), 0.5);
   EXPECT_LT(ratio.maxCoeff(), 1.9);
-  const double rows = GetParam() == LandmarkSensor::mono ? 2.0 : 3.0;
+  const double rows = GetParam() == CameraKind::mono ? 2.0 : 3.0;
   EXPECT_NEAR(fit, 0.9 * rows, 0.25) << "squares of one sigma each, less those taken for outliers";
 }
 
@@ -178,14 +178,14 @@ TEST_P(FrameTrackerTest, FollowedLandmarksTakeThePlaceOfTheSearch) {
   EXPECT_THAT(result.camera_from_world, pose_near(turned, 2e-4, 2e-5));
 }
 
-INSTANTIATE_TEST_SUITE_P(Sensors, FrameTrackerTest, ::testing::Values(LandmarkSensor::mono, LandmarkSensor::rgbd));
+INSTANTIATE_TEST_SUITE_P(Sensors, FrameTrackerTest, ::testing::Values(CameraKind::mono, CameraKind::depth));
 
 TEST(FrameTracker, TheReferenceIsTheKeyframeThatSharesMost) {
   const PointWorld world(300, 5);
-  ExactMap map(world, LandmarkSensor::mono, 0.0);
+  ExactMap map(world, CameraKind::mono, 0.0);
   map.add(0, at(0.0), {.from = 0, .to = 200});
   map.add(1, at(0.1), {.from = 100, .to = 300});
-  FrameTracker tracker({}, world.camera, LandmarkSensor::mono, 0.0);
+  FrameTracker tracker({}, world.camera, CameraKind::mono, 0.0);
   tracker.set_view(view_of(map.graph, 1, {}));
   const Look left = world.look(7, at(0.1), {.from = 0, .to = 140});
   EXPECT_EQ(tracker.track_from(left.frame, at(0.1)).reference, 0);
@@ -219,9 +219,9 @@ std::vector<std::uint32_t> all_features(const FeatureFrame& frame) {
 }
 
 TEST(FrameTracker, PointsOfAKeyframeTheMapDoesNotKnowYetAreTracked) {
-  TrackingBench bench(LandmarkSensor::rgbd);
+  TrackingBench bench(CameraKind::depth);
   // Half of the points are in the map; a fresh keyframe brings the rest, with its depths.
-  ExactMap half(bench.world, LandmarkSensor::rgbd, 0.1);
+  ExactMap half(bench.world, CameraKind::depth, 0.1);
   half.add(0, at(0.0), {.from = 0, .to = 150});
   bench.tracker.set_view(view_of(half.graph, 0, {}));
   const Look fresh = bench.look(5, at(0.3), {.from = 150});

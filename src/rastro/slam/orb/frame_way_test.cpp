@@ -32,8 +32,8 @@ PlacedFrame placed(const MapGraph& graph, std::int64_t index, std::int64_t keyfr
 
 /// A map of two keyframes and a way past them.
 struct WayBench {
-  explicit WayBench(LandmarkSensor sensor = LandmarkSensor::mono)
-      : map(world, sensor, sensor == LandmarkSensor::mono ? 0.0 : 0.1) {
+  explicit WayBench(CameraKind sensor = CameraKind::mono)
+      : map(world, sensor, sensor == CameraKind::mono ? 0.0 : 0.1) {
     map.add(0, world_from_way(0.0).inverse());
     map.add(1, world_from_way(1.0).inverse());
   }
@@ -152,7 +152,7 @@ TEST(FrameWay, OfSubmapsOfOneSizeTheFirstIsTheLargest) {
 }
 
 TEST(FrameWay, SettlingPutsAFrameWhereItsLandmarksSay) {
-  for (const LandmarkSensor sensor : {LandmarkSensor::mono, LandmarkSensor::rgbd}) {
+  for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
     WayBench bench(sensor);
     bench.way.add(bench.seeing(1, 1, world_from_way(0.4), some_error));
     const auto pose = [&]() -> SE3 { return bench.way.trajectory(bench.map.graph, 0)[0].world_from_body; };

@@ -96,7 +96,7 @@ int LocalMapper::triangulate_with(std::int64_t keyframe, std::int64_t neighbour)
   const MapKeyframe& second = graph_.keyframe(neighbour);
   const SE3 second_from_first = second.camera_from_world * first.camera_from_world.inverse();
   const double baseline = second_from_first.translation().norm();
-  const bool mono = graph_.sensor() == LandmarkSensor::mono;
+  const bool mono = graph_.sensor() == CameraKind::mono;
   if (mono ? baseline < 0.01 * median_depth(second) : baseline < graph_.baseline()) return 0;
   const FreeFeatures of_first = free_features(graph_, first, options_.epipolar_chi2, options_.pixel_sigma);
   const FreeFeatures of_second = free_features(graph_, second, options_.epipolar_chi2, options_.pixel_sigma);

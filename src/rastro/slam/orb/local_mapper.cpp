@@ -87,7 +87,7 @@ void LocalMapper::insert(const KeyframeInput& input) {
 }
 
 void LocalMapper::add_depth_landmarks(std::int64_t keyframe) {
-  if (graph_.sensor() == LandmarkSensor::mono) return;
+  if (graph_.sensor() == CameraKind::mono) return;
   const MapKeyframe& seer = graph_.keyframe(keyframe);
   const double far = options_.far_baselines * graph_.baseline();
   const SE3 world_from_camera = seer.camera_from_world.inverse();
@@ -102,7 +102,7 @@ void LocalMapper::add_depth_landmarks(std::int64_t keyframe) {
 }
 
 void LocalMapper::cull_landmarks(std::int64_t keyframe) {
-  const std::size_t least = graph_.sensor() == LandmarkSensor::mono ? 3 : 2;
+  const std::size_t least = graph_.sensor() == CameraKind::mono ? 3 : 2;
   std::vector<std::int64_t> still_recent;
   for (const std::int64_t id : recent_) {
     if (!graph_.has_landmark(id)) continue;
@@ -190,7 +190,7 @@ bool LocalMapper::is_redundant(const MapKeyframe& keyframe) const {
   const double far = options_.far_baselines * graph_.baseline();
   for (std::size_t i = 0; i < keyframe.landmarks.size(); ++i) {
     if (keyframe.landmarks[i] < 0) continue;
-    if (graph_.sensor() != LandmarkSensor::mono && !(static_cast<double>(keyframe.frame->data().depths[i]) <= far))
+    if (graph_.sensor() != CameraKind::mono && !(static_cast<double>(keyframe.frame->data().depths[i]) <= far))
       continue;
     const MapLandmark& landmark = graph_.landmark(keyframe.landmarks[i]);
     ++solid;
@@ -210,7 +210,7 @@ void LocalMapper::cull_keyframes(std::int64_t keyframe) {
     if (!graph_.has_keyframe(n.id)) continue;
     const MapKeyframe& candidate = graph_.keyframe(n.id);
     if (candidate.parent < 0 || candidate.id + 2 > keyframe) continue;
-    const bool tied = std::any_of(graph_.ties().begin(), graph_.ties().end(), [&](const LandmarkTie& tie) {
+    const bool tied = std::any_of(graph_.ties().begin(), graph_.ties().end(), [&](const Constraint& tie) {
       return tie.from == candidate.id || tie.to == candidate.id;
     });
     if (!tied && is_redundant(candidate)) graph_.remove_keyframe(candidate.id);

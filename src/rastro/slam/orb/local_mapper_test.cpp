@@ -20,10 +20,10 @@ SE3 stop(int k) { return SE3(SO3::exp({0.0, 0.01 * k, 0.005 * k}), {-0.3 * k, 0.
 
 /// A map with the truth beside it: every landmark must be at the point that its features show.
 struct MappingBench {
-  explicit MappingBench(LandmarkSensor sensor, const OrbSlamOptions& changed = {})
+  explicit MappingBench(CameraKind sensor, const OrbSlamOptions& changed = {})
       : options(changed),
         world(200, 11),
-        map(world, sensor, sensor == LandmarkSensor::mono ? 0.0 : 0.1),
+        map(world, sensor, sensor == CameraKind::mono ? 0.0 : 0.1),
         mapper(options, map.graph, nullptr) {}
 
   Look look(std::int64_t id, const SE3& camera_from_world, LookOptions how = {}) {
@@ -112,7 +112,7 @@ std::vector<std::int64_t> start_exactly(MappingBench& bench) {
 }
 
 TEST(LocalMapper, AStartIsAdjustedAndScaledToAMedianDepthOfOne) {
-  MappingBench bench(LandmarkSensor::mono);
+  MappingBench bench(CameraKind::mono);
   MappingStart start(bench, 0.02);
   start.points[3] = std::nullopt;
   const SE3 rough = SE3(SO3::exp({0.002, -0.001, 0.002}), {0.01, 0.005, -0.01}) * stop(1);
@@ -132,7 +132,7 @@ TEST(LocalMapper, AStartIsAdjustedAndScaledToAMedianDepthOfOne) {
 }
 
 TEST(LocalMapper, AStartOfWhichTooLittleIsLeftLeavesNothing) {
-  MappingBench bench(LandmarkSensor::mono);
+  MappingBench bench(CameraKind::mono);
   MappingStart start(bench, 0.0);
   for (std::size_t i = 49; i < start.points.size(); ++i) start.points[i] = std::nullopt;
   EXPECT_FALSE(bench.mapper.start(start.first.frame, start.second.frame, stop(1), start.pairs, start.points, 0));
@@ -143,7 +143,7 @@ TEST(LocalMapper, AStartOfWhichTooLittleIsLeftLeavesNothing) {
 TEST(LocalMapper, DepthStartsWithEveryPointThatIsNearEnough) {
   OrbSlamOptions options;
   options.far_baselines = 80.0;  // 8 m
-  MappingBench bench(LandmarkSensor::rgbd, options);
+  MappingBench bench(CameraKind::depth, options);
   const Look first = bench.look(0, SE3());
   bench.mapper.start(first.frame, 0);
   std::size_t near = 0;
@@ -155,7 +155,7 @@ TEST(LocalMapper, DepthStartsWithEveryPointThatIsNearEnough) {
 }
 
 TEST(LocalMapper, WhatTwoKeyframesSeeAnewIsTriangulated) {
-  for (const LandmarkSensor sensor : {LandmarkSensor::mono, LandmarkSensor::rgbd}) {
+  for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
     OrbSlamOptions options;
     options.far_baselines = 30.0;  // of points with depth, nothing is nearer than 3 m
     MappingBench bench(sensor, options);
@@ -176,7 +176,7 @@ TEST(LocalMapper, WhatTwoKeyframesSeeAnewIsTriangulated) {
 }
 
 TEST(LocalMapper, NothingIsTriangulatedFromOnePlace) {
-  MappingBench bench(LandmarkSensor::mono);
+  MappingBench bench(CameraKind::mono);
   const SE3 beside(SO3::exp({0.0, 0.02, 0.0}), {-0.02, 0.0, 0.0});
   bench.map.add(0, SE3());
   bench.map.add(1, beside);
@@ -187,7 +187,7 @@ TEST(LocalMapper, NothingIsTriangulatedFromOnePlace) {
 }
 
 TEST(LocalMapper, LandmarksThatAreSeldomFoundAreCulled) {
-  MappingBench bench(LandmarkSensor::mono, without_keyframe_culling());
+  MappingBench bench(CameraKind::mono, without_keyframe_culling());
   const std::vector<std::int64_t> ids = start_exactly(bench);
   // Found once when made; a quarter of the frames that should see it are enough.
   KeyframeInput input = bench.input(2, 1);
@@ -200,7 +200,7 @@ TEST(LocalMapper, LandmarksThatAreSeldomFoundAreCulled) {
 }
 
 TEST(LocalMapper, LandmarksThatTheSecondKeyframeAfterDoesNotSeeAreCulled) {
-  MappingBench bench(LandmarkSensor::mono, without_keyframe_culling());
+  MappingBench bench(CameraKind::mono, without_keyframe_culling());
   start_exactly(bench);
   bench.mapper.add(bench.input(2, 1, {.from = 0, .to = 150}));
   for (std::size_t point = 0; point < 200; ++point)
@@ -208,7 +208,7 @@ TEST(LocalMapper, LandmarksThatTheSecondKeyframeAfterDoesNotSeeAreCulled) {
 }
 
 TEST(LocalMapper, TwoLandmarksOfOnePointBecomeOne) {
-  for (const LandmarkSensor sensor : {LandmarkSensor::mono, LandmarkSensor::rgbd}) {
+  for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
     MappingBench bench(sensor, without_keyframe_culling());
     for (const int id : {0, 1}) bench.place(id);
     const std::vector<std::int64_t> old = bench.map.landmark_of;
@@ -233,9 +233,9 @@ TEST(LocalMapper, TwoLandmarksOfOnePointBecomeOne) {
 
 TEST(LocalMapper, AKeyframeThatShowsNothingThatOthersDoNotGoesUnlessALoopHangsOnIt) {
   for (const bool tied : {false, true}) {
-    MappingBench bench(LandmarkSensor::mono);
+    MappingBench bench(CameraKind::mono);
     for (int id = 0; id < 5; ++id) bench.place(id);
-    if (tied) bench.map.graph.ties() = {{1, 2, {}, 9}, {1, 3, {}, 9}};
+    if (tied) bench.map.graph.ties() = {{.from = 1, .to = 2, .inliers = 9}, {.from = 1, .to = 3, .inliers = 9}};
     bench.mapper.add(bench.input(5, 4));
     // The first holds the map, the last two may have more to tell.
     using Ids = std::vector<std::int64_t>;
@@ -245,7 +245,7 @@ TEST(LocalMapper, AKeyframeThatShowsNothingThatOthersDoNotGoesUnlessALoopHangsOn
 }
 
 TEST(LocalMapper, AdjustingTakesBackWhatDoesNotFit) {
-  MappingBench bench(LandmarkSensor::rgbd, without_keyframe_culling());
+  MappingBench bench(CameraKind::depth, without_keyframe_culling());
   for (int id = 0; id < 4; ++id) bench.place(id);
   bench.map.graph.make_root(1);
   bench.mapper.add(bench.input(4, 3, {.moved_share = 0.2}));
@@ -263,7 +263,7 @@ TEST(LocalMapper, AdjustingTakesBackWhatDoesNotFit) {
 }
 
 TEST(LocalMapper, AWholeSubmapIsAdjustedAboutItsRoot) {
-  MappingBench bench(LandmarkSensor::rgbd);
+  MappingBench bench(CameraKind::depth);
   for (int id = 0; id < 4; ++id) bench.place(id);
   MapGraph& graph = bench.map.graph;
   Random random(3);
@@ -278,7 +278,7 @@ TEST(LocalMapper, AWholeSubmapIsAdjustedAboutItsRoot) {
 }
 
 TEST(LocalMapper, AKeyframeHangsOnWhoSharesMostInTodaysUnit) {
-  MappingBench bench(LandmarkSensor::mono);
+  MappingBench bench(CameraKind::mono);
   bench.place(0, {.from = 0, .to = 150});
   bench.place(1, {.from = 0, .to = 50});
   // Nothing ties it to the map: it stays where it is put, in the unit of the reference.

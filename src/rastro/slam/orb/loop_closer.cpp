@@ -150,7 +150,7 @@ std::optional<PlaceFound> LoopCloser::verify(std::int64_t id, std::int64_t candi
   FeaturePairs features = match_by_words(*keyframe.frame, *keyframe.words, features_with_landmarks(keyframe),
                                          *matched.frame, *matched.words, features_with_landmarks(matched), limits);
   SimilarityOptions options;
-  options.fix_scale = graph_.sensor() != LandmarkSensor::mono;
+  options.fix_scale = graph_.sensor() != CameraKind::mono;
   options.seed = options_.seed;
   const auto first =
       estimate_similarity(landmark_pairs(graph_, keyframe, matched, features, options_.pixel_sigma), options);

@@ -20,12 +20,12 @@ constexpr double step = 2.0 * M_PI / 60.0;
 
 /// Map and closer over one world.
 struct Bench {
-  explicit Bench(LandmarkSensor sensor)
-      : graph(world.camera, sensor, sensor == LandmarkSensor::mono ? 0.0 : 0.1, OrbOptions{}),
+  explicit Bench(CameraKind sensor)
+      : graph(world.camera, sensor, sensor == CameraKind::mono ? 0.0 : 0.1, OrbOptions{}),
         places(graph, world.vocabulary()),
         closer(options, graph, places),
-        way(world, graph, sensor == LandmarkSensor::mono ? 0.004 : 0.006,
-            sensor == LandmarkSensor::mono ? 1.004 : 1.0) {}
+        way(world, graph, sensor == CameraKind::mono ? 0.004 : 0.006,
+            sensor == CameraKind::mono ? 1.004 : 1.0) {}
 
   /// Root mean square of the keyframes' distances from truth, best aligned.
   double error() const { return error(way); }
@@ -35,7 +35,7 @@ struct Bench {
       truth.push_back(made.centres[static_cast<std::size_t>(id)]);
       estimate.push_back(graph.keyframe(id).camera_from_world.inverse().translation());
     }
-    const bool mono = graph.sensor() == LandmarkSensor::mono;
+    const bool mono = graph.sensor() == CameraKind::mono;
     const auto aligned = align_points(truth, estimate, mono ? AlignmentKind::similarity : AlignmentKind::rigid);
     return aligned ? aligned->rmse : 0.0;  // Two keyframes lie on any other two.
   }
@@ -69,7 +69,7 @@ void expect_sound(const MapGraph& graph) {
   EXPECT_EQ(roots, 1);
 }
 
-class LoopCloserTest : public ::testing::TestWithParam<LandmarkSensor> {};
+class LoopCloserTest : public ::testing::TestWithParam<CameraKind> {};
 
 TEST_P(LoopCloserTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
   Bench bench(GetParam());
@@ -103,12 +103,12 @@ TEST_P(LoopCloserTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
     lengths.push_back(bench.way.scales[static_cast<std::size_t>(id)] * bench.graph.unit(id));
   const auto [least, most] = std::minmax_element(lengths.begin(), lengths.end());
   EXPECT_LT(*most / *least, 1.02);
-  EXPECT_TRUE(GetParam() == LandmarkSensor::mono || (*least == 1.0 && *most == 1.0));
+  EXPECT_TRUE(GetParam() == CameraKind::mono || (*least == 1.0 && *most == 1.0));
 }
 
 TEST_P(LoopCloserTest, JoinsASubmapOfAnotherUnitToTheOlderOne) {
   Bench bench(GetParam());
-  const bool mono = GetParam() == LandmarkSensor::mono;
+  const bool mono = GetParam() == CameraKind::mono;
   DriftingMapper exact(bench.world, bench.graph, 0.0, 1.0);
   exact.begin(0, SE3(), 1.0);
   for (int k = 0; k < 14; ++k) EXPECT_FALSE(bench.closer.consider(exact.add(k * step)));
@@ -124,11 +124,11 @@ TEST_P(LoopCloserTest, JoinsASubmapOfAnotherUnitToTheOlderOne) {
   EXPECT_LT(bench.error(exact), 0.02);
 }
 
-INSTANTIATE_TEST_SUITE_P(Sensors, LoopCloserTest, ::testing::Values(LandmarkSensor::mono, LandmarkSensor::rgbd));
+INSTANTIATE_TEST_SUITE_P(Sensors, LoopCloserTest, ::testing::Values(CameraKind::mono, CameraKind::depth));
 
 TEST(LoopCloser, SameInputSameBytes) {
   const auto run = [] {
-    Bench bench(LandmarkSensor::mono);
+    Bench bench(CameraKind::mono);
     bench.way.begin(0, SE3(), 1.0);
     bool closed = false;
     for (int k = 0; k < 68 && !closed; ++k) closed = bench.closer.consider(bench.way.add(k * step)).has_value();
@@ -143,7 +143,7 @@ TEST(LoopCloser, SameInputSameBytes) {
 }
 
 TEST(Relocaliser, FindsAFrameAnywhereInTheMapAndNoneElsewhere) {
-  for (const LandmarkSensor sensor : {LandmarkSensor::mono, LandmarkSensor::rgbd}) {
+  for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
     Bench bench(sensor);
     DriftingMapper exact(bench.world, bench.graph, 0.0, 1.0);
     exact.begin(0, RoundWorld::world_from_camera(0.0), 1.0);
@@ -164,7 +164,7 @@ TEST(Relocaliser, FindsAFrameAnywhereInTheMapAndNoneElsewhere) {
     EXPECT_FALSE(relocaliser.find(*elsewhere));
     RoundWorld other(9);
     EXPECT_FALSE(relocaliser.find(*other.frame(102, RoundWorld::world_from_camera(0.5), 0.0, seen)));
-    EXPECT_FALSE(relocaliser.find(FeatureFrame(std::make_shared<LandmarkKeyframe>(), bench.world.camera, 0.0)));
+    EXPECT_FALSE(relocaliser.find(FeatureFrame(std::make_shared<ImageFeatures>(), bench.world.camera, 0.0)));
   }
 }
 

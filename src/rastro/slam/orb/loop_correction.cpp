@@ -79,7 +79,7 @@ class LoopWithin {
     std::vector<std::uint8_t> fixed(ids_.size(), 0);
     fixed[held()] = 1;
     SimilarityGraphOptions graph_options;
-    graph_options.fix_scale = graph_.sensor() != LandmarkSensor::mono;
+    graph_options.fix_scale = graph_.sensor() != CameraKind::mono;
     optimize_similarity_graph(after, edges_, fixed, graph_options);
     take_over(after);
     return fused;
@@ -117,7 +117,7 @@ class LoopWithin {
           add_edge(id, n.id, relative(id, n.id));
       }
     }
-    for (const LandmarkTie& tie : graph_.ties()) {
+    for (const Constraint& tie : graph_.ties()) {
       if (graph_.keyframe(tie.from).submap == submap_ && graph_.keyframe(tie.to).submap == submap_)
         add_edge(tie.from, tie.to, relative(tie.from, tie.to));
     }
@@ -241,7 +241,11 @@ LoopResult correct_map(MapGraph& graph, const OrbSlamOptions& options, const Pla
   }
   const SE3 keyframe_from_matched =
       keyframe.camera_from_world * graph.keyframe(place.matched).camera_from_world.inverse();
-  graph.ties().push_back({place.keyframe, place.matched, Sim3(keyframe_from_matched), place.inliers});
+  graph.ties().push_back({.from = place.keyframe,
+                          .to = place.matched,
+                          .from_from_to = Sim3(keyframe_from_matched),
+                          .kind = ConstraintKind::loop,
+                          .inliers = place.inliers});
   if (!result.joined) result.moved = (keyframe.camera_from_world.inverse().translation() - centre).norm();
   return result;
 }

@@ -28,7 +28,7 @@ SE3 scaled(const SE3& pose, double factor) { return {pose.rotation(), factor * p
 
 }  // namespace
 
-MapGraph::MapGraph(const Camera& camera, LandmarkSensor sensor, double baseline, const OrbOptions& features)
+MapGraph::MapGraph(const Camera& camera, CameraKind sensor, double baseline, const OrbOptions& features)
     : camera_(camera),
       sensor_(sensor),
       baseline_(baseline),
@@ -96,7 +96,7 @@ void MapGraph::remove_keyframe(std::int64_t id) {
   RASTRO_CHECK(gone.parent >= 0, "the root of a submap stays");
   const MapKeyframe& parent = keyframe(gone.parent);
   removed_[id] = {gone.parent, gone.camera_from_world * parent.camera_from_world.inverse(), parent.unit, gone.unit};
-  const std::size_t least = sensor_ == LandmarkSensor::mono ? 2 : 1;
+  const std::size_t least = sensor_ == CameraKind::mono ? 2 : 1;
   const std::vector<std::int64_t> seen = gone.landmarks;
   for (const std::int64_t landmark_id : seen) {
     if (landmark_id < 0) continue;
@@ -123,7 +123,7 @@ void MapGraph::remove_keyframe(std::int64_t id) {
     std::erase(left, best_child);
   }
   erase_sorted(keyframe(gone.parent).children, id);
-  std::erase_if(ties_, [&](const LandmarkTie& tie) { return tie.from == id || tie.to == id; });
+  std::erase_if(ties_, [&](const Constraint& tie) { return tie.from == id || tie.to == id; });
   keyframes_[static_cast<std::size_t>(id)].reset();
   --keyframe_count_;
 }

@@ -7,7 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "rastro/map/landmark/landmark_map.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/math/se3.h"
 #include "rastro/math/sim3.h"
 #include "rastro/slam/orb/feature_frame.h"
@@ -55,10 +56,10 @@ struct MapLandmark {
 /// Not for two threads at once.
 class MapGraph {
  public:
-  MapGraph(const Camera& camera, LandmarkSensor sensor, double baseline, const OrbOptions& features);
+  MapGraph(const Camera& camera, CameraKind sensor, double baseline, const OrbOptions& features);
 
   const Camera& camera() const { return camera_; }
-  LandmarkSensor sensor() const { return sensor_; }
+  CameraKind sensor() const { return sensor_; }
   double baseline() const { return baseline_; }  ///< Stereo and RGB-D (made up there); 0: mono.
   const OrbOptions& orb_options() const { return orb_options_; }
   const std::vector<double>& level_scales() const { return level_scales_; }
@@ -118,8 +119,8 @@ class MapGraph {
   std::vector<Neighbour> covisible(std::int64_t keyframe, int least, std::size_t count = 0) const;
   int shared(std::int64_t a, std::int64_t b) const;
 
-  std::vector<LandmarkTie>& ties() { return ties_; }
-  const std::vector<LandmarkTie>& ties() const { return ties_; }
+  std::vector<Constraint>& ties() { return ties_; }
+  const std::vector<Constraint>& ties() const { return ties_; }
   int submap_count() const { return submaps_; }
   int new_submap() { return submaps_++; }
   /// Submaps that were joined share the smallest number: what is `from` moves by `to_from_from` and becomes `to`; its
@@ -138,7 +139,7 @@ class MapGraph {
   void count(std::int64_t a, std::int64_t b, int change);
 
   Camera camera_;
-  LandmarkSensor sensor_;
+  CameraKind sensor_;
   double baseline_;
   OrbOptions orb_options_;
   std::vector<double> level_scales_;
@@ -147,7 +148,7 @@ class MapGraph {
   std::map<std::int64_t, Removed> removed_;
   std::map<std::int64_t, std::int64_t> fused_into_;
   std::size_t keyframe_count_ = 0, landmark_count_ = 0;
-  std::vector<LandmarkTie> ties_;
+  std::vector<Constraint> ties_;
   int submaps_ = 0;
 };
 

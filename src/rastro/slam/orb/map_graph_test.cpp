@@ -23,7 +23,7 @@ Camera small_camera() {
 }
 
 std::shared_ptr<const FeatureFrame> frame_with(std::int64_t id) {
-  auto data = std::make_shared<LandmarkKeyframe>();
+  auto data = std::make_shared<ImageFeatures>();
   data->id = data->frame = id;
   for (std::uint32_t i = 0; i < features; ++i)
     data->features.keypoints.push_back({static_cast<float>(10 * i), static_cast<float>(5 * i + 20), 31, 0, 1});
@@ -34,7 +34,7 @@ std::shared_ptr<const FeatureFrame> frame_with(std::int64_t id) {
 
 /// A chain of keyframes whose features see landmarks drawn at random.
 MapGraph random_graph(int keyframes, std::uint64_t seed) {
-  MapGraph graph(small_camera(), LandmarkSensor::mono, 0.0, {});
+  MapGraph graph(small_camera(), CameraKind::mono, 0.0, {});
   Random random(seed);
   for (int k = 0; k < keyframes; ++k)
     graph.add_keyframe(frame_with(k), SE3(SO3(), Eigen::Vector3d(-0.1 * k, 0.0, 0.0)), 0, k - 1);

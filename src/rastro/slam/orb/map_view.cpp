@@ -28,7 +28,7 @@ std::vector<std::int64_t> keyframes_around(const MapGraph& graph, std::int64_t c
 void add_keyframe(const MapGraph& graph, std::int64_t id, MapView& view) {
   const MapKeyframe& keyframe = graph.keyframe(id);
   // Where depth is seen, one keyframe makes a landmark.
-  const std::size_t depth = graph.sensor() == LandmarkSensor::mono ? 0 : 1;
+  const std::size_t depth = graph.sensor() == CameraKind::mono ? 0 : 1;
   const std::size_t least = (graph.keyframe_count() > 2 ? 3 : 2) - depth;
   int solid = 0;
   for (const std::int64_t landmark : keyframe.landmarks) {

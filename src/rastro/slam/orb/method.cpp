@@ -20,11 +20,11 @@ class OrbMethod : public SlamMethod {
   bool wants_right() const override { return options_.sensor == "auto" || options_.sensor == "stereo"; }
   bool can_localize() const override { return true; }
   bool can_extend() const override { return true; }
-  std::unique_ptr<Slam> make(const SourceInfo& source, const SlamMeans& means) const override {
+  std::unique_ptr<Slam> make(const SourceInfo& source, const SlamContext& context) const override {
     if (!source.has_image) throw Error("holds no images", source.path, "'--method orb' needs a recording of a camera");
     if (source.cameras.empty() || !source.cameras.front().camera)
       throw Error("has no calibration", source.path, "give one with --calibration FILE");
-    return std::make_unique<OrbSlam>(options_, source, means);
+    return std::make_unique<OrbSlam>(options_, source, context);
   }
 
  private:

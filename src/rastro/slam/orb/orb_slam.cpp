@@ -30,43 +30,43 @@ Matrix6d in_world_axes(const Matrix6d& covariance, const SE3& camera_from_world)
 
 }  // namespace
 
-OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, const SlamMeans& means)
-    : options_(options_for(options, source, means.landmark_map.get())),
+OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context)
+    : options_(options_for(options, source, context.map.get())),
       sensor_(choose_sensor(options_, source)),
       check_(options_.frame_check),
-      maker_(options_, sensor_, means.pool),
+      maker_(options_, sensor_, context.pool),
       graph_(sensor_.camera, sensor_.sensor, sensor_.baseline, orb_options(options_)),
-      adjusting_pool_(means.pool ? means.pool->threads() : 1, TaskPriority::low),
-      mapping_pool_(means.pool ? means.pool->threads() : 1, TaskPriority::low),
-      mapper_(options_, graph_, &mapping_pool_, means.stop),
+      adjusting_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
+      mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
+      mapper_(options_, graph_, &mapping_pool_, context.stop),
       places_(graph_, standard_vocabulary()),
       closer_(options_, graph_, places_),
       relocaliser_(options_, graph_, places_),
       tracker_(options_, sensor_.camera, sensor_.sensor, sensor_.baseline),
       initialiser_(options_, sensor_.camera),
-      archive_(means.archive),
-      stop_(means.stop),
-      background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1),
-      adjusting_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {
-  if (sensor_.rectification) rectifier_.emplace(sensor_.rectification, means.pool);
-  if (options_.frontend == "tracks") tracks_.emplace(options_, sensor_.camera, means.pool);
-  if (means.landmark_map) use_map(means);
+      archive_(context.archive),
+      stop_(context.stop),
+      background_(context.pipelined && context.pool != nullptr && context.pool->threads() > 1),
+      adjusting_(context.pipelined && context.pool != nullptr && context.pool->threads() > 1) {
+  if (sensor_.rectification) rectifier_.emplace(sensor_.rectification, context.pool);
+  if (options_.frontend == "tracks") tracks_.emplace(options_, sensor_.camera, context.pool);
+  if (context.map) use_map(context);
 }
 
-void OrbSlam::State::use_map(const SlamMeans& means) {
-  const LandmarkMap& map = *means.landmark_map;
-  check_map(map, sensor_, means.extend_map);
+void OrbSlam::State::use_map(const SlamContext& context) {
+  const Map& map = *context.map;
+  check_map(map, sensor_, context.extend_map);
   restore(map, sensor_.baseline, graph_);
   places_.update();
-  scale_ = map.scale;
-  maps_ = means.extend_map;
+  scale_ = scale_of(map);
+  maps_ = context.extend_map;
   exists_ = !map.keyframes.empty();
-  next_keyframe_ = map.keyframes.empty() ? 0 : map.keyframes.back()->id + 1;
+  next_keyframe_ = map.keyframes.empty() ? 0 : map.keyframes.back().id + 1;
 }
 
 void OrbSlam::State::keep_map() {
   if (archive_ != nullptr && maps_ && pending_.empty() && archive_->wants_map())
-    archive_->keep(landmark_map_of(graph_, way_, scale_));
+    archive_->keep(map_of(graph_, way_, scale_));
 }
 
 SlamUpdate OrbSlam::State::process(const Frame& frame) {
@@ -215,19 +215,19 @@ Trajectory OrbSlam::State::trajectory() const {
   return trajectory;
 }
 
-std::shared_ptr<const Snapshot> OrbSlam::State::snapshot() const {
+std::shared_ptr<const Map> OrbSlam::State::snapshot() const {
   wait_for_mapping();
-  return snapshot_of(graph_, way_, scale_);
+  return map_of(graph_, way_, scale_);
 }
 
-OrbSlam::OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamMeans& means)
-    : state_(std::make_unique<State>(options, source, means)) {}
+OrbSlam::OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context)
+    : state_(std::make_unique<State>(options, source, context)) {}
 
 OrbSlam::~OrbSlam() = default;
 SlamUpdate OrbSlam::process(const Frame& frame) { return state_->process(frame); }
 std::vector<SlamEvent> OrbSlam::finish() { return state_->finish(); }
 Trajectory OrbSlam::trajectory() const { return state_->trajectory(); }
 
-std::shared_ptr<const Snapshot> OrbSlam::snapshot() const { return state_->snapshot(); }
+std::shared_ptr<const Map> OrbSlam::snapshot() const { return state_->snapshot(); }
 
 }  // namespace rastro

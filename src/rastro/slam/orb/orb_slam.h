@@ -18,12 +18,12 @@ namespace rastro {
 class OrbSlam : public Slam {
  public:
   /// `source` must have a calibrated camera. Error for options out of range, and where it lacks what `sensor` names.
-  OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamMeans& means);
+  OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context);
   ~OrbSlam() override;
   SlamUpdate process(const Frame& frame) override;
   std::vector<SlamEvent> finish() override;
   Trajectory trajectory() const override;
-  std::shared_ptr<const Snapshot> snapshot() const override;
+  std::shared_ptr<const Map> snapshot() const override;
 
  private:
   class State;

@@ -43,7 +43,7 @@ bool OrbSlam::State::needs_keyframe(const FeatureFrame& frame, const TrackResult
   if (!pending_.empty() && !overdue) return false;
   const MapView& view = *tracker_.view();
   const auto& reference = view.keyframes[static_cast<std::size_t>(view.find_keyframe(tracked.reference))];
-  const bool mono = sensor_.sensor == LandmarkSensor::mono;
+  const bool mono = sensor_.sensor == CameraKind::mono;
   const double share = mono ? options_.keyframe_share : options_.keyframe_share_depth;
   if (tracked.inliers < share * reference.landmarks || (overdue && tracked.inliers < reference.landmarks)) return true;
   // Where depth is seen, new ground may come into view while the old is still tracked well.
@@ -53,7 +53,7 @@ bool OrbSlam::State::needs_keyframe(const FeatureFrame& frame, const TrackResult
 
 std::vector<std::uint32_t> OrbSlam::State::fresh_features(const FeatureFrame& frame, const TrackResult& tracked) const {
   std::vector<std::uint32_t> fresh;
-  if (sensor_.sensor == LandmarkSensor::mono) return fresh;
+  if (sensor_.sensor == CameraKind::mono) return fresh;
   std::vector<std::uint8_t> taken(frame.size(), 0);
   for (const TrackedPoint& point : tracked.points) taken[point.feature] = 1;
   const double far = options_.far_baselines * sensor_.baseline;

@@ -63,7 +63,7 @@ int OrbSlam::State::next_submap() const {
 }
 
 bool OrbSlam::State::begin(const FramePointer& frame, SlamUpdate& update) {
-  if (sensor_.sensor != LandmarkSensor::mono) return begin_from_depth(frame, update);
+  if (sensor_.sensor != CameraKind::mono) return begin_from_depth(frame, update);
   const auto start = initialiser_.add(frame);
   if (!exists_) update.reason = initialiser_.frames().size() < 2 ? SlamReason::first_frame : SlamReason::too_few_points;
   update.detail = initialiser_.detail();

@@ -30,12 +30,12 @@ namespace rastro {
 /// The method at work; orb_slam*.cpp each hold a part of it.
 class OrbSlam::State {
  public:
-  State(const OrbSlamOptions& options, const SourceInfo& source, const SlamMeans& means);
+  State(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context);
 
   SlamUpdate process(const Frame& frame);
   std::vector<SlamEvent> finish();
   Trajectory trajectory() const;
-  std::shared_ptr<const Snapshot> snapshot() const;
+  std::shared_ptr<const Map> snapshot() const;
 
  private:
   using FramePointer = std::shared_ptr<const FeatureFrame>;
@@ -60,7 +60,7 @@ class OrbSlam::State {
     std::shared_ptr<SubmapAdjustment> work;
   };
 
-  void use_map(const SlamMeans& means);
+  void use_map(const SlamContext& context);
   void keep_map();
   bool relocalise(const FramePointer& frame, SlamUpdate& update);
   void place_lost();

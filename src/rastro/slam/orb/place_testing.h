@@ -48,7 +48,7 @@ class RoundWorld {
   /// `scale`.
   std::shared_ptr<const FeatureFrame> frame(std::int64_t id, const SE3& world_from_camera, double baseline,
                                             std::vector<std::uint32_t>& seen) {
-    auto keyframe = std::make_shared<LandmarkKeyframe>();
+    auto keyframe = std::make_shared<ImageFeatures>();
     keyframe->id = keyframe->frame = id;
     keyframe->stamp = 100000000 * (id + 1);
     seen.clear();

@@ -34,17 +34,19 @@ float depth_at(const DepthImage& depth, const Camera& camera, const Keypoint& ke
 
 }  // namespace
 
-OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source, const LandmarkMap* map) {
+OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source, const Map* map) {
   OrbSlamOptions copy = options;
   OptionTable table = option_table(copy);
   for (std::size_t i = 0; i < table.options().size(); ++i)
     table.set(table.options()[i].name, table.value_of(i), "orb options");
   if (map != nullptr) {
-    options.features = map->features.features;
-    options.levels = map->features.levels;
-    options.scale_factor = map->features.scale_factor;
-    options.fast_threshold = map->features.fast_threshold;
-    options.least_fast_threshold = map->features.least_fast_threshold;
+    const auto layer = map->layer<FeatureLayer>();
+    const OrbOptions extraction = layer ? layer->extraction : OrbOptions{};
+    options.features = extraction.features;
+    options.levels = extraction.levels;
+    options.scale_factor = extraction.scale_factor;
+    options.fast_threshold = extraction.fast_threshold;
+    options.least_fast_threshold = extraction.least_fast_threshold;
   }
   if (options.features == 0) {
     const Camera& camera = *source.cameras.front().camera;
@@ -74,7 +76,7 @@ bool is_rectified(const SourceInfo& source) {
 
 /// Both cameras, rectified where they are not; with `auto` the left one alone where they cannot be.
 void choose_pair(const OrbSlamOptions& options, const SourceInfo& source, SensorChoice& choice) {
-  choice.sensor = LandmarkSensor::stereo;
+  choice.sensor = CameraKind::stereo;
   if (is_rectified(source)) {
     choice.baseline = source.left_from_right->translation().x();
     return;
@@ -93,7 +95,7 @@ void choose_pair(const OrbSlamOptions& options, const SourceInfo& source, Sensor
                                : "has pairs of pictures without calibration of both cameras and their places";
   if (options.sensor == "stereo") throw Error(why, source.path, "give '--calibration', or '--sensor mono'");
   log_warning(fmt::format("{} {}: the left camera alone is used", source.path, why));
-  choice.sensor = LandmarkSensor::mono;
+  choice.sensor = CameraKind::mono;
 }
 
 }  // namespace
@@ -110,7 +112,7 @@ SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& sour
   if (options.sensor == "stereo" && !source.has_right)
     throw Error("holds no pictures of a right camera", source.path, "'--sensor mono' works with one camera");
   if (options.sensor == "rgbd" || (options.sensor == "auto" && source.has_depth)) {
-    choice.sensor = LandmarkSensor::rgbd;
+    choice.sensor = CameraKind::depth;
     choice.baseline = options.virtual_baseline_m;
   } else if (options.sensor == "stereo" || (options.sensor == "auto" && source.has_right)) {
     choose_pair(options, source, choice);
@@ -148,10 +150,12 @@ Frame FrameRectifier::rectified(const Frame& frame) const {
   return made;
 }
 
-void check_map(const LandmarkMap& map, const SensorChoice& choice, bool extend) {
+void check_map(const Map& map, const SensorChoice& choice, bool extend) {
   if (map.method != "orb")
     throw Error("was made by method '" + map.method + "'", "--map", "give a map that 'orb' made");
-  if (map.sensor != choice.sensor && (extend || choice.sensor != LandmarkSensor::mono))
+  if (!map.layer<FeatureLayer>() || !map.layer<LandmarkLayer>() || map.cameras.empty())
+    throw Error("has no features, no landmarks or no camera", "--map", "give a map that 'orb' made");
+  if (map.cameras.front().kind != choice.sensor && (extend || choice.sensor != CameraKind::mono))
     throw Error("was made with other sensors than this run has", "--map",
                 "give --sensor as when it was made; --sensor mono finds its way in any map");
 }
@@ -160,12 +164,12 @@ FeatureMaker::FeatureMaker(const OrbSlamOptions& options, const SensorChoice& se
     : options_(options), sensor_(sensor), pool_(pool), extractor_(orb_options(options)) {}
 
 std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const SE3& depth_from_colour) {
-  auto data = std::make_shared<LandmarkKeyframe>();
+  auto data = std::make_shared<ImageFeatures>();
   data->id = -1;
   data->frame = frame.index;
   data->stamp = frame.stamp;
   data->features = extractor_.extract(frame.image.view(), frame.mask.view(), pool_);
-  if (sensor_.sensor == LandmarkSensor::rgbd) {
+  if (sensor_.sensor == CameraKind::depth) {
     data->depths.resize(data->features.size());
     const auto read = [&](int begin, int end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
@@ -174,7 +178,7 @@ std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const
     const auto count = static_cast<int>(data->features.size());
     pool_ != nullptr ? pool_->for_chunks(0, count, 64, read) : read(0, count);
   }
-  if (sensor_.sensor == LandmarkSensor::stereo) {
+  if (sensor_.sensor == CameraKind::stereo) {
     data->right_x.assign(data->features.size(), -1.0F);
     data->depths.assign(data->features.size(), 0.0F);
     if (!frame.right.empty())

@@ -15,7 +15,7 @@ namespace rastro {
 
 /// What a run works with.
 struct SensorChoice {
-  LandmarkSensor sensor = LandmarkSensor::mono;
+  CameraKind sensor = CameraKind::mono;
   Camera camera;
   double baseline = 0.0;  ///< Metres; that of a made-up right camera where depth is seen.
   /// Of a pair whose rows do not show the same; null: pictures are used as they are. Camera and baseline are those of
@@ -26,13 +26,13 @@ struct SensorChoice {
 };
 
 /// With what depends on the pictures, and on a map given (may be null), filled in. Error for options out of range.
-OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source, const LandmarkMap* map);
+OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source, const Map* map);
 OrbOptions orb_options(const OrbSlamOptions& options);
 /// All that the source has, or what `sensor` names; Error where the source lacks that.
 SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& source);
 
 /// Error where a run cannot use the map: one camera finds its way in any, but goes on only with its own kind.
-void check_map(const LandmarkMap& map, const SensorChoice& choice, bool extend);
+void check_map(const Map& map, const SensorChoice& choice, bool extend);
 
 /// Frames as a rectified pair has them.
 class FrameRectifier {

@@ -63,7 +63,7 @@ TEST(SensorChoice, APairThatIsNotRectifiedSeesDepthsAllTheSame) {
   const Camera camera = distorted();
   const OrbSlamOptions options = options_of("auto");
   const SensorChoice choice = choose_sensor(options, pair_of(camera, left_from_right()));
-  ASSERT_EQ(choice.sensor, LandmarkSensor::stereo);
+  ASSERT_EQ(choice.sensor, CameraKind::stereo);
   ASSERT_TRUE(choice.rectification);
   Frame frame;
   frame.image = picture_of_wall(camera, SE3());
@@ -85,7 +85,7 @@ TEST(SensorChoice, ARectifiedPairIsTakenAsItIs) {
   Camera camera = distorted();
   camera.distortion = Distortion::none;
   const SensorChoice choice = choose_sensor(options_of("stereo"), pair_of(camera, SE3(SO3(), {0.3, 0.0, 0.0})));
-  EXPECT_EQ(choice.sensor, LandmarkSensor::stereo);
+  EXPECT_EQ(choice.sensor, CameraKind::stereo);
   EXPECT_FALSE(choice.rectification);
   EXPECT_DOUBLE_EQ(choice.baseline, 0.3);
 }
@@ -95,7 +95,7 @@ TEST(SensorChoice, APairThatCannotBeUsedLeavesTheLeftCameraOrIsRefused) {
   uncalibrated.left_from_right.reset();
   const SourceInfo one_above_the_other = pair_of(distorted(), SE3(SO3(), {0.0, 0.3, 0.0}));
   for (const SourceInfo& source : {uncalibrated, one_above_the_other}) {
-    EXPECT_EQ(choose_sensor(options_of("auto"), source).sensor, LandmarkSensor::mono);
+    EXPECT_EQ(choose_sensor(options_of("auto"), source).sensor, CameraKind::mono);
     EXPECT_THROW(choose_sensor(options_of("stereo"), source), Error);
   }
 }

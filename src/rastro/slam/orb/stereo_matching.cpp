@@ -203,7 +203,7 @@ double most_difference(const std::vector<std::optional<Shift>>& shifts, double r
 }  // namespace
 
 void match_stereo(GreyView left, GreyView right, const Features& right_features, double focal_baseline,
-                  const OrbSlamOptions& options, TaskPool* pool, LandmarkKeyframe& keyframe) {
+                  const OrbSlamOptions& options, TaskPool* pool, ImageFeatures& keyframe) {
   const Features& features = keyframe.features;
   keyframe.right_x.assign(features.size(), -1.0F);
   keyframe.depths.assign(features.size(), 0.0F);

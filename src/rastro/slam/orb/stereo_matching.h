@@ -4,7 +4,8 @@
 #include "rastro/base/task_pool.h"
 #include "rastro/feature/orb.h"
 #include "rastro/image/image.h"
-#include "rastro/map/landmark/landmark_map.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/slam/orb/options.h"
 
 namespace rastro {
@@ -14,6 +15,6 @@ namespace rastro {
 /// fraction of a pixel (Mur-Artal and Tardos 2017, section III.A). `focal_baseline`: focal length in pixels times
 /// baseline. `pool` may be null; the result is the same with any.
 void match_stereo(GreyView left, GreyView right, const Features& right_features, double focal_baseline,
-                  const OrbSlamOptions& options, TaskPool* pool, LandmarkKeyframe& keyframe);
+                  const OrbSlamOptions& options, TaskPool* pool, ImageFeatures& keyframe);
 
 }  // namespace rastro

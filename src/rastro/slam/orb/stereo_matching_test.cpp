@@ -26,7 +26,7 @@ TEST(StereoMatching, DisparitiesAreKnownToATenthOfAPixel) {
   constexpr double disparity = 12.3, focal_baseline = 246.0;
   const GreyImage left = textured(0.0), right = textured(disparity);
   OrbExtractor extractor(OrbOptions{.features = 400});
-  LandmarkKeyframe keyframe;
+  ImageFeatures keyframe;
   keyframe.features = extractor.extract(left.view());
   ASSERT_GT(keyframe.features.size(), 100U);
   match_stereo(left.view(), right.view(), extractor.extract(right.view()), focal_baseline, {}, nullptr, keyframe);
@@ -45,7 +45,7 @@ TEST(StereoMatching, DisparitiesAreKnownToATenthOfAPixel) {
 TEST(StereoMatching, APictureOfAnotherSizeHasNoDepth) {
   const GreyImage left = textured(0.0);
   OrbExtractor extractor(OrbOptions{.features = 100});
-  LandmarkKeyframe keyframe;
+  ImageFeatures keyframe;
   keyframe.features = extractor.extract(left.view());
   match_stereo(left.view(), GreyImage(100, 100).view(), {}, 100.0, {}, nullptr, keyframe);
   for (const float depth : keyframe.depths) EXPECT_EQ(depth, 0.0F);

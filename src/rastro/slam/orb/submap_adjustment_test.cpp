@@ -45,7 +45,7 @@ struct TrueMap {
 
   Random random{5};
   RoundWorld world{2};
-  MapGraph graph{world.camera, LandmarkSensor::rgbd, 0.1, OrbOptions{}};
+  MapGraph graph{world.camera, CameraKind::depth, 0.1, OrbOptions{}};
   DriftingMapper way{world, graph, 0.0, 1.0};
 };
 

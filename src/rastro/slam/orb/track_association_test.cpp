@@ -54,7 +54,7 @@ Frame blank_picture(std::int64_t index) {
 /// A feature on every pixel of the picture, row by row.
 const FeatureFrame& feature_everywhere() {
   static const FeatureFrame frame = [] {
-    auto data = std::make_shared<LandmarkKeyframe>();
+    auto data = std::make_shared<ImageFeatures>();
     for (int y = 0; y < picture_height; ++y) {
       for (int x = 0; x < picture_width; ++x)
         data->features.keypoints.push_back({static_cast<float>(x), static_cast<float>(y), 31, 0, 1});

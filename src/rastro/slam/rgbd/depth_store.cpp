@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "rastro/map/keyframe/pack_pictures.h"
+#include "rastro/map/images/pack_images.h"
 
 namespace rastro {
 

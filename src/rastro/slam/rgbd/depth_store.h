@@ -6,7 +6,7 @@
 #include <memory>
 #include <mutex>
 
-#include "rastro/map/keyframe/rgbd_keyframe.h"
+#include "rastro/map/images/image_layer.h"
 #include "rastro/slam/rgbd/surface_check.h"
 
 namespace rastro {

@@ -89,8 +89,8 @@ KeyframeFeatures::KeyframeFeatures(const RgbdSlamOptions& options)
       extractor_(DescriptorExtractor::create(descriptor_kind(options.descriptor, "option descriptor"),
                                              extractor_options(options))) {}
 
-RgbdKeyframe KeyframeFeatures::extract(const Frame& frame) {
-  RgbdKeyframe keyframe;
+ImageFeatures KeyframeFeatures::extract(const Frame& frame) {
+  ImageFeatures keyframe;
   keyframe.frame = frame.index;
   keyframe.stamp = frame.stamp;
   keyframe.features =

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "rastro/feature/descriptor_extractor.h"
-#include "rastro/map/keyframe/rgbd_keyframe.h"
+#include "rastro/map/features/feature_layer.h"
 #include "rastro/sensor/frame.h"
 #include "rastro/slam/rgbd/options.h"
 
@@ -15,7 +15,7 @@ class KeyframeFeatures {
  public:
   explicit KeyframeFeatures(const RgbdSlamOptions& options);
   /// Strongest first; nothing where the mask is zero. Only features and depths of the result are set.
-  RgbdKeyframe extract(const Frame& frame);
+  ImageFeatures extract(const Frame& frame);
 
  private:
   RgbdSlamOptions options_;

@@ -34,7 +34,7 @@ PoseGraphOptions graph_options(const RgbdSlamOptions& options) {
 KeyframeGraph::KeyframeGraph(const RgbdSlamOptions& options, std::int64_t frozen)
     : options_(options), frozen_(frozen) {}
 
-void KeyframeGraph::add(std::shared_ptr<const RgbdKeyframe> keyframe, const KeyframePose& pose,
+void KeyframeGraph::add(std::shared_ptr<const ImageFeatures> keyframe, const KeyframePose& pose,
                         const Matrix6d& covariance) {
   RASTRO_CHECK(keyframe->id == size(), "keyframes are numbered as they come");
   keyframes_.push_back(std::move(keyframe));
@@ -44,7 +44,7 @@ void KeyframeGraph::add(std::shared_ptr<const RgbdKeyframe> keyframe, const Keyf
   edges_of_.emplace_back();
 }
 
-void KeyframeGraph::add_edge(const PoseEdge& edge) {
+void KeyframeGraph::add_edge(const Constraint& edge) {
   edges_of_[static_cast<std::size_t>(edge.from)].push_back(edges_.size());
   edges_of_[static_cast<std::size_t>(edge.to)].push_back(edges_.size());
   edges_.push_back(edge);
@@ -52,7 +52,7 @@ void KeyframeGraph::add_edge(const PoseEdge& edge) {
 
 void KeyframeGraph::forget_features(std::int64_t id) {
   auto& place = keyframes_[static_cast<std::size_t>(id)];
-  auto bare = std::make_shared<RgbdKeyframe>();
+  auto bare = std::make_shared<ImageFeatures>();
   bare->id = place->id;
   bare->frame = place->frame;
   bare->stamp = place->stamp;
@@ -146,10 +146,10 @@ std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& ran
   return chosen;
 }
 
-void KeyframeGraph::join(const PoseEdge& edge) {
+void KeyframeGraph::join(const Constraint& edge) {
   const int a = submap(edge.from), b = submap(edge.to);
   if (a == b) return;
-  const SE3 a_from_b = pose(edge.from) * edge.from_from_to * pose(edge.to).inverse();
+  const SE3 a_from_b = pose(edge.from) * edge.rigid() * pose(edge.to).inverse();
   const int kept = std::min(a, b), moved = std::max(a, b);
   const SE3 kept_from_moved = kept == a ? a_from_b : a_from_b.inverse();
   for (std::size_t k = 0; k < poses_.size(); ++k) {
@@ -176,13 +176,13 @@ void KeyframeGraph::settle_covariance(std::int64_t id) {
   double least = std::numeric_limits<double>::infinity();
   Matrix6d best = Matrix6d::Zero();
   for (const std::size_t e : edges_of_[static_cast<std::size_t>(id)]) {
-    const PoseEdge& edge = edges_[e];
+    const Constraint& edge = edges_[e];
     const bool forward = edge.to == id;
     const std::int64_t other = forward ? edge.from : edge.to;
     if (other > id || submap(other) != submap(id)) continue;
     const Matrix6d of_edge = edge.information.inverse();
     const Matrix6d to_right = pose(id).inverse().adjoint() * pose(other).adjoint();
-    const Matrix6d back = edge.from_from_to.adjoint();
+    const Matrix6d back = edge.rigid().adjoint();
     Matrix6d covariance = to_right * this->covariance(other) * to_right.transpose();
     covariance += forward ? of_edge : Matrix6d(back * of_edge * back.transpose());
     if (covariance.trace() >= least) continue;

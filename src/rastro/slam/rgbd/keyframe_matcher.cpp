@@ -60,7 +60,7 @@ SurfaceOptions surface_options(const RgbdSlamOptions& options) {
 KeyframeMatcher::KeyframeMatcher(const RgbdSlamOptions& options, const Camera& camera)
     : options_(options), camera_(camera), check_(camera, surface_options(options)) {}
 
-std::vector<PointTie> KeyframeMatcher::ties_of(const RgbdKeyframe& a, const RgbdKeyframe& b) const {
+std::vector<PointTie> KeyframeMatcher::ties_of(const ImageFeatures& a, const ImageFeatures& b) const {
   DescriptorMatchOptions matching;
   matching.max_ratio = options_.max_ratio;
   const float finest_a = finest_size(a.features), finest_b = finest_size(b.features);

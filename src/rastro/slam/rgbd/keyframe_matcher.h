@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "rastro/camera/camera.h"
-#include "rastro/map/keyframe/rgbd_keyframe.h"
+#include "rastro/map/features/feature_layer.h"
 #include "rastro/math/se3.h"
 #include "rastro/slam/rgbd/options.h"
 #include "rastro/slam/rgbd/point_ties.h"
@@ -17,14 +17,14 @@ namespace rastro {
 
 /// A keyframe and how to come by its depth, which may have to be read from a file.
 struct ViewOfKeyframe {
-  const RgbdKeyframe* keyframe = nullptr;
+  const ImageFeatures* keyframe = nullptr;
   std::function<std::shared_ptr<const KeyframeSurface>()> depth;
 };
 
 /// How two keyframes were found to stand to each other.
 struct KeyframeTie {
   SE3 a_from_b;
-  Matrix6d information = Matrix6d::Identity();  ///< As of PoseEdge, from a to b.
+  Matrix6d information = Matrix6d::Identity();  ///< As of Constraint, from a to b.
   int matches = 0, inliers = 0;
   SurfaceAgreement agreement;
 };
@@ -39,7 +39,7 @@ class KeyframeMatcher {
   std::optional<KeyframeTie> match(const ViewOfKeyframe& a, const ViewOfKeyframe& b, int min_inliers,
                                    std::uint64_t seed, const std::optional<SE3>& guess) const;
   const SurfaceCheck& surfaces() const { return check_; }
-  std::vector<PointTie> ties_of(const RgbdKeyframe& a, const RgbdKeyframe& b) const;
+  std::vector<PointTie> ties_of(const ImageFeatures& a, const ImageFeatures& b) const;
 
  private:
   RgbdSlamOptions options_;

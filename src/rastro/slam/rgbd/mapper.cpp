@@ -12,9 +12,9 @@ namespace {
 
 constexpr double bytes_per_mb = 1e6;
 
-std::size_t bytes_of(const RgbdKeyframe& keyframe) {
+std::size_t bytes_of(const ImageFeatures& keyframe) {
   const Features& features = keyframe.features;
-  return sizeof(RgbdKeyframe) + features.size() * (sizeof(Keypoint) + sizeof(float)) +
+  return sizeof(ImageFeatures) + features.size() * (sizeof(Keypoint) + sizeof(float)) +
          features.floats.size() * sizeof(float) + features.descriptors.size() * sizeof(Descriptor);
 }
 
@@ -36,40 +36,41 @@ Frame masked(const Frame& frame) {
   return result;
 }
 
-std::shared_ptr<const PictureStore> pictures_of(const SlamMeans& means,
+std::shared_ptr<const PictureStore> pictures_of(const SlamContext& context,
                                                 const std::shared_ptr<MemoryPictures>& in_memory) {
-  if (means.map) return means.map->pictures;
-  if (means.archive != nullptr) return means.archive->pictures();
+  if (context.map) return images_of(*context.map);
+  if (context.archive != nullptr) return context.archive->images();
   return in_memory;
 }
 
 }  // namespace
 
-Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamMeans& means)
+Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context)
     : options_(options),
       camera_(camera),
-      archive_(means.map ? nullptr : means.archive),
-      maps_(means.map == nullptr),
-      ceiling_bytes_(ceiling_of(options, means.max_memory_bytes)),
+      archive_(context.map ? nullptr : context.archive),
+      maps_(context.map == nullptr),
+      ceiling_bytes_(ceiling_of(options, context.max_memory_bytes)),
       in_memory_(std::make_shared<MemoryPictures>()),
-      pictures_(pictures_of(means, in_memory_)),
+      pictures_(pictures_of(context, in_memory_)),
       matcher_(options, camera),
       depths_(matcher_.surfaces(), pictures_),
       features_(options),
-      graph_(options, means.map ? static_cast<std::int64_t>(means.map->keyframes.size()) : 0) {
-  if (!means.map) return;
-  for (std::size_t k = 0; k < means.map->keyframes.size(); ++k)
-    graph_.add(means.map->keyframes[k], means.map->poses[k], Matrix6d::Zero());
-  for (const PoseEdge& edge : means.map->edges) graph_.add_edge(edge);
+      graph_(options, context.map ? static_cast<std::int64_t>(context.map->keyframes.size()) : 0) {
+  if (!context.map) return;
+  const auto features = context.map->layer<FeatureLayer>();
+  for (const Keyframe& keyframe : context.map->keyframes)
+    graph_.add(features->of.at(keyframe.id), {keyframe.world_from_camera, keyframe.submap}, Matrix6d::Zero());
+  for (const Constraint& edge : context.map->constraints) graph_.add_edge(edge);
 }
 
 MapRevision Mapper::add(const KeyframeOrder& order) {
   RASTRO_CHECK(order.id == graph_.size(), "keyframes come in their order");
   MapRevision revision;
-  RgbdKeyframe keyframe = features_.extract(order.frame);
+  ImageFeatures keyframe = features_.extract(order.frame);
   keyframe.id = order.id;
   keep(order, std::move(keyframe));
-  for (const PoseEdge& edge : order.ties) add_edge(edge, revision);
+  for (const Constraint& edge : order.ties) add_edge(edge, revision);
   graph_.settle_covariance(order.id);
   tie(order.id, revision);
   stay_below_ceiling(revision);
@@ -80,13 +81,13 @@ MapRevision Mapper::add(const KeyframeOrder& order) {
 }
 
 /// Where the tracker has it relative to what it is tied to, as the graph has moved since.
-void Mapper::keep(const KeyframeOrder& order, RgbdKeyframe keyframe) {
+void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
   KeyframePose pose{order.world_from_camera, order.submap};
   if (!order.ties.empty()) {
-    const PoseEdge& edge = order.ties.front();
-    pose = {graph_.pose(edge.from) * edge.from_from_to, graph_.submap(edge.from)};
+    const Constraint& edge = order.ties.front();
+    pose = {graph_.pose(edge.from) * edge.rigid(), graph_.submap(edge.from)};
   }
-  auto kept = std::make_shared<const RgbdKeyframe>(std::move(keyframe));
+  auto kept = std::make_shared<const ImageFeatures>(std::move(keyframe));
   const Frame shown = masked(order.frame);
   depths_.add(order.id, shown.depth);
   bytes_ += bytes_of(*kept);
@@ -94,19 +95,18 @@ void Mapper::keep(const KeyframeOrder& order, RgbdKeyframe keyframe) {
   if (!maps_) return;
   PackedPictures pictures = pack_pictures(shown);
   if (archive_ != nullptr) {
-    archive_->add_keyframe(*kept, pose, std::move(pictures));
+    archive_->add_images(order.id, std::move(pictures));
   } else {
     in_memory_->add(order.id, std::move(pictures));
   }
 }
 
-void Mapper::add_edge(const PoseEdge& edge, MapRevision& revision) {
+void Mapper::add_edge(const Constraint& edge, MapRevision& revision) {
   graph_.add_edge(edge);
   revision.new_edges.push_back(edge);
-  if (archive_ != nullptr) archive_->add_edge(edge);
 }
 
-std::optional<PoseEdge> Mapper::compare(std::int64_t other, std::int64_t id) {
+std::optional<Constraint> Mapper::compare(std::int64_t other, std::int64_t id) {
   const auto view = [this](std::int64_t k) {
     return ViewOfKeyframe{&graph_.keyframe(k), [this, k] { return depths_.depth(k); }};
   };
@@ -118,31 +118,31 @@ std::optional<PoseEdge> Mapper::compare(std::int64_t other, std::int64_t id) {
   const auto tie =
       matcher_.match(view(other), view(id), joins ? options_.relocalise_inliers : options_.min_inliers, seed, guess);
   if (!tie) return std::nullopt;
-  PoseEdge edge{other, id, tie->a_from_b, tie->information, PoseEdgeKind::near, 1.0};
+  Constraint edge{other, id, Sim3(tie->a_from_b), tie->information, ConstraintKind::proximity, 1.0, tie->inliers};
   if (joins) {
-    edge.kind = PoseEdgeKind::join;
+    edge.kind = ConstraintKind::merge;
   } else if (other < graph_.frozen() || graph_.steps_between(other, id, options_.loop_steps) >= options_.loop_steps) {
-    edge.kind = PoseEdgeKind::loop;
+    edge.kind = ConstraintKind::loop;
   }
   return edge;
 }
 
 void Mapper::tie(std::int64_t id, MapRevision& revision) {
   Random random(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)));
-  std::vector<PoseEdge> found;
+  std::vector<Constraint> found;
   for (const std::int64_t other : graph_.candidates(id, random)) {
     if (auto edge = compare(other, id)) found.push_back(*edge);
   }
   int loops = 0, joins = 0;
-  for (const PoseEdge& edge : found) {
-    if (edge.kind == PoseEdgeKind::join && maps_) {
+  for (const Constraint& edge : found) {
+    if (edge.kind == ConstraintKind::merge && maps_) {
       ++joins;
       revision.events.push_back(
           {"joined", fmt::format("submaps {} and {} by keyframes {} and {}", graph_.submap(edge.from),
                                  graph_.submap(edge.to), edge.from, edge.to)});
       graph_.join(edge);
     }
-    loops += edge.kind == PoseEdgeKind::loop ? 1 : 0;
+    loops += edge.kind == ConstraintKind::loop ? 1 : 0;
     add_edge(edge, revision);
   }
   if (found.empty() || id == 0) return;
@@ -155,7 +155,6 @@ void Mapper::tie(std::int64_t id, MapRevision& revision) {
   if (all)
     revision.events.push_back({"map_revised", fmt::format("{} keyframes, cost {:.1f} to {:.1f}", graph_.size(),
                                                           result.first_cost, result.last_cost)});
-  if (archive_ != nullptr && (all || id % options_.graph_window == 0)) archive_->set_poses(graph_.keyframe_poses());
 }
 
 /// By what the map is known to take, not by what the system says, which differs from run to run.
@@ -174,7 +173,7 @@ void Mapper::stay_below_ceiling(MapRevision& revision) {
 
 void Mapper::revise(MapRevision& revision) const {
   revision.poses = graph_.keyframe_poses();
-  for (const PoseEdge& edge : graph_.edges()) revision.weights.push_back(edge.weight);
+  for (const Constraint& edge : graph_.edges()) revision.weights.push_back(edge.weight);
 }
 
 MapRevision Mapper::settle() {
@@ -183,14 +182,9 @@ MapRevision Mapper::settle() {
     const PoseGraphResult result = graph_.optimize(true);
     revision.events.push_back({"map_revised", fmt::format("{} keyframes at the end, cost {:.1f} to {:.1f}",
                                                           graph_.size(), result.first_cost, result.last_cost)});
-    if (archive_ != nullptr) archive_->set_poses(graph_.keyframe_poses());
   }
   revise(revision);
   return revision;
-}
-
-void Mapper::archive_pose(const StampedPose& pose) {
-  if (archive_ != nullptr) archive_->add_pose(pose);
 }
 
 }  // namespace rastro

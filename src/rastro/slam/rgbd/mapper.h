@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "rastro/base/random.h"
-#include "rastro/map/keyframe/pack_pictures.h"
+#include "rastro/map/images/pack_images.h"
 #include "rastro/map/map_archive.h"
 #include "rastro/slam/rgbd/depth_store.h"
 #include "rastro/slam/rgbd/keyframe_features.h"
@@ -25,14 +25,14 @@ struct KeyframeOrder {
   Frame frame;                 ///< Picture, colour, depth and mask alone are read.
   SE3 world_from_camera;       ///< Where the tracker has it.
   int submap = 0;              ///< As far as the tracker knows.
-  std::vector<PoseEdge> ties;  ///< To this keyframe: by odometry, or by which it was found again.
+  std::vector<Constraint> ties;  ///< To this keyframe: by odometry, or by which it was found again.
 };
 
 /// What became of it, and of the map.
 struct MapRevision {
-  std::shared_ptr<const RgbdKeyframe> keyframe;
+  std::shared_ptr<const ImageFeatures> keyframe;
   std::vector<KeyframePose> poses;  ///< Of all keyframes up to this one.
-  std::vector<PoseEdge> new_edges;
+  std::vector<Constraint> new_edges;
   std::vector<double> weights;             ///< Of all edges up to these.
   Matrix6d covariance = Matrix6d::Zero();  ///< Of the keyframe's pose, see KeyframeGraph.
   std::vector<std::int64_t> forgotten;     ///< Keyframes that lost their features.
@@ -43,22 +43,20 @@ struct MapRevision {
 /// after the other; what it knows depends on its orders alone.
 class Mapper {
  public:
-  Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamMeans& means);
+  Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context);
   MapRevision add(const KeyframeOrder& order);
   /// All keyframes once more over all ties; the keyframe of the result stays null.
   MapRevision settle();
-  /// By any thread.
-  void archive_pose(const StampedPose& pose);
 
   const std::shared_ptr<const PictureStore>& pictures() const { return pictures_; }
   /// May be asked by any thread.
   DepthStore& depths() { return depths_; }
 
  private:
-  void keep(const KeyframeOrder& order, RgbdKeyframe keyframe);
+  void keep(const KeyframeOrder& order, ImageFeatures keyframe);
   void tie(std::int64_t id, MapRevision& revision);
-  std::optional<PoseEdge> compare(std::int64_t other, std::int64_t id);
-  void add_edge(const PoseEdge& edge, MapRevision& revision);
+  std::optional<Constraint> compare(std::int64_t other, std::int64_t id);
+  void add_edge(const Constraint& edge, MapRevision& revision);
   void stay_below_ceiling(MapRevision& revision);
   void revise(MapRevision& revision) const;
 

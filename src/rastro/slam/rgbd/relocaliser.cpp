@@ -25,15 +25,15 @@ std::vector<std::int64_t> Relocaliser::candidates(std::int64_t count, std::uint6
 }
 
 Relocaliser::Try Relocaliser::find(const Frame& frame,
-                                   const std::vector<std::shared_ptr<const RgbdKeyframe>>& keyframes,
+                                   const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes,
                                    std::uint64_t seed) {
   Try result;
   if (keyframes.empty()) return result;
-  const RgbdKeyframe seen = features_.extract(frame);
+  const ImageFeatures seen = features_.extract(frame);
   result.features = static_cast<int>(seen.features.size());
   const auto grid = std::make_shared<const KeyframeSurface>(matcher_.surfaces().surface_of(frame.depth));
   for (const std::int64_t id : candidates(static_cast<std::int64_t>(keyframes.size()), seed)) {
-    const RgbdKeyframe& keyframe = *keyframes[static_cast<std::size_t>(id)];
+    const ImageFeatures& keyframe = *keyframes[static_cast<std::size_t>(id)];
     if (keyframe.features.size() == 0) continue;
     ++result.compared;
     const auto tie =

@@ -26,7 +26,7 @@ class Relocaliser {
     std::optional<Found> found;  ///< The one with most inliers.
     int features = 0, compared = 0;
   };
-  Try find(const Frame& frame, const std::vector<std::shared_ptr<const RgbdKeyframe>>& keyframes, std::uint64_t seed);
+  Try find(const Frame& frame, const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes, std::uint64_t seed);
 
  private:
   std::vector<std::int64_t> candidates(std::int64_t count, std::uint64_t seed);

@@ -80,14 +80,13 @@ Matrix6d in_world_axes(const Matrix6d& covariance, const SE3& pose) {
   return 0.5 * (turned + turned.transpose());
 }
 
-RgbdMap base_map(const RgbdSlamOptions& options, const Camera& camera,
-                 const std::shared_ptr<const PictureStore>& pictures) {
-  RgbdMap map;
+/// What every map of a run shares.
+Map base_map(const RgbdSlamOptions& options, const Camera& camera) {
+  Map map;
   map.method = "rgbd";
-  map.camera = camera;
-  map.pictures = pictures;
-  map.depth_sigma_m = options.follow.depth_sigma_m;
-  map.depth_sigma_per_m2 = options.follow.depth_sigma_per_m2;
+  const DepthNoise noise{options.follow.depth_sigma_m, options.follow.depth_sigma_per_m2};
+  map.cameras.push_back({CameraKind::depth, camera, 0.0, noise, SE3()});
+  map.sessions.push_back({0, 0, "", 0, 0, {true, 0.0, "depth camera"}});
   return map;
 }
 
@@ -104,12 +103,12 @@ struct Anchor {
 
 class RgbdSlam::State {
  public:
-  State(const RgbdSlamOptions& options, const Camera& camera, const SlamMeans& means);
+  State(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context);
 
   SlamUpdate process(const Frame& frame);
   std::vector<SlamEvent> finish();
   Trajectory trajectory() const { return map_.trajectory(); }
-  std::shared_ptr<const Snapshot> snapshot() const { return map_.snapshot(); }
+  std::shared_ptr<const Map> snapshot() const { return map_.snapshot(); }
 
  private:
   struct Pending {
@@ -125,16 +124,15 @@ class RgbdSlam::State {
   void on_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
   void on_loss(const Frame& frame, SlamUpdate& update);
   void look_around(const Frame& frame, SlamUpdate& update);
-  bool start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<PoseEdge>& tie,
+  bool start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& tie,
                    SlamUpdate& update);
   bool needs_keyframe(const RgbdFollow& followed) const;
-  void make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<PoseEdge>& ties, int submap,
+  void make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<Constraint>& ties, int submap,
                      const Matrix6d& covariance, SlamUpdate& update);
-  PoseEdge way_edge(const SE3& world_from_camera, const Matrix6d& covariance) const;
+  Constraint way_edge(const SE3& world_from_camera, const Matrix6d& covariance) const;
   void take_revisions(std::int64_t up_to, std::vector<SlamEvent>& events);
   void apply(const Pending& pending, std::vector<SlamEvent>& events);
   void say_pose(const SE3& world_from_camera, const Matrix6d& covariance, SlamUpdate& update);
-  void archive_pose(const StampedPose& pose);
 
   RgbdSlamOptions options_;
   Camera camera_;
@@ -145,7 +143,7 @@ class RgbdSlam::State {
   RgbdFollower follower_;
   Anchor anchor_;
   std::deque<Pending> pending_;
-  bool archives_;
+  MapArchive* archive_;  ///< Null: nothing is kept safe.
   std::int64_t seen_ = 0;         ///< Frames given, of any kind.
   std::int64_t anchor_seen_ = 0;  ///< When the last keyframe was made.
   bool following_ = true;         ///< False: the follower knows no place to go on from.
@@ -156,20 +154,18 @@ class RgbdSlam::State {
   Background background_;  ///< Last: its jobs use what is above.
 };
 
-RgbdSlam::State::State(const RgbdSlamOptions& options, const Camera& camera, const SlamMeans& means)
+RgbdSlam::State::State(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context)
     : options_(checked(options)),
       camera_(camera),
-      maps_(means.map == nullptr),
-      mapper_(options_, camera, means),
-      map_(means.map ? *means.map : base_map(options_, camera, mapper_.pictures()), means.map != nullptr),
+      maps_(context.map == nullptr),
+      mapper_(options_, camera, context),
+      map_(context.map ? *context.map : base_map(options_, camera), mapper_.pictures(), context.map != nullptr),
       relocaliser_(options_, camera, mapper_.depths()),
-      follower_(options_.follow, camera, means.pool),
-      archives_(maps_ && means.archive != nullptr),
+      follower_(options_.follow, camera, context.pool),
+      archive_(maps_ ? context.archive : nullptr),
       following_(maps_),
       lost_(!maps_),
-      background_(means.pipelined && means.pool != nullptr && means.pool->threads() > 1) {
-  if (archives_) means.archive->begin(base_map(options_, camera, nullptr));
-}
+      background_(context.pipelined && context.pool != nullptr && context.pool->threads() > 1) {}
 
 SlamUpdate RgbdSlam::State::process(const Frame& frame) {
   Stopwatch whole, stage;
@@ -182,6 +178,7 @@ SlamUpdate RgbdSlam::State::process(const Frame& frame) {
   update.world_from_body = last_pose_;
   follow(frame, update);
   last_pose_ = update.world_from_body;
+  if (archive_ != nullptr && archive_->wants_map()) archive_->keep(map_.snapshot());
   update.milliseconds = whole.lap_ms();
   return update;
 }
@@ -250,21 +247,21 @@ bool RgbdSlam::State::needs_keyframe(const RgbdFollow& followed) const {
          seen_ - anchor_seen_ >= options_.keyframe_frames;
 }
 
-PoseEdge RgbdSlam::State::way_edge(const SE3& world_from_camera, const Matrix6d& covariance) const {
-  PoseEdge edge;
+Constraint RgbdSlam::State::way_edge(const SE3& world_from_camera, const Matrix6d& covariance) const {
+  Constraint edge;
   edge.from = anchor_.keyframe;
   edge.to = map_.keyframe_count();
-  edge.from_from_to = anchor_.world_from_keyframe.inverse() * world_from_camera;
+  edge.from_from_to = Sim3(anchor_.world_from_keyframe.inverse() * world_from_camera);
   Matrix6d softened = covariance;
   softened.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
   softened.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;
   edge.information = softened.inverse();
   edge.information = (0.5 * (edge.information + edge.information.transpose())).eval();
-  edge.kind = PoseEdgeKind::way;
+  edge.kind = ConstraintKind::odometry;
   return edge;
 }
 
-void RgbdSlam::State::make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<PoseEdge>& ties,
+void RgbdSlam::State::make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<Constraint>& ties,
                                     int submap, const Matrix6d& covariance, SlamUpdate& update) {
   const std::int64_t id = map_.keyframe_count();
   auto order = std::make_shared<KeyframeOrder>(KeyframeOrder{id, kept_of(frame), world_from_camera, submap, ties});
@@ -282,10 +279,7 @@ void RgbdSlam::State::say_pose(const SE3& world_from_camera, const Matrix6d& cov
   update.world_from_body = world_from_camera;
   update.covariance = in_world_axes(covariance, world_from_camera);
   const int submap = map_.submap(anchor_.keyframe);
-  if (submap == 0) {
-    archive_pose({update.stamp, world_from_camera});
-    return;
-  }
+  if (submap == 0) return;
   if (update.state == SlamState::tracking) update.state = SlamState::weak;
   update.reason = SlamReason::apart;
   update.detail = fmt::format("in submap {}, not tied to the first yet: placed by a guess", submap);
@@ -313,7 +307,8 @@ void RgbdSlam::State::look_around(const Frame& frame, SlamUpdate& update) {
       update.detail = fmt::format("{} features, not found in {} keyframes", tried.features, tried.compared);
     if (tried.found) {
       const auto& [keyframe, tie] = *tried.found;
-      const PoseEdge edge{keyframe, map_.keyframe_count(), tie.a_from_b, tie.information, PoseEdgeKind::near, 1.0};
+      const Constraint edge{keyframe, map_.keyframe_count(), Sim3(tie.a_from_b), tie.information,
+                            ConstraintKind::proximity, 1.0, tie.inliers};
       if (!start_again(frame, map_.pose(keyframe) * tie.a_from_b, edge, update)) return;
       update.score = static_cast<double>(tie.inliers) / std::max(1, tie.matches);
       update.used = tie.inliers;
@@ -331,7 +326,7 @@ void RgbdSlam::State::look_around(const Frame& frame, SlamUpdate& update) {
   }
 }
 
-bool RgbdSlam::State::start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<PoseEdge>& tie,
+bool RgbdSlam::State::start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& tie,
                                   SlamUpdate& update) {
   follower_.restart(world_from_camera);
   const RgbdFollow followed = follower_.follow(frame);
@@ -343,7 +338,7 @@ bool RgbdSlam::State::start_again(const Frame& frame, const SE3& world_from_came
   update.reason = SlamReason::none;
   update.detail.clear();
   if (tie) {
-    const Matrix6d covariance = chained(map_.covariance(tie->from), tie->from_from_to, tie->information.inverse());
+    const Matrix6d covariance = chained(map_.covariance(tie->from), tie->rigid(), tie->information.inverse());
     make_keyframe(frame, world_from_camera, {*tie}, map_.submap(tie->from), covariance, update);
   } else {
     make_keyframe(frame, world_from_camera, {}, map_.new_submap(), Matrix6d::Zero(), update);
@@ -381,11 +376,6 @@ void RgbdSlam::State::apply(const Pending& pending, std::vector<SlamEvent>& even
   last_pose_ = correction * last_pose_;
 }
 
-void RgbdSlam::State::archive_pose(const StampedPose& pose) {
-  // At once, past whatever mapping is busy with: a run that is killed keeps all but its last second.
-  if (archives_) mapper_.archive_pose(pose);
-}
-
 std::vector<SlamEvent> RgbdSlam::State::finish() {
   std::vector<SlamEvent> events;
   take_revisions(std::numeric_limits<std::int64_t>::max(), events);
@@ -399,12 +389,12 @@ std::vector<SlamEvent> RgbdSlam::State::finish() {
   return events;
 }
 
-RgbdSlam::RgbdSlam(const RgbdSlamOptions& options, const Camera& camera, const SlamMeans& means)
-    : state_(std::make_unique<State>(options, camera, means)) {}
+RgbdSlam::RgbdSlam(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context)
+    : state_(std::make_unique<State>(options, camera, context)) {}
 RgbdSlam::~RgbdSlam() = default;
 SlamUpdate RgbdSlam::process(const Frame& frame) { return state_->process(frame); }
 std::vector<SlamEvent> RgbdSlam::finish() { return state_->finish(); }
 Trajectory RgbdSlam::trajectory() const { return state_->trajectory(); }
-std::shared_ptr<const Snapshot> RgbdSlam::snapshot() const { return state_->snapshot(); }
+std::shared_ptr<const Map> RgbdSlam::snapshot() const { return state_->snapshot(); }
 
 }  // namespace rastro

@@ -15,13 +15,13 @@ namespace rastro {
 /// first camera, or that of the map given.
 class RgbdSlam : public Slam {
  public:
-  /// What `means` holds must outlive this. Error for a map made by another camera.
-  RgbdSlam(const RgbdSlamOptions& options, const Camera& camera, const SlamMeans& means);
+  /// What `context` holds must outlive this. Error for a map without what this method needs of one.
+  RgbdSlam(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context);
   ~RgbdSlam() override;
   SlamUpdate process(const Frame& frame) override;
   std::vector<SlamEvent> finish() override;
   Trajectory trajectory() const override;
-  std::shared_ptr<const Snapshot> snapshot() const override;
+  std::shared_ptr<const Map> snapshot() const override;
 
  private:
   class State;

@@ -7,17 +7,11 @@
 
 #include "rastro/camera/camera.h"
 #include "rastro/image/image.h"
-#include "rastro/map/keyframe/rgbd_keyframe.h"
+#include "rastro/map/images/image_layer.h"
 #include "rastro/math/se3.h"
 #include "rastro/registration/projective_icp.h"
 
 namespace rastro {
-
-/// sigma(z) = constant + per_m2 * z^2, metres.
-struct DepthNoise {
-  double constant_m = 0.001, per_m2 = 0.002;
-  double sigma(double depth_m) const { return constant_m + per_m2 * depth_m * depth_m; }
-};
 
 /// What a keyframe's depth says, in blocks. The same from a frame as from its packed pictures.
 struct KeyframeSurface {

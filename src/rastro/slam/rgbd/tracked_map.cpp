@@ -5,12 +5,15 @@
 
 namespace rastro {
 
-TrackedMap::TrackedMap(RgbdMap base, bool given) : base_(std::move(base)), given_(given) {
-  keyframes_ = base_.keyframes;
-  poses_ = base_.poses;
-  edges_ = base_.edges;
+TrackedMap::TrackedMap(Map base, std::shared_ptr<const PictureStore> images, bool given)
+    : base_(std::move(base)), images_(std::move(images)), given_(given), edges_(base_.constraints) {
+  const auto features = base_.layer<FeatureLayer>();
+  for (const Keyframe& keyframe : base_.keyframes) {
+    keyframes_.push_back(features->of.at(keyframe.id));
+    poses_.push_back({keyframe.world_from_camera, keyframe.submap});
+    submaps_ = std::max(submaps_, keyframe.submap + 1);
+  }
   covariances_.assign(poses_.size(), Matrix6d::Zero());
-  for (const KeyframePose& pose : poses_) submaps_ = std::max(submaps_, pose.submap + 1);
 }
 
 SE3 TrackedMap::pose(std::int64_t keyframe) const {
@@ -45,7 +48,7 @@ void TrackedMap::apply(MapRevision revision) {
   }
   for (const std::int64_t id : revision.forgotten) {
     auto& keyframe = keyframes_[static_cast<std::size_t>(id)];
-    auto bare = std::make_shared<RgbdKeyframe>();
+    auto bare = std::make_shared<ImageFeatures>();
     bare->id = keyframe->id;
     bare->frame = keyframe->frame;
     bare->stamp = keyframe->stamp;
@@ -86,23 +89,31 @@ Trajectory TrackedMap::trajectory() const {
   return trajectory;
 }
 
-std::shared_ptr<const Snapshot> TrackedMap::snapshot() const {
-  auto snapshot = std::make_shared<Snapshot>();
-  snapshot->revision = revision_;
-  auto map = std::make_shared<RgbdMap>(base_);
-  if (!given_) {
-    map->keyframes = keyframes_;
-    map->poses = poses_;
-    map->edges = edges_;
-    map->trajectory = trajectory();
+std::shared_ptr<const Map> TrackedMap::snapshot() const {
+  auto map = std::make_shared<Map>(base_);
+  if (given_) return map;
+  map->revision = revision_;
+  auto features = std::make_shared<FeatureLayer>();
+  auto images = std::make_shared<ImageLayer>();
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    const ImageFeatures& image = *keyframes_[k];
+    map->keyframes.push_back({image.id, image.frame, image.stamp, 0, poses_[k].world_from_camera, poses_[k].submap,
+                              no_keyframe, 1.0});
+    features->of[image.id] = keyframes_[k];
+    images->keyframes.push_back(image.id);
   }
-  for (std::size_t k = 0; k < map->keyframes.size(); ++k)
-    snapshot->keyframes.push_back({map->keyframes[k]->stamp, map->poses[k].world_from_camera});
-  for (const PoseEdge& edge : map->edges)
-    snapshot->edges.push_back({static_cast<std::size_t>(edge.from), static_cast<std::size_t>(edge.to),
-                               edge.kind == PoseEdgeKind::loop || edge.kind == PoseEdgeKind::join});
-  snapshot->rgbd = std::move(map);
-  return snapshot;
+  images->store = images_;
+  map->layers.put<FeatureLayer>(std::move(features));
+  map->layers.put<ImageLayer>(std::move(images));
+  map->constraints = edges_;
+  for (const PlacedFrame& frame : frames_)
+    if (frame.keyframe < static_cast<std::int64_t>(poses_.size()))
+      map->frames.push_back({frame.stamp, frame.keyframe, frame.keyframe_from_camera});
+  if (!map->frames.empty()) {
+    map->sessions.front().first_stamp = map->frames.front().stamp;
+    map->sessions.front().last_stamp = map->frames.back().stamp;
+  }
+  return map;
 }
 
 }  // namespace rastro

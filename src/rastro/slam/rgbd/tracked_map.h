@@ -7,7 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "rastro/map/snapshot.h"
+#include "rastro/map/graph/map.h"
+#include "rastro/map/images/image_layer.h"
 #include "rastro/slam/rgbd/mapper.h"
 
 namespace rastro {
@@ -16,12 +17,12 @@ namespace rastro {
 /// where every frame stands relative to its keyframe.
 class TrackedMap {
  public:
-  /// `base`: what all snapshots share (camera, noise, pictures), or the map given, which never changes.
-  TrackedMap(RgbdMap base, bool given);
+  /// `base`: what all snapshots share (camera, session), or the map given, which never changes.
+  TrackedMap(Map base, std::shared_ptr<const PictureStore> images, bool given);
 
   std::int64_t keyframe_count() const { return static_cast<std::int64_t>(poses_.size() + pending_.size()); }
   /// Known to the mapper, with features.
-  const std::vector<std::shared_ptr<const RgbdKeyframe>>& keyframes() const { return keyframes_; }
+  const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes() const { return keyframes_; }
   SE3 pose(std::int64_t keyframe) const;
   int submap(std::int64_t keyframe) const;
   const Matrix6d& covariance(std::int64_t keyframe) const { return covariances_[static_cast<std::size_t>(keyframe)]; }
@@ -40,7 +41,7 @@ class TrackedMap {
 
   /// Of the frames of submap 0.
   Trajectory trajectory() const;
-  std::shared_ptr<const Snapshot> snapshot() const;
+  std::shared_ptr<const Map> snapshot() const;
 
  private:
   struct PlacedFrame {
@@ -49,13 +50,14 @@ class TrackedMap {
     SE3 keyframe_from_camera;
   };
 
-  RgbdMap base_;
+  Map base_;
+  std::shared_ptr<const PictureStore> images_;
   bool given_;
-  std::vector<std::shared_ptr<const RgbdKeyframe>> keyframes_;
+  std::vector<std::shared_ptr<const ImageFeatures>> keyframes_;
   std::vector<KeyframePose> poses_;
   std::deque<KeyframePose> pending_;
   std::vector<Matrix6d> covariances_;
-  std::vector<PoseEdge> edges_;
+  std::vector<Constraint> edges_;
   std::vector<PlacedFrame> frames_;
   int submaps_ = 0;
   std::int64_t revision_ = 0;
