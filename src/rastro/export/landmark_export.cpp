@@ -42,6 +42,11 @@ void append_edge(std::string& text, std::int64_t from, std::int64_t to, const SE
 
 }  // namespace
 
+bool has_observed_landmarks(const Map& map) {
+  const auto landmarks = map.layer<LandmarkLayer>();
+  return landmarks && landmarks->estimates.empty() && map.layer<FeatureLayer>();
+}
+
 std::string landmark_list_csv(const Map& map, int submap) {
   const LandmarkPart part(map, submap);
   std::string text = "id,x,y,z,sigma,seen,frame,x_px,y_px\n";

@@ -8,15 +8,19 @@
 
 namespace rastro {
 
+/// Whether a map has what these are made from: features, and landmarks that keyframes observe (not those of a filter).
+bool has_observed_landmarks(const Map& map);
+
 // Landmarks with observations for other programs. `submap`: which part of the map; -1: all of them, each in its own
 // frame.
 
-/// id x y z sigma seen (how often), and the first keyframe that observes it: frame, x_px, y_px. For 'rastro scale --length'.
+/// id x y z sigma seen (how often), and the first keyframe that observes it: frame, x_px, y_px. For 'rastro scale
+/// --length'.
 std::string landmark_list_csv(const Map& map, int submap);
 
 /// The essential graph as g2o reads it: VERTEX_SE3:QUAT numbered by keyframe ids (world_from_camera), EDGE_SE3:QUAT
-/// between the poses as they are, or as loop closing found it for loop closures and merges. Information is the identity times a hundredth
-/// of the landmarks shared. The first keyframe of each submap is fixed.
+/// between the poses as they are, or as loop closing found it for loop closures and merges. Information is the identity
+/// times a hundredth of the landmarks shared. The first keyframe of each submap is fixed.
 std::string landmark_graph_g2o(const Map& map, int submap);
 
 enum class ColmapForm { text, binary };
