@@ -15,6 +15,7 @@
 #include "rastro/export/ply.h"
 #include "rastro/map/graph/covisibility.h"
 #include "rastro/map/landmarks/landmark_map_testing.h"
+#include "rastro/map/scans/scan_layer.h"
 
 namespace rastro {
 namespace {
@@ -145,6 +146,19 @@ TEST(LandmarkExport, AnotherSubmapIsLeftOutUnlessAskedFor) {
   EXPECT_EQ(lines_of(landmark_list_csv(map, -1)).size() - 1, all);
   EXPECT_LT(first, all);
   EXPECT_GE(first + second, all) << "some are observed from both";
+}
+
+TEST(LandmarkExport, PointsComeFromAllLayersOfASubmap) {
+  Map map = road();
+  map.keyframes.back().submap = 1;
+  ScanLayer scans;
+  scans.of[map.keyframes.back().id] = std::make_shared<KeyframeScans>(KeyframeScans{{{0.0, 0.0}, {{1.0, 2.0}}}});
+  map.layers.put<ScanLayer>(std::make_shared<ScanLayer>(scans));
+  const std::size_t all = layer_points(map, -1).points.size();
+  EXPECT_EQ(all, road_landmarks().size() + 1);
+  EXPECT_EQ(layer_points(map, 0).points.size() + layer_points(map, 1).points.size(), all);
+  const Eigen::Vector3d expected = map.keyframes.back().world_from_camera * Eigen::Vector3d(1.0, 2.0, 0.0);
+  EXPECT_LT((layer_points(map, 1).points.back().position.cast<double>() - expected).norm(), 1e-5);
 }
 
 TEST(LandmarkExport, TheCloudIsAPlyAndTheGraphHasPosesThatAgreeWithItsEdges) {
