@@ -146,18 +146,29 @@ slam() {
     run 0 slam "$here/corridor" --method "$method" --out "$here/$method" --frames 0:200
     said "$method: 200 frames, 100.0 % of those asked for have a pose"
     for file in about.json options.yaml stats.csv events.jsonl result.json trajectory.txt trajectory_online.txt \
-      covariance_online.txt map.pgm map.yaml map.png; do
+      covariance_online.txt map.pgm map.yaml map.png map.rastro; do
       [[ -s $here/$method/$file ]] || fail "$method wrote no $file"
     done
     cat "$here/$method"/{trajectory.txt,map.pgm,map.yaml} >"$here/all"
     [[ ! -e $here/$method/landmarks.csv ]] || cat "$here/$method/landmarks.csv" >>"$here/all"
+    cat "$here/$method/map.rastro" >>"$here/all"
     [[ $(value_of result_sha256 "$method") == $(sha256sum "$here/all" | cut -d' ' -f1) ]] || fail "wrong hash of $method"
     run 0 evaluate relations "$here/$method" --relations "$here/corridor/relations.txt" --json --require 'trans_mean<=1'
     said '"trans_mean": 0.'
     run 0 evaluate map "$here/$method" "$here/corridor/floor_plan.yaml" --require 'free_agreement>=0.9'
     said 'precision'
+    run 0 info "$here/$method"
+    said 'laser scans'
+    run 0 export "$here/$method" --to pgm --out "$here/$method/exported.yaml"
+    cmp "$here/$method/map.pgm" "$here/$method/exported.pgm" || fail "the map of $method exports another grid"
+    run 0 export "$here/$method" --to ply --out "$here/$method/scans.ply"
+    run 0 export "$here/$method/map.rastro" --to g2o --out "$here/$method/graph.g2o"
+    refused "no layer 'images'" export "$here/$method" --to mesh --out "$here/no"
+    refused 'cannot localize in a map' localize "$here/corridor" --map "$here/$method" --out "$here/no"
   done
   [[ $(head -1 "$here/ekf/landmarks.csv") == id,* ]] || fail "ekf wrote no landmarks"
+  run 0 export "$here/ekf" --to landmarks --out "$here/ekf/exported.csv"
+  cmp "$here/ekf/landmarks.csv" "$here/ekf/exported.csv" || fail "the map of ekf exports other landmarks"
   run 0 slam "$here/corridor" --method hector --out "$here/again" --frames 0:200 --options "$here/hector/options.yaml" --json
   [[ $(value_of result_sha256 again) == $(value_of result_sha256 hector) ]] || fail "the options in force give another run"
   cmp "$here/stdout" "$here/again/result.json" || fail "--json does not print result.json"

@@ -113,8 +113,8 @@ landmarks() {
   done
   run 0 export "$map" --to colmap-binary --out "$here/colmap"
   [[ -s $here/colmap/points3D.bin ]] || fail "no points3D.bin"
-  refused 'is a map of landmarks' measure "$here/run" --between 0,0,1 0,0,2
-  refused 'known for landmarks are' export "$here/run" --to mesh --out "$here/no"
+  refused "no layer 'images'" measure "$here/run" --between 0,0,1 0,0,2
+  refused "no layer 'images'" export "$here/run" --to mesh --out "$here/no"
   refused 'in metres already' scale "$here/run" --camera-height 1
   refused 'use '"'"'rastro localize' slam "$room" --method orb --map "$map" --out "$here/no"
   refused 'give --map' slam "$room" --method orb --continue --out "$here/no"

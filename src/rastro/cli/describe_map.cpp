@@ -9,52 +9,42 @@
 #include <set>
 
 #include "rastro/base/text.h"
+#include "rastro/map/layer_type.h"
 
 namespace rastro::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<const char*, 4> edge_kinds = {"way", "near", "loop", "join"};
-
 struct MapFigures {
-  std::set<int> submaps;
-  Eigen::Vector3d extent = Eigen::Vector3d::Zero();  ///< Of the places of the cameras.
-  std::size_t features = 0;
+  std::size_t submaps = 0, poses = 0;
+  Eigen::Vector3d extent = Eigen::Vector3d::Zero();  ///< Of the keyframes of submap 0.
   double seconds = 0.0;
 };
 
-template <typename Map>
 MapFigures figures_of(const Map& map) {
   MapFigures figures;
   Eigen::AlignedBox3d box;
-  for (const auto& pose : map.poses) {
-    figures.submaps.insert(pose.submap);
-    if (pose.submap == 0) box.extend(pose.world_from_camera.translation());
+  std::set<int> submaps;
+  for (const Keyframe& keyframe : map.keyframes) {
+    submaps.insert(keyframe.submap);
+    if (keyframe.submap == 0) box.extend(keyframe.world_from_camera.translation());
   }
+  figures.submaps = submaps.size();
   if (!box.isEmpty()) figures.extent = box.sizes();
-  for (const auto& keyframe : map.keyframes) figures.features += keyframe->features.size();
-  if (!map.trajectory.empty()) figures.seconds = to_seconds(map.trajectory.back().stamp - map.trajectory.front().stamp);
+  const Trajectory trajectory = trajectory_of(map);
+  figures.poses = trajectory.size();
+  if (!trajectory.empty()) figures.seconds = to_seconds(trajectory.back().stamp - trajectory.front().stamp);
   return figures;
 }
 
-std::array<std::int64_t, edge_kinds.size()> edges_of(const RgbdMap& map) {
-  std::array<std::int64_t, edge_kinds.size()> edges{};
-  for (const PoseEdge& edge : map.edges) ++edges[static_cast<std::size_t>(edge.kind)];
-  return edges;
+std::array<std::int64_t, constraint_kinds> constraints_of(const Map& map) {
+  std::array<std::int64_t, constraint_kinds> counts{};
+  for (const Constraint& constraint : map.constraints) ++counts[static_cast<std::size_t>(constraint.kind)];
+  return counts;
 }
 
-constexpr const char* name_of(LandmarkSensor sensor) {
-  return sensor == LandmarkSensor::mono     ? "one camera"
-         : sensor == LandmarkSensor::stereo ? "two cameras"
-                                            : "depth camera";
-}
-
-double observations_a_landmark(const LandmarkMap& map) {
-  std::size_t count = 0;
-  for (const Landmark& landmark : map.landmarks) count += landmark.observations.size();
-  return map.landmarks.empty() ? 0.0 : static_cast<double>(count) / static_cast<double>(map.landmarks.size());
-}
+const char* kind_name(std::size_t kind) { return name_of(static_cast<ConstraintKind>(kind)); }
 
 std::string state_of(const MapFileReport& report) {
   if (!report.damage.empty()) return "damaged: " + report.damage;
@@ -63,36 +53,16 @@ std::string state_of(const MapFileReport& report) {
 
 double megabytes(const MapFileReport& report) { return static_cast<double>(report.bytes) / 1e6; }
 
-std::string camera_text(const Camera& camera) {
-  return fmt::format("  camera     {} x {} px, fx {:.6g} fy {:.6g} cx {:.6g} cy {:.6g}", camera.width, camera.height,
-                     camera.fx, camera.fy, camera.cx, camera.cy);
-}
+std::string row(const std::string& name, const std::string& text) { return fmt::format("  {:<11} {}\n", name, text); }
 
-template <typename Map>
-std::string keyframes_text(const Map& map, const MapFigures& figures) {
-  return fmt::format("  keyframes  {} in {} submap{}, {} features\n", map.keyframes.size(), figures.submaps.size(),
-                     figures.submaps.size() == 1 ? "" : "s", figures.features);
-}
-
-template <typename Map>
-std::string way_text(const Map& map, const MapFigures& figures, const char* unit) {
-  return fmt::format("  way        {} poses over {:.1f} s; its keyframes span {:.2f} x {:.2f} x {:.2f} {}\n",
-                     map.trajectory.size(), figures.seconds, figures.extent.x(), figures.extent.y(), figures.extent.z(),
-                     unit);
-}
-
-std::string made_by(const std::string& method) {
-  return fmt::format("  made by    rastro slam --method {}\n", one_line(method));
-}
-
-std::string describe(const RgbdMap& map) {
-  const MapFigures figures = figures_of(map);
-  std::string text = made_by(map.method) + camera_text(map.camera);
-  text += fmt::format("; depth noise {:g} + {:g} z^2 m\n", map.depth_sigma_m, map.depth_sigma_per_m2);
-  text += keyframes_text(map, figures) + "  edges     ";
-  const auto edges = edges_of(map);
-  for (std::size_t i = 0; i < edge_kinds.size(); ++i) text += fmt::format(" {} {}", edges[i], edge_kinds[i]);
-  return text + "\n" + way_text(map, figures, "m");
+std::string camera_text(const MapCamera& camera) {
+  const Camera& k = camera.intrinsics;
+  std::string text = fmt::format("{} x {} px, fx {:.6g} fy {:.6g} cx {:.6g} cy {:.6g}; {}", k.width, k.height, k.fx,
+                                 k.fy, k.cx, k.cy, name_of(camera.kind));
+  if (camera.baseline > 0.0) text += fmt::format(", {:.4g} m apart", camera.baseline);
+  if (camera.kind == CameraKind::depth)
+    text += fmt::format(", depth noise {:g} + {:g} z^2 m", camera.depth_noise.sigma_m, camera.depth_noise.sigma_per_m2);
+  return text;
 }
 
 std::string scale_text(const MapScale& scale) {
@@ -101,69 +71,91 @@ std::string scale_text(const MapScale& scale) {
   return scale.relative_sigma > 0.0 ? text + fmt::format(" (sigma {:.2g} %)", 100.0 * scale.relative_sigma) : text;
 }
 
-std::string describe(const LandmarkMap& map) {
-  const MapFigures figures = figures_of(map);
-  std::string text = made_by(map.method) + camera_text(map.camera);
-  text += fmt::format("; {}", name_of(map.sensor));
-  if (map.baseline > 0.0) text += fmt::format(", {:.4g} m apart", map.baseline);
-  text += fmt::format("\n  scale      {}\n", scale_text(map.scale)) + keyframes_text(map, figures);
-  text += fmt::format("  landmarks  {}, seen {:.1f} times each; {} ties by loops and joins\n", map.landmarks.size(),
-                      observations_a_landmark(map), map.ties.size());
-  return text + way_text(map, figures, map.scale.metric ? "m" : "units");
+std::string constraints_text(const Map& map) {
+  const auto counts = constraints_of(map);
+  std::string text;
+  for (std::size_t kind = 0; kind < counts.size(); ++kind)
+    if (counts[kind] > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts[kind], kind_name(kind));
+  return text.empty() ? "none" : text;
 }
 
-template <typename Map>
-void add_common(Json& json, const Map& map) {
+std::string layer_text(const Map& map, const std::string& name, const Layer& layer) {
+  const LayerType* type = layer_type(name);
+  return type ? type->describe(map, layer).text : "kept, not known to this program";
+}
+
+std::string describe(const Map& map) {
+  const MapFigures figures = figures_of(map);
+  std::string text = row("made by", "rastro slam --method " + one_line(map.method));
+  for (const MapCamera& camera : map.cameras) text += row("camera", camera_text(camera));
+  text += row("scale", scale_text(scale_of(map)));
+  if (map.sessions.size() > 1) text += row("sessions", fmt::format("{}", map.sessions.size()));
+  text += row("keyframes",
+              fmt::format("{} in {} submap{}", map.keyframes.size(), figures.submaps, figures.submaps == 1 ? "" : "s"));
+  text += row("constraints", constraints_text(map));
+  for (const auto& [name, layer] : map.layers.all()) text += row(one_line(name), layer_text(map, name, *layer));
+  return text + row("trajectory", fmt::format("{} poses over {:.1f} s; its keyframes span {:.2f} x {:.2f} x {:.2f} {}",
+                                              figures.poses, figures.seconds, figures.extent.x(), figures.extent.y(),
+                                              figures.extent.z(), scale_of(map).metric ? "m" : "units"));
+}
+
+Json camera_json(const MapCamera& camera) {
+  const Camera& k = camera.intrinsics;
+  Json json{{"sensor", name_of(camera.kind)},
+            {"size_px", {k.width, k.height}},
+            {"fx_fy_cx_cy_px", {k.fx, k.fy, k.cx, k.cy}},
+            {"baseline_m", camera.baseline}};
+  if (camera.kind == CameraKind::depth) {
+    json["depth_sigma_m"] = camera.depth_noise.sigma_m;
+    json["depth_sigma_per_m2"] = camera.depth_noise.sigma_per_m2;
+  }
+  return json;
+}
+
+/// A number of things stays whole.
+Json number_json(double value) {
+  const auto whole = static_cast<std::int64_t>(value);
+  return static_cast<double>(whole) == value ? Json(whole) : Json(value);
+}
+
+void add_map(Json& json, const Map& map) {
   const MapFigures figures = figures_of(map);
   json["method"] = map.method;
-  json["size_px"] = {map.camera.width, map.camera.height};
-  json["fx_fy_cx_cy_px"] = {map.camera.fx, map.camera.fy, map.camera.cx, map.camera.cy};
+  json["cameras"] = Json::array();
+  for (const MapCamera& camera : map.cameras) json["cameras"].push_back(camera_json(camera));
+  const MapScale& scale = scale_of(map);
+  json["scale"] = {{"metric", scale.metric}, {"relative_sigma", scale.relative_sigma}, {"from", scale.origin}};
+  json["sessions"] = map.sessions.size();
   json["keyframes"] = map.keyframes.size();
-  json["submaps"] = figures.submaps.size();
-  json["features"] = figures.features;
-  json["poses"] = map.trajectory.size();
+  json["submaps"] = figures.submaps;
+  json["poses"] = figures.poses;
   json["seconds"] = figures.seconds;
-  json["extent_m"] = {figures.extent.x(), figures.extent.y(), figures.extent.z()};
-}
-
-void add_landmarks(Json& json, const LandmarkMap& map) {
-  add_common(json, map);
-  if (!map.scale.metric) {
-    json["extent_units"] = json["extent_m"];
-    json.erase("extent_m");
+  json[scale.metric ? "extent_m" : "extent_units"] = {figures.extent.x(), figures.extent.y(), figures.extent.z()};
+  const auto counts = constraints_of(map);
+  for (std::size_t kind = 0; kind < counts.size(); ++kind) json["constraints"][kind_name(kind)] = counts[kind];
+  json["layers"] = Json::array();
+  for (const auto& [name, layer] : map.layers.all()) {
+    json["layers"].push_back(name);
+    if (const LayerType* type = layer_type(name))
+      for (const auto& [figure, value] : type->describe(map, *layer).numbers) json[figure] = number_json(value);
   }
-  json["sensor"] = name_of(map.sensor);
-  json["baseline_m"] = map.baseline;
-  json["scale"] = {
-      {"metric", map.scale.metric}, {"relative_sigma", map.scale.relative_sigma}, {"from", map.scale.origin}};
-  json["landmarks"] = map.landmarks.size();
-  json["observations_a_landmark"] = observations_a_landmark(map);
-  json["ties"] = map.ties.size();
 }
 
 }  // namespace
 
 std::string describe_map(const MapFileReport& report, const std::string& file) {
-  std::string text = fmt::format("{}: map of version {}, {:.1f} MB\n  state      {}\n", file, report.version,
-                                 megabytes(report), state_of(report));
-  if (report.map) text += describe(*report.map);
-  if (report.landmark_map) text += describe(*report.landmark_map);
-  return text;
+  const std::string head = fmt::format("{}: map of version {}, {:.1f} MB\n", file, report.version, megabytes(report));
+  return head + row("state", state_of(report)) + (report.map ? describe(*report.map) : "");
 }
 
 std::string describe_map_json(const MapFileReport& report, const std::string& file) {
   Json json{{"file", file},
-            {"kind", report.landmark_map ? "map of landmarks" : "map"},
+            {"kind", "map"},
             {"version", report.version},
             {"bytes", report.bytes},
             {"finished", report.finished},
             {"damage", report.damage}};
-  if (report.landmark_map) add_landmarks(json, *report.landmark_map);
-  if (report.map) {
-    add_common(json, *report.map);
-    const auto edges = edges_of(*report.map);
-    for (std::size_t i = 0; i < edge_kinds.size(); ++i) json["edges"][edge_kinds[i]] = edges[i];
-  }
+  if (report.map) add_map(json, *report.map);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

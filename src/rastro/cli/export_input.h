@@ -4,8 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "rastro/map/keyframe/rgbd_map.h"
-#include "rastro/map/landmark/landmark_map.h"
+#include "rastro/map/graph/map.h"
 #include "rastro/sensor/trajectory.h"
 
 namespace rastro::cli {
@@ -13,17 +12,25 @@ namespace rastro::cli {
 /// What `rastro export` is given: the folder of a run, a map file, or a file of poses.
 struct ExportInput {
   std::string path;
-  std::shared_ptr<const RgbdMap> map;               ///< Null where there is none.
-  std::shared_ptr<const LandmarkMap> landmark_map;  ///< The same; never both.
-  Trajectory trajectory;                            ///< Of every frame with a pose; empty where there is none.
+  std::shared_ptr<const Map> map;  ///< Null where there is none.
+  Trajectory trajectory;           ///< Of every frame with a pose; empty where there is none.
 };
 
 /// Error where `path` is none of the three, or cannot be read.
 ExportInput read_export_input(const std::string& path);
 
-/// The map, or an Error that says what the input has instead.
-const RgbdMap& need_map(const ExportInput& input, const std::string& kind);
-const LandmarkMap& need_landmark_map(const ExportInput& input, const std::string& kind);
+/// A map with keyframes, or an Error that says what the input lacks for an export as `kind`.
+const Map& need_map(const ExportInput& input, const std::string& kind);
 const Trajectory& need_trajectory(const ExportInput& input, const std::string& kind);
+
+/// Says that `path` has no such layer, which `kind` is made from, and which methods make one.
+[[noreturn]] void refuse_without_layer(const std::string& path, const std::string& layer, const std::string& kind);
+
+template <typename L>
+std::shared_ptr<const L> need_layer(const ExportInput& input, const std::string& kind) {
+  auto layer = need_map(input, kind).template layer<L>();
+  if (!layer) refuse_without_layer(input.path, L::layer_name, kind);
+  return layer;
+}
 
 }  // namespace rastro::cli

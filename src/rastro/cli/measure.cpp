@@ -11,6 +11,7 @@
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
 #include "rastro/cli/command.h"
+#include "rastro/cli/export_input.h"
 #include "rastro/cli/limits.h"
 #include "rastro/cli/map_path.h"
 #include "rastro/evaluate/length_report.h"
@@ -19,7 +20,7 @@
 #include "rastro/export/length_picture.h"
 #include "rastro/export/ply.h"
 #include "rastro/map/file/map_file.h"
-#include "rastro/map/keyframe/pack_pictures.h"
+#include "rastro/map/images/pack_images.h"
 #include "rastro/math/alignment.h"
 
 namespace rastro::cli {
@@ -72,11 +73,16 @@ struct Flags {
   bool json = false, csv = false, quiet = false;
 };
 
-/// A map of either kind.
 struct OpenedMap {
-  std::shared_ptr<const RgbdMap> keyframes;
-  PointCloud cloud;  ///< Where there are no keyframes.
+  std::shared_ptr<const Map> map;  ///< With images; null: there is only a cloud.
+  PointCloud cloud;
 };
+
+std::shared_ptr<const Map> load_map_with_images(const fs::path& file) {
+  auto map = load_map(file);
+  if (!map->layer<ImageLayer>()) refuse_without_layer(file.string(), ImageLayer::layer_name, "a length");
+  return map;
+}
 
 OpenedMap open_map(const std::string& path) {
   const fs::path file = map_file_of(path);
@@ -88,18 +94,19 @@ OpenedMap open_map(const std::string& path) {
       throw Error("has neither map.rastro nor cloud.ply", path, "name the run of a depth camera");
     return {nullptr, read_cloud_ply(cloud.string())};
   }
-  return {load_map(file), {}};
+  return {load_map_with_images(file), {}};
 }
 
 /// truth_from_map, from the poses of equal stamps.
 SE3 aligned(const OpenedMap& map, const std::string& path, const std::string& truth_file) {
-  if (!map.keyframes) throw Error("has no trajectory to align", path, "give a map file or a run folder");
+  if (!map.map) throw Error("has no trajectory to align", path, "give a map file or a run folder");
   const TrajectoryInput truth = read_trajectory_input(truth_file);
   constexpr TimeNs max_difference = 20'000'000;
   std::vector<Eigen::Vector3d> target, source;
-  for (const PosePair& pair : pair_by_stamp(truth.poses, map.keyframes->trajectory, max_difference)) {
+  const Trajectory trajectory = trajectory_of(*map.map);
+  for (const PosePair& pair : pair_by_stamp(truth.poses, trajectory, max_difference)) {
     target.push_back(truth.poses[pair.reference].world_from_body.translation());
-    source.push_back(map.keyframes->trajectory[pair.estimate].world_from_body.translation());
+    source.push_back(trajectory[pair.estimate].world_from_body.translation());
   }
   const auto alignment = align_points(target, source, AlignmentKind::rigid);
   if (!alignment || !alignment->unique)
@@ -153,14 +160,15 @@ std::string file_name_of(const std::string& name) {
 }
 
 /// One picture for each length that was found in pictures: OUT/MAP_NAME.png.
-void write_pictures(const fs::path& folder, std::size_t number, const RgbdMap& map,
+void write_pictures(const fs::path& folder, std::size_t number, const Map& map,
                     const std::vector<MeasuredLength>& lengths) {
+  const auto images = images_of(map);
   fs::create_directories(folder);
   for (std::size_t k = 0; k < lengths.size(); ++k) {
     const MeasuredLength& one = lengths[k];
     if (one.picture.keyframe < 0 || !one.length_m) continue;
     const std::string where = fmt::format("keyframe {}", one.picture.keyframe);
-    const auto pictures = unpack_pictures(map.pictures->pictures(one.picture.keyframe), where);
+    const auto pictures = unpack_pictures(images->pictures(one.picture.keyframe), where);
     const std::string file = fmt::format("map{}_{}_{}.png", number + 1, k + 1, file_name_of(one.name));
     write_length_picture(pictures.colour, {one.picture.a, one.picture.b},
                          fmt::format("{}: {:.4f} m +- {:.4f}", one.name, *one.length_m, one.sigma_m),
@@ -187,10 +195,9 @@ int measure(const Flags& flags) {
       const SE3 map_from_truth = aligned(map, path, flags.align).inverse();
       for (LengthObject& object : objects) object = moved(object, map_from_truth);
     }
-    results.push_back({path, map.keyframes ? measure_lengths(*map.keyframes, objects, options, pool)
-                                           : measure_lengths(map.cloud, objects, options)});
-    if (!flags.out.empty() && map.keyframes)
-      write_pictures(flags.out, results.size() - 1, *map.keyframes, results.back().lengths);
+    results.push_back({path, map.map ? measure_lengths(*map.map, objects, options, pool)
+                                     : measure_lengths(map.cloud, objects, options)});
+    if (!flags.out.empty() && map.map) write_pictures(flags.out, results.size() - 1, *map.map, results.back().lengths);
   }
   if (flags.json)
     fmt::print("{}", lengths_as_json(results));

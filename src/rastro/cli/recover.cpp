@@ -8,16 +8,15 @@
 #include "rastro/cli/map_path.h"
 #include "rastro/map/file/map_file.h"
 #include "rastro/map/file/recover_map.h"
+#include "rastro/map/layer_type.h"
 
 namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
     "Looks through a map file that is cut off, damaged or was left by a run that was killed, takes every row whose\n"
-    "checksum holds and writes a sound map of them. A keyframe is kept where its features, its pose and its pictures\n"
-    "are; edges to lost keyframes go with them. Keyframes are numbered anew. Of a map of landmarks, keyframes with\n"
-    "features and pose and the landmarks that one of them sees are kept, with their numbers. MAP itself is not "
-    "touched.\n"
+    "checksum holds and writes a sound map of them. Keyframes keep their ids; constraints to lost keyframes, and what\n"
+    "layers hold of them, go with them. MAP itself is not touched.\n"
     "\n"
     "Example:\n"
     "  rastro recover run/map.rastro --out saved.rastro";
@@ -35,16 +34,12 @@ int recover(const RecoverFlags& flags) {
   if (std::filesystem::exists(out, code) && !flags.force)
     throw Error("is there already", flags.out, "choose another --out or add --force");
   const RecoveredMap recovered = recover_map(file);
-  if (recovered.landmark_map) {
-    const LandmarkMap& map = *recovered.landmark_map;
-    save_map(map, out);
-    fmt::print("{}: {} keyframes, {} landmarks, {} poses of the way\n", flags.out, map.keyframes.size(),
-               map.landmarks.size(), map.trajectory.size());
-  } else {
-    save_map(*recovered.map, out);
-    fmt::print("{}: {} keyframes, {} edges, {} poses of the way\n", flags.out, recovered.map->keyframes.size(),
-               recovered.map->edges.size(), recovered.map->trajectory.size());
-  }
+  const Map& map = *recovered.map;
+  save_map(map, out);
+  fmt::print("{}: {} keyframes, {} constraints, {} poses of the trajectory\n", flags.out, map.keyframes.size(),
+             map.constraints.size(), map.frames.size());
+  for (const auto& [name, layer] : map.layers.all())
+    if (const LayerType* type = layer_type(name)) fmt::print("  {:<12} {}\n", name, type->describe(map, *layer).text);
   for (const std::string& lost : recovered.lost) fmt::print("  lost         {}\n", lost);
   if (!recovered.finished)
     fmt::print("  unfinished   the file does not say how much it should hold: what came last may be missing\n");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -11,7 +12,7 @@
 #include "rastro/cli/scale_run.h"
 #include "rastro/cli/trajectory_files.h"
 #include "rastro/map/file/map_file.h"
-#include "rastro/map/landmark/map_scale.h"
+#include "rastro/map/landmarks/map_scale.h"
 
 namespace rastro::cli {
 namespace {
@@ -21,8 +22,8 @@ constexpr const char* footer =
 writes it, with its sigma, into the map; of the folder of a run, trajectory.txt, trajectory_online.txt, covariance_online.txt,
 keyframes.txt, map.png and result.json are brought to metres too. Give one of:
   --length         two landmarks (ids from 'rastro export RUN --to landmarks --out landmarks.csv') and the metres between them,
-                   or two frames, f0,f120,METRES, and the metres between the camera's places. Two or more give a sigma by what
-                   they leave over; one of landmarks the sigma of their places; one of frames none
+                   or two frames, f0,f120,METRES, and the metres between the camera's positions. Two or more give a sigma by
+                   their residuals; one of landmarks the sigma of their positions; one of frames none
   --reference      a trajectory file or a recording with ground truth, on the clock of the recording
   --camera-height  of a camera carried level over flat ground that looks about where it goes, as on a car
 Maps of two cameras or of depth are in metres already.
@@ -59,7 +60,7 @@ KnownLength parse_length(const std::string& text) {
   return length;
 }
 
-MapScaleFound find_scale(const Flags& flags, const LandmarkMap& map) {
+MapScaleFound find_scale(const Flags& flags, const Map& map) {
   const int ways =
       (flags.lengths.empty() ? 0 : 1) + (flags.reference.empty() ? 0 : 1) + (flags.camera_height_m > 0 ? 1 : 0);
   if (ways != 1)
@@ -80,10 +81,13 @@ MapScaleFound find_scale(const Flags& flags, const LandmarkMap& map) {
   return scale_from_reference(map, of_camera, "--reference");
 }
 
-LandmarkMap scalable_map(const std::string& file) {
-  LandmarkMap map = *load_landmark_map(file);
-  if (map.sensor != LandmarkSensor::mono)
-    throw Error("is in metres already, from " + one_line(map.scale.origin), file,
+std::shared_ptr<const Map> scalable_map(const std::string& file) {
+  auto map = load_map(file);
+  const auto& cameras = map->cameras;
+  const bool mono = std::all_of(cameras.begin(), cameras.end(),
+                                [](const MapCamera& camera) { return camera.kind == CameraKind::mono; });
+  if (cameras.empty() || !mono)
+    throw Error("is in metres already, from " + one_line(scale_of(*map).origin), file,
                 "only maps of one camera need a scale");
   return map;
 }
@@ -94,9 +98,9 @@ void scale(const Flags& flags, bool height_given) {
     throw Error(fmt::format("{:g} m is no height of a camera", flags.camera_height_m), "--camera-height",
                 "give metres above the ground, such as 1.65");
   const std::string file = map_file_of(flags.map).string();
-  const LandmarkMap map = scalable_map(file);
-  const MapScaleFound found = find_scale(flags, map);
-  const LandmarkMap in_metres = scaled(map, found);
+  const auto map = scalable_map(file);
+  const MapScaleFound found = find_scale(flags, *map);
+  const Map in_metres = scaled(*map, found);
   if (file == flags.map)
     save_map(in_metres, file);
   else
@@ -120,7 +124,8 @@ void add_scale_command(CLI::App& app, Context& context) {
   command->add_option("--length", flags->lengths, "A known length between two landmarks or two frames, may be repeated")
       ->type_name("A,B,METRES")
       ->allow_extra_args(false);
-  command->add_option("--reference", flags->reference, "A way in metres: a trajectory file, or a recording")
+  command
+      ->add_option("--reference", flags->reference, "A trajectory in metres: a file, or a recording with ground truth")
       ->type_name("FILE");
   command->add_option("--camera-height", flags->camera_height_m, "Of the camera above flat ground")->type_name("M");
   command->add_flag("--json", flags->json, "Print JSON");

@@ -82,21 +82,21 @@ std::string scaled_covariances(const std::string& text, double factor, const std
   return result;
 }
 
-std::string scaled_result(const std::string& text, const LandmarkMap& in_metres, const MapScaleFound& found,
+std::string scaled_result(const std::string& text, const Map& in_metres, const MapScaleFound& found,
                           const std::string& hash, const std::string& where) {
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded() || !json.is_object() || !json.contains("path_length") || !json["path_length"].is_number())
     throw Error("is no result of a run", where, "scale its map.rastro alone");
   json["path_length"] = std::round(json["path_length"].get<double>() * found.metres_per_unit * 1e4) / 1e4;
   json["scale"] = {
-      {"metric", true}, {"relative_sigma", in_metres.scale.relative_sigma}, {"from", in_metres.scale.origin}};
+      {"metric", true}, {"relative_sigma", scale_of(in_metres).relative_sigma}, {"from", scale_of(in_metres).origin}};
   json["result_sha256"] = hash;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace
 
-void scale_run_folder(const fs::path& folder, const LandmarkMap& in_metres, const MapScaleFound& found) {
+void scale_run_folder(const fs::path& folder, const Map& in_metres, const MapScaleFound& found) {
   std::vector<NewFile> files;
   std::string trajectory, keyframes;
   for (const char* name : {"trajectory.txt", "trajectory_online.txt", "keyframes.txt", "covariance_online.txt"}) {

@@ -40,69 +40,58 @@ struct Prepared {
   std::optional<Masks> masks;
   std::unique_ptr<TaskPool> pool;
   std::unique_ptr<GrowingMapFile> map_file;  ///< Null: no map is made.
-  SlamMeans means;
+  SlamContext context;
   std::unique_ptr<Slam> slam;
 };
 
-void load_map_of(const SlamFlags& flags, SlamMeans& means) {
+void load_map_of(const SlamFlags& flags, SlamContext& context) {
   if (flags.map.empty()) {
-    if (flags.extend) throw Error("needs the map to go on with", "--continue", "give --map MAP");
+    if (flags.extend) throw Error("needs the map to continue", "--continue", "give --map MAP");
     return;
   }
-  const auto file = map_file_of(flags.map);
-  if (kind_of_map(file) == MapKind::landmarks)
-    means.landmark_map = load_landmark_map(file);
-  else
-    means.map = load_map(file);
-  means.extend_map = flags.extend;
+  context.map = load_map(map_file_of(flags.map));
+  context.extend_map = flags.extend;
 }
 
-SlamMeans means_of(const SlamFlags& flags) {
-  SlamMeans means;
+SlamContext context_of(const SlamFlags& flags) {
+  SlamContext context;
   const std::vector<std::string> modes = {"step", "pipelined"};
   if (std::find(modes.begin(), modes.end(), flags.mode) == modes.end()) {
     throw Error(in_quotes(flags.mode) + " is no mode", "--mode",
                 fmt::format("did you mean '{}'?", nearest_name(flags.mode, modes)));
   }
-  means.pipelined = flags.mode == "pipelined";
-  if (!flags.max_memory.empty()) means.max_memory_bytes = parse_size(flags.max_memory, "--max-memory");
-  load_map_of(flags, means);
-  means.stop = &catch_interrupts();
-  return means;
+  context.pipelined = flags.mode == "pipelined";
+  if (!flags.max_memory.empty()) context.max_memory_bytes = parse_size(flags.max_memory, "--max-memory");
+  load_map_of(flags, context);
+  context.stop = &catch_interrupts();
+  return context;
 }
 
-/// The name of the method that made the map; nullopt where a new one is to be made.
-std::optional<std::string> maker_of(const SlamMeans& means) {
-  if (means.landmark_map) return means.landmark_map->method;
-  if (means.map) return means.map->method;
-  return std::nullopt;
-}
-
-std::unique_ptr<SlamMethod> method_for(const SlamFlags& flags, const SlamMeans& means) {
-  const auto maker = maker_of(means);
-  if (!maker && flags.method.empty())
+std::unique_ptr<SlamMethod> method_for(const SlamFlags& flags, const SlamContext& context) {
+  if (!context.map && flags.method.empty())
     throw Error("is needed", "--method", "give one, such as --method orb; 'rastro methods' lists them all");
-  if (!maker) return slam_method(flags.method);
-  auto method = slam_method(*maker);
-  if (!flags.method.empty() && flags.method != *maker)
-    throw Error(fmt::format("the map was made by '{}'", one_line(*maker)), "--method", "leave it away");
+  if (!context.map) return slam_method(flags.method);
+  const std::string& maker = context.map->method;
+  auto method = slam_method(maker);
+  if (!flags.method.empty() && flags.method != maker)
+    throw Error(fmt::format("the map was made by '{}'", one_line(maker)), "--method", "omit --method");
   if (flags.extend && !method->can_extend())
-    throw Error(fmt::format("the method '{}' cannot go on with a map", method->name()), flags.map,
+    throw Error(fmt::format("the method '{}' cannot continue a map", method->name()), flags.map,
                 "give a map made by 'rastro slam DATA --method orb'");
   if (!method->can_localize())
-    throw Error(fmt::format("the method '{}' cannot find its way in a map", method->name()), flags.map,
+    throw Error(fmt::format("the method '{}' cannot localize in a map", method->name()), flags.map,
                 "give a map made by 'rastro slam DATA --method rgbd' or orb");
   return method;
 }
 
-SlamTask task_of(const SlamMeans& means) {
-  return (means.map || means.landmark_map) && !means.extend_map ? SlamTask::localize : SlamTask::map;
+SlamTask task_of(const SlamContext& context) {
+  return context.map && !context.extend_map ? SlamTask::localize : SlamTask::map;
 }
 
 Prepared prepare(const SlamFlags& flags) {
   Prepared run;
-  run.means = means_of(flags);
-  run.method = method_for(flags, run.means);
+  run.context = context_of(flags);
+  run.method = method_for(flags, run.context);
   run.table = run.method->options();
   apply_settings(flags, run.table);
   run.limits = parse_limits(flags.limits, numbers_of(SlamResult{}), "'coverage>=95'");
@@ -115,11 +104,11 @@ Prepared prepare(const SlamFlags& flags) {
   if (info.frame_count >= 0) run.frames = FrameChoice(open, info.frame_count, info.path).count;
   if (!flags.mask.empty()) run.masks.emplace(flags.mask);
   run.pool = std::make_unique<TaskPool>(flags.data.threads);
-  run.means.pool = run.pool.get();
-  if (task_of(run.means) == SlamTask::map)
+  run.context.pool = run.pool.get();
+  if (task_of(run.context) == SlamTask::map)
     run.map_file = std::make_unique<GrowingMapFile>(std::filesystem::path(flags.out) / "map.rastro");
-  run.means.archive = run.map_file.get();
-  run.slam = run.method->make(info, run.means);
+  run.context.archive = run.map_file.get();
+  run.slam = run.method->make(info, run.context);
   return run;
 }
 
@@ -133,7 +122,7 @@ SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
   run.progress = [&bar](const SlamProgress& progress) { bar.show(progress); };
   if (prepared.masks) run.mask_of = [&prepared](const Frame& frame) { return prepared.masks->mask_of(frame); };
   run.map_file = prepared.map_file.get();
-  run.max_memory_bytes = prepared.means.max_memory_bytes;
+  run.max_memory_bytes = prepared.context.max_memory_bytes;
   return run;
 }
 
@@ -159,14 +148,14 @@ int run_slam(const SlamFlags& flags) {
   bar.clear();
   end.result.method = prepared.method->name();
   if (end.result.frames == 0 && !end.result.interrupted) refuse_without_frames(end, folder, flags.data.path);
-  const SlamTask task = task_of(prepared.means);
-  write_slam_outputs(end, folder, prepared.means, task);
+  const SlamTask task = task_of(prepared.context);
+  const SlamOutputs outputs = write_slam_outputs(end, folder, prepared.context, task);
   folder.write_result(to_json(end.result));
   if (end.failure) std::rethrow_exception(end.failure);
   if (flags.data.json) {
     fmt::print("{}", to_json(end.result));
   } else if (!flags.data.quiet) {
-    fmt::print("{}", slam_summary(end, flags.out, task));
+    fmt::print("{}", slam_summary(end, outputs, flags.out, task));
   }
   return report_missed(prepared.limits, numbers_of(end.result));
 }
@@ -178,7 +167,7 @@ void add_slam_command(CLI::App& app, Context& context) {
   command->callback([command, flags, &context] {
     flags->seed_given = command->count("--seed") > 0;
     if (!flags->map.empty() && !flags->extend)
-      throw Error("is used with --continue", "--map", "to find the way in a map, use 'rastro localize DATA --map MAP'");
+      throw Error("is used with --continue", "--map", "to localize in a map, use 'rastro localize DATA --map MAP'");
     context.exit_code = run_slam(*flags);
   });
 }

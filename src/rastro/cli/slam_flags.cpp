@@ -15,11 +15,12 @@ constexpr const char* footer = R"(
 Writes into --out:
   trajectory.txt         final pose of every frame: stamp tx ty tz qx qy qz qw, world_from_body, metres
   trajectory_online.txt  each pose as first given; covariance_online.txt: how well it was known, where the method says so
-  map.pgm map.yaml       the map as ROS's map_server reads it    map.png  the same with the way drawn in
-  map.rastro             the map of a camera, kept safe as the run goes: for 'rastro info', 'rastro localize'
-  cloud.ply              the same as a coloured cloud of points    map.png  seen from above with the way drawn in
-  keyframes.txt          final pose of each keyframe of a map of landmarks; its map.png shows them from above
-  landmarks.csv          place, covariance and number of sightings of each landmark, where the method has landmarks
+  map.rastro             the map, kept safe as the run goes: for 'rastro info', 'rastro export', 'rastro localize'
+  map.png                the map from above with the trajectory
+  map.pgm map.yaml       of laser scans: the occupancy grid as ROS's map_server reads it
+  cloud.ply              of a depth camera's images: colored point cloud
+  keyframes.txt          of features: final pose of each keyframe
+  landmarks.csv          of a filter: position, covariance and number of observations of each landmark
   stats.csv    state, reason, score, times of each stage per frame    events.jsonl  changes of state with reasons, loops
   options.yaml all values in force    about.json  version, machine, input    result.json  coverage, states, times, hash
 

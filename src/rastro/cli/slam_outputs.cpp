@@ -5,16 +5,24 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/hash.h"
 #include "rastro/export/cloud_picture.h"
 #include "rastro/export/grid_map_server.h"
 #include "rastro/export/grid_picture.h"
+#include "rastro/export/landmark_export.h"
 #include "rastro/export/landmark_picture.h"
 #include "rastro/export/landmarks_csv.h"
 #include "rastro/export/ply.h"
 #include "rastro/map/cloud/build_cloud.h"
+#include "rastro/map/images/image_layer.h"
+#include "rastro/map/landmarks/landmark_layer.h"
+#include "rastro/map/scans/scan_layer.h"
 #include "rastro/session/trajectory_text.h"
 
 namespace rastro::cli {
@@ -27,16 +35,6 @@ std::string final_poses(const SlamRunEnd& end) {
   return fmt::format("world_from_body of every frame with what was learnt later; {}", unit_of(end));
 }
 
-/// Of the keyframes of the map's first part, in the order of time.
-Trajectory keyframes_of(const LandmarkMap& map) {
-  Trajectory trajectory;
-  for (std::size_t k = 0; k < map.keyframes.size(); ++k)
-    if (map.poses[k].submap == 0) trajectory.push_back({map.keyframes[k]->stamp, map.poses[k].world_from_camera});
-  std::stable_sort(trajectory.begin(), trajectory.end(),
-                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
-  return trajectory;
-}
-
 /// Writes files and hashes them as it goes.
 class HashedFiles {
  public:
@@ -44,6 +42,7 @@ class HashedFiles {
   void write(const std::string& name, const std::string& bytes) {
     write_whole_file(folder_.file(name), bytes);
     hash_.add(bytes);
+    names_.push_back(name);
   }
   /// A file that is there already.
   void add(const std::string& name) {
@@ -51,31 +50,79 @@ class HashedFiles {
     std::string piece(1 << 20, '\0');
     while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())), stream.gcount() > 0)
       hash_.add(std::string_view(piece).substr(0, static_cast<std::size_t>(stream.gcount())));
+    names_.push_back(name);
   }
+  const std::vector<std::string>& names() const { return names_; }
   std::string finish() { return hash_.finish(); }
 
  private:
   const RunFolder& folder_;
   Sha256 hash_;
+  std::vector<std::string> names_;
 };
 
-void write_picture(const SlamRunEnd& end, const RunFolder& folder) {
-  MapPicture picture = map_picture(*end.map, end.trajectory);
-  // A matcher's covariance is of one scan against the map; only a filter over landmarks knows that of the place.
-  if (!end.map->landmarks.empty())
-    for (const PlaceCovariance& place : end.places) picture.places.push_back({place.place, place.covariance});
-  write_map_picture(picture, folder.file("map.png").string());
+/// The map of a run with what several files are made from.
+struct MapOfRun {
+  const Map& map;
+  const SlamRunEnd& end;
+  std::shared_ptr<const OccupancyGrid> grid;       ///< Null without scans.
+  std::shared_ptr<const LandmarkLayer> estimates;  ///< Landmarks of a filter; null without.
+  std::optional<PointCloud> cloud;                 ///< Where there are images.
+};
+
+MapOfRun map_of(const SlamRunEnd& end) {
+  MapOfRun run{*end.map, end, nullptr, end.map->layer<LandmarkLayer>(), std::nullopt};
+  if (auto grid = occupancy_grid_of(run.map)) run.grid = std::make_shared<OccupancyGrid>(std::move(*grid));
+  if (run.estimates && run.estimates->estimates.empty()) run.estimates = nullptr;
+  return run;
 }
 
+void write_planar_image(const MapOfRun& run, const std::string& file) {
+  MapPicture picture = map_picture(run.map, run.grid, run.end.trajectory);
+  // A matcher's covariance is of one scan against the map; only a filter over landmarks knows that of the position.
+  if (run.estimates)
+    for (const PlaceCovariance& place : run.end.places) picture.places.push_back({place.place, place.covariance});
+  write_map_picture(picture, file);
+}
+
+/// How map.png is made; the first that applies.
+struct MapImage {
+  bool (*applies)(const MapOfRun&);
+  void (*write)(const MapOfRun&, const std::string& file);
+};
+constexpr MapImage map_images[] = {
+    {[](const MapOfRun& run) { return run.cloud.has_value(); },
+     [](const MapOfRun& run, const std::string& file) { write_cloud_picture(*run.cloud, run.end.trajectory, file); }},
+    {[](const MapOfRun& run) { return has_observed_landmarks(run.map); },
+     [](const MapOfRun& run, const std::string& file) { write_landmark_picture(run.map, file); }},
+    {[](const MapOfRun&) { return true; }, write_planar_image},
+};
+
 /// Coarse enough to be looked at; 'rastro export' makes finer ones from the map file.
-void write_cloud(const SlamRunEnd& end, const RunFolder& folder, const SlamMeans& means) {
+PointCloud cloud_of(const Map& map, const SlamContext& context) {
   constexpr std::size_t bytes_a_voxel = 256;  // with room to grow; half of what is allowed is left to the rest
   CloudOptions options;
-  if (means.max_memory_bytes > 0)
-    options.max_voxels = std::min(options.max_voxels, means.max_memory_bytes / 2 / bytes_a_voxel + 1);
-  const PointCloud cloud = build_cloud(*end.map->rgbd, options, means.pool);
-  write_whole_file(folder.file("cloud.ply"), cloud_ply(cloud, "world"));
-  write_cloud_picture(cloud, end.trajectory, folder.file("map.png").string());
+  if (context.max_memory_bytes > 0)
+    options.max_voxels = std::min(options.max_voxels, context.max_memory_bytes / 2 / bytes_a_voxel + 1);
+  return build_cloud(map, options, context.pool);
+}
+
+void write_hashed_files(const MapOfRun& run, HashedFiles& files) {
+  if (run.grid) {
+    files.write("map.pgm", map_server_pgm(*run.grid));
+    files.write("map.yaml", map_server_yaml(*run.grid, "map.pgm"));
+  }
+  if (run.estimates) files.write("landmarks.csv", landmarks_csv(*run.estimates));
+  if (has_observed_landmarks(run.map)) {
+    const std::string comment = fmt::format("world_from_body of keyframes, as it came to be; {}", unit_of(run.end));
+    files.write("keyframes.txt", trajectory_text(keyframe_trajectory(run.map), comment));
+  }
+  files.add("map.rastro");
+}
+
+std::string size_of(const OccupancyGrid& grid) {
+  return fmt::format("{:.1f} x {:.1f} m in cells of {:g} m", grid.width * grid.cell_m, grid.height * grid.cell_m,
+                     grid.cell_m);
 }
 
 std::string reasons_line(const SlamResult& result) {
@@ -102,14 +149,10 @@ std::string recall_line(const SlamResult& result) {
   return text + "\n";
 }
 
-std::string map_line(const SlamRunEnd& end) {
+std::string map_line(const SlamRunEnd& end, const SlamOutputs& outputs) {
   const SlamResult& result = end.result;
   std::string text = fmt::format("  map          path {:.2f} {}", result.path_length, has_metres(end) ? "m" : "units");
-  if (end.map && end.map->grid) {
-    const OccupancyGrid& grid = *end.map->grid;
-    text += fmt::format(", {:.1f} x {:.1f} m in cells of {:g} m", grid.width * grid.cell_m, grid.height * grid.cell_m,
-                        grid.cell_m);
-  }
+  if (!outputs.grid.empty()) text += ", " + outputs.grid;
   if (result.landmarks > 0) text += fmt::format(", {} landmarks", result.landmarks);
   if (result.keyframes > 0) text += fmt::format(", {} keyframes", result.keyframes);
   if (result.submaps > 1) text += fmt::format(" in {} submaps", result.submaps);
@@ -133,54 +176,42 @@ std::string time_line(const SlamResult& result) {
   return text + fmt::format("; memory {:.0f} MB\n", result.peak_memory_mb);
 }
 
-std::string files_line(const SlamRunEnd& end, const std::string& folder, SlamTask task) {
-  if (task == SlamTask::localize) return fmt::format("written to {}: trajectory.txt result.json stats.csv\n", folder);
-  std::string text = fmt::format("written to {}: trajectory.txt", folder);
-  if (end.map && end.map->grid) text += " map.pgm map.yaml";
-  if (end.map && end.map->rgbd) text += " map.rastro cloud.ply";
-  if (end.map && end.map->landmark_map) text += " keyframes.txt map.rastro";
-  if (end.map) text += " map.png";
-  if (end.map && !end.map->landmarks.empty()) text += " landmarks.csv";
-  return text + " result.json stats.csv\n";
-}
-
 }  // namespace
 
-void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const SlamMeans& means, SlamTask task) {
+SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const SlamContext& context, SlamTask task) {
   HashedFiles files(folder);
+  SlamOutputs outputs;
   files.write("trajectory.txt", trajectory_text(end.trajectory, final_poses(end)));
-  if (task == SlamTask::localize) {
-    end.result.result_sha256 = files.finish();
-    return;
-  }
-  if (end.map && end.map->grid) {
-    files.write("map.pgm", map_server_pgm(*end.map->grid));
-    files.write("map.yaml", map_server_yaml(*end.map->grid, "map.pgm"));
-  }
-  if (end.map && !end.map->landmarks.empty()) files.write("landmarks.csv", landmarks_csv(end.map->landmarks));
-  if (end.map && end.map->rgbd) {
-    files.add("map.rastro");
-    write_cloud(end, folder, means);
-  } else if (end.map && end.map->landmark_map) {
-    const LandmarkMap& map = *end.map->landmark_map;
-    files.write("keyframes.txt",
-                trajectory_text(keyframes_of(map),
-                                fmt::format("world_from_body of keyframes, as it came to be; {}", unit_of(end))));
-    files.add("map.rastro");
-    write_landmark_picture(map, folder.file("map.png").string());
-  } else if (end.map) {
-    write_picture(end, folder);
+  if (task == SlamTask::map && end.map) {
+    MapOfRun run = map_of(end);
+    write_hashed_files(run, files);
+    outputs.files = files.names();
+    if (run.grid) outputs.grid = size_of(*run.grid);
+    if (images_of(run.map)) {
+      run.cloud = cloud_of(run.map, context);
+      write_whole_file(folder.file("cloud.ply"), cloud_ply(*run.cloud, "world"));
+      outputs.files.push_back("cloud.ply");
+    }
+    const MapImage& image = *std::find_if(std::begin(map_images), std::end(map_images),
+                                          [&run](const MapImage& each) { return each.applies(run); });
+    image.write(run, folder.file("map.png").string());
+    outputs.files.push_back("map.png");
+  } else {
+    outputs.files = files.names();
   }
   end.result.result_sha256 = files.finish();
+  return outputs;
 }
 
-std::string slam_summary(const SlamRunEnd& end, const std::string& folder, SlamTask task) {
+std::string slam_summary(const SlamRunEnd& end, const SlamOutputs& outputs, const std::string& folder, SlamTask task) {
   const SlamResult& result = end.result;
   std::string text = fmt::format("{}: {} frames, {:.1f} % of those asked for have a pose{}\n", result.method,
                                  result.frames, result.coverage, result.interrupted ? " (interrupted)" : "");
   text += states_line(result) + reasons_line(result);
-  text += (task == SlamTask::localize ? recall_line(result) : map_line(end)) + scale_line(result) + time_line(result);
-  text += fmt::format("  result       sha256 {}\n", result.result_sha256) + files_line(end, folder, task);
+  text += (task == SlamTask::localize ? recall_line(result) : map_line(end, outputs)) + scale_line(result) +
+          time_line(result);
+  text += fmt::format("  result       sha256 {}\n", result.result_sha256);
+  text += fmt::format("written to {}: {} result.json stats.csv\n", folder, fmt::join(outputs.files, " "));
   if (result.skipped_frames > 0) {
     text += fmt::format("warning: {} frames could not be read and were skipped, the first because: {}\n",
                         result.skipped_frames, end.first_skip);

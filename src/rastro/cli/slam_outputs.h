@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "rastro/session/run_folder.h"
 #include "rastro/session/slam_run.h"
@@ -9,14 +10,21 @@
 
 namespace rastro::cli {
 
-/// What a run was for: a map of its own, or to find the way in one made before.
+/// What a run was for: to make a map (or continue one), or to localize in one made before.
 enum class SlamTask { map, localize };
 
-/// Writes trajectory.txt and the files of the map, and sets the hash of the result, which is over all of them but what
-/// is made from the map file: pictures and clouds. Of a run in a map made before, the trajectory alone.
-void write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const SlamMeans& means, SlamTask task);
+/// What was written, for slam_summary().
+struct SlamOutputs {
+  std::vector<std::string> files;  ///< Names, in order.
+  std::string grid;                ///< Size of the occupancy grid, such as "9.5 x 4.0 m in cells of 0.05 m"; or empty.
+};
+
+/// Writes trajectory.txt and the files that the layers of the map give, and sets the hash of the result, which is over
+/// trajectory.txt, map.pgm, map.yaml, landmarks.csv, keyframes.txt and map.rastro, in this order, those that there are;
+/// not over images and clouds, which are made from the map. When localizing, the trajectory alone.
+SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const SlamContext& context, SlamTask task);
 
 /// What a person wants to know of the run.
-std::string slam_summary(const SlamRunEnd& end, const std::string& folder, SlamTask task);
+std::string slam_summary(const SlamRunEnd& end, const SlamOutputs& outputs, const std::string& folder, SlamTask task);
 
 }  // namespace rastro::cli

@@ -18,7 +18,7 @@ struct LengthView {
   Camera camera;
   GreyImage grey;
   DepthImage depth;
-  double depth_sigma_m = 0.0, depth_sigma_per_m2 = 0.0;  ///< As RgbdMap has them.
+  double depth_sigma_m = 0.0, depth_sigma_per_m2 = 0.0;  ///< As DepthNoise has them.
 
   /// Standard deviation of a measured depth, metres.
   double depth_sigma(double z) const { return depth_sigma_m + depth_sigma_per_m2 * z * z; }

@@ -8,8 +8,8 @@
 
 #include "rastro/base/random.h"
 #include "rastro/base/task_pool.h"
-#include "rastro/map/keyframe/pack_pictures.h"
-#include "rastro/map/keyframe/rgbd_map.h"
+#include "rastro/map/graph/map.h"
+#include "rastro/map/images/pack_images.h"
 #include "rastro/synthetic/path.h"
 #include "rastro/synthetic/renderer.h"
 
@@ -42,30 +42,30 @@ class LengthRoom {
   /// Depth as a Kinect measures it: disparity in steps of 1/8 px with noise. Keyframes stand where they stood but for
   /// `pose_noise_m` along each axis and a tenth of it (rad) about each. No depth where `hidden` says so.
   template <typename Hidden>
-  RgbdMap map(std::uint64_t seed, double pose_noise_m, Hidden&& hidden) const {
-    RgbdMap map;
+  Map map(std::uint64_t seed, double pose_noise_m, Hidden&& hidden) const {
+    Map map;
     map.method = "rgbd";
-    map.camera = camera_;
+    map.cameras.push_back({CameraKind::depth, camera_, 0.0, {}, SE3()});
+    auto images = std::make_shared<ImageLayer>();
     auto pictures = std::make_shared<MemoryPictures>();
     Random random(seed);
     for (int k = 0; k < keyframes; ++k) {
       Vector6d error;
       for (int i = 0; i < 6; ++i) error[i] = random.normal() * pose_noise_m * (i < 3 ? 1.0 : 0.1);
-      auto keyframe = std::make_shared<RgbdKeyframe>();
-      keyframe->id = keyframe->frame = k;
-      keyframe->stamp = TimeNs{k} * ns_per_second;
-      map.keyframes.push_back(keyframe);
-      map.poses.push_back({true_pose(k) * SE3::exp(error), 0});
-      map.trajectory.push_back({keyframe->stamp, map.poses.back().world_from_camera});
+      const TimeNs stamp = TimeNs{k} * ns_per_second;
+      map.keyframes.push_back({k, k, stamp, 0, true_pose(k) * SE3::exp(error), 0, no_keyframe, 1.0});
+      map.frames.push_back({stamp, k, SE3()});
+      images->keyframes.push_back(k);
       Frame frame;
       frame.image = frames_[static_cast<std::size_t>(k)].grey;
       frame.depth = measured(frames_[static_cast<std::size_t>(k)].depth, true_pose(k), random, hidden);
       pictures->add(k, pack_pictures(frame));
     }
-    map.pictures = pictures;
+    images->store = pictures;
+    map.layers.put<ImageLayer>(std::move(images));
     return map;
   }
-  RgbdMap map(std::uint64_t seed, double pose_noise_m) const {
+  Map map(std::uint64_t seed, double pose_noise_m) const {
     return map(seed, pose_noise_m, [](const Eigen::Vector3d&) { return false; });
   }
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "rastro/base/error.h"
-#include "rastro/map/keyframe/pack_pictures.h"
+#include "rastro/map/images/pack_images.h"
 
 namespace rastro {
 namespace {
@@ -18,21 +18,22 @@ constexpr double flattest = 0.1;  ///< Cosine between normal and ray; flatter fa
 constexpr std::int64_t neighbourhood = 3;
 
 /// Pixels per metre of the place, seen squarely; 0 where it is not seen.
-double quality(const RgbdMap& map, std::size_t keyframe, const LengthPlace& place) {
-  const Eigen::Vector3d point = map.poses[keyframe].world_from_camera.inverse() * place.point;
+double quality(const Map& map, const Keyframe& keyframe, const LengthPlace& place) {
+  const Camera& camera = map.cameras[static_cast<std::size_t>(keyframe.camera)].intrinsics;
+  const Eigen::Vector3d point = keyframe.world_from_camera.inverse() * place.point;
   if (!(point.z() > nearest_m && point.z() < farthest_m)) return 0.0;
-  const auto pixel = map.camera.project(point);
-  if (!pixel || pixel->x() < margin_px || pixel->y() < margin_px || pixel->x() > map.camera.width - 1 - margin_px ||
-      pixel->y() > map.camera.height - 1 - margin_px) {
+  const auto pixel = camera.project(point);
+  if (!pixel || pixel->x() < margin_px || pixel->y() < margin_px || pixel->x() > camera.width - 1 - margin_px ||
+      pixel->y() > camera.height - 1 - margin_px) {
     return 0.0;
   }
   double squareness = 1.0;
   if (place.normal) {
-    const Eigen::Vector3d normal = map.poses[keyframe].world_from_camera.rotation().inverse() * *place.normal;
+    const Eigen::Vector3d normal = keyframe.world_from_camera.rotation().inverse() * *place.normal;
     squareness = std::abs(normal.dot(point)) / point.norm();
     if (squareness < flattest) return 0.0;
   }
-  return map.camera.fx / point.z() * squareness;
+  return camera.fx / point.z() * squareness;
 }
 
 /// Greedy: the best one, then the best of the rest, those near a chosen one losing with each.
@@ -50,39 +51,41 @@ void choose(std::vector<double> qualities, int count, std::vector<bool>& chosen)
 
 }  // namespace
 
-std::vector<std::int64_t> choose_views(const RgbdMap& map, const LengthPlace& a, const LengthPlace& b, int count) {
-  const std::size_t keyframes = std::min(map.keyframes.size(), map.poses.size());
+std::vector<KeyframeId> choose_views(const Map& map, const LengthPlace& a, const LengthPlace& b, int count) {
+  const std::size_t keyframes = map.cameras.empty() ? 0 : map.keyframes.size();
   std::vector<double> sees_a(keyframes), sees_b(keyframes), sees_both(keyframes);
   for (std::size_t i = 0; i < keyframes; ++i) {
-    if (map.poses[i].submap != 0) continue;
-    sees_a[i] = quality(map, i, a);
-    sees_b[i] = quality(map, i, b);
+    if (map.keyframes[i].submap != 0) continue;
+    sees_a[i] = quality(map, map.keyframes[i], a);
+    sees_b[i] = quality(map, map.keyframes[i], b);
     sees_both[i] = std::min(sees_a[i], sees_b[i]);
   }
   std::vector<bool> chosen(keyframes, false);
   for (const auto* qualities : {&sees_a, &sees_b, &sees_both}) choose(*qualities, count, chosen);
-  std::vector<std::int64_t> numbers;
+  std::vector<KeyframeId> ids;
   for (std::size_t i = 0; i < keyframes; ++i)
-    if (chosen[i]) numbers.push_back(static_cast<std::int64_t>(i));
-  return numbers;
+    if (chosen[i]) ids.push_back(map.keyframes[i].id);
+  return ids;
 }
 
-LengthView open_view(const RgbdMap& map, std::int64_t keyframe) {
-  const auto index = static_cast<std::size_t>(keyframe);
-  RASTRO_CHECK(map.pictures && index < map.poses.size() && index < map.keyframes.size(), "a keyframe of the map");
-  const std::string where = fmt::format("keyframe {}", keyframe);
-  const UnpackedPictures pictures = unpack_pictures(map.pictures->pictures(keyframe), where);
-  if (pictures.depth.width() != map.camera.width || pictures.depth.height() != map.camera.height)
-    throw Error(fmt::format("its pictures are {} x {}, the map's camera {} x {}", pictures.depth.width(),
-                            pictures.depth.height(), map.camera.width, map.camera.height),
+LengthView open_view(const Map& map, KeyframeId id) {
+  const Keyframe* keyframe = map.find(id);
+  const auto images = images_of(map);
+  RASTRO_CHECK(images && keyframe && !map.cameras.empty(), "a keyframe with images");
+  const MapCamera& camera = map.cameras[static_cast<std::size_t>(keyframe->camera)];
+  const std::string where = fmt::format("keyframe {}", id);
+  const UnpackedPictures pictures = unpack_pictures(images->pictures(id), where);
+  if (pictures.depth.width() != camera.intrinsics.width || pictures.depth.height() != camera.intrinsics.height)
+    throw Error(fmt::format("its images are {} x {}, the map's camera {} x {}", pictures.depth.width(),
+                            pictures.depth.height(), camera.intrinsics.width, camera.intrinsics.height),
                 where, "the map is damaged");
-  return {keyframe,
-          map.poses[index].world_from_camera,
-          map.camera,
+  return {id,
+          keyframe->world_from_camera,
+          camera.intrinsics,
           grey_from_colour(pictures.colour),
           pictures.depth,
-          map.depth_sigma_m,
-          map.depth_sigma_per_m2};
+          camera.depth_noise.sigma_m,
+          camera.depth_noise.sigma_per_m2};
 }
 
 }  // namespace rastro

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "rastro/evaluate/length_face.h"
-#include "rastro/map/keyframe/rgbd_map.h"
+#include "rastro/map/graph/map.h"
 
 namespace rastro {
 
@@ -17,11 +16,12 @@ struct LengthPlace {
   std::optional<Eigen::Vector3d> normal;  ///< Of the face there: keyframes that look at it squarely are better.
 };
 
-/// Numbers of the keyframes that show the places best, in their order: up to `count` for each place, and up to `count`
+/// Ids of the keyframes that show the places best, in their order: up to `count` for each place, and up to `count`
 /// that show both. Keyframes beside one another count for less. Whether something stands in between is not known here.
-std::vector<std::int64_t> choose_views(const RgbdMap& map, const LengthPlace& a, const LengthPlace& b, int count);
+std::vector<KeyframeId> choose_views(const Map& map, const LengthPlace& a, const LengthPlace& b, int count);
 
-/// Opens the pictures of a keyframe. Error where they cannot be read or are not of the camera's size.
-LengthView open_view(const RgbdMap& map, std::int64_t keyframe);
+/// Opens the images of a keyframe of a map with an image layer. Error where they cannot be read or are not of the
+/// camera's size.
+LengthView open_view(const Map& map, KeyframeId id);
 
 }  // namespace rastro

@@ -326,7 +326,7 @@ std::string doubts(const MeasuredLength& measured, double rivalry) {
 /// All of one object, so that what is looked up often need not be handed around.
 class LengthSearch {
  public:
-  LengthSearch(const RgbdMap& map, const LengthObject& object, const MapLengthOptions& options)
+  LengthSearch(const Map& map, const LengthObject& object, const MapLengthOptions& options)
       : map_(map), object_(object), options_(options) {
     a_ = length_features(object, object.a, options);
     b_ = length_features(object, object.b, options);
@@ -354,7 +354,7 @@ class LengthSearch {
   }
 
   void look(TaskPool& pool) {
-    const std::vector<std::int64_t> views =
+    const std::vector<KeyframeId> views =
         choose_views(map_, place_of(a_.front()), place_of(b_.front()), options_.views);
     findings_.resize(views.size());
     pool.for_chunks(0, static_cast<int>(views.size()), 1, [&](int begin, int end) {
@@ -401,7 +401,7 @@ class LengthSearch {
     return measured;
   }
 
-  const RgbdMap& map_;
+  const Map& map_;
   const LengthObject& object_;
   const MapLengthOptions& options_;
   std::vector<LengthFeature> a_, b_;
@@ -411,7 +411,7 @@ class LengthSearch {
 
 }  // namespace
 
-std::vector<MeasuredLength> measure_lengths(const RgbdMap& map, const std::vector<LengthObject>& objects,
+std::vector<MeasuredLength> measure_lengths(const Map& map, const std::vector<LengthObject>& objects,
                                             const MapLengthOptions& options, TaskPool& pool) {
   std::vector<MeasuredLength> measured;
   for (const LengthObject& object : objects) measured.push_back(LengthSearch(map, object, options).measure(pool));

@@ -11,7 +11,7 @@
 #include "rastro/base/task_pool.h"
 #include "rastro/evaluate/length_objects.h"
 #include "rastro/map/cloud/point_cloud.h"
-#include "rastro/map/keyframe/rgbd_map.h"
+#include "rastro/map/graph/map.h"
 
 namespace rastro {
 
@@ -52,7 +52,7 @@ struct MapLengthOptions {
 /// Finds the objects, whose spots are in the map's frame, in the pictures of its keyframes and measures them there: a
 /// cloud ends where depth does, which is not where a thing ends. Only keyframes of the first submap are looked at, the
 /// others stand in a frame of their own. The same result for any pool. Error where pictures cannot be read.
-std::vector<MeasuredLength> measure_lengths(const RgbdMap& map, const std::vector<LengthObject>& objects,
+std::vector<MeasuredLength> measure_lengths(const Map& map, const std::vector<LengthObject>& objects,
                                             const MapLengthOptions& options, TaskPool& pool);
 
 /// The same in a cloud, which has no pictures: an edge is where the points of a face end, which is where depth does,

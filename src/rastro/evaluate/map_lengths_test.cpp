@@ -56,9 +56,9 @@ objects:
 
 std::vector<LengthObject> objects() { return parse_length_objects(objects_yaml, "objects.yaml").objects; }
 
-MeasuredLength box_width(const RgbdMap& map) { return measure_lengths(map, {objects()[0]}, {}, room().pool()).front(); }
+MeasuredLength box_width(const Map& map) { return measure_lengths(map, {objects()[0]}, {}, room().pool()).front(); }
 
-std::vector<MeasuredLength> measured(const RgbdMap& map) { return measure_lengths(map, objects(), {}, room().pool()); }
+std::vector<MeasuredLength> measured(const Map& map) { return measure_lengths(map, objects(), {}, room().pool()); }
 
 std::string refused(const std::string& yaml) {
   try {
@@ -98,7 +98,7 @@ TEST(MapLengths, ErrWithinTheirSigmas) {
 }
 
 TEST(MapLengths, DoNotDependOnThreads) {
-  const RgbdMap map = room().map(3, 0.004);
+  const Map map = room().map(3, 0.004);
   const std::vector<LengthObject> box = {objects()[0], objects()[3]};
   const auto with_threads = [&](int threads) {
     TaskPool pool(threads);

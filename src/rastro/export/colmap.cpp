@@ -12,31 +12,38 @@
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
-#include "rastro/map/keyframe/pack_pictures.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/map/images/pack_images.h"
 
 namespace rastro {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr double half_px = 0.5;  ///< COLMAP's upper left pixel has its centre at (0.5, 0.5).
+constexpr double half_px = 0.5;  ///< COLMAP's upper left pixel has its center at (0.5, 0.5).
 
 std::string picture_name(std::size_t keyframe) { return fmt::format("{:06}.jpg", keyframe); }
 
-bool wanted(const RgbdMap& map, std::size_t keyframe, int submap) {
-  return submap < 0 || map.poses[keyframe].submap == submap;
+bool wanted(const Keyframe& keyframe, int submap) { return submap < 0 || keyframe.submap == submap; }
+
+/// Of a keyframe; none where the map has no features of it.
+std::vector<Keypoint> keypoints_of(const FeatureLayer* features, KeyframeId id) {
+  const ImageFeatures* image = features ? features->find(id) : nullptr;
+  return image ? image->features.keypoints : std::vector<Keypoint>();
 }
 
 /// Colours of the features that show a point first, keyframe by keyframe, so that each picture is read once.
-std::vector<std::array<std::uint8_t, 3>> colours_of(const RgbdMap& map, const std::vector<FeaturePoint>& points) {
+std::vector<std::array<std::uint8_t, 3>> colours_of(const Map& map, const std::vector<FeaturePoint>& points) {
+  const auto images = images_of(map);
+  const auto features = map.layer<FeatureLayer>();
   std::map<std::size_t, std::vector<std::size_t>> by_keyframe;
   for (std::size_t k = 0; k < points.size(); ++k) by_keyframe[points[k].views.front().keyframe].push_back(k);
   std::vector<std::array<std::uint8_t, 3>> colours(points.size());
   for (const auto& [keyframe, shown] : by_keyframe) {
-    const ColourImage colour =
-        unpack_pictures(map.pictures->pictures(map.keyframes[keyframe]->id), fmt::format("keyframe {}", keyframe))
-            .colour;
+    const KeyframeId id = map.keyframes[keyframe].id;
+    const ColourImage colour = unpack_pictures(images->pictures(id), fmt::format("keyframe {}", id)).colour;
+    const std::vector<Keypoint> keypoints = keypoints_of(features.get(), id);
     for (const std::size_t k : shown) {
-      const Keypoint& at = map.keyframes[keyframe]->features.keypoints[points[k].views.front().feature];
+      const Keypoint& at = keypoints[points[k].views.front().feature];
       const int x = std::clamp(static_cast<int>(std::lround(at.x)), 0, colour.width() - 1);
       const int y = std::clamp(static_cast<int>(std::lround(at.y)), 0, colour.height() - 1);
       const std::uint8_t* rgb = colour.rgb.row(y) + 3 * static_cast<std::ptrdiff_t>(x);
@@ -64,26 +71,33 @@ ColmapModel colmap_model(const Camera& camera) {
   return model;
 }
 
-std::string colmap_cameras(const Camera& camera, int width, int height) {
-  const ColmapModel model = colmap_model(camera);
-  std::string text = fmt::format("# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 {} {} {}", model.name, width, height);
-  for (const double value : model.parameters) text += fmt::format(" {:.9g}", value);
-  return text + "\n";
+std::string colmap_cameras(const std::vector<MapCamera>& cameras, int width, int height) {
+  std::string text = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n";
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    const Camera& camera = cameras[k].intrinsics;
+    const ColmapModel model = colmap_model(camera);
+    const bool sized = camera.width > 0;
+    text += fmt::format("{} {} {} {}", k + 1, model.name, sized ? camera.width : width, sized ? camera.height : height);
+    for (const double value : model.parameters) text += fmt::format(" {:.9g}", value);
+    text += '\n';
+  }
+  return text;
 }
 
-std::string colmap_images(const RgbdMap& map, const std::vector<FeaturePoint>& points, int submap) {
+std::string colmap_images(const Map& map, const std::vector<FeaturePoint>& points, int submap) {
+  const auto layer = map.layer<FeatureLayer>();
   std::vector<std::map<std::size_t, std::size_t>> point_of(map.keyframes.size());
   for (std::size_t k = 0; k < points.size(); ++k)
     for (const FeatureView& view : points[k].views) point_of[view.keyframe][view.feature] = k + 1;
   std::string text = "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)\n";
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-    if (!wanted(map, k, submap)) continue;
-    const SE3 pose = map.poses[k].world_from_camera.inverse();
+    if (!wanted(map.keyframes[k], submap)) continue;
+    const SE3 pose = map.keyframes[k].world_from_camera.inverse();
     const Eigen::Quaterniond& q = pose.rotation().quaternion();
     const Eigen::Vector3d& t = pose.translation();
-    fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} 1 {}\n", k + 1, q.w(),
-                   q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), picture_name(k));
-    const auto& features = map.keyframes[k]->features.keypoints;
+    fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {} {}\n", k + 1,
+                   q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), map.keyframes[k].camera + 1, picture_name(k));
+    const std::vector<Keypoint> features = keypoints_of(layer.get(), map.keyframes[k].id);
     for (std::size_t f = 0; f < features.size(); ++f) {
       const auto point = point_of[k].find(f);
       const std::int64_t id = point == point_of[k].end() ? -1 : static_cast<std::int64_t>(point->second);
@@ -95,7 +109,7 @@ std::string colmap_images(const RgbdMap& map, const std::vector<FeaturePoint>& p
   return text;
 }
 
-std::string colmap_points(const RgbdMap& map, const std::vector<FeaturePoint>& points) {
+std::string colmap_points(const Map& map, const std::vector<FeaturePoint>& points) {
   const auto colours = colours_of(map, points);
   std::string text = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -110,14 +124,16 @@ std::string colmap_points(const RgbdMap& map, const std::vector<FeaturePoint>& p
   return text;
 }
 
-void write_colmap(const RgbdMap& map, const fs::path& folder, int submap) {
+void write_colmap(const Map& map, const fs::path& folder, int submap) {
   std::error_code code;
   fs::create_directories(folder / "images", code);
   if (code) throw Error("the folder cannot be made (" + code.message() + ")", folder.string(), "choose another --out");
-  int width = map.camera.width, height = map.camera.height;
+  const auto images = images_of(map);
+  RASTRO_CHECK(images, "a map with images");
+  int width = camera_of(map, "colmap").intrinsics.width, height = map.cameras.front().intrinsics.height;
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-    if (!wanted(map, k, submap)) continue;
-    const PackedPictures packed = map.pictures->pictures(map.keyframes[k]->id);
+    if (!wanted(map.keyframes[k], submap)) continue;
+    const PackedPictures packed = images->pictures(map.keyframes[k].id);
     if (width == 0) {
       const DepthImage depth = unpack_pictures(packed, fmt::format("keyframe {}", k)).depth;
       width = depth.width(), height = depth.height();
@@ -126,7 +142,7 @@ void write_colmap(const RgbdMap& map, const fs::path& folder, int submap) {
                      {reinterpret_cast<const char*>(packed.colour.data()), packed.colour.size()});
   }
   const std::vector<FeaturePoint> points = feature_points(map, submap);
-  write_whole_file(folder / "cameras.txt", colmap_cameras(map.camera, width, height));
+  write_whole_file(folder / "cameras.txt", colmap_cameras(map.cameras, width, height));
   write_whole_file(folder / "images.txt", colmap_images(map, points, submap));
   write_whole_file(folder / "points3D.txt", colmap_points(map, points));
 }

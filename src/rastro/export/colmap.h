@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "rastro/map/keyframe/feature_points.h"
-#include "rastro/map/keyframe/rgbd_map.h"
+#include "rastro/map/features/feature_points.h"
+#include "rastro/map/graph/map.h"
 
 namespace rastro {
 
@@ -20,15 +20,16 @@ struct ColmapModel {
 };
 ColmapModel colmap_model(const Camera& camera);
 
-/// cameras.txt: the one camera with its distortion, for pictures of this size.
-std::string colmap_cameras(const Camera& camera, int width, int height);
-/// images.txt: pose and features of each keyframe; a feature's point is its place in `points` + 1, or -1.
-std::string colmap_images(const RgbdMap& map, const std::vector<FeaturePoint>& points, int submap = 0);
-/// points3D.txt: colours are those of the first keyframe that shows a point.
-std::string colmap_points(const RgbdMap& map, const std::vector<FeaturePoint>& points);
+/// cameras.txt: a line for each camera of the map, with its distortion. Cameras that do not know their size get this
+/// one.
+std::string colmap_cameras(const std::vector<MapCamera>& cameras, int width = 0, int height = 0);
+/// images.txt: pose and features of each keyframe; a feature's point is its index in `points` + 1, or -1.
+std::string colmap_images(const Map& map, const std::vector<FeaturePoint>& points, int submap = 0);
+/// points3D.txt: colors are those of the first keyframe that shows a point. The map must have images.
+std::string colmap_points(const Map& map, const std::vector<FeaturePoint>& points);
 
-/// All three, and the pictures as they are packed in images/. Makes the folder. Error where something cannot be read
-/// or written.
-void write_colmap(const RgbdMap& map, const std::filesystem::path& folder, int submap = 0);
+/// All three, and the images as they are packed in images/. Makes the folder. The map must have images. Error where
+/// something cannot be read or written.
+void write_colmap(const Map& map, const std::filesystem::path& folder, int submap = 0);
 
 }  // namespace rastro

@@ -107,12 +107,14 @@ TEST(GridMapServer, ReadsTheFileBesideTheYaml) {
 }
 
 TEST(LandmarksCsv, HasARowForEach) {
-  PlanarLandmark landmark;
-  landmark.id = 4;
-  landmark.position = {1.5, -2.25};
-  landmark.covariance << 0.01, 0.002, 0.002, 0.04;
-  landmark.observations = 9;
-  EXPECT_EQ(landmarks_csv({landmark}),
+  LandmarkLayer layer;
+  layer.landmarks.resize(1);
+  layer.landmarks[0].id = 4;
+  layer.landmarks[0].position = {1.5, -2.25, 0.0};
+  layer.estimates.resize(1);
+  layer.estimates[0].covariance.topLeftCorner<2, 2>() << 0.01, 0.002, 0.002, 0.04;
+  layer.estimates[0].observations = 9;
+  EXPECT_EQ(landmarks_csv(layer),
             "id,sensor_id,x,y,cov_xx,cov_xy,cov_yy,observations\n4,-1,1.500000,-2.250000,0.01,0.002,0.04,9\n");
 }
 

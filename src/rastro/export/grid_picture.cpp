@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "rastro/export/drawing.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 
 namespace rastro {
 namespace {
@@ -197,18 +198,23 @@ class Drawing {
 
 }  // namespace
 
-MapPicture map_picture(const Snapshot& map, const Trajectory& trajectory) {
+MapPicture map_picture(const Map& map, std::shared_ptr<const OccupancyGrid> grid, const Trajectory& trajectory) {
   MapPicture picture;
-  picture.grid = map.grid;
-  const auto place_of = [](const StampedPose& pose) { return Vector2d(pose.world_from_body.translation().head<2>()); };
-  for (const StampedPose& pose : trajectory) picture.path.push_back(place_of(pose));
-  for (const StampedPose& pose : map.keyframes) picture.keyframes.push_back(place_of(pose));
-  for (const GraphEdge& edge : map.edges) {
-    if (!edge.loop || std::max(edge.from, edge.to) >= map.keyframes.size()) continue;
-    picture.loops.emplace_back(picture.keyframes[edge.from], picture.keyframes[edge.to]);
+  picture.grid = std::move(grid);
+  const auto in_plane = [](const SE3& pose) { return Vector2d(pose.translation().head<2>()); };
+  for (const StampedPose& pose : trajectory) picture.path.push_back(in_plane(pose.world_from_body));
+  for (const Keyframe& keyframe : map.keyframes)
+    if (keyframe.submap == 0) picture.keyframes.push_back(in_plane(keyframe.world_from_camera));
+  for (const Constraint& constraint : map.constraints) {
+    if (constraint.kind == ConstraintKind::odometry || constraint.kind == ConstraintKind::proximity) continue;
+    const Keyframe *from = map.find(constraint.from), *to = map.find(constraint.to);
+    if (!from || !to || from->submap != 0 || to->submap != 0) continue;
+    picture.loops.emplace_back(in_plane(from->world_from_camera), in_plane(to->world_from_camera));
   }
-  for (const PlanarLandmark& landmark : map.landmarks)
-    picture.landmarks.push_back({landmark.position, landmark.covariance});
+  if (const auto layer = map.layer<LandmarkLayer>(); layer && layer->estimates.size() == layer->landmarks.size())
+    for (std::size_t k = 0; k < layer->landmarks.size(); ++k)
+      picture.landmarks.push_back(
+          {layer->landmarks[k].position.head<2>(), layer->estimates[k].covariance.topLeftCorner<2, 2>()});
   return picture;
 }
 

@@ -7,11 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "rastro/map/snapshot.h"
+#include "rastro/map/graph/map.h"
+#include "rastro/map/grid/occupancy_grid.h"
 
 namespace rastro {
 
-/// A place and how well it is known.
+/// A position and how well it is known.
 struct PlaceEllipse {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();      ///< World, metres.
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m^2
@@ -27,10 +28,11 @@ struct MapPicture {
   std::vector<PlaceEllipse> places;     ///< 95 % ellipses along the path.
 };
 
-/// The picture of a method's map with the way that led through it.
-MapPicture map_picture(const Snapshot& map, const Trajectory& trajectory);
+/// Submap 0 of a planar map with a trajectory through it: `grid` is occupancy_grid_of(map) (null: none), landmarks are
+/// those with estimates.
+MapPicture map_picture(const Map& map, std::shared_ptr<const OccupancyGrid> grid, const Trajectory& trajectory);
 
-/// A PNG of at most 1600 pixels a side: walls black, free cells white, the rest grey, path blue from the green start to
+/// A PNG of at most 1600 pixels a side: walls black, free cells white, the rest gray, path blue from the green start to
 /// the red end, loop closures orange, with a bar of 1 m (10 m, ... for large maps).
 void write_map_picture(const MapPicture& picture, const std::string& file);
 

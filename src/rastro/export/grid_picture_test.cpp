@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "rastro/base/scratch_testing.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 
 namespace rastro {
 namespace {
@@ -56,15 +57,23 @@ TEST(MapPicture, PutsWallsAndWayWhereTheyAre) {
 }
 
 TEST(MapPicture, DrawsLoopsLandmarksAndEllipses) {
-  Snapshot map;
-  map.grid = hall();
-  map.keyframes = {{0, SE3({}, {0.5, 0.5, 0.0})}, {1, SE3({}, {3.5, 1.5, 0.0})}};
-  map.edges = {{0, 1, true}, {0, 1, false}, {0, 99, true}};
-  map.landmarks.resize(1);
-  map.landmarks[0].position = {2.0, 0.5};
-  map.landmarks[0].covariance = 0.01 * Eigen::Matrix2d::Identity();
-  MapPicture picture = map_picture(map, {});
-  EXPECT_EQ(picture.loops.size(), 1U) << "an edge to no keyframe is left away";
+  Map map;
+  map.keyframes = {{0, 0, 0, 0, SE3({}, {0.5, 0.5, 0.0}), 0, no_keyframe, 1.0},
+                   {7, 1, 1, 0, SE3({}, {3.5, 1.5, 0.0}), 0, 0, 1.0},
+                   {8, 2, 2, 0, SE3({}, {9.5, 1.5, 0.0}), 1, no_keyframe, 1.0}};
+  for (const auto& [to, kind] : {std::pair{7, ConstraintKind::loop}, std::pair{7, ConstraintKind::odometry},
+                                 std::pair{99, ConstraintKind::loop}, std::pair{8, ConstraintKind::loop}}) {
+    map.constraints.emplace_back();
+    map.constraints.back().to = to, map.constraints.back().kind = kind;
+  }
+  LandmarkLayer landmarks;
+  landmarks.landmarks.resize(1);
+  landmarks.landmarks[0].position = {2.0, 0.5, 0.0};
+  landmarks.estimates.push_back({3, 1, 0.01 * Eigen::Matrix3d::Identity()});
+  map.layers.put<LandmarkLayer>(std::make_shared<LandmarkLayer>(landmarks));
+  MapPicture picture = map_picture(map, hall(), {});
+  EXPECT_EQ(picture.keyframes.size(), 2U) << "another submap is left out";
+  EXPECT_EQ(picture.loops.size(), 1U) << "a loop closure with no keyframe, or with another submap, is left out";
   const cv::Mat with = drawn(picture);
   EXPECT_GT(pixels_like(with, {190, 0, 190}), 30);
   picture.loops.clear();

@@ -18,7 +18,7 @@ namespace {
 using detail::append_raw;
 using Eigen::Vector3d;
 
-constexpr double half_px = 0.5;  ///< COLMAP's upper left pixel has its centre at (0.5, 0.5).
+constexpr double half_px = 0.5;  ///< COLMAP's upper left pixel has its center at (0.5, 0.5).
 constexpr std::int64_t no_point = -1;
 constexpr std::uint8_t unknown_colour = 128;
 
@@ -29,6 +29,7 @@ struct ImagePoint {
 
 struct ModelImage {
   std::int64_t id = 0;
+  int camera = 1;
   SE3 camera_from_world;
   std::string name;
   std::vector<ImagePoint> points;
@@ -38,7 +39,7 @@ struct ModelPoint {
   std::int64_t id = 0;
   Vector3d place = Vector3d::Zero();
   double error_px = 0.0;
-  std::vector<std::pair<std::int64_t, std::uint32_t>> track;  ///< Image, and place of its point in there.
+  std::vector<std::pair<std::int64_t, std::uint32_t>> track;  ///< Image, and index of its point in there.
 };
 
 /// What both forms hold.
@@ -47,36 +48,39 @@ struct Model {
   std::vector<ModelPoint> points;
 };
 
-ModelImage image_of(const LandmarkKeyframe& keyframe, const SE3& world_from_camera) {
+ModelImage image_of(const Keyframe& keyframe, const ImageFeatures* features) {
   ModelImage image;
   image.id = keyframe.id + 1;
-  image.camera_from_world = world_from_camera.inverse();
+  image.camera = keyframe.camera + 1;
+  image.camera_from_world = keyframe.world_from_camera.inverse();
   image.name = fmt::format("{:06}.png", keyframe.frame);
-  for (const Keypoint& point : keyframe.features.keypoints)
+  if (!features) return image;
+  for (const Keypoint& point : features->features.keypoints)
     image.points.push_back({static_cast<double>(point.x) + half_px, static_cast<double>(point.y) + half_px, no_point});
   return image;
 }
 
-Model model_of(const LandmarkMap& map, int submap) {
+Model model_of(const Map& map, int submap) {
   const LandmarkPart part(map, submap);
   Model model;
   std::vector<std::size_t> image_at(map.keyframes.size());
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     if (!part.has_keyframe(k)) continue;
     image_at[k] = model.images.size();
-    model.images.push_back(image_of(*map.keyframes[k], map.poses[k].world_from_camera));
+    model.images.push_back(image_of(map.keyframes[k], part.features_of(map.keyframes[k].id)));
   }
-  for (const Landmark& landmark : map.landmarks) {
+  for (const Landmark& landmark : part.landmarks()) {
     ModelPoint point{landmark.id + 1, landmark.position, 0.0, {}};
     for (const LandmarkObservation& observation : landmark.observations) {
-      const auto k = part.places().of(observation.keyframe);
-      if (!k || !part.has_keyframe(*k)) continue;
+      const auto k = part.index_of(observation.keyframe);
+      const Keypoint* at = k ? part.keypoint_of(observation) : nullptr;
+      if (!at) continue;
       ModelImage& image = model.images[image_at[*k]];
       image.points[observation.feature].point = point.id;
       point.track.emplace_back(image.id, observation.feature);
-      const Keypoint& at = map.keyframes[*k]->features.keypoints[observation.feature];
-      if (const auto pixel = map.camera.project(image.camera_from_world * landmark.position))
-        point.error_px += (*pixel - Eigen::Vector2d(at.x, at.y)).norm();
+      const Camera& camera = map.cameras[static_cast<std::size_t>(map.keyframes[*k].camera)].intrinsics;
+      if (const auto pixel = camera.project(image.camera_from_world * landmark.position))
+        point.error_px += (*pixel - Eigen::Vector2d(at->x, at->y)).norm();
     }
     if (point.track.empty()) continue;
     point.error_px /= static_cast<double>(point.track.size());
@@ -90,8 +94,8 @@ std::string images_text(const Model& model) {
   for (const ModelImage& image : model.images) {
     const Eigen::Quaterniond& q = image.camera_from_world.rotation().quaternion();
     const Vector3d& t = image.camera_from_world.translation();
-    fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} 1 {}\n", image.id,
-                   q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), image.name);
+    fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {} {}\n", image.id,
+                   q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), image.camera, image.name);
     for (const ImagePoint& point : image.points)
       fmt::format_to(std::back_inserter(text), "{}{:.2f} {:.2f} {}", &point == image.points.data() ? "" : " ", point.x,
                      point.y, point.point);
@@ -111,15 +115,18 @@ std::string points_text(const Model& model) {
   return text;
 }
 
-std::string cameras_bytes(const Camera& camera) {
-  const ColmapModel model = colmap_model(camera);
+std::string cameras_bytes(const std::vector<MapCamera>& cameras) {
   std::string bytes;
-  append_raw(bytes, std::uint64_t{1});
-  append_raw(bytes, std::uint32_t{1});
-  append_raw(bytes, static_cast<std::int32_t>(model.id));
-  append_raw(bytes, static_cast<std::uint64_t>(camera.width));
-  append_raw(bytes, static_cast<std::uint64_t>(camera.height));
-  for (const double value : model.parameters) append_raw(bytes, value);
+  append_raw(bytes, static_cast<std::uint64_t>(cameras.size()));
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    const Camera& camera = cameras[k].intrinsics;
+    const ColmapModel model = colmap_model(camera);
+    append_raw(bytes, static_cast<std::uint32_t>(k + 1));
+    append_raw(bytes, static_cast<std::int32_t>(model.id));
+    append_raw(bytes, static_cast<std::uint64_t>(camera.width));
+    append_raw(bytes, static_cast<std::uint64_t>(camera.height));
+    for (const double value : model.parameters) append_raw(bytes, value);
+  }
   return bytes;
 }
 
@@ -131,7 +138,7 @@ std::string images_bytes(const Model& model) {
     const Vector3d& t = image.camera_from_world.translation();
     append_raw(bytes, static_cast<std::uint32_t>(image.id));
     for (const double value : {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()}) append_raw(bytes, value);
-    append_raw(bytes, std::uint32_t{1});
+    append_raw(bytes, static_cast<std::uint32_t>(image.camera));
     bytes.append(image.name.c_str(), image.name.size() + 1);
     append_raw(bytes, static_cast<std::uint64_t>(image.points.size()));
     for (const ImagePoint& point : image.points) {
@@ -162,17 +169,17 @@ std::string points_bytes(const Model& model) {
 
 }  // namespace
 
-void write_landmark_colmap(const LandmarkMap& map, const std::filesystem::path& folder, ColmapForm form, int submap) {
+void write_landmark_colmap(const Map& map, const std::filesystem::path& folder, ColmapForm form, int submap) {
   std::error_code code;
   std::filesystem::create_directories(folder, code);
   if (code) throw Error("the folder cannot be made (" + code.message() + ")", folder.string(), "choose another --out");
   const Model model = model_of(map, submap);
   if (form == ColmapForm::text) {
-    write_whole_file(folder / "cameras.txt", colmap_cameras(map.camera, map.camera.width, map.camera.height));
+    write_whole_file(folder / "cameras.txt", colmap_cameras(map.cameras));
     write_whole_file(folder / "images.txt", images_text(model));
     write_whole_file(folder / "points3D.txt", points_text(model));
   } else {
-    write_whole_file(folder / "cameras.bin", cameras_bytes(map.camera));
+    write_whole_file(folder / "cameras.bin", cameras_bytes(map.cameras));
     write_whole_file(folder / "images.bin", images_bytes(model));
     write_whole_file(folder / "points3D.bin", points_bytes(model));
   }

@@ -9,16 +9,16 @@
 #include <set>
 
 #include "rastro/export/landmark_parts.h"
-#include "rastro/map/landmark/essential_graph.h"
-#include "rastro/map/landmark/map_scale.h"
+#include "rastro/map/graph/covisibility.h"
+#include "rastro/map/landmarks/landmark_uncertainty.h"
 
 namespace rastro {
 namespace {
 
-constexpr std::uint8_t unknown_colour = 160;
-
-double sigma_along(const LandmarkMap& map, const Landmark& landmark, const Eigen::Vector3d& direction) {
-  const auto covariance = place_covariance(map, landmark);
+/// Along the mean viewing direction; 0: not known.
+double sigma_of(const Map& map, const Landmark& landmark) {
+  const Eigen::Vector3d& direction = landmark.direction;
+  const auto covariance = landmark_covariance(map, landmark);
   const double variance = covariance ? direction.dot(*covariance * direction) : 0.0;
   return variance > 0.0 ? std::sqrt(variance) : 0.0;
 }
@@ -42,64 +42,51 @@ void append_edge(std::string& text, std::int64_t from, std::int64_t to, const SE
 
 }  // namespace
 
-PointCloud landmark_cloud(const LandmarkMap& map, int submap) {
-  const LandmarkPart part(map, submap);
-  PointCloud cloud;
-  for (const Landmark& landmark : map.landmarks) {
-    if (!part.first_viewer(landmark)) continue;
-    CloudPoint point;
-    point.position = landmark.position.cast<float>();
-    point.normal = -landmark.direction.cast<float>();
-    point.colour = {unknown_colour, unknown_colour, unknown_colour};
-    point.count = static_cast<std::uint32_t>(landmark.observations.size());
-    point.sigma = static_cast<float>(sigma_along(map, landmark, landmark.direction));
-    cloud.points.push_back(point);
-  }
-  return cloud;
+bool has_observed_landmarks(const Map& map) {
+  const auto landmarks = map.layer<LandmarkLayer>();
+  return landmarks && landmarks->estimates.empty() && map.layer<FeatureLayer>();
 }
 
-std::string landmark_list_csv(const LandmarkMap& map, int submap) {
+std::string landmark_list_csv(const Map& map, int submap) {
   const LandmarkPart part(map, submap);
   std::string text = "id,x,y,z,sigma,seen,frame,x_px,y_px\n";
-  for (const Landmark& landmark : map.landmarks) {
-    const auto viewer = part.first_viewer(landmark);
-    if (!viewer) continue;
-    const LandmarkKeyframe& keyframe = *map.keyframes[*viewer];
-    const auto seen = std::find_if(landmark.observations.begin(), landmark.observations.end(),
-                                   [&](const LandmarkObservation& each) { return each.keyframe == keyframe.id; });
-    const Keypoint& at = keyframe.features.keypoints[seen->feature];
+  for (const Landmark& landmark : part.landmarks()) {
+    const LandmarkObservation* first = part.first_observation(landmark);
+    const Keypoint* at = first ? part.keypoint_of(*first) : nullptr;
+    if (!at) continue;
     const Eigen::Vector3d& p = landmark.position;
     fmt::format_to(std::back_inserter(text), "{},{:.9g},{:.9g},{:.9g},{:.3g},{},{},{:.2f},{:.2f}\n", landmark.id, p.x(),
-                   p.y(), p.z(), sigma_along(map, landmark, landmark.direction), landmark.observations.size(),
-                   keyframe.frame, at.x, at.y);
+                   p.y(), p.z(), sigma_of(map, landmark), landmark.observations.size(),
+                   map.find(first->keyframe)->frame, at->x, at->y);
   }
   return text;
 }
 
-std::string landmark_graph_g2o(const LandmarkMap& map, int submap) {
+std::string landmark_graph_g2o(const Map& map, int submap) {
   const LandmarkPart part(map, submap);
   std::string text = fmt::format("# written by rastro: world_from_camera of keyframes, {}; quaternions x y z w\n",
-                                 map.scale.metric ? "metres" : "the map's own unit");
+                                 scale_of(map).metric ? "metres" : "the map's own unit");
   std::string fixed;
   std::set<int> submaps;
-  for (std::size_t k = 0; k < map.poses.size(); ++k) {
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    const Keyframe& keyframe = map.keyframes[k];
     if (!part.has_keyframe(k)) continue;
-    fmt::format_to(std::back_inserter(text), "VERTEX_SE3:QUAT {}", map.keyframes[k]->id);
-    append_pose(text, map.poses[k].world_from_camera);
+    fmt::format_to(std::back_inserter(text), "VERTEX_SE3:QUAT {}", keyframe.id);
+    append_pose(text, keyframe.world_from_camera);
     text += '\n';
-    if (submaps.insert(map.poses[k].submap).second) fixed += fmt::format("FIX {}\n", map.keyframes[k]->id);
+    if (submaps.insert(keyframe.submap).second) fixed += fmt::format("FIX {}\n", keyframe.id);
   }
   text += fixed;
   for (const EssentialEdge& edge : essential_graph(map)) {
-    if (edge.kind == EssentialKind::tie || !part.has_keyframe(edge.first) || !part.has_keyframe(edge.second)) continue;
-    const SE3 first_from_second =
-        map.poses[edge.first].world_from_camera.inverse() * map.poses[edge.second].world_from_camera;
-    append_edge(text, map.keyframes[edge.first]->id, map.keyframes[edge.second]->id, first_from_second, edge.shared);
+    if (edge.kind == EssentialKind::constraint) continue;
+    if (!part.has_keyframe(edge.first) || !part.has_keyframe(edge.second)) continue;
+    const Keyframe &first = map.keyframes[edge.first], &second = map.keyframes[edge.second];
+    append_edge(text, first.id, second.id, first.world_from_camera.inverse() * second.world_from_camera, edge.shared);
   }
-  for (const LandmarkTie& tie : map.ties) {
-    const auto from = part.places().of(tie.from), to = part.places().of(tie.to);
-    if (!from || !to || !part.has_keyframe(*from) || !part.has_keyframe(*to)) continue;
-    append_edge(text, tie.from, tie.to, SE3(tie.from_from_to.rotation(), tie.from_from_to.translation()), tie.inliers);
+  for (const Constraint& each : map.constraints) {
+    if (each.kind != ConstraintKind::loop && each.kind != ConstraintKind::merge) continue;
+    if (!part.index_of(each.from) || !part.index_of(each.to)) continue;
+    append_edge(text, each.from, each.to, each.rigid(), each.inliers);
   }
   return text;
 }

@@ -13,16 +13,19 @@
 #include "rastro/base/scratch_testing.h"
 #include "rastro/export/landmark_picture.h"
 #include "rastro/export/ply.h"
-#include "rastro/map/landmark/essential_graph.h"
-#include "rastro/map/landmark/landmark_map_testing.h"
+#include "rastro/map/graph/covisibility.h"
+#include "rastro/map/landmarks/landmark_map_testing.h"
+#include "rastro/map/scans/scan_layer.h"
 
 namespace rastro {
 namespace {
 
-const LandmarkMap& road() {
-  static const LandmarkMap map = make_landmark_test_map();
+const Map& road() {
+  static const Map map = make_landmark_test_map();
   return map;
 }
+
+const std::vector<Landmark>& road_landmarks() { return road().layer<LandmarkLayer>()->landmarks; }
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
@@ -45,7 +48,7 @@ TEST(LandmarkColmap, PointsOfTheTextReprojectOntoTheirImages) {
   const auto images = lines_of(read_whole_file(folder / "images.txt"));
   const auto points = lines_of(read_whole_file(folder / "points3D.txt"));
   ASSERT_EQ(images.size(), 2 * road().keyframes.size());
-  ASSERT_EQ(points.size(), road().landmarks.size());
+  ASSERT_EQ(points.size(), road_landmarks().size());
   const auto point = numbers_of(points[7]);
   const Eigen::Vector3d place(point[1], point[2], point[3]);
   EXPECT_NEAR(point[7], 0.0, 1e-3) << "an exact map";
@@ -103,22 +106,23 @@ TEST(LandmarkColmap, TheBinaryFilesSayTheSame) {
   ASSERT_EQ(images.get<std::uint64_t>(), road().keyframes.size());
   std::size_t with_point = 0;
   for (const auto& keyframe : road().keyframes) {
-    EXPECT_EQ(images.get<std::uint32_t>(), keyframe->id + 1);
+    const Features& features = road().layer<FeatureLayer>()->find(keyframe.id)->features;
+    EXPECT_EQ(images.get<std::uint32_t>(), keyframe.id + 1);
     for (int i = 0; i < 7; ++i) images.get<double>();
     EXPECT_EQ(images.get<std::uint32_t>(), 1U);
     EXPECT_EQ(images.text().size(), std::string("000000.png").size());
-    ASSERT_EQ(images.get<std::uint64_t>(), keyframe->features.size());
-    for (std::size_t i = 0; i < keyframe->features.size(); ++i) {
-      EXPECT_NEAR(images.get<double>(), keyframe->features.keypoints[i].x + 0.5, 1e-9);
+    ASSERT_EQ(images.get<std::uint64_t>(), features.size());
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      EXPECT_NEAR(images.get<double>(), features.keypoints[i].x + 0.5, 1e-9);
       images.get<double>();
       with_point += images.get<std::uint64_t>() != std::uint64_t(-1) ? 1 : 0;
     }
   }
   EXPECT_TRUE(images.ended());
   Bytes points(read_whole_file(folder / "points3D.bin"));
-  ASSERT_EQ(points.get<std::uint64_t>(), road().landmarks.size());
+  ASSERT_EQ(points.get<std::uint64_t>(), road_landmarks().size());
   std::size_t tracked = 0;
-  for (const Landmark& landmark : road().landmarks) {
+  for (const Landmark& landmark : road_landmarks()) {
     EXPECT_EQ(points.get<std::uint64_t>(), landmark.id + 1);
     for (const double value : landmark.position) EXPECT_EQ(points.get<double>(), value);
     for (int i = 0; i < 3; ++i) points.get<std::uint8_t>();
@@ -133,20 +137,34 @@ TEST(LandmarkColmap, TheBinaryFilesSayTheSame) {
 }
 
 TEST(LandmarkExport, AnotherSubmapIsLeftOutUnlessAskedFor) {
-  LandmarkMap map = road();
-  for (std::size_t k = 6; k < map.poses.size(); ++k) map.poses[k].submap = 1;
-  map.poses[6].parent = -1;
-  const std::size_t first = landmark_cloud(map, 0).points.size(), second = landmark_cloud(map, 1).points.size();
-  EXPECT_EQ(landmark_cloud(map, -1).points.size(), map.landmarks.size());
-  EXPECT_LT(first, map.landmarks.size());
-  EXPECT_GE(first + second, map.landmarks.size()) << "some are seen from both";
-  EXPECT_EQ(lines_of(landmark_list_csv(map, 0)).size(), first + 1);
+  Map map = road();
+  for (std::size_t k = 6; k < map.keyframes.size(); ++k) map.keyframes[k].submap = 1;
+  map.keyframes[6].parent = no_keyframe;
+  const std::size_t all = road_landmarks().size();
+  const std::size_t first = lines_of(landmark_list_csv(map, 0)).size() - 1;
+  const std::size_t second = lines_of(landmark_list_csv(map, 1)).size() - 1;
+  EXPECT_EQ(lines_of(landmark_list_csv(map, -1)).size() - 1, all);
+  EXPECT_LT(first, all);
+  EXPECT_GE(first + second, all) << "some are observed from both";
+}
+
+TEST(LandmarkExport, PointsComeFromAllLayersOfASubmap) {
+  Map map = road();
+  map.keyframes.back().submap = 1;
+  ScanLayer scans;
+  scans.of[map.keyframes.back().id] = std::make_shared<KeyframeScans>(KeyframeScans{{{0.0, 0.0}, {{1.0, 2.0}}}});
+  map.layers.put<ScanLayer>(std::make_shared<ScanLayer>(scans));
+  const std::size_t all = layer_points(map, -1).points.size();
+  EXPECT_EQ(all, road_landmarks().size() + 1);
+  EXPECT_EQ(layer_points(map, 0).points.size() + layer_points(map, 1).points.size(), all);
+  const Eigen::Vector3d expected = map.keyframes.back().world_from_camera * Eigen::Vector3d(1.0, 2.0, 0.0);
+  EXPECT_LT((layer_points(map, 1).points.back().position.cast<double>() - expected).norm(), 1e-5);
 }
 
 TEST(LandmarkExport, TheCloudIsAPlyAndTheGraphHasPosesThatAgreeWithItsEdges) {
-  const PointCloud cloud = parse_cloud_ply(cloud_ply(landmark_cloud(road(), 0), "frame"), "ply");
-  ASSERT_EQ(cloud.points.size(), road().landmarks.size());
-  EXPECT_EQ(cloud.points[3].count, road().landmarks[3].observations.size());
+  const PointCloud cloud = parse_cloud_ply(cloud_ply(layer_points(road(), 0), "frame"), "ply");
+  ASSERT_EQ(cloud.points.size(), road_landmarks().size());
+  EXPECT_EQ(cloud.points[3].count, road_landmarks()[3].observations.size());
   EXPECT_GT(cloud.points[3].sigma, 0.0F);
   std::map<int, SE3> poses;
   std::size_t edges = 0;
@@ -175,9 +193,9 @@ TEST(LandmarkPicture, IsDrawnAsBothKindsAndOfAnEmptyMap) {
   EXPECT_THAT(text, testing::AllOf(testing::StartsWith("<svg"), testing::EndsWith("</svg>\n")));
   std::size_t red_lines = 0;
   for (auto at = text.find("#dc2828"); at != std::string::npos; at = text.find("#dc2828", at + 1)) ++red_lines;
-  EXPECT_EQ(red_lines, 1U) << "one tie";
+  EXPECT_EQ(red_lines, 1U) << "one loop closure";
   EXPECT_EQ(read_whole_file(png).substr(1, 3), "PNG");
-  write_landmark_picture(LandmarkMap(), svg.string());
+  write_landmark_picture(Map(), svg.string());
   EXPECT_THROW(write_landmark_picture(road(), scratch_path("road.bmp").string()), Error);
 }
 

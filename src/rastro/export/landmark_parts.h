@@ -3,29 +3,50 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <vector>
 
-#include "rastro/map/landmark/keyframe_places.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 
 namespace rastro {
 
-/// Which keyframes and landmarks belong to the part of a map that is asked for.
+/// Which keyframes and landmarks belong to the submap that is asked for; -1: all.
 class LandmarkPart {
  public:
-  LandmarkPart(const LandmarkMap& map, int submap) : map_(map), places_(map), submap_(submap) {}
+  LandmarkPart(const Map& map, int submap)
+      : map_(map), landmarks_(map.layer<LandmarkLayer>()), features_(map.layer<FeatureLayer>()), submap_(submap) {}
 
-  bool has_keyframe(std::size_t place) const { return submap_ < 0 || map_.poses[place].submap == submap_; }
-  /// The place of the first keyframe of the part that sees the landmark.
-  std::optional<std::size_t> first_viewer(const Landmark& landmark) const {
-    for (const LandmarkObservation& observation : landmark.observations)
-      if (const auto place = places_.of(observation.keyframe); place && has_keyframe(*place)) return place;
-    return std::nullopt;
+  /// None of a map without landmarks.
+  const std::vector<Landmark>& landmarks() const {
+    static const std::vector<Landmark> none;
+    return landmarks_ ? landmarks_->landmarks : none;
   }
-  const KeyframePlaces& places() const { return places_; }
+  bool has_keyframe(std::size_t index) const { return submap_ < 0 || map_.keyframes[index].submap == submap_; }
+  std::optional<std::size_t> index_of(KeyframeId id) const {
+    const auto index = map_.index_of(id);
+    return index && has_keyframe(*index) ? index : std::nullopt;
+  }
+  /// The first observation by a keyframe of the part; null where there is none.
+  const LandmarkObservation* first_observation(const Landmark& landmark) const {
+    for (const LandmarkObservation& observation : landmark.observations)
+      if (index_of(observation.keyframe)) return &observation;
+    return nullptr;
+  }
+  /// Null where the map has none of this keyframe.
+  const ImageFeatures* features_of(KeyframeId id) const { return features_ ? features_->find(id) : nullptr; }
+  /// Where the image of a keyframe shows an observation; null where the map does not know.
+  const Keypoint* keypoint_of(const LandmarkObservation& observation) const {
+    const ImageFeatures* image = features_of(observation.keyframe);
+    return image && observation.feature < image->features.size() ? &image->features.keypoints[observation.feature]
+                                                                 : nullptr;
+  }
 
  private:
-  const LandmarkMap& map_;
-  KeyframePlaces places_;
+  const Map& map_;
+  std::shared_ptr<const LandmarkLayer> landmarks_;
+  std::shared_ptr<const FeatureLayer> features_;
   int submap_;
 };
 

@@ -10,8 +10,8 @@
 
 #include "rastro/base/error.h"
 #include "rastro/export/trajectory_plot_pen.h"
-#include "rastro/map/landmark/essential_graph.h"
-#include "rastro/map/landmark/keyframe_places.h"
+#include "rastro/map/graph/covisibility.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 
 namespace rastro {
 namespace {
@@ -26,13 +26,13 @@ constexpr PlotColour grey{190, 190, 190}, light_green{190, 230, 190}, green{60, 
     blue{40, 70, 220}, dark{30, 30, 30};
 
 /// Rows: right, up on the sheet, as directions of the world.
-Eigen::Matrix<double, 2, 3> sheet_axes(const LandmarkMap& map) {
+Eigen::Matrix<double, 2, 3> sheet_axes(const Map& map) {
   Vector3d up = Vector3d::Zero(), ahead = Vector3d::UnitZ();
-  for (const LandmarkKeyframePose& pose : map.poses)
-    if (pose.submap == 0) up -= pose.world_from_camera.rotation() * Vector3d::UnitY();
+  for (const Keyframe& keyframe : map.keyframes)
+    if (keyframe.submap == 0) up -= keyframe.world_from_camera.rotation() * Vector3d::UnitY();
   if (!(up.norm() > 1e-6)) up = -Vector3d::UnitY();
   up.normalize();
-  if (!map.poses.empty()) ahead = map.poses.front().world_from_camera.rotation() * Vector3d::UnitZ();
+  if (!map.keyframes.empty()) ahead = map.keyframes.front().world_from_camera.rotation() * Vector3d::UnitZ();
   ahead -= ahead.dot(up) * up;
   if (ahead.norm() < 1e-3) ahead = up.unitOrthogonal();
   ahead.normalize();
@@ -42,41 +42,40 @@ Eigen::Matrix<double, 2, 3> sheet_axes(const LandmarkMap& map) {
 }
 
 /// What is drawn, in sheet directions and the map's unit.
-struct Seen {
-  std::vector<Vector2d> landmarks, keyframes, way;
+struct Content {
+  std::vector<Vector2d> landmarks, keyframes, trajectory;
+  std::size_t landmark_count = 0;  ///< Of all submaps.
 };
 
-bool in_first_part(const LandmarkMap& map, const KeyframePlaces& places, const Landmark& landmark) {
-  const auto viewer = landmark.observations.empty() ? std::nullopt : places.of(landmark.observations.front().keyframe);
-  return viewer && map.poses[*viewer].submap == 0;
-}
-
-Seen seen_from_above(const LandmarkMap& map) {
+Content content_from_above(const Map& map) {
   const auto axes = sheet_axes(map);
-  const KeyframePlaces places(map);
-  Seen seen;
-  for (const Landmark& landmark : map.landmarks)
-    if (in_first_part(map, places, landmark)) seen.landmarks.emplace_back(axes * landmark.position);
-  for (const LandmarkKeyframePose& pose : map.poses)
-    seen.keyframes.emplace_back(axes * pose.world_from_camera.translation());
-  for (const StampedPose& pose : map.trajectory) seen.way.emplace_back(axes * pose.world_from_body.translation());
-  return seen;
+  Content content;
+  if (const auto layer = map.layer<LandmarkLayer>()) {
+    content.landmark_count = layer->landmarks.size();
+    for (const Landmark& landmark : layer->landmarks)
+      if (submap_of(map, landmark) == 0) content.landmarks.emplace_back(axes * landmark.position);
+  }
+  for (const Keyframe& keyframe : map.keyframes)
+    content.keyframes.emplace_back(axes * keyframe.world_from_camera.translation());
+  for (const StampedPose& pose : trajectory_of(map))
+    content.trajectory.emplace_back(axes * pose.world_from_body.translation());
+  return content;
 }
 
-/// Brings places to pixels.
+/// Brings positions to pixels.
 class Sheet {
  public:
-  Sheet(const LandmarkMap& map, const Seen& seen) {
+  Sheet(const Map& map, const Content& content) {
     Vector2d size;
     for (int axis = 0; axis < 2; ++axis) {
       std::vector<double> values;
-      for (const Vector2d& place : seen.landmarks) values.push_back(place[axis]);
+      for (const Vector2d& place : content.landmarks) values.push_back(place[axis]);
       std::sort(values.begin(), values.end());
       const auto skipped = static_cast<std::size_t>(strays * static_cast<double>(values.size()));
       values = values.empty() ? std::vector<double>{} : std::vector<double>{values[skipped], values.rbegin()[skipped]};
-      for (std::size_t k = 0; k < map.poses.size(); ++k)
-        if (map.poses[k].submap == 0) values.push_back(seen.keyframes[k][axis]);
-      for (const Vector2d& place : seen.way) values.push_back(place[axis]);
+      for (std::size_t k = 0; k < map.keyframes.size(); ++k)
+        if (map.keyframes[k].submap == 0) values.push_back(content.keyframes[k][axis]);
+      for (const Vector2d& place : content.trajectory) values.push_back(place[axis]);
       if (values.empty()) values.push_back(0.0);
       low_[axis] = *std::min_element(values.begin(), values.end());
       size[axis] = *std::max_element(values.begin(), values.end()) - low_[axis];
@@ -108,21 +107,21 @@ class Sheet {
 
 class Drawing {
  public:
-  Drawing(const LandmarkMap& map, PlotPen& pen, const Sheet& sheet, const Seen& seen)
-      : map_(map), pen_(pen), sheet_(sheet), seen_(seen) {}
+  Drawing(const Map& map, PlotPen& pen, const Sheet& sheet, const Content& content)
+      : map_(map), pen_(pen), sheet_(sheet), content_(content) {}
 
   void draw(int covisible) {
-    for (const Vector2d& place : seen_.landmarks) dot(place, 0.6, grey);
+    for (const Vector2d& place : content_.landmarks) dot(place, 0.6, grey);
     for (const Covisibility& pair : covisibility_graph(map_, covisible))
       edge(pair.first, pair.second, light_green, 1.0);
     const auto essential = essential_graph(map_);
     for (const EssentialEdge& each : essential)
-      if (each.kind != EssentialKind::tie) edge(each.first, each.second, green, 1.0);
+      if (each.kind != EssentialKind::constraint) edge(each.first, each.second, green, 1.0);
     for (const EssentialEdge& each : essential)
-      if (each.kind == EssentialKind::tie) edge(each.first, each.second, red, 2.0);
-    draw_way();
-    for (std::size_t k = 0; k < map_.poses.size(); ++k)
-      if (map_.poses[k].submap == 0) dot(seen_.keyframes[k], 2.0, blue);
+      if (each.kind == EssentialKind::constraint) edge(each.first, each.second, red, 2.0);
+    draw_trajectory();
+    for (std::size_t k = 0; k < map_.keyframes.size(); ++k)
+      if (map_.keyframes[k].submap == 0) dot(content_.keyframes[k], 2.0, blue);
     draw_caption(covisible);
   }
 
@@ -134,14 +133,14 @@ class Drawing {
   }
 
   void edge(std::size_t a, std::size_t b, PlotColour colour, double width) {
-    if (map_.poses[a].submap != 0 || map_.poses[b].submap != 0) return;
-    pen_.line({sheet_.pixel(seen_.keyframes[a]), sheet_.pixel(seen_.keyframes[b])}, colour, width);
+    if (map_.keyframes[a].submap != 0 || map_.keyframes[b].submap != 0) return;
+    pen_.line({sheet_.pixel(content_.keyframes[a]), sheet_.pixel(content_.keyframes[b])}, colour, width);
   }
 
-  void draw_way() {
-    if (seen_.way.empty()) return;
+  void draw_trajectory() {
+    if (content_.trajectory.empty()) return;
     std::vector<Vector2d> corners;
-    for (const Vector2d& place : seen_.way) corners.push_back(sheet_.pixel(place));
+    for (const Vector2d& place : content_.trajectory) corners.push_back(sheet_.pixel(place));
     pen_.line(corners, dark, 1.5);
     const Vector2d beside(6.0, -6.0);
     pen_.text("S", corners.front() + beside, TextAnchor::left, 16.0, dark);
@@ -153,27 +152,28 @@ class Drawing {
     while (length * sheet_.px_per_unit() < 30.0) length *= 10.0;
     while (length * sheet_.px_per_unit() > 300.0) length /= 10.0;
     pen_.line({{10.0, 22.0}, {10.0 + length * sheet_.px_per_unit(), 22.0}}, dark, 3.0);
-    pen_.text(fmt::format("{:g} {}   {} keyframes, {} landmarks, covisible: {} shared", length,
-                          map_.scale.metric ? "m" : "units", map_.keyframes.size(), map_.landmarks.size(), covisible),
-              {10.0, 16.0}, TextAnchor::left, 13.0, dark);
+    pen_.text(
+        fmt::format("{:g} {}   {} keyframes, {} landmarks, covisible: {} shared", length,
+                    scale_of(map_).metric ? "m" : "units", map_.keyframes.size(), content_.landmark_count, covisible),
+        {10.0, 16.0}, TextAnchor::left, 13.0, dark);
   }
 
-  const LandmarkMap& map_;
+  const Map& map_;
   PlotPen& pen_;
   const Sheet& sheet_;
-  const Seen& seen_;
+  const Content& content_;
 };
 
 }  // namespace
 
-void write_landmark_picture(const LandmarkMap& map, const std::string& file, int covisible) {
+void write_landmark_picture(const Map& map, const std::string& file, int covisible) {
   const std::string extension = std::filesystem::path(file).extension().string();
   if (extension != ".svg" && extension != ".png")
     throw Error("a picture is a .svg or a .png file", file, "give --out FILE.svg or FILE.png");
-  const Seen seen = seen_from_above(map);
-  const Sheet sheet(map, seen);
+  const Content content = content_from_above(map);
+  const Sheet sheet(map, content);
   const auto pen = extension == ".svg" ? svg_pen(sheet.width, sheet.height) : png_pen(sheet.width, sheet.height);
-  Drawing(map, *pen, sheet, seen).draw(covisible);
+  Drawing(map, *pen, sheet, content).draw(covisible);
   pen->save(file);
 }
 

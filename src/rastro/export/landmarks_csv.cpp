@@ -5,12 +5,14 @@
 
 namespace rastro {
 
-std::string landmarks_csv(const std::vector<PlanarLandmark>& landmarks) {
+std::string landmarks_csv(const LandmarkLayer& layer) {
   std::string text = "id,sensor_id,x,y,cov_xx,cov_xy,cov_yy,observations\n";
-  for (const PlanarLandmark& landmark : landmarks) {
-    text += fmt::format("{},{},{:.6f},{:.6f},{:.6g},{:.6g},{:.6g},{}\n", landmark.id, landmark.sensor_id,
-                        landmark.position.x(), landmark.position.y(), landmark.covariance(0, 0),
-                        landmark.covariance(0, 1), landmark.covariance(1, 1), landmark.observations);
+  for (std::size_t k = 0; k < layer.estimates.size() && k < layer.landmarks.size(); ++k) {
+    const Landmark& landmark = layer.landmarks[k];
+    const LandmarkEstimate& estimate = layer.estimates[k];
+    text += fmt::format("{},{},{:.6f},{:.6f},{:.6g},{:.6g},{:.6g},{}\n", landmark.id, estimate.sensor_id,
+                        landmark.position.x(), landmark.position.y(), estimate.covariance(0, 0),
+                        estimate.covariance(0, 1), estimate.covariance(1, 1), estimate.observations);
   }
   return text;
 }

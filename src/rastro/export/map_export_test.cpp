@@ -17,7 +17,7 @@
 #include "rastro/export/pose_graph_g2o.h"
 #include "rastro/export/pose_text.h"
 #include "rastro/map/cloud/build_cloud.h"
-#include "rastro/map/rgbd_map_testing.h"
+#include "rastro/map/images/room_map_testing.h"
 #include "rastro/sensor/trajectory_file.h"
 
 namespace rastro {
@@ -121,10 +121,10 @@ TEST(Pcd, HasTheFieldsOfThePointCloudLibrary) {
 }
 
 TEST(G2o, HasPosesMeasurementsAndTheInformationOfHalfTurns) {
-  RgbdMap map = make_test_map(3);
-  map.edges[1].weight = 0.0;
-  map.edges[0].weight = 0.5;
-  map.edges[0].information(0, 4) = map.edges[0].information(4, 0) = 10.0;
+  Map map = make_test_map(3);
+  map.constraints[1].weight = 0.0;
+  map.constraints[0].weight = 0.5;
+  map.constraints[0].information(0, 4) = map.constraints[0].information(4, 0) = 10.0;
   const std::string text = pose_graph_g2o(map);
   EXPECT_THAT(text, HasSubstr("FIX 0\n"));
   EXPECT_THAT(text, HasSubstr("# switched off: EDGE_SE3:QUAT 1 2 "));
@@ -133,7 +133,7 @@ TEST(G2o, HasPosesMeasurementsAndTheInformationOfHalfTurns) {
   const auto words = split_words(line);
   ASSERT_EQ(words.size(), 3U + 7U + 21U);
   const auto number = [&](std::size_t k) { return parse_double(words[k]).value_or(-1.0); };
-  const SE3& measured = map.edges[0].from_from_to;
+  const SE3 measured = map.constraints[0].rigid();
   EXPECT_NEAR(number(3), measured.translation().x(), 1e-7);
   EXPECT_NEAR(number(9), measured.rotation().quaternion().w(), 1e-7);
   EXPECT_DOUBLE_EQ(number(10), 0.5 * 1e4);
@@ -142,14 +142,14 @@ TEST(G2o, HasPosesMeasurementsAndTheInformationOfHalfTurns) {
 }
 
 TEST(PoseText, IsReadBack) {
-  const RgbdMap map = make_test_map(3);
-  const Trajectory euroc = parse_euroc_trajectory(euroc_text(map.trajectory), "e");
-  const auto kitti = parse_kitti_poses(kitti_text(map.trajectory), "k");
-  const auto times = parse_kitti_times(kitti_times_text(map.trajectory), "t");
-  ASSERT_EQ(euroc.size(), map.trajectory.size());
-  ASSERT_EQ(kitti.size(), map.trajectory.size());
+  const Trajectory trajectory = trajectory_of(make_test_map(3));
+  const Trajectory euroc = parse_euroc_trajectory(euroc_text(trajectory), "e");
+  const auto kitti = parse_kitti_poses(kitti_text(trajectory), "k");
+  const auto times = parse_kitti_times(kitti_times_text(trajectory), "t");
+  ASSERT_EQ(euroc.size(), trajectory.size());
+  ASSERT_EQ(kitti.size(), trajectory.size());
   for (std::size_t k = 0; k < euroc.size(); ++k) {
-    const auto& [stamp, pose] = map.trajectory[k];
+    const auto& [stamp, pose] = trajectory[k];
     EXPECT_EQ(euroc[k].stamp, stamp);
     EXPECT_EQ(times[k], stamp);
     EXPECT_LT((euroc[k].world_from_body.inverse() * pose).log().norm(), 1e-7);
@@ -159,7 +159,7 @@ TEST(PoseText, IsReadBack) {
 
 TEST(Colmap, HasPixelsAtHalvesAndPointsThatProjectThere) {
   const auto folder = scratch_folder("colmap");
-  RgbdMap map = make_test_map(3);
+  Map map = make_test_map(3);
   write_colmap(map, folder);
   EXPECT_THAT(read_text_file((folder / "cameras.txt").string()), HasSubstr("1 PINHOLE 320 240 260 260 160 120\n"));
   EXPECT_EQ(cv::imread((folder / "images" / "000002.jpg").string()).cols, 320);
@@ -176,23 +176,24 @@ TEST(Colmap, HasPixelsAtHalvesAndPointsThatProjectThere) {
   const SE3 camera_from_world(
       SO3(Eigen::Quaterniond(number(image[1]), number(image[2]), number(image[3]), number(image[4]))),
       {number(image[5]), number(image[6]), number(image[7])});
-  const auto pixel = map.camera.project(camera_from_world * place);
+  const auto pixel = map.cameras[0].intrinsics.project(camera_from_world * place);
   const auto features = split_words(content_lines(images)[2 * keyframe + 1].text);
   ASSERT_TRUE(pixel);
   EXPECT_NEAR(pixel->x() + 0.5, number(features[3 * feature]), 8.0);
   EXPECT_EQ(number(features[3 * feature + 2]), 1.0);
-  map.camera.distortion = Distortion::radial_tangential;
-  map.camera.coefficients = {0.1, -0.2, 0.001, 0.002, 0.3};
-  EXPECT_THAT(colmap_cameras(map.camera, 320, 240),
-              HasSubstr("FULL_OPENCV 320 240 260 260 160 120 0.1 -0.2 0.001 0.002 0.3 0 0 0"));
+  map.cameras.push_back(map.cameras[0]);
+  map.cameras[1].intrinsics.distortion = Distortion::radial_tangential;
+  map.cameras[1].intrinsics.coefficients = {0.1, -0.2, 0.001, 0.002, 0.3};
+  EXPECT_THAT(colmap_cameras(map.cameras),
+              HasSubstr("\n2 FULL_OPENCV 320 240 260 260 160 120 0.1 -0.2 0.001 0.002 0.3 0 0 0"));
 }
 
 TEST(CloudPicture, ShowsTheRoomFromAboveWithoutItsCeiling) {
-  const RgbdMap map = make_test_map(4);
+  const Map map = make_test_map(4);
   CloudOptions options;
   options.voxel_m = 0.02;
   const std::string file = (scratch_folder("cloud_picture") / "map.png").string();
-  write_cloud_picture(build_cloud(map, options), map.trajectory, file);
+  write_cloud_picture(build_cloud(map, options), trajectory_of(map), file);
   const cv::Mat picture = cv::imread(file);
   ASSERT_FALSE(picture.empty());
   EXPECT_LE(std::max(picture.rows, picture.cols), 1600);

@@ -9,4 +9,11 @@ const LayerType* layer_type(std::string_view name) {
   return nullptr;
 }
 
+PointCloud layer_points(const Map& map, int submap) {
+  PointCloud cloud;
+  for (const auto& [name, layer] : map.layers.all())
+    if (const LayerType* type = layer_type(name)) type->add_points(map, *layer, submap, cloud);
+  return cloud;
+}
+
 }  // namespace rastro

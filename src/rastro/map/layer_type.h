@@ -24,7 +24,7 @@ class RowStore {
 
 /// What is said of a layer by `rastro info`.
 struct LayerDescription {
-  std::string text;                                      ///< "1203 landmarks, observed 4.1 times each"
+  std::string text;                                     ///< "1203 landmarks, observed 4.1 times each"
   std::vector<std::pair<std::string, double>> numbers;  ///< For --json.
 };
 
@@ -78,6 +78,9 @@ class LayerType {
 const std::vector<std::unique_ptr<LayerType>>& layer_types();
 /// Null for one that it does not know.
 const LayerType* layer_type(std::string_view name);
+
+/// What all layers of a map know of surfaces in a submap (-1: in all), layer by layer in the order of their names.
+PointCloud layer_points(const Map& map, int submap);
 
 /// A layer that this program does not know: kept as it is when the file is written again.
 struct UnknownLayer : Layer {

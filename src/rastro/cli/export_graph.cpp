@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/base/append_file.h"
+#include "rastro/base/error.h"
+#include "rastro/cli/export_formats.h"
+#include "rastro/export/colmap.h"
+#include "rastro/export/landmark_export.h"
+#include "rastro/export/landmark_picture.h"
+#include "rastro/export/landmarks_csv.h"
+#include "rastro/export/pose_graph_g2o.h"
+#include "rastro/export/pose_text.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/map/graph/covisibility.h"
+#include "rastro/map/images/image_layer.h"
+#include "rastro/map/landmarks/landmark_layer.h"
+#include "rastro/session/trajectory_text.h"
+
+namespace rastro::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A map with features and landmarks that they observe.
+const Map& need_observed_landmarks(const ExportJob& job) {
+  const std::string& kind = job.settings.to;
+  const Map& map = need_map(job.input, kind);
+  need_layer<LandmarkLayer>(job.input, kind);
+  need_layer<FeatureLayer>(job.input, kind);
+  return map;
+}
+
+std::size_t landmark_count(const Map& map) { return map.layer<LandmarkLayer>()->landmarks.size(); }
+
+}  // namespace
+
+void write_export(const fs::path& file, std::string_view bytes) {
+  std::error_code ignored;
+  if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);
+  write_whole_file(file, bytes);
+}
+
+ExportFacts export_g2o(const ExportJob& job) {
+  const Map& map = need_map(job.input, "g2o");
+  if (has_observed_landmarks(map)) {
+    write_export(job.settings.out, landmark_graph_g2o(map, job.settings.cloud.submap));
+    return {{"vertices", map.keyframes.size()}, {"edges", essential_graph(map).size()}};
+  }
+  write_export(job.settings.out, pose_graph_g2o(map));
+  return {{"vertices", map.keyframes.size()}, {"edges", map.constraints.size()}};
+}
+
+ExportFacts export_colmap(const ExportJob& job) {
+  const Map& map = need_map(job.input, job.settings.to);
+  const bool text = job.settings.to == "colmap";
+  if (text && map.layer<ImageLayer>()) {
+    write_colmap(map, job.settings.out, job.settings.cloud.submap);
+    return {{"keyframes", map.keyframes.size()}};
+  }
+  need_observed_landmarks(job);
+  write_landmark_colmap(map, job.settings.out, text ? ColmapForm::text : ColmapForm::binary, job.settings.cloud.submap);
+  return {{"keyframes", map.keyframes.size()}, {"landmarks", landmark_count(map)}};
+}
+
+ExportFacts export_landmark_list(const ExportJob& job) {
+  const auto layer = need_layer<LandmarkLayer>(job.input, job.settings.to);
+  write_export(job.settings.out, layer->estimates.empty() ? landmark_list_csv(*job.input.map, job.settings.cloud.submap)
+                                                          : landmarks_csv(*layer));
+  return {{"landmarks", layer->landmarks.size()}};
+}
+
+ExportFacts export_picture(const ExportJob& job) {
+  const Map& map = need_observed_landmarks(job);
+  const fs::path out = job.settings.out;
+  if (out.extension() != "." + job.settings.to)
+    throw Error("the picture would not have the ending of its kind", out.string(),
+                "give --out FILE." + job.settings.to);
+  std::error_code ignored;
+  if (out.has_parent_path()) fs::create_directories(out.parent_path(), ignored);
+  write_landmark_picture(map, out.string());
+  return {{"keyframes", map.keyframes.size()}, {"landmarks", landmark_count(map)}};
+}
+
+ExportFacts export_poses(const ExportJob& job) {
+  const Trajectory& trajectory = need_trajectory(job.input, job.settings.to);
+  const fs::path out = job.settings.out;
+  if (job.settings.to == "tum") write_export(out, trajectory_text(trajectory, "exported; metres"));
+  if (job.settings.to == "euroc") write_export(out, euroc_text(trajectory));
+  if (job.settings.to == "kitti") {
+    write_export(out, kitti_text(trajectory));
+    write_export(out.parent_path() / (out.stem().string() + "_times.txt"), kitti_times_text(trajectory));
+  }
+  return {{"poses", trajectory.size()}};
+}
+
+}  // namespace rastro::cli
