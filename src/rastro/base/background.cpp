@@ -45,6 +45,11 @@ class Background::State {
     if (failure_ && failed_job_ <= job) std::rethrow_exception(failure_);
   }
 
+  bool is_done(std::size_t job) {
+    const std::lock_guard lock(mutex_);
+    return done_ >= job;
+  }
+
   std::size_t submitted() const { return submitted_; }
 
  private:
@@ -94,6 +99,7 @@ Background::Background(bool own_thread) : state_(std::make_unique<State>(own_thr
 Background::~Background() = default;
 std::size_t Background::submit(std::function<void()> job) { return state_->submit(std::move(job)); }
 void Background::wait(std::size_t job) { state_->wait(job); }
+bool Background::is_done(std::size_t job) const { return state_->is_done(job); }
 void Background::wait_for_all() { state_->wait(state_->submitted()); }
 
 }  // namespace rastro

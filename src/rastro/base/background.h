@@ -24,6 +24,8 @@ class Background {
   /// either mode, and again at each later call.
   void wait(std::size_t job);
   void wait_for_all();
+  /// Whether wait() would return at once.
+  bool is_done(std::size_t job) const;
 
  private:
   class State;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -37,6 +38,19 @@ TEST_P(BackgroundTest, AnExceptionIsThrownByWaitAndStopsWhatFollows) {
   EXPECT_THROW(background.wait(after), std::runtime_error);
   EXPECT_THROW(background.wait_for_all(), std::runtime_error);
   EXPECT_EQ(ran, 1);
+}
+
+TEST_P(BackgroundTest, AJobIsDoneOnceItIsWaitedForAndNotBeforeItIsLetRun) {
+  std::mutex held;
+  Background background(GetParam());
+  std::unique_lock lock(held, std::defer_lock);
+  if (GetParam()) lock.lock();
+  const std::size_t job = background.submit([&] { const std::lock_guard wait(held); });
+  EXPECT_EQ(background.is_done(job), !GetParam());
+  EXPECT_FALSE(background.is_done(job + 1));
+  if (GetParam()) lock.unlock();
+  background.wait(job);
+  EXPECT_TRUE(background.is_done(job));
 }
 
 TEST_P(BackgroundTest, TheEndWaitsForAllJobs) {

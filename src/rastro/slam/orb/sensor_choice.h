@@ -8,7 +8,7 @@
 #include "rastro/feature/orb.h"
 #include "rastro/sensor/frame.h"
 #include "rastro/sensor/source.h"
-#include "rastro/slam/orb/feature_frame.h"
+#include "rastro/slam/orb/map/feature_frame.h"
 #include "rastro/slam/orb/options.h"
 
 namespace rastro {

@@ -41,8 +41,8 @@ GreyImage picture_of_wall(const Camera& camera, const SE3& left_from_camera) {
       const auto ray = camera.unproject({x, y});
       if (!ray) continue;
       const Eigen::Vector3d direction = left_from_camera.rotation() * Eigen::Vector3d(ray->x(), ray->y(), 1.0);
-      const Eigen::Vector3d centre = left_from_camera.translation();
-      const Eigen::Vector3d at = centre + direction * ((wall_m - centre.z()) / direction.z());
+      const Eigen::Vector3d center = left_from_camera.translation();
+      const Eigen::Vector3d at = center + direction * ((wall_m - center.z()) / direction.z());
       const double u = 100.0 * at.x(), v = 100.0 * at.y();
       const double wave = std::sin(0.23 * u + 0.11 * v) + std::sin(0.19 * v - 0.013 * u * std::sin(0.05 * v)) +
                           std::sin(0.31 * u - 0.0002 * u * v);

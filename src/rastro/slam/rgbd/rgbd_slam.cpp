@@ -6,9 +6,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <deque>
 
-#include "rastro/base/background.h"
+#include "rastro/backend/pipeline.h"
 #include "rastro/base/error.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/odometry/rgbd/rgbd_follower.h"
@@ -111,12 +110,11 @@ class RgbdSlam::State {
   std::shared_ptr<const Map> snapshot() const { return map_.snapshot(); }
 
  private:
-  struct Pending {
-    std::int64_t due = 0;  ///< Number of the frame that may see it.
-    std::size_t job = 0;
+  /// What mapping made of a keyframe.
+  struct MappedKeyframe {
     std::int64_t keyframe = 0;
     int stretch = 0;
-    std::shared_ptr<MapRevision> revision;
+    MapRevision revision;
   };
 
   bool exists() const { return anchor_.keyframe >= 0; }
@@ -130,8 +128,7 @@ class RgbdSlam::State {
   void make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<Constraint>& ties, int submap,
                      const Matrix6d& covariance, SlamUpdate& update);
   Constraint way_edge(const SE3& world_from_camera, const Matrix6d& covariance) const;
-  void take_revisions(std::int64_t up_to, std::vector<SlamEvent>& events);
-  void apply(const Pending& pending, std::vector<SlamEvent>& events);
+  void apply(MappedKeyframe mapped, std::vector<SlamEvent>& events);
   void say_pose(const SE3& world_from_camera, const Matrix6d& covariance, SlamUpdate& update);
 
   RgbdSlamOptions options_;
@@ -142,7 +139,6 @@ class RgbdSlam::State {
   Relocaliser relocaliser_;
   RgbdFollower follower_;
   Anchor anchor_;
-  std::deque<Pending> pending_;
   MapArchive* archive_;  ///< Null: nothing is kept safe.
   std::int64_t seen_ = 0;         ///< Frames given, of any kind.
   std::int64_t anchor_seen_ = 0;  ///< When the last keyframe was made.
@@ -151,7 +147,7 @@ class RgbdSlam::State {
   int lost_frames_ = 0;  ///< With something to see in them.
   int stretch_ = 0;      ///< Of frames followed without a break.
   SE3 last_pose_;
-  Background background_;  ///< Last: its jobs use what is above.
+  Pipeline<MappedKeyframe> pipeline_;  ///< Last: its jobs use what is above.
 };
 
 RgbdSlam::State::State(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context)
@@ -165,7 +161,7 @@ RgbdSlam::State::State(const RgbdSlamOptions& options, const Camera& camera, con
       archive_(maps_ ? context.archive : nullptr),
       following_(maps_),
       lost_(!maps_),
-      background_(context.pipelined && context.pool != nullptr && context.pool->threads() > 1) {}
+      pipeline_({.own_thread = context.pipelined && context.pool != nullptr && context.pool->threads() > 1}) {}
 
 SlamUpdate RgbdSlam::State::process(const Frame& frame) {
   Stopwatch whole, stage;
@@ -173,7 +169,7 @@ SlamUpdate RgbdSlam::State::process(const Frame& frame) {
   update.index = frame.index;
   update.stamp = frame.stamp;
   ++seen_;
-  take_revisions(seen_, update.events);
+  while (auto mapped = pipeline_.take_due({seen_, frame.stamp})) apply(std::move(*mapped), update.events);
   update.times.push_back({"wait", stage.lap_ms()});
   update.world_from_body = last_pose_;
   follow(frame, update);
@@ -264,15 +260,17 @@ Constraint RgbdSlam::State::way_edge(const SE3& world_from_camera, const Matrix6
 void RgbdSlam::State::make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<Constraint>& ties,
                                     int submap, const Matrix6d& covariance, SlamUpdate& update) {
   const std::int64_t id = map_.keyframe_count();
-  auto order = std::make_shared<KeyframeOrder>(KeyframeOrder{id, kept_of(frame), world_from_camera, submap, ties});
+  const auto order =
+      std::make_shared<const KeyframeOrder>(KeyframeOrder{id, kept_of(frame), world_from_camera, submap, ties});
   map_.add_pending({world_from_camera, submap}, covariance);
   anchor_ = {id, world_from_camera, covariance, world_from_camera, Matrix6d::Zero()};
   anchor_seen_ = seen_;
   update.events.push_back({"keyframe", fmt::format("{}", id)});
   say_pose(world_from_camera, covariance, update);
-  auto revision = std::make_shared<MapRevision>();
-  const std::size_t job = background_.submit([this, order, revision] { *revision = mapper_.add(*order); });
-  pending_.push_back({seen_ + options_.backend_delay_frames, job, id, stretch_, revision});
+  const auto job = [this, order, stretch = stretch_] {
+    return MappedKeyframe{order->id, stretch, mapper_.add(*order)};
+  };
+  pipeline_.submit(job, {seen_, frame.stamp}, {.frames = options_.backend_delay_frames});
 }
 
 void RgbdSlam::State::say_pose(const SE3& world_from_camera, const Matrix6d& covariance, SlamUpdate& update) {
@@ -347,44 +345,33 @@ bool RgbdSlam::State::start_again(const Frame& frame, const SE3& world_from_came
   return true;
 }
 
-void RgbdSlam::State::take_revisions(std::int64_t up_to, std::vector<SlamEvent>& events) {
-  while (!pending_.empty() && pending_.front().due <= up_to) {
-    const Pending pending = pending_.front();
-    background_.wait(pending.job);
-    apply(pending, events);
-    pending_.pop_front();
-  }
-}
-
 /// The follower goes on from where the graph put its keyframe.
-void RgbdSlam::State::apply(const Pending& pending, std::vector<SlamEvent>& events) {
-  events.insert(events.end(), pending.revision->events.begin(), pending.revision->events.end());
-  const SE3 before = map_.pose(pending.keyframe);
-  map_.apply(std::move(*pending.revision));
-  if (pending.keyframe == anchor_.keyframe) anchor_.covariance = map_.covariance(pending.keyframe);
-  if (pending.stretch != stretch_) return;
-  const SE3 correction = map_.pose(pending.keyframe) * before.inverse();
+void RgbdSlam::State::apply(MappedKeyframe mapped, std::vector<SlamEvent>& events) {
+  events.insert(events.end(), mapped.revision.events.begin(), mapped.revision.events.end());
+  const SE3 before = map_.pose(mapped.keyframe);
+  map_.apply(std::move(mapped.revision));
+  if (mapped.keyframe == anchor_.keyframe) anchor_.covariance = map_.covariance(mapped.keyframe);
+  if (mapped.stretch != stretch_) return;
+  const SE3 correction = map_.pose(mapped.keyframe) * before.inverse();
   constexpr double least = 1e-9;
   if (!(correction.log().norm() > least)) return;
   follower_.move(correction);
-  map_.move_pending(pending.keyframe + 1, correction);
-  if (pending.keyframe != anchor_.keyframe)
+  map_.move_pending(mapped.keyframe + 1, correction);
+  if (mapped.keyframe != anchor_.keyframe)
     anchor_.world_from_keyframe = correction * anchor_.world_from_keyframe;
   else
-    anchor_.world_from_keyframe = map_.pose(pending.keyframe);
+    anchor_.world_from_keyframe = map_.pose(mapped.keyframe);
   anchor_.world_from_reference = correction * anchor_.world_from_reference;
   last_pose_ = correction * last_pose_;
 }
 
 std::vector<SlamEvent> RgbdSlam::State::finish() {
   std::vector<SlamEvent> events;
-  take_revisions(std::numeric_limits<std::int64_t>::max(), events);
-  background_.wait_for_all();
+  while (auto mapped = pipeline_.take_next()) apply(std::move(*mapped), events);
   if (!maps_) return events;
-  auto revision = std::make_shared<MapRevision>();
-  background_.wait(background_.submit([this, revision] { *revision = mapper_.settle(); }));
-  events.insert(events.end(), revision->events.begin(), revision->events.end());
-  map_.apply(std::move(*revision));
+  MapRevision revision = mapper_.settle();  // no job is under way any more
+  events.insert(events.end(), revision.events.begin(), revision.events.end());
+  map_.apply(std::move(revision));
   if (map_.make_largest_first()) events.push_back({"submap", "the largest is the first from now on"});
   return events;
 }

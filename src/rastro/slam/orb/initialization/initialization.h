@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "rastro/slam/orb/initialization/initializer.h"
+#include "rastro/slam/orb/keyframe_pipeline.h"
+#include "rastro/slam/orb/session.h"
+#include "rastro/slam/orb/tracking/frame_tracker.h"
+#include "rastro/slam/orb/tracking/keyframe_insertion.h"
+
+namespace rastro {
+
+/// Map initialization, from two views of one camera (Mur-Artal et al. 2015, section IV) or from one frame with depth
+/// (Mur-Artal and Tardos 2017, section III.C), and the trial of a map from two views: it is dropped where the frames
+/// that follow contradict it.
+class Initialization {
+ public:
+  /// All outlive this.
+  Initialization(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline, KeyframeInsertion& keyframes);
+
+  /// Begins the map, or a submap once the pose has been lost long enough, with the frame where it can; else the update
+  /// says what is missing.
+  void process(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
+  /// Whether a tracked frame is the last of several that do not fit a map on trial.
+  bool is_contradicted_by(const std::shared_ptr<const FeatureFrame>& frame, const TrackResult& tracked);
+  /// Removes the map on trial, that is the tracked frame's submap: initialization begins anew with the frames kept.
+  void drop_map(const TrackResult& tracked, SlamUpdate& update);
+  /// Ends a trial and forgets the frames kept.
+  void reset();
+
+ private:
+  void from_two_views(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
+  void from_depth(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
+  bool may_begin() const;
+  bool create_map(const InitialPair& pair, SlamUpdate& update);
+  int next_submap() const;
+  void begin_tracking(std::int64_t keyframe);
+  void add_frame(const FeatureFrame& frame, const TrackResult& tracked);
+  void add_keyframe(const FeatureFrame& frame);
+  void report(std::string event, SlamUpdate& update) const;
+  void track_kept_frames(const InitialPair& pair);
+  void track_backward(std::size_t first);
+  void restart_at(std::int64_t keyframe);
+
+  OrbSession& session_;
+  FrameTracker& tracker_;
+  KeyframePipeline& pipeline_;
+  KeyframeInsertion& keyframes_;
+  Initializer initializer_;
+  int trial_frames_ = 0;    ///< In which a map from two views still has to prove itself.
+  int contradictions_ = 0;  ///< Of them, in a row.
+};
+
+}  // namespace rastro

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/keyframe_pipeline.h"
+
+#include <utility>
+
+#include "rastro/slam/orb/map/map_export.h"
+
+namespace rastro {
+namespace {
+
+bool own_thread(const SlamContext& context) {
+  return context.pipelined && context.pool != nullptr && context.pool->threads() > 1;
+}
+
+}  // namespace
+
+KeyframePipeline::KeyframePipeline(OrbSession& session, FrameTracker& tracker, const SlamContext& context)
+    : session_(session),
+      tracker_(tracker),
+      adjusting_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
+      mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
+      local_mapping_(session.options, session.graph, &mapping_pool_, session.stop),
+      database_(session.graph, standard_vocabulary()),
+      loop_closing_(session.options, session.graph, database_),
+      mapping_({.own_thread = own_thread(context)}),
+      adjusting_({.own_thread = own_thread(context)}) {}
+
+KeyframePipeline::Result KeyframePipeline::process(const KeyframeInput& keyframe) {
+  const std::int64_t id = keyframe.frame->data().id;
+  Result result;
+  local_mapping_.process(keyframe);
+  if (session_.options.loop_closing) {
+    if (const auto loop = loop_closing_.process(id)) {
+      result.events.push_back(loop->event());
+      if (session_.options.loop_adjust_iterations > 0)
+        result.adjustment = std::make_shared<GlobalBundleAdjustment>(session_.graph, session_.graph.keyframe(id).submap,
+                                                                     session_.options.pixel_sigma);
+    }
+  }
+  result.view = view_of(session_.graph, id, session_.view_options());
+  return result;
+}
+
+HandOverDelay KeyframePipeline::mapping_delay() const {
+  return {session_.options.backend_delay_frames, from_seconds(session_.options.backend_delay_s),
+          session_.options.keyframe_frames};
+}
+
+void KeyframePipeline::insert(std::shared_ptr<const KeyframeInput> keyframe, TimeNs stamp) {
+  mapping_.submit([this, keyframe = std::move(keyframe)] { return process(*keyframe); }, session_.frame_time(stamp),
+                  mapping_delay());
+}
+
+void KeyframePipeline::insert_now(const KeyframeInput& keyframe) {
+  local_mapping_.process(keyframe);
+  tracker_.set_view(view_of(session_.graph, keyframe.frame->data().id, session_.view_options()));
+}
+
+void KeyframePipeline::take_results(TimeNs stamp, std::vector<SlamEvent>& events) {
+  const FrameTime now = session_.frame_time(stamp);
+  if (auto adjustment = adjusting_.take_due(now)) take_adjustment(std::move(*adjustment), stamp);
+  while (auto result = mapping_.take_due(now)) take(std::move(*result), events);
+}
+
+void KeyframePipeline::take_all_results(std::vector<SlamEvent>& events) {
+  while (auto result = mapping_.take_next()) take(std::move(*result), events);
+}
+
+void KeyframePipeline::take(Result result, std::vector<SlamEvent>& events) {
+  events.insert(events.end(), result.events.begin(), result.events.end());
+  if (session_.tracking && result.view) tracker_.set_view(result.view);
+  if (result.adjustment) begin_adjustment(std::move(result.adjustment));
+  archive_map();
+}
+
+/// One under way no longer fits a map that has been corrected again.
+void KeyframePipeline::begin_adjustment(std::shared_ptr<GlobalBundleAdjustment> adjustment) {
+  cancel_adjustment();
+  const OrbSlamOptions& options = session_.options;
+  const double delay_s = options.loop_adjust_delay_s * static_cast<double>(adjustment->observations()) / 1e5;
+  const HandOverDelay delay{options.backend_delay_frames, from_seconds(delay_s), 20 * options.keyframe_frames};
+  adjustment_ = adjustment;
+  adjusting_.submit(
+      [this, adjustment = std::move(adjustment)] {
+        adjustment->run(session_.options.loop_adjust_iterations, session_.stop, &adjusting_pool_);
+        return adjustment;
+      },
+      session_.frame_time(session_.last_stamp), delay);
+}
+
+/// Mapping carries the adjusted submap over, in turn with the keyframes.
+void KeyframePipeline::take_adjustment(std::shared_ptr<GlobalBundleAdjustment> adjustment, TimeNs stamp) {
+  adjustment_.reset();
+  const std::int64_t center = session_.tracking ? tracker_.view()->center : -1;
+  mapping_.submit([this, adjustment = std::move(adjustment), center] { return apply(*adjustment, center); },
+                  session_.frame_time(stamp), mapping_delay());
+}
+
+KeyframePipeline::Result KeyframePipeline::apply(const GlobalBundleAdjustment& adjustment, std::int64_t center) {
+  Result result;
+  result.events.push_back({"adjusted", adjustment.detail()});
+  adjustment.apply(session_.graph);
+  if (session_.graph.has_keyframe(center)) result.view = view_of(session_.graph, center, session_.view_options());
+  return result;
+}
+
+void KeyframePipeline::cancel_adjustment() {
+  if (adjustment_) adjustment_->cancel();
+  adjustment_.reset();
+  adjusting_.discard();
+}
+
+void KeyframePipeline::finish(std::vector<SlamEvent>& events) {
+  take_all_results(events);
+  const bool stopped = session_.stopped();
+  if (stopped) {
+    cancel_adjustment();
+  } else if (auto adjustment = adjusting_.take_next()) {
+    take_adjustment(std::move(*adjustment), session_.last_stamp);
+    take_all_results(events);
+  }
+  wait();
+  if (!session_.has_map) return;
+  if (session_.mapping && !stopped) adjust_map();
+  session_.trajectory.refine(session_.graph, session_.options.min_inliers / 2);
+  archive_map();
+}
+
+void KeyframePipeline::adjust_map() {
+  const OrbSlamOptions& options = session_.options;
+  if (options.final_iterations <= 0) return;
+  if (session_.graph.keyframe_count() > static_cast<std::size_t>(options.final_keyframes)) return;
+  for (int submap = 0; submap < session_.graph.submap_count(); ++submap)
+    local_mapping_.adjust_all(submap, options.final_iterations);
+}
+
+void KeyframePipeline::archive_map() {
+  if (session_.archive != nullptr && session_.mapping && mapping_.empty() && session_.archive->wants_map())
+    session_.archive->keep(map_of(session_.graph, session_.trajectory, session_.scale));
+}
+
+}  // namespace rastro

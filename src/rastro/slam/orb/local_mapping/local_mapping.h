@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/slam/orb/map/map_graph.h"
+#include "rastro/slam/orb/options.h"
+#include "rastro/slam/orb/tracking/frame_tracker.h"
+
+namespace rastro {
+
+/// A frame that became a keyframe, as tracking hands it over.
+struct KeyframeInput {
+  std::shared_ptr<const FeatureFrame> frame;
+  std::int64_t reference = -1;  ///< A keyframe of the map...
+  SE3 camera_from_reference;
+  double reference_unit = 1.0;  ///< ... and its unit in the view.
+  std::vector<TrackedPoint> points;
+  std::vector<std::int64_t> visible, found;  ///< Landmarks, once a frame since the last keyframe.
+};
+
+/// What mapping does with a new keyframe, METHODS 6 (Mur-Artal et al. 2015, section VI).
+class LocalMapping {
+ public:
+  /// The graph is the caller's and outlives this.
+  /// `stop` (may be null): once true, adjustments end early, as the run is left.
+  LocalMapping(const OrbSlamOptions& options, MapGraph& graph, TaskPool* pool, const std::atomic<bool>* stop = nullptr);
+
+  /// The first two keyframes of a submap and their points in the first camera's frame (one a pair of features, in
+  /// order). False, and nothing is kept, where fewer than init_points are left after bundle adjustment.
+  bool initialize(const std::shared_ptr<const FeatureFrame>& first, const std::shared_ptr<const FeatureFrame>& second,
+                  const SE3& second_from_first, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs,
+                  const std::vector<std::optional<Eigen::Vector3d>>& points, int submap);
+  /// The first keyframe of a submap where depth is seen.
+  void initialize(const std::shared_ptr<const FeatureFrame>& frame, int submap);
+  /// A keyframe from insertion to culling; loops are not looked for here.
+  void process(const KeyframeInput& input);
+  /// All keyframes and landmarks of a submap at once; the root stays.
+  void adjust_all(int submap, int iterations);
+
+ private:
+  void insert_keyframe(const KeyframeInput& input);
+  void add_observations(std::int64_t keyframe, const std::vector<TrackedPoint>& points);
+  void cull_landmarks(std::int64_t keyframe);
+  void create_landmarks(std::int64_t keyframe);
+  void add_depth_landmarks(std::int64_t keyframe);
+  void triangulate_landmarks(std::int64_t keyframe);
+  void triangulate_with(std::int64_t keyframe, std::int64_t neighbor);
+  void fuse_landmarks(std::int64_t keyframe);
+  std::vector<std::int64_t> fusion_targets(std::int64_t keyframe) const;
+  void fuse_into(std::int64_t keyframe, const std::vector<std::int64_t>& landmarks);
+  void adjust_locally(std::int64_t keyframe);
+  std::vector<std::int64_t> fixed_observers(const std::vector<std::int64_t>& free) const;
+  void adjust(const std::vector<std::int64_t>& free, const std::vector<std::int64_t>& fixed, int iterations);
+  void cull_keyframes(std::int64_t keyframe);
+  bool is_redundant(const MapKeyframe& keyframe) const;
+  double median_depth(const MapKeyframe& keyframe) const;
+
+  OrbSlamOptions options_;
+  MapGraph& graph_;
+  TaskPool* pool_;
+  const std::atomic<bool>* stop_;
+  std::vector<std::int64_t> recent_;  ///< Landmarks that still have to prove themselves.
+};
+
+}  // namespace rastro

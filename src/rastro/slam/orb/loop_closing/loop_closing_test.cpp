@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/loop_closing/loop_closing.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "rastro/math/alignment.h"
+#include "rastro/slam/orb/loop_closing/global_bundle_adjustment.h"
+#include "rastro/slam/orb/loop_closing/place_testing.h"
+#include "rastro/slam/orb/relocalization/frame_relocalizer.h"
+
+namespace rastro {
+namespace {
+
+using testing::DriftingMapper;
+using testing::RoundWorld;
+
+constexpr double step = 2.0 * M_PI / 60.0;
+
+/// Map and loop_closing over one world.
+struct Bench {
+  explicit Bench(CameraKind sensor)
+      : graph(world.camera, sensor, sensor == CameraKind::mono ? 0.0 : 0.1, OrbOptions{}),
+        database(graph, world.vocabulary()),
+        loop_closing(options, graph, database),
+        mapper(world, graph, sensor == CameraKind::mono ? 0.004 : 0.006,
+               sensor == CameraKind::mono ? 1.004 : 1.0) {}
+
+  /// Root mean square of the keyframes' distances from truth, best aligned.
+  double error() const { return error(mapper); }
+  double error(const DriftingMapper& made) const {
+    std::vector<Eigen::Vector3d> truth, estimate;
+    for (const std::int64_t id : graph.keyframe_ids()) {
+      truth.push_back(made.centers[static_cast<std::size_t>(id)]);
+      estimate.push_back(graph.keyframe(id).camera_from_world.inverse().translation());
+    }
+    const bool mono = graph.sensor() == CameraKind::mono;
+    const auto aligned = align_points(truth, estimate, mono ? AlignmentKind::similarity : AlignmentKind::rigid);
+    return aligned ? aligned->rmse : 0.0;  // Two keyframes lie on any other two.
+  }
+
+  OrbSlamOptions options;
+  RoundWorld world{1};
+  MapGraph graph;
+  KeyframeDatabase database;
+  LoopClosing loop_closing;
+  DriftingMapper mapper;
+};
+
+/// Every list of the map agrees with every other.
+void expect_sound(const MapGraph& graph) {
+  for (const std::int64_t id : graph.landmark_ids()) {
+    const MapLandmark& landmark = graph.landmark(id);
+    EXPECT_GE(landmark.observations.size(), 1U);
+    EXPECT_TRUE(landmark.position.allFinite());
+    for (const LandmarkObservation& seen : landmark.observations)
+      ASSERT_EQ(graph.keyframe(seen.keyframe).landmarks[seen.feature], id);
+  }
+  int roots = 0;
+  for (const std::int64_t id : graph.keyframe_ids()) {
+    const MapKeyframe& keyframe = graph.keyframe(id);
+    roots += keyframe.parent < 0;
+    for (std::size_t i = 0; i < keyframe.landmarks.size(); ++i) {
+      const std::int64_t landmark = keyframe.landmarks[i];
+      ASSERT_TRUE(landmark < 0 || graph.feature_of(id, landmark) == static_cast<std::int64_t>(i));
+    }
+  }
+  EXPECT_EQ(roots, 1);
+}
+
+class LoopCloserTest : public ::testing::TestWithParam<CameraKind> {};
+
+TEST_P(LoopCloserTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
+  Bench bench(GetParam());
+  bench.mapper.begin(0, SE3(), 1.0);
+  std::optional<LoopResult> closed;
+  double before = 0.0;
+  for (int k = 0; k < 68 && !closed; ++k) {
+    const std::int64_t id = bench.mapper.add(k * step);
+    before = bench.error();
+    closed = bench.loop_closing.process(id);
+    ASSERT_TRUE(!closed || k >= 57) << "nothing was seen twice yet at " << k;
+  }
+  ASSERT_TRUE(closed);
+  EXPECT_FALSE(closed->merged);
+  EXPECT_LT(closed->matched, 8);
+  EXPECT_GE(closed->landmarks, 40);
+  EXPECT_GT(closed->fused, 20);
+  EXPECT_EQ(closed->event().kind, "loop_closed");
+  EXPECT_GT(before, 0.2);
+  EXPECT_LT(bench.error(), 0.4 * before);
+  GlobalBundleAdjustment adjustment(bench.graph, 0, bench.options.pixel_sigma);
+  adjustment.run(10, nullptr, nullptr);
+  adjustment.apply(bench.graph);
+  EXPECT_LT(bench.error(), 0.1 * before);
+  expect_sound(bench.graph);
+  ASSERT_EQ(bench.graph.ties().size(), 1U);
+  EXPECT_GT(bench.graph.shared(closed->keyframe, closed->matched), 15) << "they now see the same landmarks";
+  // A map unit is as long everywhere.
+  std::vector<double> lengths;
+  for (const std::int64_t id : bench.graph.keyframe_ids())
+    lengths.push_back(bench.mapper.scales[static_cast<std::size_t>(id)] * bench.graph.unit(id));
+  const auto [least, most] = std::minmax_element(lengths.begin(), lengths.end());
+  EXPECT_LT(*most / *least, 1.02);
+  EXPECT_TRUE(GetParam() == CameraKind::mono || (*least == 1.0 && *most == 1.0));
+}
+
+TEST_P(LoopCloserTest, JoinsASubmapOfAnotherUnitToTheOlderOne) {
+  Bench bench(GetParam());
+  const bool mono = GetParam() == CameraKind::mono;
+  DriftingMapper exact(bench.world, bench.graph, 0.0, 1.0);
+  exact.begin(0, SE3(), 1.0);
+  for (int k = 0; k < 14; ++k) EXPECT_FALSE(bench.loop_closing.process(exact.add(k * step)));
+  exact.begin(1, SE3(SO3::exp({0.3, 1.0, -0.4}), {3.0, -2.0, 1.0}), mono ? 2.5 : 1.0);
+  std::optional<LoopResult> merged;
+  for (int k = 18; k > 4 && !merged; --k) merged = bench.loop_closing.process(exact.add(k * step));
+  ASSERT_TRUE(merged);
+  EXPECT_TRUE(merged->merged);
+  EXPECT_EQ(merged->event().kind, "joined");
+  EXPECT_NEAR(merged->scale, mono ? 0.4 : 1.0, 0.01);
+  for (const std::int64_t id : bench.graph.keyframe_ids()) EXPECT_EQ(bench.graph.keyframe(id).submap, 0);
+  expect_sound(bench.graph);
+  EXPECT_LT(bench.error(exact), 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sensors, LoopCloserTest, ::testing::Values(CameraKind::mono, CameraKind::depth));
+
+TEST(LoopClosing, SameInputSameBytes) {
+  const auto run = [] {
+    Bench bench(CameraKind::mono);
+    bench.mapper.begin(0, SE3(), 1.0);
+    bool closed = false;
+    for (int k = 0; k < 68 && !closed; ++k) closed = bench.loop_closing.process(bench.mapper.add(k * step)).has_value();
+    std::vector<double> numbers;
+    for (const std::int64_t id : bench.graph.keyframe_ids()) {
+      const Eigen::Matrix4d matrix = bench.graph.keyframe(id).camera_from_world.matrix();
+      numbers.insert(numbers.end(), matrix.data(), matrix.data() + 16);
+    }
+    return numbers;
+  };
+  EXPECT_EQ(run(), run());
+}
+
+TEST(FrameRelocalizer, FindsAFrameAnywhereInTheMapAndNoneElsewhere) {
+  for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
+    Bench bench(sensor);
+    DriftingMapper exact(bench.world, bench.graph, 0.0, 1.0);
+    exact.begin(0, RoundWorld::world_from_camera(0.0), 1.0);
+    for (int k = 0; k < 20; ++k) exact.add(k * step);
+    FrameRelocalizer relocalizer(bench.options, bench.graph, bench.database);
+    std::vector<std::uint32_t> seen;
+    for (const double angle : {3.3 * step, 11.6 * step}) {
+      // From a little off the trajectory, and turned.
+      const SE3 truth = RoundWorld::world_from_camera(angle) * SE3(SO3::exp({0.05, -0.05, 0.2}), {0.1, 0.1, -0.3});
+      const auto frame = bench.world.frame(100, truth, bench.graph.baseline(), seen);
+      const auto found = relocalizer.find(*frame);
+      ASSERT_TRUE(found);
+      EXPECT_GT(found->inliers, 80);
+      EXPECT_LT((found->camera_from_world * truth).log().norm(), 0.02);
+    }
+    const auto elsewhere =
+        bench.world.frame(101, RoundWorld::world_from_camera(M_PI * 1.3), bench.graph.baseline(), seen);
+    EXPECT_FALSE(relocalizer.find(*elsewhere));
+    RoundWorld other(9);
+    EXPECT_FALSE(relocalizer.find(*other.frame(102, RoundWorld::world_from_camera(0.5), 0.0, seen)));
+    EXPECT_FALSE(relocalizer.find(FeatureFrame(std::make_shared<ImageFeatures>(), bench.world.camera, 0.0)));
+  }
+}
+
+}  // namespace
+}  // namespace rastro

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/map/frame_trajectory.h"
+
+#include <algorithm>
+
+#include "rastro/optimize/pose_refinement.h"
+
+namespace rastro {
+namespace {
+
+SE3 pose_of(const MapGraph& graph, const TrackedFrame& frame) {
+  const double scale = graph.unit(frame.keyframe) / frame.unit;
+  const SE3 from_keyframe(frame.camera_from_keyframe.rotation(), scale * frame.camera_from_keyframe.translation());
+  return from_keyframe * graph.camera_from_world(frame.keyframe);
+}
+
+}  // namespace
+
+void FrameTrajectory::add(const TrackedFrame& frame) {
+  const auto at = std::upper_bound(frames_.begin(), frames_.end(), frame.index,
+                                   [](std::int64_t index, const TrackedFrame& other) { return index < other.index; });
+  frames_.insert(at, frame);
+}
+
+bool FrameTrajectory::repeat_last(std::int64_t index, TimeNs stamp) {
+  if (frames_.empty() || frames_.back().index >= index || frames_.back().stamp >= stamp) return false;
+  TrackedFrame frame = frames_.back();
+  frame.index = index;
+  frame.stamp = stamp;
+  frames_.push_back(std::move(frame));
+  return true;
+}
+
+void FrameTrajectory::set_keyframe(std::int64_t index, std::int64_t keyframe) {
+  for (auto frame = frames_.rbegin(); frame != frames_.rend(); ++frame) {
+    if (frame->index == index) frame->became = keyframe;
+    if (frame->index <= index) return;
+  }
+}
+
+void FrameTrajectory::forget(const MapGraph& graph, int submap) {
+  std::erase_if(frames_, [&](const TrackedFrame& frame) { return graph.submap(frame.keyframe) == submap; });
+}
+
+void FrameTrajectory::refine(const MapGraph& graph, int least) {
+  for (TrackedFrame& frame : frames_) {
+    if (frame.became >= 0 && graph.has_keyframe(frame.became)) {
+      frame = {frame.index, frame.stamp, frame.became, SE3(), graph.unit(frame.became), frame.became, {}};
+      continue;
+    }
+    const int submap = graph.submap(frame.keyframe);
+    std::vector<PoseObservation> observations;
+    for (const FrameObservation& seen : frame.seen) {
+      const std::int64_t id = graph.current(seen.landmark);
+      if (id < 0 || graph.landmark(id).observations.empty()) continue;
+      const MapLandmark& landmark = graph.landmark(id);
+      if (graph.submap(landmark.observations.front().keyframe) != submap) continue;
+      observations.push_back({landmark.position, seen.ray.cast<double>(), static_cast<double>(seen.right),
+                              static_cast<double>(seen.sigma)});
+    }
+    const PoseRefinement refined = refine_pose(pose_of(graph, frame), observations, {.baseline = graph.baseline()});
+    if (refined.inliers < least) continue;
+    frame.camera_from_keyframe = refined.camera_from_world * graph.camera_from_world(frame.keyframe).inverse();
+    frame.unit = graph.unit(frame.keyframe);
+  }
+}
+
+Trajectory FrameTrajectory::trajectory(const MapGraph& graph, int submap) const {
+  Trajectory poses;
+  for (const TrackedFrame& frame : frames_) {
+    if (graph.submap(frame.keyframe) != submap) continue;
+    poses.push_back({frame.stamp, pose_of(graph, frame).inverse()});
+  }
+  return poses;
+}
+
+int FrameTrajectory::largest_submap(const MapGraph& graph) const {
+  std::vector<int> counts(static_cast<std::size_t>(std::max(1, graph.submap_count())), 0);
+  for (const TrackedFrame& frame : frames_) ++counts[static_cast<std::size_t>(graph.submap(frame.keyframe))];
+  return static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+}
+
+}  // namespace rastro

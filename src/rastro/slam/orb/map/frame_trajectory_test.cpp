@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/map/frame_trajectory.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rastro/math/math_testing.h"
+#include "rastro/slam/orb/tracking/frame_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::ExactMap;
+using testing::Observed;
+using testing::PointWorld;
+using testing::pose_near;
+
+constexpr TimeNs tenth = 100000000;
+
+SE3 pose_at(double metres) { return SE3(SO3::exp({0.0, 0.1 * metres, 0.02}), {metres, 0.1 * metres, 0.0}); }
+
+/// As tracking hands it over: standing at `world_from_camera`, relative to a keyframe of the graph.
+TrackedFrame placed(const MapGraph& graph, std::int64_t index, std::int64_t keyframe, const SE3& world_from_camera) {
+  TrackedFrame frame;
+  frame.index = index;
+  frame.stamp = tenth * index;
+  frame.keyframe = keyframe;
+  frame.camera_from_keyframe = (graph.camera_from_world(keyframe) * world_from_camera).inverse();
+  frame.unit = graph.unit(keyframe);
+  return frame;
+}
+
+/// A map of two keyframes and a trajectory past them.
+struct WayBench {
+  explicit WayBench(CameraKind sensor = CameraKind::mono)
+      : map(world, sensor, sensor == CameraKind::mono ? 0.0 : 0.1) {
+    map.add(0, pose_at(0.0).inverse());
+    map.add(1, pose_at(1.0).inverse());
+  }
+  /// `error` away from `world_from_camera`, but with all that is seen from there.
+  TrackedFrame seeing(std::int64_t index, std::int64_t keyframe, const SE3& world_from_camera, const SE3& error) {
+    const Observed observed =
+        world.observe(100 + index, world_from_camera.inverse(), {.baseline = map.graph.baseline()});
+    TrackedFrame frame = placed(map.graph, index, keyframe, world_from_camera * error);
+    for (const TrackedPoint& point : map.tracked(observed)) {
+      const Eigen::Vector2d ray = observed.frame->ray(point.feature);
+      frame.seen.push_back({point.landmark, ray.cast<float>(),
+                            static_cast<float>(observed.frame->right_ray(point.feature)),
+                            static_cast<float>(map.graph.sigma(*observed.frame, point.feature))});
+    }
+    return frame;
+  }
+
+  PointWorld world{120, 3};
+  ExactMap map;
+  FrameTrajectory recorded;
+};
+
+/// A frame of which only its keyframe matters.
+TrackedFrame beside(std::int64_t index, std::int64_t keyframe) {
+  TrackedFrame frame;
+  frame.index = index;
+  frame.stamp = tenth * index;
+  frame.keyframe = keyframe;
+  return frame;
+}
+
+const SE3 some_error(SO3::exp({0.02, -0.01, 0.03}), {0.05, -0.04, 0.06});
+
+TEST(FrameTrajectory, IsInTheOrderOfTheRecordingHoweverFramesCome) {
+  WayBench bench;
+  for (const int index : {3, 1, 4, 2})
+    bench.recorded.add(placed(bench.map.graph, index, index % 2, pose_at(0.2 * index)));
+  const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
+  ASSERT_EQ(poses.size(), 4U);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(bench.recorded.frames()[static_cast<std::size_t>(i)].index, i + 1);
+    EXPECT_EQ(poses[static_cast<std::size_t>(i)].stamp, tenth * (i + 1));
+    EXPECT_THAT(poses[static_cast<std::size_t>(i)].world_from_body, pose_near(pose_at(0.2 * (i + 1)), 1e-9, 1e-9));
+  }
+}
+
+TEST(FrameTrajectory, FramesGoWhereTheirKeyframeGoes) {
+  WayBench bench;
+  bench.recorded.add(placed(bench.map.graph, 1, 0, pose_at(0.2)));
+  bench.recorded.add(placed(bench.map.graph, 2, 1, pose_at(0.8)));
+  const SE3 shift(SO3::exp({0.1, 0.2, 0.3}), {1.0, 2.0, 3.0});
+  bench.map.graph.keyframe(1).camera_from_world = (shift * pose_at(1.0)).inverse();
+  const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
+  EXPECT_THAT(poses[0].world_from_body, pose_near(pose_at(0.2), 1e-9, 1e-9));
+  EXPECT_THAT(poses[1].world_from_body, pose_near(shift * pose_at(0.8), 1e-9, 1e-9));
+}
+
+TEST(FrameTrajectory, GrowsWithTheMap) {
+  WayBench bench;
+  bench.recorded.add(placed(bench.map.graph, 1, 1, pose_at(0.5)));
+  const Sim3 grown(2.5, SO3::exp({0.3, -0.1, 0.2}), {1.0, -2.0, 0.5});
+  bench.map.graph.transform(0, grown);
+  // Placed in the larger unit already.
+  bench.recorded.add(placed(bench.map.graph, 2, 1, SE3(SO3(), {7.0, 8.0, 9.0})));
+  const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
+  const SE3 expected(grown.rotation() * pose_at(0.5).rotation(), grown * pose_at(0.5).translation());
+  EXPECT_THAT(poses[0].world_from_body, pose_near(expected, 1e-9, 1e-9));
+  EXPECT_THAT(poses[1].world_from_body, pose_near(SE3(SO3(), {7.0, 8.0, 9.0}), 1e-9, 1e-9));
+}
+
+TEST(FrameTrajectory, FramesOfARemovedKeyframeStayWhereTheyAre) {
+  WayBench bench;
+  bench.recorded.add(placed(bench.map.graph, 1, 1, pose_at(0.7)));
+  bench.map.graph.remove_keyframe(1);
+  const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_THAT(poses[0].world_from_body, pose_near(pose_at(0.7), 1e-9, 1e-9));
+}
+
+TEST(FrameTrajectory, TheLastPoseIsRepeatedOnlyLater) {
+  WayBench bench;
+  EXPECT_FALSE(bench.recorded.repeat_last(1, tenth));
+  bench.recorded.add(placed(bench.map.graph, 3, 0, pose_at(0.3)));
+  EXPECT_FALSE(bench.recorded.repeat_last(3, 4 * tenth));
+  EXPECT_FALSE(bench.recorded.repeat_last(4, 3 * tenth));
+  EXPECT_EQ(bench.recorded.frames().size(), 1U);
+  EXPECT_TRUE(bench.recorded.repeat_last(4, 3 * tenth + 1));
+  const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
+  ASSERT_EQ(poses.size(), 2U);
+  EXPECT_EQ(bench.recorded.frames()[1].index, 4);
+  EXPECT_EQ(poses[1].stamp, 3 * tenth + 1);
+  EXPECT_THAT(poses[1].world_from_body, pose_near(pose_at(0.3), 1e-9, 1e-9));
+}
+
+TEST(FrameTrajectory, ASubmapThatIsForgottenTakesItsFramesAlong) {
+  WayBench bench;
+  bench.map.add(2, pose_at(5.0).inverse(), {}, 1);
+  for (const int index : {1, 2, 3, 4, 5}) bench.recorded.add(beside(index, index % 2 == 0 ? 2 : 1));
+  EXPECT_EQ(bench.recorded.trajectory(bench.map.graph, 1).size(), 2U);
+  EXPECT_EQ(bench.recorded.largest_submap(bench.map.graph), 0);
+  bench.recorded.forget(bench.map.graph, 0);
+  ASSERT_EQ(bench.recorded.frames().size(), 2U);
+  EXPECT_EQ(bench.recorded.frames()[0].index, 2);
+  EXPECT_EQ(bench.recorded.frames()[1].index, 4);
+  EXPECT_TRUE(bench.recorded.trajectory(bench.map.graph, 0).empty());
+  EXPECT_EQ(bench.recorded.largest_submap(bench.map.graph), 1);
+}
+
+TEST(FrameTrajectory, OfSubmapsOfOneSizeTheFirstIsTheLargest) {
+  WayBench bench;
+  EXPECT_EQ(bench.recorded.largest_submap(bench.map.graph), 0);
+  bench.map.add(2, pose_at(5.0).inverse(), {}, 1);
+  bench.recorded.add(beside(1, 2));
+  bench.recorded.add(beside(2, 0));
+  EXPECT_EQ(bench.recorded.largest_submap(bench.map.graph), 0);
+  bench.recorded.add(beside(3, 2));
+  EXPECT_EQ(bench.recorded.largest_submap(bench.map.graph), 1);
+}
+
+TEST(FrameTrajectory, SettlingPutsAFrameWhereItsLandmarksSay) {
+  for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
+    WayBench bench(sensor);
+    bench.recorded.add(bench.seeing(1, 1, pose_at(0.4), some_error));
+    const auto pose = [&]() -> SE3 { return bench.recorded.trajectory(bench.map.graph, 0)[0].world_from_body; };
+    EXPECT_THAT(pose(), pose_near(pose_at(0.4) * some_error, 1e-9, 1e-9));
+    bench.recorded.refine(bench.map.graph, 30);
+    EXPECT_THAT(pose(), pose_near(pose_at(0.4), 1e-4, 1e-4));
+  }
+}
+
+TEST(FrameTrajectory, SettlesInAMapThatHasGrownSince) {
+  WayBench bench;
+  bench.recorded.add(bench.seeing(1, 1, pose_at(0.4), some_error));
+  const Sim3 grown(2.0, SO3(), {0.0, 0.0, 1.0});
+  bench.map.graph.transform(0, grown);
+  bench.recorded.refine(bench.map.graph, 30);
+  const SE3 expected(pose_at(0.4).rotation(), grown * pose_at(0.4).translation());
+  EXPECT_THAT(bench.recorded.trajectory(bench.map.graph, 0)[0].world_from_body, pose_near(expected, 2e-4, 1e-4));
+  EXPECT_EQ(bench.recorded.frames()[0].unit, 2.0);
+}
+
+TEST(FrameTrajectory, AFrameOfWhichTooLittleFitsStays) {
+  WayBench bench;
+  TrackedFrame frame = bench.seeing(1, 1, pose_at(0.4), some_error);
+  frame.seen.resize(20);
+  bench.recorded.add(frame);
+  bench.recorded.refine(bench.map.graph, 21);
+  EXPECT_THAT(bench.recorded.trajectory(bench.map.graph, 0)[0].world_from_body,
+              pose_near(pose_at(0.4) * some_error, 1e-9, 1e-9));
+  bench.recorded.refine(bench.map.graph, 20);
+  EXPECT_THAT(bench.recorded.trajectory(bench.map.graph, 0)[0].world_from_body, pose_near(pose_at(0.4), 1e-4, 1e-4));
+}
+
+TEST(FrameTrajectory, LandmarksThatAreGoneHoldNoFrameAndFusedOnesDo) {
+  WayBench bench;
+  MapGraph& graph = bench.map.graph;
+  TrackedFrame frame = bench.seeing(1, 1, pose_at(0.4), some_error);
+  frame.seen.resize(20);
+  bench.recorded.add(frame);
+  // One more landmark where the first of them is takes its place; the second is gone.
+  const std::int64_t twin = graph.add_landmark(graph.landmark(frame.seen[0].landmark).position, 0).id;
+  graph.fuse(twin, frame.seen[0].landmark);
+  graph.remove_landmark(frame.seen[1].landmark);
+  bench.recorded.refine(graph, 20);
+  EXPECT_THAT(bench.recorded.trajectory(graph, 0)[0].world_from_body, pose_near(pose_at(0.4) * some_error, 1e-9, 1e-9));
+  bench.recorded.refine(graph, 19);
+  EXPECT_THAT(bench.recorded.trajectory(graph, 0)[0].world_from_body, pose_near(pose_at(0.4), 1e-4, 1e-4));
+}
+
+TEST(FrameTrajectory, LandmarksOfAnotherSubmapHoldNoFrame) {
+  WayBench bench;
+  bench.map.add(2, SE3(), {}, 1);
+  bench.recorded.add(bench.seeing(1, 2, pose_at(0.4), some_error));
+  // All of its landmarks belong to the first submap, whose world is another.
+  for (const std::int64_t id : bench.map.graph.landmark_ids()) bench.map.graph.remove_observation(2, id);
+  bench.recorded.refine(bench.map.graph, 1);
+  EXPECT_THAT(bench.recorded.trajectory(bench.map.graph, 1)[0].world_from_body,
+              pose_near(pose_at(0.4) * some_error, 1e-9, 1e-9));
+}
+
+TEST(FrameTrajectory, AFrameThatBecameAKeyframeSettlesOnIt) {
+  WayBench bench;
+  const SE3 elsewhere = pose_at(3.0);
+  for (const int index : {1, 2, 3}) bench.recorded.add(placed(bench.map.graph, index, 0, pose_at(0.1 * index)));
+  bench.recorded.set_keyframe(2, 1);
+  bench.recorded.set_keyframe(7, 1);
+  bench.map.graph.keyframe(1).camera_from_world = elsewhere.inverse();
+  bench.recorded.refine(bench.map.graph, 10);
+  const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
+  ASSERT_EQ(poses.size(), 3U);
+  EXPECT_THAT(poses[0].world_from_body, pose_near(pose_at(0.1), 1e-9, 1e-9));
+  EXPECT_THAT(poses[1].world_from_body, pose_near(elsewhere, 1e-9, 1e-9));
+  EXPECT_EQ(poses[1].stamp, 2 * tenth);
+  EXPECT_THAT(poses[2].world_from_body, pose_near(pose_at(0.3), 1e-9, 1e-9));
+}
+
+}  // namespace
+}  // namespace rastro

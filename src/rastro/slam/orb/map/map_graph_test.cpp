@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/map/map_graph.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "rastro/base/random.h"
+
+namespace rastro {
+namespace {
+
+constexpr std::uint32_t features = 40;
+
+Camera small_camera() {
+  Camera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 500.0;
+  camera.cx = 320.0;
+  camera.cy = 240.0;
+  return camera;
+}
+
+std::shared_ptr<const FeatureFrame> frame_with(std::int64_t id) {
+  auto data = std::make_shared<ImageFeatures>();
+  data->id = data->frame = id;
+  for (std::uint32_t i = 0; i < features; ++i)
+    data->features.keypoints.push_back({static_cast<float>(10 * i), static_cast<float>(5 * i + 20), 31, 0, 1});
+  data->features.levels.assign(features, 0);
+  data->features.descriptors.resize(features);
+  return std::make_shared<FeatureFrame>(std::move(data), small_camera(), 0.0);
+}
+
+/// A chain of keyframes whose features see landmarks drawn at random.
+MapGraph random_graph(int keyframes, std::uint64_t seed) {
+  MapGraph graph(small_camera(), CameraKind::mono, 0.0, {});
+  Random random(seed);
+  for (int k = 0; k < keyframes; ++k)
+    graph.add_keyframe(frame_with(k), SE3(SO3(), Eigen::Vector3d(-0.1 * k, 0.0, 0.0)), 0, k - 1);
+  for (int l = 0; l < 60; ++l) {
+    const std::int64_t id = graph.add_landmark({random.uniform(-1, 1), random.uniform(-1, 1), 5.0}, 0).id;
+    for (int k = 0; k < keyframes; ++k) {
+      if (random.uniform() < 0.5) graph.add_observation(k, random.below(features), id);
+    }
+  }
+  return graph;
+}
+
+/// Counted anew from what is seen; and both directions of "who sees what" must say the same.
+void expect_consistent(const MapGraph& graph) {
+  std::map<std::pair<std::int64_t, std::int64_t>, int> shared;
+  for (const std::int64_t id : graph.landmark_ids()) {
+    const auto& seen = graph.landmark(id).observations;
+    for (const LandmarkObservation& a : seen) {
+      EXPECT_EQ(graph.keyframe(a.keyframe).landmarks[a.feature], id);
+      for (const LandmarkObservation& b : seen) {
+        if (a.keyframe != b.keyframe) ++shared[{a.keyframe, b.keyframe}];
+      }
+    }
+  }
+  for (const std::int64_t a : graph.keyframe_ids()) {
+    for (const std::int64_t landmark : graph.keyframe(a).landmarks) {
+      if (landmark >= 0) {
+        EXPECT_GE(graph.feature_of(a, landmark), 0);
+      }
+    }
+    for (const std::int64_t b : graph.keyframe_ids()) {
+      if (a != b) {
+        EXPECT_EQ(graph.shared(a, b), (shared[{a, b}])) << a << " " << b;
+      }
+    }
+    const std::int64_t parent = graph.keyframe(a).parent;
+    if (parent >= 0) {
+      const auto& children = graph.keyframe(parent).children;
+      EXPECT_EQ(std::count(children.begin(), children.end(), a), 1);
+    }
+  }
+}
+
+TEST(MapGraph, CountsOfSharedLandmarksFollowEveryChange) {
+  MapGraph graph = random_graph(8, 3);
+  expect_consistent(graph);
+  graph.fuse(5, 6);
+  EXPECT_EQ(graph.current(6), 5);
+  expect_consistent(graph);
+  graph.remove_landmark(7);
+  EXPECT_EQ(graph.current(7), -1);
+  graph.remove_keyframe(3);
+  EXPECT_FALSE(graph.has_keyframe(3));
+  expect_consistent(graph);
+  graph.make_root(6);
+  expect_consistent(graph);
+  EXPECT_EQ(graph.keyframe(6).parent, -1);
+}
+
+TEST(MapGraph, ARemovedKeyframeMovesWithItsParent) {
+  MapGraph graph = random_graph(4, 5);
+  const SE3 parent = graph.camera_from_world(1), before = graph.camera_from_world(2);
+  graph.remove_keyframe(2);
+  EXPECT_LT((graph.camera_from_world(2) * before.inverse()).log().norm(), 1e-12);
+  const Sim3 moved(2.0, SO3::exp({0.1, 0.2, 0.3}), {1.0, 2.0, 3.0});
+  graph.transform(0, moved);
+  EXPECT_DOUBLE_EQ(graph.unit(2), 2.0);
+  // The center goes where the map goes.
+  const Eigen::Vector3d expected = moved * before.inverse().translation();
+  EXPECT_LT((graph.camera_from_world(2).inverse().translation() - expected).norm(), 1e-12);
+  const Eigen::Vector3d of_parent = moved * parent.inverse().translation();
+  EXPECT_LT((graph.camera_from_world(1).inverse().translation() - of_parent).norm(), 1e-12);
+}
+
+TEST(MapGraph, ScalingTheMapLeavesEveryPixelWhereItWas) {
+  MapGraph graph = random_graph(3, 7);
+  std::vector<Eigen::Vector3d> before;
+  for (const std::int64_t id : graph.landmark_ids())
+    before.push_back(graph.camera_from_world(1) * graph.landmark(id).position);
+  graph.transform(0, Sim3(0.25, SO3::exp({0.3, -0.2, 0.1}), {4.0, 5.0, 6.0}));
+  std::size_t i = 0;
+  for (const std::int64_t id : graph.landmark_ids()) {
+    if (graph.landmark(id).observations.empty()) {
+      ++i;
+      continue;
+    }
+    const Eigen::Vector3d now = graph.camera_from_world(1) * graph.landmark(id).position;
+    EXPECT_LT((now - 0.25 * before[i++]).norm(), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace rastro

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+
+#include "rastro/slam/orb/keyframe_pipeline.h"
+#include "rastro/slam/orb/relocalization/frame_relocalizer.h"
+#include "rastro/slam/orb/session.h"
+#include "rastro/slam/orb/tracking/frame_tracker.h"
+#include "rastro/slam/orb/tracking/keyframe_insertion.h"
+
+namespace rastro {
+
+/// Finds the pose again once tracking is lost (Mur-Artal et al. 2015, section V.C), and then those of the frames that
+/// were lost before.
+class Relocalization {
+ public:
+  /// All outlive this.
+  Relocalization(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline, KeyframeInsertion& keyframes);
+
+  /// nullopt: not found; the frame is kept.
+  std::optional<TrackResult> relocalize(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
+
+ private:
+  void keep(const std::shared_ptr<const FeatureFrame>& frame);
+  void track_lost_frames();
+
+  OrbSession& session_;
+  FrameTracker& tracker_;
+  KeyframePipeline& pipeline_;
+  KeyframeInsertion& keyframes_;
+  FrameRelocalizer relocalizer_;
+  std::deque<std::shared_ptr<const FeatureFrame>> lost_;  ///< The last ones.
+};
+
+}  // namespace rastro

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/tracking/keyframe_insertion.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace rastro {
+
+bool KeyframeInsertion::needs_keyframe(const FeatureFrame& frame, const TrackResult& tracked) const {
+  const OrbSlamOptions& options = session_.options;
+  const std::int64_t now = session_.frame_number;
+  if (relocalized_frame_ > 0 && now - relocalized_frame_ < options.settled_frames) return false;
+  const bool overdue = now - keyframe_frame_ > options.keyframe_frames;
+  if (!pipeline_.idle() && !overdue) return false;
+  const int landmarks = tracker_.view()->keyframe(tracked.reference).landmarks;
+  const double share = session_.mono() ? options.keyframe_share : options.keyframe_share_depth;
+  if (tracked.inliers < share * landmarks || (overdue && tracked.inliers < landmarks)) return true;
+  // Where depth is seen, new ground may come into view while the old is still tracked well.
+  if (session_.mono() || tracked.inliers >= options.keyframe_few_points) return false;
+  return new_depth_features(frame, tracked).size() > static_cast<std::size_t>(options.keyframe_new_points);
+}
+
+/// Features with depth, not too far, that show no landmark yet.
+std::vector<std::uint32_t> KeyframeInsertion::new_depth_features(const FeatureFrame& frame,
+                                                                 const TrackResult& tracked) const {
+  std::vector<std::uint32_t> features;
+  if (session_.mono()) return features;
+  std::vector<std::uint8_t> taken(frame.size(), 0);
+  for (const TrackedPoint& point : tracked.points) taken[point.feature] = 1;
+  const double far = session_.options.far_baselines * session_.sensor.baseline;
+  for (std::uint32_t i = 0; i < frame.size(); ++i) {
+    if (taken[i] == 0 && std::isfinite(frame.right_pixel(i)) && static_cast<double>(frame.data().depths[i]) <= far)
+      features.push_back(i);
+  }
+  return features;
+}
+
+void KeyframeInsertion::insert(const std::shared_ptr<const FeatureFrame>& frame, const TrackResult& tracked,
+                               SlamUpdate& update) {
+  auto input = std::make_shared<const KeyframeInput>(input_of(*frame, tracked));
+  const std::int64_t id = input->frame->data().id;
+  tracker_.add_depth_points(id, input->frame, tracked.camera_from_world, new_depth_features(*frame, tracked));
+  update.events.push_back({"keyframe", fmt::format("{}", id)});
+  pipeline_.insert(std::move(input), frame->data().stamp);
+}
+
+void KeyframeInsertion::insert_now(const std::shared_ptr<const FeatureFrame>& frame, const TrackResult& tracked) {
+  pipeline_.insert_now(input_of(*frame, tracked));
+}
+
+KeyframeInput KeyframeInsertion::input_of(const FeatureFrame& frame, const TrackResult& tracked) {
+  const MapView::Keyframe& reference = tracker_.view()->keyframe(tracked.reference);
+  KeyframeInput input{frame.with_id(session_.next_keyframe++),
+                      reference.id,
+                      tracked.camera_from_world * reference.camera_from_world.inverse(),
+                      reference.unit,
+                      tracked.points,
+                      std::move(visible_),
+                      std::move(found_)};
+  forget_observations();
+  keyframe_frame_ = session_.frame_number;
+  session_.trajectory.set_keyframe(frame.data().frame, input.frame->data().id);
+  return input;
+}
+
+void KeyframeInsertion::count_observations(const TrackResult& tracked) {
+  visible_.insert(visible_.end(), tracked.visible.begin(), tracked.visible.end());
+  for (const TrackedPoint& point : tracked.points) {
+    if (point.landmark >= 0) found_.push_back(point.landmark);
+  }
+}
+
+void KeyframeInsertion::forget_observations() {
+  visible_.clear();
+  found_.clear();
+}
+
+void KeyframeInsertion::on_initialized() {
+  keyframe_frame_ = session_.frame_number;
+  relocalized_frame_ = 0;
+}
+
+}  // namespace rastro

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/tracking/tracking.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "rastro/base/stopwatch.h"
+#include "rastro/slam/orb/tracking/tracked_frame.h"
+
+namespace rastro {
+namespace {
+
+SlamReason reason_of(OdometryReason reason) {
+  if (reason == OdometryReason::dark_or_blank) return SlamReason::dark_or_blank;
+  if (reason == OdometryReason::repeated_frame) return SlamReason::repeated_frame;
+  if (reason == OdometryReason::blurred) return SlamReason::blurred;
+  if (reason == OdometryReason::gap) return SlamReason::gap;
+  return SlamReason::none;
+}
+
+/// Of d in truth = exp(d) * camera_from_world to errors of world_from_camera in the world's axes.
+Matrix6d in_world_axes(const Matrix6d& covariance, const SE3& camera_from_world) {
+  Matrix6d rotation = Matrix6d::Zero();
+  rotation.topLeftCorner<3, 3>() = rotation.bottomRightCorner<3, 3>() = camera_from_world.rotation().inverse().matrix();
+  const Matrix6d rotated = rotation * covariance * rotation.transpose();
+  return 0.5 * (rotated + rotated.transpose());
+}
+
+}  // namespace
+
+Tracking::Tracking(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline, TaskPool* pool)
+    : session_(session),
+      tracker_(tracker),
+      check_(session.options.frame_check),
+      extractor_(session.options, session.sensor, pool),
+      keyframes_(session, tracker, pipeline),
+      initialization_(session, tracker, pipeline, keyframes_),
+      relocalization_(session, tracker, pipeline, keyframes_) {
+  if (session.sensor.rectification) rectifier_.emplace(session.sensor.rectification, pool);
+  if (session.options.frontend == "tracks") tracks_.emplace(session.options, session.sensor.camera, pool);
+}
+
+void Tracking::process(const Frame& frame, SlamUpdate& update) {
+  if (!is_usable(frame, update)) return;
+  const Measurements measured = extract_features(frame, update);
+  std::optional<TrackResult> tracked;
+  if (session_.tracking) tracked = track_map(measured, update);
+  if (!tracked) tracked = relocalize(measured.features, update);
+  if (!tracked) return initialize(measured.features, update);
+  Stopwatch stage;
+  report_pose(*measured.features, *tracked, update);
+  insert_keyframe(measured.features, *tracked, update);
+  update.times.push_back({"keyframe", stage.lap_ms()});
+}
+
+bool Tracking::is_usable(const Frame& frame, SlamUpdate& update) {
+  const FrameCheckResult checked = check_.check(frame.image.view(), frame.stamp);
+  update.reason = reason_of(checked.reason);
+  update.detail = checked.detail;
+  if (checked.useful() || checked.reason == OdometryReason::blurred) return true;
+  update.state = session_.has_map ? SlamState::lost : SlamState::initialising;
+  if (frame.image.empty()) update.reason = SlamReason::no_data;
+  const bool repeated = session_.tracking && checked.reason == OdometryReason::repeated_frame;
+  if (repeated && session_.trajectory.repeat_last(frame.index, frame.stamp)) update.state = SlamState::tracking;
+  return false;
+}
+
+Tracking::Measurements Tracking::extract_features(const Frame& recorded, SlamUpdate& update) {
+  Stopwatch stage;
+  std::optional<Frame> rectified;
+  if (rectifier_) {
+    rectified = rectifier_->rectified(recorded);
+    update.times.push_back({"rectify", stage.lap_ms()});
+  }
+  const Frame& frame = rectified ? *rectified : recorded;
+  Measurements measured;
+  measured.features = extractor_.make(frame, depth_from_color(frame));
+  session_.last_stamp = frame.stamp;
+  update.times.push_back({"features", stage.lap_ms()});
+  if (tracks_) {
+    measured.tracks = tracks_->follow(frame);
+    update.times.push_back({"tracks", stage.lap_ms()});
+  }
+  return measured;
+}
+
+/// Depth cameras take both images at different instants; the last motion is carried on from one to the other.
+SE3 Tracking::depth_from_color(const Frame& frame) const {
+  const double interval = to_seconds(frame.stamp - session_.last_stamp);
+  const double offset = to_seconds(frame.depth_stamp - frame.stamp);
+  if (!session_.tracking || frame.depth.empty() || !(interval > 0.0) || std::abs(offset) > interval) return {};
+  return SE3::exp(offset / interval * tracker_.velocity().log());
+}
+
+/// In the local map, from the pose that constant velocity or the reference keyframe predicts.
+std::optional<TrackResult> Tracking::track_map(const Measurements& measured, SlamUpdate& update) {
+  Stopwatch stage;
+  const TrackResult tracked = tracker_.track(measured.features, measured.tracks);
+  update.times.push_back({"track", stage.lap_ms()});
+  if (!tracked.ok) {
+    on_lost(tracked, update);
+    return std::nullopt;
+  }
+  if (initialization_.is_contradicted_by(measured.features, tracked)) {
+    initialization_.drop_map(tracked, update);
+    return std::nullopt;
+  }
+  update.state = SlamState::tracking;
+  return tracked;
+}
+
+void Tracking::on_lost(const TrackResult& tracked, SlamUpdate& update) {
+  update.reason = SlamReason::few_inliers;
+  update.detail =
+      fmt::format("{} of {} matches fit, need {}", tracked.inliers, tracked.matches, session_.options.min_inliers);
+  update.world_from_body = tracker_.predicted().inverse();
+  session_.tracking = false;
+  session_.lost_frames = 0;
+  initialization_.reset();
+}
+
+std::optional<TrackResult> Tracking::relocalize(const FramePointer& frame, SlamUpdate& update) {
+  ++session_.lost_frames;
+  update.state = session_.has_map ? SlamState::lost : SlamState::initialising;
+  if (!session_.has_map) return std::nullopt;
+  if (update.reason == SlamReason::none) update.reason = SlamReason::not_found;
+  Stopwatch stage;
+  const auto tracked = relocalization_.relocalize(frame, update);
+  if (tracked) initialization_.reset();
+  update.times.push_back({"relocalise", stage.lap_ms()});
+  return tracked;
+}
+
+void Tracking::initialize(const FramePointer& frame, SlamUpdate& update) {
+  if (!session_.mapping) return;
+  Stopwatch stage;
+  initialization_.process(frame, update);
+  update.times.push_back({"start", stage.lap_ms()});
+}
+
+void Tracking::report_pose(const FeatureFrame& frame, const TrackResult& tracked, SlamUpdate& update) {
+  update.world_from_body = tracked.camera_from_world.inverse();
+  update.covariance = in_world_axes(tracked.covariance, tracked.camera_from_world);
+  update.score = static_cast<double>(tracked.inliers) / std::max(1, tracked.matches);
+  update.used = tracked.inliers;
+  session_.trajectory.add(
+      tracked_frame(session_.graph, *tracker_.view(), frame, tracked, session_.options.pixel_sigma));
+  if (tracks_) tracks_->learn(frame, tracked.points);
+  report_submap(tracked, update);
+}
+
+void Tracking::report_submap(const TrackResult& tracked, SlamUpdate& update) const {
+  const int submap = tracker_.view()->keyframe(tracked.reference).submap;
+  if (submap == 0) return;
+  if (update.state == SlamState::tracking) update.state = SlamState::weak;
+  update.reason = SlamReason::apart;
+  update.detail = fmt::format("in submap {}, not tied to the first yet", submap);
+}
+
+void Tracking::insert_keyframe(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update) {
+  keyframes_.count_observations(tracked);
+  if (!session_.mapping) {
+    follow_reference(tracked);
+  } else if (keyframes_.needs_keyframe(*frame, tracked)) {
+    keyframes_.insert(frame, tracked, update);
+  }
+}
+
+/// Without mapping, the view goes where the camera goes.
+void Tracking::follow_reference(const TrackResult& tracked) {
+  keyframes_.forget_observations();
+  if (tracked.reference != tracker_.view()->center)
+    tracker_.set_view(view_of(session_.graph, tracked.reference, session_.view_options()));
+}
+
+}  // namespace rastro

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "rastro/odometry/frame_check.h"
+#include "rastro/slam/orb/initialization/initialization.h"
+#include "rastro/slam/orb/keyframe_pipeline.h"
+#include "rastro/slam/orb/relocalization/relocalization.h"
+#include "rastro/slam/orb/session.h"
+#include "rastro/slam/orb/tracking/frame_tracker.h"
+#include "rastro/slam/orb/tracking/keyframe_insertion.h"
+#include "rastro/slam/orb/tracking/track_association.h"
+
+namespace rastro {
+
+/// Estimates the pose of every frame and decides which become keyframes, METHODS 6 (Mur-Artal et al. 2015, section V).
+class Tracking {
+ public:
+  /// Session, tracker and pipeline outlive this. `pool`: null: one thread.
+  Tracking(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline, TaskPool* pool);
+
+  /// Tracks one frame. `update` has its number and stamp and the last pose, of the camera in use; it gets everything
+  /// else.
+  void process(const Frame& frame, SlamUpdate& update);
+
+ private:
+  using FramePointer = std::shared_ptr<const FeatureFrame>;
+  /// What tracking uses of a frame.
+  struct Measurements {
+    FramePointer features;
+    std::vector<LandmarkTrack> tracks;  ///< Where frontend is tracks.
+  };
+
+  bool is_usable(const Frame& frame, SlamUpdate& update);
+  Measurements extract_features(const Frame& frame, SlamUpdate& update);
+  std::optional<TrackResult> track_map(const Measurements& measured, SlamUpdate& update);
+  std::optional<TrackResult> relocalize(const FramePointer& frame, SlamUpdate& update);
+  void initialize(const FramePointer& frame, SlamUpdate& update);
+  void report_pose(const FeatureFrame& frame, const TrackResult& tracked, SlamUpdate& update);
+  void insert_keyframe(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update);
+  SE3 depth_from_color(const Frame& frame) const;
+  void on_lost(const TrackResult& tracked, SlamUpdate& update);
+  void report_submap(const TrackResult& tracked, SlamUpdate& update) const;
+  void follow_reference(const TrackResult& tracked);
+
+  OrbSession& session_;
+  FrameTracker& tracker_;
+  FrameCheck check_;
+  std::optional<FrameRectifier> rectifier_;
+  FeatureMaker extractor_;
+  std::optional<TrackAssociation> tracks_;
+  KeyframeInsertion keyframes_;
+  Initialization initialization_;
+  Relocalization relocalization_;
+};
+
+}  // namespace rastro
