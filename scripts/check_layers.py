@@ -67,12 +67,15 @@ class Layers:
         beside = folder.rsplit("/", 1)[0] + "/*"
         return folder if folder in self.lines else beside if folder in self.folders and beside in self.lines else None
 
+    def named_by(self, entry):
+        """The folders that an entry of a line stands for: slam/* for all below slam/."""
+        if not entry.endswith("/*"):
+            return {entry}
+        return {folder for folder in self.folders if folder.startswith(entry[:-1])}
+
     def uses(self, folder):
-        """The folders that one may include; of folder/* all but itself."""
-        allowed = set()
-        for entry in self.lines.get(self.line_of(folder), []):
-            allowed |= {one for one in self.folders | set(self.lines) if one.startswith(entry[:-1]) and "*" not in one} if entry.endswith("/*") else {entry}
-        return allowed
+        """The folders that one may include."""
+        return {used for entry in self.lines.get(self.line_of(folder), []) for used in self.named_by(entry)}
 
     def folder_of(self, parts):
         """The folder that a path below src/rastro belongs to: a module below another (slam/hector), else the first."""
