@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "rastro/camera/camera.h"
+#include "rastro/math/se3.h"
 #include "rastro/sensor/frame.h"
 
 namespace rastro {
