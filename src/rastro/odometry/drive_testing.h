@@ -22,10 +22,10 @@ struct Drive {
   Camera camera;
 };
 
-/// Frames of the first bend of the generated street.
-inline Drive first_bend() {
+/// Frames of the first bend of the generated street. A larger image takes longer to render.
+inline Drive first_bend(double scale) {
   StreetOptions options;
-  options.scale = 0.4;
+  options.scale = scale;
   const World street = make_street(options);
   Drive drive;
   drive.camera = street.camera();

@@ -9,7 +9,7 @@ namespace rastro {
 namespace {
 
 TEST(HybridOdometry, FollowsTheFirstBendWithAndWithoutAPool) {
-  const Drive drive = first_bend();
+  const Drive drive = first_bend(0.4);
   HybridOdometry odometry({}, drive.camera);
   const DriveResult result = run(odometry, drive.frames);
   expect_sound(result, drive.frames.size());

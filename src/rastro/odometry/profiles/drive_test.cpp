@@ -9,7 +9,7 @@ namespace rastro {
 namespace {
 
 TEST(ProfilesOdometry, RotatesAsTheFirstBend) {
-  const Drive drive = first_bend();
+  const Drive drive = first_bend(0.2);
   ProfilesOdometry odometry({}, drive.camera), spoilt({}, drive.camera), still({}, drive.camera),
       dark({}, drive.camera);
   const DriveResult result = run(odometry, drive.frames);
