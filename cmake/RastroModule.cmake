@@ -1,6 +1,7 @@
 # rastro_module(NAME [PUBLIC lib...] [PRIVATE lib...] [PRECOMPILE header...]): the folder src/rastro/NAME as one internal library.
 # Every *.cpp below the folder is a source (main.cpp apart), every *_test.cpp a test, every *_testing.cpp a help to tests; what it may use is read from layers.txt,
-# and configuring stops when a line of that table is not sound. All modules together make librastro.
+# and configuring stops when a line of that table is not sound. TESTS_IN_ONE_PROCESS filter: its tests that share what is dear to make, such as a
+# flight through the hall; else each would render it again. All modules together make librastro.
 define_property(GLOBAL PROPERTY RASTRO_MODULES BRIEF_DOCS "modules in build order" FULL_DOCS "modules in build order")
 
 # Reads layers.txt once: RASTRO_LAYER_<folder> and RASTRO_USES_<folder> for every folder named there.
@@ -8,7 +9,7 @@ function(rastro_read_layers)
   file(STRINGS "${PROJECT_SOURCE_DIR}/layers.txt" lines REGEX "^[0-9]")
   set_property(DIRECTORY "${PROJECT_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/layers.txt")
   foreach(line IN LISTS lines)
-    if(NOT line MATCHES "^([0-9]+) ([a-z_/, ]+):(.*)$")
+    if(NOT line MATCHES "^([0-9]+) ([a-z_/*, ]+):(.*)$")
       message(FATAL_ERROR "layers.txt: cannot read '${line}'; write 'LAYER FOLDER[, FOLDER]: FOLDER ...'")
     endif()
     set(layer "${CMAKE_MATCH_1}")
@@ -19,7 +20,6 @@ function(rastro_read_layers)
     foreach(folder IN LISTS folders)
       set(RASTRO_LAYER_${folder} ${layer})
       set(RASTRO_LAYER_${folder} ${layer} PARENT_SCOPE)
-      list(APPEND all_folders ${folder})
       set(RASTRO_USES_${folder} "${uses}" PARENT_SCOPE)
       foreach(used IN LISTS uses)
         if(NOT DEFINED RASTRO_LAYER_${used} OR NOT RASTRO_LAYER_${used} LESS layer)
@@ -28,19 +28,42 @@ function(rastro_read_layers)
       endforeach()
     endforeach()
   endforeach()
-  set(RASTRO_FOLDERS ${all_folders} PARENT_SCOPE)
 endfunction()
 rastro_read_layers()
 
-# A folder below with a line of its own in layers.txt (slam/hector) is a module of its own.
-function(rastro_without_modules_below name list)
+# The line of layers.txt that a folder goes by: its own, or that of all folders beside it (slam/*).
+function(rastro_layer_line name line)
+  cmake_path(GET name PARENT_PATH parent)
+  if(DEFINED RASTRO_LAYER_${name})
+    set(${line} "${name}" PARENT_SCOPE)
+  elseif(DEFINED RASTRO_LAYER_${parent}/*)
+    set(${line} "${parent}/*" PARENT_SCOPE)
+  else()
+    message(FATAL_ERROR "module '${name}' has no line in layers.txt")
+  endif()
+endfunction()
+
+# A folder below with a CMakeLists.txt of its own (slam/hector) is a module of its own.
+function(rastro_without_modules_below folder list)
   set(kept ${${list}})
-  foreach(folder IN LISTS RASTRO_FOLDERS)
-    if(folder MATCHES "^${name}/")
-      list(FILTER kept EXCLUDE REGEX "^${PROJECT_SOURCE_DIR}/src/rastro/${folder}/")
-    endif()
+  file(GLOB_RECURSE modules CONFIGURE_DEPENDS "${folder}/CMakeLists.txt")
+  list(REMOVE_ITEM modules "${folder}/CMakeLists.txt")
+  foreach(module IN LISTS modules)
+    cmake_path(GET module PARENT_PATH below)
+    list(FILTER kept EXCLUDE REGEX "^${below}/")
   endforeach()
   set(${list} ${kept} PARENT_SCOPE)
+endfunction()
+
+# The modules that an entry of layers.txt stands for: slam/* for all below slam/ so far.
+function(rastro_modules_of entry list)
+  set(found ${entry})
+  if(entry MATCHES "^(.*)/\\*$")
+    set(below "^${CMAKE_MATCH_1}/")
+    get_property(found GLOBAL PROPERTY RASTRO_MODULES)
+    list(FILTER found INCLUDE REGEX "${below}")
+  endif()
+  set(${list} ${found} PARENT_SCOPE)
 endfunction()
 
 # Several sources as one, but for those of compiled_alone.txt, whose names in anonymous namespaces meet others'.
@@ -61,14 +84,12 @@ function(rastro_compile_together target)
 endfunction()
 
 function(rastro_module name)
-  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(arg "" "TESTS_IN_ONE_PROCESS" "PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
   string(REPLACE "/" "_" target rastro_${name})
-  if(NOT DEFINED RASTRO_LAYER_${name})
-    message(FATAL_ERROR "module '${name}' has no line in layers.txt")
-  endif()
+  rastro_layer_line(${name} line)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
   list(FILTER sources EXCLUDE REGEX "(_test\\.cpp|_testing\\.cpp|/main\\.cpp)$")
-  rastro_without_modules_below(${name} sources)
+  rastro_without_modules_below("${CMAKE_CURRENT_SOURCE_DIR}" sources)
   if(NOT sources)  # a module of headers alone still needs something to archive
     file(CONFIGURE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/headers_only.cpp" CONTENT "")
     set(sources "${CMAKE_CURRENT_BINARY_DIR}/headers_only.cpp")
@@ -76,7 +97,9 @@ function(rastro_module name)
   add_library(${target} STATIC ${sources})
   rastro_compile_together(${target} ${sources})
   set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX)
-  target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}/src")
+  # Includes begin with rastro/, here and in a folder outside of src/ that adds a method of its own (tests/extension).
+  string(REGEX REPLACE "/rastro/${name}$" "" root "${CMAKE_CURRENT_SOURCE_DIR}")
+  target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}/src" "${root}")
   target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} rastro_build_flags)
   if(name IN_LIST RASTRO_FUZZED_MODULES)
     target_compile_options(${target} PRIVATE -fsanitize-coverage=inline-8bit-counters,pc-table,indirect-calls,trace-cmp)
@@ -86,45 +109,82 @@ function(rastro_module name)
   elseif(RASTRO_PRECOMPILED_HEADERS)
     target_precompile_headers(${target} REUSE_FROM rastro_precompiled)
   endif()
-  foreach(used IN LISTS RASTRO_USES_${name})
-    string(REPLACE "/" "_" used_target rastro_${used})
-    if(TARGET ${used_target})
-      target_link_libraries(${target} PUBLIC ${used_target})
-    endif()
+  foreach(entry IN LISTS RASTRO_USES_${line})
+    rastro_modules_of(${entry} modules)
+    foreach(used IN LISTS modules)
+      string(REPLACE "/" "_" used_target rastro_${used})
+      if(TARGET ${used_target})
+        target_link_libraries(${target} PUBLIC ${used_target})
+      endif()
+    endforeach()
   endforeach()
   set_property(GLOBAL APPEND PROPERTY RASTRO_MODULES ${name})
+  set_property(GLOBAL PROPERTY RASTRO_TESTS_IN_ONE_PROCESS_${name} "${arg_TESTS_IN_ONE_PROCESS}")
 endfunction()
 
-# rastro_method(NAME [PUBLIC lib...] [PRIVATE lib...]): the folder slam/NAME as a module and an entry of the generated list
-# of methods. The folder's method.h declares `std::unique_ptr<SlamMethod> NAME_method();`. A static object that
-# registers itself would vanish from a static library.
+# rastro_method(KIND/NAME [PUBLIC lib...] [PRIVATE lib...]): the folder odometry/NAME or slam/NAME as a module and an entry of the generated list of
+# methods. Its method.h declares `std::unique_ptr<OdometryMethod> NAME_odometry_method();` or `std::unique_ptr<SlamMethod> NAME_slam_method();`.
+# A static object that registers itself would vanish from a static library.
 function(rastro_method name)
-  rastro_module(slam/${name} ${ARGN})
-  set_property(GLOBAL APPEND PROPERTY RASTRO_SLAM_METHODS ${name})
+  rastro_module(${name} ${ARGN})
+  if(NOT TARGET rastro_methods)  # those that come after rastro's own list are for programs that name them
+    set_property(GLOBAL APPEND PROPERTY RASTRO_METHODS ${name})
+  endif()
 endfunction()
 
-# Writes the list of every rastro_method() before, as a source of the module methods.
-function(rastro_generate_methods file)
-  get_property(names GLOBAL PROPERTY RASTRO_SLAM_METHODS)
+# rastro_add_methods(KIND...): every folder below KIND/ that holds a CMakeLists.txt.
+function(rastro_add_methods)
+  foreach(kind IN LISTS ARGN)
+    file(GLOB lists CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/${kind}/*/CMakeLists.txt")
+    foreach(list IN LISTS lists)
+      cmake_path(GET list PARENT_PATH folder)
+      add_subdirectory("${folder}")
+    endforeach()
+  endforeach()
+endfunction()
+
+# One function of the generated list, as text: KIND_methods() over those of `names` below KIND/.
+function(rastro_method_list kind type names code)
+  list(FILTER names INCLUDE REGEX "^${kind}/")
   list(SORT names)
-  set(includes "")
   set(entries "")
   foreach(name IN LISTS names)
-    string(APPEND includes "#include \"rastro/slam/${name}/method.h\"\n")
-    string(APPEND entries "  methods.push_back(${name}_method());\n")
+    cmake_path(GET name FILENAME method)
+    string(APPEND entries "  methods.push_back(${method}_${kind}_method());\n")
   endforeach()
-  file(CONFIGURE OUTPUT "${file}" CONTENT "// Generated by rastro_generate_methods().
+  set(${code} "std::vector<std::unique_ptr<${type}>> ${kind}_methods() {
+  std::vector<std::unique_ptr<${type}>> methods;
+${entries}  return methods;
+}
+" PARENT_SCOPE)
+endfunction()
+
+# rastro_list_methods(TARGET [KIND/NAME...]): odometry_methods() and slam_methods() as a generated source of the target, over every method of rastro and
+# those named here. A program with a list of its own, as one that adds methods, is linked with that one: rastro's is left in its library.
+function(rastro_list_methods target)
+  get_property(names GLOBAL PROPERTY RASTRO_METHODS)
+  list(APPEND names ${ARGN})
+  set(includes "")
+  foreach(name IN LISTS names)
+    string(APPEND includes "#include \"rastro/${name}/method.h\"\n")
+    string(REPLACE "/" "_" module rastro_${name})
+    target_link_libraries(${target} PUBLIC ${module})
+  endforeach()
+  rastro_method_list(odometry OdometryMethod "${names}" odometries)
+  rastro_method_list(slam SlamMethod "${names}" slams)
+  set(file "${CMAKE_CURRENT_BINARY_DIR}/${target}_list.cpp")
+  file(CONFIGURE OUTPUT "${file}" CONTENT "// Generated by rastro_list_methods().
 #include \"rastro/methods/methods.h\"
 ${includes}
 namespace rastro {
 
-std::vector<std::unique_ptr<SlamMethod>> slam_methods() {
-  std::vector<std::unique_ptr<SlamMethod>> methods;
-${entries}  return methods;
-}
-
+${odometries}
+${slams}
 }  // namespace rastro
 ")
+  target_sources(${target} PRIVATE "${file}")
+  # An object of its own, or the linker could not leave it.
+  set_source_files_properties("${file}" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 # rastro_layer(NAME): an entry of the generated list of map layers. The folder map/NAME defines
@@ -170,20 +230,9 @@ function(rastro_add_module_tests)
   foreach(name IN LISTS modules)
     file(GLOB_RECURSE tests CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_test.cpp"
          "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_testing.cpp")
-    rastro_without_modules_below(${name} tests)
+    rastro_without_modules_below("${PROJECT_SOURCE_DIR}/src/rastro/${name}" tests)
     if(tests)
-      # Tests that share what is dear to make, such as a flight through the hall, run in one process; else each would
-      # render it again.
-      set(shared "")
-      if(name STREQUAL "track")
-        set(shared Tracker.*)
-      elseif(name STREQUAL "synthetic")
-        set(shared StreetTest.*)
-      elseif(name STREQUAL "odometry")
-        set(shared FeaturesOdometry.*)
-      elseif(name STREQUAL "evaluate")
-        set(shared MapLengths.*)
-      endif()
+      get_property(shared GLOBAL PROPERTY RASTRO_TESTS_IN_ONE_PROCESS_${name})
       string(REPLACE "/" "_" module ${name})
       rastro_add_test(rastro_${module}_test MODULES ${module} synthetic SOURCES ${tests} ONE_PROCESS ${shared})
       if(name STREQUAL "dataset")  # its tests write bags

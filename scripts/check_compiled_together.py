@@ -19,17 +19,11 @@ DEFINITIONS = [re.compile(form) for form in (
 )]
 
 
-def folders_with_own_line():
-    text = (ROOT / "layers.txt").read_text()
-    return {folder.strip() for line in text.split("\n") if re.match(r"^\d", line)
-            for folder in re.sub(r"^\d+ |:.*", "", line).split(",")}
-
-
-def module_of(path, folders):
-    parts = path.relative_to(ROOT / "src/rastro").parts
-    deep = "/".join(parts[:2])
+def module_of(path):
+    """The nearest folder around it with a CMakeLists.txt, of which tests are compiled apart."""
+    folder = next(parent for parent in path.parents if (parent / "CMakeLists.txt").is_file())
     tests = " (tests)" if re.search(r"_(test|testing)\.cpp$", path.name) else ""
-    return (deep if deep in folders else parts[0]) + tests
+    return str(folder.relative_to(ROOT)) + tests
 
 
 def names_of(path):
@@ -57,13 +51,12 @@ def meetings(files, names):
 
 
 def main():
-    folders = folders_with_own_line()
     listed = set(LIST.read_text().split("\n"))
     modules = collections.defaultdict(list)
     for path in sorted((ROOT / "src/rastro").rglob("*.cpp")):
         relative = str(path.relative_to(ROOT))
         if relative not in listed and not re.search(r"^src/rastro/cli/|_avx2\.cpp$", relative):
-            modules[module_of(path, folders)].append(path)
+            modules[module_of(path)].append(path)
     alone = []
     for module, files in sorted(modules.items()):
         names = {file: names_of(file) for file in files}

@@ -50,15 +50,37 @@ class Report:
     warnings: list = field(default_factory=list)
 
 
-def read_layers(path):
-    """folder -> folders it may include, from layers.txt."""
-    uses = {}
-    for line in path.read_text().splitlines():
-        match = re.match(r"^\d+ ([a-z_/, ]+):(.*)$", line)
-        if match:
-            for folder in re.split(r"[, ]+", match.group(1)):
-                uses[folder] = set(match.group(2).split())
-    return uses
+class Layers:
+    """layers.txt, and which folders of src/rastro are modules: slam/* is every folder below slam/ with a CMakeLists.txt."""
+
+    def __init__(self, root):
+        self.lines = {}
+        self.folders = {str(path.parent.relative_to(root / "src/rastro")) for path in (root / "src/rastro").rglob("CMakeLists.txt")}
+        for line in (root / "layers.txt").read_text().splitlines():
+            match = re.match(r"^\d+ ([a-z_/*, ]+):(.*)$", line)
+            if match:
+                for folder in re.split(r"[, ]+", match.group(1)):
+                    self.lines[folder] = match.group(2).split()
+
+    def line_of(self, folder):
+        """The line that a folder goes by: its own, or that of all folders beside it; None without one."""
+        beside = folder.rsplit("/", 1)[0] + "/*"
+        return folder if folder in self.lines else beside if folder in self.folders and beside in self.lines else None
+
+    def named_by(self, entry):
+        """The folders that an entry of a line stands for: slam/* for all below slam/."""
+        if not entry.endswith("/*"):
+            return {entry}
+        return {folder for folder in self.folders if folder.startswith(entry[:-1])}
+
+    def uses(self, folder):
+        """The folders that one may include."""
+        return {used for entry in self.lines.get(self.line_of(folder), []) for used in self.named_by(entry)}
+
+    def folder_of(self, parts):
+        """The folder that a path below src/rastro belongs to: a module below another (slam/hector), else the first."""
+        below = ("/".join(parts[:n]) for n in range(len(parts) - 1, 1, -1))
+        return next((folder for folder in below if self.line_of(folder)), parts[0])
 
 
 def is_test(path):
@@ -111,30 +133,25 @@ def function_lengths(code):
     return lengths
 
 
-def folder_of(parts, uses):
-    """The folder that a path below src/rastro belongs to: one that has a line of its own (slam/hector), else the first."""
-    return next(("/".join(parts[:n]) for n in range(len(parts) - 1, 1, -1) if "/".join(parts[:n]) in uses), parts[0])
-
-
-def check_internal(root, path, folder, name, uses, report, where):
+def check_internal(root, path, folder, name, layers, report, where):
     """An installed header that includes an internal one would not compile where it is installed."""
     if not name.startswith("rastro/") or not folder or not is_internal(root / "src" / name):
         return
     if path.suffix == ".h" and folder != "cli" and not is_internal(path) and not is_test(path):
         report.breaches.append(f"{where}: a public header may not include the internal {name}")
-    if folder_of(name.split("/")[1:], uses) != folder:
+    if layers.folder_of(name.split("/")[1:]) != folder:
         report.breaches.append(f"{where}: {name} is internal to its own folder")
 
 
-def check_include(path, folder, name, quotes, uses, report, where):
+def check_include(path, folder, name, quotes, layers, report, where):
     # CMake generates headers named rastro_*.h; everything else stands in the tree.
     if quotes == '"' and not name.startswith(("rastro/", "rastro_")) and folder:
         report.breaches.append(f'{where}: write the whole path of "{name}", from rastro/ on')
     if name.startswith("rastro/") and folder:
-        wanted = folder_of(name.split("/")[1:], uses)
-        allowed = {folder} | uses.get(folder, set())
+        wanted = layers.folder_of(name.split("/")[1:])
+        allowed = {folder} | layers.uses(folder)
         if is_test(path):
-            allowed |= {"synthetic"} | uses.get("synthetic", set())
+            allowed |= {"synthetic"} | layers.uses("synthetic")
         if wanted not in allowed and "/" in name[len("rastro/"):]:
             report.breaches.append(f"{where}: {folder} may not include {wanted} (layers.txt)")
     if not folder or path.name.endswith("_test.cpp") or "_testing." in path.name:
@@ -162,23 +179,23 @@ def check_sizes(path, code, report, where):
             report.warnings.append(f"{where}:{first}: a function of {length} lines; aim at 30")
 
 
-def check_file(root, path, uses, report):
+def check_file(root, path, layers, report):
     where = path.relative_to(root)
     parts = where.parts
-    folder = folder_of(parts[2:], uses) if parts[:2] == ("src", "rastro") and len(parts) > 3 else ""
+    folder = layers.folder_of(parts[2:]) if parts[:2] == ("src", "rastro") and len(parts) > 3 else ""
     text = path.read_text(errors="replace")
     lines = text.splitlines()
     if not lines or lines[0] != LICENCE:
         report.breaches.append(f"{where}:1: the first line must be '{LICENCE}'")
-    if folder and folder not in uses:
+    if folder and not layers.line_of(folder):
         report.breaches.append(f"{where}: folder {folder} has no line in layers.txt")
     if path.suffix == ".h" and "#pragma once" not in text:
         report.breaches.append(f"{where}: a header needs #pragma once")
     for number, line in enumerate(lines, 1):
         match = INCLUDE.match(line)
         if match:
-            check_include(path, folder, match.group(2), match.group(1), uses, report, f"{where}:{number}")
-            check_internal(root, path, folder, match.group(2), uses, report, f"{where}:{number}")
+            check_include(path, folder, match.group(2), match.group(1), layers, report, f"{where}:{number}")
+            check_internal(root, path, folder, match.group(2), layers, report, f"{where}:{number}")
     code = without_comments_and_strings(text)
     if folder and folder != "cli" and not is_test(path):
         for number, line in enumerate(code.splitlines(), 1):
@@ -189,12 +206,12 @@ def check_file(root, path, uses, report):
 
 def check_tree(root):
     report = Report()
-    uses = read_layers(root / "layers.txt")
+    layers = Layers(root)
     count = 0
     for top in ("src", "tests", "bench", "examples"):
         for path in sorted((root / top).rglob("*")) if (root / top).is_dir() else []:
             if path.suffix in (".h", ".cpp"):
-                check_file(root, path, uses, report)
+                check_file(root, path, layers, report)
                 count += 1
     return report, count
 

@@ -10,7 +10,7 @@ sys.dont_write_bytecode = True
 import check_layers  # noqa: E402
 
 LICENCE = check_layers.LICENCE + "\n"
-LAYERS = "0 base:\n1 image: base\n4 dataset, synthetic: image base\n4 feature: image base\n5 feature/fast: feature base\n8 cli: dataset feature image base\n"
+LAYERS = "0 base:\n1 image: base\n4 dataset, synthetic: image base\n4 feature: image base\n5 feature/fast: feature base\n6 feature/*: feature base\n7 list: feature/* feature\n8 cli: dataset feature image base\n"
 
 
 def check(files):
@@ -47,6 +47,22 @@ class Breaches(unittest.TestCase):
         self.assert_clean("src/rastro/feature/fast/a.cpp", LICENCE + '#include "rastro/feature/b.h"\n')
         self.assert_breach("src/rastro/feature/fast/a.cpp", LICENCE + '#include "rastro/image/b.h"\n', "feature/fast may not include image")
         self.assert_breach("src/rastro/feature/a.cpp", LICENCE + '#include "rastro/feature/fast/b.h"\n', "may not include feature/fast")
+
+    def test_a_line_for_all_folders_below(self):
+        lists = {f"src/rastro/feature/{name}/CMakeLists.txt": "" for name in ("orb", "sift")}
+        text = LICENCE + '#include "rastro/feature/%s"\n'
+        self.assertEqual(check({**lists, "src/rastro/feature/orb/a.cpp": text % "b.h"}).breaches, [])
+        self.assertEqual(check({**lists, "src/rastro/feature/orb/part/a.cpp": text % "orb/b.h"}).breaches, [])
+        self.assertEqual(check({**lists, "src/rastro/list/a.cpp": text % "orb/b.h"}).breaches, [])
+        self.assertEqual(check({"src/rastro/feature/shared/a.cpp": text % "b.h"}).breaches, [])
+        self.assertEqual(check({"src/rastro/feature/a.cpp": text % "shared/b.h"}).breaches, [])
+        for path, wanted, words in (("feature/orb/a.cpp", "sift/b.h", "feature/orb may not include feature/sift"),
+                                    ("feature/orb/a_test.cpp", "sift/b.h", "feature/orb may not include feature/sift"),
+                                    ("feature/a.cpp", "orb/b.h", "feature may not include feature/orb"),
+                                    ("feature/fast/a.cpp", "orb/b.h", "feature/fast may not include feature/orb")):
+            report = check({**lists, f"src/rastro/{path}": text % wanted})
+            self.assertEqual(len(report.breaches), 1, report.breaches)
+            self.assertIn(words, report.breaches[0])
 
     def test_tests_may_use_synthetic(self):
         text = LICENCE + '#include "rastro/synthetic/hall.h"\n#include <gtest/gtest.h>\n#include <opencv2/core.hpp>\n'

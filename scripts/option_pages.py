@@ -11,10 +11,7 @@ import sys
 from pathlib import Path
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "reference-options.md"
-METHODS = {"track": "The tracker: `rastro track`",
-           "features": "Odometry from features: `rastro odometry --method features`",
-           "profiles": "Odometry from profiles: `rastro odometry --method profiles`",
-           "hybrid": "Hybrid odometry: `rastro odometry --method hybrid`"}
+TRACKER = {"track": "The tracker: `rastro track`"}
 HEAD = """# Options
 
 Made by `make pages` from the option tables in the program; do not edit. `rastro options METHOD` prints the same, and
@@ -53,15 +50,20 @@ def rows(program, method):
     return found
 
 
-def slam_methods(program):
-    """Name -> title of every SLAM method: the program's list is generated, and the page follows it."""
-    listed = output_of(program, "methods").split("\nSLAM ", 1)[1]
-    return {name: f"SLAM by {name}: `rastro slam --method {name}`" for name in re.findall(r"(?m)^  (\w+)", listed)}
+def methods(program):
+    """odometry/NAME or slam/NAME -> title, of every method: the program's list is generated, and the page follows it."""
+    titles, kind, label = {}, "", ""
+    for line in output_of(program, "methods").splitlines():
+        if header := re.match(r"^(\w+) .*: rastro (\w+) DATA --method NAME$", line):
+            label, kind = header.groups()
+        elif name := re.match(r"^  (\w+)", line):
+            titles[f"{kind}/{name[1]}"] = f"{label} by {name[1]}: `rastro {kind} --method {name[1]}`"
+    return titles
 
 
 def page(program):
     parts = [HEAD]
-    for method, title in {**METHODS, **slam_methods(program)}.items():
+    for method, title in {**TRACKER, **methods(program)}.items():
         parts += [f"## {title}", "", "| option | default | unit | allowed | what it does, and why |",
                   "| --- | --- | --- | --- | --- |"]
         for name, default, unit, allowed, why in rows(program, method):

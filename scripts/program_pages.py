@@ -58,11 +58,27 @@ def man_page(pages, version):
     return "\n".join(parts) + "\n"
 
 
-def completion(pages):
+def methods(program):
+    """[(command, name)] of every method that `rastro methods` lists."""
+    found, command = [], ""
+    for line in output_of(program, "methods").splitlines():
+        if header := re.search(r": rastro (\w+) DATA --method NAME$", line):
+            command = header[1]
+        elif name := re.match(r"^  (\w+)", line):
+            found.append((command, name[1]))
+    return found
+
+
+def completion(pages, listed):
     cases = []
     for words, text in pages:
         candidates = " ".join(subcommands(text) + flags(text))
+        if words == ("options",):
+            candidates += " track " + " ".join(sorted({name for _, name in listed}))
         cases.append(f'    "{" ".join(words)}") candidates="{candidates}" ;;')
+    for command in dict.fromkeys(command for command, _ in listed):
+        names = " ".join(name for one, name in listed if one == command)
+        cases.append(f'    "{command} --method") candidates="{names}" ;;')
     return f"""# bash completion of rastro, made from its --help texts
 _rastro() {{
   local word words="" candidates=""
@@ -71,6 +87,7 @@ _rastro() {{
       {" | ".join(chr(34) + " ".join(words) + chr(34) for words, _ in pages if words)}) words="$words${{words:+ }}$word" ;;
     esac
   done
+  [[ "${{COMP_WORDS[COMP_CWORD-1]}}" == --method ]] && words="$words --method"
   case "$words" in
 {chr(10).join(cases)}
   esac
@@ -87,7 +104,7 @@ def main():
     pages = collect(program)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "rastro.1").write_text(man_page(pages, output_of(program, "--version").splitlines()[0]))
-    (folder / "rastro.bash").write_text(completion(pages))
+    (folder / "rastro.bash").write_text(completion(pages, methods(program)))
 
 
 if __name__ == "__main__":

@@ -104,6 +104,7 @@ odometry() {
   refused "did you mean 'features'" odometry "$hall" --out "$here/no" --set featurs=3
   refused 'camera-height' odometry "$hall" --out "$here/no" --scale height=1
   refused 'give --method profiles' odometry "$hall" --out "$here/no" --calibrate-yaw
+  refused 'holds no depth' odometry "$hall" --out "$here/no" --method rgbd
   refused 'nowhere' odometry "$here/nowhere" --out "$here/no"
   [[ ! -e "$here/no" ]] || fail "a refused run left a folder"
 }
@@ -370,6 +371,13 @@ require() {
 options() {
   run 0 options
   for word in mode window features validation; do said "$word"; done
+  run 0 options rgbd
+  cp "$here/stdout" "$here/rgbd"
+  run 0 options slam/rgbd
+  cmp "$here/stdout" "$here/rgbd" || fail "of two methods of one name the SLAM method comes first"
+  run 0 options odometry/rgbd
+  said depth_sigma_m
+  refused "did you mean 'odometry/rgbd'" options odometry/rgdb
   run 0 options track --yaml
   cp "$here/stdout" "$here/options.yaml"
   run 0 track "$hall" --out "$here/run" --frames 0:2 --options "$here/options.yaml"

@@ -18,8 +18,8 @@
 #include "rastro/cli/yaw_calibration.h"
 #include "rastro/dataset/open.h"
 #include "rastro/dataset/recording.h"
+#include "rastro/methods/methods.h"
 #include "rastro/odometry/ground_scale.h"
-#include "rastro/odometry/methods.h"
 #include "rastro/odometry/scale.h"
 #include "rastro/sensor/trajectory_file.h"
 #include "rastro/session/odometry_run.h"
@@ -55,49 +55,59 @@ ScaleSource scale_source(const std::string& text) {
 
 /// Everything that can be wrong with flags and input is found here, before a folder is made.
 struct Prepared {
-  OdometrySettings settings;
-  OptionTable table;
+  std::unique_ptr<OdometryMethod> method;
+  OptionTable table;  ///< Points into the method.
   ScaleSource scale;
   std::unique_ptr<Source> source;
   std::optional<std::int64_t> frames;
   std::unique_ptr<TaskPool> pool;
-  std::unique_ptr<Odometry> method;
+  std::unique_ptr<Odometry> odometry;
   std::optional<GroundScale> ground;
   Trajectory yaw_reference;
 };
 
-std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
-  auto run = std::make_unique<Prepared>();  // the table points into it, so it must not move
-  run->table = run->settings.table(flags.method);
-  apply_settings(flags, run->table);
-  run->scale = scale_source(flags.scale);
-  if (flags.calibrate_yaw) {
-    if (flags.method != "profiles" || flags.reference.empty()) {
-      throw Error("needs the profiles and a reference", "--calibrate-yaw",
-                  "give --method profiles --reference FILE as well");
-    }
-    run->yaw_reference = read_trajectory(flags.reference);
+ScaleSource scale_source(const OdometryFlags& flags, const OdometryMethod& method) {
+  if (!method.is_metric()) return scale_source(flags.scale);
+  if (!flags.scale.empty())
+    throw Error("is for methods that do not know lengths", "--scale", "leave it out: this one gives metres");
+  ScaleSource source;
+  source.said = method.wants_depth() ? "metres, from depth" : "metres";
+  return source;
+}
+
+/// Radians that one pixel of shift is taken for, 0: those of the focal length; nullopt where the method has no such
+/// option.
+std::optional<double> lambda_of(const OptionTable& table) {
+  for (std::size_t i = 0; i < table.options().size(); ++i)
+    if (table.options()[i].name == "lambda") return parse_finite(table.value_of(i));
+  return std::nullopt;
+}
+
+Trajectory yaw_reference(const OdometryFlags& flags, const OptionTable& table) {
+  if (!flags.calibrate_yaw) return {};
+  if (!lambda_of(table) || flags.reference.empty()) {
+    throw Error("needs the profiles and a reference", "--calibrate-yaw",
+                "give --method profiles --reference FILE as well");
   }
-  const bool depth = odometry_needs_depth(flags.method);
-  if (depth && !flags.scale.empty())
-    throw Error("is for methods that do not know lengths", "--scale", "leave it out: depth gives metres");
-  if (depth) run->scale.said = "metres, from depth";
+  return read_trajectory(flags.reference);
+}
+
+std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
+  auto run = std::make_unique<Prepared>();
+  run->method = odometry_method(flags.method);
+  run->table = run->method->options();
+  apply_settings(flags, run->table);
+  run->yaw_reference = yaw_reference(flags, run->table);
+  run->scale = scale_source(flags, *run->method);
   OpenOptions open = open_options(flags.data);
-  open.want_depth = depth;
+  open.want_depth = run->method->wants_depth();
+  open.want_right = run->method->wants_right();
   run->source = rastro::open(flags.data.path, open);
   const SourceInfo& info = run->source->info();
-  if (!info.has_image)
-    throw Error("holds no images, and the way is found in them", info.path, "'rastro slam' reads laser scans");
-  if (depth && !info.has_depth)
-    throw Error("holds no depth, and this method needs it", info.path, "try --method features");
   if (info.frame_count >= 0) run->frames = FrameChoice(open, info.frame_count, info.path).count;
-  if (info.cameras.empty() || !info.cameras.front().camera) {
-    throw Error("has no calibration, and poses need one", info.path,
-                "give --calibration FILE, --intrinsics fx,fy,cx,cy or --fov DEG");
-  }
   run->pool = std::make_unique<TaskPool>(flags.data.threads);
-  if (run->scale.camera_height_m > 0.0) run->ground.emplace(*info.cameras.front().camera, run->scale.camera_height_m);
-  run->method = run->settings.make(flags.method, *info.cameras.front().camera, run->pool.get());
+  run->odometry = run->method->make(info, {.pool = run->pool.get()});
+  if (run->scale.camera_height_m > 0.0) run->ground.emplace(calibrated_camera(info), run->scale.camera_height_m);
   return run;
 }
 
@@ -155,7 +165,7 @@ std::string summary(const OdometryRunEnd& end, const std::string& folder) {
 OdometryRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
   OdometryRun run;
   run.source = prepared.source.get();
-  run.method = prepared.method.get();
+  run.method = prepared.odometry.get();
   run.folder = &folder;
   run.stop = &catch_interrupts();
   run.frames_asked = prepared.frames;
@@ -195,8 +205,8 @@ void run_odometry(const OdometryFlags& flags) {
   folder.write_result(to_json(end.result));
   if (end.failure) std::rethrow_exception(end.failure);
   if (flags.calibrate_yaw) {
-    const double lambda = prepared->settings.profiles.turn.lambda;
-    const double in_force = lambda > 0.0 ? lambda : 1.0 / prepared->source->info().cameras.front().camera->fx;
+    const double lambda = lambda_of(prepared->table).value_or(0.0);
+    const double in_force = lambda > 0.0 ? lambda : 1.0 / calibrated_camera(prepared->source->info()).fx;
     fmt::print("{}", yaw_calibration_report(end.trajectory, prepared->yaw_reference, in_force));
   } else if (flags.data.json) {
     fmt::print("{}", to_json(end.result));

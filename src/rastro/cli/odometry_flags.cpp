@@ -3,16 +3,13 @@
 
 #include <fmt/format.h>
 
+#include "rastro/cli/method_text.h"
+#include "rastro/methods/methods.h"
+
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer = R"(Methods:
-  features   points in space from tracked features, every pose from the points it sees, the last keyframes adjusted
-             (--matcher tracks, sift, orb or surf)
-  profiles   how the camera turns, from the sums of the image's columns and rows; goes ahead at constant speed
-  hybrid     turns from profiles, the way from two points at a time
-  rgbd       features and surfaces of a depth camera against its last reference frames; in metres
-
+constexpr const char* footer = R"(
 Writes into --out:
   trajectory.txt         final pose of every frame: stamp tx ty tz qx qy qz qw, world_from_camera; world: the first camera
   trajectory_online.txt  each pose as first given
@@ -34,8 +31,11 @@ Examples:
 void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
   add_data_flags(command, flags.data);
   const char* group = "Odometry";
-  command.add_option("--method", flags.method, "features, profiles, hybrid or rgbd (default: features)")->group(group);
-  command.add_option("--matcher", flags.matcher, "What features are matched by (default: tracks)")->group(group);
+  command
+      .add_option("--method", flags.method,
+                  fmt::format("{}; see below (default: {})", names_text(odometry_methods()), flags.method))
+      ->group(group);
+  command.add_option("--matcher", flags.matcher, "What features are matched by (option matcher of features; default: tracks)")->group(group);
   command.add_flag("--refine", flags.refine, "Adjust the last keyframes together (the default of features)")
       ->group(group);
   command.add_flag("--no-refine", flags.no_refine, "Do not")->group(group);
@@ -46,7 +46,8 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
       ->group(group);
   command
       .add_flag("--calibrate-yaw", flags.calibrate_yaw,
-                "With --method profiles and --reference: print the radians of a pixel's shift that suit it best")
+                "With --reference and a method with the option lambda, such as profiles: print the radians of a "
+                "pixel's shift that suit it best")
       ->group(group);
   command.add_option("--reference", flags.reference, "Trajectory of the camera, for --calibrate-yaw")
       ->type_name("FILE")
@@ -61,7 +62,7 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
   command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR")->required()->group("Output");
   command.add_flag("--force", flags.force, "Write into a folder that is not empty, replacing a former run")
       ->group("Output");
-  command.footer(footer);
+  command.footer("Methods:\n" + methods_text(odometry_methods()) + footer);
 }
 
 void apply_settings(const OdometryFlags& flags, OptionTable& table) {

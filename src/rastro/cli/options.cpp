@@ -13,20 +13,12 @@
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
 #include "rastro/methods/methods.h"
-#include "rastro/odometry/methods.h"
 #include "rastro/track/options.h"
 
 namespace rastro::cli {
 namespace {
 
 constexpr std::size_t text_width = 100;
-
-std::vector<std::string> methods() {
-  std::vector<std::string> names = {"track"};
-  names.insert(names.end(), odometry_methods().begin(), odometry_methods().end());
-  for (const auto& method : slam_methods()) names.push_back(method->name());
-  return names;
-}
 
 constexpr const char* footer =
     R"(Settings are taken in this order: default, --options FILE, --set KEY=VALUE and the flags of the command.
@@ -36,6 +28,7 @@ Examples:
   rastro options                                  every setting of the tracker
   rastro options features                         of an odometry
   rastro options hector                           and of a SLAM method
+  rastro options odometry/rgbd                    where both have a method of that name; else of the SLAM method
   rastro options --yaml > mine.yaml               a file to edit; it may be cut down to what differs
   rastro track hall --out run --options mine.yaml --set window=60)";
 
@@ -63,28 +56,42 @@ std::string described(const OptionTable& table) {
   return text;
 }
 
-/// Whatever the tables of all methods point into.
-struct Settings {
-  TrackOptions track;
-  OdometrySettings odometry;
-  std::vector<std::unique_ptr<SlamMethod>> slam = slam_methods();
-
-  OptionTable table(const std::string& method) {
-    if (method == "track") return option_table(track);
-    for (const auto& each : slam)
-      if (each->name() == method) return each->options();
-    return odometry.table(method);
+/// Whatever has settings, and the tables, which point into it.
+class Settings {
+ public:
+  Settings() {
+    tables_.emplace_back("track", option_table(track_));
+    add("slam/", slam_);
+    add("odometry/", odometry_);
   }
+
+  /// Of a method by its name, or by kind and name: "odometry/rgbd". Error for a name that is none, naming the nearest.
+  const OptionTable& table(const std::string& wanted) const {
+    std::vector<std::string> names;
+    for (const auto& [name, table] : tables_) {
+      const std::string alone = name.substr(name.find('/') + 1);
+      if (wanted == alone || wanted == name) return table;
+      names.push_back(wanted.find('/') == std::string::npos ? alone : name);
+    }
+    throw Error(fmt::format("'{}' has no options", wanted), "rastro options",
+                fmt::format("did you mean '{}'?", nearest_name(wanted, names)));
+  }
+
+ private:
+  template <typename Method>
+  void add(const std::string& kind, const std::vector<std::unique_ptr<Method>>& methods) {
+    for (const auto& method : methods) tables_.emplace_back(kind + method->name(), method->options());
+  }
+
+  TrackOptions track_;
+  std::vector<std::unique_ptr<SlamMethod>> slam_ = slam_methods();
+  std::vector<std::unique_ptr<OdometryMethod>> odometry_ = odometry_methods();
+  std::vector<std::pair<std::string, OptionTable>> tables_;
 };
 
 void print_options(const std::string& method, bool yaml) {
-  const std::vector<std::string> known = methods();
-  if (std::find(known.begin(), known.end(), method) == known.end()) {
-    throw Error(fmt::format("'{}' has no options", method), "rastro options",
-                fmt::format("did you mean '{}'?", nearest_name(method, known)));
-  }
-  Settings settings;
-  const OptionTable table = settings.table(method);
+  const Settings settings;
+  const OptionTable& table = settings.table(method);
   fmt::print("{}", yaml ? table.to_yaml() : described(table));
 }
 

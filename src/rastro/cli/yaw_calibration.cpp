@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "rastro/odometry/profiles/calibrate_yaw.h"
+#include "rastro/registration/profiles/calibrate_yaw.h"
 
 namespace rastro::cli {
 namespace {

@@ -7,15 +7,26 @@
 #include "rastro/base/text.h"
 
 namespace rastro {
+namespace {
 
-std::unique_ptr<SlamMethod> slam_method(const std::string& name) {
+/// The method of that name; `kind` is for the error.
+template <typename Method>
+std::unique_ptr<Method> named(std::vector<std::unique_ptr<Method>> methods, const std::string& name, const char* kind) {
   std::vector<std::string> names;
-  for (auto& method : slam_methods()) {
+  for (std::unique_ptr<Method>& method : methods) {
     if (method->name() == name) return std::move(method);
     names.push_back(method->name());
   }
-  throw Error(fmt::format("'{}' is no SLAM method", name), "--method",
+  throw Error(fmt::format("'{}' is no {}", name, kind), "--method",
               fmt::format("did you mean '{}'? 'rastro methods' lists them all", nearest_name(name, names)));
 }
+
+}  // namespace
+
+std::unique_ptr<OdometryMethod> odometry_method(const std::string& name) {
+  return named(odometry_methods(), name, "odometry");
+}
+
+std::unique_ptr<SlamMethod> slam_method(const std::string& name) { return named(slam_methods(), name, "SLAM method"); }
 
 }  // namespace rastro

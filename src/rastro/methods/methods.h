@@ -5,15 +5,18 @@
 #include <string>
 #include <vector>
 
+#include "rastro/odometry/odometry_method.h"
 #include "rastro/slam/slam_method.h"
 
 namespace rastro {
 
-/// Every SLAM method with its default settings, in the order of the alphabet. The list is generated from the
-/// rastro_method() lines of the build.
+/// Every odometry and every SLAM method with its default settings, in the order of the alphabet. Both lists are
+/// generated from the rastro_method() lines of the build (rastro_list_methods() in cmake/RastroModule.cmake).
+std::vector<std::unique_ptr<OdometryMethod>> odometry_methods();
 std::vector<std::unique_ptr<SlamMethod>> slam_methods();
 
 /// One of them. Error for a name that is no method, naming the nearest.
+std::unique_ptr<OdometryMethod> odometry_method(const std::string& name);
 std::unique_ptr<SlamMethod> slam_method(const std::string& name);
 
 }  // namespace rastro

@@ -36,7 +36,7 @@ HybridOdometry::HybridOdometry(const HybridOptions& options, const Camera& camer
     : options_(options),
       camera_(camera),
       check_(options.check),
-      turns_(options.turn, camera),
+      rotations_(options.rotation, camera),
       tracker_(track_options(options), camera, pool) {}
 
 OdometryUpdate HybridOdometry::process(const Frame& frame) {
@@ -62,15 +62,15 @@ void HybridOdometry::follow(const Frame& frame, OdometryUpdate& update) {
   View current;
   current.position = trajectory_.size() - 1;
   current.features = tracker_.process(frame.image, frame.stamp).features;
-  const auto turn = turns_.step(frame.image, bridged_ + 1);
-  if (!turn) {
+  const auto rotation = rotations_.step(frame.image, bridged_ + 1);
+  if (!rotation) {
     first_ = std::move(current);
     update.reason = OdometryReason::first_frame;
     return;
   }
-  const SO3 world_from_current = world_from_turned_ * turn->reference_from_current;
-  if (!turn->turn.still) world_from_turned_ = world_from_current;
-  update.confidence = turn->turn.columns.confidence;
+  const SO3 world_from_current = world_from_rotated_ * rotation->reference_from_current;
+  if (!rotation->measured.still) world_from_rotated_ = world_from_current;
+  update.confidence = rotation->measured.columns.confidence;
   current.world_from_camera = predicted(world_from_current);
   if (second_) {
     locate(std::move(current), update);
@@ -260,7 +260,7 @@ void HybridOdometry::bridge(OdometryUpdate& update) {
     update.state = OdometryState::lost;
     return;
   }
-  world_from_last_ = predicted(world_from_last_.rotation() * turns_.last_turn());
+  world_from_last_ = predicted(world_from_last_.rotation() * rotations_.last_rotation());
 }
 
 /// The frames between two views of a start were given poses without knowing how far the camera goes.

@@ -10,7 +10,7 @@
 #include "rastro/odometry/hybrid/options.h"
 #include "rastro/odometry/hybrid/two_point.h"
 #include "rastro/odometry/odometry.h"
-#include "rastro/odometry/profiles/turn_chain.h"
+#include "rastro/registration/profiles/rotation_chain.h"
 #include "rastro/track/tracker.h"
 
 namespace rastro {
@@ -61,9 +61,9 @@ class HybridOdometry : public Odometry {
   HybridOptions options_;
   Camera camera_;
   FrameCheck check_;
-  TurnChain turns_;
+  RotationChain rotations_;
   Tracker tracker_;
-  SO3 world_from_turned_;  ///< Rotation of the last frame that turned, from the profiles alone.
+  SO3 world_from_rotated_;  ///< Rotation of the last frame that turned, from the profiles alone.
   std::optional<View> first_, second_;
   std::vector<KnownPoint> points_;
   Trajectory trajectory_;

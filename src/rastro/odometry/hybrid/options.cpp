@@ -81,7 +81,7 @@ OptionTable option_table(HybridOptions& options) {
   OptionTable table;
   add_start_options(table, options);
   add_follow_options(table, options);
-  add_options(table, options.turn);
+  add_options(table, options.rotation);
   add_options(table, options.check);
   return table;
 }

@@ -5,7 +5,7 @@
 
 #include "rastro/base/options.h"
 #include "rastro/odometry/frame_check.h"
-#include "rastro/odometry/profiles/options.h"
+#include "rastro/registration/profiles/rotation_options.h"
 
 namespace rastro {
 
@@ -30,7 +30,7 @@ struct HybridOptions {
   double max_speed_ratio = 4.0;
   int max_bridged_frames = 5;
 
-  TurnOptions turn;
+  RotationOptions rotation;
   FrameCheckOptions check;
 };
 

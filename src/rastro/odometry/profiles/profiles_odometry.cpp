@@ -8,7 +8,7 @@
 namespace rastro {
 
 ProfilesOdometry::ProfilesOdometry(const ProfilesOptions& options, const Camera& camera)
-    : options_(options), check_(options.check), turns_(options.turn, camera) {}
+    : options_(options), check_(options.check), rotations_(options.rotation, camera) {}
 
 OdometryUpdate ProfilesOdometry::process(const Frame& frame) {
   Stopwatch watch;
@@ -20,7 +20,7 @@ OdometryUpdate ProfilesOdometry::process(const Frame& frame) {
   update.detail = check.detail;
   if (!check.useful()) {
     bridge(update);
-  } else if (const auto step = turns_.step(frame.image, bridged_ + 1)) {
+  } else if (const auto step = rotations_.step(frame.image, bridged_ + 1)) {
     follow(*step, update);
   } else {
     update.reason = OdometryReason::first_frame;
@@ -41,23 +41,23 @@ void ProfilesOdometry::bridge(OdometryUpdate& update) {
     update.state = OdometryState::lost;
     return;
   }
-  world_from_current_ = world_from_current_ * motion_of(turns_.last_turn(), 1);
+  world_from_current_ = world_from_current_ * motion_of(rotations_.last_rotation(), 1);
 }
 
-void ProfilesOdometry::follow(const TurnStep& step, OdometryUpdate& update) {
+void ProfilesOdometry::follow(const RotationStep& step, OdometryUpdate& update) {
   const int frames = bridged_ + 1;
   bridged_ = 0;
-  update.confidence = step.turn.columns.confidence;
+  update.confidence = step.measured.columns.confidence;
   update.state = OdometryState::tracking;
-  if (step.turn.still) {
+  if (step.measured.still) {
     update.reason = OdometryReason::no_motion;
     world_from_current_ = world_from_reference_;
     return;
   }
-  if (step.turn.weak || update.reason == OdometryReason::gap) update.state = OdometryState::weak;
-  if (step.turn.weak && update.reason == OdometryReason::none) {
+  if (step.measured.weak || update.reason == OdometryReason::gap) update.state = OdometryState::weak;
+  if (step.measured.weak && update.reason == OdometryReason::none) {
     update.reason = OdometryReason::few_inliers;
-    update.detail = fmt::format("confidence {:.2f}, need {:.2f}", update.confidence, options_.turn.min_confidence);
+    update.detail = fmt::format("confidence {:.2f}, need {:.2f}", update.confidence, options_.rotation.min_confidence);
   }
   world_from_current_ = world_from_reference_ * motion_of(step.reference_from_current, frames);
   world_from_reference_ = world_from_current_;

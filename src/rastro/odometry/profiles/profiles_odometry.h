@@ -5,7 +5,7 @@
 #include "rastro/odometry/frame_check.h"
 #include "rastro/odometry/odometry.h"
 #include "rastro/odometry/profiles/options.h"
-#include "rastro/odometry/profiles/turn_chain.h"
+#include "rastro/registration/profiles/rotation_chain.h"
 
 namespace rastro {
 
@@ -26,12 +26,12 @@ class ProfilesOdometry : public Odometry {
 
  private:
   void bridge(OdometryUpdate& update);
-  void follow(const TurnStep& step, OdometryUpdate& update);
+  void follow(const RotationStep& step, OdometryUpdate& update);
   SE3 motion_of(const SO3& rotation, int frames) const;
 
   ProfilesOptions options_;
   FrameCheck check_;
-  TurnChain turns_;
+  RotationChain rotations_;
   Trajectory trajectory_;
   SE3 world_from_reference_;  ///< Of the last frame that was used.
   SE3 world_from_current_;

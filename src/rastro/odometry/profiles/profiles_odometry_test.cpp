@@ -14,7 +14,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "rastro/base/text_file.h"
-#include "rastro/odometry/profiles/calibrate_yaw.h"
+#include "rastro/registration/profiles/calibrate_yaw.h"
 #include "rastro/sensor/trajectory_file.h"
 
 namespace rastro {

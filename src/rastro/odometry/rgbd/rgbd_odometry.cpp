@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "rastro/base/stopwatch.h"
-#include "rastro/odometry/rgbd/rgbd_follower.h"
+#include "rastro/odometry/rgbd_tracking/rgbd_follower.h"
 
 namespace rastro {
 namespace {

@@ -6,7 +6,7 @@
 #include "rastro/base/task_pool.h"
 #include "rastro/camera/camera.h"
 #include "rastro/odometry/odometry.h"
-#include "rastro/odometry/rgbd/options.h"
+#include "rastro/odometry/rgbd_tracking/options.h"
 
 namespace rastro {
 

@@ -34,6 +34,6 @@ class EkfMethod : public SlamMethod {
 
 }  // namespace
 
-std::unique_ptr<SlamMethod> ekf_method() { return std::make_unique<EkfMethod>(); }
+std::unique_ptr<SlamMethod> ekf_slam_method() { return std::make_unique<EkfMethod>(); }
 
 }  // namespace rastro

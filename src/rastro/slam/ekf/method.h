@@ -8,6 +8,6 @@
 namespace rastro {
 
 /// EKF-SLAM with landmarks: line corners and spikes of 2D scans, or range and bearing.
-std::unique_ptr<SlamMethod> ekf_method();
+std::unique_ptr<SlamMethod> ekf_slam_method();
 
 }  // namespace rastro

@@ -9,7 +9,7 @@ namespace rastro {
 namespace {
 
 TEST(EkfMethod, NeedsOdometryAndScansOrLandmarks) {
-  const auto method = ekf_method();
+  const auto method = ekf_slam_method();
   for (const bool odometry : {false, true}) {
     for (const bool scan : {false, true}) {
       for (const bool landmarks : {false, true}) {
@@ -29,7 +29,7 @@ TEST(EkfMethod, NeedsOdometryAndScansOrLandmarks) {
 }
 
 TEST(EkfMethod, MakesWhatItsOptionsSay) {
-  const auto method = ekf_method();
+  const auto method = ekf_slam_method();
   OptionTable table = method->options();
   table.set("max_landmarks", "1", "test");
   table.set("observations", "1", "test");

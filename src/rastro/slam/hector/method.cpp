@@ -26,6 +26,6 @@ class HectorMethod : public SlamMethod {
 
 }  // namespace
 
-std::unique_ptr<SlamMethod> hector_method() { return std::make_unique<HectorMethod>(); }
+std::unique_ptr<SlamMethod> hector_slam_method() { return std::make_unique<HectorMethod>(); }
 
 }  // namespace rastro

@@ -8,6 +8,6 @@
 namespace rastro {
 
 /// 2D scan matching with loop closing, after Kohlbrecher et al. 2011.
-std::unique_ptr<SlamMethod> hector_method();
+std::unique_ptr<SlamMethod> hector_slam_method();
 
 }  // namespace rastro

@@ -33,6 +33,6 @@ class OrbMethod : public SlamMethod {
 
 }  // namespace
 
-std::unique_ptr<SlamMethod> orb_method() { return std::make_unique<OrbMethod>(); }
+std::unique_ptr<SlamMethod> orb_slam_method() { return std::make_unique<OrbMethod>(); }
 
 }  // namespace rastro

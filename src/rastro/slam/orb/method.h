@@ -8,6 +8,6 @@
 namespace rastro {
 
 /// Keyframe SLAM with one camera, two cameras or a depth camera, with its default settings.
-std::unique_ptr<SlamMethod> orb_method();
+std::unique_ptr<SlamMethod> orb_slam_method();
 
 }  // namespace rastro

@@ -42,7 +42,7 @@ void OrbSlam::State::use_map(const SlamContext& context) {
   check_map(map, session_.sensor, context.extend_map);
   restore(map, session_.sensor.baseline, session_.graph);
   pipeline_.database().update();
-  session_.scale = map.scale;
+  session_.scale = scale_of(map);
   session_.mapping = context.extend_map;
   session_.has_map = !map.keyframes.empty();
   session_.next_keyframe = map.keyframes.empty() ? 0 : map.keyframes.back().id + 1;

@@ -8,7 +8,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
-#include "rastro/odometry/rgbd/depth_reading.h"
+#include "rastro/odometry/rgbd_tracking/depth_reading.h"
 #include "rastro/slam/orb/tracking/stereo_matching.h"
 
 namespace rastro {

@@ -49,6 +49,6 @@ class RgbdMethod : public SlamMethod {
 
 }  // namespace
 
-std::unique_ptr<SlamMethod> rgbd_method() { return std::make_unique<RgbdMethod>(); }
+std::unique_ptr<SlamMethod> rgbd_slam_method() { return std::make_unique<RgbdMethod>(); }
 
 }  // namespace rastro

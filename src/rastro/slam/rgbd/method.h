@@ -8,6 +8,6 @@
 namespace rastro {
 
 /// RGB-D SLAM with a graph of keyframes, after Endres et al. 2014.
-std::unique_ptr<SlamMethod> rgbd_method();
+std::unique_ptr<SlamMethod> rgbd_slam_method();
 
 }  // namespace rastro

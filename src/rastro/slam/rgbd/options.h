@@ -5,7 +5,7 @@
 #include <string>
 
 #include "rastro/base/options.h"
-#include "rastro/odometry/rgbd/options.h"
+#include "rastro/odometry/rgbd_tracking/options.h"
 
 namespace rastro {
 

@@ -10,7 +10,7 @@
 #include "rastro/backend/pipeline.h"
 #include "rastro/base/error.h"
 #include "rastro/base/stopwatch.h"
-#include "rastro/odometry/rgbd/rgbd_follower.h"
+#include "rastro/odometry/rgbd_tracking/rgbd_follower.h"
 #include "rastro/slam/rgbd/mapper.h"
 #include "rastro/slam/rgbd/relocaliser.h"
 #include "rastro/slam/rgbd/tracked_map.h"

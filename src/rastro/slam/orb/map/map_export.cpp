@@ -74,7 +74,7 @@ class FrameReferences {
   std::vector<std::vector<std::size_t>> by_stamp_;  ///< Indices of keyframes, by submap.
 };
 
-void add_frames(const MapGraph& graph, const FrameWay& way, int largest, Map& map) {
+void add_frames(const MapGraph& graph, const FrameTrajectory& way, int largest, Map& map) {
   const FrameReferences references(map);
   for (const auto& frame : way.frames()) {
     const double scale = graph.unit(frame.keyframe) / frame.unit;
@@ -93,7 +93,7 @@ void add_frames(const MapGraph& graph, const FrameWay& way, int largest, Map& ma
 
 }  // namespace
 
-std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameWay& way, const std::optional<MapScale>& scale) {
+std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& way, const std::optional<MapScale>& scale) {
   auto map = std::make_shared<Map>();
   map->method = "orb";
   map->revision = graph.newest_keyframe() + 1;

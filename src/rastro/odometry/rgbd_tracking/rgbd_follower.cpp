@@ -1,0 +1,480 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/odometry/rgbd_tracking/rgbd_follower.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "rastro/base/random.h"
+#include "rastro/multiview/absolute_pose.h"
+#include "rastro/odometry/frame_check.h"
+#include "rastro/odometry/rgbd_tracking/feature_tracker.h"
+#include "rastro/odometry/rgbd_tracking/place_finder.h"
+#include "rastro/odometry/rgbd_tracking/point_map.h"
+#include "rastro/odometry/rgbd_tracking/pose_solver.h"
+#include "rastro/odometry/rgbd_tracking/surface_matcher.h"
+
+namespace rastro {
+namespace {
+
+constexpr int most_missed = 20;
+constexpr int solver_iterations = 6;
+constexpr double most_depth_offset_s = 0.1;
+constexpr double first_delay_sigma_s = 0.02, most_delay_s = 0.06, delay_step_s = 0.005;
+// Points of one frame err together, and so do frames that follow each other.
+constexpr double delay_share = 0.02;
+// A point carried on by optical flow alone has drifted since it was first seen.
+constexpr double carried_sigma_factor = 2.0;
+// Surfaces: every fourth block while searching from afar, every third to fit; reach of the search, metres.
+constexpr int coarse_step = 4, fine_step = 3, coarse_iterations = 12;
+constexpr double coarse_reach_m = 0.2, fine_reach_m = 0.03;
+constexpr int least_compared = 1500;  // blocks
+// Metres and radians: a pose known worse than the first is said to be weak, than the second to be lost.
+constexpr double most_sigma = 0.02, lost_sigma = 0.2;
+constexpr double lost_variance = 1.0;
+// Of the last motion, a frame.
+constexpr double lost_damping = 0.5;
+constexpr int corners_to_find = 600;
+// Neighbours err together, and a map errs as a whole: what is left out of the model.
+constexpr double covariance_factor = 4.0;
+
+RgbdOptions checked(RgbdOptions options) {
+  RgbdOptions copy = options;
+  OptionTable table = option_table(copy);
+  for (std::size_t i = 0; i < table.options().size(); ++i)
+    table.set(table.options()[i].name, table.value_of(i), "odometry options");
+  return options;
+}
+
+}  // namespace
+
+class RgbdFollower::State {
+ public:
+  State(const RgbdOptions& options, const Camera& camera, TaskPool* pool)
+      : options_(checked(options)),
+        camera_(camera),
+        check_(options_.frame_check),
+        tracker_(options_, camera_, pool),
+        surfaces_(options_) {}
+
+  RgbdFollow follow(const Frame& frame);
+  void restart(const SE3& world_from_camera);
+  void move(const SE3& new_world_from_world);
+  const SE3& world_from_camera() const { return pose_; }
+  std::vector<SE3> reference_poses() const;
+
+ private:
+  bool map_is_empty() const;
+  void start(const Frame& frame, RgbdFollow& result);
+  void follow_map(const Frame& frame, bool image_useful, RgbdFollow& result);
+  bool find_pose(const Frame& frame, const SE3& guess, bool image_useful, RgbdFollow& result);
+  std::optional<SE3> first_pose(const Frame& frame, const SE3& guess, bool image_useful,
+                                std::vector<FoundPoint>& carried, RgbdFollow& result);
+  std::optional<SE3> pose_from(const std::vector<FoundPoint>& found, const SE3& guess, RgbdFollow& result);
+  std::optional<SE3> pose_from_surfaces(const Frame& frame, const SE3& guess);
+  void read_depths(const Frame& frame, const Vector6d& velocity);
+  void keep_inliers(const SE3& pose);
+  bool judge(const PoseSolution& solution, const SurfaceMatch& match, RgbdFollow& result) const;
+  std::vector<PointMeasurement> measurements(const std::vector<FoundPoint>& found) const;
+  SE3 depth_from_colour(const Frame& frame, const Vector6d& velocity, double later_s = 0.0) const;
+  std::optional<DepthReading> read(const Frame& frame, const Eigen::Vector2d& ray, const Vector6d& velocity) const;
+  void learn_delay(const SE3& pose);
+  void learn_depths(const std::vector<FoundPoint>& found, const std::vector<PointMeasurement>& measured,
+                    const SE3& pose);
+  bool is_reference(const SE3& pose, int inliers) const;
+  void add_reference(const Frame& frame, const SE3& pose);
+  double add_points(const Frame& frame, int number);
+  SE3 predicted(TimeNs stamp) const;
+  Vector6d velocity_to(TimeNs stamp, const SE3& pose) const;
+  void note_pose(TimeNs stamp, const SE3& pose);
+
+  RgbdOptions options_;
+  Camera camera_;
+  FrameCheck check_;
+  FeatureTracker tracker_;
+  SurfaceMatcher surfaces_;
+  PlaceFinder places_;
+  PointMap map_;
+  bool has_pose_ = false;
+  SE3 pose_;                              ///< world_from_camera of the last frame.
+  TimeNs stamp_ = 0;                      ///< Of the last frame.
+  Vector6d velocity_ = Vector6d::Zero();  ///< Per second, in the camera.
+  SE3 camera_from_depth_;                 ///< Between the colour and the depth of the last frame.
+  double depth_delay_s_ = 0.0;            ///< Learnt: depth was taken so much later than its stamps say.
+  double delay_information_ = 1.0 / (first_delay_sigma_s * first_delay_sigma_s);
+  int reference_inliers_ = 0;  ///< Points the newest reference could be followed by.
+  std::int64_t followed_ = 0;
+  std::vector<FoundPoint> found_;
+  std::vector<PointMeasurement> measured_;
+};
+
+RgbdFollow RgbdFollower::State::follow(const Frame& frame) {
+  RgbdFollow result;
+  ++followed_;
+  result.world_from_camera = pose_;
+  result.state = map_is_empty() ? OdometryState::initialising : OdometryState::weak;
+  const FrameCheckResult look = check_.check(frame.image.view(), frame.stamp);
+  if (look.reason != OdometryReason::repeated_frame && !frame.image.empty()) {
+    camera_.width = frame.image.width();  // some calibrations do not say
+    camera_.height = frame.image.height();
+    // A blurred image still tells more than a guess.
+    const bool image_useful = look.useful() || look.reason == OdometryReason::blurred;
+    if (image_useful) tracker_.take(frame);
+    surfaces_.take(frame, camera_);
+    map_is_empty() ? start(frame, result) : follow_map(frame, image_useful, result);
+  }
+  if (look.reason != OdometryReason::none && (result.reason == OdometryReason::none || !look.useful())) {
+    result.reason = look.reason;
+    result.detail = look.detail;
+  }
+  if (!map_is_empty()) result.world_from_reference = map_.references.back().world_from_camera;
+  return result;
+}
+
+bool RgbdFollower::State::map_is_empty() const { return static_cast<int>(map_.references.size()) == map_.first_live; }
+
+void RgbdFollower::State::start(const Frame& frame, RgbdFollow& result) {
+  result.reason = OdometryReason::first_frame;
+  if (frame.depth.empty() || tracker_.pyramid().levels() == 0) {
+    result.detail = "has no depth";
+    return;
+  }
+  velocity_.setZero();
+  has_pose_ = false;
+  note_pose(frame.stamp, pose_);
+  found_.clear();
+  measured_.clear();
+  add_reference(frame, pose_);
+  result.state = OdometryState::tracking;
+  result.points = result.inliers = reference_inliers_;
+  result.new_reference = true;
+}
+
+void RgbdFollower::State::follow_map(const Frame& frame, bool image_useful, RgbdFollow& result) {
+  const SE3 guess = predicted(frame.stamp);
+  if (!find_pose(frame, guess, image_useful, result)) {
+    result.state = OdometryState::lost;
+    result.reason = result.points < options_.min_points ? OdometryReason::too_few_points : OdometryReason::few_inliers;
+    result.detail = fmt::format("{} of {} points agree", result.inliers, result.points);
+    result.world_from_camera = guess;
+    result.covariance = lost_variance * Matrix6d::Identity();
+    note_pose(frame.stamp, guess);
+    velocity_ *= lost_damping;
+    for (MapPoint& point : map_.points) point.tracked = false;
+    return;
+  }
+  if (image_useful && !frame.depth.empty() && is_reference(result.world_from_camera, result.inliers)) {
+    add_reference(frame, result.world_from_camera);
+    result.new_reference = true;
+  }
+  map_.forget(options_.map_references, most_missed);  // indices into the points end here
+}
+
+SE3 RgbdFollower::State::predicted(TimeNs stamp) const {
+  return pose_ * SE3::exp(velocity_ * to_seconds(stamp - stamp_));
+}
+
+void RgbdFollower::State::note_pose(TimeNs stamp, const SE3& pose) {
+  const double seconds = to_seconds(stamp - stamp_);
+  if (has_pose_ && seconds > 0.0) velocity_ = (pose_.inverse() * pose).log() / seconds;
+  pose_ = pose;
+  stamp_ = stamp;
+  has_pose_ = true;
+}
+
+Vector6d RgbdFollower::State::velocity_to(TimeNs stamp, const SE3& pose) const {
+  const double seconds = to_seconds(stamp - stamp_);
+  if (!has_pose_ || seconds <= 0.0) return Vector6d::Zero();
+  return (pose_.inverse() * pose).log() / seconds;
+}
+
+SE3 RgbdFollower::State::depth_from_colour(const Frame& frame, const Vector6d& velocity, double later_s) const {
+  const double offset = to_seconds(frame.depth_stamp - frame.stamp) + depth_delay_s_ + later_s;
+  if (std::abs(offset) > most_depth_offset_s) return {};
+  return SE3::exp(-offset * velocity);
+}
+
+std::optional<DepthReading> RgbdFollower::State::read(const Frame& frame, const Eigen::Vector2d& ray,
+                                                      const Vector6d& velocity) const {
+  auto reading = read_depth(frame.depth, camera_, ray, depth_from_colour(frame, velocity), options_);
+  if (!reading || !options_.learn_delay) return reading;
+  const auto later = read_depth(frame.depth, camera_, ray, depth_from_colour(frame, velocity, delay_step_s), options_);
+  if (later) reading->per_second = (later->inverse_depth - reading->inverse_depth) / delay_step_s;
+  return reading;
+}
+
+/// Depth and colour are taken at different times, and stamps often say something else: where a turn moves the depth
+/// against the colour tells when it was taken.
+void RgbdFollower::State::learn_delay(const SE3& pose) {
+  DelayedQuadratic frame = points_with_delay(measured_, pose);
+  frame += surfaces_.compare_with_delay(map_, pose, camera_from_depth_, velocity_, fine_reach_m, coarse_step);
+  const auto [information, gradient] = delay_alone(frame);
+  delay_information_ += delay_share * information;
+  const double change = delay_share * gradient / delay_information_;
+  const double delay = std::clamp(depth_delay_s_ + change, -most_delay_s, most_delay_s);
+  map_.delay_depths(delay - depth_delay_s_);
+  depth_delay_s_ = delay;
+}
+
+std::optional<SE3> RgbdFollower::State::pose_from(const std::vector<FoundPoint>& found, const SE3& guess,
+                                                  RgbdFollow& result) {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector2d> rays;
+  for (const FoundPoint& point : found) {
+    points.push_back(map_.in_world(map_.points[point.point]));
+    rays.push_back(point.ray);
+  }
+  AbsolutePoseOptions options;
+  options.max_error_px = options_.max_error_px;
+  options.max_iterations = options_.ransac_iterations;
+  options.seed = seed_for(options_.seed, static_cast<std::uint64_t>(followed_));
+  options.focal_px = camera_.fx;
+  result.points = static_cast<int>(found.size());
+  const auto pose = estimate_absolute_pose(points, rays, options, guess.inverse());
+  result.inliers = pose ? pose->inliers : 0;
+  if (!pose || pose->inliers < options_.min_points || 3 * pose->inliers < result.points) return std::nullopt;
+  return pose->camera_from_world.inverse();
+}
+
+/// A pose good enough to guide the search for everything else: from the features of the frame before, else from those
+/// of any reference, else from surfaces.
+std::optional<SE3> RgbdFollower::State::first_pose(const Frame& frame, const SE3& guess, bool image_useful,
+                                                   std::vector<FoundPoint>& carried, RgbdFollow& result) {
+  if (image_useful) {
+    carried = tracker_.carry_on(map_, guess);
+    if (const auto pose = pose_from(carried, guess, result)) return pose;
+  }
+  if (const auto pose = pose_from_surfaces(frame, guess)) return pose;
+  if (!image_useful) return std::nullopt;
+  carried.clear();
+  const std::vector<FoundPoint> anywhere =
+      places_.find(map_, camera_, tracker_.pyramid(), tracker_.new_corners(frame, {}, corners_to_find));
+  return pose_from(anywhere, guess, result);
+}
+
+std::optional<SE3> RgbdFollower::State::pose_from_surfaces(const Frame& frame, const SE3& guess) {
+  SE3 pose = guess;
+  const SE3 camera_from_depth = depth_from_colour(frame, velocity_to(frame.stamp, guess)).inverse();
+  surfaces_.choose(map_, pose, camera_from_depth);
+  SurfaceMatch match;
+  PoseQuadratic last;
+  for (int i = 0; i < coarse_iterations; ++i) {
+    match = {};
+    const double reach_m = std::max(fine_reach_m, coarse_reach_m * (1.0 - static_cast<double>(i) / coarse_iterations));
+    last = surfaces_.compare(map_, pose, camera_from_depth, reach_m, coarse_step, &match);
+    const Vector6d step = (last.information + Matrix6d::Identity()).ldlt().solve(last.gradient);
+    if (!step.allFinite() || step.norm() > coarse_reach_m) return std::nullopt;
+    pose = pose * SE3::exp(step);
+  }
+  if (match.compared * coarse_step * coarse_step < least_compared || 2 * match.fitting < match.compared)
+    return std::nullopt;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(last.information, Eigen::EigenvaluesOnly);
+  if (eigen.eigenvalues()(0) < 1.0 / (most_sigma * most_sigma)) return std::nullopt;
+  return pose;
+}
+
+bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool image_useful, RgbdFollow& result) {
+  std::vector<FoundPoint> carried;
+  const auto first = first_pose(frame, guess, image_useful, carried, result);
+  if (!first) return false;
+  found_.clear();
+  if (image_useful) found_ = tracker_.recognise(map_, *first, carried);
+  measured_ = measurements(found_);
+  // Depth readings rest on where the camera was when the depth was taken, which is known now.
+  const Vector6d velocity = velocity_to(frame.stamp, *first);
+  const SE3 camera_from_depth = depth_from_colour(frame, velocity).inverse();
+  read_depths(frame, velocity);
+  surfaces_.choose(map_, *first, camera_from_depth);
+  const PoseSolution solution = solve_pose(
+      measured_, options_.shared_error_px / camera_.fx, *first, solver_iterations,
+      [&](const SE3& pose, int) { return surfaces_.compare(map_, pose, camera_from_depth, fine_reach_m, fine_step); });
+  SurfaceMatch match;
+  surfaces_.compare(map_, solution.world_from_camera, camera_from_depth, fine_reach_m, coarse_step, &match);
+  result.points = static_cast<int>(measured_.size());
+  keep_inliers(solution.by_points_alone());
+  result.inliers = static_cast<int>(found_.size());
+  if (!judge(solution, match, result)) return false;
+  note_pose(frame.stamp, solution.world_from_camera);
+  camera_from_depth_ = camera_from_depth;
+  if (options_.learn_delay) learn_delay(solution.world_from_camera);
+  learn_depths(found_, measured_, solution.world_from_camera);
+  return true;
+}
+
+void RgbdFollower::State::read_depths(const Frame& frame, const Vector6d& velocity) {
+  if (frame.depth.empty()) return;
+  for (PointMeasurement& point : measured_) {
+    const auto reading = read(frame, point.ray, velocity);
+    if (!reading) continue;
+    point.per_second = reading->per_second;
+    point.inverse_depth = reading->inverse_depth;
+    point.inverse_depth_sigma = reading->sigma;
+  }
+}
+
+void RgbdFollower::State::keep_inliers(const SE3& pose) {
+  const SE3 camera_from_world = pose.inverse();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < found_.size(); ++i) {
+    const Eigen::Vector3d p = camera_from_world * measured_[i].in_world;
+    if (p.z() > 0.0 && (p.head<2>() / p.z() - measured_[i].ray).norm() * camera_.fx <= options_.max_error_px) {
+      found_[kept] = found_[i];
+      measured_[kept++] = measured_[i];
+    } else {
+      map_.points[found_[i].point].tracked = false;
+      ++map_.points[found_[i].point].missed;
+    }
+  }
+  found_.resize(kept);
+  measured_.resize(kept);
+}
+
+/// Whether features or surfaces carry the pose, and how surely.
+bool RgbdFollower::State::judge(const PoseSolution& solution, const SurfaceMatch& match, RgbdFollow& result) const {
+  const bool features_fit = result.inliers >= options_.min_points && 3 * result.inliers >= result.points;
+  const bool surfaces_fit =
+      match.compared * coarse_step * coarse_step >= least_compared && 2 * match.fitting >= match.compared;
+  if (!features_fit && !surfaces_fit) return false;
+  const Matrix6d information = solution.shared_points.information + solution.others.information;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
+  const double sigma = 1.0 / std::sqrt(std::max(eigen.eigenvalues()(0), 1e-12));
+  if (sigma > lost_sigma) return false;
+  result.covariance = covariance_factor * information.inverse();
+  result.world_from_camera = solution.world_from_camera;
+  result.surface_points = match.fitting * coarse_step * coarse_step;
+  const Vector6d texture = solution.shared_points.information.diagonal();
+  result.texture_share = (texture.array() / information.diagonal().array()).mean();
+  result.state = OdometryState::tracking;
+  if (sigma > most_sigma || !features_fit) {
+    result.state = sigma > most_sigma ? OdometryState::weak : OdometryState::tracking;
+    result.reason = OdometryReason::too_few_points;
+    result.detail = fmt::format("{} features, {} blocks of surface fit; known to {:.3f} m or rad", result.inliers,
+                                result.surface_points, sigma);
+  }
+  return true;
+}
+
+std::vector<PointMeasurement> RgbdFollower::State::measurements(const std::vector<FoundPoint>& found) const {
+  std::vector<PointMeasurement> measured;
+  for (const FoundPoint& here : found) {
+    const MapPoint& point = map_.points[here.point];
+    PointMeasurement m;
+    m.in_world = map_.in_world(point);
+    const Eigen::Vector3d along = map_.world_from_anchor(point).rotation() * Eigen::Vector3d(point.ray.homogeneous());
+    m.in_world_per_inverse_depth = -along / (point.inverse_depth * point.inverse_depth);
+    m.inverse_depth_variance = 1.0 / point.information;
+    m.map_per_second = point.per_second;
+    m.ray = here.ray;
+    m.ray_sigma = options_.pixel_sigma / camera_.fx * (here.recognised ? 1.0 : carried_sigma_factor);
+    measured.push_back(m);
+  }
+  return measured;
+}
+
+void RgbdFollower::State::learn_depths(const std::vector<FoundPoint>& found,
+                                       const std::vector<PointMeasurement>& measured, const SE3& pose) {
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    MapPoint& point = map_.points[found[i].point];
+    ++point.seen;
+    if (!(measured[i].inverse_depth > 0.0)) continue;
+    const SE3 anchor_from_camera = map_.world_from_anchor(point).inverse() * pose;
+    const Eigen::Vector3d p = anchor_from_camera * Eigen::Vector3d(Eigen::Vector3d(measured[i].ray.homogeneous()) /
+                                                                   measured[i].inverse_depth);
+    if (p.z() < options_.min_depth_m) continue;
+    PointMap::add_reading(point, {1.0 / p.z(), measured[i].inverse_depth_sigma, measured[i].per_second});
+  }
+}
+
+bool RgbdFollower::State::is_reference(const SE3& pose, int inliers) const {
+  if (inliers < options_.min_reference_share * reference_inliers_) return true;
+  const int oldest = std::max(map_.first_live, static_cast<int>(map_.references.size()) - options_.map_references);
+  for (std::size_t i = static_cast<std::size_t>(oldest); i < map_.references.size(); ++i) {
+    const Reference& reference = map_.references[i];
+    const SE3 way = reference.world_from_camera.inverse() * pose;
+    const double turn_deg = way.rotation().log().norm() * 180.0 / std::numbers::pi;
+    if (turn_deg < options_.max_reference_turn_deg &&
+        way.translation().norm() < options_.max_reference_way * reference.median_depth)
+      return false;
+  }
+  return true;
+}
+
+void RgbdFollower::State::add_reference(const Frame& frame, const SE3& pose) {
+  const int number = static_cast<int>(map_.references.size());
+  Reference reference;
+  reference.stamp = frame.stamp;
+  reference.world_from_camera = pose;
+  surfaces_.keep(reference, camera_from_depth_, velocity_);
+  map_.references.push_back(std::move(reference));
+  map_.references.back().median_depth = add_points(frame, number);
+}
+
+/// New points of the newest reference; returns the median depth of all it sees.
+double RgbdFollower::State::add_points(const Frame& frame, int number) {
+  const int wanted = options_.features - static_cast<int>(found_.size());
+  std::vector<double> depths;
+  for (const PointMeasurement& measured : measured_) {
+    if (measured.inverse_depth > 0.0) depths.push_back(1.0 / measured.inverse_depth);
+  }
+  const std::vector<Eigen::Vector2f> corners = tracker_.new_corners(frame, found_, 2 * wanted);
+  const std::vector<Descriptor> descriptors = places_.describe(tracker_.pyramid(), corners);
+  int added = 0;
+  for (std::size_t i = 0; i < corners.size() && added < wanted; ++i) {
+    const auto ray = camera_.unproject(corners[i].cast<double>());
+    const auto reading = ray ? read(frame, *ray, velocity_) : std::nullopt;
+    if (!reading) continue;
+    MapPoint point;
+    point.anchor = number;
+    point.ray = *ray;
+    point.inverse_depth = reading->inverse_depth;
+    PointMap::add_reading(point, *reading);
+    point.patch.keep(tracker_.pyramid(), corners[i], options_.patch_px);
+    point.descriptor = descriptors[i];
+    point.pixel = corners[i];
+    point.tracked = true;
+    map_.points.push_back(std::move(point));
+    depths.push_back(1.0 / reading->inverse_depth);
+    ++added;
+  }
+  reference_inliers_ = static_cast<int>(found_.size()) + added;
+  if (depths.empty()) return 1.0;
+  std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2), depths.end());
+  return depths[depths.size() / 2];
+}
+
+void RgbdFollower::State::restart(const SE3& world_from_camera) {
+  map_.first_live = static_cast<int>(map_.references.size());
+  map_.points.clear();
+  pose_ = world_from_camera;
+  velocity_.setZero();
+  has_pose_ = false;
+  found_.clear();
+  measured_.clear();
+}
+
+void RgbdFollower::State::move(const SE3& new_world_from_world) {
+  for (Reference& reference : map_.references)
+    reference.world_from_camera = new_world_from_world * reference.world_from_camera;
+  pose_ = new_world_from_world * pose_;
+}
+
+std::vector<SE3> RgbdFollower::State::reference_poses() const {
+  std::vector<SE3> poses;
+  for (const Reference& reference : map_.references) poses.push_back(reference.world_from_camera);
+  return poses;
+}
+
+RgbdFollower::RgbdFollower(const RgbdOptions& options, const Camera& camera, TaskPool* pool)
+    : state_(std::make_unique<State>(options, camera, pool)) {}
+RgbdFollower::~RgbdFollower() = default;
+RgbdFollow RgbdFollower::follow(const Frame& frame) { return state_->follow(frame); }
+void RgbdFollower::restart(const SE3& world_from_camera) { state_->restart(world_from_camera); }
+void RgbdFollower::move(const SE3& new_world_from_world) { state_->move(new_world_from_world); }
+const SE3& RgbdFollower::world_from_camera() const { return state_->world_from_camera(); }
+std::vector<SE3> RgbdFollower::reference_poses() const { return state_->reference_poses(); }
+
+}  // namespace rastro
