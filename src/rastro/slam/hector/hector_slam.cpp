@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rastro/base/checked_options.h"
 #include "rastro/base/error.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/slam/hector/final_map.h"
@@ -15,14 +16,6 @@
 
 namespace rastro {
 namespace {
-
-HectorOptions checked(HectorOptions options) {
-  HectorOptions copy = options;
-  OptionTable table = option_table(copy);
-  for (std::size_t i = 0; i < table.options().size(); ++i)
-    table.set(table.options()[i].name, table.value_of(i), "hector options");
-  return options;
-}
 
 SE3 in_space(const SE2& pose) {
   const Eigen::Vector3d turn(0.0, 0.0, pose.rotation().angle());
@@ -50,7 +43,7 @@ Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const SO2& rotation) {
 class HectorSlam::State {
  public:
   State(const HectorOptions& options, TaskPool* pool)
-      : options_(checked(options)), follower_(options_), guess_(options_), graph_(options_, pool) {}
+      : options_(checked(options, "hector options")), follower_(options_), guess_(options_), graph_(options_, pool) {}
 
   SlamUpdate process(const Frame& frame);
   std::vector<SlamEvent> finish();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "rastro/math/median.h"
 #include "rastro/slam/orb/bundle_parts.h"
 
 namespace rastro {
@@ -123,10 +124,7 @@ double LocalMapper::median_depth(const MapKeyframe& keyframe) const {
   for (const std::int64_t id : keyframe.landmarks) {
     if (id >= 0) depths.push_back((keyframe.camera_from_world * graph_.landmark(id).position).z());
   }
-  if (depths.empty()) return 0.0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return upper_median_or(std::move(depths), 0.0);
 }
 
 void LocalMapper::adjust(std::int64_t keyframe) {

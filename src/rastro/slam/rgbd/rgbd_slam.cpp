@@ -9,6 +9,7 @@
 #include <deque>
 
 #include "rastro/base/background.h"
+#include "rastro/base/checked_options.h"
 #include "rastro/base/error.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/odometry/rgbd/rgbd_follower.h"
@@ -18,14 +19,6 @@
 
 namespace rastro {
 namespace {
-
-RgbdSlamOptions checked(RgbdSlamOptions options) {
-  RgbdSlamOptions copy = options;
-  OptionTable table = option_table(copy);
-  for (std::size_t i = 0; i < table.options().size(); ++i)
-    table.set(table.options()[i].name, table.value_of(i), "rgbd options");
-  return options;
-}
 
 SlamReason reason_of(OdometryReason reason) {
   switch (reason) {
@@ -157,7 +150,7 @@ class RgbdSlam::State {
 };
 
 RgbdSlam::State::State(const RgbdSlamOptions& options, const Camera& camera, const SlamMeans& means)
-    : options_(checked(options)),
+    : options_(checked(options, "rgbd options")),
       camera_(camera),
       maps_(means.map == nullptr),
       mapper_(options_, camera, means),
