@@ -25,6 +25,7 @@ double spread(std::vector<double> values, double centre) {
 
 std::vector<double> values_of(const std::vector<LengthSighting>& sightings) {
   std::vector<double> values;
+  values.reserve(sightings.size());
   for (const LengthSighting& one : sightings) values.push_back(one.value_m);
   return values;
 }
@@ -51,6 +52,7 @@ std::vector<Pair> paired(const std::vector<LengthSighting>& a, const std::vector
   for (const LengthSighting& one : a) by_keyframe[one.keyframe].a = &one;
   for (const LengthSighting& one : b) by_keyframe[one.keyframe].b = &one;
   std::vector<Pair> pairs;
+  pairs.reserve(by_keyframe.size());
   for (const auto& [keyframe, pair] : by_keyframe) pairs.push_back(pair);
   return pairs;
 }

@@ -259,6 +259,7 @@ TwoViewFit find_two_view_motion(std::span<const TwoViewPair> pairs, const TwoVie
     return fit;
   }
   std::vector<Hypothesis> hypotheses;
+  hypotheses.reserve(motions.size());
   for (const SE3& motion : motions) hypotheses.push_back(judged(motion, pairs, model, options));
   decide(std::move(hypotheses), options, fit);
   if (fit.status != TwoViewStatus::found) return fit;
