@@ -1,6 +1,10 @@
-# Tests of the repository itself: layers, generated pages, installation.
+# Tests of the repository itself: layers, sizes, generated pages, installation.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 add_test(NAME repository.layers COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/check_layers.py")
+add_test(NAME repository.code_size
+  COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/code_size_test.py")
+add_test(NAME repository.tidy
+  COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/tidy_test.py")
 add_test(NAME repository.layers_checker
   COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/check_layers_test.py")
 

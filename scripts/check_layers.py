@@ -4,9 +4,9 @@
 
   scripts/check_layers.py [ROOT]
 
-Breaches (exit code 1): an include that layers.txt does not allow, a third party outside of its home, a third party in a
-public header, a library source that prints or ends the program, a missing licence line, a file over 800 lines, a
-function over 120. Warnings: a file over 500 lines, a function over 60.
+Breaches (exit code 1): an include that layers.txt does not allow, files that include one another in a loop, a third
+party outside of its home, a third party in a public header, a library source that prints or ends the program, a missing
+licence line, a file over 800 lines, a function over 120. Warnings: a file over 500 lines, a function over 60.
 """
 import re
 import sys
@@ -104,33 +104,70 @@ def without_comments_and_strings(text):
     return pattern.sub(blank, text)
 
 
-def function_lengths(code):
-    """(first line, lines) of each function body in code without comments: a brace that follows ')' or its trailers."""
-    lengths = []
-    stack = []  # (opened a function, first line)
+@dataclass
+class Block:
+    """A pair of braces: its kind, the line its head begins on, the head, and its statements where it is a class."""
+    kind: str  # scope (namespace), class, function, other, or value: braces of a list of initial values
+    first: int
+    head: str
+    last: int = 0
+    statements: list = field(default_factory=list)  # text of each one that ends in ';'
+
+
+def kind_of_block(head, outside):
+    """What the '{' after this head opens, inside of a block of kind `outside`."""
+    if outside not in ("scope", "class"):
+        return "other"
+    head = re.sub(r"\btemplate\s*<.*?>\s*(?=\w)", "", head, flags=re.DOTALL).strip()
+    before = head.split("(")[0]
+    if SCOPE.search(before) and "=" not in before:
+        opener = SCOPE.search(before).group(1)
+        return {"enum": "other", "class": "class", "struct": "class", "union": "class"}.get(opener, "scope")
+    if "(" not in head or head.count("(") != head.count(")") or head.endswith("="):
+        return "other"
+    starts = re.search(r"\)[\w\s]*?(?<!:):(?!:)", head)  # a constructor's list of initial values
+    if starts and re.search(r"[\w>]$", head[starts.end():]) and not head.endswith("noexcept"):
+        return "value"
+    return "function"
+
+
+def blocks(code):
+    """Every namespace, class and function body in code without comments; what stands inside of functions is left out."""
+    found = []
+    stack = []
     head, head_line, line = "", 1, 1
     for letter in code:
         if letter == "{":
-            inside = any(function for function, _ in stack)
-            function = not inside and "(" in head and not SCOPE.search(head.split("(")[0]) and not head.rstrip().endswith("=")
-            stack.append((function, head_line if head.strip() else line))
+            kind = kind_of_block(head, stack[-1].kind if stack else "scope")
+            stack.append(Block(kind, head_line if head.strip() else line, head))
             head = ""
         elif letter == "}" and stack:
-            function, first = stack.pop()
-            if function:
-                lengths.append((first, line - first + 1))
-            head = ""
+            block = stack.pop()
+            block.last = line
+            if block.kind in ("class", "function"):
+                found.append(block)
+            # A list of initial values goes on after its braces, and so does `int a{1};`.
+            goes_on = block.kind == "value" or (block.kind == "other" and (stack[-1].kind if stack else "scope") in ("scope", "class"))
+            head = block.head + "{}" if goes_on else ""
+            head_line = block.first if goes_on else line
         elif letter == ";":
+            if stack and stack[-1].kind == "class" and head.strip():
+                stack[-1].statements.append(head.strip())
             head = ""
         else:
             if not head.strip() and not letter.isspace():
-                head_line = line
+                head, head_line = "", line
             head += letter
         if letter == "\n":
             line += 1
             if head.lstrip().startswith("#") and not head.rstrip().endswith("\\"):
                 head = ""
-    return lengths
+    return found
+
+
+def function_lengths(code):
+    """(first line, lines) of each function in code without comments, in their order."""
+    return sorted((block.first, block.last - block.first + 1) for block in blocks(code) if block.kind == "function")
 
 
 def check_internal(root, path, folder, name, layers, report, where):
@@ -204,10 +241,42 @@ def check_file(root, path, layers, report):
     check_sizes(path, code, report, where)
 
 
+def include_loops(includes):
+    """Each loop of files that include one another (path -> paths) once, as the list of its paths in their order."""
+    loops = set()
+    done = set()
+    for start in sorted(includes):
+        path = [(start, iter(sorted(includes[start])))] if start not in done else []
+        while path:
+            wanted = next(path[-1][1], None)
+            names = [name for name, _ in path]
+            if wanted is None:
+                done.add(path.pop()[0])
+            elif wanted in names:
+                loop = names[names.index(wanted):]
+                lowest = loop.index(min(loop))
+                loops.add(tuple(loop[lowest:] + loop[:lowest]))
+            elif wanted not in done and wanted in includes:
+                path.append((wanted, iter(sorted(includes[wanted]))))
+    return sorted(loops)
+
+
+def check_loops(root, report):
+    """No file of src may include itself over others: nobody could read or test one of them alone."""
+    includes = {}
+    for path in sorted((root / "src").rglob("*")) if (root / "src").is_dir() else []:
+        if path.suffix in (".h", ".cpp"):
+            found = (INCLUDE.match(line) for line in path.read_text(errors="replace").splitlines())
+            includes[path.relative_to(root / "src").as_posix()] = {match.group(2) for match in found if match}
+    for loop in include_loops(includes):
+        report.breaches.append(f"src/{loop[0]}: files include one another: {' -> '.join(loop + loop[:1])}")
+
+
 def check_tree(root):
     report = Report()
     layers = Layers(root)
     count = 0
+    check_loops(root, report)
     for top in ("src", "tests", "bench", "examples"):
         for path in sorted((root / top).rglob("*")) if (root / top).is_dir() else []:
             if path.suffix in (".h", ".cpp"):

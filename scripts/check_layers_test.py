@@ -104,6 +104,43 @@ class Breaches(unittest.TestCase):
         self.assert_clean("src/rastro/base/a.cpp", LICENCE + '// abort();\nvoid f() { g("std::cout"); }\n')
         self.assert_clean("src/rastro/cli/a.cpp", LICENCE + "void f() { std::exit(1); }\n")
 
+    def test_files_that_include_one_another(self):
+        def file(*names):
+            return LICENCE + "#pragma once\n" + "".join(f'#include "rastro/{name}"\n' for name in names)
+
+        loop = {"src/rastro/base/a.h": file("base/b.h", "base/d.h"), "src/rastro/base/b.h": file("base/c.h"),
+                "src/rastro/base/c.h": file("base/a.h", "base/d.h"), "src/rastro/base/d.h": file()}
+        report = check(loop)
+        self.assertEqual(len(report.breaches), 1, report.breaches)
+        self.assertIn("rastro/base/a.h -> rastro/base/b.h -> rastro/base/c.h -> rastro/base/a.h", report.breaches[0])
+        loop["src/rastro/base/c.h"] = file("base/d.h")
+        self.assertEqual(check(loop).breaches, [])
+
+    def test_two_loops_and_a_file_that_includes_itself(self):
+        self.assertEqual(check_layers.include_loops({"a": {"b"}, "b": {"a", "c"}, "c": {"c"}}), [("a", "b"), ("c",)])
+
+    def test_what_counts_as_a_function(self):
+        code = check_layers.without_comments_and_strings("""namespace a {
+const std::vector<Row> rows{
+    Row("x", 1), {Row("y", 2)}};
+template <class T>
+T twice(T value) {
+  return [&] { return 2 * value; }();
+}
+struct B : C {
+  B(int b)
+      : b_{b},
+        c_(b) {
+    c();
+  }
+  bool empty() const { return b_ == 0; }
+  int b_{1};
+};
+enum class D { e };
+}
+""")
+        self.assertEqual(check_layers.function_lengths(code), [(4, 4), (9, 5), (14, 1)])
+
     def test_sizes(self):
         self.assert_breach("src/rastro/base/a.cpp", LICENCE + "int a;\n" * 801, "split it")
         self.assert_breach("src/rastro/base/a.cpp", LICENCE + "void f() {\n" + "g();\n" * 120 + "}\n", ":2: a function of 122 lines")

@@ -17,6 +17,7 @@
 
 #include "rastro/base/text.h"
 #include "rastro/dataset/open.h"
+#include "rastro/math/median.h"
 #include "rastro/track/tracker.h"
 
 namespace {
@@ -30,11 +31,6 @@ double now_ms(int threads) {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 /// The front-end of VINS-Fusion's kind, by OpenCV's functions alone.
@@ -115,6 +111,47 @@ Arguments read_arguments(int argc, char** argv) {
   return arguments;
 }
 
+/// What all frames of all repeats took and gave.
+struct Sums {
+  TrackTimes times;
+  std::int64_t tracked = 0, reidentified = 0, corners = 0;
+  std::vector<double> ratios, ours_ms, theirs_ms;  ///< One a repeat; milliseconds of a frame.
+
+  void add(const TrackFrame& frame) {
+    const TrackTimes& t = frame.times;
+    times.pyramid_ms += t.pyramid_ms;
+    times.flow_ms += t.flow_ms;
+    times.outlier_ms += t.outlier_ms;
+    times.foresee_ms += t.foresee_ms;
+    times.detect_ms += t.detect_ms;
+    times.describe_ms += t.describe_ms;
+    times.match_ms += t.match_ms;
+    times.validate_ms += t.validate_ms;
+    times.total_ms += t.total_ms;
+    tracked += frame.tracked;
+    reidentified += frame.reidentified;
+    corners += frame.fresh + frame.reidentified;
+  }
+};
+
+void print(const Sums& sums, double calls) {
+  fmt::print(
+      "rastro  {:.3f} ms a frame (median)\nOpenCV  {:.3f} ms a frame (median)\nratio   {:.3f} (min {:.3f}, max "
+      "{:.3f})\n",
+      upper_median(sums.ours_ms), upper_median(sums.theirs_ms), upper_median(sums.ratios),
+      *std::min_element(sums.ratios.begin(), sums.ratios.end()),
+      *std::max_element(sums.ratios.begin(), sums.ratios.end()));
+  const TrackTimes& t = sums.times;
+  fmt::print(
+      "stages  pyramid {:.3f}, flow {:.3f}, outliers {:.3f}, foresee {:.3f}, detect {:.3f}, describe {:.3f}, match "
+      "{:.3f}, validate {:.3f} ms\n",
+      t.pyramid_ms / calls, t.flow_ms / calls, t.outlier_ms / calls, t.foresee_ms / calls, t.detect_ms / calls,
+      t.describe_ms / calls, t.match_ms / calls, t.validate_ms / calls);
+  fmt::print("tracked {:.1f} a frame, re-identified {:.2f} of {:.2f} corners\n",
+             static_cast<double>(sums.tracked) / calls, static_cast<double>(sums.reidentified) / calls,
+             static_cast<double>(sums.corners) / calls);
+}
+
 void run(const Arguments& arguments) {
   OpenOptions open_options;
   open_options.end_frame = arguments.frames;
@@ -128,9 +165,7 @@ void run(const Arguments& arguments) {
   cv::setNumThreads(arguments.threads);
   TaskPool pool(arguments.threads);
 
-  std::vector<double> ratios, ours_ms, theirs_ms;
-  TrackTimes sum;
-  std::int64_t tracked = 0, reidentified = 0, corners = 0;
+  Sums sums;
   for (int repeat = 0; repeat < arguments.repeats; ++repeat) {
     Tracker tracker(arguments.options, source->info().cameras.front().camera, arguments.threads > 1 ? &pool : nullptr);
     PlainOpenCv opencv(arguments.options.features, arguments.options.min_distance_px);
@@ -140,42 +175,17 @@ void run(const Arguments& arguments) {
       const TrackFrame frame = tracker.process(images[i].view(), static_cast<TimeNs>(i));
       const double middle = now_ms(arguments.threads);
       opencv.process(mats[i]);
-      const double end = now_ms(arguments.threads);
+      theirs += now_ms(arguments.threads) - middle;
       ours += middle - begin;
-      theirs += end - middle;
-      const TrackTimes& t = frame.times;
-      sum.pyramid_ms += t.pyramid_ms;
-      sum.flow_ms += t.flow_ms;
-      sum.outlier_ms += t.outlier_ms;
-      sum.foresee_ms += t.foresee_ms;
-      sum.detect_ms += t.detect_ms;
-      sum.describe_ms += t.describe_ms;
-      sum.match_ms += t.match_ms;
-      sum.validate_ms += t.validate_ms;
-      sum.total_ms += t.total_ms;
-      tracked += frame.tracked;
-      reidentified += frame.reidentified;
-      corners += frame.fresh + frame.reidentified;
+      sums.add(frame);
     }
-    ours_ms.push_back(ours / static_cast<double>(images.size()));
-    theirs_ms.push_back(theirs / static_cast<double>(images.size()));
-    ratios.push_back(ours / theirs);
+    sums.ours_ms.push_back(ours / static_cast<double>(images.size()));
+    sums.theirs_ms.push_back(theirs / static_cast<double>(images.size()));
+    sums.ratios.push_back(ours / theirs);
   }
-  const double calls = static_cast<double>(images.size()) * arguments.repeats;
   fmt::print("{} frames {}x{}, {} features, mode {}, {} thread(s), {} repeats\n", images.size(), mats[0].cols,
              mats[0].rows, arguments.options.features, arguments.options.mode, arguments.threads, arguments.repeats);
-  fmt::print(
-      "rastro  {:.3f} ms a frame (median)\nOpenCV  {:.3f} ms a frame (median)\nratio   {:.3f} (min {:.3f}, max "
-      "{:.3f})\n",
-      median(ours_ms), median(theirs_ms), median(ratios), *std::min_element(ratios.begin(), ratios.end()),
-      *std::max_element(ratios.begin(), ratios.end()));
-  fmt::print(
-      "stages  pyramid {:.3f}, flow {:.3f}, outliers {:.3f}, foresee {:.3f}, detect {:.3f}, describe {:.3f}, match "
-      "{:.3f}, validate {:.3f} ms\n",
-      sum.pyramid_ms / calls, sum.flow_ms / calls, sum.outlier_ms / calls, sum.foresee_ms / calls,
-      sum.detect_ms / calls, sum.describe_ms / calls, sum.match_ms / calls, sum.validate_ms / calls);
-  fmt::print("tracked {:.1f} a frame, re-identified {:.2f} of {:.2f} corners\n", static_cast<double>(tracked) / calls,
-             static_cast<double>(reidentified) / calls, static_cast<double>(corners) / calls);
+  print(sums, static_cast<double>(images.size()) * arguments.repeats);
 }
 
 }  // namespace

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
+#include "rastro/base/recorded_data_testing.h"
 #include "rastro/base/text_file.h"
 #include "rastro/dataset/open.h"
 #include "rastro/evaluate/relations.h"
@@ -14,28 +14,20 @@
 namespace rastro {
 namespace {
 
-std::filesystem::path data_folder() {
-  const char* set = std::getenv("RASTRO_DATA");
-  const char* source_dir = std::getenv("RASTRO_SOURCE_DIR");
-  const std::filesystem::path root = set && *set
-                                         ? std::filesystem::path(set)
-                                         : std::filesystem::path(source_dir ? source_dir : ".") / "../shared/data";
-  return root / "laser";
-}
+constexpr const char* laser_logs = "laser";
 
 class LaserRelations : public testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(data_folder()))
-      GTEST_SKIP() << "no recorded data at " << data_folder() << " (set RASTRO_DATA)";
+    if (!recorded_data(laser_logs)) GTEST_SKIP() << no_recorded_data(laser_logs);
   }
 
   static std::unique_ptr<Source> open_log(const std::string& name) {
-    return open((data_folder() / (name + ".clf.gz")).string(), {});
+    return open((recorded_data_path(laser_logs) / (name + ".clf.gz")).string(), {});
   }
 
   static RelationScores scores_of(const std::string& name, Trajectory trajectory) {
-    const std::string file = (data_folder() / (name + ".relations")).string();
+    const std::string file = (recorded_data_path(laser_logs) / (name + ".relations")).string();
     // A few stamps of the logs go back.
     std::stable_sort(trajectory.begin(), trajectory.end(),
                      [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });

@@ -41,6 +41,7 @@ TEST_F(LogTest, IsDroppedWithoutASink) {
 TEST_F(LogTest, LosesNothingBetweenThreads) {
   record();
   std::vector<std::thread> threads;
+  threads.reserve(4);
   for (int i = 0; i < 4; ++i) {
     threads.emplace_back([] {
       for (int k = 0; k < 500; ++k) log_info("line");

@@ -27,7 +27,7 @@ inline std::filesystem::path scratch_path(const std::string& name) {
 
 /// The same as an empty folder.
 inline std::filesystem::path scratch_folder(const std::string& name) {
-  const std::filesystem::path path = scratch_path(name);
+  std::filesystem::path path = scratch_path(name);
   std::filesystem::create_directories(path);
   return path;
 }

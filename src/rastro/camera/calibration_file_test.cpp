@@ -3,12 +3,12 @@
 
 #include <gmock/gmock.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "rastro/base/error.h"
 #include "rastro/base/random.h"
+#include "rastro/base/recorded_data_testing.h"
 #include "rastro/base/scratch_testing.h"
 #include "rastro/math/math_testing.h"
 
@@ -408,11 +408,8 @@ TEST(CalibrationFile, PublishedTumCameras) {
 }
 
 TEST(CalibrationFile, RealFilesReadWithoutAWarning) {
-  const char* set = std::getenv("RASTRO_DATA");
-  const char* source = std::getenv("RASTRO_SOURCE_DIR");
-  const std::filesystem::path data =
-      set && *set ? std::filesystem::path(set) : std::filesystem::path(source ? source : ".") / "../shared/data";
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "no recorded data at " << data << " (set RASTRO_DATA)";
+  if (!recorded_data("")) GTEST_SKIP() << no_recorded_data("");
+  const auto data = recorded_data_path("");
   const std::pair<const char*, const char*> files[] = {{"euroc_v1_01_flight/mav0/cam0/sensor.yaml", "euroc"},
                                                        {"euroc_v1_01_still_stereo/mav0/cam1/sensor.yaml", "euroc"},
                                                        {"kitti_00/calib.txt", "kitti_odometry"},

@@ -121,6 +121,7 @@ TEST_P(CameraModel, JacobianOnTheAxisIsThatOfAPinhole) {
 TEST_P(CameraModel, ProjectsAsOpenCvDoes) {
   const auto in_space = points(300);
   std::vector<cv::Point3d> objects;
+  objects.reserve(in_space.size());
   for (const auto& p : in_space) objects.emplace_back(p.x(), p.y(), p.z());
   const cv::Matx33d matrix(camera().fx, 0, camera().cx, 0, camera().fy, camera().cy, 0, 0, 1);
   const auto& k = camera().coefficients;

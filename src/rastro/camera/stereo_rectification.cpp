@@ -49,7 +49,7 @@ Camera camera_for(const Camera& left, const Camera& right, const SO3& left_from_
 
 std::optional<StereoRectification> rectify_stereo(const Camera& left, const Camera& right, const SE3& left_from_right) {
   if (left.width < 2 || left.height < 2 || left.width != right.width || left.height != right.height) return {};
-  const Eigen::Vector3d aside = left_from_right.translation();
+  const Eigen::Vector3d& aside = left_from_right.translation();
   const Eigen::Vector3d right_view = left_from_right.rotation().matrix() * Eigen::Vector3d::UnitZ();
   if (!(aside.norm() > 0.0) || angle_between(aside, Eigen::Vector3d::UnitX()) > most_aside_rad) return {};
   if (angle_between(right_view, Eigen::Vector3d::UnitZ()) > most_apart_rad) return {};

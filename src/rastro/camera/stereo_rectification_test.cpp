@@ -31,7 +31,7 @@ GreyImage picture_of_wall(const Camera& camera, const SE3& wall_from_camera) {
       const auto ray = camera.unproject({x, y});
       if (!ray) continue;
       const Eigen::Vector3d direction = wall_from_camera.rotation() * Eigen::Vector3d(ray->x(), ray->y(), 1.0);
-      const Eigen::Vector3d centre = wall_from_camera.translation();
+      const Eigen::Vector3d& centre = wall_from_camera.translation();
       const Eigen::Vector3d at = centre + direction * ((3.0 - centre.z()) / direction.z());
       image.at(x, y) = static_cast<std::uint8_t>(
           std::lround(128.0 + 50.0 * std::sin(6.0 * at.x()) + 50.0 * std::sin(7.0 * at.y() + at.x())));

@@ -25,7 +25,7 @@ struct BorderRays {
 };
 
 std::optional<Eigen::Vector2d> useful_ray(const Camera& camera, double x, double y) {
-  const auto ray = camera.unproject({x, y});
+  auto ray = camera.unproject({x, y});
   if (ray && ray->norm() <= farthest_ray) return ray;
   // No ray there (a fisheye's black corner): the last useful one on the way to the middle.
   const Eigen::Vector2d middle(camera.cx, camera.cy), outward = Eigen::Vector2d(x, y) - middle;
@@ -73,6 +73,11 @@ bool usable(const Rectangle& r) {
   return r.right > r.left && r.bottom > r.top && std::isfinite(r.right - r.left) && std::isfinite(r.bottom - r.top);
 }
 
+/// Of a grey value, 0 to 255; quicker than lround().
+inline std::uint8_t rounded(float grey) {
+  return static_cast<std::uint8_t>(grey + 0.5F);  // NOLINT(bugprone-incorrect-roundings): no grey value is negative.
+}
+
 /// Between four pixels that are all inside.
 inline std::uint8_t blend(GreyView image, float x, float y) {
   const int left = static_cast<int>(x), top = static_cast<int>(y);
@@ -80,7 +85,7 @@ inline std::uint8_t blend(GreyView image, float x, float y) {
   const std::uint8_t *above_left = image.row(top) + left, *below_left = above_left + image.stride;
   const float above = above_left[0] + along * (above_left[1] - above_left[0]);
   const float below = below_left[0] + along * (below_left[1] - below_left[0]);
-  return static_cast<std::uint8_t>(above + down * (below - above) + 0.5F);
+  return rounded(above + down * (below - above));
 }
 
 /// Also at the last row and column; black outside.
@@ -94,7 +99,7 @@ std::uint8_t sample(GreyView image, float x, float y) {
   const float along = x - static_cast<float>(left), down = y - static_cast<float>(top);
   const float above = image.at(left, top) + along * (image.at(right, top) - image.at(left, top));
   const float below = image.at(left, bottom) + along * (image.at(right, bottom) - image.at(left, bottom));
-  return static_cast<std::uint8_t>(above + down * (below - above) + 0.5F);
+  return rounded(above + down * (below - above));
 }
 
 /// Zero where a zero lies within `margin` rows and columns.

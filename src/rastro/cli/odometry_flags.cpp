@@ -52,26 +52,17 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
   command.add_option("--reference", flags.reference, "Trajectory of the camera, for --calibrate-yaw")
       ->type_name("FILE")
       ->group(group);
-  command.add_option("--options", flags.options_file, "YAML file with settings; see 'rastro options METHOD --yaml'")
-      ->type_name("FILE")
-      ->group(group);
-  command.add_option("--set", flags.settings, "Set one option, may be repeated; see 'rastro options METHOD'")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false)
-      ->group(group);
-  command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR")->required()->group("Output");
-  command.add_flag("--force", flags.force, "Write into a folder that is not empty, replacing a former run")
-      ->group("Output");
+  add_settings_flags(command, flags, group, "rastro options METHOD");
+  add_folder_flags(command, flags);
   command.footer("Methods:\n" + methods_text(odometry_methods()) + footer);
 }
 
 void apply_settings(const OdometryFlags& flags, OptionTable& table) {
-  if (!flags.options_file.empty()) table.load_yaml(flags.options_file);
-  for (const std::string& setting : flags.settings) table.set_assignment(setting, "--set");
+  apply_given_settings(flags, table);
   if (!flags.matcher.empty()) table.set("matcher", flags.matcher, "--matcher");
   if (flags.refine) table.set("refine", "true", "--refine");
   if (flags.no_refine) table.set("refine", "false", "--no-refine");
-  if (flags.seed_given) table.set("seed", fmt::format("{}", flags.data.seed), "--seed");
+  apply_given_seed(flags, table);
 }
 
 }  // namespace rastro::cli

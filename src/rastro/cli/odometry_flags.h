@@ -3,28 +3,21 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
-#include <vector>
 
 #include "rastro/base/options.h"
-#include "rastro/cli/common_flags.h"
+#include "rastro/cli/run_flags.h"
 
 namespace rastro::cli {
 
 /// The flags of `rastro odometry`.
-struct OdometryFlags {
-  DataFlags data;
+struct OdometryFlags : RunFlags {
   std::string method = "features";
-  std::string out;
   std::string matcher;  ///< Empty = not given; stands for the option of the same name.
-  std::string options_file;
-  std::vector<std::string> settings;  ///< --set key=value
-  std::string scale;                  ///< camera-height=METRES or reference=FILE; empty: relative.
+  std::string scale;    ///< camera-height=METRES or reference=FILE; empty: relative.
   bool calibrate_yaw = false;
   std::string reference;  ///< Trajectory for calibrate_yaw.
-  bool force = false;
   bool refine = false;
   bool no_refine = false;
-  bool seed_given = false;
 };
 
 void add_odometry_flags(CLI::App& command, OdometryFlags& flags);

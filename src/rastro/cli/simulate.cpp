@@ -213,6 +213,21 @@ void simulate_camera(const SimulateFlags& flags) {
                written.recording, static_cast<double>(written.bytes) * 1e-6);
 }
 
+constexpr const char* examples_text =
+    "Examples:\n"
+    "  rastro simulate hall --out hall                      150 frames with truth\n"
+    "  rastro simulate hall --out long --frames 10000 --no-truth\n"
+    "  rastro simulate hall --out bent --distortion --seed 7\n"
+    "  rastro simulate street --out street                  400 frames as KITTI odometry, with poses\n"
+    "  rastro simulate street --out raw --format kitti-raw  the same drive with GPS/IMU packets\n"
+    "  rastro simulate corridor --out office                a 2D laser with odometry, truth, relations and floor "
+    "plan\n"
+    "  rastro simulate corridor --out rgbd --format tum --frames 1750   the same drive with a depth camera\n"
+    "  rastro simulate bedroom --out bedroom                one round with a Kinect, truth and what to measure\n"
+    "  rastro simulate study --out dark --seed 3 --black 10:11   a second in which the camera is covered\n"
+    "  rastro simulate loop --out loop                      a walk with two loops, one camera\n"
+    "  rastro simulate loop --out pair --stereo             the same with two cameras";
+
 void simulate(SimulateFlags flags) {
   if (flags.world.empty()) {
     fmt::print("{}", worlds_text);
@@ -261,20 +276,7 @@ void add_simulate_command(CLI::App& app, Context& context) {
   command->add_flag("--stereo", flags->stereo, "The loop's right camera too (euroc, kitti)");
   command->add_flag("--force", flags->force, "Write into a folder that is not empty");
   command->add_flag("--quiet", flags->quiet, "Print nothing but errors");
-  command->footer(
-      "Examples:\n"
-      "  rastro simulate hall --out hall                      150 frames with truth\n"
-      "  rastro simulate hall --out long --frames 10000 --no-truth\n"
-      "  rastro simulate hall --out bent --distortion --seed 7\n"
-      "  rastro simulate street --out street                  400 frames as KITTI odometry, with poses\n"
-      "  rastro simulate street --out raw --format kitti-raw  the same drive with GPS/IMU packets\n"
-      "  rastro simulate corridor --out office                a 2D laser with odometry, truth, relations and floor "
-      "plan\n"
-      "  rastro simulate corridor --out rgbd --format tum --frames 1750   the same drive with a depth camera\n"
-      "  rastro simulate bedroom --out bedroom                one round with a Kinect, truth and what to measure\n"
-      "  rastro simulate study --out dark --seed 3 --black 10:11   a second in which the camera is covered\n"
-      "  rastro simulate loop --out loop                      a walk with two loops, one camera\n"
-      "  rastro simulate loop --out pair --stereo             the same with two cameras");
+  command->footer(examples_text);
   command->callback([flags, &context] {
     simulate(*flags);
     context.exit_code = done;

@@ -71,14 +71,8 @@ Examples:
   rastro localize kitchen_again --map run --out found
   rastro localize kitchen_again --map kitchen.rastro --out found --require 'recall>=95')";
 
-void add_settings_flags(CLI::App& command, SlamFlags& flags, const char* group) {
-  command.add_option("--options", flags.options_file, "YAML file with settings; see 'rastro options METHOD --yaml'")
-      ->type_name("FILE")
-      ->group(group);
-  command.add_option("--set", flags.settings, "Set one option, may be repeated; see 'rastro options METHOD'")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false)
-      ->group(group);
+void add_run_flags(CLI::App& command, SlamFlags& flags, const char* group) {
+  add_settings_flags(command, flags, group, "rastro options METHOD");
   command
       .add_option("--mode", flags.mode,
                   "'pipelined': mapping runs beside tracking; 'step': one after the other, with the same results")
@@ -98,9 +92,7 @@ void add_settings_flags(CLI::App& command, SlamFlags& flags, const char* group) 
 }
 
 void add_output_flags(CLI::App& command, SlamFlags& flags, const std::string& example) {
-  command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR")->required()->group("Output");
-  command.add_flag("--force", flags.force, "Write into a folder that is not empty, replacing a former run")
-      ->group("Output");
+  add_folder_flags(command, flags);
   command
       .add_option("--require", flags.limits,
                   "Limit on a number of result.json, such as '" + example + "'; exit code 1 when one is missed")
@@ -130,7 +122,7 @@ void add_method_flags(CLI::App& command, SlamFlags& flags) {
   command.add_option("--loop-closing", flags.loop_closing, "Whether places are recognised (option loop_closing)")
       ->type_name("true|false")
       ->group(group);
-  add_settings_flags(command, flags, group);
+  add_run_flags(command, flags, group);
 }
 
 }  // namespace
@@ -148,20 +140,19 @@ void add_localize_flags(CLI::App& command, SlamFlags& flags) {
       ->type_name("MAP")
       ->required()
       ->group("Map");
-  add_settings_flags(command, flags, "Map");
+  add_run_flags(command, flags, "Map");
   add_output_flags(command, flags, "recall>=95");
   command.footer(localize_footer);
 }
 
 void apply_settings(const SlamFlags& flags, OptionTable& table) {
-  if (!flags.options_file.empty()) table.load_yaml(flags.options_file);
-  for (const std::string& setting : flags.settings) table.set_assignment(setting, "--set");
+  apply_given_settings(flags, table);
   set_from_flag(table, "guess", flags.guess, "--guess", flags.method);
   set_from_flag(table, "sensor", flags.sensor, "--sensor", flags.method);
   set_from_flag(table, "frontend", flags.frontend, "--frontend", flags.method);
   set_from_flag(table, "loop_closing", flags.loop_closing, "--loop-closing", flags.method);
   // A method without a seed draws nothing at random: any seed gives its result.
-  if (flags.seed_given && has_option(table, "seed")) table.set("seed", fmt::format("{}", flags.data.seed), "--seed");
+  if (has_option(table, "seed")) apply_given_seed(flags, table);
 }
 
 }  // namespace rastro::cli

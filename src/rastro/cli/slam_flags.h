@@ -6,25 +6,19 @@
 #include <vector>
 
 #include "rastro/base/options.h"
-#include "rastro/cli/common_flags.h"
+#include "rastro/cli/run_flags.h"
 
 namespace rastro::cli {
 
 /// The flags of `rastro slam`.
-struct SlamFlags {
-  DataFlags data;
+struct SlamFlags : RunFlags {
   std::string method;   ///< Empty where `map` says it.
   std::string map;      ///< Find the way in this map, or that of this run, or go on with it; empty: make a new one.
   bool extend = false;  ///< --continue
   std::string mode = "pipelined";
-  std::string mask, max_memory;  ///< Empty = not given.
-  std::string out;
+  std::string mask, max_memory;                       ///< Empty = not given.
   std::string guess, loop_closing, sensor, frontend;  ///< Empty = not given; stand for the options of the same names.
-  std::string options_file;
-  std::vector<std::string> settings;  ///< --set key=value
-  std::vector<std::string> limits;    ///< --require
-  bool force = false;
-  bool seed_given = false;
+  std::vector<std::string> limits;                    ///< --require
 };
 
 void add_slam_flags(CLI::App& command, SlamFlags& flags);

@@ -33,13 +33,7 @@ void add_setting_flags(CLI::App& command, TrackFlags& flags) {
       ->group(group);
   command.add_option("--validation", flags.validation, "How a re-identification is confirmed (default: homography)")
       ->group(group);
-  command.add_option("--options", flags.options_file, "YAML file with settings; see 'rastro options --yaml'")
-      ->type_name("FILE")
-      ->group(group);
-  command.add_option("--set", flags.settings, "Set one option, may be repeated; see 'rastro options'")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false)
-      ->group(group);
+  add_settings_flags(command, flags, group, "rastro options");
   command.add_option("--mask", flags.mask, "Image (or folder of one per frame), black where nothing may be detected")
       ->type_name("FILE|FOLDER")
       ->group(group);
@@ -47,9 +41,7 @@ void add_setting_flags(CLI::App& command, TrackFlags& flags) {
 
 void add_output_flags(CLI::App& command, TrackFlags& flags) {
   const char* group = "Output";
-  command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR")->required()->group(group);
-  command.add_flag("--force", flags.force, "Write into a folder that is not empty, replacing a former run")
-      ->group(group);
+  add_folder_flags(command, flags);
   command.add_option("--formats", flags.formats, "Which of yaml,csv,jsonl to write (default: all)")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -77,8 +69,7 @@ void add_track_flags(CLI::App& command, TrackFlags& flags) {
 }
 
 void apply_settings(const TrackFlags& flags, OptionTable& table) {
-  if (!flags.options_file.empty()) table.load_yaml(flags.options_file);
-  for (const std::string& setting : flags.settings) table.set_assignment(setting, "--set");
+  apply_given_settings(flags, table);
   const std::pair<const char*, const std::string*> direct[] = {{"mode", &flags.mode},
                                                                {"features", &flags.features},
                                                                {"window", &flags.window},
@@ -86,7 +77,7 @@ void apply_settings(const TrackFlags& flags, OptionTable& table) {
   for (const auto& [name, value] : direct) {
     if (!value->empty()) table.set(name, *value, fmt::format("--{}", name));
   }
-  if (flags.seed_given) table.set("seed", fmt::format("{}", flags.data.seed), "--seed");
+  apply_given_seed(flags, table);
 }
 
 std::optional<std::pair<std::int64_t, std::int64_t>> match_frames(const TrackFlags& flags) {

@@ -9,25 +9,19 @@
 #include <vector>
 
 #include "rastro/base/options.h"
-#include "rastro/cli/common_flags.h"
+#include "rastro/cli/run_flags.h"
 
 namespace rastro::cli {
 
 /// The flags of `rastro track`.
-struct TrackFlags {
-  DataFlags data;
-  std::string out;
+struct TrackFlags : RunFlags {
   std::string mode, features, window, validation;  ///< Empty = not given; they stand for options of the same name.
-  std::string options_file;
-  std::vector<std::string> settings;  ///< --set key=value
   std::string mask;
   bool pictures = false;
   std::string match_picture;  ///< A:B
   std::string video;
   std::vector<std::string> formats = {"yaml", "csv", "jsonl"};
-  bool force = false;
   std::vector<std::string> limits;  ///< --require
-  bool seed_given = false;
 };
 
 void add_track_flags(CLI::App& command, TrackFlags& flags);

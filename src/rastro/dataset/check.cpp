@@ -12,6 +12,7 @@
 #include "rastro/dataset/laser_log/open_log.h"
 #include "rastro/dataset/recording.h"
 #include "rastro/dataset/video/video.h"
+#include "rastro/math/median.h"
 #include "rastro/sensor/stamp_text.h"
 
 namespace rastro {
@@ -186,10 +187,7 @@ TimeNs median_forward_step(const std::vector<TimeNs>& stamps) {
   for (std::size_t k = 1; k < stamps.size(); ++k) {
     if (stamps[k] > stamps[k - 1]) steps.push_back(stamps[k] - stamps[k - 1]);
   }
-  if (steps.empty()) return 0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return upper_median_or(std::move(steps), TimeNs{0});
 }
 
 void judge_stamps(CheckReport& report, const Stamps& all) {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "rastro/dataset/describe.h"
+#include "rastro/math/median.h"
 
 namespace rastro {
 namespace {
@@ -72,9 +73,7 @@ void ScanCheck::find_jumps() {
   for (const auto& step : steps_)
     if (step.seconds > 0.0) speeds.push_back(step.metres / step.seconds);
   if (speeds.empty()) return;
-  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
-  std::nth_element(speeds.begin(), middle, speeds.end());
-  const double limit = std::max(least_jump_speed, jump_over_median_speed * *middle);
+  const double limit = std::max(least_jump_speed, jump_over_median_speed * upper_median(std::move(speeds)));
   for (const auto& step : steps_) {
     const bool leaps = step.metres > least_jump_m && step.metres > limit * step.seconds;
     const bool spins = step.radians > least_jump_rad && step.radians > least_jump_rate * step.seconds;

@@ -52,7 +52,7 @@ void ScratchFolder::write_grey(const std::string& name, int value, int width, in
 }
 
 void ScratchFolder::write_colour(const std::string& name, int value, int width, int height) const {
-  write_mat(path(name), cv::Mat(height, width, CV_8UC3, cv::Scalar(value, value / 2, 0)));
+  write_mat(path(name), cv::Mat(height, width, CV_8UC3, cv::Scalar(value, static_cast<int>(value / 2), 0)));
 }
 
 void ScratchFolder::write_depth(const std::string& name, int raw, int width, int height) const {

@@ -33,6 +33,7 @@ std::vector<Frame> read_all(const std::string& path, const OpenOptions& options 
 
 std::vector<std::int64_t> indices(const std::vector<Frame>& frames) {
   std::vector<std::int64_t> result;
+  result.reserve(frames.size());
   for (const auto& frame : frames) result.push_back(frame.index);
   return result;
 }

@@ -2,9 +2,7 @@
 // Recordings that are not part of the project; skipped, saying so, where they are not there.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-
+#include "rastro/base/recorded_data_testing.h"
 #include "rastro/dataset/open.h"
 
 namespace rastro {
@@ -29,17 +27,12 @@ class RealData : public testing::TestWithParam<Expected> {};
 
 TEST_P(RealData, IsReadWhole) {
   const auto& expected = GetParam();
-  const char* set = std::getenv("RASTRO_DATA");
-  const char* source_dir = std::getenv("RASTRO_SOURCE_DIR");
-  const std::filesystem::path root = set && *set
-                                         ? std::filesystem::path(set)
-                                         : std::filesystem::path(source_dir ? source_dir : ".") / "../shared/data";
-  const auto path = root / expected.folder;
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no recorded data at " << path << " (set RASTRO_DATA)";
+  const auto path = recorded_data(expected.folder);
+  if (!path) GTEST_SKIP() << no_recorded_data(expected.folder);
 
   OpenOptions options;
   options.want_right = options.want_depth = true;
-  const auto source = open(path.string(), options);
+  const auto source = open(path->string(), options);
   const auto& info = source->info();
   EXPECT_EQ(info.format, expected.format);
   EXPECT_EQ(info.frame_count, expected.frames);

@@ -8,6 +8,7 @@
 #include "rastro/base/random.h"
 #include "rastro/evaluate/length_feature.h"
 #include "rastro/evaluate/map_lengths.h"
+#include "rastro/math/median.h"
 #include "rastro/math/robust_kernel.h"
 
 namespace rastro {
@@ -114,12 +115,6 @@ std::optional<CloudFace> face_in(const PointCloud& cloud, const LengthRegion& re
   return face;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Where the points of a slice end towards the outside (growing values are inside): walks outwards from the spot's
 /// inner side until two steps hold no point. nullopt where there is none to begin with.
 std::optional<double> end_of(std::vector<double> places, double step, double start) {
@@ -147,9 +142,9 @@ std::optional<std::pair<double, double>> boundary(const CloudFace& face, const L
     if (end) ends.push_back(*end);
   }
   if (static_cast<int>(ends.size()) < fewest_slices) return std::nullopt;
-  const double middle = median(ends);
+  const double middle = upper_median(ends);
   for (double& end : ends) end = std::abs(end - middle);
-  const double spread = 1.4826 * median(ends);
+  const double spread = 1.4826 * upper_median(ends);
   // The last voxel is filled in part; its point lies in the middle of what is filled.
   const double sigma = std::hypot(spread / std::sqrt(static_cast<double>(ends.size())), 0.3 * spacing);
   return std::pair(middle - 0.25 * spacing, std::hypot(sigma, depth_edge_m));

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "rastro/math/median.h"
+
 namespace rastro {
 namespace {
 
@@ -15,20 +17,15 @@ constexpr double shared_variance = 0.15;
 /// What no number of keyframes takes away: edges are no ideal lines, and cameras are calibrated that well.
 constexpr double floor_m = 0.001, floor_per_metre = 0.002;
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Standard deviation as the median of the distances to the median tells it.
 double spread(std::vector<double> values, double centre) {
   for (double& value : values) value = std::abs(value - centre);
-  return 1.4826 * median(std::move(values));
+  return 1.4826 * upper_median(std::move(values));
 }
 
 std::vector<double> values_of(const std::vector<LengthSighting>& sightings) {
   std::vector<double> values;
+  values.reserve(sightings.size());
   for (const LengthSighting& one : sightings) values.push_back(one.value_m);
   return values;
 }
@@ -36,7 +33,7 @@ std::vector<double> values_of(const std::vector<LengthSighting>& sightings) {
 void drop_outliers(std::vector<LengthSighting>& sightings) {
   if (sightings.size() < 3) return;
   const std::vector<double> values = values_of(sightings);
-  const double centre = median(values), sigma = spread(values, centre);
+  const double centre = upper_median(values), sigma = spread(values, centre);
   std::erase_if(sightings, [&](const LengthSighting& one) {
     return std::abs(one.value_m - centre) > outlier_sigmas * std::hypot(sigma, one.sigma_m);
   });
@@ -55,6 +52,7 @@ std::vector<Pair> paired(const std::vector<LengthSighting>& a, const std::vector
   for (const LengthSighting& one : a) by_keyframe[one.keyframe].a = &one;
   for (const LengthSighting& one : b) by_keyframe[one.keyframe].b = &one;
   std::vector<Pair> pairs;
+  pairs.reserve(by_keyframe.size());
   for (const auto& [keyframe, pair] : by_keyframe) pairs.push_back(pair);
   return pairs;
 }
@@ -65,7 +63,7 @@ void drop_disagreeing(std::vector<Pair>& pairs) {
   for (const Pair& pair : pairs)
     if (pair.a != nullptr && pair.b != nullptr) differences.push_back(pair.difference());
   if (differences.size() < 3) return;
-  const double centre = median(differences), sigma = spread(differences, centre);
+  const double centre = upper_median(differences), sigma = spread(differences, centre);
   std::erase_if(pairs, [&](const Pair& pair) {
     if (pair.a == nullptr || pair.b == nullptr) return false;
     return std::abs(pair.difference() - centre) > outlier_sigmas * std::hypot(sigma, pair.difference_sigma());

@@ -11,6 +11,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
+#include "rastro/math/median.h"
 #include "rastro/math/se3.h"
 
 namespace rastro {
@@ -20,13 +21,6 @@ constexpr std::size_t segment_step = 10;
 constexpr double degrees = 180.0 / std::numbers::pi;
 /// So that 1 s is reached at a stamp of 0.9999999 s and 3 steps of 0.1 m are 0.3 m.
 constexpr double rounding = 1e-6;
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 Eigen::Vector3d position(const Eigen::Matrix4d& pose) { return pose.topRightCorner<3, 1>(); }
 
@@ -75,7 +69,7 @@ std::optional<ErrorStatistics> statistics_of(std::vector<double> errors) {
   const auto [least, most] = std::minmax_element(errors.begin(), errors.end());
   result.min = *least;
   result.max = *most;
-  result.median = median_of(errors);
+  result.median = median(std::move(errors));
   return result;
 }
 

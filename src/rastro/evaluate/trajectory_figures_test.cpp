@@ -3,36 +3,28 @@
 // figures are of two independent programs.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 
+#include "rastro/base/recorded_data_testing.h"
 #include "rastro/evaluate/trajectory_scores.h"
 
 namespace rastro {
 namespace {
 
-std::filesystem::path data_folder() {
-  const char* set = std::getenv("RASTRO_DATA");
-  const char* source_dir = std::getenv("RASTRO_SOURCE_DIR");
-  const std::filesystem::path root = set && *set
-                                         ? std::filesystem::path(set)
-                                         : std::filesystem::path(source_dir ? source_dir : ".") / "../shared/data";
-  return root / "trajectories";
-}
+constexpr const char* trajectories = "trajectories";
 
 class PublishedFigures : public testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(data_folder()))
-      GTEST_SKIP() << "no recorded data at " << data_folder() << " (set RASTRO_DATA)";
+    if (!recorded_data(trajectories)) GTEST_SKIP() << no_recorded_data(trajectories);
   }
   static TrajectoryScores scores(const std::string& reference, const std::string& estimate,
                                  TrajectoryAlignment alignment) {
     TrajectoryScoreOptions options;
     options.alignment = alignment;
     options.rpe_deltas = {{10.0, RpeDelta::Unit::metres}};
-    return score_trajectory(read_trajectory_input((data_folder() / reference).string()),
-                            read_trajectory_input((data_folder() / estimate).string()), options);
+    return score_trajectory(read_trajectory_input((recorded_data_path(trajectories) / reference).string()),
+                            read_trajectory_input((recorded_data_path(trajectories) / estimate).string()), options);
   }
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/evaluate/trajectory_input.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +40,7 @@ TEST_F(TrajectoryInputFiles, UnitsOfStampsAreGuessed) {
   for (const auto& [first, second, from] :
        {std::tuple("1305031102.1", "1305031102.2", "in s"), std::tuple("1305031102100", "1305031102200", "in ms"),
         std::tuple("1305031102100000000", "1305031102200000000", "in ns")}) {
-    const auto input = read_trajectory_input(write("t.txt", first + pose + second + pose));
+    const auto input = read_trajectory_input(write("t.txt", fmt::format("{}{}{}{}", first, pose, second, pose)));
     EXPECT_EQ(input.stamps_from, from);
     ASSERT_EQ(input.poses.size(), 2u);
     EXPECT_EQ(input.poses[0].stamp, 1305031102100000000);

@@ -7,6 +7,8 @@
 #include <map>
 #include <tuple>
 
+#include "rastro/math/median.h"
+
 namespace rastro {
 namespace {
 
@@ -53,10 +55,7 @@ bool keeps_order(const std::map<std::size_t, std::size_t>& taken, const Candidat
 TimeNs median_step(const Trajectory& trajectory) {
   std::vector<TimeNs> steps;
   for (std::size_t k = 1; k < trajectory.size(); ++k) steps.push_back(trajectory[k].stamp - trajectory[k - 1].stamp);
-  if (steps.empty()) return 0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return upper_median_or(std::move(steps), TimeNs{0});
 }
 
 }  // namespace

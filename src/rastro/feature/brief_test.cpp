@@ -24,7 +24,7 @@ Image<std::uint16_t> smooth(const GreyImage& image) {
 /// `image` turned by `angle` about its middle and magnified by `scale`.
 GreyImage turned(const GreyImage& image, double angle, double scale) {
   GreyImage out(image.width(), image.height());
-  const double cx = image.width() / 2, cy = image.height() / 2;
+  const int cx = image.width() / 2, cy = image.height() / 2;
   for (int y = 0; y < out.height(); ++y) {
     for (int x = 0; x < out.width(); ++x) {
       const double dx = (x - cx) / scale, dy = (y - cy) / scale;

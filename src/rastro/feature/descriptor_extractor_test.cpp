@@ -13,6 +13,7 @@ namespace rastro {
 namespace {
 
 constexpr int width = 500, height = 400;
+constexpr int middle_x = width / 2, middle_y = height / 2;
 
 /// Soft blots of grey of many sizes on a plane, which can be looked up anywhere.
 class Blots {
@@ -30,23 +31,23 @@ class Blots {
     const double c = std::cos(angle_rad), s = std::sin(angle_rad);
     std::vector<double> values(width * height, 128.0);
     for (const Blot& blot : blots_) {
-      const double x = c * (blot.x - width / 2) - s * (blot.y - height / 2) + width / 2 + dx,
-                   y = s * (blot.x - width / 2) + c * (blot.y - height / 2) + height / 2 + dy;
+      const double x = c * (blot.x - middle_x) - s * (blot.y - middle_y) + middle_x + dx,
+                   y = s * (blot.x - middle_x) + c * (blot.y - middle_y) + middle_y + dy;
       const int reach = static_cast<int>(3.0 * blot.size);
       for (int v = std::max(0, static_cast<int>(y) - reach); v <= std::min(height - 1, static_cast<int>(y) + reach);
            ++v) {
         for (int u = std::max(0, static_cast<int>(x) - reach); u <= std::min(width - 1, static_cast<int>(x) + reach);
              ++u) {
           const double squared = (u - x) * (u - x) + (v - y) * (v - y);
-          values[static_cast<std::size_t>(v * width + u)] +=
+          values[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)] +=
               blot.grey * std::exp(-0.5 * squared / (blot.size * blot.size));
         }
       }
     }
     for (int v = 0; v < height; ++v) {
       for (int u = 0; u < width; ++u) {
-        result.at(u, v) =
-            static_cast<std::uint8_t>(std::clamp(values[static_cast<std::size_t>(v * width + u)], 0.0, 255.0));
+        result.at(u, v) = static_cast<std::uint8_t>(
+            std::clamp(values[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)], 0.0, 255.0));
       }
     }
     return result;
@@ -81,8 +82,8 @@ TEST_P(DescriptorExtractorTest, MatchesAShiftedAndTurnedImage) {
     int right = 0;
     for (const DescriptorMatch& match : matches) {
       const Keypoint &a = reference.keypoints[match.first], &b = turned.keypoints[match.second];
-      const double x = c * (a.x - width / 2) - s * (a.y - height / 2) + width / 2 + view.dx,
-                   y = s * (a.x - width / 2) + c * (a.y - height / 2) + height / 2 + view.dy;
+      const double x = c * (a.x - middle_x) - s * (a.y - middle_y) + middle_x + view.dx,
+                   y = s * (a.x - middle_x) + c * (a.y - middle_y) + middle_y + view.dy;
       right += std::hypot(b.x - x, b.y - y) < std::max(3.0F, 0.1F * b.size_px);
     }
     EXPECT_GE(matches.size(), 40U) << view.angle;

@@ -29,7 +29,7 @@ class DistanceGrid {
     const int row = row_of(y), column = column_of(x);
     for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
       for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c) {
-        for (std::int32_t i = first_[static_cast<std::size_t>(r * columns_ + c)]; i != none; i = at(i).next) {
+        for (std::int32_t i = first_[index_of(r, c)]; i != none; i = at(i).next) {
           const float dx = at(i).x - x, dy = at(i).y - y;
           if (dx * dx + dy * dy < squared_) return false;
         }
@@ -39,7 +39,7 @@ class DistanceGrid {
   }
   /// Adds the point whatever is near.
   void add(float x, float y) {
-    std::int32_t& first = first_[static_cast<std::size_t>(row_of(y) * columns_ + column_of(x))];
+    std::int32_t& first = first_[index_of(row_of(y), column_of(x))];
     points_.push_back({x, y, first});
     first = static_cast<std::int32_t>(points_.size()) - 1;
   }
@@ -52,6 +52,9 @@ class DistanceGrid {
     std::int32_t next;
   };
   const Point& at(std::int32_t index) const { return points_[static_cast<std::size_t>(index)]; }
+  std::size_t index_of(int row, int column) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+  }
   int column_of(float x) const { return std::clamp(static_cast<int>(x / cell_), 0, columns_ - 1); }
   int row_of(float y) const { return std::clamp(static_cast<int>(y / cell_), 0, rows_ - 1); }
 

@@ -32,7 +32,7 @@ struct Grid {
     columns = (x1 - x0 + cell - 1) / cell;
     rows = (y1 - y0 + cell - 1) / cell;
   }
-  std::size_t cells() const { return static_cast<std::size_t>(columns * rows); }
+  std::size_t cells() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
 
   /// The cell of each corner.
   std::vector<std::uint32_t> cells_of(const std::vector<FastCorner>& corners) const {

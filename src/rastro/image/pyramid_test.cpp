@@ -18,7 +18,7 @@ bool equal(const PaddedImage& a, const PaddedImage& b) {
   if (a.width() != b.width() || a.height() != b.height()) return false;
   for (int y = -a.padding(); y < a.height() + a.padding(); ++y) {
     if (std::memcmp(a.row(y) - a.padding(), b.row(y) - b.padding(),
-                    static_cast<std::size_t>(a.width() + 2 * a.padding())) != 0)
+                    static_cast<std::size_t>(a.width()) + 2 * static_cast<std::size_t>(a.padding())) != 0)
       return false;
   }
   return true;

@@ -9,8 +9,10 @@
 #include <numbers>
 
 #include "rastro/base/error.h"
+#include "rastro/math/median.h"
 #include "rastro/math/robust_kernel.h"
 #include "rastro/multiview/ransac.h"
+#include "rastro/multiview/sampson_errors.h"
 
 namespace rastro {
 namespace {
@@ -149,17 +151,7 @@ class EssentialProblem {
     const Eigen::DiagonalMatrix<double, 3> to_rays(1.0 / focal_px_, 1.0 / focal_px_, 1.0);
     Eigen::Matrix3d fundamental = to_rays * essential * to_rays;
     fundamental /= fundamental.norm();
-    const Eigen::Matrix3f m = fundamental.cast<float>();
-    const float f00 = m(0, 0), f01 = m(0, 1), f02 = m(0, 2), f10 = m(1, 0), f11 = m(1, 1), f12 = m(1, 2);
-    const float f20 = m(2, 0), f21 = m(2, 1), f22 = m(2, 2);
-    const float *ax = pixels_.ax.data(), *ay = pixels_.ay.data(), *bx = pixels_.bx.data(), *by = pixels_.by.data();
-    for (std::size_t i = 0, count = pixels_.size(); i < count; ++i) {
-      const float lbx = f00 * ax[i] + f01 * ay[i] + f02, lby = f10 * ax[i] + f11 * ay[i] + f12;
-      const float lbz = f20 * ax[i] + f21 * ay[i] + f22;
-      const float lax = f00 * bx[i] + f10 * by[i] + f20, lay = f01 * bx[i] + f11 * by[i] + f21;
-      const float value = bx[i] * lbx + by[i] * lby + lbz;
-      out[i] = value * value / (lbx * lbx + lby * lby + lax * lax + lay * lay + 1e-30F);
-    }
+    sampson_errors(fundamental.cast<float>(), pixels_, out);
   }
 
   std::optional<Eigen::Matrix3d> refit(const RobustFit& best, float limit) const {
@@ -239,10 +231,7 @@ double median_parallax_deg(const Eigen::Matrix3d& rotation, std::span<const Eige
     const double angle = std::atan2(p.cross(q).norm(), p.dot(q));
     if (std::isfinite(angle)) angles.push_back(angle);
   }
-  if (angles.empty()) return 0.0;
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  return *middle * 180.0 / std::numbers::pi;
+  return upper_median_or(std::move(angles), 0.0) * 180.0 / std::numbers::pi;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "rastro/multiview/polynomial.h"
 #include "rastro/multiview/ransac.h"
+#include "rastro/multiview/sampson_errors.h"
 
 namespace rastro {
 namespace {
@@ -54,17 +55,7 @@ class FundamentalProblem {
   }
 
   void errors(const Eigen::Matrix3d& fundamental, float* out) const {
-    const Eigen::Matrix3f m = (fundamental / fundamental.norm()).cast<float>();
-    const float f00 = m(0, 0), f01 = m(0, 1), f02 = m(0, 2), f10 = m(1, 0), f11 = m(1, 1), f12 = m(1, 2);
-    const float f20 = m(2, 0), f21 = m(2, 1), f22 = m(2, 2);
-    const float *ax = pairs_.ax.data(), *ay = pairs_.ay.data(), *bx = pairs_.bx.data(), *by = pairs_.by.data();
-    for (std::size_t i = 0, count = pairs_.size(); i < count; ++i) {
-      const float lbx = f00 * ax[i] + f01 * ay[i] + f02, lby = f10 * ax[i] + f11 * ay[i] + f12;
-      const float lbz = f20 * ax[i] + f21 * ay[i] + f22;
-      const float lax = f00 * bx[i] + f10 * by[i] + f20, lay = f01 * bx[i] + f11 * by[i] + f21;
-      const float value = bx[i] * lbx + by[i] * lby + lbz;
-      out[i] = value * value / (lbx * lbx + lby * lby + lax * lax + lay * lay + 1e-30F);
-    }
+    sampson_errors((fundamental / fundamental.norm()).cast<float>(), pairs_, out);
   }
 
   /// Eight-point solution on the inliers, brought to rank two.

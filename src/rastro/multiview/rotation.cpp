@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "rastro/base/error.h"
+#include "rastro/math/median.h"
 #include "rastro/multiview/ransac.h"
 
 namespace rastro {
@@ -95,9 +96,7 @@ double median_of_roots(std::vector<float> squares) {
   for (float& value : squares) {
     if (!std::isfinite(value)) value = std::numeric_limits<float>::max();
   }
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  return std::sqrt(static_cast<double>(*middle));
+  return std::sqrt(static_cast<double>(upper_median(std::move(squares))));
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ TEST(Triangulation, TwoViewsGiveThePointExactly) {
 TEST(Triangulation, ManyViewsAverageTheNoiseOut) {
   Random random(2);
   std::vector<SE3> world_from_camera;
+  world_from_camera.reserve(8);
   for (int i = 0; i < 8; ++i) {
     world_from_camera.emplace_back(SO3::exp({0.0, -0.02 * i, 0.01 * i}), Eigen::Vector3d(5.0 + 0.3 * i, 1.0, 0.1 * i));
   }

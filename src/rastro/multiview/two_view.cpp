@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "rastro/base/random.h"
+#include "rastro/math/median.h"
 #include "rastro/multiview/essential.h"
 #include "rastro/multiview/homography.h"
 #include "rastro/multiview/homography_motion.h"
@@ -143,13 +144,6 @@ struct Hypothesis {
   double median_parallax_deg = 0.0;
 };
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Hypothesis judged(const SE3& motion, std::span<const TwoViewPair> pairs, const Scored& model,
                   const TwoViewOptions& options) {
   Hypothesis result;
@@ -173,7 +167,7 @@ Hypothesis judged(const SE3& motion, std::span<const TwoViewPair> pairs, const S
     result.points[i] = point->position;
     ++result.triangulated;
   }
-  result.median_parallax_deg = median(std::move(parallaxes));
+  result.median_parallax_deg = upper_median_or(std::move(parallaxes), 0.0);
   return result;
 }
 
@@ -265,6 +259,7 @@ TwoViewFit find_two_view_motion(std::span<const TwoViewPair> pairs, const TwoVie
     return fit;
   }
   std::vector<Hypothesis> hypotheses;
+  hypotheses.reserve(motions.size());
   for (const SE3& motion : motions) hypotheses.push_back(judged(motion, pairs, model, options));
   decide(std::move(hypotheses), options, fit);
   if (fit.status != TwoViewStatus::found) return fit;

@@ -9,6 +9,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/image/equalise.h"
+#include "rastro/math/median.h"
 
 namespace rastro {
 namespace {
@@ -19,18 +20,11 @@ constexpr std::size_t least_known = 3;
 constexpr int gradient_reach = 2;
 constexpr int row_step = 4;
 
-double median_of(const std::deque<double>& values) {
-  std::vector<double> sorted(values.begin(), values.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
-}
-
 /// `value` against the median of `known`, which it then joins; 1 while too few are known.
 double ratio_to_median(std::deque<double>& known, double value, int memory) {
   double ratio = 1.0;
   if (known.size() >= least_known) {
-    const double median = median_of(known);
+    const double median = upper_median(std::vector<double>(known.begin(), known.end()));
     if (median > 0.0) ratio = value / median;
   }
   known.push_back(value);

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "rastro/optimize/sparse_solver.h"
+
 namespace rastro {
 namespace {
 
@@ -46,18 +48,6 @@ class EdgeCost : public ceres::SizedCostFunction<3, 3, 3> {
   double turn_;
 };
 
-ceres::Solver::Options solver_options(const PlanarPoseGraphOptions& options) {
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  if (!ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE))
-    solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-  solver.max_num_iterations = options.iterations;
-  solver.num_threads = 1;
-  solver.logging_type = ceres::SILENT;
-  return solver;
-}
-
 }  // namespace
 
 PlanarPoseGraphResult optimize_planar_pose_graph(std::vector<SE2>& world_from_pose,
@@ -74,7 +64,7 @@ PlanarPoseGraphResult optimize_planar_pose_graph(std::vector<SE2>& world_from_po
   }
   if (problem.HasParameterBlock(values[0].data())) problem.SetParameterBlockConstant(values[0].data());
   ceres::Solver::Summary summary;
-  ceres::Solve(solver_options(options), &problem, &summary);
+  ceres::Solve(sparse_solver(options.iterations), &problem, &summary);
   if (summary.IsSolutionUsable()) {
     for (std::size_t i = 0; i < values.size(); ++i)
       world_from_pose[i] = SE2(SO2::from_angle(values[i].z()), values[i].head<2>());

@@ -4,12 +4,13 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "rastro/base/error.h"
 #include "rastro/math/lie.h"
+#include "rastro/optimize/right_jacobian_inverse.h"
+#include "rastro/optimize/sparse_solver.h"
 
 namespace rastro {
 namespace {
@@ -55,16 +56,6 @@ class PoseManifold final : public ceres::Manifold {
   }
 };
 
-Matrix6d right_jacobian_inverse(const Vector6d& tangent) {
-  const Matrix6d bracket = SE3::small_adjoint(tangent);
-  // The series of Bernoulli numbers, exact to 1e-9 for such small errors.
-  if (tangent.squaredNorm() < 0.01) {
-    const Matrix6d square = bracket * bracket;
-    return Matrix6d::Identity() + 0.5 * bracket + square / 12.0 - square * square / 720.0;
-  }
-  return right_jacobian<SE3>(tangent).inverse();
-}
-
 /// Upper triangular U with U^T U = information.
 Matrix6d root_of(const Matrix6d& information) {
   const Eigen::LLT<Matrix6d> root(0.5 * (information + information.transpose()));
@@ -83,7 +74,7 @@ class EdgeCost final : public ceres::SizedCostFunction<6, 7, 7> {
     Eigen::Map<Vector6d> weighted(residuals);
     weighted = root_ * error;
     if (!jacobians) return true;
-    const Matrix6d by_to = root_ * right_jacobian_inverse(error);
+    const Matrix6d by_to = root_ * right_jacobian_inverse<SE3>(error);
     if (jacobians[0]) write(-by_to * from_from_to.inverse().adjoint(), jacobians[0]);
     if (jacobians[1]) write(by_to, jacobians[1]);
     return true;
@@ -114,18 +105,6 @@ class SwitchLoss final : public ceres::LossFunction {
  private:
   double price_;
 };
-
-ceres::Solver::Options solver_options(const PoseGraphOptions& options) {
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  if (!ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE))
-    solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-  solver.max_num_iterations = options.iterations;
-  solver.num_threads = 1;
-  solver.logging_type = ceres::SILENT;
-  return solver;
-}
 
 /// One optimisation, stage by stage.
 class Graph {
@@ -203,7 +182,7 @@ class Graph {
                                values_[static_cast<std::size_t>(edge->to)].data());
     }
     ceres::Solver::Summary summary;
-    ceres::Solve(solver_options(options_), &problem, &summary);
+    ceres::Solve(sparse_solver(options_.iterations), &problem, &summary);
     return summary;
   }
 

@@ -3,11 +3,12 @@
 
 #include <ceres/ceres.h>
 
-#include <Eigen/LU>
 #include <cmath>
 
 #include "rastro/base/error.h"
 #include "rastro/math/lie.h"
+#include "rastro/optimize/right_jacobian_inverse.h"
+#include "rastro/optimize/sparse_solver.h"
 
 namespace rastro {
 namespace {
@@ -61,16 +62,6 @@ class SimilarityManifold final : public ceres::Manifold {
   int size_;
 };
 
-Matrix7d right_jacobian_inverse(const Vector7d& tangent) {
-  const Matrix7d bracket = Sim3::small_adjoint(tangent);
-  // The series of Bernoulli numbers, exact to 1e-9 for such small errors.
-  if (tangent.squaredNorm() < 0.01) {
-    const Matrix7d square = bracket * bracket;
-    return Matrix7d::Identity() + 0.5 * bracket + square / 12.0 - square * square / 720.0;
-  }
-  return right_jacobian<Sim3>(tangent).inverse();
-}
-
 class EdgeCost final : public ceres::SizedCostFunction<7, 8, 8> {
  public:
   explicit EdgeCost(const SimilarityEdge& edge)
@@ -83,7 +74,7 @@ class EdgeCost final : public ceres::SizedCostFunction<7, 8, 8> {
     Eigen::Map<Vector7d> weighted(residuals);
     weighted = root_ * error;
     if (!jacobians) return error.allFinite();
-    const Matrix7d by_to = root_ * right_jacobian_inverse(error);
+    const Matrix7d by_to = root_ * right_jacobian_inverse<Sim3>(error);
     if (jacobians[0]) write(-by_to * from_from_to.inverse().adjoint(), jacobians[0]);
     if (jacobians[1]) write(by_to, jacobians[1]);
     return by_to.allFinite();
@@ -99,18 +90,6 @@ class EdgeCost final : public ceres::SizedCostFunction<7, 8, 8> {
   double root_;
   Sim3 to_from_from_;
 };
-
-ceres::Solver::Options solver_options(int iterations) {
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  if (!ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE))
-    solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-  solver.max_num_iterations = iterations;
-  solver.num_threads = 1;
-  solver.logging_type = ceres::SILENT;
-  return solver;
-}
 
 }  // namespace
 
@@ -138,7 +117,7 @@ SimilarityGraphResult optimize_similarity_graph(std::vector<Sim3>& world_from_po
   }
   if (problem.NumResidualBlocks() == 0) return {true, 0.0, 0.0};
   ceres::Solver::Summary summary;
-  ceres::Solve(solver_options(options.iterations), &problem, &summary);
+  ceres::Solve(sparse_solver(options.iterations), &problem, &summary);
   const SimilarityGraphResult result{summary.termination_type == ceres::CONVERGENCE, summary.initial_cost,
                                      summary.final_cost};
   if (!summary.IsSolutionUsable()) return result;

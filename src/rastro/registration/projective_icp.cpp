@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "rastro/base/error.h"
 #include "rastro/math/robust_kernel.h"
@@ -72,6 +73,48 @@ void leave_out_masked(GreyView mask, DepthBlocks& blocks) {
   }
 }
 
+/// Inverse depth about the middle of a window of blocks, and how it grows by the block.
+struct InverseDepthSlope {
+  float mean = 0.0F, across = 0.0F, down = 0.0F;
+};
+
+/// That of the window around a block; nullopt where a block has no depth or the window is not flat.
+std::optional<InverseDepthSlope> inverse_depth_slope(const DepthBlocks& blocks, int x, int y,
+                                                     const SurfaceOptions& options) {
+  constexpr int side = 2 * plane_reach + 1;
+  // Sum of the squares of the offsets over the window.
+  constexpr float squares = static_cast<float>(side * plane_reach * (plane_reach + 1) * side) / 3.0F;
+  float q[side][side];
+  float sum = 0.0F, across = 0.0F, down = 0.0F;
+  bool whole = true;
+  for (int dy = -plane_reach; dy <= plane_reach && whole; ++dy) {
+    for (int dx = -plane_reach; dx <= plane_reach; ++dx) {
+      const float z = blocks.depth[static_cast<std::size_t>((y + dy) * blocks.width + x + dx)];
+      whole = whole && z > 0.0F;
+      const float inverse = 1.0F / std::max(z, 1e-3F);
+      q[dy + plane_reach][dx + plane_reach] = inverse;
+      sum += inverse;
+      across += static_cast<float>(dx) * inverse;
+      down += static_cast<float>(dy) * inverse;
+    }
+  }
+  if (!whole) return std::nullopt;
+  const float mean = sum / (side * side);
+  across /= squares;
+  down /= squares;
+  const float noise =
+      static_cast<float>(options.depth_sigma_per_m2 + options.depth_sigma_m * static_cast<double>(mean * mean));
+  for (int dy = -plane_reach; dy <= plane_reach && whole; ++dy) {
+    for (int dx = -plane_reach; dx <= plane_reach; ++dx) {
+      const float off = q[dy + plane_reach][dx + plane_reach] - mean - static_cast<float>(dx) * across -
+                        static_cast<float>(dy) * down;
+      whole = whole && std::abs(off) < static_cast<float>(most_noises) * noise;
+    }
+  }
+  if (!whole) return std::nullopt;
+  return InverseDepthSlope{mean, across, down};
+}
+
 }  // namespace
 
 DepthBlocks depth_blocks(const DepthImage& depth, GreyView mask, const SurfaceOptions& options) {
@@ -111,49 +154,20 @@ Eigen::Vector3d ProjectiveIcp::point_of(const DepthBlocks& blocks, int x, int y)
 std::vector<BlockPlane> ProjectiveIcp::planes(const DepthBlocks& blocks) const {
   RASTRO_CHECK(blocks.width == width_ && blocks.height == height_, "blocks of this camera");
   std::vector<BlockPlane> planes(blocks.depth.size());
-  constexpr int side = 2 * plane_reach + 1;
-  // Sum of the squares of the offsets over the window.
-  constexpr float squares = static_cast<float>(side * plane_reach * (plane_reach + 1) * side) / 3.0F;
   for (int y = plane_reach; y + plane_reach < height_; ++y) {
     for (int x = plane_reach; x + plane_reach < width_; ++x) {
       const std::size_t centre = static_cast<std::size_t>(y * width_ + x);
-      float q[side][side];
-      float sum = 0.0F, across = 0.0F, down = 0.0F;
-      bool whole = true;
-      for (int dy = -plane_reach; dy <= plane_reach && whole; ++dy) {
-        for (int dx = -plane_reach; dx <= plane_reach; ++dx) {
-          const float z = blocks.depth[static_cast<std::size_t>((y + dy) * width_ + x + dx)];
-          whole = whole && z > 0.0F;
-          const float inverse = 1.0F / std::max(z, 1e-3F);
-          q[dy + plane_reach][dx + plane_reach] = inverse;
-          sum += inverse;
-          across += static_cast<float>(dx) * inverse;
-          down += static_cast<float>(dy) * inverse;
-        }
-      }
-      if (!whole) continue;
-      const float mean = sum / (side * side);
-      across /= squares;
-      down /= squares;
-      const float noise =
-          static_cast<float>(options_.depth_sigma_per_m2 + options_.depth_sigma_m * static_cast<double>(mean * mean));
-      for (int dy = -plane_reach; dy <= plane_reach && whole; ++dy) {
-        for (int dx = -plane_reach; dx <= plane_reach; ++dx) {
-          const float off = q[dy + plane_reach][dx + plane_reach] - mean - static_cast<float>(dx) * across -
-                            static_cast<float>(dy) * down;
-          whole = whole && std::abs(off) < static_cast<float>(most_noises) * noise;
-        }
-      }
-      if (!whole) continue;
+      const auto slope = inverse_depth_slope(blocks, x, y, options_);
+      if (!slope) continue;
       // 1/z = A x + B y + C over the normalised picture is the plane (A, B, C) . p = 1.
       const Eigen::Vector2f ray = rays_[centre];
-      const float a = across / (0.5F * (rays_[centre + 1].x() - rays_[centre - 1].x()));
+      const float a = slope->across / (0.5F * (rays_[centre + 1].x() - rays_[centre - 1].x()));
       const std::size_t row = static_cast<std::size_t>(width_);
-      const float b = down / (0.5F * (rays_[centre + row].y() - rays_[centre - row].y()));
-      const Eigen::Vector3f plane(a, b, mean - a * ray.x() - b * ray.y());
+      const float b = slope->down / (0.5F * (rays_[centre + row].y() - rays_[centre - row].y()));
+      const Eigen::Vector3f plane(a, b, slope->mean - a * ray.x() - b * ray.y());
       const float length = plane.norm();
       // Cosine between the surface's normal and the way it is looked at.
-      if (!(length > 0.0F) || !(mean > least_facing * length * ray.homogeneous().norm())) continue;
+      if (!(length > 0.0F) || !(slope->mean > least_facing * length * ray.homogeneous().norm())) continue;
       planes[centre] = {plane / length, 1.0F / length};
     }
   }

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "rastro/base/text.h"
+#include "rastro/math/median.h"
 
 namespace rastro {
 namespace {
@@ -79,10 +80,7 @@ std::optional<std::int64_t> whole(const Decimal& decimal) {
 double median_step(std::span<const double> stamps) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(std::abs(stamps[i] - stamps[i - 1]));
-  if (steps.empty()) return 0.0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return upper_median_or(std::move(steps), 0.0);
 }
 
 bool is_recent_date(double seconds) { return seconds > 3.2e8 && seconds < 4.1e9; }

@@ -115,13 +115,13 @@ class NormalList {
   std::array<float, 4096> values_;
 };
 
-}  // namespace
-
-GreyImage expose(const Image<float>& light, const DepthImage& depth, const Camera& camera, const SensorModel& sensor,
-                 const ShutterMotion& shutter, std::uint64_t noise_seed, TaskPool& pool) {
-  const int width = light.width(), height = light.height();
-  GreyImage grey(width, height);
-  if (width < 2 || height < 2) return grey;
+/// Calls draw(random, x, y, flow_x, flow_y, falloff) for every pixel of a picture; each row has a generator of its own,
+/// so that rows may be drawn at once. The flow is the blur's in pixels, falloff the share of light the lens lets
+/// through.
+template <typename Draw>
+void for_each_pixel(const DepthImage& depth, const Camera& camera, const SensorModel& sensor,
+                    const ShutterMotion& shutter, std::uint64_t noise_seed, TaskPool& pool, int width, int height,
+                    const Draw& draw) {
   const BlurField field(camera, shutter);
   const float middle_x = 0.5F * static_cast<float>(width - 1), middle_y = 0.5F * static_cast<float>(height - 1);
   const float to_corner = 1.0F / (middle_x * middle_x + middle_y * middle_y);
@@ -134,13 +134,25 @@ GreyImage expose(const Image<float>& light, const DepthImage& depth, const Camer
         if (sensor.exposure_time_s > 0.0) field.at(x, y, depth.at(x, y), flow_x, flow_y);
         const float dx = static_cast<float>(x) - middle_x;
         const float falloff = 1.0F - sensor.vignette * (dx * dx + dy * dy) * to_corner;
-        const float value = std::min(255.0F, blurred(light, x, y, flow_x, flow_y) * sensor.gain * falloff);
-        const float sigma = std::sqrt(sensor.read_noise * sensor.read_noise + sensor.shot_noise * value);
-        grey.at(x, y) =
-            static_cast<std::uint8_t>(std::clamp(value + sigma * quick_normal(random) + 0.5F, 0.0F, 255.0F));
+        draw(random, x, y, flow_x, flow_y, falloff);
       }
     }
   });
+}
+
+}  // namespace
+
+GreyImage expose(const Image<float>& light, const DepthImage& depth, const Camera& camera, const SensorModel& sensor,
+                 const ShutterMotion& shutter, std::uint64_t noise_seed, TaskPool& pool) {
+  const int width = light.width(), height = light.height();
+  GreyImage grey(width, height);
+  if (width < 2 || height < 2) return grey;
+  const auto draw = [&](Random& random, int x, int y, float flow_x, float flow_y, float falloff) {
+    const float value = std::min(255.0F, blurred(light, x, y, flow_x, flow_y) * sensor.gain * falloff);
+    const float sigma = std::sqrt(sensor.read_noise * sensor.read_noise + sensor.shot_noise * value);
+    grey.at(x, y) = static_cast<std::uint8_t>(std::clamp(value + sigma * quick_normal(random) + 0.5F, 0.0F, 255.0F));
+  };
+  for_each_pixel(depth, camera, sensor, shutter, noise_seed, pool, width, height, draw);
   return grey;
 }
 
@@ -151,28 +163,16 @@ ColourImage expose_colour(const Image<float>& light, const DepthImage& depth, co
   ColourImage colour{Image<std::uint8_t>(3 * width, height)};
   if (width < 2 || height < 2) return colour;
   const NormalList normals;
-  const BlurField field(camera, shutter);
-  const float middle_x = 0.5F * static_cast<float>(width - 1), middle_y = 0.5F * static_cast<float>(height - 1);
-  const float to_corner = 1.0F / (middle_x * middle_x + middle_y * middle_y);
-  pool.for_chunks(0, height, rows_per_task, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) {
-      Random random(seed_for(noise_seed, static_cast<std::uint64_t>(y)));
-      const float dy = static_cast<float>(y) - middle_y;
-      for (int x = 0; x < width; ++x) {
-        float flow_x = 0.0F, flow_y = 0.0F;
-        if (sensor.exposure_time_s > 0.0) field.at(x, y, depth.at(x, y), flow_x, flow_y);
-        const float dx = static_cast<float>(x) - middle_x;
-        const float falloff = 1.0F - sensor.vignette * (dx * dx + dy * dy) * to_corner;
-        const std::uint64_t bits = random.next();
-        Channels value = (blurred_channels(light, x, y, flow_x, flow_y) * (sensor.gain * falloff)).min(255.0F);
-        const Channels sigma = (sensor.read_noise * sensor.read_noise + sensor.shot_noise * value).sqrt();
-        value += sigma * Channels(normals.at(bits), normals.at(bits >> 12), normals.at(bits >> 24), 0.0F) + 0.5F;
-        value = value.max(0.0F).min(255.0F);
-        for (int channel = 0; channel < 3; ++channel)
-          colour.rgb.at(3 * x + channel, y) = static_cast<std::uint8_t>(value[channel]);
-      }
-    }
-  });
+  const auto draw = [&](Random& random, int x, int y, float flow_x, float flow_y, float falloff) {
+    const std::uint64_t bits = random.next();
+    Channels value = (blurred_channels(light, x, y, flow_x, flow_y) * (sensor.gain * falloff)).min(255.0F);
+    const Channels sigma = (sensor.read_noise * sensor.read_noise + sensor.shot_noise * value).sqrt();
+    value += sigma * Channels(normals.at(bits), normals.at(bits >> 12), normals.at(bits >> 24), 0.0F) + 0.5F;
+    value = value.max(0.0F).min(255.0F);
+    for (int channel = 0; channel < 3; ++channel)
+      colour.rgb.at(3 * x + channel, y) = static_cast<std::uint8_t>(value[channel]);
+  };
+  for_each_pixel(depth, camera, sensor, shutter, noise_seed, pool, width, height, draw);
   return colour;
 }
 

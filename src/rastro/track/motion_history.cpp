@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "rastro/base/random.h"
+#include "rastro/math/median.h"
 #include "rastro/multiview/homography.h"
 
 namespace rastro {
@@ -113,14 +114,9 @@ Eigen::Matrix3d MotionHistory::guess_step(int layer, const Step& other, std::int
   }
   if (!apart_) return other.current_from_last;
   if (dx.size() < fewest) return last_step_[static_cast<std::size_t>(layer)];
-  const auto median = [](std::vector<float>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return static_cast<double>(*middle);
-  };
   Eigen::Matrix3d step = Eigen::Matrix3d::Identity();
-  step(0, 2) = median(dx);
-  step(1, 2) = median(dy);
+  step(0, 2) = static_cast<double>(upper_median(std::move(dx)));
+  step(1, 2) = static_cast<double>(upper_median(std::move(dy)));
   return step;
 }
 

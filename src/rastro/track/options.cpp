@@ -40,6 +40,9 @@ void add_flow_options(OptionTable& table, TrackOptions& o) {
              1e-4,
              1,
              {}});
+}
+
+void add_flow_check_options(OptionTable& table, TrackOptions& o) {
   table.add({"max_backward_px",
              &o.max_backward_px,
              "px",
@@ -85,6 +88,9 @@ void add_flow_options(OptionTable& table, TrackOptions& o) {
              0.05,
              100,
              {}});
+}
+
+void add_corner_options(OptionTable& table, TrackOptions& o) {
   table.add({"corner_quality",
              &o.corner_quality,
              "",
@@ -253,6 +259,8 @@ OptionTable option_table(TrackOptions& options) {
   OptionTable table;
   add_method_options(table, options);
   add_flow_options(table, options);
+  add_flow_check_options(table, options);
+  add_corner_options(table, options);
   add_candidate_options(table, options);
   add_descriptor_options(table, options);
   add_alignment_options(table, options);

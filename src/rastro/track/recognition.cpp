@@ -7,6 +7,7 @@
 
 #include "rastro/base/stopwatch.h"
 #include "rastro/feature/distance_grid.h"
+#include "rastro/math/median.h"
 #include "rastro/track/voting.h"
 
 namespace rastro {
@@ -32,11 +33,6 @@ std::vector<std::optional<Eigen::Vector2f>> motions_since_lost(std::span<const A
                                                                const TrackStore& store, std::int64_t current) {
   constexpr std::size_t fewest = 8;
   std::map<std::int64_t, std::optional<Eigen::Vector2f>> motion_since;
-  const auto median = [](std::vector<float>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
   const auto motion = [&](std::int64_t frame) -> std::optional<Eigen::Vector2f> {
     const auto [found, added] = motion_since.try_emplace(frame);
     if (!added) return found->second;
@@ -48,7 +44,7 @@ std::vector<std::optional<Eigen::Vector2f>> motions_since_lost(std::span<const A
       dx.push_back(moved.x());
       dy.push_back(moved.y());
     }
-    if (dx.size() >= fewest) found->second = Eigen::Vector2f(median(dx), median(dy));
+    if (dx.size() >= fewest) found->second = Eigen::Vector2f(upper_median(std::move(dx)), upper_median(std::move(dy)));
     return found->second;
   };
   std::vector<std::optional<Eigen::Vector2f>> motions;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rastro/base/checked_options.h"
 #include "rastro/base/random.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/feature/corner.h"
@@ -36,12 +37,8 @@ struct Live {
   TrackState state = TrackState::tracked;
 };
 
-TrackOptions checked(TrackOptions options) {
-  // Goes through the table, which knows every range.
-  TrackOptions copy = options;
-  OptionTable table = option_table(copy);
-  for (std::size_t i = 0; i < table.options().size(); ++i)
-    table.set(table.options()[i].name, table.value_of(i), "tracker options");
+TrackOptions checked(const TrackOptions& options) {
+  checked(options, "tracker options");
   if (options.flow_window_px % 2 == 0) throw Error("must be odd", "flow_window_px", "use the next odd number");
   if (options.brief_smoothing_px % 2 == 0) throw Error("must be odd", "brief_smoothing_px", "use the next odd number");
   return options;

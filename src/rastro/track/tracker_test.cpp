@@ -22,6 +22,7 @@ const std::vector<GreyImage>& hall() {
     const World world = make_hall(options);
     TaskPool pool(2);
     std::vector<GreyImage> rendered;
+    rendered.reserve(hall_frames);
     for (int i = 0; i < hall_frames; ++i) rendered.push_back(world.render(i, pool).grey);
     return rendered;
   }();

@@ -37,8 +37,8 @@ TEST(Oxts, a_packet_is_its_first_six_values) {
 TEST(Oxts, broken_packets_are_errors_of_one_line) {
   const std::string good = packet_line(49.0, 8.4, 0, 0, 0, 0);
   for (const std::string& text :
-       {std::string("# nothing"), std::string("1 2 3"), good + " 1", good + "\n" + good, "nan" + good.substr(12),
-        packet_line(89.9, 8.4, 0, 0, 0, 0), packet_line(49.0, 1e9, 0, 0, 0, 0)}) {
+       {std::string("# nothing"), std::string("1 2 3"), good + " 1", fmt::format("{}\n{}", good, good),
+        "nan" + good.substr(12), packet_line(89.9, 8.4, 0, 0, 0, 0), packet_line(49.0, 1e9, 0, 0, 0, 0)}) {
     const std::string message = error_of([&] { parse_oxts_packet(text, "oxts/data/7.txt"); });
     EXPECT_THAT(message, HasSubstr("oxts/data/7.txt")) << text;
     EXPECT_EQ(message.find('\n'), std::string::npos);

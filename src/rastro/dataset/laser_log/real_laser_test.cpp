@@ -2,10 +2,10 @@
 // Recorded logs, which are not part of the project; skipped, saying so, where they are not there.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <set>
 
+#include "rastro/base/recorded_data_testing.h"
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
 #include "rastro/dataset/open.h"
@@ -28,14 +28,6 @@ void PrintTo(const Expected& expected, std::ostream* out) { *out << expected.log
 
 class RealLaser : public testing::TestWithParam<Expected> {};
 
-std::filesystem::path laser_folder() {
-  const char* set = std::getenv("RASTRO_DATA");
-  const char* source_dir = std::getenv("RASTRO_SOURCE_DIR");
-  return (set && *set ? std::filesystem::path(set)
-                      : std::filesystem::path(source_dir ? source_dir : ".") / "../shared/data") /
-         "laser";
-}
-
 /// Relations whose both stamps are among those of the scans.
 std::size_t count_found(const std::string& relations, const std::set<TimeNs>& stamps) {
   std::size_t found = 0;
@@ -50,9 +42,10 @@ std::size_t count_found(const std::string& relations, const std::set<TimeNs>& st
 
 TEST_P(RealLaser, IsReadWholeAndHoldsTheStampsOfTheBenchmark) {
   const auto& expected = GetParam();
-  const auto path = laser_folder() / expected.log;
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no recorded data at " << path << " (set RASTRO_DATA)";
-  const auto source = open(path.string());
+  const std::filesystem::path logs = "laser";
+  const auto path = recorded_data(logs / expected.log);
+  if (!path) GTEST_SKIP() << no_recorded_data(logs / expected.log);
+  const auto source = open(path->string());
   EXPECT_EQ(source->info().frame_count, expected.frames);
   EXPECT_TRUE(source->info().has_odometry);
   std::set<TimeNs> stamps;
@@ -72,7 +65,7 @@ TEST_P(RealLaser, IsReadWholeAndHoldsTheStampsOfTheBenchmark) {
   EXPECT_EQ(count + broken, expected.frames);
   EXPECT_EQ(broken, expected.broken);
   if (*expected.relations == '\0') return;
-  EXPECT_EQ(count_found((laser_folder() / expected.relations).string(), stamps), expected.relation_count);
+  EXPECT_EQ(count_found(recorded_data_path(logs / expected.relations).string(), stamps), expected.relation_count);
 }
 
 INSTANTIATE_TEST_SUITE_P(Laser, RealLaser,

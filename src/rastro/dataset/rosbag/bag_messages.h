@@ -31,8 +31,8 @@ struct MessageAllocator : std::allocator<T> {
     return std::allocator<T>::allocate(count);
   }
   template <typename Other>
-  struct rebind {
-    using other = MessageAllocator<Other>;
+  struct rebind {                           // NOLINT(readability-identifier-naming): the standard's names.
+    using other = MessageAllocator<Other>;  // NOLINT(readability-identifier-naming)
   };
 };
 using ScanMessage = sensor_msgs::LaserScan_<MessageAllocator<void>>;

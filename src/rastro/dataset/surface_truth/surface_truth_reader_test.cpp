@@ -44,7 +44,7 @@ class SurfaceTruthTest : public testing::Test {
   }
   /// A copy of the truth that a test may break.
   static fs::path copy() {
-    const fs::path target = folder_ / "broken";
+    fs::path target = folder_ / "broken";
     fs::remove_all(target);
     fs::copy(folder_ / "mav0/truth", target, fs::copy_options::recursive);
     return target;

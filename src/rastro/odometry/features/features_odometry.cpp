@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rastro/base/checked_options.h"
 #include "rastro/base/random.h"
 #include "rastro/base/stopwatch.h"
+#include "rastro/math/median.h"
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/multiview/essential.h"
 #include "rastro/multiview/rotation.h"
@@ -19,14 +21,6 @@
 
 namespace rastro {
 namespace {
-
-FeaturesOptions checked(FeaturesOptions options) {
-  FeaturesOptions copy = options;
-  OptionTable table = option_table(copy);
-  for (std::size_t i = 0; i < table.options().size(); ++i)
-    table.set(table.options()[i].name, table.value_of(i), "odometry options");
-  return options;
-}
 
 /// What two frames share.
 struct SharedRays {
@@ -44,17 +38,10 @@ SharedRays shared_rays(const RaySightings& first, const RaySightings& second) {
   return shared;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double median_motion_px(const SharedRays& shared, double focal_px) {
   std::vector<double> motions;
   for (std::size_t i = 0; i < shared.a.size(); ++i) motions.push_back(focal_px * (shared.b[i] - shared.a[i]).norm());
-  return median(std::move(motions));
+  return upper_median_or(std::move(motions), 0.0);
 }
 
 }  // namespace
@@ -62,7 +49,7 @@ double median_motion_px(const SharedRays& shared, double focal_px) {
 class FeaturesOdometry::State {
  public:
   State(const FeaturesOptions& options, const Camera& camera, TaskPool* pool)
-      : options_(checked(options)),
+      : options_(checked(options, "odometry options")),
         focal_px_(camera.fx),
         features_(make_feature_source(options_, camera, pool)),
         map_(options_, focal_px_),
@@ -293,7 +280,7 @@ bool FeaturesOdometry::State::is_keyframe(const RaySightings& sightings, const S
     const Eigen::Vector3d turned = current_from_keyframe * Eigen::Vector3d(ray->x(), ray->y(), 1.0);
     if (turned.z() > 0.0) motions.push_back(focal_px_ * (sighting.ray - turned.head<2>() / turned.z()).norm());
   }
-  return median(std::move(motions)) > options_.keyframe_parallax_px;
+  return upper_median_or(std::move(motions), 0.0) > options_.keyframe_parallax_px;
 }
 
 void FeaturesOdometry::State::add_keyframe(OdometryUpdate& update, const RaySightings& sightings) {

@@ -8,6 +8,7 @@
 
 #include "rastro/base/random.h"
 #include "rastro/base/stopwatch.h"
+#include "rastro/math/median.h"
 #include "rastro/multiview/triangulation.h"
 
 namespace rastro {
@@ -21,13 +22,6 @@ TrackOptions track_options(const HybridOptions& options) {
   track.min_distance_px = options.min_distance_px;
   track.seed = options.seed;
   return track;
-}
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -110,8 +104,8 @@ HybridOdometry::Shared HybridOdometry::shared_between(const View& a, const View&
     const Eigen::Vector3d turned = b_from_a * shared.a.back().homogeneous().eval();
     if (turned.z() > 0.0) parallaxes.push_back((turned.hnormalized() - shared.b.back()).norm() * camera_.fx);
   }
-  shared.motion_px = median_of(std::move(motions));
-  shared.parallax_px = median_of(std::move(parallaxes));
+  shared.motion_px = upper_median_or(std::move(motions), 0.0);
+  shared.parallax_px = upper_median_or(std::move(parallaxes), 0.0);
   return shared;
 }
 

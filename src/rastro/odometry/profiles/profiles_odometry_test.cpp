@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 
+#include "rastro/base/recorded_data_testing.h"
 #include "rastro/base/text_file.h"
 #include "rastro/registration/profiles/calibrate_yaw.h"
 #include "rastro/sensor/trajectory_file.h"
@@ -53,19 +53,10 @@ std::optional<Frame> read_frame(const std::filesystem::path& folder, int index) 
 /// Turn to the left between two poses of KITTI's camera.
 double yaw_between(const SE3& a, const SE3& b) { return -(a.inverse() * b).rotation().log().y(); }
 
-std::filesystem::path recorded(const char* folder) {
-  const char* set = std::getenv("RASTRO_DATA");
-  const char* source_dir = std::getenv("RASTRO_SOURCE_DIR");
-  const std::filesystem::path root = set && *set
-                                         ? std::filesystem::path(set)
-                                         : std::filesystem::path(source_dir ? source_dir : ".") / "../shared/data";
-  return root / folder;
-}
-
 TEST_P(ProfilesOnRecorded, YawFollowsTheReference) {
   const RecordedDrive& drive = GetParam();
-  const auto folder = recorded(drive.folder);
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no recorded data at " << folder << " (set RASTRO_DATA)";
+  if (!recorded_data(drive.folder)) GTEST_SKIP() << no_recorded_data(drive.folder);
+  const auto folder = recorded_data_path(drive.folder);
   const auto file = (folder / "poses.txt").string();
   const auto truth = parse_kitti_poses(read_text_file(file), file);
 
@@ -100,10 +91,11 @@ TEST_P(ProfilesOnRecorded, YawFollowsTheReference) {
 }
 
 TEST(ProfilesOnRecordedGround, ACameraOnTheGroundGoesNowhere) {
-  const auto folder = recorded("euroc_v1_01_still_stereo") / "mav0/cam0/data";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no recorded data at " << folder << " (set RASTRO_DATA)";
+  const auto name = "euroc_v1_01_still_stereo/mav0/cam0/data";
+  const auto folder = recorded_data(name);
+  if (!folder) GTEST_SKIP() << no_recorded_data(name);
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
+  for (const auto& entry : std::filesystem::directory_iterator(*folder)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   ASSERT_GT(files.size(), 5U);
   const Camera camera{.width = 752,

@@ -9,7 +9,9 @@
 #include <numbers>
 #include <optional>
 
+#include "rastro/base/checked_options.h"
 #include "rastro/base/random.h"
+#include "rastro/math/median.h"
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/odometry/frame_check.h"
 #include "rastro/odometry/rgbd_tracking/feature_tracker.h"
@@ -42,20 +44,12 @@ constexpr int corners_to_find = 600;
 // Neighbours err together, and a map errs as a whole: what is left out of the model.
 constexpr double covariance_factor = 4.0;
 
-RgbdOptions checked(RgbdOptions options) {
-  RgbdOptions copy = options;
-  OptionTable table = option_table(copy);
-  for (std::size_t i = 0; i < table.options().size(); ++i)
-    table.set(table.options()[i].name, table.value_of(i), "odometry options");
-  return options;
-}
-
 }  // namespace
 
 class RgbdFollower::State {
  public:
   State(const RgbdOptions& options, const Camera& camera, TaskPool* pool)
-      : options_(checked(options)),
+      : options_(checked(options, "odometry options")),
         camera_(camera),
         check_(options_.frame_check),
         tracker_(options_, camera_, pool),
@@ -441,9 +435,7 @@ double RgbdFollower::State::add_points(const Frame& frame, int number) {
     ++added;
   }
   reference_inliers_ = static_cast<int>(found_.size()) + added;
-  if (depths.empty()) return 1.0;
-  std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2), depths.end());
-  return depths[depths.size() / 2];
+  return upper_median_or(std::move(depths), 1.0);
 }
 
 void RgbdFollower::State::restart(const SE3& world_from_camera) {

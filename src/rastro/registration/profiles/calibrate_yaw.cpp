@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rastro/base/error.h"
+#include "rastro/math/median.h"
 #include "rastro/math/robust_kernel.h"
 
 namespace rastro {
@@ -16,12 +17,6 @@ namespace {
 
 constexpr int iterations = 20;
 constexpr double least_shift_px = 1.0;
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Each pair's own lambda, weighed by its shift: a start that outliers do not reach.
 double weighted_median_slope(std::span<const double> shifts, std::span<const double> yaws) {
@@ -57,7 +52,7 @@ YawCalibration calibrate_yaw(std::span<const double> shifts, std::span<const dou
     std::vector<double> differences(shifts.size());
     for (std::size_t i = 0; i < shifts.size(); ++i) differences[i] = std::abs(yaws[i] - result.lambda * shifts[i]);
     // 1.4826 medians are a standard deviation of normal errors.
-    const double deviation = std::max(1e-12, 1.4826 * median_of(differences));
+    const double deviation = std::max(1e-12, 1.4826 * upper_median(differences));
     const TukeyKernel kernel{4.6851 * deviation};
     double squares = 0.0, products = 0.0, errors = 0.0, weights = 0.0;
     result.used = 0;

@@ -3,10 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+
+#include "rastro/math/median.h"
 
 namespace rastro {
 namespace {
@@ -14,13 +15,6 @@ namespace {
 constexpr double bound_m = 0.02, bound_deg = 2.0;  // The paper's, per metre and per 45 degrees.
 constexpr double stretch_m = 1.0, stretch_rad = std::numbers::pi / 4.0;
 constexpr double degrees = 180.0 / std::numbers::pi;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -55,8 +49,8 @@ void OdometryCheck::add(const SE2& odometry_from_body, const SE2& world_from_bod
 }
 
 OdometryCheck::Result OdometryCheck::result() const {
-  return {static_cast<int>(way_.errors.size()), median(way_.errors), static_cast<int>(turn_.errors.size()),
-          degrees * median(turn_.errors)};
+  return {static_cast<int>(way_.errors.size()), upper_median_or(way_.errors, 0.0),
+          static_cast<int>(turn_.errors.size()), degrees * upper_median_or(turn_.errors, 0.0)};
 }
 
 std::string describe(const OdometryCheck::Result& result) {

@@ -26,6 +26,9 @@ void add_odometry_options(OptionTable& table, EkfOptions& o) {
              0,
              45,
              {}});
+}
+
+void add_jump_options(OptionTable& table, EkfOptions& o) {
   table.add({"max_speed_m_per_s",
              &o.max_speed_m_per_s,
              "m/s",
@@ -113,6 +116,9 @@ void add_association_options(OptionTable& table, EkfOptions& o) {
        0,
        1000,
        {}});
+}
+
+void add_unsure_options(OptionTable& table, EkfOptions& o) {
   table.add({"unsure_m",
              &o.unsure_m,
              "m",
@@ -236,8 +242,10 @@ void add_map_options(OptionTable& table, EkfOptions& o) {
 OptionTable option_table(EkfOptions& options) {
   OptionTable table;
   add_odometry_options(table, options);
+  add_jump_options(table, options);
   add_sighting_options(table, options);
   add_association_options(table, options);
+  add_unsure_options(table, options);
   add_candidate_options(table, options);
   add_line_options(table, options);
   add_feature_options(table, options);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rastro/base/checked_options.h"
 #include "rastro/base/error.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/map/graph/planar.h"
@@ -17,14 +18,6 @@
 
 namespace rastro {
 namespace {
-
-HectorOptions checked(HectorOptions options) {
-  HectorOptions copy = options;
-  OptionTable table = option_table(copy);
-  for (std::size_t i = 0; i < table.options().size(); ++i)
-    table.set(table.options()[i].name, table.value_of(i), "hector options");
-  return options;
-}
 
 /// Covariance of (x, y, angle) in axes turned by `rotation`.
 Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const SO2& rotation) {
@@ -38,7 +31,7 @@ Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const SO2& rotation) {
 class HectorSlam::State {
  public:
   State(const HectorOptions& options, TaskPool* pool)
-      : options_(checked(options)), follower_(options_), guess_(options_), graph_(options_, pool) {}
+      : options_(checked(options, "hector options")), follower_(options_), guess_(options_), graph_(options_, pool) {}
 
   SlamUpdate process(const Frame& frame);
   std::vector<SlamEvent> finish();

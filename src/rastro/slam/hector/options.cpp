@@ -133,6 +133,9 @@ void add_loop_options(OptionTable& table, HectorOptions& o) {
   table.add({"loop_drift_rad_per_m", &o.loop_drift_rad_per_m, "rad/m", "the same for the turn", 0, 1, {}});
   table.add({"loop_max_reach_m", &o.loop_max_reach_m, "m", "the window grows no larger", 0.05, 100, {}});
   table.add({"loop_max_reach_rad", &o.loop_max_reach_rad, "rad", "the same for the turn", 0.01, 3.2, {}});
+}
+
+void add_loop_choice_options(OptionTable& table, HectorOptions& o) {
   table.add({"loop_near_m", &o.loop_near_m, "m", "submaps that come no nearer are not looked at", 0.1, 100, {}});
   table.add(
       {"loop_every", &o.loop_every, "", "key scans between two looks at a submap that has been found", 1, 1000, {}});
@@ -169,6 +172,7 @@ OptionTable option_table(HectorOptions& options) {
   add_map_options(table, options);
   add_match_options(table, options);
   add_loop_options(table, options);
+  add_loop_choice_options(table, options);
   return table;
 }
 

@@ -88,6 +88,9 @@ void add_matching_options(OptionTable& table, RgbdSlamOptions& o) {
        {"icp", "refuse"}});
   table.add({"few_inliers", &o.few_inliers, "", "matches that must agree for surfaces to be tried", 4, 5000, {}});
   table.add({"min_inlier_share", &o.min_inlier_share, "", "share of all matches that must agree", 0, 1, {}});
+}
+
+void add_agreement_options(OptionTable& table, RgbdSlamOptions& o) {
   table.add({"agreement",
              &o.agreement,
              "",
@@ -195,6 +198,7 @@ OptionTable option_table(RgbdSlamOptions& options) {
   add_keyframe_options(table, options);
   add_candidate_options(table, options);
   add_matching_options(table, options);
+  add_agreement_options(table, options);
   add_graph_options(table, options);
   add_loss_options(table, options);
   const OptionTable follow = option_table(options.follow);

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "rastro/backend/pipeline.h"
+#include "rastro/base/checked_options.h"
 #include "rastro/base/error.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/odometry/rgbd_tracking/rgbd_follower.h"
@@ -17,14 +18,6 @@
 
 namespace rastro {
 namespace {
-
-RgbdSlamOptions checked(RgbdSlamOptions options) {
-  RgbdSlamOptions copy = options;
-  OptionTable table = option_table(copy);
-  for (std::size_t i = 0; i < table.options().size(); ++i)
-    table.set(table.options()[i].name, table.value_of(i), "rgbd options");
-  return options;
-}
 
 SlamReason reason_of(OdometryReason reason) {
   switch (reason) {
@@ -151,7 +144,7 @@ class RgbdSlam::State {
 };
 
 RgbdSlam::State::State(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context)
-    : options_(checked(options)),
+    : options_(checked(options, "rgbd options")),
       camera_(camera),
       maps_(context.map == nullptr),
       mapper_(options_, camera, context),

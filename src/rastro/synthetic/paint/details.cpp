@@ -191,24 +191,10 @@ void worn_edges(Canvas& canvas, Random& random, float tone) {
   }
 }
 
-void panels(Canvas& canvas, Random& random, const Canvas::Box& box, float tone, double smallest) {
-  const double width = box.x1 - box.x0, height = box.y1 - box.y0, longer = std::max(width, height);
-  if (longer > 2.2 * smallest || (longer > 1.2 * smallest && random.uniform() < 0.75)) {
-    const double cut = random.uniform(0.35, 0.65);
-    Canvas::Box first = box, second = box;
-    if (width > height)
-      first.x1 = second.x0 = box.x0 + cut * width;
-    else
-      first.y1 = second.y0 = box.y0 + cut * height;
-    panels(canvas, random, first, tone, smallest);
-    panels(canvas, random, second, tone, smallest);
-    seam(canvas, second.x0, second.y0, width > height ? second.x0 : second.x1, width > height ? second.y1 : second.y0,
-         0.007);
-    return;
-  }
-  const double gap = 0.06 * std::min(width, height) + 0.015;
-  const Canvas::Box inner{box.x0 + gap, box.y0 + gap, box.x1 - gap, box.y1 - gap};
-  if (inner.x1 - inner.x0 < 0.06 || inner.y1 - inner.y0 < 0.06) return;
+namespace {
+
+/// One thing of many drawn on a panel.
+void panel_detail(Canvas& canvas, Random& random, const Canvas::Box& inner, float tone) {
   const double size = std::min(inner.x1 - inner.x0, inner.y1 - inner.y0);
   const double at_x = random.uniform(inner.x0, inner.x1 - 0.5 * size),
                at_y = random.uniform(inner.y0, inner.y1 - 0.5 * size);
@@ -242,6 +228,29 @@ void panels(Canvas& canvas, Random& random, const Canvas::Box& box, float tone, 
       bolt_row(canvas, inner.x0, inner.y0, inner.x1, inner.y0, 0.12, 0.011, tone);
       break;
   }
+}
+
+}  // namespace
+
+void panels(Canvas& canvas, Random& random, const Canvas::Box& box, float tone, double smallest) {
+  const double width = box.x1 - box.x0, height = box.y1 - box.y0, longer = std::max(width, height);
+  if (longer > 2.2 * smallest || (longer > 1.2 * smallest && random.uniform() < 0.75)) {
+    const double cut = random.uniform(0.35, 0.65);
+    Canvas::Box first = box, second = box;
+    if (width > height)
+      first.x1 = second.x0 = box.x0 + cut * width;
+    else
+      first.y1 = second.y0 = box.y0 + cut * height;
+    panels(canvas, random, first, tone, smallest);
+    panels(canvas, random, second, tone, smallest);
+    seam(canvas, second.x0, second.y0, width > height ? second.x0 : second.x1, width > height ? second.y1 : second.y0,
+         0.007);
+    return;
+  }
+  const double gap = 0.06 * std::min(width, height) + 0.015;
+  const Canvas::Box inner{box.x0 + gap, box.y0 + gap, box.x1 - gap, box.y1 - gap};
+  if (inner.x1 - inner.x0 < 0.06 || inner.y1 - inner.y0 < 0.06) return;
+  panel_detail(canvas, random, inner, tone);
 }
 
 std::string code(Random& random, int letters, int digits) {

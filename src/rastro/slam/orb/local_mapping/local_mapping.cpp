@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "rastro/math/median.h"
 #include "rastro/slam/orb/local_mapping/bundle_problem.h"
 
 namespace rastro {
@@ -132,10 +133,7 @@ double LocalMapping::median_depth(const MapKeyframe& keyframe) const {
   for (const std::int64_t id : keyframe.landmarks) {
     if (id >= 0) depths.push_back((keyframe.camera_from_world * graph_.landmark(id).position).z());
   }
-  if (depths.empty()) return 0.0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return upper_median_or(std::move(depths), 0.0);
 }
 
 void LocalMapping::adjust_locally(std::int64_t keyframe) {

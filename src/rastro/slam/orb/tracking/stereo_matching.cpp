@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rastro/feature/hamming.h"
+#include "rastro/math/median.h"
 
 namespace rastro {
 namespace {
@@ -194,10 +195,7 @@ double most_difference(const std::vector<std::optional<Shift>>& shifts, double r
   for (const auto& shift : shifts) {
     if (shift) known.push_back(shift->difference);
   }
-  if (known.empty()) return 0.0;
-  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-  std::nth_element(known.begin(), middle, known.end());
-  return ratio * *middle;
+  return ratio * upper_median_or(std::move(known), 0.0);
 }
 
 }  // namespace

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/run_flags.h"
+
+#include <fmt/format.h>
+
+namespace rastro::cli {
+
+void add_settings_flags(CLI::App& command, RunFlags& flags, const std::string& group,
+                        const std::string& options_command) {
+  command.add_option("--options", flags.options_file, "YAML file with settings; see '" + options_command + " --yaml'")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--set", flags.settings, "Set one option, may be repeated; see '" + options_command + "'")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false)
+      ->group(group);
+}
+
+void add_folder_flags(CLI::App& command, RunFlags& flags) {
+  const char* group = "Output";
+  command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR")->required()->group(group);
+  command.add_flag("--force", flags.force, "Write into a folder that is not empty, replacing a former run")
+      ->group(group);
+}
+
+void apply_given_settings(const RunFlags& flags, OptionTable& table) {
+  if (!flags.options_file.empty()) table.load_yaml(flags.options_file);
+  for (const std::string& setting : flags.settings) table.set_assignment(setting, "--set");
+}
+
+void apply_given_seed(const RunFlags& flags, OptionTable& table) {
+  if (flags.seed_given) table.set("seed", fmt::format("{}", flags.data.seed), "--seed");
+}
+
+}  // namespace rastro::cli

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "rastro/base/options.h"
+#include "rastro/cli/common_flags.h"
+
+namespace rastro::cli {
+
+/// The flags that mean the same in every subcommand that runs something with an option table.
+struct RunFlags {
+  DataFlags data;
+  std::string out;
+  std::string options_file;
+  std::vector<std::string> settings;  ///< --set key=value
+  bool force = false;
+  bool seed_given = false;
+};
+
+/// --options and --set; `options_command` prints the options: "rastro options METHOD".
+void add_settings_flags(CLI::App& command, RunFlags& flags, const std::string& group,
+                        const std::string& options_command);
+/// --out and --force.
+void add_folder_flags(CLI::App& command, RunFlags& flags);
+
+/// Sets the table from the options file, then from --set.
+void apply_given_settings(const RunFlags& flags, OptionTable& table);
+/// Sets the option `seed` where --seed is given.
+void apply_given_seed(const RunFlags& flags, OptionTable& table);
+
+}  // namespace rastro::cli
