@@ -17,7 +17,17 @@ TEST(Error, SaysWhereWhatAndWhatToDo) {
   EXPECT_STREQ(Error("one line").what(), "one line");
 }
 
-TEST(Check, HoldsItsPeaceWhenThePromiseIsKept) { EXPECT_NO_THROW(RASTRO_CHECK(1 + 1 == 2, "sums work")); }
+TEST(Check, AKeptPromiseIsAskedOnceAndItsMessageNeverMade) {
+  int asked = 0, made = 0;
+  const auto message = [&made] { return std::to_string(++made); };
+  // Without braces: it has to be one statement.
+  if (made == 0)
+    RASTRO_CHECK(++asked == 1, message());
+  else
+    FAIL() << "the else belongs to the if";
+  EXPECT_EQ(asked, 1) << "on in releases, and without doing the work of its condition twice";
+  EXPECT_EQ(made, 0);
+}
 
 TEST(Check, NamesPlacePromiseAndCondition) {
   try {

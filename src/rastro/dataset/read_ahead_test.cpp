@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <string>
 
 #include "rastro/base/error.h"
 #include "rastro/dataset/dataset_testing.h"
@@ -11,10 +13,16 @@
 namespace rastro {
 namespace {
 
-/// Counts what has been made; every seventh frame is an Error.
+/// Counts what has been made; every seventh frame is an Error. `alive` is true as long as it lives.
 class CountingSource final : public Source {
  public:
-  CountingSource(std::int64_t count, std::atomic<std::int64_t>& made) : count_(count), made_(made) {}
+  CountingSource(std::int64_t count, std::atomic<std::int64_t>& made, std::atomic<bool>* alive = nullptr)
+      : count_(count), made_(made), alive_(alive) {
+    if (alive_) *alive_ = true;
+  }
+  ~CountingSource() override {
+    if (alive_) *alive_ = false;
+  }
   const SourceInfo& info() const override { return info_; }
   std::optional<Frame> next() override {
     if (position_ == count_) return std::nullopt;
@@ -30,6 +38,7 @@ class CountingSource final : public Source {
   std::int64_t count_;
   std::int64_t position_ = 0;
   std::atomic<std::int64_t>& made_;
+  std::atomic<bool>* alive_;
 };
 
 TEST(ReadAhead, KeepsOrderAndErrorsAndNeverHoldsMoreThanItsDepth) {
@@ -49,11 +58,34 @@ TEST(ReadAhead, KeepsOrderAndErrorsAndNeverHoldsMoreThanItsDepth) {
   }
 }
 
-TEST(ReadAhead, MayBeLeftAtAnyPoint) {
-  for (int taken = 0; taken < 20; ++taken) {
-    std::atomic<std::int64_t> made{0};
-    const auto source = read_ahead(std::make_unique<CountingSource>(6, made), 2);
-    for (int k = 0; k < taken; ++k) error_of([&] { source->next(); });
+/// The next frame's index, or what it says where it is an Error; -1 at the end.
+std::string outcome_of(Source& source) {
+  std::int64_t index = -1;
+  const std::string error = error_of([&] {
+    if (const auto frame = source.next()) index = frame->index;
+  });
+  return error.empty() ? std::to_string(index) : error;
+}
+
+TEST(ReadAhead, LeftAtAnyPointItStopsReadingAndLetsTheSourceGo) {
+  constexpr int depth = 2;
+  for (const std::int64_t length : {6, 100'000}) {  // over while it is read, and far from over
+    for (int taken = 0; taken < 20; ++taken) {
+      std::atomic<std::int64_t> made{0};
+      std::atomic<bool> alive{false};
+      {
+        const auto source = read_ahead(std::make_unique<CountingSource>(length, made, &alive), depth);
+        for (int k = 0; k < taken; ++k) {
+          const std::string expected =
+              k >= length ? "-1" : (k % 7 == 6 ? "frame " + std::to_string(k) : std::to_string(k));
+          EXPECT_EQ(outcome_of(*source), expected);
+        }
+        EXPECT_TRUE(alive);
+      }
+      EXPECT_FALSE(alive) << "whoever is left holds the recording open";
+      EXPECT_LE(made, std::min<std::int64_t>(length, taken + depth)) << "it read on after it was left";
+      EXPECT_GE(made, std::min<std::int64_t>(length, taken));
+    }
   }
 }
 

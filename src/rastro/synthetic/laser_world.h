@@ -15,7 +15,7 @@
 namespace rastro {
 
 /// A place that can be found again: a door post or a column.
-struct Landmark {
+struct LaserLandmark {
   std::int64_t id = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< In the world, metres.
   double radius = 0.0;                                 ///< Of the solid around it, metres.
@@ -29,7 +29,7 @@ struct LaserWorld {
   /// With its tree of bounds made; only upright boxes and cylinders reach the height of the laser.
   std::shared_ptr<const Scene> scene;
   std::vector<GlassPane> panes;
-  std::vector<Landmark> landmarks;
+  std::vector<LaserLandmark> landmarks;
   LaserModel laser;
   std::function<SE2(double time_s)> world_from_body;
   double duration_s = 0.0;

@@ -130,7 +130,7 @@ std::string relation_line(const LaserWorld& world, const ScanPair& pair) {
                      motion.rotation().angle());
 }
 
-bool in_sight(const LaserWorld& world, const Scene& now, const Eigen::Vector2d& laser, const Landmark& landmark) {
+bool in_sight(const LaserWorld& world, const Scene& now, const Eigen::Vector2d& laser, const LaserLandmark& landmark) {
   const Eigen::Vector2d way = landmark.position - laser;
   const double free = way.norm() - landmark.radius, height = world.laser.height_m;
   if (free <= 0.0) return true;
@@ -148,7 +148,7 @@ std::vector<LandmarkSighting> sight_landmarks(const LaserWorld& world, std::int6
   const Eigen::Vector2d laser = laser_from_world.inverse().translation();
   Random random(seed_for(seed_for(world.seed, landmark_noise), static_cast<std::uint64_t>(scan)));
   std::vector<LandmarkSighting> sightings;
-  for (const Landmark& landmark : world.landmarks) {
+  for (const LaserLandmark& landmark : world.landmarks) {
     const double range_noise = random.normal(), bearing_noise = random.normal();
     const Eigen::Vector2d seen = laser_from_world * landmark.position;
     if (std::abs(std::atan2(seen.y(), seen.x())) > -world.laser.first_angle) continue;
@@ -196,7 +196,7 @@ LaserLogSummary write_laser_log(const LaserWorld& world, const fs::path& folder,
   for (const ScanPair& pair : pairs) relations += relation_line(world, pair);
   TextFile(folder / "relations.txt", relations);
   std::string posts = "# id, x, y\n";
-  for (const Landmark& landmark : world.landmarks)
+  for (const LaserLandmark& landmark : world.landmarks)
     posts += fmt::format("{},{:.4f},{:.4f}\n", landmark.id, landmark.position.x(), landmark.position.y());
   TextFile(folder / "landmarks_truth.csv", posts);
   write_floor_plan(true_floor_plan(world, recorder.scans(), 0.05, pool), folder);

@@ -101,7 +101,7 @@ TEST(WriteLaserLog, landmarks_are_seen_where_they_are_and_only_in_sight) {
   for (std::int64_t scan = 0; scan < office().scan_count(); scan += 10) {
     const SE2 body_from_world = office().world_from_body(office().time_of(scan)).inverse();
     for (const LandmarkSighting& seen : sight_landmarks(office(), scan)) {
-      const Landmark& landmark = office().landmarks[static_cast<std::size_t>(seen.id)];
+      const LaserLandmark& landmark = office().landmarks[static_cast<std::size_t>(seen.id)];
       ASSERT_EQ(landmark.id, seen.id);
       const Eigen::Vector2d in_body = body_from_world * landmark.position;
       ASSERT_LT(in_body.norm(), 6.0);

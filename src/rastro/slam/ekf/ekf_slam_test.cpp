@@ -64,9 +64,11 @@ TEST(EkfSlam, IsAsSureAsItMayBeOverFiftyRuns) {
   const Consistency found = consistency_of(ring_world(20, 5), EkfOptions(), 250);
   RecordProperty("share_inside", std::to_string(found.share_inside));
   RecordProperty("mean", std::to_string(found.mean));
-  EXPECT_GE(found.share_inside, 0.85);
-  EXPECT_GT(found.mean, 2.36);
-  EXPECT_LT(found.mean, 3.72);
+  // Measured: 0.916 and 3.22. Steps of one run go together, so that 95 % of them need not lie inside. A covariance that
+  // is a tenth too large or too small moves the mean out.
+  EXPECT_GE(found.share_inside, 0.90);
+  EXPECT_GT(found.mean, 2.98);
+  EXPECT_LT(found.mean, 3.45);
 }
 
 TEST(EkfSlam, IsTooSureWhereTheHeadingIsUncertain) {

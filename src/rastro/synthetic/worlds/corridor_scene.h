@@ -21,7 +21,7 @@ constexpr double ceiling_m = 2.6;
 struct Floor {
   std::unique_ptr<Scene> scene = std::make_unique<Scene>();
   std::vector<GlassPane> panes;
-  std::vector<Landmark> landmarks;
+  std::vector<LaserLandmark> landmarks;
 };
 
 /// Walls, doors, furniture and a person; not painted, its tree not made. Furniture depends on the seed, walls and the

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <map>
+#include <set>
 
 #include "rastro/base/random.h"
 
@@ -78,9 +81,92 @@ void expect_consistent(const MapGraph& graph) {
   }
 }
 
+/// One root a submap, everybody else hangs below it, and children are listed by their parents once and in order.
+void expect_spanning_trees(const MapGraph& graph) {
+  std::map<int, int> roots;
+  std::size_t listed = 0;
+  for (const std::int64_t id : graph.keyframe_ids()) {
+    const MapKeyframe& keyframe = graph.keyframe(id);
+    roots[keyframe.submap] += keyframe.parent < 0 ? 1 : 0;
+    EXPECT_TRUE(std::is_sorted(keyframe.children.begin(), keyframe.children.end()));
+    for (const std::int64_t child : keyframe.children) EXPECT_EQ(graph.keyframe(child).parent, id);
+    listed += keyframe.children.size();
+    std::int64_t above = id;
+    for (std::size_t step = 0; above >= 0 && step <= graph.keyframe_count(); ++step) {
+      EXPECT_EQ(graph.keyframe(above).submap, keyframe.submap);
+      above = graph.keyframe(above).parent;
+    }
+    EXPECT_LT(above, 0) << id << " hangs in a circle";
+  }
+  for (const auto& [submap, count] : roots) EXPECT_EQ(count, 1) << "submap " << submap;
+  EXPECT_EQ(listed, graph.keyframe_count() - roots.size());
+}
+
+/// Kruskal's: shared landmarks along the best tree over these keyframes.
+int most_shared_by_a_tree(const MapGraph& graph, const std::vector<std::int64_t>& ids) {
+  std::vector<std::array<std::int64_t, 3>> edges;
+  for (const std::int64_t a : ids) {
+    for (const std::int64_t b : ids) {
+      if (a < b) edges.push_back({graph.shared(a, b), a, b});
+    }
+  }
+  std::sort(edges.rbegin(), edges.rend());
+  std::map<std::int64_t, std::int64_t> part;
+  for (const std::int64_t id : ids) part[id] = id;
+  int sum = 0;
+  for (const auto& [shared, a, b] : edges) {
+    const std::int64_t from = part[a], to = part[b];
+    if (from == to) continue;
+    sum += static_cast<int>(shared);
+    for (auto& [id, of] : part) of = of == from ? to : of;
+  }
+  return sum;
+}
+
+TEST(MapGraph, ChildrenOfARemovedKeyframeHangWhereTheyShareMost) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    MapGraph graph = random_graph(9, seed);
+    const std::vector<std::int64_t> orphans = {3, 4, 5, 7};
+    for (const std::int64_t child : orphans) graph.set_parent(child, 2);
+    expect_spanning_trees(graph);
+    graph.remove_keyframe(2);
+    expect_spanning_trees(graph);
+    int sum = 0;
+    for (const std::int64_t child : orphans) {
+      const std::int64_t parent = graph.keyframe(child).parent;
+      EXPECT_TRUE(parent == 1 || std::count(orphans.begin(), orphans.end(), parent) == 1) << child << " " << parent;
+      sum += graph.shared(child, parent);
+    }
+    EXPECT_EQ(sum, most_shared_by_a_tree(graph, {1, 3, 4, 5, 7})) << "seed " << seed;
+    EXPECT_EQ(graph.keyframe(6).parent, 5) << "a grandchild stays where it was";
+  }
+}
+
+TEST(MapGraph, AnotherRootTurnsTheWayToItAroundAndNothingElse) {
+  const auto pairs_of = [](const MapGraph& graph) {
+    std::set<std::pair<std::int64_t, std::int64_t>> pairs;
+    for (const std::int64_t id : graph.keyframe_ids()) {
+      const std::int64_t parent = graph.keyframe(id).parent;
+      if (parent >= 0) pairs.insert(std::minmax(id, parent));
+    }
+    return pairs;
+  };
+  MapGraph graph = random_graph(8, 3);
+  graph.set_parent(5, 2);
+  graph.set_parent(7, 0);
+  const auto before = pairs_of(graph);
+  for (const std::int64_t root : {6, 7, 3, 0}) {
+    graph.make_root(root);
+    expect_spanning_trees(graph);
+    EXPECT_EQ(graph.keyframe(root).parent, -1);
+    EXPECT_EQ(pairs_of(graph), before);
+  }
+}
+
 TEST(MapGraph, CountsOfSharedLandmarksFollowEveryChange) {
   MapGraph graph = random_graph(8, 3);
   expect_consistent(graph);
+  expect_spanning_trees(graph);
   graph.fuse(5, 6);
   EXPECT_EQ(graph.current(6), 5);
   expect_consistent(graph);
@@ -91,6 +177,7 @@ TEST(MapGraph, CountsOfSharedLandmarksFollowEveryChange) {
   expect_consistent(graph);
   graph.make_root(6);
   expect_consistent(graph);
+  expect_spanning_trees(graph);
   EXPECT_EQ(graph.keyframe(6).parent, -1);
 }
 
