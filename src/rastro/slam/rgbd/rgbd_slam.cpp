@@ -91,6 +91,21 @@ RgbdMap base_map(const RgbdSlamOptions& options, const Camera& camera,
   return map;
 }
 
+/// Rays of its features and blocks of its surfaces are taken by the camera of this run.
+const RgbdMap& checked(const RgbdMap& map, const Camera& camera) {
+  constexpr double most_share = 0.01;  // of the width: calibrations of one camera differ by less
+  const Camera& other = map.camera;
+  const double most_px = most_share * camera.width;
+  const double apart_px = std::max({std::abs(other.fx - camera.fx), std::abs(other.fy - camera.fy),
+                                    std::abs(other.cx - camera.cx), std::abs(other.cy - camera.cy)});
+  if (other.width == camera.width && other.height == camera.height && apart_px <= most_px) return map;
+  throw Error(fmt::format("was made by another camera ({} x {} pixels, focal length {:.1f} px)", other.width,
+                          other.height, other.fx),
+              "--map",
+              fmt::format("this run has {} x {} pixels, focal length {:.1f} px: give a map of the same camera",
+                          camera.width, camera.height, camera.fx));
+}
+
 /// Where and how surely the frame is, as far as the follower knows.
 struct Anchor {
   std::int64_t keyframe = -1;
@@ -161,7 +176,8 @@ RgbdSlam::State::State(const RgbdSlamOptions& options, const Camera& camera, con
       camera_(camera),
       maps_(means.map == nullptr),
       mapper_(options_, camera, means),
-      map_(means.map ? *means.map : base_map(options_, camera, mapper_.pictures()), means.map != nullptr),
+      map_(means.map ? checked(*means.map, camera) : base_map(options_, camera, mapper_.pictures()),
+           means.map != nullptr),
       relocaliser_(options_, camera, mapper_.depths()),
       follower_(options_.follow, camera, means.pool),
       archives_(maps_ && means.archive != nullptr),
