@@ -110,6 +110,33 @@ TEST(RgbdSlam, FollowsAPanAndItsMapHoldsTheKeyframes) {
   }
 }
 
+TEST(RgbdSlam, AnEdgeOfOdometryIsNeverSurerThanItsFloor) {
+  RgbdSlamOptions options = quick();
+  options.edge_sigma_m = 0.02;
+  options.edge_sigma_rad = 0.01;
+  const Driven done = run(pan(-0.2, 0.02, 14), options);
+  int odometry = 0;
+  for (const PoseEdge& edge : done.snapshot->rgbd->edges) {
+    if (edge.kind != PoseEdgeKind::way) continue;
+    ++odometry;
+    const Matrix6d covariance = edge.information.inverse();
+    for (int i = 0; i < 6; ++i) EXPECT_GT(covariance(i, i), i < 3 ? 0.0004 : 0.0001);
+  }
+  EXPECT_EQ(odometry, static_cast<int>(done.snapshot->rgbd->keyframes.size()) - 1);
+}
+
+/// What mapping finds is taken over a fixed number of frames later, neither sooner nor later.
+TEST(RgbdSlam, AKeyframeIsKnownAfterTheDelay) {
+  RgbdSlamOptions options = quick();
+  options.backend_delay_frames = 4;
+  RgbdSlam slam(options, test_room::camera(), {});
+  const Views views = pan(0.0, 0.005, 6);
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    slam.process(room_frame(*views[k], static_cast<std::int64_t>(k)));
+    EXPECT_EQ(slam.snapshot()->rgbd->keyframes.size(), k < 4 ? 0U : 1U) << k;
+  }
+}
+
 TEST(RgbdSlam, AnUncertaintyHoldsTheErrorThatIsMade) {
   const Views views = pan(-0.3, 0.02, 30);
   const Driven done = run(views, quick());
@@ -122,7 +149,7 @@ TEST(RgbdSlam, AnUncertaintyHoldsTheErrorThatIsMade) {
 }
 
 TEST(RgbdSlam, IsLostInTheDarkAndFoundAgainInTheMap) {
-  const Views before = pan(-0.2, 0.02, 15), dark(4), after = pan(0.0, 0.01, 8);
+  const Views before = pan(-0.2, 0.02, 15), dark(4), after = pan(0.2, 0.01, 8);
   const Views views = joined({before, dark, after});
   const Driven done = run(views, quick());
   for (std::size_t k = 15; k < 19; ++k) {
@@ -130,6 +157,7 @@ TEST(RgbdSlam, IsLostInTheDarkAndFoundAgainInTheMap) {
     EXPECT_EQ(done.trajectory.count(done.updates[k].stamp), 0U) << "no pose, none in the trajectory";
   }
   EXPECT_EQ(done.updates[19].state, SlamState::relocalised);
+  EXPECT_THAT(done.updates[19].world_from_body, pose_near(in_world(views, 19), 0.03, 0.015));
   EXPECT_EQ(done.count("relocalised") + done.count("submap"), done.count("relocalised")) << "no new submap";
   EXPECT_EQ(done.trajectory.size(), views.size() - dark.size());
   expect_near_truth(done, views, 0.04, 0.02);
