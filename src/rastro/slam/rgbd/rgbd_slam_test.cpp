@@ -185,7 +185,8 @@ TEST(RgbdSlam, ASubmapBegunElsewhereJoinsTheFirstWhereTheyMeet) {
 TEST(RgbdSlam, FramesAreFoundInAMapGivenWhichStays) {
   SlamMeans means;
   means.map = std::make_shared<const RgbdMap>(make_test_map(6));
-  const SE3 start = means.map->poses[2].world_from_camera;
+  const SE3 beside(SO3::exp({0.02, 0.06, 0.0}), {0.12, 0.05, 0.0});
+  const SE3 start = means.map->poses[2].world_from_camera * beside;
   Views views;
   for (int k = 0; k < 12; ++k) views.emplace_back(start * SE3(SO3::exp({0.0, 0.006 * k, 0.0}), {0.01 * k, 0.0, 0.0}));
   RgbdSlamOptions options = quick();
