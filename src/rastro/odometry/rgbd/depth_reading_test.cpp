@@ -100,6 +100,15 @@ TEST(ReadDepth, HasNoneAtAnEdgeOfDepth) {
   for (const int x : {190, 197, 203, 210}) EXPECT_TRUE(read_depth(depth, camera(), ray_of(x, 120.0), SE3(), {})) << x;
 }
 
+/// A wire before a wall: as deep on one side as on the other, and yet two surfaces.
+TEST(ReadDepth, HasNoneAcrossAThinThing) {
+  for (const float thin_m : {1.9F, 1.5F}) {
+    DepthImage depth = plane({0.0, 0.0, 1.0}, 2.0);
+    for (int y = 0; y < height; ++y) depth.at(160, y) = thin_m;
+    EXPECT_FALSE(read_depth(depth, camera(), ray_of(160.0, 120.0), SE3(), {})) << thin_m;
+  }
+}
+
 TEST(ReadDepth, HasNoneWhereTooLittleWasMeasured) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const float missing : {0.0F, nan, 0.1F, 20.0F}) {  // the last two are out of range
