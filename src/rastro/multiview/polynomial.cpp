@@ -85,8 +85,11 @@ std::vector<double> real_roots(const Polynomial& coefficients) {
   std::vector<double> roots;
   roots_within_one(coefficients, roots);
   const std::size_t small = roots.size();
+  // From the highest coefficient that there is: zeros above it would be roots at infinity.
   Polynomial reversed = coefficients;
-  std::reverse(reversed.begin(), reversed.end());
+  auto end = reversed.end();
+  while (end != reversed.begin() && *(end - 1) == 0.0) --end;
+  std::reverse(reversed.begin(), end);
   roots_within_one(reversed, roots);
   for (std::size_t i = small; i < roots.size(); ++i) roots[i] = 1.0 / roots[i];
   roots.erase(std::remove_if(roots.begin(), roots.end(), [](double x) { return !std::isfinite(x); }), roots.end());

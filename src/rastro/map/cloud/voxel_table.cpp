@@ -33,7 +33,8 @@ std::size_t VoxelTable::size() const {
 
 std::uint64_t VoxelTable::key_of(const Eigen::Vector3d& place) const {
   const Eigen::Vector3d voxel = (place / side_m_).array().floor();
-  if (!(voxel.cwiseAbs().maxCoeff() < static_cast<double>(half_range - 1))) return 0;
+  // One by one: a largest coefficient may pass over what is not a number.
+  if (!(voxel.array().abs() < static_cast<double>(half_range - 1)).all()) return 0;
   return packed(static_cast<std::int64_t>(voxel.x()), static_cast<std::int64_t>(voxel.y()),
                 static_cast<std::int64_t>(voxel.z()));
 }

@@ -75,7 +75,7 @@ double OccupancyOctree::resolution_m() const { return tree_->octomap->getResolut
 std::optional<double> OccupancyOctree::occupancy_at(const Eigen::Vector3d& place) const {
   // OctoMap turns any coordinate into an int before it looks whether it fits.
   const double reach = tree_->octomap->getResolution() * 32768.0;
-  if (!(place.cwiseAbs().maxCoeff() < reach)) return std::nullopt;
+  if (!(place.array().abs() < reach).all()) return std::nullopt;
   octomap::OcTreeKey key;
   if (!tree_->octomap->coordToKeyChecked(place.x(), place.y(), place.z(), key)) return std::nullopt;
   const octomap::OcTreeNode* node = tree_->octomap->search(key);

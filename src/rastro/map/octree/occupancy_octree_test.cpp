@@ -37,6 +37,7 @@ TEST(OccupancyOctree, KnowsWallsFreeSpaceAndWhatIsHidden) {
   EXPECT_LT(octree.occupancy_at({0.0, 0.0, 1.0}).value_or(1.0), 0.2) << "air before the cameras";
   EXPECT_FALSE(octree.occupancy_at({1.2, 0.2, 0.3})) << "inside the box";
   EXPECT_FALSE(octree.occupancy_at({2.5, 0.0, 1.0})) << "behind the wall";
+  for (const double far : {1e9, -1e9, std::nan("")}) EXPECT_FALSE(octree.occupancy_at({1.0, far, 1.0})) << far;
   EXPECT_FALSE(octree.occupancy_at({1e9, 0.0, 1.0}));
   EXPECT_GT(octree.occupied_leaves(), 1000U);
   EXPECT_GT(octree.free_leaves(), 1000U);

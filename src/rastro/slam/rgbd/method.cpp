@@ -2,24 +2,11 @@
 #include "rastro/slam/rgbd/method.h"
 
 #include "rastro/base/error.h"
-#include "rastro/map/features/feature_layer.h"
-#include "rastro/map/graph/edit.h"
-#include "rastro/map/images/image_layer.h"
 #include "rastro/slam/rgbd/options.h"
 #include "rastro/slam/rgbd/rgbd_slam.h"
 
 namespace rastro {
 namespace {
-
-/// The map to localize in, with keyframes counted from 0. Error where it lacks what they are found by.
-Map usable(const Map& map) {
-  const auto features = map.layer<FeatureLayer>();
-  const auto images = map.layer<ImageLayer>();
-  for (const Keyframe& keyframe : map.keyframes)
-    if (!features || !images || !features->find(keyframe.id))
-      throw Error("has keyframes without features or depth images", "--map", "give a map that 'rgbd' made");
-  return renumbered(map);
-}
 
 class RgbdMethod : public SlamMethod {
  public:
@@ -38,9 +25,7 @@ class RgbdMethod : public SlamMethod {
                   "'--method rgbd' needs a recording of a depth camera, such as one in TUM's layout");
     if (source.cameras.empty() || !source.cameras.front().camera)
       throw Error("has no calibration", source.path, "give one with --calibration FILE");
-    SlamContext own = context;
-    if (context.map) own.map = std::make_shared<const Map>(usable(*context.map));
-    return std::make_unique<RgbdSlam>(options_, *source.cameras.front().camera, own);
+    return std::make_unique<RgbdSlam>(options_, *source.cameras.front().camera, context);
   }
 
  private:

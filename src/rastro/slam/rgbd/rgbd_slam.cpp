@@ -11,6 +11,9 @@
 #include "rastro/base/checked_options.h"
 #include "rastro/base/error.h"
 #include "rastro/base/stopwatch.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/map/graph/edit.h"
+#include "rastro/map/images/image_layer.h"
 #include "rastro/odometry/rgbd_tracking/rgbd_follower.h"
 #include "rastro/slam/rgbd/mapper.h"
 #include "rastro/slam/rgbd/relocaliser.h"
@@ -80,6 +83,35 @@ Map base_map(const RgbdSlamOptions& options, const Camera& camera) {
   map.cameras.push_back({CameraKind::depth, camera, 0.0, noise, SE3()});
   map.sessions.push_back({0, 0, "", 0, 0, {true, 0.0, "depth camera"}});
   return map;
+}
+
+/// Rays of its features and blocks of its surfaces are taken by the camera of this run.
+void check_camera(const Camera& other, const Camera& camera) {
+  constexpr double most_share = 0.01;  // of the width: calibrations of one camera differ by less
+  const double most_px = most_share * camera.width;
+  const double apart_px = std::max({std::abs(other.fx - camera.fx), std::abs(other.fy - camera.fy),
+                                    std::abs(other.cx - camera.cx), std::abs(other.cy - camera.cy)});
+  if (other.width == camera.width && other.height == camera.height && apart_px <= most_px) return;
+  throw Error(fmt::format("was made by another camera ({} x {} pixels, focal length {:.1f} px)", other.width,
+                          other.height, other.fx),
+              "--map",
+              fmt::format("this run has {} x {} pixels, focal length {:.1f} px: give a map of the same camera",
+                          camera.width, camera.height, camera.fx));
+}
+
+/// With the map to localize in as this method needs it, keyframes counted from 0. Error where it lacks what they are
+/// found by.
+SlamContext with_usable_map(SlamContext context, const Camera& camera) {
+  if (!context.map) return context;
+  const Map& map = *context.map;
+  check_camera(camera_of(map, "--map").intrinsics, camera);
+  const auto features = map.layer<FeatureLayer>();
+  const auto images = map.layer<ImageLayer>();
+  for (const Keyframe& keyframe : map.keyframes)
+    if (!features || !images || !features->find(keyframe.id))
+      throw Error("has keyframes without features or depth images", "--map", "give a map that 'rgbd' made");
+  context.map = std::make_shared<const Map>(renumbered(map));
+  return context;
 }
 
 /// Where and how surely the frame is, as far as the follower knows.
@@ -370,7 +402,7 @@ std::vector<SlamEvent> RgbdSlam::State::finish() {
 }
 
 RgbdSlam::RgbdSlam(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context)
-    : state_(std::make_unique<State>(options, camera, context)) {}
+    : state_(std::make_unique<State>(options, camera, with_usable_map(context, camera))) {}
 RgbdSlam::~RgbdSlam() = default;
 SlamUpdate RgbdSlam::process(const Frame& frame) { return state_->process(frame); }
 std::vector<SlamEvent> RgbdSlam::finish() { return state_->finish(); }

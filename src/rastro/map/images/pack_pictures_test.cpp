@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/keyframe/pack_pictures.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rastro/base/error.h"
+#include "rastro/map/keyframe/feature_points.h"
+#include "rastro/map/rgbd_map_testing.h"
+
+namespace rastro {
+namespace {
+
+/// Smooth colours and depths from 0.5 to 12.5 m.
+Frame some_frame(int width = 64, int height = 48) {
+  Frame frame;
+  frame.image = GreyImage(width, height);
+  frame.colour.rgb = Image<std::uint8_t>(3 * width, height);
+  frame.depth = DepthImage(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      frame.image.at(x, y) = static_cast<std::uint8_t>(60 + 2 * x);
+      frame.colour.rgb.at(3 * x, y) = 200;
+      frame.colour.rgb.at(3 * x + 1, y) = static_cast<std::uint8_t>(20 + 3 * x);
+      frame.colour.rgb.at(3 * x + 2, y) = 50;
+      frame.depth.at(x, y) = 0.5F + 12.0F * static_cast<float>(y * width + x) / static_cast<float>(width * height);
+    }
+  }
+  return frame;
+}
+
+TEST(PackPictures, DepthComesBackToATenthOfAMillimeter) {
+  const Frame frame = some_frame();
+  const UnpackedPictures back = unpack_pictures(pack_pictures(frame), "test");
+  ASSERT_EQ(back.depth.width(), 64);
+  ASSERT_EQ(back.depth.height(), 48);
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) EXPECT_NEAR(back.depth.at(x, y), frame.depth.at(x, y), 1.01e-4F);
+}
+
+TEST(PackPictures, DepthThatCannotBeHeldIsNone) {
+  Frame frame = some_frame();
+  const float bad[] = {
+      0.0F, -1.0F, 13.2F, 1e9F, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(), 5e-5F};
+  for (int k = 0; k < 7; ++k) frame.depth.at(k, 3) = bad[k];
+  frame.depth.at(7, 3) = 13.106F;
+  const UnpackedPictures back = unpack_pictures(pack_pictures(frame), "test");
+  for (int k = 0; k < 7; ++k) EXPECT_EQ(back.depth.at(k, 3), 0.0F) << bad[k];
+  EXPECT_NEAR(back.depth.at(7, 3), 13.106F, 1.01e-4F) << "the farthest that fits 16 bits";
+}
+
+TEST(PackPictures, PackedTwiceItIsTheSame) {
+  const Frame frame = some_frame();
+  const PackedPictures once = pack_pictures(frame);
+  EXPECT_EQ(once, pack_pictures(frame));
+  const UnpackedPictures back = unpack_pictures(once, "test");
+  Frame again = frame;
+  again.depth = back.depth;
+  EXPECT_EQ(pack_pictures(again).depth, once.depth) << "what was packed loses nothing any more";
+  EXPECT_EQ(once.bytes(), once.colour.size() + once.depth.size());
+}
+
+TEST(PackPictures, ColorsKeepTheirOrderAndGrayHasThreeAlike) {
+  Frame frame = some_frame();
+  UnpackedPictures back = unpack_pictures(pack_pictures(frame), "test");
+  ASSERT_EQ(back.colour.width(), 64);
+  for (int x = 8; x < 56; x += 8) {
+    for (int channel = 0; channel < 3; ++channel)
+      EXPECT_NEAR(back.colour.rgb.at(3 * x + channel, 24), frame.colour.rgb.at(3 * x + channel, 24), 12) << channel;
+  }
+  frame.colour.rgb = {};
+  back = unpack_pictures(pack_pictures(frame), "test");
+  for (int x = 8; x < 56; x += 8) {
+    EXPECT_NEAR(back.colour.rgb.at(3 * x, 24), frame.image.at(x, 24), 4);
+    EXPECT_EQ(back.colour.rgb.at(3 * x, 24), back.colour.rgb.at(3 * x + 1, 24));
+    EXPECT_EQ(back.colour.rgb.at(3 * x, 24), back.colour.rgb.at(3 * x + 2, 24));
+  }
+}
+
+TEST(PackPictures, WithoutDepthThereIsNoneAnywhere) {
+  Frame frame = some_frame();
+  frame.depth = {};
+  const UnpackedPictures back = unpack_pictures(pack_pictures(frame), "test");
+  ASSERT_EQ(back.depth.width(), 64);
+  for (int y = 0; y < 48; ++y) EXPECT_EQ(*std::max_element(back.depth.row(y), back.depth.row(y) + 64), 0.0F);
+}
+
+TEST(PackPictures, DamageAndTwoSizesAreErrorsThatSayWhere) {
+  const PackedPictures sound = pack_pictures(some_frame()), small = pack_pictures(some_frame(32, 48));
+  PackedPictures cut = sound, junk = sound, none;
+  cut.depth.resize(20);
+  junk.colour.assign(500, 77);
+  for (const PackedPictures& damaged : {cut, junk, none, PackedPictures{sound.colour, small.depth},
+                                        PackedPictures{sound.colour, sound.colour}, PackedPictures{{}, sound.depth}}) {
+    try {
+      unpack_pictures(damaged, "keyframe 7");
+      ADD_FAILURE() << "was taken";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("keyframe 7"), std::string::npos);
+    }
+  }
+}
+
+TEST(MemoryPictures, GiveBackWhatWasAddedLast) {
+  MemoryPictures pictures;
+  const PackedPictures one = pack_pictures(some_frame()), other = pack_pictures(some_frame(32, 48));
+  pictures.add(3, one);
+  pictures.add(4, other);
+  EXPECT_EQ(pictures.pictures(3), one);
+  EXPECT_EQ(pictures.pictures(4), other);
+  pictures.add(3, other);
+  EXPECT_EQ(pictures.pictures(3), other);
+  EXPECT_THROW(pictures.pictures(5), Error);
+}
+
+/// A map whose keyframes see these points of the world exactly, each with a descriptor of its own.
+RgbdMap map_of_points(const std::vector<Eigen::Vector3d>& points, int keyframes) {
+  RgbdMap map;
+  map.camera = test_room::camera();
+  Random random(5);
+  std::vector<Descriptor> descriptors(points.size());
+  for (Descriptor& descriptor : descriptors)
+    for (std::uint64_t& word : descriptor.words) word = random.next();
+  for (int k = 0; k < keyframes; ++k) {
+    auto keyframe = std::make_shared<RgbdKeyframe>();
+    keyframe->id = k;
+    const SE3 pose(SO3::exp({0.0, 0.02 * k, 0.0}), {0.1 * k, 0.0, 0.0});
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector3d p = pose.inverse() * points[i];
+      const auto pixel = map.camera.project(p);
+      keyframe->features.keypoints.push_back(
+          {static_cast<float>(pixel->x()), static_cast<float>(pixel->y()), 31, 0, 1});
+      keyframe->features.bits.push_back(descriptors[i]);
+      keyframe->depths.push_back(static_cast<float>(p.z()));
+    }
+    map.keyframes.push_back(keyframe);
+    map.poses.push_back({pose, 0});
+  }
+  return map;
+}
+
+std::vector<Eigen::Vector3d> grid_of_points() {
+  std::vector<Eigen::Vector3d> points;
+  for (int y = -2; y <= 2; ++y)
+    for (int x = -3; x <= 3; ++x) points.emplace_back(0.2 * x, 0.2 * y, 2.0 + 0.05 * (x + y));
+  return points;
+}
+
+TEST(FeaturePointsOfAMap, AreThePointsThatWereSeen) {
+  const auto truth = grid_of_points();
+  const std::vector<FeaturePoint> points = feature_points(map_of_points(truth, 4));
+  ASSERT_EQ(points.size(), truth.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_LT((points[i].position - truth[i]).norm(), 1e-4) << i;
+    EXPECT_LT(points[i].error_px, 0.01);
+    ASSERT_EQ(points[i].views.size(), 4U);
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(points[i].views[k].keyframe, k);
+      EXPECT_EQ(points[i].views[k].feature, i);
+    }
+  }
+}
+
+TEST(FeaturePointsOfAMap, WhatLooksAlikeElsewhereOrOtherwiseAtTheSamePlaceStaysApart) {
+  const auto truth = grid_of_points();
+  RgbdMap map = map_of_points(truth, 2);
+  auto changed = std::make_shared<RgbdKeyframe>(*map.keyframes[1]);
+  for (std::uint64_t& word : changed->features.bits[0].words) word = ~word;  // looks otherwise
+  changed->depths[1] += 0.1F;                                                // elsewhere
+  changed->depths[2] = 0.0F;                                                 // not measured
+  map.keyframes[1] = changed;
+  const std::vector<FeaturePoint> points = feature_points(map);
+  EXPECT_EQ(points.size(), truth.size() - 3);
+  for (const FeaturePoint& point : points) EXPECT_GE(point.views.front().feature, 3U);
+}
+
+TEST(FeaturePointsOfAMap, OnlyTheSubmapAskedForIsJoined) {
+  RgbdMap map = map_of_points(grid_of_points(), 4);
+  map.poses[2].submap = map.poses[3].submap = 1;
+  for (const FeaturePoint& point : feature_points(map, 1)) {
+    EXPECT_EQ(point.views.size(), 2U);
+    EXPECT_GE(point.views.front().keyframe, 2U);
+  }
+  EXPECT_FALSE(feature_points(map, 1).empty());
+  EXPECT_TRUE(feature_points(map, 5).empty());
+}
+
+}  // namespace
+}  // namespace rastro

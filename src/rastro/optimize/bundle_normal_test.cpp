@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/optimize/bundle_normal.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cstring>
+
+#include "rastro/optimize/bundle_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::bundle_scene;
+using testing::BundleScene;
+using testing::BundleSceneOptions;
+
+/// Errors of an observation in sigmas: two, or three where right_x is known.
+Eigen::VectorXd errors_of(const BundleObservation& seen, const SE3& camera_from_world, const Eigen::Vector3d& point,
+                          double baseline) {
+  const Eigen::Vector3d p = camera_from_world * point;
+  Eigen::VectorXd errors(std::isnan(seen.right_x) ? 2 : 3);
+  errors.head<2>() = p.hnormalized() - seen.ray;
+  if (errors.size() == 3) errors[2] = (p.x() - baseline) / p.z() - seen.right_x;
+  return errors / seen.sigma;
+}
+
+/// The whole normal equations, cameras before points, with derivatives by differences.
+struct Dense {
+  Eigen::MatrixXd normal;
+  Eigen::VectorXd right;
+  int cameras = 0;  ///< Free ones.
+};
+
+Dense dense_normal(const Bundle& bundle, const BundleOptions& options) {
+  std::vector<int> places;
+  Dense dense;
+  for (const std::uint8_t fixed : bundle.fixed) places.push_back(fixed != 0 ? -1 : dense.cameras++);
+  const int unknowns = 6 * dense.cameras + 3 * static_cast<int>(bundle.points.size());
+  dense.normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  dense.right = Eigen::VectorXd::Zero(unknowns);
+  constexpr double step = 1e-6;
+  for (const BundleObservation& seen : bundle.observations) {
+    const SE3& camera = bundle.camera_from_world[seen.camera];
+    const Eigen::Vector3d& point = bundle.points[seen.point];
+    if ((camera * point).z() < 0.01) continue;
+    const Eigen::VectorXd errors = errors_of(seen, camera, point, bundle.baseline);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(errors.size(), unknowns);
+    for (int k = 0; k < 6 && places[seen.camera] >= 0; ++k) {
+      const Vector6d d = step * Vector6d::Unit(k);
+      jacobian.col(6 * places[seen.camera] + k) = (errors_of(seen, SE3::exp(d) * camera, point, bundle.baseline) -
+                                                   errors_of(seen, SE3::exp(-d) * camera, point, bundle.baseline)) /
+                                                  (2.0 * step);
+    }
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d d = step * Eigen::Vector3d::Unit(k);
+      jacobian.col(6 * dense.cameras + 3 * static_cast<int>(seen.point) + k) =
+          (errors_of(seen, camera, point + d, bundle.baseline) - errors_of(seen, camera, point - d, bundle.baseline)) /
+          (2.0 * step);
+    }
+    const double width = std::isnan(seen.right_x) ? options.huber_mono : options.huber_stereo, norm = errors.norm();
+    const double weight = width > 0.0 && norm > width ? width / norm : 1.0;
+    dense.normal += weight * jacobian.transpose() * jacobian;
+    dense.right -= weight * jacobian.transpose() * errors;
+  }
+  return dense;
+}
+
+BundleStep step_of(const Bundle& bundle, const BundleOptions& options, double damping, TaskPool* pool = nullptr) {
+  BundleStep step;
+  BundleNormal normal(bundle, options, pool);
+  EXPECT_TRUE(normal.solve(bundle, damping, step));
+  return step;
+}
+
+void expect_dense_step(const Bundle& bundle, const BundleOptions& options, double damping) {
+  Dense dense = dense_normal(bundle, options);
+  dense.normal.diagonal() *= 1.0 + damping;
+  const Eigen::VectorXd expected = dense.normal.ldlt().solve(dense.right);
+  const BundleStep step = step_of(bundle, options, damping);
+  ASSERT_EQ(step.cameras.size(), 6 * dense.cameras);
+  ASSERT_EQ(step.points.size(), bundle.points.size());
+  const double size = expected.norm();
+  ASSERT_GT(size, 1e-3);
+  EXPECT_LT((step.cameras - expected.head(6 * dense.cameras)).norm(), 1e-4 * size) << damping;
+  for (std::size_t i = 0; i < step.points.size(); ++i)
+    EXPECT_LT((step.points[i] - expected.segment<3>(6 * dense.cameras + 3 * static_cast<int>(i))).norm(), 1e-4 * size)
+        << i;
+}
+
+BundleSceneOptions small_scene() {
+  BundleSceneOptions options;
+  options.cameras = 6;
+  options.points = 40;
+  options.views = 4;
+  return options;
+}
+
+/// Eliminating the points is exact: the step is that of the whole equations.
+TEST(BundleNormal, StepIsThatOfTheWholeDenseEquations) {
+  for (const double damping : {0.0, 1e-4, 0.1, 10.0})
+    expect_dense_step(bundle_scene(small_scene(), 3).bundle, {}, damping);
+}
+
+TEST(BundleNormal, WithTwoCamerasAndWithDepthsToo) {
+  BundleSceneOptions options = small_scene();
+  for (const double share : {0.4, 1.0}) {
+    options.stereo_share = share;
+    expect_dense_step(bundle_scene(options, 5).bundle, {}, 1e-3);
+  }
+}
+
+TEST(BundleNormal, OutliersWeighAsTheKernelSays) {
+  BundleSceneOptions options = small_scene();
+  options.outlier_share = 0.2;
+  options.stereo_share = 0.5;
+  BundleOptions solving;
+  expect_dense_step(bundle_scene(options, 7).bundle, solving, 1e-3);
+  solving.huber_mono = solving.huber_stereo = 0.0;
+  expect_dense_step(bundle_scene(options, 7).bundle, solving, 1e-3);
+}
+
+TEST(BundleNormal, CamerasThatAreFixedAnywhereHaveNoPlace) {
+  BundleScene scene = bundle_scene(small_scene(), 9);
+  scene.bundle.fixed = {0, 1, 0, 0, 1, 0};
+  const BundleNormal normal(scene.bundle, {}, nullptr);
+  std::vector<int> places;
+  for (std::size_t i = 0; i < 6; ++i) places.push_back(normal.place_of(i));
+  for (const std::size_t i : {1U, 4U}) EXPECT_LT(places[i], 0);
+  for (const auto& [camera, place] : {std::pair<std::size_t, int>{0, 0}, {2, 1}, {3, 2}, {5, 3}})
+    EXPECT_EQ(places[camera], place);
+  expect_dense_step(scene.bundle, {}, 1e-3);
+}
+
+TEST(BundleNormal, ThePointsMoveAloneWhereEveryCameraIsFixed) {
+  BundleScene scene = bundle_scene(small_scene(), 11);
+  scene.bundle.fixed.assign(6, 1);
+  expect_dense_step(scene.bundle, {}, 1e-6);
+}
+
+TEST(BundleNormal, WhatIsBehindACameraHasNoPart) {
+  BundleScene scene = bundle_scene(small_scene(), 13);
+  scene.bundle.points[4].z() = -2.0;
+  const BundleStep step = step_of(scene.bundle, {}, 0.01);
+  Bundle without = scene.bundle;
+  std::erase_if(without.observations, [](const BundleObservation& seen) { return seen.point == 4; });
+  const BundleStep expected = step_of(without, {}, 0.01);
+  EXPECT_LT((step.cameras - expected.cameras).norm(), 1e-9 * expected.cameras.norm());
+}
+
+/// The same object solves again and again, at other cameras and dampings.
+TEST(BundleNormal, KeepsNothingFromOneSolutionToTheNext) {
+  BundleScene scene = bundle_scene(small_scene(), 15);
+  const BundleOptions options;
+  BundleNormal normal(scene.bundle, options, nullptr);
+  BundleStep first, other, again;
+  ASSERT_TRUE(normal.solve(scene.bundle, 0.01, first));
+  Bundle moved = scene.bundle;
+  for (Eigen::Vector3d& point : moved.points) point += Eigen::Vector3d(0.05, -0.02, 0.1);
+  ASSERT_TRUE(normal.solve(moved, 0.5, other));
+  ASSERT_TRUE(normal.solve(scene.bundle, 0.01, again));
+  EXPECT_EQ(std::memcmp(first.cameras.data(), again.cameras.data(),
+                        static_cast<std::size_t>(first.cameras.size()) * sizeof(double)),
+            0);
+  EXPECT_GT((first.cameras - other.cameras).norm(), 1e-6);
+}
+
+}  // namespace
+}  // namespace rastro

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/rgbd/keyframe_matcher.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+
+#include "rastro/slam/rgbd/rgbd_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::looking;
+using testing::pose_near;
+using testing::room_frame;
+using testing::room_keyframe;
+using testing::unknown_frame;
+using testing::with_depth_noise;
+
+/// A view of the room, its keyframe and its surface.
+struct View {
+  SE3 world_from_camera;
+  std::shared_ptr<const RgbdKeyframe> keyframe;
+  std::shared_ptr<const KeyframeSurface> surface;
+};
+
+class KeyframeMatcherTest : public ::testing::Test {
+ protected:
+  View view(const SE3& pose, std::uint64_t noise_seed) const {
+    return view_of(with_depth_noise(room_frame(pose), options_, noise_seed), pose);
+  }
+  View view_of(const Frame& frame, const SE3& pose = SE3()) const {
+    const KeyframeMatcher matcher(options_, test_room::camera());
+    return {pose, room_keyframe(frame, 0, options_),
+            std::make_shared<const KeyframeSurface>(matcher.surfaces().surface_of(frame.depth))};
+  }
+  std::optional<KeyframeTie> match(const View& a, const View& b, int min_inliers = 25, std::uint64_t seed = 1,
+                                   const std::optional<SE3>& guess = std::nullopt) const {
+    return KeyframeMatcher(options_, test_room::camera())
+        .match({a.keyframe.get(), [&] { return a.surface; }}, {b.keyframe.get(), [&] { return b.surface; }},
+               min_inliers, seed, guess);
+  }
+
+  RgbdSlamOptions options_;
+  SE3 pose_a_ = looking({-1.2, -0.2, 1.2}, 0.1), pose_b_ = looking({-1.1, 0.05, 1.25}, 0.0);
+};
+
+TEST_F(KeyframeMatcherTest, FindsTheMotionBetweenTwoViewsWithinItsSigmas) {
+  double sum = 0.0;
+  constexpr int pairs = 8;
+  for (int k = 0; k < pairs; ++k) {
+    const SE3 moved = pose_b_ * SE3(SO3::exp({0.0, 0.02 * k - 0.08, 0.01 * k}), {0.02 * k, 0.0, 0.0});
+    const View a = view(pose_a_, static_cast<std::uint64_t>(2 * k)),
+               b = view(moved, static_cast<std::uint64_t>(2 * k + 1));
+    const auto tie = match(a, b);
+    ASSERT_TRUE(tie) << k;
+    EXPECT_GE(tie->inliers, 25);
+    EXPECT_LE(tie->inliers, tie->matches);
+    const SE3 truth = a.world_from_camera.inverse() * b.world_from_camera;
+    EXPECT_THAT(tie->a_from_b, pose_near(truth, 0.025, 0.008)) << k;
+    const Vector6d error = (tie->a_from_b.inverse() * truth).log();
+    sum += error.dot(tie->information * error);
+    EXPECT_GT(tie->agreement.share(), 0.95);
+    EXPECT_EQ(tie->information, tie->information.transpose());
+  }
+  EXPECT_LT(sum / pairs, 12.0) << "6 on average for a right covariance";
+}
+
+TEST_F(KeyframeMatcherTest, IsNeverSurerThanItsFloor) {
+  options_.edge_sigma_m = 0.05;
+  options_.edge_sigma_rad = 0.03;
+  const auto tie = match(view(pose_a_, 1), view(pose_b_, 2));
+  ASSERT_TRUE(tie);
+  const Matrix6d covariance = tie->information.inverse();
+  for (int i = 0; i < 6; ++i) {
+    const double floor = i < 3 ? 0.05 : 0.03;
+    EXPECT_GT(covariance(i, i), floor * floor);
+    EXPECT_LT(covariance(i, i), 1.5 * floor * floor) << "many matches add little to it";
+  }
+}
+
+TEST_F(KeyframeMatcherTest, TheSameSeedGivesTheSameBytes) {
+  const View a = view(pose_a_, 1), b = view(pose_b_, 2);
+  const auto once = match(a, b, 25, 9), again = match(a, b, 25, 9);
+  ASSERT_TRUE(once && again);
+  EXPECT_EQ(once->a_from_b.matrix(), again->a_from_b.matrix());
+  EXPECT_EQ(once->information, again->information);
+  EXPECT_EQ(once->inliers, again->inliers);
+}
+
+TEST_F(KeyframeMatcherTest, ViewsOfDifferentWallsHaveNothingInCommon) {
+  const View ahead = view(looking({0.0, -0.5, 1.2}, 0.0), 1), behind = view(looking({0.0, -0.5, 1.2}, M_PI), 2);
+  EXPECT_FALSE(match(ahead, behind));
+  EXPECT_FALSE(match(ahead, view_of(unknown_frame(5))));
+}
+
+TEST_F(KeyframeMatcherTest, FewerInliersThanAskedForAreRefused) {
+  options_.few_features = "refuse";
+  const View a = view(pose_a_, 1), b = view(pose_b_, 2);
+  const auto tie = match(a, b);
+  ASSERT_TRUE(tie);
+  EXPECT_TRUE(match(a, b, tie->inliers - 5));
+  EXPECT_FALSE(match(a, b, tie->inliers + 20));
+}
+
+TEST_F(KeyframeMatcherTest, TooSmallAShareOfInliersIsRefused) {
+  const View a = view(pose_a_, 1), b = view(pose_b_, 2);
+  const auto tie = match(a, b);
+  ASSERT_TRUE(tie);
+  const double share = static_cast<double>(tie->inliers) / tie->matches;
+  options_.min_inlier_share = share - 0.05;
+  EXPECT_TRUE(match(a, b));
+  options_.min_inlier_share = std::min(1.0, share + 0.05);
+  EXPECT_FALSE(match(a, b));
+}
+
+/// Of b's features all but a few are taken away.
+View thinned(const View& view, std::size_t keep) {
+  auto fewer = std::make_shared<RgbdKeyframe>(*view.keyframe);
+  fewer->features.keypoints.resize(keep);
+  fewer->features.bits.resize(keep);
+  fewer->depths.resize(keep);
+  return {view.world_from_camera, fewer, view.surface};
+}
+
+/// Into a corner, where three walls hold a pose.
+TEST_F(KeyframeMatcherTest, SurfacesDecideWhereFeaturesAreFew) {
+  const SE3 pose_a = looking({-0.8, -0.4, 1.2}, M_PI + 0.7, -0.4),
+            pose_b = looking({-0.85, -0.3, 1.25}, M_PI + 0.65, -0.4);
+  const View a = view(pose_a, 1), b = thinned(view(pose_b, 2), 40);
+  const auto few = match(a, b, 25);
+  ASSERT_TRUE(few);
+  ASSERT_LT(few->inliers, 25) << "too few to decide alone";
+  EXPECT_THAT(few->a_from_b, pose_near(pose_a.inverse() * pose_b, 0.0015, 0.001)) << "surfaces have it better";
+  options_.few_features = "refuse";
+  EXPECT_FALSE(match(a, b, 25));
+}
+
+/// Wall and floor leave the direction along both open.
+TEST_F(KeyframeMatcherTest, SurfacesThatLeaveADirectionOpenDoNotDecide) {
+  const View a = view(pose_a_, 1), b = thinned(view(pose_b_, 2), 80);
+  const auto enough = match(a, b, 12);
+  ASSERT_TRUE(enough) << "features alone may";
+  ASSERT_LT(enough->inliers, 25);
+  EXPECT_FALSE(match(a, b, 25));
+}
+
+TEST_F(KeyframeMatcherTest, ATieThatDepthContradictsIsRefused) {
+  const View a = view(pose_a_, 1), b = view(pose_b_, 2);
+  ASSERT_TRUE(match(a, b));
+  // The same features, but b measured surfaces 0.5 m nearer: what it saw stands before what a saw through.
+  Frame nearer = room_frame(pose_b_);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 320; ++x) nearer.depth.at(x, y) -= 0.5F;
+  View contradicted = b;
+  contradicted.surface = view_of(nearer).surface;
+  EXPECT_FALSE(match(a, contradicted));
+  View blind = b;
+  blind.surface = std::make_shared<const KeyframeSurface>();
+  EXPECT_FALSE(match(a, blind)) << "nor is it believed where nothing could be judged";
+}
+
+TEST_F(KeyframeMatcherTest, MatchesCarryWhereAndHowWellTheyWereSeen) {
+  const View a = view(pose_a_, 1), b = view(pose_b_, 2);
+  const KeyframeMatcher matcher(options_, test_room::camera());
+  const std::vector<PointTie> ties = matcher.ties_of(*a.keyframe, *b.keyframe);
+  ASSERT_GT(ties.size(), 50U);
+  const SE3 a_from_b = pose_a_.inverse() * pose_b_;
+  int close = 0;
+  for (const PointTie& tie : ties) {
+    EXPECT_TRUE(tie.depth_a > 0.0 || tie.depth_b > 0.0);
+    EXPECT_GE(tie.sigma_a, options_.pixel_sigma);
+    EXPECT_LE(tie.sigma_a, 2.0 * options_.pixel_sigma) << "of coarse features twice as much at most";
+    if (tie.depth_b <= 0.0) continue;
+    const Eigen::Vector3d in_a = a_from_b * (tie.depth_b * tie.ray_b.homogeneous());
+    close += (in_a.hnormalized() - tie.ray_a).norm() * 260.0 < 4.0 ? 1 : 0;
+  }
+  EXPECT_GT(close, static_cast<int>(ties.size()) / 2) << "from b to a, not the other way";
+}
+
+TEST_F(KeyframeMatcherTest, FeaturesWithoutDepthInBothAreNoMatches) {
+  const View a = view(pose_a_, 1), b = view(pose_b_, 2);
+  const KeyframeMatcher matcher(options_, test_room::camera());
+  const auto without = [](const View& view) {
+    auto keyframe = std::make_shared<RgbdKeyframe>(*view.keyframe);
+    std::fill(keyframe->depths.begin(), keyframe->depths.end(), 0.0F);
+    return keyframe;
+  };
+  const auto flat_a = without(a), flat_b = without(b);
+  EXPECT_TRUE(matcher.ties_of(*flat_a, *flat_b).empty());
+  const std::vector<PointTie> by_b = matcher.ties_of(*flat_a, *b.keyframe);
+  EXPECT_GT(by_b.size(), 30U) << "one depth of the two is enough";
+  View half = a;
+  half.keyframe = flat_a;
+  const auto tie = match(half, b);
+  ASSERT_TRUE(tie);
+  EXPECT_THAT(tie->a_from_b, pose_near(pose_a_.inverse() * pose_b_, 0.03, 0.01));
+}
+
+TEST(KeyframeMatcherNoise, IsTheFollowers) {
+  RgbdSlamOptions options;
+  options.follow.depth_sigma_m = 0.004;
+  options.follow.depth_sigma_per_m2 = 0.003;
+  options.follow.min_depth_m = 0.7;
+  options.follow.max_depth_m = 4.2;
+  EXPECT_NEAR(depth_noise(options).sigma(2.0), 0.016, 1e-12);
+  EXPECT_EQ(surface_options(options).depth_sigma_m, 0.004);
+  EXPECT_EQ(surface_options(options).depth_sigma_per_m2, 0.003);
+  EXPECT_EQ(surface_options(options).min_depth_m, 0.7);
+  EXPECT_EQ(surface_options(options).max_depth_m, 4.2);
+}
+
+}  // namespace
+}  // namespace rastro

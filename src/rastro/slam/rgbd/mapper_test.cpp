@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/rgbd/mapper.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "rastro/base/error.h"
+#include "rastro/slam/rgbd/rgbd_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::edge_of;
+using testing::looking;
+using testing::pose_near;
+using testing::room_frame;
+using testing::unknown_frame;
+
+/// An archive that writes down what it is told.
+class RecordingArchive : public MapArchive {
+ public:
+  void begin(const RgbdMap&) override {}
+  void add_keyframe(const RgbdKeyframe& keyframe, const KeyframePose&, PackedPictures pictures) override {
+    keyframes.push_back(keyframe.id);
+    kept->add(keyframe.id, std::move(pictures));
+  }
+  void add_edge(const PoseEdge& edge) override { edges.push_back(edge); }
+  void set_poses(const std::vector<KeyframePose>& new_poses) override { poses = new_poses; }
+  void add_pose(const StampedPose& pose) override { trajectory.push_back(pose); }
+  std::shared_ptr<const PictureStore> pictures() const override { return kept; }
+  void keep(std::shared_ptr<const LandmarkMap>) override {}
+  bool wants_map() const override { return false; }
+
+  std::vector<std::int64_t> keyframes;
+  std::vector<PoseEdge> edges;
+  std::vector<KeyframePose> poses;
+  Trajectory trajectory;
+  std::shared_ptr<MemoryPictures> kept = std::make_shared<MemoryPictures>();
+};
+
+KeyframeOrder order_of(std::int64_t id, const SE3& world_from_camera, const SE3& shown_from,
+                       std::vector<PoseEdge> ties = {}, int submap = 0) {
+  return {id, room_frame(shown_from, 10 * id), world_from_camera, submap, std::move(ties)};
+}
+
+bool has_event(const MapRevision& revision, const std::string& kind) {
+  return std::any_of(revision.events.begin(), revision.events.end(),
+                     [&](const SlamEvent& event) { return event.kind == kind; });
+}
+
+int edges_of_kind(const MapRevision& revision, PoseEdgeKind kind) {
+  return static_cast<int>(std::count_if(revision.new_edges.begin(), revision.new_edges.end(),
+                                        [&](const PoseEdge& edge) { return edge.kind == kind; }));
+}
+
+/// In front of the wall at x = 2, looking at it and the floor, `step` decimetres to the side.
+SE3 beside(int step) { return looking({-0.8, -0.4 + 0.1 * step, 1.2}, 0.15 - 0.03 * step); }
+
+TEST(Mapper, TheFirstKeyframeStandsWhereTheTrackerHasIt) {
+  Mapper mapper({}, test_room::camera(), {});
+  const MapRevision revision = mapper.add(order_of(0, beside(0), beside(0)));
+  ASSERT_TRUE(revision.keyframe);
+  EXPECT_EQ(revision.keyframe->id, 0);
+  EXPECT_GT(revision.keyframe->features.size(), 100U);
+  ASSERT_EQ(revision.poses.size(), 1U);
+  EXPECT_THAT(revision.poses[0].world_from_camera, pose_near(beside(0), 0.0, 0.0));
+  EXPECT_TRUE(revision.new_edges.empty());
+  EXPECT_TRUE(revision.events.empty());
+  EXPECT_EQ(revision.covariance.norm(), 0.0);
+  EXPECT_THROW(mapper.add(order_of(2, beside(0), beside(0))), std::exception) << "one is left out";
+}
+
+/// Odometry that is 8 cm off and says so: matches with the keyframes before put it right.
+TEST(Mapper, MatchesPutRightWhatOdometryHasWrong) {
+  RgbdSlamOptions options;
+  Mapper mapper(options, test_room::camera(), {});
+  MapRevision revision = mapper.add(order_of(0, beside(0), beside(0)));
+  SE3 tracked = beside(0);
+  for (int k = 1; k < 4; ++k) {
+    const SE3 measured = beside(k - 1).inverse() * beside(k) * SE3(SO3::exp({0.0, 0.02, 0.0}), {0.06, 0.0, 0.05});
+    tracked = tracked * measured;
+    revision = mapper.add(order_of(k, tracked, beside(k), {edge_of(k - 1, k, measured, PoseEdgeKind::way, 0.1, 0.05)}));
+    EXPECT_EQ(edges_of_kind(revision, PoseEdgeKind::way), 1);
+    EXPECT_GE(edges_of_kind(revision, PoseEdgeKind::near), 1) << k;
+    EXPECT_EQ(edges_of_kind(revision, PoseEdgeKind::loop), 0);
+  }
+  EXPECT_GT((tracked.translation() - beside(3).translation()).norm(), 0.15);
+  for (int k = 0; k < 4; ++k)
+    EXPECT_THAT(revision.poses[static_cast<std::size_t>(k)].world_from_camera, pose_near(beside(k), 0.03, 0.012)) << k;
+  EXPECT_GT(revision.covariance.trace(), 0.0);
+  EXPECT_LT(revision.covariance.diagonal().head(3).sum(), 3.0 * 0.1 * 0.1) << "surer than by odometry alone";
+}
+
+TEST(Mapper, AMatchFarAlongTheGraphIsALoopAndMovesAll) {
+  RgbdSlamOptions options;
+  options.loop_steps = 4;
+  options.last_candidates = options.graph_candidates = options.near_candidates = 0;
+  options.random_candidates = 1;
+  // Views of something else stand between two of the room: only odometry ties them. Which of the four is compared with
+  // is drawn.
+  MapRevision revision;
+  for (std::uint64_t seed = 1; seed < 30 && !has_event(revision, "loop_closed"); ++seed) {
+    options.follow.seed = seed;
+    Mapper mapper(options, test_room::camera(), {});
+    mapper.add(order_of(0, beside(0), beside(0)));
+    SE3 tracked = beside(0);
+    for (int k = 1; k < 5; ++k) {
+      EXPECT_FALSE(has_event(revision, "loop_closed"));
+      const SE3 moved(SO3::exp({0.0, 0.02, 0.0}), {0.03, 0.0, 0.0});
+      tracked = tracked * moved;
+      KeyframeOrder order = order_of(k, tracked, beside(1), {edge_of(k - 1, k, moved, PoseEdgeKind::way, 0.05, 0.03)});
+      if (k < 4) order.frame = unknown_frame(static_cast<std::uint64_t>(k));
+      revision = mapper.add(order);
+    }
+  }
+  ASSERT_TRUE(has_event(revision, "loop_closed"));
+  EXPECT_TRUE(has_event(revision, "map_revised"));
+  ASSERT_EQ(edges_of_kind(revision, PoseEdgeKind::loop), 1);
+  EXPECT_THAT(revision.poses[0].world_from_camera.inverse() * revision.poses[4].world_from_camera,
+              pose_near(beside(0).inverse() * beside(1), 0.04, 0.02));
+  const SE3 between = revision.poses[1].world_from_camera.inverse() * revision.poses[2].world_from_camera;
+  EXPECT_GT((between.translation() - Eigen::Vector3d(0.03, 0.0, 0.0)).norm(), 1e-4) << "the others share the error";
+}
+
+TEST(Mapper, TwoSubmapsThatShowTheSameAreJoined) {
+  RgbdSlamOptions options;
+  Mapper mapper(options, test_room::camera(), {});
+  mapper.add(order_of(0, beside(0), beside(0)));
+  const SE3 guess(SO3::exp({0.0, 0.0, 1.0}), {7.0, 3.0, 0.0});
+  KeyframeOrder elsewhere = order_of(1, guess, beside(0), {}, 1);
+  elsewhere.frame = unknown_frame(4);
+  MapRevision revision = mapper.add(elsewhere);
+  EXPECT_EQ(revision.poses[1].submap, 1);
+  EXPECT_TRUE(revision.events.empty());
+  // The way from there leads to a view of the first submap.
+  const SE3 step(SO3::exp({0.0, 0.3, 0.0}), {0.2, 0.0, 0.1});
+  revision = mapper.add(order_of(2, guess * step, beside(1), {edge_of(1, 2, step)}, 1));
+  EXPECT_TRUE(has_event(revision, "joined"));
+  ASSERT_EQ(edges_of_kind(revision, PoseEdgeKind::join), 1);
+  for (const KeyframePose& pose : revision.poses) EXPECT_EQ(pose.submap, 0) << "the smallest number wins";
+  EXPECT_THAT(revision.poses[0].world_from_camera, pose_near(beside(0), 0.0, 1e-12)) << "the first stays";
+  EXPECT_THAT(revision.poses[2].world_from_camera, pose_near(beside(1), 0.02, 0.01)) << "in the frame of the first";
+  EXPECT_THAT(revision.poses[1].world_from_camera.inverse() * revision.poses[2].world_from_camera,
+              pose_near(step, 0.005, 0.003))
+      << "what was tied to it came along";
+}
+
+TEST(Mapper, WhatTheMaskHidesIsNeitherMatchedNorKept) {
+  Mapper mapper({}, test_room::camera(), {});
+  KeyframeOrder order = order_of(0, beside(0), beside(0));
+  order.frame.mask = GreyImage(320, 240);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 320; ++x) order.frame.mask.at(x, y) = x < 160 ? 255 : 0;
+  const MapRevision revision = mapper.add(order);
+  for (const Keypoint& point : revision.keyframe->features.keypoints) EXPECT_LT(std::lround(point.x), 160);
+  const UnpackedPictures kept = unpack_pictures(mapper.pictures()->pictures(0), "test");
+  for (int y = 0; y < 240; y += 7) {
+    EXPECT_EQ(kept.depth.at(200, y), 0.0F);
+    EXPECT_NEAR(kept.depth.at(100, y), order.frame.depth.at(100, y), 2e-4F);
+  }
+}
+
+TEST(Mapper, TheArchiveIsToldEverything) {
+  RecordingArchive archive;
+  SlamMeans means;
+  means.archive = &archive;
+  RgbdSlamOptions options;
+  options.graph_window = 2;
+  Mapper mapper(options, test_room::camera(), means);
+  MapRevision revision = mapper.add(order_of(0, beside(0), beside(0)));
+  std::size_t edges = 0;
+  for (int k = 1; k < 3; ++k) {
+    revision = mapper.add(order_of(k, beside(k), beside(k), {edge_of(k - 1, k, beside(k - 1).inverse() * beside(k))}));
+    edges += revision.new_edges.size();
+    EXPECT_EQ(revision.weights.size(), edges) << "one of every edge up to now";
+  }
+  EXPECT_EQ(archive.keyframes, (std::vector<std::int64_t>{0, 1, 2}));
+  EXPECT_EQ(archive.edges.size(), edges);
+  EXPECT_EQ(mapper.pictures(), archive.kept) << "pictures are there, not in memory";
+  EXPECT_EQ(archive.poses.size(), 3U) << "with every second keyframe of a window of two";
+  mapper.archive_pose({5, beside(0)});
+  ASSERT_EQ(archive.trajectory.size(), 1U);
+  EXPECT_EQ(archive.trajectory[0].stamp, 5);
+  revision = mapper.settle();
+  EXPECT_FALSE(revision.keyframe);
+  EXPECT_TRUE(has_event(revision, "map_revised"));
+  ASSERT_EQ(archive.poses.size(), revision.poses.size());
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_EQ(archive.poses[k].world_from_camera.matrix(), revision.poses[k].world_from_camera.matrix());
+}
+
+TEST(Mapper, AMapGivenStaysAsItIs) {
+  const auto map = std::make_shared<const RgbdMap>(make_test_map(4));
+  RecordingArchive archive;
+  SlamMeans means;
+  means.map = map;
+  means.archive = &archive;
+  RgbdSlamOptions options;
+  Mapper mapper(options, test_room::camera(), means);
+  const SE3 seen_from = map->poses[1].world_from_camera * SE3(SO3::exp({0.0, 0.05, 0.0}), {0.05, 0.0, 0.0});
+  // Where it was found again is 6 cm off.
+  const SE3 found = map->poses[1].world_from_camera.inverse() * seen_from * SE3(SO3(), {0.06, 0.0, 0.0});
+  const MapRevision revision = mapper.add(order_of(4, map->poses[1].world_from_camera * found, seen_from,
+                                                   {edge_of(1, 4, found, PoseEdgeKind::near, 0.1, 0.05)}));
+  ASSERT_EQ(revision.poses.size(), 5U);
+  for (std::size_t k = 0; k < 4; ++k)
+    EXPECT_EQ(revision.poses[k].world_from_camera.matrix(), map->poses[k].world_from_camera.matrix());
+  EXPECT_GT(revision.new_edges.size(), 1U) << "it is held against the map's";
+  EXPECT_THAT(revision.poses[4].world_from_camera, pose_near(seen_from, 0.03, 0.015));
+  EXPECT_TRUE(archive.keyframes.empty()) << "nothing is mapped";
+  EXPECT_TRUE(archive.edges.empty());
+  EXPECT_FALSE(has_event(revision, "map_revised"));
+}
+
+/// Features of SIFT take half a kilobyte each; 16 MB is the least that a ceiling leaves.
+TEST(Mapper, FeaturesOfTheOldestAreGivenUpToStayBelowTheCeiling) {
+  RgbdSlamOptions options;
+  options.descriptor = "sift";
+  options.keyframe_features = 5000;
+  options.graph_window = 2;
+  options.last_candidates = options.near_candidates = options.graph_candidates = 0;
+  options.random_candidates = options.join_candidates = 0;
+  SlamMeans means;
+  means.max_memory_bytes = 1;
+  Mapper mapper(options, test_room::camera(), means);
+  const Frame frame = unknown_frame(3);
+  std::vector<std::size_t> bytes;
+  std::int64_t forgotten = 0;
+  for (std::int64_t k = 0; k < 60 && forgotten < 3; ++k) {
+    KeyframeOrder order = order_of(k, beside(0), beside(0));
+    order.frame = frame;
+    const MapRevision revision = mapper.add(order);
+    bytes.push_back(revision.keyframe->features.size() * (128 * sizeof(float) + sizeof(Keypoint) + sizeof(float)));
+    for (const std::int64_t id : revision.forgotten) EXPECT_EQ(id, forgotten++) << "the oldest first";
+    EXPECT_EQ(has_event(revision, "memory"), !revision.forgotten.empty());
+    std::size_t held = 0;
+    for (auto id = static_cast<std::size_t>(forgotten); id < bytes.size(); ++id) held += bytes[id];
+    EXPECT_LT(held, 16'000'000U + 100'000U);
+    if (forgotten == 0) continue;
+    EXPECT_GT(held + bytes[0], 16'000'000U) << "and no more than that is given up";
+  }
+  EXPECT_GE(forgotten, 3);
+}
+
+}  // namespace
+}  // namespace rastro

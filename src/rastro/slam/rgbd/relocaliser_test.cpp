@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/rgbd/relocaliser.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rastro/slam/rgbd/rgbd_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::bare_keyframe;
+using testing::CountingPictures;
+using testing::looking;
+using testing::pose_near;
+using testing::room_frame;
+using testing::room_keyframe;
+using testing::unknown_frame;
+using testing::with_depth_noise;
+
+/// Four keyframes that look at the four walls.
+class RelocaliserTest : public ::testing::Test {
+ protected:
+  RelocaliserTest() {
+    for (int k = 0; k < 4; ++k) {
+      poses_.push_back(looking({0.3 * std::cos(k * M_PI / 2), 0.3 * std::sin(k * M_PI / 2), 1.2}, k * M_PI / 2, -0.3));
+      const Frame frame = room_frame(poses_.back(), k);
+      keyframes_.push_back(room_keyframe(frame, k, options_));
+      pictures_->add(k, frame);
+    }
+  }
+  Relocaliser::Try find(const Frame& frame, std::uint64_t seed = 1) {
+    return Relocaliser(options_, test_room::camera(), depths_).find(frame, keyframes_, seed);
+  }
+
+  RgbdSlamOptions options_;
+  KeyframeMatcher matcher_{options_, test_room::camera()};
+  std::shared_ptr<CountingPictures> pictures_ = std::make_shared<CountingPictures>();
+  DepthStore depths_{matcher_.surfaces(), pictures_};
+  std::vector<SE3> poses_;
+  std::vector<std::shared_ptr<const RgbdKeyframe>> keyframes_;
+};
+
+TEST_F(RelocaliserTest, FindsAFrameInTheKeyframeOfItsWallAndSaysWhere) {
+  options_.relocalise_last = 4;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const SE3 truth = poses_[k] * SE3(SO3::exp({0.03, -0.06, 0.05}), {0.05, 0.03, -0.04});
+    const Relocaliser::Try tried = find(with_depth_noise(room_frame(truth), options_, k));
+    ASSERT_TRUE(tried.found) << k;
+    EXPECT_EQ(tried.found->keyframe, static_cast<std::int64_t>(k));
+    EXPECT_THAT(poses_[k] * tried.found->tie.a_from_b, pose_near(truth, 0.03, 0.015)) << k;
+    EXPECT_GE(tried.found->tie.inliers, options_.relocalise_inliers);
+    EXPECT_EQ(tried.compared, 4);
+    EXPECT_GT(tried.features, 100);
+  }
+}
+
+TEST_F(RelocaliserTest, OfSeveralKeyframesTheOneWithMostInliersCounts) {
+  options_.relocalise_last = 5;
+  // Close to keyframe 1, and nearly at a fifth one beside it.
+  const SE3 truth = poses_[1] * SE3(SO3::exp({0.0, 0.12, 0.0}), {0.1, 0.0, 0.0});
+  const Frame beside = room_frame(truth * SE3(SO3(), {0.005, 0.0, 0.0}), 4);
+  keyframes_.push_back(room_keyframe(beside, 4, options_));
+  pictures_->add(4, beside);
+  const Relocaliser::Try tried = find(room_frame(truth));
+  ASSERT_TRUE(tried.found);
+  EXPECT_EQ(tried.found->keyframe, 4);
+  std::swap(keyframes_[0], keyframes_[4]);  // in another order it is still the best
+  pictures_->add(0, beside);
+  const Relocaliser::Try swapped = find(room_frame(truth));
+  ASSERT_TRUE(swapped.found);
+  EXPECT_EQ(swapped.found->keyframe, 0);
+}
+
+TEST_F(RelocaliserTest, APlaceNeverSeenIsNotFound) {
+  options_.relocalise_last = 4;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Relocaliser::Try tried = find(unknown_frame(seed), seed);
+    EXPECT_FALSE(tried.found) << seed;
+    EXPECT_EQ(tried.compared, 4);
+  }
+  keyframes_.erase(keyframes_.begin() + 2);  // and no other wall stands for the one that is missing
+  options_.relocalise_last = 3;
+  EXPECT_FALSE(find(room_frame(poses_[2])).found);
+}
+
+TEST_F(RelocaliserTest, WithoutKeyframesOrFeaturesThereIsNothingToCompare) {
+  std::vector<std::shared_ptr<const RgbdKeyframe>> none;
+  Relocaliser relocaliser(options_, test_room::camera(), depths_);
+  EXPECT_EQ(relocaliser.find(room_frame(poses_[0]), none, 1).compared, 0);
+  for (std::int64_t k = 0; k < 3; ++k) none.push_back(bare_keyframe(k, 0));
+  const Relocaliser::Try tried = relocaliser.find(room_frame(poses_[0]), none, 1);
+  EXPECT_EQ(tried.compared, 0) << "their features were given up";
+  EXPECT_FALSE(tried.found);
+  EXPECT_EQ(pictures_->asked(), 0);
+}
+
+/// Only the one in the middle of many knows the frame; by turns it must come up, whatever the draws are.
+TEST_F(RelocaliserTest, ByTurnsEveryKeyframeIsTried) {
+  options_.relocalise_last = 1;
+  options_.relocalise_random = 1;
+  std::vector<std::shared_ptr<const RgbdKeyframe>> many;
+  for (std::int64_t k = 0; k < 12; ++k) many.push_back(k == 7 ? keyframes_[2] : bare_keyframe(k, 0));
+  pictures_->add(7, room_frame(poses_[2]));
+  Relocaliser relocaliser(options_, test_room::camera(), depths_);
+  int tries = 0;
+  while (tries < 12) {
+    ++tries;
+    const Relocaliser::Try tried = relocaliser.find(room_frame(poses_[2]), many, 5);
+    if (!tried.found) continue;
+    EXPECT_EQ(tried.found->keyframe, 7);
+    break;
+  }
+  EXPECT_LE(tries, 8) << "0, 1, ... 7";
+  EXPECT_GT(tries, 1) << "or the draw found it, which this seed must not";
+}
+
+TEST_F(RelocaliserTest, TheSameSeedGivesTheSame) {
+  options_.relocalise_last = 4;
+  const Frame frame = with_depth_noise(room_frame(poses_[3] * SE3(SO3(), {0.04, 0.0, 0.02})), options_, 8);
+  const Relocaliser::Try once = find(frame, 3), again = find(frame, 3);
+  ASSERT_TRUE(once.found && again.found);
+  EXPECT_EQ(once.found->keyframe, again.found->keyframe);
+  EXPECT_EQ(once.found->tie.a_from_b.matrix(), again.found->tie.a_from_b.matrix());
+}
+
+}  // namespace
+}  // namespace rastro

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/rgbd/rgbd_slam.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "rastro/base/error.h"
+#include "rastro/base/task_pool.h"
+#include "rastro/slam/rgbd/rgbd_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::looking;
+using testing::pose_near;
+using testing::room_frame;
+
+/// A view, or the dark where there is none.
+using Views = std::vector<std::optional<SE3>>;
+
+/// What a run of these views said, frame by frame and at the end.
+struct Driven {
+  std::vector<SlamUpdate> updates;
+  std::vector<SlamEvent> events;
+  std::map<TimeNs, SE3> trajectory;
+  std::shared_ptr<const Snapshot> snapshot;
+
+  int count(const std::string& kind) const {
+    return static_cast<int>(
+        std::count_if(events.begin(), events.end(), [&](const SlamEvent& event) { return event.kind == kind; }));
+  }
+};
+
+Frame frame_of(const std::optional<SE3>& view, std::int64_t index) {
+  if (view) return room_frame(*view, index);
+  Frame frame = room_frame(looking({0.0, 0.0, 1.2}, 0.0), index);
+  for (int y = 0; y < 240; ++y) std::fill_n(frame.image.row(y), 320, std::uint8_t{0});
+  for (int y = 0; y < 240; ++y) std::fill_n(frame.depth.row(y), 320, 0.0F);
+  frame.colour.rgb = {};
+  return frame;
+}
+
+Driven run(const Views& views, const RgbdSlamOptions& options, const SlamMeans& means = {}) {
+  RgbdSlam slam(options, test_room::camera(), means);
+  Driven result;
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    result.updates.push_back(slam.process(frame_of(views[k], static_cast<std::int64_t>(k))));
+    const auto& events = result.updates.back().events;
+    result.events.insert(result.events.end(), events.begin(), events.end());
+  }
+  const auto last = slam.finish();
+  result.events.insert(result.events.end(), last.begin(), last.end());
+  for (const StampedPose& pose : slam.trajectory()) result.trajectory[pose.stamp] = pose.world_from_body;
+  result.snapshot = slam.snapshot();
+  return result;
+}
+
+/// In radians a frame, along yaw, and to the side.
+Views pan(double yaw, double per_frame, int frames) {
+  Views views;
+  for (int k = 0; k < frames; ++k) views.push_back(looking({-0.5, -0.2 + 0.01 * k, 1.2}, yaw + per_frame * k, -0.3));
+  return views;
+}
+
+Views joined(std::initializer_list<Views> parts) {
+  Views all;
+  for (const Views& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// The world is the first camera.
+SE3 in_world(const Views& views, std::size_t k) { return views[0]->inverse() * *views[k]; }
+
+void expect_near_truth(const Driven& done, const Views& views, double metres, double radians) {
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    const auto found = done.trajectory.find(done.updates[k].stamp);
+    if (!views[k] || found == done.trajectory.end()) continue;
+    EXPECT_THAT(found->second, pose_near(in_world(views, k), metres, radians)) << k;
+  }
+}
+
+RgbdSlamOptions quick() {
+  RgbdSlamOptions options;
+  options.backend_delay_frames = 3;
+  options.keyframe_frames = 8;
+  options.lost_frames = 3;
+  options.relocalise_every = 1;
+  return options;
+}
+
+TEST(RgbdSlam, FollowsAPanAndItsMapHoldsTheKeyframes) {
+  const Views views = pan(-0.3, 0.02, 30);
+  const Driven done = run(views, quick());
+  ASSERT_EQ(done.trajectory.size(), views.size());
+  expect_near_truth(done, views, 0.03, 0.012);
+  EXPECT_EQ(done.updates[0].world_from_body.matrix(), SE3().matrix()) << "the world is the first camera";
+  EXPECT_GE(done.count("keyframe"), 3);
+  ASSERT_EQ(done.snapshot->rgbd->keyframes.size(), static_cast<std::size_t>(done.count("keyframe")));
+  for (std::size_t k = 0; k < done.snapshot->keyframes.size(); ++k) {
+    const auto& stamped = done.snapshot->keyframes[k];
+    EXPECT_THAT(stamped.world_from_body, pose_near(done.trajectory.at(stamped.stamp), 1e-9, 1e-9)) << k;
+  }
+  for (std::size_t k = 1; k < views.size(); ++k) {
+    EXPECT_EQ(done.updates[k].state, SlamState::tracking) << k;
+    ASSERT_TRUE(done.updates[k].covariance);
+    EXPECT_GT(done.updates[k].covariance->diagonal().minCoeff(), 0.0) << k;
+  }
+}
+
+TEST(RgbdSlam, AnEdgeOfOdometryIsNeverSurerThanItsFloor) {
+  RgbdSlamOptions options = quick();
+  options.edge_sigma_m = 0.02;
+  options.edge_sigma_rad = 0.01;
+  const Driven done = run(pan(-0.2, 0.02, 14), options);
+  int odometry = 0;
+  for (const PoseEdge& edge : done.snapshot->rgbd->edges) {
+    if (edge.kind != PoseEdgeKind::way) continue;
+    ++odometry;
+    const Matrix6d covariance = edge.information.inverse();
+    for (int i = 0; i < 6; ++i) EXPECT_GT(covariance(i, i), i < 3 ? 0.0004 : 0.0001);
+  }
+  EXPECT_EQ(odometry, static_cast<int>(done.snapshot->rgbd->keyframes.size()) - 1);
+}
+
+/// What mapping finds is taken over a fixed number of frames later, neither sooner nor later.
+TEST(RgbdSlam, AKeyframeIsKnownAfterTheDelay) {
+  RgbdSlamOptions options = quick();
+  options.backend_delay_frames = 4;
+  RgbdSlam slam(options, test_room::camera(), {});
+  const Views views = pan(0.0, 0.005, 6);
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    slam.process(room_frame(*views[k], static_cast<std::int64_t>(k)));
+    EXPECT_EQ(slam.snapshot()->rgbd->keyframes.size(), k < 4 ? 0U : 1U) << k;
+  }
+}
+
+TEST(RgbdSlam, AnUncertaintyHoldsTheErrorThatIsMade) {
+  const Views views = pan(-0.3, 0.02, 30);
+  const Driven done = run(views, quick());
+  for (std::size_t k = 5; k < views.size(); ++k) {
+    const SE3 truth = in_world(views, k), said = done.updates[k].world_from_body;
+    const Eigen::Vector3d error = truth.translation() - said.translation();
+    const Eigen::Matrix3d covariance = done.updates[k].covariance->topLeftCorner<3, 3>();
+    EXPECT_LT(error.dot(covariance.ldlt().solve(error)), 25.0) << k << ": beyond 5 sigma";
+  }
+}
+
+TEST(RgbdSlam, IsLostInTheDarkAndFoundAgainInTheMap) {
+  const Views before = pan(-0.2, 0.02, 15), dark(4), after = pan(0.2, 0.01, 8);
+  const Views views = joined({before, dark, after});
+  const Driven done = run(views, quick());
+  for (std::size_t k = 15; k < 19; ++k) {
+    EXPECT_EQ(done.updates[k].state, SlamState::lost) << k;
+    EXPECT_EQ(done.trajectory.count(done.updates[k].stamp), 0U) << "no pose, none in the trajectory";
+  }
+  EXPECT_EQ(done.updates[19].state, SlamState::relocalised);
+  EXPECT_THAT(done.updates[19].world_from_body, pose_near(in_world(views, 19), 0.03, 0.015));
+  EXPECT_EQ(done.count("relocalised") + done.count("submap"), done.count("relocalised")) << "no new submap";
+  EXPECT_EQ(done.trajectory.size(), views.size() - dark.size());
+  expect_near_truth(done, views, 0.04, 0.02);
+}
+
+/// Carried to another wall in the dark and from there, seeing, back to the first: the two parts become one, in the
+/// frame of the first.
+TEST(RgbdSlam, ASubmapBegunElsewhereJoinsTheFirstWhereTheyMeet) {
+  const Views first = pan(0.0, 0.01, 14), dark(3), back = pan(2.4, -0.08, 32), on = pan(-0.15, 0.01, 8);
+  const Views views = joined({first, dark, back, on});
+  const Driven done = run(views, quick());
+  EXPECT_GE(done.count("submap"), 1);
+  ASSERT_GE(done.count("joined"), 1);
+  const bool placed_apart = std::any_of(done.updates.begin(), done.updates.end(), [](const SlamUpdate& update) {
+    return update.state == SlamState::weak && update.reason == SlamReason::apart;
+  });
+  EXPECT_TRUE(placed_apart) << "until they meet, a pose is a guess and says so";
+  for (const KeyframePose& pose : done.snapshot->rgbd->poses) EXPECT_EQ(pose.submap, 0);
+  EXPECT_GT(done.trajectory.size(), views.size() - 10) << "all but the dark and the first frames after it";
+  expect_near_truth(done, views, 0.12, 0.05);
+  EXPECT_NE(done.updates.back().reason, SlamReason::apart) << "it is known to the tracker";
+  EXPECT_THAT(done.updates.back().world_from_body, pose_near(in_world(views, views.size() - 1), 0.12, 0.05));
+}
+
+TEST(RgbdSlam, FramesAreFoundInAMapGivenWhichStays) {
+  SlamMeans means;
+  means.map = std::make_shared<const RgbdMap>(make_test_map(6));
+  const SE3 beside(SO3::exp({0.02, 0.06, 0.0}), {0.12, 0.05, 0.0});
+  const SE3 start = means.map->poses[2].world_from_camera * beside;
+  Views views;
+  for (int k = 0; k < 12; ++k) views.emplace_back(start * SE3(SO3::exp({0.0, 0.006 * k, 0.0}), {0.01 * k, 0.0, 0.0}));
+  RgbdSlamOptions options = quick();
+  options.relocalise_last = 6;
+  const Driven done = run(views, options, means);
+  EXPECT_EQ(done.updates.front().state, SlamState::relocalised);
+  for (std::size_t k = 0; k < views.size(); ++k)
+    EXPECT_THAT(done.updates[k].world_from_body, pose_near(*views[k], 0.04, 0.02)) << "in the frame of the map";
+  EXPECT_EQ(done.snapshot->rgbd->keyframes.size(), 6U);
+  EXPECT_EQ(done.trajectory.size(), views.size());
+}
+
+TEST(RgbdSlam, AMapOfAnotherCameraIsRefused) {
+  RgbdMap map = make_test_map(2);
+  SlamMeans means;
+  const auto refused = [&](const Camera& camera) {
+    map.camera = camera;
+    means.map = std::make_shared<const RgbdMap>(map);
+    try {
+      RgbdSlam slam({}, test_room::camera(), means);
+    } catch (const Error&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused(test_room::camera()));
+  Camera camera = test_room::camera();
+  camera.fx *= 1.0005;
+  EXPECT_FALSE(refused(camera)) << "calibrated once more";
+  EXPECT_TRUE(refused(test_room::camera().scaled(2.0)));
+  camera = test_room::camera();
+  camera.fx = camera.fy = 300.0;
+  EXPECT_TRUE(refused(camera));
+  camera = test_room::camera();
+  camera.cx += 20.0;
+  EXPECT_TRUE(refused(camera));
+}
+
+TEST(RgbdSlam, OptionsOutOfRangeAreRefused) {
+  RgbdSlamOptions options;
+  options.graph_window = 1;
+  EXPECT_THROW(RgbdSlam(options, test_room::camera(), {}), Error);
+  options = {};
+  options.loops = "hopeful";
+  EXPECT_THROW(RgbdSlam(options, test_room::camera(), {}), Error);
+}
+
+TEST(RgbdSlam, BesideTrackingOrWithinItTheResultIsTheSame) {
+  const Views views = joined({pan(-0.2, 0.02, 12), Views(2), pan(0.0, 0.01, 6)});
+  const Driven alone = run(views, quick());
+  TaskPool pool(3);
+  SlamMeans means;
+  means.pool = &pool;
+  means.pipelined = true;
+  const Driven beside = run(views, quick(), means);
+  ASSERT_EQ(alone.trajectory.size(), beside.trajectory.size());
+  for (const auto& [stamp, pose] : alone.trajectory) EXPECT_EQ(pose.matrix(), beside.trajectory.at(stamp).matrix());
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    EXPECT_EQ(alone.updates[k].world_from_body.matrix(), beside.updates[k].world_from_body.matrix()) << k;
+    EXPECT_EQ(alone.updates[k].events.size(), beside.updates[k].events.size()) << k;
+  }
+}
+
+}  // namespace
+}  // namespace rastro
