@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/slam/slam_method.h"
 #include "rastro/synthetic/worlds/starts.h"
 
@@ -61,18 +63,21 @@ inline void judge_way(const World& world, const Trajectory& trajectory, StartJud
 }
 
 /// Each landmark is held against the surface that its first keyframe sees at its feature.
-inline void judge_landmarks(const World& world, const LandmarkMap& map, double scale, StartJudgement& judgement) {
+inline void judge_landmarks(const World& world, const Map& map, double scale, StartJudgement& judgement) {
+  const auto landmarks = map.layer<LandmarkLayer>();
+  const auto features = map.layer<FeatureLayer>();
+  if (!landmarks || !features) return;
   std::vector<double> errors;
-  for (const Landmark& landmark : map.landmarks) {
+  for (const Landmark& landmark : landmarks->landmarks) {
     if (landmark.observations.empty()) continue;
     const LandmarkObservation& seen = landmark.observations.front();
-    for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-      if (map.keyframes[k]->id != seen.keyframe) continue;
-      const Keypoint& at = map.keyframes[k]->features.keypoints[seen.feature];
-      const auto hit = world.surface_at(frame_at(world, map.keyframes[k]->stamp), {at.x, at.y});
-      const double depth = scale * (map.poses[k].world_from_camera.inverse() * landmark.position).z();
-      errors.push_back(hit ? std::abs(depth / hit->t - 1.0) : 1.0);
-    }
+    const Keyframe* keyframe = map.find(seen.keyframe);
+    const ImageFeatures* image = keyframe ? features->find(keyframe->id) : nullptr;
+    if (!image) continue;
+    const Keypoint& at = image->features.keypoints[seen.feature];
+    const auto hit = world.surface_at(frame_at(world, keyframe->stamp), {at.x, at.y});
+    const double depth = scale * (keyframe->world_from_camera.inverse() * landmark.position).z();
+    errors.push_back(hit ? std::abs(depth / hit->t - 1.0) : 1.0);
   }
   judgement.landmarks = errors.size();
   if (errors.empty()) return;
@@ -100,7 +105,7 @@ inline StartJudgement judge_start(const World& world, const SlamMethod& method, 
   if (!judgement.started || trajectory.size() < 2) return judgement;
   double scale = 0.0;
   start_detail::judge_way(world, trajectory, judgement, scale);
-  if (const auto map = slam->snapshot()->landmark_map) start_detail::judge_landmarks(world, *map, scale, judgement);
+  if (const auto map = slam->snapshot()) start_detail::judge_landmarks(world, *map, scale, judgement);
   return judgement;
 }
 
