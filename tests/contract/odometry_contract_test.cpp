@@ -8,10 +8,10 @@
 #include <set>
 
 #include "drive_world.h"
+#include "pose_testing.h"
 #include "rastro/base/error.h"
 #include "rastro/base/random.h"
 #include "rastro/methods/methods.h"
-#include "slam_testing.h"
 
 namespace rastro {
 namespace {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "rastro/base/error.h"
+#include "rastro/map/graph/map.h"
 #include "rastro/methods/methods.h"
 #include "rastro/session/fakes_testing.h"
 #include "rastro/session/odometry_run.h"
@@ -67,7 +68,9 @@ TEST(Extension, ASlamMethodRuns) {
   EXPECT_EQ(end.result.ended, "end of data");
   expect_still_at(end.trajectory, 0.25);
   ASSERT_NE(end.map, nullptr);
+  EXPECT_EQ(contradiction_in(*end.map), "");
   EXPECT_EQ(end.map->keyframes.size(), 1U);
+  expect_still_at(trajectory_of(*end.map), 0.25);
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/still/method.h"
 
+#include "rastro/map/graph/map.h"
+
 namespace rastro {
 namespace {
 
@@ -18,10 +20,15 @@ class StillSlam : public Slam {
     return update;
   }
   Trajectory trajectory() const override { return trajectory_; }
-  std::shared_ptr<const Snapshot> snapshot() const override {
-    const auto map = std::make_shared<Snapshot>();
-    map->revision = trajectory_.empty() ? 0 : 1;
-    if (!trajectory_.empty()) map->keyframes = {trajectory_.front()};
+  std::shared_ptr<const Map> snapshot() const override {
+    auto map = std::make_shared<Map>();
+    map->method = "still";
+    if (trajectory_.empty()) return map;
+    map->revision = 1;
+    const TimeNs first = trajectory_.front().stamp, last = trajectory_.back().stamp;
+    map->sessions.push_back({0, 0, "", first, last, {true, 0.0, "as set"}});
+    map->keyframes.push_back({0, 0, first, 0, world_from_body_, 0, no_keyframe, 1.0});
+    for (const StampedPose& pose : trajectory_) map->frames.push_back({pose.stamp, 0, SE3()});
     return map;
   }
 
@@ -40,7 +47,7 @@ class StillSlamMethod : public SlamMethod {
     table.add({"height_m", &height_m_, "m", "where the robot stands", 0, 100, {}});
     return table;
   }
-  std::unique_ptr<Slam> make(const SourceInfo&, const SlamMeans&) const override {
+  std::unique_ptr<Slam> make(const SourceInfo&, const SlamContext&) const override {
     return std::make_unique<StillSlam>(height_m_);
   }
 
