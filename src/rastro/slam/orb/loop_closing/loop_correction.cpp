@@ -244,7 +244,11 @@ LoopResult correct_loop(MapGraph& graph, const OrbSlamOptions& options, const Ve
   }
   const SE3 keyframe_from_matched =
       keyframe.camera_from_world * graph.keyframe(loop.matched).camera_from_world.inverse();
-  graph.ties().push_back({loop.keyframe, loop.matched, Sim3(keyframe_from_matched), loop.inliers});
+  graph.ties().push_back({.from = loop.keyframe,
+                          .to = loop.matched,
+                          .from_from_to = Sim3(keyframe_from_matched),
+                          .kind = result.merged ? ConstraintKind::merge : ConstraintKind::loop,
+                          .inliers = loop.inliers});
   if (!result.merged) result.moved = (keyframe.camera_from_world.inverse().translation() - center).norm();
   return result;
 }
