@@ -126,7 +126,7 @@ TEST(CombineLengths, OutliersAreLeftOut) {
   Random random(5);
   Drawing scene;
   Ends ends = drawn(scene, random);
-  ends.a.all[3].value_m += 0.5;   // something else was taken for the end
+  ends.a.all[3].value_m += 0.5;    // something else was taken for the end
   ends.b.all[7].value_m -= 0.025;  // within the poses' scatter, but not beside its own a
   const auto length = combine_lengths(ends.a, ends.b);
   ASSERT_TRUE(length);
