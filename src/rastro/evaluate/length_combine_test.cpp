@@ -11,7 +11,7 @@ namespace rastro {
 namespace {
 
 /// What is drawn of keyframes that see the ends of a length of 0.8 m.
-struct Scene {
+struct Drawing {
   double true_a = 0.3, true_b = 1.1;
   double pose_sigma = 0.01;  ///< Moves both ends of a keyframe alike.
   double sigma = 0.002;
@@ -22,7 +22,7 @@ struct Ends {
   LengthSightings a, b;
 };
 
-Ends drawn(const Scene& scene, Random& random) {
+Ends drawn(const Drawing& scene, Random& random) {
   Ends ends;
   for (int k = 0; k < scene.both + scene.only_a + scene.only_b; ++k) {
     const double pose = scene.pose_sigma * random.normal();
@@ -37,7 +37,7 @@ Ends drawn(const Scene& scene, Random& random) {
 
 TEST(CombineLengths, ExactSightingsGiveTheExactLength) {
   Random random(1);
-  Scene exact;
+  Drawing exact;
   exact.pose_sigma = exact.sigma = 0.0;
   for (const auto& [both, a, b] : {std::tuple{5, 0, 0}, {0, 4, 6}, {1, 0, 0}, {3, 2, 1}}) {
     exact.both = both, exact.only_a = a, exact.only_b = b;
@@ -55,7 +55,7 @@ TEST(CombineLengths, ExactSightingsGiveTheExactLength) {
 /// Keyframes that see both ends tell the length without their poses: only their own noise is left.
 TEST(CombineLengths, PosesDropOutWhereBothEndsAreSeen) {
   Random random(2);
-  Scene scene;
+  Drawing scene;
   scene.pose_sigma = 0.05;
   double squares = 0.0, variance = 0.0;
   constexpr int runs = 200;
@@ -75,7 +75,7 @@ TEST(CombineLengths, PosesDropOutWhereBothEndsAreSeen) {
 
 TEST(CombineLengths, PosesCountWhereNoKeyframeSeesBoth) {
   Random random(3);
-  Scene scene;
+  Drawing scene;
   scene.pose_sigma = 0.03;
   scene.both = 0;
   scene.only_a = scene.only_b = 12;
@@ -95,7 +95,7 @@ TEST(CombineLengths, PosesCountWhereNoKeyframeSeesBoth) {
 /// Against the textbook: all keyframes' values in one vector with its full covariance.
 TEST(CombineLengths, IsGeneralizedLeastSquaresOverAllValues) {
   Random random(4);
-  Scene scene;
+  Drawing scene;
   scene.both = 6, scene.only_a = 4, scene.only_b = 5;
   const Ends ends = drawn(scene, random);
   const auto length = combine_lengths(ends.a, ends.b);
@@ -124,9 +124,9 @@ TEST(CombineLengths, IsGeneralizedLeastSquaresOverAllValues) {
 
 TEST(CombineLengths, OutliersAreLeftOut) {
   Random random(5);
-  Scene scene;
+  Drawing scene;
   Ends ends = drawn(scene, random);
-  ends.a.all[3].value_m += 0.5;   // something else was taken for the end
+  ends.a.all[3].value_m += 0.5;    // something else was taken for the end
   ends.b.all[7].value_m -= 0.025;  // within the poses' scatter, but not beside its own a
   const auto length = combine_lengths(ends.a, ends.b);
   ASSERT_TRUE(length);
@@ -163,7 +163,7 @@ TEST(CombineLengths, AnUnknownHeightIsFoundWhereItIsSeenFromBothSides) {
 
 TEST(CombineLengths, WhatIsOffAlikeEverywhereIsNotAveraged) {
   Random random(7);
-  Scene scene;
+  Drawing scene;
   scene.both = 100;
   Ends ends = drawn(scene, random);
   const auto without = combine_lengths(ends.a, ends.b);
@@ -184,7 +184,7 @@ TEST(CombineLengths, AnEndThatNobodySeesGivesNone) {
 
 TEST(CombineLengths, TheOtherWayRoundItIsTheNegative) {
   Random random(9);
-  Scene scene;
+  Drawing scene;
   scene.both = 8, scene.only_a = 3, scene.only_b = 2;
   const Ends ends = drawn(scene, random);
   const auto there = combine_lengths(ends.a, ends.b), back = combine_lengths(ends.b, ends.a);

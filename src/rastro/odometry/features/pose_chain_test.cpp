@@ -227,15 +227,16 @@ TEST_F(LocalMapTest, PointsThatAKeyframeSeesElsewhereAreDropped) {
 }
 
 TEST_F(LocalMapTest, ARestartForgetsPointsAndKeepsPoses) {
-  for (int k = 0; k < 3; ++k) add(k);
+  for (int k = 0; k < 5; ++k) add(k);
   map_.triangulate();
+  EXPECT_TRUE(map_.window_is_full());
   map_.restart();
   EXPECT_TRUE(map_.points().empty());
-  EXPECT_EQ(map_.keyframes().size(), 3U);
-  EXPECT_FALSE(map_.window_is_full());
-  add(3);
+  EXPECT_EQ(map_.keyframes().size(), 5U);
+  EXPECT_FALSE(map_.window_is_full()) << "it begins anew";
+  add(5);
   EXPECT_EQ(map_.triangulate(), 0) << "what was seen before does not count";
-  add(4);
+  add(6);
   EXPECT_GT(map_.triangulate(), 20);
 }
 

@@ -119,6 +119,7 @@ TEST(SubmapGraph, NoLoopToASubmapThatIsNotFinishedOrThatMadeTheScan) {
   EXPECT_EQ(graph.look_for_loops(0), 0);
   graph.submaps().front()->finish();
   EXPECT_EQ(graph.look_for_loops(0), 0) << "its own scans tell nothing";
+  EXPECT_EQ(graph.tie_neighbours(), 0) << "nor do those in its middle";
 }
 
 TEST(SubmapGraph, AnotherRoomIsNotTakenForTheFirst) {
