@@ -188,7 +188,7 @@ class Workspace:
     """One changed source at a time, put back whatever happens."""
 
     def __init__(self, build):
-        self.journal = build / "mutate-journal"
+        self.journal = ROOT / build / "mutate-journal"
 
     def recover(self):
         if self.journal.exists():
