@@ -11,12 +11,13 @@
 
 namespace rastro {
 
-/// A room with furniture, in closed form, that a robot with a laser and wheels drives through on a circle. The world is
-/// where it starts.
+/// A room with furniture, in closed form, that a robot with a laser and wheels drives through on a circle, now faster
+/// and now slower. The world is where it starts.
 class Room {
  public:
   static constexpr int frame_count = 90;
-  static constexpr double radius_m = 1.2, turn_rad = 0.03;  ///< A frame turns by this much on a circle of that radius.
+  static constexpr double radius_m = 1.2,
+                          turn_rad = 0.03;  ///< On the mean, a frame turns by this much on a circle of that radius.
   static constexpr TimeNs first_stamp = 1'000 * ns_per_second, step = ns_per_second / 10;
 
   static SourceInfo info() {
@@ -32,7 +33,7 @@ class Room {
   static TimeNs stamp(int frame) { return first_stamp + frame * step; }
 
   static SE2 world_from_body(int frame) {
-    const double angle = turn_rad * frame;
+    const double angle = turn_rad * (frame + 7.0 * std::sin(frame / 9.0));
     return {SO2::from_angle(angle), radius_m * Eigen::Vector2d(std::sin(angle), 1.0 - std::cos(angle))};
   }
 
@@ -129,12 +130,13 @@ class Room {
     return seen;
   }
 
-  /// Wheels that measure 1 % too long and turn 1 % too little, from a place of their own.
+  /// Wheels that measure 2.5 % too long and turn 3 % too little, from a place of their own.
   static SE2 odometry(int frame) {
     SE2 pose(SO2::from_angle(1.0), {5.0, 3.0});
-    const Eigen::Vector3d motion = (world_from_body(0).inverse() * world_from_body(1)).log();
-    const SE2 measured = SE2::exp({1.01 * motion.x(), 1.01 * motion.y(), 0.99 * motion.z()});
-    for (int k = 0; k < frame; ++k) pose = pose * measured;
+    for (int k = 0; k < frame; ++k) {
+      const Eigen::Vector3d motion = (world_from_body(k).inverse() * world_from_body(k + 1)).log();
+      pose = pose * SE2::exp({1.025 * motion.x(), 1.025 * motion.y(), 0.97 * motion.z()});
+    }
     return pose;
   }
 };

@@ -25,7 +25,12 @@ struct StartJudgement {
   double rotation_error_rad = 0.0;  ///< The largest.
   double depth_error = 0.0;         ///< Median of the landmarks, as a share of the true depth.
 
-  bool right() const { return !started || (position_error < 0.08 && rotation_error_rad < 0.05 && depth_error < 0.10); }
+  /// A map was begun, and it is right.
+  bool right() const {
+    return started && landmarks >= 50 && position_error < 0.08 && rotation_error_rad < 0.05 && depth_error < 0.10;
+  }
+  /// No map, or a right one.
+  bool never_wrong() const { return !started || right(); }
 };
 
 namespace start_detail {

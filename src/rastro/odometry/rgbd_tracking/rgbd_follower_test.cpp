@@ -45,50 +45,77 @@ TEST(RgbdFollower, SurfacesCarryBareWalls) {
   }
 }
 
-/// The camera as it was at an earlier frame, but turned about its axis: too far for optical flow and for surfaces from
-/// where it was seen last, so that only recognition finds it.
-SE3 rolled_back_to(std::int64_t frame, double roll_rad) {
-  return PaperedRoom::pose(frame) * SE3(SO3::exp({0.0, 0.0, roll_rad}), Eigen::Vector3d::Zero());
+/// A follower that goes along a known way, then is in the dark for a second, and then sees an earlier place, the camera
+/// turned about its axis by `roll_rad`.
+struct AfterTheDark {
+  RgbdFollow back;
+  SE3 truth;           ///< Of the camera in the frame after the dark, seen from the first.
+  double apart = 0.0;  ///< Of that from the last pose before the dark, metres and radians.
+  double error() const { return (truth.inverse() * back.world_from_camera).log().norm(); }
+};
+
+const std::vector<Frame>& way_before_the_dark() {
+  static const std::vector<Frame> frames = [] {
+    const PaperedRoom room;
+    std::vector<Frame> made;
+    for (int i = 0; i < 20; ++i) made.push_back(room.frame(i, PaperedRoom::pose(i)));
+    return made;
+  }();
+  return frames;
+}
+
+AfterTheDark after_the_dark(const SE3& world_from_camera) {
+  const PaperedRoom room;
+  RgbdFollower follower({}, room.camera, nullptr);
+  for (const Frame& frame : way_before_the_dark()) follower.follow(frame);
+  const SE3 last = follower.world_from_camera();
+  int i = static_cast<int>(way_before_the_dark().size());
+  for (const int end = i + 30; i < end; ++i) {
+    Frame dark;
+    dark.index = i;
+    dark.stamp = i * (ns_per_second / 30);
+    dark.image = GreyImage(room.camera.width, room.camera.height);
+    const RgbdFollow follow = follower.follow(dark);
+    EXPECT_EQ(follow.state, OdometryState::lost) << i;
+    EXPECT_EQ(follow.reason, OdometryReason::dark_or_blank) << i;
+  }
+  AfterTheDark seen;
+  seen.truth = PaperedRoom::pose(0).inverse() * world_from_camera;
+  seen.apart = (last.inverse() * seen.truth).log().norm();
+  seen.back = follower.follow(room.frame(i, world_from_camera));
+  return seen;
+}
+
+SE3 rolled(const SE3& pose, double roll_rad) {
+  return pose * SE3(SO3::exp({0.0, 0.0, roll_rad}), Eigen::Vector3d::Zero());
 }
 
 TEST(RgbdFollower, KnowsThePlaceAgainAfterTheDark) {
-  const PaperedRoom room;
-  for (const double roll_rad : {0.0, 0.5}) {
-    SCOPED_TRACE(roll_rad);
-    RgbdFollower follower({}, room.camera, nullptr);
-    for (int i = 0; i < 26; ++i) follower.follow(room.frame(i, PaperedRoom::pose(i)));
-    const SE3 last = follower.world_from_camera();
-    for (int i = 26; i < 56; ++i) {
-      Frame dark;
-      dark.index = i;
-      dark.stamp = i * (ns_per_second / 30);
-      dark.image = GreyImage(room.camera.width, room.camera.height);
-      const RgbdFollow follow = follower.follow(dark);
-      EXPECT_EQ(follow.state, OdometryState::lost) << i;
-      EXPECT_EQ(follow.reason, OdometryReason::dark_or_blank) << i;
+  // Turned by 0.7 rad, only recognition finds it: too far for optical flow and for surfaces.
+  for (const double roll_rad : {0.0, 0.7}) {
+    for (const int place : {2, 10}) {
+      SCOPED_TRACE(place);
+      const AfterTheDark seen = after_the_dark(rolled(PaperedRoom::pose(place), roll_rad));
+      const double limit = roll_rad == 0.0 ? 0.004 : 0.0105;  // measured: 0.0026 and 0.0070
+      ASSERT_GT(seen.apart, 20.0 * limit - 0.01) << "staying where it was must not do";
+      EXPECT_EQ(seen.back.state, OdometryState::tracking) << seen.back.detail;
+      EXPECT_LT(seen.error(), limit);
     }
-    const SE3 seen = rolled_back_to(10, roll_rad);
-    const SE3 truth = PaperedRoom::pose(0).inverse() * seen;
-    ASSERT_GT((last.inverse() * truth).log().norm(), 0.1) << "staying where it was must not do";
-    const RgbdFollow back = follower.follow(room.frame(56, seen));
-    EXPECT_EQ(back.state, OdometryState::tracking) << back.detail;
-    EXPECT_LT((truth.inverse() * back.world_from_camera).log().norm(), 0.008) << "measured: 0.0055";
-    // And it follows on from there.
-    const RgbdFollow next = follower.follow(room.frame(57, rolled_back_to(11, roll_rad)));
-    EXPECT_EQ(next.state, OdometryState::tracking) << next.detail;
-    EXPECT_LT(
-        (next.world_from_camera.inverse() * PaperedRoom::pose(0).inverse() * rolled_back_to(11, roll_rad)).log().norm(),
-        0.005);
   }
 }
 
-TEST(RgbdFollower, APlaceItHasNeverSeenIsNotFound) {
-  const PaperedRoom room;
-  RgbdFollower follower({}, room.camera, nullptr);
-  for (int i = 0; i < 20; ++i) follower.follow(room.frame(i, PaperedRoom::pose(i)));
+TEST(RgbdFollower, APlaceItDoesNotFindIsNotCalledFound) {
+  // A pose that is called good is good: measured 0.014 where the camera is turned most.
+  for (const int place : {0, 4, 15}) {
+    for (const double roll_rad : {0.3, -1.5}) {
+      const AfterTheDark seen = after_the_dark(rolled(PaperedRoom::pose(place), roll_rad));
+      EXPECT_TRUE(seen.back.state == OdometryState::lost || seen.error() < 0.021)
+          << place << " " << roll_rad << ": " << name_of(seen.back.state) << ", off by " << seen.error() << " "
+          << seen.back.detail;
+    }
+  }
   const SE3 behind = PaperedRoom::pose(4) * SE3(SO3::exp({0.0, 3.0, 0.0}), Eigen::Vector3d::Zero());
-  const RgbdFollow follow = follower.follow(room.frame(20, behind));
-  EXPECT_EQ(follow.state, OdometryState::lost) << follow.detail;
+  EXPECT_EQ(after_the_dark(behind).back.state, OdometryState::lost) << "a wall it has never seen";
 }
 
 TEST(RgbdFollower, EmptyAndRepeatedFramesAndAMaskOverAllAreNoFault) {

@@ -7,8 +7,6 @@
 #include <limits>
 #include <numbers>
 
-#include "rastro/slam/ekf/motion_model.h"
-
 namespace rastro::testing {
 
 LandmarkWorld ring_world(std::size_t landmarks, std::uint64_t seed) {
@@ -62,8 +60,13 @@ Frame LandmarkDrive::next() {
 }
 
 SE2 LandmarkDrive::noisy(const SE2& motion) {
-  const Eigen::Vector3d sigma =
-      world_.odometry_scale * measured_motion(motion, options_).covariance.diagonal().cwiseSqrt();
+  // From what the options mean, not from the filter's own motion model: what is wrong there must show.
+  constexpr double rad_per_deg = std::numbers::pi / 180.0;
+  const double way_m = motion.translation().norm(), turn_deg = std::abs(motion.rotation().angle()) / rad_per_deg;
+  const double along = options_.odometry_error_m_per_m * std::sqrt(way_m);
+  const double angle = rad_per_deg * std::hypot(options_.odometry_error_deg_per_45_deg * std::sqrt(turn_deg / 45.0),
+                                                options_.heading_error_deg_per_m * std::sqrt(way_m));
+  const Eigen::Vector3d sigma = world_.odometry_scale * Eigen::Vector3d(along, along, angle);
   const Eigen::Vector2d translation =
       motion.translation() + Eigen::Vector2d(sigma.x() * random_.normal(), sigma.y() * random_.normal());
   return {motion.rotation() * SO2::from_angle(sigma.z() * random_.normal()), translation};

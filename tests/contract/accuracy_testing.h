@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "place_testing.h"
+#include "rastro/math/alignment.h"
+
+namespace rastro {
+
+/// How far a method may be off in the recording it is tried on, and how many frames must have a pose.
+struct AccuracyLimit {
+  double worst_m = 0.0;      ///< Of any pose: about one and a half times what was measured.
+  double least_poses = 1.0;  ///< Share of the frames.
+};
+
+/// By method and sensor. CheapGuessesFailItsLimit holds each limit against guesses that know nothing.
+inline AccuracyLimit accuracy_limit(const std::string& method) {
+  static const std::map<std::string, AccuracyLimit> limits = {
+      {"ekf", {0.014, 1.0}},         // measured: 0.0091
+      {"hector", {0.055, 1.0}},      // 0.0363, without odometry
+      {"orb", {0.035, 1.0}},         // 0.0235, after a spoilt frame; else 0.0220
+      {"orb_mono", {0.035, 1.0}},    // 0.0152
+      {"orb_stereo", {0.057, 1.0}},  // 0.0379
+      {"rgbd", {0.018, 1.0}},        // 0.0118, after a spoilt frame; else 0.0054
+  };
+  const auto found = limits.find(method);
+  // A new method has to be measured; until then nothing is good enough.
+  return found == limits.end() ? AccuracyLimit{0.0, 1.0} : found->second;
+}
+
+/// Frames [first, end) of a recording.
+struct FrameRange {
+  int first = 0, end = std::numeric_limits<int>::max();
+};
+
+/// Number of the frame with this very stamp; nullopt where there is none.
+inline std::optional<int> frame_of(const Place& place, TimeNs stamp) {
+  const TimeNs since = stamp - place.stamp(0);
+  const auto k = static_cast<int>((since + place.step() / 2) / place.step());
+  return since >= 0 && place.stamp(k) == stamp ? std::optional<int>(k) : std::nullopt;
+}
+
+/// True and estimated positions of the poses in `range`, by their stamps. A pose whose stamp is of no frame is left
+/// out.
+struct PairedPositions {
+  std::vector<Eigen::Vector3d> truth, estimate;
+};
+
+inline PairedPositions paired_positions(const Trajectory& trajectory, const Place& place, FrameRange range = {}) {
+  PairedPositions paired;
+  for (const StampedPose& pose : trajectory) {
+    const std::optional<int> k = frame_of(place, pose.stamp);
+    if (!k || *k < range.first || *k >= range.end) continue;
+    paired.truth.push_back(place.world_from_body(*k).translation());
+    paired.estimate.push_back(pose.world_from_body.translation());
+  }
+  return paired;
+}
+
+/// The largest distance of a pose in `range` from where it should be: seen from the first pose of the trajectory where
+/// lengths are metric, else after alignment with scale. Infinite without a pose.
+inline double worst_error_m(const Trajectory& trajectory, const Place& place, FrameRange range = {}) {
+  const PairedPositions paired = paired_positions(trajectory, place, range);
+  if (paired.truth.empty()) return std::numeric_limits<double>::infinity();
+  Sim3 truth_from_estimate;
+  if (place.is_metric()) {
+    const auto first = std::find_if(trajectory.begin(), trajectory.end(),
+                                    [&](const StampedPose& pose) { return frame_of(place, pose.stamp).has_value(); });
+    const SE3 truth_from = place.world_from_body(*frame_of(place, first->stamp)) * first->world_from_body.inverse();
+    truth_from_estimate = Sim3(1.0, truth_from.rotation(), truth_from.translation());
+  } else {
+    const auto aligned = align_points(paired.truth, paired.estimate, AlignmentKind::similarity);
+    if (!aligned) return std::numeric_limits<double>::infinity();
+    truth_from_estimate = aligned->target_from_source;
+  }
+  double worst = 0.0;
+  for (std::size_t i = 0; i < paired.truth.size(); ++i)
+    worst = std::max(worst, (truth_from_estimate * paired.estimate[i] - paired.truth[i]).norm());
+  return worst;
+}
+
+/// Trajectories that need no method: what a limit must not let pass.
+struct CheapGuess {
+  const char* what;
+  Trajectory trajectory;
+};
+
+inline std::vector<CheapGuess> cheap_guesses(const Place& place) {
+  std::vector<CheapGuess> guesses = {{"it never moved", {}}, {"it goes on as it began", {}}};
+  const SE3 start = place.world_from_body(0);
+  SE3 going = start;
+  const SE3 motion = start.inverse() * place.world_from_body(1);
+  for (int k = 0; k < place.frame_count(); ++k) {
+    guesses[0].trajectory.push_back({place.stamp(k), start});
+    guesses[1].trajectory.push_back({place.stamp(k), going});
+    going = going * motion;
+  }
+  if (!place.is_metric()) {
+    // Of no length at all: there is nothing to align. And scale means nothing.
+    guesses.erase(guesses.begin());
+    return guesses;
+  }
+  for (const double scale : {0.9, 1.1}) {
+    guesses.push_back({scale < 1.0 ? "a tenth too short" : "a tenth too long", {}});
+    for (int k = 0; k < place.frame_count(); ++k) {
+      const SE3 pose = start.inverse() * place.world_from_body(k);
+      guesses.back().trajectory.push_back({place.stamp(k), {pose.rotation(), scale * pose.translation()}});
+    }
+  }
+  if (!place.info().has_odometry) return guesses;
+  guesses.push_back({"its wheels alone", {}});
+  for (int k = 0; k < place.frame_count(); ++k) {
+    const SE2 pose = *place.frame(k).odometry_from_body;
+    guesses.back().trajectory.push_back({place.stamp(k),
+                                         {SO3::exp(pose.rotation().angle() * Eigen::Vector3d::UnitZ()),
+                                          {pose.translation().x(), pose.translation().y(), 0.0}}});
+  }
+  return guesses;
+}
+
+}  // namespace rastro

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// A place that looks like another one is not the same place: a false loop bends the whole map.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "accuracy_testing.h"
+#include "rastro/methods/methods.h"
+#include "twin_testing.h"
+
+namespace rastro {
+namespace {
+
+struct TwinCase {
+  const char* method;
+  const char* sensor;
+  double worst_m;  ///< Of any pose; about one and a half times what was measured.
+  /// A weakness that is not mended yet: said aloud and skipped while it shows.
+  bool known_to_join = false;
+};
+
+void PrintTo(const TwinCase& twin, std::ostream* out) { *out << twin.method << '_' << twin.sensor; }
+
+std::unique_ptr<Place> twin_place(const TwinCase& twin) {
+  if (std::string(twin.sensor) == "laser") return std::make_unique<TwinRooms>();
+  return std::make_unique<TwinPassage>(twin.sensor);
+}
+
+std::unique_ptr<Slam> make_slam(const TwinCase& twin, const Place& place) {
+  const auto method = slam_method(twin.method);
+  OptionTable table = method->options();
+  for (const Option& option : table.options()) {
+    if (option.name == "sensor") table.set("sensor", twin.sensor, "a test");
+  }
+  return method->make(place.info(), {});
+}
+
+class TwinPlaces : public testing::TestWithParam<TwinCase> {};
+
+/// Loop edges of a camera's map between keyframes that never showed the same wall, as text. (A laser sees the other
+/// room through the door.)
+std::string false_edges(const Snapshot& map, const Place& place) {
+  constexpr double sees_m = 2.5;
+  std::string text;
+  for (const GraphEdge& edge : map.edges) {
+    const auto a = frame_of(place, map.keyframes.at(edge.from).stamp);
+    const auto b = frame_of(place, map.keyframes.at(edge.to).stamp);
+    if (!edge.loop || !a || !b || place.info().has_scan) continue;
+    const double apart_m = (place.world_from_body(*a).translation() - place.world_from_body(*b).translation()).norm();
+    if (apart_m > sees_m) text += fmt::format(" {}-{} ({:.1f} m)", *a, *b, apart_m);
+  }
+  return text;
+}
+
+TEST_P(TwinPlaces, AreNotJoined) {
+  const TwinCase& twin = GetParam();
+  const auto place = twin_place(twin);
+  const auto slam = make_slam(twin, *place);
+  for (int k = 0; k < place->frame_count(); ++k) slam->process(place->frame(k));
+  slam->finish();
+  const std::string joined = false_edges(*slam->snapshot(), *place);
+  const double worst_m = worst_error_m(slam->trajectory(), *place);
+  RecordProperty("worst_m", fmt::format("{:.4f}", worst_m));
+  EXPECT_GE(slam->trajectory().size() * 10, static_cast<std::size_t>(place->frame_count()) * 9);
+  if (twin.known_to_join && (!joined.empty() || worst_m >= twin.worst_m))
+    GTEST_SKIP() << "known weakness: places that look the same are joined, worst pose " << worst_m << " m off;"
+                 << joined;
+  EXPECT_EQ(joined, "") << "frames that were taken for one place";
+  EXPECT_LT(worst_m, twin.worst_m);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, TwinPlaces,
+                         testing::Values(TwinCase{"hector", "laser", 0.13}, TwinCase{"ekf", "laser", 0.18},
+                                         TwinCase{"rgbd", "rgbd", 0.2, true}, TwinCase{"orb", "rgbd", 0.04, true},
+                                         TwinCase{"orb", "stereo", 0.2, true}, TwinCase{"orb", "mono", 0.3, true}),
+                         [](const auto& parameter) {
+                           return std::string(parameter.param.method) + "_" + parameter.param.sensor;
+                         });
+
+}  // namespace
+}  // namespace rastro
