@@ -69,9 +69,9 @@ void expect_sound(const MapGraph& graph) {
   EXPECT_EQ(roots, 1);
 }
 
-class LoopCloserTest : public ::testing::TestWithParam<LandmarkSensor> {};
+class LoopClosingTest : public ::testing::TestWithParam<LandmarkSensor> {};
 
-TEST_P(LoopCloserTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
+TEST_P(LoopClosingTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
   Bench bench(GetParam());
   bench.mapper.begin(0, SE3(), 1.0);
   std::optional<LoopResult> closed;
@@ -106,7 +106,7 @@ TEST_P(LoopCloserTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
   EXPECT_TRUE(GetParam() == LandmarkSensor::mono || (*least == 1.0 && *most == 1.0));
 }
 
-TEST_P(LoopCloserTest, JoinsASubmapOfAnotherUnitToTheOlderOne) {
+TEST_P(LoopClosingTest, JoinsASubmapOfAnotherUnitToTheOlderOne) {
   Bench bench(GetParam());
   const bool mono = GetParam() == LandmarkSensor::mono;
   DriftingMapper exact(bench.world, bench.graph, 0.0, 1.0);
@@ -124,7 +124,7 @@ TEST_P(LoopCloserTest, JoinsASubmapOfAnotherUnitToTheOlderOne) {
   EXPECT_LT(bench.error(exact), 0.02);
 }
 
-INSTANTIATE_TEST_SUITE_P(Sensors, LoopCloserTest, ::testing::Values(LandmarkSensor::mono, LandmarkSensor::rgbd));
+INSTANTIATE_TEST_SUITE_P(Sensors, LoopClosingTest, ::testing::Values(LandmarkSensor::mono, LandmarkSensor::rgbd));
 
 TEST(LoopClosing, SameInputSameBytes) {
   const auto run = [] {
