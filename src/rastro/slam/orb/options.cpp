@@ -268,6 +268,9 @@ void add_mapping_options(OptionTable& table, OrbSlamOptions& o) {
              {}});
   table.add(
       {"fuse_px", &o.fuse_px, "px", "around where a landmark should be, for another to be the same", 0.5, 50, {}});
+}
+
+void add_adjustment_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"adjust_keyframes", &o.adjust_keyframes, "", "covisible keyframes that each new one moves", 1, 1000, {}});
   table.add({"adjust_fixed",
              &o.adjust_fixed,
@@ -358,6 +361,9 @@ void add_place_options(OptionTable& table, OrbSlamOptions& o) {
              0.5,
              100,
              {}});
+}
+
+void add_loop_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"loop_neighbour_landmarks",
              &o.loop_neighbour_landmarks,
              "",
@@ -412,8 +418,10 @@ OptionTable option_table(OrbSlamOptions& options) {
   add_tracking_options(table, options);
   add_keyframe_options(table, options);
   add_mapping_options(table, options);
+  add_adjustment_options(table, options);
   add_loss_options(table, options);
   add_place_options(table, options);
+  add_loop_options(table, options);
   add_options(table, options.frame_check);
   return table;
 }

@@ -129,7 +129,7 @@ void Initialization::track_kept_frames(const InitialPair& pair) {
   track_backward(pair.first);
   restart_at(first);
   for (std::size_t i = pair.first + 1; i < pair.second; ++i) {
-    const TrackResult tracked = tracker_.track(frames[i]);
+    const TrackingResult tracked = tracker_.track(frames[i]);
     if (tracked.ok) add_frame(*frames[i], tracked);
   }
   if (!tracker_.track(frames[pair.second]).ok) restart_at(second);
@@ -138,7 +138,7 @@ void Initialization::track_kept_frames(const InitialPair& pair) {
 void Initialization::track_backward(std::size_t first) {
   const auto& frames = initializer_.frames();
   for (std::size_t i = first; i-- > 0;) {
-    const TrackResult tracked = tracker_.track(frames[i]);
+    const TrackingResult tracked = tracker_.track(frames[i]);
     if (!tracked.ok) break;
     add_frame(*frames[i], tracked);
     if (keyframes_.needs_keyframe(*frames[i], tracked)) keyframes_.insert_now(frames[i], tracked);
@@ -150,13 +150,14 @@ void Initialization::restart_at(std::int64_t id) {
   tracker_.restart(keyframe.camera_from_world, points_of(session_.graph, id), keyframe.frame);
 }
 
-void Initialization::add_frame(const FeatureFrame& frame, const TrackResult& tracked) {
+void Initialization::add_frame(const FeatureFrame& frame, const TrackingResult& tracked) {
   session_.trajectory.add(
       tracked_frame(session_.graph, *tracker_.view(), frame, tracked, session_.options.pixel_sigma));
 }
 
 /// Two views may agree on a wrong motion, as near a plane; those that follow do not.
-bool Initialization::is_contradicted_by(const std::shared_ptr<const FeatureFrame>& frame, const TrackResult& tracked) {
+bool Initialization::is_contradicted_by(const std::shared_ptr<const FeatureFrame>& frame,
+                                        const TrackingResult& tracked) {
   constexpr int max_contradictions = 3;
   if (trial_frames_ == 0) return false;
   contradictions_ = tracked.mean_squared > session_.options.init_max_error ? contradictions_ + 1 : 0;
@@ -166,7 +167,7 @@ bool Initialization::is_contradicted_by(const std::shared_ptr<const FeatureFrame
   return false;
 }
 
-void Initialization::drop_map(const TrackResult& tracked, SlamUpdate& update) {
+void Initialization::drop_map(const TrackingResult& tracked, SlamUpdate& update) {
   pipeline_.take_all_results(update.events);
   MapGraph& graph = session_.graph;
   const int submap = graph.submap(tracked.reference);

@@ -25,9 +25,9 @@ class Initialization {
   /// says what is missing.
   void process(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
   /// Whether a tracked frame is the last of several that do not fit a map on trial.
-  bool is_contradicted_by(const std::shared_ptr<const FeatureFrame>& frame, const TrackResult& tracked);
+  bool is_contradicted_by(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked);
   /// Removes the map on trial, that is the tracked frame's submap: initialization begins anew with the frames kept.
-  void drop_map(const TrackResult& tracked, SlamUpdate& update);
+  void drop_map(const TrackingResult& tracked, SlamUpdate& update);
   /// Ends a trial and forgets the frames kept.
   void reset();
 
@@ -38,7 +38,7 @@ class Initialization {
   bool create_map(const InitialPair& pair, SlamUpdate& update);
   int next_submap() const;
   void begin_tracking(std::int64_t keyframe);
-  void add_frame(const FeatureFrame& frame, const TrackResult& tracked);
+  void add_frame(const FeatureFrame& frame, const TrackingResult& tracked);
   void add_keyframe(const FeatureFrame& frame);
   void report(std::string event, SlamUpdate& update) const;
   void track_kept_frames(const InitialPair& pair);

@@ -26,22 +26,39 @@ void take_out(BundleProblem& problem, const std::vector<double>& squared_errors)
   problem.seen = std::move(kept_seen);
 }
 
+using CameraOfKeyframe = std::pair<std::int64_t, std::uint32_t>;
+
+/// A point, and the observations that the cameras (ascending by keyframe) have of it.
+void add_observed_point(const MapGraph& graph, const MapLandmark& landmark,
+                        const std::vector<CameraOfKeyframe>& cameras, double pixel_sigma, BundleProblem& problem) {
+  const auto point = static_cast<std::uint32_t>(problem.bundle.points.size());
+  problem.bundle.points.push_back(landmark.position);
+  for (const LandmarkObservation& o : landmark.observations) {
+    const auto at = std::lower_bound(cameras.begin(), cameras.end(), CameraOfKeyframe{o.keyframe, 0});
+    if (at == cameras.end() || at->first != o.keyframe) continue;
+    const FeatureFrame& frame = *graph.keyframe(o.keyframe).frame;
+    problem.bundle.observations.push_back({at->second, point, frame.ray(o.feature), frame.right_ray(o.feature),
+                                           pixel_sigma * graph.sigma(frame, o.feature)});
+    problem.seen.emplace_back(o.keyframe, landmark.id);
+  }
+}
+
 }  // namespace
 
 BundleProblem bundle_problem(const MapGraph& graph, const std::vector<std::int64_t>& free,
                              const std::vector<std::int64_t>& fixed, double pixel_sigma) {
   BundleProblem problem;
   problem.bundle.baseline = graph.baseline();
-  std::vector<std::pair<std::int64_t, std::uint32_t>> camera_of;
+  std::vector<CameraOfKeyframe> cameras;
   for (const auto* list : {&free, &fixed}) {
     for (const std::int64_t id : *list) {
-      camera_of.emplace_back(id, static_cast<std::uint32_t>(problem.keyframes.size()));
+      cameras.emplace_back(id, static_cast<std::uint32_t>(problem.keyframes.size()));
       problem.keyframes.push_back(id);
       problem.bundle.camera_from_world.push_back(graph.keyframe(id).camera_from_world);
       problem.bundle.fixed.push_back(list == &fixed ? 1 : 0);
     }
   }
-  std::sort(camera_of.begin(), camera_of.end());
+  std::sort(cameras.begin(), cameras.end());
   for (const std::int64_t id : free) {
     for (const std::int64_t landmark : graph.keyframe(id).landmarks) {
       if (landmark >= 0) problem.landmarks.push_back(landmark);
@@ -49,19 +66,8 @@ BundleProblem bundle_problem(const MapGraph& graph, const std::vector<std::int64
   }
   std::sort(problem.landmarks.begin(), problem.landmarks.end());
   problem.landmarks.erase(std::unique(problem.landmarks.begin(), problem.landmarks.end()), problem.landmarks.end());
-  for (const std::int64_t id : problem.landmarks) {
-    const MapLandmark& landmark = graph.landmark(id);
-    const auto point = static_cast<std::uint32_t>(problem.bundle.points.size());
-    problem.bundle.points.push_back(landmark.position);
-    for (const LandmarkObservation& o : landmark.observations) {
-      const auto at = std::lower_bound(camera_of.begin(), camera_of.end(), std::pair{o.keyframe, std::uint32_t{0}});
-      if (at == camera_of.end() || at->first != o.keyframe) continue;
-      const FeatureFrame& frame = *graph.keyframe(o.keyframe).frame;
-      problem.bundle.observations.push_back({at->second, point, frame.ray(o.feature), frame.right_ray(o.feature),
-                                             pixel_sigma * graph.sigma(frame, o.feature)});
-      problem.seen.emplace_back(o.keyframe, id);
-    }
-  }
+  for (const std::int64_t id : problem.landmarks)
+    add_observed_point(graph, graph.landmark(id), cameras, pixel_sigma, problem);
   return problem;
 }
 

@@ -71,9 +71,9 @@ void expect_sound(const MapGraph& graph) {
   EXPECT_EQ(roots, 1);
 }
 
-class LoopCloserTest : public ::testing::TestWithParam<CameraKind> {};
+class LoopClosingTest : public ::testing::TestWithParam<CameraKind> {};
 
-TEST_P(LoopCloserTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
+TEST_P(LoopClosingTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
   Bench bench(GetParam());
   bench.mapper.begin(0, SE3(), 1.0);
   std::optional<LoopResult> closed;
@@ -108,7 +108,7 @@ TEST_P(LoopCloserTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
   EXPECT_TRUE(GetParam() == CameraKind::mono || (*least == 1.0 && *most == 1.0));
 }
 
-TEST_P(LoopCloserTest, JoinsASubmapOfAnotherUnitToTheOlderOne) {
+TEST_P(LoopClosingTest, JoinsASubmapOfAnotherUnitToTheOlderOne) {
   Bench bench(GetParam());
   const bool mono = GetParam() == CameraKind::mono;
   DriftingMapper exact(bench.world, bench.graph, 0.0, 1.0);
@@ -126,7 +126,7 @@ TEST_P(LoopCloserTest, JoinsASubmapOfAnotherUnitToTheOlderOne) {
   EXPECT_LT(bench.error(exact), 0.001) << "measured: 0.00043 and 0.00046";
 }
 
-INSTANTIATE_TEST_SUITE_P(Sensors, LoopCloserTest, ::testing::Values(CameraKind::mono, CameraKind::depth));
+INSTANTIATE_TEST_SUITE_P(Sensors, LoopClosingTest, ::testing::Values(CameraKind::mono, CameraKind::depth));
 
 TEST(LoopClosing, SameInputSameBytes) {
   const auto run = [] {

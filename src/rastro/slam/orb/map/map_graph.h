@@ -136,6 +136,7 @@ class MapGraph {
     double parent_unit = 1.0;  ///< ... which is this.
     double unit = 1.0;         ///< The keyframe's own then.
   };
+  void move_children(const MapKeyframe& gone);
   void count(std::int64_t a, std::int64_t b, int change);
 
   Camera camera_;

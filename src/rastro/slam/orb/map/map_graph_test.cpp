@@ -13,7 +13,7 @@
 namespace rastro {
 namespace {
 
-constexpr std::uint32_t features = 40;
+constexpr std::uint32_t feature_count = 40;
 
 Camera small_camera() {
   Camera camera;
@@ -28,10 +28,10 @@ Camera small_camera() {
 std::shared_ptr<const FeatureFrame> frame_with(std::int64_t id) {
   auto data = std::make_shared<ImageFeatures>();
   data->id = data->frame = id;
-  for (std::uint32_t i = 0; i < features; ++i)
+  for (std::uint32_t i = 0; i < feature_count; ++i)
     data->features.keypoints.push_back({static_cast<float>(10 * i), static_cast<float>(5 * i + 20), 31, 0, 1});
-  data->features.levels.assign(features, 0);
-  data->features.descriptors.resize(features);
+  data->features.levels.assign(feature_count, 0);
+  data->features.descriptors.resize(feature_count);
   return std::make_shared<FeatureFrame>(std::move(data), small_camera(), 0.0);
 }
 
@@ -44,7 +44,7 @@ MapGraph random_graph(int keyframes, std::uint64_t seed) {
   for (int l = 0; l < 60; ++l) {
     const std::int64_t id = graph.add_landmark({random.uniform(-1, 1), random.uniform(-1, 1), 5.0}, 0).id;
     for (int k = 0; k < keyframes; ++k) {
-      if (random.uniform() < 0.5) graph.add_observation(k, random.below(features), id);
+      if (random.uniform() < 0.5) graph.add_observation(k, random.below(feature_count), id);
     }
   }
   return graph;

@@ -15,15 +15,15 @@ Relocalization::Relocalization(OrbSession& session, FrameTracker& tracker, Keyfr
       keyframes_(keyframes),
       relocalizer_(session.options, session.graph, pipeline.database()) {}
 
-std::optional<TrackResult> Relocalization::relocalize(const std::shared_ptr<const FeatureFrame>& frame,
-                                                      SlamUpdate& update) {
+std::optional<TrackingResult> Relocalization::relocalize(const std::shared_ptr<const FeatureFrame>& frame,
+                                                         SlamUpdate& update) {
   pipeline_.take_all_results(update.events);
   keep(frame);
   const auto relocation = relocalizer_.find(*frame);
   if (!relocation) return std::nullopt;
   tracker_.set_view(view_of(session_.graph, relocation->keyframe, session_.view_options()));
   tracker_.restart(relocation->camera_from_world, {}, frame);
-  TrackResult tracked = tracker_.track_from(frame, relocation->camera_from_world);
+  TrackingResult tracked = tracker_.track_from(frame, relocation->camera_from_world);
   if (!tracked.ok) return std::nullopt;
   session_.tracking = true;
   lost_.pop_back();
@@ -47,7 +47,7 @@ void Relocalization::track_lost_frames() {
   FrameTracker backward = tracker_;
   while (!lost_.empty()) {
     const FeatureFrame& frame = *lost_.back();
-    const TrackResult tracked = backward.track(lost_.back());
+    const TrackingResult tracked = backward.track(lost_.back());
     if (!tracked.ok) break;
     session_.trajectory.add(
         tracked_frame(session_.graph, *tracker_.view(), frame, tracked, session_.options.pixel_sigma));

@@ -21,7 +21,7 @@ class Relocalization {
   Relocalization(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline, KeyframeInsertion& keyframes);
 
   /// nullopt: not found; the frame is kept.
-  std::optional<TrackResult> relocalize(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
+  std::optional<TrackingResult> relocalize(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
 
  private:
   void keep(const std::shared_ptr<const FeatureFrame>& frame);

@@ -183,9 +183,9 @@ void FrameTracker::add_depth_points(const SE3& pose, Search& search) const {
   }
 }
 
-TrackResult FrameTracker::track_local_map(const FeatureFrame& frame, const SE3& predicted) const {
+TrackingResult FrameTracker::track_local_map(const FeatureFrame& frame, const SE3& predicted) const {
   Search search = search_in(frame, static_cast<float>(options_.local_search_px));
-  TrackResult result;
+  TrackingResult result;
   add_landmarks(predicted, search, result.visible);
   add_depth_points(predicted, search);
   const auto matches =
@@ -246,22 +246,23 @@ PoseRefinement FrameTracker::predict_pose(const FeatureFrame& frame, const std::
   return found;
 }
 
-TrackResult FrameTracker::track(const std::shared_ptr<const FeatureFrame>& frame,
-                                const std::vector<LandmarkTrack>& tracks) {
+TrackingResult FrameTracker::track(const std::shared_ptr<const FeatureFrame>& frame,
+                                   const std::vector<LandmarkTrack>& tracks) {
   const PoseRefinement predicted = predict_pose(*frame, tracks);
   SE3 start = predicted.camera_from_world;
   if (predicted.inliers < options_.min_guess_inliers) {
     if (const auto pose = pose_by_reference(*frame)) start = *pose;
   }
-  TrackResult result = track_local_map(*frame, start);
+  TrackingResult result = track_local_map(*frame, start);
   result.predicted = predicted.inliers;
   result.ok = result.inliers >= options_.min_inliers;
   if (result.ok) accept(frame, result);
   return result;
 }
 
-TrackResult FrameTracker::track_from(const std::shared_ptr<const FeatureFrame>& frame, const SE3& camera_from_world) {
-  TrackResult result = track_local_map(*frame, camera_from_world);
+TrackingResult FrameTracker::track_from(const std::shared_ptr<const FeatureFrame>& frame,
+                                        const SE3& camera_from_world) {
+  TrackingResult result = track_local_map(*frame, camera_from_world);
   result.ok = result.inliers >= options_.min_inliers;
   if (result.ok) {
     accept(frame, result);
@@ -270,7 +271,7 @@ TrackResult FrameTracker::track_from(const std::shared_ptr<const FeatureFrame>& 
   return result;
 }
 
-void FrameTracker::accept(const std::shared_ptr<const FeatureFrame>& frame, const TrackResult& result) {
+void FrameTracker::accept(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& result) {
   velocity_ = result.camera_from_world * last_pose_.inverse();
   last_pose_ = result.camera_from_world;
   last_points_ = result.points;

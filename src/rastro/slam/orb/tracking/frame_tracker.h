@@ -31,7 +31,7 @@ struct LandmarkTrack {
 };
 
 /// Where a frame is, and why it is thought so.
-struct TrackResult {
+struct TrackingResult {
   bool ok = false;
   SE3 camera_from_world;
   Matrix6d covariance = Matrix6d::Zero();  ///< As PoseRefinement's.
@@ -61,9 +61,9 @@ class FrameTracker {
                         const std::vector<std::uint32_t>& features);
   /// The next frame is predicted from the pose where it is ok. `tracks` takes the place of a search where enough of
   /// it fits one pose.
-  TrackResult track(const std::shared_ptr<const FeatureFrame>& frame, const std::vector<LandmarkTrack>& tracks = {});
+  TrackingResult track(const std::shared_ptr<const FeatureFrame>& frame, const std::vector<LandmarkTrack>& tracks = {});
   /// The same from a pose that is about right, as after relocalisation.
-  TrackResult track_from(const std::shared_ptr<const FeatureFrame>& frame, const SE3& camera_from_world);
+  TrackingResult track_from(const std::shared_ptr<const FeatureFrame>& frame, const SE3& camera_from_world);
   /// Where the next frame should be.
   SE3 predicted() const { return velocity_ * last_pose_; }
   const SE3& last_pose() const { return last_pose_; }
@@ -90,14 +90,14 @@ class FrameTracker {
   PoseRefinement pose_by_last_frame(const FeatureFrame& frame, const SE3& start, float radius_px) const;
   PoseRefinement pose_by_tracks(const std::vector<LandmarkTrack>& tracks) const;
   std::optional<SE3> pose_by_reference(const FeatureFrame& frame) const;
-  TrackResult track_local_map(const FeatureFrame& frame, const SE3& predicted) const;
+  TrackingResult track_local_map(const FeatureFrame& frame, const SE3& predicted) const;
   Search search_in(const FeatureFrame& frame, float radius_px) const;
   void add_landmarks(const SE3& pose, Search& search, std::vector<std::int64_t>& visible) const;
   void add_depth_points(const SE3& pose, Search& search) const;
   PoseRefinement refine(const FeatureFrame& frame, const Search& search, const std::vector<FeatureMatch>& matches,
                         const SE3& start) const;
   std::int64_t reference_of(const std::vector<TrackedPoint>& points) const;
-  void accept(const std::shared_ptr<const FeatureFrame>& frame, const TrackResult& result);
+  void accept(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& result);
 
   OrbSlamOptions options_;
   Camera camera_;

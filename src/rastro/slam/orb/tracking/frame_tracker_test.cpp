@@ -50,7 +50,7 @@ struct TrackingBench {
 };
 
 /// Every feature shows the landmark it was said to show.
-std::size_t wrong_points(const TrackingBench& bench, const TrackResult& result, const Observed& observed) {
+std::size_t wrong_points(const TrackingBench& bench, const TrackingResult& result, const Observed& observed) {
   std::size_t wrong = 0;
   for (const TrackedPoint& point : result.points)
     wrong += bench.map.landmark_of[observed.seen[point.feature]] != point.landmark;
@@ -62,7 +62,7 @@ class FrameTrackerTest : public ::testing::TestWithParam<CameraKind> {};
 TEST_P(FrameTrackerTest, FindsThePoseAndTheLandmarksOfAnExactFrame) {
   TrackingBench bench(GetParam());
   const Observed observed = bench.observe(7, near_keyframe());
-  const TrackResult result = bench.tracker.track(observed.frame);
+  const TrackingResult result = bench.tracker.track(observed.frame);
   ASSERT_TRUE(result.ok);
   EXPECT_THAT(result.camera_from_world, pose_near(near_keyframe(), 1e-4, 1e-5));
   EXPECT_EQ(wrong_points(bench, result, observed), 0U);
@@ -80,7 +80,7 @@ TEST_P(FrameTrackerTest, ThePoseStandsAgainstNoiseAndOutliers) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     TrackingBench bench(GetParam());
     const Observed observed = bench.observe(7, near_keyframe(), {.noise_px = 1.0, .moved_share = 0.25, .seed = seed});
-    const TrackResult result = bench.tracker.track(observed.frame);
+    const TrackingResult result = bench.tracker.track(observed.frame);
     ASSERT_TRUE(result.ok);
     EXPECT_THAT(result.camera_from_world, pose_near(near_keyframe(), 0.04, 0.005));
     EXPECT_EQ(wrong_points(bench, result, observed), 0U);
@@ -97,7 +97,7 @@ TEST_P(FrameTrackerTest, CovarianceIsAsLargeAsTheSpreadOfPoses) {
   for (std::uint64_t seed = 1; seed <= runs; ++seed) {
     TrackingBench bench(GetParam());
     const Observed observed = bench.observe(7, near_keyframe(), {.noise_px = 1.0, .seed = seed});
-    const TrackResult result = bench.tracker.track(observed.frame);
+    const TrackingResult result = bench.tracker.track(observed.frame);
     ASSERT_TRUE(result.ok);
     const Eigen::LLT<Matrix6d> factor(result.covariance);
     ASSERT_EQ(factor.info(), Eigen::Success) << "not positive definite";
@@ -120,7 +120,7 @@ TEST_P(FrameTrackerTest, CovarianceIsAsLargeAsTheSpreadOfPoses) {
 TEST_P(FrameTrackerTest, TooFewMatchesAreNoPoseAndLeaveTheTrackerWhereItWas) {
   TrackingBench bench(GetParam());
   const Observed few = bench.observe(7, near_keyframe(), {.from = 0, .to = 25});
-  const TrackResult result = bench.tracker.track(few.frame);
+  const TrackingResult result = bench.tracker.track(few.frame);
   EXPECT_FALSE(result.ok);
   EXPECT_LE(result.inliers, 25);
   EXPECT_THAT(bench.tracker.last_pose(), pose_near(at(0.3), 0.0, 0.0));
@@ -133,7 +133,7 @@ TEST_P(FrameTrackerTest, NothingOfAnotherWorldIsTaken) {
   TrackingBench bench(GetParam());
   const PointWorld other(300, 99);
   const Observed observed = other.observe(7, near_keyframe(), {.baseline = bench.map.graph.baseline()});
-  const TrackResult result = bench.tracker.track(observed.frame);
+  const TrackingResult result = bench.tracker.track(observed.frame);
   EXPECT_FALSE(result.ok);
   EXPECT_EQ(result.points.size(), 0U);
   EXPECT_GT(result.visible.size(), 200U) << "that should have been seen";
@@ -157,7 +157,7 @@ TEST_P(FrameTrackerTest, ExpectsTheCameraToGoOnAsItWent) {
 TEST_P(FrameTrackerTest, AJerkBeyondEverySearchIsFoundFromTheKeyframe) {
   TrackingBench bench(GetParam());
   const Observed observed = bench.observe(7, upside_down());
-  const TrackResult result = bench.tracker.track(observed.frame);
+  const TrackingResult result = bench.tracker.track(observed.frame);
   EXPECT_LT(result.predicted, OrbSlamOptions{}.min_guess_inliers);
   ASSERT_TRUE(result.ok);
   EXPECT_THAT(result.camera_from_world, pose_near(upside_down(), 2e-4, 2e-5));
@@ -172,7 +172,7 @@ TEST_P(FrameTrackerTest, FollowedLandmarksTakeThePlaceOfTheSearch) {
     followed.push_back({bench.map.landmark_of[observed.seen[feature]], observed.frame->ray(feature)});
   for (int k = 0; k < 10; ++k) followed[static_cast<std::size_t>(k)].ray += Eigen::Vector2d(0.2, -0.1);
   followed.push_back({123456, Eigen::Vector2d(0.1, 0.1)});
-  const TrackResult result = bench.tracker.track(observed.frame, followed);
+  const TrackingResult result = bench.tracker.track(observed.frame, followed);
   EXPECT_EQ(result.predicted, 50) << "of 60, 10 are wrong; one more is none of this map's";
   ASSERT_TRUE(result.ok);
   EXPECT_THAT(result.camera_from_world, pose_near(turned, 2e-4, 2e-5));
@@ -206,7 +206,7 @@ TEST(FrameTracker, PoseAndPaceMoveWithTheMap) {
   };
   EXPECT_THAT(bench.tracker.last_pose(), pose_near(moved(step * at(0.3)), 4e-4, 4e-5));
   EXPECT_THAT(bench.tracker.velocity(), pose_near(SE3(step.rotation(), 2.0 * step.translation()), 4e-4, 4e-5));
-  const TrackResult next = bench.tracker.track(bench.observe(8, step * step * at(0.3)).frame);
+  const TrackingResult next = bench.tracker.track(bench.observe(8, step * step * at(0.3)).frame);
   ASSERT_TRUE(next.ok);
   EXPECT_GT(next.predicted, 200);
   EXPECT_THAT(next.camera_from_world, pose_near(moved(step * step * at(0.3)), 4e-4, 4e-5));
@@ -227,7 +227,7 @@ TEST(FrameTracker, PointsOfAKeyframeTheMapDoesNotKnowYetAreTracked) {
   const Observed fresh = bench.observe(5, at(0.3), {.from = 150});
   bench.tracker.add_depth_points(5, fresh.frame, at(0.3), all_features(*fresh.frame));
   const Observed observed = bench.observe(7, near_keyframe());
-  const TrackResult result = bench.tracker.track_from(observed.frame, at(0.31));
+  const TrackingResult result = bench.tracker.track_from(observed.frame, at(0.31));
   std::size_t of_fresh = 0;
   for (const TrackedPoint& point : result.points) {
     const std::uint32_t seen = observed.seen[point.feature];

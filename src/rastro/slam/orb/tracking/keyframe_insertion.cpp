@@ -8,7 +8,7 @@
 
 namespace rastro {
 
-bool KeyframeInsertion::needs_keyframe(const FeatureFrame& frame, const TrackResult& tracked) const {
+bool KeyframeInsertion::needs_keyframe(const FeatureFrame& frame, const TrackingResult& tracked) const {
   const OrbSlamOptions& options = session_.options;
   const std::int64_t now = session_.frame_number;
   if (relocalized_frame_ > 0 && now - relocalized_frame_ < options.settled_frames) return false;
@@ -24,7 +24,7 @@ bool KeyframeInsertion::needs_keyframe(const FeatureFrame& frame, const TrackRes
 
 /// Features with depth, not too far, that show no landmark yet.
 std::vector<std::uint32_t> KeyframeInsertion::new_depth_features(const FeatureFrame& frame,
-                                                                 const TrackResult& tracked) const {
+                                                                 const TrackingResult& tracked) const {
   std::vector<std::uint32_t> features;
   if (session_.mono()) return features;
   std::vector<std::uint8_t> taken(frame.size(), 0);
@@ -37,7 +37,7 @@ std::vector<std::uint32_t> KeyframeInsertion::new_depth_features(const FeatureFr
   return features;
 }
 
-void KeyframeInsertion::insert(const std::shared_ptr<const FeatureFrame>& frame, const TrackResult& tracked,
+void KeyframeInsertion::insert(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked,
                                SlamUpdate& update) {
   auto input = std::make_shared<const KeyframeInput>(input_of(*frame, tracked));
   const std::int64_t id = input->frame->data().id;
@@ -46,11 +46,11 @@ void KeyframeInsertion::insert(const std::shared_ptr<const FeatureFrame>& frame,
   pipeline_.insert(std::move(input), frame->data().stamp);
 }
 
-void KeyframeInsertion::insert_now(const std::shared_ptr<const FeatureFrame>& frame, const TrackResult& tracked) {
+void KeyframeInsertion::insert_now(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked) {
   pipeline_.insert_now(input_of(*frame, tracked));
 }
 
-KeyframeInput KeyframeInsertion::input_of(const FeatureFrame& frame, const TrackResult& tracked) {
+KeyframeInput KeyframeInsertion::input_of(const FeatureFrame& frame, const TrackingResult& tracked) {
   const MapView::Keyframe& reference = tracker_.view()->keyframe(tracked.reference);
   KeyframeInput input{frame.with_id(session_.next_keyframe++),
                       reference.id,
@@ -65,7 +65,7 @@ KeyframeInput KeyframeInsertion::input_of(const FeatureFrame& frame, const Track
   return input;
 }
 
-void KeyframeInsertion::count_observations(const TrackResult& tracked) {
+void KeyframeInsertion::count_observations(const TrackingResult& tracked) {
   visible_.insert(visible_.end(), tracked.visible.begin(), tracked.visible.end());
   for (const TrackedPoint& point : tracked.points) {
     if (point.landmark >= 0) found_.push_back(point.landmark);

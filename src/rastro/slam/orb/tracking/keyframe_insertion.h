@@ -19,14 +19,14 @@ class KeyframeInsertion {
   KeyframeInsertion(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline)
       : session_(session), tracker_(tracker), pipeline_(pipeline) {}
 
-  bool needs_keyframe(const FeatureFrame& frame, const TrackResult& tracked) const;
+  bool needs_keyframe(const FeatureFrame& frame, const TrackingResult& tracked) const;
   /// Mapped beside tracking.
-  void insert(const std::shared_ptr<const FeatureFrame>& frame, const TrackResult& tracked, SlamUpdate& update);
+  void insert(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked, SlamUpdate& update);
   /// Mapped at once, for frames before a map's first keyframe.
-  void insert_now(const std::shared_ptr<const FeatureFrame>& frame, const TrackResult& tracked);
+  void insert_now(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked);
 
   /// Landmarks that should be visible in a frame and that were found in it, for culling.
-  void count_observations(const TrackResult& tracked);
+  void count_observations(const TrackingResult& tracked);
   void forget_observations();
   /// A map was initialized: its keyframes count as made now.
   void on_initialized();
@@ -34,8 +34,8 @@ class KeyframeInsertion {
   void on_relocalized() { relocalized_frame_ = session_.frame_number; }
 
  private:
-  KeyframeInput input_of(const FeatureFrame& frame, const TrackResult& tracked);
-  std::vector<std::uint32_t> new_depth_features(const FeatureFrame& frame, const TrackResult& tracked) const;
+  KeyframeInput input_of(const FeatureFrame& frame, const TrackingResult& tracked);
+  std::vector<std::uint32_t> new_depth_features(const FeatureFrame& frame, const TrackingResult& tracked) const;
 
   OrbSession& session_;
   FrameTracker& tracker_;

@@ -4,7 +4,7 @@
 namespace rastro {
 
 TrackedFrame tracked_frame(const MapGraph& graph, const MapView& view, const FeatureFrame& frame,
-                           const TrackResult& tracked, double pixel_sigma) {
+                           const TrackingResult& tracked, double pixel_sigma) {
   const MapView::Keyframe& reference = view.keyframe(tracked.reference);
   TrackedFrame result{frame.data().frame,
                       frame.data().stamp,

@@ -9,7 +9,7 @@ namespace rastro {
 /// A frame as the trajectory keeps it: relative to the keyframe of the view that shares most points with it, and what
 /// it observes. `pixel_sigma`: standard deviation of a feature's position at the finest level, pixels.
 TrackedFrame tracked_frame(const MapGraph& graph, const MapView& view, const FeatureFrame& frame,
-                           const TrackResult& tracked, double pixel_sigma);
+                           const TrackingResult& tracked, double pixel_sigma);
 
 /// A frame that is a keyframe.
 TrackedFrame tracked_keyframe(const MapGraph& graph, const FeatureFrame& frame, std::int64_t keyframe);

@@ -45,7 +45,7 @@ Tracking::Tracking(OrbSession& session, FrameTracker& tracker, KeyframePipeline&
 void Tracking::process(const Frame& frame, SlamUpdate& update) {
   if (!is_usable(frame, update)) return;
   const Measurements measured = extract_features(frame, update);
-  std::optional<TrackResult> tracked;
+  std::optional<TrackingResult> tracked;
   if (session_.tracking) tracked = track_map(measured, update);
   if (!tracked) tracked = relocalize(measured.features, update);
   if (!tracked) return initialize(measured.features, update);
@@ -95,9 +95,9 @@ SE3 Tracking::depth_from_color(const Frame& frame) const {
 }
 
 /// In the local map, from the pose that constant velocity or the reference keyframe predicts.
-std::optional<TrackResult> Tracking::track_map(const Measurements& measured, SlamUpdate& update) {
+std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, SlamUpdate& update) {
   Stopwatch stage;
-  const TrackResult tracked = tracker_.track(measured.features, measured.tracks);
+  const TrackingResult tracked = tracker_.track(measured.features, measured.tracks);
   update.times.push_back({"track", stage.lap_ms()});
   if (!tracked.ok) {
     on_lost(tracked, update);
@@ -111,7 +111,7 @@ std::optional<TrackResult> Tracking::track_map(const Measurements& measured, Sla
   return tracked;
 }
 
-void Tracking::on_lost(const TrackResult& tracked, SlamUpdate& update) {
+void Tracking::on_lost(const TrackingResult& tracked, SlamUpdate& update) {
   update.reason = SlamReason::few_inliers;
   update.detail =
       fmt::format("{} of {} matches fit, need {}", tracked.inliers, tracked.matches, session_.options.min_inliers);
@@ -121,7 +121,7 @@ void Tracking::on_lost(const TrackResult& tracked, SlamUpdate& update) {
   initialization_.reset();
 }
 
-std::optional<TrackResult> Tracking::relocalize(const FramePointer& frame, SlamUpdate& update) {
+std::optional<TrackingResult> Tracking::relocalize(const FramePointer& frame, SlamUpdate& update) {
   ++session_.lost_frames;
   update.state = session_.has_map ? SlamState::lost : SlamState::initialising;
   if (!session_.has_map) return std::nullopt;
@@ -140,7 +140,7 @@ void Tracking::initialize(const FramePointer& frame, SlamUpdate& update) {
   update.times.push_back({"start", stage.lap_ms()});
 }
 
-void Tracking::report_pose(const FeatureFrame& frame, const TrackResult& tracked, SlamUpdate& update) {
+void Tracking::report_pose(const FeatureFrame& frame, const TrackingResult& tracked, SlamUpdate& update) {
   update.world_from_body = tracked.camera_from_world.inverse();
   update.covariance = in_world_axes(tracked.covariance, tracked.camera_from_world);
   update.score = static_cast<double>(tracked.inliers) / std::max(1, tracked.matches);
@@ -151,7 +151,7 @@ void Tracking::report_pose(const FeatureFrame& frame, const TrackResult& tracked
   report_submap(tracked, update);
 }
 
-void Tracking::report_submap(const TrackResult& tracked, SlamUpdate& update) const {
+void Tracking::report_submap(const TrackingResult& tracked, SlamUpdate& update) const {
   const int submap = tracker_.view()->keyframe(tracked.reference).submap;
   if (submap == 0) return;
   if (update.state == SlamState::tracking) update.state = SlamState::weak;
@@ -159,7 +159,7 @@ void Tracking::report_submap(const TrackResult& tracked, SlamUpdate& update) con
   update.detail = fmt::format("in submap {}, not tied to the first yet", submap);
 }
 
-void Tracking::insert_keyframe(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update) {
+void Tracking::insert_keyframe(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update) {
   keyframes_.count_observations(tracked);
   if (!session_.mapping) {
     follow_reference(tracked);
@@ -169,7 +169,7 @@ void Tracking::insert_keyframe(const FramePointer& frame, const TrackResult& tra
 }
 
 /// Without mapping, the view goes where the camera goes.
-void Tracking::follow_reference(const TrackResult& tracked) {
+void Tracking::follow_reference(const TrackingResult& tracked) {
   keyframes_.forget_observations();
   if (tracked.reference != tracker_.view()->center)
     tracker_.set_view(view_of(session_.graph, tracked.reference, session_.view_options()));

@@ -36,15 +36,15 @@ class Tracking {
 
   bool is_usable(const Frame& frame, SlamUpdate& update);
   Measurements extract_features(const Frame& frame, SlamUpdate& update);
-  std::optional<TrackResult> track_map(const Measurements& measured, SlamUpdate& update);
-  std::optional<TrackResult> relocalize(const FramePointer& frame, SlamUpdate& update);
+  std::optional<TrackingResult> track_map(const Measurements& measured, SlamUpdate& update);
+  std::optional<TrackingResult> relocalize(const FramePointer& frame, SlamUpdate& update);
   void initialize(const FramePointer& frame, SlamUpdate& update);
-  void report_pose(const FeatureFrame& frame, const TrackResult& tracked, SlamUpdate& update);
-  void insert_keyframe(const FramePointer& frame, const TrackResult& tracked, SlamUpdate& update);
+  void report_pose(const FeatureFrame& frame, const TrackingResult& tracked, SlamUpdate& update);
+  void insert_keyframe(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update);
   SE3 depth_from_color(const Frame& frame) const;
-  void on_lost(const TrackResult& tracked, SlamUpdate& update);
-  void report_submap(const TrackResult& tracked, SlamUpdate& update) const;
-  void follow_reference(const TrackResult& tracked);
+  void on_lost(const TrackingResult& tracked, SlamUpdate& update);
+  void report_submap(const TrackingResult& tracked, SlamUpdate& update) const;
+  void follow_reference(const TrackingResult& tracked);
 
   OrbSession& session_;
   FrameTracker& tracker_;
