@@ -14,17 +14,15 @@ namespace {
 struct Loaded {
   std::shared_ptr<const Map> map;
   bool finished = false;
-  std::uint32_t version = 0;
 };
 
 Loaded load(const std::filesystem::path& file) {
   auto shared = std::make_shared<SharedDatabase>();
   const Database& database = shared->database.emplace(Database::open(file));
   Loaded loaded;
-  loaded.version = database.version();
   loaded.finished = is_finished(database);
   SoundRows rows(shared);
-  const std::shared_ptr<Map> map = read_map(rows, loaded.version);
+  const std::shared_ptr<Map> map = read_map(rows, database.version());
   // A run may be killed between a constraint and the keyframe it leads to.
   if (!loaded.finished) repair(*map);
   const std::string fault = contradiction_in(*map);
@@ -56,8 +54,8 @@ MapFileReport check_map_file(const std::filesystem::path& file) {
   report.bytes = std::filesystem::file_size(file, code);
   if (!is_map_file(file)) load(file);  // says what is wrong
   try {
+    report.version = Database::open(file).version();
     const Loaded loaded = load(file);
-    report.version = loaded.version;
     report.finished = loaded.finished;
     read_every_image(*loaded.map);
     report.map = loaded.map;
