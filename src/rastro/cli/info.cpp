@@ -29,7 +29,8 @@ constexpr const char* footer =
     "  rastro info 'photos/left*.jpg' --fov 70       images without calibration\n"
     "  rastro info intel.clf.gz                      a CARMEN log: beams, angles, reach\n"
     "  rastro info clip.mp4 --json                   for programs\n"
-    "  rastro info run/map.rastro                    a map: keyframes, constraints, layers, extent, whether it is whole";
+    "  rastro info run/map.rastro                    a map: keyframes, constraints, layers, extent, whether it is "
+    "whole";
 
 /// The first scan that can be read: its shape stands in no header.
 std::optional<LaserScan> first_scan(Source& source) {

@@ -35,7 +35,10 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
       .add_option("--method", flags.method,
                   fmt::format("{}; see below (default: {})", names_text(odometry_methods()), flags.method))
       ->group(group);
-  command.add_option("--matcher", flags.matcher, "What features are matched by (option matcher of features; default: tracks)")->group(group);
+  command
+      .add_option("--matcher", flags.matcher,
+                  "What features are matched by (option matcher of features; default: tracks)")
+      ->group(group);
   command.add_flag("--refine", flags.refine, "Adjust the last keyframes together (the default of features)")
       ->group(group);
   command.add_flag("--no-refine", flags.no_refine, "Do not")->group(group);

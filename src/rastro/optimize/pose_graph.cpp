@@ -65,8 +65,7 @@ Matrix6d root_of(const Matrix6d& information) {
 
 class EdgeCost final : public ceres::SizedCostFunction<6, 7, 7> {
  public:
-  explicit EdgeCost(const Constraint& edge)
-      : root_(root_of(edge.information)), to_from_from_(edge.rigid().inverse()) {}
+  explicit EdgeCost(const Constraint& edge) : root_(root_of(edge.information)), to_from_from_(edge.rigid().inverse()) {}
 
   bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
     const SE3 from_from_to = pose_of(poses[0]).inverse() * pose_of(poses[1]);

@@ -19,7 +19,9 @@ bool is_described(const Features& features) {
 }
 
 /// One a feature, or none.
-bool fits(const std::vector<float>& values, std::size_t features) { return values.empty() || values.size() == features; }
+bool fits(const std::vector<float>& values, std::size_t features) {
+  return values.empty() || values.size() == features;
+}
 
 class FeatureLayerType : public KeyframeLayerType<FeatureLayer, ImageFeatures> {
  public:

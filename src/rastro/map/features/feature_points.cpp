@@ -115,7 +115,8 @@ class Joining {
             Growing& other = all_[index];
             if (!is_near(other, view, place, sigma)) continue;
             const FeatureView& last = other.point.views.back();
-            const float apart = distance(features_of(view.keyframe), view.feature, features_of(last.keyframe), last.feature);
+            const float apart =
+                distance(features_of(view.keyframe), view.feature, features_of(last.keyframe), last.feature);
             if (apart < least) least = apart, best = &other;
           }
         }

@@ -20,7 +20,8 @@ constexpr std::size_t header_size = 100;
 constexpr int longest_row = 256 << 20;
 
 constexpr std::string_view layer_prefix = "layer_";
-constexpr const char* tables_of_depth_cameras[] = {"head", "keyframes", "pictures", "poses", "edges", "way", "contents"};
+constexpr const char* tables_of_depth_cameras[] = {"head",  "keyframes", "pictures", "poses",
+                                                   "edges", "way",       "contents"};
 constexpr const char* tables_of_landmarks[] = {"head", "keyframes", "poses", "landmarks", "ties", "way", "contents"};
 constexpr const char* tables_of_layers[] = {"head",        "cameras", "sessions", "keyframes",
                                             "constraints", "frames",  "layers",   "contents"};
@@ -33,8 +34,7 @@ bool is_layer_table(std::string_view name) {
 
 std::string create_statement(std::string_view table) {
   // The checksum lies before the body: it can be had without reading pictures.
-  return fmt::format("CREATE TABLE {} (id INTEGER PRIMARY KEY, checksum INTEGER NOT NULL, body BLOB NOT NULL)",
-                     table);
+  return fmt::format("CREATE TABLE {} (id INTEGER PRIMARY KEY, checksum INTEGER NOT NULL, body BLOB NOT NULL)", table);
 }
 
 /// A number of SQLite's header, which is big-endian.
@@ -243,8 +243,8 @@ void Database::fail(int code) const {
 
 RowReader::RowReader(const Database& database, const std::string& table, std::int64_t first, What what)
     : database_(database), table_(table) {
-  const std::string sql = fmt::format("SELECT id, checksum{} FROM {} WHERE id >= ? ORDER BY id",
-                                      what == What::all ? ", body" : "", table);
+  const std::string sql =
+      fmt::format("SELECT id, checksum{} FROM {} WHERE id >= ? ORDER BY id", what == What::all ? ", body" : "", table);
   const int code = sqlite3_prepare_v2(database.connection_, sql.c_str(), -1, &statement_, nullptr);
   if (code != SQLITE_OK) database.fail(code);
   sqlite3_bind_int64(statement_, 1, first);

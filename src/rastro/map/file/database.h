@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-
 struct sqlite3;
 struct sqlite3_stmt;
 

@@ -28,7 +28,8 @@ constexpr int least_rest = 9;                           ///< Times as long as wr
 /// alone.
 class ImagesInFile : public PictureStore {
  public:
-  explicit ImagesInFile(std::shared_ptr<const SharedDatabase> file) : rows_(std::move(file), table_of_layer("images")) {}
+  explicit ImagesInFile(std::shared_ptr<const SharedDatabase> file)
+      : rows_(std::move(file), table_of_layer("images")) {}
   PackedPictures pictures(KeyframeId keyframe) const override { return read_pictures(rows_.row(keyframe), "images"); }
 
  private:

@@ -16,8 +16,8 @@ namespace rastro {
 void save_map(const Map& map, const std::filesystem::path& file);
 
 /// Reads a map file of this version or an older one; images are read from it when they are asked for, so the file must
-/// stay. A file left by a run that was killed is taken as far as it goes. Error for a file that is no map, is of a newer
-/// version, cut off or damaged.
+/// stay. A file left by a run that was killed is taken as far as it goes. Error for a file that is no map, is of a
+/// newer version, cut off or damaged.
 std::shared_ptr<const Map> load_map(const std::filesystem::path& file);
 
 /// Whether a file calls itself a map, sound or not.

@@ -30,7 +30,8 @@ class OldMap {
   explicit OldMap(RowSource& rows) : rows_(rows) {}
 
   void need_head(const RowSource::Read& read) {
-    if (!with_head(rows_, read)) throw Error("nothing of a map was found", rows_.file(), "give the map.rastro of a run");
+    if (!with_head(rows_, read))
+      throw Error("nothing of a map was found", rows_.file(), "give the map.rastro of a run");
   }
 
   void read_keyframes(const std::function<std::shared_ptr<ImageFeatures>(ByteReader&)>& read_image,
@@ -217,9 +218,8 @@ std::shared_ptr<Map> read_depth_camera_map(RowSource& rows) {
 
 std::shared_ptr<Map> read_landmark_map(RowSource& rows) {
   OldMap old(rows);
-  old.need_head([&](std::string_view body, std::int64_t, const std::string& where) {
-    read_landmark_head(body, where, old);
-  });
+  old.need_head(
+      [&](std::string_view body, std::int64_t, const std::string& where) { read_landmark_head(body, where, old); });
   old.read_keyframes(landmark_image, [](ByteReader& bytes) {
     OldPose pose;
     pose.submap = bytes.get<std::int32_t>();

@@ -88,9 +88,8 @@ std::vector<std::string> lost_of(FoundRows& rows, std::uint32_t version,
 
 RecoveredMap recover_map(const std::filesystem::path& file) {
   FoundRows rows(file.string());
-  carve_rows(file, known_tables(), [&](const std::string& table, std::int64_t id, const std::string& body) {
-    rows.of(table)[id] = body;
-  });
+  carve_rows(file, known_tables(),
+             [&](const std::string& table, std::int64_t id, const std::string& body) { rows.of(table)[id] = body; });
   const auto version = version_of(rows);
   if (!version)
     throw Error("nothing of a map was found", rows.file(), "give the map.rastro of a run; this one is beyond saving");

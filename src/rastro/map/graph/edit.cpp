@@ -31,8 +31,7 @@ void insert_keyframe(Map& map, const Keyframe& keyframe) {
   const auto place = place_for(map, keyframe.id);
   if (keyframe.id < 0 || (place != map.keyframes.end() && place->id == keyframe.id))
     throw Error("the map has a keyframe of this id", named(keyframe.id), "give it one of its own");
-  if (!map.cameras.empty() &&
-      (keyframe.camera < 0 || static_cast<std::size_t>(keyframe.camera) >= map.cameras.size()))
+  if (!map.cameras.empty() && (keyframe.camera < 0 || static_cast<std::size_t>(keyframe.camera) >= map.cameras.size()))
     throw Error("is of a camera that the map does not have", named(keyframe.id), "add the camera first");
   if (keyframe.parent != no_keyframe && !map.index_of(keyframe.parent))
     throw Error("has a parent that the map does not have", named(keyframe.id), "insert the parent first");
@@ -91,7 +90,8 @@ Map renumbered(const Map& map) {
   const auto number = static_cast<std::int64_t>(map.keyframes.size());
   if (map.keyframes.empty() || (map.keyframes.front().id == 0 && map.keyframes.back().id == number - 1)) return map;
   std::map<KeyframeId, KeyframeId> new_id{{no_keyframe, no_keyframe}};
-  for (const Keyframe& keyframe : map.keyframes) new_id.emplace(keyframe.id, static_cast<KeyframeId>(new_id.size()) - 1);
+  for (const Keyframe& keyframe : map.keyframes)
+    new_id.emplace(keyframe.id, static_cast<KeyframeId>(new_id.size()) - 1);
   Map result = map;
   for (Keyframe& keyframe : result.keyframes) {
     keyframe.id = new_id.at(keyframe.id);

@@ -27,7 +27,8 @@ constexpr KeyframeId keyframe_id(const KeyframeOrigin& origin) {
 }
 
 constexpr KeyframeOrigin origin_of(KeyframeId id) {
-  constexpr KeyframeId sessions = KeyframeId{1} << keyframe_session_bits, numbers = KeyframeId{1} << keyframe_number_bits;
+  constexpr KeyframeId sessions = KeyframeId{1} << keyframe_session_bits,
+                       numbers = KeyframeId{1} << keyframe_number_bits;
   return {static_cast<int>(id / (sessions * numbers)), static_cast<int>(id / numbers % sessions), id % numbers};
 }
 

@@ -55,9 +55,9 @@ struct Keyframe {
   KeyframeId id = 0;
   std::int64_t frame = 0;  ///< Index in the recording.
   TimeNs stamp = 0;
-  int camera = 0;         ///< Into Map::cameras.
-  SE3 world_from_camera;  ///< In the frame of its submap; of the body where there is no camera.
-  int submap = 0;         ///< Merged submaps share the smallest number and one frame.
+  int camera = 0;                   ///< Into Map::cameras.
+  SE3 world_from_camera;            ///< In the frame of its submap; of the body where there is no camera.
+  int submap = 0;                   ///< Merged submaps share the smallest number and one frame.
   KeyframeId parent = no_keyframe;  ///< In the spanning tree; no_keyframe: its root.
   double weight = 1.0;              ///< How many observations of the same location it stands for.
 };

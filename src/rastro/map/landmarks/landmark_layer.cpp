@@ -202,9 +202,9 @@ class LandmarkLayerType : public LayerType {
       const std::size_t index = index_in(*whole, landmark_id);
       if (index >= whole->landmarks.size() || whole->landmarks[index].id != landmark_id) continue;
       auto& observations = whole->landmarks[index].observations;
-      const auto at = std::lower_bound(
-          observations.begin(), observations.end(), id,
-          [](const LandmarkObservation& each, KeyframeId wanted) { return each.keyframe < wanted; });
+      const auto at =
+          std::lower_bound(observations.begin(), observations.end(), id,
+                           [](const LandmarkObservation& each, KeyframeId wanted) { return each.keyframe < wanted; });
       if (at == observations.end() || at->keyframe != id) observations.insert(at, {id, feature});
     }
     return whole;

@@ -35,7 +35,8 @@ Landmark landmark_named(const Map& map, std::int64_t id, const std::string& wher
 /// Stamps run evenly between the keyframes around a frame.
 TimeNs stamp_of_frame(const Map& map, std::int64_t frame, const std::string& where) {
   const auto& keyframes = map.keyframes;
-  const auto after = std::find_if(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) { return k.frame >= frame; });
+  const auto after =
+      std::find_if(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) { return k.frame >= frame; });
   if (after != keyframes.end() && after->frame == frame) return after->stamp;
   if (after == keyframes.end() || after == keyframes.begin())
     throw Error(fmt::format("frame {} is not between the first and the last keyframe of the map", frame), where,
@@ -81,8 +82,7 @@ MeasuredLength measured(const Map& map, const KnownLength& length, const std::st
 
 }  // namespace
 
-MapScaleFound scale_from_lengths(const Map& map, std::span<const KnownLength> lengths,
-                                 const std::string& where) {
+MapScaleFound scale_from_lengths(const Map& map, std::span<const KnownLength> lengths, const std::string& where) {
   RASTRO_CHECK(!lengths.empty(), "there is a length");
   double products = 0.0, squares = 0.0, variance = 0.0;
   std::vector<MeasuredLength> all;
@@ -152,8 +152,8 @@ Map scaled(const Map& map, const MapScaleFound& found) {
   for (Keyframe& keyframe : result.keyframes) keyframe.world_from_camera = stretched(keyframe.world_from_camera);
   for (MapFrame& frame : result.frames) frame.keyframe_from_camera = stretched(frame.keyframe_from_camera);
   for (Constraint& each : result.constraints)
-    each.from_from_to = Sim3(each.from_from_to.scale(), each.from_from_to.rotation(),
-                             factor * each.from_from_to.translation());
+    each.from_from_to =
+        Sim3(each.from_from_to.scale(), each.from_from_to.rotation(), factor * each.from_from_to.translation());
   for (MapSession& session : result.sessions) session.scale = {true, found.relative_sigma, found.from};
   const auto layer = map.layer<LandmarkLayer>();
   if (!layer) return result;

@@ -28,11 +28,10 @@ struct KnownLength {
 
 /// Several lengths: least squares of their differences in metres, with what is left of those as sigma. One between
 /// landmarks: sigma is that of their positions, from pixels with the noise of their level of the pyramid.
-MapScaleFound scale_from_lengths(const Map& map, std::span<const KnownLength> lengths,
-                                 const std::string& where);
+MapScaleFound scale_from_lengths(const Map& map, std::span<const KnownLength> lengths, const std::string& where);
 
-/// From the trajectory of the camera and a reference that shares its clock, by the similarity between both (Umeyama 1991).
-/// Sigma by leaving away one eighth of the trajectory after the other, so that slow drift counts.
+/// From the trajectory of the camera and a reference that shares its clock, by the similarity between both (Umeyama
+/// 1991). Sigma by leaving away one eighth of the trajectory after the other, so that slow drift counts.
 MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, const std::string& where);
 
 /// From the height of a camera that is carried level over flat ground and looks about where it goes: how far below it

@@ -26,8 +26,8 @@ class ScanLayerType : public KeyframeLayerType<ScanLayer, KeyframeScans> {
   std::string header(const Layer& layer) const override {
     const ScanLayer& scans = typed(layer);
     ByteWriter bytes;
-    for (const double value : {scans.cell_m, scans.model.occupied_probability, scans.model.free_probability,
-                               scans.model.largest_log_odds})
+    for (const double value :
+         {scans.cell_m, scans.model.occupied_probability, scans.model.free_probability, scans.model.largest_log_odds})
       bytes.put(value);
     return bytes.take();
   }

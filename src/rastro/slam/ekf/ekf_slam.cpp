@@ -45,8 +45,7 @@ bool is_new_keyframe(const std::vector<Keyframe>& keyframes, const SE3& pose, co
 
 }  // namespace
 
-EkfSlam::EkfSlam(const EkfOptions& options, bool scans_expected)
-    : options_(options), scans_expected_(scans_expected) {}
+EkfSlam::EkfSlam(const EkfOptions& options, bool scans_expected) : options_(options), scans_expected_(scans_expected) {}
 
 SlamUpdate EkfSlam::process(const Frame& frame) {
   Stopwatch whole, stage;
@@ -254,8 +253,8 @@ std::shared_ptr<const Map> EkfSlam::snapshot() const {
   for (std::size_t i = 1; i < keyframes_.size(); ++i) {
     const SE2 motion = in_plane(keyframes_[i - 1].world_from_camera.inverse() * keyframes_[i].world_from_camera);
     const Eigen::Matrix3d information = measured_motion(motion, options_).covariance.inverse();
-    map->constraints.push_back(planar_constraint(keyframes_[i - 1].id, keyframes_[i].id, motion, information,
-                                                 ConstraintKind::odometry));
+    map->constraints.push_back(
+        planar_constraint(keyframes_[i - 1].id, keyframes_[i].id, motion, information, ConstraintKind::odometry));
   }
   for (std::size_t i = 0; i < trajectory_.size(); ++i) {
     const Keyframe& keyframe = keyframes_[static_cast<std::size_t>(keyframe_of_frame_[i])];

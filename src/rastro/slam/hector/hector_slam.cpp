@@ -260,8 +260,8 @@ std::shared_ptr<const Map> HectorSlam::State::snapshot() const {
   for (std::size_t k = 0; k < graph_.key_scans().size(); ++k) {
     const KeyScan& key_scan = graph_.key_scans()[k];
     const auto id = static_cast<KeyframeId>(k);
-    map->keyframes.push_back({id, key_scan.frame, key_scan.stamp, 0, in_space(graph_.world_from_key_scan(k)), 0,
-                              id - 1, 1.0});
+    map->keyframes.push_back(
+        {id, key_scan.frame, key_scan.stamp, 0, in_space(graph_.world_from_key_scan(k)), 0, id - 1, 1.0});
     scans->of[id] = std::make_shared<KeyframeScans>(1, key_scan.scan);
   }
   map->layers.put<ScanLayer>(std::move(scans));

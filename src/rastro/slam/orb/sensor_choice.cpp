@@ -158,7 +158,8 @@ void check_map(const Map& map, const SensorChoice& choice, bool extend) {
   const auto features = map.layer<FeatureLayer>();
   for (const Keyframe& keyframe : map.keyframes)
     if (!features->find(keyframe.id))
-      throw Error("has keyframes without features", "--map", "give a whole map; 'rastro info' says what this one lacks");
+      throw Error("has keyframes without features", "--map",
+                  "give a whole map; 'rastro info' says what this one lacks");
   if (map.cameras.front().kind != choice.sensor && (extend || choice.sensor != CameraKind::mono))
     throw Error("was made with other sensors than this run has", "--map",
                 "give --sensor as when it was made; --sensor mono finds its way in any map");

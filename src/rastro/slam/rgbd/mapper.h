@@ -22,9 +22,9 @@ namespace rastro {
 /// What the mapper is given to make a keyframe of.
 struct KeyframeOrder {
   std::int64_t id = 0;
-  Frame frame;                 ///< Picture, colour, depth and mask alone are read.
-  SE3 world_from_camera;       ///< Where the tracker has it.
-  int submap = 0;              ///< As far as the tracker knows.
+  Frame frame;                   ///< Picture, colour, depth and mask alone are read.
+  SE3 world_from_camera;         ///< Where the tracker has it.
+  int submap = 0;                ///< As far as the tracker knows.
   std::vector<Constraint> ties;  ///< To this keyframe: by odometry, or by which it was found again.
 };
 

@@ -164,7 +164,7 @@ class RgbdSlam::State {
   Relocaliser relocaliser_;
   RgbdFollower follower_;
   Anchor anchor_;
-  MapArchive* archive_;  ///< Null: nothing is kept safe.
+  MapArchive* archive_;           ///< Null: nothing is kept safe.
   std::int64_t seen_ = 0;         ///< Frames given, of any kind.
   std::int64_t anchor_seen_ = 0;  ///< When the last keyframe was made.
   bool following_ = true;         ///< False: the follower knows no place to go on from.
@@ -282,8 +282,9 @@ Constraint RgbdSlam::State::way_edge(const SE3& world_from_camera, const Matrix6
   return edge;
 }
 
-void RgbdSlam::State::make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<Constraint>& ties,
-                                    int submap, const Matrix6d& covariance, SlamUpdate& update) {
+void RgbdSlam::State::make_keyframe(const Frame& frame, const SE3& world_from_camera,
+                                    const std::vector<Constraint>& ties, int submap, const Matrix6d& covariance,
+                                    SlamUpdate& update) {
   const std::int64_t id = map_.keyframe_count();
   const auto order =
       std::make_shared<const KeyframeOrder>(KeyframeOrder{id, kept_of(frame), world_from_camera, submap, ties});
@@ -330,8 +331,9 @@ void RgbdSlam::State::look_around(const Frame& frame, SlamUpdate& update) {
       update.detail = fmt::format("{} features, not found in {} keyframes", tried.features, tried.compared);
     if (tried.found) {
       const auto& [keyframe, tie] = *tried.found;
-      const Constraint edge{keyframe, map_.keyframe_count(), Sim3(tie.a_from_b), tie.information,
-                            ConstraintKind::proximity, 1.0, tie.inliers};
+      const Constraint edge{keyframe,        map_.keyframe_count(),     Sim3(tie.a_from_b),
+                            tie.information, ConstraintKind::proximity, 1.0,
+                            tie.inliers};
       if (!start_again(frame, map_.pose(keyframe) * tie.a_from_b, edge, update)) return;
       update.score = static_cast<double>(tie.inliers) / std::max(1, tie.matches);
       update.used = tie.inliers;
@@ -349,8 +351,8 @@ void RgbdSlam::State::look_around(const Frame& frame, SlamUpdate& update) {
   }
 }
 
-bool RgbdSlam::State::start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& tie,
-                                  SlamUpdate& update) {
+bool RgbdSlam::State::start_again(const Frame& frame, const SE3& world_from_camera,
+                                  const std::optional<Constraint>& tie, SlamUpdate& update) {
   follower_.restart(world_from_camera);
   const RgbdFollow followed = follower_.follow(frame);
   following_ = followed.new_reference;

@@ -97,8 +97,8 @@ std::shared_ptr<const Map> TrackedMap::snapshot() const {
   auto images = std::make_shared<ImageLayer>();
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     const ImageFeatures& image = *keyframes_[k];
-    map->keyframes.push_back({image.id, image.frame, image.stamp, 0, poses_[k].world_from_camera, poses_[k].submap,
-                              no_keyframe, 1.0});
+    map->keyframes.push_back(
+        {image.id, image.frame, image.stamp, 0, poses_[k].world_from_camera, poses_[k].submap, no_keyframe, 1.0});
     features->of[image.id] = keyframes_[k];
     images->keyframes.push_back(image.id);
   }

@@ -62,9 +62,8 @@ class FrameReferences {
   const Keyframe* of(TimeNs stamp, int submap) const {
     if (static_cast<std::size_t>(submap) >= by_stamp_.size()) return nullptr;
     const auto& keyframes = by_stamp_[static_cast<std::size_t>(submap)];
-    const auto after = std::upper_bound(keyframes.begin(), keyframes.end(), stamp, [&](TimeNs wanted, std::size_t k) {
-      return wanted < map_.keyframes[k].stamp;
-    });
+    const auto after = std::upper_bound(keyframes.begin(), keyframes.end(), stamp,
+                                        [&](TimeNs wanted, std::size_t k) { return wanted < map_.keyframes[k].stamp; });
     if (keyframes.empty()) return nullptr;
     return &map_.keyframes[after == keyframes.begin() ? *after : *(after - 1)];
   }
@@ -93,7 +92,8 @@ void add_frames(const MapGraph& graph, const FrameTrajectory& way, int largest, 
 
 }  // namespace
 
-std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& way, const std::optional<MapScale>& scale) {
+std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& way,
+                                  const std::optional<MapScale>& scale) {
   auto map = std::make_shared<Map>();
   map->method = "orb";
   map->revision = graph.newest_keyframe() + 1;

@@ -12,7 +12,8 @@ namespace rastro {
 
 /// The map as others read it. The submap with most frames is called 0. `scale`: what its unit is worth, where somebody
 /// said so.
-std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& way, const std::optional<MapScale>& scale);
+std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& way,
+                                  const std::optional<MapScale>& scale);
 /// Fills an empty graph with a map made before.
 void restore(const Map& map, double baseline, MapGraph& graph);
 
