@@ -54,10 +54,11 @@ void compare_size(CheckReport& report, std::int64_t frame, int width, int height
 }
 
 void note_depth_offset(CheckReport& report, TimeNs offset) {
-  const auto bins = static_cast<TimeNs>(report.depth_offset_histogram.size());
+  const auto bins = static_cast<TimeNs>(report.depth.depth_offset_histogram.size());
   const TimeNs bin = std::clamp<TimeNs>((offset + bins / 2 * bin_width) / bin_width, 0, bins - 1);
-  ++report.depth_offset_histogram[static_cast<std::size_t>(bin)];
-  report.depth_offset_max_ms = std::max(report.depth_offset_max_ms, std::abs(static_cast<double>(offset)) * 1e-6);
+  ++report.depth.depth_offset_histogram[static_cast<std::size_t>(bin)];
+  report.depth.depth_offset_max_ms =
+      std::max(report.depth.depth_offset_max_ms, std::abs(static_cast<double>(offset)) * 1e-6);
 }
 
 class ImageCheck {
@@ -75,7 +76,7 @@ class ImageCheck {
   }
 
   void finish() {
-    if (depth_pixels_ > 0.0) report_.depth_measured_percent = 100.0 * depth_measured_ / depth_pixels_;
+    if (depth_pixels_ > 0.0) report_.depth.depth_measured_percent = 100.0 * depth_measured_ / depth_pixels_;
   }
 
  private:
@@ -89,7 +90,7 @@ class ImageCheck {
   void look_at_depth(std::int64_t index, const RecordedFrame& frame) {
     const auto raw = try_read(report_, index, [&] { return read_raw_depth(frame.depth); });
     if (!raw) return;
-    ++report_.frames_with_depth;
+    ++report_.depth.frames_with_depth;
     compare_size(report_, index, raw->width(), raw->height(), frame.depth);
     note_depth_offset(report_, frame.depth_stamp - frame.stamp);
     for (int y = 0; y < raw->height(); ++y) {
@@ -169,7 +170,7 @@ Stamps look_at_log(CheckReport& report, Source& log, const OpenOptions& options,
     const auto& image = (*frame)->image;
     if (!image.empty()) compare_size(report, (*frame)->index, image.width(), image.height(), (*frame)->name);
     if (const auto& depth = (*frame)->depth; !depth.empty()) {
-      ++report.frames_with_depth;
+      ++report.depth.frames_with_depth;
       note_depth_offset(report, (*frame)->depth_stamp - (*frame)->stamp);
       measured_percent += 100.0 * measured_share(depth);
     }
@@ -177,8 +178,8 @@ Stamps look_at_log(CheckReport& report, Source& log, const OpenOptions& options,
     stamps.stamps.push_back((*frame)->stamp);
   }
   scans.finish();
-  if (report.frames_with_depth > 0)
-    report.depth_measured_percent = measured_percent / static_cast<double>(report.frames_with_depth);
+  if (report.depth.frames_with_depth > 0)
+    report.depth.depth_measured_percent = measured_percent / static_cast<double>(report.depth.frames_with_depth);
   return stamps;
 }
 
@@ -193,23 +194,23 @@ TimeNs median_forward_step(const std::vector<TimeNs>& stamps) {
 void judge_stamps(CheckReport& report, const Stamps& all) {
   const auto& stamps = all.stamps;
   const TimeNs median = median_forward_step(stamps);
-  if (median > 0) report.rate_hz = 1e9 / static_cast<double>(median);
+  if (median > 0) report.stamps.rate_hz = 1e9 / static_cast<double>(median);
   if (!stamps.empty()) {
     const auto [first, last] = std::minmax_element(stamps.begin(), stamps.end());
-    report.duration_s = to_seconds(*last - *first);
+    report.stamps.duration_s = to_seconds(*last - *first);
   }
   for (std::size_t k = 1; k < stamps.size(); ++k) {
-    if (stamps[k] == stamps[k - 1]) report.repeated_stamps.push_back(all.frames[k]);
-    if (stamps[k] < stamps[k - 1]) report.backward_stamps.push_back(all.frames[k]);
+    if (stamps[k] == stamps[k - 1]) report.stamps.repeated_stamps.push_back(all.frames[k]);
+    if (stamps[k] < stamps[k - 1]) report.stamps.backward_stamps.push_back(all.frames[k]);
     const double step = static_cast<double>(stamps[k]) - static_cast<double>(stamps[k - 1]);
     if (step > longest_usual_step * static_cast<double>(median))
-      report.gaps.push_back({all.frames[k - 1], step * 1e-9});
+      report.stamps.gaps.push_back({all.frames[k - 1], step * 1e-9});
   }
 }
 
 void judge_unit(CheckReport& report, const Stamps& all) {
   if (!report.info.has_stamps) {
-    report.stamp_unit.clear();
+    report.stamps.stamp_unit.clear();
     return;
   }
   std::vector<double> seconds;
@@ -217,7 +218,7 @@ void judge_unit(CheckReport& report, const Stamps& all) {
   const auto guess = guess_stamp_unit(seconds, StampUnit::seconds);
   if (guess == StampUnit::seconds) return;
   report.warnings.push_back(fmt::format("a frame each {:g} s: as if stamps of {} had been taken for s",
-                                        1.0 / report.rate_hz, unit_name(guess)));
+                                        1.0 / report.stamps.rate_hz, unit_name(guess)));
 }
 
 void judge_truth(CheckReport& report, const Stamps& all) {
@@ -245,9 +246,9 @@ void warn(CheckReport& report, std::size_t count, const char* what) {
 void give_verdict(CheckReport& report, const Stamps& all) {
   warn(report, report.unreadable_images.size(),
        report.info.has_image ? "images cannot be read" : "frames cannot be read");
-  warn(report, report.gaps.size(), "gaps between frames");
-  warn(report, report.repeated_stamps.size(), "stamps are repeated");
-  warn(report, report.backward_stamps.size(), "stamps go backward");
+  warn(report, report.stamps.gaps.size(), "gaps between frames");
+  warn(report, report.stamps.repeated_stamps.size(), "stamps are repeated");
+  warn(report, report.stamps.backward_stamps.size(), "stamps go backward");
   if (report.frames_read == 1) report.warnings.push_back("only one frame can be read");
   const auto frames = static_cast<double>(all.stamps.size());
   if (report.frames_read == 0) {
@@ -262,7 +263,7 @@ void give_verdict(CheckReport& report, const Stamps& all) {
     report.reasons.push_back(
         fmt::format("the images change their size, first at {}", report.size_changes.front().problem));
   }
-  const auto bad_steps = report.repeated_stamps.size() + report.backward_stamps.size();
+  const auto bad_steps = report.stamps.repeated_stamps.size() + report.stamps.backward_stamps.size();
   if (static_cast<double>(bad_steps) > fewest_readable * frames) {
     report.reasons.push_back(
         fmt::format("the stamps do not rise: {} of {} repeat or go backward", bad_steps, all.stamps.size()));
@@ -280,18 +281,18 @@ CheckReport check(const std::string& path, const OpenOptions& options, const Pro
   if (const auto log = open_log(path, with_depth)) {
     report.info = log->info();
     report.warnings = report.info.warnings;
-    report.stamp_unit = report.info.format == "minesrover" ? "us" : "s";
+    report.stamps.stamp_unit = report.info.format == "minesrover" ? "us" : "s";
     stamps = look_at_log(report, *log, options, progress);
   } else if (auto recording = index_recording(path, options)) {
     report.info = recording->info;
     report.warnings = report.info.warnings;
-    report.stamp_unit = recording->stamp_unit;
+    report.stamps.stamp_unit = recording->stamp_unit;
     stamps = look_at_recording(report, *recording, options, progress);
   } else {
     const auto video = open_video(path, options);
     report.info = video->info();
     report.warnings = report.info.warnings;
-    report.stamp_unit = "s";
+    report.stamps.stamp_unit = "s";
     stamps = look_at_video(report, *video, options, progress);
   }
   judge_stamps(report, stamps);

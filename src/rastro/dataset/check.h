@@ -24,6 +24,41 @@ struct FrameProblem {
   std::string problem;  ///< One line, naming the file.
 };
 
+/// Of the stamps of all chosen frames.
+struct StampFindings {
+  double rate_hz = 0.0;  ///< 1 / median step; 0 with fewer than two frames.
+  double duration_s = 0.0;
+  std::vector<StampGap> gaps;                 ///< Steps above 1.5 times the median.
+  std::vector<std::int64_t> repeated_stamps;  ///< Frames whose stamp equals that of the frame before.
+  std::vector<std::int64_t> backward_stamps;  ///< Frames whose stamp is earlier than that of the frame before.
+  std::string stamp_unit;  ///< What they are written in ("s", "ms", "us", "ns", "date"); "" where made up.
+};
+
+/// Of depth images.
+struct DepthFindings {
+  std::int64_t frames_with_depth = 0;
+  /// Depth stamp minus colour stamp in bins of 5 ms, from -20 to 20 ms; and the largest offset.
+  std::array<std::int64_t, 8> depth_offset_histogram{};
+  double depth_offset_max_ms = 0.0;
+  double depth_measured_percent = 0.0;  ///< Pixels with a measurement, mean over the depth images.
+};
+
+/// Of laser scans; a change of their geometry is among size_changes.
+struct ScanFindings {
+  std::optional<LaserScan> first_scan;
+  double returns_percent = 0.0;           ///< Of all beams: something was measured,
+  double free_percent = 0.0;              ///< nothing stood within reach,
+  double broken_percent = 0.0;            ///< or the beam says nothing.
+  std::vector<std::int64_t> empty_scans;  ///< Frames whose scan has not one return.
+};
+
+/// Of odometry.
+struct OdometryFindings {
+  std::int64_t frames_with_odometry = 0;
+  double odometry_length_m = 0.0;            ///< Of the path through all read frames.
+  std::vector<FrameProblem> odometry_jumps;  ///< Steps that no wheels take: from the frame before to this one.
+};
+
 /// What check() found; lists hold all findings, the text form shows the first few of each.
 struct CheckReport {
   SourceInfo info;
@@ -31,31 +66,14 @@ struct CheckReport {
   std::int64_t frames_read = 0;    ///< Without an Error.
   int width = 0, height = 0;       ///< Of the first image that could be read.
 
-  double rate_hz = 0.0;  ///< 1 / median step; 0 with fewer than two frames.
-  double duration_s = 0.0;
-  std::vector<StampGap> gaps;                 ///< Steps above 1.5 times the median.
-  std::vector<std::int64_t> repeated_stamps;  ///< Frames whose stamp equals that of the frame before.
-  std::vector<std::int64_t> backward_stamps;  ///< Frames whose stamp is earlier than that of the frame before.
-  std::string stamp_unit;  ///< What they are written in ("s", "ms", "us", "ns", "date"); "" where made up.
+  StampFindings stamps;
   std::vector<FrameProblem> unreadable_images;  ///< Colour or grey, right and depth.
   std::vector<FrameProblem> size_changes;
 
   std::int64_t frames_with_right = 0;
-  std::int64_t frames_with_depth = 0;
-  /// Depth stamp minus colour stamp in bins of 5 ms, from -20 to 20 ms; and the largest offset.
-  std::array<std::int64_t, 8> depth_offset_histogram{};
-  double depth_offset_max_ms = 0.0;
-  double depth_measured_percent = 0.0;  ///< Pixels with a measurement, mean over the depth images.
-
-  // Of sources with laser scans, odometry or landmarks; a change of a scan's geometry is among size_changes.
-  std::optional<LaserScan> first_scan;
-  double returns_percent = 0.0;           ///< Of all beams: something was measured,
-  double free_percent = 0.0;              ///< nothing stood within reach,
-  double broken_percent = 0.0;            ///< or the beam says nothing.
-  std::vector<std::int64_t> empty_scans;  ///< Frames whose scan has not one return.
-  std::int64_t frames_with_odometry = 0;
-  double odometry_length_m = 0.0;            ///< Of the path through all read frames.
-  std::vector<FrameProblem> odometry_jumps;  ///< Steps that no wheels take: from the frame before to this one.
+  DepthFindings depth;
+  ScanFindings scans;
+  OdometryFindings odometry;
   std::int64_t landmark_sightings = 0;
   std::int64_t landmarks = 0;  ///< Different ones, where the sensor tells them apart.
 
@@ -73,7 +91,7 @@ CheckReport check(const std::string& path, const OpenOptions& options,
 
 /// For people; ends with a verdict.
 std::string to_text(const CheckReport& report);
-/// For programs; the keys are the names above.
+/// For programs; the keys are the names of the members above.
 std::string to_json(const CheckReport& report);
 
 }  // namespace rastro

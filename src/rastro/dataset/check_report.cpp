@@ -39,24 +39,25 @@ std::string show_gap(const StampGap& gap) {
 void add_depth(std::string& text, const CheckReport& report) {
   if (!report.info.has_depth) return;
   add_line(text, "depth images",
-           fmt::format("{} of {} frames, {:.0f} % of the pixels measured", report.frames_with_depth,
-                       report.frames_chosen, report.depth_measured_percent));
+           fmt::format("{} of {} frames, {:.0f} % of the pixels measured", report.depth.frames_with_depth,
+                       report.frames_chosen, report.depth.depth_measured_percent));
   add_line(text, "depth - rgb",
-           fmt::format("at most {:.1f} ms; histogram of 5 ms bins from -20 to 20 ms: {}", report.depth_offset_max_ms,
-                       fmt::join(report.depth_offset_histogram, " ")));
+           fmt::format("at most {:.1f} ms; histogram of 5 ms bins from -20 to 20 ms: {}",
+                       report.depth.depth_offset_max_ms, fmt::join(report.depth.depth_offset_histogram, " ")));
 }
 
 void add_scans(std::string& text, const CheckReport& report) {
-  if (report.first_scan) {
+  if (report.scans.first_scan) {
     add_line(text, "beams",
-             fmt::format("{:.1f} % returns, {:.1f} % free, {:.1f} % broken", report.returns_percent,
-                         report.free_percent, report.broken_percent));
-    add_list(text, "no return", report.empty_scans, show_frame);
+             fmt::format("{:.1f} % returns, {:.1f} % free, {:.1f} % broken", report.scans.returns_percent,
+                         report.scans.free_percent, report.scans.broken_percent));
+    add_list(text, "no return", report.scans.empty_scans, show_frame);
   }
   if (report.info.has_odometry) {
     add_line(text, "odometry path",
-             fmt::format("{:.2f} m over {} frames", report.odometry_length_m, report.frames_with_odometry));
-    add_list(text, "jumps", report.odometry_jumps, show_problem);
+             fmt::format("{:.2f} m over {} frames", report.odometry.odometry_length_m,
+                         report.odometry.frames_with_odometry));
+    add_list(text, "jumps", report.odometry.odometry_jumps, show_problem);
   }
   if (report.info.has_landmarks)
     add_line(text, "sightings", fmt::format("{} of {} landmarks", report.landmark_sightings, report.landmarks));
@@ -64,12 +65,13 @@ void add_scans(std::string& text, const CheckReport& report) {
 
 void add_stamps(std::string& text, const CheckReport& report) {
   add_line(text, "rate",
-           report.info.has_stamps ? fmt::format("{:.2f} Hz (median step), {:.2f} s in all, stamps in {}",
-                                                report.rate_hz, report.duration_s, report.stamp_unit)
-                                  : fmt::format("{:.2f} Hz, made up", report.rate_hz));
-  add_list(text, "gaps", report.gaps, show_gap);
-  add_list(text, "repeated", report.repeated_stamps, show_frame);
-  add_list(text, "backward", report.backward_stamps, show_frame);
+           report.info.has_stamps
+               ? fmt::format("{:.2f} Hz (median step), {:.2f} s in all, stamps in {}", report.stamps.rate_hz,
+                             report.stamps.duration_s, report.stamps.stamp_unit)
+               : fmt::format("{:.2f} Hz, made up", report.stamps.rate_hz));
+  add_list(text, "gaps", report.stamps.gaps, show_gap);
+  add_list(text, "repeated", report.stamps.repeated_stamps, show_frame);
+  add_list(text, "backward", report.stamps.backward_stamps, show_frame);
 }
 
 Json problems(const std::vector<FrameProblem>& items) {
@@ -81,7 +83,7 @@ Json problems(const std::vector<FrameProblem>& items) {
 }  // namespace
 
 std::string to_text(const CheckReport& report) {
-  std::string text = describe(report.info, false, report.first_scan ? &*report.first_scan : nullptr);
+  std::string text = describe(report.info, false, report.scans.first_scan ? &*report.scans.first_scan : nullptr);
   if (report.info.has_image) {
     add_line(
         text, "images",
@@ -116,31 +118,31 @@ std::string to_json(const CheckReport& report) {
   json["frames_read"] = report.frames_read;
   json["width"] = report.width;
   json["height"] = report.height;
-  json["rate_hz"] = report.rate_hz;
-  json["duration_s"] = report.duration_s;
-  json["stamp_unit"] = report.stamp_unit;
+  json["rate_hz"] = report.stamps.rate_hz;
+  json["duration_s"] = report.stamps.duration_s;
+  json["stamp_unit"] = report.stamps.stamp_unit;
   json["gaps"] = Json::array();
-  for (const auto& gap : report.gaps)
+  for (const auto& gap : report.stamps.gaps)
     json["gaps"].push_back({{"after_frame", gap.after_frame}, {"seconds", gap.seconds}});
-  json["repeated_stamps"] = report.repeated_stamps;
-  json["backward_stamps"] = report.backward_stamps;
+  json["repeated_stamps"] = report.stamps.repeated_stamps;
+  json["backward_stamps"] = report.stamps.backward_stamps;
   json["unreadable_images"] = problems(report.unreadable_images);
   json["size_changes"] = problems(report.size_changes);
   json["frames_with_right"] = report.frames_with_right;
-  json["frames_with_depth"] = report.frames_with_depth;
-  json["depth_offset_histogram"] = report.depth_offset_histogram;
-  json["depth_offset_max_ms"] = report.depth_offset_max_ms;
-  json["depth_measured_percent"] = report.depth_measured_percent;
-  if (report.first_scan) {
-    json["scan"] = scan_fields(*report.first_scan);
-    json["returns_percent"] = report.returns_percent;
-    json["free_percent"] = report.free_percent;
-    json["broken_percent"] = report.broken_percent;
-    json["empty_scans"] = report.empty_scans;
+  json["frames_with_depth"] = report.depth.frames_with_depth;
+  json["depth_offset_histogram"] = report.depth.depth_offset_histogram;
+  json["depth_offset_max_ms"] = report.depth.depth_offset_max_ms;
+  json["depth_measured_percent"] = report.depth.depth_measured_percent;
+  if (report.scans.first_scan) {
+    json["scan"] = scan_fields(*report.scans.first_scan);
+    json["returns_percent"] = report.scans.returns_percent;
+    json["free_percent"] = report.scans.free_percent;
+    json["broken_percent"] = report.scans.broken_percent;
+    json["empty_scans"] = report.scans.empty_scans;
   }
-  json["frames_with_odometry"] = report.frames_with_odometry;
-  json["odometry_length_m"] = report.odometry_length_m;
-  json["odometry_jumps"] = problems(report.odometry_jumps);
+  json["frames_with_odometry"] = report.odometry.frames_with_odometry;
+  json["odometry_length_m"] = report.odometry.odometry_length_m;
+  json["odometry_jumps"] = problems(report.odometry.odometry_jumps);
   json["landmark_sightings"] = report.landmark_sightings;
   json["landmarks"] = report.landmarks;
   json["ground_truth_percent"] = report.ground_truth_percent;

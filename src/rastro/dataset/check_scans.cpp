@@ -40,11 +40,11 @@ void ScanCheck::look_at(const Frame& frame) {
 }
 
 void ScanCheck::look_at_scan(std::int64_t index, const LaserScan& scan) {
-  if (!report_.first_scan) {
-    report_.first_scan = scan;
-  } else if (!same_geometry(scan, *report_.first_scan)) {
+  if (!report_.scans.first_scan) {
+    report_.scans.first_scan = scan;
+  } else if (!same_geometry(scan, *report_.scans.first_scan)) {
     report_.size_changes.push_back({index, fmt::format("the scan has {}, those before it {}", describe_scan(scan),
-                                                       describe_scan(*report_.first_scan))});
+                                                       describe_scan(*report_.scans.first_scan))});
   }
   std::int64_t returns = 0;
   for (std::size_t beam = 0; beam < scan.ranges.size(); ++beam) {
@@ -53,16 +53,16 @@ void ScanCheck::look_at_scan(std::int64_t index, const LaserScan& scan) {
   }
   beams_ += static_cast<std::int64_t>(scan.ranges.size());
   returns_ += returns;
-  if (returns == 0) report_.empty_scans.push_back(index);
+  if (returns == 0) report_.scans.empty_scans.push_back(index);
 }
 
 void ScanCheck::look_at_odometry(const Frame& frame) {
-  ++report_.frames_with_odometry;
+  ++report_.odometry.frames_with_odometry;
   if (last_odometry_) {
     const SE2 step = last_odometry_->inverse() * *frame.odometry_from_body;
     steps_.push_back({frame.index, step.translation().norm(), std::abs(step.rotation().angle()),
                       static_cast<double>(frame.stamp) * 1e-9 - static_cast<double>(last_stamp_) * 1e-9});
-    report_.odometry_length_m += steps_.back().metres;
+    report_.odometry.odometry_length_m += steps_.back().metres;
   }
   last_odometry_ = frame.odometry_from_body;
   last_stamp_ = frame.stamp;
@@ -78,23 +78,23 @@ void ScanCheck::find_jumps() {
     const bool leaps = step.metres > least_jump_m && step.metres > limit * step.seconds;
     const bool spins = step.radians > least_jump_rad && step.radians > least_jump_rate * step.seconds;
     if (leaps || spins)
-      report_.odometry_jumps.push_back(
+      report_.odometry.odometry_jumps.push_back(
           {step.frame, fmt::format("{:.2f} m and {:.1f} deg in {:.3f} s", step.metres,
                                    step.radians * 180.0 / std::numbers::pi, step.seconds)});
   }
 }
 
 void ScanCheck::finish() {
-  report_.returns_percent = percent(returns_, beams_);
-  report_.free_percent = percent(free_, beams_);
-  report_.broken_percent = percent(beams_ - returns_ - free_, beams_);
+  report_.scans.returns_percent = percent(returns_, beams_);
+  report_.scans.free_percent = percent(free_, beams_);
+  report_.scans.broken_percent = percent(beams_ - returns_ - free_, beams_);
   report_.landmarks = static_cast<std::int64_t>(landmarks_.size());
   find_jumps();
-  if (report_.first_scan && returns_ == 0) report_.reasons.push_back("no beam of any scan measured anything");
-  if (!report_.empty_scans.empty() && returns_ > 0)
-    report_.warnings.push_back(fmt::format("{} scans have not one return", report_.empty_scans.size()));
-  if (!report_.odometry_jumps.empty())
-    report_.warnings.push_back(fmt::format("{} jumps of the odometry", report_.odometry_jumps.size()));
+  if (report_.scans.first_scan && returns_ == 0) report_.reasons.push_back("no beam of any scan measured anything");
+  if (!report_.scans.empty_scans.empty() && returns_ > 0)
+    report_.warnings.push_back(fmt::format("{} scans have not one return", report_.scans.empty_scans.size()));
+  if (!report_.odometry.odometry_jumps.empty())
+    report_.warnings.push_back(fmt::format("{} jumps of the odometry", report_.odometry.odometry_jumps.size()));
 }
 
 }  // namespace rastro

@@ -23,12 +23,12 @@ TEST(Check, AWholeRecordingIsUsable) {
   EXPECT_EQ(last, 6);
   EXPECT_TRUE(report.usable);
   EXPECT_EQ(report.frames_read, 6);
-  EXPECT_EQ(report.frames_with_depth, 6);
-  EXPECT_NEAR(report.rate_hz, 20.0, 1e-9);
+  EXPECT_EQ(report.depth.frames_with_depth, 6);
+  EXPECT_NEAR(report.stamps.rate_hz, 20.0, 1e-9);
   EXPECT_EQ(report.ground_truth_percent, 100.0);
-  EXPECT_EQ(report.stamp_unit, "s");
-  EXPECT_THAT(report.depth_offset_histogram, ElementsAre(0, 0, 0, 0, 6, 0, 0, 0));
-  EXPECT_NEAR(report.depth_offset_max_ms, 4.0, 1e-9);
+  EXPECT_EQ(report.stamps.stamp_unit, "s");
+  EXPECT_THAT(report.depth.depth_offset_histogram, ElementsAre(0, 0, 0, 0, 6, 0, 0, 0));
+  EXPECT_NEAR(report.depth.depth_offset_max_ms, 4.0, 1e-9);
   EXPECT_THAT(to_text(report), HasSubstr("verdict       usable, see the warnings"));
 }
 
@@ -44,11 +44,11 @@ TEST(Check, FindsEverythingThatIsBrokenAndGoesOn) {
   const auto report = check(folder.path(), {});
   EXPECT_TRUE(report.usable);
   EXPECT_EQ(report.frames_read, 7);
-  EXPECT_THAT(report.repeated_stamps, ElementsAre(2));
-  EXPECT_THAT(report.backward_stamps, ElementsAre(3));
-  ASSERT_EQ(report.gaps.size(), 1u);
-  EXPECT_EQ(report.gaps[0].after_frame, 5);
-  EXPECT_NEAR(report.gaps[0].seconds, 0.25, 1e-9);
+  EXPECT_THAT(report.stamps.repeated_stamps, ElementsAre(2));
+  EXPECT_THAT(report.stamps.backward_stamps, ElementsAre(3));
+  ASSERT_EQ(report.stamps.gaps.size(), 1u);
+  EXPECT_EQ(report.stamps.gaps[0].after_frame, 5);
+  EXPECT_NEAR(report.stamps.gaps[0].seconds, 0.25, 1e-9);
   EXPECT_THAT(report.warnings, Contains(HasSubstr("no calibration found")));
   EXPECT_THAT(to_text(report), HasSubstr("frame 1: "));
   const auto json = nlohmann::json::parse(to_json(report));

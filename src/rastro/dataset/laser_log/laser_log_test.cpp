@@ -238,13 +238,13 @@ TEST(LaserCheck, KnowsBeamsJumpsAndEmptyScans) {
   const auto report = check(folder.path("a.log"), {});
   EXPECT_TRUE(report.usable);
   EXPECT_EQ(report.frames_read, 20);
-  EXPECT_NEAR(report.rate_hz, 10.0, 1e-6);
-  EXPECT_NEAR(report.returns_percent, 71.25, 1e-9);
-  EXPECT_NEAR(report.free_percent, 25.0, 1e-9);
-  EXPECT_NEAR(report.broken_percent, 3.75, 1e-9);
-  EXPECT_THAT(report.empty_scans, ElementsAre(5));
-  ASSERT_EQ(report.odometry_jumps.size(), 2u);  // There and back.
-  EXPECT_EQ(report.odometry_jumps[0].frame, 12);
+  EXPECT_NEAR(report.stamps.rate_hz, 10.0, 1e-6);
+  EXPECT_NEAR(report.scans.returns_percent, 71.25, 1e-9);
+  EXPECT_NEAR(report.scans.free_percent, 25.0, 1e-9);
+  EXPECT_NEAR(report.scans.broken_percent, 3.75, 1e-9);
+  EXPECT_THAT(report.scans.empty_scans, ElementsAre(5));
+  ASSERT_EQ(report.odometry.odometry_jumps.size(), 2u);  // There and back.
+  EXPECT_EQ(report.odometry.odometry_jumps[0].frame, 12);
   EXPECT_THAT(to_text(report), HasSubstr("scans         4 beams from -90.00 to 45.00 deg, 0 to 50 m"));
   EXPECT_THAT(to_text(report), HasSubstr("beams         71.2 % returns"));
   EXPECT_THAT(to_json(report), HasSubstr("\"odometry_jumps\""));
@@ -259,7 +259,7 @@ TEST(LaserCheck, ScansThatMeasureNothingAreUnusableAndBackwardStampsAreFound) {
   const auto report = check(folder.path("a.log"), {});
   EXPECT_FALSE(report.usable);
   EXPECT_THAT(report.reasons, Contains("no beam of any scan measured anything"));
-  EXPECT_THAT(report.backward_stamps, ElementsAre(2));
+  EXPECT_THAT(report.stamps.backward_stamps, ElementsAre(2));
 }
 
 std::string minesrover_line(std::size_t meta, const std::string& front, int range) {

@@ -171,8 +171,8 @@ TEST(RosBag, ImagesComeWithTheNearestDepthAndTheirCalibration) {
   }
   EXPECT_FALSE(source->next());
   const auto report = check(folder.path("a.bag"), {});
-  EXPECT_EQ(report.frames_with_depth, 5);
-  EXPECT_EQ(report.depth_measured_percent, 100.0);
+  EXPECT_EQ(report.depth.frames_with_depth, 5);
+  EXPECT_EQ(report.depth.depth_measured_percent, 100.0);
 }
 
 TEST(RosBag, AnImageTopicCanBeNamedAndABrokenImageCostsOnlyItself) {
