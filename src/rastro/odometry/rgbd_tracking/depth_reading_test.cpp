@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rastro/odometry/rgbd/depth_reading.h"
+#include "rastro/odometry/rgbd_tracking/depth_reading.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "rastro/base/random.h"
-#include "rastro/odometry/rgbd/point_map.h"
-#include "rastro/odometry/rgbd/room_testing.h"
+#include "rastro/odometry/rgbd_tracking/point_map.h"
+#include "rastro/odometry/rgbd_tracking/room_testing.h"
 
 namespace rastro {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rastro/odometry/rgbd/pose_solver.h"
+#include "rastro/odometry/rgbd_tracking/pose_solver.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

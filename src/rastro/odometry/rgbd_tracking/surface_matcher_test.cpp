@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rastro/odometry/rgbd/surface_matcher.h"
+#include "rastro/odometry/rgbd_tracking/surface_matcher.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "rastro/math/math_testing.h"
-#include "rastro/odometry/rgbd/room_testing.h"
+#include "rastro/odometry/rgbd_tracking/room_testing.h"
 
 namespace rastro {
 namespace {
