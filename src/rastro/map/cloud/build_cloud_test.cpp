@@ -11,8 +11,8 @@
 #include "rastro/base/random.h"
 #include "rastro/map/cloud/upright.h"
 #include "rastro/map/cloud/voxel_table.h"
+#include "rastro/map/features/feature_points.h"
 #include "rastro/map/images/depth_surface.h"
-#include "rastro/map/keyframe/feature_points.h"
 #include "rastro/map/images/room_map_testing.h"
 
 namespace rastro {
@@ -46,9 +46,19 @@ Nearest nearest_face(const Vector3d& point) {
   return nearest;
 }
 
+/// The map with these images instead of its own.
+Map with_images(const Map& map, std::shared_ptr<const PictureStore> store) {
+  Map result = map;
+  auto images = std::make_shared<ImageLayer>(*map.layer<ImageLayer>());
+  images->store = std::move(store);
+  result.layers.put<ImageLayer>(std::move(images));
+  return result;
+}
+
 /// The test map with the noise of its depth camera.
 Map noisy_map(int keyframes) {
-  Map map = make_test_map(keyframes);
+  const Map map = make_test_map(keyframes);
+  const DepthNoise noise = map.cameras.front().depth_noise;
   auto pictures = std::make_shared<MemoryPictures>();
   for (int k = 0; k < keyframes; ++k) {
     Frame frame = test_room::frame_from(map.keyframes[static_cast<std::size_t>(k)].world_from_camera);
@@ -56,13 +66,12 @@ Map noisy_map(int keyframes) {
     for (int y = 0; y < frame.depth.height(); ++y) {
       for (int x = 0; x < frame.depth.width(); ++x) {
         float& z = frame.depth.at(x, y);
-        z += static_cast<float>(random.normal() * (map.depth_sigma_m + map.depth_sigma_per_m2 * z * z));
+        z += static_cast<float>(random.normal() * noise.sigma(static_cast<double>(z)));
       }
     }
     pictures->add(k, pack_pictures(frame));
   }
-  map.pictures = pictures;
-  return map;
+  return with_images(map, pictures);
 }
 
 CloudOptions dense() {
@@ -183,12 +192,23 @@ TEST(BuildCloud, TakesOnlyTheSubmapAskedForAndNothingFromAnEmptyMap) {
   EXPECT_TRUE(build_cloud(Map(), CloudOptions()).points.empty());
 }
 
+TEST(BuildCloud, RefusesAMapWithoutImagesAndPassesOverKeyframesWithoutSome) {
+  Map map = make_test_map(2);
+  const std::size_t both = build_cloud(map, CloudOptions()).points.size();
+  auto images = std::make_shared<ImageLayer>(*map.layer<ImageLayer>());
+  images->keyframes = {1};
+  map.layers.put<ImageLayer>(std::move(images));
+  const std::size_t one = build_cloud(map, CloudOptions()).points.size();
+  EXPECT_GT(one, 0U);
+  EXPECT_LT(one, both);
+  map.layers.put<ImageLayer>(nullptr);
+  EXPECT_THROW(build_cloud(map, CloudOptions()), Error);
+}
+
 TEST(BuildCloud, RefusesDamagedPicturesInOneLine) {
-  Map map = make_test_map(1);
   auto pictures = std::make_shared<MemoryPictures>();
   pictures->add(0, {{1, 2, 3}, {4, 5}});
-  map.pictures = pictures;
-  EXPECT_THROW(build_cloud(map, CloudOptions()), Error);
+  EXPECT_THROW(build_cloud(with_images(make_test_map(1), pictures), CloudOptions()), Error);
 }
 
 TEST(SurfaceSamples, LeaveOutEdgesOfDepthAndGrazingSurfaces) {
@@ -216,9 +236,9 @@ TEST(Upright, FindsTheFloorOfARoomWhereverItsWorldPoints) {
   Map map = make_test_map(6);
   const SE3 turn(SO3::exp({0.7, -1.1, 0.4}), {3.0, -2.0, 1.0});
   Trajectory cameras;
-  for (KeyframePose& pose : map.poses) {
-    pose.world_from_camera = turn * pose.world_from_camera;
-    cameras.push_back({0, pose.world_from_camera});
+  for (Keyframe& keyframe : map.keyframes) {
+    keyframe.world_from_camera = turn * keyframe.world_from_camera;
+    cameras.push_back({0, keyframe.world_from_camera});
   }
   CloudOptions options;
   options.voxel_m = 0.04;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rastro/map/keyframe/pack_pictures.h"
+#include "rastro/map/images/pack_images.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "rastro/base/error.h"
-#include "rastro/map/keyframe/feature_points.h"
-#include "rastro/map/rgbd_map_testing.h"
+#include "rastro/map/features/feature_points.h"
+#include "rastro/map/images/room_map_testing.h"
 
 namespace rastro {
 namespace {
@@ -117,28 +117,29 @@ TEST(MemoryPictures, GiveBackWhatWasAddedLast) {
 }
 
 /// A map whose keyframes see these points of the world exactly, each with a descriptor of its own.
-RgbdMap map_of_points(const std::vector<Eigen::Vector3d>& points, int keyframes) {
-  RgbdMap map;
-  map.camera = test_room::camera();
+Map map_of_points(const std::vector<Eigen::Vector3d>& points, int keyframes) {
+  Map map;
+  map.cameras.push_back({CameraKind::depth, test_room::camera(), 0.0, {}, SE3()});
+  auto features = std::make_shared<FeatureLayer>();
   Random random(5);
   std::vector<Descriptor> descriptors(points.size());
   for (Descriptor& descriptor : descriptors)
     for (std::uint64_t& word : descriptor.words) word = random.next();
   for (int k = 0; k < keyframes; ++k) {
-    auto keyframe = std::make_shared<RgbdKeyframe>();
-    keyframe->id = k;
+    auto image = std::make_shared<ImageFeatures>();
+    image->id = k;
     const SE3 pose(SO3::exp({0.0, 0.02 * k, 0.0}), {0.1 * k, 0.0, 0.0});
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Eigen::Vector3d p = pose.inverse() * points[i];
-      const auto pixel = map.camera.project(p);
-      keyframe->features.keypoints.push_back(
-          {static_cast<float>(pixel->x()), static_cast<float>(pixel->y()), 31, 0, 1});
-      keyframe->features.bits.push_back(descriptors[i]);
-      keyframe->depths.push_back(static_cast<float>(p.z()));
+      const auto pixel = test_room::camera().project(p);
+      image->features.keypoints.push_back({static_cast<float>(pixel->x()), static_cast<float>(pixel->y()), 31, 0, 1});
+      image->features.descriptors.push_back(descriptors[i]);
+      image->depths.push_back(static_cast<float>(p.z()));
     }
-    map.keyframes.push_back(keyframe);
-    map.poses.push_back({pose, 0});
+    features->of[k] = image;
+    map.keyframes.push_back({k, k, k, 0, pose, 0, no_keyframe, 1.0});
   }
+  map.layers.put<FeatureLayer>(std::move(features));
   return map;
 }
 
@@ -166,20 +167,22 @@ TEST(FeaturePointsOfAMap, AreThePointsThatWereSeen) {
 
 TEST(FeaturePointsOfAMap, WhatLooksAlikeElsewhereOrOtherwiseAtTheSamePlaceStaysApart) {
   const auto truth = grid_of_points();
-  RgbdMap map = map_of_points(truth, 2);
-  auto changed = std::make_shared<RgbdKeyframe>(*map.keyframes[1]);
-  for (std::uint64_t& word : changed->features.bits[0].words) word = ~word;  // looks otherwise
-  changed->depths[1] += 0.1F;                                                // elsewhere
-  changed->depths[2] = 0.0F;                                                 // not measured
-  map.keyframes[1] = changed;
+  Map map = map_of_points(truth, 2);
+  auto features = std::make_shared<FeatureLayer>(*map.layer<FeatureLayer>());
+  auto changed = std::make_shared<ImageFeatures>(*features->of[1]);
+  for (std::uint64_t& word : changed->features.descriptors[0].words) word = ~word;  // looks otherwise
+  changed->depths[1] += 0.1F;                                                       // elsewhere
+  changed->depths[2] = 0.0F;                                                        // not measured
+  features->of[1] = changed;
+  map.layers.put<FeatureLayer>(std::move(features));
   const std::vector<FeaturePoint> points = feature_points(map);
   EXPECT_EQ(points.size(), truth.size() - 3);
   for (const FeaturePoint& point : points) EXPECT_GE(point.views.front().feature, 3U);
 }
 
 TEST(FeaturePointsOfAMap, OnlyTheSubmapAskedForIsJoined) {
-  RgbdMap map = map_of_points(grid_of_points(), 4);
-  map.poses[2].submap = map.poses[3].submap = 1;
+  Map map = map_of_points(grid_of_points(), 4);
+  map.keyframes[2].submap = map.keyframes[3].submap = 1;
   for (const FeaturePoint& point : feature_points(map, 1)) {
     EXPECT_EQ(point.views.size(), 2U);
     EXPECT_GE(point.views.front().keyframe, 2U);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rastro/map/landmark/landmark_map.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -9,38 +8,38 @@
 #include <set>
 
 #include "rastro/base/error.h"
-#include "rastro/map/landmark/essential_graph.h"
-#include "rastro/map/landmark/landmark_checks.h"
-#include "rastro/map/landmark/landmark_map_testing.h"
-#include "rastro/map/landmark/map_scale.h"
+#include "rastro/map/graph/covisibility.h"
+#include "rastro/map/landmarks/landmark_map_testing.h"
+#include "rastro/map/landmarks/landmark_uncertainty.h"
+#include "rastro/map/landmarks/map_scale.h"
 
 namespace rastro {
 namespace {
 
-using testing::HasSubstr;
+const std::vector<Landmark>& landmarks_of(const Map& map) { return map.layer<LandmarkLayer>()->landmarks; }
 
-LandmarkMap road_in_units(double unit, LandmarkSensor sensor = LandmarkSensor::mono) {
+Map road_in_units(double unit, CameraKind sensor = CameraKind::mono) {
   TestRoad road;
   road.unit = unit, road.sensor = sensor, road.keyframes = 24, road.landmarks = 900;
   return make_landmark_test_map(road);
 }
 
-std::size_t shared_by(const LandmarkMap& map, std::int64_t a, std::int64_t b) {
+std::size_t shared_by(const Map& map, std::int64_t a, std::int64_t b) {
   const auto sees = [](const Landmark& landmark, std::int64_t keyframe) {
     return std::any_of(landmark.observations.begin(), landmark.observations.end(),
                        [&](const auto& observation) { return observation.keyframe == keyframe; });
   };
-  return static_cast<std::size_t>(std::count_if(map.landmarks.begin(), map.landmarks.end(),
+  return static_cast<std::size_t>(std::count_if(landmarks_of(map).begin(), landmarks_of(map).end(),
                                                 [&](const Landmark& each) { return sees(each, a) && sees(each, b); }));
 }
 
 TEST(CovisibilityGraph, IsWhatCountingPairByPairGives) {
-  const LandmarkMap map = make_landmark_test_map();
+  const Map map = make_landmark_test_map();
   const auto graph = covisibility_graph(map, 15);
   std::size_t next = 0;
   for (std::uint32_t a = 0; a < map.keyframes.size(); ++a) {
     for (std::uint32_t b = a + 1; b < map.keyframes.size(); ++b) {
-      const std::size_t shared = shared_by(map, map.keyframes[a]->id, map.keyframes[b]->id);
+      const std::size_t shared = shared_by(map, map.keyframes[a].id, map.keyframes[b].id);
       if (shared < 15) continue;
       ASSERT_LT(next, graph.size());
       EXPECT_EQ(graph[next].first, a);
@@ -52,8 +51,8 @@ TEST(CovisibilityGraph, IsWhatCountingPairByPairGives) {
   EXPECT_GT(next, 10U);
 }
 
-TEST(EssentialGraph, HasTheTreeTheTiesAndWhatIsStrong) {
-  const LandmarkMap map = make_landmark_test_map();
+TEST(EssentialGraph, HasTheTreeTheLoopClosureAndWhatIsStrong) {
+  const Map map = make_landmark_test_map();
   const int strong = covisibility_graph(map, 1).size() > 12 ? 60 : 1;
   const auto graph = essential_graph(map, strong);
   std::map<EssentialKind, int> kinds;
@@ -66,24 +65,24 @@ TEST(EssentialGraph, HasTheTreeTheTiesAndWhatIsStrong) {
       EXPECT_GE(edge.shared, strong);
     }
   }
-  EXPECT_EQ(kinds[EssentialKind::tie], 1);
+  EXPECT_EQ(kinds[EssentialKind::constraint], 1);
   EXPECT_EQ(kinds[EssentialKind::tree], 11);
   for (const Covisibility& pair : covisibility_graph(map, strong))
     EXPECT_TRUE(pairs.contains({pair.first, pair.second}));
 }
 
 TEST(MapScale, OfKnownLengthsIsExactOnAnExactMap) {
-  const LandmarkMap map = road_in_units(0.37);
+  const Map map = road_in_units(0.37);
   const auto metres = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm() / 0.37; };
-  const Landmark &a = map.landmarks[5], &b = map.landmarks[200];
+  const Landmark &a = landmarks_of(map)[5], &b = landmarks_of(map)[200];
   const KnownLength between_landmarks{a.id, b.id, false, metres(a.position, b.position)};
   const MapScaleFound one = scale_from_lengths(map, std::array{between_landmarks}, "here");
   EXPECT_NEAR(one.metres_per_unit, 1.0 / 0.37, 1e-9);
-  EXPECT_GT(one.relative_sigma, 0.0) << "the places of landmarks are known so well and no better";
+  EXPECT_GT(one.relative_sigma, 0.0) << "the positions of landmarks are known so well and no better";
   EXPECT_LT(one.relative_sigma, 0.1);
+  const Trajectory trajectory = trajectory_of(map);
   const KnownLength between_frames{
-      7, 33, true,
-      metres(map.trajectory[7].world_from_body.translation(), map.trajectory[33].world_from_body.translation())};
+      7, 33, true, metres(trajectory[7].world_from_body.translation(), trajectory[33].world_from_body.translation())};
   const MapScaleFound frames = scale_from_lengths(map, std::array{between_frames}, "here");
   EXPECT_NEAR(frames.metres_per_unit, 1.0 / 0.37, 1e-6);
   KnownLength wrong = between_landmarks;
@@ -96,11 +95,11 @@ TEST(MapScale, OfKnownLengthsIsExactOnAnExactMap) {
 }
 
 TEST(MapScale, OfAReferenceInAnotherFrameIsFoundWithItsSigma) {
-  const LandmarkMap map = road_in_units(0.37);
+  const Map map = road_in_units(0.37);
   const SE3 other(SO3::exp({0.1, 2.0, -0.4}), {100.0, -20.0, 3.0});
   Trajectory reference;
   Random random(3);
-  for (const StampedPose& pose : map.trajectory) {
+  for (const StampedPose& pose : trajectory_of(map)) {
     Eigen::Vector3d place = other * Eigen::Vector3d(pose.world_from_body.translation() / 0.37);
     for (double& value : place) value += 0.05 * random.normal();
     reference.push_back({pose.stamp, SE3(SO3(), place)});
@@ -114,52 +113,53 @@ TEST(MapScale, OfAReferenceInAnotherFrameIsFoundWithItsSigma) {
 }
 
 TEST(MapScale, OfACameraHeightComesFromTheGroundAhead) {
-  const LandmarkMap map = road_in_units(0.37);
+  const Map map = road_in_units(0.37);
   const MapScaleFound found = scale_from_camera_height(map, TestRoad::camera_height_m, "here");
   EXPECT_NEAR(found.metres_per_unit * 0.37, 1.0, 0.02);
   EXPECT_LT(found.relative_sigma, 0.02);
-  LandmarkMap without_ground = map;
-  for (Landmark& landmark : without_ground.landmarks) landmark.position.y() = -std::abs(landmark.position.y()) - 1.0;
+  Map without_ground = map;
+  auto layer = std::make_shared<LandmarkLayer>(*map.layer<LandmarkLayer>());
+  for (Landmark& landmark : layer->landmarks) landmark.position.y() = -std::abs(landmark.position.y()) - 1.0;
+  without_ground.layers.put<LandmarkLayer>(std::move(layer));
   EXPECT_THROW(scale_from_camera_height(without_ground, 1.65, "here"), Error);
 }
 
 TEST(MapScale, AScaledMapIsTheOneMadeInMetres) {
-  const LandmarkMap metres = road_in_units(1.0);
+  const Map metres = road_in_units(1.0);
   MapScaleFound found;
   found.metres_per_unit = 1.0 / 0.37;
   found.relative_sigma = 0.01;
   found.from = "a known length";
-  const LandmarkMap map = scaled(road_in_units(0.37), found);
-  EXPECT_TRUE(map.scale.metric);
-  EXPECT_EQ(map.scale.relative_sigma, 0.01);
-  for (std::size_t k = 0; k < map.poses.size(); ++k)
-    EXPECT_LT((map.poses[k].world_from_camera.translation() - metres.poses[k].world_from_camera.translation()).norm(),
-              1e-12);
-  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
-    EXPECT_LT((map.landmarks[i].position - metres.landmarks[i].position).norm(), 1e-12);
-    EXPECT_NEAR(map.landmarks[i].max_distance, metres.landmarks[i].max_distance, 1e-4);
+  const Map map = scaled(road_in_units(0.37), found);
+  EXPECT_TRUE(scale_of(map).metric);
+  EXPECT_EQ(scale_of(map).relative_sigma, 0.01);
+  EXPECT_EQ(scale_of(map).origin, "a known length");
+  const auto apart = [](const SE3& a, const SE3& b) { return (a.translation() - b.translation()).norm(); };
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k)
+    EXPECT_LT(apart(map.keyframes[k].world_from_camera, metres.keyframes[k].world_from_camera), 1e-12);
+  ASSERT_EQ(landmarks_of(map).size(), landmarks_of(metres).size());
+  for (std::size_t i = 0; i < landmarks_of(map).size(); ++i) {
+    EXPECT_LT((landmarks_of(map)[i].position - landmarks_of(metres)[i].position).norm(), 1e-12);
+    EXPECT_NEAR(landmarks_of(map)[i].max_distance, landmarks_of(metres)[i].max_distance, 1e-4);
   }
-  EXPECT_LT((map.ties[0].from_from_to.matrix() - metres.ties[0].from_from_to.matrix()).norm(), 1e-12);
-  EXPECT_LT(
-      (map.trajectory.back().world_from_body.translation() - metres.trajectory.back().world_from_body.translation())
-          .norm(),
-      1e-12);
+  EXPECT_LT((map.constraints[0].from_from_to.matrix() - metres.constraints[0].from_from_to.matrix()).norm(), 1e-12);
+  EXPECT_LT(apart(trajectory_of(map).back().world_from_body, trajectory_of(metres).back().world_from_body), 1e-12);
 }
 
-TEST(PlaceCovariance, GrowsWithFewerViewsAndIsOpenWithOne) {
-  const LandmarkMap map = road_in_units(1.0);
+TEST(LandmarkCovariance, GrowsWithFewerViewsAndIsOpenWithOne) {
+  const Map map = road_in_units(1.0);
   const auto seen_often = std::max_element(
-      map.landmarks.begin(), map.landmarks.end(),
+      landmarks_of(map).begin(), landmarks_of(map).end(),
       [](const Landmark& a, const Landmark& b) { return a.observations.size() < b.observations.size(); });
-  const auto covariance = place_covariance(map, *seen_often);
+  const auto covariance = landmark_covariance(map, *seen_often);
   ASSERT_TRUE(covariance);
   Landmark fewer = *seen_often;
   fewer.observations.resize(2);
-  const auto more = place_covariance(map, fewer);
+  const auto more = landmark_covariance(map, fewer);
   ASSERT_TRUE(more);
   EXPECT_GT(more->trace(), covariance->trace());
   fewer.observations.resize(1);
-  EXPECT_FALSE(place_covariance(map, fewer)) << "one camera leaves the distance open";
+  EXPECT_FALSE(landmark_covariance(map, fewer)) << "one camera leaves the distance open";
 }
 
 }  // namespace
