@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "rastro/map/rgbd_map_testing.h"
+#include "rastro/map/images/room_map_testing.h"
 #include "rastro/sensor/source.h"
 #include "rastro/slam/slam_method.h"
 #include "rastro/synthetic/worlds/loop.h"

@@ -16,7 +16,10 @@
 #include "place_testing.h"
 #include "rastro/base/error.h"
 #include "rastro/base/scratch_testing.h"
+#include "rastro/base/text_file.h"
+#include "rastro/map/features/feature_layer.h"
 #include "rastro/map/file/map_file.h"
+#include "rastro/map/images/image_layer.h"
 #include "rastro/methods/methods.h"
 #include "slam_testing.h"
 
@@ -35,8 +38,8 @@ class SlamContract : public testing::TestWithParam<std::string> {
     if (!sensor().empty()) method->options().set("sensor", sensor(), "the contract");
     return method;
   }
-  std::unique_ptr<Slam> make(const SourceInfo& info, const SlamMeans& means = {}) const {
-    return method()->make(info, means);
+  std::unique_ptr<Slam> make(const SourceInfo& info, const SlamContext& context = {}) const {
+    return method()->make(info, context);
   }
   std::unique_ptr<Slam> make() const { return make(place().info()); }
   const Place& place() const { return *place_; }
@@ -75,8 +78,8 @@ class SlamContract : public testing::TestWithParam<std::string> {
   static void run(Slam& slam, const std::vector<Frame>& frames) { updates_of(slam, frames); }
 
   /// Everything that a run gives, as text.
-  std::string text_of_run(const SlamMeans& means) const {
-    const auto slam = make(place().info(), means);
+  std::string text_of_run(const SlamContext& context) const {
+    const auto slam = make(place().info(), context);
     std::string text;
     for (const Frame& frame : place().frames(place().long_count())) text += text_of(slam->process(frame));
     for (const SlamEvent& event : slam->finish()) text += event.kind + ":" + event.detail + "\n";
@@ -267,7 +270,7 @@ TEST_P(SlamContract, KeepsNothingOutsideOfItself) {
 
 TEST_P(SlamContract, GivesSnapshotsThatNeverChange) {
   const auto slam = make();
-  std::vector<std::pair<std::shared_ptr<const Snapshot>, std::string>> kept;
+  std::vector<std::pair<std::shared_ptr<const Map>, std::string>> kept;
   for (const Frame& frame : place().frames()) {
     slam->process(frame);
     if (frame.index % 15 != 14) continue;
@@ -333,10 +336,10 @@ TEST_P(SlamContract, FindsItsWayInAMapMadeBefore) {
   const auto mapper = make();
   for (const Frame& frame : place().frames()) mapper->process(frame);
   mapper->finish();
-  const std::shared_ptr<const Snapshot> map = mapper->snapshot();
+  const std::shared_ptr<const Map> map = mapper->snapshot();
   const Trajectory mapped = mapper->trajectory();
   const std::string before = text_of(*mapper->snapshot());
-  const auto slam = make(place().info(), {.map = map->rgbd, .landmark_map = map->landmark_map});
+  const auto slam = make(place().info(), {.map = map});
   // In the middle of the swing, so that the first frame seen is not the map's first.
   constexpr int from = 20;
   for (int k = from; k < place().frame_count(); ++k) expect_sound(slam->process(place().frame(k)), place().frame(k));
@@ -354,23 +357,67 @@ TEST_P(SlamContract, FindsItsWayInAMapMadeBefore) {
               place().is_metric() ? 0.1 : 0.05 * way)
         << pose.stamp;
   }
-  if (map->rgbd) {
-    EXPECT_EQ(slam->snapshot()->rgbd->keyframes, map->rgbd->keyframes);
+  if (map->layer<ImageLayer>()) {
+    EXPECT_EQ(slam->snapshot()->layer<FeatureLayer>()->of, map->layer<FeatureLayer>()->of);
   }
   EXPECT_EQ(text_of(*mapper->snapshot()), before);
 }
 
-TEST_P(SlamContract, GivesAMapOfLandmarksThatAFileKeepsAsItIs) {
+TEST_P(SlamContract, GivesAMapThatAFileKeepsAsItIs) {
+  const auto slam = make();
+  run(*slam, place().frames());
+  const std::shared_ptr<const Map> map = slam->snapshot();
+  EXPECT_EQ(contradiction_in(*map), "");
+  EXPECT_EQ(map->method, method()->name());
+  EXPECT_FALSE(map->keyframes.empty());
+  ASSERT_FALSE(map->sessions.empty());
+  EXPECT_EQ(map->sessions.front().first_stamp, place().stamp(0));
+  EXPECT_EQ(map->sessions.front().last_stamp, place().stamp(place().frame_count() - 1));
+  EXPECT_EQ(scale_of(*map).metric, place().is_metric());
+  const auto once = scratch_path(GetParam() + ".rastro"), again = scratch_path(GetParam() + "_again.rastro");
+  save_map(*map, once);
+  const auto loaded = load_map(once);
+  save_map(*loaded, again);
+  EXPECT_TRUE(read_text_file(once.string()) == read_text_file(again.string())) << "not the same bytes";
+  EXPECT_TRUE(text_of_layers(*loaded) == text_of_layers(*map)) << "layers differ";
+  ASSERT_EQ(loaded->keyframes.size(), map->keyframes.size());
+  for (std::size_t k = 0; k < map->keyframes.size(); ++k) {
+    const SE3 apart = map->keyframes[k].world_from_camera.inverse() * loaded->keyframes[k].world_from_camera;
+    EXPECT_LT(apart.log().norm(), 1e-12) << k;
+    EXPECT_EQ(loaded->keyframes[k].id, map->keyframes[k].id);
+    EXPECT_EQ(loaded->keyframes[k].stamp, map->keyframes[k].stamp);
+  }
+  std::filesystem::remove(once);
+  std::filesystem::remove(again);
+}
+
+TEST_P(SlamContract, GivesAMapWhoseFramesAreItsTrajectory) {
+  const auto slam = make();
+  run(*slam, place().frames());
+  const Trajectory said = slam->trajectory(), kept = trajectory_of(*slam->snapshot());
+  ASSERT_EQ(kept.size(), said.size());
+  for (std::size_t k = 0; k < said.size(); ++k) {
+    ASSERT_EQ(kept[k].stamp, said[k].stamp);
+    EXPECT_LT((said[k].world_from_body.inverse() * kept[k].world_from_body).log().norm(), 1e-6) << k;
+  }
+}
+
+TEST_P(SlamContract, GivesLandmarksThatItsFeaturesShow) {
   const auto slam = make();
   for (const Frame& frame : place().frames()) slam->process(frame);
   slam->finish();
-  const auto map = slam->snapshot()->landmark_map;
-  if (!map) GTEST_SKIP() << "makes maps of another kind";
-  ASSERT_GT(map->landmarks.size(), 100U);
-  const auto file = scratch_path("landmarks.rastro");
-  save_map(*map, file);
-  EXPECT_EQ(text_of(*load_landmark_map(file)), text_of(*map));
-  std::filesystem::remove(file);
+  const auto map = slam->snapshot();
+  const auto known = map->layer<LandmarkLayer>();
+  if (!known || !map->layer<FeatureLayer>()) GTEST_SKIP() << "makes maps of another kind";
+  ASSERT_GT(known->landmarks.size(), 100U);
+  for (const Landmark& landmark : known->landmarks) {
+    EXPECT_FALSE(landmark.observations.empty()) << landmark.id;
+    for (const LandmarkObservation& seen : landmark.observations) {
+      const ImageFeatures* image = map->layer<FeatureLayer>()->find(seen.keyframe);
+      ASSERT_TRUE(image) << "landmark " << landmark.id << " keyframe " << seen.keyframe;
+      EXPECT_LT(seen.feature, image->features.size());
+    }
+  }
 }
 
 std::vector<std::string> method_names() {

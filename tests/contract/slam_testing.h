@@ -6,10 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <map>
 #include <string>
 
+#include "rastro/map/landmarks/landmark_layer.h"
+#include "rastro/map/layer_type.h"
+#include "rastro/map/scans/scan_layer.h"
 #include "rastro/slam/slam_method.h"
 
 namespace rastro {
@@ -36,48 +37,40 @@ inline std::string text_of(const SlamUpdate& update) {
   return text + text_of(update.world_from_body);
 }
 
-inline std::string text_of(const LandmarkMap& map) {
-  std::string text = fmt::format("{} {} {} ", static_cast<int>(map.sensor), map.baseline, map.scale.origin);
-  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-    const LandmarkKeyframe& keyframe = *map.keyframes[k];
-    text += fmt::format("{} {} {} {} {} {} ", keyframe.id, keyframe.frame, keyframe.stamp, keyframe.features.size(),
-                        map.poses[k].submap, map.poses[k].parent);
-    text += text_of(map.poses[k].world_from_camera);
-    for (const Keypoint& point : keyframe.features.keypoints) text += fmt::format("{} {} ", point.x, point.y);
+/// Headers and rows of all layers, as a file would have them.
+inline std::string text_of_layers(const Map& map) {
+  std::string text;
+  for (const auto& [name, layer] : map.layers.all()) {
+    const LayerType* type = layer_type(name);
+    text += "\n" + name + "\n";
+    if (!type) continue;
+    text += type->header(*layer);
+    for (const std::int64_t id : type->rows(map, *layer)) text += fmt::format("\n{} ", id) + type->row(*layer, id);
   }
-  for (const Landmark& landmark : map.landmarks) {
-    text += fmt::format("{} {} {} {} {} {}", landmark.id, landmark.position.x(), landmark.position.y(),
-                        landmark.position.z(), landmark.min_distance, landmark.max_distance);
-    for (const LandmarkObservation& seen : landmark.observations)
-      text += fmt::format(" {}:{}", seen.keyframe, seen.feature);
-    text += "\n";
-  }
-  return text + text_of(map.trajectory);
+  return text;
 }
 
-inline std::string text_of(const Snapshot& map) {
-  std::string text = fmt::format("{}\n", map.revision);
-  if (map.grid) {
-    text += fmt::format("{} {} {} {} {} ", map.grid->cell_m, map.grid->origin.x(), map.grid->origin.y(),
-                        map.grid->width, map.grid->height);
-    text.append(map.grid->percent.begin(), map.grid->percent.end());
-  }
-  for (const PlanarLandmark& landmark : map.landmarks) {
-    text += fmt::format("{} {} {} {} {} {} {} {}\n", landmark.id, landmark.sensor_id, landmark.position.x(),
-                        landmark.position.y(), landmark.covariance(0, 0), landmark.covariance(0, 1),
-                        landmark.covariance(1, 1), landmark.observations);
-  }
-  if (map.rgbd) {
-    for (const PoseEdge& edge : map.rgbd->edges)
-      text += fmt::format("{} {} {} ", static_cast<int>(edge.kind), edge.weight, edge.information.sum()) +
-              text_of(edge.from_from_to);
-    for (const auto& keyframe : map.rgbd->keyframes)
-      text += fmt::format("{} {} {}\n", keyframe->id, keyframe->frame, keyframe->features.size());
-    text += text_of(map.rgbd->trajectory);
-  }
-  if (map.landmark_map) text += text_of(*map.landmark_map);
-  for (const GraphEdge& edge : map.edges) text += fmt::format("{} {} {}\n", edge.from, edge.to, edge.loop);
-  return text + text_of(map.keyframes);
+inline std::string text_of(const Map& map) {
+  std::string text = fmt::format("{} {}\n", map.method, map.revision);
+  for (const MapCamera& camera : map.cameras)
+    text += fmt::format("{} {} {} ", name_of(camera.kind), camera.intrinsics.fx, camera.baseline) +
+            text_of(camera.body_from_camera);
+  for (const MapSession& session : map.sessions)
+    text +=
+        fmt::format("{} {} {} {} {} {} {} {}\n", session.robot, session.session, session.recording, session.first_stamp,
+                    session.last_stamp, session.scale.metric, session.scale.relative_sigma, session.scale.origin);
+  for (const Keyframe& keyframe : map.keyframes)
+    text += fmt::format("{} {} {} {} {} {} {} ", keyframe.id, keyframe.frame, keyframe.stamp, keyframe.camera,
+                        keyframe.submap, keyframe.parent, keyframe.weight) +
+            text_of(keyframe.world_from_camera);
+  for (const Constraint& constraint : map.constraints)
+    text += fmt::format("{} {} {} {} {} {} {} ", constraint.from, constraint.to, name_of(constraint.kind),
+                        constraint.weight, constraint.inliers, constraint.information.sum(),
+                        constraint.from_from_to.scale()) +
+            text_of(constraint.rigid());
+  for (const MapFrame& frame : map.frames)
+    text += fmt::format("{} {} ", frame.stamp, frame.keyframe) + text_of(frame.keyframe_from_camera);
+  return text + text_of_layers(map);
 }
 
 inline void expect_sound(const SE3& pose) {
@@ -116,39 +109,37 @@ inline void expect_sound(const Trajectory& trajectory) {
   }
 }
 
-inline void expect_sound(const LandmarkMap& map) {
-  ASSERT_EQ(map.poses.size(), map.keyframes.size());
-  std::map<std::int64_t, std::size_t> features;
-  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-    expect_sound(map.poses[k].world_from_camera);
-    if (k > 0) {
-      EXPECT_GT(map.keyframes[k]->id, map.keyframes[k - 1]->id);
-    }
-    features[map.keyframes[k]->id] = map.keyframes[k]->features.size();
-  }
-  for (const Landmark& landmark : map.landmarks) {
-    EXPECT_TRUE(landmark.position.allFinite());
-    for (const LandmarkObservation& seen : landmark.observations) {
-      ASSERT_TRUE(features.contains(seen.keyframe)) << "landmark " << landmark.id << " keyframe " << seen.keyframe;
-      EXPECT_LT(seen.feature, features[seen.keyframe]);
-    }
-  }
+inline void expect_sound(const Constraint& constraint) {
+  SCOPED_TRACE(fmt::format("{} from {} to {}", name_of(constraint.kind), constraint.from, constraint.to));
+  expect_sound(constraint.rigid());
+  EXPECT_GT(constraint.from_from_to.scale(), 0.0);
+  EXPECT_NE(constraint.from, constraint.to);
+  EXPECT_TRUE(constraint.information.allFinite());
+  EXPECT_GE(constraint.weight, 0.0);
+  EXPECT_LE(constraint.weight, 1.0);
+  EXPECT_GE(constraint.inliers, 0);
 }
 
-inline void expect_sound(const Snapshot& map) {
-  if (map.landmark_map) expect_sound(*map.landmark_map);
-  // In the order in which they were made, which edges count by: where stamps go back it is not that of time.
-  for (const StampedPose& keyframe : map.keyframes) expect_sound(keyframe.world_from_body);
-  for (const PlanarLandmark& landmark : map.landmarks) {
-    EXPECT_TRUE(landmark.position.allFinite());
-    expect_sound(Eigen::MatrixXd(landmark.covariance));
-    EXPECT_GT(landmark.observations, 0);
+inline void expect_sound(const OccupancyGrid& grid) {
+  const auto cells = static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height);
+  ASSERT_EQ(grid.percent.size(), cells);
+  for (const std::int8_t percent : grid.percent) ASSERT_TRUE(percent >= OccupancyGrid::unknown && percent <= 100);
+}
+
+inline void expect_sound(const Map& map) {
+  EXPECT_EQ(contradiction_in(map), "");
+  EXPECT_FALSE(map.method.empty());
+  // In the order of their ids, in which they were made: where stamps go back it is not that of time.
+  for (const Keyframe& keyframe : map.keyframes) expect_sound(keyframe.world_from_camera);
+  for (const Constraint& constraint : map.constraints) expect_sound(constraint);
+  for (const MapFrame& frame : map.frames) expect_sound(frame.keyframe_from_camera);
+  if (const auto known = map.layer<LandmarkLayer>()) {
+    for (const LandmarkEstimate& estimate : known->estimates) {
+      expect_sound(Eigen::MatrixXd(estimate.covariance));
+      EXPECT_GT(estimate.observations, 0);
+    }
   }
-  for (const GraphEdge& edge : map.edges) EXPECT_LT(std::max(edge.from, edge.to), map.keyframes.size());
-  if (!map.grid) return;
-  const auto cells = static_cast<std::size_t>(map.grid->width) * static_cast<std::size_t>(map.grid->height);
-  ASSERT_EQ(map.grid->percent.size(), cells);
-  for (const std::int8_t percent : map.grid->percent) ASSERT_TRUE(percent >= OccupancyGrid::unknown && percent <= 100);
+  if (const auto grid = occupancy_grid_of(map)) expect_sound(*grid);
 }
 
 }  // namespace rastro

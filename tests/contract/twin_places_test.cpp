@@ -36,15 +36,16 @@ std::unique_ptr<Slam> make_slam(const TwinCase& twin, const Place& place) {
 
 class TwinPlaces : public testing::TestWithParam<TwinCase> {};
 
-/// Loop edges of a camera's map between keyframes that never showed the same wall, as text. (A laser sees the other
-/// room through the door.)
-std::string false_edges(const Snapshot& map, const Place& place) {
+/// Loop closures and merges of a camera's map between keyframes that never showed the same wall, as text. (A laser sees
+/// the other room through the door.)
+std::string false_edges(const Map& map, const Place& place) {
   constexpr double sees_m = 2.5;
   std::string text;
-  for (const GraphEdge& edge : map.edges) {
-    const auto a = frame_of(place, map.keyframes.at(edge.from).stamp);
-    const auto b = frame_of(place, map.keyframes.at(edge.to).stamp);
-    if (!edge.loop || !a || !b || place.info().has_scan) continue;
+  for (const Constraint& constraint : map.constraints) {
+    const auto a = frame_of(place, map.find(constraint.from)->stamp);
+    const auto b = frame_of(place, map.find(constraint.to)->stamp);
+    const bool found_again = constraint.kind == ConstraintKind::loop || constraint.kind == ConstraintKind::merge;
+    if (!found_again || !a || !b || place.info().has_scan) continue;
     const double apart_m = (place.world_from_body(*a).translation() - place.world_from_body(*b).translation()).norm();
     if (apart_m > sees_m) text += fmt::format(" {}-{} ({:.1f} m)", *a, *b, apart_m);
   }

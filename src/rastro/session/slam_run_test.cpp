@@ -11,7 +11,8 @@
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
 #include "rastro/map/file/map_file.h"
-#include "rastro/map/rgbd_map_testing.h"
+#include "rastro/map/images/room_map_testing.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/session/fakes_testing.h"
 #include "rastro/session/slam_stats.h"
 #include "rastro/session/trajectory_text.h"
@@ -51,17 +52,25 @@ class FakeSlam : public Slam {
     return {{"loop_closed", "at last"}};
   }
   Trajectory trajectory() const override { return trajectory_; }
-  std::shared_ptr<const Snapshot> snapshot() const override {
-    auto map = std::make_shared<Snapshot>();
-    map->landmarks.resize(3);
-    map->keyframes = {{0, {}}, {1, {}}};
-    map->rgbd = rgbd;
+  std::shared_ptr<const Map> snapshot() const override {
+    if (given) return given;
+    auto map = std::make_shared<Map>();
+    map->method = "fake";
+    map->sessions.push_back({0, 0, "", 0, 0, {true, 0.0, "wheels"}});
+    map->keyframes.resize(2);
+    map->keyframes[1].id = 1;
+    map->keyframes[1].parent = 0;
+    auto known = std::make_shared<LandmarkLayer>();
+    known->landmarks.resize(3);
+    known->estimates.resize(3);
+    for (std::size_t k = 0; k < 3; ++k) known->landmarks[k].id = static_cast<std::int64_t>(k);
+    map->layers.put<LandmarkLayer>(std::move(known));
     return map;
   }
 
   std::int64_t fault_at = -1;
   int finished = 0, masked = 0;
-  std::shared_ptr<const RgbdMap> rgbd;
+  std::shared_ptr<const Map> given;  ///< Its map; null: one of its own.
 
  private:
   Trajectory trajectory_;
@@ -197,12 +206,12 @@ TEST(SlamRun, EndsBeforeItTakesMoreMemoryThanAllowedAndKeepsWhatItHas) {
 }
 
 TEST(SlamRun, LeavesTheFinalMapInTheMapFile) {
-  auto map = std::make_shared<RgbdMap>(make_test_map(3));
-  map->poses[2].submap = 1;
+  auto map = std::make_shared<Map>(make_test_map(3));
+  map->keyframes[2].submap = 1;
   const auto file = scratch_path("slam_run.rastro");
   FakeSource source(4);
   FakeSlam method;
-  method.rgbd = map;
+  method.given = map;
   GrowingMapFile map_file(file);
   SlamRun run = wired(source, method);
   run.map_file = &map_file;
@@ -211,7 +220,28 @@ TEST(SlamRun, LeavesTheFinalMapInTheMapFile) {
   EXPECT_EQ(end.result.keyframes, 3);
   EXPECT_EQ(end.result.submaps, 2);
   EXPECT_TRUE(check_map_file(file).finished);
-  EXPECT_EQ(load_map(file)->poses[2].submap, 1);
+  EXPECT_EQ(load_map(file)->keyframes[2].submap, 1);
+}
+
+/// Of landmarks alone, without a camera: it need not be a kind of map that is known here.
+TEST(SlamRun, AnyMapIsLeftInTheMapFile) {
+  const auto file = scratch_path("slam_run_any.rastro");
+  FakeSource source(4);
+  FakeSlam method;
+  GrowingMapFile map_file(file);
+  SlamRun run = wired(source, method);
+  run.map_file = &map_file;
+  const SlamRunEnd end = slam_run(run);
+  EXPECT_FALSE(end.failure);
+  ASSERT_TRUE(end.map);
+  EXPECT_EQ(contradiction_in(*end.map), "");
+  EXPECT_TRUE(check_map_file(file).finished);
+  const auto kept = load_map(file);
+  EXPECT_EQ(kept->method, "fake");
+  EXPECT_EQ(kept->keyframes.size(), 2U);
+  ASSERT_TRUE(kept->layer<LandmarkLayer>());
+  EXPECT_EQ(kept->layer<LandmarkLayer>()->landmarks.size(), 3U);
+  EXPECT_EQ(scale_of(*kept).origin, "wheels");
 }
 
 TEST(SlamResult, SaysEverythingAsJson) {

@@ -9,6 +9,8 @@
 #include <limits>
 #include <string>
 
+#include "rastro/map/landmarks/landmark_layer.h"
+#include "rastro/map/scans/scan_layer.h"
 #include "rastro/slam/ekf/ekf_testing.h"
 
 namespace rastro {
@@ -120,31 +122,34 @@ TEST(EkfSlam, BeginsAtTheOriginAndTracks) {
   EXPECT_EQ(drive.slam.trajectory().size(), 10U);
 }
 
+LandmarkLayer landmarks_of(const Map& map) { return *map.layer<LandmarkLayer>(); }
+
 TEST(EkfSlam, ALandmarkIsKnownAfterAsManyObservationsWithItsName) {
   Drive drive;
   EXPECT_TRUE(drive.go(4).events.empty());
-  EXPECT_TRUE(drive.slam.snapshot()->landmarks.empty());
+  EXPECT_TRUE(landmarks_of(*drive.slam.snapshot()).landmarks.empty());
   const SlamUpdate fifth = drive.go(1);
   ASSERT_EQ(fifth.events.size(), 1U);
   EXPECT_EQ(fifth.events[0].kind, "landmark");
   drive.go(3);
-  const auto snapshot = drive.slam.snapshot();
-  ASSERT_EQ(snapshot->landmarks.size(), 1U);
-  EXPECT_EQ(snapshot->landmarks[0].sensor_id, 3);
-  EXPECT_EQ(snapshot->landmarks[0].observations, 8);
-  EXPECT_LT((snapshot->landmarks[0].position - Eigen::Vector2d(5.0, 1.0)).norm(), 1e-6);
+  const LandmarkLayer known = landmarks_of(*drive.slam.snapshot());
+  ASSERT_EQ(known.landmarks.size(), 1U);
+  ASSERT_EQ(known.estimates.size(), 1U);
+  EXPECT_EQ(known.estimates[0].sensor_id, 3);
+  EXPECT_EQ(known.estimates[0].observations, 8);
+  EXPECT_LT((known.landmarks[0].position - Eigen::Vector3d(5.0, 1.0, 0.0)).norm(), 1e-6);
 }
 
 TEST(EkfSlam, ASnapshotDoesNotChangeUnderItsReader) {
   Drive drive;
   drive.go(8);
   const auto snapshot = drive.slam.snapshot();
-  const PlanarLandmark before = snapshot->landmarks[0];
+  const LandmarkEstimate before = landmarks_of(*snapshot).estimates.at(0);
   drive.go(8);
-  EXPECT_EQ(snapshot->landmarks[0].observations, before.observations);
-  EXPECT_EQ(snapshot->landmarks[0].covariance, before.covariance);
+  EXPECT_EQ(landmarks_of(*snapshot).estimates.at(0).observations, before.observations);
+  EXPECT_EQ(landmarks_of(*snapshot).estimates.at(0).covariance, before.covariance);
   EXPECT_GT(drive.slam.snapshot()->revision, snapshot->revision);
-  EXPECT_LT(drive.slam.snapshot()->landmarks[0].covariance.trace(), before.covariance.trace());
+  EXPECT_LT(landmarks_of(*drive.slam.snapshot()).estimates.at(0).covariance.trace(), before.covariance.trace());
 }
 
 TEST(EkfSlam, ARepeatedOrBackwardStampIsNotUsed) {
@@ -278,8 +283,8 @@ TEST(EkfSlam, FindsItsWayByTheCornersAndPolesOfARoom) {
     EXPECT_LT(farthest.filter, 0.05);
     EXPECT_GT(farthest.odometry, 0.3);
     // 8 corners of the room and 2 poles; those of the pillars have too few beams to be seen often.
-    EXPECT_GE(slam.snapshot()->landmarks.size(), 8U);
-    EXPECT_LE(slam.snapshot()->landmarks.size(), 12U);
+    EXPECT_GE(landmarks_of(*slam.snapshot()).landmarks.size(), 8U);
+    EXPECT_LE(landmarks_of(*slam.snapshot()).landmarks.size(), 12U);
   }
 }
 
@@ -290,7 +295,7 @@ TEST(EkfSlam, UnnamedLandmarksDoAsWell) {
   const Farthest farthest = farthest_of(world, 260, 1, false, slam);
   EXPECT_LT(farthest.filter, 0.25);
   EXPECT_GT(farthest.odometry, 0.5);
-  EXPECT_LE(slam.snapshot()->landmarks.size(), 22U);
+  EXPECT_LE(landmarks_of(*slam.snapshot()).landmarks.size(), 22U);
 }
 
 std::string bytes_of(const Trajectory& trajectory) {
@@ -307,7 +312,7 @@ TEST(EkfSlam, GivesTheSameBytesAgain) {
   farthest_of(room_world(), 100, 1, true, one);
   farthest_of(room_world(), 100, 1, true, other);
   EXPECT_EQ(bytes_of(one.trajectory()), bytes_of(other.trajectory()));
-  EXPECT_EQ(one.snapshot()->grid->percent, other.snapshot()->grid->percent);
+  EXPECT_EQ(occupancy_grid_of(*one.snapshot()).value().percent, occupancy_grid_of(*other.snapshot()).value().percent);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "rastro/base/error.h"
+#include "rastro/map/landmarks/landmark_layer.h"
 
 namespace rastro {
 namespace {
@@ -40,7 +41,7 @@ TEST(EkfMethod, MakesWhatItsOptionsSay) {
   frame.odometry_from_body = SE2();
   frame.landmarks = {{1, 3.0, 0.0}, {2, 3.0, 1.0}};
   slam->process(frame);
-  EXPECT_EQ(slam->snapshot()->landmarks.size(), 1U);
+  EXPECT_EQ(slam->snapshot()->layer<LandmarkLayer>()->landmarks.size(), 1U);
 }
 
 }  // namespace

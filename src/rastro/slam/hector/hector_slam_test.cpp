@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "rastro/map/scans/scan_layer.h"
 #include "rastro/slam/hector/hector_testing.h"
 
 namespace rastro {
@@ -37,6 +38,8 @@ Driven run(const std::vector<Frame>& frames, const HectorOptions& options, TaskP
   result.snapshot = slam.snapshot();
   return result;
 }
+
+OccupancyGrid grid_of(const Driven& done) { return occupancy_grid_of(*done.snapshot).value(); }
 
 Eigen::Vector2d off(const WalledDrive& drive, std::size_t k, const SE3& pose) {
   const SE2 error = drive.truth(k).inverse() * planar(pose);
@@ -76,7 +79,7 @@ TEST(HectorSlam, FollowsADriveThroughARoomWithEveryGuess) {
 
 TEST(HectorSlam, ItsMapHasTheWallsWhereTheyAre) {
   const WalledDrive drive = room_drive();
-  const OccupancyGrid grid = *run(drive.frames(), HectorOptions()).snapshot->grid;
+  const OccupancyGrid grid = grid_of(run(drive.frames(), HectorOptions()));
   const SE2 walls_from_world = drive.world_from_body.front();
   int occupied = 0;
   for (int y = 0; y < grid.height; ++y) {
@@ -95,10 +98,10 @@ TEST(HectorSlam, ItsMapHasTheWallsWhereTheyAre) {
 }
 
 /// Loops between what was driven at the end and at the beginning.
-int loops_around(const Snapshot& snapshot) {
-  return static_cast<int>(std::count_if(snapshot.edges.begin(), snapshot.edges.end(), [&](const GraphEdge& edge) {
-    const TimeNs between = snapshot.keyframes[edge.to].stamp - snapshot.keyframes[edge.from].stamp;
-    return edge.loop && std::abs(between) > 15 * ns_per_second;
+int loops_around(const Map& map) {
+  return static_cast<int>(std::count_if(map.constraints.begin(), map.constraints.end(), [&](const Constraint& each) {
+    const TimeNs between = map.find(each.to)->stamp - map.find(each.from)->stamp;
+    return each.kind == ConstraintKind::loop && std::abs(between) > 15 * ns_per_second;
   }));
 }
 
@@ -217,7 +220,8 @@ TEST(HectorSlam, WithoutAnyScanThereIsNoMapAndNoPose) {
   const Driven done = run(frames, HectorOptions());
   for (const SlamUpdate& update : done.updates) EXPECT_EQ(update.state, SlamState::initialising);
   EXPECT_TRUE(done.trajectory.empty());
-  EXPECT_EQ(done.snapshot->grid->width, 0);
+  EXPECT_EQ(grid_of(done).width, 0);
+  EXPECT_TRUE(done.snapshot->keyframes.empty());
   EXPECT_TRUE(run({}, HectorOptions()).trajectory.empty());
 }
 
@@ -248,8 +252,8 @@ TEST(HectorSlam, GivesTheSameBytesForAnyNumberOfThreads) {
     const Eigen::Matrix4d b = together.trajectory[k].world_from_body.matrix();
     EXPECT_EQ(std::memcmp(a.data(), b.data(), sizeof(double) * 16), 0) << k;
   }
-  EXPECT_EQ(alone.snapshot->grid->percent, together.snapshot->grid->percent);
-  EXPECT_EQ(alone.snapshot->edges.size(), together.snapshot->edges.size());
+  EXPECT_EQ(grid_of(alone).percent, grid_of(together).percent);
+  EXPECT_EQ(alone.snapshot->constraints.size(), together.snapshot->constraints.size());
   EXPECT_GT(loops_around(*alone.snapshot), 0) << "there must be work for the threads";
 }
 
@@ -258,11 +262,11 @@ TEST(HectorSlam, ASnapshotNeverChanges) {
   HectorSlam slam(HectorOptions(), nullptr);
   for (std::size_t k = 0; k < 10; ++k) slam.process(frames[k]);
   const auto early = slam.snapshot();
-  const auto percent = early->grid->percent;
+  const auto percent = occupancy_grid_of(*early).value().percent;
   const std::size_t keyframes = early->keyframes.size();
   for (std::size_t k = 10; k < frames.size(); ++k) slam.process(frames[k]);
   slam.finish();
-  EXPECT_EQ(early->grid->percent, percent);
+  EXPECT_EQ(occupancy_grid_of(*early).value().percent, percent);
   EXPECT_EQ(early->keyframes.size(), keyframes);
   EXPECT_GT(slam.snapshot()->keyframes.size(), keyframes);
   EXPECT_GT(slam.snapshot()->revision, early->revision);

@@ -80,11 +80,11 @@ RgbdSlamOptions few_features(int count) {
 TEST(KeyframeFeatures, EachHasADepthThatIsTrueOrNone) {
   const Frame frame = room_frame(looking({-1.2, 0.1, 1.2}, 0.1), 42);
   const RgbdSlamOptions options;
-  const RgbdKeyframe keyframe = KeyframeFeatures(options).extract(frame);
+  const ImageFeatures keyframe = KeyframeFeatures(options).extract(frame);
   EXPECT_EQ(keyframe.frame, 42);
   EXPECT_EQ(keyframe.stamp, frame.stamp);
   ASSERT_EQ(keyframe.depths.size(), keyframe.features.size());
-  ASSERT_EQ(keyframe.features.bits.size(), keyframe.features.size());
+  ASSERT_EQ(keyframe.features.descriptors.size(), keyframe.features.size());
   EXPECT_GT(keyframe.features.size(), 300U);
   EXPECT_LE(keyframe.features.size(), static_cast<std::size_t>(options.keyframe_features));
   int known = 0;
@@ -103,7 +103,7 @@ TEST(KeyframeFeatures, DepthsBeyondTheRangeAreNone) {
   options.follow.min_depth_m = 1.5;
   options.follow.max_depth_m = 2.5;
   const Frame frame = room_frame(looking({-1.2, 0.1, 1.2}, 0.1));
-  const RgbdKeyframe limited = KeyframeFeatures(options).extract(frame), all = KeyframeFeatures({}).extract(frame);
+  const ImageFeatures limited = KeyframeFeatures(options).extract(frame), all = KeyframeFeatures({}).extract(frame);
   ASSERT_EQ(limited.depths.size(), all.depths.size());
   int within = 0;
   for (std::size_t i = 0; i < all.depths.size(); ++i) {
@@ -115,7 +115,7 @@ TEST(KeyframeFeatures, DepthsBeyondTheRangeAreNone) {
   EXPECT_LT(within, static_cast<int>(all.depths.size()) - 10);
 }
 
-std::array<int, 48> count_by_cell(const RgbdKeyframe& keyframe) {
+std::array<int, 48> count_by_cell(const ImageFeatures& keyframe) {
   std::array<int, 48> cells{};
   for (const Keypoint& point : keyframe.features.keypoints)
     ++cells[static_cast<std::size_t>(static_cast<int>(point.y) / 40 * 8 + static_cast<int>(point.x) / 40)];
@@ -127,11 +127,11 @@ TEST(KeyframeFeatures, AreSpreadOverThePicture) {
   Frame frame = unknown_frame(3);
   for (int y = 0; y < 240; ++y)
     for (int x = 160; x < 320; ++x) frame.image.at(x, y) = static_cast<std::uint8_t>(60 + frame.image.at(x, y) / 2);
-  const RgbdKeyframe keyframe = KeyframeFeatures(few_features(300)).extract(frame);
+  const ImageFeatures keyframe = KeyframeFeatures(few_features(300)).extract(frame);
   ASSERT_EQ(keyframe.features.size(), 300U);
   DescriptorExtractorOptions plain;
   plain.max_keypoints = 600;
-  RgbdKeyframe all, strongest;
+  ImageFeatures all, strongest;
   all.features = DescriptorExtractor::create(DescriptorKind::orb, plain)->extract(frame.image);
   strongest.features.keypoints.assign(all.features.keypoints.begin(), all.features.keypoints.begin() + 300);
   const auto cells = count_by_cell(keyframe), found = count_by_cell(all), without = count_by_cell(strongest);
@@ -147,7 +147,7 @@ TEST(KeyframeFeatures, AreSpreadOverThePicture) {
 }
 
 TEST(KeyframeFeatures, AreStrongestFirst) {
-  const RgbdKeyframe keyframe = KeyframeFeatures(few_features(150)).extract(unknown_frame(5));
+  const ImageFeatures keyframe = KeyframeFeatures(few_features(150)).extract(unknown_frame(5));
   const auto& points = keyframe.features.keypoints;
   EXPECT_TRUE(std::is_sorted(points.begin(), points.end(),
                              [](const Keypoint& a, const Keypoint& b) { return a.response > b.response; }));
@@ -158,7 +158,7 @@ TEST(KeyframeFeatures, NoneWhereTheMaskIsZero) {
   frame.mask = GreyImage(320, 240);
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) frame.mask.at(x, y) = x < 200 ? 255 : 0;
-  const RgbdKeyframe keyframe = KeyframeFeatures({}).extract(frame);
+  const ImageFeatures keyframe = KeyframeFeatures({}).extract(frame);
   EXPECT_GT(keyframe.features.size(), 100U);
   for (const Keypoint& point : keyframe.features.keypoints) EXPECT_LT(std::lround(point.x), 200);
 }
@@ -168,11 +168,10 @@ TEST(KeyframeFeatures, DescriptorsStayWithTheirKeypoints) {
   for (const char* kind : {"orb", "sift"}) {
     RgbdSlamOptions options = few_features(120);
     options.descriptor = kind;
-    const RgbdKeyframe keyframe = KeyframeFeatures(options).extract(frame);
+    const ImageFeatures keyframe = KeyframeFeatures(options).extract(frame);
     DescriptorExtractorOptions plain;
     plain.max_keypoints = 2 * options.keyframe_features;
-    const DescribedKeypoints all =
-        DescriptorExtractor::create(descriptor_kind(kind, "test"), plain)->extract(frame.image);
+    const Features all = DescriptorExtractor::create(descriptor_kind(kind, "test"), plain)->extract(frame.image);
     const auto length = static_cast<std::size_t>(all.length);
     EXPECT_EQ(keyframe.features.length, all.length);
     ASSERT_EQ(keyframe.features.floats.size(), length * keyframe.features.size());
@@ -184,7 +183,7 @@ TEST(KeyframeFeatures, DescriptorsStayWithTheirKeypoints) {
         ++next;
       ASSERT_LT(next, all.size());
       if (length == 0) {
-        EXPECT_EQ(keyframe.features.bits[i], all.bits[next]);
+        EXPECT_EQ(keyframe.features.descriptors[i], all.descriptors[next]);
       }
       for (std::size_t k = 0; k < length; ++k)
         ASSERT_EQ(keyframe.features.floats[i * length + k], all.floats[next * length + k]);
@@ -195,7 +194,7 @@ TEST(KeyframeFeatures, DescriptorsStayWithTheirKeypoints) {
 TEST(KeyframeFeatures, APictureOfOneShadeHasNone) {
   Frame frame = unknown_frame(1);
   for (int y = 0; y < 240; ++y) std::fill_n(frame.image.row(y), 320, std::uint8_t{90});
-  const RgbdKeyframe keyframe = KeyframeFeatures({}).extract(frame);
+  const ImageFeatures keyframe = KeyframeFeatures({}).extract(frame);
   EXPECT_EQ(keyframe.features.size(), 0U);
   EXPECT_TRUE(keyframe.depths.empty());
 }

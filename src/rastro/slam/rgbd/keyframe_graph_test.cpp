@@ -123,7 +123,7 @@ TEST(KeyframeGraphCandidates, OfTheGraphsNeighborhoodThreeEdgesAway) {
   Random random(1);
   EXPECT_EQ(chain(20, options).candidates(19, random), (Ids{16, 17, 18}));
   KeyframeGraph closed = chain(20, options);
-  closed.add_edge(edge_of(19, 5, SE3(), PoseEdgeKind::loop));
+  closed.add_edge(edge_of(19, 5, SE3(), ConstraintKind::loop));
   EXPECT_EQ(closed.candidates(19, random), (Ids{3, 4, 5, 6, 7, 16, 17, 18}));
   options.graph_candidates = 2;
   KeyframeGraph few = chain(20, options);
@@ -186,7 +186,7 @@ TEST(KeyframeGraph, StepsBetweenKeyframesAreThoseOfAllShortestPaths) {
   constexpr int far = 1000;
   std::vector<std::vector<int>> steps(40, std::vector<int>(40, far));
   for (std::size_t k = 0; k < 40; ++k) steps[k][k] = 0;
-  for (const PoseEdge& edge : graph.edges()) {
+  for (const Constraint& edge : graph.edges()) {
     const auto from = static_cast<std::size_t>(edge.from), to = static_cast<std::size_t>(edge.to);
     steps[from][to] = steps[to][from] = 1;
   }
@@ -213,7 +213,8 @@ TEST(KeyframeGraph, JoiningBringsTheLargerNumberIntoTheFrameOfTheSmaller) {
     }
     const SE3 tied = SE3::exp(random_vector<Vector6d>(random, 0.5));
     // From submap 1 to 3 by keyframes 2 and 5, or the other way.
-    const PoseEdge edge = forward ? edge_of(2, 5, tied, PoseEdgeKind::join) : edge_of(5, 2, tied, PoseEdgeKind::join);
+    const Constraint edge =
+        forward ? edge_of(2, 5, tied, ConstraintKind::merge) : edge_of(5, 2, tied, ConstraintKind::merge);
     graph.join(edge);
     const std::size_t from = forward ? 2 : 5, to = forward ? 5 : 2;
     EXPECT_THAT(graph.pose(static_cast<std::int64_t>(from)).inverse() * graph.pose(static_cast<std::int64_t>(to)),
@@ -228,7 +229,7 @@ TEST(KeyframeGraph, JoiningBringsTheLargerNumberIntoTheFrameOfTheSmaller) {
       if (k >= 4 && k < 7) continue;
       EXPECT_THAT(graph.pose(k), pose_near(before[place], 0.0, 1e-12)) << "stays";
     }
-    graph.join(edge_of(0, 6, SE3(), PoseEdgeKind::join));
+    graph.join(edge_of(0, 6, SE3(), ConstraintKind::merge));
     EXPECT_THAT(graph.pose(static_cast<std::int64_t>(from)).inverse() * graph.pose(static_cast<std::int64_t>(to)),
                 pose_near(tied, 1e-9, 1e-9))
         << "of one submap already: nothing to do";
@@ -251,12 +252,12 @@ struct Walk {
       const SE3 measured = step * SE3::exp(drift);
       if (k > 0) estimate = estimate * measured;
       add_keyframe(graph, k < frozen ? truth.back() : estimate);
-      if (k > 0) graph.add_edge(edge_of(k - 1, k, measured, PoseEdgeKind::way, 0.015, 0.015));
+      if (k > 0) graph.add_edge(edge_of(k - 1, k, measured, ConstraintKind::odometry, 0.015, 0.015));
     }
   }
   void close(std::int64_t from, std::int64_t to, const SE3& wrong_by = SE3()) {
     const SE3 right = truth[static_cast<std::size_t>(from)].inverse() * truth[static_cast<std::size_t>(to)];
-    graph.add_edge(edge_of(from, to, right * wrong_by, PoseEdgeKind::loop, 0.01, 0.01));
+    graph.add_edge(edge_of(from, to, right * wrong_by, ConstraintKind::loop, 0.01, 0.01));
   }
   double worst_m() const {
     double worst = 0.0;
@@ -341,7 +342,7 @@ TEST(KeyframeGraph, TheFirstKeyframeOfEachSubmapStays) {
 TEST(KeyframeGraph, TheCovarianceOfAChainIsThatOfManyDraws) {
   Random random(23);
   KeyframeGraph graph({}, 0);
-  std::vector<PoseEdge> edges;
+  std::vector<Constraint> edges;
   SE3 pose = SE3::exp(random_vector<Vector6d>(random, 0.7));
   add_keyframe(graph, pose);
   for (int k = 1; k < 5; ++k) {
@@ -349,8 +350,8 @@ TEST(KeyframeGraph, TheCovarianceOfAChainIsThatOfManyDraws) {
     pose = pose * step;
     add_keyframe(graph, pose);
     // Some are tied from the new one to the old.
-    edges.push_back(k % 2 == 1 ? edge_of(k - 1, k, step, PoseEdgeKind::way, 0.01, 0.004)
-                               : edge_of(k, k - 1, step.inverse(), PoseEdgeKind::way, 0.003, 0.01));
+    edges.push_back(k % 2 == 1 ? edge_of(k - 1, k, step, ConstraintKind::odometry, 0.01, 0.004)
+                               : edge_of(k, k - 1, step.inverse(), ConstraintKind::odometry, 0.003, 0.01));
     graph.add_edge(edges.back());
     graph.settle_covariance(k);
   }
@@ -358,10 +359,10 @@ TEST(KeyframeGraph, TheCovarianceOfAChainIsThatOfManyDraws) {
   constexpr int draws = 4000;
   for (int draw = 0; draw < draws; ++draw) {
     SE3 end = graph.pose(0);
-    for (const PoseEdge& edge : edges) {
+    for (const Constraint& edge : edges) {
       Vector6d error;
       for (int i = 0; i < 6; ++i) error[i] = random.normal() / std::sqrt(edge.information(i, i));
-      const SE3 sample = edge.from_from_to * SE3::exp(error);
+      const SE3 sample = edge.rigid() * SE3::exp(error);
       end = end * (edge.from < edge.to ? sample : sample.inverse());
     }
     const Vector6d apart = (graph.pose(4).inverse() * end).log();
@@ -374,15 +375,15 @@ TEST(KeyframeGraph, TheCovarianceOfAChainIsThatOfManyDraws) {
 TEST(KeyframeGraph, TheSurestNeighborOfTheSameSubmapCounts) {
   KeyframeGraph graph({}, 0);
   for (int k = 0; k < 4; ++k) add_keyframe(graph, SE3(), k == 2 ? 1 : 0);
-  graph.add_edge(edge_of(0, 1, SE3(), PoseEdgeKind::way, 0.1, 0.1));
+  graph.add_edge(edge_of(0, 1, SE3(), ConstraintKind::odometry, 0.1, 0.1));
   graph.settle_covariance(1);
   EXPECT_THAT(graph.covariance(1), matrix_near(Matrix6d(0.01 * Matrix6d::Identity()), 1e-12));
-  graph.add_edge(edge_of(1, 3, SE3(), PoseEdgeKind::way, 0.1, 0.1));
-  graph.add_edge(edge_of(2, 3, SE3(), PoseEdgeKind::join, 0.001, 0.001));
+  graph.add_edge(edge_of(1, 3, SE3(), ConstraintKind::odometry, 0.1, 0.1));
+  graph.add_edge(edge_of(2, 3, SE3(), ConstraintKind::merge, 0.001, 0.001));
   graph.settle_covariance(3);
   EXPECT_THAT(graph.covariance(3), matrix_near(Matrix6d(0.02 * Matrix6d::Identity()), 1e-12))
       << "another submap says nothing of this one's first";
-  graph.add_edge(edge_of(0, 3, SE3(), PoseEdgeKind::loop, 0.05, 0.05));
+  graph.add_edge(edge_of(0, 3, SE3(), ConstraintKind::loop, 0.05, 0.05));
   graph.settle_covariance(3);
   EXPECT_THAT(graph.covariance(3), matrix_near(Matrix6d(0.0025 * Matrix6d::Identity()), 1e-12));
   graph.settle_covariance(0);

@@ -22,7 +22,7 @@ using testing::with_depth_noise;
 /// A view of the room, its keyframe and its surface.
 struct View {
   SE3 world_from_camera;
-  std::shared_ptr<const RgbdKeyframe> keyframe;
+  std::shared_ptr<const ImageFeatures> keyframe;
   std::shared_ptr<const KeyframeSurface> surface;
 };
 
@@ -118,9 +118,9 @@ TEST_F(KeyframeMatcherTest, TooSmallAShareOfInliersIsRefused) {
 
 /// Of b's features all but a few are taken away.
 View thinned(const View& view, std::size_t keep) {
-  auto fewer = std::make_shared<RgbdKeyframe>(*view.keyframe);
+  auto fewer = std::make_shared<ImageFeatures>(*view.keyframe);
   fewer->features.keypoints.resize(keep);
-  fewer->features.bits.resize(keep);
+  fewer->features.descriptors.resize(keep);
   fewer->depths.resize(keep);
   return {view.world_from_camera, fewer, view.surface};
 }
@@ -184,7 +184,7 @@ TEST_F(KeyframeMatcherTest, FeaturesWithoutDepthInBothAreNoMatches) {
   const View a = view(pose_a_, 1), b = view(pose_b_, 2);
   const KeyframeMatcher matcher(options_, test_room::camera());
   const auto without = [](const View& view) {
-    auto keyframe = std::make_shared<RgbdKeyframe>(*view.keyframe);
+    auto keyframe = std::make_shared<ImageFeatures>(*view.keyframe);
     std::fill(keyframe->depths.begin(), keyframe->depths.end(), 0.0F);
     return keyframe;
   };

@@ -21,27 +21,21 @@ using testing::unknown_frame;
 /// An archive that writes down what it is told.
 class RecordingArchive : public MapArchive {
  public:
-  void begin(const RgbdMap&) override {}
-  void add_keyframe(const RgbdKeyframe& keyframe, const KeyframePose&, PackedPictures pictures) override {
-    keyframes.push_back(keyframe.id);
-    kept->add(keyframe.id, std::move(pictures));
+  bool wants_map() const override { return true; }
+  void keep(std::shared_ptr<const Map> map) override { maps.push_back(std::move(map)); }
+  void add_images(KeyframeId keyframe, PackedPictures images) override {
+    keyframes.push_back(keyframe);
+    kept->add(keyframe, std::move(images));
   }
-  void add_edge(const PoseEdge& edge) override { edges.push_back(edge); }
-  void set_poses(const std::vector<KeyframePose>& new_poses) override { poses = new_poses; }
-  void add_pose(const StampedPose& pose) override { trajectory.push_back(pose); }
-  std::shared_ptr<const PictureStore> pictures() const override { return kept; }
-  void keep(std::shared_ptr<const LandmarkMap>) override {}
-  bool wants_map() const override { return false; }
+  std::shared_ptr<const PictureStore> images() const override { return kept; }
 
-  std::vector<std::int64_t> keyframes;
-  std::vector<PoseEdge> edges;
-  std::vector<KeyframePose> poses;
-  Trajectory trajectory;
+  std::vector<KeyframeId> keyframes;
+  std::vector<std::shared_ptr<const Map>> maps;
   std::shared_ptr<MemoryPictures> kept = std::make_shared<MemoryPictures>();
 };
 
 KeyframeOrder order_of(std::int64_t id, const SE3& world_from_camera, const SE3& shown_from,
-                       std::vector<PoseEdge> ties = {}, int submap = 0) {
+                       std::vector<Constraint> ties = {}, int submap = 0) {
   return {id, room_frame(shown_from, 10 * id), world_from_camera, submap, std::move(ties)};
 }
 
@@ -50,9 +44,9 @@ bool has_event(const MapRevision& revision, const std::string& kind) {
                      [&](const SlamEvent& event) { return event.kind == kind; });
 }
 
-int edges_of_kind(const MapRevision& revision, PoseEdgeKind kind) {
+int edges_of_kind(const MapRevision& revision, ConstraintKind kind) {
   return static_cast<int>(std::count_if(revision.new_edges.begin(), revision.new_edges.end(),
-                                        [&](const PoseEdge& edge) { return edge.kind == kind; }));
+                                        [&](const Constraint& edge) { return edge.kind == kind; }));
 }
 
 /// In front of the wall at x = 2, looking at it and the floor, `step` decimetres to the side.
@@ -81,10 +75,11 @@ TEST(Mapper, MatchesPutRightWhatOdometryHasWrong) {
   for (int k = 1; k < 4; ++k) {
     const SE3 measured = beside(k - 1).inverse() * beside(k) * SE3(SO3::exp({0.0, 0.02, 0.0}), {0.06, 0.0, 0.05});
     tracked = tracked * measured;
-    revision = mapper.add(order_of(k, tracked, beside(k), {edge_of(k - 1, k, measured, PoseEdgeKind::way, 0.1, 0.05)}));
-    EXPECT_EQ(edges_of_kind(revision, PoseEdgeKind::way), 1);
-    EXPECT_GE(edges_of_kind(revision, PoseEdgeKind::near), 1) << k;
-    EXPECT_EQ(edges_of_kind(revision, PoseEdgeKind::loop), 0);
+    revision =
+        mapper.add(order_of(k, tracked, beside(k), {edge_of(k - 1, k, measured, ConstraintKind::odometry, 0.1, 0.05)}));
+    EXPECT_EQ(edges_of_kind(revision, ConstraintKind::odometry), 1);
+    EXPECT_GE(edges_of_kind(revision, ConstraintKind::proximity), 1) << k;
+    EXPECT_EQ(edges_of_kind(revision, ConstraintKind::loop), 0);
   }
   EXPECT_GT((tracked.translation() - beside(3).translation()).norm(), 0.15);
   for (int k = 0; k < 4; ++k)
@@ -110,14 +105,15 @@ TEST(Mapper, AMatchFarAlongTheGraphIsALoopAndMovesAll) {
       EXPECT_FALSE(has_event(revision, "loop_closed"));
       const SE3 moved(SO3::exp({0.0, 0.02, 0.0}), {0.03, 0.0, 0.0});
       tracked = tracked * moved;
-      KeyframeOrder order = order_of(k, tracked, beside(1), {edge_of(k - 1, k, moved, PoseEdgeKind::way, 0.05, 0.03)});
+      KeyframeOrder order =
+          order_of(k, tracked, beside(1), {edge_of(k - 1, k, moved, ConstraintKind::odometry, 0.05, 0.03)});
       if (k < 4) order.frame = unknown_frame(static_cast<std::uint64_t>(k));
       revision = mapper.add(order);
     }
   }
   ASSERT_TRUE(has_event(revision, "loop_closed"));
   EXPECT_TRUE(has_event(revision, "map_revised"));
-  ASSERT_EQ(edges_of_kind(revision, PoseEdgeKind::loop), 1);
+  ASSERT_EQ(edges_of_kind(revision, ConstraintKind::loop), 1);
   EXPECT_THAT(revision.poses[0].world_from_camera.inverse() * revision.poses[4].world_from_camera,
               pose_near(beside(0).inverse() * beside(1), 0.04, 0.02));
   const SE3 between = revision.poses[1].world_from_camera.inverse() * revision.poses[2].world_from_camera;
@@ -138,7 +134,7 @@ TEST(Mapper, TwoSubmapsThatShowTheSameAreJoined) {
   const SE3 step(SO3::exp({0.0, 0.3, 0.0}), {0.2, 0.0, 0.1});
   revision = mapper.add(order_of(2, guess * step, beside(1), {edge_of(1, 2, step)}, 1));
   EXPECT_TRUE(has_event(revision, "joined"));
-  ASSERT_EQ(edges_of_kind(revision, PoseEdgeKind::join), 1);
+  ASSERT_EQ(edges_of_kind(revision, ConstraintKind::merge), 1);
   for (const KeyframePose& pose : revision.poses) EXPECT_EQ(pose.submap, 0) << "the smallest number wins";
   EXPECT_THAT(revision.poses[0].world_from_camera, pose_near(beside(0), 0.0, 1e-12)) << "the first stays";
   EXPECT_THAT(revision.poses[2].world_from_camera, pose_near(beside(1), 0.02, 0.01)) << "in the frame of the first";
@@ -162,55 +158,52 @@ TEST(Mapper, WhatTheMaskHidesIsNeitherMatchedNorKept) {
   }
 }
 
-TEST(Mapper, TheArchiveIsToldEverything) {
+TEST(Mapper, TheArchiveGetsTheImagesAndEachAnswerSaysWhatIsNew) {
   RecordingArchive archive;
-  SlamMeans means;
-  means.archive = &archive;
+  SlamContext context;
+  context.archive = &archive;
   RgbdSlamOptions options;
   options.graph_window = 2;
-  Mapper mapper(options, test_room::camera(), means);
+  Mapper mapper(options, test_room::camera(), context);
   MapRevision revision = mapper.add(order_of(0, beside(0), beside(0)));
   std::size_t edges = 0;
   for (int k = 1; k < 3; ++k) {
     revision = mapper.add(order_of(k, beside(k), beside(k), {edge_of(k - 1, k, beside(k - 1).inverse() * beside(k))}));
     edges += revision.new_edges.size();
     EXPECT_EQ(revision.weights.size(), edges) << "one of every edge up to now";
+    EXPECT_EQ(revision.poses.size(), static_cast<std::size_t>(k) + 1);
   }
-  EXPECT_EQ(archive.keyframes, (std::vector<std::int64_t>{0, 1, 2}));
-  EXPECT_EQ(archive.edges.size(), edges);
+  EXPECT_EQ(archive.keyframes, (std::vector<KeyframeId>{0, 1, 2}));
   EXPECT_EQ(mapper.pictures(), archive.kept) << "pictures are there, not in memory";
-  EXPECT_EQ(archive.poses.size(), 3U) << "with every second keyframe of a window of two";
-  mapper.archive_pose({5, beside(0)});
-  ASSERT_EQ(archive.trajectory.size(), 1U);
-  EXPECT_EQ(archive.trajectory[0].stamp, 5);
+  EXPECT_TRUE(archive.maps.empty()) << "the map is the tracker's to hand over";
   revision = mapper.settle();
   EXPECT_FALSE(revision.keyframe);
   EXPECT_TRUE(has_event(revision, "map_revised"));
-  ASSERT_EQ(archive.poses.size(), revision.poses.size());
-  for (std::size_t k = 0; k < 3; ++k)
-    EXPECT_EQ(archive.poses[k].world_from_camera.matrix(), revision.poses[k].world_from_camera.matrix());
+  EXPECT_EQ(revision.poses.size(), 3U);
+  EXPECT_EQ(revision.weights.size(), edges);
 }
 
 TEST(Mapper, AMapGivenStaysAsItIs) {
-  const auto map = std::make_shared<const RgbdMap>(make_test_map(4));
+  const auto map = std::make_shared<const Map>(make_test_map(4));
+  const std::vector<Keyframe>& before = map->keyframes;
   RecordingArchive archive;
-  SlamMeans means;
-  means.map = map;
-  means.archive = &archive;
+  SlamContext context;
+  context.map = map;
+  context.archive = &archive;
   RgbdSlamOptions options;
-  Mapper mapper(options, test_room::camera(), means);
-  const SE3 seen_from = map->poses[1].world_from_camera * SE3(SO3::exp({0.0, 0.05, 0.0}), {0.05, 0.0, 0.0});
+  Mapper mapper(options, test_room::camera(), context);
+  const SE3 seen_from = before[1].world_from_camera * SE3(SO3::exp({0.0, 0.05, 0.0}), {0.05, 0.0, 0.0});
   // Where it was found again is 6 cm off.
-  const SE3 found = map->poses[1].world_from_camera.inverse() * seen_from * SE3(SO3(), {0.06, 0.0, 0.0});
-  const MapRevision revision = mapper.add(order_of(4, map->poses[1].world_from_camera * found, seen_from,
-                                                   {edge_of(1, 4, found, PoseEdgeKind::near, 0.1, 0.05)}));
+  const SE3 found = before[1].world_from_camera.inverse() * seen_from * SE3(SO3(), {0.06, 0.0, 0.0});
+  const MapRevision revision = mapper.add(order_of(4, before[1].world_from_camera * found, seen_from,
+                                                   {edge_of(1, 4, found, ConstraintKind::proximity, 0.1, 0.05)}));
   ASSERT_EQ(revision.poses.size(), 5U);
   for (std::size_t k = 0; k < 4; ++k)
-    EXPECT_EQ(revision.poses[k].world_from_camera.matrix(), map->poses[k].world_from_camera.matrix());
+    EXPECT_EQ(revision.poses[k].world_from_camera.matrix(), before[k].world_from_camera.matrix());
   EXPECT_GT(revision.new_edges.size(), 1U) << "it is held against the map's";
   EXPECT_THAT(revision.poses[4].world_from_camera, pose_near(seen_from, 0.03, 0.015));
   EXPECT_TRUE(archive.keyframes.empty()) << "nothing is mapped";
-  EXPECT_TRUE(archive.edges.empty());
+  EXPECT_TRUE(archive.maps.empty());
   EXPECT_FALSE(has_event(revision, "map_revised"));
 }
 
@@ -222,9 +215,9 @@ TEST(Mapper, FeaturesOfTheOldestAreGivenUpToStayBelowTheCeiling) {
   options.graph_window = 2;
   options.last_candidates = options.near_candidates = options.graph_candidates = 0;
   options.random_candidates = options.join_candidates = 0;
-  SlamMeans means;
-  means.max_memory_bytes = 1;
-  Mapper mapper(options, test_room::camera(), means);
+  SlamContext context;
+  context.max_memory_bytes = 1;
+  Mapper mapper(options, test_room::camera(), context);
   const Frame frame = unknown_frame(3);
   std::vector<std::size_t> bytes;
   std::int64_t forgotten = 0;

@@ -38,7 +38,7 @@ class RelocaliserTest : public ::testing::Test {
   std::shared_ptr<CountingPictures> pictures_ = std::make_shared<CountingPictures>();
   DepthStore depths_{matcher_.surfaces(), pictures_};
   std::vector<SE3> poses_;
-  std::vector<std::shared_ptr<const RgbdKeyframe>> keyframes_;
+  std::vector<std::shared_ptr<const ImageFeatures>> keyframes_;
 };
 
 TEST_F(RelocaliserTest, FindsAFrameInTheKeyframeOfItsWallAndSaysWhere) {
@@ -85,7 +85,7 @@ TEST_F(RelocaliserTest, APlaceNeverSeenIsNotFound) {
 }
 
 TEST_F(RelocaliserTest, WithoutKeyframesOrFeaturesThereIsNothingToCompare) {
-  std::vector<std::shared_ptr<const RgbdKeyframe>> none;
+  std::vector<std::shared_ptr<const ImageFeatures>> none;
   Relocaliser relocaliser(options_, test_room::camera(), depths_);
   EXPECT_EQ(relocaliser.find(room_frame(poses_[0]), none, 1).compared, 0);
   for (std::int64_t k = 0; k < 3; ++k) none.push_back(bare_keyframe(k, 0));
@@ -99,7 +99,7 @@ TEST_F(RelocaliserTest, WithoutKeyframesOrFeaturesThereIsNothingToCompare) {
 TEST_F(RelocaliserTest, ByTurnsEveryKeyframeIsTried) {
   options_.relocalise_last = 1;
   options_.relocalise_random = 1;
-  std::vector<std::shared_ptr<const RgbdKeyframe>> many;
+  std::vector<std::shared_ptr<const ImageFeatures>> many;
   for (std::int64_t k = 0; k < 12; ++k) many.push_back(k == 7 ? keyframes_[2] : bare_keyframe(k, 0));
   pictures_->add(7, room_frame(poses_[2]));
   Relocaliser relocaliser(options_, test_room::camera(), depths_);

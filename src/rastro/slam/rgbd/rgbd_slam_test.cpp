@@ -26,7 +26,7 @@ struct Driven {
   std::vector<SlamUpdate> updates;
   std::vector<SlamEvent> events;
   std::map<TimeNs, SE3> trajectory;
-  std::shared_ptr<const Snapshot> snapshot;
+  std::shared_ptr<const Map> snapshot;
 
   int count(const std::string& kind) const {
     return static_cast<int>(
@@ -43,8 +43,8 @@ Frame frame_of(const std::optional<SE3>& view, std::int64_t index) {
   return frame;
 }
 
-Driven run(const Views& views, const RgbdSlamOptions& options, const SlamMeans& means = {}) {
-  RgbdSlam slam(options, test_room::camera(), means);
+Driven run(const Views& views, const RgbdSlamOptions& options, const SlamContext& context = {}) {
+  RgbdSlam slam(options, test_room::camera(), context);
   Driven result;
   for (std::size_t k = 0; k < views.size(); ++k) {
     result.updates.push_back(slam.process(frame_of(views[k], static_cast<std::int64_t>(k))));
@@ -98,11 +98,11 @@ TEST(RgbdSlam, FollowsAPanAndItsMapHoldsTheKeyframes) {
   expect_near_truth(done, views, 0.03, 0.012);
   EXPECT_EQ(done.updates[0].world_from_body.matrix(), SE3().matrix()) << "the world is the first camera";
   EXPECT_GE(done.count("keyframe"), 3);
-  ASSERT_EQ(done.snapshot->rgbd->keyframes.size(), static_cast<std::size_t>(done.count("keyframe")));
-  for (std::size_t k = 0; k < done.snapshot->keyframes.size(); ++k) {
-    const auto& stamped = done.snapshot->keyframes[k];
-    EXPECT_THAT(stamped.world_from_body, pose_near(done.trajectory.at(stamped.stamp), 1e-9, 1e-9)) << k;
-  }
+  ASSERT_EQ(done.snapshot->keyframes.size(), static_cast<std::size_t>(done.count("keyframe")));
+  EXPECT_EQ(done.snapshot->layer<FeatureLayer>()->of.size(), done.snapshot->keyframes.size());
+  EXPECT_EQ(done.snapshot->layer<ImageLayer>()->keyframes.size(), done.snapshot->keyframes.size());
+  for (const Keyframe& keyframe : done.snapshot->keyframes)
+    EXPECT_THAT(keyframe.world_from_camera, pose_near(done.trajectory.at(keyframe.stamp), 1e-9, 1e-9)) << keyframe.id;
   for (std::size_t k = 1; k < views.size(); ++k) {
     EXPECT_EQ(done.updates[k].state, SlamState::tracking) << k;
     ASSERT_TRUE(done.updates[k].covariance);
@@ -116,13 +116,13 @@ TEST(RgbdSlam, AnEdgeOfOdometryIsNeverSurerThanItsFloor) {
   options.edge_sigma_rad = 0.01;
   const Driven done = run(pan(-0.2, 0.02, 14), options);
   int odometry = 0;
-  for (const PoseEdge& edge : done.snapshot->rgbd->edges) {
-    if (edge.kind != PoseEdgeKind::way) continue;
+  for (const Constraint& edge : done.snapshot->constraints) {
+    if (edge.kind != ConstraintKind::odometry) continue;
     ++odometry;
     const Matrix6d covariance = edge.information.inverse();
     for (int i = 0; i < 6; ++i) EXPECT_GT(covariance(i, i), i < 3 ? 0.0004 : 0.0001);
   }
-  EXPECT_EQ(odometry, static_cast<int>(done.snapshot->rgbd->keyframes.size()) - 1);
+  EXPECT_EQ(odometry, static_cast<int>(done.snapshot->keyframes.size()) - 1);
 }
 
 /// What mapping finds is taken over a fixed number of frames later, neither sooner nor later.
@@ -133,7 +133,7 @@ TEST(RgbdSlam, AKeyframeIsKnownAfterTheDelay) {
   const Views views = pan(0.0, 0.005, 6);
   for (std::size_t k = 0; k < views.size(); ++k) {
     slam.process(room_frame(*views[k], static_cast<std::int64_t>(k)));
-    EXPECT_EQ(slam.snapshot()->rgbd->keyframes.size(), k < 4 ? 0U : 1U) << k;
+    EXPECT_EQ(slam.snapshot()->keyframes.size(), k < 4 ? 0U : 1U) << k;
   }
 }
 
@@ -175,7 +175,7 @@ TEST(RgbdSlam, ASubmapBegunElsewhereJoinsTheFirstWhereTheyMeet) {
     return update.state == SlamState::weak && update.reason == SlamReason::apart;
   });
   EXPECT_TRUE(placed_apart) << "until they meet, a pose is a guess and says so";
-  for (const KeyframePose& pose : done.snapshot->rgbd->poses) EXPECT_EQ(pose.submap, 0);
+  for (const Keyframe& keyframe : done.snapshot->keyframes) EXPECT_EQ(keyframe.submap, 0);
   EXPECT_GT(done.trajectory.size(), views.size() - 10) << "all but the dark and the first frames after it";
   expect_near_truth(done, views, 0.12, 0.05);
   EXPECT_NE(done.updates.back().reason, SlamReason::apart) << "it is known to the tracker";
@@ -183,30 +183,30 @@ TEST(RgbdSlam, ASubmapBegunElsewhereJoinsTheFirstWhereTheyMeet) {
 }
 
 TEST(RgbdSlam, FramesAreFoundInAMapGivenWhichStays) {
-  SlamMeans means;
-  means.map = std::make_shared<const RgbdMap>(make_test_map(6));
+  SlamContext context;
+  context.map = std::make_shared<const Map>(make_test_map(6));
   const SE3 beside(SO3::exp({0.02, 0.06, 0.0}), {0.12, 0.05, 0.0});
-  const SE3 start = means.map->poses[2].world_from_camera * beside;
+  const SE3 start = context.map->keyframes[2].world_from_camera * beside;
   Views views;
   for (int k = 0; k < 12; ++k) views.emplace_back(start * SE3(SO3::exp({0.0, 0.006 * k, 0.0}), {0.01 * k, 0.0, 0.0}));
   RgbdSlamOptions options = quick();
   options.relocalise_last = 6;
-  const Driven done = run(views, options, means);
+  const Driven done = run(views, options, context);
   EXPECT_EQ(done.updates.front().state, SlamState::relocalised);
   for (std::size_t k = 0; k < views.size(); ++k)
     EXPECT_THAT(done.updates[k].world_from_body, pose_near(*views[k], 0.04, 0.02)) << "in the frame of the map";
-  EXPECT_EQ(done.snapshot->rgbd->keyframes.size(), 6U);
+  EXPECT_EQ(done.snapshot->keyframes.size(), 6U);
   EXPECT_EQ(done.trajectory.size(), views.size());
 }
 
 TEST(RgbdSlam, AMapOfAnotherCameraIsRefused) {
-  RgbdMap map = make_test_map(2);
-  SlamMeans means;
+  Map map = make_test_map(2);
+  SlamContext context;
   const auto refused = [&](const Camera& camera) {
-    map.camera = camera;
-    means.map = std::make_shared<const RgbdMap>(map);
+    map.cameras.at(0).intrinsics = camera;
+    context.map = std::make_shared<const Map>(map);
     try {
-      RgbdSlam slam({}, test_room::camera(), means);
+      RgbdSlam slam({}, test_room::camera(), context);
     } catch (const Error&) {
       return true;
     }
@@ -238,10 +238,10 @@ TEST(RgbdSlam, BesideTrackingOrWithinItTheResultIsTheSame) {
   const Views views = joined({pan(-0.2, 0.02, 12), Views(2), pan(0.0, 0.01, 6)});
   const Driven alone = run(views, quick());
   TaskPool pool(3);
-  SlamMeans means;
-  means.pool = &pool;
-  means.pipelined = true;
-  const Driven beside = run(views, quick(), means);
+  SlamContext context;
+  context.pool = &pool;
+  context.pipelined = true;
+  const Driven beside = run(views, quick(), context);
   ASSERT_EQ(alone.trajectory.size(), beside.trajectory.size());
   for (const auto& [stamp, pose] : alone.trajectory) EXPECT_EQ(pose.matrix(), beside.trajectory.at(stamp).matrix());
   for (std::size_t k = 0; k < views.size(); ++k) {

@@ -7,13 +7,15 @@
 #include <utility>
 #include <vector>
 
-#include "rastro/map/keyframe/pack_pictures.h"
-#include "rastro/map/rgbd_map_testing.h"
+#include "rastro/map/images/pack_images.h"
+#include "rastro/map/images/room_map_testing.h"
 #include "rastro/math/math_testing.h"
 #include "rastro/slam/rgbd/keyframe_features.h"
+#include "rastro/slam/rgbd/keyframe_graph.h"
 #include "rastro/slam/rgbd/options.h"
 
-/// For tests of slam/rgbd only: views of the room of map/rgbd_map_testing.h with exact poses, and the pieces of a map.
+/// For tests of slam/rgbd only: views of the room of map/images/room_map_testing.h with exact poses, and the pieces of
+/// a map.
 namespace rastro::testing {
 
 /// A camera at `position` of the room, its optical axis `yaw` from x towards y and `pitch` above the horizon.
@@ -65,33 +67,34 @@ inline Frame unknown_frame(std::uint64_t seed, float depth_m = 2.0F) {
 }
 
 /// A keyframe of `frame`, with features and depths as the method itself makes them.
-inline std::shared_ptr<const RgbdKeyframe> room_keyframe(const Frame& frame, std::int64_t id,
-                                                         const RgbdSlamOptions& options) {
-  RgbdKeyframe keyframe = KeyframeFeatures(options).extract(frame);
+inline std::shared_ptr<const ImageFeatures> room_keyframe(const Frame& frame, std::int64_t id,
+                                                          const RgbdSlamOptions& options) {
+  ImageFeatures keyframe = KeyframeFeatures(options).extract(frame);
   keyframe.id = id;
-  return std::make_shared<const RgbdKeyframe>(std::move(keyframe));
+  return std::make_shared<const ImageFeatures>(std::move(keyframe));
 }
 
 /// A keyframe that only its number and its count of features are known of.
-inline std::shared_ptr<const RgbdKeyframe> bare_keyframe(std::int64_t id, std::size_t features = 1) {
-  auto keyframe = std::make_shared<RgbdKeyframe>();
+inline std::shared_ptr<const ImageFeatures> bare_keyframe(std::int64_t id, std::size_t features = 1) {
+  auto keyframe = std::make_shared<ImageFeatures>();
   keyframe->id = id;
   keyframe->frame = 10 * id;
   keyframe->stamp = 1000 * id;
   keyframe->features.keypoints.resize(features);
-  keyframe->features.bits.resize(features);
+  keyframe->features.descriptors.resize(features);
   keyframe->depths.assign(features, 1.0F);
   return keyframe;
 }
 
 inline KeyframePose in_submap(const SE3& world_from_camera, int submap = 0) { return {world_from_camera, submap}; }
 
-inline PoseEdge edge_of(std::int64_t from, std::int64_t to, const SE3& from_from_to,
-                        PoseEdgeKind kind = PoseEdgeKind::way, double sigma_m = 0.01, double sigma_rad = 0.005) {
-  PoseEdge edge;
+inline Constraint edge_of(std::int64_t from, std::int64_t to, const SE3& from_from_to,
+                          ConstraintKind kind = ConstraintKind::odometry, double sigma_m = 0.01,
+                          double sigma_rad = 0.005) {
+  Constraint edge;
   edge.from = from;
   edge.to = to;
-  edge.from_from_to = from_from_to;
+  edge.from_from_to = Sim3(from_from_to);
   edge.kind = kind;
   edge.information.setIdentity();
   edge.information.topLeftCorner<3, 3>() /= sigma_m * sigma_m;

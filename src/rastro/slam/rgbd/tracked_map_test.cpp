@@ -17,12 +17,16 @@ using testing::pose_near;
 
 SE3 at(double x, double yaw = 0.0) { return {SO3::exp({0.0, 0.0, yaw}), {x, 0.0, 0.0}}; }
 
-RgbdMap base() {
-  RgbdMap map;
+Map base() {
+  Map map;
   map.method = "rgbd";
-  map.camera = test_room::camera();
+  map.cameras.push_back({CameraKind::depth, test_room::camera(), 0.0, {}, SE3()});
+  map.sessions.push_back({0, 0, "", 0, 0, {true, 0.0, "depth camera"}});
   return map;
 }
+
+/// What the mapper has begun to fill.
+TrackedMap empty_map() { return TrackedMap(base(), std::make_shared<MemoryPictures>(), false); }
 
 /// What the mapper says of keyframe `id`, with these poses of all keyframes up to it.
 MapRevision revision_of(std::int64_t id, std::vector<KeyframePose> poses) {
@@ -34,7 +38,7 @@ MapRevision revision_of(std::int64_t id, std::vector<KeyframePose> poses) {
 }
 
 TEST(TrackedMap, KeyframesAreKnownByTheirOrderUntilTheMapperAnswers) {
-  TrackedMap map(base(), false);
+  TrackedMap map = empty_map();
   EXPECT_EQ(map.new_submap(), 0);
   EXPECT_EQ(map.keyframe_count(), 0);
   map.add_pending(in_submap(at(1.0)), Matrix6d::Identity());
@@ -58,7 +62,7 @@ TEST(TrackedMap, KeyframesAreKnownByTheirOrderUntilTheMapperAnswers) {
 }
 
 TEST(TrackedMap, PendingKeyframesAreMovedFromTheGivenOneOn) {
-  TrackedMap map(base(), false);
+  TrackedMap map = empty_map();
   for (const double x : {1.0, 2.0, 3.0}) map.add_pending(in_submap(at(x)), Matrix6d::Zero());
   map.apply(revision_of(0, {in_submap(at(1.0))}));
   const SE3 correction(SO3::exp({0.0, 0.0, M_PI / 2.0}), {0.0, 0.0, 1.0});
@@ -71,7 +75,7 @@ TEST(TrackedMap, PendingKeyframesAreMovedFromTheGivenOneOn) {
 }
 
 TEST(TrackedMap, EveryFrameFollowsItsKeyframe) {
-  TrackedMap map(base(), false);
+  TrackedMap map = empty_map();
   map.new_submap();
   map.add_pending(in_submap(at(0.0)), Matrix6d::Zero());
   map.add_frame(10, 0, SE3());
@@ -91,7 +95,7 @@ TEST(TrackedMap, EveryFrameFollowsItsKeyframe) {
 }
 
 TEST(TrackedMap, TheTrajectoryIsInTheOrderOfStampsWithEachOnce) {
-  TrackedMap map(base(), false);
+  TrackedMap map = empty_map();
   map.new_submap();
   map.add_pending(in_submap(at(0.0)), Matrix6d::Zero());
   for (const TimeNs stamp : {30, 10, 20, 10, 30}) map.add_frame(stamp, 0, at(static_cast<double>(stamp)));
@@ -101,7 +105,7 @@ TEST(TrackedMap, TheTrajectoryIsInTheOrderOfStampsWithEachOnce) {
 }
 
 TEST(TrackedMap, TheTrajectoryIsThatOfTheFirstSubmapAndTheLargestBecomesIt) {
-  TrackedMap map(base(), false);
+  TrackedMap map = empty_map();
   for (const int submap : {0, 1, 2}) {
     EXPECT_EQ(map.new_submap(), submap);
     map.add_pending(in_submap(at(10.0 * submap), submap), Matrix6d::Zero());
@@ -124,7 +128,7 @@ TEST(TrackedMap, TheTrajectoryIsThatOfTheFirstSubmapAndTheLargestBecomesIt) {
 }
 
 TEST(TrackedMap, ASubmapThatWasJoinedGoesOnInTheTrajectory) {
-  TrackedMap map(base(), false);
+  TrackedMap map = empty_map();
   for (const int submap : {0, 1}) {
     map.new_submap();
     map.add_pending(in_submap(at(10.0 * submap), submap), Matrix6d::Zero());
@@ -133,47 +137,55 @@ TEST(TrackedMap, ASubmapThatWasJoinedGoesOnInTheTrajectory) {
   map.apply(revision_of(0, {in_submap(at(0.0), 0)}));
   EXPECT_EQ(map.trajectory().size(), 1U);
   MapRevision joined = revision_of(1, {in_submap(at(0.0), 0), in_submap(at(1.0), 0)});
-  joined.new_edges = {edge_of(0, 1, at(1.0), PoseEdgeKind::join)};
+  joined.new_edges = {edge_of(0, 1, at(1.0), ConstraintKind::merge)};
   joined.weights = {0.75};
   map.apply(joined);
   ASSERT_EQ(map.trajectory().size(), 2U);
   EXPECT_NEAR(map.trajectory().back().world_from_body.translation().x(), 1.1, 1e-12);
   const auto snapshot = map.snapshot();
-  ASSERT_EQ(snapshot->edges.size(), 1U);
-  EXPECT_TRUE(snapshot->edges.front().loop);
-  EXPECT_EQ(snapshot->rgbd->edges.front().weight, 0.75);
+  ASSERT_EQ(snapshot->constraints.size(), 1U);
+  EXPECT_EQ(snapshot->constraints.front().kind, ConstraintKind::merge);
+  EXPECT_EQ(snapshot->constraints.front().weight, 0.75);
 }
 
 TEST(TrackedMap, ASnapshotNeverChanges) {
-  TrackedMap map(base(), false);
+  TrackedMap map = empty_map();
   map.new_submap();
   for (const double x : {0.0, 1.0}) map.add_pending(in_submap(at(x)), Matrix6d::Zero());
   map.add_frame(1, 0, SE3());
   map.apply(revision_of(0, {in_submap(at(0.0))}));
   const auto first = map.snapshot();
   MapRevision next = revision_of(1, {in_submap(at(0.5)), in_submap(at(1.5))});
-  next.new_edges = {edge_of(0, 1, at(1.0)), edge_of(0, 1, at(1.0), PoseEdgeKind::near),
-                    edge_of(0, 1, at(1.0), PoseEdgeKind::loop)};
+  next.new_edges = {edge_of(0, 1, at(1.0)), edge_of(0, 1, at(1.0), ConstraintKind::proximity),
+                    edge_of(0, 1, at(1.0), ConstraintKind::loop)};
   next.weights = {1.0, 0.5, 0.25};
   map.apply(next);
   map.add_frame(2, 1, SE3());
   const auto second = map.snapshot();
   ASSERT_EQ(first->keyframes.size(), 1U);
-  EXPECT_EQ(first->keyframes.front().world_from_body.translation().x(), 0.0);
-  EXPECT_TRUE(first->edges.empty());
-  EXPECT_EQ(first->rgbd->trajectory.size(), 1U);
+  EXPECT_EQ(first->keyframes.front().world_from_camera.translation().x(), 0.0);
+  EXPECT_TRUE(first->constraints.empty());
+  EXPECT_EQ(trajectory_of(*first).size(), 1U);
   EXPECT_LT(first->revision, second->revision);
   ASSERT_EQ(second->keyframes.size(), 2U);
   EXPECT_EQ(second->keyframes.back().stamp, 1000) << "of the keyframe itself";
-  ASSERT_EQ(second->edges.size(), 3U);
-  EXPECT_FALSE(second->edges[0].loop || second->edges[1].loop);
-  EXPECT_TRUE(second->edges[2].loop);
-  for (std::size_t e = 0; e < 3; ++e) EXPECT_EQ(second->rgbd->edges[e].weight, next.weights[e]);
-  EXPECT_EQ(second->rgbd->camera.fx, 260.0) << "and what all share";
+  ASSERT_EQ(second->constraints.size(), 3U);
+  for (std::size_t e = 0; e < 3; ++e) {
+    EXPECT_EQ(second->constraints[e].kind, next.new_edges[e].kind);
+    EXPECT_EQ(second->constraints[e].weight, next.weights[e]);
+  }
+  EXPECT_EQ(second->cameras.at(0).intrinsics.fx, 260.0) << "and what all share";
+  EXPECT_EQ(second->sessions.size(), 1U);
+  for (const auto& snapshot : {first, second}) {
+    EXPECT_EQ(contradiction_in(*snapshot), "");
+    ASSERT_TRUE(images_of(*snapshot));
+    EXPECT_EQ(snapshot->layer<ImageLayer>()->keyframes.size(), snapshot->keyframes.size());
+    EXPECT_EQ(snapshot->layer<FeatureLayer>()->of.size(), snapshot->keyframes.size());
+  }
 }
 
 TEST(TrackedMap, ForgottenFeaturesAreGoneHereToo) {
-  TrackedMap map(base(), false);
+  TrackedMap map = empty_map();
   map.new_submap();
   for (const double x : {0.0, 1.0}) map.add_pending(in_submap(at(x)), Matrix6d::Zero());
   map.apply(revision_of(0, {in_submap(at(0.0))}));
@@ -184,25 +196,28 @@ TEST(TrackedMap, ForgottenFeaturesAreGoneHereToo) {
   EXPECT_EQ(map.keyframes()[0]->features.size(), 0U);
   EXPECT_EQ(map.keyframes()[0]->id, 0);
   EXPECT_EQ(map.keyframes()[1]->features.size(), 1U);
-  EXPECT_EQ(before->rgbd->keyframes[0]->features.size(), 1U) << "an older snapshot keeps its own";
+  EXPECT_EQ(before->layer<FeatureLayer>()->find(0)->features.size(), 1U) << "an older snapshot keeps its own";
+  EXPECT_EQ(map.snapshot()->layer<FeatureLayer>()->find(0)->features.size(), 0U);
 }
 
 TEST(TrackedMap, AMapGivenIsNotAddedTo) {
-  const RgbdMap given = make_test_map(4);
-  TrackedMap map(given, true);
+  const Map given = make_test_map(4);
+  TrackedMap map(given, images_of(given), true);
   EXPECT_EQ(map.keyframe_count(), 4);
   EXPECT_EQ(map.keyframes().size(), 4U);
   EXPECT_EQ(map.submap_count(), 1);
   EXPECT_EQ(map.new_submap(), 1);
   map.add_pending(in_submap(at(0.5)), Matrix6d::Zero());
-  std::vector<KeyframePose> poses = given.poses;
+  std::vector<KeyframePose> poses;
+  for (const Keyframe& keyframe : given.keyframes) poses.push_back({keyframe.world_from_camera, keyframe.submap});
   poses.push_back(in_submap(at(0.7)));
   map.apply(revision_of(4, poses));
   map.add_frame(77, 4, SE3());
   const auto snapshot = map.snapshot();
-  EXPECT_EQ(snapshot->rgbd->keyframes.size(), 4U) << "the map is as it was given";
-  EXPECT_EQ(snapshot->rgbd->trajectory.size(), given.trajectory.size());
-  EXPECT_EQ(snapshot->keyframes.size(), 4U);
+  EXPECT_EQ(snapshot->keyframes.size(), 4U) << "the map is as it was given";
+  EXPECT_EQ(snapshot->frames.size(), given.frames.size());
+  EXPECT_EQ(snapshot->constraints.size(), given.constraints.size());
+  EXPECT_EQ(snapshot->layer<FeatureLayer>(), given.layer<FeatureLayer>());
   ASSERT_EQ(map.trajectory().size(), 1U) << "the frames found in it";
   EXPECT_NEAR(map.trajectory().front().world_from_body.translation().x(), 0.7, 1e-12);
   EXPECT_FALSE(map.make_largest_first());
