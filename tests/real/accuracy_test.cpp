@@ -8,7 +8,6 @@
 #include "accuracy_input.h"
 #include "rastro/evaluate/trajectory_scores.h"
 #include "rastro/methods/methods.h"
-#include "rastro/odometry/methods.h"
 
 namespace rastro {
 namespace {
@@ -19,13 +18,14 @@ struct AccuracyResult {
 };
 
 bool is_odometry(const std::string& method) {
-  const auto& names = odometry_methods();
-  return method != "rgbd" && std::find(names.begin(), names.end(), method) != names.end();
+  const auto methods = odometry_methods();
+  return method != "rgbd" &&
+         std::any_of(methods.begin(), methods.end(), [&](const auto& each) { return each->name() == method; });
 }
 
 /// The only place that knows how an odometry is made.
-std::unique_ptr<Odometry> make_odometry(const std::string& method, const Camera& camera, TaskPool& pool) {
-  return OdometrySettings().make(method, camera, &pool);
+std::unique_ptr<Odometry> make_odometry(const std::string& method, const SourceInfo& info, TaskPool& pool) {
+  return odometry_method(method)->make(info, {.pool = &pool});
 }
 
 std::unique_ptr<Slam> make_slam(const AccuracyRow& row, const SourceInfo& info, TaskPool& pool) {
@@ -39,7 +39,7 @@ std::unique_ptr<Slam> make_slam(const AccuracyRow& row, const SourceInfo& info, 
 
 AccuracyResult run_odometry(const std::string& method, Source& source, TaskPool& pool) {
   AccuracyResult result;
-  const auto odometry = make_odometry(method, source.info().cameras.at(0).camera.value(), pool);
+  const auto odometry = make_odometry(method, source.info(), pool);
   while (const auto frame = source.next()) {
     odometry->process(*frame);
     ++result.frames;

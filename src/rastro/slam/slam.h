@@ -77,6 +77,19 @@ struct SlamUpdate {
   double milliseconds = 0.0;
 };
 
+/// What became of a feature of a frame.
+enum class ObservationState : std::uint8_t {
+  unmatched,  ///< Shows nothing that the map knows.
+  outlier,    ///< Matched to a landmark that the pose contradicts.
+  inlier,     ///< Matched to a landmark, and the pose rests on it.
+};
+
+struct FeatureObservation {
+  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< Of the image that the method works on (rectified, if it does).
+  std::int64_t landmark = -1;                       ///< Id in the map's landmark layer; -1: none.
+  ObservationState state = ObservationState::unmatched;
+};
+
 /// A method that turns frames into poses and a map of its own, METHODS 3 to 8. Frames come in the order of the
 /// recording. Results depend on frames, options and seed alone, not on threads.
 class Slam {
@@ -90,6 +103,16 @@ class Slam {
   virtual Trajectory trajectory() const = 0;
   /// The map as it stands. Never changes afterwards, whatever the method goes on to do.
   virtual std::shared_ptr<const Map> snapshot() const = 0;
+
+  // For live use.
+
+  /// Forgets all frames and the map made of them, as if just made; settings, and a map given, stay.
+  virtual void reset() = 0;
+  /// Off: the map stays as it is and frames are only localized in it; on again: mapping goes on. Returns whether the
+  /// method can switch; where it cannot, nothing changes.
+  virtual bool set_mapping(bool /*on*/) { return false; }
+  /// The features of the last frame, for those who ask; empty for a method without any.
+  virtual std::vector<FeatureObservation> observations() const { return {}; }
 };
 
 }  // namespace rastro

@@ -17,7 +17,7 @@ BodySighting sighting_at(double x, double y, LandmarkKind kind = LandmarkKind::g
 }
 
 /// Landmarks known to 0.1 m, as the sightings are, seen from an exactly known body: squared distance = metres^2 / 0.02.
-struct Map {
+struct KnownLandmarks {
   EkfFilter filter;
   std::vector<LandmarkRecord> records;
 
@@ -35,7 +35,7 @@ struct Map {
 };
 
 TEST(LandmarkAssociation, TheGateIsASquaredMahalanobisDistance) {
-  Map map;
+  KnownLandmarks map;
   map.add(5.0, 0.0);
   const double gate_m = std::sqrt(9.21 * 0.02), new_gate_m = std::sqrt(27.6 * 0.02);
   EXPECT_EQ(map.kind_of(sighting_at(5.0 + 0.999 * gate_m, 0.0)), Kind::landmark);
@@ -45,10 +45,10 @@ TEST(LandmarkAssociation, TheGateIsASquaredMahalanobisDistance) {
   EXPECT_NEAR(map.associated({sighting_at(5.1, 0.2)})[0].distance, 0.05 / 0.02, 1e-9);
 }
 
-TEST(LandmarkAssociation, AnEmptyMapKnowsNothing) { EXPECT_EQ(Map().kind_of(sighting_at(1.0, 1.0)), Kind::fresh); }
+TEST(LandmarkAssociation, AnEmptyMapKnowsNothing) { EXPECT_EQ(KnownLandmarks().kind_of(sighting_at(1.0, 1.0)), Kind::fresh); }
 
 TEST(LandmarkAssociation, WhatFitsTwoLandmarksIsNotUsed) {
-  Map map;
+  KnownLandmarks map;
   map.add(5.0, 0.0);
   map.add(5.0, 0.5);
   EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.2)), Kind::ambiguous);
@@ -60,7 +60,7 @@ TEST(LandmarkAssociation, WhatFitsTwoLandmarksIsNotUsed) {
 }
 
 TEST(LandmarkAssociation, ALandmarkIsSeenOnceByTheNearest) {
-  Map map;
+  KnownLandmarks map;
   map.add(5.0, 0.0);
   for (const bool turned : {false, true}) {
     std::vector<BodySighting> sightings = {sighting_at(5.0, 0.1), sighting_at(5.0, -0.2)};
@@ -72,7 +72,7 @@ TEST(LandmarkAssociation, ALandmarkIsSeenOnceByTheNearest) {
 }
 
 TEST(LandmarkAssociation, NamesDecideButNotAgainstAllSense) {
-  Map map;
+  KnownLandmarks map;
   map.add(5.0, 0.0, LandmarkKind::given, 7);
   map.add(5.0, 0.1, LandmarkKind::given, 8);
   EXPECT_EQ(map.associated({sighting_at(5.0, 0.1, LandmarkKind::given, 7)})[0].landmark, 0U);
@@ -81,7 +81,7 @@ TEST(LandmarkAssociation, NamesDecideButNotAgainstAllSense) {
 }
 
 TEST(LandmarkAssociation, KindsAndDirectionsMustFit) {
-  Map map;
+  KnownLandmarks map;
   map.add(5.0, 0.0, LandmarkKind::corner);
   EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.0, LandmarkKind::spike)), Kind::fresh);
   BodySighting corner = sighting_at(5.0, 0.0, LandmarkKind::corner);
@@ -93,7 +93,7 @@ TEST(LandmarkAssociation, KindsAndDirectionsMustFit) {
 }
 
 TEST(LandmarkAssociation, CandidatesComeAfterLandmarks) {
-  Map map;
+  KnownLandmarks map;
   map.add(5.0, 0.0);
   map.add(5.0, 0.5);
   map.records[1].id = -1;
@@ -106,7 +106,7 @@ TEST(LandmarkAssociation, CandidatesComeAfterLandmarks) {
 }
 
 TEST(LandmarkAssociation, InDoubtALandmarkNeedsACompanionAtTheRightDistance) {
-  Map map;
+  KnownLandmarks map;
   map.add(5.0, 0.0);
   map.add(5.0, 20.0);
   map.filter.predict(SE2(), Eigen::Vector3d(1.0, 1.0, 1e-6).asDiagonal());

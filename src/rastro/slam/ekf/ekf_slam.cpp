@@ -64,7 +64,7 @@ SlamUpdate EkfSlam::process(const Frame& frame) {
   const std::vector<LandmarkAssociation> associations = associate(filter_, records_, sightings, options_);
   correct(sightings, associations, update);
   judge(associations, update);
-  learn(sightings, associations, update);
+  if (maps_) learn(sightings, associations, update);
   update.times.push_back({"filter", stage.lap_ms()});
   keep(frame, update);
   update.times.push_back({"map", stage.lap_ms()});
@@ -187,9 +187,11 @@ void EkfSlam::keep(const Frame& frame, SlamUpdate& update) {
   say_pose(update);
   const SE2 world_from_body = filter_.world_from_body();
   trajectory_.push_back({frame.stamp, update.world_from_body});
-  if (is_new_keyframe(keyframes_, update.world_from_body, options_)) add_keyframe(frame, update.world_from_body);
+  const bool needs_keyframe = keyframes_.empty() || maps_;
+  if (needs_keyframe && is_new_keyframe(keyframes_, update.world_from_body, options_))
+    add_keyframe(frame, update.world_from_body);
   keyframe_of_frame_.push_back(keyframes_.back().id);
-  if (frame.scan && options_.grid) {
+  if (frame.scan && options_.grid && maps_) {
     const SE2 keyframe_from_body = in_plane(keyframes_.back().world_from_camera).inverse() * world_from_body;
     const SE2 keyframe_from_laser = keyframe_from_body * frame.scan->body_from_laser;
     scans_.back().push_back({keyframe_from_laser.translation(), returns_in(*frame.scan, keyframe_from_laser)});
@@ -223,6 +225,14 @@ std::vector<SlamEvent> EkfSlam::finish() {
   const OdometryCheck::Result result = odometry_check_.result();
   if (result.metres > 0 || result.turns > 0) events.push_back({"odometry", describe(result)});
   return events;
+}
+
+void EkfSlam::reset() { *this = EkfSlam(options_, scans_expected_); }
+
+/// Landmarks known go on to be updated: a filter has no other way to localize.
+bool EkfSlam::set_mapping(bool on) {
+  maps_ = on;
+  return true;
 }
 
 std::shared_ptr<const LandmarkLayer> EkfSlam::landmarks() const {

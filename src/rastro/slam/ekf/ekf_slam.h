@@ -28,6 +28,8 @@ class EkfSlam : public Slam {
   std::vector<SlamEvent> finish() override;
   Trajectory trajectory() const override { return trajectory_; }
   std::shared_ptr<const Map> snapshot() const override;
+  void reset() override;
+  bool set_mapping(bool on) override;
 
   const EkfFilter& filter() const { return filter_; }
 
@@ -50,6 +52,7 @@ class EkfSlam : public Slam {
 
   EkfOptions options_;
   bool scans_expected_;
+  bool maps_ = true;
   EkfFilter filter_;
   std::vector<LandmarkRecord> records_;  ///< Of the filter's landmarks.
   std::int64_t confirmed_ = 0;           ///< Candidates that became landmarks.

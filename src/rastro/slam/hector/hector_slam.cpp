@@ -37,6 +37,7 @@ class HectorSlam::State {
   std::vector<SlamEvent> finish();
   Trajectory trajectory() const;
   std::shared_ptr<const Map> snapshot() const;
+  void set_mapping(bool on) { maps_ = on; }
 
  private:
   void follow(const Frame& frame, const ScanPoints& scan, SlamUpdate& update);
@@ -61,6 +62,7 @@ class HectorSlam::State {
   double unseen_path_m_ = 0.0;  ///< Way since one direction was last seen.
   std::int64_t revision_ = 0;
   bool lost_ = false;
+  bool maps_ = true;  ///< False: scans are only localized.
 };
 
 SlamUpdate HectorSlam::State::process(const Frame& frame) {
@@ -115,7 +117,7 @@ void HectorSlam::State::follow(const Frame& frame, const ScanPoints& scan, SlamU
   path_m_ += way_m;
   unseen_path_m_ = followed.unseen_direction ? unseen_path_m_ + way_m : 0.0;
   settle(frame, followed.local_from_body, update);
-  if (followed.fits) extend_map(frame, scan, followed, update);
+  if (followed.fits && maps_) extend_map(frame, scan, followed, update);
   update.times.push_back({"map", stage.lap_ms()});
   close_loops(update);
   update.times.push_back({"loops", stage.lap_ms()});
@@ -277,11 +279,18 @@ std::shared_ptr<const Map> HectorSlam::State::snapshot() const {
   return map;
 }
 
-HectorSlam::HectorSlam(const HectorOptions& options, TaskPool* pool) : state_(std::make_unique<State>(options, pool)) {}
+HectorSlam::HectorSlam(const HectorOptions& options, TaskPool* pool)
+    : options_(options), pool_(pool), state_(std::make_unique<State>(options, pool)) {}
 HectorSlam::~HectorSlam() = default;
 SlamUpdate HectorSlam::process(const Frame& frame) { return state_->process(frame); }
 std::vector<SlamEvent> HectorSlam::finish() { return state_->finish(); }
 Trajectory HectorSlam::trajectory() const { return state_->trajectory(); }
 std::shared_ptr<const Map> HectorSlam::snapshot() const { return state_->snapshot(); }
+void HectorSlam::reset() { state_ = std::make_unique<State>(options_, pool_); }
+
+bool HectorSlam::set_mapping(bool on) {
+  state_->set_mapping(on);
+  return true;
+}
 
 }  // namespace rastro

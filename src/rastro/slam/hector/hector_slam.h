@@ -20,9 +20,13 @@ class HectorSlam : public Slam {
   std::vector<SlamEvent> finish() override;
   Trajectory trajectory() const override;
   std::shared_ptr<const Map> snapshot() const override;
+  void reset() override;
+  bool set_mapping(bool on) override;
 
  private:
   class State;
+  HectorOptions options_;
+  TaskPool* pool_;
   std::unique_ptr<State> state_;
 };
 

@@ -110,6 +110,13 @@ void KeyframePipeline::cancel_adjustment() {
   adjusting_.discard();
 }
 
+void KeyframePipeline::pause(std::vector<SlamEvent>& events) {
+  cancel_adjustment();
+  take_all_results(events);
+  cancel_adjustment();  // of a loop closed just now
+  wait();
+}
+
 void KeyframePipeline::finish(std::vector<SlamEvent>& events) {
   take_all_results(events);
   const bool stopped = session_.stopped();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/orb/orb_slam.h"
 
+#include <utility>
+
 #include "rastro/base/stopwatch.h"
 #include "rastro/slam/orb/keyframe_pipeline.h"
 #include "rastro/slam/orb/map/map_export.h"
@@ -18,6 +20,8 @@ class OrbSlam::State {
   std::vector<SlamEvent> finish();
   Trajectory trajectory() const;
   std::shared_ptr<const Map> snapshot() const;
+  bool set_mapping(bool on);
+  std::vector<FeatureObservation> observations() const { return tracking_.observations(); }
 
  private:
   void use_map(const SlamContext& context);
@@ -26,7 +30,8 @@ class OrbSlam::State {
   FrameTracker tracker_;
   KeyframePipeline pipeline_;
   Tracking tracking_;
-  SE3 last_pose_;  ///< world_from_camera
+  SE3 last_pose_;                  ///< world_from_camera
+  std::vector<SlamEvent> events_;  ///< Not yet told of.
 };
 
 OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context)
@@ -55,6 +60,7 @@ SlamUpdate OrbSlam::State::process(const Frame& frame) {
   update.stamp = frame.stamp;
   update.world_from_body = last_pose_;
   ++session_.frame_number;
+  update.events = std::exchange(events_, {});
   pipeline_.take_results(frame.stamp, update.events);
   update.times.push_back({"wait", stage.lap_ms()});
   tracking_.process(frame, update);
@@ -85,13 +91,31 @@ std::shared_ptr<const Map> OrbSlam::State::snapshot() const {
   return map_of(session_.graph, session_.trajectory, session_.scale);
 }
 
+/// Localization reads the graph on the tracking thread: nothing may be under way.
+bool OrbSlam::State::set_mapping(bool on) {
+  if (!on && !session_.has_map) return false;
+  if (!on) pipeline_.pause(events_);
+  session_.mapping = on;
+  return true;
+}
+
 OrbSlam::OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context)
-    : state_(std::make_unique<State>(options, source, context)) {}
+    : options_(options),
+      source_(source),
+      context_(context),
+      state_(std::make_unique<State>(options, source, context)) {}
 
 OrbSlam::~OrbSlam() = default;
 SlamUpdate OrbSlam::process(const Frame& frame) { return state_->process(frame); }
 std::vector<SlamEvent> OrbSlam::finish() { return state_->finish(); }
 Trajectory OrbSlam::trajectory() const { return state_->trajectory(); }
 std::shared_ptr<const Map> OrbSlam::snapshot() const { return state_->snapshot(); }
+bool OrbSlam::set_mapping(bool on) { return state_->set_mapping(on); }
+std::vector<FeatureObservation> OrbSlam::observations() const { return state_->observations(); }
+
+void OrbSlam::reset() {
+  state_.reset();  // its jobs end before the next ones begin
+  state_ = std::make_unique<State>(options_, source_, context_);
+}
 
 }  // namespace rastro

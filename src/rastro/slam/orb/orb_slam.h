@@ -24,9 +24,16 @@ class OrbSlam : public Slam {
   std::vector<SlamEvent> finish() override;
   Trajectory trajectory() const override;
   std::shared_ptr<const Map> snapshot() const override;
+  void reset() override;
+  /// Off only once there is a map.
+  bool set_mapping(bool on) override;
+  std::vector<FeatureObservation> observations() const override;
 
  private:
   class State;
+  OrbSlamOptions options_;
+  SourceInfo source_;
+  SlamContext context_;
   std::unique_ptr<State> state_;
 };
 

@@ -404,11 +404,19 @@ std::vector<SlamEvent> RgbdSlam::State::finish() {
 }
 
 RgbdSlam::RgbdSlam(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context)
-    : state_(std::make_unique<State>(options, camera, with_usable_map(context, camera))) {}
+    : options_(options),
+      camera_(camera),
+      context_(with_usable_map(context, camera)),
+      state_(std::make_unique<State>(options, camera, context_)) {}
 RgbdSlam::~RgbdSlam() = default;
 SlamUpdate RgbdSlam::process(const Frame& frame) { return state_->process(frame); }
 std::vector<SlamEvent> RgbdSlam::finish() { return state_->finish(); }
 Trajectory RgbdSlam::trajectory() const { return state_->trajectory(); }
 std::shared_ptr<const Map> RgbdSlam::snapshot() const { return state_->snapshot(); }
+
+void RgbdSlam::reset() {
+  state_.reset();  // its jobs end before the next ones begin
+  state_ = std::make_unique<State>(options_, camera_, context_);
+}
 
 }  // namespace rastro

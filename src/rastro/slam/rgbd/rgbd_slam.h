@@ -22,9 +22,13 @@ class RgbdSlam : public Slam {
   std::vector<SlamEvent> finish() override;
   Trajectory trajectory() const override;
   std::shared_ptr<const Map> snapshot() const override;
+  void reset() override;
 
  private:
   class State;
+  RgbdSlamOptions options_;
+  Camera camera_;
+  SlamContext context_;
   std::unique_ptr<State> state_;
 };
 

@@ -45,11 +45,14 @@ Tracking::Tracking(OrbSession& session, FrameTracker& tracker, KeyframePipeline&
 void Tracking::process(const Frame& frame, SlamUpdate& update) {
   if (!is_usable(frame, update)) return;
   const Measurements measured = extract_features(frame, update);
+  last_features_ = measured.features;
+  last_points_.clear();
   std::optional<TrackingResult> tracked;
   if (session_.tracking) tracked = track_map(measured, update);
   if (!tracked) tracked = relocalize(measured.features, update);
   if (!tracked) return initialize(measured.features, update);
   Stopwatch stage;
+  last_points_ = tracked->points;
   report_pose(*measured.features, *tracked, update);
   insert_keyframe(measured.features, *tracked, update);
   update.times.push_back({"keyframe", stage.lap_ms()});
@@ -166,6 +169,16 @@ void Tracking::insert_keyframe(const FramePointer& frame, const TrackingResult& 
   } else if (keyframes_.needs_keyframe(*frame, tracked)) {
     keyframes_.insert(frame, tracked, update);
   }
+}
+
+std::vector<FeatureObservation> Tracking::observations() const {
+  std::vector<FeatureObservation> observations;
+  if (!last_features_) return observations;
+  for (const Keypoint& keypoint : last_features_->data().features.keypoints)
+    observations.push_back({{keypoint.x, keypoint.y}, -1, ObservationState::unmatched});
+  for (const TrackedPoint& point : last_points_)
+    observations[point.feature] = {observations[point.feature].pixel, point.landmark, ObservationState::inlier};
+  return observations;
 }
 
 /// Without mapping, the view goes where the camera goes.

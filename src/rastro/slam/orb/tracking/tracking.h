@@ -25,6 +25,8 @@ class Tracking {
   /// Tracks one frame. `update` has its number and stamp and the last pose, of the camera in use; it gets everything
   /// else.
   void process(const Frame& frame, SlamUpdate& update);
+  /// Of the last frame whose features were extracted.
+  std::vector<FeatureObservation> observations() const;
 
  private:
   using FramePointer = std::shared_ptr<const FeatureFrame>;
@@ -55,6 +57,8 @@ class Tracking {
   KeyframeInsertion keyframes_;
   Initialization initialization_;
   Relocalization relocalization_;
+  FramePointer last_features_;
+  std::vector<TrackedPoint> last_points_;  ///< That the last pose rests on.
 };
 
 }  // namespace rastro
