@@ -5,8 +5,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include <cstdlib>
-#include <fstream>
+#include <functional>
 #include <thread>
 
 #include "rastro/base/append_file.h"
@@ -14,7 +13,7 @@
 #include "rastro/base/scratch_testing.h"
 #include "rastro/map/file/growing_map_file.h"
 #include "rastro/map/file/recover_map.h"
-#include "rastro/map/rgbd_map_testing.h"
+#include "rastro/map/images/room_map_testing.h"
 
 namespace rastro {
 namespace {
@@ -23,12 +22,12 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 /// Made once: most tests only look.
-const RgbdMap& room() {
-  static const RgbdMap map = make_test_map();
+const Map& room() {
+  static const Map map = make_test_map();
   return map;
 }
 
-std::string saved_bytes(const RgbdMap& map, const std::string& name) {
+std::string saved_bytes(const Map& map, const std::string& name) {
   const fs::path file = scratch_path(name);
   save_map(map, file);
   return read_whole_file(file);
@@ -50,27 +49,43 @@ void run_sql(const fs::path& file, const std::string& sql) {
   sqlite3_close(connection);
 }
 
-void expect_same(const RgbdMap& a, const RgbdMap& b) {
+void expect_same_features(const ImageFeatures& a, const ImageFeatures& b) {
+  EXPECT_EQ(a.id, b.id);
+  EXPECT_EQ(a.frame, b.frame);
+  EXPECT_EQ(a.stamp, b.stamp);
+  EXPECT_EQ(a.depths, b.depths);
+  EXPECT_EQ(a.features.descriptors, b.features.descriptors);
+  EXPECT_EQ(a.features.levels, b.features.levels);
+}
+
+void expect_same(const Map& a, const Map& b) {
   EXPECT_EQ(a.method, b.method);
-  EXPECT_EQ(a.camera.fx, b.camera.fx);
-  EXPECT_EQ(a.camera.width, b.camera.width);
+  ASSERT_EQ(a.cameras.size(), b.cameras.size());
+  EXPECT_EQ(a.cameras[0].kind, b.cameras[0].kind);
+  EXPECT_EQ(a.cameras[0].depth_noise, b.cameras[0].depth_noise);
+  EXPECT_EQ(a.cameras[0].intrinsics.fx, b.cameras[0].intrinsics.fx);
+  EXPECT_EQ(a.cameras[0].intrinsics.width, b.cameras[0].intrinsics.width);
+  EXPECT_EQ(scale_of(a).metric, scale_of(b).metric);
+  EXPECT_EQ(scale_of(a).origin, scale_of(b).origin);
   ASSERT_EQ(a.keyframes.size(), b.keyframes.size());
   for (std::size_t i = 0; i < a.keyframes.size(); ++i) {
-    EXPECT_EQ(a.keyframes[i]->id, b.keyframes[i]->id);
-    EXPECT_EQ(a.keyframes[i]->stamp, b.keyframes[i]->stamp);
-    EXPECT_EQ(a.keyframes[i]->depths, b.keyframes[i]->depths);
-    EXPECT_EQ(a.keyframes[i]->features.bits, b.keyframes[i]->features.bits);
-    EXPECT_EQ(a.poses[i].submap, b.poses[i].submap);
-    EXPECT_LT((a.poses[i].world_from_camera.inverse() * b.poses[i].world_from_camera).log().norm(), 1e-14);
-    EXPECT_EQ(a.pictures->pictures(a.keyframes[i]->id), b.pictures->pictures(b.keyframes[i]->id));
+    const Keyframe &x = a.keyframes[i], &y = b.keyframes[i];
+    EXPECT_EQ(x.id, y.id);
+    EXPECT_EQ(x.frame, y.frame);
+    EXPECT_EQ(x.stamp, y.stamp);
+    EXPECT_EQ(x.submap, y.submap);
+    EXPECT_EQ(x.parent, y.parent);
+    EXPECT_LT((x.world_from_camera.inverse() * y.world_from_camera).log().norm(), 1e-14);
+    expect_same_features(*a.layer<FeatureLayer>()->find(x.id), *b.layer<FeatureLayer>()->find(y.id));
+    EXPECT_EQ(images_of(a)->pictures(x.id), images_of(b)->pictures(y.id));
   }
-  ASSERT_EQ(a.edges.size(), b.edges.size());
-  for (std::size_t i = 0; i < a.edges.size(); ++i) {
-    EXPECT_EQ(a.edges[i].kind, b.edges[i].kind);
-    EXPECT_EQ(a.edges[i].to, b.edges[i].to);
-    EXPECT_EQ(a.edges[i].information, b.edges[i].information);
+  ASSERT_EQ(a.constraints.size(), b.constraints.size());
+  for (std::size_t i = 0; i < a.constraints.size(); ++i) {
+    EXPECT_EQ(a.constraints[i].kind, b.constraints[i].kind);
+    EXPECT_EQ(a.constraints[i].to, b.constraints[i].to);
+    EXPECT_EQ(a.constraints[i].information, b.constraints[i].information);
   }
-  EXPECT_EQ(a.trajectory.size(), b.trajectory.size());
+  EXPECT_EQ(a.frames.size(), b.frames.size());
 }
 
 TEST(MapFile, HoldsAllOfAMapAndTheSameBytesForTheSameMap) {
@@ -81,18 +96,23 @@ TEST(MapFile, HoldsAllOfAMapAndTheSameBytesForTheSameMap) {
   const auto loaded = load_map(file);
   expect_same(room(), *loaded);
   EXPECT_EQ(saved_bytes(*loaded, "again.rastro"), bytes) << "save, load, save";
+  const MapFileReport report = check_map_file(file);
+  EXPECT_EQ(report.damage, "");
+  EXPECT_EQ(report.version, 3U);
+  EXPECT_EQ(report.bytes, bytes.size());
+  EXPECT_TRUE(report.finished);
   EXPECT_FALSE(fs::exists(file.string() + "-wal"));
   EXPECT_FALSE(fs::exists(file.string() + ".new"));
 }
 
 TEST(MapFile, PosesOfAnyRotationKeepTheirBytes) {
-  RgbdMap map = room();
+  Map map = room();
   Random random(7);
-  map.trajectory.clear();
+  map.frames.clear();
   for (int i = 0; i < 3000; ++i) {
     Vector6d tangent;
     for (double& value : tangent) value = random.uniform(-2.0, 2.0);
-    map.trajectory.push_back({i, SE3::exp(tangent)});
+    map.frames.push_back({i, i % 6, SE3::exp(tangent)});
   }
   const fs::path file = scratch_path("turned.rastro");
   save_map(map, file);
@@ -100,30 +120,32 @@ TEST(MapFile, PosesOfAnyRotationKeepTheirBytes) {
 }
 
 TEST(MapFile, AnEmptyMapAndFloatDescriptorsAreMapsToo) {
-  RgbdMap map;
-  map.camera = room().camera;
   const fs::path file = scratch_path("empty.rastro");
+  save_map(Map(), file);
+  EXPECT_TRUE(load_map(file)->cameras.empty());
+  Map map;
+  map.cameras = room().cameras;
   save_map(map, file);
   EXPECT_TRUE(load_map(file)->keyframes.empty());
-  auto keyframe = std::make_shared<RgbdKeyframe>();
-  keyframe->features.keypoints.resize(2);
-  keyframe->features.length = 3;
-  keyframe->features.floats = {1, 2, 3, 4, 5, 6};
-  keyframe->depths = {1.0F, 0.0F};
-  map.keyframes = {keyframe};
-  map.poses.resize(1);
-  const auto pictures = std::make_shared<MemoryPictures>();
-  pictures->add(0, {});
-  map.pictures = pictures;
+  auto image = std::make_shared<ImageFeatures>();
+  image->features.keypoints.resize(2);
+  image->features.length = 3;
+  image->features.floats = {1, 2, 3, 4, 5, 6};
+  image->depths = {1.0F, 0.0F};
+  auto features = std::make_shared<FeatureLayer>();
+  features->of[0] = image;
+  map.layers.put<FeatureLayer>(std::move(features));
+  map.keyframes.resize(1);
   save_map(map, file);
-  EXPECT_EQ(load_map(file)->keyframes[0]->features.floats, keyframe->features.floats);
+  EXPECT_EQ(load_map(file)->layer<FeatureLayer>()->find(0)->features.floats, image->features.floats);
 }
 
-TEST(MapFile, SaysWhatIsWrongInOneLine) {
+TEST(MapFile, AFileThatIsNoSoundMapIsRefusedInOneLine) {
   const fs::path file = scratch_path("bad.rastro");
   EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("cannot be read"));
   write_whole_file(file, "a text");
   EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("no map of rastro"));
+  EXPECT_THAT(message_of([&] { check_map_file(file); }), HasSubstr("no map of rastro"));
   EXPECT_FALSE(is_map_file(file));
   save_map(room(), file);
   EXPECT_TRUE(is_map_file(file));
@@ -131,17 +153,49 @@ TEST(MapFile, SaysWhatIsWrongInOneLine) {
   write_whole_file(file, whole.substr(0, whole.size() / 2));
   EXPECT_THAT(message_of([&] { load_map(file); }), testing::AllOf(HasSubstr("cut off"), HasSubstr("recover")));
   write_whole_file(file, whole);
-  run_sql(file, "PRAGMA user_version=3");
-  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("version 3"));
-  for (const char* sql : {"DELETE FROM poses WHERE id=2", "DELETE FROM edges", "UPDATE edges SET body=x'00' WHERE id=1",
-                          "UPDATE keyframes SET id=9 WHERE id=3", "CREATE TABLE more (x)", "DROP TABLE way",
-                          "UPDATE head SET body='text'", "UPDATE contents SET checksum=1 WHERE id=0"}) {
+  run_sql(file, "PRAGMA user_version=4");
+  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("version 4"));
+}
+
+TEST(MapFile, EveryRowThatIsNotAsItWasWrittenIsDamage) {
+  const fs::path file = scratch_path("bad.rastro");
+  const std::string whole = saved_bytes(room(), "whole.rastro");
+  const std::string form = " (id INTEGER PRIMARY KEY, checksum INTEGER NOT NULL, body BLOB NOT NULL)";
+  const std::string damages[] = {"DELETE FROM keyframes WHERE id=2",
+                                 "UPDATE keyframes SET id=9 WHERE id=3",
+                                 "DELETE FROM constraints",
+                                 "UPDATE constraints SET body=x'00' WHERE id=1",
+                                 "UPDATE cameras SET body=x'00'",
+                                 "DELETE FROM sessions",
+                                 "UPDATE head SET body='text'",
+                                 "UPDATE contents SET checksum=1 WHERE id=0",
+                                 "DELETE FROM layers WHERE id=1",
+                                 "UPDATE layer_features SET body=x'00' WHERE id=4",
+                                 "DELETE FROM layer_images WHERE id=3",
+                                 "DROP TABLE frames",
+                                 "DROP TABLE layer_images",
+                                 "CREATE TABLE more (x)",
+                                 "CREATE TABLE more" + form,
+                                 "CREATE TABLE layer_more" + form,
+                                 "CREATE TABLE layer_Images2" + form,
+                                 "CREATE VIEW layer_view AS SELECT * FROM head"};
+  for (const std::string& sql : damages) {
     write_whole_file(file, whole);
     run_sql(file, sql);
     EXPECT_THAT(message_of([&] { load_map(file); }), testing::AllOf(HasSubstr("bad.rastro"), HasSubstr("recover")))
         << sql;
     EXPECT_FALSE(check_map_file(file).damage.empty()) << sql;
   }
+}
+
+TEST(MapFile, ADamagedImageIsSeenWhenItIsAskedFor) {
+  const fs::path file = scratch_path("image.rastro");
+  save_map(room(), file);
+  run_sql(file, "UPDATE layer_images SET body=x'00' WHERE id=3");
+  const auto map = load_map(file);
+  EXPECT_EQ(images_of(*map)->pictures(2), images_of(room())->pictures(2));
+  EXPECT_THAT(message_of([&] { images_of(*map)->pictures(3); }), HasSubstr("row 3 of layer_images"));
+  EXPECT_THAT(check_map_file(file).damage, HasSubstr("row 3 of layer_images"));
 }
 
 TEST(MapFile, NoByteThatMeansSomethingChangesUnseen) {
@@ -174,78 +228,169 @@ TEST(RecoverMap, SavesAllOfASoundFile) {
   EXPECT_EQ(saved_bytes(*recovered.map, "recovered.rastro"), read_whole_file(file));
 }
 
-TEST(RecoverMap, SavesWhatIsLeftOfACutOrOverwrittenFile) {
+TEST(RecoverMap, SavesWhatIsLeftOfACutFile) {
   const fs::path file = scratch_path("torn.rastro");
-  save_map(room(), file);
-  const std::string whole = read_whole_file(file);
-  write_whole_file(file, whole.substr(0, whole.size() * 3 / 4));  // within the pictures
+  const std::string whole = saved_bytes(room(), "whole.rastro");
+  write_whole_file(file, whole.substr(0, whole.size() * 3 / 4));  // within the images, which come last
   const RecoveredMap half = recover_map(file);
-  EXPECT_THAT(half.map->keyframes.size(), testing::AllOf(testing::Ge(2U), testing::Lt(6U)));
+  EXPECT_EQ(half.map->keyframes.size(), 6U);
+  EXPECT_EQ(half.map->layer<FeatureLayer>()->of.size(), 6U);
+  EXPECT_THAT(half.map->layer<ImageLayer>()->keyframes.size(), testing::AllOf(testing::Ge(2U), testing::Lt(6U)));
   EXPECT_TRUE(half.finished) << "the table of contents is among the first pages";
-  EXPECT_THAT(half.lost, testing::Contains(HasSubstr("keyframes")));
+  EXPECT_THAT(half.lost, testing::ElementsAre(HasSubstr("of 6 images")));
   save_map(*half.map, scratch_path("half.rastro"));
-  std::string holed = whole;
-  holed.replace(0, 4096, 4096, 'x');  // the first page, with SQLite's header and the names of the tables
-  holed.replace(40 * 4096, 4096, 4096, 'y');
-  write_whole_file(file, holed);
-  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("try 'rastro recover'"));
-  const RecoveredMap rest = recover_map(file);
-  EXPECT_EQ(rest.map->keyframes.size(), 5U);
-  EXPECT_THAT(rest.lost, testing::Contains(HasSubstr("1 of 6 keyframes")));
-  EXPECT_EQ(rest.map->trajectory.size(), room().trajectory.size());
   write_whole_file(file, std::string(10000, 'z'));
   EXPECT_THAT(message_of([&] { recover_map(file); }), HasSubstr("nothing of a map"));
 }
 
-void add_all(const RgbdMap& map, MapArchive& archive) {
-  archive.begin(map);
-  for (const auto& keyframe : map.keyframes) archive.add_keyframe(*keyframe, {}, map.pictures->pictures(keyframe->id));
-  for (const PoseEdge& edge : map.edges) archive.add_edge(edge);
-  for (const StampedPose& pose : map.trajectory) archive.add_pose(pose);
-  archive.set_poses(map.poses);
+/// Where the middle of a row with this body lies: on a page that holds nothing else.
+std::size_t middle_of(const std::string& file, const std::string& body) {
+  constexpr std::size_t piece = 64;
+  for (std::size_t begin = body.size() / 2; begin + piece <= body.size(); begin += piece) {
+    const std::size_t at = file.find(body.substr(begin, piece));
+    if (at != std::string::npos) return at;
+  }
+  return std::string::npos;
+}
+
+void lose_page(std::string& file, std::size_t at) {
+  constexpr std::size_t page = 4096;
+  ASSERT_LT(at, file.size());
+  file.replace(at / page * page, page, page, 'y');
+}
+
+TEST(RecoverMap, APageOfAnImageAndTheFirstPageCostThatImageAlone) {
+  const fs::path file = scratch_path("holed.rastro");
+  std::string holed = saved_bytes(room(), "whole.rastro");
+  lose_page(holed, 0);  // SQLite's header and the names of the tables
+  const std::vector<std::uint8_t> color = images_of(room())->pictures(2).colour;
+  ASSERT_GT(color.size(), 12'288U);
+  lose_page(holed, middle_of(holed, {color.begin(), color.end()}));
+  write_whole_file(file, holed);
+  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("try 'rastro recover'"));
+  const RecoveredMap rest = recover_map(file);
+  EXPECT_EQ(rest.map->keyframes.size(), 6U);
+  EXPECT_EQ(rest.map->layer<ImageLayer>()->keyframes, (std::vector<KeyframeId>{0, 1, 3, 4, 5}));
+  EXPECT_THAT(rest.lost, testing::ElementsAre("1 of 6 images"));
+  EXPECT_EQ(rest.map->frames.size(), room().frames.size());
+}
+
+/// The bytes with which the row of a keyframe begins: no other row has them.
+std::string begin_of_row(const Keyframe& keyframe) {
+  std::string bytes(reinterpret_cast<const char*>(&keyframe.frame), sizeof keyframe.frame);
+  bytes.append(reinterpret_cast<const char*>(&keyframe.stamp), sizeof keyframe.stamp);
+  return bytes + std::string(2 * sizeof(std::int32_t), '\0');  // camera 0, submap 0
+}
+
+TEST(RecoverMap, ALostKeyframeTakesItsLayersConstraintsAndFramesWithIt) {
+  const fs::path file = scratch_path("lost.rastro");
+  std::string holed = saved_bytes(room(), "whole.rastro");
+  const std::size_t at = holed.find(begin_of_row(room().keyframes[2]));
+  ASSERT_NE(at, std::string::npos);
+  holed[at] ^= 1;
+  write_whole_file(file, holed);
+  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("row 2 of keyframes"));
+  const RecoveredMap rest = recover_map(file);
+  EXPECT_THAT(rest.lost, testing::ElementsAre("1 of 6 keyframes", "2 constraints of lost keyframes",
+                                              "5 frames of lost keyframes"));
+  EXPECT_EQ(rest.map->keyframes.size(), 5U);
+  EXPECT_FALSE(rest.map->find(2));
+  EXPECT_FALSE(rest.map->layer<FeatureLayer>()->find(2));
+  EXPECT_EQ(rest.map->layer<ImageLayer>()->keyframes, (std::vector<KeyframeId>{0, 1, 3, 4, 5}));
+  EXPECT_EQ(contradiction_in(*rest.map), "");
+  const fs::path saved = scratch_path("saved.rastro");
+  save_map(*rest.map, saved);
+  EXPECT_EQ(check_map_file(saved).damage, "");
+}
+
+void add_all_images(const Map& map, MapArchive& archive) {
+  for (const Keyframe& keyframe : map.keyframes) archive.add_images(keyframe.id, images_of(map)->pictures(keyframe.id));
+}
+
+/// With its images in the archive.
+Map kept_in(const MapArchive& archive, const Map& map) {
+  Map result = map;
+  auto images = std::make_shared<ImageLayer>(*map.layer<ImageLayer>());
+  images->store = archive.images();
+  result.layers.put<ImageLayer>(std::move(images));
+  return result;
 }
 
 TEST(GrowingMapFile, EndsAsTheFileOfTheMap) {
   const fs::path file = scratch_path("grown.rastro");
-  RgbdMap map = room();
   GrowingMapFile growing(file);
-  add_all(map, growing);
-  map.pictures = growing.pictures();
-  EXPECT_EQ(map.pictures->pictures(4), room().pictures->pictures(4)) << "before anything need be on the disk";
+  add_all_images(room(), growing);
+  const Map map = kept_in(growing, room());
+  EXPECT_EQ(images_of(map)->pictures(4), images_of(room())->pictures(4)) << "before anything need be on the disk";
+  growing.keep(std::make_shared<Map>(map));
   growing.finish(map);
-  EXPECT_EQ(map.pictures->pictures(4), room().pictures->pictures(4)) << "from the final file";
+  EXPECT_EQ(images_of(map)->pictures(4), images_of(room())->pictures(4)) << "from the final file";
   EXPECT_EQ(read_whole_file(file), saved_bytes(room(), "plain.rastro"));
   EXPECT_FALSE(fs::exists(file.string() + "-wal"));
 }
 
-TEST(GrowingMapFile, IsReadableWhileItGrowsAndWhereItStopped) {
+TEST(GrowingMapFile, EndsTheSameWithoutAnythingKeptBefore) {
+  const fs::path file = scratch_path("at_once.rastro");
+  GrowingMapFile growing(file);
+  growing.finish(room());
+  EXPECT_EQ(read_whole_file(file), saved_bytes(room(), "plain.rastro"));
+  EXPECT_EQ(growing.images()->pictures(4), images_of(room())->pictures(4));
+}
+
+TEST(GrowingMapFile, IsReadableWhereItStopped) {
   const fs::path file = scratch_path("stopped.rastro");
   {
     GrowingMapFile growing(file);
-    add_all(room(), growing);
+    add_all_images(room(), growing);
+    growing.keep(std::make_shared<Map>(kept_in(growing, room())));
   }
   const MapFileReport report = check_map_file(file);
   EXPECT_EQ(report.damage, "");
   EXPECT_FALSE(report.finished);
+  ASSERT_TRUE(report.map);
   expect_same(room(), *report.map);
+  EXPECT_EQ(saved_bytes(*report.map, "kept.rastro"), saved_bytes(room(), "plain.rastro"));
 }
 
-TEST(GrowingMapFile, AWrongPlaceIsSaidAndPicturesAreReadByManyThreads) {
+TEST(GrowingMapFile, ImagesOfKeyframesThatWereNotKeptAreNoHarm) {
+  const fs::path file = scratch_path("early.rastro");
+  Map map = make_test_map(3);
+  {
+    GrowingMapFile growing(file);
+    add_all_images(room(), growing);
+    growing.keep(std::make_shared<Map>(kept_in(growing, map)));
+  }
+  const MapFileReport report = check_map_file(file);
+  EXPECT_EQ(report.damage, "");
+  ASSERT_TRUE(report.map);
+  EXPECT_EQ(report.map->layer<ImageLayer>()->keyframes, (std::vector<KeyframeId>{0, 1, 2}));
+}
+
+TEST(GrowingMapFile, AWrongPathIsSaidByTheNextCall) {
+  GrowingMapFile images(scratch_path("no_folder") / "map.rastro");
+  EXPECT_THAT(message_of([&] { images.add_images(0, {}); }), HasSubstr("no_folder"));
   GrowingMapFile nowhere(scratch_path("no_folder") / "map.rastro");
-  nowhere.begin(room());
-  EXPECT_THAT(message_of([&] { nowhere.add_edge(room().edges[0]); }), HasSubstr("no_folder"));
+  const auto map = std::make_shared<Map>(room());
+  std::string said = "no error";
+  for (int i = 0; i < 1000 && said == "no error"; ++i) {
+    said = message_of([&] { nowhere.keep(map); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_THAT(said, HasSubstr("no_folder"));
+}
+
+TEST(GrowingMapFile, ImagesAreReadByManyThreads) {
   GrowingMapFile growing(scratch_path("threads.rastro"));
-  growing.begin(room());
   std::vector<std::thread> readers;
-  for (std::int64_t id = 0; id < 6; ++id) {
-    growing.add_keyframe(*room().keyframes[static_cast<std::size_t>(id)], {}, room().pictures->pictures(id));
+  for (KeyframeId id = 0; id < 6; ++id) {
+    growing.add_images(id, images_of(room())->pictures(id));
     readers.emplace_back([&, id] {
       for (int i = 0; i < 20; ++i)
-        EXPECT_EQ(growing.pictures()->pictures(id).bytes(), room().pictures->pictures(id).bytes());
+        EXPECT_EQ(growing.images()->pictures(id).bytes(), images_of(room())->pictures(id).bytes());
     });
   }
   for (std::thread& reader : readers) reader.join();
-  EXPECT_THROW(growing.pictures()->pictures(99), Error);
+  EXPECT_THROW(growing.images()->pictures(99), Error);
 }
 
 }  // namespace
