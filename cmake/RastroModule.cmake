@@ -221,6 +221,8 @@ ${entries}    return all;
 
 }  // namespace rastro
 ")
+  # An object of its own, or the linker could not leave the library's.
+  set_source_files_properties("${file}" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 # One test program per module, from its *_test.cpp; a module without tests gets none.
