@@ -101,6 +101,58 @@ TEST_P(SlamContract, SaysWhatItIsAndWhatItCanBeSetTo) {
   EXPECT_THROW(table.set("nonsense", "1", "a test"), Error);
 }
 
+TEST_P(SlamContract, BeginsAnewAfterAReset) {
+  const auto fresh = make(), again = make();
+  const std::vector<Frame> frames = place().frames(place().long_count());
+  run(*fresh, frames);
+  for (std::size_t k = 0; k < frames.size() / 2; ++k) again->process(frames[k]);
+  again->reset();
+  EXPECT_TRUE(again->trajectory().empty());
+  run(*again, frames);
+  EXPECT_EQ(text_of(again->trajectory()), text_of(fresh->trajectory()));
+  EXPECT_EQ(text_of(*again->snapshot()), text_of(*fresh->snapshot()));
+}
+
+TEST_P(SlamContract, LeavesTheMapAloneWhileMappingIsOff) {
+  const auto slam = make();
+  const std::vector<Frame> frames = place().frames(place().long_count());
+  const std::size_t half = frames.size() / 2;
+  for (std::size_t k = 0; k < half; ++k) slam->process(frames[k]);
+  if (!slam->set_mapping(false)) GTEST_SKIP() << "the method cannot switch mapping off";
+  const std::size_t keyframes = slam->snapshot()->keyframes.size(), poses = slam->trajectory().size();
+  int tracked = 0;
+  for (std::size_t k = half; k < half + 5; ++k) {
+    const SlamState state = slam->process(frames[k]).state;
+    tracked += state == SlamState::tracking || state == SlamState::weak ? 1 : 0;
+  }
+  EXPECT_EQ(slam->snapshot()->keyframes.size(), keyframes);
+  EXPECT_EQ(tracked, 5);
+  EXPECT_EQ(slam->trajectory().size(), poses + 5);
+  EXPECT_TRUE(slam->set_mapping(true));
+  for (std::size_t k = half + 5; k < frames.size(); ++k) slam->process(frames[k]);
+  slam->finish();
+  EXPECT_GT(slam->snapshot()->keyframes.size(), keyframes);
+  expect_right(*slam, {}, 2.0);
+}
+
+TEST_P(SlamContract, ObservationsAreOfTheLastFrameAndItsMap) {
+  const auto slam = make();
+  SlamUpdate last;
+  for (const Frame& frame : place().frames(place().long_count())) last = slam->process(frame);
+  const std::vector<FeatureObservation> observations = slam->observations();
+  if (observations.empty()) GTEST_SKIP() << "the method has no features";
+  const auto landmarks = slam->snapshot()->layer<LandmarkLayer>();
+  ASSERT_TRUE(landmarks);
+  int inliers = 0, known = 0;
+  for (const FeatureObservation& each : observations) {
+    EXPECT_TRUE(each.pixel.allFinite());
+    inliers += each.state == ObservationState::inlier ? 1 : 0;
+    known += each.landmark >= 0 && landmarks->find(each.landmark) ? 1 : 0;
+  }
+  EXPECT_EQ(inliers, last.used);
+  EXPECT_GT(known, inliers / 3) << "the others were culled since, or are seen with depth alone";
+}
+
 TEST_P(SlamContract, RefusesASourceWithoutWhatItNeeds) {
   SourceInfo nothing;
   nothing.path = "nothing.log";

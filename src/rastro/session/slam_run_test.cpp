@@ -52,6 +52,7 @@ class FakeSlam : public Slam {
     return {{"loop_closed", "at last"}};
   }
   Trajectory trajectory() const override { return trajectory_; }
+  void reset() override { trajectory_.clear(); }
   std::shared_ptr<const Map> snapshot() const override {
     if (given) return given;
     auto map = std::make_shared<Map>();

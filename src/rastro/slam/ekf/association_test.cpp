@@ -45,7 +45,9 @@ TEST(LandmarkAssociation, TheGateIsASquaredMahalanobisDistance) {
   EXPECT_NEAR(map.associated({sighting_at(5.1, 0.2)})[0].distance, 0.05 / 0.02, 1e-9);
 }
 
-TEST(LandmarkAssociation, AnEmptyMapKnowsNothing) { EXPECT_EQ(KnownLandmarks().kind_of(sighting_at(1.0, 1.0)), Kind::fresh); }
+TEST(LandmarkAssociation, AnEmptyMapKnowsNothing) {
+  EXPECT_EQ(KnownLandmarks().kind_of(sighting_at(1.0, 1.0)), Kind::fresh);
+}
 
 TEST(LandmarkAssociation, WhatFitsTwoLandmarksIsNotUsed) {
   KnownLandmarks map;

@@ -33,7 +33,8 @@ class KeyframePipeline {
   void take_results(TimeNs stamp, std::vector<SlamEvent>& events);
   /// Takes all of local mapping and loop closing: the graph is the caller's afterwards, until the next insert().
   void take_all_results(std::vector<SlamEvent>& events);
-  /// Takes all of local mapping and gives up an adjustment under way: nothing touches the graph until the next insert().
+  /// Takes all of local mapping and gives up an adjustment under way: nothing touches the graph until the next
+  /// insert().
   void pause(std::vector<SlamEvent>& events);
   /// Until the graph may be read; results stay to be taken.
   void wait() const { mapping_.wait(); }

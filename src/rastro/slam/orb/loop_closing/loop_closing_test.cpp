@@ -25,8 +25,7 @@ struct Bench {
       : graph(world.camera, sensor, sensor == CameraKind::mono ? 0.0 : 0.1, OrbOptions{}),
         database(graph, world.vocabulary()),
         loop_closing(options, graph, database),
-        mapper(world, graph, sensor == CameraKind::mono ? 0.004 : 0.006,
-               sensor == CameraKind::mono ? 1.004 : 1.0) {}
+        mapper(world, graph, sensor == CameraKind::mono ? 0.004 : 0.006, sensor == CameraKind::mono ? 1.004 : 1.0) {}
 
   /// Root mean square of the keyframes' distances from truth, best aligned; NaN where that says nothing.
   double error() const { return error(mapper); }

@@ -32,8 +32,7 @@ TrackedFrame placed(const MapGraph& graph, std::int64_t index, std::int64_t keyf
 
 /// A map of two keyframes and a trajectory past them.
 struct WayBench {
-  explicit WayBench(CameraKind sensor = CameraKind::mono)
-      : map(world, sensor, sensor == CameraKind::mono ? 0.0 : 0.1) {
+  explicit WayBench(CameraKind sensor = CameraKind::mono) : map(world, sensor, sensor == CameraKind::mono ? 0.0 : 0.1) {
     map.add(0, pose_at(0.0).inverse());
     map.add(1, pose_at(1.0).inverse());
   }

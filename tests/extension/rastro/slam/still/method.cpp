@@ -20,6 +20,7 @@ class StillSlam : public Slam {
     return update;
   }
   Trajectory trajectory() const override { return trajectory_; }
+  void reset() override { trajectory_.clear(); }
   std::shared_ptr<const Map> snapshot() const override {
     auto map = std::make_shared<Map>();
     map->method = "still";
