@@ -40,7 +40,8 @@ void run(int argc, char** argv) {
       wrong += judged.never_wrong() ? 0 : 1;
       fmt::print("{:15} {:>7} {:>6} {:>9} {:>9.2f} {:>8.2f}% {:>6.2f}deg {:>7.2f}%{}\n", name, *judged.started,
                  judged.poses, judged.landmarks, judged.way_m, 100.0 * judged.position_error,
-                 judged.rotation_error_rad * 57.2958, 100.0 * judged.depth_error, judged.never_wrong() ? "" : "  WRONG");
+                 judged.rotation_error_rad * 57.2958, 100.0 * judged.depth_error,
+                 judged.never_wrong() ? "" : "  WRONG");
     }
   fmt::print("{} started, {} wrong\n", started, wrong);
 }

@@ -39,8 +39,7 @@ float distance_of(const Features& a, std::size_t i, const Features& b, std::size
 }
 
 /// By definition, one pair after the other.
-std::vector<DescriptorMatch> slow_matches(const Features& a, const Features& b,
-                                          const DescriptorMatchOptions& options) {
+std::vector<DescriptorMatch> slow_matches(const Features& a, const Features& b, const DescriptorMatchOptions& options) {
   const auto nearest = [](const Features& from, std::size_t i, const Features& to) {
     std::vector<std::pair<float, std::size_t>> all;
     for (std::size_t k = 0; k < to.size(); ++k) all.emplace_back(distance_of(from, i, to, k), k);

@@ -45,7 +45,8 @@ Constraint edge_between(const std::vector<SE3>& truth, std::size_t from, std::si
 
 std::vector<Constraint> loop_edges(const std::vector<SE3>& truth) {
   std::vector<Constraint> edges;
-  for (std::size_t k = 1; k < truth.size(); ++k) edges.push_back(edge_between(truth, k - 1, k, ConstraintKind::odometry));
+  for (std::size_t k = 1; k < truth.size(); ++k)
+    edges.push_back(edge_between(truth, k - 1, k, ConstraintKind::odometry));
   for (std::size_t k = 0; k + 16 < truth.size(); k += 3)
     edges.push_back(edge_between(truth, k, k + 16, ConstraintKind::loop));
   return edges;
@@ -119,7 +120,8 @@ TEST(PoseGraph, WhereEdgesDisagreeNoStepLowersTheCost) {
   Random random(3);
   for (const LoopModel loops : {LoopModel::switchable, LoopModel::robust}) {
     std::vector<Constraint> edges = loop_edges(truth);
-    for (Constraint& edge : edges) edge.from_from_to = Sim3(edge.rigid() * SE3::exp(random_tangent(0.03, 0.03, random)));
+    for (Constraint& edge : edges)
+      edge.from_from_to = Sim3(edge.rigid() * SE3::exp(random_tangent(0.03, 0.03, random)));
     std::vector<SE3> poses = disturbed(truth, 0.1, 0.1, random);
     PoseGraphOptions options{loops, 100.0, 8.0, 300};
     const PoseGraphResult result = optimize_pose_graph(poses, edges, only_first(poses), options);
@@ -141,8 +143,7 @@ TEST(PoseGraph, AWrongLoopIsTurnedOffAndTrueOnesAfterALongDriftAreNot) {
   const std::vector<SE3> truth = square_loop();
   std::vector<Constraint> edges = loop_edges(truth);
   edges.push_back(edge_between(truth, 4, 25, ConstraintKind::loop));
-  edges.back().from_from_to =
-      Sim3(edges.back().rigid() * SE3(SO3::exp({0.0, 0.5, 0.0}), {1.5, -1.0, 0.0}));
+  edges.back().from_from_to = Sim3(edges.back().rigid() * SE3(SO3::exp({0.0, 0.5, 0.0}), {1.5, -1.0, 0.0}));
   // The way bends, as odometry's does: its end is far off, and so are the true loops.
   std::vector<SE3> poses{truth[0]};
   const SE3 bend = SE3::exp((Vector6d() << 0.01, 0.005, 0.0, 0.0, 0.01, 0.01).finished());

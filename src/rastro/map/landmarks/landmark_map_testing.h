@@ -91,17 +91,17 @@ inline void look(const TestRoad& road, std::size_t k, const std::vector<Eigen::V
 
 }  // namespace test_road
 
-/// A map without noise. Ids have gaps, as those of a map that lost keyframes and landmarks; a loop closure from the last
-/// keyframe to the first one.
+/// A map without noise. Ids have gaps, as those of a map that lost keyframes and landmarks; a loop closure from the
+/// last keyframe to the first one.
 inline Map make_landmark_test_map(const TestRoad& road = {}) {
   Random random(11);
   Map map;
   map.method = "orb";
   const double baseline = road.sensor == CameraKind::stereo ? TestRoad::baseline_m : 0.0;
   map.cameras.push_back({road.sensor, TestRoad::camera(), baseline, {}, SE3()});
-  map.sessions.push_back({0, 0, "", 0, 0,
-                          road.sensor == CameraKind::mono ? MapScale{false, 0.0, "arbitrary"}
-                                                          : MapScale{true, 0.002, "stereo baseline"}});
+  map.sessions.push_back(
+      {0, 0, "", 0, 0,
+       road.sensor == CameraKind::mono ? MapScale{false, 0.0, "arbitrary"} : MapScale{true, 0.002, "stereo baseline"}});
   auto layer = std::make_shared<LandmarkLayer>();
   auto features = std::make_shared<FeatureLayer>();
   std::vector<Eigen::Vector3d> places_m;
@@ -135,11 +135,13 @@ inline Map make_landmark_test_map(const TestRoad& road = {}) {
   map.layers.put<FeatureLayer>(std::move(features));
   map.layers.put<LandmarkLayer>(std::move(layer));
   for (int f = 0; f <= (road.keyframes - 1) * TestRoad::frames_between; ++f)
-    map.frames.push_back(*frame_in(map, {TestRoad::first_stamp + f * TestRoad::frame_ns,
-                                         in_units(static_cast<double>(f) / (road.keyframes * TestRoad::frames_between))}));
+    map.frames.push_back(
+        *frame_in(map, {TestRoad::first_stamp + f * TestRoad::frame_ns,
+                        in_units(static_cast<double>(f) / (road.keyframes * TestRoad::frames_between))}));
   Constraint closure;
   closure.from = map.keyframes.back().id, closure.to = 0, closure.kind = ConstraintKind::loop, closure.inliers = 40;
-  closure.from_from_to = Sim3(map.keyframes.back().world_from_camera.inverse() * map.keyframes.front().world_from_camera);
+  closure.from_from_to =
+      Sim3(map.keyframes.back().world_from_camera.inverse() * map.keyframes.front().world_from_camera);
   map.constraints.push_back(closure);
   return map;
 }

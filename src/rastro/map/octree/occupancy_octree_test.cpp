@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "rastro/map/grid/slice.h"
-#include "rastro/map/octree/ray_cells.h"
 #include "rastro/map/images/room_map_testing.h"
+#include "rastro/map/octree/ray_cells.h"
 
 namespace rastro {
 namespace {
