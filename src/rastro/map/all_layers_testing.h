@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "rastro/map/images/pack_images.h"
+#include "rastro/map/landmarks/landmark_map_testing.h"
+#include "rastro/map/scans/scan_layer.h"
+#include "rastro/map/semi_dense/semi_dense_layer.h"
+#include "rastro/map/words/word_layer.h"
+
+namespace rastro {
+
+/// A small map that has every layer, each for a part of its keyframes; ids have gaps and are of two robots. Images are
+/// bytes that nobody unpacks.
+inline Map make_map_of_all_layers() {
+  TestRoad road;
+  road.sensor = CameraKind::stereo, road.keyframes = 8, road.landmarks = 400;
+  Map map = make_landmark_test_map(road);
+  map.revision = 17;
+  map.sessions.push_back({3, 1, "a recording", 5, 6, {true, 0.01, "a known length"}});
+  map.cameras.push_back({CameraKind::depth, TestRoad::camera(), 0.0, {0.003, 0.004}, SE3(SO3(), {0.1, 0.2, 0.3})});
+  Keyframe other = map.keyframes.back();
+  other.id = keyframe_id({3, 1, 40}), other.parent = map.keyframes[2].id, other.camera = 1, other.weight = 2.5;
+  map.keyframes.push_back(other);
+  map.frames.push_back({other.stamp + 1, other.id, SE3(SO3::exp({0.1, 0.2, 0.3}), {1.0, 2.0, 3.0})});
+  Constraint inter_robot;
+  inter_robot.from = map.keyframes[1].id, inter_robot.to = other.id, inter_robot.kind = ConstraintKind::inter_robot;
+  inter_robot.from_from_to = Sim3(1.5, SO3::exp({0.3, 0.0, -0.1}), {4.0, 5.0, 6.0});
+  inter_robot.weight = 0.25;
+  map.constraints.push_back(inter_robot);
+
+  auto images = std::make_shared<ImageLayer>();
+  auto pictures = std::make_shared<MemoryPictures>();
+  auto scans = std::make_shared<ScanLayer>();
+  auto semi_dense = std::make_shared<SemiDenseLayer>();
+  auto words = std::make_shared<WordLayer>();
+  scans->cell_m = 0.1, scans->model.occupied_probability = 0.8;
+  words->vocabulary = "0123456789abcdef";
+  Random random(29);
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    const KeyframeId id = map.keyframes[k].id;
+    const auto byte = static_cast<std::uint8_t>(k + 1);
+    if (k % 2 == 0) {
+      images->keyframes.push_back(id);
+      pictures->add(id, {std::vector<std::uint8_t>(6000 + k, byte), {byte, 9}});
+    }
+    if (k % 3 != 1) {
+      auto of_keyframe = std::make_shared<KeyframeScans>(1 + k % 2);
+      for (KeyframeScan& scan : *of_keyframe) {
+        scan.sensor = {0.1, random.uniform(-0.2, 0.2)};
+        for (int i = 0; i < 40; ++i) scan.points.emplace_back(random.uniform(1.0, 4.0), random.uniform(-3.0, 3.0));
+      }
+      scans->of[id] = of_keyframe;
+    }
+    if (k % 3 != 2) {
+      auto depth = std::make_shared<SemiDenseDepth>();
+      for (std::uint16_t i = 0; i < 20; ++i)
+        depth->pixels.push_back(
+            {static_cast<std::uint16_t>(30 * i), i, 0.5F + 0.01F * static_cast<float>(i), 1e-4F, byte});
+      semi_dense->of[id] = depth;
+    }
+    if (k != 4) {
+      auto bag = std::make_shared<BagOfWords>();
+      bag->words = {{static_cast<std::uint32_t>(k), 0.25F}, {1000U, 0.75F}};
+      bag->nodes = {7U, 3U, 7U};
+      words->of[id] = bag;
+    }
+  }
+  images->store = pictures;
+  map.layers.put<ImageLayer>(std::move(images));
+  map.layers.put<ScanLayer>(std::move(scans));
+  map.layers.put<SemiDenseLayer>(std::move(semi_dense));
+  map.layers.put<WordLayer>(std::move(words));
+  return map;
+}
+
+}  // namespace rastro
