@@ -269,7 +269,7 @@ std::shared_ptr<const Map> expect_sound(const fs::path& file, std::uint32_t vers
   return map;
 }
 
-TEST(OldMapFile, OfADepthCameraIsRead) {
+TEST(ReadOldMap, OfADepthCameraIsRead) {
   const Map map = make_test_map(3);
   const fs::path file = scratch_path("version_1.rastro");
   write_version_1(map, file);
@@ -280,7 +280,7 @@ TEST(OldMapFile, OfADepthCameraIsRead) {
     EXPECT_EQ(images_of(*now)->pictures(keyframe.id), images_of(map)->pictures(keyframe.id));
 }
 
-TEST(OldMapFile, OfLandmarksIsRead) {
+TEST(ReadOldMap, OfLandmarksIsRead) {
   for (const CameraKind sensor : {CameraKind::mono, CameraKind::stereo, CameraKind::depth}) {
     TestRoad road;
     road.sensor = sensor;
