@@ -12,11 +12,18 @@
 #include <string_view>
 
 #include "rastro/base/error.h"
-#include "rastro/map/file/landmark_rows.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/map/file/graph_rows.h"
+#include "rastro/map/file/image_bytes.h"
 #include "rastro/map/file/map_file.h"
-#include "rastro/map/file/map_rows.h"
+#include "rastro/map/file/read_map.h"
 #include "rastro/map/file/recover_map.h"
-#include "rastro/map/landmark/landmark_checks.h"
+#include "rastro/map/graph/covisibility.h"
+#include "rastro/map/images/image_layer.h"
+#include "rastro/map/landmarks/landmark_layer.h"
+#include "rastro/map/scans/scan_layer.h"
+#include "rastro/map/semi_dense/semi_dense_layer.h"
+#include "rastro/map/words/word_layer.h"
 
 namespace {
 
@@ -34,57 +41,52 @@ void try_file(std::string_view bytes) {
   std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   read_or_refuse([] {
     const auto map = rastro::load_map(file);
-    if (map->poses.size() != map->keyframes.size()) __builtin_trap();
-    for (const auto& keyframe : map->keyframes) map->pictures->pictures(keyframe->id);
-  });
-  read_or_refuse([] {
-    const auto map = rastro::load_landmark_map(file);
     if (!rastro::contradiction_in(*map).empty()) __builtin_trap();
     rastro::covisibility_graph(*map, 1);
+    rastro::layer_points(*map, -1);
+    const auto images = map->layer<rastro::ImageLayer>();
+    if (!images) return;
+    for (const rastro::KeyframeId id : images->keyframes) images->store->pictures(id);
   });
   read_or_refuse([] {
     const auto recovered = rastro::recover_map(file);
-    if (recovered.landmark_map) {
-      if (!rastro::contradiction_in(*recovered.landmark_map).empty()) __builtin_trap();
-      return;
-    }
-    for (const auto& edge : recovered.map->edges)
-      if (static_cast<std::size_t>(edge.to) >= recovered.map->keyframes.size()) __builtin_trap();
+    if (!rastro::contradiction_in(*recovered.map).empty()) __builtin_trap();
   });
   std::filesystem::remove(file);
 }
 
-void try_rows(std::string_view body) {
+void try_graph_rows(std::string_view body) {
   const std::string where = "row";
-  rastro::RgbdMap map;
-  read_or_refuse([&] { rastro::read_head(body, where, map); });
   read_or_refuse([&] {
-    const auto keyframe = rastro::read_keyframe(body, 3, where);
-    if (rastro::body_of(*keyframe) != body) __builtin_trap();
+    rastro::Map map;
+    rastro::read_head(body, where, map);
+    if (!rastro::is_layered_head(body) || rastro::head_body(map) != body) __builtin_trap();
   });
+  read_or_refuse([&] { rastro::is_landmark_head(body); });
+  read_or_refuse([&] { rastro::read_camera(body, where); });
+  read_or_refuse([&] { rastro::read_session(body, where); });
+  read_or_refuse([&] { rastro::read_keyframe(body, 3, where); });
+  read_or_refuse([&] { rastro::read_constraint(body, where); });
+  read_or_refuse([&] { rastro::read_frame(body, where); });
   read_or_refuse([&] {
     if (rastro::body_of(rastro::read_pictures(body, where)) != body) __builtin_trap();
   });
-  read_or_refuse([&] { rastro::read_pose(body, where); });
-  read_or_refuse([&] { rastro::read_edge(body, where); });
-  read_or_refuse([&] { rastro::read_stamped_pose(body, where); });
 }
 
-void try_landmark_rows(std::string_view body) {
+/// A row that is read gives bytes that are read as the same.
+template <typename L>
+void try_layer_row(std::string_view body) {
   const std::string where = "row";
-  rastro::LandmarkMap map;
+  const rastro::LayerType& type = *rastro::layer_type(L::layer_name);
+  const std::string header = type.header(L());
+  read_or_refuse([&] { type.make(body, where); });
   read_or_refuse([&] {
-    rastro::read_head(body, where, map);
-    if (!rastro::is_landmark_head(body) || rastro::head_body(map) != body) __builtin_trap();
+    const auto layer = type.make(header, where), again = type.make(header, where);
+    type.read(*layer, 3, body, where);
+    const std::string row = type.row(*layer, 3);
+    type.read(*again, 3, row, where);
+    if (type.row(*again, 3) != row) __builtin_trap();
   });
-  read_or_refuse([&] {
-    if (rastro::body_of(*rastro::read_landmark_keyframe(body, 3, where)) != body) __builtin_trap();
-  });
-  read_or_refuse([&] {
-    if (rastro::body_of(rastro::read_landmark(body, 3, where)) != body) __builtin_trap();
-  });
-  read_or_refuse([&] { rastro::read_landmark_keyframe_pose(body, where); });
-  read_or_refuse([&] { rastro::read_tie(body, where); });
 }
 
 }  // namespace
@@ -92,7 +94,11 @@ void try_landmark_rows(std::string_view body) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   if (size > 1024 || bytes.starts_with("SQLite")) try_file(bytes);
-  try_rows(bytes);
-  try_landmark_rows(bytes);
+  try_graph_rows(bytes);
+  try_layer_row<rastro::FeatureLayer>(bytes);
+  try_layer_row<rastro::LandmarkLayer>(bytes);
+  try_layer_row<rastro::ScanLayer>(bytes);
+  try_layer_row<rastro::SemiDenseLayer>(bytes);
+  try_layer_row<rastro::WordLayer>(bytes);
   return 0;
 }
