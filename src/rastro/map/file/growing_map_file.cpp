@@ -19,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto write_every = std::chrono::milliseconds(1000);
+constexpr auto write_every = std::chrono::milliseconds(500);
 constexpr auto commit_images_every = std::chrono::milliseconds(400);
 constexpr auto ahead = std::chrono::milliseconds(100);  ///< For putting a map together.
 constexpr int least_rest = 9;                           ///< Times as long as writing took: a tenth of one processor.

@@ -9,7 +9,7 @@
 namespace rastro {
 
 /// The map file of a run, written as the run goes on a thread of its own: what changed since the last time, in one
-/// transaction, about once a second. A program killed at any moment leaves a file that load_map() reads. When writing
+/// transaction, about twice a second. A program killed at any moment leaves a file that load_map() reads. When writing
 /// fails, the next call says so.
 class GrowingMapFile : public MapArchive {
  public:

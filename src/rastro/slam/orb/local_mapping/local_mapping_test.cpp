@@ -235,7 +235,9 @@ TEST(LocalMapping, AKeyframeThatShowsNothingThatOthersDoNotGoesUnlessALoopHangsO
   for (const bool tied : {false, true}) {
     MappingBench bench(CameraKind::mono);
     for (int id = 0; id < 5; ++id) bench.place(id);
-    if (tied) bench.map.graph.ties() = {{.from = 1, .to = 2, .inliers = 9}, {.from = 1, .to = 3, .inliers = 9}};
+    if (tied)
+      bench.map.graph.ties() = {{.from = 1, .to = 2, .from_from_to = {}, .inliers = 9},
+                                {.from = 1, .to = 3, .from_from_to = {}, .inliers = 9}};
     bench.mapping.process(bench.input(5, 4));
     // The first holds the map, the last two may have more to tell.
     using Ids = std::vector<std::int64_t>;
