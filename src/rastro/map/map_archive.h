@@ -15,7 +15,7 @@ class MapArchive {
   virtual ~MapArchive() = default;
   /// Whether a map given to keep() now would be written soon; where not, it need not be put together.
   virtual bool wants_map() const = 0;
-  /// Takes the map as it stands, to be written in the background: never waits. Each replaces the one before; about one
+  /// Takes the map as it stands, to be written in the background: never waits. Each replaces the one before; about two
   /// a second is written.
   virtual void keep(std::shared_ptr<const Map> map) = 0;
   /// Images of a keyframe, before a map with that keyframe is kept. By one thread at a time.

@@ -60,6 +60,7 @@ std::uint32_t check_header(const std::string& file) {
     throw Error("is no map of rastro", file, "give the map.rastro of a run; if it was one, try 'rastro recover'");
   }
   const std::uint64_t version = header_number(header, 60, 4);
+  if (version == 0) refuse_damaged(file, "does not say its version");
   if (version > map_file_version) {
     throw Error(fmt::format("is a map of version {}, and this program knows {}", version, map_file_version), file,
                 "use a newer rastro");

@@ -70,12 +70,20 @@ void read_list(RowSource& rows, const char* table, std::vector<Item>& list, Read
   });
 }
 
+/// Keyframes name cameras by their place: where one is lost, those behind it cannot be kept in theirs.
+void read_cameras(RowSource& rows, std::vector<MapCamera>& cameras) {
+  rows.each("cameras", [&](std::string_view body, std::int64_t id, const std::string& where) {
+    check_number(id, cameras.size(), "cameras", where);
+    cameras.push_back(read_camera(body, where));
+  });
+}
+
 std::shared_ptr<Map> read_layered_map(RowSource& rows) {
   auto map = std::make_shared<Map>();
   const bool read = with_head(
       rows, [&](std::string_view body, std::int64_t, const std::string& where) { read_head(body, where, *map); });
   if (!read) throw Error("nothing of a map was found", rows.file(), "give the map.rastro of a run");
-  read_list(rows, "cameras", map->cameras, read_camera);
+  read_cameras(rows, map->cameras);
   read_list(rows, "sessions", map->sessions, read_session);
   rows.each("keyframes", [&](std::string_view body, std::int64_t id, const std::string& where) {
     map->keyframes.push_back(read_keyframe(body, id, where));
@@ -124,7 +132,7 @@ std::shared_ptr<Map> read_map(RowSource& rows, std::uint32_t version) {
 
 void repair(Map& map) {
   std::erase_if(map.keyframes, [&](const Keyframe& keyframe) {
-    return !map.cameras.empty() && static_cast<std::size_t>(keyframe.camera) >= map.cameras.size();
+    return static_cast<std::size_t>(keyframe.camera) >= std::max<std::size_t>(1, map.cameras.size());
   });
   repair_tree(map);
   std::erase_if(map.constraints,

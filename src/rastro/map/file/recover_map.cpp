@@ -71,6 +71,11 @@ std::vector<std::string> lost_of(FoundRows& rows, std::uint32_t version,
   for (const auto& type : layer_types())
     if (version >= 3) tables.push_back(table_of_layer(type->name()));
   std::vector<std::string> lost;
+  // Counted in the contents alone, as nobody knows how to read them.
+  if (counts)
+    for (const auto& [table, rows_in_table] : *counts)
+      if (table.starts_with("layer_") && std::find(tables.begin(), tables.end(), table) == tables.end())
+        lost.push_back(fmt::format("the layer {}, which this program does not know", items_of(table)));
   for (const std::string& table : tables) {
     const auto found = static_cast<std::int64_t>(rows.of(table).size()) - rows.refused(table);
     std::int64_t wanted = found + rows.refused(table);
@@ -82,6 +87,13 @@ std::vector<std::string> lost_of(FoundRows& rows, std::uint32_t version,
     if (wanted > found) lost.push_back(fmt::format("{} of {} {}", wanted - found, wanted, items_of(table)));
   }
   return lost;
+}
+
+/// Rows are looked for by the names of their tables: those of layers that this program does not know are not found.
+void drop_empty_unknown_layers(Map& map) {
+  const LayerSet::Layers layers = map.layers.all();
+  for (const auto& [name, layer] : layers)
+    if (!layer_type(name)) map.layers.put(name, nullptr);
 }
 
 }  // namespace
@@ -98,6 +110,7 @@ RecoveredMap recover_map(const std::filesystem::path& file) {
   repair(*map);
   const std::string fault = contradiction_in(*map);
   if (!fault.empty()) throw Error(fault, rows.file(), "this one is beyond saving");
+  drop_empty_unknown_layers(*map);
   RecoveredMap result;
   const auto counts = counts_in(rows);
   result.finished = counts.has_value();

@@ -23,7 +23,7 @@ const char* name_of(ConstraintKind kind);  ///< "odometry", "proximity", ...
 /// Relative pose of two keyframes, an edge of the pose graph. SE2 and SE3 are Sim3 with scale 1.
 struct Constraint {
   KeyframeId from = 0, to = 0;
-  Sim3 from_from_to;  ///< Maps points of camera (or body) `to` into that of `from`.
+  Sim3 from_from_to = {};  ///< Maps points of camera (or body) `to` into that of `from`.
   /// Inverse covariance of d in ground truth = from_from_to * exp(d), (translation m, rotation rad).
   Matrix6d information = Matrix6d::Identity();
   ConstraintKind kind = ConstraintKind::odometry;

@@ -18,20 +18,29 @@ std::vector<Keyframe>::iterator place_for(Map& map, KeyframeId id) {
                           [](const Keyframe& keyframe, KeyframeId wanted) { return keyframe.id < wanted; });
 }
 
-/// Moves the elements that hold to the end of another list, keeping their order in both.
+/// Moves the elements that hold to another list, each with its place.
 template <typename Item, typename Holds>
-void move_if(std::vector<Item>& from, std::vector<Item>& to, Holds holds) {
-  std::copy_if(from.begin(), from.end(), std::back_inserter(to), holds);
+void take_if(std::vector<Item>& from, std::vector<std::pair<std::size_t, Item>>& to, Holds holds) {
+  for (std::size_t i = 0; i < from.size(); ++i)
+    if (holds(from[i])) to.emplace_back(i, from[i]);
   std::erase_if(from, holds);
+}
+
+/// Puts those that still hold back in their places, as far as the list reaches.
+template <typename Item, typename Holds>
+void put_back(const std::vector<std::pair<std::size_t, Item>>& from, std::vector<Item>& to, Holds holds) {
+  for (const auto& [place, item] : from)
+    if (holds(item)) to.insert(to.begin() + static_cast<std::ptrdiff_t>(std::min(place, to.size())), item);
 }
 
 }  // namespace
 
 void insert_keyframe(Map& map, const Keyframe& keyframe) {
   const auto place = place_for(map, keyframe.id);
-  if (keyframe.id < 0 || (place != map.keyframes.end() && place->id == keyframe.id))
+  if (keyframe.id < 0) throw Error("has an id below 0", named(keyframe.id), "make ids with keyframe_id()");
+  if (place != map.keyframes.end() && place->id == keyframe.id)
     throw Error("the map has a keyframe of this id", named(keyframe.id), "give it one of its own");
-  if (!map.cameras.empty() && (keyframe.camera < 0 || static_cast<std::size_t>(keyframe.camera) >= map.cameras.size()))
+  if (keyframe.camera < 0 || static_cast<std::size_t>(keyframe.camera) >= std::max<std::size_t>(1, map.cameras.size()))
     throw Error("is of a camera that the map does not have", named(keyframe.id), "add the camera first");
   if (keyframe.parent != no_keyframe && !map.index_of(keyframe.parent))
     throw Error("has a parent that the map does not have", named(keyframe.id), "insert the parent first");
@@ -51,9 +60,9 @@ RemovedKeyframe remove_keyframe(Map& map, KeyframeId id) {
     removed.children.push_back(keyframe.id);
     keyframe.parent = removed.keyframe.parent;
   }
-  move_if(map.constraints, removed.constraints,
+  take_if(map.constraints, removed.constraints,
           [id](const Constraint& each) { return each.from == id || each.to == id; });
-  move_if(map.frames, removed.frames, [id](const MapFrame& frame) { return frame.keyframe == id; });
+  take_if(map.frames, removed.frames, [id](const MapFrame& frame) { return frame.keyframe == id; });
   const LayerSet::Layers layers = map.layers.all();
   for (const auto& [name, layer] : layers) {
     const LayerType* type = layer_type(name);
@@ -74,11 +83,9 @@ void restore_keyframe(Map& map, const RemovedKeyframe& removed) {
     const auto index = map.index_of(id);
     if (index && map.keyframes[*index].parent == keyframe.parent) map.keyframes[*index].parent = keyframe.id;
   }
-  for (const Constraint& each : removed.constraints)
-    if (map.index_of(each.from) && map.index_of(each.to)) map.constraints.push_back(each);
-  map.frames.insert(map.frames.end(), removed.frames.begin(), removed.frames.end());
-  std::stable_sort(map.frames.begin(), map.frames.end(),
-                   [](const MapFrame& a, const MapFrame& b) { return a.stamp < b.stamp; });
+  put_back(removed.constraints, map.constraints,
+           [&](const Constraint& each) { return map.index_of(each.from) && map.index_of(each.to); });
+  put_back(removed.frames, map.frames, [](const MapFrame&) { return true; });
   for (const auto& [name, bytes] : removed.layers) {
     const LayerType* type = layer_type(name);
     const auto layer = map.layers.find(name);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rastro/map/graph/map.h"
@@ -12,13 +14,14 @@ namespace rastro {
 /// A keyframe taken out of a map, with all that goes with it: enough to bring it back.
 struct RemovedKeyframe {
   Keyframe keyframe;
-  std::vector<Constraint> constraints;  ///< To keyframes of the map.
-  std::vector<MapFrame> frames;         ///< Placed relative to it.
-  std::vector<KeyframeId> children;     ///< Whose parent it was.
+  /// To keyframes of the map, and frames relative to it; each with its place in the map's list.
+  std::vector<std::pair<std::size_t, Constraint>> constraints;
+  std::vector<std::pair<std::size_t, MapFrame>> frames;
+  std::vector<KeyframeId> children;  ///< Whose parent it was.
   std::map<std::string, std::string> layers;
 };
 
-// Each gives the map a new revision.
+// These three give the map a new revision.
 
 /// Puts a keyframe in its place; Error where the map has one of that id, or lacks its camera or parent.
 void insert_keyframe(Map& map, const Keyframe& keyframe);

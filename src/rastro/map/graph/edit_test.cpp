@@ -21,12 +21,9 @@ std::vector<KeyframeId> ids_of(const Map& map) {
   return ids;
 }
 
-/// All of a map but its revision and the order of its constraints.
+/// All of a map but its revision.
 std::string bytes_of(Map map) {
   map.revision = 0;
-  const auto key = [](const Constraint& each) { return std::tuple(each.from, each.to, each.kind); };
-  std::stable_sort(map.constraints.begin(), map.constraints.end(),
-                   [&](const Constraint& a, const Constraint& b) { return key(a) < key(b); });
   const std::filesystem::path file = scratch_path("edited.rastro");
   save_map(map, file);
   return read_whole_file(file);

@@ -2,6 +2,7 @@
 #include "rastro/map/graph/map.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "rastro/base/error.h"
 #include "rastro/map/layer_type.h"
@@ -19,6 +20,14 @@ std::string fault_of(const Map& map, const Keyframe& keyframe) {
     return "has a keyframe of a camera that is not there";
   if (!is_finite(keyframe.world_from_camera)) return "has a keyframe without a pose";
   return keyframe.submap < 0 ? "has a keyframe of a submap that cannot be" : "";
+}
+
+std::string fault_of(const Map& map, const Constraint& constraint) {
+  if (!map.index_of(constraint.from) || !map.index_of(constraint.to))
+    return "has a constraint to a keyframe that is not there";
+  const bool finite = is_finite(constraint.rigid()) && std::isfinite(constraint.from_from_to.scale()) &&
+                      constraint.information.allFinite() && std::isfinite(constraint.weight);
+  return finite ? "" : "has a constraint whose numbers are not finite";
 }
 
 std::string fault_of_keyframes(const Map& map) {
@@ -125,8 +134,7 @@ std::string contradiction_in(const Map& map) {
   if (std::string fault = fault_of_keyframes(map); !fault.empty()) return fault;
   if (std::string fault = fault_of_tree(map); !fault.empty()) return fault;
   for (const Constraint& constraint : map.constraints)
-    if (!map.index_of(constraint.from) || !map.index_of(constraint.to))
-      return "has a constraint to a keyframe that is not there";
+    if (std::string fault = fault_of(map, constraint); !fault.empty()) return fault;
   for (const MapFrame& frame : map.frames)
     if (!map.index_of(frame.keyframe)) return "has a frame relative to a keyframe that is not there";
   for (const auto& [name, layer] : map.layers.all()) {

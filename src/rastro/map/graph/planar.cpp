@@ -34,7 +34,10 @@ Constraint planar_constraint(KeyframeId from, KeyframeId to, const SE2& from_fro
   constraint.from = from;
   constraint.to = to;
   constraint.from_from_to = Sim3(in_space(from_from_to));
-  constraint.information = in_space(information);
+  // Errors at the right of the relative pose are in the axes of `to`.
+  Eigen::Matrix3d to_from_to_axes = Eigen::Matrix3d::Identity();
+  to_from_to_axes.topLeftCorner<2, 2>() = from_from_to.rotation().inverse().matrix();
+  constraint.information = in_space(Eigen::Matrix3d(to_from_to_axes * information * to_from_to_axes.transpose()));
   for (const int unmoved : {2, 3, 4}) constraint.information(unmoved, unmoved) = never_leaves_the_plane;
   constraint.kind = kind;
   return constraint;

@@ -81,7 +81,9 @@ class ImageLayerType : public LayerType {
   }
 
   std::string contradiction(const Map& map, const Layer& layer) const override {
-    for (const KeyframeId id : typed(layer).keyframes)
+    const std::vector<KeyframeId>& keyframes = typed(layer).keyframes;
+    if (!std::is_sorted(keyframes.begin(), keyframes.end())) return "has images out of order";
+    for (const KeyframeId id : keyframes)
       if (!map.index_of(id)) return "has images of a keyframe that is not there";
     return {};
   }

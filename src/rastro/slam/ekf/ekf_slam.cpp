@@ -262,9 +262,11 @@ std::shared_ptr<const Map> EkfSlam::snapshot() const {
   map->keyframes = keyframes_;
   for (std::size_t i = 1; i < keyframes_.size(); ++i) {
     const SE2 motion = in_plane(keyframes_[i - 1].world_from_camera.inverse() * keyframes_[i].world_from_camera);
-    const Eigen::Matrix3d information = measured_motion(motion, options_).covariance.inverse();
-    map->constraints.push_back(
-        planar_constraint(keyframes_[i - 1].id, keyframes_[i].id, motion, information, ConstraintKind::odometry));
+    constexpr double least_variance = 1e-8;  // a robot that only turned knows where it is, but not without end
+    Eigen::Matrix3d covariance = measured_motion(motion, options_).covariance;
+    covariance.diagonal().array() += least_variance;
+    map->constraints.push_back(planar_constraint(keyframes_[i - 1].id, keyframes_[i].id, motion, covariance.inverse(),
+                                                 ConstraintKind::odometry));
   }
   for (std::size_t i = 0; i < trajectory_.size(); ++i) {
     const Keyframe& keyframe = keyframes_[static_cast<std::size_t>(keyframe_of_frame_[i])];

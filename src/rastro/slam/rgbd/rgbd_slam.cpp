@@ -107,9 +107,14 @@ SlamContext with_usable_map(SlamContext context, const Camera& camera) {
   check_camera(camera_of(map, "--map").intrinsics, camera);
   const auto features = map.layer<FeatureLayer>();
   const auto images = map.layer<ImageLayer>();
-  for (const Keyframe& keyframe : map.keyframes)
-    if (!features || !images || !features->find(keyframe.id))
-      throw Error("has keyframes without features or depth images", "--map", "give a map that 'rgbd' made");
+  for (const Keyframe& keyframe : map.keyframes) {
+    const ImageFeatures* image = features ? features->find(keyframe.id) : nullptr;
+    const bool has_images =
+        images && std::binary_search(images->keyframes.begin(), images->keyframes.end(), keyframe.id);
+    if (!image || !has_images || image->depths.size() != image->features.size())
+      throw Error("has keyframes without features, their depths or depth images", "--map",
+                  "give a map that 'rgbd' made");
+  }
   context.map = std::make_shared<const Map>(renumbered(map));
   return context;
 }
