@@ -8,24 +8,13 @@
 #include <Eigen/Eigenvalues>
 #include <string>
 
+#include "pose_testing.h"
 #include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/map/layer_type.h"
 #include "rastro/map/scans/scan_layer.h"
 #include "rastro/slam/slam_method.h"
 
 namespace rastro {
-
-inline std::string text_of(const SE3& pose) {
-  const Eigen::Vector3d& t = pose.translation();
-  const Eigen::Quaterniond& q = pose.rotation().quaternion();
-  return fmt::format("{} {} {} {} {} {} {}\n", t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-}
-
-inline std::string text_of(const Trajectory& trajectory) {
-  std::string text;
-  for (const StampedPose& pose : trajectory) text += fmt::format("{} ", pose.stamp) + text_of(pose.world_from_body);
-  return text;
-}
 
 /// Everything of an update but its times.
 inline std::string text_of(const SlamUpdate& update) {
@@ -71,12 +60,6 @@ inline std::string text_of(const Map& map) {
   for (const MapFrame& frame : map.frames)
     text += fmt::format("{} {} ", frame.stamp, frame.keyframe) + text_of(frame.keyframe_from_camera);
   return text + text_of_layers(map);
-}
-
-inline void expect_sound(const SE3& pose) {
-  const Eigen::Matrix3d rotation = pose.rotation().matrix();
-  EXPECT_TRUE(pose.translation().allFinite());
-  EXPECT_LT((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 1e-9);
 }
 
 inline void expect_sound(const Eigen::MatrixXd& covariance) {
