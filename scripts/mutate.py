@@ -218,6 +218,10 @@ class Tests:
         self.modules = [line.split(":")[0].split(" ", 1)[1] for line in (ROOT / "layers.txt").read_text().splitlines()
                         if re.match(r"\d", line)]
         self.modules = [name.strip() for line in self.modules for name in line.split(",")]
+        # `slam/*` stands for every folder of a method.
+        self.modules = [folder.relative_to(SOURCES).as_posix() if "*" in name else name for name in self.modules
+                        for folder in (SOURCES.glob(name + "/CMakeLists.txt") if "*" in name else [SOURCES / name])]
+        self.modules = [name.removesuffix("/CMakeLists.txt") for name in self.modules]
         self.limits = {}
 
     def module_of(self, path):
