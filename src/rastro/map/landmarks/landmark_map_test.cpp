@@ -162,5 +162,15 @@ TEST(LandmarkCovariance, GrowsWithFewerViewsAndIsOpenWithOne) {
   EXPECT_FALSE(landmark_covariance(map, fewer)) << "one camera leaves the distance open";
 }
 
+TEST(LandmarkLayer, ALandmarkIsOfTheSubmapOfItsFirstObserver) {
+  Map map = make_landmark_test_map();
+  const Landmark landmark = map.layer<LandmarkLayer>()->landmarks.front();
+  ASSERT_FALSE(landmark.observations.empty());
+  EXPECT_EQ(submap_of(map, landmark), 0);
+  map.keyframes[*map.index_of(landmark.observations.front().keyframe)].submap = 3;
+  EXPECT_EQ(submap_of(map, landmark), 3);
+  EXPECT_EQ(submap_of(map, Landmark()), 0) << "nobody observed it";
+}
+
 }  // namespace
 }  // namespace rastro
