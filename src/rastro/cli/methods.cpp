@@ -15,9 +15,9 @@ constexpr const char* footer = R"(Examples:
   rastro slam intel.clf.gz --method hector --out run)";
 
 void print_methods() {
-  fmt::print("Odometry (the way, without a map): rastro odometry DATA --method NAME\n{}",
+  fmt::print("Odometry (trajectory without a map): rastro odometry DATA --method NAME\n{}",
              methods_text(odometry_methods()));
-  fmt::print("SLAM (the way and a map): rastro slam DATA --method NAME\n{}", methods_text(slam_methods()));
+  fmt::print("SLAM (trajectory and map): rastro slam DATA --method NAME\n{}", methods_text(slam_methods()));
 }
 
 }  // namespace
