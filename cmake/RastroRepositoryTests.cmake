@@ -7,6 +7,8 @@ add_test(NAME repository.tidy
   COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/tidy_test.py")
 add_test(NAME repository.layers_checker
   COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/check_layers_test.py")
+add_test(NAME repository.docs_checker
+  COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/check_docs_test.py")
 
 # A project outside of rastro, against an installation. Sanitized libraries would need a sanitized consumer.
 if(NOT RASTRO_SANITIZERS)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a SLAM back-end does with rastro: hand over one image at a time, take features with lasting ids.
+// Use of rastro by a SLAM back end: pass one image at a time, get features with persistent ids.
 //   example_01_track_frame_by_frame           frames of the generated world `hall`
 //   example_01_track_frame_by_frame DATA      a recording, a folder of images or a video
 #include <fmt/format.h>
@@ -17,12 +17,12 @@ namespace {
 constexpr int frames_of_hall = 30;
 
 void print_frame(const rastro::TrackFrame& frame) {
-  fmt::print("frame {:3} at {:.3f} s: {:3} followed, {:2} new, {:2} re-identified, {:2} lost\n", frame.index,
+  fmt::print("frame {:3} at {:.3f} s: {:3} tracked, {:2} new, {:2} re-identified, {:2} lost\n", frame.index,
              rastro::to_seconds(frame.stamp), frame.tracked, frame.fresh, frame.reidentified, frame.lost);
   for (const rastro::TrackedFeature& feature : frame.features) {
     if (feature.state != rastro::TrackState::reidentified) continue;
-    // A back-end would tie this observation to the landmark it made from the same id long ago.
-    fmt::print("  feature {} came back after {} frames, ray ({:.3f}, {:.3f})\n", feature.id,
+    // A back end would add this observation to the landmark that it created from the same id long ago.
+    fmt::print("  feature {} re-identified after {} frames, ray ({:.3f}, {:.3f})\n", feature.id,
                frame.index - feature.last_seen, feature.ray.x(), feature.ray.y());
   }
 }

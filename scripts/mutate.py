@@ -3,12 +3,14 @@
 """How many small faults the tests would notice: changes one spot of a source at a time and runs the tests that fit.
 
 A mutation is drawn (seeded) from the sources of the folders given, without tests, texts, checks and option tables;
-applied, compiled with the build tree given, and run against the module's own test program and then the contract tests
-of the methods that use it. It is caught when a test fails, crashes or hangs. What does not compile is drawn again. The
-source is put back after each one, also when this is interrupted; after kill -9 the next start puts it back.
+applied, compiled with the build tree given, and run against the module's own test program. Where that passes, the
+test programs of its users are linked and run, then the contract tests of the methods that use it, up to the first
+failure. It is caught when a test fails, crashes or hangs. What does not compile is drawn again. The source is put back
+after each one, also when this is interrupted; after kill -9 the next start puts it back.
 
   scripts/mutate.py track slam/orb optimize map --count 100 --seed 1 --out mutations
   scripts/mutate.py slam/hector --count 5 --list          # only show what would be drawn
+  scripts/mutate.py slam/orb --unit-only                  # what the module's own tests notice, in a tenth of the time
 
 --out DIR gets mutations.csv, survivors.diff and summary.txt.
 """
@@ -36,8 +38,11 @@ ARITHMETIC = ["+", "-", "*", "/"]
 BOUNDARY = {"<": "<=", "<=": "<", ">": ">=", ">=": ">"}
 OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
 
-# Which contract tests see a module; the accuracy rows of tests/golden/accuracy.csv are filtered the same way.
+# Which contract tests see a module or a part of it; the accuracy rows of tests/golden/accuracy.csv are filtered the
+# same way. The first whose folder or file name begins like the mutated one counts.
 CONTRACT = [
+    ("slam/orb/initialization/initializer", "OrbStarts.*:Methods/SlamContract.*/orb_mono", "Golden/*orb_mono*"),
+    ("slam/orb/tracking/stereo_matching", "Methods/SlamContract.*/orb_stereo", "Golden/*orb_stereo*"),
     ("slam/orb", "Methods/SlamContract.*/orb*:OrbStarts.*", "Golden/*orb_*"),
     ("slam/rgbd", "Methods/SlamContract.*/rgbd", "Golden/*/rgbd_*"),
     ("slam/hector", "Methods/SlamContract.*/hector", "Golden/*hector*"),
@@ -214,7 +219,7 @@ class Workspace:
 class Tests:
     def __init__(self, options):
         self.build, self.prefix, self.jobs = options.build, shlex.split(options.prefix), options.jobs
-        self.accuracy, self.extra = options.accuracy, options.tests
+        self.accuracy, self.extra, self.unit_only = options.accuracy, options.tests, options.unit_only
         self.modules = [line.split(":")[0].split(" ", 1)[1] for line in (ROOT / "layers.txt").read_text().splitlines()
                         if re.match(r"\d", line)]
         self.modules = [name.strip() for line in self.modules for name in line.split(",")]
@@ -230,11 +235,13 @@ class Tests:
 
     def programs_for(self, path):
         """(program, filter), the quickest to fail first."""
-        module = self.module_of(path)
+        module, source = self.module_of(path), path.relative_to(SOURCES).as_posix()
         own = f"rastro_{module.replace('/', '_')}_test"
         found = [(own, "*")] if any((SOURCES / module).rglob("*_test.cpp")) else []
         found += [(program, "*") for program in USERS.get(module, [])]
-        contract, accuracy = next((c, a) for prefix, c, a in CONTRACT if module.startswith(prefix))
+        if self.unit_only:
+            return found
+        contract, accuracy = next((c, a) for prefix, c, a in CONTRACT if source.startswith(prefix))
         found += [("rastro_contract_test", contract)] if contract else []
         found += [("rastro_real_test", accuracy)] if accuracy and self.accuracy else []
         return found + [tuple(t.split("=", 1)) if "=" in t else (t, "*") for t in self.extra]
@@ -279,15 +286,17 @@ class Tests:
             print(f"{program} {filter_}: {took:.1f} s as things stand", flush=True)
 
     def verdict(self, programs):
-        """What noticed the fault; None where nothing did."""
+        """"does not compile", "caught" or "survived", and by what. A program is linked when those before it pass."""
         for program, filter_ in programs:
+            if self.build_programs([(program, filter_)])[0] != 0:
+                return "does not compile", ""
             code, text = self.test(program, filter_, self.limits[(program, filter_)])
             if code is None:
-                return f"{program} (hangs)"
+                return "caught", f"{program} (hangs)"
             if code != 0:
                 failed = re.search(r"\[  FAILED  \] ([\w./]+)", text)
-                return f"{program} {failed.group(1)}" if failed else f"{program} (exit code {code})"
-        return None
+                return "caught", f"{program} {failed.group(1)}" if failed else f"{program} (exit code {code})"
+        return "survived", ""
 
 
 def diff_of(mutation, original):
@@ -302,11 +311,7 @@ def run_one(mutation, workspace, tests):
     programs = tests.programs_for(mutation.path)
     original = workspace.apply(mutation)
     try:
-        diff = diff_of(mutation, original)
-        if tests.build_programs(programs)[0] != 0:
-            return "does not compile", "", diff
-        caught_by = tests.verdict(programs)
-        return ("caught" if caught_by else "survived"), caught_by or "", diff
+        return *tests.verdict(programs), diff_of(mutation, original)
     finally:
         workspace.restore(mutation, original)
 
@@ -387,6 +392,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("mutations"), help="folder of the results")
     parser.add_argument("--jobs", type=int, default=2, help="compilers at once (2)")
     parser.add_argument("--tests", action="append", default=[], metavar="PROGRAM[=FILTER]", help="one more test program to run")
+    parser.add_argument("--unit-only", action="store_true", help="run the module's own tests and those of its users alone")
     parser.add_argument("--accuracy", action="store_true", help="run the rows of tests/golden/accuracy.csv that fit, too")
     parser.add_argument("--prefix", default="", help="command put before every build and test")
     parser.add_argument("--list", action="store_true", help="show what is drawn, and do nothing")

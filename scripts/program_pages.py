@@ -51,7 +51,7 @@ def roff(text):
 
 def man_page(pages, version):
     parts = [f'.TH RASTRO 1 "" "{version}" "User commands"', ".SH NAME",
-             "rastro \\- feature tracks, ways and maps from recordings of cameras and lasers", ".SH SYNOPSIS",
+             "rastro \\- feature tracks, trajectories and maps from camera and laser recordings", ".SH SYNOPSIS",
              ".B rastro", "COMMAND [flags]"]
     for words, text in pages:
         parts += [f".SH {' '.join(words).upper() or 'DESCRIPTION'}", ".nf", roff(text), ".fi"]
@@ -69,29 +69,71 @@ def methods(program):
     return found
 
 
-def completion(pages, listed):
+def choices(kind, description):
+    """The values that a flag takes, by its type (a|b) or the list that its description is or begins with."""
+    if "|" in kind:
+        return [word for word in kind.split("|") if word.islower()]
+    if quoted := re.findall(r"'([a-z-]+)':", description):
+        return quoted
+    plain = re.sub(r" \([^)]*\)", "", description).split(";")[0].rsplit(": ", 1)[-1]
+    words = re.split(r", | or ", plain)
+    return words if kind in ("FORMAT", "KIND", "MODE", "TEXT") and all(map(re.compile("[a-z0-9-]+").fullmatch, words)) else []
+
+
+def valued_flags(help_text):
+    """{flag: values} of the flags that take a value; no values: a file, or something that nobody can guess."""
+    found = {}
+    for flag, kind, description in re.findall(r"^ +(?:-\w,)?(--[a-z][a-z-]*) ([A-Za-z][^ ]*)(?: REQUIRED)?(?: \.\.\.)? {2,}(.*)",
+                                              help_text, re.MULTILINE):
+        found[flag] = choices(kind.split("=")[0], description)
+    return found
+
+
+def worlds(program):
+    return re.findall(r"^([a-z]+) +", output_of(program, "simulate"), re.MULTILINE)
+
+
+def case(words, text, names, methods_of):
+    """What may stand after a command: values after a flag that takes one, flags after a dash, else names or files."""
+    lines = []
+    for flag, values in valued_flags(text).items():
+        values = methods_of if flag == "--method" else values
+        lines.append(f'      {flag}) candidates="{" ".join(values)}" ;;')
+    return f"""    "{' '.join(words)}")
+      flags="{' '.join(flags(text))}"
+      names="{' '.join(names)}"
+      case "$before" in
+{chr(10).join(lines + ["      *) known=no ;;"])}
+      esac ;;"""
+
+
+def completion(pages, listed, world_names):
     cases = []
     for words, text in pages:
-        candidates = " ".join(subcommands(text) + flags(text))
+        names = subcommands(text)
         if words == ("options",):
-            candidates += " track " + " ".join(sorted({name for _, name in listed}))
-        cases.append(f'    "{" ".join(words)}") candidates="{candidates}" ;;')
-    for command in dict.fromkeys(command for command, _ in listed):
-        names = " ".join(name for one, name in listed if one == command)
-        cases.append(f'    "{command} --method") candidates="{names}" ;;')
+            names = ["track", *sorted({name for _, name in listed})]
+        if words == ("simulate",):
+            names = world_names
+        cases.append(case(words, text, names, [name for command, name in listed if (command,) == words]))
     return f"""# bash completion of rastro, made from its --help texts
 _rastro() {{
-  local word words="" candidates=""
+  local word words="" flags="" names="" candidates="" known=yes
+  local current="${{COMP_WORDS[COMP_CWORD]}}" before="${{COMP_WORDS[COMP_CWORD-1]}}"
   for word in "${{COMP_WORDS[@]:1:COMP_CWORD-1}}"; do
     case "$words${{words:+ }}$word" in
       {" | ".join(chr(34) + " ".join(words) + chr(34) for words, _ in pages if words)}) words="$words${{words:+ }}$word" ;;
     esac
   done
-  [[ "${{COMP_WORDS[COMP_CWORD-1]}}" == --method ]] && words="$words --method"
   case "$words" in
 {chr(10).join(cases)}
   esac
-  mapfile -t COMPREPLY < <(compgen -W "$candidates" -- "${{COMP_WORDS[COMP_CWORD]}}")
+  if [[ $known == no ]]; then
+    candidates=$names
+    [[ $current == -* ]] && candidates=$flags
+  fi
+  # Without candidates bash completes names of files.
+  mapfile -t COMPREPLY < <(compgen -W "$candidates" -- "$current")
 }}
 complete -o default -F _rastro rastro
 """
@@ -104,7 +146,7 @@ def main():
     pages = collect(program)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "rastro.1").write_text(man_page(pages, output_of(program, "--version").splitlines()[0]))
-    (folder / "rastro.bash").write_text(completion(pages, methods(program)))
+    (folder / "rastro.bash").write_text(completion(pages, methods(program), worlds(program)))
 
 
 if __name__ == "__main__":

@@ -45,7 +45,7 @@ class ChangedSources(unittest.TestCase):
         self.git("commit", "-q", "-m", name, GIT_AUTHOR_DATE=when, GIT_COMMITTER_DATE=when)
 
     def sources(self, since=""):
-        return tidy.sources_of(tidy.changed_paths(since))
+        return tidy.sources_of(tidy.changed_paths(since or tidy.start_of_day()))
 
     def test_newest_first_and_each_once(self):
         self.assertEqual(self.sources(), ["src/b.cpp", "src/a.cpp"])
@@ -65,12 +65,24 @@ class ChangedSources(unittest.TestCase):
         self.assertEqual(self.sources(), ["src/b.cpp"])
 
     def test_a_spent_budget_leaves_all_out_aloud(self):
-        tidy.check = lambda path: self.fail(path)
-        self.assertEqual(tidy.check_all(["src/a.cpp"], -1, 1), ({}, ["src/a.cpp"]))
+        tidy.check = lambda path, lines: self.fail(path)
+        self.assertEqual(tidy.check_all(["src/a.cpp"], {}, -1, 1), ({}, ["src/a.cpp"]))
 
     def test_findings(self):
-        tidy.check = lambda path: "bad" if "a" in path else ""
-        self.assertEqual(tidy.check_all(["src/a.cpp", "src/b.cpp"], 60, 2), ({"src/a.cpp": "bad"}, []))
+        tidy.check = lambda path, lines: "bad" if "a" in path else ""
+        self.assertEqual(tidy.check_all(["src/a.cpp", "src/b.cpp"], {}, 60, 2), ({"src/a.cpp": "bad"}, []))
+
+    def test_only_the_lines_that_changed(self):
+        (tidy.ROOT / "src/a.cpp").write_text("int a;\nint b;\nint c;\n")
+        self.write("tests/new.cpp")
+        (tidy.ROOT / "docs/c.md").write_text("other\n")
+        self.assertEqual(tidy.changed_lines("HEAD"), {"src/a.cpp": [[2, 3]], "tests/new.cpp": [[1, tidy.WHOLE]]})
+
+    def test_a_young_history_counts_from_the_empty_tree(self):
+        self.git("checkout", "-q", "--orphan", "young")
+        self.commit("src/b.cpp", 9 * DAY_S)
+        self.assertEqual(tidy.start_of_day(), tidy.EMPTY_TREE)
+        self.assertEqual(tidy.changed_lines(tidy.EMPTY_TREE)["src/b.cpp"], [[1, 1]])
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One step of EKF-SLAM against the number of landmarks: rastro_ekf_bench. An update is to grow with their square, the
-// rest in proportion to them.
+// One step of EKF-SLAM over the number of landmarks: rastro_ekf_bench. An update should scale with its square, the rest
+// linearly.
 #include <benchmark/benchmark.h>
 
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ORB against OpenCV's at the same number of features, on a generated picture full of corners: rastro_orb_bench.
+// ORB against OpenCV's with the same number of features, on a generated image full of corners: rastro_orb_bench.
 #include <benchmark/benchmark.h>
 
 #include <opencv2/features2d.hpp>
@@ -12,11 +12,11 @@ namespace {
 
 using namespace rastro;
 
-/// Noise smoothed and stretched until it has blobs and corners of several sizes.
-GreyImage picture(int width, int height) {
+/// Noise, smoothed and stretched, with blobs and corners of several sizes.
+GrayImage picture(int width, int height) {
   Pyramid pyramid;
   pyramid.build(rastro::testing::noise_image(2 * width, 2 * height, 1).view(), 3, 40);
-  GreyImage made(width, height);
+  GrayImage made(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const int value = 128 + 2 * (pyramid.level(1).row(y)[x] - 128) + 2 * (pyramid.level(2).row(y / 2)[x / 2] - 128);
@@ -27,7 +27,7 @@ GreyImage picture(int width, int height) {
 }
 
 void orb(benchmark::State& state) {
-  const GreyImage image = picture(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  const GrayImage image = picture(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   OrbOptions options;
   options.features = static_cast<int>(state.range(2));
   OrbExtractor extractor(options);
@@ -38,7 +38,7 @@ void orb(benchmark::State& state) {
 
 void orb_of_opencv(benchmark::State& state) {
   cv::setNumThreads(1);
-  GreyImage image = picture(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  GrayImage image = picture(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   const cv::Mat mat(image.height(), image.width(), CV_8U, image.row(0), static_cast<std::size_t>(image.stride()));
   const auto extractor = cv::ORB::create(static_cast<int>(state.range(2)), 1.2F, 8, 31, 0, 2, cv::ORB::FAST_SCORE);
   std::vector<cv::KeyPoint> keypoints;

@@ -36,7 +36,7 @@ BENCHMARK(klt)->Unit(benchmark::kMicrosecond);
 
 void detection(benchmark::State& state) {
   const Pyramid image = pyramid_of(0.0, 0.0);
-  GreyImage free(width, height);
+  GrayImage free(width, height);
   for (int y = 0; y < height; ++y) std::memset(free.row(y), 255, width);
   CornerDetector detector;
   for (auto _ : state) benchmark::DoNotOptimize(detector.detect(image.level(0), free.view(), 150, {}));
@@ -68,7 +68,7 @@ void hamming(benchmark::State& state) {
 }
 BENCHMARK(hamming)->Unit(benchmark::kMicrosecond);
 
-/// One corner against `range` lost tracks seen in all 30 frames of the window.
+/// One corner against `range` lost tracks with observations in all 30 frames of the window.
 void matching(benchmark::State& state) {
   Random random(1);
   TrackStore store(30);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the binary tests of ORB's descriptor (src/rastro/feature/orb_pattern.cpp) on pictures:
+// Learns the binary tests of ORB's descriptor (src/rastro/feature/orb_pattern.cpp) from images:
 // rastro_learn_orb_pattern IMAGES... Greedy as Rublee et al. 2011, section 4.3: tests that split features evenly and
-// say little of each other; beyond the paper, of such tests those that change least when corner, direction and scale
-// are a little off.
+// are weakly correlated; beyond the paper, among these the tests least sensitive to small errors of corner, orientation
+// and scale.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@
 namespace {
 
 using namespace rastro;
-using Bits = std::vector<std::uint64_t>;  ///< One a feature.
+using Bits = std::vector<std::uint64_t>;  ///< One per feature.
 
 constexpr std::size_t candidates = 6000, wanted = 256;
 constexpr int reach = orb_radius - 1;
@@ -50,13 +50,13 @@ std::vector<Test> draw_tests(Random& random) {
   return tests;
 }
 
-/// A corner as seen: where, turned how, how large.
+/// A corner with position, orientation and scale.
 struct Look {
   int x, y;
   double cosine, sine;
 };
 
-bool is_below(const GreyImage& image, const Look& look, const Test& test) {
+bool is_below(const GrayImage& image, const Look& look, const Test& test) {
   const auto value = [&](int x, int y) {
     const auto to_x = look.x + std::lround(look.cosine * x - look.sine * y);
     const auto to_y = look.y + std::lround(look.sine * x + look.cosine * y);
@@ -68,7 +68,7 @@ bool is_below(const GreyImage& image, const Look& look, const Test& test) {
 
 class Samples {
  public:
-  void add(const GreyImage& image, Look look, Random& random, std::vector<Test>& tests) {
+  void add(const GrayImage& image, Look look, Random& random, std::vector<Test>& tests) {
     if (count_ % 64 == 0)
       for (Test& test : tests) test.bits.push_back(0);
     const double turn = random.uniform(-0.2, 0.2), scale = random.uniform(0.88, 1.12);
@@ -98,7 +98,7 @@ void add_picture(const cv::Mat& picture, Random& random, Samples& samples, std::
   for (int y = 0; y < picture.rows; ++y) std::copy_n(picture.ptr(y), picture.cols, level.row(y));
   for (std::size_t index = 0; index < scales.size(); ++index) {
     level.fill_padding();
-    GreyImage blurred(level.width(), level.height());
+    GrayImage blurred(level.width(), level.height());
     orb_blur(level, blurred, 0, level.height());
     for (std::size_t i = 0; i < features.size(); ++i) {
       if (features.levels[i] != index || random.uniform() > 0.25) continue;

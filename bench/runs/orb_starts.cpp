@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How maps of one camera begin on twenty generated starts, held against their truth:
+// Map initialization of one camera on twenty generated starts, compared with ground truth:
 //   rastro_bench_orb_starts [--set name=value]...
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/methods/methods.h"
-#include "tests/contract/start_judgement.h"
+#include "tests/contract/start_judgment.h"
 
 namespace {
 
@@ -20,17 +20,17 @@ void run(int argc, char** argv) {
   table.set("sensor", "mono", "rastro_bench_orb_starts");
   for (int i = 1; i < argc; ++i) {
     if (std::string(argv[i]) != "--set" || i + 1 == argc)
-      throw Error("this is no option", argv[i], "give --set name=value, or nothing");
+      throw Error("this is not an option", argv[i], "give --set name=value, or nothing");
     table.set_assignment(argv[++i], "--set");
   }
   TaskPool pool(0);
   int wrong = 0, started = 0;
-  fmt::print("{:15} {:>7} {:>6} {:>9} {:>9} {:>9} {:>9} {:>8}\n", "start", "frame", "poses", "landmarks", "way m",
+  fmt::print("{:15} {:>7} {:>6} {:>9} {:>9} {:>9} {:>9} {:>8}\n", "start", "frame", "poses", "landmarks", "path m",
              "position", "rotation", "depth");
   for (const StartKind kind : start_kinds)
     for (int variation = 0; variation < start_variations; ++variation) {
       const World world = make_start(kind, variation);
-      const StartJudgement judged = judge_start(world, *method, pool);
+      const StartJudgment judged = judge_start(world, *method, pool);
       const std::string name = fmt::format("{} {}", name_of(kind), variation + 1);
       if (!judged.started) {
         fmt::print("{:15}   never: {}\n", name, judged.waiting);
@@ -39,11 +39,11 @@ void run(int argc, char** argv) {
       ++started;
       wrong += judged.never_wrong() ? 0 : 1;
       fmt::print("{:15} {:>7} {:>6} {:>9} {:>9.2f} {:>8.2f}% {:>6.2f}deg {:>7.2f}%{}\n", name, *judged.started,
-                 judged.poses, judged.landmarks, judged.way_m, 100.0 * judged.position_error,
+                 judged.poses, judged.landmarks, judged.path_m, 100.0 * judged.position_error,
                  judged.rotation_error_rad * 57.2958, 100.0 * judged.depth_error,
                  judged.never_wrong() ? "" : "  WRONG");
     }
-  fmt::print("{} started, {} wrong\n", started, wrong);
+  fmt::print("{} initialized, {} wrong\n", started, wrong);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ namespace {
 
 using namespace rastro;
 
-/// Wall time, or with one thread the thread's own processor time, which a busy machine does not disturb.
+/// Wall time, or with one thread the thread's own processor time, which a busy machine does not affect.
 double now_ms(int threads) {
   if (threads > 1)
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -33,7 +33,7 @@ double now_ms(int threads) {
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
 }
 
-/// The front-end of VINS-Fusion's kind, by OpenCV's functions alone.
+/// A front end like that of VINS-Fusion, with OpenCV's functions alone.
 class PlainOpenCv {
  public:
   PlainOpenCv(int features, double min_distance) : features_(features), min_distance_(min_distance) {}
@@ -111,18 +111,18 @@ Arguments read_arguments(int argc, char** argv) {
   return arguments;
 }
 
-/// What all frames of all repeats took and gave.
+/// Times and results of all frames of all repeats.
 struct Sums {
   TrackTimes times;
   std::int64_t tracked = 0, reidentified = 0, corners = 0;
-  std::vector<double> ratios, ours_ms, theirs_ms;  ///< One a repeat; milliseconds of a frame.
+  std::vector<double> ratios, ours_ms, theirs_ms;  ///< One per repeat; milliseconds per frame.
 
   void add(const TrackFrame& frame) {
     const TrackTimes& t = frame.times;
     times.pyramid_ms += t.pyramid_ms;
     times.flow_ms += t.flow_ms;
     times.outlier_ms += t.outlier_ms;
-    times.foresee_ms += t.foresee_ms;
+    times.predict_ms += t.predict_ms;
     times.detect_ms += t.detect_ms;
     times.describe_ms += t.describe_ms;
     times.match_ms += t.match_ms;
@@ -136,18 +136,18 @@ struct Sums {
 
 void print(const Sums& sums, double calls) {
   fmt::print(
-      "rastro  {:.3f} ms a frame (median)\nOpenCV  {:.3f} ms a frame (median)\nratio   {:.3f} (min {:.3f}, max "
+      "rastro  {:.3f} ms per frame (median)\nOpenCV  {:.3f} ms per frame (median)\nratio   {:.3f} (min {:.3f}, max "
       "{:.3f})\n",
       upper_median(sums.ours_ms), upper_median(sums.theirs_ms), upper_median(sums.ratios),
       *std::min_element(sums.ratios.begin(), sums.ratios.end()),
       *std::max_element(sums.ratios.begin(), sums.ratios.end()));
   const TrackTimes& t = sums.times;
   fmt::print(
-      "stages  pyramid {:.3f}, flow {:.3f}, outliers {:.3f}, foresee {:.3f}, detect {:.3f}, describe {:.3f}, match "
+      "stages  pyramid {:.3f}, flow {:.3f}, outliers {:.3f}, predict {:.3f}, detect {:.3f}, describe {:.3f}, match "
       "{:.3f}, validate {:.3f} ms\n",
-      t.pyramid_ms / calls, t.flow_ms / calls, t.outlier_ms / calls, t.foresee_ms / calls, t.detect_ms / calls,
+      t.pyramid_ms / calls, t.flow_ms / calls, t.outlier_ms / calls, t.predict_ms / calls, t.detect_ms / calls,
       t.describe_ms / calls, t.match_ms / calls, t.validate_ms / calls);
-  fmt::print("tracked {:.1f} a frame, re-identified {:.2f} of {:.2f} corners\n",
+  fmt::print("tracked {:.1f} per frame, re-identified {:.2f} of {:.2f} corners\n",
              static_cast<double>(sums.tracked) / calls, static_cast<double>(sums.reidentified) / calls,
              static_cast<double>(sums.corners) / calls);
 }
@@ -156,10 +156,10 @@ void run(const Arguments& arguments) {
   OpenOptions open_options;
   open_options.end_frame = arguments.frames;
   const auto source = open(arguments.data, open_options);
-  std::vector<GreyImage> images;
+  std::vector<GrayImage> images;
   while (auto frame = source->next()) images.push_back(std::move(frame->image));
   std::vector<cv::Mat> mats;
-  for (GreyImage& image : images) {
+  for (GrayImage& image : images) {
     mats.emplace_back(image.height(), image.width(), CV_8U, image.row(0), static_cast<std::size_t>(image.stride()));
   }
   cv::setNumThreads(arguments.threads);

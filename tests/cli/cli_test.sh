@@ -36,7 +36,7 @@ value_of() { sed -n "s/^  \"$1\": \"\{0,1\}\([^\",]*\).*/\1/p" "$here/$2/result.
 frames_of() { tail -n +2 "$here/$1/tracks.csv" | cut -d, -f1 | sort -un | wc -l; }
 fresh() { rm -rf "$here" && mkdir -p "$here"; }
 
-# pgm FILE WIDTH HEIGHT: a small picture with something to see.
+# pgm FILE WIDTH HEIGHT: a small image with texture.
 pgm() {
   { printf 'P5\n%d %d\n255\n' "$2" "$3"; seq 1 $(($2 * $3)) | tr -d '\n' | head -c $(($2 * $3)) || true; } >"$1"
 }
@@ -83,7 +83,7 @@ help() {
   done
 }
 
-# Poses on a bent path, as TUM text: trajectory FILE COUNT SCALE
+# Poses on a curve in TUM format: trajectory FILE COUNT SCALE
 trajectory() {
   awk -v count="$2" -v scale="$3" 'BEGIN { for (k = 0; k < count; ++k)
     printf "%.1f %.6f %.6f %.6f 0 0 0 1\n", k / 10, scale * k, scale * 9 * sin(k / 9), scale * cos(k / 5) }' >"$1"
@@ -93,18 +93,18 @@ odometry() {
   local method
   for method in features profiles hybrid; do
     run 0 odometry "$hall" --out "$here/$method" --method "$method"
-    said 'trajectory.txt holds the poses'
+    said 'poses written to'
     [[ $(grep -cv '^#' "$here/$method/trajectory.txt") -eq $(grep -cv '^#' "$here/$method/trajectory_online.txt") ]] ||
       fail "not every frame has a pose"
     grep -q 'scale: relative' "$here/$method/trajectory.txt" || fail "the scale is not said"
   done
   run 0 odometry "$hall" --out "$here/scaled" --scale "reference=$here/features/trajectory.txt" --json
-  said '"scale": "metres, from reference='
+  said '"scale": "meters, from reference='
   refused "did you mean 'features'" odometry "$hall" --out "$here/no" --method featurs
   refused "did you mean 'features'" odometry "$hall" --out "$here/no" --set featurs=3
   refused 'camera-height' odometry "$hall" --out "$here/no" --scale height=1
-  refused 'give --method profiles' odometry "$hall" --out "$here/no" --calibrate-yaw
-  refused 'holds no depth' odometry "$hall" --out "$here/no" --method rgbd
+  refused 'add --method profiles' odometry "$hall" --out "$here/no" --calibrate-yaw
+  refused 'has no depth' odometry "$hall" --out "$here/no" --method rgbd
   refused 'nowhere' odometry "$here/nowhere" --out "$here/no"
   [[ ! -e "$here/no" ]] || fail "a refused run left a folder"
 }
@@ -115,7 +115,7 @@ evaluate_trajectory() {
   trajectory "$here/short.txt" 30 1
   run 0 evaluate trajectory "$here/truth.txt" "$here/half.txt" --align sim3 --segments 10,20 --plot "$here/plot.svg"
   said 'matched     60 of 60'
-  said 'scaled by 2.0000'
+  said 'scale 2.0000'
   grep -q '</svg>' "$here/plot.svg" || fail "no plot was written"
   run 0 evaluate trajectory "$here/truth.txt" "$here/half.txt" "$here/short.txt" --plot "$here/plot.png"
   said 'coverage differs (50.0 to 100.0 %)'
@@ -127,7 +127,7 @@ evaluate_trajectory() {
   refused '.svg or .png' evaluate trajectory "$here/truth.txt" "$here/short.txt" --plot "$here/plot.pdf"
   refused 'nowhere' evaluate trajectory "$here/truth.txt" "$here/nowhere"
   sed 's/^/9/' "$here/truth.txt" >"$here/late.txt"
-  refused 'no pose lies within' evaluate trajectory "$here/truth.txt" "$here/late.txt" --max-dt 0.01
+  refused 'no pose is within' evaluate trajectory "$here/truth.txt" "$here/late.txt" --max-dt 0.01
   mkdir "$here/run" && cp "$here/truth.txt" "$here/run/trajectory.txt"
   run 0 evaluate trajectory "$here/truth.txt" "$here/run"
   echo '1 0 0 0 0 1 0 0 0 0 1 0' >"$here/kitti.txt"
@@ -135,7 +135,7 @@ evaluate_trajectory() {
   run 0 evaluate trajectory "$hall" "$hall/mav0/state_groundtruth_estimate0/data.csv" --align none --estimate-of body
   said 'compared as it is'
   run 0 evaluate trajectory "$hall" "$hall/mav0/state_groundtruth_estimate0/data.csv"
-  said 'turned into poses of the camera by T_BS'
+  said 'converted to poses of the camera with T_BS'
 }
 
 slam() {
@@ -145,7 +145,7 @@ slam() {
     run 0 methods
     said "$method"
     run 0 slam "$here/corridor" --method "$method" --out "$here/$method" --frames 0:200
-    said "$method: 200 frames, 100.0 % of those asked for have a pose"
+    said "$method: 200 frames, 100.0 % of the requested ones have a pose"
     for file in about.json options.yaml stats.csv events.jsonl result.json trajectory.txt trajectory_online.txt \
       covariance_online.txt map.pgm map.yaml map.png map.rastro; do
       [[ -s $here/$method/$file ]] || fail "$method wrote no $file"
@@ -171,7 +171,7 @@ slam() {
   run 0 export "$here/ekf" --to landmarks --out "$here/ekf/exported.csv"
   cmp "$here/ekf/landmarks.csv" "$here/ekf/exported.csv" || fail "the map of ekf exports other landmarks"
   run 0 slam "$here/corridor" --method hector --out "$here/again" --frames 0:200 --options "$here/hector/options.yaml" --json
-  [[ $(value_of result_sha256 again) == $(value_of result_sha256 hector) ]] || fail "the options in force give another run"
+  [[ $(value_of result_sha256 again) == $(value_of result_sha256 hector) ]] || fail "the options in use give another run"
   cmp "$here/stdout" "$here/again/result.json" || fail "--json does not print result.json"
   slam_refusals
 }
@@ -187,7 +187,7 @@ slam_refusals() {
   refused "did you mean 'coverage'" slam "$here/corridor" --method hector --out "$here/no" --require 'covrage>=3'
   refused "$hall" slam "$hall" --method hector --out "$here/no"
   refused 'nowhere' slam "$here/nowhere" --method hector --out "$here/no"
-  refused 'none of its' evaluate relations "$here/hector" --relations "$here/hector/trajectory.txt"
+  refused 'no pose is within 0.05 s of any of its' evaluate relations "$here/hector" --relations "$here/hector/trajectory.txt"
   refused 'nowhere' evaluate relations "$here/nowhere" --relations "$here/corridor/relations.txt"
   refused '.yaml' evaluate map "$here/hector/map.pgm" "$here/corridor/floor_plan.yaml"
   refused 'none or se2' evaluate map "$here/hector" "$here/corridor/floor_plan.yaml" --align sim3
@@ -227,7 +227,7 @@ bad_values() {
   refused "--set" track "$hall" --out "$here/run" --set window
   refused "did you mean 'coverage'" track "$hall" --out "$here/run" --require 'covrage>=5'
   refused "did you mean 'csv'" track "$hall" --out "$here/run" --formats csw
-  refused "--match-picture" track "$hall" --out "$here/run" --match-picture 9:3
+  refused "--match-image" track "$hall" --out "$here/run" --match-image 9:3
   refused "--threads" track "$hall" --out "$here/run" --threads -1
   refused "did you mean 'track'" options trak
 }
@@ -288,12 +288,12 @@ laser() {
   said '10 scans written'
   run 0 info "$here/b.log"
   said '4 beams from -90.00 to 45.00 deg, 0 to 50 m'
-  refused "there is no kind 'cloud'" convert "$log" --to cloud --out "$here/c.log"
+  refused "'cloud' is not a format" convert "$log" --to cloud --out "$here/c.log"
   run 2 convert "$log" --to scan --out "$log"
   said 'would overwrite the data itself'
-  refused 'holds no images' track "$log" --out "$here/run"
+  refused 'has no images' track "$log" --out "$here/run"
   printf 'ODOM 0 0 0 0 0 0 1 host 0\n' >"$here/none.log"
-  refused 'holds no laser scan' info "$here/none.log"
+  refused 'has no laser scans' info "$here/none.log"
   printf '#ROSBAG V2.0\n' >"$here/cut.bag"
   run 2 info "$here/cut.bag"
   [[ $(wc -l <"$here/stderr") -eq 1 ]] || fail "more than one line for a cut bag"
@@ -309,17 +309,20 @@ no_calibration() {
 }
 
 outputs() {
-  run 0 track "$hall" --out "$here/run" --pictures --match-picture 1:9
+  run 0 track "$hall" --out "$here/run" --images --match-image 1:9
   local file
   for file in about.json options.yaml stats.csv result.json tracks.yaml tracks.csv tracks.jsonl table.md match_1_9.png; do
     [[ -s $here/run/$file ]] || fail "$file is missing"
   done
-  [[ $(ls "$here/run/pictures" | wc -l) == 12 ]] || fail "not a picture per frame"
+  [[ $(ls "$here/run/track_images" | wc -l) == 12 ]] || fail "not an image per frame"
   [[ $(wc -l <"$here/run/tracks.jsonl") == 12 && $(frames_of run) == 12 ]] || fail "not every frame was written"
   [[ $(value_of result_sha256 run) == $(sha256sum "$here/run/tracks.csv" | cut -d' ' -f1) ]] || fail "wrong hash"
   run 0 track "$hall" --out "$here/run2" --options "$here/run/options.yaml" --formats csv
   [[ ! -e $here/run2/tracks.yaml ]] || fail "--formats is not heeded"
-  cmp "$here/run/tracks.csv" "$here/run2/tracks.csv" || fail "the options in force do not give the same run again"
+  run 0 track "$hall" --out "$here/former" --frames 0:2 --pictures
+  said 'track: --pictures is now --images; the next release will not accept the old name'
+  [[ $(ls "$here/former/track_images" | wc -l) == 2 ]] || fail "the former --pictures is not heeded"
+  cmp "$here/run/tracks.csv" "$here/run2/tracks.csv" || fail "the options in use do not give the same run again"
   if "$rastro" --version | grep -q 'with  *video'; then
     run 0 track "$hall" --out "$here/run3" --video "$here/run.avi"
     [[ -s $here/run.avi ]] || fail "no video"

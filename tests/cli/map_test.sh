@@ -55,15 +55,15 @@ files() {
   run 0 slam "$room" --method rgbd --out "$here/step" --mode step --threads 1 --set keyframe_frames=4 --quiet
   cmp "$map" "$here/step/map.rastro" || fail "another map with one thread, one step after the other"
   run 0 measure "$here/run" --objects "$room/objects.yaml" --only 'blue box width' --only 'blue box height' \
-    --out "$here/pictures" --require 'measured>=1' --require 'max_error_m<=0.015'
+    --out "$here/images" --require 'measured>=1' --require 'max_error_m<=0.015'
   said 'blue box width'
-  [[ $(find "$here/pictures" -name '*.png' | wc -l) -eq 2 ]] || fail "no picture of each length"
+  [[ $(find "$here/images" -name '*.png' | wc -l) -eq 2 ]] || fail "no image of each length"
   run 0 measure "$here/run" "$here/run/map.rastro" --between -0.3,0.05,2.1 -0.05,0.02,2.1 --csv
   [[ $(wc -l <"$here/stdout") -eq 3 ]] || fail "a line for each of two maps"
   refused "did you mean 'blue box width'?" measure "$here/run" --objects "$room/objects.yaml" --only 'blue bx width'
   refused 'give --objects FILE or --between' measure "$here/run"
   run 0 info "$here/run"
-  said 'whole, every checksum holds'
+  said 'complete, every checksum is valid'
   run 0 localize "$room" --map "$here/run" --out "$here/found" --every 3 --require 'recall>=60'
   [[ -s $here/found/trajectory.txt && ! -e $here/found/map.rastro ]] || fail "localize leaves a trajectory and no map"
 
@@ -74,13 +74,13 @@ files() {
   run 0 recover "$here/cut.rastro" --out "$here/saved.rastro"
   said 'lost'
   run 0 info "$here/saved.rastro"
-  said 'whole'
+  said 'complete'
   run 0 recover "$map" --out "$here/again.rastro"
   said 'nothing'
   cmp "$map" "$here/again.rastro" || fail "read and written again, the map has other bytes"
 
-  refused 'there already' recover "$map" --out "$here/saved.rastro"
-  refused 'no map of rastro' localize "$room" --map "$room/rgb.txt" --out "$here/no"
+  refused 'already exists' recover "$map" --out "$here/saved.rastro"
+  refused 'not a map of rastro' localize "$room" --map "$room/rgb.txt" --out "$here/no"
   refused "did you mean 600MB" slam "$room" --method rgbd --out "$here/no" --max-memory 600mb
   refused "did you mean 'step'" slam "$room" --method rgbd --out "$here/no" --mode stp
   [[ ! -e $here/no ]] || fail "a refused run left a folder"
@@ -90,19 +90,19 @@ files() {
 landmarks() {
   local map=$here/run/map.rastro file
   run 0 slam "$room" --method orb --sensor rgbd --out "$here/run"
-  said 'scale        metres'
+  said 'scale        meters'
   for file in map.rastro map.png keyframes.txt trajectory.txt trajectory_online.txt result.json; do
     [[ -s $here/run/$file ]] || fail "$file is missing"
   done
   [[ $(cat "$here/run/trajectory.txt" "$here/run/keyframes.txt" "$map" | sha256sum | cut -d' ' -f1) == $(value_of result_sha256 "$here/run/result.json") ]] ||
     fail "the hash is not that of trajectory, keyframes and map"
   run 0 info "$here/run"
-  said 'whole, every checksum holds'
+  said 'complete, every checksum is valid'
   run 0 localize "$room" --map "$here/run" --out "$here/found" --require 'recall>=60'
   [[ -s $here/found/trajectory.txt && ! -e $here/found/map.rastro ]] || fail "localize leaves a trajectory and no map"
   run 0 slam "$room" --map "$here/run" --continue --out "$here/longer" --quiet
   run 0 info "$here/longer"
-  said 'whole'
+  said 'complete'
   run 0 recover "$map" --out "$here/again.rastro"
   cmp "$map" "$here/again.rastro" || fail "read and written again, the map has other bytes"
   for file in points.ply landmarks.csv graph.g2o above.svg above.png poses.tum; do
@@ -115,26 +115,26 @@ landmarks() {
   [[ -s $here/colmap/points3D.bin ]] || fail "no points3D.bin"
   refused "no layer 'images'" measure "$here/run" --between 0,0,1 0,0,2
   refused "no layer 'images'" export "$here/run" --to mesh --out "$here/no"
-  refused 'in metres already' scale "$here/run" --camera-height 1
+  refused 'is metric already' scale "$here/run" --camera-height 1
   refused 'use '"'"'rastro localize' slam "$room" --method orb --map "$map" --out "$here/no"
   refused 'give --map' slam "$room" --method orb --continue --out "$here/no"
-  refused '--method: is needed' slam "$room" --out "$here/no"
+  refused '--method: is required' slam "$room" --out "$here/no"
   [[ ! -e $here/no ]] || fail "a refused run left a folder"
   mono
 }
 
-# A map of one camera, brought to metres twice: the second time it is there already.
+# A map of one camera, brought to meters twice: the second time it is there already.
 mono() {
   run 0 slam "$room" --method orb --sensor mono --out "$here/mono"
   said 'scale        arbitrary'
   refused 'give one of' scale "$here/mono"
-  refused 'is no length' scale "$here/mono" --length 1,2
+  refused 'is not a length' scale "$here/mono" --length 1,2
   refused 'has no landmark' scale "$here/mono" --length 1,987654321,2
   run 0 scale "$here/mono" --reference "$room"
   run 0 scale "$here/mono" --reference "$room" --json
-  grep -Eq '"metres_per_unit": (1|0.99999|1.00000)[0-9]*,$' "$here/stdout" || fail "not in metres: $(cat "$here/stdout")"
+  grep -Eq '"meters_per_unit": (1|0.99999|1.00000)[0-9]*,$' "$here/stdout" || fail "not in meters: $(cat "$here/stdout")"
   run 0 info "$here/mono"
-  said 'metres, from a reference trajectory'
+  said 'meters, from a reference trajectory'
   run 0 evaluate trajectory "$room" "$here/mono" --align se3 --require 'ate_rmse<=0.1'
 }
 

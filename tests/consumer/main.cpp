@@ -15,8 +15,8 @@ constexpr int width = 320;
 constexpr int height = 240;
 
 /// Random blocks of 12 px, shifted by `shift` px to the right.
-rastro::GreyImage pattern(int shift) {
-  rastro::GreyImage image(width, height);
+rastro::GrayImage pattern(int shift) {
+  rastro::GrayImage image(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const auto block = static_cast<std::uint64_t>((y / 12) * 1000 + (x - shift + 1200) / 12);
@@ -37,7 +37,7 @@ int main() try {
   int followed = 0;
   int wrong = 0;
   for (int i = 0; i < 5; ++i) {
-    const rastro::GreyImage image = pattern(2 * i);
+    const rastro::GrayImage image = pattern(2 * i);
     const rastro::TrackFrame frame = tracker.process(image, i * rastro::ns_per_second / 20);
     for (const rastro::TrackedFeature& feature : frame.features) {
       const auto before = last_x.find(feature.id);

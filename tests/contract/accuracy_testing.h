@@ -13,13 +13,13 @@
 
 namespace rastro {
 
-/// How far a method may be off in the recording it is tried on, and how many frames must have a pose.
+/// Maximum error of a method in its recording, and how many frames must have a pose.
 struct AccuracyLimit {
   double worst_m = 0.0;      ///< Of any pose: about one and a half times what was measured.
   double least_poses = 1.0;  ///< Share of the frames.
 };
 
-/// By method and sensor. CheapGuessesFailItsLimit holds each limit against guesses that know nothing.
+/// By method and sensor. CheapGuessesFailItsLimit checks that trivial guesses fail each limit.
 inline AccuracyLimit accuracy_limit(const std::string& method) {
   static const std::map<std::string, AccuracyLimit> limits = {
       {"ekf", {0.014, 1.0}},         // measured: 0.0091
@@ -30,7 +30,7 @@ inline AccuracyLimit accuracy_limit(const std::string& method) {
       {"rgbd", {0.018, 1.0}},        // 0.0118, after a spoilt frame; else 0.0054
   };
   const auto found = limits.find(method);
-  // A new method has to be measured; until then nothing is good enough.
+  // A new method has to be measured first; until then it fails.
   return found == limits.end() ? AccuracyLimit{0.0, 1.0} : found->second;
 }
 
@@ -46,8 +46,8 @@ inline std::optional<int> frame_of(const Place& place, TimeNs stamp) {
   return since >= 0 && place.stamp(k) == stamp ? std::optional<int>(k) : std::nullopt;
 }
 
-/// True and estimated positions of the poses in `range`, by their stamps. A pose whose stamp is of no frame is left
-/// out.
+/// True and estimated positions of the poses in `range`, by their stamps. A pose whose stamp is of no
+/// frame is skipped.
 struct PairedPositions {
   std::vector<Eigen::Vector3d> truth, estimate;
 };
@@ -63,29 +63,30 @@ inline PairedPositions paired_positions(const Trajectory& trajectory, const Plac
   return paired;
 }
 
-/// The largest distance of a pose in `range` from where it should be: seen from the first pose of the trajectory where
-/// lengths are metric, else after alignment with scale. Infinite without a pose.
+/// Maximum position error of the poses in `range`: aligned by the first pose of the trajectory where it is metric, else
+/// by similarity. Infinite without a pose.
 inline double worst_error_m(const Trajectory& trajectory, const Place& place, FrameRange range = {}) {
   const PairedPositions paired = paired_positions(trajectory, place, range);
   if (paired.truth.empty()) return std::numeric_limits<double>::infinity();
-  Sim3 truth_from_estimate;
+  Sim3 ground_truth_from_estimate;
   if (place.is_metric()) {
     const auto first = std::find_if(trajectory.begin(), trajectory.end(),
                                     [&](const StampedPose& pose) { return frame_of(place, pose.stamp).has_value(); });
-    const SE3 truth_from = place.world_from_body(*frame_of(place, first->stamp)) * first->world_from_body.inverse();
-    truth_from_estimate = Sim3(1.0, truth_from.rotation(), truth_from.translation());
+    const SE3 ground_truth_from =
+        place.world_from_body(*frame_of(place, first->stamp)) * first->world_from_body.inverse();
+    ground_truth_from_estimate = Sim3(1.0, ground_truth_from.rotation(), ground_truth_from.translation());
   } else {
     const auto aligned = align_points(paired.truth, paired.estimate, AlignmentKind::similarity);
     if (!aligned) return std::numeric_limits<double>::infinity();
-    truth_from_estimate = aligned->target_from_source;
+    ground_truth_from_estimate = aligned->target_from_source;
   }
   double worst = 0.0;
   for (std::size_t i = 0; i < paired.truth.size(); ++i)
-    worst = std::max(worst, (truth_from_estimate * paired.estimate[i] - paired.truth[i]).norm());
+    worst = std::max(worst, (ground_truth_from_estimate * paired.estimate[i] - paired.truth[i]).norm());
   return worst;
 }
 
-/// Trajectories that need no method: what a limit must not let pass.
+/// Trivial trajectories, which must fail the limits.
 struct CheapGuess {
   const char* what;
   Trajectory trajectory;
@@ -102,7 +103,7 @@ inline std::vector<CheapGuess> cheap_guesses(const Place& place) {
     going = going * motion;
   }
   if (!place.is_metric()) {
-    // Of no length at all: there is nothing to align. And scale means nothing.
+    // Without any motion: alignment and scale are undefined.
     guesses.erase(guesses.begin());
     return guesses;
   }

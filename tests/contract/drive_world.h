@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A drive through a room in closed form, and how far an odometry is from it.
+// A drive through a room in closed form, and the error of an odometry on it.
 #pragma once
 
 #include <algorithm>
@@ -66,7 +66,7 @@ class DriveWorld {
  private:
   static Camera camera() { return {.width = 320, .height = 240, .fx = 260, .fy = 260, .cx = 159.5, .cy = 119.5}; }
 
-  /// Papered with smooth spots of three sizes, the smallest 0.2 m.
+  /// Textured with smooth spots of three sizes, the smallest 0.2 m.
   static double shade(const Eigen::Vector3d& p) {
     const auto wave = [](double a, double b) { return std::sin(a + 1.3 * std::sin(0.7 * b)); };
     double sum = 0.0;
@@ -79,7 +79,7 @@ class DriveWorld {
   /// The room measures 4 x 3 x 4 m around the origin.
   static Frame render(const SE3& pose) {
     Frame frame;
-    frame.image = GreyImage(camera().width, camera().height);
+    frame.image = GrayImage(camera().width, camera().height);
     frame.depth = DepthImage(camera().width, camera().height);
     const Eigen::Vector3d half(2.0, 1.5, 2.0), from = pose.translation();
     const Eigen::Matrix3d rotation = pose.rotation().matrix();
@@ -98,7 +98,7 @@ class DriveWorld {
   }
 };
 
-/// How far poses are from the drive, seen from the first of them. A method that knows no lengths is scaled to it first.
+/// Errors of poses relative to the first one. A trajectory up to scale is scaled first.
 struct DriveError {
   double rotation_deg = std::numeric_limits<double>::infinity();  ///< The largest.
   double position = std::numeric_limits<double>::infinity();      ///< Root mean square, as share of the path.

@@ -12,7 +12,7 @@
 
 namespace rastro {
 
-/// What a method must say of a spoilt frame; a method that is not named uses nothing of what was spoilt.
+/// Expected reason of a corrupt frame, by method; a method that is not named does not use the corrupt data.
 using SaidBy = std::map<std::string, SlamReason>;
 
 /// One bad frame in place of, or between, good ones.
@@ -40,7 +40,7 @@ inline const Hostile spoilt_scans[] = {
      },
      {{"ekf", SlamReason::no_odometry}, {"hector", SlamReason::no_data}}},
     {"no odometry", [](Frame& frame) { frame.odometry_from_body.reset(); }, {{"ekf", SlamReason::no_odometry}}},
-    {"no scan and no sightings",
+    {"no scan and no observations",
      [](Frame& frame) {
        frame.scan.reset();
        frame.landmarks.clear();
@@ -50,7 +50,7 @@ inline const Hostile spoilt_scans[] = {
      [](Frame& frame) {
        frame.scan.reset();
        frame.landmarks.clear();
-       frame.image = GreyImage(64, 48);
+       frame.image = GrayImage(64, 48);
      },
      {{"ekf", SlamReason::no_data}, {"hector", SlamReason::no_data}}},
     {"an empty scan", [](Frame& frame) { scan_of(frame).ranges.clear(); }, said_few_returns},
@@ -65,14 +65,14 @@ inline const Hostile spoilt_scans[] = {
     {"all beams in one direction",
      [](Frame& frame) { scan_of(frame).angle_step = 0.0; },
      {{"hector", SlamReason::degenerate}}},
-    {"sightings of no length",
+    {"observations of zero range",
      [](Frame& frame) {
-       for (LandmarkSighting& sighting : frame.landmarks) sighting.range = 0.0;
+       for (LandmarkMeasurement& sighting : frame.landmarks) sighting.range = 0.0;
      },
      {}},
     {"the same landmark everywhere",
      [](Frame& frame) {
-       for (LandmarkSighting& sighting : frame.landmarks) sighting.id = 3;
+       for (LandmarkMeasurement& sighting : frame.landmarks) sighting.id = 3;
      },
      {{"ekf", SlamReason::poor_match}}},
     {"the stamp before",
@@ -84,12 +84,12 @@ inline const Hostile spoilt_scans[] = {
     {"no stamp", [](Frame& frame) { frame.stamp = 0; }, {{"ekf", SlamReason::repeated_frame}}},
 };
 
-inline void fill_depth(Frame& frame, float metres) {
-  for (int y = 0; y < frame.depth.height(); ++y) std::fill_n(frame.depth.row(y), frame.depth.width(), metres);
+inline void fill_depth(Frame& frame, float meters) {
+  for (int y = 0; y < frame.depth.height(); ++y) std::fill_n(frame.depth.row(y), frame.depth.width(), meters);
 }
 
-inline GreyImage grey(const Frame& frame, std::uint8_t value) {
-  GreyImage image(frame.image.width(), frame.image.height());
+inline GrayImage gray(const Frame& frame, std::uint8_t value) {
+  GrayImage image(frame.image.width(), frame.image.height());
   for (int y = 0; y < image.height(); ++y) std::fill_n(image.row(y), image.width(), value);
   return image;
 }
@@ -104,15 +104,15 @@ inline const Hostile spoilt_depths[] = {
        frame = bare;
      },
      {{"orb", SlamReason::no_data}, {"rgbd", SlamReason::dark_or_blank}}},
-    {"black", [](Frame& frame) { frame.image = grey(frame, 0); }, said_dark},
-    {"white without colour and depth",
+    {"black", [](Frame& frame) { frame.image = gray(frame, 0); }, said_dark},
+    {"white without color and depth",
      [](Frame& frame) {
-       frame.image = grey(frame, 255);
-       frame.colour = {};
+       frame.image = gray(frame, 255);
+       frame.color = {};
        frame.depth = {};
      },
      said_dark},
-    {"everything masked", [](Frame& frame) { frame.mask = grey(frame, 0); }, {{"orb", SlamReason::few_inliers}}},
+    {"everything masked", [](Frame& frame) { frame.mask = gray(frame, 0); }, {{"orb", SlamReason::few_inliers}}},
     {"the stamp before",
      [](Frame& frame) { frame.stamp -= ns_per_second / 15; },
      {{"orb", SlamReason::repeated_frame}, {"rgbd", SlamReason::repeated_frame}}},
@@ -135,8 +135,8 @@ inline std::span<const Hostile> spoilt_for(const Place& place) {
   return place.info().has_depth ? std::span<const Hostile>(spoilt_depths) : std::span<const Hostile>(spoilt_scans);
 }
 
-/// What a spoilt frame costs, as a factor on the method's limit. ORB finds itself again after a frame without a
-/// feature, and joins what it made in the meantime to the map: for two cameras, that frame moves all others by 0.19 m.
+/// Effect of a corrupt frame, as a factor on the method's limit. ORB relocalizes after a frame without features and
+/// merges the submap made in between: with two cameras, that frame moves all others by 0.19 m.
 inline double spoilt_factor(const std::string& method, const std::string& what) {
   if (what != "everything masked") return 1.0;
   if (method == "orb_stereo") return 5.0;

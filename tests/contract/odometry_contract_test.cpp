@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every odometry promises, whatever it does inside. Methods are found through the generated list.
+// Guarantees of every odometry method. Methods are found through the generated list.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,9 +16,9 @@
 namespace rastro {
 namespace {
 
-// What a method that works reaches easily here, and a guess does not: see AGuessWouldNotPass.
+// Limits that a working method meets easily and a guess does not: see AGuessWouldNotPass.
 constexpr DriveError good{.rotation_deg = 2.0, .position = 0.06};
-// After a frame that told nothing.
+// After a frame without information.
 constexpr DriveError after_a_fault{.rotation_deg = 4.0, .position = 0.08};
 
 std::string text_of(const OdometryUpdate& update) {
@@ -80,7 +80,7 @@ class OdometryContract : public testing::TestWithParam<std::string> {
     expect_within(error_of(*odometry), good);
   }
 
-  /// Everything that a run gives, as text.
+  /// All results of a run, as text.
   static std::string text_of_run(TaskPool* pool) {
     const auto odometry = make(DriveWorld::info(), pool);
     std::string text;
@@ -148,7 +148,7 @@ TEST_P(OdometryContract, RefusesImagesThatChangeTheirSize) {
   const auto odometry = make();
   for (const Frame& frame : DriveWorld::frames(3)) odometry->process(frame);
   Frame other = DriveWorld::frame(3);
-  other.image = GreyImage(64, 48);
+  other.image = GrayImage(64, 48);
   EXPECT_THROW(odometry->process(other), Error);
 }
 
@@ -227,7 +227,7 @@ const Hostile hostiles[] = {
        fill(frame, 255);
        frame.depth = {};
      }},
-    {"everything masked", [](Frame& frame) { frame.mask = GreyImage(frame.image.width(), frame.image.height()); }},
+    {"everything masked", [](Frame& frame) { frame.mask = GrayImage(frame.image.width(), frame.image.height()); }},
     {"the stamp before", [](Frame& frame) { frame.stamp -= ns_per_second / 30; }},
     {"a stamp far back", [](Frame& frame) { frame.stamp -= 100 * ns_per_second; }},
     {"no depth image", [](Frame& frame) { frame.depth = {}; }},
@@ -286,7 +286,7 @@ TEST_P(OdometryContract, KeepsNothingOutsideOfItself) {
   EXPECT_EQ(text_of(first->trajectory()), text_of(alone->trajectory()));
 }
 
-/// The limits mean something: neither standing still nor going straight on, at the true speed, would pass.
+/// The limits are meaningful: neither rest nor straight motion at the true speed passes them.
 TEST(DriveWorldTest, AGuessWouldNotPass) {
   Trajectory still, straight, exact;
   for (int k = 0; k < DriveWorld::frame_count; ++k) {

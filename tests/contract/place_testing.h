@@ -14,20 +14,20 @@
 
 namespace rastro {
 
-/// A generated recording of known truth, of a kind that some methods can use.
+/// A generated recording with ground truth, of a kind that some methods can use.
 class Place {
  public:
   virtual ~Place() = default;
   virtual int frame_count() const = 0;
-  /// Frames of a drive on which places come back.
+  /// Frames of a drive that revisits places.
   virtual int long_count() const = 0;
   virtual SourceInfo info() const = 0;
   virtual Frame frame(int number) const = 0;
   virtual TimeNs stamp(int number) const = 0;
   virtual SE3 world_from_body(int number) const = 0;
-  /// No pose is ever farther from the first.
+  /// Maximum distance of a pose from the first.
   virtual double reach_m() const = 0;
-  /// False: lengths are known up to a factor.
+  /// False: up to scale.
   virtual bool is_metric() const { return true; }
 
   std::vector<Frame> frames(int count) const {
@@ -39,8 +39,8 @@ class Place {
   TimeNs step() const { return stamp(1) - stamp(0); }
 };
 
-/// Driven through with a laser and wheels.
-class LaserPlace : public Place {
+/// Recorded with a laser and wheel odometry.
+class LaserPose : public Place {
  public:
   int frame_count() const override { return Room::frame_count; }
   int long_count() const override { return 600; }  // nearly three times around
@@ -55,8 +55,8 @@ class LaserPlace : public Place {
   double reach_m() const override { return 2.0 * Room::radius_m; }
 };
 
-/// Looked at by a depth camera in the hand, which swings to and fro.
-class DepthPlace : public Place {
+/// Recorded with a hand-held depth camera that swings to and fro.
+class DepthPose : public Place {
  public:
   static constexpr int swing = 48;  ///< Frames of one turn there and back.
 
@@ -72,7 +72,7 @@ class DepthPlace : public Place {
     return info;
   }
   Frame frame(int number) const override {
-    // The same at every swing but for its stamp, so that each picture is made once.
+    // The same at every swing but for its stamp, so that each image is made once.
     static std::map<int, Frame> made;
     const int place = number % swing;
     if (!made.contains(place)) made[place] = test_room::frame_from(world_from_body(place), camera());
@@ -95,12 +95,12 @@ class DepthPlace : public Place {
   static Camera camera() { return test_room::camera().scaled(0.75); }
 };
 
-/// A square looked at from the side by somebody who walks along it, to and fro, with one camera or two.
-class CameraPlace : public Place {
+/// A square recorded with one camera or two, looking sideways, on a walk along it, to and fro.
+class CameraPose : public Place {
  public:
   static constexpr int first = 748, there = 48;  ///< Frames of the loop that are shown, then the same backwards.
 
-  explicit CameraPlace(bool stereo) : stereo_(stereo) {}
+  explicit CameraPose(bool stereo) : stereo_(stereo) {}
   int frame_count() const override { return there; }
   int long_count() const override { return there + 24; }
   SourceInfo info() const override {
@@ -120,8 +120,8 @@ class CameraPlace : public Place {
     const int place = place_of(number);
     if (!made.contains(place)) {
       TaskPool alone(1);
-      made[place].image = world().render(place, alone).grey;
-      made[place].right = world().render_right(place, alone).grey;
+      made[place].image = world().render(place, alone).gray;
+      made[place].right = world().render_right(place, alone).gray;
     }
     Frame frame = made[place];
     if (!stereo_) frame.right = {};
@@ -150,9 +150,9 @@ class CameraPlace : public Place {
 
 /// The kind of recording that a method is made for; `sensor` where it takes several.
 inline std::unique_ptr<Place> place_for(const SlamMethod& method, const std::string& sensor) {
-  if (sensor == "mono" || sensor == "stereo") return std::make_unique<CameraPlace>(sensor == "stereo");
-  if (method.wants_depth()) return std::make_unique<DepthPlace>();
-  return std::make_unique<LaserPlace>();
+  if (sensor == "mono" || sensor == "stereo") return std::make_unique<CameraPose>(sensor == "stereo");
+  if (method.wants_depth()) return std::make_unique<DepthPose>();
+  return std::make_unique<LaserPose>();
 }
 
 }  // namespace rastro

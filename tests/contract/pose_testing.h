@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses as text that two runs must share, and what must be true of them.
+// Poses as text that is equal for repeated runs, and checks that hold for all.
 #pragma once
 
 #include <fmt/format.h>

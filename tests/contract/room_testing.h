@@ -37,7 +37,7 @@ class Room {
     return {SO2::from_angle(angle), radius_m * Eigen::Vector2d(std::sin(angle), 1.0 - std::cos(angle))};
   }
 
-  /// The frames of the drive, with everything that any method may ask for. 210 frames are once around.
+  /// The frames of the drive, with all data that any method needs. 210 frames are once around.
   static std::vector<Frame> frames(int count = frame_count) {
     std::vector<Frame> frames;
     for (int k = 0; k < count; ++k) frames.push_back(frame(k));
@@ -52,7 +52,7 @@ class Room {
     frame.name = std::to_string(number);
     const SE2 pose = world_from_body(number);
     frame.scan = scan_from(pose, random);
-    frame.landmarks = sightings_from(pose, random);
+    frame.landmarks = observations_from(pose, random);
     frame.odometry_from_body = odometry(number);
     return frame;
   }
@@ -120,8 +120,8 @@ class Room {
     return scan;
   }
 
-  static std::vector<LandmarkSighting> sightings_from(const SE2& pose, Random& random) {
-    std::vector<LandmarkSighting> seen;
+  static std::vector<LandmarkMeasurement> observations_from(const SE2& pose, Random& random) {
+    std::vector<LandmarkMeasurement> seen;
     for (std::size_t k = 0; k < corners().size(); ++k) {
       const Eigen::Vector2d in_body = pose.inverse() * corners()[k];
       seen.push_back({static_cast<std::int64_t>(k), in_body.norm() * (1.0 + 0.01 * random.normal()),
@@ -130,7 +130,7 @@ class Room {
     return seen;
   }
 
-  /// Wheels that measure 2.5 % too long and turn 3 % too little, from a place of their own.
+  /// Wheel odometry with 2.5 % too much translation and 3 % too little rotation, in a frame of its own.
   static SE2 odometry(int frame) {
     SE2 pose(SO2::from_angle(1.0), {5.0, 3.0});
     for (int k = 0; k < frame; ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every SLAM method promises, whatever it does inside. Methods are found through the generated list.
+// Guarantees of every SLAM method. Methods are found through the generated list.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@
 namespace rastro {
 namespace {
 
-/// A method, and the sensor it is to use where it takes several ("orb_mono").
+/// A method, and its sensor where it has several ("orb_mono").
 class SlamContract : public testing::TestWithParam<std::string> {
  protected:
   std::string sensor() const {
@@ -77,7 +77,7 @@ class SlamContract : public testing::TestWithParam<std::string> {
 
   static void run(Slam& slam, const std::vector<Frame>& frames) { updates_of(slam, frames); }
 
-  /// Everything that a run gives, as text.
+  /// All results of a run, as text.
   std::string text_of_run(const SlamContext& context) const {
     const auto slam = make(place().info(), context);
     std::string text;
@@ -120,12 +120,17 @@ TEST_P(SlamContract, LeavesTheMapAloneWhileMappingIsOff) {
   for (std::size_t k = 0; k < half; ++k) slam->process(frames[k]);
   if (!slam->set_mapping(false)) GTEST_SKIP() << "the method cannot switch mapping off";
   const std::size_t keyframes = slam->snapshot()->keyframes.size(), poses = slam->trajectory().size();
+  const std::string kept = text_of_kept(*slam->snapshot());
   int tracked = 0;
   for (std::size_t k = half; k < half + 5; ++k) {
     const SlamState state = slam->process(frames[k]).state;
     tracked += state == SlamState::tracking || state == SlamState::weak ? 1 : 0;
   }
   EXPECT_EQ(slam->snapshot()->keyframes.size(), keyframes);
+  // A filter localizes by updating its landmarks.
+  if (!slam->snapshot()->layer<LandmarkLayer>() || slam->snapshot()->layer<FeatureLayer>()) {
+    EXPECT_TRUE(text_of_kept(*slam->snapshot()) == kept) << "the map changed";
+  }
   EXPECT_EQ(tracked, 5);
   EXPECT_EQ(slam->trajectory().size(), poses + 5);
   EXPECT_TRUE(slam->set_mapping(true));
@@ -142,14 +147,15 @@ TEST_P(SlamContract, ObservationsAreOfTheLastFrameAndItsMap) {
   const std::vector<FeatureObservation> observations = slam->observations();
   if (observations.empty()) GTEST_SKIP() << "the method has no features";
   const auto landmarks = slam->snapshot()->layer<LandmarkLayer>();
-  ASSERT_TRUE(landmarks);
   int inliers = 0, known = 0;
   for (const FeatureObservation& each : observations) {
     EXPECT_TRUE(each.pixel.allFinite());
     inliers += each.state == ObservationState::inlier ? 1 : 0;
-    known += each.landmark >= 0 && landmarks->find(each.landmark) ? 1 : 0;
+    known += landmarks && each.landmark >= 0 && landmarks->find(each.landmark) ? 1 : 0;
   }
-  EXPECT_EQ(inliers, last.used);
+  EXPECT_GT(inliers, 0);
+  EXPECT_LE(inliers, last.used) << "surfaces may count as well";
+  if (!landmarks) return;
   EXPECT_GT(known, inliers / 3) << "the others were culled since, or are seen with depth alone";
 }
 
@@ -174,7 +180,7 @@ TEST_P(SlamContract, FollowsARobotThroughARoom) {
   EXPECT_GT(slam->snapshot()->revision, 0);
 }
 
-/// Or the limit would say nothing of the method.
+/// The limit is meaningful: a guess fails it.
 TEST_P(SlamContract, CheapGuessesFailItsLimit) {
   for (const auto& [what, trajectory] : cheap_guesses(place())) {
     const double worst = worst_error_m(trajectory, place());
@@ -241,8 +247,8 @@ TEST_P(SlamContract, SaysWhatIsWrongWithASpoiltFrameAndGoesOn) {
   }
 }
 
-/// Frames of which one alone says that it is spoilt give no pose that is called good, but for the first, which needs no
-/// other to be compared with.
+/// Frames that are visibly invalid by themselves never give a pose with state tracking, except the first, which is
+/// compared with no other.
 TEST_P(SlamContract, TracksNothingInARunOfNothingButSpoiltFrames) {
   const std::vector<SlamReason> blind = {SlamReason::no_data,    SlamReason::few_returns,   SlamReason::no_odometry,
                                          SlamReason::poor_match, SlamReason::dark_or_blank, SlamReason::degenerate};
@@ -256,7 +262,7 @@ TEST_P(SlamContract, TracksNothingInARunOfNothingButSpoiltFrames) {
     if (std::find(blind.begin(), blind.end(), said_of(hostile)) == blind.end()) continue;
     for (std::size_t k = 1; k < updates.size(); ++k) {
       EXPECT_NE(updates[k].state, SlamState::tracking) << k;
-      EXPECT_NE(updates[k].state, SlamState::relocalised) << k;
+      EXPECT_NE(updates[k].state, SlamState::relocalized) << k;
       EXPECT_NE(updates[k].reason, SlamReason::none) << k;
     }
   }
@@ -332,7 +338,7 @@ TEST_P(SlamContract, GivesSnapshotsThatNeverChange) {
   slam->finish();
   kept.emplace_back(slam->snapshot(), text_of(*slam->snapshot()));
   for (const auto& [snapshot, text] : kept) EXPECT_EQ(text_of(*snapshot), text);
-  EXPECT_NE(kept.front().second, kept.back().second) << "nothing was ever learnt";
+  EXPECT_NE(kept.front().second, kept.back().second) << "nothing was ever learned";
 }
 
 TEST_P(SlamContract, GivesSnapshotsThatAnotherThreadCanRead) {
@@ -359,7 +365,7 @@ TEST_P(SlamContract, KeepsItsMapInABlackSecondAndIsBackSoonAfter) {
   const auto slam = make();
   std::vector<Frame> frames = place().frames(2 * place().frame_count());
   constexpr std::size_t from = 30, to = 60;
-  for (std::size_t k = from; k < to; ++k) frames[k].image = grey(frames[k], 0);
+  for (std::size_t k = from; k < to; ++k) frames[k].image = gray(frames[k], 0);
   std::size_t keyframes = 0, back = 0;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const SlamUpdate update = slam->process(frames[k]);
@@ -369,7 +375,7 @@ TEST_P(SlamContract, KeepsItsMapInABlackSecondAndIsBackSoonAfter) {
       EXPECT_EQ(update.reason, SlamReason::dark_or_blank) << k;
     }
     if (k == from) keyframes = slam->snapshot()->keyframes.size();
-    if (k >= to && back == 0 && (update.state == SlamState::relocalised || update.state == SlamState::tracking))
+    if (k >= to && back == 0 && (update.state == SlamState::relocalized || update.state == SlamState::tracking))
       back = k;
   }
   slam->finish();
@@ -399,7 +405,7 @@ TEST_P(SlamContract, FindsItsWayInAMapMadeBefore) {
   const Trajectory poses = slam->trajectory();
   ASSERT_GT(poses.size(), 15U);
   for (const StampedPose& pose : poses) {
-    // As the mapper had it: where a map lies in the world is its own affair.
+    // In the frame of the map, which is arbitrary.
     const auto before_it =
         std::find_if(mapped.begin(), mapped.end(), [&](const StampedPose& other) { return other.stamp == pose.stamp; });
     if (before_it == mapped.end()) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a SLAM method gives, as text that two runs must share, and what must be true of it whatever the method.
+// Results of a SLAM method as text that is equal for repeated runs, and checks that hold for every method.
 #pragma once
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@
 
 namespace rastro {
 
-/// Everything of an update but its times.
+/// Everything of an update except times.
 inline std::string text_of(const SlamUpdate& update) {
   std::string text = fmt::format("{} {} {} {} {} {} {} ", update.index, update.stamp, name_of(update.state),
                                  name_of(update.reason), update.detail, update.score, update.used);
@@ -37,6 +37,17 @@ inline std::string text_of_layers(const Map& map) {
     for (const std::int64_t id : type->rows(map, *layer)) text += fmt::format("\n{} ", id) + type->row(*layer, id);
   }
   return text;
+}
+
+/// Keyframes, constraints and layers of a map: all except frames and counts.
+inline std::string text_of_kept(const Map& map) {
+  std::string text;
+  for (const Keyframe& keyframe : map.keyframes)
+    text +=
+        fmt::format("{} {} {} ", keyframe.id, keyframe.submap, keyframe.parent) + text_of(keyframe.world_from_camera);
+  for (const Constraint& constraint : map.constraints)
+    text += fmt::format("{} {} {} ", constraint.from, constraint.to, constraint.weight) + text_of(constraint.rigid());
+  return text + text_of_layers(map);
 }
 
 inline std::string text_of(const Map& map) {
@@ -112,7 +123,7 @@ inline void expect_sound(const OccupancyGrid& grid) {
 inline void expect_sound(const Map& map) {
   EXPECT_EQ(contradiction_in(map), "");
   EXPECT_FALSE(map.method.empty());
-  // In the order of their ids, in which they were made: where stamps go back it is not that of time.
+  // In the order of their ids, in which they were made: with decreasing stamps this is not the order of time.
   for (const Keyframe& keyframe : map.keyframes) expect_sound(keyframe.world_from_camera);
   for (const Constraint& constraint : map.constraints) expect_sound(constraint);
   for (const MapFrame& frame : map.frames) expect_sound(frame.keyframe_from_camera);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A place that looks like another one is not the same place: a false loop bends the whole map.
+// Perceptual aliasing: two places that look alike must not be closed as a loop, which would deform the whole map.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ struct TwinCase {
   const char* method;
   const char* sensor;
   double worst_m;  ///< Of any pose; about one and a half times what was measured.
-  /// A weakness that is not mended yet: said aloud and skipped while it shows.
+  /// A known weakness: reported and skipped while it persists.
   bool known_to_join = false;
 };
 
@@ -36,8 +36,8 @@ std::unique_ptr<Slam> make_slam(const TwinCase& twin, const Place& place) {
 
 class TwinPlaces : public testing::TestWithParam<TwinCase> {};
 
-/// Loop closures and merges of a camera's map between keyframes that never showed the same wall, as text. (A laser sees
-/// the other room through the door.)
+/// Loop closures and merges of a camera's map between keyframes that never observed the same wall, as text. (A laser
+/// observes the other room through the door.)
 std::string false_edges(const Map& map, const Place& place) {
   constexpr double sees_m = 2.5;
   std::string text;
@@ -46,8 +46,9 @@ std::string false_edges(const Map& map, const Place& place) {
     const auto b = frame_of(place, map.find(constraint.to)->stamp);
     const bool found_again = constraint.kind == ConstraintKind::loop || constraint.kind == ConstraintKind::merge;
     if (!found_again || !a || !b || place.info().has_scan) continue;
-    const double apart_m = (place.world_from_body(*a).translation() - place.world_from_body(*b).translation()).norm();
-    if (apart_m > sees_m) text += fmt::format(" {}-{} ({:.1f} m)", *a, *b, apart_m);
+    const double separation_m =
+        (place.world_from_body(*a).translation() - place.world_from_body(*b).translation()).norm();
+    if (separation_m > sees_m) text += fmt::format(" {}-{} ({:.1f} m)", *a, *b, separation_m);
   }
   return text;
 }

@@ -12,10 +12,10 @@
 namespace rastro {
 
 /// Two rooms that are exactly alike, 9 m apart, with a corridor from one to the other. The robot goes once round in the
-/// first, drives over and does the same in the second. What a scan shows does not tell which room it is.
+/// first, drives over and does the same in the second. A scan alone does not tell which room it is.
 class TwinRooms : public Place {
  public:
-  static constexpr double apart_m = 9.0;
+  static constexpr double separation_m = 9.0;
 
   int frame_count() const override { return 2 * round + crossing; }
   int long_count() const override { return frame_count(); }
@@ -29,7 +29,7 @@ class TwinRooms : public Place {
     return info;
   }
   TimeNs stamp(int number) const override { return 1'000 * ns_per_second + number * (ns_per_second / 10); }
-  double reach_m() const override { return apart_m + 2.0; }
+  double reach_m() const override { return separation_m + 2.0; }
   SE3 world_from_body(int number) const override {
     const SE2 pose = planar_pose(number);
     return {SO3::exp(pose.rotation().angle() * Eigen::Vector3d::UnitZ()),
@@ -71,11 +71,11 @@ class TwinRooms : public Place {
       return SE2(SO2::from_angle(angle), {x + circle_m * std::sin(angle), circle_m * (1.0 - std::cos(angle))});
     };
     if (number < round) return on_circle(static_cast<double>(number) / round, 0.0);
-    if (number < round + crossing) return {SO2(), {apart_m * (number - round) / crossing, 0.0}};
-    return on_circle(static_cast<double>(number - round - crossing) / round, apart_m);
+    if (number < round + crossing) return {SO2(), {separation_m * (number - round) / crossing, 0.0}};
+    return on_circle(static_cast<double>(number - round - crossing) / round, separation_m);
   }
 
-  /// Wheels that measure 2 % too long and turn 1 % too little.
+  /// Wheel odometry with 2 % too much translation and 1 % too little rotation.
   static SE2 odometry(int number) {
     SE2 pose;
     for (int k = 0; k < number; ++k) {
@@ -89,7 +89,7 @@ class TwinRooms : public Place {
     static const std::vector<Wall> walls = [] {
       std::vector<Wall> all;
       const auto add = [&](double x0, double y0, double x1, double y1) { all.push_back({{x0, y0}, {x1, y1}}); };
-      for (const double x : {0.0, apart_m}) {
+      for (const double x : {0.0, separation_m}) {
         add(x - 3.0, -2.0, x + 3.0, -2.0), add(x - 3.0, 3.2, x + 3.0, 3.2);
         for (const double side : {-3.0, 3.0}) {  // with a door in the middle
           add(x + side, -2.0, x + side, -0.8), add(x + side, 0.8, x + side, 3.2);
@@ -100,9 +100,9 @@ class TwinRooms : public Place {
           add(x + bx, by, x + bx, by + depth), add(x + bx + width, by, x + bx + width, by + depth);
         }
       }
-      for (const double x : {-6.0, 3.0, apart_m + 3.0})
+      for (const double x : {-6.0, 3.0, separation_m + 3.0})
         for (const double y : {-0.8, 0.8}) add(x, y, x + 3.0, y);
-      add(-6.0, -0.8, -6.0, 0.8), add(apart_m + 6.0, -0.8, apart_m + 6.0, 0.8);
+      add(-6.0, -0.8, -6.0, 0.8), add(separation_m + 6.0, -0.8, separation_m + 6.0, 0.8);
       return all;
     }();
     return walls;
@@ -123,8 +123,8 @@ class TwinRooms : public Place {
   }
 };
 
-/// A passage papered with one pattern, and with the same pillars, every 4 m; somebody walks along it and looks at a
-/// wall, aslant. After 4 m every picture is the same again, but for its noise.
+/// A passage textured with one pattern, and with the same pillars, every 4 m; somebody walks along it and looks at a
+/// wall, aslant. After 4 m every image is the same again, but for its noise.
 class TwinPassage : public Place {
  public:
   static constexpr double period_m = 4.0;
@@ -211,7 +211,7 @@ class TwinPassage : public Place {
     if (in > 1e-9 && in < out && in < hit.distance) hit = {in, entered};
   }
 
-  /// Paper of smooth spots with cells of 5 cm, the same every period along x.
+  /// A texture of smooth spots with cells of 5 cm, the same every period along x.
   static double shade(const Eigen::Vector3d& point, int face) {
     constexpr double cell_m = 0.05;
     const auto lattice = [&](long x, long y, long z) {
@@ -240,7 +240,7 @@ class TwinPassage : public Place {
     const Camera lens = camera();
     Random random(seed_for(9, noise));
     Frame frame;
-    frame.image = GreyImage(lens.width, lens.height);
+    frame.image = GrayImage(lens.width, lens.height);
     frame.depth = DepthImage(lens.width, lens.height);
     const Eigen::Matrix3d rotation = world_from_camera.rotation().matrix();
     for (int y = 0; y < lens.height; ++y) {

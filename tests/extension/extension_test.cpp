@@ -64,7 +64,7 @@ TEST(Extension, ASlamMethodRuns) {
   run.source = &source;
   run.method = slam.get();
   const SlamRunEnd end = slam_run(run);
-  EXPECT_EQ(end.result.tracking, 5);
+  EXPECT_EQ(end.result.states.tracking, 5);
   EXPECT_EQ(end.result.ended, "end of data");
   expect_still_at(end.trajectory, 0.25);
   ASSERT_NE(end.map, nullptr);

@@ -20,7 +20,7 @@
 namespace rastro {
 namespace {
 
-/// Three keyframes without a camera, a metre from one to the next, the last in a submap of its own; marks in two.
+/// Three keyframes without a camera, a meter from one to the next, the last in a submap of its own; marks in two.
 Map marked_map() {
   Map map;
   map.method = "still";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A carmen log, line by line: each is a sound frame, no frame, or refused with rastro::Error; in both passes alike.
+// A carmen log, line by line: each is a valid frame, no frame, or refused with rastro::Error; in both passes alike.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -11,7 +11,7 @@
 
 namespace {
 
-/// Numbers of the lines that are sound frames.
+/// Numbers of the lines that are valid frames.
 std::vector<std::int64_t> read_lines(rastro::LogParser& parser, std::string_view text) {
   std::vector<std::int64_t> frames;
   std::int64_t number = 0;

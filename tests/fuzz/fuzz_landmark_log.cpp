@@ -38,6 +38,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     rastro::parse_mrclam_measurements(log, rastro::parse_mrclam_barcodes(text, "input"), text, "input");
     check_frames(log);
   });
-  read_or_refuse([&] { rastro::parse_mrclam_truth(text, "input"); });
+  read_or_refuse([&] { rastro::parse_mrclam_ground_truth(text, "input"); });
   return 0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lengths to measure: whatever the text, they are read or refused with rastro::Error; what is read can be looked for.
+// Lengths to measure: whatever the text, they are read or refused with rastro::Error; what is read can be measured.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

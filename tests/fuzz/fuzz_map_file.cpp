@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Map files: whatever the bytes, they are a map, are refused with one line, or give up what can be saved. Rows are
+// Map files: whatever the bytes, they are a map, are refused with one line, or can be recovered in part. Rows are
 // tried on their own too, as no mutation of a whole file gets past its checksums.
 #include <unistd.h>
 
@@ -33,7 +33,7 @@ void read_or_refuse(const std::function<void()>& read) {
   }
 }
 
-/// A map that was taken keeps its promises.
+/// A map that was read is consistent.
 void look_at(const rastro::Map& map) {
   if (!rastro::contradiction_in(map).empty()) __builtin_trap();
   rastro::covisibility_graph(map, 1);

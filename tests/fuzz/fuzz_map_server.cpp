@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map of map_server: the yaml up to the first zero byte, the picture behind it. Whatever they hold, they are read or
-// refused with rastro::Error; what is read is whole and can be written and held against itself.
+// A map of map_server: the yaml up to the first zero byte, the image behind it. Whatever they hold, they are read or
+// refused with rastro::Error; what is read is valid and can be written and compared with itself.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A GPS/IMU packet of KITTI raw: whatever the text, it is read or refused with rastro::Error, and gives a sound pose.
+// A GPS/IMU packet of KITTI raw: whatever the text, it is read or refused with rastro::Error, and gives a valid pose.
 #include <array>
 #include <cstddef>
 #include <cstdint>

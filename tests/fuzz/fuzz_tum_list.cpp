@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   });
   refuse_or_read([&] {
     const auto pairs = rastro::parse_tum_associations(text, "input");
-    if (pairs.colour.images.size() != pairs.depth.images.size()) __builtin_trap();
+    if (pairs.color.images.size() != pairs.depth.images.size()) __builtin_trap();
   });
   refuse_or_read([&] {
     const auto factor = rastro::parse_depth_factor(text, "input");

@@ -20,22 +20,22 @@
 namespace rastro {
 namespace {
 
-constexpr double picture_scale = 0.5;  ///< Of what `rastro simulate` writes: rendering is most of the time.
+constexpr double image_scale = 0.5;  ///< Of what `rastro simulate` writes: rendering is most of the time.
 constexpr std::uint64_t depth_seed = 21;
 
 World make_world(const std::string& name) {
   constexpr int threads = 2;
   const std::map<std::string, std::function<World()>> worlds = {
-      {"hall", [] { return make_hall({.scale = picture_scale, .threads = threads}); }},
-      {"street", [] { return make_street({.scale = picture_scale, .threads = threads}); }},
-      {"loop", [] { return make_loop({.scale = picture_scale, .threads = threads}); }},
-      {"corridor", [] { return make_corridor({.scale = picture_scale, .threads = threads}); }},
-      {"bedroom", [] { return make_bedroom({.scale = picture_scale, .threads = threads}); }},
-      {"study", [] { return make_study({.scale = picture_scale, .threads = threads}); }}};
+      {"hall", [] { return make_hall({.scale = image_scale, .threads = threads}); }},
+      {"street", [] { return make_street({.scale = image_scale, .threads = threads}); }},
+      {"loop", [] { return make_loop({.scale = image_scale, .threads = threads}); }},
+      {"corridor", [] { return make_corridor({.scale = image_scale, .threads = threads}); }},
+      {"bedroom", [] { return make_bedroom({.scale = image_scale, .threads = threads}); }},
+      {"study", [] { return make_study({.scale = image_scale, .threads = threads}); }}};
   return worlds.at(name)();
 }
 
-/// Frames [first, end) of a world, with what the sensor gives.
+/// Frames [first, end) of a world, with the measurements of the sensor.
 class ChosenFrames : public Source {
  public:
   ChosenFrames(const World& world, const AccuracyRow& row) : world_(world), sensor_(row.sensor), row_(row), pool_(2) {
@@ -60,16 +60,16 @@ class ChosenFrames : public Source {
     frame.index = next_ - row_.first;
     frame.stamp = frame.depth_stamp = world_.stamp(next_);
     frame.name = row_.recording + " frame " + std::to_string(next_);
-    frame.image = std::move(rendered.grey);
-    frame.colour = std::move(rendered.colour);
-    if (info_.has_right) frame.right = world_.render_right(next_, pool_).grey;
+    frame.image = std::move(rendered.gray);
+    frame.color = std::move(rendered.color);
+    if (info_.has_right) frame.right = world_.render_right(next_, pool_).gray;
     if (info_.has_depth) add_depth(frame);
     ++next_;
     return frame;
   }
 
  private:
-  /// As the world's depth camera measures it, a little later than the color picture.
+  /// As measured by the world's depth camera, a little later than the color image.
   void add_depth(Frame& frame) {
     const KinectModel& kinect = world_.kinect().value();
     const double time = world_.time_of(next_) + kinect.delay_s;
@@ -79,7 +79,7 @@ class ChosenFrames : public Source {
     frame.depth = DepthImage(raw.width(), raw.height());
     for (int y = 0; y < raw.height(); ++y) {
       for (int x = 0; x < raw.width(); ++x)
-        frame.depth.at(x, y) = static_cast<float>(raw.at(x, y) / kinect.units_per_metre);
+        frame.depth.at(x, y) = static_cast<float>(raw.at(x, y) / kinect.units_per_meter);
     }
     frame.depth_stamp = frame.stamp + from_seconds(kinect.delay_s);
   }
@@ -129,7 +129,7 @@ AccuracyInput open_recorded(const AccuracyRow& row) {
   options.first_frame = row.first;
   options.end_frame = row.end;
   options.want_right = row.sensor == "stereo";
-  options.want_depth = options.want_colour = row.sensor == "rgbd";
+  options.want_depth = options.want_color = row.sensor == "rgbd";
   // 7-Scenes come without a calibration; this is the one that is published with them.
   if (row.recording == "kitchen_rgbd") options.intrinsics = {585.0, 585.0, 320.0, 240.0};
   const std::filesystem::path file = recorded_file(row);

@@ -11,7 +11,7 @@
 
 namespace rastro {
 
-/// The frames of one row and what is true of them.
+/// The frames of one row with their ground truth.
 struct AccuracyInput {
   std::shared_ptr<const void> world;  ///< That the source renders; null for recordings. Declared first: it goes last.
   std::unique_ptr<Source> source;
@@ -25,7 +25,7 @@ std::filesystem::path recorded_data();
 /// What the row's recording is read from; empty for a generated one.
 std::filesystem::path recorded_file(const AccuracyRow& row);
 
-/// Error where it cannot be read or holds no truth.
+/// Error where it cannot be read or has no ground truth.
 AccuracyInput open_input(const AccuracyRow& row);
 
 }  // namespace rastro

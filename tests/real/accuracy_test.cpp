@@ -83,7 +83,7 @@ double error_of(const AccuracyRow& row, const AccuracyInput& input, const Trajec
   options.alignment = parse_alignment(row.alignment);
   const TrajectoryScores scores = score_trajectory(trajectory_input_from(input.truth, "truth"),
                                                    trajectory_input_from(trajectory, "estimate"), options);
-  EXPECT_GE(scores.matched * 10, static_cast<int>(trajectory.size()) * 9) << "poses without truth say nothing";
+  EXPECT_GE(scores.pairing.matched * 10, static_cast<int>(trajectory.size()) * 9) << "poses without truth say nothing";
   return scores.ate_m.value().rmse;
 }
 
@@ -109,7 +109,7 @@ TEST_P(Accuracy, StaysWithinItsLimit) {
 INSTANTIATE_TEST_SUITE_P(Golden, Accuracy, testing::ValuesIn(read_accuracy_rows(RASTRO_ACCURACY_ROWS)),
                          [](const auto& parameter) { return parameter.param.name(); });
 
-/// A limit that is far above what was measured says nothing: see the rule at the head of the file.
+/// A limit far above the measured error is useless: see the rule at the top of the file.
 TEST(AccuracyRows, LimitsFollowTheirRule) {
   for (const AccuracyRow& row : read_accuracy_rows(RASTRO_ACCURACY_ROWS)) {
     const double rule = 1.15 * row.measured_m + 0.001;

@@ -72,7 +72,7 @@ void FeatureGrid::find(float x, float y, float radius, int min_level, int max_le
   const int top = cell_of(y - radius, min_y_, rows_), bottom = cell_of(y + radius, min_y_, rows_);
   const std::vector<std::uint8_t>& levels = features_->levels;
   for (int row = top; row <= bottom; ++row) {
-    // The cells of a row stand one after the other.
+    // The cells of a row are contiguous.
     const std::uint32_t begin = cell_begin_[static_cast<std::size_t>(row * columns_ + left)];
     const std::uint32_t end = cell_begin_[static_cast<std::size_t>(row * columns_ + right) + 1];
     for (std::uint32_t k = begin; k < end; ++k) {

@@ -10,9 +10,9 @@
 namespace rastro {
 namespace {
 
-constexpr double min_depth = 1e-6;  ///< In the points' unit: nothing is seen nearer.
+constexpr double min_depth = 1e-6;  ///< Minimum depth of a visible point, in the points' unit.
 
-/// What is known of the right camera lies within the window there; NaN fits anything.
+/// Whether the right camera's x, if known, is within the window there; NaN matches anything.
 bool right_fits(const FeatureGrid& image, std::uint32_t feature, const SearchWindow& window) {
   const float right = image.right_pixel(feature);
   return !(std::abs(right - window.right) > window.radius);
@@ -104,7 +104,7 @@ bool GuidedSearch::add_point(std::uint32_t subject, const Eigen::Vector3d& in_ca
 
 bool GuidedSearch::add_landmark(std::uint32_t subject, const LandmarkAppearance& landmark,
                                 const Eigen::Vector3d& in_camera, const Eigen::Vector3d& camera_center) {
-  constexpr double nearer = 0.8, farther = 1.25;  // than the pyramid's levels have seen it
+  constexpr double nearer = 0.8, farther = 1.25;  // of the range of distances in which the pyramid's levels show it
   if (!(in_camera.z() > min_depth)) return false;
   const Eigen::Vector3d ray = landmark.position - camera_center;
   const double distance = ray.norm(), max_distance = static_cast<double>(landmark.max_distance);

@@ -11,9 +11,9 @@
 
 namespace rastro {
 
-/// Where in an image, and at which levels of the pyramid, a feature is searched for.
+/// Where in an image, and at which pyramid levels, a feature is searched for.
 struct SearchWindow {
-  std::uint32_t subject = 0;  ///< The caller's own number.
+  std::uint32_t subject = 0;  ///< The caller's number.
   float x = 0.0F, y = 0.0F;   ///< Predicted position, undistorted pixels.
   float radius = 0.0F;        ///< Half the side of the square.
   float right = 0.0F;         ///< Predicted x in the right camera; NaN: unknown.
@@ -31,46 +31,46 @@ struct MatchLimits {
   double max_ratio = 0.9;  ///< Of the best distance to the second best.
 };
 
-/// The most similar feature in each window; a feature goes to the subject it is most similar to (then the first).
-/// Ascending by feature.
+/// The most similar feature in each window. A feature that several subjects match goes to the most similar one (then
+/// the first). Ascending by feature.
 std::vector<FeatureMatch> match_in_windows(const FeatureGrid& image, const std::vector<SearchWindow>& windows,
                                            const MatchLimits& limits);
 
-/// Features of two images that are each other's most similar within `radius_px`; pairs ascend by the first.
+/// Mutual best matches of two images within `radius_px`; pairs ascend by the first.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> match_within_radius(const FeatureGrid& first,
                                                                          const FeatureGrid& second, float radius_px,
                                                                          const MatchLimits& limits);
 
-/// From where a landmark was seen, and as what. All are the caller's.
+/// The appearance of a landmark and the views it was observed from. The caller owns all members.
 struct LandmarkAppearance {
   const Eigen::Vector3d& position;
   const Eigen::Vector3d& direction;                ///< Mean viewing direction, of length 1, in the position's frame.
-  float min_distance = 0.0F, max_distance = 0.0F;  ///< At which the coarsest and the finest level show it.
+  float min_distance = 0.0F, max_distance = 0.0F;  ///< Distances at which the coarsest and the finest level show it.
   const Descriptor& descriptor;
 };
 
 struct GuidedSearchOptions {
-  double baseline = 0.0;         ///< Above 0, and in the points' unit: the right camera's x has to fit too.
-  double scale_factor = 1.2;     ///< From one level of the pyramid to the next.
+  double baseline = 0.0;         ///< Above 0, in the points' unit: the right camera's x must match too.
+  double scale_factor = 1.2;     ///< From one pyramid level to the next.
   double min_view_cosine = 0.5;  ///< Of the angle between the mean viewing direction and the new one.
 };
 
-/// Guided matching: landmarks are projected into an image and searched for within a window about their predicted
-/// position, at about their predicted level (Mur-Artal et al. 2015, section V.D).
+/// Guided matching: projects landmarks into an image and searches within a window around the predicted position, near
+/// the predicted pyramid level (Mur-Artal et al. 2015, section V.D).
 class GuidedSearch {
  public:
-  /// `level_radii_px`: half the side of a window, one a level. Camera and image outlive this.
+  /// `level_radii_px`: half the side of a window, one per level. Camera and image outlive this.
   GuidedSearch(const Camera& camera, const FeatureGrid& image, std::vector<float> level_radii_px,
                const GuidedSearchOptions& options);
 
-  /// A point in the camera's frame that should show at `level`, give or take one. False, and it is not searched for,
-  /// where it lies behind the camera or outside the image. The descriptor must outlive the search.
+  /// Adds a point in the camera frame that is expected at `level` plus or minus one. False, and it is not searched for,
+  /// if it is behind the camera or outside the image. The descriptor must outlive the search.
   bool add_point(std::uint32_t subject, const Eigen::Vector3d& in_camera, int level, const Descriptor& descriptor);
-  /// A landmark which lies at `in_camera`; its level is predicted. False as well where it is seen from too near, too
-  /// far or too different a direction. `camera_center` is in the landmark's frame.
+  /// Adds a landmark at `in_camera`; its level is predicted. Also false if the camera is too near, too far or views it
+  /// from too different a direction. `camera_center` is in the landmark's frame.
   bool add_landmark(std::uint32_t subject, const LandmarkAppearance& landmark, const Eigen::Vector3d& in_camera,
                     const Eigen::Vector3d& camera_center);
-  /// Searched for in the whole image.
+  /// Searches in the whole image.
   void add_anywhere(std::uint32_t subject, const Descriptor& descriptor);
 
   std::vector<FeatureMatch> match(const MatchLimits& limits) const {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rastro/backend/descriptor_testing.h"
 #include "rastro/base/random.h"
 #include "rastro/feature/hamming.h"
 
@@ -15,8 +16,10 @@ namespace rastro {
 namespace {
 
 using ::testing::ElementsAre;
+using testing::flipped;
 using ::testing::IsEmpty;
 using ::testing::Pair;
+using testing::random_descriptor;
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
@@ -30,7 +33,7 @@ Camera vga() {
   return camera;
 }
 
-/// Features of an image in the making.
+/// Features of an image under construction.
 struct Drawing {
   void add(float x, float y, int level, const Descriptor& descriptor, float right = nan) {
     features.keypoints.push_back({x, y, 31, 0, 1});
@@ -45,17 +48,6 @@ struct Drawing {
   std::vector<Eigen::Vector2f> pixels;
   std::vector<float> rights;
 };
-
-Descriptor random_descriptor(Random& random) {
-  Descriptor descriptor;
-  for (auto& word : descriptor.words) word = random.next();
-  return descriptor;
-}
-
-Descriptor flipped(Descriptor descriptor, int bits) {
-  for (int k = 0; k < bits; ++k) descriptor.words[static_cast<std::size_t>(k % 4)] ^= std::uint64_t{1} << (k / 4);
-  return descriptor;
-}
 
 Drawing random_drawing(Random& random, int count) {
   Drawing drawing;
@@ -84,7 +76,7 @@ bool is_inside(const FeatureGrid& grid, std::size_t i, const SearchWindow& windo
          std::abs(offset.x()) <= window.radius && std::abs(offset.y()) <= window.radius;
 }
 
-TEST(FeatureGrid, FindsWhatComparingAllFinds) {
+TEST(FeatureGrid, EqualsBruteForce) {
   Random random(1);
   const FeatureGrid grid = random_drawing(random, 800).grid();
   const Descriptor any = random_descriptor(random);
@@ -103,7 +95,7 @@ TEST(FeatureGrid, FindsWhatComparingAllFinds) {
   EXPECT_GT(total, 1000U);
 }
 
-TEST(FeatureGrid, NeverFindsWhatHasNoPixelAndHoldsTheImage) {
+TEST(FeatureGrid, NeverFindsFeaturesWithoutPixelAndKnowsTheImageBounds) {
   Random random(2);
   Drawing drawing;
   drawing.add(nan, nan, 0, random_descriptor(random));
@@ -125,7 +117,7 @@ TEST(FeatureGrid, OfAnImageWithoutFeaturesFindsNone) {
   EXPECT_THAT(found, IsEmpty());
 }
 
-/// What match_in_windows() promises, one window and one feature after the other.
+/// The definition of match_in_windows(), one window and one feature after the other.
 std::vector<FeatureMatch> compare_all(const FeatureGrid& grid, const std::vector<SearchWindow>& windows,
                                       const MatchLimits& limits) {
   std::vector<FeatureMatch> matches;
@@ -148,7 +140,7 @@ std::vector<FeatureMatch> compare_all(const FeatureGrid& grid, const std::vector
   return matches;
 }
 
-TEST(MatchInWindows, FindsWhatComparingAllFinds) {
+TEST(MatchInWindows, EqualsBruteForce) {
   Random random(3);
   const Drawing drawing = random_drawing(random, 150);
   const FeatureGrid grid = drawing.grid();
@@ -173,7 +165,7 @@ TEST(MatchInWindows, FindsWhatComparingAllFinds) {
   }
 }
 
-TEST(MatchWithinRadius, PairsWhatMovedLessThanTheRadius) {
+TEST(MatchWithinRadius, MatchesFeaturesThatMovedLessThanTheRadius) {
   Random random(4);
   const Descriptor near = random_descriptor(random), far = random_descriptor(random);
   Drawing first, second;
@@ -186,13 +178,13 @@ TEST(MatchWithinRadius, PairsWhatMovedLessThanTheRadius) {
   EXPECT_THAT(match_within_radius(first.grid(), second.grid(), 80.0F, limits), ElementsAre(Pair(0U, 1U), Pair(1U, 0U)));
 }
 
-/// A landmark 4 m before a camera at the origin, seen by the camera's right half at level 3.
-class GuidedSearchTest : public testing::Test {
+/// A landmark 4 m in front of a camera at the origin, in the right half of the image at level 3.
+class GuidedSearchTest : public ::testing::Test {
  protected:
   static constexpr double baseline = 0.1;
   GuidedSearchTest() {
     drawing_.add(pixel().x() + 2.0F, pixel().y() - 1.0F, 3, flipped(descriptor_, 5), pixel().x() - 12.5F);
-    // As similar, but out of the window or of another level.
+    // As similar, but outside the window or at another level.
     drawing_.add(pixel().x() + 40.0F, pixel().y(), 3, descriptor_);
     drawing_.add(pixel().x(), pixel().y(), 6, descriptor_);
   }
@@ -227,7 +219,7 @@ TEST_F(GuidedSearchTest, FindsALandmarkWhereItIsProjectedAtItsLevel) {
   EXPECT_EQ(matches[0].distance, 5);
 }
 
-TEST_F(GuidedSearchTest, LeavesOutWhatCannotBeSeenOrWouldLookDifferent) {
+TEST_F(GuidedSearchTest, LeavesOutLandmarksThatAreNotVisibleOrWouldLookDifferent) {
   const FeatureGrid grid = drawing_.grid();
   GuidedSearch guided = search(grid);
   const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
@@ -241,10 +233,10 @@ TEST_F(GuidedSearchTest, LeavesOutWhatCannotBeSeenOrWouldLookDifferent) {
   EXPECT_THAT(guided.match({}), IsEmpty());
 }
 
-TEST_F(GuidedSearchTest, SearchesTheLevelOfWhatIsNearerOrFarther) {
+TEST_F(GuidedSearchTest, SearchesTheLevelOfTheDistance) {
   const FeatureGrid grid = drawing_.grid();
   for (const auto& [share, found] : {std::pair{1.0, true}, {1.2, true}, {1.5, false}, {0.84, true}, {0.6, false}}) {
-    // The camera goes back and forth along the ray: the same pixel, another level.
+    // The camera moves back and forth along the ray: the same pixel, another level.
     GuidedSearch guided = search(grid);
     ASSERT_TRUE(guided.add_landmark(0, landmark(), share * position_, position_ - share * position_)) << share;
     const auto matches = guided.match({});
@@ -253,7 +245,7 @@ TEST_F(GuidedSearchTest, SearchesTheLevelOfWhatIsNearerOrFarther) {
   }
 }
 
-TEST_F(GuidedSearchTest, TheRightCameraHasToAgreeWhereItIsAskedFor) {
+TEST_F(GuidedSearchTest, TheRightCameraMustAgreeIfItIsChecked) {
   const FeatureGrid grid = drawing_.grid();  // 12.5 px are a tenth of a meter at 4 m
   for (const auto& [baseline_m, found] : {std::pair{0.0, true}, {baseline, true}, {3.0 * baseline, false}}) {
     GuidedSearch guided = search(grid, baseline_m);
@@ -262,7 +254,7 @@ TEST_F(GuidedSearchTest, TheRightCameraHasToAgreeWhereItIsAskedFor) {
   }
 }
 
-TEST_F(GuidedSearchTest, SearchesEverywhereWhereNothingIsPredicted) {
+TEST_F(GuidedSearchTest, SearchesEverywhereWithoutAPrediction) {
   Drawing drawing;
   drawing.add(3.0F, 470.0F, 7, flipped(descriptor_, 20));
   const FeatureGrid grid = drawing.grid();

@@ -13,102 +13,105 @@
 
 namespace rastro {
 
-/// Which results the front end gets, and when.
+/// When the front end gets results.
 enum class HandOver : std::uint8_t {
-  /// At a fixed later frame, never earlier; the front end waits for a result that is late. So every run gives the same
-  /// bytes, with a thread beside the front end or without one.
+  /// At a fixed later frame, never earlier; the front end waits for a late result. Every run gives the same bytes, with
+  /// a thread beside the front end or without one.
   fixed_delay,
   /// As soon as they are ready, for a live run: the front end never waits, and runs may differ.
   when_ready,
 };
 
-/// Where the front end is: the number of the frame, of any kind, and its stamp.
+/// The front end's current frame: its number, counting all frames, and its stamp.
 struct FrameTime {
   std::int64_t number = 0;
   TimeNs stamp = 0;
 };
 
-/// How much later than the frame of its job a result is handed over.
+/// The pipeline latency: delay from the frame of a job to the hand-over of its result.
 struct HandOverDelay {
-  std::int64_t frames = 1;          ///< At least so many, and ...
-  std::optional<TimeNs> time = {};  ///< ... so much later by the stamps; nullopt: frames alone count.
-  /// Where stamps stand still, frames alone count this many after `frames`.
+  std::int64_t frames = 1;          ///< At least this many frames, and ...
+  std::optional<TimeNs> time = {};  ///< ... this much time by the stamps; nullopt: frames alone count.
+  /// If stamps stop increasing, this many further frames count instead of the time.
   std::int64_t max_extra_frames = 0;
 };
 
 struct PipelineOptions {
   bool own_thread = false;  ///< False: a job runs in submit().
   HandOver hand_over = HandOver::fixed_delay;
-  /// With `when_ready`, results that may be under way: a job beyond that is dropped. 0: any number.
-  std::size_t max_under_way = 0;
+  /// With `when_ready`, maximum number of results in flight: a job beyond that is dropped. 0: unlimited.
+  std::size_t max_in_flight = 0;
 };
 
 struct PipelineStatistics {
   std::int64_t jobs = 0;         ///< Accepted.
   std::int64_t handed_over = 0;  ///< Results taken.
-  double wait_ms = 0.0;          ///< That the front end waited for results.
-  std::int64_t postponed = 0;    ///< With `when_ready`: results that were not ready when fixed_delay has them due.
+  double wait_ms = 0.0;          ///< Time that the front end waited for results.
+  std::int64_t postponed = 0;    ///< With `when_ready`: results that were later than with fixed_delay.
   std::int64_t dropped = 0;      ///< With `when_ready`: jobs that were not accepted.
 };
 
-/// The order of jobs and the times at which their results are due, whatever a result is. For Pipeline.
+/// The order of jobs and the times at which results are handed over, for any type of result. Used by Pipeline.
 class PipelineQueue {
  public:
   explicit PipelineQueue(const PipelineOptions& options) : options_(options), background_(options.own_thread) {}
 
   bool submit(std::function<void()> job, std::shared_ptr<void> result, const FrameTime& now,
               const HandOverDelay& delay);
+  bool accepts();
   /// Null: none to be handed over now.
-  std::shared_ptr<void> take_due(const FrameTime& now);
-  /// Null: none under way.
+  std::shared_ptr<void> take_ready(const FrameTime& now);
+  /// Null: none in flight.
   std::shared_ptr<void> take_next();
-  void discard() { under_way_.clear(); }
+  void discard() { in_flight_.clear(); }
   void wait() const { background_.wait_for_all(); }
-  bool empty() const { return under_way_.empty(); }
+  bool empty() const { return in_flight_.empty(); }
   const PipelineStatistics& statistics() const { return statistics_; }
 
  private:
-  struct UnderWay {
+  struct InFlight {
     std::size_t job = 0;
-    std::int64_t due_frame = 0;           ///< Number of the first frame that may see the result, ...
-    std::optional<TimeNs> due_time = {};  ///< ... its least stamp, ...
-    std::int64_t last_frame = 0;          ///< ... and the frame from which stamps no longer count.
+    std::int64_t handover_frame = 0;           ///< First frame number that may see the result, ...
+    std::optional<TimeNs> handover_time = {};  ///< ... the earliest stamp, ...
+    std::int64_t last_frame = 0;               ///< ... and the frame from which stamps no longer count.
     std::shared_ptr<void> result;
     bool postponed = false;
   };
 
-  static bool is_due(const UnderWay& item, const FrameTime& now);
-  bool is_ready(UnderWay& item, const FrameTime& now);
+  static bool latency_passed(const InFlight& item, const FrameTime& now);
+  bool is_ready(InFlight& item, const FrameTime& now);
 
   PipelineOptions options_;
   PipelineStatistics statistics_;
-  std::deque<UnderWay> under_way_;
+  std::deque<InFlight> in_flight_;
   mutable Background background_;
 };
 
-/// What a front end has done beside it: jobs run one after the other in the order in which they are given, and their
-/// results are handed over in that order. Everything here is called by the front end's thread; a job may use what no
-/// one else touches while jobs are under way. An exception of a job is thrown where its result, or a later one, is
-/// taken or waited for; no job runs after it.
+/// Runs jobs beside a front end, one after the other in the order of submission, and hands over their results in that
+/// order. Only the front end's thread calls it. A job may use data that nothing else accesses while jobs are in flight.
+/// An exception of a job is thrown when its result, or a later one, is taken or waited for; no job runs after it.
 template <typename Result>
 class Pipeline {
  public:
   explicit Pipeline(const PipelineOptions& options) : queue_(options) {}
 
-  /// `now`: the frame that the job belongs to. False: dropped, see PipelineOptions::max_under_way.
+  /// `now`: the frame that the job belongs to. False: dropped, see PipelineOptions::max_in_flight.
   bool submit(std::function<Result()> job, const FrameTime& now, const HandOverDelay& delay) {
     const auto result = std::make_shared<std::optional<Result>>();
     return queue_.submit([job = std::move(job), result] { result->emplace(job()); }, result, now, delay);
   }
-  /// The oldest result, if it is to be handed over by `now`; ask again until there is none.
-  std::optional<Result> take_due(const FrameTime& now) { return taken(queue_.take_due(now)); }
-  /// The oldest result, whenever it is due; waits for it. nullopt: none under way.
+  /// Whether a job submitted now would be accepted. If not, it counts as dropped. For a front end that must know before
+  /// it prepares a job.
+  bool accepts() { return queue_.accepts(); }
+  /// The oldest result, if it is to be handed over by `now`; call again until there is none.
+  std::optional<Result> take_ready(const FrameTime& now) { return taken(queue_.take_ready(now)); }
+  /// The oldest result, whatever its delay; waits for it. nullopt: none in flight.
   std::optional<Result> take_next() { return taken(queue_.take_next()); }
-  /// Results under way are never handed over; their jobs run all the same.
+  /// Results in flight are never handed over; their jobs still run.
   void discard() { queue_.discard(); }
-  /// Until all jobs given so far are done. Their results stay to be taken.
+  /// Waits until all submitted jobs are done. Their results are not taken.
   void wait() const { queue_.wait(); }
-  /// No result is to be taken any more.
+  /// Whether no result is left to be taken.
   bool empty() const { return queue_.empty(); }
   const PipelineStatistics& statistics() const { return queue_.statistics(); }
 

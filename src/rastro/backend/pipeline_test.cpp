@@ -17,7 +17,7 @@ using ::testing::IsEmpty;
 
 constexpr TimeNs tenth = ns_per_second / 10;
 
-/// A job that ends when it is let go.
+/// A job that ends when it is released.
 class Gate {
  public:
   std::function<int()> job(int result) {
@@ -35,7 +35,7 @@ class Gate {
 
 std::vector<int> due(Pipeline<int>& pipeline, const FrameTime& now) {
   std::vector<int> results;
-  while (const auto result = pipeline.take_due(now)) results.push_back(*result);
+  while (const auto result = pipeline.take_ready(now)) results.push_back(*result);
   return results;
 }
 
@@ -43,7 +43,7 @@ std::function<int()> gives(int result) {
   return [result] { return result; };
 }
 
-class PipelineTest : public testing::TestWithParam<bool> {
+class PipelineTest : public ::testing::TestWithParam<bool> {
  protected:
   PipelineOptions options() const { return {.own_thread = GetParam()}; }
 };
@@ -56,7 +56,7 @@ TEST_P(PipelineTest, JobsRunAndResultsComeInTheOrderInWhichTheyAreGiven) {
       order.push_back(k);
       return 10 * k;
     };
-    // What is due first does not overtake.
+    // A later result does not overtake an earlier one.
     EXPECT_TRUE(pipeline.submit(job, {k, 0}, {.frames = 200 - 2 * k}));
   }
   for (int k = 0; k < 100; ++k) EXPECT_EQ(pipeline.take_next(), 10 * k);
@@ -65,33 +65,33 @@ TEST_P(PipelineTest, JobsRunAndResultsComeInTheOrderInWhichTheyAreGiven) {
   for (int k = 0; k < 100; ++k) EXPECT_EQ(order[static_cast<std::size_t>(k)], k);
 }
 
-TEST_P(PipelineTest, AResultIsDueSoManyFramesLaterWhateverTheStampsSay) {
+TEST_P(PipelineTest, ADelayInFramesIgnoresTheStamps) {
   Pipeline<int> pipeline(options());
   pipeline.submit(gives(7), {10, 5 * tenth}, {.frames = 3});
   EXPECT_FALSE(pipeline.empty());
-  EXPECT_FALSE(pipeline.take_due({12, 100 * tenth}));
-  EXPECT_EQ(pipeline.take_due({13, 0}), 7);  // a stamp that goes backward
+  EXPECT_FALSE(pipeline.take_ready({12, 100 * tenth}));
+  EXPECT_EQ(pipeline.take_ready({13, 0}), 7);  // a stamp that goes backward
   EXPECT_TRUE(pipeline.empty());
-  EXPECT_FALSE(pipeline.take_due({14, 0}));
+  EXPECT_FALSE(pipeline.take_ready({14, 0}));
 }
 
-TEST_P(PipelineTest, AResultIsDueSoMuchLaterByTheStampsAndNotBeforeItsFrame) {
+TEST_P(PipelineTest, ADelayInTimeCountsByTheStampsAndNotBeforeItsFrame) {
   Pipeline<int> pipeline(options());
   const HandOverDelay delay{.frames = 2, .time = 3 * tenth, .max_extra_frames = 50};
   pipeline.submit(gives(1), {10, 5 * tenth}, delay);
-  EXPECT_FALSE(pipeline.take_due({11, 9 * tenth}));
-  EXPECT_FALSE(pipeline.take_due({12, 8 * tenth - 1}));
-  EXPECT_EQ(pipeline.take_due({12, 8 * tenth}), 1);
+  EXPECT_FALSE(pipeline.take_ready({11, 9 * tenth}));
+  EXPECT_FALSE(pipeline.take_ready({12, 8 * tenth - 1}));
+  EXPECT_EQ(pipeline.take_ready({12, 8 * tenth}), 1);
 }
 
-TEST_P(PipelineTest, WhereStampsStandStillFramesAloneCount) {
+TEST_P(PipelineTest, WithConstantStampsOnlyFramesCount) {
   Pipeline<int> pipeline(options());
   pipeline.submit(gives(1), {10, tenth}, {.frames = 2, .time = 3 * tenth, .max_extra_frames = 5});
-  for (std::int64_t frame = 11; frame < 17; ++frame) EXPECT_FALSE(pipeline.take_due({frame, tenth}));
-  EXPECT_EQ(pipeline.take_due({17, tenth}), 1);
+  for (std::int64_t frame = 11; frame < 17; ++frame) EXPECT_FALSE(pipeline.take_ready({frame, tenth}));
+  EXPECT_EQ(pipeline.take_ready({17, tenth}), 1);
 }
 
-TEST_P(PipelineTest, AResultBehindOneThatIsNotDueWaits) {
+TEST_P(PipelineTest, AResultBehindALaterOneWaits) {
   Pipeline<int> pipeline(options());
   pipeline.submit(gives(1), {1, 0}, {.frames = 5});
   pipeline.submit(gives(2), {2, 0}, {.frames = 1});
@@ -105,9 +105,9 @@ TEST_P(PipelineTest, AnExceptionIsThrownWhereTheResultIsTakenAndNoLaterJobRuns) 
   pipeline.submit([&ran] { return ++ran; }, {1, 0}, {});
   pipeline.submit([]() -> int { throw std::runtime_error("no room"); }, {1, 0}, {});
   pipeline.submit([&ran] { return ++ran; }, {1, 0}, {});
-  EXPECT_EQ(pipeline.take_due({2, 0}), 1);
-  EXPECT_THROW(pipeline.take_due({2, 0}), std::runtime_error);
-  EXPECT_THROW(pipeline.take_due({2, 0}), std::runtime_error);
+  EXPECT_EQ(pipeline.take_ready({2, 0}), 1);
+  EXPECT_THROW(pipeline.take_ready({2, 0}), std::runtime_error);
+  EXPECT_THROW(pipeline.take_ready({2, 0}), std::runtime_error);
   EXPECT_TRUE(pipeline.empty());
   EXPECT_THROW(pipeline.wait(), std::runtime_error);
   EXPECT_EQ(ran, 1);
@@ -120,11 +120,11 @@ TEST_P(PipelineTest, AnExceptionReachesALiveRunToo) {
   pipeline.submit([]() -> int { throw std::runtime_error("no room"); }, {1, 0}, {});
   pipeline.submit(gives(2), {1, 0}, {});
   EXPECT_THROW(pipeline.wait(), std::runtime_error);
-  EXPECT_THROW(pipeline.take_due({1, 0}), std::runtime_error);
-  EXPECT_THROW(pipeline.take_due({1, 0}), std::runtime_error);
+  EXPECT_THROW(pipeline.take_ready({1, 0}), std::runtime_error);
+  EXPECT_THROW(pipeline.take_ready({1, 0}), std::runtime_error);
 }
 
-TEST_P(PipelineTest, WaitingLeavesResultsToBeTakenAndDiscardingDoesNot) {
+TEST_P(PipelineTest, WaitingKeepsResultsAndDiscardingDropsThem) {
   int ran = 0;
   Pipeline<int> pipeline(options());
   const auto job = [&ran] { return ++ran; };
@@ -150,13 +150,14 @@ TEST_P(PipelineTest, ResultsNeedNotBeCopied) {
   EXPECT_EQ(**result, 5);
 }
 
-/// A front end that gives a job at some frames, with stamps that stand still in between, and says when it got what.
+/// A front end that submits a job at some frames, with stamps that do not increase in between, and records when it got
+/// which result.
 std::vector<std::pair<std::int64_t, int>> hand_over_points(bool own_thread) {
   Pipeline<int> pipeline({.own_thread = own_thread});
   std::vector<std::pair<std::int64_t, int>> points;
   for (std::int64_t frame = 1; frame <= 200; ++frame) {
     const FrameTime now{frame, tenth * (frame < 80 || frame > 120 ? frame : 80)};
-    while (const auto result = pipeline.take_due(now)) points.emplace_back(frame, *result);
+    while (const auto result = pipeline.take_ready(now)) points.emplace_back(frame, *result);
     if (frame % 7 != 0 && frame % 11 != 0) continue;
     const int work = static_cast<int>(frame * 7919 % 5000);
     const auto job = [work] {
@@ -175,18 +176,18 @@ TEST(Pipeline, HandsOverAtTheSameFramesWithAThreadAndWithout) {
   for (int repeat = 0; repeat < 5; ++repeat) EXPECT_EQ(hand_over_points(true), alone);
 }
 
-TEST(Pipeline, AFixedDelayWaitsForWhatIsLate) {
+TEST(Pipeline, AFixedDelayWaitsForLateResults) {
   Gate gate;
   Pipeline<int> pipeline({.own_thread = true});
   pipeline.submit(gate.job(3), {1, 0}, {.frames = 2});
-  EXPECT_FALSE(pipeline.take_due({2, 0}));
+  EXPECT_FALSE(pipeline.take_ready({2, 0}));
   gate.open();
-  EXPECT_EQ(pipeline.take_due({3, 0}), 3);
+  EXPECT_EQ(pipeline.take_ready({3, 0}), 3);
   EXPECT_GE(pipeline.statistics().wait_ms, 0.0);
   EXPECT_EQ(pipeline.statistics().postponed, 0);
 }
 
-TEST(Pipeline, ALiveRunTakesWhatIsReadyAndWaitsForNothing) {
+TEST(Pipeline, ALiveRunTakesReadyResultsAndNeverWaits) {
   Gate gate;
   Pipeline<int> pipeline({.own_thread = true, .hand_over = HandOver::when_ready});
   pipeline.submit(gate.job(1), {1, 0}, {.frames = 3});
@@ -198,29 +199,31 @@ TEST(Pipeline, ALiveRunTakesWhatIsReadyAndWaitsForNothing) {
   gate.open();
   pipeline.wait();
   EXPECT_THAT(due(pipeline, {9, 0}), ElementsAre(1, 2));
-  // Ready before it would be due.
+  // Ready before its fixed delay.
   pipeline.submit(gives(3), {9, 0}, {.frames = 100, .time = 1000 * tenth});
   pipeline.wait();
-  EXPECT_EQ(pipeline.take_due({9, 0}), 3);
+  EXPECT_EQ(pipeline.take_ready({9, 0}), 3);
   EXPECT_EQ(pipeline.statistics().postponed, 1);
 }
 
-TEST(Pipeline, ALiveRunDropsJobsBeyondWhatMayBeUnderWay) {
+TEST(Pipeline, ALiveRunDropsJobsBeyondMaxInFlight) {
   Gate gate;
-  Pipeline<int> pipeline({.own_thread = true, .hand_over = HandOver::when_ready, .max_under_way = 2});
+  Pipeline<int> pipeline({.own_thread = true, .hand_over = HandOver::when_ready, .max_in_flight = 2});
   EXPECT_TRUE(pipeline.submit(gate.job(1), {1, 0}, {}));
   EXPECT_TRUE(pipeline.submit(gives(2), {1, 0}, {}));
   EXPECT_FALSE(pipeline.submit(gives(3), {1, 0}, {}));
+  EXPECT_FALSE(pipeline.accepts()) << "which counts as well";
   gate.open();
   pipeline.wait();
   EXPECT_THAT(due(pipeline, {1, 0}), ElementsAre(1, 2));
+  EXPECT_TRUE(pipeline.accepts());
   EXPECT_TRUE(pipeline.submit(gives(4), {2, 0}, {}));
   EXPECT_EQ(pipeline.take_next(), 4);
-  EXPECT_EQ(pipeline.statistics().dropped, 1);
+  EXPECT_EQ(pipeline.statistics().dropped, 2);
   EXPECT_EQ(pipeline.statistics().jobs, 3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, PipelineTest, testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(Modes, PipelineTest, ::testing::Bool(),
                          [](const auto& mode) { return mode.param ? "OwnThread" : "AtOnce"; });
 
 }  // namespace

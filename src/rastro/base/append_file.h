@@ -7,13 +7,12 @@
 
 namespace rastro {
 
-/// A file that grows by whole pieces: each append() is one write to the system and nothing is kept back, so a program
-/// killed at any moment leaves all pieces appended so far. Errors (disk full, no permission) are Errors naming the
-/// file.
+/// A file that grows by whole pieces. Each append() is one write to the system without buffering, so a program killed
+/// at any moment leaves all pieces appended so far. Throws Error naming the file on failure (disk full, no permission).
 class AppendFile {
  public:
   enum class Former { dropped, kept };
-  /// Creates the file; what a former one holds is dropped, or kept and added to.
+  /// Creates the file; drops the content of an existing one, or keeps it and appends.
   explicit AppendFile(std::filesystem::path path, Former former = Former::dropped);
   ~AppendFile();
   AppendFile(const AppendFile&) = delete;
@@ -27,7 +26,7 @@ class AppendFile {
   int descriptor_ = -1;
 };
 
-/// Puts a whole small file in place: readers see the old one or the new one, never a part.
+/// Replaces a small file atomically: readers see the old one or the new one, never a part.
 void write_whole_file(const std::filesystem::path& path, std::string_view text);
 
 /// The text of a file; Error when it cannot be read.

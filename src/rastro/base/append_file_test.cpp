@@ -19,7 +19,7 @@ TEST(AppendFile, EveryPieceIsThereAtOnce) {
   EXPECT_EQ(read_whole_file(path), "one\ntwo\n");
 }
 
-TEST(AppendFile, EmptiesWhatWasThere) {
+TEST(AppendFile, DropsTheFormerContent) {
   const auto path = scratch_path("append_file_old.txt");
   write_whole_file(path, "old");
   const AppendFile file(path);

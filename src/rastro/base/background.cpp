@@ -68,7 +68,7 @@ class Background::State {
     }
   }
 
-  /// What the job held is let go before it counts as done.
+  /// Releases what the job holds before it counts as done.
   void run(std::function<void()>& job) {
     std::exception_ptr failure;
     try {
@@ -88,9 +88,9 @@ class Background::State {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> jobs_;
-  std::size_t submitted_ = 0;  ///< Known to the caller's thread alone.
+  std::size_t submitted_ = 0;  ///< Accessed by the caller's thread only.
   std::size_t done_ = 0, failed_job_ = 0;
-  std::exception_ptr failure_;  ///< Written by the worker alone.
+  std::exception_ptr failure_;  ///< Written by the worker only.
   bool ending_ = false;
   std::thread thread_;
 };

@@ -7,20 +7,20 @@
 
 namespace rastro {
 
-/// One worker that runs jobs in the order in which they were given. With or without a thread of its own the jobs do the
-/// same: who takes their results at a fixed place of his own work gets the same bytes either way.
+/// One worker that runs jobs in the order of submission. With or without a thread of its own the jobs do the same: a
+/// caller that takes their results at a fixed point of its own work gets the same bytes either way.
 class Background {
  public:
   /// `own_thread` false: a job runs in submit().
   explicit Background(bool own_thread);
-  /// Waits for the jobs given so far; their exceptions are dropped.
+  /// Waits for the submitted jobs; drops their exceptions.
   ~Background();
   Background(const Background&) = delete;
   Background& operator=(const Background&) = delete;
 
-  /// Number of the job, from 1. After a job that threw no other is run.
+  /// Returns the number of the job, from 1. After a job that threw, no other job runs.
   std::size_t submit(std::function<void()> job);
-  /// Returns when the job of that number and all before it are done. An exception of one of them is thrown here, in
+  /// Waits until the job of that number and all before it are done. An exception of one of them is thrown here, in
   /// either mode, and again at each later call.
   void wait(std::size_t job);
   void wait_for_all();

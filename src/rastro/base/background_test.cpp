@@ -27,7 +27,7 @@ TEST_P(BackgroundTest, RunsJobsInTheirOrderAndWaitSeesWhatTheyWrote) {
   }
 }
 
-TEST_P(BackgroundTest, AnExceptionIsThrownByWaitAndStopsWhatFollows) {
+TEST_P(BackgroundTest, AnExceptionIsThrownByWaitAndStopsLaterJobs) {
   Background background(GetParam());
   int ran = 0;
   const std::size_t good = background.submit([&] { ++ran; });
@@ -40,7 +40,7 @@ TEST_P(BackgroundTest, AnExceptionIsThrownByWaitAndStopsWhatFollows) {
   EXPECT_EQ(ran, 1);
 }
 
-TEST_P(BackgroundTest, AJobIsDoneOnceItIsWaitedForAndNotBeforeItIsLetRun) {
+TEST_P(BackgroundTest, AJobIsDoneAfterWaitAndNotBeforeItMayRun) {
   std::mutex held;
   Background background(GetParam());
   std::unique_lock lock(held, std::defer_lock);
@@ -62,7 +62,7 @@ TEST_P(BackgroundTest, TheEndWaitsForAllJobs) {
   EXPECT_EQ(ran, 50);
 }
 
-TEST_P(BackgroundTest, WhatAJobHeldIsLetGoOnceItIsDone) {
+TEST_P(BackgroundTest, AJobsCapturesAreReleasedOnceItIsDone) {
   Background background(GetParam());
   auto held = std::make_shared<int>(1);
   background.wait(background.submit([held] {}));

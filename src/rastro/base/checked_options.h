@@ -8,8 +8,8 @@
 
 namespace rastro {
 
-/// The same options, after each value has gone through their table, which knows every range; Error for one that it
-/// refuses. `where` says whose options they are.
+/// A copy of the options after each value was checked by their table, which has all ranges; Error for an invalid value.
+/// `where` names the owner of the options.
 template <typename Options>
 Options checked(const Options& options, std::string_view where) {
   Options copy = options;

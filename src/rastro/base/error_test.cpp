@@ -17,10 +17,10 @@ TEST(Error, SaysWhereWhatAndWhatToDo) {
   EXPECT_STREQ(Error("one line").what(), "one line");
 }
 
-TEST(Check, AKeptPromiseIsAskedOnceAndItsMessageNeverMade) {
+TEST(Check, ATrueConditionIsEvaluatedOnceAndItsMessageNever) {
   int asked = 0, made = 0;
   const auto message = [&made] { return std::to_string(++made); };
-  // Without braces: it has to be one statement.
+  // Without braces: it must be one statement.
   if (made == 0)
     RASTRO_CHECK(++asked == 1, message());
   else
@@ -29,7 +29,7 @@ TEST(Check, AKeptPromiseIsAskedOnceAndItsMessageNeverMade) {
   EXPECT_EQ(made, 0);
 }
 
-TEST(Check, NamesPlacePromiseAndCondition) {
+TEST(Check, NamesLocationMessageAndCondition) {
   try {
     RASTRO_CHECK(1 + 1 == 3, "sums are odd");
     FAIL() << "a broken promise went unnoticed";

@@ -8,8 +8,7 @@ namespace rastro {
 
 enum class LogLevel { debug, info, warning };
 
-/// The library never prints: it hands each line to the sink set here. The default sink drops all.
-/// Thread-safe; the sink is called under a lock and must not log itself.
+/// The library never prints: it passes each line to the sink set here. The default sink drops all lines.
 void set_log_sink(std::function<void(LogLevel, const std::string&)> sink);
 void log(LogLevel level, const std::string& line);
 inline void log_info(const std::string& line) { log(LogLevel::info, line); }

@@ -8,7 +8,7 @@
 namespace rastro {
 namespace {
 
-TEST(Memory, GrowsWithWhatIsTouchedAndThePeakStays) {
+TEST(Memory, GrowsWithTouchedPagesAndThePeakStays) {
   const double before = resident_memory_mb();
   ASSERT_GT(before, 0.0);
   double held = 0.0;

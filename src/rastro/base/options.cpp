@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 #include "rastro/base/text.h"
 
 namespace rastro {
@@ -28,7 +29,7 @@ struct Overloaded : Cases... {
   using Cases::operator()...;
 };
 template <typename... Cases>
-Overloaded(Cases...) -> Overloaded<Cases...>;  // clang before 17 needs it spelt out
+Overloaded(Cases...) -> Overloaded<Cases...>;  // clang before 17 needs it spelled out
 
 bool has_range(const Option& option) { return option.minimum != option.maximum; }
 
@@ -47,7 +48,7 @@ std::string value_text(const Option& option) {
 [[noreturn]] void refuse(const Option& option, std::string_view value, std::string_view where,
                          std::string_view wanted) {
   const std::string allowed = allowed_text(option);
-  throw Error(fmt::format("{} is no value for '{}'", in_quotes(value), option.name), where,
+  throw Error(fmt::format("{} is not a value of '{}'", in_quotes(value), option.name), where,
               fmt::format("give {}{}{}{}", wanted, allowed.empty() ? "" : ", ", allowed,
                           option.unit.empty() ? "" : " " + option.unit));
 }
@@ -66,7 +67,7 @@ std::optional<int> parse_int(std::string_view text) {
   return static_cast<int>(*number);
 }
 
-/// One line of valid UTF-8: all that a YAML file gives back as it was.
+/// One line of valid UTF-8: only such text survives a YAML round trip unchanged.
 bool is_one_line_of_text(std::string_view text) {
   while (!text.empty()) {
     const std::size_t length = utf8_length(text);
@@ -116,6 +117,10 @@ void set_value(const Option& option, std::string_view value, std::string_view wh
       option.target);
 }
 
+void warn_of_former(std::string_view former, std::string_view now, std::string_view where) {
+  log_warning(fmt::format("{}: '{}' is now '{}'; the next release will not accept the old name", where, former, now));
+}
+
 std::string read_text_file(const std::filesystem::path& file) {
   std::error_code code;
   const auto status = std::filesystem::status(file, code);
@@ -132,13 +137,13 @@ std::string read_text_file(const std::filesystem::path& file) {
   return text;
 }
 
-/// Files written by OpenCV open with "%YAML:1.0", which YAML itself does not know.
+/// Files written by OpenCV start with "%YAML:1.0", which is not valid YAML.
 std::string without_opencv_header(std::string text) {
   if (text.starts_with("%YAML:")) text.erase(0, std::min(text.find('\n'), text.size()));
   return text;
 }
 
-/// Hears a YAML document without keeping anything.
+/// Parses a YAML document without storing anything.
 class DeafHandler : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark&) override {}
@@ -152,7 +157,7 @@ class DeafHandler : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// YAML::Load is silent about anything behind the first document, and YAML::LoadAll never ends on some of it.
+/// YAML::Load ignores everything after the first document, and YAML::LoadAll never ends on some input.
 bool holds_more_than_a_document(const std::string& text) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
@@ -169,7 +174,7 @@ YAML::Node parse_document(const std::string& text, std::string_view where) {
     return YAML::Load(text);
   } catch (const YAML::Exception& problem) {
     throw Error(fmt::format("not YAML ({})", one_line(problem.msg)), fmt::format("{}:{}", where, problem.mark.line + 1),
-                "write one 'key: value' a line");
+                "write one 'key: value' per line");
   }
 }
 
@@ -192,7 +197,41 @@ void OptionTable::add(Option option) {
   options_.push_back(std::move(option));
 }
 
-Option& OptionTable::find(std::string_view name, std::string_view where) {
+void OptionTable::add_former_name(std::string former, std::string name) {
+  const auto is_option = [&](const std::string& wanted) {
+    return std::any_of(options_.begin(), options_.end(), [&](const Option& option) { return option.name == wanted; });
+  };
+  RASTRO_CHECK(is_option(name) && !is_option(former), "a former name stands for an option and is none itself");
+  former_names_.emplace_back(std::move(former), std::move(name));
+}
+
+void OptionTable::add_former_choice(std::string name, std::string former, std::string choice) {
+  const auto& choices = find(name, "").choices;
+  RASTRO_CHECK(std::count(choices.begin(), choices.end(), choice) == 1, "a former choice stands for one of today");
+  former_choices_.push_back({std::move(name), std::move(former), std::move(choice)});
+}
+
+std::string_view OptionTable::current_name(std::string_view name, std::string_view where) const {
+  for (const auto& [former, now] : former_names_) {
+    if (former != name) continue;
+    warn_of_former(former, now, where);
+    return now;
+  }
+  return name;
+}
+
+std::string_view OptionTable::current_choice(const Option& option, std::string_view choice,
+                                             std::string_view where) const {
+  for (const FormerChoice& each : former_choices_) {
+    if (each.option != option.name || each.former != choice) continue;
+    warn_of_former(each.former, each.now, where);
+    return each.now;
+  }
+  return choice;
+}
+
+Option& OptionTable::find(std::string_view given, std::string_view where) {
+  const std::string_view name = current_name(given, where);
   const auto found = std::find_if(options_.begin(), options_.end(), [&](const Option& o) { return o.name == name; });
   if (found != options_.end()) return *found;
   std::vector<std::string> names;
@@ -203,13 +242,14 @@ Option& OptionTable::find(std::string_view name, std::string_view where) {
 }
 
 void OptionTable::set(std::string_view name, std::string_view value, std::string_view where) {
-  set_value(find(name, where), value, where);
+  const Option& option = find(name, where);
+  set_value(option, current_choice(option, value, where), where);
 }
 
 void OptionTable::set_assignment(std::string_view assignment, std::string_view where) {
   const auto equals = assignment.find('=');
   if (equals == std::string_view::npos) {
-    throw Error(fmt::format("{} is no setting", in_quotes(assignment)), where, "write key=value");
+    throw Error(fmt::format("{} is not a setting", in_quotes(assignment)), where, "write key=value");
   }
   set(trim(assignment.substr(0, equals)), trim(assignment.substr(equals + 1)), where);
 }
@@ -219,18 +259,19 @@ void OptionTable::load_yaml(const std::filesystem::path& file) { load_yaml_text(
 void OptionTable::load_yaml_text(const std::string& text, std::string_view where) {
   const YAML::Node root = parse_document(without_opencv_header(text), where);
   if (root.IsNull()) return;
-  if (!root.IsMap()) throw Error("not a map of options", where, "write one 'key: value' a line");
+  if (!root.IsMap()) throw Error("not a map of options", where, "write one 'key: value' per line");
   std::set<std::string> seen;
   for (const auto& entry : root) {
     const std::string place = fmt::format("{}:{}", where, entry.first.Mark().line + 1);
-    if (!entry.first.IsScalar()) throw Error("a key is not a word", place, "write one 'key: value' a line");
+    if (!entry.first.IsScalar()) throw Error("a key is not a word", place, "write one 'key: value' per line");
     const std::string& key = entry.first.Scalar();
     const Option& option = find(key, place);
-    if (!seen.insert(key).second) throw Error(fmt::format("'{}' is given twice", key), place, "keep one of the two");
+    if (!seen.insert(option.name).second)
+      throw Error(fmt::format("'{}' is given twice", key), place, "keep one of the two");
     if (!entry.second.IsScalar()) {
-      throw Error(fmt::format("'{}' has no single value", key), place, "write one 'key: value' a line");
+      throw Error(fmt::format("'{}' has no single value", key), place, "write one 'key: value' per line");
     }
-    set_value(option, entry.second.Scalar(), place);
+    set_value(option, current_choice(option, entry.second.Scalar(), place), place);
   }
 }
 

@@ -8,8 +8,11 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 
 namespace rastro {
 namespace {
@@ -42,7 +45,7 @@ OptionTable table_of(Settings& settings) {
   return table;
 }
 
-/// The error line of a change to a fresh table; "" when there was none.
+/// The error message of a change to a new table; "" if there was none.
 template <typename Change>
 std::string error_of(const Change& change) {
   Settings settings;
@@ -97,21 +100,55 @@ TEST(OptionTable, UnknownNameGetsTheNearest) {
   EXPECT_EQ(set_error("cuont_px", "1"), "--set: unknown option 'cuont_px'; did you mean 'count_px'?");
 }
 
-TEST(OptionTable, ErrorsNameRangeUnitAndChoices) {
-  EXPECT_EQ(set_error("count_px", "501"), "--set: '501' is no value for 'count_px'; give a whole number, 1 .. 500 px");
-  EXPECT_EQ(set_error("count_px", "0"), "--set: '0' is no value for 'count_px'; give a whole number, 1 .. 500 px");
-  EXPECT_EQ(set_error("mode", "quick"), "--set: 'quick' is no value for 'mode'; give one of, fast | slow");
-  EXPECT_EQ(set_error("flag", "maybe"), "--set: 'maybe' is no value for 'flag'; give one of, true | false");
+TEST(OptionTable, AFormerNameSetsTheOptionAndReportsTheNewName) {
+  Settings settings;
+  OptionTable table = table_of(settings);
+  table.add_former_name("portion", "ratio");
+  std::vector<std::string> lines;
+  set_log_sink([&](LogLevel, const std::string& line) { lines.push_back(line); });
+  table.set_assignment("portion=0.5", "--set");
+  table.load_yaml_text("seed: 7\n", "run.yaml");
+  set_log_sink({});
+  EXPECT_EQ(settings.ratio, 0.5);
+  EXPECT_EQ(lines,
+            std::vector<std::string>{"--set: 'portion' is now 'ratio'; the next release will not accept the old name"});
+  EXPECT_EQ(table.to_yaml().find("portion"), std::string::npos) << "only the new name is written";
+  EXPECT_THROW(table.load_yaml_text("ratio: 0.1\nportion: 0.2\n", "run.yaml"), Error) << "both names are one option";
+  EXPECT_THROW(table.add_former_name("seed", "ratio"), std::exception) << "an option cannot be a former name";
+  EXPECT_THROW(table.add_former_name("old", "unknown"), std::exception);
 }
 
-TEST(OptionTable, RefusesWhatIsNoNumber) {
+TEST(OptionTable, AFormerChoiceSetsTheCurrentOne) {
+  Settings settings;
+  OptionTable table = table_of(settings);
+  table.add_former_choice("mode", "sluggish", "slow");
+  std::vector<std::string> lines;
+  set_log_sink([&](LogLevel, const std::string& line) { lines.push_back(line); });
+  table.load_yaml_text("mode: sluggish\n", "run.yaml");
+  table.set("name", "sluggish", "--set");
+  set_log_sink({});
+  EXPECT_EQ(settings.mode, "slow");
+  EXPECT_EQ(settings.name, "sluggish") << "of that option alone";
+  EXPECT_THAT(lines, testing::ElementsAre(HasSubstr("run.yaml:1: 'sluggish' is now 'slow'")));
+  EXPECT_THROW(table.add_former_choice("mode", "old", "unknown"), std::exception);
+}
+
+TEST(OptionTable, ErrorsNameRangeUnitAndChoices) {
+  EXPECT_EQ(set_error("count_px", "501"),
+            "--set: '501' is not a value of 'count_px'; give a whole number, 1 .. 500 px");
+  EXPECT_EQ(set_error("count_px", "0"), "--set: '0' is not a value of 'count_px'; give a whole number, 1 .. 500 px");
+  EXPECT_EQ(set_error("mode", "quick"), "--set: 'quick' is not a value of 'mode'; give one of, fast | slow");
+  EXPECT_EQ(set_error("flag", "maybe"), "--set: 'maybe' is not a value of 'flag'; give one of, true | false");
+}
+
+TEST(OptionTable, RefusesInvalidNumbers) {
   for (const char* value : {"", "x", "3.5", "3 4", "99999999999", "nan"})
     EXPECT_NE(set_error("count_px", value), "") << value;
   for (const char* value : {"", "x", "nan", "inf", "1,5", "-0.1"}) EXPECT_NE(set_error("ratio", value), "") << value;
   EXPECT_NE(set_error("seed", "-1"), "");
 }
 
-TEST(OptionTable, RefusesTextThatNoFileCouldKeep) {
+TEST(OptionTable, RefusesTextThatNoFileCanStore) {
   for (const char* value :
        {"a\nb", "\x7f", "\xff", "\xc3", "\xc0\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe2\x82"}) {
     EXPECT_THAT(set_error("name", value), AllOf(HasSubstr("UTF-8"), Not(HasSubstr("\n"))));
@@ -131,7 +168,7 @@ TEST(OptionTable, ReadsAssignments) {
   table.set_assignment(" name = a=b ", "--set");
   EXPECT_EQ(settings.name, "a=b");
   EXPECT_EQ(error_of([](OptionTable& other) { other.set_assignment("name", "--set"); }),
-            "--set: 'name' is no setting; write key=value");
+            "--set: 'name' is not a setting; write key=value");
 }
 
 TEST(OptionTable, YamlListsOnlyDifferences) {
@@ -154,7 +191,7 @@ TEST(OptionTable, YamlErrorsNameFileAndLine) {
   EXPECT_THAT(yaml_error("- a\n- b\n"), StartsWith("run.yaml: not a map"));
   EXPECT_THAT(yaml_error("just words\n"), StartsWith("run.yaml: not a map"));
   EXPECT_THAT(yaml_error("a: b\n--- \na: b\n"), HasSubstr("more than one YAML document"));
-  EXPECT_THAT(yaml_error("name: \"a\\\x01\""), Not(HasSubstr("\x01")));  // yaml-cpp quotes the byte as it is
+  EXPECT_THAT(yaml_error("name: \"a\\\x01\""), Not(HasSubstr("\x01")));  // yaml-cpp quotes the byte unchanged
   EXPECT_NE(yaml_error(",nti\xfe"), "");
   EXPECT_NE(yaml_error("seed: 1\n}\nflag: true\n"), "");
   EXPECT_THAT(yaml_error("? [a]\n: b\n"), HasSubstr("a key is not a word"));
@@ -181,7 +218,7 @@ TEST(OptionTable, YamlCarriesUnitRangeAndReason) {
                     HasSubstr("mode: fast  # fast | slow; How.\n")));
 }
 
-TEST(OptionTable, LoadsFilesAndRefusesWhatIsNone) {
+TEST(OptionTable, LoadsFilesAndRefusesNonFiles) {
   const auto folder = std::filesystem::temp_directory_path() / ("rastro_options_test_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "good.yaml") << "count_px: 9\n";

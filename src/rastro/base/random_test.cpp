@@ -55,7 +55,7 @@ TEST(Random, NormalHasMeanZeroAndDeviationOne) {
   EXPECT_NEAR(squares / draws, 1.0, 0.023);
 }
 
-TEST(SeedFor, NeighbouringItemsAndSeedsDiffer) {
+TEST(SeedFor, NeighboringItemsAndSeedsDiffer) {
   std::set<std::uint64_t> seeds;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     for (std::uint64_t item = 0; item < 100; ++item) seeds.insert(seed_for(seed, item));

@@ -8,8 +8,8 @@
 
 namespace rastro {
 
-/// Where recorded data of this name would be: below RASTRO_DATA, or below ../shared/data beside the sources. An empty
-/// name is the folder of all of it.
+/// Path of recorded data with this name: below RASTRO_DATA, or below ../shared/data beside the sources. An empty name
+/// gives the folder itself.
 inline std::filesystem::path recorded_data_path(const std::filesystem::path& name) {
   const char* set = std::getenv("RASTRO_DATA");
   const char* sources = std::getenv("RASTRO_SOURCE_DIR");
@@ -18,7 +18,7 @@ inline std::filesystem::path recorded_data_path(const std::filesystem::path& nam
   return name.empty() ? root : root / name;
 }
 
-/// The same where it is there; else a test skips itself: GTEST_SKIP() << no_recorded_data(name).
+/// The same if it exists; otherwise a test skips itself: GTEST_SKIP() << no_recorded_data(name).
 inline std::optional<std::filesystem::path> recorded_data(const std::filesystem::path& name) {
   const auto path = recorded_data_path(name);
   return std::filesystem::exists(path) ? std::optional(path) : std::nullopt;

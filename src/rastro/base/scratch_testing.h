@@ -8,9 +8,9 @@
 
 namespace rastro {
 
-/// A path in a folder that only this process has and that goes with it: ctest runs tests of one program at once, so
-/// fixed names below /tmp would be shared. What an earlier test left there is removed; nothing is made but the folder
-/// above it.
+/// A path in a temporary folder of this process, which is removed at its end: ctest runs tests of one program in
+/// parallel, so they would share fixed names below /tmp. Leftovers of an earlier test are removed; only the parent
+/// folder is created.
 inline std::filesystem::path scratch_path(const std::string& name) {
   struct Folder {
     std::filesystem::path path = std::filesystem::temp_directory_path() / ("rastro_test_" + std::to_string(::getpid()));
@@ -25,7 +25,7 @@ inline std::filesystem::path scratch_path(const std::string& name) {
   return folder.path / name;
 }
 
-/// The same as an empty folder.
+/// The same, created as an empty folder.
 inline std::filesystem::path scratch_folder(const std::string& name) {
   std::filesystem::path path = scratch_path(name);
   std::filesystem::create_directories(path);

@@ -17,8 +17,8 @@
 namespace rastro {
 namespace {
 
-/// Debian's oneTBB is not compiled with ThreadSanitizer, which then does not see that a loop begins after what was
-/// before it and that what is after it begins last. Chunks are not ordered among each other.
+/// Debian's oneTBB is not compiled with ThreadSanitizer, which therefore does not see that a loop begins after
+/// everything before it and ends before everything after it. Chunks are not ordered relative to each other.
 class LoopOrder {
  public:
 #ifdef RASTRO_UNDER_TSAN
@@ -43,7 +43,7 @@ struct TaskPool::Arena {
         arena(threads, 1,
               priority == TaskPriority::low ? oneapi::tbb::task_arena::priority::low
                                             : oneapi::tbb::task_arena::priority::normal) {}
-  /// Without it TBB complains on standard error of more threads than the machine has.
+  /// Without it TBB warns on standard error about more threads than the machine has.
   oneapi::tbb::global_control allowed;
   oneapi::tbb::task_arena arena;
 };

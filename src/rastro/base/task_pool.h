@@ -6,16 +6,15 @@
 
 namespace rastro {
 
-/// Who goes first where loops of several pools run at the same time.
+/// Which pool gets the helper threads first when several pools run loops at the same time.
 enum class TaskPriority { low, normal };
 
-/// Runs loops on a fixed number of threads. Work is cut into chunks that depend only on the range and grain, never on
-/// the number of threads; a body that writes only to places of its own index therefore gives the same bytes for any
-/// pool.
+/// Runs loops on a fixed number of threads. The chunks depend only on the range and grain, never on the number of
+/// threads. A body that writes only to the elements of its own index therefore gives the same bytes for any pool.
 class TaskPool {
  public:
-  /// `threads` >= 1; 0 takes the machine's count. One thread runs everything in the caller.
-  /// Each pool starts its loops at once, whatever others are at; helpers go to the one of higher priority.
+  /// `threads` >= 1; 0 uses the machine's count. With one thread everything runs in the caller. Each pool starts its
+  /// loops at once, whatever the others do; helper threads go to the pool with higher priority.
   explicit TaskPool(int threads, TaskPriority priority = TaskPriority::normal);
   ~TaskPool();
   TaskPool(const TaskPool&) = delete;

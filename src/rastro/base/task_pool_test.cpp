@@ -70,9 +70,9 @@ TEST(TaskPool, LoopsMayBeNested) {
   EXPECT_EQ(calls, 64);
 }
 
-TEST(TaskPool, ZeroThreadsTakesTheMachine) { EXPECT_GE(TaskPool(0).threads(), 1); }
+TEST(TaskPool, ZeroThreadsUsesTheMachinesCount) { EXPECT_GE(TaskPool(0).threads(), 1); }
 
-TEST(TaskPool, AGrainOfZeroIsABrokenPromise) {
+TEST(TaskPool, AGrainOfZeroIsAFault) {
   TaskPool pool(1);
   EXPECT_THROW(pool.for_chunks(0, 1, 0, [](int, int) {}), Fault);
 }

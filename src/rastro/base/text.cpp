@@ -16,7 +16,7 @@ constexpr std::string_view blanks = " \t\r\n";
 template <typename Number>
 std::optional<Number> parse_whole(std::string_view text) {
   text = trim(text);
-  if (text.starts_with('+')) {  // from_chars takes a minus only
+  if (text.starts_with('+')) {  // from_chars accepts only a minus sign
     text.remove_prefix(1);
     if (text.starts_with('-')) return std::nullopt;
   }
@@ -117,7 +117,7 @@ std::string one_line(std::string_view text, std::size_t longest) {
 std::string in_quotes(std::string_view text) { return "'" + one_line(text, 60) + "'"; }
 
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names) {
-  // Names are short: what is longer than any of them is only compared by its beginning.
+  // Names are short: of a longer text only the beginning is compared.
   wanted = wanted.substr(0, 100);
   const auto nearest = std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
     return edit_distance(wanted, a) < edit_distance(wanted, b);

@@ -10,8 +10,8 @@
 
 namespace rastro {
 
-/// Strict readers of one number: the whole text must be used; no locale; nullopt for anything else. Spaces around are
-/// allowed. parse_double reads nan and inf too; parse_finite does not.
+/// Strict parsers of one number: nullopt unless the whole text is a number, without locale. Surrounding spaces are
+/// allowed. parse_double also accepts nan and inf; parse_finite does not.
 std::optional<double> parse_double(std::string_view text);
 std::optional<double> parse_finite(std::string_view text);
 std::optional<std::int64_t> parse_int64(std::string_view text);
@@ -23,16 +23,16 @@ std::vector<std::string_view> split(std::string_view text, char separator);
 /// Pieces between runs of spaces and tabs.
 std::vector<std::string_view> split_words(std::string_view text);
 
-/// Bytes of the UTF-8 character at the front of `text`; 0 when there is no whole and valid one.
+/// Length in bytes of the UTF-8 character at the front of `text`; 0 if there is no complete and valid one.
 std::size_t utf8_length(std::string_view text);
 
-/// Text from outside as it may stand in a message: one line of valid UTF-8, other bytes as \xNN, cut after about
-/// `longest` bytes. What other libraries say of bad input needs this too: they quote from it.
+/// Makes text from outside safe for a message: one line of valid UTF-8, other bytes as \xNN, truncated after about
+/// `longest` bytes. Messages of other libraries need this too, because they quote bad input.
 std::string one_line(std::string_view text, std::size_t longest = 200);
-/// The same in single quotes, cut after about 60 bytes.
+/// The same in single quotes, truncated after about 60 bytes.
 std::string in_quotes(std::string_view text);
 
-/// The name nearest to `wanted` by edit distance, for "unknown key ...; did you mean ...". Empty when there are none.
+/// The name nearest to `wanted` by edit distance, for "unknown key ...; did you mean ...". Empty if there are none.
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names);
 
 }  // namespace rastro

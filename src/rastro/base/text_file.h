@@ -7,16 +7,16 @@
 
 namespace rastro {
 
-/// The whole file. Error (naming it) where there is none, it is a folder, may not be read, or is empty.
+/// Reads the whole file. Error (naming it) if it does not exist, is a folder, cannot be read, or is empty.
 std::string read_text_file(const std::string& path);
 
 /// One line of a text file with its number, from 1.
 struct TextLine {
   int number = 0;
-  std::string_view text;  ///< Trimmed; points into the text it was cut from.
+  std::string_view text;  ///< Trimmed; points into the original text.
 };
 
-/// The lines that hold something: neither blank nor a comment starting with '#'.
+/// The lines with content: neither blank nor a comment starting with '#'.
 std::vector<TextLine> content_lines(std::string_view text);
 
 /// "file:12", for messages.

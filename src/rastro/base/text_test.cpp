@@ -66,7 +66,7 @@ TEST(InQuotes, StaysOneShortLine) {
 TEST(InQuotes, IsValidUtf8WhateverComesIn) {
   EXPECT_EQ(in_quotes("Grüße €"), "'Grüße €'");
   EXPECT_EQ(in_quotes("a\xff\xc3"), "'a\\xff\\xc3'");
-  // A character is never cut in two.
+  // A character is never split.
   EXPECT_EQ(in_quotes(std::string(59, 'x') + "üü"), "'" + std::string(59, 'x') + "ü...'");
 }
 

@@ -6,13 +6,13 @@
 
 namespace rastro {
 
-/// A part of rastro that can be left out when it is built.
+/// A part of rastro that can be left out of the build.
 struct OptionalPart {
   std::string name;
   bool included = false;
 };
 
-/// What this build is: for --version, and for the about.json of a run.
+/// The version of this build: for --version, and for the about.json of a run.
 struct Version {
   std::string number;    ///< "0.1.0".
   std::string commit;    ///< Of the checkout when it was configured; "unknown" outside of git.

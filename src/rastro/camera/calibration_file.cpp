@@ -12,7 +12,7 @@
 namespace rastro {
 namespace {
 
-/// Calibrations with all their board views stay far below; a picture or a bag named by mistake does not.
+/// Calibrations with all their board views are far smaller; an image or a bag named by mistake is not.
 constexpr std::uintmax_t largest_file = 4 << 20;
 
 void require_size(std::uintmax_t size, std::string_view where) {
@@ -36,7 +36,7 @@ Calibration parse_yaml(std::string_view text, std::string_view where) {
   } catch (const YAML::Exception& error) {
     throw Error(one_line(error.msg), at_line(where, error.mark.line + 1), "");
   }
-  throw Error("no calibration that rastro knows", where,
+  throw Error("no calibration format that rastro reads", where,
               "EuRoC has 'sensor_type', KITTI 'P0', OpenCV and ROS 'camera_matrix', Kalibr 'cam0' at the top level");
 }
 
@@ -52,7 +52,7 @@ Calibration read_calibration(const std::string& path) {
   if (const auto size = std::filesystem::file_size(path, not_there); !not_there) require_size(size, path);
   Calibration result = parse_calibration(read_text_file(path), path);
   const std::filesystem::path file(path);
-  // EuRoC's file does not name its camera, its folder does: mav0/cam1/sensor.yaml.
+  // EuRoC's file does not name its camera, only its folder does: mav0/cam1/sensor.yaml.
   if (result.format == "euroc" && file.filename() == "sensor.yaml" && file.has_parent_path())
     result.cameras.front().name = std::filesystem::weakly_canonical(file).parent_path().filename().string();
   return result;

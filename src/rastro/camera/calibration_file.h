@@ -13,28 +13,27 @@ namespace rastro {
 
 /// One camera of a calibration file.
 struct CalibratedCameraEntry {
-  /// As the file or its data set calls it: "cam0" (EuRoC: the folder of sensor.yaml; Kalibr), "image_0" (KITTI
-  /// odometry), "image_00" (KITTI raw, rectified) and "image_00_raw" (before rectification), ROS's camera_name, "left",
-  /// "right".
+  /// Name in the file or data set: "cam0" (EuRoC: the folder of sensor.yaml; Kalibr), "image_0" (KITTI odometry),
+  /// "image_00" (KITTI raw, rectified) and "image_00_raw" (before rectification), ROS's camera_name, "left", "right".
   std::string name;
-  Camera camera;                            ///< Width and height 0 where the file does not say.
+  Camera camera;                            ///< Width and height 0 if not in the file.
   std::optional<SE3> body_from_camera;      ///< EuRoC's T_BS; Kalibr: body = IMU, the inverse of T_cam_imu.
-  std::optional<SE3> camera_from_previous;  ///< From the frame of the entry before it (Kalibr's T_cn_cnm1).
+  std::optional<SE3> camera_from_previous;  ///< From the frame of the previous entry (Kalibr's T_cn_cnm1).
   std::optional<double> rate_hz;
 };
 
 struct Calibration {
   std::string format;                          ///< "euroc", "kitti_odometry", "kitti_raw", "opencv", "ros", "kalibr".
   std::vector<CalibratedCameraEntry> cameras;  ///< At least one.
-  /// What looks wrong with the file, one plain line each without its name (baseline sign, transforms that are not quite
-  /// rigid). What calibration_warnings() says of each camera is not in here: ask it when the image size is known.
+  /// Doubts about the file, one plain line each without the file's name (baseline sign, transforms that are not quite
+  /// rigid). Does not include calibration_warnings() of each camera: call it once the image size is known.
   std::vector<std::string> warnings;
 };
 
-/// Reads a calibration file and finds out its format: EuRoC sensor.yaml, KITTI odometry calib.txt, KITTI raw
-/// calib_cam_to_cam.txt, OpenCV FileStorage YAML, ROS camera_info YAML, Kalibr camchain. Error, naming file, line and
-/// key, for anything it cannot use: no file, unknown format or model, missing or misspelt key, NaN, a focal length <=
-/// 0.
+/// Reads a calibration file and detects its format: EuRoC sensor.yaml, KITTI odometry calib.txt, KITTI raw
+/// calib_cam_to_cam.txt, OpenCV FileStorage YAML, ROS camera_info YAML, Kalibr camchain. Throws Error, naming file,
+/// line and key, for anything it cannot use: no file, unknown format or model, missing or misspelled key, NaN, a focal
+/// length <= 0.
 Calibration read_calibration(const std::string& path);
 
 /// The same for text; `where` names it in messages.
@@ -48,7 +47,7 @@ SE3 parse_kitti_transform(std::string_view text, std::string_view where);
 /// line.
 std::optional<SO3> read_kitti_rectification(const std::string& path);
 
-/// The published colour camera of TUM RGB-D's "freiburg1", "freiburg2" or "freiburg3" (640x480); nullopt for other
+/// The published color camera of TUM RGB-D's "freiburg1", "freiburg2" or "freiburg3" (640x480); nullopt for other
 /// names. https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
 std::optional<Camera> published_tum_camera(std::string_view name);
 

@@ -147,13 +147,13 @@ delta_f: 0.0 0.0
 
 std::string with(std::string text, const std::string& from, const std::string& to) {
   const auto at = text.find(from);
-  if (at == std::string::npos) throw std::logic_error("the text does not hold " + from);
+  if (at == std::string::npos) throw std::logic_error("the text does not contain " + from);
   return text.replace(at, from.size(), to);
 }
 
 Calibration parse(const std::string& text) { return parse_calibration(text, "calib"); }
 
-/// The message of the error that `text` gives, or "no error".
+/// The message of the error for `text`, or "no error".
 std::string error_of(const std::string& text) {
   try {
     parse(text);
@@ -195,9 +195,9 @@ TEST(CalibrationFile, KittiOdometry) {
   EXPECT_EQ(read.cameras[1].camera.cy, 180.0);
   EXPECT_EQ(read.cameras[1].camera.width, 0);
   EXPECT_EQ(read.cameras[1].camera.distortion, Distortion::none);
-  // The right camera stands half a metre to the right.
+  // The right camera is half a meter to the right.
   EXPECT_THAT(read.cameras[1].camera_from_previous->translation(), matrix_near(Eigen::Vector3d(-0.5, 0, 0), 1e-12));
-  // K (I p + t) must be what P says.
+  // K (I p + t) must equal P.
   const SE3 third_from_first = *read.cameras[3].camera_from_previous * *read.cameras[2].camera_from_previous *
                                *read.cameras[1].camera_from_previous;
   const auto pixel = read.cameras[3].camera.project(third_from_first * Eigen::Vector3d(1, 2, 10));
@@ -227,7 +227,7 @@ TEST(CalibrationFile, KittiTransform) {
   EXPECT_THAT(camera_from_velodyne * Eigen::Vector3d(10, 1, 2),
               matrix_near(Eigen::Vector3d(-1.004, -2.076, 9.73), 1e-12));
   EXPECT_THROW(parse_kitti_transform(kitti, "calib"), Error);
-  EXPECT_THAT(error_of(transform), HasSubstr("holds no camera"));
+  EXPECT_THAT(error_of(transform), HasSubstr("has no camera"));
 }
 
 TEST(CalibrationFile, OpenCv) {
@@ -290,7 +290,7 @@ TEST(CalibrationFile, Kalibr) {
               matrix_near(Eigen::Vector3d(-0.11, 0.001, 0), 1e-12));
 }
 
-TEST(CalibrationFile, ABaselineOfTheWrongSignIsWarnedOf) {
+TEST(CalibrationFile, ABaselineOfTheWrongSignGivesAWarning) {
   const auto to_the_left = ElementsAre(HasSubstr("to the LEFT of"));
   EXPECT_THAT(parse(with(kitti, "-3.5e+02", "3.5e+02")).warnings, to_the_left);
   EXPECT_THAT(parse(with(kitti_raw, "-3.888e+02", "3.888e+02")).warnings, to_the_left);
@@ -298,7 +298,7 @@ TEST(CalibrationFile, ABaselineOfTheWrongSignIsWarnedOf) {
   EXPECT_THAT(parse(with(ros, "-37.5", "37.5")).warnings, to_the_left);
 }
 
-TEST(CalibrationFile, TransformsThatAreNoneAreRefusedAndSlightlyBentOnesWarnedOf) {
+TEST(CalibrationFile, NonRigidTransformsAreRefusedAndSlightlyNonRigidOnesGiveAWarning) {
   EXPECT_THAT(error_of(with(euroc, "0.0, -1.0, 0.0, -0.02", "0.0, -2.0, 0.0, -0.02")),
               AllOf(HasSubstr("calib:4: "), HasSubstr("T_BS is not a rigid transform")));
   EXPECT_THAT(error_of(with(euroc, "0.0, -1.0, 0.0, -0.02", "0.0, 1.0, 0.0, -0.02")), HasSubstr("T_BS is not a rigid"));
@@ -307,7 +307,7 @@ TEST(CalibrationFile, TransformsThatAreNoneAreRefusedAndSlightlyBentOnesWarnedOf
               ElementsAre(HasSubstr("T_BS is not quite a rotation")));
 }
 
-TEST(CalibrationFile, AWrongKeyIsNamedWithTheNearest) {
+TEST(CalibrationFile, AnUnknownKeyIsReportedWithTheNearest) {
   EXPECT_THAT(error_of(with(euroc, "intrinsics", "intrinsic")),
               AllOf(HasSubstr("calib:"), HasSubstr("no key 'intrinsics'"), HasSubstr("'intrinsic'")));
   EXPECT_THAT(error_of(with(opencv, "camera_matrix", "camera_matrx")), HasSubstr("'camera_matrx'"));
@@ -315,7 +315,7 @@ TEST(CalibrationFile, AWrongKeyIsNamedWithTheNearest) {
   EXPECT_THAT(error_of(with(kalibr, "distortion_model", "model")), HasSubstr("no key 'distortion_model'"));
   EXPECT_THAT(error_of(with(kitti_raw, "D_00", "E_00")), HasSubstr("no line 'D_00:'"));
   EXPECT_THAT(error_of(with(kitti_raw, "T_00: ", "T_00: 1.0 ")), HasSubstr("T_00 has 4 values, expected 3"));
-  EXPECT_THAT(error_of("width of image: 3\n"), HasSubstr("no calibration that rastro knows"));
+  EXPECT_THAT(error_of("width of image: 3\n"), HasSubstr("no calibration format that rastro reads"));
 }
 
 struct Broken {
@@ -324,7 +324,7 @@ struct Broken {
   const char* message;
 };
 
-TEST(CalibrationFile, EveryBrokenFileGivesOneLineThatSaysWhatAndWhere) {
+TEST(CalibrationFile, EveryBrokenFileGivesOneLineWithCauseAndPosition) {
   const std::string shorter = with(kitti, " 0.0 0.0 0.0 1.0 0.0\nP1", "\nP1");
   const Broken all[] = {
       {"NaN", with(euroc, "458.654", ".nan"), "calib:14: intrinsics holds '.nan', not a finite number"},
@@ -340,12 +340,12 @@ TEST(CalibrationFile, EveryBrokenFileGivesOneLineThatSaysWhatAndWhere) {
       {"too few intrinsics", with(euroc, ", 248.375", ""), "calib:14: intrinsics has 3 values, expected 4"},
       {"too few in a matrix", with(opencv, ", 0., 0., 1. ]", " ]"), "has 6 values, not rows times cols"},
       {"too few in a line", shorter, "calib:1: P0 has 7 values, expected 12"},
-      {"a line twice", kitti + "P0: 1\n", "calib:6: the line 'P0:' is there twice"},
+      {"a line twice", kitti + "P0: 1\n", "calib:6: the line 'P0:' occurs twice"},
       {"no colon", kitti + "hello\n", "calib:6: 'hello' is not of the form 'KEY: numbers'"},
       {"truncated", opencv.substr(0, opencv.find("2.3557")), "calib:"},
       {"other model", with(euroc, "radial-tangential", "fov"), "distortion model 'fov' is not supported"},
       {"a line break in a value", with(ros, "plumb_bob", "\"plumb\\nbob\""), "distortion model 'plumb\\x0abob' is not"},
-      {"misspelt model", with(kalibr, "equidistant", "equidistand"), "did you mean 'equidistant'"},
+      {"misspelled model", with(kalibr, "equidistant", "equidistand"), "did you mean 'equidistant'"},
       {"other camera model", with(kalibr, "pinhole", "omni"), "calib:3: camera_model is 'omni'"},
       {"wrong count", with(kalibr, "-0.0123, 0.0044", "-0.0123"), "distortion_coeffs has 3 values"},
       {"a sensor that is no camera", with(euroc, "camera\n", "imu\n"), "calib:2: sensor_type is 'imu', not 'camera'"},
@@ -370,7 +370,7 @@ TEST(CalibrationFile, EveryBrokenFileGivesOneLineThatSaysWhatAndWhere) {
   }
 }
 
-/// Whatever is wrong with a file, what is read of it can be used, or one line says why not. True where it was read.
+/// However broken a file is, what is read from it can be used, or one line says why not. True if it was read.
 bool reads_soundly_or_says_why(const std::string& text) {
   Calibration read;
   try {
@@ -398,8 +398,8 @@ bool reads_soundly_or_says_why(const std::string& text) {
   return true;
 }
 
-/// The lens as it was; or the same pinhole without a distortion, as of a file that ends before it: OpenCV's and ROS's
-/// need not give any.
+/// The original lens; or the same pinhole without distortion, as in a truncated file: OpenCV's and ROS's files need not
+/// have one.
 bool same_lens_or_no_distortion(const Camera& a, const Camera& b) {
   const bool pinhole =
       a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
@@ -407,27 +407,27 @@ bool same_lens_or_no_distortion(const Camera& a, const Camera& b) {
          (a.distortion == Distortion::none || (a.distortion == b.distortion && a.coefficients == b.coefficients));
 }
 
-TEST(CalibrationFile, TruncatedAnywhereItReadsOrSaysWhy) {
+TEST(CalibrationFile, TruncatedAnywhereItIsReadOrGivesAnError) {
   for (const std::string& text : {euroc, kitti, kitti_raw, opencv, ros, kalibr}) {
     const std::size_t step = 3, cuts = text.size() / step;
     std::size_t reads = 0;
     for (std::size_t length = 0; length < text.size(); length += step)
       reads += reads_soundly_or_says_why(text.substr(0, length)) ? 1 : 0;
-    // A camera is not made up of half a file. KITTI's raw files hold one of two cameras after 68 % of their bytes.
+    // A camera never comes from half a file. KITTI's raw files have one of two cameras after 68 % of their bytes.
     EXPECT_LT(reads, cuts / 3) << parse(text).format;
     EXPECT_TRUE(reads_soundly_or_says_why(text));
   }
 }
 
-/// Lines that are gone take their cameras with them, or the whole file: no camera is made up of what is left.
-TEST(CalibrationFile, CutAfterAnyLineACameraIsReadAsItWasOrNotAtAll) {
+/// Missing lines remove their cameras, or the whole file: no camera is made from the rest.
+TEST(CalibrationFile, TruncatedAfterAnyLineACameraIsReadUnchangedOrNotAtAll) {
   for (const std::string& text : {euroc, kitti, kitti_raw, opencv, ros, kalibr}) {
     const Calibration whole = parse(text);
     for (std::size_t end = text.find('\n'); end + 1 < text.size(); end = text.find('\n', end + 1)) {
       const std::string cut = text.substr(0, end + 1);
       if (!reads_soundly_or_says_why(cut)) continue;
       const Calibration part = parse(cut);
-      // The head of a ROS file is OpenCV's.
+      // The start of a ROS file is OpenCV's.
       EXPECT_TRUE(part.format == whole.format || whole.format == "ros") << cut;
       for (const CalibratedCameraEntry& entry : part.cameras) {
         const auto same = std::find_if(whole.cameras.begin(), whole.cameras.end(),
@@ -439,7 +439,7 @@ TEST(CalibrationFile, CutAfterAnyLineACameraIsReadAsItWasOrNotAtAll) {
   }
 }
 
-TEST(CalibrationFile, GarbledAnywhereItReadsOrSaysWhy) {
+TEST(CalibrationFile, GarbledAnywhereItIsReadOrGivesAnError) {
   Random random(4);
   const std::string signs = "[]{}:,-#&*!|>'\"%@ \n\t0.9eEnx\x80";
   for (const std::string& text : {euroc, kitti, kitti_raw, opencv, ros, kalibr}) {
@@ -451,8 +451,8 @@ TEST(CalibrationFile, GarbledAnywhereItReadsOrSaysWhy) {
             signs[random.below(static_cast<std::uint32_t>(signs.size()))];
       reads += reads_soundly_or_says_why(garbled) ? 1 : 0;
     }
-    EXPECT_GT(reads, 5) << "nothing of this is ever read: " << parse(text).format;
-    EXPECT_LT(reads, 295) << "nothing is ever refused: " << parse(text).format;
+    EXPECT_GT(reads, 5) << "none of these is ever read: " << parse(text).format;
+    EXPECT_LT(reads, 295) << "none is ever refused: " << parse(text).format;
   }
 }
 

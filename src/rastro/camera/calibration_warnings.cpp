@@ -14,7 +14,7 @@ namespace {
 constexpr double smallest_field_of_view_deg = 10.0;
 constexpr double largest_field_of_view_deg = 150.0;
 constexpr double largest_focal_length_ratio = 1.05;
-constexpr double farthest_principal_point = 0.2;  // Of the image's size, from its middle.
+constexpr double farthest_principal_point = 0.2;  // Share of the image's size, from its center.
 
 void check_field_of_view(const Camera& camera, std::vector<std::string>& warnings) {
   // An equidistant lens images an angle a at f * a, so that wide angles are its normal use.
@@ -46,7 +46,7 @@ void check_principal_point(const Camera& camera, std::vector<std::string>& warni
                     camera.cx, camera.cy, camera.width, camera.height));
   } else if (std::max(off_x, off_y) > farthest_principal_point) {
     warnings.push_back(
-        fmt::format("principal point ({:.6g}, {:.6g}) is {:.0f} % of the size away from the middle of the "
+        fmt::format("principal point ({:.6g}, {:.6g}) is {:.0f} % of the size away from the center of the "
                     "{}x{} image: is the image cropped, or of another size?",
                     camera.cx, camera.cy, 100.0 * std::max(off_x, off_y), camera.width, camera.height));
   }

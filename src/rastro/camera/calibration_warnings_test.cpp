@@ -41,7 +41,7 @@ TEST(CalibrationWarnings, UnequalFocalLengths) {
 TEST(CalibrationWarnings, PrincipalPoint) {
   Camera camera = euroc();
   std::swap(camera.cx, camera.cy);
-  EXPECT_THAT(calibration_warnings(camera), ElementsAre(HasSubstr("27 % of the size away from the middle")));
+  EXPECT_THAT(calibration_warnings(camera), ElementsAre(HasSubstr("27 % of the size away from the center")));
   camera.cx = -5.0;
   EXPECT_THAT(calibration_warnings(camera), ElementsAre(HasSubstr("outside the 752x480 image")));
 }
@@ -56,7 +56,7 @@ TEST(CalibrationWarnings, DistortionThatFoldsBackInsideTheImage) {
   EXPECT_THAT(calibration_warnings(camera), ElementsAre(HasSubstr("folds back inside the image")));
 }
 
-TEST(CalibrationWarnings, SizeUnknownChecksWhatItCan) {
+TEST(CalibrationWarnings, UnknownSizeSkipsTheChecksThatNeedIt) {
   Camera camera = euroc();
   camera.width = camera.height = 0;
   EXPECT_THAT(calibration_warnings(camera), IsEmpty());

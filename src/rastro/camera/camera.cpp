@@ -47,7 +47,7 @@ Camera Camera::scaled(double scale) const {
   result.height = static_cast<int>(std::lround(height * scale));
   result.fx *= scale;
   result.fy *= scale;
-  // Pixel centres are integers: the image's corner is at (-0.5, -0.5) and is the point that stays where it is.
+  // Pixel centers are integers: the image's corner is at (-0.5, -0.5) and is the fixed point of the scaling.
   result.cx = (cx + 0.5) * scale - 0.5;
   result.cy = (cy + 0.5) * scale - 0.5;
   return result;

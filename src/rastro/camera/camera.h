@@ -15,31 +15,32 @@ enum class Distortion {
   equidistant,        ///< k1 k2 k3 k4: Kannala and Brandt 2006.
 };
 
-/// Pinhole camera with lens distortion. Camera frame: x right, y down, z forward; pixel centres are at integers.
+/// Pinhole camera with lens distortion. Camera frame: x right, y down, z forward; pixel centers are at integers.
 struct Camera {
-  int width = 0;  ///< Pixels; 0 where the calibration does not say.
+  int width = 0;  ///< Pixels; 0 if not in the calibration.
   int height = 0;
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< Pixels.
   Distortion distortion = Distortion::none;
   std::array<double, 5> coefficients{};
 
-  /// Pixel of a point in the camera frame; nullopt when it is not in front of the camera (z <= 0) or off the model's
+  /// Pixel of a point in the camera frame; nullopt if it is not in front of the camera (z <= 0) or outside the model's
   /// range.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_in_camera) const;
   /// Same, with the 2x3 derivative of the pixel by the point.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_in_camera,
                                          Eigen::Matrix<double, 2, 3>& jacobian) const;
-  /// Undistorted normalised ray (x/z, y/z) of a pixel; nullopt when the distortion cannot be undone there.
+  /// Undistorted normalized ray (x/z, y/z) of a pixel; nullopt if the distortion cannot be inverted there.
   std::optional<Eigen::Vector2d> unproject(const Eigen::Vector2d& pixel) const;
-  /// The same camera for an image `scale` times as large.
+  /// The same camera for an image scaled by `scale`.
   Camera scaled(double scale) const;
 };
 
-/// A pinhole camera without distortion, from a horizontal field of view in degrees: a guess for uncalibrated images.
+/// A pinhole camera without distortion, from a horizontal field of view in degrees: an approximation for uncalibrated
+/// images.
 Camera camera_from_field_of_view(double degrees, int width, int height);
 
-/// What looks wrong with a calibration, one plain line each; empty when nothing does: focal length against width, fx
-/// against fy, principal point inside the image, distortion monotonic over the image.
+/// Plausibility check of a calibration: one plain line per doubt, empty without any. Checks focal length against width,
+/// fx against fy, principal point inside the image, distortion monotonic over the image.
 std::vector<std::string> calibration_warnings(const Camera& camera);
 
 }  // namespace rastro

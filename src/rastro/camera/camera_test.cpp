@@ -51,7 +51,7 @@ class CameraModel : public ::testing::TestWithParam<NamedCamera> {
  protected:
   const Camera& camera() const { return GetParam().camera; }
 
-  /// Points in front of the camera that land in (or near) the image.
+  /// Points in front of the camera that project into (or near) the image.
   std::vector<Eigen::Vector3d> points(int count) {
     std::vector<Eigen::Vector3d> result;
     while (static_cast<int>(result.size()) < count) {
@@ -66,7 +66,7 @@ class CameraModel : public ::testing::TestWithParam<NamedCamera> {
 INSTANTIATE_TEST_SUITE_P(Models, CameraModel, ::testing::ValuesIn(cameras),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
-TEST_P(CameraModel, EveryPixelComesBack) {
+TEST_P(CameraModel, UnprojectThenProjectGivesThePixel) {
   int without_ray = 0;
   for (int y = -1; y <= camera().height; y += 3)
     for (int x = -1; x <= camera().width; x += 3) {
@@ -80,11 +80,11 @@ TEST_P(CameraModel, EveryPixelComesBack) {
       ASSERT_TRUE(back) << pixel.transpose() << " has a ray that is not imaged";
       EXPECT_LT((*back - pixel).norm(), 1e-9 * camera().width) << pixel.transpose();
     }
-  // The corners of the widest lens look back behind the camera (its image circle ends at 300 pixels from the middle).
+  // The corners of the widest lens face backwards (its image circle ends at 300 pixels from the center).
   EXPECT_LE(without_ray, std::string(GetParam().name) == "wide_fisheye" ? 170 * 170 / 10 : 0);
 }
 
-TEST_P(CameraModel, EveryPointComesBack) {
+TEST_P(CameraModel, ProjectThenUnprojectGivesTheRay) {
   for (const auto& point : points(2000)) {
     const auto pixel = camera().project(point);
     ASSERT_TRUE(pixel);
@@ -136,7 +136,7 @@ TEST_P(CameraModel, ProjectsAsOpenCvDoes) {
     EXPECT_THAT(*camera().project(in_space[i]), matrix_near(Eigen::Vector2d(pixels[i].x, pixels[i].y), 1e-9));
 }
 
-TEST_P(CameraModel, WhatIsNotInFrontOrNotANumberHasNoPixel) {
+TEST_P(CameraModel, APointNotInFrontOrNotANumberHasNoPixel) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   Eigen::Matrix<double, 2, 3> jacobian;
   for (const Eigen::Vector3d& point :
@@ -149,7 +149,7 @@ TEST_P(CameraModel, WhatIsNotInFrontOrNotANumberHasNoPixel) {
   EXPECT_FALSE(camera().unproject({1.0, inf}));
 }
 
-TEST_P(CameraModel, FarOutsideTheImageARayEitherComesBackOrIsRefused) {
+TEST_P(CameraModel, FarOutsideTheImageARayEitherRoundTripsOrIsRefused) {
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector2d pixel(random_.uniform(-5000.0, 5000.0), random_.uniform(-5000.0, 5000.0));
     const auto ray = camera().unproject(pixel);
@@ -160,7 +160,7 @@ TEST_P(CameraModel, FarOutsideTheImageARayEitherComesBackOrIsRefused) {
   }
 }
 
-TEST_P(CameraModel, ScaledSeesTheSameRays) {
+TEST_P(CameraModel, ScaledHasTheSameRays) {
   const Camera half = camera().scaled(0.5), triple = camera().scaled(3.0);
   EXPECT_EQ(half.width, (camera().width + 1) / 2);
   for (const auto& point : points(100)) {
@@ -174,12 +174,12 @@ TEST_P(CameraModel, ScaledSeesTheSameRays) {
 TEST(Distortion, FoldsBackWhereTheDerivativeOfTheRadiusIsZero) {
   Camera camera = cameras[0].camera;
   camera.distortion = Distortion::radial_tangential;
-  camera.coefficients = {-0.3};  // r (1 - 0.3 r^2) has its top at r^2 = 1 / 0.9.
+  camera.coefficients = {-0.3};  // r (1 - 0.3 r^2) has its maximum at r^2 = 1 / 0.9.
   const double top = std::sqrt(1.0 / 0.9);
   EXPECT_NEAR(monotonic_radius(camera), top, 1e-12);
   EXPECT_TRUE(camera.project({0.999 * top, 0.0, 1.0}));
   EXPECT_FALSE(camera.project({1.001 * top, 0.0, 1.0}));
-  EXPECT_FALSE(camera.project({2.0, 0.0, 1.0}));  // Would be imaged inside the picture.
+  EXPECT_FALSE(camera.project({2.0, 0.0, 1.0}));  // Would be inside the image.
   const double widest = camera.fx * top * (1.0 - 0.3 * top * top);
   EXPECT_TRUE(camera.unproject({camera.cx + 0.9999 * widest, camera.cy}));
   EXPECT_FALSE(camera.unproject({camera.cx + 1.0001 * widest, camera.cy}));
@@ -222,7 +222,7 @@ TEST(Distortion, AbsurdCoefficientsNeverHangOrCrash) {
   }
 }
 
-TEST(CameraFromFieldOfView, SeesThatAngle) {
+TEST(CameraFromFieldOfView, HasThatAngle) {
   const Camera camera = camera_from_field_of_view(90.0, 640, 480);
   EXPECT_NEAR(camera.fx, 320.0, 1e-12);
   const auto left = camera.unproject({-0.5, 239.5}), right = camera.unproject({639.5, 239.5});

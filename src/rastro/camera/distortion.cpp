@@ -15,7 +15,7 @@ using Polynomial = std::array<double, 5>;
 
 /// Whether every Bernstein coefficient is positive, and with it the polynomial on the interval; otherwise halves it.
 bool bernstein_positive(Polynomial b, int depth) {
-  if (!(b[0] > 0.0) || !(b[4] > 0.0)) return false;  // The values at the ends.
+  if (!(b[0] > 0.0) || !(b[4] > 0.0)) return false;  // The values at both ends.
   if (b[1] > 0.0 && b[2] > 0.0 && b[3] > 0.0) return true;
   if (depth == 0) return false;
   Polynomial left, right = b;  // De Casteljau's subdivision.
@@ -23,7 +23,7 @@ bool bernstein_positive(Polynomial b, int depth) {
     left[i] = right[0];
     for (int j = 0; j < 4 - i; ++j) right[j] = 0.5 * (right[j] + right[j + 1]);
   }
-  // `right` was folded in place from the front: its entries now hold the right half.
+  // `right` was subdivided in place from the front: its entries now hold the right half.
   return bernstein_positive(left, depth - 1) && bernstein_positive(right, depth - 1);
 }
 
@@ -43,10 +43,10 @@ Polynomial growth(const Camera& camera) {
 
 double evaluate(const Polynomial& p, double x) { return p[0] + x * (p[1] + x * (p[2] + x * (p[3] + x * p[4]))); }
 
-/// Rays nearer to the axis than this are on it: their squares are no longer numbers.
+/// Rays closer to the axis than this are on it: their squares underflow.
 constexpr double on_axis = 1e-100;
 
-/// Largest difference, in focal lengths, at which a ray counts as imaged at the wanted place.
+/// Largest difference, in focal lengths, at which a ray counts as imaged at the target.
 double tolerance_at(double radius) { return 1e-11 * (1.0 + radius); }
 
 struct Distorted {
@@ -96,7 +96,7 @@ std::optional<Distorted> distort_checked(const Camera& camera, const Eigen::Vect
   return result;
 }
 
-/// Largest radius (or angle) at which the model still grows, by bisection; `end` when it does up to there.
+/// Largest radius (or angle) at which the model still grows, by bisection; `end` if it grows up to there.
 double growing_up_to(const Camera& camera, double end) {
   const Polynomial derivative = growth(camera);
   if (positive_up_to(derivative, end * end)) return end;
@@ -140,8 +140,7 @@ std::optional<Eigen::Vector2d> undistort_equidistant(const Camera& camera, const
 
 constexpr int newton_steps = 20;
 
-/// Newton in the plane; steps that do not bring the distorted point nearer are halved. nullopt when it does not get
-/// there.
+/// Newton in the plane; steps that do not reduce the error are halved. nullopt if it does not converge.
 std::optional<Eigen::Vector2d> newton_radial_tangential(const Camera& camera, const Eigen::Vector2d& distorted,
                                                         Eigen::Vector2d ray) {
   const double tolerance = 1e-14 * (1.0 + distorted.norm());
@@ -165,7 +164,7 @@ std::optional<Eigen::Vector2d> newton_radial_tangential(const Camera& camera, co
         error = next_error;
       }
     }
-    if (!nearer) break;  // At the limit of rounding, or stuck: the caller looks at the error.
+    if (!nearer) break;  // At the limit of rounding, or stuck: the caller checks the error.
   }
   if (!(error <= tolerance_at(distorted.norm()))) return std::nullopt;
   if (!positive_up_to(growth(camera), ray.squaredNorm())) return std::nullopt;
@@ -177,7 +176,7 @@ constexpr double farthest_radius = 100.0;
 
 std::optional<Eigen::Vector2d> undistort_radial_tangential(const Camera& camera, const Eigen::Vector2d& distorted) {
   if (auto ray = newton_radial_tangential(camera, distorted, distorted)) return ray;
-  // Start from the radial part alone, which can always be solved where it can be undone.
+  // Starts from the radial part alone, which can always be solved where it can be inverted.
   const double radius = distorted.norm();
   // Plain names: clang before 16 cannot capture structured bindings.
   const double k1 = camera.coefficients[0], k2 = camera.coefficients[1], k3 = camera.coefficients[4];

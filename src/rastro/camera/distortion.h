@@ -8,8 +8,9 @@
 
 namespace rastro {
 
-/// Lens distortion on the plane z = 1: from the true ray (x/z, y/z) to where the lens images it. A ray beyond the
-/// radius at which the model folds back (its radius stops growing) has no image: nullopt. Not finite: nullopt.
+/// Lens distortion on the plane z = 1: from the undistorted ray (x/z, y/z) to its position in the lens's image. A ray
+/// beyond the radius at which the model folds back (its radius stops growing) has no image: nullopt. Not finite:
+/// nullopt.
 std::optional<Eigen::Vector2d> distort(const Camera& camera, const Eigen::Vector2d& ray);
 /// Same, with the derivative of the result by the ray.
 std::optional<Eigen::Vector2d> distort(const Camera& camera, const Eigen::Vector2d& ray, Eigen::Matrix2d& jacobian);
@@ -17,8 +18,8 @@ std::optional<Eigen::Vector2d> distort(const Camera& camera, const Eigen::Vector
 /// The ray that distort() maps to `distorted`, to the last digits; nullopt where there is none.
 std::optional<Eigen::Vector2d> undistort(const Camera& camera, const Eigen::Vector2d& distorted);
 
-/// Up to which radius of the undistorted ray (x/z, y/z) the model grows with the radius; infinity where it always does.
-/// Where it does not, farther rays would be imaged over nearer ones.
+/// Radius of the undistorted ray (x/z, y/z) up to which the model grows; infinity if it always does. Beyond it, rays
+/// would be imaged on top of inner ones.
 double monotonic_radius(const Camera& camera);
 
 }  // namespace rastro

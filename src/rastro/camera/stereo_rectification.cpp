@@ -15,7 +15,7 @@ double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-/// Of the rectified cameras in the left one.
+/// Orientation of the rectified cameras in the left one.
 SO3 axes_of(const SE3& left_from_right) {
   const Eigen::Vector3d x = left_from_right.translation().normalized();
   const Eigen::Vector3d forward =
@@ -26,7 +26,7 @@ SO3 axes_of(const SE3& left_from_right) {
   return SO3::from_matrix(axes);
 }
 
-/// Without distortion; the middles of both pictures lie as near to its middle as they can.
+/// Without distortion; the centers of both images are as close to its center as possible.
 Camera camera_for(const Camera& left, const Camera& right, const SO3& left_from_rectified,
                   const SO3& right_from_rectified) {
   Camera camera;
@@ -35,8 +35,8 @@ Camera camera_for(const Camera& left, const Camera& right, const SO3& left_from_
   camera.fx = camera.fy = 0.25 * (left.fx + left.fy + right.fx + right.fy);
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const auto& [from, turn] : {std::pair{&left, &left_from_rectified}, std::pair{&right, &right_from_rectified}}) {
-    const Eigen::Vector2d centre(0.5 * (from->width - 1), 0.5 * (from->height - 1));
-    const Eigen::Vector2d ray = from->unproject(centre).value_or(Eigen::Vector2d::Zero());
+    const Eigen::Vector2d center(0.5 * (from->width - 1), 0.5 * (from->height - 1));
+    const Eigen::Vector2d ray = from->unproject(center).value_or(Eigen::Vector2d::Zero());
     const Eigen::Vector3d turned = turn->inverse() * Eigen::Vector3d(ray.x(), ray.y(), 1.0);
     middle += 0.5 * turned.head<2>() / turned.z();
   }

@@ -23,16 +23,16 @@ Camera lens(double focal) {
 
 SE3 turned_pair() { return {SO3::exp({0.02, -0.03, 0.015}), {0.11, 0.002, -0.004}}; }
 
-/// What a camera sees of a far wall, at `camera_from_wall`, with a pattern that is known everywhere.
-GreyImage picture_of_wall(const Camera& camera, const SE3& wall_from_camera) {
-  GreyImage image(camera.width, camera.height);
+/// Image of a far wall, whose pattern is known everywhere, in a camera at `camera_from_wall`.
+GrayImage image_of_wall(const Camera& camera, const SE3& wall_from_camera) {
+  GrayImage image(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const auto ray = camera.unproject({x, y});
       if (!ray) continue;
       const Eigen::Vector3d direction = wall_from_camera.rotation() * Eigen::Vector3d(ray->x(), ray->y(), 1.0);
-      const Eigen::Vector3d& centre = wall_from_camera.translation();
-      const Eigen::Vector3d at = centre + direction * ((3.0 - centre.z()) / direction.z());
+      const Eigen::Vector3d& center = wall_from_camera.translation();
+      const Eigen::Vector3d at = center + direction * ((3.0 - center.z()) / direction.z());
       image.at(x, y) = static_cast<std::uint8_t>(
           std::lround(128.0 + 50.0 * std::sin(6.0 * at.x()) + 50.0 * std::sin(7.0 * at.y() + at.x())));
     }
@@ -40,23 +40,23 @@ GreyImage picture_of_wall(const Camera& camera, const SE3& wall_from_camera) {
   return image;
 }
 
-TEST(StereoRectification, PicturesAreThoseOfTheIdealPair) {
+TEST(StereoRectification, ImagesAreThoseOfTheRectifiedPair) {
   const Camera left = lens(230.0), right = lens(228.0);
   const SE3 left_from_right = turned_pair();
   const auto made = rectify_stereo(left, right, left_from_right);
   ASSERT_TRUE(made);
   EXPECT_NEAR(made->baseline, left_from_right.translation().norm(), 1e-12);
-  const SE3 left_from_ideal(made->left_from_rectified, Eigen::Vector3d::Zero());
+  const SE3 left_from_rectified_ideal(made->left_from_rectified, Eigen::Vector3d::Zero());
   const SE3 left_from_ideal_right(made->left_from_rectified, left_from_right.translation());
   const struct {
-    GreyImage warped, ideal;
+    GrayImage warped, ideal;
     const UndistortMap& map;
-  } pairs[] = {
-      {remap(picture_of_wall(left, SE3()), made->left), picture_of_wall(made->camera, left_from_ideal), made->left},
-      {remap(picture_of_wall(right, left_from_right), made->right),
-       picture_of_wall(made->camera, left_from_ideal_right), made->right}};
+  } pairs[] = {{remap(image_of_wall(left, SE3()), made->left), image_of_wall(made->camera, left_from_rectified_ideal),
+                made->left},
+               {remap(image_of_wall(right, left_from_right), made->right),
+                image_of_wall(made->camera, left_from_ideal_right), made->right}};
   for (const auto& pair : pairs) {
-    const GreyImage shown = shown_by(pair.map, 320, 240, 0);
+    const GrayImage shown = shown_by(pair.map, 320, 240, 0);
     int compared = 0;
     for (int y = 0; y < shown.height(); ++y) {
       for (int x = 0; x < shown.width(); ++x) {
@@ -65,11 +65,11 @@ TEST(StereoRectification, PicturesAreThoseOfTheIdealPair) {
         ASSERT_NEAR(pair.warped.at(x, y), pair.ideal.at(x, y), 3) << x << ", " << y;
       }
     }
-    EXPECT_GT(compared, 320 * 240 * 8 / 10) << "most of the picture is used";
+    EXPECT_GT(compared, 320 * 240 * 8 / 10) << "most of the image is used";
   }
 }
 
-TEST(StereoRectification, RowsShowTheSameAndDisparityIsDepth) {
+TEST(StereoRectification, EpipolarLinesAreRowsAndDisparityGivesDepth) {
   const Camera left = lens(230.0), right = lens(228.0);
   const SE3 left_from_right = turned_pair();
   const auto made = rectify_stereo(left, right, left_from_right);
@@ -86,11 +86,11 @@ TEST(StereoRectification, RowsShowTheSameAndDisparityIsDepth) {
   }
 }
 
-TEST(StereoRectification, WhatIsShownShrinksByItsMargin) {
+TEST(StereoRectification, TheImagedAreaShrinksByItsMargin) {
   const Camera camera = lens(230.0);
   const auto aside = rectify_stereo(camera, camera, SE3(SO3::exp({0.0, 0.5, 0.0}), {0.1, 0.0, 0.0}));
   ASSERT_TRUE(aside);
-  const GreyImage narrow = shown_by(aside->left, 320, 240, 4), wide = shown_by(aside->left, 320, 240, 0);
+  const GrayImage narrow = shown_by(aside->left, 320, 240, 4), wide = shown_by(aside->left, 320, 240, 0);
   int shown = 0, hidden = 0;
   for (int y = 4; y < 236; ++y) {
     for (int x = 4; x < 316; ++x) {
@@ -109,13 +109,13 @@ TEST(StereoRectification, AnyPoolMakesTheSameBytes) {
   const Camera camera = lens(230.0);
   const auto made = rectify_stereo(camera, camera, turned_pair());
   ASSERT_TRUE(made);
-  const GreyImage image = picture_of_wall(camera, SE3());
+  const GrayImage image = image_of_wall(camera, SE3());
   TaskPool three(3);
-  const GreyImage alone = remap(image, made->left), together = remap(image, made->left, &three);
+  const GrayImage alone = remap(image, made->left), together = remap(image, made->left, &three);
   for (int y = 0; y < 240; ++y) EXPECT_TRUE(std::equal(alone.row(y), alone.row(y) + 320, together.row(y)));
 }
 
-TEST(StereoRectification, RefusesWhatIsNoPairSideBySide) {
+TEST(StereoRectification, RefusesCamerasThatAreNotSideBySide) {
   const Camera camera = lens(230.0);
   Camera other = camera, unknown = camera;
   other.width = 640;

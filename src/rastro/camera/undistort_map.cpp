@@ -12,7 +12,7 @@
 namespace rastro {
 namespace {
 
-// A flat image cannot show rays farther out: at 80 degrees a pixel is already stretched thirtyfold.
+// An undistorted image cannot show rays farther out: at 80 degrees a pixel is already stretched thirtyfold.
 constexpr double farthest_ray = 5.7;
 
 struct Rectangle {
@@ -27,7 +27,7 @@ struct BorderRays {
 std::optional<Eigen::Vector2d> useful_ray(const Camera& camera, double x, double y) {
   auto ray = camera.unproject({x, y});
   if (ray && ray->norm() <= farthest_ray) return ray;
-  // No ray there (a fisheye's black corner): the last useful one on the way to the middle.
+  // No ray there (a fisheye's black corner): the last valid one towards the center.
   const Eigen::Vector2d middle(camera.cx, camera.cy), outward = Eigen::Vector2d(x, y) - middle;
   double low = 0.0, high = 1.0;
   std::optional<Eigen::Vector2d> best;
@@ -73,13 +73,13 @@ bool usable(const Rectangle& r) {
   return r.right > r.left && r.bottom > r.top && std::isfinite(r.right - r.left) && std::isfinite(r.bottom - r.top);
 }
 
-/// Of a grey value, 0 to 255; quicker than lround().
-inline std::uint8_t rounded(float grey) {
-  return static_cast<std::uint8_t>(grey + 0.5F);  // NOLINT(bugprone-incorrect-roundings): no grey value is negative.
+/// For an intensity, 0 to 255; faster than lround().
+inline std::uint8_t rounded(float gray) {
+  return static_cast<std::uint8_t>(gray + 0.5F);  // NOLINT(bugprone-incorrect-roundings): no intensity is negative.
 }
 
 /// Between four pixels that are all inside.
-inline std::uint8_t blend(GreyView image, float x, float y) {
+inline std::uint8_t blend(GrayView image, float x, float y) {
   const int left = static_cast<int>(x), top = static_cast<int>(y);
   const float along = x - static_cast<float>(left), down = y - static_cast<float>(top);
   const std::uint8_t *above_left = image.row(top) + left, *below_left = above_left + image.stride;
@@ -89,7 +89,7 @@ inline std::uint8_t blend(GreyView image, float x, float y) {
 }
 
 /// Also at the last row and column; black outside.
-std::uint8_t sample(GreyView image, float x, float y) {
+std::uint8_t sample(GrayView image, float x, float y) {
   // Also false for NaN.
   if (!(x >= 0.0F && y >= 0.0F && x <= static_cast<float>(image.width - 1) &&
         y <= static_cast<float>(image.height - 1)))
@@ -103,14 +103,14 @@ std::uint8_t sample(GreyView image, float x, float y) {
 }
 
 /// Zero where a zero lies within `margin` rows and columns.
-void shrink(GreyImage& mask, int margin) {
-  const GreyImage before = mask;
+void shrink(GrayImage& mask, int margin) {
+  const GrayImage before = mask;
   const auto is_shown = [&](int x, int y) {
     return x >= 0 && y >= 0 && x < before.width() && y < before.height() && before.at(x, y) != 0;
   };
   for (int y = 0; y < mask.height(); ++y) {
     for (int x = 0; x < mask.width(); ++x) {
-      // Only what lies at an edge reaches farther than its neighbours do.
+      // Only pixels at an edge reach farther than their neighbors.
       if (is_shown(x, y) || !(is_shown(x - 1, y) || is_shown(x + 1, y) || is_shown(x, y - 1) || is_shown(x, y + 1)))
         continue;
       const int left = std::max(0, x - margin), right = std::min(mask.width(), x + margin + 1);
@@ -157,9 +157,9 @@ UndistortMap undistort_map(const Camera& camera, const Camera& undistorted, cons
   return map;
 }
 
-GreyImage remap(GreyView recorded, const UndistortMap& map, TaskPool* pool) {
+GrayImage remap(GrayView recorded, const UndistortMap& map, TaskPool* pool) {
   constexpr int rows_at_a_time = 16;
-  GreyImage result(map.camera.width, map.camera.height);
+  GrayImage result(map.camera.width, map.camera.height);
   const auto last_x = static_cast<float>(recorded.width - 1), last_y = static_cast<float>(recorded.height - 1);
   const auto rows = [&](int begin, int end) {
     for (int y = begin; y < end; ++y) {
@@ -176,8 +176,8 @@ GreyImage remap(GreyView recorded, const UndistortMap& map, TaskPool* pool) {
   return result;
 }
 
-GreyImage shown_by(const UndistortMap& map, int recorded_width, int recorded_height, int margin) {
-  GreyImage shown(map.camera.width, map.camera.height);
+GrayImage shown_by(const UndistortMap& map, int recorded_width, int recorded_height, int margin) {
+  GrayImage shown(map.camera.width, map.camera.height);
   for (int y = 0; y < shown.height(); ++y) {
     for (int x = 0; x < shown.width(); ++x) {
       const float u = map.x.at(x, y), v = map.y.at(x, y);

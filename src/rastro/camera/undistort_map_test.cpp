@@ -78,8 +78,9 @@ TEST(UndistortMap, AlphaZeroShowsOnlyRecordedPixels) {
             << x << " " << y << " comes from " << from_x << " " << from_y;
         nearest = std::min({nearest, double{from_x}, double{from_y}});
       }
-    // Of the fisheye, what is more than 80 degrees off the axis (the corners) does not count and narrows the rest.
-    EXPECT_LT(nearest, camera.distortion == Distortion::equidistant ? 3.0 : 1.0) << "and wastes none";
+    // Rays of the fisheye more than 80 degrees off the axis (the corners) do not count.
+    EXPECT_LT(nearest, camera.distortion == Distortion::equidistant ? 3.0 : 1.0)
+        << "and the rectangle touches the border";
   }
 }
 
@@ -103,7 +104,7 @@ TEST(UndistortMap, NewCameraIsNearOpenCvs) {
     const Camera ours = undistorted_camera(camera, alpha);
     const cv::Mat theirs = cv::getOptimalNewCameraMatrix(matrix_of(camera), std::vector<double>(k.begin(), k.end()),
                                                          {camera.width, camera.height}, alpha);
-    // OpenCV looks at 9 x 9 points, we at the whole border.
+    // OpenCV checks 9 x 9 points, we check the whole border.
     EXPECT_NEAR(ours.fx, theirs.at<double>(0, 0), 0.02 * ours.fx);
     EXPECT_NEAR(ours.fy, theirs.at<double>(1, 1), 0.02 * ours.fy);
     EXPECT_NEAR(ours.cx, theirs.at<double>(0, 2), 8.0);
@@ -113,11 +114,11 @@ TEST(UndistortMap, NewCameraIsNearOpenCvs) {
 
 TEST(UndistortMap, WithoutDistortionNothingChanges) {
   const Camera camera{64, 48, 60.0, 61.0, 31.0, 25.0, Distortion::none, {}};
-  GreyImage image(64, 48);
+  GrayImage image(64, 48);
   Random random(3);
   for (int y = 0; y < 48; ++y)
     for (int x = 0; x < 64; ++x) image.at(x, y) = static_cast<std::uint8_t>(random.below(256));
-  const GreyImage result = remap(image, undistort_map(camera, 0.3));
+  const GrayImage result = remap(image, undistort_map(camera, 0.3));
   for (int y = 1; y < 47; ++y)
     for (int x = 1; x < 63; ++x) ASSERT_EQ(result.at(x, y), image.at(x, y)) << x << " " << y;
 }
@@ -132,7 +133,7 @@ TEST(UndistortMap, RemapIsBilinear) {
   const OpenCvMaps maps = opencv_maps(camera, map.camera);
   cv::Mat expected;
   cv::remap(recorded, expected, maps.x, maps.y, cv::INTER_LINEAR);
-  const GreyImage result = remap({recorded.data, recorded.cols, recorded.rows, recorded.cols}, map);
+  const GrayImage result = remap({recorded.data, recorded.cols, recorded.rows, recorded.cols}, map);
   int compared = 0;
   for (int y = 0; y < result.height(); ++y)
     for (int x = 0; x < result.width(); ++x) {
@@ -141,7 +142,7 @@ TEST(UndistortMap, RemapIsBilinear) {
                           from_y < static_cast<float>(camera.height - 2);
       if (!inside) continue;
       ++compared;
-      // OpenCV rounds the place to 1/32 of a pixel.
+      // OpenCV rounds the position to 1/32 of a pixel.
       ASSERT_NEAR(result.at(x, y), expected.at<std::uint8_t>(y, x), 4) << x << " " << y;
     }
   EXPECT_GT(compared, 200000);
@@ -149,10 +150,10 @@ TEST(UndistortMap, RemapIsBilinear) {
 
 TEST(UndistortMap, OutsideTheRecordedImageIsBlack) {
   const Camera camera = euroc();
-  GreyImage white(camera.width, camera.height);
+  GrayImage white(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) white.at(x, y) = 255;
-  const GreyImage result = remap(white, undistort_map(camera, 1.0));
+  const GrayImage result = remap(white, undistort_map(camera, 1.0));
   EXPECT_EQ(result.at(result.width() / 2, 0), 0);
   EXPECT_EQ(result.at(result.width() / 2, result.height() / 2), 255);
 }

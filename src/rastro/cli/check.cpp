@@ -15,18 +15,16 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    "Reads every image, scan or sighting and reports: frame count and rate, gaps, repeated and backward stamps, the\n"
-    "unit of the stamps, unreadable images, changes of size, missing calibration, offsets between depth and colour,\n"
-    "overlap with the ground truth; shape of the scans, shares of beams that measured something, nothing or are "
-    "broken,\n"
-    "jumps of the odometry. Goes on after broken frames. Exit code 0: can be used (perhaps with warnings); 2: cannot,\n"
-    "with the reason.\n"
-    "\n"
-    "Examples:\n"
-    "  rastro check MH_01_easy                       everything\n"
-    "  rastro check freiburg1_desk --frames 0:100    the first hundred frames\n"
-    "  rastro check intel.clf.gz                     a laser log\n"
-    "  rastro check sequences/00 --json > check.json every finding, for programs";
+    R"(Reads every image, scan and observation and reports frame count and rate, gaps, repeated and decreasing timestamps and
+their unit, unreadable images, changes of image size, missing calibration, time offsets between depth and color, overlap
+with the ground truth; of laser scans their shape, the shares of returns, free and invalid beams, and jumps of the
+odometry. Broken frames are reported and skipped. Exit code 0: usable (perhaps with warnings); 2: unusable, with the reason.
+
+Examples:
+  rastro check MH_01_easy                        all frames
+  rastro check freiburg1_desk --frames 0:100     the first hundred frames
+  rastro check intel.clf.gz                      a laser log
+  rastro check sequences/00 --json > check.json  machine-readable)";
 
 void show_progress(std::int64_t frame, std::int64_t count) {
   constexpr std::int64_t each = 20;
@@ -41,7 +39,8 @@ void show_progress(std::int64_t frame, std::int64_t count) {
 }  // namespace
 
 void add_check_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("check", "Look for everything that is wrong with a recording");
+  CLI::App* command =
+      app.add_subcommand("check", "Checks a recording for gaps, bad timestamps, missing calibration and broken frames");
   const auto flags = std::make_shared<DataFlags>();
   add_data_flags(*command, *flags);
   command->footer(footer);

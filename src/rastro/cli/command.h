@@ -28,7 +28,6 @@ void add_evaluate_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);
 void add_occlude_command(CLI::App& app, Context& context);
 void add_convert_command(CLI::App& app, Context& context);
-void add_export_command(CLI::App& app, Context& context);
 void add_info_command(CLI::App& app, Context& context);
 void add_check_command(CLI::App& app, Context& context);
 void add_vocabulary_command(CLI::App& app, Context& context);

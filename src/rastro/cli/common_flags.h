@@ -21,14 +21,14 @@ struct DataFlags {
   double fov_deg = 0.0;     ///< --fov DEG, horizontal; 0 = not given
   std::string intrinsics;   ///< --intrinsics fx,fy,cx,cy
   std::string calibration;  ///< --calibration FILE
-  int threads = 0;          ///< --threads N, 0 = all of the machine
+  int threads = 0;          ///< --threads N, 0: all cores
   std::uint64_t seed = 1;   ///< --seed N
   bool json = false;        ///< --json
   bool quiet = false;       ///< --quiet
 };
 
 void add_data_flags(CLI::App& command, DataFlags& flags);
-/// Errors for values that make no sense, naming the flag.
+/// Error for values out of range, naming the flag.
 OpenOptions open_options(const DataFlags& flags);
 
 }  // namespace rastro::cli

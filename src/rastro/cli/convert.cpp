@@ -19,9 +19,9 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    R"(scan: a CARMEN log (ROBOTLASER1) that every command reads back exactly. From a depth camera each scan is cut out of the depth
-image, as ROS' depthimage_to_laserscan does: of the points in a band of heights about the camera, upright images assumed, the
-nearest in each direction. From data that has scans they are written as they are. Wheel odometry goes along where there is any.
+    R"(scan: CARMEN log (ROBOTLASER1), which every command reads back exactly. Scans of a laser are written as they are. From a
+depth camera a scan is cut out of each depth image, as by ROS' depthimage_to_laserscan: the nearest point in every
+direction, of the points within a band of heights; the camera is assumed to be level. Wheel odometry is kept.
 
 Examples:
   rastro convert freiburg1_desk --to scan --out desk.log
@@ -51,7 +51,7 @@ void set_height(const std::string& text, ScanFromDepthOptions& options) {
   const auto lowest = ends.size() == 2 ? parse_finite(ends[0]) : std::nullopt;
   const auto highest = ends.size() == 2 ? parse_finite(ends[1]) : std::nullopt;
   if (!lowest || !highest)
-    throw Error(in_quotes(text) + " is no band of heights", "--height", "give A:B in metres, such as -0.2:0.1");
+    throw Error(in_quotes(text) + " is not a range of heights", "--height", "give A:B in meters, such as -0.2:0.1");
   options.lowest = *lowest;
   options.highest = *highest;
 }
@@ -59,9 +59,10 @@ void set_height(const std::string& text, ScanFromDepthOptions& options) {
 void require_scans_or_depth(const SourceInfo& info) {
   if (info.has_scan) return;
   if (!info.has_depth)
-    throw Error("has neither depth images nor laser scans", info.path, "'rastro info' says what it has");
+    throw Error("has neither depth images nor laser scans", info.path, "'rastro info' lists what it has");
   if (info.cameras.empty() || !info.cameras.front().camera)
-    throw Error("the depth camera has no calibration", info.path, "give --calibration, --intrinsics or --fov");
+    throw Error("the calibration of the depth camera is unknown", info.path,
+                "give --calibration, --intrinsics or --fov");
 }
 
 void refuse_own_data(const std::string& data, const std::string& out) {
@@ -123,15 +124,14 @@ void report(const Flags& flags, const Written& written) {
     json["free_share"] = share(written.free, written.beams);
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else if (!flags.data.quiet) {
-    fmt::print(
-        "{} scans written to {}, {} frames skipped; {:.1f} % of the beams measured something, {:.1f} % are free\n",
-        written.scans, flags.out, written.skipped, 100.0 * share(written.returns, written.beams),
-        100.0 * share(written.free, written.beams));
+    fmt::print("{} scans written to {}, {} frames skipped; {:.1f} % of the beams are returns, {:.1f} % are free\n",
+               written.scans, flags.out, written.skipped, 100.0 * share(written.returns, written.beams),
+               100.0 * share(written.free, written.beams));
   }
 }
 
 void convert(Flags& flags) {
-  if (flags.to != "scan") throw Error("there is no kind " + in_quotes(flags.to), "--to", "the only one is: scan");
+  if (flags.to != "scan") throw Error(in_quotes(flags.to) + " is not a format", "--to", "give scan");
   set_height(flags.height, flags.cut);
   OpenOptions options = open_options(flags.data);
   options.want_depth = true;
@@ -141,22 +141,25 @@ void convert(Flags& flags) {
   refuse_own_data(flags.data.path, flags.out);
   AppendFile file(flags.out);
   const Written written = write_scans(*source, flags.cut, file);
-  if (written.scans == 0) throw Error("not one frame gave a scan", flags.data.path, "'rastro check' says why");
+  if (written.scans == 0) throw Error("no frame gave a scan", flags.data.path, "'rastro check' lists what is wrong");
   report(flags, written);
 }
 
 }  // namespace
 
 void add_convert_command(CLI::App& app, Context& context) {
-  CLI::App* command =
-      app.add_subcommand("convert", "Turn depth images into laser scans, or any scans into a CARMEN log");
+  CLI::App* command = app.add_subcommand("convert", "Converts depth images or laser scans to a CARMEN log");
   const auto flags = std::make_shared<Flags>();
   add_data_flags(*command, flags->data);
-  command->add_option("--to", flags->to, "What to make: scan")->type_name("KIND")->required();
-  command->add_option("--out", flags->out, "File to write")->type_name("FILE")->required();
-  command->add_option("--height", flags->height, "Depth: heights above the camera that count, in metres [-0.05:0.05]")
+  command->add_option("--to", flags->to, "Output format: scan")->type_name("KIND")->required();
+  command->add_option("--out", flags->out, "Output file")->type_name("FILE")->required();
+  command
+      ->add_option("--height", flags->height,
+                   "Depth images: heights relative to the camera, in meters (default: -0.05:0.05)")
       ->type_name("A:B");
-  command->add_option("--max-range", flags->cut.max_range, "Depth: what is farther counts as free, in metres")
+  command
+      ->add_option("--max-range", flags->cut.max_range,
+                   "Depth images: maximum range in meters; beyond it a beam is free")
       ->type_name("M")
       ->capture_default_str();
   command->footer(footer);

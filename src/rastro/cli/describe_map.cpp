@@ -48,7 +48,8 @@ const char* kind_name(std::size_t kind) { return name_of(static_cast<ConstraintK
 
 std::string state_of(const MapFileReport& report) {
   if (!report.damage.empty()) return "damaged: " + report.damage;
-  return report.finished ? "whole, every checksum holds" : "sound, but the run that made it did not come to its end";
+  return report.finished ? "complete, every checksum is valid"
+                         : "valid, but the run that made it did not end regularly";
 }
 
 double megabytes(const MapFileReport& report) { return static_cast<double>(report.bytes) / 1e6; }
@@ -59,15 +60,15 @@ std::string camera_text(const MapCamera& camera) {
   const Camera& k = camera.intrinsics;
   std::string text = fmt::format("{} x {} px, fx {:.6g} fy {:.6g} cx {:.6g} cy {:.6g}; {}", k.width, k.height, k.fx,
                                  k.fy, k.cx, k.cy, name_of(camera.kind));
-  if (camera.baseline > 0.0) text += fmt::format(", {:.4g} m apart", camera.baseline);
+  if (camera.baseline > 0.0) text += fmt::format(", baseline {:.4g} m", camera.baseline);
   if (camera.kind == CameraKind::depth)
     text += fmt::format(", depth noise {:g} + {:g} z^2 m", camera.depth_noise.sigma_m, camera.depth_noise.sigma_per_m2);
   return text;
 }
 
 std::string scale_text(const MapScale& scale) {
-  if (!scale.metric) return "arbitrary: lengths are in a unit of the map's own; 'rastro scale' makes them metres";
-  std::string text = "metres, from " + one_line(scale.origin);
+  if (!scale.metric) return "arbitrary: the map is up to scale; 'rastro scale' makes it metric";
+  std::string text = "meters, from " + one_line(scale.origin);
   return scale.relative_sigma > 0.0 ? text + fmt::format(" (sigma {:.2g} %)", 100.0 * scale.relative_sigma) : text;
 }
 
@@ -81,7 +82,7 @@ std::string constraints_text(const Map& map) {
 
 std::string layer_text(const Map& map, const std::string& name, const Layer& layer) {
   const LayerType* type = layer_type(name);
-  return type ? type->describe(map, layer).text : "kept, not known to this program";
+  return type ? type->describe(map, layer).text : "kept, unknown to this program";
 }
 
 std::string describe(const Map& map) {
@@ -94,9 +95,10 @@ std::string describe(const Map& map) {
               fmt::format("{} in {} submap{}", map.keyframes.size(), figures.submaps, figures.submaps == 1 ? "" : "s"));
   text += row("constraints", constraints_text(map));
   for (const auto& [name, layer] : map.layers.all()) text += row(one_line(name), layer_text(map, name, *layer));
-  return text + row("trajectory", fmt::format("{} poses over {:.1f} s; its keyframes span {:.2f} x {:.2f} x {:.2f} {}",
-                                              figures.poses, figures.seconds, figures.extent.x(), figures.extent.y(),
-                                              figures.extent.z(), scale_of(map).metric ? "m" : "units"));
+  return text +
+         row("trajectory", fmt::format("{} poses in {:.1f} s; extent of the keyframes {:.2f} x {:.2f} x {:.2f} {}",
+                                       figures.poses, figures.seconds, figures.extent.x(), figures.extent.y(),
+                                       figures.extent.z(), scale_of(map).metric ? "m" : "units"));
 }
 
 Json camera_json(const MapCamera& camera) {
@@ -112,7 +114,7 @@ Json camera_json(const MapCamera& camera) {
   return json;
 }
 
-/// A number of things stays whole.
+/// Counts stay integers.
 Json number_json(double value) {
   const auto whole = static_cast<std::int64_t>(value);
   return static_cast<double>(whole) == value ? Json(whole) : Json(value);

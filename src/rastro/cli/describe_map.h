@@ -7,7 +7,7 @@
 
 namespace rastro::cli {
 
-/// What a map file holds, for people or as one JSON object.
+/// Contents of a map file, as text or as one JSON object.
 std::string describe_map(const MapFileReport& report, const std::string& file);
 std::string describe_map_json(const MapFileReport& report, const std::string& file);
 

@@ -9,15 +9,14 @@
 namespace rastro::cli {
 
 void add_evaluate_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand(
-      "evaluate",
-      "Score a run against truth: ids that came back, rightly or wrongly; how far poses are off; how true a map is");
+  CLI::App* command = app.add_subcommand("evaluate", "Evaluates tracks, trajectories and maps against ground truth");
   command->require_subcommand(1);
   command->footer(
-      "Examples:\n  rastro evaluate tracks run --truth hall\n  rastro evaluate trajectory groundtruth.txt run --align "
+      "Examples:\n  rastro evaluate tracks run --ground-truth hall\n  rastro evaluate trajectory groundtruth.txt run "
+      "--align "
       "sim3\n  rastro evaluate relations run --relations intel.relations\n  rastro evaluate map run "
-      "corridor/floor_plan.yaml\n  rastro evaluate cloud bedroom/truth.ply run\n`rastro evaluate tracks --help` and so "
-      "on describe every figure.");
+      "corridor/floor_plan.yaml\n  rastro evaluate cloud bedroom/truth.ply run\n`rastro evaluate trajectory --help` "
+      "etc. define every metric.");
   add_evaluate_tracks_command(*command, context);
   add_evaluate_trajectory_command(*command, context);
   add_evaluate_relations_command(*command, context);

@@ -20,13 +20,12 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    R"(REF is a PLY of the true surfaces (truth.ply of a generated room) or of points; EST a PLY of points, such as
-'rastro export --to ply' writes, or the folder of a run (its cloud.ply). Both stand in one frame. Lengths in metres.
-
-  mean median rms percentile_95 largest   distance of EST's points from the truth
-  precision      share of them within the tolerance
-  completeness   share of the truth within the tolerance of a point; what was never seen counts too
-  sigma_ratio    root mean square of distance / sigma: 1 where the stated sigmas are honest, above where too small
+    R"(REF is a PLY of the true surfaces (truth.ply of `rastro simulate bedroom`) or of points; EST a PLY of points, such as
+'rastro export --to ply' writes, or a run folder (its cloud.ply). Both are in the same frame, in meters; no alignment.
+  mean median rms percentile_95 largest   distance of the points of EST from REF, m
+  precision      share of the points of EST within the tolerance of REF
+  completeness   share of REF within the tolerance of a point of EST, whether it was observed or not
+  sigma_ratio    rms of distance / sigma: 1 if the sigmas are consistent, above 1 if they are overconfident
 
 Examples:
   rastro evaluate cloud bedroom/truth.ply run
@@ -54,8 +53,9 @@ NamedNumbers numbers_of(const CloudAgreement& agreement) {
 
 int evaluate_cloud(const Flags& flags) {
   if (!(flags.options.tolerance_m > 0.0 && flags.options.tolerance_m <= 10.0))
-    throw Error(fmt::format("{} is no distance", flags.options.tolerance_m), "--tolerance", "give metres, up to 10");
-  if (flags.threads < 0 || flags.threads > 1024) throw Error("is no number of threads", "--threads", "give 0 to 1024");
+    throw Error(fmt::format("{} is out of range", flags.options.tolerance_m), "--tolerance", "give meters, up to 10");
+  if (flags.threads < 0 || flags.threads > 1024)
+    throw Error("is not a number of threads", "--threads", "give 0 to 1024");
   const std::vector<ScoreLimit> limits = parse_limits(flags.limits, numbers_of({}), "'median<=0.01'");
   std::error_code ignored;
   const bool is_run = std::filesystem::is_directory(flags.estimate, ignored);
@@ -75,19 +75,25 @@ int evaluate_cloud(const Flags& flags) {
 }  // namespace
 
 void add_evaluate_cloud_command(CLI::App& evaluate, Context& context) {
-  CLI::App* command = evaluate.add_subcommand("cloud", "How far the points of a 3D map are from true surfaces");
+  CLI::App* command =
+      evaluate.add_subcommand("cloud", "Accuracy and completeness of a point cloud against true surfaces");
   const auto flags = std::make_shared<Flags>();
-  command->add_option("REF", flags->reference, "PLY of the truth")->required();
-  command->add_option("EST", flags->estimate, "PLY of the cloud, or a run folder")->required();
-  command->add_option("--tolerance", flags->options.tolerance_m, "What counts as the same place (default: 0.02)")
+  command->add_option("REF", flags->reference, "PLY of the ground truth")->type_name("")->required();
+  command->add_option("EST", flags->estimate, "PLY of the point cloud, or a run folder")->type_name("")->required();
+  command
+      ->add_option("--tolerance", flags->options.tolerance_m,
+                   "Tolerance of precision and completeness in meters (default: 0.02)")
       ->type_name("M");
-  command->add_option("--require", flags->limits, "Limit such as 'median<=0.01'; exit code 1 when one is missed")
+  command
+      ->add_option("--require", flags->limits, "Limit, such as 'median<=0.01'; exit code 1 if missed; may be repeated")
       ->type_name("LIMIT")
       ->allow_extra_args(false);
-  command->add_option("--threads", flags->threads, "Threads; the same figures for any number (default: all)")
+  command
+      ->add_option("--threads", flags->threads,
+                   "Number of threads; the results do not depend on it (default: all cores)")
       ->type_name("N");
-  command->add_flag("--json", flags->json, "Print JSON");
-  command->add_flag("--quiet", flags->quiet, "Print nothing but what goes wrong");
+  command->add_flag("--json", flags->json, "Print the result as JSON");
+  command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
   command->footer(footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});

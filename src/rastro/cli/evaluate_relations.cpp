@@ -20,14 +20,11 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    R"(RUN is the folder of a run (its trajectory.txt) or a trajectory file with stamps. FILE holds lines of
-"stamp_a stamp_b x y z roll pitch yaw": where the body was at b, seen from where it was at a (seconds, metres, radians).
-
-  error       of a relation: relation^-1 * (a^-1 * b of the run); Kuemmerle et al. 2009. It needs no alignment
-  trans, rot  mean and standard deviation of the error's length (m) and angle (deg)
-  skipped     relations with no pose of the run within --max-dt of one of their stamps; figures of runs that skip
-              differently make no rank
-
+    R"(RUN is a run folder (its trajectory.txt) or a trajectory file with timestamps. FILE has lines of
+"stamp_a stamp_b x y z roll pitch yaw": the pose of the body at b relative to that at a (seconds, meters, radians).
+  error       of a relation: relation^-1 * (a^-1 * b of the run), Kuemmerle et al. 2009; without alignment
+  trans, rot  mean and standard deviation of its translation (m) and rotation (deg)
+  skipped     relations without a pose of the run within --max-dt of a timestamp; do not rank runs that skip different ones
 --json: relations, trans_mean, trans_sigma, rot_mean_deg, rot_sigma_deg, skipped and trans_max.
 
 Examples:
@@ -52,7 +49,7 @@ NamedNumbers numbers_of(const RelationScores& scores) {
 }
 
 std::string text_of(const RelationScores& scores, const std::string& run) {
-  std::string text = fmt::format("run          {}\nrelations    {} held against it, {} skipped\n", one_line(run),
+  std::string text = fmt::format("run          {}\nrelations    {} evaluated, {} skipped\n", one_line(run),
                                  scores.relations, scores.skipped);
   text += fmt::format("translation  mean {:.4f} m, sigma {:.4f} m, largest {:.3f} m\n", scores.trans_mean_m,
                       scores.trans_sigma_m, scores.worst_trans_m);
@@ -65,18 +62,18 @@ std::string text_of(const RelationScores& scores, const std::string& run) {
 int evaluate_relations(const Flags& flags) {
   const std::vector<ScoreLimit> limits = parse_limits(flags.limits, numbers_of({}), "'trans_mean<=0.03'");
   if (!(flags.max_dt_s >= 0.0 && flags.max_dt_s <= 1e6))
-    throw Error(fmt::format("{} is no difference in seconds", flags.max_dt_s), "--max-dt", "give 0 or more, like 0.05");
+    throw Error(fmt::format("{} is not a time difference", flags.max_dt_s), "--max-dt", "give seconds, such as 0.05");
   const std::vector<Relation> relations = parse_relations(read_text_file(flags.relations), flags.relations);
   std::error_code ignored;
   const std::filesystem::path run(flags.run);
   const bool is_folder = std::filesystem::is_directory(run, ignored);
   const TrajectoryInput input = read_trajectory_input((is_folder ? run / "trajectory.txt" : run).string());
-  if (!input.has_stamps) throw Error("has no stamps to find relations by", input.file, "give a file in TUM's form");
+  if (!input.has_stamps) throw Error("has no timestamps", input.file, "give a file in TUM format");
   const RelationScores scores = score_relations(relations, input.poses, from_seconds(flags.max_dt_s));
   if (scores.relations == 0) {
-    throw Error(fmt::format("none of its {} relations has poses within {} s in {}", relations.size(), flags.max_dt_s,
-                            one_line(input.file)),
-                flags.relations, "are both of one recording, and is it a file of relations?");
+    throw Error(fmt::format("no pose is within {1} s of any of its {0} relations in {2}", relations.size(),
+                            flags.max_dt_s, one_line(input.file)),
+                flags.relations, "check that both are of the same recording");
   }
   if (flags.json)
     fmt::print("{}", as_json(numbers_of(scores)));
@@ -89,17 +86,21 @@ int evaluate_relations(const Flags& flags) {
 
 void add_evaluate_relations_command(CLI::App& evaluate, Context& context) {
   CLI::App* command =
-      evaluate.add_subcommand("relations", "Error of known relations between instants, as 2D SLAM benchmarks measure");
+      evaluate.add_subcommand("relations", "Error of known relative poses: the metric of the 2D SLAM benchmarks");
   const auto flags = std::make_shared<Flags>();
-  command->add_option("RUN", flags->run, "Run folder or trajectory file")->required();
-  command->add_option("--relations", flags->relations, "What is known")->type_name("FILE")->required();
-  command->add_option("--max-dt", flags->max_dt_s, "Poses farther from a stamp are not taken (default: 0.05)")
+  command->add_option("RUN", flags->run, "Run folder or trajectory file")->type_name("")->required();
+  command->add_option("--relations", flags->relations, "File of known relative poses")->type_name("FILE")->required();
+  command
+      ->add_option("--max-dt", flags->max_dt_s,
+                   "Maximum time difference of a pose and a timestamp in seconds (default: 0.05)")
       ->type_name("S");
-  command->add_option("--require", flags->limits, "Limit such as 'trans_mean<=0.03'; exit code 1 when one is missed")
+  command
+      ->add_option("--require", flags->limits,
+                   "Limit, such as 'trans_mean<=0.03'; exit code 1 if missed; may be repeated")
       ->type_name("LIMIT")
       ->allow_extra_args(false);
-  command->add_flag("--json", flags->json, "Print JSON");
-  command->add_flag("--quiet", flags->quiet, "Print nothing but what goes wrong");
+  command->add_flag("--json", flags->json, "Print the result as JSON");
+  command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
   command->footer(footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});

@@ -20,25 +20,25 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    R"(REF and EST are text of TUM (stamp tx ty tz qx qy qz qw), KITTI (12 numbers a line) or EuRoC (stamp,x,y,z,qw,qx,qy,qz,...), or
-the folder of a run (its trajectory.txt); REF may be a recording with ground truth too. Format and unit of the stamps are guessed.
-
-  matched     poses of both sides whose stamps are at most --max-dt apart, nearest first, none twice, in order. KITTI poses
-              have the stamps of FILE_times.txt or times.txt beside them; two KITTI files are paired line by line
-  coverage    poses of the reference within 0.6 of a step of a matched pose, in % of all; step: the median step of REF or EST, the
-              longer one, EST's no longer than 0.1 s. A rank between estimates of different coverage means nothing. Of the truth in a EuRoC or TUM recording, only what lies between its first and last frame is asked for
-  alignment   over all matched positions: none; se3 turns and moves; sim3 scales too (one camera knows no scale); yaw
-              turns about REF's z axis and moves. All that follows is measured after it
-  ATE         distance of the positions, m
-  RPE         error of the motion over each --rpe-delta: frames (f), seconds (s) or metres of EST's path (m), over pairs that
-              follow each other, or one from every pose (--rpe-pairs all)
-  segments    KITTI's errors: from every tenth pose to the first one farther than each length on REF's path; % and deg/m
-  drift       error of the motion from the first to the last matched pose per length of REF's path through them
-
-A EuRoC reference is of the body. Where ../cam0/sensor.yaml lies beside it (or --body-from-camera FILE is given) it is turned into poses
-of the camera, and this is said; --estimate-of body leaves it as it is. A KITTI raw recording is compared in its IMU's frame.
-The angles of a plot are turns since REF's first pose about the camera's axes (yaw about y, then pitch about x, roll about z), or a
-body's (z, y, x). --json gives an object for one EST, an array for several; rpe_* at its top are those of the first delta.
+    R"(REF and EST are trajectory files in TUM (timestamp tx ty tz qx qy qz qw), KITTI (12 numbers a line) or EuRoC format
+(timestamp,x,y,z,qw,qx,qy,qz,...), or run folders (their trajectory.txt); REF may also be a recording with ground truth. Format
+and unit of the timestamps are detected.
+  matched     poses of REF and EST whose timestamps differ by at most --max-dt, nearest first, one to one. KITTI poses have the
+              timestamps of FILE_times.txt or times.txt beside them; two KITTI files are matched line by line
+  coverage    % of the poses of REF within 0.6 steps of a matched pose; step: the longer median step of REF and EST (EST's at
+              most 0.1 s). Of the ground truth of a EuRoC or TUM recording only the part between its first and last frame
+              counts. Do not rank estimates of different coverage
+  alignment   over all matched positions: none; se3: rotation and translation; sim3: and scale, for one camera; yaw: rotation
+              about the z axis of REF and translation. Everything below is after alignment
+  ATE         absolute trajectory error: distance of the positions, m
+  RPE         relative pose error over each --rpe-delta: frames (f), seconds (s) or meters on EST (m), of consecutive pairs or
+              of a pair from every pose (--rpe-pairs all)
+  segments    KITTI's errors: from every tenth pose to the first one farther than each length along REF; % and deg/m
+  drift       error of the motion from the first to the last matched pose per path length of REF between them
+A EuRoC reference is of the body. If ../cam0/sensor.yaml lies beside it, or --body-from-camera FILE is given, it is converted to
+poses of the camera, and the output says so; --estimate-of body prevents this. KITTI raw is compared in the frame of its IMU.
+Plots show rotations relative to the first pose of REF about the camera's axes (yaw: y, pitch: x, roll: z), or a body's (z, y, x).
+--json prints an object for one EST, an array for several; its rpe_* are those of the first --rpe-delta.
 
 Examples:
   rastro evaluate trajectory groundtruth.txt run --align sim3
@@ -61,17 +61,17 @@ TrajectoryScoreOptions score_options(const Flags& flags) {
   TrajectoryScoreOptions options;
   options.alignment = parse_alignment(flags.align);
   if (!(flags.max_dt_s >= 0.0 && flags.max_dt_s <= 1e6))
-    throw Error(fmt::format("{} is no difference in seconds", flags.max_dt_s), "--max-dt", "give 0 or more, like 0.02");
+    throw Error(fmt::format("{} is not a time difference", flags.max_dt_s), "--max-dt", "give seconds, such as 0.02");
   options.max_difference = from_seconds(flags.max_dt_s);
   if (flags.rpe_pairs != "consecutive" && flags.rpe_pairs != "all")
-    throw Error(in_quotes(flags.rpe_pairs) + " is no choice of pairs", "--rpe-pairs", "use consecutive or all");
+    throw Error(in_quotes(flags.rpe_pairs) + " is not a choice of pairs", "--rpe-pairs", "give consecutive or all");
   options.rpe_all_pairs = flags.rpe_pairs == "all";
   if (!flags.rpe_deltas.empty()) options.rpe_deltas.clear();
   for (const std::string& text : flags.rpe_deltas) options.rpe_deltas.push_back(parse_rpe_delta(text));
   if (!flags.segments_m.empty()) options.segments_m = flags.segments_m;
   for (const double length : options.segments_m)
     if (!(length > 0.0 && length < 1e9))
-      throw Error(fmt::format("{} is no length", length), "--segments", "give metres like 10,20,30,40,50");
+      throw Error(fmt::format("{} is not a length", length), "--segments", "give meters, such as 10,20,30,40,50");
   return options;
 }
 
@@ -85,7 +85,7 @@ TrajectoryPlot plot_of(const ReferenceTrajectory& reference, const std::vector<T
   TrajectoryPlot plot;
   const TrajectoryInput& input = reference.input;
   plot.title = fmt::format("{}, alignment {}", one_line(input.file), name_of(all.front().alignment));
-  const bool by_frame = !input.has_stamps || all.front().by_index;
+  const bool by_frame = !input.has_stamps || all.front().pairing.by_index;
   plot.along_label = by_frame ? "frame" : "time [s]";
   for (std::size_t k = 0; k < input.poses.size(); ++k) {
     plot.along.push_back(by_frame ? static_cast<double>(k)
@@ -95,7 +95,7 @@ TrajectoryPlot plot_of(const ReferenceTrajectory& reference, const std::vector<T
   for (const TrajectoryScores& scores : all) {
     PlottedEstimate estimate;
     estimate.name = fmt::format("{} (ATE rmse {:.4f} m, coverage {:.1f} %)", short_name(scores.estimate),
-                                scores.ate_m->rmse, scores.coverage_percent);
+                                scores.ate_m->rmse, scores.pairing.coverage_percent);
     for (const PosePair& pair : scores.pairs) estimate.reference_index.push_back(pair.reference);
     for (const StampedPose& pose : scores.aligned) estimate.poses.push_back(pose.world_from_body);
     plot.estimates.push_back(estimate);
@@ -110,7 +110,7 @@ int missed_limits(const TrajectoryScores& scores, const std::vector<ScoreLimit>&
   for (const ScoreLimit& limit : limits) {
     const auto value = trajectory_score_named(scores, limit.name);
     if (keeps_limit(value, limit)) continue;
-    fmt::print(stderr, "rastro: --require {}{}{} is missed by {}: it is {}\n", limit.name,
+    fmt::print(stderr, "rastro: --require {}{}{} missed by {}: it is {}\n", limit.name,
                limit.at_least ? ">=" : "<=", limit.value, one_line(scores.estimate),
                value ? fmt::format("{:.6g}", *value) : "n/a");
     code = limit_missed;
@@ -134,7 +134,7 @@ void require_use_of_times(const Flags& flags, const ReferenceTrajectory& referen
   };
   if (flags.files.times.empty() || takes_times(reference.input)) return;
   if (std::any_of(estimates.begin(), estimates.end(), takes_times)) return;
-  throw Error("is of no use: no KITTI poses were given, and the others have stamps", "--times", "leave it out");
+  throw Error("is unused: no KITTI poses are given, and the others have timestamps", "--times", "omit it");
 }
 
 int evaluate_trajectory(const Flags& flags) {
@@ -162,44 +162,50 @@ int evaluate_trajectory(const Flags& flags) {
 }
 
 void add_input_flags(CLI::App& command, Flags& flags) {
-  command.add_option("REF", flags.reference, "Reference: a trajectory file, a run folder or a recording")->required();
-  command.add_option("EST", flags.estimates, "Estimates: trajectory files or run folders")->required();
-  command.add_option("--max-dt", flags.max_dt_s, "Stamps farther apart are not matched (default: 0.02)")
+  command.add_option("REF", flags.reference, "Reference: trajectory file, run folder or recording with ground truth")
+      ->type_name("")
+      ->required();
+  command.add_option("EST", flags.estimates, "Estimates: trajectory files or run folders")->type_name("")->required();
+  command
+      .add_option("--max-dt", flags.max_dt_s,
+                  "Maximum timestamp difference of matched poses in seconds (default: 0.02)")
       ->type_name("S");
-  command.add_option("--times", flags.files.times, "Stamps of KITTI poses (default: FILE_times.txt or times.txt)")
+  command.add_option("--times", flags.files.times, "Timestamps of KITTI poses (default: FILE_times.txt or times.txt)")
       ->type_name("FILE");
   command
       .add_option("--estimate-of", flags.files.estimate_of,
-                  "What EST's poses are of (default: the camera where REF is a body's and T_BS is found)")
+                  "What the poses of EST are of (default: camera, if REF is of the body and T_BS is known)")
       ->type_name("camera|body");
   command
       .add_option("--body-from-camera", flags.files.body_from_camera,
-                  "Calibration with T_BS: REF is of the body, EST of the camera")
+                  "Calibration with T_BS, if REF is of the body and EST of the camera")
       ->type_name("FILE");
 }
 
 void add_score_flags(CLI::App& command, Flags& flags) {
-  command.add_option("--align", flags.align, "How EST is brought to REF (default: se3)")
+  command.add_option("--align", flags.align, "Alignment of EST with REF (default: se3)")
       ->type_name("none|se3|sim3|yaw");
-  command.add_option("--rpe-delta", flags.rpe_deltas, "Distances for the RPE, such as 10m (default: 1f,1s,1m)")
+  command.add_option("--rpe-delta", flags.rpe_deltas, "RPE deltas, such as 10m (default: 1f,1s,1m)")
       ->type_name("LIST")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command.add_option("--rpe-pairs", flags.rpe_pairs, "Which pairs the RPE takes (default: consecutive)")
+  command.add_option("--rpe-pairs", flags.rpe_pairs, "Pairs of the RPE (default: consecutive)")
       ->type_name("consecutive|all");
-  command.add_option("--segments", flags.segments_m, "Lengths of KITTI's segments (default: 100,200,...,800)")
+  command
+      .add_option("--segments", flags.segments_m, "Lengths of the KITTI segments in meters (default: 100,200,...,800)")
       ->type_name("LIST")
       ->delimiter(',')
       ->allow_extra_args(false);
   command
-      .add_option("--require", flags.limits,
-                  "Limit such as 'ate_rmse<=0.3' or 'coverage>=95' for every EST; exit code 1 when one is missed")
+      .add_option(
+          "--require", flags.limits,
+          "Limit for every EST, such as 'ate_rmse<=0.3' or 'coverage>=95'; exit code 1 if missed; may be repeated")
       ->type_name("LIMIT")
       ->allow_extra_args(false);
-  command.add_option("--plot", flags.plot, "Draw positions, angles, their errors and the path (.svg or .png)")
+  command.add_option("--plot", flags.plot, "Plot positions, rotations, errors and the path (.svg or .png)")
       ->type_name("FILE");
-  command.add_flag("--json", flags.json, "Print JSON");
-  command.add_flag("--quiet", flags.quiet, "Print nothing but what goes wrong");
+  command.add_flag("--json", flags.json, "Print the result as JSON");
+  command.add_flag("--quiet", flags.quiet, "Print errors and warnings only");
 }
 
 }  // namespace

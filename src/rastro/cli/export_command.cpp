@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -10,8 +11,11 @@
 #include "rastro/base/log.h"
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
+#include "rastro/cli/export_flags.h"
 #include "rastro/cli/export_formats.h"
 #include "rastro/cli/progress_bar.h"
+#include "rastro/export/landmark_export.h"
+#include "rastro/map/images/image_layer.h"
 
 namespace rastro::cli {
 namespace {
@@ -19,26 +23,29 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* footer =
-    R"(RUN is the folder of a run, MAP a map file (map.rastro); poses can also be taken from a trajectory file.
-  ply      points; binary. With images: colored surfaces with normals, count (measurements) and sigma (m, along the
-           normal). Else landmarks (gray; count: observations, sigma: along the view), semi-dense depth and scans
-  pcd      the same as the Point Cloud Library reads it
-  g2o      pose graph of the keyframes with information matrices; with landmarks its essential graph
-  colmap   folder with cameras.txt, images.txt, points3D.txt and, of a map with images, images/
-  pgm      FILE.pgm and FILE.yaml as ROS's map_server reads them: the occupancy grid of scans, or what stands between
-           two heights
+    R"(RUN is a run folder or a map file (map.rastro); poses can also be taken from a trajectory file.
+All maps:
+  ply      point cloud; binary. rgbd: colored surfaces with normals, count (measurements) and sigma (standard deviation
+           along the normal). Others: landmarks (gray; count: observations, sigma: along the mean viewing direction),
+           semi-dense depth and scans. An unknown sigma is nan
+  pcd      the same for the Point Cloud Library
+  g2o      pose graph of the keyframes with information matrices; orb: the essential graph
+  pgm      FILE.pgm and FILE.yaml of ROS map_server: occupancy grid of the laser, or a slice between two heights (rgbd)
   tum, kitti, euroc   poses of all frames; kitti also writes FILE_times.txt
-Of a map with images (--method rgbd):
-  mesh     surfaces as triangles with colors; PLY
-  octomap  occupied and free space as an OctoMap: FILE.ot with probabilities, FILE.bt occupied or free only
-Of a map with landmarks (--method orb):
-  landmarks  CSV: id, position, sigma, observations, and the frame and pixel that show it first
+rgbd and orb:
+  colmap   folder with cameras.txt, images.txt, points3D.txt and images/; orb: the images are those of the recording, by
+           their own names, and landmarks observed once are omitted
+rgbd:
+  mesh     colored triangle mesh; PLY
+  octomap  occupied and free space: FILE.ot with probabilities, FILE.bt binary
+orb:
+  landmarks  CSV: id, position, sigma (empty: unknown), observations, frame and pixel of the first observation
   svg, png   keyframes, landmarks, covisibility and essential graph from above
-  colmap-binary   as colmap, .bin; images are named by frame, such as 000123.png
-Lengths are in metres, in the world of the map: for a depth camera its first view, x right, y down, z ahead. With
---upright clouds, meshes and octrees stand on the floor: z up, the origin below the first camera, which looks along
-x. A slice of images always does. The floor is the lowest large level plane seen; where there is none, up is the
-cameras' mean up.
+  colmap-binary   as colmap, .bin
+Lengths are in meters, or up to scale in a map of one camera without 'rastro scale'; formats with comments say which. The
+frame is the world of the map; for cameras the first camera: x right, y down, z ahead. With --upright clouds, meshes and
+octrees are level: z up, origin on the floor below the first camera, which looks along x; a slice always is. The floor is
+the lowest large horizontal plane; without one, up is the mean up direction of the cameras.
 
 Examples:
   rastro export run --to ply --out room.ply
@@ -49,6 +56,7 @@ Examples:
 struct Flags {
   ExportSettings settings;
   std::string input, height, submap = "0";
+  std::vector<std::string> given;  ///< Flags given on the command line.
   std::optional<int> stride;
   bool json = false, quiet = false;
   int threads = 0;
@@ -71,8 +79,8 @@ constexpr Format formats[] = {{"ply", export_cloud},
                               {"euroc", export_poses},
                               {"landmarks", export_landmark_list},
                               {"colmap-binary", export_colmap},
-                              {"svg", export_picture},
-                              {"png", export_picture}};
+                              {"svg", export_image},
+                              {"png", export_image}};
 
 const Format& format_named(const std::string& name) {
   std::vector<std::string> names;
@@ -80,8 +88,8 @@ const Format& format_named(const std::string& name) {
     if (name == format.name) return format;
     names.emplace_back(format.name);
   }
-  throw Error("there is no format " + in_quotes(name), "--to",
-              fmt::format("did you mean '{}'? Known are {}", nearest_name(name, names), fmt::join(names, ", ")));
+  throw Error(in_quotes(name) + " is not a format", "--to",
+              fmt::format("did you mean '{}'? Formats are {}", nearest_name(name, names), fmt::join(names, ", ")));
 }
 
 double checked(double value, double lowest, double highest, const char* flag, const char* unit) {
@@ -97,7 +105,8 @@ void set_height(Flags& flags) {
   const double lowest = two ? parse_finite(ends[0]).value_or(NAN) : NAN;
   const double highest = two ? parse_finite(ends[1]).value_or(NAN) : NAN;
   if (!(lowest < highest))
-    throw Error(in_quotes(flags.height) + " is no band of heights", "--height", "give A:B in metres, such as 0.1:1.8");
+    throw Error(in_quotes(flags.height) + " is not a range of heights", "--height",
+                "give A:B in meters, such as 0.1:1.8");
   flags.settings.lowest_m = lowest, flags.settings.highest_m = highest;
 }
 
@@ -112,7 +121,7 @@ void settle(Flags& flags) {
         static_cast<int>(checked(*flags.stride, 1, 64, "--stride", "pixels"));
   const auto submap = parse_int64(flags.submap);
   if (flags.submap != "all" && !(submap && *submap >= 0 && *submap < 1'000'000))
-    throw Error(in_quotes(flags.submap) + " is no submap", "--submap", "give its number, or all");
+    throw Error(in_quotes(flags.submap) + " is not a submap", "--submap", "give a number, or all");
   settings.cloud.submap = settings.octree.submap = flags.submap == "all" ? -1 : static_cast<int>(*submap);
   checked(flags.threads, 0, 1024, "--threads", "");
   set_height(flags);
@@ -122,7 +131,7 @@ void refuse_input(const Flags& flags) {
   std::error_code ignored;
   for (const fs::path& file : {fs::path(flags.input), fs::path(flags.input) / "map.rastro"})
     if (fs::equivalent(file, flags.settings.out, ignored))
-      throw Error("would overwrite what is exported", flags.settings.out, "give another --out");
+      throw Error("would overwrite the input", flags.settings.out, "give another --out");
 }
 
 void report(const Flags& flags, const ExportFacts& facts) {
@@ -140,11 +149,34 @@ void report(const Flags& flags, const ExportFacts& facts) {
   }
 }
 
+/// With the landmarks and poses that --submap, --min-count and --max-depth select.
+ExportInput chosen_input(const Flags& flags) {
+  ExportInput input = read_export_input(flags.input);
+  refuse_unused_flags(flags.given, flags.settings.to, input);
+  const auto given = [&](const char* flag) {
+    return std::find(flags.given.begin(), flags.given.end(), flag) != flags.given.end();
+  };
+  if (!input.map) return input;
+  const int submap = flags.settings.cloud.submap;
+  if (given("--submap")) {
+    const auto& keyframes = input.map->keyframes;
+    const bool there = std::any_of(keyframes.begin(), keyframes.end(),
+                                   [submap](const Keyframe& each) { return each.submap == submap; });
+    if (submap >= 0 && !there) throw Error(fmt::format("there is no submap {}", submap), "--submap", "");
+    if (submap >= 0) input.trajectory = trajectory_of(*input.map, submap);
+  }
+  const bool fewer = given("--min-count") || given("--max-depth");
+  if (fewer && !input.map->layer<ImageLayer>() && has_observed_landmarks(*input.map))
+    input.map = with_landmarks_within(*input.map, given("--min-count") ? flags.settings.cloud.min_count : 0,
+                                      given("--max-depth") ? flags.settings.max_depth_m : 1e300);
+  return input;
+}
+
 void run_export(Flags& flags) {
   const Format& format = format_named(flags.settings.to);
   settle(flags);
   refuse_input(flags);
-  const ExportInput input = read_export_input(flags.input);
+  const ExportInput input = chosen_input(flags);
   TaskPool pool(flags.threads);
   ProgressBar bar(!flags.quiet);
   const ExportFacts facts = format.write({flags.settings, input, pool, [&](std::size_t done, std::size_t all) {
@@ -157,49 +189,55 @@ void run_export(Flags& flags) {
 }  // namespace
 
 void add_export_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("export", "Write a map or its poses for other programs");
+  CLI::App* command = app.add_subcommand("export", "Exports a map or its trajectory to other formats");
   const auto flags = std::make_shared<Flags>();
-  command->add_option("RUN", flags->input, "Folder of a run, or a map file")->required()->type_name("RUN|MAP");
+  command->add_option("RUN", flags->input, "Run folder or map file")->required()->type_name("");
   command
       ->add_option("--to", flags->settings.to,
                    "ply, pcd, mesh, octomap, pgm, g2o, colmap, colmap-binary, landmarks, svg, png, tum, kitti, euroc")
       ->required()
       ->type_name("FORMAT");
-  command->add_option("--out", flags->settings.out, "File to write; for colmap a folder")
-      ->required()
-      ->type_name("FILE");
+  command->add_option("--out", flags->settings.out, "Output file; colmap: folder")->required()->type_name("FILE");
   command
       ->add_option("--voxel", flags->settings.voxel_m,
-                   "Side of the voxels of ply and pcd (default: 0.01) and mesh (default: 0.02)")
+                   "ply, pcd, mesh: voxel size in meters (default: 0.01; mesh: 0.02)")
       ->type_name("M");
   command
       ->add_option("--min-count", flags->settings.cloud.min_count,
-                   "ply, pcd: leave out points of fewer measurements (default: 3)")
+                   "Omit points with fewer measurements (ply, pcd of rgbd; default: 3), landmarks with fewer "
+                   "observations (orb; default: 0)")
       ->type_name("N");
   command
       ->add_option("--resolution", flags->settings.octree.resolution_m,
-                   "octomap, pgm: side of the cubes (default: 0.05)")
+                   "octomap, pgm: cell size in meters (default: 0.05)")
       ->type_name("M");
-  command
-      ->add_option("--height", flags->height, "pgm: what stands between A and B m above the floor (default: 0.1:1.8)")
+  command->add_option("--height", flags->height, "pgm: heights above the floor in meters (default: 0.1:1.8)")
       ->type_name("A:B");
   command
       ->add_option("--max-depth", flags->settings.max_depth_m,
-                   "Leave out what was farther from the camera (default: 5)")
+                   "Maximum depth in meters (rgbd; default: 5; orb: no limit)")
       ->type_name("M");
   command
       ->add_option("--stride", flags->stride,
-                   "Every so many-th pixel each way (default: 2; 4 for octomap and pgm; mesh takes all)")
+                   "Use every N-th pixel and row (default: 2; octomap, pgm: 4; mesh: always 1)")
       ->type_name("N");
-  command->add_option("--submap", flags->submap, "Number of the submap, or all (default: 0, the first)")
-      ->type_name("N|all");
-  command->add_flag("--upright", flags->settings.upright, "ply, pcd, mesh, octomap: stand the map on its floor, z up");
-  command->add_option("--threads", flags->threads, "Threads; the same bytes for any number (default: all)")
+  command
+      ->add_option("--images", flags->settings.images,
+                   "colmap of orb: recording with the images (default: that of the run)")
+      ->type_name("DATA");
+  command->add_option("--submap", flags->submap, "Submap (default: 0, the first)")->type_name("N|all");
+  command->add_flag("--upright", flags->settings.upright,
+                    "ply, pcd, mesh, octomap: level the map, z up, origin on the floor");
+  command
+      ->add_option("--threads", flags->threads, "Number of threads; the bytes do not depend on it (default: all cores)")
       ->type_name("N");
-  command->add_flag("--json", flags->json, "Print JSON");
-  command->add_flag("--quiet", flags->quiet, "Print nothing but what goes wrong");
+  command->add_flag("--json", flags->json, "Print the result as JSON");
+  command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
   command->footer(footer);
-  command->callback([flags, &context] {
+  command->callback([command, flags, &context] {
+    for (const char* flag : {"--voxel", "--min-count", "--resolution", "--height", "--max-depth", "--stride",
+                             "--submap", "--upright", "--images"})
+      if (command->count(flag) > 0) flags->given.emplace_back(flag);
     if (flags->quiet) set_log_sink({});
     run_export(*flags);
     context.exit_code = done;

@@ -17,6 +17,7 @@ namespace rastro::cli {
 /// What the flags of `rastro export` ask for.
 struct ExportSettings {
   std::string to, out;
+  std::string images;    ///< colmap: the recording of the keyframes; empty: that of the run.
   CloudOptions cloud;    ///< Its submap is that of every format.
   OctreeOptions octree;  ///< For octomap and pgm.
   std::optional<double> voxel_m;
@@ -25,7 +26,7 @@ struct ExportSettings {
   bool upright = false;
 };
 
-/// What there is to say of an export, in order.
+/// Facts to print about an export, in order.
 using ExportFacts = nlohmann::ordered_json;
 
 struct ExportJob {
@@ -44,10 +45,10 @@ ExportFacts export_pgm(const ExportJob& job);     ///< Occupancy grid of scans, 
 ExportFacts export_g2o(const ExportJob& job);     ///< Essential graph of landmarks, else all constraints.
 ExportFacts export_colmap(const ExportJob& job);  ///< Of images, else of landmarks.
 ExportFacts export_landmark_list(const ExportJob& job);
-ExportFacts export_picture(const ExportJob& job);
+ExportFacts export_image(const ExportJob& job);
 ExportFacts export_poses(const ExportJob& job);
 
-/// Makes the folder where it is not there.
+/// Creates the folder if needed.
 void write_export(const std::filesystem::path& file, std::string_view bytes);
 
 }  // namespace rastro::cli

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 #include "rastro/cli/export_formats.h"
+#include "rastro/cli/keyframe_images.h"
 #include "rastro/export/colmap.h"
 #include "rastro/export/landmark_export.h"
-#include "rastro/export/landmark_picture.h"
+#include "rastro/export/landmark_image.h"
 #include "rastro/export/landmarks_csv.h"
 #include "rastro/export/pose_graph_g2o.h"
 #include "rastro/export/pose_text.h"
 #include "rastro/map/features/feature_layer.h"
-#include "rastro/map/graph/covisibility.h"
 #include "rastro/map/images/image_layer.h"
 #include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/session/trajectory_text.h"
@@ -30,6 +31,20 @@ const Map& need_observed_landmarks(const ExportJob& job) {
 
 std::size_t landmark_count(const Map& map) { return map.layer<LandmarkLayer>()->landmarks.size(); }
 
+/// Writes images/ where the recording of the run is known.
+ColmapNames colmap_names(const ExportJob& job, const Map& map) {
+  const bool given = !job.settings.images.empty();
+  const RecordingOfRun recording = given ? RecordingOfRun{job.settings.images, ""} : recording_of_run(job.input.path);
+  const fs::path folder = fs::path(job.settings.out) / "images";
+  if (recording.path.empty()) {
+    log_warning(
+        "no images are written, and they are named by frame number: the recording of the run was not found; give it "
+        "with --images DATA");
+    return {};
+  }
+  return write_keyframe_images(map, job.settings.cloud.submap, recording, folder);
+}
+
 }  // namespace
 
 void write_export(const fs::path& file, std::string_view bytes) {
@@ -40,12 +55,11 @@ void write_export(const fs::path& file, std::string_view bytes) {
 
 ExportFacts export_g2o(const ExportJob& job) {
   const Map& map = need_map(job.input, "g2o");
-  if (has_observed_landmarks(map)) {
-    write_export(job.settings.out, landmark_graph_g2o(map, job.settings.cloud.submap));
-    return {{"vertices", map.keyframes.size()}, {"edges", essential_graph(map).size()}};
-  }
-  write_export(job.settings.out, pose_graph_g2o(map));
-  return {{"vertices", map.keyframes.size()}, {"edges", map.constraints.size()}};
+  const int submap = job.settings.cloud.submap;
+  GraphSize size;
+  write_export(job.settings.out, has_observed_landmarks(map) ? landmark_graph_g2o(map, submap, &size)
+                                                             : pose_graph_g2o(map, submap, &size));
+  return {{"vertices", size.vertices}, {"edges", size.edges}};
 }
 
 ExportFacts export_colmap(const ExportJob& job) {
@@ -56,8 +70,10 @@ ExportFacts export_colmap(const ExportJob& job) {
     return {{"keyframes", map.keyframes.size()}};
   }
   need_observed_landmarks(job);
-  write_landmark_colmap(map, job.settings.out, text ? ColmapForm::text : ColmapForm::binary, job.settings.cloud.submap);
-  return {{"keyframes", map.keyframes.size()}, {"landmarks", landmark_count(map)}};
+  const ColmapNames names = colmap_names(job, map);
+  const ColmapSize written = write_landmark_colmap(map, job.settings.out, text ? ColmapForm::text : ColmapForm::binary,
+                                                   job.settings.cloud.submap, names);
+  return {{"keyframes", written.images}, {"images", names.size()}, {"landmarks", written.points}};
 }
 
 ExportFacts export_landmark_list(const ExportJob& job) {
@@ -67,22 +83,21 @@ ExportFacts export_landmark_list(const ExportJob& job) {
   return {{"landmarks", layer->landmarks.size()}};
 }
 
-ExportFacts export_picture(const ExportJob& job) {
+ExportFacts export_image(const ExportJob& job) {
   const Map& map = need_observed_landmarks(job);
   const fs::path out = job.settings.out;
   if (out.extension() != "." + job.settings.to)
-    throw Error("the picture would not have the ending of its kind", out.string(),
-                "give --out FILE." + job.settings.to);
+    throw Error("the extension does not match the format", out.string(), "give --out FILE." + job.settings.to);
   std::error_code ignored;
   if (out.has_parent_path()) fs::create_directories(out.parent_path(), ignored);
-  write_landmark_picture(map, out.string());
+  write_landmark_image(map, out.string());
   return {{"keyframes", map.keyframes.size()}, {"landmarks", landmark_count(map)}};
 }
 
 ExportFacts export_poses(const ExportJob& job) {
   const Trajectory& trajectory = need_trajectory(job.input, job.settings.to);
   const fs::path out = job.settings.out;
-  if (job.settings.to == "tum") write_export(out, trajectory_text(trajectory, "exported; metres"));
+  if (job.settings.to == "tum") write_export(out, trajectory_text(trajectory, "exported; " + unit_of(job.input)));
   if (job.settings.to == "euroc") write_export(out, euroc_text(trajectory));
   if (job.settings.to == "kitti") {
     write_export(out, kitti_text(trajectory));

@@ -19,6 +19,11 @@ struct ExportInput {
 /// Error where `path` is none of the three, or cannot be read.
 ExportInput read_export_input(const std::string& path);
 
+/// What the lengths of a map are in, or of poses: as the map says, else the comment of the file that they were read
+/// from.
+std::string unit_of(const Map& map);
+std::string unit_of(const ExportInput& input);
+
 /// A map with keyframes, or an Error that says what the input lacks for an export as `kind`.
 const Map& need_map(const ExportInput& input, const std::string& kind);
 const Trajectory& need_trajectory(const ExportInput& input, const std::string& kind);

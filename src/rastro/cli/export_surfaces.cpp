@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Up as the floor in a coarse cloud shows it, or the cameras.
+/// The up direction, from the floor in a coarse cloud or from the cameras.
 Upright upright_of(const ExportJob& job, const Map& map) {
   CloudOptions coarse;
   coarse.voxel_m = 0.04;
@@ -42,11 +42,12 @@ std::string upright_frame(const Upright& upright, ExportFacts& facts) {
   return "frame: z up, " + upright.found_by;
 }
 
-std::string map_frame(const Map& map) {
-  return scale_of(map).metric ? "frame: the world of the map" : "frame and unit: the world of the map, no metres";
+/// Of the layers of a map: in the unit of the map, with viewing directions for normals.
+CloudTerms terms_of_layers(const Map& map) {
+  return {unit_of(map), "observations", "the position along the mean viewing direction"};
 }
 
-/// A map with images as asked for, and what its frame is.
+/// A map with images, upright if wanted, and what its frame is.
 std::pair<Map, std::string> oriented_map(const ExportJob& job, bool upright_wanted, ExportFacts& facts) {
   need_layer<ImageLayer>(job.input, job.settings.to);
   std::pair<Map, std::string> oriented{*job.input.map, "frame: the world of the map"};
@@ -58,14 +59,14 @@ std::pair<Map, std::string> oriented_map(const ExportJob& job, bool upright_want
   return oriented;
 }
 
-/// What landmarks, semi-dense depth and scans know.
+/// Points of landmarks, semi-dense depth and scans.
 std::pair<PointCloud, std::string> oriented_points(const ExportJob& job, ExportFacts& facts) {
   const Map& map = *job.input.map;
   PointCloud cloud = layer_points(map, job.settings.cloud.submap);
   if (cloud.points.empty())
-    throw Error("no layer of the map has points", job.input.path, "'rastro info' says which layers it has");
+    throw Error("no layer of the map has points", job.input.path, "'rastro info' lists its layers");
   // A map without cameras is one of a plane, with z up.
-  if (!job.settings.upright || map.cameras.empty()) return {std::move(cloud), map_frame(map)};
+  if (!job.settings.upright || map.cameras.empty()) return {std::move(cloud), "frame: the world of the map"};
   const Upright upright = upright_of(job, map);
   for (CloudPoint& point : cloud.points) {
     point.position = (upright.upright_from_world * point.position.cast<double>()).cast<float>();
@@ -75,10 +76,10 @@ std::pair<PointCloud, std::string> oriented_points(const ExportJob& job, ExportF
 }
 
 ExportFacts write_grid(const ExportJob& job, const OccupancyGrid& grid, const std::string& comment, ExportFacts facts) {
-  fs::path picture = job.settings.out, yaml = job.settings.out;
-  picture.replace_extension(".pgm"), yaml.replace_extension(".yaml");
-  write_export(picture, map_server_pgm(grid));
-  write_export(yaml, comment + map_server_yaml(grid, picture.filename().string()));
+  fs::path image = job.settings.out, yaml = job.settings.out;
+  image.replace_extension(".pgm"), yaml.replace_extension(".yaml");
+  write_export(image, map_server_pgm(grid));
+  write_export(yaml, comment + map_server_yaml(grid, image.filename().string()));
   facts["width"] = grid.width;
   facts["height"] = grid.height;
   facts["cell_m"] = grid.cell_m;
@@ -95,7 +96,7 @@ ExportFacts export_slice(const ExportJob& job) {
   const Eigen::Vector3d& t = upright_from_world.translation();
   const Eigen::Quaterniond& q = upright_from_world.rotation().quaternion();
   const std::string comment = fmt::format(
-      "# what stands {:g} to {:g} m high; {}\n# this frame from the map's world: x y z {:.6f} {:.6f} {:.6f}, "
+      "# slice from {:g} to {:g} m above the floor; {}\n# this frame from the map's world: x y z {:.6f} {:.6f} {:.6f}, "
       "quaternion x "
       "y z w {:.6f} {:.6f} {:.6f} {:.6f}\n",
       job.settings.lowest_m, job.settings.highest_m, frame, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
@@ -108,14 +109,17 @@ ExportFacts export_cloud(const ExportJob& job) {
   ExportFacts facts;
   PointCloud cloud;
   std::string frame;
+  CloudTerms terms;
   if (images_of(need_map(job.input, job.settings.to))) {
     Map map;
     std::tie(map, frame) = oriented_map(job, job.settings.upright, facts);
     cloud = build_cloud(map, job.settings.cloud, &job.pool, job.progress);
   } else {
     std::tie(cloud, frame) = oriented_points(job, facts);
+    terms = terms_of_layers(*job.input.map);
   }
-  write_export(job.settings.out, job.settings.to == "pcd" ? cloud_pcd(cloud, frame) : cloud_ply(cloud, frame));
+  write_export(job.settings.out,
+               job.settings.to == "pcd" ? cloud_pcd(cloud, frame, terms) : cloud_ply(cloud, frame, terms));
   facts["points"] = cloud.points.size();
   if (cloud.voxel_m > 0.0) facts["voxel_m"] = cloud.voxel_m;
   return facts;

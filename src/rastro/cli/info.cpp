@@ -16,23 +16,19 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    "Says which format the data has, its frames, cameras with their calibration, stereo, depth, laser scans, wheel\n"
-    "odometry, landmarks and ground truth, and warns of what had to be guessed or looks wrong. Reads the lists and "
-    "the\n"
-    "first image or scan only; 'rastro check' reads all. Of a map (a file, or the folder of its run) it says what is "
-    "in\n"
-    "it and whether all of it is as it was written.\n"
-    "\n"
-    "Examples:\n"
-    "  rastro info MH_01_easy                        a EuRoC folder\n"
-    "  rastro info sequences/00 --camera image_2     the left color camera of a KITTI sequence\n"
-    "  rastro info 'photos/left*.jpg' --fov 70       images without calibration\n"
-    "  rastro info intel.clf.gz                      a CARMEN log: beams, angles, reach\n"
-    "  rastro info clip.mp4 --json                   for programs\n"
-    "  rastro info run/map.rastro                    a map: keyframes, constraints, layers, extent, whether it is "
-    "whole";
+    R"(Of a recording: format, frames, cameras with calibration, stereo, depth, laser scans, wheel odometry, landmarks and ground
+truth, with warnings where something was guessed or looks wrong. Reads only the lists and the first image or scan;
+'rastro check' reads everything. Of a map (a file or a run folder): its contents, and whether every checksum is valid.
 
-/// The first scan that can be read: its shape stands in no header.
+Examples:
+  rastro info MH_01_easy                        EuRoC folder
+  rastro info sequences/00 --camera image_2     left color camera of a KITTI sequence
+  rastro info 'photos/left*.jpg' --fov 70       images without calibration
+  rastro info intel.clf.gz                      CARMEN log: beams, angles, range
+  rastro info clip.mp4 --json                   machine-readable
+  rastro info run/map.rastro                    map: keyframes, constraints, layers, extent, integrity)";
+
+/// The first scan that can be read: no header has its shape.
 std::optional<LaserScan> first_scan(Source& source) {
   if (!source.info().has_scan) return std::nullopt;
   for (;;) {
@@ -60,7 +56,7 @@ void show_map(const DataFlags& flags) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("info", "Say what a recording or a map holds");
+  CLI::App* command = app.add_subcommand("info", "Describes a recording or a map");
   const auto flags = std::make_shared<DataFlags>();
   add_data_flags(*command, *flags);
   command->footer(footer);

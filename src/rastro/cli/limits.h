@@ -9,10 +9,10 @@
 
 namespace rastro::cli {
 
-/// The figures of a result by name.
+/// The values of a result by name.
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
 
-/// The limits given with --require; Error for text that is none and for names that are not among `known`.
+/// The limits given with --require; Error for text that is not a limit and for names that are not among `known`.
 std::vector<ScoreLimit> parse_limits(const std::vector<std::string>& texts, const NamedNumbers& known,
                                      const std::string& example);
 

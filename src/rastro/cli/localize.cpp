@@ -7,7 +7,7 @@
 namespace rastro::cli {
 
 void add_localize_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("localize", "Find the way of a recording in a map made before");
+  CLI::App* command = app.add_subcommand("localize", "Localizes a recording in a map made before");
   const auto flags = std::make_shared<SlamFlags>();
   add_localize_flags(*command, *flags);
   command->callback([command, flags, &context] {

@@ -28,7 +28,7 @@ Masks::Masks(const std::filesystem::path& path) : path_(path) {
   std::error_code code;
   is_folder_ = std::filesystem::is_directory(path, code);
   if (!is_folder_) {
-    mask_ = read_image(path.string()).grey;
+    mask_ = read_image(path.string()).gray;
     return;
   }
   for (const auto& entry : std::filesystem::directory_iterator(path, code)) {
@@ -47,16 +47,16 @@ const std::string& Masks::file_of(const Frame& frame) {
   if (by_name_) {
     if (named != number_of_stem_.end()) return files_[named->second];
     throw Error(fmt::format("no mask for frame '{}'", frame.name), path_.string(),
-                "give each frame a mask of its name");
+                "give every frame a mask of its name");
   }
   if (frame.index < static_cast<std::int64_t>(files_.size())) return files_[static_cast<std::size_t>(frame.index)];
   throw Error(fmt::format("{} masks, but none for frame {}", files_.size(), frame.index), path_.string(),
               "give one mask per frame, or one file for all");
 }
 
-GreyView Masks::mask_of(const Frame& frame) {
+GrayView Masks::mask_of(const Frame& frame) {
   const std::string file = is_folder_ ? file_of(frame) : path_.string();
-  if (is_folder_) mask_ = read_image(file).grey;
+  if (is_folder_) mask_ = read_image(file).gray;
   if (mask_.width() != frame.image.width() || mask_.height() != frame.image.height()) {
     throw Error(fmt::format("the mask is {}x{}, but the images are {}x{}", mask_.width(), mask_.height(),
                             frame.image.width(), frame.image.height()),

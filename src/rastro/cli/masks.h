@@ -19,7 +19,7 @@ class Masks {
   /// Error where there is nothing to read.
   explicit Masks(const std::filesystem::path& path);
   /// Valid until the next call. Error where the frame has no mask, or one of another size.
-  GreyView mask_of(const Frame& frame);
+  GrayView mask_of(const Frame& frame);
 
  private:
   const std::string& file_of(const Frame& frame);
@@ -30,7 +30,7 @@ class Masks {
   bool decided_ = false;
   std::vector<std::string> files_;
   std::map<std::string, std::size_t> number_of_stem_;
-  GreyImage mask_;
+  GrayImage mask_;
 };
 
 }  // namespace rastro::cli

@@ -17,7 +17,7 @@
 #include "rastro/evaluate/length_report.h"
 #include "rastro/evaluate/trajectory_input.h"
 #include "rastro/evaluate/trajectory_pairs.h"
-#include "rastro/export/length_picture.h"
+#include "rastro/export/length_image.h"
 #include "rastro/export/ply.h"
 #include "rastro/map/file/map_file.h"
 #include "rastro/map/images/pack_images.h"
@@ -29,40 +29,40 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* footer =
-    R"(MAP is a map file (map.rastro), the folder of a run, or a point cloud (.ply, metres; sigma is used where it is there). Planes
-are fitted to the depth pictures of the keyframes and edges are found in their colour pictures, to a part of a pixel; each
-keyframe that shows both ends tells the length on its own, those that show one end count with the scatter of their poses.
-A cloud has no pictures: there an edge is where the points end, and sigmas are larger.
+    R"(MAP is a map file (map.rastro), a run folder, or a point cloud (.ply, in meters; its sigma is used if present). In a map,
+planes are fitted to the depth images of the keyframes and edges are found with subpixel precision in their color images;
+every keyframe that observes both ends measures the length by itself, keyframes that observe one end count with the
+uncertainty of their poses. In a cloud an edge is where the points end, and sigmas are larger.
 
-FILE (YAML, metres):
-  frame: first_camera        # world of the map (default); or `truth`: that of the trajectory given with --align
-  radius_m: 0.06             # how far a spot may be off (default 0.06); may stand in an object too
+FILE (YAML, meters):
+  frame: first_camera        # world of the map (default); or `truth`: frame of the trajectory given with --align
+  radius_m: 0.06             # maximum error of a given point (default: 0.06); may be set per object
   objects:
     - name: box width
-      length_m: 0.32         # the true length, if it is known
-      kind: edges            # two parallel straight edges, measured at right angles to both
-      a: {point: [-0.16, 0.2, 2.0], direction: [0, 1, 0]}   # rough spot near the edge's middle, its rough direction
-      b: {point: [0.16, 0.2, 2.0], direction: [0, 1, 0]}    # face: [x, y, z] is a spot on the flat face that the edge
-                                                            # bounds (default: halfway between a and b)
+      length_m: 0.32         # true length, if known
+      kind: edges            # two parallel straight edges, measured perpendicular to both
+      a: {point: [-0.16, 0.2, 2.0], direction: [0, 1, 0]}   # approximate center and direction of the edge
+      b: {point: [0.16, 0.2, 2.0], direction: [0, 1, 0]}    # face: [x, y, z]: a point on the plane that the edge bounds
+                                                            # (default: halfway between a and b)
     - name: room width
-      kind: planes           # two parallel faces
-      a: {point: [-1.5, 0, 2], normal: [1, 0, 0]}           # normal, rough and of either sign, may be left out
+      kind: planes           # two parallel planes
+      a: {point: [-1.5, 0, 2], normal: [1, 0, 0]}           # normal: approximate, either sign; may be omitted
       b: {point: [1.7, 0, 2], normal: [1, 0, 0]}
     - name: diagonal
-      kind: points           # two points of surfaces, or corners where two edges meet
+      kind: points           # two surface points, or corners where two edges intersect
       a: {point: [-0.16, 0.1, 2.0], edges: [[1, 0, 0], [0, 1, 0]], face: [0, 0.2, 2.0]}
       b: {point: [0.16, 0.3, 2.0], edges: [[1, 0, 0], [0, 1, 0]], face: [0, 0.2, 2.0]}
 
-sigma is one standard deviation: of picture, depth and poses, and of taking one edge for another. What cannot be measured is
-said to be so, with the reason; a note tells what makes a measure doubtful. Over several maps (of one recording) there is a
-table of mean measures, mean and largest error, and error by sigma (about 1 where the sigmas are honest).
+sigma is one standard deviation: of images, depth and poses, and of confusing an edge with another. A length that cannot be
+measured is reported with the reason, a doubtful one with a note. Several maps (of one recording) give a table of mean
+lengths, mean and maximum error, and error / sigma (about 1 if the sigmas are consistent).
 
 --require takes measured (share of all), mean_error_m, max_error_m, max_error_percent, max_sigma_m, rms_sigmas.
 
 Examples:
   rastro measure run --objects bedroom/objects.yaml
   rastro measure seed*/map.rastro --objects study/objects.yaml --csv > lengths.csv
-  rastro measure run --objects objects.yaml --only 'box width' --require 'max_error_m<=0.01' --out pictures
+  rastro measure run --objects objects.yaml --only 'box width' --require 'max_error_m<=0.01' --out images
   rastro measure run/map.rastro --between -0.5,0.2,2.1 0.4,0.2,2.1)";
 
 struct Flags {
@@ -91,16 +91,16 @@ OpenedMap open_map(const std::string& path) {
   if (fs::is_directory(path, ignored) && !fs::exists(file, ignored)) {
     const fs::path cloud = fs::path(path) / "cloud.ply";
     if (!fs::exists(cloud, ignored))
-      throw Error("has neither map.rastro nor cloud.ply", path, "name the run of a depth camera");
+      throw Error("has neither map.rastro nor cloud.ply", path, "give the run of a depth camera");
     return {nullptr, read_cloud_ply(cloud.string())};
   }
   return {load_map_with_images(file), {}};
 }
 
-/// truth_from_map, from the poses of equal stamps.
-SE3 aligned(const OpenedMap& map, const std::string& path, const std::string& truth_file) {
+/// ground_truth_from_map, from poses of equal timestamps.
+SE3 aligned(const OpenedMap& map, const std::string& path, const std::string& ground_truth_file_name) {
   if (!map.map) throw Error("has no trajectory to align", path, "give a map file or a run folder");
-  const TrajectoryInput truth = read_trajectory_input(truth_file);
+  const TrajectoryInput truth = read_trajectory_input(ground_truth_file_name);
   constexpr TimeNs max_difference = 20'000'000;
   std::vector<Eigen::Vector3d> target, source;
   const Trajectory trajectory = trajectory_of(*map.map);
@@ -110,8 +110,9 @@ SE3 aligned(const OpenedMap& map, const std::string& path, const std::string& tr
   }
   const auto alignment = align_points(target, source, AlignmentKind::rigid);
   if (!alignment || !alignment->unique)
-    throw Error(fmt::format("{} poses have a stamp of {}, too few or all on a line", target.size(), one_line(path)),
-                truth_file, "is it of the same recording?");
+    throw Error(
+        fmt::format("{} poses match a timestamp of {}: too few, or all on one line", target.size(), one_line(path)),
+        ground_truth_file_name, "is it of the same recording?");
   return {alignment->target_from_source.rotation(), alignment->target_from_source.translation()};
 }
 
@@ -121,7 +122,7 @@ Eigen::Vector3d point_in(const std::string& text) {
   for (int k = 0; k < 3; ++k) {
     const auto number = pieces.size() == 3 ? parse_finite(pieces[static_cast<std::size_t>(k)]) : std::nullopt;
     if (!number || std::abs(*number) > 1e4)
-      throw Error(in_quotes(text) + " is no point", "--between", "give x,y,z in metres, like 0.5,-0.2,2.1");
+      throw Error(in_quotes(text) + " is not a point", "--between", "give x,y,z in meters, such as 0.5,-0.2,2.1");
     point[k] = *number;
   }
   return point;
@@ -129,14 +130,15 @@ Eigen::Vector3d point_in(const std::string& text) {
 
 LengthObjects objects_of(const Flags& flags) {
   if (flags.objects.empty() == flags.between.empty())
-    throw Error("does not say what to measure", "rastro measure", "give --objects FILE or --between x,y,z x,y,z");
+    throw Error("needs lengths to measure", "rastro measure", "give --objects FILE or --between x,y,z x,y,z");
   if (!flags.between.empty()) {
     LengthObject object;
     object.name = "between";
     object.kind = LengthKind::points;
     object.a.point = point_in(flags.between[0]);
     object.b.point = point_in(flags.between[1]);
-    if ((object.a.point - object.b.point).norm() < 1e-3) throw Error("are one point", "--between", "give two");
+    if ((object.a.point - object.b.point).norm() < 1e-3)
+      throw Error("the two points are the same", "--between", "give two different ones");
     return {false, {object}};
   }
   LengthObjects all = parse_length_objects(read_text_file(flags.objects), flags.objects);
@@ -144,7 +146,7 @@ LengthObjects objects_of(const Flags& flags) {
   for (const LengthObject& object : all.objects) names.push_back(object.name);
   for (const std::string& name : flags.only) {
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-    throw Error(fmt::format("{} is no object of {}", in_quotes(name), one_line(flags.objects)), "--only",
+    throw Error(fmt::format("{} is not an object of {}", in_quotes(name), one_line(flags.objects)), "--only",
                 fmt::format("did you mean '{}'?", nearest_name(name, names)));
   }
   std::erase_if(all.objects, [&](const LengthObject& object) {
@@ -159,20 +161,20 @@ std::string file_name_of(const std::string& name) {
   return safe;
 }
 
-/// One picture for each length that was found in pictures: OUT/MAP_NAME.png.
-void write_pictures(const fs::path& folder, std::size_t number, const Map& map,
-                    const std::vector<MeasuredLength>& lengths) {
+/// An image for each length that was measured in images: OUT/mapN_K_NAME.png.
+void write_images(const fs::path& folder, std::size_t number, const Map& map,
+                  const std::vector<MeasuredLength>& lengths) {
   const auto images = images_of(map);
   fs::create_directories(folder);
   for (std::size_t k = 0; k < lengths.size(); ++k) {
     const MeasuredLength& one = lengths[k];
     if (one.picture.keyframe < 0 || !one.length_m) continue;
     const std::string where = fmt::format("keyframe {}", one.picture.keyframe);
-    const auto pictures = unpack_pictures(images->pictures(one.picture.keyframe), where);
+    const auto keyframe_images = unpack_images(images->pictures(one.picture.keyframe), where);
     const std::string file = fmt::format("map{}_{}_{}.png", number + 1, k + 1, file_name_of(one.name));
-    write_length_picture(pictures.colour, {one.picture.a, one.picture.b},
-                         fmt::format("{}: {:.4f} m +- {:.4f}", one.name, *one.length_m, one.sigma_m),
-                         (folder / file).string());
+    write_length_image(keyframe_images.color, {one.picture.a, one.picture.b},
+                       fmt::format("{}: {:.4f} m +- {:.4f}", one.name, *one.length_m, one.sigma_m),
+                       (folder / file).string());
   }
 }
 
@@ -180,10 +182,12 @@ int measure(const Flags& flags) {
   if (flags.json && flags.csv) throw Error("cannot be given together", "--json and --csv", "choose one");
   const std::vector<ScoreLimit> limits = parse_limits(flags.limits, length_figures({}), "'max_error_m<=0.01'");
   const LengthObjects wanted = objects_of(flags);
-  if (wanted.in_frame_of_truth && flags.align.empty())
-    throw Error("gives its spots in the frame of the truth", flags.objects, "give --align with the true trajectory");
-  if (!wanted.in_frame_of_truth && !flags.align.empty())
-    throw Error("is of no use: spots are given in the map's own frame", "--align", "leave it out, or see 'frame:'");
+  if (wanted.in_frame_of_ground_truth && flags.align.empty())
+    throw Error("gives its points in the frame of the ground truth", flags.objects,
+                "add --align FILE, the ground-truth trajectory");
+  if (!wanted.in_frame_of_ground_truth && !flags.align.empty())
+    throw Error("is unused: the points are given in the frame of the map", "--align",
+                "omit it, or set 'frame:' in the file of --objects");
   TaskPool pool(flags.threads);
   MapLengthOptions options;
   options.seed = flags.seed;
@@ -191,13 +195,13 @@ int measure(const Flags& flags) {
   for (const std::string& path : flags.maps) {
     const OpenedMap map = open_map(path);
     std::vector<LengthObject> objects = wanted.objects;
-    if (wanted.in_frame_of_truth) {
-      const SE3 map_from_truth = aligned(map, path, flags.align).inverse();
-      for (LengthObject& object : objects) object = moved(object, map_from_truth);
+    if (wanted.in_frame_of_ground_truth) {
+      const SE3 map_from_ground_truth = aligned(map, path, flags.align).inverse();
+      for (LengthObject& object : objects) object = moved(object, map_from_ground_truth);
     }
     results.push_back({path, map.map ? measure_lengths(*map.map, objects, options, pool)
                                      : measure_lengths(map.cloud, objects, options)});
-    if (!flags.out.empty() && map.map) write_pictures(flags.out, results.size() - 1, *map.map, results.back().lengths);
+    if (!flags.out.empty() && map.map) write_images(flags.out, results.size() - 1, *map.map, results.back().lengths);
   }
   if (flags.json)
     fmt::print("{}", lengths_as_json(results));
@@ -210,35 +214,42 @@ int measure(const Flags& flags) {
 
 void check_threads(int threads) {
   if (threads < 0 || threads > 1024)
-    throw Error(fmt::format("{} is no number of threads", threads), "--threads", "give 0 to 1024");
+    throw Error(fmt::format("{} is not a number of threads", threads), "--threads", "give 0 to 1024");
 }
 
 }  // namespace
 
 void add_measure_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("measure", "Measure named lengths in maps, with their uncertainty");
+  CLI::App* command =
+      app.add_subcommand("measure", "Measures lengths in maps and point clouds, with their uncertainty");
   const auto flags = std::make_shared<Flags>();
-  command->add_option("MAP", flags->maps, "Map files, run folders or point clouds (.ply)")->required();
-  command->add_option("--objects", flags->objects, "Lengths to find")->type_name("FILE");
-  command->add_option("--between", flags->between, "One length: between the surface points nearest to two spots, x,y,z")
+  command->add_option("MAP", flags->maps, "Map files, run folders or point clouds (.ply)")->type_name("")->required();
+  command->add_option("--objects", flags->objects, "YAML file of the lengths to measure, see below")->type_name("FILE");
+  command
+      ->add_option("--between", flags->between,
+                   "One length: between the surface points nearest to two points x,y,z, in meters")
       ->type_name("POINT")
       ->expected(2);
-  command->add_option("--only", flags->only, "Only the object of this name; may be repeated")
+  command->add_option("--only", flags->only, "Only the length of this name; may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false);
-  command->add_option("--align", flags->align, "True trajectory, for objects given in its frame")->type_name("FILE");
-  command->add_option("--out", flags->out, "Folder for a picture of each length, the measured edges drawn into it")
+  command->add_option("--align", flags->align, "Ground-truth trajectory, for points given in its frame")
+      ->type_name("FILE");
+  command->add_option("--out", flags->out, "Folder for an image of each length with the measured edges")
       ->type_name("DIR");
-  command->add_option("--require", flags->limits, "Limit such as 'max_error_m<=0.01'; exit code 1 when one is missed")
+  command
+      ->add_option("--require", flags->limits,
+                   "Limit, such as 'max_error_m<=0.01'; exit code 1 if missed; may be repeated")
       ->type_name("LIMIT")
       ->allow_extra_args(false);
-  command->add_option("--seed", flags->seed, "Of the samples drawn when planes are fitted (default: 1)")
+  command->add_option("--seed", flags->seed, "Seed of the random numbers (default: 1)")->type_name("N");
+  command
+      ->add_option("--threads", flags->threads,
+                   "Number of threads; the results do not depend on it (default: all cores)")
       ->type_name("N");
-  command->add_option("--threads", flags->threads, "0: all of the machine (default); results do not depend on it")
-      ->type_name("N");
-  command->add_flag("--json", flags->json, "Print JSON");
-  command->add_flag("--csv", flags->csv, "Print CSV, a line for each measure");
-  command->add_flag("--quiet", flags->quiet, "Print nothing but what goes wrong");
+  command->add_flag("--json", flags->json, "Print the result as JSON");
+  command->add_flag("--csv", flags->csv, "Print the result as CSV, a line per length");
+  command->add_flag("--quiet", flags->quiet, "Print errors and warnings only");
   command->footer(footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});

@@ -14,7 +14,7 @@ template <typename Method>
 std::string methods_text(const std::vector<std::unique_ptr<Method>>& methods) {
   std::string text;
   for (const auto& method : methods)
-    text += fmt::format("  {:<10} {}\n  {:<10}   needs {}\n", method->name(), method->summary(), "", method->needs());
+    text += fmt::format("  {:<10} {}\n  {:<10}   input: {}\n", method->name(), method->summary(), "", method->needs());
   return text;
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* footer = R"(Examples:
   rastro methods
-  rastro options hector          every setting of one of them
+  rastro options hector          options of a method
   rastro slam intel.clf.gz --method hector --out run)";
 
 void print_methods() {
@@ -23,7 +23,7 @@ void print_methods() {
 }  // namespace
 
 void add_methods_command(CLI::App& app, Context&) {
-  CLI::App* command = app.add_subcommand("methods", "Every odometry and SLAM method, and what it needs");
+  CLI::App* command = app.add_subcommand("methods", "Lists the odometry and SLAM methods and the input of each");
   command->footer(footer);
   command->callback(print_methods);
 }

@@ -15,12 +15,13 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    R"(A textured post or person, a fifth to a third as wide as the image, crosses it from side to side, again and again with pauses,
-from frame 8 to 10 on; a point at rest is hidden for about 4 to 12 frames at a time. What it covered is then seen again, at places
-that a run on the clean recording knows: see `rastro evaluate tracks --clean`. The same seed and data give the same bytes.
+    R"(A textured post or person, a fifth to a third of the image wide, moves across the image from side to side, again and
+again with pauses, from frame 8 to 10 on; a point at rest is occluded for about 4 to 12 frames at a time. What reappears
+behind it is compared with a run on the original recording: see `rastro evaluate tracks --clean`. The same seed and data
+give the same bytes.
 
-Writes EuRoC layout: mav0/cam0 (pictures, data.csv, sensor.yaml where the calibration is known), ground truth where it is known,
-mav0/occluder (a mask for each picture, 255 where it is covered, and occluder.yaml).
+Output, in EuRoC layout: mav0/cam0 (images, data.csv, sensor.yaml if the calibration is known), ground truth if known,
+mav0/occluder (a mask per image, 255 where it is covered, and occluder.yaml).
 
 Examples:
   rastro occlude MH_01_easy --out MH_01_occluded --seed 1
@@ -51,19 +52,19 @@ void occlude(const Flags& flags) {
     fmt::print("{}", as_json(result, flags.out));
   else if (!flags.data.quiet)
     fmt::print(
-        "{} frames written to {}; the occluder is seen in {} of them and covers {:.1f} % of the pixels in the mean\n",
+        "{} frames written to {}; the occluder is visible in {} of them and covers {:.1f} % of the pixels on average\n",
         result.frames, flags.out, result.covered_frames, 100.0 * result.covered_share);
 }
 
 }  // namespace
 
 void add_occlude_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand(
-      "occlude", "Copy a recording with a moving occluder drawn in, to see what comes back behind it");
+  CLI::App* command =
+      app.add_subcommand("occlude", "Copies a recording with a moving occluder drawn in, to test re-identification");
   const auto flags = std::make_shared<Flags>();
   add_data_flags(*command, flags->data);
-  command->add_option("--out", flags->out, "Folder for the copy")->type_name("DIR")->required();
-  command->add_flag("--force", flags->force, "Replace a copy that is already there");
+  command->add_option("--out", flags->out, "Output folder")->type_name("DIR")->required();
+  command->add_flag("--force", flags->force, "Overwrite a former copy");
   command->footer(footer);
   command->callback([flags, &context] {
     if (flags->data.quiet) set_log_sink({});

@@ -28,7 +28,7 @@
 namespace rastro::cli {
 namespace {
 
-/// Where metres come from; neither: lengths stay relative.
+/// Makes the trajectory metric; without a reference or height it stays up to scale.
 struct ScaleSource {
   std::string said = "relative";
   Trajectory reference;
@@ -39,17 +39,17 @@ ScaleSource scale_source(const std::string& text) {
   constexpr std::string_view reference = "reference=", height = "camera-height=";
   ScaleSource source;
   if (text.empty()) return source;
-  source.said = "metres, from " + text;
+  source.said = "meters, from " + text;
   if (text.starts_with(reference)) {
     source.reference = read_trajectory(text.substr(reference.size()));
     return source;
   }
-  const auto metres = text.starts_with(height) ? parse_finite(text.substr(height.size())) : std::nullopt;
-  if (!metres || *metres <= 0.0) {
-    throw Error(fmt::format("'{}' is no source of scale", text), "--scale",
-                "give camera-height=METRES, such as camera-height=1.65, or reference=FILE");
+  const auto meters = text.starts_with(height) ? parse_finite(text.substr(height.size())) : std::nullopt;
+  if (!meters || *meters <= 0.0) {
+    throw Error(fmt::format("'{}' is not a source of scale", text), "--scale",
+                "give camera-height=METERS, such as camera-height=1.65, or reference=FILE");
   }
-  source.camera_height_m = *metres;
+  source.camera_height_m = *meters;
   return source;
 }
 
@@ -69,14 +69,13 @@ struct Prepared {
 ScaleSource scale_source(const OdometryFlags& flags, const OdometryMethod& method) {
   if (!method.is_metric()) return scale_source(flags.scale);
   if (!flags.scale.empty())
-    throw Error("is for methods that do not know lengths", "--scale", "leave it out: this one gives metres");
+    throw Error("is for methods without metric scale", "--scale", "omit it: the trajectory of this method is metric");
   ScaleSource source;
-  source.said = method.wants_depth() ? "metres, from depth" : "metres";
+  source.said = method.wants_depth() ? "meters, from depth" : "meters";
   return source;
 }
 
-/// Radians that one pixel of shift is taken for, 0: those of the focal length; nullopt where the method has no such
-/// option.
+/// Option lambda: radians per pixel of shift, 0: from the focal length; nullopt where the method has no such option.
 std::optional<double> lambda_of(const OptionTable& table) {
   for (std::size_t i = 0; i < table.options().size(); ++i)
     if (table.options()[i].name == "lambda") return parse_finite(table.value_of(i));
@@ -86,8 +85,7 @@ std::optional<double> lambda_of(const OptionTable& table) {
 Trajectory yaw_reference(const OdometryFlags& flags, const OptionTable& table) {
   if (!flags.calibrate_yaw) return {};
   if (!lambda_of(table) || flags.reference.empty()) {
-    throw Error("needs the profiles and a reference", "--calibrate-yaw",
-                "give --method profiles --reference FILE as well");
+    throw Error("needs profiles and a reference", "--calibrate-yaw", "add --method profiles --reference FILE");
   }
   return read_trajectory(flags.reference);
 }
@@ -123,7 +121,7 @@ void apply_scale(const Prepared& prepared, OdometryRunEnd& end) {
   std::optional<double> factor;
   if (prepared.ground) {
     if (const auto found = prepared.ground->find()) {
-      factor = found->metres_per_unit;
+      factor = found->meters_per_unit;
       end.result.scale +=
           fmt::format(" ({} pairs of frames, +- {:.1f} %)", found->frames, 100.0 * found->relative_sigma);
     }
@@ -135,31 +133,35 @@ void apply_scale(const Prepared& prepared, OdometryRunEnd& end) {
     return;
   }
   end.result.scale = "relative";
-  log_warning(prepared.ground ? "no road was seen well enough to give a scale; lengths stay relative"
-                              : "the reference shares too little with the run to give a scale; lengths stay relative");
+  log_warning(prepared.ground
+                  ? "the road was not observed well enough to estimate the scale; the trajectory stays up to scale"
+                  : "too few poses match the reference to estimate the scale; the trajectory stays up to scale");
 }
 
 std::string summary(const OdometryRunEnd& end, const std::string& folder) {
   const OdometryResult& result = end.result;
-  std::string text = fmt::format("{} frames, {} of them followed as they came", result.frames, result.tracking);
-  if (result.initialising > 0) text += fmt::format(", {} before the start, placed afterwards", result.initialising);
+  std::string text = fmt::format("{} frames, {} tracked", result.frames, result.tracking);
+  if (result.initializing > 0)
+    text += fmt::format(", {} before initialization (poses added afterwards)", result.initializing);
   if (result.weak + result.lost > 0) text += fmt::format(", {} weak, {} lost", result.weak, result.lost);
-  text += fmt::format("\npath {:.2f} (scale: {}); {:.1f} ms a frame, {:.0f} MB\n", result.path_length, result.scale,
+  text += fmt::format("\npath {:.2f} (scale: {}); {:.1f} ms per frame, {:.0f} MB\n", result.path_length, result.scale,
                       result.ms_per_frame_mean, result.peak_memory_mb);
   if (!result.reasons.empty()) {
     text += "reasons:";
     for (const auto& [reason, count] : result.reasons) text += fmt::format(" {} {}", reason, count);
-    text += "  (events.jsonl says which frames, with the numbers)\n";
+    text += "  (details in events.jsonl)\n";
   }
   if (result.reasons.contains(name_of(OdometryReason::calibration_doubtful))) {
     text +=
-        "the images do not fit the calibration: check fx, fy, cx, cy and the distortion (--calibration, --intrinsics); "
-        "events.jsonl says what would fit better\n";
+        "the images contradict the calibration: check fx, fy, cx, cy and the distortion (--calibration, --intrinsics); "
+        "events.jsonl has the values that fit better\n";
   }
   if (result.skipped_frames > 0) text += fmt::format("{} frames could not be read\n", result.skipped_frames);
   if (result.tracking == 0)
-    text += "no motion was found: was the camera still, or the wrong calibration given? 'rastro check' says more\n";
-  return text + fmt::format("{}/trajectory.txt holds the poses\n", folder);
+    text +=
+        "no motion was found: was the camera at rest, or is the calibration wrong? 'rastro check' checks the "
+        "recording\n";
+  return text + fmt::format("poses written to {}/trajectory.txt\n", folder);
 }
 
 OdometryRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
@@ -197,9 +199,8 @@ void run_odometry(const OdometryFlags& flags) {
   if (end.result.frames == 0 && !end.result.interrupted) {
     folder.discard();
     if (end.failure) std::rethrow_exception(end.failure);
-    throw Error(
-        end.first_skip.empty() ? "holds no frame" : "no frame could be read, the first because: " + end.first_skip,
-        flags.data.path, "'rastro check' says more");
+    throw Error(end.first_skip.empty() ? "has no frames" : "no frame could be read; the first: " + end.first_skip,
+                flags.data.path, "'rastro check' lists what is wrong");
   }
   write_whole_file(folder.file("trajectory.txt"), text);
   folder.write_result(to_json(end.result));
@@ -218,7 +219,7 @@ void run_odometry(const OdometryFlags& flags) {
 }  // namespace
 
 void add_odometry_command(CLI::App& app, Context&) {
-  CLI::App* command = app.add_subcommand("odometry", "The way one camera went, frame by frame");
+  CLI::App* command = app.add_subcommand("odometry", "Estimates the trajectory of a single calibrated camera");
   const auto flags = std::make_shared<OdometryFlags>();
   add_odometry_flags(*command, *flags);
   command->callback([command, flags] {

@@ -12,8 +12,8 @@ namespace rastro::cli {
 /// The flags of `rastro odometry`.
 struct OdometryFlags : RunFlags {
   std::string method = "features";
-  std::string matcher;  ///< Empty = not given; stands for the option of the same name.
-  std::string scale;    ///< camera-height=METRES or reference=FILE; empty: relative.
+  std::string matcher;  ///< Empty: not given; sets the option of the same name.
+  std::string scale;    ///< camera-height=METERS or reference=FILE; empty: relative.
   bool calibrate_yaw = false;
   std::string reference;  ///< Trajectory for calibrate_yaw.
   bool refine = false;

@@ -21,15 +21,15 @@ namespace {
 constexpr std::size_t text_width = 100;
 
 constexpr const char* footer =
-    R"(Settings are taken in this order: default, --options FILE, --set KEY=VALUE and the flags of the command.
-The values in force are written to options.yaml in the folder of each run.
+    R"(Values are taken in this order: default, --options FILE, --set KEY=VALUE, flags of the command. The values in use are
+written to options.yaml of every run.
 
 Examples:
-  rastro options                                  every setting of the tracker
-  rastro options features                         of an odometry
-  rastro options hector                           and of a SLAM method
-  rastro options odometry/rgbd                    where both have a method of that name; else of the SLAM method
-  rastro options --yaml > mine.yaml               a file to edit; it may be cut down to what differs
+  rastro options                                  options of the tracker
+  rastro options features                         of an odometry method
+  rastro options hector                           of a SLAM method
+  rastro options odometry/rgbd                    where odometry and SLAM have a method of the same name (default: SLAM)
+  rastro options --yaml > mine.yaml               a file to edit; omitted options keep their defaults
   rastro track hall --out run --options mine.yaml --set window=60)";
 
 /// Words of `text` in lines that begin with `indent`.
@@ -56,7 +56,7 @@ std::string described(const OptionTable& table) {
   return text;
 }
 
-/// Whatever has settings, and the tables, which point into it.
+/// The option tables, and what they point into.
 class Settings {
  public:
   Settings() {
@@ -65,7 +65,7 @@ class Settings {
     add("odometry/", odometry_);
   }
 
-  /// Of a method by its name, or by kind and name: "odometry/rgbd". Error for a name that is none, naming the nearest.
+  /// Of a method by its name, or by kind and name: "odometry/rgbd". Error for an unknown name, naming the nearest.
   const OptionTable& table(const std::string& wanted) const {
     std::vector<std::string> names;
     for (const auto& [name, table] : tables_) {
@@ -73,7 +73,7 @@ class Settings {
       if (wanted == alone || wanted == name) return table;
       names.push_back(wanted.find('/') == std::string::npos ? alone : name);
     }
-    throw Error(fmt::format("'{}' has no options", wanted), "rastro options",
+    throw Error(fmt::format("'{}' is not a method", wanted), "rastro options",
                 fmt::format("did you mean '{}'?", nearest_name(wanted, names)));
   }
 
@@ -98,11 +98,12 @@ void print_options(const std::string& method, bool yaml) {
 }  // namespace
 
 void add_options_command(CLI::App& app, Context&) {
-  CLI::App* command = app.add_subcommand("options", "Every setting: name, default, unit, range and reason");
+  CLI::App* command =
+      app.add_subcommand("options", "Lists the options of a method: name, default, unit, range and meaning");
   const auto method = std::make_shared<std::string>("track");
   const auto yaml = std::make_shared<bool>(false);
-  command->add_option("method", *method, "Whose settings (default: track)")->type_name("METHOD");
-  command->add_flag("--yaml", *yaml, "As a file for --options");
+  command->add_option("METHOD", *method, "Method, see 'rastro methods' (default: track, the tracker)")->type_name("");
+  command->add_flag("--yaml", *yaml, "Print a file for --options");
   command->footer(footer);
   command->callback([method, yaml] { print_options(*method, *yaml); });
 }

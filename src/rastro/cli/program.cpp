@@ -10,33 +10,37 @@
 #include <cstdlib>
 #include <exception>
 #include <opencv2/core/utils/logger.hpp>
+#include <vector>
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
 #include "rastro/base/version.h"
 #include "rastro/cli/command.h"
+#include "rastro/cli/former_flags.h"
 #include "rastro/cli/parse_error.h"
 
 namespace rastro::cli {
 namespace {
 
 constexpr const char* footer = R"(Exit codes:
-  0  done (also when stopped with Ctrl-C: what was computed is in the run folder)
-  1  done, but a limit asked for with --require was missed
-  2  wrong use, or input that cannot be used; one line on standard error says what and where
-  3  a fault in the program; please report it
-Results go to standard output; log and progress bar go to standard error.
+  0  success; also when stopped with Ctrl-C, which keeps the results so far
+  1  success, but a limit given with --require was missed
+  2  wrong usage or unusable input; one line on standard error says what and where
+  3  internal error; please report it
+Results go to standard output, log and progress bar to standard error.
 
 Examples:
-  rastro simulate hall --out hall                generate a world with exact truth
-  rastro track hall --out run --pictures         follow its features and draw every frame
-  rastro evaluate tracks run --truth hall        score the run against the truth
-  rastro slam intel.clf.gz --method hector --out run3
-  rastro track MH_01_easy --frames 0:300 --out run2 --video run2.avi
-  rastro check my_recording                      what is wrong with a recording
-  rastro options                                 every setting, its default, range and reason
+  rastro simulate hall --out hall                   generate a recording with exact ground truth
+  rastro track hall --out tracks --images           track its features, draw every frame
+  rastro evaluate tracks tracks --ground-truth hall re-identification recall and precision
+  rastro odometry kitti/00 --out vo                 trajectory of one camera
+  rastro slam MH_01_easy --method orb --out run     trajectory and map
+  rastro evaluate trajectory MH_01_easy run         ATE and RPE
+  rastro localize MH_02_easy --map run --out found  trajectory in that map
+  rastro check my_recording                         gaps, timestamps, calibration, broken frames
+  rastro options orb                                options of a method: default, unit, range
 
-`rastro COMMAND --help` describes each command.)";
+`rastro COMMAND --help` describes a command.)";
 
 std::string& stored_command_line() {
   static std::string line;
@@ -85,16 +89,16 @@ void add_commands(CLI::App& app, Context& context) {
   add_odometry_command(app, context);
   add_slam_command(app, context);
   add_localize_command(app, context);
-  add_recover_command(app, context);
-  add_scale_command(app, context);
   add_evaluate_command(app, context);
-  add_simulate_command(app, context);
-  add_occlude_command(app, context);
-  add_convert_command(app, context);
   add_export_command(app, context);
   add_measure_command(app, context);
+  add_scale_command(app, context);
+  add_recover_command(app, context);
   add_info_command(app, context);
   add_check_command(app, context);
+  add_convert_command(app, context);
+  add_simulate_command(app, context);
+  add_occlude_command(app, context);
   add_vocabulary_command(app, context);
   add_methods_command(app, context);
   add_options_command(app, context);
@@ -108,11 +112,16 @@ int say(int code, std::string line) {
   return code;
 }
 
+void parse(CLI::App& app, const std::vector<std::string>& words) {
+  std::vector<const char*> pointers;
+  for (const std::string& word : words) pointers.push_back(word.c_str());
+  app.parse(static_cast<int>(pointers.size()), pointers.data());
+}
+
 int dispatch(int argc, const char* const* argv) {
-  CLI::App app(
-      "Turns recordings of cameras and lasers into feature tracks, ways and maps, and tells how far to trust them.",
-      "rastro");
-  app.set_version_flag("--version", version_text(), "Version, commit, compiler and optional parts");
+  CLI::App app("Turns camera and laser recordings into feature tracks, trajectories and maps, and evaluates them.",
+               "rastro");
+  app.set_version_flag("--version", version_text(), "Print version, commit, compiler and optional features");
   app.footer(footer);
   app.require_subcommand(1);
   app.get_formatter()->column_width(32);
@@ -120,7 +129,7 @@ int dispatch(int argc, const char* const* argv) {
   add_commands(app, context);
   try {
     refuse_unknown_command(app, argc, argv);
-    app.parse(argc, argv);
+    parse(app, with_current_flags(argc, argv));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
     return say(unusable, one_line(app, error));
@@ -143,7 +152,7 @@ int run_program(int argc, const char* const* argv) {
   } catch (const Error& error) {
     return say(unusable, error.what());
   } catch (const std::exception& error) {
-    return say(fault, fmt::format("a fault in the program: {}; please report it with this line, the command '{}' and "
+    return say(fault, fmt::format("internal error: {}; please report it with this line, the command '{}' and "
                                   "the output of 'rastro --version'",
                                   error.what(), command_line()));
   }

@@ -64,7 +64,7 @@ std::string progress_line(const SlamProgress& progress, double seconds, double m
 ProgressBar::ProgressBar(bool wanted)
     : wanted_(wanted && isatty(STDERR_FILENO) != 0), begin_(Clock::now()), last_(begin_ - redraw_every) {}
 
-bool ProgressBar::is_due() {
+bool ProgressBar::latency_passed() {
   const auto now = Clock::now();
   if (!wanted_ || now - last_ < redraw_every) return false;
   last_ = now;
@@ -80,7 +80,7 @@ void ProgressBar::draw(const std::string& line) {
 template <typename Progress>
 void ProgressBar::show_any(const Progress& progress) {
   const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-  if (is_due()) draw(progress_line(progress, seconds, resident_memory_mb()));
+  if (latency_passed()) draw(progress_line(progress, seconds, resident_memory_mb()));
 }
 
 void ProgressBar::show(const TrackProgress& progress) { show_any(progress); }
@@ -88,7 +88,7 @@ void ProgressBar::show(const OdometryProgress& progress) { show_any(progress); }
 void ProgressBar::show(const SlamProgress& progress) { show_any(progress); }
 
 void ProgressBar::show_steps(const std::string& what, std::size_t done, std::size_t all) {
-  if (is_due())
+  if (latency_passed())
     draw(fmt::format("{} {} {}/{}", bar(static_cast<double>(done) / static_cast<double>(all)), what, done, all));
 }
 

@@ -29,7 +29,7 @@ class ProgressBar {
   using Clock = std::chrono::steady_clock;
   bool shown_ = false;
   bool wanted_;
-  bool is_due();
+  bool latency_passed();
   void draw(const std::string& line);
   template <typename Progress>
   void show_any(const Progress& progress);

@@ -14,12 +14,11 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    "Looks through a map file that is cut off, damaged or was left by a run that was killed, takes every row whose\n"
-    "checksum holds and writes a sound map of them. Keyframes keep their ids; constraints to lost keyframes, and what\n"
-    "layers hold of them, go with them. MAP itself is not touched.\n"
-    "\n"
-    "Example:\n"
-    "  rastro recover run/map.rastro --out saved.rastro";
+    R"(Reads every row with a valid checksum of a map file that is truncated, damaged or of a killed run, and writes them as
+a new map. Keyframes keep their ids; constraints and layer data of lost keyframes are dropped. MAP is not changed.
+
+Example:
+  rastro recover run/map.rastro --out recovered.rastro)";
 
 struct RecoverFlags {
   std::string map, out;
@@ -30,9 +29,9 @@ int recover(const RecoverFlags& flags) {
   const std::filesystem::path file = map_file_of(flags.map), out = flags.out;
   std::error_code code;
   if (std::filesystem::equivalent(file, out, code))
-    throw Error("is the damaged map itself", flags.out, "give another file with --out");
+    throw Error("is the damaged map", flags.out, "give another file with --out");
   if (std::filesystem::exists(out, code) && !flags.force)
-    throw Error("is there already", flags.out, "choose another --out or add --force");
+    throw Error("already exists", flags.out, "choose another --out or add --force");
   const RecoveredMap recovered = recover_map(file);
   const Map& map = *recovered.map;
   save_map(map, out);
@@ -41,8 +40,7 @@ int recover(const RecoverFlags& flags) {
   for (const auto& [name, layer] : map.layers.all())
     if (const LayerType* type = layer_type(name)) fmt::print("  {:<12} {}\n", name, type->describe(map, *layer).text);
   for (const std::string& lost : recovered.lost) fmt::print("  lost         {}\n", lost);
-  if (!recovered.finished)
-    fmt::print("  unfinished   the file does not say how much it should hold: what came last may be missing\n");
+  if (!recovered.finished) fmt::print("  unfinished   the run did not end regularly: its last data may be missing\n");
   if (recovered.lost.empty() && recovered.finished) fmt::print("  lost         nothing\n");
   return done;
 }
@@ -50,11 +48,11 @@ int recover(const RecoverFlags& flags) {
 }  // namespace
 
 void add_recover_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("recover", "Save what can be read of a damaged map");
+  CLI::App* command = app.add_subcommand("recover", "Recovers what can be read of a damaged map");
   const auto flags = std::make_shared<RecoverFlags>();
-  command->add_option("MAP", flags->map, "The map file, or the folder of its run")->required();
-  command->add_option("--out", flags->out, "File for the map of what is left")->type_name("FILE")->required();
-  command->add_flag("--force", flags->force, "Replace the file of --out");
+  command->add_option("MAP", flags->map, "Map file or run folder")->type_name("")->required();
+  command->add_option("--out", flags->out, "Map file to write")->type_name("FILE")->required();
+  command->add_flag("--force", flags->force, "Overwrite --out");
   command->footer(footer);
   command->callback([flags, &context] { context.exit_code = recover(*flags); });
 }

@@ -7,10 +7,10 @@ namespace rastro::cli {
 
 void add_settings_flags(CLI::App& command, RunFlags& flags, const std::string& group,
                         const std::string& options_command) {
-  command.add_option("--options", flags.options_file, "YAML file with settings; see '" + options_command + " --yaml'")
+  command.add_option("--options", flags.options_file, "YAML file of options; see '" + options_command + " --yaml'")
       ->type_name("FILE")
       ->group(group);
-  command.add_option("--set", flags.settings, "Set one option, may be repeated; see '" + options_command + "'")
+  command.add_option("--set", flags.settings, "Set an option; may be repeated; see '" + options_command + "'")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
       ->group(group);
@@ -18,9 +18,8 @@ void add_settings_flags(CLI::App& command, RunFlags& flags, const std::string& g
 
 void add_folder_flags(CLI::App& command, RunFlags& flags) {
   const char* group = "Output";
-  command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR")->required()->group(group);
-  command.add_flag("--force", flags.force, "Write into a folder that is not empty, replacing a former run")
-      ->group(group);
+  command.add_option("--out", flags.out, "Output folder")->type_name("DIR")->required()->group(group);
+  command.add_flag("--force", flags.force, "Overwrite a former run in --out")->group(group);
 }
 
 void apply_given_settings(const RunFlags& flags, OptionTable& table) {

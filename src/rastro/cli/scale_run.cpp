@@ -11,7 +11,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/hash.h"
 #include "rastro/base/text.h"
-#include "rastro/export/landmark_picture.h"
+#include "rastro/export/landmark_image.h"
 #include "rastro/map/file/map_file.h"
 #include "rastro/sensor/trajectory_file.h"
 #include "rastro/session/trajectory_text.h"
@@ -32,24 +32,24 @@ bool is_there(const fs::path& file) {
   return fs::is_regular_file(file, ignored);
 }
 
-/// Poses keep their lines but for the three numbers behind the stamp: rotations need not be written anew.
+/// Scales the three numbers after the timestamp of every line; rotations are kept as they are written.
 std::string scaled_trajectory(const std::string& text, double factor, const std::string& where) {
   std::string result;
   for (const std::string_view line : split(text, '\n')) {
     if (line.empty()) continue;
     if (line.starts_with('#')) {
       std::string comment(line);
-      const std::string own = "the map's own unit";
-      if (const auto at = comment.find(own); at != std::string::npos) comment.replace(at, own.size(), "metres");
+      for (const std::string unit : {"arbitrary units", "the map's own unit"})  // now and in the last release
+        if (const auto at = comment.find(unit); at != std::string::npos) comment.replace(at, unit.size(), "meters");
       result += comment + "\n";
       continue;
     }
     const auto words = split(line, ' ');
-    if (words.size() != 8) throw Error("is no trajectory of a run", where, "scale its map.rastro alone");
+    if (words.size() != 8) throw Error("is not the trajectory of a run", where, "scale its map.rastro alone");
     result += words[0];
     for (std::size_t i = 1; i < words.size(); ++i) {
       const auto value = parse_finite(words[i]);
-      if (!value) throw Error("is no trajectory of a run", where, "scale its map.rastro alone");
+      if (!value) throw Error("is not the trajectory of a run", where, "scale its map.rastro alone");
       result += i <= 3 ? fmt::format(" {:.9f}", factor * *value) : fmt::format(" {}", words[i]);
     }
     result += '\n';
@@ -67,13 +67,13 @@ std::string scaled_covariances(const std::string& text, double factor, const std
       result += std::string(line) + "\n";
       continue;
     }
-    if (words.size() != 22) throw Error("holds no covariances of a run", where, "scale its map.rastro alone");
+    if (words.size() != 22) throw Error("has no covariances of a run", where, "scale its map.rastro alone");
     result += words[0];
     std::size_t next = 1;
     for (int row = 0; row < 6; ++row) {
       for (int column = row; column < 6; ++column) {
         const auto value = parse_finite(words[next++]);
-        if (!value) throw Error("holds no covariances of a run", where, "scale its map.rastro alone");
+        if (!value) throw Error("has no covariances of a run", where, "scale its map.rastro alone");
         result += fmt::format(" {:.6g}", *value * (row < 3 ? factor : 1.0) * (column < 3 ? factor : 1.0));
       }
     }
@@ -82,21 +82,21 @@ std::string scaled_covariances(const std::string& text, double factor, const std
   return result;
 }
 
-std::string scaled_result(const std::string& text, const Map& in_metres, const MapScaleFound& found,
+std::string scaled_result(const std::string& text, const Map& in_meters, const MapScaleFound& found,
                           const std::string& hash, const std::string& where) {
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded() || !json.is_object() || !json.contains("path_length") || !json["path_length"].is_number())
-    throw Error("is no result of a run", where, "scale its map.rastro alone");
-  json["path_length"] = std::round(json["path_length"].get<double>() * found.metres_per_unit * 1e4) / 1e4;
+    throw Error("is not the result of a run", where, "scale its map.rastro alone");
+  json["path_length"] = std::round(json["path_length"].get<double>() * found.meters_per_unit * 1e4) / 1e4;
   json["scale"] = {
-      {"metric", true}, {"relative_sigma", scale_of(in_metres).relative_sigma}, {"from", scale_of(in_metres).origin}};
+      {"metric", true}, {"relative_sigma", scale_of(in_meters).relative_sigma}, {"from", scale_of(in_meters).origin}};
   json["result_sha256"] = hash;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace
 
-void scale_run_folder(const fs::path& folder, const Map& in_metres, const MapScaleFound& found) {
+void scale_run_folder(const fs::path& folder, const Map& in_meters, const MapScaleFound& found) {
   std::vector<NewFile> files;
   std::string trajectory, keyframes;
   for (const char* name : {"trajectory.txt", "trajectory_online.txt", "keyframes.txt", "covariance_online.txt"}) {
@@ -104,23 +104,23 @@ void scale_run_folder(const fs::path& folder, const Map& in_metres, const MapSca
     if (!is_there(file)) continue;
     const std::string text = read_whole_file(file);
     const bool covariance = std::string_view(name).starts_with("covariance");
-    files.push_back({file, covariance ? scaled_covariances(text, found.metres_per_unit, file.string())
-                                      : scaled_trajectory(text, found.metres_per_unit, file.string())});
+    files.push_back({file, covariance ? scaled_covariances(text, found.meters_per_unit, file.string())
+                                      : scaled_trajectory(text, found.meters_per_unit, file.string())});
     if (std::string_view(name) == "trajectory.txt") trajectory = files.back().bytes;
     if (std::string_view(name) == "keyframes.txt") keyframes = files.back().bytes;
   }
   const fs::path result = folder / "result.json", map = folder / "map.rastro";
   const std::string former_result = is_there(result) ? read_whole_file(result) : "";
-  if (!former_result.empty()) scaled_result(former_result, in_metres, found, "", result.string());
-  save_map(in_metres, map);
+  if (!former_result.empty()) scaled_result(former_result, in_meters, found, "", result.string());
+  save_map(in_meters, map);
   for (const NewFile& file : files) write_whole_file(file.file, file.bytes);
-  if (is_there(folder / "map.png")) write_landmark_picture(in_metres, (folder / "map.png").string());
+  if (is_there(folder / "map.png")) write_landmark_image(in_meters, (folder / "map.png").string());
   if (former_result.empty()) return;
   Sha256 hash;
   hash.add(trajectory);
   hash.add(keyframes);
   hash.add(read_whole_file(map));
-  write_whole_file(result, scaled_result(former_result, in_metres, found, hash.finish(), result.string()));
+  write_whole_file(result, scaled_result(former_result, in_meters, found, hash.finish(), result.string()));
 }
 
 }  // namespace rastro::cli

@@ -16,10 +16,10 @@
 #include "rastro/synthetic/worlds/loop.h"
 #include "rastro/synthetic/worlds/rooms.h"
 #include "rastro/synthetic/worlds/street.h"
-#include "rastro/synthetic/write_closures.h"
 #include "rastro/synthetic/write_euroc.h"
 #include "rastro/synthetic/write_kitti.h"
 #include "rastro/synthetic/write_laser_log.h"
+#include "rastro/synthetic/write_loop_closures.h"
 #include "rastro/synthetic/write_tum.h"
 
 namespace rastro::cli {
@@ -35,41 +35,29 @@ struct SimulateFlags {
   std::uint64_t seed = 1;
   int threads = 0;
   bool distortion = false;
-  bool no_truth = false;
+  bool no_ground_truth = false;
   bool stereo = false;
   bool force = false;
   bool quiet = false;
 };
 
 constexpr const char* worlds_text =
-    "hall   a machine hall seen from a drone, 752x480 at 20 Hz: it rises behind a press and sinks again (frames "
-    "0-29),\n"
-    "       turns abruptly (42-56), passes behind a pillar (76-112), then tours the hall without end\n"
-    "street a drive around a block of houses as in KITTI, 1242x375 at 10 Hz: a turn (frames 6-43), a straight, a "
-    "second "
-    "turn\n"
-    "       (about 210-250) and so on without end; other cars drive, the exposure changes\n"
-    "corridor an office floor driven through by a robot with a 2D laser (270 degrees, 10 m, 10 Hz) and wheels that "
-    "count "
-    "wrongly:\n"
-    "       a loop of 76 m and 10 m more, glass doors, 26 m of bare corridor, a person walking; --format tum for what "
-    "its\n"
-    "       depth camera sees\n"
-    "bedroom a small room with few things in artificial light, in colour and depth as a hand-held Kinect sees it, "
-    "640x480 at\n"
-    "       30 Hz: a blue box on a shelf (0.32 x 0.25 m), a bed of 2 m seen aslant; a round of 38.5 s back to the "
-    "start, an\n"
-    "       abrupt swing at 15 s, and on without end; with objects.yaml for `rastro measure` and truth.ply\n"
-    "study  the same for a room full of things in less light: shelves (0.16 m high, 0.75 m wide), a wall calendar "
-    "(0.42 m),\n"
-    "       a table of glass (0.85 m) whose depth is missing or what lies behind; the swing is at 20.5 s\n"
-    "loop   a walk of 120 m through streets, a hall and a square, 640x480 at 20 Hz, with --stereo or --format tum: "
-    "back at "
-    "the\n"
-    "       start in the same direction (frames 860-), across the square against it (1420-), a crowd (210-420), and "
-    "two "
-    "seconds\n"
-    "       of another place (550-589); closures.yaml says which frames show the same\n";
+    R"(hall     machine hall seen from a drone, 752x480 at 20 Hz: it rises behind a press and descends again (frames 0-29),
+         rotates abruptly (42-56), passes behind a pillar (76-112), then tours the hall without end
+street   drive around a block of houses as in KITTI, 1242x375 at 10 Hz: a curve (frames 6-43), a straight, a second curve
+         (about 210-250) and so on without end; other cars move, the exposure changes
+corridor robot with a 2D laser (270 degrees, 10 m, 10 Hz) and wheel odometry with errors on an office floor: a loop of
+         76 m and 10 m more, glass doors, 26 m of corridor without structure, a walking person; --format tum: what its
+         depth camera sees
+bedroom  small room with few objects in artificial light, in color and depth from a hand-held Kinect, 640x480 at 30 Hz:
+         a blue box on a shelf (0.32 x 0.25 m), a bed of 2 m; a round of 38.5 s back to the start, an abrupt rotation at
+         15 s, and on without end; with objects.yaml for `rastro measure` and truth.ply
+study    the same for a cluttered room in less light: shelves (0.16 m high, 0.75 m wide), a wall calendar (0.42 m), a
+         glass table (0.85 m) with missing or wrong depth; the abrupt rotation is at 20.5 s
+loop     walk of 120 m through streets, a hall and a square, 640x480 at 20 Hz, with --stereo or --format tum: back at the
+         start in the same direction (frames 860-), across the square in the opposite one (1420-), a crowd (210-420), and
+         two seconds at another place (550-589); closures.yaml lists the frames that see the same place
+)";
 
 struct Written {
   std::int64_t frames = 0;
@@ -79,7 +67,7 @@ struct Written {
 
 bool is_room(const std::string& world) { return world == "bedroom" || world == "study"; }
 
-/// "8:9" as two times; nothing where it was not asked for.
+/// "8:9" as two times in seconds; nullopt where the flag is not given.
 std::optional<std::pair<double, double>> black_of(const SimulateFlags& flags) {
   if (flags.black.empty()) return std::nullopt;
   const std::size_t colon = flags.black.find(':');
@@ -87,14 +75,14 @@ std::optional<std::pair<double, double>> black_of(const SimulateFlags& flags) {
     const auto from = parse_finite(flags.black.substr(0, colon)), to = parse_finite(flags.black.substr(colon + 1));
     if (from && to && *from >= 0.0 && *to > *from) return std::pair(*from, *to);
   }
-  throw Error("this is no stretch of time", "--black " + flags.black, "give two times in seconds, such as 8:9");
+  throw Error("this is not an interval of time", "--black " + flags.black, "give two times in seconds, such as 8:9");
 }
 
 Written write_as_asked(const World& world, const SimulateFlags& flags, std::int64_t frames,
                        const std::function<void(std::int64_t)>& progress) {
   TaskPool pool(flags.threads);
   if (flags.format == "euroc") {
-    const EurocOptions options{frames, !flags.no_truth, flags.force, flags.stereo};
+    const EurocOptions options{frames, !flags.no_ground_truth, flags.force, flags.stereo};
     const EurocSummary summary = write_euroc(world, flags.out, options, pool, progress);
     return {summary.frames, summary.bytes, flags.out};
   }
@@ -123,25 +111,25 @@ void check_flags(const SimulateFlags& flags) {
                 fmt::format("did you mean '{}'? There are euroc, kitti, kitti-raw, tum and carmen",
                             nearest_name(flags.format, formats)));
   if (flags.distortion && flags.world != "hall")
-    throw Error("only the hall has a lens with distortion", "--distortion", "leave it out");
+    throw Error("only the hall has a lens with distortion", "--distortion", "omit it");
   if (!flags.black.empty() && flags.format != "tum" && !(flags.format.empty() && is_room(flags.world)))
-    throw Error("only recordings with depth can be black for a while", "--black", "leave it out or say --format tum");
+    throw Error("only recordings with depth can have black images", "--black", "omit it or add --format tum");
   black_of(flags);
   const bool has_two = flags.format.empty() || flags.format == "euroc" || flags.format == "kitti";
   if (flags.stereo && !(flags.world == "loop" && has_two))
-    throw Error("only the loop has two cameras, and only euroc and kitti hold them", "--stereo", "leave it out");
+    throw Error("only the loop has a stereo camera, and only formats euroc and kitti", "--stereo", "omit it");
   const bool drives = flags.world == "corridor";
   if (flags.format == "carmen" && !drives)
     throw Error("only the corridor has a laser", "--format carmen", "simulate the corridor or choose another format");
   if (flags.odometry_error && !(drives && (flags.format.empty() || flags.format == "carmen")))
-    throw Error("only a laser log has wheel odometry", "--odometry-error", "leave it out or simulate the corridor");
+    throw Error("only a laser log has wheel odometry", "--odometry-error", "omit it or simulate the corridor");
   if (flags.odometry_error && !(*flags.odometry_error >= 0.0 && *flags.odometry_error <= 100.0))
-    throw Error("the odometry's error is out of range", "--odometry-error", "use a factor of 0 to 100");
-  if (flags.out.empty()) throw Error("there is nowhere to write to", "--out", "give a folder with --out DIR");
+    throw Error("the error factor is out of range", "--odometry-error", "give 0 to 100");
+  if (flags.out.empty()) throw Error("is required", "--out", "give a folder: --out DIR");
   if (flags.frames && (*flags.frames < 1 || *flags.frames > 10'000'000))
-    throw Error("the number of frames is out of range", "--frames", "use 1 to 10000000");
+    throw Error("the number of frames is out of range", "--frames", "give 1 to 10000000");
   if (flags.threads < 0)
-    throw Error("the number of threads is negative", "--threads", "use 0 for all of the machine, or 1 and more");
+    throw Error("the number of threads is negative", "--threads", "give 1 or more, or 0 for all cores");
 }
 
 const char* default_format(const std::string& world) {
@@ -164,7 +152,7 @@ World make_world(const SimulateFlags& flags) {
   return make_hall({.seed = flags.seed, .distortion = flags.distortion, .threads = flags.threads});
 }
 
-/// Shows how far it is, where somebody looks.
+/// Progress on standard error, if that is a terminal.
 class Progress {
  public:
   Progress(const SimulateFlags& flags, std::int64_t frames)
@@ -192,9 +180,9 @@ void simulate_laser(const SimulateFlags& flags) {
   }
   if (!flags.quiet)
     fmt::print(
-        "world      {} (seed {})\nscans      {}, {} beams, {:g} Hz\nway        {:.2f} m, the wheels are up to {:.2f} m "
-        "off\nrelations  {}\nwritten to {} ({:.1f} MB)\n",
-        world.name, flags.seed, summary.scans, world.laser.beams, world.rate_hz, summary.way_m, summary.odometry_off_m,
+        "world      {} (seed {})\nscans      {}, {} beams, {:g} Hz\npath       {:.2f} m, wheel odometry error up to "
+        "{:.2f} m\nrelations  {}\nwritten to {} ({:.1f} MB)\n",
+        world.name, flags.seed, summary.scans, world.laser.beams, world.rate_hz, summary.path_m, summary.odometry_off_m,
         summary.relations, flags.out, static_cast<double>(summary.bytes) * 1e-6);
 }
 
@@ -205,7 +193,7 @@ void simulate_camera(const SimulateFlags& flags) {
   {
     const Progress progress(flags, frames);
     written = write_as_asked(world, flags, frames, std::cref(progress));
-    if (flags.world == "loop") write_closures(world, frames, written.recording);
+    if (flags.world == "loop") write_loop_closures(world, frames, written.recording);
   }
   if (!flags.quiet)
     fmt::print("world      {} (seed {})\nframes     {}, {}x{}, {:g} Hz\nwritten to {} ({:.1f} MB)\n", world.name(),
@@ -213,20 +201,18 @@ void simulate_camera(const SimulateFlags& flags) {
                written.recording, static_cast<double>(written.bytes) * 1e-6);
 }
 
-constexpr const char* examples_text =
-    "Examples:\n"
-    "  rastro simulate hall --out hall                      150 frames with truth\n"
-    "  rastro simulate hall --out long --frames 10000 --no-truth\n"
-    "  rastro simulate hall --out bent --distortion --seed 7\n"
-    "  rastro simulate street --out street                  400 frames as KITTI odometry, with poses\n"
-    "  rastro simulate street --out raw --format kitti-raw  the same drive with GPS/IMU packets\n"
-    "  rastro simulate corridor --out office                a 2D laser with odometry, truth, relations and floor "
-    "plan\n"
-    "  rastro simulate corridor --out rgbd --format tum --frames 1750   the same drive with a depth camera\n"
-    "  rastro simulate bedroom --out bedroom                one round with a Kinect, truth and what to measure\n"
-    "  rastro simulate study --out dark --seed 3 --black 10:11   a second in which the camera is covered\n"
-    "  rastro simulate loop --out loop                      a walk with two loops, one camera\n"
-    "  rastro simulate loop --out pair --stereo             the same with two cameras";
+constexpr const char* examples_text = R"(Examples:
+  rastro simulate hall --out hall                      150 frames with ground truth
+  rastro simulate hall --out long --frames 10000 --no-ground-truth
+  rastro simulate hall --out distorted --distortion --seed 7
+  rastro simulate street --out street                  400 frames as KITTI odometry, with poses
+  rastro simulate street --out raw --format kitti-raw  the same drive with GPS/IMU packets
+  rastro simulate corridor --out office                2D laser with odometry, poses, relations and floor plan
+  rastro simulate corridor --out rgbd --format tum --frames 1750   the same drive with a depth camera
+  rastro simulate bedroom --out bedroom                one round with a Kinect, ground truth and lengths to measure
+  rastro simulate study --out dark --seed 3 --black 10:11   with one second of black images
+  rastro simulate loop --out loop                      walk with two loop closures, one camera
+  rastro simulate loop --out pair --stereo             the same with a stereo camera)";
 
 void simulate(SimulateFlags flags) {
   if (flags.world.empty()) {
@@ -245,37 +231,41 @@ void simulate(SimulateFlags flags) {
 
 void add_simulate_command(CLI::App& app, Context& context) {
   const auto flags = std::make_shared<SimulateFlags>();
-  CLI::App* command = app.add_subcommand("simulate", "Generate a recording of a made-up world, with exact truth");
-  command->add_option("world", flags->world, "Which world; without it the worlds are listed");
-  command->add_option("--out", flags->out, "Folder to write")->type_name("DIR");
-  command->add_option(
-      "--format", flags->format,
-      "euroc, kitti (odometry), kitti-raw, tum (with depth) or carmen (laser, the corridor's); default "
-      "euroc for the hall and the loop, kitti for the street, carmen for the corridor, tum for the rooms");
-  command->add_option(
-      "--frames", flags->frames,
-      "How many frames; default 150, 400 in the street, one round (1156) in a room, the whole walk (1541) of the "
-      "loop, the whole drive for a laser log");
+  CLI::App* command =
+      app.add_subcommand("simulate", "Generates a recording of a synthetic world with exact ground truth");
+  command->add_option("WORLD", flags->world, "hall, street, corridor, bedroom, study or loop; omit it to list them")
+      ->type_name("");
+  command->add_option("--out", flags->out, "Output folder")->type_name("DIR");
+  command
+      ->add_option("--format", flags->format,
+                   "euroc, kitti (odometry), kitti-raw, tum (with depth) or carmen (2D laser, corridor only); default: "
+                   "euroc for hall and loop, kitti for street, carmen for corridor, tum for bedroom and study")
+      ->type_name("FORMAT");
+  command
+      ->add_option("--frames", flags->frames,
+                   "Number of frames; default: hall 150, street 400, bedroom and study 1156 (one round), loop 1541, "
+                   "corridor the whole drive")
+      ->type_name("N");
   command
       ->add_option("--odometry-error", flags->odometry_error,
-                   "Of the corridor's wheels: 1 (the default) for 2 cm a metre and 2 degrees in 45, 3 for three times "
-                   "that")
+                   "Wheel odometry error of the corridor; 1: 2 cm per meter and 2 degrees per 45 (default: 1)")
       ->type_name("FACTOR");
   command
       ->add_option("--black", flags->black,
-                   "Cover the camera from the first time to the second, in seconds from the start (tum): its pictures "
-                   "are black and without depth")
+                   "Black images without depth between two times, in seconds from the start (format tum)")
       ->type_name("FROM:TO");
-  command->add_option("--seed", flags->seed, "Of textures, furniture or houses, and noise; the path stays the same")
+  command
+      ->add_option("--seed", flags->seed,
+                   "Seed of textures, furniture or houses, and noise; the trajectory stays the same")
       ->capture_default_str();
-  command->add_option("--threads", flags->threads, "0 = all of the machine; the bytes do not depend on it")
+  command->add_option("--threads", flags->threads, "Number of threads, 0: all cores; the bytes do not depend on it")
       ->capture_default_str();
-  command->add_flag("--distortion", flags->distortion, "The hall with EuRoC's lens distortion; else an ideal pinhole");
-  command->add_flag("--no-truth", flags->no_truth,
-                    "Leave out the depth and surface pictures that scoring needs (euroc)");
-  command->add_flag("--stereo", flags->stereo, "The loop's right camera too (euroc, kitti)");
+  command->add_flag("--distortion", flags->distortion, "hall: EuRoC's lens distortion (default: a pinhole camera)");
+  command->add_flag("--no-ground-truth", flags->no_ground_truth,
+                    "Omit the depth and surface images, which `rastro evaluate tracks` needs (euroc)");
+  command->add_flag("--stereo", flags->stereo, "loop: with the right camera (euroc, kitti)");
   command->add_flag("--force", flags->force, "Write into a folder that is not empty");
-  command->add_flag("--quiet", flags->quiet, "Print nothing but errors");
+  command->add_flag("--quiet", flags->quiet, "Print errors only");
   command->footer(examples_text);
   command->callback([flags, &context] {
     simulate(*flags);

@@ -84,8 +84,8 @@ TEST(WriteKitti, odometry_is_read_back_as_the_camera_s_way) {
     expect_near(info.ground_truth[frame].world_from_body, start_from_world * small_street().world_from_camera(frame),
                 frame);
   EXPECT_EQ(info.ground_truth[1].stamp, 100'000'000);
-  // Read-back pictures are the rendered ones.
-  const GreyImage rendered = small_street().render(0, pool).grey, read = source->next()->image;
+  // Read-back images are the rendered ones.
+  const GrayImage rendered = small_street().render(0, pool).gray, read = source->next()->image;
   ASSERT_EQ(read.width(), rendered.width());
   for (int y = 0; y < read.height(); ++y)
     for (int x = 0; x < read.width(); ++x) ASSERT_EQ(read.at(x, y), rendered.at(x, y));
@@ -107,7 +107,7 @@ TEST(WriteStereo, both_cameras_are_read_back_where_they_are) {
   fs::remove_all(kitti);
   write_euroc(world, euroc, {.frames = 2, .truth = false, .stereo = true}, pool);
   write_kitti(world, kitti, {.frames = 2, .stereo = true}, pool);
-  const GreyImage right = world.render_right(1, pool).grey;
+  const GrayImage right = world.render_right(1, pool).gray;
   OpenOptions both;
   both.want_right = true;
   for (const fs::path& folder : {euroc, kitti}) {
@@ -188,7 +188,7 @@ TEST(WriteTum, depth_and_poses_are_read_back) {
     const RenderedFrame shot = world.render(frame, pool);
     for (int y = 0; y < shot.depth.height(); ++y)
       for (int x = 0; x < shot.depth.width(); ++x) {
-        ASSERT_EQ(read->image.at(x, y), shot.grey.at(x, y));
+        ASSERT_EQ(read->image.at(x, y), shot.gray.at(x, y));
         const double should = static_cast<double>(shot.depth.at(x, y)), is = static_cast<double>(read->depth.at(x, y));
         if (should < 0.4 || should > 8.0) {
           ASSERT_EQ(is, 0.0) << x << ' ' << y;
@@ -199,18 +199,18 @@ TEST(WriteTum, depth_and_poses_are_read_back) {
   }
 }
 
-TEST(WriteTum, a_room_is_read_back_in_colour_with_depth_at_times_of_its_own) {
+TEST(WriteTum, a_room_is_read_back_in_color_with_depth_at_times_of_its_own) {
   const fs::path folder = scratch_path("room");
   TaskPool pool(2);
   const World world = make_bedroom({.scale = 0.125, .threads = 2});
   write_tum(world, folder, {.frames = 4, .black = std::pair(0.09, 0.2)}, pool);
   OpenOptions options;
-  options.want_depth = options.want_colour = true;
+  options.want_depth = options.want_color = true;
   const auto source = open(folder.string(), options);
   EXPECT_TRUE(source->info().warnings.empty()) << source->info().warnings.front();
   for (int frame = 0; frame < 4; ++frame) {
     const auto read = source->next();
-    ASSERT_TRUE(read && !read->depth.empty() && !read->colour.empty());
+    ASSERT_TRUE(read && !read->depth.empty() && !read->color.empty());
     EXPECT_EQ(read->stamp, world.stamp(frame));
     EXPECT_EQ(read->depth_stamp - read->stamp, 12'000'000);
     const RenderedFrame shot = world.render(frame, pool), later = world.depth_at(world.time_of(frame) + 0.012, pool);
@@ -219,7 +219,7 @@ TEST(WriteTum, a_room_is_read_back_in_colour_with_depth_at_times_of_its_own) {
       for (int x = 0; x < shot.depth.width(); ++x) {
         const bool black = frame == 3;
         for (int channel = 0; channel < 3; ++channel)
-          ASSERT_EQ(read->colour.rgb.at(3 * x + channel, y), black ? 0 : shot.colour.rgb.at(3 * x + channel, y));
+          ASSERT_EQ(read->color.rgb.at(3 * x + channel, y), black ? 0 : shot.color.rgb.at(3 * x + channel, y));
         const float is = read->depth.at(x, y), should = later.depth.at(x, y);
         measured += is > 0.0F && std::abs(is - should) < 0.06F * should ? 1 : 0;
       }

@@ -32,21 +32,21 @@ std::size_t parse_size(const std::string& text, const std::string& flag) {
   const std::size_t digits = std::min(text.find_first_not_of("0123456789.+- "), text.size());
   const auto number = parse_finite(std::string_view(text).substr(0, digits));
   const std::string unit(trim(std::string_view(text).substr(digits)));
-  if (!number) throw Error(in_quotes(text) + " is no size", flag, "write it like 600MB");
+  if (!number) throw Error(in_quotes(text) + " is not a size", flag, "give a number and a unit, such as 600MB");
   for (const Unit& each : units) {
     if (unit != each.name && !(unit.empty() && each.bytes == 1.0)) continue;
     const double bytes = *number * each.bytes;
     if (bytes >= 1.0 && bytes <= most) return static_cast<std::size_t>(bytes);
-    throw Error(in_quotes(text) + " is no size that a memory has", flag, "write it like 600MB");
+    throw Error(in_quotes(text) + " is out of range", flag, "give a number and a unit, such as 600MB");
   }
   std::vector<std::string> names;
   for (const Unit& each : units) {
     if (lower(unit) == lower(each.name) || lower(unit) + "b" == lower(each.name))
-      throw Error(in_quotes(text) + " has no known unit", flag,
+      throw Error(in_quotes(text) + " has an unknown unit", flag,
                   fmt::format("did you mean {:g}{}?", *number, each.name));
     names.emplace_back(each.name);
   }
-  throw Error(in_quotes(text) + " has no known unit", flag,
+  throw Error(in_quotes(text) + " has an unknown unit", flag,
               fmt::format("did you mean {:g}{}?", *number, nearest_name(unit, names)));
 }
 

@@ -26,7 +26,7 @@ TEST(SizeText, ReadsWhatPeopleWrite) {
 
 TEST(SizeText, SaysWhatWasMeant) {
   EXPECT_THAT(refusal("600mb"), testing::HasSubstr("did you mean 600MB?"));
-  EXPECT_THAT(refusal("1e99GB"), testing::HasSubstr("has no known unit"));
+  EXPECT_THAT(refusal("1e99GB"), testing::HasSubstr("has an unknown unit"));
   EXPECT_THAT(refusal("2G"), testing::HasSubstr("did you mean 2GB?"));
   EXPECT_THAT(refusal("512 MiBs"), testing::HasSubstr("did you mean 512MiB?"));
   for (const char* text : {"", "MB", "-3MB", "0", "nan", "6 00MB", "9999999999GB"})

@@ -46,7 +46,7 @@ struct Prepared {
 
 void load_map_of(const SlamFlags& flags, SlamContext& context) {
   if (flags.map.empty()) {
-    if (flags.extend) throw Error("needs the map to continue", "--continue", "give --map MAP");
+    if (flags.extend) throw Error("needs a map", "--continue", "give --map MAP");
     return;
   }
   context.map = load_map(map_file_of(flags.map));
@@ -57,7 +57,7 @@ SlamContext context_of(const SlamFlags& flags) {
   SlamContext context;
   const std::vector<std::string> modes = {"step", "pipelined"};
   if (std::find(modes.begin(), modes.end(), flags.mode) == modes.end()) {
-    throw Error(in_quotes(flags.mode) + " is no mode", "--mode",
+    throw Error(in_quotes(flags.mode) + " is not a mode", "--mode",
                 fmt::format("did you mean '{}'?", nearest_name(flags.mode, modes)));
   }
   context.pipelined = flags.mode == "pipelined";
@@ -69,7 +69,7 @@ SlamContext context_of(const SlamFlags& flags) {
 
 std::unique_ptr<SlamMethod> method_for(const SlamFlags& flags, const SlamContext& context) {
   if (!context.map && flags.method.empty())
-    throw Error("is needed", "--method", "give one, such as --method orb; 'rastro methods' lists them all");
+    throw Error("is required", "--method", "give one, such as --method orb; 'rastro methods' lists them");
   if (!context.map) return slam_method(flags.method);
   const std::string& maker = context.map->method;
   auto method = slam_method(maker);
@@ -96,7 +96,7 @@ Prepared prepare(const SlamFlags& flags) {
   apply_settings(flags, run.table);
   run.limits = parse_limits(flags.limits, numbers_of(SlamResult{}), "'coverage>=95'");
   OpenOptions open = open_options(flags.data);
-  open.want_colour = run.method->wants_colour();
+  open.want_color = run.method->wants_color();
   open.want_depth = run.method->wants_depth();
   open.want_right = run.method->wants_right();
   run.source = rastro::open(flags.data.path, open);
@@ -108,6 +108,7 @@ Prepared prepare(const SlamFlags& flags) {
   if (task_of(run.context) == SlamTask::map)
     run.map_file = std::make_unique<GrowingMapFile>(std::filesystem::path(flags.out) / "map.rastro");
   run.context.archive = run.map_file.get();
+  run.context.initial_pose = parse_initial_pose(flags.initial_pose, run.method->is_planar());
   run.slam = run.method->make(info, run.context);
   return run;
 }
@@ -129,9 +130,8 @@ SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
 [[noreturn]] void refuse_without_frames(const SlamRunEnd& end, const RunFolder& folder, const std::string& path) {
   folder.discard();
   if (end.failure) std::rethrow_exception(end.failure);
-  throw Error(
-      end.first_skip.empty() ? "holds no frame" : "no frame could be read, the first because: " + end.first_skip, path,
-      "'rastro check' says more");
+  throw Error(end.first_skip.empty() ? "has no frames" : "no frame could be read; the first: " + end.first_skip, path,
+              "'rastro check' lists what is wrong");
 }
 
 }  // namespace
@@ -161,13 +161,13 @@ int run_slam(const SlamFlags& flags) {
 }
 
 void add_slam_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("slam", "Positions and a map at once, by any of the SLAM methods");
+  CLI::App* command = app.add_subcommand("slam", "Estimates trajectory and map by SLAM, with cameras or a 2D laser");
   const auto flags = std::make_shared<SlamFlags>();
   add_slam_flags(*command, *flags);
   command->callback([command, flags, &context] {
     flags->seed_given = command->count("--seed") > 0;
     if (!flags->map.empty() && !flags->extend)
-      throw Error("is used with --continue", "--map", "to localize in a map, use 'rastro localize DATA --map MAP'");
+      throw Error("requires --continue", "--map", "to localize in a map, use 'rastro localize DATA --map MAP'");
     context.exit_code = run_slam(*flags);
   });
 }

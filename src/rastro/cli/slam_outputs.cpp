@@ -12,11 +12,11 @@
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/hash.h"
-#include "rastro/export/cloud_picture.h"
+#include "rastro/export/cloud_image.h"
+#include "rastro/export/grid_image.h"
 #include "rastro/export/grid_map_server.h"
-#include "rastro/export/grid_picture.h"
 #include "rastro/export/landmark_export.h"
-#include "rastro/export/landmark_picture.h"
+#include "rastro/export/landmark_image.h"
 #include "rastro/export/landmarks_csv.h"
 #include "rastro/export/ply.h"
 #include "rastro/map/cloud/build_cloud.h"
@@ -28,11 +28,11 @@
 namespace rastro::cli {
 namespace {
 
-bool has_metres(const SlamRunEnd& end) { return !end.result.scale || end.result.scale->metric; }
-const char* unit_of(const SlamRunEnd& end) { return has_metres(end) ? "metres" : "the map's own unit"; }
+bool has_meters(const SlamRunEnd& end) { return !end.result.scale || end.result.scale->metric; }
+const char* unit_of(const SlamRunEnd& end) { return has_meters(end) ? "meters" : "arbitrary units"; }
 
 std::string final_poses(const SlamRunEnd& end) {
-  return fmt::format("world_from_body of every frame with what was learnt later; {}", unit_of(end));
+  return fmt::format("world_from_body of every frame, final; {}", unit_of(end));
 }
 
 /// Writes files and hashes them as it goes.
@@ -78,23 +78,23 @@ MapOfRun map_of(const SlamRunEnd& end) {
 }
 
 void write_planar_image(const MapOfRun& run, const std::string& file) {
-  MapPicture picture = map_picture(run.map, run.grid, run.end.trajectory);
-  // A matcher's covariance is of one scan against the map; only a filter over landmarks knows that of the position.
+  MapImage image = map_image(run.map, run.grid, run.end.trajectory);
+  // A scan matcher's covariance is of one scan against the map; only the landmark filter has that of the position.
   if (run.estimates)
-    for (const PlaceCovariance& place : run.end.places) picture.places.push_back({place.place, place.covariance});
-  write_map_picture(picture, file);
+    for (const PositionCovariance& place : run.end.places) image.places.push_back({place.place, place.covariance});
+  write_map_image(image, file);
 }
 
 /// How map.png is made; the first that applies.
-struct MapImage {
+struct MapImageFile {
   bool (*applies)(const MapOfRun&);
   void (*write)(const MapOfRun&, const std::string& file);
 };
-constexpr MapImage map_images[] = {
+constexpr MapImageFile map_image_files[] = {
     {[](const MapOfRun& run) { return run.cloud.has_value(); },
-     [](const MapOfRun& run, const std::string& file) { write_cloud_picture(*run.cloud, run.end.trajectory, file); }},
+     [](const MapOfRun& run, const std::string& file) { write_cloud_image(*run.cloud, run.end.trajectory, file); }},
     {[](const MapOfRun& run) { return has_observed_landmarks(run.map); },
-     [](const MapOfRun& run, const std::string& file) { write_landmark_picture(run.map, file); }},
+     [](const MapOfRun& run, const std::string& file) { write_landmark_image(run.map, file); }},
     {[](const MapOfRun&) { return true; }, write_planar_image},
 };
 
@@ -114,7 +114,7 @@ void write_hashed_files(const MapOfRun& run, HashedFiles& files) {
   }
   if (run.estimates) files.write("landmarks.csv", landmarks_csv(*run.estimates));
   if (has_observed_landmarks(run.map)) {
-    const std::string comment = fmt::format("world_from_body of keyframes, as it came to be; {}", unit_of(run.end));
+    const std::string comment = fmt::format("world_from_body of keyframes, final; {}", unit_of(run.end));
     files.write("keyframes.txt", trajectory_text(keyframe_trajectory(run.map), comment));
   }
   files.add("map.rastro");
@@ -129,51 +129,62 @@ std::string reasons_line(const SlamResult& result) {
   if (result.reasons.empty()) return "";
   std::string text = "  reasons     ";
   for (const auto& [reason, count] : result.reasons) text += fmt::format(" {} {}", reason, count);
-  return text + "  (events.jsonl says where, with the numbers)\n";
+  return text + "  (details in events.jsonl)\n";
 }
 
 std::string states_line(const SlamResult& result) {
-  std::string text = fmt::format("  states       {} tracking", result.tracking);
-  const std::pair<const char*, std::int64_t> others[] = {{"weak", result.weak},
-                                                         {"lost", result.lost},
-                                                         {"relocalised", result.relocalised},
-                                                         {"initialising", result.initialising}};
+  std::string text = fmt::format("  states       {} tracking", result.states.tracking);
+  const std::pair<const char*, std::int64_t> others[] = {{"weak", result.states.weak},
+                                                         {"lost", result.states.lost},
+                                                         {"relocalized", result.states.relocalized},
+                                                         {"initializing", result.states.initializing}};
   for (const auto& [state, count] : others)
     if (count > 0) text += fmt::format(", {} {}", count, state);
   return text + "\n";
 }
 
 std::string recall_line(const SlamResult& result) {
-  std::string text = fmt::format("  in the map   {:.1f} % of the frames", result.recall);
+  std::string text = fmt::format("  localized    {:.1f} % of the frames", result.recall);
   if (result.seconds_to_first_pose) text += fmt::format(", the first after {:.2f} s", *result.seconds_to_first_pose);
   return text + "\n";
 }
 
 std::string map_line(const SlamRunEnd& end, const SlamOutputs& outputs) {
   const SlamResult& result = end.result;
-  std::string text = fmt::format("  map          path {:.2f} {}", result.path_length, has_metres(end) ? "m" : "units");
+  std::string text = fmt::format("  map          path {:.2f} {}", result.path_length, has_meters(end) ? "m" : "units");
   if (!outputs.grid.empty()) text += ", " + outputs.grid;
   if (result.landmarks > 0) text += fmt::format(", {} landmarks", result.landmarks);
   if (result.keyframes > 0) text += fmt::format(", {} keyframes", result.keyframes);
   if (result.submaps > 1) text += fmt::format(" in {} submaps", result.submaps);
-  return text + fmt::format(", {} loops closed\n", result.loops_closed);
+  return text + fmt::format(", {} loop closures\n", result.loops_closed);
 }
 
 std::string scale_line(const SlamResult& result) {
   if (!result.scale) return "";
   if (!result.scale->metric)
-    return "  scale        arbitrary: lengths are in a unit of the map's own; 'rastro scale' makes them metres\n";
-  std::string text = fmt::format("  scale        metres, from {}", result.scale->origin);
+    return "  scale        arbitrary: the map is up to scale; 'rastro scale' makes it metric\n";
+  std::string text = fmt::format("  scale        meters, from {}", result.scale->origin);
   if (result.scale->relative_sigma > 0.0)
     text += fmt::format(" (sigma {:.2g} %)", 100.0 * result.scale->relative_sigma);
   return text + "\n";
 }
 
 std::string time_line(const SlamResult& result) {
-  std::string text = fmt::format("  time         {:.2f} ms a frame, 95 % within {:.2f} ms",
-                                 result.frame_times.mean_ms(), result.frame_times.percentile_ms(0.95));
-  if (const auto times = result.times_real_time()) text += fmt::format(", {:.0f} times real time", *times);
+  std::string text = fmt::format("  time         {:.2f} ms per frame, 95 % within {:.2f} ms",
+                                 result.timing.frames.mean_ms(), result.timing.frames.percentile_ms(0.95));
+  if (const auto times = result.timing.times_real_time()) text += fmt::format(", {:.0f} times real time", *times);
   return text + fmt::format("; memory {:.0f} MB\n", result.peak_memory_mb);
+}
+
+/// Where a budget was given.
+std::string map_memory_line(const MapMemory& memory) {
+  if (memory.budget_bytes == 0) return "";
+  constexpr double bytes_per_mb = 1e6;
+  std::string text =
+      fmt::format("  map memory   {:.1f} MB of {:.1f} MB", static_cast<double>(memory.bytes) / bytes_per_mb,
+                  static_cast<double>(memory.budget_bytes) / bytes_per_mb);
+  if (!memory.measures.empty()) text += "; " + memory.measures;
+  return text + "\n";
 }
 
 }  // namespace
@@ -192,8 +203,8 @@ SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const S
       write_whole_file(folder.file("cloud.ply"), cloud_ply(*run.cloud, "world"));
       outputs.files.push_back("cloud.ply");
     }
-    const MapImage& image = *std::find_if(std::begin(map_images), std::end(map_images),
-                                          [&run](const MapImage& each) { return each.applies(run); });
+    const MapImageFile& image = *std::find_if(std::begin(map_image_files), std::end(map_image_files),
+                                              [&run](const MapImageFile& each) { return each.applies(run); });
     image.write(run, folder.file("map.png").string());
     outputs.files.push_back("map.png");
   } else {
@@ -205,16 +216,19 @@ SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const S
 
 std::string slam_summary(const SlamRunEnd& end, const SlamOutputs& outputs, const std::string& folder, SlamTask task) {
   const SlamResult& result = end.result;
-  std::string text = fmt::format("{}: {} frames, {:.1f} % of those asked for have a pose{}\n", result.method,
+  std::string text = fmt::format("{}: {} frames, {:.1f} % of the requested ones have a pose{}\n", result.method,
                                  result.frames, result.coverage, result.interrupted ? " (interrupted)" : "");
   text += states_line(result) + reasons_line(result);
   text += (task == SlamTask::localize ? recall_line(result) : map_line(end, outputs)) + scale_line(result) +
-          time_line(result);
+          time_line(result) + map_memory_line(result.map_memory);
+  if (result.timing.dropped_frames > 0)
+    text += fmt::format("  dropped      {} frames were not mapped because mapping was too slow\n",
+                        result.timing.dropped_frames);
   text += fmt::format("  result       sha256 {}\n", result.result_sha256);
   text += fmt::format("written to {}: {} result.json stats.csv\n", folder, fmt::join(outputs.files, " "));
   if (result.skipped_frames > 0) {
-    text += fmt::format("warning: {} frames could not be read and were skipped, the first because: {}\n",
-                        result.skipped_frames, end.first_skip);
+    text += fmt::format("warning: {} frames could not be read and were skipped; the first: {}\n", result.skipped_frames,
+                        end.first_skip);
   }
   return text;
 }

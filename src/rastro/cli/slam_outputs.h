@@ -10,7 +10,7 @@
 
 namespace rastro::cli {
 
-/// What a run was for: to make a map (or continue one), or to localize in one made before.
+/// Whether a run makes (or continues) a map, or localizes in one.
 enum class SlamTask { map, localize };
 
 /// What was written, for slam_summary().
@@ -24,7 +24,7 @@ struct SlamOutputs {
 /// not over images and clouds, which are made from the map. When localizing, the trajectory alone.
 SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const SlamContext& context, SlamTask task);
 
-/// What a person wants to know of the run.
+/// Summary of the run.
 std::string slam_summary(const SlamRunEnd& end, const SlamOutputs& outputs, const std::string& folder, SlamTask task);
 
 }  // namespace rastro::cli

@@ -27,8 +27,7 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* no_calibration_warning =
-    "no calibration found, so the tracks have no undistorted rays; give --calibration FILE, --intrinsics fx,fy,cx,cy "
-    "or "
+    "no calibration found: the tracks have no undistorted rays; give --calibration FILE, --intrinsics fx,fy,cx,cy or "
     "--fov DEG to get them";
 
 TracksHeader header_of(const OptionTable& table, const std::optional<Camera>& camera) {
@@ -73,7 +72,7 @@ std::unique_ptr<Prepared> prepare(const TrackFlags& flags) {
   const OpenOptions open = open_options(flags.data);
   run->source = rastro::open(flags.data.path, open);
   const SourceInfo& info = run->source->info();
-  if (!info.has_image) throw Error("holds no images to track", info.path, "'rastro slam' reads laser scans");
+  if (!info.has_image) throw Error("has no images to track", info.path, "'rastro slam' reads laser scans");
   run->frames = frames_asked(info, open);
   if (!info.cameras.empty()) run->camera = info.cameras.front().camera;
   if (!flags.mask.empty()) run->masks.emplace(flags.mask);
@@ -84,7 +83,7 @@ std::unique_ptr<Prepared> prepare(const TrackFlags& flags) {
 
 void warn_about(const Prepared& run) {
   for (const std::string& warning : run.source->info().warnings) {
-    // Ours also says what the tracks lack.
+    // The warning below also says what the tracks lack.
     if (run.camera || !warning.starts_with("no calibration found")) log_warning(warning);
   }
   if (!run.camera) log_warning(no_calibration_warning);
@@ -93,12 +92,12 @@ void warn_about(const Prepared& run) {
 TrackRun wired(Prepared& prepared, RunFolder& folder, const TrackOutputs& outputs, ProgressBar& bar) {
   TrackRun run;
   run.source = prepared.source.get();
-  run.process = [&prepared](GreyView image, TimeNs stamp, GreyView mask) {
+  run.process = [&prepared](GrayView image, TimeNs stamp, GrayView mask) {
     return prepared.tracker->process(image, stamp, mask);
   };
   if (prepared.masks) run.mask_of = [&prepared](const Frame& frame) { return prepared.masks->mask_of(frame); };
   run.sinks = outputs.text_sinks();
-  run.picture_sinks = outputs.picture_sinks();
+  run.image_sinks = outputs.image_sinks();
   run.folder = &folder;
   run.stop = &catch_interrupts();
   run.frames_asked = prepared.frames;
@@ -124,9 +123,8 @@ int missed_limits(const std::vector<Limit>& limits, const TrackResult& result) {
 void refuse_empty_run(const TrackRunEnd& end, const std::string& path) {
   if (end.failure) std::rethrow_exception(end.failure);
   if (end.result.frames > 0 || end.result.interrupted) return;
-  throw Error(
-      end.first_skip.empty() ? "holds no frame" : "no frame could be read, the first because: " + end.first_skip, path,
-      "'rastro check' says more");
+  throw Error(end.first_skip.empty() ? "has no frames" : "no frame could be read; the first: " + end.first_skip, path,
+              "'rastro check' lists what is wrong");
 }
 
 int run_track(const TrackFlags& flags) {
@@ -156,8 +154,8 @@ int run_track(const TrackFlags& flags) {
 }  // namespace
 
 void add_track_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand(
-      "track", "Follow features through a recording; what an occlusion hid gets its id back when it returns");
+  CLI::App* command =
+      app.add_subcommand("track", "Tracks features through a recording and re-identifies them after occlusions");
   const auto flags = std::make_shared<TrackFlags>();
   add_track_flags(*command, *flags);
   command->callback([command, flags, &context] {

@@ -9,32 +9,40 @@
 namespace rastro::cli {
 namespace {
 
-constexpr const char* footer = R"(Writes into --out:
-  tracks.yaml tracks.csv tracks.jsonl  per frame and feature: id, pixel, undistorted ray, age, state, last frame seen
-  table.md       followed and re-identified per frame, as in Table I of the paper
-  stats.csv      counts and times per frame          options.yaml  all values in force
-  events.jsonl   skipped frames, weak moments        about.json    version, machine, input, command line
-  result.json    frames, coverage, times, memory, hash of the result
+constexpr const char* footer = R"(Output files, in --out:
+  tracks.yaml tracks.csv tracks.jsonl  per frame and feature: id, pixel, undistorted ray, age, state, last observation
+  table.md       features tracked and re-identified per frame, as Table I of the paper
+  stats.csv      counts and times per frame
+  events.jsonl   skipped frames, frames with few features or abrupt motion
+  options.yaml   options in use
+  about.json     version, machine, input, command line
+  result.json    frames, coverage (% of the requested frames), times, memory, hash of the result
 Frames are numbered as in the recording. A run that is stopped (Ctrl-C) or killed keeps all frames written so far;
 Ctrl-C ends with exit code 0 and "interrupted": true in result.json.
 
 Examples:
-  rastro track hall --out run --pictures
-  rastro track MH_01_easy --out run --match-picture 1:29 --video run.avi
+  rastro track hall --out run --images
+  rastro track MH_01_easy --out run --match-image 1:29 --video run.avi
   rastro track walk.mp4 --fov 70 --out run --set min_distance_px=20 --features 300
-  rastro track kitti/00 --frames 0:500 --mask bonnet.png --out run --require 'coverage>=99'
+  rastro track kitti/00 --frames 0:500 --mask hood.png --out run --require 'coverage>=99'
   rastro options --yaml > mine.yaml && rastro track hall --out run --options mine.yaml)";
 
 void add_setting_flags(CLI::App& command, TrackFlags& flags) {
   const char* group = "Tracker";
-  command.add_option("--mode", flags.mode, "klt, vote, dual or priority (default: priority)")->group(group);
-  command.add_option("--features", flags.features, "Features held per frame (default: 150)")->group(group);
-  command.add_option("--window", flags.window, "Frames in which lost features are looked for (default: 30)")
+  command.add_option("--mode", flags.mode, "Re-identification: klt (none), vote, dual or priority (default: priority)")
+      ->type_name("MODE")
       ->group(group);
-  command.add_option("--validation", flags.validation, "How a re-identification is confirmed (default: homography)")
+  command.add_option("--features", flags.features, "Features per frame (default: 150)")->type_name("N")->group(group);
+  command.add_option("--window", flags.window, "Frames for which a lost feature can be re-identified (default: 30)")
+      ->type_name("N")
+      ->group(group);
+  command
+      .add_option("--validation", flags.validation,
+                  "Geometric verification: homography, epipolar or local (default: homography)")
+      ->type_name("MODE")
       ->group(group);
   add_settings_flags(command, flags, group, "rastro options");
-  command.add_option("--mask", flags.mask, "Image (or folder of one per frame), black where nothing may be detected")
+  command.add_option("--mask", flags.mask, "Mask image, or folder of one per frame: no features where it is black")
       ->type_name("FILE|FOLDER")
       ->group(group);
 }
@@ -42,18 +50,20 @@ void add_setting_flags(CLI::App& command, TrackFlags& flags) {
 void add_output_flags(CLI::App& command, TrackFlags& flags) {
   const char* group = "Output";
   add_folder_flags(command, flags);
-  command.add_option("--formats", flags.formats, "Which of yaml,csv,jsonl to write (default: all)")
+  command.add_option("--formats", flags.formats, "Track files to write, of yaml,csv,jsonl (default: all)")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->group(group);
-  command.add_flag("--pictures", flags.pictures, "Draw every frame: positions in red, ids in green")->group(group);
-  command.add_option("--match-picture", flags.match_picture, "Draw what became of frame A's features in frame B")
+  command.add_flag("--images", flags.images, "Draw every frame: features in red, ids in green")->group(group);
+  command.add_option("--match-image", flags.match_image, "Draw the matches between frames A and B")
       ->type_name("A:B")
       ->group(group);
-  command.add_option("--video", flags.video, "The pictures as a video, .avi or .mp4")->type_name("FILE")->group(group);
+  command.add_option("--video", flags.video, "Write the drawn frames as a video, .avi or .mp4")
+      ->type_name("FILE")
+      ->group(group);
   command
       .add_option("--require", flags.limits,
-                  "Limit on a number of result.json such as 'coverage>=95', may be repeated; exit code 1 when missed")
+                  "Limit on a value of result.json, such as 'coverage>=95'; exit code 1 if missed; may be repeated")
       ->type_name("LIMIT")
       ->allow_extra_args(false)
       ->group(group);
@@ -62,9 +72,9 @@ void add_output_flags(CLI::App& command, TrackFlags& flags) {
 }  // namespace
 
 void add_track_flags(CLI::App& command, TrackFlags& flags) {
-  add_data_flags(command, flags.data);
-  add_setting_flags(command, flags);
   add_output_flags(command, flags);
+  add_setting_flags(command, flags);
+  add_data_flags(command, flags.data);
   command.footer(footer);
 }
 
@@ -81,14 +91,14 @@ void apply_settings(const TrackFlags& flags, OptionTable& table) {
 }
 
 std::optional<std::pair<std::int64_t, std::int64_t>> match_frames(const TrackFlags& flags) {
-  if (flags.match_picture.empty()) return std::nullopt;
-  const auto ends = split(flags.match_picture, ':');
+  if (flags.match_image.empty()) return std::nullopt;
+  const auto ends = split(flags.match_image, ':');
   if (ends.size() == 2) {
     const auto first = parse_int64(ends[0]);
     const auto second = parse_int64(ends[1]);
     if (first && second && *first >= 0 && *first < *second) return std::pair(*first, *second);
   }
-  throw Error(fmt::format("'{}' is no pair of frames", flags.match_picture), "--match-picture",
+  throw Error(fmt::format("'{}' is not a pair of frames", flags.match_image), "--match-image",
               "give two frame numbers, the earlier one first, such as 1:29");
 }
 

@@ -15,10 +15,10 @@ namespace rastro::cli {
 
 /// The flags of `rastro track`.
 struct TrackFlags : RunFlags {
-  std::string mode, features, window, validation;  ///< Empty = not given; they stand for options of the same name.
+  std::string mode, features, window, validation;  ///< Empty: not given; they set the options of the same names.
   std::string mask;
-  bool pictures = false;
-  std::string match_picture;  ///< A:B
+  bool images = false;
+  std::string match_image;  ///< A:B
   std::string video;
   std::vector<std::string> formats = {"yaml", "csv", "jsonl"};
   std::vector<std::string> limits;  ///< --require
@@ -29,7 +29,7 @@ void add_track_flags(CLI::App& command, TrackFlags& flags);
 /// Sets the table from the options file, --set and the flags, in this order. Errors name the flag.
 void apply_settings(const TrackFlags& flags, OptionTable& table);
 
-/// The frames of --match-picture; nullopt when not given.
+/// The frames of --match-image; nullopt when not given.
 std::optional<std::pair<std::int64_t, std::int64_t>> match_frames(const TrackFlags& flags);
 
 }  // namespace rastro::cli

@@ -8,8 +8,8 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
-#include "rastro/export/match_picture.h"
-#include "rastro/export/pictures.h"
+#include "rastro/export/match_image.h"
+#include "rastro/export/track_images.h"
 #include "rastro/export/track_table.h"
 #include "rastro/export/tracks_jsonl.h"
 #include "rastro/export/tracks_yaml.h"
@@ -27,8 +27,8 @@ bool wants(const TrackFlags& flags, const std::string& format) {
 void check_formats(const TrackFlags& flags) {
   for (const std::string& format : flags.formats) {
     if (std::find(known_formats.begin(), known_formats.end(), format) != known_formats.end()) continue;
-    throw Error(fmt::format("'{}' is no format of tracks", format), "--formats",
-                fmt::format("did you mean '{}'? Known are yaml, csv, jsonl", nearest_name(format, known_formats)));
+    throw Error(fmt::format("'{}' is not a format of tracks", format), "--formats",
+                fmt::format("did you mean '{}'? Formats are yaml, csv and jsonl", nearest_name(format, known_formats)));
   }
 }
 
@@ -48,7 +48,7 @@ void check_outputs(const TrackFlags& flags) {
 
 TrackOutputs::TrackOutputs(const TrackFlags& flags, const RunFolder& folder, const TracksHeader& header) {
   add_text(flags, folder, header);
-  add_pictures(flags, folder);
+  add_track_images(flags, folder);
 }
 
 void TrackOutputs::add_text(const TrackFlags& flags, const RunFolder& folder, const TracksHeader& header) {
@@ -65,22 +65,22 @@ void TrackOutputs::add_text(const TrackFlags& flags, const RunFolder& folder, co
   }
   if (!files.empty()) contents_.emplace_back(files, "the tracks");
   text_.push_back(std::make_unique<TrackTableFile>(folder.file("table.md")));
-  contents_.emplace_back("table.md", "followed and re-identified per frame");
+  contents_.emplace_back("table.md", "features tracked and re-identified per frame");
 }
 
-void TrackOutputs::add_pictures(const TrackFlags& flags, const RunFolder& folder) {
-  if (flags.pictures) {
-    pictures_.push_back(std::make_unique<Pictures>(folder.file("pictures")));
-    contents_.emplace_back("pictures/", "every frame with its features");
+void TrackOutputs::add_track_images(const TrackFlags& flags, const RunFolder& folder) {
+  if (flags.images) {
+    images_.push_back(std::make_unique<TrackImages>(folder.file("track_images")));
+    contents_.emplace_back("track_images/", "every frame with its features");
   }
   if (const auto frames = match_frames(flags)) {
     const std::string name = fmt::format("match_{}_{}.png", frames->first, frames->second);
-    pictures_.push_back(std::make_unique<MatchPicture>(folder.file(name), frames->first, frames->second));
-    contents_.emplace_back(name, "magenta: followed all the way, green: lost and re-identified");
+    images_.push_back(std::make_unique<MatchImage>(folder.file(name), frames->first, frames->second));
+    contents_.emplace_back(name, "magenta: tracked throughout, green: lost and re-identified");
   }
   if (!flags.video.empty()) {
-    pictures_.push_back(std::make_unique<TrackVideo>(flags.video));
-    contents_.emplace_back(flags.video, "the pictures as a video");
+    images_.push_back(std::make_unique<TrackVideo>(flags.video));
+    contents_.emplace_back(flags.video, "the drawn frames as a video");
   }
 }
 
@@ -90,6 +90,6 @@ std::vector<TrackSink*> TrackOutputs::text_sinks() const {
   return sinks;
 }
 
-std::vector<TrackSink*> TrackOutputs::picture_sinks() const { return pointers(pictures_); }
+std::vector<TrackSink*> TrackOutputs::image_sinks() const { return pointers(images_); }
 
 }  // namespace rastro::cli

@@ -14,16 +14,16 @@
 
 namespace rastro::cli {
 
-/// Error for flags that ask for outputs that cannot be; before anything is written.
+/// Error for outputs that cannot be written as the flags ask; before anything is written.
 void check_outputs(const TrackFlags& flags);
 
-/// The files of a run, as the flags ask for them.
+/// The output files of a run that the flags ask for.
 class TrackOutputs {
  public:
   TrackOutputs(const TrackFlags& flags, const RunFolder& folder, const TracksHeader& header);
 
   std::vector<TrackSink*> text_sinks() const;
-  std::vector<TrackSink*> picture_sinks() const;
+  std::vector<TrackSink*> image_sinks() const;
   /// SHA-256 of the bytes of tracks.csv, whether it was written or not. Once, after the run.
   std::string result_sha256() { return csv_->sha256(); }
   /// File and what is in it, for the summary.
@@ -31,11 +31,11 @@ class TrackOutputs {
 
  private:
   void add_text(const TrackFlags& flags, const RunFolder& folder, const TracksHeader& header);
-  void add_pictures(const TrackFlags& flags, const RunFolder& folder);
+  void add_track_images(const TrackFlags& flags, const RunFolder& folder);
 
   std::unique_ptr<TracksCsv> csv_;
   std::vector<std::unique_ptr<TrackSink>> text_;
-  std::vector<std::unique_ptr<TrackSink>> pictures_;
+  std::vector<std::unique_ptr<TrackSink>> images_;
   std::vector<std::pair<std::string, std::string>> contents_;
 };
 

@@ -22,8 +22,7 @@ void read_about(const fs::path& file, TrackRunInput& input) {
     input.image_height = size->at(1).get<int>();
   } catch (const nlohmann::json::exception&) {
     if (input.data_path.empty())
-      throw Error("does not say which data the run was made on", file.string(),
-                  "make the run anew with `rastro track`");
+      throw Error("does not name the recording of the run", file.string(), "run `rastro track` again");
   }
 }
 

@@ -8,10 +8,10 @@
 
 namespace rastro::cli {
 
-/// What a run folder of `rastro track` says of how it was made. What is not there keeps its default.
+/// Input and options of a run of `rastro track`, read from its folder. What is missing keeps its default.
 struct TrackRunInput {
   std::string data_path;  ///< DATA of the run; empty where there is no about.json.
-  int image_width = 0;    ///< 0: not known.
+  int image_width = 0;    ///< 0: unknown.
   int image_height = 0;
   TrackOptions options;
 };

@@ -9,12 +9,12 @@
 
 namespace rastro::cli {
 
-/// What a person wants to know after a run: what came out, where it is, what looks wrong and what to do about it.
+/// Summary of a run: results, where they are, what looks wrong and how to fix it.
 std::string track_summary(const TrackRunEnd& end, const std::string& folder,
                           const std::vector<std::pair<std::string, std::string>>& contents,
                           const std::vector<std::string>& hints);
 
-/// What looks wrong with a run, one line each with what to do.
+/// What looks wrong with a run and how to fix it, a line each.
 std::vector<std::string> hints_for(const TrackRunEnd& end);
 
 }  // namespace rastro::cli

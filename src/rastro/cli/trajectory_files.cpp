@@ -40,12 +40,12 @@ std::optional<CameraMount> mount_of_file(const std::string& file) {
 
 CameraMount given_mount(const std::string& file) {
   const auto mount = mount_of_file(file);
-  if (!mount) throw Error("does not say where the camera is on the body", file, "give a sensor.yaml with T_BS");
+  if (!mount) throw Error("has no pose of the camera on the body", file, "give a sensor.yaml with T_BS");
   return *mount;
 }
 
-std::optional<CameraMount> mount_beside(const std::string& truth_file) {
-  const fs::path file = fs::path(truth_file).parent_path() / ".." / "cam0" / "sensor.yaml";
+std::optional<CameraMount> mount_beside(const std::string& ground_truth_file_name) {
+  const fs::path file = fs::path(ground_truth_file_name).parent_path() / ".." / "cam0" / "sensor.yaml";
   if (!is_file(file)) return std::nullopt;
   return mount_of_file(file.lexically_normal().string());
 }
@@ -75,20 +75,20 @@ std::optional<Span> span_of_recording(const std::string& path) {
   return Span{begin->stamp, end->stamp};
 }
 
-/// Of the recording that a truth file lies in: EuRoC's or TUM's.
-std::optional<Span> span_beside(const fs::path& truth_file) {
-  const fs::path folder = truth_file.parent_path();
+/// Of the EuRoC or TUM recording that a ground-truth file lies in.
+std::optional<Span> span_beside(const fs::path& ground_truth_file_name) {
+  const fs::path folder = ground_truth_file_name.parent_path();
   try {
     if (is_file(folder / ".." / "cam0" / "data.csv")) return span_of_recording((folder / "..").string());
-    if (truth_file.filename() == "groundtruth.txt" && is_file(folder / "rgb.txt"))
+    if (ground_truth_file_name.filename() == "groundtruth.txt" && is_file(folder / "rgb.txt"))
       return span_of_recording(folder.string());
   } catch (const Error&) {
-    // A recording whose images are gone still has its truth.
+    // A recording whose images are missing still has its ground truth.
   }
   return std::nullopt;
 }
 
-/// Truth often goes on longer than the camera: what no frame could give is not asked of an estimate.
+/// Ground truth is often longer than the recording: an estimate cannot have poses without frames.
 void keep_span(TrajectoryInput& input, const Span& span, std::string& said) {
   constexpr TimeNs slack = 20'000'000;
   TrajectoryInput kept = input;
@@ -108,9 +108,9 @@ Found read_recording(const std::string& path, const std::string& times) {
   const auto source = open(path);
   const SourceInfo& info = source->info();
   if (info.ground_truth.empty())
-    throw Error("holds no ground truth", path, "give a file of poses, or a recording that has some");
+    throw Error("has no ground truth", path, "give a trajectory file, or a recording with ground truth");
   Found found;
-  // The file itself, where it is one, gives its poses with all their digits.
+  // A single file gives its poses with all their digits.
   found.input = is_file(info.ground_truth_file) ? read_trajectory_input(info.ground_truth_file, times)
                                                 : trajectory_input_from(info.ground_truth, info.ground_truth_file);
   found.of_body = info.ground_truth_frame == "body";
@@ -143,7 +143,7 @@ bool starts_at_identity(const TrajectoryInput& input) {
 
 void require_known(const std::string& estimate_of) {
   if (estimate_of.empty() || estimate_of == "camera" || estimate_of == "body") return;
-  throw Error(in_quotes(estimate_of) + " is nothing that poses are of", "--estimate-of", "use camera or body");
+  throw Error(in_quotes(estimate_of) + " is not camera or body", "--estimate-of", "give one of them");
 }
 
 }  // namespace
@@ -159,18 +159,18 @@ ReferenceTrajectory read_reference(const std::string& path, const TrajectoryFile
   reference.input = std::move(found.input);
   const bool by_camera = found.of_body && flags.estimate_of != "body";
   if (by_camera && !found.mount && flags.estimate_of == "camera")
-    throw Error("is of the body, and where the camera is on it is not known", path,
+    throw Error("is of the body, and the pose of the camera on it is unknown", path,
                 "give --body-from-camera FILE (a sensor.yaml with T_BS), or --estimate-of body");
   if (by_camera && found.mount && found.compare_in_body) {
-    reference.frames = "of the body; the estimate's poses of the camera are brought there by " + found.mount->from;
+    reference.frames = "of the body; the camera poses of the estimate are converted with T_BS of " + found.mount->from;
     reference.body_from_camera_of_estimates = found.mount->body_from_camera;
     reference.of_body = true;
   } else if (by_camera && found.mount) {
-    reference.frames = "of the body, turned into poses of the camera by T_BS of " + found.mount->from;
+    reference.frames = "of the body, converted to poses of the camera with T_BS of " + found.mount->from;
     move_poses(reference.input, SE3(), found.mount->body_from_camera);
   } else {
     reference.of_body = found.of_body;
-    reference.frames = found.of_body ? "of the body, and the estimate is compared as it is" : "compared as they are";
+    reference.frames = found.of_body ? "of the body; the estimate is compared as it is" : "compared as they are";
   }
   if (found.recording) keep_span(reference.input, *found.recording, reference.frames);
   reference.camera_world =
@@ -183,7 +183,7 @@ TrajectoryInput read_estimate(const std::string& path, const ReferenceTrajectory
   std::string file = path;
   if (is_folder(path)) {
     file = (fs::path(path) / "trajectory.txt").string();
-    if (!is_file(file)) throw Error("there is no trajectory.txt in the folder", path, "give a run folder or a file");
+    if (!is_file(file)) throw Error("has no trajectory.txt", path, "give a run folder or a file");
   }
   TrajectoryInput input = read_trajectory_input(file, flags.times);
   if (const auto& mount = reference.body_from_camera_of_estimates) move_poses(input, *mount, mount->inverse());

@@ -11,17 +11,17 @@ namespace rastro::cli {
 
 struct TrajectoryFileFlags {
   std::string times;             ///< --times FILE: stamps of KITTI poses.
-  std::string estimate_of;       ///< --estimate-of camera|body; empty: found out.
+  std::string estimate_of;       ///< --estimate-of camera|body; empty: detected.
   std::string body_from_camera;  ///< --body-from-camera FILE.
 };
 
 /// A reference, ready to be compared with the estimates.
 struct ReferenceTrajectory {
   TrajectoryInput input;
-  std::string frames;  ///< What its poses are of, and how that came about; one clause.
+  std::string frames;  ///< What its poses are of, and after which conversion; one clause.
   bool of_body = false;
   bool camera_world = false;  ///< The world is the first camera: x right, y down.
-  /// Estimates of the camera are brought to the body with it, where results are given there (KITTI raw).
+  /// Converts estimates of the camera to the body, where they are compared there (KITTI raw).
   std::optional<SE3> body_from_camera_of_estimates;
 };
 
@@ -29,7 +29,7 @@ struct ReferenceTrajectory {
 /// turned into one of the camera where the estimate is the camera's and T_BS is known: from --body-from-camera, the
 /// recording, or ../cam0/sensor.yaml beside EuRoC's state_groundtruth_estimate0/data.csv. Only KITTI raw is compared in
 /// the frame of its IMU. Where the reference lies in a EuRoC or TUM recording, its poses before the first frame and
-/// after the last one are left out. Error for what cannot be read, and for --estimate-of camera without a T_BS.
+/// after the last one are omitted. Error for what cannot be read, and for --estimate-of camera without a T_BS.
 ReferenceTrajectory read_reference(const std::string& path, const TrajectoryFileFlags& flags);
 
 /// A trajectory file or a run folder.

@@ -18,14 +18,14 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    R"(Learns the words by which places are recognised: a tree of ORB descriptors. One learned on many kinds of generated pictures
-comes with rastro and is used without being asked for; one of your own pays where all recordings are of one kind, as under
-water. IMAGES are what other commands take as DATA, too: a folder or (quoted) glob of pictures, a recording, a video. The same
-pictures and flags give the same bytes, for any number of threads. Pictures that differ teach more than many of one place: use
---every on recordings.
+    R"(Trains a bag-of-words vocabulary: a tree of ORB descriptors, by hierarchical clustering. The one that SLAM uses is built in
+and was trained on many kinds of generated images. Your own helps where all recordings are of one kind, such as under water:
+replace data/vocabulary.rvoc by it and build rastro again. IMAGES are folders or quoted globs of images, recordings or
+videos, as DATA of other commands. Varied images are better than many of one place: use --every with recordings. The same
+images and flags give the same bytes, for any number of threads.
 
 Examples:
-  rastro vocabulary pictures/ --out mine.rvoc
+  rastro vocabulary images/ --out mine.rvoc
   rastro vocabulary MH_01_easy kitti/00 --every 10 --out mine.rvoc
   rastro vocabulary 'frames/*.png' --branching 10 --depth 4 --out small.rvoc)";
 
@@ -40,13 +40,13 @@ struct Flags {
 
 using Descriptors = std::vector<std::vector<Descriptor>>;
 
-/// Of every picture of one argument. A picture that cannot be read is said and left out.
+/// Of every image of one argument. An image that cannot be read is skipped with a warning.
 void collect(const std::string& path, const Flags& flags, OrbExtractor& extractor, TaskPool& pool, ProgressBar& bar,
              Descriptors& descriptors) {
   OpenOptions options;
   options.every = flags.every;
   const std::unique_ptr<Source> source = rastro::open(path, options);
-  if (!source->info().has_image) throw Error("holds no pictures", path, "give recordings of a camera");
+  if (!source->info().has_image) throw Error("has no images", path, "give recordings of a camera");
   const auto all = static_cast<std::size_t>(std::max<std::int64_t>(0, source->info().frame_count));
   for (std::size_t read = 0;; ++read) {
     try {
@@ -58,18 +58,18 @@ void collect(const std::string& path, const Flags& flags, OrbExtractor& extracto
     } catch (const Error& error) {
       log_warning(error.what());
     }
-    bar.show_steps("pictures", read + 1, std::max(all, read + 1));
+    bar.show_steps("images", read + 1, std::max(all, read + 1));
   }
 }
 
 void refuse_existing(const Flags& flags) {
   if (!flags.force && std::filesystem::exists(flags.out))
-    throw Error("already exists", flags.out, "choose another name, or add --force to replace it");
+    throw Error("already exists", flags.out, "choose another --out or add --force");
 }
 
 void say(const Flags& flags, const Descriptors& descriptors, const Vocabulary& vocabulary) {
   std::size_t count = 0;
-  for (const auto& picture : descriptors) count += picture.size();
+  for (const auto& image : descriptors) count += image.size();
   const auto bytes = std::filesystem::file_size(flags.out);
   if (flags.json) {
     nlohmann::ordered_json json;
@@ -82,12 +82,12 @@ void say(const Flags& flags, const Descriptors& descriptors, const Vocabulary& v
     json["bytes"] = bytes;
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else if (!flags.quiet) {
-    fmt::print("{} words of {} descriptors of {} pictures written to {} ({:.0f} kB)\n", vocabulary.words(), count,
+    fmt::print("{} words from {} descriptors of {} images written to {} ({:.0f} kB)\n", vocabulary.words(), count,
                descriptors.size(), flags.out, static_cast<double>(bytes) / 1e3);
   }
 }
 
-void learn(const Flags& flags) {
+void train(const Flags& flags) {
   refuse_existing(flags);
   TaskPool pool(flags.threads);
   ProgressBar bar(!flags.quiet);
@@ -104,39 +104,49 @@ void learn(const Flags& flags) {
 }
 
 void add_flags(CLI::App& command, Flags& flags) {
-  command.add_option("images", flags.images, "Recordings, folders or globs of pictures, videos")->required();
-  command.add_option("--out", flags.out, "File to write; .rvoc by custom")->type_name("FILE")->required();
-  command.add_option("--every", flags.every, "Of each argument, take every N-th picture")
+  command.add_option("IMAGES", flags.images, "Folders or globs of images, recordings, videos")
+      ->type_name("")
+      ->required();
+  command.add_option("--out", flags.out, "Output file, .rvoc by convention")->type_name("FILE")->required();
+  command.add_option("--every", flags.every, "Use every N-th image of each recording only")
       ->type_name("N")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command.add_option("--branching", flags.tree.branching, "Children of a node of the tree, 2..64")
+  command.add_option("--branching", flags.tree.branching, "Branching factor of the tree, 2 to 64")
+      ->type_name("N")
       ->capture_default_str();
-  command.add_option("--depth", flags.tree.depth, "Levels of the tree, 1..8; there are at most branching^depth words")
+  command.add_option("--depth", flags.tree.depth, "Levels of the tree, 1 to 8; at most branching^depth words")
+      ->type_name("N")
       ->capture_default_str();
-  command.add_option("--features", flags.features.features, "ORB features a picture")->capture_default_str();
-  command.add_option("--levels", flags.features.levels, "Of the image pyramid")->capture_default_str();
-  command.add_option("--scale-factor", flags.features.scale_factor, "From one level to the next")
+  command.add_option("--features", flags.features.features, "ORB features per image")
+      ->type_name("N")
       ->capture_default_str();
-  command.add_option("--seed", flags.tree.seed, "Of the first centres")->capture_default_str();
-  command.add_option("--threads", flags.threads, "0 = all of the machine; the bytes do not depend on it")
+  command.add_option("--levels", flags.features.levels, "Levels of the image pyramid")
+      ->type_name("N")
+      ->capture_default_str();
+  command.add_option("--scale-factor", flags.features.scale_factor, "Scale factor between pyramid levels")
+      ->type_name("FACTOR")
+      ->capture_default_str();
+  command.add_option("--seed", flags.tree.seed, "Seed of the random numbers")->type_name("N")->capture_default_str();
+  command.add_option("--threads", flags.threads, "Number of threads, 0: all cores; the bytes do not depend on it")
+      ->type_name("N")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command.add_flag("--force", flags.force, "Replace a file that is already there");
-  command.add_flag("--json", flags.json, "Print the summary as JSON");
-  command.add_flag("--quiet", flags.quiet, "Print nothing but errors");
+  command.add_flag("--force", flags.force, "Overwrite --out");
+  command.add_flag("--json", flags.json, "Print the result as JSON");
+  command.add_flag("--quiet", flags.quiet, "Print errors only");
 }
 
 }  // namespace
 
 void add_vocabulary_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("vocabulary", "Learn from pictures the words by which places are recognised");
+  CLI::App* command = app.add_subcommand("vocabulary", "Trains a visual vocabulary for place recognition");
   const auto flags = std::make_shared<Flags>();
   add_flags(*command, *flags);
   command->footer(footer);
   command->callback([flags, &context] {
     if (flags->quiet) set_log_sink({});
-    learn(*flags);
+    train(*flags);
     context.exit_code = done;
   });
 }

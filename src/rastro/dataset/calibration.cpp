@@ -27,6 +27,25 @@ const CalibratedCameraEntry* find_entry(const Calibration& calibration, const st
   return only_name && calibration.cameras.size() == 1 ? &calibration.cameras.front() : nullptr;
 }
 
+Calibration read_with_warnings(SourceInfo& info, const std::filesystem::path& file) {
+  auto calibration = read_calibration(file.string());
+  for (const auto& warning : calibration.warnings)
+    info.warnings.push_back(fmt::format("{}: {}", file.string(), warning));
+  return calibration;
+}
+
+std::string names_in(const Calibration& calibration) {
+  std::vector<std::string> names;
+  for (const auto& entry : calibration.cameras) names.push_back(entry.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+[[noreturn]] void refuse_cameras(const Calibration& calibration, const std::string& wanted,
+                                 const std::filesystem::path& file) {
+  throw Error(fmt::format("has {}, but not {}", names_in(calibration), wanted), file.string(),
+              "--camera NAME chooses a camera, --calibration FILE another file");
+}
+
 /// Along the file's chain of camera_from_previous, back to the last camera that has none.
 std::optional<SE3> chained(const Calibration& calibration, const std::string& name) {
   SE3 first_from_this;
@@ -51,12 +70,16 @@ void apply_given(SourceInfo& info, const OpenOptions& options, std::optional<Ima
     std::vector<std::string> names;
     for (const auto& camera : info.cameras) names.push_back(camera.name);
     info.cameras.clear();
-    read_cameras(info, options.calibration_file, names);
+    if (info.format == "images" || info.format == "video") {
+      read_unnamed_camera(info, options.calibration_file, names.front(), options.camera);
+    } else {
+      read_cameras(info, options.calibration_file, names);
+    }
   } else if (options.intrinsics) {
     main.camera = camera_from_intrinsics(*options.intrinsics);
     main.calibration_file = "--intrinsics";
   } else if (options.field_of_view_deg && !main.camera) {
-    if (!size) throw Error("the size of the images is not known", "--fov", "give --intrinsics fx,fy,cx,cy instead");
+    if (!size) throw Error("the size of the images is unknown", "--fov", "give --intrinsics fx,fy,cx,cy instead");
     main.camera = camera_from_field_of_view(*options.field_of_view_deg, size->width, size->height);
     main.calibration_file = "--fov";
   } else if (options.field_of_view_deg) {
@@ -84,9 +107,7 @@ bool calibration_is_given(const OpenOptions& options) {
 CalibratedCamera uncalibrated(const std::string& name) { return {name, std::nullopt, std::nullopt, ""}; }
 
 void read_cameras(SourceInfo& info, const std::filesystem::path& file, const std::vector<std::string>& names) {
-  const auto calibration = read_calibration(file.string());
-  for (const auto& warning : calibration.warnings)
-    info.warnings.push_back(fmt::format("{}: {}", file.string(), warning));
+  const auto calibration = read_with_warnings(info, file);
   std::vector<std::string> unknown;
   for (const auto& name : names) {
     const auto* entry = find_entry(calibration, name, names.size() == 1);
@@ -94,15 +115,23 @@ void read_cameras(SourceInfo& info, const std::filesystem::path& file, const std
     info.cameras.push_back(entry ? CalibratedCamera{name, entry->camera, entry->body_from_camera, file.string()}
                                  : uncalibrated(name));
   }
-  std::vector<std::string> known;
-  for (const auto& entry : calibration.cameras) known.push_back(entry.name);
-  if (unknown.size() == names.size()) {
-    throw Error(fmt::format("holds {}, but not {}", fmt::join(known, ", "), fmt::join(unknown, ", ")), file.string(),
-                "--camera NAME chooses a camera, --calibration FILE another file");
-  }
+  if (unknown.size() == names.size()) refuse_cameras(calibration, fmt::format("{}", fmt::join(unknown, ", ")), file);
   for (const auto& name : unknown)
     info.warnings.push_back(fmt::format("{}: no calibration for {}", file.string(), name));
   set_stereo_pose(info, calibration, names);
+}
+
+void read_unnamed_camera(SourceInfo& info, const std::filesystem::path& file, const std::string& own_name,
+                         const std::string& wanted) {
+  const auto calibration = read_with_warnings(info, file);
+  const auto* entry = wanted.empty() ? &calibration.cameras.front() : find_entry(calibration, wanted, false);
+  if (!entry) refuse_cameras(calibration, wanted, file);
+  const bool only = calibration.cameras.size() == 1;
+  if (wanted.empty() && !only) {
+    info.warnings.push_back(fmt::format("{}: has {}; {} is used, --camera NAME selects another", file.string(),
+                                        names_in(calibration), entry->name));
+  }
+  info.cameras.push_back({only ? own_name : entry->name, entry->camera, entry->body_from_camera, file.string()});
 }
 
 std::optional<SE3> first_from_camera(const std::filesystem::path& file, const std::string& name) {

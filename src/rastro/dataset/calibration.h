@@ -23,6 +23,12 @@ CalibratedCamera uncalibrated(const std::string& name);
 /// where the file tells it for the first two names. Error where the file cannot be read or holds none of the names.
 void read_cameras(SourceInfo& info, const std::filesystem::path& file, const std::vector<std::string>& names);
 
+/// Reads the camera of images that belong to none by name (a folder, a video): the one that is `wanted`, else the only
+/// one, else the first with a warning that names all. It is called `own_name` where the file has only one. Error where
+/// there is no such camera.
+void read_unnamed_camera(SourceInfo& info, const std::filesystem::path& file, const std::string& own_name,
+                         const std::string& wanted);
+
 /// first_from_camera of camera `name`, where the file chains its cameras (KITTI, Kalibr); nullopt otherwise.
 std::optional<SE3> first_from_camera(const std::filesystem::path& file, const std::string& name);
 

@@ -20,11 +20,12 @@ namespace {
 
 using Progress = std::function<void(std::int64_t, std::int64_t)>;
 
-constexpr double longest_usual_step = 1.5;          // Of the median step.
-constexpr TimeNs truth_tolerance = 20'000'000;      // At the ends of the trajectory.
-constexpr TimeNs shortest_truth_gap = 200'000'000;  // Poses farther apart than this (or two steps) say nothing between.
-constexpr double fewest_readable = 0.5;             // Share of the images.
-constexpr TimeNs bin_width = 5'000'000;             // Of the depth offset histogram.
+constexpr double longest_usual_step = 1.5;             // Of the median step.
+constexpr TimeNs ground_truth_tolerance = 20'000'000;  // At the ends of the trajectory.
+constexpr TimeNs shortest_ground_truth_gap =
+    200'000'000;                         // Poses farther apart than this (or two steps) say nothing between.
+constexpr double fewest_readable = 0.5;  // Share of the images.
+constexpr TimeNs bin_width = 5'000'000;  // Of the depth offset histogram.
 
 /// The frames' numbers and stamps, whether they could be read or not.
 struct Stamps {
@@ -66,13 +67,13 @@ class ImageCheck {
   explicit ImageCheck(CheckReport& report) : report_(report) {}
 
   void look_at(std::int64_t index, const RecordedFrame& frame) {
-    const auto main = try_read(report_, index, [&] { return read_image(frame.image).grey; });
+    const auto main = try_read(report_, index, [&] { return read_image(frame.image).gray; });
     if (main) {
       ++report_.frames_read;
       compare_size(report_, index, main->width(), main->height(), frame.image);
     }
-    if (!frame.right.empty()) look_at_right(index, frame);
-    if (!frame.depth.empty()) look_at_depth(index, frame);
+    if (!frame.right.empty()) check_right(index, frame);
+    if (!frame.depth.empty()) check_depth(index, frame);
   }
 
   void finish() {
@@ -80,14 +81,14 @@ class ImageCheck {
   }
 
  private:
-  void look_at_right(std::int64_t index, const RecordedFrame& frame) {
-    const auto right = try_read(report_, index, [&] { return read_image(frame.right).grey; });
+  void check_right(std::int64_t index, const RecordedFrame& frame) {
+    const auto right = try_read(report_, index, [&] { return read_image(frame.right).gray; });
     if (!right) return;
     ++report_.frames_with_right;
     compare_size(report_, index, right->width(), right->height(), frame.right);
   }
 
-  void look_at_depth(std::int64_t index, const RecordedFrame& frame) {
+  void check_depth(std::int64_t index, const RecordedFrame& frame) {
     const auto raw = try_read(report_, index, [&] { return read_raw_depth(frame.depth); });
     if (!raw) return;
     ++report_.depth.frames_with_depth;
@@ -105,8 +106,8 @@ class ImageCheck {
   double depth_pixels_ = 0.0;
 };
 
-Stamps look_at_recording(CheckReport& report, const Recording& recording, const OpenOptions& options,
-                         const Progress& progress) {
+Stamps check_recording(CheckReport& report, const Recording& recording, const OpenOptions& options,
+                       const Progress& progress) {
   const FrameChoice choice(options, static_cast<std::int64_t>(recording.frames.size()), recording.info.path);
   report.frames_chosen = choice.count;
   Stamps stamps;
@@ -123,7 +124,23 @@ Stamps look_at_recording(CheckReport& report, const Recording& recording, const 
   return stamps;
 }
 
-Stamps look_at_video(CheckReport& report, Source& video, const OpenOptions& options, const Progress& progress) {
+TimeNs median_forward_step(const std::vector<TimeNs>& stamps) {
+  std::vector<TimeNs> steps;
+  for (std::size_t k = 1; k < stamps.size(); ++k) {
+    if (stamps[k] > stamps[k - 1]) steps.push_back(stamps[k] - stamps[k - 1]);
+  }
+  return upper_median_or(std::move(steps), TimeNs{0});
+}
+
+/// Some containers only estimate the number of frames, from length and rate: a pause is no end before the time.
+bool ends_early(const std::vector<TimeNs>& stamps, std::int64_t frame_count) {
+  if (stamps.size() < 2) return true;
+  constexpr double share = 0.98;
+  const auto step = static_cast<double>(median_forward_step(stamps));
+  return static_cast<double>(stamps.back() - stamps.front()) + step < share * step * static_cast<double>(frame_count);
+}
+
+Stamps check_video(CheckReport& report, Source& video, const OpenOptions& options, const Progress& progress) {
   Stamps stamps;
   report.frames_chosen = -1;
   try {
@@ -139,9 +156,9 @@ Stamps look_at_video(CheckReport& report, Source& video, const OpenOptions& opti
   }
   report.frames_chosen = report.frames_read;
   const bool chosen = options.first_frame > 0 || options.every > 1 || options.end_frame < report.info.frame_count;
-  if (!chosen && report.frames_read < report.info.frame_count) {
-    report.warnings.push_back(
-        fmt::format("the video ends after {} frames, its header says {}", report.frames_read, report.info.frame_count));
+  if (!chosen && report.frames_read < report.info.frame_count && ends_early(stamps.stamps, report.info.frame_count)) {
+    report.warnings.push_back(fmt::format("the video ends after {} frames, not {} as in its header", report.frames_read,
+                                          report.info.frame_count));
   }
   return stamps;
 }
@@ -149,12 +166,12 @@ Stamps look_at_video(CheckReport& report, Source& video, const OpenOptions& opti
 double measured_share(const DepthImage& depth) {
   std::int64_t measured = 0;
   for (int y = 0; y < depth.height(); ++y)
-    measured += std::count_if(depth.row(y), depth.row(y) + depth.width(), [](float metres) { return metres > 0.0F; });
+    measured += std::count_if(depth.row(y), depth.row(y) + depth.width(), [](float meters) { return meters > 0.0F; });
   return static_cast<double>(measured) / (static_cast<double>(depth.width()) * depth.height());
 }
 
 /// Scans, landmarks and bags: whatever next() gives, going on after broken frames.
-Stamps look_at_log(CheckReport& report, Source& log, const OpenOptions& options, const Progress& progress) {
+Stamps check_log(CheckReport& report, Source& log, const OpenOptions& options, const Progress& progress) {
   const FrameChoice choice(options, report.info.frame_count, report.info.path);
   report.frames_chosen = choice.count;
   Stamps stamps;
@@ -183,14 +200,6 @@ Stamps look_at_log(CheckReport& report, Source& log, const OpenOptions& options,
   return stamps;
 }
 
-TimeNs median_forward_step(const std::vector<TimeNs>& stamps) {
-  std::vector<TimeNs> steps;
-  for (std::size_t k = 1; k < stamps.size(); ++k) {
-    if (stamps[k] > stamps[k - 1]) steps.push_back(stamps[k] - stamps[k - 1]);
-  }
-  return upper_median_or(std::move(steps), TimeNs{0});
-}
-
 void judge_stamps(CheckReport& report, const Stamps& all) {
   const auto& stamps = all.stamps;
   const TimeNs median = median_forward_step(stamps);
@@ -217,25 +226,25 @@ void judge_unit(CheckReport& report, const Stamps& all) {
   for (const auto stamp : all.stamps) seconds.push_back(to_seconds(stamp));
   const auto guess = guess_stamp_unit(seconds, StampUnit::seconds);
   if (guess == StampUnit::seconds) return;
-  report.warnings.push_back(fmt::format("a frame each {:g} s: as if stamps of {} had been taken for s",
+  report.warnings.push_back(fmt::format("one frame per {:g} s: as if timestamps of {} were read as s",
                                         1.0 / report.stamps.rate_hz, unit_name(guess)));
 }
 
-void judge_truth(CheckReport& report, const Stamps& all) {
+void judge_ground_truth(CheckReport& report, const Stamps& all) {
   const auto& truth = report.info.ground_truth;
   if (truth.empty() || all.stamps.empty()) return;
-  const TimeNs max_gap = std::max(shortest_truth_gap, 2 * median_forward_step(all.stamps));
+  const TimeNs max_gap = std::max(shortest_ground_truth_gap, 2 * median_forward_step(all.stamps));
   const auto covered = std::count_if(all.stamps.begin(), all.stamps.end(), [&](TimeNs stamp) {
     const double before = static_cast<double>(truth.front().stamp) - static_cast<double>(stamp);
     const double behind = static_cast<double>(stamp) - static_cast<double>(truth.back().stamp);
     const double outside = std::max(before, behind);
     return outside <= 0.0 ? pose_at(truth, stamp, max_gap).has_value()
-                          : outside <= static_cast<double>(truth_tolerance);
+                          : outside <= static_cast<double>(ground_truth_tolerance);
   });
   report.ground_truth_percent = 100.0 * static_cast<double>(covered) / static_cast<double>(all.stamps.size());
   if (report.ground_truth_percent < 90.0) {
     report.warnings.push_back(
-        fmt::format("only {:.1f} % of the frames have ground truth at their time", report.ground_truth_percent));
+        fmt::format("only {:.1f} % of the frames have ground truth", report.ground_truth_percent));
   }
 }
 
@@ -282,22 +291,22 @@ CheckReport check(const std::string& path, const OpenOptions& options, const Pro
     report.info = log->info();
     report.warnings = report.info.warnings;
     report.stamps.stamp_unit = report.info.format == "minesrover" ? "us" : "s";
-    stamps = look_at_log(report, *log, options, progress);
+    stamps = check_log(report, *log, options, progress);
   } else if (auto recording = index_recording(path, options)) {
     report.info = recording->info;
     report.warnings = report.info.warnings;
     report.stamps.stamp_unit = recording->stamp_unit;
-    stamps = look_at_recording(report, *recording, options, progress);
+    stamps = check_recording(report, *recording, options, progress);
   } else {
     const auto video = open_video(path, options);
     report.info = video->info();
     report.warnings = report.info.warnings;
     report.stamps.stamp_unit = "s";
-    stamps = look_at_video(report, *video, options, progress);
+    stamps = check_video(report, *video, options, progress);
   }
   judge_stamps(report, stamps);
   judge_unit(report, stamps);
-  judge_truth(report, stamps);
+  judge_ground_truth(report, stamps);
   give_verdict(report, stamps);
   return report;
 }

@@ -37,7 +37,7 @@ struct StampFindings {
 /// Of depth images.
 struct DepthFindings {
   std::int64_t frames_with_depth = 0;
-  /// Depth stamp minus colour stamp in bins of 5 ms, from -20 to 20 ms; and the largest offset.
+  /// Depth stamp minus color stamp in bins of 5 ms, from -20 to 20 ms; and the largest offset.
   std::array<std::int64_t, 8> depth_offset_histogram{};
   double depth_offset_max_ms = 0.0;
   double depth_measured_percent = 0.0;  ///< Pixels with a measurement, mean over the depth images.
@@ -67,14 +67,14 @@ struct CheckReport {
   int width = 0, height = 0;       ///< Of the first image that could be read.
 
   StampFindings stamps;
-  std::vector<FrameProblem> unreadable_images;  ///< Colour or grey, right and depth.
+  std::vector<FrameProblem> unreadable_images;  ///< Color or gray, right and depth.
   std::vector<FrameProblem> size_changes;
 
   std::int64_t frames_with_right = 0;
   DepthFindings depth;
   ScanFindings scans;
   OdometryFindings odometry;
-  std::int64_t landmark_sightings = 0;
+  std::int64_t landmark_observations = 0;
   std::int64_t landmarks = 0;  ///< Different ones, where the sensor tells them apart.
 
   double ground_truth_percent = 0.0;  ///< Frames with a pose of the ground truth at their stamp.
@@ -84,8 +84,8 @@ struct CheckReport {
   std::vector<std::string> warnings;  ///< What a user should look at, one line each.
 };
 
-/// Opens a recording and decodes every chosen image, scan or sighting, going on after broken ones. `progress` is called
-/// with the number of frames looked at and of all (-1 = not known). Error only where open() throws one.
+/// Opens a recording and decodes every chosen image, scan or observation, going on after broken ones. `progress` is
+/// called with the number of frames looked at and of all (-1 = unknown). Error only where open() throws one.
 CheckReport check(const std::string& path, const OpenOptions& options,
                   const std::function<void(std::int64_t, std::int64_t)>& progress = {});
 

@@ -60,7 +60,7 @@ void add_scans(std::string& text, const CheckReport& report) {
     add_list(text, "jumps", report.odometry.odometry_jumps, show_problem);
   }
   if (report.info.has_landmarks)
-    add_line(text, "sightings", fmt::format("{} of {} landmarks", report.landmark_sightings, report.landmarks));
+    add_line(text, "observations", fmt::format("{} of {} landmarks", report.landmark_observations, report.landmarks));
 }
 
 void add_stamps(std::string& text, const CheckReport& report) {
@@ -99,7 +99,7 @@ std::string to_text(const CheckReport& report) {
   add_depth(text, report);
   add_scans(text, report);
   if (!report.info.ground_truth.empty())
-    add_line(text, "truth overlap", fmt::format("{:.1f} % of the frames", report.ground_truth_percent));
+    add_line(text, "ground truth", fmt::format("{:.1f} % of the frames", report.ground_truth_percent));
   for (const auto& warning : report.warnings) add_line(text, "warning", warning);
   for (const auto& reason : report.reasons) add_line(text, "reason", reason);
   add_line(text, "verdict",
@@ -143,7 +143,7 @@ std::string to_json(const CheckReport& report) {
   json["frames_with_odometry"] = report.odometry.frames_with_odometry;
   json["odometry_length_m"] = report.odometry.odometry_length_m;
   json["odometry_jumps"] = problems(report.odometry.odometry_jumps);
-  json["landmark_sightings"] = report.landmark_sightings;
+  json["landmark_sightings"] = report.landmark_observations;
   json["landmarks"] = report.landmarks;
   json["ground_truth_percent"] = report.ground_truth_percent;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

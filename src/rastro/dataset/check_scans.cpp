@@ -32,14 +32,14 @@ double percent(std::int64_t part, std::int64_t whole) {
 }  // namespace
 
 void ScanCheck::look_at(const Frame& frame) {
-  if (frame.scan) look_at_scan(frame.index, *frame.scan);
-  if (frame.odometry_from_body) look_at_odometry(frame);
-  report_.landmark_sightings += static_cast<std::int64_t>(frame.landmarks.size());
+  if (frame.scan) check_scan(frame.index, *frame.scan);
+  if (frame.odometry_from_body) check_odometry(frame);
+  report_.landmark_observations += static_cast<std::int64_t>(frame.landmarks.size());
   for (const auto& sighting : frame.landmarks)
     if (sighting.id >= 0) landmarks_.insert(sighting.id);
 }
 
-void ScanCheck::look_at_scan(std::int64_t index, const LaserScan& scan) {
+void ScanCheck::check_scan(std::int64_t index, const LaserScan& scan) {
   if (!report_.scans.first_scan) {
     report_.scans.first_scan = scan;
   } else if (!same_geometry(scan, *report_.scans.first_scan)) {
@@ -56,13 +56,13 @@ void ScanCheck::look_at_scan(std::int64_t index, const LaserScan& scan) {
   if (returns == 0) report_.scans.empty_scans.push_back(index);
 }
 
-void ScanCheck::look_at_odometry(const Frame& frame) {
+void ScanCheck::check_odometry(const Frame& frame) {
   ++report_.odometry.frames_with_odometry;
   if (last_odometry_) {
     const SE2 step = last_odometry_->inverse() * *frame.odometry_from_body;
     steps_.push_back({frame.index, step.translation().norm(), std::abs(step.rotation().angle()),
                       static_cast<double>(frame.stamp) * 1e-9 - static_cast<double>(last_stamp_) * 1e-9});
-    report_.odometry.odometry_length_m += steps_.back().metres;
+    report_.odometry.odometry_length_m += steps_.back().meters;
   }
   last_odometry_ = frame.odometry_from_body;
   last_stamp_ = frame.stamp;
@@ -71,15 +71,15 @@ void ScanCheck::look_at_odometry(const Frame& frame) {
 void ScanCheck::find_jumps() {
   std::vector<double> speeds;
   for (const auto& step : steps_)
-    if (step.seconds > 0.0) speeds.push_back(step.metres / step.seconds);
+    if (step.seconds > 0.0) speeds.push_back(step.meters / step.seconds);
   if (speeds.empty()) return;
   const double limit = std::max(least_jump_speed, jump_over_median_speed * upper_median(std::move(speeds)));
   for (const auto& step : steps_) {
-    const bool leaps = step.metres > least_jump_m && step.metres > limit * step.seconds;
+    const bool leaps = step.meters > least_jump_m && step.meters > limit * step.seconds;
     const bool spins = step.radians > least_jump_rad && step.radians > least_jump_rate * step.seconds;
     if (leaps || spins)
       report_.odometry.odometry_jumps.push_back(
-          {step.frame, fmt::format("{:.2f} m and {:.1f} deg in {:.3f} s", step.metres,
+          {step.frame, fmt::format("{:.2f} m and {:.1f} deg in {:.3f} s", step.meters,
                                    step.radians * 180.0 / std::numbers::pi, step.seconds)});
   }
 }

@@ -20,13 +20,13 @@ class ScanCheck {
   void finish();
 
  private:
-  void look_at_scan(std::int64_t index, const LaserScan& scan);
-  void look_at_odometry(const Frame& frame);
+  void check_scan(std::int64_t index, const LaserScan& scan);
+  void check_odometry(const Frame& frame);
   void find_jumps();
 
   struct Step {
     std::int64_t frame = 0;
-    double metres = 0.0, radians = 0.0, seconds = 0.0;
+    double meters = 0.0, radians = 0.0, seconds = 0.0;
   };
 
   CheckReport& report_;

@@ -61,7 +61,7 @@ TEST(Check, FindsEverythingThatIsBrokenAndGoesOn) {
 TEST(Check, ChangingSizeAndUnreadableRecordingsAreUnusable) {
   const ScratchFolder folder;
   write_euroc(folder, 4);
-  folder.write_grey("mav0/cam0/data/1400000000100000000.png", 1, 10, 6);
+  folder.write_gray("mav0/cam0/data/1400000000100000000.png", 1, 10, 6);
   auto report = check(folder.path(), {});
   EXPECT_FALSE(report.usable);
   ASSERT_EQ(report.size_changes.size(), 1u);

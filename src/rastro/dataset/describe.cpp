@@ -41,7 +41,7 @@ std::string frames_line(const SourceInfo& info) {
   return count + (info.has_stamps ? "" : ", stamps made up");
 }
 
-std::string truth_line(const SourceInfo& info) {
+std::string ground_truth_line(const SourceInfo& info) {
   const auto& truth = info.ground_truth;
   const double span = to_seconds(truth.back().stamp - truth.front().stamp);
   double length = 0.0;
@@ -97,16 +97,15 @@ std::string describe(const SourceInfo& info, bool with_warnings, const LaserScan
   }
   if (info.has_right) {
     const auto& pose = info.left_from_right;
-    add_line(text, "stereo",
-             pose ? fmt::format("baseline {:.4f} m", pose->translation().norm()) : "baseline not known");
+    add_line(text, "stereo", pose ? fmt::format("baseline {:.4f} m", pose->translation().norm()) : "baseline unknown");
   }
   if (first_scan) add_line(text, "scans", describe_scan(*first_scan));
   if (info.has_scan || info.has_landmarks || info.has_odometry)
     add_line(text, "odometry", info.has_odometry ? "of the wheels" : "none");
   if (info.has_landmarks) add_line(text, "landmarks", "by range and bearing");
   if (info.has_imu) add_line(text, "inertial", "yes");
-  if (info.has_depth) add_line(text, "depth", fmt::format("{:g} units a metre", info.depth_factor));
-  add_line(text, "ground truth", info.ground_truth.empty() ? "none" : truth_line(info));
+  if (info.has_depth) add_line(text, "depth", fmt::format("{:g} units a meter", info.depth_factor));
+  add_line(text, "ground truth", info.ground_truth.empty() ? "none" : ground_truth_line(info));
   if (!with_warnings) return text;
   for (const auto& warning : info.warnings) add_line(text, "warning", warning);
   return text;

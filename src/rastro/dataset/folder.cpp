@@ -62,7 +62,7 @@ void require_folder(const fs::path& path) {
   const auto status = fs::status(path, error);
   if (status.type() == fs::file_type::not_found) throw Error("no such file or folder", path.string(), "check the path");
   if (error) throw Error("cannot be read (" + error.message() + ")", path.string(), "");
-  if (status.type() != fs::file_type::directory) throw Error("is no folder", path.string(), "");
+  if (status.type() != fs::file_type::directory) throw Error("is not a folder", path.string(), "");
   const fs::directory_iterator listing(path, error);
   if (error == std::errc::permission_denied) throw Error("no permission to list the folder", path.string(), "");
   if (error) throw Error("cannot be listed (" + error.message() + ")", path.string(), "");

@@ -11,7 +11,7 @@ namespace rastro {
 bool is_file(const std::filesystem::path& path);
 bool is_folder(const std::filesystem::path& path);
 
-/// Error for what is no folder or may not be listed, saying which.
+/// Error for what is not a folder or may not be listed, saying which.
 void require_folder(const std::filesystem::path& path);
 
 /// Order of people: runs of digits compare as numbers ("2.png" before "10.png").

@@ -89,10 +89,10 @@ cv::Mat decode(const std::string& path) {
 
 }  // namespace
 
-DecodedImage read_image(const std::string& path, bool want_colour) {
+DecodedImage read_image(const std::string& path, bool want_color) {
   const cv::Mat picture = decode(path);
   DecodedImage image;
-  const auto reason = convert(picture, want_colour, image);
+  const auto reason = convert(picture, want_color, image);
   if (!reason.empty()) throw Error(reason, path, "");
   return image;
 }
@@ -110,9 +110,9 @@ Image<std::uint16_t> read_raw_depth(const std::string& path) {
   return raw;
 }
 
-DepthImage depth_in_metres(const Image<std::uint16_t>& raw, double units_per_metre) {
+DepthImage depth_in_meters(const Image<std::uint16_t>& raw, double units_per_meter) {
   DepthImage depth(raw.width(), raw.height());
-  const double scale = 1.0 / units_per_metre;
+  const double scale = 1.0 / units_per_meter;
   for (int y = 0; y < raw.height(); ++y) {
     const std::uint16_t* from = raw.row(y);
     float* to = depth.row(y);
@@ -135,7 +135,7 @@ std::optional<ImageSize> image_size(const std::string& path) {
                        static_cast<int>(big_endian(as_bytes(bytes), 20))};
     }
     const auto image = read_image(path);
-    return ImageSize{image.grey.width(), image.grey.height()};
+    return ImageSize{image.gray.width(), image.gray.height()};
   } catch (const Error&) {
     return std::nullopt;
   }

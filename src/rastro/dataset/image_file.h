@@ -12,8 +12,8 @@
 namespace rastro {
 
 struct DecodedImage {
-  GreyImage grey;
-  ColourImage colour;  ///< Only when asked for; a grey file gives three equal channels.
+  GrayImage gray;
+  ColorImage color;  ///< Only when asked for; a gray file gives three equal channels.
 };
 
 struct ImageSize {
@@ -22,18 +22,18 @@ struct ImageSize {
   bool operator==(const ImageSize&) const = default;
 };
 
-/// Reads and decodes one image: 8-bit grey as it is, colour turned to grey, 16 bit scaled to 8. Error, naming the file,
+/// Reads and decodes one image: 8-bit gray as it is, color turned to gray, 16 bit scaled to 8. Error, naming the file,
 /// where it is missing, may not be read, is empty, cut short, damaged or no image.
-DecodedImage read_image(const std::string& path, bool want_colour = false);
+DecodedImage read_image(const std::string& path, bool want_color = false);
 
 /// The numbers of a one-channel 16-bit image; errors as above, and for any other kind of image.
 Image<std::uint16_t> read_raw_depth(const std::string& path);
 
-/// Metres from raw numbers: raw / units_per_metre; 0 and 65535 mean no measurement.
-DepthImage depth_in_metres(const Image<std::uint16_t>& raw, double units_per_metre);
+/// Meters from raw numbers: raw / units_per_meter; 0 and 65535 mean no measurement.
+DepthImage depth_in_meters(const Image<std::uint16_t>& raw, double units_per_meter);
 
 /// Why the bytes of a PNG or JPEG file are not a whole file ("ends early ..."); empty when they are, or for other
-/// kinds. Decoders hand out half-filled pictures without a word, so this is asked first.
+/// kinds. Decoders hand out half-filled images without a word, so this is asked first.
 std::string why_incomplete(std::span<const unsigned char> bytes);
 
 /// Size without decoding where the kind allows (PNG); nullopt where the file cannot be read.

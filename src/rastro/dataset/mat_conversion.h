@@ -9,8 +9,8 @@
 
 namespace rastro {
 
-/// From OpenCV's picture (8 or 16 bit; grey, grey + alpha, BGR or BGRA) to grey and, where wanted, colour. Returns why
+/// From OpenCV's image (8 or 16 bit; gray, gray + alpha, BGR or BGRA) to gray and, where wanted, color. Returns why
 /// not, or "". Internal to the dataset module: the only header that shows OpenCV.
-std::string convert(const cv::Mat& picture, bool want_colour, DecodedImage& image);
+std::string convert(const cv::Mat& picture, bool want_color, DecodedImage& image);
 
 }  // namespace rastro

@@ -48,11 +48,11 @@ bool holds_recording(const std::filesystem::path& path) {
   if (std::filesystem::is_empty(path, ignored)) throw Error("the folder is empty", path, known_formats);
   for (const auto& name : folder_names(path)) {
     if (holds_recording(std::filesystem::path(path) / name)) {
-      throw Error("holds no recording itself", path,
+      throw Error("is not a recording itself", path,
                   fmt::format("did you mean {}?", (std::filesystem::path(path) / name).string()));
     }
   }
-  throw Error("holds no recording of a known format", path, known_formats);
+  throw Error("is not a recording of a known format", path, known_formats);
 }
 
 /// Size of the first image that can be read among the first few.

@@ -23,7 +23,7 @@ struct OpenOptions {
   std::string calibration_file;                     ///< Overrides what is found.
   bool want_right = false;
   bool want_depth = false;
-  bool want_colour = false;
+  bool want_color = false;
   int read_ahead = 4;  ///< Frames decoded ahead on a thread of their own; 0 = none.
 };
 

@@ -81,20 +81,20 @@ TEST(OpenTum, PairsDepthAndReadsGroundTruth) {
   const ScratchFolder folder;
   write_tum(folder, 4);
   auto options = everything();
-  options.want_colour = true;
+  options.want_color = true;
   const auto source = open(folder.path(), options);
   EXPECT_EQ(source->info().format, "tum_rgbd");
   EXPECT_EQ(source->info().depth_factor, 5000.0);
   EXPECT_EQ(source->info().ground_truth.size(), 4u);
   EXPECT_FALSE(source->info().cameras.front().camera);
-  EXPECT_THAT(source->info().warnings, Contains(HasSubstr("depth is taken to be 5000 units a metre: a guess")));
+  EXPECT_THAT(source->info().warnings, Contains(HasSubstr("depth is assumed to have 5000 units per meter")));
   EXPECT_THAT(source->info().warnings, Contains(HasSubstr("--fov DEG")));
   source->next();
   const auto frame = source->next();
   EXPECT_EQ(frame->stamp, 1000'050'000'000);
   EXPECT_EQ(frame->depth_stamp, 1000'054'000'000);
   EXPECT_FLOAT_EQ(frame->depth.at(0, 0), 1.001f);
-  EXPECT_EQ(frame->colour.rgb.at(2, 0), 11);
+  EXPECT_EQ(frame->color.rgb.at(2, 0), 11);
 }
 
 TEST(OpenTum, AssociationsDecideWhereTheyAreThere) {
@@ -109,7 +109,7 @@ TEST(OpenTum, AssociationsDecideWhereTheyAreThere) {
 
 TEST(OpenTum, MillisecondsAreNoticed) {
   const ScratchFolder folder;
-  folder.write_grey("rgb/0.png", 1);
+  folder.write_gray("rgb/0.png", 1);
   folder.write("rgb.txt", "1400000000000 rgb/0.png\n1400000000050 rgb/0.png\n1400000000100 rgb/0.png\n");
   const auto source = open(folder.path());
   EXPECT_THAT(source->info().warnings, Contains(HasSubstr("stamps look like ms, not s")));
@@ -141,7 +141,7 @@ TEST(OpenKitti, OfficialLayoutAndCutClips) {
   }
   folder.write("poses/07.txt", poses);
   folder.write("sequences/07/times.txt", times);
-  for (int k = 10; k < 13; ++k) folder.write_grey(fmt::format("sequences/07/image_0/{:06}.png", k), k);
+  for (int k = 10; k < 13; ++k) folder.write_gray(fmt::format("sequences/07/image_0/{:06}.png", k), k);
   const auto source = open(folder.path("sequences/07"));
   ASSERT_EQ(source->info().ground_truth.size(), 3u);
   EXPECT_EQ(source->info().ground_truth[0].world_from_body.translation().z(), 10.0);
@@ -153,14 +153,14 @@ TEST(OpenKitti, RawDrive) {
   write_kitti_raw(folder, 3);
   const auto source = open(folder.path());
   EXPECT_EQ(source->info().format, "kitti_raw");
-  EXPECT_THAT(source->info().warnings, Contains(HasSubstr("oxts/data: holds no packets")));
+  EXPECT_THAT(source->info().warnings, Contains(HasSubstr("oxts/data: has no packets")));
   EXPECT_EQ(source->next()->stamp, 1317042120500000000);
 }
 
 TEST(OpenImages, FolderGlobAndOne) {
   const ScratchFolder folder;
-  for (const int k : {1, 2, 10}) folder.write_grey(fmt::format("left{}.png", k), k);
-  for (const int k : {1, 2}) folder.write_grey(fmt::format("right{}.png", k), 100 + k);
+  for (const int k : {1, 2, 10}) folder.write_gray(fmt::format("left{}.png", k), k);
+  for (const int k : {1, 2}) folder.write_gray(fmt::format("right{}.png", k), 100 + k);
   EXPECT_EQ(read_all(folder.path()).size(), 5u);
   EXPECT_THAT(open(folder.path())->info().warnings, Contains(HasSubstr("the names fall into series (left*, right*)")));
   const auto left = read_all(folder.path("left*.png"));
@@ -227,7 +227,7 @@ TEST(Open, ABrokenFrameIsOneErrorAndReadingGoesOn) {
 TEST(Open, ChangingSizeIsAnErrorNamingBoth) {
   const ScratchFolder folder;
   write_euroc(folder, 3);
-  folder.write_grey("mav0/cam0/data/1400000000100000000.png", 1, 10, 6);
+  folder.write_gray("mav0/cam0/data/1400000000100000000.png", 1, 10, 6);
   const auto source = open(folder.path());
   source->next();
   source->next();
@@ -248,7 +248,7 @@ TEST(Open, EachBadInputIsOneLineNamingIt) {
   EXPECT_THAT(open_error(folder.path("none")), AllOf(HasSubstr("none"), HasSubstr("no such file or folder")));
   EXPECT_THAT(open_error(folder.path()), HasSubstr("the folder is empty"));
   folder.write("notes.txt", "x");
-  EXPECT_THAT(open_error(folder.path()), HasSubstr("no recording of a known format; looked for EuRoC"));
+  EXPECT_THAT(open_error(folder.path()), HasSubstr("is not a recording of a known format; looked for EuRoC"));
   EXPECT_THAT(open_error(folder.path("notes.txt")), HasSubstr("neither an image nor a video"));
   EXPECT_THAT(open_error(folder.path("*.png")), HasSubstr("no image matches"));
   folder.write("clip.mp4", "no video");
@@ -256,7 +256,7 @@ TEST(Open, EachBadInputIsOneLineNamingIt) {
 
   const auto csv = [&](const std::string& text) {
     folder.write("e/mav0/cam0/data.csv", text);
-    folder.write_grey("e/mav0/cam0/data/a.png", 1);
+    folder.write_gray("e/mav0/cam0/data/a.png", 1);
     return open_error(folder.path("e"));
   };
   EXPECT_THAT(csv(""), HasSubstr("data.csv: is empty"));
@@ -265,11 +265,11 @@ TEST(Open, EachBadInputIsOneLineNamingIt) {
   EXPECT_THAT(csv("abc,a.png\n"), HasSubstr("data.csv:1: the stamp 'abc' is not a number"));
   EXPECT_THAT(csv("NaN,a.png\n"), HasSubstr("data.csv:1: the stamp 'NaN' is not a number"));
   EXPECT_THAT(csv("5,\n"), HasSubstr("data.csv:1: the file name is missing"));
-  EXPECT_THAT(open_error(folder.path()), HasSubstr("holds no recording")) << "e is broken";
+  EXPECT_THAT(open_error(folder.path()), HasSubstr("is not a recording")) << "e is broken";
   EXPECT_EQ(csv("5,a.png\n"), "");
   EXPECT_THAT(open_error(folder.path()), HasSubstr("did you mean")) << "the recording is one folder below";
 
-  folder.write_grey("k/image_0/000000.png", 1);
+  folder.write_gray("k/image_0/000000.png", 1);
   folder.write("k/times.txt", "abc\n");
   EXPECT_THAT(open_error(folder.path("k")), HasSubstr("times.txt:1: the stamp 'abc'"));
   folder.write("t/rgb.txt", "1.0 a.png b.png\n");

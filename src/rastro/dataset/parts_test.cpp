@@ -29,15 +29,15 @@ TEST(Folder, SortsAsPeopleDo) {
 }
 
 TEST(Associate, TakesNearestPairsFirstAndEachOnce) {
-  const std::vector<ListedImage> colour = {{0, ""}, {100, ""}, {200, ""}, {1000, ""}};
+  const std::vector<ListedImage> color = {{0, ""}, {100, ""}, {200, ""}, {1000, ""}};
   const std::vector<ListedImage> depth = {{90, ""}, {196, ""}, {105, ""}};
   // 196 is 4 from 200; 105 is 5 from 100; 90 is left to nothing within 50 but 0 is 90 away.
-  EXPECT_THAT(associate(colour, depth, 50), ElementsAre(-1, 2, 1, -1));
-  EXPECT_THAT(associate(colour, depth, 90), ElementsAre(0, 2, 1, -1));
-  EXPECT_THAT(associate(colour, {}, 90), ElementsAre(-1, -1, -1, -1));
+  EXPECT_THAT(associate(color, depth, 50), ElementsAre(-1, 2, 1, -1));
+  EXPECT_THAT(associate(color, depth, 90), ElementsAre(0, 2, 1, -1));
+  EXPECT_THAT(associate(color, {}, 90), ElementsAre(-1, -1, -1, -1));
 }
 
-TEST(ImageFile, ColourBecomesGreyByTheWeightsOfGreyFromColour) {
+TEST(ImageFile, ColorBecomesGrayByTheWeightsOfGrayFromColor) {
   const ScratchFolder folder;
   cv::Mat picture(7, 9, CV_8UC3);
   for (int y = 0; y < 7; ++y) {
@@ -45,11 +45,11 @@ TEST(ImageFile, ColourBecomesGreyByTheWeightsOfGreyFromColour) {
   }
   cv::imwrite(folder.path("c.png"), picture);
   const auto image = read_image(folder.path("c.png"), true);
-  const auto expected = grey_from_colour(image.colour);
+  const auto expected = gray_from_color(image.color);
   for (int y = 0; y < 7; ++y) {
     for (int x = 0; x < 9; ++x) {
-      EXPECT_EQ(image.grey.at(x, y), expected.at(x, y));
-      EXPECT_EQ(image.colour.rgb.at(3 * x, y), picture.at<cv::Vec3b>(y, x)[2]) << "red comes first";
+      EXPECT_EQ(image.gray.at(x, y), expected.at(x, y));
+      EXPECT_EQ(image.color.rgb.at(3 * x, y), picture.at<cv::Vec3b>(y, x)[2]) << "red comes first";
     }
   }
 }
@@ -58,8 +58,8 @@ TEST(ImageFile, SixteenBitIsScaledToEight) {
   const ScratchFolder folder;
   folder.write_depth("d.png", 65535);
   folder.write_depth("half.png", 32768);
-  EXPECT_EQ(read_image(folder.path("d.png")).grey.at(0, 0), 255);
-  EXPECT_EQ(read_image(folder.path("half.png")).grey.at(0, 0), 128);
+  EXPECT_EQ(read_image(folder.path("d.png")).gray.at(0, 0), 255);
+  EXPECT_EQ(read_image(folder.path("half.png")).gray.at(0, 0), 128);
 }
 
 TEST(ImageFile, NoTruncatedFilePassesForAWholeOne) {
@@ -83,8 +83,8 @@ TEST(ImageFile, DamageInsideIsAnError) {
   const ScratchFolder folder;
   folder.write("text.png", "this is no image");
   EXPECT_THAT(error_of([&] { read_image(folder.path("text.png")); }), HasSubstr("cannot be decoded as an image"));
-  folder.write_grey("grey.png", 7);
-  EXPECT_THAT(error_of([&] { read_raw_depth(folder.path("grey.png")); }),
+  folder.write_gray("gray.png", 7);
+  EXPECT_THAT(error_of([&] { read_raw_depth(folder.path("gray.png")); }),
               HasSubstr("one channel of 16 bit, this has 1 of 8"));
   EXPECT_THAT(error_of([&] { read_image(folder.path("none.png")); }), HasSubstr("no such file"));
   folder.write("empty.png", "");
@@ -94,7 +94,7 @@ TEST(ImageFile, DamageInsideIsAnError) {
 TEST(DepthFactor, IsReadOrGuessed) {
   EXPECT_EQ(parse_depth_factor("# c\nDepthMapFactor: 5000.0\n", "f"), 5000.0);
   EXPECT_EQ(parse_depth_factor("m_depthShift = 1000", "f"), 1000.0);
-  EXPECT_EQ(parse_depth_factor("depth_scale: 0.001 # metres a unit", "f"), 1000.0);
+  EXPECT_EQ(parse_depth_factor("depth_scale: 0.001 # meters a unit", "f"), 1000.0);
   EXPECT_FALSE(parse_depth_factor("fx: 500", "f"));
   EXPECT_THAT(error_of([] { parse_depth_factor("\ndepth_factor: -1", "f.yaml"); }),
               HasSubstr("f.yaml:2: the depth factor '-1'"));
@@ -104,20 +104,20 @@ TEST(DepthFactor, IsReadOrGuessed) {
     for (int k = 0; k < 1600; ++k) images[0].at(k % 40, k / 40) = static_cast<std::uint16_t>(first + step * k);
     return images;
   };
-  EXPECT_EQ(guess_depth_factor(image_of(5000, 5)).units_per_metre, 5000.0) << "Kinect millimetres written times five";
-  EXPECT_EQ(guess_depth_factor(image_of(900, 2)).units_per_metre, 1000.0) << "a room in millimetres";
-  EXPECT_EQ(guess_depth_factor(image_of(6001, 9)).units_per_metre, 5000.0) << "a room of 4 m rendered at 5000";
+  EXPECT_EQ(guess_depth_factor(image_of(5000, 5)).units_per_meter, 5000.0) << "Kinect millimeters written times five";
+  EXPECT_EQ(guess_depth_factor(image_of(900, 2)).units_per_meter, 1000.0) << "a room in millimeters";
+  EXPECT_EQ(guess_depth_factor(image_of(6001, 9)).units_per_meter, 5000.0) << "a room of 4 m rendered at 5000";
   auto saturated = image_of(6001, 9);
   saturated[0].at(0, 0) = 65535;
-  EXPECT_EQ(guess_depth_factor(saturated).units_per_metre, 1000.0);
-  EXPECT_EQ(guess_depth_factor({}).units_per_metre, 5000.0);
+  EXPECT_EQ(guess_depth_factor(saturated).units_per_meter, 1000.0);
+  EXPECT_EQ(guess_depth_factor({}).units_per_meter, 5000.0);
 }
 
-TEST(DepthInMetres, ZeroAndSaturationAreNone) {
+TEST(DepthInMeters, ZeroAndSaturationAreNone) {
   Image<std::uint16_t> raw(3, 1);
   raw.at(1, 0) = 65535;
   raw.at(2, 0) = 2500;
-  const auto depth = depth_in_metres(raw, 5000.0);
+  const auto depth = depth_in_meters(raw, 5000.0);
   EXPECT_EQ(depth.at(0, 0), 0.0f);
   EXPECT_EQ(depth.at(1, 0), 0.0f);
   EXPECT_EQ(depth.at(2, 0), 0.5f);

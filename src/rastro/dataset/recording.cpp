@@ -46,19 +46,19 @@ class RecordingSource final : public Source {
     frame.index = index;
     frame.stamp = recorded.stamp;
     frame.name = std::filesystem::path(recorded.image).filename().string();
-    auto image = read_image(recorded.image, options_.want_colour);
-    if (first_size_.width == 0) first_size_ = size_of(image.grey);
-    require_same_size(first_size_, size_of(image.grey), "those before it", recorded.image);
-    frame.image = std::move(image.grey);
-    frame.colour = std::move(image.colour);
+    auto image = read_image(recorded.image, options_.want_color);
+    if (first_size_.width == 0) first_size_ = size_of(image.gray);
+    require_same_size(first_size_, size_of(image.gray), "those before it", recorded.image);
+    frame.image = std::move(image.gray);
+    frame.color = std::move(image.color);
     if (options_.want_right && !recorded.right.empty()) {
-      frame.right = read_image(recorded.right).grey;
+      frame.right = read_image(recorded.right).gray;
       require_same_size(first_size_, size_of(frame.right), "the left one", recorded.right);
     }
     if (options_.want_depth && !recorded.depth.empty()) {
-      frame.depth = depth_in_metres(read_raw_depth(recorded.depth), recording_.info.depth_factor);
+      frame.depth = depth_in_meters(read_raw_depth(recorded.depth), recording_.info.depth_factor);
       frame.depth_stamp = recorded.depth_stamp;
-      require_same_size(first_size_, size_of(frame.depth), "the colour image", recorded.depth);
+      require_same_size(first_size_, size_of(frame.depth), "the color image", recorded.depth);
     }
     return frame;
   }
@@ -74,16 +74,17 @@ class RecordingSource final : public Source {
 
 FrameChoice::FrameChoice(const OpenOptions& options, std::int64_t frame_count, const std::string& path)
     : first(options.first_frame), every(options.every) {
-  if (every < 1) throw Error(fmt::format("every {}th frame makes no sense", every), "--every", "give 1 or more");
+  if (every < 1) throw Error(fmt::format("{} is not a step", every), "--every", "give 1 or more");
   const std::int64_t end = std::min(options.end_frame, frame_count);
   if (first < 0 || first >= options.end_frame) {
-    throw Error(fmt::format("{}:{} holds no frame", first, options.end_frame), "--frames", "give A:B with 0 <= A < B");
+    throw Error(fmt::format("{}:{} is an empty range of frames", first, options.end_frame), "--frames",
+                "give A:B with 0 <= A < B");
   }
   if (first >= end) {
     throw Error(fmt::format("frame {} does not exist, {} has {}", first, path, frame_count), "--frames",
                 "frames count from 0");
   }
-  count = (end - first + every - 1) / every;
+  count = (end - first - 1) / every + 1;  // end may be the largest number there is
 }
 
 std::unique_ptr<Source> make_recording_source(Recording recording, const OpenOptions& options) {

@@ -39,7 +39,7 @@ struct FrameChoice {
   std::int64_t count = 0;
 
   FrameChoice() = default;
-  /// Error where the options make no sense or choose nothing.
+  /// Error where the options are out of range or choose nothing.
   FrameChoice(const OpenOptions& options, std::int64_t frame_count, const std::string& path);
   std::int64_t index(std::int64_t k) const { return first + k * every; }
 };

@@ -14,11 +14,11 @@ namespace rastro {
 ScanFromDepth::ScanFromDepth(const Camera& camera, const ScanFromDepthOptions& options)
     : width_(camera.width), height_(camera.height), options_(options) {
   if (!(options.lowest < options.highest))
-    throw Error(fmt::format("{}:{} is no band of heights", options.lowest, options.highest), "--height",
-                "give A:B in metres with A below B");
+    throw Error(fmt::format("{}:{} is not a range of heights", options.lowest, options.highest), "--height",
+                "give A:B in meters with A below B");
   if (!(options.min_range < options.max_range) || !std::isfinite(options.max_range))
     throw Error(fmt::format("a reach of {} m is not above {} m", options.max_range, options.min_range), "--max-range",
-                "give metres");
+                "give meters");
   if (width_ < 1 || height_ < 1 || !(camera.fx > 0.0) || !(camera.fy > 0.0))
     throw Error("the camera has no size or no focal length", "calibration", "give --intrinsics");
   angle_step_ = 1.0 / camera.fx;
@@ -59,7 +59,7 @@ LaserScan ScanFromDepth::cut(const DepthImage& depth) const {
     for (int x = 0; x < width_; ++x, ++ray) {
       const float forward = depth.at(x, y);
       const float height = -ray->down * forward;
-      // Written so that a ray that is no number fails.
+      // Written so that a ray that is not a number fails.
       if (!(forward > 0.0F && height >= lowest && height <= highest)) continue;
       const float range = forward * std::sqrt(1.0F + ray->right * ray->right);
       float& best = nearest[static_cast<std::size_t>(ray->beam)];

@@ -102,7 +102,7 @@ TEST(ScanFromDepth, FartherThanItsReachIsFree) {
 TEST(ScanFromDepth, RefusesWhatMakesNoSense) {
   ScanFromDepthOptions upside;
   upside.lowest = 1.0;
-  EXPECT_THAT(error_of([&] { ScanFromDepth(test_camera(), upside); }), HasSubstr("no band of heights"));
+  EXPECT_THAT(error_of([&] { ScanFromDepth(test_camera(), upside); }), HasSubstr("not a range of heights"));
   EXPECT_THAT(error_of([&] { ScanFromDepth(Camera(), {}); }), HasSubstr("no focal length"));
 }
 

@@ -32,7 +32,7 @@ std::vector<Pair> close_pairs(const std::vector<ListedImage>& from, const std::v
   std::vector<std::size_t> order(to.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return to[a].stamp < to[b].stamp; });
-  constexpr std::size_t most_neighbours = 8;  // On each side; bounds the work on lists of equal stamps.
+  constexpr std::size_t most_neighbors = 8;  // On each side; bounds the work on lists of equal stamps.
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < from.size(); ++i) {
     const auto first = std::lower_bound(order.begin(), order.end(), from[i].stamp,
@@ -43,9 +43,9 @@ std::vector<Pair> close_pairs(const std::vector<ListedImage>& from, const std::v
       if (difference <= limit) pairs.push_back({difference, i, order[k]});
       return difference <= limit;
     };
-    for (std::size_t k = at; k < order.size() && k < at + most_neighbours && add(k); ++k) {
+    for (std::size_t k = at; k < order.size() && k < at + most_neighbors && add(k); ++k) {
     }
-    for (std::size_t k = at; k > 0 && k + most_neighbours > at && add(k - 1); --k) {
+    for (std::size_t k = at; k > 0 && k + most_neighbors > at && add(k - 1); --k) {
     }
   }
   return pairs;
@@ -78,7 +78,7 @@ ImageList make_image_list(const std::vector<RawListLine>& lines, StampUnit nativ
 
 std::string unit_warning(const ImageList& list, StampUnit native, std::string_view where) {
   if (list.unit == native) return "";
-  return fmt::format("{}: stamps look like {}, not {}, and are read so", where, unit_name(list.unit),
+  return fmt::format("{}: timestamps look like {}, not {}, and are read as such", where, unit_name(list.unit),
                      unit_name(native));
 }
 

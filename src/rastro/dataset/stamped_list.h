@@ -30,7 +30,7 @@ struct RawListLine {
 };
 
 /// Turns cut lines into a list: guesses the unit from all stamps together (the format's own is `native`), then reads
-/// them exactly. Error naming `where`:line for a stamp that is no number and for a file column that is empty.
+/// them exactly. Error naming `where`:line for a stamp that is not a number and for a file column that is empty.
 ImageList make_image_list(const std::vector<RawListLine>& lines, StampUnit native, std::string_view where);
 
 /// A warning where the unit is not the format's own; "" otherwise.

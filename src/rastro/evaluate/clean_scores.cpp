@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "rastro/evaluate/clean_stretches.h"
+#include "rastro/evaluate/clean_segments.h"
 #include "rastro/evaluate/observations.h"
 
 namespace rastro {
@@ -35,7 +35,7 @@ class CleanScorer {
   }
 
  private:
-  enum class Verdict { correct, unscored, hidden, other_place, on_occluder };
+  enum class Verdict { correct, unscored, hidden, other_position, on_occluder };
 
   FrameScores& row(std::int64_t frame) { return scores_.frames[static_cast<std::size_t>(frame - index_.first)]; }
   bool covered(std::int64_t frame, const Eigen::Vector2d& pixel) const {
@@ -43,14 +43,14 @@ class CleanScorer {
   }
   bool near_edge(const Eigen::Vector2d& pixel) const { return near_image_edge(pixel, options_); }
 
-  /// The stretch that stands for the feature which was last observed as track[i]; null when there is none.
+  /// The segment that is the counterpart of the feature last observed as track[i]; null if there is none.
   const Stretch* counterpart(const Track& track, std::size_t i) const {
     const std::int64_t oldest = track[i].frame - options_.window;
     for (std::size_t k = i + 1; k-- > 0;) {
       if (track[k].frame < oldest) break;
       if (k < i && track[k + 1].frame != track[k].frame + 1) break;
       if (cover_ && cover_->covered(track[k].frame, track[k].pixel, options_.clearance_px)) {
-        // An id recognised again here says nothing of where it was before.
+        // A re-identification here gives no evidence of the id's earlier position.
         if (is_reidentification(track, k)) break;
         continue;
       }
@@ -59,7 +59,7 @@ class CleanScorer {
     return nullptr;
   }
 
-  /// True when the id has been seen on the occluder only, up to track[i]: it belongs to the occluder's own texture.
+  /// True if the id has been observed only on the occluder, up to track[i]: it belongs to the occluder's own texture.
   bool only_on_occluder(const Track& track, std::size_t i) const {
     for (std::size_t k = i + 1; k-- > 0;)
       if (!covered(track[k].frame, track[k].pixel)) return false;
@@ -70,7 +70,7 @@ class CleanScorer {
     if (i == 0) return Verdict::unscored;
     const Observation& corner = track[i];
     const bool clear = cover_ && !cover_->covered(corner.frame, corner.pixel, options_.tolerance_px);
-    if (clear && only_on_occluder(track, i - 1)) return Verdict::other_place;
+    if (clear && only_on_occluder(track, i - 1)) return Verdict::other_position;
     return judge(counterpart(track, i - 1), corner);
   }
 
@@ -78,7 +78,7 @@ class CleanScorer {
     const auto place = truth ? truth->at(corner.frame) : std::nullopt;
     if (!place) return Verdict::unscored;
     if (covered(corner.frame, *place)) return Verdict::hidden;
-    if ((*place - corner.pixel).norm() > options_.tolerance_px) return Verdict::other_place;
+    if ((*place - corner.pixel).norm() > options_.tolerance_px) return Verdict::other_position;
     return covered(corner.frame, corner.pixel) ? Verdict::on_occluder : Verdict::correct;
   }
 
@@ -93,8 +93,8 @@ class CleanScorer {
       return;
     }
     ++frame.wrong;
-    scores_.wrongs.anchor_hidden += verdict == Verdict::hidden;
-    scores_.wrongs.other_place += verdict == Verdict::other_place;
+    scores_.wrongs.anchor_occluded += verdict == Verdict::hidden;
+    scores_.wrongs.other_position += verdict == Verdict::other_position;
     scores_.wrongs.on_occluder += verdict == Verdict::on_occluder;
   }
 
@@ -110,7 +110,7 @@ class CleanScorer {
   const OccluderCover* cover_;
   const TrackScoreOptions options_;
   const TrackIndex index_;
-  const CleanStretches clean_;
+  const CleanSegments clean_;
   TrackScores scores_;
 };
 
@@ -125,31 +125,31 @@ void CleanScorer::book_loss(const Track& track, std::size_t i) {
   const std::int64_t window_end = std::min(seen + options_.window, index_.end - 1);
   const bool returns = i + 1 < track.size() && track[i + 1].frame <= window_end;
   const std::int64_t span_end = returns ? track[i + 1].frame : window_end;
-  bool hidden_in_span = false, hidden_before = false;
+  bool occluded_in_span = false, occluded_before = false;
   std::vector<std::pair<std::int64_t, Eigen::Vector2d>> visible_again;
   for (std::int64_t k = seen + 1; k <= std::min(window_end, truth->last()); ++k) {
     const auto place = truth->at(k);
     if (!place) continue;
     const bool hidden = cover_ ? covered(k, *place) : k == seen + 1;
-    if (hidden) hidden_in_span = hidden_in_span || k <= span_end;
-    hidden_before = hidden_before || hidden;
-    if (hidden_before && !hidden && !near_edge(*place)) visible_again.emplace_back(k, *place);
+    if (hidden) occluded_in_span = occluded_in_span || k <= span_end;
+    occluded_before = occluded_before || hidden;
+    if (occluded_before && !hidden && !near_edge(*place)) visible_again.emplace_back(k, *place);
   }
   const bool ends_at_edge = truth->last() < window_end && near_edge(truth->places.back());
   const bool followed_on = truth->last() >= window_end || ends_at_edge;
-  if (!hidden_in_span) {
+  if (!occluded_in_span) {
     if (ends_at_edge)
       ++frame.lost_outside;
     else
       ++(followed_on || truth->last() > seen ? frame.lost_visible : frame.lost_unscored);
     return;
   }
-  // Hidden, and the counterpart ends before anyone can say whether it was seen again.
+  // Occluded, and the counterpart ends before it could reappear.
   if (visible_again.empty() && !followed_on) {
     ++frame.lost_unscored;
     return;
   }
-  // The id came back after the end of its counterpart: right or wrong, nobody knows.
+  // The id was re-identified after the end of its counterpart: correctness unknown.
   const Verdict verdict = returns ? judge(truth, track[i + 1]) : Verdict::unscored;
   if (returns && verdict == Verdict::unscored) {
     ++frame.lost_unscored;

@@ -20,14 +20,14 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr double most_places = 2e6;
-constexpr std::size_t nearest_places = 8;  ///< Whose triangles a point is held against.
+constexpr std::size_t nearest_places = 8;  ///< Samples whose triangles a point is compared with.
 constexpr int grain = 4096;
 
 struct Places {
   std::vector<Vector3f> at;
-  std::vector<std::uint32_t> triangle;  ///< Of each; empty without triangles.
+  std::vector<std::uint32_t> triangle;  ///< Per sample; empty without triangles.
 
-  // What nanoflann asks for.
+  // Interface required by nanoflann.
   std::size_t kdtree_get_point_count() const { return at.size(); }
   float kdtree_get_pt(std::size_t index, std::size_t axis) const { return at[index][static_cast<int>(axis)]; }
   template <class Box>
@@ -48,7 +48,7 @@ double area_of(const std::array<Vector3f, 3>& corners) {
   return 0.5 * a.cross(b).norm();
 }
 
-/// Places all over a triangle: the middles of the pieces that halving the longest side leaves.
+/// Samples all over a triangle: the centers of the pieces from repeatedly halving the longest side.
 void cover(const std::array<Vector3f, 3>& corners, std::uint32_t triangle, float spacing, Places& places) {
   std::size_t from = 0;
   float longest = 0.0F;
@@ -74,7 +74,7 @@ Places places_of(const TriangleMesh& mesh, double spacing) {
     for (const MeshVertex& vertex : mesh.vertices) places.at.push_back(vertex.position);
     return places;
   }
-  double area = 0.0, length = 0.0;  // slivers take places by their length
+  double area = 0.0, length = 0.0;  // slivers get samples by their length
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
     const auto corners = corners_of(mesh, k);
     area += area_of(corners);
@@ -101,7 +101,8 @@ double distance_to(const Vector3d& p, const std::array<Vector3f, 3>& corners) {
   return inside ? std::abs(normal.dot(p - a)) / normal.norm() : least;
 }
 
-double distance_to_truth(const Vector3f& point, const TriangleMesh& mesh, const Places& places, const Tree& tree) {
+double distance_to_ground_truth(const Vector3f& point, const TriangleMesh& mesh, const Places& places,
+                                const Tree& tree) {
   std::array<std::uint32_t, nearest_places> found{};
   std::array<float, nearest_places> squares{};
   const std::size_t wanted = places.triangle.empty() ? 1 : nearest_places;
@@ -137,17 +138,19 @@ double root_mean_square(const std::vector<double>& values) {
 CloudAgreement cloud_agreement(const TriangleMesh& truth, const PointCloud& cloud, const CloudAgreementOptions& options,
                                TaskPool* pool) {
   const Places places = places_of(truth, options.spacing_m);
-  if (places.at.empty()) throw Error("the truth holds no points", "REF", "give a PLY with vertices");
-  if (cloud.points.empty()) throw Error("the cloud holds no points", "EST", "give a PLY with vertices");
+  if (places.at.empty()) throw Error("the ground truth has no points", "REF", "give a PLY with vertices");
+  if (cloud.points.empty()) throw Error("the cloud has no points", "EST", "give a PLY with vertices");
   const Tree tree(3, places);
   std::vector<double> distances(cloud.points.size());
-  for_all(pool, distances.size(),
-          [&](std::size_t k) { distances[k] = distance_to_truth(cloud.points[k].position, truth, places, tree); });
+  for_all(pool, distances.size(), [&](std::size_t k) {
+    distances[k] = distance_to_ground_truth(cloud.points[k].position, truth, places, tree);
+  });
   Places own;
   for (const CloudPoint& point : cloud.points) own.at.push_back(point.position);
   const Tree own_tree(3, own);
   std::vector<double> gaps(places.at.size());
-  for_all(pool, gaps.size(), [&](std::size_t k) { gaps[k] = distance_to_truth(places.at[k], {}, own, own_tree); });
+  for_all(pool, gaps.size(),
+          [&](std::size_t k) { gaps[k] = distance_to_ground_truth(places.at[k], {}, own, own_tree); });
 
   CloudAgreement agreement;
   std::vector<double> ratios;

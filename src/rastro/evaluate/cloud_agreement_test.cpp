@@ -28,7 +28,7 @@ CloudPoint point_at(const Eigen::Vector3f& place, float sigma) {
   return point;
 }
 
-/// Points over the part x < `until` of the square, off it by noise of 5 mm.
+/// Points on the part x < `until` of the square with noise of 5 mm.
 PointCloud noisy(float until) {
   PointCloud cloud;
   Random random(2);
@@ -42,7 +42,7 @@ PointCloud noisy(float until) {
   return cloud;
 }
 
-TEST(CloudAgreement, GivesTheNoiseOfPointsAndTheShareOfTheSurfaceCovered) {
+TEST(CloudAgreement, GivesTheNoiseOfPointsAndTheCoveredShareOfTheSurface) {
   const CloudAgreement agreement = cloud_agreement(square(), noisy(0.0F), {});
   EXPECT_EQ(agreement.points, 40000U);
   EXPECT_NEAR(agreement.rms, 0.005, 2e-4);
@@ -61,7 +61,7 @@ TEST(CloudAgreement, MeasuresExactlyToTrianglesAndTheirRims) {
     cloud.points.push_back(point_at(place, 0.0F));
   const CloudAgreement agreement = cloud_agreement(square(), cloud, {});
   EXPECT_NEAR(agreement.mean, (0.25 + 0.5 + 0.5) / 3.0, 1e-6);
-  EXPECT_TRUE(std::isnan(agreement.sigma_ratio)) << "no sigma is no claim";
+  EXPECT_TRUE(std::isnan(agreement.sigma_ratio)) << "points without sigma do not count";
 }
 
 TEST(CloudAgreement, ComparesWithPointsWhereThereAreNoTrianglesForAnyPool) {

@@ -17,18 +17,18 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int fewest_points = 12;  ///< That make a face.
+constexpr int fewest_points = 12;  ///< Of a face.
 constexpr int drawn_planes = 100;
 constexpr double gate_sigmas = 3.0, smallest_sigma_m = 0.002, largest_sigma_m = 0.005;
 constexpr double cos_largest_tilt = 0.8;
-constexpr double shared_sigma_m = 0.003;  ///< What all points of a face may be off alike.
-constexpr double depth_edge_m = 0.012;    ///< How far from a thing's end its depth may end.
+constexpr double shared_sigma_m = 0.003;  ///< Error common to all points of a face.
+constexpr double depth_edge_m = 0.012;    ///< Distance between the end of an object and of its depth.
 constexpr int fewest_slices = 4;
 
-/// A face of a cloud, and the points on it in the axes of the region it was looked for in.
+/// A face of a cloud, and the points on it in the axes of the search region.
 struct CloudFace {
   Vector3d normal = Vector3d::Zero(), middle = Vector3d::Zero();
-  double sigma_m = 0.0;  ///< Of its place along the normal.
+  double sigma_m = 0.0;  ///< Of its position along the normal.
   std::vector<Vector3d> points;
 
   Vector3d foot(const Vector3d& point) const { return point - normal.dot(point - middle) * normal; }
@@ -36,7 +36,7 @@ struct CloudFace {
 
 /// One end of a length.
 struct CloudEnd {
-  std::string problem;  ///< Why it was not found; empty where it was.
+  std::string problem;  ///< Why it was not found; empty if it was.
   Vector3d point = Vector3d::Zero(), direction = Vector3d::Zero();
   Matrix3d covariance = Matrix3d::Zero();
   int points = 0;
@@ -51,7 +51,7 @@ std::vector<Sample> samples_in(const PointCloud& cloud, const LengthRegion& regi
   std::vector<Sample> found;
   for (const CloudPoint& one : cloud.points) {
     const Vector3d point = one.position.cast<double>();
-    const Vector3d along = region.axes.transpose() * (point - region.centre);
+    const Vector3d along = region.axes.transpose() * (point - region.center);
     if ((along.array() >= region.low.array()).all() && (along.array() <= region.high.array()).all())
       found.push_back({point, std::clamp(static_cast<double>(one.sigma), smallest_sigma_m, largest_sigma_m)});
   }
@@ -99,7 +99,7 @@ void refine(const std::vector<Sample>& all, const LengthRegion& region, CloudFac
     if (face.normal.dot(before) < 0.0) face.normal = -face.normal;
     squares = solver.eigenvalues()[0];
     face.points.clear();
-    for (const Sample* one : on) face.points.push_back(region.axes.transpose() * (one->point - region.centre));
+    for (const Sample* one : on) face.points.push_back(region.axes.transpose() * (one->point - region.center));
   }
   const double count = std::max<double>(1.0, static_cast<double>(face.points.size()));
   face.sigma_m = std::sqrt(squares / std::max(1.0, count / 4.0) + shared_sigma_m * shared_sigma_m);
@@ -115,8 +115,8 @@ std::optional<CloudFace> face_in(const PointCloud& cloud, const LengthRegion& re
   return face;
 }
 
-/// Where the points of a slice end towards the outside (growing values are inside): walks outwards from the spot's
-/// inner side until two steps hold no point. nullopt where there is none to begin with.
+/// End of the points of a slice towards the outside (larger values are inside): walks outwards from the inner side
+/// until two steps have no point. nullopt if there is none at the start.
 std::optional<double> end_of(std::vector<double> places, double step, double start) {
   std::sort(places.begin(), places.end(), std::greater<>());
   std::optional<double> last;
@@ -128,7 +128,7 @@ std::optional<double> end_of(std::vector<double> places, double step, double sta
   return last;
 }
 
-/// Where the face ends, along the inward axis from the spot, with its standard deviation.
+/// End of the face, along the inward axis from the rough point, with its standard deviation.
 std::optional<std::pair<double, double>> boundary(const CloudFace& face, const LengthRegion& region, double spacing) {
   const double width = std::max(2.0 * spacing, 0.01);
   const int slices = static_cast<int>((region.high.x() - region.low.x()) / width);
@@ -145,7 +145,7 @@ std::optional<std::pair<double, double>> boundary(const CloudFace& face, const L
   const double middle = upper_median(ends);
   for (double& end : ends) end = std::abs(end - middle);
   const double spread = 1.4826 * upper_median(ends);
-  // The last voxel is filled in part; its point lies in the middle of what is filled.
+  // The last voxel is filled in part; its point is in the middle of the filled part.
   const double sigma = std::hypot(spread / std::sqrt(static_cast<double>(ends.size())), 0.3 * spacing);
   return std::pair(middle - 0.25 * spacing, std::hypot(sigma, depth_edge_m));
 }
@@ -155,7 +155,7 @@ CloudEnd edge_end(const CloudFace& face, const LengthFeature& feature, const Len
   const auto found = boundary(face, region, spacing);
   if (!found) return {"too few points on its face", {}, {}, {}, 0};
   if (found->first < region.low.y() + 1.5 * spacing)
-    return {"the face goes on beyond the edge, and a cloud has no pictures", {}, {}, {}, 0};
+    return {"the face goes on beyond the edge, and a cloud has no images", {}, {}, {}, 0};
   end.point = face.foot(feature.spot + found->first * feature.inwards);
   end.direction = feature.along;
   end.covariance = std::pow(found->second, 2) * feature.inwards * feature.inwards.transpose() +
@@ -171,7 +171,7 @@ CloudEnd face_end(const CloudFace& face, const Vector3d& spot) {
   return end;
 }
 
-/// The side of a square with one point of the face in it.
+/// Side of a square with one point of the face on average.
 double spacing_of(const PointCloud& cloud, const CloudFace& face, const LengthRegion& region) {
   const Vector3d size = region.high - region.low;
   const double measured = std::sqrt(size.x() * size.y() / static_cast<double>(face.points.size()));
@@ -187,14 +187,14 @@ CloudEnd crossing(const CloudEnd& one, const CloudEnd& other) {
   return corner;
 }
 
-CloudEnd end_in(const PointCloud& cloud, const LengthObject& object, const LengthSpot& spot,
+CloudEnd end_in(const PointCloud& cloud, const LengthObject& object, const LengthPoint& spot,
                 const MapLengthOptions& options) {
   std::vector<CloudEnd> ends;
   for (const LengthFeature& feature : length_features(object, spot, options)) {
     LengthRegion region = length_region(feature, object.radius_m, options);
     if (feature.is_edge) region.low.y() = -object.radius_m;
     const auto face = face_in(cloud, region, options.seed);
-    if (!face) return {"no face was found there", {}, {}, {}, 0};
+    if (!face) return {"no face found there", {}, {}, {}, 0};
     ends.push_back(feature.is_edge ? edge_end(*face, feature, region, spacing_of(cloud, *face, region))
                                    : face_end(*face, feature.spot));
     ends.back().points = static_cast<int>(face->points.size());

@@ -12,7 +12,7 @@
 namespace rastro {
 namespace {
 
-/// Cells that have one of the kind within `reach` cells, along rows and then along columns.
+/// Cells with a cell of this kind within `reach` cells, along rows and then along columns.
 CellMask near_mask(const OccupancyGrid& grid, const CellMask& mask, int reach) {
   const auto spread = [&](const CellMask& from, int dx, int dy) {
     CellMask to(from.size(), 0);
@@ -30,7 +30,7 @@ bool holds_at(const OccupancyGrid& grid, const CellMask& mask, const Eigen::Vect
   return grid.holds(cell.x(), cell.y()) && mask[cell_index(grid, cell.x(), cell.y())] != 0;
 }
 
-/// Occupied cells with a free one beside them: the inside of walls is never seen.
+/// Occupied cells next to a free one: the inside of walls cannot be observed.
 CellMask surface_of(const OccupancyGrid& grid) {
   CellMask surface = mask_of(grid, is_occupied);
   const CellMask beside_free = near_mask(grid, mask_of(grid, is_free), 1);
@@ -50,13 +50,13 @@ struct Share {
 class Comparison {
  public:
   Comparison(const OccupancyGrid& map, const OccupancyGrid& truth, const GridAgreementOptions& options)
-      : map_(map), truth_(truth), tolerance_m_(options.tolerance_cells * std::max(map.cell_m, truth.cell_m)) {}
+      : map_(map), ground_truth_(truth), tolerance_m_(options.tolerance_cells * std::max(map.cell_m, truth.cell_m)) {}
 
-  GridAgreement measure(const SE2& truth_from_map) const {
+  GridAgreement measure(const SE2& ground_truth_from_map) const {
     GridAgreement result;
-    result.truth_from_map = truth_from_map;
-    hold_map_against_truth(result);
-    hold_truth_against_map(result);
+    result.ground_truth_from_map = ground_truth_from_map;
+    compare_map_with_ground_truth(result);
+    compare_ground_truth_with_map(result);
     const bool none = result.precision == 0.0 || result.recall_seen == 0.0;
     result.iou = none ? 0.0 : 1.0 / (1.0 / result.precision + 1.0 / result.recall_seen - 1.0);
     return result;
@@ -70,29 +70,30 @@ class Comparison {
     return near_mask(grid, mask_of(grid, is_it), reach_in(grid));
   }
 
-  void hold_map_against_truth(GridAgreement& result) const {
-    const CellMask near_wall = near(truth_, is_occupied), near_free = near(truth_, is_free),
-                   known = mask_of(truth_, is_known);
+  void compare_map_with_ground_truth(GridAgreement& result) const {
+    const CellMask near_wall = near(ground_truth_, is_occupied), near_free = near(ground_truth_, is_free),
+                   known = mask_of(ground_truth_, is_known);
     Share walls, free;
-    for_each_cell(map_, [&](std::int8_t percent, const Eigen::Vector2d& centre) {
-      const Eigen::Vector2d in_truth = result.truth_from_map * centre;
-      if (is_occupied(percent)) walls.count(holds_at(truth_, near_wall, in_truth));
-      if (is_free(percent) && holds_at(truth_, known, in_truth)) free.count(holds_at(truth_, near_free, in_truth));
+    for_each_cell(map_, [&](std::int8_t percent, const Eigen::Vector2d& center) {
+      const Eigen::Vector2d in_ground_truth = result.ground_truth_from_map * center;
+      if (is_occupied(percent)) walls.count(holds_at(ground_truth_, near_wall, in_ground_truth));
+      if (is_free(percent) && holds_at(ground_truth_, known, in_ground_truth))
+        free.count(holds_at(ground_truth_, near_free, in_ground_truth));
     });
     result.map_occupied = walls.all;
     result.precision = walls.value();
     result.free_agreement = free.value();
   }
 
-  void hold_truth_against_map(GridAgreement& result) const {
+  void compare_ground_truth_with_map(GridAgreement& result) const {
     const CellMask near_wall = near(map_, is_occupied), near_known = near(map_, is_known),
                    free = mask_of(map_, is_free);
-    const CellMask surface = surface_of(truth_);
-    const SE2 map_from_truth = result.truth_from_map.inverse();
+    const CellMask surface = surface_of(ground_truth_);
+    const SE2 map_from_ground_truth = result.ground_truth_from_map.inverse();
     Share walls, seen, explored;
     std::size_t cell = 0;
-    for_each_cell(truth_, [&](std::int8_t percent, const Eigen::Vector2d& centre) {
-      const Eigen::Vector2d in_map = map_from_truth * centre;
+    for_each_cell(ground_truth_, [&](std::int8_t percent, const Eigen::Vector2d& center) {
+      const Eigen::Vector2d in_map = map_from_ground_truth * center;
       if (surface[cell++] != 0) {
         const bool hit = holds_at(map_, near_wall, in_map);
         walls.count(hit);
@@ -100,25 +101,25 @@ class Comparison {
       }
       if (is_free(percent)) explored.count(holds_at(map_, free, in_map));
     });
-    result.truth_occupied = walls.all;
-    result.truth_seen = seen.all;
+    result.ground_truth_occupied = walls.all;
+    result.ground_truth_seen = seen.all;
     result.recall = walls.value();
     result.recall_seen = seen.value();
     result.explored = explored.value();
   }
 
   const OccupancyGrid& map_;
-  const OccupancyGrid& truth_;
+  const OccupancyGrid& ground_truth_;
   const double tolerance_m_;
 };
 
 }  // namespace
 
 GridAgreement grid_agreement(const OccupancyGrid& map, const OccupancyGrid& truth, const GridAgreementOptions& options,
-                             const SE2& truth_from_map) {
-  const SE2 placed = options.align ? align_grids(map, truth, truth_from_map, options.search_m,
+                             const SE2& ground_truth_from_map) {
+  const SE2 placed = options.align ? align_grids(map, truth, ground_truth_from_map, options.search_m,
                                                  options.search_deg * std::numbers::pi / 180.0)
-                                   : truth_from_map;
+                                   : ground_truth_from_map;
   return Comparison(map, truth, options).measure(placed);
 }
 

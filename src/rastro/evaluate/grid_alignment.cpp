@@ -11,13 +11,13 @@
 namespace rastro {
 namespace {
 
-constexpr double reach_m = 0.5;  ///< A wall farther than this says nothing.
+constexpr double reach_m = 0.5;  ///< Farther walls do not count.
 constexpr double first_step_m = 0.2, first_step_rad = 0.5 * std::numbers::pi / 180.0;
 constexpr int refinements = 7;
 constexpr std::size_t most_points = 4000;
 
-/// Distance of every cell to the nearest occupied one, metres, by two sweeps over neighbours (Borgefors 1986): up to 8
-/// % too long, which the choice between neighbouring places does not feel.
+/// Distance of every cell to the nearest occupied one, meters, by two sweeps over neighbors (Borgefors 1986): up to 8
+/// % too long, which does not affect the choice between neighboring poses.
 std::vector<float> distances(const OccupancyGrid& grid) {
   const auto step = static_cast<float>(grid.cell_m), diagonal = step * std::numbers::sqrt2_v<float>;
   std::vector<float> field(grid.percent.size(), static_cast<float>(reach_m));
@@ -39,11 +39,11 @@ std::vector<float> distances(const OccupancyGrid& grid) {
   return field;
 }
 
-/// Centres of occupied cells, evenly thinned.
+/// Centers of occupied cells, evenly thinned.
 std::vector<Eigen::Vector2d> walls_of(const OccupancyGrid& grid) {
   std::vector<Eigen::Vector2d> all, some;
-  for_each_cell(grid, [&](std::int8_t percent, const Eigen::Vector2d& centre) {
-    if (is_occupied(percent)) all.push_back(centre);
+  for_each_cell(grid, [&](std::int8_t percent, const Eigen::Vector2d& center) {
+    if (is_occupied(percent)) all.push_back(center);
   });
   const std::size_t every = (all.size() + most_points - 1) / most_points;
   for (std::size_t k = 0; k < all.size(); k += every) some.push_back(all[k]);
@@ -53,12 +53,12 @@ std::vector<Eigen::Vector2d> walls_of(const OccupancyGrid& grid) {
 class Search {
  public:
   Search(const OccupancyGrid& map, const OccupancyGrid& truth, const SE2& start)
-      : truth_(truth), field_(distances(truth)), walls_(walls_of(map)), start_(start) {
+      : ground_truth_(truth), field_(distances(truth)), walls_(walls_of(map)), start_(start) {
     for (const Eigen::Vector2d& wall : walls_) middle_ += wall / static_cast<double>(walls_.size());
   }
 
   bool is_possible() const {
-    return !walls_.empty() && std::any_of(truth_.percent.begin(), truth_.percent.end(), is_occupied);
+    return !walls_.empty() && std::any_of(ground_truth_.percent.begin(), ground_truth_.percent.end(), is_occupied);
   }
 
   SE2 run(double search_m, double search_rad) {
@@ -74,7 +74,7 @@ class Search {
   }
 
  private:
-  /// `change`: x and y in the truth's axes, and the turn about the middle of the map's walls.
+  /// `change`: x and y in the axes of the ground truth, and the rotation about the center of the map's walls.
   SE2 placed(const Eigen::Vector3d& change) const {
     const SO2 turn = SO2::from_angle(change.z());
     const Eigen::Vector2d middle = start_ * middle_;
@@ -82,12 +82,12 @@ class Search {
     return moved * start_;
   }
 
-  double score(const SE2& truth_from_map) const {
+  double score(const SE2& ground_truth_from_map) const {
     double sum = 0.0;
     for (const Eigen::Vector2d& wall : walls_) {
-      const Eigen::Vector2i cell = truth_.cell_of(truth_from_map * wall);
-      if (truth_.holds(cell.x(), cell.y()))
-        sum += reach_m - static_cast<double>(field_[cell_index(truth_, cell.x(), cell.y())]);
+      const Eigen::Vector2i cell = ground_truth_.cell_of(ground_truth_from_map * wall);
+      if (ground_truth_.holds(cell.x(), cell.y()))
+        sum += reach_m - static_cast<double>(field_[cell_index(ground_truth_, cell.x(), cell.y())]);
     }
     return sum;
   }
@@ -106,7 +106,7 @@ class Search {
     at_ = change;
   }
 
-  const OccupancyGrid& truth_;
+  const OccupancyGrid& ground_truth_;
   const std::vector<float> field_;
   const std::vector<Eigen::Vector2d> walls_;
   const SE2 start_;

@@ -6,9 +6,10 @@
 
 namespace rastro {
 
-/// Where the map's frame lies in the truth's, at most `search_m` along either axis and `search_rad` from `start` (the
-/// turn is about the middle of the map): the place that brings the occupied cells of the map nearest to occupied ones
-/// of the truth, by a search over a lattice that is then refined. `start` where one of the maps has no occupied cell.
+/// Pose of the map's frame in that of the ground truth, at most `search_m` along either axis and `search_rad` from
+/// `start` (the rotation is about the center of the map): the pose that aligns the occupied cells of the map best with
+/// occupied ones of the ground truth, by a search over a lattice that is then refined. `start` if one of the maps has
+/// no occupied cell.
 SE2 align_grids(const OccupancyGrid& map, const OccupancyGrid& truth, const SE2& start, double search_m,
                 double search_rad);
 

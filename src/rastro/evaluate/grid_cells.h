@@ -14,7 +14,7 @@ inline bool is_occupied(std::int8_t percent) { return percent >= 65; }
 inline bool is_free(std::int8_t percent) { return percent >= 0 && percent < 20; }
 inline bool is_known(std::int8_t percent) { return is_occupied(percent) || is_free(percent); }
 
-using CellMask = std::vector<std::uint8_t>;  ///< A 0 or 1 for each cell, row by row.
+using CellMask = std::vector<std::uint8_t>;  ///< 0 or 1 per cell, row by row.
 
 inline std::size_t cell_index(const OccupancyGrid& grid, int x, int y) {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x);
@@ -27,11 +27,11 @@ inline CellMask mask_of(const OccupancyGrid& grid, bool (*is_it)(std::int8_t)) {
   return mask;
 }
 
-/// visit(percent, centre), row by row.
+/// Calls visit(percent, center), row by row.
 template <typename Visit>
 void for_each_cell(const OccupancyGrid& grid, const Visit& visit) {
   for (int y = 0; y < grid.height; ++y)
-    for (int x = 0; x < grid.width; ++x) visit(grid.at(x, y), grid.centre_of(x, y));
+    for (int x = 0; x < grid.width; ++x) visit(grid.at(x, y), grid.center_of(x, y));
 }
 
 }  // namespace rastro

@@ -10,16 +10,16 @@
 namespace rastro {
 namespace {
 
-/// What is drawn of keyframes that see the ends of a length of 0.8 m.
+/// Settings of random keyframes that observe the ends of a length of 0.8 m.
 struct Drawing {
   double true_a = 0.3, true_b = 1.1;
-  double pose_sigma = 0.01;  ///< Moves both ends of a keyframe alike.
+  double pose_sigma = 0.01;  ///< Moves both ends of a keyframe together.
   double sigma = 0.002;
   int both = 20, only_a = 0, only_b = 0;
 };
 
 struct Ends {
-  LengthSightings a, b;
+  LengthObservations a, b;
 };
 
 Ends drawn(const Drawing& scene, Random& random) {
@@ -27,7 +27,7 @@ Ends drawn(const Drawing& scene, Random& random) {
   for (int k = 0; k < scene.both + scene.only_a + scene.only_b; ++k) {
     const double pose = scene.pose_sigma * random.normal();
     const auto seen = [&](double truth) {
-      return LengthSighting{k, truth + pose + scene.sigma * random.normal(), scene.sigma, 0.0, 0.0};
+      return LengthObservation{k, truth + pose + scene.sigma * random.normal(), scene.sigma, 0.0, 0.0};
     };
     if (k < scene.both + scene.only_a) ends.a.all.push_back(seen(scene.true_a));
     if (k < scene.both || k >= scene.both + scene.only_a) ends.b.all.push_back(seen(scene.true_b));
@@ -35,7 +35,7 @@ Ends drawn(const Drawing& scene, Random& random) {
   return ends;
 }
 
-TEST(CombineLengths, ExactSightingsGiveTheExactLength) {
+TEST(CombineLengths, ExactObservationsGiveTheExactLength) {
   Random random(1);
   Drawing exact;
   exact.pose_sigma = exact.sigma = 0.0;
@@ -48,12 +48,12 @@ TEST(CombineLengths, ExactSightingsGiveTheExactLength) {
     EXPECT_EQ(length->together, both);
     EXPECT_EQ(length->seen_a, both + a);
     EXPECT_EQ(length->seen_b, both + b);
-    EXPECT_GE(length->sigma_m, 0.001) << "edges are no ideal lines";
+    EXPECT_GE(length->sigma_m, 0.001) << "edges are no perfect lines";
   }
 }
 
-/// Keyframes that see both ends tell the length without their poses: only their own noise is left.
-TEST(CombineLengths, PosesDropOutWhereBothEndsAreSeen) {
+/// Keyframes that observe both ends give the length without their poses: only their own noise remains.
+TEST(CombineLengths, PosesDropOutWhereBothEndsAreObserved) {
   Random random(2);
   Drawing scene;
   scene.pose_sigma = 0.05;
@@ -69,11 +69,11 @@ TEST(CombineLengths, PosesDropOutWhereBothEndsAreSeen) {
   }
   // Twenty differences of two values of 2 mm each.
   EXPECT_NEAR(std::sqrt(squares), 0.002 * std::sqrt(2.0 / 20.0), 0.00015);
-  EXPECT_GT(variance, squares) << "it is never surer than it is right";
+  EXPECT_GT(variance, squares) << "it is never overconfident";
   EXPECT_LT(variance, 20.0 * squares);
 }
 
-TEST(CombineLengths, PosesCountWhereNoKeyframeSeesBoth) {
+TEST(CombineLengths, PosesCountWhereNoKeyframeObservesBoth) {
   Random random(3);
   Drawing scene;
   scene.pose_sigma = 0.03;
@@ -86,7 +86,7 @@ TEST(CombineLengths, PosesCountWhereNoKeyframeSeesBoth) {
     const auto length = combine_lengths(ends.a, ends.b);
     ASSERT_TRUE(length);
     EXPECT_EQ(length->together, 0);
-    EXPECT_GT(length->sigma_m, 0.012) << "the poses' scatter, of which numbers take little away";
+    EXPECT_GT(length->sigma_m, 0.012) << "the poses' scatter, which more keyframes hardly reduce";
     within += std::abs(length->length_m - 0.8) < 2.0 * length->sigma_m ? 1 : 0;
   }
   EXPECT_GT(within, 190);
@@ -105,8 +105,8 @@ TEST(CombineLengths, IsGeneralizedLeastSquaresOverAllValues) {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count), design = Eigen::MatrixXd::Zero(count, 2);
   Eigen::VectorXd values(count);
   std::vector<std::pair<std::int64_t, double>> rows;
-  for (const LengthSighting& one : ends.a.all) rows.emplace_back(one.keyframe, one.value_m);
-  for (const LengthSighting& one : ends.b.all) rows.emplace_back(one.keyframe, one.value_m);
+  for (const LengthObservation& one : ends.a.all) rows.emplace_back(one.keyframe, one.value_m);
+  for (const LengthObservation& one : ends.b.all) rows.emplace_back(one.keyframe, one.value_m);
   for (Eigen::Index i = 0; i < count; ++i) {
     values[i] = rows[static_cast<std::size_t>(i)].second;
     design(i, i < static_cast<Eigen::Index>(ends.a.all.size()) ? 0 : 1) = 1.0;
@@ -126,7 +126,7 @@ TEST(CombineLengths, OutliersAreLeftOut) {
   Random random(5);
   Drawing scene;
   Ends ends = drawn(scene, random);
-  ends.a.all[3].value_m += 0.5;    // something else was taken for the end
+  ends.a.all[3].value_m += 0.5;    // another feature was measured as the end
   ends.b.all[7].value_m -= 0.025;  // within the poses' scatter, but not beside its own a
   const auto length = combine_lengths(ends.a, ends.b);
   ASSERT_TRUE(length);
@@ -136,8 +136,8 @@ TEST(CombineLengths, OutliersAreLeftOut) {
   EXPECT_EQ(length->together, 18);
 }
 
-/// A face without depth: seen from both sides its height is found; from one side it stays what was known of it.
-TEST(CombineLengths, AnUnknownHeightIsFoundWhereItIsSeenFromBothSides) {
+/// A face without depth: views from both sides determine its height; from one side it keeps its prior.
+TEST(CombineLengths, EstimatesAnUnknownHeightWithViewsFromBothSides) {
   constexpr double height = 0.04, sigma = 0.001;
   Random random(6);
   for (const bool both_sides : {true, false}) {
@@ -161,20 +161,20 @@ TEST(CombineLengths, AnUnknownHeightIsFoundWhereItIsSeenFromBothSides) {
   }
 }
 
-TEST(CombineLengths, WhatIsOffAlikeEverywhereIsNotAveraged) {
+TEST(CombineLengths, ACommonErrorIsNotAveragedOut) {
   Random random(7);
   Drawing scene;
   scene.both = 100;
   Ends ends = drawn(scene, random);
   const auto without = combine_lengths(ends.a, ends.b);
-  for (LengthSighting& one : ends.a.all) one.shared_m = 0.01;
+  for (LengthObservation& one : ends.a.all) one.shared_m = 0.01;
   const auto with = combine_lengths(ends.a, ends.b);
   ASSERT_TRUE(with && without);
   EXPECT_EQ(with->length_m, without->length_m);
   EXPECT_NEAR(std::pow(with->sigma_m, 2) - std::pow(without->sigma_m, 2), 1e-4, 1e-9);
 }
 
-TEST(CombineLengths, AnEndThatNobodySeesGivesNone) {
+TEST(CombineLengths, AnEndWithoutObservationGivesNone) {
   Random random(8);
   const Ends ends = drawn({}, random);
   EXPECT_FALSE(combine_lengths({}, ends.b));
@@ -182,7 +182,7 @@ TEST(CombineLengths, AnEndThatNobodySeesGivesNone) {
   EXPECT_FALSE(combine_lengths({}, {}));
 }
 
-TEST(CombineLengths, TheOtherWayRoundItIsTheNegative) {
+TEST(CombineLengths, SwappedEndsGiveTheNegative) {
   Random random(9);
   Drawing scene;
   scene.both = 8, scene.only_a = 3, scene.only_b = 2;

@@ -17,29 +17,29 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double samples_per_pixel = 2.0;  ///< Across the edge.
-constexpr double blur_samples = 1.4;       ///< Standard deviation of the Gaussian whose derivative finds the change.
+constexpr double blur_samples = 1.4;       ///< Standard deviation of the Gaussian whose derivative detects the change.
 constexpr int kernel_radius = 4;
-constexpr double coarsest_radius_px = 2.5;  ///< With fewer pixels in the radius nothing is told apart.
+constexpr double coarsest_radius_px = 2.5;  ///< Minimum pixels in the radius to resolve lines.
 constexpr int fewest_profiles = 9, most_profiles = 161, most_offsets = 401;
-constexpr double steepest = 0.14;        ///< Tangent of the angle to the rough direction.
-constexpr double largest_change = 25.0;  ///< Grey levels per pixel; more counts as this.
-constexpr double smallest_score = 1.5;   ///< Grey levels per pixel.
-/// An edge that is twice as strong is not twice as likely: this many grey levels per pixel count half of what endless
-/// ones do.
+constexpr double steepest = 0.14;        ///< Maximum tangent of the angle to the rough direction.
+constexpr double largest_change = 25.0;  ///< Intensity levels per pixel; more counts as this.
+constexpr double smallest_score = 1.5;   ///< Intensity levels per pixel.
+/// An edge of twice the contrast is not twice as likely: this many intensity levels per pixel count half of infinitely
+/// many.
 constexpr double half_score = 5.0;
 constexpr double weakest_share = 0.08;  ///< Of the best score.
-constexpr int segments = 4;             ///< Along the edge, each with a sign of its own.
+constexpr int segments = 4;             ///< Along the edge, each with its own sign.
 constexpr std::size_t most_edges = 6;
-constexpr double apart_samples = 2.0;      ///< Maxima nearer than this are one.
-constexpr double reach_samples = 3.0;      ///< From the line to the peak of a profile.
-constexpr double picture_sigma_px = 0.12;  ///< What blur and compression move all profiles alike.
+constexpr double apart_samples = 2.0;    ///< Maxima closer than this are one.
+constexpr double reach_samples = 3.0;    ///< From the line to the peak of a profile.
+constexpr double image_sigma_px = 0.12;  ///< Common shift of all profiles by blur and compression.
 
-/// The part of the face around the spot, seen straight on: sample (row, column) is at along(row), across(column).
+/// The part of the face around the rough point, rectified: sample (row, column) is at along(row), across(column).
 struct Strip {
   Vector3d origin, along, across;  ///< Camera frame.
   double step_along = 0.0, step_across = 0.0;
   int rows = 0, columns = 0;
-  std::vector<float> change;  ///< Across the edge, grey levels per pixel; NaN outside of the picture.
+  std::vector<float> change;  ///< Across the edge, intensity levels per pixel; NaN outside the image.
 
   double s(double row) const { return (row - 0.5 * (rows - 1)) * step_along; }
   double t(double column) const { return (column - 0.5 * (columns - 1)) * step_across; }
@@ -57,20 +57,20 @@ struct StripLine {
   double at(const Strip& strip, double row) const { return column + slope * (row - 0.5 * (strip.rows - 1)); }
 };
 
-float grey_at(const GreyImage& grey, const Vector2d& pixel) {
+float gray_at(const GrayImage& gray, const Vector2d& pixel) {
   const double x = std::floor(pixel.x()), y = std::floor(pixel.y());
-  if (!(x >= 0.0 && y >= 0.0 && x < grey.width() - 1 && y < grey.height() - 1))
+  if (!(x >= 0.0 && y >= 0.0 && x < gray.width() - 1 && y < gray.height() - 1))
     return std::numeric_limits<float>::quiet_NaN();
   const auto u = static_cast<int>(x), v = static_cast<int>(y);
   const auto dx = static_cast<float>(pixel.x() - x), dy = static_cast<float>(pixel.y() - y);
-  const std::uint8_t* upper = grey.row(v) + u;
-  const std::uint8_t* lower = grey.row(v + 1) + u;
+  const std::uint8_t* upper = gray.row(v) + u;
+  const std::uint8_t* lower = gray.row(v + 1) + u;
   const float top = static_cast<float>(upper[0]) * (1.0F - dx) + static_cast<float>(upper[1]) * dx;
   const float bottom = static_cast<float>(lower[0]) * (1.0F - dx) + static_cast<float>(lower[1]) * dx;
   return top * (1.0F - dy) + bottom * dy;
 }
 
-double pixels_per_metre(const Camera& camera, const Vector3d& point, const Vector3d& direction) {
+double pixels_per_meter(const Camera& camera, const Vector3d& point, const Vector3d& direction) {
   constexpr double step = 1e-3;
   const auto here = camera.project(point), there = camera.project(point + step * direction);
   return here && there ? (*there - *here).norm() / step : 0.0;
@@ -98,7 +98,7 @@ void fill_changes(const LengthView& view, Strip& strip) {
     for (int k = 0; k < strip.columns + 2 * kernel_radius; ++k) {
       const auto pixel = view.camera.project(strip.point(row, k - kernel_radius));
       profile[static_cast<std::size_t>(k)] =
-          pixel ? grey_at(view.grey, *pixel) : std::numeric_limits<float>::quiet_NaN();
+          pixel ? gray_at(view.gray, *pixel) : std::numeric_limits<float>::quiet_NaN();
     }
     for (int column = 0; column < strip.columns; ++column) {
       float sum = 0.0F;
@@ -117,8 +117,8 @@ std::optional<Strip> strip_of(const LengthView& view, const LengthFace& face, co
   strip.along.normalize();
   strip.across = normal.cross(strip.along);
   if (strip.across.dot(search.inwards) < 0.0) strip.across = -strip.across;
-  const double across = pixels_per_metre(view.camera, strip.origin, strip.across);
-  const double along = pixels_per_metre(view.camera, strip.origin, strip.along);
+  const double across = pixels_per_meter(view.camera, strip.origin, strip.across);
+  const double along = pixels_per_meter(view.camera, strip.origin, strip.along);
   if (across * search.radius_m < coarsest_radius_px || !(along > 0.0)) return std::nullopt;
   strip.columns = 2 * static_cast<int>(std::ceil(search.radius_m * across * samples_per_pixel)) + 1;
   strip.rows = 2 * static_cast<int>(std::ceil(search.half_length_m * along)) + 1;
@@ -130,7 +130,7 @@ std::optional<Strip> strip_of(const LengthView& view, const LengthFace& face, co
   return strip;
 }
 
-/// Mean change along a line; signs may differ between its segments. Zero where less than half of it is in the picture.
+/// Mean change along a line; signs may differ between its segments. Zero if less than half of it is in the image.
 double score_of(const Strip& strip, const StripLine& line) {
   double total = 0.0;
   int seen = 0;
@@ -166,7 +166,7 @@ StripLine best_slope(const Strip& strip, int column) {
   return best;
 }
 
-/// Where the profile's change peaks near `column`, below one sample; nullopt without a peak of that sign.
+/// Position of the profile's peak change near `column`, with subsample accuracy; nullopt without a peak of that sign.
 std::optional<double> peak_near(const Strip& strip, int row, double column, double sign) {
   const int begin = std::max(1, static_cast<int>(std::ceil(column - reach_samples)));
   const int end = std::min(strip.columns - 2, static_cast<int>(std::floor(column + reach_samples)));
@@ -185,7 +185,7 @@ std::optional<double> peak_near(const Strip& strip, int row, double column, doub
 }
 
 struct Peak {
-  double row = 0.0, column = 0.0;  ///< The row from the middle.
+  double row = 0.0, column = 0.0;  ///< Row relative to the middle.
 };
 
 std::vector<Peak> peaks_along(const Strip& strip, const StripLine& line) {
@@ -206,7 +206,7 @@ std::vector<Peak> peaks_along(const Strip& strip, const StripLine& line) {
   return peaks;
 }
 
-/// Straight through the peaks; nullopt where they are too few or do not agree.
+/// Line through the peaks; nullopt if they are too few or do not agree.
 std::optional<StripLine> refined(const Strip& strip, const StripLine& rough) {
   const std::vector<Peak> peaks = peaks_along(strip, rough);
   if (static_cast<int>(peaks.size()) < std::max(fewest_profiles - 2, strip.rows / 3)) return std::nullopt;
@@ -233,13 +233,13 @@ std::optional<StripLine> refined(const Strip& strip, const StripLine& rough) {
     information = normal;
   }
   const double scatter = std::sqrt(squares / weights);
-  // Neighbouring profiles share pixels, so that they count for half.
+  // Neighboring profiles share pixels, so they count half.
   line.sigma_column = std::max(scatter, 0.2) * std::sqrt(2.0 * information.inverse()(0, 0));
-  line.sigma_column = std::hypot(line.sigma_column, picture_sigma_px * samples_per_pixel);
+  line.sigma_column = std::hypot(line.sigma_column, image_sigma_px * samples_per_pixel);
   return line;
 }
 
-/// How the depths beside a line stand to the face.
+/// Depths beside a line relative to the face.
 struct BesideLine {
   int measured = 0, on_face = 0, nearer = 0;
   double share(int count) const { return measured >= 8 ? static_cast<double>(count) / measured : 0.5; }
@@ -266,7 +266,7 @@ BesideLine beside(const LengthView& view, const LengthFace& face, const Strip& s
   return counts;
 }
 
-/// What the depths say of a line: the face should be on its inner side, end there, and be hidden by nothing.
+/// Depth evidence for a line: the face should be on its inner side, end there, and not be occluded.
 double depth_factor(const LengthView& view, const LengthFace& face, const Strip& strip, const StripLine& line) {
   if (!(face.support > 0.0)) return 1.0;
   const BesideLine inner = beside(view, face, strip, line, 1), outer = beside(view, face, strip, line, -1);

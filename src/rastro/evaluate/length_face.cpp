@@ -16,15 +16,15 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double nearest_m = 0.15;          ///< Nothing nearer is looked at.
-constexpr int fewest_points = 25;           ///< That make a face.
-constexpr int most_pixels = 12000;          ///< Looked at in one region.
+constexpr double nearest_m = 0.15;          ///< Minimum depth used.
+constexpr int fewest_points = 25;           ///< Of a face.
+constexpr int most_pixels = 12000;          ///< Used in one region.
 constexpr int drawn_planes = 80;            ///< By RANSAC.
 constexpr std::size_t most_voters = 400;    ///< In RANSAC.
-constexpr double gate_sigmas = 3.0;         ///< A depth farther from the plane is of something else.
-constexpr double cos_largest_tilt = 0.8;    ///< Against the normal that was expected.
-constexpr double pixels_per_sample = 16.0;  ///< Depths of neighbours are not independent.
-constexpr double shared_noise = 0.15;       ///< Part of the depth noise that all pixels of a face have in common.
+constexpr double gate_sigmas = 3.0;         ///< A depth farther from the plane is of another surface.
+constexpr double cos_largest_tilt = 0.8;    ///< Against the expected normal.
+constexpr double pixels_per_sample = 16.0;  ///< Depths of neighbors are not independent.
+constexpr double shared_noise = 0.15;       ///< Part of the depth noise common to all pixels of a face.
 
 struct Measured {
   Vector3d ray;
@@ -36,13 +36,13 @@ struct PixelBox {
   std::int64_t count() const { return x1 < x0 || y1 < y0 ? 0 : std::int64_t{x1 - x0 + 1} * (y1 - y0 + 1); }
 };
 
-/// The pixels that the region may be seen at; empty where it reaches behind the camera.
+/// The pixels that may show the region; empty if it reaches behind the camera.
 PixelBox pixels_of(const LengthView& view, const LengthRegion& region) {
   double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
   for (int corner = 0; corner < 8; ++corner) {
     Vector3d along;
     for (int k = 0; k < 3; ++k) along[k] = (corner >> k & 1) != 0 ? region.high[k] : region.low[k];
-    const Vector3d point = region.centre + region.axes * along;
+    const Vector3d point = region.center + region.axes * along;
     const auto pixel = point.z() < nearest_m ? std::nullopt : view.camera.project(point);
     if (!pixel) return {};
     x0 = std::min(x0, pixel->x()), x1 = std::max(x1, pixel->x());
@@ -55,13 +55,13 @@ PixelBox pixels_of(const LengthView& view, const LengthRegion& region) {
 }
 
 bool inside(const LengthRegion& region, const Vector3d& point, int axes) {
-  const Vector3d along = region.axes.transpose() * (point - region.centre);
+  const Vector3d along = region.axes.transpose() * (point - region.center);
   for (int k = 0; k < axes; ++k)
     if (along[k] < region.low[k] || along[k] > region.high[k]) return false;
   return true;
 }
 
-/// Calls look(ray, depth) for the pixels of the region's picture, evenly thinned out where they are many.
+/// Calls look(ray, depth) for the pixels of the region's image, evenly thinned out if they are many.
 template <typename Look>
 void for_pixels(const LengthView& view, const PixelBox& box, Look&& look) {
   const auto stride =
@@ -173,8 +173,8 @@ std::optional<LengthFace> find_face(const LengthView& view, const LengthRegion& 
   if (!faces_as_expected(region, face.inverse)) return std::nullopt;
   count_support(view, region, box, face);
   if (face.points < fewest_points) return std::nullopt;
-  // What all pixels have in common moves the face as a whole: a change of `inverse` along its z, where rays have a 1.
-  const double z = std::max(nearest_m, (region.centre + region.axes * (0.5 * (region.low + region.high))).z());
+  // The common error of all pixels moves the face as a whole: a change of `inverse` along its z, where rays have a 1.
+  const double z = std::max(nearest_m, (region.center + region.axes * (0.5 * (region.low + region.high))).z());
   const double shared = shared_noise * view.depth_sigma(z) / (z * z);
   face.covariance = pixels_per_sample * (information + 1e-9 * Matrix3d::Identity()).inverse();
   face.covariance(2, 2) += shared * shared;

@@ -27,13 +27,13 @@ LengthFeature face_feature(const Vector3d& spot, const std::optional<Vector3d>& 
 
 }  // namespace
 
-std::vector<LengthFeature> length_features(const LengthObject& object, const LengthSpot& spot,
+std::vector<LengthFeature> length_features(const LengthObject& object, const LengthPoint& spot,
                                            const MapLengthOptions& options) {
   const Vector3d face = spot.face.value_or(0.5 * (object.a.point + object.b.point));
   std::vector<LengthFeature> features;
   for (const Vector3d& direction : spot.directions) {
     Vector3d beside = Vector3d::Zero();
-    if (spot.directions.size() > 1) {  // the edges of a corner end there: they are looked at where the face is
+    if (spot.directions.size() > 1) {  // the edges of a corner end there: they are used where the face is
       const double ahead = direction.dot(face - spot.point);
       beside = std::clamp(ahead, -options.half_length_m, options.half_length_m) * direction;
     }
@@ -45,18 +45,18 @@ std::vector<LengthFeature> length_features(const LengthObject& object, const Len
 
 LengthRegion length_region(const LengthFeature& feature, double radius_m, const MapLengthOptions& options) {
   LengthRegion region;
-  region.centre = feature.spot;
+  region.center = feature.spot;
   region.axes << feature.along, feature.inwards, feature.normal();
   region.normal_known = feature.normal_known;
   if (!feature.is_edge) {
-    // A point without a normal may be of something small: only what is near it tells.
+    // A point without a normal may be on something small: only its close surroundings are used.
     const double half = (feature.normal_known ? 0.5 : 0.25) * options.patch_m;
     const double deep = feature.normal_known ? radius_m : half;
     region.low = {-half, -half, -deep};
     region.high = {half, half, deep};
     return region;
   }
-  // A narrow board ends soon behind its edge; a bed goes on, and the middle of it tells nothing more.
+  // A narrow board ends soon behind its edge; a bed continues, but its middle adds no information.
   const double reach = std::clamp(2.0 * feature.reach_m, radius_m, options.patch_m);
   region.low = {-options.half_length_m, -0.5 * radius_m, -radius_m};
   region.high = {options.half_length_m, reach, radius_m};

@@ -21,7 +21,7 @@ constexpr double farthest_m = 1e4, smallest_radius_m = 0.005, largest_radius_m =
 constexpr double nearest_face_m = 0.002;
 constexpr std::size_t most_objects = 1000;
 
-/// A part of the file that is 'key: value' lines; whatever is not as it should be is one line with file, line and key.
+/// A part of the file with 'key: value' lines; any fault is reported in one line with file, line and key.
 class SpotFields {
  public:
   SpotFields(YAML::Node node, std::string where, std::initializer_list<const char*> keys)
@@ -52,7 +52,7 @@ class SpotFields {
   double number(const char* key, double low, double high) const {
     const auto value = parse_finite(text(key));
     if (!value || !(*value >= low && *value <= high))
-      refuse(part(key), key, fmt::format("is no number from {} to {}", low, high));
+      refuse(part(key), key, fmt::format("is not a number from {} to {}", low, high));
     return *value;
   }
 
@@ -63,7 +63,7 @@ class SpotFields {
     const YAML::Node list = part(key);
     if (!list.IsSequence() || list.size() != 2) refuse(list, key, "is not two directions");
     std::vector<Vector3d> both = {direction_in(list[0], key), direction_in(list[1], key)};
-    if (both[0].cross(both[1]).norm() < 0.2) refuse(list, key, "are two directions that hardly differ");
+    if (both[0].cross(both[1]).norm() < 0.2) refuse(list, key, "are two nearly parallel directions");
     return both;
   }
 
@@ -80,7 +80,7 @@ class SpotFields {
     for (int k = 0; k < 3; ++k) {
       const YAML::Node entry = list[k];
       const auto number = parse_finite(entry.IsScalar() ? entry.Scalar() : "?");
-      if (!number || std::abs(*number) > farthest_m) refuse(list, key, "is not three sensible numbers [x, y, z]");
+      if (!number || std::abs(*number) > farthest_m) refuse(list, key, "is not three plausible numbers [x, y, z]");
       numbers[k] = *number;
     }
     return numbers;
@@ -88,7 +88,7 @@ class SpotFields {
 
   Vector3d direction_in(const YAML::Node& list, const char* key) const {
     const Vector3d direction = vector_in(list, key);
-    if (direction.norm() < 1e-6) refuse(list, key, "is no direction");
+    if (direction.norm() < 1e-6) refuse(list, key, "is not a direction");
     return direction.normalized();
   }
 
@@ -103,11 +103,11 @@ LengthKind kind_in(const SpotFields& fields) {
   fields.refuse(fields.part("kind"), "kind", "is not one of edges, planes, points");
 }
 
-LengthSpot spot_in(const YAML::Node& node, const std::string& where, LengthKind kind) {
+LengthPoint spot_in(const YAML::Node& node, const std::string& where, LengthKind kind) {
   const SpotFields fields = kind == LengthKind::edges    ? SpotFields(node, where, {"point", "direction", "face"})
                             : kind == LengthKind::planes ? SpotFields(node, where, {"point", "normal"})
                                                          : SpotFields(node, where, {"point", "edges", "face"});
-  LengthSpot spot;
+  LengthPoint spot;
   spot.point = fields.vector("point");
   if (kind == LengthKind::edges) spot.directions = {fields.direction("direction")};
   if (kind == LengthKind::points && fields.has("edges")) spot.directions = fields.directions("edges");
@@ -116,14 +116,14 @@ LengthSpot spot_in(const YAML::Node& node, const std::string& where, LengthKind 
   return spot;
 }
 
-/// The face must lie beside each edge for it to be known on which side it is.
+/// The face point must be beside each edge: it tells on which side the face is.
 void check_faces(const LengthObject& object, const SpotFields& fields) {
-  for (const LengthSpot* spot : {&object.a, &object.b}) {
+  for (const LengthPoint* spot : {&object.a, &object.b}) {
     const char* key = spot == &object.a ? "a" : "b";
     const Vector3d inwards = spot->face.value_or(0.5 * (object.a.point + object.b.point)) - spot->point;
     for (const Vector3d& direction : spot->directions) {
       if (inwards.cross(direction).norm() < nearest_face_m)
-        fields.refuse(fields.part(key), key, "has the spot on its face on the line of the edge itself");
+        fields.refuse(fields.part(key), key, "has its face point on the line of the edge itself");
     }
   }
 }
@@ -138,7 +138,8 @@ LengthObject object_in(const YAML::Node& node, const std::string& where, double 
   if (fields.has("radius_m")) object.radius_m = fields.number("radius_m", smallest_radius_m, largest_radius_m);
   object.a = spot_in(fields.part("a"), where, object.kind);
   object.b = spot_in(fields.part("b"), where, object.kind);
-  if ((object.a.point - object.b.point).norm() < 1e-3) fields.refuse(fields.part("b"), "b", "is where a is");
+  if ((object.a.point - object.b.point).norm() < 1e-3)
+    fields.refuse(fields.part("b"), "b", "is at the same position as a");
   if (object.kind == LengthKind::edges && std::abs(object.a.directions[0].dot(object.b.directions[0])) < 0.8)
     fields.refuse(fields.part("b"), "b", "has an edge that is not parallel to that of a");
   check_faces(object, fields);
@@ -153,7 +154,7 @@ YAML::Node loaded(std::string_view yaml, std::string_view where) {
   }
 }
 
-void move_spot(LengthSpot& spot, const SE3& target_from_source) {
+void move_spot(LengthPoint& spot, const SE3& target_from_source) {
   spot.point = target_from_source * spot.point;
   for (Vector3d& direction : spot.directions) direction = target_from_source.rotation() * direction;
   if (spot.normal) spot.normal = target_from_source.rotation() * *spot.normal;
@@ -180,15 +181,15 @@ LengthObjects parse_length_objects(std::string_view yaml, std::string_view where
   LengthObjects read;
   if (fields.has("frame")) {
     const std::string frame = fields.text("frame");
-    read.in_frame_of_truth = frame == "truth";
-    if (!read.in_frame_of_truth && frame != "first_camera")
+    read.in_frame_of_ground_truth = frame == "truth";
+    if (!read.in_frame_of_ground_truth && frame != "first_camera")
       fields.refuse(fields.part("frame"), "frame", "is neither first_camera nor truth");
   }
   const double radius_m =
       fields.has("radius_m") ? fields.number("radius_m", smallest_radius_m, largest_radius_m) : LengthObject().radius_m;
   const YAML::Node list = fields.part("objects");
   if (!list.IsSequence() || list.size() == 0 || list.size() > most_objects)
-    fields.refuse(list, "objects", fmt::format("is no list of 1 to {} objects", most_objects));
+    fields.refuse(list, "objects", fmt::format("is not a list of 1 to {} objects", most_objects));
   for (const YAML::Node& node : list) read.objects.push_back(object_in(node, file, radius_m));
   return read;
 }

@@ -115,9 +115,9 @@ std::string csv_text(const std::string& text) {
 
 std::string csv_number(const std::optional<double>& value) { return value ? fmt::format("{:.6f}", *value) : ""; }
 
-/// Errors and their ratio to the sigmas, gathered.
+/// Errors and their ratios to the sigmas.
 struct Errors {
-  int measured = 0, with_truth = 0;
+  int measured = 0, with_ground_truth = 0;
   double sum = 0.0, sum_sigma = 0.0, sum_absolute = 0.0, largest = 0.0, largest_percent = 0.0, largest_sigma = 0.0,
          squares = 0.0;
 
@@ -129,20 +129,22 @@ struct Errors {
     largest_sigma = std::max(largest_sigma, one.sigma_m);
     const auto error = one.error_m();
     if (!error) return;
-    ++with_truth;
+    ++with_ground_truth;
     sum_absolute += std::abs(*error);
     largest = std::max(largest, std::abs(*error));
     largest_percent = std::max(largest_percent, 100.0 * std::abs(*error) / *one.true_length_m);
     squares += std::pow(*error / one.sigma_m, 2);
   }
-  std::optional<double> if_any(double value) const { return with_truth > 0 ? std::optional(value) : std::nullopt; }
-  std::optional<double> mean_error() const { return if_any(sum_absolute / std::max(1, with_truth)); }
-  std::optional<double> rms_sigmas() const { return if_any(std::sqrt(squares / std::max(1, with_truth))); }
+  std::optional<double> if_any(double value) const {
+    return with_ground_truth > 0 ? std::optional(value) : std::nullopt;
+  }
+  std::optional<double> mean_error() const { return if_any(sum_absolute / std::max(1, with_ground_truth)); }
+  std::optional<double> rms_sigmas() const { return if_any(std::sqrt(squares / std::max(1, with_ground_truth))); }
 };
 
 }  // namespace
 
-std::vector<LengthSummary> summarise_lengths(const std::vector<MapOfLengths>& maps) {
+std::vector<LengthSummary> summarize_lengths(const std::vector<MapOfLengths>& maps) {
   std::vector<LengthSummary> all;
   if (maps.empty()) return all;
   for (std::size_t k = 0; k < maps.front().lengths.size(); ++k) {
@@ -166,7 +168,7 @@ std::string lengths_as_text(const std::vector<MapOfLengths>& maps) {
   const std::size_t width = name_width(maps);
   std::string text;
   for (const MapOfLengths& map : maps) text += (text.empty() ? "" : "\n") + text_of(map, width);
-  if (maps.size() > 1) text += text_of(summarise_lengths(maps), width);
+  if (maps.size() > 1) text += text_of(summarize_lengths(maps), width);
   return text;
 }
 
@@ -179,7 +181,7 @@ std::string lengths_as_json(const std::vector<MapOfLengths>& maps) {
     json["maps"].push_back(Json{{"map", one_line(map.map, 1000)}, {"lengths", lengths}});
   }
   json["summary"] = Json::array();
-  for (const LengthSummary& one : summarise_lengths(maps)) json["summary"].push_back(json_of(one));
+  for (const LengthSummary& one : summarize_lengths(maps)) json["summary"].push_back(json_of(one));
   return json.dump(2) + "\n";
 }
 

@@ -15,9 +15,8 @@
 
 namespace rastro {
 
-/// A wall (x = 3) with a box 0.32 x 0.25 m on a shelf before it, whose front is x = 2, and a bed 2 m long, its top at
-/// z = 0.4. World: z up, metres. Rendered once, made into maps with
-/// noise of their own.
+/// A wall (x = 3) with a box 0.32 x 0.25 m on a shelf in front of it, whose front is x = 2, and a bed 2 m long, its top
+/// at z = 0.4. World: z up, meters. Rendered once; each map made from it has its own noise.
 class LengthRoom {
  public:
   static constexpr int keyframes = 10;
@@ -32,22 +31,22 @@ class LengthRoom {
     for (int k = 0; k < keyframes; ++k) frames_.push_back(renderer.render(true_pose(k), sensor, {}, 7 + k, pool_));
   }
 
-  /// From one side to the other, looking round and down; every one sees the box, few the whole bed.
+  /// From one side to the other, panning and tilting; every one shows the box, few the whole bed.
   static SE3 true_pose(int k) {
     const double share = static_cast<double>(k) / (keyframes - 1);
     return {looking(0.35 - 0.7 * share + 0.25 * std::sin(2.1 * k), 0.30 + 0.06 * std::cos(1.3 * k), 0.03 * std::sin(k)),
             {-0.1 + 0.2 * std::sin(1.7 * k), -0.5 + share, 1.35 + 0.08 * std::cos(k)}};
   }
 
-  /// Depth as a Kinect measures it: disparity in steps of 1/8 px with noise. Keyframes stand where they stood but for
-  /// `pose_noise_m` along each axis and a tenth of it (rad) about each. No depth where `hidden` says so.
-  template <typename Hidden>
-  Map map(std::uint64_t seed, double pose_noise_m, Hidden&& hidden) const {
+  /// Depth with the noise of a Kinect: disparity in steps of 1/8 px with noise. Keyframe poses are the true ones but
+  /// for noise of `pose_noise_m` along each axis and a tenth of it (rad) about each. No depth where `hidden` is true.
+  template <typename Occluded>
+  Map map(std::uint64_t seed, double pose_noise_m, Occluded&& hidden) const {
     Map map;
     map.method = "rgbd";
     map.cameras.push_back({CameraKind::depth, camera_, 0.0, {}, SE3()});
     auto images = std::make_shared<ImageLayer>();
-    auto pictures = std::make_shared<MemoryPictures>();
+    auto pictures = std::make_shared<MemoryImages>();
     Random random(seed);
     for (int k = 0; k < keyframes; ++k) {
       Vector6d error;
@@ -57,9 +56,9 @@ class LengthRoom {
       map.frames.push_back({stamp, k, SE3()});
       images->keyframes.push_back(k);
       Frame frame;
-      frame.image = frames_[static_cast<std::size_t>(k)].grey;
+      frame.image = frames_[static_cast<std::size_t>(k)].gray;
       frame.depth = measured(frames_[static_cast<std::size_t>(k)].depth, true_pose(k), random, hidden);
-      pictures->add(k, pack_pictures(frame));
+      pictures->add(k, pack_images(frame));
     }
     images->store = pictures;
     map.layers.put<ImageLayer>(std::move(images));
@@ -91,8 +90,8 @@ class LengthRoom {
     return scene;
   }
 
-  template <typename Hidden>
-  DepthImage measured(const DepthImage& exact, const SE3& world_from_camera, Random& random, Hidden&& hidden) const {
+  template <typename Occluded>
+  DepthImage measured(const DepthImage& exact, const SE3& world_from_camera, Random& random, Occluded&& hidden) const {
     constexpr double kinect = 525.0 * 0.075, step = 0.125;
     DepthImage depth(exact.width(), exact.height());
     for (int y = 0; y < exact.height(); ++y) {

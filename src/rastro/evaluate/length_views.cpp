@@ -14,11 +14,11 @@ namespace {
 
 constexpr double nearest_m = 0.35, farthest_m = 6.0;
 constexpr double margin_px = 8.0;
-constexpr double flattest = 0.1;  ///< Cosine between normal and ray; flatter faces are not measured.
-constexpr std::int64_t neighbourhood = 3;
+constexpr double flattest = 0.1;  ///< Cosine between normal and ray; faces at a smaller angle are not measured.
+constexpr std::int64_t neighborhood = 3;
 
-/// Pixels per metre of the place, seen squarely; 0 where it is not seen.
-double quality(const Map& map, const Keyframe& keyframe, const LengthPlace& place) {
+/// Pixels per meter at the point, corrected for the viewing angle; 0 if not visible.
+double quality(const Map& map, const Keyframe& keyframe, const LengthPosition& place) {
   const Camera& camera = map.cameras[static_cast<std::size_t>(keyframe.camera)].intrinsics;
   const Eigen::Vector3d point = keyframe.world_from_camera.inverse() * place.point;
   if (!(point.z() > nearest_m && point.z() < farthest_m)) return 0.0;
@@ -36,7 +36,7 @@ double quality(const Map& map, const Keyframe& keyframe, const LengthPlace& plac
   return camera.fx / point.z() * squareness;
 }
 
-/// Greedy: the best one, then the best of the rest, those near a chosen one losing with each.
+/// Greedy: the best one, then the best of the rest; those near a selected one lose score.
 void choose(std::vector<double> qualities, int count, std::vector<bool>& chosen) {
   for (int taken = 0; taken < count; ++taken) {
     const auto best = std::max_element(qualities.begin(), qualities.end());
@@ -44,14 +44,14 @@ void choose(std::vector<double> qualities, int count, std::vector<bool>& chosen)
     const auto index = std::distance(qualities.begin(), best);
     chosen[static_cast<std::size_t>(index)] = true;
     *best = 0.0;
-    for (std::int64_t other = index - neighbourhood; other <= index + neighbourhood; ++other)
+    for (std::int64_t other = index - neighborhood; other <= index + neighborhood; ++other)
       if (other >= 0 && other < std::ssize(qualities)) qualities[static_cast<std::size_t>(other)] *= 0.8;
   }
 }
 
 }  // namespace
 
-std::vector<KeyframeId> choose_views(const Map& map, const LengthPlace& a, const LengthPlace& b, int count) {
+std::vector<KeyframeId> choose_views(const Map& map, const LengthPosition& a, const LengthPosition& b, int count) {
   const std::size_t keyframes = map.cameras.empty() ? 0 : map.keyframes.size();
   std::vector<double> sees_a(keyframes), sees_b(keyframes), sees_both(keyframes);
   for (std::size_t i = 0; i < keyframes; ++i) {
@@ -74,7 +74,7 @@ LengthView open_view(const Map& map, KeyframeId id) {
   RASTRO_CHECK(images && keyframe && !map.cameras.empty(), "a keyframe with images");
   const MapCamera& camera = map.cameras[static_cast<std::size_t>(keyframe->camera)];
   const std::string where = fmt::format("keyframe {}", id);
-  const UnpackedPictures pictures = unpack_pictures(images->pictures(id), where);
+  const UnpackedImages pictures = unpack_images(images->pictures(id), where);
   if (pictures.depth.width() != camera.intrinsics.width || pictures.depth.height() != camera.intrinsics.height)
     throw Error(fmt::format("its images are {} x {}, the map's camera {} x {}", pictures.depth.width(),
                             pictures.depth.height(), camera.intrinsics.width, camera.intrinsics.height),
@@ -82,7 +82,7 @@ LengthView open_view(const Map& map, KeyframeId id) {
   return {id,
           keyframe->world_from_camera,
           camera.intrinsics,
-          grey_from_colour(pictures.colour),
+          gray_from_color(pictures.color),
           pictures.depth,
           camera.depth_noise.sigma_m,
           camera.depth_noise.sigma_per_m2};

@@ -10,17 +10,17 @@
 
 namespace rastro {
 
-/// A place of the map that keyframes are chosen for.
-struct LengthPlace {
+/// A point of the map for which keyframes are selected.
+struct LengthPosition {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< World.
-  std::optional<Eigen::Vector3d> normal;  ///< Of the face there: keyframes that look at it squarely are better.
+  std::optional<Eigen::Vector3d> normal;            ///< Of the face there: a frontal view is better.
 };
 
-/// Ids of the keyframes that show the places best, in their order: up to `count` for each place, and up to `count`
-/// that show both. Keyframes beside one another count for less. Whether something stands in between is not known here.
-std::vector<KeyframeId> choose_views(const Map& map, const LengthPlace& a, const LengthPlace& b, int count);
+/// Ids of the keyframes with the best views of the points, in their order: up to `count` for each point, and up to
+/// `count` that show both. Neighboring keyframes count less. Occlusions are not checked.
+std::vector<KeyframeId> choose_views(const Map& map, const LengthPosition& a, const LengthPosition& b, int count);
 
-/// Opens the images of a keyframe of a map with an image layer. Error where they cannot be read or are not of the
+/// Loads the images of a keyframe of a map with an image layer. Throws Error if they cannot be read or do not have the
 /// camera's size.
 LengthView open_view(const Map& map, KeyframeId id);
 

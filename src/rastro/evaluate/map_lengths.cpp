@@ -22,18 +22,18 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double vote_width_m = 0.006;    ///< Of one candidate: poses of keyframes differ by about as much.
-constexpr double agree_widths = 3.5;      ///< Candidates nearer to the chosen place than this many widths are taken.
-constexpr double unsure_share = 0.3;      ///< Of the radius: what an edge seen in hardly any keyframe may be off.
-constexpr double clear_rivalry = 0.75;    ///< Another place that fits this well is told of.
-constexpr double shared_px = 0.35;        ///< Light, blur and what lies beside an edge move it alike in all pictures.
-constexpr double height_sigma_m = 0.015;  ///< Of a rough face, where depth does not tell.
+constexpr double vote_width_m = 0.006;  ///< Of one candidate: about the error of keyframe poses.
+constexpr double agree_widths = 3.5;    ///< Candidates within this many widths of the chosen offset are selected.
+constexpr double unsure_share = 0.3;    ///< Share of the radius: possible error of an edge seen in very few keyframes.
+constexpr double clear_rivalry = 0.75;  ///< A competing offset that fits this well is reported.
+constexpr double shared_px = 0.35;      ///< Light, blur and the surroundings shift an edge equally in all images.
+constexpr double height_sigma_m = 0.015;  ///< Of a rough face without depth.
 constexpr double height_step_m = 0.005;
-constexpr double spot_sigma_share = 0.4;  ///< Standard deviation of a rough spot in its radius.
-constexpr double weak_support = 0.5;      ///< Below, depth is said to contradict.
+constexpr double spot_sigma_share = 0.4;  ///< Standard deviation of a rough point as share of its radius.
+constexpr double weak_support = 0.5;      ///< Below, depth is reported as missing or behind.
 constexpr std::size_t few_keyframes = 3;
 
-/// One view's idea of where the feature is; world.
+/// One view's candidate for the feature; world frame.
 struct Candidate {
   Vector3d point = Vector3d::Zero();
   Vector3d direction = Vector3d::Zero();  ///< Of the edge, or the normal of the face.
@@ -41,24 +41,25 @@ struct Candidate {
   double score = 0.0;
   int points = 0;
   double support = 0.0;
-  double shared_m = 0.0;              ///< Standard deviation of what is off alike in all views.
-  Vector3d lever = Vector3d::Zero();  ///< How the point moves with the height of the face, where that is not measured.
+  double shared_m = 0.0;  ///< Standard deviation of the error common to all views.
+  /// Derivative of the point by the height of the face, where that is not measured.
+  Vector3d lever = Vector3d::Zero();
   std::array<Vector2d, 2> pixels{};
 };
 
-/// What one view says of the features of an object.
+/// One view's candidates for the features of an object.
 struct ViewFinding {
   std::int64_t keyframe = 0;
-  std::vector<std::vector<Candidate>> candidates;  ///< For each feature.
+  std::vector<std::vector<Candidate>> candidates;  ///< Per feature.
 };
 
-/// A feature in all the views that agree on it.
+/// A feature and the views that agree on it.
 struct Found {
-  std::vector<std::pair<std::size_t, Candidate>> sightings;         ///< With the number of the finding.
+  std::vector<std::pair<std::size_t, Candidate>> sightings;         ///< With the index of the finding.
   Vector3d point = Vector3d::Zero(), direction = Vector3d::Zero();  ///< Means.
-  double height_m = 0.0;              ///< Of the face above the rough one, where depth does not tell.
-  double wrong_place_variance = 0.0;  ///< For taking one edge for another.
-  double rivalry = 0.0;               ///< How well another place fits, 0 .. 1.
+  double height_m = 0.0;                                            ///< Of the face above the rough one, without depth.
+  double wrong_position_variance = 0.0;                             ///< For the risk of a wrong edge.
+  double rivalry = 0.0;  ///< Relative votes of the best competing offset, 0 .. 1.
 };
 
 Candidate face_candidate(const LengthView& view, const LengthFace& face, const Vector3d& spot) {
@@ -92,7 +93,7 @@ std::vector<Candidate> edge_candidates(const LengthView& view, const LengthFace&
   return found;
 }
 
-/// The face as the spots tell it, for things that depth does not see.
+/// The face through the given points, for objects without depth.
 LengthFace rough_face(const LengthView& view, const LengthFeature& feature) {
   const SE3 camera_from_world = view.world_from_camera.inverse();
   const Vector3d normal = camera_from_world.rotation() * feature.normal();
@@ -106,7 +107,7 @@ std::optional<LengthFace> measured_face(const LengthView& view, const LengthFeat
                                         const MapLengthOptions& options) {
   const SE3 camera_from_world = view.world_from_camera.inverse();
   LengthRegion region = length_region(feature, radius_m, options);
-  region.centre = camera_from_world * region.centre;
+  region.center = camera_from_world * region.center;
   region.axes = camera_from_world.rotation().matrix() * region.axes;
   return find_face(view, region, seed_for(options.seed, static_cast<std::uint64_t>(view.keyframe)));
 }
@@ -135,7 +136,7 @@ std::vector<Candidate> candidates_in(const LengthView& view, const LengthFeature
   return found;
 }
 
-/// Offset of a candidate from the rough spot, along the direction it was searched in.
+/// Offset of a candidate from the rough point, along the search direction.
 double offset_of(const LengthFeature& feature, const Candidate& candidate, double height_m) {
   const Vector3d axis = feature.is_edge ? feature.inwards : candidate.direction;
   return axis.dot(candidate.point + height_m * candidate.lever - feature.spot);
@@ -143,14 +144,14 @@ double offset_of(const LengthFeature& feature, const Candidate& candidate, doubl
 
 double vote(double distance_m, double width_m) { return std::exp(-0.5 * std::pow(distance_m / width_m, 2)); }
 
-/// Where the votes of the views meet: the offset from the spot with the most, and how many those are.
+/// Maximum of the views' votes: the offset from the rough point with the most votes, and their number.
 struct VotedOffset {
   double offset_m = 0.0, votes = 0.0;
-  double height_m = 0.0;  ///< Of the face, for candidates with a lever.
+  double height_m = 0.0;  ///< Height of the face, for candidates with a lever.
 };
 
-/// The offset that the candidates agree on best, near the spot rather than far from it. A view has one vote for each
-/// offset, that of its best candidate there.
+/// The offset with the most votes, near the rough point rather than far from it. A view has one vote per offset, that
+/// of its best candidate there.
 VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const LengthFeature& feature, double radius_m,
                        double height_m) {
   std::vector<std::vector<std::pair<double, double>>> ballots;  // offsets with scores
@@ -175,7 +176,7 @@ VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const L
   return best;
 }
 
-/// The same over all heights that the face may have, where depth does not tell.
+/// The same over all possible heights of the face, without depth.
 VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const LengthFeature& feature, double radius_m,
                        bool by_depth) {
   VotedOffset best = most_voted(views, feature, radius_m, 0.0);
@@ -186,7 +187,7 @@ VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const L
   return best;
 }
 
-/// Takes the candidate of a view that is meant by the offset out of the others; nullopt where it has none.
+/// Selects the candidate of a view that matches the offset; nullopt if it has none.
 std::optional<Candidate> taken_at(std::vector<Candidate>& candidates, const LengthFeature& feature,
                                   const VotedOffset& place) {
   auto best = candidates.end();
@@ -223,9 +224,9 @@ Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const 
   const VotedOffset rival = most_voted(views, feature, radius_m, by_depth);
   found.rivalry = rival.votes / chosen.votes;
   found.height_m = chosen.height_m;
-  // Votes are no probabilities: a place with half of them is hardly ever the right one.
+  // Votes are no probabilities: an offset with half of them is hardly ever the right one.
   const double odds = std::pow(found.rivalry, 4), share = odds / (1.0 + odds);
-  found.wrong_place_variance = share * (1.0 - share) * std::pow(rival.offset_m - chosen.offset_m, 2);
+  found.wrong_position_variance = share * (1.0 - share) * std::pow(rival.offset_m - chosen.offset_m, 2);
   for (auto& [finding, one] : found.sightings) {
     if (one.direction.dot(found.sightings.front().second.direction) < 0.0) one.direction = -one.direction;
     found.point += one.point / static_cast<double>(found.sightings.size());
@@ -235,10 +236,10 @@ Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const 
   return found;
 }
 
-/// Where two edges of a corner cross, or come nearest, in each view that has both.
+/// Intersection of the two edges of a corner, or their closest points, in each view that has both.
 Found crossing(const Found& one, const Found& other) {
   Found corner;
-  corner.wrong_place_variance = one.wrong_place_variance + other.wrong_place_variance;
+  corner.wrong_position_variance = one.wrong_position_variance + other.wrong_position_variance;
   corner.rivalry = std::max(one.rivalry, other.rivalry);
   for (const auto& [finding, first] : one.sightings) {
     for (const auto& [same, second] : other.sightings) {
@@ -259,7 +260,7 @@ Found crossing(const Found& one, const Found& other) {
   return corner;
 }
 
-/// The direction that is measured; nullopt where the two features are one.
+/// The measured direction; nullopt if the two features coincide.
 std::optional<Vector3d> measured_direction(LengthKind kind, const Found& a, const Found& b) {
   Vector3d direction = b.point - a.point;
   if (kind != LengthKind::points) {
@@ -272,26 +273,26 @@ std::optional<Vector3d> measured_direction(LengthKind kind, const Found& a, cons
   return direction.normalized();
 }
 
-LengthSightings along(const Found& found, const std::vector<ViewFinding>& findings, const Vector3d& direction) {
-  LengthSightings sightings;
+LengthObservations along(const Found& found, const std::vector<ViewFinding>& findings, const Vector3d& direction) {
+  LengthObservations sightings;
   for (const auto& [finding, one] : found.sightings) {
     sightings.all.push_back({findings[finding].keyframe, direction.dot(one.point),
                              std::sqrt(std::max(0.0, direction.dot(one.covariance * direction))), one.shared_m,
                              direction.dot(one.lever)});
   }
-  // The points stand at the height that was voted for; what is left to find is counted from there.
+  // The points are at the height with the most votes; the remaining height is counted from there.
   sightings.height_m = -found.height_m;
   sightings.height_sigma_m = height_sigma_m;
   return sightings;
 }
 
-/// The keyframe that shows most: both features, and those clearly.
-LengthPicture best_picture(const Found& a, const Found& b, const std::vector<ViewFinding>& findings) {
+/// The keyframe with the best view: both features, with high scores.
+LengthImage best_picture(const Found& a, const Found& b, const std::vector<ViewFinding>& findings) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  LengthPicture best;
+  LengthImage best;
   double most = 0.0;
   for (std::size_t i = 0; i < findings.size(); ++i) {
-    LengthPicture picture{
+    LengthImage picture{
         findings[i].keyframe, {Vector2d(nan, nan), Vector2d(nan, nan)}, {Vector2d(nan, nan), Vector2d(nan, nan)}};
     double score = 0.0;
     for (const auto& [finding, one] : a.sightings)
@@ -312,7 +313,7 @@ double mean_support(const Found& a, const Found& b) {
 
 std::string doubts(const MeasuredLength& measured, double rivalry) {
   if (measured.points == 0)
-    return "depth is missing or behind: measured in the pictures alone, the face as the spots tell";
+    return "depth is missing or behind: measured in the images alone, on the face through the given points";
   if (measured.support < weak_support)
     return fmt::format("depth is missing or behind over {:.0f} % of the face", 100.0 * (1.0 - measured.support));
   if (std::min(measured.keyframes_a, measured.keyframes_b) < static_cast<int>(few_keyframes))
@@ -323,7 +324,7 @@ std::string doubts(const MeasuredLength& measured, double rivalry) {
   return "";
 }
 
-/// All of one object, so that what is looked up often need not be handed around.
+/// State of one object's measurement, to keep parameter lists short.
 class LengthSearch {
  public:
   LengthSearch(const Map& map, const LengthObject& object, const MapLengthOptions& options)
@@ -349,7 +350,7 @@ class LengthSearch {
   }
 
  private:
-  LengthPlace place_of(const LengthFeature& feature) const {
+  LengthPosition place_of(const LengthFeature& feature) const {
     return {feature.spot, feature.normal_known ? std::optional<Vector3d>(feature.normal()) : std::nullopt};
   }
 
@@ -377,13 +378,13 @@ class LengthSearch {
 
   MeasuredLength combined(const Found& a, const Found& b) const {
     const auto direction = measured_direction(object_.kind, a, b);
-    if (!direction) return not_measured(object_, "both ends were found at one place");
+    if (!direction) return not_measured(object_, "both ends were found at the same position");
     const auto length = combine_lengths(along(a, findings_, *direction), along(b, findings_, *direction));
-    if (!length) return not_measured(object_, "the keyframes contradict one another");
+    if (!length) return not_measured(object_, "the keyframes contradict each other");
     MeasuredLength measured = not_measured(object_, "");
     measured.length_m = length->length_m;
-    double variance = std::pow(length->sigma_m, 2) + a.wrong_place_variance + b.wrong_place_variance;
-    // Without others that agree, a keyframe may well have taken another edge.
+    double variance = std::pow(length->sigma_m, 2) + a.wrong_position_variance + b.wrong_position_variance;
+    // Without others that agree, a keyframe may well have selected another edge.
     if (std::min(length->seen_a, length->seen_b) < static_cast<int>(few_keyframes))
       variance += std::pow(unsure_share * object_.radius_m, 2);
     measured.sigma_m = std::sqrt(variance);
@@ -405,7 +406,7 @@ class LengthSearch {
   const LengthObject& object_;
   const MapLengthOptions& options_;
   std::vector<LengthFeature> a_, b_;
-  bool by_depth_ = true;  ///< False: depth does not see the thing, its faces are taken as the spots tell.
+  bool by_depth_ = true;  ///< False: the object has no depth; its faces are those through the given points.
   std::vector<ViewFinding> findings_;
 };
 

@@ -23,7 +23,7 @@ const LengthRoom& room() {
   return room;
 }
 
-/// Spots are off by up to 2 cm, as clicked by a person.
+/// Rough points have errors up to 2 cm, as clicked by a person.
 const char* const objects_yaml = R"(
 radius_m: 0.06
 objects:
@@ -71,7 +71,7 @@ std::string refused(const std::string& yaml) {
 
 std::string with_object(const std::string& lines) { return "objects:\n  - {name: n, " + lines + "}\n"; }
 
-TEST(MapLengths, AreTrueWhereKeyframesStandRight) {
+TEST(MapLengths, AreCorrectWithCorrectKeyframePoses) {
   for (const MeasuredLength& one : measured(room().map(1, 0.0))) {
     ASSERT_TRUE(one.length_m) << one.name << ": " << one.note;
     EXPECT_LT(std::abs(*one.error_m()), 0.004) << one.name;
@@ -81,7 +81,7 @@ TEST(MapLengths, AreTrueWhereKeyframesStandRight) {
   }
 }
 
-TEST(MapLengths, ErrWithinTheirSigmas) {
+TEST(MapLengths, HaveErrorsWithinTheirSigmas) {
   double squares = 0.0, largest = 0.0;
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -107,8 +107,8 @@ TEST(MapLengths, DoNotDependOnThreads) {
   EXPECT_EQ(with_threads(1), with_threads(3));
 }
 
-TEST(MapLengths, OfThingsThatDepthDoesNotSeeHaveLargerSigmas) {
-  // The box lets light through: no depth at all on it, or that of the wall.
+TEST(MapLengths, OfObjectsWithoutDepthHaveLargerSigmas) {
+  // The box is transparent: no depth at all on it, or that of the wall.
   const auto on_box = [](const Vector3d& point) {
     return point.x() < 2.25 && std::abs(point.y()) < 0.17 && point.z() > 0.87;
   };
@@ -120,7 +120,7 @@ TEST(MapLengths, OfThingsThatDepthDoesNotSeeHaveLargerSigmas) {
   EXPECT_THAT(glass.note, HasSubstr("depth is missing"));
 }
 
-TEST(MapLengths, AreNotMadeUp) {
+TEST(MapLengths, AreNotMeasuredWithoutEvidence) {
   const auto far = parse_length_objects(
       "objects:\n"
       "  - {name: behind, kind: planes, a: {point: [-3, 0, 1]}, b: {point: [-4, 0, 1]}}\n"
@@ -142,9 +142,9 @@ TEST(MapLengths, OfACloudEndWhereItsPointsEnd) {
   }
 }
 
-TEST(CombinedLengths, KeyframesThatSeeBothDoNotNeedTheirPoses) {
-  // The truth is 1; every keyframe is off by up to 10 cm, which is the same for both ends.
-  LengthSightings a, b;
+TEST(CombinedLengths, KeyframesThatObserveBothDoNotNeedTheirPoses) {
+  // The true length is 1; every keyframe has an error of up to 10 cm, the same for both ends.
+  LengthObservations a, b;
   for (int k = 0; k < 9; ++k) {
     const double off = 0.1 * std::sin(2.0 * k);
     a.all.push_back({k, off, 0.001, 0.0, 0.0});
@@ -155,15 +155,15 @@ TEST(CombinedLengths, KeyframesThatSeeBothDoNotNeedTheirPoses) {
   EXPECT_NEAR(together->length_m, 1.0, 1e-9);
   EXPECT_LT(together->sigma_m, 0.003);
   EXPECT_EQ(together->together, 9);
-  for (LengthSighting& one : b.all) one.keyframe += 100;
+  for (LengthObservation& one : b.all) one.keyframe += 100;
   const auto apart = combine_lengths(a, b);
   ASSERT_TRUE(apart);
   EXPECT_GT(apart->sigma_m, 0.05) << "their poses scatter by 7 cm";
 }
 
-TEST(CombinedLengths, HeightsOfFacesAreFoundFromDifferentSides) {
-  // A face 2 cm higher than thought: seen from the one side and the other its edge is off the one way and the other.
-  LengthSightings a, b;
+TEST(CombinedLengths, EstimatesHeightsOfFacesFromDifferentSides) {
+  // A face 2 cm higher than assumed: from the two sides its edge has errors of opposite sign.
+  LengthObservations a, b;
   a.height_sigma_m = b.height_sigma_m = 0.015;
   for (int k = 0; k < 8; ++k) {
     const double lever = k % 2 == 0 ? 1.0 : -0.5;
@@ -174,11 +174,11 @@ TEST(CombinedLengths, HeightsOfFacesAreFoundFromDifferentSides) {
   ASSERT_TRUE(length);
   EXPECT_NEAR(length->length_m, 1.0, 0.002);
   a.all.resize(1);
-  EXPECT_GT(combine_lengths(a, b)->sigma_m, 0.014) << "one side does not tell";
+  EXPECT_GT(combine_lengths(a, b)->sigma_m, 0.014) << "one side does not determine it";
 }
 
 TEST(CombinedLengths, OutliersAreLeftOut) {
-  LengthSightings a, b;
+  LengthObservations a, b;
   for (int k = 0; k < 8; ++k) {
     a.all.push_back({k, 0.0005 * (k % 3), 0.001, 0.0, 0.0});
     b.all.push_back({k, k == 4 ? 1.05 : 1.0, 0.001, 0.0, 0.0});
@@ -189,13 +189,13 @@ TEST(CombinedLengths, OutliersAreLeftOut) {
   EXPECT_FALSE(combine_lengths(a, {}));
 }
 
-TEST(LengthObjects, AreReadAndMoved) {
+TEST(LengthObjects, AreReadAndTransformed) {
   const LengthObjects read = parse_length_objects(
       "frame: truth\nradius_m: 0.1\nobjects:\n"
       "  - {name: w, kind: planes, length_m: 3.5, radius_m: 0.2, a: {point: [1, 2, 3], normal: [0, 2, 0]}, b: {point: "
       "[0, 0, 0]}}\n",
       "x");
-  EXPECT_TRUE(read.in_frame_of_truth);
+  EXPECT_TRUE(read.in_frame_of_ground_truth);
   const LengthObject& object = read.objects.at(0);
   EXPECT_EQ(object.radius_m, 0.2);
   EXPECT_EQ(object.true_length_m, 3.5);
@@ -205,22 +205,23 @@ TEST(LengthObjects, AreReadAndMoved) {
   EXPECT_LT((*there.a.normal - Vector3d(-1, 0, 0)).norm(), 1e-12);
 }
 
-TEST(LengthObjects, WhatIsWrongIsSaidInOneLine) {
+TEST(LengthObjects, ErrorsAreReportedInOneLine) {
   EXPECT_THAT(refused("objects: []"), HasSubstr("some.yaml:1"));
   EXPECT_THAT(refused("frame: moon\nobjects: [1]"), HasSubstr("neither first_camera nor truth"));
   EXPECT_THAT(refused("objects: [1]"), HasSubstr("is not 'key: value' lines"));
   EXPECT_THAT(refused("objects: [{name: n, knid: edges}]"), HasSubstr("did you mean 'kind'?"));
   const std::string a = "kind: edges, a: {point: [0, 0, 1], direction: [1, 0, 0]}, ";
   EXPECT_THAT(refused(with_object(a + "b: {point: [0, 1], direction: [1, 0, 0]}")), HasSubstr("not three numbers"));
-  EXPECT_THAT(refused(with_object(a + "b: {point: [0, 1, 1], direction: [0, 0, 0]}")), HasSubstr("no direction"));
+  EXPECT_THAT(refused(with_object(a + "b: {point: [0, 1, 1], direction: [0, 0, 0]}")), HasSubstr("not a direction"));
   EXPECT_THAT(refused(with_object(a + "b: {point: [0, 1, 1], direction: [0, 1, 0]}")), HasSubstr("not parallel"));
   EXPECT_THAT(refused(with_object(a + "b: {point: [3, 0, 1], direction: [1, 0, 0]}")), HasSubstr("edge itself"));
-  EXPECT_THAT(refused(with_object(a + "b: {point: [0, 0, 1], direction: [1, 0, 0]}")), HasSubstr("b is where a is"));
+  EXPECT_THAT(refused(with_object(a + "b: {point: [0, 0, 1], direction: [1, 0, 0]}")),
+              HasSubstr("b is at the same position as a"));
   EXPECT_THAT(refused("objects: [{name: n, kind: edges, a: *b}]"), HasSubstr("not valid YAML"));
   EXPECT_EQ(refused(with_object(a + "b: {point: [0, 1, 1], direction: [1, 0, 0]}")), "taken");
 }
 
-TEST(LengthReport, SumsUpSeveralMaps) {
+TEST(LengthReport, SummarizesSeveralMaps) {
   MeasuredLength one;
   one.name = "a, \"b\"";
   one.true_length_m = 1.0;
@@ -230,7 +231,7 @@ TEST(LengthReport, SumsUpSeveralMaps) {
   missing.length_m.reset();
   missing.note = "no keyframe shows it";
   const std::vector<MapOfLengths> maps = {{"m1", {one}}, {"m2", {other}}, {"m3", {missing}}};
-  const LengthSummary summary = summarise_lengths(maps).at(0);
+  const LengthSummary summary = summarize_lengths(maps).at(0);
   EXPECT_EQ(summary.measured, 2);
   EXPECT_NEAR(summary.mean_m, 1.005, 1e-12);
   EXPECT_NEAR(*summary.mean_error_m, 0.015, 1e-12);

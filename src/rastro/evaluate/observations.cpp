@@ -15,7 +15,8 @@ void check_options(const TrackScoreOptions& options) {
   if (options.window < 1) refuse("the window must be at least 1 frame", "--window");
   if (!(options.tolerance_px > 0.0)) refuse("the tolerance must be above 0 px", "--tolerance");
   if (!(options.border_px >= 0.0)) refuse("the border must not be negative", "--border");
-  if (!(options.min_distance_px >= 0.0)) refuse("the distance of corners must not be negative", "--min-distance");
+  if (!(options.min_distance_px >= 0.0))
+    refuse("the minimum distance of corners must not be negative", "--min-distance");
   if (options.first_frame < 0) refuse("the first frame must not be negative", "--frames");
 }
 
@@ -71,7 +72,7 @@ TrackIndex index_tracks(const TrackTable& table, const TrackScoreOptions& option
   index.end = std::min(options.end_frame, static_cast<std::int64_t>(table.frames.size()));
   if (index.first >= index.end)
     throw Error("there is no frame to score (the run has " + std::to_string(table.frames.size()) + ")", "--frames",
-                "give frames of the run as A:B, B not included");
+                "give frames of the run as A:B, without B");
   for (std::int64_t k = 0; k < index.end; ++k) {
     for (const TrackedFeature& feature : table.frames[static_cast<std::size_t>(k)].features) {
       const Observation observation{k, feature.pixel.cast<double>(), feature.state};
@@ -124,7 +125,7 @@ std::vector<FrameScores> frame_rows(const TrackTable& table, const TrackIndex& i
 void book_miss(const TrackTable& table, const std::vector<std::pair<std::int64_t, Eigen::Vector2d>>& visible_at,
                std::optional<std::int64_t> return_frame, const TrackScoreOptions& options, MissReasons& reasons) {
   if (return_frame) {
-    ++reasons.wrong_place;
+    ++reasons.wrong_position;
     return;
   }
   bool detected = false, always_blocked = true, anything_detected = false;
@@ -135,7 +136,7 @@ void book_miss(const TrackTable& table, const std::vector<std::pair<std::int64_t
     anything_detected = anything_detected || detects_anything(frame);
   }
   if (detected)
-    ++reasons.not_recognised;
+    ++reasons.not_reidentified;
   else if (always_blocked)
     ++reasons.blocked;
   else if (!anything_detected)
@@ -144,19 +145,22 @@ void book_miss(const TrackTable& table, const std::vector<std::pair<std::int64_t
     ++reasons.never_detected;
 }
 
+TrackCounts& TrackCounts::operator+=(const TrackCounts& other) {
+  reidentified += other.reidentified;
+  correct += other.correct;
+  wrong += other.wrong;
+  unscored += other.unscored;
+  lost += other.lost;
+  lost_outside += other.lost_outside;
+  lost_visible += other.lost_visible;
+  lost_unscored += other.lost_unscored;
+  reappeared += other.reappeared;
+  recalled += other.recalled;
+  return *this;
+}
+
 void finish_scores(const TrackIndex& index, TrackScores& scores) {
-  for (const FrameScores& row : scores.frames) {
-    scores.lost += row.lost;
-    scores.lost_outside += row.lost_outside;
-    scores.lost_visible += row.lost_visible;
-    scores.lost_unscored += row.lost_unscored;
-    scores.reappeared += row.reappeared;
-    scores.recalled += row.recalled;
-    scores.reidentified += row.reidentified;
-    scores.correct += row.correct;
-    scores.wrong += row.wrong;
-    scores.unscored += row.unscored;
-  }
+  for (const FrameScores& row : scores.frames) scores += row;
   scores.frame_count = static_cast<int>(scores.frames.size());
   scores.duplicate_ids = index.duplicate_ids;
   scores.recall = ratio(scores.recalled, scores.reappeared);

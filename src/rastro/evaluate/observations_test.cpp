@@ -7,7 +7,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/random.h"
-#include "rastro/evaluate/clean_stretches.h"
+#include "rastro/evaluate/clean_segments.h"
 #include "rastro/evaluate/score_limit.h"
 
 namespace rastro {
@@ -34,7 +34,7 @@ TrackTable table_of(const std::vector<std::vector<TrackedFeature>>& frames) {
   return table;
 }
 
-TEST(IndexTracks, HoldsEveryObservationOfTheRangeOnceAndTheLastBeforeIt) {
+TEST(IndexTracks, HasEveryObservationOfTheRangeOnceAndTheLastBeforeIt) {
   Random random(3);
   std::vector<std::vector<TrackedFeature>> frames(20);
   for (auto& features : frames)
@@ -78,7 +78,7 @@ TEST(IndexTracks, AnIdTwiceInAFrameCountsOnce) {
   EXPECT_EQ(index.tracks.at(1)[0].pixel.x(), 10.0) << "the first of the two";
 }
 
-TEST(IndexTracks, RefusesWhatCannotBeScored) {
+TEST(IndexTracks, RefusesInputThatCannotBeScored) {
   const TrackTable table = table_of({{}, {}, {}});
   TrackScoreOptions options;
   EXPECT_NO_THROW(index_tracks(table, options));
@@ -96,7 +96,7 @@ TEST(IndexTracks, RefusesWhatCannotBeScored) {
   }
 }
 
-TEST(Track, EndsAndReturnsAreGapsOfFramesOrMarks) {
+TEST(Track, LossesAndReidentificationsAreFrameGapsOrMarks) {
   const Track track{{2, {0, 0}, TrackState::fresh},
                     {3, {0, 0}, TrackState::tracked},
                     {6, {0, 0}, TrackState::tracked},
@@ -120,7 +120,7 @@ TEST(NearImageEdge, IsWithinTheBorderOfAKnownImage) {
     EXPECT_TRUE(near_image_edge({x, y}, options)) << x;
 }
 
-TEST(FrameRows, CountWhatTheTrackerSaid) {
+TEST(FrameRows, HaveTheCountsOfTheTracker) {
   const TrackTable table = table_of({{feature(9, 1, 1)},
                                      {feature(0, 1, 1), feature(1, 2, 2, TrackState::fresh)},
                                      {feature(2, 1, 1, TrackState::reidentified)}});
@@ -137,7 +137,7 @@ TEST(FrameRows, CountWhatTheTrackerSaid) {
 }
 
 /// One miss each: the reason is the first that holds.
-TEST(BookMiss, SaysWhatWasInTheWay) {
+TEST(BookMiss, GivesTheReason) {
   TrackScoreOptions options;
   options.tolerance_px = 3.0;
   options.min_distance_px = 30.0;
@@ -145,14 +145,14 @@ TEST(BookMiss, SaysWhatWasInTheWay) {
   const auto booked = [&](const std::vector<TrackedFeature>& features, std::optional<std::int64_t> back = {}) {
     MissReasons reasons;
     book_miss(table_of({features}), {{0, place}}, back, options, reasons);
-    EXPECT_EQ(
-        reasons.wrong_place + reasons.not_recognised + reasons.blocked + reasons.budget_full + reasons.never_detected,
-        1);
+    EXPECT_EQ(reasons.wrong_position + reasons.not_reidentified + reasons.blocked + reasons.budget_full +
+                  reasons.never_detected,
+              1);
     return reasons;
   };
-  EXPECT_EQ(booked({}, 0).wrong_place, 1);
-  EXPECT_EQ(booked({feature(5, 102, 100, TrackState::fresh)}).not_recognised, 1);
-  EXPECT_EQ(booked({feature(5, 120, 100)}).blocked, 1) << "a followed feature holds the place";
+  EXPECT_EQ(booked({}, 0).wrong_position, 1);
+  EXPECT_EQ(booked({feature(5, 102, 100, TrackState::fresh)}).not_reidentified, 1);
+  EXPECT_EQ(booked({feature(5, 120, 100)}).blocked, 1) << "a tracked feature has the position";
   EXPECT_EQ(booked({feature(5, 200, 100)}).budget_full, 1) << "nothing was detected at all";
   EXPECT_EQ(booked({feature(5, 200, 100, TrackState::fresh)}).never_detected, 1);
 }
@@ -185,8 +185,8 @@ TEST(FinishScores, SumsRowsAndCountsLengths) {
   EXPECT_FALSE(none.recall || none.precision || none.mean_track_length) << "nothing to count has no value";
 }
 
-/// Against a search over every stretch; stamps of the runs are shared for some frames only.
-TEST(CleanStretches, TheNearestIsThatOfBruteForce) {
+/// Against a search over every segment; only some frames' stamps are common to both runs.
+TEST(CleanSegments, NearestEqualsBruteForce) {
   Random random(17);
   std::vector<std::vector<TrackedFeature>> frames(30);
   for (auto& features : frames) {
@@ -200,8 +200,8 @@ TEST(CleanStretches, TheNearestIsThatOfBruteForce) {
   const TrackTable clean = table_of(frames);
   TrackTable occluded = clean;
   for (std::size_t k : {4U, 5U, 17U}) occluded.frames[k].stamp += 1;
-  const CleanStretches stretches(occluded, clean);
-  EXPECT_EQ(stretches.shared_frames(), 27);
+  const CleanSegments segments(occluded, clean);
+  EXPECT_EQ(segments.shared_frames(), 27);
   int found = 0;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     for (int trial = 0; trial < 10; ++trial) {
@@ -213,7 +213,7 @@ TEST(CleanStretches, TheNearestIsThatOfBruteForce) {
         if (k == 4 || k == 5 || k == 17 || distance > best) continue;
         best = distance, any = true;
       }
-      const Stretch* nearest = stretches.nearest(static_cast<std::int64_t>(k), pixel, 12.0);
+      const Stretch* nearest = segments.nearest(static_cast<std::int64_t>(k), pixel, 12.0);
       ASSERT_EQ(nearest != nullptr, any) << k;
       if (!any) continue;
       ++found;
@@ -223,28 +223,28 @@ TEST(CleanStretches, TheNearestIsThatOfBruteForce) {
   EXPECT_GT(found, 50);
 }
 
-TEST(CleanStretches, AStretchEndsWithFlowAndWithSharedFrames) {
-  const auto stretch_at = [](const CleanStretches& stretches, std::int64_t frame) {
-    const Stretch* stretch = stretches.nearest(frame, {10.0, 10.0}, 5.0);
+TEST(CleanSegments, ASegmentEndsWithFlowAndWithCommonFrames) {
+  const auto segment_at = [](const CleanSegments& segments, std::int64_t frame) {
+    const Stretch* stretch = segments.nearest(frame, {10.0, 10.0}, 5.0);
     return stretch == nullptr ? std::pair<std::int64_t, std::int64_t>{-1, -1}
                               : std::pair{stretch->first, stretch->last()};
   };
   TrackTable clean = table_of(std::vector<std::vector<TrackedFeature>>(8, {feature(1, 10, 10)}));
   clean.frames[3].features[0].state = TrackState::reidentified;
-  const CleanStretches by_flow(clean, clean);
-  EXPECT_EQ(stretch_at(by_flow, 2), std::pair(std::int64_t{0}, std::int64_t{2}));
-  EXPECT_EQ(stretch_at(by_flow, 7), std::pair(std::int64_t{3}, std::int64_t{7}));
+  const CleanSegments by_flow(clean, clean);
+  EXPECT_EQ(segment_at(by_flow, 2), std::pair(std::int64_t{0}, std::int64_t{2}));
+  EXPECT_EQ(segment_at(by_flow, 7), std::pair(std::int64_t{3}, std::int64_t{7}));
   TrackTable occluded = clean;
   occluded.frames[6].stamp += 7;
-  const CleanStretches by_stamp(occluded, clean);
-  EXPECT_EQ(stretch_at(by_stamp, 4), std::pair(std::int64_t{3}, std::int64_t{5}));
-  EXPECT_EQ(stretch_at(by_stamp, 6), std::pair(std::int64_t{-1}, std::int64_t{-1}));
-  EXPECT_EQ(stretch_at(by_stamp, 7), std::pair(std::int64_t{7}, std::int64_t{7}));
+  const CleanSegments by_stamp(occluded, clean);
+  EXPECT_EQ(segment_at(by_stamp, 4), std::pair(std::int64_t{3}, std::int64_t{5}));
+  EXPECT_EQ(segment_at(by_stamp, 6), std::pair(std::int64_t{-1}, std::int64_t{-1}));
+  EXPECT_EQ(segment_at(by_stamp, 7), std::pair(std::int64_t{7}, std::int64_t{7}));
   for (TrackFrame& frame : occluded.frames) frame.stamp += 50;
-  EXPECT_THROW(CleanStretches(occluded, clean), Error);
+  EXPECT_THROW(CleanSegments(occluded, clean), Error);
 }
 
-TEST(ScoreLimit, ReadsWhatItSaysAndHolds) {
+TEST(ScoreLimit, ParsesAndCompares) {
   const ScoreLimit recall = read_limit("recall>=0.7", "x"), error = read_limit(" ate_rmse <= 3e-1", "x");
   EXPECT_EQ(recall.name, "recall");
   EXPECT_TRUE(recall.at_least);
@@ -256,11 +256,11 @@ TEST(ScoreLimit, ReadsWhatItSaysAndHolds) {
   for (const auto& [score, kept] : {std::pair{0.29, true}, {0.3, true}, {0.31, false}})
     EXPECT_EQ(keeps_limit(score, error), kept) << score;
   EXPECT_FALSE(keeps_limit(std::nullopt, recall));
-  EXPECT_FALSE(keeps_limit(std::nullopt, error)) << "nothing to count keeps no limit";
+  EXPECT_FALSE(keeps_limit(std::nullopt, error)) << "a missing value is never within a limit";
   EXPECT_FALSE(keeps_limit(std::nan(""), recall));
 }
 
-TEST(ScoreLimit, RefusesOthersShowingHowToWriteIt) {
+TEST(ScoreLimit, RefusesOthersWithAnExample) {
   for (const char* text : {"", "recall", "recall>0.7", "recall=0.7", "recall>=", "recall>=much", "recall>=nan", "<"}) {
     try {
       read_limit(text, "recall>=0.5");

@@ -22,14 +22,14 @@ constexpr const char* form = "write 'stamp_a stamp_b x y z roll pitch yaw'";
 TimeNs stamp_in(std::string_view word, const std::string& where) {
   const auto stamp = parse_stamp(word, StampUnit::seconds);
   if (!stamp || *stamp < -largest_stamp || *stamp > largest_stamp)
-    throw Error(fmt::format("the stamp {} is no number of seconds", in_quotes(word)), where, form);
+    throw Error(fmt::format("the stamp {} is not a number of seconds", in_quotes(word)), where, form);
   return *stamp;
 }
 
 double number_in(std::string_view word, const std::string& where) {
   const auto number = parse_finite(word);
   if (!number || std::abs(*number) > 1e9)
-    throw Error(fmt::format("{} is no sensible number", in_quotes(word)), where, form);
+    throw Error(fmt::format("{} is not a plausible number", in_quotes(word)), where, form);
   return *number;
 }
 
@@ -46,7 +46,7 @@ Relation relation_of(const std::vector<std::string_view>& words, const std::stri
           SE3(rotation_of(value[3], value[4], value[5]), {value[0], value[1], value[2]})};
 }
 
-/// The pose nearest in time; null where none is within `max_difference`.
+/// The pose nearest in time; null if none is within `max_difference`.
 const StampedPose* pose_near(const Trajectory& trajectory, TimeNs stamp, TimeNs max_difference) {
   const auto difference = [stamp](const StampedPose& pose) { return std::abs(pose.stamp - stamp); };
   const auto earlier = [](const StampedPose& pose, TimeNs time) { return pose.stamp < time; };
@@ -82,7 +82,7 @@ std::vector<Relation> parse_relations(std::string_view text, std::string_view wh
   std::vector<Relation> relations;
   for (const TextLine& line : content_lines(text))
     relations.push_back(relation_of(split_words(line.text), at_line(where, line.number)));
-  if (relations.empty()) throw Error("holds no relation", where, form);
+  if (relations.empty()) throw Error("has no relations", where, form);
   return relations;
 }
 

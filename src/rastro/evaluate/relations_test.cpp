@@ -45,10 +45,10 @@ TEST(Relations, RefusesOtherText) {
   EXPECT_THAT(message_of("1 2 0 0 0 0 0 0\n1 2 0 0 0 0 0 nan\n"), HasSubstr("some.relations:2"));
   EXPECT_THAT(message_of("one 2 0 0 0 0 0 0\n"), HasSubstr("'one'"));
   EXPECT_THAT(message_of("1 9e18 0 0 0 0 0 0\n"), HasSubstr("stamp"));
-  EXPECT_THAT(message_of("# nothing\n"), HasSubstr("no relation"));
+  EXPECT_THAT(message_of("# nothing\n"), HasSubstr("no relations"));
 }
 
-TEST(Relations, AreZeroForTheTruthInAnyFrame) {
+TEST(Relations, AreZeroForTheGroundTruthInAnyFrame) {
   Random random(3);
   Trajectory trajectory;
   std::vector<Relation> relations;
@@ -82,7 +82,7 @@ TEST(Relations, MeanAndSigmaByHand) {
   EXPECT_NEAR(scores.rot_sigma_deg, degrees / 2.0, 1e-9);
 }
 
-TEST(Relations, TakesTheNearestPoseAndSkipsWhereNoneIsNear) {
+TEST(Relations, UsesTheNearestPoseAndSkipsIfNoneIsNear) {
   const Trajectory trajectory = {{0, {}}, {1000, planar(1.0, 0.0, 0.0)}, {3000, planar(2.0, 0.0, 0.0)}};
   const std::vector<Relation> relations = {{40, 1900, planar(1.0, 0.0, 0.0)}, {0, 9000, planar(5.0, 0.0, 0.0)}};
   const RelationScores scores = score_relations(relations, trajectory, 900);

@@ -10,7 +10,7 @@ ScoreLimit read_limit(const std::string& text, const std::string& examples) {
   const std::size_t sign = text.find_first_of("<>");
   const bool has_sign = sign != std::string::npos && sign + 1 < text.size() && text[sign + 1] == '=';
   const auto value = has_sign ? parse_finite(text.substr(sign + 2)) : std::nullopt;
-  if (!value) throw Error(in_quotes(text) + " is no limit", "--require", "write it like " + examples);
+  if (!value) throw Error(in_quotes(text) + " is not a limit", "--require", "write it like " + examples);
   return {std::string(trim(text.substr(0, sign))), text[sign] == '>', *value};
 }
 

@@ -13,10 +13,10 @@ struct ScoreLimit {
   double value = 0.0;
 };
 
-/// Error when the text is no limit, showing `examples`. Whether there is such a score, the caller knows.
+/// Parses a limit; throws Error showing `examples` if the text is none. The caller checks that the score exists.
 ScoreLimit read_limit(const std::string& text, const std::string& examples);
 
-/// A score with nothing to count keeps no limit.
+/// False without a value.
 bool keeps_limit(const std::optional<double>& score, const ScoreLimit& limit);
 
 }  // namespace rastro

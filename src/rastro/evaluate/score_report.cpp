@@ -36,7 +36,7 @@ constexpr std::array<Column, 13> columns = {{{"features", &FrameScores::features
                                              {"reappeared", &FrameScores::reappeared},
                                              {"recalled", &FrameScores::recalled}}};
 
-/// All figures of a run that are one number, in the order they are written.
+/// All scalar figures of a run, in the order they are written.
 Json totals(const TrackScores& s) {
   Json json;
   json["recall"] = number_or_null(s.recall);
@@ -50,7 +50,7 @@ Json totals(const TrackScores& s) {
   json["unscored"] = s.unscored;
   json["unscored_on_occluder"] = s.unscored_on_occluder;
   json["unscored_share"] = s.reidentified > 0 ? Json(static_cast<double>(s.unscored) / s.reidentified) : Json(nullptr);
-  json["wrong_but_earlier_place"] = s.wrong_but_earlier_place;
+  json["wrong_but_earlier_place"] = s.wrong_but_earlier_position;
   json["lost_outside"] = s.lost_outside;
   json["lost_visible"] = s.lost_visible;
   json["lost_unscored"] = s.lost_unscored;
@@ -89,27 +89,29 @@ std::string reasons_as_text(const TrackScores& s) {
   const MissReasons& m = s.misses;
   if (s.reappeared > s.recalled)
     text += fmt::format(
-        "missed: {} = {} came back at a wrong place + {} detected but not recognised + {} with another feature within "
+        "missed: {} = {} re-identified at a wrong position + {} detected but not re-identified + {} with another "
+        "feature within "
         "the "
         "minimum distance + {} while no corner was detected at all + {} never detected\n",
-        s.reappeared - s.recalled, m.wrong_place, m.not_recognised, m.blocked, m.budget_full, m.never_detected);
+        s.reappeared - s.recalled, m.wrong_position, m.not_reidentified, m.blocked, m.budget_full, m.never_detected);
   const WrongReasons& w = s.wrongs;
   if (s.wrong > 0)
     text += fmt::format(
-        "wrong: {} = {} at another place + {} whose point is hidden + {} whose point is outside + {} on a surface in "
+        "wrong: {} = {} at another position + {} whose point is occluded + {} whose point is outside + {} on a surface "
+        "in "
         "front "
-        "+ {} of an id never seen\n       {} of them at an earlier place of the id (it had slipped off its point when "
+        "+ {} of an unknown id\n       {} of them at an earlier position of the id (it had slipped off its point when "
         "it was "
         "lost)\n",
-        s.wrong, w.other_place, w.anchor_hidden, w.anchor_outside, w.on_occluder, w.unknown_id,
-        s.wrong_but_earlier_place);
+        s.wrong, w.other_position, w.anchor_occluded, w.anchor_outside, w.on_occluder, w.unknown_id,
+        s.wrong_but_earlier_position);
   return text;
 }
 
 std::string lengths_as_text(const TrackScores& s) {
   if (!s.mean_track_length) return "tracks: none\n";
-  std::string text = fmt::format("tracks: {} ids, {:.1f} observations in the mean, {:.1f} in the median\n       ",
-                                 s.ids, *s.mean_track_length, *s.median_track_length);
+  std::string text = fmt::format("tracks: {} ids, mean {:.1f} observations, median {:.1f}\n       ", s.ids,
+                                 *s.mean_track_length, *s.median_track_length);
   for (std::size_t bin = 0; bin < s.length_histogram.size(); ++bin)
     text += fmt::format(" {}: {}{}", bin_name(bin), s.length_histogram[bin],
                         bin + 1 < s.length_histogram.size() ? "," : "\n");
@@ -134,13 +136,13 @@ std::string scores_as_json(const TrackScores& s, bool per_frame) {
   Json json;
   json["truth"] = s.truth;
   json.update(totals(s));
-  json["misses"] = {{"wrong_place", s.misses.wrong_place},
-                    {"not_recognised", s.misses.not_recognised},
+  json["misses"] = {{"wrong_place", s.misses.wrong_position},
+                    {"not_recognized", s.misses.not_reidentified},
                     {"blocked", s.misses.blocked},
                     {"budget_full", s.misses.budget_full},
                     {"never_detected", s.misses.never_detected}};
-  json["wrongs"] = {{"other_place", s.wrongs.other_place},
-                    {"anchor_hidden", s.wrongs.anchor_hidden},
+  json["wrongs"] = {{"other_place", s.wrongs.other_position},
+                    {"anchor_hidden", s.wrongs.anchor_occluded},
                     {"anchor_outside", s.wrongs.anchor_outside},
                     {"on_occluder", s.wrongs.on_occluder},
                     {"unknown_id", s.wrongs.unknown_id}};
@@ -152,13 +154,13 @@ std::string scores_as_json(const TrackScores& s, bool per_frame) {
 
 std::string scores_as_text(const TrackScores& s, bool per_frame) {
   std::string text = per_frame ? frames_as_text(s) + "\n" : "";
-  text += fmt::format("recall {}: {} of {} features that were lost to occlusion and visible again got their id back\n",
+  text += fmt::format("recall {}: {} of {} features that were lost to occlusion and reappeared were re-identified\n",
                       ratio_text(s.recall), s.recalled, s.reappeared);
   text += fmt::format(
       "precision {}: {} correct and {} wrong of {} re-identified corners ({} unscored{})\n", ratio_text(s.precision),
       s.correct, s.wrong, s.reidentified, s.unscored,
-      s.unscored_on_occluder > 0 ? fmt::format(", {} of them the occluder's own", s.unscored_on_occluder) : "");
-  text += fmt::format("lost: {} to occlusion, {} by leaving the image, {} in plain sight, {} unscored\n", s.lost,
+      s.unscored_on_occluder > 0 ? fmt::format(", {} of them on the occluder", s.unscored_on_occluder) : "");
+  text += fmt::format("lost: {} to occlusion, {} by leaving the image, {} while visible, {} unscored\n", s.lost,
                       s.lost_outside, s.lost_visible, s.lost_unscored);
   text += reasons_as_text(s);
   text += fmt::format("id switches: {}", s.id_switches);
@@ -167,7 +169,7 @@ std::string scores_as_text(const TrackScores& s, bool per_frame) {
                         pixel_text(s.drift_median_px), pixel_text(s.drift_p95_px), 100.0 * s.drifted_share);
   text += "\n" + lengths_as_text(s);
   if (s.duplicate_ids > 0) text += fmt::format("fault of the tracker: {} ids twice in one frame\n", s.duplicate_ids);
-  return text + fmt::format("frames: {}; truth: {}\n", s.frame_count, s.truth);
+  return text + fmt::format("frames: {}; ground truth: {}\n", s.frame_count, s.truth);
 }
 
 std::string scores_as_csv(const TrackScores& scores) {

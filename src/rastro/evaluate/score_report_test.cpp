@@ -22,7 +22,7 @@ TrackScores some_scores() {
   scores.correct = 9;
   scores.wrong = 1;
   scores.reidentified = 10;
-  scores.wrongs.other_place = 1;
+  scores.wrongs.other_position = 1;
   scores.ids = 2;
   scores.mean_track_length = 2.5;
   scores.median_track_length = 2.5;
@@ -34,7 +34,7 @@ TrackScores some_scores() {
   return scores;
 }
 
-TEST(ScoreReport, JsonHasTheFiguresAndNullWhereThereIsNothingToCount) {
+TEST(ScoreReport, JsonHasTheFiguresAndNullForMissingValues) {
   const auto full = nlohmann::json::parse(scores_as_json(some_scores(), true));
   for (const char* key :
        {"recall", "precision", "lost", "reappeared", "reidentified", "wrong", "id_switches", "mean_track_length"})
@@ -49,21 +49,21 @@ TEST(ScoreReport, JsonHasTheFiguresAndNullWhereThereIsNothingToCount) {
   EXPECT_FALSE(empty.contains("frames"));
 }
 
-TEST(ScoreReport, TextExplainsAndSaysWhereThereIsNothingToCount) {
+TEST(ScoreReport, TextExplainsAndMarksMissingValues) {
   const std::string text = scores_as_text(some_scores(), false);
   EXPECT_THAT(text, HasSubstr("recall 0.750: 3 of 4"));
   EXPECT_THAT(text, HasSubstr("1 with another feature within"));
-  EXPECT_THAT(text, HasSubstr("wrong: 1 = 1 at another place"));
+  EXPECT_THAT(text, HasSubstr("wrong: 1 = 1 at another position"));
   EXPECT_THAT(scores_as_text(TrackScores{}, true), HasSubstr("recall n/a"));
 }
 
-TEST(ScoreReport, CsvHasOneRowAFrame) {
+TEST(ScoreReport, CsvHasOneRowPerFrame) {
   const std::string csv = scores_as_csv(some_scores());
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 2);
   EXPECT_THAT(csv, HasSubstr("\n7,0,0,0,0,0,0,0,0,0,0,0,0,3\n"));
 }
 
-TEST(ScoreReport, LimitsAreReadAndKept) {
+TEST(ScoreReport, LimitsAreParsedAndChecked) {
   const TrackScores scores = some_scores();
   EXPECT_TRUE(keeps_limit(scores, parse_limit("recall>=0.75")));
   EXPECT_FALSE(keeps_limit(scores, parse_limit("recall>=0.76")));

@@ -10,22 +10,22 @@
 namespace rastro {
 namespace {
 
-enum class Verdict { correct, unscored, unknown_id, anchor_outside, anchor_hidden, other_place, on_occluder };
+enum class Verdict { correct, unscored, unknown_id, anchor_outside, anchor_occluded, other_position, on_occluder };
 
-/// The scoring of one run; a class only so that table, truth and options need not be handed around.
+/// The scoring of one run; a class only to avoid passing table, ground truth and options around.
 class SurfaceScorer {
  public:
-  SurfaceScorer(const TrackTable& table, const SurfaceTruth& truth, const TrackScoreOptions& options)
-      : table_(table), truth_(truth), options_(options), index_(index_tracks(table, options)) {
+  SurfaceScorer(const TrackTable& table, const SurfaceGroundTruth& truth, const TrackScoreOptions& options)
+      : table_(table), ground_truth_(truth), options_(options), index_(index_tracks(table, options)) {
     if (index_.end > truth.frame_count())
-      throw Error("the run has frame " + std::to_string(index_.end - 1) + " but the truth has only " +
+      throw Error("the run has frame " + std::to_string(index_.end - 1) + " but the ground truth has only " +
                       std::to_string(truth.frame_count()) + " frames",
                   "evaluate tracks", "give the data folder that the run was made on");
     scores_.truth = "surfaces";
     scores_.frames = frame_rows(table, index_);
   }
 
-  /// By frame throughout: truth read from files keeps only a window of frames in memory.
+  /// By frame throughout: ground truth read from files keeps only a window of frames in memory.
   TrackScores score() {
     find_points();
     for (const Seen& seen : in_order_) {
@@ -45,26 +45,26 @@ class SurfaceScorer {
   struct Loss;
   using Point = std::optional<SurfacePoint>;
 
-  /// One observation, and its id's observation before it with the surface point seen there.
+  /// One observation, and the previous one of its id with its surface point.
   struct Seen {
     const Track* track = nullptr;
     std::size_t position = 0;
     const Observation* previous = nullptr;  ///< Null for the first one of an id.
     Point* points = nullptr;                ///< Of the whole track.
-    const Point* previous_point = nullptr;  ///< Where there is a previous observation.
+    const Point* previous_point = nullptr;  ///< If there is a previous observation.
 
     const Observation& observation() const { return (*track)[position]; }
     Point& point() const { return points[position]; }
   };
 
-  /// Orders the observations by frame, then id, and looks up what surface point each one shows.
+  /// Orders the observations by frame, then id, and gets the surface point of each.
   void find_points() {
     for (const auto& [id, track] : index_.tracks) {
       std::vector<Point>& points = points_[id];
       points.resize(track.size());
       const auto before = index_.before.find(id);
       const bool goes_back = before != index_.before.end();
-      if (goes_back) points_before_[id] = truth_.surface_at(before->second.frame, before->second.pixel);
+      if (goes_back) points_before_[id] = ground_truth_.surface_at(before->second.frame, before->second.pixel);
       in_order_.push_back(
           {&track, 0, goes_back ? &before->second : nullptr, points.data(), goes_back ? &points_before_[id] : nullptr});
       for (std::size_t i = 1; i < track.size(); ++i)
@@ -74,7 +74,7 @@ class SurfaceScorer {
       return left.observation().frame < right.observation().frame;
     });
     for (const Seen& seen : in_order_)
-      seen.point() = truth_.surface_at(seen.observation().frame, seen.observation().pixel);
+      seen.point() = ground_truth_.surface_at(seen.observation().frame, seen.observation().pixel);
   }
 
   FrameScores& row(std::int64_t frame) { return scores_.frames[static_cast<std::size_t>(frame - index_.first)]; }
@@ -83,7 +83,7 @@ class SurfaceScorer {
 
   bool same_point(const SurfacePoint& anchor, const Observation& anchor_seen, const SurfacePoint& corner) const {
     if (anchor.surface == corner.surface) return true;
-    const Sighting back = truth_.sighting_of(anchor_seen.frame, corner);
+    const Sighting back = ground_truth_.sighting_of(anchor_seen.frame, corner);
     return back.visibility != Visibility::outside_image &&
            (back.pixel - anchor_seen.pixel).norm() <= options_.tolerance_px;
   }
@@ -91,10 +91,10 @@ class SurfaceScorer {
   Verdict judge(const Observation& anchor_seen, const Point& anchor, const Observation& corner_seen,
                 const Point& corner) const {
     if (!anchor || !corner) return Verdict::unscored;
-    const Sighting sighting = truth_.sighting_of(corner_seen.frame, *anchor);
+    const Sighting sighting = ground_truth_.sighting_of(corner_seen.frame, *anchor);
     if (sighting.visibility == Visibility::outside_image) return Verdict::anchor_outside;
-    if (sighting.visibility == Visibility::hidden_by_surface) return Verdict::anchor_hidden;
-    if ((sighting.pixel - corner_seen.pixel).norm() > options_.tolerance_px) return Verdict::other_place;
+    if (sighting.visibility == Visibility::occluded_by_surface) return Verdict::anchor_occluded;
+    if ((sighting.pixel - corner_seen.pixel).norm() > options_.tolerance_px) return Verdict::other_position;
     return same_point(*anchor, anchor_seen, *corner) ? Verdict::correct : Verdict::on_occluder;
   }
 
@@ -112,19 +112,19 @@ class SurfaceScorer {
     WrongReasons& wrongs = scores_.wrongs;
     wrongs.unknown_id += verdict == Verdict::unknown_id;
     wrongs.anchor_outside += verdict == Verdict::anchor_outside;
-    wrongs.anchor_hidden += verdict == Verdict::anchor_hidden;
-    wrongs.other_place += verdict == Verdict::other_place;
+    wrongs.anchor_occluded += verdict == Verdict::anchor_occluded;
+    wrongs.other_position += verdict == Verdict::other_position;
     wrongs.on_occluder += verdict == Verdict::on_occluder;
     for (std::size_t k = seen.position; k-- > 0;) {
       if (judge((*seen.track)[k], seen.points[k], corner, seen.point()) != Verdict::correct) continue;
-      ++scores_.wrong_but_earlier_place;
+      ++scores_.wrong_but_earlier_position;
       break;
     }
   }
 
   void book_switch(const Seen& seen) {
     if (!seen.previous || !*seen.previous_point) return;
-    const Sighting sighting = truth_.sighting_of(seen.observation().frame, **seen.previous_point);
+    const Sighting sighting = ground_truth_.sighting_of(seen.observation().frame, **seen.previous_point);
     if (sighting.visibility == Visibility::outside_image ||
         (sighting.pixel - seen.observation().pixel).norm() > options_.tolerance_px)
       ++scores_.id_switches;
@@ -134,7 +134,7 @@ class SurfaceScorer {
 
   void collect_drift(const Seen& seen) {
     if (seen.position == 0 || !seen.points[0]) return;
-    const Sighting sighting = truth_.sighting_of(seen.observation().frame, *seen.points[0]);
+    const Sighting sighting = ground_truth_.sighting_of(seen.observation().frame, *seen.points[0]);
     if (sighting.visibility != Visibility::outside_image)
       drift_.push_back((sighting.pixel - seen.observation().pixel).norm());
   }
@@ -149,20 +149,21 @@ class SurfaceScorer {
   }
 
   const TrackTable& table_;
-  const SurfaceTruth& truth_;
+  const SurfaceGroundTruth& ground_truth_;
   const TrackScoreOptions options_;
   const TrackIndex index_;
   TrackScores scores_;
   std::map<std::int64_t, std::vector<Point>> points_;  ///< By id, as the tracks.
-  std::map<std::int64_t, Point> points_before_;        ///< Of the observations ahead of the range.
+  std::map<std::int64_t, Point> points_before_;        ///< Of the observations before the range.
   std::vector<Seen> in_order_;
   std::vector<double> drift_;
 };
 
-/// What becomes of an anchor in the window after its loss.
+/// The anchor's visibility in the window after its loss.
 struct SurfaceScorer::Loss {
-  bool hidden_in_span = false;
-  std::vector<std::pair<std::int64_t, Eigen::Vector2d>> visible_again;  ///< Frames and places, after it was hidden.
+  bool occluded_in_span = false;
+  std::vector<std::pair<std::int64_t, Eigen::Vector2d>>
+      visible_again;  ///< Frames and positions, after it was occluded.
 };
 
 void SurfaceScorer::book_loss(const Seen& last_seen) {
@@ -178,21 +179,21 @@ void SurfaceScorer::book_loss(const Seen& last_seen) {
   const std::int64_t window_end = std::min(seen + options_.window, index_.end - 1);
   const bool returns = i + 1 < track.size() && track[i + 1].frame <= window_end;
   const std::int64_t span_end = returns ? track[i + 1].frame : window_end;
-  const Sighting next = truth_.sighting_of(seen + 1, *anchor);
+  const Sighting next = ground_truth_.sighting_of(seen + 1, *anchor);
   Loss loss;
-  bool hidden_before = false;
+  bool occluded_before = false;
   for (std::int64_t k = seen + 1; k <= window_end; ++k) {
-    const Sighting sighting = truth_.sighting_of(k, *anchor);
-    if (sighting.visibility == Visibility::hidden_by_surface) {
-      hidden_before = true;
-      loss.hidden_in_span = loss.hidden_in_span || k <= span_end;
-    } else if (hidden_before && sighting.visibility == Visibility::visible && !near_edge(sighting.pixel)) {
+    const Sighting sighting = ground_truth_.sighting_of(k, *anchor);
+    if (sighting.visibility == Visibility::occluded_by_surface) {
+      occluded_before = true;
+      loss.occluded_in_span = loss.occluded_in_span || k <= span_end;
+    } else if (occluded_before && sighting.visibility == Visibility::visible && !near_edge(sighting.pixel)) {
       loss.visible_again.emplace_back(k, sighting.pixel);
     }
   }
   if (next.visibility == Visibility::outside_image) {
     ++frame.lost_outside;
-  } else if (!loss.hidden_in_span) {
+  } else if (!loss.occluded_in_span) {
     ++(near_edge(next.pixel) ? frame.lost_outside : frame.lost_visible);
   } else {
     ++frame.lost;
@@ -207,7 +208,7 @@ void SurfaceScorer::book_loss(const Seen& last_seen) {
 
 }  // namespace
 
-TrackScores score_tracks(const TrackTable& table, const SurfaceTruth& truth, const TrackScoreOptions& options) {
+TrackScores score_tracks(const TrackTable& table, const SurfaceGroundTruth& truth, const TrackScoreOptions& options) {
   return SurfaceScorer(table, truth, options).score();
 }
 

@@ -24,7 +24,7 @@ constexpr double rounding = 1e-6;
 
 Eigen::Vector3d position(const Eigen::Matrix4d& pose) { return pose.topRightCorner<3, 1>(); }
 
-/// By the transpose, as if the rotation were exact.
+/// Uses the transpose, as if the rotation were exact.
 Eigen::Matrix4d rigid_inverse(const Eigen::Matrix4d& pose) {
   Eigen::Matrix4d inverse = Eigen::Matrix4d::Identity();
   inverse.topLeftCorner<3, 3>() = pose.topLeftCorner<3, 3>().transpose();
@@ -32,7 +32,7 @@ Eigen::Matrix4d rigid_inverse(const Eigen::Matrix4d& pose) {
   return inverse;
 }
 
-/// The benchmark inverts whole matrices, which tells in the sixth digit where rotations are rounded.
+/// The benchmark inverts whole matrices, which matters in the sixth digit with rounded rotations.
 RelativeError segment_error(const PairedPoses& poses, std::size_t from, std::size_t to) {
   const Eigen::Matrix4d reference = poses.reference[from].inverse() * poses.reference[to];
   const Eigen::Matrix4d estimate = poses.estimate[from].inverse() * poses.estimate[to];
@@ -41,9 +41,9 @@ RelativeError segment_error(const PairedPoses& poses, std::size_t from, std::siz
   return {position(error).norm(), std::acos(std::clamp(cosine, -1.0, 1.0))};
 }
 
-/// What a delta is measured along: line numbers, seconds or metres at every pose.
+/// The measure of a delta: line numbers, seconds or meters at every pose.
 std::vector<double> progress(const PairedPoses& poses, RpeDelta::Unit unit) {
-  if (unit == RpeDelta::Unit::metres) return path_lengths(poses.estimate);
+  if (unit == RpeDelta::Unit::meters) return path_lengths(poses.estimate);
   std::vector<double> values;
   if (unit == RpeDelta::Unit::seconds) {
     for (const TimeNs stamp : poses.stamps) values.push_back(to_seconds(stamp - poses.stamps.front()));
@@ -93,8 +93,8 @@ RpeDelta parse_rpe_delta(const std::string& text) {
   const auto value = unit == std::string::npos ? std::nullopt : parse_finite(trimmed.substr(0, trimmed.size() - 1));
   const bool whole = value && (unit != 0 || *value == std::floor(*value));
   if (!value || *value <= 0.0 || !whole)
-    throw Error(in_quotes(text) + " is no distance between poses", "--rpe-delta",
-                "write frames, seconds or metres like 1f, 0.5s or 10m");
+    throw Error(in_quotes(text) + " is not a distance between poses", "--rpe-delta",
+                "write frames, seconds or meters like 1f, 0.5s or 10m");
   return {*value, static_cast<RpeDelta::Unit>(unit)};
 }
 
@@ -117,8 +117,8 @@ std::vector<RelativeError> relative_errors(const PairedPoses& poses, const RpeDe
     while (guess < along.size() && along[guess] - along[begin] < delta.value - rounding) ++guess;
     return guess;
   };
-  // By evo's count the way up to the first end only finds the first begin, where the unit is metres.
-  const bool skip_first = !all_pairs && delta.unit == RpeDelta::Unit::metres;
+  // As in evo, the path up to the first end only determines the first begin, if the unit is meters.
+  const bool skip_first = !all_pairs && delta.unit == RpeDelta::Unit::meters;
   std::size_t begin = skip_first ? end_of(0, 1) : 0;
   for (std::size_t end = end_of(begin, begin + 1); end < along.size(); end = end_of(begin, std::max(end, begin + 1))) {
     errors.push_back(relative_error(poses, begin, end));

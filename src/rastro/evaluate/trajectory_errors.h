@@ -11,11 +11,11 @@
 
 namespace rastro {
 
-/// Poses of a reference and of an estimate that belong together, pair by pair, as 4x4 matrices.
+/// Associated poses of a reference and of an estimate, pair by pair, as 4x4 matrices.
 struct PairedPoses {
   std::vector<Eigen::Matrix4d> reference;
   std::vector<Eigen::Matrix4d> estimate;
-  std::vector<TimeNs> stamps;  ///< Of the reference; empty where there are none.
+  std::vector<TimeNs> stamps;  ///< Of the reference; may be empty.
 };
 
 struct ErrorStatistics {
@@ -23,23 +23,23 @@ struct ErrorStatistics {
   double rmse = 0.0, mean = 0.0, median = 0.0, max = 0.0, min = 0.0;
 };
 
-/// nullopt of nothing. The median of an even number is the mean of the middle two.
+/// nullopt without values. The median of an even number is the mean of the middle two.
 std::optional<ErrorStatistics> statistics_of(std::vector<double> errors);
 
-/// Distances of the positions, metres: the absolute trajectory error (ATE) of poses that are already aligned. Sturm et
-/// al. 2012, "A benchmark for the evaluation of RGB-D SLAM systems".
+/// Distances of the positions, meters: the absolute trajectory error (ATE) of aligned poses. Sturm et al. 2012, "A
+/// benchmark for the evaluation of RGB-D SLAM systems".
 std::vector<double> position_errors(const PairedPoses& poses);
 
-/// Length of the path through these poses up to each of them, metres.
+/// Path length up to each of these poses, meters.
 std::vector<double> path_lengths(const std::vector<Eigen::Matrix4d>& poses);
 
-/// How far apart the two poses of a relative error are.
+/// Distance between the two poses of a relative error.
 struct RpeDelta {
-  enum class Unit : std::uint8_t { frames, seconds, metres };
+  enum class Unit : std::uint8_t { frames, seconds, meters };
   double value = 1.0;
   Unit unit = Unit::frames;
 };
-/// "1f", "0.5s", "10m"; Error for anything else.
+/// Parses "1f", "0.5s", "10m"; throws Error for anything else.
 RpeDelta parse_rpe_delta(const std::string& text);
 std::string as_text(const RpeDelta& delta);
 
@@ -51,22 +51,22 @@ struct RelativeError {
 /// The error of the motion from pose `from` to pose `to`: inverse(reference motion) * estimated motion.
 RelativeError relative_error(const PairedPoses& poses, std::size_t from, std::size_t to);
 
-/// Relative pose errors (RPE) over `delta`. A pair ends at the first pose that is at least `delta` after its begin, in
-/// lines, seconds or metres of the estimate's path. Consecutive pairs do not overlap: the next begins where the last
-/// ended, the first where the first delta ended (as evo counts). With `all_pairs` one begins at every pose. Seconds
-/// need stamps: without them there are no errors.
+/// Relative pose errors (RPE) over `delta`. A pair ends at the first pose at least `delta` after its begin, in lines,
+/// seconds or meters of the estimate's path. Consecutive pairs do not overlap: the next begins where the last ended,
+/// the first where the first delta ended (as in evo). With `all_pairs` a pair begins at every pose. Seconds need
+/// stamps: without them there are no errors.
 std::vector<RelativeError> relative_errors(const PairedPoses& poses, const RpeDelta& delta, bool all_pairs);
 
 /// Errors over the path segments of one length.
 struct SegmentErrors {
   double length_m = 0.0;
   int count = 0;
-  double translation_percent = 0.0;  ///< Means over the segments; 0 where there are none.
+  double translation_percent = 0.0;  ///< Means over the segments; 0 without segments.
   double rotation_deg_per_m = 0.0;
 };
 
 /// The KITTI odometry benchmark's errors (Geiger et al. 2012): a segment begins at every tenth pose and ends at the
-/// first one at which the reference's path is longer than the length. The angle is taken from the trace, as there.
+/// first pose beyond the length along the reference's path. The angle is computed from the trace, as in the benchmark.
 std::vector<SegmentErrors> segment_errors(const PairedPoses& poses, const std::vector<double>& lengths_m);
 
 }  // namespace rastro

@@ -11,7 +11,7 @@
 namespace rastro {
 namespace {
 
-/// Straight along x: pose k at k metres and k times 0.1 s; the estimate's steps are longer by `stretch`.
+/// Straight along x: pose k at k meters and k times 0.1 s; the estimate's steps are longer by `stretch`.
 PairedPoses straight(int count, double stretch) {
   PairedPoses poses;
   for (int k = 0; k < count; ++k) {
@@ -34,7 +34,7 @@ TEST(TrajectoryErrors, StatisticsOfKnownNumbers) {
   EXPECT_FALSE(statistics_of({}));
 }
 
-TEST(TrajectoryErrors, RelativeErrorIsTheMotionThatIsLeft) {
+TEST(TrajectoryErrors, RelativeErrorIsTheResidualMotion) {
   PairedPoses poses = straight(2, 1.0);
   poses.estimate[1] = SE3(SO3::exp({0, 0, 0.25}), {1.0, 0.3, 0.4}).matrix();
   const auto error = relative_error(poses, 0, 1);
@@ -42,7 +42,7 @@ TEST(TrajectoryErrors, RelativeErrorIsTheMotionThatIsLeft) {
   EXPECT_NEAR(error.rotation_rad, 0.25, 1e-12);
 }
 
-TEST(TrajectoryErrors, RelativeErrorsFeelNoRigidMotionOfTheWorld) {
+TEST(TrajectoryErrors, RelativeErrorsDoNotDependOnARigidMotionOfTheWorld) {
   PairedPoses poses = straight(30, 1.1);
   const auto before = relative_errors(poses, {5.0, RpeDelta::Unit::frames}, true);
   const SE3 moved(SO3::exp({0.3, -1.0, 2.0}), {100, -20, 3});
@@ -69,17 +69,17 @@ TEST(TrajectoryErrors, ConsecutivePairsFollowEachOther) {
   EXPECT_EQ(relative_errors(poses, {0.5, RpeDelta::Unit::seconds}, true).size(), 16u);
 }
 
-TEST(TrajectoryErrors, MetresAreOfTheEstimateAndBeginAfterTheFirstDelta) {
+TEST(TrajectoryErrors, MetersAreOfTheEstimateAndBeginAfterTheFirstDelta) {
   const PairedPoses poses = straight(21, 2.0);  // 40 m long, every 10 m a pose
-  const auto errors = relative_errors(poses, {10.0, RpeDelta::Unit::metres}, false);
+  const auto errors = relative_errors(poses, {10.0, RpeDelta::Unit::meters}, false);
   ASSERT_EQ(errors.size(), 3u);
   for (const auto& error : errors) EXPECT_NEAR(error.translation_m, 5.0, 1e-12);
-  EXPECT_EQ(relative_errors(poses, {10.0, RpeDelta::Unit::metres}, true).size(), 16u);
+  EXPECT_EQ(relative_errors(poses, {10.0, RpeDelta::Unit::meters}, true).size(), 16u);
 }
 
-TEST(TrajectoryErrors, NothingToMeasureIsNoError) {
+TEST(TrajectoryErrors, TooFewPosesOrNoStampsGiveNoErrors) {
   const PairedPoses none, one = straight(1, 1.0);
-  for (const auto unit : {RpeDelta::Unit::frames, RpeDelta::Unit::seconds, RpeDelta::Unit::metres})
+  for (const auto unit : {RpeDelta::Unit::frames, RpeDelta::Unit::seconds, RpeDelta::Unit::meters})
     for (const bool all : {false, true}) {
       EXPECT_TRUE(relative_errors(none, {1.0, unit}, all).empty());
       EXPECT_TRUE(relative_errors(one, {1.0, unit}, all).empty());
@@ -100,7 +100,7 @@ TEST(TrajectoryErrors, SegmentsOfAStretchedPath) {
   EXPECT_EQ(segments[1].count, 0);
 }
 
-TEST(TrajectoryErrors, SegmentsOfATurningEstimate) {
+TEST(TrajectoryErrors, SegmentsOfARotatingEstimate) {
   PairedPoses poses = straight(60, 1.0);
   for (int k = 0; k < 60; ++k)
     poses.estimate[static_cast<std::size_t>(k)] = SE3(SO3::exp({0, 0.01 * k, 0}), {1.0 * k, 0, 0}).matrix();
@@ -109,8 +109,8 @@ TEST(TrajectoryErrors, SegmentsOfATurningEstimate) {
   EXPECT_NEAR(segments[0].rotation_deg_per_m, 0.21 * 180.0 / std::numbers::pi / 20.0, 1e-9);
 }
 
-TEST(TrajectoryErrors, DeltasAreRead) {
-  EXPECT_EQ(parse_rpe_delta("10m").unit, RpeDelta::Unit::metres);
+TEST(TrajectoryErrors, DeltasAreParsed) {
+  EXPECT_EQ(parse_rpe_delta("10m").unit, RpeDelta::Unit::meters);
   EXPECT_EQ(parse_rpe_delta(" 0.5s").value, 0.5);
   EXPECT_EQ(as_text(parse_rpe_delta("3f")), "3f");
   EXPECT_EQ(as_text(parse_rpe_delta("10m")), "10m");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Published trajectories, which are not part of the project; skipped, saying so, where they are not there. The expected
-// figures are of two independent programs.
+// Published trajectories, which are not part of the project; skipped with a message if missing. The expected figures
+// come from two independent programs.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -22,13 +22,13 @@ class PublishedFigures : public testing::Test {
                                  TrajectoryAlignment alignment) {
     TrajectoryScoreOptions options;
     options.alignment = alignment;
-    options.rpe_deltas = {{10.0, RpeDelta::Unit::metres}};
+    options.rpe_deltas = {{10.0, RpeDelta::Unit::meters}};
     return score_trajectory(read_trajectory_input((recorded_data_path(trajectories) / reference).string()),
                             read_trajectory_input((recorded_data_path(trajectories) / estimate).string()), options);
   }
 };
 
-/// Half a unit of the ninth decimal, in which the figures are given.
+/// Half a unit of the ninth decimal, the precision of the figures.
 constexpr double nine_decimals = 0.51e-9;
 
 void expect_statistics(const ErrorStatistics& s, double rmse, double mean, double median, double max) {
@@ -40,7 +40,7 @@ void expect_statistics(const ErrorStatistics& s, double rmse, double mean, doubl
 
 TEST_F(PublishedFigures, Freiburg1XyzOfRgbdSlam) {
   const auto rigid = scores("freiburg1_xyz-groundtruth.txt", "freiburg1_xyz-rgbdslam.txt", TrajectoryAlignment::se3);
-  EXPECT_EQ(rigid.matched, 786);
+  EXPECT_EQ(rigid.pairing.matched, 786);
   EXPECT_EQ(rigid.scale, 1.0);
   expect_statistics(*rigid.ate_m, 0.013473468, 0.012029476, 0.011175751, 0.034727202);
   const auto similar = scores("freiburg1_xyz-groundtruth.txt", "freiburg1_xyz-rgbdslam.txt", TrajectoryAlignment::sim3);
@@ -50,7 +50,7 @@ TEST_F(PublishedFigures, Freiburg1XyzOfRgbdSlam) {
 
 TEST_F(PublishedFigures, Freiburg1XyzOfMonocularOrbKeyFrames) {
   const auto rigid = scores("freiburg1_xyz-groundtruth.txt", "freiburg1_xyz-ORB_kf_mono.txt", TrajectoryAlignment::se3);
-  EXPECT_EQ(rigid.matched, 32);
+  EXPECT_EQ(rigid.pairing.matched, 32);
   EXPECT_NEAR(rigid.ate_m->rmse, 0.024301632, nine_decimals);
   const auto similar =
       scores("freiburg1_xyz-groundtruth.txt", "freiburg1_xyz-ORB_kf_mono.txt", TrajectoryAlignment::sim3);
@@ -61,7 +61,7 @@ TEST_F(PublishedFigures, Freiburg1XyzOfMonocularOrbKeyFrames) {
 
 TEST_F(PublishedFigures, Freiburg2DeskOfOrb) {
   const auto rigid = scores("fr2_desk_groundtruth.txt", "fr2_desk_ORB.txt", TrajectoryAlignment::se3);
-  EXPECT_EQ(rigid.matched, 2223);
+  EXPECT_EQ(rigid.pairing.matched, 2223);
   expect_statistics(*rigid.ate_m, 0.008143967, 0.007514459, 0.007431565, 0.024328989);
   const auto similar = scores("fr2_desk_groundtruth.txt", "fr2_desk_ORB.txt", TrajectoryAlignment::sim3);
   EXPECT_NEAR(similar.scale, 0.997002288, nine_decimals);
@@ -70,16 +70,16 @@ TEST_F(PublishedFigures, Freiburg2DeskOfOrb) {
 
 TEST_F(PublishedFigures, Freiburg2DeskOfMonocularOrbKeyFrames) {
   const auto similar = scores("fr2_desk_groundtruth.txt", "fr2_desk_ORB_kf_mono.txt", TrajectoryAlignment::sim3);
-  EXPECT_EQ(similar.matched, 122);
+  EXPECT_EQ(similar.pairing.matched, 122);
   EXPECT_NEAR(similar.scale, 2.228343751, nine_decimals);
   EXPECT_NEAR(similar.ate_m->rmse, 0.007899783, nine_decimals);
 }
 
 TEST_F(PublishedFigures, Kitti00OfOrb) {
   const auto rigid = scores("KITTI_00_gt.txt", "KITTI_00_ORB.txt", TrajectoryAlignment::se3);
-  EXPECT_EQ(rigid.matched, 4541);
-  EXPECT_TRUE(rigid.by_index);
-  EXPECT_EQ(rigid.coverage_percent, 100.0);
+  EXPECT_EQ(rigid.pairing.matched, 4541);
+  EXPECT_TRUE(rigid.pairing.by_index);
+  EXPECT_EQ(rigid.pairing.coverage_percent, 100.0);
   expect_statistics(*rigid.ate_m, 1.303449715, 1.156997129, 1.065624770, 3.587949121);
   EXPECT_NEAR(rigid.ate_m->min, 0.069313220, nine_decimals);
   EXPECT_EQ(rigid.segment_count, 3283);
@@ -89,7 +89,7 @@ TEST_F(PublishedFigures, Kitti00OfOrb) {
   EXPECT_NEAR(rigid.segments.back().translation_percent, 0.415861, 0.51e-6);
 }
 
-TEST_F(PublishedFigures, Kitti00RelativeErrorsOver10Metres) {
+TEST_F(PublishedFigures, Kitti00RelativeErrorsOver10Meters) {
   const auto orb = scores("KITTI_00_gt.txt", "KITTI_00_ORB.txt", TrajectoryAlignment::none);
   expect_statistics(*orb.rpe.front().translation_m, 0.226261343, 0.169017372, 0.138484325, 1.272209078);
   const auto sptam = scores("KITTI_00_gt.txt", "KITTI_00_SPTAM.txt", TrajectoryAlignment::none);

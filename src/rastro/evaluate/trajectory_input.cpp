@@ -31,9 +31,9 @@ std::vector<TimeNs> read_times(const std::string& file, std::size_t pose_count, 
   unit = guess_column_unit(text, StampUnit::seconds);
   std::vector<TimeNs> times = parse_kitti_times(text, file, unit);
   if (times.size() < pose_count)
-    throw Error(fmt::format("holds {} stamps for {} poses", times.size(), pose_count), file, "");
+    throw Error(fmt::format("has {} stamps for {} poses", times.size(), pose_count), file, "");
   if (std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) != times.end())
-    throw Error("holds stamps that do not grow", file, "one stamp a line, in the order of the poses");
+    throw Error("has stamps that do not increase", file, "one stamp per line, in the order of the poses");
   return times;
 }
 

@@ -35,7 +35,7 @@ std::string error_of(Run run) {
   return "";
 }
 
-TEST_F(TrajectoryInputFiles, UnitsOfStampsAreGuessed) {
+TEST_F(TrajectoryInputFiles, UnitsOfStampsAreDetected) {
   const std::string pose = " 1 2 3 0 0 0 1\n";
   for (const auto& [first, second, from] :
        {std::tuple("1305031102.1", "1305031102.2", "in s"), std::tuple("1305031102100", "1305031102200", "in ms"),
@@ -52,7 +52,7 @@ TEST_F(TrajectoryInputFiles, UnitsOfStampsAreGuessed) {
   EXPECT_EQ(euroc.poses[0].stamp, 1305031102100000000);
 }
 
-TEST_F(TrajectoryInputFiles, KittiPosesTakeStampsFromBeside) {
+TEST_F(TrajectoryInputFiles, KittiPosesTakeStampsFromTheFileBeside) {
   const std::string file = write("00.txt", two_kitti_poses);
   const auto bare = read_trajectory_input(file);
   EXPECT_FALSE(bare.has_stamps);
@@ -65,11 +65,11 @@ TEST_F(TrajectoryInputFiles, KittiPosesTakeStampsFromBeside) {
   EXPECT_EQ(read_trajectory_input(file).poses[1].stamp, 100'000'000);
 }
 
-TEST_F(TrajectoryInputFiles, GivenTimesMustFit) {
+TEST_F(TrajectoryInputFiles, GivenTimesMustMatch) {
   const std::string file = write("00.txt", two_kitti_poses);
   EXPECT_EQ(read_trajectory_input(file, write("a", "7\n8\n9\n")).poses[1].stamp, 8'000'000'000);
   EXPECT_THAT(error_of([&] { read_trajectory_input(file, write("b", "7\n")); }), HasSubstr("1 stamps for 2 poses"));
-  EXPECT_THAT(error_of([&] { read_trajectory_input(file, write("c", "7\n7\n")); }), HasSubstr("do not grow"));
+  EXPECT_THAT(error_of([&] { read_trajectory_input(file, write("c", "7\n7\n")); }), HasSubstr("do not increase"));
 }
 
 TEST_F(TrajectoryInputFiles, KittiMatricesStayAsTheyAreWritten) {
@@ -79,7 +79,7 @@ TEST_F(TrajectoryInputFiles, KittiMatricesStayAsTheyAreWritten) {
   EXPECT_NEAR(input.poses[0].world_from_body.matrix()(0, 0), 1.0, 1e-12);
 }
 
-TEST_F(TrajectoryInputFiles, WhatCannotBeScoredIsAnError) {
+TEST_F(TrajectoryInputFiles, InputThatCannotBeScoredIsAnError) {
   EXPECT_THAT(error_of([&] { read_trajectory_input(write("far", "0 1e200 0 0 0 0 0 1\n")); }), HasSubstr("m away"));
   EXPECT_THAT(error_of([&] { read_trajectory_input(write("odd", "1 2 3\n")); }), HasSubstr("no trajectory format"));
   EXPECT_THAT(error_of([&] { read_trajectory_input((folder_ / "none").string()); }), HasSubstr("none"));

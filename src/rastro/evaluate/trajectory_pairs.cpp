@@ -14,7 +14,7 @@ namespace {
 
 constexpr double covered_steps = 0.6;
 constexpr TimeNs longest_step = ns_per_second / 10;
-/// Partners looked at on either side of a pose: more are only possible where max_difference spans many poses.
+/// Candidates considered on either side of a pose: more are only possible if max_difference spans many poses.
 constexpr std::ptrdiff_t most_partners = 8;
 
 struct Candidate {
@@ -23,8 +23,7 @@ struct Candidate {
   std::size_t estimate = 0;
 };
 
-/// As a double: which of two equally far poses is taken was decided by its rounding wherever published figures are
-/// from.
+/// As a double: in published figures its rounding decided between two poses at equal distance.
 double rounded_seconds(TimeNs stamp) { return static_cast<double>(static_cast<long double>(stamp) / 1e9L); }
 
 std::vector<Candidate> candidates_of(const Trajectory& reference, const Trajectory& estimate, TimeNs max_difference) {
@@ -86,7 +85,7 @@ double coverage_of(const Trajectory& reference, const Trajectory& estimate, cons
   const TimeNs step = std::max(median_step(reference), std::min(median_step(estimate), longest_step));
   const double reach = covered_steps * static_cast<double>(step);
   std::size_t covered = 0;
-  std::size_t next = 0;  // the first matched pose that is not before the one looked at
+  std::size_t next = 0;  // the first matched pose that is not before the current one
   for (std::size_t k = 0; k < reference.size(); ++k) {
     const auto distance = [&](std::size_t pair) {
       return std::abs(static_cast<double>(reference[pairs[pair].reference].stamp - reference[k].stamp));

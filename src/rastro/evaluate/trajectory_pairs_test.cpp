@@ -25,7 +25,7 @@ Trajectory every(TimeNs step, int count, TimeNs first = 0) {
 constexpr TimeNs ms = 1'000'000;
 
 TEST(TrajectoryPairs, NearestFirstAndNoneTwice) {
-  // 14 is nearer to 12 than 5 is; 5 then has 0.
+  // 14 is closer to 12 than 5 is; 5 is then matched with 0.
   const auto pairs = pair_by_stamp(at({0, 12}), at({5, 14}), 10);
   ASSERT_EQ(pairs.size(), 2u);
   EXPECT_EQ(pairs[0].reference, 0u);

@@ -28,13 +28,13 @@ Json as_json(const std::optional<ErrorStatistics>& s) {
           {"median", s->median}, {"max", s->max},   {"min", s->min}};
 }
 
-/// All figures that are one number, in the order they are written; the relative errors are those of the first delta.
+/// All scalar figures, in the order they are written; the relative errors are those of the first delta.
 Json totals(const TrajectoryScores& s) {
   Json json;
-  json["matched"] = s.matched;
-  json["estimate_poses"] = s.estimate_poses;
-  json["reference_poses"] = s.reference_poses;
-  json["coverage"] = s.coverage_percent;
+  json["matched"] = s.pairing.matched;
+  json["estimate_poses"] = s.pairing.estimate_poses;
+  json["reference_poses"] = s.pairing.reference_poses;
+  json["coverage"] = s.pairing.coverage_percent;
   json["scale"] = s.scale;
   json["ate_rmse"] = number_or_null(part(s.ate_m, &ErrorStatistics::rmse));
   json["ate_mean"] = number_or_null(part(s.ate_m, &ErrorStatistics::mean));
@@ -54,7 +54,7 @@ Json totals(const TrajectoryScores& s) {
   json["drift_deg_per_m"] = number_or_null(s.drift_deg_per_m);
   json["reference_path_m"] = s.reference_path_m;
   json["estimate_path_m"] = s.estimate_path_m;
-  json["largest_dt_s"] = s.largest_difference_s;
+  json["largest_dt_s"] = s.pairing.largest_difference_s;
   return json;
 }
 
@@ -84,7 +84,7 @@ Json whole_json(const TrajectoryScores& s) {
   json["reference"] = one_line(s.reference);
   json["estimate"] = one_line(s.estimate);
   json["frames"] = one_line(s.frames, 500);
-  json["paired_by"] = s.by_index ? "line" : "stamp";
+  json["paired_by"] = s.pairing.by_index ? "line" : "stamp";
   json["alignment"] = name_of(s.alignment);
   json["alignment_unique"] = s.alignment_unique;
   json.update(totals(s));
@@ -104,19 +104,19 @@ std::string alignment_text(const TrajectoryScores& s) {
   std::string text;
   switch (s.alignment) {
     case TrajectoryAlignment::none:
-      text = "none: compared as they are, scale 1";
+      text = "none: not aligned, scale 1";
       break;
     case TrajectoryAlignment::se3:
-      text = "se3: turned and moved, scale 1 (not estimated)";
+      text = "se3: rotation and translation, scale 1 (not estimated)";
       break;
     case TrajectoryAlignment::sim3:
-      text = fmt::format("sim3: turned, moved and scaled by {:.9f}", s.scale);
+      text = fmt::format("sim3: rotation, translation and scale {:.9f}", s.scale);
       break;
     case TrajectoryAlignment::yaw:
-      text = "yaw: turned about the reference's z axis and moved, scale 1 (not estimated)";
+      text = "yaw: rotation about the reference's z axis and translation, scale 1 (not estimated)";
       break;
   }
-  return text + (s.alignment_unique ? "" : "; the positions lie on one line, so the turn about it is open");
+  return text + (s.alignment_unique ? "" : "; the positions lie on one line, so the rotation about it is undetermined");
 }
 
 std::string segments_text(const TrajectoryScores& s) {
@@ -138,24 +138,25 @@ std::string cell(const std::optional<double>& value, const char* format) {
 
 std::string table_row(const TrajectoryScores& s) {
   const RpeScores first = s.rpe.empty() ? RpeScores{} : s.rpe.front();
-  return fmt::format("{:>7}  {:>6.1f} %  {:>9.5f}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>8}  {:>9}  {:>7}  {}\n",
-                     s.matched, s.coverage_percent, s.scale, cell(part(s.ate_m, &ErrorStatistics::rmse), "{:.4f}"),
-                     cell(part(s.ate_m, &ErrorStatistics::mean), "{:.4f}"),
-                     cell(part(s.ate_m, &ErrorStatistics::median), "{:.4f}"),
-                     cell(part(s.ate_m, &ErrorStatistics::max), "{:.4f}"),
-                     cell(part(first.translation_m, &ErrorStatistics::rmse), "{:.4f}"),
-                     cell(part(first.rotation_deg, &ErrorStatistics::rmse), "{:.4f}"), cell(s.t_rel_percent, "{:.3f}"),
-                     cell(s.r_rel_deg_per_m, "{:.5f}"), cell(s.drift_percent, "{:.2f}"), one_line(s.estimate));
+  return fmt::format(
+      "{:>7}  {:>6.1f} %  {:>9.5f}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>8}  {:>9}  {:>7}  {}\n",
+      s.pairing.matched, s.pairing.coverage_percent, s.scale, cell(part(s.ate_m, &ErrorStatistics::rmse), "{:.4f}"),
+      cell(part(s.ate_m, &ErrorStatistics::mean), "{:.4f}"), cell(part(s.ate_m, &ErrorStatistics::median), "{:.4f}"),
+      cell(part(s.ate_m, &ErrorStatistics::max), "{:.4f}"),
+      cell(part(first.translation_m, &ErrorStatistics::rmse), "{:.4f}"),
+      cell(part(first.rotation_deg, &ErrorStatistics::rmse), "{:.4f}"), cell(s.t_rel_percent, "{:.3f}"),
+      cell(s.r_rel_deg_per_m, "{:.5f}"), cell(s.drift_percent, "{:.2f}"), one_line(s.estimate));
 }
 
 }  // namespace
 
 std::string trajectory_scores_as_text(const TrajectoryScores& s) {
   std::string text =
-      fmt::format("matched     {} of {} poses of the estimate, with {} of {} of the reference, {}\n", s.matched,
-                  s.estimate_poses, s.matched, s.reference_poses,
-                  s.by_index ? "line by line" : fmt::format("at most {:.6f} s apart", s.largest_difference_s));
-  text += fmt::format("coverage    {:.2f} % of the reference\n", s.coverage_percent);
+      fmt::format("matched     {} of {} poses of the estimate with {} of {} of the reference, {}\n", s.pairing.matched,
+                  s.pairing.estimate_poses, s.pairing.matched, s.pairing.reference_poses,
+                  s.pairing.by_index ? "line by line"
+                                     : fmt::format("stamps at most {:.6f} s apart", s.pairing.largest_difference_s));
+  text += fmt::format("coverage    {:.2f} % of the reference\n", s.pairing.coverage_percent);
   text += fmt::format("alignment   {}\n", alignment_text(s));
   text += fmt::format("ATE         {}\n", statistics_text(s.ate_m, "m"));
   for (const RpeScores& rpe : s.rpe) {
@@ -181,12 +182,14 @@ std::string trajectory_scores_as_table(const std::vector<TrajectoryScores>& all)
                       "matched", "coverage", "scale", "ATE rmse", "mean", "median", "max", "RPE trans", "RPE rot",
                       "t_rel", "r_rel", "drift", "estimate");
   for (const TrajectoryScores& scores : all) text += table_row(scores);
-  const auto [least, most] = std::minmax_element(
-      all.begin(), all.end(),
-      [](const TrajectoryScores& a, const TrajectoryScores& b) { return a.coverage_percent < b.coverage_percent; });
-  if (most->coverage_percent - least->coverage_percent > same_coverage_percent)
-    text += fmt::format("coverage differs ({:.1f} to {:.1f} %): the errors are over different poses and make no rank\n",
-                        least->coverage_percent, most->coverage_percent);
+  const auto [least, most] =
+      std::minmax_element(all.begin(), all.end(), [](const TrajectoryScores& a, const TrajectoryScores& b) {
+        return a.pairing.coverage_percent < b.pairing.coverage_percent;
+      });
+  if (most->pairing.coverage_percent - least->pairing.coverage_percent > same_coverage_percent)
+    text +=
+        fmt::format("coverage differs ({:.1f} to {:.1f} %): the errors are over different poses: do not rank them\n",
+                    least->pairing.coverage_percent, most->pairing.coverage_percent);
   return text;
 }
 

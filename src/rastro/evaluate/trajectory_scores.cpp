@@ -24,7 +24,7 @@ bool by_index(const TrajectoryInput& reference, const TrajectoryInput& estimate)
 
 void require_stamps(const TrajectoryInput& input, const TrajectoryInput& other) {
   if (input.has_stamps) return;
-  throw Error(fmt::format("holds poses without stamps, while {} has stamps", other.file), input.file,
+  throw Error(fmt::format("has poses without stamps, while {} has stamps", other.file), input.file,
               "put KITTI's times.txt beside it or give --times FILE");
 }
 
@@ -39,7 +39,7 @@ std::vector<PosePair> pair_poses(const TrajectoryInput& reference, const Traject
   require_stamps(estimate, reference);
   auto pairs = pair_by_stamp(reference.poses, estimate.poses, max_difference);
   if (pairs.empty())
-    throw Error(fmt::format("no pose lies within {:g} s of one of {}: stamps {} against {}", to_seconds(max_difference),
+    throw Error(fmt::format("no pose is within {:g} s of one of {}: stamps {} against {}", to_seconds(max_difference),
                             reference.file, span_of(estimate.poses), span_of(reference.poses)),
                 estimate.file, "check that both are of one recording, or raise --max-dt");
   return pairs;
@@ -51,7 +51,7 @@ PairedPoses paired(const TrajectoryInput& reference, const TrajectoryInput& esti
   for (const PosePair& pair : pairs) {
     poses.reference.push_back(reference.matrices[pair.reference]);
     poses.estimate.push_back(estimate.matrices[pair.estimate]);
-    // Of two files by line, either may have the stamps.
+    // Of two files associated by line, either may have the stamps.
     if (reference.has_stamps)
       poses.stamps.push_back(reference.poses[pair.reference].stamp);
     else if (estimate.has_stamps)
@@ -73,7 +73,7 @@ void align(PairedPoses& poses, TrajectoryScores& scores) {
                                                                              : AlignmentKind::rigid;
   const auto found = align_points(positions(poses.reference), positions(poses.estimate), kind);
   if (!found)
-    throw Error(fmt::format("cannot be brought to the reference by --align {}: one of the two does not move",
+    throw Error(fmt::format("cannot be aligned with the reference by --align {}: one of the two does not move",
                             name_of(scores.alignment)),
                 scores.estimate, "use --align se3 or none");
   scores.reference_from_estimate = found->target_from_source;
@@ -123,16 +123,17 @@ void measure_paths(const PairedPoses& poses, TrajectoryScores& scores) {
 void describe_pairs(const TrajectoryInput& reference, const TrajectoryInput& estimate, TrajectoryScores& scores) {
   scores.reference = reference.file;
   scores.estimate = estimate.file;
-  scores.reference_poses = static_cast<int>(reference.poses.size());
-  scores.estimate_poses = static_cast<int>(estimate.poses.size());
-  scores.matched = static_cast<int>(scores.pairs.size());
-  scores.by_index = by_index(reference, estimate);
-  scores.coverage_percent = 100.0 * coverage_of(reference.poses, estimate.poses, scores.pairs, scores.by_index);
-  if (scores.by_index) return;
+  scores.pairing.reference_poses = static_cast<int>(reference.poses.size());
+  scores.pairing.estimate_poses = static_cast<int>(estimate.poses.size());
+  scores.pairing.matched = static_cast<int>(scores.pairs.size());
+  scores.pairing.by_index = by_index(reference, estimate);
+  scores.pairing.coverage_percent =
+      100.0 * coverage_of(reference.poses, estimate.poses, scores.pairs, scores.pairing.by_index);
+  if (scores.pairing.by_index) return;
   TimeNs largest = 0;
   for (const PosePair& pair : scores.pairs)
     largest = std::max(largest, std::abs(reference.poses[pair.reference].stamp - estimate.poses[pair.estimate].stamp));
-  scores.largest_difference_s = to_seconds(largest);
+  scores.pairing.largest_difference_s = to_seconds(largest);
 }
 
 }  // namespace
@@ -142,7 +143,7 @@ const char* name_of(TrajectoryAlignment alignment) { return alignment_names[stat
 TrajectoryAlignment parse_alignment(const std::string& name) {
   for (std::size_t k = 0; k < alignment_names.size(); ++k)
     if (name == alignment_names[k]) return static_cast<TrajectoryAlignment>(k);
-  throw Error(in_quotes(name) + " is no alignment", "--align", "use none, se3, sim3 or yaw");
+  throw Error(in_quotes(name) + " is not an alignment", "--align", "use none, se3, sim3 or yaw");
 }
 
 TrajectoryScores score_trajectory(const TrajectoryInput& reference, const TrajectoryInput& estimate,

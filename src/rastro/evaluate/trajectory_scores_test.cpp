@@ -25,7 +25,7 @@ Trajectory winding() {
   return trajectory;
 }
 
-/// What an estimate looks like that `reference_from_estimate` brings back to the reference.
+/// An estimate that `reference_from_estimate` aligns with the reference.
 Trajectory seen_through(const Trajectory& reference, const Sim3& reference_from_estimate) {
   const Sim3 back = reference_from_estimate.inverse();
   Trajectory estimate;
@@ -62,7 +62,7 @@ void expect_perfect(const TrajectoryScores& scores) {
   EXPECT_NEAR(*scores.drift_percent, 0.0, 1e-7);
 }
 
-TEST(TrajectoryScores, AlignmentsUndoWhatTheyAllow) {
+TEST(TrajectoryScores, AlignmentsRemoveTheTransformOfTheirKind) {
   const Trajectory reference = winding();
   expect_perfect(score(reference, reference, TrajectoryAlignment::none));
   const Sim3 rigid(1.0, SO3::exp({0.5, -1.0, 2.0}), {10, 20, -3});
@@ -76,7 +76,7 @@ TEST(TrajectoryScores, AlignmentsUndoWhatTheyAllow) {
   EXPECT_NEAR(scores.estimate_path_m, scores.reference_path_m, 1e-9);
 }
 
-TEST(TrajectoryScores, AlignmentsUndoNoMore) {
+TEST(TrajectoryScores, AlignmentsRemoveNothingElse) {
   const Trajectory reference = winding();
   const Sim3 offset(1.0, SO3(), {3, 4, 0});
   EXPECT_NEAR(score(reference, seen_through(reference, offset), TrajectoryAlignment::none).ate_m->rmse, 5.0, 1e-9);
@@ -101,10 +101,10 @@ TEST(TrajectoryScores, DriftIsPerLengthOfThePath) {
   EXPECT_NEAR(scores.reference_path_m, 50.0, 1e-9);
 }
 
-TEST(TrajectoryScores, OneMatchedPoseGivesWhatItCan) {
+TEST(TrajectoryScores, OneMatchedPoseGivesPartialScores) {
   const Trajectory reference = winding();
   const auto scores = score(reference, {reference[7]}, TrajectoryAlignment::se3);
-  EXPECT_EQ(scores.matched, 1);
+  EXPECT_EQ(scores.pairing.matched, 1);
   EXPECT_FALSE(scores.alignment_unique);
   EXPECT_FALSE(scores.rpe.front().translation_m);
   EXPECT_FALSE(scores.t_rel_percent);
@@ -112,13 +112,13 @@ TEST(TrajectoryScores, OneMatchedPoseGivesWhatItCan) {
   EXPECT_THAT(trajectory_scores_as_json({scores}), HasSubstr("\"rpe_trans_rmse\": null"));
 }
 
-TEST(TrajectoryScores, WhatCannotBeScoredIsAnError) {
+TEST(TrajectoryScores, InputThatCannotBeScoredIsAnError) {
   const Trajectory reference = winding();
   Trajectory late = reference, still = reference;
   for (StampedPose& pose : late) pose.stamp += 1000 * ns_per_second;
   for (StampedPose& pose : still) pose.world_from_body = SE3();
   EXPECT_THAT(error_of([&] { score(reference, late, TrajectoryAlignment::se3); }),
-              HasSubstr("no pose lies within 0.02 s"));
+              HasSubstr("no pose is within 0.02 s"));
   EXPECT_THAT(error_of([&] { score(reference, still, TrajectoryAlignment::sim3); }), HasSubstr("does not move"));
   EXPECT_NO_THROW(score(reference, still, TrajectoryAlignment::se3));
   TrajectoryInput lines = trajectory_input_from(reference, "lines");
@@ -139,22 +139,22 @@ TEST(TrajectoryReport, JsonHasEveryFigure) {
   EXPECT_EQ(trajectory_scores_as_json({scores, scores}).front(), '[');
 }
 
-TEST(TrajectoryReport, TableSaysWhereCoverageDiffers) {
+TEST(TrajectoryReport, TableReportsDifferentCoverage) {
   const Trajectory reference = winding();
   const auto whole = score(reference, reference, TrajectoryAlignment::se3);
   const auto half = score(reference, Trajectory(reference.begin(), reference.begin() + 50), TrajectoryAlignment::se3);
-  EXPECT_EQ(half.coverage_percent, 50.0);
+  EXPECT_EQ(half.pairing.coverage_percent, 50.0);
   EXPECT_THAT(trajectory_scores_as_table({whole, half}), HasSubstr("coverage differs (50.0 to 100.0 %)"));
   EXPECT_THAT(trajectory_scores_as_table({whole, whole}), testing::Not(HasSubstr("coverage differs")));
 }
 
-TEST(TrajectoryReport, LimitsAreKept) {
+TEST(TrajectoryReport, LimitsAreChecked) {
   const Trajectory reference = winding();
   const auto scores = score(reference, reference, TrajectoryAlignment::se3);
   EXPECT_TRUE(keeps_limit(trajectory_score_named(scores, "ate_rmse"), parse_trajectory_limit("ate_rmse<=0.3")));
   EXPECT_FALSE(keeps_limit(trajectory_score_named(scores, "coverage"), parse_trajectory_limit("coverage>=101")));
   EXPECT_THAT(error_of([] { parse_trajectory_limit("ate_rms<=1"); }), HasSubstr("'ate_rmse'"));
-  EXPECT_THAT(error_of([] { parse_trajectory_limit("ate_rmse=1"); }), HasSubstr("is no limit"));
+  EXPECT_THAT(error_of([] { parse_trajectory_limit("ate_rmse=1"); }), HasSubstr("is not a limit"));
 }
 
 }  // namespace

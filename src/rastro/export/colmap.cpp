@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr double half_px = 0.5;  ///< COLMAP's upper left pixel has its center at (0.5, 0.5).
 
-std::string picture_name(std::size_t keyframe) { return fmt::format("{:06}.jpg", keyframe); }
+std::string image_name(std::size_t keyframe) { return fmt::format("{:06}.jpg", keyframe); }
 
 bool wanted(const Keyframe& keyframe, int submap) { return submap < 0 || keyframe.submap == submap; }
 
@@ -31,26 +31,26 @@ std::vector<Keypoint> keypoints_of(const FeatureLayer* features, KeyframeId id) 
   return image ? image->features.keypoints : std::vector<Keypoint>();
 }
 
-/// Colours of the features that show a point first, keyframe by keyframe, so that each picture is read once.
-std::vector<std::array<std::uint8_t, 3>> colours_of(const Map& map, const std::vector<FeaturePoint>& points) {
+/// Colors of the features that show a point first, keyframe by keyframe, so that each image is read once.
+std::vector<std::array<std::uint8_t, 3>> colors_of(const Map& map, const std::vector<FeaturePoint>& points) {
   const auto images = images_of(map);
   const auto features = map.layer<FeatureLayer>();
   std::map<std::size_t, std::vector<std::size_t>> by_keyframe;
   for (std::size_t k = 0; k < points.size(); ++k) by_keyframe[points[k].views.front().keyframe].push_back(k);
-  std::vector<std::array<std::uint8_t, 3>> colours(points.size());
+  std::vector<std::array<std::uint8_t, 3>> colors(points.size());
   for (const auto& [keyframe, shown] : by_keyframe) {
     const KeyframeId id = map.keyframes[keyframe].id;
-    const ColourImage colour = unpack_pictures(images->pictures(id), fmt::format("keyframe {}", id)).colour;
+    const ColorImage color = unpack_images(images->pictures(id), fmt::format("keyframe {}", id)).color;
     const std::vector<Keypoint> keypoints = keypoints_of(features.get(), id);
     for (const std::size_t k : shown) {
       const Keypoint& at = keypoints[points[k].views.front().feature];
-      const int x = std::clamp(static_cast<int>(std::lround(at.x)), 0, colour.width() - 1);
-      const int y = std::clamp(static_cast<int>(std::lround(at.y)), 0, colour.height() - 1);
-      const std::uint8_t* rgb = colour.rgb.row(y) + 3 * static_cast<std::ptrdiff_t>(x);
-      colours[k] = {rgb[0], rgb[1], rgb[2]};
+      const int x = std::clamp(static_cast<int>(std::lround(at.x)), 0, color.width() - 1);
+      const int y = std::clamp(static_cast<int>(std::lround(at.y)), 0, color.height() - 1);
+      const std::uint8_t* rgb = color.rgb.row(y) + 3 * static_cast<std::ptrdiff_t>(x);
+      colors[k] = {rgb[0], rgb[1], rgb[2]};
     }
   }
-  return colours;
+  return colors;
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ std::string colmap_images(const Map& map, const std::vector<FeaturePoint>& point
     const Eigen::Quaterniond& q = pose.rotation().quaternion();
     const Eigen::Vector3d& t = pose.translation();
     fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {} {}\n", k + 1,
-                   q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), map.keyframes[k].camera + 1, picture_name(k));
+                   q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), map.keyframes[k].camera + 1, image_name(k));
     const std::vector<Keypoint> features = keypoints_of(layer.get(), map.keyframes[k].id);
     for (std::size_t f = 0; f < features.size(); ++f) {
       const auto point = point_of[k].find(f);
@@ -110,13 +110,13 @@ std::string colmap_images(const Map& map, const std::vector<FeaturePoint>& point
 }
 
 std::string colmap_points(const Map& map, const std::vector<FeaturePoint>& points) {
-  const auto colours = colours_of(map, points);
+  const auto colors = colors_of(map, points);
   std::string text = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
   for (std::size_t k = 0; k < points.size(); ++k) {
     const FeaturePoint& point = points[k];
     const Eigen::Vector3d& p = point.position;
     fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {} {} {} {:.3f}", k + 1, p.x(), p.y(), p.z(),
-                   colours[k][0], colours[k][1], colours[k][2], point.error_px);
+                   colors[k][0], colors[k][1], colors[k][2], point.error_px);
     for (const FeatureView& view : point.views)
       fmt::format_to(std::back_inserter(text), " {} {}", view.keyframe + 1, view.feature);
     text += '\n';
@@ -133,13 +133,13 @@ void write_colmap(const Map& map, const fs::path& folder, int submap) {
   int width = camera_of(map, "colmap").intrinsics.width, height = map.cameras.front().intrinsics.height;
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     if (!wanted(map.keyframes[k], submap)) continue;
-    const PackedPictures packed = images->pictures(map.keyframes[k].id);
+    const PackedImages packed = images->pictures(map.keyframes[k].id);
     if (width == 0) {
-      const DepthImage depth = unpack_pictures(packed, fmt::format("keyframe {}", k)).depth;
+      const DepthImage depth = unpack_images(packed, fmt::format("keyframe {}", k)).depth;
       width = depth.width(), height = depth.height();
     }
-    write_whole_file(folder / "images" / picture_name(k),
-                     {reinterpret_cast<const char*>(packed.colour.data()), packed.colour.size()});
+    write_whole_file(folder / "images" / image_name(k),
+                     {reinterpret_cast<const char*>(packed.color.data()), packed.color.size()});
   }
   const std::vector<FeaturePoint> points = feature_points(map, submap);
   write_whole_file(folder / "cameras.txt", colmap_cameras(map.cameras, width, height));

@@ -10,9 +10,9 @@
 
 namespace rastro {
 
-// A reconstruction as COLMAP's text files have it: poses are camera_from_world, pixel centres at halves.
+// A reconstruction as COLMAP's text files have it: poses are camera_from_world, pixel centers at halves.
 
-/// A camera as COLMAP names it, pixel centres at halves.
+/// A camera as COLMAP names it, pixel centers at halves.
 struct ColmapModel {
   const char* name = "";
   int id = 0;  ///< In its binary files.

@@ -38,7 +38,7 @@ std::vector<Piece> counts_of(const TrackFrame& frame) {
 }  // namespace
 
 cv::Point2f Canvas::at(const Eigen::Vector2f& pixel) const {
-  // Pixel centres are at integers in both pictures.
+  // Pixel centers are at integers in both images.
   const float factor = static_cast<float>(scale);
   return {(pixel.x() + 0.5F) * factor - 0.5F, (pixel.y() + 0.5F) * factor - 0.5F};
 }
@@ -47,45 +47,44 @@ int scale_for(int width) {
   return width > 0 && width < readable_width_px ? (readable_width_px + width - 1) / width : 1;
 }
 
-Canvas canvas_of(GreyView image) {
+Canvas canvas_of(GrayView image) {
   // cv::Mat has no const form; it is only read.
-  const cv::Mat grey(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
+  const cv::Mat gray(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
                      static_cast<std::size_t>(image.stride));
   Canvas canvas;
   canvas.scale = std::min(scale_for(image.width), 8);
-  cv::cvtColor(grey, canvas.picture, cv::COLOR_GRAY2BGR);
+  cv::cvtColor(gray, canvas.picture, cv::COLOR_GRAY2BGR);
   if (canvas.scale > 1) {
     cv::resize(canvas.picture, canvas.picture, {}, canvas.scale, canvas.scale, cv::INTER_NEAREST);
   }
   return canvas;
 }
 
-void put_text(cv::Mat& picture, const std::string& text, cv::Point2f lower_left, const cv::Scalar& colour,
-              double size) {
+void put_text(cv::Mat& picture, const std::string& text, cv::Point2f lower_left, const cv::Scalar& color, double size) {
   int baseline = 0;
   const cv::Size extent = cv::getTextSize(text, font, size, 1, &baseline);
   const int x = std::clamp(cvRound(lower_left.x), 1, std::max(1, picture.cols - extent.width - 2));
   const int y = std::clamp(cvRound(lower_left.y), extent.height + 1, std::max(extent.height + 1, picture.rows - 3));
   cv::putText(picture, text, {x, y}, font, size, cv::Scalar(0, 0, 0), 3, cv::LINE_AA);
-  cv::putText(picture, text, {x, y}, font, size, colour, 1, cv::LINE_AA);
+  cv::putText(picture, text, {x, y}, font, size, color, 1, cv::LINE_AA);
 }
 
 cv::Mat with_caption(const cv::Mat& picture, const std::vector<Piece>& pieces) {
   int width = 2 * caption_margin_px;
   for (const Piece& piece : pieces) width += width_of(piece.text, caption_size);
-  // A caption wider than the picture is written smaller rather than cut.
+  // A caption wider than the image is written smaller rather than cut.
   const double size = caption_size * std::min(1.0, static_cast<double>(picture.cols) / width);
   cv::Mat whole(picture.rows + caption_height_px, picture.cols, CV_8UC3, cv::Scalar(32, 32, 32));
   picture.copyTo(whole(cv::Rect(0, caption_height_px, picture.cols, picture.rows)));
   int x = caption_margin_px;
   for (const Piece& piece : pieces) {
-    cv::putText(whole, piece.text, {x, caption_height_px - 8}, font, size, piece.colour, 1, cv::LINE_AA);
+    cv::putText(whole, piece.text, {x, caption_height_px - 8}, font, size, piece.color, 1, cv::LINE_AA);
     x += width_of(piece.text, size);
   }
   return whole;
 }
 
-cv::Mat overlay(const TrackFrame& frame, GreyView image) {
+cv::Mat overlay(const TrackFrame& frame, GrayView image) {
   Canvas canvas = canvas_of(image);
   for (const TrackedFeature& feature : frame.features) {
     cv::circle(canvas.picture, canvas.at(feature.pixel), 3, red, cv::FILLED, cv::LINE_AA);
@@ -101,7 +100,7 @@ void save(const std::string& path, const cv::Mat& picture) {
   std::vector<unsigned char> bytes;
   // Level 1 is four times as fast as the best one and a tenth larger.
   if (!cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
-    throw Error("the picture cannot be encoded", path, "check the size of the images");
+    throw Error("the image cannot be encoded", path, "check the size of the images");
   }
   write_whole_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }

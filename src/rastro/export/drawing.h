@@ -17,7 +17,7 @@ inline const cv::Scalar green(60, 230, 60);
 inline const cv::Scalar magenta(255, 60, 255);
 inline const cv::Scalar white(255, 255, 255);
 
-/// A colour picture of a grey image, enlarged by a whole factor until ids can be read in it.
+/// A color image of a gray image, enlarged by a whole factor until ids can be read in it.
 struct Canvas {
   cv::Mat picture;
   int scale = 1;
@@ -26,21 +26,21 @@ struct Canvas {
 
 /// How much an image of this width is enlarged.
 int scale_for(int width);
-Canvas canvas_of(GreyView image);
+Canvas canvas_of(GrayView image);
 
-/// Text with a dark rim, kept inside the picture.
-void put_text(cv::Mat& picture, const std::string& text, cv::Point2f lower_left, const cv::Scalar& colour, double size);
-/// A dark strip with one line of text in colours, put above the picture.
+/// Text with a dark rim, kept inside the image.
+void put_text(cv::Mat& picture, const std::string& text, cv::Point2f lower_left, const cv::Scalar& color, double size);
+/// A dark strip with one line of text in colors, put above the image.
 struct Piece {
   std::string text;
-  cv::Scalar colour;
+  cv::Scalar color;
 };
 cv::Mat with_caption(const cv::Mat& picture, const std::vector<Piece>& pieces);
 
 /// The frame with positions in red and ids in green, and a caption with its counts.
-cv::Mat overlay(const TrackFrame& frame, GreyView image);
+cv::Mat overlay(const TrackFrame& frame, GrayView image);
 
-/// Error naming the file when the picture cannot be written.
+/// Error naming the file when the image cannot be written.
 void save(const std::string& path, const cv::Mat& picture);
 
 }  // namespace rastro::drawing

@@ -17,27 +17,27 @@
 namespace rastro {
 namespace {
 
-constexpr int unknown_grey = 205;
+constexpr int unknown_gray = 205;
 constexpr double occupied_threshold = 0.65, free_threshold = 0.196;
 constexpr std::int64_t most_cells = 100'000'000;
 constexpr double smallest_cell_m = 1e-3, largest_cell_m = 1e3;
 constexpr double farthest_m = 1e5;  ///< With the smallest cell a number of cells that fits an int.
 
-int grey_of(std::int8_t percent) {
-  if (percent == OccupancyGrid::unknown) return unknown_grey;
+int gray_of(std::int8_t percent) {
+  if (percent == OccupancyGrid::unknown) return unknown_gray;
   return 255 - static_cast<int>(std::lround(2.55 * percent));
 }
 
 struct Picture {
   int width = 0, height = 0;
-  std::string_view pixels;  ///< 8-bit grey, the top row first.
+  std::string_view pixels;  ///< 8-bit gray, the top row first.
 };
 
 /// The numbers of a PGM's head, which spaces and comments may stand between.
 class Head {
  public:
   Head(std::string_view bytes, std::string_view where) : bytes_(bytes), where_(where) {
-    if (!bytes.starts_with("P5")) refuse("is no binary PGM (P5)");
+    if (!bytes.starts_with("P5")) refuse("is not a binary PGM (P5)");
     place_ = 2;
   }
 
@@ -46,7 +46,7 @@ class Head {
     const std::size_t begin = place_;
     while (place_ < bytes_.size() && bytes_[place_] >= '0' && bytes_[place_] <= '9') ++place_;
     const auto value = parse_int64(bytes_.substr(begin, place_ - begin));
-    if (!value || *value < 1 || *value > largest) refuse("has no sound width, height and largest grey");
+    if (!value || *value < 1 || *value > largest) refuse("has no valid width, height and maximum value");
     return *value;
   }
 
@@ -54,7 +54,7 @@ class Head {
   std::string_view rest() const { return bytes_.substr(std::min(place_ + 1, bytes_.size())); }
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(what, where_, "give the 8-bit picture that map_server writes");
+    throw Error(what, where_, "give the 8-bit image that map_server writes");
   }
 
  private:
@@ -78,7 +78,7 @@ Picture parse_pgm(std::string_view bytes, std::string_view where) {
   Head head(bytes, where);
   const std::int64_t width = head.number(most_cells), height = head.number(most_cells);
   if (width * height > most_cells) head.refuse("is too large");
-  if (head.number(65535) != 255) head.refuse("is not of 256 greys");
+  if (head.number(65535) != 255) head.refuse("is not of 256 grays");
   const std::string_view pixels = head.rest();
   if (static_cast<std::int64_t>(pixels.size()) < width * height) {
     head.refuse(fmt::format("ends early: {} of {} cells", pixels.size(), width * height));
@@ -90,8 +90,8 @@ struct Thresholds {
   bool negate = false;
   double occupied = occupied_threshold, free = free_threshold;
 
-  std::int8_t percent_of(unsigned char grey) const {
-    const double occupancy = (negate ? grey : 255 - grey) / 255.0;
+  std::int8_t percent_of(unsigned char gray) const {
+    const double occupancy = (negate ? gray : 255 - gray) / 255.0;
     if (occupancy > occupied) return 100;
     return occupancy < free ? std::int8_t{0} : OccupancyGrid::unknown;
   }
@@ -101,7 +101,7 @@ struct Thresholds {
 class MapFields {
  public:
   MapFields(std::string_view yaml, std::string_view where) : where_(where) {
-    if (yaml.starts_with("P5")) throw Error("is the picture of a map, not its yaml", where, "name the .yaml beside it");
+    if (yaml.starts_with("P5")) throw Error("is the image of a map, not its yaml", where, "give the .yaml beside it");
     try {
       root_ = YAML::Load(std::string(yaml));
     } catch (const YAML::Exception& error) {
@@ -135,11 +135,11 @@ class MapFields {
   }
 
  private:
-  static constexpr const char* expected = "expected the .yaml that map_server writes beside a picture";
+  static constexpr const char* expected = "expected the .yaml that map_server writes beside an image";
 
   double number_in(const std::string& word, const char* key) const {
     const auto number = parse_finite(word);
-    if (!number) fail(key, fmt::format("holds {}, no number", in_quotes(word)), "");
+    if (!number) fail(key, fmt::format("is {}, not a number", in_quotes(word)), "");
     return *number;
   }
 
@@ -161,11 +161,11 @@ Thresholds thresholds_of(const MapFields& fields) {
 void place(OccupancyGrid& grid, const MapFields& fields) {
   grid.cell_m = fields.number("resolution");
   if (!(grid.cell_m >= smallest_cell_m && grid.cell_m <= largest_cell_m))
-    fields.fail("resolution", "is no size of a cell in metres", "");
+    fields.fail("resolution", "is not a cell size in meters", "");
   const std::array<double, 3> origin = fields.three_numbers("origin");
   grid.origin = {origin[0], origin[1]};
-  if (grid.origin.cwiseAbs().maxCoeff() > farthest_m) fields.fail("origin", "is out of this world", "");
-  if (origin[2] != 0.0) fields.fail("origin", "is turned, which is not read", "its third number must be 0");
+  if (grid.origin.cwiseAbs().maxCoeff() > farthest_m) fields.fail("origin", "is too large", "");
+  if (origin[2] != 0.0) fields.fail("origin", "has a rotation, which is not supported", "its third number must be 0");
 }
 
 }  // namespace
@@ -174,7 +174,7 @@ std::string map_server_pgm(const OccupancyGrid& grid) {
   std::string bytes = fmt::format("P5\n{} {}\n255\n", grid.width, grid.height);
   bytes.reserve(bytes.size() + grid.percent.size());
   for (int y = grid.height - 1; y >= 0; --y)
-    for (int x = 0; x < grid.width; ++x) bytes += static_cast<char>(grey_of(grid.at(x, y)));
+    for (int x = 0; x < grid.width; ++x) bytes += static_cast<char>(gray_of(grid.at(x, y)));
   return bytes;
 }
 
@@ -194,12 +194,12 @@ OccupancyGrid parse_map_server(std::string_view yaml, std::string_view where, st
   grid.width = read.width;
   grid.height = read.height;
   if (std::max(read.width, read.height) * grid.cell_m > farthest_m)
-    throw Error("is larger than a map of this world", picture, "check the resolution");
+    throw Error("is too large for a map", picture, "check the resolution");
   grid.percent.reserve(static_cast<std::size_t>(read.width) * static_cast<std::size_t>(read.height));
   for (int y = read.height - 1; y >= 0; --y) {
     const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(read.width);
-    for (const char grey : read.pixels.substr(row, static_cast<std::size_t>(read.width)))
-      grid.percent.push_back(thresholds.percent_of(static_cast<unsigned char>(grey)));
+    for (const char gray : read.pixels.substr(row, static_cast<std::size_t>(read.width)))
+      grid.percent.push_back(thresholds.percent_of(static_cast<unsigned char>(gray)));
   }
   return grid;
 }

@@ -8,16 +8,16 @@
 
 namespace rastro {
 
-/// The picture that ROS's map_server reads: binary PGM, the row of the largest y first; 0 % is white, 100 % black, in
-/// between grey; unknown cells are 205, which no percentage is.
+/// The image that ROS's map_server reads: binary PGM, the row of the largest y first; 0 % is white, 100 % black, in
+/// between gray; unknown cells are 205, which no percentage is.
 std::string map_server_pgm(const OccupancyGrid& grid);
 
-/// The file beside it: picture, resolution, origin and the thresholds of map_server's own saver. `image` is a file
+/// The file beside it: image, resolution, origin and the thresholds of map_server's own saver. `image` is a file
 /// name.
 std::string map_server_yaml(const OccupancyGrid& grid, const std::string& image);
 
 /// Reads what is written above or by map_server, as map_server does in its mode "trinary": cells are 0, 100 or unknown.
-/// Error for a file that is none, a picture that is no 8-bit binary PGM of the size it says, and for turned maps.
+/// Error for a file that is none, an image that is no 8-bit binary PGM of the size it says, and for turned maps.
 OccupancyGrid read_map_server(const std::string& yaml_file);
 
 /// The same from text and bytes in memory; `where` and `picture` name them in messages.

@@ -52,7 +52,7 @@ TEST(GridMapServer, ReadsBackWhatItWrites) {
   }
 }
 
-TEST(GridMapServer, GivesEveryPercentageItsOwnGreyAndTheTopRowFirst) {
+TEST(GridMapServer, GivesEveryPercentageItsOwnGrayAndTheTopRowFirst) {
   const std::string bytes = map_server_pgm(every_percentage());
   ASSERT_THAT(bytes, testing::StartsWith("P5\n17 6\n255\n"));
   const std::string pixels = bytes.substr(bytes.size() - 102);
@@ -80,18 +80,18 @@ TEST(GridMapServer, RefusesWhatIsNoMapInOneLine) {
   EXPECT_EQ(message_of(sound_yaml, sound), "taken");
   EXPECT_THAT(message_of(sound_yaml, "P5 2 2 255 abc"), HasSubstr("3 of 4 cells"));
   EXPECT_THAT(message_of(sound_yaml, "P2 2 1 255 0 0"), HasSubstr("a.pgm"));
-  EXPECT_THAT(message_of(sound_yaml, "P5 2 1 65535 abcd"), HasSubstr("256 greys"));
+  EXPECT_THAT(message_of(sound_yaml, "P5 2 1 65535 abcd"), HasSubstr("256 grays"));
   EXPECT_THAT(message_of(sound_yaml, "P5 99999999 99999999 255 a"), HasSubstr("too large"));
-  EXPECT_THAT(message_of(sound_yaml, "P5 -2 1 255 a"), HasSubstr("sound width"));
-  EXPECT_THAT(message_of(sound_yaml, "P5"), HasSubstr("sound width"));
+  EXPECT_THAT(message_of(sound_yaml, "P5 -2 1 255 a"), HasSubstr("valid width"));
+  EXPECT_THAT(message_of(sound_yaml, "P5"), HasSubstr("valid width"));
   EXPECT_THAT(message_of(sound_yaml, "P5 2 1 255"), HasSubstr("0 of 2 cells"));
   EXPECT_THAT(message_of("resolution: 0\norigin: [0, 0, 0]\n", sound), HasSubstr("resolution"));
   EXPECT_THAT(message_of("resolution: 0.05\n", sound), HasSubstr("origin"));
-  EXPECT_THAT(message_of("resolution: 0.05\norigin: [0, 0, 1.5]\n", sound), HasSubstr("turned"));
-  EXPECT_THAT(message_of("resolution: 0.05\norigin: [0, 1e300, 0]\n", sound), HasSubstr("world"));
+  EXPECT_THAT(message_of("resolution: 0.05\norigin: [0, 0, 1.5]\n", sound), HasSubstr("has a rotation"));
+  EXPECT_THAT(message_of("resolution: 0.05\norigin: [0, 1e300, 0]\n", sound), HasSubstr("too large"));
   EXPECT_THAT(message_of("mode: raw\nresolution: 0.05\norigin: [0, 0, 0]\n", sound), HasSubstr("trinary"));
   EXPECT_THAT(message_of("resolution: 900\norigin: [0, 0, 0]\n", "P5 1 200 255 " + std::string(200, 'a')),
-              HasSubstr("larger"));
+              HasSubstr("too large"));
   EXPECT_THAT(message_of("P5 2 1 255 ab", sound), HasSubstr(".yaml"));
   EXPECT_THAT(message_of("just words", sound), HasSubstr("not a map"));
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <iterator>
+#include <optional>
 #include <system_error>
 
 #include "rastro/base/append_file.h"
@@ -20,7 +21,7 @@ using Eigen::Vector3d;
 
 constexpr double half_px = 0.5;  ///< COLMAP's upper left pixel has its center at (0.5, 0.5).
 constexpr std::int64_t no_point = -1;
-constexpr std::uint8_t unknown_colour = 128;
+constexpr std::uint8_t unknown_color = 128;
 
 struct ImagePoint {
   double x = 0.0, y = 0.0;
@@ -48,44 +49,68 @@ struct Model {
   std::vector<ModelPoint> points;
 };
 
-ModelImage image_of(const Keyframe& keyframe, const ImageFeatures* features) {
+ModelImage image_of(const Keyframe& keyframe, const ImageFeatures* features, const ColmapNames& names) {
   ModelImage image;
   image.id = keyframe.id + 1;
   image.camera = keyframe.camera + 1;
   image.camera_from_world = keyframe.world_from_camera.inverse();
-  image.name = fmt::format("{:06}.png", keyframe.frame);
+  const auto name = names.find(keyframe.id);
+  image.name = name == names.end() ? fmt::format("{:06}.png", keyframe.frame) : name->second;
   if (!features) return image;
   for (const Keypoint& point : features->features.keypoints)
     image.points.push_back({static_cast<double>(point.x) + half_px, static_cast<double>(point.y) + half_px, no_point});
   return image;
 }
 
-Model model_of(const Map& map, int submap) {
-  const LandmarkPart part(map, submap);
-  Model model;
-  std::vector<std::size_t> image_at(map.keyframes.size());
+/// Images of keyframes, and where each keyframe's is.
+struct ImageTable {
+  std::vector<ModelImage> images;
+  std::vector<std::size_t> of_keyframe;
+};
+
+ImageTable images_of_part(const Map& map, const LandmarkPart& part, const ColmapNames& names) {
+  ImageTable table;
+  table.of_keyframe.resize(map.keyframes.size());
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     if (!part.has_keyframe(k)) continue;
-    image_at[k] = model.images.size();
-    model.images.push_back(image_of(map.keyframes[k], part.features_of(map.keyframes[k].id)));
+    table.of_keyframe[k] = table.images.size();
+    table.images.push_back(image_of(map.keyframes[k], part.features_of(map.keyframes[k].id), names));
   }
-  for (const Landmark& landmark : part.landmarks()) {
-    ModelPoint point{landmark.id + 1, landmark.position, 0.0, {}};
-    for (const LandmarkObservation& observation : landmark.observations) {
-      const auto k = part.index_of(observation.keyframe);
-      const Keypoint* at = k ? part.keypoint_of(observation) : nullptr;
-      if (!at) continue;
-      ModelImage& image = model.images[image_at[*k]];
-      image.points[observation.feature].point = point.id;
-      point.track.emplace_back(image.id, observation.feature);
-      const Camera& camera = map.cameras[static_cast<std::size_t>(map.keyframes[*k].camera)].intrinsics;
-      if (const auto pixel = camera.project(image.camera_from_world * landmark.position))
-        point.error_px += (*pixel - Eigen::Vector2d(at->x, at->y)).norm();
-    }
-    if (point.track.empty()) continue;
-    point.error_px /= static_cast<double>(point.track.size());
-    model.points.push_back(std::move(point));
+  return table;
+}
+
+/// A point that one image shows holds nothing that COLMAP could adjust; its bundle adjuster aborts on one.
+constexpr std::size_t shortest_track = 2;
+
+/// nullopt where too few images show the landmark.
+std::optional<ModelPoint> point_of(const Map& map, const LandmarkPart& part, const Landmark& landmark,
+                                   ImageTable& table) {
+  ModelPoint point{landmark.id + 1, landmark.position, 0.0, {}};
+  for (const LandmarkObservation& observation : landmark.observations) {
+    const auto k = part.index_of(observation.keyframe);
+    const Keypoint* at = k ? part.keypoint_of(observation) : nullptr;
+    if (!at) continue;
+    const ModelImage& image = table.images[table.of_keyframe[*k]];
+    point.track.emplace_back(image.id, observation.feature);
+    const Camera& camera = map.cameras[static_cast<std::size_t>(map.keyframes[*k].camera)].intrinsics;
+    if (const auto pixel = camera.project(image.camera_from_world * landmark.position))
+      point.error_px += (*pixel - Eigen::Vector2d(at->x, at->y)).norm();
   }
+  if (point.track.size() < shortest_track) return std::nullopt;
+  for (const LandmarkObservation& observation : landmark.observations)
+    if (const auto k = part.index_of(observation.keyframe); k && part.keypoint_of(observation))
+      table.images[table.of_keyframe[*k]].points[observation.feature].point = point.id;
+  point.error_px /= static_cast<double>(point.track.size());
+  return point;
+}
+
+Model model_of(const Map& map, int submap, const ColmapNames& names) {
+  const LandmarkPart part(map, submap);
+  ImageTable table = images_of_part(map, part, names);
+  Model model;
+  for (const Landmark& landmark : part.landmarks())
+    if (auto point = point_of(map, part, landmark, table)) model.points.push_back(std::move(*point));
+  model.images = std::move(table.images);
   return model;
 }
 
@@ -108,7 +133,7 @@ std::string points_text(const Model& model) {
   std::string text = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
   for (const ModelPoint& point : model.points) {
     fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {} {} {} {:.3f}", point.id, point.place.x(),
-                   point.place.y(), point.place.z(), unknown_colour, unknown_colour, unknown_colour, point.error_px);
+                   point.place.y(), point.place.z(), unknown_color, unknown_color, unknown_color, point.error_px);
     for (const auto& [image, place] : point.track) fmt::format_to(std::back_inserter(text), " {} {}", image, place);
     text += '\n';
   }
@@ -156,7 +181,7 @@ std::string points_bytes(const Model& model) {
   for (const ModelPoint& point : model.points) {
     append_raw(bytes, point.id);
     for (const double value : point.place) append_raw(bytes, value);
-    for (int i = 0; i < 3; ++i) append_raw(bytes, unknown_colour);
+    for (int i = 0; i < 3; ++i) append_raw(bytes, unknown_color);
     append_raw(bytes, point.error_px);
     append_raw(bytes, static_cast<std::uint64_t>(point.track.size()));
     for (const auto& [image, place] : point.track) {
@@ -169,11 +194,12 @@ std::string points_bytes(const Model& model) {
 
 }  // namespace
 
-void write_landmark_colmap(const Map& map, const std::filesystem::path& folder, ColmapForm form, int submap) {
+ColmapSize write_landmark_colmap(const Map& map, const std::filesystem::path& folder, ColmapForm form, int submap,
+                                 const ColmapNames& names) {
   std::error_code code;
   std::filesystem::create_directories(folder, code);
   if (code) throw Error("the folder cannot be made (" + code.message() + ")", folder.string(), "choose another --out");
-  const Model model = model_of(map, submap);
+  const Model model = model_of(map, submap, names);
   if (form == ColmapForm::text) {
     write_whole_file(folder / "cameras.txt", colmap_cameras(map.cameras));
     write_whole_file(folder / "images.txt", images_text(model));
@@ -183,6 +209,7 @@ void write_landmark_colmap(const Map& map, const std::filesystem::path& folder, 
     write_whole_file(folder / "images.bin", images_bytes(model));
     write_whole_file(folder / "points3D.bin", points_bytes(model));
   }
+  return {model.images.size(), model.points.size()};
 }
 
 }  // namespace rastro

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <set>
 
+#include "rastro/export/covisible_poses.h"
 #include "rastro/export/landmark_parts.h"
 #include "rastro/map/graph/covisibility.h"
 #include "rastro/map/landmarks/landmark_uncertainty.h"
@@ -15,29 +15,35 @@
 namespace rastro {
 namespace {
 
-/// Along the mean viewing direction; 0: not known.
-double sigma_of(const Map& map, const Landmark& landmark) {
+/// Along the mean viewing direction; empty: unknown.
+std::string sigma_text(const Map& map, const Landmark& landmark) {
   const Eigen::Vector3d& direction = landmark.direction;
   const auto covariance = landmark_covariance(map, landmark);
   const double variance = covariance ? direction.dot(*covariance * direction) : 0.0;
-  return variance > 0.0 ? std::sqrt(variance) : 0.0;
+  return variance > 0.0 ? fmt::format("{:.3g}", std::sqrt(variance)) : std::string();
 }
 
-void append_pose(std::string& text, const SE3& pose) {
-  const Eigen::Vector3d& p = pose.translation();
-  const Eigen::Quaterniond& q = pose.rotation().quaternion();
-  fmt::format_to(std::back_inserter(text), " {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}", p.x(), p.y(), p.z(),
-                 q.x(), q.y(), q.z(), q.w());
+Matrix6d by_count(int landmarks) { return Matrix6d::Identity() * (std::max(landmarks, 1) / 100.0); }
+
+/// As the shared landmarks measure it; where they are too few, the poses of the map with little weight.
+void append_covisible(std::string& text, const Map& map, const CovisiblePoses& poses, const EssentialEdge& edge) {
+  const Keyframe &first = map.keyframes[edge.first], &second = map.keyframes[edge.second];
+  if (const auto measured = poses.measure(edge.first, edge.second))
+    return g2o::append_edge(text, first.id, second.id, measured->first_from_second, measured->information);
+  text += "# the next edge is not measured, but keeps the keyframes as they are\n";
+  g2o::append_edge(text, first.id, second.id, first.world_from_camera.inverse() * second.world_from_camera,
+                   by_count(edge.shared));
 }
 
-void append_edge(std::string& text, std::int64_t from, std::int64_t to, const SE3& from_from_to, int shared) {
-  fmt::format_to(std::back_inserter(text), "EDGE_SE3:QUAT {} {}", from, to);
-  append_pose(text, from_from_to);
-  const double weight = std::max(shared, 1) / 100.0;
-  for (int row = 0; row < 6; ++row)
-    for (int column = row; column < 6; ++column)
-      fmt::format_to(std::back_inserter(text), " {:.9g}", row == column ? weight : 0.0);
-  text += '\n';
+/// Loop closure or merge: as it was found then.
+void append_closure(std::string& text, const Map& map, const CovisiblePoses& poses, const Constraint& loop_closure) {
+  Matrix6d information = loop_closure.information;
+  if (information.isIdentity()) {  // the method did not say
+    const auto judged =
+        poses.judge(*map.index_of(loop_closure.from), *map.index_of(loop_closure.to), loop_closure.rigid());
+    information = judged ? judged->information : by_count(loop_closure.inliers);
+  }
+  g2o::append_edge(text, loop_closure.from, loop_closure.to, loop_closure.rigid(), information);
 }
 
 }  // namespace
@@ -55,39 +61,31 @@ std::string landmark_list_csv(const Map& map, int submap) {
     const Keypoint* at = first ? part.keypoint_of(*first) : nullptr;
     if (!at) continue;
     const Eigen::Vector3d& p = landmark.position;
-    fmt::format_to(std::back_inserter(text), "{},{:.9g},{:.9g},{:.9g},{:.3g},{},{},{:.2f},{:.2f}\n", landmark.id, p.x(),
-                   p.y(), p.z(), sigma_of(map, landmark), landmark.observations.size(),
+    fmt::format_to(std::back_inserter(text), "{},{:.9g},{:.9g},{:.9g},{},{},{},{:.2f},{:.2f}\n", landmark.id, p.x(),
+                   p.y(), p.z(), sigma_text(map, landmark), landmark.observations.size(),
                    map.find(first->keyframe)->frame, at->x, at->y);
   }
   return text;
 }
 
-std::string landmark_graph_g2o(const Map& map, int submap) {
+std::string landmark_graph_g2o(const Map& map, int submap, GraphSize* size) {
   const LandmarkPart part(map, submap);
-  std::string text = fmt::format("# written by rastro: world_from_camera of keyframes, {}; quaternions x y z w\n",
-                                 scale_of(map).metric ? "metres" : "the map's own unit");
-  std::string fixed;
-  std::set<int> submaps;
-  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-    const Keyframe& keyframe = map.keyframes[k];
-    if (!part.has_keyframe(k)) continue;
-    fmt::format_to(std::back_inserter(text), "VERTEX_SE3:QUAT {}", keyframe.id);
-    append_pose(text, keyframe.world_from_camera);
-    text += '\n';
-    if (submaps.insert(keyframe.submap).second) fixed += fmt::format("FIX {}\n", keyframe.id);
-  }
-  text += fixed;
+  const CovisiblePoses poses(map, submap);
+  std::string text = g2o::head(map);
+  GraphSize written{g2o::append_vertices(text, map, submap), 0};
   for (const EssentialEdge& edge : essential_graph(map)) {
     if (edge.kind == EssentialKind::constraint) continue;
     if (!part.has_keyframe(edge.first) || !part.has_keyframe(edge.second)) continue;
-    const Keyframe &first = map.keyframes[edge.first], &second = map.keyframes[edge.second];
-    append_edge(text, first.id, second.id, first.world_from_camera.inverse() * second.world_from_camera, edge.shared);
+    append_covisible(text, map, poses, edge);
+    ++written.edges;
   }
   for (const Constraint& each : map.constraints) {
     if (each.kind != ConstraintKind::loop && each.kind != ConstraintKind::merge) continue;
     if (!part.index_of(each.from) || !part.index_of(each.to)) continue;
-    append_edge(text, each.from, each.to, each.rigid(), each.inliers);
+    append_closure(text, map, poses, each);
+    ++written.edges;
   }
+  if (size) *size = written;
   return text;
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/export/landmark_export.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <sstream>
@@ -11,7 +14,7 @@
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/base/scratch_testing.h"
-#include "rastro/export/landmark_picture.h"
+#include "rastro/export/landmark_image.h"
 #include "rastro/export/ply.h"
 #include "rastro/map/graph/covisibility.h"
 #include "rastro/map/landmarks/landmark_map_testing.h"
@@ -136,6 +139,31 @@ TEST(LandmarkColmap, TheBinaryFilesSayTheSame) {
   EXPECT_EQ(tracked, with_point);
 }
 
+TEST(LandmarkColmap, ImagesHaveTheirNamesAndLandmarksSeenOnceAreLeftOut) {
+  Map map = road();
+  auto landmarks = std::make_shared<LandmarkLayer>(*map.layer<LandmarkLayer>());
+  const KeyframeId lonely = landmarks->landmarks[5].observations.front().keyframe;
+  landmarks->landmarks[5].observations.resize(1);
+  map.layers.put<LandmarkLayer>(landmarks);
+  const auto folder = scratch_path("colmap_names");
+  const ColmapNames names = {{lonely, "1403715285262142976.png"}};
+  const ColmapSize size = write_landmark_colmap(map, folder, ColmapForm::text, 0, names);
+  EXPECT_EQ(size.images, map.keyframes.size());
+  EXPECT_EQ(size.points, landmarks->landmarks.size() - 1);
+  for (const std::string& line : lines_of(read_whole_file(folder / "points3D.txt"))) {
+    EXPECT_GE(numbers_of(line).size(), 8U + 2U * 2U) << "a track of two images";
+    EXPECT_NE(static_cast<std::int64_t>(numbers_of(line)[0]), landmarks->landmarks[5].id + 1);
+  }
+  const auto images = lines_of(read_whole_file(folder / "images.txt"));
+  const std::string absent = " " + std::to_string(landmarks->landmarks[5].id + 1);
+  for (std::size_t row = 0; row + 1 < images.size(); row += 2) {
+    const bool named = static_cast<KeyframeId>(numbers_of(images[row])[0]) == lonely + 1;
+    EXPECT_EQ(images[row].ends_with(" 1403715285262142976.png"), named) << images[row];
+    const auto features = numbers_of(images[row + 1]);
+    for (std::size_t i = 2; i < features.size(); i += 3) EXPECT_NE(" " + fmt::format("{:.0f}", features[i]), absent);
+  }
+}
+
 TEST(LandmarkExport, AnotherSubmapIsLeftOutUnlessAskedFor) {
   Map map = road();
   for (std::size_t k = 6; k < map.keyframes.size(); ++k) map.keyframes[k].submap = 1;
@@ -177,7 +205,7 @@ TEST(LandmarkExport, TheCloudIsAPlyAndTheGraphHasPosesThatAgreeWithItsEdges) {
     if (line.starts_with("VERTEX")) poses[static_cast<int>(v[0])] = pose_of(v, 1);
     if (!line.starts_with("EDGE")) continue;
     const SE3 expected = poses.at(static_cast<int>(v[0])).inverse() * poses.at(static_cast<int>(v[1]));
-    EXPECT_LT((expected.inverse() * pose_of(v, 2)).log().norm(), 1e-6);
+    EXPECT_LT((expected.inverse() * pose_of(v, 2)).log().norm(), 1e-5) << "pixels are floats";
     ASSERT_EQ(v.size(), 2U + 7U + 21U);
     ++edges;
   }
@@ -185,18 +213,117 @@ TEST(LandmarkExport, TheCloudIsAPlyAndTheGraphHasPosesThatAgreeWithItsEdges) {
   EXPECT_EQ(edges, essential_graph(road()).size());
 }
 
-TEST(LandmarkPicture, IsDrawnAsBothKindsAndOfAnEmptyMap) {
+/// Edges of a g2o text: pose and diagonal of the information.
+struct Edge {
+  SE3 pose;
+  Vector6d diagonal;
+};
+std::map<std::pair<KeyframeId, KeyframeId>, Edge> edges_of(const std::string& text) {
+  std::map<std::pair<KeyframeId, KeyframeId>, Edge> edges;
+  for (const std::string& line : lines_of(text)) {
+    if (!line.starts_with("EDGE")) continue;
+    const auto v = numbers_of(line.substr(line.find(' ')));
+    Edge& edge = edges[{static_cast<KeyframeId>(v[0]), static_cast<KeyframeId>(v[1])}];
+    edge.pose = SE3(SO3(Eigen::Quaterniond(v[8], v[5], v[6], v[7])), {v[2], v[3], v[4]});
+    for (std::size_t row = 0, at = 9; row < 6; at += 6 - row, ++row) edge.diagonal[static_cast<int>(row)] = v[at];
+  }
+  return edges;
+}
+
+TEST(LandmarkG2o, EdgesAreMeasuredByLandmarksAndDoNotFollowTheNodes) {
+  Map map = road();
+  const auto before = edges_of(landmark_graph_g2o(map, 0));
+  const Keyframe truth = map.keyframes[5];
+  const SE3 off = SE3::exp((Vector6d() << 0.05, -0.02, 0.03, 0.004, 0.01, -0.003).finished());
+  map.keyframes[5].world_from_camera = truth.world_from_camera * off;
+  const auto after = edges_of(landmark_graph_g2o(map, 0));
+  ASSERT_EQ(after.size(), before.size());
+  int into = 0;
+  for (const auto& [ends, edge] : after) {
+    const SE3 change = before.at(ends).pose.inverse() * edge.pose;
+    if (ends.second == truth.id) {
+      EXPECT_LT(change.log().norm(), 1e-5) << "the landmarks are where they were";
+      ++into;
+    } else if (ends.first != truth.id) {
+      EXPECT_LT(change.log().norm(), 1e-12);
+    }
+  }
+  EXPECT_GE(into, 1);
+}
+
+TEST(LandmarkG2o, InformationIsThatOfThePixels) {
+  const Map& map = road();
+  const auto edges = edges_of(landmark_graph_g2o(map, 0));
+  const std::pair<KeyframeId, KeyframeId> ends{map.keyframes[3].id, map.keyframes[4].id};
+  ASSERT_TRUE(edges.contains(ends));
+  const std::vector<double> scales = orb_level_scales(map.layer<FeatureLayer>()->extraction);
+  const ImageFeatures& image = *map.layer<FeatureLayer>()->find(ends.second);
+  const SE3 camera_from_world = map.keyframes[4].world_from_camera.inverse();
+  double expected = 0.0;  // of a shift along x, by differences
+  for (const Landmark& landmark : road_landmarks()) {
+    const auto sees = [&](KeyframeId id) {
+      return std::find_if(landmark.observations.begin(), landmark.observations.end(),
+                          [id](const LandmarkObservation& each) { return each.keyframe == id; });
+    };
+    if (sees(ends.first) == landmark.observations.end() || sees(ends.second) == landmark.observations.end()) continue;
+    const double step = 1e-5, sigma = scales[image.features.levels[sees(ends.second)->feature]];
+    const Eigen::Vector3d point = camera_from_world * landmark.position, shift(step, 0.0, 0.0);
+    const auto here = TestRoad::camera().project(point), there = TestRoad::camera().project(point - shift);
+    expected += (*there - *here).squaredNorm() / (step * step * sigma * sigma);
+  }
+  EXPECT_NEAR(edges.at(ends).diagonal[0], expected, 1e-3 * expected);
+}
+
+TEST(LandmarkG2o, FewSharedLandmarksAreSaid) {
+  Map map = road();
+  auto landmarks = std::make_shared<LandmarkLayer>(*map.layer<LandmarkLayer>());
+  landmarks->landmarks.resize(5);
+  map.layers.put<LandmarkLayer>(landmarks);
+  GraphSize size;
+  const std::string text = landmark_graph_g2o(map, 0, &size);
+  EXPECT_THAT(text, testing::HasSubstr("\n# the next edge is not measured"));
+  EXPECT_EQ(size.vertices, map.keyframes.size());
+  EXPECT_EQ(size.edges, edges_of(text).size());
+}
+
+TEST(LandmarkExport, SaysTheUnitAndThatASigmaIsNotKnown) {
+  Map map = road();
+  auto landmarks = std::make_shared<LandmarkLayer>(*map.layer<LandmarkLayer>());
+  landmarks->landmarks[2].observations.resize(1);
+  map.layers.put<LandmarkLayer>(landmarks);
+  const CloudTerms terms{"arbitrary units", "observations", "the position along the mean viewing direction"};
+  const std::string ply = cloud_ply(layer_points(map, 0), "world", terms);
+  EXPECT_THAT(ply, testing::HasSubstr("lengths in arbitrary units;"));
+  EXPECT_THAT(ply, testing::HasSubstr("comment count: observations; sigma: standard deviation of the position along "
+                                      "the mean viewing direction, arbitrary units; nan: unknown\n"));
+  EXPECT_EQ(ply.substr(0, ply.find("end_header")).find("meters"), std::string::npos);
+  const auto sigma_at = [&](std::size_t point) {
+    float sigma = 0.0F;
+    std::memcpy(&sigma, ply.data() + ply.find("end_header\n") + 11 + 35 * point + 31, sizeof sigma);
+    return sigma;
+  };
+  EXPECT_TRUE(std::isnan(sigma_at(2)));
+  EXPECT_GT(sigma_at(3), 0.0F);
+  EXPECT_EQ(parse_cloud_ply(ply, "ply").points[2].sigma, 0.0F);
+  const auto rows = lines_of(landmark_list_csv(map, 0));
+  EXPECT_THAT(rows[1 + 2], testing::HasSubstr(",,1,")) << "sigma is empty, one observation";
+  EXPECT_THAT(rows[1 + 3], testing::Not(testing::HasSubstr(",,")));
+  EXPECT_THAT(landmark_graph_g2o(map, 0),
+              testing::StartsWith("# written by rastro: world_from_camera of keyframes, arbitrary units;"));
+}
+
+TEST(LandmarkImage, IsDrawnAsBothKindsAndOfAnEmptyMap) {
   const auto svg = scratch_path("road.svg"), png = scratch_path("road.png");
-  write_landmark_picture(road(), svg.string());
-  write_landmark_picture(road(), png.string());
+  write_landmark_image(road(), svg.string());
+  write_landmark_image(road(), png.string());
   const std::string text = read_whole_file(svg);
   EXPECT_THAT(text, testing::AllOf(testing::StartsWith("<svg"), testing::EndsWith("</svg>\n")));
   std::size_t red_lines = 0;
   for (auto at = text.find("#dc2828"); at != std::string::npos; at = text.find("#dc2828", at + 1)) ++red_lines;
   EXPECT_EQ(red_lines, 1U) << "one loop closure";
   EXPECT_EQ(read_whole_file(png).substr(1, 3), "PNG");
-  write_landmark_picture(Map(), svg.string());
-  EXPECT_THROW(write_landmark_picture(road(), scratch_path("road.bmp").string()), Error);
+  write_landmark_image(Map(), svg.string());
+  EXPECT_THROW(write_landmark_image(road(), scratch_path("road.bmp").string()), Error);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
 
@@ -10,8 +11,8 @@
 #include "rastro/base/scratch_testing.h"
 #include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
+#include "rastro/export/cloud_image.h"
 #include "rastro/export/cloud_pcd.h"
-#include "rastro/export/cloud_picture.h"
 #include "rastro/export/colmap.h"
 #include "rastro/export/ply.h"
 #include "rastro/export/pose_graph_g2o.h"
@@ -32,7 +33,7 @@ PointCloud three_points() {
     CloudPoint point;
     point.position = {0.5F + static_cast<float>(k), -1.25F, 1e-3F};
     point.normal = {0.0F, 0.6F, -0.8F};
-    point.colour = {static_cast<std::uint8_t>(10 + k), 128, 255};
+    point.color = {static_cast<std::uint8_t>(10 + k), 128, 255};
     point.count = 70000U + static_cast<std::uint32_t>(k);
     point.sigma = 0.0025F;
     cloud.points.push_back(point);
@@ -45,7 +46,7 @@ void expect_same(const PointCloud& a, const PointCloud& b) {
   for (std::size_t k = 0; k < a.points.size(); ++k) {
     EXPECT_EQ(a.points[k].position, b.points[k].position);
     EXPECT_EQ(a.points[k].normal, b.points[k].normal);
-    EXPECT_EQ(a.points[k].colour, b.points[k].colour);
+    EXPECT_EQ(a.points[k].color, b.points[k].color);
     EXPECT_EQ(a.points[k].count, b.points[k].count);
     EXPECT_EQ(a.points[k].sigma, b.points[k].sigma);
   }
@@ -63,7 +64,7 @@ std::string message_of(const std::string& bytes) {
 TEST(Ply, ReadsBackTheCloudItWrites) {
   const std::string bytes = cloud_ply(three_points(), "the first\ncamera");
   EXPECT_THAT(
-      bytes, testing::StartsWith("ply\nformat binary_little_endian 1.0\ncomment written by rastro; lengths in metres"));
+      bytes, testing::StartsWith("ply\nformat binary_little_endian 1.0\ncomment written by rastro; lengths in meters"));
   EXPECT_EQ(bytes.size() - bytes.find("end_header\n") - 11, 3U * 35U);
   expect_same(parse_cloud_ply(bytes, "a.ply"), three_points());
 }
@@ -91,7 +92,7 @@ TEST(Ply, ReadsBackTheMeshItWrites) {
   EXPECT_EQ(back.triangles, mesh.triangles);
   ASSERT_EQ(back.vertices.size(), 4U);
   EXPECT_EQ(back.vertices[3].position, mesh.vertices[3].position);
-  EXPECT_EQ(back.vertices[3].colour, mesh.vertices[3].colour);
+  EXPECT_EQ(back.vertices[3].color, mesh.vertices[3].color);
 }
 
 TEST(Ply, RefusesWhatIsNoneInOneLine) {
@@ -106,7 +107,7 @@ TEST(Ply, RefusesWhatIsNoneInOneLine) {
   EXPECT_THAT(message_of("ply\nformat ascii 1.0\nelement vertex 1\nproperty word x\nend_header\n"), HasSubstr("type"));
   EXPECT_THAT(message_of("ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
                          "3 0 1 2\n"),
-              HasSubstr("not there"));
+              HasSubstr("missing vertex"));
 }
 
 TEST(Pcd, HasTheFieldsOfThePointCloudLibrary) {
@@ -118,6 +119,15 @@ TEST(Pcd, HasTheFieldsOfThePointCloudLibrary) {
   std::uint32_t rgb = 0;
   std::memcpy(&rgb, body.data() + 36 + 24, 4);
   EXPECT_EQ(rgb, 0x0B80FFU);
+  EXPECT_THAT(bytes,
+              HasSubstr("lengths in meters; x\n# count: measurements; sigma: standard deviation of the position"));
+  PointCloud unknown = three_points();
+  unknown.points[0].sigma = 0.0F;
+  const std::string other = cloud_pcd(unknown, "x", {"arbitrary units", "observations", "y"});
+  EXPECT_THAT(other, HasSubstr("lengths in arbitrary units;"));
+  float sigma = 0.0F;
+  std::memcpy(&sigma, other.data() + other.find("DATA binary\n") + 12 + 32, 4);
+  EXPECT_TRUE(std::isnan(sigma));
 }
 
 TEST(G2o, HasPosesMeasurementsAndTheInformationOfHalfTurns) {
@@ -139,6 +149,21 @@ TEST(G2o, HasPosesMeasurementsAndTheInformationOfHalfTurns) {
   EXPECT_DOUBLE_EQ(number(10), 0.5 * 1e4);
   EXPECT_DOUBLE_EQ(number(14), 0.5 * 2.0 * 10.0) << "row x, column of the rotation about y";
   EXPECT_DOUBLE_EQ(number(25), 0.5 * 4.0 * 4e4) << "upper triangle: 6 + 5 + 4 numbers come before";
+}
+
+TEST(G2o, HoldsOneSubmapOrAll) {
+  Map map = make_test_map(4);
+  map.keyframes[2].submap = map.keyframes[3].submap = 1;
+  GraphSize one, all;
+  const std::string text = pose_graph_g2o(map, 1, &one);
+  EXPECT_EQ(text.find("VERTEX_SE3:QUAT 1 "), std::string::npos);
+  EXPECT_THAT(text, HasSubstr("FIX 2\n"));
+  pose_graph_g2o(map, -1, &all);
+  EXPECT_EQ(one.vertices, 2U);
+  EXPECT_EQ(all.vertices, 4U);
+  EXPECT_LT(one.edges, all.edges);
+  map.sessions.assign(1, {});
+  EXPECT_THAT(pose_graph_g2o(map), HasSubstr("arbitrary units"));
 }
 
 TEST(PoseText, IsReadBack) {
@@ -188,12 +213,12 @@ TEST(Colmap, HasPixelsAtHalvesAndPointsThatProjectThere) {
               HasSubstr("\n2 FULL_OPENCV 320 240 260 260 160 120 0.1 -0.2 0.001 0.002 0.3 0 0 0"));
 }
 
-TEST(CloudPicture, ShowsTheRoomFromAboveWithoutItsCeiling) {
+TEST(CloudImage, ShowsTheRoomFromAboveWithoutItsCeiling) {
   const Map map = make_test_map(4);
   CloudOptions options;
   options.voxel_m = 0.02;
   const std::string file = (scratch_folder("cloud_picture") / "map.png").string();
-  write_cloud_picture(build_cloud(map, options), trajectory_of(map), file);
+  write_cloud_image(build_cloud(map, options), trajectory_of(map), file);
   const cv::Mat picture = cv::imread(file);
   ASSERT_FALSE(picture.empty());
   EXPECT_LE(std::max(picture.rows, picture.cols), 1600);
@@ -204,7 +229,7 @@ TEST(CloudPicture, ShowsTheRoomFromAboveWithoutItsCeiling) {
       blue += pixel[0] > 2 * pixel[2] && pixel[0] > 60 && pixel[1] < pixel[0] / 2 ? 1 : 0;
     }
   EXPECT_GT(blue, 1000) << "the top of the box";
-  write_cloud_picture(PointCloud(), {}, file);
+  write_cloud_image(PointCloud(), {}, file);
 }
 
 }  // namespace

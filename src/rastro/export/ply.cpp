@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "rastro/base/text.h"
 #include "rastro/export/raw_bytes.h"
 
@@ -15,38 +17,43 @@ constexpr const char* place_properties =
     "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
     "property uchar red\nproperty uchar green\nproperty uchar blue\n";
 
-std::string head(const std::string& frame) {
-  return "ply\nformat binary_little_endian 1.0\ncomment written by rastro; lengths in metres; " + one_line(frame) +
-         "\n";
+std::string head(const std::string& frame, const std::string& unit) {
+  return fmt::format("ply\nformat binary_little_endian 1.0\ncomment written by rastro; lengths in {}; {}\n", unit,
+                     one_line(frame));
+}
+
+float known_sigma(const CloudPoint& point) {
+  return point.sigma > 0.0F ? point.sigma : std::numeric_limits<float>::quiet_NaN();
 }
 
 }  // namespace
 
-std::string cloud_ply(const PointCloud& cloud, const std::string& frame) {
-  std::string bytes = head(frame);
+std::string cloud_ply(const PointCloud& cloud, const std::string& frame, const CloudTerms& terms) {
+  std::string bytes = head(frame, terms.unit);
   if (cloud.voxel_m > 0.0) bytes += fmt::format("comment one point a voxel of {:g} m\n", cloud.voxel_m);
-  bytes += "comment count: measurements; sigma: of the position along the normal, metres\n";
+  bytes += fmt::format("comment count: {}; sigma: standard deviation of {}, {}; nan: unknown\n", terms.count,
+                       terms.sigma, terms.unit);
   bytes += fmt::format("element vertex {}\n{}property uint count\nproperty float sigma\nend_header\n",
                        cloud.points.size(), place_properties);
   bytes.reserve(bytes.size() + 35 * cloud.points.size());
   for (const CloudPoint& point : cloud.points) {
     append_raw(bytes, point.position);
     append_raw(bytes, point.normal);
-    append_raw(bytes, point.colour);
+    append_raw(bytes, point.color);
     append_raw(bytes, point.count);
-    append_raw(bytes, point.sigma);
+    append_raw(bytes, known_sigma(point));
   }
   return bytes;
 }
 
 std::string mesh_ply(const TriangleMesh& mesh, const std::string& frame) {
-  std::string bytes = head(frame);
+  std::string bytes = head(frame, "meters");
   bytes += fmt::format("element vertex {}\n{}element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
                        mesh.vertices.size(), place_properties, mesh.triangles.size());
   for (const MeshVertex& vertex : mesh.vertices) {
     append_raw(bytes, vertex.position);
     append_raw(bytes, vertex.normal);
-    append_raw(bytes, vertex.colour);
+    append_raw(bytes, vertex.color);
   }
   for (const auto& triangle : mesh.triangles) {
     bytes += '\3';

@@ -9,14 +9,21 @@
 
 namespace rastro {
 
-/// Binary PLY: x y z nx ny nz (float, metres), red green blue (uchar), count (uint: measurements), sigma (float, metres
-/// along the normal). `frame` says in a comment what the coordinates are of.
-std::string cloud_ply(const PointCloud& cloud, const std::string& frame);
+/// What the numbers of a cloud mean, for the comments of its file.
+struct CloudTerms {
+  std::string unit = "meters";                          ///< Of all lengths.
+  std::string count = "measurements";                   ///< What `count` counts.
+  std::string sigma = "the position along the normal";  ///< What `sigma` is the standard deviation of.
+};
+
+/// Binary PLY: x y z nx ny nz (float), red green blue (uchar), count (uint), sigma (float; nan: unknown). `frame`
+/// says in a comment what the coordinates are of.
+std::string cloud_ply(const PointCloud& cloud, const std::string& frame, const CloudTerms& terms = {});
 std::string mesh_ply(const TriangleMesh& mesh, const std::string& frame);
 
 /// Reads the vertices of a PLY, text or binary of either byte order, from whatever program: x, y, z are needed;
-/// normals, colours, count and sigma are taken where they are. Points that are not finite are left out. Error naming
-/// `where` for what is no PLY or ends early.
+/// normals, colors, count and sigma are taken where they are. Points that are not finite are omitted. Error naming
+/// `where` for what is not a PLY or ends early.
 PointCloud parse_cloud_ply(std::string_view bytes, const std::string& where);
 /// The same with faces; polygons are cut into triangles.
 TriangleMesh parse_mesh_ply(std::string_view bytes, const std::string& where);

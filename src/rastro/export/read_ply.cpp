@@ -75,7 +75,7 @@ class Body {
     bytes_.remove_prefix(begin);
     const std::size_t length = std::min(bytes_.find_first_of(" \t\r\n"), bytes_.size());
     const auto value = parse_double(bytes_.substr(0, length));
-    if (!value) refuse(in_quotes(bytes_.substr(0, length)) + " is no number");
+    if (!value) refuse(in_quotes(bytes_.substr(0, length)) + " is not a number");
     bytes_.remove_prefix(length);
     return *value;
   }
@@ -109,7 +109,7 @@ class Reader {
   [[noreturn]] void refuse(const std::string& what) const { Body({}, Encoding::text, where_).refuse(what); }
 
   void read_head(std::string_view bytes) {
-    if (!bytes.starts_with("ply\n") && !bytes.starts_with("ply\r\n")) refuse("is no PLY file");
+    if (!bytes.starts_with("ply\n") && !bytes.starts_with("ply\r\n")) refuse("is not a PLY file");
     bool ended = false;
     while (!ended) {
       const std::size_t end = bytes.find('\n');
@@ -134,7 +134,7 @@ class Reader {
       }
     } else if (words[0] == "element") {
       const auto count = words.size() == 3 ? parse_uint64(words[2]) : std::nullopt;
-      if (!count || *count > most_elements) refuse("has an element without a sound count");
+      if (!count || *count > most_elements) refuse("has an element without a valid count");
       elements_.push_back({std::string(words[1]), *count, {}});
     } else if (words[0] == "property") {
       add_property(words);
@@ -175,7 +175,7 @@ class Reader {
                                                  {"double", 'f', 8},
                                                  {"float64", 'f', 8}}};
     const auto found = std::find_if(types.begin(), types.end(), [&](const Type& type) { return type.name == name; });
-    if (found == types.end()) refuse(in_quotes(name) + " is no type of a property");
+    if (found == types.end()) refuse(in_quotes(name) + " is not a property type");
     kind = found->kind, bytes = found->bytes;
   }
 
@@ -230,7 +230,7 @@ class Reader {
     CloudPoint point;
     point.position = Eigen::Vector3d(values[0], values[1], values[2]).cast<float>();
     point.normal = Eigen::Vector3d(values[3], values[4], values[5]).cast<float>();
-    for (std::size_t k = 0; k < 3; ++k) point.colour[k] = static_cast<std::uint8_t>(whole(values[6 + k], 255.0));
+    for (std::size_t k = 0; k < 3; ++k) point.color[k] = static_cast<std::uint8_t>(whole(values[6 + k], 255.0));
     point.count = whole(values[9], 4e9);
     point.sigma = std::isfinite(values[10]) ? static_cast<float>(values[10]) : 0.0F;
     return point;
@@ -255,7 +255,7 @@ class Reader {
     std::uint32_t first = 0, last = 0;
     for (double k = 0; k < corners; ++k) {
       const double value = body.number(property.kind, property.bytes);
-      if (!(value >= 0.0 && value < static_cast<double>(most_elements))) refuse("has a face without sound corners");
+      if (!(value >= 0.0 && value < static_cast<double>(most_elements))) refuse("has a face with invalid vertices");
       const auto corner = static_cast<std::uint32_t>(value);
       if (k == 0) first = corner;
       if (k >= 2) mesh.triangles.push_back({first, last, corner});
@@ -266,7 +266,7 @@ class Reader {
   void check_corners(const TriangleMesh& mesh, std::size_t vertices) const {
     for (const auto& triangle : mesh.triangles)
       for (const std::uint32_t corner : triangle)
-        if (corner >= vertices) refuse("has a face with a corner that is not there");
+        if (corner >= vertices) refuse("has a face with a missing vertex");
   }
 
   const std::string& where_;
@@ -287,7 +287,7 @@ PointCloud parse_cloud_ply(std::string_view bytes, const std::string& where) {
 TriangleMesh parse_mesh_ply(std::string_view bytes, const std::string& where) {
   PointCloud corners;
   TriangleMesh mesh = Reader(bytes, where).mesh_and_cloud(corners);
-  for (const CloudPoint& point : corners.points) mesh.vertices.push_back({point.position, point.normal, point.colour});
+  for (const CloudPoint& point : corners.points) mesh.vertices.push_back({point.position, point.normal, point.color});
   std::erase_if(mesh.triangles, [&](const std::array<std::uint32_t, 3>& triangle) {
     return std::any_of(triangle.begin(), triangle.end(),
                        [&](std::uint32_t corner) { return !mesh.vertices[corner].position.allFinite(); });

@@ -31,7 +31,7 @@ TrackTable read_tracks(const std::filesystem::path& run_folder_or_file) {
   const std::string text = read_whole_file(file);
   TrackTable table =
       file.extension() == ".yaml" ? parse_tracks_yaml(text, file.string()) : parse_tracks_csv(text, file.string());
-  if (table.frames.empty()) throw Error("holds no whole frame", file.string(), "run 'rastro track' again");
+  if (table.frames.empty()) throw Error("has no complete frame", file.string(), "run 'rastro track' again");
   return table;
 }
 

@@ -22,7 +22,7 @@ std::optional<double> TrackTableFile::reidentified_percent(const TrackFrame& fra
   return 100.0 * frame.reidentified / corners;
 }
 
-void TrackTableFile::write(const TrackFrame& frame, GreyView) {
+void TrackTableFile::write(const TrackFrame& frame, GrayView) {
   const std::optional<double> percent = reidentified_percent(frame);
   file_.append(fmt::format("| {} | {} | {} | {} | {:.2f} |\n", frame.index, frame.tracked, frame.reidentified,
                            percent_text(percent), frame.times.total_ms));
@@ -45,10 +45,11 @@ void TrackTableFile::finish() {
   const auto percent = rows_with_corners_ > 0 ? std::optional(percent_ / rows_with_corners_) : std::nullopt;
   file_.append(fmt::format("| **mean** | {:.1f} | {:.1f} | {} | {:.2f} |\n", tracked_ / rows_with_loss_,
                            reidentified_ / rows_with_loss_, percent_text(percent), time_ms_ / rows_with_loss_));
-  file_.append(fmt::format(
-      "\nKLT: features followed from the frame before. %: re-identified of the corners detected in the frame (new and\n"
-      "re-identified). Mean over the {} frames in which a feature was lost.\n",
-      rows_with_loss_));
+  file_.append(
+      fmt::format("\nKLT: features tracked from the previous frame. %: re-identified, of the corners detected in the "
+                  "frame (new and\n"
+                  "re-identified). Mean over the {} frames in which a feature was lost.\n",
+                  rows_with_loss_));
 }
 
 }  // namespace rastro

@@ -15,7 +15,7 @@ namespace rastro {
 class TrackTableFile : public TrackSink {
  public:
   explicit TrackTableFile(const std::filesystem::path& path);
-  void write(const TrackFrame& frame, GreyView image) override;
+  void write(const TrackFrame& frame, GrayView image) override;
   /// Writes the row of means.
   void finish() override;
 

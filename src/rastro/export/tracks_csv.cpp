@@ -89,7 +89,7 @@ class Reader {
   }
 
   void begin_frame(const TrackFrame& row) {
-    if (missing_ > 0) fail(fmt::format("frame {} has fewer rows than it says", table_.frames.back().index));
+    if (missing_ > 0) fail(fmt::format("frame {} has fewer rows than its count", table_.frames.back().index));
     if (!table_.frames.empty() && row.index < table_.frames.back().index) fail("frames are not in ascending order");
     table_.frames.push_back(row);
     expected_ = features_;
@@ -98,7 +98,7 @@ class Reader {
 
   void read_feature(std::span<const std::string_view> columns, const TrackFrame& row) {
     TrackFrame& frame = table_.frames.back();
-    if (missing_ == 0) fail(fmt::format("frame {} has more rows than it says", frame.index));
+    if (missing_ == 0) fail(fmt::format("frame {} has more rows than its count", frame.index));
     if (row.stamp != frame.stamp || row.lost != frame.lost || row.masked != frame.masked ||
         row.health != frame.health || features_ != expected_) {
       fail(fmt::format("the rows of frame {} disagree about it", frame.index));
@@ -129,7 +129,7 @@ TracksCsv::TracksCsv(const std::optional<std::filesystem::path>& path) {
   append(header_line() + "\n");
 }
 
-void TracksCsv::write(const TrackFrame& frame, GreyView) { append(rows_of(frame)); }
+void TracksCsv::write(const TrackFrame& frame, GrayView) { append(rows_of(frame)); }
 
 void TracksCsv::append(const std::string& text) {
   hash_.add(text);
@@ -139,7 +139,7 @@ void TracksCsv::append(const std::string& text) {
 TrackTable parse_tracks_csv(std::string_view text, std::string_view where) {
   const std::string header = header_line() + "\n";
   if (!text.starts_with(header)) {
-    throw Error("does not begin with the header line of a tracks.csv", fmt::format("{}:1", where),
+    throw Error("does not start with the header line of a tracks.csv", fmt::format("{}:1", where),
                 "give a tracks.csv as 'rastro track' writes it");
   }
   text.remove_prefix(header.size());

@@ -74,7 +74,7 @@ TEST(TracksCsv, NamesTheLineOfWhatIsWrong) {
   const std::string header = written({}, "header");
   const std::string row = "0,5,0,1,2,nan,nan,1,new,-1,1,0,0,good\n";
   EXPECT_EQ(message_of(header + row), "no error");
-  EXPECT_THAT(message_of("a,b\n"), testing::HasSubstr("t.csv:1: does not begin with the header"));
+  EXPECT_THAT(message_of("a,b\n"), testing::HasSubstr("t.csv:1: does not start with the header"));
   EXPECT_THAT(message_of(header + "0,5\n"), testing::HasSubstr("t.csv:2: 2 columns instead of 14"));
   EXPECT_THAT(message_of(header + row + row), testing::HasSubstr("t.csv:3: frame 0 has more rows"));
   EXPECT_THAT(message_of(header + "x,5,0,1,2,nan,nan,1,new,-1,1,0,0,good\n"), testing::HasSubstr("column 'frame'"));

@@ -35,7 +35,7 @@ void append_object(std::string& text, const TrackedFeature& feature) {
 
 }  // namespace
 
-void TracksJsonl::write(const TrackFrame& frame, GreyView) {
+void TracksJsonl::write(const TrackFrame& frame, GrayView) {
   std::string line = fmt::format(
       R"({{"frame":{},"stamp_ns":{},"tracked":{},"reidentified":{},"new":{},"lost":{},"masked":{},"health":"{}","features":[)",
       frame.index, frame.stamp, frame.tracked, frame.reidentified, frame.fresh, frame.lost, frame.masked,

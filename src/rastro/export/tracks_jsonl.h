@@ -12,7 +12,7 @@ namespace rastro {
 class TracksJsonl : public TrackSink {
  public:
   explicit TracksJsonl(const std::filesystem::path& path) : file_(path) {}
-  void write(const TrackFrame& frame, GreyView image) override;
+  void write(const TrackFrame& frame, GrayView image) override;
 
  private:
   AppendFile file_;

@@ -44,9 +44,9 @@ std::string camera_text(const std::optional<Camera>& camera) {
 
 std::string header_text(const TracksHeader& header) {
   std::string text =
-      "%YAML 1.0\n---\nformat: rastro_tracks\nversion: 1\n"
+      "%YAML 1.1\n---\nformat: rastro_tracks\nversion: 1\n"
       "# One row per feature: id (given once, kept over occlusions); pixel in the image as given; undistorted\n"
-      "# normalised ray (x/z, y/z); frames in which the id was seen so far; state: tracked, new or reidentified;\n"
+      "# normalized ray (x/z, y/z); frames in which the id was seen so far; state: tracked, new or reidentified;\n"
       "# frame in which the id was seen before this one (-1: never). Frames are numbered as in the recording.\n";
   text += fmt::format("columns: [{}]\n", fmt::join(feature_columns, ", "));
   text += camera_text(header.camera);
@@ -105,7 +105,7 @@ class Reader {
   }
 
   void begin_frame(std::string_view number) {
-    if (!table_.frames.empty() && !whole()) fail("the frame before this one is not whole");
+    if (!table_.frames.empty() && !whole()) fail("the previous frame is incomplete");
     const auto index = parse_int64(number);
     if (!index || *index < 0) fail("a frame needs a number");
     if (!table_.frames.empty() && *index <= table_.frames.back().index) fail("frames are not in ascending order");
@@ -168,11 +168,13 @@ TracksYaml::TracksYaml(const std::filesystem::path& path, const TracksHeader& he
   file_.append(header_text(header));
 }
 
-void TracksYaml::write(const TrackFrame& frame, GreyView) { file_.append(frame_text(frame)); }
+void TracksYaml::write(const TrackFrame& frame, GrayView) { file_.append(frame_text(frame)); }
 
 TrackTable parse_tracks_yaml(std::string_view text, std::string_view where) {
-  if (!text.starts_with("%YAML 1.0\n---\nformat: rastro_tracks\nversion: 1\n")) {
-    throw Error("does not begin as a tracks.yaml of version 1", fmt::format("{}:1", where),
+  constexpr std::string_view any_version = "%YAML 1.";  // files of before say 1.0, which libyaml rejects
+  constexpr std::string_view rest = "\n---\nformat: rastro_tracks\nversion: 1\n";
+  if (!text.starts_with(any_version) || text.find(rest) != any_version.size() + 1) {
+    throw Error("is not a tracks.yaml of version 1", fmt::format("{}:1", where),
                 "give a tracks.yaml as 'rastro track' writes it");
   }
   Reader reader(where);

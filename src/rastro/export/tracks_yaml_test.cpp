@@ -107,6 +107,14 @@ TEST(TracksYaml, ReadsBackWhatItWrote) {
   for (std::size_t i = 0; i < frames.size(); ++i) EXPECT_TRUE(same_frame(table.frames[i], frames[i])) << "frame " << i;
 }
 
+TEST(TracksYaml, SaysAVersionThatLibyamlTakesAndReadsTheOneOfBefore) {
+  const auto frames = awkward_frames();
+  std::string text = read_whole_file(write_file(frames, full_header(), "version"));
+  ASSERT_TRUE(text.starts_with("%YAML 1.1\n---\n"));
+  text[8] = '0';
+  EXPECT_EQ(parse_tracks_yaml(text, "t").frames.size(), frames.size());
+}
+
 TEST(TracksYaml, CutAtAnyByteKeepsTheWholeFrames) {
   const auto frames = awkward_frames();
   const std::string text = read_whole_file(write_file(frames, full_header(), "cut"));

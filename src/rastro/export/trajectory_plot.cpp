@@ -20,12 +20,12 @@ namespace {
 constexpr int sheet_width = 1860, sheet_height = 1180;
 constexpr double row_px = 178.0, row_frame_px = 138.0, top_px = 96.0;
 constexpr double column_px = 580.0, column_frame_px = 490.0, left_px = 75.0;
-constexpr PlotColour reference_colour{20, 20, 20};
-constexpr std::array<PlotColour, 6> estimate_colours = {
+constexpr PlotColor reference_color{20, 20, 20};
+constexpr std::array<PlotColor, 6> estimate_colors = {
     {{214, 39, 40}, {31, 119, 180}, {44, 160, 44}, {255, 127, 14}, {148, 103, 189}, {23, 190, 207}}};
 constexpr std::array<const char*, 6> row_names = {"x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]"};
 
-/// x, y, z in metres, then roll, pitch, yaw in degrees: the six rows of the plot.
+/// x, y, z in meters, then roll, pitch, yaw in degrees: the six rows of the plot.
 using Rows = std::array<double, 6>;
 
 double within_half_turn(double degrees) { return std::remainder(degrees, 360.0); }
@@ -79,7 +79,7 @@ EstimateRows rows_of(const PlottedEstimate& estimate, const TrajectoryPlot& plot
   return result;
 }
 
-PlotColour colour_of(std::size_t estimate) { return estimate_colours[estimate % estimate_colours.size()]; }
+PlotColor color_of(std::size_t estimate) { return estimate_colors[estimate % estimate_colors.size()]; }
 
 class Sheet {
  public:
@@ -88,7 +88,7 @@ class Sheet {
   }
 
   void draw(PlotPen& pen) const {
-    pen.text(plot_.title, {left_px, 30.0}, TextAnchor::left, 18.0, reference_colour);
+    pen.text(plot_.title, {left_px, 30.0}, TextAnchor::left, 18.0, reference_color);
     draw_legend(pen);
     for (std::size_t row = 0; row < row_names.size(); ++row) {
       draw_panel(values_panel(row), pen);
@@ -108,8 +108,8 @@ class Sheet {
   }
 
   PlotCurve curve(const std::vector<Rows>& rows, std::size_t row, const PlottedEstimate& estimate,
-                  PlotColour colour) const {
-    PlotCurve curve{{}, colour};
+                  PlotColor color) const {
+    PlotCurve curve{{}, color};
     for (std::size_t k = 0; k < rows.size(); ++k)
       curve.points.emplace_back(plot_.along[estimate.reference_index[k]], rows[k][row]);
     return curve;
@@ -117,20 +117,20 @@ class Sheet {
 
   PlotPanel values_panel(std::size_t row) const {
     PlotPanel panel = panel_at(row, 0, row_names[row]);
-    PlotCurve truth{{}, reference_colour};
+    PlotCurve truth{{}, reference_color};
     for (std::size_t k = 0; k < reference_.size(); ++k) truth.points.emplace_back(plot_.along[k], reference_[k][row]);
     panel.curves.push_back(truth);
     for (std::size_t k = 0; k < estimates_.size(); ++k)
-      panel.curves.push_back(curve(estimates_[k].values, row, plot_.estimates[k], colour_of(k)));
+      panel.curves.push_back(curve(estimates_[k].values, row, plot_.estimates[k], color_of(k)));
     return panel;
   }
 
   PlotPanel errors_panel(std::size_t row) const {
     PlotPanel panel = panel_at(row, 1, std::string("error of ") + row_names[row]);
     if (!plot_.along.empty())
-      panel.curves.push_back({{{plot_.along.front(), 0.0}, {plot_.along.back(), 0.0}}, reference_colour});
+      panel.curves.push_back({{{plot_.along.front(), 0.0}, {plot_.along.back(), 0.0}}, reference_color});
     for (std::size_t k = 0; k < estimates_.size(); ++k)
-      panel.curves.push_back(curve(estimates_[k].errors, row, plot_.estimates[k], colour_of(k)));
+      panel.curves.push_back(curve(estimates_[k].errors, row, plot_.estimates[k], color_of(k)));
     return panel;
   }
 
@@ -142,9 +142,9 @@ class Sheet {
     panel.title = std::string("the path from above: ") + row_names[up] + " over " + row_names[0];
     panel.x_label = row_names[0];
     panel.equal_axes = true;
-    panel.curves.push_back({path(reference_, up), reference_colour});
+    panel.curves.push_back({path(reference_, up), reference_color});
     for (std::size_t k = 0; k < estimates_.size(); ++k)
-      panel.curves.push_back({path(estimates_[k].values, up), colour_of(k)});
+      panel.curves.push_back({path(estimates_[k].values, up), color_of(k)});
     return panel;
   }
 
@@ -155,14 +155,14 @@ class Sheet {
   }
 
   void draw_legend(PlotPen& pen) const {
-    const auto entry = [&](std::size_t place, const std::string& name, PlotColour colour) {
+    const auto entry = [&](std::size_t place, const std::string& name, PlotColor color) {
       const Eigen::Vector2d at(left_px + 2.0 * column_px, 860.0 + 24.0 * static_cast<double>(place));
-      pen.line({at, at + Eigen::Vector2d(40.0, 0.0)}, colour, 3.0);
-      pen.text(name, at + Eigen::Vector2d(50.0, 5.0), TextAnchor::left, 14.0, reference_colour);
+      pen.line({at, at + Eigen::Vector2d(40.0, 0.0)}, color, 3.0);
+      pen.text(name, at + Eigen::Vector2d(50.0, 5.0), TextAnchor::left, 14.0, reference_color);
     };
-    entry(0, "reference", reference_colour);
+    entry(0, "reference", reference_color);
     for (std::size_t k = 0; k < plot_.estimates.size(); ++k)
-      entry(k + 1, one_line(plot_.estimates[k].name), colour_of(k));
+      entry(k + 1, one_line(plot_.estimates[k].name), color_of(k));
   }
 
   const TrajectoryPlot& plot_;

@@ -16,7 +16,7 @@ struct PlottedEstimate {
   std::vector<SE3> poses;
 };
 
-/// What a plot of trajectories shows: x, y, z (metres) and roll, pitch, yaw (degrees, of the turn since the reference's
+/// What a plot of trajectories shows: x, y, z (meters) and roll, pitch, yaw (degrees, of the turn since the reference's
 /// first pose) of reference and estimates, their errors (estimate minus reference), and the path from above.
 struct TrajectoryPlot {
   std::string title;

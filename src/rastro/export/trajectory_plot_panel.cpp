@@ -9,8 +9,8 @@
 namespace rastro {
 namespace {
 
-constexpr PlotColour black{30, 30, 30};
-constexpr PlotColour faint{222, 222, 222};
+constexpr PlotColor black{30, 30, 30};
+constexpr PlotColor faint{222, 222, 222};
 constexpr double letter_px = 12.0;
 constexpr double rim = 0.05;            ///< Part of the range left free at either end of an axis.
 constexpr double nearest_points = 0.4;  ///< Pixels; a point nearer to the last one drawn adds nothing to see.
@@ -97,7 +97,7 @@ std::vector<double> round_marks(double low, double high, int count) {
     if (digit * decade >= wanted) step = digit * decade;
   std::vector<double> marks;
   const double first = std::ceil(low / step), last = std::floor(high / step);
-  // Beyond 2^53 steps from zero, neighbouring marks are one number.
+  // Beyond 2^53 steps from zero, neighboring marks are one number.
   if (std::max(std::abs(first), std::abs(last)) > 9e15) return {};
   for (double k = first; k <= last; ++k) marks.push_back(k == 0.0 ? 0.0 : k * step);
   return marks;
@@ -112,7 +112,7 @@ void draw_panel(const PlotPanel& panel, PlotPen& pen) {
   pen.line({axes(low.x(), low.y()), axes(high.x(), low.y()), axes(high.x(), high.y()), axes(low.x(), high.y()),
             axes(low.x(), low.y())},
            black, 1.0);
-  for (const PlotCurve& curve : panel.curves) pen.line(on_sheet(curve, axes), curve.colour, 1.2);
+  for (const PlotCurve& curve : panel.curves) pen.line(on_sheet(curve, axes), curve.color, 1.2);
   pen.text(panel.title, panel.corner + Eigen::Vector2d(0.0, -6.0), TextAnchor::left, letter_px + 1.0, black);
   if (!panel.x_label.empty())
     pen.text(panel.x_label, panel.corner + Eigen::Vector2d(0.5 * panel.size.x(), panel.size.y() + 34.0),

@@ -13,7 +13,7 @@ namespace rastro {
 /// One curve in the units of the axes.
 struct PlotCurve {
   std::vector<Eigen::Vector2d> points;
-  PlotColour colour;
+  PlotColor color;
 };
 
 /// A frame with axes and curves in it.

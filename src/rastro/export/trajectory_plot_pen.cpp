@@ -26,7 +26,7 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-std::string hex(PlotColour colour) { return fmt::format("#{:02x}{:02x}{:02x}", colour.red, colour.green, colour.blue); }
+std::string hex(PlotColor color) { return fmt::format("#{:02x}{:02x}{:02x}", color.red, color.green, color.blue); }
 
 class SvgPen : public PlotPen {
  public:
@@ -36,20 +36,19 @@ class SvgPen : public PlotPen {
             "font-family=\"sans-serif\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
             width, height)) {}
 
-  void line(const std::vector<Eigen::Vector2d>& points, PlotColour colour, double width) override {
+  void line(const std::vector<Eigen::Vector2d>& points, PlotColor color, double width) override {
     if (points.empty()) return;
-    text_ += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" points=\"", hex(colour), width);
+    text_ += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" points=\"", hex(color), width);
     for (const Eigen::Vector2d& point : points) text_ += fmt::format("{:.1f},{:.1f} ", point.x(), point.y());
     text_.back() = '"';
     text_ += "/>\n";
   }
 
-  void text(const std::string& text, Eigen::Vector2d foot, TextAnchor anchor, double height,
-            PlotColour colour) override {
+  void text(const std::string& text, Eigen::Vector2d foot, TextAnchor anchor, double height, PlotColor color) override {
     constexpr const char* anchors[] = {"start", "middle", "end"};
     text_ +=
         fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"{:g}\" text-anchor=\"{}\" fill=\"{}\">{}</text>\n",
-                    foot.x(), foot.y(), height, anchors[static_cast<std::size_t>(anchor)], hex(colour), escaped(text));
+                    foot.x(), foot.y(), height, anchors[static_cast<std::size_t>(anchor)], hex(color), escaped(text));
   }
 
   void save(const std::string& file) override { write_whole_file(file, text_ + "</svg>\n"); }
@@ -62,21 +61,20 @@ class PngPen : public PlotPen {
  public:
   PngPen(int width, int height) : picture_(height, width, CV_8UC3, cv::Scalar(255, 255, 255)) {}
 
-  void line(const std::vector<Eigen::Vector2d>& points, PlotColour colour, double width) override {
+  void line(const std::vector<Eigen::Vector2d>& points, PlotColor color, double width) override {
     std::vector<cv::Point> corners;
     for (const Eigen::Vector2d& point : points)
       corners.emplace_back(cvRound(point.x() * fraction_units), cvRound(point.y() * fraction_units));
-    cv::polylines(picture_, corners, false, bgr(colour), std::max(1, cvRound(width)), cv::LINE_AA, fraction_bits);
+    cv::polylines(picture_, corners, false, bgr(color), std::max(1, cvRound(width)), cv::LINE_AA, fraction_bits);
   }
 
-  void text(const std::string& text, Eigen::Vector2d foot, TextAnchor anchor, double height,
-            PlotColour colour) override {
+  void text(const std::string& text, Eigen::Vector2d foot, TextAnchor anchor, double height, PlotColor color) override {
     const double size = height / font_height;
     int below = 0;
     const int width = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
     const double shift = anchor == TextAnchor::left ? 0.0 : anchor == TextAnchor::middle ? 0.5 : 1.0;
     cv::putText(picture_, text, {cvRound(foot.x() - shift * width), cvRound(foot.y())}, cv::FONT_HERSHEY_SIMPLEX, size,
-                bgr(colour), 1, cv::LINE_AA);
+                bgr(color), 1, cv::LINE_AA);
   }
 
   void save(const std::string& file) override { drawing::save(file, picture_); }
@@ -85,7 +83,7 @@ class PngPen : public PlotPen {
   static constexpr int fraction_bits = 4;
   static constexpr double fraction_units = 1 << fraction_bits;
   static constexpr double font_height = 30.0;  ///< Of OpenCV's letters at size 1, with what hangs below the line.
-  static cv::Scalar bgr(PlotColour colour) { return {double(colour.blue), double(colour.green), double(colour.red)}; }
+  static cv::Scalar bgr(PlotColor color) { return {double(color.blue), double(color.green), double(color.red)}; }
 
   cv::Mat picture_;
 };

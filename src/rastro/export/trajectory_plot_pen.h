@@ -10,7 +10,7 @@
 
 namespace rastro {
 
-struct PlotColour {
+struct PlotColor {
   std::uint8_t red = 0, green = 0, blue = 0;
 };
 
@@ -20,10 +20,10 @@ enum class TextAnchor : std::uint8_t { left, middle, right };
 class PlotPen {
  public:
   virtual ~PlotPen() = default;
-  virtual void line(const std::vector<Eigen::Vector2d>& points, PlotColour colour, double width) = 0;
+  virtual void line(const std::vector<Eigen::Vector2d>& points, PlotColor color, double width) = 0;
   /// `foot`: where the text's base line has its left end, middle or right end.
   virtual void text(const std::string& text, Eigen::Vector2d foot, TextAnchor anchor, double height,
-                    PlotColour colour) = 0;
+                    PlotColor color) = 0;
   virtual void save(const std::string& file) = 0;
 };
 

@@ -33,10 +33,10 @@ TrajectoryPlot circle() {
   return plot;
 }
 
-/// Points of the `number`-th line of this colour.
-std::vector<Eigen::Vector2d> line_of(const std::string& svg, const std::string& colour, int number) {
+/// Points of the `number`-th line of this color.
+std::vector<Eigen::Vector2d> line_of(const std::string& svg, const std::string& color, int number) {
   std::size_t at = 0;
-  for (int k = 0; k <= number; ++k) at = svg.find("stroke=\"" + colour + "\"", at) + 1;
+  for (int k = 0; k <= number; ++k) at = svg.find("stroke=\"" + color + "\"", at) + 1;
   at = svg.find("points=\"", at) + 8;
   std::istringstream text(svg.substr(at, svg.find('"', at) - at));
   std::vector<Eigen::Vector2d> points;
@@ -53,7 +53,7 @@ TEST(TrajectoryPlot, SvgHoldsTheCurves) {
   for (const char* word :
        {">x [m]<", ">error of yaw [deg]<", ">roll [deg]<", "path from above: z [m]", ">frame<", ">run<"})
     EXPECT_THAT(svg, HasSubstr(word));
-  // The first colour: the legend, then two lines for each row, value and error, then the path.
+  // The first color: the legend, then two lines for each row, value and error, then the path.
   const auto yaw = line_of(svg, "#d62728", 11);
   ASSERT_GT(yaw.size(), 100u);
   for (std::size_t k = 1; k < yaw.size(); ++k) EXPECT_LT(yaw[k].y(), yaw[k - 1].y()) << "yaw must run on, not wrap";
@@ -63,7 +63,7 @@ TEST(TrajectoryPlot, SvgHoldsTheCurves) {
   EXPECT_NEAR((high - low).x(), (high - low).y(), 0.5) << "a circle stays one";
 }
 
-TEST(TrajectoryPlot, PngIsAPictureWithTheColours) {
+TEST(TrajectoryPlot, PngIsAPictureWithTheColors) {
   const auto file = scratch_path("plot.png");
   write_trajectory_plot(circle(), file.string());
   const cv::Mat picture = cv::imread(file.string());

@@ -22,11 +22,11 @@ class TrackVideo::Writer {
     }
     const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
     if (!std::filesystem::is_directory(folder)) {
-      throw Error("there is no such folder for the video", folder.string(), "make it first");
+      throw Error("the folder of the video does not exist", folder.string(), "create it first");
     }
   }
 
-  void write(const TrackFrame& frame, GreyView image) {
+  void write(const TrackFrame& frame, GrayView image) {
     cv::Mat picture = drawing::overlay(frame, image);
     if (writer_.isOpened()) {
       put(picture);
@@ -83,7 +83,7 @@ class TrackVideo::Writer {
 };
 
 TrackVideo::TrackVideo(const std::filesystem::path& path) : writer_(std::make_unique<Writer>(path)) {}
-void TrackVideo::write(const TrackFrame& frame, GreyView image) { writer_->write(frame, image); }
+void TrackVideo::write(const TrackFrame& frame, GrayView image) { writer_->write(frame, image); }
 void TrackVideo::finish() { writer_->finish(); }
 
 #else
@@ -93,9 +93,9 @@ class TrackVideo::Writer {};
 
 TrackVideo::TrackVideo(const std::filesystem::path& path) {
   throw Error("this rastro was built without video files", path.string(),
-              "leave out --video, use --pictures, or build with -DRASTRO_WITH_VIDEO=ON");
+              "omit --video, use --images, or build with -DRASTRO_WITH_VIDEO=ON");
 }
-void TrackVideo::write(const TrackFrame&, GreyView) {}
+void TrackVideo::write(const TrackFrame&, GrayView) {}
 void TrackVideo::finish() {}
 #endif
 

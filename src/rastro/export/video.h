@@ -14,7 +14,7 @@ class TrackVideo : public TrackSink {
  public:
   explicit TrackVideo(const std::filesystem::path& path);
   ~TrackVideo() override;
-  void write(const TrackFrame& frame, GreyView image) override;
+  void write(const TrackFrame& frame, GrayView image) override;
   void finish() override;
 
  private:

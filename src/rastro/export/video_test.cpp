@@ -23,7 +23,7 @@ std::uintmax_t size_of_video(int frames, const std::string& name) {
   const auto path = scratch_folder("video") / name;
   const auto video = make_video(path);
   if (!video) return 0;
-  const GreyImage image(640, 101);
+  const GrayImage image(640, 101);
   for (int i = 0; i < frames; ++i) {
     video->write(make_frame(i, {make_feature(i, TrackState::fresh, 30.0F + static_cast<float>(i), 50.0F)}), image);
   }

@@ -30,7 +30,7 @@ std::vector<BriefTest> draw_tests(int patch_px, std::uint64_t seed) {
     test.ay = draw();
     test.bx = draw();
     test.by = draw();
-    // A test whose ends fall on one pixel says nothing.
+    // A test with both ends on one pixel has no information.
     if (std::lround(test.ax) != std::lround(test.bx) || std::lround(test.ay) != std::lround(test.by))
       drawn.push_back(test);
   }
@@ -40,7 +40,7 @@ std::vector<BriefTest> draw_tests(int patch_px, std::uint64_t seed) {
 }  // namespace
 
 int hamming_distance(const Descriptor& a, const Descriptor& b) {
-  // Without an instruction for it, which not every x86 has, std::popcount is a slow call.
+  // Without the instruction, which not every x86 has, std::popcount is a slow call.
   constexpr std::uint64_t ones = 0x0101010101010101;
   std::uint64_t bytes = 0;  // Of each byte of all words together: how many bits differ.
   for (std::size_t i = 0; i < 4; ++i) {
@@ -55,7 +55,7 @@ int hamming_distance(const Descriptor& a, const Descriptor& b) {
 }
 
 const std::vector<double>& Brief::scales() {
-  // The plain pattern first, then steps of about a quarter either way.
+  // The plain pattern first, then steps of about a quarter in both directions.
   static const std::vector<double> steps = {1.0, 0.8, 1.25, 0.64, 1.5625};
   return steps;
 }
@@ -94,9 +94,9 @@ Descriptor Brief::describe(const Image<std::uint16_t>& sums, float x, float y, d
   const Pattern& pattern = angle_rad == 0.0 && scale == 1.0 ? patterns_.front() : pattern_of(angle_rad, scale);
   const int cx = static_cast<int>(std::lround(x)), cy = static_cast<int>(std::lround(y));
   if (cx >= reach_ && cy >= reach_ && cx + reach_ < sums.width() && cy + reach_ < sums.height()) {
-    const std::uint16_t* centre = sums.row(cy) + cx;
-    return simd_level() == SimdLevel::avx2 ? compare_avx2(pattern, centre, sums.stride())
-                                           : compare_plain(pattern, centre, sums.stride());
+    const std::uint16_t* center = sums.row(cy) + cx;
+    return simd_level() == SimdLevel::avx2 ? compare_avx2(pattern, center, sums.stride())
+                                           : compare_plain(pattern, center, sums.stride());
   }
   Descriptor descriptor;
   const auto value = [&](int dx, int dy) {
@@ -109,10 +109,10 @@ Descriptor Brief::describe(const Image<std::uint16_t>& sums, float x, float y, d
   return descriptor;
 }
 
-Descriptor Brief::compare_plain(const Pattern& pattern, const std::uint16_t* centre, std::ptrdiff_t stride) {
+Descriptor Brief::compare_plain(const Pattern& pattern, const std::uint16_t* center, std::ptrdiff_t stride) {
   Descriptor descriptor;
   for (std::size_t t = 0; t < tests; ++t) {
-    const bool below = centre[pattern.ay[t] * stride + pattern.ax[t]] < centre[pattern.by[t] * stride + pattern.bx[t]];
+    const bool below = center[pattern.ay[t] * stride + pattern.ax[t]] < center[pattern.by[t] * stride + pattern.bx[t]];
     descriptor.words[t / 64] |= static_cast<std::uint64_t>(below) << (t % 64);
   }
   return descriptor;
@@ -126,34 +126,34 @@ RASTRO_TARGET_AVX2 inline __m256i widened(const std::int8_t* values) {
 }
 
 /// Eight values at once; each read takes two bytes too many, which the image's slack allows.
-RASTRO_TARGET_AVX2 inline __m256i values_at(const std::uint16_t* centre, __m256i stride, const std::int8_t* x,
+RASTRO_TARGET_AVX2 inline __m256i values_at(const std::uint16_t* center, __m256i stride, const std::int8_t* x,
                                             const std::int8_t* y) {
   const __m256i places = _mm256_add_epi32(_mm256_mullo_epi32(widened(y), stride), widened(x));
-  const __m256i read = _mm256_i32gather_epi32(reinterpret_cast<const int*>(centre), places, sizeof(std::uint16_t));
+  const __m256i read = _mm256_i32gather_epi32(reinterpret_cast<const int*>(center), places, sizeof(std::uint16_t));
   return _mm256_and_si256(read, _mm256_set1_epi32(0xffff));
 }
 
 }  // namespace
 
-RASTRO_TARGET_AVX2 Descriptor Brief::compare_avx2(const Pattern& pattern, const std::uint16_t* centre,
+RASTRO_TARGET_AVX2 Descriptor Brief::compare_avx2(const Pattern& pattern, const std::uint16_t* center,
                                                   std::ptrdiff_t stride) {
   Descriptor descriptor;
   const __m256i strides = _mm256_set1_epi32(static_cast<int>(stride));
   for (std::size_t t = 0; t < tests; t += 8) {
-    const __m256i a = values_at(centre, strides, pattern.ax.data() + t, pattern.ay.data() + t);
-    const __m256i b = values_at(centre, strides, pattern.bx.data() + t, pattern.by.data() + t);
+    const __m256i a = values_at(center, strides, pattern.ax.data() + t, pattern.ay.data() + t);
+    const __m256i b = values_at(center, strides, pattern.bx.data() + t, pattern.by.data() + t);
     const int below = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(b, a)));
     descriptor.words[t / 64] |= static_cast<std::uint64_t>(static_cast<unsigned>(below)) << (t % 64);
   }
   return descriptor;
 }
 #else
-Descriptor Brief::compare_avx2(const Pattern& pattern, const std::uint16_t* centre, std::ptrdiff_t stride) {
-  return compare_plain(pattern, centre, stride);
+Descriptor Brief::compare_avx2(const Pattern& pattern, const std::uint16_t* center, std::ptrdiff_t stride) {
+  return compare_plain(pattern, center, stride);
 }
 #endif
 
-double intensity_centroid_angle(GreyView image, float x, float y, int radius) {
+double intensity_centroid_angle(GrayView image, float x, float y, int radius) {
   const int cx = static_cast<int>(std::lround(x)), cy = static_cast<int>(std::lround(y));
   std::int64_t moment_x = 0, moment_y = 0;
   for (int dy = -radius; dy <= radius; ++dy) {

@@ -18,25 +18,24 @@ struct alignas(32) Descriptor {
 /// Number of differing bits, 0..256.
 int hamming_distance(const Descriptor& a, const Descriptor& b);
 
-/// One test of BRIEF: is the smoothed intensity at (ax, ay) from the corner below that at (bx, by)?
+/// One test of BRIEF: is the smoothed intensity at offset (ax, ay) from the corner below that at (bx, by)?
 struct BriefTest {
   float ax, ay, bx, by;
 };
 
 /// Calonder et al. 2010, "BRIEF", their sampling G II: both ends drawn from an isotropic Gaussian of variance S^2/25
-/// around the corner, S the patch's side. The draws are seeded, so descriptors are the same on every machine. Smoothing
-/// is the caller's: tests read an image of box sums (image/box_sum.h).
+/// around the corner, S the patch's side. The draws are seeded, so descriptors are the same on every machine. The
+/// caller smooths the image: tests read box sums (image/box_sum.h).
 class Brief {
  public:
   /// `patch_px`: side S of the patch, 8..64.
   Brief(int patch_px, std::uint64_t seed);
 
-  /// Descriptor of the corner at (x, y); pixels outside the image are taken at its edge.
+  /// Descriptor of the corner at (x, y); outside the image, the pixels at its edge are used.
   Descriptor describe(const Image<std::uint16_t>& sums, float x, float y) const {
     return describe(sums, x, y, 0.0, 1.0);
   }
-  /// Steered: the pattern turned by `angle_rad` (rounded to 360/32 degrees) and scaled by one of scales() (nearest is
-  /// taken).
+  /// Steered: the pattern rotated by `angle_rad` (rounded to 360/32 degrees) and scaled by the nearest of scales().
   Descriptor describe(const Image<std::uint16_t>& sums, float x, float y, double angle_rad, double scale) const;
 
   static const std::vector<double>& scales();
@@ -46,15 +45,15 @@ class Brief {
   struct Pattern {
     std::array<std::int8_t, 256> ax, ay, bx, by;
   };
-  static Descriptor compare_plain(const Pattern& pattern, const std::uint16_t* centre, std::ptrdiff_t stride);
-  static Descriptor compare_avx2(const Pattern& pattern, const std::uint16_t* centre, std::ptrdiff_t stride);
+  static Descriptor compare_plain(const Pattern& pattern, const std::uint16_t* center, std::ptrdiff_t stride);
+  static Descriptor compare_avx2(const Pattern& pattern, const std::uint16_t* center, std::ptrdiff_t stride);
   const Pattern& pattern_of(double angle_rad, double scale) const;
 
   std::vector<Pattern> patterns_;  ///< By scale, then angle.
-  int reach_ = 0;                  ///< No test of any pattern ends farther out.
+  int reach_ = 0;                  ///< Largest offset of any test.
 };
 
 /// Direction of the intensity centroid in a disc around (x, y) (Rosin 1999; ORB 2011 section 3.2), radians.
-double intensity_centroid_angle(GreyView image, float x, float y, int radius);
+double intensity_centroid_angle(GrayView image, float x, float y, int radius);
 
 }  // namespace rastro

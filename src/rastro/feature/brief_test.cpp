@@ -19,15 +19,15 @@
 namespace rastro {
 namespace {
 
-Image<std::uint16_t> smooth(const GreyImage& image) {
+Image<std::uint16_t> smooth(const GrayImage& image) {
   Image<std::uint16_t> sums;
   box_sums(testing::padded(image, 48), 4, sums);
   return sums;
 }
 
-/// `image` turned by `angle` about its middle and magnified by `scale`.
-GreyImage turned(const GreyImage& image, double angle, double scale) {
-  GreyImage out(image.width(), image.height());
+/// `image` rotated by `angle` about its center and magnified by `scale`.
+GrayImage turned(const GrayImage& image, double angle, double scale) {
+  GrayImage out(image.width(), image.height());
   const int cx = image.width() / 2, cy = image.height() / 2;
   for (int y = 0; y < out.height(); ++y) {
     for (int x = 0; x < out.width(); ++x) {
@@ -49,10 +49,9 @@ TEST(Brief, SamePatternForSameSeedOnly) {
   EXPECT_EQ(Brief(48, 1).describe(sums, 60, 60), Brief(48, 1).describe(sums, 60.4F, 59.6F)) << "the same pixel";
 }
 
-/// BRIEF as its publication has it, in the plainest way: ends drawn from the Gaussian, turned and scaled; each is the
-/// sum of a box of pixels around it, or around the image's edge where it lies outside; boxes over the edge see it
-/// mirrored.
-Descriptor plain_brief(const GreyImage& image, int x, int y, int patch_px, std::uint64_t seed, double angle_rad,
+/// BRIEF as published, in the plainest form: ends drawn from the Gaussian, rotated and scaled; each is the sum of a box
+/// of pixels around it, or around the image's edge if it lies outside; boxes over the edge see it mirrored.
+Descriptor plain_brief(const GrayImage& image, int x, int y, int patch_px, std::uint64_t seed, double angle_rad,
                        double scale) {
   Random random(seed);
   const auto draw = [&] {
@@ -84,7 +83,7 @@ Descriptor plain_brief(const GreyImage& image, int x, int y, int patch_px, std::
 }
 
 TEST(Brief, EveryBitIsThatOfThePublicationsPlainTest) {
-  const GreyImage image = testing::noise_image(150, 130, 11);
+  const GrayImage image = testing::noise_image(150, 130, 11);
   const auto sums = smooth(image);
   constexpr double step = 2.0 * std::numbers::pi / 32;
   for (const int patch_px : {32, 48}) {
@@ -103,8 +102,8 @@ TEST(Brief, EveryBitIsThatOfThePublicationsPlainTest) {
   }
 }
 
-TEST(Brief, TheBitsAreThoseOnceWrittenDown) {
-  // Maps and vocabularies hold such bits: another compiler or machine that draws another pattern cannot read them.
+TEST(Brief, TheBitsNeverChange) {
+  // Maps and vocabularies store such bits: a compiler or machine that draws another pattern cannot read them.
   const auto sums = smooth(testing::noise_image(120, 120, 3));
   const Descriptor upright = Brief(48, 1).describe(sums, 60, 60);
   const Descriptor steered = Brief(48, 1).describe(sums, 60, 60, 1.0, 1.25);
@@ -116,7 +115,7 @@ TEST(Brief, TheBitsAreThoseOnceWrittenDown) {
   EXPECT_EQ(steered.words, steered_words);
 }
 
-TEST(Brief, FollowsAShiftAndTellsPlacesApart) {
+TEST(Brief, MatchesUnderAShiftAndDistinguishesPoints) {
   const Brief brief(48, 1);
   const auto here = smooth(testing::wave_image(200, 200, 0, 0)),
              shifted = smooth(testing::wave_image(200, 200, 11, -6));
@@ -127,7 +126,7 @@ TEST(Brief, FollowsAShiftAndTellsPlacesApart) {
 
 TEST(Brief, NearTheEdgePixelsAreTakenAtTheEdge) {
   const Brief brief(48, 1);
-  const GreyImage image = testing::wave_image(100, 100, 0, 0);
+  const GrayImage image = testing::wave_image(100, 100, 0, 0);
   const auto sums = smooth(image);
   Image<std::uint16_t> larger(300, 300);
   for (int y = 0; y < 300; ++y) {
@@ -136,9 +135,9 @@ TEST(Brief, NearTheEdgePixelsAreTakenAtTheEdge) {
   EXPECT_EQ(brief.describe(sums, 2, 97), brief.describe(larger, 102, 197));
 }
 
-TEST(Brief, SteeredAndScaledPatternsFollowTurnAndScale) {
+TEST(Brief, SteeredAndScaledPatternsFollowRotationAndScale) {
   const Brief brief(48, 1);
-  const GreyImage image = testing::wave_image(240, 240, 0, 0);
+  const GrayImage image = testing::wave_image(240, 240, 0, 0);
   const auto before = brief.describe(smooth(image), 120, 120);
   const double angle = std::numbers::pi / 4;
   const auto turned_sums = smooth(turned(image, angle, 1.0));
@@ -163,7 +162,7 @@ TEST(Brief, EveryLevelOfSimdGivesTheSameBits) {
 }
 
 TEST(IntensityCentroid, PointsToTheBrightSide) {
-  GreyImage image(61, 61);
+  GrayImage image(61, 61);
   for (int y = 0; y < 61; ++y) {
     for (int x = 0; x < 61; ++x) image.at(x, y) = static_cast<std::uint8_t>(2 * x + 2 * y);
   }

@@ -31,8 +31,8 @@ struct Band {
   float best = 0.0F;
 };
 
-/// The best score of all bands so far. What it is at some time depends on the threads, but it only ever leaves out
-/// maxima that the threshold at the end leaves out as well.
+/// The best score of all bands so far. Its value at a given time depends on the threads, but it only ever excludes
+/// maxima that the final threshold excludes as well.
 class SharedBest {
  public:
   float get() const { return best_.load(std::memory_order_relaxed); }
@@ -53,7 +53,7 @@ struct BandBuffers {
 };
 
 /// Which tiles of a band have a free pixel.
-std::vector<char> free_tiles(GreyView free, const Area& band) {
+std::vector<char> free_tiles(GrayView free, const Area& band) {
   std::vector<char> tiles(static_cast<std::size_t>((band.x1 - band.x0 + tile_width - 1) / tile_width));
   for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
     const int x0 = band.x0 + static_cast<int>(tile) * tile_width;
@@ -130,9 +130,9 @@ void row_maxima(const ScoreRows& rows, int begin, int end, float floor, std::vec
   row_maxima_plain(rows, begin, end, floor, maxima);
 }
 
-/// Adds the free local maxima of `area` to the band. Scores below `quality` times the best seen so far cannot survive
-/// the threshold that comes later, so leaving them out early changes nothing.
-void collect_maxima(const PaddedImage& image, GreyView free, const Area& area, double quality, BandBuffers& buffers,
+/// Adds the free local maxima of `area` to the band. Scores below `quality` times the best so far cannot survive the
+/// final threshold, so dropping them early changes nothing.
+void collect_maxima(const PaddedImage& image, GrayView free, const Area& area, double quality, BandBuffers& buffers,
                     Band& band) {
   min_eigenvalues(image, area.x0 - 1, area.x1 + 1, area.y0 - 1, area.y1 + 1, buffers.scores.row(0),
                   buffers.scores.stride(), buffers.gradients);
@@ -147,7 +147,7 @@ void collect_maxima(const PaddedImage& image, GreyView free, const Area& area, d
   }
 }
 
-void search_band(const PaddedImage& image, GreyView free, const Area& inside, int band_index, double quality,
+void search_band(const PaddedImage& image, GrayView free, const Area& inside, int band_index, double quality,
                  SharedBest& shared, Band& band) {
   // One set of buffers per thread: their contents never outlive a call.
   thread_local BandBuffers buffers;
@@ -158,7 +158,7 @@ void search_band(const PaddedImage& image, GreyView free, const Area& inside, in
             std::min(inside.y1, inside.y0 + (band_index + 1) * tile_height)};
   const std::vector<char> tiles = free_tiles(free, {inside.x0, inside.x1, area.y0, area.y1});
   for (std::size_t tile = 0; tile < tiles.size();) {
-    // Neighbouring free tiles are done in one go, which saves their common margins.
+    // Adjacent free tiles are processed together, which saves their common margins.
     std::size_t end = tile;
     while (end < tiles.size() && tiles[end] != 0) ++end;
     if (end > tile) {
@@ -176,7 +176,7 @@ bool stronger(const Corner& a, const Corner& b) {
   return a.y != b.y ? a.y < b.y : a.x < b.x;
 }
 
-/// Greedy choice, strongest first. Sorting goes in growing portions, since usually only a small part is ever looked at.
+/// Greedy selection, strongest first. Sorts in growing portions, since usually only a small part is used.
 std::vector<Corner> choose(std::vector<Corner>& candidates, int count, double min_distance, int width, int height) {
   std::vector<Corner> chosen;
   DistanceGrid grid(width, height, min_distance);
@@ -204,9 +204,10 @@ struct CornerDetector::Buffers {
 CornerDetector::CornerDetector() : buffers_(std::make_unique<Buffers>()) {}
 CornerDetector::~CornerDetector() = default;
 
-std::vector<Corner> CornerDetector::detect(const PaddedImage& image, GreyView free, int count,
+std::vector<Corner> CornerDetector::detect(const PaddedImage& image, GrayView free, int count,
                                            const CornerOptions& options, TaskPool* pool) {
-  RASTRO_CHECK(free.width == image.width() && free.height == image.height(), "the free mask has the image's size");
+  RASTRO_CHECK(free.width == image.width() && free.height == image.height(),
+               "the free mask must have the image's size");
   candidates_ = 0;
   const int border = std::max(options.border_px, 0);
   const Area inside{border, image.width() - border, border, image.height() - border};

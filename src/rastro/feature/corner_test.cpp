@@ -16,8 +16,8 @@ namespace {
 using testing::padded;
 using testing::with_plain_code;
 
-GreyImage all_free(int width, int height) {
-  GreyImage free(width, height);
+GrayImage all_free(int width, int height) {
+  GrayImage free(width, height);
   for (int y = 0; y < height; ++y) std::memset(free.row(y), 255, static_cast<std::size_t>(width));
   return free;
 }
@@ -30,7 +30,7 @@ Image<float> scores_of(const PaddedImage& image) {
 }
 
 TEST(MinEigenvalues, AreOpenCvsUpToScale) {
-  const GreyImage image = testing::wave_image(97, 61, 0.0, 0.0);
+  const GrayImage image = testing::wave_image(97, 61, 0.0, 0.0);
   cv::Mat expected;
   cv::cornerMinEigenVal(
       cv::Mat(61, 97, CV_8U, const_cast<std::uint8_t*>(image.row(0)), static_cast<std::size_t>(image.stride())),
@@ -53,9 +53,9 @@ TEST(MinEigenvalues, PlainAndFastCodeGiveTheSameBits) {
   for (int y = 0; y < 57; ++y) ASSERT_EQ(std::memcmp(fast.row(y), plain.row(y), 103 * sizeof(float)), 0) << y;
 }
 
-TEST(CornerDetector, FindsWhatGoodFeaturesToTrackFinds) {
-  const GreyImage image = testing::wave_image(320, 240, 0.0, 0.0);
-  // Three pixels from the edge on: nearer, scores depend on how the image is thought to go on beyond it.
+TEST(CornerDetector, AgreesWithGoodFeaturesToTrack) {
+  const GrayImage image = testing::wave_image(320, 240, 0.0, 0.0);
+  // From three pixels off the edge on: closer, scores depend on how the image is extended beyond it.
   cv::Mat inside(240, 320, CV_8U, cv::Scalar(0));
   inside(cv::Rect(3, 3, 314, 234)) = 255;
   std::vector<cv::Point2f> expected;
@@ -75,8 +75,8 @@ TEST(CornerDetector, FindsWhatGoodFeaturesToTrackFinds) {
 }
 
 TEST(CornerDetector, KeepsDistanceMaskBorderAndOrder) {
-  const GreyImage image = testing::noise_image(200, 150, 4);
-  GreyImage free = all_free(200, 150);
+  const GrayImage image = testing::noise_image(200, 150, 4);
+  GrayImage free = all_free(200, 150);
   for (int y = 0; y < 150; ++y) std::memset(free.row(y), 0, 80);
   CornerDetector detector;
   const auto corners = detector.detect(padded(image, 48), free.view(), 1000, {0.01, 12.0, 9});
@@ -93,9 +93,9 @@ TEST(CornerDetector, KeepsDistanceMaskBorderAndOrder) {
 }
 
 TEST(CornerDetector, SkippedTilesChangeNothing) {
-  // With all but a spot masked, the corners in the spot are those of the full search restricted to it.
+  // With all but a region masked, the corners in the region are those of the full search restricted to it.
   const PaddedImage image = padded(testing::noise_image(300, 200, 8), 48);
-  GreyImage spot(300, 200);
+  GrayImage spot(300, 200);
   for (int y = 70; y < 120; ++y) std::memset(spot.row(y) + 100, 255, 60);
   CornerDetector detector;
   const auto in_spot = detector.detect(image, spot.view(), 10000, {1e-6, 0.0, 1});
@@ -108,9 +108,9 @@ TEST(CornerDetector, SkippedTilesChangeNothing) {
   }
 }
 
-TEST(CornerDetector, SamePoolOrNoneSameCorners) {
+TEST(CornerDetector, AnyPoolGivesTheSameCorners) {
   const PaddedImage image = padded(testing::noise_image(301, 211, 12), 48);
-  const GreyImage free = all_free(301, 211);
+  const GrayImage free = all_free(301, 211);
   CornerDetector detector;
   TaskPool pool(4);
   const auto alone = detector.detect(image, free.view(), 100, {});
@@ -119,9 +119,9 @@ TEST(CornerDetector, SamePoolOrNoneSameCorners) {
   for (std::size_t i = 0; i < alone.size(); ++i) EXPECT_TRUE(alone[i].x == pooled[i].x && alone[i].y == pooled[i].y);
 }
 
-TEST(CornerDetector, NothingInABlankOrTinyImage) {
+TEST(CornerDetector, FindsNothingInABlankOrTinyImage) {
   CornerDetector detector;
-  EXPECT_TRUE(detector.detect(padded(GreyImage(64, 64), 48), all_free(64, 64).view(), 10, {}).empty());
+  EXPECT_TRUE(detector.detect(padded(GrayImage(64, 64), 48), all_free(64, 64).view(), 10, {}).empty());
   EXPECT_TRUE(detector.detect(padded(testing::noise_image(2, 2, 1), 48), all_free(2, 2).view(), 10, {}).empty());
 }
 

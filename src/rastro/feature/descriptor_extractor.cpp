@@ -18,7 +18,7 @@ namespace {
 
 constexpr int least_side = 64;
 
-cv::Mat as_matrix(GreyView image) {
+cv::Mat as_matrix(GrayView image) {
   // OpenCV has no view of constant pixels; detectors do not write to their input.
   return cv::Mat(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
                  static_cast<std::size_t>(image.stride));
@@ -38,7 +38,7 @@ class SiftExtractor final : public DescriptorExtractor {
       : sift_(cv::SIFT::create(options.max_keypoints, 3, options.sift_contrast)) {}
 
  private:
-  Features extract_unsorted(GreyView image) override {
+  Features extract_unsorted(GrayView image) override {
     std::vector<cv::KeyPoint> found;
     cv::Mat descriptors;
     sift_->detectAndCompute(as_matrix(image), cv::noArray(), found, descriptors);
@@ -61,7 +61,7 @@ class OrbExtractor final : public DescriptorExtractor {
                              options.orb_fast_threshold)) {}
 
  private:
-  Features extract_unsorted(GreyView image) override {
+  Features extract_unsorted(GrayView image) override {
     std::vector<cv::KeyPoint> found;
     cv::Mat descriptors;
     orb_->detectAndCompute(as_matrix(image), cv::noArray(), found, descriptors);
@@ -76,7 +76,7 @@ class OrbExtractor final : public DescriptorExtractor {
   cv::Ptr<cv::ORB> orb_;
 };
 
-/// Strongest first, in an order that any two equal sets of keypoints have in common.
+/// Strongest first, in an order that is the same for any two equal sets of keypoints.
 Features sorted(const Features& features, std::size_t most) {
   std::vector<std::size_t> order(features.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -102,11 +102,11 @@ void check(const DescriptorExtractorOptions& options) {
   const auto refuse = [](const char* name, double value, const char* range) {
     throw Error(fmt::format("{} = {} is out of range", name, value), "descriptor options", range);
   };
-  if (options.max_keypoints < 1) refuse("max_keypoints", options.max_keypoints, "take 1 or more");
-  if (!(options.sift_contrast >= 0.0)) refuse("sift_contrast", options.sift_contrast, "take 0 or more");
-  if (!(options.surf_threshold >= 0.0)) refuse("surf_threshold", options.surf_threshold, "take 0 or more");
+  if (options.max_keypoints < 1) refuse("max_keypoints", options.max_keypoints, "use 1 or more");
+  if (!(options.sift_contrast >= 0.0)) refuse("sift_contrast", options.sift_contrast, "use 0 or more");
+  if (!(options.surf_threshold >= 0.0)) refuse("surf_threshold", options.surf_threshold, "use 0 or more");
   if (options.orb_fast_threshold < 1 || options.orb_fast_threshold > 255) {
-    refuse("orb_fast_threshold", options.orb_fast_threshold, "take 1 to 255");
+    refuse("orb_fast_threshold", options.orb_fast_threshold, "use 1 to 255");
   }
 }
 
@@ -128,7 +128,7 @@ DescriptorKind descriptor_kind(std::string_view name, std::string_view where) {
   if (name == "sift") return DescriptorKind::sift;
   if (name == "orb") return DescriptorKind::orb;
   if (name == "surf") return DescriptorKind::surf;
-  throw Error(fmt::format("there is no descriptor '{}'", name), where, "take sift, orb or surf");
+  throw Error(fmt::format("there is no descriptor '{}'", name), where, "use sift, orb or surf");
 }
 
 std::unique_ptr<DescriptorExtractor> DescriptorExtractor::create(DescriptorKind kind,
@@ -139,7 +139,7 @@ std::unique_ptr<DescriptorExtractor> DescriptorExtractor::create(DescriptorKind 
   return extractor;
 }
 
-Features DescriptorExtractor::extract(GreyView image) {
+Features DescriptorExtractor::extract(GrayView image) {
   if (image.width < least_side || image.height < least_side) return {};
   return sorted(extract_unsorted(image), max_keypoints_);
 }

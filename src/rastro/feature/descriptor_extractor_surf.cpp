@@ -4,8 +4,8 @@
 #include "rastro/base/error.h"
 
 #if RASTRO_WITH_SURF
-// SURF lives in dlib's headers alone: no library of dlib's is linked, so the check that headers and library fit is left
-// out, and so is BLAS, for whose sake descriptors could differ between machines.
+// SURF is header-only in dlib: none of dlib's libraries is linked, so the check that headers and library match is
+// disabled, and so is BLAS, with which descriptors could differ between machines.
 #define DLIB_TEST_FOR_ODR_VIOLATIONS_H_
 #include <dlib/assert.h>
 #undef DLIB_USE_BLAS
@@ -23,7 +23,7 @@ class SurfExtractor final : public DescriptorExtractor {
   explicit SurfExtractor(const DescriptorExtractorOptions& options) : options_(options) {}
 
  private:
-  Features extract_unsorted(GreyView image) override {
+  Features extract_unsorted(GrayView image) override {
     pixels_.set_size(image.height, image.width);
     for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < image.width; ++x) pixels_[y][x] = image.at(x, y);
@@ -57,7 +57,7 @@ std::unique_ptr<DescriptorExtractor> detail::make_surf_extractor(const Descripto
 bool has_surf() { return false; }
 
 std::unique_ptr<DescriptorExtractor> detail::make_surf_extractor(const DescriptorExtractorOptions&) {
-  throw Error("this build has no SURF", "descriptor surf", "build with -DRASTRO_WITH_SURF=ON, or take sift or orb");
+  throw Error("this build has no SURF", "descriptor surf", "build with -DRASTRO_WITH_SURF=ON, or use sift or orb");
 }
 
 #endif

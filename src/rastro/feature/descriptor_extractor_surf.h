@@ -8,7 +8,7 @@
 
 namespace rastro::detail {
 
-/// dlib's SURF; Error in a build without it.
+/// dlib's SURF; throws Error in a build without it.
 std::unique_ptr<DescriptorExtractor> make_surf_extractor(const DescriptorExtractorOptions& options);
 
 }  // namespace rastro::detail

@@ -15,7 +15,7 @@ namespace {
 constexpr int width = 500, height = 400;
 constexpr int middle_x = width / 2, middle_y = height / 2;
 
-/// Soft blots of grey of many sizes on a plane, which can be looked up anywhere.
+/// Soft random blobs of many sizes on a plane that can be sampled anywhere.
 class Blots {
  public:
   explicit Blots(std::uint64_t seed) {
@@ -25,9 +25,9 @@ class Blots {
           {random.uniform(-100, 600), random.uniform(-100, 500), random.uniform(2, 8), random.uniform(-90, 90)});
     }
   }
-  /// Seen through a shift and a turn about the middle.
-  GreyImage image(double dx, double dy, double angle_rad) const {
-    GreyImage result(width, height);
+  /// Its image with a shift and a rotation about the center.
+  GrayImage image(double dx, double dy, double angle_rad) const {
+    GrayImage result(width, height);
     const double c = std::cos(angle_rad), s = std::sin(angle_rad);
     std::vector<double> values(width * height, 128.0);
     for (const Blot& blot : blots_) {
@@ -40,7 +40,7 @@ class Blots {
              ++u) {
           const double squared = (u - x) * (u - x) + (v - y) * (v - y);
           values[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)] +=
-              blot.grey * std::exp(-0.5 * squared / (blot.size * blot.size));
+              blot.gray * std::exp(-0.5 * squared / (blot.size * blot.size));
         }
       }
     }
@@ -55,7 +55,7 @@ class Blots {
 
  private:
   struct Blot {
-    double x, y, size, grey;
+    double x, y, size, gray;
   };
   std::vector<Blot> blots_;
 };
@@ -68,7 +68,7 @@ class DescriptorExtractorTest : public ::testing::TestWithParam<DescriptorKind> 
   static std::unique_ptr<DescriptorExtractor> extractor() { return DescriptorExtractor::create(GetParam(), {}); }
 };
 
-TEST_P(DescriptorExtractorTest, MatchesAShiftedAndTurnedImage) {
+TEST_P(DescriptorExtractorTest, MatchesAShiftedAndRotatedImage) {
   const Blots blots(1);
   const auto reference = extractor()->extract(blots.image(0, 0, 0));
   ASSERT_GE(reference.size(), 60U);
@@ -91,8 +91,8 @@ TEST_P(DescriptorExtractorTest, MatchesAShiftedAndTurnedImage) {
   }
 }
 
-TEST_P(DescriptorExtractorTest, GivesTheStrongestFirstAndTheSameAgain) {
-  const GreyImage image = Blots(2).image(0, 0, 0);
+TEST_P(DescriptorExtractorTest, GivesTheStrongestFirstAndIsRepeatable) {
+  const GrayImage image = Blots(2).image(0, 0, 0);
   const auto first = extractor()->extract(image), second = extractor()->extract(image);
   EXPECT_EQ(first.floats, second.floats);
   EXPECT_EQ(first.descriptors, second.descriptors);
@@ -107,9 +107,9 @@ TEST_P(DescriptorExtractorTest, GivesTheStrongestFirstAndTheSameAgain) {
   EXPECT_LE(DescriptorExtractor::create(GetParam(), {.max_keypoints = 20})->extract(image).size(), 20U);
 }
 
-TEST_P(DescriptorExtractorTest, AnImageWithoutContentHasNoKeypoints) {
+TEST_P(DescriptorExtractorTest, ABlankImageHasNoKeypoints) {
   for (const auto& [columns, rows] : {std::pair(0, 0), {1, 1}, {63, 400}, {64, 64}, {400, 300}}) {
-    EXPECT_EQ(extractor()->extract(GreyImage(columns, rows)).size(), 0U) << columns;
+    EXPECT_EQ(extractor()->extract(GrayImage(columns, rows)).size(), 0U) << columns;
   }
 }
 
@@ -125,7 +125,7 @@ std::string name_of(const ::testing::TestParamInfo<DescriptorKind>& kind) {
 INSTANTIATE_TEST_SUITE_P(Kinds, DescriptorExtractorTest,
                          ::testing::Values(DescriptorKind::sift, DescriptorKind::orb, DescriptorKind::surf), name_of);
 
-TEST(DescriptorKind, IsReadFromItsName) {
+TEST(DescriptorKind, IsParsedFromItsName) {
   EXPECT_EQ(descriptor_kind("sift", "--descriptor"), DescriptorKind::sift);
   EXPECT_EQ(descriptor_kind("orb", "--descriptor"), DescriptorKind::orb);
   EXPECT_EQ(descriptor_kind("surf", "--descriptor"), DescriptorKind::surf);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 
-/// As far off as nothing is.
+/// Distance of no match.
 template <typename Value>
 constexpr Value far_off() {
   return std::numeric_limits<Value>::has_infinity ? std::numeric_limits<Value>::infinity()
@@ -33,7 +33,8 @@ struct Nearest {
   float runner_up = std::numeric_limits<float>::infinity();
 };
 
-/// The nearest and the second nearest of a row, which is changed. Three plain passes run faster than one that branches.
+/// The nearest and the second nearest of a row, which is modified. Three plain passes run faster than one with
+/// branches.
 template <typename Value>
 Nearest nearest_of(Value* row, std::size_t count) {
   const Value nearest = least(row, count);
@@ -128,7 +129,7 @@ class BitDistances {
   std::span<const Descriptor> first_, second_;
 };
 
-/// The nearest of `second` to each of `first`, and where asked the other way round.
+/// The nearest of `second` to each of `first` and, on request, the reverse.
 struct Search {
   std::vector<Nearest> of_first;
   std::vector<std::uint32_t> of_second;
@@ -194,8 +195,7 @@ std::vector<DescriptorMatch> match_descriptors(const Features& first, const Feat
                                                const DescriptorMatchOptions& options, TaskPool* pool) {
   if (first.size() == 0 || second.size() == 0) return {};
   if (first.length != second.length) {
-    throw Error("descriptors of two kinds cannot be compared", "matching",
-                "describe both images by the same extractor");
+    throw Error("descriptors of two kinds cannot be compared", "matching", "use the same extractor for both images");
   }
   return first.binary() ? matches<BitDistances>(first, second, options, pool)
                         : matches<FloatDistances>(first, second, options, pool);

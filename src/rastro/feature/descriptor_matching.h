@@ -11,7 +11,7 @@
 namespace rastro {
 
 struct DescriptorMatchOptions {
-  double max_ratio = 0.8;  ///< The nearest is at most this share as far as the second nearest (Lowe 2004); 1: no test.
+  double max_ratio = 0.8;  ///< Ratio test: nearest / second-nearest distance, at most (Lowe 2004); 1: no test.
   bool mutual = true;      ///< Each is the other's nearest.
   double max_distance = std::numeric_limits<double>::infinity();  ///< In the descriptors' unit, or bits.
 };
@@ -21,9 +21,9 @@ struct DescriptorMatch {
   float distance = 0.0F;                ///< Euclidean, or differing bits.
 };
 
-/// Matches of `first` to `second` by comparing all with all, in the order of `first`; of equal distances the smaller
-/// index wins. A keypoint of `second` may be matched twice only without the mutual test. Descriptors must be of one
-/// kind, else Error. The result does not depend on the pool.
+/// Brute-force matches of `first` to `second`, in the order of `first`; of equal distances the smaller index wins.
+/// Without the mutual test a keypoint of `second` may be matched twice. Throws Error for descriptors of different
+/// kinds. The result does not depend on the pool.
 std::vector<DescriptorMatch> match_descriptors(const Features& first, const Features& second,
                                                const DescriptorMatchOptions& options, TaskPool* pool = nullptr);
 

@@ -56,7 +56,7 @@ std::vector<DescriptorMatch> slow_matches(const Features& a, const Features& b, 
   return result;
 }
 
-TEST(MatchDescriptors, IsWhatComparingOneByOneGives) {
+TEST(MatchDescriptors, EqualsOneByOneComparison) {
   Random random(1);
   for (const bool binary : {false, true}) {
     const auto a = binary ? random_bits(random, 150) : random_floats(random, 150);
@@ -101,10 +101,10 @@ TEST(MatchDescriptors, OfEqualDistancesTheSmallerIndexWins) {
   ASSERT_EQ(matches.size(), 1U);
   EXPECT_EQ(matches[0].first, 0U);
   EXPECT_EQ(matches[0].second, 0U);
-  EXPECT_TRUE(match_descriptors(a, b, {.max_ratio = 0.8}).empty());  // repeated texture tells nothing
+  EXPECT_TRUE(match_descriptors(a, b, {.max_ratio = 0.8}).empty());  // repeated texture is ambiguous
 }
 
-TEST(MatchDescriptors, NearMeansWithinTheLargestDistance) {
+TEST(MatchDescriptors, MatchesAreWithinTheMaximumDistance) {
   Features a, b;
   a.keypoints.resize(1);
   b.keypoints.resize(1);
@@ -114,7 +114,7 @@ TEST(MatchDescriptors, NearMeansWithinTheLargestDistance) {
   EXPECT_TRUE(match_descriptors(a, b, {.max_distance = 7.0}).empty());
 }
 
-TEST(MatchDescriptors, NothingMatchesNothingAndKindsDoNotMix) {
+TEST(MatchDescriptors, EmptySetsDoNotMatchAndKindsDoNotMix) {
   Random random(3);
   const auto floats = random_floats(random, 5);
   EXPECT_TRUE(match_descriptors({}, floats, {}).empty());

@@ -7,7 +7,7 @@
 
 namespace rastro {
 
-/// Keeps points at least a distance apart, in constant time a point.
+/// Keeps points at least a distance apart, in constant time per point.
 class DistanceGrid {
  public:
   /// Points have 0 <= x < width, 0 <= y < height. A distance of 0 keeps all.
@@ -18,13 +18,13 @@ class DistanceGrid {
         rows_(static_cast<int>(static_cast<float>(height) / cell_) + 1),
         first_(static_cast<std::size_t>(columns_ * rows_), none) {}
 
-  /// Adds the point unless one nearer than the distance is there; says whether it did.
+  /// Adds the point unless a point closer than the distance is present; returns whether it was added.
   bool add_if_far(float x, float y) {
     if (!is_far(x, y)) return false;
     add(x, y);
     return true;
   }
-  /// Whether no point nearer than the distance is there.
+  /// Whether no point is closer than the distance.
   bool is_far(float x, float y) const {
     const int row = row_of(y), column = column_of(x);
     for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
@@ -37,7 +37,7 @@ class DistanceGrid {
     }
     return true;
   }
-  /// Adds the point whatever is near.
+  /// Adds the point unconditionally.
   void add(float x, float y) {
     std::int32_t& first = first_[index_of(row_of(y), column_of(x))];
     points_.push_back({x, y, first});
@@ -46,7 +46,7 @@ class DistanceGrid {
 
  private:
   static constexpr std::int32_t none = -1;
-  /// Points of one cell are chained, so that making an empty grid costs one pass over plain numbers.
+  /// Points of one cell form a linked list, so that an empty grid costs one pass over plain numbers.
   struct Point {
     float x, y;
     std::int32_t next;

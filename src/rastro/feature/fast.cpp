@@ -25,7 +25,7 @@ Circle circle_of(std::ptrdiff_t stride) {
   return circle;
 }
 
-/// The largest of the least of nine neighbouring values on the circle.
+/// Maximum over the arcs of nine neighboring values on the circle of the minimum in the arc.
 int best_arc(const int* differences) {
   int best = 0;
   for (int start = 0; start < 16; ++start) {
@@ -95,15 +95,16 @@ RASTRO_TARGET_AVX2 inline __m256i best_arc_avx2(const __m256i* d) {
   return best;
 }
 
-/// Nonzero where nine in a row can be farther than the threshold off, by the four pixels right, left, above and below.
-RASTRO_TARGET_AVX2 inline __m256i worth_avx2(const std::uint8_t* pixels, const Circle& circle, __m256i centre,
+/// Nonzero where nine in a row can differ by more than the threshold, judged by the four pixels right, left, above and
+/// below.
+RASTRO_TARGET_AVX2 inline __m256i worth_avx2(const std::uint8_t* pixels, const Circle& circle, __m256i center,
                                              __m256i threshold) {
   const __m256i up = load(pixels + circle[0]), right = load(pixels + circle[4]);
   const __m256i down = load(pixels + circle[8]), left = load(pixels + circle[12]);
   const __m256i high = _mm256_min_epu8(_mm256_max_epu8(up, down), _mm256_max_epu8(left, right));
   const __m256i low = _mm256_max_epu8(_mm256_min_epu8(up, down), _mm256_min_epu8(left, right));
-  return _mm256_or_si256(_mm256_subs_epu8(_mm256_subs_epu8(high, centre), threshold),
-                         _mm256_subs_epu8(_mm256_subs_epu8(centre, low), threshold));
+  return _mm256_or_si256(_mm256_subs_epu8(_mm256_subs_epu8(high, center), threshold),
+                         _mm256_subs_epu8(_mm256_subs_epu8(center, low), threshold));
 }
 
 RASTRO_TARGET_AVX2 void scores_avx2(const std::uint8_t* row, const Circle& circle, int count, int threshold,
@@ -111,15 +112,15 @@ RASTRO_TARGET_AVX2 void scores_avx2(const std::uint8_t* row, const Circle& circl
   const __m256i least = _mm256_set1_epi8(static_cast<char>(threshold));
   const __m256i zero = _mm256_setzero_si256();
   for (int x = 0; x < count; x += lanes) {
-    const __m256i centre = load(row + x);
+    const __m256i center = load(row + x);
     __m256i score = zero;
-    const __m256i worth = worth_avx2(row + x, circle, centre, least);
+    const __m256i worth = worth_avx2(row + x, circle, center, least);
     if (_mm256_testz_si256(worth, worth) == 0) {
       __m256i brighter[16], darker[16];
       for (std::size_t i = 0; i < 16; ++i) {
         const __m256i pixel = load(row + x + circle[i]);
-        brighter[i] = _mm256_subs_epu8(pixel, centre);
-        darker[i] = _mm256_subs_epu8(centre, pixel);
+        brighter[i] = _mm256_subs_epu8(pixel, center);
+        darker[i] = _mm256_subs_epu8(center, pixel);
       }
       score = _mm256_max_epu8(best_arc_avx2(brighter), best_arc_avx2(darker));
       score = _mm256_andnot_si256(_mm256_cmpeq_epi8(_mm256_subs_epu8(score, least), zero), score);
@@ -179,7 +180,7 @@ void collect_peaks(const std::uint8_t* above, const std::uint8_t* here, const st
 
 void fast_corners(const PaddedImage& image, int x0, int x1, int y0, int y1, int threshold,
                   std::vector<FastCorner>& corners) {
-  RASTRO_CHECK(image.padding() >= fast_padding, "vectors read behind the area");
+  RASTRO_CHECK(image.padding() >= fast_padding, "vectors read beyond the area");
   const int count = x1 - x0;
   if (count <= 0 || y1 <= y0) return;
   const Circle circle = circle_of(image.stride());

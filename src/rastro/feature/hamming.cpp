@@ -32,7 +32,7 @@ RASTRO_TARGET_AVX2 void distances_popcnt(const Descriptor& query, const Descript
 
 void hamming_distances(const Descriptor& query, std::span<const Descriptor> candidates,
                        std::span<std::uint16_t> distances) {
-  RASTRO_CHECK(distances.size() >= candidates.size(), "a place for every distance");
+  RASTRO_CHECK(distances.size() >= candidates.size(), "one element per distance");
 #if RASTRO_HAS_AVX2_CODE
   if (simd_level() == SimdLevel::avx2) {
     distances_popcnt(query, candidates.data(), candidates.size(), distances.data());

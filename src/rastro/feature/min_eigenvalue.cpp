@@ -158,7 +158,7 @@ void compute_gradients(const PaddedImage& image, int x0, int count, int y0, int 
 
 void min_eigenvalues(const PaddedImage& image, int x0, int x1, int y0, int y1, float* scores, std::ptrdiff_t stride,
                      MinEigenvalueScratch& scratch) {
-  RASTRO_CHECK(image.padding() >= min_eigenvalue_margin + lanes, "vectors read behind the area");
+  RASTRO_CHECK(image.padding() >= min_eigenvalue_margin + lanes, "vectors read beyond the area");
   const int count = x1 - x0;
   compute_gradients(image, x0 - 1, count + 2, y0 - 1, y1 + 1, scratch);
 #if RASTRO_HAS_AVX2_CODE

@@ -5,12 +5,12 @@
 
 namespace rastro {
 
-/// Reads up to this many pixels around the area asked for.
+/// Reads up to this many pixels around the requested area.
 constexpr int min_eigenvalue_margin = 2;
 
 /// Shi and Tomasi 1994: twice the smaller eigenvalue of the structure tensor of Sobel gradients summed over 3x3 pixels,
 /// for the pixels of rows [y0, y1) and columns [x0, x1). `scores` has row y at scores + (y - y0) * stride, its pixel x0
-/// first, and room for 16 values more than a row holds. `scratch` keeps memory between calls.
+/// first, and room for 16 more values than a row. `scratch` keeps memory between calls.
 struct MinEigenvalueScratch {
   Image<std::int16_t> gradient_x, gradient_y;
 };

@@ -18,13 +18,13 @@ namespace rastro {
 namespace {
 
 constexpr int padding = fast_padding;
-constexpr int border = orb_radius + 1;  // What is described lies inside the picture.
-constexpr int band = 32;                // Rows done at a time.
+constexpr int border = orb_radius + 1;  // Described patches lie inside the image.
+constexpr int band = 32;                // Rows processed at a time.
 constexpr int smallest_side = 2 * border + 8;
 
 void check(const OrbOptions& options) {
   const auto refuse = [](const char* name, double value, const char* range) {
-    throw Error(fmt::format("{} {} is out of range", name, value), "the ORB features", fmt::format("take {}", range));
+    throw Error(fmt::format("{} {} is out of range", name, value), "the ORB features", fmt::format("use {}", range));
   };
   if (options.features < 1 || options.features > 100000) refuse("features", options.features, "1..100000");
   if (options.levels < 1 || options.levels > 16) refuse("levels", options.levels, "1..16");
@@ -36,7 +36,7 @@ void check(const OrbOptions& options) {
     refuse("least_fast_threshold", options.least_fast_threshold, "1..fast_threshold");
 }
 
-/// Where the top of a parabola through three scores lies, in -0.5..0.5 from the middle one.
+/// Position of the vertex of a parabola through three scores, in -0.5..0.5 from the middle one.
 float peak_offset(int before, int here, int after) {
   const int curvature = 2 * here - before - after;
   return curvature > 0 ? static_cast<float>(after - before) / static_cast<float>(2 * curvature) : 0.0F;
@@ -50,18 +50,18 @@ std::vector<double> orb_level_scales(const OrbOptions& options) {
   return scales;
 }
 
-/// One level of the pyramid with all that is found on it.
+/// One level of the pyramid with its results.
 struct OrbLevel {
   PaddedImage image;
-  GreyImage blurred;
-  std::vector<FastCorner> corners;  ///< Found, then chosen.
+  GrayImage blurred;
+  std::vector<FastCorner> corners;  ///< All, then the selected ones.
 };
 
 class OrbExtractor::State {
  public:
   explicit State(const OrbOptions& options) : options_(options), scales_(orb_level_scales(options)) { check(options); }
 
-  Features extract(GreyView image, GreyView mask, TaskPool* pool) {
+  Features extract(GrayView image, GrayView mask, TaskPool* pool) {
     RASTRO_CHECK(mask.empty() || (mask.width == image.width && mask.height == image.height), "a mask of the same size");
     if (image.width != width_ || image.height != height_) plan(image.width, image.height);
     if (used_ == 0) return {};
@@ -97,7 +97,7 @@ class OrbExtractor::State {
     for (int level = 0; level < options_.levels && std::min(width, height) >= smallest_side; ++level) {
       OrbLevel& made = levels_.emplace_back();
       made.image.reset(width, height, padding);
-      made.blurred = GreyImage(width, height);
+      made.blurred = GrayImage(width, height);
       for (int y = border; y < height - border; y += band)
         bands_.push_back({levels_.size() - 1, y, std::min(y + band, height - border), {}});
       const OrbResize& next = resizes_.emplace_back(width, height, options_.scale_factor);
@@ -107,7 +107,7 @@ class OrbExtractor::State {
     used_ = levels_.size();
   }
 
-  void build_pyramid(GreyView image, TaskPool* pool) {
+  void build_pyramid(GrayView image, TaskPool* pool) {
     PaddedImage& whole = levels_[0].image;
     for (int y = 0; y < height_; ++y) std::memcpy(whole.row(y), image.row(y), static_cast<std::size_t>(width_));
     whole.fill_padding();
@@ -120,16 +120,16 @@ class OrbExtractor::State {
     }
   }
 
-  /// Pixels of the picture of a place on a level.
+  /// Image pixels of a position on a level.
   float in_image(double at, std::size_t level) const { return static_cast<float>((at + 0.5) * scales_[level] - 0.5); }
 
-  bool is_masked(const FastCorner& corner, std::size_t level, GreyView mask) const {
+  bool is_masked(const FastCorner& corner, std::size_t level, GrayView mask) const {
     const auto x = static_cast<int>(std::lround(in_image(corner.x, level)));
     const auto y = static_cast<int>(std::lround(in_image(corner.y, level)));
     return mask.at(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1)) == 0;
   }
 
-  void find_corners(GreyView mask, TaskPool* pool) {
+  void find_corners(GrayView mask, TaskPool* pool) {
     run(pool, bands_.size(), 1, [&](int begin, int end) {
       for (int i = begin; i < end; ++i) {
         Band& here = bands_[static_cast<std::size_t>(i)];
@@ -139,7 +139,7 @@ class OrbExtractor::State {
                      options_.least_fast_threshold, here.corners);
         if (!mask.empty())
           std::erase_if(here.corners, [&](const FastCorner& corner) { return is_masked(corner, here.level, mask); });
-        // The rows nobody finds corners in are needed too: what is described reaches into them.
+        // Rows without corner detection are needed too: described patches reach into them.
         const bool first = here.begin == border, last = here.end == level.image.height() - border;
         orb_blur(level.image, level.blurred, first ? 0 : here.begin, last ? level.image.height() : here.end);
       }
@@ -199,7 +199,7 @@ class OrbExtractor::State {
   OrbOptions options_;
   std::vector<double> scales_;
   int width_ = 0, height_ = 0;
-  std::size_t used_ = 0;  ///< Levels the picture is large enough for.
+  std::size_t used_ = 0;  ///< Levels for which the image is large enough.
   std::vector<OrbResize> resizes_;
   std::vector<OrbLevel> levels_;
   std::vector<Band> bands_;
@@ -208,7 +208,7 @@ class OrbExtractor::State {
 OrbExtractor::OrbExtractor(const OrbOptions& options) : state_(std::make_unique<State>(options)) {}
 OrbExtractor::~OrbExtractor() = default;
 
-Features OrbExtractor::extract(GreyView image, GreyView mask, TaskPool* pool) {
+Features OrbExtractor::extract(GrayView image, GrayView mask, TaskPool* pool) {
   return state_->extract(image, mask, pool);
 }
 

@@ -92,8 +92,9 @@ RASTRO_TARGET_AVX2 void blur_across_avx2(const std::int16_t* columns, int width,
 
 }  // namespace
 
-void orb_blur(const PaddedImage& source, GreyImage& target, int begin, int end) {
-  RASTRO_CHECK(source.padding() >= radius + 2 * lanes && source.width() == target.width(), "the blur reads outside");
+void orb_blur(const PaddedImage& source, GrayImage& target, int begin, int end) {
+  RASTRO_CHECK(source.padding() >= radius + 2 * lanes && source.width() == target.width(),
+               "the blur reads outside the image");
   const int count = source.width() + 2 * radius;
   std::vector<std::int16_t> columns(static_cast<std::size_t>(count) + 2 * lanes);
   for (int y = begin; y < end; ++y) {

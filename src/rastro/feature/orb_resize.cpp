@@ -13,7 +13,8 @@
 namespace rastro {
 namespace {
 
-constexpr int steps = 64;  // Of a weight across; the sum of both still fits a signed byte's product with a pixel.
+constexpr int steps =
+    64;  // Fraction bits of a horizontal weight; the sum of both still fits a signed byte's product with a pixel.
 constexpr int block = 8;
 
 double source_of(int pixel, double factor) { return (pixel + 0.5) * factor - 0.5; }
@@ -115,7 +116,7 @@ void OrbResize::shrink_row_avx2(const std::uint8_t*, std::int16_t*) const {}
 #endif
 
 void OrbResize::run(const PaddedImage& source, PaddedImage& target, int begin, int end) const {
-  RASTRO_CHECK(source.padding() >= 32 && target.padding() >= 32, "vectors read and write behind a row");
+  RASTRO_CHECK(source.padding() >= 32 && target.padding() >= 32, "vectors read and write beyond a row");
   const std::size_t room = (blocks_.size() + 4) * block;
   std::vector<std::int16_t> shrunk(2 * room);
   int have[2] = {-1, -1};

@@ -10,11 +10,11 @@
 
 namespace rastro {
 
-/// Makes an image smaller by a fixed factor, bilinearly, pixel centres kept: pixel (x, y) of the result lies at
-/// ((x + 0.5) * factor - 0.5, (y + 0.5) * factor - 0.5) of the source. Plans once for a size, then runs on many images.
+/// Shrinks an image by a fixed factor, bilinearly, pixel centers kept: pixel (x, y) of the result lies at ((x + 0.5) *
+/// factor - 0.5, (y + 0.5) * factor - 0.5) of the source. Planned once for a size, then used for many images.
 class OrbResize {
  public:
-  /// The result has the source's sides over the factor (1..2), rounded.
+  /// The result's sides are the source's divided by the factor (1..2), rounded.
   OrbResize(int source_width, int source_height, double factor);
   int width() const { return width_; }
   int height() const { return height_; }
@@ -23,7 +23,7 @@ class OrbResize {
   void run(const PaddedImage& source, PaddedImage& target, int begin, int end) const;
 
  private:
-  /// Eight pixels of a row: where they begin in the source, and per pixel which two bytes from there weigh how much.
+  /// Eight pixels of a row: where they begin in the source, and for each pixel its two source bytes and their weights.
   struct Block {
     int start = 0;
     std::array<std::uint8_t, 16> bytes{};

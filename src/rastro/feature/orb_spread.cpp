@@ -22,7 +22,7 @@ bool better(const FastCorner& a, const FastCorner& b) { return better_first(a) <
 
 bool before(const FastCorner& a, const FastCorner& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; }
 
-/// An area in square cells.
+/// An area divided into square cells.
 struct Grid {
   int left, top, cell, columns, rows;
 
@@ -51,7 +51,7 @@ struct Grid {
   }
 };
 
-/// The places of `corners` that are row by row, the best first; a counting sort, as it is done for every corner found.
+/// Indices of `corners` (row by row) in order of quality; a counting sort, because it runs on every detected corner.
 std::vector<std::uint32_t> best_first(const std::vector<FastCorner>& corners) {
   std::array<std::uint32_t, 257> next{};
   for (const FastCorner& corner : corners) ++next[256U - corner.score];

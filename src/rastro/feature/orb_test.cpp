@@ -21,8 +21,8 @@
 namespace rastro {
 namespace {
 
-/// Rectangles of random grey over each other, and noise: corners of all sizes.
-GreyImage blocks(int width, int height, std::uint64_t seed, double noise = 3.0) {
+/// Overlapping rectangles of random intensity, and noise: corners of all sizes.
+GrayImage blocks(int width, int height, std::uint64_t seed, double noise = 3.0) {
   Random random(seed);
   cv::Mat picture(height, width, CV_32F, cv::Scalar(128.0));
   for (int i = 0; i < width * height / 400; ++i) {
@@ -36,14 +36,14 @@ GreyImage blocks(int width, int height, std::uint64_t seed, double noise = 3.0) 
     for (const auto& corner : corners) polygon.emplace_back(cvRound(corner.x), cvRound(corner.y));
     cv::fillConvexPoly(picture, polygon, cv::Scalar(random.uniform(0.0, 255.0)));
   }
-  GreyImage image(width, height);
+  GrayImage image(width, height);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       image.at(x, y) = cv::saturate_cast<std::uint8_t>(picture.at<float>(y, x) + noise * random.normal());
   return image;
 }
 
-PaddedImage padded(const GreyImage& image) {
+PaddedImage padded(const GrayImage& image) {
   PaddedImage result;
   result.reset(image.width(), image.height(), fast_padding);
   for (int y = 0; y < image.height(); ++y) std::copy_n(image.row(y), image.width(), result.row(y));
@@ -51,7 +51,7 @@ PaddedImage padded(const GreyImage& image) {
   return result;
 }
 
-cv::Mat as_mat(GreyView image) {
+cv::Mat as_mat(GrayView image) {
   return {image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
           static_cast<std::size_t>(image.stride)};
 }
@@ -64,8 +64,8 @@ bool same(const Features& a, const Features& b) {
          std::equal(a.keypoints.begin(), a.keypoints.end(), b.keypoints.begin(), b.keypoints.end(), equal);
 }
 
-TEST(Fast, FindsWhatOpenCvFinds) {
-  const GreyImage image = blocks(211, 130, 1);
+TEST(Fast, AgreesWithOpenCv) {
+  const GrayImage image = blocks(211, 130, 1);
   for (const int threshold : {7, 20, 60}) {
     std::vector<cv::KeyPoint> expected;
     cv::FAST(as_mat(image), expected, threshold, false);
@@ -76,11 +76,12 @@ TEST(Fast, FindsWhatOpenCvFinds) {
       EXPECT_TRUE(std::any_of(expected.begin(), expected.end(), [&](const cv::KeyPoint& point) {
         return point.pt == cv::Point2f(corner.x, corner.y);
       })) << threshold;
-    // OpenCV drops both of two equal neighbours, so it has fewer, at scores that are one less by its definition.
+    // OpenCV drops both of two equal neighbors, so it has fewer, with scores that are one less by its definition.
     cv::FAST(as_mat(image), expected, threshold, true);
     EXPECT_LE(expected.size(), corners.size());
     for (const cv::KeyPoint& point : expected) {
-      if (point.pt.x < 4 || point.pt.x > 206 || point.pt.y < 4 || point.pt.y > 125) continue;  // It looks no farther.
+      if (point.pt.x < 4 || point.pt.x > 206 || point.pt.y < 4 || point.pt.y > 125)
+        continue;  // It searches no farther.
       EXPECT_TRUE(std::any_of(corners.begin(), corners.end(),
                               [&](const FastCorner& corner) {
                                 return point.pt == cv::Point2f(corner.x, corner.y) &&
@@ -91,7 +92,7 @@ TEST(Fast, FindsWhatOpenCvFinds) {
   }
 }
 
-TEST(Fast, FindsTheSameInBandsAsAtOnce) {
+TEST(Fast, GivesTheSameInBandsAsInOnePass) {
   const PaddedImage image = padded(blocks(150, 97, 2));
   std::vector<FastCorner> whole, bands;
   fast_corners(image, 16, 134, 16, 81, 7, whole);
@@ -102,15 +103,15 @@ TEST(Fast, FindsTheSameInBandsAsAtOnce) {
 }
 
 TEST(OrbBlur, IsAGaussianOfTwoPixels) {
-  const GreyImage image = blocks(101, 67, 3);
-  GreyImage blurred(101, 67);
+  const GrayImage image = blocks(101, 67, 3);
+  GrayImage blurred(101, 67);
   orb_blur(padded(image), blurred, 0, 67);
   cv::Mat expected;
   cv::GaussianBlur(as_mat(image), expected, {7, 7}, 2.0, 2.0, cv::BORDER_REFLECT_101);
   EXPECT_LE(cv::norm(as_mat(blurred), expected, cv::NORM_INF), 3.0);
 }
 
-TEST(OrbResize, KeepsPlaces) {
+TEST(OrbResize, KeepsPositions) {
   for (const double factor : {1.1, 1.2, 1.5, 2.0}) {
     PaddedImage ramp;
     ramp.reset(120, 80, fast_padding);
@@ -127,10 +128,10 @@ TEST(OrbResize, KeepsPlaces) {
   }
 }
 
-TEST(Orb, IsTheSameByAnyCodeAndPool) {
+TEST(Orb, IsTheSameForAnyCodeAndPool) {
   TaskPool pool(3);
   for (const auto& [width, height] : {std::pair(320, 240), std::pair(333, 217)}) {
-    const GreyImage image = blocks(width, height, 4);
+    const GrayImage image = blocks(width, height, 4);
     const Features features = OrbExtractor({}).extract(image.view());
     ASSERT_GT(features.size(), 500U);
     EXPECT_TRUE(
@@ -139,22 +140,22 @@ TEST(Orb, IsTheSameByAnyCodeAndPool) {
   }
 }
 
-/// The picture turned about its middle, magnified and shifted; looked up bilinearly.
-GreyImage moved(const GreyImage& image, const cv::Mat& to_moved) {
+/// The image rotated about its center, magnified and shifted; sampled bilinearly.
+GrayImage moved(const GrayImage& image, const cv::Mat& to_moved) {
   cv::Mat warped;
   cv::warpAffine(as_mat(image), warped, to_moved, {image.width(), image.height()}, cv::INTER_LINEAR,
                  cv::BORDER_REFLECT);
-  GreyImage result(image.width(), image.height());
+  GrayImage result(image.width(), image.height());
   for (int y = 0; y < image.height(); ++y) std::copy_n(warped.ptr(y), image.width(), result.row(y));
   return result;
 }
 
 struct MatchFigures {
   int matches = 0, right = 0;
-  double median_error_px = 0.0;  ///< Of the right ones.
+  double median_error_px = 0.0;  ///< Of the correct ones.
 };
 
-/// Mutual nearest neighbours with a ratio test, against where they must be.
+/// Mutual nearest neighbors with a ratio test, against their true positions.
 MatchFigures match(const Features& first, const Features& second, const cv::Mat& second_from_first) {
   const auto described = [](const Features& features) {
     Features result;
@@ -179,8 +180,8 @@ MatchFigures match(const Features& first, const Features& second, const cv::Mat&
   return figures;
 }
 
-TEST(Orb, IsFoundAgainTurnedAndMagnified) {
-  const GreyImage image = blocks(420, 320, 7, 1.0);
+TEST(Orb, MatchesUnderRotationAndMagnification) {
+  const GrayImage image = blocks(420, 320, 7, 1.0);
   const Features features = OrbExtractor({}).extract(image.view());
   for (const auto& [degrees, scale] :
        {std::pair(3.0, 1.0), std::pair(40.0, 1.0), std::pair(171.0, 0.8), std::pair(-75.0, 1.3)}) {
@@ -192,8 +193,8 @@ TEST(Orb, IsFoundAgainTurnedAndMagnified) {
   }
 }
 
-TEST(Orb, PlacesAreRightOnAllLevels) {
-  const GreyImage image = blocks(420, 320, 8, 1.0);
+TEST(Orb, PositionsAreRightOnAllLevels) {
+  const GrayImage image = blocks(420, 320, 8, 1.0);
   const cv::Mat to_moved = (cv::Mat_<double>(2, 3) << 1, 0, 7.3, 0, 1, -4.6);
   const auto figures =
       match(OrbExtractor({}).extract(image.view()), OrbExtractor({}).extract(moved(image, to_moved).view()), to_moved);
@@ -201,9 +202,9 @@ TEST(Orb, PlacesAreRightOnAllLevels) {
   EXPECT_LT(figures.median_error_px, 0.5);
 }
 
-TEST(Orb, DirectionTurnsWithThePicture) {
-  const GreyImage image = blocks(300, 300, 9, 2.0);
-  GreyImage quarter(300, 300);  // (x, y) comes to (299 - y, x): a quarter turn from x towards y.
+TEST(Orb, OrientationRotatesWithTheImage) {
+  const GrayImage image = blocks(300, 300, 9, 2.0);
+  GrayImage quarter(300, 300);  // (x, y) moves to (299 - y, x): 90 degrees from x towards y.
   for (int y = 0; y < 300; ++y)
     for (int x = 0; x < 300; ++x) quarter.at(299 - y, x) = image.at(x, y);
   OrbOptions options;
@@ -223,14 +224,14 @@ TEST(Orb, DirectionTurnsWithThePicture) {
                 hamming_distance(before.descriptors[i], after.descriptors[j]) <= 12;
     }
   }
-  // Of two equal neighbours another one is taken in the turned picture.
+  // Of two equal neighbors another one is selected in the rotated image.
   EXPECT_GT(found, 0.9 * static_cast<double>(before.size()));
   EXPECT_GT(turned, 0.9 * found);
 }
 
-TEST(Orb, SpreadsOverThePicture) {
+TEST(Orb, SpreadsOverTheImage) {
   // Strong corners in the left half, weak ones in the right half.
-  GreyImage image = blocks(400, 300, 10, 0.0);
+  GrayImage image = blocks(400, 300, 10, 0.0);
   for (int y = 0; y < 300; ++y)
     for (int x = 200; x < 400; ++x) image.at(x, y) = static_cast<std::uint8_t>(100 + image.at(x, y) / 4);
   OrbOptions options;
@@ -245,9 +246,9 @@ TEST(Orb, SpreadsOverThePicture) {
     EXPECT_GT(std::count(features.levels.begin(), features.levels.end(), level), 20) << int{level};
 }
 
-TEST(Orb, LeavesOutWhatIsMasked) {
-  const GreyImage image = blocks(300, 200, 11);
-  GreyImage mask(300, 200);
+TEST(Orb, SkipsMaskedAreas) {
+  const GrayImage image = blocks(300, 200, 11);
+  GrayImage mask(300, 200);
   for (int y = 0; y < 200; ++y) std::fill_n(mask.row(y) + 120, 180, std::uint8_t{255});
   const Features features = OrbExtractor({}).extract(image.view(), mask.view());
   ASSERT_GT(features.size(), 100U);
@@ -255,9 +256,9 @@ TEST(Orb, LeavesOutWhatIsMasked) {
     EXPECT_GT(features.keypoints[i].x, 119.0 - std::pow(1.2, features.levels[i]));
 }
 
-TEST(Orb, TakesWhatThereIs) {
+TEST(Orb, BlankAndTinyImagesHaveFewOrNoFeatures) {
   OrbExtractor extractor({});
-  EXPECT_EQ(extractor.extract(GreyImage(200, 150).view()).size(), 0U);
+  EXPECT_EQ(extractor.extract(GrayImage(200, 150).view()).size(), 0U);
   EXPECT_EQ(extractor.extract(blocks(20, 300, 12).view()).size(), 0U);
   EXPECT_EQ(extractor.extract({}).size(), 0U);
   const Features few = extractor.extract(blocks(60, 60, 13).view());
@@ -273,15 +274,15 @@ TEST(Orb, RefusesWrongOptions) {
   for (const OrbOptions& options : {many, shallow, flat, loose}) EXPECT_THROW(OrbExtractor{options}, Error);
 }
 
-TEST(OrbQuotas, GiveWhatALevelCannotFillToOthers) {
+TEST(OrbQuotas, WhatALevelCannotFillGoesToOthers) {
   EXPECT_EQ(orb_quotas(100, 2.0, {500, 500}), (std::vector<std::size_t>{67, 33}));
   EXPECT_EQ(orb_quotas(100, 2.0, {500, 3}), (std::vector<std::size_t>{97, 3}));
   EXPECT_EQ(orb_quotas(100, 2.0, {10, 500}), (std::vector<std::size_t>{10, 90}));
   EXPECT_EQ(orb_quotas(100, 2.0, {1, 2}), (std::vector<std::size_t>{1, 2}));
 }
 
-TEST(Orb, ForgetsThePictureBefore) {
-  const GreyImage first = blocks(300, 200, 5), second = blocks(260, 210, 6);
+TEST(Orb, DoesNotDependOnThePreviousImage) {
+  const GrayImage first = blocks(300, 200, 5), second = blocks(260, 210, 6);
   OrbExtractor extractor({});
   extractor.extract(first.view());
   EXPECT_TRUE(same(extractor.extract(second.view()), OrbExtractor({}).extract(second.view())));

@@ -29,7 +29,7 @@ TEST(BoxSums, EqualBruteForceInPlainAndFastCode) {
 }
 
 TEST(BoxSums, BrightestImageDoesNotOverflow) {
-  GreyImage white(40, 40);
+  GrayImage white(40, 40);
   for (int y = 0; y < 40; ++y) std::memset(white.row(y), 255, 40);
   Image<std::uint16_t> sums;
   box_sums(testing::padded(white, 48), 7, sums);

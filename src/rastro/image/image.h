@@ -11,7 +11,7 @@
 
 namespace rastro {
 
-/// A non-owning look at rows of pixels; the pixel (x, y) is row(y)[x], its centre at integer coordinates.
+/// A non-owning view of rows of pixels; the pixel (x, y) is row(y)[x], its center at integer coordinates.
 template <typename T>
 struct ImageView {
   T* data = nullptr;
@@ -25,8 +25,8 @@ struct ImageView {
   operator ImageView<const T>() const { return {data, width, height, stride}; }
 };
 
-/// Owning image of one channel. Rows start at multiples of 64 bytes; the padding behind a row may be read but means
-/// nothing.
+/// Owning image of one channel. Rows start at multiples of 64 bytes; the padding behind a row may be read but is
+/// undefined.
 template <typename T>
 class Image {
  public:
@@ -81,19 +81,19 @@ class Image {
   T* data_ = nullptr;
 };
 
-using GreyImage = Image<std::uint8_t>;
-using GreyView = ImageView<const std::uint8_t>;
-using DepthImage = Image<float>;  ///< Metres along the optical axis; 0 = no measurement.
+using GrayImage = Image<std::uint8_t>;
+using GrayView = ImageView<const std::uint8_t>;
+using DepthImage = Image<float>;  ///< Meters along the optical axis; 0 = no measurement.
 
-/// Interleaved 8-bit RGB (red first), three elements a pixel: width() is three times the picture's width.
-struct ColourImage {
+/// Interleaved 8-bit RGB (red first), three elements per pixel: width() is three times the image's width in pixels.
+struct ColorImage {
   Image<std::uint8_t> rgb;
   int width() const { return rgb.width() / 3; }
   int height() const { return rgb.height(); }
   bool empty() const { return rgb.empty(); }
 };
 
-/// Grey from RGB by ITU-R BT.601 in integers: (4899 R + 9617 G + 1868 B + 8192) >> 14.
-GreyImage grey_from_colour(const ColourImage& colour);
+/// Intensity from RGB by ITU-R BT.601 in integers: (4899 R + 9617 G + 1868 B + 8192) >> 14.
+GrayImage gray_from_color(const ColorImage& color);
 
 }  // namespace rastro

@@ -8,19 +8,19 @@
 
 namespace rastro::testing {
 
-/// Grey noise, every pixel drawn alone.
-inline GreyImage noise_image(int width, int height, std::uint64_t seed) {
+/// Image noise, every pixel drawn independently.
+inline GrayImage noise_image(int width, int height, std::uint64_t seed) {
   Random random(seed);
-  GreyImage image(width, height);
+  GrayImage image(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) image.at(x, y) = static_cast<std::uint8_t>(random.below(256));
   }
   return image;
 }
 
-/// A smooth picture that can be looked up anywhere: waves of several lengths and directions, seen shifted by (dx, dy).
-inline GreyImage wave_image(int width, int height, double dx, double dy) {
-  GreyImage image(width, height);
+/// A smooth image that can be sampled anywhere: waves of several lengths and directions, shifted by (dx, dy).
+inline GrayImage wave_image(int width, int height, double dx, double dy) {
+  GrayImage image(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const double u = x - dx, v = y - dy;
@@ -33,7 +33,7 @@ inline GreyImage wave_image(int width, int height, double dx, double dy) {
   return image;
 }
 
-inline PaddedImage padded(const GreyImage& image, int padding) {
+inline PaddedImage padded(const GrayImage& image, int padding) {
   PaddedImage result;
   result.reset(image.width(), image.height(), padding);
   for (int y = 0; y < image.height(); ++y)

@@ -16,7 +16,7 @@ int mirrored(int i, int size) {
 
 void PaddedImage::reset(int width, int height, int padding) {
   if (width == width_ && height == height_ && padding == padding_) return;
-  storage_ = GreyImage(width + 2 * padding, height + 2 * padding);
+  storage_ = GrayImage(width + 2 * padding, height + 2 * padding);
   width_ = width;
   height_ = height;
   padding_ = padding;

@@ -5,12 +5,12 @@
 
 namespace rastro {
 
-/// A grey image whose rows and columns may be read up to `padding` pixels outside: there it is mirrored about its
-/// border pixel (the border pixel itself not repeated), as long as the image is larger than the padding, else the
-/// border is repeated.
+/// A gray image whose rows and columns may be read up to `padding` pixels outside. There it is mirrored about its
+/// border pixel (the border pixel itself not repeated) if the image is larger than the padding; otherwise the border is
+/// repeated.
 class PaddedImage {
  public:
-  /// Makes room; keeps the memory when the size is as before. Pixels are undefined until written.
+  /// Sets the size; keeps the memory if the size is unchanged. Pixels are undefined until written.
   void reset(int width, int height, int padding);
   /// Mirrors the interior into the padding; call after writing the interior.
   void fill_padding();
@@ -21,10 +21,10 @@ class PaddedImage {
   std::ptrdiff_t stride() const { return storage_.stride(); }
   std::uint8_t* row(int y) { return storage_.row(y + padding_) + padding_; }
   const std::uint8_t* row(int y) const { return storage_.row(y + padding_) + padding_; }
-  GreyView view() const { return {row(0), width_, height_, storage_.stride()}; }
+  GrayView view() const { return {row(0), width_, height_, storage_.stride()}; }
 
  private:
-  GreyImage storage_;
+  GrayImage storage_;
   int width_ = 0;
   int height_ = 0;
   int padding_ = 0;

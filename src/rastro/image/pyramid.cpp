@@ -112,7 +112,7 @@ void halve(const PaddedImage& source, PaddedImage& target, TaskPool* pool) {
   target.fill_padding();
 }
 
-void Pyramid::build(GreyView image, int levels, int padding, TaskPool* pool) {
+void Pyramid::build(GrayView image, int levels, int padding, TaskPool* pool) {
   RASTRO_CHECK(levels >= 1 && !image.empty(), "a pyramid has an image and a level");
   levels_.resize(static_cast<std::size_t>(levels));
   levels_[0].reset(image.width, image.height, padding);

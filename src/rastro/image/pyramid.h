@@ -12,8 +12,8 @@ namespace rastro {
 /// 1983): pixel (x, y) of level l lies at (x, y) * 2^l of level 0. Each level may be read `padding` pixels outside.
 class Pyramid {
  public:
-  /// Copies `image` and makes up to `levels` levels, fewer when one would get smaller than 8 pixels.
-  void build(GreyView image, int levels, int padding, TaskPool* pool = nullptr);
+  /// Copies `image` and makes up to `levels` levels, fewer if one would be smaller than 8 pixels.
+  void build(GrayView image, int levels, int padding, TaskPool* pool = nullptr);
   int levels() const { return used_; }
   const PaddedImage& level(int index) const { return levels_[static_cast<std::size_t>(index)]; }
 

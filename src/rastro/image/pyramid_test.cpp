@@ -26,7 +26,7 @@ bool equal(const PaddedImage& a, const PaddedImage& b) {
 
 TEST(Pyramid, EqualsOpenCvsPyrDown) {
   for (const auto& [width, height] : {std::pair{64, 48}, {101, 77}, {40, 33}}) {
-    GreyImage image = noise_image(width, height, 5);
+    GrayImage image = noise_image(width, height, 5);
     Pyramid pyramid;
     pyramid.build(image.view(), 2, 48);
     cv::Mat expected;
@@ -41,7 +41,7 @@ TEST(Pyramid, EqualsOpenCvsPyrDown) {
 }
 
 TEST(Pyramid, PlainAndFastCodeAndAnyPoolGiveTheSameBytes) {
-  const GreyImage image = noise_image(203, 131, 9);
+  const GrayImage image = noise_image(203, 131, 9);
   Pyramid fast, plain, pooled;
   TaskPool pool(3);
   fast.build(image.view(), 4, 48);

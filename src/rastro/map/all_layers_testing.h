@@ -60,8 +60,8 @@ inline std::shared_ptr<const BagOfWords> some_words(std::uint32_t first) {
 
 }  // namespace all_layers
 
-/// A small map that has every layer, each for a part of its keyframes; ids have gaps and are of two robots. Images are
-/// bytes that nobody unpacks.
+/// A small map with every layer, each for some of its keyframes; ids have gaps and belong to two robots. The images are
+/// arbitrary bytes that are never unpacked.
 inline Map make_map_of_all_layers() {
   TestRoad road;
   road.sensor = CameraKind::stereo, road.keyframes = 8, road.landmarks = 400;
@@ -69,7 +69,7 @@ inline Map make_map_of_all_layers() {
   map.revision = 17;
   all_layers::add_other_robot(map);
   auto images = std::make_shared<ImageLayer>();
-  auto pictures = std::make_shared<MemoryPictures>();
+  auto pictures = std::make_shared<MemoryImages>();
   auto scans = std::make_shared<ScanLayer>();
   auto semi_dense = std::make_shared<SemiDenseLayer>();
   auto words = std::make_shared<WordLayer>();

@@ -11,7 +11,7 @@
 
 namespace rastro {
 
-/// A layer with at most one thing a keyframe, each of which never changes once made.
+/// A layer with at most one immutable item per keyframe.
 template <typename Thing>
 struct KeyframeLayer : Layer {
   std::map<KeyframeId, std::shared_ptr<const Thing>> of;
@@ -23,7 +23,7 @@ struct KeyframeLayer : Layer {
   }
 };
 
-/// What such layers share: a derived class says how a thing becomes bytes and what is to be said of all.
+/// The common part of such layers: a derived class defines how an item is serialized and described.
 template <typename L, typename Thing>
 class KeyframeLayerType : public LayerType {
  public:
@@ -77,7 +77,7 @@ class KeyframeLayerType : public LayerType {
   }
 
  protected:
-  /// Of a thing that knows its keyframe: the same with another id.
+  /// The same item with another id, for items that store the id of their keyframe.
   virtual std::shared_ptr<const Thing> with_id(const std::shared_ptr<const Thing>& thing, KeyframeId) const {
     return thing;
   }

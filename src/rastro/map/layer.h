@@ -8,8 +8,8 @@
 
 namespace rastro {
 
-/// One kind of content that keyframes carry. Never changes once it is part of a map. A class derived from it has a
-/// member `static constexpr const char* layer_name` and a LayerType (map/layer_type.h).
+/// One kind of content that keyframes carry. Immutable once it is part of a map. A derived class has a member `static
+/// constexpr const char* layer_name` and a LayerType (map/layer_type.h).
 class Layer {
  public:
   virtual ~Layer() = default;
@@ -33,7 +33,7 @@ class LayerSet {
     const auto found = layers_.find(name);
     return found == layers_.end() ? nullptr : found->second;
   }
-  /// A null pointer takes the layer away.
+  /// A null pointer removes the layer.
   void put(const std::string& name, std::shared_ptr<const Layer> layer) {
     if (layer) {
       layers_[name] = std::move(layer);

@@ -11,7 +11,7 @@ namespace {
 
 using Points = std::span<const Eigen::Vector3d>;
 
-/// Below this part of the largest singular value a direction counts as not there.
+/// Below this share of the largest singular value a direction counts as degenerate.
 constexpr double rank_tolerance = 1e-9;
 
 struct Moments {
@@ -22,7 +22,7 @@ struct Moments {
   double source_variance = 0.0;
 };
 
-/// Points that are one point up to the rounding of their mean have no extent.
+/// Points that coincide up to the rounding of their mean have no extent.
 bool has_extent(double variance, const Eigen::Vector3d& mean) { return variance > 1e-26 * mean.squaredNorm(); }
 
 Moments moments(Points target, Points source) {
@@ -41,7 +41,7 @@ Moments moments(Points target, Points source) {
   }
   if (has_extent(result.target_variance, result.target_mean) && has_extent(result.source_variance, result.source_mean))
     return result;
-  // A NaN must stay visible in the covariance.
+  // A NaN must propagate to the covariance.
   if (result.covariance.allFinite()) result.covariance.setZero();
   return result;
 }
@@ -67,7 +67,7 @@ Turn free_turn(const Eigen::Matrix3d& covariance) {
   if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) signs.z() = -1.0;
   const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   const Eigen::Vector3d& values = svd.singularValues();
-  // Points in a mirror image with equal spread leave the choice of the flipped axis open.
+  // For mirrored points with equal spread the choice of the flipped axis is ambiguous.
   const double second = values.y() + signs.z() * values.z();
   return {SO3(Eigen::Quaterniond(rotation)), values.dot(signs), second > rank_tolerance * values.x()};
 }
@@ -81,7 +81,7 @@ double rmse_of(Points target, Points source, const Sim3& target_from_source) {
 }  // namespace
 
 std::optional<Alignment> align_points(Points target, Points source, AlignmentKind kind) {
-  RASTRO_CHECK(target.size() == source.size(), "points are aligned in pairs");
+  RASTRO_CHECK(target.size() == source.size(), "the same number of source and target points");
   if (source.empty()) return std::nullopt;
   const Moments sums = moments(target, source);
   if (!sums.covariance.allFinite() || !sums.target_mean.allFinite() || !sums.source_mean.allFinite())

@@ -10,21 +10,20 @@
 namespace rastro {
 
 enum class AlignmentKind {
-  yaw,         ///< Rotation about the z axis and translation: for systems that know gravity.
+  yaw,         ///< Rotation about the z axis and translation: for systems with observable gravity.
   rigid,       ///< SE3.
-  similarity,  ///< Sim3: for systems that do not know scale.
+  similarity,  ///< Sim3: for systems without metric scale.
 };
 
 struct Alignment {
   Sim3 target_from_source;  ///< Scale 1 for yaw and rigid.
-  double rmse = 0.0;        ///< Root mean squared distance of the aligned points, metres.
-  bool unique = false;      ///< False where the points leave a rotation open (all on one line, or fewer than three).
+  double rmse = 0.0;        ///< Root mean squared distance of the aligned points, meters.
+  bool unique = false;      ///< False if the points do not determine the rotation (collinear, or fewer than three).
 };
 
-/// The transform that brings `source` to `target` (pairs by index) with the least sum of squared distances, in closed
+/// The transform that aligns `source` with `target` (pairs by index) with the least sum of squared distances, in closed
 /// form: Umeyama 1991, "Least-squares estimation of transformation parameters between two point patterns". nullopt
-/// without pairs, with values that are not finite, or for a similarity when the source (or the target) is a single
-/// point.
+/// without pairs, with values that are not finite, or for a similarity if the source (or the target) is a single point.
 std::optional<Alignment> align_points(std::span<const Eigen::Vector3d> target, std::span<const Eigen::Vector3d> source,
                                       AlignmentKind kind);
 

@@ -101,7 +101,7 @@ TEST(Alignment, AMirrorImageIsNeverAnAnswer) {
   EXPECT_GT(found->rmse, 0.1);
 }
 
-TEST(Alignment, PointsOnALineAreAlignedButSaidNotToBeUnique) {
+TEST(Alignment, PointsOnALineAreAlignedButReportedAsNotUnique) {
   Points source, target;
   for (int i = 0; i < 10; ++i) {
     source.emplace_back(i, 0.0, 0.0);

@@ -7,7 +7,7 @@ namespace rastro {
 
 /// For any group here: exp(tangent + d) = exp(tangent) * exp(right_jacobian<Group>(tangent) * d) to first order in d.
 /// The power series of the small adjoint (Sola et al. 2018, eq. 41 and 143): converges for every tangent vector, in
-/// about 20 terms for rotations up to pi. Where speed matters take the closed form of SO3.
+/// about 20 terms for rotations up to pi. Where speed matters use the closed form of SO3.
 template <typename Group>
 auto right_jacobian(const typename Group::Tangent& tangent) {
   using Matrix = decltype(Group::small_adjoint(tangent));

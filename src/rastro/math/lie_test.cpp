@@ -22,7 +22,7 @@ namespace {
 using testing::matrix_near;
 using testing::random_vector;
 
-/// Where the rotation sits in the tangent vector.
+/// Position of the rotation in the tangent vector.
 template <typename Group>
 struct RotationPart;
 template <>
@@ -64,7 +64,7 @@ class LieGroup : public ::testing::Test {
   Tangent tangent() { return tangent_of_angle(random_.uniform(0.0, 3.0)); }
   Point point() { return random_vector<Point>(random_, 5.0); }
 
-  /// Angles where closed forms change to series, and where logarithms turn round.
+  /// Angles at which closed forms change to series, and at which logarithms wrap around.
   std::vector<Tangent> hard_tangents() {
     std::vector<Tangent> result = {Tangent::Zero()};
     for (const double angle : {1e-300, 1e-20, 1e-12, 1e-9, 1e-8, 1e-6, 9e-5, 1.1e-4, 1e-3, 0.01, 0.19, 0.21, 0.29, 0.31,
@@ -148,7 +148,7 @@ TYPED_TEST(LieGroup, ExpIsTheMatrixExponential) {
 TYPED_TEST(LieGroup, SmallTangentsAreKeptToTheirLastDigits) {
   for (const double size : {1e-5, 1e-8, 1e-12, 1e-100}) {
     auto tangent = (size * this->tangent()).eval();
-    // 1 + 1e-12 has no more digits to give back.
+    // 1 + 1e-12 has no more digits to recover.
     if constexpr (std::is_same_v<TypeParam, Sim3>) tangent[6] = 0.0;
     const auto error = (TypeParam::exp(tangent).log() - tangent).eval();
     EXPECT_LT(error.norm(), 1e-14 * tangent.norm()) << size;

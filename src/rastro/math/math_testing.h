@@ -19,19 +19,19 @@ Vector random_vector(Random& random, double size) {
   return result;
 }
 
-/// Within `metres` in translation and `radians` in rotation of `expected`.
-MATCHER_P3(pose_near, expected, metres, radians, "is a pose near the expected one") {
+/// Within `meters` in translation and `radians` in rotation of `expected`.
+MATCHER_P3(pose_near, expected, meters, radians, "is a pose near the expected one") {
   const double distance = (arg.translation() - expected.translation()).norm();
   const double angle = (expected.rotation().inverse() * arg.rotation()).log().norm();
-  *result_listener << "off by " << distance << " m and " << angle << " rad";
-  return distance <= metres && angle <= radians;
+  *result_listener << "error " << distance << " m and " << angle << " rad";
+  return distance <= meters && angle <= radians;
 }
 
-/// Every coefficient within `tolerance` of the expected matrix's; NaN is never near.
+/// Every coefficient within `tolerance` of the expected matrix's; NaN never is.
 MATCHER_P2(matrix_near, expected, tolerance, "is a matrix near the expected one") {
   if (arg.rows() != expected.rows() || arg.cols() != expected.cols()) return false;
   const double error = (arg - expected).cwiseAbs().maxCoeff();
-  *result_listener << "off by up to " << error;
+  *result_listener << "error up to " << error;
   return error <= tolerance && arg.allFinite();
 }
 

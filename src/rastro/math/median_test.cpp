@@ -10,7 +10,7 @@
 namespace rastro {
 namespace {
 
-TEST(Median, OfAnOddNumberIsTheOneInTheMiddle) {
+TEST(Median, OfAnOddNumberIsTheMiddleOne) {
   EXPECT_EQ(median({7.0}), 7.0);
   EXPECT_EQ(median({3.0, -1.0, 2.0}), 2.0);
   EXPECT_EQ(upper_median<double>({3.0, -1.0, 2.0}), 2.0);

@@ -20,7 +20,7 @@ struct HuberKernel {
   }
 };
 
-/// Never gives an error up, but weighs far ones ever less.
+/// Never rejects an error completely, but gives large ones ever less weight.
 struct CauchyKernel {
   double width = 2.3849;
 
@@ -28,7 +28,7 @@ struct CauchyKernel {
   double weight(double squared_error) const { return 1.0 / (1.0 + squared_error / (width * width)); }
 };
 
-/// Ignores errors beyond `width`: needs a good start.
+/// Ignores errors beyond `width`: needs a good initial guess.
 struct TukeyKernel {
   double width = 4.6851;
 

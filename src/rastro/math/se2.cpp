@@ -4,7 +4,7 @@
 namespace rastro {
 namespace {
 
-/// Integral of the rotation over the way from 0 to `angle`: [sine, -cosine; cosine, sine] of the result.
+/// Integral of the rotation from 0 to `angle`: [sine, -cosine; cosine, sine] of the result.
 struct Turning {
   double sine;    ///< sin(angle) / angle
   double cosine;  ///< (1 - cos(angle)) / angle

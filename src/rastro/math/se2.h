@@ -8,7 +8,7 @@
 namespace rastro {
 
 /// Rigid motion in the plane. `SE2 world_from_robot` maps points of the robot frame into the world frame.
-/// Tangent vectors are (x, y, angle), metres and radians.
+/// Tangent vectors are (x, y, angle), meters and radians.
 class SE2 {
  public:
   using Tangent = Eigen::Vector3d;
@@ -22,7 +22,7 @@ class SE2 {
   SE2 inverse() const;
   SE2 operator*(const SE2& other) const;
   Eigen::Vector2d operator*(const Eigen::Vector2d& point) const { return rotation_ * point + translation_; }
-  /// Maps tangent vectors at the right to the left: exp(adjoint() * v) = *this * exp(v) * inverse().
+  /// Maps right (local) tangent vectors to the left: exp(adjoint() * v) = *this * exp(v) * inverse().
   Eigen::Matrix3d adjoint() const;
   Eigen::Matrix3d matrix() const;
   /// Derivative of adjoint() at the identity along `tangent`: the Lie bracket as a matrix.

@@ -27,10 +27,10 @@ class SE3 {
   SE3 inverse() const;
   SE3 operator*(const SE3& other) const;
   Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return rotation_ * point + translation_; }
-  /// Maps tangent vectors at the right to the left: exp(adjoint() * v) = *this * exp(v) * inverse().
+  /// Maps right (local) tangent vectors to the left: exp(adjoint() * v) = *this * exp(v) * inverse().
   Matrix6d adjoint() const;
   Eigen::Matrix4d matrix() const;
-  /// From the upper 3x4; the rotation part is brought to the nearest rotation.
+  /// From the upper 3x4; the rotation part is projected to the nearest rotation.
   static SE3 from_matrix(const Eigen::Matrix4d& matrix);
   /// Derivative of adjoint() at the identity along `tangent`: the Lie bracket as a matrix.
   static Matrix6d small_adjoint(const Vector6d& tangent);

@@ -13,7 +13,7 @@ namespace {
 using testing::matrix_near;
 using testing::pose_near;
 
-TEST(SE3, QuarterTurnOnACircle) {
+TEST(SE3, QuarterOfACircle) {
   // Driving a quarter of a circle of radius 1 m to the left: forward x, up z.
   Vector6d tangent = Vector6d::Zero();
   tangent << std::numbers::pi / 2.0, 0.0, 0.0, 0.0, 0.0, std::numbers::pi / 2.0;
@@ -31,7 +31,7 @@ TEST(SE3, FromMatrixUndoesMatrix) {
   EXPECT_THAT(SE3::from_matrix(pose.matrix()), pose_near(pose, 1e-14, 1e-14));
 }
 
-TEST(MathTesting, PosesApartAreNotNear) {
+TEST(MathTesting, DistantPosesAreNotNear) {
   const SE3 moved(SO3(), {0.1, 0.0, 0.0}), turned(SO3::exp({0.0, 0.1, 0.0}), Eigen::Vector3d::Zero());
   EXPECT_THAT(moved, pose_near(SE3(), 0.11, 0.0));
   EXPECT_THAT(moved, ::testing::Not(pose_near(SE3(), 0.09, 1.0)));

@@ -31,7 +31,7 @@ double growth_moment(int n, double rate) {
 }
 
 /// Coefficients of I, hat(rotation) and hat(rotation)^2 in the integral over u from 0 to 1 of exp(log_scale * u) *
-/// exp(hat(rotation) * u): what the translation of a tangent vector is multiplied with.
+/// exp(hat(rotation) * u): the matrix that multiplies the translation of a tangent vector.
 struct Coefficients {
   double identity, linear, square;
 };
@@ -68,7 +68,7 @@ Eigen::Matrix3d translation_matrix(const Eigen::Vector3d& rotation, double log_s
 
 Sim3::Sim3(double scale, const SO3& rotation, const Eigen::Vector3d& translation)
     : scale_(scale), rotation_(rotation), translation_(translation) {
-  RASTRO_CHECK(scale > 0.0, "the scale of a similarity is positive");
+  RASTRO_CHECK(scale > 0.0, "the scale of a similarity must be positive");
 }
 
 Sim3 Sim3::exp(const Vector7d& tangent) {

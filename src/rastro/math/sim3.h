@@ -27,7 +27,7 @@ class Sim3 {
   Sim3 inverse() const;
   Sim3 operator*(const Sim3& other) const;
   Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return scale_ * (rotation_ * point) + translation_; }
-  /// Maps tangent vectors at the right to the left: exp(adjoint() * v) = *this * exp(v) * inverse().
+  /// Maps right (local) tangent vectors to the left: exp(adjoint() * v) = *this * exp(v) * inverse().
   Matrix7d adjoint() const;
   Eigen::Matrix4d matrix() const;
   /// Derivative of adjoint() at the identity along `tangent`: the Lie bracket as a matrix.

@@ -17,7 +17,7 @@ class SO3 {
   using Point = Eigen::Vector3d;
 
   SO3() : quaternion_(Eigen::Quaterniond::Identity()) {}
-  /// Normalises; the quaternion must not be zero.
+  /// Normalizes; the quaternion must not be zero.
   explicit SO3(const Eigen::Quaterniond& quaternion) : quaternion_(quaternion.normalized()) {}
   /// The nearest rotation to `matrix`.
   static SO3 from_matrix(const Eigen::Matrix3d& matrix);

@@ -9,7 +9,7 @@
 namespace rastro {
 namespace {
 
-/// The method of that name; `kind` is for the error.
+/// The method with that name; `kind` is for the error.
 template <typename Method>
 std::unique_ptr<Method> named(std::vector<std::unique_ptr<Method>> methods, const std::string& name, const char* kind) {
   std::vector<std::string> names;
@@ -17,14 +17,14 @@ std::unique_ptr<Method> named(std::vector<std::unique_ptr<Method>> methods, cons
     if (method->name() == name) return std::move(method);
     names.push_back(method->name());
   }
-  throw Error(fmt::format("'{}' is no {}", name, kind), "--method",
-              fmt::format("did you mean '{}'? 'rastro methods' lists them all", nearest_name(name, names)));
+  throw Error(fmt::format("there is no {} '{}'", kind, name), "--method",
+              fmt::format("did you mean '{}'? 'rastro methods' lists them", nearest_name(name, names)));
 }
 
 }  // namespace
 
 std::unique_ptr<OdometryMethod> odometry_method(const std::string& name) {
-  return named(odometry_methods(), name, "odometry");
+  return named(odometry_methods(), name, "odometry method");
 }
 
 std::unique_ptr<SlamMethod> slam_method(const std::string& name) { return named(slam_methods(), name, "SLAM method"); }

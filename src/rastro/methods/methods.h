@@ -10,12 +10,12 @@
 
 namespace rastro {
 
-/// Every odometry and every SLAM method with its default settings, in the order of the alphabet. Both lists are
-/// generated from the rastro_method() lines of the build (rastro_list_methods() in cmake/RastroModule.cmake).
+/// All odometry and SLAM methods with their default settings, in alphabetical order. Both lists are generated from the
+/// rastro_method() lines of the build (rastro_list_methods() in cmake/RastroModule.cmake).
 std::vector<std::unique_ptr<OdometryMethod>> odometry_methods();
 std::vector<std::unique_ptr<SlamMethod>> slam_methods();
 
-/// One of them. Error for a name that is no method, naming the nearest.
+/// A method by name. Error for an unknown name, with the nearest known one.
 std::unique_ptr<OdometryMethod> odometry_method(const std::string& name);
 std::unique_ptr<SlamMethod> slam_method(const std::string& name);
 

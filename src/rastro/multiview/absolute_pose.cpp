@@ -14,13 +14,13 @@
 namespace rastro {
 namespace {
 
-/// Rotation beside translation, camera_from_world.
+/// Rotation and translation, camera_from_world.
 using PoseMatrix = Eigen::Matrix<double, 3, 4>;
 
 PoseMatrix matrix_of(const SE3& pose) { return pose.matrix().topRows<3>(); }
 SE3 pose_of(const PoseMatrix& matrix) { return SE3(SO3::from_matrix(matrix.leftCols<3>()), matrix.col(3)); }
 
-/// Nearer than this share of a unit a point counts as behind the camera: its pixel is no longer a measurement.
+/// Closer than this share of a unit, a point counts as behind the camera: its pixel is no longer a valid measurement.
 constexpr double least_depth = 1e-9;
 
 struct Normal {
@@ -62,7 +62,7 @@ struct Refined {
   Normal normal;
 };
 
-/// Gauss-Newton, damped only where a step would make things worse (Levenberg 1944, Marquardt 1963).
+/// Gauss-Newton, damped only where a step would increase the cost (Levenberg 1944, Marquardt 1963).
 template <typename Use>
 std::optional<Refined> refine(const SE3& start, std::span<const Eigen::Vector3d> world,
                               std::span<const Eigen::Vector2d> points, const AbsolutePoseOptions& options,
@@ -95,7 +95,7 @@ std::optional<Refined> refine(const SE3& start, std::span<const Eigen::Vector3d>
 class AbsolutePoseProblem {
  public:
   static constexpr std::size_t sample_size = 3;
-  /// Errors are scored in floats, so the origin is laid among the points.
+  /// Errors are computed in floats, so the origin is moved among the points.
   AbsolutePoseProblem(std::span<const Eigen::Vector3d> world, std::span<const Eigen::Vector2d> points,
                       const AbsolutePoseOptions& options)
       : points_(points), options_(options) {
@@ -152,7 +152,7 @@ class AbsolutePoseProblem {
   std::vector<float> u_, v_;
 };
 
-/// Inliers, their spread, and the covariance that follows from it.
+/// Inliers, their spread, and the resulting covariance.
 void judge(const Normal& normal, std::span<const Eigen::Vector3d> world, std::span<const Eigen::Vector2d> points,
            const AbsolutePoseOptions& options, AbsolutePose& result) {
   double squares = 0.0;
@@ -176,7 +176,7 @@ void judge(const Normal& normal, std::span<const Eigen::Vector3d> world, std::sp
 std::optional<AbsolutePose> refine_absolute_pose(std::span<const Eigen::Vector3d> points_in_world,
                                                  std::span<const Eigen::Vector2d> points, const SE3& start,
                                                  const AbsolutePoseOptions& options) {
-  RASTRO_CHECK(points_in_world.size() == points.size(), "every point has its place in the image");
+  RASTRO_CHECK(points_in_world.size() == points.size(), "one pixel per point");
   if (points.size() < 3) return std::nullopt;
   const auto refined =
       refine(start, points_in_world, points, options, options.refine_iterations, [](std::size_t) { return true; });
@@ -191,7 +191,7 @@ std::optional<AbsolutePose> estimate_absolute_pose(std::span<const Eigen::Vector
                                                    std::span<const Eigen::Vector2d> points,
                                                    const AbsolutePoseOptions& options,
                                                    const std::optional<SE3>& initial) {
-  RASTRO_CHECK(points_in_world.size() == points.size(), "every point has its place in the image");
+  RASTRO_CHECK(points_in_world.size() == points.size(), "one pixel per point");
   if (points.size() < 4) return std::nullopt;
   const AbsolutePoseProblem problem(points_in_world, points, options);
   const auto start = initial ? std::optional(problem.from_origin(*initial)) : std::nullopt;

@@ -24,7 +24,7 @@ SE3 random_pose(Random& random) {
                       .finished());
 }
 
-TEST(PoseFromThree, OneOfThePosesIsTheTruthAndAllSeeThePoints) {
+TEST(PoseFromThree, OneOfThePosesIsTheTrueOneAndAllProjectToThePixels) {
   Random random(1);
   int found = 0;
   for (int trial = 0; trial < 500; ++trial) {
@@ -64,7 +64,7 @@ TEST(EstimateAbsolutePose, IsExactWithoutNoiseOnDepthsAndOnAPlane) {
   }
 }
 
-TEST(EstimateAbsolutePose, WithstandsNoiseAndFortyPercentOutliers) {
+TEST(EstimateAbsolutePose, IsRobustToNoiseAndFortyPercentOutliers) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
     const auto scene =
@@ -107,7 +107,7 @@ TEST(EstimateAbsolutePose, AGoodGuessSavesSamplesAndABadOneDoesNoHarm) {
   }
 }
 
-TEST(EstimateAbsolutePose, CovarianceSaysHowFarThePoseIsOff) {
+TEST(EstimateAbsolutePose, CovarianceAgreesWithThePoseError) {
   Random random(6);
   const SE3 truth = random_pose(random);
   double sum = 0.0;
@@ -124,7 +124,7 @@ TEST(EstimateAbsolutePose, CovarianceSaysHowFarThePoseIsOff) {
   EXPECT_NEAR(sum / trials, 6.0, 1.0);  // chi squared with six degrees of freedom
 }
 
-TEST(EstimateAbsolutePose, TooFewOrSenselessPointsGiveNone) {
+TEST(EstimateAbsolutePose, TooFewOrRandomPointsGiveNone) {
   Random random(7);
   const auto scene = two_view_scene(random, random_pose(random), {.count = 3});
   EXPECT_FALSE(estimate_absolute_pose(scene.points, scene.b, pose_options()));
@@ -138,7 +138,7 @@ TEST(EstimateAbsolutePose, TooFewOrSenselessPointsGiveNone) {
   EXPECT_FALSE(refine_absolute_pose(one_point, pixels, SE3(), pose_options()));
 }
 
-TEST(RefineAbsolutePose, ReturnsFromADisturbedStartInSpiteOfAFewOutliers) {
+TEST(RefineAbsolutePose, ConvergesFromAPerturbedStartDespiteAFewOutliers) {
   Random random(8);
   const auto scene = two_view_scene(random, random_pose(random), {.count = 100, .outlier_share = 0.05});
   const SE3 start = SE3::exp((Vector6d() << 0.2, -0.2, 0.2, 0.02, -0.02, 0.02).finished()) * scene.second_from_first;

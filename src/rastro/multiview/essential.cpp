@@ -48,7 +48,8 @@ struct Direction {
 using Matrix5x9 = Eigen::Matrix<double, 5, 9>;
 using Row9 = Eigen::Matrix<double, 1, 9>;
 
-/// Derivatives of E's coefficients (row by row) by a turn of R from the left and a move of t in its tangent plane.
+/// Derivatives of E's coefficients (row by row) by a rotation of R from the left and a motion of t in its tangent
+/// plane.
 Matrix5x9 essential_derivatives(const Eigen::Matrix3d& rotation, const Direction& direction) {
   const Eigen::Matrix3d cross = hat(direction.value);
   const Eigen::Matrix<double, 3, 2> tangents = direction.tangents();
@@ -87,8 +88,8 @@ struct Motion {
   Eigen::Matrix3d essential() const { return hat(direction.value) * rotation.matrix(); }
 };
 
-/// One Gauss-Newton step over the pairs that `use` accepts, those beyond `kernel` weighing less; nullopt when they
-/// leave it open.
+/// One Gauss-Newton step over the pairs that `use` accepts, those with errors beyond `kernel` down-weighted; nullopt if
+/// they do not determine it.
 template <typename Use>
 std::optional<Motion> step_from(const Motion& motion, std::span<const Eigen::Vector2d> a,
                                 std::span<const Eigen::Vector2d> b, const CauchyKernel& kernel, const Use& use) {
@@ -104,14 +105,14 @@ std::optional<Motion> step_from(const Motion& motion, std::span<const Eigen::Vec
     normal.noalias() += weight * row * row.transpose();
     right.noalias() -= weight * term.distance * row;
   }
-  // A trace of damping keeps what the pairs leave open (a direction without motion) where it is.
+  // A little damping keeps unobservable directions (the translation without motion) fixed.
   normal.diagonal().array() += 1e-12 * normal.trace() + 1e-300;
   const Eigen::Matrix<double, 5, 1> step = normal.ldlt().solve(right);
   if (!step.allFinite() || step.norm() > 1.0) return std::nullopt;
   return Motion{SO3::exp(step.head<3>()) * motion.rotation, motion.direction.moved(step.tail<2>())};
 }
 
-/// All four motions of E have the same E but for its sign, so any of them may be refined.
+/// All four motions of E have the same E up to its sign, so any of them may be refined.
 Motion motion_of(const Eigen::Matrix3d& essential) {
   const Decomposition parts = decompose(essential);
   return {SO3::from_matrix(parts.rotations[0]), {parts.direction}};
@@ -166,8 +167,7 @@ class EssentialProblem {
     return motion.essential();
   }
 
-  /// An outlier that lies near its epipolar line by chance would pull a model of least squares to itself and so stay
-  /// in.
+  /// An outlier near its epipolar line by chance would pull a least-squares model towards itself and so stay an inlier.
   CauchyKernel kernel() const { return {kernel_width_px_ / focal_px_}; }
   double cost(const std::vector<float>& squared_errors, double max_error_px) const {
     const CauchyKernel in_pixels{kernel_width_px_};
@@ -193,8 +193,8 @@ std::vector<std::uint8_t> inliers_of(const std::vector<float>& squared_errors, d
   return flags;
 }
 
-/// Refines over pairs within a wide limit first, since a model of few pairs counts some of the true ones out; the best
-/// of all stages is kept.
+/// Refines over pairs within a wide limit first, since a model of few pairs rejects some of the true ones; keeps the
+/// best of all stages.
 void polish(const EssentialProblem& problem, std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b,
             double max_error_px, RobustFit& best) {
   double best_cost = problem.cost(best.squared_errors, max_error_px);
@@ -221,7 +221,7 @@ void polish(const EssentialProblem& problem, std::span<const Eigen::Vector2d> a,
   }
 }
 
-/// Median angle between the directions to the points after the rotation.
+/// Median angle between the directions to the points after removing the rotation.
 double median_parallax_deg(const Eigen::Matrix3d& rotation, std::span<const Eigen::Vector2d> a,
                            std::span<const Eigen::Vector2d> b, std::span<const std::uint8_t> is_inlier) {
   std::vector<double> angles;
@@ -250,7 +250,7 @@ std::optional<RecoveredPose> recover_pose(const Eigen::Matrix3d& essential, std:
     const Eigen::Vector3d& t = parts.direction;
     for (std::size_t i = 0; i < a.size(); ++i) {
       if (!counts(is_inlier, i)) continue;
-      // Signs of the depths at which the rays come nearest to each other.
+      // Signs of the depths at which the rays are closest to each other.
       const Eigen::Vector3d p = parts.rotations[r] * a[i].homogeneous(), q = b[i].homogeneous();
       const double pp = p.squaredNorm(), qq = q.squaredNorm(), pq = p.dot(q), pt = p.dot(t), qt = q.dot(t);
       const double first = pq * qt - pt * qq, second = pp * qt - pq * pt;

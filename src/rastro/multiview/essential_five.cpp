@@ -21,12 +21,12 @@ struct Monomial {
 constexpr std::array<Monomial, 4> linear_terms{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
 constexpr std::array<Monomial, 10> quadratic_terms{
     {{2, 0, 0}, {1, 1, 0}, {1, 0, 1}, {1, 0, 0}, {0, 2, 0}, {0, 1, 1}, {0, 1, 0}, {0, 0, 2}, {0, 0, 1}, {0, 0, 0}}};
-/// In the order of the paper: the first ten are eliminated, the others have x or y at most once and apart.
+/// In the order of the paper: the first ten are eliminated; the others contain x or y at most once and separately.
 constexpr std::array<Monomial, 20> cubic_terms{
     {{3, 0, 0}, {0, 3, 0}, {2, 1, 0}, {1, 2, 0}, {2, 0, 1}, {2, 0, 0}, {0, 2, 1}, {0, 2, 0}, {1, 1, 1}, {1, 1, 0},
      {1, 0, 2}, {1, 0, 1}, {1, 0, 0}, {0, 1, 2}, {0, 1, 1}, {0, 1, 0}, {0, 0, 3}, {0, 0, 2}, {0, 0, 1}, {0, 0, 0}}};
 
-/// Where the product of term i of the one and term j of the linear terms stands among `products`.
+/// Index in `products` of the product of term i of the one and term j of the linear terms.
 template <std::size_t Count, std::size_t Products>
 constexpr std::array<std::array<int, 4>, Count> product_places(const std::array<Monomial, Count>& terms,
                                                                const std::array<Monomial, Products>& products) {
@@ -65,7 +65,7 @@ void add_product(const Quadratic& a, const Linear& b, Cubic& sum) {
 using Basis = Eigen::Matrix<double, 9, 4>;
 using Constraints = Eigen::Matrix<double, 10, 20>;
 
-/// The four matrices, row by row, that span what five pairs leave open.
+/// The four matrices, row by row, that span the null space of five pairs.
 Basis null_space(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b, const std::uint32_t* indices) {
   Eigen::Matrix<double, 9, 5> columns;
   for (int i = 0; i < 5; ++i) {
@@ -165,7 +165,7 @@ double value_at(const std::array<double, N>& c, double z) {
   return value;
 }
 
-/// x and y that go with z: the kernel of B(z), as the longest of the cross products of its rows.
+/// x and y for z: the kernel of B(z), as the longest of the cross products of its rows.
 Eigen::Vector3d kernel_at(const std::array<Row, 3>& rows, double z) {
   std::array<Eigen::Vector3d, 3> values;
   for (std::size_t i = 0; i < 3; ++i)

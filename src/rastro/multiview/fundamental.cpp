@@ -14,7 +14,7 @@ namespace rastro {
 namespace {
 
 using Row9 = Eigen::Matrix<double, 1, 9>;
-// Pixels in units of about the image, so that the nine terms have like sizes.
+// Pixels in units of about the image, so that the nine terms have similar magnitudes.
 constexpr double unit = 500.0;
 
 Row9 epipolar_row(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -34,7 +34,7 @@ Eigen::Matrix3d in_pixels(const Eigen::Matrix3d& f) {
   return to_units * f * to_units;
 }
 
-/// det(x F1 + (1 - x) F2) as a cubic in x, from its values at four places.
+/// det(x F1 + (1 - x) F2) as a cubic in x, from its values at four points.
 std::vector<double> roots_of_determinant(const Eigen::Matrix3d& f1, const Eigen::Matrix3d& f2) {
   const auto determinant = [&](double x) { return (x * f1 + (1.0 - x) * f2).determinant(); };
   const double at0 = determinant(0.0), at1 = determinant(1.0), atm = determinant(-1.0), at2 = determinant(2.0);
@@ -58,13 +58,13 @@ class FundamentalProblem {
     sampson_errors((fundamental / fundamental.norm()).cast<float>(), pairs_, out);
   }
 
-  /// Eight-point solution on the inliers, brought to rank two.
+  /// Eight-point solution on the inliers, reduced to rank two.
   std::optional<Eigen::Matrix3d> refit(const RobustFit& best, float limit) const {
     if (best.inliers < 9) return std::nullopt;
     Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       if (!(best.squared_errors[i] <= limit)) continue;
-      const Row9 row = epipolar_row(centred(pairs_.a(i)), centred(pairs_.b(i)));
+      const Row9 row = epipolar_row(centered(pairs_.a(i)), centered(pairs_.b(i)));
       normal.selfadjointView<Eigen::Lower>().rankUpdate(row.transpose());
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(normal);
@@ -72,14 +72,14 @@ class FundamentalProblem {
     Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix_of(eigen.eigenvectors().col(0)),
                                           Eigen::ComputeFullU | Eigen::ComputeFullV);
     const Eigen::Vector3d values(svd.singularValues().x(), svd.singularValues().y(), 0.0);
-    return uncentred(svd.matrixU() * values.asDiagonal() * svd.matrixV().transpose());
+    return uncentered(svd.matrixU() * values.asDiagonal() * svd.matrixV().transpose());
   }
 
  private:
-  // The middle of the points as origin and their spread as unit: Hartley's conditioning with fixed numbers suffices
+  // The centroid of the points as origin and their spread as unit: Hartley's conditioning with fixed numbers suffices
   // here.
-  static Eigen::Vector2d centred(const Eigen::Vector2d& p) { return (p - Eigen::Vector2d(middle, middle)) / unit; }
-  static Eigen::Matrix3d uncentred(const Eigen::Matrix3d& f) {
+  static Eigen::Vector2d centered(const Eigen::Vector2d& p) { return (p - Eigen::Vector2d(middle, middle)) / unit; }
+  static Eigen::Matrix3d uncentered(const Eigen::Matrix3d& f) {
     Eigen::Matrix3d to_units;
     to_units << 1.0 / unit, 0.0, -middle / unit, 0.0, 1.0 / unit, -middle / unit, 0.0, 0.0, 1.0;
     return to_units.transpose() * f * to_units;

@@ -10,7 +10,7 @@
 namespace rastro {
 namespace {
 
-/// The matrix that maps the projective basis (e1, e2, e3, e1+e2+e3) to four points; nullopt when three lie on a line.
+/// The matrix that maps the projective basis (e1, e2, e3, e1+e2+e3) to four points; nullopt if three lie on a line.
 std::optional<Eigen::Matrix3d> basis_to(const Eigen::Vector2d (&points)[4]) {
   Eigen::Matrix3d corners;
   for (int i = 0; i < 3; ++i) corners.col(i) = points[i].homogeneous();
@@ -25,7 +25,7 @@ std::optional<Eigen::Matrix3d> basis_to(const Eigen::Vector2d (&points)[4]) {
   return corners * (weights / area).asDiagonal();
 }
 
-/// One Gauss-Newton step of the distances in image b over the inliers, in coordinates brought to unit size.
+/// One Gauss-Newton step of the distances in image b over the inliers, in normalized coordinates.
 class HomographyProblem {
  public:
   static constexpr std::size_t sample_size = 4;
@@ -37,7 +37,7 @@ class HomographyProblem {
   }
 
   void errors(const Eigen::Matrix3d& h, float* out) const {
-    // In floats and plain arrays, so that the compiler makes vectors of it.
+    // In floats and plain arrays, so that the compiler vectorises it.
     const Eigen::Matrix3f m = (h / h.norm()).cast<float>();
     const float h00 = m(0, 0), h01 = m(0, 1), h02 = m(0, 2), h10 = m(1, 0), h11 = m(1, 1), h12 = m(1, 2);
     const float h20 = m(2, 0), h21 = m(2, 1), h22 = m(2, 2);
@@ -59,7 +59,7 @@ class HomographyProblem {
     Eigen::Matrix3d h = to_units * best.model * from_units;
     h /= h(2, 2);
     // Every row of the Jacobian is (a/w, 0, -u p) or (0, a/w, -v p) with a = (x, y, 1) and p = (x, y)/w, so the normal
-    // equations are made of few sums: of a a', u a p', v a p' and (u^2 + v^2) p p'.
+    // equations consist of few sums: of a a', u a p', v a p' and (u^2 + v^2) p p'.
     double axx = 0, axy = 0, ax = 0, ayy = 0, ay = 0, a1 = 0, uxx = 0, uxy = 0, ux = 0, uyy = 0, uy = 0;
     double vxx = 0, vxy = 0, vx = 0, vyy = 0, vy = 0, wxx = 0, wxy = 0, wyy = 0;
     Eigen::Matrix<double, 8, 1> right = Eigen::Matrix<double, 8, 1>::Zero();
@@ -145,7 +145,7 @@ std::optional<RobustFit> refine_homography(const PointPairs& pairs, const Eigen:
 
 std::optional<Eigen::Vector2d> transfer(const Eigen::Matrix3d& homography, const Eigen::Vector2d& point) {
   const Eigen::Vector3d image = homography * point.homogeneous();
-  // The sign of the last coordinate is that of the plane's middle: a point that changes it went through infinity.
+  // The sign of the last coordinate is that of the image center: a point with another sign passed through infinity.
   if (std::abs(image.z()) < 1e-12) return std::nullopt;
   return Eigen::Vector2d(image.hnormalized());
 }

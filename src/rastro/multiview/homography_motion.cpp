@@ -12,7 +12,7 @@ std::vector<SE3> motions_of_homography(const Eigen::Matrix3d& homography) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(homography, Eigen::ComputeFullV);
   const Eigen::Vector3d values = svd.singularValues();
   if (!homography.allFinite() || !(values[2] > 1e-9 * values[0])) return {};
-  // In units of the middle value it is R + t n' with n the plane's normal by its distance.
+  // In units of the middle singular value it is R + t n' with n the plane's normal divided by its distance.
   const Eigen::Matrix3d unit = homography / values[1];
   const double first = std::pow(values[0] / values[1], 2), third = std::pow(values[2] / values[1], 2);
   const double spread = first - third;

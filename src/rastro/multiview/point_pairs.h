@@ -25,7 +25,7 @@ struct PointPairs {
   Eigen::Vector2d b(std::size_t i) const { return {static_cast<double>(bx[i]), static_cast<double>(by[i])}; }
 };
 
-/// A model fitted by RANSAC. `errors` are squared, in pixels, one a pair.
+/// A model fitted by RANSAC. `errors` are squared, in pixels, one per pair.
 template <typename Model>
 struct RobustFitOf {
   Model model = Model::Identity();
@@ -42,8 +42,8 @@ struct RansacOptions {
   std::uint64_t seed = 1;
 };
 
-/// For views whose camera is known: points are normalised (x / z, y / z), and errors count in pixels of a camera of
-/// this focal length.
+/// For calibrated views: points are normalized (x / z, y / z), and errors are in pixels of a camera of this focal
+/// length.
 struct CalibratedRansacOptions : RansacOptions {
   double focal_px = 500.0;
 };

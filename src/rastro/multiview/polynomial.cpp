@@ -85,7 +85,7 @@ std::vector<double> real_roots(const Polynomial& coefficients) {
   std::vector<double> roots;
   roots_within_one(coefficients, roots);
   const std::size_t small = roots.size();
-  // From the highest coefficient that there is: zeros above it would be roots at infinity.
+  // From the highest nonzero coefficient on: zeros above it would be roots at infinity.
   Polynomial reversed = coefficients;
   auto end = reversed.end();
   while (end != reversed.begin() && *(end - 1) == 0.0) --end;

@@ -45,7 +45,7 @@ void expect_roots(std::vector<double> found, std::vector<double> expected, doubl
     EXPECT_NEAR(found[k], expected[k], share * std::max(1.0, std::abs(expected[k]))) << k;
 }
 
-TEST(RealRoots, AreThoseThatThePolynomialWasMadeOf) {
+TEST(RealRoots, AreTheRootsThatThePolynomialWasMadeFrom) {
   expect_roots(real_roots(product_of({-0.5, 0.25, 0.75}, {}, 1.0)), {-0.5, 0.25, 0.75}, 1e-12);
   expect_roots(real_roots(product_of({-7.0, 0.1, 3.0, 12.0}, {}, -4.0)), {-7.0, 0.1, 3.0, 12.0}, 1e-10);
   expect_roots(real_roots(product_of({2.0}, {{0.3, 0.4}, {-1.0, 2.0}}, 0.01)), {2.0}, 1e-11);
@@ -84,7 +84,7 @@ TEST(RealRoots, AreTheRealEigenvaluesOfTheCompanionMatrix) {
   EXPECT_GT(compared, 180);
 }
 
-TEST(CubicRoots, AreThoseThatTheCubicWasMadeOf) {
+TEST(CubicRoots, AreTheRootsThatTheCubicWasMadeFrom) {
   Random random(6);
   for (int trial = 0; trial < 500; ++trial) {
     const double a = random.uniform(-3.0, 3.0), b = random.uniform(-3.0, 3.0), c = random.uniform(-3.0, 3.0);
@@ -97,7 +97,7 @@ TEST(CubicRoots, AreThoseThatTheCubicWasMadeOf) {
   }
 }
 
-TEST(CubicRoots, DegenerateToQuadraticLinearAndNothing) {
+TEST(CubicRoots, HandleQuadraticLinearAndConstantPolynomials) {
   expect_roots(cubic_roots(0.0, 2.0, -2.0, -12.0), {-2.0, 3.0}, 1e-12);
   EXPECT_TRUE(cubic_roots(0.0, 1.0, 0.0, 1.0).empty());
   expect_roots(cubic_roots(0.0, 0.0, 4.0, -2.0), {0.5}, 1e-12);
@@ -106,8 +106,8 @@ TEST(CubicRoots, DegenerateToQuadraticLinearAndNothing) {
   for (const double root : cubic_roots(1.0, -6.0, 12.0, -8.0)) EXPECT_NEAR(root, 2.0, 1e-4) << "a triple root";
 }
 
-/// The distance is that to the nearest pair of pixels which fulfils the constraint, to first order.
-TEST(SampsonDistance, IsTheWayToTheEpipolarConstraint) {
+/// The distance is that to the nearest pair of pixels that fulfills the constraint, to first order.
+TEST(SampsonDistance, IsTheDistanceToTheEpipolarConstraint) {
   Random random(7);
   const SE3 motion = testing::some_motion();
   const Eigen::Vector3d t = motion.translation();

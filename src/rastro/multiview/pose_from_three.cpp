@@ -7,7 +7,7 @@
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/multiview/polynomial.h"
 
-// Persson and Nordberg 2018. The depths L = (l1, l2, l3) along unit rays y fulfil L' Mij L = aij for each pair of
+// Persson and Nordberg 2018. The depths L = (l1, l2, l3) along unit rays y fulfill L' Mij L = aij for each pair of
 // points, with aij their squared distance. A combination of these forms without a constant that has rank two is a pair
 // of planes, which leaves a quadratic for the depths.
 
@@ -35,7 +35,7 @@ Eigen::Matrix3d adjugate(const Eigen::Matrix3d& m) {
   return result;
 }
 
-/// Gauss-Newton on the three squared distances, which makes up for what the cubic lost.
+/// Gauss-Newton on the three squared distances, to recover the precision lost in the cubic.
 Triple polished(Triple l, const Triangle& t) {
   for (int i = 0; i < 5; ++i) {
     const Triple rest(l(0) * l(0) + l(1) * l(1) - 2.0 * t.b12 * l(0) * l(1) - t.a12,
@@ -53,7 +53,7 @@ Triple polished(Triple l, const Triangle& t) {
   return l;
 }
 
-/// The rigid motion that brings the world points to their depths.
+/// The rigid motion that maps the world points to the points at their depths.
 SE3 pose_of(const Triple& depths, const Triangle& t) {
   std::array<Eigen::Vector3d, 3> camera;
   for (int i = 0; i < 3; ++i) camera[static_cast<std::size_t>(i)] = depths(i) * t.rays[static_cast<std::size_t>(i)];
@@ -118,7 +118,7 @@ std::vector<SE3> pose_from_three(std::span<const Eigen::Vector3d, 3> points_in_w
   t.b12 = t.rays[0].dot(t.rays[1]);
   t.b13 = t.rays[0].dot(t.rays[2]);
   t.b23 = t.rays[1].dot(t.rays[2]);
-  // Points on a line leave a turn about it open.
+  // Collinear points leave a rotation about their line undetermined.
   const double area = (t.world[1] - t.world[0]).cross(t.world[2] - t.world[0]).norm();
   if (!(area > 1e-9 * (t.a12 + t.a13 + t.a23))) return {};
   std::vector<SE3> poses;

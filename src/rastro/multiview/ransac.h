@@ -23,7 +23,7 @@ std::array<std::uint32_t, Count> draw_sample(Random& random, std::uint32_t size)
   return sample;
 }
 
-/// Draws needed so that with `confidence` one sample of `sample_size` is free of outliers.
+/// Draws needed so that one sample of `sample_size` is free of outliers with `confidence`.
 inline int iterations_needed(double inlier_share, int sample_size, double confidence, int most) {
   const double clean = std::pow(inlier_share, sample_size);
   if (clean >= 1.0 - 1e-12) return 1;
@@ -35,9 +35,9 @@ inline int iterations_needed(double inlier_share, int sample_size, double confid
 /// RANSAC (Fischler and Bolles 1981) with the truncated squared cost of MSAC (Torr and Zisserman 2000) and one
 /// least-squares step on the inliers of every new best model (LO-RANSAC, Chum et al. 2003). `Problem` gives:
 ///   sample_size; fit(sample, sink) calls sink(model) for every model of a minimal sample; refit(model, inlier errors)
-///   -> optional model; errors(model, out): squared errors of all pairs.
-/// Costs are summed in integers (1/1024 of the threshold), so that the order of summing does not matter.
-/// `initial`, where given, is considered before the first sample. `count`: of pairs.
+///   -> optional model; errors(model, out): squared errors of all pairs. Costs are summed in integers (1/1024 of the
+///   threshold), so the order of summation does not matter. `initial`, where given, is tried before the first sample.
+///   `count`: number of pairs.
 template <typename Model, typename Problem>
 std::optional<RobustFitOf<Model>> ransac_of(const Problem& problem, std::size_t count, const RansacOptions& options,
                                             const std::optional<Model>& initial = std::nullopt) {
@@ -49,7 +49,7 @@ std::optional<RobustFitOf<Model>> ransac_of(const Problem& problem, std::size_t 
   const auto cost_of = [&](const Model& model) {
     problem.errors(model, errors.data());
     std::int32_t cost = 0;
-    // Compared the way round that an error which is no number counts as an outlier.
+    // Written so that a NaN error counts as an outlier.
     for (std::size_t i = 0; i < count; ++i) {
       const float units = errors[i] * to_units;
       cost += static_cast<std::int32_t>(units < 1024.0F ? units : 1024.0F);

@@ -18,7 +18,8 @@ Eigen::Matrix3d some_homography() {
   return h;
 }
 
-/// Pairs of a scene of points at 2 to 12 m seen by two cameras of focal length 450 px, with pixel noise and outliers.
+/// Matches of a scene of points at 2 to 12 m observed by two cameras of focal length 450 px, with pixel noise and
+/// outliers.
 PointPairs two_views(Random& random, int count, double outlier_share, double noise, std::vector<bool>& is_outlier) {
   const Eigen::AngleAxisd turn(0.05, Eigen::Vector3d(0.2, 1.0, 0.1).normalized());
   const Eigen::Vector3d shift(0.4, -0.1, 0.2);
@@ -82,7 +83,7 @@ TEST(Homography, RansacFindsItAmongHalfOutliers) {
   }
 }
 
-TEST(Homography, TooFewPairsOrNumbersThatAreNoneGiveNoModel) {
+TEST(Homography, TooFewPairsOrNansGiveNoModel) {
   PointPairs pairs;
   EXPECT_FALSE(estimate_homography(pairs, {}));
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -103,7 +104,7 @@ TEST(Fundamental, SevenPairsFulfilTheConstraint) {
   }
 }
 
-TEST(Fundamental, RansacTellsOutliersFromTrueMotion) {
+TEST(Fundamental, RansacRejectsOutliers) {
   Random random(8);
   std::vector<bool> is_outlier;
   const PointPairs pairs = two_views(random, 150, 0.2, 0.2, is_outlier);

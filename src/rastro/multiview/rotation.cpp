@@ -13,7 +13,7 @@
 namespace rastro {
 namespace {
 
-/// Axes spanned by two directions, the same however they are turned; nullopt for two that are one.
+/// Axes spanned by two directions, independent of their rotation; nullopt for two equal ones.
 std::optional<Eigen::Matrix3d> axes_of(const Eigen::Vector2d& first, const Eigen::Vector2d& second) {
   const Eigen::Vector3d p = first.homogeneous().normalized(), q = second.homogeneous().normalized();
   const Eigen::Vector3d sum = p + q, difference = p - q;
@@ -76,7 +76,7 @@ class RotationProblem {
       const Eigen::Vector3d p = rotation * a_[i].homogeneous();
       const Eigen::Vector2d projected = p.hnormalized(), rest = b_[i] - projected;
       const double x = projected.x(), y = projected.y();
-      Eigen::Matrix<double, 2, 3> jacobian;  // by a turn from the left
+      Eigen::Matrix<double, 2, 3> jacobian;  // by a rotation from the left
       jacobian << -x * y, 1.0 + x * x, -y, -1.0 - y * y, x * y, x;
       normal.noalias() += jacobian.transpose() * jacobian;
       right.noalias() += jacobian.transpose() * rest;

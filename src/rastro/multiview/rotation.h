@@ -14,16 +14,15 @@ namespace rastro {
 
 struct RotationFit {
   SO3 second_from_first;
-  std::vector<std::uint8_t> is_inlier;  ///< One a pair.
+  std::vector<std::uint8_t> is_inlier;  ///< One per pair.
   int inliers = 0;
   int iterations = 0;
   double median_error_px = 0.0;  ///< Of all pairs, outliers too, in image b.
 };
 
-/// The rotation alone that brings the points of the first view nearest to those of the second (both normalised): RANSAC
-/// over two pairs, least squares over the inliers. What it explains needs no translation: as many inliers as an
-/// essential matrix has mean that the camera only turned, or stood still. nullopt for fewer than two pairs or when
-/// nothing agrees.
+/// The rotation that best maps the directions of the first view to those of the second (both normalized): RANSAC over
+/// two pairs, least squares over the inliers. Matches it explains need no translation: with as many inliers as an
+/// essential matrix, the camera only rotated, or was at rest. nullopt for fewer than two pairs or without inliers.
 std::optional<RotationFit> rotation_between(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b,
                                             const CalibratedRansacOptions& options);
 

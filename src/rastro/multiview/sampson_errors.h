@@ -9,7 +9,7 @@
 namespace rastro {
 
 /// Squared distance of each pair from the epipolar lines of a fundamental matrix, to first order, in the unit of the
-/// points (Sampson 1982). `out` holds one number a pair.
+/// points (Sampson 1982). `out` holds one number per pair.
 inline void sampson_errors(const Eigen::Matrix3f& m, const PointPairs& pairs, float* out) {
   const float f00 = m(0, 0), f01 = m(0, 1), f02 = m(0, 2), f10 = m(1, 0), f11 = m(1, 1), f12 = m(1, 2);
   const float f20 = m(2, 0), f21 = m(2, 1), f22 = m(2, 2);

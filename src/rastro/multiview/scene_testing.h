@@ -7,13 +7,13 @@
 #include "rastro/base/random.h"
 #include "rastro/math/se3.h"
 
-/// For tests only: points seen by two cameras of focal length 500 px, exact but for what is asked.
+/// For tests only: points observed by two cameras of focal length 500 px, exact unless noise is requested.
 namespace rastro::testing {
 
 struct TwoViewScene {
   SE3 second_from_first;
   std::vector<Eigen::Vector3d> points;  ///< In the first camera's frame.
-  std::vector<Eigen::Vector2d> a, b;    ///< Normalised.
+  std::vector<Eigen::Vector2d> a, b;    ///< Normalized.
   std::vector<bool> is_outlier;
 };
 
@@ -36,7 +36,7 @@ inline TwoViewScene two_view_scene(Random& random, const SE3& second_from_first,
     const double depth = options.planar ? 8.0 / (1.0 + 0.3 * pixel.x() - 0.5 * pixel.y()) : random.uniform(3.0, 20.0);
     const Eigen::Vector3d point = depth * pixel.homogeneous(), other = second_from_first * point;
     if (other.z() < 0.5) continue;
-    // Drawn one by one: the order of arguments is the compiler's.
+    // Drawn one by one: the evaluation order of arguments is up to the compiler.
     const double off_x = noise * random.normal(), off_y = noise * random.normal();
     const Eigen::Vector2d off(off_x, off_y);
     scene.is_outlier.push_back(random.uniform() < options.outlier_share);

@@ -13,11 +13,11 @@
 namespace rastro {
 namespace {
 
-/// Scaled rotation beside translation.
+/// Scaled rotation and translation.
 using SimilarityMatrix = Eigen::Matrix<double, 3, 4>;
 
 constexpr double least_depth = 1e-9;
-/// Squared sigmas of what lies behind a camera.
+/// Squared standardised error of a point behind a camera.
 constexpr double behind = 1e8;
 
 SimilarityMatrix matrix_of(const Sim3& similarity) { return similarity.matrix().topRows<3>(); }
@@ -31,7 +31,7 @@ double squared_error(const Eigen::Vector3d& p, const Eigen::Vector2d& ray, doubl
   return p.z() > least_depth ? (p.hnormalized() - ray).squaredNorm() / (sigma * sigma) : behind;
 }
 
-/// Squared sigmas in the first and second camera.
+/// Squared standardised errors in the first and second camera.
 struct BothErrors {
   double first, second;
 };
@@ -64,7 +64,7 @@ struct Normal {
     cost += kernel.cost(squared);
   }
 
-  /// Of the point p, which the camera itself puts at `depth`.
+  /// Derivative for the point p, whose depth in the camera itself is `depth`.
   void add_depth(const Eigen::Vector3d& p, const Eigen::Matrix<double, 3, 7>& by_step, double depth, double sigma,
                  const HuberKernel& kernel) {
     if (!(p.z() > least_depth && depth > least_depth)) return;
@@ -109,7 +109,7 @@ Normal normal_at(const Sim3& first_from_second, std::span<const SimilarityPair> 
   return normal;
 }
 
-/// Gauss-Newton, damped only where a step would make things worse; nullopt when the pairs leave it open.
+/// Gauss-Newton, damped only where a step would increase the cost; nullopt if the pairs do not determine it.
 template <typename Use>
 std::optional<Sim3> refine(const Sim3& start, std::span<const SimilarityPair> pairs, const SimilarityOptions& options,
                            int iterations, const Use& use) {

@@ -11,7 +11,7 @@
 
 namespace rastro {
 
-/// A point that two cameras know, each in its own frame and unit, and where each sees it, normalised (x/z, y/z).
+/// A point known to two cameras, each in its own frame and unit, with its observation in each, normalized (x/z, y/z).
 struct SimilarityPair {
   Eigen::Vector3d first_point = Eigen::Vector3d::Zero(), second_point = Eigen::Vector3d::Zero();
   Eigen::Vector2d first_ray = Eigen::Vector2d::Zero(), second_ray = Eigen::Vector2d::Zero();
@@ -19,12 +19,12 @@ struct SimilarityPair {
 };
 
 struct SimilarityOptions {
-  bool fix_scale = false;  ///< Both units are the same: only a rigid motion is looked for.
-  double chi2 = 9.21;      ///< Squared sigmas up to which a pair is an inlier, in either camera: 99 %.
-  /// Of the logarithm of a point's depths in the first camera, one by its own point and one by the other's. All that
-  /// tells the scale where both cameras stand at the same place. Not used where the scale is fixed.
+  bool fix_scale = false;  ///< Both units are the same: estimates a rigid motion.
+  double chi2 = 9.21;      ///< Inlier bound of the squared standardised error in either camera: 99 %.
+  /// Standard deviation of the logarithm of a point's depth in the first camera, by its own point and by the other's.
+  /// Determines the scale if both cameras are at the same position. Not used with a fixed scale.
   double depth_sigma = 0.2;
-  double confidence = 0.99;  ///< That one sample is free of outliers.
+  double confidence = 0.99;  ///< Probability that one sample is free of outliers.
   int max_iterations = 300;
   int refine_iterations = 10;
   std::uint64_t seed = 1;
@@ -32,7 +32,7 @@ struct SimilarityOptions {
 
 struct SimilarityFit {
   Sim3 first_from_second;
-  std::vector<std::uint8_t> is_inlier;  ///< One a pair.
+  std::vector<std::uint8_t> is_inlier;  ///< One per pair.
   int inliers = 0;
   int iterations = 0;  ///< Samples drawn.
 };
@@ -43,8 +43,8 @@ struct SimilarityFit {
 std::optional<SimilarityFit> estimate_similarity(std::span<const SimilarityPair> pairs,
                                                  const SimilarityOptions& options);
 
-/// The refinement alone: the least sum of squared reprojection errors in both cameras, and of depths, with Huber's
-/// kernel, then inliers judged anew and once more. nullopt when nothing is left.
+/// The refinement alone: least squares of the reprojection errors in both cameras, and of depths, with Huber's kernel;
+/// then selects the inliers again and refines once more. nullopt if no inliers are left.
 std::optional<SimilarityFit> refine_similarity(std::span<const SimilarityPair> pairs, const Sim3& first_from_second,
                                                const SimilarityOptions& options);
 

@@ -13,7 +13,7 @@ namespace {
 
 const Sim3 truth(1.7, SO3::exp({0.1, -0.2, 0.15}), {0.5, -0.3, 0.4});
 
-/// Points that both cameras know a little wrong, and see with a pixel of noise.
+/// Points known to both cameras with a small error, observed with a pixel of noise.
 std::vector<SimilarityPair> pairs_of(const Sim3& first_from_second, Random& random, int count, double noise,
                                      double outlier_share) {
   std::vector<SimilarityPair> pairs;
@@ -50,7 +50,7 @@ TEST(EstimateSimilarity, IsExactWithoutNoise) {
   EXPECT_LT(off(fit->first_from_second, truth), 1e-8);
 }
 
-TEST(EstimateSimilarity, WithstandsNoiseAndHalfOutliersWithAndWithoutScale) {
+TEST(EstimateSimilarity, IsRobustToNoiseAndHalfOutliersWithAndWithoutScale) {
   for (const bool fix_scale : {false, true}) {
     const Sim3 expected(fix_scale ? 1.0 : truth.scale(), truth.rotation(), truth.translation());
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -96,7 +96,7 @@ TEST(RefineSimilarity, NoStepFromTheResultFitsBetter) {
   }
 }
 
-TEST(EstimateSimilarity, TheScaleIsFoundWhereBothStandAtTheSamePlace) {
+TEST(EstimateSimilarity, FindsTheScaleWithBothCamerasAtOnePosition) {
   Random random(6);
   const Sim3 same_place(1.7, SO3::exp({0.02, -0.05, 0.1}), {0.001, 0.0, 0.0});
   const auto fit = estimate_similarity(pairs_of(same_place, random, 100, 1.0, 0.2), {});
@@ -104,7 +104,7 @@ TEST(EstimateSimilarity, TheScaleIsFoundWhereBothStandAtTheSamePlace) {
   EXPECT_NEAR(fit->first_from_second.scale(), 1.7, 0.05);
 }
 
-TEST(EstimateSimilarity, WhatHasNoSimilarityGivesNone) {
+TEST(EstimateSimilarity, GivesNothingWithoutASimilarity) {
   Random random(4);
   const auto pairs = pairs_of(truth, random, 20, 0.0, 0.0);
   EXPECT_FALSE(estimate_similarity({}, {}));

@@ -13,7 +13,7 @@
 namespace rastro {
 namespace {
 
-/// The point nearest to all rays, in the least squares.
+/// The point closest to all rays in the least-squares sense.
 Eigen::Vector3d midpoint(std::span<const SE3> world_from_camera, std::span<const Eigen::Vector2d> points) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -26,7 +26,7 @@ Eigen::Vector3d midpoint(std::span<const SE3> world_from_camera, std::span<const
   return normal.ldlt().solve(right);
 }
 
-/// Gauss-Newton on the sum of squared distances to the points; each step must make it less.
+/// Gauss-Newton on the sum of squared reprojection errors; each step must reduce it.
 Eigen::Vector3d refined(const Eigen::Vector3d& start, std::span<const SE3> world_from_camera,
                         std::span<const Eigen::Vector2d> points) {
   Eigen::Vector3d best = start, position = start;
@@ -58,7 +58,7 @@ Eigen::Vector3d refined(const Eigen::Vector3d& start, std::span<const SE3> world
   return best;
 }
 
-/// What the views make of it: nullopt behind a camera.
+/// Checks the point in all views: nullopt if behind a camera.
 std::optional<TriangulatedPoint> judged(const Eigen::Vector3d& position, std::span<const SE3> world_from_camera,
                                         std::span<const Eigen::Vector2d> points, double focal_px) {
   TriangulatedPoint result;
@@ -90,7 +90,7 @@ std::optional<TriangulatedPoint> triangulate(std::span<const SE3> world_from_cam
   const Eigen::Vector3d start = midpoint(world_from_camera, points);
   if (!start.allFinite()) return std::nullopt;
   const auto result = judged(refined(start, world_from_camera, points), world_from_camera, points, options.focal_px);
-  // Below a ten-millionth of a degree the rays are parallel and the point is rounding.
+  // Below a ten-millionth of a degree the rays are parallel and the point is rounding noise.
   if (!result || !(result->error_px <= options.max_error_px)) return std::nullopt;
   if (!(result->parallax_deg >= std::max(options.min_parallax_deg, 1e-7))) return std::nullopt;
   return result;

@@ -21,9 +21,9 @@ TEST(Triangulation, TwoViewsGiveThePointExactly) {
     ASSERT_TRUE(point);
     EXPECT_LT((point->position - scene.points[i]).norm(), 1e-8 * scene.points[i].squaredNorm());
     EXPECT_LT(point->error_px, 1e-9);
-    const Eigen::Vector3d centre = scene.second_from_first.inverse().translation();
+    const Eigen::Vector3d center = scene.second_from_first.inverse().translation();
     EXPECT_NEAR(point->parallax_deg,
-                testing::angle_between(scene.points[i], scene.points[i] - centre) * 180.0 / std::numbers::pi, 1e-7);
+                testing::angle_between(scene.points[i], scene.points[i] - center) * 180.0 / std::numbers::pi, 1e-7);
   }
 }
 
@@ -74,12 +74,12 @@ TEST(Triangulation, RefinementLowersTheReprojectionErrorToItsMinimum) {
   }
 }
 
-TEST(Triangulation, RefusesWhatIsNoPoint) {
+TEST(Triangulation, RefusesRaysWithoutAPoint) {
   const SE3 sideways(SO3(), {-1.0, 0.0, 0.0});
   EXPECT_FALSE(triangulate(sideways, {0.1, 0.1}, {0.1, 0.1}, {}));   // parallel rays
   EXPECT_FALSE(triangulate(sideways, {0.0, 0.0}, {0.2, 0.0}, {}));   // meet behind the cameras
   EXPECT_FALSE(triangulate(sideways, {0.0, 0.0}, {-0.2, 0.1}, {}));  // pass each other too far
-  EXPECT_FALSE(triangulate(SE3(), {0.0, 0.0}, {0.0, 0.0}, {}));      // one place
+  EXPECT_FALSE(triangulate(SE3(), {0.0, 0.0}, {0.0, 0.0}, {}));      // one position
   EXPECT_TRUE(triangulate(sideways, {0.0, 0.0}, {-0.01, 0.0}, {}));  // 100 m
   EXPECT_FALSE(triangulate(sideways, {0.0, 0.0}, {-0.01, 0.0}, {.min_parallax_deg = 1.0}));
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -21,14 +21,14 @@
 namespace rastro {
 namespace {
 
-/// How well a model explains the pairs: the sum of what each falls below the bound by, in both views.
+/// Score of a model over the pairs: the sum, in both views, of the bound minus the squared standardised error.
 struct Scored {
   double score = 0.0;
   std::vector<std::uint8_t> is_inlier;
   int inliers = 0;
 };
 
-/// `errors(pair)` gives squared sigmas in the first and second view.
+/// `errors(pair)` gives squared standardised errors in the first and second view.
 template <typename Errors>
 Scored scored(std::span<const TwoViewPair> pairs, double limit, double most, const Errors& errors) {
   Scored result;
@@ -61,16 +61,16 @@ Scored score_essential(std::span<const TwoViewPair> pairs, const Eigen::Matrix3d
     const double off = line.dot(point.homogeneous());
     return std::pow(options.focal_px / sigma_px, 2) * off * off / (line.head<2>().squaredNorm() + 1e-30);
   };
-  // The bound of the homography is also what a perfect pair scores, so that both scores compare.
+  // The bound of the homography is also the score of a perfect pair, which makes both scores comparable.
   return scored(pairs, options.fundamental_chi2, options.homography_chi2, [&](const TwoViewPair& pair) {
     return Eigen::Vector2d(error(essential.transpose() * pair.second.homogeneous(), pair.first, pair.first_sigma_px),
                            error(essential * pair.first.homogeneous(), pair.second, pair.second_sigma_px));
   });
 }
 
-/// Homography between normalised points, of the sign that keeps most points in front.
+/// Homography between normalized points, of the sign that keeps most points in front.
 std::optional<Eigen::Matrix3d> find_homography(std::span<const TwoViewPair> pairs, const TwoViewOptions& options) {
-  // Near the middle of an image of usual size, where its solver is well conditioned.
+  // In pixels near the center of an image of usual size, for which its solver is well conditioned.
   constexpr double middle = 300.0;
   PointPairs pixels;
   const auto pixel = [&](const Eigen::Vector2d& ray) -> Eigen::Vector2f {
@@ -114,7 +114,7 @@ std::optional<EssentialFit> find_essential(std::span<const TwoViewPair> pairs, c
   return estimate_essential(points.first, points.second, ransac_options(options, options.fundamental_chi2, 1));
 }
 
-/// How well a turn on the spot explains the pairs, measured as a homography is.
+/// Score of a pure rotation, computed as for a homography.
 double rotation_score(std::span<const TwoViewPair> pairs, const TwoViewOptions& options) {
   const Points points(pairs);
   const auto turn = rotation_between(points.first, points.second, ransac_options(options, options.homography_chi2, 2));
@@ -135,7 +135,7 @@ std::vector<SE3> motions_of_essential(const Eigen::Matrix3d& essential) {
   return motions;
 }
 
-/// What the points say of one motion.
+/// Evidence of the points for one motion.
 struct Hypothesis {
   SE3 motion;
   int in_front = 0;
@@ -173,7 +173,7 @@ Hypothesis judged(const SE3& motion, std::span<const TwoViewPair> pairs, const S
 
 bool better(const Hypothesis& a, const Hypothesis& b) { return a.in_front > b.in_front; }
 
-/// Fills in what the best hypothesis gives, or why none is taken.
+/// Fills in the result of the best hypothesis, or why none is accepted.
 void decide(std::vector<Hypothesis> hypotheses, const TwoViewOptions& options, TwoViewFit& fit) {
   std::stable_sort(hypotheses.begin(), hypotheses.end(), better);
   Hypothesis& best = hypotheses.front();
@@ -192,13 +192,12 @@ void decide(std::vector<Hypothesis> hypotheses, const TwoViewOptions& options, T
   }
   if (best.in_front < options.min_inlier_share * fit.inliers) {
     return refuse(TwoViewStatus::no_model,
-                  fmt::format("{} of {} matches lie in front of both views, need {:.0f}", best.in_front, fit.inliers,
+                  fmt::format("{} of {} matches are in front of both views, need {:.0f}", best.in_front, fit.inliers,
                               std::ceil(options.min_inlier_share * fit.inliers)));
   }
   if (runner_up > options.max_runner_up * best.in_front) {
-    return refuse(
-        TwoViewStatus::ambiguous,
-        fmt::format("two motions explain {} and {} matches, need one that stands out", best.in_front, runner_up));
+    return refuse(TwoViewStatus::ambiguous,
+                  fmt::format("two motions fit {} and {} matches, need one clearly best", best.in_front, runner_up));
   }
   if (best.triangulated < options.min_points) {
     return refuse(TwoViewStatus::too_few_points,
@@ -247,7 +246,7 @@ TwoViewFit find_two_view_motion(std::span<const TwoViewPair> pairs, const TwoVie
   const Scored& model = fit.planar ? plane : scene;
   fit.inliers = model.inliers;
   std::vector<SE3> motions;
-  // Of a plane with many wrong pairs the fundamental matrix, which a plane leaves open, explains a little more.
+  // For a plane with many wrong matches the fundamental matrix, which a plane does not determine, fits a little more.
   const bool may_be_plane = !fit.planar && fit.share > options.near_plane_share;
   const double least_share = may_be_plane ? options.near_plane_model_share : options.min_model_share;
   const int needed = std::max(options.min_points, static_cast<int>(least_share * double(pairs.size())));
@@ -263,12 +262,12 @@ TwoViewFit find_two_view_motion(std::span<const TwoViewPair> pairs, const TwoVie
   for (const SE3& motion : motions) hypotheses.push_back(judged(motion, pairs, model, options));
   decide(std::move(hypotheses), options, fit);
   if (fit.status != TwoViewStatus::found) return fit;
-  // The error of a turn, taken for a motion, gives points parallax.
+  // The error of a rotation estimated as a motion gives points parallax.
   const double turned = rotation_score(pairs, options) / model.score;
   if (turned > options.max_rotation_score) {
     fit.status = TwoViewStatus::little_motion;
-    fit.detail = fmt::format("a turn on the spot explains the matches {:.0f} % as well, need at most {:.0f} %",
-                             100.0 * turned, 100.0 * options.max_rotation_score);
+    fit.detail = fmt::format("a pure rotation has {:.0f} % of the score, need at most {:.0f} %", 100.0 * turned,
+                             100.0 * options.max_rotation_score);
   }
   return fit;
 }

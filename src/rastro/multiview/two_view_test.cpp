@@ -17,7 +17,7 @@ using testing::angle_between;
 using testing::SceneOptions;
 using testing::two_view_scene;
 
-/// The parallax over which the camera of the scenes looks sideways at what is 3 to 20 m away.
+/// The parallax of the scenes, whose camera moves sideways past points at 3 to 20 m.
 SE3 sideways() { return SE3(SO3::exp({0.02, -0.05, 0.01}), {0.9, -0.1, 0.2}); }
 
 std::vector<TwoViewPair> pairs_of(const testing::TwoViewScene& scene) {
@@ -31,7 +31,7 @@ std::vector<TwoViewPair> pairs_of(const testing::TwoViewScene& scene) {
   return pairs;
 }
 
-TEST(MotionsOfHomography, HoldTheTruthAndNoOtherLengthThanOne) {
+TEST(MotionsOfHomography, ContainTheTrueMotionAndHaveLengthOne) {
   Random random(1);
   for (int trial = 0; trial < 50; ++trial) {
     const SE3 motion = SE3::exp((Vector6d() << testing::random_vector<Eigen::Vector3d>(random, 1.0),
@@ -56,7 +56,7 @@ TEST(MotionsOfHomography, HoldTheTruthAndNoOtherLengthThanOne) {
   EXPECT_TRUE(motions_of_homography(Eigen::Vector3d(1, 1, 0).asDiagonal()).empty());
 }
 
-TEST(TwoViewMotion, IsFoundInSpiteOfNoiseAndOutliers) {
+TEST(TwoViewMotion, IsFoundDespiteNoiseAndOutliers) {
   for (const SE3& motion : {sideways(), testing::some_motion()}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       Random random(seed);
@@ -82,7 +82,7 @@ TEST(TwoViewMotion, IsFoundInSpiteOfNoiseAndOutliers) {
   }
 }
 
-TEST(TwoViewMotion, APlaneIsTakenForOneAndItsWrongTwinNever) {
+TEST(TwoViewMotion, APlaneIsDetectedAndItsTwinMotionIsNeverReturned) {
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
@@ -99,10 +99,10 @@ TEST(TwoViewMotion, APlaneIsTakenForOneAndItsWrongTwinNever) {
     ++found;
     EXPECT_LT(angle_between(fit.second_from_first.translation(), motion.translation()), 0.1) << seed;
   }
-  EXPECT_GE(found, 2) << "points that only one motion has in front tell them apart";
+  EXPECT_GE(found, 2) << "points in front for only one motion decide";
 }
 
-TEST(TwoViewMotion, ARotationAloneOrNoMotionGivesNoneAndSaysWhatItWaitsFor) {
+TEST(TwoViewMotion, APureRotationOrNoMotionGivesNoneWithAReason) {
   for (const SE3& motion : {SE3(SO3::exp({0.02, -0.1, 0.03}), {0, 0, 0}), SE3(SO3(), {0, 0, 0}),
                             SE3(SO3::exp({0.0, 0.1, 0.0}), {0.01, 0.0, 0.0})}) {
     Random random(3);
@@ -113,7 +113,7 @@ TEST(TwoViewMotion, ARotationAloneOrNoMotionGivesNoneAndSaysWhatItWaitsFor) {
   }
 }
 
-TEST(TwoViewMotion, TooFewOrSenselessMatchesGiveNone) {
+TEST(TwoViewMotion, TooFewOrRandomMatchesGiveNone) {
   Random random(4);
   const auto scene = two_view_scene(random, sideways(), {.count = 40});
   const TwoViewFit few = find_two_view_motion(pairs_of(scene), {});
@@ -128,7 +128,7 @@ TEST(TwoViewMotion, TooFewOrSenselessMatchesGiveNone) {
   EXPECT_NE(find_two_view_motion(one, {}).status, TwoViewStatus::found);
 }
 
-TEST(TwoViewMotion, CoarseFeaturesMayBeFartherOff) {
+TEST(TwoViewMotion, CoarseFeaturesMayHaveLargerErrors) {
   Random random(5);
   auto scene = two_view_scene(random, sideways(), {.count = 200, .noise_px = 3.0});
   auto pairs = pairs_of(scene);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first bend of the generated street, for the odometries that read rotation off intensity profiles.
+// Test drive: the first bend of the generated street, for the odometries that measure rotation from intensity profiles.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ inline Drive first_bend(double scale) {
   return drive;
 }
 
-/// What an odometry said of every frame of a drive, and its poses at the end.
+/// What an odometry reported for every frame of a drive, and its poses at the end.
 struct DriveResult {
   std::vector<OdometryUpdate> updates;
   Trajectory trajectory;
@@ -64,7 +64,7 @@ inline void expect_sound(const DriveResult& result, std::size_t frames) {
     longest = std::max(longest, step);
     path += step;
   }
-  EXPECT_LT(longest, 8.0 * path / static_cast<double>(frames)) << "a wild pose";
+  EXPECT_LT(longest, 8.0 * path / static_cast<double>(frames)) << "a implausible pose";
 }
 
 /// Error of the yaw between the first and the last pose, in degrees.
@@ -75,7 +75,7 @@ inline double yaw_error_deg(const Trajectory& estimate, const Trajectory& truth)
   return std::abs((rotation(estimate).inverse() * rotation(truth)).log().y()) * 180.0 / std::numbers::pi;
 }
 
-/// Root mean square of the positions after alignment with scale, as share of the path.
+/// Root mean square of the positions after alignment with scale, as a share of the path length.
 inline double path_error(const Trajectory& estimate, const Trajectory& truth) {
   std::vector<Eigen::Vector3d> there, ours;
   double length = 0.0;
@@ -91,13 +91,13 @@ inline double path_error(const Trajectory& estimate, const Trajectory& truth) {
 /// A black frame, a repeated one, and 30 missing ones.
 inline std::vector<Frame> spoilt(const std::vector<Frame>& frames) {
   std::vector<Frame> result(frames.begin(), frames.begin() + 14);
-  result[8].image = GreyImage(frames[8].image.width(), frames[8].image.height());
+  result[8].image = GrayImage(frames[8].image.width(), frames[8].image.height());
   result[10].image = result[9].image;
   result.insert(result.end(), frames.begin() + 43, frames.end());
   return result;
 }
 
-/// Frames that tell nothing are said and bridged, and it goes on after them.
+/// Frames without information are reported and bridged, and the odometry continues after them.
 inline void expect_spoilt_frames_are_bridged(Odometry& odometry, const Drive& drive) {
   const auto bad = spoilt(drive.frames);
   const DriveResult result = run(odometry, bad);
@@ -116,7 +116,7 @@ inline std::vector<Frame> standing_still(const Frame& first, std::size_t count) 
   Random random(1);
   for (std::size_t i = 0; i < count; ++i) {
     frames[i].stamp += static_cast<TimeNs>(i) * 100'000'000;
-    GreyImage& image = frames[i].image;
+    GrayImage& image = frames[i].image;
     for (int y = 0; y < image.height(); ++y) {
       for (std::uint8_t* pixel = image.row(y); pixel != image.row(y) + image.width(); ++pixel)
         *pixel = static_cast<std::uint8_t>(std::clamp(*pixel + 1.5 * random.normal(), 0.0, 255.0));
@@ -125,7 +125,7 @@ inline std::vector<Frame> standing_still(const Frame& first, std::size_t count) 
   return frames;
 }
 
-/// A camera that stands still goes nowhere, and blank frames are said.
+/// A camera at rest does not move in the estimate, and blank frames are reported.
 inline void expect_still_and_dark_frames_are_said(Odometry& still, Odometry& dark, const Drive& drive) {
   const DriveResult stood = run(still, standing_still(drive.frames[0], 12));
   EXPECT_EQ(stood.count(OdometryReason::no_motion), 11);

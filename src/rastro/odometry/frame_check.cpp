@@ -8,19 +8,19 @@
 #include <cstdlib>
 
 #include "rastro/base/error.h"
-#include "rastro/image/equalise.h"
+#include "rastro/image/equalize.h"
 #include "rastro/math/median.h"
 
 namespace rastro {
 namespace {
 
-// Fewer values give no median worth comparing with.
+// Fewer values give no reliable median.
 constexpr std::size_t least_known = 3;
-// Across two pixels the noise of neighbours weighs less against the slope than across one.
+// Differences across two pixels have a better signal-to-noise ratio than across one.
 constexpr int gradient_reach = 2;
 constexpr int row_step = 4;
 
-/// `value` against the median of `known`, which it then joins; 1 while too few are known.
+/// Ratio of `value` to the median of `known`, to which it is then added; 1 while too few are known.
 double ratio_to_median(std::deque<double>& known, double value, int memory) {
   double ratio = 1.0;
   if (known.size() >= least_known) {
@@ -43,16 +43,16 @@ std::int64_t sum_of_differences(const std::uint8_t* a, const std::uint8_t* b, in
 void add_options(OptionTable& table, FrameCheckOptions& o) {
   table.add({"min_deviation",
              &o.min_deviation,
-             "grey",
-             "least standard deviation of the grey levels; an image with less is dark or blank and left out",
+             "intensity",
+             "minimum standard deviation of the intensities; an image below is dark or blank and rejected",
              0,
              128,
              {}});
   table.add(
       {"max_repeat_difference",
        &o.max_repeat_difference,
-       "grey",
-       "an image whose mean absolute difference to the one before is not more is the same once again; noise alone "
+       "intensity",
+       "an image whose mean absolute intensity difference to the previous one is not larger is a repeat; noise alone "
        "gives about 1",
        0,
        255,
@@ -61,47 +61,49 @@ void add_options(OptionTable& table, FrameCheckOptions& o) {
              &o.min_sharpness,
              "",
              "an image whose gradients along x or y are smaller than this share of their running median is blurred and "
-             "left out; 0: none is",
+             "rejected; 0 disables the check",
              0,
              1,
              {}});
   table.add({"max_step_ratio",
              &o.max_step_ratio,
              "",
-             "a stamp step longer than this times the running median is a gap in the recording; 0: none is",
+             "a stamp step longer than this times the running median is a gap in the recording; 0 disables the check",
              0,
              1e6,
              {}});
-  table.add({"check_memory", &o.memory, "frames", "length of the running medians of step and sharpness", 3, 1000, {}});
+  table.add(
+      {"check_memory", &o.memory, "frames", "length of the running medians of stamp step and sharpness", 3, 1000, {}});
 }
 
-FrameCheckResult FrameCheck::check(GreyView image, TimeNs stamp) {
+FrameCheckResult FrameCheck::check(GrayView image, TimeNs stamp) {
   check_size(image);
   FrameCheckResult result;
   const std::optional<TimeNs> before = last_stamp_;
   last_stamp_ = stamp;
   if (before && stamp <= *before) {
     result.reason = OdometryReason::repeated_frame;
-    result.detail = fmt::format("stamp {:.3f} s after the one before", to_seconds(stamp - *before));
+    result.detail = fmt::format("stamp {:.3f} s after the previous one", to_seconds(stamp - *before));
     return result;
   }
   if (before) result.step_ratio = step_ratio(stamp - *before);
   result.deviation = brightness(image).deviation;
   if (result.deviation < options_.min_deviation || image.empty()) {
     result.reason = OdometryReason::dark_or_blank;
-    result.detail = fmt::format("deviation {:.1f} grey, need {:.1f}", result.deviation, options_.min_deviation);
+    result.detail = fmt::format("intensity deviation {:.1f}, need {:.1f}", result.deviation, options_.min_deviation);
     return result;
   }
   result.difference = difference_to_last(image);
   if (result.difference >= 0.0 && result.difference <= options_.max_repeat_difference) {
     result.reason = OdometryReason::repeated_frame;
-    result.detail = fmt::format("differs by {:.2f} grey from the one before", result.difference);
+    result.detail = fmt::format("mean intensity differs by {:.2f} from the previous image", result.difference);
     return result;
   }
   result.sharpness = sharpness(image);
   if (result.sharpness < options_.min_sharpness) {
     result.reason = OdometryReason::blurred;
-    result.detail = fmt::format("gradient {:.2f} of the median, need {:.2f}", result.sharpness, options_.min_sharpness);
+    result.detail =
+        fmt::format("gradient {:.2f} times the median, need {:.2f}", result.sharpness, options_.min_sharpness);
   } else if (options_.max_step_ratio > 0.0 && result.step_ratio > options_.max_step_ratio) {
     result.reason = OdometryReason::gap;
     result.detail =
@@ -110,7 +112,7 @@ FrameCheckResult FrameCheck::check(GreyView image, TimeNs stamp) {
   return result;
 }
 
-void FrameCheck::check_size(GreyView image) {
+void FrameCheck::check_size(GrayView image) {
   if (image.empty()) return;
   if (width_ == 0) {
     width_ = image.width;
@@ -125,7 +127,7 @@ void FrameCheck::check_size(GreyView image) {
 
 double FrameCheck::step_ratio(TimeNs step) { return ratio_to_median(steps_, to_seconds(step), options_.memory); }
 
-double FrameCheck::difference_to_last(GreyView image) {
+double FrameCheck::difference_to_last(GrayView image) {
   current_.clear();
   for (int y = 0; y < image.height; y += row_step) {
     const std::uint8_t* row = image.row(y);
@@ -141,7 +143,7 @@ double FrameCheck::difference_to_last(GreyView image) {
   return difference;
 }
 
-double FrameCheck::sharpness(GreyView image) {
+double FrameCheck::sharpness(GrayView image) {
   if (image.width <= gradient_reach || image.height <= gradient_reach) return 1.0;
   std::int64_t across = 0, upright = 0;
   int rows = 0;

@@ -15,15 +15,15 @@ using testing::wave_image;
 
 constexpr TimeNs step = 100'000'000;
 
-GreyImage flat_image(std::uint8_t grey) {
-  GreyImage image(160, 120);
-  for (int y = 0; y < image.height(); ++y) std::fill_n(image.row(y), image.width(), grey);
+GrayImage flat_image(std::uint8_t gray) {
+  GrayImage image(160, 120);
+  for (int y = 0; y < image.height(); ++y) std::fill_n(image.row(y), image.width(), gray);
   return image;
 }
 
-/// Mean of `length` pixels along x, as a shutter open while the camera turns gives.
-GreyImage smeared(const GreyImage& image, int length) {
-  GreyImage result(image.width(), image.height());
+/// Mean of `length` pixels along x: the motion blur of a rotating camera.
+GrayImage smeared(const GrayImage& image, int length) {
+  GrayImage result(image.width(), image.height());
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
       int sum = 0;
@@ -34,7 +34,7 @@ GreyImage smeared(const GreyImage& image, int length) {
   return result;
 }
 
-/// A check that has seen ten good frames, 0.1 s apart, the last at 0.9 s.
+/// A check after ten good frames, 0.1 s apart, the last at 0.9 s.
 FrameCheck after_good_frames() {
   FrameCheck check;
   for (int i = 0; i < 10; ++i) {
@@ -45,9 +45,9 @@ FrameCheck after_good_frames() {
   return check;
 }
 
-TEST(FrameCheck, FindsDarkBlankAndEmptyImages) {
+TEST(FrameCheck, DetectsDarkBlankAndEmptyImages) {
   auto check = after_good_frames();
-  for (const auto& image : {flat_image(0), flat_image(255), GreyImage()}) {
+  for (const auto& image : {flat_image(0), flat_image(255), GrayImage()}) {
     const auto result = FrameCheck(check).check(image, 10 * step);
     EXPECT_EQ(result.reason, OdometryReason::dark_or_blank);
     EXPECT_FALSE(result.useful());
@@ -57,20 +57,20 @@ TEST(FrameCheck, FindsDarkBlankAndEmptyImages) {
   EXPECT_TRUE(check.check(wave_image(160, 120, 22.0, 0.0), 11 * step).useful());
 }
 
-TEST(FrameCheck, FindsARepeatedImageButNotASmallMotion) {
+TEST(FrameCheck, DetectsARepeatedImageButNotASmallMotion) {
   auto check = after_good_frames();
   EXPECT_EQ(check.check(wave_image(160, 120, 18.0, 0.0), 10 * step).reason, OdometryReason::repeated_frame);
   EXPECT_EQ(check.check(wave_image(160, 120, 18.2, 0.0), 11 * step).reason, OdometryReason::none);
 }
 
-TEST(FrameCheck, FindsAStampThatDoesNotGoOnAndTakesTheNextOne) {
+TEST(FrameCheck, DetectsAStampThatDoesNotIncreaseAndAcceptsTheNextOne) {
   auto check = after_good_frames();
   EXPECT_EQ(check.check(wave_image(160, 120, 20.0, 0.0), 9 * step).reason, OdometryReason::repeated_frame);
   EXPECT_EQ(check.check(wave_image(160, 120, 22.0, 0.0), 3 * step).reason, OdometryReason::repeated_frame);
   EXPECT_EQ(check.check(wave_image(160, 120, 24.0, 0.0), 4 * step).reason, OdometryReason::none);
 }
 
-TEST(FrameCheck, FindsBlurInOneDirectionAlone) {
+TEST(FrameCheck, DetectsBlurInOneDirectionAlone) {
   auto check = after_good_frames();
   const auto result = check.check(smeared(wave_image(160, 120, 20.0, 0.0), 14), 10 * step);
   EXPECT_EQ(result.reason, OdometryReason::blurred);
@@ -78,7 +78,7 @@ TEST(FrameCheck, FindsBlurInOneDirectionAlone) {
   EXPECT_EQ(check.check(wave_image(160, 120, 22.0, 0.0), 11 * step).reason, OdometryReason::none);
 }
 
-TEST(FrameCheck, FindsAGapAndKeepsItsFrame) {
+TEST(FrameCheck, DetectsAGapAndKeepsItsFrame) {
   auto check = after_good_frames();
   EXPECT_EQ(check.check(wave_image(160, 120, 20.0, 0.0), 11 * step).reason, OdometryReason::none);
   const auto result = check.check(wave_image(160, 120, 40.0, 0.0), 14 * step);

@@ -8,30 +8,30 @@
 namespace rastro {
 namespace {
 
-// The road looked at, in heights of the camera: to both sides and ahead.
+// The area of the road compared, in camera heights: to both sides and ahead.
 constexpr double widest = 1.5, nearest = 3.2, farthest = 9.0;
 constexpr int sample_step_px = 3;
-// A pixel without texture costs time and tells nothing.
+// A pixel without texture costs time and has no information.
 constexpr int least_gradient = 8;
 constexpr std::size_t most_samples = 400;
 constexpr std::size_t fewest_samples = 100;
-// Heights tried, in the unit of the motion, from the length of the step times these.
+// Height hypotheses, in the unit of the motion: the path length of the step times these.
 constexpr double lowest = 0.02, highest = 400.0;
 constexpr int heights = 400;
-// The road runs along the way the camera goes; over so many steps its direction is known well.
+// The road is parallel to the direction of travel, which over so many steps is well known.
 constexpr double direction_memory = 0.1;
 constexpr double largest_pitch = 0.2;
 constexpr float largest_difference = 20.0F;
 constexpr float not_seen = -1.0F;
 constexpr double nearest_depth = 0.1;
-// Steps between these, in heights, are seen well: shorter ones hardly move the road, longer ones leave it.
+// Steps between these, in camera heights, are usable: shorter ones hardly move the road, longer ones leave it.
 constexpr double shortest_step = 0.15, longest_step = 2.0;
 constexpr int fewest_frames = 10;
 
 double height_at(double index) { return lowest * std::pow(highest / lowest, index / (heights - 1)); }
 Eigen::Vector3d downwards(double pitch) { return {0.0, std::cos(pitch), std::sin(pitch)}; }
 
-std::optional<float> grey_at(GreyView image, const Eigen::Vector2d& pixel) {
+std::optional<float> gray_at(GrayView image, const Eigen::Vector2d& pixel) {
   const double x = std::floor(pixel.x()), y = std::floor(pixel.y());
   if (!(x >= 0.0 && y >= 0.0 && x < image.width - 1 && y < image.height - 1)) return std::nullopt;
   const int ix = static_cast<int>(x), iy = static_cast<int>(y);
@@ -44,7 +44,7 @@ std::optional<float> grey_at(GreyView image, const Eigen::Vector2d& pixel) {
 
 }  // namespace
 
-void GroundScale::choose_samples(GreyView image) {
+void GroundScale::choose_samples(GrayView image) {
   samples_.clear();
   const Eigen::Vector3d down = downwards(0.0);
   for (int y = 0; y < image.height; y += sample_step_px) {
@@ -58,7 +58,7 @@ void GroundScale::choose_samples(GreyView image) {
   }
 }
 
-void GroundScale::add(GreyView image, const SE3& world_from_camera) {
+void GroundScale::add(GrayView image, const SE3& world_from_camera) {
   if (image.empty()) return;
   if (width_ != image.width || height_ != image.height) choose_samples(image);
   const bool comparable = last_pose_ && width_ == image.width && height_ == image.height;
@@ -72,8 +72,8 @@ void GroundScale::add(GreyView image, const SE3& world_from_camera) {
   keep_textured(image);
 }
 
-/// Those of the road's pixels that have texture, evenly thinned out where they are many.
-void GroundScale::keep_textured(GreyView image) {
+/// The road's pixels with texture, evenly thinned out where there are many.
+void GroundScale::keep_textured(GrayView image) {
   std::vector<Sample> textured;
   for (const Sample& sample : samples_) {
     if (sample.x < 1 || sample.y < 1 || sample.x + 1 >= image.width || sample.y + 1 >= image.height) continue;
@@ -81,14 +81,14 @@ void GroundScale::keep_textured(GreyView image) {
     const int down = image.at(sample.x, sample.y + 1) - image.at(sample.x, sample.y - 1);
     if (std::abs(across) + std::abs(down) < least_gradient) continue;
     textured.push_back(sample);
-    textured.back().grey = static_cast<float>(image.at(sample.x, sample.y));
+    textured.back().gray = static_cast<float>(image.at(sample.x, sample.y));
   }
   textured_.clear();
   const std::size_t stride = 1 + textured.size() / most_samples;
   for (std::size_t i = 0; i < textured.size(); i += stride) textured_.push_back(textured[i]);
 }
 
-std::optional<GroundScale::Costs> GroundScale::compare(GreyView image, const SE3& current_from_last) {
+std::optional<GroundScale::Costs> GroundScale::compare(GrayView image, const SE3& current_from_last) {
   const double step = current_from_last.translation().norm();
   if (textured_.size() < fewest_samples || step < 1e-9) return std::nullopt;
   const Eigen::Vector3d ahead = current_from_last.inverse().translation() / step;
@@ -111,8 +111,8 @@ std::optional<GroundScale::Costs> GroundScale::compare(GreyView image, const SE3
   return costs;
 }
 
-/// Mean difference of grey levels where the road's samples should be now; not_seen when most of them left the image.
-float GroundScale::difference(GreyView image, const std::vector<Eigen::Vector3d>& turned,
+/// Mean intensity difference at the predicted positions of the road's samples; not_seen if most of them left the image.
+float GroundScale::difference(GrayView image, const std::vector<Eigen::Vector3d>& turned,
                               const Eigen::Vector3d& moved) const {
   const bool plain = camera_.distortion == Distortion::none;
   float sum = 0.0F;
@@ -128,9 +128,9 @@ float GroundScale::difference(GreyView image, const std::vector<Eigen::Vector3d>
     } else {
       pixel = camera_.project(there);
     }
-    const auto grey = pixel ? grey_at(image, *pixel) : std::nullopt;
-    if (!grey) continue;
-    sum += std::min(largest_difference, std::abs(*grey - textured_[i].grey));
+    const auto gray = pixel ? gray_at(image, *pixel) : std::nullopt;
+    if (!gray) continue;
+    sum += std::min(largest_difference, std::abs(*gray - textured_[i].gray));
     ++seen;
   }
   return 2 * seen > turned.size() ? sum / static_cast<float>(seen) : not_seen;
@@ -158,7 +158,7 @@ void GroundScale::Sums::add(const Sums& other) {
   }
 }
 
-/// The best height, as an index in fractions.
+/// The best height, as a fractional index.
 std::optional<double> GroundScale::best_of(const Sums& sums) {
   const std::vector<double>& total = sums.total;
   const std::vector<int>& votes = sums.votes;
@@ -182,7 +182,7 @@ std::optional<GroundScale::Found> GroundScale::find() const {
   const auto best = best_of(all);
   if (!best) return std::nullopt;
   Found found;
-  found.metres_per_unit = camera_height_m_ / height_at(*best);
+  found.meters_per_unit = camera_height_m_ / height_at(*best);
   found.pitch_rad = pitch_rad_;
   found.frames = all.frames;
   const auto even = best_of(even_), odd = best_of(odd_);

@@ -11,34 +11,34 @@
 
 namespace rastro {
 
-/// Metres from a camera at a known height above a flat road, METHODS 2.4. The road between two frames moves by the
-/// homography of its plane (Hartley and Zisserman 2004, section 13.1), whose only unknowns, once the camera's motion is
-/// known but for scale, is the height in the unit of that motion: the road runs along the way the camera goes. The
-/// height is found by comparing grey levels directly, over all frames together: single frames see too little texture on
-/// a road.
+/// Metric scale from a camera at a known height above a flat road, METHODS 2.4. Between two frames the road moves by
+/// the homography of its plane (Hartley and Zisserman 2004, section 13.1). Once the camera's motion is known up to
+/// scale, the homography's only unknown is the camera height in the unit of that motion: the road is parallel to the
+/// direction of travel. The height is found by direct comparison of intensities over all frames together, because a
+/// single frame sees too little texture on a road.
 class GroundScale {
  public:
   GroundScale(const Camera& camera, double camera_height_m) : camera_(camera), camera_height_m_(camera_height_m) {}
 
-  /// Frames in order, with poses of one scale.
-  void add(GreyView image, const SE3& world_from_camera);
+  /// Frames in order, with poses of one common scale.
+  void add(GrayView image, const SE3& world_from_camera);
 
   struct Found {
-    double metres_per_unit = 1.0;
-    double pitch_rad = 0.0;       ///< How far the camera looks below the horizon.
-    double relative_sigma = 0.0;  ///< Of the scale, from the halves of the frames.
-    int frames = 0;               ///< Pairs that spoke.
+    double meters_per_unit = 1.0;
+    double pitch_rad = 0.0;       ///< Camera's downward pitch from the horizon.
+    double relative_sigma = 0.0;  ///< Of the scale, from two halves of the frames.
+    int frames = 0;               ///< Frame pairs that contributed.
   };
-  /// nullopt when too few pairs of frames showed a road.
+  /// nullopt if too few pairs of frames show a road.
   std::optional<Found> find() const;
 
  private:
-  /// Mean difference of grey levels for every height tried.
+  /// Mean intensity difference for every height hypothesis.
   using Costs = std::vector<float>;
-  void choose_samples(GreyView image);
-  void keep_textured(GreyView image);
-  std::optional<Costs> compare(GreyView image, const SE3& current_from_last);
-  /// Costs of pairs of frames together, each brought to at most 1: constant memory however long the run.
+  void choose_samples(GrayView image);
+  void keep_textured(GrayView image);
+  std::optional<Costs> compare(GrayView image, const SE3& current_from_last);
+  /// Sums the costs of frame pairs, each scaled to at most 1. Memory is constant for any length of run.
   struct Sums {
     std::vector<double> total;
     std::vector<int> votes;
@@ -49,23 +49,23 @@ class GroundScale {
   };
   static std::optional<double> best_of(const Sums& sums);
 
-  float difference(GreyView image, const std::vector<Eigen::Vector3d>& turned, const Eigen::Vector3d& moved) const;
+  float difference(GrayView image, const std::vector<Eigen::Vector3d>& turned, const Eigen::Vector3d& moved) const;
 
-  /// A pixel of the last image where the road should be.
+  /// A pixel of the previous image on the assumed road.
   struct Sample {
     Eigen::Vector2d ray;
     int x, y;
-    float grey;
+    float gray;
   };
   Camera camera_;
   double camera_height_m_;
-  std::vector<Sample> samples_;   ///< Everywhere on the road.
-  std::vector<Sample> textured_;  ///< Those worth comparing with, of the last image.
+  std::vector<Sample> samples_;   ///< All over the road.
+  std::vector<Sample> textured_;  ///< Those with texture, in the previous image.
   int width_ = 0, height_ = 0;
   std::optional<SE3> last_pose_;
-  Eigen::Vector3d direction_ = Eigen::Vector3d::Zero();  ///< Of the last steps.
+  Eigen::Vector3d direction_ = Eigen::Vector3d::Zero();  ///< Of the last motions.
   double pitch_rad_ = 0.0;
-  Sums even_, odd_;  ///< Every second pair, so that two halves can be held against each other.
+  Sums even_, odd_;  ///< Every second pair, so that two halves can be compared.
 };
 
 }  // namespace rastro

@@ -24,61 +24,61 @@ Camera car_camera() {
   return camera;
 }
 
-/// A road of smooth spots in all sizes.
-double road_grey(double x, double z) {
-  double grey = 110.0;
+/// A road with smooth random texture of all scales.
+double road_gray(double x, double z) {
+  double gray = 110.0;
   for (int i = 1; i <= 6; ++i) {
-    grey += 14.0 * std::sin(0.9 * i * x + 1.7 * i) * std::cos(0.7 * i * z - 0.4 * i * x);
+    gray += 14.0 * std::sin(0.9 * i * x + 1.7 * i) * std::cos(0.7 * i * z - 0.4 * i * x);
   }
-  return grey;
+  return gray;
 }
 
-/// What a camera over the road sees that looks `pitch` below the horizon.
-GreyImage picture(const Camera& camera, double ahead_m, double pitch) {
-  GreyImage image(camera.width, camera.height);
+/// Image of a camera above the road, pitched down by `pitch`.
+GrayImage picture(const Camera& camera, double ahead_m, double pitch) {
+  GrayImage image(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const Eigen::Vector3d ray = camera.unproject({static_cast<double>(x), static_cast<double>(y)})->homogeneous();
       const double down = std::cos(pitch) * ray.y() + std::sin(pitch) * ray.z();
       const double forward = -std::sin(pitch) * ray.y() + std::cos(pitch) * ray.z();
       const double distance = down > 0.02 ? camera_height_m / down : 0.0;
-      const double grey = distance > 0.0 ? road_grey(ray.x() * distance, forward * distance + ahead_m) : 200.0;
-      image.at(x, y) = static_cast<std::uint8_t>(std::clamp(grey, 0.0, 255.0));
+      const double gray = distance > 0.0 ? road_gray(ray.x() * distance, forward * distance + ahead_m) : 200.0;
+      image.at(x, y) = static_cast<std::uint8_t>(std::clamp(gray, 0.0, 255.0));
     }
   }
   return image;
 }
 
-/// Poses in units of `metres_per_unit`.
-std::optional<GroundScale::Found> drive(double metres_per_unit, double pitch, int frames, double step_m) {
+/// Poses in units of `meters_per_unit`.
+std::optional<GroundScale::Found> drive(double meters_per_unit, double pitch, int frames, double step_m) {
   const Camera camera = car_camera();
   GroundScale scale(camera, camera_height_m);
   for (int i = 0; i < frames; ++i) {
     const Eigen::Vector3d ahead(0.0, -std::sin(pitch), std::cos(pitch));
-    scale.add(picture(camera, i * step_m, pitch).view(), SE3(SO3(), i * step_m / metres_per_unit * ahead));
+    scale.add(picture(camera, i * step_m, pitch).view(), SE3(SO3(), i * step_m / meters_per_unit * ahead));
   }
   return scale.find();
 }
 
-TEST(GroundScale, FindsTheMetresOfAUnit) {
-  for (const double metres_per_unit : {0.3, 1.0, 7.5}) {
+TEST(GroundScale, FindsTheMetersPerUnit) {
+  for (const double meters_per_unit : {0.3, 1.0, 7.5}) {
     for (const double pitch : {0.0, 0.03}) {
-      const auto found = drive(metres_per_unit, pitch, 14, 0.7);
-      ASSERT_TRUE(found) << metres_per_unit << ' ' << pitch;
-      EXPECT_NEAR(found->metres_per_unit / metres_per_unit, 1.0, 0.01) << metres_per_unit << ' ' << pitch;
+      const auto found = drive(meters_per_unit, pitch, 14, 0.7);
+      ASSERT_TRUE(found) << meters_per_unit << ' ' << pitch;
+      EXPECT_NEAR(found->meters_per_unit / meters_per_unit, 1.0, 0.01) << meters_per_unit << ' ' << pitch;
       EXPECT_NEAR(found->pitch_rad, pitch, 1e-6);
       EXPECT_LT(found->relative_sigma, 0.02);
     }
   }
 }
 
-TEST(GroundScale, SaysNothingWithoutMotionOrWithFewFrames) {
+TEST(GroundScale, GivesNothingWithoutMotionOrWithFewFrames) {
   EXPECT_FALSE(drive(1.0, 0.0, 14, 0.0));
   EXPECT_FALSE(drive(1.0, 0.0, 5, 0.7));
   GroundScale scale(car_camera(), camera_height_m);
-  const GreyImage blank(400, 140);
+  const GrayImage blank(400, 140);
   for (int i = 0; i < 20; ++i) scale.add(blank.view(), SE3(SO3(), {0.0, 0.0, 0.5 * i}));
-  scale.add(GreyView{}, SE3());
+  scale.add(GrayView{}, SE3());
   EXPECT_FALSE(scale.find());
 }
 

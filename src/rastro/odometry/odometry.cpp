@@ -5,8 +5,8 @@ namespace rastro {
 
 const char* name_of(OdometryState state) {
   switch (state) {
-    case OdometryState::initialising:
-      return "initialising";
+    case OdometryState::initializing:
+      return "initializing";
     case OdometryState::tracking:
       return "tracking";
     case OdometryState::weak:

@@ -11,12 +11,12 @@
 
 namespace rastro {
 
-/// What an odometry may use of the run it is part of. Everything outlives it.
+/// Context of an odometry: what it may use of its run. Everything outlives the odometry.
 struct OdometryContext {
   TaskPool* pool = nullptr;  ///< Null: one thread.
 };
 
-/// One entry of the generated list of odometries: its name, its settings and how to make it.
+/// One entry of the generated list of odometries: its name, its settings and its factory.
 class OdometryMethod {
  public:
   virtual ~OdometryMethod() = default;
@@ -25,16 +25,17 @@ class OdometryMethod {
   virtual std::string needs() const = 0;    ///< "images, calibrated".
   /// Points into this object, which must outlive the table.
   virtual OptionTable options() = 0;
-  /// Whether depth or the right image of a pair is wanted, where the source has them. Asked with the settings in force.
+  /// Whether the method uses depth or the right image of a pair, where the source has them. Depends on the current
+  /// settings.
   virtual bool wants_depth() const { return false; }
   virtual bool wants_right() const { return false; }
-  /// Whether poses are in meters; else lengths are relative until a source of scale is given.
+  /// Whether poses are metric; else they are up to scale unless a source of scale is given.
   virtual bool is_metric() const { return false; }
-  /// With the settings in force. Error where the source lacks what the method needs.
+  /// Uses the current settings. Throws Error where the source lacks what the method needs.
   virtual std::unique_ptr<Odometry> make(const SourceInfo& source, const OdometryContext& context) const = 0;
 };
 
-/// The first camera of a source of images. Error where the source has no images or no calibration.
+/// The first camera of a source of images. Throws Error where the source has no images or no calibration.
 const Camera& calibrated_camera(const SourceInfo& source);
 
 }  // namespace rastro

@@ -7,14 +7,14 @@
 
 namespace rastro {
 
-/// Metres of a unit of `trajectory`: the scale of the similarity that brings its places nearest to those of `reference`
-/// at the same stamps (Umeyama 1991). nullopt where they share too little or one of them stands still.
+/// Meters per unit of `trajectory`: the scale of the similarity that aligns its positions best with those of
+/// `reference` at the same stamps (Umeyama 1991). nullopt with too few common stamps or if one of them is at rest.
 std::optional<double> scale_from_reference(const Trajectory& trajectory, const Trajectory& reference);
 
 /// Multiplies all lengths, around the first pose.
 void scale_trajectory(Trajectory& trajectory, double factor);
 
-/// Metres of the way from the first pose to the last.
+/// Path length in meters.
 double path_length(const Trajectory& trajectory);
 
 }  // namespace rastro

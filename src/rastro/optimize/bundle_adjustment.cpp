@@ -12,7 +12,7 @@
 namespace rastro {
 namespace {
 
-/// Squared sigmas beyond which an error counts no more: what lies behind a camera has it.
+/// Squared sigmas at which a residual is capped; a point behind a camera gets this value.
 constexpr double most_squared = 1e6;
 
 void check(const Bundle& bundle) {

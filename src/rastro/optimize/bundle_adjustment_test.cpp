@@ -20,7 +20,7 @@ using testing::BundleScene;
 using testing::BundleSceneOptions;
 using testing::pose_near;
 
-/// The same error by Ceres' automatic derivatives: camera as angle-axis and translation.
+/// The same residual with Ceres' automatic derivatives: camera as angle-axis and translation.
 struct Reprojection {
   BundleObservation seen;
   double baseline;
@@ -37,7 +37,7 @@ struct Reprojection {
   }
 };
 
-/// What Ceres makes of a bundle: poses, points, and the cost it ends at.
+/// Ceres' solution of a bundle: poses, points, and the final cost.
 double adjust_with_ceres(Bundle& bundle, const BundleOptions& options) {
   std::vector<std::array<double, 6>> cameras;
   for (const SE3& pose : bundle.camera_from_world) {
@@ -83,7 +83,7 @@ TEST(BundleAdjustment, ReachesTheMinimumOfCeres) {
   const BundleSceneOptions kinds[] = {
       {.outlier_share = 0.05},                                   // one camera
       {.outlier_share = 0.05, .stereo_share = 1.0},              // two
-      {.fixed = 1, .outlier_share = 0.05, .stereo_share = 0.5},  // both, and the scale from one of them alone
+      {.fixed = 1, .outlier_share = 0.05, .stereo_share = 0.5},  // both, with the scale from one of them only
       {.cameras = 63, .points = 250, .stereo_share = 0.3}        // enough cameras for the sparse solver
   };
   for (std::size_t kind = 0; kind < std::size(kinds); ++kind) {
@@ -102,12 +102,12 @@ TEST(BundleAdjustment, ReachesTheMinimumOfCeres) {
   }
 }
 
-TEST(BundleAdjustment, WithoutNoiseItFindsTheTruthInFewSteps) {
+TEST(BundleAdjustment, WithoutNoiseItFindsGroundTruthInFewSteps) {
   BundleScene scene = bundle_scene({.noise_sigmas = 0.0}, 1);
   BundleOptions plain = to_the_end();
   plain.huber_mono = plain.huber_stereo = 0.0;
   const BundleResult result = adjust_bundle(scene.bundle, plain);
-  // Right derivatives make the last steps quadratic.
+  // Correct derivatives make the last steps quadratic.
   EXPECT_LE(result.iterations, 15);
   EXPECT_LT(result.last_cost, 1e-12 * result.first_cost);
   for (std::size_t i = 0; i < scene.points.size(); ++i)
@@ -116,7 +116,7 @@ TEST(BundleAdjustment, WithoutNoiseItFindsTheTruthInFewSteps) {
     EXPECT_THAT(scene.bundle.camera_from_world[i], pose_near(scene.camera_from_world[i], 1e-6, 1e-6));
 }
 
-TEST(BundleAdjustment, OutliersStandOutAndHardlyPull) {
+TEST(BundleAdjustment, OutliersAreDetectedAndHaveLittleInfluence) {
   BundleScene scene = bundle_scene({.noise_sigmas = 0.5, .outlier_share = 0.05}, 2);
   const BundleResult result = adjust_bundle(scene.bundle, {});
   int outliers = 0;
@@ -132,9 +132,9 @@ TEST(BundleAdjustment, OutliersStandOutAndHardlyPull) {
     EXPECT_LT((scene.bundle.camera_from_world[i] * scene.camera_from_world[i].inverse()).log().norm(), 0.1);
 }
 
-TEST(BundleAdjustment, WhatIsBehindOrOpenDoesNoHarm) {
+TEST(BundleAdjustment, PointsBehindOrUnconstrainedAreHarmless) {
   BundleScene scene = bundle_scene({}, 4);
-  // A point that one camera alone sees, one behind, one that none sees.
+  // A point observed by one camera only, one behind it, one without observations.
   const std::size_t open = scene.bundle.points.size();
   for (const Eigen::Vector3d& point : {Eigen::Vector3d(1, 0, 5), Eigen::Vector3d(1, 0, -5), Eigen::Vector3d(1, 2, 3)})
     scene.bundle.points.push_back(point);

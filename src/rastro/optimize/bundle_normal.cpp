@@ -11,17 +11,17 @@
 namespace rastro {
 namespace {
 
-/// Chunks of points whose sums are kept apart, so that the order of adding is the same for any pool.
+/// Chunks of points with separate sums, so that the order of summation is the same for any pool.
 constexpr int most_chunks = 16, least_grain = 128;
 
 int grain_of(int points) { return std::max(least_grain, (points + most_chunks - 1) / most_chunks); }
 
-/// Up to so many free cameras the matrix is small and full enough for a dense factorisation.
+/// Up to this number of free cameras the matrix is small and full enough for a dense factorization.
 constexpr int most_dense = 60;
 
 }  // namespace
 
-/// The cameras' matrix: the blocks of its lower half that are not zero, row by row.
+/// The cameras' matrix: the nonzero blocks of its lower half, row by row.
 class BundleNormal::Reduced {
  public:
   /// `columns[row]`: ascending, the last is the row itself.
@@ -112,7 +112,7 @@ class BundleNormal::Reduced {
   Eigen::MatrixXd dense_;
   Eigen::SparseMatrix<double> sparse_;
   std::optional<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>> solver_;
-  std::vector<int> place_;         ///< By block: which of its column.
+  std::vector<int> place_;         ///< By block: index in its column.
   std::vector<int> column_begin_;  ///< In the values.
   std::vector<int> height_;        ///< Blocks of a column.
 };
@@ -232,7 +232,7 @@ void BundleNormal::add_points(const Bundle& bundle, int begin, int end, double d
         add_observation<2>(bundle, k, normal, point.right, sums);
       }
     }
-    // Where the views leave its depth open, a point stays: its place would be rounding.
+    // If the views do not determine its depth, a point stays: its position would be rounding error.
     const double size = normal.trace() / 3.0;
     const bool held = normal.determinant() > 1e-14 * size * size * size;
     normal.diagonal() *= 1.0 + damping;

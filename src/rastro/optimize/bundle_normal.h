@@ -13,10 +13,10 @@
 #include "rastro/math/robust_kernel.h"
 #include "rastro/optimize/bundle_adjustment.h"
 
-/// Inner parts of adjust_bundle().
+/// Implementation of adjust_bundle().
 namespace rastro {
 
-/// Nearer a point counts as behind the camera.
+/// A point with less depth counts as behind the camera.
 constexpr double least_bundle_depth = 1e-9;
 
 /// Chunks that depend on the count alone.
@@ -32,24 +32,24 @@ inline HuberKernel bundle_kernel(const BundleObservation& seen, const BundleOpti
 }
 
 struct BundleStep {
-  Eigen::VectorXd cameras;              ///< (translation, rotation) of each free camera, from the left.
-  std::vector<Eigen::Vector3d> points;  ///< One a point.
+  Eigen::VectorXd cameras;              ///< (translation, rotation) of each free camera, applied from the left.
+  std::vector<Eigen::Vector3d> points;  ///< One per point.
 };
 
-/// The normal equations of a bundle with the points eliminated. Keeps its structure and memory from step to step.
+/// The normal equations of a bundle with the points eliminated. Reuses its structure and memory between steps.
 class BundleNormal {
  public:
   BundleNormal(const Bundle& bundle, const BundleOptions& options, TaskPool* pool);
   ~BundleNormal();
-  /// Place of a camera among the free ones; < 0: fixed.
+  /// Index of a camera among the free ones; < 0: fixed.
   int place_of(std::size_t camera) const { return places_[camera]; }
-  /// At the bundle's cameras and points; `damping`: share of the diagonal that is added to it. False when it has no
+  /// At the bundle's cameras and points; `damping`: fraction of the diagonal that is added to it. False if there is no
   /// solution.
   bool solve(const Bundle& bundle, double damping, BundleStep& step);
 
  private:
   using Matrix63 = Eigen::Matrix<double, 6, 3>;
-  /// Rotation and translation: cheaper for many points than the quaternion.
+  /// Rotation and translation: for many points cheaper than the quaternion.
   struct CameraMatrix {
     Eigen::Matrix3d rotation;
     Eigen::Vector3d translation;
@@ -58,7 +58,7 @@ class BundleNormal {
     Eigen::Matrix3d inverse;
     Eigen::Vector3d right;
   };
-  /// Diagonal blocks and right sides of the cameras, of one chunk of points.
+  /// Diagonal blocks and right-hand sides of the cameras, from one chunk of points.
   struct CameraSums {
     std::vector<Matrix6d> blocks;
     std::vector<Vector6d> right;
@@ -79,14 +79,14 @@ class BundleNormal {
   int free_ = 0;
   std::vector<std::uint32_t> order_;      ///< Observations by point.
   std::vector<std::size_t> point_begin_;  ///< In order_; one more than there are points.
-  std::vector<int> link_place_;           ///< By place in order_: of its camera; -1: fixed or of no use now.
-  std::vector<Matrix63> links_;           ///< By place in order_.
-  std::vector<std::uint32_t> row_link_;   ///< Places in order_, by free camera.
+  std::vector<int> link_place_;           ///< By index in order_: index of its camera; -1: fixed or not used now.
+  std::vector<Matrix63> links_;           ///< By index in order_.
+  std::vector<std::uint32_t> row_link_;   ///< Indices in order_, by free camera.
   std::vector<std::size_t> row_begin_;    ///< In row_link_.
-  std::vector<std::uint32_t> point_of_;   ///< By place in order_.
+  std::vector<std::uint32_t> point_of_;   ///< By index in order_.
   std::vector<CameraMatrix> cameras_;
   std::vector<Point> points_;
-  std::vector<CameraSums> sums_;  ///< One a chunk of points.
+  std::vector<CameraSums> sums_;  ///< One per chunk of points.
   std::unique_ptr<Reduced> reduced_;
 };
 

@@ -15,7 +15,7 @@ using testing::bundle_scene;
 using testing::BundleScene;
 using testing::BundleSceneOptions;
 
-/// Errors of an observation in sigmas: two, or three where right_x is known.
+/// Residuals of an observation in sigmas: two, or three where right_x is known.
 Eigen::VectorXd errors_of(const BundleObservation& seen, const SE3& camera_from_world, const Eigen::Vector3d& point,
                           double baseline) {
   const Eigen::Vector3d p = camera_from_world * point;
@@ -25,7 +25,7 @@ Eigen::VectorXd errors_of(const BundleObservation& seen, const SE3& camera_from_
   return errors / seen.sigma;
 }
 
-/// The whole normal equations, cameras before points, with derivatives by differences.
+/// The full normal equations, cameras before points, with numerical derivatives.
 struct Dense {
   Eigen::MatrixXd normal;
   Eigen::VectorXd right;
@@ -96,8 +96,8 @@ BundleSceneOptions small_scene() {
   return options;
 }
 
-/// Eliminating the points is exact: the step is that of the whole equations.
-TEST(BundleNormal, StepIsThatOfTheWholeDenseEquations) {
+/// Eliminating the points is exact: the step is that of the full equations.
+TEST(BundleNormal, StepIsThatOfTheFullDenseEquations) {
   for (const double damping : {0.0, 1e-4, 0.1, 10.0})
     expect_dense_step(bundle_scene(small_scene(), 3).bundle, {}, damping);
 }
@@ -120,7 +120,7 @@ TEST(BundleNormal, OutliersWeighAsTheKernelSays) {
   expect_dense_step(bundle_scene(options, 7).bundle, solving, 1e-3);
 }
 
-TEST(BundleNormal, CamerasThatAreFixedAnywhereHaveNoPlace) {
+TEST(BundleNormal, FixedCamerasHaveNoIndexWhereverTheyAre) {
   BundleScene scene = bundle_scene(small_scene(), 9);
   scene.bundle.fixed = {0, 1, 0, 0, 1, 0};
   const BundleNormal normal(scene.bundle, {}, nullptr);
@@ -138,7 +138,7 @@ TEST(BundleNormal, ThePointsMoveAloneWhereEveryCameraIsFixed) {
   expect_dense_step(scene.bundle, {}, 1e-6);
 }
 
-TEST(BundleNormal, WhatIsBehindACameraHasNoPart) {
+TEST(BundleNormal, PointsBehindACameraHaveNoInfluence) {
   BundleScene scene = bundle_scene(small_scene(), 13);
   scene.bundle.points[4].z() = -2.0;
   const BundleStep step = step_of(scene.bundle, {}, 0.01);
@@ -148,7 +148,7 @@ TEST(BundleNormal, WhatIsBehindACameraHasNoPart) {
   EXPECT_LT((step.cameras - expected.cameras).norm(), 1e-9 * expected.cameras.norm());
 }
 
-/// The same object solves again and again, at other cameras and dampings.
+/// One object solves repeatedly, at other cameras and dampings.
 TEST(BundleNormal, KeepsNothingFromOneSolutionToTheNext) {
   BundleScene scene = bundle_scene(small_scene(), 15);
   const BundleOptions options;

@@ -6,7 +6,7 @@
 #include "rastro/base/random.h"
 #include "rastro/optimize/bundle_adjustment.h"
 
-/// For tests only: a walk along a scene, exact but for what is asked.
+/// For tests only: a camera trajectory along a scene, exact except for the errors asked for.
 namespace rastro::testing {
 
 struct BundleSceneOptions {
@@ -16,7 +16,7 @@ struct BundleSceneOptions {
 };
 
 struct BundleScene {
-  Bundle bundle;  ///< Disturbed.
+  Bundle bundle;  ///< Perturbed.
   std::vector<SE3> camera_from_world;
   std::vector<Eigen::Vector3d> points;
 };
@@ -27,8 +27,8 @@ inline Vector6d random_twist(Random& random, double size) {
   return twist;
 }
 
-/// Cameras look along z and walk along x; every point is seen by those nearest to it. The first and the last ones are
-/// fixed.
+/// Cameras face along z and move along x; every point is observed by the nearest ones. The first and the last cameras
+/// are fixed.
 inline BundleScene bundle_scene(const BundleSceneOptions& options, std::uint64_t seed) {
   Random random(seed);
   BundleScene scene;

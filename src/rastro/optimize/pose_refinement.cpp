@@ -14,7 +14,7 @@ namespace rastro {
 namespace {
 
 constexpr double least_depth = 1e-9;
-/// Squared sigmas of what lies behind the camera.
+/// Squared sigmas of a point behind the camera.
 constexpr double behind = 1e8;
 
 struct Normal {
@@ -33,7 +33,7 @@ class PoseProblem {
         squared_(observations.size()),
         use_(observations.size(), 1) {}
 
-  /// Normal equations for a motion of the camera frame from the left, over what is in use.
+  /// Normal equations for a motion of the camera frame from the left, over the observations in use.
   Normal at(const SE3& pose, bool robust) {
     Normal normal;
     const Eigen::Matrix3d rotation = pose.rotation().matrix();
@@ -51,7 +51,7 @@ class PoseProblem {
     return normal;
   }
 
-  /// Takes in use what fits; how many that is.
+  /// Selects the observations that fit; returns their number.
   int judge(const SE3& pose) {
     int inliers = 0;
     const Eigen::Matrix3d rotation = pose.rotation().matrix();
@@ -110,7 +110,7 @@ class PoseProblem {
   std::vector<std::uint8_t> use_;
 };
 
-/// False when the points in use leave the pose open.
+/// False if the points in use do not determine the pose.
 bool refine_round(PoseProblem& problem, bool robust, int iterations, SE3& pose, Normal& normal) {
   normal = problem.at(pose, robust);
   double damping = 0.0;

@@ -11,35 +11,35 @@
 
 namespace rastro {
 
-/// A known point and where the camera sees it, normalised (x/z, y/z).
+/// A known point and its observation by the camera, normalized (x/z, y/z).
 struct PoseObservation {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< In the world.
   Eigen::Vector2d ray = Eigen::Vector2d::Zero();    ///< Undistorted.
-  /// x in the right camera, (x - baseline) / z; not a number: unknown.
+  /// x in the right camera, (x - baseline) / z; NaN: unknown.
   double right_x = std::numeric_limits<double>::quiet_NaN();
   double sigma = 1.0 / 500.0;  ///< Standard deviation of each number above.
 };
 
 struct PoseRefinementOptions {
   double baseline = 0.0;       ///< Between left and right camera, in the unit of the points.
-  int rounds = 4;              ///< After each, outliers are found anew; the last two are plain least squares.
-  int iterations = 10;         ///< Of a round, at most.
+  int rounds = 4;              ///< After each, outliers are classified again; the last two are plain least squares.
+  int iterations = 10;         ///< Maximum per round.
   double chi2_mono = 5.991;    ///< Squared sigmas beyond which an observation is an outlier...
   double chi2_stereo = 7.815;  ///< ... and where right_x is known.
 };
 
 struct PoseRefinement {
   SE3 camera_from_world;
-  /// Of d in truth = exp(d) * camera_from_world, (translation, rotation) in the camera frame, from the sigmas given and
-  /// the inliers. Zero where the pose is open.
+  /// Of d in true pose = exp(d) * camera_from_world, (translation, rotation) in the camera frame, from the given sigmas
+  /// and the inliers. Zero if the pose is not determined.
   Matrix6d covariance = Matrix6d::Zero();
-  std::vector<std::uint8_t> is_inlier;  ///< One an observation.
-  int inliers = 0;                      ///< 0: nothing held the pose, which is the one it started from.
-  double mean_squared = 0.0;            ///< Of the inliers' errors, squared sigmas.
+  std::vector<std::uint8_t> is_inlier;  ///< One per observation.
+  int inliers = 0;                      ///< 0: the pose is not determined and stays at the initial value.
+  double mean_squared = 0.0;            ///< Of the inliers' residuals, squared sigmas.
 };
 
-/// The pose that fits the observations best: Gauss-Newton with damping where needed and Huber's kernel, in rounds
-/// between which outliers are left out or taken back. `camera_from_world` is where it starts. The same input gives the
+/// The pose with the smallest reprojection error: Gauss-Newton with damping where needed and Huber's kernel, in rounds
+/// between which outliers are removed or readmitted. `camera_from_world` is the initial value. The same input gives the
 /// same bytes.
 PoseRefinement refine_pose(const SE3& camera_from_world, std::span<const PoseObservation> observations,
                            const PoseRefinementOptions& options);

@@ -8,7 +8,7 @@
 namespace rastro {
 
 void PlaceIndex::add(std::int64_t id, const BagOfWords& words) {
-  RASTRO_CHECK(!entries_.contains(id), "a picture is added once");
+  RASTRO_CHECK(!entries_.contains(id), "an image can be added only once");
   entries_.emplace(id, words);
   for (const auto& [word, share] : words.words) {
     if (word >= holders_.size()) holders_.resize(word + std::size_t{1});
@@ -31,7 +31,7 @@ const BagOfWords* PlaceIndex::find_words(std::int64_t id) const {
 
 std::vector<PlaceMatch> PlaceIndex::find(const BagOfWords& words, double least_share,
                                          const std::function<bool(std::int64_t)>& allowed) const {
-  std::vector<std::int64_t> holders;  // Once a shared word.
+  std::vector<std::int64_t> holders;  // One entry per shared word.
   for (const auto& [word, share] : words.words)
     if (word < holders_.size()) holders.insert(holders.end(), holders_[word].begin(), holders_[word].end());
   std::sort(holders.begin(), holders.end());

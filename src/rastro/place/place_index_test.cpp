@@ -12,7 +12,7 @@
 namespace rastro {
 namespace {
 
-/// Some of 200 words with shares that sum to 1.
+/// Some of 200 words with weights that sum to 1.
 BagOfWords random_bag(Random& random, std::uint32_t words = 200) {
   BagOfWords bag;
   float sum = 0.0F;
@@ -25,7 +25,7 @@ BagOfWords random_bag(Random& random, std::uint32_t words = 200) {
   return bag;
 }
 
-/// 1 - |a - b|_1 / 2 over every word there is.
+/// 1 - |a - b|_1 / 2 over all words.
 double plain_similarity(const BagOfWords& a, const BagOfWords& b) {
   std::map<std::uint32_t, double> difference;
   for (const auto& [word, share] : a.words) difference[word] += static_cast<double>(share);
@@ -54,13 +54,13 @@ TEST(BagSimilarity, IsTheOneNormOverAllWords) {
   EXPECT_NEAR(similarity({{{1, 1.0F}}, {}}, {{{2, 1.0F}}, {}}), 0.0, 1e-9);
 }
 
-/// Against a look at every picture.
-TEST(PlaceIndexFind, IsWhatLookingAtEveryPictureGives) {
+/// Against a comparison with every image.
+TEST(PlaceIndexFind, EqualsComparingEveryImage) {
   Random random(2);
   PlaceIndex index;
   std::map<std::int64_t, BagOfWords> plain;
   for (int k = 0; k < 80; ++k) {
-    const std::int64_t id = 1000 - 7 * k;  // in falling order
+    const std::int64_t id = 1000 - 7 * k;  // in descending order
     plain[id] = random_bag(random);
     index.add(id, plain[id]);
   }
@@ -88,7 +88,7 @@ TEST(PlaceIndexFind, IsWhatLookingAtEveryPictureGives) {
     ASSERT_EQ(found.size(), expected.size());
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (i > 0) {
-        EXPECT_GE(found[i - 1].score, found[i].score) << "likest first";
+        EXPECT_GE(found[i - 1].score, found[i].score) << "highest score first";
       }
       const auto same = std::find_if(expected.begin(), expected.end(),
                                      [&](const PlaceMatch& match) { return match.id == found[i].id; });
@@ -99,7 +99,7 @@ TEST(PlaceIndexFind, IsWhatLookingAtEveryPictureGives) {
   }
 }
 
-TEST(PlaceIndexFind, EqualOnesAreInTheOrderOfTheirIds) {
+TEST(PlaceIndexFind, EqualScoresAreInTheOrderOfTheirIds) {
   Random random(3);
   const BagOfWords bag = random_bag(random);
   PlaceIndex index;
@@ -109,7 +109,7 @@ TEST(PlaceIndexFind, EqualOnesAreInTheOrderOfTheirIds) {
   EXPECT_EQ(ids, (std::vector<std::int64_t>{2, 5, 9}));
 }
 
-TEST(PlaceIndexFind, WordsThatNobodyHasFindNobody) {
+TEST(PlaceIndexFind, UnknownWordsFindNothing) {
   PlaceIndex index;
   EXPECT_TRUE(index.find({{{3, 1.0F}}, {}}).empty());
   index.add(1, {{{3, 0.5F}, {7, 0.5F}}, {}});
@@ -121,7 +121,7 @@ TEST(PlaceIndexFind, WordsThatNobodyHasFindNobody) {
   EXPECT_TRUE(index.find({{{7, 1.0F}}, {}}).empty());
   EXPECT_EQ(index.find_words(1), nullptr);
   index.add(1, {{{4, 1.0F}}, {}});
-  EXPECT_EQ(index.find({{{4, 1.0F}}, {}}).size(), 1U) << "and may come again";
+  EXPECT_EQ(index.find({{{4, 1.0F}}, {}}).size(), 1U) << "and may be added again";
 }
 
 }  // namespace

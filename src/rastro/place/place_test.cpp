@@ -24,7 +24,7 @@ Descriptor flipped(Descriptor descriptor, int bits, Random& random) {
   return descriptor;
 }
 
-/// Places made of things of their own: a thing is a descriptor that is seen with a few bits changed.
+/// Places made of features of their own: a feature is a descriptor that is observed with a few bits changed.
 class Places {
  public:
   explicit Places(int places, std::uint64_t seed = 1) : random_(seed), things_(static_cast<std::size_t>(places)) {
@@ -63,7 +63,7 @@ std::string error_of(const std::function<void()>& work) {
   return "no error";
 }
 
-TEST(Vocabulary, TellsPlacesApart) {
+TEST(Vocabulary, DistinguishesPlaces) {
   Places places(12);
   double least_same = 1.0, most_other = 0.0;
   for (std::size_t a = 0; a < 12; ++a) {
@@ -78,7 +78,7 @@ TEST(Vocabulary, TellsPlacesApart) {
   EXPECT_LT(most_other, 0.2);
 }
 
-TEST(Vocabulary, BagsAreWhatTheyPromise) {
+TEST(Vocabulary, BagsHaveAscendingWordsAndUnitSum) {
   Places places(12);
   const auto picture = places.picture(3);
   const BagOfWords bag = trained().words_of(picture, 2);
@@ -101,7 +101,7 @@ TEST(Vocabulary, BagsAreWhatTheyPromise) {
   EXPECT_TRUE(trained().words_of({}).words.empty());
 }
 
-TEST(Vocabulary, IsTheSameByAnyPoolAndCode) {
+TEST(Vocabulary, IsTheSameForAnyPoolAndCode) {
   const auto pictures = Places(6).pictures(4);
   TaskPool pool(3);
   const std::string bytes = Vocabulary::train(pictures, {}).bytes();
@@ -110,14 +110,14 @@ TEST(Vocabulary, IsTheSameByAnyPoolAndCode) {
   EXPECT_NE(bytes, Vocabulary::train(pictures, {10, 5, 12, 2}).bytes());
 }
 
-TEST(Vocabulary, LearnsFromAlikeAndFew) {
+TEST(Vocabulary, TrainsFromIdenticalAndFewDescriptors) {
   const std::vector<std::vector<Descriptor>> alike(3, std::vector<Descriptor>(50));
   EXPECT_EQ(Vocabulary::train(alike, {}).words(), 1U);
-  EXPECT_THAT(error_of([] { Vocabulary::train({}, {}); }), HasSubstr("nothing to learn words from"));
+  EXPECT_THAT(error_of([] { Vocabulary::train({}, {}); }), HasSubstr("no descriptors to train from"));
   EXPECT_THAT(error_of([&] { Vocabulary::train(alike, {1, 5, 12, 1}); }), HasSubstr("branching 1 is out of range"));
 }
 
-TEST(Vocabulary, ComesBackFromAFile) {
+TEST(Vocabulary, SavesAndLoads) {
   const auto file = scratch_path("v.rvoc");
   trained().write(file);
   const Vocabulary back = Vocabulary::read(file);
@@ -128,7 +128,7 @@ TEST(Vocabulary, ComesBackFromAFile) {
   EXPECT_EQ(back.words_of(picture).nodes, trained().words_of(picture).nodes);
 }
 
-TEST(Vocabulary, RefusesEveryDamage) {
+TEST(Vocabulary, RefusesAnyDamagedFile) {
   const std::string bytes = Vocabulary::train(Places(2).pictures(2), {3, 2, 12, 1}).bytes();
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     std::string damaged = bytes;
@@ -139,7 +139,7 @@ TEST(Vocabulary, RefusesEveryDamage) {
   EXPECT_NE(error_of([&] { Vocabulary::parse(bytes + "x", "v.rvoc"); }), "no error");
 }
 
-/// A node in the text form: all 32 bytes alike.
+/// A node in the text form; all 32 bytes are equal.
 std::string node_line(int parent, bool is_word, int byte, double weight) {
   std::string line = std::to_string(parent) + (is_word ? " 1" : " 0");
   for (int i = 0; i < 32; ++i) line += " " + std::to_string(byte);
@@ -179,11 +179,11 @@ TEST(Vocabulary, RefusesBrokenText) {
   const std::string good = "2 2 0 0\n" + node_line(0, true, 0, 1) + node_line(0, true, 9, 1);
   EXPECT_EQ(error_of([&] { Vocabulary::parse(good, "voc"); }), "no error");
   EXPECT_THAT(error_of([&] { Vocabulary::parse(good + node_line(7, true, 9, 1), "voc"); }),
-              HasSubstr("hang on no other"));
+              HasSubstr("are not connected to the root"));
   EXPECT_THAT(error_of([&] { Vocabulary::parse(good + "0 1 3 4\n", "voc"); }), HasSubstr("voc:4"));
   EXPECT_THAT(error_of([&] { Vocabulary::parse(good + node_line(2, true, 0, 1) + node_line(3, true, 0, 1), "voc"); }),
               HasSubstr("deeper"));
-  EXPECT_THAT(error_of([] { Vocabulary::parse("a picture", "voc"); }), HasSubstr("is no vocabulary"));
+  EXPECT_THAT(error_of([] { Vocabulary::parse("an image", "voc"); }), HasSubstr("is not a vocabulary"));
   EXPECT_THAT(error_of([] { Vocabulary::parse("", "voc"); }), HasSubstr("has no words"));
 }
 
@@ -213,7 +213,7 @@ TEST(PlaceIndex, FindsThePlace) {
   }
 }
 
-TEST(PlaceIndex, ForgetsWhatIsRemoved) {
+TEST(PlaceIndex, DoesNotFindRemovedImages) {
   Places places(4);
   PlaceIndex index;
   const BagOfWords first = trained().words_of(places.picture(0));
@@ -221,7 +221,7 @@ TEST(PlaceIndex, ForgetsWhatIsRemoved) {
   index.add(3, first);
   const auto both = index.find(first);
   ASSERT_EQ(both.size(), 2U);
-  EXPECT_EQ(both[0].id, 3);  // Equal scores come by id.
+  EXPECT_EQ(both[0].id, 3);  // Equal scores are sorted by id.
   EXPECT_EQ(both[0].shared_words, static_cast<int>(first.words.size()));
   index.remove(3);
   index.remove(99);

@@ -4,7 +4,7 @@
 
 #include "rastro/place/vocabulary.h"
 
-// The file as it is, in the read-only data of the program: a literal of its size would take compilers minutes.
+// The file's bytes in the read-only data of the program: a literal of this size would take compilers minutes.
 __asm__(
     ".pushsection .rodata\n"
     ".balign 64\n"
@@ -27,7 +27,7 @@ std::shared_ptr<const Vocabulary> standard_vocabulary() {
   static const auto vocabulary = std::make_shared<const Vocabulary>(
       Vocabulary::parse({rastro_standard_vocabulary,
                          static_cast<std::size_t>(rastro_standard_vocabulary_end - rastro_standard_vocabulary)},
-                        "the vocabulary that comes with rastro"));
+                        "the built-in vocabulary"));
   return vocabulary;
 }
 

@@ -16,19 +16,17 @@ namespace {
 
 using Members = std::vector<std::uint32_t>;  ///< Indices of descriptors.
 
-constexpr int chunk = 4096;  // Descriptors of one task.
-constexpr std::size_t large =
-    32 * chunk;  // Clusters of that many are divided with the pool, smaller ones beside each other.
+constexpr int chunk = 4096;                // Descriptors of one task.
+constexpr std::size_t large = 32 * chunk;  // Larger clusters are divided with the pool, smaller ones in parallel.
 
 void check(const VocabularyOptions& options, bool has_descriptors) {
   const auto refuse = [](const char* name, int value, const char* range) {
-    throw Error(fmt::format("{} {} is out of range", name, value), "the vocabulary", fmt::format("take {}", range));
+    throw Error(fmt::format("{} {} is out of range", name, value), "the vocabulary", fmt::format("use {}", range));
   };
   if (options.branching < 2 || options.branching > 64) refuse("branching", options.branching, "2..64");
   if (options.depth < 1 || options.depth > 8) refuse("depth", options.depth, "1..8");
   if (options.rounds < 1 || options.rounds > 1000) refuse("rounds", options.rounds, "1..1000");
-  if (!has_descriptors)
-    throw Error("there is nothing to learn words from", "the pictures", "give pictures with texture");
+  if (!has_descriptors) throw Error("there are no descriptors to train from", "the images", "use images with texture");
 }
 
 void for_chunks(TaskPool* pool, std::size_t count, int grain, const std::function<void(int, int)>& body) {
@@ -39,26 +37,26 @@ void for_chunks(TaskPool* pool, std::size_t count, int grain, const std::functio
   }
 }
 
-/// Centres of clusters of bits: k-means by Hamming distance, where a mean is each bit's majority (k-majority, Grana et
+/// Centers of clusters of bits: k-means by Hamming distance, where a mean is each bit's majority (k-majority, Grana et
 /// al. 2013).
 class Division {
  public:
   Division(const std::vector<Descriptor>& all, const Members& members, const VocabularyOptions& options,
            std::uint64_t seed, TaskPool* pool)
       : all_(all), members_(members), pool_(pool), nearest_(members.size()) {
-    choose_centres(options.branching, Random(seed));
+    choose_centers(options.branching, Random(seed));
     for (int round = 0; round < options.rounds; ++round)
-      if (!assign() || !move_centres()) break;
+      if (!assign() || !move_centers()) break;
     assign();
   }
 
-  /// Centres that have members, and these.
+  /// The centers that have members, with their members.
   std::vector<std::pair<Descriptor, Members>> clusters() const {
-    std::vector<Members> of(centres_.size());
+    std::vector<Members> of(centers_.size());
     for (std::size_t i = 0; i < members_.size(); ++i) of[nearest_[i]].push_back(members_[i]);
     std::vector<std::pair<Descriptor, Members>> filled;
-    for (std::size_t c = 0; c < centres_.size(); ++c)
-      if (!of[c].empty()) filled.emplace_back(centres_[c], std::move(of[c]));
+    for (std::size_t c = 0; c < centers_.size(); ++c)
+      if (!of[c].empty()) filled.emplace_back(centers_[c], std::move(of[c]));
     return filled;
   }
 
@@ -66,36 +64,36 @@ class Division {
   const Descriptor& member(std::size_t i) const { return all_[members_[i]]; }
 
   /// k-means++ (Arthur and Vassilvitskii 2007): each is drawn by its squared distance to those before.
-  void choose_centres(int wanted, Random random) {
+  void choose_centers(int wanted, Random random) {
     std::vector<double> squared(members_.size(), std::numeric_limits<double>::infinity());
-    centres_.push_back(member(random.below(static_cast<std::uint32_t>(members_.size()))));
-    while (static_cast<int>(centres_.size()) < wanted) {
+    centers_.push_back(member(random.below(static_cast<std::uint32_t>(members_.size()))));
+    while (static_cast<int>(centers_.size()) < wanted) {
       for_chunks(pool_, members_.size(), chunk, [&](int begin, int end) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
           std::uint16_t distance = 0;
-          hamming_distances(member(i), {&centres_.back(), 1}, {&distance, 1});
+          hamming_distances(member(i), {&centers_.back(), 1}, {&distance, 1});
           squared[i] = std::min(squared[i], static_cast<double>(distance) * distance);
         }
       });
       double sum = 0.0;
       for (const double value : squared) sum += value;
-      if (sum == 0.0) return;  // All members are centres by now.
+      if (sum == 0.0) return;  // All members are centers already.
       double left = random.uniform() * sum;
       std::size_t drawn = 0;
       while (drawn + 1 < squared.size() && (left -= squared[drawn]) >= 0.0) ++drawn;
-      while (squared[drawn] == 0.0) --drawn;  // Rounding may have gone past the last one.
-      centres_.push_back(member(drawn));
+      while (squared[drawn] == 0.0) --drawn;  // Rounding may have passed the last one.
+      centers_.push_back(member(drawn));
     }
   }
 
-  /// Says whether any member changed its centre.
+  /// Returns whether any member changed its center.
   bool assign() {
     std::vector<std::uint8_t> changed(members_.size() / chunk + 1, 0);
     for_chunks(pool_, members_.size(), chunk, [&](int begin, int end) {
       std::array<std::uint16_t, 64> distances{};
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-        hamming_distances(member(i), centres_, distances);
-        const auto best = std::min_element(distances.begin(), distances.begin() + static_cast<long>(centres_.size()));
+        hamming_distances(member(i), centers_, distances);
+        const auto best = std::min_element(distances.begin(), distances.begin() + static_cast<long>(centers_.size()));
         const auto now = static_cast<std::uint8_t>(best - distances.begin());
         if (now != nearest_[i] || first_) changed[i / chunk] = 1;
         nearest_[i] = now;
@@ -105,10 +103,10 @@ class Division {
     return std::find(changed.begin(), changed.end(), 1) != changed.end();
   }
 
-  /// Says whether any centre changed.
-  bool move_centres() {
-    std::vector<std::array<std::uint32_t, 256>> ones(centres_.size(), std::array<std::uint32_t, 256>{});
-    std::vector<std::uint32_t> sizes(centres_.size(), 0);
+  /// Returns whether any center changed.
+  bool move_centers() {
+    std::vector<std::array<std::uint32_t, 256>> ones(centers_.size(), std::array<std::uint32_t, 256>{});
+    std::vector<std::uint32_t> sizes(centers_.size(), 0);
     for (std::size_t i = 0; i < members_.size(); ++i) {
       auto& counts = ones[nearest_[i]];
       ++sizes[nearest_[i]];
@@ -117,13 +115,13 @@ class Division {
           counts[64 * word + bit] += static_cast<std::uint32_t>(member(i).words[word] >> bit & 1U);
     }
     bool moved = false;
-    for (std::size_t c = 0; c < centres_.size(); ++c) {
+    for (std::size_t c = 0; c < centers_.size(); ++c) {
       if (sizes[c] == 0) continue;
-      Descriptor centre;
+      Descriptor center;
       for (std::size_t bit = 0; bit < 256; ++bit)
-        centre.words[bit / 64] |= static_cast<std::uint64_t>(2 * ones[c][bit] > sizes[c]) << (bit % 64);
-      moved = moved || !(centre == centres_[c]);
-      centres_[c] = centre;
+        center.words[bit / 64] |= static_cast<std::uint64_t>(2 * ones[c][bit] > sizes[c]) << (bit % 64);
+      moved = moved || !(center == centers_[c]);
+      centers_[c] = center;
     }
     return moved;
   }
@@ -131,14 +129,14 @@ class Division {
   const std::vector<Descriptor>& all_;
   const Members& members_;
   TaskPool* pool_;
-  std::vector<Descriptor> centres_;
-  std::vector<std::uint8_t> nearest_;  ///< Centre of each member.
+  std::vector<Descriptor> centers_;
+  std::vector<std::uint8_t> nearest_;  ///< Center of each member.
   bool first_ = true;
 };
 
 }  // namespace
 
-/// Grows the tree level by level, so that nodes and their children lie in order.
+/// Grows the tree level by level, so that nodes and their children are in order.
 class VocabularyTrainer {
  public:
   VocabularyTrainer(std::span<const std::vector<Descriptor>> images, const VocabularyOptions& options, TaskPool* pool,
@@ -155,7 +153,7 @@ class VocabularyTrainer {
 
   Vocabulary train(std::size_t images) {
     made_.nodes_.push_back({});
-    made_.centres_.push_back({});
+    made_.centers_.push_back({});
     members_.emplace_back(all_.size());
     for (std::size_t i = 0; i < all_.size(); ++i) members_[0][i] = static_cast<std::uint32_t>(i);
     std::size_t begin = 0;
@@ -172,7 +170,7 @@ class VocabularyTrainer {
  private:
   using Clusters = std::vector<std::pair<Descriptor, Members>>;
 
-  /// Divides the nodes begin..end-1, which are a level.
+  /// Divides the nodes begin..end-1 of one level.
   void divide(std::size_t begin, std::size_t end, int level) {
     std::vector<Clusters> divided(end - begin);
     const auto divide_one = [&](std::size_t i, TaskPool* pool) {
@@ -191,26 +189,26 @@ class VocabularyTrainer {
   }
 
   void add_children(std::size_t parent, Clusters& clusters) {
-    if (clusters.size() < 2) return;  // Members that are all alike are one word.
+    if (clusters.size() < 2) return;  // Identical members are one word.
     made_.nodes_[parent].first_child = static_cast<std::uint32_t>(made_.nodes_.size());
     made_.nodes_[parent].children = static_cast<std::uint16_t>(clusters.size());
     const auto depth = static_cast<std::uint16_t>(made_.nodes_[parent].depth + 1);
-    for (auto& [centre, members] : clusters) {
+    for (auto& [center, members] : clusters) {
       made_.nodes_.push_back({0, 0, depth, 0, 0.0F});
-      made_.centres_.push_back(centre);
+      made_.centers_.push_back(center);
       members_.push_back(std::move(members));
     }
     members_[parent] = {};
   }
 
-  /// A word that few pictures have says more.
+  /// A word that occurs in few images is more distinctive.
   void weigh(std::size_t images) {
     for (std::size_t i = 0; i < made_.nodes_.size(); ++i) {
       if (made_.nodes_[i].children > 0) continue;
       Members in;
       for (const std::uint32_t member : members_[i]) in.push_back(image_of_[member]);
       in.erase(std::unique(in.begin(), in.end()), in.end());  // They ascend, as their descriptors do.
-      // One picture more than there are keeps a word in all of them from weighing nothing.
+      // Counting one image more keeps the weight of a word in all images above zero.
       made_.nodes_[i].weight =
           static_cast<float>(std::log((static_cast<double>(images) + 1.0) / static_cast<double>(in.size())));
     }

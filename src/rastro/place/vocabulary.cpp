@@ -11,7 +11,7 @@
 namespace rastro {
 
 double similarity(const BagOfWords& a, const BagOfWords& b) {
-  // 1 - |a - b|_1 / 2 is the sum of the smaller shares.
+  // 1 - |a - b|_1 / 2 is the sum of the smaller weights.
   double common = 0.0;
   auto p = a.words.begin(), q = b.words.begin();
   while (p != a.words.end() && q != b.words.end()) {
@@ -45,7 +45,7 @@ BagOfWords Vocabulary::words_of(std::span<const Descriptor> descriptors, int nod
     std::uint32_t at = 0, marked = 0;
     while (nodes_[at].children > 0) {
       const Node& node = nodes_[at];
-      hamming_distances(descriptor, {&centres_[node.first_child], node.children}, distances);
+      hamming_distances(descriptor, {&centers_[node.first_child], node.children}, distances);
       const auto nearest = std::min_element(distances.begin(), distances.begin() + node.children);
       at = node.first_child + static_cast<std::uint32_t>(nearest - distances.begin());
       if (nodes_[at].depth <= node_depth) marked = at;

@@ -22,7 +22,7 @@ constexpr std::string_view magic = "RASTROVOC";
 constexpr std::uint8_t version = 1;
 
 [[noreturn]] void refuse(const std::string& where, std::string_view what) {
-  throw Error(what, where, "make it anew with 'rastro vocabulary', or fetch it again");
+  throw Error(what, where, "make it again with 'rastro vocabulary', or download it again");
 }
 
 /// The first eight digits of SHA-256.
@@ -39,9 +39,9 @@ void put(std::string& bytes, Number number) {
 
 }  // namespace
 
-/// Own form: magic, version, branching and depth (a byte each), number of nodes (4), then of each node, level by level,
-/// how many children it has (a byte); centres of all but the root (32 bytes each); weights of the words (4 each);
-/// the checksum of all before (4).
+/// rastro's format: magic, version, branching and depth (a byte each), number of nodes (4), then for each node, level
+/// by level, its number of children (a byte); centers of all but the root (32 bytes each); weights of the words (4
+/// each); the checksum of all before (4).
 class VocabularyReader {
  public:
   VocabularyReader(std::string_view bytes, const std::string& where) : bytes_(bytes), where_(where) {}
@@ -58,9 +58,9 @@ class VocabularyReader {
     std::memcpy(&stored, all.data() + all.size() - 4, 4);
     check(stored == checksum(all.substr(0, all.size() - 4)));
     read_tree(count);
-    made_.centres_.resize(count);
-    const std::string_view centres = take((count - 1) * sizeof(Descriptor));
-    if (!centres.empty()) std::memcpy(made_.centres_.data() + 1, centres.data(), centres.size());
+    made_.centers_.resize(count);
+    const std::string_view centers = take((count - 1) * sizeof(Descriptor));
+    if (!centers.empty()) std::memcpy(made_.centers_.data() + 1, centers.data(), centers.size());
     for (auto& node : made_.nodes_) {
       if (node.children > 0) continue;
       node.weight = get<float>();
@@ -71,28 +71,28 @@ class VocabularyReader {
     return std::move(made_);
   }
 
-  /// From nodes of a text form, in any order.
+  /// From the nodes of a text format, in any order.
   static Vocabulary from_text(const VocabularyText& text, const std::string& where) {
     Vocabulary made;
     made.branching_ = text.branching;
     made.depth_ = text.depth;
     made.nodes_.push_back({});
-    made.centres_.push_back({});
-    std::vector<std::size_t> entry_of{text.entries.size()};  // The root is none.
+    made.centers_.push_back({});
+    std::vector<std::size_t> entry_of{text.entries.size()};  // The root has none.
     for (std::size_t at = 0; at < made.nodes_.size(); ++at) {
       const auto children = text.children_of(at == 0 ? 0 : text.entries[entry_of[at]].id);
       if (children.size() > 255) refuse(where, "has a node with more than 255 children");
       made.nodes_[at].first_child = static_cast<std::uint32_t>(made.nodes_.size());
       made.nodes_[at].children = static_cast<std::uint16_t>(children.size());
       const auto depth = static_cast<std::uint16_t>(made.nodes_[at].depth + 1);
-      if (!children.empty() && depth > made.depth_) refuse(where, "has nodes deeper than its first numbers say");
+      if (!children.empty() && depth > made.depth_) refuse(where, "has nodes deeper than its header says");
       for (const VocabularyText::Entry& child : children) {
         made.nodes_.push_back({0, 0, depth, 0, child.weight});
-        made.centres_.push_back(child.descriptor);
+        made.centers_.push_back(child.descriptor);
         entry_of.push_back(static_cast<std::size_t>(&child - text.entries.data()));
       }
     }
-    if (made.nodes_.size() != text.entries.size() + 1) refuse(where, "has nodes that hang on no other");
+    if (made.nodes_.size() != text.entries.size() + 1) refuse(where, "has nodes that are not connected to the root");
     if (made.nodes_.size() < 2) refuse(where, "has no words");
     made.number_words();
     return made;
@@ -120,7 +120,7 @@ class VocabularyReader {
     std::size_t next = 1;
     const std::string_view children = take(count);
     for (std::size_t i = 0; i < count; ++i) {
-      check(i == 0 || i < next);  // Every node but the root is somebody's child.
+      check(i == 0 || i < next);  // Every node but the root is a child.
       auto& node = made_.nodes_[i];
       node.children = static_cast<std::uint8_t>(children[i]);
       node.first_child = static_cast<std::uint32_t>(next);
@@ -153,7 +153,7 @@ std::string Vocabulary::bytes() const {
   put(bytes, static_cast<std::uint8_t>(depth_));
   put(bytes, static_cast<std::uint32_t>(nodes_.size()));
   for (const Node& node : nodes_) put(bytes, static_cast<std::uint8_t>(node.children));
-  bytes.append(reinterpret_cast<const char*>(centres_.data() + 1), (centres_.size() - 1) * sizeof(Descriptor));
+  bytes.append(reinterpret_cast<const char*>(centers_.data() + 1), (centers_.size() - 1) * sizeof(Descriptor));
   for (const Node& node : nodes_)
     if (node.children == 0) put(bytes, node.weight);
   put(bytes, checksum(bytes));
@@ -165,7 +165,7 @@ void Vocabulary::write(const std::filesystem::path& file) const {
   const std::string all = bytes();
   out.write(all.data(), static_cast<std::streamsize>(all.size()));
   out.flush();
-  if (!out) throw Error("cannot be written", file.string(), "choose another place with --out, or make room");
+  if (!out) throw Error("cannot be written", file.string(), "choose another path with --out, or free some space");
 }
 
 }  // namespace rastro

@@ -20,10 +20,10 @@ constexpr std::size_t descriptor_bytes = 32;
 
 [[noreturn]] void refuse(const std::string& where, std::string_view what) {
   throw Error(what, where,
-              "give a vocabulary of 'rastro vocabulary', or of DBoW2 or DBoW3 for ORB (text or unpacked YAML)");
+              "use a vocabulary of 'rastro vocabulary', or of DBoW2 or DBoW3 for ORB (text or unpacked YAML)");
 }
 
-/// Numbers one after the other, spaces between.
+/// Consecutive numbers separated by spaces.
 class Numbers {
  public:
   explicit Numbers(std::string_view text) : rest_(text) {}
@@ -82,7 +82,7 @@ VocabularyText parse_lines(std::string_view text, const std::string& where) {
     if (numbers.at_end()) continue;
     if (first) {
       const auto branching = numbers.next<int>(), depth = numbers.next<int>();
-      if (!is_shape(branching, depth)) refuse(where, "is no vocabulary");
+      if (!is_shape(branching, depth)) refuse(where, "is not a vocabulary");
       made.branching = *branching;
       made.depth = *depth;
       first = false;
@@ -93,13 +93,13 @@ VocabularyText parse_lines(std::string_view text, const std::string& where) {
     const auto descriptor = read_descriptor(numbers);
     const auto weight = read_weight(numbers);
     if (!parent || !is_word || !descriptor || !weight || !numbers.at_end())
-      refuse(at_line(where, line_number), "is no node of a vocabulary");
+      refuse(at_line(where, line_number), "is not a node of a vocabulary");
     made.entries.push_back({++id, *parent, *weight, *descriptor});
   }
   return made;
 }
 
-/// What follows the next `key` of the text, which is cut off behind it; nothing where there is none.
+/// The text after the next `key`, which is removed from `text` with all before it; nothing if there is none.
 std::optional<Numbers> after(std::string_view& text, std::string_view key) {
   const std::size_t at = text.find(key);
   if (at == std::string_view::npos) return std::nullopt;
@@ -110,13 +110,13 @@ std::optional<Numbers> after(std::string_view& text, std::string_view key) {
 VocabularyText parse_yaml(std::string_view text, const std::string& where) {
   VocabularyText made;
   auto branching = after(text, " k:"), depth = after(text, " L:");
-  if (!branching || !depth) refuse(where, "is no vocabulary");
+  if (!branching || !depth) refuse(where, "is not a vocabulary");
   const auto k = branching->next<int>(), l = depth->next<int>();
-  if (!is_shape(k, l)) refuse(where, "is no vocabulary");
+  if (!is_shape(k, l)) refuse(where, "is not a vocabulary");
   made.branching = *k;
   made.depth = *l;
   while (auto id_text = after(text, "nodeId:")) {
-    // The list of words behind that of nodes names nodes too.
+    // The list of words after that of nodes names nodes too.
     if (text.substr(0, 200).find("parentId:") == std::string_view::npos) break;
     auto parent_text = after(text, "parentId:"), weight_text = after(text, "weight:"),
          descriptor_text = after(text, "descriptor:");
@@ -125,9 +125,9 @@ VocabularyText parse_yaml(std::string_view text, const std::string& where) {
       refuse(where, fmt::format("has a broken node after {} others", made.entries.size()));
     };
     if (!id || !parent_text || !weight_text || !descriptor_text || !descriptor_text->skip("\"")) refuse_node();
-    // DBoW3 begins with the kind of the matrix and its width.
+    // DBoW3 begins with the matrix type and its width.
     if (descriptor_text->skip("dbw3") && (descriptor_text->next<int>() != 0 || descriptor_text->next<int>() != 32))
-      refuse(where, "has words that are no ORB descriptors");
+      refuse(where, "has words that are not ORB descriptors");
     const auto parent = parent_text->next<std::uint32_t>();
     const auto weight = read_weight(*weight_text);
     const auto descriptor = read_descriptor(*descriptor_text);
@@ -147,7 +147,7 @@ VocabularyText VocabularyText::parse(std::string_view text, const std::string& w
   for (const Entry& entry : made.entries) ids.push_back(entry.id);
   std::sort(ids.begin(), ids.end());
   if (!ids.empty() && (ids.front() == 0 || std::adjacent_find(ids.begin(), ids.end()) != ids.end()))
-    refuse(where, "has two nodes of one number");
+    refuse(where, "has two nodes with the same number");
   return made;
 }
 

@@ -8,7 +8,7 @@
 namespace rastro {
 namespace {
 
-/// Nine in ten points are nearer.
+/// The radius that contains nine in ten points.
 double usual_range(std::span<const Eigen::Vector2d> points) {
   std::vector<double> ranges;
   for (const Eigen::Vector2d& point : points) ranges.push_back(point.norm());
@@ -21,10 +21,11 @@ double usual_range(std::span<const Eigen::Vector2d> points) {
 
 struct CorrelativeMap::Candidate {
   int x = 0, y = 0;  ///< Offset in cells.
-  int sum = 0;       ///< Of the map at all points, in 1/255: of this place, or a bound for the square from it on.
+  /// Sum of the map at all points, in 1/255: at this position, or a bound for the square that starts at it.
+  int sum = 0;
 };
 
-/// One search: the points turned by each angle, as cells.
+/// One search: the points rotated by each angle, as cells.
 class CorrelativeMap::Search {
  public:
   Search(const CorrelativeMap& map, std::span<const Eigen::Vector2d> points, const SE2& guess,
@@ -37,7 +38,7 @@ class CorrelativeMap::Search {
   }
 
   std::optional<CorrelativeFit> run() {
-    // From the middle outwards: the likely turns first give a bound that cuts the others short.
+    // From the middle outwards: the likely rotations first give a bound that prunes the others.
     for (int k = 0; k <= 2 * turns_; ++k) {
       const int turn = k % 2 == 0 ? -k / 2 : (k + 1) / 2;
       look_along(turn);
@@ -119,7 +120,7 @@ CorrelativeMap::CorrelativeMap(const ProbabilityView& map, int levels) : cell_m_
   Level finest{1, map.width, map.height, {}};
   const auto cells = static_cast<std::ptrdiff_t>(map.width) * map.height;
   finest.cells.assign(map.cells, map.cells + cells);
-  // What is not known to be occupied speaks for nothing, or a scan would fit best where nothing is known.
+  // Cells not known to be occupied count nothing, or a scan would fit best in unknown space.
   constexpr std::uint8_t nothing_known = 128;
   for (std::uint8_t& cell : finest.cells) {
     if (cell <= nothing_known) cell = 0;
@@ -128,7 +129,7 @@ CorrelativeMap::CorrelativeMap(const ProbabilityView& map, int levels) : cell_m_
   for (int level = 1; level < levels; ++level) levels_.push_back(widened(levels_.back()));
 }
 
-/// The largest over twice the square: in x, then in y.
+/// Maximum over twice the square: in x, then in y.
 CorrelativeMap::Level CorrelativeMap::widened(const Level& fine) {
   const int grown = fine.size;
   Level wide{2 * fine.size, fine.width + grown, fine.height + grown, {}};

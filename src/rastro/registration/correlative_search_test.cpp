@@ -17,7 +17,7 @@ struct Place {
   int turn = 0, x = 0, y = 0;
 };
 
-/// A small random map, points and a window to look through.
+/// A small random map, points and a search window.
 struct Case {
   std::vector<std::uint8_t> cells;
   ProbabilityView map;
@@ -26,7 +26,7 @@ struct Case {
   CorrelativeWindow window;
 };
 
-/// `values`: how many a cell may have; few make ties.
+/// `values`: number of different cell values; few make equal scores likely.
 Case random_case(Random& random, std::uint32_t values) {
   Case made;
   made.map.width = 8 + static_cast<int>(random.below(25));
@@ -49,7 +49,7 @@ Case random_case(Random& random, std::uint32_t values) {
   return made;
 }
 
-/// Moves a cell and nine in ten points by a cell.
+/// Moves nine in ten points by at most a cell.
 double step_rad(const Case& made) {
   std::vector<double> ranges;
   for (const Eigen::Vector2d& point : made.points) ranges.push_back(point.norm());
@@ -62,7 +62,7 @@ SE2 pose_at(const Case& made, const Place& place) {
           made.guess.translation() + made.map.cell_m * Eigen::Vector2d(place.x, place.y)};
 }
 
-/// Sum of the cells at the ends that are known to be occupied.
+/// Sum of the cells at the endpoints that are known to be occupied.
 int sum_at(const Case& made, const Place& place) {
   const SE2 turned = pose_at(made, {place.turn, 0, 0});
   int sum = 0;
@@ -77,7 +77,7 @@ int sum_at(const Case& made, const Place& place) {
 }
 
 struct BruteForce {
-  int best_sum = -1, least_turn = 0;  ///< The smallest turn either way at which the best is reached.
+  int best_sum = -1, least_turn = 0;  ///< The smallest rotation, of either sign, that reaches the best score.
   int ties = 0;
 };
 
@@ -100,7 +100,7 @@ BruteForce look_everywhere(const Case& made) {
   return best;
 }
 
-/// Which place of the raster a pose is; the test fails where it is none.
+/// Index of a pose on the raster; the test fails if it is not on it.
 Place place_of(const Case& made, const SE2& pose) {
   const double turn = (made.guess.rotation().inverse() * pose.rotation()).angle() / step_rad(made);
   const Eigen::Vector2d offset = (pose.translation() - made.guess.translation()) / made.map.cell_m;
@@ -120,7 +120,7 @@ void expect_best(const Case& made, int levels, const BruteForce& best) {
   const Place place = place_of(made, found->map_from_body);
   EXPECT_EQ(sum_at(made, place), best.best_sum);
   EXPECT_DOUBLE_EQ(found->score, best.best_sum / (255.0 * static_cast<double>(made.points.size())));
-  EXPECT_EQ(std::abs(place.turn), best.least_turn) << "of equal ones the one that turns least";
+  EXPECT_EQ(std::abs(place.turn), best.least_turn) << "of equal ones the one of smallest rotation";
 }
 
 TEST(CorrelativeSearch, EqualsBruteForce) {
@@ -132,19 +132,19 @@ TEST(CorrelativeSearch, EqualsBruteForce) {
   }
 }
 
-TEST(CorrelativeSearch, EqualsBruteForceWhereManyPlacesAreAlike) {
+TEST(CorrelativeSearch, EqualsBruteForceWithManyEqualScores) {
   Random random(22);
-  int with_ties = 0;
+  int with_matches = 0;
   for (int round = 0; round < 80; ++round) {
     const Case made = random_case(random, 1);
     const BruteForce best = look_everywhere(made);
-    with_ties += best.ties > 1 ? 1 : 0;
+    with_matches += best.ties > 1 ? 1 : 0;
     for (const int levels : {1, 3, 5}) expect_best(made, levels, best);
   }
-  EXPECT_GT(with_ties, 30);
+  EXPECT_GT(with_matches, 30);
 }
 
-TEST(CorrelativeSearch, FindsNothingBelowTheLeastScore) {
+TEST(CorrelativeSearch, FindsNothingBelowTheMinimumScore) {
   Random random(23);
   for (int round = 0; round < 40; ++round) {
     Case made = random_case(random, 7);
@@ -159,7 +159,7 @@ TEST(CorrelativeSearch, FindsNothingBelowTheLeastScore) {
   }
 }
 
-TEST(CorrelativeSearch, WhatIsNotKnownToBeOccupiedSpeaksForNothing) {
+TEST(CorrelativeSearch, CellsNotKnownToBeOccupiedCountNothing) {
   const std::vector<std::uint8_t> cells(400, 128);
   const CorrelativeMap map({cells.data(), 20, 20, 0.1, {-1.0, -1.0}}, 4);
   const std::vector<Eigen::Vector2d> points{{0.3, 0.2}, {-0.4, 0.1}};
@@ -167,7 +167,7 @@ TEST(CorrelativeSearch, WhatIsNotKnownToBeOccupiedSpeaksForNothing) {
   EXPECT_FALSE(map.search({}, SE2(), {0.5, 0.3, 0.0})) << "no points";
 }
 
-TEST(CorrelativeSearch, ANonsensicallyFarGuessFindsNothing) {
+TEST(CorrelativeSearch, AnImplausiblyFarGuessFindsNothing) {
   const std::vector<std::uint8_t> cells(400, 255);
   const CorrelativeMap map({cells.data(), 20, 20, 0.1, {-1.0, -1.0}}, 4);
   const std::vector<Eigen::Vector2d> points{{0.3, 0.2}, {-0.4, 0.1}};

@@ -15,16 +15,16 @@ namespace {
 
 constexpr int block = surface_block_px;
 constexpr float least_pixels = 0.75F * block * block;
-// Depth may differ by this share of itself within a block: a surface 15 degrees from being seen from the side.
+// Depth may vary by this share within a block: a surface at 15 degrees from edge-on.
 constexpr float most_spread = 0.03F;
-constexpr int plane_reach = 2;  // blocks on each side that a plane is fitted to
+constexpr int plane_reach = 2;  // blocks on each side in the fit of a plane
 constexpr double most_noises = 3.0;
-// Surfaces seen flatter than this are all edge.
+// Surfaces seen at a smaller angle count as edges.
 constexpr float least_facing = 0.15F;
 constexpr double fitting_noises = 3.0;
 constexpr int overlap_step = 10;
 
-/// Of one column over the rows of a block.
+/// Sums of one column over the rows of a block.
 struct ColumnSums {
   explicit ColumnSums(int width)
       : sum(static_cast<std::size_t>(width)),
@@ -47,7 +47,7 @@ struct ColumnSums {
       most[x] = std::max(most[x], measured ? z : 0.0F);
     }
   }
-  /// Mean of the block whose first column is `x`; 0 where it is not one surface.
+  /// Mean of the block whose first column is `x`; 0 if it is not one surface.
   float mean(std::size_t x) const {
     float total = 0.0F, pixels = 0.0F, low = std::numeric_limits<float>::max(), high = 0.0F;
     for (std::size_t i = x; i < x + block; ++i) {
@@ -63,7 +63,7 @@ struct ColumnSums {
   std::vector<float> sum, count, least, most;
 };
 
-void leave_out_masked(GreyView mask, DepthBlocks& blocks) {
+void leave_out_masked(GrayView mask, DepthBlocks& blocks) {
   for (int y = 0; y < blocks.height * block; ++y) {
     const std::uint8_t* row = mask.row(y);
     float* depth = blocks.depth.data() + y / block * blocks.width;
@@ -73,12 +73,12 @@ void leave_out_masked(GreyView mask, DepthBlocks& blocks) {
   }
 }
 
-/// Inverse depth about the middle of a window of blocks, and how it grows by the block.
+/// Inverse depth about the center of a window of blocks, and its gradient per block.
 struct InverseDepthSlope {
   float mean = 0.0F, across = 0.0F, down = 0.0F;
 };
 
-/// That of the window around a block; nullopt where a block has no depth or the window is not flat.
+/// The same for the window around a block; nullopt if a block has no depth or the window is not planar.
 std::optional<InverseDepthSlope> inverse_depth_slope(const DepthBlocks& blocks, int x, int y,
                                                      const SurfaceOptions& options) {
   constexpr int side = 2 * plane_reach + 1;
@@ -117,7 +117,7 @@ std::optional<InverseDepthSlope> inverse_depth_slope(const DepthBlocks& blocks, 
 
 }  // namespace
 
-DepthBlocks depth_blocks(const DepthImage& depth, GreyView mask, const SurfaceOptions& options) {
+DepthBlocks depth_blocks(const DepthImage& depth, GrayView mask, const SurfaceOptions& options) {
   DepthBlocks blocks{depth.width() / block, depth.height() / block, {}};
   blocks.depth.resize(static_cast<std::size_t>(blocks.width) * static_cast<std::size_t>(blocks.height));
   ColumnSums columns(blocks.width * block);
@@ -139,7 +139,7 @@ ProjectiveIcp::ProjectiveIcp(const Camera& camera, const SurfaceOptions& options
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
       const auto ray = camera_.unproject({x * block + middle, y * block + middle});
-      // Where the lens cannot be undone there is no point; a ray that is no number fits nothing.
+      // Where the distortion cannot be inverted there is no point; a NaN ray fits nothing.
       rays_.push_back(ray ? Eigen::Vector2f(ray->cast<float>()) : Eigen::Vector2f::Constant(std::nanf("")));
     }
   }
@@ -156,19 +156,19 @@ std::vector<BlockPlane> ProjectiveIcp::planes(const DepthBlocks& blocks) const {
   std::vector<BlockPlane> planes(blocks.depth.size());
   for (int y = plane_reach; y + plane_reach < height_; ++y) {
     for (int x = plane_reach; x + plane_reach < width_; ++x) {
-      const std::size_t centre = static_cast<std::size_t>(y * width_ + x);
+      const std::size_t center = static_cast<std::size_t>(y * width_ + x);
       const auto slope = inverse_depth_slope(blocks, x, y, options_);
       if (!slope) continue;
-      // 1/z = A x + B y + C over the normalised picture is the plane (A, B, C) . p = 1.
-      const Eigen::Vector2f ray = rays_[centre];
-      const float a = slope->across / (0.5F * (rays_[centre + 1].x() - rays_[centre - 1].x()));
+      // 1/z = A x + B y + C over the normalized image is the plane (A, B, C) . p = 1.
+      const Eigen::Vector2f ray = rays_[center];
+      const float a = slope->across / (0.5F * (rays_[center + 1].x() - rays_[center - 1].x()));
       const std::size_t row = static_cast<std::size_t>(width_);
-      const float b = slope->down / (0.5F * (rays_[centre + row].y() - rays_[centre - row].y()));
+      const float b = slope->down / (0.5F * (rays_[center + row].y() - rays_[center - row].y()));
       const Eigen::Vector3f plane(a, b, slope->mean - a * ray.x() - b * ray.y());
       const float length = plane.norm();
-      // Cosine between the surface's normal and the way it is looked at.
+      // Cosine between the surface's normal and the viewing ray.
       if (!(length > 0.0F) || !(slope->mean > least_facing * length * ray.homogeneous().norm())) continue;
-      planes[centre] = {plane / length, 1.0F / length};
+      planes[center] = {plane / length, 1.0F / length};
     }
   }
   return planes;
@@ -202,7 +202,7 @@ SurfaceFit ProjectiveIcp::compare(const std::vector<BlockPlane>& reference, cons
       if (!plane) continue;
       const Eigen::Vector3d normal = plane->normal.cast<double>();
       const double error = static_cast<double>(plane->distance) - normal.dot(p_in_reference);
-      // Both depths are noisy along their rays, which meet the plane at nearly this angle.
+      // Both depths have noise along their rays, which meet the plane at nearly this angle.
       const double facing = std::abs(normal.dot(p_in_reference)) / p_in_reference.norm();
       const double noise = facing * std::hypot(sigma(p.z()), sigma(p_in_reference.z()));
       const TukeyKernel kernel{reach_m + fitting_noises * noise};

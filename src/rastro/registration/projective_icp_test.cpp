@@ -65,7 +65,7 @@ TEST(ProjectiveIcp, FindsAKnownMotionInACorner) {
   EXPECT_GT(fit.fitting, 0.95 * fit.compared);
 }
 
-TEST(ProjectiveIcp, OnePlaneLeavesThreeDirectionsOpen) {
+TEST(ProjectiveIcp, OnePlaneConstrainsThreeDirectionsOnly) {
   const ProjectiveIcp icp(small_camera(), {});
   const std::vector<Eigen::Vector4d> wall = {{0, 0, 1, 2}};
   const DepthBlocks blocks = depth_blocks(depth_of(wall, SE3()), {}, {});
@@ -96,7 +96,7 @@ TEST(ProjectiveIcp, BlocksAcrossEdgesHolesAndMasksAreLeftOut) {
     for (int x = 0; x < 16; ++x) depth.at(x, y) = x < 6 ? 1.0F : 2.0F;
   }
   for (int x = 8; x < 12; ++x) depth.at(x, 0) = depth.at(x, 1) = 0.0F;
-  GreyImage mask(16, 8);
+  GrayImage mask(16, 8);
   for (int y = 0; y < 8; ++y) std::fill_n(mask.row(y), 16, std::uint8_t{1});
   mask.at(13, 6) = 0;
   const DepthBlocks blocks = depth_blocks(depth, mask.view(), {});

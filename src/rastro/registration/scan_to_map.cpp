@@ -10,21 +10,21 @@ namespace {
 
 constexpr float nothing_known = 128.0F / 255.0F;
 
-/// Value and derivatives of the map at one place, by metres.
+/// Value and derivatives of the map at one position, by meters.
 struct MapValue {
   float value = nothing_known, by_x = 0.0F, by_y = 0.0F;
 };
 
-/// Bilinear between the centres of cells (Kohlbrecher et al. 2011, equations 4 to 6).
+/// Bilinear between the centers of cells (Kohlbrecher et al. 2011, equations 4 to 6).
 class Sampler {
  public:
-  explicit Sampler(const ProbabilityView& map) : map_(map), per_metre_(static_cast<float>(1.0 / map.cell_m)) {}
+  explicit Sampler(const ProbabilityView& map) : map_(map), per_meter_(static_cast<float>(1.0 / map.cell_m)) {}
 
   const Eigen::Vector2d& origin() const { return map_.origin; }
 
-  /// At a place seen from the grid's corner.
+  /// Position relative to the grid's corner.
   MapValue at(float x, float y) const {
-    const float u = x * per_metre_ - 0.5F, v = y * per_metre_ - 0.5F;
+    const float u = x * per_meter_ - 0.5F, v = y * per_meter_ - 0.5F;
     const float column = std::floor(u), row = std::floor(v);
     if (!(column >= 0.0F && row >= 0.0F && column < static_cast<float>(map_.width - 1) &&
           row < static_cast<float>(map_.height - 1)))
@@ -37,19 +37,19 @@ class Sampler {
     const float p01 = unit * static_cast<float>(cell[map_.width]),
                 p11 = unit * static_cast<float>(cell[map_.width + 1]);
     const float lower = p00 + fx * (p10 - p00), upper = p01 + fx * (p11 - p01);
-    return {lower + fy * (upper - lower), per_metre_ * ((1.0F - fy) * (p10 - p00) + fy * (p11 - p01)),
-            per_metre_ * (upper - lower)};
+    return {lower + fy * (upper - lower), per_meter_ * ((1.0F - fy) * (p10 - p00) + fy * (p11 - p01)),
+            per_meter_ * (upper - lower)};
   }
 
  private:
   const ProbabilityView& map_;
-  float per_metre_;
+  float per_meter_;
 };
 
 struct NormalEquations {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  double sum = 0.0, squares = 0.0;  ///< Of 1 - M.
+  double sum = 0.0, squares = 0.0;  ///< Sums of 1 - M.
 };
 
 NormalEquations accumulate(const Sampler& map, std::span<const Eigen::Vector2d> points, const Eigen::Vector3d& pose) {
@@ -83,7 +83,7 @@ NormalEquations accumulate(const Sampler& map, std::span<const Eigen::Vector2d> 
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
-/// The longest step in one go: the map's slope says nothing farther than a cell away.
+/// The longest single step: beyond a cell the map's gradient is meaningless.
 Eigen::Vector3d limited(Eigen::Vector3d step, double cell_m) {
   const double longest = 2.0 * cell_m;
   constexpr double largest_turn = 0.2;
@@ -117,7 +117,7 @@ std::optional<ScanToMapFit> match_scan_to_map(std::span<const ProbabilityView> l
         information += prior->information;
         gradient += prior->information * off;
       }
-      // A direction that neither map nor prior speaks about stays where it is.
+      // A direction without information from map or prior keeps its value.
       information.diagonal().array() += 1e-6 * information.trace() + 1e-9;
       const Eigen::Vector3d step = limited(information.ldlt().solve(gradient), levels[level].cell_m);
       if (!step.allFinite()) break;

@@ -44,7 +44,7 @@ SE2 moved(const SE2& pose, const Eigen::Vector3d& by) {
   return {pose.rotation() * SO2::from_angle(by.z()), pose.translation() + by.head<2>()};
 }
 
-/// The walls lie on the middle of the finest cells, or their raster would move the best place by up to half a cell.
+/// The walls lie on the centers of the finest cells, or the raster would move the optimum by up to half a cell.
 Walls l_shaped_room() {
   Walls walls;
   walls.add_polygon(
@@ -56,7 +56,7 @@ std::vector<SE2> places_in_room() {
   return {pose_of(0.0, 0.0, 0.0), pose_of(2.0, -0.5, 0.3), pose_of(-1.0, 2.0, 1.0), pose_of(-1.5, -1.0, 2.0)};
 }
 
-TEST(ScanToMap, FindsAMovedScanAgain) {
+TEST(ScanToMap, AlignsAMovedScan) {
   const Walls walls = l_shaped_room();
   const Levels levels(walls, places_in_room());
   Random random(5);
@@ -75,7 +75,7 @@ TEST(ScanToMap, FindsAMovedScanAgain) {
   }
 }
 
-/// Derivative of the map at one beam's end by (x, y, angle), from differences of what score_of() gives.
+/// Derivative of the map at one beam's endpoint by (x, y, angle), from differences of score_of().
 Eigen::Vector3d slope_at(const ProbabilityView& map, const Eigen::Vector2d& point, const SE2& pose) {
   Eigen::Vector3d slope;
   const Eigen::Vector3d steps(5e-4, 5e-4, 2e-4);
@@ -88,7 +88,8 @@ Eigen::Vector3d slope_at(const ProbabilityView& map, const Eigen::Vector2d& poin
   return slope;
 }
 
-/// Ends at random places about the walls that do not lie where the slope breaks, on the lines between cells' centres.
+/// Endpoints at random positions about the walls, off the lines between cell centers, where the gradient is
+/// discontinuous.
 std::vector<Eigen::Vector2d> smooth_points(const ProbabilityView& map, const SE2& pose, Random& random) {
   std::vector<Eigen::Vector2d> points;
   for (const Eigen::Vector2d& end : l_shaped_room().returns(pose, 360, 20.0)) {
@@ -133,7 +134,7 @@ TEST(ScanToMap, InformationAndStepFollowTheSlopeOfTheScore) {
   }
 }
 
-/// A bare corridor along x whose ends are out of reach, and the ends of a scan in its middle.
+/// A bare corridor along x whose ends are out of range, and the endpoints of a scan in its middle.
 struct Corridor {
   Corridor() : scan(walls.returns(pose_of(0.0, 0.2, 0.0), 360, 4.0)) {}
   static Walls two_walls() {
@@ -158,15 +159,15 @@ TEST(ScanToMap, ThePriorDecidesAlongABareCorridor) {
     for (const double start : {x, x + 0.06}) {
       const auto fit = match_scan_to_map(levels.views(), corridor.scan, pose_of(start, 0.28, 0.04), &prior, {20});
       ASSERT_TRUE(fit);
-      EXPECT_NEAR(fit->map_from_body.translation().x(), x, 0.01) << "the walls say nothing of it";
-      EXPECT_NEAR(fit->map_from_body.translation().y(), 0.2, 0.005) << "they say this, whatever is expected";
+      EXPECT_NEAR(fit->map_from_body.translation().x(), x, 0.01) << "the walls do not constrain it";
+      EXPECT_NEAR(fit->map_from_body.translation().y(), 0.2, 0.005) << "the walls determine it, whatever the prior";
       EXPECT_NEAR(fit->map_from_body.rotation().angle(), 0.0, 0.002);
       EXPECT_LT(fit->information(0, 0), 0.02 * fit->information(1, 1));
     }
   }
 }
 
-TEST(ScanToMap, AStrongPriorHoldsAndWrapsItsAngle) {
+TEST(ScanToMap, AStrongPriorPrevailsAndWrapsItsAngle) {
   const Walls walls = l_shaped_room();
   const Levels levels(walls, places_in_room());
   const SE2 truth = pose_of(0.2, 0.1, M_PI - 0.01);
@@ -180,7 +181,7 @@ TEST(ScanToMap, AStrongPriorHoldsAndWrapsItsAngle) {
   EXPECT_LT(std::abs(off.rotation().angle()), 1e-4);
 }
 
-TEST(ScanToMap, NothingToMatchIsNoFit) {
+TEST(ScanToMap, WithoutPointsOrLevelsThereIsNoFit) {
   const Levels levels(l_shaped_room(), places_in_room());
   EXPECT_FALSE(match_scan_to_map(levels.views(), {}, SE2(), nullptr, {}));
   const std::vector<Eigen::Vector2d> points{{1.0, 0.0}};
@@ -188,7 +189,7 @@ TEST(ScanToMap, NothingToMatchIsNoFit) {
   EXPECT_EQ(score_of(levels.views().front(), {}, SE2()), 0.0);
 }
 
-TEST(ScanToMap, FarOutsideNothingIsKnownAndTheGuessStays) {
+TEST(ScanToMap, FarOutsideTheMapTheGuessStays) {
   const Walls walls = l_shaped_room();
   const Levels levels(walls, places_in_room());
   const auto points = walls.returns(SE2(), 360, 20.0);
@@ -202,7 +203,7 @@ TEST(ScanToMap, FarOutsideNothingIsKnownAndTheGuessStays) {
   }
 }
 
-TEST(ScanToMap, ScoreIsTheMapBetweenTheCentresOfFourCells) {
+TEST(ScanToMap, ScoreIsTheMapBetweenTheCentersOfFourCells) {
   const std::vector<std::uint8_t> cells{0, 255, 51, 102};
   const ProbabilityView map{cells.data(), 2, 2, 0.5, {10.0, 20.0}};
   const auto at = [&](double x, double y) {

@@ -13,7 +13,7 @@
 
 namespace rastro::testing {
 
-/// Straight walls in the plane, metres, and what a laser measures among them in closed form.
+/// Straight walls in the plane, meters, and a laser's ranges to them in closed form.
 class Walls {
  public:
   void add(const Eigen::Vector2d& from, const Eigen::Vector2d& to) { walls_.emplace_back(from, to); }
@@ -24,7 +24,7 @@ class Walls {
     add_polygon({{left, bottom}, {right, bottom}, {right, top}, {left, top}});
   }
 
-  /// Way of a ray up to the first wall; infinite where there is none. `direction` is a unit vector.
+  /// Length of a ray up to the first wall; infinite without one. `direction` is a unit vector.
   double range(const Eigen::Vector2d& from, const Eigen::Vector2d& direction) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (const auto& [start, end] : walls_) {
@@ -37,7 +37,8 @@ class Walls {
     return nearest;
   }
 
-  /// Where beams all round end, in the body frame; the laser is the body. Those beyond `reach_m` are left out.
+  /// Endpoints of beams in all directions, in the body frame; the laser is the body. Those beyond `reach_m` are left
+  /// out.
   std::vector<Eigen::Vector2d> returns(const SE2& world_from_body, int beams, double reach_m) const {
     std::vector<Eigen::Vector2d> points;
     for (int k = 0; k < beams; ++k) {

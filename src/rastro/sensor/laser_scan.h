@@ -10,20 +10,21 @@
 
 namespace rastro {
 
-/// One turn of a 2D laser. The laser frame: x forward, y left, angles counter-clockwise from x.
+/// One scan of a 2D laser. The laser frame: x forward, y left, angles counter-clockwise from x.
 struct LaserScan {
   double first_angle = 0.0;   ///< Radians, of ranges[0].
   double angle_step = 0.0;    ///< Radians from one beam to the next; negative for a scanner mounted upside down.
-  double min_range = 0.0;     ///< Metres; a nearer return is the scanner's own housing or noise.
-  double max_range = 0.0;     ///< Metres; at or beyond it nothing came back.
-  std::vector<float> ranges;  ///< Metres, one a beam; may hold anything: ask is_return().
+  double min_range = 0.0;     ///< Meters; a closer return is the scanner's own housing or noise.
+  double max_range = 0.0;     ///< Meters; at or beyond it there was no return.
+  std::vector<float> ranges;  ///< Meters, one per beam; may have any value: check is_return().
   SE2 body_from_laser;
 
   bool is_return(std::size_t beam) const {
     const double range = static_cast<double>(ranges[beam]);
     return std::isfinite(range) && range > min_range && range < max_range;
   }
-  /// Nothing in reach in this direction: the beam went through free space up to max_range. False for a broken beam.
+  /// No return within range in this direction: the beam went through free space up to max_range. False for a broken
+  /// beam.
   bool is_free(std::size_t beam) const {
     const double range = static_cast<double>(ranges[beam]);
     return range >= max_range;
@@ -31,14 +32,14 @@ struct LaserScan {
   double angle_of(std::size_t beam) const { return first_angle + static_cast<double>(beam) * angle_step; }
 };
 
-/// A landmark as a sensor with identities gives it: range and bearing in the body frame.
-struct LandmarkSighting {
-  std::int64_t id = -1;  ///< Of the landmark where the sensor tells them apart, else -1.
-  double range = 0.0;    ///< Metres.
+/// Observation of a landmark: range and bearing in the body frame.
+struct LandmarkMeasurement {
+  std::int64_t id = -1;  ///< Of the landmark if the sensor identifies it, else -1.
+  double range = 0.0;    ///< Meters.
   double bearing = 0.0;  ///< Radians, counter-clockwise from the body's x.
 };
 
-/// What an inertial sensor said at one instant, in its own frame.
+/// Measurement of an IMU at one instant, in its own frame.
 struct ImuSample {
   std::int64_t stamp = 0;                                      ///< ns
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s

@@ -21,7 +21,7 @@ void append_range(std::string& line, const LaserScan& scan, std::size_t beam) {
   } else if (!scan.is_return(beam)) {
     line += " 0";
   } else if (range == static_cast<float>(scan.max_range)) {
-    // In the digits of a float it would read as max_range itself.
+    // With a float's digits it would read as max_range itself.
     fmt::format_to(end, " {}", static_cast<double>(range));
   } else {
     fmt::format_to(end, " {}", range);

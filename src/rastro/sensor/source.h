@@ -16,17 +16,17 @@ namespace rastro {
 struct CalibratedCamera {
   std::string name;                     ///< "cam0", "image_0", "rgb".
   std::optional<Camera> camera;         ///< nullopt: the source has no calibration.
-  std::optional<SE3> body_from_camera;  ///< Where known (T_BS of EuRoC).
-  std::string calibration_file;         ///< Where it was read, or "published TUM fr1 intrinsics"; empty when none.
+  std::optional<SE3> body_from_camera;  ///< If known (T_BS of EuRoC).
+  std::string calibration_file;         ///< Where it was read from, or "published TUM fr1 intrinsics"; empty if none.
 };
 
-/// What a source holds, known before the first frame is read.
+/// Properties of a source, known before the first frame is read.
 struct SourceInfo {
   std::string path;
   std::string format;  ///< "euroc", "tum_rgbd", "kitti_odometry", "kitti_raw", "images", "video", "carmen", ....
   std::vector<CalibratedCamera> cameras;  ///< Left or only one first.
-  std::optional<SE3> left_from_right;     ///< Stereo baseline where known.
-  std::int64_t frame_count = 0;           ///< -1 when not known (some videos).
+  std::optional<SE3> left_from_right;     ///< Stereo baseline if known.
+  std::int64_t frame_count = 0;           ///< -1 if unknown (some videos).
   bool has_depth = false;
   bool has_right = false;
   bool has_image = true;  ///< False for a laser log.
@@ -34,16 +34,16 @@ struct SourceInfo {
   bool has_odometry = false;
   bool has_landmarks = false;
   bool has_imu = false;
-  double depth_factor = 0.0;       ///< Raw depth units per metre.
-  bool has_stamps = true;          ///< False: stamps are made up from --rate.
-  Trajectory ground_truth;         ///< Empty where there is none.
+  double depth_factor = 0.0;       ///< Raw depth units per meter.
+  bool has_stamps = true;          ///< False: stamps are computed from --rate.
+  Trajectory ground_truth;         ///< Empty if there is none.
   std::string ground_truth_frame;  ///< "body" or "camera".
   std::string ground_truth_file;
-  std::vector<std::string> warnings;  ///< Each one plain line, from calibration checks and guessing.
+  std::vector<std::string> warnings;  ///< One plain line each, from calibration checks and format detection.
 };
 
-/// Thrown by Source::next() where reading on makes no sense for any of the frames to come, as with images of changing
-/// size; every other Error of next() is about one frame only.
+/// Thrown by Source::next() if no later frame can be used either, as with images of changing size; every other Error of
+/// next() concerns one frame only.
 class UnusableSource : public Error {
  public:
   using Error::Error;
@@ -54,7 +54,7 @@ class Source {
  public:
   virtual ~Source() = default;
   virtual const SourceInfo& info() const = 0;
-  /// The next frame, or nullopt at the end. A broken image is an Error naming the file; the source may be read on after
+  /// The next frame, or nullopt at the end. Throws Error naming the file for a broken image; reading may continue after
   /// it.
   virtual std::optional<Frame> next() = 0;
 };

@@ -18,7 +18,7 @@ TEST(StampText, DecimalsAreExactToTheNanosecond) {
   EXPECT_EQ(parse_stamp("1e-900", StampUnit::seconds), 0);
 }
 
-TEST(StampText, RefusesWhatIsNoStamp) {
+TEST(StampText, RefusesInvalidStamps) {
   for (const char* text : {"", ".", "nan", "inf", "1.2.3", "0x10", "1e", "1e99999999999", "1 2", "--1", "9e18", "1e30",
                            "-9223372036854775808e0", "1e-9223372036854775808"}) {
     const auto stamp = parse_stamp(text, StampUnit::seconds);
@@ -36,7 +36,7 @@ TEST(StampText, DatesAreUtc) {
   }
 }
 
-TEST(StampText, GuessesTheUnitFromDateAndStep) {
+TEST(StampText, DetectsTheUnitFromDateAndStep) {
   const std::vector<double> seconds = {1.4e9, 1.4e9 + 0.05, 1.4e9 + 0.1};
   const std::vector<double> milliseconds = {1.4e12, 1.4e12 + 50, 1.4e12 + 100};
   const std::vector<double> nanoseconds = {1.4e18, 1.4e18 + 5e7, 1.4e18 + 1e8};
@@ -45,7 +45,7 @@ TEST(StampText, GuessesTheUnitFromDateAndStep) {
     EXPECT_EQ(guess_stamp_unit(milliseconds, native), StampUnit::milliseconds);
     EXPECT_EQ(guess_stamp_unit(nanoseconds, native), StampUnit::nanoseconds);
   }
-  // Counted from zero, the step alone must tell; what the format says stays where it can be.
+  // Counted from zero, only the step can decide; the format's unit is kept where plausible.
   EXPECT_EQ(guess_stamp_unit(std::vector<double>{0, 33, 67}, StampUnit::seconds), StampUnit::milliseconds);
   EXPECT_EQ(guess_stamp_unit(std::vector<double>{1e9, 1.05e9, 1.1e9}, StampUnit::nanoseconds), StampUnit::nanoseconds);
   EXPECT_EQ(guess_stamp_unit(std::vector<double>{0, 10, 20}, StampUnit::seconds), StampUnit::seconds);

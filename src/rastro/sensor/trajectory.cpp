@@ -12,7 +12,7 @@ std::optional<SE3> pose_at(const Trajectory& trajectory, TimeNs stamp, TimeNs ma
   if (after->stamp == stamp) return after->world_from_body;
   if (after == trajectory.begin()) return std::nullopt;
   const auto before = after - 1;
-  // Unsigned: the difference of two int64 stamps of one order always fits.
+  // Unsigned: the difference of two ordered int64 stamps always fits.
   const auto gap = static_cast<std::uint64_t>(after->stamp) - static_cast<std::uint64_t>(before->stamp);
   if (max_gap < 0 || gap > static_cast<std::uint64_t>(max_gap)) return std::nullopt;
   const double fraction = static_cast<double>(stamp - before->stamp) / static_cast<double>(gap);

@@ -50,13 +50,13 @@ Eigen::Matrix4d pose_from_rows(const std::array<double, 12>& row, const std::str
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
   const double departure = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(departure <= rotation_tolerance) || rotation.determinant() <= 0.0) {
-    throw Error(fmt::format("the 3x3 block is no rotation (off by {:.3g})", departure), where, "");
+    throw Error(fmt::format("the 3x3 block is not a rotation (error {:.3g})", departure), where, "");
   }
   return matrix;
 }
 
 Trajectory in_order_of_time(Trajectory trajectory, std::string_view where) {
-  if (trajectory.empty()) throw Error("holds no pose", where, "");
+  if (trajectory.empty()) throw Error("has no poses", where, "");
   const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; };
   std::stable_sort(trajectory.begin(), trajectory.end(), earlier);
   const auto same = [](const StampedPose& a, const StampedPose& b) { return a.stamp == b.stamp; };
@@ -64,7 +64,7 @@ Trajectory in_order_of_time(Trajectory trajectory, std::string_view where) {
   return trajectory;
 }
 
-/// Words of a line whatever separates them: commas or blanks.
+/// Words of a line, separated by commas or blanks.
 std::vector<std::string_view> columns(std::string_view line) {
   return line.find(',') != std::string_view::npos ? split(line, ',') : split_words(line);
 }
@@ -88,8 +88,7 @@ Trajectory read_kitti(const std::string& text, const std::string& file, const st
   const auto times = times_file.empty() ? stamps_beside(file, poses.size())
                                         : parse_kitti_times(read_text_file(times_file), times_file);
   if (times.size() < poses.size()) {
-    throw Error(fmt::format("holds {} stamps for the {} poses of {}", times.size(), poses.size(), file), times_file,
-                "");
+    throw Error(fmt::format("has {} stamps for the {} poses of {}", times.size(), poses.size(), file), times_file, "");
   }
   Trajectory trajectory;
   for (std::size_t k = 0; k < poses.size(); ++k) trajectory.push_back({times[k], poses[k]});
@@ -148,7 +147,7 @@ std::vector<Eigen::Matrix4d> parse_kitti_matrices(std::string_view text, std::st
     for (std::size_t i = 0; i < 12; ++i) row[i] = number_at(words, i, here);
     poses.push_back(pose_from_rows(row, here));
   }
-  if (poses.empty()) throw Error("holds no pose", where, "");
+  if (poses.empty()) throw Error("has no poses", where, "");
   return poses;
 }
 
@@ -157,14 +156,14 @@ std::vector<TimeNs> parse_kitti_times(std::string_view text, std::string_view wh
   for (const auto& line : content_lines(text)) {
     times.push_back(stamp_at(line.text, unit, at_line(where, line.number)));
   }
-  if (times.empty()) throw Error("holds no stamp", where, "");
+  if (times.empty()) throw Error("has no stamps", where, "");
   return times;
 }
 
 StampUnit guess_column_unit(std::string_view text, StampUnit native) {
   std::vector<double> stamps;
   for (const auto& line : content_lines(text)) {
-    // What is no number is found, and named, by the reader.
+    // The parser finds and names what is not a number.
     if (const auto stamp = parse_finite(columns(line.text).front())) stamps.push_back(*stamp);
   }
   return stamps.empty() ? native : guess_stamp_unit(stamps, native);
@@ -172,18 +171,18 @@ StampUnit guess_column_unit(std::string_view text, StampUnit native) {
 
 TrajectoryFormat guess_trajectory_format(std::string_view text, std::string_view where) {
   const auto lines = content_lines(text);
-  if (lines.empty()) throw Error("holds no pose", where, "");
+  if (lines.empty()) throw Error("has no poses", where, "");
   const auto& first = lines.front();
   if (first.text.find(',') != std::string_view::npos) {
     const auto words = split(first.text, ',');
-    // A TUM file written with commas has a point in its stamp of seconds.
+    // A TUM file written with commas has a decimal point in its stamp of seconds.
     return words.size() == 8 && words[0].find('.') != std::string_view::npos ? TrajectoryFormat::tum
                                                                              : TrajectoryFormat::euroc;
   }
   const auto count = split_words(first.text).size();
   if (count == 8) return TrajectoryFormat::tum;
   if (count == 12) return TrajectoryFormat::kitti;
-  throw Error(fmt::format("{} columns fit no trajectory format", count), at_line(where, first.number),
+  throw Error(fmt::format("{} columns match no trajectory format", count), at_line(where, first.number),
               "known are TUM (8 columns), KITTI (12 columns) and EuRoC csv (8 or more columns, commas)");
 }
 
@@ -197,7 +196,7 @@ Trajectory read_trajectory(const std::string& file, const std::string& times_fil
     case TrajectoryFormat::kitti:
       return read_kitti(text, file, times_file);
   }
-  throw Error("is of no known trajectory format", file, "");
+  throw Error("is not in a known trajectory format", file, "");
 }
 
 }  // namespace rastro

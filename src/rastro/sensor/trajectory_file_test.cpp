@@ -24,7 +24,7 @@ std::string error_of(Read read) {
   return "";
 }
 
-TEST(PoseAt, IsOnTheGeodesicBetweenNeighbours) {
+TEST(PoseAt, IsOnTheGeodesicBetweenNeighbors) {
   const SE3 begin, end(SO3::exp({0, 0, 1.0}), {2, 4, 6});
   const Trajectory trajectory = {{100, begin}, {200, end}};
   const auto middle = pose_at(trajectory, 150, 100);
@@ -67,21 +67,22 @@ TEST(TrajectoryFile, ErrorsNameFileAndLine) {
   EXPECT_THAT(tum("x 0 0 0 0 0 0 1"), HasSubstr("the stamp 'x' is not a number of s"));
   EXPECT_THAT(tum("1 0 0 0 0 0 0 0"), HasSubstr("the quaternion has length 0 instead of 1"));
   EXPECT_THAT(tum("1 0 0 0 0 0 0 1.2"), HasSubstr("length 1.2"));
-  EXPECT_THAT(tum("# only a comment\n"), HasSubstr("gt.txt: holds no pose"));
+  EXPECT_THAT(tum("# only a comment\n"), HasSubstr("gt.txt: has no poses"));
   EXPECT_EQ(tum("1 0 0 0 0 0 0 1.05"), "");
 
   const auto kitti = [](const char* text) { return error_of([&] { parse_kitti_poses(text, "00.txt"); }); };
   EXPECT_THAT(kitti("1 0 0 0 0 1 0 0 0 0 1\n"), AllOf(StartsWith("00.txt:1:"), HasSubstr("11 columns")));
-  EXPECT_THAT(kitti("2 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("no rotation (off by 3)"));
-  EXPECT_THAT(kitti("-1 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("no rotation"));
+  EXPECT_THAT(kitti("2 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("not a rotation (error 3)"));
+  EXPECT_THAT(kitti("-1 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("not a rotation"));
   EXPECT_THAT(error_of([] { parse_euroc_trajectory("1,2,3\n", "d.csv"); }),
               HasSubstr("d.csv:1: 3 columns instead of at least"));
   EXPECT_THAT(error_of([] { parse_kitti_times("0.1\nabc\n", "times.txt"); }),
               StartsWith("times.txt:2: the stamp 'abc'"));
-  EXPECT_THAT(error_of([] { guess_trajectory_format("1 2 3", "f"); }), HasSubstr("3 columns fit no trajectory format"));
+  EXPECT_THAT(error_of([] { guess_trajectory_format("1 2 3", "f"); }),
+              HasSubstr("3 columns match no trajectory format"));
 }
 
-TEST(TrajectoryFile, GuessesTheFormat) {
+TEST(TrajectoryFile, DetectsTheFormat) {
   EXPECT_EQ(guess_trajectory_format("# c\n1 0 0 0 0 0 0 1\n", "f"), TrajectoryFormat::tum);
   EXPECT_EQ(guess_trajectory_format("1 0 0 0 0 1 0 0 0 0 1 0\n", "f"), TrajectoryFormat::kitti);
   EXPECT_EQ(guess_trajectory_format("1,0,0,0,1,0,0,0\n", "f"), TrajectoryFormat::euroc);

@@ -13,7 +13,7 @@
 
 namespace rastro {
 
-/// A source of small grey frames; the numbers in `broken` throw instead.
+/// A source of small gray frames; frames in `broken` throw instead.
 class FakeSource : public Source {
  public:
   explicit FakeSource(std::int64_t frames, std::vector<std::int64_t> broken = {}, std::int64_t first = 0,
@@ -34,7 +34,7 @@ class FakeSource : public Source {
     frame.index = index;
     frame.stamp = 50'000'000 * index;
     frame.name = std::to_string(index);
-    frame.image = GreyImage(32, 24);
+    frame.image = GrayImage(32, 24);
     return frame;
   }
 
@@ -47,10 +47,10 @@ class FakeSource : public Source {
   std::int64_t unusable_from_ = -1;
 };
 
-/// A tracker that follows one feature, loses it in every third frame and re-identifies it in the next.
+/// A tracker with one feature that it loses in every third frame and re-identifies in the next.
 class FakeTracker {
  public:
-  TrackFrame process(GreyView, TimeNs stamp, GreyView mask) {
+  TrackFrame process(GrayView, TimeNs stamp, GrayView mask) {
     TrackFrame frame;
     frame.index = next_++;
     frame.stamp = stamp;
@@ -79,10 +79,10 @@ class FakeTracker {
   std::int32_t age_ = 0;
 };
 
-/// Remembers what it was given.
+/// Records its input.
 class FakeSink : public TrackSink {
  public:
-  void write(const TrackFrame& frame, GreyView image) override {
+  void write(const TrackFrame& frame, GrayView image) override {
     if (fail_at == frame.index) throw Error("the disk is full");
     frames.push_back(frame);
     image_was_there = image_was_there && image.width == 32;

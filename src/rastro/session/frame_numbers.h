@@ -8,11 +8,11 @@
 
 namespace rastro {
 
-/// Maps the running numbers of a tracker (0, 1, 2, ...) to frame numbers of the recording. Memory grows only where the
-/// step between frames changes, that is with skipped frames, not with the run.
+/// Maps the running numbers of a tracker (0, 1, 2, ...) to frame numbers of the recording. Memory grows only with
+/// changes of the step between frames, that is with skipped frames, not with the run.
 class FrameNumbers {
  public:
-  /// Recording's number of the next running number; ascending.
+  /// Frame number of the next running number; ascending.
   void add(std::int64_t recorded) {
     if (!pieces_.empty()) {
       Piece& last = pieces_.back();

@@ -6,7 +6,7 @@
 namespace rastro {
 
 std::optional<Frame> FrameReader::next() {
-  // A source that only ever fails must not keep the run going for ever.
+  // A source that only fails must not keep the run going forever.
   constexpr int failures_in_a_row = 100'000;
   for (int failures = 0;; ++failures) {
     try {

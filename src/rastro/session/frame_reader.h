@@ -10,16 +10,16 @@
 
 namespace rastro {
 
-/// Reads a source to its end; frames that cannot be read are skipped, counted and written as events.
+/// Reads a source to its end. Frames that cannot be read are skipped, counted and written as events.
 class FrameReader {
  public:
   /// `folder` may be null.
   FrameReader(Source& source, RunFolder* folder) : source_(source), folder_(folder) {}
 
-  /// The next frame that can be read, nullopt at the end. Throws what makes reading on senseless.
+  /// The next readable frame, nullopt at the end. Throws errors that prevent further reading.
   std::optional<Frame> next();
   std::int64_t skipped() const { return skipped_; }
-  /// Why the first skipped frame could not be read; empty when none was.
+  /// Why the first skipped frame could not be read; empty if none was skipped.
   const std::string& first_skip() const { return first_skip_; }
 
  private:

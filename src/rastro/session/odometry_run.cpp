@@ -17,7 +17,7 @@ namespace rastro {
 namespace {
 
 constexpr const char* online_poses =
-    "world_from_camera of each frame as first given; world: the first camera; scale: relative";
+    "world_from_camera of every frame as first estimated; world: the first camera; scale: relative";
 
 class Runner {
  public:
@@ -48,7 +48,7 @@ class Runner {
     OdometryResult& result = end_.result;
     ++result.frames;
     result.unused_frames += update.used ? 0 : 1;
-    std::int64_t* const by_state[] = {&result.initialising, &result.tracking, &result.weak, &result.lost};
+    std::int64_t* const by_state[] = {&result.initializing, &result.tracking, &result.weak, &result.lost};
     ++*by_state[static_cast<std::size_t>(update.state)];
     if (update.reason != OdometryReason::none) ++result.reasons[name_of(update.reason)];
   }
@@ -81,7 +81,7 @@ class Runner {
   std::optional<AppendFile> online_;
   OdometryRunEnd end_;
   TimeHistogram times_;
-  OdometryState last_state_ = OdometryState::initialising;
+  OdometryState last_state_ = OdometryState::initializing;
   OdometryReason last_reason_ = OdometryReason::none;
 };
 
@@ -98,7 +98,7 @@ std::string to_json(const OdometryResult& result) {
   json["tracking"] = result.tracking;
   json["weak"] = result.weak;
   json["lost"] = result.lost;
-  json["initialising"] = result.initialising;
+  json["initializing"] = result.initializing;
   json["unused_frames"] = result.unused_frames;
   json["reasons"] = result.reasons;
   json["path_length"] = rounded(result.path_length);

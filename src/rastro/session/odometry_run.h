@@ -15,14 +15,14 @@
 
 namespace rastro {
 
-/// Where the run stands, after each frame.
+/// Progress of the run, after each frame.
 struct OdometryProgress {
   std::int64_t done = 0;               ///< Frames processed or skipped.
-  std::optional<std::int64_t> frames;  ///< Of how many, where that is known.
+  std::optional<std::int64_t> frames;  ///< Total number of frames, if known.
   const OdometryUpdate* last = nullptr;
 };
 
-/// Everything one run is made of. The parts must outlive odometry_run().
+/// The parts of one run. They must outlive odometry_run().
 struct OdometryRun {
   Source* source = nullptr;
   Odometry* method = nullptr;
@@ -30,20 +30,20 @@ struct OdometryRun {
   const std::atomic<bool>* stop = nullptr;  ///< Set from outside (Ctrl-C): the run ends after the current frame.
   std::optional<std::int64_t> frames_asked;
   std::function<void(const OdometryProgress&)> progress;
-  /// Sees every frame with what was said of it. May be unset.
+  /// Called for every frame with its update. May be unset.
   std::function<void(const Frame&, const OdometryUpdate&)> watch;
 };
 
-/// What a run came to; the fields of its result.json. Percentages are 0 to 100.
+/// The result of a run; the fields of its result.json. Percentages are 0 to 100.
 struct OdometryResult {
   std::int64_t frames = 0;                                          ///< Processed.
   std::int64_t skipped_frames = 0;                                  ///< Could not be read.
-  std::int64_t tracking = 0, weak = 0, lost = 0, initialising = 0;  ///< Frames in each state, as first said.
-  std::int64_t unused_frames = 0;                                   ///< Told nothing and were left out.
+  std::int64_t tracking = 0, weak = 0, lost = 0, initializing = 0;  ///< Frames in each state, as first reported.
+  std::int64_t unused_frames = 0;                                   ///< Without information, left out.
   std::map<std::string, std::int64_t> reasons;                      ///< How often each reason was given.
   double coverage = 0.0;           ///< Frames with a pose in percent of the frames asked for.
   double path_length = 0.0;        ///< Of the final trajectory.
-  std::string scale = "relative";  ///< Or where metres come from.
+  std::string scale = "relative";  ///< Or the source of the metric scale.
   double ms_per_frame_mean = 0.0, ms_per_frame_p95 = 0.0;
   double peak_memory_mb = 0.0;
   std::string result_sha256;  ///< Of trajectory.txt.
@@ -60,7 +60,7 @@ struct OdometryRunEnd {
   std::string first_skip;  ///< Why the first skipped frame could not be read.
 };
 
-/// Runs the method over the source. Each pose is written as it is first given (trajectory_online.txt), each change of
+/// Runs the method over the source. Writes each pose as first estimated (trajectory_online.txt), and each change of
 /// state or reason as an event. Frames that cannot be read are skipped, counted and reported.
 OdometryRunEnd odometry_run(const OdometryRun& run);
 

@@ -53,15 +53,17 @@ void remove_former_run(const fs::path& folder) {
     fs::remove(folder / name, code);
     if (code) refuse(folder / name, "cannot be replaced (" + code.message() + ")", "choose another --out");
   }
-  // Pictures of a longer run before would look like this one's.
+  // Images of an earlier, longer run would look like those of this one.
   for (const auto& entry : fs::directory_iterator(folder, code)) {
     if (entry.path().filename().string().starts_with("match_") && entry.path().extension() == ".png") {
       fs::remove(entry.path(), code);
     }
   }
-  if (!fs::is_directory(folder / "pictures", code)) return;
-  for (const auto& entry : fs::directory_iterator(folder / "pictures", code)) {
-    if (entry.path().extension() == ".png") fs::remove(entry.path(), code);
+  for (const char* name : {"track_images", "pictures"}) {  // now and in the last release
+    if (!fs::is_directory(folder / name, code)) continue;
+    for (const auto& entry : fs::directory_iterator(folder / name, code)) {
+      if (entry.path().extension() == ".png") fs::remove(entry.path(), code);
+    }
   }
 }
 
@@ -113,7 +115,7 @@ Json described(const SourceInfo& input) {
   return json;
 }
 
-/// Paths and messages may hold bytes that are no UTF-8; they are replaced rather than refused.
+/// Paths and messages may contain bytes that are not UTF-8; they are replaced rather than refused.
 std::string text_of(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -136,9 +138,9 @@ RunFolder::RunFolder(fs::path folder, bool overwrite) : folder_(std::move(folder
 
 void RunFolder::discard() const {
   remove_former_run(folder_);
-  // remove() leaves folders alone that are not empty.
+  // remove() leaves nonempty folders alone.
   std::error_code ignored;
-  fs::remove(folder_ / "pictures", ignored);
+  fs::remove(folder_ / "track_images", ignored);
   fs::remove(folder_, ignored);
 }
 
@@ -155,6 +157,8 @@ void RunFolder::write_about(const SourceInfo& input, const std::string& command_
   json["compiler"] = is.compiler;
   for (const OptionalPart& part : is.optional_parts) json["optional_parts"][part.name] = part.included;
   json["command_line"] = command_line;
+  std::error_code ignored;
+  json["working_folder"] = fs::current_path(ignored).string();
   json["machine"] = machine();
   json["input"] = described(input);
   write_whole_file(file("about.json"), text_of(json, 2));
@@ -171,7 +175,7 @@ void RunFolder::add_stats(const TrackFrame& frame) {
   stats_->append(fmt::format(
       "{},{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.1f}\n", frame.index,
       frame.stamp, frame.features.size(), frame.tracked, frame.reidentified, frame.fresh, frame.lost, frame.masked,
-      name_of(frame.health), times.pyramid_ms, times.flow_ms, times.outlier_ms, times.foresee_ms, times.detect_ms,
+      name_of(frame.health), times.pyramid_ms, times.flow_ms, times.outlier_ms, times.predict_ms, times.detect_ms,
       times.describe_ms, times.match_ms, times.validate_ms, times.total_ms, resident_memory_mb()));
 }
 

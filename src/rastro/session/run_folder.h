@@ -15,12 +15,12 @@
 
 namespace rastro {
 
-/// The folder of one run, written as the run goes: about.json and options.yaml first, stats.csv and events.jsonl by the
-/// frame, result.json last. A killed run keeps all that was written, and has no result.json.
+/// The folder of one run, written during the run: about.json and options.yaml first, stats.csv and events.jsonl frame
+/// by frame, result.json last. A killed run keeps everything written so far and has no result.json.
 class RunFolder {
  public:
-  /// Makes the folder. A folder that holds anything is an Error unless `overwrite` is given; then the files of a former
-  /// run are removed, other files stay.
+  /// Creates the folder. A folder that is not empty is an Error unless `overwrite` is given; then the files of an
+  /// earlier run are removed and other files stay.
   RunFolder(std::filesystem::path folder, bool overwrite);
 
   const std::filesystem::path& path() const { return folder_; }
@@ -31,13 +31,13 @@ class RunFolder {
   void write_about(const SourceInfo& input, const std::string& command_line) const;
   void write_result(const std::string& json) const { write_whole_file(file("result.json"), json); }
 
-  /// Takes away what the run wrote, and the folder with it where nothing else is in there: for a run without a frame.
+  /// Removes the run's files, and the folder if nothing else is in it: for a run without a frame.
   void discard() const;
 
   /// One row of stats.csv: counts and the time of each stage in ms.
   void add_stats(const TrackFrame& frame);
   void add_stats(const OdometryUpdate& update);
-  /// One line of events.jsonl, which is made with the first event.
+  /// One line of events.jsonl, which is created with the first event.
   void add_event(std::int64_t frame, const std::string& kind, const std::string& text);
 
  private:

@@ -61,17 +61,17 @@ Limit::Limit(const std::string& text) : text_(text) {
   const auto begin = text.find_first_of("<>");
   const auto end = begin == std::string::npos ? begin : text.find_first_not_of("<>=", begin);
   if (end == std::string::npos) {
-    throw Error(fmt::format("'{}' is no limit", text), "--require", "write it as 'coverage>=95'");
+    throw Error(fmt::format("'{}' is not a limit", text), "--require", "give it as 'coverage>=95'");
   }
   name_ = trim(std::string_view(text).substr(0, begin));
   comparison_ = text.substr(begin, end - begin);
   const auto bound = parse_finite(std::string_view(text).substr(end));
   const bool known = comparison_ == ">=" || comparison_ == "<=" || comparison_ == ">" || comparison_ == "<";
-  if (!bound || !known) throw Error(fmt::format("'{}' is no limit", text), "--require", "write it as 'coverage>=95'");
+  if (!bound || !known) throw Error(fmt::format("'{}' is not a limit", text), "--require", "give it as 'coverage>=95'");
   bound_ = *bound;
   const std::vector<std::string> names = limit_names();
   if (std::find(names.begin(), names.end(), name_) == names.end()) {
-    throw Error(fmt::format("'{}' is no number of result.json", name_), "--require",
+    throw Error(fmt::format("'{}' is not a value of result.json", name_), "--require",
                 fmt::format("did you mean '{}'?", nearest_name(name_, names)));
   }
 }

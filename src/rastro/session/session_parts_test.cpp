@@ -32,7 +32,7 @@ TEST(TimeHistogram, AgreesWithSortingWithinItsBins) {
   }
 }
 
-TEST(TimeHistogram, HoldsWhatIsOutOfRange) {
+TEST(TimeHistogram, CountsValuesOutOfRange) {
   TimeHistogram histogram;
   EXPECT_EQ(histogram.percentile_ms(0.95), 0.0);
   histogram.add(0.0);
@@ -63,10 +63,10 @@ TEST(RunFolder, RefusesToMixRuns) {
   EXPECT_EQ(read_whole_file(path / "notes.txt"), "mine") << "what is not ours stays";
 }
 
-TEST(RunFolder, DiscardLeavesOnlyWhatIsNotOfTheRun) {
+TEST(RunFolder, DiscardLeavesOnlyOtherFiles) {
   const auto path = scratch_path("discard");
   RunFolder(path, false).write_result("{}");
-  std::filesystem::create_directories(path / "pictures");
+  std::filesystem::create_directories(path / "track_images");
   RunFolder(path, true).discard();
   EXPECT_FALSE(std::filesystem::exists(path));
   const RunFolder folder(path, false);
@@ -77,7 +77,7 @@ TEST(RunFolder, DiscardLeavesOnlyWhatIsNotOfTheRun) {
   EXPECT_EQ(read_whole_file(path / "notes.txt"), "mine");
 }
 
-TEST(RunFolder, RefusesWhatIsNoFolder) {
+TEST(RunFolder, RefusesAPathThatIsNoFolder) {
   const auto path = scratch_path("file");
   write_whole_file(path, "a file");
   EXPECT_THROW(RunFolder(path, true), Error);
@@ -85,7 +85,7 @@ TEST(RunFolder, RefusesWhatIsNoFolder) {
   EXPECT_THROW(RunFolder("/proc/nowhere/run", false), Error);
 }
 
-TEST(RunFolder, AboutSaysWhatRanOnWhat) {
+TEST(RunFolder, AboutHasVersionMachineAndInput) {
   const auto path = scratch_path("about");
   const RunFolder folder(path, false);
   SourceInfo input;

@@ -9,6 +9,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double bytes_per_mb = 1e6;
+
 double rounded(double value) { return std::round(value * 1e4) / 1e4; }
 
 Json number(double value) {
@@ -18,7 +20,7 @@ Json number(double value) {
 
 Json stages_of(const SlamResult& result) {
   Json stages = Json::object();
-  for (const SlamStage& stage : result.stages) {
+  for (const SlamStage& stage : result.timing.stages) {
     stages[stage.name] = {{"frames", stage.times.count()},
                           {"ms_mean", rounded(stage.times.mean_ms())},
                           {"ms_p95", rounded(stage.times.percentile_ms(0.95))}};
@@ -28,7 +30,7 @@ Json stages_of(const SlamResult& result) {
 
 }  // namespace
 
-std::optional<double> SlamResult::times_real_time() const {
+std::optional<double> SlamTiming::times_real_time() const {
   if (!(method_seconds > 0.0) || !(recording_seconds > 0.0)) return std::nullopt;
   return recording_seconds / method_seconds;
 }
@@ -37,23 +39,25 @@ std::vector<std::pair<std::string, double>> numbers_of(const SlamResult& result)
   const auto count = [](std::int64_t value) { return static_cast<double>(value); };
   return {{"frames", count(result.frames)},
           {"skipped_frames", count(result.skipped_frames)},
+          {"dropped_frames", count(result.timing.dropped_frames)},
           {"coverage", result.coverage},
           {"recall", result.recall},
           {"seconds_to_first_pose", result.seconds_to_first_pose.value_or(-1.0)},
-          {"tracking", count(result.tracking)},
-          {"weak", count(result.weak)},
-          {"lost", count(result.lost)},
-          {"relocalised", count(result.relocalised)},
-          {"initialising", count(result.initialising)},
+          {"tracking", count(result.states.tracking)},
+          {"weak", count(result.states.weak)},
+          {"lost", count(result.states.lost)},
+          {"relocalized", count(result.states.relocalized)},
+          {"initializing", count(result.states.initializing)},
           {"loops_closed", count(result.loops_closed)},
           {"keyframes", count(result.keyframes)},
           {"submaps", count(result.submaps)},
           {"landmarks", count(result.landmarks)},
           {"path_length", result.path_length},
-          {"ms_per_frame_mean", result.frame_times.mean_ms()},
-          {"ms_per_frame_p95", result.frame_times.percentile_ms(0.95)},
-          {"times_real_time", result.times_real_time().value_or(0.0)},
-          {"peak_memory_mb", result.peak_memory_mb}};
+          {"ms_per_frame_mean", result.timing.frames.mean_ms()},
+          {"ms_per_frame_p95", result.timing.frames.percentile_ms(0.95)},
+          {"times_real_time", result.timing.times_real_time().value_or(0.0)},
+          {"peak_memory_mb", result.peak_memory_mb},
+          {"map_memory_mb", static_cast<double>(result.map_memory.bytes) / bytes_per_mb}};
 }
 
 std::string to_json(const SlamResult& result) {
@@ -63,6 +67,9 @@ std::string to_json(const SlamResult& result) {
     json["scale"] = {{"metric", result.scale->metric},
                      {"relative_sigma", result.scale->relative_sigma},
                      {"from", result.scale->origin}};
+  if (result.map_memory.budget_bytes > 0)
+    json["map_memory_budget_mb"] = rounded(static_cast<double>(result.map_memory.budget_bytes) / bytes_per_mb);
+  if (!result.map_memory.measures.empty()) json["map_memory_measures"] = result.map_memory.measures;
   json["reasons"] = result.reasons;
   json["stages"] = stages_of(result);
   json["result_sha256"] = result.result_sha256;

@@ -10,6 +10,7 @@
 
 #include "rastro/map/graph/map.h"
 #include "rastro/session/time_histogram.h"
+#include "rastro/slam/slam.h"
 
 namespace rastro {
 
@@ -19,32 +20,42 @@ struct SlamStage {
   TimeHistogram times;
 };
 
-/// What a run came to; the fields of its result.json. Percentages are 0 to 100.
+/// Frames in each state, as first reported.
+struct SlamStateCounts {
+  std::int64_t tracking = 0, weak = 0, lost = 0, relocalized = 0, initializing = 0;
+};
+
+struct SlamTiming {
+  TimeHistogram frames;
+  std::vector<SlamStage> stages;    ///< In the order of their first occurrence.
+  double recording_seconds = 0.0;   ///< From the first stamp to the last one.
+  double method_seconds = 0.0;      ///< Of the method alone, without reading.
+  std::int64_t dropped_frames = 0;  ///< Frames that a live run could not map because mapping fell behind; else 0.
+
+  /// Seconds of recording processed per second; nullopt if nothing was measured.
+  std::optional<double> times_real_time() const;
+};
+
+/// The result of a run; the fields of its result.json. Percentages are 0 to 100.
 struct SlamResult {
   std::string method;
   std::int64_t frames = 0;          ///< Processed.
   std::int64_t skipped_frames = 0;  ///< Could not be read.
-  /// Frames in each state, as first said.
-  std::int64_t tracking = 0, weak = 0, lost = 0, relocalised = 0, initialising = 0;
+  SlamStateCounts states;
   std::map<std::string, std::int64_t> reasons;  ///< How often each reason was given.
   double coverage = 0.0;                        ///< Frames with a pose in percent of the frames asked for.
-  double recall =
-      0.0;  ///< Frames with a pose that was seen, neither lost nor carried on, in percent of those asked for.
+  /// Frames with a measured pose (neither lost nor extrapolated) in percent of the frames asked for.
+  double recall = 0.0;
   std::optional<double> seconds_to_first_pose;  ///< Of the recording; nullopt: there was none.
   std::int64_t loops_closed = 0, keyframes = 0, submaps = 0, landmarks = 0;
-  std::optional<MapScale> scale;  ///< Of the map, where there is one.
-  double path_length = 0.0;       ///< Of the final trajectory, metres, or the map's unit where `scale` is not metric.
-  TimeHistogram frame_times;
-  std::vector<SlamStage> stages;   ///< In the order in which they first came up.
-  double recording_seconds = 0.0;  ///< From the first stamp to the last one.
-  double method_seconds = 0.0;     ///< In the method, reading left out.
+  std::optional<MapScale> scale;  ///< Of the map, if there is one.
+  double path_length = 0.0;       ///< Of the final trajectory, meters, or the map's unit where `scale` is not metric.
+  SlamTiming timing;
   double peak_memory_mb = 0.0;
+  MapMemory map_memory;       ///< Of the map alone at the end, by the method's own count.
   std::string result_sha256;  ///< Of trajectory.txt and the files of the map.
   bool interrupted = false;
   std::string ended;  ///< "end of data", "interrupted", or the error that ended the run.
-
-  /// How many seconds of recording the method takes in per second; nullopt where nothing was measured.
-  std::optional<double> times_real_time() const;
 };
 
 std::string to_json(const SlamResult& result);

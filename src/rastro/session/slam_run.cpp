@@ -25,9 +25,10 @@ namespace {
 
 constexpr double covariance_step_m = 2.0;
 constexpr const char* online_poses =
-    "world_from_body of each frame as first given; metres, unless result.json says that the scale is arbitrary";
+    "world_from_body of every frame as first estimated; meters, or arbitrary units if result.json says so";
 constexpr const char* covariance_header =
-    "# covariance of world_from_body as first given: translation x y z (m), rotation x y z (rad), in the world's axes; "
+    "# covariance of world_from_body as first estimated: translation x y z (m), rotation x y z (rad), in the world's "
+    "axes; "
     "upper triangle, row by row\n# stamp, then 21 numbers\n";
 
 std::string covariance_line(TimeNs stamp, const Matrix6d& covariance) {
@@ -37,8 +38,8 @@ std::string covariance_line(TimeNs stamp, const Matrix6d& covariance) {
   return line + "\n";
 }
 
-GreyImage copy_of(GreyView view) {
-  GreyImage image(view.width, view.height);
+GrayImage copy_of(GrayView view) {
+  GrayImage image(view.width, view.height);
   for (int y = 0; y < view.height; ++y) std::copy_n(view.row(y), view.width, image.row(y));
   return image;
 }
@@ -79,10 +80,10 @@ class Runner {
     if (run_.max_memory_bytes == 0) return;
     const double most_mb = static_cast<double>(run_.max_memory_bytes) / (1024.0 * 1024.0);
     if (resident_memory_mb() <= most_mb) return;
-    ::malloc_trim(0);  // what was freed but not given back counts as well
+    ::malloc_trim(0);  // freed memory not yet returned to the system counts as well
     if (resident_memory_mb() <= most_mb) return;
-    throw Error(fmt::format("the memory allowed, {:.0f} MiB, is used up", most_mb), fmt::format("frame {}", frame),
-                "raise --max-memory; what was done so far is kept");
+    throw Error(fmt::format("the memory limit of {:.0f} MiB is exhausted", most_mb), fmt::format("frame {}", frame),
+                "raise --max-memory; the results so far are kept");
   }
 
   void finish() {
@@ -90,8 +91,9 @@ class Runner {
     const std::vector<SlamEvent> events = run_.method->finish();
     const double milliseconds = watch.lap_ms();
     add_time("finish", milliseconds);
-    end_.result.method_seconds += milliseconds / 1e3;
+    end_.result.timing.method_seconds += milliseconds / 1e3;
     note(last_index_, events);
+    end_.result.map_memory = run_.method->map_memory();
     end_.trajectory = run_.method->trajectory();
     end_.map = run_.method->snapshot();
     if (!run_.map_file || !end_.map) return;
@@ -105,20 +107,20 @@ class Runner {
     if (result.frames++ == 0) first_stamp_ = last_stamp_ = update.stamp;
     last_stamp_ = std::max(last_stamp_, update.stamp);
     last_index_ = update.index;
-    std::int64_t* const by_state[] = {&result.initialising, &result.tracking, &result.weak, &result.lost,
-                                      &result.relocalised};
+    std::int64_t* const by_state[] = {&result.states.initializing, &result.states.tracking, &result.states.weak,
+                                      &result.states.lost, &result.states.relocalized};
     ++*by_state[static_cast<std::size_t>(update.state)];
-    const bool placed = update.state != SlamState::initialising && update.state != SlamState::lost;
+    const bool placed = update.state != SlamState::initializing && update.state != SlamState::lost;
     if (placed && !result.seconds_to_first_pose) result.seconds_to_first_pose = to_seconds(update.stamp - first_stamp_);
     if (update.reason != SlamReason::none) ++result.reasons[name_of(update.reason)];
-    result.frame_times.add(update.milliseconds);
-    result.method_seconds += update.milliseconds / 1e3;
+    result.timing.frames.add(update.milliseconds);
+    result.timing.method_seconds += update.milliseconds / 1e3;
     for (const StageTime& time : update.times) add_time(time.stage, time.milliseconds);
     note(update.index, update.events);
   }
 
   void add_time(const std::string& stage, double milliseconds) {
-    std::vector<SlamStage>& stages = end_.result.stages;
+    std::vector<SlamStage>& stages = end_.result.timing.stages;
     auto place = std::find_if(stages.begin(), stages.end(), [&](const SlamStage& each) { return each.name == stage; });
     if (place == stages.end()) place = stages.insert(stages.end(), SlamStage{stage, {}});
     place->times.add(milliseconds);
@@ -132,7 +134,7 @@ class Runner {
   }
 
   void note_place(const SlamUpdate& update) {
-    if (!update.covariance || update.state == SlamState::initialising) return;
+    if (!update.covariance || update.state == SlamState::initializing) return;
     const Eigen::Vector2d place = update.world_from_body.translation().head<2>();
     if (!end_.places.empty() && (place - end_.places.back().place).norm() < covariance_step_m) return;
     end_.places.push_back({place, update.covariance->topLeftCorner<2, 2>()});
@@ -140,7 +142,7 @@ class Runner {
 
   void write(const SlamUpdate& update) {
     stats_->add(update);
-    if (update.state != SlamState::initialising) online_->append(tum_line({update.stamp, update.world_from_body}));
+    if (update.state != SlamState::initializing) online_->append(tum_line({update.stamp, update.world_from_body}));
     if (update.covariance) {
       if (!covariances_) {
         covariances_.emplace(run_.folder->file("covariance_online.txt"));
@@ -159,13 +161,14 @@ class Runner {
     SlamResult& result = end_.result;
     end_.first_skip = reader_.first_skip();
     result.skipped_frames = reader_.skipped();
+    result.timing.dropped_frames = run_.method->dropped_frames();
     const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames);
     const double posed = static_cast<double>(end_.trajectory.size());
     result.coverage = asked > 0 ? 100.0 * posed / static_cast<double>(asked) : 0.0;
-    const double placed = static_cast<double>(result.tracking + result.weak + result.relocalised);
+    const double placed = static_cast<double>(result.states.tracking + result.states.weak + result.states.relocalized);
     result.recall = asked > 0 ? 100.0 * placed / static_cast<double>(asked) : 0.0;
     result.path_length = path_length(end_.trajectory);
-    result.recording_seconds = to_seconds(last_stamp_ - first_stamp_);
+    result.timing.recording_seconds = to_seconds(last_stamp_ - first_stamp_);
     result.peak_memory_mb = peak_resident_memory_mb();
     if (!end_.map) return;
     count(*end_.map);
@@ -189,7 +192,7 @@ class Runner {
   SlamRunEnd end_;
   std::int64_t last_index_ = -1;
   TimeNs first_stamp_ = 0, last_stamp_ = 0;
-  SlamState last_state_ = SlamState::initialising;
+  SlamState last_state_ = SlamState::initializing;
   SlamReason last_reason_ = SlamReason::none;
 };
 

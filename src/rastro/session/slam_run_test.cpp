@@ -23,7 +23,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Walks 0.5 m a frame along x, closes a loop every tenth frame, and is weak on every seventh.
+/// Moves 0.5 m per frame along x, closes a loop every tenth frame, and is weak on every seventh.
 class FakeSlam : public Slam {
  public:
   SlamUpdate process(const Frame& frame) override {
@@ -53,6 +53,8 @@ class FakeSlam : public Slam {
   }
   Trajectory trajectory() const override { return trajectory_; }
   void reset() override { trajectory_.clear(); }
+  std::int64_t dropped_frames() const override { return dropped; }
+  MapMemory map_memory() const override { return {2'500'000, budget, budget > 0 ? "spared" : ""}; }
   std::shared_ptr<const Map> snapshot() const override {
     if (given) return given;
     auto map = std::make_shared<Map>();
@@ -70,6 +72,8 @@ class FakeSlam : public Slam {
   }
 
   std::int64_t fault_at = -1;
+  std::int64_t dropped = 0;
+  std::size_t budget = 0;
   int finished = 0, masked = 0;
   std::shared_ptr<const Map> given;  ///< Its map; null: one of its own.
 
@@ -100,8 +104,8 @@ TEST(SlamRun, CountsStatesLoopsAndCoverage) {
   const SlamRunEnd end = slam_run(run);
   EXPECT_EQ(end.result.frames, 28);
   EXPECT_EQ(end.result.skipped_frames, 2);
-  EXPECT_EQ(end.result.weak, 4);
-  EXPECT_EQ(end.result.tracking, 24);
+  EXPECT_EQ(end.result.states.weak, 4);
+  EXPECT_EQ(end.result.states.tracking, 24);
   EXPECT_EQ(end.result.reasons.at("few_returns"), 4);
   EXPECT_EQ(end.result.loops_closed, 4) << "three on the way, one at the end";
   EXPECT_NEAR(end.result.recall, 100.0 * 28 / 30, 1e-9);
@@ -110,8 +114,8 @@ TEST(SlamRun, CountsStatesLoopsAndCoverage) {
   EXPECT_EQ(end.result.keyframes, 2);
   EXPECT_DOUBLE_EQ(end.result.path_length, 13.5);
   EXPECT_NEAR(end.result.coverage, 100.0 * 28 / 30, 1e-9);
-  EXPECT_NEAR(end.result.recording_seconds, 29 * 0.05, 1e-9);
-  EXPECT_EQ(end.places.size(), 7U) << "one every two metres";
+  EXPECT_NEAR(end.result.timing.recording_seconds, 29 * 0.05, 1e-9);
+  EXPECT_EQ(end.places.size(), 7U) << "one every two meters";
   EXPECT_EQ(method.finished, 1);
   EXPECT_EQ(end.result.ended, "end of data");
   EXPECT_THAT(end.first_skip, HasSubstr("frame 4"));
@@ -134,7 +138,7 @@ TEST(SlamRun, WritesAsItGoes) {
   EXPECT_THAT(events.back(), HasSubstr("at last"));
 }
 
-TEST(SlamRun, StatsGetAColumnForEveryStageThatComesUp) {
+TEST(SlamRun, StatsGetAColumnForEveryStageThatOccurs) {
   const auto path = scratch_path("slam_stats.csv");
   SlamStats stats(path);
   SlamUpdate update;
@@ -153,7 +157,7 @@ TEST(SlamRun, StatsGetAColumnForEveryStageThatComesUp) {
   for (const std::string& line : lines) EXPECT_EQ(split(line, ',').size(), split(lines[0], ',').size());
 }
 
-TEST(SlamRun, KeepsWhatAFaultyMethodHadDone) {
+TEST(SlamRun, KeepsTheResultsOfAFaultyMethod) {
   FakeSource source(30);
   FakeSlam method;
   method.fault_at = 12;
@@ -183,9 +187,9 @@ TEST(SlamRun, PutsMasksIntoFrames) {
   FakeSource source(4);
   FakeSlam method;
   SlamRun run = wired(source, method);
-  GreyImage mask(32, 24);
+  GrayImage mask(32, 24);
   mask.at(3, 2) = 1;
-  run.mask_of = [&](const Frame& frame) -> GreyView {
+  run.mask_of = [&](const Frame& frame) -> GrayView {
     if (frame.index == 3) throw Error("no mask for frame 3");
     return mask;
   };
@@ -206,6 +210,22 @@ TEST(SlamRun, EndsBeforeItTakesMoreMemoryThanAllowedAndKeepsWhatItHas) {
   EXPECT_EQ(method.finished, 1);
 }
 
+TEST(SlamRun, ReportsDroppedFramesAndMapMemory) {
+  FakeSource source(4);
+  FakeSlam method;
+  SlamResult result = slam_run(wired(source, method)).result;
+  EXPECT_EQ(nlohmann::json::parse(to_json(result))["dropped_frames"], 0);
+  EXPECT_EQ(nlohmann::json::parse(to_json(result))["map_memory_mb"], 2.5);
+  EXPECT_FALSE(nlohmann::json::parse(to_json(result)).contains("map_memory_budget_mb"));
+  method.dropped = 3;
+  method.budget = 4'000'000;
+  FakeSource again(4);
+  result = slam_run(wired(again, method)).result;
+  EXPECT_EQ(nlohmann::json::parse(to_json(result))["dropped_frames"], 3);
+  EXPECT_EQ(nlohmann::json::parse(to_json(result))["map_memory_budget_mb"], 4);
+  EXPECT_EQ(nlohmann::json::parse(to_json(result))["map_memory_measures"], "spared");
+}
+
 TEST(SlamRun, LeavesTheFinalMapInTheMapFile) {
   auto map = std::make_shared<Map>(make_test_map(3));
   map->keyframes[2].submap = 1;
@@ -224,7 +244,7 @@ TEST(SlamRun, LeavesTheFinalMapInTheMapFile) {
   EXPECT_EQ(load_map(file)->keyframes[2].submap, 1);
 }
 
-/// Of landmarks alone, without a camera: it need not be a kind of map that is known here.
+/// Only landmarks, without a camera: the map need not be of a known kind.
 TEST(SlamRun, AnyMapIsLeftInTheMapFile) {
   const auto file = scratch_path("slam_run_any.rastro");
   FakeSource source(4);
@@ -245,7 +265,7 @@ TEST(SlamRun, AnyMapIsLeftInTheMapFile) {
   EXPECT_EQ(scale_of(*kept).origin, "wheels");
 }
 
-TEST(SlamResult, SaysEverythingAsJson) {
+TEST(SlamResult, HasEverythingInJson) {
   FakeSource source(10);
   FakeSlam method;
   SlamRunEnd end = slam_run(wired(source, method));

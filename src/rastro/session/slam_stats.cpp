@@ -33,7 +33,7 @@ void SlamStats::add(const SlamUpdate& update) {
 void SlamStats::widen(std::size_t added_columns) {
   const std::string former = read_whole_file(file_);
   std::string text = header();
-  // The whole file is put in place at once: a run killed just now keeps its rows.
+  // The file is replaced atomically: a run killed at this point keeps its rows.
   for (std::size_t begin = former.find('\n') + 1; begin < former.size();) {
     const std::size_t end = std::min(former.find('\n', begin), former.size());
     text += former.substr(begin, end - begin) + std::string(added_columns, ',') + "\n";

@@ -11,8 +11,8 @@
 
 namespace rastro {
 
-/// stats.csv of a SLAM run: a row a frame, a column for the time of each stage. Stages that come up on the way (a loop
-/// that closes) get a column then; the rows before have it empty.
+/// stats.csv of a SLAM run: one row per frame, one column for the time of each stage. A stage that first occurs during
+/// the run (a loop closure) gets a column then, empty in earlier rows.
 class SlamStats {
  public:
   explicit SlamStats(std::filesystem::path file) : file_(std::move(file)) {}

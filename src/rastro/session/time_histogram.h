@@ -7,7 +7,7 @@
 namespace rastro {
 
 /// Mean and percentiles of durations in constant memory: bins grow by 0.8 % from 1 us to 100 s, so a percentile is
-/// within 0.4 % of the exact one; what lies outside goes to the end bins.
+/// within 0.4 % of the exact one; values outside go to the end bins.
 class TimeHistogram {
  public:
   void add(double ms);

@@ -17,11 +17,11 @@
 namespace rastro {
 namespace {
 
-constexpr std::size_t pictures_waiting = 4;
+constexpr std::size_t images_waiting = 4;
 class Runner {
  public:
   explicit Runner(const TrackRun& run)
-      : run_(run), reader_(*run.source, run.folder), writer_(run.picture_sinks, pictures_waiting) {}
+      : run_(run), reader_(*run.source, run.folder), writer_(run.image_sinks, images_waiting) {}
 
   TrackRunEnd run_to_the_end() {
     try {
@@ -54,7 +54,7 @@ class Runner {
   }
 
   void process(Frame& frame) {
-    const GreyView mask = run_.mask_of ? run_.mask_of(frame) : GreyView{};
+    const GrayView mask = run_.mask_of ? run_.mask_of(frame) : GrayView{};
     const auto begin = std::chrono::steady_clock::now();
     TrackFrame tracks = run_.process(frame.image, frame.stamp, mask);
     tracks.times.total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
@@ -67,7 +67,7 @@ class Runner {
     writer_.write(std::move(tracks), std::move(frame.image));
   }
 
-  /// The tracker counts the frames it is given; people count the frames of the recording.
+  /// The tracker counts the frames it gets; users count the frames of the recording.
   void renumber(TrackFrame& tracks, std::int64_t recorded) {
     numbers_.add(recorded);
     tracks.index = recorded;
@@ -101,7 +101,7 @@ class Runner {
     run_.progress({end_.result.frames + reader_.skipped(), run_.frames_asked, &tracks, times_.mean_ms()});
   }
 
-  /// The first failure is the one to report; a sink that fails here must not keep the others from finishing.
+  /// The first failure is reported; a sink that fails here must not keep the others from finishing.
   void finish_sinks() {
     const auto attempt = [this](const auto& action) {
       try {

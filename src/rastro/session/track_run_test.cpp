@@ -16,9 +16,9 @@ namespace {
 struct Trial {
   explicit Trial(FakeSource source_to_use) : source(std::move(source_to_use)) {
     run.source = &source;
-    run.process = [this](GreyView image, TimeNs stamp, GreyView mask) { return tracker.process(image, stamp, mask); };
+    run.process = [this](GrayView image, TimeNs stamp, GrayView mask) { return tracker.process(image, stamp, mask); };
     run.sinks = {&sink};
-    run.picture_sinks = {&pictures};
+    run.image_sinks = {&pictures};
   }
   TrackRunEnd go() { return track_run(run); }
 
@@ -41,7 +41,7 @@ TEST(TrackRun, GivesEveryFrameToEverySinkInOrder) {
   }
 }
 
-TEST(TrackRun, AddsUpWhatTheFramesSay) {
+TEST(TrackRun, AddsUpTheCountsOfTheFrames) {
   Trial trial(FakeSource(7));  // new, followed, lost, re-identified, followed, lost, re-identified
   const TrackResult result = trial.go().result;
   EXPECT_EQ(result.frames, 7);
@@ -68,7 +68,7 @@ TEST(TrackRun, NumbersFramesAsInTheRecording) {
   EXPECT_EQ(last_seen, (std::vector<std::int64_t>{-1, 100, -2, 102, 108}));
 }
 
-TEST(TrackRun, SkipsBrokenFramesAndSaysSo) {
+TEST(TrackRun, SkipsBrokenFramesAndReportsThem) {
   const auto path = scratch_path("skip");
   RunFolder folder(path, false);
   Trial trial(FakeSource(10, {3, 4, 9}));
@@ -109,7 +109,7 @@ TEST(TrackRun, StopsAfterTheCurrentFrame) {
   EXPECT_DOUBLE_EQ(end.result.coverage, 2.0);
 }
 
-TEST(TrackRun, AFailingPictureSinkIsReported) {
+TEST(TrackRun, AFailingImageSinkIsReported) {
   Trial trial(FakeSource(100));
   trial.pictures.fail_at = 3;
   const TrackRunEnd end = trial.go();
@@ -127,7 +127,7 @@ TEST(TrackRun, AFailingTextSinkIsReported) {
 }
 
 TEST(TrackRun, MasksReachTheTracker) {
-  const GreyImage mask(32, 24);
+  const GrayImage mask(32, 24);
   Trial trial(FakeSource(3));
   trial.run.mask_of = [&](const Frame&) { return mask.view(); };
   EXPECT_EQ(trial.go().result.masked, 3);

@@ -8,10 +8,10 @@
 
 namespace rastro {
 
-/// "stamp tx ty tz qx qy qz qw" with its newline, as the TUM benchmark writes poses.
+/// "stamp tx ty tz qx qy qz qw" and a newline, in the TUM format.
 std::string tum_line(const StampedPose& pose);
 
-/// Two lines of comment: what the poses are, and the columns.
+/// Two comment lines: the meaning of the poses, and the columns.
 std::string tum_header(std::string_view what);
 
 /// Header and all poses.

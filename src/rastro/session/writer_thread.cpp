@@ -22,7 +22,7 @@ WriterThread::~WriterThread() {
   if (thread_.joinable()) thread_.join();
 }
 
-void WriterThread::write(TrackFrame frame, GreyImage image) {
+void WriterThread::write(TrackFrame frame, GrayImage image) {
   if (sinks_.empty()) return;
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return queue_.size() < queue_length_ || failure_; });
@@ -48,7 +48,7 @@ void WriterThread::work() {
   for (;;) {
     changed_.wait(lock, [this] { return !queue_.empty() || stopping_; });
     if (stopping_ || failure_) return;
-    const Job& job = queue_.front();  // a deque keeps it in place while others are added behind
+    const Job& job = queue_.front();  // a deque does not move it when others are appended
     lock.unlock();
     std::exception_ptr failure;
     try {

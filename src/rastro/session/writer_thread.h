@@ -13,24 +13,24 @@
 
 namespace rastro {
 
-/// Hands frames to slow sinks (pictures, video) on a thread of its own, in order. The queue is bounded: write() waits
-/// when it is full, so memory does not grow. An exception of a sink comes out of the next write() or of finish().
+/// Passes frames to slow sinks (images, video) in a thread of its own, in order. The queue is bounded: write() waits
+/// while it is full, so memory does not grow. An exception of a sink is thrown by the next write() or by finish().
 class WriterThread {
  public:
   WriterThread(std::vector<TrackSink*> sinks, std::size_t queue_length);
-  /// Drops what is still queued; finish() first to keep it.
+  /// Drops what is still queued; call finish() first to write it.
   ~WriterThread();
   WriterThread(const WriterThread&) = delete;
   WriterThread& operator=(const WriterThread&) = delete;
 
-  void write(TrackFrame frame, GreyImage image);
+  void write(TrackFrame frame, GrayImage image);
   /// Returns when everything has been written and the sinks are finished.
   void finish();
 
  private:
   struct Job {
     TrackFrame frame;
-    GreyImage image;
+    GrayImage image;
   };
   void work();
   void rethrow();
@@ -39,7 +39,7 @@ class WriterThread {
   const std::size_t queue_length_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Job> queue_;  ///< The first one is being written and leaves only then.
+  std::deque<Job> queue_;  ///< The front job is being written and is removed only afterwards.
   std::exception_ptr failure_;
   bool stopping_ = false;
   std::thread thread_;

@@ -10,10 +10,10 @@
 namespace rastro {
 namespace {
 
-/// Notes what it gets; may be held up, or fail at a frame.
+/// Records its input; can be blocked, or fail at a frame.
 class Notes : public TrackSink {
  public:
-  void write(const TrackFrame& frame, GreyView image) override {
+  void write(const TrackFrame& frame, GrayView image) override {
     if (gate.valid()) gate.wait();
     if (frame.index == fails_at) throw std::runtime_error("disk full");
     frames.push_back(frame.index);
@@ -36,8 +36,8 @@ TrackFrame frame_of(std::int64_t index) {
   return frame;
 }
 
-GreyImage image_of(std::int64_t index) {
-  GreyImage image(4, 4);
+GrayImage image_of(std::int64_t index) {
+  GrayImage image(4, 4);
   image.at(0, 0) = static_cast<std::uint8_t>(index);
   return image;
 }
@@ -57,7 +57,7 @@ TEST(WriterThread, GivesEverySinkEveryFrameInOrder) {
   }
 }
 
-/// While the sink is held up no more than the queue's length fits; the next write has to wait for it.
+/// While the sink is blocked, no more frames fit than the queue's length; the next write must wait.
 TEST(WriterThread, HoldsNoMoreThanItsQueue) {
   Notes notes;
   std::promise<void> open;

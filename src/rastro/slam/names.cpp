@@ -5,16 +5,16 @@ namespace rastro {
 
 const char* name_of(SlamState state) {
   switch (state) {
-    case SlamState::initialising:
-      return "initialising";
+    case SlamState::initializing:
+      return "initializing";
     case SlamState::tracking:
       return "tracking";
     case SlamState::weak:
       return "weak";
     case SlamState::lost:
       return "lost";
-    case SlamState::relocalised:
-      return "relocalised";
+    case SlamState::relocalized:
+      return "relocalized";
   }
   return "unknown";
 }
@@ -53,6 +53,22 @@ const char* name_of(SlamReason reason) {
       return "not_found";
     case SlamReason::apart:
       return "apart";
+  }
+  return "unknown";
+}
+
+const char* name_of(ObservationState state) {
+  switch (state) {
+    case ObservationState::unmatched:
+      return "unmatched";
+    case ObservationState::matched:
+      return "matched";
+    case ObservationState::outlier:
+      return "outlier";
+    case ObservationState::inlier:
+      return "inlier";
+    case ObservationState::new_landmark:
+      return "new";
   }
   return "unknown";
 }

@@ -8,10 +8,10 @@
 namespace rastro {
 namespace {
 
-constexpr double reach_m = 3.0;           // Farther than this nothing darkens a corner.
+constexpr double reach_m = 3.0;           // Nothing farther than this occludes light.
 constexpr double texels_per_node = 16.0;  // Coarsely painted surfaces are lit coarsely.
 
-/// World point and outward normal of a place on a face, by walking from the middle of the face's local frame.
+/// World point and outward normal of a point on a face, found from the center of the face's local frame.
 struct Place {
   Eigen::Vector3d point, normal;
 };
@@ -27,18 +27,18 @@ Place place_on(const Scene& scene, const Surface& surface, double u, double v) {
               std::cos(colatitude)};
     local = half.x() * normal;
     if (solid.shape == Shape::cylinder) local.z() = half.z() - v, normal.z() = 0.0;
-    return {solid.centre + solid.world_from_local * local, solid.world_from_local * normal};
+    return {solid.center + solid.world_from_local * local, solid.world_from_local * normal};
   }
-  // Flat faces: the picture's axes are constant, so start at the face's middle.
+  // Flat faces: the texture's axes are constant, so start at the face's center.
   const int axis = solid.shape == Shape::box ? surface.face / 2 : 2;
   const bool negative = solid.shape == Shape::box ? (surface.face & 1) != 0 : surface.face == 2;
   local[axis] = negative ? -half[axis] : half[axis];
-  const Eigen::Vector3d middle = solid.centre + solid.world_from_local * local;
+  const Eigen::Vector3d middle = solid.center + solid.world_from_local * local;
   const FacePoint face = scene.face_point(solid.first_surface + static_cast<std::uint32_t>(surface.face), middle);
   return {middle + (u - face.u) * face.along_u + (v - face.v) * face.along_v, face.normal};
 }
 
-/// Evenly spread directions (Fibonacci sphere), the same for every place: noise between neighbouring nodes would show
+/// Evenly spread directions (Fibonacci sphere), the same for every point: noise between neighboring nodes would show
 /// as blotches.
 std::array<Eigen::Vector3d, 40> directions() {
   std::array<Eigen::Vector3d, 40> result;
@@ -50,7 +50,7 @@ std::array<Eigen::Vector3d, 40> directions() {
   return result;
 }
 
-/// Light that reaches a place: lamps above, windows to the sides, less in corners. About 1 in the open.
+/// Light that reaches a point: lamps above, windows to the sides, less in corners. About 1 in the open.
 double light_at(const Scene& scene, std::uint32_t primitive, const Place& place) {
   static const std::array<Eigen::Vector3d, 40> rays = directions();
   double light = 0.0, weight = 0.0;
@@ -67,15 +67,15 @@ double light_at(const Scene& scene, std::uint32_t primitive, const Place& place)
 }
 
 Image<float> light_map(const Scene& scene, const Surface& surface, double detail, double finest_spacing_m) {
-  // Small pictures show less of the light than of the surfaces, and light is what takes the time.
+  // In small images light is less visible than surfaces, but takes most of the time.
   const double node_spacing_m =
-      std::max(finest_spacing_m, texels_per_node / surface.material.texels_per_metre) / std::clamp(detail, 0.25, 1.0);
+      std::max(finest_spacing_m, texels_per_node / surface.material.texels_per_meter) / std::clamp(detail, 0.25, 1.0);
   const int columns = 2 + static_cast<int>(surface.width / node_spacing_m),
             rows = 2 + static_cast<int>(surface.height / node_spacing_m);
   Image<float> map(columns, rows);
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {
-      // A little inside the border, where a neighbouring solid does not yet cover the place.
+      // A little inside the border, where a neighboring solid does not yet cover the point.
       const double u = std::clamp(surface.width * column / (columns - 1), 0.01, std::max(0.01, surface.width - 0.01));
       const double v = std::clamp(surface.height * row / (rows - 1), 0.01, std::max(0.01, surface.height - 0.01));
       map.at(column, row) = static_cast<float>(light_at(scene, surface.primitive, place_on(scene, surface, u, v)));
@@ -111,11 +111,11 @@ void Scene::bake(std::uint64_t seed, TaskPool& pool, double detail, double light
     for (int index = begin; index < end; ++index) {
       Surface& surface = (*surfaces_)[static_cast<std::size_t>(index)];
       Random random(seed_for(seed, static_cast<std::uint64_t>(index)));
-      Canvas canvas(surface.width, surface.height, detail * surface.material.texels_per_metre);
+      Canvas canvas(surface.width, surface.height, detail * surface.material.texels_per_meter);
       surface.material.paint(canvas, random);
       if (!surface.material.shines) multiply(canvas.values(), light_map(*this, surface, detail, light_spacing_m));
       surface.texture = Texture(canvas.values());
-      if (!canvas.inks().empty()) surface.colours = ColourTexture(canvas.values(), canvas.ink_of(), canvas.inks());
+      if (!canvas.inks().empty()) surface.colors = ColorTexture(canvas.values(), canvas.ink_of(), canvas.inks());
       surface.texels_x = canvas.values().width() / surface.width;
       surface.texels_y = canvas.values().height() / surface.height;
     }

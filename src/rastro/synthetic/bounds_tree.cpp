@@ -16,10 +16,10 @@ constexpr std::uint32_t leaf_size = 2;
 BoundsTree::BoundsTree(std::span<const Primitive> primitives) {
   std::vector<Node> boxes(primitives.size());
   for (std::size_t i = 0; i < primitives.size(); ++i) {
-    // A hair larger, so that rounding never leaves out a solid that the exact test would meet.
+    // Slightly larger, so that rounding never drops a solid that the exact test would hit.
     const Eigen::Vector3d reach = (primitives[i].world_from_local.cwiseAbs() * primitives[i].half).array() + 1e-6;
-    boxes[i].low = primitives[i].centre - reach;
-    boxes[i].high = primitives[i].centre + reach;
+    boxes[i].low = primitives[i].center - reach;
+    boxes[i].high = primitives[i].center + reach;
   }
   order_.resize(primitives.size());
   std::iota(order_.begin(), order_.end(), 0U);

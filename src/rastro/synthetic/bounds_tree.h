@@ -18,8 +18,7 @@ class BoundsTree {
   explicit BoundsTree(std::span<const Primitive> primitives);
   bool empty() const { return nodes_.empty(); }
 
-  /// Calls test(primitive number), which returns the new limit, for each solid whose box the ray enters before the
-  /// limit.
+  /// Calls test(primitive number) for each solid whose box the ray enters before the limit; it returns the new limit.
   template <typename Test>
   void visit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double limit, Test&& test) const {
     if (nodes_.empty()) return;

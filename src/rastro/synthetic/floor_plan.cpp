@@ -16,18 +16,18 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double skin_m = 0.001;  // A wall that lies on the border of two cells belongs to the one behind it.
+constexpr double skin_m = 0.001;  // A wall on the border of two cells belongs to the one behind it.
 
 Vector2d local_corner(const Primitive& solid, double x, double y) {
   const Eigen::Vector3d corner =
-      solid.centre +
+      solid.center +
       solid.world_from_local * Eigen::Vector3d(x * (solid.half.x() - skin_m), y * (solid.half.y() - skin_m), 0.0);
   return corner.head<2>();
 }
 
-/// The outline of a solid at the height of the laser, a little inside; empty where it is not that high or low.
+/// The outline of a solid at the laser's height, slightly inside; empty if it does not reach that height.
 std::vector<Vector2d> outline_at(const Primitive& solid, double height_m) {
-  if (solid.shape == Shape::quad || std::abs(height_m - solid.centre.z()) > solid.half.z()) return {};
+  if (solid.shape == Shape::quad || std::abs(height_m - solid.center.z()) > solid.half.z()) return {};
   if (solid.shape == Shape::box)
     return {local_corner(solid, 1, 1), local_corner(solid, -1, 1), local_corner(solid, -1, -1),
             local_corner(solid, 1, -1)};
@@ -54,7 +54,7 @@ Outlines all_outlines(const LaserWorld& world) {
 }
 
 FloorPlan empty_plan(const Outlines& outlines, double resolution) {
-  RASTRO_CHECK(!outlines.empty(), "a building without walls has no plan");
+  RASTRO_CHECK(!outlines.empty(), "a plan needs a building with walls");
   Vector2d low = outlines.front().front(), high = low;
   for (const auto& outline : outlines)
     for (const Vector2d& corner : outline) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
@@ -69,7 +69,7 @@ FloorPlan empty_plan(const Outlines& outlines, double resolution) {
   return plan;
 }
 
-/// Marks what the beams of one scan pass, up to the solid that they meet.
+/// Marks the cells that the beams of one scan pass, up to the solid that they hit.
 void mark_seen(const LaserWorld& world, std::int64_t scan, const FloorPlan& plan, Image<std::uint8_t>& seen) {
   const LaserModel& laser = world.laser;
   const SE2 world_from_laser = world.world_from_body(world.time_of(scan)) * laser.body_from_laser;
@@ -88,7 +88,7 @@ void mark_seen(const LaserWorld& world, std::int64_t scan, const FloorPlan& plan
 }
 
 Image<std::uint8_t> seen_cells(const LaserWorld& world, std::int64_t scans, const FloorPlan& plan, TaskPool& pool) {
-  // A few parts, each with a picture of its own, so that no two threads write to the same place.
+  // A few parts, each with its own image, so that no two threads write to the same cell.
   constexpr int parts = 8;
   std::vector<Image<std::uint8_t>> seen(parts, Image<std::uint8_t>(plan.cells.width(), plan.cells.height()));
   pool.for_chunks(0, parts, 1, [&](int begin, int end) {
@@ -122,7 +122,7 @@ FloorPlan true_floor_plan(const LaserWorld& world, std::int64_t scans, double re
 
 void write_floor_plan(const FloorPlan& plan, const std::filesystem::path& folder) {
   std::string text =
-      fmt::format("P5\n# {:g} m a cell\n{} {}\n255\n", plan.resolution, plan.cells.width(), plan.cells.height());
+      fmt::format("P5\n# {:g} m per cell\n{} {}\n255\n", plan.resolution, plan.cells.width(), plan.cells.height());
   for (int y = plan.cells.height() - 1; y >= 0; --y)
     for (int x = 0; x < plan.cells.width(); ++x) {
       const PlanCell cell = plan.cells.at(x, y);

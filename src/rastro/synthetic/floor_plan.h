@@ -15,14 +15,14 @@ namespace rastro {
 
 enum class PlanCell : std::uint8_t { unknown, free, occupied };
 
-/// A plan at the height of the laser in square cells. Cell (column, row) covers low + resolution * [column, column + 1)
-/// x [row, row + 1): rows go up with y.
+/// A plan at the laser's height, in square cells. Cell (column, row) covers low + resolution * [column, column + 1) x
+/// [row, row + 1): rows go up with y.
 struct FloorPlan {
-  Eigen::Vector2d low = Eigen::Vector2d::Zero();  ///< In the world, metres.
-  double resolution = 0.05;                       ///< Metres.
+  Eigen::Vector2d low = Eigen::Vector2d::Zero();  ///< In the world, meters.
+  double resolution = 0.05;                       ///< Meters.
   Image<PlanCell> cells;
 
-  /// unknown outside of the plan.
+  /// unknown outside the plan.
   PlanCell at(const Eigen::Vector2d& point) const {
     const Eigen::Vector2d cell = (point - low) / resolution;
     if (!(cell.x() >= 0.0 && cell.y() >= 0.0 && cell.x() < cells.width() && cell.y() < cells.height()))
@@ -31,17 +31,17 @@ struct FloorPlan {
   }
 };
 
-/// The true plan of what stands still, as far as the first `scans` scans can see it through open doors and glass: the
-/// best that any map of them can be. occupied: the outermost millimetre of a solid or a pane runs through the cell;
-/// free: a beam does and nothing stands there; unknown: no beam ever comes there. The same for any pool.
+/// The true plan of static objects, as far as the first `scans` scans can see through open doors and glass: the best
+/// possible map of them. occupied: the outermost millimeter of a solid or a pane runs through the cell; free: a beam
+/// crosses it and it has no object; unknown: no beam ever reaches it. The same for any pool.
 FloorPlan true_floor_plan(const LaserWorld& world, std::int64_t scans, double resolution, TaskPool& pool);
 
-/// floor_plan.pgm and floor_plan.yaml as map_server reads them: 0 occupied, 254 free, 205 unknown. Error where they
+/// Writes floor_plan.pgm and floor_plan.yaml for map_server: 0 occupied, 254 free, 205 unknown. Throws Error if they
 /// cannot be written.
 void write_floor_plan(const FloorPlan& plan, const std::filesystem::path& folder);
 
-/// Calls visit(column, row) for every cell that a line touches, in order; places in units of cells (Amanatides and Woo
-/// 1987).
+/// Calls visit(column, row) for every cell that a line touches, in order; positions in units of cells (Amanatides and
+/// Woo 1987).
 template <typename Visit>
 void visit_cells(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Visit&& visit) {
   const Eigen::Vector2d way = to - from;

@@ -14,7 +14,7 @@
 namespace rastro {
 namespace {
 
-TEST(VisitCells, goes_from_cell_to_neighbour_and_leaves_out_none) {
+TEST(VisitCells, goes_from_cell_to_neighbor_and_skips_none) {
   Random random(3);
   for (int line = 0; line < 500; ++line) {
     const Eigen::Vector2d from(random.uniform(-9, 9), random.uniform(-9, 9)),
@@ -30,7 +30,7 @@ TEST(VisitCells, goes_from_cell_to_neighbour_and_leaves_out_none) {
       const Eigen::Vector2d point = from + share * (to - from);
       const std::pair cell(static_cast<int>(std::floor(point.x())), static_cast<int>(std::floor(point.y())));
       while (next < cells.size() && cells[next] != cell) ++next;
-      ASSERT_LT(next, cells.size()) << "a cell was left out";
+      ASSERT_LT(next, cells.size()) << "a cell was skipped";
     }
   }
 }
@@ -62,7 +62,7 @@ bool occupied_beside(const Eigen::Vector2d& point) {
   return false;
 }
 
-TEST(FloorPlan, agrees_with_the_rays_cast_from_the_way) {
+TEST(FloorPlan, agrees_with_the_rays_cast_from_the_trajectory) {
   const LaserModel& laser = world().laser;
   for (std::int64_t scan = 0; scan < scans; scan += 7) {
     const SE2 at = world().world_from_body(world().time_of(scan)) * laser.body_from_laser;
@@ -80,7 +80,7 @@ TEST(FloorPlan, agrees_with_the_rays_cast_from_the_way) {
   }
 }
 
-TEST(FloorPlan, knows_walls_glass_and_what_nobody_sees) {
+TEST(FloorPlan, has_walls_glass_and_unobserved_cells) {
   EXPECT_EQ(plan().at({1.0, 0.0}), PlanCell::free);
   EXPECT_EQ(plan().at({1.0, 0.99}), PlanCell::free);
   EXPECT_EQ(plan().at({1.0, 1.01}), PlanCell::occupied) << "the wall's face is at y = 1";
@@ -91,26 +91,26 @@ TEST(FloorPlan, knows_walls_glass_and_what_nobody_sees) {
   EXPECT_EQ(plan().at({1e9, 0.0}), PlanCell::unknown);
 }
 
-TEST(FloorPlan, is_the_same_for_any_threads_and_lies_in_a_file_as_map_server_reads_it) {
+TEST(FloorPlan, is_the_same_for_any_threads_and_is_written_in_the_format_of_map_server) {
   TaskPool one(1), three(3);
   const auto one_folder = scratch_folder("one"), three_folder = scratch_folder("three");
   write_floor_plan(true_floor_plan(world(), 12, 0.05, one), one_folder);
   write_floor_plan(true_floor_plan(world(), 12, 0.05, three), three_folder);
   const std::string pgm = read_text_file((one_folder / "floor_plan.pgm").string());
   EXPECT_EQ(pgm, read_text_file((three_folder / "floor_plan.pgm").string()));
-  const std::string head = "P5\n# 0.05 m a cell\n" + std::to_string(plan().cells.width()) + " " +
+  const std::string head = "P5\n# 0.05 m per cell\n" + std::to_string(plan().cells.width()) + " " +
                            std::to_string(plan().cells.height()) + "\n255\n";
   ASSERT_TRUE(pgm.starts_with(head));
   ASSERT_EQ(pgm.size(), head.size() + static_cast<std::size_t>(plan().cells.width() * plan().cells.height()));
-  const auto grey = [&](double x, double y) {
+  const auto gray = [&](double x, double y) {
     const int column = static_cast<int>(std::floor((x - plan().low.x()) / 0.05));
     const int row = plan().cells.height() - 1 - static_cast<int>(std::floor((y - plan().low.y()) / 0.05));
     return static_cast<int>(
         static_cast<unsigned char>(pgm[head.size() + static_cast<std::size_t>(row * plan().cells.width() + column)]));
   };
-  EXPECT_EQ(grey(1.0, 0.0), 254);
-  EXPECT_EQ(grey(1.0, 1.01), 0);
-  EXPECT_EQ(grey(1.0, 1.10), 205);
+  EXPECT_EQ(gray(1.0, 0.0), 254);
+  EXPECT_EQ(gray(1.0, 1.01), 0);
+  EXPECT_EQ(gray(1.0, 1.10), 205);
   const std::string yaml = read_text_file((one_folder / "floor_plan.yaml").string());
   EXPECT_NE(yaml.find("image: floor_plan.pgm\nresolution: 0.05\norigin: ["), std::string::npos) << yaml;
 }

@@ -9,11 +9,11 @@
 
 namespace rastro {
 
-/// Exact first meeting of a ray with a solid from outside. The oracle and the renderer share this one function, so that
-/// both give the same bits. Origins are given in the solid's frame, because a camera's stays the same for a whole
-/// picture.
-struct Meeting {
-  double t = std::numeric_limits<double>::infinity();  ///< Infinite when the solid is missed.
+/// Exact first intersection of a ray with a solid from outside. The oracle and the renderer share this one function, so
+/// that both give the same bits. Origins are given in the solid's frame, because the camera's origin is the same for a
+/// whole image.
+struct Intersection {
+  double t = std::numeric_limits<double>::infinity();  ///< Infinite if the ray misses the solid.
   int face = 0;
 };
 
@@ -24,12 +24,13 @@ inline Eigen::Vector3d to_local(const Primitive& primitive, const Eigen::Vector3
 
 namespace detail {
 
-/// Steps along each axis' unit of way. A tiny slope in place of zero keeps infinity times zero out.
+/// Path length per step along each axis. A tiny slope in place of zero avoids infinity times zero.
 inline Eigen::Vector3d inverse_of(const Eigen::Vector3d& direction) {
   return direction.unaryExpr([](double slope) { return 1.0 / (slope == 0.0 ? 1e-300 : slope); });
 }
 
-inline Meeting meet_box(const Eigen::Vector3d& half, const Eigen::Vector3d& origin, const Eigen::Vector3d& inverses) {
+inline Intersection intersect_box(const Eigen::Vector3d& half, const Eigen::Vector3d& origin,
+                                  const Eigen::Vector3d& inverses) {
   double enter = 0.0, leave = std::numeric_limits<double>::infinity();
   int face = -1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -47,7 +48,8 @@ inline Meeting meet_box(const Eigen::Vector3d& half, const Eigen::Vector3d& orig
   return {enter, face};
 }
 
-inline Meeting meet_quad(const Eigen::Vector3d& half, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+inline Intersection intersect_quad(const Eigen::Vector3d& half, const Eigen::Vector3d& origin,
+                                   const Eigen::Vector3d& direction) {
   const double t = -origin.z() / direction.z();
   if (!(t > 0.0)) return {};
   const double x = origin.x() + t * direction.x(), y = origin.y() + t * direction.y();
@@ -55,16 +57,16 @@ inline Meeting meet_quad(const Eigen::Vector3d& half, const Eigen::Vector3d& ori
   return {t, 0};
 }
 
-/// Nearer positive root of a t^2 + 2 b t + c = 0 from outside (c > 0); infinite when there is none.
+/// Smaller positive root of a t^2 + 2 b t + c = 0 from outside (c > 0); infinite if there is none.
 inline double nearer_root(double a, double b, double c) {
   const double discriminant = b * b - a * c;
   if (!(discriminant >= 0.0) || c <= 0.0 || b >= 0.0) return std::numeric_limits<double>::infinity();
-  // The form without cancellation of the nearer root.
+  // The form of the smaller root without cancellation.
   return c / (-b + std::sqrt(discriminant));
 }
 
-inline Meeting meet_cylinder(const Eigen::Vector3d& half, const Eigen::Vector3d& origin,
-                             const Eigen::Vector3d& direction) {
+inline Intersection intersect_cylinder(const Eigen::Vector3d& half, const Eigen::Vector3d& origin,
+                                       const Eigen::Vector3d& direction) {
   const double a = direction.x() * direction.x() + direction.y() * direction.y();
   const double b = origin.x() * direction.x() + origin.y() * direction.y();
   const double c = origin.x() * origin.x() + origin.y() * origin.y() - half.x() * half.x();
@@ -78,35 +80,35 @@ inline Meeting meet_cylinder(const Eigen::Vector3d& half, const Eigen::Vector3d&
   return {cap, direction.z() > 0.0 ? 2 : 1};
 }
 
-inline Meeting meet_sphere(const Eigen::Vector3d& half, const Eigen::Vector3d& origin,
-                           const Eigen::Vector3d& direction) {
+inline Intersection intersect_sphere(const Eigen::Vector3d& half, const Eigen::Vector3d& origin,
+                                     const Eigen::Vector3d& direction) {
   return {nearer_root(direction.squaredNorm(), origin.dot(direction), origin.squaredNorm() - half.x() * half.x()), 0};
 }
 
 }  // namespace detail
 
-/// `inverse_in_world`: detail::inverse_of(direction_in_world), which many solids share.
-inline Meeting meet(const Primitive& primitive, const Eigen::Vector3d& origin_in_local,
-                    const Eigen::Vector3d& direction_in_world, const Eigen::Vector3d& inverse_in_world) {
+/// `inverse_in_world`: detail::inverse_of(direction_in_world), common to many solids.
+inline Intersection intersect(const Primitive& primitive, const Eigen::Vector3d& origin_in_local,
+                              const Eigen::Vector3d& direction_in_world, const Eigen::Vector3d& inverse_in_world) {
   if (primitive.aligned && primitive.shape == Shape::box)
-    return detail::meet_box(primitive.half, origin_in_local, inverse_in_world);
+    return detail::intersect_box(primitive.half, origin_in_local, inverse_in_world);
   const Eigen::Vector3d direction = to_local(primitive, direction_in_world);
   switch (primitive.shape) {
     case Shape::box:
-      return detail::meet_box(primitive.half, origin_in_local, detail::inverse_of(direction));
+      return detail::intersect_box(primitive.half, origin_in_local, detail::inverse_of(direction));
     case Shape::quad:
-      return detail::meet_quad(primitive.half, origin_in_local, direction);
+      return detail::intersect_quad(primitive.half, origin_in_local, direction);
     case Shape::cylinder:
-      return detail::meet_cylinder(primitive.half, origin_in_local, direction);
+      return detail::intersect_cylinder(primitive.half, origin_in_local, direction);
     case Shape::sphere:
-      return detail::meet_sphere(primitive.half, origin_in_local, direction);
+      return detail::intersect_sphere(primitive.half, origin_in_local, direction);
   }
   return {};
 }
 
-inline Meeting meet(const Primitive& primitive, const Eigen::Vector3d& origin_in_local,
-                    const Eigen::Vector3d& direction_in_world) {
-  return meet(primitive, origin_in_local, direction_in_world, detail::inverse_of(direction_in_world));
+inline Intersection intersect(const Primitive& primitive, const Eigen::Vector3d& origin_in_local,
+                              const Eigen::Vector3d& direction_in_world) {
+  return intersect(primitive, origin_in_local, direction_in_world, detail::inverse_of(direction_in_world));
 }
 
 }  // namespace rastro

@@ -42,7 +42,7 @@ class KinectShot {
   }
 
  private:
-  /// Standard normal to within what disparities can tell (Irwin and Hall).
+  /// Standard normal to the precision of disparities (Irwin and Hall).
   static float quick_normal(std::uint64_t bits) {
     const auto sum =
         static_cast<std::int32_t>((bits & 0xFFFF) + ((bits >> 16) & 0xFFFF) + ((bits >> 32) & 0xFFFF) + (bits >> 48));
@@ -73,7 +73,7 @@ class KinectShot {
     for (int x = 0; x < width_; ++x) {
       const std::uint64_t bits = random.next();
       const bool edge = on_edge(x, y);
-      // At an edge the matching takes what lies beside it as often as not.
+      // At an edge the matching takes the depth of either side equally often.
       const int seen_x = edge ? std::clamp(x + static_cast<int>((bits >> 32) % 3) - 1, 0, width_ - 1) : x;
       result[x] = 0;
       const float z = depth[seen_x];
@@ -83,7 +83,7 @@ class KinectShot {
     }
   }
 
-  /// The projector stands to the right: what it sees of a row is ordered by x - d as the camera's is by x.
+  /// The projector is to the right: in its view a row is ordered by x - d, in the camera's by x.
   void find_shadows(const float* depth, std::vector<char>& in_shadow) const {
     const float strength = focal_ * static_cast<float>(model_.baseline_m);
     float leftmost = std::numeric_limits<float>::infinity();
@@ -98,7 +98,7 @@ class KinectShot {
     const float z = exact_.depth.at(x, y);
     const auto jumps = [&](int other_x, int other_y) {
       other_x = std::clamp(other_x, 0, width_ - 1), other_y = std::clamp(other_y, 0, height_ - 1);
-      // On one face depth changes steadily; only a step to another one is an edge.
+      // On one face depth changes smoothly; only a step to another one is an edge.
       return exact_.surface.at(other_x, other_y) != exact_.surface.at(x, y) &&
              std::abs(exact_.depth.at(other_x, other_y) - z) > 0.03F * z;
     };
@@ -109,7 +109,7 @@ class KinectShot {
     if (!(z >= static_cast<float>(model_.nearest_m) && z <= static_cast<float>(model_.farthest_m))) return true;
     const float chance = static_cast<float>(bits >> 40) * 0x1.0p-24F;
     if (edge && chance < 0.4F) return true;
-    // Whole patches go, not single pixels: the matching looks at windows.
+    // Whole patches are missing, not single pixels: the matching uses windows.
     const float patch = std::clamp(0.5F + 0.2F * coarse_noise(x, y) + 0.3F * (chance - 0.5F), 0.001F, 0.999F);
     const Surface& surface = renderer_.scene().surfaces()[exact_.surface.at(x, y)];
     if (surface.material.infrared < 1.0F && patch > surface.material.infrared) return true;
@@ -118,7 +118,7 @@ class KinectShot {
     return !renderer_.scene().glass().empty() && lost_in_glass(x, y, z, chance);
   }
 
-  /// Tangent of the angle between the line of sight and the surface's normal, about.
+  /// Approximate tangent of the angle between the line of sight and the surface's normal.
   float steepness(int x, int y, float z) const {
     const auto slope = [&](int other_x, int other_y) {
       if (exact_.surface.at(other_x, other_y) != exact_.surface.at(x, y)) return 0.0F;
@@ -128,16 +128,16 @@ class KinectShot {
     return std::sqrt(along_x * along_x + along_y * along_y);
   }
 
-  /// Patches of 3 cm that change with the direction they are looked at from.
+  /// Patches of 3 cm that change with the viewing direction.
   bool lost_in_glass(int x, int y, float z, float chance) const {
     if (!may_show_glass(x, y)) return false;
     const Eigen::Vector3d direction = rotation_ * renderer_.ray(x, y);
     for (const GlassSheet& sheet : renderer_.scene().glass()) {
-      const double t = sheet.meet(world_from_camera_.translation(), direction);
+      const double t = sheet.intersect(world_from_camera_.translation(), direction);
       if (!(t < static_cast<double>(z))) continue;
-      const Eigen::Vector3d place = world_from_camera_.translation() + t * direction - sheet.centre;
-      const auto cell = [](double metres, double size) {
-        return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(metres / size)));
+      const Eigen::Vector3d place = world_from_camera_.translation() + t * direction - sheet.center;
+      const auto cell = [](double meters, double size) {
+        return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(meters / size)));
       };
       const std::uint64_t u = cell(place.dot(sheet.right.normalized()), 0.03),
                           v = cell(place.dot(sheet.down.normalized()), 0.03),
@@ -153,13 +153,13 @@ class KinectShot {
     return x >= glass_low_.x() && y >= glass_low_.y() && x <= glass_high_.x() && y <= glass_high_.y();
   }
 
-  /// Bounds of all the glass in the picture; all of it where a sheet reaches behind the camera.
+  /// Bounds of all glass in the image; the whole image if a sheet reaches behind the camera.
   void find_glass() {
     const SE3 camera_from_world = world_from_camera_.inverse();
     for (const GlassSheet& sheet : renderer_.scene().glass())
       for (const double right : {-0.5, 0.5})
         for (const double down : {-0.5, 0.5}) {
-          const Eigen::Vector3d corner = camera_from_world * (sheet.centre + right * sheet.right + down * sheet.down);
+          const Eigen::Vector3d corner = camera_from_world * (sheet.center + right * sheet.right + down * sheet.down);
           const auto pixel = renderer_.camera().project(corner);
           if (corner.z() < 0.05 || !pixel) {
             glass_low_ = {0, 0}, glass_high_ = {width_, height_};
@@ -174,9 +174,9 @@ class KinectShot {
     const float strength = focal_ * static_cast<float>(model_.baseline_m), step = static_cast<float>(model_.step_px);
     const float disparity = std::round((strength / z + disparity_noise) / step) * step;
     if (!(disparity > 0.0F)) return 0;
-    const float metres = strength / disparity;
-    if (metres < static_cast<float>(model_.nearest_m) || metres > static_cast<float>(model_.farthest_m)) return 0;
-    return static_cast<std::uint16_t>(std::min(65535.0F, metres * static_cast<float>(model_.units_per_metre) + 0.5F));
+    const float meters = strength / disparity;
+    if (meters < static_cast<float>(model_.nearest_m) || meters > static_cast<float>(model_.farthest_m)) return 0;
+    return static_cast<std::uint16_t>(std::min(65535.0F, meters * static_cast<float>(model_.units_per_meter) + 0.5F));
   }
 
   const RenderedFrame& exact_;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double wall_z = 2.0, thing_z = 1.2;
 
-/// A wall that is looked at squarely, and a thing in front of its middle.
+/// A frontal wall with an object in front of its center.
 struct Stage {
   std::unique_ptr<Scene> scene = std::make_unique<Scene>();
   Camera camera;
@@ -37,7 +37,7 @@ Stage stage(bool with_thing, int threads = 2, float infrared = 1.0F) {
   return result;
 }
 
-TEST(KinectModel, depths_are_steps_of_disparity_with_the_noise_that_belongs_to_them) {
+TEST(KinectModel, depths_are_quantized_disparities_with_noise) {
   const Stage flat = stage(false);
   const KinectModel model;
   const double strength = flat.camera.fx * model.baseline_m;
@@ -46,15 +46,15 @@ TEST(KinectModel, depths_are_steps_of_disparity_with_the_noise_that_belongs_to_t
   for (int y = 0; y < flat.camera.height; ++y)
     for (int x = 0; x < flat.camera.width; ++x) {
       ASSERT_GT(flat.raw.at(x, y), 0) << "a wall has no holes, " << x << ' ' << y;
-      const double z = flat.raw.at(x, y) / model.units_per_metre, steps = strength / z / model.step_px;
-      // Half a unit of the picture is a hundredth of a step here.
+      const double z = flat.raw.at(x, y) / model.units_per_meter, steps = strength / z / model.step_px;
+      // Half a unit of the image is a hundredth of a step here.
       ASSERT_NEAR(steps, std::round(steps), 0.012) << z;
       sum += z - wall_z, squares += (z - wall_z) * (z - wall_z), ++measured;
     }
-  const double metres_per_px = wall_z * wall_z / strength;
-  const double sigma = metres_per_px * std::hypot(model.fine_noise_px, model.coarse_noise_px, model.step_px / 3.46);
+  const double meters_per_px = wall_z * wall_z / strength;
+  const double sigma = meters_per_px * std::hypot(model.fine_noise_px, model.coarse_noise_px, model.step_px / 3.46);
   EXPECT_NEAR(std::sqrt(squares / measured), sigma, 0.25 * sigma);
-  EXPECT_LT(std::abs(sum / measured), 0.25 * metres_per_px * model.step_px);
+  EXPECT_LT(std::abs(sum / measured), 0.25 * meters_per_px * model.step_px);
 }
 
 TEST(KinectModel, holes_are_at_edges_and_in_the_shadow_of_the_projector) {
@@ -79,7 +79,7 @@ TEST(KinectModel, holes_are_at_edges_and_in_the_shadow_of_the_projector) {
   EXPECT_EQ(in_shadow_lost, in_shadow);
 }
 
-TEST(KinectModel, what_sends_no_infrared_back_has_no_depth_and_threads_do_not_matter) {
+TEST(KinectModel, surfaces_without_infrared_have_no_depth_and_threads_do_not_matter) {
   const Stage dark = stage(true, 1, 0.0F), one = stage(true, 1), eight = stage(true, 8);
   for (int y = 0; y < one.camera.height; ++y)
     for (int x = 0; x < one.camera.width; ++x) {

@@ -11,8 +11,8 @@ constexpr double nothing = std::numeric_limits<double>::infinity();
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// Distance along a ray of unit direction to a pane; infinite where it is missed.
-double meet_pane(const GlassPane& pane, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction) {
+/// Distance along a ray of unit direction to a pane; infinite if it misses.
+double intersect_pane(const GlassPane& pane, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction) {
   const Eigen::Vector2d side = pane.to - pane.from, to_pane = pane.from - origin;
   const double turn = cross(direction, side);
   const double range = cross(to_pane, side) / turn, along = cross(to_pane, direction) / turn;
@@ -20,7 +20,7 @@ double meet_pane(const GlassPane& pane, const Eigen::Vector2d& origin, const Eig
   return met ? range : nothing;
 }
 
-/// What the beam comes back from.
+/// The object that reflects the beam.
 double seen_range(const LaserHit& hit, const LaserModel& model, Random& random) {
   if (!hit.glass_range) return hit.range;
   const double chance = random.uniform();
@@ -32,8 +32,8 @@ double seen_range(const LaserHit& hit, const LaserModel& model, Random& random) 
 float measured(double range, const LaserModel& model, Random& random) {
   const double noisy = range + model.range_sigma * random.normal();
   if (random.uniform() < model.dropout_share || noisy <= model.min_range) return 0.0F;
-  const double millimetres = std::round(1000.0 * noisy);
-  return static_cast<float>(std::isfinite(noisy) ? std::min(1e-3 * millimetres, model.max_range) : model.max_range);
+  const double millimeters = std::round(1000.0 * noisy);
+  return static_cast<float>(std::isfinite(noisy) ? std::min(1e-3 * millimeters, model.max_range) : model.max_range);
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ LaserHit trace_level(const Scene& scene, std::span<const GlassPane> panes, const
   hit.range = solid ? solid->t : nothing;
   double nearest = hit.range;
   for (const GlassPane& pane : panes) {
-    const double range = meet_pane(pane, origin, direction);
+    const double range = intersect_pane(pane, origin, direction);
     if (range >= nearest) continue;
     nearest = range;
     hit.glass_range = range;

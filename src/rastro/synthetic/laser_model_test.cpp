@@ -16,7 +16,7 @@ Material plain() {
   return {[](Canvas& canvas, Random&) { canvas.fill(100.0F); }, 1.0};
 }
 
-/// A room whose walls stand at x = -4, x = 6, y = -2 and y = 3, with a column of 0.25 m at (2, 1).
+/// A room with walls at x = -4, x = 6, y = -2 and y = 3, and a column of 0.25 m at (2, 1).
 Scene room() {
   Scene scene;
   scene.add_box({-4.1, 0.5, 1.0}, {0.2, 6.0, 2.0}, plain());
@@ -35,7 +35,7 @@ double wall_range(const Eigen::Vector2d& at, double angle) {
   return std::min(along_x, along_y);
 }
 
-/// Nearer crossing of a ray with the column's circle, by the angle at which it is seen.
+/// Nearer intersection of a ray with the column's circle, from the angle to its center.
 double column_range(const Eigen::Vector2d& at, double angle) {
   const Eigen::Vector2d way = Eigen::Vector2d(2.0, 1.0) - at;
   const double off = angle - std::atan2(way.y(), way.x()), aside = way.norm() * std::sin(off);
@@ -53,7 +53,7 @@ TEST(LaserModel, ranges_are_those_of_the_walls_and_the_column) {
     }
 }
 
-TEST(LaserModel, a_scan_without_noise_is_the_truth_in_millimetres) {
+TEST(LaserModel, a_scan_without_noise_is_exact_to_the_millimeter) {
   const Scene scene = room();
   LaserModel model;
   model.range_sigma = 0.0, model.dropout_share = 0.0, model.max_range = 5.0;
@@ -76,7 +76,7 @@ TEST(LaserModel, a_scan_without_noise_is_the_truth_in_millimetres) {
   EXPECT_GT(free, 20);
 }
 
-TEST(LaserModel, noise_and_dropouts_are_as_large_as_said) {
+TEST(LaserModel, noise_and_dropouts_have_the_given_size) {
   const Scene scene = room();
   const LaserModel model;
   const SE2 pose(SO2(), {-1.0, 0.5});
@@ -98,7 +98,7 @@ TEST(LaserModel, noise_and_dropouts_are_as_large_as_said) {
   EXPECT_NEAR(std::sqrt(squares / measured), 0.01, 0.0002);
 }
 
-TEST(LaserModel, glass_is_a_mirror_from_the_front_and_hardly_there_from_aside) {
+TEST(LaserModel, glass_reflects_from_the_front_and_hardly_from_the_side) {
   const Scene scene = room();
   const std::vector<GlassPane> panes = {{{3.0, -1.9}, {3.0, 2.9}}};
   const LaserHit hit = trace_level(scene, panes, {0.0, -1.0}, 0.35, 30.0 * degree);
@@ -106,7 +106,7 @@ TEST(LaserModel, glass_is_a_mirror_from_the_front_and_hardly_there_from_aside) {
   EXPECT_NEAR(*hit.glass_range, 3.0 / std::cos(30.0 * degree), 1e-12);
   EXPECT_NEAR(hit.glass_slope, std::cos(30.0 * degree), 1e-12);
   EXPECT_FALSE(trace_level(scene, panes, {0.0, -1.0}, 0.35, 170.0 * degree).glass_range) << "it is behind";
-  EXPECT_FALSE(trace_level(scene, panes, {0.0, 1.0}, 0.35, 0.0).glass_range) << "the column is before it";
+  EXPECT_FALSE(trace_level(scene, panes, {0.0, 1.0}, 0.35, 0.0).glass_range) << "the column is in front of it";
   LaserModel model;
   model.beams = 3, model.first_angle = -40.0 * degree, model.angle_step = 40.0 * degree;
   model.range_sigma = 0.0, model.dropout_share = 0.0;
@@ -117,7 +117,7 @@ TEST(LaserModel, glass_is_a_mirror_from_the_front_and_hardly_there_from_aside) {
     mirrored += std::abs(scan.ranges[1] - 2.8F) < 0.001F ? 1 : 0;
     lost += scan.is_free(2) ? 1 : 0;
     through += std::abs(static_cast<double>(scan.ranges[2]) - wall_range({0.2, -1.0}, 40.0 * degree)) < 0.001 ? 1 : 0;
-    ASSERT_FALSE(scan.is_free(0)) << "the wall is before the glass";
+    ASSERT_FALSE(scan.is_free(0)) << "the wall is in front of the glass";
   }
   EXPECT_NEAR(mirrored, 0.80 * times, 120);
   EXPECT_NEAR(lost, 0.15 * times, 100);

@@ -6,9 +6,9 @@
 
 namespace rastro {
 
-/// A straight edge of a thing in a generated world, where it can be measured from.
+/// A straight edge of an object in a generated world, as the end of a length.
 struct NamedEdge {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< In the world, metres.
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  ///< In the world, meters.
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
 };
 
@@ -17,7 +17,7 @@ struct NamedLength {
   std::string name;
   double length_m = 0.0;
   NamedEdge a, b;
-  Eigen::Vector3d face = Eigen::Vector3d::Zero();  ///< A place on the face that both bound.
+  Eigen::Vector3d face = Eigen::Vector3d::Zero();  ///< A point on the face that both bound.
 };
 
 }  // namespace rastro

@@ -18,16 +18,16 @@ WheelOdometry::WheelOdometry(const OdometryModel& model, std::uint64_t seed) : m
   if (!(model.factor >= 0.0 && model.factor <= 100.0))
     throw Error("the odometry's error is out of range", "odometry error", "use a factor of 0 to 100");
   const double constant = model.factor * model.constant_share;
-  metre_scale_ = constant * drawn_sign(random_) * model.error_per_metre;
+  meter_scale_ = constant * drawn_sign(random_) * model.error_per_meter;
   turn_scale_ = constant * drawn_sign(random_) * model.error_per_eighth / eighth;
 }
 
 const SE2& WheelOdometry::move(const SE2& before_from_body) {
   const Eigen::Vector3d motion = before_from_body.log();
   const double way = motion.head<2>().norm(), turn = std::abs(motion.z());
-  // Variances add up along the way, so that the spread after a unit is the rest of the model's size.
+  // Variances add up along the path; the rate gives the remaining part of the model's size after a unit.
   const double rest = model_.factor * std::sqrt(1.0 - model_.constant_share * model_.constant_share);
-  const double longer = metre_scale_ * way + rest * model_.error_per_metre * std::sqrt(way) * random_.normal();
+  const double longer = meter_scale_ * way + rest * model_.error_per_meter * std::sqrt(way) * random_.normal();
   const double more =
       turn_scale_ * motion.z() + rest * model_.error_per_eighth * std::sqrt(turn / eighth) * random_.normal();
   Eigen::Vector3d counted = motion;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
 
-/// Root mean square over many robots of what `motion`, cut into steps, is off: metres and radians.
+/// RMS error over many robots of `motion`, divided into steps: meters and radians.
 Eigen::Vector2d error_after(const Eigen::Vector3d& motion, int steps, double factor) {
   const int robots = 4000;
   Eigen::Vector2d squares = Eigen::Vector2d::Zero();
@@ -26,7 +26,7 @@ Eigen::Vector2d error_after(const Eigen::Vector3d& motion, int steps, double fac
   return (squares / robots).cwiseSqrt();
 }
 
-TEST(WheelOdometry, is_2_cm_off_after_a_metre_and_2_degrees_after_45_however_it_is_cut) {
+TEST(WheelOdometry, has_an_error_of_2_cm_after_a_meter_and_2_degrees_after_45_for_any_step) {
   for (const int steps : {1, 7, 40}) {
     EXPECT_NEAR(error_after({1.0, 0.0, 0.0}, steps, 1.0).x(), 0.02, 0.0008) << steps;
     EXPECT_NEAR(error_after({0.0, 0.0, 45.0 * degree}, steps, 1.0).y(), 2.0 * degree, 0.08 * degree) << steps;
@@ -40,12 +40,12 @@ TEST(WheelOdometry, the_factor_multiplies_both_errors) {
   EXPECT_NEAR(error_after({1.0, 0.0, 0.5}, 10, 0.0).norm(), 0.0, 1e-12);
 }
 
-TEST(WheelOdometry, the_constant_part_grows_with_the_way_and_the_rest_with_its_root) {
+TEST(WheelOdometry, the_constant_part_grows_with_the_path_length_and_the_rest_with_its_root) {
   const double after_nine = error_after({9.0, 0.0, 0.0}, 20, 1.0).x();
   EXPECT_NEAR(after_nine, 0.02 * std::sqrt(81.0 * 0.49 + 9.0 * 0.51), 0.005);
 }
 
-TEST(WheelOdometry, standing_still_counts_nothing_and_nonsense_is_refused) {
+TEST(WheelOdometry, at_rest_nothing_is_counted_and_invalid_options_are_refused) {
   WheelOdometry wheels({}, 5);
   EXPECT_EQ(wheels.move(SE2()).log().norm(), 0.0);
   EXPECT_THROW(WheelOdometry({.factor = -1.0}, 1), Error);

@@ -11,7 +11,7 @@ SE3 CameraPath::world_from_camera(double time_s) const {
   const auto first = static_cast<std::int64_t>(std::floor(knots));
   const double f = knots - static_cast<double>(first);
   const SE3 controls[4] = {controls_(first - 1), controls_(first), controls_(first + 1), controls_(first + 2)};
-  // Sums of the B-spline weights from the second, third and fourth control on.
+  // Cumulative B-spline weights from the second, third and fourth control on.
   const double from_second = (5.0 + 3.0 * f - 3.0 * f * f + f * f * f) / 6.0;
   const double from_third = (1.0 + 3.0 * f + 3.0 * f * f - 2.0 * f * f * f) / 6.0;
   const double from_fourth = f * f * f / 6.0;

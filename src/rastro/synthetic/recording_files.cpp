@@ -38,12 +38,12 @@ void check_folder(const fs::path& folder, bool force) {
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     throw Error("this is not a folder", folder.string(), "choose another --out");
   if (!force && fs::exists(folder, error) && !fs::is_empty(folder, error))
-    throw Error("the folder is not empty", folder.string(), "choose another --out or say --force");
+    throw Error("the folder is not empty", folder.string(), "choose another --out or use --force");
 }
 
 std::uintmax_t write_png(const fs::path& file, const cv::Mat& picture) {
   std::vector<std::uint8_t> bytes;
-  // Without a level OpenCV takes the fastest one with row differences, which suits both pictures and smooth depth.
+  // Without a level OpenCV uses the fastest one with row differences, which suits both images and smooth depth.
   if (!cv::imencode(".png", picture, bytes)) fail_to_write(file);
   std::ofstream stream(file, std::ios::binary);
   stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -52,9 +52,9 @@ std::uintmax_t write_png(const fs::path& file, const cv::Mat& picture) {
   return bytes.size();
 }
 
-cv::Mat grey_picture(const GreyImage& grey) {
-  return {grey.height(), grey.width(), CV_8U, const_cast<std::uint8_t*>(grey.row(0)),
-          static_cast<std::size_t>(grey.stride())};
+cv::Mat gray_image(const GrayImage& gray) {
+  return {gray.height(), gray.width(), CV_8U, const_cast<std::uint8_t*>(gray.row(0)),
+          static_cast<std::size_t>(gray.stride())};
 }
 
 }  // namespace rastro

@@ -12,9 +12,9 @@
 
 namespace rastro {
 
-// What the writers of recordings share. All throw Error, naming the file, where something cannot be written.
+// Shared by the writers of recordings. All throw Error, naming the file, if something cannot be written.
 
-/// A text file that is on the disk after every write.
+/// A text file that is flushed to disk after every write.
 class TextFile {
  public:
   explicit TextFile(const std::filesystem::path& file, const std::string& head = "");
@@ -26,11 +26,11 @@ class TextFile {
 };
 
 void make_folder(const std::filesystem::path& folder);
-/// Error where the folder is a file, or holds something and `force` is not set.
+/// Throws Error if the folder is a file, or is not empty and `force` is not set.
 void check_folder(const std::filesystem::path& folder, bool force);
 /// Returns the size of the file.
 std::uintmax_t write_png(const std::filesystem::path& file, const cv::Mat& picture);
-/// Shares the pixels of `grey`, which are not to be written to.
-cv::Mat grey_picture(const GreyImage& grey);
+/// Shares the pixels of `gray`, which must not be written to.
+cv::Mat gray_image(const GrayImage& gray);
 
 }  // namespace rastro

@@ -19,16 +19,16 @@ struct PixelHit {
   std::uint32_t surface = no_surface;
 };
 
-/// One picture in the making.
+/// One image being rendered.
 class Shot {
  public:
-  enum class Want { depth, grey, colour };
+  enum class Want { depth, gray, color };
 
   Shot(const Scene& scene, const Renderer& renderer, const SE3& world_from_camera, Want want)
       : scene_(scene),
         renderer_(renderer),
         rotation_(world_from_camera.rotation().matrix()),
-        centre_(world_from_camera.translation()),
+        center_(world_from_camera.translation()),
         step_x_(rotation_.col(0) / renderer.camera().fx),
         step_y_(rotation_.col(1) / renderer.camera().fy),
         viewed_(view_primitives(scene, world_from_camera)),
@@ -47,14 +47,14 @@ class Shot {
     });
   }
 
-  /// Averages several rays in pixels that more than one surface reaches.
+  /// Averages several rays in pixels with more than one surface.
   void smooth_edges(TaskPool& pool) {
     pool.for_chunks(0, light.height(), tile_px, [&](int begin, int end) {
       for (int y = begin; y < end; ++y)
         for (int x = 0; x < frame.depth.width(); ++x) {
           if (!on_edge(x, y)) continue;
-          if (want_ == Want::colour)
-            smooth(channels(x, y), x, y, [&](const PixelHit& hit, const Vector3d& ray) { return colour(hit, ray); });
+          if (want_ == Want::color)
+            smooth(channels(x, y), x, y, [&](const PixelHit& hit, const Vector3d& ray) { return color(hit, ray); });
           else
             smooth(light.at(x, y), x, y, [&](const PixelHit& hit, const Vector3d& ray) { return shade(hit, ray); });
         }
@@ -66,7 +66,7 @@ class Shot {
   using Vector3d = Eigen::Vector3d;
 
   static int light_width(int width, Want want) {
-    return want == Want::depth ? 0 : want == Want::colour ? 4 * width : width;
+    return want == Want::depth ? 0 : want == Want::color ? 4 * width : width;
   }
   Eigen::Map<Channels, Eigen::Aligned16> channels(int x, int y) {
     return Eigen::Map<Channels, Eigen::Aligned16>(light.row(y) + 4 * x);
@@ -88,7 +88,7 @@ class Shot {
     }
   }
 
-  /// Bounds of the rays of a range of tiles, half a pixel and more around for the rays of smooth_edges().
+  /// Bounds of the rays of a range of tiles, with a margin of half a pixel and more for the rays of smooth_edges().
   ViewWindow window_of(int column, int row, int end_column, int end_row) const {
     const Camera& camera = renderer_.camera();
     const int x0 = column * tile_px, x1 = std::min(camera.width, end_column * tile_px) - 1;
@@ -115,18 +115,18 @@ class Shot {
         const PixelHit hit = nearest(list, direction);
         frame.depth.at(x, y) = static_cast<float>(hit.depth);
         frame.surface.at(x, y) = hit.surface;
-        if (want_ == Want::grey) light.at(x, y) = shade(hit, direction);
-        if (want_ == Want::colour) channels(x, y) = colour(hit, direction);
+        if (want_ == Want::gray) light.at(x, y) = shade(hit, direction);
+        if (want_ == Want::color) channels(x, y) = color(hit, direction);
       }
   }
 
   static PixelHit nearest(const std::vector<const ViewedPrimitive*>& list, const Eigen::Vector3d& direction) {
-    Meeting best;
+    Intersection best;
     const Primitive* met = nullptr;
     const Eigen::Vector3d inverse = detail::inverse_of(direction);
     for (const ViewedPrimitive* viewed : list) {
       if (viewed->nearest_depth > best.t) break;
-      const Meeting meeting = meet(*viewed->primitive, viewed->origin_in_local, direction, inverse);
+      const Intersection meeting = intersect(*viewed->primitive, viewed->origin_in_local, direction, inverse);
       if (meeting.t >= best.t) continue;
       best = meeting;
       met = viewed->primitive;
@@ -135,14 +135,14 @@ class Shot {
     return {best.t, met->first_surface + static_cast<std::uint32_t>(best.face)};
   }
 
-  /// Where a ray meets a texture, and how much of it a pixel covers: in texels.
+  /// Texture coordinates of a ray, and the footprint of a pixel: in texels.
   struct Footprint {
     float x, y, dx_dx, dy_dx, dx_dy, dy_dy;
   };
 
   float shade(const PixelHit& hit, const Eigen::Vector3d& direction) const {
     if (hit.surface == no_surface) return 0.0F;
-    return sample(scene_.surfaces()[hit.surface].texture, footprint(hit, direction, centre_));
+    return sample(scene_.surfaces()[hit.surface].texture, footprint(hit, direction, center_));
   }
 
   static float sample(const Texture& texture, const Footprint& at) {
@@ -169,34 +169,33 @@ class Shot {
             dv_dy};
   }
 
-  /// Through glass in front of what was met.
-  Channels colour(const PixelHit& hit, const Eigen::Vector3d& direction) const {
-    Channels result = opaque_colour(hit, direction, centre_);
+  /// Through glass in front of the surface.
+  Channels color(const PixelHit& hit, const Eigen::Vector3d& direction) const {
+    Channels result = opaque_color(hit, direction, center_);
     for (const GlassSheet& sheet : scene_.glass()) {
-      const double glass = sheet.meet(centre_, direction);
+      const double glass = sheet.intersect(center_, direction);
       if (hit.surface == no_surface || glass < hit.depth) result = behind_glass(sheet, glass, direction, result);
     }
     return result;
   }
 
-  Channels opaque_colour(const PixelHit& hit, const Eigen::Vector3d& direction, const Eigen::Vector3d& origin) const {
+  Channels opaque_color(const PixelHit& hit, const Eigen::Vector3d& direction, const Eigen::Vector3d& origin) const {
     if (hit.surface == no_surface) return Channels::Zero();
     const Surface& surface = scene_.surfaces()[hit.surface];
     const Footprint at = footprint(hit, direction, origin);
-    if (surface.colours.empty()) return sample(surface.texture, at) * Channels(1.0F, 1.0F, 1.0F, 0.0F);
-    return surface.colours.sample(at.x, at.y, at.dx_dx, at.dy_dx, at.dx_dy, at.dy_dy);
+    if (surface.colors.empty()) return sample(surface.texture, at) * Channels(1.0F, 1.0F, 1.0F, 0.0F);
+    return surface.colors.sample(at.x, at.y, at.dx_dx, at.dy_dx, at.dx_dy, at.dy_dy);
   }
 
-  /// A pane takes a tenth of the light, more of its red, and mirrors the more the flatter it is looked at (Schlick
-  /// 1994).
+  /// A pane absorbs a tenth of the light, more of its red, and reflects more at grazing angles (Schlick 1994).
   Channels behind_glass(const GlassSheet& sheet, double t, const Eigen::Vector3d& direction,
                         const Channels& behind) const {
     const Eigen::Vector3d normal = sheet.right.cross(sheet.down).normalized();
     const double slope = std::abs(normal.dot(direction)) / direction.norm();
     const auto mirrored = static_cast<float>(0.08 + 0.92 * std::pow(1.0 - slope, 5.0));
-    const Eigen::Vector3d origin = centre_ + t * direction, away = direction - 2.0 * normal.dot(direction) * normal;
+    const Eigen::Vector3d origin = center_ + t * direction, away = direction - 2.0 * normal.dot(direction) * normal;
     const std::optional<RayHit> hit = scene_.trace(origin, away);
-    const Channels reflection = hit ? opaque_colour({hit->t, hit->surface}, away, origin) : Channels(Channels::Zero());
+    const Channels reflection = hit ? opaque_color({hit->t, hit->surface}, away, origin) : Channels(Channels::Zero());
     return (1.0F - mirrored) * behind * Channels(0.86F, 0.93F, 0.90F, 0.0F) + mirrored * reflection;
   }
 
@@ -208,7 +207,7 @@ class Shot {
            (y + 1 < frame.surface.height() && frame.surface.at(x, y + 1) != here);
   }
 
-  /// `value` is that of the pixel's centre, which becomes the mean.
+  /// `value` is that of the pixel's center, which becomes the mean.
   template <typename Value, typename Shader>
   void smooth(Value&& value, int x, int y, Shader&& shader) const {
     // A rotated square: four different offsets along x and along y resolve edges near both directions best.
@@ -226,7 +225,7 @@ class Shot {
   const Scene& scene_;
   const Renderer& renderer_;
   Eigen::Matrix3d rotation_;
-  Eigen::Vector3d centre_, step_x_, step_y_;
+  Eigen::Vector3d center_, step_x_, step_y_;
   std::vector<ViewedPrimitive> viewed_;
   int columns_, rows_;
   std::vector<std::vector<const ViewedPrimitive*>> lists_;
@@ -247,23 +246,23 @@ Renderer::Renderer(const Scene& scene, const Camera& camera) : scene_(&scene), c
     for (int x = 0; x < camera.width; ++x) {
       const std::optional<Eigen::Vector2d> ray = camera.unproject({x, y});
       if (!ray)
-        throw Error("the lens distortion cannot be undone in the whole image", "renderer",
+        throw Error("the lens distortion cannot be inverted in the whole image", "renderer",
                     "use weaker distortion coefficients");
       rays_.push_back(*ray);
     }
 }
 
 RenderedFrame Renderer::render(const SE3& world_from_camera, const SensorModel& sensor, const ShutterMotion& shutter,
-                               std::uint64_t noise_seed, TaskPool& pool, double time_s, bool in_colour) const {
+                               std::uint64_t noise_seed, TaskPool& pool, double time_s, bool in_color) const {
   const std::optional<Scene> moved = scene_->moves() ? std::optional(scene_->at(time_s)) : std::nullopt;
-  Shot shot(moved ? *moved : *scene_, *this, world_from_camera, in_colour ? Shot::Want::colour : Shot::Want::grey);
+  Shot shot(moved ? *moved : *scene_, *this, world_from_camera, in_color ? Shot::Want::color : Shot::Want::gray);
   shot.cast(pool);
   shot.smooth_edges(pool);
-  if (in_colour) {
-    shot.frame.colour = expose_colour(shot.light, shot.frame.depth, camera_, sensor, shutter, noise_seed, pool);
-    shot.frame.grey = grey_from_colour(shot.frame.colour);
+  if (in_color) {
+    shot.frame.color = expose_color(shot.light, shot.frame.depth, camera_, sensor, shutter, noise_seed, pool);
+    shot.frame.gray = gray_from_color(shot.frame.color);
   } else {
-    shot.frame.grey = expose(shot.light, shot.frame.depth, camera_, sensor, shutter, noise_seed, pool);
+    shot.frame.gray = expose(shot.light, shot.frame.depth, camera_, sensor, shutter, noise_seed, pool);
   }
   return std::move(shot.frame);
 }

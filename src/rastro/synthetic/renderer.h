@@ -17,29 +17,30 @@ namespace rastro {
 constexpr std::uint32_t no_surface = 0xFFFFFFFF;
 
 struct RenderedFrame {
-  GreyImage grey;
-  DepthImage depth;  ///< Exact depth along the optical axis at each pixel's centre, metres; 0 where nothing is met.
-  Image<std::uint32_t> surface;  ///< Surface met at each pixel's centre; no_surface where there is none.
-  ColourImage colour;            ///< Only where asked for; `grey` is then made from it.
+  GrayImage gray;
+  DepthImage
+      depth;  ///< Exact depth along the optical axis at each pixel's center, meters; 0 where the ray hits nothing.
+  Image<std::uint32_t> surface;  ///< Surface at each pixel's center; no_surface where there is none.
+  ColorImage color;              ///< Only on request; `gray` is then computed from it.
 };
 
-/// Casts one ray a pixel, more along the edges of solids, in small tiles that know which solids they may see.
-/// The scene must outlive the renderer. Rendering changes nothing in it and may run for several frames at once.
+/// Casts one ray per pixel, more along the edges of solids, in small tiles with lists of the solids they may show. The
+/// scene must outlive the renderer. Rendering does not modify the scene and may run for several frames at once.
 class Renderer {
  public:
-  /// Errors for a camera without size or whose distortion cannot be undone somewhere in the image.
+  /// Throws Error for a camera without size or whose distortion cannot be inverted somewhere in the image.
   Renderer(const Scene& scene, const Camera& camera);
 
-  /// The same bytes for any pool. Everything that moves is where it is at `time_s`.
+  /// The same bytes for any pool. Moving objects are at their poses at `time_s`.
   RenderedFrame render(const SE3& world_from_camera, const SensorModel& sensor, const ShutterMotion& shutter,
-                       std::uint64_t noise_seed, TaskPool& pool, double time_s = 0.0, bool in_colour = false) const;
+                       std::uint64_t noise_seed, TaskPool& pool, double time_s = 0.0, bool in_color = false) const;
   /// Only depth and surfaces.
   RenderedFrame cast(const SE3& world_from_camera, TaskPool& pool, double time_s = 0.0) const;
 
   const Scene& scene() const { return *scene_; }
 
   const Camera& camera() const { return camera_; }
-  /// Direction of a pixel's centre in the camera, with z = 1.
+  /// Direction of a pixel's center in the camera, with z = 1.
   Eigen::Vector3d ray(int x, int y) const {
     const std::size_t pixel =
         static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);

@@ -10,7 +10,7 @@
 namespace rastro {
 namespace {
 
-/// Which local axes a box's face picture runs along when it is looked at from outside with up as up.
+/// Local axes of the texture on each face of a box, seen from outside with up as up.
 struct FaceAxes {
   int normal, u, v;
   double sign_u, sign_v;
@@ -82,7 +82,7 @@ FacePoint sphere_face(const Primitive& primitive, const Eigen::Vector3d& local) 
 }
 
 FacePoint face_point_of(const Primitive& primitive, int face, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d local = to_local(primitive, point - primitive.centre);
+  const Eigen::Vector3d local = to_local(primitive, point - primitive.center);
   switch (primitive.shape) {
     case Shape::box:
       return flat_face(primitive, box_faces[face], (face & 1) != 0 ? -1.0 : 1.0, local);
@@ -100,7 +100,7 @@ FacePoint face_point_of(const Primitive& primitive, int face, const Eigen::Vecto
 }  // namespace
 
 std::uint32_t Scene::add(Primitive primitive, const Material& material) {
-  RASTRO_CHECK(material.paint && material.texels_per_metre > 0.0, "a solid needs a painted material");
+  RASTRO_CHECK(material.paint && material.texels_per_meter > 0.0, "a solid needs a painted material");
   primitive.aligned = primitive.world_from_local == Eigen::Matrix3d::Identity();
   primitive.first_surface = static_cast<std::uint32_t>(surfaces_->size());
   const auto number = static_cast<std::uint32_t>(primitives_.size());
@@ -118,10 +118,10 @@ std::uint32_t Scene::add(Primitive primitive, const Material& material) {
   return number;
 }
 
-std::uint32_t Scene::add_box(const Eigen::Vector3d& centre, const Eigen::Vector3d& size, const Material& material,
+std::uint32_t Scene::add_box(const Eigen::Vector3d& center, const Eigen::Vector3d& size, const Material& material,
                              double yaw) {
   Primitive box;
-  box.centre = centre;
+  box.center = center;
   box.half = 0.5 * size;
   if (yaw != 0.0) box.world_from_local = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   return add(box, material);
@@ -131,7 +131,7 @@ std::uint32_t Scene::add_cylinder(const Eigen::Vector3d& from, const Eigen::Vect
                                   const Material& material) {
   Primitive cylinder;
   cylinder.shape = Shape::cylinder;
-  cylinder.centre = 0.5 * (from + to);
+  cylinder.center = 0.5 * (from + to);
   cylinder.half = {radius, radius, 0.5 * (to - from).norm()};
   const Eigen::Vector3d axis = (to - from).normalized();
   if (axis != Eigen::Vector3d::UnitZ())
@@ -139,19 +139,19 @@ std::uint32_t Scene::add_cylinder(const Eigen::Vector3d& from, const Eigen::Vect
   return add(cylinder, material);
 }
 
-std::uint32_t Scene::add_sphere(const Eigen::Vector3d& centre, double radius, const Material& material) {
+std::uint32_t Scene::add_sphere(const Eigen::Vector3d& center, double radius, const Material& material) {
   Primitive sphere;
   sphere.shape = Shape::sphere;
-  sphere.centre = centre;
+  sphere.center = center;
   sphere.half.setConstant(radius);
   return add(sphere, material);
 }
 
-std::uint32_t Scene::add_quad(const Eigen::Vector3d& centre, const Eigen::Vector3d& right, const Eigen::Vector3d& down,
+std::uint32_t Scene::add_quad(const Eigen::Vector3d& center, const Eigen::Vector3d& right, const Eigen::Vector3d& down,
                               const Material& material) {
   Primitive quad;
   quad.shape = Shape::quad;
-  quad.centre = centre;
+  quad.center = center;
   quad.half = {0.5 * right.norm(), 0.5 * down.norm(), 0.0};
   quad.world_from_local.col(0) = right.normalized();
   quad.world_from_local.col(1) = -down.normalized();
@@ -164,7 +164,7 @@ void Scene::paint_face(std::uint32_t primitive, int face, const Material& materi
 }
 
 void Scene::begin_moving(Motion motion) {
-  RASTRO_CHECK(motion, "a thing that moves needs a motion");
+  RASTRO_CHECK(motion, "a moving object needs a motion");
   movers_.push_back({static_cast<std::uint32_t>(primitives_.size()), std::move(motion)});
 }
 
@@ -182,7 +182,7 @@ Scene Scene::at(double time_s) const {
     const SE3 world_from_rest = movers_[mover].motion(time_s);
     for (std::uint32_t number = movers_[mover].first; number < end_of(mover); ++number) {
       Primitive& primitive = result.primitives_[number];
-      primitive.centre = world_from_rest * primitive.centre;
+      primitive.center = world_from_rest * primitive.center;
       primitive.world_from_local = world_from_rest.rotation().matrix() * primitive.world_from_local;
       primitive.aligned = primitive.world_from_local == Eigen::Matrix3d::Identity();
     }
@@ -192,18 +192,19 @@ Scene Scene::at(double time_s) const {
 
 namespace {
 
-/// The nearest meeting among the solids that test() is called with.
-class NearestMeeting {
+/// The nearest intersection among the solids that test() is called with.
+class NearestIntersection {
  public:
-  NearestMeeting(const std::vector<Primitive>& primitives, const Eigen::Vector3d& origin,
-                 const Eigen::Vector3d& direction, double limit)
+  NearestIntersection(const std::vector<Primitive>& primitives, const Eigen::Vector3d& origin,
+                      const Eigen::Vector3d& direction, double limit)
       : primitives_(primitives), origin_(origin), direction_(direction), inverse_(detail::inverse_of(direction)) {
     best_.t = limit;
   }
-  /// Returns the distance that a solid has to beat from now on.
+  /// Returns the distance that the next solid has to undercut.
   double test(std::uint32_t number) {
     const Primitive& primitive = primitives_[number];
-    const Meeting meeting = meet(primitive, to_local(primitive, origin_ - primitive.centre), direction_, inverse_);
+    const Intersection meeting =
+        intersect(primitive, to_local(primitive, origin_ - primitive.center), direction_, inverse_);
     if (meeting.t < best_.t) {
       best_ = meeting;
       met_ = &primitive;
@@ -225,12 +226,12 @@ class NearestMeeting {
   const Eigen::Vector3d& origin_;
   const Eigen::Vector3d& direction_;
   Eigen::Vector3d inverse_;
-  Meeting best_;
+  Intersection best_;
   const Primitive* met_ = nullptr;
 };
 
-void test_still(NearestMeeting& nearest, const BoundsTree& tree, std::uint32_t count, const Eigen::Vector3d& origin,
-                const Eigen::Vector3d& direction) {
+void test_still(NearestIntersection& nearest, const BoundsTree& tree, std::uint32_t count,
+                const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
   if (tree.empty())
     nearest.test(0, count);
   else
@@ -241,7 +242,7 @@ void test_still(NearestMeeting& nearest, const BoundsTree& tree, std::uint32_t c
 
 std::optional<RayHit> Scene::trace(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                    double limit) const {
-  NearestMeeting nearest(primitives_, origin, direction, limit);
+  NearestIntersection nearest(primitives_, origin, direction, limit);
   test_still(nearest, *tree_, still_count(), origin, direction);
   nearest.test(still_count(), static_cast<std::uint32_t>(primitives_.size()));
   return nearest.hit();
@@ -249,7 +250,7 @@ std::optional<RayHit> Scene::trace(const Eigen::Vector3d& origin, const Eigen::V
 
 std::optional<RayHit> Scene::trace_beside(std::uint32_t primitive, const Eigen::Vector3d& origin,
                                           const Eigen::Vector3d& direction, double limit) const {
-  NearestMeeting nearest(primitives_, origin, direction, limit);
+  NearestIntersection nearest(primitives_, origin, direction, limit);
   if (primitive < still_count()) test_still(nearest, *tree_, still_count(), origin, direction);
   for (std::size_t mover = 0; mover < movers_.size(); ++mover)
     if (primitive >= movers_[mover].first && primitive < end_of(mover))
@@ -262,9 +263,9 @@ FacePoint Scene::face_point(std::uint32_t surface, const Eigen::Vector3d& point)
   return face_point_of(primitives_[face.primitive], face.face, point);
 }
 
-bool Scene::touches(const Eigen::Vector3d& centre, double radius) const {
+bool Scene::touches(const Eigen::Vector3d& center, double radius) const {
   for (const Primitive& primitive : primitives_) {
-    const Eigen::Vector3d local = to_local(primitive, centre - primitive.centre);
+    const Eigen::Vector3d local = to_local(primitive, center - primitive.center);
     const Eigen::Vector3d outside = (local.cwiseAbs() - primitive.half).cwiseMax(0.0);
     if (outside.norm() < radius) return true;
   }
@@ -273,7 +274,7 @@ bool Scene::touches(const Eigen::Vector3d& centre, double radius) const {
 
 std::size_t Scene::texture_bytes() const {
   std::size_t total = 0;
-  for (const Surface& surface : *surfaces_) total += surface.texture.bytes() + surface.colours.bytes();
+  for (const Surface& surface : *surfaces_) total += surface.texture.bytes() + surface.colors.bytes();
   return total;
 }
 

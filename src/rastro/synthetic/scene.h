@@ -22,120 +22,121 @@ namespace rastro {
 
 enum class Shape : std::uint8_t {
   box,       ///< Faces in the order +x -x +y -y +z -z.
-  quad,      ///< A rectangle in its local plane z = 0, seen from both sides.
+  quad,      ///< A rectangle in its local plane z = 0, visible from both sides.
   cylinder,  ///< Along local z: side, cap at +z, cap at -z.
   sphere,
 };
 
-/// A solid of the scene in a frame of its own at its centre.
+/// A solid of the scene in its own frame, at its center.
 struct Primitive {
   Shape shape = Shape::box;
   bool aligned = true;  ///< The rotation is the identity.
   Eigen::Matrix3d world_from_local = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< In the world, metres.
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< In the world, meters.
   Eigen::Vector3d half = Eigen::Vector3d::Zero();  ///< Half sizes along the local axes: radius, radius, half height of
                                                    ///< a cylinder; radii of a sphere.
-  std::uint32_t first_surface = 0;                 ///< Its faces are consecutive surfaces from here on.
+  std::uint32_t first_surface = 0;                 ///< First surface of its faces, which are consecutive.
 };
 
-/// How a face is painted. The painter draws the reflectance; light is multiplied in afterwards unless the face shines
-/// itself.
+/// Material of a face. The painter draws the reflectance; light is multiplied in afterwards unless the face is a light
+/// source.
 struct Material {
   std::function<void(Canvas&, Random&)> paint;
-  double texels_per_metre = 100.0;
+  double texels_per_meter = 100.0;
   bool shines = false;
-  float infrared = 1.0F;  ///< How well a depth camera sees it: 0 never, 1 always.
+  float infrared = 1.0F;  ///< Visibility to a depth camera: 0 never, 1 always.
 };
 
-/// One face: what a surface id stands for.
+/// One face, identified by a surface id.
 struct Surface {
   std::uint32_t primitive = 0;
   int face = 0;
-  double width = 0.0, height = 0.0;  ///< Metres, unrolled.
+  double width = 0.0, height = 0.0;  ///< Meters, unrolled.
   Material material;
   Texture texture;
-  ColourTexture colours;                  ///< Empty where all is grey.
-  double texels_x = 0.0, texels_y = 0.0;  ///< Texels per metre as made.
+  ColorTexture colors;                    ///< Empty if all is gray.
+  double texels_x = 0.0, texels_y = 0.0;  ///< Actual texels per meter.
 };
 
-/// Where a ray origin + t * direction first meets a solid. With a direction of unit depth (x, y, 1) in a camera, t is
-/// the depth.
+/// First intersection of a ray origin + t * direction with a solid. With a direction of unit depth (x, y, 1) in a
+/// camera, t is the depth.
 struct RayHit {
   double t = 0.0;
   std::uint32_t surface = 0;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< In the world, metres.
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< In the world, meters.
 };
 
-/// The face at a point: its place in the texture and its local directions in the world.
+/// The face at a point: its texture coordinates and its local directions in the world.
 struct FacePoint {
-  double u = 0.0, v = 0.0;  ///< Metres from the upper left corner of the face.
+  double u = 0.0, v = 0.0;  ///< Meters from the upper left corner of the face.
   Eigen::Vector3d normal, along_u, along_v;
 };
 
-/// A rectangle of glass, thin and flat. Rays of sight go through it (it is part of no trace()); pictures in colour show
-/// a weak reflection on it, and depth cameras see nothing or what lies behind.
+/// A rectangle of glass, thin and flat. Rays pass through it (no trace() hits it); color images show a weak reflection
+/// on it, and depth cameras measure nothing or the surface behind.
 struct GlassSheet {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::UnitX(), down = Eigen::Vector3d::UnitY();  ///< Full sides, at right angles.
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::UnitX(), down = Eigen::Vector3d::UnitY();  ///< Full sides, perpendicular.
 
-  /// How far along a ray it is met, in lengths of `direction`; infinite where it is missed.
-  double meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+  /// Distance of the intersection along a ray, in lengths of `direction`; infinite if missed.
+  double intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
     const Eigen::Vector3d normal = right.cross(down);
-    const double t = normal.dot(centre - origin) / normal.dot(direction);
-    const Eigen::Vector3d place = origin + t * direction - centre;
+    const double t = normal.dot(center - origin) / normal.dot(direction);
+    const Eigen::Vector3d place = origin + t * direction - center;
     const bool met = t > 0.0 && std::abs(place.dot(right)) <= 0.5 * right.squaredNorm() &&
                      std::abs(place.dot(down)) <= 0.5 * down.squaredNorm();
     return met ? t : std::numeric_limits<double>::infinity();
   }
 };
 
-/// Where a thing that moves is: world_from_rest of the place where its solids were added. Must depend on the time only.
+/// Motion of an object: world_from_rest relative to the pose in which its solids were added. Must depend on the time
+/// only.
 using Motion = std::function<SE3(double time_s)>;
 
 /// Textured solids with exact geometry. Copies share the textures.
 class Scene {
  public:
-  /// Rotated by `yaw` (radians) about the vertical unless a full rotation is given. Each returns the primitive's
-  /// number.
-  std::uint32_t add_box(const Eigen::Vector3d& centre, const Eigen::Vector3d& size, const Material& material,
+  /// Rotated by `yaw` (radians) about the vertical unless a full rotation is given. Each returns the index of the
+  /// primitive.
+  std::uint32_t add_box(const Eigen::Vector3d& center, const Eigen::Vector3d& size, const Material& material,
                         double yaw = 0.0);
   std::uint32_t add_cylinder(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius,
                              const Material& material);
-  std::uint32_t add_sphere(const Eigen::Vector3d& centre, double radius, const Material& material);
-  /// Spanned by full side vectors at right angles; `right` and `down` as the picture on it is seen from its front.
-  std::uint32_t add_quad(const Eigen::Vector3d& centre, const Eigen::Vector3d& right, const Eigen::Vector3d& down,
+  std::uint32_t add_sphere(const Eigen::Vector3d& center, double radius, const Material& material);
+  /// Spanned by perpendicular full side vectors; `right` and `down` as seen from the front of its image.
+  std::uint32_t add_quad(const Eigen::Vector3d& center, const Eigen::Vector3d& right, const Eigen::Vector3d& down,
                          const Material& material);
   void add_glass(const GlassSheet& sheet) { glass_.push_back(sheet); }
   const std::vector<GlassSheet>& glass() const { return glass_; }
   /// Replaces the material of one face of a primitive.
   void paint_face(std::uint32_t primitive, int face, const Material& material);
-  /// The solids added from now on are one thing that moves (until the next call), as a car does. What stands still is
-  /// added first. Light on a moving thing is that of the open; it darkens nothing but itself.
+  /// The solids added from now on (until the next call) are one moving object, such as a car. Static solids are added
+  /// first. The light on a moving object is that of the open; it shades nothing but itself.
   void begin_moving(Motion motion);
 
-  /// Paints and lights all surfaces. The same pictures for any pool. `detail` scales the texels per metre of all
+  /// Paints and lights all surfaces. The same images for any pool. `detail` scales the texels per meter of all
   /// materials; light is gathered every `light_spacing_m`.
   void bake(std::uint64_t seed, TaskPool& pool, double detail = 1.0, double light_spacing_m = 0.35);
 
-  /// Makes the tree that finds solids near a ray, for scenes that are never painted; bake() does so too.
+  /// Builds the tree that finds solids near a ray, for scenes that are never painted; bake() does so too.
   void make_tree();
 
-  /// How many solids never move; they come first.
+  /// Number of static solids; they come first.
   std::uint32_t still_count() const;
   bool moves() const { return !movers_.empty(); }
-  /// The scene with everything where it is at `time_s`. Only of a scene whose moving things are at rest.
+  /// The scene with all objects at their poses at `time_s`. Only for a scene whose moving objects are at rest.
   Scene at(double time_s) const;
 
-  /// First solid met for t in (0, limit): the exact truth that pictures are made from. nullopt when there is none.
+  /// First solid hit for t in (0, limit): the exact ground truth of the images. nullopt if there is none.
   std::optional<RayHit> trace(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                               double limit = 1e9) const;
-  /// The same among the solids that never move away from solid `primitive`.
+  /// The same among the static solids other than `primitive`.
   std::optional<RayHit> trace_beside(std::uint32_t primitive, const Eigen::Vector3d& origin,
                                      const Eigen::Vector3d& direction, double limit) const;
-  /// Where `point` of the surface lies on its face.
+  /// Position of `point` of the surface on its face.
   FacePoint face_point(std::uint32_t surface, const Eigen::Vector3d& point) const;
   /// Whether a ball touches or is inside any solid (boxes and cylinders by their oriented box).
-  bool touches(const Eigen::Vector3d& centre, double radius) const;
+  bool touches(const Eigen::Vector3d& center, double radius) const;
 
   const std::vector<Primitive>& primitives() const { return primitives_; }
   const std::vector<Surface>& surfaces() const { return *surfaces_; }
@@ -143,7 +144,7 @@ class Scene {
 
  private:
   struct Mover {
-    std::uint32_t first = 0;  ///< Its solids go on to the next mover's first one.
+    std::uint32_t first = 0;  ///< Its solids end at the next mover's first one.
     Motion motion;
   };
 
@@ -153,7 +154,7 @@ class Scene {
   std::shared_ptr<std::vector<Surface>> surfaces_ = std::make_shared<std::vector<Surface>>();
   std::vector<Mover> movers_;
   std::vector<GlassSheet> glass_;
-  /// Of all solids that stand still once bake() has run; empty while there are still some to come.
+  /// Of all static solids after bake(); empty before.
   std::shared_ptr<const BoundsTree> tree_ = std::make_shared<const BoundsTree>();
 };
 

@@ -42,7 +42,7 @@ Camera bent_camera() {
   return camera;
 }
 
-TEST(SceneTest, a_sphere_is_met_where_geometry_says) {
+TEST(SceneTest, a_ray_hits_a_sphere_at_the_exact_point) {
   Scene scene;
   scene.add_sphere({5, 0, 0}, 1.0, noisy());
   const auto hit = scene.trace({0, 0, 0}, {1, 0, 0});
@@ -53,7 +53,7 @@ TEST(SceneTest, a_sphere_is_met_where_geometry_says) {
   EXPECT_FALSE(scene.trace({0, 0, 0}, {1, 0, 0}, 3.9)) << "beyond the limit";
 }
 
-TEST(SceneTest, hits_lie_on_the_surface_they_name) {
+TEST(SceneTest, hits_are_on_the_reported_surface) {
   const Scene scene = small_scene();
   Random random(3);
   int met[4] = {};
@@ -61,7 +61,7 @@ TEST(SceneTest, hits_lie_on_the_surface_they_name) {
     const auto hit = scene.trace({0, 0, 0}, {1, random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4)});
     if (!hit) continue;
     const Primitive& solid = scene.primitives()[scene.surfaces()[hit->surface].primitive];
-    const Vector3d local = to_local(solid, hit->point - solid.centre);
+    const Vector3d local = to_local(solid, hit->point - solid.center);
     ++met[static_cast<int>(solid.shape)];
     switch (solid.shape) {
       case Shape::box:
@@ -89,13 +89,13 @@ TEST(SceneTest, nothing_nearer_is_missed_by_the_tree) {
     const Vector3d direction(random.normal(), random.normal(), random.normal());
     double nearest = 1e9;
     for (const Primitive& solid : scene.primitives())
-      nearest = std::min(nearest, meet(solid, to_local(solid, origin - solid.centre), direction).t);
+      nearest = std::min(nearest, intersect(solid, to_local(solid, origin - solid.center), direction).t);
     const auto hit = scene.trace(origin, direction);
     EXPECT_EQ(hit ? hit->t : 1e9, nearest);
   }
 }
 
-TEST(SceneTest, face_axes_are_at_right_angles_and_place_the_point) {
+TEST(SceneTest, face_axes_are_perpendicular_and_give_the_point) {
   const Scene scene = small_scene();
   Random random(4);
   for (int i = 0; i < 1000; ++i) {
@@ -130,7 +130,7 @@ TEST(RendererTest, depth_and_surface_equal_the_trace_at_every_pixel) {
   EXPECT_GT(surfaces, 300) << "the test scene must show edges";
 }
 
-TEST(RendererTest, a_seen_point_projects_back_to_its_pixel) {
+TEST(RendererTest, a_visible_point_projects_back_to_its_pixel) {
   const Scene scene = small_scene();
   const Renderer renderer(scene, bent_camera());
   TaskPool pool(1);
@@ -154,7 +154,7 @@ TEST(RendererTest, same_bytes_for_any_number_of_threads) {
     TaskPool pool(threads);
     const RenderedFrame frame = renderer.render(start(), {}, shutter, 9, pool);
     for (int y = 0; y < 120; ++y) {
-      ASSERT_EQ(0, std::memcmp(frame.grey.row(y), reference.grey.row(y), 192));
+      ASSERT_EQ(0, std::memcmp(frame.gray.row(y), reference.gray.row(y), 192));
       ASSERT_EQ(0, std::memcmp(frame.depth.row(y), reference.depth.row(y), 192 * sizeof(float)));
       ASSERT_EQ(0, std::memcmp(frame.surface.row(y), reference.surface.row(y), 192 * sizeof(std::uint32_t)));
     }

@@ -12,10 +12,10 @@ namespace rastro {
 namespace {
 
 constexpr int rows_per_task = 16;
-constexpr float least_blur_px = 0.3F;  // Shorter paths change grey levels by less than the noise.
+constexpr float least_blur_px = 0.3F;  // Shorter blur changes intensities by less than the noise.
 
-/// Flow of pixels while the shutter is open (Longuet-Higgins and Prazdny 1980), lens distortion left out: over the
-/// short way of a blur it changes the length by a few per cent only.
+/// Flow of pixels during the exposure (Longuet-Higgins and Prazdny 1980), without lens distortion: over the short path
+/// of a blur it changes the length by only a few per cent.
 class BlurField {
  public:
   BlurField(const Camera& camera, const ShutterMotion& shutter)
@@ -94,7 +94,7 @@ Channels blurred_channels(const Image<float>& light, int x, int y, float flow_x,
   return sum / static_cast<float>(probes);
 }
 
-/// Standard normal to within what 8-bit pictures can tell: the sum of four uniform 16-bit numbers (Irwin and Hall).
+/// Standard normal to the precision of 8-bit images: the sum of four uniform 16-bit numbers (Irwin and Hall).
 float quick_normal(Random& random) {
   const std::uint64_t bits = random.next();
   const auto sum =
@@ -102,7 +102,7 @@ float quick_normal(Random& random) {
   return static_cast<float>(sum - 131070) * (1.0F / 37837.2F);
 }
 
-/// The same from a list of 4096 that is drawn once: 12 bits a number.
+/// The same from a list of 4096 that is drawn once: 12 bits per number.
 class NormalList {
  public:
   NormalList() {
@@ -115,9 +115,8 @@ class NormalList {
   std::array<float, 4096> values_;
 };
 
-/// Calls draw(random, x, y, flow_x, flow_y, falloff) for every pixel of a picture; each row has a generator of its own,
-/// so that rows may be drawn at once. The flow is the blur's in pixels, falloff the share of light the lens lets
-/// through.
+/// Calls draw(random, x, y, flow_x, flow_y, falloff) for every pixel of an image; each row has its own generator, so
+/// that rows can be drawn in parallel. The flow is the blur in pixels, falloff the share of light after vignetting.
 template <typename Draw>
 void for_each_pixel(const DepthImage& depth, const Camera& camera, const SensorModel& sensor,
                     const ShutterMotion& shutter, std::uint64_t noise_seed, TaskPool& pool, int width, int height,
@@ -142,26 +141,26 @@ void for_each_pixel(const DepthImage& depth, const Camera& camera, const SensorM
 
 }  // namespace
 
-GreyImage expose(const Image<float>& light, const DepthImage& depth, const Camera& camera, const SensorModel& sensor,
+GrayImage expose(const Image<float>& light, const DepthImage& depth, const Camera& camera, const SensorModel& sensor,
                  const ShutterMotion& shutter, std::uint64_t noise_seed, TaskPool& pool) {
   const int width = light.width(), height = light.height();
-  GreyImage grey(width, height);
-  if (width < 2 || height < 2) return grey;
+  GrayImage gray(width, height);
+  if (width < 2 || height < 2) return gray;
   const auto draw = [&](Random& random, int x, int y, float flow_x, float flow_y, float falloff) {
     const float value = std::min(255.0F, blurred(light, x, y, flow_x, flow_y) * sensor.gain * falloff);
     const float sigma = std::sqrt(sensor.read_noise * sensor.read_noise + sensor.shot_noise * value);
-    grey.at(x, y) = static_cast<std::uint8_t>(std::clamp(value + sigma * quick_normal(random) + 0.5F, 0.0F, 255.0F));
+    gray.at(x, y) = static_cast<std::uint8_t>(std::clamp(value + sigma * quick_normal(random) + 0.5F, 0.0F, 255.0F));
   };
   for_each_pixel(depth, camera, sensor, shutter, noise_seed, pool, width, height, draw);
-  return grey;
+  return gray;
 }
 
-ColourImage expose_colour(const Image<float>& light, const DepthImage& depth, const Camera& camera,
-                          const SensorModel& sensor, const ShutterMotion& shutter, std::uint64_t noise_seed,
-                          TaskPool& pool) {
+ColorImage expose_color(const Image<float>& light, const DepthImage& depth, const Camera& camera,
+                        const SensorModel& sensor, const ShutterMotion& shutter, std::uint64_t noise_seed,
+                        TaskPool& pool) {
   const int width = light.width() / 4, height = light.height();
-  ColourImage colour{Image<std::uint8_t>(3 * width, height)};
-  if (width < 2 || height < 2) return colour;
+  ColorImage color{Image<std::uint8_t>(3 * width, height)};
+  if (width < 2 || height < 2) return color;
   const NormalList normals;
   const auto draw = [&](Random& random, int x, int y, float flow_x, float flow_y, float falloff) {
     const std::uint64_t bits = random.next();
@@ -170,10 +169,10 @@ ColourImage expose_colour(const Image<float>& light, const DepthImage& depth, co
     value += sigma * Channels(normals.at(bits), normals.at(bits >> 12), normals.at(bits >> 24), 0.0F) + 0.5F;
     value = value.max(0.0F).min(255.0F);
     for (int channel = 0; channel < 3; ++channel)
-      colour.rgb.at(3 * x + channel, y) = static_cast<std::uint8_t>(value[channel]);
+      color.rgb.at(3 * x + channel, y) = static_cast<std::uint8_t>(value[channel]);
   };
   for_each_pixel(depth, camera, sensor, shutter, noise_seed, pool, width, height, draw);
-  return colour;
+  return color;
 }
 
 }  // namespace rastro

@@ -12,10 +12,10 @@ constexpr int width = 320, height = 240;
 
 Camera camera() { return {width, height, 200, 200, 159.5, 119.5, Distortion::none, {}}; }
 
-DepthImage flat_depth(float metres) {
+DepthImage flat_depth(float meters) {
   DepthImage depth(width, height);
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) depth.at(x, y) = metres;
+    for (int x = 0; x < width; ++x) depth.at(x, y) = meters;
   return depth;
 }
 
@@ -27,17 +27,17 @@ SensorModel clean() {
   return sensor;
 }
 
-TEST(SensorModelTest, noise_has_the_asked_deviation) {
+TEST(SensorModelTest, noise_has_the_given_standard_deviation) {
   SensorModel sensor = clean();
   sensor.read_noise = 1.2F, sensor.shot_noise = 0.02F;
   TaskPool pool(1);
   for (const float value : {40.0F, 120.0F, 200.0F}) {
-    const GreyImage grey = expose(flat_light(value), flat_depth(2), camera(), sensor, {}, 5, pool);
+    const GrayImage gray = expose(flat_light(value), flat_depth(2), camera(), sensor, {}, 5, pool);
     double sum = 0, squares = 0;
     for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) sum += grey.at(x, y), squares += grey.at(x, y) * grey.at(x, y);
+      for (int x = 0; x < width; ++x) sum += gray.at(x, y), squares += gray.at(x, y) * gray.at(x, y);
     const double mean = sum / (width * height), deviation = std::sqrt(squares / (width * height) - mean * mean);
-    // Rounding to whole grey levels adds a twelfth to the variance.
+    // Rounding to whole intensity levels adds a twelfth to the variance.
     const double expected = std::sqrt(1.2 * 1.2 + 0.02 * value + 1.0 / 12.0);
     EXPECT_NEAR(deviation, expected, 0.03 * expected);
     EXPECT_NEAR(mean, value, 0.05);
@@ -49,7 +49,7 @@ TEST(SensorModelTest, noise_differs_between_seeds_and_not_between_pools) {
   const auto picture = [&](std::uint64_t seed, TaskPool& pool) {
     return expose(flat_light(100), flat_depth(2), camera(), SensorModel{}, {}, seed, pool);
   };
-  const GreyImage a = picture(1, one), b = picture(2, one), c = picture(1, eight);
+  const GrayImage a = picture(1, one), b = picture(2, one), c = picture(1, eight);
   int differ = 0;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -59,17 +59,17 @@ TEST(SensorModelTest, noise_differs_between_seeds_and_not_between_pools) {
   EXPECT_GT(differ, width * height / 2);
 }
 
-/// Light of a thin cross: how far each of its bars spreads tells the blur along x and y.
+/// Light of a thin cross: the spread of each of its bars gives the blur along x and y.
 std::pair<int, int> spread_of_cross(const ShutterMotion& shutter) {
   Image<float> light(width, height);
   for (int y = 0; y < height; ++y) light.at(160, y) = 250.0F;
   for (int x = 0; x < width; ++x) light.at(x, 120) = 250.0F;
   TaskPool pool(1);
-  const GreyImage grey = expose(light, flat_depth(2), camera(), clean(), shutter, 1, pool);
+  const GrayImage gray = expose(light, flat_depth(2), camera(), clean(), shutter, 1, pool);
   int along_x = 0, along_y = 0;
   for (int i = -40; i <= 40; ++i) {
-    along_x += grey.at(160 + i, 60) > 5 ? 1 : 0;
-    along_y += grey.at(80, 120 + i) > 5 ? 1 : 0;
+    along_x += gray.at(160 + i, 60) > 5 ? 1 : 0;
+    along_y += gray.at(80, 120 + i) > 5 ? 1 : 0;
   }
   return {along_x, along_y};
 }
@@ -91,9 +91,9 @@ TEST(SensorModelTest, vignette_darkens_the_corners_and_gain_everything) {
   SensorModel sensor = clean();
   sensor.vignette = 0.4F, sensor.gain = 1.5F;
   TaskPool pool(1);
-  const GreyImage grey = expose(flat_light(100), flat_depth(2), camera(), sensor, {}, 1, pool);
-  EXPECT_NEAR(grey.at(160, 120), 150, 1);
-  EXPECT_NEAR(grey.at(0, 0), 90, 1);
+  const GrayImage gray = expose(flat_light(100), flat_depth(2), camera(), sensor, {}, 1, pool);
+  EXPECT_NEAR(gray.at(160, 120), 150, 1);
+  EXPECT_NEAR(gray.at(0, 0), 90, 1);
 }
 
 }  // namespace

@@ -12,16 +12,16 @@
 namespace rastro {
 namespace {
 
-GreyImage rounded(const Image<float>& values) {
-  GreyImage result(values.width(), values.height());
+GrayImage rounded(const Image<float>& values) {
+  GrayImage result(values.width(), values.height());
   for (int y = 0; y < values.height(); ++y)
     for (int x = 0; x < values.width(); ++x)
       result.at(x, y) = static_cast<std::uint8_t>(std::clamp(values.at(x, y), 0.0F, 255.0F) + 0.5F);
   return result;
 }
 
-GreyImage halved(const GreyImage& fine) {
-  GreyImage coarse(std::max(1, fine.width() / 2), std::max(1, fine.height() / 2));
+GrayImage halved(const GrayImage& fine) {
+  GrayImage coarse(std::max(1, fine.width() / 2), std::max(1, fine.height() / 2));
   const int step_x = fine.width() > 1 ? 1 : 0;
   for (int y = 0; y < coarse.height(); ++y) {
     const std::uint8_t* upper = fine.row(fine.height() > 1 ? 2 * y : 0);
@@ -34,7 +34,7 @@ GreyImage halved(const GreyImage& fine) {
   return coarse;
 }
 
-float bilinear(const GreyImage& image, float x, float y) {
+float bilinear(const GrayImage& image, float x, float y) {
   x = std::clamp(x - 0.5F, 0.0F, static_cast<float>(image.width() - 1));
   y = std::clamp(y - 0.5F, 0.0F, static_cast<float>(image.height() - 1));
   const int left = static_cast<int>(x), top = static_cast<int>(y);
@@ -95,7 +95,7 @@ Channels bilinear(const Image<std::uint32_t>& image, float x, float y) {
   return above + v * (below - above);
 }
 
-/// log2 of a number from 1 on, exact at powers of two and at most 0.09 too small between them.
+/// log2 of a number >= 1, exact at powers of two and at most 0.09 too small between them.
 float quick_log2(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   const auto exponent = static_cast<float>(static_cast<int>(bits >> 23) - 127);
@@ -111,16 +111,17 @@ Texture::Texture(const Image<float>& values) {
 
 std::size_t Texture::bytes() const {
   std::size_t total = 0;
-  for (const GreyImage& level : levels_)
+  for (const GrayImage& level : levels_)
     total += static_cast<std::size_t>(level.stride()) * static_cast<std::size_t>(level.height());
   return total;
 }
 
 float Texture::trilinear(float x, float y, float level) const {
   const int finer = std::min(static_cast<int>(level), static_cast<int>(levels_.size()) - 1);
-  // Odd sizes are cut when halved: scale by the true ratio of the sizes, else far levels would drift by many texels.
+  // Odd sizes are truncated when halved: scale by the true ratio of the sizes, else coarse levels would drift by many
+  // texels.
   const auto at = [&](int index) {
-    const GreyImage& image = levels_[static_cast<std::size_t>(index)];
+    const GrayImage& image = levels_[static_cast<std::size_t>(index)];
     const float scale_x = static_cast<float>(image.width()) / static_cast<float>(levels_[0].width());
     const float scale_y = static_cast<float>(image.height()) / static_cast<float>(levels_[0].height());
     return bilinear(image, x * scale_x, y * scale_y);
@@ -151,8 +152,7 @@ float Texture::sample(float x, float y, float dx_dx, float dy_dx, float dx_dy, f
   return sum / static_cast<float>(probes);
 }
 
-ColourTexture::ColourTexture(const Image<float>& values, const Image<std::uint8_t>& ink_of,
-                             std::span<const Tint> inks) {
+ColorTexture::ColorTexture(const Image<float>& values, const Image<std::uint8_t>& ink_of, std::span<const Tint> inks) {
   Image<std::uint32_t> finest(values.width(), values.height());
   for (int y = 0; y < values.height(); ++y)
     for (int x = 0; x < values.width(); ++x) {
@@ -168,16 +168,16 @@ ColourTexture::ColourTexture(const Image<float>& values, const Image<std::uint8_
   }
 }
 
-std::size_t ColourTexture::bytes() const {
+std::size_t ColorTexture::bytes() const {
   std::size_t total = 0;
   for (const Level& level : levels_)
     total += sizeof(std::uint32_t) * static_cast<std::size_t>(level.texels.stride() * level.texels.height());
   return total;
 }
 
-Eigen::Array4f ColourTexture::mean() const { return unpacked(levels_.back().texels.at(0, 0)); }
+Eigen::Array4f ColorTexture::mean() const { return unpacked(levels_.back().texels.at(0, 0)); }
 
-Eigen::Array4f ColourTexture::trilinear(float x, float y, float level) const {
+Eigen::Array4f ColorTexture::trilinear(float x, float y, float level) const {
   const int finer = std::min(static_cast<int>(level), static_cast<int>(levels_.size()) - 1);
   const auto at = [&](int index) {
     const Level& shown = levels_[static_cast<std::size_t>(index)];
@@ -189,7 +189,7 @@ Eigen::Array4f ColourTexture::trilinear(float x, float y, float level) const {
   return value + fraction * (at(finer + 1) - value);
 }
 
-Eigen::Array4f ColourTexture::sample(float x, float y, float dx_dx, float dy_dx, float dx_dy, float dy_dy) const {
+Eigen::Array4f ColorTexture::sample(float x, float y, float dx_dx, float dy_dx, float dx_dy, float dy_dy) const {
   constexpr float most_probes = 4.0F;
   float major_x = dx_dx, major_y = dy_dx;
   float major = std::sqrt(dx_dx * dx_dx + dy_dx * dy_dx), minor = std::sqrt(dx_dy * dx_dy + dy_dy * dy_dy);

@@ -11,8 +11,7 @@
 
 namespace rastro {
 
-/// A grey picture with halved copies of itself (mip maps, Williams 1983), for looking up the mean grey of any
-/// footprint.
+/// A gray image with halved copies of itself (mip maps, Williams 1983), for the mean intensity of any footprint.
 class Texture {
  public:
   Texture() = default;
@@ -21,28 +20,28 @@ class Texture {
 
   bool empty() const { return levels_.empty(); }
   std::size_t bytes() const;
-  const GreyImage& level(int index) const { return levels_[static_cast<std::size_t>(index)]; }
+  const GrayImage& level(int index) const { return levels_[static_cast<std::size_t>(index)]; }
 
-  /// Mean grey around (x, y), in texels of the finest level with the first texel's corner at 0, over a footprint
-  /// spanned by the two vectors (texels per pixel along the picture's x and y). Long footprints are sampled several
-  /// times along their long side.
+  /// Mean intensity around (x, y), in texels of the finest level with the first texel's corner at 0, over a footprint
+  /// spanned by the two vectors (texels per pixel along the image's x and y). Long footprints are sampled several times
+  /// along their long side.
   float sample(float x, float y, float dx_dx, float dy_dx, float dx_dy, float dy_dy) const;
 
  private:
   float trilinear(float x, float y, float level) const;
-  std::vector<GreyImage> levels_;
+  std::vector<GrayImage> levels_;
 };
 
-/// The same in colour: red, green, blue and an unused channel in each texel, looked up together.
-class ColourTexture {
+/// The same in color: red, green, blue and an unused channel in each texel, sampled together.
+class ColorTexture {
  public:
-  ColourTexture() = default;
-  /// Grey values times the tint that `ink_of` names for each texel; the first one where `ink_of` is empty.
-  ColourTexture(const Image<float>& values, const Image<std::uint8_t>& ink_of, std::span<const Tint> inks);
+  ColorTexture() = default;
+  /// Intensities times the tint that `ink_of` names for each texel; the first one if `ink_of` is empty.
+  ColorTexture(const Image<float>& values, const Image<std::uint8_t>& ink_of, std::span<const Tint> inks);
 
   bool empty() const { return levels_.empty(); }
   std::size_t bytes() const;
-  /// The mean of all of it: red, green and blue, 0..255.
+  /// The mean color: red, green and blue, 0..255.
   Eigen::Array4f mean() const;
   /// As Texture::sample().
   Eigen::Array4f sample(float x, float y, float dx_dx, float dy_dx, float dx_dy, float dy_dy) const;

@@ -11,7 +11,7 @@
 namespace rastro {
 namespace {
 
-TEST(TextureTest, a_footprint_of_the_whole_picture_gives_its_mean) {
+TEST(TextureTest, a_footprint_of_the_whole_image_gives_its_mean) {
   Canvas canvas(1.0, 1.0, 64);
   Random random(1);
   canvas.fill(100.0F);
@@ -32,7 +32,7 @@ TEST(TextureTest, long_footprints_stay_sharp_across) {
   EXPECT_NEAR(texture.sample(32, 35, 6, 0, 0, 1), 0.0F, 1.0F);
 }
 
-/// Highest correlation of a picture with itself moved by 16 texels and more.
+/// Highest correlation of an image with itself shifted by 16 texels and more.
 double highest_repeat(const Image<float>& values) {
   const int width = values.width(), height = values.height();
   double mean = 0.0, variance = 0.0, highest = 0.0;
@@ -59,7 +59,7 @@ TEST(TextureTest, noise_and_machines_do_not_repeat) {
   EXPECT_LT(highest_repeat(noise.values()), 0.5);
   EXPECT_LT(highest_repeat(machine.values()), 0.5);
   tiled.stripes(0, 0, 2, 2, 0.5, 0, 200);
-  EXPECT_GT(highest_repeat(tiled.values()), 0.9) << "what repeats must be seen by this measure";
+  EXPECT_GT(highest_repeat(tiled.values()), 0.9) << "this measure must detect repetition";
 }
 
 TEST(TextureTest, drawing_does_not_depend_on_the_number_of_texels) {

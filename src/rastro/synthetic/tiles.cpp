@@ -27,16 +27,16 @@ std::vector<ViewedPrimitive> view_primitives(const Scene& scene, const SE3& worl
   for (const Primitive& primitive : scene.primitives()) {
     ViewedPrimitive viewed;
     viewed.primitive = &primitive;
-    viewed.origin_in_local = to_local(primitive, world_from_camera.translation() - primitive.centre);
+    viewed.origin_in_local = to_local(primitive, world_from_camera.translation() - primitive.center);
     double nearest = 1e300, farthest = -1e300;
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Vector3d signs((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
       const Eigen::Vector3d local = signs.cwiseProduct(primitive.half);
-      viewed.corners[corner] = camera_from_world * (primitive.centre + primitive.world_from_local * local);
+      viewed.corners[corner] = camera_from_world * (primitive.center + primitive.world_from_local * local);
       nearest = std::min(nearest, viewed.corners[corner].z());
       farthest = std::max(farthest, viewed.corners[corner].z());
     }
-    // A little slack for the rounding of the corners against that of the exact meeting.
+    // A little slack for rounding of the corners against the exact intersection.
     viewed.nearest_depth = std::max(0.0, nearest - 1e-6);
     if (farthest > 0.0) result.push_back(viewed);
   }

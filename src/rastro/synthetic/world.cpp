@@ -38,9 +38,9 @@ class WorldSource : public Source {
     frame.index = next_;
     frame.stamp = world_.stamp(next_);
     frame.name = world_.name() + " frame " + std::to_string(next_);
-    frame.image = std::move(rendered.grey);
-    if (stereo_) frame.right = world_.render_right(next_, pool_).grey;
-    frame.colour = std::move(rendered.colour);
+    frame.image = std::move(rendered.gray);
+    if (stereo_) frame.right = world_.render_right(next_, pool_).gray;
+    frame.color = std::move(rendered.color);
     frame.depth = std::move(rendered.depth);
     frame.depth_stamp = frame.stamp;
     ++next_;
@@ -84,12 +84,12 @@ RenderedFrame World::render_from(const SE3& left_from_camera, std::int64_t frame
                                  TaskPool& pool) const {
   const double time = static_cast<double>(frame) / parts_.rate_hz;
   const SensorModel sensor = parts_.sensor(time);
-  // The picture's pose is that of the middle of the exposure.
+  // The pose is that of the middle of the exposure.
   const double half = 0.5 * sensor.exposure_time_s;
   const SE3 begin = world_from_camera_at(time - half) * left_from_camera;
   const SE3 end = world_from_camera_at(time + half) * left_from_camera;
   return renderer_.render(world_from_camera_at(time) * left_from_camera, sensor, {(begin.inverse() * end).log()},
-                          noise_seed, pool, time, parts_.in_colour);
+                          noise_seed, pool, time, parts_.in_color);
 }
 
 std::optional<RayHit> World::surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const {
@@ -112,7 +112,7 @@ PointView World::view_of(std::int64_t frame, const Eigen::Vector3d& point_in_wor
     return view;
   view.inside = true;
   view.pixel = *pixel;
-  // A millimetre at ten metres before the point itself: its own surface must not hide it through rounding.
+  // A millimeter at ten meters in front of the point: rounding must not let its own surface occlude it.
   view.visible =
       !scene_at(frame).trace(pose.translation(), point_in_world - pose.translation(), 1.0 - 1e-4).has_value();
   return view;

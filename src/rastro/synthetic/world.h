@@ -22,16 +22,15 @@
 
 namespace rastro {
 
-/// How a point of the world is seen in one frame.
+/// View of a world point in one frame.
 struct PointView {
   bool inside = false;                              ///< It projects into the image.
-  bool visible = false;                             ///< And no nearer surface is in the way.
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< Meaningless when not inside.
+  bool visible = false;                             ///< And no nearer surface occludes it.
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< Undefined if not inside.
 };
 
-/// A generated world that a camera flies through: any frame can be rendered on its own, in any order, and everything
-/// about it is known exactly. Frames are numbered from 0 and never end. Const members may be called from several
-/// threads.
+/// A generated world with a moving camera. Any frame can be rendered independently, in any order, and everything about
+/// it is known exactly. Frames are numbered from 0 and never end. Const members are thread-safe.
 class World {
  public:
   struct Parts {
@@ -43,16 +42,16 @@ class World {
     TimeNs first_stamp = 0;
     std::uint64_t seed = 1;
     SE3 body_from_camera;
-    bool in_colour = false;                            ///< Frames have colour pictures, and grey ones made from them.
-    std::optional<KinectModel> kinect = std::nullopt;  ///< How its depth camera measures, where it has one of its own.
-    std::vector<NamedLength> lengths = {};             ///< What can be measured in it.
-    /// Pose of a second camera of the same kind, where there is one.
+    bool in_color = false;                             ///< Frames have color images, and gray ones computed from them.
+    std::optional<KinectModel> kinect = std::nullopt;  ///< Model of its own depth camera, if it has one.
+    std::vector<NamedLength> lengths = {};             ///< Its known lengths.
+    /// Pose of a second camera of the same type, if there is one.
     std::optional<SE3> left_from_right = std::nullopt;
   };
   World(std::unique_ptr<const Scene> scene, Parts parts);
 
   const std::string& name() const { return parts_.name; }
-  /// Moving things at rest: scene_at() tells where they are.
+  /// Moving objects are at rest; scene_at() places them.
   const Scene& scene() const { return *scene_; }
   Scene scene_at(std::int64_t frame) const;
   const Camera& camera() const { return parts_.camera; }
@@ -65,22 +64,22 @@ class World {
 
   const std::optional<KinectModel>& kinect() const { return parts_.kinect; }
   const std::vector<NamedLength>& lengths() const { return parts_.lengths; }
-  /// When a frame is taken, from the start.
+  /// Time of a frame from the start.
   double time_of(std::int64_t frame) const { return static_cast<double>(frame) / parts_.rate_hz; }
 
   RenderedFrame render(std::int64_t frame, TaskPool& pool) const;
   const std::optional<SE3>& left_from_right() const { return parts_.left_from_right; }
-  /// The same moment in the right camera. Only of a world that has one.
+  /// The same moment in the right camera. Only for a world that has one.
   RenderedFrame render_right(std::int64_t frame, TaskPool& pool) const;
-  /// Exact depth and surfaces at any time, without a picture.
+  /// Exact depth and surfaces at any time, without rendering an image.
   RenderedFrame depth_at(double time_s, TaskPool& pool) const {
     return renderer_.cast(world_from_camera_at(time_s), pool, time_s);
   }
   const Renderer& renderer() const { return renderer_; }
 
-  /// What a pixel shows, exactly; nullopt outside the image or where the ray meets nothing.
+  /// The exact surface point at a pixel; nullopt outside the image or where the ray hits nothing.
   std::optional<RayHit> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const;
-  /// Whether and where a point on a surface is seen.
+  /// Projection and visibility of a point on a surface.
   PointView view_of(std::int64_t frame, const Eigen::Vector3d& point_in_world) const;
 
  private:
@@ -92,8 +91,8 @@ class World {
   Renderer renderer_;
 };
 
-/// The first `frames` frames as a source with ground truth of the camera, without any file; of both cameras where
-/// `stereo` is set and the world has two. The world must outlive the source.
+/// The first `frames` frames as a source with ground truth of the camera, without any file; of both cameras if `stereo`
+/// is set and the world has two. The world must outlive the source.
 std::unique_ptr<Source> synthetic_source(const World& world, std::int64_t frames, int threads = 1, bool stereo = false);
 
 }  // namespace rastro

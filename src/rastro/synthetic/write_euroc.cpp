@@ -15,20 +15,20 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int frames_at_once =
-    16;  // Written in the order of time after each batch, so that a broken run is a shorter recording.
+    16;  // Written in the order of time after each batch, so that an interrupted run is a shorter recording.
 
-cv::Mat depth_picture(const DepthImage& depth) {
+cv::Mat depth_image_of(const DepthImage& depth) {
   cv::Mat picture(depth.height(), depth.width(), CV_16U);
   for (int y = 0; y < depth.height(); ++y)
     for (int x = 0; x < depth.width(); ++x) {
-      const double metres = depth.at(x, y);
-      const double steps = metres > 0.0 ? std::round(1.0 / (metres * inverse_depth_step)) : 0.0;
+      const double meters = depth.at(x, y);
+      const double steps = meters > 0.0 ? std::round(1.0 / (meters * inverse_depth_step)) : 0.0;
       picture.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(std::clamp(steps, 0.0, 65535.0));
     }
   return picture;
 }
 
-cv::Mat surface_picture(const Image<std::uint32_t>& surface) {
+cv::Mat surface_image(const Image<std::uint32_t>& surface) {
   cv::Mat picture(surface.height(), surface.width(), CV_16U);
   for (int y = 0; y < surface.height(); ++y)
     for (int x = 0; x < surface.width(); ++x)
@@ -60,7 +60,7 @@ std::string camera_yaml(const World& world, const SE3& body_from_camera) {
       world.name(), rows_of(body_from_camera.matrix()), world.rate_hz(), intrinsics_text(world.camera()));
 }
 
-std::string truth_yaml(const World& world) {
+std::string ground_truth_yaml(const World& world) {
   return fmt::format(
       "%YAML:1.0\n# General sensor definitions.\nsensor_type: visual-inertial\ncomment: exact pose of the body in "
       "generated world '{}'\n\n"
@@ -68,14 +68,14 @@ std::string truth_yaml(const World& world) {
       world.name(), rows_of(Eigen::Matrix4d::Identity()));
 }
 
-constexpr const char* truth_readme =
-    "Exact truth of a generated recording, one line of camera.csv and one picture of each kind for every frame.\n"
+constexpr const char* ground_truth_readme =
+    "Exact ground truth of a generated recording: for every frame one line of camera.csv and one image of each kind.\n"
     "\n"
-    "camera.csv  pose of the camera in the world (metres, Hamilton quaternion): p_in_world = q * p_in_camera + p\n"
-    "camera.yaml the camera (pinhole; radial-tangential distortion) and the step of the depth pictures\n"
-    "depth/      16-bit PNG: inverse depth along the optical axis in steps of inverse_depth_step (1/m); 0 = nothing "
-    "there\n"
-    "surface/    16-bit PNG: number of the surface at the pixel's centre; 65535 = none\n";
+    "camera.csv  pose of the camera in the world (meters, Hamilton quaternion): p_in_world = q * p_in_camera + p\n"
+    "camera.yaml the camera (pinhole; radial-tangential distortion) and the step of the depth images\n"
+    "depth/      16-bit PNG: inverse depth along the optical axis in steps of inverse_depth_step (1/m); 0 = no "
+    "surface\n"
+    "surface/    16-bit PNG: index of the surface at the pixel's center; 65535 = none\n";
 
 std::string body_line(const World& world, std::int64_t frame) {
   const SE3 world_from_body = world.world_from_camera(frame) * world.body_from_camera().inverse();
@@ -99,23 +99,22 @@ std::string camera_line(const World& world, std::int64_t frame) {
                      p.z(), q.w(), q.x(), q.y(), q.z());
 }
 
-/// The list of one camera's pictures, with its calibration beside it.
+/// The list of one camera's images, with its calibration.
 TextFile camera_list(const World& world, const fs::path& folder, const SE3& body_from_camera) {
   make_folder(folder / "data");
   TextFile(folder / "sensor.yaml", camera_yaml(world, body_from_camera));
   return TextFile(folder / "data.csv", "#timestamp [ns],filename\n");
 }
 
-std::uintmax_t write_pictures(const World& world, const fs::path& mav, std::int64_t frame,
-                              const EurocOptions& options) {
+std::uintmax_t write_images(const World& world, const fs::path& mav, std::int64_t frame, const EurocOptions& options) {
   TaskPool alone(1);
   const RenderedFrame rendered = world.render(frame, alone);
   const std::string name = fmt::format("{}.png", world.stamp(frame));
-  std::uintmax_t bytes = write_png(mav / "cam0/data" / name, grey_picture(rendered.grey));
-  if (options.stereo) bytes += write_png(mav / "cam1/data" / name, grey_picture(world.render_right(frame, alone).grey));
+  std::uintmax_t bytes = write_png(mav / "cam0/data" / name, gray_image(rendered.gray));
+  if (options.stereo) bytes += write_png(mav / "cam1/data" / name, gray_image(world.render_right(frame, alone).gray));
   if (!options.truth) return bytes;
-  bytes += write_png(mav / "truth/depth" / name, depth_picture(rendered.depth));
-  bytes += write_png(mav / "truth/surface" / name, surface_picture(rendered.surface));
+  bytes += write_png(mav / "truth/depth" / name, depth_image_of(rendered.depth));
+  bytes += write_png(mav / "truth/surface" / name, surface_image(rendered.surface));
   return bytes;
 }
 
@@ -123,13 +122,13 @@ std::uintmax_t write_pictures(const World& world, const fs::path& mav, std::int6
 
 EurocSummary write_euroc(const World& world, const fs::path& folder, const EurocOptions& options, TaskPool& pool,
                          const std::function<void(std::int64_t)>& progress) {
-  if (options.frames < 1) throw Error("there are no frames to write", "frames", "ask for at least one");
+  if (options.frames < 1) throw Error("there are no frames to write", "frames", "request at least one");
   if (options.stereo && !world.left_from_right())
-    throw Error("the world has one camera only", world.name(), "leave out what asks for two");
+    throw Error("the world has only one camera", world.name(), "omit the options that need two");
   check_folder(folder, options.force);
   const fs::path mav = folder / "mav0";
   make_folder(mav / "state_groundtruth_estimate0");
-  TextFile(mav / "state_groundtruth_estimate0/sensor.yaml", truth_yaml(world));
+  TextFile(mav / "state_groundtruth_estimate0/sensor.yaml", ground_truth_yaml(world));
   TextFile images = camera_list(world, mav / "cam0", world.body_from_camera());
   std::optional<TextFile> right;
   if (options.stereo) right = camera_list(world, mav / "cam1", world.body_from_camera() * *world.left_from_right());
@@ -142,7 +141,7 @@ EurocSummary write_euroc(const World& world, const fs::path& folder, const Euroc
   if (options.truth) {
     make_folder(mav / "truth/depth");
     make_folder(mav / "truth/surface");
-    TextFile(mav / "truth/README", truth_readme);
+    TextFile(mav / "truth/README", ground_truth_readme);
     TextFile(mav / "truth/camera.yaml",
              fmt::format("{}inverse_depth_step: {:.17g}\n", intrinsics_text(world.camera()), inverse_depth_step));
     cameras.emplace(mav / "truth/camera.csv", "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n");
@@ -152,7 +151,7 @@ EurocSummary write_euroc(const World& world, const fs::path& folder, const Euroc
   for (std::int64_t first = 0; first < options.frames; first += frames_at_once) {
     const std::int64_t end = std::min(options.frames, first + frames_at_once);
     pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
-      for (int i = begin; i < stop; ++i) bytes += write_pictures(world, mav, first + i, options);
+      for (int i = begin; i < stop; ++i) bytes += write_images(world, mav, first + i, options);
     });
     for (std::int64_t frame = first; frame < end; ++frame) {
       images.write(fmt::format("{0},{0}.png\n", world.stamp(frame)));

@@ -13,8 +13,8 @@ namespace rastro {
 struct EurocOptions {
   std::int64_t frames = 150;
   bool truth = true;    ///< Also depth, surfaces and camera poses under mav0/truth.
-  bool force = false;   ///< Write into a folder that is not empty.
-  bool stereo = false;  ///< Also the right camera, as mav0/cam1. Error for a world that has none.
+  bool force = false;   ///< Write to a folder that is not empty.
+  bool stereo = false;  ///< Also the right camera, as mav0/cam1. Throws Error for a world without one.
 };
 
 struct EurocSummary {
@@ -23,14 +23,14 @@ struct EurocSummary {
 };
 
 /// Writes a generated world as a EuRoC/ASL recording: mav0/cam0, mav0/state_groundtruth_estimate0 and, for scoring,
-/// mav0/truth (its format stands in the README written there). Frames are rendered and written in parallel; the bytes
-/// are the same for any pool. `progress` is called with the number of frames written so far. Errors for folders that
+/// mav0/truth (the README written there has its format). Frames are rendered and written in parallel; the bytes are the
+/// same for any pool. `progress` is called with the number of frames written so far. Throws Error for folders that
 /// cannot be written or are not empty.
 EurocSummary write_euroc(const World& world, const std::filesystem::path& folder, const EurocOptions& options,
                          TaskPool& pool, const std::function<void(std::int64_t)>& progress = {});
 
-/// Steps of inverse depth (1/m) in the 16-bit depth pictures of mav0/truth: 5 m^-1 over 65535 steps, so that depths
-/// from 0.2 m on reproject to within 0.02 px for each metre the camera has moved. 0 means nothing was met.
+/// Step of the inverse depth (1/m) in the 16-bit depth images of mav0/truth: 5 m^-1 over 65535 steps, so that depths
+/// from 0.2 m on reproject to within 0.02 px per meter of camera motion. 0 means no surface.
 constexpr double inverse_depth_step = 5.0 / 65535.0;
 
 }  // namespace rastro

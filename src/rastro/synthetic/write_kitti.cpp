@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int frames_at_once =
-    16;  // Listed in the order of time after each batch: a broken run is a shorter recording.
+    16;  // Listed in the order of time after each batch: an interrupted run is a shorter recording.
 
 std::string numbers(const Eigen::MatrixXd& values) {
   std::string text;
@@ -27,7 +27,7 @@ std::string numbers(const Eigen::MatrixXd& values) {
   return text;
 }
 
-/// Of a camera so far to the right of the first one.
+/// For a camera with this baseline to the right of the first one.
 Eigen::MatrixXd projection_rows(const Camera& camera, double right_m = 0.0) {
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, 4);
   rows << camera.fx, 0, camera.cx, -camera.fx * right_m, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0;
@@ -45,12 +45,12 @@ std::string date_text(TimeNs stamp) {
   return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:09}", fmt::gmtime(whole), stamp % second);
 }
 
-/// The lists of one layout; pictures are written apart from them, in any order.
+/// The lists of one layout; images are written separately, in any order.
 class Lists {
  public:
   virtual ~Lists() = default;
   virtual fs::path picture(std::int64_t frame) const = 0;
-  virtual fs::path right_picture(std::int64_t) const { return {}; }
+  virtual fs::path right_image_of(std::int64_t) const { return {}; }
   virtual void add(std::int64_t frame) = 0;
 };
 
@@ -69,7 +69,7 @@ class OdometryLists : public Lists {
     poses_.emplace(folder / "poses.txt");
   }
   fs::path picture(std::int64_t frame) const override { return folder_ / "image_0" / fmt::format("{:06}.png", frame); }
-  fs::path right_picture(std::int64_t frame) const override {
+  fs::path right_image_of(std::int64_t frame) const override {
     return folder_ / "image_1" / fmt::format("{:06}.png", frame);
   }
   void add(std::int64_t frame) override {
@@ -103,8 +103,8 @@ class RawLists : public Lists {
   }
 
  private:
-  /// The way from the camera to the body is cut into pieces as KITTI has them, with a laser scanner between the two
-  /// and a little rotation left for the rectification.
+  /// The transform from the camera to the body is split into parts as in KITTI, with a laser scanner between the two
+  /// and a small rotation for the rectification.
   void write_calibration(const fs::path& day) const {
     const Camera& camera = world_.camera();
     const SO3 rectified_from_camera = SO3::exp({-0.003, 0.008, 0.005});
@@ -128,12 +128,12 @@ class RawLists : public Lists {
 
 KittiSummary write_kitti(const World& world, const fs::path& folder, const KittiOptions& options, TaskPool& pool,
                          const std::function<void(std::int64_t)>& progress) {
-  if (options.frames < 1) throw Error("there are no frames to write", "frames", "ask for at least one");
+  if (options.frames < 1) throw Error("there are no frames to write", "frames", "request at least one");
   if (world.camera().distortion != Distortion::none)
-    throw Error("KITTI's formats hold rectified pictures only", world.name(), "leave the distortion out");
+    throw Error("KITTI's formats have rectified images only", world.name(), "omit the distortion");
   if (options.stereo && !(world.left_from_right() && options.layout == KittiLayout::odometry))
     throw Error("only one camera can be written", world.name(),
-                "leave out what asks for two, or choose a world with two and the layout of KITTI odometry");
+                "omit the options that need two, or choose a world with two and the layout of KITTI odometry");
   check_folder(folder, options.force);
   KittiSummary summary;
   summary.recording = folder;
@@ -153,9 +153,9 @@ KittiSummary write_kitti(const World& world, const fs::path& folder, const Kitti
     pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
       TaskPool alone(1);
       for (int i = begin; i < stop; ++i) {
-        bytes += write_png(lists->picture(first + i), grey_picture(world.render(first + i, alone).grey));
+        bytes += write_png(lists->picture(first + i), gray_image(world.render(first + i, alone).gray));
         if (options.stereo)
-          bytes += write_png(lists->right_picture(first + i), grey_picture(world.render_right(first + i, alone).grey));
+          bytes += write_png(lists->right_image_of(first + i), gray_image(world.render_right(first + i, alone).gray));
       }
     });
     for (std::int64_t frame = first; frame < end; ++frame) lists->add(frame);

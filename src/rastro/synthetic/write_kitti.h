@@ -19,24 +19,24 @@ enum class KittiLayout {
 struct KittiOptions {
   std::int64_t frames = 400;
   KittiLayout layout = KittiLayout::odometry;
-  bool force = false;   ///< Write into a folder that is not empty.
-  bool stereo = false;  ///< Also the right camera (odometry only). Error for a world that has none.
+  bool force = false;   ///< Write to a folder that is not empty.
+  bool stereo = false;  ///< Also the right camera (odometry only). Throws Error for a world without one.
 };
 
 struct KittiSummary {
   std::int64_t frames = 0;
   std::uintmax_t bytes = 0;
-  std::filesystem::path recording;  ///< What is to be opened: the folder itself, or the drive in it.
+  std::filesystem::path recording;  ///< The path to open: the folder itself, or the drive in it.
 };
 
 /// Writes a generated world as a KITTI recording (Geiger et al. 2012, 2013). Lens distortion is not part of the
-/// formats: Error for a camera that has some. In raw recordings the world's x axis points east and y north. Frames are
-/// rendered and written in parallel; the bytes are the same for any pool. `progress` is called with the number of
-/// frames written so far. Errors for folders that cannot be written or are not empty.
+/// formats: throws Error for a camera with distortion. In raw recordings the world's x axis points east and y north.
+/// Frames are rendered and written in parallel; the bytes are the same for any pool. `progress` is called with the
+/// number of frames written so far. Throws Error for folders that cannot be written or are not empty.
 KittiSummary write_kitti(const World& world, const std::filesystem::path& folder, const KittiOptions& options,
                          TaskPool& pool, const std::function<void(std::int64_t)>& progress = {});
 
-/// What the GPS/IMU unit (the world's body) measures in a frame: a line of 30 values as in KITTI raw's oxts/data, at
+/// Measurement of the GPS/IMU unit (the world's body) in a frame: a line of 30 values as in KITTI raw's oxts/data, at
 /// 49 degrees north, 8.4 east. Exact to 1e-6 m and 1e-9 rad.
 std::string oxts_line(const World& world, std::int64_t frame);
 

@@ -25,17 +25,19 @@ enum Stream : std::uint64_t { scan_noise = 11, wheel_noise = 12, landmark_noise 
 std::string seconds_text(TimeNs stamp) { return fmt::format("{}.{:09}", stamp / ns_per_second, stamp % ns_per_second); }
 
 constexpr const char* readme =
-    "A robot with a 2D laser in a generated office. Metres, radians, seconds; the world is where the robot starts,\n"
-    "x ahead, y left. The body is the middle of its axle.\n"
-    "scans.log            CARMEN log: a ROBOTLASER1 line a scan, with the wheels' odometry in it; range 0: nothing "
-    "said\n"
+    "A robot with a 2D laser in a generated office. Meters, radians, seconds; the world is the robot's start pose,\n"
+    "x ahead, y left. The body is the center of its axle.\n"
+    "scans.log            CARMEN log: one ROBOTLASER1 line per scan, with wheel odometry; range 0: broken "
+    "beam\n"
     "groundtruth.txt      true poses of the body (TUM: stamp x y z qx qy qz qw)\n"
-    "relations.txt        true motions between scans: stamp stamp x y z roll pitch yaw, the second seen from the "
+    "relations.txt        true relative poses of scans: stamp stamp x y z roll pitch yaw, of the second in the frame "
+    "of the "
     "first\n"
     "floor_plan.pgm/.yaml true plan at the laser's height as far as the laser can see it, glass included (map_server)\n"
-    "landmarks.txt        door posts seen (landmark STAMP ID RANGE BEARING) and the odometry (odometry STAMP FORWARD "
+    "landmarks.txt        observed door posts (landmark STAMP ID RANGE BEARING) and the odometry (odometry STAMP "
+    "FORWARD "
     "TURN)\n"
-    "landmarks_truth.csv  where those posts are\n";
+    "landmarks_truth.csv  positions of those posts\n";
 
 class Recorder {
  public:
@@ -43,12 +45,12 @@ class Recorder {
       : world_(world),
         scans_(std::min(options.scans.value_or(world.scan_count()), world.scan_count())),
         wheels_(options.odometry, seed_for(world.seed, wheel_noise)) {
-    if (scans_ < 1) throw Error("there are no scans to write", "frames", "ask for at least one");
+    if (scans_ < 1) throw Error("there are no scans to write", "frames", "request at least one");
     check_folder(folder, options.force);
     make_folder(folder);
     TextFile(folder / "README.txt", readme);
     log_.emplace(folder / "scans.log", carmen_header());
-    truth_.emplace(folder / "groundtruth.txt", "# world_from_body: stamp tx ty tz qx qy qz qw\n");
+    ground_truth_.emplace(folder / "groundtruth.txt", "# world_from_body: stamp tx ty tz qx qy qz qw\n");
     landmarks_.emplace(folder / "landmarks.txt",
                        "# odometry STAMP FORWARD TURN: m/s and rad/s until the next one\n"
                        "# landmark STAMP ID RANGE BEARING: m and rad, from the body\n");
@@ -58,7 +60,7 @@ class Recorder {
     for (std::int64_t first = 0; first < scans_; first += scans_at_once) {
       const std::int64_t end = std::min(scans_, first + scans_at_once);
       std::vector<LaserScan> scans(static_cast<std::size_t>(end - first));
-      std::vector<std::vector<LandmarkSighting>> sightings(scans.size());
+      std::vector<std::vector<LandmarkMeasurement>> sightings(scans.size());
       pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
         for (int i = begin; i < stop; ++i) {
           scans[static_cast<std::size_t>(i)] = scan(first + i);
@@ -76,7 +78,7 @@ class Recorder {
   LaserLogSummary summary() const {
     LaserLogSummary result;
     result.scans = scans_;
-    result.way_m = way_m_;
+    result.path_m = path_m_;
     result.odometry_off_m = off_m_;
     result.bytes = bytes_;
     return result;
@@ -91,7 +93,7 @@ class Recorder {
                       Random(seed_for(stream, static_cast<std::uint64_t>(number))));
   }
 
-  void write(std::int64_t number, const LaserScan& scan, const std::vector<LandmarkSighting>& sightings) {
+  void write(std::int64_t number, const LaserScan& scan, const std::vector<LandmarkMeasurement>& sightings) {
     const SE2 here = pose(number);
     if (number > 0) move(number, pose(number - 1).inverse() * here);
     const std::string line = carmen_robot_laser_line(scan, wheels_.odometry_from_body(), world_.stamp(number));
@@ -99,9 +101,9 @@ class Recorder {
     bytes_ += line.size();
     const double half = 0.5 * here.rotation().angle();
     const std::string stamp = seconds_text(world_.stamp(number));
-    truth_->write(fmt::format("{} {:.9f} {:.9f} 0 0 0 {:.12f} {:.12f}\n", stamp, here.translation().x(),
-                              here.translation().y(), std::sin(half), std::cos(half)));
-    for (const LandmarkSighting& seen : sightings)
+    ground_truth_->write(fmt::format("{} {:.9f} {:.9f} 0 0 0 {:.12f} {:.12f}\n", stamp, here.translation().x(),
+                                     here.translation().y(), std::sin(half), std::cos(half)));
+    for (const LandmarkMeasurement& seen : sightings)
       landmarks_->write(fmt::format("landmark {} {} {:.4f} {:.5f}\n", stamp, seen.id, seen.range, seen.bearing));
   }
 
@@ -110,15 +112,15 @@ class Recorder {
     const Eigen::Vector3d counted = world_.rate_hz * (before.inverse() * wheels_.move(before_from_body)).log();
     landmarks_->write(
         fmt::format("odometry {} {:.6f} {:.6f}\n", seconds_text(world_.stamp(number - 1)), counted.x(), counted.z()));
-    way_m_ += before_from_body.translation().norm();
+    path_m_ += before_from_body.translation().norm();
     off_m_ = std::max(off_m_, (wheels_.odometry_from_body().translation() - pose(number).translation()).norm());
   }
 
   const LaserWorld& world_;
   std::int64_t scans_;
   WheelOdometry wheels_;
-  std::optional<TextFile> log_, truth_, landmarks_;
-  double way_m_ = 0.0, off_m_ = 0.0;
+  std::optional<TextFile> log_, ground_truth_, landmarks_;
+  double path_m_ = 0.0, off_m_ = 0.0;
   std::uintmax_t bytes_ = 0;
 };
 
@@ -140,14 +142,14 @@ bool in_sight(const LaserWorld& world, const Scene& now, const Eigen::Vector2d& 
 
 }  // namespace
 
-std::vector<LandmarkSighting> sight_landmarks(const LaserWorld& world, std::int64_t scan) {
+std::vector<LandmarkMeasurement> sight_landmarks(const LaserWorld& world, std::int64_t scan) {
   constexpr double reach_m = 6.0, range_share = 0.02, bearing_sigma = std::numbers::pi / 180.0;
   const Scene now = world.scene->at(world.time_of(scan));
   const SE2 world_from_body = world.world_from_body(world.time_of(scan));
   const SE2 laser_from_world = (world_from_body * world.laser.body_from_laser).inverse();
   const Eigen::Vector2d laser = laser_from_world.inverse().translation();
   Random random(seed_for(seed_for(world.seed, landmark_noise), static_cast<std::uint64_t>(scan)));
-  std::vector<LandmarkSighting> sightings;
+  std::vector<LandmarkMeasurement> sightings;
   for (const LaserLandmark& landmark : world.landmarks) {
     const double range_noise = random.normal(), bearing_noise = random.normal();
     const Eigen::Vector2d seen = laser_from_world * landmark.position;

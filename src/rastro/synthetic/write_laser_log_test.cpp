@@ -32,7 +32,7 @@ std::map<std::string, std::string> files_of(const fs::path& folder) {
   return files;
 }
 
-TEST(WriteLaserLog, gives_the_same_bytes_for_any_threads_and_others_for_another_seed) {
+TEST(WriteLaserLog, gives_the_same_bytes_for_any_threads_and_different_ones_for_another_seed) {
   TaskPool one(1), three(3);
   const fs::path a = scratch_path("a"), b = scratch_path("b"), c = scratch_path("c");
   const LaserLogSummary summary = write_laser_log(office(), a, {.scans = 70}, one);
@@ -42,14 +42,14 @@ TEST(WriteLaserLog, gives_the_same_bytes_for_any_threads_and_others_for_another_
   EXPECT_EQ(first.size(), 8U);
   EXPECT_EQ(first, second);
   EXPECT_NE(first.at("scans.log"), other.at("scans.log"));
-  EXPECT_EQ(first.at("groundtruth.txt"), other.at("groundtruth.txt")) << "the way stays the same";
+  EXPECT_EQ(first.at("groundtruth.txt"), other.at("groundtruth.txt")) << "the trajectory stays the same";
   EXPECT_EQ(summary.scans, 70);
   EXPECT_LE(summary.bytes, first.at("scans.log").size());
-  EXPECT_THROW(write_laser_log(office(), a, {.scans = 70}, one), Error) << "there is something in it";
+  EXPECT_THROW(write_laser_log(office(), a, {.scans = 70}, one), Error) << "the folder is not empty";
   EXPECT_THROW(write_laser_log(office(), scratch_path("none"), {.scans = 0}, one), Error);
 }
 
-TEST(WriteLaserLog, truth_and_relations_are_those_of_the_drive) {
+TEST(WriteLaserLog, ground_truth_and_relations_are_those_of_the_drive) {
   TaskPool pool(2);
   const fs::path folder = scratch_path("truth");
   write_laser_log(office(), folder, {.scans = 90}, pool);
@@ -85,22 +85,22 @@ TEST(WriteLaserLog, truth_and_relations_are_those_of_the_drive) {
 TEST(WriteLaserLog, relations_reach_across_the_loop) {
   const auto pairs = relation_pairs(office(), office().scan_count());
   const auto place = [](std::int64_t scan) { return office().world_from_body(office().time_of(scan)).translation(); };
-  int neighbours = 0, across = 0;
+  int neighbors = 0, across = 0;
   for (const ScanPair& pair : pairs) {
     const double away = (place(pair.second) - place(pair.first)).norm();
     EXPECT_LT(away, 1.1);
-    (pair.second - pair.first > 1000 ? across : neighbours) += 1;
+    (pair.second - pair.first > 1000 ? across : neighbors) += 1;
   }
-  EXPECT_GT(neighbours, 75);
-  EXPECT_GE(across, 20) << "every half metre of the ten driven again";
+  EXPECT_GT(neighbors, 75);
+  EXPECT_GE(across, 20) << "every half meter of the ten driven again";
 }
 
-TEST(WriteLaserLog, landmarks_are_seen_where_they_are_and_only_in_sight) {
+TEST(WriteLaserLog, landmarks_are_observed_at_their_positions_and_only_when_visible) {
   Eigen::Vector2d squares = Eigen::Vector2d::Zero();
   int sightings = 0;
   for (std::int64_t scan = 0; scan < office().scan_count(); scan += 10) {
     const SE2 body_from_world = office().world_from_body(office().time_of(scan)).inverse();
-    for (const LandmarkSighting& seen : sight_landmarks(office(), scan)) {
+    for (const LandmarkMeasurement& seen : sight_landmarks(office(), scan)) {
       const LaserLandmark& landmark = office().landmarks[static_cast<std::size_t>(seen.id)];
       ASSERT_EQ(landmark.id, seen.id);
       const Eigen::Vector2d in_body = body_from_world * landmark.position;
@@ -113,7 +113,7 @@ TEST(WriteLaserLog, landmarks_are_seen_where_they_are_and_only_in_sight) {
   ASSERT_GT(sightings, 300);
   EXPECT_NEAR(std::sqrt(squares.x() / sightings), 0.02, 0.002);
   EXPECT_NEAR(std::sqrt(squares.y() / sightings), std::numbers::pi / 180.0, 0.1 * std::numbers::pi / 180.0);
-  // In the middle of the bare corridor there is no door, and those of the rooms are hidden.
+  // In the middle of the bare corridor there is no door, and those of the rooms are occluded.
   EXPECT_TRUE(sight_landmarks(office(), 930).empty());
 }
 

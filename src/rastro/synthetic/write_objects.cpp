@@ -15,7 +15,7 @@
 namespace rastro {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the mesh is written as it lies in memory");
+static_assert(std::endian::native == std::endian::little, "the mesh is written as in memory");
 
 using Eigen::Vector3d;
 
@@ -23,7 +23,7 @@ constexpr double click_m = 0.02;
 
 std::string roughly(const Vector3d& point) {
   const Vector3d steps = (point / click_m).array().round();
-  // The sum turns -0 into 0.
+  // The sum converts -0 to 0.
   return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", steps.x() * click_m + 0.0, steps.y() * click_m + 0.0,
                      steps.z() * click_m + 0.0);
 }
@@ -48,10 +48,10 @@ std::uint8_t mean_of(const Texture& texture) {
   return texture.level(last).at(0, 0);
 }
 
-Rgb mean_colour(const Surface& surface) {
-  const std::uint8_t grey = mean_of(surface.texture);
-  if (surface.colours.empty()) return {grey, grey, grey};
-  const Eigen::Array4f mean = surface.colours.mean();
+Rgb mean_color(const Surface& surface) {
+  const std::uint8_t gray = mean_of(surface.texture);
+  if (surface.colors.empty()) return {gray, gray, gray};
+  const Eigen::Array4f mean = surface.colors.mean();
   return {static_cast<std::uint8_t>(mean[0]), static_cast<std::uint8_t>(mean[1]), static_cast<std::uint8_t>(mean[2])};
 }
 
@@ -59,26 +59,26 @@ class Mesh {
  public:
   explicit Mesh(const SE3& mesh_from_world) : mesh_from_world_(mesh_from_world) {}
 
-  void add_face(const Primitive& solid, int face, const Rgb& colour) {
+  void add_face(const Primitive& solid, int face, const Rgb& color) {
     const bool round = solid.shape == Shape::cylinder || solid.shape == Shape::sphere;
     const int columns = round ? 48 : 1, rows = solid.shape == Shape::sphere ? 24 : 1;
-    // Says its type: an Eigen expression would outlive what it refers to.
+    // Explicit type: an Eigen expression would outlive the objects it refers to.
     const auto place = [&](int column, int row) -> Vector3d {
-      return solid.centre + solid.world_from_local * local_place(solid, face, static_cast<double>(column) / columns,
+      return solid.center + solid.world_from_local * local_place(solid, face, static_cast<double>(column) / columns,
                                                                  static_cast<double>(row) / rows);
     };
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns; ++column) {
         const Vector3d a = place(column, row), b = place(column + 1, row), c = place(column + 1, row + 1),
                        d = place(column, row + 1);
-        add_triangle(a, b, c, solid, colour);
-        add_triangle(a, c, d, solid, colour);
+        add_triangle(a, b, c, solid, color);
+        add_triangle(a, c, d, solid, color);
       }
   }
   void add_glass(const GlassSheet& sheet) {
     Primitive quad;
     quad.shape = Shape::quad;
-    quad.centre = sheet.centre;
+    quad.center = sheet.center;
     quad.half = {0.5 * sheet.right.norm(), 0.5 * sheet.down.norm(), 0.0};
     quad.world_from_local.col(0) = sheet.right.normalized();
     quad.world_from_local.col(1) = -sheet.down.normalized();
@@ -89,14 +89,14 @@ class Mesh {
   std::string ply(const std::string& name) const {
     const std::size_t faces = vertices_.size() / 3;
     std::string text = fmt::format(
-        "ply\nformat binary_little_endian 1.0\ncomment {}: surfaces in the frame of the first camera, metres\n"
+        "ply\nformat binary_little_endian 1.0\ncomment {}: surfaces in the frame of the first camera, meters\n"
         "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
         "property uchar red\nproperty uchar green\nproperty uchar blue\n"
         "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
         name, vertices_.size(), faces);
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
       text.append(reinterpret_cast<const char*>(&vertices_[i]), sizeof(Vertex));
-      text.append(reinterpret_cast<const char*>(&colours_[i]), sizeof(Rgb));
+      text.append(reinterpret_cast<const char*>(&colors_[i]), sizeof(Rgb));
     }
     for (std::size_t face = 0; face < faces; ++face) {
       text += '\3';
@@ -138,30 +138,29 @@ class Mesh {
     return Vector3d::Zero();
   }
 
-  /// Counter-clockwise from outside; those without an area (at poles and in the middle of caps) are left out.
-  void add_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Primitive& solid,
-                    const Rgb& colour) {
+  /// Counter-clockwise from outside; those without an area (at poles and at the centers of caps) are left out.
+  void add_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Primitive& solid, const Rgb& color) {
     const Vector3d normal = (b - a).cross(c - a);
     if (normal.norm() < 1e-12) return;
-    const bool inward = normal.dot((a + b + c) / 3.0 - solid.centre) < 0.0;
+    const bool inward = normal.dot((a + b + c) / 3.0 - solid.center) < 0.0;
     for (const Vector3d& corner : {a, inward ? c : b, inward ? b : c}) {
       const Vector3d place = mesh_from_world_ * corner;
       vertices_.push_back(
           {static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(place.z())});
-      colours_.push_back(colour);
+      colors_.push_back(color);
     }
   }
 
   SE3 mesh_from_world_;
   std::vector<Vertex> vertices_;
-  std::vector<Rgb> colours_;
+  std::vector<Rgb> colors_;
 };
 
 }  // namespace
 
 std::string objects_text(const World& world) {
   std::string text =
-      "# Lengths to find in a map of this recording. Metres. Spots are rough, in the frame of the first camera\n"
+      "# Lengths to measure in a map of this recording. Meters. Points are rough, in the frame of the first camera\n"
       "# (x right, y down, z forward); length_m is exact.\n"
       "frame: first_camera\nobjects:\n";
   const SE3 camera_from_world = world.world_from_camera(0).inverse();
@@ -173,11 +172,11 @@ std::string objects_text(const World& world) {
   return text;
 }
 
-std::uintmax_t write_truth_mesh(const World& world, const std::filesystem::path& file) {
+std::uintmax_t write_ground_truth_mesh(const World& world, const std::filesystem::path& file) {
   Mesh mesh(world.world_from_camera(0).inverse());
   const Scene scene = world.scene_at(0);
   for (const Surface& surface : scene.surfaces())
-    mesh.add_face(scene.primitives()[surface.primitive], surface.face, mean_colour(surface));
+    mesh.add_face(scene.primitives()[surface.primitive], surface.face, mean_color(surface));
   for (const GlassSheet& sheet : scene.glass()) mesh.add_glass(sheet);
   const std::string ply = mesh.ply(world.name());
   TextFile(file, ply);

@@ -9,13 +9,12 @@
 
 namespace rastro {
 
-/// The lengths of a world for `rastro measure --objects`: names, true lengths, and spots where to look for their edges,
-/// in the frame of the first camera (x right, y down, z forward) and only as precise as a person would point at them:
-/// to 2 cm.
+/// The lengths of a world for `rastro measure --objects`: names, true lengths, and rough points on their edges, in the
+/// frame of the first camera (x right, y down, z forward) and only as precise as a person would mark them: to 2 cm.
 std::string objects_text(const World& world);
 
-/// All solids and panes of the world's first moment as triangles, in the frame of the first camera, with the mean
-/// colours of their faces: binary PLY. Round things have 48 sides. Returns the size; Error where it cannot be written.
-std::uintmax_t write_truth_mesh(const World& world, const std::filesystem::path& file);
+/// All solids and panes of the world at time 0 as triangles, in the frame of the first camera, with the mean colors of
+/// their faces: binary PLY. Round solids have 48 sides. Returns the size; throws Error if it cannot be written.
+std::uintmax_t write_ground_truth_mesh(const World& world, const std::filesystem::path& file);
 
 }  // namespace rastro

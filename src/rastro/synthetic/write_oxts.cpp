@@ -48,7 +48,7 @@ std::string oxts_line(const World& world, std::int64_t frame) {
       (after.translation() - 2.0 * now.translation() + before.translation()) / (half * half) +
       Eigen::Vector3d(0, 0, gravity);
   const Eigen::Vector3d turning = (before.rotation().inverse() * after.rotation()).log() / (2.0 * half);
-  // Forward, left and up on the level, turned by the yaw only.
+  // Forward, left and up in the horizontal plane, rotated by the yaw only.
   const SO3 level_from_world = SO3::exp({0, 0, -yaw});
   const SO3 body_from_world = now.rotation().inverse();
   return fmt::format("{:.13f} {:.13f} {:.9f} {:.12f} {:.12f} {:.12f} {:.9f} {:.9f}", place.latitude, place.longitude,

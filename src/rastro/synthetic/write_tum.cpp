@@ -18,18 +18,18 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int frames_at_once =
-    16;  // Listed in the order of time after each batch: a broken run is a shorter recording.
+    16;  // Listed in the order of time after each batch: an interrupted run is a shorter recording.
 constexpr std::uint64_t depth_noise = 21;
 
-std::uint16_t raw_depth(double metres, const DepthModel& model, double normal) {
-  if (!(metres >= model.nearest_m && metres <= model.farthest_m)) return 0;
-  const double farther = metres - 0.4;
-  const double sigma = model.sigma_m + (farther > 0.0 ? model.sigma_per_square_metre * farther * farther : 0.0);
+std::uint16_t raw_depth(double meters, const DepthModel& model, double normal) {
+  if (!(meters >= model.nearest_m && meters <= model.farthest_m)) return 0;
+  const double farther = meters - 0.4;
+  const double sigma = model.sigma_m + (farther > 0.0 ? model.sigma_per_square_meter * farther * farther : 0.0);
   return static_cast<std::uint16_t>(
-      std::clamp(std::round((metres + sigma * normal) * model.units_per_metre), 0.0, 65535.0));
+      std::clamp(std::round((meters + sigma * normal) * model.units_per_meter), 0.0, 65535.0));
 }
 
-cv::Mat depth_picture(const DepthImage& depth, const DepthModel& model, Random random) {
+cv::Mat depth_image_of(const DepthImage& depth, const DepthModel& model, Random random) {
   cv::Mat picture(depth.height(), depth.width(), CV_16U);
   for (int y = 0; y < depth.height(); ++y)
     for (int x = 0; x < depth.width(); ++x)
@@ -42,7 +42,7 @@ TimeNs depth_delay(const World& world) { return world.kinect() ? from_seconds(wo
 cv::Mat depth_of(const World& world, std::int64_t frame, const RenderedFrame& shot, const TumOptions& options,
                  TaskPool& pool) {
   const std::uint64_t noise = seed_for(seed_for(world.seed(), depth_noise), static_cast<std::uint64_t>(frame));
-  if (!world.kinect()) return depth_picture(shot.depth, options.depth, Random(noise));
+  if (!world.kinect()) return depth_image_of(shot.depth, options.depth, Random(noise));
   const double time = world.time_of(frame) + world.kinect()->delay_s;
   const Image<std::uint16_t> raw = kinect_depth(world.depth_at(time, pool), world.renderer(),
                                                 world.world_from_camera_at(time), *world.kinect(), noise, pool);
@@ -52,12 +52,12 @@ cv::Mat depth_of(const World& world, std::int64_t frame, const RenderedFrame& sh
 }
 
 /// OpenCV's order is blue first.
-cv::Mat colour_picture(const ColourImage& colour) {
-  cv::Mat picture(colour.height(), colour.width(), CV_8UC3);
-  for (int y = 0; y < colour.height(); ++y) {
-    const std::uint8_t* from = colour.rgb.row(y);
+cv::Mat color_image_of(const ColorImage& color) {
+  cv::Mat picture(color.height(), color.width(), CV_8UC3);
+  for (int y = 0; y < color.height(); ++y) {
+    const std::uint8_t* from = color.rgb.row(y);
     std::uint8_t* to = picture.ptr<std::uint8_t>(y);
-    for (int x = 0; x < 3 * colour.width(); x += 3) to[x] = from[x + 2], to[x + 1] = from[x + 1], to[x + 2] = from[x];
+    for (int x = 0; x < 3 * color.width(); x += 3) to[x] = from[x + 2], to[x + 1] = from[x + 1], to[x + 2] = from[x];
   }
   return picture;
 }
@@ -73,7 +73,7 @@ std::string camera_text(const Camera& camera) {
       camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy, k[0], k[1], k[2], k[3], k[4]);
 }
 
-std::string truth_line(const World& world, std::int64_t frame) {
+std::string ground_truth_line(const World& world, std::int64_t frame) {
   const SE3 pose = world.world_from_camera(frame);
   const Eigen::Vector3d& p = pose.translation();
   const Eigen::Quaterniond& q = pose.rotation().quaternion();
@@ -85,13 +85,13 @@ std::string truth_line(const World& world, std::int64_t frame) {
 
 TumSummary write_tum(const World& world, const fs::path& folder, const TumOptions& options, TaskPool& pool,
                      const std::function<void(std::int64_t)>& progress) {
-  if (options.frames < 1) throw Error("there are no frames to write", "frames", "ask for at least one");
+  if (options.frames < 1) throw Error("there are no frames to write", "frames", "request at least one");
   check_folder(folder, options.force);
   make_folder(folder / "rgb");
   make_folder(folder / "depth");
   TextFile(folder / "camera.yaml", camera_text(world.camera()));
-  TextFile(folder / "info.txt", fmt::format("depth_factor: {:g}\n", world.kinect() ? world.kinect()->units_per_metre
-                                                                                   : options.depth.units_per_metre));
+  TextFile(folder / "info.txt", fmt::format("depth_factor: {:g}\n", world.kinect() ? world.kinect()->units_per_meter
+                                                                                   : options.depth.units_per_meter));
   TextFile rgb(folder / "rgb.txt", "# stamp file\n"), depth(folder / "depth.txt", "# stamp file\n");
   TextFile truth(folder / "groundtruth.txt", "# world_from_camera: stamp tx ty tz qx qy qz qw\n");
   const auto name_of = [&](std::int64_t frame) { return seconds_text(world.stamp(frame)) + ".png"; };
@@ -100,13 +100,13 @@ TumSummary write_tum(const World& world, const fs::path& folder, const TumOption
   std::atomic<std::uintmax_t> bytes{0};
   if (!world.lengths().empty()) {
     TextFile(folder / "objects.yaml", objects_text(world));
-    bytes += write_truth_mesh(world, folder / "truth.ply");
+    bytes += write_ground_truth_mesh(world, folder / "truth.ply");
   }
   const auto write_frame = [&](std::int64_t frame) {
     TaskPool alone(1);
     RenderedFrame shot = world.render(frame, alone);
     cv::Mat depth_raw = depth_of(world, frame, shot, options, alone);
-    cv::Mat picture = shot.colour.empty() ? grey_picture(shot.grey) : colour_picture(shot.colour);
+    cv::Mat picture = shot.color.empty() ? gray_image(shot.gray) : color_image_of(shot.color);
     if (options.black && world.time_of(frame) >= options.black->first && world.time_of(frame) < options.black->second)
       picture.setTo(0), depth_raw.setTo(0);
     bytes += write_png(folder / "rgb" / name_of(frame), picture);
@@ -120,7 +120,7 @@ TumSummary write_tum(const World& world, const fs::path& folder, const TumOption
     for (std::int64_t frame = first; frame < end; ++frame) {
       rgb.write(fmt::format("{} rgb/{}\n", seconds_text(world.stamp(frame)), name_of(frame)));
       depth.write(fmt::format("{} depth/{}\n", depth_stamp(frame), depth_name_of(frame)));
-      truth.write(truth_line(world, frame));
+      truth.write(ground_truth_line(world, frame));
     }
     if (progress) progress(end);
   }

@@ -13,20 +13,20 @@
 
 namespace rastro {
 
-/// Depth pictures as a depth camera with structured light gives them.
+/// Depth images of a depth camera with structured light.
 struct DepthModel {
-  double units_per_metre = 5000.0;           ///< As the TUM benchmark has it.
-  double nearest_m = 0.4, farthest_m = 8.0;  ///< Outside of this nothing is measured: 0.
-  double sigma_m = 0.0012;                   ///< Noise up to 0.4 m, and how it grows from there with the square of the
-  double sigma_per_square_metre = 0.0019;    ///< distance (Nguyen, Izadi and Lovell 2012, axial part).
+  double units_per_meter = 5000.0;           ///< As in the TUM benchmark.
+  double nearest_m = 0.4, farthest_m = 8.0;  ///< Outside this range: 0.
+  double sigma_m = 0.0012;                   ///< Noise up to 0.4 m, and its growth from there with the square of the
+  double sigma_per_square_meter = 0.0019;    ///< distance (Nguyen, Izadi and Lovell 2012, axial part).
 };
 
 struct TumOptions {
   std::int64_t frames = 150;
   DepthModel depth = {};
-  bool force = false;  ///< Write into a folder that is not empty.
-  /// Something covers the camera from the first of these times to the second (seconds from the start): its pictures are
-  /// black and without depth.
+  bool force = false;  ///< Write to a folder that is not empty.
+  /// The camera is covered from the first of these times to the second (seconds from the start): its images are black
+  /// and without depth.
   std::optional<std::pair<double, double>> black = {};
 };
 
@@ -35,12 +35,12 @@ struct TumSummary {
   std::uintmax_t bytes = 0;
 };
 
-/// Writes a generated world in the layout of the TUM RGB-D benchmark: rgb/ (in colour where the world is), depth/ (16
+/// Writes a generated world in the layout of the TUM RGB-D benchmark: rgb/ (in color if the world is), depth/ (16
 /// bits), rgb.txt, depth.txt, groundtruth.txt (of the camera at the stamps of rgb.txt), camera.yaml and info.txt (the
-/// depth factor). A world with a Kinect uses its model and not options.depth; depth.txt then has stamps of its own. A
-/// world with lengths also gets objects.yaml and truth.ply (write_objects.h). Frames are rendered and
-/// written in parallel; the bytes are the same for any pool. `progress` is called with the number of frames written so
-/// far. Errors for folders that cannot be written or are not empty.
+/// depth factor). A world with a Kinect uses its model and not options.depth; depth.txt then has its own stamps. A
+/// world with lengths also gets objects.yaml and truth.ply (write_objects.h). Frames are rendered and written in
+/// parallel; the bytes are the same for any pool. `progress` is called with the number of frames written so far. Throws
+/// Error for folders that cannot be written or are not empty.
 TumSummary write_tum(const World& world, const std::filesystem::path& folder, const TumOptions& options, TaskPool& pool,
                      const std::function<void(std::int64_t)>& progress = {});
 

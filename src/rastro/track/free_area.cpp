@@ -7,8 +7,8 @@
 
 namespace rastro {
 
-void FreeArea::reset(int width, int height, GreyView mask) {
-  if (area_.width() != width || area_.height() != height) area_ = GreyImage(width, height);
+void FreeArea::reset(int width, int height, GrayView mask) {
+  if (area_.width() != width || area_.height() != height) area_ = GrayImage(width, height);
   for (int y = 0; y < height; ++y) {
     if (mask.empty()) {
       std::memset(area_.row(y), 255, static_cast<std::size_t>(width));
@@ -18,15 +18,15 @@ void FreeArea::reset(int width, int height, GreyView mask) {
   }
 }
 
-void FreeArea::block(const Eigen::Vector2f& centre, double radius) {
+void FreeArea::block(const Eigen::Vector2f& center, double radius) {
   if (radius != radius_) {
     radius_ = radius;
     half_widths_.clear();
-    // A pixel at exactly the distance stays free.
+    // A pixel at exactly the distance is free.
     for (int dy = 0; dy < radius; ++dy)
       half_widths_.push_back(static_cast<int>(std::ceil(std::sqrt(radius * radius - dy * dy))) - 1);
   }
-  const int cx = static_cast<int>(std::lround(centre.x())), cy = static_cast<int>(std::lround(centre.y()));
+  const int cx = static_cast<int>(std::lround(center.x())), cy = static_cast<int>(std::lround(center.y()));
   const int reach = static_cast<int>(half_widths_.size()) - 1;
   for (int y = std::max(0, cy - reach); y <= std::min(area_.height() - 1, cy + reach); ++y) {
     const int half = half_widths_[static_cast<std::size_t>(std::abs(y - cy))];

@@ -8,19 +8,19 @@
 
 namespace rastro {
 
-/// Where new corners may be: outside the mask and nowhere nearer than a distance to a feature. Keeps its memory between
+/// Where new corners may be detected: outside the mask and not within a distance of a feature. Keeps its memory between
 /// frames.
 class FreeArea {
  public:
-  /// Starts from the mask (zero: not free), or all free when it is empty.
-  void reset(int width, int height, GreyView mask);
-  /// Takes the disc of `radius` pixels around `centre` out.
-  void block(const Eigen::Vector2f& centre, double radius);
-  GreyView view() const { return area_.view(); }
+  /// Starts from the mask (zero: not free), or with everything free if it is empty.
+  void reset(int width, int height, GrayView mask);
+  /// Removes the disc of `radius` pixels around `center`.
+  void block(const Eigen::Vector2f& center, double radius);
+  GrayView view() const { return area_.view(); }
 
  private:
-  GreyImage area_;
-  std::vector<int> half_widths_;  ///< Of the disc's rows, by distance from the middle row.
+  GrayImage area_;
+  std::vector<int> half_widths_;  ///< Per row of the disc, by distance from the middle row.
   double radius_ = -1.0;
 };
 

@@ -20,7 +20,7 @@ constexpr double intensity_scale = 32.0;
 constexpr double gradient_scale = 16.0;
 constexpr double everywhere = std::numeric_limits<double>::infinity();
 
-/// The whole pixel and the fraction of the upper left corner of the window around a centre; nullopt when the window
+/// The whole pixel and the fraction of the upper left corner of the window around a center; nullopt if the window
 /// leaves the padding.
 struct Corner {
   int x = 0, y = 0;
@@ -28,7 +28,7 @@ struct Corner {
 };
 
 std::optional<Corner> corner_of(const PaddedImage& image, double x, double y, int size) {
-  // The vectors read up to 35 pixels right of the corner; centres farther out than this are lost anyway.
+  // The vectors read up to 35 pixels right of the corner; centers farther out than this are lost anyway.
   constexpr double slack = 8.0;
   if (!(x >= -slack && y >= -slack && x <= image.width() - 1 + slack && y <= image.height() - 1 + slack))
     return std::nullopt;
@@ -81,7 +81,7 @@ double ratio_of(const KltResidual& sums, int size) {
   return variance(sums.squared_difference, sums.difference) / std::max(1.0, variance(sums.squared_patch, sums.patch));
 }
 
-/// Moves `at` (in pixels of this level) until the window fits. False when it cannot be followed.
+/// Moves `at` (in pixels of this level) until the window fits. False if it cannot be tracked.
 bool align_patch(const PaddedImage& image, const KltPatch& patch, const StepSolver& solver, const KltOptions& options,
                  const KltKernels& kernels, double reach_px, double epsilon_px, Eigen::Vector2d& at) {
   const Eigen::Vector2d start = at;
@@ -103,7 +103,7 @@ bool align_patch(const PaddedImage& image, const KltPatch& patch, const StepSolv
   return true;
 }
 
-/// Follows one point through `levels` levels of the pyramids; nullopt when it is lost.
+/// Tracks one point through `levels` levels of the pyramids; nullopt if it is lost.
 struct Follower {
   const Pyramid& from;
   const Pyramid& to;
@@ -117,13 +117,13 @@ struct Follower {
     for (int level = levels - 1; level >= 0; --level) {
       const double scale = 1.0 / (1 << level);
       const PaddedImage& image = from.level(level);
-      const Eigen::Vector2d centre = point * scale;
-      const auto window = window_of(image, centre.x(), centre.y(), options.window_px);
+      const Eigen::Vector2d center = point * scale;
+      const auto window = window_of(image, center.x(), center.y(), options.window_px);
       if (!window) return std::nullopt;
       kernels.cut(*window, options.window_px, patch);
       const StepSolver solver(patch, options.min_eigenvalue);
       Eigen::Vector2d here = at * scale;
-      // A coarse level without texture says nothing; only on the finest it means that the point cannot be followed.
+      // A coarse level without texture has no information; only on the finest level is the point lost.
       if (!solver.solvable()) {
         if (level == 0) return std::nullopt;
         continue;
@@ -168,7 +168,7 @@ void klt_follow(const Pyramid& previous, const Pyramid& current, std::span<const
                 std::span<const Eigen::Vector2f> guesses, const KltOptions& options, TaskPool* pool,
                 std::span<KltResult> results) {
   RASTRO_CHECK(points.size() == guesses.size() && points.size() == results.size(),
-               "a guess and a result for every point");
+               "one guess and one result per point");
   RASTRO_CHECK(options.window_px % 2 == 1 && options.window_px >= 5 && options.window_px <= klt_largest_window,
                "window");
   RASTRO_CHECK(previous.level(0).padding() >= klt_padding && current.level(0).padding() >= klt_padding, "padding");
@@ -208,7 +208,7 @@ void KltReference::keep(const Pyramid& pyramid, const Eigen::Vector2f& point, in
 }
 
 void KltReference::cut(const Eigen::Matrix2f& current_from_reference, KltPatch& patch) const {
-  // A window that hardly turned is cut as it was seen, without being resampled.
+  // A window with hardly any rotation is cut out without resampling.
   constexpr float hardly = 0.03F;
   const std::ptrdiff_t side = stride();
   if ((current_from_reference - Eigen::Matrix2f::Identity()).cwiseAbs().maxCoeff() < hardly) {
@@ -219,7 +219,7 @@ void KltReference::cut(const Eigen::Matrix2f& current_from_reference, KltPatch& 
   constexpr float one = 65536.0F;
   const auto fixed = [](float pixels) { return static_cast<std::int32_t>(std::lround(pixels * one)); };
   const Eigen::Matrix2f reference_from_current = current_from_reference.inverse();
-  KltTurn turn;
+  KltRotation turn;
   turn.pixels = pixels_.data();
   turn.side = stride();
   turn.across_x = fixed(reference_from_current(0, 0));
@@ -227,13 +227,13 @@ void KltReference::cut(const Eigen::Matrix2f& current_from_reference, KltPatch& 
   turn.down_x = fixed(reference_from_current(0, 1));
   turn.down_y = fixed(reference_from_current(1, 1));
   turn.rows = size_ + 3;
-  // The window's middle stays where it is; fractions of the corner come in 1/32768.
+  // The window's center is fixed; fractions of the corner come in 1/32768.
   const int half = 1 + size_ / 2, middle = (margin() + half) * 65536;
   turn.x = middle + 2 * fraction_x_ - half * (turn.across_x + turn.down_x);
   turn.y = middle + 2 * fraction_y_ - half * (turn.across_y + turn.down_y);
-  std::array<std::uint8_t, KltTurn::row_length*(klt_largest_window + 3) + 64> turned{};
+  std::array<std::uint8_t, KltRotation::row_length*(klt_largest_window + 3) + 64> turned{};
   klt_kernels().turn(turn, turned.data());
-  klt_kernels().cut({turned.data() + KltTurn::row_length + 1, KltTurn::row_length, 0, 0}, size_, patch);
+  klt_kernels().cut({turned.data() + KltRotation::row_length + 1, KltRotation::row_length, 0, 0}, size_, patch);
 }
 
 KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& guess, double reach_px,

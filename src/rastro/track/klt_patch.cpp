@@ -12,7 +12,7 @@ namespace {
 
 constexpr int row_length = KltPatch::row_length;
 
-/// Product in 1/32768, rounded: what the SIMD instruction pmulhrsw does.
+/// Product in 1/32768, rounded: the same as the SIMD instruction pmulhrsw.
 int scaled(int value, int fraction) { return (value * fraction + 0x4000) >> 15; }
 
 /// Interpolated intensities of `count` columns and `rows` rows from the corner on; row i at out + i * row_length.
@@ -114,11 +114,11 @@ KltResidual residual_plain(const KltWindow& window, const KltPatch& patch) {
   return sums;
 }
 
-void turn_plain(const KltTurn& turn, std::uint8_t* turned) {
+void rotate_plain(const KltRotation& turn, std::uint8_t* turned) {
   const std::int32_t most = (turn.side - 1) * 65536 - 1;
   for (int y = 0; y < turn.rows; ++y) {
     std::int32_t at_x = turn.x + y * turn.down_x, at_y = turn.y + y * turn.down_y;
-    std::uint8_t* out = turned + y * KltTurn::row_length;
+    std::uint8_t* out = turned + y * KltRotation::row_length;
     for (int x = 0; x < turn.rows; ++x, at_x += turn.across_x, at_y += turn.across_y) {
       const std::int32_t px = std::clamp(at_x, 0, most), py = std::clamp(at_y, 0, most);
       const std::uint8_t* pixel = turn.pixels + (py >> 16) * turn.side + (px >> 16);
@@ -133,7 +133,7 @@ void turn_plain(const KltTurn& turn, std::uint8_t* turned) {
 }  // namespace
 
 const KltKernels& klt_kernels_plain() {
-  static const KltKernels kernels{cut_plain, mismatch_plain, residual_plain, turn_plain};
+  static const KltKernels kernels{cut_plain, mismatch_plain, residual_plain, rotate_plain};
   return kernels;
 }
 

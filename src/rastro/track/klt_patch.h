@@ -6,8 +6,8 @@
 
 namespace rastro {
 
-/// The inner loops of KLT in fixed point: intensities in 1/32 grey level, gradients in 1/16 grey level per pixel.
-/// Rows are 32 values long; what lies behind the window is zero in the gradients and the ones, and so takes no part.
+/// The inner loops of KLT in fixed point: intensities in 1/32 of a level, gradients in 1/16 level per pixel. Rows have
+/// 32 values; beyond the window the gradients and the ones are zero, so these values have no effect.
 struct alignas(64) KltPatch {
   static constexpr int row_length = 32;
   static constexpr int most_rows = 31;
@@ -26,13 +26,13 @@ struct KltMismatch {
   std::int64_t ex = 0, ey = 0, e = 0;
 };
 
-/// What is left after alignment; in (1/8 grey level)^2 and 1/8 grey level.
+/// Residual after alignment, in (1/8 level)^2 and 1/8 level.
 struct KltResidual {
   std::int64_t squared_difference = 0, difference = 0, squared_patch = 0, patch = 0;
 };
 
-/// A window in an image: the whole pixel its upper left corner lies in, and the fraction beyond in 1/32768 pixel.
-/// Kernels read up to 48 pixels of each row from one pixel left of the corner on, whatever the window's size.
+/// A window in an image: the whole pixel its upper left corner lies in, and the fraction beyond in 1/32768 pixel. For
+/// any window size, kernels read up to 48 pixels of each row, from one pixel left of the corner on.
 struct KltWindow {
   const std::uint8_t* pixels = nullptr;
   std::ptrdiff_t stride = 0;
@@ -41,32 +41,32 @@ struct KltWindow {
   const std::uint8_t* row(int y) const { return pixels + y * stride; }
 };
 
-/// A square image to be seen turned and stretched; places and steps in 1/65536 pixel. Kernels read up to three bytes
-/// behind its last pixel.
-struct KltTurn {
+/// A square image to be resampled with rotation and stretch; positions and steps in 1/65536 pixel. Kernels read up to
+/// three bytes behind its last pixel.
+struct KltRotation {
   const std::uint8_t* pixels = nullptr;
-  int side = 0;               ///< Pixels a row, and rows.
-  std::int32_t x = 0, y = 0;  ///< Place of the first pixel of the turned image.
+  int side = 0;               ///< Pixels per row, and rows.
+  std::int32_t x = 0, y = 0;  ///< Position of the first pixel of the rotated image.
   std::int32_t across_x = 0, across_y = 0, down_x = 0, down_y = 0;
-  int rows = 0;  ///< And columns, of the turned image.
+  int rows = 0;  ///< And columns, of the rotated image.
 
   static constexpr int row_length = 48;
 };
 
-/// `kernels` for a processor: each pair of functions gives equal results.
+/// `kernels` for one processor type: each pair of functions gives equal results.
 struct KltKernels {
   /// Cuts a window of `size` with its gradients (Sobel on the interpolated pixels); reads one pixel more on each side.
   void (*cut)(const KltWindow& window, int size, KltPatch& patch);
   KltMismatch (*mismatch)(const KltWindow& window, const KltPatch& patch);
   KltResidual (*residual)(const KltWindow& window, const KltPatch& patch);
-  /// Bilinear, rounded; what lies outside is taken at the edge. Columns behind the last one may be written, up to the
+  /// Bilinear, rounded; outside, the pixel at the edge is used. Columns behind the last one may be written, up to the
   /// next multiple of eight.
-  void (*turn)(const KltTurn& turn, std::uint8_t* turned);
+  void (*turn)(const KltRotation& turn, std::uint8_t* turned);
 };
 
 const KltKernels& klt_kernels_plain();
 const KltKernels& klt_kernels_avx2();  ///< The plain ones where this build has no AVX2 code.
-/// The best this processor has (base/simd.h).
+/// The fastest this processor supports (base/simd.h).
 const KltKernels& klt_kernels();
 
 }  // namespace rastro

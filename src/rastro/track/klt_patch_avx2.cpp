@@ -20,7 +20,7 @@ RASTRO_TARGET_AVX2 inline void store(std::int16_t* p, __m256i v) {
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), v);
 }
 
-/// 16 pixels of a row in 1/32 grey level, interpolated across.
+/// 16 pixels of a row in 1/32 level, interpolated horizontally.
 RASTRO_TARGET_AVX2 inline __m256i across(const std::uint8_t* pixels, __m256i fraction) {
   const __m256i left = _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(pixels)));
   const __m256i right = _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(pixels + 1)));
@@ -163,7 +163,7 @@ RASTRO_TARGET_AVX2 KltResidual residual_avx2(const KltWindow& window, const KltP
   return sums;
 }
 
-/// Of eight pairs of neighbouring pixels, interpolated across, in 1/256 grey level.
+/// Eight pairs of neighboring pixels, interpolated horizontally, in 1/256 level.
 RASTRO_TARGET_AVX2 inline __m256i gathered(const std::uint8_t* pixels, __m256i places, __m256i weights) {
   const __m256i four = _mm256_i32gather_epi32(reinterpret_cast<const int*>(pixels), places, 1);
   const __m256i left = _mm256_and_si256(four, _mm256_set1_epi32(0xff));
@@ -171,14 +171,14 @@ RASTRO_TARGET_AVX2 inline __m256i gathered(const std::uint8_t* pixels, __m256i p
   return _mm256_madd_epi16(_mm256_or_si256(left, right), weights);
 }
 
-RASTRO_TARGET_AVX2 void turn_avx2(const KltTurn& turn, std::uint8_t* turned) {
+RASTRO_TARGET_AVX2 void rotate_avx2(const KltRotation& turn, std::uint8_t* turned) {
   const __m256i most = _mm256_set1_epi32((turn.side - 1) * 65536 - 1), zero = _mm256_setzero_si256();
   const __m256i side = _mm256_set1_epi32(turn.side), one = _mm256_set1_epi32(256), byte = _mm256_set1_epi32(255);
   const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
   const __m256i lanes_x = _mm256_mullo_epi32(lanes, _mm256_set1_epi32(turn.across_x));
   const __m256i lanes_y = _mm256_mullo_epi32(lanes, _mm256_set1_epi32(turn.across_y));
   for (int y = 0; y < turn.rows; ++y) {
-    std::uint8_t* out = turned + y * KltTurn::row_length;
+    std::uint8_t* out = turned + y * KltRotation::row_length;
     for (int x = 0; x < turn.rows; x += 8) {
       const __m256i at_x = _mm256_add_epi32(_mm256_set1_epi32(turn.x + y * turn.down_x + x * turn.across_x), lanes_x);
       const __m256i at_y = _mm256_add_epi32(_mm256_set1_epi32(turn.y + y * turn.down_y + x * turn.across_y), lanes_y);
@@ -193,8 +193,8 @@ RASTRO_TARGET_AVX2 void turn_avx2(const KltTurn& turn, std::uint8_t* turned) {
       const __m256i lower = gathered(turn.pixels + turn.side, places, weights);
       const __m256i both =
           _mm256_add_epi32(_mm256_mullo_epi32(upper, _mm256_sub_epi32(one, fy)), _mm256_mullo_epi32(lower, fy));
-      const __m256i grey = _mm256_srli_epi32(_mm256_add_epi32(both, _mm256_set1_epi32(32768)), 16);
-      const __m128i words = _mm_packus_epi32(_mm256_castsi256_si128(grey), _mm256_extracti128_si256(grey, 1));
+      const __m256i gray = _mm256_srli_epi32(_mm256_add_epi32(both, _mm256_set1_epi32(32768)), 16);
+      const __m128i words = _mm_packus_epi32(_mm256_castsi256_si128(gray), _mm256_extracti128_si256(gray, 1));
       _mm_storel_epi64(reinterpret_cast<__m128i*>(out + x), _mm_packus_epi16(words, words));
     }
   }
@@ -203,7 +203,7 @@ RASTRO_TARGET_AVX2 void turn_avx2(const KltTurn& turn, std::uint8_t* turned) {
 }  // namespace
 
 const KltKernels& klt_kernels_avx2() {
-  static const KltKernels kernels{cut_avx2, mismatch_avx2, residual_avx2, turn_avx2};
+  static const KltKernels kernels{cut_avx2, mismatch_avx2, residual_avx2, rotate_avx2};
   return kernels;
 }
 #else

@@ -15,7 +15,7 @@ namespace {
 using testing::noise_image;
 using testing::wave_image;
 
-Pyramid pyramid_of(const GreyImage& image) {
+Pyramid pyramid_of(const GrayImage& image) {
   Pyramid pyramid;
   pyramid.build(image.view(), 4, klt_padding);
   return pyramid;
@@ -29,7 +29,7 @@ std::vector<Eigen::Vector2f> grid_points() {
   return points;
 }
 
-TEST(Klt, FollowsAKnownShiftToAFewHundredthsOfAPixel) {
+TEST(Klt, TracksAKnownShiftToAFewHundredthsOfAPixel) {
   for (const auto& [dx, dy] : {std::pair{0.0, 0.0}, {0.4, -0.3}, {5.25, 3.5}, {-14.6, 9.1}}) {
     const Pyramid a = pyramid_of(wave_image(320, 240, 0, 0)), b = pyramid_of(wave_image(320, 240, dx, dy));
     const auto points = grid_points();
@@ -46,8 +46,8 @@ TEST(Klt, FollowsAKnownShiftToAFewHundredthsOfAPixel) {
   }
 }
 
-TEST(Klt, AChangeOfBrightnessMovesNothing) {
-  GreyImage brighter = wave_image(320, 240, 3.3, -2.2);
+TEST(Klt, AChangeOfBrightnessCausesNoMotion) {
+  GrayImage brighter = wave_image(320, 240, 3.3, -2.2);
   for (int y = 0; y < 240; ++y) {
     for (int x = 0; x < 320; ++x) brighter.at(x, y) = static_cast<std::uint8_t>(std::min(255, brighter.at(x, y) + 12));
   }
@@ -63,10 +63,10 @@ TEST(Klt, AChangeOfBrightnessMovesNothing) {
             static_cast<std::ptrdiff_t>(points.size() * 9 / 10));
 }
 
-TEST(Klt, FlatGroundAndUnrelatedImagesAreNotFollowed) {
+TEST(Klt, FlatAreasAndUnrelatedImagesAreNotTracked) {
   const auto points = grid_points();
   std::vector<KltResult> results(points.size());
-  const Pyramid flat = pyramid_of(GreyImage(320, 240));
+  const Pyramid flat = pyramid_of(GrayImage(320, 240));
   klt_follow(flat, flat, points, points, {}, nullptr, results);
   for (const KltResult& result : results) EXPECT_FALSE(result.followed);
   klt_follow(pyramid_of(noise_image(320, 240, 1)), pyramid_of(noise_image(320, 240, 2)), points, points, {}, nullptr,
@@ -74,7 +74,7 @@ TEST(Klt, FlatGroundAndUnrelatedImagesAreNotFollowed) {
   EXPECT_LE(std::count_if(results.begin(), results.end(), [](const KltResult& r) { return r.followed; }), 4);
 }
 
-TEST(Klt, PointsOutsideOrNotANumberAreLostNotACrash) {
+TEST(Klt, PointsOutsideOrNotANumberAreLost) {
   const Pyramid a = pyramid_of(wave_image(64, 64, 0, 0));
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<Eigen::Vector2f> points = {{-500, 3}, {3, 1e9F}, {nan, 5}, {0, 0}, {63, 63}};
@@ -111,7 +111,7 @@ TEST(Klt, PlainAndFastKernelsGiveTheSameSums) {
 }
 
 TEST(Klt, StrongestEdgesDoNotOverflow) {
-  GreyImage checks(90, 80), inverse(90, 80);
+  GrayImage checks(90, 80), inverse(90, 80);
   for (int y = 0; y < 80; ++y) {
     for (int x = 0; x < 90; ++x) {
       checks.at(x, y) = (x / 2) % 2 == 0 ? 255 : 0;
@@ -130,7 +130,7 @@ TEST(Klt, StrongestEdgesDoNotOverflow) {
             klt_kernels_avx2().residual(to, fast).squared_difference);
 }
 
-TEST(KltReference, AlignsFromAFewPixelsAwayAndKnowsAStranger) {
+TEST(KltReference, AlignsFromAFewPixelsAwayAndRejectsAnotherPatch) {
   const Pyramid before = pyramid_of(wave_image(320, 240, 0, 0)), after = pyramid_of(wave_image(320, 240, 7.3, -4.6));
   KltReference reference;
   EXPECT_TRUE(reference.empty());
@@ -144,12 +144,12 @@ TEST(KltReference, AlignsFromAFewPixelsAwayAndKnowsAStranger) {
   EXPECT_GT(reference.residual_ratio(after, {227.6F, 176.1F}), 0.3);
 }
 
-TEST(KltReference, IsFoundAgainTurnedAndGrownWhenToldHow) {
-  // The image b(p) = a(M^-1 p) shows a's surroundings of the middle turned and grown by M.
+TEST(KltReference, IsFoundRotatedAndScaledByAKnownAmount) {
+  // The image b(p) = a(M^-1 p) shows a's center region rotated and scaled by M.
   Eigen::Matrix2f turned;
   turned << 1.08F, -0.46F, 0.46F, 1.08F;
-  const GreyImage a = wave_image(320, 240, 0, 0);
-  GreyImage b(320, 240);
+  const GrayImage a = wave_image(320, 240, 0, 0);
+  GrayImage b(320, 240);
   const Eigen::Vector2f middle(160.0F, 120.0F);
   for (int y = 0; y < 240; ++y) {
     for (int x = 0; x < 320; ++x) {
@@ -175,24 +175,24 @@ TEST(KltReference, IsFoundAgainTurnedAndGrownWhenToldHow) {
   }
 }
 
-TEST(Klt, PlainAndFastTurnsGiveTheSameBytes) {
+TEST(Klt, PlainAndFastResamplingGiveTheSameBytes) {
   Random random(11);
   std::vector<std::uint8_t> pixels(38 * 38 + 64);
   for (auto& pixel : pixels) pixel = static_cast<std::uint8_t>(random.below(256));
   const auto within = [&](std::int32_t most) { return static_cast<std::int32_t>(random.below(2 * most)) - most; };
   for (int i = 0; i < 200; ++i) {
-    const KltTurn turn{pixels.data(),      38,
-                       within(40 * 65536), within(40 * 65536),
-                       within(2 * 65536),  within(2 * 65536),
-                       within(131072),     within(131072),
-                       24 + i % 11};
-    std::vector<std::uint8_t> plain(KltTurn::row_length * 40), fast(plain.size());
+    const KltRotation turn{pixels.data(),      38,
+                           within(40 * 65536), within(40 * 65536),
+                           within(2 * 65536),  within(2 * 65536),
+                           within(131072),     within(131072),
+                           24 + i % 11};
+    std::vector<std::uint8_t> plain(KltRotation::row_length * 40), fast(plain.size());
     klt_kernels_plain().turn(turn, plain.data());
     klt_kernels_avx2().turn(turn, fast.data());
     for (int y = 0; y < turn.rows; ++y) {
       for (int x = 0; x < turn.rows; ++x) {
-        ASSERT_EQ(plain[static_cast<std::size_t>(y * KltTurn::row_length + x)],
-                  fast[static_cast<std::size_t>(y * KltTurn::row_length + x)]);
+        ASSERT_EQ(plain[static_cast<std::size_t>(y * KltRotation::row_length + x)],
+                  fast[static_cast<std::size_t>(y * KltRotation::row_length + x)]);
       }
     }
   }

@@ -8,9 +8,9 @@
 namespace rastro {
 namespace {
 
-constexpr std::size_t neighbours = 12;
+constexpr std::size_t neighbors = 12;
 constexpr int least_support = 4;
-// Two points nearer than this give no reliable turn and scale.
+// Two points closer than this give no reliable rotation and scale.
 constexpr double least_base_px = 15.0;
 constexpr double most_scale = 2.0;
 
@@ -29,7 +29,7 @@ std::vector<Pair> nearest_pairs(const PointPairs& pairs, const Eigen::Vector2d& 
     const double di = (pairs.a(i) - a).squaredNorm(), dj = (pairs.a(j) - a).squaredNorm();
     return di != dj ? di < dj : i < j;
   };
-  const std::size_t kept = std::min(neighbours, order.size());
+  const std::size_t kept = std::min(neighbors, order.size());
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(kept), order.end(), nearer);
   std::vector<Pair> nearest;
   for (std::size_t i = 0; i < kept; ++i) {
@@ -41,8 +41,8 @@ std::vector<Pair> nearest_pairs(const PointPairs& pairs, const Eigen::Vector2d& 
 
 }  // namespace
 
-bool agrees_with_neighbours(const PointPairs& pairs, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-                            double max_error) {
+bool agrees_with_neighbors(const PointPairs& pairs, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                           double max_error) {
   const std::vector<Pair> nearest = nearest_pairs(pairs, a, b);
   const Complex from(a.x(), a.y()), to(b.x(), b.y());
   int best_support = 0;
@@ -58,7 +58,7 @@ bool agrees_with_neighbours(const PointPairs& pairs, const Eigen::Vector2d& a, c
       const int support = static_cast<int>(
           std::count_if(nearest.begin(), nearest.end(), [&](const Pair& pair) { return error_of(pair) <= max_error; }));
       const double error = std::abs(factor * from + shift - to);
-      // Of equally supported motions the one that suits the point best speaks for it.
+      // Of motions with equally many inliers the one that fits the point best is used.
       if (support > best_support || (support == best_support && error < best_error)) {
         best_support = support;
         best_error = error;

@@ -7,11 +7,11 @@
 
 namespace rastro {
 
-/// Whether a point's motion a -> b agrees with that of its nearest neighbours (in image a) within `max_error` pixels:
-/// the similarity that most of the nearest dozen pairs share is searched exhaustively over their pairs. The point's own
-/// pair (same place in both images) has no say. For scenes with depth, where no single plane explains the image but
-/// neighbours move alike.
-bool agrees_with_neighbours(const PointPairs& pairs, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-                            double max_error);
+/// Whether a point's motion a -> b agrees within `max_error` pixels with that of its nearest neighbors (in image a).
+/// The similarity with the most inliers among the nearest dozen matches is found by exhaustive search over pairs of
+/// them. The point's own match (same position in both images) is left out. For scenes with depth, where no single plane
+/// explains the image but neighbors have the same motion.
+bool agrees_with_neighbors(const PointPairs& pairs, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                           double max_error);
 
 }  // namespace rastro

@@ -13,19 +13,19 @@
 namespace rastro {
 namespace {
 
-/// What of a layer is seen in both frames.
+/// Features of a layer observed in both frames.
 PointPairs pairs_since(std::int64_t frame, int layer, std::span<const Association> followed, const TrackStore& store) {
   PointPairs pairs;
   for (const Association& feature : followed) {
     const Track& track = store[feature.track];
-    if (track.layer == layer && track.seen_in(frame)) pairs.add(track.ideal_in(frame), feature.ideal);
+    if (track.layer == layer && track.seen_in(frame)) pairs.add(track.undistorted_in(frame), feature.ideal);
   }
   return pairs;
 }
 
 using Step = MotionHistory::Step;
 
-/// The motion most features share, and that which most of the others share, where enough do.
+/// The motion with the most inliers, and the one with the most inliers among the rest, if there are enough.
 std::vector<Step> steps_to(std::int64_t current, std::span<const Association> followed, const TrackStore& store,
                            const TrackOptions& options) {
   std::vector<Step> steps;
@@ -38,7 +38,7 @@ std::vector<Step> steps_to(std::int64_t current, std::span<const Association> fo
   for (int layer = 0; layer < MotionHistory::layers && static_cast<int>(left.size()) >= options.min_inliers; ++layer) {
     PointPairs pairs;
     for (const std::size_t i : left) {
-      pairs.add(store[followed[i].track].ideal_in(current - 1), followed[i].ideal);
+      pairs.add(store[followed[i].track].undistorted_in(current - 1), followed[i].ideal);
     }
     const auto fit = estimate_homography(pairs, {options.max_reprojection_px, 0.99, options.ransac_iterations,
                                                  seed_for(seed, static_cast<std::uint64_t>(layer))});
@@ -58,7 +58,7 @@ std::vector<Step> steps_to(std::int64_t current, std::span<const Association> fo
   return steps;
 }
 
-/// Leaves in each step only the features that take part in no other: those of both tell nothing.
+/// Keeps in each step only the features that fit no other step: those of both do not discriminate.
 void keep_exclusive(std::vector<Step>& steps, std::int64_t current, std::span<const Association> followed,
                     const TrackStore& store, double max_error) {
   if (steps.size() < 2) return;
@@ -66,14 +66,14 @@ void keep_exclusive(std::vector<Step>& steps, std::int64_t current, std::span<co
     const Track& track = store[followed[i].track];
     if (!track.seen_in(current - 1)) continue;
     const auto fits = [&](const Step& step) {
-      const auto there = transfer(step.current_from_last, track.ideal_in(current - 1).cast<double>());
+      const auto there = transfer(step.current_from_last, track.undistorted_in(current - 1).cast<double>());
       return there && (*there - followed[i].ideal.cast<double>()).norm() <= max_error;
     };
     if (steps[0].takes_part[i] != 0 && fits(steps[1])) steps[0].takes_part[i] = 0;
   }
 }
 
-/// How many features of a layer take part in a step.
+/// Number of a layer's features in a step.
 int members(const Step& step, int layer, std::span<const Association> followed, const TrackStore& store) {
   int count = 0;
   for (std::size_t i = 0; i < followed.size(); ++i) {
@@ -84,7 +84,7 @@ int members(const Step& step, int layer, std::span<const Association> followed, 
 
 }  // namespace
 
-// Looks are kept for up to two intervals before a feature is lost.
+// Patches are kept for up to two intervals before a feature is lost.
 MotionHistory::MotionHistory(const TrackOptions& options) : options_(options) {
   for (auto& motions : motions_)
     motions.resize(static_cast<std::size_t>(options.window + 2 * options.reference_interval + 2));
@@ -100,8 +100,8 @@ int MotionHistory::layer_of_first(const std::vector<Step>& steps, std::span<cons
   return crossed > straight ? 1 : 0;
 }
 
-/// How a layer moves that has no step of its own: by the median of what few features it has; as before, if the layers
-/// moved apart; else like the other.
+/// Motion of a layer without a step of its own: the median of its few features; its previous motion, if the layers had
+/// different motions; else that of the other layer.
 Eigen::Matrix3d MotionHistory::guess_step(int layer, const Step& other, std::int64_t current,
                                           std::span<const Association> followed, const TrackStore& store) const {
   constexpr std::size_t fewest = 3;
@@ -109,8 +109,8 @@ Eigen::Matrix3d MotionHistory::guess_step(int layer, const Step& other, std::int
   for (std::size_t i = 0; i < followed.size(); ++i) {
     const Track& track = store[followed[i].track];
     if (track.layer != layer || other.takes_part[i] != 0 || !track.seen_in(current - 1)) continue;
-    dx.push_back(followed[i].ideal.x() - track.ideal_in(current - 1).x());
-    dy.push_back(followed[i].ideal.y() - track.ideal_in(current - 1).y());
+    dx.push_back(followed[i].ideal.x() - track.undistorted_in(current - 1).x());
+    dy.push_back(followed[i].ideal.y() - track.undistorted_in(current - 1).y());
   }
   if (!apart_) return other.current_from_last;
   if (dx.size() < fewest) return last_step_[static_cast<std::size_t>(layer)];
@@ -168,12 +168,12 @@ const MotionHistory::Motion* MotionHistory::since(std::int64_t frame, int layer,
   return &motion;
 }
 
-std::optional<Eigen::Matrix2f> MotionHistory::turned_since(std::int64_t frame, int layer, const Track& track,
-                                                           std::span<const Association> followed,
-                                                           const TrackStore& store) {
+std::optional<Eigen::Matrix2f> MotionHistory::rotated_since(std::int64_t frame, int layer, const Track& track,
+                                                            std::span<const Association> followed,
+                                                            const TrackStore& store) {
   const Motion* motion = since(frame, layer, followed, store);
   if (!motion || !track.seen_in(frame)) return std::nullopt;
-  return derivative_at(motion->current_from_frame, track.ideal_in(frame));
+  return derivative_at(motion->current_from_frame, track.undistorted_in(frame));
 }
 
 void MotionHistory::refine(Motion& motion, int layer, std::span<const Association> followed,
@@ -181,7 +181,7 @@ void MotionHistory::refine(Motion& motion, int layer, std::span<const Associatio
   motion.refined_in = current_;
   motion.inlier_share = 0.0;
   motion.shared = pairs_since(motion.frame, layer, followed, store);
-  // The chain drifts, so more is taken in at first.
+  // The chain drifts, so the inlier threshold is wider at first.
   for (const double limit : {3.0 * options_.max_reprojection_px, options_.max_reprojection_px}) {
     const auto fit = refine_homography(motion.shared, motion.current_from_frame, limit);
     if (!fit || fit->inliers < options_.min_inliers) return;
@@ -191,7 +191,7 @@ void MotionHistory::refine(Motion& motion, int layer, std::span<const Associatio
 }
 
 std::optional<Eigen::Vector2d> moved_pixel(const Eigen::Matrix3d& homography, const Eigen::Vector2f& ideal,
-                                           const IdealCamera& camera) {
+                                           const UndistortedCamera& camera) {
   const auto there = transfer(homography, ideal.cast<double>());
   return there ? camera.to_pixel(*there) : std::nullopt;
 }

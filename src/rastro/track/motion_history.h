@@ -9,16 +9,16 @@
 #include <vector>
 
 #include "rastro/multiview/point_pairs.h"
-#include "rastro/track/ideal_camera.h"
 #include "rastro/track/options.h"
 #include "rastro/track/track_store.h"
+#include "rastro/track/undistorted_camera.h"
 
 namespace rastro {
 
-/// How the image, free of distortion, moved since each of the last frames: homographies chained from frame to frame, so
-/// that they outlive the features they were found from, and each refined with the features seen in both frames as long
-/// as there are any. There are two layers, such as a scene and what passes in front of it, each with a motion of its
-/// own; features stay with the layer they moved with.
+/// Motion of the undistorted image since each of the last frames. The homographies are chained from frame to frame, so
+/// they outlive the features they were estimated from, and each is refined with the features observed in both frames
+/// while there are any. There are two layers, such as a scene and an object passing in front of it, each with its own
+/// motion; features stay with the layer they moved with.
 class MotionHistory {
  public:
   static constexpr int layers = 2;
@@ -26,30 +26,30 @@ class MotionHistory {
   /// `options` must outlive it.
   explicit MotionHistory(const TrackOptions& options);
 
-  /// Goes on to frame `current`: `followed` are the features followed into it from the frame before; each gets its
-  /// layer. Where no motion is known, all that went before is forgotten.
+  /// Advances to frame `current`: `followed` are the features tracked into it from the previous frame; each gets its
+  /// layer. If no motion can be estimated, all history is discarded.
   void advance(std::int64_t current, std::span<const Association> followed, TrackStore& store);
 
   struct Motion {
     std::int64_t frame = -1;
     std::int64_t refined_in = -1;
     Eigen::Matrix3d current_from_frame = Eigen::Matrix3d::Identity();
-    PointPairs shared;          ///< What of the layer is seen in both frames.
-    double inlier_share = 0.0;  ///< Of what is shared; 0 where too few for a refinement.
+    PointPairs shared;          ///< The layer's features observed in both frames.
+    double inlier_share = 0.0;  ///< Of `shared`; 0 with too few for a refinement.
   };
 
-  /// A motion from one frame to the next, and which of the followed features take part.
+  /// A motion from one frame to the next, and the tracked features consistent with it.
   struct Step {
     Eigen::Matrix3d current_from_last = Eigen::Matrix3d::Identity();
     std::vector<char> takes_part;
   };
 
-  /// The motion of a layer from frame `frame` to the current one; null when not known. Refined when first asked for.
+  /// The motion of a layer from frame `frame` to the current one; nullopt if unknown. Refined on first use.
   const Motion* since(std::int64_t frame, int layer, std::span<const Association> followed, const TrackStore& store);
-  /// How the surroundings of a track's place in frame `frame`, where it was seen, turned and stretched since, if they
-  /// move with `layer`; nullopt when not known or unlikely much.
-  std::optional<Eigen::Matrix2f> turned_since(std::int64_t frame, int layer, const Track& track,
-                                              std::span<const Association> followed, const TrackStore& store);
+  /// Rotation and stretch of a track's surroundings since frame `frame`, in which it was observed, if they move with
+  /// `layer`; nullopt if unknown or implausibly large.
+  std::optional<Eigen::Matrix2f> rotated_since(std::int64_t frame, int layer, const Track& track,
+                                               std::span<const Association> followed, const TrackStore& store);
 
  private:
   Motion& at(std::int64_t frame, int layer) {
@@ -65,17 +65,17 @@ class MotionHistory {
 
   const TrackOptions& options_;
   std::int64_t current_ = -1;
-  bool apart_ = false;  ///< The layers moved otherwise when both were last seen.
+  bool apart_ = false;  ///< The layers had different motions when both were last observed.
   std::array<Eigen::Matrix3d, layers> last_step_{Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity()};
   std::array<std::vector<Motion>, layers> motions_;
 };
 
-/// Where a homography between pixels free of distortion takes a pixel.
+/// Maps a pixel by a homography between undistorted pixels.
 std::optional<Eigen::Vector2d> moved_pixel(const Eigen::Matrix3d& homography, const Eigen::Vector2f& ideal,
-                                           const IdealCamera& camera);
+                                           const UndistortedCamera& camera);
 
-/// The derivative of such a homography: how the surroundings turn and stretch. nullopt where they would be mirrored, or
-/// stretched or shrunk to more than double or less than half.
+/// The derivative of such a homography: rotation and stretch of the surroundings. nullopt if it mirrors, or stretches
+/// to more than double or less than half.
 std::optional<Eigen::Matrix2f> derivative_at(const Eigen::Matrix3d& homography, const Eigen::Vector2f& ideal);
 
 }  // namespace rastro

@@ -13,7 +13,7 @@
 namespace rastro {
 namespace {
 
-/// A scene that turns and drifts, and something in front that passes to the right; features live only a few frames.
+/// A scene that rotates and drifts, and an object in front that moves to the right; features live only a few frames.
 class TwoLayers {
  public:
   explicit TwoLayers(int life) : store_(30), history_(options_), life_(life) {}
@@ -26,7 +26,7 @@ class TwoLayers {
     return pose.matrix();
   }
 
-  /// The front has `front` features, the scene `scene`.
+  /// The object in front has `front` features, the scene `scene`.
   void advance(int scene, int front) {
     ++frame_;
     std::vector<Live> followed;
@@ -53,7 +53,7 @@ class TwoLayers {
     for (const Live& feature : live_) store_[feature.track].observe(frame_, at(feature), at(feature), {});
   }
 
-  /// How far the history is off where the layer should have gone since `frame`; the number of the layer is free.
+  /// Error of the history's motion of a layer since `frame`; the number of the layer is free.
   double error_since(std::int64_t frame, int layer) {
     double best = 1e9;
     for (int known = 0; known < MotionHistory::layers; ++known) {
@@ -87,7 +87,7 @@ class TwoLayers {
   std::vector<Association> associations_;
 };
 
-TEST(MotionHistory, TwoMotionsOutliveTheFeaturesTheyWereFoundFrom) {
+TEST(MotionHistory, TwoMotionsOutliveTheFeaturesTheyWereEstimatedFrom) {
   TwoLayers world(4);
   for (int frame = 0; frame <= 15; ++frame) world.advance(60, 30);
   EXPECT_LT(world.error_since(3, 0), 0.1);
@@ -109,7 +109,7 @@ TEST(MotionHistory, ALayerOfFewFeaturesMovesByTheirMedian) {
   EXPECT_LT(world.error_since(4, 1), 1.0);
 }
 
-TEST(MotionHistory, WhatIsNotKnownIsNotGuessed) {
+TEST(MotionHistory, GivesNothingForAnUnknownMotion) {
   TwoLayers world(30);
   for (int frame = 0; frame <= 3; ++frame) world.advance(60, 0);
   for (int frame = 4; frame <= 5; ++frame) world.advance(3, 0);

@@ -9,14 +9,14 @@
 namespace rastro {
 
 /// Settings of the occlusion-robust tracker; the defaults are the paper's where it gives a value (METHODS 1).
-/// Meaning, range and reason of each stand once, in option_table().
+/// option_table() gives meaning, range and reason of each.
 struct TrackOptions {
   std::string mode = "priority";
   int features = 150;
   double min_distance_px = 30.0;
   int window = 30;
   std::uint64_t seed = 1;
-  bool equalise = false;
+  bool equalize = false;
 
   // Optical flow.
   int flow_window_px = 21;
@@ -48,12 +48,12 @@ struct TrackOptions {
   int min_votes = 1;
   double max_travel_px = 60.0;
 
-  // Looking for lost features where they are expected.
-  bool foresee = true;
+  // Guided search for lost features at their predicted positions.
+  bool predict = true;
 
-  // Alignment with what the lost feature looked like.
+  // Alignment with the lost feature's patch.
   bool align = true;
-  int look_window_px = 21;
+  int patch_window_px = 21;
   double max_alignment_px = 5.0;
   double max_alignment_residual = 0.25;
   double min_alignment_texture = 0.5;

@@ -16,8 +16,8 @@ namespace {
 class Search {
  public:
   Search(std::span<const Association> followed, const TrackStore& store, std::int64_t current, MotionHistory& history,
-         const IdealCamera& camera, const Pyramid& image, const HasRoom& has_room, const DescribeTurned& describe,
-         const TrackOptions& options)
+         const UndistortedCamera& camera, const Pyramid& image, const HasRoom& has_room,
+         const DescribeRotated& describe, const TrackOptions& options)
       : followed_(followed),
         store_(store),
         current_(current),
@@ -39,7 +39,7 @@ class Search {
       if (const auto found = find_at(index, first, *expected)) return found;
     }
     const auto other = expected_place(index, second);
-    // Where both layers move alike there is nothing new to see.
+    // Where both layers have the same motion, nothing has reappeared.
     constexpr double alike_px = 1.0;
     if (!other || (expected && (*other - *expected).norm() < alike_px)) return std::nullopt;
     return find_at(index, second, *other);
@@ -50,26 +50,26 @@ class Search {
     const Track& track = store_[index];
     const MotionHistory::Motion* motion = history_.since(track.last_seen, layer, followed_, store_);
     if (!motion) return std::nullopt;
-    return moved_pixel(motion->current_from_frame, track.ideal_in(track.last_seen), camera_);
+    return moved_pixel(motion->current_from_frame, track.undistorted_in(track.last_seen), camera_);
   }
 
   std::optional<Reappeared> find_at(std::size_t index, int layer, const Eigen::Vector2d& expected) {
     if (!has_room_(expected.cast<float>())) return std::nullopt;
     const Track& track = store_[index];
-    const Eigen::Vector2f& last = track.ideal_in(track.last_seen);
+    const Eigen::Vector2f& last = track.undistorted_in(track.last_seen);
     const MotionHistory::Motion& motion = *history_.since(track.last_seen, layer, followed_, store_);
     const auto turned = derivative_at(motion.current_from_frame, last);
     if (!turned || !is_alike(track, expected.cast<float>(), *turned, prefilter_slack)) return std::nullopt;
     const KltResult found = align(track, layer, expected.cast<float>());
     if (!found.followed || !has_room_(found.pixel) || !is_alike(track, found.pixel, *turned, 0)) return std::nullopt;
     if (motion.inlier_share < options_.min_inlier_share &&
-        !agrees_with_neighbours(motion.shared, last.cast<double>(), camera_.from_pixel(found.pixel).cast<double>(),
-                                options_.max_reprojection_px))
+        !agrees_with_neighbors(motion.shared, last.cast<double>(), camera_.from_pixel(found.pixel).cast<double>(),
+                               options_.max_reprojection_px))
       return std::nullopt;
     return Reappeared{index, found.pixel, found.residual_ratio};
   }
 
-  // Before alignment a descriptor may be off by a pixel or two.
+  // Before alignment a position may be wrong by a pixel or two.
   static constexpr int prefilter_slack = 8;
 
   bool is_alike(const Track& track, const Eigen::Vector2f& pixel, const Eigen::Matrix2f& turned, int slack) {
@@ -87,9 +87,9 @@ class Search {
     return votes >= options_.min_votes;
   }
 
-  KltResult align_look(const KltReference& look, std::int64_t frame, const Track& track, int layer,
-                       const Eigen::Vector2f& pixel) {
-    const auto turned = history_.turned_since(frame, layer, track, followed_, store_);
+  KltResult align_patch(const KltReference& look, std::int64_t frame, const Track& track, int layer,
+                        const Eigen::Vector2f& pixel) {
+    const auto turned = history_.rotated_since(frame, layer, track, followed_, store_);
     const double reach = std::min(options_.max_alignment_px, options_.max_reprojection_px);
     return turned ? look.align(image_, pixel, reach, klt_, *turned) : KltResult{};
   }
@@ -97,9 +97,9 @@ class Search {
   KltResult align(const Track& track, int layer, const Eigen::Vector2f& pixel) {
     const bool just_lost = track.last_seen >= current_ - options_.reference_interval;
     klt_.max_residual_ratio = just_lost ? options_.max_residual_ratio : options_.max_alignment_residual;
-    const KltResult older = align_look(track.look(), track.look_frame(), track, layer, pixel);
+    const KltResult older = align_patch(track.look(), track.patch_frame(), track, layer, pixel);
     if (older.followed && older.residual_ratio <= static_cast<float>(options_.max_residual_ratio)) return older;
-    const KltResult newer = align_look(track.newest_look(), track.newest_look_frame(), track, layer, pixel);
+    const KltResult newer = align_patch(track.newest_patch(), track.newest_patch_frame(), track, layer, pixel);
     return older.followed && (!newer.followed || older.residual_ratio <= newer.residual_ratio) ? older : newer;
   }
 
@@ -107,10 +107,10 @@ class Search {
   const TrackStore& store_;
   std::int64_t current_;
   MotionHistory& history_;
-  const IdealCamera& camera_;
+  const UndistortedCamera& camera_;
   const Pyramid& image_;
   const HasRoom& has_room_;
-  const DescribeTurned& describe_;
+  const DescribeRotated& describe_;
   const TrackOptions& options_;
   KltOptions klt_;
   std::vector<std::uint16_t> distances_;  ///< Scratch.
@@ -119,8 +119,8 @@ class Search {
 }  // namespace
 
 std::vector<Reappeared> find_reappeared(std::span<const Association> followed, const TrackStore& store,
-                                        std::int64_t current, MotionHistory& history, const IdealCamera& camera,
-                                        const Pyramid& image, const HasRoom& has_room, const DescribeTurned& describe,
+                                        std::int64_t current, MotionHistory& history, const UndistortedCamera& camera,
+                                        const Pyramid& image, const HasRoom& has_room, const DescribeRotated& describe,
                                         const TrackOptions& options) {
   Search search(followed, store, current, history, camera, image, has_room, describe, options);
   std::vector<Reappeared> found;

@@ -15,11 +15,11 @@ namespace {
 
 constexpr int corners_per_chunk = 8;
 
-/// What the window proposes for one corner.
+/// The window's proposals for one corner.
 struct Claim {
   std::size_t corner = 0;
   std::vector<Candidate> candidates;
-  std::optional<Eigen::Vector2f> pixel;  ///< Where the first candidate would be.
+  std::optional<Eigen::Vector2f> pixel;  ///< Position of the first candidate.
 };
 
 VotingOptions voting_options(const TrackOptions& options) {
@@ -28,7 +28,7 @@ VotingOptions voting_options(const TrackOptions& options) {
           options.max_travel_px};
 }
 
-/// The median motion of the features followed since each lost track was last seen; nullopt where too few were.
+/// The median motion of the features tracked since each lost track was last observed; nullopt with too few.
 std::vector<std::optional<Eigen::Vector2f>> motions_since_lost(std::span<const Association> tracked,
                                                                const TrackStore& store, std::int64_t current) {
   constexpr std::size_t fewest = 8;
@@ -74,7 +74,7 @@ std::vector<Claim> collect_claims(std::span<const Eigen::Vector2f> corners, cons
   return claims;
 }
 
-/// The claim with most votes first; those without a candidate go.
+/// The claim with most votes first; those without a candidate are removed.
 void sort_claims(std::vector<Claim>& claims) {
   std::erase_if(claims, [](const Claim& claim) { return claim.candidates.empty(); });
   std::sort(claims.begin(), claims.end(), [](const Claim& a, const Claim& b) {
@@ -85,7 +85,7 @@ void sort_claims(std::vector<Claim>& claims) {
   });
 }
 
-/// The tracked features, and each proposed track at the corner that claims it most strongly.
+/// The tracked features, and each proposed track at the corner with the strongest claim.
 std::vector<Association> with_proposals(std::span<const Association> tracked, std::span<const Claim> claims,
                                         const TrackStore& store) {
   std::vector<Association> associations(tracked.begin(), tracked.end());
@@ -98,8 +98,7 @@ std::vector<Association> with_proposals(std::span<const Association> tracked, st
   return associations;
 }
 
-/// Where the corner looks like the lost track did; the corner itself when alignment is not asked for; nullopt when it
-/// does not.
+/// Position of the lost track's patch near the corner; the corner itself without alignment; nullopt without a match.
 std::optional<Eigen::Vector2f> aligned(const Track& track, std::int64_t current, const Eigen::Vector2f& corner,
                                        const Pyramid& image, const TrackOptions& options) {
   if (!options.align) return corner;
@@ -107,19 +106,19 @@ std::optional<Eigen::Vector2f> aligned(const Track& track, std::int64_t current,
   klt.iterations = options.flow_iterations;
   klt.epsilon_px = options.flow_epsilon_px;
   klt.min_eigenvalue = options.min_alignment_texture;
-  // What was lost only now was not hidden: it must look as like as if it had been followed.
+  // A feature lost only in this frame was not occluded: it must match as well as a tracked one.
   const bool just_lost = track.last_seen == current - 1;
   klt.max_residual_ratio = just_lost ? options.max_residual_ratio : options.max_alignment_residual;
   const double reach = options.max_alignment_px;
   const KltResult older = track.look().align(image, corner, reach, klt);
   if (older.followed && older.residual_ratio <= static_cast<float>(options.max_residual_ratio)) return older.pixel;
-  const KltResult newer = track.newest_look().align(image, corner, reach, klt);
+  const KltResult newer = track.newest_patch().align(image, corner, reach, klt);
   if (!older.followed && !newer.followed) return std::nullopt;
   return older.followed && (!newer.followed || older.residual_ratio <= newer.residual_ratio) ? older.pixel
                                                                                              : newer.pixel;
 }
 
-/// Leaves out the first candidates that do not look alike, and places the first that does; those after it are left for
+/// Drops the first candidates whose patches do not match and aligns the first that does; those after it are left for
 /// later.
 void align_claims(std::vector<Claim>& claims, std::span<const Eigen::Vector2f> corners, const TrackStore& store,
                   std::int64_t current, const Pyramid& image, const TrackOptions& options) {
@@ -133,7 +132,7 @@ void align_claims(std::vector<Claim>& claims, std::span<const Eigen::Vector2f> c
 
 }  // namespace
 
-std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, const Describe& describe,
+std::vector<Recognized> recognize(std::span<const Eigen::Vector2f> corners, const Describe& describe,
                                   std::span<const Association> tracked, const TrackStore& store, std::int64_t current,
                                   const Pyramid& image, int most, const TrackOptions& options, TaskPool* pool,
                                   TrackTimes& times) {
@@ -146,10 +145,10 @@ std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, cons
   const std::vector<Association> associations = with_proposals(tracked, claims, store);
   Validation validation(store, current, associations, options);
   DistanceGrid grid(image.level(0).width(), image.level(0).height(), options.min_distance_px);
-  std::vector<Recognised> recognised;
+  std::vector<Recognized> recognized;
   std::vector<char> taken(store.size(), 0);
   for (const Claim& claim : claims) {
-    if (static_cast<int>(recognised.size()) >= most) break;
+    if (static_cast<int>(recognized.size()) >= most) break;
     for (std::size_t i = 0; i < claim.candidates.size(); ++i) {
       const std::size_t track = claim.candidates[i].track;
       if (taken[track] != 0) continue;
@@ -157,13 +156,13 @@ std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, cons
       if (!pixel || !validation.confirms(track, *pixel)) continue;
       if (grid.add_if_far(pixel->x(), pixel->y())) {
         taken[track] = 1;
-        recognised.push_back({claim.corner, track, *pixel});
+        recognized.push_back({claim.corner, track, *pixel});
       }
       break;
     }
   }
   times.validate_ms += stopwatch.lap_ms();
-  return recognised;
+  return recognized;
 }
 
 }  // namespace rastro

@@ -17,19 +17,19 @@ namespace rastro {
 /// The descriptor of a corner, or several at different scales.
 using Describe = std::function<std::vector<Descriptor>(const Eigen::Vector2f& corner)>;
 
-/// A corner recognised as a lost track.
-struct Recognised {
+/// A corner re-identified as a lost track.
+struct Recognized {
   std::size_t corner = 0;
   std::size_t track = 0;
-  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< Of the corner, or where it was aligned to.
+  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< The corner's, or its position after alignment.
 };
 
-/// METHODS 1, steps 4 to 8: match, vote, align, validate. At most `most` corners are recognised, each at least
-/// `min_distance_px` from the others; an id claimed by two corners goes to the one with more votes, then smaller
-/// distance, then the stronger corner. `tracked`: the features followed into the current frame. The result does not
-/// depend on the pool.
-/// `describe` is called for corners near which a lost feature may be, from several threads where there is a pool.
-std::vector<Recognised> recognise(std::span<const Eigen::Vector2f> corners, const Describe& describe,
+/// METHODS 1, steps 4 to 8: match, vote, align, validate. At most `most` corners are re-identified, each at least
+/// `min_distance_px` from the others. An id claimed by two corners goes to the one with more votes, then smaller
+/// distance, then the stronger corner. `tracked`: the features tracked into the current frame. The result does not
+/// depend on the pool. `describe` is called for corners near which a lost feature may reappear, from several threads
+/// where there is a pool.
+std::vector<Recognized> recognize(std::span<const Eigen::Vector2f> corners, const Describe& describe,
                                   std::span<const Association> tracked, const TrackStore& store, std::int64_t current,
                                   const Pyramid& image, int most, const TrackOptions& options, TaskPool* pool,
                                   TrackTimes& times);

@@ -6,13 +6,13 @@
 
 namespace rastro {
 
-/// Takes what a tracker says, frame by frame and in order: a file, a picture, a back-end.
+/// Receives the tracker's results frame by frame, in order: a file, an image, a back end.
 class TrackSink {
  public:
   virtual ~TrackSink() = default;
-  /// `image` is the frame as the tracker saw it. What is written must survive the program being killed right after.
-  virtual void write(const TrackFrame& frame, GreyView image) = 0;
-  /// Once, after the last frame, however the run ended.
+  /// `image` is the frame as the tracker saw it. What is written must survive if the program is killed right after.
+  virtual void write(const TrackFrame& frame, GrayView image) = 0;
+  /// Called once, after the last frame, however the run ended.
   virtual void finish() {}
 };
 

@@ -11,9 +11,9 @@ void Track::start(std::int64_t new_id) {
   age = 0;
   descriptor_spread = 0;
   layer = -1;
-  look_frame_ = older_look_frame_ = -1;
-  look_.clear();
-  older_look_.clear();
+  patch_frame_ = older_patch_frame_ = -1;
+  patch_.clear();
+  older_patch_.clear();
   std::fill(frames_.begin(), frames_.end(), -1);
 }
 
@@ -29,13 +29,13 @@ void Track::observe(std::int64_t frame, const Eigen::Vector2f& pixel, const Eige
   ++age;
 }
 
-void Track::keep_look(std::int64_t frame, int interval, const Pyramid& pyramid, const Eigen::Vector2f& pixel,
-                      int window_px) {
-  if (look_frame_ >= 0 && frame - look_frame_ < interval) return;
-  std::swap(older_look_, look_);
-  older_look_frame_ = look_frame_;
-  look_.keep(pyramid, pixel, window_px);
-  look_frame_ = frame;
+void Track::keep_patch(std::int64_t frame, int interval, const Pyramid& pyramid, const Eigen::Vector2f& pixel,
+                       int window_px) {
+  if (patch_frame_ >= 0 && frame - patch_frame_ < interval) return;
+  std::swap(older_patch_, patch_);
+  older_patch_frame_ = patch_frame_;
+  patch_.keep(pyramid, pixel, window_px);
+  patch_frame_ = frame;
 }
 
 void Track::measure_spread() {

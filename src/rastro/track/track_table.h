@@ -7,7 +7,7 @@
 
 namespace rastro {
 
-/// The tracks of a whole run in memory, for scoring; runs themselves stream and never need it.
+/// The tracks of a whole run in memory, for scoring. Runs themselves stream and do not need it.
 struct TrackTable {
   std::vector<TrackFrame> frames;
 };

@@ -10,16 +10,16 @@
 #include "rastro/feature/corner.h"
 #include "rastro/feature/distance_grid.h"
 #include "rastro/image/box_sum.h"
-#include "rastro/image/equalise.h"
+#include "rastro/image/equalize.h"
 #include "rastro/image/pyramid.h"
 #include "rastro/multiview/fundamental.h"
 #include "rastro/track/free_area.h"
-#include "rastro/track/ideal_camera.h"
 #include "rastro/track/klt.h"
 #include "rastro/track/motion_history.h"
 #include "rastro/track/reappearance.h"
 #include "rastro/track/recognition.h"
 #include "rastro/track/track_store.h"
+#include "rastro/track/undistorted_camera.h"
 
 namespace rastro {
 namespace {
@@ -29,7 +29,7 @@ constexpr int orientation_radius = 15;
 constexpr double blank_deviation = 3.0;
 constexpr int descriptors_per_chunk = 32;
 
-/// A feature of the frame at work, before it is reported.
+/// A feature of the current frame, before it is reported.
 struct Live {
   std::size_t track = 0;
   Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
@@ -68,20 +68,20 @@ class Tracker::State {
         history_(options_),
         brief_(options.brief_patch_px, options.seed) {}
 
-  TrackFrame process(GreyView image, TimeNs stamp, GreyView mask);
+  TrackFrame process(GrayView image, TimeNs stamp, GrayView mask);
 
  private:
-  void begin_frame(GreyView image, GreyView mask);
-  void follow(TrackFrame& frame, GreyView mask);
+  void begin_frame(GrayView image, GrayView mask);
+  void follow(TrackFrame& frame, GrayView mask);
   void drop_outliers(TrackFrame& frame);
-  bool foresees() const { return options_.mode != "klt" && options_.foresee; }
+  bool foresees() const { return options_.mode != "klt" && options_.predict; }
   void drop_changed();
-  void welcome_back(TrackFrame& frame, GreyView mask);
+  void reappear(TrackFrame& frame, GrayView mask);
   void remove_live(const std::vector<char>& marked, TrackFrame& frame);
-  bool may_be_at(const Eigen::Vector2f& pixel, GreyView mask) const;
-  DescribeTurned describe_turned() const;
+  bool may_be_at(const Eigen::Vector2f& pixel, GrayView mask) const;
+  DescribeRotated describe_rotated() const;
   std::vector<Association> associations() const;
-  std::vector<Eigen::Vector2f> detect(const TrackFrame& frame, GreyView mask);
+  std::vector<Eigen::Vector2f> detect(const TrackFrame& frame, GrayView mask);
   std::vector<Descriptor> describe(const Eigen::Vector2f& pixel, bool all_scales) const;
   void describe_tracked();
   bool verifies_corners(const TrackFrame& frame) const;
@@ -89,12 +89,12 @@ class Tracker::State {
   bool can_be_followed_back(const Eigen::Vector2f& pixel) const;
   void observe(const Live& feature, const Descriptor& descriptor);
   int most_displaced() const;
-  void make_room(std::vector<Recognised>& recognised, TrackFrame& frame);
+  void make_room(std::vector<Recognized>& recognized, TrackFrame& frame);
   void adopt(const std::vector<Eigen::Vector2f>& corners, TrackFrame& frame);
   void report(TrackFrame& frame) const;
 
   TrackOptions options_;
-  IdealCamera camera_;
+  UndistortedCamera camera_;
   TaskPool* pool_;
   TrackStore store_;
   MotionHistory history_;
@@ -106,10 +106,10 @@ class Tracker::State {
   Brightness brightness_;
   std::int64_t index_ = -1;
   std::vector<Live> live_;    ///< Features of the current frame.
-  std::vector<Live> before_;  ///< Those of the last frame, in the order of `live_` before any was dropped.
+  std::vector<Live> before_;  ///< Those of the previous frame, in the order of `live_` before any was dropped.
 };
 
-TrackFrame Tracker::State::process(GreyView image, TimeNs stamp, GreyView mask) {
+TrackFrame Tracker::State::process(GrayView image, TimeNs stamp, GrayView mask) {
   Stopwatch whole, stage;
   TrackFrame frame;
   begin_frame(image, mask);
@@ -120,8 +120,8 @@ TrackFrame Tracker::State::process(GreyView image, TimeNs stamp, GreyView mask) 
   frame.times.flow_ms = stage.lap_ms();
   drop_outliers(frame);
   frame.times.outlier_ms = stage.lap_ms();
-  welcome_back(frame, mask);
-  frame.times.foresee_ms = stage.lap_ms();
+  reappear(frame, mask);
+  frame.times.predict_ms = stage.lap_ms();
   const std::vector<Eigen::Vector2f> corners = detect(frame, mask);
   frame.times.detect_ms = stage.lap_ms();
   describe_tracked();
@@ -132,10 +132,10 @@ TrackFrame Tracker::State::process(GreyView image, TimeNs stamp, GreyView mask) 
   return frame;
 }
 
-void Tracker::State::begin_frame(GreyView image, GreyView mask) {
+void Tracker::State::begin_frame(GrayView image, GrayView mask) {
   if (image.empty()) throw Error("the image is empty", "tracker", "give an image with pixels");
   if (index_ >= 0 && (image.width != current_.level(0).width() || image.height != current_.level(0).height())) {
-    throw Error("the image's size differs from that of the frames before", "tracker",
+    throw Error("the image's size differs from that of the previous frames", "tracker",
                 "start a new tracker for another size");
   }
   if (!mask.empty() && (mask.width != image.width || mask.height != image.height)) {
@@ -144,15 +144,15 @@ void Tracker::State::begin_frame(GreyView image, GreyView mask) {
   ++index_;
   std::swap(previous_, current_);
   brightness_ = brightness(image);
-  if (options_.equalise) {
-    current_.build(equalised(image), options_.flow_levels, klt_padding, pool_);
+  if (options_.equalize) {
+    current_.build(equalized(image), options_.flow_levels, klt_padding, pool_);
   } else {
     current_.build(image, options_.flow_levels, klt_padding, pool_);
   }
   if (options_.mode != "klt") box_sums(current_.level(0), options_.brief_smoothing_px / 2, sums_);
 }
 
-void Tracker::State::follow(TrackFrame& frame, GreyView mask) {
+void Tracker::State::follow(TrackFrame& frame, GrayView mask) {
   before_ = std::move(live_);
   live_.clear();
   std::vector<Eigen::Vector2f> points;
@@ -174,11 +174,11 @@ void Tracker::State::follow(TrackFrame& frame, GreyView mask) {
 void Tracker::State::drop_outliers(TrackFrame& frame) {
   PointPairs pairs;
   for (const Live& feature : live_) {
-    pairs.add(store_[feature.track].ideal_in(index_ - 1), feature.ideal);
+    pairs.add(store_[feature.track].undistorted_in(index_ - 1), feature.ideal);
   }
   const RansacOptions ransac{options_.max_epipolar_error_px, 0.99, options_.ransac_iterations,
                              seed_for(options_.seed, static_cast<std::uint64_t>(index_))};
-  // Fewer than this fit nearly any epipolar geometry, so it could not tell a wrong one.
+  // Fewer than this fit nearly any epipolar geometry, so it could not reveal an outlier.
   constexpr std::size_t fewest = 15;
   const auto fit = pairs.size() >= fewest ? estimate_fundamental(pairs, ransac) : std::nullopt;
   std::vector<Live> kept;
@@ -188,7 +188,7 @@ void Tracker::State::drop_outliers(TrackFrame& frame) {
   }
   live_ = std::move(kept);
   drop_changed();
-  // Both lists keep one order, so what is missing from the second is lost.
+  // Both lists have the same order, so what is missing from the second is lost.
   auto next = live_.begin();
   for (const Live& feature : before_) {
     if (next != live_.end() && next->track == feature.track) {
@@ -202,8 +202,8 @@ void Tracker::State::drop_outliers(TrackFrame& frame) {
   frame.lost = static_cast<int>(before_.size()) - frame.tracked;
 }
 
-/// Drops what no longer looks like some frames ago, turned and scaled as the image was since; where that view cannot be
-/// compared, it does.
+/// Drops features whose patch no longer matches that of some frames ago, rotated and scaled by the image motion since;
+/// a patch that cannot be compared passes.
 void Tracker::State::drop_changed() {
   const std::vector<Association> followed = associations();
   if (foresees()) history_.advance(index_, followed, store_);
@@ -213,7 +213,7 @@ void Tracker::State::drop_changed() {
     if (track.look().empty()) return false;
     Eigen::Matrix2f turned = Eigen::Matrix2f::Identity();
     if (foresees()) {
-      const auto known = history_.turned_since(track.look_frame(), std::max(0, track.layer), track, followed, store_);
+      const auto known = history_.rotated_since(track.patch_frame(), std::max(0, track.layer), track, followed, store_);
       if (known) turned = *known;
     }
     return track.look().residual_ratio(current_, feature.pixel, turned) > options_.max_reference_residual;
@@ -226,8 +226,8 @@ std::vector<Association> Tracker::State::associations() const {
   return associations;
 }
 
-/// Lost features that are seen again where the motion of the others puts them.
-void Tracker::State::welcome_back(TrackFrame& frame, GreyView mask) {
+/// Guided search: lost features that reappear at their predicted positions.
+void Tracker::State::reappear(TrackFrame& frame, GrayView mask) {
   if (!foresees() || store_.lost().empty()) return;
   DistanceGrid grid(current_.level(0).width(), current_.level(0).height(), options_.min_distance_px);
   for (const Live& feature : live_) grid.add(feature.pixel.x(), feature.pixel.y());
@@ -235,7 +235,7 @@ void Tracker::State::welcome_back(TrackFrame& frame, GreyView mask) {
     return may_be_at(pixel, mask) && grid.is_far(pixel.x(), pixel.y());
   };
   for (const Reappeared& found : find_reappeared(associations(), store_, index_, history_, camera_, current_, has_room,
-                                                 describe_turned(), options_)) {
+                                                 describe_rotated(), options_)) {
     if (static_cast<int>(live_.size()) >= options_.features) break;
     if (!grid.add_if_far(found.pixel.x(), found.pixel.y())) continue;
     live_.push_back({found.track, found.pixel, camera_.from_pixel(found.pixel), TrackState::reidentified});
@@ -244,7 +244,7 @@ void Tracker::State::welcome_back(TrackFrame& frame, GreyView mask) {
   }
 }
 
-/// Takes out the tracked features marked, for good.
+/// Removes the marked tracked features for good.
 void Tracker::State::remove_live(const std::vector<char>& marked, TrackFrame& frame) {
   std::vector<Live> kept;
   for (std::size_t i = 0; i < live_.size(); ++i) {
@@ -260,7 +260,7 @@ void Tracker::State::remove_live(const std::vector<char>& marked, TrackFrame& fr
 }
 
 /// Inside the border and the mask.
-bool Tracker::State::may_be_at(const Eigen::Vector2f& pixel, GreyView mask) const {
+bool Tracker::State::may_be_at(const Eigen::Vector2f& pixel, GrayView mask) const {
   const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
   const PaddedImage& image = current_.level(0);
   const int border = options_.corner_border_px;
@@ -268,14 +268,14 @@ bool Tracker::State::may_be_at(const Eigen::Vector2f& pixel, GreyView mask) cons
   return mask.empty() || mask.at(x, y) != 0;
 }
 
-DescribeTurned Tracker::State::describe_turned() const {
+DescribeRotated Tracker::State::describe_rotated() const {
   const bool steered = options_.descriptor == "steered" || options_.descriptor == "steered_scaled";
   return [this, steered](const Eigen::Vector2f& pixel, double angle, double scale) {
     return steered ? describe(pixel, false).front() : brief_.describe(sums_, pixel.x(), pixel.y(), angle, scale);
   };
 }
 
-std::vector<Eigen::Vector2f> Tracker::State::detect(const TrackFrame& frame, GreyView mask) {
+std::vector<Eigen::Vector2f> Tracker::State::detect(const TrackFrame& frame, GrayView mask) {
   const int needed = options_.features - static_cast<int>(live_.size());
   const int wanted = std::max(needed, options_.mode != "klt" && options_.displace ? most_displaced() : 0);
   if (wanted <= 0) return {};
@@ -283,12 +283,12 @@ std::vector<Eigen::Vector2f> Tracker::State::detect(const TrackFrame& frame, Gre
   free_.reset(image.width(), image.height(), mask);
   for (const Live& feature : live_) free_.block(feature.pixel, options_.min_distance_px);
   CornerOptions corner_options{options_.corner_quality, options_.min_distance_px, options_.corner_border_px};
-  // Some corners will be refused when they cannot be followed back.
+  // Some corners will be refused because they cannot be tracked back.
   const bool verifies = verifies_corners(frame);
-  const bool recognises = options_.mode != "klt" && !store_.lost().empty();
-  if (recognises && options_.candidates_distance_px > 0.0)
+  const bool recognizes = options_.mode != "klt" && !store_.lost().empty();
+  if (recognizes && options_.candidates_distance_px > 0.0)
     corner_options.min_distance_px = options_.candidates_distance_px;
-  const double factor = recognises ? options_.candidates_factor : 1.0;
+  const double factor = recognizes ? options_.candidates_factor : 1.0;
   const double most = std::max<double>(wanted, options_.max_candidates_factor * options_.features);
   const int asked = static_cast<int>(std::ceil(std::min(most, wanted * std::max(factor, verifies ? 2.0 : 1.0))));
   std::vector<Eigen::Vector2f> corners;
@@ -327,12 +327,12 @@ void Tracker::State::describe_tracked() {
   for (std::size_t i = 0; i < live_.size(); ++i) observe(live_[i], descriptors[i]);
 }
 
-/// Corners are followed back only where most features could be followed here, so that there is a frame to compare with.
+/// Corners are tracked back only if most features could be tracked here, so that there is a frame to compare with.
 bool Tracker::State::verifies_corners(const TrackFrame& frame) const {
   return options_.verify_corners && !before_.empty() && 2 * frame.tracked >= static_cast<int>(before_.size());
 }
 
-/// Whether the place is near one where a feature has just been lost: what hid that is likely to move on.
+/// Whether the position is near one where a feature was just lost: its occluder is likely to move on.
 bool Tracker::State::near_a_loss(const Eigen::Vector2f& pixel) const {
   return std::any_of(before_.begin(), before_.end(), [&](const Live& feature) {
     return store_[feature.track].last_seen < index_ &&
@@ -347,15 +347,15 @@ bool Tracker::State::can_be_followed_back(const Eigen::Vector2f& pixel) const {
   return result.followed;
 }
 
-/// At most this many features of a full frame give way in one frame.
+/// At most this many features of a full frame are replaced per frame.
 int Tracker::State::most_displaced() const {
   return std::min(static_cast<int>(store_.lost().size()), std::max(1, options_.features / 10));
 }
 
-/// Where tracked and recognised features are more than asked for, the youngest tracked ones younger than what was
-/// recognised give way; what is recognised beyond that stays lost.
-void Tracker::State::make_room(std::vector<Recognised>& recognised, TrackFrame& frame) {
-  const auto excess = [&] { return static_cast<int>(live_.size() + recognised.size()) - options_.features; };
+/// If there are more tracked and re-identified features than the limit, the youngest tracked ones that are younger than
+/// the re-identified ones are removed; further re-identified ones stay lost.
+void Tracker::State::make_room(std::vector<Recognized>& recognized, TrackFrame& frame) {
+  const auto excess = [&] { return static_cast<int>(live_.size() + recognized.size()) - options_.features; };
   std::vector<std::size_t> youngest;
   for (std::size_t i = 0; i < live_.size(); ++i) {
     if (live_[i].state == TrackState::tracked) youngest.push_back(i);
@@ -369,11 +369,11 @@ void Tracker::State::make_room(std::vector<Recognised>& recognised, TrackFrame& 
   const int most = std::min(most_displaced(), static_cast<int>(youngest.size()));
   while (excess() - displaced > 0) {
     const std::size_t next = displaced < most ? youngest[static_cast<std::size_t>(displaced)] : live_.size();
-    if (next < live_.size() && store_[live_[next].track].age < store_[recognised.back().track].age) {
+    if (next < live_.size() && store_[live_[next].track].age < store_[recognized.back().track].age) {
       gives_way[next] = 1;
       ++displaced;
     } else {
-      recognised.pop_back();
+      recognized.pop_back();
     }
   }
   remove_live(gives_way, frame);
@@ -382,24 +382,24 @@ void Tracker::State::make_room(std::vector<Recognised>& recognised, TrackFrame& 
 void Tracker::State::observe(const Live& feature, const Descriptor& descriptor) {
   Track& track = store_[feature.track];
   track.observe(index_, feature.pixel, feature.ideal, descriptor);
-  track.keep_look(index_, options_.reference_interval, current_, feature.pixel, options_.look_window_px);
+  track.keep_patch(index_, options_.reference_interval, current_, feature.pixel, options_.patch_window_px);
 }
 
 void Tracker::State::adopt(const std::vector<Eigen::Vector2f>& corners, TrackFrame& frame) {
-  std::vector<Recognised> recognised;
+  std::vector<Recognized> recognized;
   if (options_.mode != "klt") {
     const std::vector<Association> tracked = associations();
     const int room = options_.features - static_cast<int>(live_.size());
     const int most = options_.displace ? options_.features : room;
     const Describe views = [this](const Eigen::Vector2f& corner) { return describe(corner, true); };
-    recognised = recognise(corners, views, tracked, store_, index_, current_, most, options_, pool_, frame.times);
-    make_room(recognised, frame);
+    recognized = recognize(corners, views, tracked, store_, index_, current_, most, options_, pool_, frame.times);
+    make_room(recognized, frame);
   }
-  frame.reidentified += static_cast<int>(recognised.size());
+  frame.reidentified += static_cast<int>(recognized.size());
   const PaddedImage& image = current_.level(0);
   DistanceGrid grid(image.width(), image.height(), options_.min_distance_px);
   std::vector<char> used(corners.size(), 0);
-  for (const Recognised& match : recognised) {
+  for (const Recognized& match : recognized) {
     used[match.corner] = 1;
     grid.add_if_far(match.pixel.x(), match.pixel.y());
     store_.mark_found(match.track);
@@ -439,7 +439,7 @@ Tracker::Tracker(const TrackOptions& options, std::optional<Camera> camera, Task
 Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 
-TrackFrame Tracker::process(GreyView image, TimeNs stamp, GreyView mask) { return state_->process(image, stamp, mask); }
+TrackFrame Tracker::process(GrayView image, TimeNs stamp, GrayView mask) { return state_->process(image, stamp, mask); }
 
 const char* name_of(TrackState state) {
   switch (state) {

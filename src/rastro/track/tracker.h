@@ -12,8 +12,8 @@
 
 namespace rastro {
 
-/// Feature tracks that survive occlusion: KLT with re-identification of features lost within a window of frames.
-/// Galardi, Castro, Pire: "Seguimiento Robusto de Caracteristicas Visuales para Sistemas SLAM".
+/// Occlusion-robust feature tracks: KLT with re-identification of features lost within a window of frames. Galardi,
+/// Castro, Pire: "Seguimiento Robusto de Caracteristicas Visuales para Sistemas SLAM".
 class Tracker {
  public:
   /// Throws Error for settings out of range. `camera` gives the undistorted rays; without it they are NaN.
@@ -23,9 +23,9 @@ class Tracker {
   ~Tracker();
   Tracker(Tracker&&) noexcept;
 
-  /// Follows, detects and re-identifies features in the next frame. All frames must have one size (else Error).
-  /// `mask`: zero where nothing may be detected or followed; empty for none; else the size of the image.
-  TrackFrame process(GreyView image, TimeNs stamp, GreyView mask = {});
+  /// Tracks, detects and re-identifies features in the next frame. All frames must have one size (else throws Error).
+  /// `mask`: zero where nothing may be detected or tracked; empty for none; else of the size of the image.
+  TrackFrame process(GrayView image, TimeNs stamp, GrayView mask = {});
 
  private:
   class State;

@@ -11,8 +11,8 @@
 namespace rastro {
 namespace {
 
-/// A homography that explains most of what two frames share is believed; one that explains little may be that of
-/// another plane or of something in front, and so confirms only what the nearest features confirm, too.
+/// A homography with a large inlier share is accepted. One with a small share may be that of another plane or of an
+/// occluder, and so confirms only what the nearest features confirm too.
 class HomographyModel : public Validation::Model {
  public:
   HomographyModel(const Eigen::Matrix3d& homography, double max_error, bool believed, PointPairs pairs)
@@ -20,7 +20,7 @@ class HomographyModel : public Validation::Model {
   bool agrees(const Eigen::Vector2d& in_window_frame, const Eigen::Vector2d& in_current) const override {
     const auto expected = transfer(homography_, in_window_frame);
     if (!expected || (*expected - in_current).norm() > max_error_) return false;
-    return believed_ || agrees_with_neighbours(pairs_, in_window_frame, in_current, max_error_);
+    return believed_ || agrees_with_neighbors(pairs_, in_window_frame, in_current, max_error_);
   }
 
  private:
@@ -47,7 +47,7 @@ class LocalModel : public Validation::Model {
  public:
   LocalModel(PointPairs pairs, double max_error) : pairs_(std::move(pairs)), max_error_(max_error) {}
   bool agrees(const Eigen::Vector2d& in_window_frame, const Eigen::Vector2d& in_current) const override {
-    return agrees_with_neighbours(pairs_, in_window_frame, in_current, max_error_);
+    return agrees_with_neighbors(pairs_, in_window_frame, in_current, max_error_);
   }
 
  private:

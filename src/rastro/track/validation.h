@@ -14,17 +14,16 @@
 namespace rastro {
 
 /// Geometric validation of proposals, METHODS 1, steps 6 and 7: does a corner lie where the motion of the other
-/// features since some window frame puts the track? The motion of a window frame is estimated once, when first asked
-/// for.
+/// features since some window frame predicts the track? The motion from a window frame is estimated once, on first use.
 class Validation {
  public:
-  /// `associations`: the tracked features and the first proposals (one a track); what is shared with a window frame
-  /// gives its motion.
+  /// `associations`: the tracked features and the first proposals (one per track); those observed in a window frame
+  /// give its motion.
   Validation(const TrackStore& store, std::int64_t current, std::span<const Association> associations,
              const TrackOptions& options);
   ~Validation();
 
-  /// Whether any window frame in which the track was seen confirms it at `pixel`; the newest is asked first.
+  /// Whether any window frame that observed the track confirms it at `pixel`; the newest is tried first.
   bool confirms(std::size_t track, const Eigen::Vector2f& pixel);
   /// Motions estimated so far.
   int estimated() const { return static_cast<int>(models_.size()); }

@@ -36,7 +36,7 @@ Voting::Voting(const TrackStore& store, std::int64_t current, const VotingOption
 }
 
 void Voting::expect(const std::vector<std::optional<Eigen::Vector2f>>& motions) {
-  RASTRO_CHECK(motions.size() == lost_.size(), "a motion for every lost track");
+  RASTRO_CHECK(motions.size() == lost_.size(), "one motion per lost track");
   constexpr float anywhere = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t i = 0; i < lost_.size(); ++i) {
     const Eigen::Vector2f last = motions[i] ? lost_[i].last_pixel : Eigen::Vector2f(anywhere, anywhere);
@@ -56,7 +56,7 @@ bool Voting::select_near(const Eigen::Vector2f& pixel) {
   const float *x = x_.data(), *y = y_.data(), *moved_x = moved_x_.data(), *moved_y = moved_y_.data();
   std::int32_t* near = is_near_.data();
   const float px = pixel.x(), py = pixel.y();
-  // What moves in front may hold most features: then standing still is the better guess. Places that are no numbers are
+  // An object in front may have most features: then zero motion is the better guess. Positions that are not finite are
   // near to all.
   for (std::size_t i = 0; i < count; ++i) {
     const float dx = px - x[i], dy = py - y[i], moved_dx = px - moved_x[i], moved_dy = py - moved_y[i];
@@ -94,7 +94,7 @@ void Voting::propose(std::size_t lost_index, std::span<const Descriptor> views) 
 void Voting::keep_best(std::size_t slot, const Proposal& proposal) {
   const auto per_frame = static_cast<std::size_t>(options_.proposals_per_frame);
   Proposal* best = proposals_.data() + slot * per_frame;
-  // Lost tracks come in ascending order of id, so at equal distance the one already there has the smaller id and stays.
+  // Lost tracks come in ascending order of id, so at equal distance the present one has the smaller id and stays.
   std::size_t place = per_frame;
   while (place > 0 && proposal.distance < best[place - 1].distance) --place;
   if (place == per_frame) return;

@@ -24,7 +24,7 @@ Descriptor with_flips(Descriptor descriptor, int flips, Random& random) {
   return descriptor;
 }
 
-/// METHODS 1, steps 4 and 5, word by word: every frame of the window against every feature of it.
+/// METHODS 1, steps 4 and 5, literally: every frame of the window against every feature of it.
 std::vector<Candidate> brute_force(const TrackStore& store, std::int64_t current, const Descriptor& corner,
                                    const VotingOptions& options) {
   std::map<std::size_t, Candidate> votes;
@@ -54,7 +54,7 @@ std::vector<Candidate> brute_force(const TrackStore& store, std::int64_t current
   return ranked;
 }
 
-/// Tracks of a few look-alike families, seen in random frames 0..frames-1 and then lost.
+/// Tracks of a few similar families, observed in random frames 0..frames-1 and then lost.
 TrackStore lost_tracks(Random& random, int window, int count, std::int64_t frames, std::vector<Descriptor>& families) {
   for (int i = 0; i < 6; ++i) families.push_back(random_descriptor(random));
   TrackStore store(window);
@@ -95,14 +95,86 @@ TEST(Voting, EqualsBruteForceOverTheWholeWindow) {
   }
 }
 
-TEST(Voting, NothingLostNothingProposed) {
+TEST(Voting, ProposesNothingWithoutLostTracks) {
   TrackStore store(30);
   Voting voting(store, 5, {});
   const Descriptor descriptor;
   EXPECT_TRUE(voting.candidates_for(std::span(&descriptor, 1)).empty());
 }
 
-TEST(TrackStore, ForgetsWhatLeftTheWindowAndReusesItsPlace) {
+/// Two lost tracks of one look, 300 pixels apart.
+struct TwoLost {
+  TrackStore store{30};
+  Descriptor look;
+  TwoLost() {
+    Random random(3);
+    look = random_descriptor(random);
+    for (const Eigen::Vector2f& pixel : {Eigen::Vector2f(100.0F, 200.0F), Eigen::Vector2f(400.0F, 200.0F)}) {
+      const std::size_t track = store.create();
+      store[track].observe(3, pixel, pixel, look);
+      store.mark_lost(track);
+    }
+  }
+  /// The tracks proposed for a corner; -1: select_near() says that there are none.
+  std::vector<std::int64_t> proposed(const Eigen::Vector2f& corner, double max_travel_px,
+                                     const std::vector<std::optional<Eigen::Vector2f>>& motions) const {
+    Voting voting(store, 5, {50, 2, 2, 1, max_travel_px});
+    voting.expect(motions);
+    if (!voting.select_near(corner)) return {-1};
+    std::vector<std::int64_t> ids;
+    for (const Candidate& candidate : voting.candidates_for(std::span(&look, 1)))
+      ids.push_back(store[candidate.track].id);
+    return ids;
+  }
+};
+
+using Ids = std::vector<std::int64_t>;
+
+TEST(Voting, ComparesOnlyWhatMayHaveTraveledToTheCorner) {
+  const TwoLost lost;
+  const Eigen::Vector2f still(0.0F, 0.0F);
+  EXPECT_EQ(lost.proposed({160.0F, 200.0F}, 60.0, {still, still}), Ids{0}) << "at exactly the largest distance";
+  EXPECT_EQ(lost.proposed({160.5F, 200.0F}, 60.0, {still, still}), Ids{-1});
+  EXPECT_EQ(lost.proposed({100.0F, 260.5F}, 60.0, {still, still}), Ids{-1});
+  EXPECT_EQ(lost.proposed({400.0F, 141.0F}, 60.0, {still, still}), Ids{1});
+  EXPECT_EQ(lost.proposed({250.0F, 200.0F}, 150.0, {still, still}), (Ids{0, 1}));
+}
+
+TEST(Voting, TravelCountsFromTheOldPlaceOrFromWhereTheOthersMoved) {
+  const TwoLost lost;
+  const Eigen::Vector2f moved(0.0F, 150.0F);
+  EXPECT_EQ(lost.proposed({100.0F, 350.0F}, 60.0, {moved, moved}), Ids{0});
+  EXPECT_EQ(lost.proposed({100.0F, 409.0F}, 60.0, {moved, moved}), Ids{0});
+  EXPECT_EQ(lost.proposed({100.0F, 200.0F}, 60.0, {moved, moved}), Ids{0}) << "it may as well have stood still";
+  EXPECT_EQ(lost.proposed({100.0F, 275.0F}, 60.0, {moved, moved}), Ids{-1}) << "between both";
+  EXPECT_EQ(lost.proposed({100.0F, 50.0F}, 60.0, {moved, moved}), Ids{-1}) << "against the motion";
+}
+
+TEST(Voting, WithoutALimitOrAMotionEverythingIsCompared) {
+  const TwoLost lost;
+  const Eigen::Vector2f still(0.0F, 0.0F);
+  EXPECT_EQ(lost.proposed({250.0F, 900.0F}, 0.0, {still, still}), (Ids{0, 1}));
+  EXPECT_EQ(lost.proposed({250.0F, 900.0F}, 60.0, {std::nullopt, still}), Ids{0}) << "nobody knows how far it went";
+  EXPECT_EQ(lost.proposed({400.0F, 200.0F}, 60.0, {std::nullopt, still}), (Ids{0, 1}));
+  const TrackStore none(30);
+  Voting voting(none, 5, {50, 2, 2, 1, 60.0});
+  voting.expect({});
+  EXPECT_FALSE(voting.select_near({1.0F, 1.0F}));
+}
+
+TEST(Voting, EachObservationTakesTheNearestOfSeveralViews) {
+  Random random(8);
+  const TwoLost lost;
+  const Descriptor far = random_descriptor(random), near = with_flips(lost.look, 20, random);
+  Voting voting(lost.store, 5, {50, 2, 2, 1, 0.0});
+  EXPECT_TRUE(voting.candidates_for(std::span(&far, 1)).empty());
+  const Descriptor views[] = {far, near, far};
+  const auto found = voting.candidates_for(views);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].distance, hamming_distance(near, lost.look));
+}
+
+TEST(TrackStore, RemovesWhatLeftTheWindowAndReusesItsSlot) {
   TrackStore store(5);
   const std::size_t first = store.create();
   store[first].observe(0, {0, 0}, {0, 0}, {});

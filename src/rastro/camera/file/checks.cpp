@@ -54,7 +54,7 @@ void require_count(std::span<const double> values, std::initializer_list<std::si
                    const std::string& where, std::string_view key) {
   if (std::find(counts.begin(), counts.end(), values.size()) != counts.end()) return;
   throw Error(fmt::format("{} has {} values, which does not fit the model '{}'", key, values.size(), model), where,
-              fmt::format("it takes {}", fmt::join(counts, " or ")));
+              fmt::format("it needs {}", fmt::join(counts, " or ")));
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ void set_distortion(Camera& camera, std::string_view model, std::span<const doub
   const Model kind = model_of(model, where);
   for (const double value : coefficients)
     if (!(std::abs(value) <= largest_coefficient))
-      throw Error(fmt::format("{} holds {:g}, which is no distortion coefficient", key, value), where, "");
+      throw Error(fmt::format("{} holds {:g}, which is not a plausible distortion coefficient", key, value), where, "");
   camera.distortion = Distortion::none;
   camera.coefficients = {};
   if (kind == Model::none || kind == Model::rational) {
@@ -81,7 +81,7 @@ void set_distortion(Camera& camera, std::string_view model, std::span<const doub
     require_count(coefficients, {0, 4, 5}, model, where, key);
   }
   std::copy(coefficients.begin(), coefficients.end(), camera.coefficients.begin());
-  // All zero is no distortion, and cheaper so; an equidistant lens bends rays even then.
+  // All zero means no distortion, which is cheaper; an equidistant lens bends rays even then.
   if (kind != Model::equidistant && !all_zero(coefficients)) camera.distortion = Distortion::radial_tangential;
 }
 
@@ -89,7 +89,7 @@ void set_size(Camera& camera, double width, double height, const std::string& wh
   for (const double value : {width, height})
     if (!(value >= 1.0 && value <= largest_size && value == std::floor(value)))
       throw Error(fmt::format("image size {:g}x{:g} is not possible", width, height), where,
-                  fmt::format("it is 1 to {} pixels each way", largest_size));
+                  fmt::format("it must be 1 to {} pixels in width and height", largest_size));
   camera.width = static_cast<int>(width);
   camera.height = static_cast<int>(height);
 }
@@ -115,9 +115,9 @@ void require_usable(const Camera& camera, const std::string& where) {
     if (!(focal_length > 0.0 && focal_length < largest_focal_length))
       throw Error(fmt::format("focal length {:g} px is not possible", focal_length), where,
                   "it is positive and given in pixels");
-  for (const double centre : {camera.cx, camera.cy})
-    if (!(std::abs(centre) < largest_focal_length))
-      throw Error(fmt::format("principal point at {:g} px is not possible", centre), where, "it is given in pixels");
+  for (const double center : {camera.cx, camera.cy})
+    if (!(std::abs(center) < largest_focal_length))
+      throw Error(fmt::format("principal point at {:g} px is not possible", center), where, "it is given in pixels");
 }
 
 SE3 rigid_transform(const Eigen::MatrixXd& matrix, std::string_view key, const std::string& where,
@@ -131,7 +131,7 @@ SE3 rigid_transform(const Eigen::MatrixXd& matrix, std::string_view key, const s
     throw Error(fmt::format("{} is not a rigid transform (rotation and translation)", key), where,
                 "its first three columns are at right angles and of length 1");
   if (error > 2e-3)
-    warnings.push_back(fmt::format("{} is not quite a rotation (off by {:.2g}); the nearest one is taken", key, error));
+    warnings.push_back(fmt::format("{} is not quite a rotation (error {:.2g}); the nearest one is used", key, error));
   return SE3::from_matrix(full);
 }
 
@@ -141,7 +141,7 @@ void check_baseline(const SE3& second_from_first, std::string_view first, std::s
   const bool parallel = second_from_first.rotation().log().norm() < 0.3;
   if (!parallel || at.x() >= 0.0 || -at.x() < 0.7 * at.norm()) return;
   warnings.push_back(
-      fmt::format("{} stands {:.3g} m to the LEFT of {}, by the sign of its baseline: are the two swapped, or the "
+      fmt::format("{} is {:.3g} m to the LEFT of {}, by the sign of its baseline: are the two swapped, or the "
                   "transform inverted?",
                   second, -at.x(), first));
 }

@@ -9,7 +9,7 @@
 
 #include "rastro/camera/calibration_file.h"
 
-/// The readers of the single formats, and what they share. Inner parts of calibration_file.h.
+/// The readers of the formats and what they share. Internal parts of calibration_file.h.
 namespace rastro::calibration {
 
 class YamlFields;
@@ -27,26 +27,26 @@ Calibration parse_opencv_or_ros(const YamlFields& root);
 bool looks_like_kitti(std::string_view text);
 Calibration parse_kitti(std::string_view text, std::string_view where);
 
-/// Sets the distortion from a model's name as any of the formats writes it and its coefficients; throws for models that
-/// Camera does not have. `where` and `key` name the coefficients in messages.
+/// Sets the distortion from its coefficients and the model's name as any of the formats writes it; throws for models
+/// that Camera does not have. `where` and `key` name the coefficients in messages.
 void set_distortion(Camera& camera, std::string_view model, std::span<const double> coefficients,
                     const std::string& where, std::string_view key);
 
-/// Takes a size that was read as numbers; throws unless both are whole.
+/// Converts a size that was read as numbers; throws unless both are whole.
 void set_size(Camera& camera, double width, double height, const std::string& where);
 /// The key "intrinsics" of EuRoC and Kalibr: fx, fy, cx, cy.
 void set_intrinsics(Camera& camera, const YamlFields& fields);
-/// The key "rate_hz", where it is there; throws unless positive.
+/// The key "rate_hz", if present; throws unless positive.
 std::optional<double> optional_rate(const YamlFields& fields);
 
-/// Throws unless focal lengths are positive and everything is of a possible order.
+/// Throws unless focal lengths are positive and all values are of a plausible order.
 void require_usable(const Camera& camera, const std::string& where);
 
-/// A 3x4 or 4x4 rigid transform; throws when it is not one at all, warns when it is not quite.
+/// A 3x4 or 4x4 rigid transform; throws if it is not rigid at all, warns if it is not quite.
 SE3 rigid_transform(const Eigen::MatrixXd& matrix, std::string_view key, const std::string& where,
                     std::vector<std::string>& warnings);
 
-/// A warning when the second camera of a pair, looking the same way as the first, stands to its left.
+/// A warning if the second camera of a pair, with the same viewing direction as the first, is to its left.
 void check_baseline(const SE3& second_from_first, std::string_view first, std::string_view second,
                     std::vector<std::string>& warnings);
 

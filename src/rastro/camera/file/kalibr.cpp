@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kalibr's camchain (Furgale et al. 2013): cam0, cam1, ... each from the one before it.
+// Kalibr's camchain (Furgale et al. 2013): cam0, cam1, ..., each relative to the previous one.
 #include <fmt/format.h>
 
 #include "rastro/base/error.h"

@@ -20,7 +20,7 @@ struct Values {
   std::vector<double> numbers;
 };
 
-/// The lines of a file by key. Lines that are no numbers (calib_time) are kept out.
+/// The lines of a file by key. Lines that are not numbers (calib_time) are skipped.
 class KittiFields {
  public:
   KittiFields(std::string_view text, std::string_view where) : where_(where) {
@@ -41,7 +41,7 @@ class KittiFields {
     return Eigen::Map<const RowMajor>(numbers.data(), rows, columns);
   }
 
-  /// 3x4: [R t]. Both are read before they are joined: an Error must not pass through a half-filled Eigen matrix.
+  /// 3x4: [R t]. Both are read before they are combined: an Error must not pass through a half-filled Eigen matrix.
   Eigen::MatrixXd rigid_rows(const std::string& rotation_key, const std::string& translation_key) const {
     const Eigen::MatrixXd rotation = matrix(rotation_key, 3, 3), translation = matrix(translation_key, 3, 1);
     Eigen::MatrixXd rows(3, 4);
@@ -67,7 +67,7 @@ class KittiFields {
       values.numbers.push_back(*value);
     }
     if (!fields_.emplace(key, std::move(values)).second)
-      throw Error(fmt::format("the line '{}:' is there twice", one_line(key, 40)), at_line(where_, number), "");
+      throw Error(fmt::format("the line '{}:' occurs twice", one_line(key, 40)), at_line(where_, number), "");
   }
 
   std::string where_;
@@ -79,7 +79,7 @@ struct Projection {
   SE3 camera_from_first;
 };
 
-/// P = K [I | t], where t is the first (rectified) camera seen from this one.
+/// P = K [I | t], where t is the position of the first (rectified) camera in this one's frame.
 Projection split_projection(const Eigen::MatrixXd& p, const std::string& key, const std::string& where) {
   const bool rectified = p(0, 1) == 0.0 && p(1, 0) == 0.0 && p(2, 0) == 0.0 && p(2, 1) == 0.0 && p(2, 2) == 1.0;
   if (!rectified)
@@ -98,7 +98,7 @@ Projection split_projection(const Eigen::MatrixXd& p, const std::string& key, co
 
 constexpr int most_cameras = 4;
 
-/// Appends the rectified cameras whose projections are there; `key` and `name` take the camera's number.
+/// Appends the rectified cameras whose projections are present; `key` and `name` take the camera's number.
 template <typename Name>
 void add_rectified(const KittiFields& fields, const Name& key, const Name& name, Calibration& result) {
   std::optional<Projection> previous;
@@ -110,7 +110,7 @@ void add_rectified(const KittiFields& fields, const Name& key, const Name& name,
     entry.camera = now.camera;
     if (previous) {
       entry.camera_from_previous = now.camera_from_first * previous->camera_from_first.inverse();
-      // 0 and 1 are the grey pair, 2 and 3 the colour pair.
+      // 0 and 1 are the gray pair, 2 and 3 the color pair.
       if (i % 2 == 1 && fields.has(key(i - 1)))
         check_baseline(*entry.camera_from_previous, key(i - 1), key(i), result.warnings);
     }
@@ -189,7 +189,7 @@ Calibration parse_kitti(std::string_view text, std::string_view where) {
     if (fields.has(key)) return parse_odometry(fields);
   Calibration result = parse_raw(fields);
   if (result.cameras.empty())
-    throw Error("holds no camera (no P0, P_rect_00 or K_00)", where, "name calib.txt or calib_cam_to_cam.txt");
+    throw Error("has no camera (no P0, P_rect_00 or K_00)", where, "name calib.txt or calib_cam_to_cam.txt");
   return result;
 }
 
@@ -200,7 +200,7 @@ namespace rastro {
 SE3 parse_kitti_transform(std::string_view text, std::string_view where) {
   const calibration::KittiFields fields(text, where);
   std::vector<std::string> ignored;
-  // First on its own: it complains of a missing key, which the place of that key cannot.
+  // Read separately first: it reports a missing key, for which there is no line to name.
   const Eigen::MatrixXd rows = fields.rigid_rows("R", "T");
   return calibration::rigid_transform(rows, "R", fields.at("R"), ignored);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // YAML of OpenCV's FileStorage as its calibration samples write it, and of ROS's camera_calibration
-// (camera_info_manager), which took over its key names and adds the model's name, rectification and projection. Printed
+// (camera_info_manager), which uses the same keys and adds the model's name, rectification and projection. Printed
 // CameraInfo messages too.
 #include <Eigen/LU>
 
@@ -38,7 +38,7 @@ void set_image_size(Camera& camera, const YamlFields& fields) {
   }
 }
 
-/// OpenCV's files do not name the model; the count of the coefficients, or a flag, tells it.
+/// OpenCV's files do not name the model; the number of coefficients, or a flag, tells it.
 std::string distortion_model(const YamlFields& fields, std::size_t count) {
   static constexpr Names keys = {"distortion_model"};
   if (fields.has(keys)) {

@@ -12,7 +12,7 @@
 namespace rastro::calibration {
 namespace {
 
-/// More numbers than any calibration's matrix has.
+/// More numbers than the matrix of any calibration.
 constexpr std::size_t largest_list = 4096;
 
 int line_of(const YAML::Node& node, int otherwise) {
@@ -20,7 +20,7 @@ int line_of(const YAML::Node& node, int otherwise) {
   return mark.is_null() ? otherwise : mark.line + 1;
 }
 
-/// The text with its "%YAML..." line emptied (not cut out: line numbers stay true).
+/// The text with its "%YAML..." line blanked (not removed: line numbers stay correct).
 std::string without_directive(std::string_view text) {
   std::string result(text);
   if (result.starts_with("\xEF\xBB\xBF")) result.erase(0, 3);

@@ -16,12 +16,12 @@ namespace rastro::calibration {
 
 using Names = std::initializer_list<const char*>;  ///< Of one key; the first is the one named in messages.
 
-/// A YAML map of a calibration file, whose readers turn everything unusable into one line with file, line and key.
+/// A YAML map of a calibration file. Its accessors report anything unusable in one line with file, line and key.
 class YamlFields {
  public:
   YamlFields(YAML::Node map, std::string where, int line);
 
-  /// The document's root. OpenCV's "%YAML:1.0" line, which YAML does not know, is passed over.
+  /// The document's root. Skips OpenCV's "%YAML:1.0" line, which YAML does not know.
   static YamlFields parse(std::string_view text, std::string_view where);
 
   bool has(Names names) const { return find(names).has_value(); }
@@ -30,7 +30,7 @@ class YamlFields {
   YamlFields map(Names names) const;
   std::string text(Names names) const;
   double number(Names names) const;
-  /// A whole number, also where it is written as 640.0; within +-1e9.
+  /// A whole number, also if written as 640.0; within +-1e9.
   int integer(Names names) const;
   /// A list of numbers, or a matrix in any of its forms, row by row.
   std::vector<double> numbers(Names names) const;
@@ -41,7 +41,7 @@ class YamlFields {
   /// "file:line" of the key, or of this map without it.
   std::string at(Names names) const;
   std::string at() const;
-  /// Throws: no such key, with the nearest that is there.
+  /// Throws: no such key; names the nearest existing one.
   [[noreturn]] void fail_missing(Names names) const;
   [[noreturn]] void fail(Names names, std::string_view what_is_wrong, std::string_view remedy) const;
 

@@ -118,7 +118,7 @@ void add_ground_truth(SourceInfo& info, const fs::path& root) {
                     [&] { return parse_leica_positions(read_text_file(leica.string()), leica.string()); });
   if (!info.ground_truth.empty()) {
     info.warnings.push_back(leica.string() +
-                            ": gives positions of its prism only; the rotations of the ground truth mean nothing");
+                            ": has positions of its prism only; the rotations of the ground truth are meaningless");
   }
 }
 
@@ -136,7 +136,7 @@ Trajectory parse_leica_positions(std::string_view text, std::string_view where) 
     if (!stamp || !x || !y || !z) throw Error("a column is not a finite number", here, "");
     trajectory.push_back({*stamp, SE3(SO3(), {*x, *y, *z})});
   }
-  if (trajectory.empty()) throw Error("holds no position", where, "");
+  if (trajectory.empty()) throw Error("has no positions", where, "");
   std::stable_sort(trajectory.begin(), trajectory.end(),
                    [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
   return trajectory;
@@ -152,7 +152,7 @@ SE3 parse_sensor_pose(std::string_view text, std::string_view where) {
     for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = data[static_cast<std::size_t>(i)];
     const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
     const double departure = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-    if (!matrix.allFinite() || !(departure < 0.02)) throw Error("T_BS is no rigid motion", where, "");
+    if (!matrix.allFinite() || !(departure < 0.02)) throw Error("T_BS is not a rigid transform", where, "");
     return SE3::from_matrix(matrix);
   } catch (const YAML::Exception& exception) {
     throw Error("T_BS cannot be read (" + one_line(exception.msg) + ")", where, "");

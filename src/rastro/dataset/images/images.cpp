@@ -88,7 +88,9 @@ std::optional<std::vector<TimeNs>> stamps_from_names(const std::vector<std::stri
 std::optional<Recording> index_images(const std::string& path, const OpenOptions& options) {
   const auto listing = list_images(path);
   if (!listing || listing->names.empty()) return std::nullopt;
-  if (!options.camera.empty()) throw Error("a folder of images has no named cameras", "--camera", "leave it out");
+  const auto file = calibration_is_given(options) ? fs::path() : find_calibration_file(listing->folder);
+  if (!options.camera.empty() && options.calibration_file.empty() && file.empty())
+    throw Error("a folder of images has no named cameras", "--camera", "omit it, or name a calibration file that has");
   Recording recording;
   recording.info.path = path;
   recording.info.format = "images";
@@ -99,11 +101,10 @@ std::optional<Recording> index_images(const std::string& path, const OpenOptions
                                                   fmt::join(prefixes, ", "),
                                                   (listing->folder / prefixes.front()).string()));
   }
-  const auto file = calibration_is_given(options) ? fs::path() : find_calibration_file(listing->folder);
   if (file.empty()) {
     recording.info.cameras.push_back(uncalibrated("images"));
   } else {
-    read_cameras(recording.info, file, {"images"});
+    read_unnamed_camera(recording.info, file, "images", options.camera);
   }
   return recording;
 }

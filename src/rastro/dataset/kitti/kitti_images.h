@@ -10,7 +10,7 @@
 
 namespace rastro {
 
-/// The number that a file is named by ("000012.png" is 12); -1 where the name is no number.
+/// The number that a file is named by ("000012.png" is 12); -1 where the name is not a number.
 std::int64_t file_number(const std::string& name);
 
 /// For each image, the row of a list with `row_count` rows that belongs to it: the number in its name where all of them

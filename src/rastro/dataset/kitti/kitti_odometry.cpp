@@ -42,7 +42,7 @@ void set_made_up_stamps(Recording& recording, double rate_hz) {
   }
 }
 
-/// Stamps by the number in the file's name; images without a row in times.txt are left out.
+/// Stamps by the number in the file's name; images without a row in times.txt are omitted.
 void set_stamps(Recording& recording, std::vector<std::string>& names, const fs::path& path,
                 const OpenOptions& options) {
   const fs::path file = path / "times.txt";
@@ -59,7 +59,7 @@ void set_stamps(Recording& recording, std::vector<std::string>& names, const fs:
       static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), [](auto row) { return row >= 0; }));
   for (std::size_t k = 0; k < stamped; ++k) recording.frames[k].stamp = times[static_cast<std::size_t>(rows[k])];
   if (stamped < names.size()) {
-    recording.info.warnings.push_back(fmt::format("{}: {} stamps for {} images; the last {} images are left out",
+    recording.info.warnings.push_back(fmt::format("{}: {} timestamps for {} images; the last {} images are ignored",
                                                   file.string(), times.size(), names.size(), names.size() - stamped));
     recording.frames.resize(stamped);
     names.resize(stamped);
@@ -99,7 +99,7 @@ void add_cameras(Recording& recording, const fs::path& path, const std::string& 
 }
 
 /// The poses of KITTI are of image_0; for another main camera they become those of a body whose camera sits beside it.
-void place_on_body(SourceInfo& info, const fs::path& path) {
+void pose_on_body(SourceInfo& info, const fs::path& path) {
   auto& main = info.cameras.front();
   const fs::path file = path / "calib.txt";
   if (info.ground_truth.empty() || main.name == "image_0" || !is_file(file)) return;
@@ -125,7 +125,7 @@ std::optional<Recording> index_kitti_odometry(const fs::path& path, const OpenOp
   add_cameras(recording, path, main, right, calibration_is_given(options));
   if (const auto file = poses_file(path); !file.empty()) {
     read_ground_truth(recording.info, file, "camera", [&] { return stamped_poses(recording, names, file); });
-    place_on_body(recording.info, path);
+    pose_on_body(recording.info, path);
   }
   return recording;
 }

@@ -56,7 +56,7 @@ void set_stamps(Recording& recording, const fs::path& folder, const std::vector<
       static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), [](auto row) { return row >= 0; }));
   for (std::size_t k = 0; k < stamped; ++k) recording.frames[k].stamp = stamps[static_cast<std::size_t>(rows[k])];
   if (stamped == names.size()) return;
-  recording.info.warnings.push_back(fmt::format("{}: {} stamps for {} images; the last {} images are left out",
+  recording.info.warnings.push_back(fmt::format("{}: {} timestamps for {} images; the last {} images are ignored",
                                                 file.string(), stamps.size(), names.size(), names.size() - stamped));
   recording.frames.resize(stamped);
 }
@@ -85,13 +85,13 @@ void add_cameras(Recording& recording, const fs::path& path, const std::string& 
   }
   if (is_unrectified(recording, file, main)) {
     for (auto& name : names) name += "_raw";
-    recording.info.warnings.push_back("the images have the size of unrectified ones and are taken as such");
+    recording.info.warnings.push_back("the images have the size of unrectified ones and are read as such");
   }
   read_cameras(recording.info, file, names);
 }
 
 /// The poses of oxts are of the GPS/IMU unit; the files of the calibration tell where the camera is on it.
-void place_on_body(SourceInfo& info, const fs::path& cam_to_cam) {
+void pose_on_body(SourceInfo& info, const fs::path& cam_to_cam) {
   auto& main = info.cameras.front();
   if (cam_to_cam.empty() || main.calibration_file != cam_to_cam.string()) return;
   const auto body_from_first =
@@ -106,9 +106,9 @@ void add_oxts(SourceInfo& info, const fs::path& path) {
   read_ground_truth(info, folder / "data", "body", [&] { return read_oxts(folder); });
   if (info.ground_truth.empty()) return;
   try {
-    place_on_body(info, calibration_file(path));
+    pose_on_body(info, calibration_file(path));
   } catch (const Error& error) {
-    info.warnings.push_back(std::string("the camera's place on the GPS/IMU unit is not used: ") + error.what());
+    info.warnings.push_back(std::string("the pose of the camera on the GPS/IMU unit is not used: ") + error.what());
   }
 }
 
@@ -119,12 +119,13 @@ std::vector<TimeNs> parse_kitti_timestamps(std::string_view text, std::string_vi
   for (const auto& line : content_lines(text)) {
     const auto stamp = parse_date_stamp(line.text);
     if (!stamp) {
-      throw Error(fmt::format("{} is no date and time such as '2011-09-26 13:02:25.964389445'", in_quotes(line.text)),
-                  at_line(where, line.number), "");
+      throw Error(
+          fmt::format("{} is not a date and time such as '2011-09-26 13:02:25.964389445'", in_quotes(line.text)),
+          at_line(where, line.number), "");
     }
     stamps.push_back(*stamp);
   }
-  if (stamps.empty()) throw Error("holds no stamp", where, "");
+  if (stamps.empty()) throw Error("has no timestamps", where, "");
   return stamps;
 }
 

@@ -45,20 +45,20 @@ std::vector<std::string> packet_names(const fs::path& folder) {
 
 OxtsPacket parse_oxts_packet(std::string_view text, std::string_view where) {
   const auto lines = content_lines(text);
-  if (lines.size() != 1) throw Error(fmt::format("holds {} lines, a packet is one", lines.size()), where, "");
+  if (lines.size() != 1) throw Error(fmt::format("has {} lines, a packet has one", lines.size()), where, "");
   std::vector<double> values;
   for (const auto word : split_words(lines.front().text)) {
     const auto value = parse_finite(word);
-    if (!value) throw Error(fmt::format("{} is no finite number", in_quotes(word)), where, "");
+    if (!value) throw Error(fmt::format("{} is not a finite number", in_quotes(word)), where, "");
     values.push_back(*value);
   }
   if (values.size() != values_of_packet)
-    throw Error(fmt::format("holds {} values, a packet has {}", values.size(), values_of_packet), where, "");
+    throw Error(fmt::format("has {} values, a packet has {}", values.size(), values_of_packet), where, "");
   const OxtsPacket packet{values[0], values[1], values[2], values[3], values[4], values[5]};
   if (std::abs(packet.latitude_deg) > farthest_latitude_deg || std::abs(packet.longitude_deg) > farthest_longitude_deg)
-    throw Error(fmt::format("latitude {:g} and longitude {:g} are no place that can be projected", packet.latitude_deg,
-                            packet.longitude_deg),
-                where, "");
+    throw Error(
+        fmt::format("latitude {:g} and longitude {:g} cannot be projected", packet.latitude_deg, packet.longitude_deg),
+        where, "");
   return packet;
 }
 
@@ -76,7 +76,7 @@ Trajectory read_oxts(const fs::path& folder) {
   const fs::path stamps_file = folder / "timestamps.txt";
   const auto stamps = parse_kitti_timestamps(read_text_file(stamps_file.string()), stamps_file.string());
   const auto names = packet_names(folder / "data");
-  if (names.empty()) throw Error("holds no packets (*.txt)", (folder / "data").string(), "");
+  if (names.empty()) throw Error("has no packets (*.txt)", (folder / "data").string(), "");
   const auto rows = rows_of_images(names, stamps.size());
   std::vector<OxtsPacket> packets;
   std::vector<TimeNs> packet_stamps;

@@ -89,7 +89,7 @@ TEST(Oxts, is_the_ground_truth_of_a_raw_drive) {
   EXPECT_EQ(info.ground_truth[1].stamp - info.ground_truth[0].stamp, 1'000'000'000);
   EXPECT_NEAR(info.ground_truth[2].world_from_body.translation().x(), 2.226389815864528, 1e-7);
   ASSERT_TRUE(info.cameras[0].body_from_camera);
-  // camera = R (imu + (-1, 0, 0)) + (0, -0.5, -1): its centre is 2 m ahead of the unit and 0.5 m below it.
+  // camera = R (imu + (-1, 0, 0)) + (0, -0.5, -1): its center is 2 m ahead of the unit and 0.5 m below it.
   const SE3& body_from_camera = *info.cameras[0].body_from_camera;
   EXPECT_NEAR((body_from_camera.translation() - Eigen::Vector3d(2, 0, -0.5)).norm(), 0.0, 1e-9);
   EXPECT_NEAR((body_from_camera.rotation() * Eigen::Vector3d(0, 0, 1) - Eigen::Vector3d(1, 0, 0)).norm(), 0.0, 1e-9);

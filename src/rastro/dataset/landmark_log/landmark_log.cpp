@@ -30,8 +30,8 @@ void read_lines(std::string_view text, std::string_view where, std::vector<std::
     }
   }
   if (used == 0 && broken > 0) throw Error(first_problem);
-  if (used == 0) throw Error("holds nothing but comments", where, "");
-  if (broken > 0) warnings.push_back(fmt::format("{} lines left out; the first: {}", broken, first_problem));
+  if (used == 0) throw Error("has only comments", where, "");
+  if (broken > 0) warnings.push_back(fmt::format("{} lines skipped; the first: {}", broken, first_problem));
 }
 
 void require_end(LogWords& words) {
@@ -42,7 +42,7 @@ WheelVelocity read_velocity(LogWords& words) {
   WheelVelocity velocity;
   velocity.stamp = words.stamp("the time", StampUnit::seconds);
   velocity.forward = words.bounded("the forward velocity", most_velocity);
-  velocity.turn = words.bounded("the turn's velocity", most_velocity);
+  velocity.turn = words.bounded("the yaw rate", most_velocity);
   require_end(words);
   return velocity;
 }
@@ -55,8 +55,8 @@ std::int64_t read_id(LogWords& words) {
   return *id;
 }
 
-StampedSighting read_sighting(LogWords& words) {
-  StampedSighting seen;
+StampedObservation read_observation(LogWords& words) {
+  StampedObservation seen;
   seen.stamp = words.stamp("the time", StampUnit::seconds);
   seen.sighting.id = read_id(words);
   seen.sighting.range = words.finite("the range");
@@ -107,7 +107,7 @@ LandmarkLog parse_landmark_log(std::string_view text, std::string_view where) {
     if (kind == "odometry") {
       log.velocities.push_back(read_velocity(words));
     } else if (kind == "landmark") {
-      log.sightings.push_back(read_sighting(words));
+      log.sightings.push_back(read_observation(words));
     } else {
       words.refuse(fmt::format("{} is neither odometry nor landmark", in_quotes(kind.value_or(""))));
     }
@@ -126,7 +126,7 @@ void parse_mrclam_measurements(LandmarkLog& log, const std::map<std::int64_t, st
                                std::string_view text, std::string_view where) {
   std::int64_t robots = 0, strangers = 0;
   read_lines(text, where, log.warnings, [&](LogWords words) {
-    auto seen = read_sighting(words);
+    auto seen = read_observation(words);
     const auto found = subject_of_barcode.find(seen.sighting.id);
     if (found == subject_of_barcode.end()) {
       ++strangers;
@@ -137,9 +137,9 @@ void parse_mrclam_measurements(LandmarkLog& log, const std::map<std::int64_t, st
       log.sightings.push_back(seen);
     }
   });
-  if (robots > 0) log.warnings.push_back(fmt::format("{} sightings of other robots left out: {}", robots, where));
+  if (robots > 0) log.warnings.push_back(fmt::format("{} observations of other robots ignored: {}", robots, where));
   if (strangers > 0)
-    log.warnings.push_back(fmt::format("{} sightings of unknown barcodes left out: {}", strangers, where));
+    log.warnings.push_back(fmt::format("{} observations of unknown barcodes ignored: {}", strangers, where));
   sort_by_stamp(log.sightings);
 }
 
@@ -154,7 +154,7 @@ std::map<std::int64_t, std::int64_t> parse_mrclam_barcodes(std::string_view text
   return subjects;
 }
 
-Trajectory parse_mrclam_truth(std::string_view text, std::string_view where) {
+Trajectory parse_mrclam_ground_truth(std::string_view text, std::string_view where) {
   Trajectory truth;
   std::vector<std::string> warnings;
   read_lines(text, where, warnings, [&](LogWords words) {

@@ -18,39 +18,39 @@ namespace rastro {
 struct WheelVelocity {
   TimeNs stamp = 0;
   double forward = 0.0;  ///< m/s
-  double turn = 0.0;     ///< rad/s, counter-clockwise.
+  double turn = 0.0;     ///< rad/s, counterclockwise.
 };
 
-struct StampedSighting {
+struct StampedObservation {
   TimeNs stamp = 0;
-  LandmarkSighting sighting;
+  LandmarkMeasurement sighting;
 };
 
 /// What a log of range-bearing landmarks and wheel odometry holds; both lists in the order of time.
 struct LandmarkLog {
   std::vector<WheelVelocity> velocities;
-  std::vector<StampedSighting> sightings;
-  std::vector<std::string> warnings;  ///< Each one plain line, about lines that were left out.
+  std::vector<StampedObservation> sightings;
+  std::vector<std::string> warnings;  ///< Each one plain line, about lines that were omitted.
 };
 
-// Readers of text. Blank lines and comments (#) are skipped; broken lines are left out and counted in a warning that
+// Readers of text. Blank lines and comments (#) are skipped; broken lines are omitted and counted in a warning that
 // names the first as `where`:line. Error where not one line can be used.
 
 /// rastro's own form, in any order:
 ///   odometry  STAMP FORWARD TURN        seconds, m/s, rad/s: holds until the next one
-///   landmark  STAMP ID RANGE BEARING    seconds, number or - where not known, m, rad counter-clockwise from ahead
+///   landmark  STAMP ID RANGE BEARING    seconds, number or - where unknown, m, rad counterclockwise from ahead
 LandmarkLog parse_landmark_log(std::string_view text, std::string_view where);
 
 /// Of UTIAS MRCLAM (Leung et al. 2011): "time forward turn" and "time barcode range bearing" a line, in s, m and rad.
 void parse_mrclam_odometry(LandmarkLog& log, std::string_view text, std::string_view where);
-/// `subject_of_barcode` names the landmark of each barcode. Other robots (subjects 1 to 5) move and are left out, as
+/// `subject_of_barcode` names the landmark of each barcode. Other robots (subjects 1 to 5) move and are omitted, as
 /// are barcodes that nobody has: their counts are in the warnings.
 void parse_mrclam_measurements(LandmarkLog& log, const std::map<std::int64_t, std::int64_t>& subject_of_barcode,
                                std::string_view text, std::string_view where);
 /// "subject barcode" a line.
 std::map<std::int64_t, std::int64_t> parse_mrclam_barcodes(std::string_view text, std::string_view where);
 /// "time x y heading" a line.
-Trajectory parse_mrclam_truth(std::string_view text, std::string_view where);
+Trajectory parse_mrclam_ground_truth(std::string_view text, std::string_view where);
 
 /// One frame for each time at which landmarks were seen, with the odometry summed up from the first record on. A frame
 /// before the first velocity has the identity.

@@ -62,15 +62,15 @@ TEST(LandmarkLog, BrokenLinesAreLeftOutAndCounted) {
   EXPECT_EQ(log.velocities.size(), 1u);
   EXPECT_EQ(log.sightings.size(), 1u);
   ASSERT_EQ(log.warnings.size(), 1u);
-  EXPECT_THAT(log.warnings[0], HasSubstr("5 lines left out; the first: a.log:2: "));
-  EXPECT_THAT(error_of([] { parse_landmark_log("# nothing\n", "a.log"); }), HasSubstr("nothing but comments"));
+  EXPECT_THAT(log.warnings[0], HasSubstr("5 lines skipped; the first: a.log:2: "));
+  EXPECT_THAT(error_of([] { parse_landmark_log("# nothing\n", "a.log"); }), HasSubstr("only comments"));
   EXPECT_THAT(error_of([] { parse_landmark_log("odometry x\n", "a.log"); }), HasSubstr("a.log:1"));
 }
 
 TEST(LandmarkLog, WithoutASightingItIsAnError) {
   const ScratchFolder folder;
   folder.write("walk.log", "odometry 1 2 3\n");
-  EXPECT_THAT(error_of([&] { open(folder.path("walk.log")); }), HasSubstr("no landmark is ever seen"));
+  EXPECT_THAT(error_of([&] { open(folder.path("walk.log")); }), HasSubstr("has no landmark observations"));
 }
 
 TEST(Mrclam, ARobotsFilesBecomeOneRecording) {
@@ -87,8 +87,8 @@ TEST(Mrclam, ARobotsFilesBecomeOneRecording) {
     EXPECT_EQ(info.format, "mrclam");
     EXPECT_EQ(info.frame_count, 2);
     EXPECT_EQ(info.ground_truth.size(), 2u);
-    EXPECT_THAT(info.warnings, Contains(HasSubstr("1 sightings of other robots")));
-    EXPECT_THAT(info.warnings, Contains(HasSubstr("1 sightings of unknown barcodes")));
+    EXPECT_THAT(info.warnings, Contains(HasSubstr("1 observations of other robots")));
+    EXPECT_THAT(info.warnings, Contains(HasSubstr("1 observations of unknown barcodes")));
     const auto first = source->next(), last = source->next();
     ASSERT_TRUE(first && last);
     EXPECT_EQ(first->landmarks.front().id, 6);
@@ -98,7 +98,7 @@ TEST(Mrclam, ARobotsFilesBecomeOneRecording) {
   }
   const auto report = check(folder.path(), {});
   EXPECT_TRUE(report.usable);
-  EXPECT_EQ(report.landmark_sightings, 2);
+  EXPECT_EQ(report.landmark_observations, 2);
   EXPECT_EQ(report.landmarks, 2);
   EXPECT_EQ(report.ground_truth_percent, 100.0);
 }

@@ -22,8 +22,8 @@ class LandmarkSource final : public Source {
  public:
   LandmarkSource(SourceInfo info, const LandmarkLog& log, const OpenOptions& options)
       : info_(std::move(info)), frames_(landmark_frames(log)) {
-    if (!options.camera.empty()) throw Error("a landmark log has no cameras", "--camera", "leave it out");
-    if (frames_.empty()) throw Error("no landmark is ever seen", info_.path, "");
+    if (!options.camera.empty()) throw Error("a landmark log has no cameras", "--camera", "omit it");
+    if (frames_.empty()) throw Error("has no landmark observations", info_.path, "");
     info_.has_image = false;
     info_.has_landmarks = true;
     info_.has_odometry = !log.velocities.empty();
@@ -91,7 +91,7 @@ std::unique_ptr<Source> open_mrclam(const std::string& path, const OpenOptions& 
   parse_mrclam_measurements(log, parse_mrclam_barcodes(read_text_file(barcodes), barcodes), read_text_file(measurement),
                             measurement);
   if (is_file(truth))
-    read_ground_truth(info, truth, "body", [&] { return parse_mrclam_truth(read_text_file(truth), truth); });
+    read_ground_truth(info, truth, "body", [&] { return parse_mrclam_ground_truth(read_text_file(truth), truth); });
   return std::make_unique<LandmarkSource>(std::move(info), log, options);
 }
 

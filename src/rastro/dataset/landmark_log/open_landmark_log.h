@@ -12,8 +12,8 @@ namespace rastro {
 std::unique_ptr<Source> open_landmark_log(const std::string& path, const OpenOptions& options);
 
 /// One robot of UTIAS MRCLAM: a folder with RobotN_Odometry.dat, RobotN_Measurement.dat and Barcodes.dat (the first
-/// robot), or one of a robot's files; RobotN_Groundtruth.dat is the truth where it is there. nullptr where `path` is
-/// none.
+/// robot), or one of a robot's files; RobotN_Groundtruth.dat is the ground truth where it is there. nullptr where
+/// `path` is none.
 std::unique_ptr<Source> open_mrclam(const std::string& path, const OpenOptions& options);
 
 }  // namespace rastro

@@ -48,7 +48,7 @@ void read_ranges(LogWords& words, LaserScan& scan, std::size_t beams) {
     scan.ranges.push_back(stored_range(words.number("a range"), scan.max_range));
 }
 
-/// What follows the time: the host and the logger's own time, which some tools leave out.
+/// What follows the time: the host and the logger's own time, which some tools omit.
 void require_end(LogWords& words) {
   words.next();
   words.next();
@@ -57,7 +57,7 @@ void require_end(LogWords& words) {
 
 }  // namespace
 
-std::optional<Frame> CarmenParser::read(std::string_view line, const LinePlace& place) {
+std::optional<Frame> CarmenParser::read(std::string_view line, const LinePosition& place) {
   LogWords words(line, place);
   const auto kind = words.next();
   if (!kind) return std::nullopt;
@@ -148,10 +148,10 @@ void CarmenParser::start_over(SourceInfo& info) {
   info.format = "carmen";
   info.has_scan = true;
   info.has_odometry = has_odometry_;
-  if (!has_odometry_) info.warnings.push_back("the odometry is the same in all lines: taken as if there were none");
+  if (!has_odometry_) info.warnings.push_back("the odometry is the same in all lines and is ignored");
   if (other_scans_ > 0)
     info.warnings.push_back(
-        fmt::format("{} scans of another kind than {} are left out, such as {}", other_scans_, kind_, other_kind_));
+        fmt::format("{} scans of another kind than {} are ignored, such as {}", other_scans_, kind_, other_kind_));
   other_scans_ = 0;
 }
 

@@ -180,14 +180,14 @@ TEST(CarmenLog, SaysWhatItLeavesOut) {
   EXPECT_FALSE(source->info().has_odometry);
   EXPECT_FALSE(source->next()->odometry_from_body.has_value());
   EXPECT_THAT(source->info().warnings, Contains(HasSubstr("1 scans of another kind than FLASER")));
-  EXPECT_THAT(source->info().warnings, Contains(HasSubstr("as if there were none")));
+  EXPECT_THAT(source->info().warnings, Contains(HasSubstr("is ignored")));
 }
 
 TEST(CarmenLog, WithoutAScanItIsAnError) {
   const ScratchFolder folder;
   folder.write("a.log", carmen_front);
   folder.write("b.log", "FLASER 2 1\nFLASER x\n");
-  EXPECT_THAT(error_of([&] { open(folder.path("a.log")); }), HasSubstr("holds no laser scan"));
+  EXPECT_THAT(error_of([&] { open(folder.path("a.log")); }), HasSubstr("has no laser scans"));
   EXPECT_THAT(error_of([&] { open(folder.path("b.log")); }), HasSubstr("none of its 2 scans can be read"));
   OpenOptions options;
   options.camera = "left";

@@ -38,7 +38,7 @@ struct LogLines::State {
     buffer.erase(0, begin);
     begin = 0;
     const std::size_t kept = buffer.size();
-    if (kept > longest_line) throw Error("holds a line of more than 4 MiB", path, "it is no text log");
+    if (kept > longest_line) throw Error("has a line of more than 4 MiB", path, "it is not a text log");
     buffer.resize(kept + piece_size);
     const int got = gzread(file, buffer.data() + kept, piece_size);
     buffer.resize(kept + static_cast<std::size_t>(std::max(got, 0)));

@@ -19,7 +19,7 @@ class LogLines {
   LogLines& operator=(LogLines&&) noexcept;
 
   /// The next line without its end, valid until the next call; nullopt at the end. Error for a line of more than 4 MiB:
-  /// that is no text. What follows the last newline of a damaged packed file is a part of a line and is left out.
+  /// that is no text. What follows the last newline of a damaged packed file is a part of a line and is omitted.
   std::optional<std::string_view> next();
   /// Of the line that next() gave last, from 1.
   std::int64_t number() const;

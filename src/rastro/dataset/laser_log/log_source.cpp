@@ -16,7 +16,7 @@ namespace rastro {
 namespace {
 
 /// groundtruth.txt in the folder of the log: the body's poses, as generated recordings have them.
-void read_truth_beside(SourceInfo& info) {
+void read_ground_truth_beside(SourceInfo& info) {
   const auto file = std::filesystem::path(info.path).replace_filename("groundtruth.txt");
   if (!is_file(file)) return;
   read_ground_truth(info, file, "body",
@@ -27,12 +27,12 @@ class LogSource final : public Source {
  public:
   LogSource(const std::string& path, std::unique_ptr<LogParser> parser, const OpenOptions& options)
       : parser_(std::move(parser)), lines_(path) {
-    if (!options.camera.empty()) throw Error("a laser log has no cameras", "--camera", "leave it out");
+    if (!options.camera.empty()) throw Error("a laser log has no cameras", "--camera", "omit it");
     info_.path = path;
     info_.has_image = false;
     read_all();
     parser_->start_over(info_);
-    read_truth_beside(info_);
+    read_ground_truth_beside(info_);
     choice_ = FrameChoice(options, info_.frame_count, path);
     lines_ = LogLines(path);
   }
@@ -43,7 +43,7 @@ class LogSource final : public Source {
     if (position_ >= choice_.count) return std::nullopt;
     const std::int64_t wanted = choice_.index(position_++);
     while (const auto line = lines_.next()) {
-      const LinePlace place{info_.path, lines_.number()};
+      const LinePosition place{info_.path, lines_.number()};
       try {
         auto frame = parser_->read(*line, place);
         if (!frame || at_++ < wanted) continue;
@@ -78,7 +78,7 @@ class LogSource final : public Source {
     if (broken < info_.frame_count) return;
     if (broken > 0)
       throw Error(fmt::format("none of its {} scans can be read; {}", broken, first_problem), info_.path, "");
-    throw Error("holds no laser scan", info_.path, "the log must have scans of a front laser");
+    throw Error("has no laser scans", info_.path, "the log must have scans of a front laser");
   }
 
   std::unique_ptr<LogParser> parser_;

@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view blanks = " \t\r\f\v";
 }
 
-std::string LinePlace::text() const { return fmt::format("{}:{}", file, line); }
+std::string LinePosition::text() const { return fmt::format("{}:{}", file, line); }
 
 std::optional<std::string_view> LogWords::next() {
   const auto first = rest_.find_first_not_of(blanks);

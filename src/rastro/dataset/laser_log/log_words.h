@@ -14,7 +14,7 @@
 namespace rastro {
 
 /// Where a line stands, for messages made only when something is wrong.
-struct LinePlace {
+struct LinePosition {
   std::string_view file;
   std::int64_t line = 0;
 
@@ -25,7 +25,7 @@ struct LinePlace {
 /// the line is not.
 class LogWords {
  public:
-  LogWords(std::string_view line, const LinePlace& place) : rest_(line), place_(place) {}
+  LogWords(std::string_view line, const LinePosition& place) : rest_(line), place_(place) {}
 
   /// nullopt at the end of the line.
   std::optional<std::string_view> next();
@@ -44,7 +44,7 @@ class LogWords {
   std::string_view word(std::string_view what);
 
   std::string_view rest_;
-  LinePlace place_;
+  LinePosition place_;
 };
 
 }  // namespace rastro

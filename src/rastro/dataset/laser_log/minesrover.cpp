@@ -17,9 +17,9 @@ constexpr std::size_t columns_with_pose = 13 + beam_count;
 constexpr double radians_per_degree = std::numbers::pi / 180.0;
 constexpr double radians_per_step = 2.0 * std::numbers::pi / 1024.0;
 constexpr double most_counts = 1e12;
-constexpr double metres_per_count = 0.23e-3;
-constexpr double metres_between_wheels = 0.33;
-constexpr double metres_to_laser = 0.1;
+constexpr double meters_per_count = 0.23e-3;
+constexpr double meters_between_wheels = 0.33;
+constexpr double meters_to_laser = 0.1;
 
 std::size_t count_words(std::string_view line) {
   std::size_t count = 0;
@@ -37,18 +37,18 @@ LaserScan read_scan(LogWords& words) {
   scan.angle_step = radians_per_step;
   scan.min_range = 0.02;
   scan.max_range = 5.6;
-  scan.body_from_laser = SE2(SO2(), {metres_to_laser, 0.0});
+  scan.body_from_laser = SE2(SO2(), {meters_to_laser, 0.0});
   scan.ranges.reserve(beam_count);
   for (std::size_t beam = 0; beam < beam_count; ++beam) {
-    const double millimetres = words.number("a range");
-    scan.ranges.push_back(static_cast<float>(std::clamp(millimetres, 0.0, 1e6) * 1e-3));
+    const double millimeters = words.number("a range");
+    scan.ranges.push_back(static_cast<float>(std::clamp(millimeters, 0.0, 1e6) * 1e-3));
   }
   return scan;
 }
 
 }  // namespace
 
-std::optional<Frame> MinesroverParser::read(std::string_view line, const LinePlace& place) {
+std::optional<Frame> MinesroverParser::read(std::string_view line, const LinePosition& place) {
   LogWords words(line, place);
   const std::size_t columns = count_words(line);
   if (columns == 0) return std::nullopt;
@@ -73,10 +73,10 @@ std::optional<Frame> MinesroverParser::read(std::string_view line, const LinePla
 
 void MinesroverParser::turn_wheels(const Wheels& wheels) {
   if (last_wheels_) {
-    const double left = (wheels.left - last_wheels_->left) * metres_per_count;
-    const double right = (wheels.right - last_wheels_->right) * metres_per_count;
+    const double left = (wheels.left - last_wheels_->left) * meters_per_count;
+    const double right = (wheels.right - last_wheels_->right) * meters_per_count;
     odometry_from_body_ =
-        odometry_from_body_ * SE2::exp({(left + right) / 2.0, 0.0, (right - left) / metres_between_wheels});
+        odometry_from_body_ * SE2::exp({(left + right) / 2.0, 0.0, (right - left) / meters_between_wheels});
   }
   last_wheels_ = wheels;
 }

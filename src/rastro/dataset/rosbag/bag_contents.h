@@ -19,7 +19,7 @@ struct BagContents {
 };
 
 /// From the index at the end of the bag; where that is missing or not sound, from all messages as far as the bag is
-/// whole. Error where it is no bag.
+/// whole. Error where it is not a bag.
 BagContents read_bag_contents(const std::string& path);
 
 }  // namespace rastro

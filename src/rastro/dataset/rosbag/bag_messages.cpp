@@ -41,7 +41,7 @@ constexpr std::array<Encoding, 14> encodings = {{{"mono8", CV_8UC1, -1},
                                                  {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR},
                                                  {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2BGR}}};
 
-/// A view of the message's own bytes, turned to BGR where it has colours in another order.
+/// A view of the message's own bytes, turned to BGR where it has colors in another order.
 cv::Mat picture_of(const ImageMessage& message, const std::string& where) {
   const auto encoding = std::find_if(encodings.begin(), encodings.end(),
                                      [&](const Encoding& known) { return known.name == message.encoding; });
@@ -52,7 +52,7 @@ cv::Mat picture_of(const ImageMessage& message, const std::string& where) {
   if (message.width == 0 || message.height == 0 || message.width > most_pixels || message.height > most_pixels ||
       message.step < row || message.step % CV_ELEM_SIZE1(encoding->type) != 0 ||
       message.data.size() < std::uint64_t{message.step} * message.height) {
-    throw Error(fmt::format("the image is said to be {}x{}, {} bytes a row, but has {} bytes", message.width,
+    throw Error(fmt::format("the image should be {}x{} with {} bytes per row, but has {} bytes", message.width,
                             message.height, message.step, message.data.size()),
                 where, "");
   }
@@ -66,9 +66,9 @@ cv::Mat picture_of(const ImageMessage& message, const std::string& where) {
   return bgr;
 }
 
-DecodedImage decoded(const cv::Mat& picture, bool want_colour, const std::string& where) {
+DecodedImage decoded(const cv::Mat& picture, bool want_color, const std::string& where) {
   DecodedImage image;
-  const auto reason = convert(picture, want_colour, image);
+  const auto reason = convert(picture, want_color, image);
   if (!reason.empty()) throw Error("the image " + reason, where, "");
   return image;
 }
@@ -111,11 +111,11 @@ ImuSample sample_of(const ImuMessage& message) {
   return {nanoseconds(message.header.stamp), {turn.x, turn.y, turn.z}, {push.x, push.y, push.z}};
 }
 
-DecodedImage image_of(const ImageMessage& message, bool want_colour, const std::string& where) {
-  return decoded(picture_of(message, where), want_colour, where);
+DecodedImage image_of(const ImageMessage& message, bool want_color, const std::string& where) {
+  return decoded(picture_of(message, where), want_color, where);
 }
 
-DecodedImage image_of(const CompressedMessage& message, bool want_colour, const std::string& where) {
+DecodedImage image_of(const CompressedMessage& message, bool want_color, const std::string& where) {
   const auto incomplete = why_incomplete(message.data);
   if (!incomplete.empty()) throw Error("the image " + incomplete, where, "");
   cv::Mat picture;
@@ -127,7 +127,7 @@ DecodedImage image_of(const CompressedMessage& message, bool want_colour, const 
     picture.release();
   }
   if (picture.empty()) throw Error("the image cannot be decoded", where, "");
-  return decoded(picture, want_colour, where);
+  return decoded(picture, want_color, where);
 }
 
 bool is_depth(const ImageMessage& message) { return message.encoding == "16UC1" || message.encoding == "32FC1"; }
@@ -137,9 +137,9 @@ DepthImage depth_of(const ImageMessage& message, const std::string& where) {
   DepthImage depth(picture.cols, picture.rows);
   for (int y = 0; y < picture.rows; ++y) {
     for (int x = 0; x < picture.cols; ++x) {
-      const float metres = picture.depth() == CV_32F ? picture.at<float>(y, x)
+      const float meters = picture.depth() == CV_32F ? picture.at<float>(y, x)
                                                      : static_cast<float>(picture.at<std::uint16_t>(y, x)) * 1e-3F;
-      depth.at(x, y) = std::isfinite(metres) && metres > 0.0F && metres < 65.0F ? metres : 0.0F;
+      depth.at(x, y) = std::isfinite(meters) && meters > 0.0F && meters < 65.0F ? meters : 0.0F;
     }
   }
   return depth;

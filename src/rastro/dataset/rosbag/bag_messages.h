@@ -49,9 +49,9 @@ TimeNs nanoseconds(const ros::Time& time);
 LaserScan scan_of(const ScanMessage& message, const std::string& where);
 SE2 pose_of(const OdometryMessage& message, const std::string& where);
 ImuSample sample_of(const ImuMessage& message);
-DecodedImage image_of(const ImageMessage& message, bool want_colour, const std::string& where);
-DecodedImage image_of(const CompressedMessage& message, bool want_colour, const std::string& where);
-/// Metres from 16UC1 (millimetres) or 32FC1 (metres).
+DecodedImage image_of(const ImageMessage& message, bool want_color, const std::string& where);
+DecodedImage image_of(const CompressedMessage& message, bool want_color, const std::string& where);
+/// Meters from 16UC1 (millimeters) or 32FC1 (meters).
 DepthImage depth_of(const ImageMessage& message, const std::string& where);
 bool is_depth(const ImageMessage& message);
 /// nullopt where the message says that nobody calibrated, or has a distortion that Camera does not have.

@@ -31,7 +31,7 @@ std::optional<std::uint64_t> place_of(std::string_view bytes) {
   return *number_of(bytes.substr(0, 4)) | std::uint64_t{*number_of(bytes.substr(4))} << 32;
 }
 
-/// Cuts off four bytes of size and what they say; nullopt where it is not whole.
+/// Cuts off four bytes of size and what they say; nullopt where it is incomplete.
 std::optional<std::string_view> cut_sized(std::string_view& bytes) {
   const auto size = number_of(bytes.substr(0, 4));
   if (!size || bytes.size() - 4 < *size) return std::nullopt;
@@ -77,7 +77,7 @@ bool unpack(std::string_view kind, std::string_view packed, std::string& chunk) 
 BagRecords::BagRecords(const std::string& path) : file_(path, std::ios::binary) {
   std::string front(magic.size(), '\0');
   file_.read(front.data(), static_cast<std::streamsize>(front.size()));
-  if (!file_ || front != magic) throw Error("is no ROS 1 bag of format 2.0", path, "");
+  if (!file_ || front != magic) throw Error("is not a ROS 1 bag of format 2.0", path, "");
   std::error_code problem;
   const auto size = std::filesystem::file_size(path, problem);
   if (problem || size < magic.size()) throw Error("cannot be read", path, "");
@@ -185,7 +185,7 @@ std::optional<BagMessage> BagRecords::next() {
   while (!stopped_) {
     const auto record = next_record();
     const char kind = record ? kind_of(record->fields) : '\0';
-    // Behind what is not whole nothing has its place any more.
+    // Behind what is incomplete nothing has its place any more.
     if (!record || (kind == chunk_kind && !open_chunk(*record))) stopped_ = true;
     if (kind == connection_kind) keep_connection(*record);
     if (kind != message_kind) continue;

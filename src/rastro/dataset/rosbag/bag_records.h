@@ -37,11 +37,11 @@ class BagRecords {
   /// Error where it is no such bag.
   explicit BagRecords(const std::string& path);
 
-  /// What the index at the end says: each connection with its number of messages. nullopt where it is not whole. The
+  /// What the index at the end says: each connection with its number of messages. nullopt where it is incomplete. The
   /// next message is then the first one of the bag.
   std::optional<std::vector<std::pair<Connection, std::int64_t>>> read_index();
 
-  /// nullopt at the end, or where what follows is not whole.
+  /// nullopt at the end, or where what follows is incomplete.
   std::optional<BagMessage> next();
 
  private:

@@ -107,7 +107,7 @@ void choose_main(Topics& topics, const BagContents& contents, const OpenOptions&
   if (topics.main().empty())
     topics.compressed = first_topic(contents, "sensor_msgs/CompressedImage", info.warnings, no_depth);
   if (topics.main().empty())
-    throw Error("holds neither laser scans nor images", info.path, "it has " + text_of(contents));
+    throw Error("has neither laser scans nor images", info.path, "it has " + text_of(contents));
 }
 
 Topics choose_topics(const BagContents& contents, const OpenOptions& options, SourceInfo& info) {
@@ -149,10 +149,10 @@ class BagSource final : public Source {
     const BagContents contents = read_bag_contents(path);
     std::int64_t messages = 0;
     for (const auto& [topic, count] : contents.message_count) messages += count;
-    if (messages == 0) throw Error("holds no whole message", path, "");
+    if (messages == 0) throw Error("has no complete message", path, "");
     if (!contents.has_index)
       info_.warnings.push_back(
-          fmt::format("the bag was never closed or is cut short: its {} whole messages are read: {}", messages, path));
+          fmt::format("the bag was not closed or is truncated: its {} complete messages are read: {}", messages, path));
     topics_ = choose_topics(contents, options, info_);
     describe(contents);
     choice_ = FrameChoice(options, info_.frame_count, path);
@@ -246,11 +246,11 @@ class BagSource final : public Source {
     } else if (!topics_.image.empty()) {
       const auto image = decode<ImageMessage>(message, where);
       keep_stamp(frame, image.header.stamp);
-      keep_image(frame, image_of(image, options_.want_colour, where), where);
+      keep_image(frame, image_of(image, options_.want_color, where), where);
     } else {
       const auto image = decode<CompressedMessage>(message, where);
       keep_stamp(frame, image.header.stamp);
-      keep_image(frame, image_of(image, options_.want_colour, where), where);
+      keep_image(frame, image_of(image, options_.want_color, where), where);
     }
     if (!topics_.depth.empty() && options_.want_depth) add_depth(frame);
     return frame;
@@ -261,14 +261,14 @@ class BagSource final : public Source {
   }
 
   void keep_image(Frame& frame, DecodedImage image, const std::string& where) {
-    const ImageSize size{image.grey.width(), image.grey.height()};
+    const ImageSize size{image.gray.width(), image.gray.height()};
     if (first_size_.width == 0) first_size_ = size;
     if (first_size_ != size)
       throw UnusableSource(fmt::format("the image is {}x{}, but those before it {}x{}", size.width, size.height,
                                        first_size_.width, first_size_.height),
                            where, "all images of a recording must have one size");
-    frame.image = std::move(image.grey);
-    frame.colour = std::move(image.colour);
+    frame.image = std::move(image.gray);
+    frame.color = std::move(image.color);
   }
 
   /// The nearest in time of the last depth image before the frame and the first one behind it.

@@ -126,7 +126,7 @@ TEST(RosBag, ScansComeWithOdometryAndInertialReadings) {
     EXPECT_EQ(frame->stamp, (1000 + k) * ns_per_second + 10'000'000);
     EXPECT_NEAR(frame->odometry_from_body->translation().x(), 0.5 * k, 1e-12);
     EXPECT_NEAR(frame->odometry_from_body->rotation().angle(), 0.1 * k, 1e-12);
-    EXPECT_EQ(frame->imu.size(), 6u);  // Of this frame and of the two left out before it.
+    EXPECT_EQ(frame->imu.size(), 6u);  // Of this frame and of the two omitted before it.
     EXPECT_EQ(frame->imu.back().angular_velocity.z(), k);
     EXPECT_EQ(frame->imu.back().acceleration.z(), 9.81);
     const LaserScan& scan = *frame->scan;
@@ -152,7 +152,7 @@ TEST(RosBag, ImagesComeWithTheNearestDepthAndTheirCalibration) {
     }
   }
   OpenOptions options;
-  options.want_depth = options.want_colour = true;
+  options.want_depth = options.want_color = true;
   const auto source = open(folder.path("a.bag"), options);
   const auto& info = source->info();
   EXPECT_EQ(info.frame_count, 5);
@@ -164,7 +164,7 @@ TEST(RosBag, ImagesComeWithTheNearestDepthAndTheirCalibration) {
   for (int k = 0; k < 5; ++k) {
     const auto frame = source->next();
     ASSERT_TRUE(frame);
-    EXPECT_EQ(frame->colour.rgb.at(3 * 3, 2), 10 * k + 10);
+    EXPECT_EQ(frame->color.rgb.at(3 * 3, 2), 10 * k + 10);
     EXPECT_EQ(frame->image.width(), 8);
     EXPECT_NEAR(frame->depth.at(7, 5), k == 2 ? 3.0F : 2.5F, 1e-6F);
     EXPECT_EQ(frame->depth_stamp - frame->stamp, k == 2 ? -15'000'000 : 4'000'000);
@@ -232,7 +232,7 @@ TEST(RosBag, ABagThatWasCutShortIsReadAsFarAsItIsWhole) {
       write_scans(folder.path("cut.bag"), packed);
       folder.truncate("cut.bag", share);
       const auto source = open(folder.path("cut.bag"));
-      EXPECT_THAT(source->info().warnings, Contains(HasSubstr("whole messages are read")));
+      EXPECT_THAT(source->info().warnings, Contains(HasSubstr("complete messages are read")));
       std::int64_t count = 0;
       while (const auto frame = source->next()) {
         EXPECT_EQ(frame->index, count);
@@ -327,7 +327,7 @@ TEST(RosBag, WhatHoldsNothingToReadIsAnErrorOfOneLine) {
     for (int k = 0; k < 200; ++k) bag.odometry(k, k, 0.0);
   }
   const auto nothing = error_of([&] { open(folder.path("a.bag")); });
-  EXPECT_THAT(nothing, HasSubstr("holds neither laser scans nor images"));
+  EXPECT_THAT(nothing, HasSubstr("has neither laser scans nor images"));
   EXPECT_THAT(nothing, HasSubstr("/odom (nav_msgs/Odometry)"));
   folder.write("text.bag", "no bag at all\n");
   EXPECT_THAT(error_of([&] { open(folder.path("text.bag")); }), HasSubstr("text.bag"));

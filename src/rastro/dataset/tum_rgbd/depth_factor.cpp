@@ -68,10 +68,10 @@ std::optional<double> parse_depth_factor(std::string_view text, std::string_view
     value_text = value_text.substr(0, value_text.find('#'));
     const auto value = parse_finite(value_text);
     if (!value || *value <= 0.0) {
-      throw Error(fmt::format("the depth factor {} is no positive number", in_quotes(trim(value_text))),
+      throw Error(fmt::format("the depth factor {} is not a positive number", in_quotes(trim(value_text))),
                   at_line(where, line.number), "");
     }
-    // "depth_scale: 0.001" means metres a unit.
+    // "depth_scale: 0.001" means meters a unit.
     return *value < 1.0 ? 1.0 / *value : *value;
   }
   return std::nullopt;
@@ -85,7 +85,7 @@ DepthFactor guess_depth_factor(std::span<const Image<std::uint16_t>> images) {
   const double fives = static_cast<double>(raw.multiples_of_5) / static_cast<double>(raw.measured);
   if (fives > 0.95) return {5000.0, fmt::format("{:.0f} % of the numbers are multiples of 5", 100.0 * fives), true};
   const std::size_t far = raw.percentile_99();
-  if (raw.saturated > 0) return {1000.0, "65535 stands for no measurement, as in 7-Scenes", true};
+  if (raw.saturated > 0) return {1000.0, "65535 means no measurement, as in 7-Scenes", true};
   if (far < 12000)
     return {1000.0, fmt::format("99 % of the numbers are below {}, which would be {:.1f} m at 5000", far, far / 5000.0),
             true};

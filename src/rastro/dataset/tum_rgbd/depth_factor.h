@@ -13,7 +13,7 @@
 namespace rastro {
 
 struct DepthFactor {
-  double units_per_metre = 5000.0;
+  double units_per_meter = 5000.0;
   std::string reason;  ///< One clause: how it was found.
   bool is_a_guess = true;
 };
@@ -22,9 +22,9 @@ struct DepthFactor {
 /// where none is. Error naming `where`:line where the value is no positive number.
 std::optional<double> parse_depth_factor(std::string_view text, std::string_view where);
 
-/// From the numbers themselves. The Kinect measures whole millimetres, so numbers that are nearly all multiples of 5
-/// were written at 5000 a metre; 65535 as "none", or a scene that would be no deeper than 2.4 m at 5000 a metre, means
-/// millimetres.
+/// From the numbers themselves. The Kinect measures whole millimeters, so numbers that are nearly all multiples of 5
+/// were written at 5000 a meter; 65535 as "none", or a scene that would be no deeper than 2.4 m at 5000 a meter, means
+/// millimeters.
 DepthFactor guess_depth_factor(std::span<const Image<std::uint16_t>> images);
 
 /// From a calibration or info file in the folder, else from up to five of the depth images.

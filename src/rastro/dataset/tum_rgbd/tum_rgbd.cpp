@@ -31,17 +31,17 @@ fs::path associations_file(const fs::path& folder) {
 
 /// The images of the recording, and the depth image of each where there is one (index into depth, -1 = none).
 struct Lists {
-  ImageList colour;
+  ImageList color;
   ImageList depth;
   std::vector<std::int64_t> partner;
 };
 
 void pair_as_listed(Lists& lists, const TumAssociations& associations) {
   std::map<std::string, std::size_t> row_of;
-  for (std::size_t k = 0; k < associations.colour.images.size(); ++k)
-    row_of.emplace(associations.colour.images[k].file, k);
+  for (std::size_t k = 0; k < associations.color.images.size(); ++k)
+    row_of.emplace(associations.color.images[k].file, k);
   lists.depth = associations.depth;
-  for (const auto& image : lists.colour.images) {
+  for (const auto& image : lists.color.images) {
     const auto row = row_of.find(image.file);
     lists.partner.push_back(row == row_of.end() ? -1 : static_cast<std::int64_t>(row->second));
   }
@@ -49,26 +49,26 @@ void pair_as_listed(Lists& lists, const TumAssociations& associations) {
 
 Lists read_lists(const fs::path& folder) {
   Lists lists;
-  const fs::path colour = folder / "rgb.txt", depth = folder / "depth.txt", pairs = associations_file(folder);
+  const fs::path color = folder / "rgb.txt", depth = folder / "depth.txt", pairs = associations_file(folder);
   std::optional<TumAssociations> associations;
   if (!pairs.empty()) associations = parse_tum_associations(read_text_file(pairs.string()), pairs.string());
-  lists.colour =
-      is_file(colour) ? parse_tum_image_list(read_text_file(colour.string()), colour.string()) : associations->colour;
+  lists.color =
+      is_file(color) ? parse_tum_image_list(read_text_file(color.string()), color.string()) : associations->color;
   if (associations) {
     pair_as_listed(lists, *associations);
   } else if (is_file(depth)) {
     lists.depth = parse_tum_image_list(read_text_file(depth.string()), depth.string());
-    lists.partner = associate(lists.colour.images, lists.depth.images, max_depth_difference);
+    lists.partner = associate(lists.color.images, lists.depth.images, max_depth_difference);
   } else {
-    lists.partner.assign(lists.colour.images.size(), -1);
+    lists.partner.assign(lists.color.images.size(), -1);
   }
   return lists;
 }
 
 void fill_frames(Recording& recording, const Lists& lists, const fs::path& folder) {
   std::size_t pairs = 0;
-  for (std::size_t k = 0; k < lists.colour.images.size(); ++k) {
-    const auto& image = lists.colour.images[k];
+  for (std::size_t k = 0; k < lists.color.images.size(); ++k) {
+    const auto& image = lists.color.images[k];
     RecordedFrame frame{image.stamp, (folder / image.file).string(), "", "", 0};
     if (lists.partner[k] >= 0) {
       const auto& depth = lists.depth.images[static_cast<std::size_t>(lists.partner[k])];
@@ -81,7 +81,7 @@ void fill_frames(Recording& recording, const Lists& lists, const fs::path& folde
   recording.info.has_depth = pairs > 0;
   if (pairs > 0 && pairs < recording.frames.size()) {
     recording.info.warnings.push_back(
-        fmt::format("{} of {} colour images have a depth image within 0.02 s", pairs, recording.frames.size()));
+        fmt::format("{} of {} color images have a depth image within 0.02 s", pairs, recording.frames.size()));
   }
 }
 
@@ -93,10 +93,10 @@ void set_depth_factor(Recording& recording, const fs::path& folder, bool publish
   for (const auto& frame : recording.frames)
     if (!frame.depth.empty()) files.push_back(frame.depth);
   const auto factor = find_depth_factor(folder, files);
-  recording.info.depth_factor = factor.units_per_metre;
+  recording.info.depth_factor = factor.units_per_meter;
   if (factor.is_a_guess) {
-    recording.info.warnings.push_back(fmt::format("depth is taken to be {:g} units a metre: a guess, because {}",
-                                                  factor.units_per_metre, factor.reason));
+    recording.info.warnings.push_back(fmt::format("depth is assumed to have {:g} units per meter, because {}",
+                                                  factor.units_per_meter, factor.reason));
   }
 }
 
@@ -145,7 +145,7 @@ TumAssociations parse_tum_associations(std::string_view text, std::string_view w
   }
   TumAssociations associations{make_image_list(first, StampUnit::seconds, where),
                                make_image_list(second, StampUnit::seconds, where)};
-  if (associations.colour.images.front().file.starts_with("depth")) std::swap(associations.colour, associations.depth);
+  if (associations.color.images.front().file.starts_with("depth")) std::swap(associations.color, associations.depth);
   return associations;
 }
 
@@ -156,10 +156,10 @@ std::optional<Recording> index_tum_rgbd(const fs::path& path, const OpenOptions&
   recording.info.path = path.string();
   recording.info.format = "tum_rgbd";
   const auto lists = read_lists(path);
-  if (auto warning = unit_warning(lists.colour, StampUnit::seconds, path.string()); !warning.empty()) {
+  if (auto warning = unit_warning(lists.color, StampUnit::seconds, path.string()); !warning.empty()) {
     recording.info.warnings.push_back(warning);
   }
-  recording.stamp_unit = unit_name(lists.colour.unit);
+  recording.stamp_unit = unit_name(lists.color.unit);
   fill_frames(recording, lists, path);
 
   const bool published = add_camera(recording.info, path, calibration_is_given(options));

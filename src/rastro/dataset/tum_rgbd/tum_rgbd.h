@@ -15,8 +15,8 @@ namespace rastro {
 ImageList parse_tum_image_list(std::string_view text, std::string_view where);
 
 struct TumAssociations {
-  ImageList colour;
-  ImageList depth;  ///< Line by line the partner of colour.
+  ImageList color;
+  ImageList depth;  ///< Line by line the partner of color.
 };
 
 /// associations.txt: "stamp rgb_file stamp depth_file" a line, or the depth first; the names tell which.

@@ -78,8 +78,20 @@ class VideoSource final : public Source {
 
   bool grab() {
     if (!video_.grab()) return false;
-    ++at_;
+    stamp_ = stamp_of(at_++);
     return true;
+  }
+
+  /// Phones vary their rate, so the presentation time counts. Where a file has none, or times that do not rise, a
+  /// period after the frame before.
+  TimeNs stamp_of(std::int64_t index) {
+    if (!info_.has_stamps) return made_up_stamp(index, rate_hz_);
+    constexpr double longest_ms = 1e12;
+    const double ms = video_.get(cv::CAP_PROP_POS_MSEC);
+    const bool known = ms >= 0.0 && ms < longest_ms;
+    const TimeNs stamp = known ? static_cast<TimeNs>(std::llround(ms * 1e6)) : 0;
+    if (index == 0 || stamp > stamp_) return stamp;
+    return stamp_ + made_up_stamp(1, rate_hz_);
   }
 
   bool retrieve(cv::Mat& picture) { return video_.retrieve(picture) && !picture.empty(); }
@@ -88,19 +100,19 @@ class VideoSource final : public Source {
     Frame frame;
     frame.index = index;
     frame.name = fmt::format("frame {}", index);
-    frame.stamp = made_up_stamp(index, rate_hz_);
+    frame.stamp = stamp_;
     DecodedImage image;
-    const auto reason = convert(picture, options_.want_colour, image);
+    const auto reason = convert(picture, options_.want_color, image);
     if (!reason.empty()) throw Error(reason, info_.path, "");
-    const ImageSize size{image.grey.width(), image.grey.height()};
+    const ImageSize size{image.gray.width(), image.gray.height()};
     if (first_size_.width == 0) first_size_ = size;
     if (first_size_ != size) {
       throw UnusableSource(fmt::format("frame {} is {}x{}, but those before it {}x{}", index, size.width, size.height,
                                        first_size_.width, first_size_.height),
                            info_.path, "all frames must have one size");
     }
-    frame.image = std::move(image.grey);
-    frame.colour = std::move(image.colour);
+    frame.image = std::move(image.gray);
+    frame.color = std::move(image.color);
     return frame;
   }
 
@@ -111,6 +123,7 @@ class VideoSource final : public Source {
   ImageSize first_size_;
   double rate_hz_ = usual_rate_hz;
   std::int64_t at_ = 0;  ///< Number of the next frame that grab() gives.
+  TimeNs stamp_ = 0;     ///< Of the frame that it gave last.
   std::int64_t position_ = 0;
 };
 
@@ -120,7 +133,8 @@ std::unique_ptr<Source> open_video(const std::string& path, const OpenOptions& o
   if (!has_video_ending(path))
     throw Error("is neither an image nor a video, laser log, landmark log or bag", path,
                 "give a folder, a pattern or one of these");
-  if (!options.camera.empty()) throw Error("a video has no named cameras", "--camera", "leave it out");
+  if (!options.camera.empty() && options.calibration_file.empty())
+    throw Error("a video has no named cameras", "--camera", "omit it, or give a --calibration that has");
   return std::make_unique<VideoSource>(path, options);
 }
 
@@ -131,7 +145,8 @@ std::unique_ptr<Source> open_video(const std::string& path, const OpenOptions& o
 namespace rastro {
 
 std::unique_ptr<Source> open_video(const std::string& path, const OpenOptions&) {
-  throw Error("this build reads no videos", path, "build with -DRASTRO_WITH_VIDEO=ON, or turn the video into images");
+  throw Error("this build does not read videos", path,
+              "build with -DRASTRO_WITH_VIDEO=ON, or convert the video to images");
 }
 
 }  // namespace rastro

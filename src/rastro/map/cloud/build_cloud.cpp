@@ -21,10 +21,10 @@ using detail::WorldSample;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr int most_layers = 6;           ///< Voxels on each side that one noisy surface may be spread over.
-constexpr double layer_sigmas = 3.0;     ///< How far noise carries measurements off the surface.
+constexpr int most_layers = 6;           ///< Maximum number of voxels on each side of a noisy surface.
+constexpr double layer_sigmas = 3.0;     ///< Maximum distance of noisy measurements from the surface.
 constexpr float same_side = 0.5F;        ///< Cosine between normals of one surface.
-constexpr float least_agreement = 0.4F;  ///< Length of the mean of unit normals: less is a contradiction.
+constexpr float least_agreement = 0.4F;  ///< Minimum length of the mean unit normal: less is a contradiction.
 
 struct KeyedSample {
   std::uint64_t key = 0;
@@ -45,7 +45,7 @@ void sort_samples(const std::vector<SurfaceSample>& samples, const SE3& world_fr
     keyed.sample.normal = turn * sample.normal_in_camera;
     keyed.sample.ray = turn * (sample.point_in_camera / sample.point_in_camera.z());
     keyed.sample.sigma = sample.sigma;
-    keyed.sample.colour = sample.colour;
+    keyed.sample.color = sample.color;
     sorted[static_cast<std::size_t>(VoxelTable::shard_of(keyed.key))].push_back(keyed);
   }
 }
@@ -57,7 +57,7 @@ VoxelTable gather(const Map& map, const CloudOptions& options, TaskPool* pool, c
   std::vector<Sorted> group(detail::MapViews::group_size);
   detail::MapViews views(map, detail::keyframes_of(map, options.submap), pool);
   views.walk(
-      [&](std::size_t slot, std::size_t keyframe, const UnpackedPictures& pictures, const RayTable& rays) {
+      [&](std::size_t slot, std::size_t keyframe, const UnpackedImages& pictures, const RayTable& rays) {
         sort_samples(surface_samples(pictures, rays, surface), map.keyframes[keyframe].world_from_camera, table,
                      group[slot]);
       },
@@ -78,10 +78,10 @@ struct KeyedPoint {
   CloudPoint point;
 };
 
-/// Sums over the voxels along a normal, about the middle one's mean.
+/// Sums over the voxels along a normal, relative to the center voxel's mean.
 struct Layers {
   double weight = 0.0, variance = 0.0, along = 0.0, along2 = 0.0;
-  Vector3f normal = Vector3f::Zero(), colour = Vector3f::Zero();
+  Vector3f normal = Vector3f::Zero(), color = Vector3f::Zero();
   std::uint32_t count = 0, views = 0;
 
   void add(const Voxel& voxel, double mean_along) {
@@ -93,22 +93,22 @@ struct Layers {
     along += voxel.weight * mean_along;
     along2 += voxel.weight * (mean_along * mean_along + scatter);
     normal += voxel.normal;
-    colour += voxel.colour;
+    color += voxel.color;
     count += voxel.count;
     views = std::max(views, voxel.views);
   }
   double mean() const { return along / weight; }
 
   double sigma() const {
-    const double per_measurement = variance / weight;  // weighted mean of sigma^2 times w, about the mean variance
+    const double per_measurement = variance / weight;  // weighted mean of w times the variance
     const double expected = per_measurement / (weight / count);
     const double found = count > 1 ? std::max(0.0, along2 / weight - mean() * mean()) * count / (count - 1.0) : 0.0;
     return std::sqrt(std::max(expected, found) / std::max(1U, views));
   }
 };
 
-/// One point from the voxel and those in front of and behind it that noise spread the same surface over; none where
-/// another of them stands for it.
+/// Makes one point from a voxel and those in front of and behind it over which noise spread the same surface; none if
+/// another voxel represents it.
 class Thinning {
  public:
   Thinning(const VoxelTable& table, const CloudOptions& options) : table_(table), options_(options) {}
@@ -168,8 +168,8 @@ class Thinning {
     point.position = place.cast<float>();
     if (!layers.normal.isZero()) point.normal = layers.normal.normalized();
     for (std::size_t k = 0; k < 3; ++k) {
-      const double mean = layers.colour[static_cast<int>(k)] / layers.weight;
-      point.colour[k] = static_cast<std::uint8_t>(std::clamp(std::lround(mean), 0L, 255L));
+      const double mean = layers.color[static_cast<int>(k)] / layers.weight;
+      point.color[k] = static_cast<std::uint8_t>(std::clamp(std::lround(mean), 0L, 255L));
     }
     point.count = layers.count;
     point.sigma = static_cast<float>(layers.sigma());

@@ -20,7 +20,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of the nearest wall or face of the box: distance, and the normal that points into the room.
+/// Of the nearest wall or face of the box: distance, and normal pointing into the room.
 struct Nearest {
   double distance = 1e9;
   Vector3d normal = Vector3d::Zero();
@@ -47,7 +47,7 @@ Nearest nearest_face(const Vector3d& point) {
 }
 
 /// The map with these images instead of its own.
-Map with_images(const Map& map, std::shared_ptr<const PictureStore> store) {
+Map with_images(const Map& map, std::shared_ptr<const ImageStore> store) {
   Map result = map;
   auto images = std::make_shared<ImageLayer>(*map.layer<ImageLayer>());
   images->store = std::move(store);
@@ -59,7 +59,7 @@ Map with_images(const Map& map, std::shared_ptr<const PictureStore> store) {
 Map noisy_map(int keyframes) {
   const Map map = make_test_map(keyframes);
   const DepthNoise noise = map.cameras.front().depth_noise;
-  auto pictures = std::make_shared<MemoryPictures>();
+  auto pictures = std::make_shared<MemoryImages>();
   for (int k = 0; k < keyframes; ++k) {
     Frame frame = test_room::frame_from(map.keyframes[static_cast<std::size_t>(k)].world_from_camera);
     Random random(static_cast<std::uint64_t>(k) + 5);
@@ -69,7 +69,7 @@ Map noisy_map(int keyframes) {
         z += static_cast<float>(random.normal() * noise.sigma(static_cast<double>(z)));
       }
     }
-    pictures->add(k, pack_pictures(frame));
+    pictures->add(k, pack_images(frame));
   }
   return with_images(map, pictures);
 }
@@ -81,7 +81,7 @@ CloudOptions dense() {
   return options;
 }
 
-TEST(BuildCloud, LiesOnTheSurfacesOfARoomSeenExactly) {
+TEST(BuildCloud, LiesOnTheSurfacesOfARoomWithoutNoise) {
   const Map map = make_test_map(3);
   const PointCloud cloud = build_cloud(map, dense());
   ASSERT_GT(cloud.points.size(), 5000U);
@@ -93,7 +93,7 @@ TEST(BuildCloud, LiesOnTheSurfacesOfARoomSeenExactly) {
     EXPECT_LT(std::abs(face.distance), 0.02) << point.position.transpose();
     off += std::abs(face.distance);
     EXPECT_GE(point.count, 3U);
-    const bool blue = point.colour[2] > 2 * point.colour[0];
+    const bool blue = point.color[2] > 2 * point.color[0];
     const Vector3d place = point.position.cast<double>();
     box += blue ? 1 : 0;
     const bool at_box = (place.array() > test_room::box_low.array() - 0.02).all() &&
@@ -111,7 +111,7 @@ TEST(BuildCloud, NoisySurfacesStayThinWithNormalsAndSigmasThatHold) {
   std::size_t flat = 0, outside = 0;
   for (const CloudPoint& point : cloud.points) {
     const Vector3d place = point.position.cast<double>();
-    // Edges apart: there neither normal nor distance is that of one face.
+    // Except at edges, where neither normal nor distance is that of one face.
     int near_faces = 0;
     for (int axis = 0; axis < 3; ++axis)
       for (const double wall : {test_room::low[axis], test_room::high[axis]})
@@ -134,7 +134,7 @@ TEST(BuildCloud, NoisySurfacesStayThinWithNormalsAndSigmasThatHold) {
   EXPECT_LT(turned / count, 0.12) << "radians";
 }
 
-TEST(BuildCloud, CountsEveryMeasurementOnceWhereNothingIsLeftOut) {
+TEST(BuildCloud, CountsEveryMeasurementOnceIfNothingIsLeftOut) {
   const Map map = make_test_map(1);
   CloudOptions options = dense();
   options.voxel_m = 0.3;
@@ -143,7 +143,7 @@ TEST(BuildCloud, CountsEveryMeasurementOnceWhereNothingIsLeftOut) {
   const PointCloud cloud = build_cloud(map, options);
   std::uint64_t sum = 0;
   for (const CloudPoint& point : cloud.points) sum += point.count;
-  // All pixels but the outermost ones and those along edges of the box.
+  // All pixels except the outermost ones and those along edges of the box.
   EXPECT_GT(sum, 318U * 238U * 97U / 100U);
 }
 
@@ -153,7 +153,7 @@ std::string bytes_of(const PointCloud& cloud) {
     bytes.append(reinterpret_cast<const char*>(p.position.data()), 12);
     bytes.append(reinterpret_cast<const char*>(p.normal.data()), 12);
     bytes.append(reinterpret_cast<const char*>(&p.sigma), 4);
-    bytes.append(reinterpret_cast<const char*>(p.colour.data()), 3);
+    bytes.append(reinterpret_cast<const char*>(p.color.data()), 3);
     bytes += std::to_string(p.count);
   }
   return bytes;
@@ -192,7 +192,7 @@ TEST(BuildCloud, TakesOnlyTheSubmapAskedForAndNothingFromAnEmptyMap) {
   EXPECT_TRUE(build_cloud(Map(), CloudOptions()).points.empty());
 }
 
-TEST(BuildCloud, RefusesAMapWithoutImagesAndPassesOverKeyframesWithoutSome) {
+TEST(BuildCloud, RefusesAMapWithoutImagesAndSkipsKeyframesWithoutAny) {
   Map map = make_test_map(2);
   const std::size_t both = build_cloud(map, CloudOptions()).points.size();
   auto images = std::make_shared<ImageLayer>(*map.layer<ImageLayer>());
@@ -205,16 +205,16 @@ TEST(BuildCloud, RefusesAMapWithoutImagesAndPassesOverKeyframesWithoutSome) {
   EXPECT_THROW(build_cloud(map, CloudOptions()), Error);
 }
 
-TEST(BuildCloud, RefusesDamagedPicturesInOneLine) {
-  auto pictures = std::make_shared<MemoryPictures>();
+TEST(BuildCloud, RefusesDamagedImagesInOneLine) {
+  auto pictures = std::make_shared<MemoryImages>();
   pictures->add(0, {{1, 2, 3}, {4, 5}});
   EXPECT_THROW(build_cloud(with_images(make_test_map(1), pictures), CloudOptions()), Error);
 }
 
 TEST(SurfaceSamples, LeaveOutEdgesOfDepthAndGrazingSurfaces) {
-  UnpackedPictures pictures;
+  UnpackedImages pictures;
   pictures.depth = DepthImage(64, 48);
-  pictures.colour.rgb = Image<std::uint8_t>(3 * 64, 48);
+  pictures.color.rgb = Image<std::uint8_t>(3 * 64, 48);
   for (int y = 0; y < 48; ++y)
     for (int x = 0; x < 64; ++x) pictures.depth.at(x, y) = x < 30 ? 1.0F : 2.0F;
   pictures.depth.at(50, 20) = 0.0F;
@@ -232,7 +232,7 @@ TEST(SurfaceSamples, LeaveOutEdgesOfDepthAndGrazingSurfaces) {
   EXPECT_EQ(unknown, 2U * 46U) << "beside the edge, in the blocks that it cuts";
 }
 
-TEST(Upright, FindsTheFloorOfARoomWhereverItsWorldPoints) {
+TEST(Upright, FindsTheFloorOfARoomForAnyWorldOrientation) {
   Map map = make_test_map(6);
   const SE3 turn(SO3::exp({0.7, -1.1, 0.4}), {3.0, -2.0, 1.0});
   Trajectory cameras;
@@ -252,7 +252,7 @@ TEST(Upright, FindsTheFloorOfARoomWhereverItsWorldPoints) {
   EXPECT_FALSE(find_upright(PointCloud(), cameras).floor_found);
 }
 
-TEST(FeaturePoints, JoinWhatKeyframesShowOfOnePlace) {
+TEST(FeaturePoints, MatchFeaturesOfOnePointInSeveralKeyframes) {
   const Map map = make_test_map(4);
   const std::vector<FeaturePoint> points = feature_points(map);
   ASSERT_GT(points.size(), 20U);
@@ -264,7 +264,7 @@ TEST(FeaturePoints, JoinWhatKeyframesShowOfOnePlace) {
   }
 }
 
-TEST(VoxelTable, FindsWhatWasAddedAndNumbersPlacesBothWays) {
+TEST(VoxelTable, FindsWhatWasAddedAndConvertsPositionsBothWays) {
   detail::VoxelTable table(0.01);
   Random random(3);
   std::vector<std::uint64_t> keys;

@@ -10,11 +10,11 @@ namespace rastro {
 
 /// One point of a surface, from all measurements that fell into its voxel.
 struct CloudPoint {
-  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< World, metres.
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();    ///< Unit length, towards the camera; zero where not known.
-  std::array<std::uint8_t, 3> colour{};                ///< Red, green, blue.
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< World, meters.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();    ///< Unit length, toward the camera; zero: unknown.
+  std::array<std::uint8_t, 3> color{};                 ///< Red, green, blue.
   std::uint32_t count = 0;                             ///< Measurements.
-  float sigma = 0.0F;                                  ///< Of the position along the normal, metres.
+  float sigma = 0.0F;  ///< Of the position along the normal, the map's unit; 0: unknown.
 };
 
 struct PointCloud {

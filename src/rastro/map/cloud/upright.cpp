@@ -16,11 +16,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double farthest_tilt_deg = 40.0;  ///< Of the cameras' mean from upright.
-constexpr std::size_t fewest_points = 200;  ///< That say where up is.
+constexpr double farthest_tilt_deg = 40.0;  ///< Of the cameras' mean y axis from vertical.
+constexpr std::size_t fewest_points = 200;  ///< Minimum number of points that define up.
 constexpr double bin_m = 0.02;
-constexpr double large_share = 0.25;  ///< Of the largest level plane below the cameras.
-constexpr double below_m = 0.2;       ///< The floor is lower than the cameras by more.
+constexpr double large_share = 0.25;  ///< Minimum size relative to the largest level plane below the cameras.
+constexpr double below_m = 0.2;       ///< Minimum height of the cameras above the floor.
 
 double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180.0); }
 
@@ -32,7 +32,7 @@ Vector3d mean_up(const Trajectory& cameras) {
                          : Vector3d(-(cameras.front().world_from_body.rotation() * Vector3d::UnitY()));
 }
 
-/// Towards the direction that most normals near the guess share.
+/// The mean of the normals near the initial direction.
 std::optional<Vector3d> refined_up(const PointCloud& cloud, Vector3d up) {
   for (const double within_deg : {farthest_tilt_deg, 25.0, 15.0, 10.0, 7.0, 5.0, 5.0}) {
     const double least = cosine(within_deg);
@@ -110,7 +110,7 @@ Plane refined(const PointCloud& cloud, Plane plane) {
 SE3 frame_of(const Vector3d& up, const Vector3d& origin, const SE3& world_from_first) {
   Vector3d ahead = world_from_first.rotation() * Vector3d::UnitZ();
   ahead -= up * up.dot(ahead);
-  if (ahead.norm() < 0.1) {  // it looks straight down or up
+  if (ahead.norm() < 0.1) {  // it faces straight down or up
     ahead = world_from_first.rotation() * -Vector3d::UnitY();
     ahead -= up * up.dot(ahead);
   }

@@ -9,15 +9,15 @@
 
 namespace rastro {
 
-/// A frame with z up and its origin on the floor below the first camera, which looks along x.
+/// A frame with z up and its origin on the floor below the first camera, which faces along x.
 struct Upright {
   SE3 upright_from_world;
   bool floor_found = false;
-  std::string found_by;  ///< One clause, for people.
+  std::string found_by;  ///< One clause, human-readable.
 };
 
-/// A depth camera does not feel gravity: down is first taken to be the mean of the cameras' y axes, then the normal of
-/// the lowest large plane about at right angles to it. Without one the origin is at the first camera itself.
+/// A depth camera does not measure gravity. Down is initially the mean of the cameras' y axes, then the normal of the
+/// lowest large plane roughly perpendicular to it. Without such a plane the origin is at the first camera itself.
 /// `cameras` is world_from_camera.
 Upright find_upright(const PointCloud& cloud, const Trajectory& cameras);
 

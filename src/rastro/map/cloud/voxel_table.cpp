@@ -19,7 +19,7 @@ std::uint64_t packed(std::int64_t x, std::int64_t y, std::int64_t z) {
 
 constexpr std::uint64_t index_mask = 0xFFFFFFFF;
 
-/// What a slot holds of a key: bits of the hash that choose neither shard nor slot of all but the largest tables.
+/// A slot's tag of a key: hash bits that determine neither the shard nor the slot of all but the largest tables.
 std::uint64_t tagged(std::uint64_t hash, std::size_t index) { return hash >> 28 << 32 | (index + 1); }
 bool may_be(std::uint64_t slot, std::uint64_t hash) { return ((slot ^ hash >> 28 << 32) & ~index_mask) == 0; }
 
@@ -33,7 +33,7 @@ std::size_t VoxelTable::size() const {
 
 std::uint64_t VoxelTable::key_of(const Eigen::Vector3d& place) const {
   const Eigen::Vector3d voxel = (place / side_m_).array().floor();
-  // One by one: a largest coefficient may pass over what is not a number.
+  // One by one: a maximum coefficient may skip NaN.
   if (!(voxel.array().abs() < static_cast<double>(half_range - 1)).all()) return 0;
   return packed(static_cast<std::int64_t>(voxel.x()), static_cast<std::int64_t>(voxel.y()),
                 static_cast<std::int64_t>(voxel.z()));
@@ -79,7 +79,7 @@ Voxel& VoxelTable::voxel_at(std::uint64_t key) {
     Voxel& voxel = shard.voxels[(shard.slots[slot] & index_mask) - 1];
     if (voxel.key == key) return voxel;
   }
-  // Grows by less than a vector would by itself: there may be millions.
+  // Grows by less than a vector does by default: there may be millions.
   if (shard.voxels.size() == shard.voxels.capacity()) shard.voxels.reserve(shard.voxels.size() * 5 / 4 + 64);
   shard.slots[slot] = tagged(hash, shard.voxels.size());
   shard.voxels.emplace_back();
@@ -100,7 +100,7 @@ void VoxelTable::add(std::uint64_t key, const WorldSample& sample, std::int32_t 
   voxel.along2 += w * d * d;
   voxel.place += w * place;
   if (has_normal) voxel.normal += w * normal;
-  voxel.colour += w * Eigen::Vector3f(sample.colour[0], sample.colour[1], sample.colour[2]);
+  voxel.color += w * Eigen::Vector3f(sample.color[0], sample.color[1], sample.color[2]);
   ++voxel.count;
   if (voxel.last_view != view) ++voxel.views, voxel.last_view = view;
 }
@@ -120,7 +120,7 @@ void VoxelTable::coarsen() {
       voxel.variance += fine.variance;
       voxel.place += fine.place + fine.weight * shift;
       voxel.normal += fine.normal;
-      voxel.colour += fine.colour;
+      voxel.color += fine.color;
       voxel.count += fine.count;
       voxel.views = std::max(voxel.views, fine.views);
       voxel.last_view = std::max(voxel.last_view, fine.last_view);

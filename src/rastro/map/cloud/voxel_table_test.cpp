@@ -19,7 +19,7 @@ WorldSample sample_at(const Eigen::Vector3d& point, float sigma = 0.01F) {
   sample.normal = {0.0F, 0.6F, 0.8F};
   sample.ray = {0.1F, 0.2F, 1.0F};
   sample.sigma = sigma;
-  sample.colour = {10, 20, 30};
+  sample.color = {10, 20, 30};
   return sample;
 }
 
@@ -33,7 +33,7 @@ std::array<long, 3> cube_of(const Eigen::Vector3d& place, double side) {
           std::lround(std::floor(place.z() / side))};
 }
 
-TEST(VoxelTableKeys, AreOnePerCubeAndTellItsCorner) {
+TEST(VoxelTableKeys, AreOnePerCubeAndGiveItsCorner) {
   Random random(1);
   const VoxelTable table(0.05);
   std::map<std::array<long, 3>, std::uint64_t> keys;
@@ -52,7 +52,7 @@ TEST(VoxelTableKeys, AreOnePerCubeAndTellItsCorner) {
   EXPECT_EQ(distinct.size(), keys.size());
 }
 
-TEST(VoxelTableKeys, OfWhatCannotBeNumberedAreNone) {
+TEST(VoxelTableKeys, AreZeroForPositionsOutOfRange) {
   const VoxelTable table(0.01);
   const double nan = std::nan(""), far = 0.01 * (1 << 20);
   for (const Eigen::Vector3d& place : {Eigen::Vector3d(far, 0.0, 0.0), Eigen::Vector3d(0.0, -far, 0.0),
@@ -63,7 +63,7 @@ TEST(VoxelTableKeys, OfWhatCannotBeNumberedAreNone) {
   EXPECT_LT((table.corner_of(table.key_of(last)) - last).norm(), 0.02);
 }
 
-/// Thousands of samples, through many growths of the table, against a map of the standard library.
+/// Thousands of samples, with many growths of the table, against a map of the standard library.
 TEST(VoxelTableSums, AreThoseOfAPlainMap) {
   Random random(2);
   struct Plain {
@@ -105,8 +105,8 @@ TEST(VoxelTableSums, AreThoseOfAPlainMap) {
   EXPECT_EQ(table.find(table.key_of({5.0, 5.0, 5.0})), nullptr);
 }
 
-/// What is coarsened is what would have been added to cubes of twice the side.
-TEST(VoxelTableCoarsen, IsAsIfItHadBeenCoarseFromTheStart) {
+/// Coarsening gives the same as adding to voxels of twice the side.
+TEST(VoxelTableCoarsen, EqualsACoarseTableFromTheStart) {
   Random random(3);
   VoxelTable fine(0.05), coarse(0.1);
   for (int k = 0; k < 5000; ++k) {
@@ -138,7 +138,7 @@ TEST(VoxelTableCoarsen, IsAsIfItHadBeenCoarseFromTheStart) {
   EXPECT_EQ(compared, coarse.size());
 }
 
-TEST(VoxelTableSums, WithoutANormalTheRayStandsForIt) {
+TEST(VoxelTableSums, WithoutANormalTheRayReplacesIt) {
   VoxelTable table(0.1);
   WorldSample sample = sample_at({0.05, 0.05, 0.08});
   sample.normal.setZero();

@@ -18,7 +18,7 @@ bool is_described(const Features& features) {
   return descriptors && levels && features.floats.size() == count * static_cast<std::size_t>(features.length);
 }
 
-/// One a feature, or none.
+/// One per feature, or none.
 bool fits(const std::vector<float>& values, std::size_t features) {
   return values.empty() || values.size() == features;
 }

@@ -11,20 +11,20 @@
 
 namespace rastro {
 
-/// What was found in one image. Never changes once made.
+/// The features of one image. Immutable.
 struct ImageFeatures {
-  KeyframeId id = no_keyframe;  ///< Of the keyframe made of the image; no_keyframe: none yet.
+  KeyframeId id = no_keyframe;  ///< Id of the keyframe made from the image; no_keyframe: none yet.
   std::int64_t frame = 0;       ///< Index in the recording.
   TimeNs stamp = 0;
   Features features;           ///< Pixels as recorded, distortion included.
-  std::vector<float> right_x;  ///< Stereo: where the right camera sees each feature, pixels; < 0: unknown.
-  std::vector<float> depths;   ///< Along the optical axis, in the map's unit; 0: unknown. One a feature, or none.
+  std::vector<float> right_x;  ///< Stereo: x of each feature in the right image, pixels; < 0: unknown.
+  std::vector<float> depths;   ///< Along the optical axis, in the map's unit; 0: unknown. One per feature, or empty.
 };
 
 /// The features of each keyframe.
 struct FeatureLayer : KeyframeLayer<ImageFeatures> {
   static constexpr const char* layer_name = "features";
-  OrbOptions extraction;  ///< How ORB features were made; who localizes in the map makes them the same way.
+  OrbOptions extraction;  ///< Settings of the ORB extraction; localization in the map extracts with the same ones.
 };
 
 std::unique_ptr<LayerType> features_layer_type();

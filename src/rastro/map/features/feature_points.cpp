@@ -16,8 +16,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double cell_m = 0.05;
-constexpr double most_apart_m = cell_m;  ///< So that the cells around a place hold all that is near enough.
-constexpr double pose_sigma_m = 0.005;   ///< Between keyframes, beside the noise of depth.
+constexpr double most_apart_m = cell_m;  ///< At most the cell size, for the search in adjacent cells.
+constexpr double pose_sigma_m = 0.005;   ///< Between keyframes, in addition to depth noise.
 constexpr double most_apart_sigmas = 3.0;
 constexpr int most_bits_apart = 60;        ///< Of 256.
 constexpr float most_floats_apart = 0.6F;  ///< Share of the descriptor's length.

@@ -20,7 +20,7 @@ static_assert(std::endian::native == std::endian::little, "map files are little-
   throw Error(what, where, "'rastro recover' saves what can be read");
 }
 
-/// Numbers and text one after the other, little-endian.
+/// Writes numbers and text one after the other, little-endian.
 class ByteWriter {
  public:
   template <typename Number>
@@ -41,8 +41,8 @@ class ByteWriter {
   std::string bytes_;
 };
 
-/// Reads them back. Bytes that end too early, numbers that are not finite and bytes left over are Errors naming
-/// `where`.
+/// Reads them back. Throws Error naming `where` for bytes that end too early, numbers that are not finite and bytes
+/// left over.
 class ByteReader {
  public:
   ByteReader(std::string_view bytes, const std::string& where) : bytes_(bytes), where_(where) {}
@@ -62,7 +62,7 @@ class ByteReader {
     return piece;
   }
   std::string_view text() { return raw(get<std::uint32_t>()); }
-  /// How many items of `item_size` bytes follow; never more than there are bytes.
+  /// Number of items of `item_size` bytes that follow; never more than the remaining bytes can hold.
   std::size_t count(std::size_t item_size) {
     const std::size_t items = get<std::uint32_t>();
     check(items <= bytes_.size() / item_size);

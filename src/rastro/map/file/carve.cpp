@@ -12,7 +12,7 @@
 namespace rastro {
 namespace {
 
-constexpr std::size_t page_size = 4096;  // as Database makes them
+constexpr std::size_t page_size = 4096;  // as Database creates them
 constexpr std::size_t first_page_header = 100;
 constexpr std::size_t longest_row = 256U << 20;
 
@@ -22,7 +22,7 @@ std::uint64_t big_endian(std::string_view bytes) {
   return number;
 }
 
-/// The pages of the file, with those of the log in place of older ones.
+/// The pages of the file; pages in the log replace older ones.
 class Pages {
  public:
   explicit Pages(const std::filesystem::path& file) : file_(file, std::ios::binary) {
@@ -35,7 +35,7 @@ class Pages {
 
   std::uint64_t count() const { return count_; }
 
-  /// Page `number`, from 1; zeros where the file does not reach.
+  /// Page `number`, from 1; zeros beyond the end of the file.
   std::string page(std::uint64_t number) {
     std::string bytes(page_size, '\0');
     const auto logged = in_log_.find(number);
@@ -55,8 +55,8 @@ class Pages {
     return static_cast<std::size_t>(stream.gcount()) == bytes.size();
   }
 
-  /// Frames of the log's present round carry the salt of its header. Those behind the last commit are taken too: rows
-  /// are known by their checksums.
+  /// Frames of the log's current generation have the salt of its header. Those after the last commit are used too: rows
+  /// are verified by their checksums.
   void index_log() {
     constexpr std::size_t header_size = 32, frame_header_size = 24;
     std::string header(header_size, '\0'), frame(frame_header_size, '\0');
@@ -71,10 +71,10 @@ class Pages {
 
   std::ifstream file_, log_;
   std::uint64_t count_ = 0;
-  std::map<std::uint64_t, std::uint64_t> in_log_;  ///< Page to place in the log.
+  std::map<std::uint64_t, std::uint64_t> in_log_;  ///< Page to position in the log.
 };
 
-/// Reads along a cell; nullopt behind its end.
+/// Reads along a cell; nullopt beyond its end.
 class Cell {
  public:
   explicit Cell(std::string_view bytes) : bytes_(bytes) {}
@@ -133,7 +133,7 @@ std::optional<std::int64_t> integer(Cell& record, std::uint64_t type) {
   return static_cast<std::int64_t>(big_endian(*bytes) << shift) >> shift;
 }
 
-/// A record of three columns: the row's number (which stands in the cell), an integer, a blob.
+/// A record of three columns: the row's id (stored in the cell), an integer, a blob.
 std::optional<Row> carved_row(const std::string& payload, std::uint64_t id) {
   Cell record(payload);
   std::uint64_t types[4] = {};

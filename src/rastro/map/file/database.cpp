@@ -33,7 +33,7 @@ bool is_layer_table(std::string_view name) {
 }
 
 std::string create_statement(std::string_view table) {
-  // The checksum lies before the body: it can be had without reading pictures.
+  // The checksum is before the body, so that it can be read without reading images.
   return fmt::format("CREATE TABLE {} (id INTEGER PRIMARY KEY, checksum INTEGER NOT NULL, body BLOB NOT NULL)", table);
 }
 
@@ -49,7 +49,7 @@ bool has_log(const std::string& file) {
   return std::filesystem::exists(file + "-wal", code);
 }
 
-/// What can be told without SQLite, in plain words.
+/// Reports what can be determined without SQLite, in plain language.
 std::uint32_t check_header(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error("cannot be read", file, "check the path");
@@ -57,7 +57,7 @@ std::uint32_t check_header(const std::string& file) {
   stream.read(header.data(), static_cast<std::streamsize>(header_size));
   if (static_cast<std::size_t>(stream.gcount()) < header_size ||
       !header.starts_with(std::string("SQLite format 3\0", 16)) || header_number(header, 68, 4) != map_file_id) {
-    throw Error("is no map of rastro", file, "give the map.rastro of a run; if it was one, try 'rastro recover'");
+    throw Error("is not a map of rastro", file, "give the map.rastro of a run; if it was one, try 'rastro recover'");
   }
   const std::uint64_t version = header_number(header, 60, 4);
   if (version == 0) refuse_damaged(file, "does not say its version");
@@ -75,7 +75,7 @@ std::uint32_t check_header(const std::string& file) {
   return static_cast<std::uint32_t>(version);
 }
 
-/// `file` as a URI that SQLite takes for exactly this file.
+/// `file` as a URI that SQLite resolves to exactly this file.
 std::string uri_of(const std::string& file, bool immutable) {
   std::string uri = "file:";
   for (const char c : std::filesystem::absolute(file).string()) {
@@ -92,7 +92,7 @@ std::string uri_of(const std::string& file, bool immutable) {
 Database Database::open(const std::filesystem::path& file) {
   Database database(file);
   database.version_ = check_header(file.string());
-  // Without a log beside it the file is complete and nobody writes: nothing need be locked or made next to it.
+  // Without a log beside it the file is complete and has no writer: no locks and no files next to it are needed.
   database.connect(uri_of(file.string(), !has_log(file.string())), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
   database.check_tables();
   return database;
@@ -126,7 +126,7 @@ Database Database::create(const std::filesystem::path& file) {
   }
   Database database(file);
   database.connect(uri_of(file.string(), false), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_URI);
-  // Freed space is zeroed, so that the bytes of a file depend on what it holds alone.
+  // Freed space is zeroed, so that the bytes of a file depend on its content alone.
   database.run(
       "PRAGMA page_size=4096; PRAGMA secure_delete=ON; PRAGMA journal_mode=MEMORY; PRAGMA synchronous=OFF; BEGIN");
   database.run(fmt::format("PRAGMA application_id={}; PRAGMA user_version={}", map_file_id, map_file_version).c_str());
@@ -157,7 +157,7 @@ void Database::connect(const std::string& name, int flags) {
   harden();
 }
 
-/// A map may come from anywhere: whatever it holds, it is data.
+/// A map may come from anywhere: its content is only data.
 void Database::harden() {
   sqlite3_db_config(connection_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(connection_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
@@ -168,7 +168,7 @@ void Database::harden() {
   run("PRAGMA cell_size_check=ON; PRAGMA mmap_size=0");
 }
 
-/// Every file has the tables of its version first; newer ones have those of layers behind them.
+/// Every file has the tables of its version first; newer ones have those of layers after them.
 void Database::check_tables() {
   const auto wanted = tables_of_version(version_);
   sqlite3_stmt* statement = nullptr;

@@ -16,25 +16,26 @@ struct sqlite3_stmt;
 
 namespace rastro {
 
-/// The four bytes "RSTR" by which a map file is known among SQLite files, and the newest version of what one holds: 1
-/// maps of a depth camera, 2 maps of landmarks, 3 maps with layers.
+/// The application id "RSTR" of map files among SQLite files, and the newest version of their content: 1 maps of a
+/// depth camera, 2 maps of landmarks, 3 maps with layers.
 constexpr std::uint32_t map_file_id = 0x52535452;
 constexpr std::uint32_t map_file_version = 3;
 
-/// The tables that every file of a version has, in the order in which they are made.
+/// The tables that every file of a version has, in the order of their creation.
 std::span<const char* const> tables_of_version(std::uint32_t version);
 /// "layer_images" for the layer `images`.
 std::string table_of_layer(std::string_view layer);
 
-/// Over everything of a row, the table's name included: a row in the wrong place does not pass.
+/// Over the whole row, including the table's name: a row in the wrong table fails the check.
 std::int64_t row_checksum(std::string_view table, std::int64_t id, std::string_view body);
 
-/// One connection to the SQLite file of a map. Every failure is an Error naming the file. One thread at a time.
+/// One connection to the SQLite file of a map. Every failure is an Error naming the file. Not thread-safe.
 class Database {
  public:
-  /// Of an existing map, to read. Error where it is none, is of a newer version, is cut off or has other tables.
+  /// Opens an existing map for reading. Error for a file that is no map, has a newer version, is truncated or has other
+  /// tables.
   static Database open(const std::filesystem::path& file);
-  /// A new file with empty tables; what was there is replaced.
+  /// Creates a file with empty tables; replaces an existing one.
   static Database create(const std::filesystem::path& file);
   Database(Database&& other) noexcept;
   Database& operator=(Database&& other) noexcept;
@@ -42,9 +43,9 @@ class Database {
 
   const std::string& file() const { return file_; }
   std::uint32_t version() const { return version_; }
-  /// All of them, those of layers last, in the order in which they were made.
+  /// All of them, those of layers last, in the order of their creation.
   const std::vector<std::string>& tables() const { return tables_; }
-  /// Makes an empty table where there is none of the name.
+  /// Creates an empty table if there is none of that name.
   void need_table(const std::string& table);
   void run(const char* sql);
   /// Adds the row, or replaces it.
@@ -67,21 +68,21 @@ class Database {
   std::map<std::string, sqlite3_stmt*> put_;  ///< By table.
 };
 
-/// Reads the rows of one table in order of their numbers. A row that is not as it was written is an Error.
+/// Reads the rows of one table in the order of their ids. Throws Error for a row that fails its checksum.
 class RowReader {
  public:
   enum class What { all, checksums };
-  /// From row `first` on. Where checksums are enough, bodies are not read from the disk.
+  /// From row `first` on. Where checksums are enough, bodies are not read from disk.
   RowReader(const Database& database, const std::string& table, std::int64_t first = 0, What what = What::all);
   ~RowReader();
   RowReader(const RowReader&) = delete;
   RowReader& operator=(const RowReader&) = delete;
 
-  /// Goes on to the next row; false at the end.
+  /// Advances to the next row; false at the end.
   bool next();
   std::int64_t id() const { return id_; }
   std::int64_t checksum() const;
-  /// Checked. Valid until the next call of next().
+  /// Verified. Valid until the next call of next().
   std::string_view body() const;
   /// "FILE: row 3 of keyframes", for messages.
   std::string where() const;

@@ -7,7 +7,7 @@
 namespace rastro {
 namespace {
 
-/// No method has this name, with which the head of a map of the first version begins.
+/// No method has this name, so it differs from the heads of the first version, which begin with the method's name.
 constexpr std::string_view head_mark = "map with layers";
 
 void put(ByteWriter& bytes, const Sim3& pose) {

@@ -9,10 +9,9 @@
 
 namespace rastro {
 
-// Bodies of the rows of the pose graph. The readers throw Error naming `where` for anything that is not as it was
-// written.
+// Bodies of the rows of the pose graph. The readers throw Error naming `where` for any invalid body.
 std::string head_body(const Map& map);  ///< Method and revision.
-/// Whether a head is of a map with layers.
+/// Whether a head is that of a map with layers.
 bool is_layered_head(std::string_view body);
 void read_head(std::string_view body, const std::string& where, Map& map);
 std::string body_of(const MapCamera& camera);

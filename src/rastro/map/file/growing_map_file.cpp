@@ -21,16 +21,16 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto write_every = std::chrono::milliseconds(500);
 constexpr auto commit_images_every = std::chrono::milliseconds(400);
-constexpr auto ahead = std::chrono::milliseconds(100);  ///< For putting a map together.
-constexpr int least_rest = 9;                           ///< Times as long as writing took: a tenth of one processor.
+constexpr auto ahead = std::chrono::milliseconds(100);  ///< Time to build a map.
+constexpr int least_rest = 9;  ///< Pause in units of the writing time: uses a tenth of one core.
 
-/// Images in the growing file, then in the finished one. What is not yet committed is seen over the same connection
-/// alone.
-class ImagesInFile : public PictureStore {
+/// Images in the growing file, later in the finished one. Uncommitted ones are visible only through the same
+/// connection.
+class ImagesInFile : public ImageStore {
  public:
   explicit ImagesInFile(std::shared_ptr<const SharedDatabase> file)
       : rows_(std::move(file), table_of_layer("images")) {}
-  PackedPictures pictures(KeyframeId keyframe) const override { return read_pictures(rows_.row(keyframe), "images"); }
+  PackedImages pictures(KeyframeId keyframe) const override { return read_images(rows_.row(keyframe), "images"); }
 
  private:
   FileRows rows_;
@@ -38,8 +38,7 @@ class ImagesInFile : public PictureStore {
 
 }  // namespace
 
-/// Time decides when a map reaches the disk and nothing else. The mutex of the database is never waited for with the
-/// other one held.
+/// Timing only decides when a map reaches the disk. The database mutex is never waited for while holding the other one.
 class GrowingMapFile::State {
  public:
   explicit State(std::filesystem::path file)
@@ -61,7 +60,7 @@ class GrowingMapFile::State {
     wake_.notify_all();
   }
 
-  void add_images(KeyframeId keyframe, const PackedPictures& images) {
+  void add_images(KeyframeId keyframe, const PackedImages& images) {
     {
       const std::lock_guard lock(mutex_);
       check_open();
@@ -73,7 +72,7 @@ class GrowingMapFile::State {
     open().put(table_of_layer("images"), keyframe, body);
   }
 
-  std::shared_ptr<const PictureStore> images() const { return images_; }
+  std::shared_ptr<const ImageStore> images() const { return images_; }
 
   void finish(const Map& map) {
     const std::filesystem::path aside = write_map_beside(map, file_);
@@ -81,7 +80,7 @@ class GrowingMapFile::State {
     const std::lock_guard lock(database_->mutex);
     if (database_->database) {
       database_->database->run("COMMIT");
-      // Closed before it is replaced: its log must not stay beside a file that it does not belong to.
+      // Closed before it is replaced: its log must not stay beside another file.
       database_->database.reset();
     }
     written_.reset();
@@ -99,13 +98,12 @@ class GrowingMapFile::State {
     if (!writer_.joinable()) writer_ = std::thread([this] { write_now_and_then(); });
   }
 
-  /// With the mutex of the database held.
+  /// Requires the database mutex.
   Database& open() {
     if (database_->database) return *database_->database;
     Database& database = database_->database.emplace(Database::create(file_));
     database.need_table(table_of_layer("images"));
-    // The log is added to at its end and takes what is killed in its middle; 16 MB of it are kept before they are
-    // moved.
+    // The log is append-only and safe against a kill in the middle; 16 MB of it are kept before a checkpoint.
     database.run("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=4000; BEGIN");
     return database;
   }
@@ -146,7 +144,7 @@ class GrowingMapFile::State {
     if (map) next_ = std::max<Clock::time_point>(begin + write_every, end + least_rest * (end - begin));
   }
 
-  /// What was kept last is written first, unless it is dropped.
+  /// Writes the map kept last first, unless `drop`.
   void stop(bool drop) {
     {
       const std::lock_guard lock(mutex_);
@@ -159,23 +157,23 @@ class GrowingMapFile::State {
 
   const std::filesystem::path file_;
   const std::shared_ptr<SharedDatabase> database_ = std::make_shared<SharedDatabase>();
-  const std::shared_ptr<const PictureStore> images_;
+  const std::shared_ptr<const ImageStore> images_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::shared_ptr<const Map> waiting_;
   bool images_added_ = false, stopping_ = false, dropping_ = false;
-  Clock::time_point next_{};  ///< No map is written before.
+  Clock::time_point next_{};  ///< Earliest time of the next write.
   std::exception_ptr failure_;
   std::thread writer_;
-  std::shared_ptr<const Map> written_;  ///< The writer's own, and of others once it has ended.
+  std::shared_ptr<const Map> written_;  ///< The writer's own; others may use it once it has ended.
 };
 
 GrowingMapFile::GrowingMapFile(std::filesystem::path file) : state_(std::make_unique<State>(std::move(file))) {}
 GrowingMapFile::~GrowingMapFile() = default;
 bool GrowingMapFile::wants_map() const { return state_->wants_map(); }
 void GrowingMapFile::keep(std::shared_ptr<const Map> map) { state_->keep(std::move(map)); }
-void GrowingMapFile::add_images(KeyframeId keyframe, PackedPictures images) { state_->add_images(keyframe, images); }
-std::shared_ptr<const PictureStore> GrowingMapFile::images() const { return state_->images(); }
+void GrowingMapFile::add_images(KeyframeId keyframe, PackedImages images) { state_->add_images(keyframe, images); }
+std::shared_ptr<const ImageStore> GrowingMapFile::images() const { return state_->images(); }
 void GrowingMapFile::finish(const Map& map) { state_->finish(map); }
 
 }  // namespace rastro

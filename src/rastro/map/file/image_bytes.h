@@ -9,8 +9,8 @@
 
 namespace rastro {
 
-std::string body_of(const PackedPictures& pictures);
-/// Error naming `where` for bytes that are not as they were written.
-PackedPictures read_pictures(std::string_view body, const std::string& where);
+std::string body_of(const PackedImages& pictures);
+/// Error naming `where` for invalid bytes.
+PackedImages read_images(std::string_view body, const std::string& where);
 
 }  // namespace rastro

@@ -7,7 +7,7 @@
 
 namespace rastro {
 
-/// A landmark without what a filter knows of it, as map files of all versions have it.
+/// A landmark without a filter's estimate of it, as in map files of all versions.
 Landmark get_landmark(ByteReader& bytes, std::int64_t id);
 
 }  // namespace rastro

@@ -80,7 +80,7 @@ void expect_same(const Map& a, const Map& b) {
   EXPECT_EQ(a.frames.size(), b.frames.size());
 }
 
-TEST(LandmarkMapFile, HoldsAllOfAMapAndTheSameBytesForTheSameMap) {
+TEST(LandmarkMapFile, ContainsAllOfAMapAndHasTheSameBytesForTheSameMap) {
   EXPECT_EQ(contradiction_in(road()), "");
   for (const CameraKind sensor : {CameraKind::mono, CameraKind::stereo, CameraKind::depth}) {
     TestRoad kind;
@@ -120,7 +120,7 @@ TEST(LandmarkMapFile, RefusesAMapThatContradictsItself) {
   }
 }
 
-TEST(LandmarkMapFile, NoByteThatMeansSomethingChangesUnseen) {
+TEST(LandmarkMapFile, NoMeaningfulByteChangesUndetected) {
   TestRoad small;
   small.keyframes = 8, small.landmarks = 600;
   const Map map = make_landmark_test_map(small);
@@ -143,7 +143,7 @@ TEST(LandmarkMapFile, NoByteThatMeansSomethingChangesUnseen) {
   EXPECT_GT(seen, 10);
 }
 
-TEST(RecoverLandmarkMap, SavesAllOfASoundFileAndWhatIsLeftOfADamagedOne) {
+TEST(RecoverLandmarkMap, RecoversAllOfAValidFileAndTheRestOfADamagedOne) {
   const fs::path file = scratch_path("road.rastro");
   save_map(road(), file);
   const std::string whole = read_whole_file(file);
@@ -166,7 +166,7 @@ TEST(RecoverLandmarkMap, SavesAllOfASoundFileAndWhatIsLeftOfADamagedOne) {
             rest.map->layer<LandmarkLayer>()->landmarks.size());
 }
 
-/// The map as it was when it had fewer keyframes.
+/// The map at an earlier time, with fewer keyframes.
 Map younger(std::size_t keyframes) {
   Map map = road();
   map.keyframes.resize(keyframes);
@@ -217,7 +217,7 @@ TEST(GrowingMapFile, OfLandmarksEndsAsTheFileOfTheMap) {
   EXPECT_THAT(message_of([&] { nowhere.finish(road()); }), HasSubstr("no_folder"));
 }
 
-/// What a program killed now would leave: the bytes of the map in it, empty where there is none yet.
+/// What a program killed now would leave: the bytes of the map in the file, empty if there is none yet.
 std::string bytes_if_killed_now(const fs::path& file) {
   const fs::path copy = scratch_path("killed.rastro");
   for (const char* beside : {"killed.rastro-wal", "killed.rastro-shm"}) scratch_path(beside);
@@ -230,7 +230,7 @@ std::string bytes_if_killed_now(const fs::path& file) {
   }
 }
 
-TEST(GrowingMapFile, KilledAtAnyMomentItHoldsAMapAsItOnceWas) {
+TEST(GrowingMapFile, KilledAtAnyMomentItContainsAnEarlierMap) {
   using Clock = std::chrono::steady_clock;
   const fs::path file = scratch_path("alive.rastro");
   const std::string first = saved_bytes(younger(4), "first.rastro"), second = saved_bytes(road(), "second.rastro");

@@ -13,7 +13,7 @@ namespace {
 
 const char* const every_layer[] = {"features", "images", "landmarks", "scans", "semi_dense", "words"};
 
-/// Made once: the tests only look.
+/// Made once: the tests only read it.
 const Map& all() {
   static const Map map = make_map_of_all_layers();
   return map;
@@ -25,7 +25,7 @@ std::string saved_bytes(const Map& map, const std::string& name) {
   return read_whole_file(file);
 }
 
-/// The map as it is read again, whose file saved once more must have the same bytes.
+/// The map read from a file; saving it again must give the same bytes.
 std::shared_ptr<const Map> read_again(const Map& map) {
   EXPECT_EQ(contradiction_in(map), "");
   const std::filesystem::path file = scratch_path("once.rastro");
@@ -64,7 +64,7 @@ TEST(Layers, EachAloneIsReadAndWrittenAgainTheSame) {
   }
 }
 
-TEST(Layers, AllTogetherHoldWhatTheyHeld) {
+TEST(Layers, AllTogetherKeepTheirContent) {
   const auto loaded = read_again(all());
   EXPECT_EQ(loaded->revision, 17);
   EXPECT_EQ(loaded->layers.all().size(), std::size(every_layer));
@@ -99,7 +99,7 @@ TEST(Layers, AllTogetherHoldWhatTheyHeld) {
     EXPECT_EQ(images_of(*loaded)->pictures(id), images_of(all())->pictures(id));
 }
 
-TEST(Layers, TheGraphOfSeveralRobotsAndCamerasIsHeldToo) {
+TEST(Layers, TheGraphOfSeveralRobotsAndCamerasIsKeptToo) {
   const auto loaded = read_again(all());
   ASSERT_EQ(loaded->cameras.size(), 2U);
   EXPECT_EQ(loaded->cameras[1].depth_noise, all().cameras[1].depth_noise);
@@ -145,7 +145,7 @@ TEST(Layers, LandmarksOfAFilterKeepTheirEstimates) {
   EXPECT_FALSE(now->find(7));
 }
 
-TEST(Layers, OneThatThisProgramDoesNotKnowIsKeptAsItIs) {
+TEST(Layers, AnUnknownOneIsKeptUnchanged) {
   Map map = all();
   auto unknown = std::make_shared<UnknownLayer>();
   unknown->header = std::string("of\0another", 10);
@@ -176,7 +176,7 @@ TEST(Layers, BytesThatEndTooEarlyOrTooLateAreErrors) {
     const auto read = [&](const std::string& bytes) { type.read(*type.make(header, where), id, bytes, where); };
     EXPECT_NO_THROW(read(body));
     EXPECT_THROW(read(body + '\0'), Error);
-    // No bytes at all: images are in a file that is attached.
+    // No bytes at all: images are in an attached file.
     for (std::size_t size = 1; size < body.size(); ++size) EXPECT_THROW(read(body.substr(0, size)), Error) << size;
   }
 }
@@ -196,7 +196,7 @@ TEST(Layers, ARepairedOneFitsAMapThatLostKeyframes) {
   }
 }
 
-TEST(Layers, PointsAreThoseOfAllThatKnowSurfaces) {
+TEST(Layers, PointsAreThoseOfAllLayersWithSurfaces) {
   std::size_t expected = all().layer<LandmarkLayer>()->landmarks.size();
   for (const auto& [id, scans] : all().layer<ScanLayer>()->of)
     for (const KeyframeScan& scan : *scans) expected += scan.points.size();

@@ -23,7 +23,7 @@ Loaded load(const std::filesystem::path& file) {
   loaded.finished = is_finished(database);
   SoundRows rows(shared);
   const std::shared_ptr<Map> map = read_map(rows, database.version());
-  // A run may be killed between a constraint and the keyframe it leads to.
+  // A run may be killed between a constraint and its keyframe.
   if (!loaded.finished) repair(*map);
   const std::string fault = contradiction_in(*map);
   if (!fault.empty()) refuse_damaged(file.string(), fault);
@@ -52,7 +52,7 @@ MapFileReport check_map_file(const std::filesystem::path& file) {
   MapFileReport report;
   std::error_code code;
   report.bytes = std::filesystem::file_size(file, code);
-  if (!is_map_file(file)) load(file);  // says what is wrong
+  if (!is_map_file(file)) load(file);  // throws with the reason
   try {
     report.version = Database::open(file).version();
     const Loaded loaded = load(file);

@@ -10,29 +10,29 @@
 
 namespace rastro {
 
-/// Writes the map as one SQLite file whose bytes depend on the map alone: the same map gives the same file, and so does
-/// one that was read from a file. Every row has a checksum, and a table of contents one over all rows. The file is put
-/// in place whole: where writing fails, what was there before stays.
+/// Writes the map as one SQLite file whose bytes depend on the map alone: the same map gives the same file, also after
+/// it was read from a file. Every row has a checksum, and a table of contents has one over all rows. The file is
+/// replaced atomically: if writing fails, the previous one stays.
 void save_map(const Map& map, const std::filesystem::path& file);
 
-/// Reads a map file of this version or an older one; images are read from it when they are asked for, so the file must
-/// stay. A file left by a run that was killed is taken as far as it goes. Error for a file that is no map, is of a
-/// newer version, cut off or damaged.
+/// Reads a map file of this version or an older one. Images are read from it on demand, so the file must stay. A file
+/// left by a killed run is read as far as it goes. Error for a file that is no map, has a newer version, is truncated
+/// or damaged.
 std::shared_ptr<const Map> load_map(const std::filesystem::path& file);
 
-/// Whether a file calls itself a map, sound or not.
+/// Whether a file has the application id of a map, valid or not.
 bool is_map_file(const std::filesystem::path& file);
 
-/// What was found when every byte of a map file that means something was read.
+/// The result of a check of every meaningful byte of a map file.
 struct MapFileReport {
   std::uint32_t version = 0;
   std::uintmax_t bytes = 0;
-  bool finished = false;           ///< False: the run that made it did not come to its end.
-  std::string damage;              ///< One line; empty where all is sound.
-  std::shared_ptr<const Map> map;  ///< Null where damaged.
+  bool finished = false;           ///< False: the run that made it did not finish.
+  std::string damage;              ///< One line; empty if there is none.
+  std::shared_ptr<const Map> map;  ///< Null if damaged.
 };
 
-/// Error only where the file is no map at all, or of a newer version.
+/// Error only if the file is no map at all, or has a newer version.
 MapFileReport check_map_file(const std::filesystem::path& file);
 
 }  // namespace rastro

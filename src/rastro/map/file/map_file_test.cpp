@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// Made once: most tests only look.
+/// Made once: most tests only read it.
 const Map& room() {
   static const Map map = make_test_map();
   return map;
@@ -88,7 +88,7 @@ void expect_same(const Map& a, const Map& b) {
   EXPECT_EQ(a.frames.size(), b.frames.size());
 }
 
-TEST(MapFile, HoldsAllOfAMapAndTheSameBytesForTheSameMap) {
+TEST(MapFile, ContainsAllOfAMapAndHasTheSameBytesForTheSameMap) {
   const std::string bytes = saved_bytes(room(), "first.rastro");
   EXPECT_EQ(bytes, saved_bytes(room(), "second.rastro"));
   const fs::path file = scratch_path("room.rastro");
@@ -140,12 +140,12 @@ TEST(MapFile, AnEmptyMapAndFloatDescriptorsAreMapsToo) {
   EXPECT_EQ(load_map(file)->layer<FeatureLayer>()->find(0)->features.floats, image->features.floats);
 }
 
-TEST(MapFile, AFileThatIsNoSoundMapIsRefusedInOneLine) {
+TEST(MapFile, AnInvalidFileIsRefusedInOneLine) {
   const fs::path file = scratch_path("bad.rastro");
   EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("cannot be read"));
   write_whole_file(file, "a text");
-  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("no map of rastro"));
-  EXPECT_THAT(message_of([&] { check_map_file(file); }), HasSubstr("no map of rastro"));
+  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("not a map of rastro"));
+  EXPECT_THAT(message_of([&] { check_map_file(file); }), HasSubstr("not a map of rastro"));
   EXPECT_FALSE(is_map_file(file));
   save_map(room(), file);
   EXPECT_TRUE(is_map_file(file));
@@ -157,7 +157,7 @@ TEST(MapFile, AFileThatIsNoSoundMapIsRefusedInOneLine) {
   EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("version 4"));
 }
 
-TEST(MapFile, EveryRowThatIsNotAsItWasWrittenIsDamage) {
+TEST(MapFile, EveryModifiedRowIsDamage) {
   const fs::path file = scratch_path("bad.rastro");
   const std::string whole = saved_bytes(room(), "whole.rastro");
   const std::string form = " (id INTEGER PRIMARY KEY, checksum INTEGER NOT NULL, body BLOB NOT NULL)";
@@ -188,7 +188,7 @@ TEST(MapFile, EveryRowThatIsNotAsItWasWrittenIsDamage) {
   }
 }
 
-TEST(MapFile, ADamagedImageIsSeenWhenItIsAskedFor) {
+TEST(MapFile, ADamagedImageIsDetectedWhenItIsRead) {
   const fs::path file = scratch_path("image.rastro");
   save_map(room(), file);
   run_sql(file, "UPDATE layer_images SET body=x'00' WHERE id=3");
@@ -198,7 +198,7 @@ TEST(MapFile, ADamagedImageIsSeenWhenItIsAskedFor) {
   EXPECT_THAT(check_map_file(file).damage, HasSubstr("row 3 of layer_images"));
 }
 
-TEST(MapFile, NoByteThatMeansSomethingChangesUnseen) {
+TEST(MapFile, NoMeaningfulByteChangesUndetected) {
   const fs::path file = scratch_path("flipped.rastro");
   const std::string whole = saved_bytes(make_test_map(2), "whole.rastro");
   Random random(3);
@@ -210,7 +210,7 @@ TEST(MapFile, NoByteThatMeansSomethingChangesUnseen) {
     const std::string line = message_of([&] {
       const MapFileReport report = check_map_file(file);
       if (!report.damage.empty()) throw Error(report.damage);
-      // What is not seen changes nothing: space between rows, or counters of SQLite.
+      // An unnoticed change is harmless: space between rows, or counters of SQLite.
       EXPECT_EQ(saved_bytes(*report.map, "resaved.rastro"), whole);
     });
     seen += line != "no error" ? 1 : 0;
@@ -219,7 +219,7 @@ TEST(MapFile, NoByteThatMeansSomethingChangesUnseen) {
   EXPECT_GT(seen, 10);
 }
 
-TEST(RecoverMap, SavesAllOfASoundFile) {
+TEST(RecoverMap, RecoversAllOfAValidFile) {
   const fs::path file = scratch_path("sound.rastro");
   save_map(room(), file);
   const RecoveredMap recovered = recover_map(file);
@@ -228,7 +228,7 @@ TEST(RecoverMap, SavesAllOfASoundFile) {
   EXPECT_EQ(saved_bytes(*recovered.map, "recovered.rastro"), read_whole_file(file));
 }
 
-TEST(RecoverMap, SavesWhatIsLeftOfACutFile) {
+TEST(RecoverMap, RecoversTheRestOfATruncatedFile) {
   const fs::path file = scratch_path("torn.rastro");
   const std::string whole = saved_bytes(room(), "whole.rastro");
   write_whole_file(file, whole.substr(0, whole.size() * 3 / 4));  // within the images, which come last
@@ -243,7 +243,7 @@ TEST(RecoverMap, SavesWhatIsLeftOfACutFile) {
   EXPECT_THAT(message_of([&] { recover_map(file); }), HasSubstr("nothing of a map"));
 }
 
-/// Where the middle of a row with this body lies: on a page that holds nothing else.
+/// Offset of the middle of a row with this body, on a page that contains nothing else.
 std::size_t middle_of(const std::string& file, const std::string& body) {
   constexpr std::size_t piece = 64;
   for (std::size_t begin = body.size() / 2; begin + piece <= body.size(); begin += piece) {
@@ -259,11 +259,11 @@ void lose_page(std::string& file, std::size_t at) {
   file.replace(at / page * page, page, page, 'y');
 }
 
-TEST(RecoverMap, APageOfAnImageAndTheFirstPageCostThatImageAlone) {
+TEST(RecoverMap, LosingAPageOfAnImageAndTheFirstPageCostsThatImageAlone) {
   const fs::path file = scratch_path("holed.rastro");
   std::string holed = saved_bytes(room(), "whole.rastro");
   lose_page(holed, 0);  // SQLite's header and the names of the tables
-  const std::vector<std::uint8_t> color = images_of(room())->pictures(2).colour;
+  const std::vector<std::uint8_t> color = images_of(room())->pictures(2).color;
   ASSERT_GT(color.size(), 12'288U);
   lose_page(holed, middle_of(holed, {color.begin(), color.end()}));
   write_whole_file(file, holed);
@@ -275,7 +275,7 @@ TEST(RecoverMap, APageOfAnImageAndTheFirstPageCostThatImageAlone) {
   EXPECT_EQ(rest.map->frames.size(), room().frames.size());
 }
 
-/// The bytes with which the row of a keyframe begins: no other row has them.
+/// The first bytes of a keyframe's row: no other row has them.
 std::string begin_of_row(const Keyframe& keyframe) {
   std::string bytes(reinterpret_cast<const char*>(&keyframe.frame), sizeof keyframe.frame);
   bytes.append(reinterpret_cast<const char*>(&keyframe.stamp), sizeof keyframe.stamp);
@@ -352,7 +352,7 @@ TEST(GrowingMapFile, IsReadableWhereItStopped) {
   EXPECT_EQ(saved_bytes(*report.map, "kept.rastro"), saved_bytes(room(), "plain.rastro"));
 }
 
-TEST(GrowingMapFile, ImagesOfKeyframesThatWereNotKeptAreNoHarm) {
+TEST(GrowingMapFile, ImagesOfKeyframesThatWereNotKeptAreHarmless) {
   const fs::path file = scratch_path("early.rastro");
   Map map = make_test_map(3);
   {
@@ -366,7 +366,7 @@ TEST(GrowingMapFile, ImagesOfKeyframesThatWereNotKeptAreNoHarm) {
   EXPECT_EQ(report.map->layer<ImageLayer>()->keyframes, (std::vector<KeyframeId>{0, 1, 2}));
 }
 
-TEST(GrowingMapFile, AWrongPathIsSaidByTheNextCall) {
+TEST(GrowingMapFile, AWrongPathIsReportedByTheNextCall) {
   GrowingMapFile images(scratch_path("no_folder") / "map.rastro");
   EXPECT_THAT(message_of([&] { images.add_images(0, {}); }), HasSubstr("no_folder"));
   GrowingMapFile nowhere(scratch_path("no_folder") / "map.rastro");

@@ -37,7 +37,7 @@ TEST(OldMapFile, OfADepthCameraIsReadWhole) {
   EXPECT_EQ(map.constraints[0].kind, ConstraintKind::odometry);
   EXPECT_EQ(map.constraints[1].kind, ConstraintKind::proximity);
   EXPECT_EQ(map.layer<FeatureLayer>()->find(1)->features.size(), 40U);
-  const UnpackedPictures images = unpack_pictures(images_of(map)->pictures(1), "keyframe 1");
+  const UnpackedImages images = unpack_images(images_of(map)->pictures(1), "keyframe 1");
   EXPECT_EQ(images.depth.width(), 640);
   const Trajectory trajectory = trajectory_of(map);
   ASSERT_EQ(trajectory.size(), 8U);
@@ -65,7 +65,7 @@ TEST(OldMapFile, OfLandmarksIsReadWhole) {
   EXPECT_EQ(roots, 1);
 }
 
-TEST(OldMapFile, IsWrittenAsOneOfTodayAndStaysTheSame) {
+TEST(OldMapFile, IsWrittenInTheCurrentVersionAndStaysTheSame) {
   for (const char* name : {"map_version_1.rastro", "map_version_2.rastro"}) {
     const auto once = scratch_path("once.rastro"), twice = scratch_path("twice.rastro");
     save_map(*load_map(golden(name)), once);

@@ -55,7 +55,7 @@ std::shared_ptr<const Layer> layer_in(RowSource& rows, const NamedHeader& named)
   return layer;
 }
 
-/// Rows of a list are numbered without a gap.
+/// Rows of a list are numbered without gaps.
 void check_number(std::int64_t id, std::size_t count, const char* table, const std::string& where) {
   if (id != static_cast<std::int64_t>(count))
     refuse_damaged(where, fmt::format("stands where row {} of {} should be", count, table));
@@ -70,7 +70,7 @@ void read_list(RowSource& rows, const char* table, std::vector<Item>& list, Read
   });
 }
 
-/// Keyframes name cameras by their place: where one is lost, those behind it cannot be kept in theirs.
+/// Keyframes refer to cameras by index: after a lost camera the following ones cannot be kept at theirs.
 void read_cameras(RowSource& rows, std::vector<MapCamera>& cameras) {
   rows.each("cameras", [&](std::string_view body, std::int64_t id, const std::string& where) {
     check_number(id, cameras.size(), "cameras", where);
@@ -138,7 +138,7 @@ void repair(Map& map) {
   std::erase_if(map.constraints,
                 [&](const Constraint& each) { return !map.index_of(each.from) || !map.index_of(each.to); });
   std::erase_if(map.frames, [&](const MapFrame& frame) { return !map.index_of(frame.keyframe); });
-  // Features before what points at them: the layers' names happen to be in no such order.
+  // Features must be read before the layers that refer to them; the order of layer names does not ensure this.
   for (int round = 0; round < 2; ++round) {
     const LayerSet::Layers layers = map.layers.all();
     for (const auto& [name, layer] : layers)

@@ -15,7 +15,7 @@
 namespace rastro {
 namespace {
 
-/// With which the head of a map of version 2 begins; no method has this name.
+/// The head of a map of version 2 begins with this; no method has this name.
 constexpr std::string_view landmark_mark = "map of landmarks";
 
 struct OldPose {
@@ -24,7 +24,7 @@ struct OldPose {
   SE3 world_from_camera;
 };
 
-/// What both versions share: features and poses of keyframes in two tables, and a trajectory.
+/// The common part of both versions: features and poses of keyframes in two tables, and a trajectory.
 class OldMap {
  public:
   explicit OldMap(RowSource& rows) : rows_(rows) {}
@@ -126,7 +126,7 @@ Constraint depth_camera_edge(ByteReader& bytes) {
   return edge;
 }
 
-Constraint landmark_tie(ByteReader& bytes) {
+Constraint landmark_constraint(ByteReader& bytes) {
   Constraint tie;
   tie.from = bytes.get<KeyframeId>();
   tie.to = bytes.get<KeyframeId>();
@@ -227,7 +227,7 @@ std::shared_ptr<Map> read_landmark_map(RowSource& rows) {
     pose.world_from_camera = get_pose(bytes);
     return pose;
   });
-  read_constraints(rows, "ties", landmark_tie, *old.map);
+  read_constraints(rows, "ties", landmark_constraint, *old.map);
   old.read_trajectory();
   auto landmarks = std::make_shared<LandmarkLayer>();
   rows.each("landmarks", [&](std::string_view body, std::int64_t id, const std::string& where) {

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Rows in the order in which they are written.
+/// Writes rows in the order of the calls.
 class OldFile {
  public:
   OldFile(const fs::path& file, std::uint32_t version) : version_(version) {
@@ -36,7 +36,7 @@ class OldFile {
   }
   OldFile(const OldFile&) = delete;
   OldFile& operator=(const OldFile&) = delete;
-  /// The file is finished.
+  /// Finishes the file.
   ~OldFile() {
     ByteWriter contents;
     for (const std::string table : tables_of_version(version_)) {
@@ -250,7 +250,7 @@ void expect_same_graph(const Map& now, const Map& map) {
   }
 }
 
-/// It is read, recovered, and saved in the form of today.
+/// It can be read, recovered, and saved in the current form.
 std::shared_ptr<const Map> expect_sound(const fs::path& file, std::uint32_t version) {
   const MapFileReport report = check_map_file(file);
   EXPECT_EQ(report.damage, "");

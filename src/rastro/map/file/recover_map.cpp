@@ -18,7 +18,7 @@
 namespace rastro {
 namespace {
 
-/// All that a file of any version may hold, as far as this program knows it.
+/// All tables of a file of any version that this program knows.
 std::vector<std::string> known_tables() {
   std::set<std::string> tables;
   for (const std::uint32_t version : {1U, 2U, 3U})
@@ -36,7 +36,7 @@ std::optional<std::uint32_t> version_of(FoundRows& rows) {
   return std::nullopt;
 }
 
-/// How many rows the table of contents says each table should have; nullopt where it is lost or was never written.
+/// Number of rows of each table by the table of contents; nullopt if it is lost or was never written.
 std::optional<std::map<std::string, std::int64_t>> counts_in(FoundRows& rows) {
   const auto row = rows.of("contents").find(contents_row);
   if (row == rows.of("contents").end()) return std::nullopt;
@@ -54,7 +54,7 @@ std::optional<std::map<std::string, std::int64_t>> counts_in(FoundRows& rows) {
   return counts;
 }
 
-/// What a table holds, in the words of a person.
+/// Human-readable name of a table's items.
 std::string items_of(const std::string& table) {
   constexpr std::string_view prefix = "layer_";
   if (table == "poses") return "poses of keyframes";
@@ -71,7 +71,7 @@ std::vector<std::string> lost_of(FoundRows& rows, std::uint32_t version,
   for (const auto& type : layer_types())
     if (version >= 3) tables.push_back(table_of_layer(type->name()));
   std::vector<std::string> lost;
-  // Counted in the contents alone, as nobody knows how to read them.
+  // Counted by the contents alone, since this program cannot read them.
   if (counts)
     for (const auto& [table, rows_in_table] : *counts)
       if (table.starts_with("layer_") && std::find(tables.begin(), tables.end(), table) == tables.end())
@@ -80,7 +80,7 @@ std::vector<std::string> lost_of(FoundRows& rows, std::uint32_t version,
     const auto found = static_cast<std::int64_t>(rows.of(table).size()) - rows.refused(table);
     std::int64_t wanted = found + rows.refused(table);
     if (counts && counts->contains(table)) wanted = counts->at(table);
-    // Keyframes and lists are numbered: gaps show what is gone also where the contents are lost.
+    // Keyframes and lists are numbered: gaps show what is lost even without the contents.
     const bool numbered = version == 1 || table == "frames" || table == "constraints" || table == "way";
     if (!counts && numbered && !rows.of(table).empty())
       wanted = std::clamp<std::int64_t>(rows.of(table).rbegin()->first + 1, wanted, std::int64_t{1} << 30);
@@ -89,7 +89,7 @@ std::vector<std::string> lost_of(FoundRows& rows, std::uint32_t version,
   return lost;
 }
 
-/// Rows are looked for by the names of their tables: those of layers that this program does not know are not found.
+/// Rows are found by the names of their tables: those of unknown layers are not.
 void drop_empty_unknown_layers(Map& map) {
   const LayerSet::Layers layers = map.layers.all();
   for (const auto& [name, layer] : layers)

@@ -12,12 +12,12 @@ namespace rastro {
 
 struct RecoveredMap {
   std::shared_ptr<const Map> map;  ///< Images are in memory.
-  bool finished = false;           ///< The file said how much it should hold.
+  bool finished = false;           ///< Whether the file states how much it should contain.
   std::vector<std::string> lost;   ///< One clause each, such as "2 of 6 keyframes".
 };
 
-/// What can be saved of a map file that load_map() refuses: every row whose checksum holds, wherever in the file it is
-/// found; the file's own index of its rows is not relied on. Error where not even the head is left.
+/// Recovers what is left of a map file that load_map() refuses: every row with a valid checksum, wherever in the file
+/// it is found; the file's own index of its rows is not trusted. Error where not even the head is left.
 RecoveredMap recover_map(const std::filesystem::path& file);
 
 }  // namespace rastro

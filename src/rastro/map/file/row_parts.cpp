@@ -10,9 +10,9 @@ using Eigen::Quaterniond;
 
 bool same(const Quaterniond& a, const Quaterniond& b) { return a.coeffs() == b.coeffs(); }
 
-/// The nearest quaternion that SO3's normalising leaves as it is to the last bit: a map read and written again must
+/// The nearest quaternion that SO3's normalization leaves unchanged to the last bit: a map read and written again must
 /// have the same bytes.
-Quaterniond unmoved_by_normalising(const Quaterniond& quaternion) {
+Quaterniond unmoved_by_normalizing(const Quaterniond& quaternion) {
   int largest = 0;
   quaternion.coeffs().cwiseAbs().maxCoeff(&largest);
   for (int tries = 0; tries < 64; ++tries) {
@@ -27,7 +27,7 @@ Quaterniond unmoved_by_normalising(const Quaterniond& quaternion) {
 }  // namespace
 
 void put(ByteWriter& bytes, const SO3& rotation) {
-  const Quaterniond q = unmoved_by_normalising(rotation.quaternion());
+  const Quaterniond q = unmoved_by_normalizing(rotation.quaternion());
   for (const double value : {q.w(), q.x(), q.y(), q.z()}) bytes.put(value);
 }
 

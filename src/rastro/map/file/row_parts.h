@@ -8,7 +8,7 @@
 
 namespace rastro {
 
-/// A rotation is moved by a few units in the last place at most, to one that reads back to the last bit.
+/// Changes a rotation by a few units in the last place at most, to one that reads back to the last bit.
 void put(ByteWriter& bytes, const SO3& rotation);
 SO3 get_rotation(ByteReader& bytes);
 void put(ByteWriter& bytes, const Eigen::Vector3d& vector);

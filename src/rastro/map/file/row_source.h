@@ -16,7 +16,7 @@
 
 namespace rastro {
 
-/// The connection to a map file that is read and written by several threads, each of which holds the mutex.
+/// The connection to a map file that several threads read and write; each must hold the mutex.
 struct SharedDatabase {
   mutable std::mutex mutex;
   std::optional<Database> database;
@@ -34,7 +34,7 @@ class FileRows : public RowStore {
   std::string table_;
 };
 
-/// Where the rows of a map come from: from a sound file, or from what was found in a damaged one.
+/// The source of the rows of a map: a valid file, or what was found in a damaged one.
 class RowSource {
  public:
   using Read = std::function<void(std::string_view body, std::int64_t id, const std::string& where)>;
@@ -49,7 +49,7 @@ class RowSource {
   virtual void each_id(const std::string& table, const std::function<void(std::int64_t)>& read) = 0;
 };
 
-/// A file in which every row is as it was written; else Error.
+/// A file in which every row is valid; else Error.
 class SoundRows : public RowSource {
  public:
   explicit SoundRows(std::shared_ptr<const SharedDatabase> file)
@@ -64,7 +64,7 @@ class SoundRows : public RowSource {
   std::string name_;
 };
 
-/// What was found of a damaged file: a row that cannot be read costs that row alone.
+/// What was found in a damaged file: a row that cannot be read costs that row alone.
 class FoundRows : public RowSource {
  public:
   using Rows = std::map<std::int64_t, std::string>;
@@ -74,7 +74,7 @@ class FoundRows : public RowSource {
   void each(const std::string& table, const Read& read) override;
   std::shared_ptr<const RowStore> stored(const std::string&) override { return nullptr; }
   void each_id(const std::string& table, const std::function<void(std::int64_t)>& read) override;
-  /// How many rows of a table could not be read by each().
+  /// Number of rows of a table that each() could not read.
   std::int64_t refused(const std::string& table) const;
 
  private:

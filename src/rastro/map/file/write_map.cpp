@@ -20,7 +20,7 @@ namespace {
 
 void sync_to_disk(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return;  // a folder that may not be read: the system writes it when it likes
+  if (descriptor < 0) return;  // an unreadable folder: the system writes it at its own time
   const bool failed = ::fsync(descriptor) != 0 && errno != EINVAL;
   const int reason = errno;
   ::close(descriptor);
@@ -49,7 +49,7 @@ bool same(const MapFrame& a, const MapFrame& b) {
 bool same(const MapCamera& a, const MapCamera& b) { return body_of(a) == body_of(b); }
 bool same(const MapSession& a, const MapSession& b) { return body_of(a) == body_of(b); }
 
-/// Walks two lists of ids that ascend: what is gone, and what is there now, known before or not.
+/// Compares two ascending lists of ids: removed ones, and current ones, new or not.
 template <typename Gone, typename There>
 void compare_ids(const std::vector<std::int64_t>& before, const std::vector<std::int64_t>& now, Gone gone,
                  There there) {

@@ -12,15 +12,14 @@ namespace rastro {
 /// Which layers are written.
 enum class LayersWritten { all, without_those_that_stay_in_file };
 
-/// Makes the tables, which hold `before` (null: nothing), hold `now`; writes what differs and nothing else.
+/// Updates the tables from `before` (null: they are empty or missing) to `now`; writes only the differences.
 void write_changes(const Map* before, const Map& now, LayersWritten layers, Database& database);
 
-/// Writes a finished map beside `file`, under a name that is given back, and returns when it is on the disk; where it
-/// fails nothing is left.
+/// Writes a finished map next to `file`, under the returned name, and returns when it is on disk; on failure nothing is
+/// left.
 std::filesystem::path write_map_beside(const Map& map, const std::filesystem::path& file);
 
-/// Puts one file where another was, or where none was, in one step that outlasts a power cut. Where it cannot, `from`
-/// is gone.
+/// Atomically replaces one file by another, or creates it, safe against a power failure. On failure, `from` is removed.
 void replace_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace rastro

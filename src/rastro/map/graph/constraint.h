@@ -9,11 +9,11 @@
 
 namespace rastro {
 
-/// How a constraint came about. All but odometry may be wrong.
+/// The origin of a constraint. All but odometry may be wrong.
 enum class ConstraintKind : std::uint8_t {
-  odometry,     ///< From one keyframe to the next.
+  odometry,     ///< Between consecutive keyframes.
   proximity,    ///< Matched to another keyframe of the neighborhood.
-  loop,         ///< Matched to a place seen much earlier.
+  loop,         ///< Loop closure: matched to a place visited much earlier.
   merge,        ///< Connects two submaps.
   inter_robot,  ///< Connects the maps of two robots.
 };
@@ -27,8 +27,8 @@ struct Constraint {
   /// Inverse covariance of d in ground truth = from_from_to * exp(d), (translation m, rotation rad).
   Matrix6d information = Matrix6d::Identity();
   ConstraintKind kind = ConstraintKind::odometry;
-  double weight = 1.0;  ///< 0..1, what the robust kernel left of it after the last optimization.
-  int inliers = 0;      ///< Matches that agree with it; 0: not known.
+  double weight = 1.0;  ///< 0..1, weight by the robust kernel after the last optimization.
+  int inliers = 0;      ///< Matches that agree with it; 0: unknown.
 
   SE3 rigid() const { return {from_from_to.rotation(), from_from_to.translation()}; }  ///< Without the scale.
 };

@@ -8,7 +8,7 @@
 
 namespace rastro {
 
-/// How many landmarks two keyframes share. Indices into map.keyframes, first < second.
+/// Number of landmarks two keyframes share. Indices into map.keyframes, first < second.
 struct Covisibility {
   std::uint32_t first = 0, second = 0;
   int shared = 0;
@@ -18,7 +18,7 @@ struct Covisibility {
 /// without landmarks.
 std::vector<Covisibility> covisibility_graph(const Map& map, int least);
 
-/// In the order in which one goes before another where a pair of keyframes has several.
+/// In order of precedence where a pair of keyframes has several.
 enum class EssentialKind : std::uint8_t {
   constraint,  ///< Loop closure or merge.
   tree,        ///< To the parent in the spanning tree.

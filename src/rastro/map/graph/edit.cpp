@@ -18,7 +18,7 @@ std::vector<Keyframe>::iterator place_for(Map& map, KeyframeId id) {
                           [](const Keyframe& keyframe, KeyframeId wanted) { return keyframe.id < wanted; });
 }
 
-/// Moves the elements that hold to another list, each with its place.
+/// Moves the elements for which `holds` is true to another list, with their indices.
 template <typename Item, typename Holds>
 void take_if(std::vector<Item>& from, std::vector<std::pair<std::size_t, Item>>& to, Holds holds) {
   for (std::size_t i = 0; i < from.size(); ++i)
@@ -26,7 +26,7 @@ void take_if(std::vector<Item>& from, std::vector<std::pair<std::size_t, Item>>&
   std::erase_if(from, holds);
 }
 
-/// Puts those that still hold back in their places, as far as the list reaches.
+/// Inserts those for which `holds` is still true at their indices, as far as the list reaches.
 template <typename Item, typename Holds>
 void put_back(const std::vector<std::pair<std::size_t, Item>>& from, std::vector<Item>& to, Holds holds) {
   for (const auto& [place, item] : from)

@@ -11,28 +11,28 @@
 
 namespace rastro {
 
-/// A keyframe taken out of a map, with all that goes with it: enough to bring it back.
+/// A keyframe removed from a map, with everything attached to it: enough to restore it.
 struct RemovedKeyframe {
   Keyframe keyframe;
-  /// To keyframes of the map, and frames relative to it; each with its place in the map's list.
+  /// To keyframes of the map, and frames relative to it; each with its index in the map's list.
   std::vector<std::pair<std::size_t, Constraint>> constraints;
   std::vector<std::pair<std::size_t, MapFrame>> frames;
-  std::vector<KeyframeId> children;  ///< Whose parent it was.
+  std::vector<KeyframeId> children;  ///< Keyframes whose parent it was.
   std::map<std::string, std::string> layers;
 };
 
-// These three give the map a new revision.
+// Each of these three gives the map a new revision.
 
-/// Puts a keyframe in its place; Error where the map has one of that id, or lacks its camera or parent.
+/// Inserts a keyframe in the order of ids. Error where the map has one with that id, or lacks its camera or parent.
 void insert_keyframe(Map& map, const Keyframe& keyframe);
-/// Its children in the spanning tree go to its parent. Frames placed relative to it go with it. Error where it is not
-/// there.
+/// Its children in the spanning tree become children of its parent. Frames relative to it are removed with it. Error if
+/// the map does not have it.
 RemovedKeyframe remove_keyframe(Map& map, KeyframeId id);
-/// Brings it back as it was; what refers to keyframes that are gone meanwhile is left out.
+/// Restores it as it was, without references to keyframes that have been removed since.
 void restore_keyframe(Map& map, const RemovedKeyframe& removed);
 
-/// The same map with keyframe numbers 0, 1, ... in the order of their ids, for methods that count them; the map itself
-/// where they are so already.
+/// The same map with keyframe numbers 0, 1, ... in the order of their ids, for methods that index by them; the map
+/// itself if they already are.
 Map renumbered(const Map& map);
 
 }  // namespace rastro

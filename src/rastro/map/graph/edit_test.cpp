@@ -21,7 +21,7 @@ std::vector<KeyframeId> ids_of(const Map& map) {
   return ids;
 }
 
-/// All of a map but its revision.
+/// All of a map except its revision.
 std::string bytes_of(Map map) {
   map.revision = 0;
   const std::filesystem::path file = scratch_path("edited.rastro");
@@ -29,7 +29,7 @@ std::string bytes_of(Map map) {
   return read_whole_file(file);
 }
 
-TEST(InsertKeyframe, PutsItInItsPlaceWhateverTheOrder) {
+TEST(InsertKeyframe, KeepsTheOrderOfIds) {
   Map map;
   map.cameras.resize(2);
   Keyframe keyframe;
@@ -43,7 +43,7 @@ TEST(InsertKeyframe, PutsItInItsPlaceWhateverTheOrder) {
   EXPECT_EQ(contradiction_in(map), "");
 }
 
-TEST(InsertKeyframe, RefusesWhatTheMapCannotHold) {
+TEST(InsertKeyframe, RefusesInvalidKeyframes) {
   Map map;
   map.cameras.resize(2);
   Keyframe first;
@@ -82,7 +82,7 @@ TEST(RemoveKeyframe, TakesAllThatGoesWithIt) {
   EXPECT_THROW(remove_keyframe(map, id), Error);
 }
 
-TEST(RestoreKeyframe, GivesBackTheVerySameMap) {
+TEST(RestoreKeyframe, RestoresTheSameMap) {
   const Map map = make_map_of_all_layers();
   const std::string bytes = bytes_of(map);
   for (const Keyframe& keyframe : map.keyframes) {
@@ -96,7 +96,7 @@ TEST(RestoreKeyframe, GivesBackTheVerySameMap) {
   }
 }
 
-TEST(RestoreKeyframe, GivesBackSeveralInTheOtherOrder) {
+TEST(RestoreKeyframe, RestoresSeveralInReverseOrder) {
   const Map map = make_map_of_all_layers();
   Map edited = map;
   std::vector<RemovedKeyframe> removed;
@@ -107,7 +107,7 @@ TEST(RestoreKeyframe, GivesBackSeveralInTheOtherOrder) {
   EXPECT_TRUE(bytes_of(edited) == bytes_of(map));
 }
 
-TEST(RestoreKeyframe, LeavesOutWhatIsGoneMeanwhile) {
+TEST(RestoreKeyframe, LeavesOutReferencesToRemovedKeyframes) {
   Map map = make_map_of_all_layers();
   const KeyframeId from = map.keyframes[1].id, to = map.keyframes.back().id;
   const RemovedKeyframe removed = remove_keyframe(map, from);
@@ -176,7 +176,7 @@ TEST(Renumbered, KeepsImages) {
   }
 }
 
-TEST(Renumbered, LeavesAloneWhatIsCountedAlready) {
+TEST(Renumbered, LeavesANumberedMapAlone) {
   const Map once = renumbered(make_map_of_all_layers());
   EXPECT_TRUE(bytes_of(renumbered(once)) == bytes_of(once));
   EXPECT_EQ(renumbered(once).layers.all(), once.layers.all()) << "the very layers";

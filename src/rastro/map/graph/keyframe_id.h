@@ -5,12 +5,12 @@
 
 namespace rastro {
 
-/// Names a keyframe among those of all robots and sessions: 64 bits, sparse, never used again. Ids order keyframes by
-/// robot, session and number.
+/// Id of a keyframe, unique over all robots and sessions: 64 bits, sparse, never reused. Ids are ordered by robot,
+/// session and number.
 using KeyframeId = std::int64_t;
 constexpr KeyframeId no_keyframe = -1;
 
-/// What an id is made of.
+/// The parts of an id.
 struct KeyframeOrigin {
   int robot = 0;            ///< 0 to 2047.
   int session = 0;          ///< Of that robot, 0 to 65535.

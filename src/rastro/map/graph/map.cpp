@@ -39,7 +39,7 @@ std::string fault_of_keyframes(const Map& map) {
   return {};
 }
 
-/// A keyframe from which parents do not lead to a root stands in a ring.
+/// A keyframe whose parents do not lead to a root is in a cycle.
 std::string fault_of_tree(const Map& map) {
   enum : std::uint8_t { unknown, on_path, ends };
   std::vector<std::uint8_t> state(map.keyframes.size(), unknown);

@@ -16,7 +16,7 @@
 
 namespace rastro {
 
-/// What the keyframes of a camera see, which decides what lengths mean.
+/// What a camera of the map measures, which determines the scale.
 enum class CameraKind : std::uint8_t { mono, stereo, depth, none };
 const char* name_of(CameraKind kind);  ///< "one camera", "two cameras", "depth camera", "no camera"
 
@@ -30,22 +30,22 @@ struct DepthNoise {
 struct MapCamera {
   CameraKind kind = CameraKind::mono;
   Camera intrinsics;    ///< Of the (left) images as recorded, distortion included; depth is registered to it.
-  double baseline = 0;  ///< Stereo: between both cameras, metres.
+  double baseline = 0;  ///< Stereo: between both cameras, meters.
   DepthNoise depth_noise;
   SE3 body_from_camera;
 };
 
-/// What the unit of a map is worth.
+/// The scale of a map's unit.
 struct MapScale {
   bool metric = false;          ///< False: the unit is arbitrary.
-  double relative_sigma = 0.0;  ///< Standard deviation of the scale as a share of it; 0: not known.
+  double relative_sigma = 0.0;  ///< Standard deviation of the scale relative to it; 0: unknown.
   std::string origin;           ///< "arbitrary", "stereo baseline", "depth camera", "a known length", ...
 };
 
 /// One run on the map.
 struct MapSession {
   int robot = 0, session = 0;  ///< As in the ids of its keyframes.
-  std::string recording;       ///< Path as it was given; may be empty.
+  std::string recording;       ///< Path as given; may be empty.
   TimeNs first_stamp = 0, last_stamp = 0;
   MapScale scale;
 };
@@ -59,20 +59,20 @@ struct Keyframe {
   SE3 world_from_camera;            ///< In the frame of its submap; of the body where there is no camera.
   int submap = 0;                   ///< Merged submaps share the smallest number and one frame.
   KeyframeId parent = no_keyframe;  ///< In the spanning tree; no_keyframe: its root.
-  double weight = 1.0;              ///< How many observations of the same location it stands for.
+  double weight = 1.0;              ///< Number of observations of the same location that it represents.
 };
 
-/// Any frame, relative to a keyframe, so that it follows the map when that is corrected.
+/// Any frame, relative to a keyframe, so that it follows corrections of the map.
 struct MapFrame {
   TimeNs stamp = 0;
   KeyframeId keyframe = 0;
   SE3 keyframe_from_camera;
 };
 
-/// A pose graph of keyframes that carry layers, by whatever method and sensor. Never changes once published.
+/// A pose graph of keyframes that carry layers, from any method and sensor. Immutable once published.
 struct Map {
-  std::string method;         ///< That made it: "orb", "rgbd", ...
-  std::int64_t revision = 0;  ///< Rises with every change.
+  std::string method;         ///< The method that made it: "orb", "rgbd", ...
+  std::int64_t revision = 0;  ///< Increases with every change.
   std::vector<MapCamera> cameras;
   std::vector<MapSession> sessions;
   std::vector<Keyframe> keyframes;      ///< Ids ascend.
@@ -90,7 +90,7 @@ struct Map {
   }
 };
 
-/// world_from_camera of the frames placed in a submap, in the order of their stamps, each stamp once.
+/// world_from_camera of the frames in a submap, in the order of their stamps, each stamp once.
 Trajectory trajectory_of(const Map& map, int submap = 0);
 
 /// Of the keyframes of a submap, by stamp.
@@ -100,14 +100,14 @@ Trajectory keyframe_trajectory(const Map& map, int submap = 0);
 /// nullopt where the submap has no keyframe.
 std::optional<MapFrame> frame_in(const Map& map, const StampedPose& world_from_camera, int submap = 0);
 
-/// What the unit is worth: the scale of the first session; arbitrary where there is none.
+/// The scale of the first session; arbitrary where there is none.
 const MapScale& scale_of(const Map& map);
 
 /// The first camera. Error naming `where` for a map without one.
 const MapCamera& camera_of(const Map& map, const std::string& where);
 
-/// What in a map contradicts itself, as a clause such as "has keyframes out of order"; empty where everything fits: ids
-/// ascend, every reference leads somewhere, poses are finite, the spanning tree is one, every layer agrees.
+/// The first inconsistency of a map, as a clause such as "has keyframes out of order"; empty if there is none: ids
+/// ascend, every reference is valid, poses are finite, the spanning tree is one, every layer is consistent.
 std::string contradiction_in(const Map& map);
 
 }  // namespace rastro

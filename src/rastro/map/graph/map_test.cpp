@@ -47,7 +47,7 @@ TEST(Map, FindsKeyframesByIdAmongGaps) {
   EXPECT_FALSE(Map().index_of(0));
 }
 
-/// Three keyframes a second apart, 1 m apart along x, the last one of submap 1; the first stands at `first_x`.
+/// Three keyframes a second apart, 1 m apart along x, the last one in submap 1; the first is at `first_x`.
 Map three_keyframes(double first_x = 0.0) {
   Map map;
   for (int k = 0; k < 3; ++k)
@@ -85,7 +85,7 @@ TEST(Map, KeyframeTrajectoryIsByStamp) {
   EXPECT_EQ(keyframe_trajectory(map, 1).size(), 1U);
 }
 
-TEST(Map, AFrameIsPlacedRelativeToTheLastKeyframeBeforeIt) {
+TEST(Map, AFrameIsRelativeToTheLastKeyframeBeforeIt) {
   const Map map = three_keyframes(5.0);
   const SE3 pose(SO3::exp({0.1, -0.2, 0.3}), {9.0, 8.0, 7.0});
   const std::pair<TimeNs, KeyframeId> expected[] = {{-5, 0}, {0, 0}, {999, 0}, {1000, 10}, {1'000'000, 10}};

@@ -6,7 +6,7 @@
 namespace rastro {
 namespace {
 
-constexpr int planar[] = {0, 1, 5};  ///< Of a pose in space: x, y and the rotation about z.
+constexpr int planar[] = {0, 1, 5};  ///< Indices of x, y and the rotation about z in a pose in space.
 
 }  // namespace
 
@@ -27,6 +27,13 @@ Matrix6d in_space(const Eigen::Matrix3d& covariance) {
   return full;
 }
 
+Eigen::Matrix3d in_plane(const Matrix6d& covariance) {
+  Eigen::Matrix3d part;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) part(i, j) = covariance(planar[i], planar[j]);
+  return part;
+}
+
 Constraint planar_constraint(KeyframeId from, KeyframeId to, const SE2& from_from_to,
                              const Eigen::Matrix3d& information, ConstraintKind kind) {
   constexpr double never_leaves_the_plane = 1e6;
@@ -34,7 +41,7 @@ Constraint planar_constraint(KeyframeId from, KeyframeId to, const SE2& from_fro
   constraint.from = from;
   constraint.to = to;
   constraint.from_from_to = Sim3(in_space(from_from_to));
-  // Errors at the right of the relative pose are in the axes of `to`.
+  // Errors on the right of the relative pose are in the axes of `to`.
   Eigen::Matrix3d to_from_to_axes = Eigen::Matrix3d::Identity();
   to_from_to_axes.topLeftCorner<2, 2>() = from_from_to.rotation().inverse().matrix();
   constraint.information = in_space(Eigen::Matrix3d(to_from_to_axes * information * to_from_to_axes.transpose()));

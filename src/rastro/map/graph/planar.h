@@ -9,14 +9,16 @@
 
 namespace rastro {
 
-/// A pose of the plane z = 0 in space.
+/// A pose of the plane z = 0 as a 3D pose.
 SE3 in_space(const SE2& pose);
-/// The other way: x, y and yaw.
+/// The inverse: x, y and yaw.
 SE2 in_plane(const SE3& pose);
-/// Covariance of (x, y, yaw) as one of (translation, rotation); what a planar method cannot move is zero.
+/// Covariance of (x, y, yaw) as one of (translation, rotation); components that a planar method fixes are zero.
 Matrix6d in_space(const Eigen::Matrix3d& covariance);
+/// The inverse: the part of a covariance or information of (translation, rotation) that is about (x, y, yaw).
+Eigen::Matrix3d in_plane(const Matrix6d& covariance);
 
-/// A constraint between poses of the plane; `information` is of (x, y, yaw) in the frame of `from`.
+/// A constraint between planar poses; `information` is of (x, y, yaw) in the frame of `from`.
 Constraint planar_constraint(KeyframeId from, KeyframeId to, const SE2& from_from_to,
                              const Eigen::Matrix3d& information, ConstraintKind kind);
 

@@ -4,14 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <type_traits>
+#include <utility>
 
 namespace rastro {
 namespace {
 
-/// Log-odds are kept in steps of 1/256.
+/// Log-odds are stored in steps of 1/256.
 constexpr double steps = 256.0;
 constexpr int farthest_cell = 32768;
-/// Grown by more than is asked for, or a slow drive would grow the grid with every scan.
+/// Grown by more than required; otherwise a slow drive would grow the grid with every scan.
 constexpr int spare_cells = 64;
 constexpr std::uint8_t nothing_known = 128;
 
@@ -59,7 +61,7 @@ void LogOddsGrid::insert(const Eigen::Vector2d& sensor, std::span<const Eigen::V
   for (const Eigen::Vector2i& end : ends) draw_beam(from, end);
 }
 
-/// The cells between, without the last, by Bresenham's line.
+/// The cells in between, without the last, by Bresenham's line.
 void LogOddsGrid::draw_beam(const Eigen::Vector2i& from, const Eigen::Vector2i& to) {
   const int dx = std::abs(to.x() - from.x()), dy = std::abs(to.y() - from.y());
   const std::ptrdiff_t row = size_.x();
@@ -101,23 +103,22 @@ void LogOddsGrid::grow_to_hold(const Eigen::Vector2i& least, const Eigen::Vector
     end = end.cwiseMax(first_ + size_);
   }
   const Eigen::Vector2i size = end - first;
-  const auto cells = static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y());
-  std::vector<std::int16_t> log_odds(cells, 0);
-  std::vector<std::uint8_t> probability(cells, nothing_known);
-  std::vector<std::uint32_t> touched(cells, 0);
-  for (int y = 0; y < size_.y(); ++y) {
-    const auto source = static_cast<std::ptrdiff_t>(y) * size_.x();
-    const std::ptrdiff_t target =
-        static_cast<std::ptrdiff_t>(y + first_.y() - first.y()) * size.x() + (first_.x() - first.x());
-    std::copy_n(log_odds_.begin() + source, size_.x(), log_odds.begin() + target);
-    std::copy_n(probability_.begin() + source, size_.x(), probability.begin() + target);
-    std::copy_n(touched_.begin() + source, size_.x(), touched.begin() + target);
-  }
+  // One after the other, so that only one of them is there twice.
+  const auto grow = [&](auto& cells, auto fill) {
+    std::decay_t<decltype(cells)> grown(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()), fill);
+    for (int y = 0; y < size_.y(); ++y) {
+      const auto source = static_cast<std::ptrdiff_t>(y) * size_.x();
+      const std::ptrdiff_t target =
+          static_cast<std::ptrdiff_t>(y + first_.y() - first.y()) * size.x() + (first_.x() - first.x());
+      std::copy_n(cells.begin() + source, size_.x(), grown.begin() + target);
+    }
+    cells = std::move(grown);
+  };
+  grow(log_odds_, std::int16_t{0});
+  grow(probability_, nothing_known);
+  grow(touched_, std::uint32_t{0});
   first_ = first;
   size_ = size;
-  log_odds_ = std::move(log_odds);
-  probability_ = std::move(probability);
-  touched_ = std::move(touched);
 }
 
 ProbabilityView LogOddsGrid::view() const {

@@ -11,15 +11,15 @@
 
 namespace rastro {
 
-/// What one scan does to the cells it touches. The defaults are those of Hector SLAM (Kohlbrecher et al. 2011).
+/// The update of the cells by one scan. The defaults are those of Hector SLAM (Kohlbrecher et al. 2011).
 struct LogOddsModel {
   double occupied_probability = 0.9;  ///< Of a cell with a return, from this scan alone; above 0.5.
   double free_probability = 0.4;      ///< Of a cell a beam went through; below 0.5.
-  double largest_log_odds = 6.0;      ///< No cell gets surer than this, so that it can still be convinced.
+  double largest_log_odds = 6.0;      ///< Bound on the log-odds, so that a cell can still change.
 };
 
-/// How likely each cell is occupied, for reading: what the matchers work on. Values are 0 (free) to 255 (occupied),
-/// 128 where nothing is known. Points into the grid it comes from.
+/// Read-only occupancy probabilities of the cells, for the matchers. Values are 0 (free) to 255 (occupied), 128 where
+/// unknown. Points into the grid it comes from.
 struct ProbabilityView {
   const std::uint8_t* cells = nullptr;
   int width = 0, height = 0;
@@ -27,18 +27,18 @@ struct ProbabilityView {
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< Of the corner of cell (0, 0), in the grid's frame.
 };
 
-/// An occupancy grid that grows with what is put in, in log-odds (Moravec and Elfes 1985; Thrun et al. 2005, 9.2).
+/// An occupancy grid in log-odds that grows with the scans inserted (Moravec and Elfes 1985; Thrun et al. 2005, 9.2).
 class LogOddsGrid {
  public:
   LogOddsGrid(double cell_m, const LogOddsModel& model);
 
-  /// Beams from `sensor` to each of `returns`, both in the grid's frame: free along the way, occupied at the end. A
-  /// cell is changed once a scan, and a return there outweighs a beam through it. Returns farther than 32,768 cells
-  /// from the sensor are left out.
+  /// Inserts beams from `sensor` to each of `returns`, both in the grid's frame: free along the beam, occupied at its
+  /// end. A cell is updated once per scan, and a return in it outweighs a beam through it. Returns farther than 32,768
+  /// cells from the sensor are left out.
   void insert(const Eigen::Vector2d& sensor, std::span<const Eigen::Vector2d> returns);
 
   ProbabilityView view() const;
-  /// Gives up what only insert() needs.
+  /// Frees the memory that only insert() needs.
   void freeze();
 
  private:
@@ -62,7 +62,7 @@ class LogOddsGrid {
   std::uint32_t scans_ = 0;
 };
 
-/// As percent, unknown where no beam came.
+/// As percent; unknown where no beam passed.
 OccupancyGrid to_occupancy(const ProbabilityView& view);
 
 }  // namespace rastro

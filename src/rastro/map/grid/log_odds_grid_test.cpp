@@ -18,12 +18,12 @@ namespace {
 
 using Cell = std::pair<int, int>;
 
-constexpr double cell_m = 0.25;  // A power of two, so that places and cells are exact.
+constexpr double cell_m = 0.25;  // A power of two, so that positions and cells are exact.
 constexpr std::uint8_t nothing_known = 128;
-/// Its values over 255 are far from halves, where steps of log-odds would decide about rounding.
+/// Its values times 255 are far from halves, so that the steps of log-odds do not affect rounding.
 const LogOddsModel usual_model{0.85, 0.4, 6.0};
 
-/// Cells counted from the grid's own zero, wherever its corner is.
+/// Cells counted from the grid's own origin, wherever its corner is.
 Eigen::Vector2i corner_of(const ProbabilityView& view) {
   return (view.origin / view.cell_m).array().round().cast<int>();
 }
@@ -49,8 +49,8 @@ std::map<Cell, int> known_cells(const ProbabilityView& view) {
 
 Eigen::Vector2d middle_of(const Cell& cell) { return cell_m * Eigen::Vector2d(cell.first + 0.5, cell.second + 0.5); }
 
-/// What the model says of a cell that was hit and passed so many times, without the limit.
-int modelled(const LogOddsModel& model, int hits, int passes) {
+/// The model's value of a cell after these hits and passes, without the limit.
+int modeled(const LogOddsModel& model, int hits, int passes) {
   const double sum = hits * std::log(model.occupied_probability / (1.0 - model.occupied_probability)) +
                      passes * std::log(model.free_probability / (1.0 - model.free_probability));
   const double held = std::clamp(sum, -model.largest_log_odds, model.largest_log_odds);
@@ -93,18 +93,18 @@ TEST(LogOddsGrid, OneBeamIsTheLineBetweenItsEnds) {
     std::set<Cell> passed;
     for (const auto& [cell, value] : known_cells(grid.view())) {
       if (cell == to) {
-        EXPECT_EQ(value, modelled(model, 1, 0));
+        EXPECT_EQ(value, modeled(model, 1, 0));
       } else {
-        EXPECT_EQ(value, modelled(model, 0, 1));
+        EXPECT_EQ(value, modeled(model, 0, 1));
         passed.insert(cell);
       }
     }
-    EXPECT_EQ(value_at(grid.view(), to), modelled(model, 1, 0));
+    EXPECT_EQ(value_at(grid.view(), to), modeled(model, 1, 0));
     expect_line(passed, from, to);
   }
 }
 
-TEST(LogOddsGrid, ScansAddUpAsTheModelSaysAndStopAtItsLimit) {
+TEST(LogOddsGrid, ScansAddUpByTheModelAndStopAtItsLimit) {
   const LogOddsModel model{0.7, 0.35, 3.0};
   const Cell sensor{0, 0}, passed{3, 0}, hit{6, 0};
   LogOddsGrid grid(cell_m, model);
@@ -112,10 +112,10 @@ TEST(LogOddsGrid, ScansAddUpAsTheModelSaysAndStopAtItsLimit) {
   bool limited = false;
   for (int scans = 1; scans <= 12; ++scans) {
     grid.insert(middle_of(sensor), returns);
-    // The steps of log-odds are 1/256 each: some scans' worth of rounding is one part of 255 at most.
-    EXPECT_NEAR(value_at(grid.view(), hit), modelled(model, scans, 0), 1) << scans;
-    EXPECT_NEAR(value_at(grid.view(), passed), modelled(model, 0, scans), 1) << scans;
-    limited = modelled(model, scans, 0) == modelled(model, scans + 1, 0);
+    // The steps of log-odds are 1/256 each: the rounding of some scans is at most one part of 255.
+    EXPECT_NEAR(value_at(grid.view(), hit), modeled(model, scans, 0), 1) << scans;
+    EXPECT_NEAR(value_at(grid.view(), passed), modeled(model, 0, scans), 1) << scans;
+    limited = modeled(model, scans, 0) == modeled(model, scans + 1, 0);
   }
   EXPECT_TRUE(limited) << "the test must reach the limit";
   const int surest = value_at(grid.view(), hit);
@@ -133,16 +133,16 @@ TEST(LogOddsGrid, AReturnOutweighsBeamsOfTheSameScanInAnyOrder) {
     if (!near_first) std::swap(returns[0], returns[1]);
     for (int scan = 1; scan <= 2; ++scan) {
       grid.insert(middle_of({0, 0}), returns);
-      EXPECT_EQ(value_at(grid.view(), near), modelled(model, scan, 0)) << "once a scan, as a return";
-      EXPECT_EQ(value_at(grid.view(), far), modelled(model, scan, 0));
-      EXPECT_EQ(value_at(grid.view(), {2, 0}), modelled(model, 0, scan)) << "two beams of one scan count as one";
+      EXPECT_EQ(value_at(grid.view(), near), modeled(model, scan, 0)) << "once a scan, as a return";
+      EXPECT_EQ(value_at(grid.view(), far), modeled(model, scan, 0));
+      EXPECT_EQ(value_at(grid.view(), {2, 0}), modeled(model, 0, scan)) << "two beams of one scan count as one";
     }
   }
 }
 
 TEST(LogOddsGrid, EqualsHitsAndPassesCountedPerScan) {
-  // Scans of many beams from many places: a cell's value is its count of scans with a return in it and of scans with
-  // only beams through it, each beam being what one beam alone draws.
+  // Scans of many beams from many positions: a cell's value follows from its number of scans with a return in it and of
+  // scans with only beams through it. Each beam covers the cells of a single beam.
   Random random(11);
   const LogOddsModel model{0.6, 0.45, 6.0};
   LogOddsGrid grid(cell_m, model);
@@ -169,29 +169,29 @@ TEST(LogOddsGrid, EqualsHitsAndPassesCountedPerScan) {
     }
   }
   for (const auto& [cell, count] : counts)
-    EXPECT_NEAR(value_at(grid.view(), cell), modelled(model, count.first, count.second), 1);
+    EXPECT_NEAR(value_at(grid.view(), cell), modeled(model, count.first, count.second), 1);
   for (const auto& [cell, value] : known_cells(grid.view())) EXPECT_TRUE(counts.contains(cell));
 }
 
-TEST(LogOddsGrid, GrowthKeepsWhatIsThere) {
+TEST(LogOddsGrid, GrowthKeepsTheCells) {
   LogOddsGrid grid(cell_m, usual_model);
   const std::vector<Eigen::Vector2d> near{middle_of({5, 3}), middle_of({-6, 2}), middle_of({1, -7})};
   grid.insert(middle_of({0, 0}), near);
   const std::map<Cell, int> before = known_cells(grid.view());
   const ProbabilityView small = grid.view();
   for (const Cell& far : {Cell{400, 10}, {-300, 20}, {15, 500}, {-20, -600}}) {
-    // Beyond the first cells, which the far beams do not touch.
+    // Beyond the first cells, which the far beams do not reach.
     const std::vector<Eigen::Vector2d> returns{middle_of({far.first + 2, far.second})};
     grid.insert(middle_of(far), returns);
     std::map<Cell, int> now = known_cells(grid.view());
     for (const auto& [cell, value] : before) EXPECT_EQ(now[cell], value);
-    EXPECT_EQ(now[(Cell{far.first + 2, far.second})], modelled(usual_model, 1, 0));
+    EXPECT_EQ(now[(Cell{far.first + 2, far.second})], modeled(usual_model, 1, 0));
   }
   EXPECT_EQ(known_cells(grid.view()).size(), before.size() + 4 * 3);
   EXPECT_GT(grid.view().width, small.width);
-  // A cell changed before the growth counts its scans as before.
+  // A cell changed before the growth keeps its count of scans.
   grid.insert(middle_of({0, 0}), near);
-  EXPECT_EQ(value_at(grid.view(), {5, 3}), modelled(usual_model, 2, 0));
+  EXPECT_EQ(value_at(grid.view(), {5, 3}), modeled(usual_model, 2, 0));
 }
 
 TEST(LogOddsGrid, ReturnsTooFarAwayAreLeftOut) {
@@ -215,7 +215,7 @@ TEST(LogOddsGrid, AFrozenGridReadsTheSame) {
   EXPECT_EQ(grid.view().cell_m, cell_m);
 }
 
-TEST(LogOddsGrid, AsOccupancyInPercentWhereABeamCame) {
+TEST(LogOddsGrid, ConvertsToPercentWhereABeamPassed) {
   const LogOddsModel model{0.8, 0.3, 6.0};
   LogOddsGrid grid(cell_m, model);
   const std::vector<Eigen::Vector2d> returns{middle_of({-3, 4})};

@@ -7,12 +7,12 @@
 
 namespace rastro {
 
-/// A planar map in square cells: how likely each is occupied, as nav_msgs/OccupancyGrid and map_server have it.
+/// A planar map of square cells with the occupancy probability of each, as in nav_msgs/OccupancyGrid and map_server.
 struct OccupancyGrid {
   static constexpr std::int8_t unknown = -1;
 
   double cell_m = 0.05;
-  /// World place of the corner with the smallest x and y of cell (0, 0).
+  /// World position of the corner with the smallest x and y of cell (0, 0).
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();
   int width = 0, height = 0;
   std::vector<std::int8_t> percent;  ///< 0..100 or `unknown`; row by row, the row of the smallest y first.
@@ -24,7 +24,7 @@ struct OccupancyGrid {
   Eigen::Vector2i cell_of(const Eigen::Vector2d& world) const {
     return ((world - origin) / cell_m).array().floor().cast<int>();
   }
-  Eigen::Vector2d centre_of(int x, int y) const { return origin + cell_m * Eigen::Vector2d(x + 0.5, y + 0.5); }
+  Eigen::Vector2d center_of(int x, int y) const { return origin + cell_m * Eigen::Vector2d(x + 0.5, y + 0.5); }
 };
 
 }  // namespace rastro

@@ -40,14 +40,14 @@ OccupancyGrid slice_between(const OccupancyOctree& octree, double lowest_m, doub
   grid.origin = low * grid.cell_m;
   grid.width = static_cast<int>(size.x());
   grid.height = static_cast<int>(size.y());
-  // Whole cubes: the first one that reaches into the band to the last one.
+  // Whole cubes, from the first to the last that overlaps the band.
   const double bottom = std::floor(std::max(lowest_m, octree.low().z()) / grid.cell_m + 1e-9) * grid.cell_m;
   const double top = std::min(highest_m, octree.high().z());
   const int cubes = std::max(0, static_cast<int>(std::ceil((top - bottom) / grid.cell_m - 1e-9)));
   grid.percent.reserve(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height));
   for (int y = 0; y < grid.height; ++y)
     for (int x = 0; x < grid.width; ++x)
-      grid.percent.push_back(column_percent(octree, grid.centre_of(x, y), bottom, cubes));
+      grid.percent.push_back(column_percent(octree, grid.center_of(x, y), bottom, cubes));
   return grid;
 }
 

@@ -17,7 +17,7 @@ using Eigen::Vector3f;
 
 constexpr int block_px = 4;
 constexpr int fewest_in_block = 6;
-constexpr int most_missing_beside = 3;  ///< Of the eight pixels around: more are the rim of a hole.
+constexpr int most_missing_beside = 3;  ///< Of the eight neighbors: more are the border of a hole.
 
 struct Block {
   Vector3f mean = Vector3f::Zero();
@@ -25,12 +25,12 @@ struct Block {
   bool valid = false;
 };
 
-/// What surface_samples does to one picture.
+/// Extracts the samples of one image.
 class Picture {
  public:
-  Picture(const UnpackedPictures& pictures, const RayTable& rays, const SurfaceOptions& options)
+  Picture(const UnpackedImages& pictures, const RayTable& rays, const SurfaceOptions& options)
       : depth_(pictures.depth),
-        colour_(pictures.colour),
+        color_(pictures.color),
         rays_(rays),
         options_(options),
         columns_(depth_.width() / block_px),
@@ -58,7 +58,7 @@ class Picture {
   float sigma(float z) const {
     return static_cast<float>(options_.depth_sigma_m + options_.depth_sigma_per_m2 * static_cast<double>(z) * z);
   }
-  /// Depths of one surface differ by less between neighbours, noise and slope together.
+  /// Neighboring depths of one surface differ by less, including noise and slope.
   float jump(float z) const { return 3.0F * sigma(z) + 0.01F * z; }
   Vector3f point(int x, int y, float z) const {
     const Vector2f& ray = rays_.at(x, y);
@@ -89,9 +89,10 @@ class Picture {
     found.valid = count >= fewest_in_block && farthest - nearest < 2.0F * jump(nearest) && found.mean.allFinite();
   }
 
-  /// From one side of the block to the other, or to the block itself where a side is missing.
+  /// From one side of the block to the other, or to the block itself if a side is missing.
   Vector3f tangent(const Block& middle, int column, int row, int dx, int dy) const {
-    // Noise grows with the distance, and the metres a block spans too: far away planes are found over more blocks.
+    // Noise grows with the distance, and so does the size of a block in meters: distant planes are fitted over more
+    // blocks.
     const int reach = 1 + static_cast<int>(middle.mean.z() / 1.5F);
     const Block* after = block(column + reach * dx, row + reach * dy);
     const Block* before = block(column - reach * dx, row - reach * dy);
@@ -141,13 +142,13 @@ class Picture {
     if (const Block* around = block(x / block_px, y / block_px)) sample.normal_in_camera = around->normal;
     const bool has_normal = !sample.normal_in_camera.isZero();
     if (has_normal && -sample.normal_in_camera.dot(sample.point_in_camera.normalized()) < flattest_) return;
-    const std::uint8_t* rgb = colour_.rgb.row(y) + 3 * static_cast<std::ptrdiff_t>(x);
-    sample.colour = {rgb[0], rgb[1], rgb[2]};
+    const std::uint8_t* rgb = color_.rgb.row(y) + 3 * static_cast<std::ptrdiff_t>(x);
+    sample.color = {rgb[0], rgb[1], rgb[2]};
     found.push_back(sample);
   }
 
   const DepthImage& depth_;
-  const ColourImage& colour_;
+  const ColorImage& color_;
   const RayTable& rays_;
   const SurfaceOptions& options_;
   int columns_, rows_;
@@ -168,7 +169,7 @@ RayTable::RayTable(const Camera& camera, int width, int height) : width_(width),
   }
 }
 
-std::vector<SurfaceSample> surface_samples(const UnpackedPictures& pictures, const RayTable& rays,
+std::vector<SurfaceSample> surface_samples(const UnpackedImages& pictures, const RayTable& rays,
                                            const SurfaceOptions& options) {
   RASTRO_CHECK(options.stride >= 1, "a stride is at least one pixel");
   RASTRO_CHECK(rays.width() == pictures.depth.width() && rays.height() == pictures.depth.height(),

@@ -15,42 +15,42 @@ namespace {
 const ImageLayer& typed(const Layer& layer) { return static_cast<const ImageLayer&>(layer); }
 
 /// Images that stay in a map file.
-class StoredPictures : public PictureStore {
+class StoredImages : public ImageStore {
  public:
-  explicit StoredPictures(std::shared_ptr<const RowStore> rows) : rows_(std::move(rows)) {}
-  PackedPictures pictures(KeyframeId keyframe) const override {
-    return read_pictures(rows_->row(keyframe), fmt::format("images of keyframe {}", keyframe));
+  explicit StoredImages(std::shared_ptr<const RowStore> rows) : rows_(std::move(rows)) {}
+  PackedImages pictures(KeyframeId keyframe) const override {
+    return read_images(rows_->row(keyframe), fmt::format("images of keyframe {}", keyframe));
   }
 
  private:
   std::shared_ptr<const RowStore> rows_;
 };
 
-/// The same images under other numbers.
-class RenumberedPictures : public PictureStore {
+/// The same images under other ids.
+class RenumberedImages : public ImageStore {
  public:
-  RenumberedPictures(std::shared_ptr<const PictureStore> images, std::map<KeyframeId, KeyframeId> old_id)
+  RenumberedImages(std::shared_ptr<const ImageStore> images, std::map<KeyframeId, KeyframeId> old_id)
       : images_(std::move(images)), old_id_(std::move(old_id)) {}
-  PackedPictures pictures(KeyframeId keyframe) const override { return images_->pictures(old_id_.at(keyframe)); }
+  PackedImages pictures(KeyframeId keyframe) const override { return images_->pictures(old_id_.at(keyframe)); }
 
  private:
-  std::shared_ptr<const PictureStore> images_;
+  std::shared_ptr<const ImageStore> images_;
   std::map<KeyframeId, KeyframeId> old_id_;
 };
 
-/// A store with the images of one keyframe more.
-class PicturesAndOne : public PictureStore {
+/// A store with the images of one additional keyframe.
+class ImagesAndOne : public ImageStore {
  public:
-  PicturesAndOne(std::shared_ptr<const PictureStore> others, KeyframeId id, PackedPictures own)
+  ImagesAndOne(std::shared_ptr<const ImageStore> others, KeyframeId id, PackedImages own)
       : others_(std::move(others)), id_(id), own_(std::move(own)) {}
-  PackedPictures pictures(KeyframeId keyframe) const override {
+  PackedImages pictures(KeyframeId keyframe) const override {
     return keyframe == id_ || !others_ ? own_ : others_->pictures(keyframe);
   }
 
  private:
-  std::shared_ptr<const PictureStore> others_;
+  std::shared_ptr<const ImageStore> others_;
   KeyframeId id_;
-  PackedPictures own_;
+  PackedImages own_;
 };
 
 class ImageLayerType : public LayerType {
@@ -65,19 +65,19 @@ class ImageLayerType : public LayerType {
 
   std::shared_ptr<Layer> make(std::string_view, const std::string&) const override {
     auto layer = std::make_shared<ImageLayer>();
-    layer->store = std::make_shared<MemoryPictures>();
+    layer->store = std::make_shared<MemoryImages>();
     return layer;
   }
   void attach(Layer& layer, std::shared_ptr<const RowStore> rows) const override {
-    static_cast<ImageLayer&>(layer).store = std::make_shared<StoredPictures>(std::move(rows));
+    static_cast<ImageLayer&>(layer).store = std::make_shared<StoredImages>(std::move(rows));
   }
-  /// Of a file that is attached, only the number is wanted.
+  /// With an attached file, only the id is used.
   void read(Layer& layer, std::int64_t id, std::string_view body, const std::string& where) const override {
     auto& images = static_cast<ImageLayer&>(layer);
     images.keyframes.push_back(id);
     if (body.empty()) return;
-    const auto memory = std::dynamic_pointer_cast<const MemoryPictures>(images.store);
-    if (memory) std::const_pointer_cast<MemoryPictures>(memory)->add(id, read_pictures(body, where));
+    const auto memory = std::dynamic_pointer_cast<const MemoryImages>(images.store);
+    if (memory) std::const_pointer_cast<MemoryImages>(memory)->add(id, read_images(body, where));
   }
 
   std::string contradiction(const Map& map, const Layer& layer) const override {
@@ -105,7 +105,7 @@ class ImageLayerType : public LayerType {
   std::shared_ptr<const Layer> paste(const Layer& layer, KeyframeId id, std::string_view bytes) const override {
     auto whole = std::make_shared<ImageLayer>(typed(layer));
     if (bytes.empty()) return whole;
-    whole->store = std::make_shared<PicturesAndOne>(whole->store, id, read_pictures(bytes, name()));
+    whole->store = std::make_shared<ImagesAndOne>(whole->store, id, read_images(bytes, name()));
     const auto at = std::lower_bound(whole->keyframes.begin(), whole->keyframes.end(), id);
     if (at == whole->keyframes.end() || *at != id) whole->keyframes.insert(at, id);
     return whole;
@@ -119,7 +119,7 @@ class ImageLayerType : public LayerType {
       old_id[new_id.at(id)] = id;
       id = new_id.at(id);
     }
-    result->store = std::make_shared<RenumberedPictures>(result->store, std::move(old_id));
+    result->store = std::make_shared<RenumberedImages>(result->store, std::move(old_id));
     return result;
   }
 };
@@ -131,23 +131,23 @@ std::vector<std::uint8_t> get_bytes(ByteReader& bytes) {
 
 }  // namespace
 
-std::string body_of(const PackedPictures& pictures) {
+std::string body_of(const PackedImages& pictures) {
   ByteWriter bytes;
-  for (const auto* picture : {&pictures.colour, &pictures.depth})
+  for (const auto* picture : {&pictures.color, &pictures.depth})
     bytes.put_text({reinterpret_cast<const char*>(picture->data()), picture->size()});
   return bytes.take();
 }
 
-PackedPictures read_pictures(std::string_view body, const std::string& where) {
+PackedImages read_images(std::string_view body, const std::string& where) {
   ByteReader bytes(body, where);
-  PackedPictures pictures;
-  pictures.colour = get_bytes(bytes);
+  PackedImages pictures;
+  pictures.color = get_bytes(bytes);
   pictures.depth = get_bytes(bytes);
   bytes.finish();
   return pictures;
 }
 
-std::shared_ptr<const PictureStore> images_of(const Map& map) {
+std::shared_ptr<const ImageStore> images_of(const Map& map) {
   const auto layer = map.layer<ImageLayer>();
   return layer ? layer->store : nullptr;
 }

@@ -45,25 +45,25 @@ SurfaceOptions surface_options(const Map& map, int stride, double min_depth_m, d
 MapViews::MapViews(const Map& map, std::vector<std::size_t> keyframes, TaskPool* pool)
     : map_(map), images_(images_of(map)), keyframes_(std::move(keyframes)), pool_(pool) {
   if (!keyframes_.empty() && (!images_ || map.cameras.empty()))
-    throw Error("holds no depth images", "the map", "give a map of a depth camera");
+    throw Error("has no depth images", "the map", "give a map of a depth camera");
 }
 
-UnpackedPictures MapViews::pictures_of(std::size_t keyframe) const {
+UnpackedImages MapViews::packed_images_of(std::size_t keyframe) const {
   const std::int64_t id = map_.keyframes[keyframe].id;
-  return unpack_pictures(images_->pictures(id), fmt::format("keyframe {}", id));
+  return unpack_images(images_->pictures(id), fmt::format("keyframe {}", id));
 }
 
 void MapViews::walk(const Prepare& prepare, const Merge& merge,
                     const std::function<void(std::size_t, std::size_t)>& progress) {
   for (std::size_t first = 0; first < keyframes_.size(); first += group_size) {
     if (rays_.width() == 0) {
-      const DepthImage depth = pictures_of(keyframes_.front()).depth;
+      const DepthImage depth = packed_images_of(keyframes_.front()).depth;
       rays_ = RayTable(map_.cameras.front().intrinsics, depth.width(), depth.height());
     }
     const std::size_t count = std::min(group_size, keyframes_.size() - first);
     for_each_index(pool_, count, [&](std::size_t slot) {
       const std::size_t keyframe = keyframes_[first + slot];
-      const UnpackedPictures pictures = pictures_of(keyframe);
+      const UnpackedImages pictures = packed_images_of(keyframe);
       if (pictures.depth.width() != rays_.width() || pictures.depth.height() != rays_.height())
         throw Error("its pictures are of another size than the first ones", fmt::format("keyframe {}", keyframe),
                     "'rastro recover' saves what can be read");

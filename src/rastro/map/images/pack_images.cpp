@@ -15,20 +15,20 @@ namespace {
 
 constexpr int jpeg_quality = 92;
 
-/// Shares the pixels, which are not written to.
+/// A view of the pixels, which are not written to.
 cv::Mat shared(const std::uint8_t* pixels, int width, int height, int type, std::ptrdiff_t stride) {
   return cv::Mat(height, width, type, const_cast<std::uint8_t*>(pixels), static_cast<std::size_t>(stride));
 }
 
-std::vector<std::uint8_t> packed_colour(const Frame& frame) {
+std::vector<std::uint8_t> packed_color(const Frame& frame) {
   std::vector<std::uint8_t> bytes;
-  if (frame.colour.empty() && frame.image.empty()) return bytes;
+  if (frame.color.empty() && frame.image.empty()) return bytes;
   cv::Mat picture;
-  if (frame.colour.empty()) {
+  if (frame.color.empty()) {
     picture = shared(frame.image.row(0), frame.image.width(), frame.image.height(), CV_8UC1, frame.image.stride());
   } else {
-    const Image<std::uint8_t>& rgb = frame.colour.rgb;
-    cv::cvtColor(shared(rgb.row(0), frame.colour.width(), rgb.height(), CV_8UC3, rgb.stride()), picture,
+    const Image<std::uint8_t>& rgb = frame.color.rgb;
+    cv::cvtColor(shared(rgb.row(0), frame.color.width(), rgb.height(), CV_8UC3, rgb.stride()), picture,
                  cv::COLOR_RGB2BGR);
   }
   cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
@@ -43,7 +43,7 @@ std::vector<std::uint8_t> packed_depth(const DepthImage& depth) {
     const float* from = depth.row(y);
     auto* to = picture.ptr<std::uint16_t>(y);
     for (int x = 0; x < depth.width(); ++x) {
-      const double units = std::round(static_cast<double>(from[x]) * packed_depth_units_per_metre);
+      const double units = std::round(static_cast<double>(from[x]) * packed_depth_units_per_meter);
       to[x] = units > 0.0 && units <= 65535.0 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
     }
   }
@@ -61,15 +61,15 @@ cv::Mat decoded(const std::vector<std::uint8_t>& bytes, int flags) {
   }
 }
 
-ColourImage unpacked_colour(const cv::Mat& bgr) {
-  ColourImage colour;
-  colour.rgb = Image<std::uint8_t>(3 * bgr.cols, bgr.rows);
+ColorImage unpacked_color(const cv::Mat& bgr) {
+  ColorImage color;
+  color.rgb = Image<std::uint8_t>(3 * bgr.cols, bgr.rows);
   for (int y = 0; y < bgr.rows; ++y) {
     const std::uint8_t* from = bgr.ptr<std::uint8_t>(y);
-    std::uint8_t* to = colour.rgb.row(y);
+    std::uint8_t* to = color.rgb.row(y);
     for (int x = 0; x < bgr.cols; ++x, from += 3, to += 3) to[0] = from[2], to[1] = from[1], to[2] = from[0];
   }
-  return colour;
+  return color;
 }
 
 DepthImage unpacked_depth(const cv::Mat& units) {
@@ -77,30 +77,30 @@ DepthImage unpacked_depth(const cv::Mat& units) {
   for (int y = 0; y < units.rows; ++y) {
     const auto* from = units.ptr<std::uint16_t>(y);
     for (int x = 0; x < units.cols; ++x)
-      depth.at(x, y) = static_cast<float>(static_cast<double>(from[x]) / packed_depth_units_per_metre);
+      depth.at(x, y) = static_cast<float>(static_cast<double>(from[x]) / packed_depth_units_per_meter);
   }
   return depth;
 }
 
 }  // namespace
 
-PackedPictures pack_pictures(const Frame& frame) { return {packed_colour(frame), packed_depth(frame.depth)}; }
+PackedImages pack_images(const Frame& frame) { return {packed_color(frame), packed_depth(frame.depth)}; }
 
-UnpackedPictures unpack_pictures(const PackedPictures& pictures, const std::string& where) {
-  const cv::Mat bgr = decoded(pictures.colour, cv::IMREAD_COLOR);
+UnpackedImages unpack_images(const PackedImages& pictures, const std::string& where) {
+  const cv::Mat bgr = decoded(pictures.color, cv::IMREAD_COLOR);
   cv::Mat units = decoded(pictures.depth, cv::IMREAD_UNCHANGED);
-  if (pictures.depth.empty()) units = cv::Mat::zeros(bgr.size(), CV_16UC1);  // a frame that came without depth
+  if (pictures.depth.empty()) units = cv::Mat::zeros(bgr.size(), CV_16UC1);  // a frame without depth
   if (bgr.empty() || units.empty() || units.type() != CV_16UC1 || bgr.size() != units.size())
     throw Error("its pictures are damaged", where, "'rastro recover' saves what can be read");
-  return {unpacked_colour(bgr), unpacked_depth(units)};
+  return {unpacked_color(bgr), unpacked_depth(units)};
 }
 
-void MemoryPictures::add(std::int64_t keyframe_id, PackedPictures pictures) {
+void MemoryImages::add(std::int64_t keyframe_id, PackedImages pictures) {
   const std::lock_guard lock(mutex_);
   pictures_[keyframe_id] = std::move(pictures);
 }
 
-PackedPictures MemoryPictures::pictures(std::int64_t keyframe_id) const {
+PackedImages MemoryImages::pictures(std::int64_t keyframe_id) const {
   const std::lock_guard lock(mutex_);
   const auto found = pictures_.find(keyframe_id);
   if (found == pictures_.end())

@@ -16,7 +16,7 @@
 
 namespace rastro {
 
-/// A room with one blue box on its floor, of which everything is known. World: z up, metres.
+/// A fully known room with one blue box on its floor. World: z up, meters.
 namespace test_room {
 
 inline const Eigen::Vector3d low(-2.0, -1.5, 0.0), high(2.0, 1.5, 2.4);
@@ -29,7 +29,7 @@ inline Camera camera() {
   return camera;
 }
 
-/// Where keyframe `number` of `count` stands: from one side of the room to the other, looking along x and down.
+/// Pose of keyframe `number` of `count`: from one side of the room to the other, facing along x and down.
 inline SE3 world_from_camera(int number, int count) {
   const double share = count > 1 ? static_cast<double>(number) / (count - 1) : 0.5;
   const double yaw = 0.2 - 0.4 * share, pitch = -0.25;
@@ -67,8 +67,8 @@ inline Hit trace(const Eigen::Vector3d& from, const Eigen::Vector3d& along) {
   return hit;
 }
 
-/// Patches of 4 cm in shades of one colour a wall; the box is blue.
-inline std::array<std::uint8_t, 3> colour_at(const Eigen::Vector3d& point, int face) {
+/// Patches of 4 cm in shades of one color per wall; the box is blue.
+inline std::array<std::uint8_t, 3> color_at(const Eigen::Vector3d& point, int face) {
   std::uint64_t patch = static_cast<std::uint64_t>(face);
   for (int axis = 0; axis < 3; ++axis)
     if (axis != face % 6 / 2) patch = patch * 1009 + static_cast<std::uint64_t>(std::floor(point[axis] / 0.04) + 500.0);
@@ -81,22 +81,22 @@ inline std::array<std::uint8_t, 3> colour_at(const Eigen::Vector3d& point, int f
           static_cast<std::uint8_t>(base[2] * shade)};
 }
 
-/// What the camera sees, without noise.
+/// The camera's frame, without noise.
 inline Frame frame_from(const SE3& world_from_camera, const Camera& camera = test_room::camera()) {
   Frame frame;
-  frame.colour.rgb = Image<std::uint8_t>(3 * camera.width, camera.height);
+  frame.color.rgb = Image<std::uint8_t>(3 * camera.width, camera.height);
   frame.depth = DepthImage(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const Eigen::Vector3d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1.0);
       const Eigen::Vector3d along = world_from_camera.rotation() * ray;
       const Hit hit = trace(world_from_camera.translation(), along);
-      const auto colour = colour_at(world_from_camera.translation() + hit.distance * along, hit.face);
-      std::copy(colour.begin(), colour.end(), frame.colour.rgb.row(y) + 3 * x);
+      const auto color = color_at(world_from_camera.translation() + hit.distance * along, hit.face);
+      std::copy(color.begin(), color.end(), frame.color.rgb.row(y) + 3 * x);
       frame.depth.at(x, y) = static_cast<float>(hit.distance);  // the ray has unit depth
     }
   }
-  frame.image = grey_from_colour(frame.colour);
+  frame.image = gray_from_color(frame.color);
   return frame;
 }
 
@@ -115,8 +115,8 @@ inline std::shared_ptr<const ImageFeatures> features_of(const Frame& frame, Keyf
 
 }  // namespace test_room
 
-/// A map of the room by `keyframes` keyframes, five frames from one to the next at 30 frames/s, all poses exact, an
-/// odometry constraint between neighbors and a loop closure from the last to the first.
+/// A map of the room with `keyframes` keyframes and exact poses: five frames from one keyframe to the next at 30
+/// frames/s, an odometry constraint between neighbors and a loop closure from the last to the first.
 inline Map make_test_map(int keyframes = 6) {
   constexpr int frames_between = 5;
   constexpr TimeNs frame_ns = 33'333'333;
@@ -126,7 +126,7 @@ inline Map make_test_map(int keyframes = 6) {
   map.sessions.push_back({0, 0, "", 0, 0, {true, 0.0, "depth camera"}});
   auto features = std::make_shared<FeatureLayer>();
   auto images = std::make_shared<ImageLayer>();
-  auto pictures = std::make_shared<MemoryPictures>();
+  auto pictures = std::make_shared<MemoryImages>();
   for (int k = 0; k < keyframes; ++k) {
     const SE3 pose = test_room::world_from_camera(k, keyframes);
     Frame frame = test_room::frame_from(pose);
@@ -136,7 +136,7 @@ inline Map make_test_map(int keyframes = 6) {
     map.keyframes.push_back({k, frame.index, frame.stamp, 0, pose, 0, no_keyframe, 1.0});
     features->of[k] = test_room::features_of(frame, k);
     images->keyframes.push_back(k);
-    pictures->add(k, pack_pictures(frame));
+    pictures->add(k, pack_images(frame));
     for (int i = k == 0 ? 0 : 1 - frames_between; i <= 0; ++i) {
       const double share = 1.0 + static_cast<double>(i) / frames_between;
       const SE3 world_from_camera = k == 0 ? pose : interpolate(before, pose, share);

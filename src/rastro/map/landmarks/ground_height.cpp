@@ -15,19 +15,19 @@ namespace {
 
 using Eigen::Vector3d;
 
-// What of a keyframe's landmarks may be ground, in heights of the camera.
+// The region in which a keyframe's landmarks may be ground, in camera heights.
 constexpr double most_ahead = 12.0, least_ahead = 0.5, most_beside = 2.0;
-constexpr double least_cos_ahead = 0.7;  ///< Between where the camera looks and where it goes.
+constexpr double least_cos_ahead = 0.7;  ///< Between viewing direction and direction of travel.
 constexpr double kernel = 0.06;          ///< Of the logarithm of a height: 6 %.
 constexpr std::size_t least_points = 50;
 constexpr double least_share = 0.15;  ///< Of the candidates, within two kernels of the height found.
 
-/// How far below its camera a landmark lies, and how much that says.
+/// How far below its camera a landmark lies, and the weight of that.
 struct Depression {
   double log_height = 0.0, weight = 0.0;
 };
 
-/// Down is at right angles to the way and to the camera's x axis, so that a camera may look up or down.
+/// Down is perpendicular to the trajectory and to the camera's x axis, so that a camera may be pitched.
 std::optional<Vector3d> down_at(const Map& map, std::size_t before, std::size_t here, std::size_t after) {
   const Vector3d way =
       map.keyframes[after].world_from_camera.translation() - map.keyframes[before].world_from_camera.translation();
@@ -48,7 +48,7 @@ void add_depressions(const Map& map, const std::vector<Landmark>& landmarks, std
     const double height = down.dot(away), forward = ahead.dot(away);
     if (!(height > 0.0) || forward < least_ahead * height || forward > most_ahead * height) continue;
     if (std::abs(right.dot(away)) > most_beside * height) continue;
-    depressions.push_back({std::log(height), height / forward});  // a tilt spoils what is far away more
+    depressions.push_back({std::log(height), height / forward});  // a tilt has more effect on distant points
   }
 }
 
@@ -61,7 +61,7 @@ double support(const std::vector<Depression>& depressions, double at, double wid
   return sum;
 }
 
-/// Where most of them lie close together: the best of a grid, then moved to the mean of what is near it.
+/// The mode: the best of a grid, then moved to the mean of the nearby values.
 std::optional<double> mode_of(const std::vector<Depression>& depressions) {
   constexpr int steps = 400, rounds = 20;
   if (depressions.size() < least_points) return std::nullopt;
@@ -88,7 +88,7 @@ std::optional<double> mode_of(const std::vector<Depression>& depressions) {
   return best;
 }
 
-/// By keyframe in the order of its frames; those that do not look where they go have none.
+/// By keyframe in the order of its frames; empty for those that do not face their direction of travel.
 std::vector<std::vector<Depression>> depressions_of(const Map& map) {
   const auto layer = map.layer<LandmarkLayer>();
   if (!layer) return {};
@@ -135,7 +135,7 @@ MapScaleFound scale_from_camera_height(const Map& map, double height_m, const st
         fmt::format("no flat ground is seen ahead of the camera ({} observations of landmarks below it)", all.size()),
         where, "give --length or --reference");
   MapScaleFound found;
-  found.metres_per_unit = height_m / std::exp(*mode);
+  found.meters_per_unit = height_m / std::exp(*mode);
   found.relative_sigma = jackknife_sigma(depressions.size(), height_without) / std::exp(*mode);
   found.measurements = static_cast<int>(near);
   found.from = fmt::format("a camera height of {:g} m", height_m);

@@ -9,9 +9,10 @@
 
 namespace rastro {
 
-/// Standard deviation of an estimate over `count` ordered measurements, from what it becomes without those of one
-/// eighth after the other: estimate_without(begin, end). Stretches rather than single measurements, as the errors of
-/// neighbours are alike (block jackknife; Efron and Tibshirani 1993, chapter 11). 0 where nothing is left without one.
+/// Standard deviation of an estimate over `count` ordered measurements, from the estimates without one eighth of them
+/// each: estimate_without(begin, end). Leaves out blocks rather than single measurements because the errors of
+/// neighbors are correlated (block jackknife; Efron and Tibshirani 1993, chapter 11). 0 if no estimate is left without
+/// a block.
 template <typename Estimate>
 double jackknife_sigma(std::size_t count, const Estimate& estimate_without) {
   constexpr std::size_t blocks = 8;

@@ -13,7 +13,7 @@ namespace {
 constexpr KeyframeId no_id = 999'999;
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-/// Changes the layer in a copy of its own.
+/// Changes a copy of the layer.
 template <typename L>
 void change(Map& map, const std::function<void(L&)>& by) {
   auto own = std::make_shared<L>(*map.layer<L>());
@@ -43,7 +43,7 @@ TEST(LandmarkChecks, ASoundMapOfEverySensorPasses) {
   EXPECT_EQ(contradiction_in(Map()), "") << "nothing contradicts nothing";
 }
 
-/// A way to damage a map, and words of what must be said of it.
+/// A kind of damage to a map, and words of the expected message.
 struct Damage {
   const char* words;
   std::function<void(Map&)> by;
@@ -87,7 +87,7 @@ const std::vector<Damage>& damages_of_layers() {
        [](Map& map) {
          auto images = std::make_shared<ImageLayer>();
          images->keyframes = {0, no_id};
-         images->store = std::make_shared<MemoryPictures>();
+         images->store = std::make_shared<MemoryImages>();
          map.layers.put<ImageLayer>(std::move(images));
        }},
       {"landmarks out of order",
@@ -121,7 +121,7 @@ const std::vector<Damage>& damages_of_layers() {
   return all;
 }
 
-TEST(LandmarkChecks, EveryDamageIsSaid) {
+TEST(LandmarkChecks, EveryDamageIsReported) {
   TestRoad road;
   road.sensor = CameraKind::stereo;
   const Map sound = make_landmark_test_map(road);
@@ -143,7 +143,7 @@ TEST(LandmarkChecks, SeveralRootsAreSeveralSubmaps) {
   EXPECT_EQ(contradiction_in(map), "");
 }
 
-TEST(LandmarkChecks, AMapThatKeepsNoFeaturesCannotMissOne) {
+TEST(LandmarkChecks, AMapWithoutFeaturesCannotMissOne) {
   Map map = make_landmark_test_map();
   map.layers.put<FeatureLayer>(nullptr);
   EXPECT_EQ(contradiction_in(map), "");

@@ -47,7 +47,7 @@ LandmarkEstimate get_estimate(ByteReader& bytes) {
   return estimate;
 }
 
-/// Whether an observation leads to a feature; a map that keeps no features cannot say.
+/// Whether an observation refers to an existing feature; unknown for a map without features.
 bool leads_somewhere(const Map& map, const FeatureLayer* features, const LandmarkObservation& observation) {
   if (!map.index_of(observation.keyframe)) return false;
   if (!features) return true;
@@ -166,7 +166,7 @@ class LandmarkLayerType : public LayerType {
       CloudPoint point;
       point.position = landmark.position.cast<float>();
       point.normal = -landmark.direction.cast<float>();
-      point.colour = {unknown_color, unknown_color, unknown_color};
+      point.color = {unknown_color, unknown_color, unknown_color};
       point.count = static_cast<std::uint32_t>(landmark.observations.size());
       const auto covariance = landmark_covariance(map, landmark);
       const double variance = covariance ? landmark.direction.dot(*covariance * landmark.direction) : 0.0;

@@ -11,31 +11,31 @@
 
 namespace rastro {
 
-/// A feature of a keyframe that shows a landmark.
+/// A feature of a keyframe that observes a landmark.
 struct LandmarkObservation {
   KeyframeId keyframe = 0;
   std::uint32_t feature = 0;  ///< Index in its features.
   bool operator==(const LandmarkObservation&) const = default;
 };
 
-/// A point of the world.
+/// A 3D point of the map.
 struct Landmark {
   std::int64_t id = 0;  ///< Running number, in the order of creation; culled ones leave gaps.
   Eigen::Vector3d position = Eigen::Vector3d::Zero();   ///< In the frame of its submap, the map's unit.
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< Mean viewing direction from cameras to it, length 1.
-  Descriptor descriptor;                                ///< The one nearest to all others of its observations.
-  float min_distance = 0.0F, max_distance = 0.0F;       ///< From which it can be recognized.
+  Descriptor descriptor;                                ///< The one closest to those of all its observations.
+  float min_distance = 0.0F, max_distance = 0.0F;       ///< Range in which it can be recognized.
   std::vector<LandmarkObservation> observations;        ///< By keyframe.
 };
 
-/// What a filter knows of a landmark, whose observations it does not keep.
+/// A filter's estimate of a landmark, whose observations it does not keep.
 struct LandmarkEstimate {
-  std::int64_t sensor_id = -1;                               ///< As the sensor names it; -1: not at all.
-  int observations = 0;                                      ///< How many it rests on.
+  std::int64_t sensor_id = -1;                               ///< The sensor's id of it; -1: none.
+  int observations = 0;                                      ///< Number of observations used.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< Of the position, the map's unit squared.
 };
 
-/// The landmarks of a map. Landmarks of a filter have estimates, one each, and no observations.
+/// The landmarks of a map. Landmarks of a filter have one estimate each and no observations.
 struct LandmarkLayer : Layer {
   static constexpr const char* layer_name = "landmarks";
   std::vector<Landmark> landmarks;  ///< Ids ascend.

@@ -33,7 +33,7 @@ std::size_t shared_by(const Map& map, std::int64_t a, std::int64_t b) {
                                                 [&](const Landmark& each) { return sees(each, a) && sees(each, b); }));
 }
 
-TEST(CovisibilityGraph, IsWhatCountingPairByPairGives) {
+TEST(CovisibilityGraph, EqualsCountingPairByPair) {
   const Map map = make_landmark_test_map();
   const auto graph = covisibility_graph(map, 15);
   std::size_t next = 0;
@@ -51,7 +51,7 @@ TEST(CovisibilityGraph, IsWhatCountingPairByPairGives) {
   EXPECT_GT(next, 10U);
 }
 
-TEST(EssentialGraph, HasTheTreeTheLoopClosureAndWhatIsStrong) {
+TEST(EssentialGraph, HasTheTreeTheLoopClosureAndStrongCovisibility) {
   const Map map = make_landmark_test_map();
   const int strong = covisibility_graph(map, 1).size() > 12 ? 60 : 1;
   const auto graph = essential_graph(map, strong);
@@ -73,20 +73,20 @@ TEST(EssentialGraph, HasTheTreeTheLoopClosureAndWhatIsStrong) {
 
 TEST(MapScale, OfKnownLengthsIsExactOnAnExactMap) {
   const Map map = road_in_units(0.37);
-  const auto metres = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm() / 0.37; };
+  const auto meters = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm() / 0.37; };
   const Landmark &a = landmarks_of(map)[5], &b = landmarks_of(map)[200];
-  const KnownLength between_landmarks{a.id, b.id, false, metres(a.position, b.position)};
+  const KnownLength between_landmarks{a.id, b.id, false, meters(a.position, b.position)};
   const MapScaleFound one = scale_from_lengths(map, std::array{between_landmarks}, "here");
-  EXPECT_NEAR(one.metres_per_unit, 1.0 / 0.37, 1e-9);
+  EXPECT_NEAR(one.meters_per_unit, 1.0 / 0.37, 1e-9);
   EXPECT_GT(one.relative_sigma, 0.0) << "the positions of landmarks are known so well and no better";
   EXPECT_LT(one.relative_sigma, 0.1);
   const Trajectory trajectory = trajectory_of(map);
   const KnownLength between_frames{
-      7, 33, true, metres(trajectory[7].world_from_body.translation(), trajectory[33].world_from_body.translation())};
+      7, 33, true, meters(trajectory[7].world_from_body.translation(), trajectory[33].world_from_body.translation())};
   const MapScaleFound frames = scale_from_lengths(map, std::array{between_frames}, "here");
-  EXPECT_NEAR(frames.metres_per_unit, 1.0 / 0.37, 1e-6);
+  EXPECT_NEAR(frames.meters_per_unit, 1.0 / 0.37, 1e-6);
   KnownLength wrong = between_landmarks;
-  wrong.metres *= 1.1;
+  wrong.meters *= 1.1;
   const MapScaleFound two = scale_from_lengths(map, std::array{between_frames, wrong}, "here");
   EXPECT_GT(two.relative_sigma, 0.005);
   EXPECT_THROW(scale_from_lengths(map, std::array{KnownLength{10, 11, false, 1.0}}, "here"), Error) << "10 was culled";
@@ -105,17 +105,17 @@ TEST(MapScale, OfAReferenceInAnotherFrameIsFoundWithItsSigma) {
     reference.push_back({pose.stamp, SE3(SO3(), place)});
   }
   const MapScaleFound found = scale_from_reference(map, reference, "here");
-  EXPECT_NEAR(found.metres_per_unit * 0.37, 1.0, 4.0 * found.relative_sigma);
+  EXPECT_NEAR(found.meters_per_unit * 0.37, 1.0, 4.0 * found.relative_sigma);
   EXPECT_LT(found.relative_sigma, 0.005);
   EXPECT_GT(found.relative_sigma, 1e-5);
   for (StampedPose& pose : reference) pose.stamp += 1'000'000'000'000;
   EXPECT_THROW(scale_from_reference(map, reference, "here"), Error) << "another clock";
 }
 
-TEST(MapScale, OfACameraHeightComesFromTheGroundAhead) {
+TEST(MapScale, FromACameraHeightUsesTheGroundAhead) {
   const Map map = road_in_units(0.37);
   const MapScaleFound found = scale_from_camera_height(map, TestRoad::camera_height_m, "here");
-  EXPECT_NEAR(found.metres_per_unit * 0.37, 1.0, 0.02);
+  EXPECT_NEAR(found.meters_per_unit * 0.37, 1.0, 0.02);
   EXPECT_LT(found.relative_sigma, 0.02);
   Map without_ground = map;
   auto layer = std::make_shared<LandmarkLayer>(*map.layer<LandmarkLayer>());
@@ -124,10 +124,10 @@ TEST(MapScale, OfACameraHeightComesFromTheGroundAhead) {
   EXPECT_THROW(scale_from_camera_height(without_ground, 1.65, "here"), Error);
 }
 
-TEST(MapScale, AScaledMapIsTheOneMadeInMetres) {
-  const Map metres = road_in_units(1.0);
+TEST(MapScale, AScaledMapIsTheOneMadeInMeters) {
+  const Map meters = road_in_units(1.0);
   MapScaleFound found;
-  found.metres_per_unit = 1.0 / 0.37;
+  found.meters_per_unit = 1.0 / 0.37;
   found.relative_sigma = 0.01;
   found.from = "a known length";
   const Map map = scaled(road_in_units(0.37), found);
@@ -136,17 +136,17 @@ TEST(MapScale, AScaledMapIsTheOneMadeInMetres) {
   EXPECT_EQ(scale_of(map).origin, "a known length");
   const auto apart = [](const SE3& a, const SE3& b) { return (a.translation() - b.translation()).norm(); };
   for (std::size_t k = 0; k < map.keyframes.size(); ++k)
-    EXPECT_LT(apart(map.keyframes[k].world_from_camera, metres.keyframes[k].world_from_camera), 1e-12);
-  ASSERT_EQ(landmarks_of(map).size(), landmarks_of(metres).size());
+    EXPECT_LT(apart(map.keyframes[k].world_from_camera, meters.keyframes[k].world_from_camera), 1e-12);
+  ASSERT_EQ(landmarks_of(map).size(), landmarks_of(meters).size());
   for (std::size_t i = 0; i < landmarks_of(map).size(); ++i) {
-    EXPECT_LT((landmarks_of(map)[i].position - landmarks_of(metres)[i].position).norm(), 1e-12);
-    EXPECT_NEAR(landmarks_of(map)[i].max_distance, landmarks_of(metres)[i].max_distance, 1e-4);
+    EXPECT_LT((landmarks_of(map)[i].position - landmarks_of(meters)[i].position).norm(), 1e-12);
+    EXPECT_NEAR(landmarks_of(map)[i].max_distance, landmarks_of(meters)[i].max_distance, 1e-4);
   }
-  EXPECT_LT((map.constraints[0].from_from_to.matrix() - metres.constraints[0].from_from_to.matrix()).norm(), 1e-12);
-  EXPECT_LT(apart(trajectory_of(map).back().world_from_body, trajectory_of(metres).back().world_from_body), 1e-12);
+  EXPECT_LT((map.constraints[0].from_from_to.matrix() - meters.constraints[0].from_from_to.matrix()).norm(), 1e-12);
+  EXPECT_LT(apart(trajectory_of(map).back().world_from_body, trajectory_of(meters).back().world_from_body), 1e-12);
 }
 
-TEST(LandmarkCovariance, GrowsWithFewerViewsAndIsOpenWithOne) {
+TEST(LandmarkCovariance, GrowsWithFewerViewsAndIsUndefinedWithOne) {
   const Map map = road_in_units(1.0);
   const auto seen_often = std::max_element(
       landmarks_of(map).begin(), landmarks_of(map).end(),
@@ -162,7 +162,35 @@ TEST(LandmarkCovariance, GrowsWithFewerViewsAndIsOpenWithOne) {
   EXPECT_FALSE(landmark_covariance(map, fewer)) << "one camera leaves the distance open";
 }
 
-TEST(LandmarkLayer, ALandmarkIsOfTheSubmapOfItsFirstObserver) {
+TEST(LandmarkCovariance, IsTheInverseOfTheInformationOfAllViews) {
+  const Map map = road_in_units(0.37);
+  const auto features = map.layer<FeatureLayer>();
+  const Camera camera = TestRoad::camera();
+  for (const std::size_t i : {5U, 90U, 300U}) {
+    const Landmark& landmark = landmarks_of(map)[i];
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    for (const LandmarkObservation& observation : landmark.observations) {
+      const SE3 camera_from_world = map.find(observation.keyframe)->world_from_camera.inverse();
+      Eigen::Matrix<double, 2, 3> slope;  // derivative of pixels by position, by central differences
+      for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Vector3d step = 1e-5 * Eigen::Vector3d::Unit(axis);
+        slope.col(axis) = (*camera.project(camera_from_world * (landmark.position + step)) -
+                           *camera.project(camera_from_world * (landmark.position - step))) /
+                          2e-5;
+      }
+      const int level = features->find(observation.keyframe)->features.levels[observation.feature];
+      const double sigma_px = std::pow(features->extraction.scale_factor, level);
+      information += slope.transpose() * slope / (sigma_px * sigma_px);
+    }
+    const Eigen::Matrix3d expected = information.inverse();
+    EXPECT_LT((*landmark_covariance(map, landmark) - expected).norm(), 1e-5 * expected.norm()) << i;
+  }
+  Map without_camera = map;
+  without_camera.cameras.clear();
+  EXPECT_FALSE(landmark_covariance(without_camera, landmarks_of(map)[5]));
+}
+
+TEST(LandmarkLayer, ALandmarkBelongsToTheSubmapOfItsFirstObserver) {
   Map map = make_landmark_test_map();
   const Landmark landmark = map.layer<LandmarkLayer>()->landmarks.front();
   ASSERT_FALSE(landmark.observations.empty());

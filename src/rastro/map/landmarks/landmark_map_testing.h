@@ -15,13 +15,13 @@
 
 namespace rastro {
 
-/// A ring road of which everything is known: a camera 1.65 m above flat ground, between two walls, drives round once.
-/// World: the first camera, x right, y down, z ahead; metres times `unit`.
+/// A fully known ring road: a camera 1.65 m above flat ground drives once around between two walls. World: the first
+/// camera, x right, y down, z forward; meters times `unit`.
 struct TestRoad {
   CameraKind sensor = CameraKind::mono;
   int keyframes = 12;
   int landmarks = 600;
-  double unit = 1.0;  ///< Of the map, per metre.
+  double unit = 1.0;  ///< Map units per meter.
 
   static constexpr double camera_height_m = 1.65, radius_m = 12.0, baseline_m = 0.5;
   static constexpr int frames_between = 5;
@@ -34,15 +34,15 @@ struct TestRoad {
     return camera;
   }
 
-  /// At a share (0..1) of the way; metres.
+  /// At a fraction (0..1) of the trajectory; meters.
   static SE3 world_from_camera(double share) {
     const double angle = 2.0 * std::numbers::pi * share;
-    const Eigen::Vector3d centre(radius_m, 0.0, 0.0);
+    const Eigen::Vector3d center(radius_m, 0.0, 0.0);
     const SO3 turn = SO3::exp({0.0, angle, 0.0});
-    return {turn, centre + turn * (-centre)};
+    return {turn, center + turn * (-center)};
   }
 
-  /// On the ground or on a wall; metres.
+  /// On the ground or on a wall; meters.
   static Eigen::Vector3d place(Random& random) {
     const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
     const bool ground = random.uniform() < 0.6;
@@ -61,7 +61,7 @@ inline Descriptor random_descriptor(Random& random) {
   return descriptor;
 }
 
-/// What keyframe k sees becomes features of it and observations of the landmarks.
+/// Adds the landmarks visible from keyframe k as its features and as observations of the landmarks.
 inline void look(const TestRoad& road, std::size_t k, const std::vector<Eigen::Vector3d>& places_m, Random& random,
                  ImageFeatures& keyframe, std::vector<Landmark>& landmarks) {
   constexpr double farthest_m = 14.0;
@@ -91,8 +91,8 @@ inline void look(const TestRoad& road, std::size_t k, const std::vector<Eigen::V
 
 }  // namespace test_road
 
-/// A map without noise. Ids have gaps, as those of a map that lost keyframes and landmarks; a loop closure from the
-/// last keyframe to the first one.
+/// A map without noise. Ids have gaps, as in a map with removed keyframes and landmarks; a loop closure from the last
+/// keyframe to the first one.
 inline Map make_landmark_test_map(const TestRoad& road = {}) {
   Random random(11);
   Map map;
@@ -138,11 +138,12 @@ inline Map make_landmark_test_map(const TestRoad& road = {}) {
     map.frames.push_back(
         *frame_in(map, {TestRoad::first_stamp + f * TestRoad::frame_ns,
                         in_units(static_cast<double>(f) / (road.keyframes * TestRoad::frames_between))}));
-  Constraint closure;
-  closure.from = map.keyframes.back().id, closure.to = 0, closure.kind = ConstraintKind::loop, closure.inliers = 40;
-  closure.from_from_to =
+  Constraint loop_closure;
+  loop_closure.from = map.keyframes.back().id, loop_closure.to = 0, loop_closure.kind = ConstraintKind::loop,
+  loop_closure.inliers = 40;
+  loop_closure.from_from_to =
       Sim3(map.keyframes.back().world_from_camera.inverse() * map.keyframes.front().world_from_camera);
-  map.constraints.push_back(closure);
+  map.constraints.push_back(loop_closure);
   return map;
 }
 

@@ -8,8 +8,9 @@
 
 namespace rastro {
 
-/// Covariance of a landmark's position, the map's unit squared, from the pixels of its observations alone, each with
-/// the noise of its pyramid level (1 px on the lowest one); nullopt where they leave its distance open.
+/// Covariance of a landmark's position, the map's unit squared, from its observations alone: pixels and disparities
+/// with the noise of their pyramid level (1 px on the lowest one), and measured depths. nullopt where they do not
+/// determine its distance.
 std::optional<Eigen::Matrix3d> landmark_covariance(const Map& map, const Landmark& landmark);
 
 }  // namespace rastro

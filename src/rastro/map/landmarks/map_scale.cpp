@@ -18,21 +18,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr TimeNs largest_gap = 1'000'000'000;  ///< Between poses that are interpolated.
+constexpr TimeNs largest_gap = 1'000'000'000;  ///< Maximum gap between interpolated poses.
 
 Landmark landmark_named(const Map& map, std::int64_t id, const std::string& where) {
   const auto layer = map.layer<LandmarkLayer>();
   const Landmark* found = layer ? layer->find(id) : nullptr;
   if (!found)
     throw Error(fmt::format("the map has no landmark {}", id), where,
-                "'rastro export RUN --to landmarks' lists them; frames are written f0,f120,METRES");
+                "'rastro export RUN --to landmarks' lists them; frames are written f0,f120,METERS");
   if (found->observations.empty() || submap_of(map, *found) != 0)
     throw Error(fmt::format("landmark {} is in a submap that is not connected to the first one", id), where,
                 "take landmarks of submap 0");
   return *found;
 }
 
-/// Stamps run evenly between the keyframes around a frame.
+/// Interpolates the stamp linearly between the keyframes around a frame.
 TimeNs stamp_of_frame(const Map& map, std::int64_t frame, const std::string& where) {
   const auto& keyframes = map.keyframes;
   const auto after =
@@ -56,13 +56,13 @@ Vector3d camera_at(const Map& map, std::int64_t frame, const std::string& where)
 }
 
 struct MeasuredLength {
-  double units = 0.0, metres = 0.0;
-  double variance = 0.0;  ///< Of `units`; 0: not known.
+  double units = 0.0, meters = 0.0;
+  double variance = 0.0;  ///< Of `units`; 0: unknown.
 };
 
 MeasuredLength measured(const Map& map, const KnownLength& length, const std::string& where) {
   MeasuredLength result;
-  result.metres = length.metres;
+  result.meters = length.meters;
   Vector3d apart;
   if (length.between_frames) {
     apart = camera_at(map, length.to, where) - camera_at(map, length.from, where);
@@ -88,12 +88,12 @@ MapScaleFound scale_from_lengths(const Map& map, std::span<const KnownLength> le
   std::vector<MeasuredLength> all;
   for (const KnownLength& length : lengths) {
     all.push_back(measured(map, length, where));
-    products += all.back().metres * all.back().units;
+    products += all.back().meters * all.back().units;
     squares += all.back().units * all.back().units;
     variance += all.back().variance * all.back().units * all.back().units;
   }
   MapScaleFound found;
-  found.metres_per_unit = products / squares;
+  found.meters_per_unit = products / squares;
   found.measurements = static_cast<int>(lengths.size());
   found.from = lengths.size() == 1 ? "a known length" : fmt::format("{} known lengths", lengths.size());
   if (lengths.size() == 1) {
@@ -101,9 +101,9 @@ MapScaleFound scale_from_lengths(const Map& map, std::span<const KnownLength> le
     return found;
   }
   double rest = 0.0;
-  for (const MeasuredLength& length : all) rest += std::pow(length.metres - found.metres_per_unit * length.units, 2);
+  for (const MeasuredLength& length : all) rest += std::pow(length.meters - found.meters_per_unit * length.units, 2);
   const double residual_variance = rest / static_cast<double>(lengths.size() - 1);
-  found.relative_sigma = std::sqrt(residual_variance / squares) / found.metres_per_unit;
+  found.relative_sigma = std::sqrt(residual_variance / squares) / found.meters_per_unit;
   return found;
 }
 
@@ -134,7 +134,7 @@ MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, 
   const auto whole = scale_without(0, 0);
   if (!whole) throw Error("the camera or the reference does not move", where, "give a reference of a moving camera");
   MapScaleFound found;
-  found.metres_per_unit = *whole;
+  found.meters_per_unit = *whole;
   found.relative_sigma = jackknife_sigma(source.size(), scale_without) / *whole;
   found.measurements = static_cast<int>(source.size());
   found.from = "a reference trajectory";
@@ -144,7 +144,7 @@ MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, 
 Map scaled(const Map& map, const MapScaleFound& found) {
   RASTRO_CHECK(!scale_of(map).metric || map.cameras.empty() || map.cameras.front().kind == CameraKind::mono,
                "only the map of one camera has a unit that can be chosen");
-  const double factor = found.metres_per_unit;
+  const double factor = found.meters_per_unit;
   RASTRO_CHECK(factor > 0.0 && std::isfinite(factor), "a scale is positive");
   const auto stretched = [factor](const SE3& pose) { return SE3(pose.rotation(), factor * pose.translation()); };
   Map result = map;

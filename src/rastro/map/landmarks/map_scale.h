@@ -9,36 +9,36 @@
 
 namespace rastro {
 
-/// A factor that makes a map's unit metres.
+/// The factor from a map's unit to meters.
 struct MapScaleFound {
-  double metres_per_unit = 1.0;
-  double relative_sigma = 0.0;  ///< 0: not known, as from one length between two positions of the camera.
+  double meters_per_unit = 1.0;
+  double relative_sigma = 0.0;  ///< 0: unknown, as from one length between two positions of the camera.
   std::string from;             ///< "2 known lengths", ...
-  int measurements = 0;         ///< How many it rests on.
+  int measurements = 0;         ///< Number of measurements used.
 };
 
-/// A length in the world that somebody measured: between two landmarks, or between two positions of the camera.
+/// A measured length in the world: between two landmarks, or between two positions of the camera.
 struct KnownLength {
   std::int64_t from = 0, to = 0;  ///< Ids of landmarks, or numbers of frames of the recording.
   bool between_frames = false;
-  double metres = 0.0;
+  double meters = 0.0;
 };
 
-// Each speaks of submap 0 only, and throws Error naming `where` where the map does not hold what is needed.
+// Each considers submap 0 only, and throws Error naming `where` if the map lacks what is needed.
 
-/// Several lengths: least squares of their differences in metres, with what is left of those as sigma. One between
-/// landmarks: sigma is that of their positions, from pixels with the noise of their level of the pyramid.
+/// Several lengths: least squares of their differences in meters, with sigma from the residuals. One length between
+/// landmarks: sigma from their position covariances, with the pixel noise of their pyramid level.
 MapScaleFound scale_from_lengths(const Map& map, std::span<const KnownLength> lengths, const std::string& where);
 
-/// From the trajectory of the camera and a reference that shares its clock, by the similarity between both (Umeyama
-/// 1991). Sigma by leaving away one eighth of the trajectory after the other, so that slow drift counts.
+/// From the trajectory of the camera and a reference with the same clock, by the similarity between both (Umeyama
+/// 1991). Sigma by leaving out each eighth of the trajectory in turn, which includes slow drift.
 MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, const std::string& where);
 
-/// From the height of a camera that is carried level over flat ground and looks about where it goes: how far below it
-/// the landmarks ahead lie most often. Sigma as above.
+/// From the height of a camera that is carried level over flat ground and faces about its direction of travel: the most
+/// frequent depth of the landmarks ahead below it. Sigma as above.
 MapScaleFound scale_from_camera_height(const Map& map, double height_m, const std::string& where);
 
-/// The map of one camera with lengths times what was found.
+/// The map of one camera, with lengths scaled by the factor found.
 Map scaled(const Map& map, const MapScaleFound& found);
 
 }  // namespace rastro

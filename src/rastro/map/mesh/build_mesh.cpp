@@ -8,6 +8,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/map/images/map_views.h"
+#include "rastro/map/mesh/cell_sheets.h"
 #include "rastro/map/mesh/distance_volume.h"
 
 namespace rastro {
@@ -15,27 +16,30 @@ namespace {
 
 using detail::block_cells;
 using detail::block_side;
+using detail::CellSheets;
 using detail::DistanceBlock;
 using detail::DistanceVolume;
 using detail::DistanceVoxel;
 using Eigen::Vector3f;
 using Eigen::Vector3i;
 
-constexpr float steepest = 2.0F;  ///< Distances change by at most a voxel from one to the next, noise apart.
+constexpr float steepest = 2.0F;  ///< Distances change by at most one voxel between neighbors, except for noise.
 
 Vector3i corner(int index) { return {index & 1, index >> 1 & 1, index >> 2 & 1}; }
 
-/// The voxels around a block's cells: its own and those of the next blocks.
-class Neighbourhood {
+using Corners = std::array<const DistanceVoxel*, 8>;
+
+/// The voxels around a block's cells: its own and those of the adjacent blocks.
+class Neighborhood {
  public:
-  Neighbourhood(const DistanceVolume& volume, const DistanceBlock& block) {
+  Neighborhood(const DistanceVolume& volume, const DistanceBlock& block) {
     for (int index = 0; index < 8; ++index) {
       const int found = volume.block_at(block.place + corner(index));
       blocks_[static_cast<std::size_t>(index)] =
           found < 0 ? nullptr : volume.blocks()[static_cast<std::size_t>(found)].get();
     }
   }
-  /// 0 to 8 along each axis; null where no block is.
+  /// 0 to 8 along each axis; null where there is no block.
   const DistanceVoxel* at(const Vector3i& cell) const {
     const Vector3i block = cell / block_side, inside = cell - block_side * block;
     const DistanceBlock* found = blocks_[static_cast<std::size_t>(block.x() + 2 * block.y() + 4 * block.z())];
@@ -47,10 +51,18 @@ class Neighbourhood {
   std::array<const DistanceBlock*, 8> blocks_;
 };
 
-/// The vertices of a block and, for each of its cells, which it is.
+/// The vertices of a cell: one per sheet, in their order.
+struct CellVertices {
+  std::int32_t first = -1;     ///< -1: none.
+  std::uint32_t sheet_of = 0;  ///< Two bits per edge.
+
+  std::int32_t at(int edge) const { return first + static_cast<std::int32_t>(sheet_of >> 2 * edge & 3U); }
+};
+
+/// The vertices of a block, and those of each of its cells.
 struct BlockNet {
   std::vector<MeshVertex> vertices;
-  std::array<std::int32_t, block_cells> vertex_of{};
+  std::array<CellVertices, block_cells> vertices_of{};
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
@@ -80,49 +92,94 @@ class SurfaceNet {
 
   void place_vertices(std::size_t index) {
     const DistanceBlock& block = *volume_.blocks()[index];
-    const Neighbourhood around(volume_, block);
+    const Neighborhood around(volume_, block);
     BlockNet& net = nets_[index];
     for (int cell = 0; cell < block_cells; ++cell) {
       const Vector3i inside(cell % block_side, cell / block_side % block_side, cell / (block_side * block_side));
-      net.vertex_of[static_cast<std::size_t>(cell)] = -1;
-      MeshVertex vertex;
-      if (!find_vertex(around, inside, vertex)) continue;
-      const auto voxel = static_cast<float>(volume_.voxel_m());
-      const Vector3f base = (block_side * block.place + inside).cast<float>() + Vector3f::Constant(0.5F);
-      vertex.position = voxel * (base + vertex.position);
-      net.vertex_of[static_cast<std::size_t>(cell)] = static_cast<std::int32_t>(net.vertices.size());
-      net.vertices.push_back(vertex);
+      Corners corners{};
+      for (int k = 0; k < 8; ++k) corners[static_cast<std::size_t>(k)] = around.at(inside + corner(k));
+      const std::uint8_t solid = solid_corners(corners);
+      if (solid == 0 || solid == 255 || !is_smooth(corners)) continue;
+      const auto beyond = [&](int axis, int side) {
+        return solid_at(block.place, inside + (side == 1 ? 1 : -1) * Vector3i::Unit(axis));
+      };
+      const CellSheets sheets = detail::sheets_of(solid, detail::joined_faces(solid, beyond));
+      const auto base = (block_side * block.place + inside).cast<float>() + Vector3f::Constant(0.5F);
+      CellVertices& vertices = net.vertices_of[static_cast<std::size_t>(cell)];
+      vertices.first = static_cast<std::int32_t>(net.vertices.size());
+      for (int edge = 0; edge < 12; ++edge)
+        if (const int sheet = sheets.of_edge[static_cast<std::size_t>(edge)]; sheet > 0)
+          vertices.sheet_of |= static_cast<std::uint32_t>(sheet) << 2 * edge;
+      for (int sheet = 0; sheet < sheets.count; ++sheet) {
+        MeshVertex vertex = vertex_of(corners, sheets, sheet);
+        vertex.position = static_cast<float>(volume_.voxel_m()) * (base + vertex.position);
+        net.vertices.push_back(vertex);
+      }
     }
   }
 
-  /// The mean of the places where the edges of a cell cross the surface, in cells from its first corner.
-  bool find_vertex(const Neighbourhood& around, const Vector3i& cell, MeshVertex& vertex) const {
-    std::array<const DistanceVoxel*, 8> corners{};
-    int inside = 0;
-    for (int k = 0; k < 8; ++k) {
-      corners[static_cast<std::size_t>(k)] = around.at(cell + corner(k));
-      if (!is_known(corners[static_cast<std::size_t>(k)])) return false;
-      inside += corners[static_cast<std::size_t>(k)]->distance < 0.0F ? 1 : 0;
+  /// One bit for each corner behind the surface; also 0 if a corner is unknown.
+  std::uint8_t solid_corners(const Corners& corners) const {
+    std::uint8_t solid = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+      if (!is_known(corners[k])) return 0;
+      if (corners[k]->distance < 0.0F) solid = static_cast<std::uint8_t>(solid | 1U << k);
     }
-    if (inside == 0 || inside == 8) return false;
-    Vector3f place = Vector3f::Zero(), gradient = Vector3f::Zero(), colour = Vector3f::Zero();
+    return solid;
+  }
+
+  /// The same for any cell, of a block near `block`.
+  std::uint8_t solid_at(const Vector3i& block, const Vector3i& cell) const {
+    Corners corners{};
+    for (int k = 0; k < 8; ++k) {
+      const Vector3i voxel = block_side * block + cell + corner(k);
+      const Vector3i place = voxel.unaryExpr(
+          [](int value) { return value >= 0 ? value / block_side : -((block_side - 1 - value) / block_side); });
+      const int found = volume_.block_at(place);
+      if (found < 0) return 0;
+      const Vector3i inside = voxel - block_side * place;
+      corners[static_cast<std::size_t>(k)] =
+          &volume_.blocks()[static_cast<std::size_t>(found)]
+               ->voxels[static_cast<std::size_t>((inside.z() * block_side + inside.y()) * block_side + inside.x())];
+    }
+    return solid_corners(corners);
+  }
+
+  /// No step from far in front to far behind: that is the border of a surface and an occluded one behind it.
+  bool is_smooth(const Corners& corners) const {
+    for (int k = 0; k < 8; ++k) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (k >> axis & 1) continue;
+        const float a = corners[static_cast<std::size_t>(k)]->distance;
+        const float b = corners[static_cast<std::size_t>(k | 1 << axis)]->distance;
+        if ((a < 0.0F) != (b < 0.0F) && std::abs(a - b) > steepest * static_cast<float>(volume_.voxel_m()))
+          return false;
+      }
+    }
+    return true;
+  }
+
+  /// The mean of the points where the edges of a sheet cross the surface, in cells from its first corner.
+  static MeshVertex vertex_of(const Corners& corners, const CellSheets& sheets, int sheet) {
+    MeshVertex vertex;
+    Vector3f place = Vector3f::Zero(), gradient = Vector3f::Zero(), color = Vector3f::Zero();
     int crossings = 0;
     for (int k = 0; k < 8; ++k) {
       for (int axis = 0; axis < 3; ++axis) {
         if (k >> axis & 1) continue;
         const DistanceVoxel &a = *corners[static_cast<std::size_t>(k)],
                             &b = *corners[static_cast<std::size_t>(k | 1 << axis)];
-        gradient[axis] += b.distance - a.distance;
-        if ((a.distance < 0.0F) == (b.distance < 0.0F)) continue;
-        // From far before to far behind in one step: the rim of a surface and what lies hidden behind it.
-        if (std::abs(a.distance - b.distance) > steepest * static_cast<float>(volume_.voxel_m())) return false;
+        const int through = sheets.of_edge[static_cast<std::size_t>(detail::edge_at(axis, k))];
+        // In a cell with one sheet, the gradient uses all edges; with several, those that the sheet crosses.
+        if (sheets.count == 1 || through == sheet) gradient[axis] += b.distance - a.distance;
+        if (through != sheet) continue;
         const float share = a.distance / (a.distance - b.distance);
         Vector3f crossing = corner(k).cast<float>();
         crossing[axis] += share;
         place += crossing;
         for (int c = 0; c < 3; ++c) {
           const auto channel = static_cast<std::size_t>(c);
-          colour[c] += (1.0F - share) * a.colour[channel] + share * b.colour[channel];
+          color[c] += (1.0F - share) * a.color[channel] + share * b.color[channel];
         }
         ++crossings;
       }
@@ -130,26 +187,26 @@ class SurfaceNet {
     vertex.position = place / static_cast<float>(crossings);
     if (gradient.norm() > 0.0F) vertex.normal = gradient.normalized();
     for (std::size_t c = 0; c < 3; ++c)
-      vertex.colour[c] = static_cast<std::uint8_t>(std::lround(colour[static_cast<int>(c)] / crossings));
-    return true;
+      vertex.color[c] = static_cast<std::uint8_t>(std::lround(color[static_cast<int>(c)] / crossings));
+    return vertex;
   }
 
-  /// Number of a cell's vertex; -1: none. `cell` may lie one before the block.
-  std::int64_t vertex_at(std::size_t index, const Vector3i& cell) const {
+  /// Index of the vertex of the sheet through an edge of a cell; -1: none. `cell` may be one before the block.
+  std::int64_t vertex_at(std::size_t index, const Vector3i& cell, int edge) const {
     Vector3i place = volume_.blocks()[index]->place, inside = cell;
     for (int axis = 0; axis < 3; ++axis)
       if (inside[axis] < 0) inside[axis] += block_side, --place[axis];
     const int block = place == volume_.blocks()[index]->place ? static_cast<int>(index) : volume_.block_at(place);
     if (block < 0) return -1;
     const auto found = static_cast<std::size_t>(block);
-    const std::int32_t vertex =
+    const CellVertices& vertices =
         nets_[found]
-            .vertex_of[static_cast<std::size_t>((inside.z() * block_side + inside.y()) * block_side + inside.x())];
-    return vertex < 0 ? -1 : static_cast<std::int64_t>(first_[found]) + vertex;
+            .vertices_of[static_cast<std::size_t>((inside.z() * block_side + inside.y()) * block_side + inside.x())];
+    return vertices.first < 0 ? -1 : static_cast<std::int64_t>(first_[found]) + vertices.at(edge);
   }
 
   void tie_faces(std::size_t index) {
-    const Neighbourhood around(volume_, *volume_.blocks()[index]);
+    const Neighborhood around(volume_, *volume_.blocks()[index]);
     for (int cell = 0; cell < block_cells; ++cell) {
       const Vector3i inside(cell % block_side, cell / block_side % block_side, cell / (block_side * block_side));
       const DistanceVoxel* from = around.at(inside);
@@ -162,12 +219,14 @@ class SurfaceNet {
     }
   }
 
-  /// The four cells around an edge of the grid that crosses the surface; `outwards`: along the axis it leaves the
-  /// solid.
+  /// Connects the four cells around a grid edge that crosses the surface; `outwards`: it leaves the solid along the
+  /// axis.
   void tie_face(std::size_t index, const Vector3i& inside, int axis, bool outwards) {
     const Vector3i u = Vector3i::Unit((axis + 1) % 3), v = Vector3i::Unit((axis + 2) % 3);
-    std::array<std::int64_t, 4> quad{vertex_at(index, inside - u - v), vertex_at(index, inside - v),
-                                     vertex_at(index, inside), vertex_at(index, inside - u)};
+    const auto around = [&](int at_u, int at_v) {
+      return vertex_at(index, inside - at_u * u - at_v * v, detail::edge_of(axis, at_u, at_v));
+    };
+    std::array<std::int64_t, 4> quad{around(1, 1), around(0, 1), around(0, 0), around(1, 0)};
     if (std::any_of(quad.begin(), quad.end(), [](std::int64_t vertex) { return vertex < 0; })) return;
     if (!outwards) std::swap(quad[1], quad[3]);
     const auto at = [&](std::size_t k) { return static_cast<std::uint32_t>(quad[k]); };
@@ -181,7 +240,7 @@ class SurfaceNet {
   std::vector<std::uint32_t> first_;
 };
 
-/// Takes out vertices that no triangle needs.
+/// Removes vertices without a triangle.
 void drop_loose_vertices(TriangleMesh& mesh) {
   std::vector<std::uint32_t> moved(mesh.vertices.size(), 0);
   for (const auto& triangle : mesh.triangles)
@@ -207,7 +266,7 @@ TriangleMesh build_mesh(const Map& map, const MeshOptions& options, TaskPool* po
   detail::MapViews views(map, detail::keyframes_of(map, options.submap), pool);
   int width = 0, height = 0;
   views.walk(
-      [&](std::size_t slot, std::size_t, const UnpackedPictures& pictures, const RayTable& rays) {
+      [&](std::size_t slot, std::size_t, const UnpackedImages& pictures, const RayTable& rays) {
         group[slot] = surface_samples(pictures, rays, surface);
         if (slot == 0) width = rays.width(), height = rays.height();
       },

@@ -11,19 +11,19 @@
 namespace rastro {
 
 struct MeshOptions {
-  double voxel_m = 0.02;      ///< Side of the voxels, and about that of the triangles; > 0.
-  double truncation_m = 0.0;  ///< How far off a surface its distance is kept; 0: four voxels.
+  double voxel_m = 0.02;      ///< Side of the voxels, and roughly that of the triangles; > 0.
+  double truncation_m = 0.0;  ///< Distance from a surface up to which distances are stored; 0: four voxels.
   double min_depth_m = 0.3, max_depth_m = 5.0;
   int submap = 0;     ///< As in CloudOptions.
-  int min_views = 2;  ///< Voxels seen from fewer keyframes have no surface; where there is one keyframe only, 1.
-  /// Of 8 x 8 x 8 voxels; a map that needs more is an Error that asks for larger voxels.
+  int min_views = 2;  ///< Voxels observed from fewer keyframes have no surface; 1 for a map with only one keyframe.
+  /// Of 8 x 8 x 8 voxels; for a map that needs more, an Error asks for larger voxels.
   std::size_t max_blocks = 60'000;
 };
 
-/// The surfaces as one mesh with colours: signed distances to what the keyframes saw, averaged with weights
-/// 1 / sigma(z)^2 (Curless and Levoy 1996, "A volumetric method for building complex models from range images"), in
-/// blocks near surfaces only (Niessner et al. 2013), and their zero as a surface net (Gibson 1998). The same bytes for
-/// any pool. Error where pictures cannot be read.
+/// The surfaces as one mesh with colors: signed distances to the observed surfaces, averaged with weights 1 /
+/// sigma(z)^2 (Curless and Levoy 1996, "A volumetric method for building complex models from range images"), in blocks
+/// near surfaces only (Niessner et al. 2013), and their zero crossing as a surface net (Gibson 1998). The same bytes
+/// for any pool. Error where images cannot be read.
 TriangleMesh build_mesh(const Map& map, const MeshOptions& options, TaskPool* pool = nullptr,
                         const MapProgress& progress = {});
 

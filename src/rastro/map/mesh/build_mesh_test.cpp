@@ -43,7 +43,7 @@ TEST(BuildMesh, IsASurfaceWhereTheRoomHasOne) {
   EXPECT_GT(static_cast<double>(close), 0.9 * static_cast<double>(mesh.vertices.size())) << "away from edges";
 }
 
-TEST(BuildMesh, TurnsEveryTriangleToTheCamerasAndNeighboursShareEdges) {
+TEST(BuildMesh, EveryTriangleFacesTheCamerasAndNeighborsShareEdges) {
   const Map map = make_test_map(4);
   const TriangleMesh mesh = build_mesh(map, coarse());
   const Vector3d camera = map.keyframes[1].world_from_camera.translation();
@@ -58,11 +58,24 @@ TEST(BuildMesh, TurnsEveryTriangleToTheCamerasAndNeighboursShareEdges) {
     towards += (at[1] - at[0]).cross(at[2] - at[0]).dot(camera - at[0]) > 0.0 ? 1 : 0;
   }
   EXPECT_GT(static_cast<double>(towards), 0.97 * static_cast<double>(mesh.triangles.size()));
-  // A directed edge is used by one triangle, as neighbours run along it in opposite directions; where two surfaces pass
-  // through one cell they share a vertex.
+  // A directed edge belongs to one triangle, since neighbors traverse it in opposite directions; where two surfaces
+  // pass through one cell they share a vertex.
   std::size_t shared = 0;
   for (const auto& [edge, count] : edges) shared += count > 1 ? 1 : 0;
   EXPECT_LT(static_cast<double>(shared), 0.02 * static_cast<double>(edges.size()));
+}
+
+TEST(BuildMesh, NoEdgeHasMoreThanTwoFaces) {
+  for (const double voxel_m : {0.02, 0.04, 0.11}) {
+    MeshOptions options;
+    options.voxel_m = voxel_m;
+    const TriangleMesh mesh = build_mesh(make_test_map(4), options);
+    ASSERT_GT(mesh.triangles.size(), 500U);
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> faces;
+    for (const auto& triangle : mesh.triangles)
+      for (std::size_t k = 0; k < 3; ++k) ++faces[std::minmax(triangle[k], triangle[(k + 1) % 3])];
+    for (const auto& [edge, count] : faces) ASSERT_LE(count, 2) << "voxels of " << voxel_m;
+  }
 }
 
 TEST(BuildMesh, GivesTheSameMeshForAnyPoolAndAsksForLargerVoxels) {

@@ -15,9 +15,9 @@ namespace rastro::detail {
 namespace {
 
 constexpr int farthest_block = 1 << 20;
-constexpr int samples_between = 4;  ///< Blocks are found from every so many-th sample, as pixels are dense.
+constexpr int samples_between = 4;  ///< Blocks are found from every n-th sample, since pixels are dense.
 
-bool precedes(const BlockPlace& a, const BlockPlace& b) {
+bool precedes(const BlockIndex& a, const BlockIndex& b) {
   return std::tuple(a.z(), a.y(), a.x()) < std::tuple(b.z(), b.y(), b.x());
 }
 
@@ -47,12 +47,12 @@ DistanceVolume::DistanceVolume(const MeshOptions& options)
       truncation_m_(options.truncation_m > 0.0 ? options.truncation_m : 4.0 * options.voxel_m),
       max_blocks_(options.max_blocks) {}
 
-std::uint64_t DistanceVolume::key_of(const BlockPlace& place) {
+std::uint64_t DistanceVolume::key_of(const BlockIndex& place) {
   const auto biased = [](int value) { return static_cast<std::uint64_t>(value + farthest_block); };
   return biased(place.z()) << 42 | biased(place.y()) << 21 | biased(place.x());
 }
 
-int DistanceVolume::block_at(const BlockPlace& place) const {
+int DistanceVolume::block_at(const BlockIndex& place) const {
   const auto found = index_.find(key_of(place));
   return found == index_.end() ? -1 : found->second;
 }
@@ -67,7 +67,7 @@ std::vector<int> DistanceVolume::touch(const std::vector<SurfaceSample>& samples
       const Eigen::Vector3d place = point + point.normalized() * (truncation_m_ * step / steps);
       const Eigen::Vector3d in_blocks = (world_from_camera * place / block_m).array().floor();
       if (!(in_blocks.cwiseAbs().maxCoeff() < farthest_block - 2)) continue;
-      const BlockPlace block = in_blocks.cast<int>();
+      const BlockIndex block = in_blocks.cast<int>();
       const auto [found, is_new] = index_.try_emplace(key_of(block), static_cast<int>(blocks_.size()));
       if (is_new) {
         blocks_.push_back(std::make_unique<DistanceBlock>());
@@ -87,12 +87,12 @@ std::vector<int> DistanceVolume::touch(const std::vector<SurfaceSample>& samples
 void DistanceVolume::update(DistanceBlock& block, const View& view) const {
   for (int cell = 0; cell < block_cells; ++cell) {
     const Eigen::Vector3i inside(cell % block_side, cell / block_side % block_side, cell / (block_side * block_side));
-    const Eigen::Vector3d centre =
+    const Eigen::Vector3d center =
         voxel_m_ * ((block_side * block.place + inside).cast<double>() + Eigen::Vector3d::Constant(0.5));
-    const Eigen::Vector3d in_camera = view.camera_from_world * centre;
+    const Eigen::Vector3d in_camera = view.camera_from_world * center;
     const SurfaceSample* sample = view.seen_from(in_camera);
     if (sample == nullptr) continue;
-    // At right angles to the surface where its normal is known, else along the ray.
+    // Perpendicular to the surface where its normal is known, else along the ray.
     const Eigen::Vector3d to_surface = sample->point_in_camera.cast<double>() - in_camera;
     const Eigen::Vector3d normal = sample->normal_in_camera.cast<double>();
     const double ahead = to_surface.z() * in_camera.norm() / in_camera.z();
@@ -102,8 +102,8 @@ void DistanceVolume::update(DistanceBlock& block, const View& view) const {
     const float w = 1.0F / (sample->sigma * sample->sigma), share = w / (voxel.weight + w);
     voxel.distance += share * (static_cast<float>(std::min(distance, truncation_m_)) - voxel.distance);
     for (std::size_t k = 0; k < 3; ++k) {
-      const float mixed = voxel.colour[k] + share * (static_cast<float>(sample->colour[k]) - voxel.colour[k]);
-      voxel.colour[k] = static_cast<std::uint8_t>(std::clamp(std::lround(mixed), 0L, 255L));
+      const float mixed = voxel.color[k] + share * (static_cast<float>(sample->color[k]) - voxel.color[k]);
+      voxel.color[k] = static_cast<std::uint8_t>(std::clamp(std::lround(mixed), 0L, 255L));
     }
     voxel.weight += w;
     if (voxel.views < 255) ++voxel.views;

@@ -20,18 +20,18 @@ namespace rastro::detail {
 constexpr int block_side = 8;
 constexpr int block_cells = block_side * block_side * block_side;
 
-/// Distance to the surface at a voxel's centre: positive before it, as the cameras see it.
+/// Signed distance to the surface at a voxel's center: positive in front of it, on the cameras' side.
 struct DistanceVoxel {
-  float distance = 0.0F;  ///< Weighted mean, metres.
+  float distance = 0.0F;  ///< Weighted mean, meters.
   float weight = 0.0F;
-  std::array<std::uint8_t, 3> colour{};
-  std::uint8_t views = 0;  ///< Stops at 255.
+  std::array<std::uint8_t, 3> color{};
+  std::uint8_t views = 0;  ///< Saturates at 255.
 };
 
-using BlockPlace = Eigen::Vector3i;  ///< In blocks.
+using BlockIndex = Eigen::Vector3i;  ///< In blocks.
 
 struct DistanceBlock {
-  BlockPlace place = BlockPlace::Zero();
+  BlockIndex place = BlockIndex::Zero();
   std::array<DistanceVoxel, block_cells> voxels;
 };
 
@@ -39,20 +39,20 @@ struct DistanceBlock {
 class DistanceVolume {
  public:
   explicit DistanceVolume(const MeshOptions& options);
-  /// What one keyframe measured, one sample a pixel. Error where there would be too many blocks.
+  /// Adds one keyframe's measurements, one sample per pixel. Error if there would be too many blocks.
   void add(const std::vector<SurfaceSample>& samples, const Camera& camera, int width, int height,
            const SE3& world_from_camera, TaskPool* pool);
-  /// Sorted by place from now on.
+  /// Sorts the blocks by position; to be called last.
   void sort();
 
   double voxel_m() const { return voxel_m_; }
   const std::vector<std::unique_ptr<DistanceBlock>>& blocks() const { return blocks_; }
-  /// Its index; -1 where there is none.
-  int block_at(const BlockPlace& place) const;
+  /// Index of a block; -1 where there is none.
+  int block_at(const BlockIndex& place) const;
 
  private:
   struct View;
-  static std::uint64_t key_of(const BlockPlace& place);
+  static std::uint64_t key_of(const BlockIndex& place);
   std::vector<int> touch(const std::vector<SurfaceSample>& samples, const SE3& world_from_camera);
   void update(DistanceBlock& block, const View& view) const;
 

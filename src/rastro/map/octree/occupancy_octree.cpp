@@ -52,7 +52,7 @@ void update(octomap::OcTree& tree, const RayCells& cells) {
 std::string head_of(const octomap::OcTree& tree, const char* format) {
   return fmt::format(
       "{}\n# (feel free to add / change comments, but leave the first line as it is!)\n#\n# written by rastro, "
-      "metres\nid OcTree\nsize {}\nres {:g}\ndata\n",
+      "meters\nid OcTree\nsize {}\nres {:g}\ndata\n",
       format, tree.size(), tree.getResolution());
 }
 
@@ -73,7 +73,7 @@ OccupancyOctree::~OccupancyOctree() = default;
 double OccupancyOctree::resolution_m() const { return tree_->octomap->getResolution(); }
 
 std::optional<double> OccupancyOctree::occupancy_at(const Eigen::Vector3d& place) const {
-  // OctoMap turns any coordinate into an int before it looks whether it fits.
+  // OctoMap converts any coordinate to an int before it checks the range.
   const double reach = tree_->octomap->getResolution() * 32768.0;
   if (!(place.array().abs() < reach).all()) return std::nullopt;
   octomap::OcTreeKey key;
@@ -98,7 +98,7 @@ Eigen::Vector3d OccupancyOctree::high() const {
 std::size_t OccupancyOctree::occupied_leaves() const { return count_leaves(*tree_->octomap, true); }
 std::size_t OccupancyOctree::free_leaves() const { return count_leaves(*tree_->octomap, false); }
 
-// The heads are written here, not by OctoMap's own functions, as those print.
+// The headers are written here, because OctoMap's own functions print.
 std::string OccupancyOctree::ot_bytes() const {
   std::ostringstream stream;
   stream << head_of(*tree_->octomap, "# Octomap OcTree file");
@@ -128,7 +128,7 @@ OccupancyOctree build_octree(const Map& map, const OctreeOptions& options, TaskP
   std::vector<RayCells> group(detail::MapViews::group_size, RayCells(Eigen::Vector3d::Zero(), options.resolution_m));
   detail::MapViews views(map, detail::keyframes_of(map, options.submap), pool);
   views.walk(
-      [&](std::size_t slot, std::size_t keyframe, const UnpackedPictures& pictures, const RayTable& rays) {
+      [&](std::size_t slot, std::size_t keyframe, const UnpackedImages& pictures, const RayTable& rays) {
         group[slot] =
             cells_of(surface_samples(pictures, rays, surface), map.keyframes[keyframe].world_from_camera, options);
       },

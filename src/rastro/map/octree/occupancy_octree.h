@@ -16,15 +16,15 @@ namespace rastro {
 /// The defaults are those of Hornung et al. 2013, "OctoMap".
 struct OctreeOptions {
   double resolution_m = 0.05;  ///< Side of the smallest cubes, > 0.
-  int stride = 4;              ///< Every so many-th pixel of every so many-th row, >= 1.
+  int stride = 4;              ///< Every stride-th pixel of every stride-th row, >= 1.
   double min_depth_m = 0.3;
-  double max_range_m = 5.0;      ///< Surfaces farther away along a ray only say that the space up to here is free.
-  double hit = 0.7, miss = 0.4;  ///< Occupancy that one measurement says by itself.
-  double lowest = 0.1192, highest = 0.971;  ///< Occupancy is kept between them, so that it can change again.
+  double max_range_m = 5.0;                 ///< For surfaces farther away along a ray, the space up to here is free.
+  double hit = 0.7, miss = 0.4;             ///< Occupancy probability from a single measurement.
+  double lowest = 0.1192, highest = 0.971;  ///< Occupancy is clamped to this range, so that it can change again.
   int submap = 0;                           ///< As in CloudOptions.
 };
 
-/// How likely each cube of space is occupied, as an OctoMap. World as in the map, metres.
+/// The occupancy probability of each cube of space, as an OctoMap. World as in the map, meters.
 class OccupancyOctree {
  public:
   struct Tree;  ///< Of OctoMap.
@@ -34,9 +34,9 @@ class OccupancyOctree {
   ~OccupancyOctree();
 
   double resolution_m() const;
-  /// Probability 0..1 of the cube at a place; nullopt where nothing is known.
+  /// Probability 0..1 of the cube at a position; nullopt where unknown.
   std::optional<double> occupancy_at(const Eigen::Vector3d& place) const;
-  /// What is known lies between these corners; both zero for an empty tree.
+  /// Bounds of the known space; both zero for an empty tree.
   Eigen::Vector3d low() const;
   Eigen::Vector3d high() const;
   std::size_t occupied_leaves() const;
@@ -50,8 +50,8 @@ class OccupancyOctree {
   std::unique_ptr<Tree> tree_;
 };
 
-/// Every depth picture says once of each cube whether a ray ends in it (it is hit) or only passes (it is free).
-/// Keyframes count in order; the same bytes for any pool. Error where pictures cannot be read.
+/// Each depth image updates each cube once: hit if a ray ends in it, free if rays only pass through it. Keyframes are
+/// inserted in order; the same bytes for any pool. Error where images cannot be read.
 OccupancyOctree build_octree(const Map& map, const OctreeOptions& options, TaskPool* pool = nullptr,
                              const MapProgress& progress = {});
 

@@ -23,13 +23,13 @@ OctreeOptions options() {
   return options;
 }
 
-/// Made once, as every test only looks at it.
+/// Made once, since every test only reads it.
 const OccupancyOctree& room() {
   static const OccupancyOctree octree = build_octree(make_test_map(6), options());
   return octree;
 }
 
-TEST(OccupancyOctree, KnowsWallsFreeSpaceAndWhatIsHidden) {
+TEST(OccupancyOctree, KnowsWallsFreeSpaceAndOccludedSpace) {
   const OccupancyOctree& octree = room();
   // The wall ahead, the floor and the box's top are hit by several keyframes; 0.7 twice is 0.845.
   EXPECT_GT(octree.occupancy_at({1.99, 0.1, 1.0}).value_or(0.0), 0.8) << "a cube whose far side is the wall";
@@ -43,7 +43,7 @@ TEST(OccupancyOctree, KnowsWallsFreeSpaceAndWhatIsHidden) {
   EXPECT_GT(octree.free_leaves(), 1000U);
 }
 
-TEST(OccupancyOctree, ClampsAndCountsAsTheModelSays) {
+TEST(OccupancyOctree, ClampsAndCountsByTheModel) {
   const OccupancyOctree one = build_octree(make_test_map(1), options());
   const SE3 pose = test_room::world_from_camera(0, 1);
   const Vector3d ahead = pose * Vector3d(0.0, 0.0, 0.5);

@@ -44,7 +44,7 @@ void RayCells::add(const Eigen::Vector3d& end, bool hit) {
 
 void RayCells::finish() {
   make_set(hits_);
-  // One ray for each cube that rays end in: the others pass nearly the same ones.
+  // One ray per end cube: the others pass through nearly the same cubes.
   const auto by_cell = [](const Ray& a, const Ray& b) { return a.cell < b.cell; };
   std::stable_sort(rays_.begin(), rays_.end(), by_cell);
   const auto same = [](const Ray& a, const Ray& b) { return a.cell == b.cell; };

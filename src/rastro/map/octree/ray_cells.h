@@ -8,16 +8,16 @@
 
 namespace rastro::detail {
 
-/// Numbers of cubes, 16 bits an axis as in OctoMap: packed x | y << 16 | z << 32.
+/// Cube indices, 16 bits per axis as in OctoMap: packed x | y << 16 | z << 32.
 using CellKey = std::uint64_t;
 
-/// The cubes that one picture's rays end in and pass.
+/// The cubes in which the rays of one image end and through which they pass.
 class RayCells {
  public:
   RayCells(const Eigen::Vector3d& origin, double resolution_m);
-  /// A ray that ends at `end`; `hit`: on a surface.
+  /// Adds a ray that ends at `end`; `hit`: on a surface.
   void add(const Eigen::Vector3d& end, bool hit);
-  /// Sorts and takes out what is there twice; a cube that was hit is not free.
+  /// Sorts and removes duplicates; a cube that was hit is not free.
   void finish();
   const std::vector<CellKey>& hits() const { return hits_; }
   const std::vector<CellKey>& free() const { return free_; }

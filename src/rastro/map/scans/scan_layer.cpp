@@ -112,6 +112,7 @@ std::optional<OccupancyGrid> occupancy_grid_of(const Map& map, int submap) {
       grid.insert(world_from_body * scan.sensor, points);
     }
   }
+  grid.freeze();  // what is left to do needs one byte a cell
   return to_occupancy(grid.view());
 }
 

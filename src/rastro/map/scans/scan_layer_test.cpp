@@ -13,7 +13,7 @@
 namespace rastro {
 namespace {
 
-/// Keyframes with two scans each, the last one of a submap of its own.
+/// Keyframes with two scans each, the last one in a submap of its own.
 Map map_of_scans(int keyframes) {
   Random random(41);
   Map map;
@@ -37,7 +37,7 @@ Map map_of_scans(int keyframes) {
   return map;
 }
 
-/// The grid of the scans of these keyframes, put in one after the other.
+/// The grid of the scans of these keyframes, inserted one after the other.
 OccupancyGrid filled_directly(const Map& map, const std::vector<std::size_t>& keyframes) {
   const auto layer = map.layer<ScanLayer>();
   LogOddsGrid grid(layer->cell_m, layer->model);
@@ -72,7 +72,7 @@ TEST(OccupancyGridOfAMap, IsTheOneFilledWithItsScans) {
   EXPECT_NE(occupancy_grid_of(map)->percent, grid->percent) << "it follows the map";
 }
 
-TEST(OccupancyGridOfAMap, PassesOverKeyframesWithoutScans) {
+TEST(OccupancyGridOfAMap, SkipsKeyframesWithoutScans) {
   Map map = map_of_scans(4);
   auto scans = std::make_shared<ScanLayer>(*map.layer<ScanLayer>());
   scans->of.erase(7);
@@ -82,7 +82,7 @@ TEST(OccupancyGridOfAMap, PassesOverKeyframesWithoutScans) {
   EXPECT_FALSE(occupancy_grid_of(map));
 }
 
-TEST(ScanLayer, ShowsItsReturnsWhereTheMapHasThem) {
+TEST(ScanLayer, ShowsItsReturnsAtTheCurrentPoses) {
   const Map map = map_of_scans(3);
   const PointCloud cloud = layer_points(map, 0);
   ASSERT_EQ(cloud.points.size(), 800U);

@@ -60,7 +60,7 @@ class SemiDenseLayerType : public KeyframeLayerType<SemiDenseLayer, SemiDenseDep
         const double z = 1.0 / static_cast<double>(pixel.inverse_depth);
         CloudPoint point;
         point.position = (keyframe->world_from_camera * Eigen::Vector3d(z * ray->x(), z * ray->y(), z)).cast<float>();
-        point.colour = {pixel.intensity, pixel.intensity, pixel.intensity};
+        point.color = {pixel.intensity, pixel.intensity, pixel.intensity};
         point.count = 1;
         point.sigma = static_cast<float>(z * z * std::sqrt(static_cast<double>(pixel.variance)));
         cloud.points.push_back(point);

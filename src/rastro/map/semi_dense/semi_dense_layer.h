@@ -12,7 +12,7 @@ namespace rastro {
 struct SemiDenseDepth {
   struct Pixel {
     std::uint16_t x = 0, y = 0;
-    float inverse_depth = 0.0F;  ///< In one over the map's unit, along the optical axis; > 0.
+    float inverse_depth = 0.0F;  ///< Inverse of the map's unit, along the optical axis; > 0.
     float variance = 0.0F;       ///< Of the inverse depth.
     std::uint8_t intensity = 0;
   };

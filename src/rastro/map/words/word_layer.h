@@ -8,7 +8,7 @@
 
 namespace rastro {
 
-/// The visual words of each keyframe, by which places are recognized.
+/// The visual words of each keyframe, for place recognition.
 struct WordLayer : KeyframeLayer<BagOfWords> {
   static constexpr const char* layer_name = "words";
   std::string vocabulary;  ///< SHA-256 of the vocabulary that the words belong to.

@@ -15,7 +15,7 @@ namespace {
 constexpr int unknowns = RayCorrection::count;
 constexpr double least_depth = 1e-6;
 constexpr std::ptrdiff_t least_views = 5;
-// Tighter than in refinement: tracks that slip a little have errors that look like another lens.
+// Tighter than in refinement: the residuals of slightly slipping tracks resemble another lens.
 constexpr double huber_px = 0.3;
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 using Matrix25 = Eigen::Matrix<double, 2, unknowns>;
@@ -39,7 +39,8 @@ class Normal {
   RayCorrection eliminate() const {
     RayCorrection found;
     const Eigen::Index n = cameras_;
-    // The frame of the world and the scale are free: the right side has no part in them, damping keeps them still.
+    // The world's frame and the scale are free. The right-hand side has no component along them; damping keeps them
+    // fixed.
     Eigen::MatrixXd poses = all_.topLeftCorner(n, n);
     poses.diagonal().array() *= 1.0 + 1e-6;
     poses.diagonal().array() += 1e-9;
@@ -50,7 +51,7 @@ class Normal {
     found.information = all_.bottomRightCorner<unknowns, unknowns>() - across.transpose() * solved;
     found.right = right_.tail<unknowns>() - solved.transpose() * right_.head(n);
     if (!found.information.allFinite() || !found.right.allFinite()) return {};
-    // What is left after everything has moved.
+    // The residual after the step.
     const double left = squares_ - right_.head(n).dot(solver.solve(right_.head(n)));
     const double freedom = std::max(1.0, 2.0 * used_ - 3.0 * points_ - static_cast<double>(n));
     const double variance = std::max(1e-4, left / freedom);
@@ -68,7 +69,7 @@ class Normal {
     Eigen::Vector2d error;
   };
 
-  bool linearise(const WindowObservation& seen, Row& row) const {
+  bool linearize(const WindowObservation& seen, Row& row) const {
     const SE3& pose = window_.camera_from_world[static_cast<std::size_t>(seen.camera)];
     const Eigen::Vector3d p = pose * window_.points[static_cast<std::size_t>(seen.point)];
     if (p.z() < least_depth) return false;
@@ -98,7 +99,7 @@ class Normal {
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (std::size_t i = begin; i < end; ++i) {
       Row row;
-      if (!linearise(window_.observations[i], row)) continue;
+      if (!linearize(window_.observations[i], row)) continue;
       normal += row.by_point.transpose() * row.by_point;
       right -= row.by_point.transpose() * row.error;
       rows_.push_back(row);
@@ -150,10 +151,11 @@ void CalibrationCheck::add(const RefinementWindow& window) {
   explained_ += found.right.dot((found.information + unknown).inverse() * found.right);
   sum_.information += found.information;
   sum_.right += found.right;
-  // Keeps what was never seen solvable: it is not known to better than 1.
+  // Keeps unobserved parameters solvable: their standard deviation is at most 1.
   const RayCorrection::Matrix covariance = (sum_.information + unknown).inverse();
   estimate_.value = covariance * sum_.right;
-  // Windows that contradict each other more than their errors allow (a rolling shutter, moving things) make it unsure.
+  // Windows that contradict each other more than their covariance allows (rolling shutter, moving objects) lower the
+  // certainty.
   const double scatter =
       std::max(0.0, explained_ - sum_.right.dot(estimate_.value)) / (unknowns * std::max(1, windows_ - 1));
   estimate_.sigma = (std::max(1.0, scatter) * covariance.diagonal().cwiseMax(0.0)).cwiseSqrt();
@@ -184,7 +186,7 @@ std::string CalibrationCheck::detail(double focal_px) const {
   say(RayCorrection::stretch_y, fmt::format("fy about {:.2f} times as long", 1.0 / std::max(0.1, 1.0 + v[1])));
   say(RayCorrection::shift_x, fmt::format("cx about {:+.0f} px", -v[2] * focal_px));
   say(RayCorrection::shift_y, fmt::format("cy about {:+.0f} px", -v[3] * focal_px));
-  say(RayCorrection::radial, "another radial distortion");
+  say(RayCorrection::radial, "a different radial distortion");
   return fmt::format("points over {} windows of keyframes fit better with {}; check the calibration", windows_, better);
 }
 

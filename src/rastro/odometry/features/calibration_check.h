@@ -8,9 +8,9 @@
 
 namespace rastro {
 
-/// How the given calibration would have to be changed to fit the motion it shows: the normal equations of the five
-/// numbers of `Index`, everything else eliminated, in units of the errors' variance. A point at (x, y) of the
-/// normalised image plane is seen where it should be at x + stretch_x x + shift_x + radial x r^2, and so in y.
+/// The correction of the given calibration that fits the observed motion best: normal equations of the five parameters
+/// of `Index`, all else eliminated, in units of the residuals' variance. A point predicted at (x, y) of the normalized
+/// image plane is observed at x + stretch_x x + shift_x + radial x r^2, and likewise in y.
 struct RayCorrection {
   enum Index { stretch_x, stretch_y, shift_x, shift_y, radial, count };
   using Vector = Eigen::Matrix<double, count, 1>;
@@ -19,16 +19,16 @@ struct RayCorrection {
   Vector right = Vector::Zero();
 };
 
-/// What a refined window says: one Gauss-Newton step of a bundle adjustment whose calibration is free too (Triggs et
-/// al. 2000, section 6). Only points that five cameras see count: a shorter way bends to any calibration. All zero
-/// where there are none, or where nothing can be solved.
+/// Result for one refined window: a Gauss-Newton step of a bundle adjustment with free calibration (Triggs et al. 2000,
+/// section 6). Only points with five observations or more count: a shorter track can be explained by any calibration.
+/// All zero where there are no such points or the system cannot be solved.
 RayCorrection ray_correction(const RefinementWindow& window);
 
-/// Sums up what window after window says of the calibration. A straight way does not show a wrong focal length (depth
-/// takes it up): then the correction is not known well, and nothing is said.
+/// Accumulates the calibration evidence of all windows. A straight trajectory does not constrain the focal length
+/// (depth absorbs the error): then the correction is too uncertain, and nothing is reported.
 class CalibrationCheck {
  public:
-  /// `tolerance`: share of the focal length by which any of the five may be off; 0: no check.
+  /// `tolerance`: share of the focal length by which any of the five parameters may be wrong; 0 disables the check.
   explicit CalibrationCheck(double tolerance) : tolerance_(tolerance) {}
 
   void add(const RefinementWindow& window);
@@ -38,9 +38,9 @@ class CalibrationCheck {
     RayCorrection::Vector sigma = RayCorrection::Vector::Ones();
   };
   const Estimate& estimate() const { return estimate_; }
-  /// Whether a number is off by more than the tolerance, surely, and over several windows.
+  /// Whether a parameter exceeds the tolerance significantly and over several windows.
   bool doubtful() const;
-  /// What would fit better, one short clause.
+  /// The calibration that would fit better, in one short clause.
   std::string detail(double focal_px) const;
 
  private:
@@ -48,7 +48,7 @@ class CalibrationCheck {
 
   double tolerance_;
   int windows_ = 0;
-  double explained_ = 0.0;  ///< Sum over windows of what each one's own correction takes off its squared errors.
+  double explained_ = 0.0;  ///< Sum over windows: reduction of the squared errors by each window's own correction.
   RayCorrection sum_;
   Estimate estimate_;
 };

@@ -8,16 +8,16 @@
 namespace rastro {
 namespace {
 
-/// What a wrong calibration makes of a ray.
+/// Effect of a wrong calibration on a ray.
 using Wrong = Eigen::Vector2d (*)(const Eigen::Vector2d&);
 Eigen::Vector2d right(const Eigen::Vector2d& ray) { return ray; }
 Eigen::Vector2d focal_too_long(const Eigen::Vector2d& ray) { return ray / 1.1; }
 Eigen::Vector2d focal_too_short(const Eigen::Vector2d& ray) { return ray / 0.9; }
-Eigen::Vector2d centre_aside(const Eigen::Vector2d& ray) { return ray + Eigen::Vector2d(0.08, 0.0); }
+Eigen::Vector2d center_aside(const Eigen::Vector2d& ray) { return ray + Eigen::Vector2d(0.08, 0.0); }
 Eigen::Vector2d without_distortion(const Eigen::Vector2d& ray) { return (1.0 - 0.2 * ray.squaredNorm()) * ray; }
 
-/// Eight cameras on a way, turning or straight, and points that all of them see to 0.1 px; adjusted as the odometry
-/// does.
+/// Eight cameras on a trajectory, turning or straight, and points observed by all of them with noise of 0.1 px;
+/// adjusted as the odometry does.
 RefinementWindow window_of(Wrong wrong, bool turning, std::uint64_t seed) {
   Random random(seed);
   RefinementWindow window;
@@ -53,7 +53,7 @@ TEST(CalibrationCheck, ARightCalibrationIsRight) {
   EXPECT_LT(check.estimate().sigma.maxCoeff(), 0.01);
 }
 
-TEST(CalibrationCheck, FocalLengthsOffByATenthAreFound) {
+TEST(CalibrationCheck, DetectsFocalLengthErrorsOfTenPercent) {
   const CalibrationCheck check = checked(focal_too_long), other = checked(focal_too_short);
   EXPECT_TRUE(check.doubtful());
   EXPECT_NEAR(check.estimate().value[RayCorrection::stretch_x], 0.1, 0.03);
@@ -63,20 +63,20 @@ TEST(CalibrationCheck, FocalLengthsOffByATenthAreFound) {
   EXPECT_NEAR(other.estimate().value[RayCorrection::stretch_x], -0.1, 0.03);
 }
 
-TEST(CalibrationCheck, AShiftedCentreAndMissingDistortionAreFound) {
-  const CalibrationCheck shifted = checked(centre_aside), distorted = checked(without_distortion);
+TEST(CalibrationCheck, DetectsAShiftedCenterAndMissingDistortion) {
+  const CalibrationCheck shifted = checked(center_aside), distorted = checked(without_distortion);
   EXPECT_TRUE(shifted.doubtful());
   EXPECT_NE(shifted.detail(500.0).find("cx about +"), std::string::npos) << shifted.detail(500.0);
   EXPECT_TRUE(distorted.doubtful());
 }
 
-TEST(CalibrationCheck, AStraightWayDoesNotShowTheFocalLengthAndNothingIsSaid) {
+TEST(CalibrationCheck, AStraightTrajectoryDoesNotConstrainTheFocalLengthAndReportsNothing) {
   const CalibrationCheck check = checked(focal_too_long, false);
   EXPECT_FALSE(check.doubtful());
   EXPECT_GT(check.estimate().sigma[RayCorrection::stretch_x], 0.05);
 }
 
-TEST(CalibrationCheck, OneWindowIsNotEnoughAndNothingSeenIsNoFault) {
+TEST(CalibrationCheck, OneWindowIsNotEnoughAndNoObservationsAreNoError) {
   CalibrationCheck check(0.045), off(0.0);
   check.add(RefinementWindow());
   EXPECT_FALSE(check.doubtful());

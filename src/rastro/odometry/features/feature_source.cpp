@@ -10,8 +10,8 @@
 namespace rastro {
 namespace {
 
-/// Poses stand a wrong feature better than a lost one, so more is followed here than where tracks are the result; and
-/// what a moving camera has not seen for some frames is hardly ever seen again.
+/// A pose tolerates a wrong feature better than a lost one, so this tracks more leniently than where tracks are the
+/// result. To a moving camera a feature hardly ever reappears after some frames.
 TrackOptions tracker_options(const FeaturesOptions& options) {
   TrackOptions track;
   track.features = options.features;
@@ -36,8 +36,8 @@ class TrackedFeatures : public FeatureSource {
   TrackedFeatures(const FeaturesOptions& options, const Camera& camera, TaskPool* pool)
       : tracker_(tracker_options(options), camera, pool) {}
 
-  RaySightings next(const Frame& frame) override {
-    RaySightings sightings;
+  RayObservations next(const Frame& frame) override {
+    RayObservations sightings;
     for (const TrackedFeature& feature : tracker_.process(frame.image.view(), frame.stamp).features) {
       if (feature.ray.allFinite()) sightings.push_back({feature.id, feature.ray.cast<double>()});
     }
@@ -57,14 +57,14 @@ class MatchedFeatures : public FeatureSource {
     matching_.max_ratio = options.max_ratio;
   }
 
-  RaySightings next(const Frame& frame) override {
+  RayObservations next(const Frame& frame) override {
     Features current = extractor_->extract(frame.image.view());
     std::vector<std::int64_t> ids(current.size(), -1);
     if (last_.size() > 0 && current.size() > 0) {
       for (const DescriptorMatch& match : match_descriptors(last_, current, matching_, pool_))
         ids[match.second] = last_ids_[match.first];
     }
-    RaySightings sightings;
+    RayObservations sightings;
     for (std::size_t i = 0; i < current.size(); ++i) {
       if (ids[i] < 0) ids[i] = next_id_++;
       const Keypoint& keypoint = current.keypoints[i];
@@ -72,7 +72,7 @@ class MatchedFeatures : public FeatureSource {
       if (ray) sightings.push_back({ids[i], *ray});
     }
     std::sort(sightings.begin(), sightings.end(),
-              [](const RaySighting& a, const RaySighting& b) { return a.id < b.id; });
+              [](const RayObservation& a, const RayObservation& b) { return a.id < b.id; });
     last_ = std::move(current);
     last_ids_ = std::move(ids);
     return sightings;

@@ -13,19 +13,19 @@
 
 namespace rastro {
 
-/// Finds features in frame after frame and gives those of one place one id.
+/// Finds features frame by frame and gives all observations of one point the same id.
 class FeatureSource {
  public:
   virtual ~FeatureSource() = default;
-  /// Features with an undistorted ray; frames in the order of the recording.
-  virtual RaySightings next(const Frame& frame) = 0;
+  /// Features with an undistorted ray. Frames come in the order of the recording.
+  virtual RayObservations next(const Frame& frame) = 0;
 };
 
-/// The names `matcher` may have in this build: tracks, sift, orb and, where dlib is in, surf.
+/// The values of `matcher` in this build: tracks, sift, orb and, with dlib, surf.
 std::vector<std::string> matcher_names();
 
-/// By the occlusion-robust tracks, or by descriptors matched from one frame to the next with ratio and mutual test.
-/// Error for an unknown matcher.
+/// Uses the occlusion-robust tracks, or descriptors matched between consecutive frames with ratio and mutual test.
+/// Throws Error for an unknown matcher.
 std::unique_ptr<FeatureSource> make_feature_source(const FeaturesOptions& options, const Camera& camera,
                                                    TaskPool* pool);
 

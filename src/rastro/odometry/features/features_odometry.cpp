@@ -22,14 +22,14 @@
 namespace rastro {
 namespace {
 
-/// What two frames share.
+/// Matches of two frames.
 struct SharedRays {
   std::vector<Eigen::Vector2d> a, b;
 };
 
-SharedRays shared_rays(const RaySightings& first, const RaySightings& second) {
+SharedRays shared_rays(const RayObservations& first, const RayObservations& second) {
   SharedRays shared;
-  for (const RaySighting& sighting : second) {
+  for (const RayObservation& sighting : second) {
     if (const Eigen::Vector2d* ray = find_ray(first, sighting.id)) {
       shared.a.push_back(*ray);
       shared.b.push_back(sighting.ray);
@@ -59,24 +59,25 @@ class FeaturesOdometry::State {
   Trajectory trajectory() const;
 
  private:
-  /// A frame that waits for the first pair with enough parallax.
+  /// A frame waiting for initialization.
   struct Waiting {
     std::size_t record;
     TimeNs stamp;
-    RaySightings sightings;
+    RayObservations sightings;
   };
 
-  void start(OdometryUpdate& update, const RaySightings& sightings);
+  void start(OdometryUpdate& update, const RayObservations& sightings);
   bool start_from_pair(OdometryUpdate& update, const Waiting& first, const Waiting& second);
   void place_waiting(std::size_t first_keyframe);
-  void follow(OdometryUpdate& update, const RaySightings& sightings);
-  bool stands_still(OdometryUpdate& update, const RaySightings& sightings);
-  std::optional<AbsolutePose> pose_from_points(const RaySightings& sightings, const SE3& guess, OdometryUpdate& update);
-  bool is_keyframe(const RaySightings& sightings, const SE3& camera_from_world, int inliers) const;
-  void add_keyframe(OdometryUpdate& update, const RaySightings& sightings);
+  void follow(OdometryUpdate& update, const RayObservations& sightings);
+  bool stands_still(OdometryUpdate& update, const RayObservations& sightings);
+  std::optional<AbsolutePose> pose_from_points(const RayObservations& sightings, const SE3& guess,
+                                               OdometryUpdate& update);
+  bool is_keyframe(const RayObservations& sightings, const SE3& camera_from_world, int inliers) const;
+  void add_keyframe(OdometryUpdate& update, const RayObservations& sightings);
   void check_calibration();
   void bridge(OdometryUpdate& update);
-  void restart(const OdometryUpdate& update, const RaySightings& sightings);
+  void restart(const OdometryUpdate& update, const RayObservations& sightings);
   CalibratedRansacOptions ransac(double max_error_px) const;
   SE3 keyframe_pose(std::size_t keyframe) const { return map_.keyframes()[keyframe].camera_from_world; }
 
@@ -90,7 +91,7 @@ class FeaturesOdometry::State {
   std::size_t next_calibration_check_ = 0;
   std::vector<Waiting> waiting_;
   bool started_ = false;
-  RaySightings moved_sightings_;  ///< Of the last frame that moved.
+  RayObservations moved_observations_;  ///< Of the last frame that moved.
   std::int64_t processed_ = 0;
 };
 
@@ -102,10 +103,10 @@ OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
   ++processed_;
   const FrameCheckResult look = check_.check(frame.image.view(), frame.stamp);
   if (look.useful()) {
-    const RaySightings sightings = features_->next(frame);
+    const RayObservations sightings = features_->next(frame);
     started_ ? follow(update, sightings) : start(update, sightings);
-    // Against the last frame that moved, or a slow motion would never be seen.
-    if (update.reason != OdometryReason::no_motion) moved_sightings_ = sightings;
+    // Against the last frame that moved; otherwise a slow motion would never be detected.
+    if (update.reason != OdometryReason::no_motion) moved_observations_ = sightings;
     if (look.reason != OdometryReason::none && update.reason == OdometryReason::none) {
       update.reason = look.reason;
       update.detail = look.detail;
@@ -116,7 +117,7 @@ OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
     }
   } else {
     update.used = false;
-    update.state = started_ ? OdometryState::weak : OdometryState::initialising;
+    update.state = started_ ? OdometryState::weak : OdometryState::initializing;
     update.reason = look.reason;
     update.detail = look.detail;
     chain_.add_unknown(frame.stamp);
@@ -135,9 +136,9 @@ CalibratedRansacOptions FeaturesOdometry::State::ransac(double max_error_px) con
   return options;
 }
 
-/// Waits for a pair of frames with enough parallax, the oldest that still shares enough points and the newest.
-void FeaturesOdometry::State::start(OdometryUpdate& update, const RaySightings& sightings) {
-  update.state = OdometryState::initialising;
+/// Waits for a pair of frames with enough parallax: the oldest that still shares enough points, and the newest.
+void FeaturesOdometry::State::start(OdometryUpdate& update, const RayObservations& sightings) {
+  update.state = OdometryState::initializing;
   const std::size_t record = chain_.add_unknown(update.stamp);
   waiting_.push_back({record, update.stamp, sightings});
   if (waiting_.size() == 1) {
@@ -166,7 +167,7 @@ bool FeaturesOdometry::State::start_from_pair(OdometryUpdate& update, const Wait
   };
   if (update.matches < options_.min_start_points) {
     return refuse(OdometryReason::too_few_points,
-                  fmt::format("{} points shared, need {}", update.matches, options_.min_start_points));
+                  fmt::format("{} matches, need {}", update.matches, options_.min_start_points));
   }
   const double motion_px = median_motion_px(shared, focal_px_);
   if (motion_px < options_.min_motion_px)
@@ -176,7 +177,7 @@ bool FeaturesOdometry::State::start_from_pair(OdometryUpdate& update, const Wait
     return refuse(turned->second_from_first.log().norm() * focal_px_ > 2.0 * options_.max_error_px
                       ? OdometryReason::pure_rotation
                       : OdometryReason::too_little_parallax,
-                  fmt::format("{:.2f} px beside a turn", turned->median_error_px));
+                  fmt::format("{:.2f} px beyond the rotation", turned->median_error_px));
   }
   const auto fit = estimate_essential(shared.a, shared.b, ransac(options_.max_error_px));
   const int needed = static_cast<int>(options_.min_start_inlier_share * update.matches);
@@ -189,21 +190,21 @@ bool FeaturesOdometry::State::start_from_pair(OdometryUpdate& update, const Wait
                               options_.min_start_parallax_deg));
   }
   const SE3 base = chain_.camera_from_world_at(first.stamp, map_);
-  // After a loss the scale goes on from the speed before it.
+  // After tracking was lost, the speed before it gives the scale.
   const double length = chain_.length_between(first.stamp, second.stamp, map_).value_or(1.0);
   const SE3 second_from_first(fit->second_from_first.rotation(), length * fit->second_from_first.translation());
   const std::size_t keyframe = map_.add_keyframe(first.stamp, base, first.sightings);
   map_.add_keyframe(second.stamp, second_from_first * base, second.sightings);
   if (map_.triangulate() < options_.min_points) {
     map_.restart();
-    return refuse(OdometryReason::too_few_points, "too few points could be placed in space");
+    return refuse(OdometryReason::too_few_points, "too few points could be triangulated");
   }
   map_.drop_bad_points();
   place_waiting(keyframe);
   return true;
 }
 
-/// Poses of the frames between the first pair, now that there are points.
+/// Poses of the frames between the first pair, from the map points.
 void FeaturesOdometry::State::place_waiting(std::size_t first_keyframe) {
   const TimeNs begin = map_.keyframes()[first_keyframe].stamp, end = map_.keyframes()[first_keyframe + 1].stamp;
   chain_.set(waiting_.front().record, first_keyframe, SE3());
@@ -219,11 +220,11 @@ void FeaturesOdometry::State::place_waiting(std::size_t first_keyframe) {
   }
 }
 
-std::optional<AbsolutePose> FeaturesOdometry::State::pose_from_points(const RaySightings& sightings, const SE3& guess,
-                                                                      OdometryUpdate& update) {
+std::optional<AbsolutePose> FeaturesOdometry::State::pose_from_points(const RayObservations& sightings,
+                                                                      const SE3& guess, OdometryUpdate& update) {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector2d> rays;
-  for (const RaySighting& sighting : sightings) {
+  for (const RayObservation& sighting : sightings) {
     const auto point = map_.points().find(sighting.id);
     if (point == map_.points().end()) continue;
     points.push_back(point->second);
@@ -240,7 +241,7 @@ std::optional<AbsolutePose> FeaturesOdometry::State::pose_from_points(const RayS
   return pose;
 }
 
-void FeaturesOdometry::State::follow(OdometryUpdate& update, const RaySightings& sightings) {
+void FeaturesOdometry::State::follow(OdometryUpdate& update, const RayObservations& sightings) {
   update.state = OdometryState::tracking;
   if (stands_still(update, sightings)) return;
   const SE3 guess = chain_.predicted(update.stamp, map_);
@@ -255,11 +256,11 @@ void FeaturesOdometry::State::follow(OdometryUpdate& update, const RaySightings&
   if (is_keyframe(sightings, pose->camera_from_world, pose->inliers)) add_keyframe(update, sightings);
 }
 
-bool FeaturesOdometry::State::stands_still(OdometryUpdate& update, const RaySightings& sightings) {
-  const SharedRays shared = shared_rays(moved_sightings_, sightings);
+bool FeaturesOdometry::State::stands_still(OdometryUpdate& update, const RayObservations& sightings) {
+  const SharedRays shared = shared_rays(moved_observations_, sightings);
   if (static_cast<int>(shared.a.size()) < options_.min_points) return false;
   const double motion_px = median_motion_px(shared, focal_px_);
-  // Smaller than what a feature is measured to: nothing can be said to have moved.
+  // Below the measurement noise of a feature: no motion can be claimed.
   if (motion_px >= 0.5 * options_.min_motion_px) return false;
   update.reason = OdometryReason::no_motion;
   update.detail = fmt::format("median motion {:.2f} px", motion_px);
@@ -268,13 +269,13 @@ bool FeaturesOdometry::State::stands_still(OdometryUpdate& update, const RaySigh
   return true;
 }
 
-bool FeaturesOdometry::State::is_keyframe(const RaySightings& sightings, const SE3& camera_from_world,
+bool FeaturesOdometry::State::is_keyframe(const RayObservations& sightings, const SE3& camera_from_world,
                                           int inliers) const {
   if (inliers < options_.min_keyframe_share * static_cast<double>(sightings.size())) return true;
   const LocalMap::Keyframe& keyframe = map_.keyframes().back();
   const SO3 current_from_keyframe = camera_from_world.rotation() * keyframe.camera_from_world.rotation().inverse();
   std::vector<double> motions;
-  for (const RaySighting& sighting : sightings) {
+  for (const RayObservation& sighting : sightings) {
     const Eigen::Vector2d* ray = find_ray(keyframe.sightings, sighting.id);
     if (!ray) continue;
     const Eigen::Vector3d turned = current_from_keyframe * Eigen::Vector3d(ray->x(), ray->y(), 1.0);
@@ -283,7 +284,7 @@ bool FeaturesOdometry::State::is_keyframe(const RaySightings& sightings, const S
   return upper_median_or(std::move(motions), 0.0) > options_.keyframe_parallax_px;
 }
 
-void FeaturesOdometry::State::add_keyframe(OdometryUpdate& update, const RaySightings& sightings) {
+void FeaturesOdometry::State::add_keyframe(OdometryUpdate& update, const RayObservations& sightings) {
   const std::size_t keyframe = map_.add_keyframe(update.stamp, chain_.last_camera_from_world(map_), sightings);
   chain_.set_last(keyframe, SE3());
   map_.triangulate();
@@ -292,7 +293,7 @@ void FeaturesOdometry::State::add_keyframe(OdometryUpdate& update, const RaySigh
   if (options_.refine) check_calibration();
 }
 
-/// Of windows that share no more than a keyframe, so that each is news.
+/// Only of windows that share at most one keyframe, so that each is new evidence.
 void FeaturesOdometry::State::check_calibration() {
   if (!map_.window_is_full() || map_.keyframes().size() < next_calibration_check_) return;
   next_calibration_check_ = map_.keyframes().size() + static_cast<std::size_t>(options_.window_keyframes) - 1;
@@ -300,17 +301,17 @@ void FeaturesOdometry::State::check_calibration() {
   calibration_.add(map_.window(ids));
 }
 
-/// No pose could be found: the last motion goes on.
+/// No pose could be estimated: repeats the last motion.
 void FeaturesOdometry::State::bridge(OdometryUpdate& update) {
   update.state = OdometryState::lost;
   const bool few = update.matches < options_.min_points;
   update.reason = few ? OdometryReason::too_few_points : OdometryReason::few_inliers;
-  update.detail = few ? fmt::format("{} points in space seen, need {}", update.matches, options_.min_points)
-                      : fmt::format("{} of {} points agree", update.inliers, update.matches);
+  update.detail = few ? fmt::format("{} map points observed, need {}", update.matches, options_.min_points)
+                      : fmt::format("{} of {} points are inliers", update.inliers, update.matches);
 }
 
-/// Starts again from this frame, with the pose and the speed that the motion before lets expect.
-void FeaturesOdometry::State::restart(const OdometryUpdate& update, const RaySightings& sightings) {
+/// Initializes again from this frame, with the predicted pose and speed.
+void FeaturesOdometry::State::restart(const OdometryUpdate& update, const RayObservations& sightings) {
   map_.restart();
   started_ = false;
   waiting_.clear();

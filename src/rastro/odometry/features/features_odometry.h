@@ -10,9 +10,9 @@
 
 namespace rastro {
 
-/// Monocular odometry from features, METHODS 2.1: essential matrix of the first pair of frames with enough parallax,
-/// points in space, every further pose from the points it sees (P3P), and bundle adjustment of the last keyframes.
-/// Lengths are relative: the first pair of keyframes is one unit apart.
+/// Monocular odometry from features, METHODS 2.1. The essential matrix of the first pair of frames with enough parallax
+/// gives the first map points; every further pose comes from P3P on observed map points; the last keyframes are
+/// bundle-adjusted. Lengths are up to scale: the baseline of the first pair of keyframes has length 1.
 class FeaturesOdometry : public Odometry {
  public:
   /// Throws Error for settings out of range. The pool must outlive the odometry; results do not depend on it.

@@ -56,7 +56,7 @@ Trajectory run(const std::vector<Frame>& frames, FeaturesOptions options = {}, T
   return odometry.trajectory();
 }
 
-double error_to_truth(const Trajectory& trajectory) {
+double error_to_ground_truth(const Trajectory& trajectory) {
   std::vector<Eigen::Vector3d> truth, ours;
   for (const StampedPose& pose : trajectory) {
     const auto there = pose_at(flight().truth, pose.stamp, 1'000'000'000);
@@ -84,11 +84,11 @@ void expect_sound(const Trajectory& trajectory, std::size_t frames) {
   }
 }
 
-TEST(FeaturesOdometry, FollowsTheFlightThroughTheHall) {
+TEST(FeaturesOdometry, TracksTheFlightThroughTheHall) {
   const Trajectory trajectory = run(flight().frames);
   expect_sound(trajectory, flight().frames.size());
   const double length = path_of(flight().truth);
-  EXPECT_LT(error_to_truth(trajectory), 0.02 * length);
+  EXPECT_LT(error_to_ground_truth(trajectory), 0.02 * length);
 }
 
 TEST(FeaturesOdometry, TheSameBytesOnARerunAndForAnyPool) {
@@ -102,7 +102,7 @@ TEST(FeaturesOdometry, TheSameBytesOnARerunAndForAnyPool) {
   }
 }
 
-TEST(FeaturesOdometry, ACameraThatStandsStillGoesNowhere) {
+TEST(FeaturesOdometry, ACameraAtRestDoesNotMove) {
   std::vector<Frame> frames;
   for (int i = 0; i < 8; ++i) {
     frames.push_back(flight().frames[0]);
@@ -114,9 +114,9 @@ TEST(FeaturesOdometry, ACameraThatStandsStillGoesNowhere) {
   EXPECT_EQ(path_of(trajectory), 0.0);
 }
 
-TEST(FeaturesOdometry, BlackFramesAreSaidAndBridged) {
+TEST(FeaturesOdometry, BlackFramesAreReportedAndBridged) {
   std::vector<Frame> frames = flight().frames;
-  for (const std::size_t k : {18U, 19U}) frames[k].image = GreyImage(frames[k].image.width(), frames[k].image.height());
+  for (const std::size_t k : {18U, 19U}) frames[k].image = GrayImage(frames[k].image.width(), frames[k].image.height());
   FeaturesOdometry odometry({}, flight().camera);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const OdometryUpdate update = odometry.process(frames[k]);
@@ -126,13 +126,13 @@ TEST(FeaturesOdometry, BlackFramesAreSaidAndBridged) {
     }
   }
   expect_sound(odometry.trajectory(), frames.size());
-  EXPECT_LT(error_to_truth(odometry.trajectory()), 0.05 * path_of(flight().truth));
+  EXPECT_LT(error_to_ground_truth(odometry.trajectory()), 0.05 * path_of(flight().truth));
 }
 
-TEST(FeaturesOdometry, ARepeatedFrameAndAnEmptyOneAreNoFault) {
+TEST(FeaturesOdometry, ARepeatedFrameAndAnEmptyOneAreNoError) {
   std::vector<Frame> frames(flight().frames.begin(), flight().frames.begin() + 20);
   frames[12] = frames[11];
-  frames[15].image = GreyImage();
+  frames[15].image = GrayImage();
   FeaturesOdometry odometry({}, flight().camera);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const OdometryUpdate update = odometry.process(frames[k]);
@@ -146,7 +146,7 @@ TEST(FeaturesOdometry, ARepeatedFrameAndAnEmptyOneAreNoFault) {
   expect_sound(odometry.trajectory(), frames.size());
 }
 
-TEST(FeaturesOdometry, AGapIsSaidAndTheRunGoesOn) {
+TEST(FeaturesOdometry, AGapIsReportedAndTheRunContinues) {
   FeaturesOdometry odometry({}, flight().camera);
   std::size_t count = 0;
   bool said = false;
@@ -160,7 +160,7 @@ TEST(FeaturesOdometry, AGapIsSaidAndTheRunGoesOn) {
   expect_sound(odometry.trajectory(), count);
 }
 
-/// The flight with focal lengths `factor` times the right ones: how many frames call the calibration doubtful.
+/// The flight with focal lengths `factor` times the true ones: number of frames that call the calibration doubtful.
 int doubtful_frames(double factor) {
   Camera camera = flight().camera;
   camera.fx *= factor;
@@ -177,7 +177,7 @@ int doubtful_frames(double factor) {
   return doubtful;
 }
 
-TEST(FeaturesOdometry, AWrongFocalLengthIsSaidAndTheRunGoesOn) {
+TEST(FeaturesOdometry, AWrongFocalLengthIsReportedAndTheRunContinues) {
   EXPECT_EQ(doubtful_frames(1.0), 0);
   EXPECT_GT(doubtful_frames(1.1), 0);
   EXPECT_GT(doubtful_frames(0.9), 0);

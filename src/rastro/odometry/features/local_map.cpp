@@ -7,10 +7,10 @@
 
 namespace rastro {
 
-const Eigen::Vector2d* find_ray(const RaySightings& sightings, std::int64_t id) {
+const Eigen::Vector2d* find_ray(const RayObservations& sightings, std::int64_t id) {
   const auto found =
       std::lower_bound(sightings.begin(), sightings.end(), id,
-                       [](const RaySighting& sighting, std::int64_t wanted) { return sighting.id < wanted; });
+                       [](const RayObservation& sighting, std::int64_t wanted) { return sighting.id < wanted; });
   return found != sightings.end() && found->id == id ? &found->ray : nullptr;
 }
 
@@ -20,9 +20,9 @@ void LocalMap::restart() {
   restarted_at_ = keyframes_.size();
 }
 
-std::size_t LocalMap::add_keyframe(TimeNs stamp, const SE3& camera_from_world, RaySightings sightings) {
+std::size_t LocalMap::add_keyframe(TimeNs stamp, const SE3& camera_from_world, RayObservations sightings) {
   keyframes_.push_back({stamp, camera_from_world, std::move(sightings)});
-  // What left the window is not looked at again; points that only it saw go with it.
+  // Observations outside the window are never used again; points with no other observations go too.
   const std::size_t begin = window_begin();
   if (begin > 0 && begin > restarted_at_) keyframes_[begin - 1].sightings = {};
   std::erase_if(points_, [&](const auto& point) {
@@ -46,7 +46,7 @@ bool LocalMap::window_is_full() const {
 int LocalMap::triangulate() {
   const TriangulationOptions options{focal_px_, options_.max_point_error_px, options_.min_point_parallax_deg};
   int placed = 0;
-  for (const RaySighting& sighting : keyframes_.back().sightings) {
+  for (const RayObservation& sighting : keyframes_.back().sightings) {
     if (points_.contains(sighting.id)) continue;
     std::vector<SE3> world_from_camera;
     std::vector<Eigen::Vector2d> rays;

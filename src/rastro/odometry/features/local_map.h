@@ -15,47 +15,47 @@
 
 namespace rastro {
 
-/// A feature in a frame: its id and its undistorted normalised ray.
-struct RaySighting {
+/// A feature in a frame: its id and its undistorted normalized ray.
+struct RayObservation {
   std::int64_t id = 0;
   Eigen::Vector2d ray = Eigen::Vector2d::Zero();
 };
 
-/// RaySightings of one frame, in ascending order of id.
-using RaySightings = std::vector<RaySighting>;
+/// RayObservations of one frame, in ascending order of id.
+using RayObservations = std::vector<RayObservation>;
 
 /// The ray of a feature in a frame.
-const Eigen::Vector2d* find_ray(const RaySightings& sightings, std::int64_t id);
+const Eigen::Vector2d* find_ray(const RayObservations& sightings, std::int64_t id);
 
-/// The last keyframes and the points in space seen from them.
+/// The last keyframes and the map points observed in them.
 class LocalMap {
  public:
   struct Keyframe {
     TimeNs stamp = 0;
     SE3 camera_from_world;
-    RaySightings sightings;  ///< Kept while in the window.
+    RayObservations sightings;  ///< Kept while the keyframe is in the window.
   };
 
-  /// `options` must outlive it; `focal_px` turns rays into pixels.
+  /// `options` must outlive it; `focal_px` converts rays to pixels.
   LocalMap(const FeaturesOptions& options, double focal_px) : options_(options), focal_px_(focal_px) {}
 
-  /// Forgets all points and the window's sightings; the poses of the keyframes stay.
+  /// Forgets all points and the window's observations. The poses of the keyframes stay.
   void restart();
-  std::size_t add_keyframe(TimeNs stamp, const SE3& camera_from_world, RaySightings sightings);
+  std::size_t add_keyframe(TimeNs stamp, const SE3& camera_from_world, RayObservations sightings);
   /// All keyframes ever, oldest first.
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   const std::map<std::int64_t, Eigen::Vector3d>& points() const { return points_; }
 
-  /// Places in space what the window sees from two sides well enough and has no point yet.
+  /// Triangulates points that the window observes with enough parallax and that are not in the map yet.
   int triangulate();
-  /// Whether the window holds as many keyframes as it may.
+  /// Whether the window has its full number of keyframes.
   bool window_is_full() const;
-  /// The window's keyframes and its points seen by two of them or more; the two oldest keyframes are fixed. `ids` gets
-  /// one id a point.
+  /// The window's keyframes and its points with two or more observations; the two oldest keyframes are fixed. `ids`
+  /// gets one id per point.
   RefinementWindow window(std::vector<std::int64_t>& ids) const;
-  /// Adjusts the window; the two oldest keyframes of it stay where they are. Returns the error in pixels.
+  /// Bundle-adjusts the window with its two oldest keyframes fixed. Returns the RMS reprojection error in pixels.
   double refine();
-  /// Drops points that any keyframe of the window sees too far off.
+  /// Drops points whose reprojection error is too large in any keyframe of the window.
   void drop_bad_points();
 
  private:

@@ -10,7 +10,9 @@ namespace {
 class FeaturesMethod : public OdometryMethod {
  public:
   std::string name() const override { return "features"; }
-  std::string summary() const override { return "points in space from features, every pose from the points it sees"; }
+  std::string summary() const override {
+    return "visual odometry from point features: local map, PnP and local bundle adjustment";
+  }
   std::string needs() const override { return "one calibrated camera"; }
   OptionTable options() override { return option_table(options_); }
   std::unique_ptr<Odometry> make(const SourceInfo& source, const OdometryContext& context) const override {

@@ -7,7 +7,7 @@
 
 namespace rastro {
 
-/// Monocular odometry from features: a local map of points, every pose from the points it sees.
+/// Monocular odometry from features: a local map of points; every pose from the points observed in the frame.
 std::unique_ptr<OdometryMethod> features_odometry_method();
 
 }  // namespace rastro

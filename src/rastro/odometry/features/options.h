@@ -8,8 +8,7 @@
 
 namespace rastro {
 
-/// Settings of the odometry from features, METHODS 2.1. Meaning, range and reason of each stand once, in
-/// option_table().
+/// Settings of the odometry from features, METHODS 2.1. option_table() gives meaning, range and reason of each.
 struct FeaturesOptions {
   std::string matcher = "tracks";
   int features = 400;
@@ -18,13 +17,13 @@ struct FeaturesOptions {
   double max_ratio = 0.8;
   std::uint64_t seed = 1;
 
-  // Starting.
+  // Initialization.
   double min_start_parallax_deg = 1.0;
   int min_start_points = 40;
   double min_start_inlier_share = 0.7;
   double min_motion_px = 0.3;
 
-  // Following.
+  // Tracking.
   double max_error_px = 2.0;
   int min_points = 12;
   int ransac_iterations = 200;

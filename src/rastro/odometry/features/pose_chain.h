@@ -10,15 +10,16 @@
 
 namespace rastro {
 
-/// The pose of every frame: relative to a keyframe, so that it improves with it; or guessed; or not known (yet).
+/// The pose of every frame: relative to a keyframe, so that it improves with the keyframe; or predicted; or unknown
+/// (yet).
 class PoseChain {
  public:
-  /// Each returns the number of the frame's record.
+  /// Each returns the index of the frame's record.
   std::size_t add(TimeNs stamp, std::size_t keyframe, const SE3& camera_from_keyframe);
   std::size_t add_unknown(TimeNs stamp);
-  /// The pose that the motion before lets expect.
+  /// Predicts the pose from the previous motion.
   std::size_t add_predicted(TimeNs stamp, const LocalMap& map);
-  /// The pose of the frame before.
+  /// The pose of the previous frame.
   std::size_t repeat(TimeNs stamp);
 
   void set(std::size_t record, std::size_t keyframe, const SE3& camera_from_keyframe);
@@ -26,15 +27,16 @@ class PoseChain {
     set(records_.size() - 1, keyframe, camera_from_keyframe);
   }
 
-  /// camera_from_world of the newest frame; where it is not known, as predicted.
+  /// camera_from_world of the newest frame; the prediction where it is unknown.
   SE3 last_camera_from_world(const LocalMap& map) const;
   SE3 camera_from_world_at(TimeNs stamp, const LocalMap& map) const;
-  /// By the speed of the last two frames whose poses were found; the turn goes on for two frames at most.
+  /// Prediction at the speed of the last two frames with an estimated pose. The rotation continues for two frames at
+  /// most.
   SE3 predicted(TimeNs stamp, const LocalMap& map) const;
-  /// What the camera should move between two stamps at that speed; nullopt while there is none.
+  /// Predicted camera motion between two stamps at that speed; nullopt while there is none.
   std::optional<double> length_between(TimeNs begin, TimeNs end, const LocalMap& map) const;
 
-  /// world_from_camera of every frame; what is not known lies between its neighbours.
+  /// world_from_camera of every frame; unknown poses are interpolated between their neighbors.
   Trajectory trajectory(const LocalMap& map) const;
 
  private:
@@ -43,10 +45,10 @@ class PoseChain {
     TimeNs stamp = 0;
     Kind kind = Kind::unknown;
     std::size_t keyframe = 0;
-    SE3 camera_from_anchor;  ///< The keyframe's frame, or the world's where guessed.
+    SE3 camera_from_anchor;  ///< Anchor: the keyframe, or the world for a predicted pose.
   };
   std::optional<SE3> pose_of(const Record& record, const LocalMap& map) const;
-  /// The last two frames with a pose found, the older first.
+  /// The last two frames with an estimated pose, the older first.
   std::optional<std::pair<const Record*, const Record*>> last_two() const;
 
   std::vector<Record> records_;

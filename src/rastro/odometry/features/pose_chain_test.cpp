@@ -16,7 +16,7 @@ using testing::pose_near;
 
 constexpr TimeNs step = 33'333'333;
 
-/// A camera that goes and turns evenly.
+/// A camera with constant linear and angular velocity.
 SE3 world_from_camera(int frame) {
   const SO3 turn = SO3::exp({0.0, 0.03 * frame, 0.0});
   return {turn, {0.1 * frame, 0.02 * frame, 0.3 * frame}};
@@ -26,7 +26,7 @@ SE3 camera_from_world(int frame) { return world_from_camera(frame).inverse(); }
 
 class PoseChainTest : public ::testing::Test {
  protected:
-  /// Frames first .. last, exactly, relative to a keyframe at the first of them.
+  /// Exact poses of frames first .. last, relative to a keyframe at the first of them.
   void follow(int first, int last) {
     const std::size_t keyframe = map_.add_keyframe(first * step, camera_from_world(first), {});
     for (int k = first; k <= last; ++k) chain_.add(k * step, keyframe, camera_from_world(k) * world_from_camera(first));
@@ -44,15 +44,16 @@ TEST_F(PoseChainTest, WithoutFramesEverythingIsAtTheOrigin) {
   EXPECT_FALSE(chain_.length_between(0, step, map_));
 }
 
-TEST_F(PoseChainTest, AnEvenMotionIsPredictedExactly) {
+TEST_F(PoseChainTest, AConstantVelocityIsPredictedExactly) {
   follow(0, 3);
   EXPECT_THAT(chain_.predicted(4 * step, map_), pose_near(camera_from_world(4), 1e-9, 1e-9));
   EXPECT_THAT(chain_.predicted(5 * step, map_), pose_near(camera_from_world(5), 1e-9, 1e-9));
   const SE3 later = chain_.predicted(8 * step, map_).inverse();
-  EXPECT_LT((later.translation() - world_from_camera(8).translation()).norm(), 1e-6) << "the way goes on";
+  EXPECT_LT((later.translation() - world_from_camera(8).translation()).norm(), 1e-6) << "the translation continues";
   EXPECT_LT((later.rotation().inverse() * world_from_camera(5).rotation()).log().norm(), 1e-9)
-      << "the turn for two frames only";
-  EXPECT_THAT(chain_.predicted(2 * step, map_), pose_near(camera_from_world(3), 1e-9, 1e-9)) << "never backwards";
+      << "the rotation for two frames only";
+  EXPECT_THAT(chain_.predicted(2 * step, map_), pose_near(camera_from_world(3), 1e-9, 1e-9))
+      << "never backwards in time";
   const double length = (world_from_camera(1).translation() - world_from_camera(0).translation()).norm();
   EXPECT_NEAR(*chain_.length_between(3 * step, 5 * step, map_), 2.0 * length, 1e-9);
 }
@@ -70,7 +71,7 @@ TEST_F(PoseChainTest, PosesFollowTheirKeyframe) {
   EXPECT_THAT(chain_.camera_from_world_at(0, map_), pose_near(camera_from_world(0), 1e-9, 1e-9));
 }
 
-TEST_F(PoseChainTest, WhatIsNotKnownLiesBetweenItsNeighbors) {
+TEST_F(PoseChainTest, UnknownPosesAreInterpolated) {
   chain_.add_unknown(-step);
   follow(0, 1);
   chain_.add_unknown(2 * step);
@@ -89,12 +90,12 @@ TEST_F(PoseChainTest, WhatIsNotKnownLiesBetweenItsNeighbors) {
   EXPECT_THAT(trajectory[6].world_from_body, pose_near(world_from_camera(4), 1e-9, 1e-9)) << "after all: the last";
 }
 
-TEST_F(PoseChainTest, GuessesAreNoGroundForGuesses) {
+TEST_F(PoseChainTest, PredictionsDoNotBuildOnPredictions) {
   follow(0, 2);
   chain_.add_predicted(3 * step, map_);
   chain_.add_predicted(6 * step, map_);
   EXPECT_THAT(chain_.predicted(4 * step, map_), pose_near(camera_from_world(4), 1e-9, 1e-9))
-      << "still by the last two that were found";
+      << "still from the last two estimated poses";
   chain_.repeat(7 * step);
   const Trajectory trajectory = chain_.trajectory(map_);
   ASSERT_EQ(trajectory.size(), 6U);
@@ -102,7 +103,7 @@ TEST_F(PoseChainTest, GuessesAreNoGroundForGuesses) {
   EXPECT_THAT(trajectory[3].world_from_body, pose_near(world_from_camera(3), 1e-9, 1e-9));
 }
 
-/// Points before a camera that goes aside.
+/// Points in front of a camera that moves sideways.
 class LocalMapTest : public ::testing::Test {
  protected:
   LocalMapTest() {
@@ -114,8 +115,8 @@ class LocalMapTest : public ::testing::Test {
     options_.window_keyframes = 4;
   }
   static SE3 pose(int k) { return SE3(SO3::exp({0.0, 0.02 * k, 0.0}), {-0.5 * k, 0.0, 0.0}); }
-  RaySightings seen_from(const SE3& camera_from_world) const {
-    RaySightings rays;
+  RayObservations seen_from(const SE3& camera_from_world) const {
+    RayObservations rays;
     for (const auto& [id, point] : points_) {
       const Eigen::Vector3d p = camera_from_world * point;
       if (std::abs(p.x()) < 0.8 * p.z()) rays.push_back({id, p.hnormalized()});
@@ -129,10 +130,10 @@ class LocalMapTest : public ::testing::Test {
   LocalMap map_{options_, 500.0};
 };
 
-TEST_F(LocalMapTest, RaysAreFoundByTheirIds) {
-  const RaySightings rays = seen_from(pose(0));
+TEST_F(LocalMapTest, FindsRaysByTheirIds) {
+  const RayObservations rays = seen_from(pose(0));
   for (std::int64_t id = -1; id < 181; ++id) {
-    const auto found = std::find_if(rays.begin(), rays.end(), [&](const RaySighting& one) { return one.id == id; });
+    const auto found = std::find_if(rays.begin(), rays.end(), [&](const RayObservation& one) { return one.id == id; });
     const Eigen::Vector2d* ray = find_ray(rays, id);
     ASSERT_EQ(ray != nullptr, found != rays.end()) << id;
     if (ray != nullptr) {
@@ -141,9 +142,9 @@ TEST_F(LocalMapTest, RaysAreFoundByTheirIds) {
   }
 }
 
-TEST_F(LocalMapTest, PlacesExactlyWhatTwoKeyframesSaw) {
+TEST_F(LocalMapTest, TriangulatesExactlyWhatTwoKeyframesObserve) {
   add(0);
-  EXPECT_EQ(map_.triangulate(), 0) << "from one side only";
+  EXPECT_EQ(map_.triangulate(), 0) << "no parallax";
   add(1);
   const int placed = map_.triangulate();
   EXPECT_EQ(placed, static_cast<int>(map_.points().size()));
@@ -155,7 +156,7 @@ TEST_F(LocalMapTest, PlacesExactlyWhatTwoKeyframesSaw) {
   EXPECT_EQ(map_.triangulate(), 0) << "nothing twice";
 }
 
-TEST_F(LocalMapTest, WhatLeavesTheWindowIsForgottenButForItsPose) {
+TEST_F(LocalMapTest, WhatLeavesTheWindowIsDroppedExceptForItsPose) {
   for (int k = 0; k < 9; ++k) {
     EXPECT_EQ(map_.window_is_full(), k >= 4) << k;
     add(k);
@@ -173,7 +174,7 @@ TEST_F(LocalMapTest, WhatLeavesTheWindowIsForgottenButForItsPose) {
   EXPECT_THAT(map_.keyframes()[0].camera_from_world, pose_near(pose(0), 0.0, 0.0));
 }
 
-TEST_F(LocalMapTest, TheWindowHoldsEveryObservationOfItsPoints) {
+TEST_F(LocalMapTest, TheWindowHasEveryObservationOfItsPoints) {
   for (int k = 0; k < 6; ++k) {
     add(k);
     map_.triangulate();
@@ -195,7 +196,7 @@ TEST_F(LocalMapTest, TheWindowHoldsEveryObservationOfItsPoints) {
   }
 }
 
-TEST_F(LocalMapTest, RefiningBringsDisturbedKeyframesBack) {
+TEST_F(LocalMapTest, RefinementRecoversPerturbedKeyframes) {
   add(0);
   add(1);
   add(2, SE3::exp((Vector6d() << 0.01, -0.005, 0.01, 0.002, -0.003, 0.001).finished()));
@@ -207,12 +208,12 @@ TEST_F(LocalMapTest, RefiningBringsDisturbedKeyframesBack) {
   EXPECT_LT(map_.refine(), 0.05) << "px";
 }
 
-TEST_F(LocalMapTest, PointsThatAKeyframeSeesElsewhereAreDropped) {
+TEST_F(LocalMapTest, DropsPointsWithALargeReprojectionError) {
   add(0);
   add(1);
   map_.triangulate();
   const auto before = map_.points();
-  RaySightings rays = seen_from(pose(2));
+  RayObservations rays = seen_from(pose(2));
   std::vector<std::int64_t> wrong;
   for (std::size_t i = 0; i < rays.size(); i += 4) {
     if (!before.count(rays[i].id)) continue;
@@ -226,16 +227,16 @@ TEST_F(LocalMapTest, PointsThatAKeyframeSeesElsewhereAreDropped) {
   for (const std::int64_t id : wrong) EXPECT_EQ(map_.points().count(id), 0U);
 }
 
-TEST_F(LocalMapTest, ARestartForgetsPointsAndKeepsPoses) {
+TEST_F(LocalMapTest, ARestartDropsPointsAndKeepsPoses) {
   for (int k = 0; k < 5; ++k) add(k);
   map_.triangulate();
   EXPECT_TRUE(map_.window_is_full());
   map_.restart();
   EXPECT_TRUE(map_.points().empty());
   EXPECT_EQ(map_.keyframes().size(), 5U);
-  EXPECT_FALSE(map_.window_is_full()) << "it begins anew";
+  EXPECT_FALSE(map_.window_is_full()) << "it starts again";
   add(5);
-  EXPECT_EQ(map_.triangulate(), 0) << "what was seen before does not count";
+  EXPECT_EQ(map_.triangulate(), 0) << "earlier observations do not count";
   add(6);
   EXPECT_GT(map_.triangulate(), 20);
 }

@@ -14,8 +14,8 @@ using Matrix63 = Eigen::Matrix<double, 6, 3>;
 constexpr double least_depth = 1e-6;
 constexpr double behind = 1e9;
 
-/// Error and derivatives of one observation, by the camera's left increment (translation, rotation) and by the point.
-struct Linearised {
+/// Residual and Jacobians of one observation, by the camera's left increment (translation, rotation) and by the point.
+struct Linearized {
   Eigen::Vector2d error;
   Eigen::Matrix<double, 2, 6> by_camera;
   Eigen::Matrix<double, 2, 3> by_point;
@@ -29,9 +29,9 @@ struct CameraMatrix {
   Eigen::Vector3d translation;
 };
 
-Linearised linearise(const CameraMatrix& camera_from_world, const Eigen::Vector3d& point, const Eigen::Vector2d& ray,
+Linearized linearize(const CameraMatrix& camera_from_world, const Eigen::Vector3d& point, const Eigen::Vector2d& ray,
                      double focal, double huber) {
-  Linearised out;
+  Linearized out;
   const Eigen::Vector3d p = camera_from_world.rotation * point + camera_from_world.translation;
   if (p.z() < least_depth) return out;
   const double inverse = 1.0 / p.z(), x = p.x() * inverse, y = p.y() * inverse;
@@ -63,7 +63,7 @@ double cost_of(const RefinementWindow& window, double huber) {
   return cost;
 }
 
-/// The normal equations with the points eliminated, and what is needed to get the points back.
+/// The normal equations with the points eliminated, and what back-substitution of the points needs.
 class Schur {
  public:
   Schur(const RefinementWindow& window, const std::vector<int>& places, int free_cameras, double huber, double damping)
@@ -81,7 +81,7 @@ class Schur {
     assemble(free_cameras, damping);
   }
 
-  /// Steps of the cameras, six numbers each, then of the points; false when it cannot be solved.
+  /// Steps of the cameras, six numbers each, then of the points; false if the system cannot be solved.
   bool solve(Eigen::VectorXd& camera_steps, std::vector<Eigen::Vector3d>& point_steps) const {
     camera_steps = Eigen::VectorXd::Zero(right_.size());
     if (right_.size() > 0) {
@@ -113,7 +113,7 @@ class Schur {
     Eigen::Vector3d right;
   };
 
-  /// Of the lower half, row by row of cameras.
+  /// The lower half, row by row of cameras.
   Matrix6& block(int row, int column) { return blocks_[static_cast<std::size_t>(row * (row + 1) / 2 + column)]; }
 
   void assemble(int free_cameras, double damping) {
@@ -129,8 +129,8 @@ class Schur {
     Point point{window_.observations[begin].point, links_.size(), links_.size(), {}, Eigen::Vector3d::Zero()};
     for (std::size_t i = begin; i < end; ++i) {
       const WindowObservation& seen = window_.observations[i];
-      const Linearised l =
-          linearise(cameras_[static_cast<std::size_t>(seen.camera)],
+      const Linearized l =
+          linearize(cameras_[static_cast<std::size_t>(seen.camera)],
                     window_.points[static_cast<std::size_t>(seen.point)], seen.ray, window_.focal_px, huber);
       if (!l.valid) continue;
       normal += l.weight * l.by_point.transpose() * l.by_point;
@@ -150,7 +150,7 @@ class Schur {
       const Matrix63 scaled = links_[a].by_both * point.inverse;
       right_.segment<6>(6 * links_[a].place) -= scaled * point.right;
       for (std::size_t b = point.begin; b < point.end; ++b) {
-        // The lower half is all the solver reads.
+        // The solver reads only the lower half.
         if (links_[b].place <= links_[a].place)
           block(links_[a].place, links_[b].place).noalias() -= scaled * links_[b].by_both.transpose();
       }

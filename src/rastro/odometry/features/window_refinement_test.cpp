@@ -10,7 +10,7 @@
 namespace rastro {
 namespace {
 
-/// Five cameras along a line, fifty points before them, every one seen by all.
+/// Five cameras along a line and fifty points in front of them, each observed by all.
 RefinementWindow exact_window() {
   Random random(3);
   RefinementWindow window;
@@ -46,7 +46,7 @@ RefinementWindow disturbed(const RefinementWindow& exact) {
   return window;
 }
 
-TEST(RefineWindow, FindsTheExactPosesAndPointsAgain) {
+TEST(RefineWindow, RecoversTheExactPosesAndPoints) {
   const RefinementWindow exact = exact_window();
   RefinementWindow window = disturbed(exact);
   EXPECT_LT(refine_window(window, {30, 1e3}), 1e-4);
@@ -57,7 +57,7 @@ TEST(RefineWindow, FindsTheExactPosesAndPointsAgain) {
   }
 }
 
-TEST(RefineWindow, FixedCamerasStayAndWrongMatchesHardlyPull) {
+TEST(RefineWindow, FixedCamerasStayAndWrongMatchesHaveLittleEffect) {
   const RefinementWindow exact = exact_window();
   RefinementWindow window = disturbed(exact);
   for (std::size_t i = 0; i < window.observations.size(); i += 17)
@@ -73,7 +73,7 @@ TEST(RefineWindow, FixedCamerasStayAndWrongMatchesHardlyPull) {
   EXPECT_LT(error(window), 0.5 * error(plain));
 }
 
-TEST(RefineWindow, NothingFreeOrNothingSeenIsNoFault) {
+TEST(RefineWindow, NoFreeCameraOrNoObservationIsNoError) {
   RefinementWindow window = exact_window();
   window.fixed.assign(5, 1);
   EXPECT_LT(refine_window(window, {}), 1e-6);

@@ -16,7 +16,7 @@ namespace {
 
 TrackOptions track_options(const HybridOptions& options) {
   TrackOptions track;
-  // Points are needed over three frames; those that come back later say nothing to them.
+  // Points are needed over three frames; re-identified ones would not help.
   track.mode = "klt";
   track.features = options.features;
   track.min_distance_px = options.min_distance_px;
@@ -125,7 +125,7 @@ std::vector<HybridOdometry::KnownPoint> HybridOdometry::triangulate_between(cons
 void HybridOdometry::start(View current, OdometryUpdate& update) {
   const Shared shared = shared_between(*first_, current);
   update.matches = static_cast<int>(shared.ids.size());
-  update.state = speed_ > 0.0 ? OdometryState::lost : OdometryState::initialising;
+  update.state = speed_ > 0.0 ? OdometryState::lost : OdometryState::initializing;
   const auto wait = [&](OdometryReason reason, std::string detail) {
     if (update.reason == OdometryReason::none) {
       update.reason = reason;
@@ -154,7 +154,8 @@ void HybridOdometry::start(View current, OdometryUpdate& update) {
   const auto fit =
       estimate_direction(current_from_first.matrix(), shared.a, shared.b, ransac_options(current.position));
   if (!fit || fit->inliers < options_.min_inlier_share * update.matches) {
-    wait(OdometryReason::few_inliers, fmt::format("{} of {} points agree", fit ? fit->inliers : 0, update.matches));
+    wait(OdometryReason::few_inliers,
+         fmt::format("{} of {} points are inliers", fit ? fit->inliers : 0, update.matches));
     first_ = std::move(current);
     return;
   }
@@ -205,14 +206,14 @@ void HybridOdometry::locate(View current, OdometryUpdate& update) {
                                         guess.translation());
   if (!fit || fit->inliers < options_.min_inlier_share * update.matches) {
     lose(std::move(current), OdometryReason::few_inliers,
-         fmt::format("{} of {} points agree", fit ? fit->inliers : 0, update.matches), update);
+         fmt::format("{} of {} points are inliers", fit ? fit->inliers : 0, update.matches), update);
     return;
   }
   current.world_from_camera = first_->world_from_camera * SE3(current_from_first, fit->translation).inverse();
   const double step = (current.world_from_camera.translation() - world_from_last_.translation()).norm();
   if (step > options_.max_speed_ratio * speed_ * (bridged_ + 1)) {
     lose(std::move(current), OdometryReason::few_inliers,
-         fmt::format("motion of {:.1f} after one of {:.1f}", step, speed_), update);
+         fmt::format("motion of {:.1f} after a motion of {:.1f}", step, speed_), update);
     return;
   }
   update.inliers = fit->inliers;
@@ -223,7 +224,7 @@ void HybridOdometry::locate(View current, OdometryUpdate& update) {
 void HybridOdometry::accept(View current, const Shared& since_second) {
   const Eigen::Vector3d moved = world_from_last_.inverse() * current.world_from_camera.translation();
   velocity_ = moved / (bridged_ + 1);
-  // A step of nearly nothing is no speed to compare others with.
+  // A motion of nearly zero is no reference for the speed.
   speed_ = std::max(velocity_.norm(), 0.5 * speed_);
   world_from_last_ = current.world_from_camera;
   if (since_second.parallax_px < options_.min_parallax_px) return;
@@ -248,7 +249,7 @@ void HybridOdometry::lose(View current, OdometryReason reason, std::string detai
 void HybridOdometry::bridge(OdometryUpdate& update) {
   update.used = false;
   update.confidence = 0.0;
-  update.state = trajectory_.size() == 1 || !first_ ? OdometryState::initialising : OdometryState::weak;
+  update.state = trajectory_.size() == 1 || !first_ ? OdometryState::initializing : OdometryState::weak;
   if (update.reason == OdometryReason::repeated_frame) return;
   if (++bridged_ > options_.max_bridged_frames) {
     update.state = OdometryState::lost;
@@ -257,7 +258,7 @@ void HybridOdometry::bridge(OdometryUpdate& update) {
   world_from_last_ = predicted(world_from_last_.rotation() * rotations_.last_rotation());
 }
 
-/// The frames between two views of a start were given poses without knowing how far the camera goes.
+/// The frames between the two views of an initialization got poses before the camera's translation was known.
 void HybridOdometry::place_between(std::size_t first, std::size_t last) {
   const SE3 from = first_->world_from_camera, to = second_->world_from_camera;
   for (std::size_t i = first + 1; i < last; ++i) {

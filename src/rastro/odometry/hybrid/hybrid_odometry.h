@@ -15,10 +15,10 @@
 
 namespace rastro {
 
-/// The hybrid odometry of METHODS 2.3: how the camera turns is told by the profiles, where it moves by points that are
-/// triangulated from frames k-2 and k-1 and seen in k. k-1 and k-2 are the last two frames with enough motion between
-/// them, METHODS 2.6. The first motion has length 1, and the points carry that scale on; where they cannot, the last
-/// motion is carried on and its speed taken for the scale of a new start.
+/// The hybrid odometry of METHODS 2.3. The profiles give the camera's rotation; its translation comes from points that
+/// are triangulated from frames k-2 and k-1 and observed in k. k-1 and k-2 are the last two frames with enough motion
+/// between them, METHODS 2.6. The first motion has length 1, and the points propagate that scale. Where they cannot,
+/// the last motion is repeated and its speed gives the scale of the re-initialization.
 class HybridOdometry : public Odometry {
  public:
   /// Throws Error for settings out of range. The pool must outlive the odometry; without one all runs in the caller's
@@ -36,14 +36,14 @@ class HybridOdometry : public Odometry {
   };
   struct KnownPoint {
     std::int64_t id = 0;
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< In the camera of `first_`.
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< In the camera frame of `first_`.
   };
-  /// Two views' pixels of the same points.
+  /// Pixels of the same points in two views.
   struct Shared {
-    std::vector<Eigen::Vector2d> a, b;  ///< Normalised.
+    std::vector<Eigen::Vector2d> a, b;  ///< Normalized.
     std::vector<std::int64_t> ids;
     double motion_px = 0.0;    ///< Median.
-    double parallax_px = 0.0;  ///< Median of what the turn leaves.
+    double parallax_px = 0.0;  ///< Median after removing the rotation.
   };
 
   void follow(const Frame& frame, OdometryUpdate& update);
@@ -63,14 +63,14 @@ class HybridOdometry : public Odometry {
   FrameCheck check_;
   RotationChain rotations_;
   Tracker tracker_;
-  SO3 world_from_rotated_;  ///< Rotation of the last frame that turned, from the profiles alone.
+  SO3 world_from_rotated_;  ///< Last rotation measured, from the profiles alone.
   std::optional<View> first_, second_;
   std::vector<KnownPoint> points_;
   Trajectory trajectory_;
   SE3 world_from_last_;
-  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< A frame's motion in its own camera.
-  double speed_ = 0.0;                                  ///< Length of the last motion that was one; 0: none yet.
-  int bridged_ = 0;                                     ///< Frames without use since the last useful one.
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  ///< A frame's motion in its own camera frame.
+  double speed_ = 0.0;                                  ///< Length of the last motion that was not zero; 0: none yet.
+  int bridged_ = 0;                                     ///< Rejected frames since the last usable one.
 };
 
 }  // namespace rastro

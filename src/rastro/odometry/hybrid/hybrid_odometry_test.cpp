@@ -8,7 +8,7 @@
 namespace rastro {
 namespace {
 
-TEST(HybridOdometry, FollowsTheFirstBendWithAndWithoutAPool) {
+TEST(HybridOdometry, TracksTheFirstBendWithAndWithoutAPool) {
   const Drive drive = first_bend(0.4);
   HybridOdometry odometry({}, drive.camera);
   const DriveResult result = run(odometry, drive.frames);
@@ -26,7 +26,7 @@ TEST(HybridOdometry, FollowsTheFirstBendWithAndWithoutAPool) {
   expect_still_and_dark_frames_are_said(still, dark, drive);
 }
 
-TEST(HybridOdometry, EverySettingStandsInItsTable) {
+TEST(HybridOdometry, EverySettingIsInItsTable) {
   HybridOptions options;
   EXPECT_GT(option_table(options).options().size(), 20U);
 }

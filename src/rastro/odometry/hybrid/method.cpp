@@ -10,7 +10,9 @@ namespace {
 class HybridMethod : public OdometryMethod {
  public:
   std::string name() const override { return "hybrid"; }
-  std::string summary() const override { return "turns from profiles, the way from two points at a time"; }
+  std::string summary() const override {
+    return "rotation from intensity profiles, translation from point features (two-point RANSAC)";
+  }
   std::string needs() const override { return "one calibrated camera"; }
   OptionTable options() override { return option_table(options_); }
   std::unique_ptr<Odometry> make(const SourceInfo& source, const OdometryContext& context) const override {

@@ -9,17 +9,17 @@
 
 namespace rastro {
 
-/// Settings of the hybrid odometry, METHODS 2.3. Meaning, range and reason of each stand once, in option_table().
+/// Settings of the hybrid odometry, METHODS 2.3. option_table() gives meaning, range and reason of each.
 struct HybridOptions {
   int features = 400;
   double min_distance_px = 14.0;
   std::uint64_t seed = 1;
 
-  // Starting.
+  // Initialization.
   double min_start_parallax_px = 5.0;
   double min_motion_px = 0.3;
 
-  // Following.
+  // Tracking.
   double min_parallax_px = 2.0;
   double max_error_px = 4.0;
   double max_point_error_px = 4.0;

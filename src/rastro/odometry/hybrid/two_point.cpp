@@ -27,7 +27,7 @@ TranslationFit fit_of(const RobustFitOf<Eigen::Vector3d>& found, double max_erro
   return fit;
 }
 
-/// Points turned into the current camera's directions, seen at `seen`: only t' is unknown.
+/// Points rotated into the current camera's directions, observed at `seen`: only t' is unknown.
 struct TranslationProblem {
   static constexpr std::size_t sample_size = 2;
   const Eigen::Matrix3d& rotation;
@@ -103,7 +103,7 @@ struct DirectionProblem {
       Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
       for (std::size_t i = 0; i < turned.size(); ++i) {
         const double square = t.cross(turned[i]).head<2>().squaredNorm();
-        // Divided by the length of the line, so that all count in pixels.
+        // Divided by the length of the line, so that all are in pixels.
         if (start.squared_errors[i] <= limit && square > 0.0) sum += normals[i] * normals[i].transpose() / square;
       }
       const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sum);
@@ -114,12 +114,12 @@ struct DirectionProblem {
   }
 };
 
-/// Points in front of both cameras with translation t, less those in front with -t.
+/// Points in front of both cameras with translation t, minus those in front with -t.
 int balance_in_front(const DirectionProblem& problem, const TranslationFit& fit) {
   int balance = 0;
   for (std::size_t i = 0; i < problem.turned.size(); ++i) {
     if (fit.is_inlier[i] == 0) continue;
-    // s b = z R a + t: crossed with b and with R a, both give the signs of the depths.
+    // s b = z R a + t: the cross products with b and with R a give the signs of the depths.
     const Eigen::Vector3d b = problem.seen[i].homogeneous();
     const Eigen::Vector3d across = problem.turned[i].cross(b);
     const double depth_first = b.cross(fit.translation).dot(across);
@@ -150,7 +150,7 @@ std::optional<TranslationFit> estimate_translation(const Eigen::Matrix3d& rotati
                                                    std::span<const Eigen::Vector2d> points,
                                                    const CalibratedRansacOptions& options,
                                                    const std::optional<Eigen::Vector3d>& initial) {
-  RASTRO_CHECK(points_in_first.size() == points.size(), "a pixel for every point");
+  RASTRO_CHECK(points_in_first.size() == points.size(), "one pixel per point");
   TranslationProblem problem{rotation, points_in_first, points, options.focal_px, {}};
   for (const auto& point : points_in_first) problem.turned.emplace_back(rotation * point);
   const auto found = ransac_of<Eigen::Vector3d>(problem, points.size(), options, initial);
@@ -161,7 +161,7 @@ std::optional<TranslationFit> estimate_translation(const Eigen::Matrix3d& rotati
 std::optional<TranslationFit> estimate_direction(const Eigen::Matrix3d& rotation, std::span<const Eigen::Vector2d> a,
                                                  std::span<const Eigen::Vector2d> b,
                                                  const CalibratedRansacOptions& options) {
-  RASTRO_CHECK(a.size() == b.size(), "points in pairs");
+  RASTRO_CHECK(a.size() == b.size(), "the same number of points in both views");
   DirectionProblem problem{{}, {}, b, options.focal_px};
   for (std::size_t i = 0; i < a.size(); ++i) {
     problem.turned.emplace_back(rotation * a[i].homogeneous());

@@ -41,10 +41,10 @@ TEST(TwoPoint, IsTheFormulaOfThePaper) {
   const double a_z = (f * r.row(0) - (b.x() - cx) * r.row(2)).dot(point_b - point_a) / (b.x() - a.x());
   const Eigen::Vector3d by_paper((a.x() - cx) * a_z / f - r.row(0).dot(point_a),
                                  (a.y() - cy) * a_z / f - r.row(1).dot(point_a), a_z - r.row(2).dot(point_a));
-  const auto normalised = [&](const Eigen::Vector2d& pixel) {
+  const auto normalized = [&](const Eigen::Vector2d& pixel) {
     return Eigen::Vector2d((pixel.x() - cx) / f, (pixel.y() - cy) / f);
   };
-  const auto found = translation_from_two_points(r, point_a, point_b, normalised(a), normalised(b));
+  const auto found = translation_from_two_points(r, point_a, point_b, normalized(a), normalized(b));
   ASSERT_TRUE(found);
   EXPECT_LT((*found - by_paper).norm(), 1e-9);
   EXPECT_LT((*found - motion.translation()).norm(), 1e-9);
@@ -61,7 +61,7 @@ TEST(TwoPoint, UsesTheOtherAxisAndRefusesCoincidence) {
   EXPECT_FALSE(translation_from_two_points(straight, point_a, point_b, a, a));
 }
 
-TEST(EstimateTranslation, BearsNoiseAndOutliers) {
+TEST(EstimateTranslation, IsRobustToNoiseAndOutliers) {
   Random random(2);
   const auto scene = two_view_scene(random, some_motion(), {.count = 200, .noise_px = 0.3, .outlier_share = 0.4});
   const CalibratedRansacOptions options{{.max_error_px = 2.0}, 500.0};
@@ -96,7 +96,7 @@ TEST(EstimateDirection, FindsDirectionAndSign) {
   }
 }
 
-TEST(EstimateDirection, APureTurnHasNone) {
+TEST(EstimateDirection, APureRotationHasNone) {
   Random random(4);
   const SE3 turn(SO3::exp({0.0, 0.1, 0.0}), Eigen::Vector3d::Zero());
   const auto scene = two_view_scene(random, turn, {.count = 50});

@@ -8,7 +8,7 @@
 namespace rastro {
 namespace {
 
-TEST(ProfilesOdometry, RotatesAsTheFirstBend) {
+TEST(ProfilesOdometry, EstimatesTheRotationOfTheFirstBend) {
   const Drive drive = first_bend(0.2);
   ProfilesOdometry odometry({}, drive.camera), spoilt({}, drive.camera), still({}, drive.camera),
       dark({}, drive.camera);

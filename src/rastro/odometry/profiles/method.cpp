@@ -10,7 +10,9 @@ namespace {
 class ProfilesMethod : public OdometryMethod {
  public:
   std::string name() const override { return "profiles"; }
-  std::string summary() const override { return "turns from the sums of the image's columns and rows, constant speed"; }
+  std::string summary() const override {
+    return "rotation from intensity profiles (column and row sums of the image), constant speed";
+  }
   std::string needs() const override { return "one calibrated camera"; }
   OptionTable options() override { return option_table(options_); }
   std::unique_ptr<Odometry> make(const SourceInfo& source, const OdometryContext& /*context*/) const override {

@@ -9,15 +9,15 @@ OptionTable option_table(ProfilesOptions& options) {
   table.add({"forward_step",
              &options.forward_step,
              "frame steps",
-             "how far each frame goes ahead, as profiles tell no speed: 1 gives the shape of the path at constant "
-             "speed, 0 the turning alone",
+             "distance that each frame moves ahead, as profiles give no speed: 1 gives the path's shape at constant "
+             "speed, 0 the rotation alone",
              0,
              1e6,
              {}});
   table.add({"max_bridged_frames",
              &options.max_bridged_frames,
              "frames",
-             "over so many frames without a use the last motion is carried on; then none is",
+             "over so many rejected frames the last motion is repeated; further ones count as lost",
              0,
              1000,
              {}});

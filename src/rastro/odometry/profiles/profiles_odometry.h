@@ -9,13 +9,13 @@
 
 namespace rastro {
 
-/// Odometry from intensity profiles, METHODS 2.2: it knows how the camera turns, not how it moves. Each frame is taken
-/// to go `forward_step` ahead along the mean of its and the last frame's heading, so that positions show the path's
-/// shape at constant speed; standing still is noticed. Milford and Wyeth 2008, "Mapping a suburb with a single camera
-/// using a biologically inspired SLAM system", is where such profiles come from.
+/// Odometry from intensity profiles, METHODS 2.2: estimates the camera's rotation, not its translation. Each frame is
+/// assumed to move `forward_step` ahead along the mean of its own and the previous frame's heading, so positions show
+/// the path's shape at constant speed; a camera at rest is detected. Profiles after Milford and Wyeth 2008, "Mapping a
+/// suburb with a single camera using a biologically inspired SLAM system".
 ///
-/// Frames without use are bridged with the last motion, and the next useful one is measured against the last useful
-/// one, so that nothing of the turn between them is lost.
+/// Rejected frames are bridged with the last motion. The next usable frame is measured against the last usable one, so
+/// no rotation between them is lost.
 class ProfilesOdometry : public Odometry {
  public:
   /// Throws Error for settings out of range.
@@ -35,7 +35,7 @@ class ProfilesOdometry : public Odometry {
   Trajectory trajectory_;
   SE3 world_from_reference_;  ///< Of the last frame that was used.
   SE3 world_from_current_;
-  int bridged_ = 0;  ///< Frames without use since the last useful one.
+  int bridged_ = 0;  ///< Rejected frames since the last usable one.
 };
 
 }  // namespace rastro

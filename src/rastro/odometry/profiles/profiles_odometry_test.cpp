@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recorded drives, which are not part of the project: skipped, saying so, where they are not there.
+// Recorded drives, which are not part of the project: skipped with a message where they are missing.
 #include "rastro/odometry/profiles/profiles_odometry.h"
 
 #include <gtest/gtest.h>
@@ -24,9 +24,9 @@ struct RecordedDrive {
   const char* folder;
   int frames;
   Camera camera;
-  double max_yaw_rms_deg;   ///< Between neighbouring frames.
+  double max_yaw_rms_deg;   ///< Between consecutive frames.
   double max_yaw_end_deg;   ///< Accumulated.
-  double max_lambda_error;  ///< Of the calibrated lambda against 1 / fx, as share.
+  double max_lambda_error;  ///< Of the calibrated lambda against 1 / fx, as a share.
 };
 
 void PrintTo(const RecordedDrive& drive, std::ostream* out) { *out << drive.folder; }
@@ -34,13 +34,13 @@ void PrintTo(const RecordedDrive& drive, std::ostream* out) { *out << drive.fold
 class ProfilesOnRecorded : public testing::TestWithParam<RecordedDrive> {};
 
 std::optional<Frame> read_image(const std::filesystem::path& file, int index) {
-  const cv::Mat grey = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-  if (grey.empty()) return std::nullopt;
+  const cv::Mat gray = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  if (gray.empty()) return std::nullopt;
   Frame frame;
   frame.index = index;
   frame.stamp = index * 100'000'000LL;
-  frame.image = GreyImage(grey.cols, grey.rows);
-  for (int y = 0; y < grey.rows; ++y) std::copy_n(grey.ptr(y), grey.cols, frame.image.row(y));
+  frame.image = GrayImage(gray.cols, gray.rows);
+  for (int y = 0; y < gray.rows; ++y) std::copy_n(gray.ptr(y), gray.cols, frame.image.row(y));
   return frame;
 }
 
@@ -50,7 +50,7 @@ std::optional<Frame> read_frame(const std::filesystem::path& folder, int index) 
   return read_image(folder / "image_0" / name, index);
 }
 
-/// Turn to the left between two poses of KITTI's camera.
+/// Yaw to the left between two poses of KITTI's camera.
 double yaw_between(const SE3& a, const SE3& b) { return -(a.inverse() * b).rotation().log().y(); }
 
 TEST_P(ProfilesOnRecorded, YawFollowsTheReference) {
@@ -83,14 +83,14 @@ TEST_P(ProfilesOnRecorded, YawFollowsTheReference) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   const double rms = std::sqrt(squares / static_cast<double>(drive.frames - 1)) * degrees;
   const auto calibration = calibrate_yaw(shifts, reference);
-  std::cout << drive.folder << ": yaw rms " << rms << " deg a frame, accumulated " << accumulated * degrees
+  std::cout << drive.folder << ": yaw rms " << rms << " deg per frame, accumulated " << accumulated * degrees
             << " deg, lambda fx " << calibration.lambda * drive.camera.fx << '\n';
   EXPECT_LE(rms, drive.max_yaw_rms_deg);
   EXPECT_LE(std::abs(accumulated) * degrees, drive.max_yaw_end_deg);
   EXPECT_NEAR(calibration.lambda * drive.camera.fx, 1.0, drive.max_lambda_error);
 }
 
-TEST(ProfilesOnRecordedGround, ACameraOnTheGroundGoesNowhere) {
+TEST(ProfilesOnRecordedGround, ACameraOnTheGroundDoesNotMove) {
   const auto name = "euroc_v1_01_still_stereo/mav0/cam0/data";
   const auto folder = recorded_data(name);
   if (!folder) GTEST_SKIP() << no_recorded_data(name);
@@ -119,7 +119,7 @@ TEST(ProfilesOnRecordedGround, ACameraOnTheGroundGoesNowhere) {
 const Camera camera_of_00{.width = 1241, .height = 376, .fx = 718.856, .fy = 718.856, .cx = 607.1928, .cy = 185.2157};
 const Camera camera_of_raw{.width = 1242, .height = 375, .fx = 721.5377, .fy = 721.5377, .cx = 609.5593, .cy = 172.854};
 
-// The reference of the residential drive is itself only good to 0.2 degrees a frame.
+// The reference of the residential drive is itself accurate only to 0.2 degrees per frame.
 INSTANTIATE_TEST_SUITE_P(Drives, ProfilesOnRecorded,
                          testing::Values(RecordedDrive{"kitti_00", 100, camera_of_00, 0.07, 2.0, 0.04},
                                          RecordedDrive{"kitti_residential", 100, camera_of_raw, 0.2, 4.0, 0.15}),

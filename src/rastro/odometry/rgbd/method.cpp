@@ -12,17 +12,17 @@ class RgbdOdometryMethod : public OdometryMethod {
  public:
   std::string name() const override { return "rgbd"; }
   std::string summary() const override {
-    return "a depth camera's features and surfaces against its last reference frames, in metres";
+    return "RGB-D odometry: features and surfaces aligned with the last reference frames; metric";
   }
-  std::string needs() const override { return "images with depth, calibrated"; }
+  std::string needs() const override { return "calibrated images with depth"; }
   OptionTable options() override { return option_table(options_); }
   bool wants_depth() const override { return true; }
   bool is_metric() const override { return true; }
   std::unique_ptr<Odometry> make(const SourceInfo& source, const OdometryContext& context) const override {
     const Camera& camera = calibrated_camera(source);
     if (!source.has_depth)
-      throw Error("holds no depth, and this method needs it", source.path,
-                  "take a method for one camera; 'rastro methods' lists them all");
+      throw Error("has no depth, which this method needs", source.path,
+                  "use a method for one camera; 'rastro methods' lists them");
     return std::make_unique<RgbdOdometry>(options_, camera, context.pool);
   }
 

@@ -9,7 +9,7 @@
 namespace rastro {
 namespace {
 
-// The view may come back after a jolt; after this many frames in which nothing was known again, a new start is better.
+// The view may return after a jolt. After this many frames without any match, a new local map is better.
 constexpr int most_lost_frames = 30;
 
 }  // namespace
@@ -21,7 +21,7 @@ class RgbdOdometry::State {
   RgbdFollower follower;
   struct Record {
     TimeNs stamp;
-    int reference;  ///< Number of the newest reference then.
+    int reference;  ///< Index of the newest reference frame at that time.
     SE3 reference_from_camera;
   };
   std::vector<Record> records;

@@ -10,8 +10,8 @@
 
 namespace rastro {
 
-/// The way of a depth camera, METHODS 8, in metres. Frames without depth are followed by what the frames before them
-/// showed.
+/// Odometry of a depth camera, METHODS 8, in meters. Frames without depth are tracked against the local map of earlier
+/// frames.
 class RgbdOdometry : public Odometry {
  public:
   /// `pool` may be null and must outlive this.

@@ -12,7 +12,7 @@ SE3 first_from(std::int64_t frame) { return PaperedRoom::pose(0).inverse() * Pap
 
 double distance(const SE3& a, const SE3& b) { return (a.translation() - b.translation()).norm(); }
 
-TEST(RgbdOdometry, GivesEveryFrameItsPoseInMeters) {
+TEST(RgbdOdometry, GivesEveryFrameAPoseInMeters) {
   const PaperedRoom room;
   RgbdOdometry odometry({}, room.camera, nullptr);
   for (int i = 0; i < 15; ++i) odometry.process(room.frame(i, PaperedRoom::pose(i)));
@@ -25,8 +25,8 @@ TEST(RgbdOdometry, GivesEveryFrameItsPoseInMeters) {
   }
 }
 
-/// Of a view that never comes back the new local map begins where the last pose was.
-TEST(RgbdOdometry, BeginsAnewAfterASecondOfLoss) {
+/// If the view never returns, the new local map starts at the last pose.
+TEST(RgbdOdometry, StartsANewMapAfterASecondOfLoss) {
   const PaperedRoom room;
   RgbdOdometry odometry({}, room.camera, nullptr);
   OdometryUpdate update;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int reach = 2;
 constexpr int least_pixels = 15;
-// A step of more than this many noises between one side of the window and the plane through it is an edge.
+// A step of more standard deviations than this between one side of the window and the plane through it is an edge.
 constexpr double most_noises = 4.0;
 
 struct Plane {
@@ -17,7 +17,7 @@ struct Plane {
   int pixels = 0;
 };
 
-/// Inverse depth is linear over the picture of a plane.
+/// The inverse depth of a plane is linear in the image.
 std::optional<Plane> plane_at(const DepthImage& depth, const Eigen::Vector2d& pixel, const RgbdOptions& options) {
   const int cx = static_cast<int>(std::lround(pixel.x())), cy = static_cast<int>(std::lround(pixel.y()));
   if (cx < reach || cy < reach || cx + reach >= depth.width() || cy + reach >= depth.height()) return std::nullopt;
@@ -41,7 +41,7 @@ std::optional<Plane> plane_at(const DepthImage& depth, const Eigen::Vector2d& pi
   const double rms = std::sqrt(std::max(0.0, squares - plane.dot(right)) / pixels);
   const double sigma = inverse_depth_sigma(options, plane.z());
   if (!(plane.z() > 0.0) || rms > most_noises * sigma) return std::nullopt;
-  // Nearly seen from the side: a pixel's error moves the depth far.
+  // Nearly edge-on: a pixel's error changes the depth much.
   if (plane.head<2>().norm() > most_noises * sigma) return std::nullopt;
   return Plane{plane.z(), pixels};
 }
@@ -53,20 +53,20 @@ double inverse_depth_sigma(const RgbdOptions& options, double inverse_depth) {
 }
 
 std::optional<DepthReading> read_depth(const DepthImage& depth, const Camera& camera, const Eigen::Vector2d& ray,
-                                       const SE3& depth_from_colour, const RgbdOptions& options) {
+                                       const SE3& depth_from_color, const RgbdOptions& options) {
   const Eigen::Vector3d direction(ray.x(), ray.y(), 1.0);
-  const auto far = camera.project(depth_from_colour.rotation() * direction);
+  const auto far = camera.project(depth_from_color.rotation() * direction);
   if (!far) return std::nullopt;
   auto plane = plane_at(depth, *far, options);
   if (!plane) return std::nullopt;
-  // Once more at the place that this depth moves the pixel to.
-  const auto pixel = camera.project(depth_from_colour * Eigen::Vector3d(direction / plane->inverse_depth));
+  // Once more at the pixel to which this depth moves it.
+  const auto pixel = camera.project(depth_from_color * Eigen::Vector3d(direction / plane->inverse_depth));
   if (!pixel) return std::nullopt;
   plane = plane_at(depth, *pixel, options);
   if (!plane) return std::nullopt;
   // z_depth = (R (ray z) + t)_z, solved for z.
   const double z_in_depth = 1.0 / plane->inverse_depth;
-  const double z = (z_in_depth - depth_from_colour.translation().z()) / (depth_from_colour.rotation() * direction).z();
+  const double z = (z_in_depth - depth_from_color.translation().z()) / (depth_from_color.rotation() * direction).z();
   if (!(z >= options.min_depth_m && z <= options.max_depth_m)) return std::nullopt;
   return DepthReading{1.0 / z, inverse_depth_sigma(options, 1.0 / z), 0.0};
 }

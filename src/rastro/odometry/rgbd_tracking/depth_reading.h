@@ -11,21 +11,21 @@
 
 namespace rastro {
 
-/// What the depth picture says along a ray of the colour camera.
+/// Depth measured along a ray of the color camera.
 struct DepthReading {
-  double inverse_depth = 0.0;  ///< 1/m, along the colour camera's optical axis.
+  double inverse_depth = 0.0;  ///< 1/m, along the color camera's optical axis.
   double sigma = 0.0;          ///< Of it, 1/m.
-  /// How it would change if the depth had been taken later than thought, 1/m/s. Filled by the follower.
+  /// Its derivative by the delay of depth, 1/m/s. Filled by the follower.
   double per_second = 0.0;
 };
 
-/// Standard deviation of an inverse depth, 1/m: nearly the same everywhere, as disparity is what is measured.
+/// Standard deviation of an inverse depth, 1/m. It is nearly constant, because the sensor measures disparity.
 double inverse_depth_sigma(const RgbdOptions& options, double inverse_depth);
 
-/// Depth along `ray` (normalised) of the colour camera, from a plane through the 5x5 pixels around it. nullopt where
-/// too little was measured, out of range, or at the edge of an object, where depth belongs to one side or the other.
-/// `depth_from_colour`: motion from the colour picture's instant to the depth picture's.
+/// Depth along `ray` (normalized) of the color camera, from a plane through the 5x5 pixels around it. nullopt with too
+/// few measurements, out of range, or at the edge of an object, where depth belongs to one side or the other.
+/// `depth_from_color`: motion from the instant of the color image to that of the depth image.
 std::optional<DepthReading> read_depth(const DepthImage& depth, const Camera& camera, const Eigen::Vector2d& ray,
-                                       const SE3& depth_from_colour, const RgbdOptions& options);
+                                       const SE3& depth_from_color, const RgbdOptions& options);
 
 }  // namespace rastro

@@ -17,7 +17,7 @@ constexpr int width = 320, height = 240;
 
 Camera camera() { return PaperedRoom().camera; }
 
-/// Depth of the plane normal . p = distance, in the camera that looks at it.
+/// Depth of the plane normal . p = distance in a camera at the origin.
 DepthImage plane(const Eigen::Vector3d& normal, double distance) {
   DepthImage depth(width, height);
   for (int y = 0; y < height; ++y) {
@@ -43,19 +43,19 @@ TEST(ReadDepth, OfASlantedPlaneIsExactBetweenPixelsToo) {
   }
 }
 
-/// The depth camera stood elsewhere: what it says is brought into the colour camera.
-TEST(ReadDepth, FollowsTheMotionBetweenColourAndDepth) {
+/// The depth camera has another pose: its reading is transformed into the color camera.
+TEST(ReadDepth, FollowsTheMotionBetweenColorAndDepth) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.1, 0.1, 1.0).normalized();
   const DepthImage depth = plane(normal, 2.5);
-  const SE3 depth_from_colour(SO3::exp({0.01, -0.02, 0.005}), {0.03, -0.01, 0.04});
-  // The plane as the colour camera has it: n . (R p + t) = d.
-  const Eigen::Vector3d in_colour = depth_from_colour.rotation().inverse() * normal;
-  const double distance = 2.5 - normal.dot(depth_from_colour.translation());
+  const SE3 depth_from_color(SO3::exp({0.01, -0.02, 0.005}), {0.03, -0.01, 0.04});
+  // The plane in the color camera: n . (R p + t) = d.
+  const Eigen::Vector3d in_color = depth_from_color.rotation().inverse() * normal;
+  const double distance = 2.5 - normal.dot(depth_from_color.translation());
   for (const auto& [x, y] : {std::pair{90.0, 70.0}, {160.0, 120.0}, {250.5, 180.5}}) {
-    const auto reading = read_depth(depth, camera(), ray_of(x, y), depth_from_colour, {});
+    const auto reading = read_depth(depth, camera(), ray_of(x, y), depth_from_color, {});
     ASSERT_TRUE(reading);
     const Eigen::Vector3d ray = ray_of(x, y).homogeneous();
-    EXPECT_NEAR(reading->inverse_depth, in_colour.dot(ray) / distance, 2e-4) << x;
+    EXPECT_NEAR(reading->inverse_depth, in_color.dot(ray) / distance, 2e-4) << x;
   }
 }
 
@@ -78,7 +78,7 @@ TEST(ReadDepth, NoiseIsAveragedAndStaysWithinItsSigma) {
     squares += std::pow((reading->inverse_depth - 0.5) / reading->sigma, 2);
   }
   const double rms = std::sqrt(squares / count);
-  EXPECT_LT(rms, 0.5) << "of 25 pixels, whose errors here have nothing in common";
+  EXPECT_LT(rms, 0.5) << "of 25 pixels, whose errors are independent here";
   EXPECT_GT(rms, 0.1);
 }
 
@@ -100,8 +100,8 @@ TEST(ReadDepth, HasNoneAtAnEdgeOfDepth) {
   for (const int x : {190, 197, 203, 210}) EXPECT_TRUE(read_depth(depth, camera(), ray_of(x, 120.0), SE3(), {})) << x;
 }
 
-/// A wire before a wall: as deep on one side as on the other, and yet two surfaces.
-TEST(ReadDepth, HasNoneAcrossAThinThing) {
+/// A wire in front of a wall: the same depth on both sides, and yet two surfaces.
+TEST(ReadDepth, HasNoneAcrossAThinObject) {
   for (const float thin_m : {1.9F, 1.5F}) {
     DepthImage depth = plane({0.0, 0.0, 1.0}, 2.0);
     for (int y = 0; y < height; ++y) depth.at(160, y) = thin_m;
@@ -109,7 +109,7 @@ TEST(ReadDepth, HasNoneAcrossAThinThing) {
   }
 }
 
-TEST(ReadDepth, HasNoneWhereTooLittleWasMeasured) {
+TEST(ReadDepth, HasNoneWithTooFewMeasurements) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const float missing : {0.0F, nan, 0.1F, 20.0F}) {  // the last two are out of range
     for (const int holes : {10, 11}) {
@@ -123,17 +123,17 @@ TEST(ReadDepth, HasNoneWhereTooLittleWasMeasured) {
   const DepthImage depth = plane({0.0, 0.0, 1.0}, 2.0);
   for (const double x : {0.0, 1.4, 317.6, 319.0})
     EXPECT_FALSE(read_depth(depth, camera(), ray_of(x, 120.0), SE3(), {})) << x << ": at the rim";
-  EXPECT_FALSE(read_depth(depth, camera(), {5.0, 0.0}, SE3(), {})) << "out of the picture";
+  EXPECT_FALSE(read_depth(depth, camera(), {5.0, 0.0}, SE3(), {})) << "outside the image";
   EXPECT_FALSE(read_depth(DepthImage(), camera(), ray_of(160.0, 120.0), SE3(), {}));
 }
 
-TEST(ReadDepth, HasNoneOfASurfaceSeenFromTheSide) {
+TEST(ReadDepth, HasNoneOnASurfaceSeenEdgeOn) {
   const DepthImage steep = plane(Eigen::Vector3d(1.0, 0.0, 0.05).normalized(), 0.2);
   EXPECT_FALSE(read_depth(steep, camera(), ray_of(200.0, 120.0), SE3(), {}));
 }
 
-/// Means of readings, the oldest references given up, and a delay learnt later.
-TEST(PointMap, AReadingMovesTheMeanAndManyTellNoMoreThanFour) {
+/// Means of readings, discarded old references, and a delay estimated later.
+TEST(PointMap, AReadingMovesTheMeanAndManyHaveNoMoreInformationThanFour) {
   MapPoint point;
   const std::vector<double> values{0.5, 0.54, 0.46, 0.52, 0.48, 0.5};
   double sum = 0.0;
@@ -169,7 +169,7 @@ TEST(PointMap, APointFollowsItsReference) {
   EXPECT_LT((map.in_world(map.points[2]) - Eigen::Vector3d(2.2, 0.4, 2.0)).norm(), 1e-12);
 }
 
-TEST(PointMap, OldReferencesLoseTheirPlanesAndPointsAndStay) {
+TEST(PointMap, OldReferencesLosePlanesAndPointsAndKeepTheirPoses) {
   PointMap map = map_of(6);
   map.points[5].missed = 4;
   map.forget(3, 3);
@@ -180,10 +180,10 @@ TEST(PointMap, OldReferencesLoseTheirPlanesAndPointsAndStay) {
   EXPECT_EQ(map.points[1].anchor, 4) << "the one missed too often is gone";
   map.first_live = 5;
   map.forget(3, 3);
-  EXPECT_TRUE(map.points.empty()) << "of a map given up";
+  EXPECT_TRUE(map.points.empty()) << "of a discarded map";
 }
 
-TEST(PointMap, ADelayMovesDepthsAndWhereTheyWereTaken) {
+TEST(PointMap, ADelayChangesDepthsAndThePosesAtWhichTheyWereTaken) {
   PointMap map = map_of(3);
   map.references[0].planes.clear();
   map.first_live = 0;

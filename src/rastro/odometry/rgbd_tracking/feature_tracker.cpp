@@ -12,12 +12,12 @@ namespace {
 
 constexpr int pyramid_levels = 5;
 constexpr int points_per_chunk = 32;
-// The pose that guides recognition is known to a few pixels.
+// The pose that guides the matching is accurate to a few pixels.
 constexpr double recognition_reach_px = 5.0;
 constexpr int border_px = 4;
-// A patch seen more stretched or shrunk than this holds other detail.
+// A patch stretched or shrunk by more than this shows other detail.
 constexpr float most_stretch = 1.6F;
-// Two points this much nearer than asked are the same corner, found twice.
+// Two points this much closer than the minimum distance are the same corner, detected twice.
 constexpr double same_share = 0.5;
 
 bool inside(const Camera& camera, const Eigen::Vector2d& pixel) {
@@ -40,7 +40,7 @@ KltOptions FeatureTracker::flow_options() const {
   options.iterations = 15;
   options.epsilon_px = 0.02;
   options.coarse_epsilon_px = 0.1;
-  options.backward_levels = 0;  // recognition tells who went astray
+  options.backward_levels = 0;  // matching with the anchor's patch finds drifted points
   return options;
 }
 
@@ -89,7 +89,7 @@ std::vector<FeatureTracker::Candidate> FeatureTracker::in_view(const PointMap& m
     Eigen::Matrix<double, 2, 3> projection;
     const auto pixel = camera_.project(p, projection);
     if (!pixel || p.z() < 0.05 || !inside(camera_, *pixel)) continue;
-    // How a pixel of the anchor, on a surface that faces it, moves here.
+    // Local motion of the anchor's image: the derivative for a surface that faces the anchor.
     const Eigen::Matrix<double, 3, 2> across =
         camera_from.rotation().matrix().leftCols<2>() *
         (Eigen::Vector2d(1.0 / camera_.fx, 1.0 / camera_.fy) * depth).asDiagonal();
@@ -101,7 +101,7 @@ std::vector<FeatureTracker::Candidate> FeatureTracker::in_view(const PointMap& m
   return candidates;
 }
 
-std::vector<FoundPoint> FeatureTracker::recognise(PointMap& map, const SE3& pose,
+std::vector<FoundPoint> FeatureTracker::recognize(PointMap& map, const SE3& pose,
                                                   const std::vector<FoundPoint>& carried) {
   const std::vector<Candidate> candidates = in_view(map, pose, carried);
   const KltOptions options = flow_options();
@@ -118,21 +118,21 @@ std::vector<FoundPoint> FeatureTracker::recognise(PointMap& map, const SE3& pose
   for (MapPoint& point : map.points) point.tracked = false;
   DistanceGrid grid(camera_.width, camera_.height, same_share * options_.min_distance_px);
   std::vector<FoundPoint> found;
-  // Points stand in the order of their anchors.
+  // Points are in the order of their anchors.
   for (std::size_t i = 0; i < candidates.size() && static_cast<int>(found.size()) < options_.features; ++i) {
     MapPoint& point = map.points[candidates[i].point];
     const FoundPoint* before = candidates[i].carried;
-    const bool recognised = results[i].followed;
-    if (!recognised) ++point.missed;
-    if (!recognised && !before) continue;
-    FoundPoint here{candidates[i].point, recognised ? results[i].pixel : before->pixel, {}, recognised};
+    const bool recognized = results[i].followed;
+    if (!recognized) ++point.missed;
+    if (!recognized && !before) continue;
+    FoundPoint here{candidates[i].point, recognized ? results[i].pixel : before->pixel, {}, recognized};
     const auto ray = camera_.unproject(here.pixel.cast<double>());
     if (!ray || !inside(camera_, here.pixel.cast<double>()) || !grid.add_if_far(here.pixel.x(), here.pixel.y()))
       continue;
     here.ray = *ray;
     point.tracked = true;
     point.pixel = here.pixel;
-    if (recognised) point.missed = 0;
+    if (recognized) point.missed = 0;
     found.push_back(here);
   }
   return found;
@@ -142,7 +142,7 @@ std::vector<Eigen::Vector2f> FeatureTracker::new_corners(const Frame& frame, con
                                                          int count) {
   const int width = frame.image.width(), height = frame.image.height();
   const bool masked = frame.mask.width() == width && frame.mask.height() == height;
-  free_ = masked ? frame.mask : GreyImage(width, height);
+  free_ = masked ? frame.mask : GrayImage(width, height);
   if (!masked) {
     for (int y = 0; y < height; ++y) std::fill_n(free_.row(y), width, std::uint8_t{255});
   }

@@ -15,12 +15,12 @@
 
 namespace rastro {
 
-/// Where a frame sees a point of the map.
+/// Observation of a map point in a frame.
 struct FoundPoint {
   std::size_t point = 0;  ///< Index in the map.
   Eigen::Vector2f pixel;
-  Eigen::Vector2d ray;     ///< Normalised.
-  bool recognised = true;  ///< By its looks in the anchor; else only carried on from the frame before.
+  Eigen::Vector2d ray;     ///< Normalized.
+  bool recognized = true;  ///< Matched with the anchor's patch; else only tracked from the previous frame.
 };
 
 /// Finds the points of a map in frames. Results do not depend on the pool.
@@ -29,14 +29,14 @@ class FeatureTracker {
   FeatureTracker(const RgbdOptions& options, const Camera& camera, TaskPool* pool)
       : options_(options), camera_(camera), pool_(pool) {}
 
-  /// The next image. The one before it is kept for carry_on().
+  /// Sets the next image. The previous one is kept for carry_on().
   void take(const Frame& frame);
-  /// Points tracked in the frame before, by optical flow, starting where `guess` would see them.
+  /// Tracks the previous frame's points by optical flow, starting at their projections by `guess`.
   std::vector<FoundPoint> carry_on(const PointMap& map, const SE3& guess) const;
-  /// All points that a camera at `pose` could see, by their looks in their anchors, those of old anchors first, so that
-  /// nothing drifts; `carried` stay where they were found when their looks have changed too much. Marks the map's
-  /// points as tracked or missed.
-  std::vector<FoundPoint> recognise(PointMap& map, const SE3& pose, const std::vector<FoundPoint>& carried);
+  /// Matches all points visible from a camera at `pose` with the patches of their anchors, those of old anchors first,
+  /// to avoid drift. A point of `carried` keeps its position if its patch has changed too much. Marks the map's points
+  /// as tracked or missed.
+  std::vector<FoundPoint> recognize(PointMap& map, const SE3& pose, const std::vector<FoundPoint>& carried);
   /// Corners away from `found`, strongest first.
   std::vector<Eigen::Vector2f> new_corners(const Frame& frame, const std::vector<FoundPoint>& found, int count);
   const Pyramid& pyramid() const { return current_; }
@@ -51,7 +51,7 @@ class FeatureTracker {
   TaskPool* pool_;
   Pyramid previous_, current_;
   CornerDetector detector_;
-  GreyImage free_;
+  GrayImage free_;
 };
 
 }  // namespace rastro

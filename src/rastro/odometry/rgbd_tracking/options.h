@@ -9,7 +9,7 @@
 
 namespace rastro {
 
-/// Settings of following a depth camera, METHODS 8. Meaning, range and reason of each stand once, in option_table().
+/// Settings of depth camera tracking, METHODS 8. option_table() gives meaning, range and reason of each.
 struct RgbdOptions {
   // Depth.
   double depth_sigma_m = 0.001;
@@ -33,9 +33,9 @@ struct RgbdOptions {
   std::string surfaces = "on";
   double surface_weight = 0.2;
 
-  // References.
-  double max_reference_turn_deg = 12.0;
-  double max_reference_way = 0.1;
+  // Reference frames.
+  double max_reference_rotation_deg = 12.0;
+  double max_reference_motion_m = 0.1;
   double min_reference_share = 0.6;
   int map_references = 40;
 

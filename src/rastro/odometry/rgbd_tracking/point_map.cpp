@@ -6,7 +6,7 @@
 namespace rastro {
 namespace {
 
-// Readings of one spot share most of their error: more than these tell nothing new.
+// Readings of one point share most of their error: more than these add no information.
 constexpr double most_readings = 4.0;
 
 }  // namespace

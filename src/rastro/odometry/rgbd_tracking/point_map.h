@@ -14,32 +14,32 @@
 
 namespace rastro {
 
-/// A feature of the local map: a ray of the reference it was first seen in, and how deep it lies there.
+/// A feature of the local map: a ray in the reference frame of its first observation, and its depth there.
 struct MapPoint {
   int anchor = 0;            ///< Number of the reference.
-  Eigen::Vector2d ray;       ///< In the anchor, normalised.
+  Eigen::Vector2d ray;       ///< In the anchor, normalized.
   double inverse_depth = 0;  ///< In the anchor, 1/m; > 0.
-  double information = 0;    ///< Of that by depth readings, m^2.
+  double information = 0;    ///< Of the inverse depth, from depth readings, m^2.
   double readings = 0.0;
-  double per_second = 0.0;  ///< Change of the mean of the readings with the delay of depth, 1/m/s.
+  double per_second = 0.0;  ///< Derivative of the mean of the readings by the delay of depth, 1/m/s.
   KltReference patch;
   Descriptor descriptor;
-  int seen = 1, missed = 0;                         ///< Frames; missed: in a row, although it should have been in view.
+  int seen = 1, missed = 0;                         ///< Frames; missed: in a row, although expected in view.
   Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< In the last frame.
   bool tracked = false;                             ///< In the last frame.
 };
 
-/// A frame that others are followed against.
+/// A reference frame, against which other frames are tracked.
 struct Reference {
   TimeNs stamp = 0;
   SE3 world_from_camera;
   double median_depth = 1.0;
-  std::vector<BlockPlane> planes;        ///< Its surfaces; empty where it has none, or is too old.
-  SE3 camera_from_depth;                 ///< How the camera moved between colour and depth.
-  Vector6d velocity = Vector6d::Zero();  ///< Of the camera then, per second.
+  std::vector<BlockPlane> planes;        ///< Its surfaces; empty without depth, or too old.
+  SE3 camera_from_depth;                 ///< Camera motion between color and depth.
+  Vector6d velocity = Vector6d::Zero();  ///< Camera velocity at that frame, per second.
 };
 
-/// The local map of a depth camera: features of the last references. All references' poses are kept.
+/// The local map of a depth camera: features of the last reference frames. The poses of all reference frames are kept.
 class PointMap {
  public:
   Eigen::Vector3d in_world(const MapPoint& point) const {
@@ -49,16 +49,16 @@ class PointMap {
   const SE3& world_from_anchor(const MapPoint& point) const {
     return references[static_cast<std::size_t>(point.anchor)].world_from_camera;
   }
-  /// Takes one more reading of the depth, seen from the anchor, into the mean.
+  /// Adds a depth reading, seen from the anchor, to the mean.
   static void add_reading(MapPoint& point, const DepthReading& reading);
-  /// Drops points whose anchor is older than the last `count` references, and points missed too often.
+  /// Drops points whose anchor is older than the last `count` reference frames, and points missed too often.
   void forget(int count, int most_missed);
-  /// Depth is now thought to have been taken so much later.
+  /// Increases the estimated delay of depth by this much.
   void delay_depths(double seconds);
 
   std::vector<Reference> references;  ///< By number.
   std::vector<MapPoint> points;
-  int first_live = 0;  ///< References before this one belong to maps given up.
+  int first_live = 0;  ///< Earlier references belong to discarded maps.
 };
 
 }  // namespace rastro

@@ -9,32 +9,32 @@
 namespace rastro {
 namespace {
 
-// Standard deviations from which on an error weighs less.
+// Standard deviations above which an error is down-weighted.
 constexpr double kernel_width = 2.0;
-// Metres and radians: a smaller step changes nothing worth another round.
+// Meters and radians: a smaller step is not worth another iteration.
 constexpr double smallest_step = 1e-6;
-// Holds directions that nothing measures, far weaker than any measurement.
+// Damping of unobservable directions, far weaker than any measurement.
 constexpr double hold = 1e-3;
 
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
 
-/// One point's errors (right, down, inverse depth), what they change with, and their weight.
-struct Linearised {
+/// Residuals of one point (right, down, inverse depth), their Jacobians and their weight.
+struct Linearized {
   Eigen::Vector3d error = Eigen::Vector3d::Zero();
   Eigen::Matrix<double, 3, 6> by_pose = Eigen::Matrix<double, 3, 6>::Zero();
   Eigen::Vector3d by_delay = Eigen::Vector3d::Zero();
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< The kernel's weight included.
 };
 
-bool linearise(const PointMeasurement& point, const SE3& camera_from_world, const Eigen::Matrix3d& rotation,
-               const CauchyKernel& kernel, Linearised& out) {
+bool linearize(const PointMeasurement& point, const SE3& camera_from_world, const Eigen::Matrix3d& rotation,
+               const CauchyKernel& kernel, Linearized& out) {
   const Eigen::Vector3d p = camera_from_world * point.in_world;
   if (p.z() < 0.05) return false;
   const double inverse = 1.0 / p.z();
   Matrix23 projection;
   projection << inverse, 0.0, -p.x() * inverse * inverse, 0.0, inverse, -p.y() * inverse * inverse;
   const Eigen::Vector3d slide = rotation * point.in_world_per_inverse_depth;
-  // With d at the right of world_from_camera: p' = exp(-d) p.
+  // With d on the right of world_from_camera: p' = exp(-d) p.
   Eigen::Matrix<double, 3, 6> motion;
   motion << -Eigen::Matrix3d::Identity(), hat(p);
   Eigen::Vector3d along = Eigen::Vector3d::Zero();
@@ -52,7 +52,7 @@ bool linearise(const PointMeasurement& point, const SE3& camera_from_world, cons
     noise(2, 2) = point.inverse_depth_sigma * point.inverse_depth_sigma;
   }
   out.by_delay = along * point.map_per_second - Eigen::Vector3d::UnitZ() * point.per_second;
-  // The map's own depth is uncertain, which moves all three together.
+  // The uncertainty of the map's own depth affects all three residuals together.
   noise += point.inverse_depth_variance * along * along.transpose();
   out.information = noise.inverse();
   out.information *= kernel.weight(out.error.dot(out.information * out.error));
@@ -65,9 +65,9 @@ DelayedQuadratic points_with_delay(const std::vector<PointMeasurement>& points, 
   const SE3 camera_from_world = world_from_camera.inverse();
   const Eigen::Matrix3d rotation = camera_from_world.rotation().matrix();
   DelayedQuadratic sum;
-  Linearised point;
+  Linearized point;
   for (const PointMeasurement& measured : points) {
-    if (!linearise(measured, camera_from_world, rotation, {kernel_width}, point)) continue;
+    if (!linearize(measured, camera_from_world, rotation, {kernel_width}, point)) continue;
     Eigen::Matrix<double, 3, 7> jacobian;
     jacobian << point.by_pose, point.by_delay;
     sum.information.noalias() += jacobian.transpose() * point.information * jacobian;
@@ -89,9 +89,9 @@ PoseQuadratic points_quadratic(const std::vector<PointMeasurement>& points, cons
   PoseQuadratic sum;
   const SE3 camera_from_world = world_from_camera.inverse();
   const Eigen::Matrix3d rotation = camera_from_world.rotation().matrix();
-  Linearised point;
+  Linearized point;
   for (const PointMeasurement& measured : points) {
-    if (!linearise(measured, camera_from_world, rotation, {kernel}, point)) continue;
+    if (!linearize(measured, camera_from_world, rotation, {kernel}, point)) continue;
     const Eigen::Matrix<double, 6, 3> weighted = point.by_pose.transpose() * point.information;
     sum.information.noalias() += weighted * point.by_pose;
     sum.gradient.noalias() += weighted * point.error;
@@ -101,7 +101,7 @@ PoseQuadratic points_quadratic(const std::vector<PointMeasurement>& points, cons
 
 namespace {
 
-/// Of the pose, from an error that moves all rays alike.
+/// Covariance of the pose due to an error common to all rays.
 Vector6d shared_variance(const std::vector<PointMeasurement>& points, double ray_error, const SE3& world_from_camera) {
   double depths = 0.0;
   for (const PointMeasurement& point : points) depths += (point.in_world - world_from_camera.translation()).norm();
@@ -111,7 +111,7 @@ Vector6d shared_variance(const std::vector<PointMeasurement>& points, double ray
   return variance;
 }
 
-/// (H^-1 + C)^-1 and what it does to the gradient, also where H cannot be inverted.
+/// (H^-1 + C)^-1 and its effect on the gradient, also where H cannot be inverted.
 PoseQuadratic with_shared_error(const PoseQuadratic& points, const Vector6d& variance) {
   const Matrix6d scale = Matrix6d::Identity() + points.information * variance.asDiagonal();
   const Eigen::PartialPivLU<Matrix6d> inverse(scale);

@@ -17,9 +17,9 @@ using testing::pose_near;
 using testing::random_vector;
 
 const SE3 true_pose(SO3::exp({0.2, -0.5, 0.1}), {0.4, -0.3, 1.2});
-constexpr double wide = 1e6;  ///< A kernel that bends nowhere.
+constexpr double wide = 1e6;  ///< A kernel that is quadratic everywhere.
 
-/// Points of a map 1 to 4 m ahead, exactly where the camera sees them; with a depth read for every other one.
+/// Points of a map 1 to 4 m ahead with exact observations; every other one has a depth reading.
 std::vector<PointMeasurement> exact_points(int count, std::uint64_t seed = 1) {
   Random random(seed);
   std::vector<PointMeasurement> points;
@@ -28,7 +28,7 @@ std::vector<PointMeasurement> exact_points(int count, std::uint64_t seed = 1) {
     const Eigen::Vector3d p(z * random.uniform(-0.5, 0.5), z * random.uniform(-0.4, 0.4), z);
     PointMeasurement point;
     point.in_world = true_pose * p;
-    point.in_world_per_inverse_depth = -z * (true_pose.rotation() * p);  // seen first from about here
+    point.in_world_per_inverse_depth = -z * (true_pose.rotation() * p);  // first observed from about here
     point.ray = p.hnormalized();
     point.ray_sigma = 0.002;
     if (i % 2 == 0) point.inverse_depth = 1.0 / z, point.inverse_depth_sigma = 0.005;
@@ -37,7 +37,7 @@ std::vector<PointMeasurement> exact_points(int count, std::uint64_t seed = 1) {
   return points;
 }
 
-/// Half the squared sigmas of all measurements, written out, with the map's own uncertainty kept as it is at `at`.
+/// Half the squared standardised residuals of all measurements, written out, with the map's uncertainty fixed at `at`.
 double cost_of(const std::vector<PointMeasurement>& points, const SE3& pose, const SE3& at) {
   double cost = 0.0;
   for (const PointMeasurement& point : points) {
@@ -73,15 +73,16 @@ TEST(PointsQuadratic, GradientAndInformationAreThoseOfTheCostByDifferences) {
         -(cost_of(points, pose * SE3::exp(d), pose) - cost_of(points, pose * SE3::exp(-d), pose)) / (2.0 * step);
     EXPECT_NEAR(quadratic.gradient[k] / downhill, 1.0, 1e-4) << k;
   }
-  // Without residuals Gauss-Newton's matrix is that of the second derivatives.
-  const PoseQuadratic at_truth = points_quadratic(points, true_pose, wide);
+  // With zero residuals the Gauss-Newton matrix equals the Hessian.
+  const PoseQuadratic at_ground_truth = points_quadratic(points, true_pose, wide);
   for (int a = 0; a < 6; ++a) {
     for (int b = 0; b <= a; ++b) {
       constexpr double h = 1e-4;
       const Vector6d da = h * Vector6d::Unit(a), db = h * Vector6d::Unit(b);
       const auto cost = [&](const Vector6d& d) { return cost_of(points, true_pose * SE3::exp(d), true_pose); };
       const double second = (cost(da + db) - cost(da - db) - cost(db - da) + cost(-da - db)) / (4.0 * h * h);
-      EXPECT_NEAR(at_truth.information(a, b), second, 2e-3 * at_truth.information.diagonal().maxCoeff()) << a << b;
+      EXPECT_NEAR(at_ground_truth.information(a, b), second, 2e-3 * at_ground_truth.information.diagonal().maxCoeff())
+          << a << b;
     }
   }
 }
@@ -100,7 +101,7 @@ TEST(PointsQuadratic, PointsBehindTheCameraAndFarOutliersHardlyCount) {
   EXPECT_THAT(with.information, matrix_near(before.information, 0.01 * before.information.norm()));
 }
 
-TEST(SolvePose, ComesBackToTheTruthFromADisturbedStart) {
+TEST(SolvePose, ConvergesToTheTruePoseFromAPerturbedStart) {
   Random random(9);
   for (int trial = 0; trial < 20; ++trial) {
     const SE3 start = true_pose * SE3::exp(random_vector<Vector6d>(random, 0.08));
@@ -110,7 +111,7 @@ TEST(SolvePose, ComesBackToTheTruthFromADisturbedStart) {
   }
 }
 
-TEST(SolvePose, ItsErrorIsWithinWhatItsInformationSays) {
+TEST(SolvePose, ItsErrorAgreesWithItsInformation) {
   Random random(10);
   double sum = 0.0;
   constexpr int runs = 200;
@@ -130,7 +131,7 @@ TEST(SolvePose, ItsErrorIsWithinWhatItsInformationSays) {
   EXPECT_LT(sum / runs, 8.0);
 }
 
-TEST(SolvePose, ASharedErrorIsNotAveragedAwayByManyPoints) {
+TEST(SolvePose, ACommonErrorIsNotAveragedOutByManyPoints) {
   constexpr double shared = 0.003;
   for (const int count : {50, 5000}) {
     const PoseSolution solution = solve_pose(exact_points(count), shared, true_pose, 5);
@@ -139,24 +140,24 @@ TEST(SolvePose, ASharedErrorIsNotAveragedAwayByManyPoints) {
     for (int k = 0; k < 3; ++k) EXPECT_GE(covariance(k, k), shared * shared) << count << ": by depth, above 1 m";
     const Matrix6d sum = solution.points.information.inverse();
     const Matrix6d added = covariance - sum;
-    EXPECT_NEAR(added(4, 4) / (shared * shared), 1.0, 1e-3) << "it is added to what the points leave open";
+    EXPECT_NEAR(added(4, 4) / (shared * shared), 1.0, 1e-3) << "it is added to the uncertainty of the points";
   }
 }
 
-TEST(SolvePose, DirectionsThatNothingMeasuresStay) {
+TEST(SolvePose, UnobservableDirectionsKeepTheirValue) {
   const SE3 start = true_pose * SE3::exp((Vector6d() << 0.05, 0.0, 0.0, 0.0, 0.02, 0.0).finished());
   EXPECT_THAT(solve_pose({}, 0.001, start, 10).world_from_camera, pose_near(start, 1e-12, 1e-12));
-  // One point without depth holds two of six directions.
+  // One point without depth constrains two of six directions.
   auto one = exact_points(2);
   one.erase(one.begin());
   const PoseSolution solution = solve_pose(one, 0.0, start, 20);
   const Eigen::Vector3d p = solution.world_from_camera.inverse() * one[0].in_world;
-  EXPECT_LT((p.hnormalized() - one[0].ray).norm(), 1e-5) << "it is seen where it is seen";
-  EXPECT_LT((start.inverse() * solution.world_from_camera).log().norm(), 0.06) << "and nothing else moved far";
+  EXPECT_LT((p.hnormalized() - one[0].ray).norm(), 1e-5) << "it projects to its observation";
+  EXPECT_LT((start.inverse() * solution.world_from_camera).log().norm(), 0.06) << "and no other direction moved far";
 }
 
-/// Another source that is very sure of one translation wins there; the points keep the rest.
-TEST(SolvePose, OthersAreWeighedWithThePoints) {
+/// Another source with a strong prior on one translation prevails there; the points determine the rest.
+TEST(SolvePose, OthersAreWeightedWithThePoints) {
   const Eigen::Vector3d wanted = true_pose.translation() + Eigen::Vector3d(0.0, 0.0, 0.02);
   const auto others = [&](const SE3& pose, int) {
     PoseQuadratic quadratic;
@@ -167,11 +168,11 @@ TEST(SolvePose, OthersAreWeighedWithThePoints) {
   };
   const PoseSolution solution = solve_pose(exact_points(40), 0.0, true_pose, 20, others);
   EXPECT_LT((solution.world_from_camera.translation() - wanted).norm(), 1e-4);
-  EXPECT_THAT(solution.by_points_alone(), pose_near(true_pose, 2e-3, 2e-3)) << "as they would have it";
+  EXPECT_THAT(solution.by_points_alone(), pose_near(true_pose, 2e-3, 2e-3)) << "their own solution";
   EXPECT_GT((solution.world_from_camera.inverse() * true_pose).log().norm(), 0.015);
 }
 
-/// Depths read later than thought: each is off by its rate times the delay.
+/// Depths read later than assumed: each is wrong by its rate times the delay.
 TEST(PointsWithDelay, FindTheDelayOfDepthAlongWithThePose) {
   constexpr double delay = 0.012;
   auto points = exact_points(60);
@@ -195,7 +196,7 @@ TEST(PointsWithDelay, FindTheDelayOfDepthAlongWithThePose) {
   EXPECT_THAT(pose, pose_near(true_pose, 1e-6, 1e-6));
 }
 
-TEST(PointsWithDelay, WhatIsLeftOfTheDelayIsTheSchurComplement) {
+TEST(PointsWithDelay, InformationOnTheDelayIsTheSchurComplement) {
   auto points = exact_points(30);
   for (std::size_t i = 0; i < points.size(); ++i) points[i].per_second = 0.2 * static_cast<double>(i % 5) - 0.3;
   const SE3 pose = true_pose * SE3::exp((Vector6d() << 0.01, 0.0, -0.01, 0.0, 0.005, 0.0).finished());

@@ -15,7 +15,7 @@
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/odometry/frame_check.h"
 #include "rastro/odometry/rgbd_tracking/feature_tracker.h"
-#include "rastro/odometry/rgbd_tracking/place_finder.h"
+#include "rastro/odometry/rgbd_tracking/landmark_finder.h"
 #include "rastro/odometry/rgbd_tracking/point_map.h"
 #include "rastro/odometry/rgbd_tracking/pose_solver.h"
 #include "rastro/odometry/rgbd_tracking/surface_matcher.h"
@@ -27,21 +27,22 @@ constexpr int most_missed = 20;
 constexpr int solver_iterations = 6;
 constexpr double most_depth_offset_s = 0.1;
 constexpr double first_delay_sigma_s = 0.02, most_delay_s = 0.06, delay_step_s = 0.005;
-// Points of one frame err together, and so do frames that follow each other.
+// Errors of points in one frame are correlated, and so are errors of consecutive frames.
 constexpr double delay_share = 0.02;
-// A point carried on by optical flow alone has drifted since it was first seen.
+// A point tracked by optical flow alone has drifted since its first observation.
 constexpr double carried_sigma_factor = 2.0;
-// Surfaces: every fourth block while searching from afar, every third to fit; reach of the search, metres.
+// Surfaces: every fourth block for the coarse search, every third for the fine one; search radius in meters.
 constexpr int coarse_step = 4, fine_step = 3, coarse_iterations = 12;
 constexpr double coarse_reach_m = 0.2, fine_reach_m = 0.03;
 constexpr int least_compared = 1500;  // blocks
-// Metres and radians: a pose known worse than the first is said to be weak, than the second to be lost.
+// Meters and radians: a pose less certain than the first is weak, than the second lost.
 constexpr double most_sigma = 0.02, lost_sigma = 0.2;
 constexpr double lost_variance = 1.0;
-// Of the last motion, a frame.
+// Share of the last motion, per frame.
 constexpr double lost_damping = 0.5;
 constexpr int corners_to_find = 600;
-// Neighbours err together, and a map errs as a whole: what is left out of the model.
+// Inflation of the covariance: errors of neighbors are correlated, and a map has a common error; the model has
+// neither.
 constexpr double covariance_factor = 4.0;
 
 }  // namespace
@@ -60,6 +61,7 @@ class RgbdFollower::State {
   void move(const SE3& new_world_from_world);
   const SE3& world_from_camera() const { return pose_; }
   std::vector<SE3> reference_poses() const;
+  const std::vector<FollowedFeature>& features() const { return features_; }
 
  private:
   bool map_is_empty() const;
@@ -74,7 +76,7 @@ class RgbdFollower::State {
   void keep_inliers(const SE3& pose);
   bool judge(const PoseSolution& solution, const SurfaceMatch& match, RgbdFollow& result) const;
   std::vector<PointMeasurement> measurements(const std::vector<FoundPoint>& found) const;
-  SE3 depth_from_colour(const Frame& frame, const Vector6d& velocity, double later_s = 0.0) const;
+  SE3 depth_from_color(const Frame& frame, const Vector6d& velocity, double later_s = 0.0) const;
   std::optional<DepthReading> read(const Frame& frame, const Eigen::Vector2d& ray, const Vector6d& velocity) const;
   void learn_delay(const SE3& pose);
   void learn_depths(const std::vector<FoundPoint>& found, const std::vector<PointMeasurement>& measured,
@@ -91,31 +93,33 @@ class RgbdFollower::State {
   FrameCheck check_;
   FeatureTracker tracker_;
   SurfaceMatcher surfaces_;
-  PlaceFinder places_;
+  LandmarkFinder places_;
   PointMap map_;
   bool has_pose_ = false;
   SE3 pose_;                              ///< world_from_camera of the last frame.
   TimeNs stamp_ = 0;                      ///< Of the last frame.
   Vector6d velocity_ = Vector6d::Zero();  ///< Per second, in the camera.
-  SE3 camera_from_depth_;                 ///< Between the colour and the depth of the last frame.
-  double depth_delay_s_ = 0.0;            ///< Learnt: depth was taken so much later than its stamps say.
+  SE3 camera_from_depth_;                 ///< Between the color and the depth of the last frame.
+  double depth_delay_s_ = 0.0;            ///< Estimated delay of depth after its stamps.
   double delay_information_ = 1.0 / (first_delay_sigma_s * first_delay_sigma_s);
-  int reference_inliers_ = 0;  ///< Points the newest reference could be followed by.
+  int reference_inliers_ = 0;  ///< Inliers of the newest reference.
   std::int64_t followed_ = 0;
   std::vector<FoundPoint> found_;
   std::vector<PointMeasurement> measured_;
+  std::vector<FollowedFeature> features_;  ///< Of the last frame, for those who ask.
 };
 
 RgbdFollow RgbdFollower::State::follow(const Frame& frame) {
   RgbdFollow result;
   ++followed_;
+  features_.clear();
   result.world_from_camera = pose_;
-  result.state = map_is_empty() ? OdometryState::initialising : OdometryState::weak;
+  result.state = map_is_empty() ? OdometryState::initializing : OdometryState::weak;
   const FrameCheckResult look = check_.check(frame.image.view(), frame.stamp);
   if (look.reason != OdometryReason::repeated_frame && !frame.image.empty()) {
-    camera_.width = frame.image.width();  // some calibrations do not say
+    camera_.width = frame.image.width();  // some calibrations have no size
     camera_.height = frame.image.height();
-    // A blurred image still tells more than a guess.
+    // A blurred image still has more information than a prediction.
     const bool image_useful = look.useful() || look.reason == OdometryReason::blurred;
     if (image_useful) tracker_.take(frame);
     surfaces_.take(frame, camera_);
@@ -153,10 +157,11 @@ void RgbdFollower::State::follow_map(const Frame& frame, bool image_useful, Rgbd
   if (!find_pose(frame, guess, image_useful, result)) {
     result.state = OdometryState::lost;
     result.reason = result.points < options_.min_points ? OdometryReason::too_few_points : OdometryReason::few_inliers;
-    result.detail = fmt::format("{} of {} points agree", result.inliers, result.points);
+    result.detail = fmt::format("{} of {} points are inliers", result.inliers, result.points);
     result.world_from_camera = guess;
     result.covariance = lost_variance * Matrix6d::Identity();
     note_pose(frame.stamp, guess);
+    for (FollowedFeature& feature : features_) feature.state = FollowedFeature::State::matched;
     velocity_ *= lost_damping;
     for (MapPoint& point : map_.points) point.tracked = false;
     return;
@@ -186,7 +191,7 @@ Vector6d RgbdFollower::State::velocity_to(TimeNs stamp, const SE3& pose) const {
   return (pose_.inverse() * pose).log() / seconds;
 }
 
-SE3 RgbdFollower::State::depth_from_colour(const Frame& frame, const Vector6d& velocity, double later_s) const {
+SE3 RgbdFollower::State::depth_from_color(const Frame& frame, const Vector6d& velocity, double later_s) const {
   const double offset = to_seconds(frame.depth_stamp - frame.stamp) + depth_delay_s_ + later_s;
   if (std::abs(offset) > most_depth_offset_s) return {};
   return SE3::exp(-offset * velocity);
@@ -194,15 +199,15 @@ SE3 RgbdFollower::State::depth_from_colour(const Frame& frame, const Vector6d& v
 
 std::optional<DepthReading> RgbdFollower::State::read(const Frame& frame, const Eigen::Vector2d& ray,
                                                       const Vector6d& velocity) const {
-  auto reading = read_depth(frame.depth, camera_, ray, depth_from_colour(frame, velocity), options_);
+  auto reading = read_depth(frame.depth, camera_, ray, depth_from_color(frame, velocity), options_);
   if (!reading || !options_.learn_delay) return reading;
-  const auto later = read_depth(frame.depth, camera_, ray, depth_from_colour(frame, velocity, delay_step_s), options_);
+  const auto later = read_depth(frame.depth, camera_, ray, depth_from_color(frame, velocity, delay_step_s), options_);
   if (later) reading->per_second = (later->inverse_depth - reading->inverse_depth) / delay_step_s;
   return reading;
 }
 
-/// Depth and colour are taken at different times, and stamps often say something else: where a turn moves the depth
-/// against the colour tells when it was taken.
+/// Color and depth are taken at different times, and the stamps are often wrong. The apparent motion of depth against
+/// color during a rotation shows the delay.
 void RgbdFollower::State::learn_delay(const SE3& pose) {
   DelayedQuadratic frame = points_with_delay(measured_, pose);
   frame += surfaces_.compare_with_delay(map_, pose, camera_from_depth_, velocity_, fine_reach_m, coarse_step);
@@ -234,7 +239,7 @@ std::optional<SE3> RgbdFollower::State::pose_from(const std::vector<FoundPoint>&
   return pose->camera_from_world.inverse();
 }
 
-/// A pose good enough to guide the search for everything else: from the features of the frame before, else from those
+/// A pose good enough to guide the search for everything else: from the features of the previous frame, else from those
 /// of any reference, else from surfaces.
 std::optional<SE3> RgbdFollower::State::first_pose(const Frame& frame, const SE3& guess, bool image_useful,
                                                    std::vector<FoundPoint>& carried, RgbdFollow& result) {
@@ -252,7 +257,7 @@ std::optional<SE3> RgbdFollower::State::first_pose(const Frame& frame, const SE3
 
 std::optional<SE3> RgbdFollower::State::pose_from_surfaces(const Frame& frame, const SE3& guess) {
   SE3 pose = guess;
-  const SE3 camera_from_depth = depth_from_colour(frame, velocity_to(frame.stamp, guess)).inverse();
+  const SE3 camera_from_depth = depth_from_color(frame, velocity_to(frame.stamp, guess)).inverse();
   surfaces_.choose(map_, pose, camera_from_depth);
   SurfaceMatch match;
   PoseQuadratic last;
@@ -274,13 +279,16 @@ std::optional<SE3> RgbdFollower::State::pose_from_surfaces(const Frame& frame, c
 bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool image_useful, RgbdFollow& result) {
   std::vector<FoundPoint> carried;
   const auto first = first_pose(frame, guess, image_useful, carried, result);
-  if (!first) return false;
+  if (!first) {
+    for (const FoundPoint& point : carried) features_.push_back({point.pixel, FollowedFeature::State::matched});
+    return false;
+  }
   found_.clear();
-  if (image_useful) found_ = tracker_.recognise(map_, *first, carried);
+  if (image_useful) found_ = tracker_.recognize(map_, *first, carried);
   measured_ = measurements(found_);
-  // Depth readings rest on where the camera was when the depth was taken, which is known now.
+  // Depth readings depend on the pose at which the depth was taken, which is known now.
   const Vector6d velocity = velocity_to(frame.stamp, *first);
-  const SE3 camera_from_depth = depth_from_colour(frame, velocity).inverse();
+  const SE3 camera_from_depth = depth_from_color(frame, velocity).inverse();
   read_depths(frame, velocity);
   surfaces_.choose(map_, *first, camera_from_depth);
   const PoseSolution solution = solve_pose(
@@ -316,9 +324,11 @@ void RgbdFollower::State::keep_inliers(const SE3& pose) {
   for (std::size_t i = 0; i < found_.size(); ++i) {
     const Eigen::Vector3d p = camera_from_world * measured_[i].in_world;
     if (p.z() > 0.0 && (p.head<2>() / p.z() - measured_[i].ray).norm() * camera_.fx <= options_.max_error_px) {
+      features_.push_back({found_[i].pixel, FollowedFeature::State::inlier});
       found_[kept] = found_[i];
       measured_[kept++] = measured_[i];
     } else {
+      features_.push_back({found_[i].pixel, FollowedFeature::State::outlier});
       map_.points[found_[i].point].tracked = false;
       ++map_.points[found_[i].point].missed;
     }
@@ -327,7 +337,7 @@ void RgbdFollower::State::keep_inliers(const SE3& pose) {
   measured_.resize(kept);
 }
 
-/// Whether features or surfaces carry the pose, and how surely.
+/// Whether features or surfaces determine the pose, and how certain it is.
 bool RgbdFollower::State::judge(const PoseSolution& solution, const SurfaceMatch& match, RgbdFollow& result) const {
   const bool features_fit = result.inliers >= options_.min_points && 3 * result.inliers >= result.points;
   const bool surfaces_fit =
@@ -346,8 +356,8 @@ bool RgbdFollower::State::judge(const PoseSolution& solution, const SurfaceMatch
   if (sigma > most_sigma || !features_fit) {
     result.state = sigma > most_sigma ? OdometryState::weak : OdometryState::tracking;
     result.reason = OdometryReason::too_few_points;
-    result.detail = fmt::format("{} features, {} blocks of surface fit; known to {:.3f} m or rad", result.inliers,
-                                result.surface_points, sigma);
+    result.detail = fmt::format("{} features, {} matching blocks of surface; standard deviation {:.3f} m or rad",
+                                result.inliers, result.surface_points, sigma);
   }
   return true;
 }
@@ -363,7 +373,7 @@ std::vector<PointMeasurement> RgbdFollower::State::measurements(const std::vecto
     m.inverse_depth_variance = 1.0 / point.information;
     m.map_per_second = point.per_second;
     m.ray = here.ray;
-    m.ray_sigma = options_.pixel_sigma / camera_.fx * (here.recognised ? 1.0 : carried_sigma_factor);
+    m.ray_sigma = options_.pixel_sigma / camera_.fx * (here.recognized ? 1.0 : carried_sigma_factor);
     measured.push_back(m);
   }
   return measured;
@@ -390,8 +400,8 @@ bool RgbdFollower::State::is_reference(const SE3& pose, int inliers) const {
     const Reference& reference = map_.references[i];
     const SE3 way = reference.world_from_camera.inverse() * pose;
     const double turn_deg = way.rotation().log().norm() * 180.0 / std::numbers::pi;
-    if (turn_deg < options_.max_reference_turn_deg &&
-        way.translation().norm() < options_.max_reference_way * reference.median_depth)
+    if (turn_deg < options_.max_reference_rotation_deg &&
+        way.translation().norm() < options_.max_reference_motion_m * reference.median_depth)
       return false;
   }
   return true;
@@ -407,7 +417,7 @@ void RgbdFollower::State::add_reference(const Frame& frame, const SE3& pose) {
   map_.references.back().median_depth = add_points(frame, number);
 }
 
-/// New points of the newest reference; returns the median depth of all it sees.
+/// New points of the newest reference; returns the median depth of its image.
 double RgbdFollower::State::add_points(const Frame& frame, int number) {
   const int wanted = options_.features - static_cast<int>(found_.size());
   std::vector<double> depths;
@@ -431,6 +441,7 @@ double RgbdFollower::State::add_points(const Frame& frame, int number) {
     point.pixel = corners[i];
     point.tracked = true;
     map_.points.push_back(std::move(point));
+    features_.push_back({corners[i], FollowedFeature::State::fresh});
     depths.push_back(1.0 / reading->inverse_depth);
     ++added;
   }
@@ -467,6 +478,7 @@ RgbdFollow RgbdFollower::follow(const Frame& frame) { return state_->follow(fram
 void RgbdFollower::restart(const SE3& world_from_camera) { state_->restart(world_from_camera); }
 void RgbdFollower::move(const SE3& new_world_from_world) { state_->move(new_world_from_world); }
 const SE3& RgbdFollower::world_from_camera() const { return state_->world_from_camera(); }
+const std::vector<FollowedFeature>& RgbdFollower::features() const { return state_->features(); }
 std::vector<SE3> RgbdFollower::reference_poses() const { return state_->reference_poses(); }
 
 }  // namespace rastro

@@ -10,12 +10,12 @@
 namespace rastro {
 namespace {
 
-double way_off(const SE3& world_from_camera, std::int64_t frame) {
+double path_error(const SE3& world_from_camera, std::int64_t frame) {
   const SE3 truth = PaperedRoom::pose(0).inverse() * PaperedRoom::pose(frame);
   return (truth.translation() - world_from_camera.translation()).norm();
 }
 
-TEST(RgbdFollower, FollowsAKnownWayAndTheSameForAnyPool) {
+TEST(RgbdFollower, EstimatesAKnownTrajectoryAndTheSameForAnyPool) {
   const PaperedRoom room;
   TaskPool pool(3);
   RgbdFollower alone({}, room.camera, nullptr), shared({}, room.camera, &pool);
@@ -23,12 +23,12 @@ TEST(RgbdFollower, FollowsAKnownWayAndTheSameForAnyPool) {
     const Frame frame = room.frame(i, PaperedRoom::pose(i));
     const RgbdFollow a = alone.follow(frame), b = shared.follow(frame);
     EXPECT_EQ(a.state, OdometryState::tracking) << i << " " << a.detail;
-    EXPECT_LT(way_off(a.world_from_camera, i), 0.005) << i;
+    EXPECT_LT(path_error(a.world_from_camera, i), 0.005) << i;
     EXPECT_EQ(a.world_from_camera.matrix(), b.world_from_camera.matrix());
   }
 }
 
-TEST(RgbdFollower, SurfacesCarryBareWalls) {
+TEST(RgbdFollower, TracksBareWallsBySurfaces) {
   PaperedRoom room;
   room.papered = false;
   RgbdOptions options;
@@ -37,24 +37,24 @@ TEST(RgbdFollower, SurfacesCarryBareWalls) {
   RgbdFollower follower(options, room.camera, nullptr);
   for (int i = 0; i < 20; ++i) {
     Frame frame = room.frame(i, PaperedRoom::pose(i));
-    frame.image.at(0, 0) = static_cast<std::uint8_t>(10 * i);  // or it would be the same image once more
+    frame.image.at(0, 0) = static_cast<std::uint8_t>(10 * i);  // or it would be a repeated image
     const RgbdFollow follow = follower.follow(frame);
     EXPECT_EQ(follow.state, OdometryState::tracking) << i << " " << follow.detail;
-    EXPECT_LT(way_off(follow.world_from_camera, i), 0.01) << i;
+    EXPECT_LT(path_error(follow.world_from_camera, i), 0.01) << i;
     EXPECT_LT(follow.texture_share, 0.01);
   }
 }
 
-/// A follower that goes along a known way, then is in the dark for a second, and then sees an earlier place, the camera
-/// turned about its axis by `roll_rad`.
+/// A follower on a known trajectory that then gets a second of darkness and then an earlier view, with the camera
+/// rolled by `roll_rad`.
 struct AfterTheDark {
   RgbdFollow back;
-  SE3 truth;           ///< Of the camera in the frame after the dark, seen from the first.
-  double apart = 0.0;  ///< Of that from the last pose before the dark, metres and radians.
+  SE3 truth;           ///< Pose of the first frame after the dark, in the first camera's frame.
+  double apart = 0.0;  ///< Its distance to the last pose before the dark, meters and radians.
   double error() const { return (truth.inverse() * back.world_from_camera).log().norm(); }
 };
 
-const std::vector<Frame>& way_before_the_dark() {
+const std::vector<Frame>& path_before_the_dark() {
   static const std::vector<Frame> frames = [] {
     const PaperedRoom room;
     std::vector<Frame> made;
@@ -67,14 +67,14 @@ const std::vector<Frame>& way_before_the_dark() {
 AfterTheDark after_the_dark(const SE3& world_from_camera) {
   const PaperedRoom room;
   RgbdFollower follower({}, room.camera, nullptr);
-  for (const Frame& frame : way_before_the_dark()) follower.follow(frame);
+  for (const Frame& frame : path_before_the_dark()) follower.follow(frame);
   const SE3 last = follower.world_from_camera();
-  int i = static_cast<int>(way_before_the_dark().size());
+  int i = static_cast<int>(path_before_the_dark().size());
   for (const int end = i + 30; i < end; ++i) {
     Frame dark;
     dark.index = i;
     dark.stamp = i * (ns_per_second / 30);
-    dark.image = GreyImage(room.camera.width, room.camera.height);
+    dark.image = GrayImage(room.camera.width, room.camera.height);
     const RgbdFollow follow = follower.follow(dark);
     EXPECT_EQ(follow.state, OdometryState::lost) << i;
     EXPECT_EQ(follow.reason, OdometryReason::dark_or_blank) << i;
@@ -90,27 +90,27 @@ SE3 rolled(const SE3& pose, double roll_rad) {
   return pose * SE3(SO3::exp({0.0, 0.0, roll_rad}), Eigen::Vector3d::Zero());
 }
 
-TEST(RgbdFollower, KnowsThePlaceAgainAfterTheDark) {
-  // Turned by 0.7 rad, only recognition finds it: too far for optical flow and for surfaces.
+TEST(RgbdFollower, RelocalizesAfterTheDark) {
+  // Rolled by 0.7 rad, only descriptors find it: too far for optical flow and for surfaces.
   for (const double roll_rad : {0.0, 0.7}) {
     for (const int place : {2, 10}) {
       SCOPED_TRACE(place);
       const AfterTheDark seen = after_the_dark(rolled(PaperedRoom::pose(place), roll_rad));
       const double limit = roll_rad == 0.0 ? 0.004 : 0.0105;  // measured: 0.0026 and 0.0070
-      ASSERT_GT(seen.apart, 20.0 * limit - 0.01) << "staying where it was must not do";
+      ASSERT_GT(seen.apart, 20.0 * limit - 0.01) << "repeating the last pose must not pass";
       EXPECT_EQ(seen.back.state, OdometryState::tracking) << seen.back.detail;
       EXPECT_LT(seen.error(), limit);
     }
   }
 }
 
-TEST(RgbdFollower, APlaceItDoesNotFindIsNotCalledFound) {
-  // A pose that is called good is good: measured 0.014 where the camera is turned most.
+TEST(RgbdFollower, DoesNotClaimToHaveRelocalizedInAnUnknownView) {
+  // A pose that is reported as good is good: the error was 0.014 at the largest roll.
   for (const int place : {0, 4, 15}) {
     for (const double roll_rad : {0.3, -1.5}) {
       const AfterTheDark seen = after_the_dark(rolled(PaperedRoom::pose(place), roll_rad));
       EXPECT_TRUE(seen.back.state == OdometryState::lost || seen.error() < 0.021)
-          << place << " " << roll_rad << ": " << name_of(seen.back.state) << ", off by " << seen.error() << " "
+          << place << " " << roll_rad << ": " << name_of(seen.back.state) << ", error " << seen.error() << " "
           << seen.back.detail;
     }
   }
@@ -118,16 +118,16 @@ TEST(RgbdFollower, APlaceItDoesNotFindIsNotCalledFound) {
   EXPECT_EQ(after_the_dark(behind).back.state, OdometryState::lost) << "a wall it has never seen";
 }
 
-TEST(RgbdFollower, EmptyAndRepeatedFramesAndAMaskOverAllAreNoFault) {
+TEST(RgbdFollower, EmptyAndRepeatedFramesAndAFullMaskAreNoError) {
   const PaperedRoom room;
   RgbdFollower follower({}, room.camera, nullptr);
-  EXPECT_EQ(follower.follow({}).state, OdometryState::initialising);
+  EXPECT_EQ(follower.follow({}).state, OdometryState::initializing);
   follower.follow(room.frame(1, PaperedRoom::pose(1)));
   EXPECT_EQ(follower.follow(room.frame(1, PaperedRoom::pose(1))).reason, OdometryReason::repeated_frame);
   RgbdFollower masked({}, room.camera, nullptr);
   for (int i = 0; i < 3; ++i) {
     Frame frame = room.frame(i, PaperedRoom::pose(i));
-    frame.mask = GreyImage(room.camera.width, room.camera.height);
+    frame.mask = GrayImage(room.camera.width, room.camera.height);
     const RgbdFollow follow = masked.follow(frame);
     EXPECT_EQ(follow.points, 0);
     EXPECT_EQ(follow.surface_points, 0);

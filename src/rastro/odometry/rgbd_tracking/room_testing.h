@@ -9,7 +9,7 @@
 
 namespace rastro {
 
-/// A room of 4 x 3 x 4 m around the origin, papered with smooth spots, seen by a camera of 320 x 240 pixels: every
+/// A room of 4 x 3 x 4 m around the origin with a smooth random texture, seen by a camera of 320 x 240 pixels. Every
 /// depth is exact.
 struct PaperedRoom {
   Camera camera;
@@ -33,7 +33,7 @@ struct PaperedRoom {
     Frame frame;
     frame.index = index;
     frame.stamp = frame.depth_stamp = index * (ns_per_second / 30);
-    frame.image = GreyImage(camera.width, camera.height);
+    frame.image = GrayImage(camera.width, camera.height);
     frame.depth = DepthImage(camera.width, camera.height);
     const Eigen::Vector3d half(2.0, 1.5, 2.0), from = world_from_camera.translation();
     const Eigen::Matrix3d rotation = world_from_camera.rotation().matrix();
@@ -52,7 +52,7 @@ struct PaperedRoom {
     return frame;
   }
 
-  /// Looks into a corner and moves by hand.
+  /// Hand-held motion facing a corner of the room.
   static SE3 pose(std::int64_t index) {
     const double t = static_cast<double>(index) / 30.0;
     Vector6d way;

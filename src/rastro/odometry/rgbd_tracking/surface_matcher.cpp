@@ -6,10 +6,10 @@
 namespace rastro {
 namespace {
 
-// Farther off, a block belongs to something else.
+// Beyond this distance a block belongs to another surface.
 constexpr double overlap_reach_m = 0.1;
 constexpr double least_overlap = 0.3;
-// A reference that shares this much with the frame is as good as the one that shares most, and older is better.
+// A reference with this share of the largest overlap is as good, and an older one is better.
 constexpr double good_overlap = 0.7;
 
 }  // namespace

@@ -12,31 +12,31 @@
 
 namespace rastro {
 
-/// How well a frame's surfaces fit those of references.
+/// How well a frame's surfaces match those of the reference frames.
 struct SurfaceMatch {
-  int compared = 0;  ///< Blocks of depth that fell on a surface.
+  int compared = 0;  ///< Blocks of depth that project onto a surface.
   int fitting = 0;   ///< Of these, within the noise.
 };
 
-/// Fits the surfaces of frames to those of a map's references.
+/// Aligns the surfaces of frames with those of a map's reference frames.
 class SurfaceMatcher {
  public:
   explicit SurfaceMatcher(const RgbdOptions& options) : options_(options) {}
 
-  /// The next frame; its surfaces are only looked at when asked for. `camera`: with its size.
+  /// Sets the next frame. Its surfaces are computed on demand. `camera`: with its size.
   void take(const Frame& frame, const Camera& camera);
   bool has_surfaces() const { return !blocks_.empty(); }
-  /// From now on the frame is compared with these references of the map: the one it shares most with, and the oldest
-  /// that it shares enough with, which keeps drift small.
+  /// Chooses the map's reference frames to compare with: the one of largest overlap, and the oldest of sufficient
+  /// overlap, which keeps drift small.
   void choose(const PointMap& map, const SE3& pose, const SE3& camera_from_depth);
-  /// Against the chosen references, as the depth was taken at `camera_from_depth` from the colour picture. Weighed by
-  /// the option, as blocks next to each other err together.
+  /// Cost against the chosen references; depth was taken at `camera_from_depth` from the instant of the color image.
+  /// Weighted by the option, because errors of adjacent blocks are correlated.
   PoseQuadratic compare(const PointMap& map, const SE3& pose, const SE3& camera_from_depth, double reach_m, int step,
                         SurfaceMatch* match = nullptr) const;
   /// The same with the delay of depth as an unknown; `velocity`: of the camera, per second.
   DelayedQuadratic compare_with_delay(const PointMap& map, const SE3& pose, const SE3& camera_from_depth,
                                       const Vector6d& velocity, double reach_m, int step) const;
-  /// The frame's surfaces as those of a reference.
+  /// The frame's surfaces as those of a reference frame.
   void keep(Reference& reference, const SE3& camera_from_depth, const Vector6d& velocity) const;
 
  private:
@@ -47,7 +47,7 @@ class SurfaceMatcher {
   std::optional<ProjectiveIcp> icp_;
   SurfaceOptions surface_options_;
   DepthBlocks blocks_;
-  std::vector<int> chosen_;  ///< Numbers of references.
+  std::vector<int> chosen_;  ///< Indices of reference frames.
 };
 
 }  // namespace rastro

@@ -13,7 +13,7 @@ namespace {
 using testing::matrix_near;
 using testing::pose_near;
 
-/// Looks into a corner of the room, where three planes hold a pose.
+/// Faces a corner of the room, where three planes constrain the pose.
 SE3 corner_pose() { return SE3(SO3::exp({0.45, 0.75, 0.0}), {0.2, -0.2, 0.1}); }
 
 Vector6d small_motion(double x, double y, double z, double rx, double ry, double rz) {
@@ -22,7 +22,7 @@ Vector6d small_motion(double x, double y, double z, double rx, double ry, double
 
 class SurfaceMatcherTest : public ::testing::Test {
  protected:
-  /// Makes a reference of what is seen from `pose`; depth was taken `camera_from_depth` later.
+  /// Makes a reference of the view from `pose`; depth was taken at `camera_from_depth`.
   void add_reference(const SE3& pose, const SE3& camera_from_depth = {}, const Vector6d& velocity = Vector6d::Zero()) {
     SurfaceMatcher matcher(options_);
     matcher.take(room_.frame(0, pose * camera_from_depth), room_.camera);
@@ -39,7 +39,7 @@ class SurfaceMatcherTest : public ::testing::Test {
   SurfaceMatcher matcher_{options_};
 };
 
-TEST_F(SurfaceMatcherTest, BringsADisturbedPoseBackToTheTruth) {
+TEST_F(SurfaceMatcherTest, RecoversTheTruePoseFromAPerturbedOne) {
   add_reference(corner_pose());
   const SE3 truth = corner_pose() * SE3::exp(small_motion(0.05, -0.03, 0.04, 0.02, -0.03, 0.02));
   take(truth);
@@ -56,8 +56,8 @@ TEST_F(SurfaceMatcherTest, BringsADisturbedPoseBackToTheTruth) {
   EXPECT_GT(match.fitting, match.compared * 9 / 10);
 }
 
-/// Depth was taken while the camera had moved on: known, it does no harm.
-TEST_F(SurfaceMatcherTest, DepthOfAnotherInstantIsBroughtToTheColorCamera) {
+/// The camera moved before depth was taken: a known delay does no harm.
+TEST_F(SurfaceMatcherTest, DepthOfAnotherInstantIsTransformedToTheColorCamera) {
   const SE3 later = SE3::exp(small_motion(0.03, 0.01, -0.02, 0.02, 0.03, 0.01));
   add_reference(corner_pose(), later);
   const SE3 truth = corner_pose() * SE3::exp(small_motion(0.04, 0.0, 0.03, 0.0, 0.03, 0.0));
@@ -72,7 +72,7 @@ TEST_F(SurfaceMatcherTest, DepthOfAnotherInstantIsBroughtToTheColorCamera) {
   EXPECT_THAT(pose, pose_near(truth, 0.002, 0.001));
 }
 
-TEST_F(SurfaceMatcherTest, WeighsAsItsOptionSaysWhateverTheStep) {
+TEST_F(SurfaceMatcherTest, WeightsAsItsOptionSaysForAnyStep) {
   add_reference(corner_pose());
   take(corner_pose());
   matcher_.choose(map_, corner_pose(), SE3());
@@ -84,8 +84,8 @@ TEST_F(SurfaceMatcherTest, WeighsAsItsOptionSaysWhateverTheStep) {
   EXPECT_THAT(thrice.information, matrix_near(Matrix6d(3.0 * once.information), 1e-6 * once.information.norm()));
 }
 
-TEST_F(SurfaceMatcherTest, TheReferenceThatSharesMostAndTheOldestGoodOneAreChosen) {
-  // Turned by 40, 8 and 0 degrees from the frame; the first shares too little to count.
+TEST_F(SurfaceMatcherTest, TheReferenceWithTheLargestOverlapAndTheOldestGoodOneAreChosen) {
+  // Rotated by 40, 8 and 0 degrees from the frame; the overlap of the first is too small to count.
   for (const double yaw : {0.7, 0.14, 0.0})
     add_reference(corner_pose() * SE3(SO3::exp({0.0, yaw, 0.0}), Eigen::Vector3d::Zero()));
   take(corner_pose());
@@ -98,11 +98,11 @@ TEST_F(SurfaceMatcherTest, TheReferenceThatSharesMostAndTheOldestGoodOneAreChose
   matcher_.compare(only_last, corner_pose(), SE3(), 0.1, 1, &best);
   EXPECT_GT(best.compared, 1000);
   EXPECT_GT(both.compared, best.compared * 3 / 2) << "two references";
-  EXPECT_LT(both.compared, best.compared * 2) << "of which the older shares less";
+  EXPECT_LT(both.compared, best.compared * 2) << "of which the older overlaps less";
   matcher_.choose(map_, SE3(SO3::exp({0.0, M_PI, 0.0}), Eigen::Vector3d::Zero()) * corner_pose(), SE3());
   SurfaceMatch none;
   matcher_.compare(map_, corner_pose(), SE3(), 0.1, 1, &none);
-  EXPECT_EQ(none.compared, 0) << "it looks at nothing that was seen";
+  EXPECT_EQ(none.compared, 0) << "it sees no known surface";
 }
 
 TEST_F(SurfaceMatcherTest, WithoutUsableDepthThereAreNoSurfaces) {
@@ -124,8 +124,8 @@ TEST_F(SurfaceMatcherTest, WithoutUsableDepthThereAreNoSurfaces) {
   EXPECT_EQ(reference.velocity, Vector6d::Ones());
 }
 
-/// The camera moves fast, and depth was taken later than its stamp says; the reference stood still.
-TEST_F(SurfaceMatcherTest, FindsHowMuchLaterDepthWasTaken) {
+/// The camera moves fast, and depth was taken later than its stamp says; the reference was taken at rest.
+TEST_F(SurfaceMatcherTest, EstimatesTheDelayOfDepth) {
   constexpr double delay = 0.02;
   const Vector6d velocity = small_motion(0.4, -0.3, 0.5, 0.4, -0.5, 0.3);
   add_reference(corner_pose());
@@ -144,7 +144,7 @@ TEST_F(SurfaceMatcherTest, FindsHowMuchLaterDepthWasTaken) {
   EXPECT_NEAR(found, delay, 0.001);
 }
 
-TEST_F(SurfaceMatcherTest, AReferenceThatMovedTheSameWayHidesTheDelay) {
+TEST_F(SurfaceMatcherTest, AReferenceWithTheSameMotionHidesTheDelay) {
   const Vector6d velocity = small_motion(0.4, -0.3, 0.5, 0.4, -0.5, 0.3);
   add_reference(corner_pose(), SE3(), velocity);
   take(corner_pose());

@@ -18,7 +18,7 @@ namespace {
 constexpr int iterations = 20;
 constexpr double least_shift_px = 1.0;
 
-/// Each pair's own lambda, weighed by its shift: a start that outliers do not reach.
+/// Each pair's own lambda, weighted by its shift: an initial value that outliers do not affect.
 double weighted_median_slope(std::span<const double> shifts, std::span<const double> yaws) {
   std::vector<std::pair<double, double>> slopes;
   double total = 0.0;
@@ -39,13 +39,13 @@ double weighted_median_slope(std::span<const double> shifts, std::span<const dou
 }  // namespace
 
 YawCalibration calibrate_yaw(std::span<const double> shifts, std::span<const double> yaws) {
-  RASTRO_CHECK(shifts.size() == yaws.size(), "a yaw for every shift");
+  RASTRO_CHECK(shifts.size() == yaws.size(), "one yaw per shift");
   const double largest = std::accumulate(shifts.begin(), shifts.end(), 0.0,
                                          [](double most, double shift) { return std::max(most, std::abs(shift)); });
   if (shifts.size() < 3 || largest < least_shift_px) {
     throw Error(
-        fmt::format("{} pairs of frames with shifts up to {:.2f} px do not tell lambda", shifts.size(), largest),
-        "--calibrate-yaw", "give a recording with turns and a reference that covers them");
+        fmt::format("{} pairs of frames with shifts up to {:.2f} px do not determine lambda", shifts.size(), largest),
+        "--calibrate-yaw", "use a recording with rotations and a reference that covers them");
   }
   YawCalibration result{.lambda = weighted_median_slope(shifts, yaws)};
   for (int iteration = 0; iteration < iterations; ++iteration) {

@@ -33,7 +33,7 @@ TEST(CalibrateYaw, IsExactWithoutNoise) {
   EXPECT_LT(found.rms_rad, 1e-10);
 }
 
-TEST(CalibrateYaw, BearsNoiseAndOutliersWithinItsSigma) {
+TEST(CalibrateYaw, IsRobustToNoiseAndOutliersWithinItsSigma) {
   const auto noisy = pairs(1.0 / 721.0, 0.001, 0.25);
   const auto found = calibrate_yaw(noisy.shifts, noisy.yaws);
   EXPECT_NEAR(found.lambda, 1.0 / 721.0, 4.0 * found.sigma);
@@ -41,7 +41,7 @@ TEST(CalibrateYaw, BearsNoiseAndOutliersWithinItsSigma) {
   EXPECT_LT(found.used, 180);
 }
 
-TEST(CalibrateYaw, SaysWhenNothingTurns) {
+TEST(CalibrateYaw, GivesAnErrorWithoutRotation) {
   const std::vector<double> shifts{0.1, -0.2, 0.05}, yaws{0.0, 0.0, 0.0};
   EXPECT_THROW(calibrate_yaw(shifts, yaws), Error);
   EXPECT_THROW(calibrate_yaw({}, {}), Error);

@@ -10,7 +10,7 @@
 namespace rastro {
 namespace {
 
-/// By how many steps a block moves outwards for an expansion of 1.
+/// Number of steps that a block moves outwards for an expansion of 1.
 double outward_steps(int block_index, const ExpansionModel& model) {
   const double middle = (block_index + 0.5) * model.block - model.zero_step;
   const double sine = std::sin(middle / model.focal_px);
@@ -32,7 +32,7 @@ void ExpandingShiftFinder::fill_block_table(const Profile& previous, const Profi
   for (int b = 0; b < blocks; ++b) {
     for (int d = -reach_; d <= reach_; ++d) {
       const int first = std::max(b * block, -d), end = std::min((b + 1) * block, size - d);
-      // A sliver of a block fits anywhere.
+      // A narrow strip of a block fits anywhere.
       if (2 * (end - first) < block) continue;
       const auto at = static_cast<std::size_t>(b * shifts + d + reach_);
       block_sums_[at] = static_cast<std::int32_t>(
@@ -60,7 +60,7 @@ void ExpandingShiftFinder::search_side(int first_block, int end_block, int max_s
       add_shifted(block_counts_.data() + at, counts_);
     }
     for (std::size_t i = 0; i < shifts; ++i) {
-      // Means compared without a division; a side with nothing to compare loses against any other.
+      // Compares means without a division; a side without overlap loses against any other.
       const auto mine = std::int64_t{sums_[i]} * side.counts[i], best = std::int64_t{side.sums[i]} * counts_[i];
       if (counts_[i] == 0 || (side.counts[i] != 0 && mine >= best)) continue;
       side.sums[i] = sums_[i];
@@ -73,7 +73,7 @@ void ExpandingShiftFinder::search_side(int first_block, int end_block, int max_s
 ExpandingShift ExpandingShiftFinder::find(const Profile& previous, const Profile& current, int max_shift,
                                           const ExpansionModel& model) {
   RASTRO_CHECK(previous.size() == current.size(), "profiles of one length");
-  RASTRO_CHECK(model.block > 0 && model.focal_px > 0.0, "blocks and steps have a length");
+  RASTRO_CHECK(model.block > 0 && model.focal_px > 0.0, "blocks and steps must be positive");
   const int size = static_cast<int>(previous.size()), blocks = size / model.block;
   max_shift = std::min(max_shift, size / 2);
   if (max_shift < 1 || blocks < 2) return {};

@@ -8,10 +8,10 @@
 namespace rastro {
 namespace {
 
-// As many rows of 255 fit a 16-bit sum.
+// Number of rows of 255 that fit a 16-bit sum.
 constexpr int rows_per_block = 256;
 
-void add_rows(GreyView image, int first_row, int end_row, std::uint16_t* sums) {
+void add_rows(GrayView image, int first_row, int end_row, std::uint16_t* sums) {
   for (int y = first_row; y < end_row; ++y) {
     const std::uint8_t* row = image.row(y);
     for (int x = 0; x < image.width; ++x) sums[x] = static_cast<std::uint16_t>(sums[x] + row[x]);
@@ -24,7 +24,7 @@ std::int16_t mean_in_units(std::int64_t sum, int count) {
 
 }  // namespace
 
-void column_profile(GreyView image, int first_row, int end_row, Profile& profile) {
+void column_profile(GrayView image, int first_row, int end_row, Profile& profile) {
   const auto width = static_cast<std::size_t>(image.width);
   profile.assign(width, 0);
   first_row = std::clamp(first_row, 0, image.height);
@@ -40,7 +40,7 @@ void column_profile(GreyView image, int first_row, int end_row, Profile& profile
   for (std::size_t x = 0; x < width; ++x) profile[x] = mean_in_units(sums[x], end_row - first_row);
 }
 
-void row_profile(GreyView image, int first_column, int end_column, Profile& profile) {
+void row_profile(GrayView image, int first_column, int end_column, Profile& profile) {
   profile.assign(static_cast<std::size_t>(image.height), 0);
   first_column = std::clamp(first_column, 0, image.width);
   end_column = std::clamp(end_column, first_column, image.width);

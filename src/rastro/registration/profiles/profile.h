@@ -11,27 +11,27 @@
 
 namespace rastro {
 
-/// A profile's unit: 1/64 grey level. Integers, so that sums do not depend on the order of summing.
+/// A profile's unit: 1/64 of an intensity level. Integers, so that sums do not depend on the order of summation.
 constexpr int profile_units = 64;
 using Profile = std::vector<std::int16_t>;
 
-/// Mean grey of each column over the rows [first_row, end_row), in profile units; the intensity profile of METHODS 2.2.
-/// An empty range gives zeros.
-void column_profile(GreyView image, int first_row, int end_row, Profile& profile);
-/// Mean grey of each row over the columns [first_column, end_column), in profile units.
-void row_profile(GreyView image, int first_column, int end_column, Profile& profile);
+/// Mean intensity of each column over the rows [first_row, end_row), in profile units; the intensity profile of METHODS
+/// 2.2. An empty range gives zeros.
+void column_profile(GrayView image, int first_row, int end_row, Profile& profile);
+/// Mean intensity of each row over the columns [first_column, end_column), in profile units.
+void row_profile(GrayView image, int first_column, int end_column, Profile& profile);
 
-/// Which pixels a camera sees at equal steps of angle along one of its axes. A pinhole's pixels lie the denser in angle
-/// the farther out they are, so that a turn moves outer columns by more than inner ones; looked up at equal angles the
-/// profile moves as a whole.
+/// The pixels at equal steps of angle along one of a camera's axes. In a pinhole image the pixels are denser in angle
+/// farther out, so a rotation moves outer columns by more than inner ones; sampled at equal angles the profile moves as
+/// a whole.
 class AngleScale {
  public:
   AngleScale() = default;
-  /// Steps of 1/fx (across) or 1/fy (upright) radians over as much of the image as has rays.
+  /// Steps of 1/fx (horizontally) or 1/fy (vertically) radians over the part of the image that has rays.
   static AngleScale across(const Camera& camera, int width);
   static AngleScale upright(const Camera& camera, int height);
 
-  /// `pixels` looked up between its values; as many values as there are steps.
+  /// `pixels` interpolated at the steps; one value per step.
   void resample(const Profile& pixels, Profile& angles) const;
   std::size_t size() const { return entries_.size(); }
   /// Angle of step i = (i - zero_step) / focal length.
@@ -48,9 +48,9 @@ class AngleScale {
   int zero_step_ = 0;
 };
 
-/// Takes the mean off, so that a change of brightness is no change of profile.
+/// Subtracts the mean, so that a change of brightness does not change the profile.
 void subtract_mean(Profile& profile);
-/// Differences between values 2 `reach` apart in place of the values; 0 within `reach` of the ends.
+/// Replaces each value by the difference of the values `reach` on either side; 0 within `reach` of the ends.
 void take_gradient(Profile& profile, int reach);
 
 }  // namespace rastro

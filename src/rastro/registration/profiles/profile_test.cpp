@@ -16,7 +16,7 @@ namespace {
 
 using testing::noise_image;
 
-/// A smooth, irregular profile, looked up at any place.
+/// A smooth, irregular profile that can be sampled anywhere.
 double texture(double place) {
   return 120.0 + 40.0 * std::sin(0.11 * place) + 30.0 * std::sin(0.047 * place + 1.0) +
          20.0 * std::sin(0.29 * place + 2.0) + 15.0 * std::sin(0.0171 * place + 0.3);
@@ -52,7 +52,7 @@ int plain_shift(const Profile& previous, const Profile& current, int max_shift) 
 }
 
 TEST(Profile, ColumnsAndRowsAreMeans) {
-  const GreyImage image = noise_image(173, 301, 4);
+  const GrayImage image = noise_image(173, 301, 4);
   Profile columns, rows;
   column_profile(image, 10, 290, columns);
   row_profile(image, 20, 160, rows);
@@ -72,10 +72,10 @@ TEST(Profile, ColumnsAndRowsAreMeans) {
   EXPECT_EQ(columns, Profile(173, 0));
 }
 
-TEST(Profile, EqualAnglesMakeATurnAShift) {
+TEST(Profile, AtEqualAnglesARotationIsAShift) {
   const Camera camera{.width = 1242, .height = 375, .fx = 721.5, .fy = 721.5, .cx = 609.6, .cy = 172.9};
   const AngleScale scale = AngleScale::across(camera, camera.width);
-  const int turn_steps = 37;  // to the left: all angles grow by so much
+  const int turn_steps = 37;  // to the left: all angles increase by this much
   const auto seen_from = [&](double turn) {
     return profile_of(camera.width, [&](int x) { return camera.fx * (std::atan((x - camera.cx) / camera.fx) - turn); });
   };
@@ -148,15 +148,15 @@ TEST(Shift, MeanAndGradientIgnoreBrightness) {
   EXPECT_NEAR(find_shift(a, b, 150).shift, 30.0, 0.1);
 }
 
-/// Walls to both sides move outwards while the camera turns: the plain shift is wrong, this one is not.
-TEST(ExpandingShift, TellsWallsThatPassByFromATurn) {
+/// Walls on both sides move outwards while the camera rotates: the plain shift is wrong, this one is not.
+TEST(ExpandingShift, DistinguishesPassingWallsFromARotation) {
   const ExpansionModel model{.focal_px = 720.0, .zero_step = 500};
   for (const double turn : {-25.0, 0.0, 8.5}) {
     for (const std::pair<double, double>& walls : {std::pair{0.0, 0.0}, {0.12, 0.03}, {0.02, 0.16}}) {
       const double low = walls.first, high = walls.second;
       const auto previous = profile_of(1000, [](int i) { return i; });
       const auto current = profile_of(1000, [&](int i) {
-        // What is at i now was at `before`: found by iterating the forward motion.
+        // The point at i now was at `before`: found by iterating the forward motion.
         double before = i - turn;
         for (int iteration = 0; iteration < 50; ++iteration) {
           const double sine = std::sin((before - model.zero_step) / model.focal_px);

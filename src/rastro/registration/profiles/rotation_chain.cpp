@@ -6,7 +6,7 @@
 
 namespace rastro {
 
-std::optional<RotationStep> RotationChain::step(GreyView image, int frames) {
+std::optional<RotationStep> RotationChain::step(GrayView image, int frames) {
   const auto measured = meter_.look(image);
   if (!measured) {
     meter_.keep_as_reference();
@@ -19,7 +19,7 @@ std::optional<RotationStep> RotationChain::step(GreyView image, int frames) {
   }
   meter_.keep_as_reference();
   const double change_deg = std::abs(measured->yaw / frames - yaw_) * 180.0 / std::numbers::pi;
-  result.believed = !measured->weak || change_deg <= options_.max_turn_change_deg;
+  result.believed = !measured->weak || change_deg <= options_.max_rotation_change_deg;
   if (result.believed) {
     yaw_ = measured->yaw / frames;
     const double pitch = measured->pitch / frames;

@@ -11,7 +11,7 @@ namespace {
 // About a twentieth of a driving camera's profiles: finer blocks cost time, coarser ones blur the expansion.
 constexpr int column_block = 64, row_block = 16;
 constexpr double expansion_step = 0.01;
-// What a profile of a camera that stands still is measured to; a creeping one adds up, as the reference stays.
+// Measurement noise of the profile shift of a camera at rest; a creeping motion adds up, because the reference stays.
 constexpr double still_shift_px = 0.5;
 
 int expansions_up_to(double most) { return static_cast<int>(std::lround(most / expansion_step)); }
@@ -33,7 +33,7 @@ RotationMeter::RotationMeter(const RotationOptions& options, const Camera& camer
   }
 }
 
-void RotationMeter::prepare(GreyView image) {
+void RotationMeter::prepare(GrayView image) {
   columns_.scale = AngleScale::across(camera_, image.width);
   rows_.scale = AngleScale::upright(camera_, image.height);
   columns_.model = {camera_.fx, columns_.scale.zero_step(), options_.max_expansion,
@@ -49,19 +49,19 @@ void RotationMeter::shape(Axis& axis) const {
   } else {
     axis.current = axis.raw;
   }
-  if (options_.profile == "centred") subtract_mean(axis.current);
+  if (options_.profile == "centered") subtract_mean(axis.current);
   if (options_.profile == "gradient") take_gradient(axis.current, options_.gradient_reach_px);
 }
 
 ExpandingShift RotationMeter::measure(Axis& axis, int max_shift) {
-  // Without equal angles a step is a pixel, and walls do not move as the model says.
+  // Without equal angles a step is a pixel, and the model of passing walls does not hold.
   if (options_.equal_angles && axis.model.expansions > 0) {
     return finder_.find(axis.reference, axis.current, max_shift, axis.model);
   }
   return {find_shift(axis.reference, axis.current, max_shift)};
 }
 
-std::optional<ProfileRotation> RotationMeter::look(GreyView image) {
+std::optional<ProfileRotation> RotationMeter::look(GrayView image) {
   if (!prepared_) prepare(image);
   column_profile(image, static_cast<int>(options_.band_top * image.height),
                  static_cast<int>(options_.band_bottom * image.height), columns_.raw);

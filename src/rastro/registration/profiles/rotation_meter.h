@@ -12,11 +12,11 @@
 
 namespace rastro {
 
-/// The rotation between two frames as their profiles tell it.
+/// The rotation between two frames as measured from their profiles.
 struct ProfileRotation {
   double yaw = 0.0;    ///< Radians, positive to the left.
   double pitch = 0.0;  ///< Radians, positive upwards; 0 without row profiles.
-  bool still = false;  ///< Nothing moved.
+  bool still = false;  ///< No motion.
   bool weak = false;   ///< The minimum is hardly lower than others.
   ExpandingShift columns, rows;
 };
@@ -24,17 +24,17 @@ struct ProfileRotation {
 /// Rotation of a camera (x right, y down) by yaw and pitch: previous_from_current.
 SO3 rotation_of(double yaw, double pitch);
 
-/// Reads rotations off intensity profiles, METHODS 2.2, and what is wanted beyond them: equal angles, the far scene,
-/// walls that pass by, pitch, confidence. About 0.25 ms a frame at 1241 x 376.
+/// Measures rotations from intensity profiles, METHODS 2.2, with extensions: equal angles, the far scene, passing
+/// walls, pitch, confidence. About 0.25 ms per frame at 1241 x 376.
 class RotationMeter {
  public:
   /// Throws Error for settings out of range.
   RotationMeter(const RotationOptions& options, const Camera& camera);
 
-  /// Makes the profiles of a frame; all frames must have one size. Then measured against the reference, if there is
-  /// one; nullopt else.
-  std::optional<ProfileRotation> look(GreyView image);
-  /// What was looked at last is the reference of rotations to come.
+  /// Computes the profiles of a frame; all frames must have one size. Then measures against the reference, if there is
+  /// one; nullopt otherwise.
+  std::optional<ProfileRotation> look(GrayView image);
+  /// Makes the last measured frame the reference of the following measurements.
   void keep_as_reference();
 
  private:
@@ -43,7 +43,7 @@ class RotationMeter {
     ExpansionModel model;
     Profile raw, current, reference;
   };
-  void prepare(GreyView image);
+  void prepare(GrayView image);
   void shape(Axis& axis) const;
   ExpandingShift measure(Axis& axis, int max_shift);
 

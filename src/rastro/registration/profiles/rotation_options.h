@@ -7,7 +7,7 @@
 
 namespace rastro {
 
-/// How rotation is read from intensity profiles, METHODS 2.2. Meaning, range and reason of each stand in add_options().
+/// Settings of rotation from intensity profiles, METHODS 2.2. add_options() gives meaning, range and reason of each.
 struct RotationOptions {
   int max_shift_px = 150;
   double lambda = 0.0;  ///< rad/px; 0: 1 / fx.
@@ -28,10 +28,10 @@ struct RotationOptions {
   double max_pitch_expansion = 0.4;
   double pitch_forgetting = 0.05;
 
-  // What to make of it.
+  // Evaluation.
   double min_confidence = 0.1;
-  double max_still_difference = 0.15;  ///< Of the mean over all shifts.
-  double max_turn_change_deg = 4.0;
+  double max_still_difference = 0.15;  ///< Share of the mean over all shifts.
+  double max_rotation_change_deg = 4.0;
 };
 
 /// Adds the rows of `options` to a method's table; `options` must outlive it.

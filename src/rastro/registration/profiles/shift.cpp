@@ -24,7 +24,7 @@ std::int64_t sum_plain(const std::int16_t* a, const std::int16_t* b, int count) 
 
 #if RASTRO_HAS_AVX2_CODE
 RASTRO_TARGET_AVX2 std::int64_t sum_avx2(const std::int16_t* a, const std::int16_t* b, int count) {
-  // A lane gains less than 2^16 a step: so many steps fit it.
+  // A lane gains less than 2^16 per step: the number of steps that fit it.
   constexpr int block = 16 * 16384;
   const __m256i ones = _mm256_set1_epi16(1);
   std::int64_t total = 0;
@@ -45,7 +45,7 @@ RASTRO_TARGET_AVX2 std::int64_t sum_avx2(const std::int16_t* a, const std::int16
 }
 #endif
 
-/// p(d) for d = -max_shift .. max_shift, grey levels.
+/// p(d) for d = -max_shift .. max_shift, intensity levels.
 std::vector<double> differences(const Profile& previous, const Profile& current, int max_shift) {
   const int size = static_cast<int>(previous.size());
   std::vector<double> p;
@@ -75,7 +75,7 @@ double best_rival(const std::vector<double>& p, std::size_t best, double mean) {
   for (std::size_t i = 0; i < p.size(); ++i) {
     const bool below_left = i == 0 || p[i] <= p[i - 1];
     const bool below_right = i + 1 == p.size() || p[i] <= p[i + 1];
-    // Next to the minimum, noise makes dents that are no other place.
+    // Next to the minimum, noise makes local minima that are no competitors.
     const auto distance = i > best ? i - best : best - i;
     if (below_left && below_right && distance > 2) rival = std::min(rival, p[i]);
   }

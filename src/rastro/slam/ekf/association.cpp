@@ -20,24 +20,24 @@ class Associator {
     for (std::size_t i = 0; i < records.size(); ++i) expected_.push_back(filter.expected(i));
   }
 
-  LandmarkAssociation operator()(const BodySighting& sighting) const {
+  LandmarkAssociation operator()(const BodyObservation& sighting) const {
     return sighting.sensor_id >= 0 ? by_name(sighting) : by_distance(sighting);
   }
 
  private:
-  double distance(const BodySighting& sighting, std::size_t landmark) const {
+  double distance(const BodyObservation& sighting, std::size_t landmark) const {
     const auto& expected = expected_[landmark];
     return squared_mahalanobis(sighting.in_body - expected.in_body, expected.covariance + sighting.covariance);
   }
 
-  bool alike(const BodySighting& sighting, const LandmarkRecord& record) const {
+  bool alike(const BodyObservation& sighting, const LandmarkRecord& record) const {
     if (sighting.kind != record.kind || record.sensor_id >= 0) return false;
     if (sighting.kind != LandmarkKind::corner) return true;
     const double off = angle_between(sighting.direction + heading_, record.direction);
     return off <= options_.max_direction_deg * std::numbers::pi / 180.0;
   }
 
-  LandmarkAssociation by_name(const BodySighting& sighting) const {
+  LandmarkAssociation by_name(const BodyObservation& sighting) const {
     for (std::size_t i = 0; i < records_.size(); ++i) {
       if (records_[i].sensor_id != sighting.sensor_id) continue;
       const double found = distance(sighting, i);
@@ -50,12 +50,12 @@ class Associator {
     return record.is_candidate() ? LandmarkAssociation::Kind::candidate : LandmarkAssociation::Kind::landmark;
   }
 
-  LandmarkAssociation by_distance(const BodySighting& sighting) const {
+  LandmarkAssociation by_distance(const BodyObservation& sighting) const {
     const LandmarkAssociation in_map = nearest(sighting, false);
     return in_map.kind == LandmarkAssociation::Kind::fresh ? nearest(sighting, true) : in_map;
   }
 
-  LandmarkAssociation nearest(const BodySighting& sighting, bool candidates) const {
+  LandmarkAssociation nearest(const BodyObservation& sighting, bool candidates) const {
     LandmarkAssociation best{LandmarkAssociation::Kind::fresh, 0, nothing_near};
     double second = nothing_near;
     for (std::size_t i = 0; i < records_.size(); ++i) {
@@ -83,7 +83,7 @@ class Associator {
   std::vector<EkfFilter::Expected> expected_;
 };
 
-/// Where several sightings claim one landmark, the nearest has it.
+/// Of several observations associated with one landmark, the nearest keeps it.
 void settle_claims(std::vector<LandmarkAssociation>& associations, std::size_t landmarks) {
   std::vector<std::optional<std::size_t>> claimed(landmarks);
   for (std::size_t i = 0; i < associations.size(); ++i) {
@@ -104,8 +104,8 @@ bool is_known(const LandmarkAssociation& association) {
   return association.kind == LandmarkAssociation::Kind::landmark;
 }
 
-/// Whether two sightings are as far apart as the landmarks they are taken for.
-bool agree(const EkfFilter& filter, const BodySighting& a, const BodySighting& b, std::size_t landmark_a,
+/// Whether two observations are as far from each other as their landmarks.
+bool agree(const EkfFilter& filter, const BodyObservation& a, const BodyObservation& b, std::size_t landmark_a,
            std::size_t landmark_b, double gate) {
   const Eigen::Vector2d between = a.in_body - b.in_body;
   const double distance = between.norm();
@@ -116,8 +116,9 @@ bool agree(const EkfFilter& filter, const BodySighting& a, const BodySighting& b
   return off * off <= gate * (variance + in_map.variance);
 }
 
-/// Where the body is uncertain one landmark in the gate says little: some other must be where it should be, too.
-void drop_lonely(const EkfFilter& filter, std::span<const BodySighting> sightings, const EkfOptions& options,
+/// With an uncertain body pose, a single landmark inside the gate is weak evidence: another landmark must be observed
+/// at its predicted position, too.
+void drop_lonely(const EkfFilter& filter, std::span<const BodyObservation> sightings, const EkfOptions& options,
                  std::vector<LandmarkAssociation>& associations) {
   const std::vector<LandmarkAssociation> before = associations;
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -138,11 +139,11 @@ void drop_lonely(const EkfFilter& filter, std::span<const BodySighting> sighting
 }  // namespace
 
 std::vector<LandmarkAssociation> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
-                                           std::span<const BodySighting> sightings, const EkfOptions& options) {
+                                           std::span<const BodyObservation> sightings, const EkfOptions& options) {
   const Associator associator(filter, records, options);
   std::vector<LandmarkAssociation> result;
   result.reserve(sightings.size());
-  for (const BodySighting& sighting : sightings) result.push_back(associator(sighting));
+  for (const BodyObservation& sighting : sightings) result.push_back(associator(sighting));
   settle_claims(result, records.size());
   drop_lonely(filter, sightings, options, result);
   return result;

@@ -5,32 +5,32 @@
 #include <vector>
 
 #include "rastro/slam/ekf/filter.h"
+#include "rastro/slam/ekf/observation.h"
 #include "rastro/slam/ekf/options.h"
-#include "rastro/slam/ekf/sighting.h"
 
 namespace rastro {
 
-/// What one sighting is taken for.
+/// The landmark that one observation is associated with.
 struct LandmarkAssociation {
   enum class Kind : std::uint8_t {
-    landmark,      ///< Of the map: it corrects the filter.
-    candidate,     ///< Seen before, but not often enough to be a landmark.
-    fresh,         ///< Far from all: a new candidate.
-    ambiguous,     ///< Two landmarks would do, or another sighting fits this one better, or it stands alone: not used.
-    contradicting  ///< Near a landmark or of its name, but outside the gate: not used.
+    landmark,      ///< A landmark of the map: it corrects the filter.
+    candidate,     ///< Observed before, but not often enough to be a landmark.
+    fresh,         ///< Far from all landmarks: a new candidate.
+    ambiguous,     ///< Not used: several matches are possible, or it has no companions.
+    contradicting  ///< Not used: near a landmark or with its id, but outside the gate.
   };
   Kind kind = Kind::fresh;
   std::size_t landmark = 0;
   double distance = 0.0;  ///< Squared Mahalanobis distance to it.
 };
 
-/// Each sighting to the nearest landmark inside the gate, by squared Mahalanobis distance (Durrant-Whyte and Bailey
-/// 2006, part II), and to a candidate only where no landmark is near; by name where the sensor gives one. A landmark is
-/// taken once at most. Where the body's place is so uncertain that the gate of a landmark is wider than `unsure_m`, it
-/// is recognised only together with `companions` others that lie as far from it as the map says. `records` are those of
-/// the filter's landmarks.
+/// Associates each observation with the nearest landmark inside the gate, by squared Mahalanobis distance
+/// (Durrant-Whyte and Bailey 2006, part II). A candidate is taken only where no landmark is near. Observations with a
+/// sensor id are associated by id. Each landmark is taken at most once. Where the body's position is so uncertain that
+/// the gate of a landmark is wider than `unsure_m`, the association also needs `companions` others at the distances
+/// that the map predicts. `records` are those of the filter's landmarks.
 std::vector<LandmarkAssociation> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
-                                           std::span<const BodySighting> sightings, const EkfOptions& options);
+                                           std::span<const BodyObservation> sightings, const EkfOptions& options);
 
 /// The angle between two directions, 0 to pi.
 double angle_between(double a, double b);

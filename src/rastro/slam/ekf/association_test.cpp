@@ -12,11 +12,12 @@ namespace {
 
 using Kind = LandmarkAssociation::Kind;
 
-BodySighting sighting_at(double x, double y, LandmarkKind kind = LandmarkKind::given, std::int64_t id = -1) {
+BodyObservation observation_at(double x, double y, LandmarkKind kind = LandmarkKind::given, std::int64_t id = -1) {
   return {kind, id, {x, y}, 0.01 * Eigen::Matrix2d::Identity(), 0.0};
 }
 
-/// Landmarks known to 0.1 m, as the sightings are, seen from an exactly known body: squared distance = metres^2 / 0.02.
+/// Landmarks known to 0.1 m, like the observations, from an exactly known body pose: squared distance = meters^2 /
+/// 0.02.
 struct KnownLandmarks {
   EkfFilter filter;
   std::vector<LandmarkRecord> records;
@@ -25,11 +26,11 @@ struct KnownLandmarks {
     filter.add({x, y}, 0.01 * Eigen::Matrix2d::Identity());
     records.push_back({static_cast<std::int64_t>(records.size()), kind, id, 0.0, 1, 0});
   }
-  std::vector<LandmarkAssociation> associated(const std::vector<BodySighting>& sightings,
+  std::vector<LandmarkAssociation> associated(const std::vector<BodyObservation>& sightings,
                                               const EkfOptions& options = {}) const {
     return associate(filter, records, sightings, options);
   }
-  Kind kind_of(const BodySighting& sighting, const EkfOptions& options = {}) const {
+  Kind kind_of(const BodyObservation& sighting, const EkfOptions& options = {}) const {
     return associated({sighting}, options)[0].kind;
   }
 };
@@ -38,34 +39,34 @@ TEST(LandmarkAssociation, TheGateIsASquaredMahalanobisDistance) {
   KnownLandmarks map;
   map.add(5.0, 0.0);
   const double gate_m = std::sqrt(9.21 * 0.02), new_gate_m = std::sqrt(27.6 * 0.02);
-  EXPECT_EQ(map.kind_of(sighting_at(5.0 + 0.999 * gate_m, 0.0)), Kind::landmark);
-  EXPECT_EQ(map.kind_of(sighting_at(5.0 + 1.001 * gate_m, 0.0)), Kind::contradicting);
-  EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.999 * new_gate_m)), Kind::contradicting);
-  EXPECT_EQ(map.kind_of(sighting_at(5.0, 1.001 * new_gate_m)), Kind::fresh);
-  EXPECT_NEAR(map.associated({sighting_at(5.1, 0.2)})[0].distance, 0.05 / 0.02, 1e-9);
+  EXPECT_EQ(map.kind_of(observation_at(5.0 + 0.999 * gate_m, 0.0)), Kind::landmark);
+  EXPECT_EQ(map.kind_of(observation_at(5.0 + 1.001 * gate_m, 0.0)), Kind::contradicting);
+  EXPECT_EQ(map.kind_of(observation_at(5.0, 0.999 * new_gate_m)), Kind::contradicting);
+  EXPECT_EQ(map.kind_of(observation_at(5.0, 1.001 * new_gate_m)), Kind::fresh);
+  EXPECT_NEAR(map.associated({observation_at(5.1, 0.2)})[0].distance, 0.05 / 0.02, 1e-9);
 }
 
-TEST(LandmarkAssociation, AnEmptyMapKnowsNothing) {
-  EXPECT_EQ(KnownLandmarks().kind_of(sighting_at(1.0, 1.0)), Kind::fresh);
+TEST(LandmarkAssociation, AnEmptyMapMatchesNothing) {
+  EXPECT_EQ(KnownLandmarks().kind_of(observation_at(1.0, 1.0)), Kind::fresh);
 }
 
-TEST(LandmarkAssociation, WhatFitsTwoLandmarksIsNotUsed) {
+TEST(LandmarkAssociation, AmbiguousObservationsAreNotUsed) {
   KnownLandmarks map;
   map.add(5.0, 0.0);
   map.add(5.0, 0.5);
-  EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.2)), Kind::ambiguous);
-  EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.05)), Kind::landmark);  // the other one is far out of the gate
+  EXPECT_EQ(map.kind_of(observation_at(5.0, 0.2)), Kind::ambiguous);
+  EXPECT_EQ(map.kind_of(observation_at(5.0, 0.05)), Kind::landmark);  // the other one is far outside the gate
   EkfOptions bold;
   bold.ambiguity = 0.0;
-  EXPECT_EQ(map.associated({sighting_at(5.0, 0.2)}, bold)[0].landmark, 0U);
-  EXPECT_EQ(map.associated({sighting_at(5.0, 0.3)}, bold)[0].landmark, 1U);
+  EXPECT_EQ(map.associated({observation_at(5.0, 0.2)}, bold)[0].landmark, 0U);
+  EXPECT_EQ(map.associated({observation_at(5.0, 0.3)}, bold)[0].landmark, 1U);
 }
 
-TEST(LandmarkAssociation, ALandmarkIsSeenOnceByTheNearest) {
+TEST(LandmarkAssociation, ALandmarkIsMatchedOnceByTheNearest) {
   KnownLandmarks map;
   map.add(5.0, 0.0);
   for (const bool turned : {false, true}) {
-    std::vector<BodySighting> sightings = {sighting_at(5.0, 0.1), sighting_at(5.0, -0.2)};
+    std::vector<BodyObservation> sightings = {observation_at(5.0, 0.1), observation_at(5.0, -0.2)};
     if (turned) std::swap(sightings[0], sightings[1]);
     const auto found = map.associated(sightings);
     EXPECT_EQ(found[turned ? 1 : 0].kind, Kind::landmark);
@@ -73,20 +74,20 @@ TEST(LandmarkAssociation, ALandmarkIsSeenOnceByTheNearest) {
   }
 }
 
-TEST(LandmarkAssociation, NamesDecideButNotAgainstAllSense) {
+TEST(LandmarkAssociation, IdsDecideUnlessOutsideTheirGate) {
   KnownLandmarks map;
   map.add(5.0, 0.0, LandmarkKind::given, 7);
   map.add(5.0, 0.1, LandmarkKind::given, 8);
-  EXPECT_EQ(map.associated({sighting_at(5.0, 0.1, LandmarkKind::given, 7)})[0].landmark, 0U);
-  EXPECT_EQ(map.kind_of(sighting_at(9.0, 0.0, LandmarkKind::given, 7)), Kind::contradicting);
-  EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.0, LandmarkKind::given, 9)), Kind::fresh);
+  EXPECT_EQ(map.associated({observation_at(5.0, 0.1, LandmarkKind::given, 7)})[0].landmark, 0U);
+  EXPECT_EQ(map.kind_of(observation_at(9.0, 0.0, LandmarkKind::given, 7)), Kind::contradicting);
+  EXPECT_EQ(map.kind_of(observation_at(5.0, 0.0, LandmarkKind::given, 9)), Kind::fresh);
 }
 
-TEST(LandmarkAssociation, KindsAndDirectionsMustFit) {
+TEST(LandmarkAssociation, KindsAndDirectionsMustMatch) {
   KnownLandmarks map;
   map.add(5.0, 0.0, LandmarkKind::corner);
-  EXPECT_EQ(map.kind_of(sighting_at(5.0, 0.0, LandmarkKind::spike)), Kind::fresh);
-  BodySighting corner = sighting_at(5.0, 0.0, LandmarkKind::corner);
+  EXPECT_EQ(map.kind_of(observation_at(5.0, 0.0, LandmarkKind::spike)), Kind::fresh);
+  BodyObservation corner = observation_at(5.0, 0.0, LandmarkKind::corner);
   EXPECT_EQ(map.kind_of(corner), Kind::landmark);
   corner.direction = std::numbers::pi;
   EXPECT_EQ(map.kind_of(corner), Kind::fresh);
@@ -99,20 +100,21 @@ TEST(LandmarkAssociation, CandidatesComeAfterLandmarks) {
   map.add(5.0, 0.0);
   map.add(5.0, 0.5);
   map.records[1].id = -1;
-  EXPECT_EQ(map.associated({sighting_at(5.0, 0.25)})[0].landmark, 0U);
-  const auto beyond = map.associated({sighting_at(5.0, 0.85)})[0];
+  EXPECT_EQ(map.associated({observation_at(5.0, 0.25)})[0].landmark, 0U);
+  const auto beyond = map.associated({observation_at(5.0, 0.85)})[0];
   EXPECT_EQ(beyond.kind, Kind::candidate);
   EXPECT_EQ(beyond.landmark, 1U);
-  EXPECT_EQ(map.kind_of(sighting_at(5.0, 1.1)), Kind::ambiguous);  // too near to it to be another one
-  EXPECT_EQ(map.kind_of(sighting_at(5.0, 1.5)), Kind::fresh);
+  EXPECT_EQ(map.kind_of(observation_at(5.0, 1.1)), Kind::ambiguous);  // too near to be another one
+  EXPECT_EQ(map.kind_of(observation_at(5.0, 1.5)), Kind::fresh);
 }
 
-TEST(LandmarkAssociation, InDoubtALandmarkNeedsACompanionAtTheRightDistance) {
+TEST(LandmarkAssociation, WithAnUncertainPoseALandmarkNeedsACompanionAtTheCorrectDistance) {
   KnownLandmarks map;
   map.add(5.0, 0.0);
   map.add(5.0, 20.0);
   map.filter.predict(SE2(), Eigen::Vector3d(1.0, 1.0, 1e-6).asDiagonal());
-  const BodySighting one = sighting_at(6.0, 1.0), other = sighting_at(6.0, 21.0), wrong = sighting_at(6.0, 19.5);
+  const BodyObservation one = observation_at(6.0, 1.0), other = observation_at(6.0, 21.0),
+                        wrong = observation_at(6.0, 19.5);
   EXPECT_EQ(map.kind_of(one), Kind::ambiguous);
   const auto together = map.associated({one, other});
   EXPECT_EQ(together[0].kind, Kind::landmark);

@@ -16,14 +16,14 @@ Eigen::Matrix2d normals_of(const ScanLine& a, const ScanLine& b) {
   return (Eigen::Matrix2d() << a.normal().transpose(), b.normal().transpose()).finished();
 }
 
-/// Where the lines cross, if they make a corner there.
+/// The intersection of the lines, if they form a corner there.
 std::optional<Eigen::Vector2d> corner_of(std::span<const ScanPoint> run, const ScanLine& a, const ScanLine& b,
                                          const EkfOptions& options) {
   const double sine = a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x();
   if (std::abs(sine) < std::sin(options.min_corner_deg * radians_per_degree)) return std::nullopt;
-  const Eigen::Vector2d offsets(a.normal().dot(a.centre), b.normal().dot(b.centre));
+  const Eigen::Vector2d offsets(a.normal().dot(a.center), b.normal().dot(b.center));
   const Eigen::Vector2d crossing = normals_of(a, b).inverse() * offsets;
-  // The last beam on a wall ends anywhere up to one step before the corner.
+  // The last beam on a wall ends up to one step before the corner.
   const double step_a = (run[a.last].place - run[a.last - 1].place).norm();
   const double step_b = (run[b.first + 1].place - run[b.first].place).norm();
   const bool seen = (run[a.last].place - crossing).norm() <= options.corner_gap_m + step_a &&
@@ -31,7 +31,7 @@ std::optional<Eigen::Vector2d> corner_of(std::span<const ScanPoint> run, const S
   return seen ? std::optional(crossing) : std::nullopt;
 }
 
-/// Both lines end at the crossing: points beyond it belong to the other one.
+/// Ends both lines at the intersection: points beyond it belong to the other line.
 void part_at(const Eigen::Vector2d& crossing, std::span<const ScanPoint> run, ScanLine& a, ScanLine& b,
              const EkfOptions& options) {
   const auto before = [&](const ScanLine& line, std::size_t point) {
@@ -40,7 +40,7 @@ void part_at(const Eigen::Vector2d& crossing, std::span<const ScanPoint> run, Sc
   const auto is_on = [&](const ScanLine& line, std::size_t point) {
     return std::abs(line.distance(run[point].place)) <= options.line_tolerance_m;
   };
-  // A point near the corner lies on both; it goes to the nearer one.
+  // A point near the corner is on both lines; it goes to the nearer one.
   const auto of_a = [&](std::size_t point) {
     return before(a, point) &&
            (before(b, point) || std::abs(a.distance(run[point].place)) <= std::abs(b.distance(run[point].place)));
@@ -57,7 +57,7 @@ void part_at(const Eigen::Vector2d& crossing, std::span<const ScanPoint> run, Sc
 ScanFeature feature_at(const Eigen::Vector2d& crossing, const ScanLine& a, const ScanLine& b,
                        const EkfOptions& options) {
   const auto variance_at = [&](const ScanLine& line) {
-    const Eigen::Vector2d lever(1.0, line.direction.dot(crossing - line.centre));
+    const Eigen::Vector2d lever(1.0, line.direction.dot(crossing - line.center));
     return lever.dot(line.covariance * lever);
   };
   const Eigen::Matrix2d place_by_offsets = normals_of(a, b).inverse();
@@ -91,7 +91,7 @@ std::optional<ScanFeature> spike_of(const LaserScan& scan, std::span<const ScanP
     return std::nullopt;
   }
   const Eigen::Vector2d away = place.normalized(), across(-away.y(), away.x());
-  // Over the width of a round pole its surface is pi/4 of the radius in front of the middle, on average.
+  // Averaged over the width of a round pole, its surface is pi/4 of the radius in front of the center.
   place += std::numbers::pi / 8.0 * width * away;
   const double step = std::abs(scan.angle_step) * range;
   const double along = options.beam_noise_m * options.beam_noise_m / count + step * step / 12.0;
@@ -106,7 +106,7 @@ std::optional<ScanFeature> spike_of(const LaserScan& scan, std::span<const ScanP
 
 std::vector<ScanFeature> find_corners(std::span<const ScanPoint> run, std::vector<ScanLine> lines,
                                       const EkfOptions& options) {
-  constexpr int rounds = 2;  // The crossing is better known once the lines are.
+  constexpr int rounds = 2;  // Better lines give a better intersection.
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i + 1 < lines.size(); ++i) {
       const auto corner = corner_of(run, lines[i], lines[i + 1], options);

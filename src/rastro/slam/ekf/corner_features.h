@@ -9,21 +9,21 @@
 
 namespace rastro {
 
-/// A point of a scan that can be told again from elsewhere, in the laser frame.
+/// A distinctive point of a scan, in the laser frame.
 struct ScanFeature {
   Eigen::Vector2d place;
   Eigen::Matrix2d covariance;
-  double direction = 0.0;  ///< Of a corner: between its two walls, radians.
+  double direction = 0.0;  ///< Of a corner: bisector of its two walls, radians.
 };
 
-/// Where neighbouring lines of a run meet: they turn by `min_corner_deg` at least and both end within `corner_gap_m` of
-/// the crossing, so that the corner was seen and not only computed. `lines` are those of extract_lines(); points that
-/// one line took from the other near the corner are given back first.
+/// Corners: neighboring lines of a run that differ in direction by at least `min_corner_deg` and both end within
+/// `corner_gap_m` of their intersection, so that the corner itself was observed and not only computed. `lines` are
+/// those of extract_lines(). Points near the corner that one line took from the other are given back first.
 std::vector<ScanFeature> find_corners(std::span<const ScanPoint> run, std::vector<ScanLine> lines,
                                       const EkfOptions& options);
 
-/// Poles: runs of few near beams, with a background that is farther by `spike_depth_m` on both sides. The pole's middle
-/// lies behind what is seen of it, by what its width says.
+/// Poles: runs of a few near beams with a background that is farther by `spike_depth_m` on both sides. The pole's
+/// center lies behind its visible surface, by an offset estimated from its width.
 std::vector<ScanFeature> find_spikes(const LaserScan& scan, std::span<const std::vector<ScanPoint>> runs,
                                      const EkfOptions& options);
 

@@ -22,7 +22,7 @@ constexpr double degrees = 180.0 / std::numbers::pi;
 
 bool is_finite(const SE2& pose) { return pose.translation().allFinite() && std::isfinite(pose.rotation().angle()); }
 
-/// The first reason stands: what comes later often follows from it.
+/// The first reason stays: later ones often follow from it.
 void doubt(SlamUpdate& update, SlamReason reason, std::string detail) {
   update.state = SlamState::weak;
   if (update.reason != SlamReason::none && update.reason != SlamReason::first_frame) return;
@@ -36,6 +36,10 @@ int returns_of(const LaserScan& scan) {
   return count;
 }
 
+std::size_t bytes_of(const KeyframeScan& scan) {
+  return sizeof(KeyframeScan) + scan.points.size() * sizeof(Eigen::Vector2d);
+}
+
 bool is_new_keyframe(const std::vector<Keyframe>& keyframes, const SE3& pose, const EkfOptions& options) {
   if (keyframes.empty()) return true;
   const SE3 motion = keyframes.back().world_from_camera.inverse() * pose;
@@ -45,7 +49,12 @@ bool is_new_keyframe(const std::vector<Keyframe>& keyframes, const SE3& pose, co
 
 }  // namespace
 
-EkfSlam::EkfSlam(const EkfOptions& options, bool scans_expected) : options_(options), scans_expected_(scans_expected) {}
+EkfSlam::EkfSlam(const EkfOptions& options, bool scans_expected, const SE2& initial_pose, std::size_t map_budget_bytes)
+    : options_(options),
+      scans_expected_(scans_expected),
+      initial_pose_(initial_pose),
+      budget_(map_budget_bytes),
+      filter_(initial_pose) {}
 
 SlamUpdate EkfSlam::process(const Frame& frame) {
   Stopwatch whole, stage;
@@ -53,57 +62,60 @@ SlamUpdate EkfSlam::process(const Frame& frame) {
   update.index = frame.index;
   update.stamp = frame.stamp;
   update.state = SlamState::tracking;
-  if (last_stamp_ && frame.stamp <= *last_stamp_) {
-    doubt(update, SlamReason::repeated_frame, "its time does not go on; not used");
+  observations_.clear();
+  if (last_.stamp && frame.stamp <= *last_.stamp) {
+    doubt(update, SlamReason::repeated_frame, "timestamp not after the previous one; not used");
     say_pose(update);
     return update;
   }
   predict(frame, update);
-  const std::vector<BodySighting> sightings = see(frame, update);
+  const std::vector<BodyObservation> sightings = see(frame, update);
   update.times.push_back({"landmarks", stage.lap_ms()});
   const std::vector<LandmarkAssociation> associations = associate(filter_, records_, sightings, options_);
   correct(sightings, associations, update);
   judge(associations, update);
+  observe(sightings, associations);
   if (maps_) learn(sightings, associations, update);
   update.times.push_back({"filter", stage.lap_ms()});
   keep(frame, update);
+  if (budget_.limited()) stay_within_budget(update);
   update.times.push_back({"map", stage.lap_ms()});
   update.milliseconds = whole.lap_ms();
   return update;
 }
 
 void EkfSlam::predict(const Frame& frame, SlamUpdate& update) {
-  if (!last_stamp_) update.reason = SlamReason::first_frame;
-  const Motion motion = last_stamp_ ? motion_since_last(frame, update) : Motion();
+  if (!last_.stamp) update.reason = SlamReason::first_frame;
+  const Motion motion = last_.stamp ? motion_since_last(frame, update) : Motion();
   filter_.predict(motion.last_from_body, motion.covariance);
   blind_m_ += motion.last_from_body.translation().norm();
 }
 
 Motion EkfSlam::motion_since_last(const Frame& frame, SlamUpdate& update) {
-  const double seconds = static_cast<double>(frame.stamp - *last_stamp_) * 1e-9;
+  const double seconds = static_cast<double>(frame.stamp - *last_.stamp) * 1e-9;
   const bool told = frame.odometry_from_body && is_finite(*frame.odometry_from_body);
-  if (told && last_odometry_) return motion_by_odometry(*frame.odometry_from_body, seconds, update);
+  if (told && last_.odometry) return motion_by_odometry(*frame.odometry_from_body, seconds, update);
   doubt(update, SlamReason::no_odometry,
-        told ? "the frame before had none; the last motion is carried on" : "the last motion is carried on");
-  return carried_motion(last_motion_, last_seconds_, seconds, options_);
+        told ? "the previous frame had none; constant motion is assumed" : "constant motion is assumed");
+  return carried_motion(last_.motion, last_.seconds, seconds, options_);
 }
 
 Motion EkfSlam::motion_by_odometry(const SE2& odometry_from_body, double seconds, SlamUpdate& update) {
-  const SE2 last_from_body = last_odometry_->inverse() * odometry_from_body;
+  const SE2 last_from_body = last_.odometry->inverse() * odometry_from_body;
   if (is_jump(last_from_body, seconds, options_)) {
     doubt(update, SlamReason::odometry_jumped,
-          fmt::format("{:.3g} m and {:.0f} deg in {:.3g} s; the last motion is carried on",
+          fmt::format("{:.3g} m and {:.0f} deg in {:.3g} s; constant motion is assumed",
                       last_from_body.translation().norm(), last_from_body.rotation().angle() * degrees, seconds));
     odometry_check_.interrupt();
-    return carried_motion(last_motion_, last_seconds_, seconds, options_);
+    return carried_motion(last_.motion, last_.seconds, seconds, options_);
   }
-  last_motion_ = last_from_body;
-  last_seconds_ = seconds;
+  last_.motion = last_from_body;
+  last_.seconds = seconds;
   return measured_motion(last_from_body, options_);
 }
 
-std::vector<BodySighting> EkfSlam::see(const Frame& frame, SlamUpdate& update) const {
-  std::vector<BodySighting> sightings = given_sightings(frame.landmarks, options_);
+std::vector<BodyObservation> EkfSlam::see(const Frame& frame, SlamUpdate& update) const {
+  std::vector<BodyObservation> sightings = given_observations(frame.landmarks, options_);
   if (!frame.scan) {
     if (scans_expected_ && sightings.empty()) doubt(update, SlamReason::no_data, "no scan; odometry alone");
     return sightings;
@@ -111,16 +123,17 @@ std::vector<BodySighting> EkfSlam::see(const Frame& frame, SlamUpdate& update) c
   const int returns = returns_of(*frame.scan);
   if (returns < options_.min_returns) {
     doubt(update, SlamReason::few_returns,
-          fmt::format("{} of {} beams returned, need {}; odometry alone", returns, frame.scan->ranges.size(),
-                      options_.min_returns));
+          fmt::format("needs at least {} valid beams, got {} of {}; odometry alone", options_.min_returns, returns,
+                      frame.scan->ranges.size()));
     return sightings;
   }
   Random random(seed_for(options_.seed, static_cast<std::uint64_t>(frame.index)));
-  for (BodySighting& sighting : scan_sightings(*frame.scan, options_, random)) sightings.push_back(std::move(sighting));
+  for (BodyObservation& sighting : scan_observations(*frame.scan, options_, random))
+    sightings.push_back(std::move(sighting));
   return sightings;
 }
 
-void EkfSlam::correct(std::span<const BodySighting> sightings, std::span<const LandmarkAssociation> associations,
+void EkfSlam::correct(std::span<const BodyObservation> sightings, std::span<const LandmarkAssociation> associations,
                       SlamUpdate& update) {
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     const auto& [kind, landmark, distance] = associations[i];
@@ -139,8 +152,8 @@ void EkfSlam::confirm(std::size_t landmark, SlamUpdate& update) {
   records_[landmark].id = confirmed_++;
   const Eigen::Vector2d place = filter_.landmark(landmark);
   update.events.push_back(
-      {"landmark", fmt::format("{} at ({:.2f}, {:.2f}) m, known to {:.2g} m", records_[landmark].id, place.x(),
-                               place.y(), std::sqrt(filter_.landmark_covariance(landmark).trace()))});
+      {"landmark", fmt::format("{} at ({:.2f}, {:.2f}) m, sigma {:.2g} m", records_[landmark].id, place.x(), place.y(),
+                               std::sqrt(filter_.landmark_covariance(landmark).trace()))});
 }
 
 void EkfSlam::judge(std::span<const LandmarkAssociation> associations, SlamUpdate& update) {
@@ -151,30 +164,54 @@ void EkfSlam::judge(std::span<const LandmarkAssociation> associations, SlamUpdat
       [](const LandmarkAssociation& one) { return one.kind == LandmarkAssociation::Kind::contradicting; });
   if (contradicting > 1 && contradicting > update.used) {
     doubt(update, SlamReason::poor_match,
-          fmt::format("{} of {} sightings contradict the map", contradicting, associations.size()));
+          fmt::format("{} of {} observations contradict the map", contradicting, associations.size()));
   } else if (blind_m_ > options_.max_blind_m) {
-    doubt(update, SlamReason::too_few_points, fmt::format("no landmark recognised over {:.1f} m", blind_m_));
+    doubt(update, SlamReason::too_few_points, fmt::format("no landmark observed over {:.1f} m", blind_m_));
   }
 }
 
-void EkfSlam::learn(std::span<const BodySighting> sightings, std::span<const LandmarkAssociation> associations,
+void EkfSlam::learn(std::span<const BodyObservation> sightings, std::span<const LandmarkAssociation> associations,
                     SlamUpdate& update) {
   const auto frame = static_cast<std::int64_t>(trajectory_.size());
   const double heading = filter_.world_from_body().rotation().angle();
   for (std::size_t i = 0; i < sightings.size(); ++i) {
-    const bool room = records_.size() < static_cast<std::size_t>(options_.max_landmarks);
-    if (associations[i].kind != LandmarkAssociation::Kind::fresh || !room) continue;
-    const BodySighting& seen = sightings[i];
+    if (associations[i].kind != LandmarkAssociation::Kind::fresh || !has_room()) continue;
+    const BodyObservation& seen = sightings[i];
     filter_.add(seen.in_body, seen.covariance);
     records_.push_back({-1, seen.kind, seen.sensor_id, seen.direction + heading, 1, frame});
-    if (options_.observations <= 1) confirm(records_.size() - 1, update);
+    if (options_.observations > 1) continue;
+    confirm(records_.size() - 1, update);
+    observations_[i].landmark = records_.back().id;
+    observations_[i].state = ObservationState::new_landmark;
   }
   forget_candidates();
 }
 
+bool EkfSlam::has_room() const {
+  return records_.size() < static_cast<std::size_t>(options_.max_landmarks) &&
+         (!budget_.limited() || landmark_bytes() < budget_.full_bytes());
+}
+
+/// Call it before forget_candidates(), which renumbers the records.
+void EkfSlam::observe(std::span<const BodyObservation> sightings, std::span<const LandmarkAssociation> associations) {
+  using Kind = LandmarkAssociation::Kind;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const auto& [kind, landmark, distance] = associations[i];
+    FeatureObservation seen;
+    seen.in_body = sightings[i].in_body;
+    if (kind != Kind::fresh) seen.landmark = records_[landmark].id;
+    if (kind == Kind::landmark) seen.state = ObservationState::inlier;
+    if (kind == Kind::contradicting) seen.state = ObservationState::outlier;
+    if (kind == Kind::ambiguous) seen.state = ObservationState::matched;
+    if (kind == Kind::candidate)
+      seen.state = seen.landmark >= 0 ? ObservationState::new_landmark : ObservationState::matched;
+    observations_.push_back(seen);
+  }
+}
+
 void EkfSlam::forget_candidates() {
   const auto frame = static_cast<std::int64_t>(trajectory_.size());
-  // From the back: the last landmark, which takes a forgotten one's number, has been looked at then.
+  // From the back: the last landmark, which takes the number of a removed one, was checked before.
   for (std::size_t i = records_.size(); i-- > 0;) {
     if (!records_[i].is_candidate() || frame - records_[i].last_frame <= options_.candidate_frames) continue;
     filter_.remove(i);
@@ -191,25 +228,69 @@ void EkfSlam::keep(const Frame& frame, SlamUpdate& update) {
   if (needs_keyframe && is_new_keyframe(keyframes_, update.world_from_body, options_))
     add_keyframe(frame, update.world_from_body);
   keyframe_of_frame_.push_back(keyframes_.back().id);
-  if (frame.scan && options_.grid && maps_) {
-    const SE2 keyframe_from_body = in_plane(keyframes_.back().world_from_camera).inverse() * world_from_body;
-    const SE2 keyframe_from_laser = keyframe_from_body * frame.scan->body_from_laser;
-    scans_.back().push_back({keyframe_from_laser.translation(), returns_in(*frame.scan, keyframe_from_laser)});
-  }
+  if (frame.scan && options_.grid && maps_) keep_scan(*frame.scan, world_from_body);
   const bool told = frame.odometry_from_body && is_finite(*frame.odometry_from_body);
-  last_odometry_ = told ? frame.odometry_from_body : std::nullopt;
+  last_.odometry = told ? frame.odometry_from_body : std::nullopt;
   if (told) {
     odometry_check_.add(*frame.odometry_from_body, world_from_body, update.used > 0);
   } else {
     odometry_check_.interrupt();
   }
-  last_stamp_ = frame.stamp;
+  last_.stamp = frame.stamp;
 }
 
 void EkfSlam::add_keyframe(const Frame& frame, const SE3& world_from_body) {
   const auto id = static_cast<KeyframeId>(keyframes_.size());
   keyframes_.push_back({id, frame.index, frame.stamp, 0, world_from_body, 0, id - 1, 1.0});
   scans_.emplace_back();
+}
+
+void EkfSlam::keep_scan(const LaserScan& scan, const SE2& world_from_body) {
+  const std::size_t every = std::size_t{1} << static_cast<unsigned>(budget_.stage());
+  if (scans_seen_++ % every != 0) return;
+  const SE2 keyframe_from_body = in_plane(keyframes_.back().world_from_camera).inverse() * world_from_body;
+  const SE2 keyframe_from_laser = keyframe_from_body * scan.body_from_laser;
+  scans_.back().push_back({keyframe_from_laser.translation(), returns_in(scan, keyframe_from_laser)});
+  scan_bytes_ += bytes_of(scans_.back().back());
+}
+
+void EkfSlam::stay_within_budget(SlamUpdate& update) {
+  if (budget_.note(map_bytes()))
+    update.events.push_back(
+        budget_.event(map_bytes(), fmt::format("one scan in {} is kept for the grid", 1 << budget_.stage())));
+  while (map_bytes() > budget_.full_bytes() && thin_scans())
+    update.events.push_back(budget_.event(map_bytes(), "every second kept scan was dropped"));
+}
+
+/// Consecutive scans are nearly the same.
+bool EkfSlam::thin_scans() {
+  std::size_t number = 0, given_up = 0;
+  for (KeyframeScans& scans : scans_) {
+    std::erase_if(scans, [&](const KeyframeScan& scan) {
+      if (number++ % 2 == 0) return false;
+      scan_bytes_ -= bytes_of(scan);
+      ++given_up;
+      return true;
+    });
+  }
+  return given_up > 0;
+}
+
+/// One joint covariance of the body and all landmarks.
+std::size_t EkfSlam::landmark_bytes() const {
+  const std::size_t size = 3 + 2 * records_.size();
+  return sizeof(double) * size * size + sizeof(LandmarkRecord) * records_.size();
+}
+
+std::size_t EkfSlam::map_bytes() const {
+  return landmark_bytes() + scan_bytes_ + trajectory_.size() * (sizeof(StampedPose) + sizeof(KeyframeId)) +
+         keyframes_.size() * (sizeof(Keyframe) + sizeof(KeyframeScans));
+}
+
+MapMemory EkfSlam::map_memory() const {
+  MapMemory memory{map_bytes(), budget_.bytes(), ""};
+  if (budget_.stage() > 0) memory.measures = fmt::format("one scan in {} kept for the grid", 1 << budget_.stage());
+  return memory;
 }
 
 void EkfSlam::say_pose(SlamUpdate& update) const {
@@ -220,16 +301,16 @@ void EkfSlam::say_pose(SlamUpdate& update) const {
 std::vector<SlamEvent> EkfSlam::finish() {
   std::vector<SlamEvent> events;
   if (records_.size() >= static_cast<std::size_t>(options_.max_landmarks)) {
-    events.push_back({"landmark", fmt::format("the map is full with max_landmarks={}", options_.max_landmarks)});
+    events.push_back({"landmark", fmt::format("the map is full: max_landmarks={}", options_.max_landmarks)});
   }
   const OdometryCheck::Result result = odometry_check_.result();
-  if (result.metres > 0 || result.turns > 0) events.push_back({"odometry", describe(result)});
+  if (result.meters > 0 || result.turns > 0) events.push_back({"odometry", describe(result)});
   return events;
 }
 
-void EkfSlam::reset() { *this = EkfSlam(options_, scans_expected_); }
+void EkfSlam::reset() { *this = EkfSlam(options_, scans_expected_, initial_pose_, budget_.bytes()); }
 
-/// Landmarks known go on to be updated: a filter has no other way to localize.
+/// Known landmarks are still updated: a filter cannot localize otherwise.
 bool EkfSlam::set_mapping(bool on) {
   maps_ = on;
   return true;
@@ -262,7 +343,8 @@ std::shared_ptr<const Map> EkfSlam::snapshot() const {
   map->keyframes = keyframes_;
   for (std::size_t i = 1; i < keyframes_.size(); ++i) {
     const SE2 motion = in_plane(keyframes_[i - 1].world_from_camera.inverse() * keyframes_[i].world_from_camera);
-    constexpr double least_variance = 1e-8;  // a robot that only turned knows where it is, but not without end
+    constexpr double least_variance = 1e-8;  // a robot that only rotated knows its position, but not with infinite
+                                             // precision
     Eigen::Matrix3d covariance = measured_motion(motion, options_).covariance;
     covariance.diagonal().array() += least_variance;
     map->constraints.push_back(planar_constraint(keyframes_[i - 1].id, keyframes_[i].id, motion, covariance.inverse(),
@@ -274,7 +356,7 @@ std::shared_ptr<const Map> EkfSlam::snapshot() const {
         {trajectory_[i].stamp, keyframe.id, keyframe.world_from_camera.inverse() * trajectory_[i].world_from_body});
   }
   const TimeNs first = trajectory_.empty() ? 0 : trajectory_.front().stamp;
-  map->sessions.push_back({0, 0, "", first, last_stamp_.value_or(0), {true, 0.0, "wheel odometry and laser"}});
+  map->sessions.push_back({0, 0, "", first, last_.stamp.value_or(0), {true, 0.0, "wheel odometry and laser"}});
   map->layers.put<LandmarkLayer>(landmarks());
   if (!options_.grid || !scans_expected_) return map;
   auto scans = std::make_shared<ScanLayer>();

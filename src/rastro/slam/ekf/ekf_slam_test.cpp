@@ -62,20 +62,20 @@ Consistency consistency_of(const LandmarkWorld& world, const EkfOptions& options
   return result;
 }
 
-TEST(EkfSlam, IsAsSureAsItMayBeOverFiftyRuns) {
+TEST(EkfSlam, IsConsistentOverFiftyRuns) {
   const Consistency found = consistency_of(ring_world(20, 5), EkfOptions(), 250);
   RecordProperty("share_inside", std::to_string(found.share_inside));
   RecordProperty("mean", std::to_string(found.mean));
-  // Measured: 0.916 and 3.22. Steps of one run go together, so that 95 % of them need not lie inside. A covariance that
-  // is 5 % too large or too small moves the mean out.
+  // Measured: 0.916 and 3.22. Steps of one run are correlated, so less than 95 % of them may be inside. A covariance
+  // that is 5 % too large or too small moves the mean outside.
   EXPECT_GE(found.share_inside, 0.90);
   EXPECT_GT(found.mean, 3.11);
   EXPECT_LT(found.mean, 3.32);
 }
 
-TEST(EkfSlam, IsTooSureWhereTheHeadingIsUncertain) {
-  // The known weakness (Julier and Uhlmann 2001; Huang and Dissanayake 2007): derivatives taken at wrong headings make
-  // the filter learn of the heading what nobody told it. Odometry that is twenty times worse shows it.
+TEST(EkfSlam, IsOverconfidentWhereTheHeadingIsUncertain) {
+  // The known inconsistency (Julier and Uhlmann 2001; Huang and Dissanayake 2007): linearization at wrong headings
+  // makes the filter gain spurious information about the heading. Odometry that is twenty times worse shows it.
   EkfOptions options;
   options.odometry_error_deg_per_45_deg = 40.0;
   options.heading_error_deg_per_m = 20.0;
@@ -84,7 +84,7 @@ TEST(EkfSlam, IsTooSureWhereTheHeadingIsUncertain) {
   EXPECT_GT(found.mean, 3.72);
 }
 
-/// A frame with odometry straight ahead at 1 m/s and one landmark that stands at (5, 1).
+/// A frame with odometry straight ahead at 1 m/s and one landmark at (5, 1).
 Frame frame_at(std::int64_t index) {
   Frame frame;
   frame.index = index;
@@ -124,7 +124,7 @@ TEST(EkfSlam, BeginsAtTheOriginAndTracks) {
 
 LandmarkLayer landmarks_of(const Map& map) { return *map.layer<LandmarkLayer>(); }
 
-TEST(EkfSlam, ALandmarkIsKnownAfterAsManyObservationsWithItsName) {
+TEST(EkfSlam, ALandmarkIsConfirmedAfterTheGivenObservationsWithItsId) {
   Drive drive;
   EXPECT_TRUE(drive.go(4).events.empty());
   EXPECT_TRUE(landmarks_of(*drive.slam.snapshot()).landmarks.empty());
@@ -166,7 +166,7 @@ TEST(EkfSlam, ARepeatedOrBackwardStampIsNotUsed) {
   EXPECT_NEAR(drive.x(), 0.8, 1e-9);
 }
 
-TEST(EkfSlam, MissingOdometryIsBridgedWithTheLastMotion) {
+TEST(EkfSlam, MissingOdometryIsReplacedByTheLastMotion) {
   Drive drive;
   const double sure = drive.go(8).covariance->trace();
   Frame without = frame_at(drive.next++);
@@ -182,11 +182,11 @@ TEST(EkfSlam, MissingOdometryIsBridgedWithTheLastMotion) {
   EXPECT_NEAR(drive.x(), 1.0, 1e-6);
 }
 
-TEST(EkfSlam, OdometryThatJumpsIsSaidAndNotBelieved) {
+TEST(EkfSlam, OdometryThatJumpsIsReportedAndNotUsed) {
   for (const double jump : {100.0, 1e300, std::numeric_limits<double>::infinity()}) {
     Drive drive;
     drive.go(8);
-    for (int i = 0; i < 3; ++i) {  // it goes on from where it jumped to
+    for (int i = 0; i < 3; ++i) {  // it continues from where it jumped to
       Frame frame = frame_at(drive.next++);
       frame.odometry_from_body = SE2(SO2(), {frame.odometry_from_body->translation().x() + jump, 0.0});
       const SlamUpdate update = drive.slam.process(frame);
@@ -199,7 +199,7 @@ TEST(EkfSlam, OdometryThatJumpsIsSaidAndNotBelieved) {
   }
 }
 
-TEST(EkfSlam, ALongWayWithoutLandmarksIsWeak) {
+TEST(EkfSlam, ALongPathWithoutLandmarksIsWeak) {
   EkfSlam slam(EkfOptions(), false);
   SlamUpdate update;
   for (int i = 0; i < 30; ++i) {
@@ -211,7 +211,7 @@ TEST(EkfSlam, ALongWayWithoutLandmarksIsWeak) {
   EXPECT_EQ(update.reason, SlamReason::too_few_points);
 }
 
-TEST(EkfSlam, ScansThatAreMissingOrBlindAreSaid) {
+TEST(EkfSlam, MissingAndEmptyScansAreReported) {
   EkfSlam slam(EkfOptions(), true);
   Frame frame = frame_at(0);
   frame.landmarks.clear();
@@ -226,7 +226,7 @@ TEST(EkfSlam, ScansThatAreMissingOrBlindAreSaid) {
   EXPECT_NE(update.detail.find("0 of 180"), std::string::npos);
 }
 
-TEST(EkfSlam, SightingsThatContradictTheMapAreSaidAndNotUsed) {
+TEST(EkfSlam, ObservationsThatContradictTheMapAreReportedAndNotUsed) {
   Drive drive;
   Frame frame;
   for (int i = 0; i < 8; ++i) {
@@ -242,7 +242,7 @@ TEST(EkfSlam, SightingsThatContradictTheMapAreSaidAndNotUsed) {
   EXPECT_EQ(update.score, 0.0);
 }
 
-TEST(EkfSlam, SaysHowGoodOdometryIs) {
+TEST(EkfSlam, ReportsTheOdometryError) {
   for (const double scale : {0.3, 4.0}) {
     LandmarkWorld world = ring_world(20, 5);
     world.odometry_scale = scale;
@@ -256,7 +256,7 @@ TEST(EkfSlam, SaysHowGoodOdometryIs) {
   }
 }
 
-/// The farthest the filter and odometry get from the truth over the second half of a drive.
+/// Largest distance of the filter and of odometry from ground truth in the second half of a drive.
 struct Farthest {
   double filter = 0.0, odometry = 0.0;
 };
@@ -276,19 +276,19 @@ Farthest farthest_of(const LandmarkWorld& world, int frames, std::uint64_t seed,
   return farthest;
 }
 
-TEST(EkfSlam, FindsItsWayByTheCornersAndPolesOfARoom) {
+TEST(EkfSlam, LocalizesByTheCornersAndPolesOfARoom) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     EkfSlam slam(EkfOptions(), true);
     const Farthest farthest = farthest_of(room_world(), 260, seed, true, slam);
     EXPECT_LT(farthest.filter, 0.05);
     EXPECT_GT(farthest.odometry, 0.3);
-    // 8 corners of the room and 2 poles; those of the pillars have too few beams to be seen often.
+    // 8 corners of the room and 2 poles; those of the pillars have too few beams to be observed often.
     EXPECT_GE(landmarks_of(*slam.snapshot()).landmarks.size(), 8U);
     EXPECT_LE(landmarks_of(*slam.snapshot()).landmarks.size(), 12U);
   }
 }
 
-TEST(EkfSlam, UnnamedLandmarksDoAsWell) {
+TEST(EkfSlam, WorksWithLandmarksWithoutIds) {
   LandmarkWorld world = ring_world(20, 5);
   world.named = false;
   EkfSlam slam(EkfOptions(), false);

@@ -12,10 +12,10 @@ namespace rastro::testing {
 LandmarkWorld ring_world(std::size_t landmarks, std::uint64_t seed) {
   LandmarkWorld world;
   Random random(seed);
-  const Eigen::Vector2d centre(0.0, world.radius_m);
+  const Eigen::Vector2d center(0.0, world.radius_m);
   while (world.landmarks.size() < landmarks) {
     const SO2 direction = SO2::from_angle(random.uniform(-std::numbers::pi, std::numbers::pi));
-    const Eigen::Vector2d place = centre + direction * Eigen::Vector2d(world.radius_m + random.uniform(-2.5, 4.0), 0.0);
+    const Eigen::Vector2d place = center + direction * Eigen::Vector2d(world.radius_m + random.uniform(-2.5, 4.0), 0.0);
     const bool crowded = std::any_of(world.landmarks.begin(), world.landmarks.end(),
                                      [&](const Eigen::Vector2d& other) { return (other - place).norm() < 1.0; });
     if (!crowded) world.landmarks.push_back(place);
@@ -45,7 +45,7 @@ Frame LandmarkDrive::next() {
   Frame frame;
   if (frames_ > 0) {
     const SE2 motion = SE2::exp({world_.step_m, 0.0, world_.step_m / world_.radius_m});
-    truth_ = truth_ * motion;
+    ground_truth_ = ground_truth_ * motion;
     odometry_ = odometry_ * noisy(motion);
   }
   frame.index = frames_;
@@ -54,18 +54,18 @@ Frame LandmarkDrive::next() {
   see(frame);
   if (!world_.walls.walls.empty()) {
     constexpr double full_turn = 2.0 * std::numbers::pi * 360.0 / 361.0;
-    frame.scan = scan_of(world_.walls, truth_, 361, full_turn, world_.beam_noise_m, random_);
+    frame.scan = scan_of(world_.walls, ground_truth_, 361, full_turn, world_.beam_noise_m, random_);
   }
   return frame;
 }
 
 SE2 LandmarkDrive::noisy(const SE2& motion) {
-  // From what the options mean, not from the filter's own motion model: what is wrong there must show.
+  // From the definition of the options, not from the filter's motion model: an error there must be detected.
   constexpr double rad_per_deg = std::numbers::pi / 180.0;
-  const double way_m = motion.translation().norm(), turn_deg = std::abs(motion.rotation().angle()) / rad_per_deg;
-  const double along = options_.odometry_error_m_per_m * std::sqrt(way_m);
+  const double path_m = motion.translation().norm(), turn_deg = std::abs(motion.rotation().angle()) / rad_per_deg;
+  const double along = options_.odometry_error_m_per_m * std::sqrt(path_m);
   const double angle = rad_per_deg * std::hypot(options_.odometry_error_deg_per_45_deg * std::sqrt(turn_deg / 45.0),
-                                                options_.heading_error_deg_per_m * std::sqrt(way_m));
+                                                options_.heading_error_deg_per_m * std::sqrt(path_m));
   const Eigen::Vector3d sigma = world_.odometry_scale * Eigen::Vector3d(along, along, angle);
   const Eigen::Vector2d translation =
       motion.translation() + Eigen::Vector2d(sigma.x() * random_.normal(), sigma.y() * random_.normal());
@@ -74,12 +74,12 @@ SE2 LandmarkDrive::noisy(const SE2& motion) {
 
 void LandmarkDrive::see(Frame& frame) {
   for (std::size_t i = 0; i < world_.landmarks.size(); ++i) {
-    const Eigen::Vector2d in_body = truth_.inverse() * world_.landmarks[i];
+    const Eigen::Vector2d in_body = ground_truth_.inverse() * world_.landmarks[i];
     const double range = in_body.norm();
     if (range > world_.reach_m) continue;
     const double range_noise = options_.range_noise_m + options_.range_noise_share * range;
     const double bearing_noise = options_.bearing_noise_deg * std::numbers::pi / 180.0;
-    LandmarkSighting& seen = frame.landmarks.emplace_back();
+    LandmarkMeasurement& seen = frame.landmarks.emplace_back();
     if (world_.named) seen.id = static_cast<std::int64_t>(i);
     seen.range = range + range_noise * random_.normal();
     seen.bearing = std::atan2(in_body.y(), in_body.x()) + bearing_noise * random_.normal();

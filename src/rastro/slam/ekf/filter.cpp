@@ -13,16 +13,18 @@ namespace {
 
 constexpr Eigen::Index first_capacity = 64;
 
-/// Derivative of a turned vector with respect to the angle it is turned by.
+/// Derivative of a rotated vector with respect to the rotation angle.
 Eigen::Vector2d turned_left(const Eigen::Vector2d& vector) { return {-vector.y(), vector.x()}; }
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
 }  // namespace
 
-EkfFilter::EkfFilter()
-    : mean_(Eigen::VectorXd::Zero(first_capacity)),
-      covariance_(Eigen::MatrixXd::Zero(first_capacity, first_capacity)) {}
+EkfFilter::EkfFilter(const SE2& world_from_body)
+    : mean_(Eigen::VectorXd::Zero(first_capacity)), covariance_(Eigen::MatrixXd::Zero(first_capacity, first_capacity)) {
+  mean_.head<2>() = world_from_body.translation();
+  mean_[2] = world_from_body.rotation().angle();
+}
 
 SE2 EkfFilter::world_from_body() const { return {SO2::from_angle(mean_[2]), mean_.head<2>()}; }
 
@@ -112,7 +114,7 @@ void EkfFilter::update(std::size_t number, const Eigen::Vector2d& in_body, const
   gain_ = cross_ * innovation_covariance.inverse();
   mean_.head(size()) += gain_ * innovation;
   mean_[2] = wrapped(mean_[2]);
-  // (I - KH) P H^T - K R: nothing but rounding when K is the optimal gain, and this is what Joseph's form keeps.
+  // (I - KH) P H^T - K R: only rounding error for the optimal gain; Joseph's form retains it.
   rest_ = cross_ - gain_ * own;
   rest_ -= gain_ * noise;
   shrink(cross_, gain_, rest_);

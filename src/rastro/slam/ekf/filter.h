@@ -8,51 +8,51 @@
 
 namespace rastro {
 
-/// The extended Kalman filter over one robot pose (x, y, angle) and any number of landmarks (x, y), all in the world;
-/// Durrant-Whyte and Bailey 2006, equations 8 to 10. A landmark is measured as its place in the body frame: exactly
-/// linear in both places, and without an angle that wraps. Only the lower triangle of the covariance is kept, so it
-/// cannot stop being symmetric.
+/// The extended Kalman filter over one robot pose (x, y, angle) and any number of landmarks (x, y), all in the world
+/// frame; Durrant-Whyte and Bailey 2006, equations 8 to 10. A landmark is measured as its position in the body frame:
+/// linear in both positions, and without an angle that wraps. Only the lower triangle of the covariance is stored, so
+/// it always stays symmetric.
 class EkfFilter {
  public:
-  /// The body stands at the world's origin, exactly, and there are no landmarks.
-  EkfFilter();
+  /// The body has exactly this pose, and there are no landmarks.
+  explicit EkfFilter(const SE2& world_from_body = {});
 
   SE2 world_from_body() const;
-  /// Of (x, y, angle) in the world's axes.
+  /// Covariance of (x, y, angle) in the world's axes.
   Eigen::Matrix3d body_covariance() const;
   std::size_t landmarks() const { return count_; }
   Eigen::Vector2d landmark(std::size_t number) const { return mean_.segment<2>(row_of(number)); }
   Eigen::Matrix2d landmark_covariance(std::size_t number) const;
-  /// All of it: body, then landmarks in order of their numbers. For tests and reports; a copy.
+  /// The full covariance: body, then landmarks in the order of their numbers. For tests and reports; a copy.
   Eigen::MatrixXd covariance() const;
 
-  /// The body moved. `covariance` is that of the motion's translation (in the body frame before it) and angle.
-  /// Linear in the number of landmarks.
+  /// Prediction step. `covariance` is that of the motion's translation (in the body frame before it) and angle. Linear
+  /// in the number of landmarks.
   void predict(const SE2& last_from_body, const Eigen::Matrix3d& covariance);
 
-  /// Where a landmark should be seen, with the filter's own doubt; the sensor's noise is not in it.
+  /// Predicted observation of a landmark, with the covariance from the filter's state; without the sensor's noise.
   struct Expected {
     Eigen::Vector2d in_body;
     Eigen::Matrix2d covariance;
   };
   Expected expected(std::size_t number) const;
 
-  /// How far apart two landmarks are, and the variance of that: far better known than the place of either.
+  /// Distance between two landmarks and its variance: much better known than the position of either.
   struct Separation {
     double distance;
     double variance;
   };
   Separation separation(std::size_t a, std::size_t b) const;
 
-  /// A landmark was seen. Joseph's form, (I - KH) P (I - KH)^T + K R K^T, which stays positive definite where the short
-  /// form loses it to rounding; H has five columns that are not zero, so that this takes two passes of rank two over
+  /// Update step with one observed landmark. Joseph's form, (I - KH) P (I - KH)^T + K R K^T, stays positive definite
+  /// where rounding breaks the short form. H has five nonzero columns, so the update takes two passes of rank two over
   /// one triangle: quadratic in the number of landmarks. `noise` is positive definite.
   void update(std::size_t number, const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise);
 
-  /// A landmark seen for the first time; its number is the count before. Its covariance with the body and with all
-  /// other landmarks comes from the body's.
+  /// Adds a landmark at its first observation; its number is the previous count. Its covariances with the body and with
+  /// all other landmarks follow from the body's.
   void add(const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise);
-  /// Forgets a landmark; the last one takes its number.
+  /// Removes a landmark; the last one takes its number.
   void remove(std::size_t number);
 
  private:
@@ -71,10 +71,10 @@ class EkfFilter {
   void reserve(Eigen::Index size);
 
   std::size_t count_ = 0;
-  // Grown by doubling; what lies beyond size(), and above the diagonal, means nothing.
+  // Grown by doubling; entries beyond size() and above the diagonal are undefined.
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
-  Columns cross_, gain_, rest_;  // Kept between updates for their memory.
+  Columns cross_, gain_, rest_;  // Kept between updates to reuse their memory.
 };
 
 }  // namespace rastro

@@ -24,7 +24,7 @@ const Eigen::Matrix2d sensor_noise = (Eigen::Matrix2d() << 0.01, 0.002, 0.002, 0
 
 SE2 motion(double x, double y, double angle) { return {SO2::from_angle(angle), {x, y}}; }
 
-/// The filter as in the textbook: whole matrices, every product written out.
+/// The textbook filter: full matrices, every product written out.
 struct DenseFilter {
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(3);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(3, 3);
@@ -43,7 +43,7 @@ struct DenseFilter {
     result << state, SE2(SO2::from_angle(state[2]), state.head<2>()) * in_body;
     return result;
   }
-  /// By central differences, good to about 1e-10.
+  /// By central differences, accurate to about 1e-10.
   template <typename Function>
   static Eigen::MatrixXd derivative(const Function& function, const Eigen::VectorXd& at) {
     const double step = 1e-5;
@@ -72,7 +72,7 @@ struct DenseFilter {
     covariance = (A * covariance).eval();
     covariance = (0.5 * (covariance + covariance.transpose())).eval();
   }
-  /// Corrects the mean; gives I - KH and K.
+  /// Corrects the mean; returns I - KH and K.
   std::pair<Eigen::MatrixXd, Eigen::MatrixXd> corrected(Eigen::Index landmark, const Eigen::Vector2d& in_body,
                                                         const Eigen::Matrix2d& noise) {
     const auto measure = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return seen(x, landmark); };
@@ -104,7 +104,7 @@ double least_eigenvalue(const Eigen::MatrixXd& matrix) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues().minCoeff();
 }
 
-TEST(EkfFilter, EqualsTheTextbookWithWholeMatricesAndNumericDerivatives) {
+TEST(EkfFilter, EqualsTheTextbookWithFullMatricesAndNumericDerivatives) {
   Random random(3);
   EkfFilter filter;
   DenseFilter dense;
@@ -128,23 +128,23 @@ TEST(EkfFilter, EqualsTheTextbookWithWholeMatricesAndNumericDerivatives) {
   EXPECT_GT(least_eigenvalue(filter.covariance()), 0.0);
 }
 
-TEST(EkfFilter, ExpectsWhatItWillMeasureWithTheCovarianceOfTheDifference) {
+TEST(EkfFilter, PredictsTheObservationWithTheCovarianceOfTheDifference) {
   EkfFilter filter;
   filter.predict(motion(1.0, 0.0, 0.5), motion_noise);
   filter.add({2.0, 1.0}, sensor_noise);
-  // Seen at the same instant the body's own error has no part in it.
+  // Both were observed at the same instant, so the body's own error cancels.
   EXPECT_THAT(filter.expected(0).in_body, matrix_near(Eigen::Vector2d(2.0, 1.0), 1e-12));
   EXPECT_THAT(filter.expected(0).covariance, matrix_near(sensor_noise, 1e-12));
 }
 
-TEST(EkfFilter, KnowsDistancesBetterThanPlaces) {
+TEST(EkfFilter, KnowsDistancesBetterThanPositions) {
   EkfFilter filter;
   filter.predict(motion(1.0, 0.0, 0.5), 100.0 * motion_noise);
   filter.add({2.0, 1.0}, sensor_noise);
   filter.add({5.0, 5.0}, sensor_noise);
   const auto separation = filter.separation(0, 1);
   EXPECT_NEAR(separation.distance, 5.0, 1e-12);
-  // Neither the body's place nor its angle has a part in it: only both sights, along the line between.
+  // Neither the body's position nor its angle contributes: only both observations, along the line between.
   const Eigen::Vector2d along(0.6, 0.8);
   EXPECT_NEAR(separation.variance, 2.0 * along.dot(sensor_noise * along), 1e-12);
   EXPECT_EQ(filter.separation(1, 0).distance, separation.distance);
@@ -165,7 +165,7 @@ TEST(EkfFilter, AUselessSensorChangesNothingAndAPerfectOneFixesTheLandmark) {
 }
 
 TEST(EkfFilter, StaysPositiveDefiniteWhereTheShortFormDoesNot) {
-  // A doubt of 10 m, then a sensor good to 0.01 mm, over and over: 12 digits between their variances.
+  // A prior of 10 m, then a sensor accurate to 0.01 mm, repeatedly: 12 digits between their variances.
   const Eigen::Matrix3d doubt = Eigen::Vector3d(100.0, 100.0, 0.01).asDiagonal();
   const Eigen::Matrix2d precise = 1e-10 * Eigen::Matrix2d::Identity();
   EkfFilter filter;
@@ -190,7 +190,7 @@ TEST(EkfFilter, StaysPositiveDefiniteWhereTheShortFormDoesNot) {
   EXPECT_GT(least, 1e-12);
 }
 
-TEST(EkfFilter, ForgetsALandmarkAndKeepsTheRest) {
+TEST(EkfFilter, RemovesALandmarkAndKeepsTheRest) {
   for (const std::size_t forgotten : {0U, 1U, 3U}) {
     EkfFilter filter;
     for (int i = 0; i < 4; ++i) {
@@ -211,7 +211,7 @@ TEST(EkfFilter, ForgetsALandmarkAndKeepsTheRest) {
   }
 }
 
-TEST(EkfFilter, PredictionGrowsDoubtAndAnUpdateShrinksIt) {
+TEST(EkfFilter, PredictionIncreasesTheCovarianceAndAnUpdateReducesIt) {
   EkfFilter filter;
   filter.add({2.0, 1.0}, sensor_noise);
   filter.predict(motion(1.0, 0.2, 0.5), motion_noise);

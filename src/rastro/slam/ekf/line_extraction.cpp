@@ -13,10 +13,10 @@ namespace {
 ScanLine fit(std::span<const ScanPoint> points, double beam_noise_m) {
   const auto count = static_cast<double>(points.size());
   ScanLine line{0, 0, Eigen::Vector2d::Zero(), Eigen::Vector2d::UnitX(), Eigen::Matrix2d::Zero()};
-  for (const ScanPoint& point : points) line.centre += point.place / count;
+  for (const ScanPoint& point : points) line.center += point.place / count;
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   for (const ScanPoint& point : points) {
-    const Eigen::Vector2d offset = point.place - line.centre;
+    const Eigen::Vector2d offset = point.place - line.center;
     spread += offset * offset.transpose();
   }
   line.direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(1);
@@ -24,9 +24,9 @@ ScanLine fit(std::span<const ScanPoint> points, double beam_noise_m) {
 
   double offset = 0.0, mixed = 0.0, turn = 0.0, square = 0.0;
   for (const ScanPoint& point : points) {
-    // Noise lies along the beam; only its part across the line moves the line.
+    // The noise is along the beam; only its component across the line moves the line.
     const double across = line.normal().dot(point.place) / point.range * beam_noise_m;
-    const double along = line.direction.dot(point.place - line.centre);
+    const double along = line.direction.dot(point.place - line.center);
     offset += across * across;
     mixed += along * across * across;
     turn += along * along * across * across;
@@ -37,7 +37,7 @@ ScanLine fit(std::span<const ScanPoint> points, double beam_noise_m) {
   return line;
 }
 
-/// Points of a run, the last one included.
+/// A range of points of a run, including the last one.
 struct Stretch {
   std::size_t first = 0, last = 0;
   std::size_t count() const { return last - first + 1; }
@@ -67,7 +67,7 @@ class LineFinder {
   }
 
  private:
-  /// The longest line of the stretch, if there is one.
+  /// The longest line in the range, if there is one.
   std::optional<ScanLine> find(const Stretch& stretch) {
     Stretch best{0, 0};
     for (int i = 0; i < options_.ransac_iterations; ++i) {
@@ -84,7 +84,7 @@ class LineFinder {
     const Eigen::Vector2d way = run_[b].place - run_[a].place;
     if (way.squaredNorm() < 1e-12) return std::nullopt;
     ScanLine line;
-    line.centre = run_[a].place;
+    line.center = run_[a].place;
     line.direction = way.normalized();
     for (std::size_t between = a + 1; between < b; ++between) {
       if (!is_on(line, between)) return std::nullopt;

@@ -19,29 +19,30 @@ struct ScanPoint {
   std::size_t beam = 0;
 };
 
-/// The returns within `max_beam_m`, cut where two neighbours lie so far apart that they are of different things; each
-/// run in the order of the beams. A thing that lies across the first and last beam of a full turn is cut there.
+/// The returns within `max_beam_m`, split where two neighbors are too far apart to lie on the same surface. Each run is
+/// in the order of the beams. A surface that lies across the first and last beam of a 360-degree scan is split there.
 std::vector<std::vector<ScanPoint>> runs_of(const LaserScan& scan, const EkfOptions& options);
 
 /// A straight piece of wall in one run.
 struct ScanLine {
   std::size_t first = 0, last = 0;  ///< Its outermost points in the run.
-  Eigen::Vector2d centre;           ///< Mean of its points.
+  Eigen::Vector2d center;           ///< Mean of its points.
   Eigen::Vector2d direction;        ///< Unit vector, from first to last.
-  /// Of the offset across the line at the centre (m) and the turn about it (rad), from the beams' noise.
+  /// Of the offset across the line at the center (m) and the rotation about the center (rad), from the beams' noise.
   Eigen::Matrix2d covariance;
 
   Eigen::Vector2d normal() const { return {-direction.y(), direction.x()}; }
-  double distance(const Eigen::Vector2d& point) const { return normal().dot(point - centre); }
+  double distance(const Eigen::Vector2d& point) const { return normal().dot(point - center); }
 };
 
-/// The line of least squared distances through the points first to last of a run, without those farther from it than
-/// `line_tolerance_m`, and with the covariance that noise along the beams gives it. At least two different points.
+/// The total-least-squares line through the points first to last of a run. Points farther from it than
+/// `line_tolerance_m` are left out. The covariance comes from the noise along the beams. Needs at least two different
+/// points.
 ScanLine fit_line(std::span<const ScanPoint> run, std::size_t first, std::size_t last, const EkfOptions& options);
 
-/// Lines of a run by RANSAC (Fischler and Bolles 1981), the one with most points first, then the others before and
-/// after it; sorted along the run. A sample is two near returns; its points are the stretch around it that stays within
-/// `line_tolerance_m`, but for single ones.
+/// Lines of a run by RANSAC (Fischler and Bolles 1981): the one with most points first, then those before and after it;
+/// sorted along the run. A sample is two nearby returns. Its inliers are the consecutive points around it that stay
+/// within `line_tolerance_m`, except for single outliers.
 std::vector<ScanLine> extract_lines(std::span<const ScanPoint> run, std::size_t reach_beams, const EkfOptions& options,
                                     Random& random);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double degrees = std::numbers::pi / 180.0;
 
-/// 181 beams from -90 to 90 degrees, none of which returned.
+/// 181 beams from -90 to 90 degrees, without returns.
 LaserScan empty_scan() {
   LaserScan scan;
   scan.first_angle = -90.0 * degrees;
@@ -25,7 +25,7 @@ LaserScan empty_scan() {
   return scan;
 }
 
-/// Where the beam meets the line normal . p = distance.
+/// Where the beam intersects the line normal . p = distance.
 double range_to(const Eigen::Vector2d& normal, double distance, double angle) {
   return distance / normal.dot(Eigen::Vector2d(std::cos(angle), std::sin(angle)));
 }
@@ -39,7 +39,7 @@ LaserScan wall_scan(double distance, double tilt_rad, double noise_m = 0.0, std:
   return scan;
 }
 
-TEST(RunsOf, AreCutWhereNeighborsAreFarApart) {
+TEST(RunsOf, AreSplitBetweenDistantNeighbors) {
   LaserScan scan = empty_scan();
   for (std::size_t beam = 10; beam < 40; ++beam) scan.ranges[beam] = 2.0F;
   for (std::size_t beam = 40; beam < 60; ++beam) scan.ranges[beam] = 5.0F;
@@ -58,7 +58,7 @@ TEST(RunsOf, AreCutWhereNeighborsAreFarApart) {
   }
 }
 
-TEST(RunsOf, LeaveOutWhatDidNotReturnOrIsTooFar) {
+TEST(RunsOf, LeaveOutMissingAndDistantReturns) {
   LaserScan scan = empty_scan();
   EkfOptions options;
   options.max_beam_m = 8.0;
@@ -70,21 +70,21 @@ TEST(RunsOf, LeaveOutWhatDidNotReturnOrIsTooFar) {
   ASSERT_EQ(runs_of(scan, options).size(), 1U);
 }
 
-TEST(FitLine, LiesOnTheWallWhicheverWayItRuns) {
+TEST(FitLine, LiesOnTheWallForAnyDirection) {
   for (const double tilt : {0.0, 0.4, -0.7}) {
     const auto runs = runs_of(wall_scan(2.0, tilt), {});
     ASSERT_EQ(runs.size(), 1U);
     const ScanLine line = fit_line(runs[0], 0, runs[0].size() - 1, {});
     const Eigen::Vector2d normal(std::cos(tilt), std::sin(tilt));
-    EXPECT_NEAR(normal.dot(line.centre), 2.0, 1e-5);
+    EXPECT_NEAR(normal.dot(line.center), 2.0, 1e-5);
     EXPECT_NEAR(normal.dot(line.direction), 0.0, 1e-6);
     EXPECT_GT(line.direction.dot(runs[0].back().place - runs[0].front().place), 0.0) << "from first to last";
-    EXPECT_NEAR(line.distance(line.centre + 0.3 * line.normal() + 5.0 * line.direction), 0.3, 1e-12);
+    EXPECT_NEAR(line.distance(line.center + 0.3 * line.normal() + 5.0 * line.direction), 0.3, 1e-12);
   }
 }
 
-/// Offset and turn of lines through many noisy scans of one wall scatter as the covariance says.
-TEST(FitLine, ItsCovarianceIsThatOfManyScans) {
+/// Offset and rotation of lines fitted to many noisy scans of one wall scatter as the covariance predicts.
+TEST(FitLine, CovarianceIsThatOfManyScans) {
   EkfOptions options;
   options.beam_noise_m = 0.01;
   options.line_tolerance_m = 0.2;  // no noisy point is left out
@@ -98,8 +98,8 @@ TEST(FitLine, ItsCovarianceIsThatOfManyScans) {
     ASSERT_EQ(runs.size(), 1U);
     const ScanLine line = fit_line(runs[0], 0, runs[0].size() - 1, options);
     const double turn = std::asin(exact.normal().dot(line.direction));
-    // At the exact line's centre, as the means move along the line too.
-    const double offset = exact.distance(line.centre) - turn * exact.direction.dot(line.centre - exact.centre);
+    // At the exact line's center, since the means also move along the line.
+    const double offset = exact.distance(line.center) - turn * exact.direction.dot(line.center - exact.center);
     const Eigen::Vector2d error(offset, turn);
     drawn += error * error.transpose() / draws;
   }
@@ -109,17 +109,17 @@ TEST(FitLine, ItsCovarianceIsThatOfManyScans) {
   EXPECT_EQ(exact.covariance(0, 1), exact.covariance(1, 0));
 }
 
-TEST(FitLine, SinglePointsFarFromItHaveNoPart) {
+TEST(FitLine, SingleOutliersHaveNoInfluence) {
   auto runs = runs_of(wall_scan(2.0, 0.2), {});
   const ScanLine without = fit_line(runs[0], 0, runs[0].size() - 1, {});
-  runs[0][30].place *= 0.85;  // something thin before the wall
+  runs[0][30].place *= 0.85;  // something thin in front of the wall
   const ScanLine with = fit_line(runs[0], 0, runs[0].size() - 1, {});
-  EXPECT_NEAR(with.distance(without.centre), 0.0, 1e-3);
+  EXPECT_NEAR(with.distance(without.center), 0.0, 1e-3);
   EXPECT_NEAR(with.normal().dot(without.direction), 0.0, 1e-3);
 }
 
-/// A corner of two walls at right angles, seen from inside.
-TEST(ExtractLines, FindBothWallsOfACornerUpToWhereTheyMeet) {
+/// A corner of two perpendicular walls, seen from inside.
+TEST(ExtractLines, FindBothWallsOfACornerUpToTheirIntersection) {
   LaserScan scan = empty_scan();
   for (std::size_t beam = 20; beam <= 160; ++beam) {
     const double angle = scan.angle_of(beam);
@@ -134,15 +134,15 @@ TEST(ExtractLines, FindBothWallsOfACornerUpToWhereTheyMeet) {
   Random random(3);
   const std::vector<ScanLine> lines = extract_lines(runs[0], 20, options, random);
   ASSERT_EQ(lines.size(), 2U);
-  EXPECT_NEAR(lines[0].centre.x(), 2.0, 0.01);
-  EXPECT_NEAR(lines[1].centre.y(), 1.5, 0.01);
+  EXPECT_NEAR(lines[0].center.x(), 2.0, 0.01);
+  EXPECT_NEAR(lines[1].center.y(), 1.5, 0.01);
   EXPECT_LT(lines[0].last, lines[1].first) << "along the run, no point in both";
   const double corner_angle = std::atan2(1.5, 2.0);
   EXPECT_NEAR(scan.angle_of(runs[0][lines[0].last].beam), corner_angle, 3.0 * degrees);
   EXPECT_NEAR(scan.angle_of(runs[0][lines[1].first].beam), corner_angle, 3.0 * degrees);
 }
 
-TEST(ExtractLines, NoneInARoundThingOrInTooFewBeams) {
+TEST(ExtractLines, FindNoneInARoundObjectOrInTooFewBeams) {
   LaserScan scan = empty_scan();
   // A pillar of 0.3 m radius, 1.5 m ahead.
   for (std::size_t beam = 0; beam < 181; ++beam) {
@@ -164,8 +164,8 @@ TEST(ExtractLines, NoneInARoundThingOrInTooFewBeams) {
 
 SE2 motion(double x, double y, double angle) { return {SO2::from_angle(angle), {x, y}}; }
 
-/// Told in one step or in many, a way is as uncertain.
-TEST(MotionModel, VariancesGrowWithWayAndTurnAndNotWithSteps) {
+/// The uncertainty does not depend on the number of steps.
+TEST(MotionModel, VariancesGrowWithPathAndRotationAndNotWithSteps) {
   EkfOptions options;
   options.odometry_error_m_per_m = 0.1;
   options.odometry_error_deg_per_45_deg = 4.0;
@@ -179,7 +179,7 @@ TEST(MotionModel, VariancesGrowWithWayAndTurnAndNotWithSteps) {
   }
   EXPECT_LT((whole.covariance - of_steps).norm(), 1e-12);
   EXPECT_LT((turn.covariance - of_turns).norm(), 1e-12);
-  // One metre: 10 cm; 45 degrees: 4 degrees.
+  // One meter: 10 cm; 45 degrees: 4 degrees.
   EXPECT_NEAR(measured_motion(motion(0.6, 0.8, 0.0), options).covariance(0, 0), 0.01, 1e-12);
   EXPECT_NEAR(std::sqrt(measured_motion(motion(0.0, 0.0, 45.0 * degrees), options).covariance(2, 2)), 4.0 * degrees,
               1e-12);
@@ -199,11 +199,11 @@ TEST(MotionModel, WithoutOdometryTheVelocityIsKeptForAWhile) {
   EXPECT_LE(pause.covariance(2, 2), 4.0) << "more than all round cannot be unknown";
 }
 
-TEST(MotionModel, AJumpIsFasterThanAllowedInEitherWay) {
+TEST(MotionModel, AJumpExceedsTheAllowedSpeedOrYawRate) {
   EkfOptions options;
   options.max_speed_m_per_s = 2.0;
   options.jump_m = 0.5;
-  options.max_turn_deg_per_s = 90.0;
+  options.max_yaw_rate_deg_per_s = 90.0;
   options.jump_deg = 10.0;
   EXPECT_FALSE(is_jump(motion(1.49, 0.0, 0.0), 0.5, options));
   EXPECT_TRUE(is_jump(motion(1.51, 0.0, 0.0), 0.5, options));

@@ -29,7 +29,7 @@ TEST(EkfMethod, NeedsOdometryAndScansOrLandmarks) {
   }
 }
 
-TEST(EkfMethod, MakesWhatItsOptionsSay) {
+TEST(EkfMethod, MakesAFilterWithItsOptions) {
   const auto method = ekf_slam_method();
   OptionTable table = method->options();
   table.set("max_landmarks", "1", "test");

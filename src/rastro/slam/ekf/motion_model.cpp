@@ -25,11 +25,11 @@ Motion measured_motion(const SE2& last_from_body, const EkfOptions& options) {
 }
 
 Motion carried_motion(const SE2& last_motion, double last_seconds, double seconds, const EkfOptions& options) {
-  // Not farther than over the last step but a few times: a pause is no flight.
+  // Limited to a few times the last step: the robot may have stopped during a pause.
   const double share = last_seconds > 0.0 ? std::clamp(seconds / last_seconds, 0.0, 5.0) : 0.0;
   const double time = std::min(seconds, 10.0);
   const double way = square(options.unknown_speed_m_per_s * time);
-  const double angle = square(options.unknown_turn_deg_per_s * radians_per_degree * time);
+  const double angle = square(options.unknown_yaw_rate_deg_per_s * radians_per_degree * time);
   return {SE2::exp(share * last_motion.log()), Eigen::Vector3d(way, way, std::min(angle, 4.0)).asDiagonal()};
 }
 
@@ -37,7 +37,7 @@ bool is_jump(const SE2& last_from_body, double seconds, const EkfOptions& option
   const double way = last_from_body.translation().norm();
   const double turn = std::abs(last_from_body.rotation().angle());
   const bool plausible = way <= options.max_speed_m_per_s * seconds + options.jump_m &&
-                         turn <= (options.max_turn_deg_per_s * seconds + options.jump_deg) * radians_per_degree;
+                         turn <= (options.max_yaw_rate_deg_per_s * seconds + options.jump_deg) * radians_per_degree;
   return !plausible;
 }
 

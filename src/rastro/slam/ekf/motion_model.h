@@ -8,20 +8,20 @@
 
 namespace rastro {
 
-/// A motion since the frame before, in the body frame of then, with the covariance of (x, y, angle).
+/// The motion since the previous frame, in the previous body frame, with the covariance of (x, y, angle).
 struct Motion {
   SE2 last_from_body;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
-/// What odometry said, as uncertain as the options call it. Variances grow with way and turn, so that it makes no
-/// difference in how many steps a way is told.
+/// The motion measured by odometry, with the noise of the options. Variances grow linearly with path length and
+/// rotation, so the result does not depend on the number of steps.
 Motion measured_motion(const SE2& last_from_body, const EkfOptions& options);
 
-/// Without odometry: on with the last velocity, over a time in seconds, and in great doubt.
+/// Without odometry: constant velocity over `seconds`, with a large covariance.
 Motion carried_motion(const SE2& last_motion, double last_seconds, double seconds, const EkfOptions& options);
 
-/// No vehicle that the options allow moves like this in so many seconds; true for numbers that are not finite.
+/// Whether the motion exceeds the speed limits of the options over `seconds`; true for values that are not finite.
 bool is_jump(const SE2& last_from_body, double seconds, const EkfOptions& options);
 
 }  // namespace rastro

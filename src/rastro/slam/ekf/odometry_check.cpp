@@ -12,7 +12,7 @@
 namespace rastro {
 namespace {
 
-constexpr double bound_m = 0.02, bound_deg = 2.0;  // The paper's, per metre and per 45 degrees.
+constexpr double bound_m = 0.02, bound_deg = 2.0;  // The paper's, per meter and per 45 degrees.
 constexpr double stretch_m = 1.0, stretch_rad = std::numbers::pi / 4.0;
 constexpr double degrees = 180.0 / std::numbers::pi;
 
@@ -23,7 +23,7 @@ std::optional<SE2> OdometryCheck::finished(Stretch& stretch, double length, doub
   if (!seen || (stretch.start && stretch.length < length)) return std::nullopt;
   const std::optional<Pose> start = stretch.start;
   stretch.start = now;
-  // Over a much longer one errors add up as they would not over many short ones.
+  // Errors accumulate differently over a much longer segment than over many short ones.
   if (!start || stretch.length > 2.0 * length) {
     stretch.length = 0.0;
     return std::nullopt;
@@ -56,10 +56,10 @@ OdometryCheck::Result OdometryCheck::result() const {
 std::string describe(const OdometryCheck::Result& result) {
   const bool kept = result.error_m < bound_m && result.error_deg < bound_deg;
   return fmt::format(
-      "odometry differs from the filter by {:.1f} cm in a metre (median of {}) and {:.1f} deg in a turn of 45 deg "
+      "odometry differs from the filter by {:.1f} cm per meter (median of {}) and {:.1f} deg per rotation of 45 deg "
       "(median of {}); "
       "{} the bound of {:.0f} cm and {:.0f} deg",
-      100.0 * result.error_m, result.metres, result.error_deg, result.turns, kept ? "within" : "beyond",
+      100.0 * result.error_m, result.meters, result.error_deg, result.turns, kept ? "within" : "beyond",
       100.0 * bound_m, bound_deg);
 }
 

@@ -9,21 +9,22 @@
 
 namespace rastro {
 
-/// How far odometry differs from the filter over each metre of way and each 45 degrees of turn: METHODS 3 calls
-/// odometry usable that errs by less than 2 cm and 2 degrees. Stretches begin and end where a landmark was recognised,
-/// since between the filter knows no better. Medians, since a filter that closes a loop makes up for all the way around
-/// it in one stretch. The filter's own noise is part of the difference.
+/// Measures how far odometry differs from the filter per meter of path length and per 45 degrees of rotation: METHODS 3
+/// calls odometry usable if its error is less than 2 cm and 2 degrees. Segments begin and end where a landmark was
+/// recognized, since in between the filter knows no better. The results are medians, because a filter that closes a
+/// loop corrects the error of the whole loop within one segment. The filter's own noise is part of the difference.
 class OdometryCheck {
  public:
-  /// Both tell where the same body is at the same instant, each in its own frame; `seen`: a landmark was recognised.
+  /// Both are poses of the same body at the same instant, each in its own world frame. `seen`: a landmark was
+  /// recognized.
   void add(const SE2& odometry_from_body, const SE2& world_from_body, bool seen);
-  /// Begins anew, where odometry had a gap.
+  /// Starts new segments after a gap in the odometry.
   void interrupt() { last_odometry_.reset(); }
 
   struct Result {
-    int metres = 0;          ///< Stretches of one metre measured.
+    int meters = 0;          ///< Number of one-meter segments measured.
     double error_m = 0.0;    ///< Median over them.
-    int turns = 0;           ///< Turns of 45 degrees measured.
+    int turns = 0;           ///< Number of 45-degree rotations measured.
     double error_deg = 0.0;  ///< Median over them.
   };
   Result result() const;
@@ -32,20 +33,20 @@ class OdometryCheck {
   struct Pose {
     SE2 odometry_from_body, world_from_body;
   };
-  /// From a frame with a landmark to the first one with a landmark after `length` of way or turn.
+  /// From a frame with a landmark to the first one with a landmark after `length` of path or rotation.
   struct Stretch {
     std::optional<Pose> start;
     double length = 0.0;
     std::vector<double> errors;  ///< Per unit of length.
   };
-  /// The motion since the start of a stretch that is long enough and ends here, by odometry as seen from the filter's.
+  /// The motion over a segment that is long enough and ends here, by odometry relative to the filter's.
   static std::optional<SE2> finished(Stretch& stretch, double length, double motion, const Pose& now, bool seen);
 
   std::optional<SE2> last_odometry_;
   Stretch way_, turn_;
 };
 
-/// One clause with numbers, and whether the bound of METHODS 3 is kept.
+/// One clause with numbers, and whether they are within the bound of METHODS 3.
 std::string describe(const OdometryCheck::Result& result);
 
 }  // namespace rastro

@@ -7,26 +7,26 @@
 
 namespace rastro {
 
-/// Settings of EKF-SLAM; the defaults are the paper's where it gives a value (METHODS 3). Meaning, range and reason of
-/// each stand once, in option_table().
+/// Settings of EKF-SLAM. The defaults are the paper's where it gives a value (METHODS 3). Meaning, range and reason of
+/// each are documented once, in option_table().
 struct EkfOptions {
   // Odometry.
   double odometry_error_m_per_m = 0.02;
   double odometry_error_deg_per_45_deg = 2.0;
   double heading_error_deg_per_m = 0.5;
   double max_speed_m_per_s = 5.0;
-  double max_turn_deg_per_s = 360.0;
+  double max_yaw_rate_deg_per_s = 360.0;
   double jump_m = 0.5;
   double jump_deg = 30.0;
   double unknown_speed_m_per_s = 0.5;
-  double unknown_turn_deg_per_s = 30.0;
+  double unknown_yaw_rate_deg_per_s = 30.0;
   double max_blind_m = 1.0;
 
   // Given landmarks.
   double range_noise_m = 0.05;
   double range_noise_share = 0.01;
   double bearing_noise_deg = 1.0;
-  double max_sighting_m = 200.0;
+  double max_observation_m = 200.0;
 
   // LandmarkAssociation.
   double gate = 9.21;
@@ -66,7 +66,7 @@ struct EkfOptions {
   double max_spike_range_m = 5.0;
   double spike_error_m = 0.03;
 
-  // What is kept.
+  // Keyframes and grid.
   double keyframe_m = 1.0;
   double keyframe_deg = 30.0;
   bool grid = true;

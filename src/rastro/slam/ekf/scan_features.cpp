@@ -11,7 +11,7 @@
 namespace rastro {
 namespace {
 
-BodySighting sighting_of(const ScanFeature& feature, LandmarkKind kind, const SE2& body_from_laser) {
+BodyObservation sighting_of(const ScanFeature& feature, LandmarkKind kind, const SE2& body_from_laser) {
   const Eigen::Matrix2d rotation = body_from_laser.rotation().matrix();
   return {kind, -1, body_from_laser * feature.place, rotation * feature.covariance * rotation.transpose(),
           feature.direction + body_from_laser.rotation().angle()};
@@ -24,8 +24,8 @@ std::size_t reach_in_beams(const LaserScan& scan, const EkfOptions& options) {
 
 }  // namespace
 
-std::vector<BodySighting> scan_sightings(const LaserScan& scan, const EkfOptions& options, Random& random) {
-  std::vector<BodySighting> sightings;
+std::vector<BodyObservation> scan_observations(const LaserScan& scan, const EkfOptions& options, Random& random) {
+  std::vector<BodyObservation> sightings;
   const auto runs = runs_of(scan, options);
   if (options.corners) {
     for (const auto& run : runs) {
@@ -40,8 +40,8 @@ std::vector<BodySighting> scan_sightings(const LaserScan& scan, const EkfOptions
       sightings.push_back(sighting_of(spike, LandmarkKind::spike, scan.body_from_laser));
     }
   }
-  // Beams of a broken scan may all lie on one another; no line follows from that.
-  std::erase_if(sightings, [](const BodySighting& sighting) {
+  // In a broken scan all beams may coincide; no line follows from that.
+  std::erase_if(sightings, [](const BodyObservation& sighting) {
     return !sighting.in_body.allFinite() || !sighting.covariance.allFinite() || !std::isfinite(sighting.direction);
   });
   return sightings;

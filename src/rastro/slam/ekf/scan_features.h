@@ -5,16 +5,16 @@
 
 #include "rastro/base/random.h"
 #include "rastro/sensor/laser_scan.h"
+#include "rastro/slam/ekf/observation.h"
 #include "rastro/slam/ekf/options.h"
-#include "rastro/slam/ekf/sighting.h"
 
 namespace rastro {
 
-/// Corners and spikes of a scan as sightings in the body frame, each with the covariance that the beams' noise gives
-/// it.
-std::vector<BodySighting> scan_sightings(const LaserScan& scan, const EkfOptions& options, Random& random);
+/// Corners and spikes of a scan as observations in the body frame, each with the covariance that follows from the
+/// beams' noise.
+std::vector<BodyObservation> scan_observations(const LaserScan& scan, const EkfOptions& options, Random& random);
 
-/// Where the beams ended, in the frame to which `frame_from_laser` leads.
+/// End points of the beams, in the target frame of `frame_from_laser`.
 std::vector<Eigen::Vector2d> returns_in(const LaserScan& scan, const SE2& frame_from_laser);
 
 }  // namespace rastro

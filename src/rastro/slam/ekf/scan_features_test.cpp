@@ -21,18 +21,18 @@ using testing::scan_of;
 using testing::WallWorld;
 
 constexpr double pi = std::numbers::pi;
-// Seams of the full turn fall on a wall, not on a corner.
+// The seam of the 360-degree scan is on a wall, not on a corner.
 constexpr std::size_t beams = 721;
 constexpr double full_turn = 2.0 * pi * 720.0 / 721.0;
 
-std::vector<BodySighting> seen(const WallWorld& world, const SE2& world_from_laser, const EkfOptions& options = {},
-                               std::uint64_t seed = 1) {
+std::vector<BodyObservation> seen(const WallWorld& world, const SE2& world_from_laser, const EkfOptions& options = {},
+                                  std::uint64_t seed = 1) {
   Random random(seed);
   const LaserScan scan = scan_of(world, world_from_laser, beams, full_turn, 0.0, random);
-  return scan_sightings(scan, options, random);
+  return scan_observations(scan, options, random);
 }
 
-const BodySighting* nearest_to(const std::vector<BodySighting>& sightings, const Eigen::Vector2d& place) {
+const BodyObservation* nearest_to(const std::vector<BodyObservation>& sightings, const Eigen::Vector2d& place) {
   const auto nearest = std::min_element(sightings.begin(), sightings.end(), [&](const auto& a, const auto& b) {
     return (a.in_body - place).norm() < (b.in_body - place).norm();
   });
@@ -45,12 +45,12 @@ WallWorld polygon(const std::vector<Eigen::Vector2d>& corners) {
   return world;
 }
 
-TEST(ScanFeatures, FindsEveryCornerOfExactPolygonsWhereItIs) {
+TEST(ScanFeatures, FindEveryCornerOfExactPolygonsAtItsPosition) {
   const std::vector<std::vector<Eigen::Vector2d>> polygons = {
       {{-3.0, -2.0}, {4.0, -2.0}, {4.0, 3.0}, {-3.0, 3.0}},                           // a room
       {{-3.0, -2.0}, {5.0, -2.0}, {0.5, 5.0}},                                        // acute angles
       {{-3.0, -2.0}, {0.0, -3.5}, {4.0, -2.0}, {4.0, 3.0}, {0.0, 4.5}, {-3.0, 3.0}},  // obtuse ones
-      {{-3.0, -2.0}, {4.0, -2.0}, {4.0, 3.0}, {2.0, 3.0}, {2.0, 1.5}, {-3.0, 1.5}},   // one corner looks outwards
+      {{-3.0, -2.0}, {4.0, -2.0}, {4.0, 3.0}, {2.0, 3.0}, {2.0, 1.5}, {-3.0, 1.5}},   // one convex corner
   };
   for (const auto& corners : polygons) {
     const SE2 world_from_laser(SO2::from_angle(0.1), {2.8, -0.2});
@@ -58,7 +58,7 @@ TEST(ScanFeatures, FindsEveryCornerOfExactPolygonsWhereItIs) {
     EXPECT_EQ(sightings.size(), corners.size());
     for (const Eigen::Vector2d& corner : corners) {
       const Eigen::Vector2d expected = world_from_laser.inverse() * corner;
-      const BodySighting* found = nearest_to(sightings, expected);
+      const BodyObservation* found = nearest_to(sightings, expected);
       ASSERT_NE(found, nullptr);
       EXPECT_THAT(found->in_body, matrix_near(expected, 1e-5));
       EXPECT_EQ(found->kind, LandmarkKind::corner);
@@ -66,18 +66,18 @@ TEST(ScanFeatures, FindsEveryCornerOfExactPolygonsWhereItIs) {
   }
 }
 
-TEST(ScanFeatures, ACornerLooksWhereItsWallsLead) {
+TEST(ScanFeatures, ACornerHasTheDirectionBetweenItsWalls) {
   const SE2 world_from_laser(SO2(), {2.8, 0.0});
   const auto sightings =
       seen(polygon({{-3.0, -2.0}, {4.0, -2.0}, {4.0, 3.0}, {2.0, 3.0}, {2.0, 1.5}, {-3.0, 1.5}}), world_from_laser);
   const auto direction_at = [&](double x, double y) {
-    const BodySighting* found = nearest_to(sightings, {x - 2.8, y});
+    const BodyObservation* found = nearest_to(sightings, {x - 2.8, y});
     EXPECT_THAT(found->in_body, matrix_near(Eigen::Vector2d(x - 2.8, y), 1e-5));
     return found->direction;
   };
   EXPECT_NEAR(angle_between(direction_at(4.0, -2.0), 0.75 * pi), 0.0, 1e-4);
   EXPECT_NEAR(angle_between(direction_at(-3.0, 1.5), -0.25 * pi), 0.0, 1e-4);
-  // The one that juts out: its walls lead away from the room.
+  // The convex one: its walls lead away from the room.
   EXPECT_NEAR(angle_between(direction_at(2.0, 1.5), 0.75 * pi), 0.0, 1e-4);
 }
 
@@ -87,21 +87,21 @@ TEST(ScanFeatures, AreGivenInTheBodyFrame) {
   const SE2 body_from_laser(SO2::from_angle(0.4), {0.2, 0.1});
   LaserScan scan = scan_of(world, body_from_laser, beams, full_turn, 0.0, random);
   scan.body_from_laser = body_from_laser;
-  const auto sightings = scan_sightings(scan, {}, random);
-  const BodySighting* corner = nearest_to(sightings, {4.0, 3.0});
+  const auto sightings = scan_observations(scan, {}, random);
+  const BodyObservation* corner = nearest_to(sightings, {4.0, 3.0});
   EXPECT_THAT(corner->in_body, matrix_near(Eigen::Vector2d(4.0, 3.0), 1e-5));
   EXPECT_NEAR(angle_between(corner->direction, -0.75 * pi), 0.0, 1e-4);
 }
 
-TEST(ScanFeatures, LinesThatOnlyWouldMeetMakeNoCorner) {
-  WallWorld world;  // A doorway half a metre wide where the corner would be.
+TEST(ScanFeatures, LinesThatDoNotReachTheirIntersectionMakeNoCorner) {
+  WallWorld world;  // A doorway half a meter wide at the corner.
   world.walls = {{{3.0, -3.0}, {3.0, 1.5}}, {{2.5, 2.0}, {-3.0, 2.0}}};
   EXPECT_TRUE(seen(world, {}).empty());
   world.walls = {{{3.0, -3.0}, {3.0, 2.0}}, {{3.0, 2.0}, {-3.0, 2.0}}};
   EXPECT_EQ(seen(world, {}).size(), 1U);
 }
 
-TEST(ScanFeatures, SayHowWrongTheyAre) {
+TEST(ScanFeatures, HaveConsistentCovariances) {
   EkfOptions options;
   options.beam_noise_m = 0.01;
   options.corner_error_m = 1e-4;
@@ -112,9 +112,9 @@ TEST(ScanFeatures, SayHowWrongTheyAre) {
   int count = 0;
   for (int i = 0; i < 300; ++i) {
     const LaserScan scan = scan_of(world, {}, 361, full_turn, options.beam_noise_m, random);
-    const auto sightings = scan_sightings(scan, options, random);
+    const auto sightings = scan_observations(scan, options, random);
     for (const Eigen::Vector2d& corner : {Eigen::Vector2d(4.0, 3.0), Eigen::Vector2d(-3.0, -2.0)}) {
-      const BodySighting* found = nearest_to(sightings, corner);
+      const BodyObservation* found = nearest_to(sightings, corner);
       ASSERT_NE(found, nullptr);
       if ((found->in_body - corner).norm() > 0.2) continue;
       sum += squared_mahalanobis(found->in_body - corner, found->covariance);
@@ -122,12 +122,12 @@ TEST(ScanFeatures, SayHowWrongTheyAre) {
     }
   }
   EXPECT_GE(count, 590);
-  // 2 where the noise is all there is, within 95 % of chi-square with 1200 degrees of freedom: 1.84 to 2.16. What is
-  // left is which points near the corner go to which line.
+  // 2 for pure noise, within 95 % of chi-square with 1200 degrees of freedom: 1.84 to 2.16. The remainder is the
+  // assignment of points near the corner to the two lines.
   EXPECT_NEAR(sum / count, 2.0, 0.4);
 }
 
-TEST(ScanFeatures, FindAPoleFromAllSidesAtItsMiddle) {
+TEST(ScanFeatures, FindAPoleFromAllSidesAtItsCenter) {
   WallWorld world = polygon({{-6.0, -6.0}, {6.0, -6.0}, {6.0, 6.0}, {-6.0, 6.0}});
   world.poles = {{{0.5, 0.3}, 0.06}};
   EkfOptions options;
@@ -157,38 +157,39 @@ TEST(ScanFeatures, APoleNeedsAFarBackgroundOnBothSides) {
   const auto first = static_cast<std::size_t>(
       std::find_if(scan.ranges.begin(), scan.ranges.end(), [](float range) { return range < 4.0F; }) -
       scan.ranges.begin());
-  scan.ranges[first - 1] = std::numeric_limits<float>::quiet_NaN();  // Nobody knows what is beside it.
-  EXPECT_TRUE(scan_sightings(scan, options, random).empty());
+  scan.ranges[first - 1] = std::numeric_limits<float>::quiet_NaN();  // The range beside it is unknown.
+  EXPECT_TRUE(scan_observations(scan, options, random).empty());
 }
 
 TEST(ScanFeatures, BrokenScansGiveNothing) {
   Random random(1);
   LaserScan scan;
-  EXPECT_TRUE(scan_sightings(scan, {}, random).empty());
+  EXPECT_TRUE(scan_observations(scan, {}, random).empty());
   scan.max_range = 80.0;
   scan.angle_step = 0.01;
   for (const float range :
        {0.0F, -1.0F, 1e30F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     scan.ranges.assign(300, range);
-    EXPECT_TRUE(scan_sightings(scan, {}, random).empty());
+    EXPECT_TRUE(scan_observations(scan, {}, random).empty());
   }
   for (const double step : {0.0, std::numeric_limits<double>::quiet_NaN(), 1e300}) {
     scan.angle_step = step;
     for (std::size_t beam = 0; beam < 300; ++beam)
       scan.ranges[beam] = static_cast<float>(1.0 + 0.05 * random.uniform());
-    for (const BodySighting& sighting : scan_sightings(scan, {}, random)) EXPECT_TRUE(sighting.in_body.allFinite());
+    for (const BodyObservation& sighting : scan_observations(scan, {}, random))
+      EXPECT_TRUE(sighting.in_body.allFinite());
   }
 }
 
-TEST(ScanFeatures, OfExactWallsDoNotDependOnTheDraws) {
+TEST(ScanFeatures, OfExactWallsDoNotDependOnTheSeed) {
   const WallWorld world = polygon({{-3.0, -2.0}, {4.0, -2.0}, {4.0, 3.0}, {-3.0, 3.0}});
   const auto one = seen(world, {}, {}, 1), other = seen(world, {}, {}, 99);
   ASSERT_EQ(one.size(), other.size());
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_THAT(one[i].in_body, matrix_near(other[i].in_body, 1e-5));
 }
 
-TEST(LineFit, KnowsHowFarItMayBeOff) {
-  // A wall 2 m ahead, seen again and again: offset and turn scatter as the fit says.
+TEST(LineFit, HasACovarianceThatPredictsItsError) {
+  // Repeated scans of a wall 2 m ahead: offset and rotation scatter as the fit predicts.
   Random random(3);
   EkfOptions options;
   const double noise = options.beam_noise_m = 0.01;
@@ -201,7 +202,7 @@ TEST(LineFit, KnowsHowFarItMayBeOff) {
       run.push_back({{range * std::cos(angle), range * std::sin(angle)}, range, 0});
     }
     const ScanLine line = fit_line(run, 0, run.size() - 1, options);
-    const Eigen::Vector2d off(2.0 - line.centre.x(), std::atan2(-line.direction.x(), line.direction.y()));
+    const Eigen::Vector2d off(2.0 - line.center.x(), std::atan2(-line.direction.x(), line.direction.y()));
     scatter += off * off.transpose() / rounds;
     said += line.covariance / rounds;
   }

@@ -5,13 +5,13 @@
 
 namespace rastro {
 
-std::vector<StampedPlanarPose> placed(const std::vector<PlacedScan>& scans, const SubmapGraph& graph) {
+std::vector<StampedPlanarPose> placed(const std::vector<PosedScan>& scans, const SubmapGraph& graph) {
   std::vector<StampedPlanarPose> poses;
   const std::vector<KeyScan>& keys = graph.key_scans();
   const auto world_by = [&](std::size_t key, const SE2& local_from_body) {
     return graph.world_from_key_scan(key) * keys[key].local_from_body.inverse() * local_from_body;
   };
-  for (const PlacedScan& scan : scans) {
+  for (const PosedScan& scan : scans) {
     if (keys.empty()) continue;
     const SE2 by_last = world_by(scan.key_scan, scan.local_from_body);
     const std::size_t next = scan.key_scan + 1;

@@ -10,8 +10,8 @@
 
 namespace rastro {
 
-/// Every scan as the matcher placed it, after which key scan.
-struct PlacedScan {
+/// The pose of a scan as the matcher estimated it, and the key scan before it.
+struct PosedScan {
   TimeNs stamp = 0;
   std::size_t key_scan = 0;
   SE2 local_from_body;
@@ -22,7 +22,7 @@ struct StampedPlanarPose {
   SE2 pose;
 };
 
-/// Every scan in the world: between two key scans it goes with both, in proportion to time.
-std::vector<StampedPlanarPose> placed(const std::vector<PlacedScan>& scans, const SubmapGraph& graph);
+/// Every scan in the world. The correction between two key scans is interpolated in proportion to time.
+std::vector<StampedPlanarPose> placed(const std::vector<PosedScan>& scans, const SubmapGraph& graph);
 
 }  // namespace rastro

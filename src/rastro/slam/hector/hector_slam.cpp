@@ -15,11 +15,12 @@
 #include "rastro/slam/hector/motion_guess.h"
 #include "rastro/slam/hector/scan_follower.h"
 #include "rastro/slam/hector/submap_graph.h"
+#include "rastro/slam/map_budget.h"
 
 namespace rastro {
 namespace {
 
-/// Covariance of (x, y, angle) in axes turned by `rotation`.
+/// Covariance of (x, y, angle) in axes rotated by `rotation`.
 Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const SO2& rotation) {
   Eigen::Matrix3d by = Eigen::Matrix3d::Identity();
   by.topLeftCorner<2, 2>() = rotation.matrix();
@@ -30,14 +31,19 @@ Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const SO2& rotation) {
 
 class HectorSlam::State {
  public:
-  State(const HectorOptions& options, TaskPool* pool)
-      : options_(checked(options, "hector options")), follower_(options_), guess_(options_), graph_(options_, pool) {}
+  State(const HectorOptions& options, TaskPool* pool, std::size_t map_budget_bytes)
+      : options_(checked(options, "hector options")),
+        follower_(options_),
+        guess_(options_),
+        graph_(options_, pool),
+        budget_(map_budget_bytes) {}
 
   SlamUpdate process(const Frame& frame);
   std::vector<SlamEvent> finish();
   Trajectory trajectory() const;
   std::shared_ptr<const Map> snapshot() const;
   void set_mapping(bool on) { maps_ = on; }
+  MapMemory map_memory() const;
 
  private:
   void follow(const Frame& frame, const ScanPoints& scan, SlamUpdate& update);
@@ -45,21 +51,26 @@ class HectorSlam::State {
   void judge(const FollowedScan& followed, SlamUpdate& update);
   void carry_on(const Frame& frame, SlamUpdate& update, SlamReason reason, std::string detail);
   void extend_map(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed, SlamUpdate& update);
-  Eigen::Matrix3d with_unseen_way(const FollowedScan& followed) const;
+  Eigen::Matrix3d with_unseen_path(const FollowedScan& followed) const;
   bool moved_enough() const;
   Submap* open_submap();
   void turn_over_submaps(SlamUpdate& update);
   void close_loops(SlamUpdate& update);
+  std::size_t map_bytes() const { return graph_.bytes() + scans_.size() * sizeof(PosedScan); }
+  std::string measures() const;
+  void stay_within_budget(SlamUpdate& update);
   void settle(const Frame& frame, const SE2& local_from_body, SlamUpdate& update);
 
   HectorOptions options_;
   ScanFollower follower_;
   MotionGuess guess_;
   SubmapGraph graph_;
-  std::vector<PlacedScan> scans_;
-  std::size_t looked_up_to_ = 0;  ///< Key scans before this one were looked for in older submaps.
+  MapBudget budget_;
+  std::string given_up_;  ///< The last measure to save memory; reported when it changes.
+  std::vector<PosedScan> scans_;
+  std::size_t looked_up_to_ = 0;  ///< Loop closures of key scans before this one were searched for in older submaps.
   double path_m_ = 0.0;
-  double unseen_path_m_ = 0.0;  ///< Way since one direction was last seen.
+  double unseen_path_m_ = 0.0;  ///< Path length since all directions were last observable.
   std::int64_t revision_ = 0;
   bool lost_ = false;
   bool maps_ = true;  ///< False: scans are only localized.
@@ -76,14 +87,14 @@ SlamUpdate HectorSlam::State::process(const Frame& frame) {
   if (!scans_.empty() && frame.stamp == scans_.back().stamp) {
     update.state = SlamState::weak;
     update.reason = SlamReason::repeated_frame;
-    update.detail = "it has the stamp of the one before";
+    update.detail = "same timestamp as the previous scan";
     update.world_from_body = in_space(graph_.world_from_local() * guess_.last());
   } else if (!frame.scan) {
     carry_on(frame, update, SlamReason::no_data, "no scan");
   } else if (update.used < options_.min_returns) {
-    carry_on(
-        frame, update, SlamReason::few_returns,
-        fmt::format("{} of {} beams returned, need {}", update.used, frame.scan->ranges.size(), options_.min_returns));
+    carry_on(frame, update, SlamReason::few_returns,
+             fmt::format("needs at least {} valid beams, got {} of {}", options_.min_returns, update.used,
+                         frame.scan->ranges.size()));
   } else if (!open_submap()) {
     start(frame, scan, update);
   } else {
@@ -102,8 +113,7 @@ void HectorSlam::State::start(const Frame& frame, const ScanPoints& scan, SlamUp
   update.reason = SlamReason::first_frame;
   update.score = 1.0;
   update.covariance = Matrix6d::Zero();
-  update.events.push_back(
-      {"submap", graph_.submaps().size() == 1 ? "the first" : "a new one, as the last was finished"});
+  update.events.push_back({"submap", graph_.submaps().size() == 1 ? "the first" : "a new one, the last is finished"});
   settle(frame, pose, update);
 }
 
@@ -113,44 +123,44 @@ void HectorSlam::State::follow(const Frame& frame, const ScanPoints& scan, SlamU
   const FollowedScan followed = follower_.follow(*open_submap(), scan.points, guess);
   update.times.push_back({"match", stage.lap_ms()});
   judge(followed, update);
-  const double way_m = (guess_.last().inverse() * followed.local_from_body).translation().norm();
-  path_m_ += way_m;
-  unseen_path_m_ = followed.unseen_direction ? unseen_path_m_ + way_m : 0.0;
+  const double path_m = (guess_.last().inverse() * followed.local_from_body).translation().norm();
+  path_m_ += path_m;
+  unseen_path_m_ = followed.unseen_direction ? unseen_path_m_ + path_m : 0.0;
   settle(frame, followed.local_from_body, update);
   if (followed.fits && maps_) extend_map(frame, scan, followed, update);
   update.times.push_back({"map", stage.lap_ms()});
   close_loops(update);
   update.times.push_back({"loops", stage.lap_ms()});
+  if (budget_.limited() && maps_) stay_within_budget(update);
 }
 
-/// State and reason in the order of what troubles most.
+/// Sets state and reason by the most severe problem.
 void HectorSlam::State::judge(const FollowedScan& followed, SlamUpdate& update) {
   update.score = followed.score;
-  update.state = lost_ ? SlamState::relocalised : SlamState::tracking;
+  update.state = lost_ ? SlamState::relocalized : SlamState::tracking;
   if (!followed.fits) {
     update.state = SlamState::lost;
     update.reason = SlamReason::poor_match;
-    update.detail = fmt::format("score {:.2f}, need {:.2f}", followed.score, options_.min_score);
+    update.detail = fmt::format("match score {:.2f}, needs {:.2f}", followed.score, options_.min_score);
   } else {
     update.covariance = in_space(turned(followed.covariance, graph_.world_from_local().rotation()));
     if (followed.unseen_direction) {
       const Eigen::Vector2d along = followed.local_from_body.rotation().inverse() * *followed.unseen_direction;
       update.state = SlamState::weak;
       update.reason = SlamReason::degenerate;
-      update.detail = fmt::format("nothing seen tells of motion along {:.0f} deg from ahead",
+      update.detail = fmt::format("degenerate: no structure constrains motion at {:.0f} deg from ahead",
                                   std::atan(along.y() / along.x()) * 180.0 / M_PI);
     } else if (guess_.odometry_jumped()) {
       update.reason = SlamReason::odometry_jumped;
-      update.detail =
-          fmt::format("faster than {:g} m/s; the odometry of this scan was left out", options_.max_speed_m_per_s);
+      update.detail = fmt::format("odometry faster than {:g} m/s was rejected", options_.max_speed_m_per_s);
     }
   }
   lost_ = !followed.fits;
 }
 
-/// A frame without a scan to match: the guess is all there is.
+/// A frame without a scan to match: its pose is the guess.
 void HectorSlam::State::carry_on(const Frame& frame, SlamUpdate& update, SlamReason reason, std::string detail) {
-  update.state = graph_.key_scans().empty() ? SlamState::initialising : SlamState::weak;
+  update.state = graph_.key_scans().empty() ? SlamState::initializing : SlamState::weak;
   update.reason = reason;
   update.detail = std::move(detail);
   settle(frame, guess_.guess(frame.stamp, frame.odometry_from_body).local_from_body, update);
@@ -163,8 +173,8 @@ void HectorSlam::State::settle(const Frame& frame, const SE2& local_from_body, S
   update.world_from_body = in_space(graph_.world_from_local() * local_from_body);
 }
 
-/// Along a direction that is not seen, the error of odometry adds up: wheels that slip do so in each scan alike.
-Eigen::Matrix3d HectorSlam::State::with_unseen_way(const FollowedScan& followed) const {
+/// Along an unobservable direction odometry errors accumulate: wheel slip is the same in each scan.
+Eigen::Matrix3d HectorSlam::State::with_unseen_path(const FollowedScan& followed) const {
   Eigen::Matrix3d covariance = followed.covariance;
   if (followed.unseen_direction) {
     const Eigen::Vector2d along = options_.odometry_sigma_share * unseen_path_m_ * *followed.unseen_direction;
@@ -173,7 +183,7 @@ Eigen::Matrix3d HectorSlam::State::with_unseen_way(const FollowedScan& followed)
   return covariance;
 }
 
-/// The oldest unfinished one, which holds the most; null before the first scan and after finish().
+/// The oldest unfinished one, which has the most scans; null before the first scan and after finish().
 Submap* HectorSlam::State::open_submap() {
   for (const auto& submap : graph_.submaps())
     if (!submap->finished()) return submap.get();
@@ -184,8 +194,27 @@ bool HectorSlam::State::moved_enough() const {
   const SE2 moved = graph_.key_scans().back().local_from_body.inverse() * guess_.last();
   const double way = options_.loop_closing ? options_.submap_insert_distance_m : options_.insert_distance_m;
   const double turn = options_.loop_closing ? options_.submap_insert_angle_rad : options_.insert_angle_rad;
-  return moved.translation().norm() >= way || std::abs(moved.rotation().angle()) >= turn;
+  return moved.translation().norm() >= budget_.spacing() * way ||
+         std::abs(moved.rotation().angle()) >= budget_.spacing() * turn;
 }
+
+void HectorSlam::State::stay_within_budget(SlamUpdate& update) {
+  if (budget_.note(map_bytes())) update.events.push_back(budget_.event(map_bytes(), measures()));
+  if (budget_.stage() > 0) graph_.search_sparingly();
+  while (map_bytes() > budget_.full_bytes()) {
+    const std::string given_up = graph_.give_up_redundant();
+    if (given_up.empty()) return;
+    if (given_up != given_up_) update.events.push_back(budget_.event(map_bytes(), given_up));
+    given_up_ = given_up;
+  }
+}
+
+std::string HectorSlam::State::measures() const {
+  if (budget_.stage() == 0) return "";
+  return fmt::format("key scans {:g} times as sparse", budget_.spacing());
+}
+
+MapMemory HectorSlam::State::map_memory() const { return {map_bytes(), budget_.bytes(), measures()}; }
 
 void HectorSlam::State::extend_map(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed,
                                    SlamUpdate& update) {
@@ -193,14 +222,14 @@ void HectorSlam::State::extend_map(const Frame& frame, const ScanPoints& scan, c
   KeyScan key_scan{frame.index, frame.stamp, scan, followed.local_from_body, path_m_};
   if (followed.unseen_direction)
     key_scan.unseen_direction = followed.local_from_body.rotation().inverse() * *followed.unseen_direction;
-  const std::size_t key = graph_.add_key_scan(std::move(key_scan), with_unseen_way(followed));
+  const std::size_t key = graph_.add_key_scan(std::move(key_scan), with_unseen_path(followed));
   scans_.back().key_scan = key;
   ++revision_;
   update.events.push_back({"keyframe", fmt::format("{}, after {:.2f} m", key, path_m_)});
   if (options_.loop_closing) turn_over_submaps(update);
 }
 
-/// Two submaps overlap by half, so that a scan always has one with enough in it.
+/// Submaps overlap by half, so that there is always one with enough scans.
 void HectorSlam::State::turn_over_submaps(SlamUpdate& update) {
   std::vector<Submap*> open;
   for (const auto& submap : graph_.submaps()) {
@@ -211,19 +240,19 @@ void HectorSlam::State::turn_over_submaps(SlamUpdate& update) {
   if (full && open.size() > 1) open.front()->finish();
   if (open.back()->key_scans().size() < std::max<std::size_t>(1, most / 2)) return;
   const std::size_t submap = graph_.add_submap(guess_.last());
-  update.events.push_back({"submap", fmt::format("{} begun", submap)});
+  update.events.push_back({"submap", fmt::format("{} started", submap)});
 }
 
 void HectorSlam::State::close_loops(SlamUpdate& update) {
   const std::size_t keys = graph_.key_scans().size();
   if (!options_.loop_closing || keys < looked_up_to_ + static_cast<std::size_t>(options_.optimize_every)) return;
-  const int closed = graph_.look_for_loops(looked_up_to_);
+  const int closed = graph_.search_loops(looked_up_to_);
   looked_up_to_ = keys;
   if (closed == 0) return;
   graph_.optimize();
   ++revision_;
   update.world_from_body = in_space(graph_.world_from_local() * guess_.last());
-  update.events.push_back({"loop_closed", fmt::format("{} key scans found again", closed)});
+  update.events.push_back({"loop_closed", fmt::format("{} key scans matched with earlier submaps", closed)});
   update.events.push_back({"map_revised", fmt::format("{} key scans in {} submaps", keys, graph_.submaps().size())});
 }
 
@@ -233,20 +262,21 @@ std::vector<SlamEvent> HectorSlam::State::finish() {
   for (const auto& submap : graph_.submaps()) {
     if (!submap->finished() && !submap->key_scans().empty()) submap->finish();
   }
-  const int closed = graph_.look_for_loops(looked_up_to_);
+  const int closed = graph_.search_loops(looked_up_to_);
   graph_.optimize();
-  const int tied = graph_.tie_neighbours();
+  const int tied = graph_.constrain_neighbors();
   graph_.optimize();
   ++revision_;
   events.push_back(
-      {"map_revised", fmt::format("{} loops closed at the end, {} key scans tied to submaps near them", closed, tied)});
+      {"map_revised",
+       fmt::format("{} loop closures at the end, {} key scans matched with submaps near them", closed, tied)});
   return events;
 }
 
 Trajectory HectorSlam::State::trajectory() const {
   Trajectory trajectory;
   for (const StampedPlanarPose& pose : placed(scans_, graph_)) trajectory.push_back({pose.stamp, in_space(pose.pose)});
-  // Scans are taken in the order of the log, which some logs' stamps do not keep.
+  // Scans are processed in the order of the log; in some logs the stamps are not in this order.
   std::stable_sort(trajectory.begin(), trajectory.end(),
                    [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
   return trajectory;
@@ -279,14 +309,18 @@ std::shared_ptr<const Map> HectorSlam::State::snapshot() const {
   return map;
 }
 
-HectorSlam::HectorSlam(const HectorOptions& options, TaskPool* pool)
-    : options_(options), pool_(pool), state_(std::make_unique<State>(options, pool)) {}
+HectorSlam::HectorSlam(const HectorOptions& options, TaskPool* pool, std::size_t map_budget_bytes)
+    : options_(options),
+      pool_(pool),
+      map_budget_bytes_(map_budget_bytes),
+      state_(std::make_unique<State>(options, pool, map_budget_bytes)) {}
 HectorSlam::~HectorSlam() = default;
 SlamUpdate HectorSlam::process(const Frame& frame) { return state_->process(frame); }
 std::vector<SlamEvent> HectorSlam::finish() { return state_->finish(); }
 Trajectory HectorSlam::trajectory() const { return state_->trajectory(); }
 std::shared_ptr<const Map> HectorSlam::snapshot() const { return state_->snapshot(); }
-void HectorSlam::reset() { state_ = std::make_unique<State>(options_, pool_); }
+MapMemory HectorSlam::map_memory() const { return state_->map_memory(); }
+void HectorSlam::reset() { state_ = std::make_unique<State>(options_, pool_, map_budget_bytes_); }
 
 bool HectorSlam::set_mapping(bool on) {
   state_->set_mapping(on);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "rastro/base/task_pool.h"
@@ -10,11 +11,12 @@
 namespace rastro {
 
 /// Scan matching against a map that grows with the scans (Kohlbrecher et al. 2011), with loops closed by a graph of
-/// submaps. Planar: z, roll and pitch stay 0. The world is the body at the first scan.
+/// submaps. Planar: z, roll and pitch stay 0. The world is the body frame at the first scan.
 class HectorSlam : public Slam {
  public:
-  /// `pool` may be null and must outlive this.
-  HectorSlam(const HectorOptions& options, TaskPool* pool);
+  /// `pool` may be null and must outlive this. `map_budget_bytes`: memory limit of the map, see MapBudget; 0:
+  /// unlimited.
+  HectorSlam(const HectorOptions& options, TaskPool* pool, std::size_t map_budget_bytes = 0);
   ~HectorSlam() override;
   SlamUpdate process(const Frame& frame) override;
   std::vector<SlamEvent> finish() override;
@@ -22,11 +24,13 @@ class HectorSlam : public Slam {
   std::shared_ptr<const Map> snapshot() const override;
   void reset() override;
   bool set_mapping(bool on) override;
+  MapMemory map_memory() const override;
 
  private:
   class State;
   HectorOptions options_;
   TaskPool* pool_;
+  std::size_t map_budget_bytes_;
   std::unique_ptr<State> state_;
 };
 

@@ -46,7 +46,7 @@ Eigen::Vector2d off(const WalledDrive& drive, std::size_t k, const SE3& pose) {
   return {error.translation().norm(), std::abs(error.rotation().angle())};
 }
 
-/// Of all frames, at the end: metres and radians.
+/// Of all frames, at the end: meters and radians.
 Eigen::Vector2d worst_error(const WalledDrive& drive, const Trajectory& trajectory) {
   Eigen::Vector2d worst = Eigen::Vector2d::Zero();
   for (std::size_t k = 0; k < trajectory.size(); ++k)
@@ -77,7 +77,7 @@ TEST(HectorSlam, FollowsADriveThroughARoomWithEveryGuess) {
   }
 }
 
-TEST(HectorSlam, ItsMapHasTheWallsWhereTheyAre) {
+TEST(HectorSlam, ItsMapHasTheWallsAtTheirPositions) {
   const WalledDrive drive = room_drive();
   const OccupancyGrid grid = grid_of(run(drive.frames(), HectorOptions()));
   const SE2 walls_from_world = drive.world_from_body.front();
@@ -86,7 +86,7 @@ TEST(HectorSlam, ItsMapHasTheWallsWhereTheyAre) {
     for (int x = 0; x < grid.width; ++x) {
       if (grid.at(x, y) < 60) continue;
       ++occupied;
-      const Eigen::Vector2d place = walls_from_world * grid.centre_of(x, y);
+      const Eigen::Vector2d place = walls_from_world * grid.center_of(x, y);
       const double to_wall = std::min(
           {std::abs(place.x() + 2.0), std::abs(place.x() - 5.0), std::abs(place.y() + 2.1), std::abs(place.y() - 2.9)});
       EXPECT_LT(to_wall, 0.1);
@@ -97,7 +97,7 @@ TEST(HectorSlam, ItsMapHasTheWallsWhereTheyAre) {
   EXPECT_LT(grid.at(start.x(), start.y()), 40);
 }
 
-/// Loops between what was driven at the end and at the beginning.
+/// Loop closures between the end and the beginning of the drive.
 int loops_around(const Map& map) {
   return static_cast<int>(std::count_if(map.constraints.begin(), map.constraints.end(), [&](const Constraint& each) {
     const TimeNs between = map.find(each.to)->stamp - map.find(each.from)->stamp;
@@ -105,7 +105,7 @@ int loops_around(const Map& map) {
   }));
 }
 
-TEST(HectorSlam, ClosesTheLoopThatSlippingWheelsLeaveOpen) {
+TEST(HectorSlam, ClosesALoopDespiteWheelSlip) {
   for (const double measured_m : {0.98, 1.02}) {
     WalledDrive drive = ring_drive();
     drive.measured_m = measured_m;
@@ -122,14 +122,14 @@ TEST(HectorSlam, ClosesTheLoopThatSlippingWheelsLeaveOpen) {
   }
 }
 
-TEST(HectorSlam, SaysAlongWhatACorridorTellsNothing) {
+TEST(HectorSlam, ReportsTheUnobservableDirectionOfACorridor) {
   for (const double heading : {0.5, -1.0, 0.0}) {
     WalledDrive drive;
     drive.walls.add({-50.0, -1.0}, {50.0, -1.0});
     drive.walls.add({-50.0, 1.0}, {50.0, 1.0});
     drive.reach_m = 6.0;
     drive.world_from_body = {pose_of(0.0, 0.1, heading)};
-    // Along the corridor, whatever the robot looks at.
+    // Along the corridor, whatever the robot's heading.
     drive.go(SE2(SO2(), SO2::from_angle(-heading) * Eigen::Vector2d(0.1, 0.0)), 20);
     const Driven done = run(drive.frames(), HectorOptions());
     const Eigen::Vector2d along = SO2::from_angle(-heading) * Eigen::Vector2d(1.0, 0.0);
@@ -138,11 +138,11 @@ TEST(HectorSlam, SaysAlongWhatACorridorTellsNothing) {
       const SlamUpdate& update = done.updates[k];
       EXPECT_EQ(update.state, SlamState::weak);
       ASSERT_EQ(update.reason, SlamReason::degenerate);
-      const double degrees = std::stod(update.detail.substr(update.detail.find("along ") + 6));
+      const double degrees = std::stod(update.detail.substr(update.detail.find(" at ") + 4));
       EXPECT_NEAR(std::remainder(degrees + heading * 180.0 / M_PI, 180.0), 0.0, 1.5) << update.detail;
       const Eigen::Matrix2d covariance = update.covariance->topLeftCorner<2, 2>();
       EXPECT_GT(along.dot(covariance * along), 20.0 * across.dot(covariance * across));
-      // Odometry, which is exact here, has its say along, so the robot is not held in place.
+      // Odometry, which is exact here, determines the motion along the corridor, so the robot is not held in place.
       EXPECT_LT(off(drive, k, update.world_from_body).x(), 0.03);
     }
   }
@@ -167,7 +167,7 @@ TEST(HectorSlam, TakesScansInTheirOrderWhenStampsGoBack) {
   }
 }
 
-TEST(HectorSlam, ARepeatedStampIsSaidAndLeftOut) {
+TEST(HectorSlam, ARepeatedStampIsReportedAndSkipped) {
   const WalledDrive drive = room_drive(12);
   std::vector<Frame> frames = drive.frames();
   frames.insert(frames.begin() + 6, frames[5]);
@@ -177,14 +177,14 @@ TEST(HectorSlam, ARepeatedStampIsSaidAndLeftOut) {
   EXPECT_EQ(done.trajectory.size(), 12U);
 }
 
-TEST(HectorSlam, OdometryThatNoVehicleMakesIsLeftOut) {
+TEST(HectorSlam, ImpossibleOdometryIsNotUsed) {
   const WalledDrive drive = room_drive(40);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const SE2 there = *drive.frames()[20].odometry_from_body;
   const SE2 broken_turn(SO2::from_angle(nan), there.translation());
   for (const SE2& odometry : {pose_of(30.0, -20.0, 2.0), pose_of(nan, 0.0, 0.0), broken_turn}) {
     std::vector<Frame> frames = drive.frames();
-    // Only one scan's, so that it jumps twice: there and back.
+    // For one scan only, so that it jumps twice: there and back.
     frames[20].odometry_from_body = odometry;
     const Driven done = run(frames, HectorOptions());
     EXPECT_EQ(done.updates[20].reason, SlamReason::odometry_jumped);
@@ -195,7 +195,7 @@ TEST(HectorSlam, OdometryThatNoVehicleMakesIsLeftOut) {
   }
 }
 
-TEST(HectorSlam, ScansWithTooFewReturnsOrNoneAreCarriedOver) {
+TEST(HectorSlam, TheMotionIsExtrapolatedOverScansWithTooFewReturns) {
   const WalledDrive drive = room_drive(30);
   std::vector<Frame> frames = drive.frames();
   for (std::size_t beam = 19; beam < 360; ++beam) frames[10].scan->ranges[beam] = 0.0F;
@@ -204,10 +204,10 @@ TEST(HectorSlam, ScansWithTooFewReturnsOrNoneAreCarriedOver) {
   EXPECT_EQ(done.updates[10].reason, SlamReason::few_returns);
   EXPECT_EQ(done.updates[10].state, SlamState::weak);
   EXPECT_EQ(done.updates[10].used, 19);
-  EXPECT_THAT(done.updates[10].detail, ::testing::HasSubstr("19 of 360 beams returned, need 20"));
+  EXPECT_THAT(done.updates[10].detail, ::testing::HasSubstr("needs at least 20 valid beams, got 19 of 360"));
   EXPECT_EQ(done.updates[12].reason, SlamReason::no_data);
   EXPECT_EQ(done.updates[13].reason, SlamReason::none);
-  // By exact odometry.
+  // From exact odometry.
   EXPECT_LT(worst_error(drive, done.trajectory).x(), 0.02);
   HectorOptions fewer;
   fewer.min_returns = 19;
@@ -218,23 +218,23 @@ TEST(HectorSlam, WithoutAnyScanThereIsNoMapAndNoPose) {
   std::vector<Frame> frames = room_drive(5).frames();
   for (Frame& frame : frames) frame.scan.reset();
   const Driven done = run(frames, HectorOptions());
-  for (const SlamUpdate& update : done.updates) EXPECT_EQ(update.state, SlamState::initialising);
+  for (const SlamUpdate& update : done.updates) EXPECT_EQ(update.state, SlamState::initializing);
   EXPECT_TRUE(done.trajectory.empty());
   EXPECT_EQ(grid_of(done).width, 0);
   EXPECT_TRUE(done.snapshot->keyframes.empty());
   EXPECT_TRUE(run({}, HectorOptions()).trajectory.empty());
 }
 
-TEST(HectorSlam, AScanOfAnotherPlaceIsLostAndTheNextOneFound) {
+TEST(HectorSlam, AnUnrelatedScanIsLostAndTheNextOneIsTrackedAgain) {
   const WalledDrive drive = room_drive(30);
   std::vector<Frame> frames = drive.frames();
-  // All returns at half their range lie in free space.
+  // All returns at half their range are in free space.
   for (float& range : frames[15].scan->ranges) range *= 0.5F;
   const Driven done = run(frames, HectorOptions());
   EXPECT_EQ(done.updates[15].state, SlamState::lost);
   EXPECT_EQ(done.updates[15].reason, SlamReason::poor_match);
   EXPECT_FALSE(done.updates[15].covariance);
-  EXPECT_EQ(done.updates[16].state, SlamState::relocalised);
+  EXPECT_EQ(done.updates[16].state, SlamState::relocalized);
   EXPECT_EQ(done.updates[17].state, SlamState::tracking);
   EXPECT_LT(worst_error(drive, done.trajectory).x(), 0.02);
 }

@@ -21,17 +21,17 @@ inline SE2 planar(const SE3& pose) {
   return {SO2::from_angle(pose.rotation().log().z()), pose.translation().head<2>()};
 }
 
-/// A drive through walls: true poses, ten a second, and frames with exact scans.
+/// A drive between walls: ground-truth poses, ten per second, and frames with exact scans.
 struct WalledDrive {
   Walls walls;
   std::vector<SE2> world_from_body;  ///< In the walls' frame.
   double reach_m = 12.0;
-  int beams = 360;  ///< All round.
-  /// What wheels measure of one metre from frame `slip_from` up to `slip_to`; all else they measure exactly.
+  int beams = 360;  ///< Over 360 degrees.
+  /// What wheel odometry measures for one meter in frames `slip_from` to `slip_to` (exclusive); otherwise it is exact.
   double measured_m = 1.0;
   std::size_t slip_from = 0, slip_to = 1'000'000;
 
-  /// In the frame of the first pose, as methods report it.
+  /// Ground truth in the frame of the first pose, as methods report it.
   SE2 truth(std::size_t k) const { return world_from_body.front().inverse() * world_from_body[k]; }
 
   void go(const SE2& motion, int times) {
@@ -72,7 +72,7 @@ struct WalledDrive {
   }
 };
 
-/// A rectangular room of 7 x 5 m and a curve in it.
+/// A rectangular room of 7 x 5 m and a curved trajectory in it.
 inline WalledDrive room_drive(int frames = 80) {
   WalledDrive drive;
   drive.walls.add_box(-2.0, -2.1, 5.0, 2.9);
@@ -81,8 +81,8 @@ inline WalledDrive room_drive(int frames = 80) {
   return drive;
 }
 
-/// Once round a ring of corridors 2 m wide and a little on, by a laser that sees no farther than 4 m. All have niches
-/// but the third, which is bare; there the wheels may slip.
+/// A little more than one loop through a ring of corridors 2 m wide, with a laser range of only 4 m. All corridors have
+/// niches except the third, which is bare; there the wheels may slip.
 inline WalledDrive ring_drive() {
   WalledDrive drive;
   drive.walls.add_box(-1.0, -1.0, 15.0, 9.0);

@@ -4,6 +4,8 @@
 #include "rastro/base/error.h"
 #include "rastro/slam/hector/hector_slam.h"
 #include "rastro/slam/hector/options.h"
+#include "rastro/slam/initial_pose.h"
+#include "rastro/slam/map_budget.h"
 
 namespace rastro {
 namespace {
@@ -11,13 +13,20 @@ namespace {
 class HectorMethod : public SlamMethod {
  public:
   std::string name() const override { return "hector"; }
-  std::string summary() const override { return "2D scan matching with loop closing, after Kohlbrecher et al. 2011"; }
-  std::string needs() const override { return "2D laser scans; wheel odometry where there is any"; }
+  std::string summary() const override {
+    return "2D laser SLAM: scan matching with submaps and loop closing, after Hector SLAM (Kohlbrecher et al. 2011)";
+  }
+  std::string needs() const override { return "2D laser scans; wheel odometry if available"; }
   OptionTable options() override { return option_table(options_); }
+  bool is_planar() const override { return true; }
   std::unique_ptr<Slam> make(const SourceInfo& source, const SlamContext& context) const override {
     if (!source.has_scan)
-      throw Error("holds no laser scans", source.path, "'rastro convert DATA --to scan' cuts them from depth images");
-    return std::make_unique<HectorSlam>(options_, context.pool);
+      throw Error("has no laser scans", source.path, "'rastro convert DATA --to scan' cuts them from depth images");
+    planar_initial_pose(context, name());
+    return make_placed(context, [this](const SlamContext& placed) {
+      constexpr double reserve_mb = 50.0;  // for everything except the map
+      return std::make_unique<HectorSlam>(options_, placed.pool, map_budget_bytes(placed, reserve_mb));
+    });
   }
 
  private:

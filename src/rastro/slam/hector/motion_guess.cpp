@@ -8,11 +8,11 @@
 namespace rastro {
 namespace {
 
-/// Even a still robot's odometry and stamps are not exact.
+/// Odometry and stamps are not exact, not even when the robot stands still.
 constexpr double least_sigma_m = 0.02, least_sigma_rad = 0.01;
-/// A speed says less the longer it was measured ago.
+/// A velocity estimate gets less reliable with its age.
 constexpr double most_scans_ahead = 5.0;
-/// Nobody knows how far a robot went unseen for longer; a map must not grow to hold a guess.
+/// The motion over a longer gap is unknown; the map must not grow because of a guess.
 constexpr double longest_gap_s = 5.0;
 constexpr std::size_t periods_kept = 15;
 
@@ -32,10 +32,10 @@ ScanGuess MotionGuess::guess(TimeNs stamp, const std::optional<SE2>& odometry_fr
     return from_speed(stamp);
   }
   return {last_ * moved, least_sigma_m + options_.odometry_sigma_share * way,
-          least_sigma_rad + options_.odometry_turn_sigma_share * turn, true};
+          least_sigma_rad + options_.odometry_yaw_sigma_share * turn, true};
 }
 
-/// Scanners turn evenly while some logs' stamps do not go on evenly, so time is counted in scans.
+/// Scanners rotate evenly, but the stamps of some logs are irregular, so time is counted in scans.
 double MotionGuess::scans_since_last(TimeNs stamp) const {
   if (periods_.size() < periods_kept) return 1.0;
   std::vector<double> sorted(periods_.begin(), periods_.end());

@@ -12,13 +12,13 @@
 
 namespace rastro {
 
-/// Where the next scan is expected: from odometry, from the speed so far, or where the last one was.
+/// Predicts the pose of the next scan: from odometry, from constant velocity, or as the last pose.
 class MotionGuess {
  public:
   explicit MotionGuess(const HectorOptions& options) : options_(options) {}
 
   ScanGuess guess(TimeNs stamp, const std::optional<SE2>& odometry_from_body);
-  /// Whether the last guess threw its odometry away because no vehicle moves like that.
+  /// Whether the last guess discarded its odometry because no vehicle moves like that.
   bool odometry_jumped() const { return jumped_; }
   void settle(TimeNs stamp, const std::optional<SE2>& odometry_from_body, const SE2& local_from_body);
   const SE2& last() const { return last_; }
@@ -30,7 +30,7 @@ class MotionGuess {
   const HectorOptions& options_;
   SE2 last_;
   std::optional<SE2> last_odometry_;
-  Eigen::Vector3d step_ = Eigen::Vector3d::Zero();  ///< From one scan to the next, body frame, metres and radians.
+  Eigen::Vector3d step_ = Eigen::Vector3d::Zero();  ///< From one scan to the next, body frame, meters and radians.
   TimeNs last_stamp_ = 0;
   std::deque<double> periods_;  ///< Seconds between the last scans.
   bool started_ = false, jumped_ = false;

@@ -16,7 +16,7 @@ constexpr TimeNs period = ns_per_second / 10;
 
 double distance(const SE2& a, const SE2& b) { return (a.matrix() - b.matrix()).norm(); }
 
-TEST(MotionGuess, GoesOnByWhatOdometrySaysBetweenTwoScans) {
+TEST(MotionGuess, UsesTheMotionOfOdometryBetweenTwoScans) {
   const HectorOptions options;
   MotionGuess guess(options);
   const SE2 odometry = pose_of(5.0, 6.0, 2.0), local = pose_of(1.0, 2.0, 0.3), motion = pose_of(0.4, 0.1, 0.2);
@@ -30,7 +30,7 @@ TEST(MotionGuess, GoesOnByWhatOdometrySaysBetweenTwoScans) {
   EXPECT_FALSE(guess.odometry_jumped());
 }
 
-TEST(MotionGuess, WithoutOdometryTheLastStepIsTakenAgain) {
+TEST(MotionGuess, WithoutOdometryTheLastStepIsRepeated) {
   const HectorOptions options;
   MotionGuess guess(options);
   const SE2 step = pose_of(0.2, 0.01, 0.05);
@@ -47,7 +47,84 @@ TEST(MotionGuess, WithoutOdometryTheLastStepIsTakenAgain) {
   EXPECT_LT(distance(guess.guess(500 * period, {}).local_from_body, five), 1e-9);
 }
 
-TEST(MotionGuess, AnUntrustedOneIsWhereTheLastScanWas) {
+TEST(MotionGuess, SigmasAreAFloorAndAShareOfTheMotion) {
+  HectorOptions options;
+  options.odometry_sigma_share = 0.1, options.odometry_yaw_sigma_share = 0.25;
+  MotionGuess guess(options);
+  guess.settle(0, pose_of(0.0, 0.0, 0.0), SE2());
+  ScanGuess found = guess.guess(period, pose_of(0.3, 0.4, -0.2));
+  EXPECT_NEAR(found.sigma_m, 0.02 + 0.1 * 0.5, 1e-12);
+  EXPECT_NEAR(found.sigma_rad, 0.01 + 0.25 * 0.2, 1e-12);
+  guess.settle(period, {}, pose_of(0.3, 0.4, -0.2));
+  found = guess.guess(2 * period, {});
+  EXPECT_NEAR(found.sigma_m, 0.05 + 0.5 * 0.5, 1e-12);
+  EXPECT_NEAR(found.sigma_rad, 0.05 + 0.5 * 0.2, 1e-12);
+  EXPECT_TRUE(found.trusted);
+}
+
+TEST(MotionGuess, ConstantVelocityIgnoresOdometry) {
+  HectorOptions options;
+  options.guess = "constant-velocity";
+  MotionGuess guess(options);
+  guess.settle(0, pose_of(0.0, 0.0, 0.0), SE2());
+  guess.settle(period, pose_of(1.0, 0.0, 0.0), pose_of(0.2, 0.0, 0.1));
+  const ScanGuess found = guess.guess(2 * period, pose_of(2.0, 0.0, 0.0));
+  EXPECT_LT(distance(found.local_from_body, pose_of(0.2, 0.0, 0.1) * pose_of(0.2, 0.0, 0.1)), 1e-12);
+}
+
+TEST(MotionGuess, OdometryThatWasMissingBeforeGivesNoMotion) {
+  const HectorOptions options;
+  MotionGuess guess(options);
+  guess.settle(0, pose_of(0.0, 0.0, 0.0), SE2());
+  guess.settle(period, {}, pose_of(0.2, 0.0, 0.0));
+  EXPECT_LT(distance(guess.guess(2 * period, pose_of(7.0, 0.0, 0.0)).local_from_body, pose_of(0.4, 0.0, 0.0)), 1e-12);
+  EXPECT_FALSE(guess.odometry_jumped()) << "there is nothing to compare with";
+}
+
+TEST(MotionGuess, AfterALongPauseAtMostFiveSecondsOfDrivingAreAssumed) {
+  HectorOptions options;
+  options.max_speed_m_per_s = 2.0;
+  MotionGuess guess(options);
+  guess.settle(0, pose_of(0.0, 0.0, 0.0), SE2());
+  guess.guess(1000 * period, pose_of(9.9, 0.0, 0.0));
+  EXPECT_FALSE(guess.odometry_jumped());
+  const ScanGuess found = guess.guess(1000 * period, pose_of(10.1, 0.0, 0.0));
+  EXPECT_TRUE(guess.odometry_jumped());
+  EXPECT_LT(distance(found.local_from_body, SE2()), 1e-12) << "it stood still before";
+  guess.guess(1000 * period, pose_of(std::nan(""), 0.0, 0.0));
+  EXPECT_TRUE(guess.odometry_jumped());
+}
+
+/// A guess after `scans` periods with steps of 0.2 m, the last of them at scan `scans`.
+MotionGuess moved_steadily(const HectorOptions& options, int scans) {
+  MotionGuess guess(options);
+  for (int k = 0; k <= scans; ++k) guess.settle(k * period, {}, pose_of(0.2 * k, 0.0, 0.0));
+  return guess;
+}
+
+TEST(MotionGuess, ScansAreCountedOnceEnoughPeriodsAreKnown) {
+  const HectorOptions options;
+  const auto ahead_m = [&](int scans, double later) {
+    const MotionGuess guess = moved_steadily(options, scans);
+    const auto stamp = static_cast<TimeNs>((scans + later) * static_cast<double>(period));
+    return MotionGuess(guess).guess(stamp, {}).local_from_body.translation().x() - 0.2 * scans;
+  };
+  EXPECT_NEAR(ahead_m(14, 4.0), 0.2, 1e-9) << "fourteen periods are not enough";
+  EXPECT_NEAR(ahead_m(15, 4.0), 0.8, 1e-6);
+  EXPECT_NEAR(ahead_m(15, 2.9), 0.2, 1e-9) << "fewer than three scans are one";
+  EXPECT_NEAR(ahead_m(15, 3.1), 0.62, 1e-6);
+  EXPECT_NEAR(ahead_m(40, 4.9), 0.98, 1e-6);
+  EXPECT_NEAR(ahead_m(40, 5.1), 1.0, 1e-9) << "and no more than five";
+}
+
+TEST(MotionGuess, AStepOverMissingScansIsDividedAmongThem) {
+  const HectorOptions options;
+  MotionGuess guess = moved_steadily(options, 20);
+  guess.settle(24 * period, {}, pose_of(4.8, 0.0, 0.0));  // 0.8 m in four periods
+  EXPECT_NEAR(guess.guess(25 * period, {}).local_from_body.translation().x(), 5.0, 1e-9);
+}
+
+TEST(MotionGuess, AnUntrustedOneIsTheLastPose) {
   HectorOptions options;
   options.guess = "none";
   MotionGuess guess(options);
@@ -55,6 +132,8 @@ TEST(MotionGuess, AnUntrustedOneIsWhereTheLastScanWas) {
   const ScanGuess found = guess.guess(period, pose_of(1.0, 0.0, 0.0));
   EXPECT_FALSE(found.trusted);
   EXPECT_LT(distance(found.local_from_body, pose_of(1.0, 2.0, 3.0)), 1e-12);
+  EXPECT_EQ(found.sigma_m, 0.2);
+  EXPECT_EQ(found.sigma_rad, 0.2);
 }
 
 TEST(MotionGuess, FasterThanAllowedIsAJump) {
@@ -62,7 +141,7 @@ TEST(MotionGuess, FasterThanAllowedIsAJump) {
   options.max_speed_m_per_s = 2.0;
   MotionGuess guess(options);
   guess.settle(0, pose_of(0.0, 0.0, 0.0), SE2());
-  // A second at least is allowed for, as stamps are no better than that in some logs.
+  // At least one second is assumed, since the stamps of some logs are no more accurate.
   guess.guess(period, pose_of(1.99, 0.0, 0.0));
   EXPECT_FALSE(guess.odometry_jumped());
   guess.guess(period, pose_of(2.01, 0.0, 0.0));

@@ -7,7 +7,7 @@
 
 namespace rastro {
 
-/// Settings of the scan matcher; meaning, range and reason of each stand once, in option_table().
+/// Settings of the scan matcher; meaning, range and reason of each are documented once, in option_table().
 struct HectorOptions {
   std::string guess = "odometry";
   bool loop_closing = true;
@@ -29,7 +29,7 @@ struct HectorOptions {
   int match_iterations = 8;
   double min_score = 0.4;
   double odometry_sigma_share = 0.1;
-  double odometry_turn_sigma_share = 0.2;
+  double odometry_yaw_sigma_share = 0.2;
   double max_speed_m_per_s = 10.0;
   double search_from_m = 0.15;
   double search_from_rad = 0.05;
@@ -51,7 +51,7 @@ struct HectorOptions {
   double loop_max_reach_rad = 0.6;
   double loop_near_m = 4.0;
   int loop_every = 4;
-  int tie_every = 2;
+  int constrain_every = 2;
   int optimize_every = 20;
   double loop_sigma_m = 0.03;
   double loop_sigma_rad = 0.01;

@@ -9,7 +9,7 @@
 namespace rastro {
 namespace {
 
-/// Another allowed value than the one in force.
+/// Another valid value than the current one.
 std::string other_value(const OptionTable& table, std::size_t i) {
   const Option& option = table.options()[i];
   if (!option.choices.empty()) return option.choices.back();
@@ -33,7 +33,7 @@ TEST(HectorOptions, EverySettingIsReadBackFromTheTable) {
   EXPECT_EQ(read.levels, 6);
 }
 
-TEST(HectorOptions, WhatIsNotAllowedIsRefused) {
+TEST(HectorOptions, InvalidValuesAreRefused) {
   HectorOptions options;
   options.cell_m = 0.0;
   EXPECT_THROW(HectorSlam(options, nullptr), Error);

@@ -10,7 +10,7 @@
 namespace rastro {
 namespace {
 
-/// Of 1 - M about a good pose: what a sigma of the guess weighs against the beams.
+/// Variance of 1 - M near a good pose: weights the guess's sigma against the beams.
 constexpr double usual_variance = 0.1;
 
 ScanPrior prior_of(const ScanGuess& guess, const SE2& submap_from_body) {
@@ -23,19 +23,19 @@ ScanPrior prior_of(const ScanGuess& guess, const SE2& submap_from_body) {
   return prior;
 }
 
-/// The direction along which most surfaces run, body frame, and the share of those that run across it.
+/// The direction parallel to most surfaces, body frame, and the share of surfaces across it.
 struct WeakDirection {
   Eigen::Vector2d direction;
   double share;
 };
 
-/// Judged by the scan alone, since the cells of a map are never as smooth as a wall. `points` in the order of the
-/// beams.
+/// Determined from the scan alone, because the cells of a map are never as smooth as a wall. `points` in the order of
+/// the beams.
 WeakDirection weak_direction(std::span<const Eigen::Vector2d> points) {
   constexpr double base_m = 0.3, gap_m = 0.5;
   Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
   for (std::size_t i = 0, j = 0; i < points.size(); ++i) {
-    // A base this long, or the noise of ranges would turn the normals.
+    // The base must be long enough, or range noise would rotate the normals.
     j = std::max(j, i);
     while (j + 1 < points.size() && (points[j] - points[i]).norm() < base_m &&
            (points[j + 1] - points[j]).norm() < gap_m)
@@ -61,7 +61,7 @@ Eigen::Matrix3d covariance_of(const ScanToMapFit& fit, const ScanPrior& prior,
   return std::max(0.01, fit.residual_variance) * information.inverse();
 }
 
-/// Takes the guess along that direction, by `weight`: what the map says there is the noise of its cells, which would
+/// Keeps the guess along that direction, by `weight`: the map's gradient there is only noise of its cells, which would
 /// hold the robot in place (Zhang et al. 2016).
 void keep_guess_along(const Eigen::Vector2d& direction, double weight, const ScanGuess& guess, FollowedScan& followed) {
   const Eigen::Vector2d place = followed.local_from_body.translation();
@@ -81,7 +81,7 @@ FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> 
   const bool far = guess.sigma_m > options_.search_from_m || guess.sigma_rad > options_.search_from_rad;
   if (far || !fit || fit->score < options_.min_score) {
     followed.searched = true;
-    // Little of it may be known there: the better of the two fits decides, not this.
+    // The surroundings may be mostly unmapped: the better of the two fits decides, not this.
     constexpr double least_score = 0.2;
     constexpr double sigmas = 4.0;
     const bool poor = !fit || fit->score < options_.min_score;
@@ -102,7 +102,7 @@ FollowedScan ScanFollower::follow(Submap& map, std::span<const Eigen::Vector2d> 
   const WeakDirection weak = weak_direction(points);
   const Eigen::Vector2d direction = followed.local_from_body.rotation() * weak.direction;
   if (weak.share < options_.degenerate_ratio) followed.unseen_direction = direction;
-  // From nothing to three times that share the scan gains its say.
+  // The scan's influence along the direction grows from none at that share to full at three times that share.
   const double weight = std::clamp(1.5 - 0.5 * weak.share / options_.degenerate_ratio, 0.0, 1.0);
   if (guess.trusted && weight > 0.0) keep_guess_along(direction, weight, guess, followed);
   followed.covariance = covariance_of(*fit, prior, followed.unseen_direction);

@@ -11,21 +11,21 @@
 
 namespace rastro {
 
-/// Where a scan is, and how well that is known.
+/// The estimated pose of a scan and its uncertainty.
 struct FollowedScan {
   SE2 local_from_body;
   double score = 0.0;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< Of (x, y, angle), local axes.
-  bool searched = false;                                 ///< The larger window was looked through.
+  bool searched = false;                                 ///< The larger window was searched.
   bool fits = false;                                     ///< False: the pose is the guess.
-  std::optional<Eigen::Vector2d> unseen_direction;       ///< Unit vector along which the scan tells nothing.
+  std::optional<Eigen::Vector2d> unseen_direction;       ///< Unit vector along which the scan gives no constraint.
 };
 
-/// What is expected before the scan is looked at.
+/// The predicted pose before the scan is matched.
 struct ScanGuess {
   SE2 local_from_body;
   double sigma_m = 0.1, sigma_rad = 0.1;
-  bool trusted = true;  ///< False: nothing but the last pose; it must not pull.
+  bool trusted = true;  ///< False: the guess is only the last pose and must not act as a prior.
 };
 
 /// Matches scans one after the other to the map that grows with them (Kohlbrecher et al. 2011, section IV).

@@ -6,7 +6,7 @@
 namespace rastro {
 namespace {
 
-/// Squares of up to 64 cells (3.2 m of 5 cm): larger ones cover whole rooms and bound nothing.
+/// Squares of up to 64 cells (3.2 m at 5 cm): larger ones cover whole rooms and give no useful bound.
 constexpr int search_levels = 7;
 
 }  // namespace
@@ -52,6 +52,25 @@ void Submap::finish() {
     grid.freeze();
     views_.push_back(grid.view());
   }
+}
+
+void Submap::release() {
+  grids_.clear();
+  views_.clear();
+  correlative_.reset();
+}
+
+std::size_t Submap::bytes() const {
+  // One probability per cell; while scans are inserted, also log-odds and the number of the scan.
+  constexpr std::size_t a_finished_cell = 1, an_open_cell = 7;
+  std::size_t bytes = sizeof(Submap) + key_scans_.size() * sizeof(std::size_t);
+  for (const ProbabilityView& view : views_)
+    bytes += static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height) *
+             (finished_ ? a_finished_cell : an_open_cell);
+  if (correlative_)
+    bytes += static_cast<std::size_t>(search_levels) * static_cast<std::size_t>(views_.front().width) *
+             static_cast<std::size_t>(views_.front().height);
+  return bytes;
 }
 
 const CorrelativeMap& Submap::correlative() {

@@ -17,24 +17,24 @@
 
 namespace rastro {
 
-/// The returns of one scan in the body frame, and where the laser stood in it.
+/// The returns of one scan in the body frame, and the laser's position in it.
 using ScanPoints = KeyframeScan;
 
-/// Those within the options' ranges.
+/// The returns within the range limits of the options.
 ScanPoints returns_of(const LaserScan& scan, const HectorOptions& options);
 
-/// A scan that went into the map.
+/// A scan inserted into the map.
 struct KeyScan {
   std::int64_t frame = 0;  ///< Index in the recording.
   TimeNs stamp = 0;
   ScanPoints scan;
-  SE2 local_from_body;                                             ///< As the matcher found it.
-  double path_m = 0.0;                                             ///< Way up to here.
-  std::optional<Eigen::Vector2d> unseen_direction = std::nullopt;  ///< Body frame; along it the scan tells nothing.
+  SE2 local_from_body;                                             ///< As the matcher estimated it.
+  double path_m = 0.0;                                             ///< Path length up to here.
+  std::optional<Eigen::Vector2d> unseen_direction = std::nullopt;  ///< Body frame; unobservable in the scan.
 };
 
-/// A piece of the map, made of consecutive key scans, in cells of several sizes. Its frame: the axes of the matcher's
-/// local frame, at the first scan.
+/// A part of the map, made of consecutive key scans, with cells of several sizes. Its frame has its origin at the first
+/// scan and the axes of the matcher's local frame.
 class Submap {
  public:
   Submap(const HectorOptions& options, const SE2& local_from_body);
@@ -44,13 +44,18 @@ class Submap {
   /// Finest first; valid until the next insert().
   const std::vector<ProbabilityView>& levels() const { return views_; }
   const std::vector<std::size_t>& key_scans() const { return key_scans_; }
-  /// No scan goes in any more: memory that only insert() needs is given up.
+  /// No more scans are inserted: frees the memory that only insert() needs.
   void finish();
   bool finished() const { return finished_; }
-  /// For the search over a large window; made when first asked for, and again after insert().
+  /// For the search over a large window; computed on first use, and again after insert().
   const CorrelativeMap& correlative();
-  /// Gives up its memory, several times that of the cells.
+  /// Frees its memory, which is several times that of the cells.
   void forget_correlative() { correlative_.reset(); }
+  /// Frees the cells of a finished submap: no scan can be matched to it any more.
+  void release();
+  bool released() const { return grids_.empty(); }
+  /// Memory of the cells and of the search data.
+  std::size_t bytes() const;
 
  private:
   SE2 local_from_submap_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/hector/submap_graph.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -9,28 +8,35 @@
 #include <optional>
 #include <set>
 
+#include "rastro/backend/acceptance.h"
 #include "rastro/map/graph/planar.h"
+#include "rastro/optimize/pose_graph.h"
 #include "rastro/registration/scan_to_map.h"
 
 namespace rastro {
 namespace {
 
-/// Of a scan in its own submap beside what the match says: cells, and beams that are not quite where they are said to
-/// be.
+/// Added to the match covariance of a scan in its own submap: cell size and beam errors.
 constexpr double least_sigma_m = 0.02, least_sigma_rad = 0.005;
-/// However little a match says, the scan is not farther off than this.
+/// Upper bound of the error, however uninformative a match is.
 constexpr double largest_sigma_m = 3.0, largest_sigma_rad = 0.3;
 
-Eigen::Matrix3d root_information(const Eigen::Matrix3d& covariance, double sigma_m, double sigma_rad) {
+/// An edge between two poses of the graph; `information` is of (x, y, yaw) in the frame of `from`.
+Constraint edge_between(std::size_t from, std::size_t to, const SE2& from_from_to, const Eigen::Matrix3d& information,
+                        ConstraintKind kind) {
+  return planar_constraint(static_cast<KeyframeId>(from), static_cast<KeyframeId>(to), from_from_to, information, kind);
+}
+
+Eigen::Matrix3d information_of(const Eigen::Matrix3d& covariance, double sigma_m, double sigma_rad) {
   Eigen::Matrix3d sum = covariance;
   sum.diagonal() += Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
   Eigen::Matrix3d information = sum.inverse();
   constexpr double place = 1.0 / (largest_sigma_m * largest_sigma_m);
   information.diagonal() += Eigen::Vector3d(place, place, 1.0 / (largest_sigma_rad * largest_sigma_rad));
-  return information.llt().matrixU();
+  return information;
 }
 
-/// The search looks at very many places: some of the points tell nearly as much as all.
+/// The search evaluates very many poses; a subset of the points is nearly as informative as all.
 std::vector<Eigen::Vector2d> thinned(const std::vector<Eigen::Vector2d>& points) {
   constexpr std::size_t most = 200;
   const std::size_t every = (points.size() + most - 1) / most;
@@ -61,7 +67,7 @@ std::size_t SubmapGraph::add_key_scan(KeyScan scan, const Eigen::Matrix3d& covar
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
     if (!submaps_[s]->finished()) tie(s, key_scan, covariance);
   }
-  if (key_scan > 0) tie_to_last(key_scan);
+  if (key_scan > 0) constrain_to_last(key_scan);
   return key_scan;
 }
 
@@ -71,29 +77,24 @@ SE2 SubmapGraph::world_from_local() const {
 }
 
 void SubmapGraph::tie(std::size_t submap, std::size_t key_scan, const Eigen::Matrix3d& covariance) {
-  PlanarEdge edge;
-  edge.a = pose_of_submap_[submap];
-  edge.b = pose_of_key_scan_[key_scan];
-  edge.a_from_b = submaps_[submap]->local_from_submap().inverse() * key_scans_[key_scan].local_from_body;
-  edge.root_information = root_information(covariance, least_sigma_m, least_sigma_rad);
-  ties_.push_back(edge);
+  const SE2 submap_from_body = submaps_[submap]->local_from_submap().inverse() * key_scans_[key_scan].local_from_body;
+  ties_.push_back(edge_between(pose_of_submap_[submap], pose_of_key_scan_[key_scan], submap_from_body,
+                               information_of(covariance, least_sigma_m, least_sigma_rad), ConstraintKind::odometry));
 }
 
-/// From one key scan to the next the matcher's way, odometry's where a direction is not seen, bends but does not break.
-void SubmapGraph::tie_to_last(std::size_t key_scan) {
+/// Constrains consecutive key scans by the matcher's relative pose (along an unobservable direction that of odometry,
+/// with a larger variance). This constraint is never rejected.
+void SubmapGraph::constrain_to_last(std::size_t key_scan) {
   const KeyScan &last = key_scans_[key_scan - 1], &scan = key_scans_[key_scan];
-  PlanarEdge edge;
-  edge.a = pose_of_key_scan_[key_scan - 1];
-  edge.b = pose_of_key_scan_[key_scan];
-  edge.a_from_b = last.local_from_body.inverse() * scan.local_from_body;
+  const SE2 last_from_body = last.local_from_body.inverse() * scan.local_from_body;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   if (last.unseen_direction) {
     constexpr double slip_share = 0.3;
-    const Eigen::Vector2d along = slip_share * edge.a_from_b.translation().norm() * *last.unseen_direction;
+    const Eigen::Vector2d along = slip_share * last_from_body.translation().norm() * *last.unseen_direction;
     covariance.topLeftCorner<2, 2>() = along * along.transpose();
   }
-  edge.root_information = root_information(covariance, least_sigma_m, least_sigma_rad);
-  ties_.push_back(edge);
+  ties_.push_back(edge_between(pose_of_key_scan_[key_scan - 1], pose_of_key_scan_[key_scan], last_from_body,
+                               information_of(covariance, least_sigma_m, least_sigma_rad), ConstraintKind::odometry));
 }
 
 bool SubmapGraph::made_by(std::size_t submap, std::size_t key_scan) const {
@@ -101,7 +102,7 @@ bool SubmapGraph::made_by(std::size_t submap, std::size_t key_scan) const {
   return !scans.empty() && key_scan >= scans.front() && key_scan <= scans.back();
 }
 
-/// To the nearest place a scan of the submap was taken from.
+/// Distance to the nearest sensor position of the submap's scans.
 double SubmapGraph::distance_to(std::size_t submap, const Eigen::Vector2d& world) const {
   double nearest = 1e9;
   for (const std::size_t k : submaps_[submap]->key_scans())
@@ -110,30 +111,30 @@ double SubmapGraph::distance_to(std::size_t submap, const Eigen::Vector2d& world
 }
 
 std::vector<Constraint> SubmapGraph::constraints() const {
-  std::map<std::size_t, KeyframeId> key_scan_of;  // by pose
+  std::map<KeyframeId, KeyframeId> key_scan_of;  // by pose
   for (std::size_t k = 0; k < pose_of_key_scan_.size(); ++k)
-    key_scan_of[pose_of_key_scan_[k]] = static_cast<KeyframeId>(k);
-  const auto information = [](const PlanarEdge& edge) -> Eigen::Matrix3d {
-    return edge.root_information.transpose() * edge.root_information;
-  };
+    key_scan_of[static_cast<KeyframeId>(pose_of_key_scan_[k])] = static_cast<KeyframeId>(k);
   std::vector<Constraint> constraints;
-  for (const PlanarEdge& edge : ties_) {
-    const auto from = key_scan_of.find(edge.a), to = key_scan_of.find(edge.b);
+  for (Constraint edge : ties_) {
+    const auto from = key_scan_of.find(edge.from), to = key_scan_of.find(edge.to);
     if (from == key_scan_of.end() || to == key_scan_of.end()) continue;
-    constraints.push_back(
-        planar_constraint(from->second, to->second, edge.a_from_b, information(edge), ConstraintKind::odometry));
+    edge.from = from->second;
+    edge.to = to->second;
+    constraints.push_back(edge);
   }
   for (const ClosedLoop& loop : loops_) {
     const std::size_t first = key_scans_of(loop.submap).front();
     const SE2 first_from_submap = world_from_key_scan(first).inverse() * world_from_submap(loop.submap);
-    constraints.push_back(planar_constraint(static_cast<KeyframeId>(first), static_cast<KeyframeId>(loop.key_scan),
-                                            first_from_submap * loop.submap_from_body, information(edge_of(loop)),
-                                            ConstraintKind::loop));
+    Constraint edge = edge_of(loop);  // its information is in the axes of its end, which stays the same
+    edge.from = static_cast<KeyframeId>(first);
+    edge.to = static_cast<KeyframeId>(loop.key_scan);
+    edge.from_from_to = Sim3(in_space(first_from_submap * loop.submap_from_body));
+    constraints.push_back(edge);
   }
   return constraints;
 }
 
-/// Way for which nothing has tied the matcher to the submap or an older one: what may have drifted against it.
+/// Path length without a constraint to the submap or an older one: what may have drifted relative to it.
 std::vector<double> SubmapGraph::untied_paths(const KeyScan& scan) const {
   std::vector<double> tied_m(submaps_.size(), 0.0);
   for (const ClosedLoop& loop : loops_)
@@ -151,7 +152,7 @@ std::vector<SubmapGraph::Candidate> SubmapGraph::candidates_of(std::size_t key_s
   std::vector<Candidate> candidates;
   const std::vector<double> untied_m = untied_paths(key_scans_[key_scan]);
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
-    if (!submaps_[s]->finished() || made_by(s, key_scan)) continue;
+    if (!submaps_[s]->finished() || submaps_[s]->released() || made_by(s, key_scan)) continue;
     if (!near_only && key_scan < submaps_[s]->key_scans().back()) continue;
     Candidate candidate{s, key_scan, 0.0, 0.0, !near_only};
     if (!near_only) {
@@ -166,7 +167,8 @@ std::vector<SubmapGraph::Candidate> SubmapGraph::candidates_of(std::size_t key_s
   return candidates;
 }
 
-/// Of the key scan and those before it, in its body frame, one a cell: more than one scan says less often the same.
+/// Points of the key scan and those before it, in its body frame, one per cell: several scans are less ambiguous than
+/// one.
 std::vector<Eigen::Vector2d> SubmapGraph::points_around(std::size_t key_scan) const {
   const std::size_t first = key_scan + 1 - std::min(key_scan + 1, static_cast<std::size_t>(options_.loop_scans));
   const SE2 body_from_local = key_scans_[key_scan].local_from_body.inverse();
@@ -183,7 +185,7 @@ std::vector<Eigen::Vector2d> SubmapGraph::points_around(std::size_t key_scan) co
   return points;
 }
 
-std::optional<ClosedLoop> SubmapGraph::try_candidate(const Candidate& candidate) const {
+std::optional<ClosedLoop> SubmapGraph::verify(const Candidate& candidate) const {
   Submap& submap = *submaps_[candidate.submap];
   const std::vector<Eigen::Vector2d> points = points_around(candidate.key_scan);
   const SE2 expected = world_from_submap(candidate.submap).inverse() * world_from_key_scan(candidate.key_scan);
@@ -195,12 +197,13 @@ std::optional<ClosedLoop> SubmapGraph::try_candidate(const Candidate& candidate)
     start = found->map_from_body;
   }
   const auto fit = match_scan_to_map(submap.levels(), points, start, nullptr, {options_.match_iterations});
-  if (!fit || fit->score < options_.loop_min_score) return std::nullopt;
+  if (!fit || judge({.score = fit->score}, {.min_score = options_.loop_min_score}) != Rejection::none)
+    return std::nullopt;
   ClosedLoop loop{candidate.submap, candidate.key_scan, fit->score, fit->map_from_body, Eigen::Matrix3d::Zero()};
   const Eigen::Matrix3d information = fit->information + 1e-3 * Eigen::Matrix3d::Identity();
   loop.covariance = std::max(0.01, fit->residual_variance) * information.inverse();
   if (const auto& unseen = key_scans_[candidate.key_scan].unseen_direction) {
-    // The cells' noise is all that speaks about this direction.
+    // Only the noise of the cells constrains this direction.
     const Eigen::Vector2d along = largest_sigma_m * (fit->map_from_body.rotation() * *unseen);
     loop.covariance.topLeftCorner<2, 2>() += along * along.transpose();
   }
@@ -211,37 +214,44 @@ SE2 SubmapGraph::correction_by(const ClosedLoop& loop) const {
   return world_from_submap(loop.submap) * loop.submap_from_body * world_from_key_scan(loop.key_scan).inverse();
 }
 
-/// One place may look like another; two scans that would move the map in the same way are hardly both wrong. What moves
-/// it by little needs no witness.
-std::vector<ClosedLoop> SubmapGraph::confirmed(const std::vector<std::optional<ClosedLoop>>& found) const {
+/// Loops that move the map only little, or agree with the loop of another key scan.
+std::vector<ClosedLoop> SubmapGraph::accepted(const std::vector<std::optional<ClosedLoop>>& verified) const {
   std::vector<ClosedLoop> loops;
-  for (const auto& loop : found) {
-    if (loop) loops.push_back(*loop);
+  std::vector<MapCorrection> corrections;
+  for (const auto& loop : verified) {
+    if (!loop) continue;
+    loops.push_back(*loop);
+    corrections.push_back({static_cast<std::int64_t>(loop->key_scan), in_space(correction_by(*loop)),
+                           in_space(world_from_key_scan(loop->key_scan)).translation()});
   }
-  const auto place_of = [&](const ClosedLoop& loop) { return world_from_key_scan(loop.key_scan).translation(); };
-  const auto agree = [&](const ClosedLoop& a, const ClosedLoop& b) {
-    const SE2 by_a = correction_by(a), by_b = correction_by(b);
-    return a.key_scan != b.key_scan && (by_a * place_of(a) - by_b * place_of(a)).norm() < options_.loop_agreement_m &&
-           std::abs((by_a.rotation().inverse() * by_b.rotation()).angle()) < options_.loop_agreement_rad;
-  };
+  const auto agreed = agreeing(corrections, {options_.loop_agreement_m, options_.loop_agreement_rad});
   std::vector<ClosedLoop> kept;
-  for (const ClosedLoop& loop : loops) {
-    const SE2 by_loop = correction_by(loop);
-    const bool little = (by_loop * place_of(loop) - place_of(loop)).norm() < options_.loop_agreement_m &&
-                        std::abs(by_loop.rotation().angle()) < options_.loop_agreement_rad;
-    const bool seen_twice =
-        std::any_of(loops.begin(), loops.end(), [&](const ClosedLoop& other) { return agree(loop, other); });
-    if (little || seen_twice) kept.push_back(loop);
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    if (agreed[i] != 0) kept.push_back(loops[i]);
   }
   return kept;
 }
 
 int SubmapGraph::close(const std::vector<Candidate>& candidates) {
+  prepare_search(candidates);
+  int closed = 0;
+  for (const ClosedLoop& loop : accepted(verified(candidates))) {
+    std::erase_if(loops_,
+                  [&](const ClosedLoop& old) { return old.submap == loop.submap && old.key_scan == loop.key_scan; });
+    loops_.push_back(loop);
+    ++closed;
+  }
+  if (sparing_)
+    for (const auto& submap : submaps_) submap->forget_correlative();
+  return closed;
+}
+
+/// Prepares what the threads then only read.
+void SubmapGraph::prepare_search(const std::vector<Candidate>& candidates) {
   std::set<std::size_t> searched;
   for (const Candidate& candidate : candidates) {
     if (candidate.search) searched.insert(candidate.submap);
   }
-  // Made before the threads look at them.
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
     if (searched.contains(s)) {
       submaps_[s]->correlative();
@@ -249,28 +259,24 @@ int SubmapGraph::close(const std::vector<Candidate>& candidates) {
       submaps_[s]->forget_correlative();
     }
   }
+}
+
+std::vector<std::optional<ClosedLoop>> SubmapGraph::verified(const std::vector<Candidate>& candidates) const {
   std::vector<std::optional<ClosedLoop>> found(candidates.size());
-  const auto try_some = [&](int begin, int end) {
+  const auto verify_some = [&](int begin, int end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      found[i] = try_candidate(candidates[i]);
+      found[i] = verify(candidates[i]);
   };
   const int count = static_cast<int>(candidates.size());
   if (pool_) {
-    pool_->for_chunks(0, count, 1, try_some);
+    pool_->for_chunks(0, count, 1, verify_some);
   } else {
-    try_some(0, count);
+    verify_some(0, count);
   }
-  int closed = 0;
-  for (const auto& loop : confirmed(found)) {
-    std::erase_if(loops_,
-                  [&](const ClosedLoop& old) { return old.submap == loop.submap && old.key_scan == loop.key_scan; });
-    loops_.push_back(loop);
-    ++closed;
-  }
-  return closed;
+  return found;
 }
 
-int SubmapGraph::look_for_loops(std::size_t first) {
+int SubmapGraph::search_loops(std::size_t first) {
   std::vector<Candidate> candidates;
   const auto every = static_cast<std::size_t>(options_.loop_every);
   for (std::size_t k = (first + every - 1) / every * every; k < key_scans_.size(); k += every) {
@@ -279,44 +285,52 @@ int SubmapGraph::look_for_loops(std::size_t first) {
   return close(candidates);
 }
 
-int SubmapGraph::tie_neighbours() {
+int SubmapGraph::constrain_neighbors() {
   std::vector<Candidate> candidates;
-  const auto every = static_cast<std::size_t>(options_.tie_every);
+  const auto every = static_cast<std::size_t>(options_.constrain_every);
   for (std::size_t k = 0; k < key_scans_.size(); k += every) {
     for (const Candidate& candidate : candidates_of(k, true)) candidates.push_back(candidate);
   }
   return close(candidates);
 }
 
-PlanarEdge SubmapGraph::edge_of(const ClosedLoop& loop) const {
-  PlanarEdge edge;
-  edge.a = pose_of_submap_[loop.submap];
-  edge.b = pose_of_key_scan_[loop.key_scan];
-  edge.a_from_b = loop.submap_from_body;
-  edge.root_information = root_information(loop.covariance, options_.loop_sigma_m, options_.loop_sigma_rad);
-  edge.robust = true;
-  return edge;
+Constraint SubmapGraph::edge_of(const ClosedLoop& loop) const {
+  return edge_between(pose_of_submap_[loop.submap], pose_of_key_scan_[loop.key_scan], loop.submap_from_body,
+                      information_of(loop.covariance, options_.loop_sigma_m, options_.loop_sigma_rad),
+                      ConstraintKind::loop);
 }
 
-std::vector<PlanarEdge> SubmapGraph::edges() const {
-  std::vector<PlanarEdge> edges = ties_;
+std::vector<Constraint> SubmapGraph::edges() const {
+  std::vector<Constraint> edges = ties_;
   for (const ClosedLoop& loop : loops_) edges.push_back(edge_of(loop));
   return edges;
 }
 
 void SubmapGraph::optimize() {
-  PlanarPoseGraphOptions options;
-  options.robust_width = options_.robust_width;
-  optimize_planar_pose_graph(poses_, edges(), options);
+  fit_poses();
   const std::size_t before = loops_.size();
   std::erase_if(loops_, [&](const ClosedLoop& loop) { return contradicted(loop); });
-  if (loops_.size() < before) optimize_planar_pose_graph(poses_, edges(), options);
+  if (loops_.size() < before) fit_poses();
 }
 
-/// Whether all else together says that the loop is wrong.
+/// The first submap stays fixed.
+void SubmapGraph::fit_poses() {
+  std::vector<Constraint> edges = this->edges();
+  std::vector<std::uint8_t> fixed(poses_.size(), 0);
+  if (!fixed.empty()) fixed.front() = 1;
+  PoseGraphOptions options;
+  options.loops = LoopModel::robust;
+  options.robust_width = options_.robust_width;
+  options.iterations = 50;
+  optimize_pose_graph(poses_, edges, fixed, options);
+}
+
+/// Whether the rest of the graph contradicts the loop.
 bool SubmapGraph::contradicted(const ClosedLoop& loop) const {
-  const PlanarEdge edge = edge_of(loop);
-  return planar_edge_error(edge, poses_[edge.a], poses_[edge.b]).norm() > options_.loop_reject_sigmas;
+  const double squared =
+      squared_sigmas(edge_of(loop), world_from_submap(loop.submap), world_from_key_scan(loop.key_scan));
+  return judge({.graph_sigmas = std::sqrt(squared)}, {.max_graph_sigmas = options_.loop_reject_sigmas}) !=
+         Rejection::none;
 }
 
 }  // namespace rastro

@@ -5,6 +5,9 @@
 
 #include <cmath>
 
+#include "rastro/map/graph/planar.h"
+#include "rastro/optimize/pose_graph.h"
+#include "rastro/slam/hector/final_map.h"
 #include "rastro/slam/hector/hector_testing.h"
 
 namespace rastro {
@@ -14,8 +17,8 @@ using testing::pose_of;
 using testing::room_drive;
 using testing::WalledDrive;
 
-/// What the matcher makes of a drive: every fourth frame a key scan, the first ones in a finished submap, the others in
-/// one that is still made. Between the two its frame slips.
+/// The matcher's result for a drive: every fourth frame is a key scan, the first ones in a finished submap, the others
+/// in an unfinished one. Between the two its frame slips.
 struct MatchedDrive {
   HectorOptions options;
   WalledDrive drive;
@@ -46,7 +49,7 @@ struct MatchedDrive {
     }
   }
 
-  /// Largest distance of a key scan from where it was taken, metres.
+  /// Largest position error of a key scan, meters.
   double worst_m(const SubmapGraph& graph) const {
     double worst = 0.0;
     for (std::size_t i = 0; i < graph.key_scans().size(); ++i)
@@ -68,7 +71,7 @@ TEST(SubmapGraph, WithoutLoopsTheWorldIsTheMatchersFrame) {
     for (std::size_t i = 0; i < graph.key_scans().size(); ++i)
       EXPECT_LT((matched.local(4 * i).inverse() * graph.world_from_key_scan(i)).log().norm(), 1e-6) << i;
     EXPECT_LT(graph.world_from_local().log().norm(), 1e-6);
-    graph.optimize();  // all ties say the same
+    graph.optimize();  // all constraints agree
   }
   EXPECT_TRUE(graph.loops().empty());
 }
@@ -83,13 +86,13 @@ TEST(SubmapGraph, AKeyScanIsPartOfTheUnfinishedSubmapsAlone) {
   EXPECT_EQ(graph.key_scans_of(1).size(), 14U);
 }
 
-TEST(SubmapGraph, LoopsAreFoundWhereTheScanWasTakenAndTakeTheDriftOut) {
+TEST(SubmapGraph, LoopsAreFoundAtTheTruePoseAndRemoveTheDrift) {
   const MatchedDrive matched = drifting();
   SubmapGraph graph(matched.options, nullptr);
   matched.fill(graph);
   const double before = matched.worst_m(graph);
   ASSERT_GT(before, 0.07) << "there must be drift to take out";
-  const int closed = graph.look_for_loops(6);
+  const int closed = graph.search_loops(6);
   ASSERT_GT(closed, 0);
   EXPECT_EQ(static_cast<std::size_t>(closed), graph.loops().size());
   EXPECT_NEAR(matched.worst_m(graph), before, 1e-12) << "poses are not touched yet";
@@ -110,26 +113,56 @@ TEST(SubmapGraph, LoopsAreFoundWhereTheScanWasTakenAndTakeTheDriftOut) {
       << "the matcher goes on from the newest key scan";
 }
 
-TEST(SubmapGraph, NoLoopToASubmapThatIsNotFinishedOrThatMadeTheScan) {
+TEST(SubmapGraph, ConstraintsBetweenKeyScansAreTheMatchedPoses) {
+  const MatchedDrive matched = drifting();
+  SubmapGraph graph(matched.options, nullptr);
+  matched.fill(graph);
+  ASSERT_GT(graph.search_loops(6), 0);
+  graph.optimize();
+  const std::vector<Constraint> constraints = graph.constraints();
+  const std::size_t steps = graph.key_scans().size() - 1;
+  ASSERT_EQ(constraints.size(), steps + graph.loops().size());
+  const auto residual = [&](const Constraint& constraint) {
+    return edge_residual(constraint, graph.world_from_key_scan(static_cast<std::size_t>(constraint.from)),
+                         graph.world_from_key_scan(static_cast<std::size_t>(constraint.to)));
+  };
+  for (std::size_t k = 0; k < steps; ++k) {
+    EXPECT_EQ(constraints[k].kind, ConstraintKind::odometry);
+    const SE2 step = matched.local(4 * k).inverse() * matched.local(4 * (k + 1));
+    EXPECT_LT((in_plane(constraints[k].rigid()).inverse() * step).log().norm(), 1e-9) << k;
+    EXPECT_EQ(constraints[k].to, constraints[k].from + 1);
+  }
+  for (std::size_t l = 0; l < graph.loops().size(); ++l) {
+    const ClosedLoop& loop = graph.loops()[l];
+    EXPECT_EQ(constraints[steps + l].kind, ConstraintKind::loop);
+    const SE2 submap_from_body =
+        graph.world_from_submap(loop.submap).inverse() * graph.world_from_key_scan(loop.key_scan);
+    const SE2 rest = loop.submap_from_body.inverse() * submap_from_body;
+    const Eigen::Vector3d expected(rest.translation().x(), rest.translation().y(), rest.rotation().angle());
+    EXPECT_LT((residual(constraints[steps + l]) - expected).norm(), 1e-9) << l;
+  }
+}
+
+TEST(SubmapGraph, NoLoopToAnUnfinishedSubmapOrToTheScansOwn) {
   MatchedDrive matched = drifting();
   matched.first_part = 1000;  // one submap only
   matched.drift = SE2();
   SubmapGraph graph(matched.options, nullptr);
   matched.fill(graph);
-  EXPECT_EQ(graph.look_for_loops(0), 0);
+  EXPECT_EQ(graph.search_loops(0), 0);
   graph.submaps().front()->finish();
-  EXPECT_EQ(graph.look_for_loops(0), 0) << "its own scans tell nothing";
-  EXPECT_EQ(graph.tie_neighbours(), 0) << "nor do those in its middle";
+  EXPECT_EQ(graph.search_loops(0), 0) << "its own scans tell nothing";
+  EXPECT_EQ(graph.constrain_neighbors(), 0) << "nor do those in its middle";
 }
 
-TEST(SubmapGraph, AnotherRoomIsNotTakenForTheFirst) {
+TEST(SubmapGraph, AnotherRoomIsNotMatchedToTheFirst) {
   MatchedDrive matched = drifting();
   SubmapGraph graph(matched.options, nullptr);
   graph.add_submap(matched.local(0));
   for (std::size_t k = 0; k <= 20; k += 4) graph.add_key_scan(matched.key_scan(k), MatchedDrive::covariance());
   graph.submaps().front()->finish();
   graph.add_submap(matched.local(24));
-  // A long narrow room with pillars, as far as the matcher knows at the same place.
+  // A long narrow room with pillars, which the matcher places at the same position.
   MatchedDrive other = matched;
   other.drive.walls = {};
   other.drive.walls.add_box(-1.0, -6.0, 1.2, 9.0);
@@ -141,23 +174,130 @@ TEST(SubmapGraph, AnotherRoomIsNotTakenForTheFirst) {
     scan.scan = other.key_scan(k).scan;
     graph.add_key_scan(scan, MatchedDrive::covariance());
   }
-  EXPECT_EQ(graph.look_for_loops(6), 0);
+  EXPECT_EQ(graph.search_loops(6), 0);
 }
 
-TEST(SubmapGraph, TheSameForAnyPool) {
+TEST(SubmapGraph, IsTheSameForAnyPool) {
   const MatchedDrive matched = drifting();
   TaskPool pool(3);
   SubmapGraph one(matched.options, nullptr), many(matched.options, &pool);
   for (SubmapGraph* graph : {&one, &many}) {
     matched.fill(*graph);
-    graph->look_for_loops(6);
+    graph->search_loops(6);
     graph->optimize();
-    graph->tie_neighbours();
+    graph->constrain_neighbors();
     graph->optimize();
   }
   ASSERT_EQ(one.loops().size(), many.loops().size());
   for (std::size_t i = 0; i < one.key_scans().size(); ++i)
     EXPECT_EQ(one.world_from_key_scan(i).matrix(), many.world_from_key_scan(i).matrix());
+}
+
+/// A graph whose drift a loop closure has removed.
+void close_and_optimize(const MatchedDrive& matched, SubmapGraph& graph) {
+  matched.fill(graph);
+  graph.search_loops(6);
+  graph.optimize();
+}
+
+double matrix_distance(const SE2& a, const SE2& b) { return (a.matrix() - b.matrix()).norm(); }
+
+TEST(SubmapGraph, ConstraintsLeadFromKeyScanToKeyScan) {
+  const MatchedDrive matched = drifting();
+  SubmapGraph graph(matched.options, nullptr);
+  close_and_optimize(matched, graph);
+  const std::vector<Constraint> constraints = graph.constraints();
+  ASSERT_EQ(constraints.size(), 19U + graph.loops().size());
+  for (std::size_t k = 0; k < 19; ++k) {
+    EXPECT_EQ(constraints[k].kind, ConstraintKind::odometry);
+    EXPECT_EQ(constraints[k].from, static_cast<KeyframeId>(k));
+    EXPECT_EQ(constraints[k].to, static_cast<KeyframeId>(k) + 1);
+    const SE2 expected = matched.local(4 * k).inverse() * matched.local(4 * k + 4);
+    EXPECT_LT(matrix_distance(testing::planar(constraints[k].rigid()), expected), 1e-9) << k;
+    EXPECT_NEAR(constraints[k].information(0, 0), 1.0 / (0.02 * 0.02) + 1.0 / 9.0, 1e-6);
+    EXPECT_NEAR(constraints[k].information(5, 5), 1.0 / (0.005 * 0.005) + 1.0 / (0.3 * 0.3), 1e-6);
+  }
+  ASSERT_FALSE(graph.loops().empty());
+  for (std::size_t i = 0; i < graph.loops().size(); ++i) {
+    const ClosedLoop& loop = graph.loops()[i];
+    const Constraint& constraint = constraints[19 + i];
+    EXPECT_EQ(constraint.kind, ConstraintKind::loop);
+    EXPECT_EQ(constraint.from, 0) << "the first key scan of its submap";
+    EXPECT_EQ(constraint.to, static_cast<KeyframeId>(loop.key_scan));
+    const SE2 expected =
+        graph.world_from_key_scan(0).inverse() * graph.world_from_submap(loop.submap) * loop.submap_from_body;
+    EXPECT_LT(matrix_distance(testing::planar(constraint.rigid()), expected), 1e-9) << i;
+  }
+}
+
+TEST(SubmapGraph, OnlyEveryFewKeyScansAreComparedAndARepeatedLoopReplacesTheOld) {
+  MatchedDrive matched = drifting();
+  matched.options.loop_every = 3, matched.options.constrain_every = 4;
+  SubmapGraph graph(matched.options, nullptr);
+  matched.fill(graph);
+  const int closed = graph.search_loops(7);
+  ASSERT_GT(closed, 0);
+  for (const ClosedLoop& loop : graph.loops()) {
+    EXPECT_EQ(loop.key_scan % 3, 0U);
+    EXPECT_GE(loop.key_scan, 9U) << "not those before the first one asked for";
+  }
+  EXPECT_EQ(graph.search_loops(7), closed);
+  EXPECT_EQ(graph.loops().size(), static_cast<std::size_t>(closed)) << "each pair once";
+  std::size_t before = graph.loops().size();
+  graph.optimize();
+  ASSERT_GT(graph.constrain_neighbors(), 0);
+  for (const ClosedLoop& loop : graph.loops())
+    EXPECT_TRUE(loop.key_scan % 3 == 0 || loop.key_scan % 4 == 0) << loop.key_scan;
+  EXPECT_GT(graph.loops().size(), before);
+}
+
+TEST(SubmapGraph, ALoopNeedsTheMinimumScore) {
+  MatchedDrive matched = drifting();
+  matched.options.loop_min_score = 1.01;
+  SubmapGraph graph(matched.options, nullptr);
+  matched.fill(graph);
+  EXPECT_EQ(graph.search_loops(6), 0);
+}
+
+TEST(Placed, AScanBetweenTwoKeyScansIsMovedByBoth) {
+  const MatchedDrive matched = drifting();
+  SubmapGraph graph(matched.options, nullptr);
+  close_and_optimize(matched, graph);
+  const std::size_t key = 8;  // of frame 32; the next one is of frame 36
+  const auto by = [&](std::size_t k, const SE2& local) {
+    return graph.world_from_key_scan(k) * graph.key_scans()[k].local_from_body.inverse() * local;
+  };
+  std::vector<PosedScan> scans(6);
+  const TimeNs stamps[] = {31, 32, 33, 35, 36, 40};
+  for (std::size_t i = 0; i < 6; ++i) {
+    scans[i].stamp = stamps[i];
+    scans[i].key_scan = key;
+    scans[i].local_from_body = matched.local(33);
+  }
+  const std::vector<StampedPlanarPose> poses = placed(scans, graph);
+  ASSERT_EQ(poses.size(), 6U);
+  const SE2 last = by(key, matched.local(33)), next = by(key + 1, matched.local(33));
+  EXPECT_GT(matrix_distance(last, next), 1e-6) << "or there is nothing to share";
+  const double shares[] = {0.0, 0.0, 0.25, 0.75, 1.0, 1.0};
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(poses[i].stamp, stamps[i]);
+    EXPECT_LT(matrix_distance(poses[i].pose, interpolate(last, next, shares[i])), 1e-12) << i;
+  }
+  scans.resize(1);
+  scans[0].key_scan = 19;
+  scans[0].stamp = 79;
+  EXPECT_LT(matrix_distance(placed(scans, graph)[0].pose, by(19, matched.local(33))), 1e-12) << "no next one";
+  EXPECT_TRUE(placed(scans, SubmapGraph(matched.options, nullptr)).empty());
+}
+
+TEST(ReturnsOf, BothEndsOfTheRangeAreReturns) {
+  HectorOptions options;
+  options.min_range_m = 1.0, options.max_range_m = 2.0;
+  LaserScan scan;
+  scan.angle_step = 0.1;
+  scan.max_range = 10.0;
+  scan.ranges = {0.99F, 1.0F, 1.5F, 2.0F, 2.01F};
+  EXPECT_EQ(returns_of(scan, options).points.size(), 3U);
 }
 
 TEST(ReturnsOf, AreInTheBodyFrameWithinTheRange) {

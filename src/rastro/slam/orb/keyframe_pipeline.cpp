@@ -8,9 +8,17 @@
 namespace rastro {
 namespace {
 
-bool own_thread(const SlamContext& context) {
-  return context.pipelined && context.pool != nullptr && context.pool->threads() > 1;
+PipelineOptions pipeline_options(const SlamContext& context) {
+  constexpr std::size_t most_live = 4;  // maximum number of keyframes waiting for mapping
+  PipelineOptions options;
+  options.own_thread = context.pipelined && context.pool != nullptr && context.pool->threads() > 1;
+  if (!context.live) return options;
+  options.hand_over = HandOver::when_ready;
+  options.max_in_flight = most_live;
+  return options;
 }
+
+constexpr double reserve_mb = 150.0;  ///< For everything except the map.
 
 }  // namespace
 
@@ -20,12 +28,13 @@ KeyframePipeline::KeyframePipeline(OrbSession& session, FrameTracker& tracker, c
       adjusting_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
       mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
       local_mapping_(session.options, session.graph, &mapping_pool_, session.stop),
+      thinning_(session.options, session.graph, map_budget_bytes(context, reserve_mb)),
       database_(session.graph, standard_vocabulary()),
       loop_closing_(session.options, session.graph, database_),
-      mapping_({.own_thread = own_thread(context)}),
-      adjusting_({.own_thread = own_thread(context)}) {}
+      mapping_(pipeline_options(context)),
+      adjusting_(pipeline_options(context)) {}
 
-KeyframePipeline::Result KeyframePipeline::process(const KeyframeInput& keyframe) {
+KeyframePipeline::Result KeyframePipeline::process(const KeyframeInput& keyframe, std::size_t trajectory_bytes) {
   const std::int64_t id = keyframe.frame->data().id;
   Result result;
   local_mapping_.process(keyframe);
@@ -37,6 +46,8 @@ KeyframePipeline::Result KeyframePipeline::process(const KeyframeInput& keyframe
                                                                      session_.options.pixel_sigma);
     }
   }
+  thinning_.process(trajectory_bytes, result.events);
+  result.budget = thinning_.budget();
   result.view = view_of(session_.graph, id, session_.view_options());
   return result;
 }
@@ -47,8 +58,10 @@ HandOverDelay KeyframePipeline::mapping_delay() const {
 }
 
 void KeyframePipeline::insert(std::shared_ptr<const KeyframeInput> keyframe, TimeNs stamp) {
-  mapping_.submit([this, keyframe = std::move(keyframe)] { return process(*keyframe); }, session_.frame_time(stamp),
-                  mapping_delay());
+  const std::size_t trajectory_bytes = thinning_.limited() ? session_.trajectory.bytes() : 0;
+  mapping_.submit(
+      [this, keyframe = std::move(keyframe), trajectory_bytes] { return process(*keyframe, trajectory_bytes); },
+      session_.frame_time(stamp), mapping_delay());
 }
 
 void KeyframePipeline::insert_now(const KeyframeInput& keyframe) {
@@ -58,8 +71,8 @@ void KeyframePipeline::insert_now(const KeyframeInput& keyframe) {
 
 void KeyframePipeline::take_results(TimeNs stamp, std::vector<SlamEvent>& events) {
   const FrameTime now = session_.frame_time(stamp);
-  if (auto adjustment = adjusting_.take_due(now)) take_adjustment(std::move(*adjustment), stamp);
-  while (auto result = mapping_.take_due(now)) take(std::move(*result), events);
+  if (auto adjustment = adjusting_.take_ready(now)) take_adjustment(std::move(*adjustment), stamp);
+  while (auto result = mapping_.take_ready(now)) take(std::move(*result), events);
 }
 
 void KeyframePipeline::take_all_results(std::vector<SlamEvent>& events) {
@@ -70,10 +83,20 @@ void KeyframePipeline::take(Result result, std::vector<SlamEvent>& events) {
   events.insert(events.end(), result.events.begin(), result.events.end());
   if (session_.tracking && result.view) tracker_.set_view(result.view);
   if (result.adjustment) begin_adjustment(std::move(result.adjustment));
+  spend_sparingly(result.budget);
   archive_map();
 }
 
-/// One under way no longer fits a map that has been corrected again.
+/// Tracking's measures to stay within the budget, as last reported by mapping.
+void KeyframePipeline::spend_sparingly(const MapBudget& budget) {
+  if (budget.stage() == 0) return;
+  session_.spacing = budget.spacing();
+  constexpr double a_stage = 0.1;
+  session_.keyframe_share = 1.0 - a_stage * budget.stage();
+  if (budget.stage() > 1) session_.trajectory.forget_observations();
+}
+
+/// An adjustment in flight no longer fits a map that has been corrected since.
 void KeyframePipeline::begin_adjustment(std::shared_ptr<GlobalBundleAdjustment> adjustment) {
   cancel_adjustment();
   const OrbSlamOptions& options = session_.options;
@@ -88,7 +111,7 @@ void KeyframePipeline::begin_adjustment(std::shared_ptr<GlobalBundleAdjustment> 
       session_.frame_time(session_.last_stamp), delay);
 }
 
-/// Mapping carries the adjusted submap over, in turn with the keyframes.
+/// Mapping applies the adjusted submap, in order with the keyframes.
 void KeyframePipeline::take_adjustment(std::shared_ptr<GlobalBundleAdjustment> adjustment, TimeNs stamp) {
   adjustment_.reset();
   const std::int64_t center = session_.tracking ? tracker_.view()->center : -1;
@@ -113,7 +136,7 @@ void KeyframePipeline::cancel_adjustment() {
 void KeyframePipeline::pause(std::vector<SlamEvent>& events) {
   cancel_adjustment();
   take_all_results(events);
-  cancel_adjustment();  // of a loop closed just now
+  cancel_adjustment();  // from a loop closed just now
   wait();
 }
 

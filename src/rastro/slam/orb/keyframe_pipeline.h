@@ -7,6 +7,7 @@
 #include "rastro/backend/pipeline.h"
 #include "rastro/base/task_pool.h"
 #include "rastro/slam/orb/local_mapping/local_mapping.h"
+#include "rastro/slam/orb/local_mapping/map_thinning.h"
 #include "rastro/slam/orb/loop_closing/global_bundle_adjustment.h"
 #include "rastro/slam/orb/loop_closing/loop_closing.h"
 #include "rastro/slam/orb/map/keyframe_database.h"
@@ -15,36 +16,42 @@
 
 namespace rastro {
 
-/// What happens to keyframes beside tracking: local mapping, loop closing, and after a loop bundle adjustment of all.
-/// What becomes of a keyframe is handed over to tracking at a fixed later frame, as a view of the map.
+/// Processes keyframes beside tracking: local mapping, loop closing, and after a loop bundle adjustment of the whole
+/// submap. Results are handed over to tracking at a fixed later frame, as a view of the map.
 class KeyframePipeline {
  public:
   /// Session and tracker outlive this; the tracker gets the views.
   KeyframePipeline(OrbSession& session, FrameTracker& tracker, const SlamContext& context);
 
-  /// Maps a keyframe beside tracking. `stamp`: of its frame.
+  /// Maps a keyframe beside tracking. `stamp` is that of its frame.
   void insert(std::shared_ptr<const KeyframeInput> keyframe, TimeNs stamp);
-  /// The same at once, without closing loops; only while nothing is under way.
+  /// Maps a keyframe at once, without loop closing; only while no job is in flight.
   void insert_now(const KeyframeInput& keyframe);
-  /// Has local mapping nothing under way?
+  /// Whether a keyframe can be taken now. If not, as in a live run where mapping falls behind, it counts as dropped.
+  bool accepts() { return mapping_.accepts(); }
+  std::int64_t dropped_frames() const { return mapping_.statistics().dropped; }
+  /// Only while no job is in flight.
+  MapMemory map_memory() const { return thinning_.memory(session_.trajectory.bytes()); }
+  /// Whether local mapping has no job in flight.
   bool idle() const { return mapping_.empty(); }
 
-  /// Takes what is due at a frame.
+  /// Takes the results that are to be handed over at this frame.
   void take_results(TimeNs stamp, std::vector<SlamEvent>& events);
-  /// Takes all of local mapping and loop closing: the graph is the caller's afterwards, until the next insert().
-  void take_all_results(std::vector<SlamEvent>& events);
-  /// Takes all of local mapping and gives up an adjustment under way: nothing touches the graph until the next
+  /// Waits for local mapping and loop closing and takes all results: the caller may use the graph until the next
   /// insert().
+  void take_all_results(std::vector<SlamEvent>& events);
+  /// Waits for local mapping, takes its results and cancels a bundle adjustment in flight: no job touches the graph
+  /// until the next insert().
   void pause(std::vector<SlamEvent>& events);
-  /// Until the graph may be read; results stay to be taken.
+  /// Waits until the graph may be read; the results are not taken yet.
   void wait() const { mapping_.wait(); }
-  /// After the last frame: takes whatever is under way, adjusts the map as a whole where it is small enough and the run
-  /// is not stopped, and refines the trajectory by it.
+  /// After the last frame: takes all results, adjusts the whole map if it is small enough and the run is not stopped,
+  /// and refines the trajectory with it.
   void finish(std::vector<SlamEvent>& events);
-  /// Keeps the map safe where it is time to.
+  /// Saves the map to the archive if it is time to.
   void archive_map();
 
-  /// These touch the graph: only while nothing is under way.
+  /// These access the graph: only while no job is in flight.
   LocalMapping& local_mapping() { return local_mapping_; }
   KeyframeDatabase& database() { return database_; }
 
@@ -52,10 +59,12 @@ class KeyframePipeline {
   struct Result {
     std::shared_ptr<const MapView> view;
     std::vector<SlamEvent> events;
-    std::shared_ptr<GlobalBundleAdjustment> adjustment;  ///< To be done; null: none.
+    std::shared_ptr<GlobalBundleAdjustment> adjustment;  ///< Still to be run; null: none.
+    MapBudget budget;
   };
 
-  Result process(const KeyframeInput& keyframe);
+  Result process(const KeyframeInput& keyframe, std::size_t trajectory_bytes);
+  void spend_sparingly(const MapBudget& budget);
   Result apply(const GlobalBundleAdjustment& adjustment, std::int64_t center);
   void take(Result result, std::vector<SlamEvent>& events);
   void begin_adjustment(std::shared_ptr<GlobalBundleAdjustment> adjustment);
@@ -67,12 +76,13 @@ class KeyframePipeline {
   OrbSession& session_;
   FrameTracker& tracker_;
   TaskPool adjusting_pool_;
-  TaskPool mapping_pool_;  ///< Of its own, so that tracking's loops never wait for mapping's.
+  TaskPool mapping_pool_;  ///< Separate, so that tracking's loops never wait for mapping's.
   LocalMapping local_mapping_;
+  MapThinning thinning_;
   KeyframeDatabase database_;
   LoopClosing loop_closing_;
-  std::shared_ptr<GlobalBundleAdjustment> adjustment_;  ///< Under way; null: none.
-  // Last: their jobs use what is above.
+  std::shared_ptr<GlobalBundleAdjustment> adjustment_;  ///< In flight; null: none.
+  // Last members: their jobs use what is above.
   Pipeline<Result> mapping_;
   Pipeline<std::shared_ptr<GlobalBundleAdjustment>> adjusting_;
 };

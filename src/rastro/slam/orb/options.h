@@ -9,7 +9,7 @@
 
 namespace rastro {
 
-/// Settings of keyframe SLAM; meaning, range and reason of each stand once, in option_table().
+/// Settings of keyframe SLAM; meaning, range and reason of each are documented once, in option_table().
 struct OrbSlamOptions {
   std::string sensor = "auto";
 
@@ -30,7 +30,7 @@ struct OrbSlamOptions {
   double stereo_least_disparity_px = 0.3;
   double stereo_difference_ratio = 2.0;
 
-  // Initialisation.
+  // Initialization.
   double init_window_share = 0.16;
   int init_hamming = 64;
   double init_ratio = 0.8;
@@ -72,7 +72,7 @@ struct OrbSlamOptions {
   // Mapping.
   double cull_found_share = 0.25;
   int cull_keyframes = 3;
-  int triangulate_neighbours = 12;
+  int triangulate_neighbors = 12;
   int triangulate_hamming = 50;
   double triangulate_parallax_deg = 1.0;
   double epipolar_chi2 = 3.84;
@@ -84,7 +84,7 @@ struct OrbSlamOptions {
   int final_iterations = 10;
   int final_keyframes = 200;
 
-  // Loops, loss.
+  // Loop closing, relocalization.
   bool loop_closing = true;
   int covisible_landmarks = 15;
   int essential_landmarks = 100;
@@ -94,14 +94,14 @@ struct OrbSlamOptions {
   int place_candidates = 5;
   int place_hamming = 60;
   double place_ratio = 0.8;
-  int relocalise_matches = 15;
-  double relocalise_search_px = 10.0;
-  int loop_neighbour_landmarks = 30;
+  int relocalize_matches = 15;
+  double relocalize_search_px = 10.0;
+  int loop_neighbor_landmarks = 30;
   int loop_consistent = 3;
   int loop_inliers = 20;
   int loop_landmarks = 40;
   double loop_search_px = 8.0;
-  int loop_apart = 10;
+  int loop_min_gap = 10;
   int loop_adjust_iterations = 4;
   double loop_adjust_delay_s = 2.0;
   std::uint64_t seed = 1;

@@ -11,7 +11,7 @@
 
 namespace rastro {
 
-/// Tracking, and what runs beside it.
+/// Tracking, and the jobs beside it.
 class OrbSlam::State {
  public:
   State(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context);
@@ -21,7 +21,9 @@ class OrbSlam::State {
   Trajectory trajectory() const;
   std::shared_ptr<const Map> snapshot() const;
   bool set_mapping(bool on);
-  std::vector<FeatureObservation> observations() const { return tracking_.observations(); }
+  const std::vector<FeatureObservation>& observations() const { return tracking_.observations(); }
+  std::int64_t dropped_frames() const { return pipeline_.dropped_frames(); }
+  MapMemory map_memory() const;
 
  private:
   void use_map(const SlamContext& context);
@@ -31,7 +33,7 @@ class OrbSlam::State {
   KeyframePipeline pipeline_;
   Tracking tracking_;
   SE3 last_pose_;                  ///< world_from_camera
-  std::vector<SlamEvent> events_;  ///< Not yet told of.
+  std::vector<SlamEvent> events_;  ///< Not reported yet.
 };
 
 OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context)
@@ -50,6 +52,7 @@ void OrbSlam::State::use_map(const SlamContext& context) {
   session_.scale = scale_of(map);
   session_.mapping = context.extend_map;
   session_.has_map = !map.keyframes.empty();
+  session_.initial_pose = context.initial_pose;
   session_.next_keyframe = map.keyframes.empty() ? 0 : map.keyframes.back().id + 1;
 }
 
@@ -91,7 +94,12 @@ std::shared_ptr<const Map> OrbSlam::State::snapshot() const {
   return map_of(session_.graph, session_.trajectory, session_.scale);
 }
 
-/// Localization reads the graph on the tracking thread: nothing may be under way.
+MapMemory OrbSlam::State::map_memory() const {
+  pipeline_.wait();
+  return pipeline_.map_memory();
+}
+
+/// Localization reads the graph on the tracking thread: no job may be in flight.
 bool OrbSlam::State::set_mapping(bool on) {
   if (!on && !session_.has_map) return false;
   if (!on) pipeline_.pause(events_);
@@ -112,6 +120,8 @@ Trajectory OrbSlam::trajectory() const { return state_->trajectory(); }
 std::shared_ptr<const Map> OrbSlam::snapshot() const { return state_->snapshot(); }
 bool OrbSlam::set_mapping(bool on) { return state_->set_mapping(on); }
 std::vector<FeatureObservation> OrbSlam::observations() const { return state_->observations(); }
+std::int64_t OrbSlam::dropped_frames() const { return state_->dropped_frames(); }
+MapMemory OrbSlam::map_memory() const { return state_->map_memory(); }
 
 void OrbSlam::reset() {
   state_.reset();  // its jobs end before the next ones begin

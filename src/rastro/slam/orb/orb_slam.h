@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -13,11 +14,12 @@ namespace rastro {
 
 /// Keyframe SLAM, METHODS 6: R. Mur-Artal, J. M. M. Montiel and J. D. Tardos, "ORB-SLAM: a versatile and accurate
 /// monocular SLAM system", 2015; R. Mur-Artal and J. D. Tardos, "ORB-SLAM2", 2017. The body is the (left) camera; the
-/// world is the first keyframe's camera, in metres where two cameras or depth say so, else in the unit in which half
-/// the first points are nearer than 1.
+/// world is the first keyframe's camera. The map is in meters with stereo or depth; with one camera its unit is
+/// arbitrary: half of the first points are nearer than 1.
 class OrbSlam : public Slam {
  public:
-  /// `source` must have a calibrated camera. Error for options out of range, and where it lacks what `sensor` names.
+  /// `source` must have a calibrated camera. Error for options out of range, and where it lacks the sensor named in
+  /// `sensor`.
   OrbSlam(const OrbSlamOptions& options, const SourceInfo& source, const SlamContext& context);
   ~OrbSlam() override;
   SlamUpdate process(const Frame& frame) override;
@@ -28,6 +30,8 @@ class OrbSlam : public Slam {
   /// Off only once there is a map.
   bool set_mapping(bool on) override;
   std::vector<FeatureObservation> observations() const override;
+  std::int64_t dropped_frames() const override;
+  MapMemory map_memory() const override;
 
  private:
   class State;

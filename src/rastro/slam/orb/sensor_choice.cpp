@@ -22,13 +22,13 @@ RgbdOptions farther_reading() {
   return options;
 }
 
-/// Nothing at the edge of an object, where depth belongs to one side or the other.
-float depth_at(const DepthImage& depth, const Camera& camera, const Keypoint& keypoint, const SE3& depth_from_colour) {
+/// No depth at object boundaries, where it may belong to either side.
+float depth_at(const DepthImage& depth, const Camera& camera, const Keypoint& keypoint, const SE3& depth_from_color) {
   if (depth.empty()) return 0.0F;
   const auto ray = camera.unproject(Eigen::Vector2d(keypoint.x, keypoint.y));
   if (!ray) return 0.0F;
   static const RgbdOptions reading = farther_reading();
-  const auto read = read_depth(depth, camera, *ray, depth_from_colour, reading);
+  const auto read = read_depth(depth, camera, *ray, depth_from_color, reading);
   return read ? static_cast<float>(1.0 / read->inverse_depth) : 0.0F;
 }
 
@@ -61,7 +61,7 @@ OrbOptions orb_options(const OrbSlamOptions& options) {
 
 namespace {
 
-/// Whether rows of both pictures show the same: pinhole cameras of one kind, side by side.
+/// Whether corresponding points are in the same row of both images: pinhole cameras of one kind, side by side.
 bool is_rectified(const SourceInfo& source) {
   if (source.cameras.size() < 2 || !source.cameras[1].camera || !source.left_from_right) return false;
   const Camera &left = *source.cameras[0].camera, &right = *source.cameras[1].camera;
@@ -74,7 +74,7 @@ bool is_rectified(const SourceInfo& source) {
          std::hypot(aside.y(), aside.z()) < most_share * aside.x();
 }
 
-/// Both cameras, rectified where they are not; with `auto` the left one alone where they cannot be.
+/// Chooses both cameras, rectified where they are not; with `auto` only the left one if they cannot be rectified.
 void choose_pair(const OrbSlamOptions& options, const SourceInfo& source, SensorChoice& choice) {
   choice.sensor = CameraKind::stereo;
   if (is_rectified(source)) {
@@ -90,11 +90,11 @@ void choose_pair(const OrbSlamOptions& options, const SourceInfo& source, Sensor
     choice.baseline = choice.rectification->baseline;
     return;
   }
-  const char* why = calibrated ? "has pairs of pictures of cameras that are not side by side, or whose sizes the "
-                                 "calibration does not say"
-                               : "has pairs of pictures without calibration of both cameras and their places";
-  if (options.sensor == "stereo") throw Error(why, source.path, "give '--calibration', or '--sensor mono'");
-  log_warning(fmt::format("{} {}: the left camera alone is used", source.path, why));
+  const char* why =
+      calibrated ? "has stereo images of cameras that are not side by side, or whose sizes are not in the calibration"
+                 : "has stereo images without calibration of both cameras and their baseline";
+  if (options.sensor == "stereo") throw Error(why, source.path, "give --calibration FILE, or --sensor mono");
+  log_warning(fmt::format("{} {}: only the left camera is used", source.path, why));
   choice.sensor = CameraKind::mono;
 }
 
@@ -108,9 +108,9 @@ SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& sour
   SensorChoice choice;
   choice.camera = *source.cameras.front().camera;
   if (options.sensor == "rgbd" && !source.has_depth)
-    throw Error("holds no depth images", source.path, "'--sensor mono' works with images alone");
+    throw Error("has no depth images", source.path, "use --sensor mono");
   if (options.sensor == "stereo" && !source.has_right)
-    throw Error("holds no pictures of a right camera", source.path, "'--sensor mono' works with one camera");
+    throw Error("has no right images", source.path, "use --sensor mono");
   if (options.sensor == "rgbd" || (options.sensor == "auto" && source.has_depth)) {
     choice.sensor = CameraKind::depth;
     choice.baseline = options.virtual_baseline_m;
@@ -122,18 +122,19 @@ SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& sour
 
 FrameRectifier::FrameRectifier(std::shared_ptr<const StereoRectification> rectification, TaskPool* pool)
     : rectification_(std::move(rectification)), pool_(pool) {
-  constexpr int margin = 16;  // Corners at the edge of what is shown are none; the coarsest level sees this far.
+  constexpr int margin = 16;  // Corners at the border of the valid area are artifacts; the coarsest level reaches this
+                              // far.
   const Camera& camera = rectification_->camera;  // of the recorded size
   shown_ = shown_by(rectification_->left, camera.width, camera.height, margin);
 }
 
 Frame FrameRectifier::rectified(const Frame& frame) const {
-  const auto is_of_camera = [&](GreyView image) {
+  const auto is_of_camera = [&](GrayView image) {
     return image.width == rectification_->camera.width && image.height == rectification_->camera.height;
   };
   if (!is_of_camera(frame.image.view()) || !(frame.right.empty() || is_of_camera(frame.right.view())))
-    throw Error("has another size than the calibration says", fmt::format("frame {}", frame.index),
-                "give the calibration of these pictures");
+    throw Error("has another size than the calibration", fmt::format("frame {}", frame.index),
+                "give the calibration of these images");
   Frame made;
   made.index = frame.index;
   made.stamp = frame.stamp;
@@ -142,8 +143,8 @@ Frame FrameRectifier::rectified(const Frame& frame) const {
   if (!frame.right.empty()) made.right = remap(frame.right.view(), rectification_->right, pool_);
   made.mask = shown_;
   if (frame.mask.empty()) return made;
-  const GreyImage mask = remap(frame.mask.view(), rectification_->left, pool_);
-  constexpr std::uint8_t half = 128;  // A mask's edge is mixed.
+  const GrayImage mask = remap(frame.mask.view(), rectification_->left, pool_);
+  constexpr std::uint8_t half = 128;  // The border of a mask has interpolated values.
   for (int y = 0; y < mask.height(); ++y)
     std::transform(mask.row(y), mask.row(y) + mask.width(), made.mask.row(y), made.mask.row(y),
                    [](std::uint8_t a, std::uint8_t b) { return a < half ? std::uint8_t{0} : b; });
@@ -152,23 +153,23 @@ Frame FrameRectifier::rectified(const Frame& frame) const {
 
 void check_map(const Map& map, const SensorChoice& choice, bool extend) {
   if (map.method != "orb")
-    throw Error("was made by method '" + map.method + "'", "--map", "give a map that 'orb' made");
+    throw Error("was made by method '" + map.method + "'", "--map", "give a map made by --method orb");
   if (!map.layer<FeatureLayer>() || !map.layer<LandmarkLayer>() || map.cameras.empty())
-    throw Error("has no features, no landmarks or no camera", "--map", "give a map that 'orb' made");
+    throw Error("has no features, no landmarks or no camera", "--map", "give a map made by --method orb");
   const auto features = map.layer<FeatureLayer>();
   for (const Keyframe& keyframe : map.keyframes)
     if (!features->find(keyframe.id))
       throw Error("has keyframes without features", "--map",
-                  "give a whole map; 'rastro info' says what this one lacks");
+                  "give a complete map; 'rastro info' says what this one lacks");
   if (map.cameras.front().kind != choice.sensor && (extend || choice.sensor != CameraKind::mono))
-    throw Error("was made with other sensors than this run has", "--map",
-                "give --sensor as when it was made; --sensor mono finds its way in any map");
+    throw Error("was made with another sensor", "--map",
+                "give the --sensor of the map, or --sensor mono, which works with any map");
 }
 
 FeatureMaker::FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool)
     : options_(options), sensor_(sensor), pool_(pool), extractor_(orb_options(options)) {}
 
-std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const SE3& depth_from_colour) {
+std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const SE3& depth_from_color) {
   auto data = std::make_shared<ImageFeatures>();
   data->id = -1;
   data->frame = frame.index;
@@ -178,7 +179,7 @@ std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const
     data->depths.resize(data->features.size());
     const auto read = [&](int begin, int end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-        data->depths[i] = depth_at(frame.depth, sensor_.camera, data->features.keypoints[i], depth_from_colour);
+        data->depths[i] = depth_at(frame.depth, sensor_.camera, data->features.keypoints[i], depth_from_color);
     };
     const auto count = static_cast<int>(data->features.size());
     pool_ != nullptr ? pool_->for_chunks(0, count, 64, read) : read(0, count);

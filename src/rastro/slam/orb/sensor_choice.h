@@ -13,47 +13,47 @@
 
 namespace rastro {
 
-/// What a run works with.
+/// The sensor data that a run uses.
 struct SensorChoice {
   CameraKind sensor = CameraKind::mono;
   Camera camera;
-  double baseline = 0.0;  ///< Metres; that of a made-up right camera where depth is seen.
-  /// Of a pair whose rows do not show the same; null: pictures are used as they are. Camera and baseline are those of
-  /// the rectified pair then.
+  double baseline = 0.0;  ///< Meters; virtual for a depth camera.
+  /// For an unrectified stereo pair; null: images are used as they are. With it, camera and baseline are those of the
+  /// rectified pair.
   std::shared_ptr<const StereoRectification> rectification;
 
-  SE3 camera_from_left() const;  ///< From what the recording has for its (left) camera; no turn where not rectified.
+  SE3 camera_from_left() const;  ///< From the recording's (left) camera frame; identity where not rectified.
 };
 
-/// With what depends on the pictures, and on a map given (may be null), filled in. Error for options out of range.
+/// Fills in what depends on the images, and on a given map (may be null). Error for options out of range.
 OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source, const Map* map);
 OrbOptions orb_options(const OrbSlamOptions& options);
-/// All that the source has, or what `sensor` names; Error where the source lacks that.
+/// All sensors of the source, or the one named in `sensor`; Error where the source lacks it.
 SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& source);
 
-/// Error where a run cannot use the map: one camera finds its way in any, but goes on only with its own kind.
+/// Error where a run cannot use the map: one camera can localize in any map, but continues only a map of its own kind.
 void check_map(const Map& map, const SensorChoice& choice, bool extend);
 
-/// Frames as a rectified pair has them.
+/// Rectifies the frames of a stereo pair.
 class FrameRectifier {
  public:
   FrameRectifier(std::shared_ptr<const StereoRectification> rectification, TaskPool* pool);
-  /// Pictures and mask; besides them only number, stamp and name. A picture of another size than the calibration's:
-  /// Error.
+  /// Rectifies images and mask; of the other fields copies only number, stamp and name. Error for an image that has not
+  /// the calibration's size.
   Frame rectified(const Frame& frame) const;
 
  private:
   std::shared_ptr<const StereoRectification> rectification_;
   TaskPool* pool_;
-  GreyImage shown_;  ///< Mask of what the left picture shows.
+  GrayImage shown_;  ///< Mask of the valid pixels of the left image.
 };
 
-/// Turns frames into features, with depth where it is seen.
+/// Extracts features from frames, with depth where it is measured.
 class FeatureMaker {
  public:
   FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool);
-  /// `depth_from_colour`: how the camera moves from the instant of the picture to that of its depth.
-  std::shared_ptr<const FeatureFrame> make(const Frame& frame, const SE3& depth_from_colour);
+  /// `depth_from_color`: motion of the camera from the instant of the image to that of its depth.
+  std::shared_ptr<const FeatureFrame> make(const Frame& frame, const SE3& depth_from_color);
 
  private:
   OrbSlamOptions options_;

@@ -5,10 +5,13 @@
 
 #include <cmath>
 
+#include "rastro/slam/orb/tracking/wall_testing.h"
+
 namespace rastro {
 namespace {
 
-constexpr double wall_m = 3.0;
+using testing::image_of_wall;
+using testing::wall_m;
 
 Camera distorted() {
   Camera camera;
@@ -33,25 +36,6 @@ SourceInfo pair_of(const Camera& camera, const SE3& left_from_right) {
   return source;
 }
 
-/// A wall `wall_m` in front of the left camera, with a texture that never repeats.
-GreyImage picture_of_wall(const Camera& camera, const SE3& left_from_camera) {
-  GreyImage image(camera.width, camera.height);
-  for (int y = 0; y < camera.height; ++y) {
-    for (int x = 0; x < camera.width; ++x) {
-      const auto ray = camera.unproject({x, y});
-      if (!ray) continue;
-      const Eigen::Vector3d direction = left_from_camera.rotation() * Eigen::Vector3d(ray->x(), ray->y(), 1.0);
-      const Eigen::Vector3d center = left_from_camera.translation();
-      const Eigen::Vector3d at = center + direction * ((wall_m - center.z()) / direction.z());
-      const double u = 100.0 * at.x(), v = 100.0 * at.y();
-      const double wave = std::sin(0.23 * u + 0.11 * v) + std::sin(0.19 * v - 0.013 * u * std::sin(0.05 * v)) +
-                          std::sin(0.31 * u - 0.0002 * u * v);
-      image.at(x, y) = static_cast<std::uint8_t>(std::lround(128.0 + 40.0 * wave));
-    }
-  }
-  return image;
-}
-
 OrbSlamOptions options_of(const char* sensor) {
   OrbSlamOptions options;
   options.sensor = sensor;
@@ -59,15 +43,15 @@ OrbSlamOptions options_of(const char* sensor) {
   return options;
 }
 
-TEST(SensorChoice, APairThatIsNotRectifiedSeesDepthsAllTheSame) {
+TEST(SensorChoice, AnUnrectifiedPairMeasuresDepthsToo) {
   const Camera camera = distorted();
   const OrbSlamOptions options = options_of("auto");
   const SensorChoice choice = choose_sensor(options, pair_of(camera, left_from_right()));
   ASSERT_EQ(choice.sensor, CameraKind::stereo);
   ASSERT_TRUE(choice.rectification);
   Frame frame;
-  frame.image = picture_of_wall(camera, SE3());
-  frame.right = picture_of_wall(camera, left_from_right());
+  frame.image = image_of_wall(camera, SE3());
+  frame.right = image_of_wall(camera, left_from_right());
   const Frame rectified = FrameRectifier(choice.rectification, nullptr).rectified(frame);
   const auto features = FeatureMaker(options, choice, nullptr).make(rectified, SE3());
   std::size_t known = 0, exact = 0;
@@ -81,7 +65,7 @@ TEST(SensorChoice, APairThatIsNotRectifiedSeesDepthsAllTheSame) {
   EXPECT_GT(exact, known * 9 / 10);
 }
 
-TEST(SensorChoice, ARectifiedPairIsTakenAsItIs) {
+TEST(SensorChoice, ARectifiedPairIsUsedUnchanged) {
   Camera camera = distorted();
   camera.distortion = Distortion::none;
   const SensorChoice choice = choose_sensor(options_of("stereo"), pair_of(camera, SE3(SO3(), {0.3, 0.0, 0.0})));
@@ -90,7 +74,7 @@ TEST(SensorChoice, ARectifiedPairIsTakenAsItIs) {
   EXPECT_DOUBLE_EQ(choice.baseline, 0.3);
 }
 
-TEST(SensorChoice, APairThatCannotBeUsedLeavesTheLeftCameraOrIsRefused) {
+TEST(SensorChoice, AnUnusablePairLeavesTheLeftCameraOrIsRefused) {
   SourceInfo uncalibrated = pair_of(distorted(), left_from_right());
   uncalibrated.left_from_right.reset();
   const SourceInfo one_above_the_other = pair_of(distorted(), SE3(SO3(), {0.0, 0.3, 0.0}));
@@ -100,18 +84,37 @@ TEST(SensorChoice, APairThatCannotBeUsedLeavesTheLeftCameraOrIsRefused) {
   }
 }
 
-TEST(SensorChoice, MasksMoveAlong) {
+TEST(SensorChoice, ADepthCameraMeasuresEveryFeatureOfTheWallForAnyPool) {
+  Camera camera = distorted();
+  SourceInfo source;
+  source.cameras = {{"rgb", camera, {}, ""}};
+  source.has_depth = true;
+  const OrbSlamOptions options = options_of("rgbd");
+  const SensorChoice choice = choose_sensor(options, source);
+  Frame frame;
+  frame.image = image_of_wall(camera, SE3());
+  frame.depth = DepthImage(camera.width, camera.height);
+  for (int y = 0; y < camera.height; ++y) std::fill_n(frame.depth.row(y), camera.width, static_cast<float>(wall_m));
+  TaskPool four(4);
+  const auto alone = FeatureMaker(options, choice, nullptr).make(frame, SE3());
+  const auto together = FeatureMaker(options, choice, &four).make(frame, SE3());
+  EXPECT_EQ(alone->data().depths, together->data().depths);
+  ASSERT_GT(alone->size(), 300U);
+  for (const float depth : alone->data().depths) EXPECT_NEAR(static_cast<double>(depth), wall_m, 1e-3);
+}
+
+TEST(SensorChoice, MasksAreRectifiedToo) {
   const Camera camera = distorted();
   const SensorChoice choice = choose_sensor(options_of("stereo"), pair_of(camera, left_from_right()));
   Frame frame;
-  frame.image = picture_of_wall(camera, SE3());
-  frame.mask = GreyImage(camera.width, camera.height);
+  frame.image = image_of_wall(camera, SE3());
+  frame.mask = GrayImage(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y) std::fill(frame.mask.row(y) + 240, frame.mask.row(y) + 480, 255);
   const FrameRectifier rectifier(choice.rectification, nullptr);
   const Frame rectified = rectifier.rectified(frame);
   EXPECT_EQ(rectified.mask.at(100, 180), 0);
   EXPECT_EQ(rectified.mask.at(380, 180), 255);
-  frame.image = GreyImage(100, 100);
+  frame.image = GrayImage(100, 100);
   EXPECT_THROW(rectifier.rectified(frame), Error);
 }
 

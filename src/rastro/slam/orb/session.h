@@ -15,25 +15,29 @@
 
 namespace rastro {
 
-/// What tracking, local mapping and loop closing of one run share. The graph belongs to the jobs of the
-/// KeyframePipeline while any are under way; all else is the tracking thread's.
+/// The state that tracking, local mapping and loop closing of one run share. The graph belongs to the jobs of the
+/// KeyframePipeline while any is in flight; all else belongs to the tracking thread.
 struct OrbSession {
-  /// Error for options out of range, and where the source lacks what `sensor` names.
+  /// Error for options out of range, and where the source lacks the sensor named in `sensor`.
   OrbSession(const OrbSlamOptions& settings, const SourceInfo& source, const SlamContext& context);
 
   OrbSlamOptions options;
   SensorChoice sensor;
   MapGraph graph;
   FrameTrajectory trajectory;
-  std::optional<MapScale> scale;  ///< Of a map given.
+  std::optional<MapScale> scale;  ///< Of a given map.
   MapArchive* archive = nullptr;
   const std::atomic<bool>* stop = nullptr;
-  bool mapping = true;    ///< False: localization in a map given.
-  bool has_map = false;   ///< Initialized.
-  bool tracking = false;  ///< The last frame's pose is known.
-  int lost_frames = 0;    ///< Since it no longer is.
+  /// world_from_body. Where relocalization in a given map starts, until the first frame is localized.
+  std::optional<SE3> initial_pose;
+  double spacing = 1.0;         ///< Factor on the maximum interval between keyframes.
+  double keyframe_share = 1.0;  ///< Factor on the share of landmarks below which a keyframe is made.
+  bool mapping = true;          ///< False: localization in an existing map.
+  bool has_map = false;         ///< Initialized.
+  bool tracking = false;        ///< The last frame's pose is known.
+  int lost_frames = 0;          ///< Number of frames since tracking was lost.
   std::int64_t next_keyframe = 0;
-  std::int64_t frame_number = 0;  ///< Frames given, of any kind.
+  std::int64_t frame_number = 0;  ///< Number of frames given, of any kind.
   TimeNs last_stamp = 0;          ///< Of the last frame with features.
 
   bool mono() const { return sensor.sensor == CameraKind::mono; }

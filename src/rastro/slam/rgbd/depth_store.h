@@ -11,11 +11,11 @@
 
 namespace rastro {
 
-/// Surfaces of keyframes for checks: the last ones asked for are held, the others are made again from their pictures.
-/// May be used by several threads. `check` must outlive this.
+/// Surfaces of keyframes for verification: the most recently used ones are cached, the others are computed again from
+/// their images. Thread-safe. `check` must outlive this.
 class DepthStore {
  public:
-  DepthStore(const SurfaceCheck& check, std::shared_ptr<const PictureStore> pictures)
+  DepthStore(const SurfaceCheck& check, std::shared_ptr<const ImageStore> pictures)
       : check_(check), pictures_(std::move(pictures)) {}
   void add(std::int64_t keyframe, const DepthImage& depth);
   std::shared_ptr<const KeyframeSurface> depth(std::int64_t keyframe);
@@ -28,7 +28,7 @@ class DepthStore {
   void hold(std::int64_t keyframe, std::shared_ptr<const KeyframeSurface> grid);
 
   const SurfaceCheck& check_;
-  std::shared_ptr<const PictureStore> pictures_;
+  std::shared_ptr<const ImageStore> pictures_;
   std::mutex mutex_;
   std::map<std::int64_t, Held> held_;
   std::uint64_t uses_ = 0;

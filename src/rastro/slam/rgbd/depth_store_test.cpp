@@ -13,14 +13,14 @@
 namespace rastro {
 namespace {
 
-using testing::CountingPictures;
+using testing::CountingImages;
 
 constexpr int held_at_most = 64;
 
-/// A wall of a small camera whose distance says which keyframe it is.
+/// A wall seen by a small camera; its distance encodes the keyframe.
 Frame wall_of(std::int64_t id) {
   Frame frame;
-  frame.image = GreyImage(80, 60);
+  frame.image = GrayImage(80, 60);
   frame.depth = DepthImage(80, 60);
   for (int y = 0; y < 60; ++y) {
     for (int x = 0; x < 80; ++x) frame.depth.at(x, y) = 1.0F + 0.0101F * static_cast<float>(id);
@@ -41,7 +41,7 @@ class DepthStoreTest : public ::testing::Test {
   }
 
   SurfaceCheck check_{camera(), surface_options(RgbdSlamOptions())};
-  std::shared_ptr<CountingPictures> pictures_ = std::make_shared<CountingPictures>();
+  std::shared_ptr<CountingImages> pictures_ = std::make_shared<CountingImages>();
   DepthStore store_{check_, pictures_};
 };
 
@@ -79,7 +79,7 @@ TEST_F(DepthStoreTest, HoldsNoMoreThanItsBoundAndGivesTheSameContentAgain) {
   }
 }
 
-TEST_F(DepthStoreTest, TheOneNotAskedForLongestGoesFirst) {
+TEST_F(DepthStoreTest, TheLeastRecentlyUsedIsDroppedFirst) {
   for (int id = 0; id < held_at_most; ++id) add(id);
   store_.depth(0);
   add(held_at_most);
@@ -93,7 +93,7 @@ TEST_F(DepthStoreTest, TheOneNotAskedForLongestGoesFirst) {
   EXPECT_EQ(pictures_->asked(), 2) << "the next oldest had to go for it";
 }
 
-TEST_F(DepthStoreTest, ASurfaceInUseOutlivesItsPlace) {
+TEST_F(DepthStoreTest, ASurfaceInUseOutlivesItsCacheEntry) {
   add(0);
   const auto surface = store_.depth(0);
   const std::vector<float> before = surface->blocks.depth;
@@ -102,7 +102,7 @@ TEST_F(DepthStoreTest, ASurfaceInUseOutlivesItsPlace) {
   EXPECT_EQ(surface.use_count(), 1) << "the store gave it up";
 }
 
-TEST_F(DepthStoreTest, AKeyframeThatThereIsNotIsAnError) { EXPECT_THROW(store_.depth(5), Error); }
+TEST_F(DepthStoreTest, AMissingKeyframeIsAnError) { EXPECT_THROW(store_.depth(5), Error); }
 
 TEST_F(DepthStoreTest, SeveralThreadsGetTheSame) {
   constexpr int keyframes = 100;

@@ -9,7 +9,7 @@ namespace rastro {
 namespace {
 
 constexpr int cells_across = 8, cells_down = 6;
-constexpr int spare = 2;  ///< So many times the features asked for are found, for the spreading to choose from.
+constexpr int spare = 2;  ///< Detects this many times the features asked for, to choose from when spreading them.
 
 DescriptorExtractorOptions extractor_options(const RgbdSlamOptions& options) {
   DescriptorExtractorOptions extractor;
@@ -31,7 +31,7 @@ void append(const Features& from, std::size_t i, Features& to) {
   if (length == 0) to.descriptors.push_back(from.descriptors[i]);
 }
 
-/// The strongest of each cell of the picture first, then the second of each, until there are enough.
+/// The strongest of each cell of the image first, then the second of each, until there are enough.
 Features spread(const Features& all, const Frame& frame, std::size_t most) {
   std::array<std::vector<std::size_t>, cells_across * cells_down> cells;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -71,8 +71,8 @@ float feature_depth(const DepthImage& depth, float x, float y) {
   std::size_t count = 0;
   for (int j = cy - reach; j <= cy + reach; ++j) {
     for (int i = cx - reach; i <= cx + reach; ++i) {
-      const float metres = depth.at(i, j);
-      if (metres > 0.0F && std::isfinite(metres)) found[count++] = metres;
+      const float meters = depth.at(i, j);
+      if (meters > 0.0F && std::isfinite(meters)) found[count++] = meters;
     }
   }
   if (2 * count < found.size()) return 0.0F;
@@ -89,17 +89,17 @@ KeyframeFeatures::KeyframeFeatures(const RgbdSlamOptions& options)
       extractor_(DescriptorExtractor::create(descriptor_kind(options.descriptor, "option descriptor"),
                                              extractor_options(options))) {}
 
-ImageFeatures KeyframeFeatures::extract(const Frame& frame) {
+ImageFeatures KeyframeFeatures::extract(const Frame& frame, double share) {
   ImageFeatures keyframe;
   keyframe.frame = frame.index;
   keyframe.stamp = frame.stamp;
-  keyframe.features =
-      spread(extractor_->extract(frame.image.view()), frame, static_cast<std::size_t>(options_.keyframe_features));
+  const auto most = static_cast<std::size_t>(std::lround(share * options_.keyframe_features));
+  keyframe.features = spread(extractor_->extract(frame.image.view()), frame, most);
   const auto least = static_cast<float>(options_.follow.min_depth_m),
-             most = static_cast<float>(options_.follow.max_depth_m);
+             farthest = static_cast<float>(options_.follow.max_depth_m);
   for (const Keypoint& keypoint : keyframe.features.keypoints) {
-    const float metres = feature_depth(frame.depth, keypoint.x, keypoint.y);
-    keyframe.depths.push_back(metres >= least && metres <= most ? metres : 0.0F);
+    const float meters = feature_depth(frame.depth, keypoint.x, keypoint.y);
+    keyframe.depths.push_back(meters >= least && meters <= farthest ? meters : 0.0F);
   }
   return keyframe;
 }

@@ -10,19 +10,20 @@
 
 namespace rastro {
 
-/// Features of a keyframe with their depths, spread over the picture. Not to be used by two threads at once.
+/// Features of a keyframe with their depths, spread over the image. Not thread-safe.
 class KeyframeFeatures {
  public:
   explicit KeyframeFeatures(const RgbdSlamOptions& options);
-  /// Strongest first; nothing where the mask is zero. Only features and depths of the result are set.
-  ImageFeatures extract(const Frame& frame);
+  /// Strongest first; none where the mask is zero. Sets only features and depths of the result. `share`: fraction of
+  /// the usual number of features.
+  ImageFeatures extract(const Frame& frame, double share = 1.0);
 
  private:
   RgbdSlamOptions options_;
   std::unique_ptr<DescriptorExtractor> extractor_;
 };
 
-/// Median depth around a pixel; 0 where there is none, or where it jumps.
+/// Median depth around a pixel; 0 where there is none, or at a depth discontinuity.
 float feature_depth(const DepthImage& depth, float x, float y);
 
 }  // namespace rastro

@@ -40,7 +40,7 @@ TEST(FeatureDepth, IsTheMedianOfFiveByFive) {
   EXPECT_EQ(feature_depth(depth, 4.0F, 4.0F), 2.0F) << "one noisy pixel, its own even, says nothing";
 }
 
-TEST(FeatureDepth, HasNoneAtAnEdgeOfDepth) {
+TEST(FeatureDepth, HasNoneAtADepthEdge) {
   for (const float other : {2.09F, 1.9F, 6.0F}) {
     DepthImage depth = patch();
     for (int y = 0; y < 9; ++y) depth.at(6, y) = other;
@@ -61,7 +61,7 @@ TEST(FeatureDepth, MissingPixelsDoNotCountAndTooManyGiveNone) {
   }
 }
 
-TEST(FeatureDepth, HasNoneAtTheRimOfThePicture) {
+TEST(FeatureDepth, HasNoneAtTheImageBorder) {
   const DepthImage depth = patch();
   for (const float place : {-3.0F, 0.0F, 1.0F, 7.0F, 8.0F, 30.0F}) {
     EXPECT_EQ(feature_depth(depth, place, 4.0F), 0.0F) << place;
@@ -77,7 +77,7 @@ RgbdSlamOptions few_features(int count) {
   return options;
 }
 
-TEST(KeyframeFeatures, EachHasADepthThatIsTrueOrNone) {
+TEST(KeyframeFeatures, EachHasTheCorrectDepthOrNone) {
   const Frame frame = room_frame(looking({-1.2, 0.1, 1.2}, 0.1), 42);
   const RgbdSlamOptions options;
   const ImageFeatures keyframe = KeyframeFeatures(options).extract(frame);
@@ -122,8 +122,8 @@ std::array<int, 48> count_by_cell(const ImageFeatures& keyframe) {
   return cells;
 }
 
-/// The left half has stronger edges than the right one: the strongest alone would nearly all be at the left.
-TEST(KeyframeFeatures, AreSpreadOverThePicture) {
+/// The left half has stronger edges than the right one: nearly all of the strongest features are at the left.
+TEST(KeyframeFeatures, AreSpreadOverTheImage) {
   Frame frame = unknown_frame(3);
   for (int y = 0; y < 240; ++y)
     for (int x = 160; x < 320; ++x) frame.image.at(x, y) = static_cast<std::uint8_t>(60 + frame.image.at(x, y) / 2);
@@ -155,7 +155,7 @@ TEST(KeyframeFeatures, AreStrongestFirst) {
 
 TEST(KeyframeFeatures, NoneWhereTheMaskIsZero) {
   Frame frame = unknown_frame(7);
-  frame.mask = GreyImage(320, 240);
+  frame.mask = GrayImage(320, 240);
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) frame.mask.at(x, y) = x < 200 ? 255 : 0;
   const ImageFeatures keyframe = KeyframeFeatures({}).extract(frame);
@@ -175,7 +175,7 @@ TEST(KeyframeFeatures, DescriptorsStayWithTheirKeypoints) {
     const auto length = static_cast<std::size_t>(all.length);
     EXPECT_EQ(keyframe.features.length, all.length);
     ASSERT_EQ(keyframe.features.floats.size(), length * keyframe.features.size());
-    std::size_t next = 0;  // chosen ones are in the order of all
+    std::size_t next = 0;  // the chosen ones keep the order of all
     for (std::size_t i = 0; i < keyframe.features.size(); ++i, ++next) {
       const Keypoint& point = keyframe.features.keypoints[i];
       while (next < all.size() && (all.keypoints[next].x != point.x || all.keypoints[next].y != point.y ||
@@ -191,7 +191,7 @@ TEST(KeyframeFeatures, DescriptorsStayWithTheirKeypoints) {
   }
 }
 
-TEST(KeyframeFeatures, APictureOfOneShadeHasNone) {
+TEST(KeyframeFeatures, AUniformImageHasNone) {
   Frame frame = unknown_frame(1);
   for (int y = 0; y < 240; ++y) std::fill_n(frame.image.row(y), 320, std::uint8_t{90});
   const ImageFeatures keyframe = KeyframeFeatures({}).extract(frame);

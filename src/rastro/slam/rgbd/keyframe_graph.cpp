@@ -5,20 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rastro/backend/loop_candidates.h"
 #include "rastro/base/error.h"
 
 namespace rastro {
 namespace {
-
-/// `count` of them drawn at random, in their order.
-std::vector<std::int64_t> drawn(std::vector<std::int64_t> from, int count, Random& random) {
-  const auto most = std::min(from.size(), static_cast<std::size_t>(count));
-  for (std::size_t i = 0; i < most; ++i)
-    std::swap(from[i], from[i + random.below(static_cast<std::uint32_t>(from.size() - i))]);
-  from.resize(most);
-  std::sort(from.begin(), from.end());
-  return from;
-}
 
 PoseGraphOptions graph_options(const RgbdSlamOptions& options) {
   PoseGraphOptions graph;
@@ -60,6 +51,24 @@ void KeyframeGraph::forget_features(std::int64_t id) {
   place = std::move(bare);
 }
 
+std::optional<std::int64_t> KeyframeGraph::most_redundant(int others) const {
+  std::optional<std::int64_t> best;
+  int most = others - 1;
+  for (std::int64_t id = frozen_; id < size() - options_.graph_window; ++id) {
+    if (keyframe(id).features.size() == 0) continue;
+    std::vector<std::int64_t> tied;
+    for (const std::size_t e : edges_of_[static_cast<std::size_t>(id)]) {
+      const std::int64_t other = edges_[e].from == id ? edges_[e].to : edges_[e].from;
+      if (keyframe(other).features.size() > 0 && std::find(tied.begin(), tied.end(), other) == tied.end())
+        tied.push_back(other);
+    }
+    if (static_cast<int>(tied.size()) <= most) continue;
+    most = static_cast<int>(tied.size());
+    best = id;
+  }
+  return best;
+}
+
 std::vector<KeyframePose> KeyframeGraph::keyframe_poses() const {
   std::vector<KeyframePose> result;
   result.reserve(poses_.size());
@@ -67,18 +76,11 @@ std::vector<KeyframePose> KeyframeGraph::keyframe_poses() const {
   return result;
 }
 
-std::vector<std::int64_t> KeyframeGraph::neighbourhood(std::int64_t id, int steps) const {
-  std::vector<std::int64_t> found{id};
-  for (std::size_t from = 0; steps > 0; --steps) {
-    const std::size_t end = found.size();
-    for (; from < end; ++from) {
-      for (const std::size_t e : edges_of_[static_cast<std::size_t>(found[from])]) {
-        const std::int64_t other = edges_[e].from == found[from] ? edges_[e].to : edges_[e].from;
-        if (std::find(found.begin(), found.end(), other) == found.end()) found.push_back(other);
-      }
-    }
-  }
-  return found;
+std::vector<std::int64_t> KeyframeGraph::neighborhood(std::int64_t id, int steps) const {
+  return within_steps(id, steps, [this](std::int64_t node, const auto& visit) {
+    for (const std::size_t e : edges_of_[static_cast<std::size_t>(node)])
+      visit(edges_[e].from == node ? edges_[e].to : edges_[e].from);
+  });
 }
 
 int KeyframeGraph::steps_between(std::int64_t from, std::int64_t to, int most) const {
@@ -101,49 +103,26 @@ int KeyframeGraph::steps_between(std::int64_t from, std::int64_t to, int most) c
 }
 
 std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& random) const {
-  // In a map made before, what was just seen says nothing of where that is.
-  const std::int64_t end = frozen_ > 0 ? frozen_ : id;
-  std::vector<std::uint8_t> taken(keyframes_.size(), 0);
-  std::vector<std::int64_t> chosen;
-  const auto take = [&](std::int64_t other) {
-    if (other < 0 || other >= end || taken[static_cast<std::size_t>(other)] != 0) return;
-    taken[static_cast<std::size_t>(other)] = 1;
-    chosen.push_back(other);
+  // In a given map, the previous frames say nothing about the pose in it.
+  LoopCandidates candidates(frozen_ > 0 ? frozen_ : id);
+  const auto to_match = [&](auto&& is_allowed) {
+    return candidates.free([&](std::int64_t k) { return keyframe(k).features.size() > 0 && is_allowed(k); });
   };
-  const auto free = [&](auto&& allowed) {
-    std::vector<std::int64_t> all;
-    for (std::int64_t other = 0; other < end; ++other) {
-      if (taken[static_cast<std::size_t>(other)] == 0 && keyframe(other).features.size() > 0 && allowed(other))
-        all.push_back(other);
-    }
-    return all;
-  };
-  if (frozen_ == 0) {
-    for (std::int64_t k = 1; k <= options_.last_candidates; ++k) take(id - k);
-  }
-  // Nearest by where they look from and to.
-  const auto distance = [&](std::int64_t other) {
-    const SE3 apart = pose(other).inverse() * pose(id);
-    return std::max(apart.translation().norm() / options_.near_distance_m,
-                    apart.rotation().log().norm() / options_.near_angle_rad);
-  };
+  if (frozen_ == 0) candidates.add_latest(id, options_.last_candidates);
+  // Nearest by position and viewing direction.
   std::vector<std::pair<double, std::int64_t>> near;
-  for (const std::int64_t other : free([&](std::int64_t k) { return submap(k) == submap(id); })) {
-    if (const double far = distance(other); far < 1.0) near.emplace_back(far, other);
+  for (const std::int64_t other : to_match([&](std::int64_t k) { return submap(k) == submap(id); })) {
+    const double distance =
+        share_of_reach(pose(other).inverse() * pose(id), options_.near_distance_m, options_.near_angle_rad);
+    if (distance < 1.0) near.emplace_back(distance, other);
   }
-  std::sort(near.begin(), near.end());
-  for (std::size_t k = 0; k < near.size() && k < static_cast<std::size_t>(options_.near_candidates); ++k)
-    take(near[k].second);
+  candidates.add_nearest(std::move(near), options_.near_candidates);
   constexpr int reach = 3;
-  std::vector<std::int64_t> around = neighbourhood(id, reach);
-  std::erase_if(around, [&](std::int64_t k) { return k >= end || taken[static_cast<std::size_t>(k)] != 0; });
-  std::sort(around.begin(), around.end());
-  for (const std::int64_t other : drawn(around, options_.graph_candidates, random)) take(other);
-  const auto elsewhere = free([&](std::int64_t k) { return submap(k) != submap(id); });
-  for (const std::int64_t other : drawn(elsewhere, options_.join_candidates, random)) take(other);
-  for (const std::int64_t other : drawn(free([](std::int64_t) { return true; }), options_.random_candidates, random))
-    take(other);
-  return chosen;
+  candidates.add_random(neighborhood(id, reach), options_.graph_candidates, random);
+  candidates.add_random(to_match([&](std::int64_t k) { return submap(k) != submap(id); }), options_.join_candidates,
+                        random);
+  candidates.add_random(to_match([](std::int64_t) { return true; }), options_.random_candidates, random);
+  return candidates.ids();
 }
 
 void KeyframeGraph::join(const Constraint& edge) {
@@ -164,7 +143,7 @@ PoseGraphResult KeyframeGraph::optimize(bool all) {
   const std::int64_t first_free = all ? frozen_ : std::max(frozen_, size() - options_.graph_window);
   std::vector<int> anchored;
   for (std::int64_t k = 0; k < size(); ++k) {
-    // The first of each submap says where it is.
+    // The first keyframe of each submap anchors it.
     const bool first = std::find(anchored.begin(), anchored.end(), submap(k)) == anchored.end();
     if (first) anchored.push_back(submap(k));
     fixed[static_cast<std::size_t>(k)] = k < first_free || (first && frozen_ == 0) ? 1 : 0;

@@ -15,23 +15,27 @@
 
 namespace rastro {
 
-/// Where a keyframe stands.
+/// The pose of a keyframe.
 struct KeyframePose {
   SE3 world_from_camera;  ///< In the frame of its submap.
   int submap = 0;         ///< Merged submaps share the smallest number and one frame.
 };
 
-/// Keyframes, their poses and ties, and what is asked of them: whom to compare with, how far apart they are, where they
-/// stand when all ties are heard. Those below `frozen` belong to a map made before, and stay.
+/// Keyframes with their poses and constraints: which keyframes to compare, their distance in the graph, and their
+/// optimized poses. Keyframes below `frozen` belong to a given map and stay fixed.
 class KeyframeGraph {
  public:
   KeyframeGraph(const RgbdSlamOptions& options, std::int64_t frozen);
 
-  /// Its id must be size(); `covariance` is of d in truth = pose * exp(d).
+  /// Its id must be size(); `covariance` is of d in true pose = pose * exp(d).
   void add(std::shared_ptr<const ImageFeatures> keyframe, const KeyframePose& pose, const Matrix6d& covariance);
   void add_edge(const Constraint& edge);
-  /// Without what it is matched by, to save memory.
+  /// Drops the features that it is matched by, to save memory.
   void forget_features(std::int64_t id);
+
+  /// Among the keyframes before the last graph_window that still have features: the one with edges to the most others
+  /// that still have theirs, at least `others`; the oldest of equals. nullopt: none.
+  std::optional<std::int64_t> most_redundant(int others) const;
 
   std::int64_t size() const { return static_cast<std::int64_t>(keyframes_.size()); }
   std::int64_t frozen() const { return frozen_; }
@@ -45,20 +49,21 @@ class KeyframeGraph {
   const std::vector<Constraint>& edges() const { return edges_; }
   std::vector<KeyframePose> keyframe_poses() const;
 
-  /// Whom to compare keyframe `id`, the newest, with: METHODS 8. In a fixed order, none twice.
+  /// Which keyframes to compare with keyframe `id`, the newest: METHODS 8. In a fixed order, without duplicates.
   std::vector<std::int64_t> candidates(std::int64_t id, Random& random) const;
-  /// Ties from one to the other, counted along the shortest way; `most` where it is longer, or there is none.
+  /// Number of edges on the shortest path between the two; `most` if it is longer, or if there is none.
   int steps_between(std::int64_t from, std::int64_t to, int most) const;
-  /// Brings the submap of the larger number to the frame of the other, as `edge` between them says.
+  /// Merges two submaps: transforms the one with the larger number into the frame of the other, by the `edge` between
+  /// them.
   void join(const Constraint& edge);
-  /// Of the last keyframes alone, or of all.
+  /// Optimizes the last keyframes only, or all.
   PoseGraphResult optimize(bool all);
-  /// A bound on what is known of a keyframe against its submap's first: the surest of its neighbours and the edge to
-  /// it. More ties only make it surer.
+  /// Sets an upper bound of a keyframe's covariance relative to the first of its submap: that of the best neighbor plus
+  /// the edge to it. Further edges would only reduce it.
   void settle_covariance(std::int64_t id);
 
  private:
-  std::vector<std::int64_t> neighbourhood(std::int64_t id, int steps) const;
+  std::vector<std::int64_t> neighborhood(std::int64_t id, int steps) const;
 
   RgbdSlamOptions options_;
   std::int64_t frozen_;

@@ -31,7 +31,7 @@ void add_keyframe(KeyframeGraph& graph, const SE3& pose, int submap = 0, std::si
   graph.add(bare_keyframe(graph.size(), features), in_submap(pose, submap), Matrix6d::Zero());
 }
 
-/// `count` keyframes of submap 0, half a metre from one to the next, tied as a chain.
+/// `count` keyframes of submap 0 in a chain, half a meter from one to the next.
 KeyframeGraph chain(int count, const RgbdSlamOptions& options) {
   KeyframeGraph graph(options, 0);
   for (int k = 0; k < count; ++k) {
@@ -41,7 +41,7 @@ KeyframeGraph chain(int count, const RgbdSlamOptions& options) {
   return graph;
 }
 
-/// Any poses, submaps and edges; every seventh keyframe has no features left.
+/// Random poses, submaps and edges; every seventh keyframe has no features left.
 KeyframeGraph random_graph(int count, int submaps, const RgbdSlamOptions& options, std::uint64_t seed) {
   Random random(seed);
   KeyframeGraph graph(options, 0);
@@ -91,7 +91,7 @@ TEST(KeyframeGraphCandidates, TheLastComeFirst) {
   EXPECT_EQ(chain(20, options).candidates(19, random), (Ids{18, 17, 16, 15}));
 }
 
-/// Against every distance of every keyframe, sorted.
+/// Against the sorted distances of all keyframes.
 TEST(KeyframeGraphCandidates, TheNearestAreThoseOfBruteForce) {
   RgbdSlamOptions options = no_candidates();
   options.near_candidates = 5;
@@ -136,7 +136,7 @@ TEST(KeyframeGraphCandidates, OfTheGraphsNeighborhoodThreeEdgesAway) {
   EXPECT_EQ(drawn, (std::set<std::int64_t>{16, 17, 18})) << "each has its chance";
 }
 
-TEST(KeyframeGraphCandidates, AtRandomEveryKeyframeHasItsChance) {
+TEST(KeyframeGraphCandidates, RandomChoiceReachesEveryKeyframe) {
   RgbdSlamOptions options = no_candidates();
   options.random_candidates = 3;
   const KeyframeGraph graph = chain(31, options);
@@ -169,7 +169,7 @@ TEST(KeyframeGraphCandidates, FromOtherSubmapsWhileThereAreAny) {
   }
 }
 
-TEST(KeyframeGraphCandidates, OfAMapGivenOnlyItsOwn) {
+TEST(KeyframeGraphCandidates, OfAGivenMapOnlyItsOwn) {
   KeyframeGraph graph(RgbdSlamOptions(), 10);
   for (int k = 0; k < 25; ++k) add_keyframe(graph, SE3(SO3(), {0.1 * k, 0.0, 0.0}));
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -202,7 +202,7 @@ TEST(KeyframeGraph, StepsBetweenKeyframesAreThoseOfAllShortestPaths) {
   }
 }
 
-TEST(KeyframeGraph, JoiningBringsTheLargerNumberIntoTheFrameOfTheSmaller) {
+TEST(KeyframeGraph, MergingTransformsTheLargerNumberIntoTheFrameOfTheSmaller) {
   Random random(3);
   for (const bool forward : {true, false}) {
     KeyframeGraph graph({}, 0);
@@ -212,7 +212,7 @@ TEST(KeyframeGraph, JoiningBringsTheLargerNumberIntoTheFrameOfTheSmaller) {
       add_keyframe(graph, before.back(), k < 4 ? 1 : k < 7 ? 3 : 0);
     }
     const SE3 tied = SE3::exp(random_vector<Vector6d>(random, 0.5));
-    // From submap 1 to 3 by keyframes 2 and 5, or the other way.
+    // From submap 1 to 3 by keyframes 2 and 5, or in the opposite direction.
     const Constraint edge =
         forward ? edge_of(2, 5, tied, ConstraintKind::merge) : edge_of(5, 2, tied, ConstraintKind::merge);
     graph.join(edge);
@@ -236,7 +236,7 @@ TEST(KeyframeGraph, JoiningBringsTheLargerNumberIntoTheFrameOfTheSmaller) {
   }
 }
 
-/// A square of 40 keyframes walked once, with odometry that drifts; what it was in truth is known.
+/// One loop around a square with 40 keyframes, with drifting odometry and known ground truth.
 struct Walk {
   std::vector<SE3> truth;
   KeyframeGraph graph;
@@ -267,7 +267,7 @@ struct Walk {
   }
 };
 
-TEST(KeyframeGraph, ALoopReducesTheErrorOfAllAgainstTheTruth) {
+TEST(KeyframeGraph, ALoopReducesTheErrorAgainstGroundTruth) {
   for (const char* loops : {"switchable", "robust"}) {
     RgbdSlamOptions options;
     options.loops = loops;
@@ -286,7 +286,7 @@ TEST(KeyframeGraph, ALoopReducesTheErrorOfAllAgainstTheTruth) {
   }
 }
 
-TEST(KeyframeGraph, ALoopThatContradictsTheOthersWeighsNothing) {
+TEST(KeyframeGraph, AContradictingLoopHasNoWeight) {
   for (const char* loops : {"switchable", "robust"}) {
     RgbdSlamOptions options;
     options.loops = loops;
@@ -303,7 +303,7 @@ TEST(KeyframeGraph, ALoopThatContradictsTheOthersWeighsNothing) {
   }
 }
 
-TEST(KeyframeGraph, AWindowMovesTheLastAloneAndAFrozenMapStays) {
+TEST(KeyframeGraph, AWindowMovesOnlyTheLastKeyframesAndAFrozenMapStays) {
   RgbdSlamOptions options;
   options.graph_window = 6;
   Walk walk(options);
@@ -338,8 +338,8 @@ TEST(KeyframeGraph, TheFirstKeyframeOfEachSubmapStays) {
   }
 }
 
-/// The end of a chain, drawn a few thousand times: its spread is what the graph says it is.
-TEST(KeyframeGraph, TheCovarianceOfAChainIsThatOfManyDraws) {
+/// The end of a chain, sampled a few thousand times: its spread is the predicted one.
+TEST(KeyframeGraph, TheCovarianceOfAChainIsThatOfManySamples) {
   Random random(23);
   KeyframeGraph graph({}, 0);
   std::vector<Constraint> edges;
@@ -349,7 +349,7 @@ TEST(KeyframeGraph, TheCovarianceOfAChainIsThatOfManyDraws) {
     const SE3 step = SE3::exp(random_vector<Vector6d>(random, 0.6));
     pose = pose * step;
     add_keyframe(graph, pose);
-    // Some are tied from the new one to the old.
+    // Some edges lead from the new one to the old.
     edges.push_back(k % 2 == 1 ? edge_of(k - 1, k, step, ConstraintKind::odometry, 0.01, 0.004)
                                : edge_of(k, k - 1, step.inverse(), ConstraintKind::odometry, 0.003, 0.01));
     graph.add_edge(edges.back());
@@ -372,7 +372,7 @@ TEST(KeyframeGraph, TheCovarianceOfAChainIsThatOfManyDraws) {
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(graph.covariance(4)(i, i) / drawn(i, i), 1.0, 0.12) << i;
 }
 
-TEST(KeyframeGraph, TheSurestNeighborOfTheSameSubmapCounts) {
+TEST(KeyframeGraph, CovarianceUsesTheBestNeighborOfTheSameSubmap) {
   KeyframeGraph graph({}, 0);
   for (int k = 0; k < 4; ++k) add_keyframe(graph, SE3(), k == 2 ? 1 : 0);
   graph.add_edge(edge_of(0, 1, SE3(), ConstraintKind::odometry, 0.1, 0.1));
@@ -390,7 +390,7 @@ TEST(KeyframeGraph, TheSurestNeighborOfTheSameSubmapCounts) {
   EXPECT_THAT(graph.covariance(0), matrix_near(Matrix6d(Matrix6d::Zero()), 0.0)) << "nothing older holds it";
 }
 
-TEST(KeyframeGraph, AKeyframeWithoutFeaturesKeepsItsNameAndIsDrawnNoMore) {
+TEST(KeyframeGraph, AKeyframeWithoutFeaturesKeepsItsIdAndIsNoCandidate) {
   RgbdSlamOptions options = no_candidates();
   options.random_candidates = 100;
   KeyframeGraph graph = chain(8, options);

@@ -11,7 +11,7 @@
 namespace rastro {
 namespace {
 
-/// Size of the finest features; those found on coarser pictures are placed worse in proportion.
+/// Size of the finest features; the position error of those from coarser levels grows in proportion.
 float finest_size(const Features& features) {
   float finest = std::numeric_limits<float>::infinity();
   for (const Keypoint& keypoint : features.keypoints) finest = std::min(finest, keypoint.size_px);
@@ -24,15 +24,15 @@ double pixel_sigma(const Keypoint& keypoint, float finest, double sigma) {
   return sigma * static_cast<double>(std::clamp(scale, 1.0F, most));
 }
 
-/// Blocks of depth next to each other err together.
+/// Neighboring depth blocks have correlated errors.
 constexpr double surface_weight = 0.05;
 
-/// Surfaces slid onto each other from where features put them; nullopt where they leave a direction open.
-std::optional<TiedViews> slide(const SurfaceCheck& check, const KeyframeSurface& a, const KeyframeSurface& b,
-                               const TiedViews& start) {
+/// Aligns the surfaces, starting at the pose from features; nullopt where they leave a direction unconstrained.
+std::optional<MatchedViews> slide(const SurfaceCheck& check, const KeyframeSurface& a, const KeyframeSurface& b,
+                                  const MatchedViews& start) {
   constexpr double reaches_m[] = {0.2, 0.2, 0.2, 0.1, 0.1, 0.1, 0.05, 0.05, 0.05};
   constexpr double least_information = 1.0 / (0.02 * 0.02);
-  TiedViews slid = start;
+  MatchedViews slid = start;
   for (const double reach_m : reaches_m) {
     const SurfaceFit fit = check.fit(a, b, slid.a_from_b, reach_m);
     slid.information = surface_weight * fit.information;
@@ -46,7 +46,24 @@ std::optional<TiedViews> slide(const SurfaceCheck& check, const KeyframeSurface&
   return slid;
 }
 
+/// For features alone, and for surfaces: the environment measurement check. With fewer feature inliers, the surfaces
+/// must give more evidence.
+AcceptanceOptions feature_acceptance(const RgbdSlamOptions& options) {
+  return {.min_inlier_share = options.min_inlier_share};
+}
+AcceptanceOptions surface_acceptance(const RgbdSlamOptions& options, bool few_features) {
+  if (!few_features) return {.min_overlap = options.agreement_overlap, .min_observed_share = options.agreement};
+  return {.min_overlap = 3.0 * options.agreement_overlap, .min_observed_share = 0.5 * (1.0 + options.agreement)};
+}
+
 }  // namespace
+
+Evidence KeyframeConstraint::evidence() const {
+  Evidence evidence = agreement.evidence();
+  evidence.matches = matches;
+  evidence.inliers = inliers;
+  return evidence;
+}
 
 DepthNoise depth_noise(const RgbdSlamOptions& options) {
   return {options.follow.depth_sigma_m, options.follow.depth_sigma_per_m2};
@@ -60,11 +77,11 @@ SurfaceOptions surface_options(const RgbdSlamOptions& options) {
 KeyframeMatcher::KeyframeMatcher(const RgbdSlamOptions& options, const Camera& camera)
     : options_(options), camera_(camera), check_(camera, surface_options(options)) {}
 
-std::vector<PointTie> KeyframeMatcher::ties_of(const ImageFeatures& a, const ImageFeatures& b) const {
+std::vector<PointMatch> KeyframeMatcher::matches_of(const ImageFeatures& a, const ImageFeatures& b) const {
   DescriptorMatchOptions matching;
   matching.max_ratio = options_.max_ratio;
   const float finest_a = finest_size(a.features), finest_b = finest_size(b.features);
-  std::vector<PointTie> ties;
+  std::vector<PointMatch> ties;
   for (const DescriptorMatch& match : match_descriptors(b.features, a.features, matching)) {
     const Keypoint &in_a = a.features.keypoints[match.second], &in_b = b.features.keypoints[match.first];
     const auto ray_a = camera_.unproject(Eigen::Vector2d(Eigen::Vector2f(in_a.x, in_a.y).cast<double>()));
@@ -78,29 +95,29 @@ std::vector<PointTie> KeyframeMatcher::ties_of(const ImageFeatures& a, const Ima
   return ties;
 }
 
-std::optional<KeyframeTie> KeyframeMatcher::match(const ViewOfKeyframe& a, const ViewOfKeyframe& b, int min_inliers,
-                                                  std::uint64_t seed, const std::optional<SE3>& guess) const {
-  const std::vector<PointTie> ties = ties_of(*a.keyframe, *b.keyframe);
-  PointTieOptions fitting;
+std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a, const ViewOfKeyframe& b,
+                                                         int min_inliers, std::uint64_t seed,
+                                                         const std::optional<SE3>& guess) const {
+  const std::vector<PointMatch> ties = matches_of(*a.keyframe, *b.keyframe);
+  PointMatchOptions fitting;
   fitting.noise = depth_noise(options_);
   fitting.focal_px = camera_.fx;
   fitting.iterations = options_.ransac_iterations;
   const bool may_slide = options_.few_features == "icp";
   fitting.min_inliers = may_slide ? std::min(min_inliers, options_.few_inliers) : min_inliers;
   fitting.seed = seed;
-  std::optional<TiedViews> views = estimate_views(ties, fitting, guess);
-  if (!views || views->inliers < options_.min_inlier_share * static_cast<double>(ties.size())) return std::nullopt;
+  std::optional<MatchedViews> views = estimate_views(ties, fitting, guess);
+  if (!views || judge({.matches = static_cast<int>(ties.size()), .inliers = views->inliers},
+                      feature_acceptance(options_)) != Rejection::none)
+    return std::nullopt;
   const auto surface_a = a.depth(), surface_b = b.depth();
   const bool few = views->inliers < min_inliers;
   if (few) views = slide(check_, *surface_a, *surface_b, *views);
   if (!views) return std::nullopt;
-  KeyframeTie tie{views->a_from_b, Matrix6d::Identity(), static_cast<int>(ties.size()), views->inliers, {}};
+  KeyframeConstraint tie{views->a_from_b, Matrix6d::Identity(), static_cast<int>(ties.size()), views->inliers, {}};
   tie.agreement = check_.compare(*surface_a, *surface_b, tie.a_from_b);
-  // Where features say less, surfaces must say more.
-  const double share = few ? 0.5 * (1.0 + options_.agreement) : options_.agreement;
-  const double overlap = few ? 3.0 * options_.agreement_overlap : options_.agreement_overlap;
-  if (tie.agreement.share() < share || tie.agreement.overlap() < overlap) return std::nullopt;
-  // What pixels and depths have wrong in common, as by lens and clocks, does not go down with their number.
+  if (judge(tie.evidence(), surface_acceptance(options_, few)) != Rejection::none) return std::nullopt;
+  // Errors common to pixels and depths, as from lens and clocks, do not decrease with their number.
   Matrix6d covariance = views->information.inverse();
   covariance.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
   covariance.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;

@@ -10,36 +10,38 @@
 #include "rastro/map/features/feature_layer.h"
 #include "rastro/math/se3.h"
 #include "rastro/slam/rgbd/options.h"
-#include "rastro/slam/rgbd/point_ties.h"
 #include "rastro/slam/rgbd/surface_check.h"
+#include "rastro/slam/rgbd/two_view_points.h"
 
 namespace rastro {
 
-/// A keyframe and how to come by its depth, which may have to be read from a file.
+/// A keyframe and a function that provides its depth, which may have to be read from a file.
 struct ViewOfKeyframe {
   const ImageFeatures* keyframe = nullptr;
   std::function<std::shared_ptr<const KeyframeSurface>()> depth;
 };
 
-/// How two keyframes were found to stand to each other.
-struct KeyframeTie {
+/// The estimated relative pose of two keyframes.
+struct KeyframeConstraint {
   SE3 a_from_b;
   Matrix6d information = Matrix6d::Identity();  ///< As of Constraint, from a to b.
   int matches = 0, inliers = 0;
   SurfaceAgreement agreement;
+
+  Evidence evidence() const;  ///< Of features and surfaces.
 };
 
-/// Compares two keyframes: descriptors, RANSAC over what matches, and whether the surfaces contradict it. May be used
-/// by several threads.
+/// Compares two keyframes: descriptor matching, RANSAC over the matches, and whether the surfaces contradict the
+/// result. Thread-safe.
 class KeyframeMatcher {
  public:
   KeyframeMatcher(const RgbdSlamOptions& options, const Camera& camera);
-  /// nullopt where they have too little in common, or where depth contradicts. `guess` of a_from_b is one motion more
-  /// to try.
-  std::optional<KeyframeTie> match(const ViewOfKeyframe& a, const ViewOfKeyframe& b, int min_inliers,
-                                   std::uint64_t seed, const std::optional<SE3>& guess) const;
+  /// nullopt where the keyframes have too little in common, or where depth contradicts. `guess` of a_from_b is one more
+  /// hypothesis.
+  std::optional<KeyframeConstraint> match(const ViewOfKeyframe& a, const ViewOfKeyframe& b, int min_inliers,
+                                          std::uint64_t seed, const std::optional<SE3>& guess) const;
   const SurfaceCheck& surfaces() const { return check_; }
-  std::vector<PointTie> ties_of(const ImageFeatures& a, const ImageFeatures& b) const;
+  std::vector<PointMatch> matches_of(const ImageFeatures& a, const ImageFeatures& b) const;
 
  private:
   RgbdSlamOptions options_;

@@ -36,8 +36,8 @@ class KeyframeMatcherTest : public ::testing::Test {
     return {pose, room_keyframe(frame, 0, options_),
             std::make_shared<const KeyframeSurface>(matcher.surfaces().surface_of(frame.depth))};
   }
-  std::optional<KeyframeTie> match(const View& a, const View& b, int min_inliers = 25, std::uint64_t seed = 1,
-                                   const std::optional<SE3>& guess = std::nullopt) const {
+  std::optional<KeyframeConstraint> match(const View& a, const View& b, int min_inliers = 25, std::uint64_t seed = 1,
+                                          const std::optional<SE3>& guess = std::nullopt) const {
     return KeyframeMatcher(options_, test_room::camera())
         .match({a.keyframe.get(), [&] { return a.surface; }}, {b.keyframe.get(), [&] { return b.surface; }},
                min_inliers, seed, guess);
@@ -62,13 +62,13 @@ TEST_F(KeyframeMatcherTest, FindsTheMotionBetweenTwoViewsWithinItsSigmas) {
     EXPECT_THAT(tie->a_from_b, pose_near(truth, 0.025, 0.008)) << k;
     const Vector6d error = (tie->a_from_b.inverse() * truth).log();
     sum += error.dot(tie->information * error);
-    EXPECT_GT(tie->agreement.share(), 0.95);
+    EXPECT_GT(tie->agreement.evidence().observed_share(), 0.95);
     EXPECT_EQ(tie->information, tie->information.transpose());
   }
   EXPECT_LT(sum / pairs, 12.0) << "6 on average for a right covariance";
 }
 
-TEST_F(KeyframeMatcherTest, IsNeverSurerThanItsFloor) {
+TEST_F(KeyframeMatcherTest, HasAMinimumSigma) {
   options_.edge_sigma_m = 0.05;
   options_.edge_sigma_rad = 0.03;
   const auto tie = match(view(pose_a_, 1), view(pose_b_, 2));
@@ -116,7 +116,7 @@ TEST_F(KeyframeMatcherTest, TooSmallAShareOfInliersIsRefused) {
   EXPECT_FALSE(match(a, b));
 }
 
-/// Of b's features all but a few are taken away.
+/// Drops all but a few of the features.
 View thinned(const View& view, std::size_t keep) {
   auto fewer = std::make_shared<ImageFeatures>(*view.keyframe);
   fewer->features.keypoints.resize(keep);
@@ -125,8 +125,8 @@ View thinned(const View& view, std::size_t keep) {
   return {view.world_from_camera, fewer, view.surface};
 }
 
-/// Into a corner, where three walls hold a pose.
-TEST_F(KeyframeMatcherTest, SurfacesDecideWhereFeaturesAreFew) {
+/// Into a corner, where three walls determine the pose.
+TEST_F(KeyframeMatcherTest, SurfacesDecideWithFewFeatures) {
   const SE3 pose_a = looking({-0.8, -0.4, 1.2}, M_PI + 0.7, -0.4),
             pose_b = looking({-0.85, -0.3, 1.25}, M_PI + 0.65, -0.4);
   const View a = view(pose_a, 1), b = thinned(view(pose_b, 2), 40);
@@ -138,8 +138,8 @@ TEST_F(KeyframeMatcherTest, SurfacesDecideWhereFeaturesAreFew) {
   EXPECT_FALSE(match(a, b, 25));
 }
 
-/// Wall and floor leave the direction along both open.
-TEST_F(KeyframeMatcherTest, SurfacesThatLeaveADirectionOpenDoNotDecide) {
+/// Wall and floor do not constrain the direction along both.
+TEST_F(KeyframeMatcherTest, SurfacesThatLeaveADirectionUnconstrainedDoNotDecide) {
   const View a = view(pose_a_, 1), b = thinned(view(pose_b_, 2), 80);
   const auto enough = match(a, b, 12);
   ASSERT_TRUE(enough) << "features alone may";
@@ -147,10 +147,10 @@ TEST_F(KeyframeMatcherTest, SurfacesThatLeaveADirectionOpenDoNotDecide) {
   EXPECT_FALSE(match(a, b, 25));
 }
 
-TEST_F(KeyframeMatcherTest, ATieThatDepthContradictsIsRefused) {
+TEST_F(KeyframeMatcherTest, AMatchThatDepthContradictsIsRefused) {
   const View a = view(pose_a_, 1), b = view(pose_b_, 2);
   ASSERT_TRUE(match(a, b));
-  // The same features, but b measured surfaces 0.5 m nearer: what it saw stands before what a saw through.
+  // The same features, but b measured surfaces 0.5 m nearer: they are in front of those that a measured.
   Frame nearer = room_frame(pose_b_);
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) nearer.depth.at(x, y) -= 0.5F;
@@ -162,14 +162,14 @@ TEST_F(KeyframeMatcherTest, ATieThatDepthContradictsIsRefused) {
   EXPECT_FALSE(match(a, blind)) << "nor is it believed where nothing could be judged";
 }
 
-TEST_F(KeyframeMatcherTest, MatchesCarryWhereAndHowWellTheyWereSeen) {
+TEST_F(KeyframeMatcherTest, MatchesHavePositionsAndSigmas) {
   const View a = view(pose_a_, 1), b = view(pose_b_, 2);
   const KeyframeMatcher matcher(options_, test_room::camera());
-  const std::vector<PointTie> ties = matcher.ties_of(*a.keyframe, *b.keyframe);
+  const std::vector<PointMatch> ties = matcher.matches_of(*a.keyframe, *b.keyframe);
   ASSERT_GT(ties.size(), 50U);
   const SE3 a_from_b = pose_a_.inverse() * pose_b_;
   int close = 0;
-  for (const PointTie& tie : ties) {
+  for (const PointMatch& tie : ties) {
     EXPECT_TRUE(tie.depth_a > 0.0 || tie.depth_b > 0.0);
     EXPECT_GE(tie.sigma_a, options_.pixel_sigma);
     EXPECT_LE(tie.sigma_a, 2.0 * options_.pixel_sigma) << "of coarse features twice as much at most";
@@ -189,8 +189,8 @@ TEST_F(KeyframeMatcherTest, FeaturesWithoutDepthInBothAreNoMatches) {
     return keyframe;
   };
   const auto flat_a = without(a), flat_b = without(b);
-  EXPECT_TRUE(matcher.ties_of(*flat_a, *flat_b).empty());
-  const std::vector<PointTie> by_b = matcher.ties_of(*flat_a, *b.keyframe);
+  EXPECT_TRUE(matcher.matches_of(*flat_a, *flat_b).empty());
+  const std::vector<PointMatch> by_b = matcher.matches_of(*flat_a, *b.keyframe);
   EXPECT_GT(by_b.size(), 30U) << "one depth of the two is enough";
   View half = a;
   half.keyframe = flat_a;

@@ -10,22 +10,13 @@
 namespace rastro {
 namespace {
 
-constexpr double bytes_per_mb = 1e6;
-
 std::size_t bytes_of(const ImageFeatures& keyframe) {
   const Features& features = keyframe.features;
   return sizeof(ImageFeatures) + features.size() * (sizeof(Keypoint) + sizeof(float)) +
          features.floats.size() * sizeof(float) + features.descriptors.size() * sizeof(Descriptor);
 }
 
-std::size_t ceiling_of(const RgbdSlamOptions& options, std::size_t max_memory_bytes) {
-  if (max_memory_bytes == 0) return 0;
-  constexpr double least_mb = 16.0;
-  const double left_mb = static_cast<double>(max_memory_bytes) / bytes_per_mb - options.memory_reserve_mb;
-  return static_cast<std::size_t>(std::max(least_mb, left_mb) * bytes_per_mb);
-}
-
-/// Depth where the mask lets it be.
+/// Depth where the mask allows it.
 Frame masked(const Frame& frame) {
   Frame result = frame;
   for (int y = 0; y < std::min(frame.mask.height(), result.depth.height()); ++y) {
@@ -36,8 +27,8 @@ Frame masked(const Frame& frame) {
   return result;
 }
 
-std::shared_ptr<const PictureStore> pictures_of(const SlamContext& context,
-                                                const std::shared_ptr<MemoryPictures>& in_memory) {
+std::shared_ptr<const ImageStore> packed_images_of(const SlamContext& context,
+                                                   const std::shared_ptr<MemoryImages>& in_memory) {
   if (context.map) return images_of(*context.map);
   if (context.archive != nullptr) return context.archive->images();
   return in_memory;
@@ -50,9 +41,9 @@ Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamC
       camera_(camera),
       archive_(context.map ? nullptr : context.archive),
       maps_(context.map == nullptr),
-      ceiling_bytes_(ceiling_of(options, context.max_memory_bytes)),
-      in_memory_(std::make_shared<MemoryPictures>()),
-      pictures_(pictures_of(context, in_memory_)),
+      budget_(map_budget_bytes(context, options.memory_reserve_mb)),
+      in_memory_(std::make_shared<MemoryImages>()),
+      pictures_(packed_images_of(context, in_memory_)),
       matcher_(options, camera),
       depths_(matcher_.surfaces(), pictures_),
       features_(options),
@@ -67,20 +58,21 @@ Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamC
 MapRevision Mapper::add(const KeyframeOrder& order) {
   RASTRO_CHECK(order.id == graph_.size(), "keyframes come in their order");
   MapRevision revision;
-  ImageFeatures keyframe = features_.extract(order.frame);
+  ImageFeatures keyframe = features_.extract(order.frame, budget_.share());
   keyframe.id = order.id;
   keep(order, std::move(keyframe));
   for (const Constraint& edge : order.ties) add_edge(edge, revision);
   graph_.settle_covariance(order.id);
   tie(order.id, revision);
-  stay_below_ceiling(revision);
+  frames_ = order.frames;
+  stay_within_budget(revision);
   revision.keyframe = graph_.shared_keyframe(order.id);
   revision.covariance = graph_.covariance(order.id);
   revise(revision);
   return revision;
 }
 
-/// Where the tracker has it relative to what it is tied to, as the graph has moved since.
+/// Its pose from the tracker, relative to the keyframe of its constraint, since the graph may have moved.
 void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
   KeyframePose pose{order.world_from_camera, order.submap};
   if (!order.ties.empty()) {
@@ -93,10 +85,11 @@ void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
   bytes_ += bytes_of(*kept);
   graph_.add(kept, pose, Matrix6d::Zero());
   if (!maps_) return;
-  PackedPictures pictures = pack_pictures(shown);
+  PackedImages pictures = pack_images(shown);
   if (archive_ != nullptr) {
     archive_->add_images(order.id, std::move(pictures));
   } else {
+    bytes_ += pictures.bytes();
     in_memory_->add(order.id, std::move(pictures));
   }
 }
@@ -106,7 +99,7 @@ void Mapper::add_edge(const Constraint& edge, MapRevision& revision) {
   revision.new_edges.push_back(edge);
 }
 
-std::optional<Constraint> Mapper::compare(std::int64_t other, std::int64_t id) {
+std::optional<Constraint> Mapper::verify(std::int64_t other, std::int64_t id) {
   const auto view = [this](std::int64_t k) {
     return ViewOfKeyframe{&graph_.keyframe(k), [this, k] { return depths_.depth(k); }};
   };
@@ -116,7 +109,7 @@ std::optional<Constraint> Mapper::compare(std::int64_t other, std::int64_t id) {
   const std::uint64_t seed =
       seed_for(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)), static_cast<std::uint64_t>(other));
   const auto tie =
-      matcher_.match(view(other), view(id), joins ? options_.relocalise_inliers : options_.min_inliers, seed, guess);
+      matcher_.match(view(other), view(id), joins ? options_.relocalize_inliers : options_.min_inliers, seed, guess);
   if (!tie) return std::nullopt;
   Constraint edge{other, id, Sim3(tie->a_from_b), tie->information, ConstraintKind::proximity, 1.0, tie->inliers};
   if (joins) {
@@ -129,51 +122,87 @@ std::optional<Constraint> Mapper::compare(std::int64_t other, std::int64_t id) {
 
 void Mapper::tie(std::int64_t id, MapRevision& revision) {
   Random random(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)));
-  std::vector<Constraint> found;
+  std::vector<Constraint> verified;
   for (const std::int64_t other : graph_.candidates(id, random)) {
-    if (auto edge = compare(other, id)) found.push_back(*edge);
+    if (auto edge = verify(other, id)) verified.push_back(*edge);
   }
-  int loops = 0, joins = 0;
-  for (const Constraint& edge : found) {
-    if (edge.kind == ConstraintKind::merge && maps_) {
-      ++joins;
-      revision.events.push_back(
-          {"joined", fmt::format("submaps {} and {} by keyframes {} and {}", graph_.submap(edge.from),
-                                 graph_.submap(edge.to), edge.from, edge.to)});
-      graph_.join(edge);
-    }
-    loops += edge.kind == ConstraintKind::loop ? 1 : 0;
-    add_edge(edge, revision);
+  for (const Constraint& edge : verified) accept(edge, revision);
+  if (!verified.empty() && id > 0) correct(id, verified, revision);
+}
+
+void Mapper::accept(const Constraint& edge, MapRevision& revision) {
+  if (edge.kind == ConstraintKind::merge && maps_) {
+    revision.events.push_back(
+        {"joined", fmt::format("submaps {} and {} by keyframes {} and {}", graph_.submap(edge.from),
+                               graph_.submap(edge.to), edge.from, edge.to)});
+    graph_.join(edge);
   }
-  if (found.empty() || id == 0) return;
+  add_edge(edge, revision);
+}
+
+void Mapper::correct(std::int64_t id, const std::vector<Constraint>& accepted, MapRevision& revision) {
+  const auto count = [&](ConstraintKind kind) {
+    return std::count_if(accepted.begin(), accepted.end(), [&](const Constraint& edge) { return edge.kind == kind; });
+  };
+  const auto loops = count(ConstraintKind::loop), joins = count(ConstraintKind::merge);
   const bool all = maps_ && (loops > 0 || joins > 0);
   const PoseGraphResult result = graph_.optimize(all);
   graph_.settle_covariance(id);
   if (loops > 0 && maps_)
-    revision.events.push_back(
-        {"loop_closed", fmt::format("keyframe {} found again in {} seen long before", id, loops)});
+    revision.events.push_back({"loop_closed", fmt::format("keyframe {} with {} earlier ones", id, loops)});
   if (all)
     revision.events.push_back({"map_revised", fmt::format("{} keyframes, cost {:.1f} to {:.1f}", graph_.size(),
                                                           result.first_cost, result.last_cost)});
 }
 
-/// By what the map is known to take, not by what the system says, which differs from run to run.
-void Mapper::stay_below_ceiling(MapRevision& revision) {
-  if (ceiling_bytes_ == 0) return;
-  while (bytes_ > ceiling_bytes_ && next_forgotten_ < graph_.size() - options_.graph_window) {
-    bytes_ -= bytes_of(graph_.keyframe(next_forgotten_));
-    graph_.forget_features(next_forgotten_);
-    revision.forgotten.push_back(next_forgotten_++);
+/// By the known size of the map, not by the system's memory usage, which differs from run to run. Poses, covariances
+/// and constraints are stored twice, here and by the tracker.
+std::size_t Mapper::map_bytes() const {
+  constexpr std::size_t a_keyframe = 2 * (sizeof(SE3) + sizeof(Matrix6d) + 2 * sizeof(std::shared_ptr<void>)),
+                        a_constraint = 2 * sizeof(Constraint), a_frame = sizeof(SE3) + 2 * sizeof(std::int64_t);
+  return bytes_ + static_cast<std::size_t>(graph_.size()) * a_keyframe + graph_.edges().size() * a_constraint +
+         frames_ * a_frame;
+}
+
+std::string Mapper::measures() const {
+  std::string text;
+  if (budget_.stage() > 0)
+    text = fmt::format("keyframes {:g} times as sparse, {:g} % of the features", budget_.spacing(),
+                       100.0 * budget_.share());
+  if (given_up_ > 0) text += fmt::format(", features of {} keyframes dropped", given_up_);
+  return text;
+}
+
+/// From 90 % on features that others have as well, beyond 100 % those of the oldest.
+void Mapper::stay_within_budget(MapRevision& revision) {
+  if (!budget_.limited()) return;
+  if (budget_.note(map_bytes())) revision.events.push_back(budget_.event(map_bytes(), measures()));
+  constexpr int others = 3;
+  while (map_bytes() > budget_.full_bytes()) {
+    const auto id = graph_.most_redundant(others);
+    if (!id) break;
+    give_up_features(*id, revision);
   }
-  if (!revision.forgotten.empty())
-    revision.events.push_back(
-        {"memory", fmt::format("features of keyframes up to {} given up to stay below {:.0f} MB",
-                               revision.forgotten.back(), static_cast<double>(ceiling_bytes_) / bytes_per_mb)});
+  for (std::int64_t id = graph_.frozen(); map_bytes() > budget_.bytes() && id < graph_.size() - options_.graph_window;
+       ++id) {
+    if (graph_.keyframe(id).features.size() > 0) give_up_features(id, revision);
+  }
+  if (!revision.forgotten.empty()) revision.events.push_back(budget_.event(map_bytes(), measures()));
+}
+
+void Mapper::give_up_features(std::int64_t id, MapRevision& revision) {
+  bytes_ -= bytes_of(graph_.keyframe(id));
+  graph_.forget_features(id);
+  bytes_ += bytes_of(graph_.keyframe(id));
+  revision.forgotten.push_back(id);
+  ++given_up_;
 }
 
 void Mapper::revise(MapRevision& revision) const {
   revision.poses = graph_.keyframe_poses();
   for (const Constraint& edge : graph_.edges()) revision.weights.push_back(edge.weight);
+  revision.memory = {map_bytes(), budget_.bytes(), measures()};
+  revision.spacing = budget_.spacing();
 }
 
 MapRevision Mapper::settle() {

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "rastro/base/random.h"
 #include "rastro/map/images/pack_images.h"
 #include "rastro/map/map_archive.h"
+#include "rastro/slam/map_budget.h"
 #include "rastro/slam/rgbd/depth_store.h"
 #include "rastro/slam/rgbd/keyframe_features.h"
 #include "rastro/slam/rgbd/keyframe_graph.h"
@@ -19,55 +21,66 @@
 
 namespace rastro {
 
-/// What the mapper is given to make a keyframe of.
+/// The input from which the mapper makes a keyframe.
 struct KeyframeOrder {
   std::int64_t id = 0;
-  Frame frame;                   ///< Picture, colour, depth and mask alone are read.
-  SE3 world_from_camera;         ///< Where the tracker has it.
+  Frame frame;                   ///< Only image, color, depth and mask are read.
+  SE3 world_from_camera;         ///< As the tracker estimated it.
   int submap = 0;                ///< As far as the tracker knows.
-  std::vector<Constraint> ties;  ///< To this keyframe: by odometry, or by which it was found again.
+  std::vector<Constraint> ties;  ///< To this keyframe: from odometry or from relocalization.
+  std::size_t frames = 0;        ///< Number with a pose so far; they take memory as well.
 };
 
-/// What became of it, and of the map.
+/// The new keyframe and the changes to the map.
 struct MapRevision {
   std::shared_ptr<const ImageFeatures> keyframe;
   std::vector<KeyframePose> poses;  ///< Of all keyframes up to this one.
   std::vector<Constraint> new_edges;
-  std::vector<double> weights;             ///< Of all edges up to these.
+  std::vector<double> weights;             ///< Of all edges, including the new ones.
   Matrix6d covariance = Matrix6d::Zero();  ///< Of the keyframe's pose, see KeyframeGraph.
-  std::vector<std::int64_t> forgotten;     ///< Keyframes that lost their features.
+  std::vector<std::int64_t> forgotten;     ///< Keyframes whose features were dropped.
   std::vector<SlamEvent> events;
+  MapMemory memory;
+  double spacing = 1.0;  ///< For future keyframes: factor on the usual motion between them.
 };
 
-/// Makes the map: each keyframe's features, whom it matches, the graph, the archive. Runs beside the tracker, one job
-/// after the other; what it knows depends on its orders alone.
+/// Builds the map: features of each keyframe, matching to other keyframes, pose graph, archive. Runs beside the
+/// tracker, one job after the other; its results depend on its inputs alone.
 class Mapper {
  public:
   Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context);
   MapRevision add(const KeyframeOrder& order);
-  /// All keyframes once more over all ties; the keyframe of the result stays null.
+  /// Optimizes all keyframes over all constraints once more; the keyframe of the result stays null.
   MapRevision settle();
 
-  const std::shared_ptr<const PictureStore>& pictures() const { return pictures_; }
-  /// May be asked by any thread.
+  const std::shared_ptr<const ImageStore>& pictures() const { return pictures_; }
+  /// Thread-safe.
   DepthStore& depths() { return depths_; }
 
  private:
   void keep(const KeyframeOrder& order, ImageFeatures keyframe);
+  /// Candidates, verification, acceptance, correction.
   void tie(std::int64_t id, MapRevision& revision);
-  std::optional<Constraint> compare(std::int64_t other, std::int64_t id);
+  std::optional<Constraint> verify(std::int64_t other, std::int64_t id);
+  void accept(const Constraint& edge, MapRevision& revision);
+  void correct(std::int64_t id, const std::vector<Constraint>& accepted, MapRevision& revision);
   void add_edge(const Constraint& edge, MapRevision& revision);
-  void stay_below_ceiling(MapRevision& revision);
+  std::size_t map_bytes() const;
+  std::string measures() const;
+  void stay_within_budget(MapRevision& revision);
+  void give_up_features(std::int64_t id, MapRevision& revision);
   void revise(MapRevision& revision) const;
 
   RgbdSlamOptions options_;
   Camera camera_;
   MapArchive* archive_;
-  bool maps_;  ///< Else the map given is only looked at.
-  std::size_t ceiling_bytes_ = 0, bytes_ = 0;
-  std::int64_t next_forgotten_ = 0;
-  std::shared_ptr<MemoryPictures> in_memory_;
-  std::shared_ptr<const PictureStore> pictures_;
+  bool maps_;  ///< False: the given map is only read.
+  MapBudget budget_;
+  std::size_t bytes_ = 0;      ///< Of features, and of images in memory.
+  std::size_t frames_ = 0;     ///< As in the last input.
+  std::int64_t given_up_ = 0;  ///< Keyframes without their features.
+  std::shared_ptr<MemoryImages> in_memory_;
+  std::shared_ptr<const ImageStore> pictures_;
   KeyframeMatcher matcher_;
   DepthStore depths_;
   KeyframeFeatures features_;

@@ -18,20 +18,20 @@ using testing::pose_near;
 using testing::room_frame;
 using testing::unknown_frame;
 
-/// An archive that writes down what it is told.
+/// An archive that records the calls.
 class RecordingArchive : public MapArchive {
  public:
   bool wants_map() const override { return true; }
   void keep(std::shared_ptr<const Map> map) override { maps.push_back(std::move(map)); }
-  void add_images(KeyframeId keyframe, PackedPictures images) override {
+  void add_images(KeyframeId keyframe, PackedImages images) override {
     keyframes.push_back(keyframe);
     kept->add(keyframe, std::move(images));
   }
-  std::shared_ptr<const PictureStore> images() const override { return kept; }
+  std::shared_ptr<const ImageStore> images() const override { return kept; }
 
   std::vector<KeyframeId> keyframes;
   std::vector<std::shared_ptr<const Map>> maps;
-  std::shared_ptr<MemoryPictures> kept = std::make_shared<MemoryPictures>();
+  std::shared_ptr<MemoryImages> kept = std::make_shared<MemoryImages>();
 };
 
 KeyframeOrder order_of(std::int64_t id, const SE3& world_from_camera, const SE3& shown_from,
@@ -49,10 +49,10 @@ int edges_of_kind(const MapRevision& revision, ConstraintKind kind) {
                                         [&](const Constraint& edge) { return edge.kind == kind; }));
 }
 
-/// In front of the wall at x = 2, looking at it and the floor, `step` decimetres to the side.
+/// In front of the wall at x = 2, facing it and the floor, `step` decimeters to the side.
 SE3 beside(int step) { return looking({-0.8, -0.4 + 0.1 * step, 1.2}, 0.15 - 0.03 * step); }
 
-TEST(Mapper, TheFirstKeyframeStandsWhereTheTrackerHasIt) {
+TEST(Mapper, TheFirstKeyframeHasTheTrackersPose) {
   Mapper mapper({}, test_room::camera(), {});
   const MapRevision revision = mapper.add(order_of(0, beside(0), beside(0)));
   ASSERT_TRUE(revision.keyframe);
@@ -66,8 +66,8 @@ TEST(Mapper, TheFirstKeyframeStandsWhereTheTrackerHasIt) {
   EXPECT_THROW(mapper.add(order_of(2, beside(0), beside(0))), std::exception) << "one is left out";
 }
 
-/// Odometry that is 8 cm off and says so: matches with the keyframes before put it right.
-TEST(Mapper, MatchesPutRightWhatOdometryHasWrong) {
+/// Odometry with an error of 8 cm and a matching covariance: matches with earlier keyframes correct it.
+TEST(Mapper, MatchesCorrectOdometryErrors) {
   RgbdSlamOptions options;
   Mapper mapper(options, test_room::camera(), {});
   MapRevision revision = mapper.add(order_of(0, beside(0), beside(0)));
@@ -93,8 +93,8 @@ TEST(Mapper, AMatchFarAlongTheGraphIsALoopAndMovesAll) {
   options.loop_steps = 4;
   options.last_candidates = options.graph_candidates = options.near_candidates = 0;
   options.random_candidates = 1;
-  // Views of something else stand between two of the room: only odometry ties them. Which of the four is compared with
-  // is drawn.
+  // Views of another scene between two of the room: only odometry connects them. Which of the four is compared is
+  // random.
   MapRevision revision;
   for (std::uint64_t seed = 1; seed < 30 && !has_event(revision, "loop_closed"); ++seed) {
     options.follow.seed = seed;
@@ -120,7 +120,7 @@ TEST(Mapper, AMatchFarAlongTheGraphIsALoopAndMovesAll) {
   EXPECT_GT((between.translation() - Eigen::Vector3d(0.03, 0.0, 0.0)).norm(), 1e-4) << "the others share the error";
 }
 
-TEST(Mapper, TwoSubmapsThatShowTheSameAreJoined) {
+TEST(Mapper, TwoSubmapsOfTheSamePlaceAreMerged) {
   RgbdSlamOptions options;
   Mapper mapper(options, test_room::camera(), {});
   mapper.add(order_of(0, beside(0), beside(0)));
@@ -130,7 +130,7 @@ TEST(Mapper, TwoSubmapsThatShowTheSameAreJoined) {
   MapRevision revision = mapper.add(elsewhere);
   EXPECT_EQ(revision.poses[1].submap, 1);
   EXPECT_TRUE(revision.events.empty());
-  // The way from there leads to a view of the first submap.
+  // From there the camera moves to a view of the first submap.
   const SE3 step(SO3::exp({0.0, 0.3, 0.0}), {0.2, 0.0, 0.1});
   revision = mapper.add(order_of(2, guess * step, beside(1), {edge_of(1, 2, step)}, 1));
   EXPECT_TRUE(has_event(revision, "joined"));
@@ -143,22 +143,22 @@ TEST(Mapper, TwoSubmapsThatShowTheSameAreJoined) {
       << "what was tied to it came along";
 }
 
-TEST(Mapper, WhatTheMaskHidesIsNeitherMatchedNorKept) {
+TEST(Mapper, MaskedPixelsAreNeitherMatchedNorKept) {
   Mapper mapper({}, test_room::camera(), {});
   KeyframeOrder order = order_of(0, beside(0), beside(0));
-  order.frame.mask = GreyImage(320, 240);
+  order.frame.mask = GrayImage(320, 240);
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) order.frame.mask.at(x, y) = x < 160 ? 255 : 0;
   const MapRevision revision = mapper.add(order);
   for (const Keypoint& point : revision.keyframe->features.keypoints) EXPECT_LT(std::lround(point.x), 160);
-  const UnpackedPictures kept = unpack_pictures(mapper.pictures()->pictures(0), "test");
+  const UnpackedImages kept = unpack_images(mapper.pictures()->pictures(0), "test");
   for (int y = 0; y < 240; y += 7) {
     EXPECT_EQ(kept.depth.at(200, y), 0.0F);
     EXPECT_NEAR(kept.depth.at(100, y), order.frame.depth.at(100, y), 2e-4F);
   }
 }
 
-TEST(Mapper, TheArchiveGetsTheImagesAndEachAnswerSaysWhatIsNew) {
+TEST(Mapper, TheArchiveGetsTheImagesAndEachRevisionHasTheNewEdges) {
   RecordingArchive archive;
   SlamContext context;
   context.archive = &archive;
@@ -183,7 +183,7 @@ TEST(Mapper, TheArchiveGetsTheImagesAndEachAnswerSaysWhatIsNew) {
   EXPECT_EQ(revision.weights.size(), edges);
 }
 
-TEST(Mapper, AMapGivenStaysAsItIs) {
+TEST(Mapper, AGivenMapStaysUnchanged) {
   const auto map = std::make_shared<const Map>(make_test_map(4));
   const std::vector<Keyframe>& before = map->keyframes;
   RecordingArchive archive;
@@ -193,7 +193,7 @@ TEST(Mapper, AMapGivenStaysAsItIs) {
   RgbdSlamOptions options;
   Mapper mapper(options, test_room::camera(), context);
   const SE3 seen_from = before[1].world_from_camera * SE3(SO3::exp({0.0, 0.05, 0.0}), {0.05, 0.0, 0.0});
-  // Where it was found again is 6 cm off.
+  // Its relocalized pose is 6 cm off.
   const SE3 found = before[1].world_from_camera.inverse() * seen_from * SE3(SO3(), {0.06, 0.0, 0.0});
   const MapRevision revision = mapper.add(order_of(4, before[1].world_from_camera * found, seen_from,
                                                    {edge_of(1, 4, found, ConstraintKind::proximity, 0.1, 0.05)}));
@@ -207,15 +207,17 @@ TEST(Mapper, AMapGivenStaysAsItIs) {
   EXPECT_FALSE(has_event(revision, "map_revised"));
 }
 
-/// Features of SIFT take half a kilobyte each; 16 MB is the least that a ceiling leaves.
-TEST(Mapper, FeaturesOfTheOldestAreGivenUpToStayBelowTheCeiling) {
+/// SIFT features take half a kilobyte each; the smallest budget is 16 MB.
+TEST(Mapper, FeaturesOfTheOldestAreDroppedIfNoneAreRedundant) {
   RgbdSlamOptions options;
   options.descriptor = "sift";
   options.keyframe_features = 5000;
   options.graph_window = 2;
   options.last_candidates = options.near_candidates = options.graph_candidates = 0;
   options.random_candidates = options.join_candidates = 0;
+  RecordingArchive archive;  // for the images
   SlamContext context;
+  context.archive = &archive;
   context.max_memory_bytes = 1;
   Mapper mapper(options, test_room::camera(), context);
   const Frame frame = unknown_frame(3);
@@ -227,12 +229,20 @@ TEST(Mapper, FeaturesOfTheOldestAreGivenUpToStayBelowTheCeiling) {
     const MapRevision revision = mapper.add(order);
     bytes.push_back(revision.keyframe->features.size() * (128 * sizeof(float) + sizeof(Keypoint) + sizeof(float)));
     for (const std::int64_t id : revision.forgotten) EXPECT_EQ(id, forgotten++) << "the oldest first";
-    EXPECT_EQ(has_event(revision, "memory"), !revision.forgotten.empty());
+    if (!revision.forgotten.empty()) {
+      EXPECT_TRUE(has_event(revision, "memory"));
+    }
+    EXPECT_LE(revision.memory.bytes, revision.memory.budget_bytes);
     std::size_t held = 0;
     for (auto id = static_cast<std::size_t>(forgotten); id < bytes.size(); ++id) held += bytes[id];
     EXPECT_LT(held, 16'000'000U + 100'000U);
     if (forgotten == 0) continue;
-    EXPECT_GT(held + bytes[0], 16'000'000U) << "and no more than that is given up";
+    EXPECT_GT(held + bytes[0] + 100'000U, 16'000'000U) << "and no more than that is given up";
+    EXPECT_LT(bytes.back(), bytes.front());
+    EXPECT_NEAR(static_cast<double>(revision.keyframe->features.size()), 0.35 * options.keyframe_features,
+                0.01 * options.keyframe_features)
+        << "fewer features as the budget fills up";
+    EXPECT_GT(revision.spacing, 2.0);
   }
   EXPECT_GE(forgotten, 3);
 }

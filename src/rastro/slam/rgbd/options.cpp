@@ -7,188 +7,196 @@ namespace rastro {
 namespace {
 
 void add_keyframe_options(OptionTable& table, RgbdSlamOptions& o) {
-  table.add({"descriptor",
-             &o.descriptor,
-             "",
-             "features by which keyframes are compared: orb is the fastest, sift bears the largest turns and steps",
-             0,
-             0,
-             {"orb", "sift", "surf"}});
-  table.add({"keyframe_features", &o.keyframe_features, "", "features kept of a keyframe", 30, 5000, {}});
+  table.add(
+      {"descriptor",
+       &o.descriptor,
+       "",
+       "features for matching keyframes: orb is the fastest, sift the most robust to large rotations and distances",
+       0,
+       0,
+       {"orb", "sift", "surf"}});
+  table.add({"keyframe_features", &o.keyframe_features, "", "features per keyframe", 30, 5000, {}});
   table.add({"keyframe_distance_m",
              &o.keyframe_distance_m,
              "m",
-             "way after which a frame is kept, besides those the follower needs",
+             "translation after which a keyframe is inserted, besides those that tracking needs",
              0.01,
              10,
              {}});
-  table.add({"keyframe_angle_rad", &o.keyframe_angle_rad, "rad", "turn after which a frame is kept", 0.01, 3, {}});
-  table.add({"keyframe_frames", &o.keyframe_frames, "", "frames after which one is kept in any case", 1, 100000, {}});
+  table.add(
+      {"keyframe_angle_rad", &o.keyframe_angle_rad, "rad", "rotation after which a keyframe is inserted", 0.01, 3, {}});
+  table.add({"keyframe_frames",
+             &o.keyframe_frames,
+             "",
+             "frames after which a keyframe is inserted in any case",
+             1,
+             100000,
+             {}});
 }
 
 void add_candidate_options(OptionTable& table, RgbdSlamOptions& o) {
-  table.add({"last_candidates", &o.last_candidates, "", "last keyframes that a new one is compared with", 0, 100, {}});
+  table.add(
+      {"last_candidates", &o.last_candidates, "", "previous keyframes that a new one is matched with", 0, 100, {}});
   table.add({"near_candidates",
              &o.near_candidates,
              "",
-             "keyframes nearest by where they stand and look, as far as is known",
+             "keyframes nearest in estimated position and orientation that a new one is matched with",
              0,
              100,
              {}});
-  table.add({"graph_candidates", &o.graph_candidates, "", "drawn from those a few ties away in the graph", 0, 100, {}});
+  table.add({"graph_candidates",
+             &o.graph_candidates,
+             "",
+             "random keyframes among the graph neighbors that a new one is matched with",
+             0,
+             100,
+             {}});
   table.add({"random_candidates",
              &o.random_candidates,
              "",
-             "drawn from all: finds loops where the drift is too large for the nearest",
+             "random keyframes of the map that a new one is matched with: finds loops despite large drift",
              0,
              100,
              {}});
-  table.add({"join_candidates", &o.join_candidates, "", "drawn from other submaps while there are any", 0, 100, {}});
-  table.add({"near_distance_m", &o.near_distance_m, "m", "farther keyframes are not near", 0.01, 100, {}});
-  table.add(
-      {"near_angle_rad", &o.near_angle_rad, "rad", "keyframes that look farther aside are not near", 0.01, 3.2, {}});
+  table.add({"join_candidates",
+             &o.join_candidates,
+             "",
+             "random keyframes of other submaps that a new one is matched with",
+             0,
+             100,
+             {}});
+  table.add({"near_distance_m", &o.near_distance_m, "m", "maximum distance of near_candidates", 0.01, 100, {}});
+  table.add({"near_angle_rad", &o.near_angle_rad, "rad", "maximum rotation of near_candidates", 0.01, 3.2, {}});
 }
 
 void add_matching_options(OptionTable& table, RgbdSlamOptions& o) {
-  table.add({"max_ratio",
-             &o.max_ratio,
-             "",
-             "the best match is at most this share as far as the second best (Lowe 2004)",
-             0.1,
-             1,
-             {}});
+  table.add(
+      {"max_ratio", &o.max_ratio, "", "ratio test: best distance / second best, at most (Lowe 2004)", 0.1, 1, {}});
   table.add({"keyframe_pixel_sigma",
              &o.pixel_sigma,
              "px",
-             "standard deviation of the place of a feature of the finest scale",
+             "standard deviation of a feature's position at the finest scale",
              0.05,
              20,
              {}});
   table.add({"keyframe_ransac_iterations",
              &o.ransac_iterations,
              "",
-             "most samples drawn for a pair of keyframes",
+             "RANSAC iterations per pair of keyframes, at most",
              1,
              100000,
              {}});
-  table.add({"min_inliers",
-             &o.min_inliers,
+  table.add({"min_inliers", &o.min_inliers, "", "inliers that a constraint from features alone needs", 6, 5000, {}});
+  table.add({"few_features",
+             &o.few_features,
              "",
-             "matches that must agree on how two keyframes stand for these to decide",
-             6,
-             5000,
+             "with fewer inliers: icp aligns the surfaces (point-to-plane ICP), refuse adds no constraint",
+             0,
+             0,
+             {"icp", "refuse"}});
+  table.add({"few_inliers", &o.few_inliers, "", "inliers that icp needs", 4, 5000, {}});
+  table.add({"min_inlier_share",
+             &o.min_inlier_share,
+             "",
+             "share of inliers among the matches that a constraint needs",
+             0,
+             1,
              {}});
-  table.add(
-      {"few_features",
-       &o.few_features,
-       "",
-       "where fewer matches agree: the surfaces decide, slid onto each other (point-to-plane ICP), or there is no tie",
-       0,
-       0,
-       {"icp", "refuse"}});
-  table.add({"few_inliers", &o.few_inliers, "", "matches that must agree for surfaces to be tried", 4, 5000, {}});
-  table.add({"min_inlier_share", &o.min_inlier_share, "", "share of all matches that must agree", 0, 1, {}});
 }
 
 void add_agreement_options(OptionTable& table, RgbdSlamOptions& o) {
-  table.add({"agreement",
-             &o.agreement,
-             "",
-             "share of the surfaces seen by both that must be where both say: the environment measurement check "
-             "(Endres et al. 2014)",
-             0,
-             1,
-             {}});
-  table.add({"agreement_overlap",
-             &o.agreement_overlap,
-             "",
-             "share of the depth that both must see for this check",
-             0,
-             1,
-             {}});
+  table.add(
+      {"agreement",
+       &o.agreement,
+       "",
+       "share of the common surfaces that must agree in depth: the environment measurement model (Endres et al. 2014)",
+       0,
+       1,
+       {}});
+  table.add(
+      {"agreement_overlap", &o.agreement_overlap, "", "share of the depth that must overlap for this check", 0, 1, {}});
   table.add({"edge_sigma_m",
              &o.edge_sigma_m,
              "m",
-             "what a tie of two keyframes is never surer than: lens, clocks and depth have errors in common",
+             "minimum standard deviation of a constraint: errors of lens, clocks and depth are correlated",
              0,
              1,
              {}});
-  table.add({"edge_sigma_rad", &o.edge_sigma_rad, "rad", "the same of its rotation", 0, 1, {}});
+  table.add({"edge_sigma_rad", &o.edge_sigma_rad, "rad", "the same for the rotation", 0, 1, {}});
 }
 
 void add_graph_options(OptionTable& table, RgbdSlamOptions& o) {
   table.add({"loops",
              &o.loops,
              "",
-             "ties that may be wrong: each with a switch that turns it off (Suenderhauf and Protzel 2012), or with "
-             "Cauchy's kernel",
+             "robust loop closures: switchable constraints (Suenderhauf and Protzel 2012) or the Cauchy kernel",
              0,
              0,
              {"switchable", "robust"}});
   table.add({"switch_price",
              &o.switch_price,
              "",
-             "squared sigmas that turning a tie off costs; right ones have 6 on average",
+             "cost in squared sigmas of disabling a constraint; correct ones have 6 on average",
              1,
              1e6,
              {}});
-  table.add({"robust_width", &o.robust_width, "", "sigmas from which Cauchy's kernel bends", 0.1, 1000, {}});
-  table.add(
-      {"graph_window", &o.graph_window, "", "last keyframes that each new one moves; loops move all", 2, 1000, {}});
-  table.add({"loop_steps",
-             &o.loop_steps,
+  table.add({"robust_width", &o.robust_width, "", "width of the Cauchy kernel in sigmas", 0.1, 1000, {}});
+  table.add({"graph_window",
+             &o.graph_window,
              "",
-             "a tie is a loop where the way along the others has at least so many",
+             "previous keyframes optimized with each new one; loop closures optimize all",
              2,
              1000,
              {}});
-  table.add({"optimize_iterations", &o.optimize_iterations, "", "at most, of each optimisation", 1, 1000, {}});
+  table.add({"loop_steps",
+             &o.loop_steps,
+             "",
+             "a constraint is a loop closure if the shortest path of other constraints has at least this many",
+             2,
+             1000,
+             {}});
+  table.add(
+      {"optimize_iterations", &o.optimize_iterations, "", "iterations of each optimization, at most", 1, 1000, {}});
   table.add({"backend_delay_frames",
              &o.backend_delay_frames,
              "",
-             "so many frames later the tracker learns what a keyframe told: the time mapping has beside it",
+             "pipeline latency: tracking gets the results of mapping this many frames after a keyframe",
              1,
              1000,
              {}});
 }
 
 void add_loss_options(OptionTable& table, RgbdSlamOptions& o) {
-  table.add({"relocalise_every",
-             &o.relocalise_every,
+  table.add({"relocalize_every", &o.relocalize_every, "", "every n-th lost frame is relocalized", 1, 1000, {}});
+  table.add(
+      {"relocalize_last", &o.relocalize_last, "", "previous keyframes that a lost frame is matched with", 0, 1000, {}});
+  table.add({"relocalize_random",
+             &o.relocalize_random,
              "",
-             "of so many lost frames one is looked for in the map",
+             "random keyframes that a lost frame is matched with, and as many in turn",
              1,
              1000,
              {}});
-  table.add({"relocalise_last", &o.relocalise_last, "", "last keyframes it is compared with", 0, 1000, {}});
-  table.add({"relocalise_random",
-             &o.relocalise_random,
+  table.add({"relocalize_inliers",
+             &o.relocalize_inliers,
              "",
-             "keyframes drawn at random it is compared with, and so many more by turns",
-             1,
-             1000,
-             {}});
-  table.add({"relocalise_inliers",
-             &o.relocalise_inliers,
-             "",
-             "matches that must agree for a frame to be found again, or for two submaps to be joined",
+             "inliers that relocalization and merging of submaps need",
              6,
              5000,
              {}});
-  table.add({"lost_frames",
-             &o.lost_frames,
-             "",
-             "frames in which nothing known was seen before a new submap is begun",
-             1,
-             1000000,
-             {}});
+  table.add(
+      {"lost_frames", &o.lost_frames, "", "frames without tracking before a new submap is started", 1, 1000000, {}});
   table.add({"memory_reserve_mb",
              &o.memory_reserve_mb,
              "MB",
-             "of --max-memory, what is left for everything but the map's features",
+             "part of --max-memory reserved for everything but the features of the map",
              0,
              1e6,
              {}});
+  table.add_former_name("relocalise_every", "relocalize_every");
+  table.add_former_name("relocalise_last", "relocalize_last");
+  table.add_former_name("relocalise_random", "relocalize_random");
+  table.add_former_name("relocalise_inliers", "relocalize_inliers");
 }
 
 }  // namespace

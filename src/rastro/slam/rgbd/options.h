@@ -9,10 +9,10 @@
 
 namespace rastro {
 
-/// Settings of RGB-D SLAM; meaning, range and reason of each stand once, in option_table(). Those of the camera's noise
-/// are the follower's.
+/// Settings of RGB-D SLAM; meaning, range and reason of each are documented once, in option_table(). The camera's noise
+/// is set in `follow`.
 struct RgbdSlamOptions {
-  RgbdOptions follow;  ///< Of the odometry below; its table is part of this one's.
+  RgbdOptions follow;  ///< Of the odometry used for tracking; its table is part of this one's.
 
   // Keyframes.
   std::string descriptor = "orb";
@@ -21,7 +21,7 @@ struct RgbdSlamOptions {
   double keyframe_angle_rad = 0.15;
   int keyframe_frames = 30;
 
-  // Which keyframes are compared.
+  // Keyframe candidates.
   int last_candidates = 2;
   int near_candidates = 3;
   int graph_candidates = 2;
@@ -53,10 +53,10 @@ struct RgbdSlamOptions {
   int backend_delay_frames = 10;
 
   // Lost.
-  int relocalise_every = 2;
-  int relocalise_last = 3;
-  int relocalise_random = 3;
-  int relocalise_inliers = 30;
+  int relocalize_every = 2;
+  int relocalize_last = 3;
+  int relocalize_random = 3;
+  int relocalize_inliers = 30;
   int lost_frames = 60;
 
   double memory_reserve_mb = 250.0;

@@ -50,7 +50,7 @@ TEST(RgbdSlamOptions, BothEndsOfEveryRangeAreAllowedAndNothingBeyond) {
   EXPECT_GT(ranges, 40);
 }
 
-TEST(RgbdSlamOptions, ChoicesAreThoseThatTheMethodKnows) {
+TEST(RgbdSlamOptions, ChoicesAreThoseOfTheMethod) {
   RgbdSlamOptions options;
   OptionTable table = option_table(options);
   for (const char* assignment : {"descriptor=orb", "descriptor=sift", "few_features=icp", "few_features=refuse",

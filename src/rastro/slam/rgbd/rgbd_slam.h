@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "rastro/camera/camera.h"
 #include "rastro/slam/rgbd/options.h"
@@ -10,12 +12,14 @@
 
 namespace rastro {
 
-/// RGB-D SLAM after Endres et al. 2012 and 2014: a depth camera is followed frame by frame, some frames are kept and
-/// compared with others kept before, and a graph says where all of them stand. The body is the camera, the world the
-/// first camera, or that of the map given.
+class RgbdSession;
+
+/// RGB-D SLAM after Endres et al. 2012 and 2014: tracks a depth camera frame by frame, compares keyframes with earlier
+/// ones and optimizes their pose graph. The body is the camera; the world is the first camera, or that of the given
+/// map.
 class RgbdSlam : public Slam {
  public:
-  /// What `context` holds must outlive this. Error for a map without what this method needs of one.
+  /// Everything in `context` must outlive this. Error for a map that lacks what this method needs.
   RgbdSlam(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context);
   ~RgbdSlam() override;
   SlamUpdate process(const Frame& frame) override;
@@ -23,13 +27,17 @@ class RgbdSlam : public Slam {
   Trajectory trajectory() const override;
   std::shared_ptr<const Map> snapshot() const override;
   void reset() override;
+  /// Not with a given map, and off only once there is a map.
+  bool set_mapping(bool on) override;
+  std::vector<FeatureObservation> observations() const override;
+  std::int64_t dropped_frames() const override;
+  MapMemory map_memory() const override;
 
  private:
-  class State;
   RgbdSlamOptions options_;
   Camera camera_;
   SlamContext context_;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<RgbdSession> session_;
 };
 
 }  // namespace rastro

@@ -18,10 +18,10 @@ using testing::looking;
 using testing::pose_near;
 using testing::room_frame;
 
-/// A view, or the dark where there is none.
+/// A view; nullopt: darkness.
 using Views = std::vector<std::optional<SE3>>;
 
-/// What a run of these views said, frame by frame and at the end.
+/// The results of a run over these views, frame by frame and at the end.
 struct Driven {
   std::vector<SlamUpdate> updates;
   std::vector<SlamEvent> events;
@@ -39,7 +39,7 @@ Frame frame_of(const std::optional<SE3>& view, std::int64_t index) {
   Frame frame = room_frame(looking({0.0, 0.0, 1.2}, 0.0), index);
   for (int y = 0; y < 240; ++y) std::fill_n(frame.image.row(y), 320, std::uint8_t{0});
   for (int y = 0; y < 240; ++y) std::fill_n(frame.depth.row(y), 320, 0.0F);
-  frame.colour.rgb = {};
+  frame.color.rgb = {};
   return frame;
 }
 
@@ -58,7 +58,7 @@ Driven run(const Views& views, const RgbdSlamOptions& options, const SlamContext
   return result;
 }
 
-/// In radians a frame, along yaw, and to the side.
+/// Radians per frame in yaw, with a motion to the side.
 Views pan(double yaw, double per_frame, int frames) {
   Views views;
   for (int k = 0; k < frames; ++k) views.push_back(looking({-0.5, -0.2 + 0.01 * k, 1.2}, yaw + per_frame * k, -0.3));
@@ -74,11 +74,11 @@ Views joined(std::initializer_list<Views> parts) {
 /// The world is the first camera.
 SE3 in_world(const Views& views, std::size_t k) { return views[0]->inverse() * *views[k]; }
 
-void expect_near_truth(const Driven& done, const Views& views, double metres, double radians) {
+void expect_near_ground_truth(const Driven& done, const Views& views, double meters, double radians) {
   for (std::size_t k = 0; k < views.size(); ++k) {
     const auto found = done.trajectory.find(done.updates[k].stamp);
     if (!views[k] || found == done.trajectory.end()) continue;
-    EXPECT_THAT(found->second, pose_near(in_world(views, k), metres, radians)) << k;
+    EXPECT_THAT(found->second, pose_near(in_world(views, k), meters, radians)) << k;
   }
 }
 
@@ -87,15 +87,15 @@ RgbdSlamOptions quick() {
   options.backend_delay_frames = 3;
   options.keyframe_frames = 8;
   options.lost_frames = 3;
-  options.relocalise_every = 1;
+  options.relocalize_every = 1;
   return options;
 }
 
-TEST(RgbdSlam, FollowsAPanAndItsMapHoldsTheKeyframes) {
+TEST(RgbdSlam, TracksAPanAndItsMapHasTheKeyframes) {
   const Views views = pan(-0.3, 0.02, 30);
   const Driven done = run(views, quick());
   ASSERT_EQ(done.trajectory.size(), views.size());
-  expect_near_truth(done, views, 0.03, 0.012);
+  expect_near_ground_truth(done, views, 0.03, 0.012);
   EXPECT_EQ(done.updates[0].world_from_body.matrix(), SE3().matrix()) << "the world is the first camera";
   EXPECT_GE(done.count("keyframe"), 3);
   ASSERT_EQ(done.snapshot->keyframes.size(), static_cast<std::size_t>(done.count("keyframe")));
@@ -110,7 +110,7 @@ TEST(RgbdSlam, FollowsAPanAndItsMapHoldsTheKeyframes) {
   }
 }
 
-TEST(RgbdSlam, AnEdgeOfOdometryIsNeverSurerThanItsFloor) {
+TEST(RgbdSlam, AnOdometryEdgeHasAMinimumSigma) {
   RgbdSlamOptions options = quick();
   options.edge_sigma_m = 0.02;
   options.edge_sigma_rad = 0.01;
@@ -125,7 +125,7 @@ TEST(RgbdSlam, AnEdgeOfOdometryIsNeverSurerThanItsFloor) {
   EXPECT_EQ(odometry, static_cast<int>(done.snapshot->keyframes.size()) - 1);
 }
 
-/// What mapping finds is taken over a fixed number of frames later, neither sooner nor later.
+/// Mapping results are handed over a fixed number of frames later, neither sooner nor later.
 TEST(RgbdSlam, AKeyframeIsKnownAfterTheDelay) {
   RgbdSlamOptions options = quick();
   options.backend_delay_frames = 4;
@@ -137,7 +137,7 @@ TEST(RgbdSlam, AKeyframeIsKnownAfterTheDelay) {
   }
 }
 
-TEST(RgbdSlam, AnUncertaintyHoldsTheErrorThatIsMade) {
+TEST(RgbdSlam, TheCovarianceIsConsistentWithTheError) {
   const Views views = pan(-0.3, 0.02, 30);
   const Driven done = run(views, quick());
   for (std::size_t k = 5; k < views.size(); ++k) {
@@ -148,7 +148,7 @@ TEST(RgbdSlam, AnUncertaintyHoldsTheErrorThatIsMade) {
   }
 }
 
-TEST(RgbdSlam, IsLostInTheDarkAndFoundAgainInTheMap) {
+TEST(RgbdSlam, IsLostInTheDarkAndRelocalizedInTheMap) {
   const Views before = pan(-0.2, 0.02, 15), dark(4), after = pan(0.2, 0.01, 8);
   const Views views = joined({before, dark, after});
   const Driven done = run(views, quick());
@@ -156,16 +156,16 @@ TEST(RgbdSlam, IsLostInTheDarkAndFoundAgainInTheMap) {
     EXPECT_EQ(done.updates[k].state, SlamState::lost) << k;
     EXPECT_EQ(done.trajectory.count(done.updates[k].stamp), 0U) << "no pose, none in the trajectory";
   }
-  EXPECT_EQ(done.updates[19].state, SlamState::relocalised);
+  EXPECT_EQ(done.updates[19].state, SlamState::relocalized);
   EXPECT_THAT(done.updates[19].world_from_body, pose_near(in_world(views, 19), 0.03, 0.015));
-  EXPECT_EQ(done.count("relocalised") + done.count("submap"), done.count("relocalised")) << "no new submap";
+  EXPECT_EQ(done.count("relocalized") + done.count("submap"), done.count("relocalized")) << "no new submap";
   EXPECT_EQ(done.trajectory.size(), views.size() - dark.size());
-  expect_near_truth(done, views, 0.04, 0.02);
+  expect_near_ground_truth(done, views, 0.04, 0.02);
 }
 
-/// Carried to another wall in the dark and from there, seeing, back to the first: the two parts become one, in the
+/// Moved to another wall in the dark and from there, in light, back to the first: the two submaps are merged, in the
 /// frame of the first.
-TEST(RgbdSlam, ASubmapBegunElsewhereJoinsTheFirstWhereTheyMeet) {
+TEST(RgbdSlam, ASubmapBegunElsewhereIsMergedWithTheFirstWhereTheyOverlap) {
   const Views first = pan(0.0, 0.01, 14), dark(3), back = pan(2.4, -0.08, 32), on = pan(-0.15, 0.01, 8);
   const Views views = joined({first, dark, back, on});
   const Driven done = run(views, quick());
@@ -177,12 +177,12 @@ TEST(RgbdSlam, ASubmapBegunElsewhereJoinsTheFirstWhereTheyMeet) {
   EXPECT_TRUE(placed_apart) << "until they meet, a pose is a guess and says so";
   for (const Keyframe& keyframe : done.snapshot->keyframes) EXPECT_EQ(keyframe.submap, 0);
   EXPECT_GT(done.trajectory.size(), views.size() - 10) << "all but the dark and the first frames after it";
-  expect_near_truth(done, views, 0.12, 0.05);
+  expect_near_ground_truth(done, views, 0.12, 0.05);
   EXPECT_NE(done.updates.back().reason, SlamReason::apart) << "it is known to the tracker";
   EXPECT_THAT(done.updates.back().world_from_body, pose_near(in_world(views, views.size() - 1), 0.12, 0.05));
 }
 
-TEST(RgbdSlam, FramesAreFoundInAMapGivenWhichStays) {
+TEST(RgbdSlam, FramesAreLocalizedInAGivenMapWhichStays) {
   SlamContext context;
   context.map = std::make_shared<const Map>(make_test_map(6));
   const SE3 beside(SO3::exp({0.02, 0.06, 0.0}), {0.12, 0.05, 0.0});
@@ -190,9 +190,9 @@ TEST(RgbdSlam, FramesAreFoundInAMapGivenWhichStays) {
   Views views;
   for (int k = 0; k < 12; ++k) views.emplace_back(start * SE3(SO3::exp({0.0, 0.006 * k, 0.0}), {0.01 * k, 0.0, 0.0}));
   RgbdSlamOptions options = quick();
-  options.relocalise_last = 6;
+  options.relocalize_last = 6;
   const Driven done = run(views, options, context);
-  EXPECT_EQ(done.updates.front().state, SlamState::relocalised);
+  EXPECT_EQ(done.updates.front().state, SlamState::relocalized);
   for (std::size_t k = 0; k < views.size(); ++k)
     EXPECT_THAT(done.updates[k].world_from_body, pose_near(*views[k], 0.04, 0.02)) << "in the frame of the map";
   EXPECT_EQ(done.snapshot->keyframes.size(), 6U);
@@ -234,7 +234,7 @@ TEST(RgbdSlam, OptionsOutOfRangeAreRefused) {
   EXPECT_THROW(RgbdSlam(options, test_room::camera(), {}), Error);
 }
 
-TEST(RgbdSlam, BesideTrackingOrWithinItTheResultIsTheSame) {
+TEST(RgbdSlam, MappingBesideTrackingGivesTheSameResult) {
   const Views views = joined({pan(-0.2, 0.02, 12), Views(2), pan(0.0, 0.01, 6)});
   const Driven alone = run(views, quick());
   TaskPool pool(3);

@@ -14,11 +14,12 @@
 #include "rastro/slam/rgbd/keyframe_graph.h"
 #include "rastro/slam/rgbd/options.h"
 
-/// For tests of slam/rgbd only: views of the room of map/images/room_map_testing.h with exact poses, and the pieces of
-/// a map.
+/// For tests of slam/rgbd only: views of the room of map/images/room_map_testing.h with exact poses, and parts of a
+/// map.
 namespace rastro::testing {
 
-/// A camera at `position` of the room, its optical axis `yaw` from x towards y and `pitch` above the horizon.
+/// A camera at `position` in the room. `yaw` of the optical axis is from x towards y, `pitch` above the horizon;
+/// radians.
 inline SE3 looking(const Eigen::Vector3d& position, double yaw, double pitch = -0.25) {
   const Eigen::Vector3d ahead(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch));
   const Eigen::Vector3d right = ahead.cross(Eigen::Vector3d::UnitZ()).normalized();
@@ -48,11 +49,11 @@ inline Frame with_depth_noise(Frame frame, const RgbdSlamOptions& options, std::
   return frame;
 }
 
-/// Structure without end: every pixel its own shade, as far as `depth_m` everywhere.
+/// A frame unrelated to all others: blocks of random intensity at the constant depth `depth_m`.
 inline Frame unknown_frame(std::uint64_t seed, float depth_m = 2.0F) {
   const Camera camera = test_room::camera();
   Frame frame;
-  frame.image = GreyImage(camera.width, camera.height);
+  frame.image = GrayImage(camera.width, camera.height);
   frame.depth = DepthImage(camera.width, camera.height);
   Random random(seed);
   for (int y = 0; y < camera.height; y += 4) {
@@ -74,7 +75,7 @@ inline std::shared_ptr<const ImageFeatures> room_keyframe(const Frame& frame, st
   return std::make_shared<const ImageFeatures>(std::move(keyframe));
 }
 
-/// A keyframe that only its number and its count of features are known of.
+/// A keyframe with only its number and a number of features.
 inline std::shared_ptr<const ImageFeatures> bare_keyframe(std::int64_t id, std::size_t features = 1) {
   auto keyframe = std::make_shared<ImageFeatures>();
   keyframe->id = id;
@@ -102,18 +103,18 @@ inline Constraint edge_of(std::int64_t from, std::int64_t to, const SE3& from_fr
   return edge;
 }
 
-/// Pictures in memory that count how often they are asked for.
-class CountingPictures : public PictureStore {
+/// Images in memory; counts the requests.
+class CountingImages : public ImageStore {
  public:
-  void add(std::int64_t id, const Frame& frame) { kept_.add(id, pack_pictures(frame)); }
-  PackedPictures pictures(std::int64_t id) const override {
+  void add(std::int64_t id, const Frame& frame) { kept_.add(id, pack_images(frame)); }
+  PackedImages pictures(std::int64_t id) const override {
     ++asked_;
     return kept_.pictures(id);
   }
   int asked() const { return asked_; }
 
  private:
-  MemoryPictures kept_;
+  MemoryImages kept_;
   mutable std::atomic<int> asked_ = 0;
 };
 

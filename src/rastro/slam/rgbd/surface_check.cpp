@@ -11,15 +11,15 @@ namespace {
 
 constexpr double block_middle = 0.5 * (surface_block_px - 1);
 
-/// As it comes back from a packed picture.
+/// As decoded from a packed image.
 DepthImage packed_and_back(const DepthImage& depth) {
   DepthImage result(depth.width(), depth.height());
   for (int y = 0; y < depth.height(); ++y) {
     const float* from = depth.row(y);
     float* to = result.row(y);
     for (int x = 0; x < depth.width(); ++x) {
-      const double units = std::round(static_cast<double>(from[x]) * packed_depth_units_per_metre);
-      to[x] = units > 0.0 && units <= 65535.0 ? static_cast<float>(units / packed_depth_units_per_metre) : 0.0F;
+      const double units = std::round(static_cast<double>(from[x]) * packed_depth_units_per_meter);
+      to[x] = units > 0.0 && units <= 65535.0 ? static_cast<float>(units / packed_depth_units_per_meter) : 0.0F;
     }
   }
   return result;
@@ -84,7 +84,7 @@ void SurfaceCheck::count(const DepthBlocks& seen, const DepthBlocks& by, const S
         ++sum.outside;
         continue;
       }
-      // At the rim of a thing a pixel more or less decides what is seen, so the neighbours have a say.
+      // At a depth discontinuity one pixel decides what is visible, so the neighbors are considered.
       float nearest = std::numeric_limits<float>::infinity(), farthest = 0.0F;
       const int cu = static_cast<int>(u + 0.5), cv = static_cast<int>(v + 0.5);
       for (int j = cv - 1; j <= cv + 1; ++j) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "rastro/backend/acceptance.h"
 #include "rastro/camera/camera.h"
 #include "rastro/image/image.h"
 #include "rastro/map/images/image_layer.h"
@@ -13,35 +14,35 @@
 
 namespace rastro {
 
-/// What a keyframe's depth says, in blocks. The same from a frame as from its packed pictures.
+/// The surfaces in a keyframe's depth image, in blocks. The same from a frame as from its packed images.
 struct KeyframeSurface {
   DepthBlocks blocks;
   std::vector<BlockPlane> planes;
 };
 
-/// What the surfaces that one view measured look like to another.
+/// How the surfaces measured in one view compare with another view.
 struct SurfaceAgreement {
-  int agree = 0;       ///< Measured there as well.
-  int contradict = 0;  ///< The other one looked through the place and saw what is behind.
-  int hidden = 0;      ///< Behind what the other one saw: says nothing.
-  int outside = 0;     ///< Not seen by the other one, or without depth there.
+  int agree = 0;       ///< Measured at the same depth there.
+  int contradict = 0;  ///< The other view measured a surface behind it: it looked through this one.
+  int hidden = 0;      ///< Occluded in the other view: no evidence.
+  int outside = 0;     ///< Outside the other view, or without depth there.
 
-  /// Of what could be judged, the share that agrees; 0 where nothing could be.
-  double share() const { return agree == 0 ? 0.0 : static_cast<double>(agree) / (agree + contradict); }
-  /// Share of the measurements that could be judged.
-  double overlap() const {
-    return agree == 0 ? 0.0 : static_cast<double>(agree + contradict) / (agree + contradict + hidden + outside);
+  /// A surface that the other view looked through should have been visible: negative evidence. Does not include
+  /// matches.
+  Evidence evidence() const {
+    const int judged = agree + contradict;
+    return {.compared = judged + hidden + outside, .predicted = judged, .observed = agree};
   }
 };
 
-/// Compares the surfaces of two keyframes. May be used by several threads.
+/// Compares the surfaces of two keyframes. Thread-safe.
 class SurfaceCheck {
  public:
   SurfaceCheck(const Camera& camera, const SurfaceOptions& options);
   KeyframeSurface surface_of(const DepthImage& depth) const;
-  /// The environment measurement check of Endres et al. 2014, section III-E, both ways.
+  /// The environment measurement check of Endres et al. 2014, section III-E, in both directions.
   SurfaceAgreement compare(const KeyframeSurface& a, const KeyframeSurface& b, const SE3& a_from_b) const;
-  /// What the planes of `a` say of a_from_b, for pairs within `reach_m`.
+  /// Constraint on a_from_b from the planes of `a`, for pairs within `reach_m`.
   SurfaceFit fit(const KeyframeSurface& a, const KeyframeSurface& b, const SE3& a_from_b, double reach_m) const;
 
  private:
@@ -52,7 +53,7 @@ class SurfaceCheck {
   DepthNoise noise_;
   ProjectiveIcp icp_;
   int width_ = 0, height_ = 0;         ///< Blocks.
-  std::vector<Eigen::Vector2d> rays_;  ///< Of the blocks' middles, normalised; not a number where there is none.
+  std::vector<Eigen::Vector2d> rays_;  ///< Of the block centers, normalized; NaN where there is none.
 };
 
 }  // namespace rastro

@@ -21,7 +21,7 @@ SurfaceCheck room_check() { return {test_room::camera(), surface_options(RgbdSla
 
 int all_of(const SurfaceAgreement& sum) { return sum.agree + sum.contradict + sum.hidden + sum.outside; }
 
-/// A wall across the whole picture.
+/// A wall across the whole image.
 DepthImage wall(double depth_m) {
   DepthImage depth(320, 240);
   for (int y = 0; y < 240; ++y)
@@ -29,7 +29,7 @@ DepthImage wall(double depth_m) {
   return depth;
 }
 
-/// The same with a board of 80 x 80 pixels before it.
+/// The same with a board of 80 x 80 pixels in front of it.
 DepthImage wall_with_board(double wall_m, double board_m) {
   DepthImage depth = wall(wall_m);
   for (int y = 80; y < 160; ++y)
@@ -37,7 +37,7 @@ DepthImage wall_with_board(double wall_m, double board_m) {
   return depth;
 }
 
-SE3 ahead(double metres) { return {SO3(), {0.0, 0.0, metres}}; }
+SE3 ahead(double meters) { return {SO3(), {0.0, 0.0, meters}}; }
 
 TEST(SurfaceCheck, AViewAgreesWithItself) {
   const SurfaceCheck check = room_check();
@@ -45,8 +45,8 @@ TEST(SurfaceCheck, AViewAgreesWithItself) {
   const SurfaceAgreement sum = check.compare(surface, surface, SE3());
   EXPECT_EQ(sum.contradict, 0);
   EXPECT_EQ(sum.hidden, 0);
-  EXPECT_EQ(sum.share(), 1.0);
-  EXPECT_GT(sum.overlap(), 0.8) << "but for rims, of the picture and of things";
+  EXPECT_EQ(sum.evidence().observed_share(), 1.0);
+  EXPECT_GT(sum.evidence().overlap(), 0.8) << "but for rims, of the picture and of things";
 }
 
 TEST(SurfaceCheck, TwoViewsOfTheRoomAgreeAtTheirTruePoses) {
@@ -60,45 +60,46 @@ TEST(SurfaceCheck, TwoViewsOfTheRoomAgreeAtTheirTruePoses) {
     }
     const SurfaceAgreement sum =
         check.compare(check.surface_of(frame_a.depth), check.surface_of(frame_b.depth), a.inverse() * b);
-    EXPECT_GT(sum.share(), 0.98) << noise_seed;
-    EXPECT_GT(sum.overlap(), 0.5) << noise_seed;
+    EXPECT_GT(sum.evidence().observed_share(), 0.98) << noise_seed;
+    EXPECT_GT(sum.evidence().overlap(), 0.5) << noise_seed;
   }
 }
 
-TEST(SurfaceCheck, WrongPosesOfTheRoomAreContradicted) {
+TEST(SurfaceCheck, WrongPosesInTheRoomAreContradicted) {
   const SurfaceCheck check = room_check();
   const SE3 a = looking({-1.2, -0.5, 1.2}, 0.2), b = looking({-1.0, 0.4, 1.4}, -0.1);
   const KeyframeSurface of_a = check.surface_of(room_frame(a).depth), of_b = check.surface_of(room_frame(b).depth);
   for (const SE3& wrong : {SE3(SO3(), {0.0, 0.0, -0.4}), SE3(SO3(), {0.0, 0.0, 0.4}), SE3(SO3(), {0.0, 0.4, 0.0}),
                            SE3(SO3::exp({0.0, 0.3, 0.0}), Eigen::Vector3d::Zero()),
                            SE3(SO3::exp({0.25, 0.0, 0.0}), Eigen::Vector3d::Zero())}) {
-    EXPECT_LT(check.compare(of_a, of_b, a.inverse() * b * wrong).share(), 0.9) << wrong.log().transpose();
+    EXPECT_LT(check.compare(of_a, of_b, a.inverse() * b * wrong).evidence().observed_share(), 0.9)
+        << wrong.log().transpose();
   }
 }
 
-/// What may be nearer is three standard deviations of both depths and one hundredth: 7.4 cm at 2 m.
-TEST(SurfaceCheck, SurfaceInFrontOfWhatWasMeasuredIsRefusedFromTheNoiseOn) {
+/// A surface may be nearer by up to three standard deviations of both depths and one hundredth: 7.4 cm at 2 m.
+TEST(SurfaceCheck, ASurfaceInFrontOfTheMeasuredOneByMoreThanTheNoiseIsAContradiction) {
   const SurfaceCheck check = room_check();
-  const KeyframeSurface two_metres = check.surface_of(wall(2.0));
+  const KeyframeSurface two_meters = check.surface_of(wall(2.0));
   const RgbdSlamOptions options;
   const double sigma = options.follow.depth_sigma_m + options.follow.depth_sigma_per_m2 * 4.0;
   const double allowed = 3.0 * (sigma + sigma) + 0.01 * 2.0;
   ASSERT_NEAR(allowed, 0.074, 1e-9);
   for (const double side : {-1.0, 1.0}) {
-    const SurfaceAgreement within = check.compare(two_metres, two_metres, ahead(side * 0.9 * allowed));
+    const SurfaceAgreement within = check.compare(two_meters, two_meters, ahead(side * 0.9 * allowed));
     EXPECT_EQ(within.contradict, 0) << side;
     EXPECT_GT(within.agree, 0) << side;
-    const SurfaceAgreement beyond = check.compare(two_metres, two_metres, ahead(side * 1.15 * allowed));
+    const SurfaceAgreement beyond = check.compare(two_meters, two_meters, ahead(side * 1.15 * allowed));
     EXPECT_EQ(beyond.agree, 0) << side;
     EXPECT_GT(beyond.contradict, 0) << side << ": one of the two sees through the other's wall";
     EXPECT_GT(beyond.hidden, 0) << side << ": and is hidden behind it the other way";
-    EXPECT_EQ(beyond.share(), 0.0);
+    EXPECT_EQ(beyond.evidence().observed_share(), 0.0);
   }
 }
 
-/// A wall at 3 m; one of the two saw a board at 2 m before it. Seen from where the other stood it is not there; that
-/// the wall behind it is not seen says nothing.
-TEST(SurfaceCheck, ABoardThatTheOtherSeesThroughIsAContradictionAndTheWallBehindItIsHidden) {
+/// A wall at 3 m; one of the two views has a board at 2 m in front of it. The other view looks through it: a
+/// contradiction. The wall occluded by the board is no evidence.
+TEST(SurfaceCheck, ABoardThatTheOtherLooksThroughIsAContradictionAndTheWallBehindItIsOccluded) {
   const SurfaceCheck check = room_check();
   const KeyframeSurface bare = check.surface_of(wall(3.0)), board = check.surface_of(wall_with_board(3.0, 2.0));
   const SurfaceAgreement sum = check.compare(bare, board, SE3());
@@ -114,14 +115,14 @@ TEST(SurfaceCheck, ABoardThatTheOtherSeesThroughIsAContradictionAndTheWallBehind
   EXPECT_EQ(swapped.agree, sum.agree);
 }
 
-/// From the side more of what is behind the board is seen: true poses are kept.
-TEST(SurfaceCheck, WhatABoxHidesFromOneOfTwoViewsIsNoContradiction) {
+/// From the side more of the surface behind the box is visible: correct poses are accepted.
+TEST(SurfaceCheck, SurfacesOccludedByABoxInOneOfTwoViewsAreNoContradiction) {
   const SurfaceCheck check = room_check();
   const SE3 a = looking({-0.6, -1.1, 0.5}, 0.3, -0.1), b = looking({-0.6, 1.2, 0.5}, -0.25, -0.1);
   const SurfaceAgreement sum =
       check.compare(check.surface_of(room_frame(a).depth), check.surface_of(room_frame(b).depth), a.inverse() * b);
   EXPECT_GT(sum.hidden, 50) << "each sees floor and wall that the box hides from the other";
-  EXPECT_GT(sum.share(), 0.97);
+  EXPECT_GT(sum.evidence().observed_share(), 0.97);
 }
 
 TEST(SurfaceCheck, WithoutDepthThereIsNothingToJudge) {
@@ -132,8 +133,8 @@ TEST(SurfaceCheck, WithoutDepthThereIsNothingToJudge) {
   for (const KeyframeSurface* none : {&blank, &other_size}) {
     for (const SurfaceAgreement& sum : {check.compare(some, *none, SE3()), check.compare(*none, some, SE3())}) {
       EXPECT_EQ(sum.agree + sum.contradict + sum.hidden, 0);
-      EXPECT_EQ(sum.share(), 0.0);
-      EXPECT_EQ(sum.overlap(), 0.0);
+      EXPECT_EQ(sum.evidence().observed_share(), 0.0);
+      EXPECT_EQ(sum.evidence().overlap(), 0.0);
     }
     EXPECT_EQ(check.fit(some, *none, SE3(), 0.1).compared, 0);
   }
@@ -142,7 +143,7 @@ TEST(SurfaceCheck, WithoutDepthThereIsNothingToJudge) {
 TEST(SurfaceCheck, EveryMeasurementIsCountedOnce) {
   const SurfaceCheck check = room_check();
   const KeyframeSurface surface = check.surface_of(wall(2.0));
-  // Every other of 80 x 60 blocks both ways, of both views, wherever they fall.
+  // Every other of 80 x 60 blocks in both directions, of both views, wherever they project.
   for (const SE3& wrong : {SE3(), ahead(0.5), ahead(-0.5), SE3(SO3(), {1.0, 0.0, 0.0}),
                            SE3(SO3::exp({0.0, M_PI, 0.0}), Eigen::Vector3d::Zero())}) {
     EXPECT_EQ(all_of(check.compare(surface, surface, wrong)), 2 * 40 * 30) << wrong.log().transpose();
@@ -152,11 +153,11 @@ TEST(SurfaceCheck, EveryMeasurementIsCountedOnce) {
   EXPECT_EQ(behind.outside, 2 * 40 * 30) << "back to back they see nothing of each other";
 }
 
-TEST(SurfaceCheck, ASurfaceIsTheSameFromAFrameAsFromItsPackedPictures) {
+TEST(SurfaceCheck, ASurfaceIsTheSameFromAFrameAsFromItsPackedImages) {
   const SurfaceCheck check = room_check();
   const Frame frame = with_depth_noise(room_frame(looking({-1.2, 0.2, 1.2}, 0.1)), {}, 5);
   const KeyframeSurface from_frame = check.surface_of(frame.depth),
-                        from_file = check.surface_of(unpack_pictures(pack_pictures(frame), "test").depth);
+                        from_file = check.surface_of(unpack_images(pack_images(frame), "test").depth);
   EXPECT_EQ(from_frame.blocks.depth, from_file.blocks.depth);
   ASSERT_EQ(from_frame.planes.size(), from_file.planes.size());
   for (std::size_t k = 0; k < from_frame.planes.size(); ++k) {
@@ -165,7 +166,7 @@ TEST(SurfaceCheck, ASurfaceIsTheSameFromAFrameAsFromItsPackedPictures) {
   }
 }
 
-TEST(SurfaceCheck, SurfacesSlideOntoEachOther) {
+TEST(SurfaceCheck, SurfacesAreAligned) {
   const SurfaceCheck check = room_check();
   const SE3 a = looking({-1.2, -0.3, 1.2}, 0.2), b = looking({-1.1, 0.1, 1.3}, 0.05), a_from_b = a.inverse() * b;
   const KeyframeSurface of_a = check.surface_of(room_frame(a).depth), of_b = check.surface_of(room_frame(b).depth);
@@ -178,11 +179,11 @@ TEST(SurfaceCheck, SurfacesSlideOntoEachOther) {
   EXPECT_THAT(slid, pose_near(a_from_b, 0.003, 0.002));
 }
 
-TEST(SurfaceAgreement, ShareAndOverlapAreOfWhatTheirNamesSay) {
-  EXPECT_EQ((SurfaceAgreement{30, 10, 40, 20}.share()), 0.75);
-  EXPECT_EQ((SurfaceAgreement{30, 10, 40, 20}.overlap()), 0.4);
-  EXPECT_EQ(SurfaceAgreement().share(), 0.0);
-  EXPECT_EQ((SurfaceAgreement{0, 5, 0, 0}.overlap()), 0.0);
+TEST(SurfaceAgreement, ShareAndOverlapHaveTheirDefinitions) {
+  EXPECT_EQ((SurfaceAgreement{30, 10, 40, 20}.evidence().observed_share()), 0.75);
+  EXPECT_EQ((SurfaceAgreement{30, 10, 40, 20}.evidence().overlap()), 0.4);
+  EXPECT_EQ(SurfaceAgreement().evidence().observed_share(), 0.0);
+  EXPECT_EQ((SurfaceAgreement{0, 5, 0, 0}.evidence().overlap()), 0.0);
 }
 
 }  // namespace

@@ -2,10 +2,11 @@
 #include "rastro/slam/rgbd/tracked_map.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace rastro {
 
-TrackedMap::TrackedMap(Map base, std::shared_ptr<const PictureStore> images, bool given)
+TrackedMap::TrackedMap(Map base, std::shared_ptr<const ImageStore> images, bool given)
     : base_(std::move(base)), images_(std::move(images)), given_(given), edges_(base_.constraints) {
   const auto features = base_.layer<FeatureLayer>();
   for (const Keyframe& keyframe : base_.keyframes) {
@@ -24,6 +25,22 @@ SE3 TrackedMap::pose(std::int64_t keyframe) const {
 int TrackedMap::submap(std::int64_t keyframe) const {
   const auto place = static_cast<std::size_t>(keyframe);
   return place < poses_.size() ? poses_[place].submap : pending_[place - poses_.size()].submap;
+}
+
+std::vector<std::int64_t> TrackedMap::nearest(const SE3& pose, int submap, const RgbdSlamOptions& options) const {
+  constexpr std::size_t most = 5;
+  std::vector<std::pair<double, std::int64_t>> all;
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    if (poses_[k].submap != submap || keyframes_[k]->features.size() == 0) continue;
+    const SE3 apart = poses_[k].world_from_camera.inverse() * pose;
+    all.emplace_back(std::max(apart.translation().norm() / options.near_distance_m,
+                              apart.rotation().log().norm() / options.near_angle_rad),
+                     static_cast<std::int64_t>(k));
+  }
+  std::sort(all.begin(), all.end());
+  std::vector<std::int64_t> ids;
+  for (std::size_t i = 0; i < all.size() && i < most; ++i) ids.push_back(all[i].second);
+  return ids;
 }
 
 void TrackedMap::add_pending(const KeyframePose& pose, const Matrix6d& covariance) {
@@ -66,7 +83,7 @@ void TrackedMap::add_frame(TimeNs stamp, std::int64_t keyframe, const SE3& keyfr
 
 bool TrackedMap::make_largest_first() {
   std::vector<std::int64_t> frames(static_cast<std::size_t>(std::max(1, submaps_)), 0);
-  for (const PlacedFrame& frame : frames_) ++frames[static_cast<std::size_t>(submap(frame.keyframe))];
+  for (const PosedFrame& frame : frames_) ++frames[static_cast<std::size_t>(submap(frame.keyframe))];
   const auto largest = static_cast<int>(std::max_element(frames.begin(), frames.end()) - frames.begin());
   if (largest == 0 || given_) return false;
   for (KeyframePose& pose : poses_) {
@@ -78,7 +95,7 @@ bool TrackedMap::make_largest_first() {
 
 Trajectory TrackedMap::trajectory() const {
   Trajectory trajectory;
-  for (const PlacedFrame& frame : frames_) {
+  for (const PosedFrame& frame : frames_) {
     if (submap(frame.keyframe) == 0)
       trajectory.push_back({frame.stamp, pose(frame.keyframe) * frame.keyframe_from_camera});
   }
@@ -106,7 +123,7 @@ std::shared_ptr<const Map> TrackedMap::snapshot() const {
   map->layers.put<FeatureLayer>(std::move(features));
   map->layers.put<ImageLayer>(std::move(images));
   map->constraints = edges_;
-  for (const PlacedFrame& frame : frames_)
+  for (const PosedFrame& frame : frames_)
     if (frame.keyframe < static_cast<std::int64_t>(poses_.size()))
       map->frames.push_back({frame.stamp, frame.keyframe, frame.keyframe_from_camera});
   if (!map->frames.empty()) {

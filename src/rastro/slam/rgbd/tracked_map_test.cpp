@@ -25,10 +25,10 @@ Map base() {
   return map;
 }
 
-/// What the mapper has begun to fill.
-TrackedMap empty_map() { return TrackedMap(base(), std::make_shared<MemoryPictures>(), false); }
+/// Without keyframes from the mapper yet.
+TrackedMap empty_map() { return TrackedMap(base(), std::make_shared<MemoryImages>(), false); }
 
-/// What the mapper says of keyframe `id`, with these poses of all keyframes up to it.
+/// The mapper's result for keyframe `id`, with these poses of all keyframes up to it.
 MapRevision revision_of(std::int64_t id, std::vector<KeyframePose> poses) {
   MapRevision revision;
   revision.keyframe = bare_keyframe(id);
@@ -37,7 +37,7 @@ MapRevision revision_of(std::int64_t id, std::vector<KeyframePose> poses) {
   return revision;
 }
 
-TEST(TrackedMap, KeyframesAreKnownByTheirOrderUntilTheMapperAnswers) {
+TEST(TrackedMap, KeyframesArePendingUntilTheMapperReturnsThem) {
   TrackedMap map = empty_map();
   EXPECT_EQ(map.new_submap(), 0);
   EXPECT_EQ(map.keyframe_count(), 0);
@@ -61,7 +61,7 @@ TEST(TrackedMap, KeyframesAreKnownByTheirOrderUntilTheMapperAnswers) {
   EXPECT_EQ(map.revision(), 2);
 }
 
-TEST(TrackedMap, PendingKeyframesAreMovedFromTheGivenOneOn) {
+TEST(TrackedMap, PendingKeyframesAreTransformedFromTheGivenOneOn) {
   TrackedMap map = empty_map();
   for (const double x : {1.0, 2.0, 3.0}) map.add_pending(in_submap(at(x)), Matrix6d::Zero());
   map.apply(revision_of(0, {in_submap(at(1.0))}));
@@ -127,7 +127,7 @@ TEST(TrackedMap, TheTrajectoryIsThatOfTheFirstSubmapAndTheLargestBecomesIt) {
   EXPECT_FALSE(map.make_largest_first()) << "it is the first already";
 }
 
-TEST(TrackedMap, ASubmapThatWasJoinedGoesOnInTheTrajectory) {
+TEST(TrackedMap, AMergedSubmapIsPartOfTheTrajectory) {
   TrackedMap map = empty_map();
   for (const int submap : {0, 1}) {
     map.new_submap();
@@ -184,7 +184,7 @@ TEST(TrackedMap, ASnapshotNeverChanges) {
   }
 }
 
-TEST(TrackedMap, ForgottenFeaturesAreGoneHereToo) {
+TEST(TrackedMap, DroppedFeaturesAreRemovedHereToo) {
   TrackedMap map = empty_map();
   map.new_submap();
   for (const double x : {0.0, 1.0}) map.add_pending(in_submap(at(x)), Matrix6d::Zero());
@@ -200,7 +200,7 @@ TEST(TrackedMap, ForgottenFeaturesAreGoneHereToo) {
   EXPECT_EQ(map.snapshot()->layer<FeatureLayer>()->find(0)->features.size(), 0U);
 }
 
-TEST(TrackedMap, AMapGivenIsNotAddedTo) {
+TEST(TrackedMap, AGivenMapIsNotChanged) {
   const Map given = make_test_map(4);
   TrackedMap map(given, images_of(given), true);
   EXPECT_EQ(map.keyframe_count(), 4);

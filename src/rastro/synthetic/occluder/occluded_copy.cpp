@@ -18,11 +18,11 @@ namespace rastro {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int batch_frames = 16;  // drawn one after the other, then written in parallel
+constexpr int batch_frames = 16;  // drawn sequentially, then written in parallel
 
 struct Picture {
   TimeNs stamp = 0;
-  GreyImage image, mask;
+  GrayImage image, mask;
 };
 
 void make_folder(const fs::path& folder) {
@@ -37,8 +37,8 @@ void prepare_folder(const fs::path& folder, bool overwrite) {
   const bool holds_something =
       fs::exists(folder, problem) && !(fs::is_directory(folder, problem) && fs::is_empty(folder, problem));
   if (holds_something && !overwrite)
-    throw Error("the folder already holds something", folder.string(), "give an empty --out, or --force to replace it");
-  // Only what a copy consists of is removed.
+    throw Error("the folder is not empty", folder.string(), "give an empty --out, or --force to replace it");
+  // Removes only the files of a copy.
   if (holds_something) {
     for (const char* part : {"cam0", "occluder", "state_groundtruth_estimate0"})
       fs::remove_all(folder / "mav0" / part, problem);
@@ -47,7 +47,7 @@ void prepare_folder(const fs::path& folder, bool overwrite) {
   make_folder(folder / "mav0" / "occluder");
 }
 
-void write_png(const fs::path& file, GreyImage& image, const std::vector<int>& settings) {
+void write_png(const fs::path& file, GrayImage& image, const std::vector<int>& settings) {
   const cv::Mat view(image.height(), image.width(), CV_8UC1, image.row(0), static_cast<std::size_t>(image.stride()));
   bool written = false;
   try {
@@ -56,7 +56,7 @@ void write_png(const fs::path& file, GreyImage& image, const std::vector<int>& s
     written = false;
   }
   if (!written)
-    throw Error("the picture cannot be written", file.string(), "see whether the disk is full or write-protected");
+    throw Error("the image cannot be written", file.string(), "check whether the disk is full or write-protected");
 }
 
 std::string matrix_rows(const SE3& pose) {
@@ -92,7 +92,7 @@ void write_ground_truth(const SourceInfo& info, const fs::path& folder) {
   write_whole_file(folder / "data.csv", text);
 }
 
-/// Calibration and ground truth. Poses of the camera (TUM, KITTI) are taken for poses of a body that is the camera.
+/// Calibration and ground truth. Camera poses (TUM, KITTI) are written as poses of a body that is the camera.
 void write_sensors(const SourceInfo& info, const fs::path& folder, int width, int height) {
   const bool of_camera = info.ground_truth_frame == "camera";
   if (!info.cameras.empty() && info.cameras.front().camera) {
@@ -104,13 +104,13 @@ void write_sensors(const SourceInfo& info, const fs::path& folder, int width, in
   write_ground_truth(info, folder / "mav0" / "state_groundtruth_estimate0");
 }
 
-OccluderOptions light_of(const GreyImage& image, std::uint64_t seed) {
+OccluderOptions light_of(const GrayImage& image, std::uint64_t seed) {
   double sum = 0.0, squares = 0.0;
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
-      const double grey = image.at(x, y);
-      sum += grey;
-      squares += grey * grey;
+      const double gray = image.at(x, y);
+      sum += gray;
+      squares += gray * gray;
     }
   }
   const double count = static_cast<double>(image.width()) * image.height();
@@ -119,9 +119,9 @@ OccluderOptions light_of(const GreyImage& image, std::uint64_t seed) {
 }
 
 std::string occluder_yaml(const SourceInfo& info, std::uint64_t seed, Occluder& occluder, std::int64_t frames) {
-  std::string text =
-      fmt::format("# What `rastro occlude` drew; STAMP.png beside this file shows where.\nseed: {}\nformat: {}\n", seed,
-                  info.format);
+  std::string text = fmt::format(
+      "# Occluder drawn by `rastro occlude`; STAMP.png beside this file is its mask.\nseed: {}\nformat: {}\n", seed,
+      info.format);
   text += fmt::format("frames: {}\npasses:\n", frames);
   for (std::int64_t frame = 0; frame < frames;) {
     const OccluderPass& pass = occluder.pass_at(frame);
@@ -129,13 +129,13 @@ std::string occluder_yaml(const SourceInfo& info, std::uint64_t seed, Occluder& 
     text +=
         fmt::format("  - {{first: {}, frames: {}, shape: {}, to_right: {}, width_px: {:.1f}, hidden_frames: {:.1f}}}\n",
                     pass.first, pass.frames, pass.look.shape == OccluderShape::post ? "post" : "figure", pass.to_right,
-                    pass.look.width_px, pass.hidden_frames);
+                    pass.look.width_px, pass.occluded_frames);
     frame = pass.first + pass.frames;
   }
   return text;
 }
 
-/// The copy in the making.
+/// The copy being written.
 class Copy {
  public:
   Copy(Source& source, const fs::path& folder, const OccludedCopyOptions& options, TaskPool& pool)
@@ -169,18 +169,18 @@ class Copy {
     } catch (const Error& error) {
       ++result_.skipped;
       if (result_.skipped > 100) throw;
-      log_warning(std::string("left out: ") + error.what());
+      log_warning(std::string("skipped: ") + error.what());
       return true;
     }
     if (!frame) return false;
     if (!occluder_) start(frame->image);
-    const GreyImage& image = frame->image;
+    const GrayImage& image = frame->image;
     if (image.width() != width_ || image.height() != height_)
-      throw Error(
-          fmt::format("the image is {}x{}, those before are {}x{}", image.width(), image.height(), width_, height_),
-          frame->name, "give a sequence with images of one size");
+      throw Error(fmt::format("the image is {}x{}, the previous ones are {}x{}", image.width(), image.height(), width_,
+                              height_),
+                  frame->name, "give a sequence with images of one size");
     if (drawn_ > 0 && frame->stamp <= last_stamp_)
-      throw Error(fmt::format("its time {} ns is not after that of the frame before", frame->stamp), frame->name,
+      throw Error(fmt::format("its stamp {} ns is not after that of the previous frame", frame->stamp), frame->name,
                   "see `rastro check` on the data");
     last_stamp_ = frame->stamp;
     Picture picture{frame->stamp, std::move(frame->image), {}};
@@ -189,7 +189,7 @@ class Copy {
     return true;
   }
 
-  void start(const GreyImage& first) {
+  void start(const GrayImage& first) {
     width_ = first.width();
     height_ = first.height();
     occluder_.emplace(width_, height_, light_of(first, options_.seed));
@@ -216,7 +216,7 @@ class Copy {
                        occluder_yaml(source_.info(), options_.seed, *occluder_, result_.frames));
   }
 
-  void count_covered(const GreyImage& mask) {
+  void count_covered(const GrayImage& mask) {
     std::int64_t covered = 0;
     for (int y = 0; y < mask.height(); ++y) covered += std::count(mask.row(y), mask.row(y) + mask.width(), 255);
     result_.covered_frames += covered > 0;

@@ -26,7 +26,7 @@ std::string bytes_of(const fs::path& file) {
 
 constexpr int frame_count = 24;
 
-/// A recording of a still picture.
+/// A recording of a constant image.
 class StillSource : public Source {
  public:
   StillSource() {
@@ -43,11 +43,11 @@ class StillSource : public Source {
   std::optional<Frame> next() override {
     if (next_ == frame_count) return std::nullopt;
     const std::int64_t k = next_++;
-    if (k == broken_frame) throw Error("the picture is cut off", "4.png", "copy it again");
+    if (k == broken_frame) throw Error("the image is truncated", "4.png", "copy it again");
     Frame frame;
     frame.index = k;
     frame.stamp = repeated_stamps ? 7 : 1000 * k;
-    frame.image = GreyImage(k == odd_frame ? 65 : 64, 48);
+    frame.image = GrayImage(k == odd_frame ? 65 : 64, 48);
     for (int y = 0; y < 48; ++y)
       for (int x = 0; x < frame.image.width(); ++x) frame.image.at(x, y) = static_cast<std::uint8_t>(4 * x + y);
     return frame;
@@ -86,7 +86,7 @@ TEST_F(OccludedCopy, SameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(files, 2 * frame_count + 4);
 }
 
-TEST_F(OccludedCopy, MasksAreReadBackAndTellWhatIsCovered) {
+TEST_F(OccludedCopy, MasksAreReadBackAndGiveTheCoveredPixels) {
   const OccludedCopyResult result = copy("", 1);
   EXPECT_EQ(result.frames, frame_count);
   EXPECT_GT(result.covered_frames, 5);
@@ -110,11 +110,11 @@ TEST_F(OccludedCopy, MasksAreReadBackAndTellWhatIsCovered) {
   EXPECT_THROW(masks.covered(77, {1, 1}, 0.0), Error);
 }
 
-TEST_F(OccludedCopy, RadiusReachesAsFarAsItSays) {
+TEST_F(OccludedCopy, RadiusIsExact) {
   copy("", 1);
   const OccluderMasks masks(folder_);
   for (std::int64_t k = 0; k < frame_count; ++k) {
-    const GreyImage mask = masks.mask(1000 * k);
+    const GrayImage mask = masks.mask(1000 * k);
     for (int x = 0; x < 64; x += 5) {
       bool expected = false;
       for (int v = 0; v < 48; ++v)
@@ -141,7 +141,7 @@ TEST_F(OccludedCopy, BadInputIsOneError) {
   repeated.repeated_stamps = true;
   EXPECT_THROW(copy("repeated", 1, repeated), Error);
   copy("full", 1);
-  EXPECT_THROW(copy("full", 1), Error) << "does not write over what is there";
+  EXPECT_THROW(copy("full", 1), Error) << "does not overwrite existing files";
   EXPECT_EQ(copy("full", 1, {}, true).frames, frame_count);
   StillSource broken;
   broken.broken_frame = 4;

@@ -13,8 +13,8 @@ namespace rastro {
 namespace {
 
 constexpr std::int64_t earliest_pass = 8;
-constexpr double shutter_share = 0.15;  // of the time between frames; gives the motion blur
-// Fainter than this it is not drawn: half a grey level at full contrast.
+constexpr double shutter_share = 0.15;  // of the frame interval; gives the motion blur
+// Fainter than this it is not drawn: half an intensity level at full contrast.
 constexpr float least_opacity = 1.0f / 256.0f;
 
 /// Bilinear value, 0 outside.
@@ -30,7 +30,7 @@ float sample(const Image<float>& image, double x, double y) {
   return above * (1 - v) + below * v;
 }
 
-/// Weak noise of a sensor, so that the occluder is no cleaner than the picture; -2 .. 2 grey levels.
+/// Weak sensor noise, so that the occluder is no cleaner than the image; -2 .. 2 intensity levels.
 float grain(std::uint64_t seed, int x, int y) {
   const std::uint64_t bits = seed_for(seed, static_cast<std::uint64_t>(y) << 20 | static_cast<std::uint64_t>(x));
   return (static_cast<float>(bits & 0xFFFF) + static_cast<float>(bits >> 48)) / 32768.0f - 2.0f;
@@ -51,20 +51,20 @@ void Occluder::add_pass() {
   OccluderPass pass;
   const std::int64_t free_at = passes_.empty() ? earliest_pass : passes_.back().first + passes_.back().frames + 3;
   pass.first = free_at + random.below(passes_.empty() ? 3 : 6);
-  // The first two passes show both shapes; later ones are drawn.
+  // The first two passes show both shapes; later ones are random.
   const bool figure_first = (options_.seed & 1) == 0;
   const bool figure = number < 2 ? (number == 0) == figure_first : random.uniform() < 0.5;
   pass.to_right = random.uniform() < 0.5;
-  pass.hidden_frames = random.uniform(5.0, 9.0);
+  pass.occluded_frames = random.uniform(5.0, 9.0);
   pass.speed_change = random.uniform(0.05, 0.2);
-  OccluderLook& look = pass.look;
+  OccluderAppearance& look = pass.look;
   look.shape = figure ? OccluderShape::figure : OccluderShape::post;
   look.width_px = random.uniform(0.2, 0.3) * width_;
   look.height_px = height_;
   look.tilt_rad = random.uniform(-0.09, 0.09);
   look.brightness = std::clamp(options_.brightness * random.uniform(0.75, 1.25), 50.0, 190.0);
   look.contrast = std::clamp(options_.contrast * random.uniform(0.8, 1.2), 25.0, 60.0);
-  const double speed = look.width_px / pass.hidden_frames;
+  const double speed = look.width_px / pass.occluded_frames;
   look.blur_px = shutter_share * speed;
   look.seed = random.next();
   const double lean = std::abs(std::tan(look.tilt_rad)) * height_;
@@ -78,7 +78,7 @@ const OccluderPass& Occluder::pass_at(std::int64_t frame) {
                        [&](const OccluderPass& pass) { return frame < pass.first + pass.frames; });
 }
 
-double Occluder::centre_x(std::int64_t frame) {
+double Occluder::center_x(std::int64_t frame) {
   const OccluderPass& pass = pass_at(frame);
   const double lean = std::abs(std::tan(pass.look.tilt_rad)) * height_;
   const double reach = (pass.look.width_px * 1.15 + lean) / 2.0 + pass.look.blur_px + 4.0;
@@ -98,15 +98,14 @@ const OccluderTile& Occluder::tile_of(const OccluderPass& pass) {
   return tile_;
 }
 
-void Occluder::draw(std::int64_t frame, GreyImage& image, GreyImage& mask) {
-  RASTRO_CHECK(image.width() == width_ && image.height() == height_,
-               "the image has the size the occluder was made for");
-  mask = GreyImage(width_, height_);
+void Occluder::draw(std::int64_t frame, GrayImage& image, GrayImage& mask) {
+  RASTRO_CHECK(image.width() == width_ && image.height() == height_, "the image must have the size of the occluder");
+  mask = GrayImage(width_, height_);
   const OccluderPass& pass = pass_at(frame);
   if (frame < pass.first) return;
   const OccluderTile& tile = tile_of(pass);
-  const double left = centre_x(frame) - (tile.opacity.width() - 1) / 2.0;
-  // A step's bob, for life.
+  const double left = center_x(frame) - (tile.opacity.width() - 1) / 2.0;
+  // The bob of a step, for realizm.
   const double top = 0.006 * height_ * std::sin(0.9 * static_cast<double>(frame - pass.first));
   const std::uint64_t noise = seed_for(pass.look.seed, static_cast<std::uint64_t>(frame));
   const int begin = std::max(0, static_cast<int>(std::floor(left)));
@@ -118,7 +117,7 @@ void Occluder::draw(std::int64_t frame, GreyImage& image, GreyImage& mask) {
       const float opacity = sample(tile.opacity, x - left, tile_y);
       if (opacity < least_opacity) continue;
       const float behind = static_cast<float>(image.at(x, y)) * (1.0f - opacity);
-      const float front = sample(tile.grey, x - left, tile_y) + opacity * grain(noise, x, y);
+      const float front = sample(tile.gray, x - left, tile_y) + opacity * grain(noise, x, y);
       image.at(x, y) = static_cast<std::uint8_t>(std::clamp(std::lround(behind + front), 0L, 255L));
       mask.at(x, y) = 255;
     }

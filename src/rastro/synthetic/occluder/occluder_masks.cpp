@@ -15,8 +15,8 @@ constexpr std::size_t masks_kept = 128;  // a few windows of frames
 
 std::filesystem::path masks_of(const std::filesystem::path& folder) { return folder / "mav0" / "occluder"; }
 
-GreyImage read_mask(const std::filesystem::path& file) {
-  // Read by hand: OpenCV's own reader prints when a file is missing.
+GrayImage read_mask(const std::filesystem::path& file) {
+  // Reads the file itself: OpenCV's reader prints if a file is missing.
   const std::string bytes = read_whole_file(file);
   cv::Mat read;
   try {
@@ -26,8 +26,8 @@ GreyImage read_mask(const std::filesystem::path& file) {
     read.release();
   }
   if (read.empty())
-    throw Error("there is no readable occluder mask", file.string(), "write the data anew with `rastro occlude`");
-  GreyImage mask(read.cols, read.rows);
+    throw Error("there is no readable occluder mask", file.string(), "write the data again with `rastro occlude`");
+  GrayImage mask(read.cols, read.rows);
   for (int y = 0; y < read.rows; ++y) std::copy_n(read.ptr<std::uint8_t>(y), read.cols, mask.row(y));
   return mask;
 }
@@ -39,7 +39,7 @@ bool OccluderMasks::present(const std::filesystem::path& data_folder) {
   return std::filesystem::is_regular_file(masks_of(data_folder) / "occluder.yaml", ignored);
 }
 
-const GreyImage& OccluderMasks::mask(TimeNs stamp) const {
+const GrayImage& OccluderMasks::mask(TimeNs stamp) const {
   const auto found =
       std::find_if(recent_.begin(), recent_.end(), [&](const auto& item) { return item.first == stamp; });
   if (found != recent_.end()) {
@@ -52,8 +52,8 @@ const GreyImage& OccluderMasks::mask(TimeNs stamp) const {
 }
 
 bool OccluderMasks::covered(TimeNs stamp, const Eigen::Vector2d& pixel, double radius_px) const {
-  const GreyImage& image = mask(stamp);
-  // The pixel that the place lies in counts at radius 0.
+  const GrayImage& image = mask(stamp);
+  // At radius 0 the pixel that contains the position counts.
   const double reach = std::max(radius_px, 0.5);
   const auto limit = [](double value, int size) {
     return static_cast<int>(std::clamp(value, -1.0, static_cast<double>(size)));

@@ -14,15 +14,15 @@ namespace {
 
 constexpr int width = 240, height = 160;
 
-GreyImage plain_picture() {
-  GreyImage image(width, height);
+GrayImage plain_image() {
+  GrayImage image(width, height);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) image.at(x, y) = static_cast<std::uint8_t>((x * 7 + y * 13) % 251);
   return image;
 }
 
 struct Drawn {
-  GreyImage image = plain_picture(), mask;
+  GrayImage image = plain_image(), mask;
 };
 
 Drawn draw(Occluder& occluder, std::int64_t frame) {
@@ -31,20 +31,20 @@ Drawn draw(Occluder& occluder, std::int64_t frame) {
   return drawn;
 }
 
-bool equal(const GreyImage& a, const GreyImage& b) {
+bool equal(const GrayImage& a, const GrayImage& b) {
   for (int y = 0; y < a.height(); ++y)
     if (!std::equal(a.row(y), a.row(y) + a.width(), b.row(y))) return false;
   return a.width() == b.width() && a.height() == b.height();
 }
 
-int covered_pixels(const GreyImage& mask) {
+int covered_pixels(const GrayImage& mask) {
   int count = 0;
   for (int y = 0; y < mask.height(); ++y)
     count += static_cast<int>(std::count(mask.row(y), mask.row(y) + mask.width(), 255));
   return count;
 }
 
-TEST(Occluder, FollowsFromTheSeedWhateverWasDrawnBefore) {
+TEST(Occluder, DependsOnTheSeedAloneNotOnWhatWasDrawnBefore) {
   Occluder forward(width, height, {5}), alone(width, height, {5}), other(width, height, {6});
   bool differs = false;
   for (std::int64_t k = 0; k < 100; k += 3) {
@@ -60,8 +60,8 @@ TEST(Occluder, FollowsFromTheSeedWhateverWasDrawnBefore) {
   EXPECT_TRUE(differs);
 }
 
-TEST(Occluder, MaskIsWhereThePictureChanged) {
-  const GreyImage before = plain_picture();
+TEST(Occluder, MaskIsWhereTheImageChanged) {
+  const GrayImage before = plain_image();
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     Occluder occluder(width, height, {seed});
     int masked = 0, changed = 0;
@@ -78,11 +78,11 @@ TEST(Occluder, MaskIsWhereThePictureChanged) {
       }
     }
     ASSERT_GT(masked, 0);
-    EXPECT_GT(changed, 0.96 * masked) << "a pixel may keep its grey by chance or under the faint edge, not often";
+    EXPECT_GT(changed, 0.96 * masked) << "a pixel may keep its intensity by chance or under the faint edge, but rarely";
   }
 }
 
-TEST(Occluder, LeavesTheFirstFramesAloneAndComesBack) {
+TEST(Occluder, LeavesTheFirstFramesAloneAndReturns) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Occluder occluder(width, height, {seed});
     for (std::int64_t k = 0; k < 8; ++k) EXPECT_EQ(covered_pixels(draw(occluder, k).mask), 0);
@@ -97,13 +97,13 @@ TEST(Occluder, LeavesTheFirstFramesAloneAndComesBack) {
   }
 }
 
-TEST(Occluder, PointsAreHiddenForFourToTwelveFrames) {
+TEST(Occluder, PointsAreOccludedForFourToTwelveFrames) {
   std::vector<int> spans;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     Occluder occluder(width, height, {seed});
     std::vector<int> hidden(width, 0);
     for (std::int64_t k = 0; k < 160; ++k) {
-      const GreyImage mask = draw(occluder, k).mask;
+      const GrayImage mask = draw(occluder, k).mask;
       // The row at two thirds of the height crosses the figure's body.
       for (int x = 0; x < width; ++x) {
         int& span = hidden[static_cast<std::size_t>(x)];
@@ -127,7 +127,7 @@ TEST(Occluder, EveryColumnIsCrossed) {
   std::vector<bool> crossed(width, false);
   const OccluderPass pass = occluder.pass_at(0);
   for (std::int64_t k = 0; k < pass.first + pass.frames; ++k) {
-    const GreyImage mask = draw(occluder, k).mask;
+    const GrayImage mask = draw(occluder, k).mask;
     for (std::size_t x = 0; x < crossed.size(); ++x)
       crossed[x] = crossed[x] || mask.at(static_cast<int>(x), height / 2) != 0;
   }
@@ -135,19 +135,19 @@ TEST(Occluder, EveryColumnIsCrossed) {
   EXPECT_EQ(covered_pixels(draw(occluder, pass.first + pass.frames).mask), 0);
 }
 
-TEST(Occluder, HasTextureOfItsOwn) {
+TEST(Occluder, HasItsOwnTexture) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     Occluder occluder(width, height, {seed});
     const OccluderPass pass = occluder.pass_at(0);
-    Drawn drawn{GreyImage(width, height), {}};
+    Drawn drawn{GrayImage(width, height), {}};
     occluder.draw(pass.first + pass.frames / 2, drawn.image, drawn.mask);
     double sum = 0, squares = 0, count = 0;
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         if (drawn.mask.at(x, y) == 0 || drawn.image.at(x, y) < 20) continue;
-        const double grey = drawn.image.at(x, y);
-        sum += grey;
-        squares += grey * grey;
+        const double gray = drawn.image.at(x, y);
+        sum += gray;
+        squares += gray * gray;
         count += 1;
       }
     }

@@ -30,25 +30,25 @@ double lattice_noise(std::uint64_t seed, double x, double y) {
   return above + t * (below - above);
 }
 
-/// A printed patch: a turned rectangle or a disc of one tone.
+/// A printed patch: a rotated rectangle or a disc of one tone.
 struct Patch {
-  Vector2d centre, half_size, along;
+  Vector2d center, half_size, along;
   double tone = 0.0;
   bool disc = false;
 
-  /// 1 inside, 0 outside, soft over `softness` (in widths, as all lengths here).
+  /// 1 inside, 0 outside, with a soft border of `softness` (in widths, like all lengths here).
   double cover(const Vector2d& place, double softness) const {
-    const Vector2d offset = place - centre;
+    const Vector2d offset = place - center;
     const Vector2d local(offset.dot(along), offset.x() * -along.y() + offset.y() * along.x());
     const double outside = disc ? local.norm() - half_size.x() : (local.cwiseAbs() - half_size).maxCoeff();
     return std::clamp(0.5 - outside / softness, 0.0, 1.0);
   }
 };
 
-/// The texture of one occluder, over places in units of its width.
+/// The texture of one occluder, at positions in units of its width.
 class Texture {
  public:
-  explicit Texture(const OccluderLook& look) : look_(look), pixel_(1.0 / look.width_px) {
+  explicit Texture(const OccluderAppearance& look) : patch_(look), pixel_(1.0 / look.width_px) {
     Random random(look.seed);
     for (double& tone : part_tones_) tone = random.uniform(-0.5, 0.5);
     part_tones_[static_cast<std::size_t>(OccluderPart::hair)] = -0.9;
@@ -58,7 +58,7 @@ class Texture {
     const int count = static_cast<int>(std::clamp(40.0 * height, 20.0, 200.0));
     for (int i = 0; i < count; ++i) {
       Patch patch;
-      patch.centre = {random.uniform(-0.5, 0.5), random.uniform(0.0, height)};
+      patch.center = {random.uniform(-0.5, 0.5), random.uniform(0.0, height)};
       const double size = 0.025 + 0.11 * std::pow(random.uniform(), 2.0);
       patch.half_size = {size, size * random.uniform(0.4, 1.0)};
       const double turn = random.uniform(-0.5, 0.5);
@@ -69,43 +69,43 @@ class Texture {
     }
   }
 
-  /// Grey of a place at `distance` (below 0: inside) from the outline.
-  double grey(const Vector2d& place, const OutlineDistance& outline) const {
+  /// Intensity at `distance` (below 0: inside) from the outline.
+  double gray(const Vector2d& place, const OutlineDistance& outline) const {
     double tone = part_tones_[static_cast<std::size_t>(outline.part)];
     const bool printed = outline.part == OccluderPart::shirt || outline.part == OccluderPart::post;
     if (stripes_ > 0.0 && printed) tone += 0.35 * std::clamp(4.0 * std::sin(place.y() * 2.0 * stripes_), -1.0, 1.0);
     if (printed || outline.part == OccluderPart::trousers) tone = print(place, tone, printed ? 1.0 : 0.6);
     double noise = 0.0, strength = 0.4, scale = 4.0;
     for (std::uint64_t octave = 0; octave < 5; ++octave, scale *= 2.1, strength *= 0.8)
-      noise += strength * lattice_noise(seed_for(look_.seed, 100 + octave), place.x() * scale, place.y() * scale);
-    // Round bodies darken towards their outline, on one side more than on the other.
+      noise += strength * lattice_noise(seed_for(patch_.seed, 100 + octave), place.x() * scale, place.y() * scale);
+    // Round bodies get darker towards their outline, on one side more than on the other.
     const double depth = std::clamp(-outline.distance / 0.18, 0.0, 1.0);
     const double shade = 0.72 + 0.28 * std::sqrt(depth) - 0.16 * place.x();
-    return std::clamp((look_.brightness + look_.contrast * (tone + noise)) * shade, 4.0, 250.0);
+    return std::clamp((patch_.brightness + patch_.contrast * (tone + noise)) * shade, 4.0, 250.0);
   }
 
  private:
   static std::size_t band_of(double y) { return static_cast<std::size_t>(std::max(0.0, y / reach + 1.0)); }
 
-  /// Into each band of rows that it may touch.
+  /// Added to each band of rows that it may touch.
   void add(const Patch& patch) {
-    const std::size_t last = band_of(patch.centre.y() + reach);
+    const std::size_t last = band_of(patch.center.y() + reach);
     if (bands_.size() <= last) bands_.resize(last + 1);
-    for (std::size_t band = band_of(patch.centre.y() - reach); band <= last; ++band) bands_[band].push_back(patch);
+    for (std::size_t band = band_of(patch.center.y() - reach); band <= last; ++band) bands_[band].push_back(patch);
   }
 
   double print(const Vector2d& place, double tone, double strength) const {
     const std::size_t band = band_of(place.y());
     if (band >= bands_.size()) return tone;
     for (const Patch& patch : bands_[band])
-      if ((place - patch.centre).squaredNorm() < reach * reach)
+      if ((place - patch.center).squaredNorm() < reach * reach)
         tone += strength * patch.cover(place, 1.5 * pixel_) * (patch.tone - tone);
     return tone;
   }
 
-  static constexpr double reach = 0.2;  ///< No patch goes farther from its centre.
+  static constexpr double reach = 0.2;  ///< Largest radius of a patch.
 
-  const OccluderLook& look_;
+  const OccluderAppearance& patch_;
   double pixel_;
   std::array<double, 5> part_tones_{};
   double stripes_ = 0.0;
@@ -132,7 +132,7 @@ void blur_along_rows(Image<float>& image, double length) {
 
 }  // namespace
 
-OccluderTile paint_occluder(const OccluderLook& look) {
+OccluderTile paint_occluder(const OccluderAppearance& look) {
   const double lean = std::abs(std::tan(look.tilt_rad)) * look.height_px;
   const int margin = static_cast<int>(std::ceil(look.blur_px)) + 4;
   const int width = static_cast<int>(std::ceil(look.width_px * 1.15 + lean)) + 2 * margin;
@@ -143,19 +143,19 @@ OccluderTile paint_occluder(const OccluderLook& look) {
   const double cosine = std::cos(look.tilt_rad), sine = std::sin(look.tilt_rad);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      // Leans about the image's middle row, so that it is not shifted as a whole.
+      // Tilts about the image's middle row, so that it is not shifted as a whole.
       const double dx = x - (width - 1) / 2.0, dy = y - height / 2.0;
       const Vector2d place((cosine * dx + sine * dy) / look.width_px,
                            (cosine * dy - sine * dx + height / 2.0) / look.width_px);
       const OutlineDistance outline = outline_distance(look.shape, place, sway);
-      // A lens is never sharp to the pixel: 2 px from nothing to full.
+      // A lens is never perfectly sharp: 2 px from nothing to full.
       const double opacity = std::clamp(0.5 - outline.distance * look.width_px / 2.0, 0.0, 1.0);
       if (opacity <= 0.0) continue;
       tile.opacity.at(x, y) = static_cast<float>(opacity);
-      tile.grey.at(x, y) = static_cast<float>(opacity * texture.grey(place, outline));
+      tile.gray.at(x, y) = static_cast<float>(opacity * texture.gray(place, outline));
     }
   }
-  blur_along_rows(tile.grey, look.blur_px);
+  blur_along_rows(tile.gray, look.blur_px);
   blur_along_rows(tile.opacity, look.blur_px);
   return tile;
 }

@@ -9,16 +9,16 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Distance to a rod from a to b whose radius goes from radius_a to radius_b.
+/// Distance to a rod from a to b whose radius changes from radius_a to radius_b.
 double rod(const Vector2d& place, const Vector2d& a, const Vector2d& b, double radius_a, double radius_b) {
   const Vector2d along = b - a;
   const double part = std::clamp((place - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
   return (place - a - part * along).norm() - (radius_a + part * (radius_b - radius_a));
 }
 
-/// Near the outline the distance to an ellipse, which is all that soft edges need.
-double ellipse(const Vector2d& place, const Vector2d& centre, const Vector2d& radii) {
-  const Vector2d unit = (place - centre).cwiseQuotient(radii);
+/// Distance to an ellipse, valid near the outline, which suffices for soft edges.
+double ellipse(const Vector2d& place, const Vector2d& center, const Vector2d& radii) {
+  const Vector2d unit = (place - center).cwiseQuotient(radii);
   return (unit.norm() - 1.0) * radii.minCoeff();
 }
 

@@ -9,9 +9,9 @@ namespace rastro {
 
 enum class OccluderPart { skin, hair, shirt, trousers, post };
 
-/// Where a place lies with respect to an occluder's outline.
+/// Position of a point relative to an occluder's outline.
 struct OutlineDistance {
-  double distance = 0.0;  ///< To the outline, below 0 inside; in units of the occluder's width.
+  double distance = 0.0;  ///< Signed distance to the outline, below 0 inside; in units of the occluder's width.
   OccluderPart part = OccluderPart::post;
 };
 

@@ -7,13 +7,13 @@
 namespace rastro {
 namespace {
 
-int texels(double metres, double density) { return std::max(2, static_cast<int>(std::lround(metres * density))); }
+int texels(double meters, double density) { return std::max(2, static_cast<int>(std::lround(meters * density))); }
 
 float noise_step(Random& random, float amplitude) {
   return amplitude * (static_cast<float>(random.next() >> 40) * 0x1.0p-23F - 1.0F);
 }
 
-/// One row between two coarse rows, twice as fine along x as they are.
+/// One row between two coarse rows, with doubled resolution along x.
 void refine_row(const float* upper, const float* lower, float weight, int coarse_width, float* fine, int fine_width) {
   for (int x = 0; x < fine_width; ++x) {
     const int left = std::min((x + 1) / 2, coarse_width - 1);
@@ -53,17 +53,17 @@ Image<float> octaves(Random& random, int width, int height, double spacing, doub
 
 }  // namespace
 
-Canvas::Canvas(double width_m, double height_m, double texels_per_metre)
+Canvas::Canvas(double width_m, double height_m, double texels_per_meter)
     : width_m_(width_m),
       height_m_(height_m),
-      density_(texels_per_metre),
-      values_(texels(width_m, texels_per_metre), texels(height_m, texels_per_metre)) {}
+      density_(texels_per_meter),
+      values_(texels(width_m, texels_per_meter), texels(height_m, texels_per_meter)) {}
 
 void Canvas::set_ink(const Tint& tint) {
   const auto known = std::find(inks_.begin(), inks_.end(), tint);
   ink_ = static_cast<std::uint8_t>(known - inks_.begin());
   if (known != inks_.end()) return;
-  RASTRO_CHECK(inks_.size() < 250, "a canvas has less than 250 inks");
+  RASTRO_CHECK(inks_.size() < 250, "a canvas may have at most 249 inks");
   inks_.push_back(tint);
   if (inks_.size() == 2) ink_of_ = Image<std::uint8_t>(values_.width(), values_.height());
 }
@@ -76,7 +76,7 @@ void Canvas::fill(float value) {
 
 void Canvas::add_noise(Random& random, double coarsest_m, float amplitude, float persistence) {
   const double scale = std::exp2(std::floor(std::log2(std::max(1.0, coarsest_m * density_))));
-  // A stream of its own: what is drawn afterwards must not depend on the number of texels.
+  // A separate random stream: later drawing must not depend on the number of texels.
   Random stream(random.next());
   const Image<float> noise = octaves(stream, values_.width(), values_.height(), 1.0, scale, amplitude, persistence);
   for (int y = 0; y < values_.height(); ++y)
@@ -120,7 +120,7 @@ void Canvas::spot(double x, double y, double radius_x, double radius_y, float de
   blend({x - 2.5 * radius_x, y - 2.5 * radius_y, x + 2.5 * radius_x, y + 2.5 * radius_y},
         [=](double px, double py, float& texel) {
           const double u = (px - x) / radius_x, v = (py - y) / radius_y;
-          // Reaches zero at the border of the bounds, so that no edge is seen there.
+          // Reaches zero at the border of the bounds, so that no edge is visible there.
           const double fall = std::max(0.0, 1.0 - (u * u + v * v) / 6.25);
           texel += delta * static_cast<float>(fall * fall * fall);
         });

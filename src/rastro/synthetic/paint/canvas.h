@@ -12,37 +12,37 @@
 
 namespace rastro {
 
-/// A picture of one surface that painters draw on. Positions and sizes are metres from the upper left corner (x right,
-/// y down), values are grey levels (0 black, 255 white; painters may leave that range, the texture clamps). Edges are
+/// An image of one surface to paint on. Positions and sizes are meters from the upper left corner (x right, y down),
+/// values are intensities (0 black, 255 white; painters may leave that range, the texture clamps). Edges are
 /// anti-aliased.
 class Canvas {
  public:
-  /// The size is brought to whole texels, at least 2 x 2.
-  Canvas(double width_m, double height_m, double texels_per_metre);
+  /// The size is rounded to whole texels, at least 2 x 2.
+  Canvas(double width_m, double height_m, double texels_per_meter);
 
   double width() const { return width_m_; }
   double height() const { return height_m_; }
-  double texels_per_metre() const { return density_; }
+  double texels_per_meter() const { return density_; }
   Image<float>& values() { return values_; }
   const Image<float>& values() const { return values_; }
 
-  /// The colour of what is drawn from now on. What was drawn before has the first one.
+  /// Sets the color of subsequent drawing. Anything drawn before has the first one.
   void set_ink(const Tint& tint);
-  /// The inks in the order of their first use; empty when all is grey.
+  /// The inks in the order of their first use; empty if all is gray.
   const std::vector<Tint>& inks() const { return inks_; }
-  /// Which ink each texel has; empty when there are less than two.
+  /// Ink of each texel; empty with less than two.
   const Image<std::uint8_t>& ink_of() const { return ink_of_; }
 
   void fill(float value);
   /// Adds smooth random variation of every wavelength from `coarsest_m` down to one texel, none of it periodic.
-  /// `amplitude` is that of the coarsest wavelength in grey levels; each halving of the wavelength multiplies it by
-  /// `persistence`.
+  /// `amplitude` is that of the coarsest wavelength in intensity levels; each halving of the wavelength multiplies it
+  /// by `persistence`.
   void add_noise(Random& random, double coarsest_m, float amplitude, float persistence);
 
   struct Box {
     double x0, y0, x1, y1;
   };
-  /// Draws `value` where the signed distance (metres, negative inside) says inside; `opacity` 0..1.
+  /// Draws `value` where the signed distance (meters, negative inside) is negative; `opacity` 0..1.
   template <typename SignedDistance>
   void shape(const Box& bounds, float value, float opacity, SignedDistance&& signed_distance) {
     blend(bounds, [&](double x, double y, float& texel) {
@@ -63,12 +63,12 @@ class Canvas {
   }
 
   void rectangle(double x0, double y0, double x1, double y1, float value, float opacity = 1.0F);
-  /// Only the border of the rectangle, `thickness` wide, centred on its edge.
+  /// The border of the rectangle only, `thickness` wide, centered on its edge.
   void outline(double x0, double y0, double x1, double y1, double thickness, float value, float opacity = 1.0F);
   void line(double x0, double y0, double x1, double y1, double thickness, float value, float opacity = 1.0F);
   void disc(double x, double y, double radius, float value, float opacity = 1.0F);
   void ring(double x, double y, double radius, double thickness, float value, float opacity = 1.0F);
-  /// A soft spot: adds `delta` in the middle, falling off as a Gaussian.
+  /// A soft blob: adds `delta` at its center, with a Gaussian fall-off.
   void spot(double x, double y, double radius_x, double radius_y, float delta);
   /// Slanted stripes of two values, as on hazard markings.
   void stripes(double x0, double y0, double x1, double y1, double period, float dark, float light);

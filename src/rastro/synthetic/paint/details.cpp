@@ -193,7 +193,7 @@ void worn_edges(Canvas& canvas, Random& random, float tone) {
 
 namespace {
 
-/// One thing of many drawn on a panel.
+/// One of many details drawn on a panel.
 void panel_detail(Canvas& canvas, Random& random, const Canvas::Box& inner, float tone) {
   const double size = std::min(inner.x1 - inner.x0, inner.y1 - inner.y0);
   const double at_x = random.uniform(inner.x0, inner.x1 - 0.5 * size),

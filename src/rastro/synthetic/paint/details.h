@@ -8,7 +8,7 @@
 
 namespace rastro::paint {
 
-// The small things that surfaces of an industrial hall are made of. Positions and sizes in metres.
+// Small details of the surfaces in an industrial hall. Positions and sizes in meters.
 
 void bolt(Canvas& canvas, double x, double y, double radius, float tone);
 void bolt_row(Canvas& canvas, double x0, double y0, double x1, double y1, double spacing, double radius, float tone);
@@ -30,10 +30,10 @@ void drips(Canvas& canvas, Random& random, int count, float strength);
 void scratches(Canvas& canvas, Random& random, int count, double longest);
 void cracks(Canvas& canvas, Random& random, int count, double longest, float tone);
 void cables(Canvas& canvas, Random& random, int count, float tone);
-/// Chipped paint along the border of the picture.
+/// Chipped paint along the border of the image.
 void worn_edges(Canvas& canvas, Random& random, float tone);
 
-/// Divides a box into smaller and smaller panels, each with a detail of its own on it.
+/// Divides a box into smaller and smaller panels, each with its own detail.
 void panels(Canvas& canvas, Random& random, const Canvas::Box& box, float tone, double smallest);
 
 /// Letters and digits such as "KX-204".

@@ -10,13 +10,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double ahead = 2.3, behind = -1.9, left = 1.70, right = -1.75, ceiling = 2.4;
-constexpr Colour pine{206, 182, 140}, pale{226, 220, 206}, walnut{112, 78, 52};
+constexpr Color pine{206, 182, 140}, pale{226, 220, 206}, walnut{112, 78, 52};
 
 void add_bed(Room& room) {
   const Vector3d low(-1.45, 0.75, 0.0), high(0.55, 1.70, 0.48);
   const std::uint32_t bed = add_block(*room.scene, low, high, checks({150, 60, 62}, {214, 190, 150}));
   room.scene->paint_face(bed, 4, checks({164, 70, 70}, {222, 204, 170}));
-  // Clear of the edges that the length is measured between.
+  // Clear of the edges of the measured length.
   add_block(*room.scene, {-1.34, 1.34, 0.48}, {-0.95, 1.68, 0.55}, cloth({228, 226, 218}));
   room.lengths.push_back(box_length("bed length", low, high, 0, 1, Vector3d::UnitZ()));
 }

@@ -8,11 +8,11 @@
 namespace rastro::corridor {
 namespace {
 
-constexpr double turn_m = 1.2, ramp_m = 0.4;  // Length of a turn, and over how much of it the wheels are turned.
-constexpr double quicken = 0.3;               // m/s^2, and the same to slow down.
-constexpr double turn_step_m = 0.001, way_step_m = 0.01;
+constexpr double turn_m = 1.2, ramp_m = 0.4;  // Length of a turn, and of the part in which the wheels steer.
+constexpr double quicken = 0.3;               // m/s^2, and the same for braking.
+constexpr double turn_step_m = 0.001, path_step_m = 0.01;
 
-// Corners of the way; all turns are right angles.
+// Corners of the path; all turns are right angles.
 const std::vector<Eigen::Vector2d>& corners() {
   static const std::vector<Eigen::Vector2d> list = {{0, 0},  {12.5, 0}, {12.5, -3}, {17.5, -3}, {17.5, 0},
                                                     {20, 0}, {20, 8},   {-8, 8},    {-8, 0},    {overlap_m, 0}};
@@ -24,7 +24,7 @@ double smooth(double f) {
   return f * f * (3.0 - 2.0 * f);
 }
 
-/// Turns in and out smoothly; a quarter of a circle in all.
+/// Curvature ramps up and down smoothly; a quarter of a circle in all.
 double turn_curvature(double way) {
   const double most = 0.5 * std::numbers::pi / (turn_m - ramp_m);
   return most * smooth(way / ramp_m) * smooth((turn_m - way) / ramp_m);
@@ -69,13 +69,13 @@ void Drive::make_legs() {
 }
 
 void Drive::make_arrivals() {
-  const int steps = static_cast<int>(std::ceil(length_m_ / way_step_m));
+  const int steps = static_cast<int>(std::ceil(length_m_ / path_step_m));
   const double step_m = length_m_ / steps;
   std::vector<double> speed(static_cast<std::size_t>(steps) + 1, most_speed);
   for (std::size_t i = 0; i < speed.size(); ++i)
     for (const Leg& leg : legs_) {
       const double turned = static_cast<double>(i) * step_m - leg.begin_m - leg.straight_m;
-      if (leg.turn != 0 && turned >= 0.0 && turned <= turn_m) speed[i] = turn_speed;
+      if (leg.turn != 0 && turned >= 0.0 && turned <= turn_m) speed[i] = yaw_rate;
     }
   speed.front() = speed.back() = 0.0;
   const auto limit = [step_m](double& here, double beside) {
@@ -88,7 +88,7 @@ void Drive::make_arrivals() {
     arrivals_.push_back(arrivals_.back() + 2.0 * step_m / (speed[i - 1] + speed[i]));
 }
 
-double Drive::way_at(double time_s) const {
+double Drive::path_at(double time_s) const {
   if (time_s <= 0.0) return 0.0;
   if (time_s >= arrivals_.back()) return length_m_;
   const auto next = std::upper_bound(arrivals_.begin(), arrivals_.end(), time_s);
@@ -103,15 +103,15 @@ double Drive::loop_end_s() const {
   return arrivals_[index] + (place - static_cast<double>(index)) * (arrivals_[index + 1] - arrivals_[index]);
 }
 
-SE2 Drive::in_turn(double way_m, int side) const {
-  const double place = std::clamp(way_m, 0.0, turn_m) / turn_step_m;
+SE2 Drive::in_turn(double path_m, int side) const {
+  const double place = std::clamp(path_m, 0.0, turn_m) / turn_step_m;
   const std::size_t index = std::min(turn_.size() - 2, static_cast<std::size_t>(place));
   const Eigen::Vector3d pose = turn_[index] + (place - static_cast<double>(index)) * (turn_[index + 1] - turn_[index]);
   return {SO2::from_angle(side * pose.z()), {pose.x(), side * pose.y()}};
 }
 
-SE2 Drive::pose_at_way(double way_m) const {
-  const double way = std::clamp(way_m, 0.0, length_m_);
+SE2 Drive::pose_at_distance(double path_m) const {
+  const double way = std::clamp(path_m, 0.0, length_m_);
   std::size_t number = 0;
   while (number + 1 < legs_.size() && legs_[number + 1].begin_m <= way) ++number;
   const Leg& leg = legs_[number];

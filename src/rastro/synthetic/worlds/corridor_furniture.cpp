@@ -19,7 +19,7 @@ void upright(Scene& scene, const Vector2d& at, double z0, double z1, double radi
   scene.add_cylinder({at.x(), at.y(), z0}, {at.x(), at.y(), z1}, radius, material);
 }
 
-/// On four legs: what a laser sees of it is the legs.
+/// On four legs: the laser sees only the legs.
 void add_table(Scene& scene, const Vector2d& middle, const Vector2d& size, double yaw, float tone) {
   const Vector2d x(std::cos(yaw), std::sin(yaw)), y(-x.y(), x.x());
   scene.add_box({middle.x(), middle.y(), 0.72}, {size.x(), size.y(), 0.04}, wood(tone), yaw);
@@ -62,7 +62,7 @@ void add_desks(Scene& scene, Random& random, const Room& room) {
   }
 }
 
-/// Where the robot passes, north of its table.
+/// The robot's path, north of its table.
 void add_meeting_room(Scene& scene, Random& random) {
   add_table(scene, {15.0, -4.7}, {4.0, 1.2}, 0.0, 150.0F);
   for (const double x : {13.6, 14.7, 15.8, 16.5})
@@ -87,12 +87,12 @@ void add_corridor_things(Scene& scene) {
   add_block(scene, {-7.16, 5.2, 0.0}, {-7.0, 5.6, ceiling_m}, wall(true));
 }
 
-/// Somebody at a time and place.
+/// A person at a time and position.
 struct Step {
   double time_s, x, y;
 };
 
-// A walk of at most 1.3 m/s, kept clear of the robot; the world's test says so.
+// A walk of at most 1.3 m/s, kept clear of the robot, as the world's test checks.
 constexpr Step walk[] = {
     {0.0, 5.0, -3.0},   {3.0, 5.0, -3.0},   {7.5, 5.0, 2.5},    {20.0, 5.0, 2.5},    {22.0, 5.0, 0.0},
     {33.0, -8.0, 0.0},  {39.0, -8.0, 6.5},  {80.0, -8.0, 6.5},  {81.5, -7.5, 8.5},   {103.0, 18.5, 8.5},

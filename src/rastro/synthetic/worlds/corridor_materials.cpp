@@ -9,8 +9,8 @@ namespace {
 using namespace paint;
 
 float some(Random& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
-int many(const Canvas& canvas, double per_square_metre) {
-  return static_cast<int>(canvas.width() * canvas.height() * per_square_metre + 0.5);
+int many(const Canvas& canvas, double per_square_meter) {
+  return static_cast<int>(canvas.width() * canvas.height() * per_square_meter + 0.5);
 }
 
 void notice(Canvas& canvas, Random& random, double x, double y) {

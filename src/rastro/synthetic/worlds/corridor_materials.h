@@ -5,7 +5,7 @@
 
 namespace rastro::corridor {
 
-// Materials of an office floor. `tone` is the mean grey of the bare material, 0..255.
+// Materials of an office floor. `tone` is the mean intensity of the bare material, 0..255.
 
 /// With notices, sockets and scuffs on it, few where `bare`.
 Material wall(bool bare);

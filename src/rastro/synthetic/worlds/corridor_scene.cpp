@@ -14,8 +14,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double thick = 0.15;                          // Of walls.
-constexpr double door_width = 1.10, door_height = 2.1;  // Between the walls; the posts stand inside.
-constexpr double post = 0.08, proud = 0.03;             // Posts stand out from the wall.
+constexpr double door_width = 1.10, door_height = 2.1;  // Between the walls; the posts are inside.
+constexpr double post = 0.08, proud = 0.03;             // Posts protrude from the wall.
 
 enum class Door { open, closed, glass };
 
@@ -24,7 +24,7 @@ struct Opening {
   Door door = Door::open;
 };
 
-/// A wall along one of the axes, seen from the side whose face lies exactly on the line.
+/// A wall along one of the axes, seen from the side whose face is exactly on the line.
 struct WallLine {
   Vector2d from, to;  ///< The wall is thick to the left of this direction.
   std::vector<Opening> openings;
@@ -40,7 +40,7 @@ class Builder {
     along_ = (line.to - line.from).normalized();
     left_ = {-along_.y(), along_.x()};
     std::vector<double> ways;
-    for (const Opening& opening : line.openings) ways.push_back(way_of(opening));
+    for (const Opening& opening : line.openings) ways.push_back(path_of(opening));
     double begin = 0.0;
     std::vector<std::size_t> order(ways.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -54,7 +54,7 @@ class Builder {
   }
 
  private:
-  double way_of(const Opening& opening) const {
+  double path_of(const Opening& opening) const {
     const bool along_x = std::abs(along_.x()) > 0.5;
     return (opening.at - (along_x ? line_->from.x() : line_->from.y())) * (along_x ? along_.x() : along_.y());
   }
@@ -79,7 +79,7 @@ class Builder {
     if (door == Door::glass) add_glass(way);
   }
 
-  /// The leaf of an open door stands in the room, more than a quarter of a circle away from the opening.
+  /// The leaf of an open door is inside the room, more than 90 degrees open.
   void add_leaf(double way) {
     const double swing = random_.uniform(1.72, 2.0), length = door_width - 2.0 * post;
     const double side = random_.uniform() < 0.5 ? -1.0 : 1.0;
@@ -135,7 +135,7 @@ std::vector<WallLine> room_walls() {
 }
 
 void add_floor_and_ceiling(Scene& scene) {
-  // In pieces, so that no picture is very large.
+  // In pieces, so that no texture is very large.
   const double step = 2.0;
   for (double x = far_west - 1.0; x < far_east + 1.0; x += 2.0 * step)
     for (double y = far_south - 1.0; y < outer_north + 1.0; y += step) {

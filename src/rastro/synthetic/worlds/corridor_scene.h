@@ -11,7 +11,7 @@
 
 namespace rastro::corridor {
 
-// The corridors run around a block of rooms; their walls stand at these lines (metres, in the world of the drive).
+// The corridors run around a block of rooms; their walls are at these lines (meters, in the world of the drive).
 constexpr double outer_west = -9.0, outer_east = 21.0, outer_south = -1.0, outer_north = 9.0;
 constexpr double inner_west = -7.0, inner_east = 19.0, inner_south = 1.0, inner_north = 7.0;
 /// The building.
@@ -24,13 +24,13 @@ struct Floor {
   std::vector<LaserLandmark> landmarks;
 };
 
-/// Walls, doors, furniture and a person; not painted, its tree not made. Furniture depends on the seed, walls and the
-/// person's way do not.
+/// Walls, doors, furniture and a person; not painted, its tree not built. Furniture depends on the seed; walls and the
+/// person's path do not.
 Floor build_floor(std::uint64_t seed);
 
-/// What stands in the rooms and corridors.
+/// The furniture of the rooms and corridors.
 void add_furniture(Scene& scene, Random& random);
-/// Somebody who crosses the first corridor before the robot, and later comes towards it, twice.
+/// A person who crosses the first corridor in front of the robot, and later walks towards it, twice.
 void add_person(Scene& scene);
 
 /// A box from one corner to the other.

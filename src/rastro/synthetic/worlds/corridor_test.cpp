@@ -21,19 +21,19 @@ const LaserWorld& office() {
   return world;
 }
 
-Eigen::Vector2d person_at(const Scene& now) { return now.primitives()[now.still_count()].centre.head<2>(); }
+Eigen::Vector2d person_at(const Scene& now) { return now.primitives()[now.still_count()].center.head<2>(); }
 
-TEST(CorridorDrive, closes_its_loop_and_drives_ten_metres_of_it_again) {
+TEST(CorridorDrive, closes_its_loop_and_drives_ten_meters_of_it_again) {
   const corridor::Drive drive;
   EXPECT_GT(drive.length_m(), 75.0);
   EXPECT_LT(drive.length_m(), 90.0);
   EXPECT_LT(drive.world_from_body(0.0).log().norm(), 1e-12);
-  EXPECT_LT(drive.world_from_body(drive.loop_end_s()).log().norm(), 1e-6) << "a whole turn later";
+  EXPECT_LT(drive.world_from_body(drive.loop_end_s()).log().norm(), 1e-6) << "one full rotation later";
   const SE2 end = drive.world_from_body(drive.duration_s() + 1.0);
   EXPECT_NEAR((end.translation() - Eigen::Vector2d(corridor::overlap_m, 0.0)).norm(), 0.0, 1e-6);
 }
 
-TEST(CorridorDrive, is_as_long_as_it_says_and_keeps_to_its_speeds) {
+TEST(CorridorDrive, has_its_length_and_keeps_its_speed_limits) {
   const corridor::Drive drive;
   const double step = 0.05;
   double way = 0.0, turned = 0.0;
@@ -75,8 +75,8 @@ TEST(Corridor, the_person_comes_near_and_goes_away) {
   EXPECT_GT(farthest, 20.0);
 }
 
-/// The same distances wherever the robot is: for 15 m of driving, nothing tells the laser how far it has come.
-TEST(Corridor, the_long_corridor_shows_nothing_but_two_walls) {
+/// The same ranges wherever the robot is: for 15 m of driving, the laser cannot observe the motion.
+TEST(Corridor, the_long_corridor_has_only_two_walls) {
   const LaserWorld& world = office();
   const LaserModel& laser = world.laser;
   for (double x = 18.2; x > 3.2; x -= 0.4) {
@@ -105,7 +105,7 @@ TEST(Corridor, ranges_at_the_start_are_those_of_the_plan) {
   EXPECT_NEAR(range(1.0, 0.25, -90.0).range, 0.25 - corridor::outer_south, 1e-9);
   EXPECT_NEAR(range(1.0, 0.0, 60.0).range, 1.0 / std::sin(60.0 * degree), 1e-9);
   EXPECT_NEAR(range(0.0, 0.0, 0.0).range, corridor::outer_east, 1e-9) << "the corridor's end";
-  EXPECT_NEAR(range(1.0, 0.0, 45.0).range, std::sqrt(2.0) * 0.9, 0.06) << "a half column stands out there";
+  EXPECT_NEAR(range(1.0, 0.0, 45.0).range, std::sqrt(2.0) * 0.9, 0.06) << "a half column protrudes there";
   const LaserHit door = range(0.1, 0.0, -90.0);
   ASSERT_TRUE(door.glass_range) << "the glass door in the south";
   EXPECT_NEAR(*door.glass_range, 1.075, 1e-9);
@@ -126,7 +126,7 @@ TEST(Corridor, furniture_depends_on_the_seed_and_nothing_else_does) {
   EXPECT_EQ(ranges(office(), in_corridor), ranges(other, in_corridor));
 }
 
-TEST(Corridor, the_camera_rides_on_the_robot_and_its_depth_is_the_oracle_s) {
+TEST(Corridor, the_camera_is_on_the_robot_and_its_depth_is_that_of_the_oracle) {
   const World world = make_corridor({.scale = 0.1, .threads = 2});
   TaskPool pool(2);
   const corridor::Drive drive;
@@ -137,11 +137,11 @@ TEST(Corridor, the_camera_rides_on_the_robot_and_its_depth_is_the_oracle_s) {
     EXPECT_NEAR(body.translation().z(), 0.0, 1e-9);
     const RenderedFrame shot = world.render(frame, pool);
     double sum = 0.0, squares = 0.0;
-    const double pixels = shot.grey.width() * shot.grey.height();
+    const double pixels = shot.gray.width() * shot.gray.height();
     for (int y = 0; y < shot.depth.height(); ++y)
       for (int x = 0; x < shot.depth.width(); ++x) {
-        const double grey = shot.grey.at(x, y);
-        sum += grey, squares += grey * grey;
+        const double gray = shot.gray.at(x, y);
+        sum += gray, squares += gray * gray;
         if (x % 7 != 3 || y % 5 != 2) continue;
         const auto hit = world.surface_at(frame, {x, y});
         ASSERT_TRUE(hit) << "walls all around, at " << frame << ' ' << x << ' ' << y;

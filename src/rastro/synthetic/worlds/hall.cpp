@@ -32,7 +32,7 @@ SE3 hall_body_from_camera() {
   return SE3::from_matrix(matrix);
 }
 
-/// Exposure drifts slowly; at 3.2 s it jumps, as automatic exposure does when a bright window comes into view.
+/// Exposure drifts slowly; at 3.2 s it jumps, like automatic exposure when a bright window comes into view.
 SensorModel hall_sensor(double time_s) {
   SensorModel sensor;
   sensor.gain = static_cast<float>(1.0 + 0.08 * std::sin(2.0 * std::numbers::pi * time_s / 7.3));

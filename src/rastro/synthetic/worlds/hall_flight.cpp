@@ -11,7 +11,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr int channels = 6;
-using Pose6 = std::array<double, channels>;  // x y z (metres), yaw pitch roll (degrees).
+using Pose6 = std::array<double, channels>;  // x y z (meters), yaw pitch roll (degrees).
 
 struct Key {
   double frame;
@@ -19,7 +19,7 @@ struct Key {
 };
 
 // The scripted part. The head of the press hangs 0.66 m ahead of the start with its lower edge at 1.71 m: just above
-// the view at the start, below the middle of the picture when the drone is at its highest.
+// the view at the start, below the image center when the drone is at its highest.
 constexpr Key script[] = {
     {-4, {0.00, 0.00, 1.30, 0.0, 1.0, 0.0}},     {4, {0.00, 0.00, 1.305, 0.0, 1.0, 0.0}},
     {7.5, {0.00, 0.01, 1.39, 0.3, 1.1, 0.4}},    {10, {0.00, 0.02, 1.55, 0.7, 1.2, 0.7}},
@@ -33,9 +33,9 @@ constexpr Key script[] = {
     {94, {0.00, -1.75, 1.38, -1.0, 1.0, 1.4}},   {112, {-0.05, -2.66, 1.40, -0.5, 0.9, 1.0}},
     {122, {-0.20, -3.08, 1.42, 1.0, 0.8, 0.4}},  {136, {-0.45, -3.45, 1.45, 3.0, 0.8, 0.0}},
 };
-constexpr double tour_begin = 118.0, tour_whole = 190.0;  // Between them the script fades into the tour.
+constexpr double tour_begin = 118.0, tour_whole = 190.0;  // Between them the script changes into the tour.
 
-/// Slope at a key that keeps the curve between its neighbours (Fritsch and Carlson 1980): the drone must not overshoot.
+/// Slope at a key that keeps the curve between its neighbors (Fritsch and Carlson 1980): the drone must not overshoot.
 double slope_at(std::span<const Key> keys, std::size_t i, int channel) {
   if (i == 0 || i + 1 == keys.size()) return 0.0;
   const double before = (keys[i].pose[channel] - keys[i - 1].pose[channel]) / (keys[i].frame - keys[i - 1].frame);
@@ -63,7 +63,7 @@ double wave(double seconds, double period_s, double phase) {
   return std::sin(2.0 * std::numbers::pi * seconds / period_s + phase);
 }
 
-/// Endless: the periods have no common multiple, so that no view comes back exactly. Stays in the free aisle x < 0.1,
+/// Endless: the periods have no common multiple, so that no view repeats exactly. Stays in the free aisle x < 0.1,
 /// |y| < 6.
 Pose6 tour(double seconds) {
   return {-2.9 + 1.9 * wave(seconds, 37.1, 0.9) + 0.9 * wave(seconds, 22.3 * std::numbers::sqrt2, 2.0),
@@ -74,7 +74,7 @@ Pose6 tour(double seconds) {
           3.0 * wave(seconds, 9.7, 1.5) + 1.5 * wave(seconds, 4.3, 0.0)};
 }
 
-/// Small unrest of a hovering drone.
+/// Small shake of a hovering drone.
 void add_unrest(Pose6& pose, double seconds) {
   pose[0] += 0.004 * wave(seconds, 1.37, 0.0) + 0.003 * wave(seconds, 0.61, 1.0);
   pose[1] += 0.005 * wave(seconds, 1.13, 2.0) + 0.003 * wave(seconds, 0.53, 0.4);

@@ -10,8 +10,8 @@ using namespace paint;
 
 float some(Random& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
 double area(const Canvas& canvas) { return canvas.width() * canvas.height(); }
-int many(const Canvas& canvas, double per_square_metre) {
-  return static_cast<int>(area(canvas) * per_square_metre + 0.5);
+int many(const Canvas& canvas, double per_square_meter) {
+  return static_cast<int>(area(canvas) * per_square_meter + 0.5);
 }
 
 void paint_floor(Canvas& canvas, Random& random) {
@@ -309,9 +309,9 @@ void paint_sign(Canvas& canvas, Random& random, bool hazard) {
 Material concrete_floor() { return {paint_floor, 120.0}; }
 Material brick_wall() { return {paint_bricks, 70.0}; }
 Material ceiling_sheet() { return {paint_ceiling, 50.0}; }
-Material machine(float tone, double texels_per_metre, double panel_m) {
+Material machine(float tone, double texels_per_meter, double panel_m) {
   const auto paint = [=](Canvas& canvas, Random& random) { paint_machine(canvas, random, tone, panel_m); };
-  return {paint, texels_per_metre};
+  return {paint, texels_per_meter};
 }
 Material cabinet(float tone) {
   return {[tone](Canvas& canvas, Random& random) { paint_cabinet(canvas, random, tone); }, 170.0};
@@ -322,8 +322,8 @@ Material tank(float tone) {
 Material pipe(float tone) {
   return {[tone](Canvas& canvas, Random& random) { paint_pipe(canvas, random, tone); }, 90.0};
 }
-Material steel_beam(float tone, double texels_per_metre) {
-  return {[tone](Canvas& canvas, Random& random) { paint_beam(canvas, random, tone); }, texels_per_metre};
+Material steel_beam(float tone, double texels_per_meter) {
+  return {[tone](Canvas& canvas, Random& random) { paint_beam(canvas, random, tone); }, texels_per_meter};
 }
 Material concrete_pillar() { return {paint_pillar, 320.0}; }
 Material wooden_crate() { return {paint_crate, 200.0}; }

@@ -12,8 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double x_back = -9.5, x_front = 24.0, y_right = -11.0, y_left = 11.0, roof = 7.5;
 
-/// Puts things into the hall. Draws of the generator vary tones, places and sizes, never what the first 120 frames rely
-/// on.
+/// Furnishes the hall. The random generator varies tones, positions and sizes, never what the first 120 frames rely on.
 class Furnisher {
  public:
   Furnisher(Scene& scene, std::uint64_t seed) : scene_(scene), random_(seed) {}
@@ -29,7 +28,7 @@ class Furnisher {
     windows_and_gates();
   }
 
-  /// What hides the view: the press's head, hung from the roof, and the pillar at its right.
+  /// The occluders: the press's head, hung from the roof, and the pillar at its right.
   void press() {
     scene_.add_box({0.72, 0.05, 2.26}, {0.12, 2.4, 1.1}, machine(122, 330, 0.24));
     scene_.add_box({1.00, 0.05, 3.02}, {0.60, 2.2, 0.5}, machine(96, 170));

@@ -14,16 +14,16 @@
 namespace rastro {
 namespace {
 
-/// A quarter of the size: what hides what is the same, and it is made in a moment.
+/// A quarter of the size: the occlusions are the same, and it is made quickly.
 const World& small_hall() {
   static const World world = make_hall({.scale = 0.25, .threads = 2});
   return world;
 }
 
-/// Frames in which each point of frame 0's upper half is hidden or outside, and how many points are hidden per frame.
+/// Frames in which each point of frame 0's upper half is occluded or outside, and number of occluded points per frame.
 struct Occlusion {
-  std::vector<double> hidden_share;
-  std::vector<int> hidden_frames;
+  std::vector<double> occluded_share;
+  std::vector<int> occluded_frames;
 };
 
 Occlusion occlusion_of_upper_half(const World& world, int frames) {
@@ -32,45 +32,45 @@ Occlusion occlusion_of_upper_half(const World& world, int frames) {
     for (int x = 2; x < world.camera().width; x += 5)
       if (const auto hit = world.surface_at(0, {x, y})) points.push_back(hit->point);
   Occlusion result;
-  result.hidden_frames.assign(points.size(), 0);
+  result.occluded_frames.assign(points.size(), 0);
   for (int frame = 0; frame < frames; ++frame) {
     int hidden = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const PointView view = world.view_of(frame, points[i]);
-      const bool is_hidden = view.inside && !view.visible;
-      hidden += is_hidden ? 1 : 0;
-      result.hidden_frames[i] += is_hidden ? 1 : 0;
+      const bool is_occluded = view.inside && !view.visible;
+      hidden += is_occluded ? 1 : 0;
+      result.occluded_frames[i] += is_occluded ? 1 : 0;
     }
-    result.hidden_share.push_back(static_cast<double>(hidden) / static_cast<double>(points.size()));
+    result.occluded_share.push_back(static_cast<double>(hidden) / static_cast<double>(points.size()));
   }
   return result;
 }
 
-TEST(HallTest, most_of_the_upper_half_is_hidden_for_8_to_15_of_the_first_30_frames_and_comes_back) {
+TEST(HallTest, most_of_the_upper_half_is_occluded_for_8_to_15_of_the_first_30_frames_and_reappears) {
   const Occlusion occlusion = occlusion_of_upper_half(small_hall(), 31);
-  int mostly_hidden = 0;
-  for (std::size_t frame = 0; frame < occlusion.hidden_share.size(); ++frame) {
-    std::printf("frame %2zu: %5.1f %% of the upper half hidden\n", frame, 100.0 * occlusion.hidden_share[frame]);
-    mostly_hidden += frame < 30 && occlusion.hidden_share[frame] > 0.5 ? 1 : 0;
+  int mostly_occluded = 0;
+  for (std::size_t frame = 0; frame < occlusion.occluded_share.size(); ++frame) {
+    std::printf("frame %2zu: %5.1f %% of the upper half occluded\n", frame, 100.0 * occlusion.occluded_share[frame]);
+    mostly_occluded += frame < 30 && occlusion.occluded_share[frame] > 0.5 ? 1 : 0;
   }
-  EXPECT_GE(mostly_hidden, 8);
-  EXPECT_LE(mostly_hidden, 15);
-  EXPECT_GT(occlusion.hidden_share[17], 0.9);
-  EXPECT_LT(occlusion.hidden_share[2], 0.05);
-  for (std::size_t frame = 28; frame <= 30; ++frame) EXPECT_LT(occlusion.hidden_share[frame], 0.1);
+  EXPECT_GE(mostly_occluded, 8);
+  EXPECT_LE(mostly_occluded, 15);
+  EXPECT_GT(occlusion.occluded_share[17], 0.9);
+  EXPECT_LT(occlusion.occluded_share[2], 0.05);
+  for (std::size_t frame = 28; frame <= 30; ++frame) EXPECT_LT(occlusion.occluded_share[frame], 0.1);
   int as_asked = 0;
-  for (const int frames : occlusion.hidden_frames) as_asked += frames >= 8 && frames <= 15 ? 1 : 0;
-  EXPECT_GT(as_asked, static_cast<int>(occlusion.hidden_frames.size()) / 2);
+  for (const int frames : occlusion.occluded_frames) as_asked += frames >= 8 && frames <= 15 ? 1 : 0;
+  EXPECT_GT(as_asked, static_cast<int>(occlusion.occluded_frames.size()) / 2);
 }
 
-TEST(HallTest, the_drone_comes_back_near_its_start) {
+TEST(HallTest, the_drone_returns_near_its_start) {
   const SE3 moved = small_hall().world_from_camera(0).inverse() * small_hall().world_from_camera(29);
   EXPECT_LT(moved.translation().norm(), 0.12);
   EXPECT_GT(moved.translation().norm(), 0.01) << "near, not exactly at";
   EXPECT_LT(moved.rotation().log().norm(), 0.06);
 }
 
-TEST(HallTest, an_abrupt_turn_and_back) {
+TEST(HallTest, an_abrupt_rotation_and_back) {
   const World& world = small_hall();
   const double turned = (world.world_from_camera(42).inverse() * world.world_from_camera(47)).rotation().log().norm();
   EXPECT_GT(turned, 0.44);
@@ -78,9 +78,9 @@ TEST(HallTest, an_abrupt_turn_and_back) {
   EXPECT_LT((world.world_from_camera(41).inverse() * world.world_from_camera(57)).rotation().log().norm(), 0.08);
 }
 
-TEST(HallTest, the_pillar_hides_points_for_6_to_12_frames) {
+TEST(HallTest, the_pillar_occludes_points_for_6_to_12_frames) {
   const World& world = small_hall();
-  // Far points left and right of the middle that the pillar, and nothing else, passes over.
+  // Far points left and right of the image center that only the pillar passes.
   int as_asked = 0, hidden = 0;
   for (int x = 40; x < 150; x += 10) {
     const auto hit = world.surface_at(93, {x, 45});
@@ -105,7 +105,7 @@ TEST(HallTest, the_flight_is_smooth_and_never_inside_anything) {
     ASSERT_FALSE(world.scene().touches(here.translation(), 0.25)) << "frame " << frame;
     const SE3 step = here.inverse() * next;
     ASSERT_LT(step.translation().norm(), 0.09) << "frame " << frame;
-    ASSERT_GT(step.translation().norm() + step.rotation().log().norm(), 1e-4) << "it stands still at frame " << frame;
+    ASSERT_GT(step.translation().norm() + step.rotation().log().norm(), 1e-4) << "it is at rest at frame " << frame;
     ASSERT_LT(step.rotation().log().norm(), frame > 60 ? 0.03 : 0.2) << "frame " << frame;
   }
 }
@@ -116,22 +116,22 @@ TEST(HallTest, frames_are_the_same_for_any_threads_and_differ_for_another_seed) 
   TaskPool one(1), eight(8);
   const RenderedFrame a = small_hall().render(12, eight), b = again.render(12, one), c = other.render(12, one);
   std::int64_t differ = 0;
-  for (int y = 0; y < a.grey.height(); ++y) {
-    ASSERT_EQ(0, std::memcmp(a.grey.row(y), b.grey.row(y), static_cast<std::size_t>(a.grey.width())));
-    for (int x = 0; x < a.grey.width(); ++x) differ += std::abs(a.grey.at(x, y) - c.grey.at(x, y)) > 10 ? 1 : 0;
+  for (int y = 0; y < a.gray.height(); ++y) {
+    ASSERT_EQ(0, std::memcmp(a.gray.row(y), b.gray.row(y), static_cast<std::size_t>(a.gray.width())));
+    for (int x = 0; x < a.gray.width(); ++x) differ += std::abs(a.gray.at(x, y) - c.gray.at(x, y)) > 10 ? 1 : 0;
   }
-  EXPECT_GT(differ, a.grey.width() * a.grey.height() / 4);
+  EXPECT_GT(differ, a.gray.width() * a.gray.height() / 4);
 }
 
-TEST(HallTest, pictures_have_contrast_and_are_neither_black_nor_burnt) {
+TEST(HallTest, images_have_contrast_and_are_neither_black_nor_overexposed) {
   TaskPool pool(2);
   for (const int frame : {0, 17, 94, 700}) {
     const RenderedFrame shot = small_hall().render(frame, pool);
     double sum = 0, squares = 0, extreme = 0;
-    const double pixels = shot.grey.width() * shot.grey.height();
-    for (int y = 0; y < shot.grey.height(); ++y)
-      for (int x = 0; x < shot.grey.width(); ++x) {
-        const double value = shot.grey.at(x, y);
+    const double pixels = shot.gray.width() * shot.gray.height();
+    for (int y = 0; y < shot.gray.height(); ++y)
+      for (int x = 0; x < shot.gray.width(); ++x) {
+        const double value = shot.gray.at(x, y);
         sum += value, squares += value * value, extreme += value <= 2 || value >= 253 ? 1 : 0;
       }
     const double mean = sum / pixels;
@@ -142,7 +142,7 @@ TEST(HallTest, pictures_have_contrast_and_are_neither_black_nor_burnt) {
   }
 }
 
-TEST(HallTest, the_source_gives_frames_with_truth) {
+TEST(HallTest, the_source_gives_frames_with_ground_truth) {
   const std::unique_ptr<Source> source = synthetic_source(small_hall(), 2);
   ASSERT_EQ(source->info().ground_truth.size(), 2U);
   ASSERT_TRUE(source->info().cameras.at(0).camera);
@@ -154,7 +154,7 @@ TEST(HallTest, the_source_gives_frames_with_truth) {
   EXPECT_FALSE(source->next());
 }
 
-TEST(HallTest, a_folder_with_something_in_it_is_refused) {
+TEST(HallTest, a_folder_that_is_not_empty_is_refused) {
   namespace fs = std::filesystem;
   const fs::path folder = scratch_path("refused");
   TaskPool pool(2);

@@ -21,7 +21,7 @@ Camera loop_camera(double scale) {
   return scale == 1.0 ? camera : camera.scaled(scale);
 }
 
-/// The body is in the middle between the cameras, x ahead, y to the left, z up.
+/// The body is midway between the cameras, x ahead, y to the left, z up.
 SE3 loop_body_from_camera() { return {looking(0.0, 0.0, 0.0), {0.0, 0.5 * baseline_m, 0.0}}; }
 
 /// The exposure drifts.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// People in the street of the loop that leads north. They walk up and down beside the way, or across it where the
-// camera is far.
+// People in the street of the loop that leads north. They walk up and down beside the camera's path, or across it where
+// the camera is far.
 #include <cmath>
 #include <numbers>
 
@@ -15,12 +15,12 @@ using Eigen::Vector2d;
 
 struct Walker {
   Vector2d from, to;
-  double speed;    ///< Metres a second.
-  double start_m;  ///< How far along the way there and back at time 0.
+  double speed;    ///< m/s
+  double start_m;  ///< Position on the walk there and back at time 0.
   float coat;
 };
 
-// The camera is at (22, y) with y from 2 to 12 between 12 and 20 s; nobody is ever nearer to it than 0.6 m.
+// The camera is at (22, y) with y from 2 to 12 between 12 and 20 s; nobody is ever closer to it than 0.6 m.
 const Walker walkers[] = {
     {{23.1, 2.0}, {23.1, 17.5}, 1.1, 9.0, 60.0F},   {{20.8, 2.5}, {20.8, 12.0}, 1.0, 4.0, 150.0F},
     {{23.8, 1.0}, {23.8, 17.0}, 1.3, 24.0, 105.0F}, {{20.2, 3.0}, {20.2, 18.0}, 1.2, 20.0, 80.0F},
@@ -30,7 +30,7 @@ const Walker walkers[] = {
     {{22.8, 15.4}, {22.8, 19.0}, 0.7, 1.0, 70.0F},  {{24.2, 17.9}, {20.0, 17.9}, 0.9, 2.0, 145.0F},
 };
 
-/// A coat with seams, buttons and a pattern of its own.
+/// A coat with seams, buttons and its own pattern.
 Material coat(float tone) {
   return {[tone](Canvas& canvas, Random& random) {
             const double width = canvas.width(), height = canvas.height();
@@ -59,7 +59,7 @@ Vector2d place_of(const Walker& walker, double time_s) {
 
 SE3 pose_of(const Walker& walker, double time_s) {
   const Vector2d here = place_of(walker, time_s);
-  // Turns round within half a second.
+  // Turns around within half a second.
   const Vector2d ahead = place_of(walker, time_s + 0.25) - place_of(walker, time_s - 0.25);
   const double heading = ahead.norm() > 1e-9 ? std::atan2(ahead.y(), ahead.x()) : 0.0;
   return {SO3::exp({0, 0, heading}), {here.x(), here.y(), 0.0}};

@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-Material denser(Material material, double texels_per_metre) {
-  material.texels_per_metre = texels_per_metre;
+Material denser(Material material, double texels_per_meter) {
+  material.texels_per_meter = texels_per_meter;
   return material;
 }
 
@@ -78,7 +78,7 @@ void add_hall(Scene& scene, Random& random) {
   }
 }
 
-/// A place of the square that is seen on both visits.
+/// An area of the square that is seen on both visits.
 void add_fountain(Scene& scene) {
   scene.add_cylinder({-4.2, 8.0, 0}, {-4.2, 8.0, 0.7}, 1.2, denser(hall::concrete_pillar(), 120.0));
   scene.add_cylinder({-4.2, 8.0, 0.7}, {-4.2, 8.0, 2.2}, 0.3, denser(hall::concrete_pillar(), 160.0));
@@ -89,7 +89,7 @@ void add_fountain(Scene& scene) {
   }
 }
 
-/// Where the pictures are of for a while: a closed room far away from the walk.
+/// The place of the kidnap: a closed room far from the walk.
 void add_elsewhere(Scene& scene) {
   const Vector3d low = elsewhere_place - Vector3d(2.2, 2.5, elsewhere_place.z()), high = low + Vector3d(6.5, 6.0, 3.0);
   const double t = 0.2;

@@ -9,7 +9,7 @@
 #include "rastro/base/error.h"
 #include "rastro/synthetic/worlds/loop_scene.h"
 #include "rastro/synthetic/worlds/loop_walk.h"
-#include "rastro/synthetic/write_closures.h"
+#include "rastro/synthetic/write_loop_closures.h"
 
 namespace rastro {
 namespace {
@@ -21,22 +21,22 @@ const World& small_loop() {
 
 bool is_elsewhere(std::int64_t frame) { return frame >= loop_elsewhere_begin && frame < loop_elsewhere_end; }
 
-TEST(LoopWalk, is_120_m_long_and_comes_back_to_its_start_after_a_round) {
-  EXPECT_NEAR(loop::way_m(), 120.0, 0.1);
+TEST(LoopWalk, is_120_m_long_and_returns_to_its_start_after_a_round) {
+  EXPECT_NEAR(loop::path_m(), 120.0, 0.1);
   const double speed_per_frame = loop::speed / loop::rate_hz;
   const auto walking = static_cast<double>(loop_frames - (loop_elsewhere_end - loop_elsewhere_begin));
-  EXPECT_NEAR(walking * speed_per_frame, loop::way_m(), 0.5);
-  const loop::WayPoint start = loop::way_point(0.0), back = loop::way_point(loop::round_m() + 2.2);
-  EXPECT_NEAR((back.place - loop::way_point(2.2).place).norm(), 0.0, 1e-6);
+  EXPECT_NEAR(walking * speed_per_frame, loop::path_m(), 0.5);
+  const loop::PathPoint start = loop::path_point(0.0), back = loop::path_point(loop::round_m() + 2.2);
+  EXPECT_NEAR((back.place - loop::path_point(2.2).place).norm(), 0.0, 1e-6);
   EXPECT_NEAR(back.heading - start.heading, 2.0 * std::numbers::pi, 1e-9);
-  for (double way = 0.0; way < loop::way_m() - 0.1; way += 0.07) {
-    const loop::WayPoint a = loop::way_point(way), b = loop::way_point(way + 0.05);
+  for (double way = 0.0; way < loop::path_m() - 0.1; way += 0.07) {
+    const loop::PathPoint a = loop::path_point(way), b = loop::path_point(way + 0.05);
     ASSERT_NEAR((b.place - a.place).norm(), 0.05, 1e-3) << way;
     ASSERT_LT(std::abs(b.heading - a.heading), 0.03) << way;
   }
 }
 
-TEST(LoopTest, walks_through_nothing_and_is_elsewhere_for_two_seconds) {
+TEST(LoopTest, has_no_collision_and_shows_another_place_for_two_seconds) {
   const World& world = small_loop();
   for (std::int64_t frame = 0; frame < loop_frames; ++frame) {
     const SE3 here = world.world_from_camera(frame), next = world.world_from_camera(frame + 1);
@@ -49,7 +49,7 @@ TEST(LoopTest, walks_through_nothing_and_is_elsewhere_for_two_seconds) {
       ASSERT_LT((here.inverse() * next).rotation().log().norm(), 0.085) << frame;
     }
   }
-  // The walk goes on where it was.
+  // The walk continues where it was.
   const SE3 before = world.world_from_camera(loop_elsewhere_begin - 1),
             after = world.world_from_camera(loop_elsewhere_end);
   EXPECT_LT((before.inverse() * after).translation().norm(), 0.11);
@@ -57,17 +57,17 @@ TEST(LoopTest, walks_through_nothing_and_is_elsewhere_for_two_seconds) {
 
 TEST(LoopTest, closes_once_in_the_same_direction_and_once_against_it) {
   int same = 0, opposite = 0;
-  for (const TrueClosure& closure : true_closures(small_loop(), loop_frames)) {
-    SCOPED_TRACE(closure.frame);
-    EXPECT_FALSE(is_elsewhere(closure.frame) || is_elsewhere(closure.earlier));
-    const bool at_start = closure.frame >= 860 && closure.frame <= 1010 && closure.earlier <= 100;
-    const bool in_the_square = closure.frame >= 1400 && closure.earlier >= 650 && closure.earlier <= 800;
-    EXPECT_TRUE(at_start || in_the_square) << closure.earlier;
+  for (const TrueLoopClosure& loop_closure : true_loop_closures(small_loop(), loop_frames)) {
+    SCOPED_TRACE(loop_closure.frame);
+    EXPECT_FALSE(is_elsewhere(loop_closure.frame) || is_elsewhere(loop_closure.earlier));
+    const bool at_start = loop_closure.frame >= 860 && loop_closure.frame <= 1010 && loop_closure.earlier <= 100;
+    const bool in_the_square = loop_closure.frame >= 1400 && loop_closure.earlier >= 650 && loop_closure.earlier <= 800;
+    EXPECT_TRUE(at_start || in_the_square) << loop_closure.earlier;
     if (at_start) {
-      EXPECT_FALSE(closure.opposite);
+      EXPECT_FALSE(loop_closure.opposite);
     }
     same += at_start ? 1 : 0;
-    opposite += in_the_square && closure.opposite ? 1 : 0;
+    opposite += in_the_square && loop_closure.opposite ? 1 : 0;
   }
   EXPECT_GE(same, 8);
   EXPECT_GE(opposite, 5);
@@ -97,8 +97,8 @@ TEST(LoopTest, people_are_in_front_of_the_camera_where_the_crowd_is_and_nowhere_
     EXPECT_LT(crowded(frame), 0.003) << frame;
 }
 
-/// Geometry of a rectified pair: what the left camera sees in a row, the right one sees in the same row, nearer to the
-/// left border by the disparity.
+/// Geometry of a rectified pair: a point in a row of the left image is in the same row of the right one, shifted to the
+/// left by the disparity.
 TEST(LoopTest, the_right_camera_sees_the_same_points_in_the_same_rows) {
   const World& world = small_loop();
   TaskPool pool(2);
@@ -131,21 +131,21 @@ TEST(LoopTest, the_right_camera_sees_the_same_points_in_the_same_rows) {
   }
 }
 
-TEST(LoopTest, depth_is_that_of_the_oracle_and_the_pictures_have_contrast) {
+TEST(LoopTest, depth_is_that_of_the_oracle_and_the_images_have_contrast) {
   const World& world = small_loop();
   TaskPool pool(2);
   for (const std::int64_t frame : {0, 300, 500, 570, 760, 1450}) {
     const RenderedFrame shot = world.render(frame, pool);
     double sum = 0, squares = 0;
-    for (int y = 0; y < shot.grey.height(); ++y)
-      for (int x = 0; x < shot.grey.width(); ++x) {
-        sum += shot.grey.at(x, y), squares += shot.grey.at(x, y) * shot.grey.at(x, y);
+    for (int y = 0; y < shot.gray.height(); ++y)
+      for (int x = 0; x < shot.gray.width(); ++x) {
+        sum += shot.gray.at(x, y), squares += shot.gray.at(x, y) * shot.gray.at(x, y);
         if (x % 7 != 0 || y % 6 != 0) continue;
         const auto hit = world.surface_at(frame, {x, y});
         ASSERT_TRUE(hit) << "sky all around";
         ASSERT_EQ(static_cast<float>(hit->t), shot.depth.at(x, y)) << frame << " at " << x << ' ' << y;
       }
-    const double pixels = shot.grey.width() * shot.grey.height(), mean = sum / pixels;
+    const double pixels = shot.gray.width() * shot.gray.height(), mean = sum / pixels;
     EXPECT_GT(mean, 55) << frame;
     EXPECT_LT(mean, 190) << frame;
     EXPECT_GT(std::sqrt(squares / pixels - mean * mean), 22) << frame;
@@ -155,18 +155,18 @@ TEST(LoopTest, depth_is_that_of_the_oracle_and_the_pictures_have_contrast) {
 TEST(LoopTest, frames_of_both_cameras_are_the_same_for_any_threads_and_differ_for_another_seed) {
   const World again = make_loop({.scale = 0.15, .threads = 1}), other = make_loop({.seed = 2, .scale = 0.15});
   TaskPool one(1), eight(8);
-  const auto share_that_differs = [](const GreyImage& a, const GreyImage& b) {
+  const auto share_that_differs = [](const GrayImage& a, const GrayImage& b) {
     std::int64_t differ = 0;
     for (int y = 0; y < a.height(); ++y)
       for (int x = 0; x < a.width(); ++x) differ += a.at(x, y) != b.at(x, y) ? 1 : 0;
     return static_cast<double>(differ) / (a.width() * a.height());
   };
   for (const std::int64_t frame : {20, 330}) {
-    EXPECT_EQ(share_that_differs(small_loop().render(frame, eight).grey, again.render(frame, one).grey), 0.0);
-    EXPECT_EQ(share_that_differs(small_loop().render_right(frame, eight).grey, again.render_right(frame, one).grey),
+    EXPECT_EQ(share_that_differs(small_loop().render(frame, eight).gray, again.render(frame, one).gray), 0.0);
+    EXPECT_EQ(share_that_differs(small_loop().render_right(frame, eight).gray, again.render_right(frame, one).gray),
               0.0);
   }
-  EXPECT_GT(share_that_differs(small_loop().render(20, eight).grey, other.render(20, one).grey), 0.5);
+  EXPECT_GT(share_that_differs(small_loop().render(20, eight).gray, other.render(20, one).gray), 0.5);
   EXPECT_EQ(other.world_from_camera(777).translation(), again.world_from_camera(777).translation());
   EXPECT_THROW(make_loop({.scale = 100}), Error);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands along the ways of the loop and hangs on its walls.
+// Objects along the path of the loop and on its walls.
 #include <algorithm>
 #include <numbers>
 
@@ -57,7 +57,7 @@ void add_locker(Scene& scene, Random& random, const Vector2d& place) {
   scene.add_box(at(place, 0.5 * height), {0.9, 0.6, height}, hall::cabinet(tone_of(random)), random.uniform(-0.2, 0.2));
 }
 
-/// Things of all kinds side by side, about 1.9 m apart.
+/// Objects of all kinds side by side, about 1.9 m apart.
 struct Row {
   Vector2d from, to;
 };
@@ -107,7 +107,7 @@ void add_signs(Scene& scene, Random& random) {
     for (double way = random.uniform(0.5, 1.0); way < length - 0.6; way += random.uniform(1.2, 2.2)) {
       const double width = random.uniform(0.5, 1.1), height = width * random.uniform(0.5, 1.3);
       const double z = random.uniform(1.0 + 0.5 * height, wall.top - 0.5 * height);
-      // Never in one plane with the wall or with each other.
+      // Never coplanar with the wall or with each other.
       const Vector2d middle = wall.from + way * along + random.uniform(0.01, 0.03) * wall.out;
       const Vector2d size = width * along.cwiseAbs() + 0.09 * wall.out.cwiseAbs();
       scene.add_box(at(middle, z), {size.x(), size.y(), height}, sign_material(random));

@@ -51,14 +51,14 @@ std::array<Leg, legs> make_legs() {
   return result;
 }
 
-const std::array<Leg, legs>& way_legs() {
+const std::array<Leg, legs>& path_legs() {
   static const std::array<Leg, legs> result = make_legs();
   return result;
 }
 
 double length(const Leg& leg) { return leg.straight + std::abs(leg.turn) * 0.5 * std::numbers::pi * radius_m; }
 
-WayPoint on_leg(const Leg& leg, double way) {
+PathPoint on_leg(const Leg& leg, double way) {
   if (way <= leg.straight) return {leg.from + way * leg.along, leg.heading};
   const double angle = (way - leg.straight) / radius_m;
   const Vector2d left = leg.turn * Vector2d(-leg.along.y(), leg.along.x());
@@ -67,7 +67,7 @@ WayPoint on_leg(const Leg& leg, double way) {
       leg.heading + leg.turn * angle};
 }
 
-/// Where the head is turned to (degrees to the left of the way) at a place of the way.
+/// Yaw of the head (degrees to the left of the path) at a point of the path.
 struct Glance {
   double way, degrees;
 };
@@ -101,7 +101,7 @@ SE3 in_hand(const Eigen::Vector3d& place, double yaw, double seconds) {
 
 SE3 walked(std::int64_t index) {
   const double seconds = static_cast<double>(index) / knots_hz, way = speed * seconds;
-  const WayPoint point = way_point(way);
+  const PathPoint point = path_point(way);
   return in_hand({point.place.x(), point.place.y(), camera_height_m}, point.heading + glance(way) * degree, seconds);
 }
 
@@ -113,25 +113,25 @@ SE3 elsewhere(std::int64_t index) {
 
 }  // namespace
 
-double way_m() {
+double path_m() {
   double total = 0.0;
-  for (const Leg& leg : way_legs()) total += length(leg);
+  for (const Leg& leg : path_legs()) total += length(leg);
   return total;
 }
 
 double round_m() {
   double total = corners[0].x() - radius_m;
-  for (std::size_t i = 0; i < 4; ++i) total += length(way_legs()[i]);
+  for (std::size_t i = 0; i < 4; ++i) total += length(path_legs()[i]);
   return total;
 }
 
-WayPoint way_point(double way) {
+PathPoint path_point(double way) {
   way = std::max(0.0, way);
-  for (const Leg& leg : way_legs()) {
+  for (const Leg& leg : path_legs()) {
     if (way < length(leg)) return on_leg(leg, way);
     way -= length(leg);
   }
-  return on_leg(way_legs().back(), length(way_legs().back()));
+  return on_leg(path_legs().back(), length(path_legs().back()));
 }
 
 CameraPath walk_path() {

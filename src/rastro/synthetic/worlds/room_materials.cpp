@@ -11,23 +11,23 @@ namespace {
 
 using namespace paint;
 
-constexpr Colour white{235, 232, 224}, black{24, 24, 26}, paper{226, 221, 205}, ink{48, 48, 58};
-constexpr Colour bright[] = {{190, 60, 50},  {60, 110, 175}, {215, 175, 70}, {75, 140, 85},
-                             {150, 85, 140}, {205, 120, 60}, {80, 150, 160}};
+constexpr Color white{235, 232, 224}, black{24, 24, 26}, paper{226, 221, 205}, ink{48, 48, 58};
+constexpr Color bright[] = {{190, 60, 50},  {60, 110, 175}, {215, 175, 70}, {75, 140, 85},
+                            {150, 85, 140}, {205, 120, 60}, {80, 150, 160}};
 
 float some(Random& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
-int many(const Canvas& canvas, double per_square_metre) {
-  return static_cast<int>(canvas.width() * canvas.height() * per_square_metre + 0.5);
+int many(const Canvas& canvas, double per_square_meter) {
+  return static_cast<int>(canvas.width() * canvas.height() * per_square_meter + 0.5);
 }
-Colour any(Random& random) { return bright[random.below(std::size(bright))]; }
+Color any(Random& random) { return bright[random.below(std::size(bright))]; }
 
-/// Draws in a colour, lighter or darker by a little.
-float take(Canvas& canvas, const Colour& colour, float change = 0.0F) {
-  canvas.set_ink(colour.tint());
-  return colour.tone() + change;
+/// Draws in a color, slightly lighter or darker.
+float take(Canvas& canvas, const Color& color, float change = 0.0F) {
+  canvas.set_ink(color.tint());
+  return color.tone() + change;
 }
-void base(Canvas& canvas, const Colour& colour, Random& random, double coarsest_m, float amplitude) {
-  canvas.fill(take(canvas, colour));
+void base(Canvas& canvas, const Color& color, Random& random, double coarsest_m, float amplitude) {
+  canvas.fill(take(canvas, color));
   canvas.add_noise(random, coarsest_m, amplitude, 0.8F);
 }
 
@@ -36,16 +36,16 @@ void lines_of_print(Canvas& canvas, Random& random, const Canvas::Box& box, doub
     canvas.rectangle(box.x0, y, box.x0 + random.uniform(0.5, 1.0) * (box.x1 - box.x0), y + 0.4 * pitch, value, 0.8F);
 }
 
-void paint_wall(Canvas& canvas, Random& random, const Colour& colour) {
-  base(canvas, colour, random, 2.0, 5.0F);
+void paint_wall(Canvas& canvas, Random& random, const Color& color) {
+  base(canvas, color, random, 2.0, 5.0F);
   if (canvas.height() > 2.0) canvas.rectangle(0, canvas.height() - 0.08, canvas.width(), canvas.height(), 205.0F);
-  specks(canvas, random, many(canvas, 5.0), colour.tone());
+  specks(canvas, random, many(canvas, 5.0), color.tone());
   stains(canvas, random, many(canvas, 0.5), 0.05, 0.3, 10.0F);
   scratches(canvas, random, many(canvas, 0.6), 0.25);
 }
 
-void paint_wallpaper(Canvas& canvas, Random& random, const Colour& colour, const Colour& print) {
-  base(canvas, colour, random, 2.0, 4.0F);
+void paint_wallpaper(Canvas& canvas, Random& random, const Color& color, const Color& print) {
+  base(canvas, color, random, 2.0, 4.0F);
   const float value = take(canvas, print);
   for (double y = 0.05; y < canvas.height() - 0.1; y += 0.19)
     for (double x = 0.05; x < canvas.width(); x += 0.19) {
@@ -67,13 +67,13 @@ void paint_ceiling(Canvas& canvas, Random& random) {
   cracks(canvas, random, 2, 1.2, 190.0F);
 }
 
-void paint_parquet(Canvas& canvas, Random& random, const Colour& colour) {
+void paint_parquet(Canvas& canvas, Random& random, const Color& color) {
   const double width = 0.09, length = 0.7;
-  canvas.fill(take(canvas, colour));
+  canvas.fill(take(canvas, color));
   int row = 0;
   for (double y = 0; y < canvas.height(); y += width, ++row)
     for (double x = -length * 0.37 * (row % 3); x < canvas.width(); x += length) {
-      const float tone = colour.tone() + some(random, -17, 17);
+      const float tone = color.tone() + some(random, -17, 17);
       canvas.rectangle(x, y, x + length, y + width, tone);
       for (int grain = 0; grain < 5; ++grain) {
         const double at = y + random.uniform(0.01, width - 0.01), from = x + random.uniform(0.0, 0.5);
@@ -87,8 +87,8 @@ void paint_parquet(Canvas& canvas, Random& random, const Colour& colour) {
   stains(canvas, random, many(canvas, 1.0), 0.03, 0.25, 16.0F);
 }
 
-void paint_rug(Canvas& canvas, Random& random, const Colour& colour, const Colour& pattern) {
-  base(canvas, colour, random, 0.2, 9.0F);
+void paint_rug(Canvas& canvas, Random& random, const Color& color, const Color& pattern) {
+  base(canvas, color, random, 0.2, 9.0F);
   const double width = canvas.width(), height = canvas.height();
   const float value = take(canvas, pattern);
   for (const double inset : {0.06, 0.12, 0.30})
@@ -103,14 +103,14 @@ void paint_rug(Canvas& canvas, Random& random, const Colour& colour, const Colou
   }
 }
 
-void paint_wood(Canvas& canvas, Random& random, const Colour& colour) {
+void paint_wood(Canvas& canvas, Random& random, const Color& color) {
   const double width = canvas.width(), height = canvas.height();
-  base(canvas, colour, random, 0.4, 7.0F);
+  base(canvas, color, random, 0.4, 7.0F);
   const bool wide = width > height;
   for (int i = 4 + many(canvas, 26.0); i > 0; --i) {
     const double along = random.uniform(0.0, std::max(width, height)), length = random.uniform(0.08, 0.5),
                  across = random.uniform(0.0, std::min(width, height)), bend = random.uniform(-0.01, 0.01);
-    const float tone = colour.tone() - some(random, 12, 26);
+    const float tone = color.tone() - some(random, 12, 26);
     if (wide)
       canvas.line(along, across, along + length, across + bend, 0.004, tone, 0.6F);
     else
@@ -119,24 +119,23 @@ void paint_wood(Canvas& canvas, Random& random, const Colour& colour) {
   scratches(canvas, random, many(canvas, 1.5), 0.1);
 }
 
-void paint_varnish(Canvas& canvas, Random& random, const Colour& colour) {
-  base(canvas, colour, random, 0.6, 5.0F);
-  specks(canvas, random, many(canvas, 12.0), colour.tone());
+void paint_varnish(Canvas& canvas, Random& random, const Color& color) {
+  base(canvas, color, random, 0.6, 5.0F);
+  specks(canvas, random, many(canvas, 12.0), color.tone());
   scratches(canvas, random, many(canvas, 2.0), 0.12);
 }
 
-void paint_cloth(Canvas& canvas, Random& random, const Colour& colour) {
-  base(canvas, colour, random, 0.25, 15.0F);
+void paint_cloth(Canvas& canvas, Random& random, const Color& color) {
+  base(canvas, color, random, 0.25, 15.0F);
   for (int i = many(canvas, 5.0); i > 0; --i) {
     const double x = random.uniform(0.0, canvas.width()), y = random.uniform(0.0, canvas.height());
     canvas.spot(x, y, random.uniform(0.02, 0.05), random.uniform(0.05, 0.25), -some(random, 10, 26));
   }
 }
 
-void paint_checks(Canvas& canvas, Random& random, const Colour& colour, const Colour& other) {
-  base(canvas, colour, random, 0.3, 8.0F);
-  // Not a period that repeats: the widths of the stripes are drawn. None is near a border, for an edge to be alone
-  // there.
+void paint_checks(Canvas& canvas, Random& random, const Color& color, const Color& other) {
+  base(canvas, color, random, 0.3, 8.0F);
+  // Not periodic: the widths of the stripes are random. None is near a border, so that an edge there is alone.
   const double hem = 0.09, widest = 0.07;
   for (double x = hem + random.uniform(0.0, 0.1); x + widest + hem < canvas.width(); x += random.uniform(0.13, 0.27))
     canvas.rectangle(x, 0, x + random.uniform(0.02, widest), canvas.height(), take(canvas, other), 0.55F);
@@ -148,11 +147,11 @@ void paint_checks(Canvas& canvas, Random& random, const Colour& colour, const Co
 }
 
 /// A spine has a title; covers and pages are plainer.
-void paint_book(Canvas& canvas, Random& random, const Colour& colour) {
+void paint_book(Canvas& canvas, Random& random, const Color& color) {
   const double width = canvas.width(), height = canvas.height();
-  base(canvas, colour, random, 0.1, 5.0F);
+  base(canvas, color, random, 0.1, 5.0F);
   if (width > 0.08 && height > 0.1) return lines_of_print(canvas, random, {0.02, 0.03, width - 0.02, 0.1}, 0.02, 60.0F);
-  const Colour band = random.uniform() < 0.5 ? paper : any(random);
+  const Color band = random.uniform() < 0.5 ? paper : any(random);
   const float value = take(canvas, band);
   for (int i = 1 + static_cast<int>(random.below(3)); i > 0; --i) {
     const double y = random.uniform(0.04, 0.9) * height;
@@ -163,10 +162,10 @@ void paint_book(Canvas& canvas, Random& random, const Colour& colour) {
     canvas.rectangle(left, y, right - random.uniform(0.0, 0.15) * width, y + 0.007, value);
 }
 
-void paint_labelled_box(Canvas& canvas, Random& random, const Colour& colour) {
+void paint_labeled_box(Canvas& canvas, Random& random, const Color& color) {
   const double width = canvas.width(), height = canvas.height();
-  base(canvas, colour, random, 0.3, 4.0F);
-  // All of it well inside, so that the box's own edges are the only ones near them.
+  base(canvas, color, random, 0.3, 4.0F);
+  // All of it well inside, so that only the box's own edges are near its border.
   const double x0 = 0.22 * width, x1 = 0.70 * width, y0 = 0.28 * height, y1 = 0.70 * height;
   canvas.rectangle(x0, y0, x1, y1, take(canvas, white));
   const float text = take(canvas, ink);
@@ -185,9 +184,9 @@ void paint_parcel(Canvas& canvas, Random& random) {
   stains(canvas, random, many(canvas, 5.0), 0.02, 0.1, 20.0F);
 }
 
-void paint_art(Canvas& canvas, Random& random, const Colour& colour) {
+void paint_art(Canvas& canvas, Random& random, const Color& color) {
   const double width = canvas.width(), height = canvas.height();
-  base(canvas, colour, random, 0.4, 12.0F);
+  base(canvas, color, random, 0.4, 12.0F);
   for (int i = 10; i > 0; --i) {
     const double x = random.uniform(0.1, 0.9) * width, y = random.uniform(0.1, 0.9) * height,
                  r = random.uniform(0.04, 0.16) * std::min(width, height);
@@ -216,7 +215,7 @@ void paint_calendar(Canvas& canvas, Random& random) {
   const double top = middle + 0.045, step_x = (width - 2 * edge) / 7.0, step_y = (height - edge - top) / 5.0;
   for (int day = 0; day < 30; ++day)
     canvas.text(edge + step_x * (day % 7), top + step_y * (day / 7), 0.016, std::to_string(day + 1),
-                take(canvas, day % 7 == 6 ? Colour{180, 50, 45} : ink));
+                take(canvas, day % 7 == 6 ? Color{180, 50, 45} : ink));
 }
 
 void paint_screen(Canvas& canvas, Random& random) {
@@ -239,20 +238,20 @@ void paint_keyboard(Canvas& canvas, Random& random) {
       canvas.rectangle(x, y, x + 0.017, y + 0.017, take(canvas, {86, 86, 90}, some(random, -12, 22)));
 }
 
-void paint_door(Canvas& canvas, Random& random, const Colour& colour) {
+void paint_door(Canvas& canvas, Random& random, const Color& color) {
   const double width = canvas.width(), height = canvas.height();
-  base(canvas, colour, random, 0.6, 5.0F);
+  base(canvas, color, random, 0.6, 5.0F);
   if (height < 1.5 || width < 0.5) return;
   for (const double y : {0.12, 0.58})
     for (const double inset : {0.0, 0.03})
       canvas.outline(0.16 * width + inset, y * height + inset, 0.84 * width - inset, (y + 0.34) * height - inset, 0.012,
-                     colour.tone() - (inset > 0.0 ? 20.0F : 45.0F));
+                     color.tone() - (inset > 0.0 ? 20.0F : 45.0F));
   canvas.disc(0.08 * width, 0.52 * height, 0.03, take(canvas, {190, 170, 110}));
   scratches(canvas, random, 14, 0.2);
 }
 
-void paint_curtain(Canvas& canvas, Random& random, const Colour& colour) {
-  base(canvas, colour, random, 0.3, 6.0F);
+void paint_curtain(Canvas& canvas, Random& random, const Color& color) {
+  base(canvas, color, random, 0.3, 6.0F);
   for (double x = 0.0; x < canvas.width(); x += random.uniform(0.06, 0.14))
     canvas.spot(x, 0.5 * canvas.height(), random.uniform(0.015, 0.035), canvas.height(), some(random, -45, 30));
   for (int i = many(canvas, 9.0); i > 0; --i)
@@ -271,7 +270,7 @@ void paint_globe(Canvas& canvas, Random& random) {
   base(canvas, {70, 110, 165}, random, 0.2, 5.0F);
   for (int land = 0; land < 9; ++land) {
     const double x = random.uniform(0.05, 0.95) * canvas.width(), y = random.uniform(0.2, 0.8) * canvas.height();
-    const float value = take(canvas, random.uniform() < 0.6 ? Colour{120, 150, 80} : Colour{190, 165, 105});
+    const float value = take(canvas, random.uniform() < 0.6 ? Color{120, 150, 80} : Color{190, 165, 105});
     for (int part = 0; part < 5; ++part)
       canvas.disc(x + random.uniform(-0.05, 0.05), y + random.uniform(-0.05, 0.05), random.uniform(0.015, 0.045),
                   value);
@@ -279,8 +278,8 @@ void paint_globe(Canvas& canvas, Random& random) {
 }
 
 template <typename Painter, typename... Arguments>
-Material material(double texels_per_metre, Painter painter, Arguments... arguments) {
-  return {[=](Canvas& canvas, Random& random) { painter(canvas, random, arguments...); }, texels_per_metre};
+Material material(double texels_per_meter, Painter painter, Arguments... arguments) {
+  return {[=](Canvas& canvas, Random& random) { painter(canvas, random, arguments...); }, texels_per_meter};
 }
 
 Material shining(Material shown) {
@@ -294,30 +293,30 @@ Material seen_in_infrared(Material shown, float infrared) {
 
 }  // namespace
 
-Material wall_paint(Colour colour) { return material(120.0, paint_wall, colour); }
-Material wallpaper(Colour colour, Colour print) { return material(150.0, paint_wallpaper, colour, print); }
+Material wall_paint(Color color) { return material(120.0, paint_wall, color); }
+Material wallpaper(Color color, Color print) { return material(150.0, paint_wallpaper, color, print); }
 Material ceiling_paint() { return material(60.0, paint_ceiling); }
-Material parquet(Colour colour) { return material(200.0, paint_parquet, colour); }
-Material rug(Colour colour, Colour pattern) { return material(200.0, paint_rug, colour, pattern); }
-Material wood(Colour colour, double texels_per_metre) { return material(texels_per_metre, paint_wood, colour); }
-Material varnish(Colour colour, double texels_per_metre) { return material(texels_per_metre, paint_varnish, colour); }
-Material metal(Colour colour) { return seen_in_infrared(material(120.0, paint_varnish, colour), 0.75F); }
-Material cloth(Colour colour) { return material(150.0, paint_cloth, colour); }
-Material checks(Colour colour, Colour other) { return material(200.0, paint_checks, colour, other); }
-Material book(Colour colour) { return material(450.0, paint_book, colour); }
-Material box_with_label(Colour colour) { return material(400.0, paint_labelled_box, colour); }
+Material parquet(Color color) { return material(200.0, paint_parquet, color); }
+Material rug(Color color, Color pattern) { return material(200.0, paint_rug, color, pattern); }
+Material wood(Color color, double texels_per_meter) { return material(texels_per_meter, paint_wood, color); }
+Material varnish(Color color, double texels_per_meter) { return material(texels_per_meter, paint_varnish, color); }
+Material metal(Color color) { return seen_in_infrared(material(120.0, paint_varnish, color), 0.75F); }
+Material cloth(Color color) { return material(150.0, paint_cloth, color); }
+Material checks(Color color, Color other) { return material(200.0, paint_checks, color, other); }
+Material book(Color color) { return material(450.0, paint_book, color); }
+Material box_with_label(Color color) { return material(400.0, paint_labeled_box, color); }
 Material parcel() { return material(250.0, paint_parcel); }
-Material art(Colour colour) { return material(250.0, paint_art, colour); }
+Material art(Color color) { return material(250.0, paint_art, color); }
 Material calendar() { return material(500.0, paint_calendar); }
 Material screen() { return seen_in_infrared(shining(material(400.0, paint_screen)), 0.45F); }
 Material keyboard() { return seen_in_infrared(material(450.0, paint_keyboard), 0.6F); }
-Material door(Colour colour) { return material(120.0, paint_door, colour); }
-Material curtain(Colour colour) { return material(150.0, paint_curtain, colour); }
+Material door(Color color) { return material(120.0, paint_door, color); }
+Material curtain(Color color) { return material(150.0, paint_curtain, color); }
 Material leaves() { return material(250.0, paint_leaves); }
 Material globe() { return material(300.0, paint_globe); }
-Material lamp(Colour colour) {
-  return shining(material(40.0, [=](Canvas& canvas, Random&) { canvas.fill(take(canvas, colour)); }));
+Material lamp(Color color) {
+  return shining(material(40.0, [=](Canvas& canvas, Random&) { canvas.fill(take(canvas, color)); }));
 }
-Material glass_edge() { return seen_in_infrared(material(200.0, paint_varnish, Colour{92, 138, 118}), 0.04F); }
+Material glass_edge() { return seen_in_infrared(material(200.0, paint_varnish, Color{92, 138, 118}), 0.04F); }
 
 }  // namespace rastro::room

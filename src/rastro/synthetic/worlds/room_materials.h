@@ -6,34 +6,34 @@
 
 namespace rastro::room {
 
-// Materials of things at home.
+// Materials of objects at home.
 
-Material wall_paint(Colour colour);
-/// With a small print, as wallpaper has.
-Material wallpaper(Colour colour, Colour print);
+Material wall_paint(Color color);
+/// With a small print, like wallpaper.
+Material wallpaper(Color color, Color print);
 Material ceiling_paint();
-Material parquet(Colour colour);
-Material rug(Colour colour, Colour pattern);
-Material wood(Colour colour, double texels_per_metre = 180.0);
+Material parquet(Color color);
+Material rug(Color color, Color pattern);
+Material wood(Color color, double texels_per_meter = 180.0);
 /// Even, with few marks.
-Material varnish(Colour colour, double texels_per_metre = 120.0);
-Material metal(Colour colour);
-Material cloth(Colour colour);
-Material checks(Colour colour, Colour other);
-Material book(Colour colour);
-Material box_with_label(Colour colour);
+Material varnish(Color color, double texels_per_meter = 120.0);
+Material metal(Color color);
+Material cloth(Color color);
+Material checks(Color color, Color other);
+Material book(Color color);
+Material box_with_label(Color color);
 Material parcel();
-Material art(Colour colour);
-/// A month: a picture above and the days below.
+Material art(Color color);
+/// A month: an image above and the days below.
 Material calendar();
 Material screen();
 Material keyboard();
-Material door(Colour colour);
-Material curtain(Colour colour);
+Material door(Color color);
+Material curtain(Color color);
 Material leaves();
 Material globe();
-Material lamp(Colour colour);
-/// The rim of a pane: seen, but no depth comes from it.
+Material lamp(Color color);
+/// The rim of a pane: visible, but without depth.
 Material glass_edge();
 
 }  // namespace rastro::room

@@ -10,7 +10,7 @@
 
 namespace rastro::room {
 
-/// A room and how a camera walks through it.
+/// A room and the camera's trajectory through it.
 struct Room {
   std::unique_ptr<Scene> scene = std::make_unique<Scene>();
   std::vector<NamedLength> lengths;

@@ -7,8 +7,8 @@
 
 namespace rastro::room {
 
-// Things at home, put together from solids. World frame: x to the wall that the camera starts looking at, y to the
-// left, z up, the floor at z = 0; metres.
+// Objects at home, built from solids. World frame: x to the wall that the camera faces first, y to the left, z up, the
+// floor at z = 0; meters.
 
 std::uint32_t add_block(Scene& scene, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                         const Material& material);
@@ -23,10 +23,10 @@ void add_shell(Scene& scene, const Shell& shell);
 /// Books side by side on a board: from `from` (front, bottom) `along` the front, standing `inward`.
 struct BookRow {
   Eigen::Vector3d from, along, inward;  ///< The last two of unit length, along the world's axes.
-  double length = 1.0, height = 0.24;   ///< At most so high.
+  double length = 1.0, height = 0.24;   ///< Maximum height.
 };
 void add_books(Scene& scene, Random& random, const BookRow& row);
-/// Books on their sides in a pile.
+/// A pile of books on their sides.
 void add_pile(Scene& scene, Random& random, const Eigen::Vector3d& at, int books);
 
 /// A case of boards whose front is the face at `low.x()` (facing backwards).
@@ -43,8 +43,8 @@ void add_chair(Scene& scene, const Eigen::Vector3d& at, double yaw, const Materi
 void add_plant(Scene& scene, Random& random, const Eigen::Vector3d& at, double size);
 void add_lamp(Scene& scene, const Eigen::Vector3d& foot, double height);
 
-/// Distance between two parallel edges of a box's face: `across` is the axis that is measured along, `along` that of
-/// the edges, `normal` the outward direction of the face (an axis, with its sign).
+/// Distance between two parallel edges of a box's face: `across` is the measured axis, `along` that of the edges,
+/// `normal` the outward direction of the face (an axis, with its sign).
 NamedLength box_length(const std::string& name, const Eigen::Vector3d& low, const Eigen::Vector3d& high, int across,
                        int along, const Eigen::Vector3d& normal);
 

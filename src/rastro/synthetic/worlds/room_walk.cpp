@@ -29,7 +29,7 @@ double slope_between(const WalkKey& before, const WalkKey& after, std::size_t ch
   return (after.pose[channel] - before.pose[channel]) / (after.time_s - before.time_s);
 }
 
-/// That of the keys before and after (Catmull and Rom 1974), around the end of a round too.
+/// Slope from the keys before and after (Catmull and Rom 1974), across the end of a round too.
 double slope_at(const std::vector<WalkKey>& keys, std::size_t i, std::size_t channel) {
   const std::size_t last = keys.size() - 1;
   if (i > 0 && i < last) return slope_between(keys[i - 1], keys[i + 1], channel);
@@ -50,7 +50,7 @@ Pose6 along_keys(const std::vector<WalkKey>& keys, double time_s) {
   return pose;
 }
 
-/// Steps and a hand that trembles.
+/// Steps and a trembling hand.
 void add_unrest(Pose6& pose, double t) {
   pose[0] += 0.006 * wave(t, 1.31, 0.0) + 0.0022 * wave(t, 0.47, 1.0);
   pose[1] += 0.008 * wave(t, 1.09, 2.0) + 0.0025 * wave(t, 0.39, 0.4);
@@ -61,7 +61,7 @@ void add_unrest(Pose6& pose, double t) {
 }
 
 void wander(Pose6& pose, const Walk& walk, double t, double round_s) {
-  // Nothing in the first round, so that what it shows is certain.
+  // Nothing in the first round, so that its content is fixed.
   const double share = smooth_step(t / round_s - 1.0 + 0.05);
   const double reach = share * walk.wander_m;
   pose[0] += reach * (wave(t, 23.1, 0.4) + 0.6 * wave(t, 11.7, 1.0));
@@ -80,7 +80,7 @@ double swing(const Walk& walk, double time_s) {
 }  // namespace
 
 CameraPath walk_path(const Walk& walk) {
-  RASTRO_CHECK(walk.keys.size() >= 3 && walk.keys.front().time_s == 0.0, "a walk has a beginning and an end");
+  RASTRO_CHECK(walk.keys.size() >= 3 && walk.keys.front().time_s == 0.0, "a walk needs a beginning and an end");
   const auto control = [walk](std::int64_t index) {
     const double time_s = static_cast<double>(index) / knots_hz, round_s = walk.keys.back().time_s;
     Pose6 pose = along_keys(walk.keys, time_s - round_s * std::floor(time_s / round_s));

@@ -10,23 +10,23 @@ namespace rastro::room {
 
 constexpr double rate_hz = 30.0;
 
-/// Where a camera in a hand is to be at a time of the first round: x y z (metres), yaw (to the left), pitch (down) and
-/// roll in degrees.
+/// Hand-held camera pose at a time of the first round: x y z (meters), yaw (to the left), pitch (down) and roll in
+/// degrees.
 struct WalkKey {
   double time_s;
   std::array<double, 6> pose;
 };
 
-/// A walk through a room that comes back to its start and goes on without end.
+/// A walk through a room that returns to its start and continues without end.
 struct Walk {
-  std::vector<WalkKey> keys;  ///< The first at time 0; the last is like the first.
-  double swing_s = 0.0;       ///< The camera is swung away from here on, within 0.4 s, and back after a moment.
+  std::vector<WalkKey> keys;  ///< The first at time 0; the last equals the first.
+  double swing_s = 0.0;       ///< Start of the swing: away within 0.4 s, and back after a moment.
   double swing_degrees = 52.0;
-  double wander_m = 0.05;  ///< How far later rounds stray from the first one.
+  double wander_m = 0.05;  ///< Deviation of later rounds from the first one.
 };
 
-/// A round lasts as long as the keys. Later rounds are walked a little differently each; the swing happens once. The
-/// hand is never still.
+/// A round lasts as long as the keys. Each later round is a little different; the swing happens once. The hand is never
+/// still.
 CameraPath walk_path(const Walk& walk);
 
 }  // namespace rastro::room

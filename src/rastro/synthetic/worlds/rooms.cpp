@@ -28,7 +28,7 @@ SensorModel bedroom_sensor(double) {
   return sensor;
 }
 
-/// In less light the shutter stays open longer, and the picture is darker and noisier still.
+/// In less light the exposure is longer, and the image is still darker and noisier.
 SensorModel study_sensor(double) {
   SensorModel sensor;
   sensor.exposure_time_s = 0.014;
@@ -45,7 +45,7 @@ World make_room(const char* name, room::Room room, SensorModel (*sensor)(double)
   room.scene->bake(seed_for(options.seed, 3), pool, std::min(1.0, options.scale), 0.15);
   World::Parts parts{
       name, room_camera(options.scale), walk_path(room.walk), sensor, room::rate_hz, first_stamp, options.seed, SE3()};
-  parts.in_colour = true;
+  parts.in_color = true;
   parts.kinect = KinectModel();
   parts.lengths = std::move(room.lengths);
   return World(std::move(room.scene), std::move(parts));

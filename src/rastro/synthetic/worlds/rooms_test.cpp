@@ -28,19 +28,20 @@ const NamedLength& length_of(const World& world, const std::string& name) {
   throw Error("no such length", name, "");
 }
 
-/// Whether a ray straight down to a place that belongs to the face's plane meets the face's solid or pane there.
+/// Whether a ray straight down to a point of the face's plane hits the face's solid or pane there.
 bool is_on_face(const World& world, const NamedLength& length, const Eigen::Vector3d& normal,
                 const Eigen::Vector3d& place) {
   const Eigen::Vector3d origin = place + 0.02 * normal;
   for (const GlassSheet& sheet : world.scene().glass())
-    if (std::isfinite(sheet.meet(origin + normal, -normal)) && std::abs((sheet.centre - place).dot(normal)) < 0.006)
+    if (std::isfinite(sheet.intersect(origin + normal, -normal)) &&
+        std::abs((sheet.center - place).dot(normal)) < 0.006)
       return true;
   const auto hit = world.scene().trace(origin, -normal, 0.03);
   const auto face = world.scene().trace(length.face + 0.02 * normal, -normal, 0.03);
   return hit && face && hit->surface == face->surface && std::abs(hit->t - 0.02) < 1e-9;
 }
 
-/// Each edge is where the face ends: a millimetre inside there is face, a millimetre outside there is none.
+/// Each edge is the end of the face: a millimeter inside there is face, a millimeter outside there is none.
 void expect_true(const World& world, const std::string& name, double should_m) {
   const NamedLength& length = length_of(world, name);
   EXPECT_NEAR(length.length_m, should_m, 1e-12) << name;
@@ -56,7 +57,7 @@ void expect_true(const World& world, const std::string& name, double should_m) {
     }
 }
 
-TEST(Rooms, named_lengths_are_true) {
+TEST(Rooms, named_lengths_are_exact) {
   expect_true(small_room(false), "blue box width", 0.32);
   expect_true(small_room(false), "blue box height", 0.25);
   expect_true(small_room(false), "bed length", 2.0);
@@ -66,7 +67,7 @@ TEST(Rooms, named_lengths_are_true) {
   expect_true(small_room(true), "glass table width", 0.85);
 }
 
-TEST(Rooms, the_walk_is_that_of_a_hand_and_ends_where_it_began) {
+TEST(Rooms, the_walk_is_hand_held_and_ends_at_its_start) {
   for (const bool study : {false, true}) {
     const World& world = small_room(study);
     const double swing_s = study ? study_swing_s : bedroom_swing_s, round_s = study ? study_round_s : bedroom_round_s;
@@ -90,7 +91,7 @@ TEST(Rooms, the_walk_is_that_of_a_hand_and_ends_where_it_began) {
   }
 }
 
-TEST(Rooms, the_bed_is_never_looked_at_squarely_but_both_its_ends_are_seen) {
+TEST(Rooms, the_bed_is_never_seen_frontally_but_both_its_ends_are_visible) {
   const World& world = small_room(false);
   const NamedLength& bed = length_of(world, "bed length");
   int both_seen = 0;
@@ -111,18 +112,18 @@ TEST(Rooms, the_box_is_blue_and_rendering_does_not_depend_on_threads) {
   const World again = make_bedroom({.scale = 0.125, .threads = 1});
   TaskPool one(1), eight(8);
   const RenderedFrame a = world.render(10, eight), b = again.render(10, one);
-  for (int y = 0; y < a.colour.height(); ++y)
-    ASSERT_EQ(0, std::memcmp(a.colour.rgb.row(y), b.colour.rgb.row(y), static_cast<std::size_t>(a.colour.rgb.width())));
+  for (int y = 0; y < a.color.height(); ++y)
+    ASSERT_EQ(0, std::memcmp(a.color.rgb.row(y), b.color.rgb.row(y), static_cast<std::size_t>(a.color.rgb.width())));
   const NamedLength& width = length_of(world, "blue box width");
   const PointView corner = world.view_of(10, width.face + Eigen::Vector3d(0, 0.12, -0.10));
   ASSERT_TRUE(corner.inside);
-  const std::uint8_t* pixel = a.colour.rgb.row(static_cast<int>(std::lround(corner.pixel.y()))) +
+  const std::uint8_t* pixel = a.color.rgb.row(static_cast<int>(std::lround(corner.pixel.y()))) +
                               3 * static_cast<int>(std::lround(corner.pixel.x()));
   EXPECT_GT(pixel[2], pixel[0] + 40) << "blue against red";
   EXPECT_THROW(make_bedroom({.scale = 100}), Error);
 }
 
-TEST(Rooms, glass_gives_no_depth_or_that_of_what_lies_behind) {
+TEST(Rooms, glass_has_no_depth_or_that_of_the_surface_behind) {
   const World& world = small_room(true);
   TaskPool pool(2);
   const KinectModel model = *world.kinect();
@@ -133,13 +134,13 @@ TEST(Rooms, glass_gives_no_depth_or_that_of_what_lies_behind) {
     const Image<std::uint16_t> raw = kinect_depth(exact, world.renderer(), pose, model, 3, pool);
     for (int y = 0; y < raw.height(); ++y)
       for (int x = 0; x < raw.width(); ++x) {
-        const double glass =
-            world.scene().glass().at(0).meet(pose.translation(), pose.rotation().matrix() * world.renderer().ray(x, y));
+        const double glass = world.scene().glass().at(0).intersect(
+            pose.translation(), pose.rotation().matrix() * world.renderer().ray(x, y));
         const auto z = static_cast<double>(exact.depth.at(x, y));
         if (!(glass < z - 0.3)) continue;
         none += raw.at(x, y) == 0 ? 1 : 0;
-        behind += raw.at(x, y) / model.units_per_metre > 0.5 * (glass + z) ? 1 : 0;
-        on_glass += std::abs(raw.at(x, y) / model.units_per_metre - glass) < 0.03 ? 1 : 0;
+        behind += raw.at(x, y) / model.units_per_meter > 0.5 * (glass + z) ? 1 : 0;
+        on_glass += std::abs(raw.at(x, y) / model.units_per_meter - glass) < 0.03 ? 1 : 0;
       }
   }
   EXPECT_GT(none, 100);

@@ -36,7 +36,7 @@ Material some_material(Random& random) {
   }
 }
 
-/// Boxes between two distances in a fan before the camera, and a wall behind them all.
+/// Boxes between two distances in a fan in front of the camera, and a wall behind them all.
 void add_boxes(Scene& scene, Random& random, double nearest, double farthest, int count, double size) {
   for (int i = 0; i < count; ++i) {
     const double away = random.uniform(nearest + 0.5 * size, farthest), angle = random.uniform(-0.7, 0.7);
@@ -51,9 +51,9 @@ void add_wall(Scene& scene, double away, double half_width, const Material& mate
   scene.add_quad({away, 0, 0}, {0, -2.0 * half_width, 0}, {0, 0, -1.6 * half_width}, material);
 }
 
-/// With as many texels as its size asks for.
+/// With a number of texels that suits its size.
 Material for_distance(Material material, double away) {
-  material.texels_per_metre = std::clamp(350.0 / away, 8.0, 300.0);
+  material.texels_per_meter = std::clamp(350.0 / away, 8.0, 300.0);
   return material;
 }
 
@@ -103,7 +103,7 @@ void fill_scene(Scene& scene, StartKind kind, int variation, Random& random) {
   }
 }
 
-/// Metres a second.
+/// m/s
 Vector3d velocity_of(StartKind kind, int variation) {
   const Vector3d directions[] = {{0, 1, 0}, {0.3, -0.9, 0.2}, {0.1, 0.6, -0.6}, {0.6, 0.7, 0.1}};
   const double speeds[] = {1.0, 1.5, 0.3, 1.0, 0.6};
@@ -118,7 +118,7 @@ CameraPath path_of(StartKind kind, int variation) {
     const double moving = turns_first ? std::max(0.0, time_s - rotation_s) : time_s;
     const double turning = turns_first ? std::min(time_s, rotation_s) : 0.0;
     const double side = variation % 2 == 0 ? 1.0 : -1.0;
-    // A turn of 14 degrees there and back, or there alone; later the hand trembles.
+    // A yaw of 14 degrees there and back, or only there; later the hand trembles.
     const double turned =
         variation < 2 ? 14.0 * std::sin(std::numbers::pi * turning / rotation_s) : 14.0 * turning / rotation_s;
     const double tremble = 0.4 * std::sin(5.0 * moving) + 0.2 * std::sin(11.0 * moving);

@@ -12,7 +12,7 @@
 namespace rastro {
 namespace {
 
-/// KITTI's left grey camera after rectification (Geiger et al. 2013, recordings of 2011-09-26).
+/// KITTI's left gray camera after rectification (Geiger et al. 2013, recordings of 2011-09-26).
 Camera street_camera(double scale) {
   Camera camera;
   camera.width = 1242, camera.height = 375;
@@ -20,12 +20,13 @@ Camera street_camera(double scale) {
   return scale == 1.0 ? camera : camera.scaled(scale);
 }
 
-/// The camera sits 1.1 m ahead of the GPS/IMU unit and 0.8 m above it, turned as cameras are, not quite exactly.
+/// The camera is 1.1 m ahead of the GPS/IMU unit and 0.8 m above it, with a camera's axes, not quite aligned.
 SE3 street_body_from_camera() {
   return {SO3::exp({0.004, -0.007, 0.005}) * looking(0.0, 0.0, 0.0), {1.08, -0.31, 0.72}};
 }
 
-/// The exposure follows the scene slowly; at 9 s and 27 s the sun comes out and goes, and the camera takes a moment.
+/// The exposure follows the scene slowly; at 9 s and 27 s the sun comes out and goes, and the camera reacts with a
+/// delay.
 SensorModel street_sensor(double time_s) {
   SensorModel sensor;
   sensor.exposure_time_s = 0.002;

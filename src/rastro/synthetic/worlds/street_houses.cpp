@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the houses of the street are painted.
+// Textures of the street's houses.
 #include "rastro/synthetic/paint/details.h"
 #include "rastro/synthetic/worlds/street_materials.h"
 
@@ -9,10 +9,10 @@ namespace {
 using namespace paint;
 
 float some(Random& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
-/// Fewer of them on canvases too coarse to show small things.
-int many(const Canvas& canvas, double per_square_metre) {
-  const double seen = std::min(1.0, canvas.texels_per_metre() / 20.0);
-  return static_cast<int>(canvas.width() * canvas.height() * per_square_metre * seen * seen + 0.5);
+/// Fewer of them on canvases too coarse to show small details.
+int many(const Canvas& canvas, double per_square_meter) {
+  const double seen = std::min(1.0, canvas.texels_per_meter() / 20.0);
+  return static_cast<int>(canvas.width() * canvas.height() * per_square_meter * seen * seen + 0.5);
 }
 
 void paint_stones(Canvas& canvas, Random& random, float tone, double length, double height, float spread) {
@@ -25,7 +25,7 @@ void paint_stones(Canvas& canvas, Random& random, float tone, double length, dou
 void plaster(Canvas& canvas, Random& random, float tone) {
   canvas.fill(tone);
   canvas.add_noise(random, 4.0, 12.0F, 0.86F);
-  for (int i = many(canvas, 0.06); i > 0; --i) {  // Where plaster came off or was mended.
+  for (int i = many(canvas, 0.06); i > 0; --i) {  // Missing or repaired plaster.
     const double x = random.uniform(0.0, canvas.width()), y = random.uniform(0.0, canvas.height());
     canvas.rectangle(x, y, x + random.uniform(0.2, 1.3), y + random.uniform(0.2, 0.9), tone + some(random, -34, 22),
                      0.6F);
@@ -35,7 +35,7 @@ void plaster(Canvas& canvas, Random& random, float tone) {
 void glass(Canvas& canvas, Random& random, const Canvas::Box& box) {
   const double width = box.x1 - box.x0, height = box.y1 - box.y0;
   canvas.rectangle(box.x0, box.y0, box.x1, box.y1, some(random, 22, 62));
-  // Mirrored sky and houses, a curtain, a plant: no window looks like the next.
+  // Reflected sky and houses, a curtain, a plant: no two windows are alike.
   for (int i = 0; i < 3; ++i) {
     const double x = box.x0 + width * random.uniform(0.0, 0.7), y = box.y0 + height * random.uniform(0.0, 0.7);
     canvas.rectangle(x, y, x + width * random.uniform(0.1, 0.3), y + height * random.uniform(0.1, 0.3),
@@ -216,8 +216,8 @@ Material house_wall(float tone, int floors) {
 Material roof(float tone) {
   return {[tone](Canvas& canvas, Random& random) { paint_roof(canvas, random, tone); }, 30.0};
 }
-Material garden_wall(float tone, double texels_per_metre) {
-  return {[tone](Canvas& canvas, Random& random) { paint_garden_wall(canvas, random, tone); }, texels_per_metre};
+Material garden_wall(float tone, double texels_per_meter) {
+  return {[tone](Canvas& canvas, Random& random) { paint_garden_wall(canvas, random, tone); }, texels_per_meter};
 }
 
 }  // namespace rastro::street

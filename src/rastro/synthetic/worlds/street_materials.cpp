@@ -10,10 +10,10 @@ namespace {
 using namespace paint;
 
 float some(Random& random, double low, double high) { return static_cast<float>(random.uniform(low, high)); }
-/// Fewer of them on canvases too coarse to show small things.
-int many(const Canvas& canvas, double per_square_metre) {
-  const double seen = std::min(1.0, canvas.texels_per_metre() / 20.0);
-  return static_cast<int>(canvas.width() * canvas.height() * per_square_metre * seen * seen + 0.5);
+/// Fewer of them on canvases too coarse to show small details.
+int many(const Canvas& canvas, double per_square_meter) {
+  const double seen = std::min(1.0, canvas.texels_per_meter() / 20.0);
+  return static_cast<int>(canvas.width() * canvas.height() * per_square_meter * seen * seen + 0.5);
 }
 
 constexpr float asphalt_tone = 74.0F, mark_tone = 190.0F;
@@ -56,7 +56,7 @@ void mark(Canvas& canvas, Random& random, double x0, double y0, double x1, doubl
 void paint_road(Canvas& canvas, Random& random, double along_m) {
   asphalt(canvas, random);
   const double width = canvas.width(), height = canvas.height(), middle = 0.5 * width;
-  for (const double track : {-0.5 * lane, 0.5 * lane})  // Where tyres have polished the road.
+  for (const double track : {-0.5 * lane, 0.5 * lane})  // Polished by tires.
     for (const double side : {-0.8, 0.8})
       canvas.rectangle(middle + track + side - 0.22, 0, middle + track + side + 0.22, height, 62.0F, 0.28F);
   for (double y = -std::fmod(along_m, 9.0); y < height; y += 9.0)
@@ -67,7 +67,7 @@ void paint_road(Canvas& canvas, Random& random, double along_m) {
     manhole(canvas, random, random.uniform(1.0, width - 1.0), random.uniform(0.5, height));
   for (const double x : {0.0, width - 0.45})
     if (random.uniform() < 0.7) drain(canvas, x, random.uniform(0.0, std::max(0.1, height - 0.6)));
-  for (int i = many(canvas, 0.03); i > 0; --i) {  // What fell on the road.
+  for (int i = many(canvas, 0.03); i > 0; --i) {  // Litter on the road.
     const double x = random.uniform(0.0, width), y = random.uniform(0.0, height), size = random.uniform(0.04, 0.14);
     canvas.rectangle(x, y, x + size, y + size * random.uniform(0.4, 1.6), some(random, 20, 190), 0.8F);
   }
@@ -163,7 +163,7 @@ void paint_lamp(Canvas& canvas, Random& random) {
 void paint_car_body(Canvas& canvas, Random& random, float tone) {
   const double width = canvas.width(), height = canvas.height();
   canvas.fill(tone);
-  // What the paint mirrors: the bright sky above, the dark road below.
+  // Reflection in the paint: the bright sky above, the dark road below.
   for (int band = 0; band < 5; ++band)
     canvas.rectangle(0, height * (0.08 + 0.16 * band), width, height * (0.16 + 0.17 * band),
                      tone + 34.0F - 17.0F * static_cast<float>(band), 0.6F);

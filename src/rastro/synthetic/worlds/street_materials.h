@@ -5,23 +5,23 @@
 
 namespace rastro::street {
 
-// Materials of the street. `tone` is the mean grey of the bare material, 0..255.
+// Materials of the street. `tone` is the mean intensity of the bare material, 0..255.
 
-/// A piece of road between two kerbs. The picture's y axis runs along the road; its first row is `along_m` metres down
-/// the street, which the dashes in the middle follow.
+/// A piece of road between two kerbs. The image's y axis runs along the road; its first row is `along_m` meters down
+/// the street, which sets the phase of the dashed center line.
 Material road(double along_m);
 Material crossing();
 Material pavement();
 Material kerb();
 Material grass();
-/// For faces that nobody sees.
+/// For faces that are never visible.
 Material plain(float tone);
 
 /// The front of a house with doors and windows; its other walls have fewer windows and less detail.
 Material house_front(float tone, int floors);
 Material house_wall(float tone, int floors);
 Material roof(float tone);
-Material garden_wall(float tone, double texels_per_metre = 60.0);
+Material garden_wall(float tone, double texels_per_meter = 60.0);
 
 Material bark();
 Material foliage(float tone);

@@ -69,13 +69,13 @@ class Builder {
   }
 
  private:
-  void paved(const Vector3d& centre, const Vector3d& size) {
-    const std::uint32_t box = scene_.add_box(centre, size, kerb());
+  void paved(const Vector3d& center, const Vector3d& size) {
+    const std::uint32_t box = scene_.add_box(center, size, kerb());
     scene_.paint_face(box, 4, pavement());
     scene_.paint_face(box, 5, plain(60.0F));
   }
 
-  /// A part of a street between two ways along it, without crossings. Houses keep off its ends.
+  /// A part of a street between two positions along it, without crossings. Houses keep off its ends.
   void stretch(const StreetLine& line, double begin, double end, double keep_begin, double keep_end) {
     const int tiles = std::max(1, static_cast<int>((end - begin) / tile_m));
     const double length = (end - begin) / tiles, across = house_line_m - kerb_m;
@@ -128,7 +128,7 @@ class Builder {
     pitched_roof(line.at(way, left_m, height), forward, right, width, depth);
   }
 
-  /// Two slopes over a stepped gable; `eaves` is the middle of the house at the height of its eaves.
+  /// Two slopes over a stepped gable; `eaves` is the center of the house at the height of its eaves.
   void pitched_roof(const Vector3d& eaves, const Vector3d& forward, const Vector3d& right, double width, double depth) {
     const float tone = static_cast<float>(random_.uniform(60.0, 105.0));
     const double rise = random_.uniform(0.30, 0.48) * depth, over = 0.35;
@@ -183,7 +183,7 @@ class Builder {
     }
   }
 
-  /// What stands along the kerb: lamps, trees, signs, boxes, parked cars.
+  /// Objects along the kerb: lamps, trees, signs, boxes, parked cars.
   void furniture(const StreetLine& line, double begin, double end, double side) {
     int index = static_cast<int>(random_.below(4));
     for (double way = begin + random_.uniform(1.0, 3.0); way < end - 1.5; way += random_.uniform(4.0, 6.5), ++index) {

@@ -9,7 +9,7 @@
 
 namespace rastro::street {
 
-/// World frame: x east, y north, z up, the road at z = 0; the streets lie as street_drive.h says.
+/// World frame: x east, y north, z up, the road at z = 0; the streets are those of street_drive.h.
 std::unique_ptr<Scene> build_scene(std::uint64_t seed, int threads, double detail = 1.0);
 
 /// One of the four streets, as the drive passes it: along it, the block is on the left.
@@ -19,7 +19,7 @@ struct StreetLine {
   double block = 0.0;  ///< From the first crossing to the second one.
 
   Eigen::Vector2d left() const { return {-along.y(), along.x()}; }
-  /// `way` metres along the street, `left_m` to the left of its middle.
+  /// `way` meters along the street, `left_m` to the left of its center line.
   Eigen::Vector3d at(double way, double left_m, double z) const {
     const Eigen::Vector2d place = from + way * along + left_m * left();
     return {place.x(), place.y(), z};
@@ -32,12 +32,12 @@ struct StreetLine {
 };
 StreetLine street_line(int number);
 
-constexpr double kerb_m = 5.4;        ///< From the middle of the street to the kerb.
+constexpr double kerb_m = 5.4;        ///< From the center line of the street to the kerb.
 constexpr double house_line_m = 8.4;  ///< And to the edge of the pavement.
 
-/// A car at rest on `line`, its middle at (way, left_m), pointing along the street or against it.
+/// A parked car on `line`, its center at (way, left_m), pointing along the street or against it.
 void add_car(Scene& scene, Random& random, const StreetLine& line, double way, double left_m, bool against);
-/// Cars that drive. Periodic in the time of a lap of the drive, so that what happens once happens in every lap.
+/// Moving cars. Periodic in the time of a lap of the drive, so that every lap has the same events.
 void add_traffic(Scene& scene, Random& random);
 
 }  // namespace rastro::street

@@ -21,24 +21,24 @@ const World& small_street() {
   return world;
 }
 
-/// Of the optical axis, from the world's x axis to the left.
+/// Yaw of the optical axis, from the world's x axis to the left.
 double heading(const SE3& world_from_camera) {
   const Eigen::Vector3d axis = world_from_camera.rotation() * Eigen::Vector3d::UnitZ();
   return std::atan2(axis.y(), axis.x());
 }
 
-TEST(Drive, laps_close_and_the_way_is_the_length_driven) {
+TEST(Drive, laps_close_and_have_the_driven_path_length) {
   const street::Drive drive;
-  const street::PlanPose start = drive.pose_at_way(0.0), end = drive.pose_at_way(drive.lap_m() - 1e-9);
+  const street::PlanPose start = drive.pose_at_distance(0.0), end = drive.pose_at_distance(drive.lap_m() - 1e-9);
   EXPECT_NEAR(std::hypot(end.x - start.x, end.y - start.y), 0.0, 0.01);
   EXPECT_NEAR(std::remainder(end.heading - start.heading, 2.0 * std::numbers::pi), 0.0, 1e-3);
   for (double way = -30.0; way < 700.0; way += 0.37) {
-    const street::PlanPose a = drive.pose_at_way(way), b = drive.pose_at_way(way + 0.1);
+    const street::PlanPose a = drive.pose_at_distance(way), b = drive.pose_at_distance(way + 0.1);
     ASSERT_NEAR(std::hypot(b.x - a.x, b.y - a.y), 0.1, 2e-3) << way;
     ASSERT_LT(std::abs(std::remainder(b.heading - a.heading, 2.0 * std::numbers::pi)), 0.02) << way;
   }
-  EXPECT_NEAR(drive.way_at(drive.lap_s() + 3.0), drive.way_at(3.0) + drive.lap_m(), 1e-6);
-  EXPECT_NEAR(drive.way_at(-drive.lap_s() + 3.0), drive.way_at(3.0) - drive.lap_m(), 1e-6);
+  EXPECT_NEAR(drive.path_at(drive.lap_s() + 3.0), drive.path_at(3.0) + drive.lap_m(), 1e-6);
+  EXPECT_NEAR(drive.path_at(-drive.lap_s() + 3.0), drive.path_at(3.0) - drive.lap_m(), 1e-6);
 }
 
 TEST(StreetTest, turns_a_quarter_in_the_first_50_frames_and_again_later) {
@@ -50,7 +50,7 @@ TEST(StreetTest, turns_a_quarter_in_the_first_50_frames_and_again_later) {
   EXPECT_NEAR(std::abs(heading(world.world_from_camera(399))), 180.0 * degree, 1.5 * degree);
 }
 
-TEST(StreetTest, drives_as_a_car_in_town_and_through_nothing) {
+TEST(StreetTest, drives_at_town_speed_without_collision) {
   const World& world = small_street();
   for (int frame = 0; frame < 800; ++frame) {
     const SE3 here = world.world_from_camera(frame), next = world.world_from_camera(frame + 1);
@@ -70,7 +70,7 @@ TEST(StreetTest, cars_drive_and_the_houses_stay) {
   const Scene now = small_street().scene_at(100), later = small_street().scene_at(101);
   int moved = 0, stayed = 0;
   for (std::size_t i = 0; i < now.primitives().size(); ++i) {
-    const double step = (later.primitives()[i].centre - now.primitives()[i].centre).norm();
+    const double step = (later.primitives()[i].center - now.primitives()[i].center).norm();
     (step > 0.0 ? moved : stayed) += 1;
     if (step > 0.0 && step < 50.0) {  // Others start again at the end of their street.
       EXPECT_NEAR(step, step > 0.9 ? 1.1 : 0.72, 0.2);
@@ -80,7 +80,7 @@ TEST(StreetTest, cars_drive_and_the_houses_stay) {
   EXPECT_GT(stayed, 2000);
 }
 
-/// The picture shows a moving car where the oracle says that it is.
+/// The image shows a moving car where the oracle says so.
 TEST(StreetTest, depth_is_that_of_the_oracle_at_the_same_time) {
   TaskPool pool(2);
   const World& world = small_street();
@@ -102,23 +102,23 @@ TEST(StreetTest, frames_are_the_same_for_any_threads_and_differ_for_another_seed
   TaskPool one(1), eight(8);
   const RenderedFrame a = small_street().render(70, eight), b = again.render(70, one), c = other.render(70, one);
   std::int64_t differ = 0;
-  for (int y = 0; y < a.grey.height(); ++y) {
-    ASSERT_EQ(0, std::memcmp(a.grey.row(y), b.grey.row(y), static_cast<std::size_t>(a.grey.width())));
-    for (int x = 0; x < a.grey.width(); ++x) differ += std::abs(a.grey.at(x, y) - c.grey.at(x, y)) > 10 ? 1 : 0;
+  for (int y = 0; y < a.gray.height(); ++y) {
+    ASSERT_EQ(0, std::memcmp(a.gray.row(y), b.gray.row(y), static_cast<std::size_t>(a.gray.width())));
+    for (int x = 0; x < a.gray.width(); ++x) differ += std::abs(a.gray.at(x, y) - c.gray.at(x, y)) > 10 ? 1 : 0;
   }
-  EXPECT_GT(differ, a.grey.width() * a.grey.height() / 5);
+  EXPECT_GT(differ, a.gray.width() * a.gray.height() / 5);
 }
 
-TEST(StreetTest, pictures_have_contrast_and_the_exposure_changes) {
+TEST(StreetTest, images_have_contrast_and_the_exposure_changes) {
   TaskPool pool(2);
   double least = 255.0, most = 0.0;
   for (const int frame : {0, 30, 93, 150, 230, 330}) {
     const RenderedFrame shot = small_street().render(frame, pool);
     double sum = 0, squares = 0, extreme = 0;
-    const double pixels = shot.grey.width() * shot.grey.height();
-    for (int y = 0; y < shot.grey.height(); ++y)
-      for (int x = 0; x < shot.grey.width(); ++x) {
-        const double value = shot.grey.at(x, y);
+    const double pixels = shot.gray.width() * shot.gray.height();
+    for (int y = 0; y < shot.gray.height(); ++y)
+      for (int x = 0; x < shot.gray.width(); ++x) {
+        const double value = shot.gray.at(x, y);
         sum += value, squares += value * value, extreme += value <= 2 || value >= 253 ? 1 : 0;
       }
     const double mean = sum / pixels;

@@ -10,15 +10,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A car that goes to the end of its street and, out of sight, starts again: `rounds` times in a lap of the drive.
+/// A car that drives to the end of its street and, out of sight, starts again: `rounds` times in a lap of the drive.
 struct Moving {
   int street;
   bool against;  ///< In the lane on the left of the street's direction.
   int rounds;
-  double start_way;
+  double start_path;
 };
 
-// Chosen so that no car is where the drive turns across its lane; the world's test says so.
+// Chosen so that no car is in the way when the drive turns across its lane, as the world's test checks.
 constexpr Moving cars[] = {
     {0, true, 2, 40.0},  {0, true, 2, 175.0},  {0, false, 2, 262.0}, {1, true, 3, 30.0},   {1, true, 3, 195.0},
     {1, true, 3, 215.0}, {1, false, 3, 105.0}, {2, true, 3, 45.0},   {2, true, 3, 160.0},  {2, false, 3, 20.0},
@@ -50,11 +50,11 @@ void add_traffic(Scene& scene, Random& random) {
   const double lap_s = Drive().lap_s();
   for (const Moving& car : cars) {
     const StreetLine line = street_line(car.street);
-    // It turns round behind the houses at the ends.
+    // It turns around behind the houses at the ends.
     const double reach = line.length + 24.0, speed = reach * car.rounds / lap_s;
     const Vector3d along = line.along3();
     scene.begin_moving([=](double time_s) {
-      const double gone = car.start_way + 12.0 + (car.against ? -speed : speed) * time_s;
+      const double gone = car.start_path + 12.0 + (car.against ? -speed : speed) * time_s;
       const double way = gone - reach * std::floor(gone / reach) - 12.0;
       return SE3(SO3(), way * along);
     });

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double ahead = 2.3, behind = -2.0, left = 1.80, right = -1.90, ceiling = 2.5;
-constexpr Colour oak{190, 150, 104}, cream{222, 212, 190}, dark{86, 64, 48};
+constexpr Color oak{190, 150, 104}, cream{222, 212, 190}, dark{86, 64, 48};
 
 void add_shelves(Room& room, Random& random) {
   Scene& scene = *room.scene;

@@ -39,7 +39,7 @@ void Initialization::process(const std::shared_ptr<const FeatureFrame>& frame, S
   session_.mono() ? from_two_views(frame, update) : from_depth(frame, update);
 }
 
-/// A submap begins where there is a map only after it has been searched for long enough.
+/// If there is a map, a new submap is started only after relocalization has failed long enough.
 bool Initialization::may_begin() const {
   return !session_.has_map || session_.lost_frames >= session_.options.lost_frames;
 }
@@ -65,14 +65,14 @@ bool Initialization::create_map(const InitialPair& pair, SlamUpdate& update) {
   session_.next_keyframe += 2;
   const int submap = next_submap();
   if (!pipeline_.local_mapping().initialize(first, second, pair.second_from_first, pair.pairs, pair.points, submap)) {
-    update.detail = fmt::format("fewer than {} points left after adjustment", session_.options.init_points);
+    update.detail = fmt::format("fewer than {} points left after bundle adjustment", session_.options.init_points);
     return false;
   }
   begin_tracking(second->data().id);
   add_keyframe(*first);
   add_keyframe(*second);
-  report(fmt::format("{} begun from frames {} and {} with {} points", submap, first->data().frame, second->data().frame,
-                     session_.graph.landmark_count()),
+  report(fmt::format("{} started from frames {} and {} with {} points", submap, first->data().frame,
+                     second->data().frame, session_.graph.landmark_count()),
          update);
   return true;
 }
@@ -83,7 +83,8 @@ void Initialization::from_depth(const std::shared_ptr<const FeatureFrame>& frame
   const auto known = std::count_if(depths.begin(), depths.end(), [](float depth) { return depth > 0.0F; });
   if (known < session_.options.start_depth_points) {
     update.reason = SlamReason::too_few_points;
-    update.detail = fmt::format("{} features with depth, need {}", known, session_.options.start_depth_points);
+    update.detail =
+        fmt::format("needs at least {} features with depth, got {}", session_.options.start_depth_points, known);
     return;
   }
   pipeline_.take_all_results(update.events);
@@ -93,11 +94,11 @@ void Initialization::from_depth(const std::shared_ptr<const FeatureFrame>& frame
   begin_tracking(keyframe->data().id);
   restart_at(keyframe->data().id);
   add_keyframe(*keyframe);
-  report(fmt::format("{} begun with {} points", submap, known), update);
+  report(fmt::format("{} started with {} points", submap, known), update);
   update.world_from_body = SE3();
 }
 
-/// A number that a dropped map has left free is taken again.
+/// Reuses the number of a dropped map.
 int Initialization::next_submap() const {
   if (!session_.has_map) return 0;
   const int newest = session_.graph.submap_count() - 1;
@@ -121,7 +122,7 @@ void Initialization::report(std::string event, SlamUpdate& update) const {
   if (session_.mono()) update.detail.clear();
 }
 
-/// The frames before the first view, those between both, and on from the second.
+/// Tracks the frames before the first view, those between both, and those after the second.
 void Initialization::track_kept_frames(const InitialPair& pair) {
   const std::int64_t first = session_.graph.keyframe_ids().back() - 1, second = first + 1;
   const auto& frames = initializer_.frames();
@@ -155,7 +156,7 @@ void Initialization::add_frame(const FeatureFrame& frame, const TrackingResult& 
       tracked_frame(session_.graph, *tracker_.view(), frame, tracked, session_.options.pixel_sigma));
 }
 
-/// Two views may agree on a wrong motion, as near a plane; those that follow do not.
+/// Two views may agree on a wrong motion, for example near a plane; the following frames contradict it.
 bool Initialization::is_contradicted_by(const std::shared_ptr<const FeatureFrame>& frame,
                                         const TrackingResult& tracked) {
   constexpr int max_contradictions = 3;
@@ -183,8 +184,8 @@ void Initialization::drop_map(const TrackingResult& tracked, SlamUpdate& update)
   trial_frames_ = contradictions_ = 0;
   keyframes_.forget_observations();
   update.events.push_back(
-      {"start_dropped", fmt::format("submap {} does not fit what came after: squared error {:.1f}, "
-                                    "need {:.1f}; it begins anew",
+      {"start_dropped", fmt::format("submap {} contradicts the frames after it: mean squared error {:.1f}, at most "
+                                    "{:.1f}; initialization begins again",
                                     submap, tracked.mean_squared, session_.options.init_max_error)});
 }
 

@@ -13,22 +13,22 @@
 
 namespace rastro {
 
-/// Map initialization, from two views of one camera (Mur-Artal et al. 2015, section IV) or from one frame with depth
-/// (Mur-Artal and Tardos 2017, section III.C), and the trial of a map from two views: it is dropped where the frames
-/// that follow contradict it.
+/// Map initialization from two views of one camera (Mur-Artal et al. 2015, section IV) or from one frame with depth
+/// (Mur-Artal and Tardos 2017, section III.C). A map from two views is on trial: it is dropped if the following frames
+/// contradict it.
 class Initialization {
  public:
   /// All outlive this.
   Initialization(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline, KeyframeInsertion& keyframes);
 
-  /// Begins the map, or a submap once the pose has been lost long enough, with the frame where it can; else the update
+  /// Tries to start the map, or a submap once tracking has been lost long enough, with this frame; otherwise the update
   /// says what is missing.
   void process(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
-  /// Whether a tracked frame is the last of several that do not fit a map on trial.
+  /// Whether a tracked frame is the last of several in a row that do not fit a map on trial.
   bool is_contradicted_by(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked);
-  /// Removes the map on trial, that is the tracked frame's submap: initialization begins anew with the frames kept.
+  /// Removes the map on trial, that is the tracked frame's submap. Initialization starts again with the frames kept.
   void drop_map(const TrackingResult& tracked, SlamUpdate& update);
-  /// Ends a trial and forgets the frames kept.
+  /// Ends a trial and clears the frames kept.
   void reset();
 
  private:
@@ -50,8 +50,8 @@ class Initialization {
   KeyframePipeline& pipeline_;
   KeyframeInsertion& keyframes_;
   Initializer initializer_;
-  int trial_frames_ = 0;    ///< In which a map from two views still has to prove itself.
-  int contradictions_ = 0;  ///< Of them, in a row.
+  int trial_frames_ = 0;    ///< Remaining frames of the trial of a map from two views.
+  int contradictions_ = 0;  ///< Number of contradicting frames in a row.
 };
 
 }  // namespace rastro

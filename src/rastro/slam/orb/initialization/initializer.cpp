@@ -27,7 +27,7 @@ std::optional<InitialPair> Initializer::add(std::shared_ptr<const FeatureFrame> 
   keep(std::move(frame));
   const std::size_t second = frames_.size() - 1;
   if (second == 0) detail_ = "the first frame";
-  // What no longer looks like the newest frame gives way to what came after it.
+  // A first frame that no longer matches the newest one is replaced by a later one.
   while (first_ < second) {
     Attempt attempt = try_pair(first_, second);
     detail_ = attempt.detail;
@@ -39,8 +39,8 @@ std::optional<InitialPair> Initializer::add(std::shared_ptr<const FeatureFrame> 
   return std::nullopt;
 }
 
-/// Of two frames far apart many matches may be wrong; one nearer the second that shares a motion with it takes the
-/// place of the first. Where none does, the newest frame is to blame.
+/// With two frames far apart, many matches may be wrong. The first frame is replaced by one nearer to the second that
+/// shares a motion with it. If there is none, the newest frame is the problem.
 std::optional<InitialPair> Initializer::nearer_pair(std::size_t second) {
   for (std::size_t gap = (second - first_) / 2; gap > 0; gap /= 2) {
     Attempt attempt = try_pair(second - gap, second);
@@ -59,8 +59,8 @@ Initializer::Attempt Initializer::try_pair(std::size_t first, std::size_t second
   start.pairs = match_within_radius(a.grid(), b.grid(), radius,
                                     {.max_distance = options_.init_hamming, .max_ratio = options_.init_ratio});
   if (start.pairs.size() < static_cast<std::size_t>(options_.init_matches))
-    return {TwoViewStatus::too_few_pairs, fmt::format("{} matches, need {}", start.pairs.size(), options_.init_matches),
-            std::nullopt};
+    return {TwoViewStatus::too_few_pairs,
+            fmt::format("needs at least {} matches, got {}", options_.init_matches, start.pairs.size()), std::nullopt};
   const std::vector<double> scales =
       orb_level_scales({.levels = options_.levels, .scale_factor = options_.scale_factor});
   std::vector<TwoViewPair> pairs;

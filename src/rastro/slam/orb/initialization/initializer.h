@@ -16,23 +16,23 @@
 
 namespace rastro {
 
-/// Two frames from which a map can begin.
+/// Two frames that initialize a map.
 struct InitialPair {
   std::size_t first = 0, second = 0;  ///< Indices into Initializer::frames().
   SE3 second_from_first;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  std::vector<std::optional<Eigen::Vector3d>> points;  ///< One a pair, in the first camera's frame.
+  std::vector<std::optional<Eigen::Vector3d>> points;  ///< One per pair, in the first camera's frame.
 };
 
-/// Waits for two frames of one camera that tell motion and points apart, METHODS 6. Keeps the features of the frames
-/// it has seen, so that those before and between can be followed once there is a map.
+/// Two-view initialization: waits for two frames of one camera that determine motion and points, METHODS 6. Keeps the
+/// features of the frames since, so that frames before and between the two can be tracked once there is a map.
 class Initializer {
  public:
   Initializer(const OrbSlamOptions& options, const Camera& camera) : options_(options), camera_(camera) {}
 
-  /// nullopt: not yet, detail() says why.
+  /// nullopt: not yet; detail() gives the reason.
   std::optional<InitialPair> add(std::shared_ptr<const FeatureFrame> frame);
-  /// Once there is a map, for the case that it has to begin anew.
+  /// Keeps frames once there is a map, in case it has to be initialized again.
   void keep(std::shared_ptr<const FeatureFrame> frame);
   const std::deque<std::shared_ptr<const FeatureFrame>>& frames() const { return frames_; }
   const std::string& detail() const { return detail_; }
@@ -51,7 +51,7 @@ class Initializer {
   OrbSlamOptions options_;
   Camera camera_;
   std::deque<std::shared_ptr<const FeatureFrame>> frames_;
-  std::size_t first_ = 0;  ///< What the newest frame is held against.
+  std::size_t first_ = 0;  ///< Frame that the newest one is matched with.
   std::string detail_;
 };
 

@@ -15,12 +15,12 @@ using testing::ObserveOptions;
 using testing::PointWorld;
 using testing::pose_near;
 
-/// To the right, a little forward and turned.
+/// To the right, a little forward, with a rotation.
 SE3 start_motion() { return SE3(SO3::exp({0.01, -0.02, 0.015}), {-0.4, 0.05, -0.1}); }
 
 SE3 slid_to(double x) { return SE3(SO3(), {-x, 0.0, 0.0}); }
 
-/// Motion and points are those of the world, of which `second_from_first` is known, up to scale.
+/// Motion and points are those of the world up to scale; `second_from_first` is the true motion.
 void expect_true_start(const InitialPair& start, const PointWorld& world, const Observed& first, const Observed& second,
                        const SE3& world_from_first, const SE3& second_from_first) {
   const double scale = second_from_first.translation().norm();
@@ -39,7 +39,7 @@ void expect_true_start(const InitialPair& start, const PointWorld& world, const 
   EXPECT_GT(known, start.pairs.size() * 9 / 10);
 }
 
-TEST(Initializer, TwoViewsWithParallaxBeginWithTheTrueMotionAndPoints) {
+TEST(Initializer, TwoViewsWithParallaxGiveTheTrueMotionAndPoints) {
   const PointWorld world(300, 1);
   const SE3 first_pose(SO3::exp({0.02, 0.01, -0.03}), {0.05, 0.02, 0.1});
   const Observed first = world.observe(0, first_pose), second = world.observe(1, start_motion() * first_pose);
@@ -54,7 +54,7 @@ TEST(Initializer, TwoViewsWithParallaxBeginWithTheTrueMotionAndPoints) {
   expect_true_start(*start, world, first, second, first_pose.inverse(), start_motion());
 }
 
-TEST(Initializer, WaitsForParallaxAndHoldsTheFirstFrameUntilThere) {
+TEST(Initializer, WaitsForParallaxAndKeepsTheFirstFrameUntilThen) {
   const PointWorld world(300, 2);
   Initializer initializer({}, world.camera);
   std::vector<Observed> views;
@@ -66,14 +66,14 @@ TEST(Initializer, WaitsForParallaxAndHoldsTheFirstFrameUntilThere) {
     EXPECT_THAT(initializer.detail(), ::testing::MatchesRegex("median parallax 0\\.[0-9] deg, need 1\\.0"));
   }
   ASSERT_TRUE(start);
-  // Half of the points are beyond 8 m: a degree takes some 0.14 m.
+  // Half of the points are beyond 8 m: one degree of parallax needs about 0.14 m.
   EXPECT_NEAR(static_cast<double>(start->second), 0.14 / 0.03, 1.5);
   EXPECT_EQ(start->first, 0U);
   const double gone = 0.03 * static_cast<double>(start->second);
   expect_true_start(*start, world, views[0], views.back(), SE3(), slid_to(gone));
 }
 
-TEST(Initializer, ATurnOnTheSpotNeverBegins) {
+TEST(Initializer, ARotationInPlaceNeverInitializes) {
   const PointWorld world(300, 3);
   Initializer initializer({}, world.camera);
   initializer.add(world.observe(0, SE3()).frame);
@@ -85,20 +85,20 @@ TEST(Initializer, ATurnOnTheSpotNeverBegins) {
   EXPECT_EQ(initializer.frames().size(), 6U);
 }
 
-TEST(Initializer, SaysHowManyMatchesAreMissing) {
+TEST(Initializer, ReportsHowManyMatchesAreMissing) {
   const PointWorld world(60, 4);
   Initializer initializer({}, world.camera);
   initializer.add(world.observe(0, SE3()).frame);
   EXPECT_FALSE(initializer.add(world.observe(1, slid_to(0.3)).frame));
-  EXPECT_EQ(initializer.detail(), "60 matches, need 100");
+  EXPECT_EQ(initializer.detail(), "needs at least 100 matches, got 60");
 }
 
-TEST(Initializer, AFrameThatLooksLikeNoLaterOneGivesWay) {
+TEST(Initializer, AFrameThatMatchesNoLaterOneIsReplaced) {
   const PointWorld before(300, 5), world(300, 6);
   Initializer initializer({}, world.camera);
   initializer.add(before.observe(0, SE3()).frame);
   EXPECT_FALSE(initializer.add(world.observe(1, SE3()).frame));
-  EXPECT_EQ(initializer.detail(), "0 matches, need 100");
+  EXPECT_EQ(initializer.detail(), "needs at least 100 matches, got 0");
   const Observed first = world.observe(1, SE3()), second = world.observe(2, start_motion());
   const auto start = initializer.add(second.frame);
   ASSERT_TRUE(start) << initializer.detail();
@@ -107,10 +107,10 @@ TEST(Initializer, AFrameThatLooksLikeNoLaterOneGivesWay) {
   expect_true_start(*start, world, first, second, SE3(), start_motion());
 }
 
-TEST(Initializer, WhereNoMotionFitsANearerFrameTakesThePlaceOfTheFirst) {
+TEST(Initializer, IfNoMotionFitsANearerFrameReplacesTheFirst) {
   const PointWorld world(300, 7);
   Initializer initializer({}, world.camera);
-  // Everything is somewhere else in the first frame, but near enough to be matched.
+  // All features are elsewhere in the first frame, but near enough to be matched.
   initializer.add(world.observe(0, SE3(), {.moved_share = 1.0}).frame);
   EXPECT_FALSE(initializer.add(world.observe(1, SE3()).frame));
   const Observed first = world.observe(1, SE3()), second = world.observe(2, start_motion());
@@ -120,13 +120,13 @@ TEST(Initializer, WhereNoMotionFitsANearerFrameTakesThePlaceOfTheFirst) {
   expect_true_start(*start, world, first, second, SE3(), start_motion());
 }
 
-TEST(Initializer, ForgetsTheOldestFramesAndStillNamesTheRightOnes) {
+TEST(Initializer, DropsTheOldestFramesAndKeepsTheIndicesCorrect) {
   const PointWorld before(300, 80), world(300, 8);
   OrbSlamOptions options;
   options.init_frames = 3;
   Initializer initializer(options, world.camera);
   for (int k = 0; k < 8; ++k) {
-    // The first frame gives way to the second, which is forgotten later.
+    // The second frame replaces the first, which is dropped later.
     EXPECT_FALSE(initializer.add((k == 0 ? before : world).observe(k, slid_to(0.02 * k)).frame));
     EXPECT_EQ(initializer.frames().size(), static_cast<std::size_t>(std::min(k + 1, 3)));
     EXPECT_EQ(initializer.frames().back()->data().id, k);
@@ -139,7 +139,7 @@ TEST(Initializer, ForgetsTheOldestFramesAndStillNamesTheRightOnes) {
   expect_true_start(*start, world, first, second, slid_to(0.12).inverse(), slid_to(0.38));
 }
 
-TEST(Initializer, BeginsAnewOnceCleared) {
+TEST(Initializer, StartsAgainOnceCleared) {
   const PointWorld world(300, 9);
   Initializer initializer({}, world.camera);
   initializer.add(world.observe(0, SE3()).frame);
@@ -151,7 +151,7 @@ TEST(Initializer, BeginsAnewOnceCleared) {
   EXPECT_TRUE(initializer.add(world.observe(2, SE3()).frame));
 }
 
-TEST(Initializer, WhatIsKeptServesTheNextFrameAsItsFirst) {
+TEST(Initializer, AKeptFrameIsTheFirstOfTheNextPair) {
   const PointWorld world(300, 10);
   Initializer initializer({}, world.camera);
   const Observed first = world.observe(0, SE3()), second = world.observe(1, start_motion());
@@ -161,7 +161,7 @@ TEST(Initializer, WhatIsKeptServesTheNextFrameAsItsFirst) {
   expect_true_start(*start, world, first, second, SE3(), start_motion());
 }
 
-/// All numbers of a start from noisy frames with outliers.
+/// All numbers of an initialization from noisy frames with outliers.
 std::vector<double> start_numbers(std::uint64_t seed) {
   const PointWorld world(300, 11);
   OrbSlamOptions options;

@@ -28,7 +28,7 @@ void take_out(BundleProblem& problem, const std::vector<double>& squared_errors)
 
 using CameraOfKeyframe = std::pair<std::int64_t, std::uint32_t>;
 
-/// A point, and the observations that the cameras (ascending by keyframe) have of it.
+/// Adds a point and its observations by the cameras (ascending by keyframe).
 void add_observed_point(const MapGraph& graph, const MapLandmark& landmark,
                         const std::vector<CameraOfKeyframe>& cameras, double pixel_sigma, BundleProblem& problem) {
   const auto point = static_cast<std::uint32_t>(problem.bundle.points.size());
@@ -78,7 +78,7 @@ void adjust_bundle_problem(BundleProblem& problem, int iterations, const std::fu
   options.stopped = stopped;
   for (int round = 0; round < 2; ++round) {
     const BundleResult result = adjust_bundle(problem.bundle, options, pool);
-    if (stopped && stopped()) return;  // what still is far off may have become an inlier
+    if (stopped && stopped()) return;  // an outlier may have become an inlier
     take_out(problem, result.squared_errors);
     options.iterations = iterations;
   }

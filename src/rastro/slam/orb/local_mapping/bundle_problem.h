@@ -12,28 +12,28 @@
 
 namespace rastro {
 
-/// A part of the map as bundle adjustment takes it: a copy, so that the map may change meanwhile.
+/// A part of the map as a bundle adjustment problem: a copy, so the map may change meanwhile.
 struct BundleProblem {
   using Seen = std::pair<std::int64_t, std::int64_t>;  ///< A keyframe and a landmark it observes.
 
   Bundle bundle;
-  std::vector<std::int64_t> keyframes, landmarks;  ///< What each camera and point of the bundle stands for.
-  std::vector<Seen> seen;                          ///< One an observation.
-  std::vector<Seen> outliers;                      ///< Taken out by adjust_bundle_problem().
+  std::vector<std::int64_t> keyframes, landmarks;  ///< Ids of each camera and point of the bundle.
+  std::vector<Seen> seen;                          ///< One per observation.
+  std::vector<Seen> outliers;                      ///< Removed by adjust_bundle_problem().
 };
 
-/// The landmarks seen by the keyframes of `free`, and who of both lists observes them; `fixed` stays. `pixel_sigma`:
-/// standard deviation of a feature's place at the finest level, pixels.
+/// The landmarks observed by the keyframes of `free`, and their observations from both lists; keyframes of `fixed` stay
+/// fixed. `pixel_sigma`: standard deviation of a feature's position at the finest level, pixels.
 BundleProblem bundle_problem(const MapGraph& graph, const std::vector<std::int64_t>& free,
                              const std::vector<std::int64_t>& fixed, double pixel_sigma);
 
-/// Two rounds of at most half of `iterations`, then all of them; observations beyond 95 % of chi-square go after each.
-/// Ends early once `stopped` (may be empty) is true.
+/// Two rounds: at most half of `iterations`, then all of them. After each, observations beyond 95 % of chi-square are
+/// removed. Stops early once `stopped` (may be empty) returns true.
 void adjust_bundle_problem(BundleProblem& problem, int iterations, const std::function<bool()>& stopped,
                            TaskPool* pool);
 
-/// Takes out of the map what adjustment took for outliers, and landmarks with too few observations left; describes the
-/// others anew. Parts that the map no longer has are left alone.
+/// Removes the outliers of the adjustment from the map, and landmarks with too few observations left; recomputes the
+/// descriptors of the others. Skips what the map no longer has.
 void drop_outliers(MapGraph& graph, const BundleProblem& problem);
 
 }  // namespace rastro

@@ -13,9 +13,9 @@
 namespace rastro {
 namespace {
 
-/// Features of a keyframe that show no landmark yet, side by side.
+/// Features of a keyframe without a landmark, as a structure of arrays.
 struct FreeFeatures {
-  std::vector<float> x, y, limit;  ///< Normalised; squared distance from an epipolar line.
+  std::vector<float> x, y, limit;  ///< Normalized; squared distance from an epipolar line.
   std::vector<std::uint32_t> features;
 };
 
@@ -33,7 +33,7 @@ FreeFeatures free_features(const MapGraph& graph, const MapKeyframe& keyframe, d
   return free;
 }
 
-/// Indices into `free` of what lies near the line a x + b y + c = 0.
+/// Indices into `free` of the features near the line a x + b y + c = 0.
 void near_line(const FreeFeatures& free, const Eigen::Vector3d& line, std::vector<std::uint32_t>& found) {
   found.clear();
   const double norm = line.head<2>().norm();
@@ -95,9 +95,9 @@ double squared_error(const MapGraph& graph, const MapKeyframe& keyframe, std::ui
   return (in_camera.head<2>() / in_camera.z() - keyframe.frame->ray(feature)).squaredNorm() / (sigma * sigma);
 }
 
-constexpr double chi2_95 = 5.991;  ///< With two degrees of freedom.
+constexpr double chi2_95 = 5.991;  ///< Of two degrees of freedom.
 
-/// In the world, where both features fit one point.
+/// In the world; nullopt unless both features fit one point.
 std::optional<Eigen::Vector3d> triangulated(const MapGraph& graph, const KeyframePair& pair, const EpipolarMatch& match,
                                             const OrbSlamOptions& options) {
   const auto& [first, second, second_from_first, world_from_first] = pair;
@@ -112,7 +112,7 @@ std::optional<Eigen::Vector3d> triangulated(const MapGraph& graph, const Keyfram
   if (squared_error(graph, first, match.first, position, options.pixel_sigma) > chi2_95 ||
       squared_error(graph, second, match.second, position, options.pixel_sigma) > chi2_95)
     return std::nullopt;
-  // What is nearer looks larger.
+  // The pyramid levels must be consistent with the distances.
   const double max_ratio = 1.5 * options.scale_factor;
   const double distances = point->position.norm() / (second_from_first * point->position).norm();
   const double scales =
@@ -124,13 +124,13 @@ std::optional<Eigen::Vector3d> triangulated(const MapGraph& graph, const Keyfram
 }  // namespace
 
 void LocalMapping::triangulate_landmarks(std::int64_t keyframe) {
-  const auto count = static_cast<std::size_t>(options_.triangulate_neighbours);
+  const auto count = static_cast<std::size_t>(options_.triangulate_neighbors);
   for (const Neighbor& n : graph_.covisible(keyframe, 1, count)) triangulate_with(keyframe, n.id);
 }
 
 void LocalMapping::triangulate_with(std::int64_t keyframe, std::int64_t neighbor) {
   const KeyframePair pair(graph_.keyframe(keyframe), graph_.keyframe(neighbor));
-  // Short of what they see, or of the camera's own baseline.
+  // Minimum baseline relative to the scene depth for one camera; otherwise the camera's own baseline is the minimum.
   constexpr double min_baseline_per_depth = 0.01;
   const double baseline = pair.second_from_first.translation().norm();
   const bool mono = graph_.sensor() == CameraKind::mono;
@@ -162,11 +162,11 @@ void LocalMapping::fuse_landmarks(std::int64_t keyframe) {
   fuse_into(keyframe, theirs);
 }
 
-/// Neighbors and theirs; ascending.
+/// Neighbors and their neighbors; ascending.
 std::vector<std::int64_t> LocalMapping::fusion_targets(std::int64_t keyframe) const {
   constexpr std::size_t second_neighbors = 5;
   std::vector<std::int64_t> targets;
-  const auto count = static_cast<std::size_t>(options_.triangulate_neighbours);
+  const auto count = static_cast<std::size_t>(options_.triangulate_neighbors);
   for (const Neighbor& n : graph_.covisible(keyframe, 1, count)) {
     targets.push_back(n.id);
     for (const Neighbor& second : graph_.covisible(n.id, options_.covisible_landmarks, second_neighbors)) {
@@ -200,7 +200,7 @@ void LocalMapping::fuse_into(std::int64_t keyframe, const std::vector<std::int64
       graph_.describe(id);
       continue;
     }
-    // The one with more observations stays, then the older.
+    // Keeps the one with more observations, then the older.
     const std::size_t of_there = graph_.landmark(there).observations.size();
     const std::size_t of_id = graph_.landmark(id).observations.size();
     const bool keep_there = of_there != of_id ? of_there > of_id : there < id;

@@ -7,6 +7,7 @@
 
 #include "rastro/math/median.h"
 #include "rastro/slam/orb/local_mapping/bundle_problem.h"
+#include "rastro/slam/orb/local_mapping/map_thinning.h"
 
 namespace rastro {
 
@@ -72,7 +73,7 @@ void LocalMapping::insert_keyframe(const KeyframeInput& input) {
   for (const std::int64_t landmark : input.found) {
     if (graph_.has_landmark(landmark)) ++graph_.landmark(landmark).found;
   }
-  // The tree follows what is shared.
+  // The parent in the tree is the keyframe that shares most landmarks.
   const auto best = graph_.covisible(id, 1, 1);
   if (!best.empty() && best.front().id < id && graph_.submap(best.front().id) == submap)
     graph_.set_parent(id, best.front().id);
@@ -142,7 +143,7 @@ void LocalMapping::adjust_locally(std::int64_t keyframe) {
     free.push_back(n.id);
   std::sort(free.begin(), free.end());
   std::vector<std::int64_t> fixed = fixed_observers(free);
-  // The root of a submap is where its world begins.
+  // The root of a submap is the origin of its world.
   for (std::size_t i = 0; i < free.size(); ++i) {
     if (graph_.keyframe(free[i]).parent >= 0) continue;
     fixed.push_back(free[i]);
@@ -155,7 +156,7 @@ void LocalMapping::adjust_locally(std::int64_t keyframe) {
   adjust(free, fixed, options_.adjust_iterations);
 }
 
-/// Other keyframes that observe the landmarks of `free` hold them in place; those that share most.
+/// The other keyframes that observe the landmarks of `free` stay fixed: those that share most.
 std::vector<std::int64_t> LocalMapping::fixed_observers(const std::vector<std::int64_t>& free) const {
   std::vector<Neighbor> others;
   for (const std::int64_t id : free) {
@@ -198,23 +199,8 @@ void LocalMapping::adjust(const std::vector<std::int64_t>& free, const std::vect
 }
 
 bool LocalMapping::is_redundant(const MapKeyframe& keyframe) const {
-  int solid = 0, redundant = 0;
-  const double far = options_.far_baselines * graph_.baseline();
-  for (std::size_t i = 0; i < keyframe.landmarks.size(); ++i) {
-    if (keyframe.landmarks[i] < 0) continue;
-    if (graph_.sensor() != CameraKind::mono && !(static_cast<double>(keyframe.frame->data().depths[i]) <= far))
-      continue;
-    const MapLandmark& landmark = graph_.landmark(keyframe.landmarks[i]);
-    ++solid;
-    if (landmark.observations.size() <= 3) continue;
-    const int level = keyframe.frame->level(i);
-    int others = 0;
-    for (const LandmarkObservation& o : landmark.observations) {
-      if (o.keyframe != keyframe.id && graph_.keyframe(o.keyframe).frame->level(o.feature) <= level + 1) ++others;
-    }
-    if (others >= 3) ++redundant;
-  }
-  return solid > 0 && redundant > options_.cull_seen_share * solid;
+  const Redundancy counted = redundancy_of(graph_, keyframe, options_);
+  return counted.landmarks > 0 && counted.redundant > options_.cull_seen_share * counted.landmarks;
 }
 
 void LocalMapping::cull_keyframes(std::int64_t keyframe) {

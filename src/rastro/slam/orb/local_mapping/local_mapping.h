@@ -15,33 +15,34 @@
 
 namespace rastro {
 
-/// A frame that became a keyframe, as tracking hands it over.
+/// A frame that becomes a keyframe, as tracking hands it over.
 struct KeyframeInput {
   std::shared_ptr<const FeatureFrame> frame;
   std::int64_t reference = -1;  ///< A keyframe of the map...
   SE3 camera_from_reference;
   double reference_unit = 1.0;  ///< ... and its unit in the view.
   std::vector<TrackedPoint> points;
-  std::vector<std::int64_t> visible, found;  ///< Landmarks, once a frame since the last keyframe.
+  std::vector<std::int64_t> visible, found;  ///< Landmarks, once per frame since the last keyframe.
 };
 
-/// What mapping does with a new keyframe, METHODS 6 (Mur-Artal et al. 2015, section VI).
+/// Local mapping of a new keyframe, METHODS 6 (Mur-Artal et al. 2015, section VI).
 class LocalMapping {
  public:
-  /// The graph is the caller's and outlives this.
-  /// `stop` (may be null): once true, adjustments end early, as the run is left.
+  /// The graph is the caller's and outlives this. `stop` (may be null): once true, adjustments end early because the
+  /// run is ending.
   LocalMapping(const OrbSlamOptions& options, MapGraph& graph, TaskPool* pool, const std::atomic<bool>* stop = nullptr);
 
-  /// The first two keyframes of a submap and their points in the first camera's frame (one a pair of features, in
-  /// order). False, and nothing is kept, where fewer than init_points are left after bundle adjustment.
+  /// Initializes a submap with its first two keyframes and their points in the first camera's frame (one per pair of
+  /// features, in order). False, and nothing is kept, if fewer than init_points are left after bundle
+  /// adjustment.
   bool initialize(const std::shared_ptr<const FeatureFrame>& first, const std::shared_ptr<const FeatureFrame>& second,
                   const SE3& second_from_first, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs,
                   const std::vector<std::optional<Eigen::Vector3d>>& points, int submap);
-  /// The first keyframe of a submap where depth is seen.
+  /// Initializes a submap with its first keyframe, from depth.
   void initialize(const std::shared_ptr<const FeatureFrame>& frame, int submap);
-  /// A keyframe from insertion to culling; loops are not looked for here.
+  /// Processes a keyframe from insertion to culling; without loop closing.
   void process(const KeyframeInput& input);
-  /// All keyframes and landmarks of a submap at once; the root stays.
+  /// Adjusts all keyframes and landmarks of a submap; the root stays fixed.
   void adjust_all(int submap, int iterations);
 
  private:
@@ -66,7 +67,7 @@ class LocalMapping {
   MapGraph& graph_;
   TaskPool* pool_;
   const std::atomic<bool>* stop_;
-  std::vector<std::int64_t> recent_;  ///< Landmarks that still have to prove themselves.
+  std::vector<std::int64_t> recent_;  ///< Recently created landmarks, still subject to culling.
 };
 
 }  // namespace rastro

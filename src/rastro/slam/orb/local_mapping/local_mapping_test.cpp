@@ -5,89 +5,21 @@
 #include <gtest/gtest.h>
 
 #include "rastro/math/math_testing.h"
-#include "rastro/slam/orb/tracking/frame_testing.h"
+#include "rastro/slam/orb/local_mapping/mapping_testing.h"
 
 namespace rastro {
 namespace {
 
-using testing::ExactMap;
+using testing::mapping_pose;
+using testing::MappingBench;
 using testing::Observed;
-using testing::ObserveOptions;
-using testing::PointWorld;
 using testing::pose_near;
+using testing::without_keyframe_culling;
 
-SE3 stop(int k) { return SE3(SO3::exp({0.0, 0.01 * k, 0.005 * k}), {-0.3 * k, 0.02 * k, 0.0}); }
-
-/// A map with the truth beside it: every landmark must be at the point that its features show.
-struct MappingBench {
-  explicit MappingBench(CameraKind sensor, const OrbSlamOptions& changed = {})
-      : options(changed),
-        world(200, 11),
-        map(world, sensor, sensor == CameraKind::mono ? 0.0 : 0.1),
-        mapping(options, map.graph, nullptr) {}
-
-  Observed observe(std::int64_t id, const SE3& camera_from_world, ObserveOptions how = {}) {
-    how.baseline = map.graph.baseline();
-    const Observed result = world.observe(id, camera_from_world, how);
-    seen.resize(static_cast<std::size_t>(id) + 1);
-    seen.back() = result.seen;
-    return result;
-  }
-  /// A keyframe of the exact map, not by the mapping.
-  void place(std::int64_t id, ObserveOptions how = {}) {
-    observe(id, stop(static_cast<int>(id)), how);
-    map.add(id, stop(static_cast<int>(id)), how);
-  }
-  void forget_second_half() {
-    for (std::size_t point = 100; point < 200; ++point) {
-      map.graph.remove_landmark(map.landmark_of[point]);
-      map.landmark_of[point] = -1;
-    }
-  }
-  /// What tracking hands over for a frame at `stop(id)`.
-  KeyframeInput input(std::int64_t id, std::int64_t reference, ObserveOptions how = {}) {
-    const Observed looked = observe(id, stop(static_cast<int>(id)), how);
-    KeyframeInput input;
-    input.frame = looked.frame;
-    input.reference = reference;
-    const SE3 step = stop(static_cast<int>(id)) * stop(static_cast<int>(reference)).inverse();
-    input.camera_from_reference = SE3(step.rotation(), scale() * step.translation());
-    input.points = map.tracked(looked);
-    return input;
-  }
-  /// Of the map: its unit a metre, by the first two keyframes.
-  double scale() const { return map.graph.camera_from_world(1).translation().norm() / stop(1).translation().norm(); }
-  /// Landmarks that stand at the point of each of their features.
-  std::size_t true_landmarks(double relative_error, double scale = 1.0) const {
-    std::size_t count = 0;
-    for (const std::int64_t id : map.graph.landmark_ids()) {
-      const MapLandmark& landmark = map.graph.landmark(id);
-      bool right = !landmark.observations.empty();
-      for (const LandmarkObservation& o : landmark.observations) {
-        const Eigen::Vector3d truth = scale * world.points[seen[static_cast<std::size_t>(o.keyframe)][o.feature]];
-        right &= (landmark.position - truth).norm() < relative_error * truth.norm();
-      }
-      count += right;
-    }
-    return count;
-  }
-
-  OrbSlamOptions options;
-  PointWorld world;
-  ExactMap map;
-  LocalMapping mapping;
-  std::vector<std::vector<std::uint32_t>> seen;  ///< By keyframe: the point of each feature.
-};
-
-OrbSlamOptions without_keyframe_culling() {
-  OrbSlamOptions options;
-  options.cull_seen_share = 1.0;
-  return options;
-}
-
-/// Two frames and what an initializer would say of them: pairs of features and points, `error` off the truth.
+/// Two frames and an initializer's result for them: pairs of features and points with `error`.
 struct MappingStart {
-  MappingStart(MappingBench& bench, double error) : first(bench.observe(0, SE3())), second(bench.observe(1, stop(1))) {
+  MappingStart(MappingBench& bench, double error)
+      : first(bench.observe(0, SE3())), second(bench.observe(1, mapping_pose(1))) {
     Random random(4);
     for (std::uint32_t i = 0; i < first.seen.size(); ++i) {
       const auto k = std::find(second.seen.begin(), second.seen.end(), first.seen[i]);
@@ -101,21 +33,22 @@ struct MappingStart {
   std::vector<std::optional<Eigen::Vector3d>> points;
 };
 
-/// Landmarks of a start from the truth.
+/// Landmarks of an exact initialization.
 std::vector<std::int64_t> start_exactly(MappingBench& bench) {
   const MappingStart start(bench, 0.0);
-  EXPECT_TRUE(bench.mapping.initialize(start.first.frame, start.second.frame, stop(1), start.pairs, start.points, 0));
+  EXPECT_TRUE(
+      bench.mapping.initialize(start.first.frame, start.second.frame, mapping_pose(1), start.pairs, start.points, 0));
   const std::vector<std::int64_t> ids = bench.map.graph.landmark_ids();
   EXPECT_EQ(ids.size(), start.pairs.size());
   for (std::size_t i = 0; i < ids.size(); ++i) bench.map.landmark_of[start.first.seen[start.pairs[i].first]] = ids[i];
   return ids;
 }
 
-TEST(LocalMapping, AStartIsAdjustedAndScaledToAMedianDepthOfOne) {
+TEST(LocalMapping, AnInitialMapIsAdjustedAndScaledToAMedianDepthOfOne) {
   MappingBench bench(CameraKind::mono);
   MappingStart start(bench, 0.02);
   start.points[3] = std::nullopt;
-  const SE3 rough = SE3(SO3::exp({0.002, -0.001, 0.002}), {0.01, 0.005, -0.01}) * stop(1);
+  const SE3 rough = SE3(SO3::exp({0.002, -0.001, 0.002}), {0.01, 0.005, -0.01}) * mapping_pose(1);
   ASSERT_TRUE(bench.mapping.initialize(start.first.frame, start.second.frame, rough, start.pairs, start.points, 0));
   const MapGraph& graph = bench.map.graph;
   EXPECT_EQ(graph.landmark_count(), start.pairs.size() - 1);
@@ -126,21 +59,22 @@ TEST(LocalMapping, AStartIsAdjustedAndScaledToAMedianDepthOfOne) {
   EXPECT_DOUBLE_EQ(depths[depths.size() / 2], 1.0);
   const double scale = bench.scale();
   EXPECT_THAT(graph.camera_from_world(1),
-              pose_near(SE3(stop(1).rotation(), scale * stop(1).translation()), 1e-4, 1e-4));
+              pose_near(SE3(mapping_pose(1).rotation(), scale * mapping_pose(1).translation()), 1e-4, 1e-4));
   EXPECT_EQ(bench.true_landmarks(2e-3, scale), graph.landmark_count());
   for (const int id : {0, 1}) EXPECT_EQ(graph.unit(id), 1.0);
 }
 
-TEST(LocalMapping, AStartOfWhichTooLittleIsLeftLeavesNothing) {
+TEST(LocalMapping, AnInitialMapWithTooFewPointsLeavesNothing) {
   MappingBench bench(CameraKind::mono);
   MappingStart start(bench, 0.0);
   for (std::size_t i = 49; i < start.points.size(); ++i) start.points[i] = std::nullopt;
-  EXPECT_FALSE(bench.mapping.initialize(start.first.frame, start.second.frame, stop(1), start.pairs, start.points, 0));
+  EXPECT_FALSE(
+      bench.mapping.initialize(start.first.frame, start.second.frame, mapping_pose(1), start.pairs, start.points, 0));
   EXPECT_EQ(bench.map.graph.keyframe_count(), 0U);
   EXPECT_EQ(bench.map.graph.landmark_count(), 0U);
 }
 
-TEST(LocalMapping, DepthStartsWithEveryPointThatIsNearEnough) {
+TEST(LocalMapping, DepthInitializesWithEveryPointThatIsNearEnough) {
   OrbSlamOptions options;
   options.far_baselines = 80.0;  // 8 m
   MappingBench bench(CameraKind::depth, options);
@@ -154,28 +88,28 @@ TEST(LocalMapping, DepthStartsWithEveryPointThatIsNearEnough) {
   EXPECT_EQ(bench.true_landmarks(1e-5), near);
 }
 
-TEST(LocalMapping, WhatTwoKeyframesSeeAnewIsTriangulated) {
+TEST(LocalMapping, NewPointsOfTwoKeyframesAreTriangulated) {
   for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
     OrbSlamOptions options;
-    options.far_baselines = 30.0;  // of points with depth, nothing is nearer than 3 m
+    options.far_baselines = 30.0;  // of points with depth, none is nearer than 3 m
     MappingBench bench(sensor, options);
-    // Both keyframes see all, but have landmarks of the first half only.
+    // Both keyframes observe all points, but have landmarks of the first half only.
     for (const int id : {0, 1}) bench.place(id);
     bench.forget_second_half();
     EXPECT_EQ(bench.true_landmarks(1e-9), 100U);
     bench.mapping.process(bench.input(2, 1));
     EXPECT_GT(bench.map.graph.landmark_count(), 195U);
     EXPECT_EQ(bench.true_landmarks(1e-3), bench.map.graph.landmark_count());
-    // The third view of a new point is found by fusing.
+    // Fusion adds the third observation of a new point.
     std::size_t complete = 0;
     for (const std::int64_t id : bench.map.graph.landmark_ids())
       complete += bench.map.graph.landmark(id).observations.size() == 3;
     EXPECT_GT(complete, 190U);
-    EXPECT_THAT(bench.map.graph.camera_from_world(2), pose_near(stop(2), 1e-3, 1e-4));
+    EXPECT_THAT(bench.map.graph.camera_from_world(2), pose_near(mapping_pose(2), 1e-3, 1e-4));
   }
 }
 
-TEST(LocalMapping, NothingIsTriangulatedFromOnePlace) {
+TEST(LocalMapping, NothingIsTriangulatedFromOnePosition) {
   MappingBench bench(CameraKind::mono);
   const SE3 beside(SO3::exp({0.0, 0.02, 0.0}), {-0.02, 0.0, 0.0});
   bench.map.add(0, SE3());
@@ -189,7 +123,7 @@ TEST(LocalMapping, NothingIsTriangulatedFromOnePlace) {
 TEST(LocalMapping, LandmarksThatAreSeldomFoundAreCulled) {
   MappingBench bench(CameraKind::mono, without_keyframe_culling());
   const std::vector<std::int64_t> ids = start_exactly(bench);
-  // Found once when made; a quarter of the frames that should see it are enough.
+  // Found once when created; a quarter of the frames that should observe it are enough.
   KeyframeInput input = bench.input(2, 1);
   input.visible = {ids[0], ids[0], ids[0], ids[0], ids[1], ids[1], ids[1], ids[2], ids[2], ids[2], ids[2]};
   input.found = {ids[2]};
@@ -199,7 +133,7 @@ TEST(LocalMapping, LandmarksThatAreSeldomFoundAreCulled) {
   EXPECT_TRUE(bench.map.graph.has_landmark(ids[2]));
 }
 
-TEST(LocalMapping, LandmarksThatTheSecondKeyframeAfterDoesNotSeeAreCulled) {
+TEST(LocalMapping, LandmarksNotObservedByTheSecondKeyframeAfterAreCulled) {
   MappingBench bench(CameraKind::mono, without_keyframe_culling());
   start_exactly(bench);
   bench.mapping.process(bench.input(2, 1, {.from = 0, .to = 150}));
@@ -212,7 +146,7 @@ TEST(LocalMapping, TwoLandmarksOfOnePointBecomeOne) {
     MappingBench bench(sensor, without_keyframe_culling());
     for (const int id : {0, 1}) bench.place(id);
     const std::vector<std::int64_t> old = bench.map.landmark_of;
-    // The next two keyframes take a quarter of the points for new ones.
+    // The next two keyframes create new landmarks for a quarter of the points.
     std::fill_n(bench.map.landmark_of.begin(), 50, -1);
     for (const int id : {2, 3}) bench.place(id);
     EXPECT_EQ(bench.map.graph.landmark_count(), 250U);
@@ -231,7 +165,7 @@ TEST(LocalMapping, TwoLandmarksOfOnePointBecomeOne) {
   }
 }
 
-TEST(LocalMapping, AKeyframeThatShowsNothingThatOthersDoNotGoesUnlessALoopHangsOnIt) {
+TEST(LocalMapping, ARedundantKeyframeIsCulledUnlessItHasALoop) {
   for (const bool tied : {false, true}) {
     MappingBench bench(CameraKind::mono);
     for (int id = 0; id < 5; ++id) bench.place(id);
@@ -239,29 +173,29 @@ TEST(LocalMapping, AKeyframeThatShowsNothingThatOthersDoNotGoesUnlessALoopHangsO
       bench.map.graph.ties() = {{.from = 1, .to = 2, .from_from_to = {}, .inliers = 9},
                                 {.from = 1, .to = 3, .from_from_to = {}, .inliers = 9}};
     bench.mapping.process(bench.input(5, 4));
-    // The first holds the map, the last two may have more to tell.
+    // The first anchors the map, the last two may still get observations.
     using Ids = std::vector<std::int64_t>;
     EXPECT_EQ(bench.map.graph.keyframe_ids(), tied ? (Ids{0, 1, 2, 3, 4, 5}) : (Ids{0, 4, 5}));
-    EXPECT_THAT(bench.map.graph.camera_from_world(2), pose_near(stop(2), 1e-3, 1e-4));
+    EXPECT_THAT(bench.map.graph.camera_from_world(2), pose_near(mapping_pose(2), 1e-3, 1e-4));
   }
 }
 
-TEST(LocalMapping, AdjustingTakesBackWhatDoesNotFit) {
+TEST(LocalMapping, AdjustingRemovesOutliers) {
   MappingBench bench(CameraKind::depth, without_keyframe_culling());
   for (int id = 0; id < 4; ++id) bench.place(id);
   bench.map.graph.make_root(1);
   bench.mapping.process(bench.input(4, 3, {.moved_share = 0.2}));
-  EXPECT_EQ(bench.map.graph.camera_from_world(1).matrix(), stop(1).matrix()) << "the root holds the map";
+  EXPECT_EQ(bench.map.graph.camera_from_world(1).matrix(), mapping_pose(1).matrix()) << "the root holds the map";
   const MapKeyframe& keyframe = bench.map.graph.keyframe(4);
   std::size_t moved = 0;
   for (std::uint32_t i = 0; i < keyframe.landmarks.size(); ++i) {
-    const Eigen::Vector3d p = stop(4) * bench.world.points[bench.seen[4][i]];
+    const Eigen::Vector3d p = mapping_pose(4) * bench.world.points[bench.seen[4][i]];
     const bool fits = (*bench.world.camera.project(p) - keyframe.frame->pixel(i).cast<double>()).norm() < 1.0;
     moved += !fits;
     EXPECT_EQ(keyframe.landmarks[i] >= 0, fits) << i;
   }
   EXPECT_GT(moved, 20U);
-  EXPECT_THAT(keyframe.camera_from_world, pose_near(stop(4), 1e-3, 1e-4));
+  EXPECT_THAT(keyframe.camera_from_world, pose_near(mapping_pose(4), 1e-3, 1e-4));
 }
 
 TEST(LocalMapping, AWholeSubmapIsAdjustedAboutItsRoot) {
@@ -270,27 +204,28 @@ TEST(LocalMapping, AWholeSubmapIsAdjustedAboutItsRoot) {
   MapGraph& graph = bench.map.graph;
   Random random(3);
   for (int id = 1; id < 4; ++id)
-    graph.keyframe(id).camera_from_world = SE3::exp(testing::random_vector<Vector6d>(random, 0.01)) * stop(id);
+    graph.keyframe(id).camera_from_world = SE3::exp(testing::random_vector<Vector6d>(random, 0.01)) * mapping_pose(id);
   for (const std::int64_t id : graph.landmark_ids())
     graph.landmark(id).position += testing::random_vector<Eigen::Vector3d>(random, 0.05);
   bench.mapping.adjust_all(0, 20);
   EXPECT_THAT(graph.camera_from_world(0), pose_near(SE3(), 0.0, 0.0));
-  for (int id = 1; id < 4; ++id) EXPECT_THAT(graph.camera_from_world(id), pose_near(stop(id), 1e-3, 1e-4)) << id;
+  for (int id = 1; id < 4; ++id)
+    EXPECT_THAT(graph.camera_from_world(id), pose_near(mapping_pose(id), 1e-3, 1e-4)) << id;
   EXPECT_EQ(bench.true_landmarks(1e-3), 200U);
 }
 
-TEST(LocalMapping, AKeyframeHangsOnWhoSharesMostInTodaysUnit) {
+TEST(LocalMapping, AKeyframesParentSharesMostAndItsPoseIsInTheCurrentUnit) {
   MappingBench bench(CameraKind::mono);
   bench.place(0, {.from = 0, .to = 150});
   bench.place(1, {.from = 0, .to = 50});
-  // Nothing ties it to the map: it stays where it is put, in the unit of the reference.
+  // Nothing connects it to the map: it keeps its pose, in the unit of the reference.
   KeyframeInput apart = bench.input(2, 1);
   apart.points.clear();
   apart.camera_from_reference = SE3(SO3::exp({0.0, 0.2, 0.0}), {1.0, 2.0, 3.0});
   apart.reference_unit = 0.5;
   bench.mapping.process(apart);
   const SE3 doubled(SO3::exp({0.0, 0.2, 0.0}), {2.0, 4.0, 6.0});
-  EXPECT_THAT(bench.map.graph.camera_from_world(2), pose_near(doubled * stop(1), 1e-9, 1e-9));
+  EXPECT_THAT(bench.map.graph.camera_from_world(2), pose_near(doubled * mapping_pose(1), 1e-9, 1e-9));
   EXPECT_EQ(bench.map.graph.keyframe(2).parent, 1);
   bench.mapping.process(bench.input(3, 1));
   EXPECT_EQ(bench.map.graph.keyframe(3).parent, 0);

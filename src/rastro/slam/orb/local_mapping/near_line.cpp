@@ -13,7 +13,7 @@
 namespace rastro {
 namespace {
 
-/// From `first` on; `used` is where the next index goes. Returns what it is after.
+/// Starts at `first`; `used` is the next output index. Returns the new `used`.
 std::size_t near_line_plain(const float* x, const float* y, const float* limit, std::size_t first, std::size_t count,
                             float a, float b, float c, std::size_t used, std::uint32_t* found) {
   for (std::size_t i = first; i < count; ++i) {
@@ -25,7 +25,7 @@ std::size_t near_line_plain(const float* x, const float* y, const float* limit, 
 }
 
 #if RASTRO_HAS_AVX2_CODE
-/// As many whole vectors as there are, 8 places each.
+/// As many whole vectors as there are, 8 positions each.
 RASTRO_TARGET_AVX2 std::size_t near_line_avx2(const float* x, const float* y, const float* limit, std::size_t count,
                                               float a, float b, float c, std::uint32_t* found) {
   const __m256 as = _mm256_set1_ps(a), bs = _mm256_set1_ps(b), cs = _mm256_set1_ps(c);
@@ -48,7 +48,7 @@ void find_near_line(std::span<const float> x, std::span<const float> y, std::spa
                     float b, float c, std::vector<std::uint32_t>& found) {
   const std::size_t count = x.size();
   RASTRO_CHECK(y.size() == count && squared_limit.size() == count, "lists of one length");
-  found.resize(count + 1);  // the plain loop writes first and decides after
+  found.resize(count + 1);  // the plain loop writes first and decides afterwards
   std::size_t first = 0, used = 0;
 #if RASTRO_HAS_AVX2_CODE
   if (simd_level() == SimdLevel::avx2) {

@@ -33,7 +33,7 @@ std::vector<std::uint32_t> near(const Places& places, double angle, float c) {
   return found;
 }
 
-TEST(NearLine, IsTheSameByAnyCodeAndCount) {
+TEST(NearLine, IsTheSameForAnyInstructionSetAndCount) {
   for (std::size_t count = 0; count < 70; ++count) {
     const Places places = random_places(count, count + 1);
     const std::vector<std::uint32_t> fast = near(places, 0.1 * static_cast<double>(count), 0.1F);
@@ -44,7 +44,7 @@ TEST(NearLine, IsTheSameByAnyCodeAndCount) {
   }
 }
 
-TEST(NearLine, FindsWhatADistanceInDoublesFinds) {
+TEST(NearLine, EqualsTheDistanceInDoublePrecision) {
   const Places places = random_places(1000, 7);
   std::vector<std::uint32_t> expected;
   for (std::uint32_t i = 0; i < places.x.size(); ++i) {

@@ -15,7 +15,7 @@ BundleProblem problem_of(const MapGraph& graph, int submap, double pixel_sigma) 
   return bundle_problem(graph, free, fixed, pixel_sigma);
 }
 
-/// How the world moves around each keyframe: new_world_from_old_world.
+/// The correction around each keyframe: new_world_from_old_world.
 class Moves {
  public:
   Moves(const MapGraph& graph, const BundleProblem& problem) : graph_(graph) {
@@ -26,7 +26,7 @@ class Moves {
     }
   }
 
-  /// Its own or that of its nearest adjusted ancestor.
+  /// That of the keyframe or of its nearest adjusted ancestor.
   SE3 of(std::int64_t keyframe) const {
     for (std::int64_t id = keyframe; id >= 0; id = graph_.keyframe(id).parent) {
       const auto at = moves_.find(id);
@@ -47,7 +47,7 @@ GlobalBundleAdjustment::GlobalBundleAdjustment(const MapGraph& graph, int submap
 
 void GlobalBundleAdjustment::run(int iterations, const std::atomic<bool>* stop, TaskPool* pool) {
   if (problem_.bundle.observations.empty()) return;
-  const auto stopped = [&] { return cancelled_.load() || (stop != nullptr && stop->load()); };
+  const auto stopped = [&] { return canceled_.load() || (stop != nullptr && stop->load()); };
   adjust_bundle_problem(problem_, iterations, stopped, pool);
 }
 
@@ -81,7 +81,7 @@ void GlobalBundleAdjustment::apply(MapGraph& graph) const {
 }
 
 std::string GlobalBundleAdjustment::detail() const {
-  return fmt::format("{} keyframes, {} landmarks, {} of {} observations taken out", problem_.keyframes.size(),
+  return fmt::format("{} keyframes, {} landmarks, {} of {} observations removed", problem_.keyframes.size(),
                      problem_.landmarks.size(), problem_.outliers.size(),
                      problem_.outliers.size() + problem_.seen.size());
 }

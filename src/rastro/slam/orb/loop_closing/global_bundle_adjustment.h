@@ -11,26 +11,26 @@
 
 namespace rastro {
 
-/// Bundle adjustment of a whole submap beside mapping, which goes on meanwhile (Mur-Artal and Tardos 2017, section
-/// III.C): a copy is taken, adjusted, and carried over to what the map has become.
+/// Bundle adjustment of a whole submap beside mapping, which continues meanwhile (Mur-Artal and Tardos 2017, section
+/// III.C): a copy is taken and adjusted, and the result is applied to the current map.
 class GlobalBundleAdjustment {
  public:
   GlobalBundleAdjustment(const MapGraph& graph, int submap, double pixel_sigma);
 
   std::size_t observations() const { return problem_.bundle.observations.size(); }
-  /// The work; touches no map. Ends early once `stop` (may be null) is true or cancel() was called.
+  /// Runs the adjustment; accesses no map. Stops early once `stop` (may be null) is true or cancel() was called.
   void run(int iterations, const std::atomic<bool>* stop, TaskPool* pool);
   /// From any thread.
-  void cancel() { cancelled_ = true; }
-  /// Adjusted keyframes and landmarks go where adjustment brought them; what was made since moves with its ancestor in
-  /// the spanning tree, or with the keyframe that made it.
+  void cancel() { canceled_ = true; }
+  /// Applies the adjusted keyframes and landmarks. Keyframes made since move with their ancestor in the
+  /// spanning tree, landmarks with the keyframe that created them.
   void apply(MapGraph& graph) const;
-  /// What was done, for the log.
+  /// A summary for the log.
   std::string detail() const;
 
  private:
   BundleProblem problem_;  ///< Keyframes ascending.
-  std::atomic<bool> cancelled_ = false;
+  std::atomic<bool> canceled_ = false;
 };
 
 }  // namespace rastro

@@ -12,14 +12,14 @@ namespace {
 using testing::DriftingMapper;
 using testing::RoundWorld;
 
-/// A map of keyframes a tenth of a turn apart, true but for the noise in its pictures.
+/// A map of keyframes 36 degrees apart, exact except for pixel noise.
 struct TrueMap {
   explicit TrueMap(int keyframes) {
     mapper.begin(0, RoundWorld::world_from_camera(0.0), 1.0);
     for (int k = 0; k < keyframes; ++k) mapper.add(0.1 * k);
   }
 
-  /// Every keyframe but the first somewhere else, and the landmarks too.
+  /// Perturbs all keyframes but the first, and the landmarks.
   void shake() {
     for (const std::int64_t id : graph.keyframe_ids()) {
       if (id > 0) graph.keyframe(id).camera_from_world = draw() * graph.keyframe(id).camera_from_world;
@@ -27,7 +27,7 @@ struct TrueMap {
     for (const std::int64_t id : graph.landmark_ids()) graph.landmark(id).position += draw().translation();
   }
 
-  /// Largest distance of a keyframe of 0..count-1 from the truth.
+  /// Largest position error of keyframes 0..count-1.
   double error(std::int64_t count) const {
     double largest = 0.0;
     for (std::int64_t id = 0; id < count; ++id) {
@@ -49,7 +49,7 @@ struct TrueMap {
   DriftingMapper mapper{world, graph, 0.0, 1.0};
 };
 
-TEST(GlobalBundleAdjustment, BringsKeyframesToTheTruth) {
+TEST(GlobalBundleAdjustment, MovesKeyframesToGroundTruth) {
   TrueMap map(12);
   map.shake();
   EXPECT_GT(map.error(12), 0.1);
@@ -60,7 +60,7 @@ TEST(GlobalBundleAdjustment, BringsKeyframesToTheTruth) {
   EXPECT_LT(map.error(12), 0.04);
 }
 
-TEST(GlobalBundleAdjustment, CarriesOverToWhatTheMapHasBecome) {
+TEST(GlobalBundleAdjustment, IsAppliedToTheCurrentMap) {
   TrueMap map(12);
   map.shake();
   GlobalBundleAdjustment adjustment(map.graph, 0, 1.0);
@@ -84,7 +84,7 @@ TEST(GlobalBundleAdjustment, CarriesOverToWhatTheMapHasBecome) {
   EXPECT_LT((map.graph.keyframe(made).camera_from_world * map.graph.landmark(own).position - in_made).norm(), 1e-9);
 }
 
-TEST(GlobalBundleAdjustment, IsWithoutEffectOnceCancelled) {
+TEST(GlobalBundleAdjustment, IsWithoutEffectOnceCanceled) {
   TrueMap map(6);
   map.shake();
   GlobalBundleAdjustment adjustment(map.graph, 0, 1.0);
@@ -95,7 +95,7 @@ TEST(GlobalBundleAdjustment, IsWithoutEffectOnceCancelled) {
   EXPECT_LT((map.graph.keyframe(3).camera_from_world * before.inverse()).log().norm(), 1e-12);
 }
 
-TEST(GlobalBundleAdjustment, IsTheSameByAnyPool) {
+TEST(GlobalBundleAdjustment, IsTheSameForAnyPool) {
   const auto adjusted = [](TaskPool* pool) {
     TrueMap map(8);
     map.shake();

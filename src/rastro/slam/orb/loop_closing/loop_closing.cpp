@@ -2,14 +2,16 @@
 #include "rastro/slam/orb/loop_closing/loop_closing.h"
 
 #include <algorithm>
-#include <map>
+#include <utility>
 
+#include "rastro/backend/loop_candidates.h"
 #include "rastro/slam/orb/map/landmark_search.h"
 
 namespace rastro {
 namespace {
 
-/// Whatever shares landmarks with the keyframe or with such a one: the map knows how they lie to each other. Ascending.
+/// Keyframes that share landmarks with the keyframe or with its covisible ones: their relative poses are known already.
+/// Ascending.
 std::vector<std::int64_t> connected(const MapGraph& graph, const MapKeyframe& keyframe, int least_shared) {
   std::vector<std::int64_t> ids{keyframe.id};
   for (const Neighbor& n : keyframe.neighbors) {
@@ -23,18 +25,9 @@ std::vector<std::int64_t> connected(const MapGraph& graph, const MapKeyframe& ke
   return ids;
 }
 
-bool share_one(const std::vector<std::int64_t>& a, const std::vector<std::int64_t>& b) {
-  auto i = a.begin(), j = b.begin();
-  while (i != a.end() && j != b.end()) {
-    if (*i == *j) return true;
-    *i < *j ? ++i : ++j;
-  }
-  return false;
-}
-
 using FeaturePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// Landmarks of both keyframes that features say are the same.
+/// Landmarks of both keyframes whose features match.
 std::vector<SimilarityPair> landmark_pairs(const MapGraph& graph, const MapKeyframe& first, const MapKeyframe& second,
                                            const FeaturePairs& features, double pixel_sigma) {
   std::vector<SimilarityPair> pairs;
@@ -51,105 +44,66 @@ std::vector<SimilarityPair> landmark_pairs(const MapGraph& graph, const MapKeyfr
   return pairs;
 }
 
-/// Of each candidate the sum of its score and of those around it, and the best of them that stands for it: a place
-/// seen from several keyframes is worth more than a chance likeness of one.
-std::map<std::int64_t, double> accumulated_scores(const MapGraph& graph, const std::vector<PlaceMatch>& matches) {
-  constexpr std::size_t surroundings = 10;
-  std::map<std::int64_t, double> scores, sums;
-  for (const PlaceMatch& match : matches) scores[match.id] = match.score;
-  for (const PlaceMatch& match : matches) {
-    double sum = match.score, best_score = match.score;
-    std::int64_t best = match.id;
-    for (const Neighbor& n : graph.covisible(match.id, 1, surroundings)) {
-      const auto other = scores.find(n.id);
-      if (other == scores.end()) continue;
-      sum += other->second;
-      if (other->second <= best_score) continue;
-      best = n.id;
-      best_score = other->second;
-    }
-    double& stored = sums[best];
-    stored = std::max(stored, sum);
-  }
-  return sums;
+std::vector<std::int64_t> ids_of(const std::vector<Neighbor>& neighbors) {
+  std::vector<std::int64_t> ids;
+  ids.reserve(neighbors.size());
+  for (const Neighbor& n : neighbors) ids.push_back(n.id);
+  return ids;
+}
+
+/// A recognized keyframe and its neighbors; ascending.
+std::vector<std::int64_t> surroundings_of(const MapGraph& graph, std::int64_t id, int least_shared) {
+  std::vector<std::int64_t> ids = ids_of(graph.covisible(id, least_shared));
+  ids.push_back(id);
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+AcceptanceOptions loop_acceptance(const OrbSlamOptions& options) {
+  return {.min_inliers = options.loop_inliers,
+          .min_observed = options.loop_landmarks,
+          .min_confirmations = options.loop_consistent};
 }
 
 }  // namespace
 
 LoopClosing::LoopClosing(const OrbSlamOptions& options, MapGraph& graph, KeyframeDatabase& database)
-    : options_(options), graph_(graph), database_(database) {}
+    : options_(options), graph_(graph), database_(database), acceptance_(loop_acceptance(options)) {}
 
 std::optional<LoopResult> LoopClosing::process(std::int64_t id) {
   database_.update();
-  if (last_closed_ >= 0 && id < last_closed_ + options_.loop_apart) return std::nullopt;
+  if (last_closed_ >= 0 && id < last_closed_ + options_.loop_min_gap) return std::nullopt;
   const MapKeyframe& keyframe = graph_.keyframe(id);
-  for (const std::int64_t candidate : consistent(detect_candidates(keyframe))) {
-    const auto loop = verify(keyframe, graph_.keyframe(candidate));
-    if (!loop) continue;
+  for (const Hypothesis& hypothesis : acceptance_.next(detect_candidates(keyframe))) {
+    if (!hypothesis.confirmed) continue;
+    const auto loop = verify(keyframe, graph_.keyframe(hypothesis.place));
+    if (!loop || acceptance_.judged(hypothesis, loop->evidence()).state() != HypothesisState::accepted) continue;
     last_closed_ = id;
-    groups_.clear();
+    acceptance_.clear();
     return correct_loop(graph_, options_, *loop);
   }
   return std::nullopt;
 }
 
-/// Keyframes that look like this one, together with their surroundings; best first.
-std::vector<std::int64_t> LoopClosing::detect_candidates(const MapKeyframe& keyframe) const {
+/// Keyframes that are similar to this one, together with their surroundings, and at least as similar as its least
+/// similar neighbor; excludes those connected to it. Best first.
+std::vector<Hypothesis> LoopClosing::detect_candidates(const MapKeyframe& keyframe) const {
   constexpr double min_share_of_best = 0.75;
-  const std::map<std::int64_t, double> sums = accumulated_scores(graph_, similar_keyframes(keyframe));
-  double best_sum = 0.0;
-  for (const auto& [id, sum] : sums) best_sum = std::max(best_sum, sum);
-  std::vector<std::pair<double, std::int64_t>> ordered;
-  for (const auto& [id, sum] : sums) {
-    if (sum >= min_share_of_best * best_sum) ordered.emplace_back(-sum, id);
-  }
-  std::sort(ordered.begin(), ordered.end());
-  std::vector<std::int64_t> ids;
-  for (const auto& [sum, id] : ordered) ids.push_back(id);
-  if (ids.size() > static_cast<std::size_t>(options_.place_candidates))
-    ids.resize(static_cast<std::size_t>(options_.place_candidates));
-  return ids;
+  constexpr std::size_t surroundings = 10;
+  const PlaceIndex& index = database_.index();
+  const auto neighbors = ids_of(graph_.covisible(keyframe.id, options_.loop_neighbor_landmarks));
+  const auto near = connected(graph_, keyframe, options_.covisible_landmarks);
+  const PlaceCandidateOptions options{options_.place_shared_words, lowest_similarity(index, *keyframe.words, neighbors),
+                                      min_share_of_best, options_.place_candidates};
+  const auto is_apart = [&](std::int64_t id) { return !std::binary_search(near.begin(), near.end(), id); };
+  const auto group_of = [&](std::int64_t id) { return ids_of(graph_.covisible(id, 1, surroundings)); };
+  std::vector<Hypothesis> hypotheses;
+  for (const PlaceCandidate& candidate : place_candidates(index, *keyframe.words, options, is_apart, group_of))
+    hypotheses.push_back({candidate.id, surroundings_of(graph_, candidate.id, options_.covisible_landmarks)});
+  return hypotheses;
 }
 
-/// At least as similar as the least similar neighbor, and not connected to the keyframe.
-std::vector<PlaceMatch> LoopClosing::similar_keyframes(const MapKeyframe& keyframe) const {
-  const std::vector<std::int64_t> near = connected(graph_, keyframe, options_.covisible_landmarks);
-  std::vector<PlaceMatch> matches =
-      database_.index().find(*keyframe.words, options_.place_shared_words,
-                             [&](std::int64_t id) { return !std::binary_search(near.begin(), near.end(), id); });
-  const double least = min_score(keyframe);
-  std::erase_if(matches, [&](const PlaceMatch& match) { return match.score < least; });
-  return matches;
-}
-
-/// Of the neighbors, the one that looks least alike.
-double LoopClosing::min_score(const MapKeyframe& keyframe) const {
-  double least = 1.0;
-  const auto neighbors = graph_.covisible(keyframe.id, options_.loop_neighbour_landmarks);
-  for (const Neighbor& n : neighbors)
-    least = std::min(least, similarity(*keyframe.words, *graph_.keyframe(n.id).words));
-  return neighbors.empty() ? 0.0 : least;
-}
-
-/// Those whose surroundings were recognized by the keyframes just before as well.
-std::vector<std::int64_t> LoopClosing::consistent(const std::vector<std::int64_t>& candidates) {
-  std::vector<Group> groups;
-  std::vector<std::int64_t> result;
-  for (const std::int64_t id : candidates) {
-    Group group{{id}, 1};
-    for (const Neighbor& n : graph_.covisible(id, options_.covisible_landmarks)) group.keyframes.push_back(n.id);
-    std::sort(group.keyframes.begin(), group.keyframes.end());
-    for (const Group& before : groups_) {
-      if (share_one(before.keyframes, group.keyframes)) group.times = std::max(group.times, before.times + 1);
-    }
-    if (group.times >= options_.loop_consistent) result.push_back(id);
-    groups.push_back(std::move(group));
-  }
-  groups_ = std::move(groups);
-  return result;
-}
-
-/// A similarity that enough pairs of landmarks fit, and enough landmarks of the place found where it predicts them.
+/// Estimates a similarity from pairs of landmarks, and finds the landmarks of the place where it predicts them.
 std::optional<VerifiedLoop> LoopClosing::verify(const MapKeyframe& keyframe, const MapKeyframe& candidate) const {
   const auto similarity = find_similarity(keyframe, candidate);
   if (!similarity) return std::nullopt;
@@ -160,18 +114,19 @@ std::optional<VerifiedLoop> LoopClosing::verify(const MapKeyframe& keyframe, con
        search_landmarks(graph_, around, *keyframe.frame, loop.keyframe_from_matched * Sim3(candidate.camera_from_world),
                         {.radius_px = options_.loop_search_px, .limits = limits()}))
     loop.landmarks.emplace_back(match.feature, around[match.subject]);
-  return static_cast<int>(loop.landmarks.size()) >= options_.loop_landmarks ? std::optional(loop) : std::nullopt;
+  return loop;
 }
 
-/// From matches by words, then from those that guided search adds.
+/// From matches by words, then with those added by guided search if half of the required inliers are found.
 std::optional<SimilarityFit> LoopClosing::find_similarity(const MapKeyframe& keyframe,
                                                           const MapKeyframe& candidate) const {
   SimilarityOptions options;
   options.fix_scale = graph_.sensor() != CameraKind::mono;
   options.seed = options_.seed;
+  const auto use = features_with_landmarks(keyframe), use_of_candidate = features_with_landmarks(candidate);
   FeaturePairs features =
-      match_by_words(*keyframe.frame, *keyframe.words, features_with_landmarks(keyframe), *candidate.frame,
-                     *candidate.words, features_with_landmarks(candidate), limits());
+      match_by_words(worded_features(*keyframe.frame, *keyframe.words, use),
+                     worded_features(*candidate.frame, *candidate.words, use_of_candidate), limits());
   const auto first =
       estimate_similarity(landmark_pairs(graph_, keyframe, candidate, features, options_.pixel_sigma), options);
   if (!first || 2 * first->inliers < options_.loop_inliers) return std::nullopt;
@@ -185,9 +140,8 @@ std::optional<SimilarityFit> LoopClosing::find_similarity(const MapKeyframe& key
   }
   std::sort(features.begin(), features.end());
   features.erase(std::unique(features.begin(), features.end()), features.end());
-  auto refined = refine_similarity(landmark_pairs(graph_, keyframe, candidate, features, options_.pixel_sigma),
-                                   first->first_from_second, options);
-  return refined && refined->inliers >= options_.loop_inliers ? std::move(refined) : std::nullopt;
+  return refine_similarity(landmark_pairs(graph_, keyframe, candidate, features, options_.pixel_sigma),
+                           first->first_from_second, options);
 }
 
 }  // namespace rastro

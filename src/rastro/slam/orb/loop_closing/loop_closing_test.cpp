@@ -27,7 +27,7 @@ struct Bench {
         loop_closing(options, graph, database),
         mapper(world, graph, sensor == CameraKind::mono ? 0.004 : 0.006, sensor == CameraKind::mono ? 1.004 : 1.0) {}
 
-  /// Root mean square of the keyframes' distances from truth, best aligned; NaN where that says nothing.
+  /// Root mean square of the keyframes' position errors after alignment; NaN where that is undefined.
   double error() const { return error(mapper); }
   double error(const DriftingMapper& made) const {
     std::vector<Eigen::Vector3d> truth, estimate;
@@ -37,7 +37,7 @@ struct Bench {
     }
     const bool mono = graph.sensor() == CameraKind::mono;
     const auto aligned = align_points(truth, estimate, mono ? AlignmentKind::similarity : AlignmentKind::rigid);
-    // Any two keyframes lie on any other two: no number, which no limit lets pass.
+    // Any two keyframes align exactly with any other two: NaN, which fails every limit.
     return aligned && aligned->unique ? aligned->rmse : std::numeric_limits<double>::quiet_NaN();
   }
 
@@ -49,7 +49,7 @@ struct Bench {
   DriftingMapper mapper;
 };
 
-/// Every list of the map agrees with every other.
+/// Every list of the map is consistent with every other.
 void expect_sound(const MapGraph& graph) {
   for (const std::int64_t id : graph.landmark_ids()) {
     const MapLandmark& landmark = graph.landmark(id);
@@ -72,7 +72,7 @@ void expect_sound(const MapGraph& graph) {
 
 class LoopClosingTest : public ::testing::TestWithParam<CameraKind> {};
 
-TEST_P(LoopClosingTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
+TEST_P(LoopClosingTest, ClosesAConfirmedLoopAndRemovesTheDrift) {
   Bench bench(GetParam());
   bench.mapper.begin(0, SE3(), 1.0);
   std::optional<LoopResult> closed;
@@ -98,7 +98,7 @@ TEST_P(LoopClosingTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
   expect_sound(bench.graph);
   ASSERT_EQ(bench.graph.ties().size(), 1U);
   EXPECT_GT(bench.graph.shared(closed->keyframe, closed->matched), 15) << "they now see the same landmarks";
-  // A map unit is as long everywhere.
+  // A map unit has the same length everywhere.
   std::vector<double> lengths;
   for (const std::int64_t id : bench.graph.keyframe_ids())
     lengths.push_back(bench.mapper.scales[static_cast<std::size_t>(id)] * bench.graph.unit(id));
@@ -107,7 +107,7 @@ TEST_P(LoopClosingTest, ClosesALoopOnceItIsSureAndTakesTheDriftOut) {
   EXPECT_TRUE(GetParam() == CameraKind::mono || (*least == 1.0 && *most == 1.0));
 }
 
-TEST_P(LoopClosingTest, JoinsASubmapOfAnotherUnitToTheOlderOne) {
+TEST_P(LoopClosingTest, MergesASubmapOfAnotherUnitIntoTheOlderOne) {
   Bench bench(GetParam());
   const bool mono = GetParam() == CameraKind::mono;
   DriftingMapper exact(bench.world, bench.graph, 0.0, 1.0);
@@ -152,7 +152,7 @@ TEST(FrameRelocalizer, FindsAFrameAnywhereInTheMapAndNoneElsewhere) {
     FrameRelocalizer relocalizer(bench.options, bench.graph, bench.database);
     std::vector<std::uint32_t> seen;
     for (const double angle : {3.3 * step, 11.6 * step}) {
-      // From a little off the trajectory, and turned.
+      // Slightly off the trajectory, and rotated.
       const SE3 truth = RoundWorld::world_from_camera(angle) * SE3(SO3::exp({0.05, -0.05, 0.2}), {0.1, 0.1, -0.3});
       const auto frame = bench.world.frame(100, truth, bench.graph.baseline(), seen);
       const auto found = relocalizer.find(*frame);

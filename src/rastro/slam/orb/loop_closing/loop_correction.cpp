@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <map>
 
-#include "rastro/optimize/similarity_graph.h"
+#include "rastro/optimize/pose_graph.h"
 #include "rastro/slam/orb/map/landmark_search.h"
 
 namespace rastro {
@@ -19,13 +19,13 @@ std::vector<std::int64_t> surroundings(const MapGraph& graph, std::int64_t keyfr
   return ids;
 }
 
-/// The rigid pose that sees the same in its own unit.
+/// The rigid pose with the same projections in its own unit.
 SE3 rigid(const Sim3& camera_from_world) {
   return {camera_from_world.rotation(), camera_from_world.translation() / camera_from_world.scale()};
 }
 
-/// A feature of a keyframe shows a landmark: it is observed, or what was thought to be there is the same. Returns how
-/// many landmarks were fused.
+/// A feature of a keyframe observes a landmark: adds the observation, or fuses with the landmark it had. Returns the
+/// number of fused landmarks.
 int fuse_observation(MapGraph& graph, std::int64_t keyframe, std::uint32_t feature, std::int64_t landmark) {
   const std::int64_t kept = graph.current(landmark);
   const std::int64_t there = graph.keyframe(keyframe).landmarks[feature];
@@ -38,7 +38,7 @@ int fuse_observation(MapGraph& graph, std::int64_t keyframe, std::uint32_t featu
   return 1;
 }
 
-/// Landmarks of the place are looked for in all keyframes around, which are where they belong by now.
+/// Searches for landmarks of the place in all keyframes around, whose poses are corrected by now.
 int fuse_landmarks(MapGraph& graph, const OrbSlamOptions& options, const VerifiedLoop& loop,
                    const std::vector<std::int64_t>& around) {
   int fused = 0;
@@ -58,7 +58,7 @@ int fuse_landmarks(MapGraph& graph, const OrbSlamOptions& options, const Verifie
   return fused;
 }
 
-/// One loop within a submap, step by step.
+/// The correction of one loop within a submap, step by step.
 class LoopCorrection {
  public:
   LoopCorrection(MapGraph& graph, const OrbSlamOptions& options, const VerifiedLoop& loop)
@@ -73,7 +73,7 @@ class LoopCorrection {
     add_known_edges();
   }
 
-  /// How many landmarks were fused.
+  /// Returns the number of fused landmarks.
   int run() {
     move_surroundings();
     const int fused = fuse_landmarks(graph_, options_, loop_, around_);
@@ -81,9 +81,10 @@ class LoopCorrection {
     std::vector<Sim3> after = start_;
     std::vector<std::uint8_t> fixed(ids_.size(), 0);
     fixed[held()] = 1;
-    SimilarityGraphOptions graph_options;
+    PoseGraphOptions graph_options;
+    graph_options.loops = LoopModel::trusted;
     graph_options.fix_scale = graph_.sensor() != CameraKind::mono;
-    optimize_similarity_graph(after, edges_, fixed, graph_options);
+    optimize_pose_graph(after, edges_, fixed, graph_options);
     take_over(after);
     return fused;
   }
@@ -94,7 +95,7 @@ class LoopCorrection {
   }
   bool is_around(std::int64_t id) const { return std::find(around_.begin(), around_.end(), id) != around_.end(); }
 
-  /// What stays where it is: the root, or the place where the root is among what moves.
+  /// The fixed keyframe: the root, or the matched keyframe if the root is among those that move.
   std::size_t held() const {
     for (const std::int64_t id : ids_) {
       if (graph_.keyframe(id).parent < 0 && !is_around(id)) return index(id);
@@ -103,10 +104,10 @@ class LoopCorrection {
   }
 
   void add_edge(std::int64_t from, std::int64_t to, const Sim3& from_from_to) {
-    edges_.push_back({index(from), index(to), from_from_to, 1.0});
+    edges_.push_back({.from = index(from), .to = index(to), .from_from_to = from_from_to});
   }
 
-  /// Spanning tree, loops closed before, and whatever shares much: as it was.
+  /// Spanning tree, earlier loops and strong covisibility, with the relative poses before the correction.
   void add_known_edges() {
     const auto relative = [&](std::int64_t from, std::int64_t to) {
       return before_[index(from)].inverse() * before_[index(to)];
@@ -130,7 +131,7 @@ class LoopCorrection {
     }
   }
 
-  /// To where the place says they are, with all they see.
+  /// Moves the surroundings to the poses that the place predicts, with all landmarks they observe.
   void move_surroundings() {
     const Sim3 keyframe_from_world =
         loop_.keyframe_from_matched * Sim3(graph_.keyframe(loop_.matched).camera_from_world);
@@ -168,7 +169,7 @@ class LoopCorrection {
     add_edge(loop_.keyframe, loop_.matched, loop_.keyframe_from_matched);
   }
 
-  /// Poses and landmarks from where they started to where the graph brought them.
+  /// Applies the change from the start to the optimized poses to keyframes and landmarks.
   void take_over(const std::vector<Sim3>& after) {
     std::vector<Sim3> moves;
     for (std::size_t i = 0; i < ids_.size(); ++i) moves.push_back(after[i] * start_[i].inverse());
@@ -194,14 +195,14 @@ class LoopCorrection {
   const VerifiedLoop& loop_;
   int submap_;
   std::vector<std::int64_t> ids_;     ///< Of the submap, ascending.
-  std::vector<std::int64_t> around_;  ///< What moves with the keyframe.
-  std::vector<Sim3> before_, start_;  ///< world_from_camera: as found, and with the surroundings moved.
-  std::vector<SimilarityEdge> edges_;
-  std::map<std::int64_t, std::vector<std::int64_t>> known_;  ///< Neighbours before fusing, of what is around.
+  std::vector<std::int64_t> around_;  ///< Keyframes that move with the keyframe.
+  std::vector<Sim3> before_, start_;  ///< world_from_camera: original, and with the surroundings moved.
+  std::vector<Constraint> edges_;     ///< Between indices into ids_.
+  std::map<std::int64_t, std::vector<std::int64_t>> known_;  ///< Neighbors of the surroundings before fusing.
   std::map<std::int64_t, std::int64_t> moved_with_;          ///< Landmark to keyframe.
 };
 
-/// The younger submap comes over to the older. How many landmarks were fused.
+/// Transforms the younger submap into the older. Returns the number of fused landmarks.
 int merge_submaps(MapGraph& graph, const OrbSlamOptions& options, const VerifiedLoop& loop, LoopResult& result) {
   const MapKeyframe& keyframe = graph.keyframe(loop.keyframe);
   const MapKeyframe& matched = graph.keyframe(loop.matched);
@@ -221,9 +222,9 @@ int merge_submaps(MapGraph& graph, const OrbSlamOptions& options, const Verified
 }  // namespace
 
 SlamEvent LoopResult::event() const {
-  std::string detail = fmt::format("keyframe {} at the place of {}: {} landmarks found again, scale {:.3f}", keyframe,
+  std::string detail = fmt::format("keyframe {} with keyframe {}: {} landmarks matched, scale {:.3f}", keyframe,
                                    matched, landmarks, scale);
-  if (!merged) detail += fmt::format(", moved {:.3f}", moved);
+  if (!merged) detail += fmt::format(", moved by {:.3f}", moved);
   return {merged ? "joined" : "loop_closed", std::move(detail)};
 }
 

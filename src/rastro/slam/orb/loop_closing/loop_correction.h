@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "rastro/backend/acceptance.h"
 #include "rastro/math/sim3.h"
 #include "rastro/slam/orb/map/map_graph.h"
 #include "rastro/slam/orb/options.h"
@@ -12,30 +13,32 @@
 
 namespace rastro {
 
-/// A keyframe that shows the place of another.
+/// A loop closure with its verified relative pose.
 struct VerifiedLoop {
   std::int64_t keyframe = 0, matched = 0;
-  Sim3 keyframe_from_matched;  ///< Camera frames, each in the unit it now has.
+  Sim3 keyframe_from_matched;  ///< Camera frames, each in its current unit.
   int inliers = 0;             ///< Pairs of landmarks that fit it.
-  /// Features of the keyframe and the landmarks of the place that they show.
+  /// Features of the keyframe matched to landmarks around the other one.
   std::vector<std::pair<std::uint32_t, std::int64_t>> landmarks;
+
+  Evidence evidence() const { return {.inliers = inliers, .observed = static_cast<int>(landmarks.size())}; }
 };
 
-/// What the map made of a place that was recognized.
+/// The effect of a loop closure or merge on the map.
 struct LoopResult {
   std::int64_t keyframe = 0, matched = 0;
-  bool merged = false;  ///< Two submaps became one; else a loop within one was closed.
+  bool merged = false;  ///< Two submaps were merged; else a loop within one was closed.
   int inliers = 0;      ///< Pairs of landmarks that fit the similarity.
-  int landmarks = 0;    ///< Of the place, found again in the keyframe.
-  int fused = 0;        ///< Landmarks that turned out to be the same.
-  double moved = 0.0;   ///< By how much the keyframe's center moved, the map's unit; 0: merged.
-  double scale = 1.0;   ///< By which what was brought over, or the keyframe's surroundings, grew.
+  int landmarks = 0;    ///< Of the matched keyframe's surroundings, found in the keyframe.
+  int fused = 0;        ///< Landmarks fused with their duplicates.
+  double moved = 0.0;   ///< Distance that the keyframe's center moved, in the map's unit; 0: merged.
+  double scale = 1.0;   ///< Scale change of the merged submap, or of the keyframe's surroundings.
   SlamEvent event() const;
 };
 
-/// Makes the map agree with itself (Mur-Artal et al. 2015, section VII): within a submap the surroundings of the
-/// keyframe are moved, landmarks fused and the error spread over the essential graph; of two submaps the younger is
-/// brought over to the older. Bundle adjustment of the whole submap comes after it (GlobalBundleAdjustment).
+/// Corrects the map (Mur-Artal et al. 2015, section VII). Within a submap it moves the surroundings of the keyframe,
+/// fuses landmarks and spreads the error over the essential graph. Of two submaps it transforms the younger into the
+/// frame of the older. Bundle adjustment of the whole submap comes afterwards (GlobalBundleAdjustment).
 LoopResult correct_loop(MapGraph& graph, const OrbSlamOptions& options, const VerifiedLoop& loop);
 
 }  // namespace rastro

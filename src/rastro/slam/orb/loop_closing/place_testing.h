@@ -12,7 +12,8 @@
 
 namespace rastro::testing {
 
-/// For tests only: points round a circle, each with a descriptor of its own kin, and what a camera sees of them.
+/// For tests only: points around a circle, with descriptors from a limited number of families, and what a camera
+/// observes of them.
 class RoundWorld {
  public:
   static constexpr double radius = 5.0;
@@ -37,15 +38,15 @@ class RoundWorld {
     camera.cy = 239.5;
   }
 
-  /// Looking outwards.
+  /// Looking outward.
   static SE3 world_from_camera(double angle) {
     Eigen::Matrix3d rotation;
     rotation << std::sin(angle), 0.0, std::cos(angle), -std::cos(angle), 0.0, std::sin(angle), 0.0, -1.0, 0.0;
     return SE3(SO3::from_matrix(rotation), radius * rotation.col(2));
   }
 
-  /// Half a pixel of noise, a few bits wrong; `seen` gets the point of each feature. `baseline` > 0: with depths, times
-  /// `scale`.
+  /// Half a pixel of noise and a few wrong bits; `seen` gets the point of each feature. `baseline` > 0: with depths,
+  /// multiplied by `scale`.
   std::shared_ptr<const FeatureFrame> frame(std::int64_t id, const SE3& world_from_camera, double baseline,
                                             std::vector<std::uint32_t>& seen) {
     auto keyframe = std::make_shared<ImageFeatures>();
@@ -71,7 +72,7 @@ class RoundWorld {
     return std::make_shared<FeatureFrame>(std::move(keyframe), camera, baseline);
   }
 
-  /// Of these points, as of a picture a sector.
+  /// Trained on these points, one image per sector.
   std::shared_ptr<const Vocabulary> vocabulary() const {
     std::vector<std::vector<Descriptor>> sectors(40);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -98,13 +99,13 @@ class RoundWorld {
   Random random_;
 };
 
-/// Makes a map as odometry would: it bends and changes its scale as it goes, and knows nothing again after a while.
+/// Makes a map with odometry drift: heading and scale drift, and points out of view for a while become new landmarks.
 class DriftingMapper {
  public:
   DriftingMapper(RoundWorld& world, MapGraph& graph, double turn, double growth)
       : world_(world), graph_(graph), turn_(turn), growth_(growth) {}
 
-  /// Where a submap begins, in a frame of its own and with a unit of 1 / `scale` metres.
+  /// Starts a submap in a frame of its own, with a unit of 1 / `scale` meters.
   void begin(int submap, const SE3& world_from_first, double scale) {
     submap_ = submap;
     pose_ = world_from_first;
@@ -141,8 +142,8 @@ class DriftingMapper {
     return id;
   }
 
-  std::vector<double> scales;            ///< Of the map at each keyframe as it was made: map units a metre.
-  std::vector<Eigen::Vector3d> centers;  ///< Truth.
+  std::vector<double> scales;            ///< Map units per meter at each keyframe when it was made.
+  std::vector<Eigen::Vector3d> centers;  ///< Ground truth.
 
  private:
   RoundWorld& world_;

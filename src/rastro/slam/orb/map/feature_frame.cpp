@@ -9,7 +9,7 @@ namespace {
 
 constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 
-/// The keyframe's features, which live as long as it does.
+/// The keyframe's features, kept alive with it.
 std::shared_ptr<const Features> features_of(const std::shared_ptr<const ImageFeatures>& data) {
   return {data, &data->features};
 }

@@ -13,14 +13,14 @@
 
 namespace rastro {
 
-/// The features of a frame as tracking and mapping use them: undistorted, and found by position. "Pixel" below is as
-/// in FeatureGrid.
+/// The features of a frame for tracking and mapping: undistorted and indexed by position. "Pixel" is defined in
+/// FeatureGrid.
 class FeatureFrame {
  public:
-  /// Features whose distortion cannot be undone get NaN and are never found.
+  /// Features whose distortion cannot be inverted get NaN and are never matched.
   FeatureFrame(std::shared_ptr<const ImageFeatures> data, const Camera& camera, double baseline);
 
-  /// The same as a keyframe.
+  /// The same features with the id of a keyframe.
   std::shared_ptr<const FeatureFrame> with_id(std::int64_t id) const;
 
   const ImageFeatures& data() const { return *data_; }

@@ -19,7 +19,19 @@ SE3 pose_of(const MapGraph& graph, const TrackedFrame& frame) {
 void FrameTrajectory::add(const TrackedFrame& frame) {
   const auto at = std::upper_bound(frames_.begin(), frames_.end(), frame.index,
                                    [](std::int64_t index, const TrackedFrame& other) { return index < other.index; });
-  frames_.insert(at, frame);
+  const auto added = frames_.insert(at, frame);
+  if (!keeps_observations_) added->seen = {};
+}
+
+void FrameTrajectory::forget_observations() {
+  keeps_observations_ = false;
+  for (TrackedFrame& frame : frames_) frame.seen = {};
+}
+
+std::size_t FrameTrajectory::bytes() const {
+  std::size_t bytes = frames_.size() * sizeof(TrackedFrame);
+  for (const TrackedFrame& frame : frames_) bytes += frame.seen.size() * sizeof(FrameObservation);
+  return bytes;
 }
 
 bool FrameTrajectory::repeat_last(std::int64_t index, TimeNs stamp) {

@@ -17,9 +17,9 @@ using testing::pose_near;
 
 constexpr TimeNs tenth = 100000000;
 
-SE3 pose_at(double metres) { return SE3(SO3::exp({0.0, 0.1 * metres, 0.02}), {metres, 0.1 * metres, 0.0}); }
+SE3 pose_at(double meters) { return SE3(SO3::exp({0.0, 0.1 * meters, 0.02}), {meters, 0.1 * meters, 0.0}); }
 
-/// As tracking hands it over: standing at `world_from_camera`, relative to a keyframe of the graph.
+/// As tracking hands it over: at `world_from_camera`, relative to a keyframe of the graph.
 TrackedFrame placed(const MapGraph& graph, std::int64_t index, std::int64_t keyframe, const SE3& world_from_camera) {
   TrackedFrame frame;
   frame.index = index;
@@ -31,12 +31,13 @@ TrackedFrame placed(const MapGraph& graph, std::int64_t index, std::int64_t keyf
 }
 
 /// A map of two keyframes and a trajectory past them.
-struct WayBench {
-  explicit WayBench(CameraKind sensor = CameraKind::mono) : map(world, sensor, sensor == CameraKind::mono ? 0.0 : 0.1) {
+struct PathBench {
+  explicit PathBench(CameraKind sensor = CameraKind::mono)
+      : map(world, sensor, sensor == CameraKind::mono ? 0.0 : 0.1) {
     map.add(0, pose_at(0.0).inverse());
     map.add(1, pose_at(1.0).inverse());
   }
-  /// `error` away from `world_from_camera`, but with all that is seen from there.
+  /// A frame with pose error `error`, but with the observations from `world_from_camera`.
   TrackedFrame seeing(std::int64_t index, std::int64_t keyframe, const SE3& world_from_camera, const SE3& error) {
     const Observed observed =
         world.observe(100 + index, world_from_camera.inverse(), {.baseline = map.graph.baseline()});
@@ -55,7 +56,7 @@ struct WayBench {
   FrameTrajectory recorded;
 };
 
-/// A frame of which only its keyframe matters.
+/// A frame of which only the keyframe matters.
 TrackedFrame beside(std::int64_t index, std::int64_t keyframe) {
   TrackedFrame frame;
   frame.index = index;
@@ -67,7 +68,7 @@ TrackedFrame beside(std::int64_t index, std::int64_t keyframe) {
 const SE3 some_error(SO3::exp({0.02, -0.01, 0.03}), {0.05, -0.04, 0.06});
 
 TEST(FrameTrajectory, IsInTheOrderOfTheRecordingHoweverFramesCome) {
-  WayBench bench;
+  PathBench bench;
   for (const int index : {3, 1, 4, 2})
     bench.recorded.add(placed(bench.map.graph, index, index % 2, pose_at(0.2 * index)));
   const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
@@ -79,8 +80,8 @@ TEST(FrameTrajectory, IsInTheOrderOfTheRecordingHoweverFramesCome) {
   }
 }
 
-TEST(FrameTrajectory, FramesGoWhereTheirKeyframeGoes) {
-  WayBench bench;
+TEST(FrameTrajectory, FramesMoveWithTheirKeyframe) {
+  PathBench bench;
   bench.recorded.add(placed(bench.map.graph, 1, 0, pose_at(0.2)));
   bench.recorded.add(placed(bench.map.graph, 2, 1, pose_at(0.8)));
   const SE3 shift(SO3::exp({0.1, 0.2, 0.3}), {1.0, 2.0, 3.0});
@@ -90,12 +91,12 @@ TEST(FrameTrajectory, FramesGoWhereTheirKeyframeGoes) {
   EXPECT_THAT(poses[1].world_from_body, pose_near(shift * pose_at(0.8), 1e-9, 1e-9));
 }
 
-TEST(FrameTrajectory, GrowsWithTheMap) {
-  WayBench bench;
+TEST(FrameTrajectory, ScalesWithTheMap) {
+  PathBench bench;
   bench.recorded.add(placed(bench.map.graph, 1, 1, pose_at(0.5)));
   const Sim3 grown(2.5, SO3::exp({0.3, -0.1, 0.2}), {1.0, -2.0, 0.5});
   bench.map.graph.transform(0, grown);
-  // Placed in the larger unit already.
+  // In the larger unit already.
   bench.recorded.add(placed(bench.map.graph, 2, 1, SE3(SO3(), {7.0, 8.0, 9.0})));
   const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
   const SE3 expected(grown.rotation() * pose_at(0.5).rotation(), grown * pose_at(0.5).translation());
@@ -103,8 +104,8 @@ TEST(FrameTrajectory, GrowsWithTheMap) {
   EXPECT_THAT(poses[1].world_from_body, pose_near(SE3(SO3(), {7.0, 8.0, 9.0}), 1e-9, 1e-9));
 }
 
-TEST(FrameTrajectory, FramesOfARemovedKeyframeStayWhereTheyAre) {
-  WayBench bench;
+TEST(FrameTrajectory, FramesOfARemovedKeyframeKeepTheirPose) {
+  PathBench bench;
   bench.recorded.add(placed(bench.map.graph, 1, 1, pose_at(0.7)));
   bench.map.graph.remove_keyframe(1);
   const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
@@ -113,7 +114,7 @@ TEST(FrameTrajectory, FramesOfARemovedKeyframeStayWhereTheyAre) {
 }
 
 TEST(FrameTrajectory, TheLastPoseIsRepeatedOnlyLater) {
-  WayBench bench;
+  PathBench bench;
   EXPECT_FALSE(bench.recorded.repeat_last(1, tenth));
   bench.recorded.add(placed(bench.map.graph, 3, 0, pose_at(0.3)));
   EXPECT_FALSE(bench.recorded.repeat_last(3, 4 * tenth));
@@ -127,8 +128,8 @@ TEST(FrameTrajectory, TheLastPoseIsRepeatedOnlyLater) {
   EXPECT_THAT(poses[1].world_from_body, pose_near(pose_at(0.3), 1e-9, 1e-9));
 }
 
-TEST(FrameTrajectory, ASubmapThatIsForgottenTakesItsFramesAlong) {
-  WayBench bench;
+TEST(FrameTrajectory, ForgettingASubmapForgetsItsFrames) {
+  PathBench bench;
   bench.map.add(2, pose_at(5.0).inverse(), {}, 1);
   for (const int index : {1, 2, 3, 4, 5}) bench.recorded.add(beside(index, index % 2 == 0 ? 2 : 1));
   EXPECT_EQ(bench.recorded.trajectory(bench.map.graph, 1).size(), 2U);
@@ -141,8 +142,8 @@ TEST(FrameTrajectory, ASubmapThatIsForgottenTakesItsFramesAlong) {
   EXPECT_EQ(bench.recorded.largest_submap(bench.map.graph), 1);
 }
 
-TEST(FrameTrajectory, OfSubmapsOfOneSizeTheFirstIsTheLargest) {
-  WayBench bench;
+TEST(FrameTrajectory, OfSubmapsOfEqualSizeTheFirstIsTheLargest) {
+  PathBench bench;
   EXPECT_EQ(bench.recorded.largest_submap(bench.map.graph), 0);
   bench.map.add(2, pose_at(5.0).inverse(), {}, 1);
   bench.recorded.add(beside(1, 2));
@@ -152,9 +153,9 @@ TEST(FrameTrajectory, OfSubmapsOfOneSizeTheFirstIsTheLargest) {
   EXPECT_EQ(bench.recorded.largest_submap(bench.map.graph), 1);
 }
 
-TEST(FrameTrajectory, SettlingPutsAFrameWhereItsLandmarksSay) {
+TEST(FrameTrajectory, RefiningGivesTheFrameThePoseOfItsLandmarks) {
   for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
-    WayBench bench(sensor);
+    PathBench bench(sensor);
     bench.recorded.add(bench.seeing(1, 1, pose_at(0.4), some_error));
     const auto pose = [&]() -> SE3 { return bench.recorded.trajectory(bench.map.graph, 0)[0].world_from_body; };
     EXPECT_THAT(pose(), pose_near(pose_at(0.4) * some_error, 1e-9, 1e-9));
@@ -163,8 +164,8 @@ TEST(FrameTrajectory, SettlingPutsAFrameWhereItsLandmarksSay) {
   }
 }
 
-TEST(FrameTrajectory, SettlesInAMapThatHasGrownSince) {
-  WayBench bench;
+TEST(FrameTrajectory, IsRefinedInAMapWhoseScaleHasChanged) {
+  PathBench bench;
   bench.recorded.add(bench.seeing(1, 1, pose_at(0.4), some_error));
   const Sim3 grown(2.0, SO3(), {0.0, 0.0, 1.0});
   bench.map.graph.transform(0, grown);
@@ -174,8 +175,8 @@ TEST(FrameTrajectory, SettlesInAMapThatHasGrownSince) {
   EXPECT_EQ(bench.recorded.frames()[0].unit, 2.0);
 }
 
-TEST(FrameTrajectory, AFrameOfWhichTooLittleFitsStays) {
-  WayBench bench;
+TEST(FrameTrajectory, AFrameWithTooFewInliersKeepsItsPose) {
+  PathBench bench;
   TrackedFrame frame = bench.seeing(1, 1, pose_at(0.4), some_error);
   frame.seen.resize(20);
   bench.recorded.add(frame);
@@ -186,13 +187,13 @@ TEST(FrameTrajectory, AFrameOfWhichTooLittleFitsStays) {
   EXPECT_THAT(bench.recorded.trajectory(bench.map.graph, 0)[0].world_from_body, pose_near(pose_at(0.4), 1e-4, 1e-4));
 }
 
-TEST(FrameTrajectory, LandmarksThatAreGoneHoldNoFrameAndFusedOnesDo) {
-  WayBench bench;
+TEST(FrameTrajectory, RemovedLandmarksAreNotUsedAndFusedOnesAre) {
+  PathBench bench;
   MapGraph& graph = bench.map.graph;
   TrackedFrame frame = bench.seeing(1, 1, pose_at(0.4), some_error);
   frame.seen.resize(20);
   bench.recorded.add(frame);
-  // One more landmark where the first of them is takes its place; the second is gone.
+  // A duplicate at the position of the first landmark replaces it; the second is removed.
   const std::int64_t twin = graph.add_landmark(graph.landmark(frame.seen[0].landmark).position, 0).id;
   graph.fuse(twin, frame.seen[0].landmark);
   graph.remove_landmark(frame.seen[1].landmark);
@@ -202,19 +203,19 @@ TEST(FrameTrajectory, LandmarksThatAreGoneHoldNoFrameAndFusedOnesDo) {
   EXPECT_THAT(bench.recorded.trajectory(graph, 0)[0].world_from_body, pose_near(pose_at(0.4), 1e-4, 1e-4));
 }
 
-TEST(FrameTrajectory, LandmarksOfAnotherSubmapHoldNoFrame) {
-  WayBench bench;
+TEST(FrameTrajectory, LandmarksOfAnotherSubmapAreNotUsed) {
+  PathBench bench;
   bench.map.add(2, SE3(), {}, 1);
   bench.recorded.add(bench.seeing(1, 2, pose_at(0.4), some_error));
-  // All of its landmarks belong to the first submap, whose world is another.
+  // All its landmarks belong to the first submap, which has another world.
   for (const std::int64_t id : bench.map.graph.landmark_ids()) bench.map.graph.remove_observation(2, id);
   bench.recorded.refine(bench.map.graph, 1);
   EXPECT_THAT(bench.recorded.trajectory(bench.map.graph, 1)[0].world_from_body,
               pose_near(pose_at(0.4) * some_error, 1e-9, 1e-9));
 }
 
-TEST(FrameTrajectory, AFrameThatBecameAKeyframeSettlesOnIt) {
-  WayBench bench;
+TEST(FrameTrajectory, AFrameThatBecameAKeyframeGetsItsPose) {
+  PathBench bench;
   const SE3 elsewhere = pose_at(3.0);
   for (const int index : {1, 2, 3}) bench.recorded.add(placed(bench.map.graph, index, 0, pose_at(0.1 * index)));
   bench.recorded.set_keyframe(2, 1);

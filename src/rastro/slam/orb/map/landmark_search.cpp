@@ -18,7 +18,7 @@ std::vector<FeatureMatch> search_landmarks(const MapGraph& graph, const std::vec
   const Eigen::Vector3d center = camera_from_world.inverse().translation();
   for (std::uint32_t i = 0; i < landmarks.size(); ++i) {
     const MapLandmark& landmark = graph.landmark(landmarks[i]);
-    // From too near or far, or from behind, it looks different: distances are in the landmarks' unit.
+    // A landmark looks different from too near, too far, or behind: distances are in the landmarks' unit.
     search.add_landmark(
         i, {landmark.position, landmark.direction, landmark.min_distance, landmark.max_distance, landmark.descriptor},
         camera_from_world * landmark.position, center);

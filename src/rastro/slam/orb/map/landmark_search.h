@@ -11,23 +11,24 @@
 namespace rastro {
 
 struct LandmarkSearchOptions {
-  double radius_px = 8.0;  ///< Half the side of a window at the finest level; it grows with the level's scale.
+  double radius_px = 8.0;  ///< Half the side of the search window at the finest level; it grows with the level's scale.
   MatchLimits limits;
   double min_view_cosine = 0.5;     ///< See GuidedSearchOptions.
   bool check_right_camera = false;  ///< Only where `camera_from_world` keeps the landmarks' unit.
 };
 
-/// Landmarks of the map in a frame. `camera_from_world` may bring another unit than the landmarks'. `subject` of a
-/// match is the index of its landmark in `landmarks`. Ascending by feature.
+/// Matches landmarks of the map to features of a frame. `camera_from_world` may change the unit. `subject` of a match
+/// is the index of its landmark in `landmarks`. Ascending by feature.
 std::vector<FeatureMatch> search_landmarks(const MapGraph& graph, const std::vector<std::int64_t>& landmarks,
                                            const FeatureFrame& frame, const Sim3& camera_from_world,
                                            const LandmarkSearchOptions& options);
 
-/// Landmarks of a keyframe and those that share landmarks with it, at most `most_keyframes`; ascending.
+/// Landmarks of a keyframe and of those that share at least `least_shared` landmarks with it, at most `most_keyframes`;
+/// ascending.
 std::vector<std::int64_t> landmarks_around(const MapGraph& graph, std::int64_t keyframe, int least_shared,
                                            std::size_t most_keyframes);
 
-/// One a feature of the keyframe: 1 where it observes a landmark.
+/// One per feature of the keyframe: 1 if it observes a landmark.
 std::vector<std::uint8_t> features_with_landmarks(const MapKeyframe& keyframe);
 /// Landmarks that the keyframe observes, in the order of its features.
 std::vector<std::int64_t> landmarks_of(const MapKeyframe& keyframe);

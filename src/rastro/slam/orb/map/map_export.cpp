@@ -22,7 +22,7 @@ Landmark public_form(const MapLandmark& landmark) {
           landmark.min_distance, landmark.max_distance, landmark.observations};
 }
 
-/// The submap with most frames is the first one.
+/// Renumbers the submap with most frames to 0.
 int public_submap(int submap, int largest) { return submap == largest ? 0 : submap < largest ? submap + 1 : submap; }
 
 void add_keyframes(const MapGraph& graph, int largest, Map& map) {
@@ -45,7 +45,7 @@ void add_landmarks(const MapGraph& graph, Map& map) {
   map.layers.put<LandmarkLayer>(std::move(layer));
 }
 
-/// A frame whose keyframe was culled goes with the keyframe of its submap that was nearest before it.
+/// Re-references frames of culled keyframes to the nearest earlier keyframe of the submap.
 class FrameReferences {
  public:
   explicit FrameReferences(const Map& map) : map_(map) {
@@ -111,7 +111,7 @@ std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& 
 }
 
 void restore(const Map& given, double baseline, MapGraph& graph) {
-  constexpr KeyframeId most_spread = 1 << 24;  // the graph has a place for each number
+  constexpr KeyframeId most_spread = 1 << 24;  // the graph has an entry for each number
   const bool spread = !given.keyframes.empty() && given.keyframes.back().id >= most_spread;
   const Map map = spread ? renumbered(given) : given;
   const auto features = map.layer<FeatureLayer>();

@@ -10,11 +10,10 @@
 
 namespace rastro {
 
-/// The map as others read it. The submap with most frames is called 0. `scale`: what its unit is worth, where somebody
-/// said so.
+/// Exports the map. The submap with most frames is renumbered to 0. `scale`: the scale of its unit, where known.
 std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& way,
                                   const std::optional<MapScale>& scale);
-/// Fills an empty graph with a map made before.
+/// Fills an empty graph with an existing map.
 void restore(const Map& map, double baseline, MapGraph& graph);
 
 }  // namespace rastro

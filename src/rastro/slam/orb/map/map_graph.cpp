@@ -103,7 +103,7 @@ void MapGraph::remove_keyframe(std::int64_t id) {
   --keyframe_count_;
 }
 
-/// Where they share most: to the parent of the one that goes, or to a sibling that has its place already.
+/// Children go to the parent of the removed keyframe, or to a sibling with a new parent: whichever shares most.
 void MapGraph::move_children(const MapKeyframe& gone) {
   std::vector<std::int64_t> placed{gone.parent}, left = gone.children;
   while (!left.empty()) {

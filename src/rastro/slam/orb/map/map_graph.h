@@ -17,105 +17,106 @@ namespace rastro {
 
 struct BagOfWords;
 
-/// How many landmarks a keyframe shares with another.
+/// Number of landmarks a keyframe shares with another.
 struct Neighbor {
   std::int64_t id = 0;
   int shared = 0;
   bool operator==(const Neighbor&) const = default;
 };
 
-/// A keyframe of the map in the making.
+/// A keyframe of the map under construction.
 struct MapKeyframe {
   std::int64_t id = 0;
   std::shared_ptr<const FeatureFrame> frame;
   std::shared_ptr<const BagOfWords> words;  ///< Null where there is no vocabulary.
   SE3 camera_from_world;                    ///< World: of its submap.
   int submap = 0;
-  /// Length now of what had length 1 when the keyframe was made: whoever rescales the map around it multiplies this.
+  /// Current length of what had length 1 when the keyframe was made. Every rescaling of the map around it multiplies
+  /// this.
   double unit = 1.0;
   std::int64_t parent = -1;             ///< In the spanning tree; -1: root of its submap.
   std::vector<std::int64_t> children;   ///< Ascending.
-  std::vector<std::int64_t> landmarks;  ///< One a feature; -1: none.
+  std::vector<std::int64_t> landmarks;  ///< One per feature; -1: none.
   std::vector<Neighbor> neighbors;      ///< All that share at least one landmark, ids ascending.
 };
 
-/// A landmark of the map in the making.
+/// A landmark of the map under construction.
 struct MapLandmark {
   std::int64_t id = 0;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< World of its submap.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< In the world of its submap.
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   Descriptor descriptor;
   float min_distance = 0.0F, max_distance = 0.0F;
-  std::vector<LandmarkObservation> observations;  ///< Keyframes ascending; at most one a keyframe.
-  std::int64_t first_keyframe = 0;                ///< That made it.
-  int visible = 1, found = 1;                     ///< Frames that should have seen it, and that did.
+  std::vector<LandmarkObservation> observations;  ///< Keyframes ascending; at most one per keyframe.
+  std::int64_t first_keyframe = 0;                ///< The keyframe that created it.
+  int visible = 1, found = 1;                     ///< Numbers of frames where it should be visible, and was found.
 };
 
-/// The map in the making: keyframes, landmarks, who sees what, covisibility (always up to date) and the spanning tree
-/// (Mur-Artal et al. 2015, section III). Ids are running numbers and never used again; every list is in their order.
-/// Not for two threads at once.
+/// The map under construction: keyframes, landmarks, observations, covisibility (always up to date) and the spanning
+/// tree (Mur-Artal et al. 2015, section III). Ids are running numbers and never reused; every list is in their order.
+/// Not thread-safe.
 class MapGraph {
  public:
   MapGraph(const Camera& camera, CameraKind sensor, double baseline, const OrbOptions& features);
 
   const Camera& camera() const { return camera_; }
   CameraKind sensor() const { return sensor_; }
-  double baseline() const { return baseline_; }  ///< Stereo and RGB-D (made up there); 0: mono.
+  double baseline() const { return baseline_; }  ///< Stereo and RGB-D (virtual there); 0: mono.
   const OrbOptions& orb_options() const { return orb_options_; }
   const std::vector<double>& level_scales() const { return level_scales_; }
-  /// Standard deviation of a feature's place, normalised.
+  /// Standard deviation of a feature's position, normalized.
   double sigma(const FeatureFrame& frame, std::size_t feature) const;
 
   /// Its id is frame->data().id, larger than all before. No landmarks yet.
   MapKeyframe& add_keyframe(std::shared_ptr<const FeatureFrame> frame, const SE3& camera_from_world, int submap,
                             std::int64_t parent);
   bool has_keyframe(std::int64_t id) const;
-  MapKeyframe& keyframe(std::int64_t id);  ///< Must exist, as below.
+  MapKeyframe& keyframe(std::int64_t id);  ///< Must exist; also below.
   const MapKeyframe& keyframe(std::int64_t id) const;
   std::vector<std::int64_t> keyframe_ids() const;
   std::vector<std::int64_t> keyframe_ids(int submap) const;
   std::size_t keyframe_count() const { return keyframe_count_; }
-  /// Of all that were ever added, also if it is gone; -1: none.
+  /// Largest id ever added, even if that keyframe was removed; -1: none.
   std::int64_t newest_keyframe() const { return static_cast<std::int64_t>(keyframes_.size()) - 1; }
-  /// Its observations go, landmarks left with fewer than two observations too (mono; one where depths are known). Its
-  /// children take parents among its parent and each other by covisibility. Not for the root of a submap.
+  /// Removes its observations, and landmarks left with fewer than two observations (mono; one where depths are known).
+  /// Its children get new parents among its parent and each other, by covisibility. Not for the root of a submap.
   void remove_keyframe(std::int64_t id);
-  /// The last keyframe of a submap that is not begun after all, with its landmarks.
+  /// Removes the last keyframe of a submap, with its landmarks, when its initialization is undone.
   void remove_root(std::int64_t id);
-  /// Also of keyframes that were removed: those keep their place relative to their parent.
+  /// Also for removed keyframes: those keep their pose relative to their parent.
   SE3 camera_from_world(std::int64_t id) const;
   double unit(std::int64_t id) const;
   int submap(std::int64_t id) const;
-  /// Moves a keyframe to another parent (both in one submap).
+  /// Moves a keyframe to another parent in the same submap.
   void set_parent(std::int64_t child, std::int64_t parent);
   /// Makes `id` the root of its submap's tree.
   void make_root(std::int64_t id);
 
-  /// Observed by nobody yet; `keyframe` made it.
+  /// Without observations; `keyframe` created it.
   MapLandmark& add_landmark(const Eigen::Vector3d& position, std::int64_t keyframe);
-  /// One that was saved, with its id, larger than all before; its keyframes are there.
+  /// Adds a saved landmark with its id, larger than all before; its keyframes must exist.
   void restore_landmark(const Landmark& landmark);
   bool has_landmark(std::int64_t id) const;
   MapLandmark& landmark(std::int64_t id);
   const MapLandmark& landmark(std::int64_t id) const;
-  /// What became of a landmark by fusing; -1: it is gone.
+  /// The landmark that it was fused into, or itself; -1: removed.
   std::int64_t current(std::int64_t id) const;
   std::vector<std::int64_t> landmark_ids() const;
   std::size_t landmark_count() const { return landmark_count_; }
   void remove_landmark(std::int64_t id);
-  /// Puts `gone` into `kept`: observations move over where that keyframe does not see `kept` yet.
+  /// Fuses `gone` into `kept`: observations move over where the keyframe does not observe `kept` yet.
   void fuse(std::int64_t kept, std::int64_t gone);
 
-  /// Does nothing where the keyframe sees the landmark already or the feature has one.
+  /// Does nothing if the keyframe observes the landmark already or the feature has one.
   void add_observation(std::int64_t keyframe, std::uint32_t feature, std::int64_t landmark);
-  /// The landmark stays, whatever is left of it.
+  /// Keeps the landmark, whatever observations are left.
   void remove_observation(std::int64_t keyframe, std::int64_t landmark);
-  /// Feature of the keyframe that sees the landmark; -1: none.
+  /// Feature of the keyframe that observes the landmark; -1: none.
   std::int64_t feature_of(std::int64_t keyframe, std::int64_t landmark) const;
-  /// Descriptor, direction and distances from its observations.
+  /// Updates descriptor, direction and distances from its observations.
   void describe(std::int64_t landmark);
 
-  /// Neighbours that share at least `least`, most first, then by id; at most `count` (0: all).
+  /// Neighbors that share at least `least` landmarks, most first, then by id; at most `count` (0: all).
   std::vector<Neighbor> covisible(std::int64_t keyframe, int least, std::size_t count = 0) const;
   int shared(std::int64_t a, std::int64_t b) const;
 
@@ -123,10 +124,10 @@ class MapGraph {
   const std::vector<Constraint>& ties() const { return ties_; }
   int submap_count() const { return submaps_; }
   int new_submap() { return submaps_++; }
-  /// Submaps that were joined share the smallest number: what is `from` moves by `to_from_from` and becomes `to`; its
-  /// root gets `parent`, a keyframe of `to`.
+  /// Merges two submaps; merged submaps share the smallest number. `from` is transformed by `to_from_from` and becomes
+  /// part of `to`; its root gets `parent`, a keyframe of `to`.
   void join(int from, int to, const Sim3& to_from_from, std::int64_t root, std::int64_t parent);
-  /// Moves all keyframes and landmarks of a submap (and their units).
+  /// Transforms all keyframes and landmarks of a submap (and their units).
   void transform(int submap, const Sim3& new_from_old);
 
  private:
@@ -134,7 +135,7 @@ class MapGraph {
     std::int64_t parent = -1;
     SE3 keyframe_from_parent;  ///< In the parent's unit at the time...
     double parent_unit = 1.0;  ///< ... which is this.
-    double unit = 1.0;         ///< The keyframe's own then.
+    double unit = 1.0;         ///< The keyframe's own unit then.
   };
   void move_children(const MapKeyframe& gone);
   void count(std::int64_t a, std::int64_t b, int change);

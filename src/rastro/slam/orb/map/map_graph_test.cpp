@@ -9,38 +9,21 @@
 #include <set>
 
 #include "rastro/base/random.h"
+#include "rastro/slam/orb/map/graph_testing.h"
 
 namespace rastro {
 namespace {
 
-constexpr std::uint32_t feature_count = 40;
+using testing::blank_frame;
+using testing::feature_count;
+using testing::small_camera;
 
-Camera small_camera() {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 500.0;
-  camera.cx = 320.0;
-  camera.cy = 240.0;
-  return camera;
-}
-
-std::shared_ptr<const FeatureFrame> frame_with(std::int64_t id) {
-  auto data = std::make_shared<ImageFeatures>();
-  data->id = data->frame = id;
-  for (std::uint32_t i = 0; i < feature_count; ++i)
-    data->features.keypoints.push_back({static_cast<float>(10 * i), static_cast<float>(5 * i + 20), 31, 0, 1});
-  data->features.levels.assign(feature_count, 0);
-  data->features.descriptors.resize(feature_count);
-  return std::make_shared<FeatureFrame>(std::move(data), small_camera(), 0.0);
-}
-
-/// A chain of keyframes whose features see landmarks drawn at random.
+/// A chain of keyframes whose features observe random landmarks.
 MapGraph random_graph(int keyframes, std::uint64_t seed) {
   MapGraph graph(small_camera(), CameraKind::mono, 0.0, {});
   Random random(seed);
   for (int k = 0; k < keyframes; ++k)
-    graph.add_keyframe(frame_with(k), SE3(SO3(), Eigen::Vector3d(-0.1 * k, 0.0, 0.0)), 0, k - 1);
+    graph.add_keyframe(blank_frame(k), SE3(SO3(), Eigen::Vector3d(-0.1 * k, 0.0, 0.0)), 0, k - 1);
   for (int l = 0; l < 60; ++l) {
     const std::int64_t id = graph.add_landmark({random.uniform(-1, 1), random.uniform(-1, 1), 5.0}, 0).id;
     for (int k = 0; k < keyframes; ++k) {
@@ -50,7 +33,7 @@ MapGraph random_graph(int keyframes, std::uint64_t seed) {
   return graph;
 }
 
-/// Counted anew from what is seen; and both directions of "who sees what" must say the same.
+/// Recounts from the observations; keyframes and landmarks must have the same ones.
 void expect_consistent(const MapGraph& graph) {
   std::map<std::pair<std::int64_t, std::int64_t>, int> shared;
   for (const std::int64_t id : graph.landmark_ids()) {
@@ -81,7 +64,7 @@ void expect_consistent(const MapGraph& graph) {
   }
 }
 
-/// One root a submap, everybody else hangs below it, and children are listed by their parents once and in order.
+/// One root per submap, all others below it; every child is listed by its parent once and in order.
 void expect_spanning_trees(const MapGraph& graph) {
   std::map<int, int> roots;
   std::size_t listed = 0;
@@ -92,7 +75,7 @@ void expect_spanning_trees(const MapGraph& graph) {
     for (const std::int64_t child : keyframe.children) EXPECT_EQ(graph.keyframe(child).parent, id);
     listed += keyframe.children.size();
     std::int64_t above = id;
-    for (std::size_t step = 0; above >= 0 && step <= graph.keyframe_count(); ++step) {
+    for (std::size_t steps = 0; above >= 0 && steps <= graph.keyframe_count(); ++steps) {
       EXPECT_EQ(graph.keyframe(above).submap, keyframe.submap);
       above = graph.keyframe(above).parent;
     }
@@ -102,7 +85,7 @@ void expect_spanning_trees(const MapGraph& graph) {
   EXPECT_EQ(listed, graph.keyframe_count() - roots.size());
 }
 
-/// Kruskal's: shared landmarks along the best tree over these keyframes.
+/// Kruskal's algorithm: shared landmarks along the maximum spanning tree of these keyframes.
 int most_shared_by_a_tree(const MapGraph& graph, const std::vector<std::int64_t>& ids) {
   std::vector<std::array<std::int64_t, 3>> edges;
   for (const std::int64_t a : ids) {
@@ -123,7 +106,7 @@ int most_shared_by_a_tree(const MapGraph& graph, const std::vector<std::int64_t>
   return sum;
 }
 
-TEST(MapGraph, ChildrenOfARemovedKeyframeHangWhereTheyShareMost) {
+TEST(MapGraph, ChildrenOfARemovedKeyframeGetTheParentThatSharesMost) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     MapGraph graph = random_graph(9, seed);
     const std::vector<std::int64_t> orphans = {3, 4, 5, 7};
@@ -142,7 +125,7 @@ TEST(MapGraph, ChildrenOfARemovedKeyframeHangWhereTheyShareMost) {
   }
 }
 
-TEST(MapGraph, AnotherRootTurnsTheWayToItAroundAndNothingElse) {
+TEST(MapGraph, AnotherRootReversesThePathToItAndNothingElse) {
   const auto pairs_of = [](const MapGraph& graph) {
     std::set<std::pair<std::int64_t, std::int64_t>> pairs;
     for (const std::int64_t id : graph.keyframe_ids()) {
@@ -189,14 +172,14 @@ TEST(MapGraph, ARemovedKeyframeMovesWithItsParent) {
   const Sim3 moved(2.0, SO3::exp({0.1, 0.2, 0.3}), {1.0, 2.0, 3.0});
   graph.transform(0, moved);
   EXPECT_DOUBLE_EQ(graph.unit(2), 2.0);
-  // The center goes where the map goes.
+  // The center moves with the map.
   const Eigen::Vector3d expected = moved * before.inverse().translation();
   EXPECT_LT((graph.camera_from_world(2).inverse().translation() - expected).norm(), 1e-12);
   const Eigen::Vector3d of_parent = moved * parent.inverse().translation();
   EXPECT_LT((graph.camera_from_world(1).inverse().translation() - of_parent).norm(), 1e-12);
 }
 
-TEST(MapGraph, ScalingTheMapLeavesEveryPixelWhereItWas) {
+TEST(MapGraph, ScalingTheMapChangesNoProjection) {
   MapGraph graph = random_graph(3, 7);
   std::vector<Eigen::Vector3d> before;
   for (const std::int64_t id : graph.landmark_ids())

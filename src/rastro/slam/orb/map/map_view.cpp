@@ -27,7 +27,7 @@ std::vector<std::int64_t> keyframes_around(const MapGraph& graph, std::int64_t c
 
 void add_keyframe(const MapGraph& graph, std::int64_t id, MapView& view) {
   const MapKeyframe& keyframe = graph.keyframe(id);
-  // Where depth is seen, one keyframe makes a landmark.
+  // With depth, one keyframe makes a landmark.
   const std::size_t depth = graph.sensor() == CameraKind::mono ? 0 : 1;
   const std::size_t least = (graph.keyframe_count() > 2 ? 3 : 2) - depth;
   int solid = 0;
@@ -78,7 +78,7 @@ std::shared_ptr<const MapView> view_of(const MapGraph& graph, std::int64_t cente
   }
   std::sort(landmarks.begin(), landmarks.end());
   landmarks.erase(std::unique(landmarks.begin(), landmarks.end()), landmarks.end());
-  // Of too many, the newest are the ones around here.
+  // Of too many, keep the newest: they are the local ones.
   if (landmarks.size() > static_cast<std::size_t>(options.landmarks))
     landmarks.erase(landmarks.begin(), landmarks.end() - options.landmarks);
   std::sort(ids.begin(), ids.end());

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "rastro/backend/acceptance.h"
+#include "rastro/backend/loop_candidates.h"
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/optimize/pose_refinement.h"
 #include "rastro/slam/orb/map/landmark_search.h"
@@ -10,7 +12,7 @@
 namespace rastro {
 namespace {
 
-/// Landmarks seen by features, ready for the pose.
+/// Refines the pose from features matched to landmarks.
 PoseRefinement refined(const MapGraph& graph, const FeatureFrame& frame,
                        const std::vector<std::pair<std::uint32_t, std::int64_t>>& seen, const SE3& start,
                        double pixel_sigma) {
@@ -28,14 +30,18 @@ PoseRefinement refined(const MapGraph& graph, const FeatureFrame& frame,
 FrameRelocalizer::FrameRelocalizer(const OrbSlamOptions& options, const MapGraph& graph, KeyframeDatabase& database)
     : options_(options), graph_(graph), database_(database) {}
 
-std::optional<Relocation> FrameRelocalizer::find(const FeatureFrame& frame) {
+std::optional<Relocation> FrameRelocalizer::find(const FeatureFrame& frame, const std::vector<std::int64_t>& first) {
   database_.update();
   const BagOfWords words = database_.words_of(frame);
-  std::vector<PlaceMatch> matches = database_.index().find(words, options_.place_shared_words);
-  if (matches.size() > static_cast<std::size_t>(options_.place_candidates))
-    matches.resize(static_cast<std::size_t>(options_.place_candidates));
-  for (const PlaceMatch& match : matches) {
-    if (auto found = try_keyframe(frame, words, match.id)) return found;
+  std::vector<std::int64_t> candidates = first;
+  for (const PlaceCandidate& candidate :
+       place_candidates(database_.index(), words,
+                        {.min_shared_words = options_.place_shared_words, .max_candidates = options_.place_candidates}))
+    candidates.push_back(candidate.id);
+  const AcceptanceOptions acceptance{.min_inliers = options_.min_inliers};
+  for (const std::int64_t id : candidates) {
+    const auto found = try_keyframe(frame, words, id);
+    if (found && judge({.inliers = found->inliers}, acceptance) == Rejection::none) return found;
   }
   return std::nullopt;
 }
@@ -44,11 +50,11 @@ std::optional<Relocation> FrameRelocalizer::try_keyframe(const FeatureFrame& fra
                                                          std::int64_t id) const {
   const auto pose = pose_by_words(frame, words, graph_.keyframe(id));
   if (!pose) return std::nullopt;
-  // From the pose of a few on to all that should be visible, in smaller windows each time.
+  // From the pose of a few matches to all landmarks that should be visible, in smaller windows each time.
   Relocation found{id, *pose, 0};
   const std::vector<std::int64_t> around =
       landmarks_around(graph_, id, options_.covisible_landmarks, static_cast<std::size_t>(options_.local_keyframes));
-  for (const double radius : {options_.relocalise_search_px, options_.local_search_px}) {
+  for (const double radius : {options_.relocalize_search_px, options_.local_search_px}) {
     std::vector<std::pair<std::uint32_t, std::int64_t>> seen;
     for (const FeatureMatch& match :
          search_landmarks(graph_, around, frame, Sim3(found.camera_from_world),
@@ -58,16 +64,17 @@ std::optional<Relocation> FrameRelocalizer::try_keyframe(const FeatureFrame& fra
     found.camera_from_world = result.camera_from_world;
     found.inliers = result.inliers;
   }
-  return found.inliers >= options_.min_inliers ? std::optional(found) : std::nullopt;
+  return found;
 }
 
-/// PnP over the landmarks that words match.
+/// PnP with the landmarks matched by words.
 std::optional<SE3> FrameRelocalizer::pose_by_words(const FeatureFrame& frame, const BagOfWords& words,
                                                    const MapKeyframe& keyframe) const {
+  const auto use = features_with_landmarks(keyframe);
   const auto pairs =
-      match_by_words(frame, words, {}, *keyframe.frame, *keyframe.words, features_with_landmarks(keyframe),
+      match_by_words(worded_features(frame, words, {}), worded_features(*keyframe.frame, *keyframe.words, use),
                      {.max_distance = options_.place_hamming, .max_ratio = options_.place_ratio});
-  if (static_cast<int>(pairs.size()) < options_.relocalise_matches) return std::nullopt;
+  if (static_cast<int>(pairs.size()) < options_.relocalize_matches) return std::nullopt;
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector2d> rays;
   for (const auto& [feature, other] : pairs) {

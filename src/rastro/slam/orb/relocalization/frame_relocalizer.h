@@ -3,28 +3,29 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "rastro/slam/orb/map/keyframe_database.h"
 #include "rastro/slam/orb/options.h"
 
 namespace rastro {
 
-/// The pose of a frame in the map.
+/// The pose of a relocalized frame.
 struct Relocation {
-  std::int64_t keyframe = 0;  ///< That it is most like.
+  std::int64_t keyframe = 0;  ///< The most similar keyframe.
   SE3 camera_from_world;      ///< World: of the keyframe's submap.
   int inliers = 0;            ///< Landmarks that fit the pose.
 };
 
-/// Finds a frame anywhere in the map without a guess, METHODS 6 (Mur-Artal et al. 2015, section V.C). Only while
-/// nothing else works on the graph.
+/// Relocalizes a frame in the whole map without a pose prior, METHODS 6 (Mur-Artal et al. 2015, section V.C). Only
+/// while nothing else uses the graph.
 class FrameRelocalizer {
  public:
   /// Both outlive this.
   FrameRelocalizer(const OrbSlamOptions& options, const MapGraph& graph, KeyframeDatabase& database);
 
-  /// nullopt: found nowhere with at least min_inliers landmarks.
-  std::optional<Relocation> find(const FeatureFrame& frame);
+  /// nullopt: no pose with at least min_inliers landmarks. `first`: keyframes to try before all others.
+  std::optional<Relocation> find(const FeatureFrame& frame, const std::vector<std::int64_t>& first = {});
 
  private:
   std::optional<Relocation> try_keyframe(const FeatureFrame& frame, const BagOfWords& words,

@@ -14,20 +14,20 @@
 namespace rastro::testing {
 
 struct ObserveOptions {
-  double noise_px = 0.0;     ///< Of the first level; that of the others grows as their pixels do.
-  double moved_share = 0.0;  ///< Of features that are 6 to 20 pixels of their level from where they belong.
-  double baseline = 0.0;     ///< Above 0: with the depths that two cameras see.
+  double noise_px = 0.0;     ///< At the first level; it grows with the pixel size of the others.
+  double moved_share = 0.0;  ///< Share of features that are 6 to 20 pixels of their level off.
+  double baseline = 0.0;     ///< Above 0: with the depths that stereo measures.
   std::uint64_t seed = 1;
   std::uint32_t from = 0, to = 1000000;  ///< Only these points: from <= point < to.
 };
 
-/// What a camera sees of a PointWorld.
+/// A camera's observations of a PointWorld.
 struct Observed {
   std::shared_ptr<const FeatureFrame> frame;
   std::vector<std::uint32_t> seen;  ///< The point of each feature.
 };
 
-/// For tests only: points that each look like nothing else, in front of a camera at the origin, and frames of them.
+/// For tests only: points with distinctive descriptors in front of a camera at the origin, and frames of them.
 class PointWorld {
  public:
   PointWorld(int count, std::uint64_t seed, double near = 4.0, double far = 12.0) {
@@ -46,7 +46,7 @@ class PointWorld {
     camera.cy = 239.5;
   }
 
-  /// Features are in another order in each frame.
+  /// The order of features differs between frames.
   Observed observe(std::int64_t id, const SE3& camera_from_world, const ObserveOptions& options = {}) const {
     Random random(options.seed);
     auto data = std::make_shared<ImageFeatures>();
@@ -66,7 +66,7 @@ class PointWorld {
       data->features.keypoints.push_back({static_cast<float>(at.x()), static_cast<float>(at.y()), 31, 0, 1});
       data->features.levels.push_back(level);
       data->features.descriptors.push_back(descriptors[i]);
-      // The right camera errs on its own.
+      // The right camera has its own error.
       const double disparity = camera.fx * options.baseline / p.z() + off.x() - right_error;
       const double depth = disparity > 0.1 ? camera.fx * options.baseline / disparity : 0.0;
       if (options.baseline > 0.0) data->depths.push_back(static_cast<float>(depth));
@@ -89,13 +89,21 @@ class PointWorld {
   }
 };
 
-/// A map of a PointWorld: where the landmarks are that its keyframes see, exactly.
+/// A map of a PointWorld with exact landmarks, observed by its keyframes.
 class ExactMap {
+  std::unique_ptr<MapGraph> own_;  ///< Null where the graph is given.
+
  public:
   ExactMap(const PointWorld& world, CameraKind sensor, double baseline)
-      : graph(world.camera, sensor, baseline, OrbOptions{}), landmark_of(world.points.size(), -1), world_(world) {}
+      : own_(std::make_unique<MapGraph>(world.camera, sensor, baseline, OrbOptions{})),
+        graph(*own_),
+        landmark_of(world.points.size(), -1),
+        world_(world) {}
+  /// Uses a given graph, which outlives this.
+  ExactMap(const PointWorld& world, MapGraph& given)
+      : graph(given), landmark_of(world.points.size(), -1), world_(world) {}
 
-  /// A keyframe that sees all landmarks of its points; those that have none get one.
+  /// Adds a keyframe that observes the landmarks of all its points; creates those that are missing.
   std::int64_t add(std::int64_t id, const SE3& camera_from_world, ObserveOptions options = {}, int submap = 0) {
     options.baseline = graph.baseline();
     const Observed observed = world_.observe(id, camera_from_world, options);
@@ -110,7 +118,7 @@ class ExactMap {
     return id;
   }
 
-  /// What a tracker would say of a frame that shows them.
+  /// The tracked points of a frame that observes them.
   std::vector<TrackedPoint> tracked(const Observed& observed) const {
     std::vector<TrackedPoint> points;
     for (std::uint32_t feature = 0; feature < observed.seen.size(); ++feature) {
@@ -125,8 +133,8 @@ class ExactMap {
     return points;
   }
 
-  MapGraph graph;
-  std::vector<std::int64_t> landmark_of;  ///< One a point; -1: none.
+  MapGraph& graph;
+  std::vector<std::int64_t> landmark_of;  ///< One per point; -1: none.
 
  private:
   const PointWorld& world_;

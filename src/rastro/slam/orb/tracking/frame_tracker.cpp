@@ -38,7 +38,7 @@ void FrameTracker::set_view(std::shared_ptr<const MapView> view) {
   }
 }
 
-/// The reference keyframe, else the newest that both views know; index in the old one, -1: none.
+/// The reference keyframe, else the newest that is in both views; index in the old one, -1: none.
 std::int64_t FrameTracker::common_keyframe(const MapView& view) const {
   std::int64_t common = view.find_keyframe(reference_) >= 0 ? view_->find_keyframe(reference_) : -1;
   for (std::int64_t i = static_cast<std::int64_t>(view_->keyframes.size()) - 1; i >= 0 && common < 0; --i) {
@@ -47,7 +47,7 @@ std::int64_t FrameTracker::common_keyframe(const MapView& view) const {
   return common;
 }
 
-/// Pose and points keep their place, and their size, relative to a keyframe that both views know.
+/// Pose and points keep their pose and scale relative to a keyframe that is in both views.
 void FrameTracker::move_to(const MapView& view) {
   const std::int64_t common = common_keyframe(view);
   if (common < 0) return;
@@ -111,7 +111,7 @@ PoseRefinement FrameTracker::refine(const FeatureFrame& frame, const Search& sea
   return refine_pose(start, observations, {.baseline = baseline_});
 }
 
-/// The points of the last frame, projected from a pose.
+/// Matches the points of the last frame, projected with a predicted pose.
 PoseRefinement FrameTracker::pose_by_last_frame(const FeatureFrame& frame, const SE3& start, float radius_px) const {
   Search search = search_in(frame, radius_px);
   for (const TrackedPoint& point : last_points_) {
@@ -123,7 +123,7 @@ PoseRefinement FrameTracker::pose_by_last_frame(const FeatureFrame& frame, const
   return refine(frame, search, matches, start);
 }
 
-/// Landmarks of the reference keyframe, wherever they are.
+/// Matches landmarks of the reference keyframe, without a predicted position.
 std::optional<SE3> FrameTracker::pose_by_reference(const FeatureFrame& frame) const {
   const std::int64_t at = view_->find_keyframe(reference_ >= 0 ? reference_ : view_->center);
   if (at < 0) return std::nullopt;
@@ -197,9 +197,9 @@ TrackingResult FrameTracker::track_local_map(const FeatureFrame& frame, const SE
   result.covariance = refined.covariance;
   result.mean_squared = refined.mean_squared;
   for (std::size_t i = 0; i < matches.size(); ++i) {
-    if (refined.is_inlier[i] == 0) continue;
-    result.points.push_back(search.points[matches[i].subject]);
-    result.points.back().feature = matches[i].feature;
+    std::vector<TrackedPoint>& points = refined.is_inlier[i] != 0 ? result.points : result.outliers;
+    points.push_back(search.points[matches[i].subject]);
+    points.back().feature = matches[i].feature;
   }
   result.reference = reference_of(result.points);
   return result;

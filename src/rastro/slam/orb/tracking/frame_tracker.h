@@ -14,71 +14,72 @@
 
 namespace rastro {
 
-/// A feature of a frame and the point it shows: a landmark of the map, or a feature with depth of a keyframe that the
-/// map does not know yet.
+/// A feature of a frame and its point: a landmark of the map, or a feature with depth of a keyframe that is not in the
+/// view yet.
 struct TrackedPoint {
   std::uint32_t feature = 0;
-  std::int64_t landmark = -1;  ///< -1: not yet one, but:
+  std::int64_t landmark = -1;  ///< -1: not a landmark yet, but:
   std::int64_t keyframe = -1;
   std::uint32_t keyframe_feature = 0;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< World of the view.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< In the world of the view.
 };
 
-/// A landmark and where a feature track, not its descriptor, says it is in a frame.
+/// The position of a landmark in a frame from a feature track, not from its descriptor.
 struct LandmarkTrack {
   std::int64_t landmark = -1;
-  Eigen::Vector2d ray = Eigen::Vector2d::Zero();  ///< Normalised: (x/z, y/z).
+  Eigen::Vector2d ray = Eigen::Vector2d::Zero();  ///< Normalized: (x/z, y/z).
 };
 
-/// Where a frame is, and why it is thought so.
+/// The pose of a frame and the evidence for it.
 struct TrackingResult {
   bool ok = false;
   SE3 camera_from_world;
-  Matrix6d covariance = Matrix6d::Zero();  ///< As PoseRefinement's.
-  int matches = 0;                         ///< Before outliers were left out.
+  Matrix6d covariance = Matrix6d::Zero();  ///< As that of PoseRefinement.
+  int matches = 0;                         ///< Including outliers.
   int inliers = 0;                         ///< Those in `points`.
   int predicted = 0;                       ///< Inliers of the first search.
   double mean_squared = 0.0;
   std::vector<TrackedPoint> points;
-  std::vector<std::int64_t> visible;  ///< Landmarks that should be seen; ids ascend.
-  std::int64_t reference = -1;        ///< Keyframe that shares most points.
+  std::vector<TrackedPoint> outliers;  ///< Matched, but inconsistent with the pose.
+  std::vector<std::int64_t> visible;   ///< Landmarks that should be visible; ids ascend.
+  std::int64_t reference = -1;         ///< Keyframe that shares most points.
 };
 
-/// Finds frames in a view of the map, METHODS 6: constant velocity, else the reference keyframe, then all landmarks
-/// around (Mur-Artal et al. 2015, section V). A value: a copy goes its own way.
+/// Tracks frames in a view of the map, METHODS 6: by constant velocity, else by the reference keyframe, then by the
+/// local map (Mur-Artal et al. 2015, section V). Copies are independent of each other.
 class FrameTracker {
  public:
   FrameTracker(const OrbSlamOptions& options, const Camera& camera, CameraKind sensor, double baseline);
 
-  /// A newer view; the last pose moves with the map.
+  /// Sets a newer view; the last pose moves with the map.
   void set_view(std::shared_ptr<const MapView> view);
   const MapView* view() const { return view_.get(); }
-  /// Where tracking goes on from, standing still as far as is known; `points` may be empty.
+  /// Restarts tracking from this pose, with zero velocity; `points` may be empty.
   void restart(const SE3& camera_from_world, std::vector<TrackedPoint> points,
                std::shared_ptr<const FeatureFrame> frame);
-  /// Points with depth of a keyframe that a later view will know.
+  /// Adds points with depth of a keyframe that is not in the view yet.
   void add_depth_points(std::int64_t keyframe, std::shared_ptr<const FeatureFrame> frame, const SE3& camera_from_world,
                         const std::vector<std::uint32_t>& features);
-  /// The next frame is predicted from the pose where it is ok. `tracks` takes the place of a search where enough of
-  /// it fits one pose.
+  /// Tracks the next frame. If the result is ok, the following frame is predicted from its pose. `tracks` replace the
+  /// search where enough of them fit one pose.
   TrackingResult track(const std::shared_ptr<const FeatureFrame>& frame, const std::vector<LandmarkTrack>& tracks = {});
-  /// The same from a pose that is about right, as after relocalisation.
+  /// Tracks from a given approximate pose, as after relocalization.
   TrackingResult track_from(const std::shared_ptr<const FeatureFrame>& frame, const SE3& camera_from_world);
-  /// Where the next frame should be.
+  /// Predicted pose of the next frame.
   SE3 predicted() const { return velocity_ * last_pose_; }
   const SE3& last_pose() const { return last_pose_; }
-  /// The next camera from the last one, if it goes on as it went.
+  /// Motion from the last camera to the next, at constant velocity.
   const SE3& velocity() const { return velocity_; }
 
  private:
-  /// Features with depth of a keyframe that the view does not know yet.
+  /// Features with depth of a keyframe that is not in the view yet.
   struct DepthPoints {
     std::int64_t keyframe = -1;
     std::shared_ptr<const FeatureFrame> frame;
     std::vector<std::uint32_t> features;
     std::vector<Eigen::Vector3d> positions;
   };
-  /// A guided search, and what its subjects stand for.
+  /// A guided search, and the points of its subjects.
   struct Search {
     GuidedSearch windows;
     std::vector<TrackedPoint> points;

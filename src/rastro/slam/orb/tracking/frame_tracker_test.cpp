@@ -22,12 +22,12 @@ double baseline_of(CameraKind sensor) { return sensor == CameraKind::mono ? 0.0 
 
 SE3 at(double x) { return SE3(SO3(), {-x, 0.0, 0.0}); }
 
-/// Camera poses a little off the second keyframe's, which stands at x = 0.3.
+/// Camera poses near the second keyframe, which is at x = 0.3.
 SE3 near_keyframe() { return SE3(SO3::exp({0.004, -0.006, 0.01}), {-0.32, 0.02, -0.05}); }
 
 SE3 upside_down() { return SE3(SO3::exp({0.05, 0.03, 3.0}), {-0.2, 0.1, 0.1}); }
 
-/// A map of two keyframes and a tracker that stands in the second.
+/// A map of two keyframes and a tracker at the second.
 struct TrackingBench {
   explicit TrackingBench(CameraKind sensor = CameraKind::mono, int points = 300)
       : world(points, 5),
@@ -49,7 +49,7 @@ struct TrackingBench {
   FrameTracker tracker;
 };
 
-/// Every feature shows the landmark it was said to show.
+/// Number of features that do not observe the landmark assigned to them.
 std::size_t wrong_points(const TrackingBench& bench, const TrackingResult& result, const Observed& observed) {
   std::size_t wrong = 0;
   for (const TrackedPoint& point : result.points)
@@ -76,7 +76,7 @@ TEST_P(FrameTrackerTest, FindsThePoseAndTheLandmarksOfAnExactFrame) {
   EXPECT_THAT(bench.tracker.last_pose(), pose_near(near_keyframe(), 1e-4, 1e-5));
 }
 
-TEST_P(FrameTrackerTest, ThePoseStandsAgainstNoiseAndOutliers) {
+TEST_P(FrameTrackerTest, ThePoseIsRobustToNoiseAndOutliers) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     TrackingBench bench(GetParam());
     const Observed observed = bench.observe(7, near_keyframe(), {.noise_px = 1.0, .moved_share = 0.25, .seed = seed});
@@ -90,7 +90,7 @@ TEST_P(FrameTrackerTest, ThePoseStandsAgainstNoiseAndOutliers) {
 }
 
 /// Squared errors in sigmas have the mean of a chi-square with six degrees of freedom.
-TEST_P(FrameTrackerTest, CovarianceIsAsLargeAsTheSpreadOfPoses) {
+TEST_P(FrameTrackerTest, CovarianceIsConsistentWithTheSpreadOfPoses) {
   constexpr int runs = 60;
   Vector6d squares = Vector6d::Zero(), variances = Vector6d::Zero();
   double sum = 0.0, fit = 0.0;
@@ -117,7 +117,7 @@ TEST_P(FrameTrackerTest, CovarianceIsAsLargeAsTheSpreadOfPoses) {
   EXPECT_NEAR(fit, 0.9 * rows, 0.25) << "squares of one sigma each, less those taken for outliers";
 }
 
-TEST_P(FrameTrackerTest, TooFewMatchesAreNoPoseAndLeaveTheTrackerWhereItWas) {
+TEST_P(FrameTrackerTest, TooFewMatchesGiveNoPoseAndLeaveTheTrackerUnchanged) {
   TrackingBench bench(GetParam());
   const Observed few = bench.observe(7, near_keyframe(), {.from = 0, .to = 25});
   const TrackingResult result = bench.tracker.track(few.frame);
@@ -129,7 +129,7 @@ TEST_P(FrameTrackerTest, TooFewMatchesAreNoPoseAndLeaveTheTrackerWhereItWas) {
   EXPECT_TRUE(bench.tracker.track(enough.frame).ok);
 }
 
-TEST_P(FrameTrackerTest, NothingOfAnotherWorldIsTaken) {
+TEST_P(FrameTrackerTest, NothingOfAnotherWorldIsMatched) {
   TrackingBench bench(GetParam());
   const PointWorld other(300, 99);
   const Observed observed = other.observe(7, near_keyframe(), {.baseline = bench.map.graph.baseline()});
@@ -139,7 +139,7 @@ TEST_P(FrameTrackerTest, NothingOfAnotherWorldIsTaken) {
   EXPECT_GT(result.visible.size(), 200U) << "that should have been seen";
 }
 
-TEST_P(FrameTrackerTest, ExpectsTheCameraToGoOnAsItWent) {
+TEST_P(FrameTrackerTest, PredictsConstantVelocity) {
   TrackingBench bench(GetParam());
   const SE3 step(SO3::exp({0.0, 0.01, 0.005}), {-0.03, 0.0, 0.01});
   SE3 pose = at(0.3);
@@ -149,7 +149,7 @@ TEST_P(FrameTrackerTest, ExpectsTheCameraToGoOnAsItWent) {
     EXPECT_THAT(bench.tracker.velocity(), pose_near(step, 2e-4, 2e-5));
     EXPECT_THAT(bench.tracker.predicted(), pose_near(step * pose, 3e-4, 3e-5));
   }
-  // Whoever is put somewhere stands still there.
+  // A tracker that was given a pose has zero velocity there.
   ASSERT_TRUE(bench.tracker.track_from(bench.observe(20, near_keyframe()).frame, near_keyframe()).ok);
   EXPECT_THAT(bench.tracker.predicted(), pose_near(near_keyframe(), 1e-4, 1e-5));
 }
@@ -163,7 +163,7 @@ TEST_P(FrameTrackerTest, AJerkBeyondEverySearchIsFoundFromTheKeyframe) {
   EXPECT_THAT(result.camera_from_world, pose_near(upside_down(), 2e-4, 2e-5));
 }
 
-TEST_P(FrameTrackerTest, FollowedLandmarksTakeThePlaceOfTheSearch) {
+TEST_P(FrameTrackerTest, TrackedLandmarksReplaceTheSearch) {
   TrackingBench bench(GetParam());
   const SE3 turned(SO3::exp({0.05, 0.1, 0.6}), {-0.2, 0.1, 0.1});
   const Observed observed = bench.observe(7, turned);
@@ -193,7 +193,7 @@ TEST(FrameTracker, TheReferenceIsTheKeyframeThatSharesMost) {
   EXPECT_EQ(tracker.track_from(right.frame, at(0.1)).reference, 1);
 }
 
-TEST(FrameTracker, PoseAndPaceMoveWithTheMap) {
+TEST(FrameTracker, PoseAndVelocityMoveWithTheMap) {
   TrackingBench bench;
   const SE3 step(SO3::exp({0.0, 0.01, 0.005}), {-0.03, 0.0, 0.01});
   ASSERT_TRUE(bench.tracker.track(bench.observe(7, step * at(0.3)).frame).ok);
@@ -218,9 +218,9 @@ std::vector<std::uint32_t> all_features(const FeatureFrame& frame) {
   return features;
 }
 
-TEST(FrameTracker, PointsOfAKeyframeTheMapDoesNotKnowYetAreTracked) {
+TEST(FrameTracker, PointsOfAKeyframeThatIsNotInTheMapYetAreTracked) {
   TrackingBench bench(CameraKind::depth);
-  // Half of the points are in the map; a fresh keyframe brings the rest, with its depths.
+  // Half of the points are in the map; a new keyframe brings the rest, with their depths.
   ExactMap half(bench.world, CameraKind::depth, 0.1);
   half.add(0, at(0.0), {.from = 0, .to = 150});
   bench.tracker.set_view(view_of(half.graph, 0, {}));
@@ -239,7 +239,7 @@ TEST(FrameTracker, PointsOfAKeyframeTheMapDoesNotKnowYetAreTracked) {
     EXPECT_LT((point.position - bench.world.points[seen]).norm(), 1e-3);
   }
   EXPECT_GT(of_fresh, 140U);
-  // Once the map knows that keyframe, its points are found as landmarks or not at all.
+  // Once the map has that keyframe, its points are found as landmarks or not at all.
   half.add(5, at(0.3), {.from = 0, .to = 100});
   bench.tracker.set_view(view_of(half.graph, 5, {}));
   const std::vector<TrackedPoint> known = bench.tracker.track_from(observed.frame, at(0.31)).points;

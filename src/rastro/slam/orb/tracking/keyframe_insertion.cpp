@@ -12,17 +12,18 @@ bool KeyframeInsertion::needs_keyframe(const FeatureFrame& frame, const Tracking
   const OrbSlamOptions& options = session_.options;
   const std::int64_t now = session_.frame_number;
   if (relocalized_frame_ > 0 && now - relocalized_frame_ < options.settled_frames) return false;
-  const bool overdue = now - keyframe_frame_ > options.keyframe_frames;
+  const bool overdue = static_cast<double>(now - keyframe_frame_) > session_.spacing * options.keyframe_frames;
   if (!pipeline_.idle() && !overdue) return false;
   const int landmarks = tracker_.view()->keyframe(tracked.reference).landmarks;
-  const double share = session_.mono() ? options.keyframe_share : options.keyframe_share_depth;
+  const double share =
+      session_.keyframe_share * (session_.mono() ? options.keyframe_share : options.keyframe_share_depth);
   if (tracked.inliers < share * landmarks || (overdue && tracked.inliers < landmarks)) return true;
-  // Where depth is seen, new ground may come into view while the old is still tracked well.
+  // With depth, new areas may come into view while old ones are still tracked well.
   if (session_.mono() || tracked.inliers >= options.keyframe_few_points) return false;
   return new_depth_features(frame, tracked).size() > static_cast<std::size_t>(options.keyframe_new_points);
 }
 
-/// Features with depth, not too far, that show no landmark yet.
+/// Features with depth, not too far, without a landmark.
 std::vector<std::uint32_t> KeyframeInsertion::new_depth_features(const FeatureFrame& frame,
                                                                  const TrackingResult& tracked) const {
   std::vector<std::uint32_t> features;
@@ -37,13 +38,16 @@ std::vector<std::uint32_t> KeyframeInsertion::new_depth_features(const FeatureFr
   return features;
 }
 
-void KeyframeInsertion::insert(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked,
-                               SlamUpdate& update) {
+std::vector<std::uint32_t> KeyframeInsertion::insert(const std::shared_ptr<const FeatureFrame>& frame,
+                                                     const TrackingResult& tracked, SlamUpdate& update) {
+  if (!pipeline_.accepts()) return {};
   auto input = std::make_shared<const KeyframeInput>(input_of(*frame, tracked));
   const std::int64_t id = input->frame->data().id;
-  tracker_.add_depth_points(id, input->frame, tracked.camera_from_world, new_depth_features(*frame, tracked));
+  std::vector<std::uint32_t> fresh = new_depth_features(*frame, tracked);
+  tracker_.add_depth_points(id, input->frame, tracked.camera_from_world, fresh);
   update.events.push_back({"keyframe", fmt::format("{}", id)});
   pipeline_.insert(std::move(input), frame->data().stamp);
+  return fresh;
 }
 
 void KeyframeInsertion::insert_now(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked) {

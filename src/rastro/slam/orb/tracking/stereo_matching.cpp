@@ -16,11 +16,11 @@ namespace {
 
 constexpr int half_window = 5;
 constexpr int side = 2 * half_window + 1;
-constexpr int reach = 5;  ///< Steps to either side of the feature in the right picture.
+constexpr int reach = 5;  ///< Shifts to either side of the feature in the right image.
 constexpr int lanes = 16;
-constexpr int grain = 32;  ///< Features done at a time.
+constexpr int grain = 32;  ///< Features per task.
 
-/// Right features by row, those of a row one after the other.
+/// Right features by row, contiguous per row.
 class Rows {
  public:
   Rows(const Features& features, int rows, const std::vector<double>& scales)
@@ -48,12 +48,12 @@ class Rows {
   std::vector<std::uint32_t> first_, indices_;
 };
 
-/// Grey levels about a feature, each less the one in the middle; rows are filled up with zeros to whole vectors.
+/// Intensities around a feature, minus the one in the center; rows are padded with zeros to whole vectors.
 struct Window {
   alignas(32) std::int16_t values[side][lanes] = {};
   int sum = 0, squares = 0;
 
-  Window(GreyView image, int x, int y, int step) {
+  Window(GrayView image, int x, int y, int step) {
     const int middle = image.at(x, y);
     for (int row = 0; row < side; ++row) {
       const std::uint8_t* from = image.row(y + (row - half_window) * step) + x - half_window * step;
@@ -67,13 +67,13 @@ struct Window {
   }
 };
 
-/// Every `step`-th grey level of the rows about a place: side by side, windows of all places `step` apart.
+/// Every `step`-th intensity of the rows around a position: side by side, the windows of all positions `step` apart.
 struct Strip {
   static constexpr int length = 2 * reach + side, room = 2 * reach + lanes;
   alignas(32) std::int16_t values[side][room] = {};
   int sums[length] = {}, squares[length] = {};  ///< Of each column.
 
-  void read(GreyView image, int x, int y, int step) {
+  void read(GrayView image, int x, int y, int step) {
     std::fill_n(sums, length, 0);
     std::fill_n(squares, length, 0);
     for (int row = 0; row < side; ++row) {
@@ -88,8 +88,8 @@ struct Strip {
   }
 };
 
-/// Sum of squared differences of a window and the one `shift` columns into a strip, each less its middle's grey level;
-/// multiplied out, so that only products have to be summed anew for each shift.
+/// Sum of squared differences between a window and the one `shift` columns into a strip, each minus its center's
+/// intensity. It is multiplied out, so that only the products must be summed again for each shift.
 int squared_difference(const Window& window, const Strip& strip, int shift) {
   int product = 0, sum = 0, squares = 0;
   for (int row = 0; row < side; ++row) {
@@ -110,9 +110,9 @@ struct Shift {
   double disparity = 0.0, difference = 0.0;
 };
 
-/// Where grey levels differ least. Squares are smooth at their least, so that a parabola finds it; absolute differences
-/// have a kink there.
-std::optional<Shift> refine(GreyView left, GreyView right, const Keypoint& keypoint, double right_x, int step) {
+/// Finds the shift with the smallest intensity difference. Squares are smooth at their minimum, so that a parabola
+/// finds it; absolute differences have a kink there.
+std::optional<Shift> refine(GrayView left, GrayView right, const Keypoint& keypoint, double right_x, int step) {
   const int lx = static_cast<int>(std::lround(keypoint.x)), y = static_cast<int>(std::lround(keypoint.y));
   const int start = static_cast<int>(std::lround(right_x)), border = half_window * step;
   if (y < border || y >= left.height - border || lx < border || lx >= left.width - border) return std::nullopt;
@@ -134,10 +134,10 @@ std::optional<Shift> refine(GreyView left, GreyView right, const Keypoint& keypo
   return Shift{lx - (first + static_cast<double>(best) + part), std::sqrt(at / (side * side))};
 }
 
-/// One feature of the left picture after the other.
+/// Processes the features of the left image one by one.
 class StereoMatcher {
  public:
-  StereoMatcher(GreyView left, GreyView right, const Features& left_features, const Features& right_features,
+  StereoMatcher(GrayView left, GrayView right, const Features& left_features, const Features& right_features,
                 const OrbSlamOptions& options)
       : left_(left),
         right_(right),
@@ -157,7 +157,7 @@ class StereoMatcher {
   }
 
  private:
-  /// Of the right picture's features about the same row and of about the same size; -1: none is similar enough.
+  /// Among the right image's features near the same row and with about the same size; -1: none is similar enough.
   std::int64_t most_similar(std::size_t i) const {
     const Keypoint& keypoint = features_.keypoints[i];
     const auto row =
@@ -182,14 +182,14 @@ class StereoMatcher {
     return candidates[static_cast<std::size_t>(best - distances.begin())];
   }
 
-  GreyView left_, right_;
+  GrayView left_, right_;
   const Features &features_, &right_features_;
   const OrbSlamOptions& options_;
   std::vector<double> scales_;
   Rows rows_;
 };
 
-/// Windows that differ much more than most show different things.
+/// Windows that differ much more than most show different surfaces.
 double most_difference(const std::vector<std::optional<Shift>>& shifts, double ratio) {
   std::vector<double> known;
   for (const auto& shift : shifts) {
@@ -200,7 +200,7 @@ double most_difference(const std::vector<std::optional<Shift>>& shifts, double r
 
 }  // namespace
 
-void match_stereo(GreyView left, GreyView right, const Features& right_features, double focal_baseline,
+void match_stereo(GrayView left, GrayView right, const Features& right_features, double focal_baseline,
                   const OrbSlamOptions& options, TaskPool* pool, ImageFeatures& keyframe) {
   const Features& features = keyframe.features;
   keyframe.right_x.assign(features.size(), -1.0F);

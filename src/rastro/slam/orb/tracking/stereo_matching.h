@@ -10,11 +10,11 @@
 
 namespace rastro {
 
-/// Fills right_x and depths of the left camera's features from a rectified pair (rows are the same in both): the most
-/// similar feature of the right picture about the same row, then the shift at which grey levels differ least, to a
-/// fraction of a pixel (Mur-Artal and Tardos 2017, section III.A). `focal_baseline`: focal length in pixels times
-/// baseline. `pool` may be null; the result is the same with any.
-void match_stereo(GreyView left, GreyView right, const Features& right_features, double focal_baseline,
+/// Fills right_x and depths of the left camera's features from a rectified pair (corresponding points are in the same
+/// row): the most similar feature near the same row of the right image, then the shift with the smallest intensity
+/// difference, to subpixel precision (Mur-Artal and Tardos 2017, section III.A). `focal_baseline`: focal length in
+/// pixels times baseline. `pool` may be null; the result is the same with any.
+void match_stereo(GrayView left, GrayView right, const Features& right_features, double focal_baseline,
                   const OrbSlamOptions& options, TaskPool* pool, ImageFeatures& keyframe);
 
 }  // namespace rastro

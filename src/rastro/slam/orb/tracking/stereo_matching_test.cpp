@@ -8,9 +8,9 @@
 namespace rastro {
 namespace {
 
-/// Smooth texture that never repeats within the picture, shifted to the left by `disparity`.
-GreyImage textured(double disparity) {
-  GreyImage image(480, 240);
+/// Smooth texture that never repeats within the image, shifted to the left by `disparity`.
+GrayImage textured(double disparity) {
+  GrayImage image(480, 240);
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
       const double u = x + disparity;
@@ -22,9 +22,9 @@ GreyImage textured(double disparity) {
   return image;
 }
 
-TEST(StereoMatching, DisparitiesAreKnownToATenthOfAPixel) {
+TEST(StereoMatching, DisparitiesAreAccurateToATenthOfAPixel) {
   constexpr double disparity = 12.3, focal_baseline = 246.0;
-  const GreyImage left = textured(0.0), right = textured(disparity);
+  const GrayImage left = textured(0.0), right = textured(disparity);
   OrbExtractor extractor(OrbOptions{.features = 400});
   ImageFeatures keyframe;
   keyframe.features = extractor.extract(left.view());
@@ -42,12 +42,12 @@ TEST(StereoMatching, DisparitiesAreKnownToATenthOfAPixel) {
   EXPECT_GT(right_ones, known * 9 / 10);
 }
 
-TEST(StereoMatching, APictureOfAnotherSizeHasNoDepth) {
-  const GreyImage left = textured(0.0);
+TEST(StereoMatching, AnImageOfAnotherSizeHasNoDepth) {
+  const GrayImage left = textured(0.0);
   OrbExtractor extractor(OrbOptions{.features = 100});
   ImageFeatures keyframe;
   keyframe.features = extractor.extract(left.view());
-  match_stereo(left.view(), GreyImage(100, 100).view(), {}, 100.0, {}, nullptr, keyframe);
+  match_stereo(left.view(), GrayImage(100, 100).view(), {}, 100.0, {}, nullptr, keyframe);
   for (const float depth : keyframe.depths) EXPECT_EQ(depth, 0.0F);
 }
 

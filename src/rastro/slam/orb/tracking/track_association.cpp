@@ -50,7 +50,7 @@ void TrackAssociation::learn(const FeatureFrame& frame, const std::vector<Tracke
       landmark_of_track_[feature.id] = landmarks[i];
     }
   }
-  // A track that may still come back was seen within the window.
+  // A track that may still reappear was last observed within the window.
   const std::int64_t oldest = last_.features.empty() ? 0 : last_.features.back().id - options_.tracks_kept;
   landmark_of_track_.erase(landmark_of_track_.begin(), landmark_of_track_.lower_bound(oldest));
 }

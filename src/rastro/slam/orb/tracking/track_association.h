@@ -15,16 +15,16 @@
 
 namespace rastro {
 
-/// From frame to frame by feature tracks that survive occlusion (METHODS 1), in place of a search around where constant
-/// velocity expects things: what a track showed once it shows again, after a jerk of the camera or behind a passer-by.
-/// Galardi, Castro, Pire name it as what their tracks are to be used for.
+/// Data association by feature tracks that survive occlusion (METHODS 1), instead of a search around the
+/// constant-velocity prediction: a track that reappears is the same landmark again, also after a jerk of the camera or
+/// behind a passer-by. Galardi, Castro and Pire name this as a use of their tracks.
 class TrackAssociation {
  public:
   TrackAssociation(const OrbSlamOptions& options, const Camera& camera, TaskPool* pool);
 
-  /// Landmarks whose tracks go on or come back in this picture, and where. Ids of the landmarks ascend.
+  /// Landmarks whose tracks continue or reappear in this image, with their positions. Ids of the landmarks ascend.
   std::vector<LandmarkTrack> follow(const Frame& frame);
-  /// What the tracks of the picture followed last show: the landmark of the nearest feature.
+  /// Assigns the tracks of the last image to the landmark of the nearest feature.
   void learn(const FeatureFrame& frame, const std::vector<TrackedPoint>& points);
 
  private:

@@ -6,8 +6,8 @@
 
 namespace rastro {
 
-/// A frame as the trajectory keeps it: relative to the keyframe of the view that shares most points with it, and what
-/// it observes. `pixel_sigma`: standard deviation of a feature's position at the finest level, pixels.
+/// A frame for the trajectory: its pose relative to the keyframe of the view that shares most points with it, and its
+/// observations. `pixel_sigma`: standard deviation of a feature's position at the finest level, pixels.
 TrackedFrame tracked_frame(const MapGraph& graph, const MapView& view, const FeatureFrame& frame,
                            const TrackingResult& tracked, double pixel_sigma);
 

@@ -20,7 +20,8 @@ SlamReason reason_of(OdometryReason reason) {
   return SlamReason::none;
 }
 
-/// Of d in truth = exp(d) * camera_from_world to errors of world_from_camera in the world's axes.
+/// From the covariance of d in true pose = exp(d) * camera_from_world to errors of world_from_camera in the world's
+/// axes.
 Matrix6d in_world_axes(const Matrix6d& covariance, const SE3& camera_from_world) {
   Matrix6d rotation = Matrix6d::Zero();
   rotation.topLeftCorner<3, 3>() = rotation.bottomRightCorner<3, 3>() = camera_from_world.rotation().inverse().matrix();
@@ -45,14 +46,15 @@ Tracking::Tracking(OrbSession& session, FrameTracker& tracker, KeyframePipeline&
 void Tracking::process(const Frame& frame, SlamUpdate& update) {
   if (!is_usable(frame, update)) return;
   const Measurements measured = extract_features(frame, update);
-  last_features_ = measured.features;
-  last_points_.clear();
+  observations_.clear();
+  for (const Keypoint& keypoint : measured.features->data().features.keypoints)
+    observations_.push_back({{keypoint.x, keypoint.y}, -1, ObservationState::unmatched});
   std::optional<TrackingResult> tracked;
   if (session_.tracking) tracked = track_map(measured, update);
   if (!tracked) tracked = relocalize(measured.features, update);
   if (!tracked) return initialize(measured.features, update);
   Stopwatch stage;
-  last_points_ = tracked->points;
+  observe(*tracked, ObservationState::outlier);
   report_pose(*measured.features, *tracked, update);
   insert_keyframe(measured.features, *tracked, update);
   update.times.push_back({"keyframe", stage.lap_ms()});
@@ -63,7 +65,7 @@ bool Tracking::is_usable(const Frame& frame, SlamUpdate& update) {
   update.reason = reason_of(checked.reason);
   update.detail = checked.detail;
   if (checked.useful() || checked.reason == OdometryReason::blurred) return true;
-  update.state = session_.has_map ? SlamState::lost : SlamState::initialising;
+  update.state = session_.has_map ? SlamState::lost : SlamState::initializing;
   if (frame.image.empty()) update.reason = SlamReason::no_data;
   const bool repeated = session_.tracking && checked.reason == OdometryReason::repeated_frame;
   if (repeated && session_.trajectory.repeat_last(frame.index, frame.stamp)) update.state = SlamState::tracking;
@@ -89,7 +91,7 @@ Tracking::Measurements Tracking::extract_features(const Frame& recorded, SlamUpd
   return measured;
 }
 
-/// Depth cameras take both images at different instants; the last motion is carried on from one to the other.
+/// Depth cameras capture both images at different instants; the last motion is extrapolated from one to the other.
 SE3 Tracking::depth_from_color(const Frame& frame) const {
   const double interval = to_seconds(frame.stamp - session_.last_stamp);
   const double offset = to_seconds(frame.depth_stamp - frame.stamp);
@@ -97,12 +99,13 @@ SE3 Tracking::depth_from_color(const Frame& frame) const {
   return SE3::exp(offset / interval * tracker_.velocity().log());
 }
 
-/// In the local map, from the pose that constant velocity or the reference keyframe predicts.
+/// Tracks in the local map, from the pose predicted by constant velocity or the reference keyframe.
 std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, SlamUpdate& update) {
   Stopwatch stage;
   const TrackingResult tracked = tracker_.track(measured.features, measured.tracks);
   update.times.push_back({"track", stage.lap_ms()});
   if (!tracked.ok) {
+    observe(tracked, ObservationState::matched);
     on_lost(tracked, update);
     return std::nullopt;
   }
@@ -116,8 +119,8 @@ std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, 
 
 void Tracking::on_lost(const TrackingResult& tracked, SlamUpdate& update) {
   update.reason = SlamReason::few_inliers;
-  update.detail =
-      fmt::format("{} of {} matches fit, need {}", tracked.inliers, tracked.matches, session_.options.min_inliers);
+  update.detail = fmt::format("needs at least {} inliers, got {} of {} matches", session_.options.min_inliers,
+                              tracked.inliers, tracked.matches);
   update.world_from_body = tracker_.predicted().inverse();
   session_.tracking = false;
   session_.lost_frames = 0;
@@ -126,13 +129,13 @@ void Tracking::on_lost(const TrackingResult& tracked, SlamUpdate& update) {
 
 std::optional<TrackingResult> Tracking::relocalize(const FramePointer& frame, SlamUpdate& update) {
   ++session_.lost_frames;
-  update.state = session_.has_map ? SlamState::lost : SlamState::initialising;
+  update.state = session_.has_map ? SlamState::lost : SlamState::initializing;
   if (!session_.has_map) return std::nullopt;
   if (update.reason == SlamReason::none) update.reason = SlamReason::not_found;
   Stopwatch stage;
   const auto tracked = relocalization_.relocalize(frame, update);
   if (tracked) initialization_.reset();
-  update.times.push_back({"relocalise", stage.lap_ms()});
+  update.times.push_back({"relocalize", stage.lap_ms()});
   return tracked;
 }
 
@@ -140,6 +143,7 @@ void Tracking::initialize(const FramePointer& frame, SlamUpdate& update) {
   if (!session_.mapping) return;
   Stopwatch stage;
   initialization_.process(frame, update);
+  if (session_.tracking) observe_first_landmarks(*frame);
   update.times.push_back({"start", stage.lap_ms()});
 }
 
@@ -159,7 +163,7 @@ void Tracking::report_submap(const TrackingResult& tracked, SlamUpdate& update) 
   if (submap == 0) return;
   if (update.state == SlamState::tracking) update.state = SlamState::weak;
   update.reason = SlamReason::apart;
-  update.detail = fmt::format("in submap {}, not tied to the first yet", submap);
+  update.detail = fmt::format("in submap {}, not connected to the first yet", submap);
 }
 
 void Tracking::insert_keyframe(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update) {
@@ -167,21 +171,42 @@ void Tracking::insert_keyframe(const FramePointer& frame, const TrackingResult& 
   if (!session_.mapping) {
     follow_reference(tracked);
   } else if (keyframes_.needs_keyframe(*frame, tracked)) {
-    keyframes_.insert(frame, tracked, update);
+    // Landmarks of a keyframe get their numbers beside tracking; a feature may have been an outlier of another one.
+    for (const std::uint32_t feature : keyframes_.insert(frame, tracked, update)) {
+      observations_[feature].landmark = -1;
+      observations_[feature].state = ObservationState::new_landmark;
+    }
   }
 }
 
-std::vector<FeatureObservation> Tracking::observations() const {
-  std::vector<FeatureObservation> observations;
-  if (!last_features_) return observations;
-  for (const Keypoint& keypoint : last_features_->data().features.keypoints)
-    observations.push_back({{keypoint.x, keypoint.y}, -1, ObservationState::unmatched});
-  for (const TrackedPoint& point : last_points_)
-    observations[point.feature] = {observations[point.feature].pixel, point.landmark, ObservationState::inlier};
-  return observations;
+/// `contradicted`: state of matches that do not fit the pose.
+void Tracking::observe(const TrackingResult& tracked, ObservationState contradicted) {
+  for (const TrackedPoint& point : tracked.outliers) {
+    observations_[point.feature].landmark = point.landmark;
+    observations_[point.feature].state = contradicted;
+  }
+  for (const TrackedPoint& point : tracked.points) {
+    observations_[point.feature].landmark = point.landmark;
+    observations_[point.feature].state = tracked.ok ? ObservationState::inlier : contradicted;
+  }
 }
 
-/// Without mapping, the view goes where the camera goes.
+/// Landmarks of the map just initialized with the frame.
+void Tracking::observe_first_landmarks(const FeatureFrame& frame) {
+  const std::vector<std::int64_t> ids = session_.graph.keyframe_ids();
+  for (auto id = ids.rbegin(); id != ids.rend(); ++id) {
+    const MapKeyframe& keyframe = session_.graph.keyframe(*id);
+    if (keyframe.frame->data().frame != frame.data().frame) continue;
+    for (std::size_t i = 0; i < keyframe.landmarks.size(); ++i) {
+      if (keyframe.landmarks[i] < 0) continue;
+      observations_[i].landmark = keyframe.landmarks[i];
+      observations_[i].state = ObservationState::new_landmark;
+    }
+    return;
+  }
+}
+
+/// Without mapping, the view follows the camera.
 void Tracking::follow_reference(const TrackingResult& tracked) {
   keyframes_.forget_observations();
   if (tracked.reference != tracker_.view()->center)

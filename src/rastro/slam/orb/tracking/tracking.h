@@ -22,18 +22,18 @@ class Tracking {
   /// Session, tracker and pipeline outlive this. `pool`: null: one thread.
   Tracking(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline, TaskPool* pool);
 
-  /// Tracks one frame. `update` has its number and stamp and the last pose, of the camera in use; it gets everything
-  /// else.
+  /// Tracks one frame. `update` has its number and stamp and the last pose, of the camera in use; everything else is
+  /// filled in.
   void process(const Frame& frame, SlamUpdate& update);
   /// Of the last frame whose features were extracted.
-  std::vector<FeatureObservation> observations() const;
+  const std::vector<FeatureObservation>& observations() const { return observations_; }
 
  private:
   using FramePointer = std::shared_ptr<const FeatureFrame>;
-  /// What tracking uses of a frame.
+  /// The measurements of a frame.
   struct Measurements {
     FramePointer features;
-    std::vector<LandmarkTrack> tracks;  ///< Where frontend is tracks.
+    std::vector<LandmarkTrack> tracks;  ///< Only with frontend `tracks`.
   };
 
   bool is_usable(const Frame& frame, SlamUpdate& update);
@@ -41,6 +41,8 @@ class Tracking {
   std::optional<TrackingResult> track_map(const Measurements& measured, SlamUpdate& update);
   std::optional<TrackingResult> relocalize(const FramePointer& frame, SlamUpdate& update);
   void initialize(const FramePointer& frame, SlamUpdate& update);
+  void observe(const TrackingResult& tracked, ObservationState contradicted);
+  void observe_first_landmarks(const FeatureFrame& frame);
   void report_pose(const FeatureFrame& frame, const TrackingResult& tracked, SlamUpdate& update);
   void insert_keyframe(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update);
   SE3 depth_from_color(const Frame& frame) const;
@@ -57,8 +59,7 @@ class Tracking {
   KeyframeInsertion keyframes_;
   Initialization initialization_;
   Relocalization relocalization_;
-  FramePointer last_features_;
-  std::vector<TrackedPoint> last_points_;  ///< That the last pose rests on.
+  std::vector<FeatureObservation> observations_;  ///< Of the last frame whose features were extracted.
 };
 
 }  // namespace rastro

@@ -10,10 +10,10 @@
 
 namespace rastro {
 
-/// Something that a person has named in a picture.
+/// Something that a person has named in an image.
 struct Mark {
   std::string word;             ///< Without blanks.
-  Eigen::Vector3d in_keyframe;  ///< Where it is, metres.
+  Eigen::Vector3d in_keyframe;  ///< Where it is, meters.
   bool operator==(const Mark&) const = default;
 };
 using Marks = std::vector<Mark>;

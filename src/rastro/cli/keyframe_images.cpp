@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/keyframe_images.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/error.h"
+#include "rastro/base/log.h"
+#include "rastro/camera/stereo_rectification.h"
+#include "rastro/dataset/open.h"
+#include "rastro/dataset/recording.h"
+#include "rastro/map/images/pack_images.h"
+
+namespace rastro::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Names = std::map<KeyframeId, std::string>;
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+std::vector<const Keyframe*> keyframes_of(const Map& map, int submap) {
+  std::vector<const Keyframe*> keyframes;
+  for (const Keyframe& keyframe : map.keyframes)
+    if (submap < 0 || keyframe.submap == submap) keyframes.push_back(&keyframe);
+  return keyframes;
+}
+
+bool same_intrinsics(const Camera& a, const Camera& b) {
+  constexpr double most_px = 1e-3;
+  const auto near = [](double x, double y) { return std::abs(x - y) < most_px; };
+  return near(a.fx, b.fx) && near(a.fy, b.fy) && near(a.cx, b.cx) && near(a.cy, b.cy) && a.distortion == b.distortion;
+}
+
+/// How the left images of a recording become those of the map's camera; null where they are the same.
+std::optional<StereoRectification> rectification_of(const Map& map, const SourceInfo& info) {
+  const MapCamera& camera = camera_of(map, info.path);
+  if (camera.kind != CameraKind::stereo || info.cameras.size() < 2) return std::nullopt;
+  const auto &left = info.cameras[0].camera, &right = info.cameras[1].camera;
+  if (!left || !right || !info.left_from_right || same_intrinsics(*left, camera.intrinsics)) return std::nullopt;
+  auto made = rectify_stereo(*left, *right, *info.left_from_right);
+  if (!made || !same_intrinsics(made->camera, camera.intrinsics))
+    throw Error("its calibration does not match the rectified camera of the map", info.path,
+                "use the calibration of the run");
+  return made;
+}
+
+std::string bytes_of(const Frame& frame) {
+  const PackedImages packed = pack_images(frame);
+  return {reinterpret_cast<const char*>(packed.color.data()), packed.color.size()};
+}
+
+/// Frames by number, and by stamp where the map holds other recordings as well.
+class FrameFinder {
+ public:
+  explicit FrameFinder(const Recording& recording) : recording_(recording) {
+    for (std::size_t k = 0; k < recording.frames.size(); ++k) by_stamp_.emplace(recording.frames[k].stamp, k);
+  }
+
+  const RecordedFrame* find(const Keyframe& keyframe) const {
+    const auto& frames = recording_.frames;
+    const bool numbered = keyframe.frame >= 0 && keyframe.frame < static_cast<std::int64_t>(frames.size());
+    const RecordedFrame* frame = numbered ? &frames[static_cast<std::size_t>(keyframe.frame)] : nullptr;
+    // Stamps that are made up depend on the run's --rate.
+    if (frame && (frame->stamp == keyframe.stamp || !recording_.info.has_stamps)) return frame;
+    const auto found = by_stamp_.find(keyframe.stamp);
+    return found == by_stamp_.end() ? nullptr : &frames[found->second];
+  }
+
+ private:
+  const Recording& recording_;
+  std::map<TimeNs, std::size_t> by_stamp_;
+};
+
+void copy_image(const fs::path& from, const fs::path& to) {
+  std::error_code code;
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, code);
+  if (code) throw Error("cannot be copied to " + to.string() + " (" + code.message() + ")", from.string(), "");
+}
+
+Names write_files(const Recording& recording, const Map& map, int submap, const fs::path& folder) {
+  const auto rectification = rectification_of(map, recording.info);
+  const FrameFinder finder(recording);
+  Names names;
+  for (const Keyframe* keyframe : keyframes_of(map, submap)) {
+    const RecordedFrame* recorded = finder.find(*keyframe);
+    if (!recorded) continue;
+    fs::path file = fs::path(recorded->image).filename();
+    if (rectification) file.replace_extension(".jpg");
+    std::string name = file.string();
+    std::replace(name.begin(), name.end(), ' ', '_');  // ends the name in COLMAP's text
+    if (rectification) {
+      Frame frame;
+      frame.image = remap(read_image(recorded->image).gray.view(), rectification->left);
+      write_whole_file(folder / name, bytes_of(frame));
+    } else {
+      copy_image(recorded->image, folder / name);
+    }
+    names[keyframe->id] = std::move(name);
+  }
+  return names;
+}
+
+/// Of a video or a bag, whose images are no files.
+Names write_decoded(Source& source, const Map& map, int submap, const fs::path& folder) {
+  const auto rectification = rectification_of(map, source.info());
+  std::map<std::int64_t, const Keyframe*> wanted;
+  for (const Keyframe* keyframe : keyframes_of(map, submap)) wanted[keyframe->frame] = keyframe;
+  Names names;
+  while (names.size() < wanted.size()) {
+    auto frame = source.next();
+    if (!frame) break;
+    const auto found = wanted.find(frame->index);
+    if (found == wanted.end() || (source.info().has_stamps && frame->stamp != found->second->stamp)) continue;
+    if (rectification) frame->image = remap(frame->image.view(), rectification->left), frame->color = {};
+    frame->depth = {};
+    std::string& name = names[found->second->id];
+    name = fmt::format("{:06}.jpg", frame->index);
+    write_whole_file(folder / name, bytes_of(*frame));
+  }
+  return names;
+}
+
+/// Formats whose cameras go by a name that --camera takes.
+bool names_its_cameras(const std::string& format) { return format != "images" && format != "video"; }
+
+}  // namespace
+
+RecordingOfRun recording_of_run(const fs::path& run_or_map) {
+  std::error_code ignored;
+  const fs::path folder = fs::is_directory(run_or_map, ignored) ? run_or_map : run_or_map.parent_path();
+  std::ifstream stream(folder / "about.json");
+  const auto about = nlohmann::json::parse(stream, nullptr, false);
+  if (!about.is_object() || !about.contains("input")) return {};
+  const auto& input = about["input"];
+  if (!input.is_object() || !input.contains("path") || !input["path"].is_string()) return {};
+  RecordingOfRun recording;
+  fs::path path = input["path"].get<std::string>();
+  if (!is_there(path) && path.is_relative()) path = fs::path(about.value("working_folder", "")) / path;
+  if (!is_there(path)) return {};
+  recording.path = path.string();
+  const auto first = nlohmann::json::json_pointer("/cameras/0/name");
+  if (names_its_cameras(input.value("format", "")) && input.contains(first) && input[first].is_string())
+    recording.camera = input[first].get<std::string>();
+  return recording;
+}
+
+Names write_keyframe_images(const Map& map, int submap, const RecordingOfRun& recording, const fs::path& folder) {
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (code)
+    throw Error("the folder cannot be created (" + code.message() + ")", folder.string(), "choose another --out");
+  OpenOptions options;
+  options.camera = recording.camera;
+  options.want_color = options.want_right = true;
+  Names names;
+  if (const auto indexed = index_recording(recording.path, options)) {
+    names = write_files(*indexed, map, submap, folder);
+  } else {
+    names = write_decoded(*open(recording.path, options), map, submap, folder);
+  }
+  const std::size_t all = keyframes_of(map, submap).size();
+  if (names.size() < all)
+    log_warning(fmt::format("{} lacks the frames of {} of {} keyframes: these have no image", recording.path,
+                            all - names.size(), all));
+  return names;
+}
+
+}  // namespace rastro::cli

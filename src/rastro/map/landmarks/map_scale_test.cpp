@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/map/landmarks/map_scale.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "rastro/base/error.h"
+#include "rastro/map/landmarks/jackknife.h"
+#include "rastro/map/landmarks/landmark_map_testing.h"
+#include "rastro/map/landmarks/landmark_uncertainty.h"
+
+namespace rastro {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double height_m = 1.5;
+
+/// A camera that drives along z, one keyframe per unit; landmarks are given relative to the keyframe that observes
+/// them.
+class Drive {
+ public:
+  Map map;
+  explicit Drive(int keyframes = 10, const SO3& rotation = SO3(), double step = 1.0)
+      : layer_(std::make_shared<LandmarkLayer>()) {
+    for (int k = 0; k < keyframes; ++k)
+      map.keyframes.push_back({k, k, k, 0, SE3(rotation, {0.0, 0.0, step * k}), 0, no_keyframe, 1.0});
+  }
+  /// `beside`, `below` and `ahead` of the keyframe, in units; world axes where the camera is not rotated.
+  void add(double beside, double below, double ahead, KeyframeId keyframe = 4, int copies = 1) {
+    for (int i = 0; i < copies; ++i) {
+      Landmark& landmark = layer_->landmarks.emplace_back();
+      landmark.id = static_cast<std::int64_t>(layer_->landmarks.size());
+      landmark.position = map.find(keyframe)->world_from_camera.translation() + Vector3d(beside, below, ahead);
+      landmark.observations = {{keyframe, 0}};
+    }
+  }
+  MapScaleFound found() {
+    map.layers.put<LandmarkLayer>(layer_);
+    return scale_from_camera_height(map, height_m, "here");
+  }
+
+ private:
+  std::shared_ptr<LandmarkLayer> layer_;
+};
+
+TEST(CameraHeight, UsesLandmarksAheadBelowAndNotFarAside) {
+  const std::pair<Vector3d, bool> landmarks[] = {
+      {{0.0, 1.0, 0.5}, true},   {{0.0, 1.0, 0.499}, false}, {{0.0, 1.0, 12.0}, true}, {{0.0, 1.0, 12.01}, false},
+      {{2.0, 1.0, 4.0}, true},   {{2.01, 1.0, 4.0}, false},  {{-2.0, 1.0, 4.0}, true}, {{-2.01, 1.0, 4.0}, false},
+      {{0.0, -1.0, 4.0}, false}, {{0.0, 1.0, -4.0}, false},  {{0.0, 0.0, 4.0}, false},
+  };
+  for (const auto& [place, counts] : landmarks) {
+    Drive drive;
+    drive.add(0.5, 1.0, 3.0, 4, 60);
+    drive.add(place.x(), place.y(), place.z());
+    const MapScaleFound found = drive.found();
+    EXPECT_EQ(found.measurements, counts ? 61 : 60) << place.transpose();
+    EXPECT_NEAR(found.meters_per_unit, height_m, 1e-12);
+    EXPECT_EQ(found.from, "a camera height of 1.5 m");
+  }
+}
+
+TEST(CameraHeight, NeedsFiftyObservations) {
+  Drive few, enough;
+  few.add(0.5, 1.0, 3.0, 4, 49);
+  enough.add(0.5, 1.0, 3.0, 4, 50);
+  EXPECT_THROW(few.found(), Error);
+  EXPECT_EQ(enough.found().measurements, 50);
+  EXPECT_THROW(scale_from_camera_height(Map(), height_m, "here"), Error) << "a map without landmarks";
+}
+
+TEST(CameraHeight, NeedsAShareOfTheCandidatesAtOneHeight) {
+  for (const int alike : {15, 14}) {
+    Drive drive;
+    drive.add(0.0, 1.0, 2.0, 4, alike);
+    for (int i = 0; i < 100 - alike; ++i) {  // the others at various heights
+      const double below = std::exp(1.0 + 0.05 * i);
+      drive.add(0.0, below, 2.0 * below);
+    }
+    if (alike == 15) {
+      EXPECT_EQ(drive.found().measurements, 15);
+    } else {
+      EXPECT_THROW(drive.found(), Error);
+    }
+  }
+}
+
+TEST(CameraHeight, HeightsNearTheModeCountAsMeasurements) {
+  for (const double off : {0.119, 0.121}) {  // twice the kernel of 6 %
+    Drive drive;
+    drive.add(0.0, 1.0, 3.0, 4, 60);
+    for (const double sign : {-1.0, 1.0}) drive.add(0.0, std::exp(sign * off), 3.0 * std::exp(sign * off));
+    EXPECT_EQ(drive.found().measurements, off < 0.12 ? 62 : 60);
+    EXPECT_NEAR(drive.found().meters_per_unit, height_m, 1e-9);
+  }
+}
+
+TEST(CameraHeight, DistantLandmarksWeighLess) {
+  Drive drive;
+  drive.add(0.0, 1.0, 1.0, 4, 30);
+  drive.add(0.0, 2.0, 20.0, 4, 60);  // twice as many, with a tenth of the weight
+  EXPECT_NEAR(drive.found().meters_per_unit, height_m, 1e-9);
+}
+
+TEST(CameraHeight, IsTheMeanOfTheHeightsNearTheMode) {
+  Drive drive;
+  double sum = 0.0;
+  for (int i = 0; i < 61; ++i) {
+    const double log_height = 0.001 * (i - 30) + 0.0003 * (i % 5);
+    sum += log_height;
+    drive.add(0.0, std::exp(log_height), 3.0 * std::exp(log_height));
+  }
+  drive.add(0.0, 8.0, 24.0, 4, 10);  // elsewhere
+  EXPECT_NEAR(std::log(height_m / drive.found().meters_per_unit), sum / 61.0, 5e-4);
+  EXPECT_EQ(drive.found().measurements, 61);
+}
+
+TEST(CameraHeight, TheCameraMayBePitchedOrFaceBackward) {
+  Drive pitched(10, SO3::exp({0.3, 0.0, 0.0}));
+  pitched.add(0.5, 1.0, 3.0, 4, 60);
+  EXPECT_NEAR(pitched.found().meters_per_unit, height_m, 1e-12);
+  Drive backward(10, SO3(), -1.0);
+  backward.add(0.5, 1.0, 3.0, 4, 60);
+  EXPECT_NEAR(backward.found().meters_per_unit, height_m, 1e-12);
+}
+
+TEST(CameraHeight, TheCameraMustFaceAboutItsDirectionOfTravel) {
+  constexpr double degree = std::numbers::pi / 180.0;
+  for (const double yaw_deg : {45.0, 46.0, -45.0, 90.0}) {  // the cosine of 45.6 is 0.7
+    Drive drive(10, SO3::exp({0.0, yaw_deg * degree, 0.0}));
+    drive.add(3.0 * std::sin(yaw_deg * degree), 1.0, 3.0 * std::cos(yaw_deg * degree), 4, 60);
+    if (std::abs(yaw_deg) < 45.5) {
+      EXPECT_NEAR(drive.found().meters_per_unit, height_m, 1e-9) << yaw_deg;
+    } else {
+      EXPECT_THROW(drive.found(), Error) << yaw_deg;
+    }
+  }
+}
+
+TEST(CameraHeight, OnlySubmapZeroCountsInTheOrderOfItsFrames) {
+  Drive drive(24);
+  for (int k = 0; k < 24; ++k) {  // a circle, driven in an order other than that of the ids
+    Keyframe& keyframe = drive.map.keyframes[static_cast<std::size_t>(k)];
+    keyframe.frame = k * 7 % 24;
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(keyframe.frame) / 24.0;
+    keyframe.world_from_camera =
+        SE3(SO3::exp({0.0, angle, 0.0}), {-20.0 * std::cos(angle), 0.0, 20.0 * std::sin(angle)});
+    drive.add(2.0 * std::sin(angle), 1.0, 2.0 * std::cos(angle), k, 4);
+  }
+  EXPECT_EQ(drive.found().measurements, 96);
+  drive.map.keyframes[3].submap = 1;
+  EXPECT_EQ(drive.found().measurements, 92);
+}
+
+TEST(CameraHeight, AStandingCameraHasNoHeight) {
+  Drive drive(10, SO3(), 0.0);
+  drive.add(0.5, 1.0, 3.0, 4, 60);
+  EXPECT_THROW(drive.found(), Error);
+}
+
+TEST(Jackknife, LeavesOutEightBlocksOneAfterTheOther) {
+  std::vector<double> values;
+  for (int i = 0; i < 20; ++i) values.push_back(i * i % 7 + 0.1 * i);
+  std::vector<std::pair<std::size_t, std::size_t>> asked;
+  const auto mean_without = [&](std::size_t begin, std::size_t end) -> std::optional<double> {
+    asked.emplace_back(begin, end);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) sum += i >= begin && i < end ? 0.0 : values[i];
+    return sum / static_cast<double>(values.size() - (end - begin));
+  };
+  const double sigma = jackknife_sigma(values.size(), mean_without);
+  const std::vector<std::pair<std::size_t, std::size_t>> blocks = {{0, 2},   {2, 5},   {5, 7},   {7, 10},
+                                                                   {10, 12}, {12, 15}, {15, 17}, {17, 20}};
+  EXPECT_EQ(asked, blocks);
+  std::vector<double> means;
+  for (const auto& [begin, end] : blocks) means.push_back(*mean_without(begin, end));
+  const double middle = std::accumulate(means.begin(), means.end(), 0.0) / 8.0;
+  double squares = 0.0;
+  for (const double mean : means) squares += (mean - middle) * (mean - middle);
+  EXPECT_NEAR(sigma, std::sqrt(7.0 / 8.0 * squares), 1e-12);
+}
+
+TEST(Jackknife, IsUnknownWithFewerThanTwoEstimates) {
+  const auto only_first = [](std::size_t begin, std::size_t) { return begin == 0 ? std::optional(5.0) : std::nullopt; };
+  EXPECT_EQ(jackknife_sigma(16, only_first), 0.0);
+  const auto first_two = [](std::size_t begin, std::size_t) {
+    return begin < 4 ? std::optional(static_cast<double>(begin)) : std::nullopt;
+  };
+  EXPECT_DOUBLE_EQ(jackknife_sigma(16, first_two), 1.0) << "of 0 and 2: sqrt(1/2 * 2)";
+}
+
+/// Keyframes of frames 5, 10 and 30, a second apart at x = 0, 1 and 4; landmarks 1 and 2 of submap 0, 3 of another one,
+/// 4 of none.
+Map map_of_lengths(TimeNs gap = 1'000'000'000) {
+  Map map;
+  const double x[] = {0.0, 1.0, 4.0};
+  const std::int64_t frame[] = {5, 10, 30};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto id = static_cast<KeyframeId>(k);
+    map.keyframes.push_back({id, frame[k], id * gap, 0, SE3(SO3(), {x[k], 0.0, 0.0}), 0, no_keyframe, 1.0});
+    map.frames.push_back({id * gap, id, SE3()});
+  }
+  map.keyframes.push_back({9, 40, 9 * gap, 0, SE3(), 1, no_keyframe, 1.0});
+  auto layer = std::make_shared<LandmarkLayer>();
+  for (const std::int64_t id : {1, 2, 3, 4}) {
+    Landmark& landmark = layer->landmarks.emplace_back();
+    landmark.id = id;
+    landmark.position = {0.0, 3.0 * static_cast<double>(id), 4.0};
+    if (id < 4) landmark.observations = {{id == 3 ? 9 : 1, 0}};
+  }
+  map.layers.put<LandmarkLayer>(std::move(layer));
+  return map;
+}
+
+double scale_of_frames(const Map& map, std::int64_t from, std::int64_t to, double meters) {
+  return scale_from_lengths(map, std::array{KnownLength{from, to, true, meters}}, "here").meters_per_unit;
+}
+
+TEST(KnownLengths, FramesBetweenKeyframesAreInterpolated) {
+  const Map map = map_of_lengths();
+  EXPECT_NEAR(scale_of_frames(map, 5, 30, 8.0), 2.0, 1e-12);
+  EXPECT_NEAR(scale_of_frames(map, 10, 30, 6.0), 2.0, 1e-12);
+  EXPECT_NEAR(scale_of_frames(map, 7, 15, 2.7), 2.0, 1e-9) << "from x = 0.4 to x = 1.75";
+  for (const std::int64_t outside : {4, 41}) EXPECT_THROW(scale_of_frames(map, 10, outside, 1.0), Error) << outside;
+  EXPECT_THROW(scale_of_frames(Map(), 0, 1, 1.0), Error);
+  EXPECT_THROW(scale_of_frames(map, 10, 10, 1.0), Error) << "no length";
+  EXPECT_THROW(scale_of_frames(map_of_lengths(1'000'000'001), 7, 15, 1.0), Error) << "too long between two poses";
+}
+
+TEST(KnownLengths, LandmarksMustBeOfTheFirstSubmap) {
+  const Map map = map_of_lengths();
+  const auto scale = [&](std::int64_t from, std::int64_t to) {
+    return scale_from_lengths(map, std::array{KnownLength{from, to, false, 6.0}}, "here").meters_per_unit;
+  };
+  EXPECT_NEAR(scale(1, 2), 2.0, 1e-12);
+  EXPECT_THROW(scale(1, 3), Error) << "of another submap";
+  EXPECT_THROW(scale(4, 1), Error) << "nobody observed it";
+  EXPECT_THROW(scale(1, 7), Error) << "not there";
+  EXPECT_THROW(scale(1, 1), Error);
+}
+
+TEST(KnownLengths, SeveralAreFittedByLeastSquaresWithTheirSigma) {
+  const Map map = map_of_lengths();
+  const std::array lengths = {KnownLength{5, 10, true, 2.1}, KnownLength{10, 30, true, 5.7},
+                              KnownLength{1, 2, false, 6.2}};
+  const double units[] = {1.0, 3.0, 3.0}, meters[] = {2.1, 5.7, 6.2};
+  double products = 0.0, squares = 0.0, rest = 0.0;
+  for (int i = 0; i < 3; ++i) products += units[i] * meters[i], squares += units[i] * units[i];
+  for (int i = 0; i < 3; ++i) rest += std::pow(meters[i] - products / squares * units[i], 2);
+  const MapScaleFound found = scale_from_lengths(map, lengths, "here");
+  EXPECT_NEAR(found.meters_per_unit, products / squares, 1e-12);
+  EXPECT_NEAR(found.relative_sigma, std::sqrt(rest / 2.0 / squares) / (products / squares), 1e-12);
+  EXPECT_EQ(found.measurements, 3);
+  EXPECT_EQ(found.from, "3 known lengths");
+}
+
+TEST(KnownLengths, OneBetweenLandmarksHasTheSigmaOfTheirPositions) {
+  const Map map = make_landmark_test_map();
+  const Landmark &a = map.layer<LandmarkLayer>()->landmarks[5], &b = map.layer<LandmarkLayer>()->landmarks[200];
+  const MapScaleFound found = scale_from_lengths(map, std::array{KnownLength{a.id, b.id, false, 3.0}}, "here");
+  const Vector3d between = b.position - a.position, along = between.normalized();
+  const Eigen::Matrix3d covariance = landmark_covariance(map, a).value() + landmark_covariance(map, b).value();
+  EXPECT_NEAR(found.relative_sigma, std::sqrt(along.dot(covariance * along)) / between.norm(), 1e-12);
+  EXPECT_EQ(found.measurements, 1);
+  EXPECT_EQ(found.from, "a known length");
+}
+
+}  // namespace
+}  // namespace rastro

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/relocalization/relocalization.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rastro/math/math_testing.h"
+#include "rastro/slam/orb/session_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::ObserveOptions;
+using testing::pose_near;
+using testing::SessionBench;
+
+/// Tracking is lost in a map of three keyframes; a frame of fewer than 100 points is tracked, but cannot be
+/// relocalized.
+struct RelocalizationBench : SessionBench {
+  explicit RelocalizationBench(CameraKind sensor = CameraKind::mono, int init_frames = 60)
+      : SessionBench(sensor, options_with(init_frames)), relocalization(session, tracker, pipeline, keyframes) {
+    begin(3);
+    session.tracking = false;
+    session.lost_frames = 7;
+    session.frame_number = 50;
+  }
+  static OrbSlamOptions options_with(int init_frames) {
+    OrbSlamOptions options;
+    options.relocalize_matches = 100;
+    options.init_frames = init_frames;
+    return options;
+  }
+  std::optional<TrackingResult> relocalize(std::int64_t index, double k, const ObserveOptions& how = {}) {
+    update.state = SlamState::lost;
+    update.reason = SlamReason::not_found;
+    update.detail = "before";
+    return relocalization.relocalize(observe(index, stop(k), how).frame, update);
+  }
+  /// A frame that observes nothing of the map.
+  std::optional<TrackingResult> relocalize_elsewhere(std::int64_t index) {
+    const testing::PointWorld other(300, 99);
+    return relocalization.relocalize(other.observe(index, stop(1.0)).frame, update);
+  }
+  std::vector<std::int64_t> frames() const {
+    std::vector<std::int64_t> indices;
+    for (const TrackedFrame& frame : session.trajectory.frames()) indices.push_back(frame.index);
+    return indices;
+  }
+
+  Relocalization relocalization;
+  SlamUpdate update;
+};
+
+TEST(Relocalization, ARelocalizedFrameIsTrackedFromThenOn) {
+  for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
+    RelocalizationBench bench(sensor);
+    bench.tracker.restart(bench.stop(9.0), {}, nullptr);
+    const auto found = bench.relocalize(10, 0.4);
+    ASSERT_TRUE(found);
+    EXPECT_TRUE(found->ok);
+    EXPECT_THAT(found->camera_from_world, pose_near(bench.stop(0.4), 1e-4, 1e-5));
+    EXPECT_TRUE(bench.session.tracking);
+    EXPECT_EQ(bench.update.state, SlamState::relocalized);
+    EXPECT_EQ(bench.update.reason, SlamReason::none);
+    EXPECT_EQ(bench.update.detail, "");
+    ASSERT_EQ(bench.update.events.size(), 1U);
+    EXPECT_EQ(bench.update.events[0].kind, "relocalized");
+    EXPECT_THAT(bench.update.events[0].detail,
+                ::testing::MatchesRegex("in keyframe [012] with (29[0-9]|300) landmarks after 7 frames"));
+    EXPECT_THAT(bench.tracker.last_pose(), pose_near(bench.stop(0.4), 1e-4, 1e-5));
+    EXPECT_THAT(bench.tracker.velocity(), pose_near(SE3(), 0.0, 0.0));
+    EXPECT_TRUE(bench.frames().empty()) << "the frame itself is left to who asked";
+  }
+}
+
+TEST(Relocalization, NothingChangesWhereNothingIsFound) {
+  RelocalizationBench bench;
+  bench.pipeline.insert(bench.input(9, 2.2, 2), 0);
+  EXPECT_FALSE(bench.relocalize(10, 1.0, {.to = 99}));
+  EXPECT_FALSE(bench.session.tracking);
+  EXPECT_EQ(bench.update.state, SlamState::lost);
+  EXPECT_EQ(bench.update.detail, "before");
+  EXPECT_EQ(bench.tracker.view()->center, 2);
+  EXPECT_TRUE(bench.pipeline.idle()) << "the map was searched as it is";
+}
+
+TEST(Relocalization, LostFramesGetPosesBackToTheFirstThatCannotBeTracked) {
+  RelocalizationBench bench;
+  EXPECT_FALSE(bench.relocalize(10, 0.2, {.to = 60}));
+  EXPECT_FALSE(bench.relocalize_elsewhere(11));
+  EXPECT_FALSE(bench.relocalize(12, 0.6, {.to = 60}));
+  EXPECT_FALSE(bench.relocalize(13, 0.8, {.to = 60}));
+  ASSERT_TRUE(bench.relocalize(14, 1.0));
+  EXPECT_EQ(bench.frames(), (std::vector<std::int64_t>{12, 13}));
+  const Trajectory poses = bench.session.trajectory.trajectory(bench.session.graph, 0);
+  EXPECT_THAT(poses[0].world_from_body, pose_near(bench.stop(0.6).inverse(), 1e-3, 1e-4));
+  EXPECT_THAT(poses[1].world_from_body, pose_near(bench.stop(0.8).inverse(), 1e-3, 1e-4));
+  EXPECT_THAT(bench.tracker.last_pose(), pose_near(bench.stop(1.0), 1e-4, 1e-5)) << "tracking goes on from the last";
+  // The frames lost before are dropped.
+  ASSERT_TRUE(bench.relocalize(15, 1.2));
+  EXPECT_EQ(bench.frames().size(), 2U);
+}
+
+TEST(Relocalization, OnlyTheLastLostFramesAreKept) {
+  RelocalizationBench bench(CameraKind::mono, 3);
+  for (int k = 0; k < 4; ++k) EXPECT_FALSE(bench.relocalize(10 + k, 0.2 * k, {.to = 60}));
+  ASSERT_TRUE(bench.relocalize(14, 0.8));
+  EXPECT_EQ(bench.frames(), (std::vector<std::int64_t>{12, 13})) << "and the one that was found";
+}
+
+TEST(Relocalization, NoKeyframeIsMadeRightAfter) {
+  RelocalizationBench bench;
+  ASSERT_TRUE(bench.relocalize(10, 1.0));
+  TrackingResult weak;
+  weak.reference = 1;
+  const auto frame = bench.observe(11, bench.stop(1.0)).frame;
+  bench.session.frame_number = 50 + 19;
+  EXPECT_FALSE(bench.keyframes.needs_keyframe(*frame, weak));
+  bench.session.frame_number = 50 + 20;
+  EXPECT_TRUE(bench.keyframes.needs_keyframe(*frame, weak));
+}
+
+}  // namespace
+}  // namespace rastro

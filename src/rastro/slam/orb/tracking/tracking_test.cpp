@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/orb/tracking/tracking.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rastro/math/math_testing.h"
+#include "rastro/slam/orb/session_testing.h"
+#include "rastro/slam/orb/tracking/wall_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::pose_near;
+
+Camera wall_camera() {
+  Camera camera;
+  camera.width = 320;
+  camera.height = 240;
+  camera.fx = camera.fy = 230.0;
+  camera.cx = 162.0;
+  camera.cy = 118.0;
+  return camera;
+}
+
+/// The parts of a run, in front of a wall seen by a depth camera.
+struct WallRun {
+  explicit WallRun(const OrbSlamOptions& options = wall_options())
+      : session(options, testing::source_of(wall_camera(), CameraKind::depth), {}),
+        tracker(session.options, session.sensor.camera, session.sensor.sensor, session.sensor.baseline),
+        pipeline(session, tracker, {}),
+        tracking(session, tracker, pipeline, nullptr) {}
+
+  static OrbSlamOptions wall_options() {
+    OrbSlamOptions options;
+    options.features = 400;
+    options.virtual_baseline_m = 0.1;
+    options.far_baselines = 100.0;
+    return options;
+  }
+  /// Frame k is taken at 0.1 k s.
+  static Frame frame_at(std::int64_t index, const SE3& world_from_camera) {
+    Frame frame;
+    frame.index = index;
+    frame.stamp = frame.depth_stamp = 100000000 * index;
+    frame.image = testing::image_of_wall(wall_camera(), world_from_camera);
+    frame.depth = depth_from(world_from_camera.translation().z());
+    return frame;
+  }
+  static DepthImage depth_from(double z) {
+    DepthImage depth(wall_camera().width, wall_camera().height);
+    for (int y = 0; y < depth.height(); ++y)
+      std::fill_n(depth.row(y), depth.width(), static_cast<float>(testing::wall_m - z));
+    return depth;
+  }
+  SlamUpdate process(const Frame& frame) {
+    SlamUpdate update;
+    update.world_from_body = last_pose;
+    ++session.frame_number;
+    tracking.process(frame, update);
+    last_pose = update.world_from_body;
+    return update;
+  }
+  SlamUpdate process(std::int64_t index, double x) { return process(frame_at(index, beside(x))); }
+  static SE3 beside(double x) { return SE3(SO3(), {x, 0.0, 0.0}); }
+
+  OrbSession session;
+  FrameTracker tracker;
+  KeyframePipeline pipeline;
+  Tracking tracking;
+  SE3 last_pose;
+};
+
+std::size_t count_of(const std::vector<FeatureObservation>& observations, ObservationState state) {
+  return static_cast<std::size_t>(
+      std::count_if(observations.begin(), observations.end(), [&](const auto& o) { return o.state == state; }));
+}
+
+TEST(Tracking, ReportsPoseObservationsAndCovariance) {
+  WallRun run;
+  EXPECT_TRUE(run.tracking.observations().empty());
+  EXPECT_EQ(run.process(0, 0.0).state, SlamState::tracking);
+  EXPECT_EQ(count_of(run.tracking.observations(), ObservationState::inlier), 0U) << "the map begins with this frame";
+  const SlamUpdate update = run.process(1, 0.03);
+  EXPECT_EQ(update.state, SlamState::tracking);
+  EXPECT_EQ(update.reason, SlamReason::none);
+  EXPECT_THAT(update.world_from_body, pose_near(run.beside(0.03), 0.01, 0.003));
+  EXPECT_GT(update.used, 150);
+  EXPECT_GT(update.score, 0.7);
+  EXPECT_LE(update.score, 1.0);
+  const auto observations = run.tracking.observations();
+  EXPECT_EQ(count_of(observations, ObservationState::inlier), static_cast<std::size_t>(update.used));
+  for (const FeatureObservation& o : observations) {
+    const bool matched = o.state == ObservationState::inlier || o.state == ObservationState::outlier ||
+                         o.state == ObservationState::matched;
+    EXPECT_EQ(run.session.graph.has_landmark(o.landmark), matched) << name_of(o.state);
+  }
+  ASSERT_EQ(run.session.trajectory.frames().size(), 2U);
+  EXPECT_EQ(run.session.trajectory.frames()[1].index, 1);
+  EXPECT_EQ(run.session.trajectory.frames()[1].seen.size(), static_cast<std::size_t>(update.used));
+  ASSERT_TRUE(update.covariance);
+  EXPECT_EQ(*update.covariance, update.covariance->transpose());
+  const Vector6d error = (update.world_from_body * run.beside(0.03).inverse()).log();
+  EXPECT_LT(error.cwiseAbs2().cwiseQuotient(update.covariance->diagonal()).maxCoeff(), 36.0);
+}
+
+TEST(Tracking, TheCovarianceIsInTheAxesOfTheWorld) {
+  WallRun run;
+  run.process(0, 0.0);
+  run.session.graph.transform(0, Sim3(1.0, SO3::exp({0.3, -0.4, 0.8}), {1.0, 2.0, 3.0}));
+  run.tracker.set_view(view_of(run.session.graph, 0, run.session.view_options()));
+  FrameTracker same = run.tracker;
+  const Frame frame = run.frame_at(1, run.beside(0.03));
+  const SlamUpdate update = run.process(frame);
+  const TrackingResult in_camera =
+      same.track(FeatureMaker(run.session.options, run.session.sensor, nullptr).make(frame, SE3()));
+  Matrix6d axes = Matrix6d::Zero();
+  axes.topLeftCorner<3, 3>() = axes.bottomRightCorner<3, 3>() = in_camera.camera_from_world.rotation().matrix();
+  ASSERT_TRUE(update.covariance);
+  const Matrix6d expected = axes.transpose() * in_camera.covariance * axes;
+  EXPECT_GT((expected - in_camera.covariance).norm(), 0.1 * expected.norm());
+  EXPECT_THAT(*update.covariance, testing::matrix_near(expected, 1e-9 * expected.norm()));
+}
+
+/// The largest depth error of the keyframes made from frame 3 on, while the camera moves straight toward the wall and
+/// depths are captured `offset` later than the images.
+double depth_error(TimeNs offset) {
+  OrbSlamOptions options = WallRun::wall_options();
+  options.keyframe_frames = 1;
+  WallRun run(options);
+  const auto ahead = [](double z) { return SE3(SO3(), {0.0, 0.0, z}); };
+  for (int k = 0; k < 5; ++k) {
+    Frame frame = run.frame_at(k, ahead(0.05 * k));
+    if (k >= 3) {
+      frame.depth = run.depth_from(0.05 * (k + to_seconds(offset) / 0.1));
+      frame.depth_stamp = frame.stamp + offset;
+    }
+    run.process(frame);
+  }
+  double largest = 0.0;
+  std::size_t checked = 0;
+  for (const std::int64_t id : run.session.graph.keyframe_ids()) {
+    const ImageFeatures& data = run.session.graph.keyframe(id).frame->data();
+    if (data.frame < 3) continue;
+    const double truth = testing::wall_m - 0.05 * static_cast<double>(data.frame);
+    for (const float depth : data.depths) {
+      if (!(depth > 0.0F)) continue;
+      ++checked;
+      largest = std::max(largest, std::abs(static_cast<double>(depth) - truth));
+    }
+  }
+  EXPECT_GT(checked, 150U);
+  return largest;
+}
+
+TEST(Tracking, DepthsFromAnotherInstantAreMovedToThatOfTheImage) {
+  EXPECT_LT(depth_error(40000000), 0.008) << "of 0.02 m";
+  EXPECT_LT(depth_error(-100000000), 0.016) << "of 0.05 m, just within a frame";
+  EXPECT_NEAR(depth_error(110000000), 0.055, 0.005) << "too late to say";
+}
+
+TEST(Tracking, UnusableFramesHaveAReason) {
+  WallRun run;
+  Frame blank = run.frame_at(0, SE3());
+  blank.image = GrayImage(320, 240);
+  const SlamUpdate dark = run.process(blank);
+  EXPECT_EQ(dark.reason, SlamReason::dark_or_blank);
+  EXPECT_EQ(dark.state, SlamState::initializing);
+  run.process(1, 0.0);
+  blank.index = 2;
+  blank.stamp = 200000000;
+  EXPECT_EQ(run.process(blank).state, SlamState::lost) << "now there is a map";
+  Frame empty;
+  empty.index = 3;
+  empty.stamp = 300000000;
+  EXPECT_EQ(run.process(empty).reason, SlamReason::no_data);
+  EXPECT_TRUE(run.session.tracking);
+  EXPECT_EQ(run.session.trajectory.frames().size(), 1U);
+  EXPECT_EQ(run.process(4, 0.02).state, SlamState::tracking);
+}
+
+TEST(Tracking, AGapIsReportedAndTrackedOver) {
+  WallRun run;
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(run.process(k, 0.01 * k).reason, SlamReason::none);
+  const SlamUpdate after = run.process(10, 0.05);
+  EXPECT_EQ(after.reason, SlamReason::gap);
+  EXPECT_NE(after.detail, "");
+  EXPECT_EQ(after.state, SlamState::tracking);
+}
+
+TEST(Tracking, ARepeatedFrameHasTheLastPoseIfItIsKnownAndLater) {
+  WallRun run;
+  run.process(0, 0.0);
+  run.process(1, 0.02);
+  Frame again = run.frame_at(1, run.beside(0.02));
+  again.index = 2;
+  again.stamp = 150000000;
+  const SlamUpdate repeated = run.process(again);
+  EXPECT_EQ(repeated.state, SlamState::tracking);
+  EXPECT_EQ(repeated.reason, SlamReason::repeated_frame);
+  ASSERT_EQ(run.session.trajectory.frames().size(), 3U);
+  EXPECT_EQ(run.session.trajectory.frames()[2].index, 2);
+  again.stamp = 50000000;
+  EXPECT_EQ(run.process(again).state, SlamState::lost) << "a stamp that goes back";
+  run.session.tracking = false;
+  again.index = 3;
+  again.stamp = 250000000;
+  EXPECT_EQ(run.process(again).state, SlamState::lost);
+  EXPECT_EQ(run.session.trajectory.frames().size(), 3U);
+}
+
+TEST(Tracking, LostFramesExtrapolateTheMotionAndAreRelocalized) {
+  WallRun run;
+  for (int k = 0; k < 3; ++k) run.process(k, 0.02 * k);
+  Frame elsewhere = run.frame_at(3, SE3(SO3(), {40.0, 30.0, 0.0}));
+  const SlamUpdate lost = run.process(elsewhere);
+  EXPECT_EQ(lost.state, SlamState::lost);
+  EXPECT_EQ(lost.reason, SlamReason::few_inliers);
+  EXPECT_THAT(lost.detail, ::testing::MatchesRegex("needs at least 30 inliers, got [0-9]+ of [0-9]+ matches"));
+  EXPECT_THAT(lost.world_from_body, pose_near(run.beside(0.06), 0.02, 0.006));
+  EXPECT_FALSE(run.session.tracking);
+  EXPECT_EQ(run.session.lost_frames, 1);
+  elsewhere = run.frame_at(4, SE3(SO3(), {42.0, 30.0, 0.0}));
+  const SlamUpdate still = run.process(elsewhere);
+  EXPECT_EQ(still.reason, SlamReason::not_found);
+  EXPECT_EQ(run.session.lost_frames, 2);
+  EXPECT_EQ(count_of(run.tracking.observations(), ObservationState::inlier), 0U);
+  const SlamUpdate found = run.process(5, 0.05);
+  EXPECT_EQ(found.state, SlamState::relocalized);
+  EXPECT_TRUE(run.session.tracking);
+  EXPECT_THAT(found.world_from_body, pose_near(run.beside(0.05), 0.01, 0.003));
+  EXPECT_EQ(run.process(6, 0.06).state, SlamState::tracking);
+}
+
+TEST(Tracking, KeyframesAreMadeWhileMappingAndTheViewFollowsTheCameraWithout) {
+  OrbSlamOptions options = WallRun::wall_options();
+  options.keyframe_frames = options.lost_frames = 1;
+  for (const bool mapping : {true, false}) {
+    WallRun run(options);
+    run.process(0, 0.0);
+    run.session.mapping = mapping;
+    for (int k = 1; k < 4; ++k) run.process(k, 0.05 * k);
+    EXPECT_EQ(run.session.next_keyframe > 1, mapping);
+    if (mapping) {
+      SlamUpdate update;
+      run.pipeline.take_all_results(update.events);
+      run.session.mapping = false;
+      run.tracker.set_view(view_of(run.session.graph, 0, run.session.view_options()));
+      const std::int64_t keyframes = run.session.next_keyframe;
+      update = run.process(5, 0.18);
+      EXPECT_GT(run.tracker.view()->center, 0) << "of the keyframe that shares most";
+      EXPECT_EQ(run.session.next_keyframe, keyframes);
+    }
+    for (int k = 6; k < 9; ++k)
+      EXPECT_TRUE(run.process(run.frame_at(k, SE3(SO3(), {40.0 + 0.05 * k, 30.0, 0.0}))).events.empty());
+    EXPECT_EQ(run.session.graph.submap_count(), 1) << "no submap begins";
+  }
+}
+
+TEST(Tracking, ADisconnectedSubmapIsReported) {
+  OrbSlamOptions options = WallRun::wall_options();
+  options.lost_frames = 2;
+  WallRun run(options);
+  run.process(0, 0.0);
+  SlamUpdate update;
+  for (int k = 1; k < 4; ++k) update = run.process(run.frame_at(k, SE3(SO3(), {40.0 + 0.01 * k, 30.0, 0.0})));
+  EXPECT_EQ(run.session.graph.submap_count(), 2);
+  EXPECT_EQ(update.state, SlamState::weak);
+  EXPECT_EQ(update.reason, SlamReason::apart);
+  EXPECT_EQ(update.detail, "in submap 1, not connected to the first yet");
+}
+
+}  // namespace
+}  // namespace rastro

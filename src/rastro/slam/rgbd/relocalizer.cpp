@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/rgbd/relocalizer.h"
+
+#include "rastro/backend/loop_candidates.h"
+#include "rastro/base/random.h"
+
+namespace rastro {
+
+Relocalizer::Relocalizer(const RgbdSlamOptions& options, const Camera& camera, DepthStore& depths)
+    : options_(options), depths_(depths), features_(options), matcher_(options, camera) {}
+
+std::vector<std::int64_t> Relocalizer::candidates(std::int64_t count, std::uint64_t seed) {
+  LoopCandidates candidates(count);
+  candidates.add_latest(count, options_.relocalize_last);
+  Random random(seed);
+  for (int k = 0; k < options_.relocalize_random; ++k) {
+    candidates.add(random.below(static_cast<std::uint32_t>(count)));
+    candidates.add(next_in_order_++ % count);
+  }
+  return candidates.ids();
+}
+
+Relocalizer::Try Relocalizer::find(const Frame& frame,
+                                   const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes,
+                                   std::uint64_t seed, const std::vector<std::int64_t>& first) {
+  Try result;
+  if (keyframes.empty()) return result;
+  const ImageFeatures seen = features_.extract(frame);
+  result.features = static_cast<int>(seen.features.size());
+  compare(seen, frame, keyframes, first, seed, result);
+  if (result.found) return result;
+  compare(seen, frame, keyframes, candidates(static_cast<std::int64_t>(keyframes.size()), seed), seed, result);
+  return result;
+}
+
+std::optional<Relocalizer::Found> Relocalizer::find_among(
+    const Frame& frame, const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes,
+    const std::vector<std::int64_t>& ids, std::uint64_t seed) {
+  Try result;
+  compare(features_.extract(frame), frame, keyframes, ids, seed, result);
+  return result.found;
+}
+
+void Relocalizer::compare(const ImageFeatures& seen, const Frame& frame,
+                          const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes,
+                          const std::vector<std::int64_t>& ids, std::uint64_t seed, Try& result) {
+  if (ids.empty()) return;
+  const auto grid = std::make_shared<const KeyframeSurface>(matcher_.surfaces().surface_of(frame.depth));
+  for (const std::int64_t id : ids) {
+    const ImageFeatures& keyframe = *keyframes[static_cast<std::size_t>(id)];
+    if (keyframe.features.size() == 0) continue;
+    ++result.compared;
+    const auto tie =
+        matcher_.match({&keyframe, [&] { return depths_.depth(id); }}, {&seen, [&] { return grid; }},
+                       options_.relocalize_inliers, seed_for(seed, static_cast<std::uint64_t>(id)), std::nullopt);
+    if (tie && (!result.found || tie->inliers > result.found->tie.inliers)) result.found = Found{id, *tie};
+  }
+}
+
+}  // namespace rastro

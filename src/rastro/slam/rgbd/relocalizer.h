@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "rastro/slam/rgbd/depth_store.h"
+#include "rastro/slam/rgbd/keyframe_features.h"
+#include "rastro/slam/rgbd/keyframe_matcher.h"
+
+namespace rastro {
+
+/// Relocalizes a frame against keyframes, a few of them per attempt: the last ones, some at random, and one after the
+/// other all.
+class Relocalizer {
+ public:
+  /// `depths` must outlive this.
+  Relocalizer(const RgbdSlamOptions& options, const Camera& camera, DepthStore& depths);
+
+  struct Found {
+    std::int64_t keyframe = 0;
+    KeyframeConstraint tie;  ///< From the keyframe to the frame.
+  };
+  struct Try {
+    std::optional<Found> found;  ///< The one with most inliers.
+    int features = 0, compared = 0;
+  };
+  /// `first`: compared before all others; the others are skipped if one of these matches.
+  Try find(const Frame& frame, const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes, std::uint64_t seed,
+           const std::vector<std::int64_t>& first = {});
+  /// Compares with these only.
+  std::optional<Found> find_among(const Frame& frame,
+                                  const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes,
+                                  const std::vector<std::int64_t>& ids, std::uint64_t seed);
+
+ private:
+  void compare(const ImageFeatures& seen, const Frame& frame,
+               const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes, const std::vector<std::int64_t>& ids,
+               std::uint64_t seed, Try& result);
+  std::vector<std::int64_t> candidates(std::int64_t count, std::uint64_t seed);
+
+  RgbdSlamOptions options_;
+  DepthStore& depths_;
+  KeyframeFeatures features_;
+  KeyframeMatcher matcher_;
+  std::int64_t next_in_order_ = 0;
+};
+
+}  // namespace rastro

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "rastro/slam/rgbd/frame_report.h"
+#include "rastro/slam/rgbd/rgbd_session.h"
+
+namespace rastro {
+
+/// The follower drifts: where a keyframe would be made, the frame is held against the map's around it instead.
+void RgbdSession::localize(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update) {
+  SE3 pose = followed.world_from_camera;
+  Matrix6d from_keyframe =
+      chained(anchor_.reference_covariance, anchor_.world_from_reference.inverse() * pose, followed.covariance);
+  if (followed.new_reference) {
+    anchor_.world_from_reference = pose;
+    anchor_.reference_covariance = from_keyframe;
+  }
+  const bool due = counts_.seen - counts_.localized >= options_.relocalize_every && !frame.depth.empty();
+  if (due && (followed.new_reference || has_moved(followed))) {
+    counts_.localized = counts_.seen;
+    const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
+    const auto near = map_.nearest(pose, map_.submap(anchor_.keyframe), options_);
+    if (const auto found = relocalizer_.find_among(frame, map_.keyframes(), near, seed)) {
+      anchor_at(found->keyframe, found->tie);
+      from_keyframe = anchor_.reference_covariance;
+      follower_.move(anchor_.world_from_reference * pose.inverse());
+      pose = anchor_.world_from_reference;
+    }
+  }
+  say_pose(pose, covariance_of(pose, from_keyframe), update);
+}
+
+/// The frame stands relative to a keyframe that it was matched with.
+void RgbdSession::anchor_at(std::int64_t keyframe, const KeyframeConstraint& tie) {
+  const SE3 world_from_keyframe = map_.pose(keyframe);
+  anchor_ = {keyframe, world_from_keyframe, map_.covariance(keyframe), world_from_keyframe * tie.a_from_b,
+             tie.information.inverse()};
+  counts_.anchored = counts_.seen;
+}
+
+void RgbdSession::on_loss(const Frame& frame, SlamUpdate& update) {
+  if (!loss_.lost) loss_.frames = 0;
+  loss_.lost = true;
+  if (update.reason == SlamReason::dark_or_blank || update.reason == SlamReason::repeated_frame) return;
+  look_around(frame, update);
+}
+
+/// For the map first; ground that was not found again long enough is taken for new.
+void RgbdSession::look_around(const Frame& frame, SlamUpdate& update) {
+  if (frame.image.empty() || frame.depth.empty()) {
+    if (update.reason == SlamReason::not_found || update.reason == SlamReason::none)
+      update.reason = SlamReason::no_data;
+    return;
+  }
+  ++loss_.frames;
+  if ((loss_.frames - 1) % options_.relocalize_every == 0) {
+    const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
+    const Relocalizer::Try tried = relocalizer_.find(frame, map_.keyframes(), seed, hinted_keyframes());
+    if (update.detail.empty())
+      update.detail = fmt::format("{} features, matched with none of {} keyframes", tried.features, tried.compared);
+    if (tried.found) {
+      const auto& [keyframe, tie] = *tried.found;
+      const Constraint edge{keyframe,        map_.keyframe_count(),     Sim3(tie.a_from_b),
+                            tie.information, ConstraintKind::proximity, 1.0,
+                            tie.inliers};
+      if (!start_again(frame, map_.pose(keyframe) * tie.a_from_b, edge, update)) return;
+      update.score = static_cast<double>(tie.inliers) / std::max(1, tie.matches);
+      update.used = tie.inliers;
+      update.events.push_back(
+          {"relocalized", fmt::format("in keyframe {} with {} inliers of {} matches after {} frames", keyframe,
+                                      tie.inliers, tie.matches, loss_.frames)});
+      return;
+    }
+  }
+  if (maps_ && mapping_ && exists() && loss_.frames >= options_.lost_frames) {
+    const SE3 guess = update.world_from_body;
+    if (start_again(frame, guess, std::nullopt, update))
+      update.events.push_back({"submap", fmt::format("{} started, no relocalization in {} frames",
+                                                     map_.submap(anchor_.keyframe), loss_.frames)});
+  }
+}
+
+std::vector<std::int64_t> RgbdSession::hinted_keyframes() const {
+  if (!hint_ || maps_) return {};
+  return map_.nearest(*hint_, 0, options_);
+}
+
+bool RgbdSession::start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& tie,
+                              SlamUpdate& update) {
+  follower_.restart(world_from_camera);
+  const RgbdFollow followed = follower_.follow(frame);
+  following_.has_pose = followed.new_reference;
+  if (!following_.has_pose) return false;
+  ++stretch_;
+  loss_.lost = false;
+  update.state = SlamState::relocalized;
+  update.reason = SlamReason::none;
+  update.detail.clear();
+  hint_.reset();
+  if (!mapping_) {
+    anchor_at(tie->from, {tie->rigid(), tie->information, 0, tie->inliers, {}});
+    say_pose(world_from_camera, covariance_of(world_from_camera, anchor_.reference_covariance), update);
+    map_.add_frame(frame.stamp, anchor_.keyframe, anchor_.world_from_keyframe.inverse() * world_from_camera);
+    return true;
+  }
+  if (tie) {
+    const Matrix6d covariance = chained(map_.covariance(tie->from), tie->rigid(), tie->information.inverse());
+    make_keyframe(frame, world_from_camera, {*tie}, map_.submap(tie->from), covariance, update);
+  } else {
+    make_keyframe(frame, world_from_camera, {}, map_.new_submap(), Matrix6d::Zero(), update);
+  }
+  map_.add_frame(frame.stamp, anchor_.keyframe, SE3());
+  return true;
+}
+
+}  // namespace rastro

@@ -1,0 +1,129 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# What rastro writes, read by the programs it is written for: other_programs_test.sh PROGRAM SCRATCH_FOLDER CASE
+# CASE is make_other (first), models, g2o, clouds, tracks_yaml or video. A case whose program is missing ends with 77
+# (skipped) and says which package has it.
+set -euo pipefail
+rastro=$1
+scratch=$2
+case_name=$3
+data=$scratch/other
+here=$scratch/other_$case_name
+
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
+# need PROGRAM PACKAGE: or the case is skipped.
+need() {
+  command -v "$1" >/dev/null && return
+  echo "SKIPPED: $1 is not installed (Debian package $2)" >&2
+  exit 77
+}
+need_python() {
+  /usr/bin/python3 -c "import $1" 2>/dev/null && return
+  echo "SKIPPED: Python's $1 is not installed (Debian package $2)" >&2
+  exit 77
+}
+run() {
+  "$rastro" "$@" >"$here/stdout" 2>"$here/stderr" || fail "'rastro $*': $(cat "$here/stderr")"
+}
+
+# One map of each kind of camera.
+make_other() {
+  rm -rf "$data" && mkdir -p "$data"
+  here=$data
+  run simulate bedroom --out "$data/room" --frames 40
+  run simulate loop --out "$data/pair" --stereo --frames 40
+  run slam "$data/room" --method orb --sensor mono --out "$data/mono"
+  run slam "$data/room" --method orb --sensor rgbd --out "$data/depth"
+  run slam "$data/pair" --method orb --sensor stereo --out "$data/stereo"
+  run slam "$data/room" --method rgbd --out "$data/rgbd" --set keyframe_frames=4
+}
+
+colmap_of() {
+  local map=$1 model=$here/$1 log=$here/$1.log images
+  run export "$data/$map" --to colmap --out "$model"
+  colmap model_analyzer --path "$model" >"$log" 2>&1 || fail "COLMAP does not read the model of $map: $(tail -3 "$log")"
+  mkdir -p "$here/adjusted_$map"
+  colmap bundle_adjuster --input_path "$model" --output_path "$here/adjusted_$map" \
+    --BundleAdjustment.max_num_iterations 10 >"$log" 2>&1 || fail "COLMAP does not adjust $map: $(tail -3 "$log")"
+  colmap image_undistorter --input_path "$model" --image_path "$model/images" --output_path "$here/undistorted_$map" \
+    >"$log" 2>&1 || fail "COLMAP does not undistort $map: $(tail -3 "$log")"
+  images=$(grep -v '^#' "$model/images.txt" | awk 'NR % 2 == 1' | wc -l)
+  [[ $(find "$here/undistorted_$map/images" -type f | wc -l) -eq $images ]] ||
+    fail "COLMAP undistorts not all of the $images images of $map: $(ls "$here/undistorted_$map/images")"
+  if [[ $map != rgbd ]]; then
+    run export "$data/$map" --to colmap-binary --out "$here/binary_$map"
+    colmap model_analyzer --path "$here/binary_$map" >"$log" 2>&1 || fail "COLMAP does not read the binary model of $map"
+  fi
+}
+
+models() {
+  need colmap colmap
+  local map
+  for map in mono depth stereo rgbd; do colmap_of "$map"; done
+  grep -q ' [0-9]*\.[0-9]*\.png$' "$here/depth/images.txt" || fail "images are not named as the recording has them"
+}
+
+g2o() {
+  need graph-slam mrpt-apps
+  local map
+  for map in mono depth stereo rgbd; do
+    run export "$data/$map" --to g2o --out "$here/$map.g2o"
+    graph-slam --3d --info -i "$here/$map.g2o" >"$here/info" 2>&1 || fail "MRPT does not read the graph of $map"
+    [[ $(sed -n 's/^Edge count *: //p' "$here/info") -gt 0 ]] || fail "MRPT finds no edge in the graph of $map"
+    graph-slam --3d --levmarq --max-iters 20 -q -i "$here/$map.g2o" -o "$here/$map.out" >"$here/info" 2>&1 ||
+      fail "MRPT does not optimize the graph of $map: $(tail -3 "$here/info")"
+  done
+}
+
+clouds() {
+  need pcl_pcd2ply pcl-tools
+  local map
+  for map in mono depth rgbd; do
+    run export "$data/$map" --to pcd --out "$here/$map.pcd"
+    run export "$data/$map" --to ply --out "$here/$map.ply"
+    pcl_pcd2ply "$here/$map.pcd" "$here/back.ply" >"$here/log" 2>&1 || fail "PCL does not read $map.pcd"
+    pcl_ply2pcd "$here/$map.ply" "$here/back.pcd" >"$here/log" 2>&1 || fail "PCL does not read $map.ply"
+    [[ $(grep -a -m1 '^POINTS' "$here/back.pcd") == $(grep -a -m1 '^POINTS' "$here/$map.pcd") ]] || fail "other points in $map.ply"
+  done
+}
+
+tracks_yaml() {
+  need_python cv2 python3-opencv
+  need_python yaml python3-yaml
+  run track "$data/room" --out "$here/run" --frames 0:6
+  (cd "$here" && sed -n '/^import cv2/,/^```/{/^```/d;p}' "$4" >snippet.py)
+  cat >>"$here/snippet.py" <<'PYTHON'
+import yaml
+with open("run/tracks.yaml") as file:
+    tracks = yaml.load(file, yaml.CSafeLoader)
+assert frames.size() == len(tracks["frames"]) == 6, frames.size()
+assert id == tracks["frames"][5]["features"][-1][0]
+PYTHON
+  (cd "$here" && /usr/bin/python3 snippet.py) || fail "the snippet of the how-to, or libyaml, does not read tracks.yaml"
+}
+
+# A video as a phone makes it: frames come when there is light.
+video() {
+  need ffmpeg ffmpeg
+  local file
+  for file in phone.mp4 phone.mkv; do
+    ffmpeg -v error -y -f lavfi -i testsrc=size=160x120:rate=30:duration=1 \
+      -vf "setpts='if(lt(N,10),N,N+30)/30/TB'" -fps_mode vfr -c:v mpeg4 "$here/$file"
+    run check "$here/$file"
+    grep -q '1.033 s after frame 9' "$here/stdout" || fail "the hole of $file is not told: $(cat "$here/stdout")"
+    run track "$here/$file" --out "$here/run_$file" --every 3
+    [[ $(grep -o '"stamp_ns":"\{0,1\}[0-9]*' "$here/run_$file/tracks.jsonl" | wc -l) -eq 10 ]] || fail "--every 3 of 30 frames"
+  done
+}
+
+case $case_name in
+  make_other) make_other ;;
+  models | g2o | clouds | tracks_yaml | video)
+    rm -rf "$here" && mkdir -p "$here"
+    $case_name "$@"
+    ;;
+  *) fail "no case '$case_name'" ;;
+esac
