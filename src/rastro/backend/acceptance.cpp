@@ -19,20 +19,22 @@ bool share_one(const std::vector<std::int64_t>& a, const std::vector<std::int64_
   return false;
 }
 
-bool within(const SE3& motion, const Eigen::Vector3d& moved_by, const AgreementLimits& limits) {
-  return moved_by.norm() < limits.max_distance_m && motion.rotation().log().norm() < limits.max_angle_rad;
+bool within(const Eigen::Vector3d& moved_by, const SO3& rotated_by, const AgreementLimits& limits) {
+  return moved_by.norm() < limits.max_distance_m && rotated_by.log().norm() < limits.max_angle_rad;
 }
 
 bool moves_little(const MapCorrection& correction, const AgreementLimits& limits) {
   const Eigen::Vector3d& at = correction.position_in_world;
-  return within(correction.corrected_from_world, correction.corrected_from_world * at - at, limits);
+  return within(correction.corrected_from_world * at - at, correction.corrected_from_world.rotation(), limits);
 }
 
 /// At the position of the first one's observer.
 bool agree(const MapCorrection& a, const MapCorrection& b, const AgreementLimits& limits) {
+  if (a.observer == b.observer) return false;
   const Eigen::Vector3d& at = a.position_in_world;
-  return a.observer != b.observer && within(a.corrected_from_world.inverse() * b.corrected_from_world,
-                                            a.corrected_from_world * at - b.corrected_from_world * at, limits);
+  const SE3 &corrected_by_a = a.corrected_from_world, &corrected_by_b = b.corrected_from_world;
+  return within(corrected_by_a * at - corrected_by_b * at,
+                corrected_by_a.rotation().inverse() * corrected_by_b.rotation(), limits);
 }
 
 }  // namespace

@@ -140,5 +140,11 @@ TEST(TracksYaml, NamesTheLineOfWhatIsWrong) {
   EXPECT_THROW(parse_tracks_yaml("frames:\n", "t.yaml"), Error);
 }
 
+TEST(TracksYaml, AHeaderCutOffAnywhereIsRefusedInOneLine) {
+  const std::string header = read_whole_file(write_file({}, {}, "header")).substr(0, 40);
+  for (std::size_t length = 0; length < 38; ++length)
+    EXPECT_THROW(parse_tracks_yaml(header.substr(0, length), "t.yaml"), Error) << length;
+}
+
 }  // namespace
 }  // namespace rastro

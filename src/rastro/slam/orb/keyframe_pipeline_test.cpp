@@ -268,5 +268,22 @@ TEST(KeyframePipeline, TheMapIsArchivedWhenItGrowsAndNoJobIsInFlight) {
   EXPECT_EQ(archive.kept.size(), 2U);
 }
 
+TEST(KeyframePipeline, TheFullerTheMapTheSparserItsKeyframes) {
+  PipelineBench unlimited;
+  unlimited.pipeline.take_all_results(unlimited.events);
+  const std::size_t bytes = MapThinning(unlimited.session.options, unlimited.session.graph, 1).memory(0).bytes;
+  const std::pair<double, std::pair<double, double>> expected[] = {
+      {3.0, {1.0, 1.0}}, {1.6, {1.5, 0.9}}, {1.2, {2.0, 0.8}}, {0.9, {3.0, 0.7}}};
+  for (const auto& [share, then] : expected) {
+    SlamContext context;
+    context.map_memory_bytes = static_cast<std::size_t>(share * static_cast<double>(bytes));
+    PipelineBench bench(without_culling(), context);
+    bench.pipeline.take_all_results(bench.events);
+    EXPECT_EQ(bench.session.spacing, then.first) << share;
+    EXPECT_NEAR(bench.session.keyframe_share, then.second, 1e-12) << share;
+    EXPECT_EQ(bench.events.size(), then.first > 1.0 ? 1U : 0U) << share;
+  }
+}
+
 }  // namespace
 }  // namespace rastro

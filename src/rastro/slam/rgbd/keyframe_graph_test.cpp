@@ -406,5 +406,36 @@ TEST(KeyframeGraph, AKeyframeWithoutFeaturesKeepsItsIdAndIsNoCandidate) {
   EXPECT_EQ(graph.candidates(7, random), (Ids{0, 1, 2, 4, 5, 6}));
 }
 
+TEST(KeyframeGraph, TheMostRedundantHasTheMostNeighborsWithFeatures) {
+  RgbdSlamOptions options;
+  options.graph_window = 2;
+  KeyframeGraph graph = chain(8, options);
+  EXPECT_FALSE(graph.most_redundant(3));
+  EXPECT_EQ(graph.most_redundant(2), 1) << "the first of equals";
+  graph.add_edge(edge_of(1, 2, SE3(), ConstraintKind::proximity));
+  EXPECT_FALSE(graph.most_redundant(3)) << "a second edge to the same neighbor says nothing new";
+  graph.add_edge(edge_of(5, 2, SE3(), ConstraintKind::proximity));
+  EXPECT_EQ(graph.most_redundant(3), 2);
+  graph.add_edge(edge_of(5, 0, SE3(), ConstraintKind::proximity));
+  EXPECT_EQ(graph.most_redundant(3), 5) << "has four";
+  EXPECT_FALSE(graph.most_redundant(5));
+  graph.forget_features(5);
+  EXPECT_FALSE(graph.most_redundant(3)) << "nor is one without features left a neighbor";
+  EXPECT_EQ(graph.most_redundant(2), 1);
+  for (const std::int64_t other : {0, 1, 2, 3}) graph.add_edge(edge_of(other, 6, SE3(), ConstraintKind::proximity));
+  EXPECT_NE(graph.most_redundant(2), 6) << "the newest are kept";
+}
+
+TEST(KeyframeGraph, KeyframesOfAGivenMapAreNotRedundant) {
+  RgbdSlamOptions options;
+  options.graph_window = 2;
+  KeyframeGraph graph(options, 4);
+  for (int k = 0; k < 9; ++k) {
+    add_keyframe(graph, SE3());
+    if (k > 0) graph.add_edge(edge_of(k - 1, k, SE3()));
+  }
+  EXPECT_EQ(graph.most_redundant(2), 4);
+}
+
 }  // namespace
 }  // namespace rastro

@@ -250,5 +250,38 @@ TEST(RgbdSlam, MappingBesideTrackingGivesTheSameResult) {
   }
 }
 
+TEST(RgbdSlam, WhileLostTheMapIsSearchedInTheFirstFrameAndThenInEveryNth) {
+  const Views views = pan(-0.2, 0.02, 12);
+  SlamContext context;
+  context.map = run(views, quick()).snapshot;
+  for (const int every : {1, 2, 3}) {
+    RgbdSlamOptions options = quick();
+    options.relocalize_every = every;
+    for (int elsewhere = 0; elsewhere <= 4; ++elsewhere) {
+      RgbdSlam slam(options, test_room::camera(), context);
+      std::int64_t index = 0;
+      // The opposite wall, which the map does not have.
+      for (int k = 0; k < elsewhere; ++k)
+        EXPECT_EQ(slam.process(frame_of(looking({-0.5, 0.01 * k, 1.2}, M_PI), index++)).used, 0);
+      const bool found = slam.process(frame_of(views[0], index)).state == SlamState::relocalized;
+      EXPECT_EQ(found, elsewhere % every == 0) << "after " << elsewhere << " frames, every " << every;
+    }
+  }
+}
+
+TEST(RgbdSlam, AMapWithoutDepthsOfItsFeaturesIsRefused) {
+  Map map = make_test_map(2);
+  SlamContext context;
+  context.map = std::make_shared<const Map>(map);
+  EXPECT_NO_THROW(RgbdSlam({}, test_room::camera(), context));
+  auto layer = std::make_shared<FeatureLayer>(*map.layer<FeatureLayer>());
+  auto bare = std::make_shared<ImageFeatures>(*layer->of.begin()->second);
+  bare->depths.pop_back();
+  layer->of.begin()->second = std::move(bare);
+  map.layers.put<FeatureLayer>(std::move(layer));
+  context.map = std::make_shared<const Map>(map);
+  EXPECT_THROW(RgbdSlam({}, test_room::camera(), context), Error);
+}
+
 }  // namespace
 }  // namespace rastro

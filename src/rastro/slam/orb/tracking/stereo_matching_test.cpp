@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "rastro/base/task_pool.h"
 
 namespace rastro {
 namespace {
@@ -49,6 +53,126 @@ TEST(StereoMatching, AnImageOfAnotherSizeHasNoDepth) {
   keyframe.features = extractor.extract(left.view());
   match_stereo(left.view(), GrayImage(100, 100).view(), {}, 100.0, {}, nullptr, keyframe);
   for (const float depth : keyframe.depths) EXPECT_EQ(depth, 0.0F);
+}
+
+/// One feature in each of two textured images, the right one at the true disparity unless it is moved.
+struct OneFeature {
+  static constexpr double disparity = 12.0;
+  GrayImage left = textured(0.0), right = textured(disparity);
+  ImageFeatures keyframe;
+  Features right_features;
+  OrbSlamOptions options;
+
+  OneFeature() {
+    keyframe.features = feature(200.0F, 100.0F);
+    right_features = feature(200.0F - static_cast<float>(disparity), 100.0F);
+  }
+  static Features feature(float x, float y, std::uint8_t level = 0) {
+    Features made;
+    made.keypoints.push_back({x, y, 31.0F, 0.0F, 1.0F});
+    made.levels.push_back(level);
+    made.descriptors.emplace_back();
+    return made;
+  }
+  /// The disparity; 0: none.
+  double match() {
+    match_stereo(left.view(), right.view(), right_features, 120.0, options, nullptr, keyframe);
+    const auto depth = static_cast<double>(keyframe.depths.at(0));
+    EXPECT_EQ(depth > 0.0, keyframe.right_x.at(0) >= 0.0F);
+    return depth > 0.0 ? 120.0 / depth : 0.0;
+  }
+};
+
+TEST(StereoMatching, APartnerIsSoughtInTheRowsThatItsSizeReaches) {
+  for (const auto& [off, level, found] :
+       {std::tuple{2.0F, 0, true}, {-2.0F, 0, true}, {2.1F, 0, false}, {-2.1F, 0, false}, {2.1F, 1, true}}) {
+    OneFeature one;
+    one.right_features = OneFeature::feature(188.0F, 100.0F + off, static_cast<std::uint8_t>(level));
+    EXPECT_EQ(one.match() > 0.0, found) << off << " rows off at level " << level;
+  }
+}
+
+TEST(StereoMatching, LevelsDifferByAtMostOne) {
+  for (const int level : {0, 1, 2, 3, 4}) {
+    OneFeature one;
+    one.keyframe.features = OneFeature::feature(200.0F, 100.0F, 2);
+    one.right_features = OneFeature::feature(188.0F, 100.0F, static_cast<std::uint8_t>(level));
+    EXPECT_EQ(one.match() > 0.0, level >= 1 && level <= 3) << level;
+  }
+}
+
+TEST(StereoMatching, DescriptorsDifferByAtMostTheLimit) {
+  for (const int bits : {0, 75, 76}) {
+    OneFeature one;
+    one.options.stereo_hamming = 75;
+    for (int bit = 0; bit < bits; ++bit)
+      one.right_features.descriptors[0].words[static_cast<std::size_t>(bit / 64)] ^= std::uint64_t{1} << (bit % 64);
+    EXPECT_EQ(one.match() > 0.0, bits <= 75) << bits;
+  }
+}
+
+TEST(StereoMatching, TheMostSimilarPartnerCounts) {
+  OneFeature one;
+  Features both = OneFeature::feature(165.0F, 100.0F);
+  both.descriptors[0].words[0] = 0xFF;
+  const Features& better = one.right_features;
+  both.keypoints.push_back(better.keypoints[0]);
+  both.levels.push_back(0);
+  both.descriptors.push_back(better.descriptors[0]);
+  one.right_features = both;
+  EXPECT_NEAR(one.match(), OneFeature::disparity, 0.1);
+  std::swap(one.right_features.descriptors[0], one.right_features.descriptors[1]);
+  EXPECT_NE(one.match(), OneFeature::disparity) << "now the wrong one is more similar";
+}
+
+TEST(StereoMatching, APartnerFartherRightOrBeyondTheLargestDisparityIsNone) {
+  OneFeature one;
+  one.options.stereo_least_disparity_px = 0.0;
+  one.right = textured(-1.0);
+  one.right_features = OneFeature::feature(201.9F, 100.0F);
+  EXPECT_EQ(one.match(), 0.0) << "at a negative disparity there is no depth";
+  OneFeature far;
+  far.options.stereo_disparity_share = 11.0 / 480.0;
+  EXPECT_EQ(far.match(), 0.0);
+  far.options.stereo_disparity_share = 12.5 / 480.0;
+  EXPECT_NEAR(far.match(), OneFeature::disparity, 0.1);
+  far.options.stereo_least_disparity_px = 12.5;
+  EXPECT_EQ(far.match(), 0.0);
+}
+
+TEST(StereoMatching, TheShiftIsSoughtUpToFivePixelsFromThePartner) {
+  for (const float off : {-3.0F, 3.0F, 4.0F, 6.0F, -6.0F}) {
+    OneFeature one;
+    one.right_features = OneFeature::feature(188.0F + off, 100.0F);
+    EXPECT_EQ(std::abs(one.match() - OneFeature::disparity) < 0.1, std::abs(off) < 5.0F) << off;
+  }
+}
+
+TEST(StereoMatching, NextToABorderThereIsNoWindow) {
+  for (const auto& [x, y, found] : {std::tuple{200.0F, 5.0F, true},
+                                    {200.0F, 4.0F, false},
+                                    {200.0F, 234.0F, true},
+                                    {200.0F, 235.0F, false},
+                                    {22.0F, 100.0F, true},
+                                    {21.0F, 100.0F, false}}) {
+    OneFeature one;
+    one.keyframe.features = OneFeature::feature(x, y);
+    one.right_features = OneFeature::feature(x - 12.0F, y);
+    EXPECT_EQ(one.match() > 0.0, found) << x << ' ' << y;
+  }
+}
+
+TEST(StereoMatching, ThreadsGiveTheSameBytes) {
+  const GrayImage left = textured(0.0), right = textured(12.3);
+  OrbExtractor extractor(OrbOptions{.features = 400});
+  ImageFeatures alone, beside;
+  alone.features = beside.features = extractor.extract(left.view());
+  const Features right_features = extractor.extract(right.view());
+  TaskPool pool(3);
+  match_stereo(left.view(), right.view(), right_features, 246.0, {}, nullptr, alone);
+  match_stereo(left.view(), right.view(), right_features, 246.0, {}, &pool, beside);
+  EXPECT_EQ(alone.depths, beside.depths);
+  EXPECT_EQ(alone.right_x, beside.right_x);
 }
 
 }  // namespace
