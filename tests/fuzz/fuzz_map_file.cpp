@@ -43,7 +43,7 @@ void look_at(const rastro::Map& map) {
     if (const auto* type = rastro::layer_type(name)) type->describe(map, *layer);
   const auto images = map.layer<rastro::ImageLayer>();
   if (!images) return;
-  for (const rastro::KeyframeId id : images->keyframes) images->store->pictures(id);
+  for (const rastro::KeyframeId id : images->keyframes) images->store->images(id);
 }
 
 void try_file(std::string_view bytes) {

@@ -26,7 +26,7 @@ struct Joints {
   std::array<std::pair<int, int>, 2> pairs;
 };
 
-Joints joints_of(std::uint8_t solid, int axis, int side, bool joined) {
+Joints joints_of(std::uint8_t solid, int axis, int side, bool connected) {
   const Face face = face_at(axis, side);
   std::array<int, 4> crossed{};
   int count = 0;
@@ -38,7 +38,7 @@ Joints joints_of(std::uint8_t solid, int axis, int side, bool joined) {
   if (count == 2) return {1, {std::pair(crossed[0], crossed[1])}};
   if (count == 0) return {};
   // Corner 0 is between edges 3 and 0; cutting off corners 0 and 2 leaves 1 and 3 connected.
-  const bool cut_first = is_solid(solid, face.corners[0]) != joined;
+  const bool cut_first = is_solid(solid, face.corners[0]) != connected;
   const auto& e = face.edges;
   return cut_first ? Joints{2, {std::pair(e[3], e[0]), std::pair(e[1], e[2])}}
                    : Joints{2, {std::pair(e[0], e[1]), std::pair(e[2], e[3])}};
@@ -46,13 +46,13 @@ Joints joints_of(std::uint8_t solid, int axis, int side, bool joined) {
 
 }  // namespace
 
-CellSheets sheets_of(std::uint8_t solid, std::uint8_t joined) {
+CellSheets sheets_of(std::uint8_t solid, std::uint8_t connected) {
   CellSheets sheets;
   sheets.of_edge.fill(-1);
   std::array<std::array<std::int8_t, 2>, 12> neighbors;
   std::array<int, 12> degree{};
   for (int face = 0; face < 6; ++face) {
-    const Joints joints = joints_of(solid, face / 2, face % 2, (joined >> face & 1) != 0);
+    const Joints joints = joints_of(solid, face / 2, face % 2, (connected >> face & 1) != 0);
     for (int k = 0; k < joints.count; ++k) {
       const auto [a, b] = joints.pairs[static_cast<std::size_t>(k)];
       const auto at = static_cast<std::size_t>(a), to = static_cast<std::size_t>(b);
@@ -86,14 +86,14 @@ bool one_sheet_through(std::uint8_t solid, int axis, int side) {
 
 }  // namespace
 
-std::uint8_t joined_faces(std::uint8_t solid, const std::function<std::uint8_t(int axis, int side)>& beyond) {
-  std::uint8_t joined = 0;
+std::uint8_t connected_faces(std::uint8_t solid, const std::function<std::uint8_t(int axis, int side)>& beyond) {
+  std::uint8_t connected = 0;
   for (int face = 0; face < 6; ++face) {
     const int axis = face / 2, side = face % 2;
     if (one_sheet_through(solid, axis, side) && one_sheet_through(beyond(axis, side), axis, 1 - side))
-      joined = static_cast<std::uint8_t>(joined | 1U << face);
+      connected = static_cast<std::uint8_t>(connected | 1U << face);
   }
-  return joined;
+  return connected;
 }
 
 }  // namespace rastro::detail

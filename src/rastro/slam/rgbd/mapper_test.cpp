@@ -151,7 +151,7 @@ TEST(Mapper, MaskedPixelsAreNeitherMatchedNorKept) {
     for (int x = 0; x < 320; ++x) order.frame.mask.at(x, y) = x < 160 ? 255 : 0;
   const MapRevision revision = mapper.add(order);
   for (const Keypoint& point : revision.keyframe->features.keypoints) EXPECT_LT(std::lround(point.x), 160);
-  const UnpackedImages kept = unpack_images(mapper.pictures()->pictures(0), "test");
+  const UnpackedImages kept = unpack_images(mapper.images()->images(0), "test");
   for (int y = 0; y < 240; y += 7) {
     EXPECT_EQ(kept.depth.at(200, y), 0.0F);
     EXPECT_NEAR(kept.depth.at(100, y), order.frame.depth.at(100, y), 2e-4F);
@@ -174,7 +174,7 @@ TEST(Mapper, TheArchiveGetsTheImagesAndEachRevisionHasTheNewEdges) {
     EXPECT_EQ(revision.poses.size(), static_cast<std::size_t>(k) + 1);
   }
   EXPECT_EQ(archive.keyframes, (std::vector<KeyframeId>{0, 1, 2}));
-  EXPECT_EQ(mapper.pictures(), archive.kept) << "pictures are there, not in memory";
+  EXPECT_EQ(mapper.images(), archive.kept) << "pictures are there, not in memory";
   EXPECT_TRUE(archive.maps.empty()) << "the map is the tracker's to hand over";
   revision = mapper.settle();
   EXPECT_FALSE(revision.keyframe);

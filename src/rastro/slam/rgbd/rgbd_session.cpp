@@ -31,7 +31,7 @@ RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, c
       camera_(camera),
       maps_(context.map == nullptr),
       mapper_(options_, camera, context),
-      map_(context.map ? *context.map : base_map(options_, camera), mapper_.pictures(), context.map != nullptr),
+      map_(context.map ? *context.map : base_map(options_, camera), mapper_.images(), context.map != nullptr),
       relocalizer_(options_, camera, mapper_.depths()),
       follower_(options_.follow, camera, context.pool),
       archive_(maps_ ? context.archive : nullptr),
