@@ -23,13 +23,13 @@ struct WorldSample {
 /// Sums over the measurements in a voxel. Positions are relative to the voxel's lowest corner.
 struct Voxel {
   std::uint64_t key = 0;
-  float weight = 0.0F;                               ///< Sum of w = 1 / sigma^2.
-  float variance = 0.0F;                             ///< Sum of w^2 times the variance along the normal.
-  float along = 0.0F, along2 = 0.0F;                 ///< Sums of w d and w d^2, d = the position along its own normal.
-  Eigen::Vector3f position = Eigen::Vector3f::Zero();   ///< Sum of w times position.
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< Sum of w times normal.
-  Eigen::Vector3f color = Eigen::Vector3f::Zero();   ///< Sum of w times color.
-  std::uint32_t count = 0, views = 0;                ///< Number of measurements, and of keyframes they came from.
+  float weight = 0.0F;                ///< Sum of w = 1 / sigma^2.
+  float variance = 0.0F;              ///< Sum of w^2 times the variance along the normal.
+  float along = 0.0F, along2 = 0.0F;  ///< Sums of w d and w d^2, d = the position along its own normal.
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< Sum of w times position.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();    ///< Sum of w times normal.
+  Eigen::Vector3f color = Eigen::Vector3f::Zero();     ///< Sum of w times color.
+  std::uint32_t count = 0, views = 0;                  ///< Number of measurements, and of keyframes they came from.
   std::int32_t last_view = -1;
 };
 

@@ -56,7 +56,7 @@ TEST(VoxelTableKeys, AreZeroForPositionsOutOfRange) {
   const VoxelTable table(0.01);
   const double nan = std::nan(""), far = 0.01 * (1 << 20);
   for (const Eigen::Vector3d& position : {Eigen::Vector3d(far, 0.0, 0.0), Eigen::Vector3d(0.0, -far, 0.0),
-                                       Eigen::Vector3d(0.0, nan, 0.0), Eigen::Vector3d(0.0, 0.0, INFINITY)})
+                                          Eigen::Vector3d(0.0, nan, 0.0), Eigen::Vector3d(0.0, 0.0, INFINITY)})
     EXPECT_EQ(table.key_of(position), 0U);
   const Eigen::Vector3d last(0.99 * far, -0.99 * far, 0.99 * far);
   ASSERT_NE(table.key_of(last), 0U);
@@ -76,7 +76,8 @@ TEST(VoxelTableSums, AreThoseOfAPlainMap) {
   std::map<std::array<long, 3>, Plain> plain;
   for (int view = 0; view < 6; ++view) {
     for (int k = 0; k < 4000; ++k) {
-      const WorldSample sample = sample_at(random_position(random, 1.5), static_cast<float>(random.uniform(0.005, 0.02)));
+      const WorldSample sample =
+          sample_at(random_position(random, 1.5), static_cast<float>(random.uniform(0.005, 0.02)));
       const std::uint64_t key = table.key_of(sample.point);
       table.add(key, sample, view);
       Plain& sums = plain[cube_of(sample.point, 0.1)];

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double cell_m = 0.05;
 constexpr double max_distance_m = cell_m;  ///< At most the cell size, for the search in adjacent cells.
-constexpr double pose_sigma_m = 0.005;   ///< Between keyframes, in addition to depth noise.
+constexpr double pose_sigma_m = 0.005;     ///< Between keyframes, in addition to depth noise.
 constexpr double max_distance_sigmas = 3.0;
 constexpr int max_bit_distance = 60;        ///< Of 256.
 constexpr float max_float_distance = 0.6F;  ///< Share of the descriptor's length.

@@ -62,8 +62,8 @@ inline Descriptor random_descriptor(Random& random) {
 }
 
 /// Adds the landmarks visible from keyframe k as its features and as observations of the landmarks.
-inline void observe(const TestRoad& road, std::size_t k, const std::vector<Eigen::Vector3d>& positions_m, Random& random,
-                 ImageFeatures& keyframe, std::vector<Landmark>& landmarks) {
+inline void observe(const TestRoad& road, std::size_t k, const std::vector<Eigen::Vector3d>& positions_m,
+                    Random& random, ImageFeatures& keyframe, std::vector<Landmark>& landmarks) {
   constexpr double farthest_m = 14.0;
   const SE3 camera_from_world = TestRoad::world_from_camera(static_cast<double>(k) / road.keyframes).inverse();
   const auto add_feature = [&](const Eigen::Vector2d& pixel, const Descriptor& descriptor, double depth_m) {

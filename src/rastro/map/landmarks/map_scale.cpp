@@ -76,7 +76,8 @@ MeasuredLength measured(const Map& map, const KnownLength& length, const std::st
   }
   result.units = offset.norm();
   if (!(result.units > 0.0) || !std::isfinite(result.units))
-    throw Error(fmt::format("{} and {} are at the same position", length.from, length.to), where, "give two different points");
+    throw Error(fmt::format("{} and {} are at the same position", length.from, length.to), where,
+                "give two different points");
   return result;
 }
 

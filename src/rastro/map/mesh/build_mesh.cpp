@@ -196,7 +196,8 @@ class SurfaceNet {
     Vector3i block_index = volume_.blocks()[index]->index, inside = cell;
     for (int axis = 0; axis < 3; ++axis)
       if (inside[axis] < 0) inside[axis] += block_side, --block_index[axis];
-    const int block = block_index == volume_.blocks()[index]->index ? static_cast<int>(index) : volume_.block_at(block_index);
+    const int block =
+        block_index == volume_.blocks()[index]->index ? static_cast<int>(index) : volume_.block_at(block_index);
     if (block < 0) return -1;
     const auto found = static_cast<std::size_t>(block);
     const CellVertices& vertices =
