@@ -46,7 +46,7 @@ TEST(SurfaceCheck, AViewAgreesWithItself) {
   EXPECT_EQ(sum.contradict, 0);
   EXPECT_EQ(sum.hidden, 0);
   EXPECT_EQ(sum.evidence().observed_share(), 1.0);
-  EXPECT_GT(sum.evidence().overlap(), 0.8) << "but for rims, of the picture and of things";
+  EXPECT_GT(sum.evidence().overlap(), 0.8) << "but for rims, of the image and of objects";
 }
 
 TEST(SurfaceCheck, TwoViewsOfTheRoomAgreeAtTheirTruePoses) {

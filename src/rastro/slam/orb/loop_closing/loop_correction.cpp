@@ -121,9 +121,9 @@ class LoopCorrection {
           add_edge(id, n.id, relative(id, n.id));
       }
     }
-    for (const Constraint& tie : graph_.ties()) {
-      if (graph_.keyframe(tie.from).submap == submap_ && graph_.keyframe(tie.to).submap == submap_)
-        add_edge(tie.from, tie.to, relative(tie.from, tie.to));
+    for (const Constraint& constraint : graph_.constraints()) {
+      if (graph_.keyframe(constraint.from).submap == submap_ && graph_.keyframe(constraint.to).submap == submap_)
+        add_edge(constraint.from, constraint.to, relative(constraint.from, constraint.to));
     }
     for (const std::int64_t id : around_) {
       std::vector<std::int64_t>& list = known_[id];
@@ -245,11 +245,11 @@ LoopResult correct_loop(MapGraph& graph, const OrbSlamOptions& options, const Ve
   }
   const SE3 keyframe_from_matched =
       keyframe.camera_from_world * graph.keyframe(loop.matched).camera_from_world.inverse();
-  graph.ties().push_back({.from = loop.keyframe,
-                          .to = loop.matched,
-                          .from_from_to = Sim3(keyframe_from_matched),
-                          .kind = result.merged ? ConstraintKind::merge : ConstraintKind::loop,
-                          .inliers = loop.inliers});
+  graph.constraints().push_back({.from = loop.keyframe,
+                                 .to = loop.matched,
+                                 .from_from_to = Sim3(keyframe_from_matched),
+                                 .kind = result.merged ? ConstraintKind::merge : ConstraintKind::loop,
+                                 .inliers = loop.inliers});
   if (!result.merged) result.moved = (keyframe.camera_from_world.inverse().translation() - center).norm();
   return result;
 }
