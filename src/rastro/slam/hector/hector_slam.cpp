@@ -68,7 +68,7 @@ class HectorSlam::State {
   MapBudget budget_;
   std::string given_up_;  ///< The last measure to save memory; reported when it changes.
   std::vector<PosedScan> scans_;
-  std::size_t looked_up_to_ = 0;  ///< Loop closures of key scans before this one were searched for in older submaps.
+  std::size_t searched_up_to_ = 0;  ///< Loop closures of key scans before this one were searched for in older submaps.
   double path_m_ = 0.0;
   double unseen_path_m_ = 0.0;  ///< Path length since all directions were last observable.
   std::int64_t revision_ = 0;
@@ -245,9 +245,9 @@ void HectorSlam::State::advance_submaps(SlamUpdate& update) {
 
 void HectorSlam::State::close_loops(SlamUpdate& update) {
   const std::size_t keys = graph_.key_scans().size();
-  if (!options_.loop_closing || keys < looked_up_to_ + static_cast<std::size_t>(options_.optimize_every)) return;
-  const int closed = graph_.search_loops(looked_up_to_);
-  looked_up_to_ = keys;
+  if (!options_.loop_closing || keys < searched_up_to_ + static_cast<std::size_t>(options_.optimize_every)) return;
+  const int closed = graph_.search_loops(searched_up_to_);
+  searched_up_to_ = keys;
   if (closed == 0) return;
   graph_.optimize();
   ++revision_;
@@ -262,7 +262,7 @@ std::vector<SlamEvent> HectorSlam::State::finish() {
   for (const auto& submap : graph_.submaps()) {
     if (!submap->finished() && !submap->key_scans().empty()) submap->finish();
   }
-  const int closed = graph_.search_loops(looked_up_to_);
+  const int closed = graph_.search_loops(searched_up_to_);
   graph_.optimize();
   const int constrained = graph_.constrain_neighbors();
   graph_.optimize();

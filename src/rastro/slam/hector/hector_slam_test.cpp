@@ -142,7 +142,7 @@ TEST(HectorSlam, ReportsTheUnobservableDirectionOfACorridor) {
       EXPECT_NEAR(std::remainder(degrees + heading * 180.0 / M_PI, 180.0), 0.0, 1.5) << update.detail;
       const Eigen::Matrix2d covariance = update.covariance->topLeftCorner<2, 2>();
       EXPECT_GT(along.dot(covariance * along), 20.0 * across.dot(covariance * across));
-      // Odometry, which is exact here, determines the motion along the corridor, so the robot is not held in place.
+      // Odometry, which is exact here, determines the motion along the corridor, so the robot is not kept from moving.
       EXPECT_LT(off(drive, k, update.world_from_body).x(), 0.03);
     }
   }

@@ -162,7 +162,7 @@ TEST(SubmapGraph, AnotherRoomIsNotMatchedToTheFirst) {
   for (std::size_t k = 0; k <= 20; k += 4) graph.add_key_scan(matched.key_scan(k), MatchedDrive::covariance());
   graph.submaps().front()->finish();
   graph.add_submap(matched.local(24));
-  // A long narrow room with pillars, which the matcher places at the same position.
+  // A long narrow room with pillars, which the matcher matches at the same position.
   MatchedDrive other = matched;
   other.drive.walls = {};
   other.drive.walls.add_box(-1.0, -6.0, 1.2, 9.0);

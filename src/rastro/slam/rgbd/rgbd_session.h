@@ -96,9 +96,9 @@ class RgbdSession {
   FrameCounts counts_;
   Following following_;
   Loss loss_;
-  int segment_ = 0;  ///< Of frames followed without a break.
+  int segment_ = 0;  ///< Number of the segment of frames followed without a break.
   SE3 last_pose_;
-  std::optional<SE3> hint_;  ///< Where to look first in a map given, until found.
+  std::optional<SE3> hint_;  ///< Where to search first in a given map, until found.
   double spacing_ = 1.0;     ///< Of keyframes, times the usual motion: more where memory is short.
   MapMemory memory_;
   std::vector<SlamEvent> events_;      ///< Not yet told of.

@@ -112,7 +112,7 @@ TEST(PointMatches, OutliersHaveNoInfluence) {
     ASSERT_TRUE(views) << static_cast<int>(depths);
     EXPECT_THAT(views->a_from_b, pose_near(true_a_from_b, 0.01, 0.005)) << static_cast<int>(depths);
     EXPECT_GE(views->inliers, 54) << static_cast<int>(depths);
-    EXPECT_LE(views->inliers, 64) << "an outlier is close to its place by chance only";
+    EXPECT_LE(views->inliers, 64) << "an outlier is close to its position by chance only";
   }
 }
 

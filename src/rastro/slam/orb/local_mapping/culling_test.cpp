@@ -161,12 +161,12 @@ struct LandmarkBench : MappingBench {
   }
   /// Of the first half of the points.
   KeyframeInput input_by_truth(std::int64_t id) {
-    const Observed looked = observe(id, mapping_pose(static_cast<int>(id)), {.to = 100});
+    const Observed observed = observe(id, mapping_pose(static_cast<int>(id)), {.to = 100});
     KeyframeInput made;
-    made.frame = looked.frame;
+    made.frame = observed.frame;
     made.reference = 0;
     made.camera_from_reference = mapping_pose(static_cast<int>(id));
-    made.points = map.tracked(looked);
+    made.points = map.tracked(observed);
     return made;
   }
   bool has(std::size_t point) const { return map.graph.has_landmark(map.landmark_of[point]); }

@@ -103,7 +103,7 @@ std::vector<Hypothesis> LoopClosing::detect_candidates(const MapKeyframe& keyfra
   return hypotheses;
 }
 
-/// Estimates a similarity from pairs of landmarks, and finds the landmarks of the place where it predicts them.
+/// Estimates a similarity from pairs of landmarks, and finds the landmarks of the candidate where it predicts them.
 std::optional<VerifiedLoop> LoopClosing::verify(const MapKeyframe& keyframe, const MapKeyframe& candidate) const {
   const auto similarity = find_similarity(keyframe, candidate);
   if (!similarity) return std::nullopt;

@@ -38,7 +38,7 @@ int fuse_observation(MapGraph& graph, std::int64_t keyframe, std::uint32_t featu
   return 1;
 }
 
-/// Searches for landmarks of the place in all keyframes around, whose poses are corrected by now.
+/// Searches for landmarks of the matched place in all keyframes around, whose poses are corrected by now.
 int fuse_landmarks(MapGraph& graph, const OrbSlamOptions& options, const VerifiedLoop& loop,
                    const std::vector<std::int64_t>& around) {
   int fused = 0;
@@ -131,7 +131,7 @@ class LoopCorrection {
     }
   }
 
-  /// Moves the surroundings to the poses that the place predicts, with all landmarks they observe.
+  /// Moves the surroundings to the poses that the loop predicts, with all landmarks they observe.
   void move_surroundings() {
     const Sim3 keyframe_from_world =
         loop_.keyframe_from_matched * Sim3(graph_.keyframe(loop_.matched).camera_from_world);
