@@ -16,9 +16,8 @@ namespace rastro {
 class Room {
  public:
   static constexpr int frame_count = 90;
-  static constexpr double radius_m = 1.2,
-                          yaw_step_rad =
-                              0.03;  ///< On the mean, a frame rotates by this much on a circle of that radius.
+  /// On the mean, a frame rotates by `yaw_step_rad` on a circle of that radius.
+  static constexpr double radius_m = 1.2, yaw_step_rad = 0.03;
   static constexpr TimeNs first_stamp = 1'000 * ns_per_second, step = ns_per_second / 10;
 
   static SourceInfo info() {

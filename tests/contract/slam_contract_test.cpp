@@ -390,7 +390,7 @@ TEST_P(SlamContract, KeepsItsMapInABlackSecondAndIsBackSoonAfter) {
   EXPECT_LT(worst_error_m(poses, recording(), {static_cast<int>(back) + 1}), limit().worst_m);
 }
 
-TEST_P(SlamContract, FindsItsWayInAMapMadeBefore) {
+TEST_P(SlamContract, LocalizesInAMapMadeBefore) {
   if (!method()->can_localize()) GTEST_SKIP() << "makes maps only";
   const auto mapper = make();
   for (const Frame& frame : recording().frames()) mapper->process(frame);

@@ -41,9 +41,9 @@ struct Growing {
   Vector3d mean() const { return sum / weight; }
 };
 
-class Joining {
+class FeatureMerging {
  public:
-  Joining(const Map& map, int submap) : map_(map), layer_(map.layer<FeatureLayer>()) {
+  FeatureMerging(const Map& map, int submap) : map_(map), layer_(map.layer<FeatureLayer>()) {
     if (!layer_ || map.cameras.empty()) return;
     for (const std::size_t keyframe : detail::keyframes_of(map, submap)) add(keyframe);
   }
@@ -151,6 +151,6 @@ class Joining {
 
 }  // namespace
 
-std::vector<FeaturePoint> feature_points(const Map& map, int submap) { return Joining(map, submap).take(); }
+std::vector<FeaturePoint> feature_points(const Map& map, int submap) { return FeatureMerging(map, submap).take(); }
 
 }  // namespace rastro

@@ -141,7 +141,7 @@ void add_loop_options(OptionTable& table, HectorOptions& o) {
   table.add({"loop_scans",
              &o.loop_scans,
              "",
-             "scans matched together in a loop search: a single one matches many poses",
+             "scans matched together in a loop search: a single one matches many places",
              1,
              100,
              {}});

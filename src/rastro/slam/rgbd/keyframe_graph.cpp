@@ -126,7 +126,7 @@ std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& ran
   return candidates.ids();
 }
 
-void KeyframeGraph::join(const Constraint& edge) {
+void KeyframeGraph::merge(const Constraint& edge) {
   const int a = submap(edge.from), b = submap(edge.to);
   if (a == b) return;
   const SE3 a_from_b = pose(edge.from) * edge.rigid() * pose(edge.to).inverse();

@@ -215,7 +215,7 @@ TEST(KeyframeGraph, MergingTransformsTheLargerNumberIntoTheFrameOfTheSmaller) {
     // From submap 1 to 3 by keyframes 2 and 5, or in the opposite direction.
     const Constraint edge =
         forward ? edge_of(2, 5, relative, ConstraintKind::merge) : edge_of(5, 2, relative, ConstraintKind::merge);
-    graph.join(edge);
+    graph.merge(edge);
     const std::size_t from = forward ? 2 : 5, to = forward ? 5 : 2;
     EXPECT_THAT(graph.pose(static_cast<std::int64_t>(from)).inverse() * graph.pose(static_cast<std::int64_t>(to)),
                 pose_near(relative, 1e-9, 1e-9));
@@ -229,7 +229,7 @@ TEST(KeyframeGraph, MergingTransformsTheLargerNumberIntoTheFrameOfTheSmaller) {
       if (k >= 4 && k < 7) continue;
       EXPECT_THAT(graph.pose(k), pose_near(before[index], 0.0, 1e-12)) << "stays";
     }
-    graph.join(edge_of(0, 6, SE3(), ConstraintKind::merge));
+    graph.merge(edge_of(0, 6, SE3(), ConstraintKind::merge));
     EXPECT_THAT(graph.pose(static_cast<std::int64_t>(from)).inverse() * graph.pose(static_cast<std::int64_t>(to)),
                 pose_near(relative, 1e-9, 1e-9))
         << "of one submap already: nothing to do";

@@ -103,16 +103,16 @@ std::optional<Constraint> Mapper::verify(std::int64_t other, std::int64_t id) {
   const auto view = [this](std::int64_t k) {
     return ViewOfKeyframe{&graph_.keyframe(k), [this, k] { return depths_.depth(k); }};
   };
-  const bool joins = graph_.submap(other) != graph_.submap(id);
+  const bool merges = graph_.submap(other) != graph_.submap(id);
   std::optional<SE3> guess;
-  if (!joins) guess = graph_.pose(other).inverse() * graph_.pose(id);
+  if (!merges) guess = graph_.pose(other).inverse() * graph_.pose(id);
   const std::uint64_t seed =
       seed_for(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)), static_cast<std::uint64_t>(other));
   const auto match =
-      matcher_.match(view(other), view(id), joins ? options_.relocalize_inliers : options_.min_inliers, seed, guess);
+      matcher_.match(view(other), view(id), merges ? options_.relocalize_inliers : options_.min_inliers, seed, guess);
   if (!match) return std::nullopt;
   Constraint edge{other, id, Sim3(match->a_from_b), match->information, ConstraintKind::proximity, 1.0, match->inliers};
-  if (joins) {
+  if (merges) {
     edge.kind = ConstraintKind::merge;
   } else if (other < graph_.frozen() || graph_.steps_between(other, id, options_.loop_steps) >= options_.loop_steps) {
     edge.kind = ConstraintKind::loop;
@@ -135,7 +135,7 @@ void Mapper::accept(const Constraint& edge, MapRevision& revision) {
     revision.events.push_back(
         {"joined", fmt::format("submaps {} and {} by keyframes {} and {}", graph_.submap(edge.from),
                                graph_.submap(edge.to), edge.from, edge.to)});
-    graph_.join(edge);
+    graph_.merge(edge);
   }
   add_edge(edge, revision);
 }
@@ -144,8 +144,8 @@ void Mapper::correct(std::int64_t id, const std::vector<Constraint>& accepted, M
   const auto count = [&](ConstraintKind kind) {
     return std::count_if(accepted.begin(), accepted.end(), [&](const Constraint& edge) { return edge.kind == kind; });
   };
-  const auto loops = count(ConstraintKind::loop), joins = count(ConstraintKind::merge);
-  const bool all = maps_ && (loops > 0 || joins > 0);
+  const auto loops = count(ConstraintKind::loop), merges = count(ConstraintKind::merge);
+  const bool all = maps_ && (loops > 0 || merges > 0);
   const PoseGraphResult result = graph_.optimize(all);
   graph_.settle_covariance(id);
   if (loops > 0 && maps_)

@@ -23,11 +23,11 @@ struct KeyframeSurface {
 /// How the surfaces measured in one view compare with another view.
 struct SurfaceAgreement {
   int agree = 0;       ///< Measured at the same depth there.
-  int contradict = 0;  ///< The other view measured a surface behind it: it observed through this one.
+  int contradict = 0;  ///< The other view measured a surface behind it: it looked through this one.
   int hidden = 0;      ///< Occluded in the other view: no evidence.
   int outside = 0;     ///< Outside the other view, or without depth there.
 
-  /// A surface that the other view observed through should have been visible: negative evidence. Does not include
+  /// A surface that the other view looked through should have been visible: negative evidence. Does not include
   /// matches.
   Evidence evidence() const {
     const int judged = agree + contradict;

@@ -210,10 +210,10 @@ int merge_submaps(MapGraph& graph, const OrbSlamOptions& options, const Verified
                                                  loop.keyframe_from_matched.inverse() *
                                                  Sim3(keyframe.camera_from_world);
   if (matched.submap < keyframe.submap) {
-    graph.join(keyframe.submap, matched.submap, matched_world_from_keyframe_world, keyframe.id, matched.id);
+    graph.merge(keyframe.submap, matched.submap, matched_world_from_keyframe_world, keyframe.id, matched.id);
     result.scale = matched_world_from_keyframe_world.scale();
   } else {
-    graph.join(matched.submap, keyframe.submap, matched_world_from_keyframe_world.inverse(), matched.id, keyframe.id);
+    graph.merge(matched.submap, keyframe.submap, matched_world_from_keyframe_world.inverse(), matched.id, keyframe.id);
     result.scale = 1.0 / matched_world_from_keyframe_world.scale();
   }
   return fuse_landmarks(graph, options, loop, surroundings(graph, loop.keyframe, options.covisible_landmarks));

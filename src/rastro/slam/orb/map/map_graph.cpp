@@ -206,7 +206,7 @@ void MapGraph::transform(int submap, const Sim3& new_from_old) {
   }
 }
 
-void MapGraph::join(int from, int to, const Sim3& to_from_from, std::int64_t root, std::int64_t parent) {
+void MapGraph::merge(int from, int to, const Sim3& to_from_from, std::int64_t root, std::int64_t parent) {
   transform(from, to_from_from);
   make_root(root);
   for (const auto& k : keyframes_) {

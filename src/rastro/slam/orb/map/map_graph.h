@@ -126,7 +126,7 @@ class MapGraph {
   int new_submap() { return submaps_++; }
   /// Merges two submaps; merged submaps share the smallest number. `from` is transformed by `to_from_from` and becomes
   /// part of `to`; its root gets `parent`, a keyframe of `to`.
-  void join(int from, int to, const Sim3& to_from_from, std::int64_t root, std::int64_t parent);
+  void merge(int from, int to, const Sim3& to_from_from, std::int64_t root, std::int64_t parent);
   /// Transforms all keyframes and landmarks of a submap (and their units).
   void transform(int submap, const Sim3& new_from_old);
 
