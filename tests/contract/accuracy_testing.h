@@ -40,10 +40,10 @@ struct FrameRange {
 };
 
 /// Number of the frame with this very stamp; nullopt where there is none.
-inline std::optional<int> frame_of(const Place& place, TimeNs stamp) {
-  const TimeNs since = stamp - place.stamp(0);
-  const auto k = static_cast<int>((since + place.step() / 2) / place.step());
-  return since >= 0 && place.stamp(k) == stamp ? std::optional<int>(k) : std::nullopt;
+inline std::optional<int> frame_of(const TestRecording& recording, TimeNs stamp) {
+  const TimeNs since = stamp - recording.stamp(0);
+  const auto k = static_cast<int>((since + recording.step() / 2) / recording.step());
+  return since >= 0 && recording.stamp(k) == stamp ? std::optional<int>(k) : std::nullopt;
 }
 
 /// True and estimated positions of the poses in `range`, by their stamps. A pose whose stamp is of no
@@ -52,12 +52,13 @@ struct PairedPositions {
   std::vector<Eigen::Vector3d> truth, estimate;
 };
 
-inline PairedPositions paired_positions(const Trajectory& trajectory, const Place& place, FrameRange range = {}) {
+inline PairedPositions paired_positions(const Trajectory& trajectory, const TestRecording& recording,
+                                        FrameRange range = {}) {
   PairedPositions paired;
   for (const StampedPose& pose : trajectory) {
-    const std::optional<int> k = frame_of(place, pose.stamp);
+    const std::optional<int> k = frame_of(recording, pose.stamp);
     if (!k || *k < range.first || *k >= range.end) continue;
-    paired.truth.push_back(place.world_from_body(*k).translation());
+    paired.truth.push_back(recording.world_from_body(*k).translation());
     paired.estimate.push_back(pose.world_from_body.translation());
   }
   return paired;
@@ -65,15 +66,16 @@ inline PairedPositions paired_positions(const Trajectory& trajectory, const Plac
 
 /// Maximum position error of the poses in `range`: aligned by the first pose of the trajectory where it is metric, else
 /// by similarity. Infinite without a pose.
-inline double worst_error_m(const Trajectory& trajectory, const Place& place, FrameRange range = {}) {
-  const PairedPositions paired = paired_positions(trajectory, place, range);
+inline double worst_error_m(const Trajectory& trajectory, const TestRecording& recording, FrameRange range = {}) {
+  const PairedPositions paired = paired_positions(trajectory, recording, range);
   if (paired.truth.empty()) return std::numeric_limits<double>::infinity();
   Sim3 ground_truth_from_estimate;
-  if (place.is_metric()) {
-    const auto first = std::find_if(trajectory.begin(), trajectory.end(),
-                                    [&](const StampedPose& pose) { return frame_of(place, pose.stamp).has_value(); });
+  if (recording.is_metric()) {
+    const auto first = std::find_if(trajectory.begin(), trajectory.end(), [&](const StampedPose& pose) {
+      return frame_of(recording, pose.stamp).has_value();
+    });
     const SE3 ground_truth_from =
-        place.world_from_body(*frame_of(place, first->stamp)) * first->world_from_body.inverse();
+        recording.world_from_body(*frame_of(recording, first->stamp)) * first->world_from_body.inverse();
     ground_truth_from_estimate = Sim3(1.0, ground_truth_from.rotation(), ground_truth_from.translation());
   } else {
     const auto aligned = align_points(paired.truth, paired.estimate, AlignmentKind::similarity);
@@ -92,33 +94,33 @@ struct CheapGuess {
   Trajectory trajectory;
 };
 
-inline std::vector<CheapGuess> cheap_guesses(const Place& place) {
+inline std::vector<CheapGuess> cheap_guesses(const TestRecording& recording) {
   std::vector<CheapGuess> guesses = {{"it never moved", {}}, {"it goes on as it began", {}}};
-  const SE3 start = place.world_from_body(0);
+  const SE3 start = recording.world_from_body(0);
   SE3 going = start;
-  const SE3 motion = start.inverse() * place.world_from_body(1);
-  for (int k = 0; k < place.frame_count(); ++k) {
-    guesses[0].trajectory.push_back({place.stamp(k), start});
-    guesses[1].trajectory.push_back({place.stamp(k), going});
+  const SE3 motion = start.inverse() * recording.world_from_body(1);
+  for (int k = 0; k < recording.frame_count(); ++k) {
+    guesses[0].trajectory.push_back({recording.stamp(k), start});
+    guesses[1].trajectory.push_back({recording.stamp(k), going});
     going = going * motion;
   }
-  if (!place.is_metric()) {
+  if (!recording.is_metric()) {
     // Without any motion: alignment and scale are undefined.
     guesses.erase(guesses.begin());
     return guesses;
   }
   for (const double scale : {0.9, 1.1}) {
     guesses.push_back({scale < 1.0 ? "a tenth too short" : "a tenth too long", {}});
-    for (int k = 0; k < place.frame_count(); ++k) {
-      const SE3 pose = start.inverse() * place.world_from_body(k);
-      guesses.back().trajectory.push_back({place.stamp(k), {pose.rotation(), scale * pose.translation()}});
+    for (int k = 0; k < recording.frame_count(); ++k) {
+      const SE3 pose = start.inverse() * recording.world_from_body(k);
+      guesses.back().trajectory.push_back({recording.stamp(k), {pose.rotation(), scale * pose.translation()}});
     }
   }
-  if (!place.info().has_odometry) return guesses;
+  if (!recording.info().has_odometry) return guesses;
   guesses.push_back({"its wheels alone", {}});
-  for (int k = 0; k < place.frame_count(); ++k) {
-    const SE2 pose = *place.frame(k).odometry_from_body;
-    guesses.back().trajectory.push_back({place.stamp(k),
+  for (int k = 0; k < recording.frame_count(); ++k) {
+    const SE2 pose = *recording.frame(k).odometry_from_body;
+    guesses.back().trajectory.push_back({recording.stamp(k),
                                          {SO3::exp(pose.rotation().angle() * Eigen::Vector3d::UnitZ()),
                                           {pose.translation().x(), pose.translation().y(), 0.0}}});
   }

@@ -67,12 +67,12 @@ inline const Hostile spoilt_scans[] = {
      {{"hector", SlamReason::degenerate}}},
     {"observations of zero range",
      [](Frame& frame) {
-       for (LandmarkMeasurement& sighting : frame.landmarks) sighting.range = 0.0;
+       for (LandmarkMeasurement& measurement : frame.landmarks) measurement.range = 0.0;
      },
      {}},
     {"the same landmark everywhere",
      [](Frame& frame) {
-       for (LandmarkMeasurement& sighting : frame.landmarks) sighting.id = 3;
+       for (LandmarkMeasurement& measurement : frame.landmarks) measurement.id = 3;
      },
      {{"ekf", SlamReason::poor_match}}},
     {"the stamp before",
@@ -129,10 +129,10 @@ inline const Hostile spoilt_depths[] = {
      {{"orb", SlamReason::few_inliers}, {"rgbd", SlamReason::few_inliers}}},
 };
 
-inline std::span<const Hostile> spoilt_for(const Place& place) {
-  if (!place.info().cameras.empty() && !place.info().has_depth)
+inline std::span<const Hostile> spoilt_for(const TestRecording& recording) {
+  if (!recording.info().cameras.empty() && !recording.info().has_depth)
     return std::span<const Hostile>(spoilt_depths).first(spoilt_images);
-  return place.info().has_depth ? std::span<const Hostile>(spoilt_depths) : std::span<const Hostile>(spoilt_scans);
+  return recording.info().has_depth ? std::span<const Hostile>(spoilt_depths) : std::span<const Hostile>(spoilt_scans);
 }
 
 /// Effect of a corrupt frame, as a factor on the method's limit. ORB relocalizes after a frame without features and

@@ -30,8 +30,10 @@ class LiveContract : public testing::TestWithParam<std::string> {
     if (!sensor().empty()) method->options().set("sensor", sensor(), "the contract");
     return method;
   }
-  std::unique_ptr<Slam> make(const SlamContext& context = {}) const { return method()->make(place_->info(), context); }
-  const Place& place() const { return *place_; }
+  std::unique_ptr<Slam> make(const SlamContext& context = {}) const {
+    return method()->make(recording_->info(), context);
+  }
+  const TestRecording& recording() const { return *recording_; }
 
   /// Far from the identity, as the method can represent it.
   SE3 initial_pose() const {
@@ -59,7 +61,7 @@ class LiveContract : public testing::TestWithParam<std::string> {
           run.memory_events += event.kind == "memory" ? 1 : 0;
         }
       };
-      for (const Frame& frame : place().frames(place().long_count())) tell(slam->process(frame).events);
+      for (const Frame& frame : recording().frames(recording().long_count())) tell(slam->process(frame).events);
       tell(slam->finish());
       run.trajectory = slam->trajectory();
       run.memory = slam->map_memory();
@@ -70,19 +72,19 @@ class LiveContract : public testing::TestWithParam<std::string> {
   }
 
  private:
-  std::unique_ptr<Place> place_ = place_for(*method(), sensor());
+  std::unique_ptr<TestRecording> recording_ = recording_for(*method(), sensor());
 };
 
-double apart(const SE3& a, const SE3& b) { return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff(); }
+double difference(const SE3& a, const SE3& b) { return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff(); }
 
 TEST_P(LiveContract, AnInitialPoseMovesTheWorldAndNothingElse) {
   const SE3 initial = initial_pose();
-  const auto plain = make(), placed = make({.initial_pose = initial});
+  const auto plain = make(), moved = make({.initial_pose = initial});
   constexpr double most = 1e-9;
-  for (const Frame& frame : place().frames()) {
-    const SlamUpdate a = plain->process(frame), b = placed->process(frame);
+  for (const Frame& frame : recording().frames()) {
+    const SlamUpdate a = plain->process(frame), b = moved->process(frame);
     ASSERT_EQ(a.state, b.state) << frame.index;
-    ASSERT_LT(apart(initial * a.world_from_body, b.world_from_body), most) << frame.index;
+    ASSERT_LT(difference(initial * a.world_from_body, b.world_from_body), most) << frame.index;
     ASSERT_EQ(a.covariance.has_value(), b.covariance.has_value());
     if (!a.covariance) continue;
     const Eigen::Matrix3d rotation = initial.rotation().matrix();
@@ -90,15 +92,16 @@ TEST_P(LiveContract, AnInitialPoseMovesTheWorldAndNothingElse) {
     ASSERT_LT((expected - b.covariance->topLeftCorner<3, 3>()).norm(), most + 1e-6 * expected.norm()) << frame.index;
   }
   plain->finish();
-  placed->finish();
-  const Trajectory without = plain->trajectory(), with = placed->trajectory();
+  moved->finish();
+  const Trajectory without = plain->trajectory(), with = moved->trajectory();
   ASSERT_EQ(with.size(), without.size());
   for (std::size_t k = 0; k < with.size(); ++k)
-    EXPECT_LT(apart(initial * without[k].world_from_body, with[k].world_from_body), most) << k;
-  const auto map = placed->snapshot(), former = plain->snapshot();
+    EXPECT_LT(difference(initial * without[k].world_from_body, with[k].world_from_body), most) << k;
+  const auto map = moved->snapshot(), former = plain->snapshot();
   ASSERT_EQ(map->keyframes.size(), former->keyframes.size());
   for (std::size_t k = 0; k < map->keyframes.size(); ++k)
-    EXPECT_LT(apart(initial * former->keyframes[k].world_from_camera, map->keyframes[k].world_from_camera), most) << k;
+    EXPECT_LT(difference(initial * former->keyframes[k].world_from_camera, map->keyframes[k].world_from_camera), most)
+        << k;
   expect_sound(*map);
 }
 
@@ -123,23 +126,23 @@ TEST_P(LiveContract, RefusesAnInitialPoseThatItCannotRepresent) {
 TEST_P(LiveContract, LocalizesFromAnInitialPoseAndFromAWrongOne) {
   if (!method()->can_localize()) GTEST_SKIP() << "makes maps only";
   const auto mapper = make();
-  for (const Frame& frame : place().frames()) mapper->process(frame);
+  for (const Frame& frame : recording().frames()) mapper->process(frame);
   mapper->finish();
   const Trajectory mapped = mapper->trajectory();
   constexpr int from = 20, last = 32;
-  const auto pose_of = [&](TimeNs stamp) { return pose_at(mapped, stamp, place().step() / 2).value_or(SE3()); };
-  const SE3 right = pose_of(place().stamp(from)), wrong = right * SE3(SO3::exp({0.0, 2.5, 0.0}), {5.0, 0.0, -4.0});
+  const auto pose_of = [&](TimeNs stamp) { return pose_at(mapped, stamp, recording().step() / 2).value_or(SE3()); };
+  const SE3 right = pose_of(recording().stamp(from)), wrong = right * SE3(SO3::exp({0.0, 2.5, 0.0}), {5.0, 0.0, -4.0});
   for (const SE3& initial : {right, wrong}) {
     const auto slam = make({.map = mapper->snapshot(), .initial_pose = initial});
-    for (int k = from; k < last; ++k) slam->process(place().frame(k));
+    for (int k = from; k < last; ++k) slam->process(recording().frame(k));
     slam->finish();
     const Trajectory poses = slam->trajectory();
     ASSERT_GE(poses.size(), static_cast<std::size_t>(last - from - 4));
     for (const StampedPose& pose : poses)
       EXPECT_LT((pose_of(pose.stamp).inverse() * pose.world_from_body).translation().norm(), 0.1) << pose.stamp;
     // In a metric map the first frame is localized at once.
-    if (apart(initial, right) == 0.0) {
-      EXPECT_EQ(poses.front().stamp, place().stamp(from));
+    if (difference(initial, right) == 0.0) {
+      EXPECT_EQ(poses.front().stamp, recording().stamp(from));
     }
   }
 }
@@ -157,13 +160,13 @@ Frame disturbed(Frame frame) {
 
 TEST_P(LiveContract, ObservationsHaveTheirStatesAndChangeNothing) {
   const auto asked = make(), unasked = make();
-  const int count = place().frame_count();
+  const int count = recording().frame_count();
   std::array<int, 5> seen{};
   int outliers_before = 0, outliers_disturbed = 0;
   std::string text_asked, text_unasked;
   for (int k = 0; k < count; ++k) {
     const bool moved = k >= count - 6;
-    const Frame frame = moved ? disturbed(place().frame(k)) : place().frame(k);
+    const Frame frame = moved ? disturbed(recording().frame(k)) : recording().frame(k);
     const SlamUpdate update = asked->process(frame);
     text_asked += text_of(update);
     text_unasked += text_of(unasked->process(frame));
@@ -218,7 +221,7 @@ TEST_P(LiveContract, KeepsTheMapWithinItsBudget) {
 
 TEST_P(LiveContract, DropsNoFrameWhereNobodyWaits) {
   const auto slam = make();
-  for (int k = 0; k < 20; ++k) slam->process(place().frame(k));
+  for (int k = 0; k < 20; ++k) slam->process(recording().frame(k));
   slam->finish();
   EXPECT_EQ(slam->dropped_frames(), 0);
 }
@@ -226,10 +229,10 @@ TEST_P(LiveContract, DropsNoFrameWhereNobodyWaits) {
 /// Without a second thread mapping cannot fall behind, and everything is there at the next frame.
 TEST_P(LiveContract, ALiveRunTracksAsWell) {
   const auto slam = make({.live = true});
-  for (const Frame& frame : place().frames()) slam->process(frame);
+  for (const Frame& frame : recording().frames()) slam->process(frame);
   slam->finish();
   EXPECT_EQ(slam->dropped_frames(), 0);
-  EXPECT_GE(slam->trajectory().size(), static_cast<std::size_t>(place().frame_count()) * 8 / 10);
+  EXPECT_GE(slam->trajectory().size(), static_cast<std::size_t>(recording().frame_count()) * 8 / 10);
 }
 
 std::vector<std::string> live_names() {

@@ -32,7 +32,7 @@ TEST(OrbStarts, AWallIsEnough) {
   EXPECT_GT(judged.landmarks, 700U);  // 1089
 }
 
-TEST(OrbStarts, ATurnOnTheSpotIsNoStart) {
+TEST(OrbStarts, ARotationOnTheSpotDoesNotInitialize) {
   const StartJudgment judged = judge(StartKind::rotation_first, 0, start_rotation_frames);
   EXPECT_FALSE(judged.started);
   EXPECT_TRUE(judged.never_wrong());

@@ -15,9 +15,9 @@
 namespace rastro {
 
 /// A generated recording with ground truth, of a kind that some methods can use.
-class Place {
+class TestRecording {
  public:
-  virtual ~Place() = default;
+  virtual ~TestRecording() = default;
   virtual int frame_count() const = 0;
   /// Frames of a drive that revisits places.
   virtual int long_count() const = 0;
@@ -40,7 +40,7 @@ class Place {
 };
 
 /// Recorded with a laser and wheel odometry.
-class LaserPose : public Place {
+class LaserRecording : public TestRecording {
  public:
   int frame_count() const override { return Room::frame_count; }
   int long_count() const override { return 600; }  // nearly three times around
@@ -56,9 +56,9 @@ class LaserPose : public Place {
 };
 
 /// Recorded with a hand-held depth camera that swings to and fro.
-class DepthPose : public Place {
+class DepthRecording : public TestRecording {
  public:
-  static constexpr int swing = 48;  ///< Frames of one turn there and back.
+  static constexpr int swing = 48;  ///< Frames of one rotation there and back.
 
   int frame_count() const override { return 48; }
   int long_count() const override { return 100; }
@@ -74,9 +74,9 @@ class DepthPose : public Place {
   Frame frame(int number) const override {
     // The same at every swing but for its stamp, so that each image is made once.
     static std::map<int, Frame> made;
-    const int place = number % swing;
-    if (!made.contains(place)) made[place] = test_room::frame_from(world_from_body(place), camera());
-    Frame frame = made[place];
+    const int index = number % swing;
+    if (!made.contains(index)) made[index] = test_room::frame_from(world_from_body(index), camera());
+    Frame frame = made[index];
     frame.index = number;
     frame.stamp = frame.depth_stamp = stamp(number);
     frame.name = std::to_string(number);
@@ -96,11 +96,11 @@ class DepthPose : public Place {
 };
 
 /// A square recorded with one camera or two, looking sideways, on a walk along it, to and fro.
-class CameraPose : public Place {
+class CameraRecording : public TestRecording {
  public:
   static constexpr int first = 748, there = 48;  ///< Frames of the loop that are shown, then the same backwards.
 
-  explicit CameraPose(bool stereo) : stereo_(stereo) {}
+  explicit CameraRecording(bool stereo) : stereo_(stereo) {}
   int frame_count() const override { return there; }
   int long_count() const override { return there + 24; }
   SourceInfo info() const override {
@@ -117,13 +117,13 @@ class CameraPose : public Place {
   }
   Frame frame(int number) const override {
     static std::map<int, Frame> made;
-    const int place = place_of(number);
-    if (!made.contains(place)) {
+    const int index = index_of(number);
+    if (!made.contains(index)) {
       TaskPool alone(1);
-      made[place].image = world().render(place, alone).gray;
-      made[place].right = world().render_right(place, alone).gray;
+      made[index].image = world().render(index, alone).gray;
+      made[index].right = world().render_right(index, alone).gray;
     }
-    Frame frame = made[place];
+    Frame frame = made[index];
     if (!stereo_) frame.right = {};
     frame.index = number;
     frame.stamp = stamp(number);
@@ -131,12 +131,12 @@ class CameraPose : public Place {
     return frame;
   }
   TimeNs stamp(int number) const override { return 1'000 * ns_per_second + number * (ns_per_second / 20); }
-  SE3 world_from_body(int number) const override { return world().world_from_camera(place_of(number)); }
+  SE3 world_from_body(int number) const override { return world().world_from_camera(index_of(number)); }
   double reach_m() const override { return stereo_ ? 5.0 : 1e3; }
   bool is_metric() const override { return stereo_; }
 
  private:
-  static int place_of(int number) {
+  static int index_of(int number) {
     const int within = number % (2 * there - 2);
     return first + (within < there ? within : 2 * there - 2 - within);
   }
@@ -149,10 +149,10 @@ class CameraPose : public Place {
 };
 
 /// The kind of recording that a method is made for; `sensor` where it takes several.
-inline std::unique_ptr<Place> place_for(const SlamMethod& method, const std::string& sensor) {
-  if (sensor == "mono" || sensor == "stereo") return std::make_unique<CameraPose>(sensor == "stereo");
-  if (method.wants_depth()) return std::make_unique<DepthPose>();
-  return std::make_unique<LaserPose>();
+inline std::unique_ptr<TestRecording> recording_for(const SlamMethod& method, const std::string& sensor) {
+  if (sensor == "mono" || sensor == "stereo") return std::make_unique<CameraRecording>(sensor == "stereo");
+  if (method.wants_depth()) return std::make_unique<DepthRecording>();
+  return std::make_unique<LaserRecording>();
 }
 
 }  // namespace rastro

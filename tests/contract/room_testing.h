@@ -16,8 +16,8 @@ namespace rastro {
 class Room {
  public:
   static constexpr int frame_count = 90;
-  static constexpr double radius_m = 1.2,
-                          turn_rad = 0.03;  ///< On the mean, a frame turns by this much on a circle of that radius.
+  /// On the mean, a frame rotates by `yaw_step_rad` on a circle of that radius.
+  static constexpr double radius_m = 1.2, yaw_step_rad = 0.03;
   static constexpr TimeNs first_stamp = 1'000 * ns_per_second, step = ns_per_second / 10;
 
   static SourceInfo info() {
@@ -33,7 +33,7 @@ class Room {
   static TimeNs stamp(int frame) { return first_stamp + frame * step; }
 
   static SE2 world_from_body(int frame) {
-    const double angle = turn_rad * (frame + 7.0 * std::sin(frame / 9.0));
+    const double angle = yaw_step_rad * (frame + 7.0 * std::sin(frame / 9.0));
     return {SO2::from_angle(angle), radius_m * Eigen::Vector2d(std::sin(angle), 1.0 - std::cos(angle))};
   }
 
@@ -57,12 +57,12 @@ class Room {
     return frame;
   }
 
-  /// Distance to the nearest wall from `place` along `angle`.
-  static double range(const Eigen::Vector2d& place, double angle) {
+  /// Distance to the nearest wall from `position` along `angle`.
+  static double range(const Eigen::Vector2d& position, double angle) {
     double nearest = std::numeric_limits<double>::infinity();
     const Eigen::Vector2d ray(std::cos(angle), std::sin(angle));
     for (const Wall& wall : walls()) {
-      const Eigen::Vector2d along = wall.to - wall.from, to_wall = wall.from - place;
+      const Eigen::Vector2d along = wall.to - wall.from, to_wall = wall.from - position;
       const double slope = cross(ray, along);
       if (std::abs(slope) < 1e-12) continue;
       const double distance = cross(to_wall, along) / slope, share = cross(to_wall, ray) / slope;

@@ -41,8 +41,8 @@ class SlamContract : public testing::TestWithParam<std::string> {
   std::unique_ptr<Slam> make(const SourceInfo& info, const SlamContext& context = {}) const {
     return method()->make(info, context);
   }
-  std::unique_ptr<Slam> make() const { return make(place().info()); }
-  const Place& place() const { return *place_; }
+  std::unique_ptr<Slam> make() const { return make(recording().info()); }
+  const TestRecording& recording() const { return *recording_; }
   AccuracyLimit limit() const { return accuracy_limit(GetParam()); }
 
   SlamReason said_of(const Hostile& hostile) const {
@@ -67,9 +67,9 @@ class SlamContract : public testing::TestWithParam<std::string> {
   /// The poses in `range` are within the method's limit, times `factor`, and as many as there should be.
   void expect_right(const Slam& slam, FrameRange range = {}, double factor = 1.0) const {
     const Trajectory trajectory = slam.trajectory();
-    range.end = std::min(range.end, place().frame_count());
-    const auto poses = static_cast<double>(paired_positions(trajectory, place(), range).truth.size());
-    const double worst_m = worst_error_m(trajectory, place(), range);
+    range.end = std::min(range.end, recording().frame_count());
+    const auto poses = static_cast<double>(paired_positions(trajectory, recording(), range).truth.size());
+    const double worst_m = worst_error_m(trajectory, recording(), range);
     RecordProperty("worst_m", std::to_string(worst_m));
     EXPECT_LT(worst_m, factor * limit().worst_m);
     EXPECT_GE(poses, limit().least_poses * (range.end - range.first));
@@ -79,15 +79,15 @@ class SlamContract : public testing::TestWithParam<std::string> {
 
   /// All results of a run, as text.
   std::string text_of_run(const SlamContext& context) const {
-    const auto slam = make(place().info(), context);
+    const auto slam = make(recording().info(), context);
     std::string text;
-    for (const Frame& frame : place().frames(place().long_count())) text += text_of(slam->process(frame));
+    for (const Frame& frame : recording().frames(recording().long_count())) text += text_of(slam->process(frame));
     for (const SlamEvent& event : slam->finish()) text += event.kind + ":" + event.detail + "\n";
     return text + text_of(slam->trajectory()) + text_of(*slam->snapshot());
   }
 
  private:
-  std::unique_ptr<Place> place_ = place_for(*method(), sensor());
+  std::unique_ptr<TestRecording> recording_ = recording_for(*method(), sensor());
 };
 
 TEST_P(SlamContract, SaysWhatItIsAndWhatItCanBeSetTo) {
@@ -103,7 +103,7 @@ TEST_P(SlamContract, SaysWhatItIsAndWhatItCanBeSetTo) {
 
 TEST_P(SlamContract, BeginsAnewAfterAReset) {
   const auto fresh = make(), again = make();
-  const std::vector<Frame> frames = place().frames(place().long_count());
+  const std::vector<Frame> frames = recording().frames(recording().long_count());
   run(*fresh, frames);
   for (std::size_t k = 0; k < frames.size() / 2; ++k) again->process(frames[k]);
   again->reset();
@@ -115,7 +115,7 @@ TEST_P(SlamContract, BeginsAnewAfterAReset) {
 
 TEST_P(SlamContract, LeavesTheMapAloneWhileMappingIsOff) {
   const auto slam = make();
-  const std::vector<Frame> frames = place().frames(place().long_count());
+  const std::vector<Frame> frames = recording().frames(recording().long_count());
   const std::size_t half = frames.size() / 2;
   for (std::size_t k = 0; k < half; ++k) slam->process(frames[k]);
   if (!slam->set_mapping(false)) GTEST_SKIP() << "the method cannot switch mapping off";
@@ -143,7 +143,7 @@ TEST_P(SlamContract, LeavesTheMapAloneWhileMappingIsOff) {
 TEST_P(SlamContract, ObservationsAreOfTheLastFrameAndItsMap) {
   const auto slam = make();
   SlamUpdate last;
-  for (const Frame& frame : place().frames(place().long_count())) last = slam->process(frame);
+  for (const Frame& frame : recording().frames(recording().long_count())) last = slam->process(frame);
   const std::vector<FeatureObservation> observations = slam->observations();
   if (observations.empty()) GTEST_SKIP() << "the method has no features";
   const auto landmarks = slam->snapshot()->layer<LandmarkLayer>();
@@ -175,21 +175,21 @@ TEST_P(SlamContract, RefusesASourceWithoutWhatItNeeds) {
 
 TEST_P(SlamContract, FollowsARobotThroughARoom) {
   const auto slam = make();
-  run(*slam, place().frames());
+  run(*slam, recording().frames());
   expect_right(*slam);
   EXPECT_GT(slam->snapshot()->revision, 0);
 }
 
 /// The limit is meaningful: a guess fails it.
 TEST_P(SlamContract, CheapGuessesFailItsLimit) {
-  for (const auto& [what, trajectory] : cheap_guesses(place())) {
-    const double worst = worst_error_m(trajectory, place());
+  for (const auto& [what, trajectory] : cheap_guesses(recording())) {
+    const double worst = worst_error_m(trajectory, recording());
     EXPECT_GT(worst, limit().worst_m) << what;
   }
 }
 
 TEST_P(SlamContract, WorksOrRefusesWithoutOdometry) {
-  SourceInfo info = place().info();
+  SourceInfo info = recording().info();
   info.has_odometry = false;
   std::unique_ptr<Slam> slam;
   try {
@@ -198,7 +198,7 @@ TEST_P(SlamContract, WorksOrRefusesWithoutOdometry) {
     EXPECT_THAT(error.what(), testing::HasSubstr("odometry"));
     return;
   }
-  std::vector<Frame> frames = place().frames();
+  std::vector<Frame> frames = recording().frames();
   for (Frame& frame : frames) frame.odometry_from_body.reset();
   run(*slam, frames);
   expect_right(*slam);
@@ -209,7 +209,7 @@ TEST_P(SlamContract, SurvivesNoFrameAndOneFrame) {
   run(*none, {});
   EXPECT_TRUE(none->trajectory().empty());
   const auto one = make();
-  run(*one, {place().frame(0)});
+  run(*one, {recording().frame(0)});
   EXPECT_LE(one->trajectory().size(), 1U);
 }
 
@@ -219,7 +219,7 @@ TEST_P(SlamContract, CanBeAskedAtAnyTime) {
   ASSERT_NE(slam->snapshot(), nullptr);
   std::int64_t revision = slam->snapshot()->revision;
   for (int k = 0; k < 20; ++k) {
-    slam->process(place().frame(k));
+    slam->process(recording().frame(k));
     expect_sound(slam->trajectory());
     EXPECT_GE(slam->snapshot()->revision, revision);
     revision = slam->snapshot()->revision;
@@ -228,9 +228,9 @@ TEST_P(SlamContract, CanBeAskedAtAnyTime) {
 
 TEST_P(SlamContract, SaysWhatIsWrongWithASpoiltFrameAndGoesOn) {
   constexpr int recovery = 3;  // frames
-  for (const Hostile& hostile : spoilt_for(place())) {
+  for (const Hostile& hostile : spoilt_for(recording())) {
     SCOPED_TRACE(hostile.what);
-    std::vector<Frame> frames = place().frames();
+    std::vector<Frame> frames = recording().frames();
     const std::size_t spoilt = frames.size() / 2;
     hostile.spoil(frames[spoilt]);
     const auto slam = make();
@@ -243,7 +243,7 @@ TEST_P(SlamContract, SaysWhatIsWrongWithASpoiltFrameAndGoesOn) {
     EXPECT_EQ(updates[spoilt + recovery].reason, SlamReason::none);
     const double factor = spoilt_factor(GetParam(), hostile.what);
     expect_right(*slam, {0, static_cast<int>(spoilt)}, factor);
-    expect_right(*slam, {static_cast<int>(spoilt) + recovery, place().frame_count()}, factor);
+    expect_right(*slam, {static_cast<int>(spoilt) + recovery, recording().frame_count()}, factor);
   }
 }
 
@@ -252,9 +252,9 @@ TEST_P(SlamContract, SaysWhatIsWrongWithASpoiltFrameAndGoesOn) {
 TEST_P(SlamContract, TracksNothingInARunOfNothingButSpoiltFrames) {
   const std::vector<SlamReason> blind = {SlamReason::no_data,    SlamReason::few_returns,   SlamReason::no_odometry,
                                          SlamReason::poor_match, SlamReason::dark_or_blank, SlamReason::degenerate};
-  for (const Hostile& hostile : spoilt_for(place())) {
+  for (const Hostile& hostile : spoilt_for(recording())) {
     SCOPED_TRACE(hostile.what);
-    std::vector<Frame> frames = place().frames(12);
+    std::vector<Frame> frames = recording().frames(12);
     for (Frame& frame : frames) hostile.spoil(frame);
     const auto slam = make();
     const std::vector<SlamUpdate> updates = updates_of(*slam, frames);
@@ -269,32 +269,33 @@ TEST_P(SlamContract, TracksNothingInARunOfNothingButSpoiltFrames) {
 }
 
 TEST_P(SlamContract, SurvivesRepeatedAndMissingFrames) {
-  std::vector<Frame> frames = place().frames();
+  std::vector<Frame> frames = recording().frames();
   frames.insert(frames.begin() + 20, frames[19]);
   frames.erase(frames.begin() + 40, frames.begin() + 43);
   const auto slam = make();
   const std::vector<SlamUpdate> updates = updates_of(*slam, frames);
   EXPECT_EQ(updates[20].reason, SlamReason::repeated_frame);
   const Trajectory trajectory = slam->trajectory();
-  EXPECT_LT(worst_error_m(trajectory, place()), limit().worst_m);
+  EXPECT_LT(worst_error_m(trajectory, recording()), limit().worst_m);
   const double missing = 3.0;
-  EXPECT_GE(static_cast<double>(trajectory.size()), limit().least_poses * (place().frame_count() - missing));
+  EXPECT_GE(static_cast<double>(trajectory.size()), limit().least_poses * (recording().frame_count() - missing));
 }
 
 /// As in logs of two computers: one stamp in two comes from a clock that goes back slowly.
 TEST_P(SlamContract, KeepsEveryPoseInTheRoomWhereStampsGoBack) {
-  if (!place().is_metric()) GTEST_SKIP() << "a room of no known size";
-  std::vector<Frame> frames = place().frames(3 * place().frame_count());
-  for (std::size_t k = 2; k < frames.size(); k += 2) frames[k].stamp = place().stamp(0) - static_cast<TimeNs>(k) * 1000;
+  if (!recording().is_metric()) GTEST_SKIP() << "a room of no known size";
+  std::vector<Frame> frames = recording().frames(3 * recording().frame_count());
+  for (std::size_t k = 2; k < frames.size(); k += 2)
+    frames[k].stamp = recording().stamp(0) - static_cast<TimeNs>(k) * 1000;
   const auto slam = make();
   run(*slam, frames);
   for (const StampedPose& pose : slam->trajectory())
-    EXPECT_LT(pose.world_from_body.translation().norm(), place().reach_m() + limit().worst_m) << pose.stamp;
+    EXPECT_LT(pose.world_from_body.translation().norm(), recording().reach_m() + limit().worst_m) << pose.stamp;
 }
 
 TEST_P(SlamContract, SurvivesOdometryThatJumps) {
-  std::vector<Frame> frames = place().frames();
-  if (!place().info().has_odometry) GTEST_SKIP() << "made for recordings without odometry";
+  std::vector<Frame> frames = recording().frames();
+  if (!recording().info().has_odometry) GTEST_SKIP() << "made for recordings without odometry";
   for (std::size_t k = 40; k < frames.size(); ++k)
     frames[k].odometry_from_body = SE2(SO2::from_angle(2.0), {500.0, -300.0}) * *frames[k].odometry_from_body;
   const auto slam = make();
@@ -317,10 +318,10 @@ TEST_P(SlamContract, GivesTheSameBytesAgainAndForAnyNumberOfThreads) {
 
 TEST_P(SlamContract, KeepsNothingOutsideOfItself) {
   const auto alone = make(), first = make(), second = make();
-  for (const Frame& frame : place().frames()) alone->process(frame);
-  for (int k = 0; k < place().frame_count(); ++k) {
-    first->process(place().frame(k));
-    if (k > 20) second->process(place().frame(k - 20));
+  for (const Frame& frame : recording().frames()) alone->process(frame);
+  for (int k = 0; k < recording().frame_count(); ++k) {
+    first->process(recording().frame(k));
+    if (k > 20) second->process(recording().frame(k - 20));
   }
   EXPECT_EQ(text_of(first->trajectory()), text_of(alone->trajectory()));
   EXPECT_EQ(text_of(*first->snapshot()), text_of(*alone->snapshot()));
@@ -329,7 +330,7 @@ TEST_P(SlamContract, KeepsNothingOutsideOfItself) {
 TEST_P(SlamContract, GivesSnapshotsThatNeverChange) {
   const auto slam = make();
   std::vector<std::pair<std::shared_ptr<const Map>, std::string>> kept;
-  for (const Frame& frame : place().frames()) {
+  for (const Frame& frame : recording().frames()) {
     slam->process(frame);
     if (frame.index % 15 != 14) continue;
     kept.emplace_back(slam->snapshot(), "");
@@ -343,7 +344,7 @@ TEST_P(SlamContract, GivesSnapshotsThatNeverChange) {
 
 TEST_P(SlamContract, GivesSnapshotsThatAnotherThreadCanRead) {
   const auto slam = make();
-  for (int k = 0; k < 30; ++k) slam->process(place().frame(k));
+  for (int k = 0; k < 30; ++k) slam->process(recording().frame(k));
   const auto snapshot = slam->snapshot();
   const std::string before = text_of(*snapshot);
   std::atomic<bool> done = false;
@@ -353,7 +354,7 @@ TEST_P(SlamContract, GivesSnapshotsThatAnotherThreadCanRead) {
       changes += text_of(*snapshot) == before ? 0 : 1;
     } while (!done);
   });
-  for (int k = 30; k < place().frame_count(); ++k) slam->process(place().frame(k));
+  for (int k = 30; k < recording().frame_count(); ++k) slam->process(recording().frame(k));
   slam->finish();
   done = true;
   reader.join();
@@ -361,9 +362,9 @@ TEST_P(SlamContract, GivesSnapshotsThatAnotherThreadCanRead) {
 }
 
 TEST_P(SlamContract, KeepsItsMapInABlackSecondAndIsBackSoonAfter) {
-  if (!place().info().has_image) GTEST_SKIP() << "a laser needs no light";
+  if (!recording().info().has_image) GTEST_SKIP() << "a laser needs no light";
   const auto slam = make();
-  std::vector<Frame> frames = place().frames(2 * place().frame_count());
+  std::vector<Frame> frames = recording().frames(2 * recording().frame_count());
   constexpr std::size_t from = 30, to = 60;
   for (std::size_t k = from; k < to; ++k) frames[k].image = gray(frames[k], 0);
   std::size_t keyframes = 0, back = 0;
@@ -385,22 +386,23 @@ TEST_P(SlamContract, KeepsItsMapInABlackSecondAndIsBackSoonAfter) {
   Trajectory poses = slam->trajectory();
   EXPECT_GE(poses.size(), frames.size() - 60);
   const int last = static_cast<int>(frames.size()) - 1;
-  ASSERT_EQ(poses.back().stamp, place().stamp(last));
-  EXPECT_LT(worst_error_m(poses, place(), {static_cast<int>(back) + 1}), limit().worst_m);
+  ASSERT_EQ(poses.back().stamp, recording().stamp(last));
+  EXPECT_LT(worst_error_m(poses, recording(), {static_cast<int>(back) + 1}), limit().worst_m);
 }
 
-TEST_P(SlamContract, FindsItsWayInAMapMadeBefore) {
+TEST_P(SlamContract, LocalizesInAMapMadeBefore) {
   if (!method()->can_localize()) GTEST_SKIP() << "makes maps only";
   const auto mapper = make();
-  for (const Frame& frame : place().frames()) mapper->process(frame);
+  for (const Frame& frame : recording().frames()) mapper->process(frame);
   mapper->finish();
   const std::shared_ptr<const Map> map = mapper->snapshot();
   const Trajectory mapped = mapper->trajectory();
   const std::string before = text_of(*mapper->snapshot());
-  const auto slam = make(place().info(), {.map = map});
+  const auto slam = make(recording().info(), {.map = map});
   // In the middle of the swing, so that the first frame seen is not the map's first.
   constexpr int from = 20;
-  for (int k = from; k < place().frame_count(); ++k) expect_sound(slam->process(place().frame(k)), place().frame(k));
+  for (int k = from; k < recording().frame_count(); ++k)
+    expect_sound(slam->process(recording().frame(k)), recording().frame(k));
   slam->finish();
   const Trajectory poses = slam->trajectory();
   ASSERT_GT(poses.size(), 15U);
@@ -409,10 +411,10 @@ TEST_P(SlamContract, FindsItsWayInAMapMadeBefore) {
     const auto before_it =
         std::find_if(mapped.begin(), mapped.end(), [&](const StampedPose& other) { return other.stamp == pose.stamp; });
     if (before_it == mapped.end()) continue;
-    const double way =
+    const double displacement =
         (mapped.back().world_from_body.translation() - mapped.front().world_from_body.translation()).norm();
     EXPECT_LT((before_it->world_from_body.inverse() * pose.world_from_body).translation().norm(),
-              place().is_metric() ? 0.1 : 0.05 * way)
+              recording().is_metric() ? 0.1 : 0.05 * displacement)
         << pose.stamp;
   }
   if (map->layer<ImageLayer>()) {
@@ -423,15 +425,15 @@ TEST_P(SlamContract, FindsItsWayInAMapMadeBefore) {
 
 TEST_P(SlamContract, GivesAMapThatAFileKeepsAsItIs) {
   const auto slam = make();
-  run(*slam, place().frames());
+  run(*slam, recording().frames());
   const std::shared_ptr<const Map> map = slam->snapshot();
   EXPECT_EQ(contradiction_in(*map), "");
   EXPECT_EQ(map->method, method()->name());
   EXPECT_FALSE(map->keyframes.empty());
   ASSERT_FALSE(map->sessions.empty());
-  EXPECT_EQ(map->sessions.front().first_stamp, place().stamp(0));
-  EXPECT_EQ(map->sessions.front().last_stamp, place().stamp(place().frame_count() - 1));
-  EXPECT_EQ(scale_of(*map).metric, place().is_metric());
+  EXPECT_EQ(map->sessions.front().first_stamp, recording().stamp(0));
+  EXPECT_EQ(map->sessions.front().last_stamp, recording().stamp(recording().frame_count() - 1));
+  EXPECT_EQ(scale_of(*map).metric, recording().is_metric());
   const auto once = scratch_path(GetParam() + ".rastro"), again = scratch_path(GetParam() + "_again.rastro");
   save_map(*map, once);
   const auto loaded = load_map(once);
@@ -440,8 +442,8 @@ TEST_P(SlamContract, GivesAMapThatAFileKeepsAsItIs) {
   EXPECT_TRUE(text_of_layers(*loaded) == text_of_layers(*map)) << "layers differ";
   ASSERT_EQ(loaded->keyframes.size(), map->keyframes.size());
   for (std::size_t k = 0; k < map->keyframes.size(); ++k) {
-    const SE3 apart = map->keyframes[k].world_from_camera.inverse() * loaded->keyframes[k].world_from_camera;
-    EXPECT_LT(apart.log().norm(), 1e-12) << k;
+    const SE3 difference = map->keyframes[k].world_from_camera.inverse() * loaded->keyframes[k].world_from_camera;
+    EXPECT_LT(difference.log().norm(), 1e-12) << k;
     EXPECT_EQ(loaded->keyframes[k].id, map->keyframes[k].id);
     EXPECT_EQ(loaded->keyframes[k].stamp, map->keyframes[k].stamp);
   }
@@ -451,7 +453,7 @@ TEST_P(SlamContract, GivesAMapThatAFileKeepsAsItIs) {
 
 TEST_P(SlamContract, GivesAMapWhoseFramesAreItsTrajectory) {
   const auto slam = make();
-  run(*slam, place().frames());
+  run(*slam, recording().frames());
   const Trajectory said = slam->trajectory(), kept = trajectory_of(*slam->snapshot());
   ASSERT_EQ(kept.size(), said.size());
   for (std::size_t k = 0; k < said.size(); ++k) {
@@ -462,7 +464,7 @@ TEST_P(SlamContract, GivesAMapWhoseFramesAreItsTrajectory) {
 
 TEST_P(SlamContract, GivesLandmarksThatItsFeaturesShow) {
   const auto slam = make();
-  for (const Frame& frame : place().frames()) slam->process(frame);
+  for (const Frame& frame : recording().frames()) slam->process(frame);
   slam->finish();
   const auto map = slam->snapshot();
   const auto known = map->layer<LandmarkLayer>();

@@ -21,7 +21,7 @@ struct StartJudgment {
   std::string waiting;                  ///< What it last waited for.
   std::size_t poses = 0, landmarks = 0;
   double path_m = 0.0;              ///< Of the camera, from the first frame with a pose on.
-  double position_error = 0.0;      ///< Root mean square, as a share of the way, after scaling.
+  double position_error = 0.0;      ///< Root mean square, as a share of the path length, after scaling.
   double rotation_error_rad = 0.0;  ///< The largest.
   double depth_error = 0.0;         ///< Median of the landmarks, as a share of the true depth.
 

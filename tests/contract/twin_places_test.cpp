@@ -15,58 +15,58 @@ struct TwinCase {
   const char* sensor;
   double worst_m;  ///< Of any pose; about one and a half times what was measured.
   /// A known weakness: reported and skipped while it persists.
-  bool known_to_join = false;
+  bool known_to_merge = false;
 };
 
 void PrintTo(const TwinCase& twin, std::ostream* out) { *out << twin.method << '_' << twin.sensor; }
 
-std::unique_ptr<Place> twin_place(const TwinCase& twin) {
+std::unique_ptr<TestRecording> twin_recording(const TwinCase& twin) {
   if (std::string(twin.sensor) == "laser") return std::make_unique<TwinRooms>();
   return std::make_unique<TwinPassage>(twin.sensor);
 }
 
-std::unique_ptr<Slam> make_slam(const TwinCase& twin, const Place& place) {
+std::unique_ptr<Slam> make_slam(const TwinCase& twin, const TestRecording& recording) {
   const auto method = slam_method(twin.method);
   OptionTable table = method->options();
   for (const Option& option : table.options()) {
     if (option.name == "sensor") table.set("sensor", twin.sensor, "a test");
   }
-  return method->make(place.info(), {});
+  return method->make(recording.info(), {});
 }
 
 class TwinPlaces : public testing::TestWithParam<TwinCase> {};
 
 /// Loop closures and merges of a camera's map between keyframes that never observed the same wall, as text. (A laser
 /// observes the other room through the door.)
-std::string false_edges(const Map& map, const Place& place) {
+std::string false_edges(const Map& map, const TestRecording& recording) {
   constexpr double sees_m = 2.5;
   std::string text;
   for (const Constraint& constraint : map.constraints) {
-    const auto a = frame_of(place, map.find(constraint.from)->stamp);
-    const auto b = frame_of(place, map.find(constraint.to)->stamp);
+    const auto a = frame_of(recording, map.find(constraint.from)->stamp);
+    const auto b = frame_of(recording, map.find(constraint.to)->stamp);
     const bool found_again = constraint.kind == ConstraintKind::loop || constraint.kind == ConstraintKind::merge;
-    if (!found_again || !a || !b || place.info().has_scan) continue;
+    if (!found_again || !a || !b || recording.info().has_scan) continue;
     const double separation_m =
-        (place.world_from_body(*a).translation() - place.world_from_body(*b).translation()).norm();
+        (recording.world_from_body(*a).translation() - recording.world_from_body(*b).translation()).norm();
     if (separation_m > sees_m) text += fmt::format(" {}-{} ({:.1f} m)", *a, *b, separation_m);
   }
   return text;
 }
 
-TEST_P(TwinPlaces, AreNotJoined) {
+TEST_P(TwinPlaces, AreNotMerged) {
   const TwinCase& twin = GetParam();
-  const auto place = twin_place(twin);
-  const auto slam = make_slam(twin, *place);
-  for (int k = 0; k < place->frame_count(); ++k) slam->process(place->frame(k));
+  const auto recording = twin_recording(twin);
+  const auto slam = make_slam(twin, *recording);
+  for (int k = 0; k < recording->frame_count(); ++k) slam->process(recording->frame(k));
   slam->finish();
-  const std::string joined = false_edges(*slam->snapshot(), *place);
-  const double worst_m = worst_error_m(slam->trajectory(), *place);
+  const std::string false_merges = false_edges(*slam->snapshot(), *recording);
+  const double worst_m = worst_error_m(slam->trajectory(), *recording);
   RecordProperty("worst_m", fmt::format("{:.4f}", worst_m));
-  EXPECT_GE(slam->trajectory().size() * 10, static_cast<std::size_t>(place->frame_count()) * 9);
-  if (twin.known_to_join && (!joined.empty() || worst_m >= twin.worst_m))
-    GTEST_SKIP() << "known weakness: places that look the same are joined, worst pose " << worst_m << " m off;"
-                 << joined;
-  EXPECT_EQ(joined, "") << "frames that were taken for one place";
+  EXPECT_GE(slam->trajectory().size() * 10, static_cast<std::size_t>(recording->frame_count()) * 9);
+  if (twin.known_to_merge && (!false_merges.empty() || worst_m >= twin.worst_m))
+    GTEST_SKIP() << "known weakness: places that look the same are merged, worst pose " << worst_m << " m off;"
+                 << false_merges;
+  EXPECT_EQ(false_merges, "") << "frames that were taken for one place";
   EXPECT_LT(worst_m, twin.worst_m);
 }
 

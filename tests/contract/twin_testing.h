@@ -13,7 +13,7 @@ namespace rastro {
 
 /// Two rooms that are exactly alike, 9 m apart, with a corridor from one to the other. The robot goes once round in the
 /// first, drives over and does the same in the second. A scan alone does not tell which room it is.
-class TwinRooms : public Place {
+class TwinRooms : public TestRecording {
  public:
   static constexpr double separation_m = 9.0;
 
@@ -125,7 +125,7 @@ class TwinRooms : public Place {
 
 /// A passage textured with one pattern, and with the same pillars, every 4 m; somebody walks along it and looks at a
 /// wall, aslant. After 4 m every image is the same again, but for its noise.
-class TwinPassage : public Place {
+class TwinPassage : public TestRecording {
  public:
   static constexpr double period_m = 4.0;
 
@@ -150,13 +150,13 @@ class TwinPassage : public Place {
   double reach_m() const override { return 10.0; }
   bool is_metric() const override { return sensor_ != "mono"; }
   SE3 world_from_body(int number) const override {
-    const double way = 0.05 * number, sway = 2.0 * M_PI * way / period_m;
+    const double distance = 0.05 * number, sway = 2.0 * M_PI * distance / period_m;
     const double yaw = 1.15 + 0.1 * std::sin(sway), pitch = 0.05 * std::sin(2.0 * sway);
     const Eigen::Vector3d ahead(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch));
     const Eigen::Vector3d right = ahead.cross(Eigen::Vector3d::UnitZ()).normalized();
     Eigen::Matrix3d axes;
     axes << right, ahead.cross(right), ahead;
-    return {SO3(Eigen::Quaterniond(axes)), {way, -1.0 + 0.1 * std::sin(sway), 1.3}};
+    return {SO3(Eigen::Quaterniond(axes)), {distance, -1.0 + 0.1 * std::sin(sway), 1.3}};
   }
   Frame frame(int number) const override {
     Frame frame = rendered(world_from_body(number), static_cast<std::uint64_t>(number));

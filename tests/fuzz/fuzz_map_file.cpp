@@ -34,7 +34,7 @@ void read_or_refuse(const std::function<void()>& read) {
 }
 
 /// A map that was read is consistent.
-void look_at(const rastro::Map& map) {
+void check(const rastro::Map& map) {
   if (!rastro::contradiction_in(map).empty()) __builtin_trap();
   rastro::covisibility_graph(map, 1);
   rastro::trajectory_of(map);
@@ -43,15 +43,15 @@ void look_at(const rastro::Map& map) {
     if (const auto* type = rastro::layer_type(name)) type->describe(map, *layer);
   const auto images = map.layer<rastro::ImageLayer>();
   if (!images) return;
-  for (const rastro::KeyframeId id : images->keyframes) images->store->pictures(id);
+  for (const rastro::KeyframeId id : images->keyframes) images->store->images(id);
 }
 
 void try_file(std::string_view bytes) {
   static const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("rastro_fuzz_" + std::to_string(::getpid()) + ".rastro");
   std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  read_or_refuse([] { look_at(*rastro::load_map(file)); });
-  read_or_refuse([] { look_at(*rastro::recover_map(file).map); });
+  read_or_refuse([] { check(*rastro::load_map(file)); });
+  read_or_refuse([] { check(*rastro::recover_map(file).map); });
   std::filesystem::remove(file);
 }
 

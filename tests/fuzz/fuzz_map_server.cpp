@@ -13,9 +13,9 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view input(reinterpret_cast<const char*>(data), size);
   const std::size_t end = std::min(input.find('\0'), input.size());
-  const std::string_view picture = end < input.size() ? input.substr(end + 1) : std::string_view();
+  const std::string_view image = end < input.size() ? input.substr(end + 1) : std::string_view();
   try {
-    const rastro::OccupancyGrid grid = rastro::parse_map_server(input.substr(0, end), "yaml", picture, "picture");
+    const rastro::OccupancyGrid grid = rastro::parse_map_server(input.substr(0, end), "yaml", image, "picture");
     const auto cells = static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height);
     if (grid.percent.size() != cells) __builtin_trap();
     if (rastro::map_server_pgm(grid).size() < cells) __builtin_trap();

@@ -349,10 +349,10 @@ TEST(OdometryDrift, DistinguishesALoopFromASimilarPlace) {
   EXPECT_NEAR(std::sqrt(covariance(5, 5)), 0.05, 1e-12);
   EXPECT_EQ(covariance(0, 5), 0.0);
   const AcceptanceOptions options{.max_graph_sigmas = 4.0};
-  const SE3 place, drifted(SO3::exp({0.0, 0.06, 0.0}), {0.7, -0.4, 0.2}), twin(SO3(), {6.0, 0.0, 0.0});
-  EXPECT_EQ(judge({.graph_sigmas = graph_sigmas(drifted, place, covariance)}, options), Rejection::none);
+  const SE3 correct, drifted(SO3::exp({0.0, 0.06, 0.0}), {0.7, -0.4, 0.2}), twin(SO3(), {6.0, 0.0, 0.0});
+  EXPECT_EQ(judge({.graph_sigmas = graph_sigmas(drifted, correct, covariance)}, options), Rejection::none);
   EXPECT_EQ(judge({.graph_sigmas = graph_sigmas(drifted, twin, covariance)}, options), Rejection::contradicts_graph);
-  EXPECT_EQ(graph_sigmas(drifted, place, drift.covariance(0.0)), infinity) << "nothing has drifted yet";
+  EXPECT_EQ(graph_sigmas(drifted, correct, drift.covariance(0.0)), infinity) << "nothing has drifted yet";
 }
 
 /// Two similar rooms, one with a shelf that the other lacks: equally many landmarks match in both, but in the wrong one

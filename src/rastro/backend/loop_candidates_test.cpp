@@ -202,10 +202,10 @@ TEST(LoopCandidates, WhereFewAreLeftAllAreTaken) {
 }
 
 TEST(ShareOfReach, IsTheLargerOfPositionAndRotation) {
-  const SE3 apart(SO3::exp({0.0, 0.35, 0.0}), {0.0, 0.0, -0.25});
-  EXPECT_NEAR(share_of_reach(apart, 1.0, 0.7), 0.5, 1e-12);
-  EXPECT_NEAR(share_of_reach(apart, 0.25, 0.7), 1.0, 1e-12);
-  EXPECT_NEAR(share_of_reach(apart.inverse(), 1.0, 0.7), 0.5, 1e-12);
+  const SE3 relative(SO3::exp({0.0, 0.35, 0.0}), {0.0, 0.0, -0.25});
+  EXPECT_NEAR(share_of_reach(relative, 1.0, 0.7), 0.5, 1e-12);
+  EXPECT_NEAR(share_of_reach(relative, 0.25, 0.7), 1.0, 1e-12);
+  EXPECT_NEAR(share_of_reach(relative.inverse(), 1.0, 0.7), 0.5, 1e-12);
   EXPECT_EQ(share_of_reach(SE3(), 1.0, 0.7), 0.0);
 }
 

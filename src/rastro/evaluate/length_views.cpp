@@ -74,7 +74,7 @@ LengthView open_view(const Map& map, KeyframeId id) {
   RASTRO_CHECK(images && keyframe && !map.cameras.empty(), "a keyframe with images");
   const MapCamera& camera = map.cameras[static_cast<std::size_t>(keyframe->camera)];
   const std::string where = fmt::format("keyframe {}", id);
-  const UnpackedImages pictures = unpack_images(images->pictures(id), where);
+  const UnpackedImages pictures = unpack_images(images->images(id), where);
   if (pictures.depth.width() != camera.intrinsics.width || pictures.depth.height() != camera.intrinsics.height)
     throw Error(fmt::format("its images are {} x {}, the map's camera {} x {}", pictures.depth.width(),
                             pictures.depth.height(), camera.intrinsics.width, camera.intrinsics.height),

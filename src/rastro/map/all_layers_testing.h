@@ -69,7 +69,7 @@ inline Map make_map_of_all_layers() {
   map.revision = 17;
   all_layers::add_other_robot(map);
   auto images = std::make_shared<ImageLayer>();
-  auto pictures = std::make_shared<MemoryImages>();
+  auto image_store = std::make_shared<MemoryImages>();
   auto scans = std::make_shared<ScanLayer>();
   auto semi_dense = std::make_shared<SemiDenseLayer>();
   auto words = std::make_shared<WordLayer>();
@@ -80,12 +80,12 @@ inline Map make_map_of_all_layers() {
     const KeyframeId id = map.keyframes[k].id;
     const auto byte = static_cast<std::uint8_t>(k + 1);
     if (k % 2 == 0) images->keyframes.push_back(id);
-    if (k % 2 == 0) pictures->add(id, {std::vector<std::uint8_t>(6000 + k, byte), {byte, 9}});
+    if (k % 2 == 0) image_store->add(id, {std::vector<std::uint8_t>(6000 + k, byte), {byte, 9}});
     if (k % 3 != 1) scans->of[id] = all_layers::some_scans(1 + k % 2, random);
     if (k % 3 != 2) semi_dense->of[id] = all_layers::some_depth(byte);
     if (k != 4) words->of[id] = all_layers::some_words(byte);
   }
-  images->store = pictures;
+  images->store = image_store;
   map.layers.put<ImageLayer>(std::move(images));
   map.layers.put<ScanLayer>(std::move(scans));
   map.layers.put<SemiDenseLayer>(std::move(semi_dense));

@@ -38,11 +38,12 @@ double squared_error(const BundleObservation& seen, const SE3& camera_from_world
 void moved(const Bundle& bundle, const BundleNormal& normal, const BundleStep& step, std::vector<SE3>& cameras,
            std::vector<Eigen::Vector3d>& points) {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const int place = normal.place_of(i);
+    const int index = normal.free_index(i);
     const SE3& before = bundle.camera_from_world[i];
-    if (place < 0) continue;
-    const SO3 turn = SO3::exp(step.cameras.segment<3>(6 * place + 3));
-    cameras[i] = SE3(turn * before.rotation(), turn * before.translation() + step.cameras.segment<3>(6 * place).eval());
+    if (index < 0) continue;
+    const SO3 rotation = SO3::exp(step.cameras.segment<3>(6 * index + 3));
+    cameras[i] =
+        SE3(rotation * before.rotation(), rotation * before.translation() + step.cameras.segment<3>(6 * index).eval());
   }
   for (std::size_t i = 0; i < points.size(); ++i) points[i] = bundle.points[i] + step.points[i];
 }

@@ -41,8 +41,8 @@ struct Reprojection {
 double adjust_with_ceres(Bundle& bundle, const BundleOptions& options) {
   std::vector<std::array<double, 6>> cameras;
   for (const SE3& pose : bundle.camera_from_world) {
-    const Eigen::Vector3d turn = pose.rotation().log(), t = pose.translation();
-    cameras.push_back({turn.x(), turn.y(), turn.z(), t.x(), t.y(), t.z()});
+    const Eigen::Vector3d rotation = pose.rotation().log(), t = pose.translation();
+    cameras.push_back({rotation.x(), rotation.y(), rotation.z(), t.x(), t.y(), t.z()});
   }
   ceres::Problem problem;
   for (const BundleObservation& seen : bundle.observations) {

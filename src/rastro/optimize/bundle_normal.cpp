@@ -63,7 +63,7 @@ class BundleNormal::Reduced {
   void lay_out() {
     std::vector<int> count(columns_.size(), 0);
     for (const auto& row : columns_) {
-      for (const int column : row) place_.push_back(count[static_cast<std::size_t>(column)]++);
+      for (const int column : row) index_in_column_.push_back(count[static_cast<std::size_t>(column)]++);
     }
     sparse_.resize(6 * size(), 6 * size());
     sparse_.resizeNonZeros(static_cast<Eigen::Index>(36 * begin_.back()));
@@ -89,7 +89,7 @@ class BundleNormal::Reduced {
   int column_of(int row, std::size_t k) const { return columns(row)[k - begin_[static_cast<std::size_t>(row)]]; }
   std::ptrdiff_t offset_of(std::size_t k, int column, int j) const {
     const auto at = static_cast<std::size_t>(column);
-    return column_begin_[at] + 6 * (static_cast<std::ptrdiff_t>(j) * height_[at] + place_[k]);
+    return column_begin_[at] + 6 * (static_cast<std::ptrdiff_t>(j) * height_[at] + index_in_column_[k]);
   }
 
   bool solve_sparse(Eigen::VectorXd& result) {
@@ -112,15 +112,15 @@ class BundleNormal::Reduced {
   Eigen::MatrixXd dense_;
   Eigen::SparseMatrix<double> sparse_;
   std::optional<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>> solver_;
-  std::vector<int> place_;         ///< By block: index in its column.
-  std::vector<int> column_begin_;  ///< In the values.
-  std::vector<int> height_;        ///< Blocks of a column.
+  std::vector<int> index_in_column_;  ///< By block: index in its column.
+  std::vector<int> column_begin_;     ///< In the values.
+  std::vector<int> height_;           ///< Blocks of a column.
 };
 
 BundleNormal::BundleNormal(const Bundle& bundle, const BundleOptions& options, TaskPool* pool)
-    : options_(options), pool_(pool), places_(bundle.fixed.size(), -1), points_(bundle.points.size()) {
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    if (bundle.fixed[i] == 0) places_[i] = free_++;
+    : options_(options), pool_(pool), free_index_(bundle.fixed.size(), -1), points_(bundle.points.size()) {
+  for (std::size_t i = 0; i < free_index_.size(); ++i) {
+    if (bundle.fixed[i] == 0) free_index_[i] = free_++;
   }
   sort(bundle);
   find_rows();
@@ -142,36 +142,36 @@ void BundleNormal::sort(const Bundle& bundle) {
     point_of_[at] = seen[i].point;
   }
   links_.resize(seen.size());
-  link_place_.resize(seen.size());
-  for (std::size_t k = 0; k < order_.size(); ++k) link_place_[k] = places_[seen[order_[k]].camera];
+  link_camera_.resize(seen.size());
+  for (std::size_t k = 0; k < order_.size(); ++k) link_camera_[k] = free_index_[seen[order_[k]].camera];
 }
 
 void BundleNormal::find_rows() {
   row_begin_.assign(static_cast<std::size_t>(free_) + 1, 0);
-  for (const int place : link_place_) {
-    if (place >= 0) ++row_begin_[static_cast<std::size_t>(place) + 1];
+  for (const int index : link_camera_) {
+    if (index >= 0) ++row_begin_[static_cast<std::size_t>(index) + 1];
   }
   for (std::size_t i = 1; i < row_begin_.size(); ++i) row_begin_[i] += row_begin_[i - 1];
   row_link_.resize(row_begin_.back());
   std::vector<std::size_t> next(row_begin_.begin(), row_begin_.end() - 1);
-  for (std::size_t k = 0; k < link_place_.size(); ++k) {
-    if (link_place_[k] >= 0)
-      row_link_[next[static_cast<std::size_t>(link_place_[k])]++] = static_cast<std::uint32_t>(k);
+  for (std::size_t k = 0; k < link_camera_.size(); ++k) {
+    if (link_camera_[k] >= 0)
+      row_link_[next[static_cast<std::size_t>(link_camera_[k])]++] = static_cast<std::uint32_t>(k);
   }
   std::vector<std::vector<int>> columns(static_cast<std::size_t>(free_));
   std::vector<int> last_row(static_cast<std::size_t>(free_), -1);
   for (int row = 0; row < free_; ++row) {
     auto& mine = columns[static_cast<std::size_t>(row)];
-    const auto add = [&](int place) {
-      if (place < 0 || place > row || last_row[static_cast<std::size_t>(place)] == row) return;
-      last_row[static_cast<std::size_t>(place)] = row;
-      mine.push_back(place);
+    const auto add = [&](int index) {
+      if (index < 0 || index > row || last_row[static_cast<std::size_t>(index)] == row) return;
+      last_row[static_cast<std::size_t>(index)] = row;
+      mine.push_back(index);
     };
     add(row);
     for (std::size_t r = row_begin_[static_cast<std::size_t>(row)]; r < row_begin_[static_cast<std::size_t>(row) + 1];
          ++r) {
       const std::uint32_t point = point_of_[row_link_[r]];
-      for (std::size_t k = point_begin_[point]; k < point_begin_[point + 1]; ++k) add(link_place_[k]);
+      for (std::size_t k = point_begin_[point]; k < point_begin_[point + 1]; ++k) add(link_camera_[k]);
     }
     std::sort(mine.begin(), mine.end());
   }
@@ -183,38 +183,38 @@ void BundleNormal::add_observation(const Bundle& bundle, std::size_t k, Eigen::M
                                    CameraSums& sums) {
   const BundleObservation& seen = bundle.observations[order_[k]];
   const CameraMatrix& camera = cameras_[seen.camera];
-  link_place_[k] = -1;
+  link_camera_[k] = -1;
   const Eigen::Vector3d p = camera.rotation * bundle.points[seen.point] + camera.translation;
   if (!(p.z() > least_bundle_depth)) return;
   const double inverse = 1.0 / p.z(), unit = 1.0 / seen.sigma, x = p.x() * inverse, y = p.y() * inverse;
-  Eigen::Matrix<double, Rows, 3> by_place;
+  Eigen::Matrix<double, Rows, 3> by_translation;
   Eigen::Matrix<double, Rows, 1> error;
   const double along = unit * inverse;
-  by_place.row(0) << along, 0.0, -x * along;
-  by_place.row(1) << 0.0, along, -y * along;
+  by_translation.row(0) << along, 0.0, -x * along;
+  by_translation.row(1) << 0.0, along, -y * along;
   error[0] = unit * (x - seen.ray.x());
   error[1] = unit * (y - seen.ray.y());
   if constexpr (Rows == 3) {
     const double right_x = x - bundle.baseline * inverse;
-    by_place.row(2) << along, 0.0, -right_x * along;
+    by_translation.row(2) << along, 0.0, -right_x * along;
     error[2] = unit * (right_x - seen.right_x);
   }
   const double weight = bundle_kernel(seen, options_).weight(error.squaredNorm());
-  const Eigen::Matrix<double, Rows, 3> by_point = by_place * camera.rotation;
+  const Eigen::Matrix<double, Rows, 3> by_point = by_translation * camera.rotation;
   const Eigen::Matrix<double, 3, Rows> weighted_point = weight * by_point.transpose();
   normal.noalias() += weighted_point * by_point;
   right.noalias() -= weighted_point * error;
-  const int place = places_[seen.camera];
-  if (place < 0) return;
+  const int index = free_index_[seen.camera];
+  if (index < 0) return;
   Eigen::Matrix<double, Rows, 6> by_camera;
-  by_camera.template leftCols<3>() = by_place;
+  by_camera.template leftCols<3>() = by_translation;
   for (int row = 0; row < Rows; ++row)
-    by_camera.template block<1, 3>(row, 3) = p.cross(by_place.row(row).transpose()).transpose();
+    by_camera.template block<1, 3>(row, 3) = p.cross(by_translation.row(row).transpose()).transpose();
   const Eigen::Matrix<double, 6, Rows> weighted = weight * by_camera.transpose();
-  sums.blocks[static_cast<std::size_t>(place)].noalias() += weighted * by_camera;
-  sums.right[static_cast<std::size_t>(place)].noalias() -= weighted * error;
+  sums.blocks[static_cast<std::size_t>(index)].noalias() += weighted * by_camera;
+  sums.right[static_cast<std::size_t>(index)].noalias() -= weighted * error;
   links_[k].noalias() = weighted * by_point;
-  link_place_[k] = place;
+  link_camera_[k] = index;
 }
 
 void BundleNormal::add_points(const Bundle& bundle, int begin, int end, double damping, CameraSums& sums) {
@@ -259,13 +259,13 @@ void BundleNormal::reduce_row(int row, double damping) {
   for (std::size_t r = row_begin_[static_cast<std::size_t>(row)]; r < row_begin_[static_cast<std::size_t>(row) + 1];
        ++r) {
     const std::uint32_t k = row_link_[r], i = point_of_[k];
-    if (link_place_[k] < 0) continue;
+    if (link_camera_[k] < 0) continue;
     const Matrix63 scaled = links_[k] * points_[i].inverse;
     right.noalias() -= scaled * points_[i].right;
     for (std::size_t other = point_begin_[i]; other < point_begin_[i + 1]; ++other) {
-      const int place = link_place_[other];
-      if (place < 0 || place > row) continue;
-      blocks[slot[static_cast<std::size_t>(place)]].noalias() -= scaled * links_[other].transpose();
+      const int index = link_camera_[other];
+      if (index < 0 || index > row) continue;
+      blocks[slot[static_cast<std::size_t>(index)]].noalias() -= scaled * links_[other].transpose();
     }
   }
   reduced_->right(row) = right;
@@ -292,7 +292,8 @@ bool BundleNormal::solve(const Bundle& bundle, double damping, BundleStep& step)
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       Eigen::Vector3d right = points_[i].right;
       for (std::size_t k = point_begin_[i]; k < point_begin_[i + 1]; ++k) {
-        if (link_place_[k] >= 0) right.noalias() -= links_[k].transpose() * step.cameras.segment<6>(6 * link_place_[k]);
+        if (link_camera_[k] >= 0)
+          right.noalias() -= links_[k].transpose() * step.cameras.segment<6>(6 * link_camera_[k]);
       }
       step.points[i] = points_[i].inverse * right;
     }

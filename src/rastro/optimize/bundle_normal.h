@@ -42,7 +42,7 @@ class BundleNormal {
   BundleNormal(const Bundle& bundle, const BundleOptions& options, TaskPool* pool);
   ~BundleNormal();
   /// Index of a camera among the free ones; < 0: fixed.
-  int place_of(std::size_t camera) const { return places_[camera]; }
+  int free_index(std::size_t camera) const { return free_index_[camera]; }
   /// At the bundle's cameras and points; `damping`: fraction of the diagonal that is added to it. False if there is no
   /// solution.
   bool solve(const Bundle& bundle, double damping, BundleStep& step);
@@ -75,11 +75,11 @@ class BundleNormal {
 
   const BundleOptions& options_;
   TaskPool* pool_;
-  std::vector<int> places_;
+  std::vector<int> free_index_;
   int free_ = 0;
   std::vector<std::uint32_t> order_;      ///< Observations by point.
   std::vector<std::size_t> point_begin_;  ///< In order_; one more than there are points.
-  std::vector<int> link_place_;           ///< By index in order_: index of its camera; -1: fixed or not used now.
+  std::vector<int> link_camera_;          ///< By index in order_: index of its camera; -1: fixed or not used now.
   std::vector<Matrix63> links_;           ///< By index in order_.
   std::vector<std::uint32_t> row_link_;   ///< Indices in order_, by free camera.
   std::vector<std::size_t> row_begin_;    ///< In row_link_.

@@ -33,9 +33,9 @@ struct Dense {
 };
 
 Dense dense_normal(const Bundle& bundle, const BundleOptions& options) {
-  std::vector<int> places;
+  std::vector<int> free_index;
   Dense dense;
-  for (const std::uint8_t fixed : bundle.fixed) places.push_back(fixed != 0 ? -1 : dense.cameras++);
+  for (const std::uint8_t fixed : bundle.fixed) free_index.push_back(fixed != 0 ? -1 : dense.cameras++);
   const int unknowns = 6 * dense.cameras + 3 * static_cast<int>(bundle.points.size());
   dense.normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
   dense.right = Eigen::VectorXd::Zero(unknowns);
@@ -46,11 +46,11 @@ Dense dense_normal(const Bundle& bundle, const BundleOptions& options) {
     if ((camera * point).z() < 0.01) continue;
     const Eigen::VectorXd errors = errors_of(seen, camera, point, bundle.baseline);
     Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(errors.size(), unknowns);
-    for (int k = 0; k < 6 && places[seen.camera] >= 0; ++k) {
+    for (int k = 0; k < 6 && free_index[seen.camera] >= 0; ++k) {
       const Vector6d d = step * Vector6d::Unit(k);
-      jacobian.col(6 * places[seen.camera] + k) = (errors_of(seen, SE3::exp(d) * camera, point, bundle.baseline) -
-                                                   errors_of(seen, SE3::exp(-d) * camera, point, bundle.baseline)) /
-                                                  (2.0 * step);
+      jacobian.col(6 * free_index[seen.camera] + k) = (errors_of(seen, SE3::exp(d) * camera, point, bundle.baseline) -
+                                                       errors_of(seen, SE3::exp(-d) * camera, point, bundle.baseline)) /
+                                                      (2.0 * step);
     }
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d d = step * Eigen::Vector3d::Unit(k);
@@ -124,11 +124,11 @@ TEST(BundleNormal, FixedCamerasHaveNoIndexWhereverTheyAre) {
   BundleScene scene = bundle_scene(small_scene(), 9);
   scene.bundle.fixed = {0, 1, 0, 0, 1, 0};
   const BundleNormal normal(scene.bundle, {}, nullptr);
-  std::vector<int> places;
-  for (std::size_t i = 0; i < 6; ++i) places.push_back(normal.place_of(i));
-  for (const std::size_t i : {1U, 4U}) EXPECT_LT(places[i], 0);
-  for (const auto& [camera, place] : {std::pair<std::size_t, int>{0, 0}, {2, 1}, {3, 2}, {5, 3}})
-    EXPECT_EQ(places[camera], place);
+  std::vector<int> free_index;
+  for (std::size_t i = 0; i < 6; ++i) free_index.push_back(normal.free_index(i));
+  for (const std::size_t i : {1U, 4U}) EXPECT_LT(free_index[i], 0);
+  for (const auto& [camera, index] : {std::pair<std::size_t, int>{0, 0}, {2, 1}, {3, 2}, {5, 3}})
+    EXPECT_EQ(free_index[camera], index);
   expect_dense_step(scene.bundle, {}, 1e-3);
 }
 

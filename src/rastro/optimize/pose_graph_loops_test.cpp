@@ -43,13 +43,13 @@ class LoopsOfPoseGraph : public ::testing::Test {
     return poses;
   }
 
-  /// Two poses: odometry that they are equal, and a loop that is `apart` sigmas off, whatever its weight.
-  std::vector<Constraint> two_poses(double apart) const {
+  /// Two poses: odometry that they are equal, and a loop that is `sigmas` off, whatever its weight.
+  std::vector<Constraint> two_poses(double sigmas) const {
     const std::vector<Pose> same(2);
     std::vector<Constraint> edges{edge_between(same, 0, 1, ConstraintKind::odometry),
                                   edge_between(same, 0, 1, ConstraintKind::loop)};
     for (Constraint& edge : edges) edge.information.setIdentity();
-    edges[1].from_from_to = Sim3(SE3(SO3(), {apart, 0.0, 0.0}));
+    edges[1].from_from_to = Sim3(SE3(SO3(), {sigmas, 0.0, 0.0}));
     return edges;
   }
 

@@ -38,8 +38,8 @@ struct PoseSpace<SE2> {
     return {pose.rotation() * SO2::from_angle(by.z()), pose.translation() + by.head<2>()};
   }
   static Eigen::Vector3d difference(const SE2& from, const SE2& to) {
-    const Eigen::Vector2d apart = to.translation() - from.translation();
-    return {apart.x(), apart.y(), (from.rotation().inverse() * to.rotation()).angle()};
+    const Eigen::Vector2d offset = to.translation() - from.translation();
+    return {offset.x(), offset.y(), (from.rotation().inverse() * to.rotation()).angle()};
   }
 
   static SE2 relative(const Constraint& edge) { return in_plane(edge.rigid()); }
@@ -53,9 +53,9 @@ struct PoseSpace<SE2> {
     return by_to;
   }
   static Eigen::Matrix3d to_by_from(const SE2& from, const SE2& from_from_to) {
-    const Eigen::Vector2d apart = from.rotation() * from_from_to.translation();
+    const Eigen::Vector2d offset = from.rotation() * from_from_to.translation();
     Eigen::Matrix3d to_by_from = -Eigen::Matrix3d::Identity();
-    to_by_from.topRightCorner<2, 1>() << apart.y(), -apart.x();
+    to_by_from.topRightCorner<2, 1>() << offset.y(), -offset.x();
     return to_by_from;
   }
 };

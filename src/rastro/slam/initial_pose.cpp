@@ -22,7 +22,7 @@ Matrix6d rotated(const Matrix6d& covariance, const SO3& rotation) {
   return 0.5 * (result + result.transpose());
 }
 
-std::shared_ptr<const LandmarkLayer> placed(const LandmarkLayer& layer, const SE3& new_world_from_world) {
+std::shared_ptr<const LandmarkLayer> transformed(const LandmarkLayer& layer, const SE3& new_world_from_world) {
   auto result = std::make_shared<LandmarkLayer>(layer);
   const Eigen::Matrix3d rotation = new_world_from_world.rotation().matrix();
   for (Landmark& landmark : result->landmarks) {
@@ -36,12 +36,12 @@ std::shared_ptr<const LandmarkLayer> placed(const LandmarkLayer& layer, const SE
   return result;
 }
 
-class PlacedArchive : public MapArchive {
+class TransformedArchive : public MapArchive {
  public:
-  PlacedArchive(MapArchive& archive, const SE3& initial_pose) : archive_(archive), initial_pose_(initial_pose) {}
+  TransformedArchive(MapArchive& archive, const SE3& initial_pose) : archive_(archive), initial_pose_(initial_pose) {}
   bool wants_map() const override { return archive_.wants_map(); }
   void keep(std::shared_ptr<const Map> map) override {
-    archive_.keep(map ? std::make_shared<const Map>(placed(*map, initial_pose_)) : map);
+    archive_.keep(map ? std::make_shared<const Map>(transformed(*map, initial_pose_)) : map);
   }
   void add_images(KeyframeId keyframe, PackedImages images) override {
     archive_.add_images(keyframe, std::move(images));
@@ -53,13 +53,13 @@ class PlacedArchive : public MapArchive {
   SE3 initial_pose_;
 };
 
-class PlacedSlam : public Slam {
+class TransformedSlam : public Slam {
  public:
-  PlacedSlam(const SlamContext& context, const SlamMaker& make) : initial_pose_(*context.initial_pose) {
+  TransformedSlam(const SlamContext& context, const SlamMaker& make) : initial_pose_(*context.initial_pose) {
     SlamContext own = context;
     own.initial_pose.reset();
     if (context.archive != nullptr) {
-      archive_ = std::make_unique<PlacedArchive>(*context.archive, initial_pose_);
+      archive_ = std::make_unique<TransformedArchive>(*context.archive, initial_pose_);
       own.archive = archive_.get();
     }
     method_ = make(own);
@@ -79,7 +79,7 @@ class PlacedSlam : public Slam {
   }
   std::shared_ptr<const Map> snapshot() const override {
     const auto map = method_->snapshot();
-    return map ? std::make_shared<const Map>(placed(*map, initial_pose_)) : map;
+    return map ? std::make_shared<const Map>(transformed(*map, initial_pose_)) : map;
   }
   void reset() override { method_->reset(); }
   bool set_mapping(bool on) override { return method_->set_mapping(on); }
@@ -89,17 +89,17 @@ class PlacedSlam : public Slam {
 
  private:
   SE3 initial_pose_;
-  std::unique_ptr<PlacedArchive> archive_;  ///< Null if there is none. Outlives the method.
+  std::unique_ptr<TransformedArchive> archive_;  ///< Null if there is none. Outlives the method.
   std::unique_ptr<Slam> method_;
 };
 
 }  // namespace
 
-std::unique_ptr<Slam> make_placed(const SlamContext& context, const SlamMaker& make) {
+std::unique_ptr<Slam> make_with_initial_pose(const SlamContext& context, const SlamMaker& make) {
   if (!context.initial_pose) return make(context);
   check_finite(*context.initial_pose);
   if (context.map) return make(context);
-  return std::make_unique<PlacedSlam>(context, make);
+  return std::make_unique<TransformedSlam>(context, make);
 }
 
 SE2 planar_initial_pose(const SlamContext& context, const std::string& method) {
@@ -114,12 +114,12 @@ SE2 planar_initial_pose(const SlamContext& context, const std::string& method) {
   return {SO2::from_angle(std::atan2(rotation(1, 0), rotation(0, 0))), pose.translation().head<2>()};
 }
 
-Map placed(const Map& map, const SE3& new_world_from_world) {
+Map transformed(const Map& map, const SE3& new_world_from_world) {
   Map result = map;
   for (Keyframe& keyframe : result.keyframes)
     keyframe.world_from_camera = new_world_from_world * keyframe.world_from_camera;
   if (const auto landmarks = map.layer<LandmarkLayer>())
-    result.layers.put<LandmarkLayer>(placed(*landmarks, new_world_from_world));
+    result.layers.put<LandmarkLayer>(transformed(*landmarks, new_world_from_world));
   return result;
 }
 

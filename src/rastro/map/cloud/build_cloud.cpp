@@ -36,14 +36,14 @@ using Sorted = std::array<std::vector<KeyedSample>, VoxelTable::shard_count>;
 void sort_samples(const std::vector<SurfaceSample>& samples, const SE3& world_from_camera, const VoxelTable& table,
                   Sorted& sorted) {
   for (auto& shard : sorted) shard.clear();
-  const Eigen::Matrix3f turn = world_from_camera.rotation().matrix().cast<float>();
+  const Eigen::Matrix3f rotation = world_from_camera.rotation().matrix().cast<float>();
   for (const SurfaceSample& sample : samples) {
     KeyedSample keyed;
     keyed.sample.point = world_from_camera * sample.point_in_camera.cast<double>();
     keyed.key = table.key_of(keyed.sample.point);
     if (keyed.key == 0) continue;
-    keyed.sample.normal = turn * sample.normal_in_camera;
-    keyed.sample.ray = turn * (sample.point_in_camera / sample.point_in_camera.z());
+    keyed.sample.normal = rotation * sample.normal_in_camera;
+    keyed.sample.ray = rotation * (sample.point_in_camera / sample.point_in_camera.z());
     keyed.sample.sigma = sample.sigma;
     keyed.sample.color = sample.color;
     sorted[static_cast<std::size_t>(VoxelTable::shard_of(keyed.key))].push_back(keyed);
@@ -57,8 +57,8 @@ VoxelTable gather(const Map& map, const CloudOptions& options, TaskPool* pool, c
   std::vector<Sorted> group(detail::MapViews::group_size);
   detail::MapViews views(map, detail::keyframes_of(map, options.submap), pool);
   views.walk(
-      [&](std::size_t slot, std::size_t keyframe, const UnpackedImages& pictures, const RayTable& rays) {
-        sort_samples(surface_samples(pictures, rays, surface), map.keyframes[keyframe].world_from_camera, table,
+      [&](std::size_t slot, std::size_t keyframe, const UnpackedImages& images, const RayTable& rays) {
+        sort_samples(surface_samples(images, rays, surface), map.keyframes[keyframe].world_from_camera, table,
                      group[slot]);
       },
       [&](std::size_t first, std::size_t count) {
@@ -119,7 +119,7 @@ class Thinning {
 
  private:
   Vector3d mean_of(const Voxel& voxel) const {
-    return table_.corner_of(voxel.key) + (voxel.place / voxel.weight).cast<double>();
+    return table_.corner_of(voxel.key) + (voxel.position / voxel.weight).cast<double>();
   }
 
   void add_point(const Voxel& voxel, std::vector<KeyedPoint>& points) const {
@@ -158,14 +158,14 @@ class Thinning {
     }
   }
 
-  bool stands_there(const Vector3d& place, std::uint64_t self) const {
-    const std::uint64_t key = table_.key_of(place);
+  bool stands_there(const Vector3d& position, std::uint64_t self) const {
+    const std::uint64_t key = table_.key_of(position);
     return key != 0 && key != self && table_.find(key) != nullptr;
   }
 
-  static CloudPoint point_of(const Layers& layers, const Vector3d& place) {
+  static CloudPoint point_of(const Layers& layers, const Vector3d& position) {
     CloudPoint point;
-    point.position = place.cast<float>();
+    point.position = position.cast<float>();
     if (!layers.normal.isZero()) point.normal = layers.normal.normalized();
     for (std::size_t k = 0; k < 3; ++k) {
       const double mean = layers.color[static_cast<int>(k)] / layers.weight;

@@ -59,7 +59,7 @@ Map with_images(const Map& map, std::shared_ptr<const ImageStore> store) {
 Map noisy_map(int keyframes) {
   const Map map = make_test_map(keyframes);
   const DepthNoise noise = map.cameras.front().depth_noise;
-  auto pictures = std::make_shared<MemoryImages>();
+  auto images = std::make_shared<MemoryImages>();
   for (int k = 0; k < keyframes; ++k) {
     Frame frame = test_room::frame_from(map.keyframes[static_cast<std::size_t>(k)].world_from_camera);
     Random random(static_cast<std::uint64_t>(k) + 5);
@@ -69,9 +69,9 @@ Map noisy_map(int keyframes) {
         z += static_cast<float>(random.normal() * noise.sigma(static_cast<double>(z)));
       }
     }
-    pictures->add(k, pack_images(frame));
+    images->add(k, pack_images(frame));
   }
-  return with_images(map, pictures);
+  return with_images(map, images);
 }
 
 CloudOptions dense() {
@@ -94,11 +94,11 @@ TEST(BuildCloud, LiesOnTheSurfacesOfARoomWithoutNoise) {
     off += std::abs(face.distance);
     EXPECT_GE(point.count, 3U);
     const bool blue = point.color[2] > 2 * point.color[0];
-    const Vector3d place = point.position.cast<double>();
+    const Vector3d position = point.position.cast<double>();
     box += blue ? 1 : 0;
-    const bool at_box = (place.array() > test_room::box_low.array() - 0.02).all() &&
-                        (place.array() < test_room::box_high.array() + 0.02).all();
-    EXPECT_TRUE(at_box || !blue) << place.transpose();
+    const bool at_box = (position.array() > test_room::box_low.array() - 0.02).all() &&
+                        (position.array() < test_room::box_high.array() + 0.02).all();
+    EXPECT_TRUE(at_box || !blue) << position.transpose();
   }
   EXPECT_GT(box, 300U);
   EXPECT_LT(off / static_cast<double>(cloud.points.size()), 0.001);
@@ -107,22 +107,22 @@ TEST(BuildCloud, LiesOnTheSurfacesOfARoomWithoutNoise) {
 TEST(BuildCloud, NoisySurfacesStayThinWithNormalsAndSigmasThatHold) {
   const PointCloud cloud = build_cloud(noisy_map(6), dense());
   ASSERT_GT(cloud.points.size(), 5000U);
-  double squares = 0.0, turned = 0.0, off = 0.0;
+  double squares = 0.0, angle_error = 0.0, off = 0.0;
   std::size_t flat = 0, outside = 0;
   for (const CloudPoint& point : cloud.points) {
-    const Vector3d place = point.position.cast<double>();
+    const Vector3d position = point.position.cast<double>();
     // Except at edges, where neither normal nor distance is that of one face.
     int near_faces = 0;
     for (int axis = 0; axis < 3; ++axis)
       for (const double wall : {test_room::low[axis], test_room::high[axis]})
-        near_faces += std::abs(place[axis] - wall) < 0.15 ? 1 : 0;
-    if (near_faces != 1 || (place - 0.5 * (test_room::box_low + test_room::box_high)).norm() < 0.8) continue;
-    const Nearest face = nearest_face(place);
+        near_faces += std::abs(position[axis] - wall) < 0.15 ? 1 : 0;
+    if (near_faces != 1 || (position - 0.5 * (test_room::box_low + test_room::box_high)).norm() < 0.8) continue;
+    const Nearest face = nearest_face(position);
     const double share = face.distance / static_cast<double>(point.sigma);
     squares += share * share;
     outside += std::abs(share) > 3.0 ? 1 : 0;
     off += std::abs(face.distance);
-    turned += std::acos(std::min(1.0, point.normal.cast<double>().dot(face.normal)));
+    angle_error += std::acos(std::min(1.0, point.normal.cast<double>().dot(face.normal)));
     ++flat;
   }
   ASSERT_GT(flat, 3000U);
@@ -131,7 +131,7 @@ TEST(BuildCloud, NoisySurfacesStayThinWithNormalsAndSigmasThatHold) {
   EXPECT_GT(std::sqrt(squares / count), 0.2) << "sigmas are no mere fear";
   EXPECT_LT(static_cast<double>(outside) / count, 0.02);
   EXPECT_LT(off / count, 0.006) << "the noise of one measurement is 4 to 20 mm";
-  EXPECT_LT(turned / count, 0.12) << "radians";
+  EXPECT_LT(angle_error / count, 0.12) << "radians";
 }
 
 TEST(BuildCloud, CountsEveryMeasurementOnceIfNothingIsLeftOut) {
@@ -206,23 +206,23 @@ TEST(BuildCloud, RefusesAMapWithoutImagesAndSkipsKeyframesWithoutAny) {
 }
 
 TEST(BuildCloud, RefusesDamagedImagesInOneLine) {
-  auto pictures = std::make_shared<MemoryImages>();
-  pictures->add(0, {{1, 2, 3}, {4, 5}});
-  EXPECT_THROW(build_cloud(with_images(make_test_map(1), pictures), CloudOptions()), Error);
+  auto images = std::make_shared<MemoryImages>();
+  images->add(0, {{1, 2, 3}, {4, 5}});
+  EXPECT_THROW(build_cloud(with_images(make_test_map(1), images), CloudOptions()), Error);
 }
 
 TEST(SurfaceSamples, LeaveOutEdgesOfDepthAndGrazingSurfaces) {
-  UnpackedImages pictures;
-  pictures.depth = DepthImage(64, 48);
-  pictures.color.rgb = Image<std::uint8_t>(3 * 64, 48);
+  UnpackedImages images;
+  images.depth = DepthImage(64, 48);
+  images.color.rgb = Image<std::uint8_t>(3 * 64, 48);
   for (int y = 0; y < 48; ++y)
-    for (int x = 0; x < 64; ++x) pictures.depth.at(x, y) = x < 30 ? 1.0F : 2.0F;
-  pictures.depth.at(50, 20) = 0.0F;
+    for (int x = 0; x < 64; ++x) images.depth.at(x, y) = x < 30 ? 1.0F : 2.0F;
+  images.depth.at(50, 20) = 0.0F;
   Camera camera = test_room::camera();
   camera.cx = 31.5, camera.cy = 23.5;
   SurfaceOptions options;
   options.stride = 1;
-  const auto samples = surface_samples(pictures, RayTable(camera, 64, 48), options);
+  const auto samples = surface_samples(images, RayTable(camera, 64, 48), options);
   EXPECT_EQ(samples.size(), 62U * 46U - 2U * 46U - 1U) << "two columns beside the edge, and the hole";
   std::size_t unknown = 0;
   for (const SurfaceSample& sample : samples) {
@@ -234,10 +234,10 @@ TEST(SurfaceSamples, LeaveOutEdgesOfDepthAndGrazingSurfaces) {
 
 TEST(Upright, FindsTheFloorOfARoomForAnyWorldOrientation) {
   Map map = make_test_map(6);
-  const SE3 turn(SO3::exp({0.7, -1.1, 0.4}), {3.0, -2.0, 1.0});
+  const SE3 new_from_old(SO3::exp({0.7, -1.1, 0.4}), {3.0, -2.0, 1.0});
   Trajectory cameras;
   for (Keyframe& keyframe : map.keyframes) {
-    keyframe.world_from_camera = turn * keyframe.world_from_camera;
+    keyframe.world_from_camera = new_from_old * keyframe.world_from_camera;
     cameras.push_back({0, keyframe.world_from_camera});
   }
   CloudOptions options;
@@ -245,7 +245,7 @@ TEST(Upright, FindsTheFloorOfARoomForAnyWorldOrientation) {
   const Upright upright = find_upright(build_cloud(map, options), cameras);
   EXPECT_TRUE(upright.floor_found);
   EXPECT_THAT(upright.found_by, testing::HasSubstr("1.20 m below"));
-  const Vector3d up = upright.upright_from_world.rotation() * (turn.rotation() * Vector3d::UnitZ());
+  const Vector3d up = upright.upright_from_world.rotation() * (new_from_old.rotation() * Vector3d::UnitZ());
   EXPECT_LT((up - Vector3d::UnitZ()).norm(), 0.003);
   const Vector3d first = upright.upright_from_world * cameras.front().world_from_body.translation();
   EXPECT_LT((first - Vector3d(0.0, 0.0, 1.2)).norm(), 0.005);

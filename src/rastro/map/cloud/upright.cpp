@@ -89,10 +89,10 @@ Plane refined(const PointCloud& cloud, Plane plane) {
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
     std::size_t count = 0;
     for (const CloudPoint& point : cloud.points) {
-      const Vector3d place = point.position.cast<double>();
-      if (!is_level(point, plane.up) || std::abs(place.dot(plane.up) - plane.height) > 0.04) continue;
-      sum += place;
-      squares += place * place.transpose();
+      const Vector3d position = point.position.cast<double>();
+      if (!is_level(point, plane.up) || std::abs(position.dot(plane.up) - plane.height) > 0.04) continue;
+      sum += position;
+      squares += position * position.transpose();
       ++count;
     }
     if (count < fewest_points / 2) return plane;

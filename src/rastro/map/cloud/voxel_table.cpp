@@ -31,8 +31,8 @@ std::size_t VoxelTable::size() const {
   return sum;
 }
 
-std::uint64_t VoxelTable::key_of(const Eigen::Vector3d& place) const {
-  const Eigen::Vector3d voxel = (place / side_m_).array().floor();
+std::uint64_t VoxelTable::key_of(const Eigen::Vector3d& position) const {
+  const Eigen::Vector3d voxel = (position / side_m_).array().floor();
   // One by one: a maximum coefficient may skip NaN.
   if (!(voxel.array().abs() < static_cast<double>(half_range - 1)).all()) return 0;
   return packed(static_cast<std::int64_t>(voxel.x()), static_cast<std::int64_t>(voxel.y()),
@@ -89,16 +89,16 @@ Voxel& VoxelTable::voxel_at(std::uint64_t key) {
 
 void VoxelTable::add(std::uint64_t key, const WorldSample& sample, std::int32_t view) {
   Voxel& voxel = voxel_at(key);
-  const Eigen::Vector3f place = (sample.point - corner_of(key)).cast<float>();
+  const Eigen::Vector3f position = (sample.point - corner_of(key)).cast<float>();
   const bool has_normal = !sample.normal.isZero();
   const Eigen::Vector3f normal = has_normal ? sample.normal : Eigen::Vector3f(-sample.ray.normalized());
   const float sigma_along = sample.sigma * std::abs(normal.dot(sample.ray));
-  const float w = 1.0F / (sample.sigma * sample.sigma), d = normal.dot(place);
+  const float w = 1.0F / (sample.sigma * sample.sigma), d = normal.dot(position);
   voxel.weight += w;
   voxel.variance += w * w * sigma_along * sigma_along;
   voxel.along += w * d;
   voxel.along2 += w * d * d;
-  voxel.place += w * place;
+  voxel.position += w * position;
   if (has_normal) voxel.normal += w * normal;
   voxel.color += w * Eigen::Vector3f(sample.color[0], sample.color[1], sample.color[2]);
   ++voxel.count;
@@ -118,7 +118,7 @@ void VoxelTable::coarsen() {
       voxel.along2 += fine.along2 + 2.0F * d * fine.along + fine.weight * d * d;
       voxel.weight += fine.weight;
       voxel.variance += fine.variance;
-      voxel.place += fine.place + fine.weight * shift;
+      voxel.position += fine.position + fine.weight * shift;
       voxel.normal += fine.normal;
       voxel.color += fine.color;
       voxel.count += fine.count;

@@ -23,13 +23,13 @@ struct WorldSample {
 /// Sums over the measurements in a voxel. Positions are relative to the voxel's lowest corner.
 struct Voxel {
   std::uint64_t key = 0;
-  float weight = 0.0F;                               ///< Sum of w = 1 / sigma^2.
-  float variance = 0.0F;                             ///< Sum of w^2 times the variance along the normal.
-  float along = 0.0F, along2 = 0.0F;                 ///< Sums of w d and w d^2, d = the position along its own normal.
-  Eigen::Vector3f place = Eigen::Vector3f::Zero();   ///< Sum of w times position.
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< Sum of w times normal.
-  Eigen::Vector3f color = Eigen::Vector3f::Zero();   ///< Sum of w times color.
-  std::uint32_t count = 0, views = 0;                ///< Number of measurements, and of keyframes they came from.
+  float weight = 0.0F;                ///< Sum of w = 1 / sigma^2.
+  float variance = 0.0F;              ///< Sum of w^2 times the variance along the normal.
+  float along = 0.0F, along2 = 0.0F;  ///< Sums of w d and w d^2, d = the position along its own normal.
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< Sum of w times position.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();    ///< Sum of w times normal.
+  Eigen::Vector3f color = Eigen::Vector3f::Zero();     ///< Sum of w times color.
+  std::uint32_t count = 0, views = 0;                  ///< Number of measurements, and of keyframes they came from.
   std::int32_t last_view = -1;
 };
 
@@ -44,7 +44,7 @@ class VoxelTable {
   double side_m() const { return side_m_; }
   std::size_t size() const;
   /// The key of the voxel at a position; 0 if it is too far away to have a key.
-  std::uint64_t key_of(const Eigen::Vector3d& place) const;
+  std::uint64_t key_of(const Eigen::Vector3d& position) const;
   Eigen::Vector3d corner_of(std::uint64_t key) const;
   static int shard_of(std::uint64_t key) { return static_cast<int>(hash_of(key) >> 60); }
   const std::vector<Voxel>& shard(int index) const { return shards_[static_cast<std::size_t>(index)].voxels; }

@@ -23,14 +23,14 @@ WorldSample sample_at(const Eigen::Vector3d& point, float sigma = 0.01F) {
   return sample;
 }
 
-Eigen::Vector3d random_place(Random& random, double reach) {
+Eigen::Vector3d random_position(Random& random, double reach) {
   const double x = random.uniform(-reach, reach), y = random.uniform(-reach, reach), z = random.uniform(-reach, reach);
   return {x, y, z};
 }
 
-std::array<long, 3> cube_of(const Eigen::Vector3d& place, double side) {
-  return {std::lround(std::floor(place.x() / side)), std::lround(std::floor(place.y() / side)),
-          std::lround(std::floor(place.z() / side))};
+std::array<long, 3> cube_of(const Eigen::Vector3d& position, double side) {
+  return {std::lround(std::floor(position.x() / side)), std::lround(std::floor(position.y() / side)),
+          std::lround(std::floor(position.z() / side))};
 }
 
 TEST(VoxelTableKeys, AreOnePerCubeAndGiveItsCorner) {
@@ -39,13 +39,13 @@ TEST(VoxelTableKeys, AreOnePerCubeAndGiveItsCorner) {
   std::map<std::array<long, 3>, std::uint64_t> keys;
   std::set<std::uint64_t> distinct;
   for (int k = 0; k < 20000; ++k) {
-    const Eigen::Vector3d place = random_place(random, 0.8);
-    const std::uint64_t key = table.key_of(place);
+    const Eigen::Vector3d position = random_position(random, 0.8);
+    const std::uint64_t key = table.key_of(position);
     ASSERT_NE(key, 0U);
-    const auto [found, is_new] = keys.emplace(cube_of(place, 0.05), key);
+    const auto [found, is_new] = keys.emplace(cube_of(position, 0.05), key);
     EXPECT_EQ(found->second, key);
     distinct.insert(key);
-    const Eigen::Vector3d inside = place - table.corner_of(key);
+    const Eigen::Vector3d inside = position - table.corner_of(key);
     EXPECT_GE(inside.minCoeff(), -1e-9);
     EXPECT_LE(inside.maxCoeff(), 0.05 + 1e-9);
   }
@@ -55,9 +55,9 @@ TEST(VoxelTableKeys, AreOnePerCubeAndGiveItsCorner) {
 TEST(VoxelTableKeys, AreZeroForPositionsOutOfRange) {
   const VoxelTable table(0.01);
   const double nan = std::nan(""), far = 0.01 * (1 << 20);
-  for (const Eigen::Vector3d& place : {Eigen::Vector3d(far, 0.0, 0.0), Eigen::Vector3d(0.0, -far, 0.0),
-                                       Eigen::Vector3d(0.0, nan, 0.0), Eigen::Vector3d(0.0, 0.0, INFINITY)})
-    EXPECT_EQ(table.key_of(place), 0U);
+  for (const Eigen::Vector3d& position : {Eigen::Vector3d(far, 0.0, 0.0), Eigen::Vector3d(0.0, -far, 0.0),
+                                          Eigen::Vector3d(0.0, nan, 0.0), Eigen::Vector3d(0.0, 0.0, INFINITY)})
+    EXPECT_EQ(table.key_of(position), 0U);
   const Eigen::Vector3d last(0.99 * far, -0.99 * far, 0.99 * far);
   ASSERT_NE(table.key_of(last), 0U);
   EXPECT_LT((table.corner_of(table.key_of(last)) - last).norm(), 0.02);
@@ -68,7 +68,7 @@ TEST(VoxelTableSums, AreThoseOfAPlainMap) {
   Random random(2);
   struct Plain {
     double weight = 0.0, along = 0.0;
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
     std::uint32_t count = 0;
     std::set<int> views;
   };
@@ -76,7 +76,8 @@ TEST(VoxelTableSums, AreThoseOfAPlainMap) {
   std::map<std::array<long, 3>, Plain> plain;
   for (int view = 0; view < 6; ++view) {
     for (int k = 0; k < 4000; ++k) {
-      const WorldSample sample = sample_at(random_place(random, 1.5), static_cast<float>(random.uniform(0.005, 0.02)));
+      const WorldSample sample =
+          sample_at(random_position(random, 1.5), static_cast<float>(random.uniform(0.005, 0.02)));
       const std::uint64_t key = table.key_of(sample.point);
       table.add(key, sample, view);
       Plain& sums = plain[cube_of(sample.point, 0.1)];
@@ -84,7 +85,7 @@ TEST(VoxelTableSums, AreThoseOfAPlainMap) {
       const Eigen::Vector3d inside = sample.point - table.corner_of(key);
       sums.weight += w;
       sums.along += w * (0.6 * inside.y() + 0.8 * inside.z());
-      sums.place += w * inside;
+      sums.position += w * inside;
       ++sums.count;
       sums.views.insert(view);
     }
@@ -99,7 +100,7 @@ TEST(VoxelTableSums, AreThoseOfAPlainMap) {
     EXPECT_EQ(voxel->count, sums.count);
     EXPECT_EQ(voxel->views, sums.views.size());
     EXPECT_NEAR(static_cast<double>(voxel->weight) / sums.weight, 1.0, 1e-4);
-    EXPECT_LT((voxel->place.cast<double>() - sums.place).norm() / sums.weight, 1e-5);
+    EXPECT_LT((voxel->position.cast<double>() - sums.position).norm() / sums.weight, 1e-5);
     EXPECT_NEAR(static_cast<double>(voxel->along) / sums.weight, sums.along / sums.weight, 1e-5);
   }
   EXPECT_EQ(table.find(table.key_of({5.0, 5.0, 5.0})), nullptr);
@@ -110,7 +111,7 @@ TEST(VoxelTableCoarsen, EqualsACoarseTableFromTheStart) {
   Random random(3);
   VoxelTable fine(0.05), coarse(0.1);
   for (int k = 0; k < 5000; ++k) {
-    const WorldSample sample = sample_at(random_place(random, 0.6));
+    const WorldSample sample = sample_at(random_position(random, 0.6));
     fine.add(fine.key_of(sample.point), sample, k % 3);
     coarse.add(coarse.key_of(sample.point), sample, k % 3);
   }
@@ -128,7 +129,7 @@ TEST(VoxelTableCoarsen, EqualsACoarseTableFromTheStart) {
       ++compared;
       EXPECT_EQ(voxel->count, expected.count);
       EXPECT_NEAR(voxel->weight / expected.weight, 1.0F, 1e-4F);
-      EXPECT_LT((voxel->place - expected.place).norm() / expected.weight, 1e-5F);
+      EXPECT_LT((voxel->position - expected.position).norm() / expected.weight, 1e-5F);
       EXPECT_NEAR(voxel->along / expected.weight, expected.along / expected.weight, 1e-5F);
       EXPECT_NEAR(voxel->along2 / expected.weight, expected.along2 / expected.weight, 1e-5F);
       EXPECT_NEAR(voxel->variance / expected.variance, 1.0F, 1e-3F);

@@ -16,22 +16,22 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double cell_m = 0.05;
-constexpr double most_apart_m = cell_m;  ///< At most the cell size, for the search in adjacent cells.
-constexpr double pose_sigma_m = 0.005;   ///< Between keyframes, in addition to depth noise.
-constexpr double most_apart_sigmas = 3.0;
-constexpr int most_bits_apart = 60;        ///< Of 256.
-constexpr float most_floats_apart = 0.6F;  ///< Share of the descriptor's length.
+constexpr double max_distance_m = cell_m;  ///< At most the cell size, for the search in adjacent cells.
+constexpr double pose_sigma_m = 0.005;     ///< Between keyframes, in addition to depth noise.
+constexpr double max_distance_sigmas = 3.0;
+constexpr int max_bit_distance = 60;        ///< Of 256.
+constexpr float max_float_distance = 0.6F;  ///< Share of the descriptor's length.
 
 float distance(const Features& a, std::size_t i, const Features& b, std::size_t j) {
   if (a.length != b.length) return std::numeric_limits<float>::infinity();
   if (a.binary()) {
     const int bits = hamming_distance(a.descriptors[i], b.descriptors[j]);
-    return static_cast<float>(bits) / most_bits_apart;
+    return static_cast<float>(bits) / max_bit_distance;
   }
   const auto at = [&](const Features& of, std::size_t k) {
     return Eigen::Map<const Eigen::VectorXf>(of.floats.data() + k * static_cast<std::size_t>(of.length), of.length);
   };
-  return (at(a, i) - at(b, j)).norm() / (most_floats_apart * std::max(1e-9F, at(a, i).norm()));
+  return (at(a, i) - at(b, j)).norm() / (max_float_distance * std::max(1e-9F, at(a, i).norm()));
 }
 
 struct Growing {
@@ -41,9 +41,9 @@ struct Growing {
   Vector3d mean() const { return sum / weight; }
 };
 
-class Joining {
+class FeatureMerging {
  public:
-  Joining(const Map& map, int submap) : map_(map), layer_(map.layer<FeatureLayer>()) {
+  FeatureMerging(const Map& map, int submap) : map_(map), layer_(map.layer<FeatureLayer>()) {
     if (!layer_ || map.cameras.empty()) return;
     for (const std::size_t keyframe : detail::keyframes_of(map, submap)) add(keyframe);
   }
@@ -61,8 +61,8 @@ class Joining {
 
  private:
   using Cell = std::tuple<int, int, int>;
-  static Cell cell_of(const Vector3d& place) {
-    const Eigen::Vector3i cell = (place / cell_m).array().floor().cast<int>();
+  static Cell cell_of(const Vector3d& position) {
+    const Eigen::Vector3i cell = (position / cell_m).array().floor().cast<int>();
     return {cell.x(), cell.y(), cell.z()};
   }
 
@@ -83,29 +83,29 @@ class Joining {
       const Keypoint& at = image->features.keypoints[k];
       const auto ray = z > 0.0 ? camera.intrinsics.unproject({at.x, at.y}) : std::nullopt;
       if (!ray) continue;
-      const Vector3d place = world_from_camera * (z * Vector3d(ray->x(), ray->y(), 1.0));
-      if (!(place.cwiseAbs().maxCoeff() < 1e6)) continue;
-      add_feature({keyframe, k}, place, camera.depth_noise.sigma_m + camera.depth_noise.sigma_per_m2 * z * z);
+      const Vector3d position = world_from_camera * (z * Vector3d(ray->x(), ray->y(), 1.0));
+      if (!(position.cwiseAbs().maxCoeff() < 1e6)) continue;
+      add_feature({keyframe, k}, position, camera.depth_noise.sigma_m + camera.depth_noise.sigma_per_m2 * z * z);
     }
   }
 
-  void add_feature(const FeatureView& view, const Vector3d& place, double sigma) {
-    Growing* best = nearest(view, place, sigma);
+  void add_feature(const FeatureView& view, const Vector3d& position, double sigma) {
+    Growing* best = nearest(view, position, sigma);
     if (best == nullptr) {
-      cells_[cell_of(place)].push_back(all_.size());
+      cells_[cell_of(position)].push_back(all_.size());
       best = &all_.emplace_back();
     }
     const double weight = 1.0 / (sigma * sigma);
-    best->sum += weight * place;
+    best->sum += weight * position;
     best->weight += weight;
     best->sigma = sigma;
     best->point.views.push_back(view);
   }
 
-  Growing* nearest(const FeatureView& view, const Vector3d& place, double sigma) {
+  Growing* nearest(const FeatureView& view, const Vector3d& position, double sigma) {
     Growing* best = nullptr;
     float least = 1.0F;
-    const auto [x, y, z] = cell_of(place);
+    const auto [x, y, z] = cell_of(position);
     for (int dx = -1; dx <= 1; ++dx)
       for (int dy = -1; dy <= 1; ++dy)
         for (int dz = -1; dz <= 1; ++dz) {
@@ -113,20 +113,20 @@ class Joining {
           if (found == cells_.end()) continue;
           for (const std::size_t index : found->second) {
             Growing& other = all_[index];
-            if (!is_near(other, view, place, sigma)) continue;
+            if (!is_near(other, view, position, sigma)) continue;
             const FeatureView& last = other.point.views.back();
-            const float apart =
+            const float difference =
                 distance(features_of(view.keyframe), view.feature, features_of(last.keyframe), last.feature);
-            if (apart < least) least = apart, best = &other;
+            if (difference < least) least = difference, best = &other;
           }
         }
     return best;
   }
 
-  static bool is_near(const Growing& other, const FeatureView& view, const Vector3d& place, double sigma) {
+  static bool is_near(const Growing& other, const FeatureView& view, const Vector3d& position, double sigma) {
     if (other.point.views.back().keyframe == view.keyframe) return false;
-    const double limit = most_apart_sigmas * std::hypot(sigma, other.sigma, pose_sigma_m);
-    return (other.mean() - place).norm() <= std::min(limit, most_apart_m);
+    const double limit = max_distance_sigmas * std::hypot(sigma, other.sigma, pose_sigma_m);
+    return (other.mean() - position).norm() <= std::min(limit, max_distance_m);
   }
 
   double error_of(const FeaturePoint& point) const {
@@ -151,6 +151,6 @@ class Joining {
 
 }  // namespace
 
-std::vector<FeaturePoint> feature_points(const Map& map, int submap) { return Joining(map, submap).take(); }
+std::vector<FeaturePoint> feature_points(const Map& map, int submap) { return FeatureMerging(map, submap).take(); }
 
 }  // namespace rastro

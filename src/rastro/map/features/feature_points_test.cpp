@@ -43,19 +43,19 @@ class TwoViews {
 
 TEST(FeaturePoints, MatchDepthsWithinThreeSigmasOfBothAndThePose) {
   // Sigma at 2 m: 0.001 + 0.002 * 4; with the pose sigma of 5 mm the limit is 0.0417 m.
-  for (const float apart : {0.041F, 0.0425F}) {
+  for (const float difference : {0.041F, 0.0425F}) {
     TwoViews views;
-    views.images[1].depths[0] = 2.0F + apart;
-    EXPECT_EQ(views.points().size(), apart < 0.0417F ? 1U : 0U) << apart;
+    views.images[1].depths[0] = 2.0F + difference;
+    EXPECT_EQ(views.points().size(), difference < 0.0417F ? 1U : 0U) << difference;
   }
 }
 
 TEST(FeaturePoints, MatchNothingMoreThanFiveCentimetersApart) {
-  for (const float apart : {0.0495F, 0.0505F}) {
+  for (const float difference : {0.0495F, 0.0505F}) {
     TwoViews views;
     views.images[0].depths[0] = 4.0F;
-    views.images[1].depths[0] = 4.0F + apart;
-    EXPECT_EQ(views.points().size(), apart < 0.05F ? 1U : 0U) << apart;
+    views.images[1].depths[0] = 4.0F + difference;
+    EXPECT_EQ(views.points().size(), difference < 0.05F ? 1U : 0U) << difference;
   }
 }
 
@@ -90,15 +90,15 @@ TEST(FeaturePoints, BinaryDescriptorsMustDifferByFewerThanSixtyBits) {
 }
 
 TEST(FeaturePoints, FloatDescriptorsMustDifferByLessThanAShareOfTheirLength) {
-  for (const float apart : {2.95F, 3.05F}) {  // 0.6 times 5
+  for (const float difference : {2.95F, 3.05F}) {  // 0.6 times 5
     TwoViews views;
     for (ImageFeatures& image : views.images) {
       image.features.descriptors.clear();
       image.features.length = 2;
       image.features.floats = {3.0F, 4.0F};
     }
-    views.images[0].features.floats[1] += apart;
-    EXPECT_EQ(views.points().size(), apart < 3.0F ? 1U : 0U) << apart;
+    views.images[0].features.floats[1] += difference;
+    EXPECT_EQ(views.points().size(), difference < 3.0F ? 1U : 0U) << difference;
     views.images[0].features.length = 0;
     views.images[0].features.descriptors.resize(1);
     EXPECT_TRUE(views.points().empty()) << "of two kinds";
@@ -115,7 +115,7 @@ TEST(FeaturePoints, OfSeveralTheMostSimilarIsMatched) {
   }
   first.features.descriptors[0].words = {0xFF, 0, 0, 0};
   const auto points = views.points();
-  ASSERT_EQ(points.size(), 1U) << "those of one keyframe stay apart";
+  ASSERT_EQ(points.size(), 1U) << "those of one keyframe are not merged";
   EXPECT_EQ(points[0].views.front().feature, 2U);
 }
 

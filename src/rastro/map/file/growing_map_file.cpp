@@ -30,7 +30,7 @@ class ImagesInFile : public ImageStore {
  public:
   explicit ImagesInFile(std::shared_ptr<const SharedDatabase> file)
       : rows_(std::move(file), table_of_layer("images")) {}
-  PackedImages pictures(KeyframeId keyframe) const override { return read_images(rows_.row(keyframe), "images"); }
+  PackedImages images(KeyframeId keyframe) const override { return read_images(rows_.row(keyframe), "images"); }
 
  private:
   FileRows rows_;

@@ -9,7 +9,7 @@
 
 namespace rastro {
 
-std::string body_of(const PackedImages& pictures);
+std::string body_of(const PackedImages& images);
 /// Error naming `where` for invalid bytes.
 PackedImages read_images(std::string_view body, const std::string& where);
 

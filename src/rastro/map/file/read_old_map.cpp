@@ -127,16 +127,16 @@ Constraint depth_camera_edge(ByteReader& bytes) {
 }
 
 Constraint landmark_constraint(ByteReader& bytes) {
-  Constraint tie;
-  tie.from = bytes.get<KeyframeId>();
-  tie.to = bytes.get<KeyframeId>();
-  tie.kind = ConstraintKind::loop;
-  tie.inliers = bytes.get<std::int32_t>();
+  Constraint constraint;
+  constraint.from = bytes.get<KeyframeId>();
+  constraint.to = bytes.get<KeyframeId>();
+  constraint.kind = ConstraintKind::loop;
+  constraint.inliers = bytes.get<std::int32_t>();
   const auto scale = bytes.get<double>();
   bytes.check(scale > 0.0);
   const SO3 rotation = get_rotation(bytes);
-  tie.from_from_to = Sim3(scale, rotation, get_vector(bytes));
-  return tie;
+  constraint.from_from_to = Sim3(scale, rotation, get_vector(bytes));
+  return constraint;
 }
 
 void read_constraints(RowSource& rows, const char* table, Constraint (*read)(ByteReader&), Map& map) {

@@ -117,7 +117,7 @@ void write_version_1(const Map& map, const fs::path& path) {
   file.put("head", 0, head_row);
   for (const Keyframe& keyframe : map.keyframes) {
     file.put("keyframes", keyframe.id, old_image(*map.layer<FeatureLayer>()->find(keyframe.id)));
-    file.put("pictures", keyframe.id, body_of(images_of(map)->pictures(keyframe.id)));
+    file.put("pictures", keyframe.id, body_of(images_of(map)->images(keyframe.id)));
     ByteWriter pose;
     pose.put<std::int32_t>(keyframe.submap);
     put(pose, keyframe.world_from_camera);
@@ -194,14 +194,14 @@ void write_version_2(const Map& map, const fs::path& path) {
   for (const Landmark& landmark : map.layer<LandmarkLayer>()->landmarks)
     file.put("landmarks", landmark.id, old_landmark(landmark));
   for (std::size_t i = 0; i < map.constraints.size(); ++i) {
-    const Constraint& tie = map.constraints[i];
+    const Constraint& constraint = map.constraints[i];
     ByteWriter bytes;
-    bytes.put(tie.from);
-    bytes.put(tie.to);
-    bytes.put<std::int32_t>(tie.inliers);
-    bytes.put(tie.from_from_to.scale());
-    put(bytes, tie.from_from_to.rotation());
-    put(bytes, tie.from_from_to.translation());
+    bytes.put(constraint.from);
+    bytes.put(constraint.to);
+    bytes.put<std::int32_t>(constraint.inliers);
+    bytes.put(constraint.from_from_to.scale());
+    put(bytes, constraint.from_from_to.rotation());
+    put(bytes, constraint.from_from_to.translation());
     file.put("ties", static_cast<std::int64_t>(i), bytes.take());
   }
   put_trajectory(map, file);
@@ -277,7 +277,7 @@ TEST(ReadOldMap, OfADepthCameraIsRead) {
   expect_same_graph(*now, map);
   EXPECT_EQ(now->layer<ImageLayer>()->keyframes, map.layer<ImageLayer>()->keyframes);
   for (const Keyframe& keyframe : map.keyframes)
-    EXPECT_EQ(images_of(*now)->pictures(keyframe.id), images_of(map)->pictures(keyframe.id));
+    EXPECT_EQ(images_of(*now)->images(keyframe.id), images_of(map)->images(keyframe.id));
 }
 
 TEST(ReadOldMap, OfLandmarksIsRead) {

@@ -13,7 +13,7 @@ namespace {
 
 std::string named(KeyframeId id) { return fmt::format("keyframe {}", id); }
 
-std::vector<Keyframe>::iterator place_for(Map& map, KeyframeId id) {
+std::vector<Keyframe>::iterator insertion_point(Map& map, KeyframeId id) {
   return std::lower_bound(map.keyframes.begin(), map.keyframes.end(), id,
                           [](const Keyframe& keyframe, KeyframeId wanted) { return keyframe.id < wanted; });
 }
@@ -29,32 +29,32 @@ void take_if(std::vector<Item>& from, std::vector<std::pair<std::size_t, Item>>&
 /// Inserts those for which `holds` is still true at their indices, as far as the list reaches.
 template <typename Item, typename Holds>
 void put_back(const std::vector<std::pair<std::size_t, Item>>& from, std::vector<Item>& to, Holds holds) {
-  for (const auto& [place, item] : from)
-    if (holds(item)) to.insert(to.begin() + static_cast<std::ptrdiff_t>(std::min(place, to.size())), item);
+  for (const auto& [index, item] : from)
+    if (holds(item)) to.insert(to.begin() + static_cast<std::ptrdiff_t>(std::min(index, to.size())), item);
 }
 
 }  // namespace
 
 void insert_keyframe(Map& map, const Keyframe& keyframe) {
-  const auto place = place_for(map, keyframe.id);
+  const auto at = insertion_point(map, keyframe.id);
   if (keyframe.id < 0) throw Error("has an id below 0", named(keyframe.id), "make ids with keyframe_id()");
-  if (place != map.keyframes.end() && place->id == keyframe.id)
+  if (at != map.keyframes.end() && at->id == keyframe.id)
     throw Error("the map has a keyframe of this id", named(keyframe.id), "give it one of its own");
   if (keyframe.camera < 0 || static_cast<std::size_t>(keyframe.camera) >= std::max<std::size_t>(1, map.cameras.size()))
     throw Error("is of a camera that the map does not have", named(keyframe.id), "add the camera first");
   if (keyframe.parent != no_keyframe && !map.index_of(keyframe.parent))
     throw Error("has a parent that the map does not have", named(keyframe.id), "insert the parent first");
-  map.keyframes.insert(place, keyframe);
+  map.keyframes.insert(at, keyframe);
   ++map.revision;
 }
 
 RemovedKeyframe remove_keyframe(Map& map, KeyframeId id) {
-  const auto place = place_for(map, id);
-  if (place == map.keyframes.end() || place->id != id)
+  const auto at = insertion_point(map, id);
+  if (at == map.keyframes.end() || at->id != id)
     throw Error("the map has no such keyframe", named(id), "'rastro info' counts them");
   RemovedKeyframe removed;
-  removed.keyframe = *place;
-  map.keyframes.erase(place);
+  removed.keyframe = *at;
+  map.keyframes.erase(at);
   for (Keyframe& keyframe : map.keyframes) {
     if (keyframe.parent != id) continue;
     removed.children.push_back(keyframe.id);

@@ -12,12 +12,12 @@ namespace {
 constexpr double most_cells = 1e8;
 constexpr int least_known_of_four = 1;
 
-std::int8_t column_percent(const OccupancyOctree& octree, const Eigen::Vector2d& place, double lowest, int cubes) {
+std::int8_t column_percent(const OccupancyOctree& octree, const Eigen::Vector2d& position, double lowest, int cubes) {
   int known = 0;
   double likeliest = 0.0;
   for (int k = 0; k < cubes; ++k) {
     const double height = lowest + (k + 0.5) * octree.resolution_m();
-    const auto occupancy = octree.occupancy_at({place.x(), place.y(), height});
+    const auto occupancy = octree.occupancy_at({position.x(), position.y(), height});
     if (!occupancy) continue;
     ++known;
     likeliest = std::max(likeliest, *occupancy);
@@ -36,7 +36,7 @@ OccupancyGrid slice_between(const OccupancyOctree& octree, double lowest_m, doub
   const Eigen::Vector2d low = (octree.low().head<2>() / grid.cell_m).array().round();
   const Eigen::Vector2d size = (octree.high().head<2>() / grid.cell_m).array().round() - low.array();
   if (!(size.x() * size.y() <= most_cells))
-    throw Error("the map is too large for a picture of these cells", "--resolution", "give larger ones");
+    throw Error("the map is too large for an image of these cells", "--resolution", "give larger ones");
   grid.origin = low * grid.cell_m;
   grid.width = static_cast<int>(size.x());
   grid.height = static_cast<int>(size.y());

@@ -26,11 +26,11 @@ struct Block {
 };
 
 /// Extracts the samples of one image.
-class Picture {
+class SampleExtraction {
  public:
-  Picture(const UnpackedImages& pictures, const RayTable& rays, const SurfaceOptions& options)
-      : depth_(pictures.depth),
-        color_(pictures.color),
+  SampleExtraction(const UnpackedImages& images, const RayTable& rays, const SurfaceOptions& options)
+      : depth_(images.depth),
+        color_(images.color),
         rays_(rays),
         options_(options),
         columns_(depth_.width() / block_px),
@@ -169,12 +169,12 @@ RayTable::RayTable(const Camera& camera, int width, int height) : width_(width),
   }
 }
 
-std::vector<SurfaceSample> surface_samples(const UnpackedImages& pictures, const RayTable& rays,
+std::vector<SurfaceSample> surface_samples(const UnpackedImages& images, const RayTable& rays,
                                            const SurfaceOptions& options) {
   RASTRO_CHECK(options.stride >= 1, "a stride is at least one pixel");
-  RASTRO_CHECK(rays.width() == pictures.depth.width() && rays.height() == pictures.depth.height(),
-               "rays and pictures are of one size");
-  return Picture(pictures, rays, options).samples();
+  RASTRO_CHECK(rays.width() == images.depth.width() && rays.height() == images.depth.height(),
+               "rays and images are of one size");
+  return SampleExtraction(images, rays, options).samples();
 }
 
 }  // namespace rastro

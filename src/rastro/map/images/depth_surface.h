@@ -46,7 +46,7 @@ struct SurfaceSample {
 
 /// The pixels that show a surface, row by row, without depth edges (their pixels mix two surfaces) and grazing angles.
 /// Normals are those of planes through blocks of pixels, to reduce noise. `rays` has the images' size.
-std::vector<SurfaceSample> surface_samples(const UnpackedImages& pictures, const RayTable& rays,
+std::vector<SurfaceSample> surface_samples(const UnpackedImages& images, const RayTable& rays,
                                            const SurfaceOptions& options);
 
 }  // namespace rastro

@@ -18,7 +18,7 @@ const ImageLayer& typed(const Layer& layer) { return static_cast<const ImageLaye
 class StoredImages : public ImageStore {
  public:
   explicit StoredImages(std::shared_ptr<const RowStore> rows) : rows_(std::move(rows)) {}
-  PackedImages pictures(KeyframeId keyframe) const override {
+  PackedImages images(KeyframeId keyframe) const override {
     return read_images(rows_->row(keyframe), fmt::format("images of keyframe {}", keyframe));
   }
 
@@ -31,7 +31,7 @@ class RenumberedImages : public ImageStore {
  public:
   RenumberedImages(std::shared_ptr<const ImageStore> images, std::map<KeyframeId, KeyframeId> old_id)
       : images_(std::move(images)), old_id_(std::move(old_id)) {}
-  PackedImages pictures(KeyframeId keyframe) const override { return images_->pictures(old_id_.at(keyframe)); }
+  PackedImages images(KeyframeId keyframe) const override { return images_->images(old_id_.at(keyframe)); }
 
  private:
   std::shared_ptr<const ImageStore> images_;
@@ -43,8 +43,8 @@ class ImagesAndOne : public ImageStore {
  public:
   ImagesAndOne(std::shared_ptr<const ImageStore> others, KeyframeId id, PackedImages own)
       : others_(std::move(others)), id_(id), own_(std::move(own)) {}
-  PackedImages pictures(KeyframeId keyframe) const override {
-    return keyframe == id_ || !others_ ? own_ : others_->pictures(keyframe);
+  PackedImages images(KeyframeId keyframe) const override {
+    return keyframe == id_ || !others_ ? own_ : others_->images(keyframe);
   }
 
  private:
@@ -58,7 +58,7 @@ class ImageLayerType : public LayerType {
   std::string name() const override { return ImageLayer::layer_name; }
   std::vector<std::int64_t> rows(const Map&, const Layer& layer) const override { return typed(layer).keyframes; }
   std::string row(const Layer& layer, std::int64_t id) const override {
-    return body_of(typed(layer).store->pictures(id));
+    return body_of(typed(layer).store->images(id));
   }
   bool same_row(const Layer&, const Layer&, std::int64_t) const override { return true; }
   bool stays_in_file() const override { return true; }
@@ -131,20 +131,20 @@ std::vector<std::uint8_t> get_bytes(ByteReader& bytes) {
 
 }  // namespace
 
-std::string body_of(const PackedImages& pictures) {
+std::string body_of(const PackedImages& images) {
   ByteWriter bytes;
-  for (const auto* picture : {&pictures.color, &pictures.depth})
-    bytes.put_text({reinterpret_cast<const char*>(picture->data()), picture->size()});
+  for (const auto* image : {&images.color, &images.depth})
+    bytes.put_text({reinterpret_cast<const char*>(image->data()), image->size()});
   return bytes.take();
 }
 
 PackedImages read_images(std::string_view body, const std::string& where) {
   ByteReader bytes(body, where);
-  PackedImages pictures;
-  pictures.color = get_bytes(bytes);
-  pictures.depth = get_bytes(bytes);
+  PackedImages images;
+  images.color = get_bytes(bytes);
+  images.depth = get_bytes(bytes);
   bytes.finish();
-  return pictures;
+  return images;
 }
 
 std::shared_ptr<const ImageStore> images_of(const Map& map) {

@@ -32,7 +32,7 @@ class ImageStore {
  public:
   virtual ~ImageStore() = default;
   /// Error where they cannot be read.
-  virtual PackedImages pictures(KeyframeId keyframe) const = 0;
+  virtual PackedImages images(KeyframeId keyframe) const = 0;
 };
 
 /// Color and depth image of keyframes, read on demand.

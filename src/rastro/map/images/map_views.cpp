@@ -50,7 +50,7 @@ MapViews::MapViews(const Map& map, std::vector<std::size_t> keyframes, TaskPool*
 
 UnpackedImages MapViews::packed_images_of(std::size_t keyframe) const {
   const std::int64_t id = map_.keyframes[keyframe].id;
-  return unpack_images(images_->pictures(id), fmt::format("keyframe {}", id));
+  return unpack_images(images_->images(id), fmt::format("keyframe {}", id));
 }
 
 void MapViews::walk(const Prepare& prepare, const Merge& merge,
@@ -63,11 +63,11 @@ void MapViews::walk(const Prepare& prepare, const Merge& merge,
     const std::size_t count = std::min(group_size, keyframes_.size() - first);
     for_each_index(pool_, count, [&](std::size_t slot) {
       const std::size_t keyframe = keyframes_[first + slot];
-      const UnpackedImages pictures = packed_images_of(keyframe);
-      if (pictures.depth.width() != rays_.width() || pictures.depth.height() != rays_.height())
-        throw Error("its pictures are of another size than the first ones", fmt::format("keyframe {}", keyframe),
+      const UnpackedImages images = packed_images_of(keyframe);
+      if (images.depth.width() != rays_.width() || images.depth.height() != rays_.height())
+        throw Error("its images are of another size than the first ones", fmt::format("keyframe {}", keyframe),
                     "'rastro recover' saves what can be read");
-      prepare(slot, keyframe, pictures, rays_);
+      prepare(slot, keyframe, images, rays_);
     });
     merge(first, count);
     if (progress) progress(first + count, keyframes_.size());

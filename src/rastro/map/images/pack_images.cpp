@@ -23,31 +23,31 @@ cv::Mat shared(const std::uint8_t* pixels, int width, int height, int type, std:
 std::vector<std::uint8_t> packed_color(const Frame& frame) {
   std::vector<std::uint8_t> bytes;
   if (frame.color.empty() && frame.image.empty()) return bytes;
-  cv::Mat picture;
+  cv::Mat image;
   if (frame.color.empty()) {
-    picture = shared(frame.image.row(0), frame.image.width(), frame.image.height(), CV_8UC1, frame.image.stride());
+    image = shared(frame.image.row(0), frame.image.width(), frame.image.height(), CV_8UC1, frame.image.stride());
   } else {
     const Image<std::uint8_t>& rgb = frame.color.rgb;
-    cv::cvtColor(shared(rgb.row(0), frame.color.width(), rgb.height(), CV_8UC3, rgb.stride()), picture,
+    cv::cvtColor(shared(rgb.row(0), frame.color.width(), rgb.height(), CV_8UC3, rgb.stride()), image,
                  cv::COLOR_RGB2BGR);
   }
-  cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
   return bytes;
 }
 
 std::vector<std::uint8_t> packed_depth(const DepthImage& depth) {
   std::vector<std::uint8_t> bytes;
   if (depth.empty()) return bytes;
-  cv::Mat picture(depth.height(), depth.width(), CV_16U);
+  cv::Mat image(depth.height(), depth.width(), CV_16U);
   for (int y = 0; y < depth.height(); ++y) {
     const float* from = depth.row(y);
-    auto* to = picture.ptr<std::uint16_t>(y);
+    auto* to = image.ptr<std::uint16_t>(y);
     for (int x = 0; x < depth.width(); ++x) {
       const double units = std::round(static_cast<double>(from[x]) * packed_depth_units_per_meter);
       to[x] = units > 0.0 && units <= 65535.0 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
     }
   }
-  cv::imencode(".png", picture, bytes,
+  cv::imencode(".png", image, bytes,
                {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_RLE});
   return bytes;
 }
@@ -86,25 +86,25 @@ DepthImage unpacked_depth(const cv::Mat& units) {
 
 PackedImages pack_images(const Frame& frame) { return {packed_color(frame), packed_depth(frame.depth)}; }
 
-UnpackedImages unpack_images(const PackedImages& pictures, const std::string& where) {
-  const cv::Mat bgr = decoded(pictures.color, cv::IMREAD_COLOR);
-  cv::Mat units = decoded(pictures.depth, cv::IMREAD_UNCHANGED);
-  if (pictures.depth.empty()) units = cv::Mat::zeros(bgr.size(), CV_16UC1);  // a frame without depth
+UnpackedImages unpack_images(const PackedImages& images, const std::string& where) {
+  const cv::Mat bgr = decoded(images.color, cv::IMREAD_COLOR);
+  cv::Mat units = decoded(images.depth, cv::IMREAD_UNCHANGED);
+  if (images.depth.empty()) units = cv::Mat::zeros(bgr.size(), CV_16UC1);  // a frame without depth
   if (bgr.empty() || units.empty() || units.type() != CV_16UC1 || bgr.size() != units.size())
-    throw Error("its pictures are damaged", where, "'rastro recover' saves what can be read");
+    throw Error("its images are damaged", where, "'rastro recover' saves what can be read");
   return {unpacked_color(bgr), unpacked_depth(units)};
 }
 
-void MemoryImages::add(std::int64_t keyframe_id, PackedImages pictures) {
+void MemoryImages::add(std::int64_t keyframe_id, PackedImages images) {
   const std::lock_guard lock(mutex_);
-  pictures_[keyframe_id] = std::move(pictures);
+  images_[keyframe_id] = std::move(images);
 }
 
-PackedImages MemoryImages::pictures(std::int64_t keyframe_id) const {
+PackedImages MemoryImages::images(std::int64_t keyframe_id) const {
   const std::lock_guard lock(mutex_);
-  const auto found = pictures_.find(keyframe_id);
-  if (found == pictures_.end())
-    throw Error("has no pictures", fmt::format("keyframe {}", keyframe_id), "the map was not made by this program");
+  const auto found = images_.find(keyframe_id);
+  if (found == images_.end())
+    throw Error("has no images", fmt::format("keyframe {}", keyframe_id), "the map was not made by this program");
   return found->second;
 }
 

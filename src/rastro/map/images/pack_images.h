@@ -14,17 +14,17 @@ namespace rastro {
 PackedImages pack_images(const Frame& frame);
 /// Without packed depth, the depth is 0 everywhere. Error (naming `where`) for bytes that are not such images, or
 /// images of different sizes.
-UnpackedImages unpack_images(const PackedImages& pictures, const std::string& where);
+UnpackedImages unpack_images(const PackedImages& images, const std::string& where);
 
 /// Images in memory. Thread-safe.
 class MemoryImages : public ImageStore {
  public:
-  void add(std::int64_t keyframe_id, PackedImages pictures);
-  PackedImages pictures(std::int64_t keyframe_id) const override;
+  void add(std::int64_t keyframe_id, PackedImages images);
+  PackedImages images(std::int64_t keyframe_id) const override;
 
  private:
   mutable std::mutex mutex_;
-  std::map<std::int64_t, PackedImages> pictures_;
+  std::map<std::int64_t, PackedImages> images_;
 };
 
 }  // namespace rastro

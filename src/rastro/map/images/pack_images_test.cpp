@@ -105,15 +105,15 @@ TEST(PackImages, DamageAndTwoSizesAreErrorsWithTheLocation) {
 }
 
 TEST(MemoryImages, GiveBackWhatWasAddedLast) {
-  MemoryImages pictures;
+  MemoryImages images;
   const PackedImages one = pack_images(some_frame()), other = pack_images(some_frame(32, 48));
-  pictures.add(3, one);
-  pictures.add(4, other);
-  EXPECT_EQ(pictures.pictures(3), one);
-  EXPECT_EQ(pictures.pictures(4), other);
-  pictures.add(3, other);
-  EXPECT_EQ(pictures.pictures(3), other);
-  EXPECT_THROW(pictures.pictures(5), Error);
+  images.add(3, one);
+  images.add(4, other);
+  EXPECT_EQ(images.images(3), one);
+  EXPECT_EQ(images.images(4), other);
+  images.add(3, other);
+  EXPECT_EQ(images.images(3), other);
+  EXPECT_THROW(images.images(5), Error);
 }
 
 /// A map whose keyframes observe these world points exactly, each with its own descriptor.

@@ -126,7 +126,7 @@ inline Map make_test_map(int keyframes = 6) {
   map.sessions.push_back({0, 0, "", 0, 0, {true, 0.0, "depth camera"}});
   auto features = std::make_shared<FeatureLayer>();
   auto images = std::make_shared<ImageLayer>();
-  auto pictures = std::make_shared<MemoryImages>();
+  auto image_store = std::make_shared<MemoryImages>();
   for (int k = 0; k < keyframes; ++k) {
     const SE3 pose = test_room::world_from_camera(k, keyframes);
     Frame frame = test_room::frame_from(pose);
@@ -136,14 +136,14 @@ inline Map make_test_map(int keyframes = 6) {
     map.keyframes.push_back({k, frame.index, frame.stamp, 0, pose, 0, no_keyframe, 1.0});
     features->of[k] = test_room::features_of(frame, k);
     images->keyframes.push_back(k);
-    pictures->add(k, pack_images(frame));
+    image_store->add(k, pack_images(frame));
     for (int i = k == 0 ? 0 : 1 - frames_between; i <= 0; ++i) {
       const double share = 1.0 + static_cast<double>(i) / frames_between;
       const SE3 world_from_camera = k == 0 ? pose : interpolate(before, pose, share);
       map.frames.push_back({frame.stamp + i * frame_ns, k, pose.inverse() * world_from_camera});
     }
   }
-  images->store = pictures;
+  images->store = image_store;
   map.layers.put<FeatureLayer>(std::move(features));
   map.layers.put<ImageLayer>(std::move(images));
   const auto constrain = [&map](int from, int to, ConstraintKind kind) {

@@ -29,13 +29,13 @@ struct Depression {
 
 /// Down is perpendicular to the trajectory and to the camera's x axis, so that a camera may be pitched.
 std::optional<Vector3d> down_at(const Map& map, std::size_t before, std::size_t here, std::size_t after) {
-  const Vector3d way =
+  const Vector3d motion =
       map.keyframes[after].world_from_camera.translation() - map.keyframes[before].world_from_camera.translation();
-  if (!(way.norm() > 0.0)) return std::nullopt;
+  if (!(motion.norm() > 0.0)) return std::nullopt;
   const Eigen::Matrix3d axes = map.keyframes[here].world_from_camera.rotation().matrix();
-  const double cosine = way.normalized().dot(axes.col(2));
+  const double cosine = motion.normalized().dot(axes.col(2));
   if (std::abs(cosine) < least_cos_ahead) return std::nullopt;
-  return Vector3d((cosine < 0.0 ? -1.0 : 1.0) * way.cross(axes.col(0)).normalized());
+  return Vector3d((cosine < 0.0 ? -1.0 : 1.0) * motion.cross(axes.col(0)).normalized());
 }
 
 void add_depressions(const Map& map, const std::vector<Landmark>& landmarks, std::size_t k, const Vector3d& down,
@@ -97,15 +97,15 @@ std::vector<std::vector<Depression>> depressions_of(const Map& map) {
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     for (const LandmarkObservation& observation : landmarks[i].observations)
       if (const auto k = map.index_of(observation.keyframe)) seen[*k].push_back(static_cast<std::uint32_t>(i));
-  std::vector<std::size_t> way;
+  std::vector<std::size_t> path;
   for (std::size_t k = 0; k < map.keyframes.size(); ++k)
-    if (map.keyframes[k].submap == 0) way.push_back(k);
-  std::stable_sort(way.begin(), way.end(),
+    if (map.keyframes[k].submap == 0) path.push_back(k);
+  std::stable_sort(path.begin(), path.end(),
                    [&](std::size_t a, std::size_t b) { return map.keyframes[a].frame < map.keyframes[b].frame; });
-  std::vector<std::vector<Depression>> depressions(way.size());
-  for (std::size_t i = 0; i < way.size(); ++i) {
-    const auto down = down_at(map, way[i > 0 ? i - 1 : 0], way[i], way[std::min(i + 1, way.size() - 1)]);
-    if (down) add_depressions(map, landmarks, way[i], *down, seen[way[i]], depressions[i]);
+  std::vector<std::vector<Depression>> depressions(path.size());
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const auto down = down_at(map, path[i > 0 ? i - 1 : 0], path[i], path[std::min(i + 1, path.size() - 1)]);
+    if (down) add_depressions(map, landmarks, path[i], *down, seen[path[i]], depressions[i]);
   }
   return depressions;
 }

@@ -98,10 +98,10 @@ TEST(LandmarkLayer, RefusesRowsOfWhichOnlySomeHaveEstimates) {
   LandmarkLayer plain = layer_of(small_map()), estimated = plain;
   add_estimates(estimated);
   const std::string without = landmarks_type().row(plain, 2), with = landmarks_type().row(estimated, 5);
-  for (const bool turned : {false, true}) {
+  for (const bool swapped : {false, true}) {
     const auto layer = landmarks_type().make("", "here");
-    landmarks_type().read(*layer, 2, turned ? with : without, "here");
-    EXPECT_THROW(landmarks_type().read(*layer, 5, turned ? without : with, "here"), Error);
+    landmarks_type().read(*layer, 2, swapped ? with : without, "here");
+    EXPECT_THROW(landmarks_type().read(*layer, 5, swapped ? without : with, "here"), Error);
   }
   std::string neither = without;
   neither.back() = 2;

@@ -100,9 +100,9 @@ TEST(MapScale, OfAReferenceInAnotherFrameIsFoundWithItsSigma) {
   Trajectory reference;
   Random random(3);
   for (const StampedPose& pose : trajectory_of(map)) {
-    Eigen::Vector3d place = other * Eigen::Vector3d(pose.world_from_body.translation() / 0.37);
-    for (double& value : place) value += 0.05 * random.normal();
-    reference.push_back({pose.stamp, SE3(SO3(), place)});
+    Eigen::Vector3d position = other * Eigen::Vector3d(pose.world_from_body.translation() / 0.37);
+    for (double& value : position) value += 0.05 * random.normal();
+    reference.push_back({pose.stamp, SE3(SO3(), position)});
   }
   const MapScaleFound found = scale_from_reference(map, reference, "here");
   EXPECT_NEAR(found.meters_per_unit * 0.37, 1.0, 4.0 * found.relative_sigma);
@@ -134,16 +134,16 @@ TEST(MapScale, AScaledMapIsTheOneMadeInMeters) {
   EXPECT_TRUE(scale_of(map).metric);
   EXPECT_EQ(scale_of(map).relative_sigma, 0.01);
   EXPECT_EQ(scale_of(map).origin, "a known length");
-  const auto apart = [](const SE3& a, const SE3& b) { return (a.translation() - b.translation()).norm(); };
+  const auto distance = [](const SE3& a, const SE3& b) { return (a.translation() - b.translation()).norm(); };
   for (std::size_t k = 0; k < map.keyframes.size(); ++k)
-    EXPECT_LT(apart(map.keyframes[k].world_from_camera, meters.keyframes[k].world_from_camera), 1e-12);
+    EXPECT_LT(distance(map.keyframes[k].world_from_camera, meters.keyframes[k].world_from_camera), 1e-12);
   ASSERT_EQ(landmarks_of(map).size(), landmarks_of(meters).size());
   for (std::size_t i = 0; i < landmarks_of(map).size(); ++i) {
     EXPECT_LT((landmarks_of(map)[i].position - landmarks_of(meters)[i].position).norm(), 1e-12);
     EXPECT_NEAR(landmarks_of(map)[i].max_distance, landmarks_of(meters)[i].max_distance, 1e-4);
   }
   EXPECT_LT((map.constraints[0].from_from_to.matrix() - meters.constraints[0].from_from_to.matrix()).norm(), 1e-12);
-  EXPECT_LT(apart(trajectory_of(map).back().world_from_body, trajectory_of(meters).back().world_from_body), 1e-12);
+  EXPECT_LT(distance(trajectory_of(map).back().world_from_body, trajectory_of(meters).back().world_from_body), 1e-12);
 }
 
 TEST(LandmarkCovariance, GrowsWithFewerViewsAndIsUndefinedWithOne) {

@@ -38,12 +38,12 @@ struct TestRoad {
   static SE3 world_from_camera(double share) {
     const double angle = 2.0 * std::numbers::pi * share;
     const Eigen::Vector3d center(radius_m, 0.0, 0.0);
-    const SO3 turn = SO3::exp({0.0, angle, 0.0});
-    return {turn, center + turn * (-center)};
+    const SO3 rotation = SO3::exp({0.0, angle, 0.0});
+    return {rotation, center + rotation * (-center)};
   }
 
   /// On the ground or on a wall; meters.
-  static Eigen::Vector3d place(Random& random) {
+  static Eigen::Vector3d random_position(Random& random) {
     const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
     const bool ground = random.uniform() < 0.6;
     const double beside = ground ? random.uniform(-3.5, 3.5) : (random.uniform() < 0.5 ? -5.0 : 5.0);
@@ -62,8 +62,8 @@ inline Descriptor random_descriptor(Random& random) {
 }
 
 /// Adds the landmarks visible from keyframe k as its features and as observations of the landmarks.
-inline void look(const TestRoad& road, std::size_t k, const std::vector<Eigen::Vector3d>& places_m, Random& random,
-                 ImageFeatures& keyframe, std::vector<Landmark>& landmarks) {
+inline void observe(const TestRoad& road, std::size_t k, const std::vector<Eigen::Vector3d>& positions_m,
+                    Random& random, ImageFeatures& keyframe, std::vector<Landmark>& landmarks) {
   constexpr double farthest_m = 14.0;
   const SE3 camera_from_world = TestRoad::world_from_camera(static_cast<double>(k) / road.keyframes).inverse();
   const auto add_feature = [&](const Eigen::Vector2d& pixel, const Descriptor& descriptor, double depth_m) {
@@ -78,8 +78,8 @@ inline void look(const TestRoad& road, std::size_t k, const std::vector<Eigen::V
     if (road.sensor != CameraKind::mono) keyframe.depths.push_back(known ? static_cast<float>(depth_m) : 0.0F);
   };
   add_feature({3.0, 4.0}, random_descriptor(random), 0.0);
-  for (std::size_t i = 0; i < places_m.size(); ++i) {
-    const Eigen::Vector3d seen = camera_from_world * places_m[i];
+  for (std::size_t i = 0; i < positions_m.size(); ++i) {
+    const Eigen::Vector3d seen = camera_from_world * positions_m[i];
     const auto pixel = TestRoad::camera().project(seen);
     if (!pixel || seen.z() > farthest_m || seen.z() < 0.5) continue;
     if (pixel->x() < 0.0 || pixel->y() < 0.0 || pixel->x() > 639.0 || pixel->y() > 479.0) continue;
@@ -104,12 +104,12 @@ inline Map make_landmark_test_map(const TestRoad& road = {}) {
        road.sensor == CameraKind::mono ? MapScale{false, 0.0, "arbitrary"} : MapScale{true, 0.002, "stereo baseline"}});
   auto layer = std::make_shared<LandmarkLayer>();
   auto features = std::make_shared<FeatureLayer>();
-  std::vector<Eigen::Vector3d> places_m;
+  std::vector<Eigen::Vector3d> positions_m;
   for (int i = 0; i < road.landmarks; ++i) {
-    places_m.push_back(TestRoad::place(random));
+    positions_m.push_back(TestRoad::random_position(random));
     Landmark landmark;
     landmark.id = i + i / 10;
-    landmark.position = road.unit * places_m.back();
+    landmark.position = road.unit * positions_m.back();
     landmark.descriptor = test_road::random_descriptor(random);
     landmark.min_distance = static_cast<float>(0.5 * road.unit);
     landmark.max_distance = static_cast<float>(20.0 * road.unit);
@@ -124,7 +124,7 @@ inline Map make_landmark_test_map(const TestRoad& road = {}) {
     image->id = k + k / 5;
     image->frame = std::int64_t{k} * TestRoad::frames_between;
     image->stamp = TestRoad::first_stamp + image->frame * TestRoad::frame_ns;
-    test_road::look(road, static_cast<std::size_t>(k), places_m, random, *image, layer->landmarks);
+    test_road::observe(road, static_cast<std::size_t>(k), positions_m, random, *image, layer->landmarks);
     map.keyframes.push_back({image->id, image->frame, image->stamp, 0,
                              in_units(static_cast<double>(k) / road.keyframes), 0,
                              k == 0 ? no_keyframe : map.keyframes.back().id, 1.0});

@@ -63,20 +63,21 @@ struct MeasuredLength {
 MeasuredLength measured(const Map& map, const KnownLength& length, const std::string& where) {
   MeasuredLength result;
   result.meters = length.meters;
-  Vector3d apart;
+  Vector3d offset;
   if (length.between_frames) {
-    apart = camera_at(map, length.to, where) - camera_at(map, length.from, where);
+    offset = camera_at(map, length.to, where) - camera_at(map, length.from, where);
   } else {
     const Landmark from = landmark_named(map, length.from, where);
     const Landmark to = landmark_named(map, length.to, where);
-    apart = to.position - from.position;
+    offset = to.position - from.position;
     const auto a = landmark_covariance(map, from), b = landmark_covariance(map, to);
-    const Vector3d along = apart.normalized();
+    const Vector3d along = offset.normalized();
     if (a && b) result.variance = along.dot((*a + *b) * along);
   }
-  result.units = apart.norm();
+  result.units = offset.norm();
   if (!(result.units > 0.0) || !std::isfinite(result.units))
-    throw Error(fmt::format("{} and {} are at the same place", length.from, length.to), where, "give two places apart");
+    throw Error(fmt::format("{} and {} are at the same position", length.from, length.to), where,
+                "give two different points");
   return result;
 }
 

@@ -58,12 +58,12 @@ TEST(CameraHeight, UsesLandmarksAheadBelowAndNotFarAside) {
       {{2.0, 1.0, 4.0}, true},   {{2.01, 1.0, 4.0}, false},  {{-2.0, 1.0, 4.0}, true}, {{-2.01, 1.0, 4.0}, false},
       {{0.0, -1.0, 4.0}, false}, {{0.0, 1.0, -4.0}, false},  {{0.0, 0.0, 4.0}, false},
   };
-  for (const auto& [place, counts] : landmarks) {
+  for (const auto& [position, counts] : landmarks) {
     Drive drive;
     drive.add(0.5, 1.0, 3.0, 4, 60);
-    drive.add(place.x(), place.y(), place.z());
+    drive.add(position.x(), position.y(), position.z());
     const MapScaleFound found = drive.found();
-    EXPECT_EQ(found.measurements, counts ? 61 : 60) << place.transpose();
+    EXPECT_EQ(found.measurements, counts ? 61 : 60) << position.transpose();
     EXPECT_NEAR(found.meters_per_unit, height_m, 1e-12);
     EXPECT_EQ(found.from, "a camera height of 1.5 m");
   }

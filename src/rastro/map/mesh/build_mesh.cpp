@@ -34,7 +34,7 @@ class Neighborhood {
  public:
   Neighborhood(const DistanceVolume& volume, const DistanceBlock& block) {
     for (int index = 0; index < 8; ++index) {
-      const int found = volume.block_at(block.place + corner(index));
+      const int found = volume.block_at(block.index + corner(index));
       blocks_[static_cast<std::size_t>(index)] =
           found < 0 ? nullptr : volume.blocks()[static_cast<std::size_t>(found)].get();
     }
@@ -72,11 +72,11 @@ class SurfaceNet {
 
   TriangleMesh make(TaskPool* pool) {
     nets_.resize(volume_.blocks().size());
-    detail::for_each_index(pool, nets_.size(), [&](std::size_t block) { place_vertices(block); });
+    detail::for_each_index(pool, nets_.size(), [&](std::size_t block) { make_vertices(block); });
     first_.assign(nets_.size() + 1, 0);
     for (std::size_t k = 0; k < nets_.size(); ++k)
       first_[k + 1] = first_[k] + static_cast<std::uint32_t>(nets_[k].vertices.size());
-    detail::for_each_index(pool, nets_.size(), [&](std::size_t block) { tie_faces(block); });
+    detail::for_each_index(pool, nets_.size(), [&](std::size_t block) { connect_faces(block); });
     TriangleMesh mesh;
     for (const BlockNet& net : nets_) {
       mesh.vertices.insert(mesh.vertices.end(), net.vertices.begin(), net.vertices.end());
@@ -90,7 +90,7 @@ class SurfaceNet {
     return voxel != nullptr && voxel->weight > 0.0F && voxel->views >= min_views_;
   }
 
-  void place_vertices(std::size_t index) {
+  void make_vertices(std::size_t index) {
     const DistanceBlock& block = *volume_.blocks()[index];
     const Neighborhood around(volume_, block);
     BlockNet& net = nets_[index];
@@ -101,10 +101,10 @@ class SurfaceNet {
       const std::uint8_t solid = solid_corners(corners);
       if (solid == 0 || solid == 255 || !is_smooth(corners)) continue;
       const auto beyond = [&](int axis, int side) {
-        return solid_at(block.place, inside + (side == 1 ? 1 : -1) * Vector3i::Unit(axis));
+        return solid_at(block.index, inside + (side == 1 ? 1 : -1) * Vector3i::Unit(axis));
       };
-      const CellSheets sheets = detail::sheets_of(solid, detail::joined_faces(solid, beyond));
-      const auto base = (block_side * block.place + inside).cast<float>() + Vector3f::Constant(0.5F);
+      const CellSheets sheets = detail::sheets_of(solid, detail::connected_faces(solid, beyond));
+      const auto base = (block_side * block.index + inside).cast<float>() + Vector3f::Constant(0.5F);
       CellVertices& vertices = net.vertices_of[static_cast<std::size_t>(cell)];
       vertices.first = static_cast<std::int32_t>(net.vertices.size());
       for (int edge = 0; edge < 12; ++edge)
@@ -133,11 +133,11 @@ class SurfaceNet {
     Corners corners{};
     for (int k = 0; k < 8; ++k) {
       const Vector3i voxel = block_side * block + cell + corner(k);
-      const Vector3i place = voxel.unaryExpr(
+      const Vector3i block_index = voxel.unaryExpr(
           [](int value) { return value >= 0 ? value / block_side : -((block_side - 1 - value) / block_side); });
-      const int found = volume_.block_at(place);
+      const int found = volume_.block_at(block_index);
       if (found < 0) return 0;
-      const Vector3i inside = voxel - block_side * place;
+      const Vector3i inside = voxel - block_side * block_index;
       corners[static_cast<std::size_t>(k)] =
           &volume_.blocks()[static_cast<std::size_t>(found)]
                ->voxels[static_cast<std::size_t>((inside.z() * block_side + inside.y()) * block_side + inside.x())];
@@ -162,7 +162,7 @@ class SurfaceNet {
   /// The mean of the points where the edges of a sheet cross the surface, in cells from its first corner.
   static MeshVertex vertex_of(const Corners& corners, const CellSheets& sheets, int sheet) {
     MeshVertex vertex;
-    Vector3f place = Vector3f::Zero(), gradient = Vector3f::Zero(), color = Vector3f::Zero();
+    Vector3f position = Vector3f::Zero(), gradient = Vector3f::Zero(), color = Vector3f::Zero();
     int crossings = 0;
     for (int k = 0; k < 8; ++k) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -176,7 +176,7 @@ class SurfaceNet {
         const float share = a.distance / (a.distance - b.distance);
         Vector3f crossing = corner(k).cast<float>();
         crossing[axis] += share;
-        place += crossing;
+        position += crossing;
         for (int c = 0; c < 3; ++c) {
           const auto channel = static_cast<std::size_t>(c);
           color[c] += (1.0F - share) * a.color[channel] + share * b.color[channel];
@@ -184,7 +184,7 @@ class SurfaceNet {
         ++crossings;
       }
     }
-    vertex.position = place / static_cast<float>(crossings);
+    vertex.position = position / static_cast<float>(crossings);
     if (gradient.norm() > 0.0F) vertex.normal = gradient.normalized();
     for (std::size_t c = 0; c < 3; ++c)
       vertex.color[c] = static_cast<std::uint8_t>(std::lround(color[static_cast<int>(c)] / crossings));
@@ -193,10 +193,11 @@ class SurfaceNet {
 
   /// Index of the vertex of the sheet through an edge of a cell; -1: none. `cell` may be one before the block.
   std::int64_t vertex_at(std::size_t index, const Vector3i& cell, int edge) const {
-    Vector3i place = volume_.blocks()[index]->place, inside = cell;
+    Vector3i block_index = volume_.blocks()[index]->index, inside = cell;
     for (int axis = 0; axis < 3; ++axis)
-      if (inside[axis] < 0) inside[axis] += block_side, --place[axis];
-    const int block = place == volume_.blocks()[index]->place ? static_cast<int>(index) : volume_.block_at(place);
+      if (inside[axis] < 0) inside[axis] += block_side, --block_index[axis];
+    const int block =
+        block_index == volume_.blocks()[index]->index ? static_cast<int>(index) : volume_.block_at(block_index);
     if (block < 0) return -1;
     const auto found = static_cast<std::size_t>(block);
     const CellVertices& vertices =
@@ -205,7 +206,7 @@ class SurfaceNet {
     return vertices.first < 0 ? -1 : static_cast<std::int64_t>(first_[found]) + vertices.at(edge);
   }
 
-  void tie_faces(std::size_t index) {
+  void connect_faces(std::size_t index) {
     const Neighborhood around(volume_, *volume_.blocks()[index]);
     for (int cell = 0; cell < block_cells; ++cell) {
       const Vector3i inside(cell % block_side, cell / block_side % block_side, cell / (block_side * block_side));
@@ -214,14 +215,14 @@ class SurfaceNet {
       for (int axis = 0; axis < 3; ++axis) {
         const DistanceVoxel* to = around.at(inside + Vector3i::Unit(axis));
         if (is_known(to) && (from->distance < 0.0F) != (to->distance < 0.0F))
-          tie_face(index, inside, axis, from->distance < 0.0F);
+          connect_face(index, inside, axis, from->distance < 0.0F);
       }
     }
   }
 
   /// Connects the four cells around a grid edge that crosses the surface; `outwards`: it leaves the solid along the
   /// axis.
-  void tie_face(std::size_t index, const Vector3i& inside, int axis, bool outwards) {
+  void connect_face(std::size_t index, const Vector3i& inside, int axis, bool outwards) {
     const Vector3i u = Vector3i::Unit((axis + 1) % 3), v = Vector3i::Unit((axis + 2) % 3);
     const auto around = [&](int at_u, int at_v) {
       return vertex_at(index, inside - at_u * u - at_v * v, detail::edge_of(axis, at_u, at_v));
@@ -266,8 +267,8 @@ TriangleMesh build_mesh(const Map& map, const MeshOptions& options, TaskPool* po
   detail::MapViews views(map, detail::keyframes_of(map, options.submap), pool);
   int width = 0, height = 0;
   views.walk(
-      [&](std::size_t slot, std::size_t, const UnpackedImages& pictures, const RayTable& rays) {
-        group[slot] = surface_samples(pictures, rays, surface);
+      [&](std::size_t slot, std::size_t, const UnpackedImages& images, const RayTable& rays) {
+        group[slot] = surface_samples(images, rays, surface);
         if (slot == 0) width = rays.width(), height = rays.height();
       },
       [&](std::size_t first, std::size_t count) {

@@ -21,12 +21,12 @@ Face face_at(int axis, int side) {
 bool is_solid(std::uint8_t solid, int corner) { return (solid >> corner & 1) != 0; }
 
 /// Pairs of crossed edges that a surface connects on a face; the second pair exists on ambiguous faces only.
-struct Joints {
+struct Connections {
   int count = 0;
   std::array<std::pair<int, int>, 2> pairs;
 };
 
-Joints joints_of(std::uint8_t solid, int axis, int side, bool joined) {
+Connections connections_of(std::uint8_t solid, int axis, int side, bool connected) {
   const Face face = face_at(axis, side);
   std::array<int, 4> crossed{};
   int count = 0;
@@ -38,23 +38,23 @@ Joints joints_of(std::uint8_t solid, int axis, int side, bool joined) {
   if (count == 2) return {1, {std::pair(crossed[0], crossed[1])}};
   if (count == 0) return {};
   // Corner 0 is between edges 3 and 0; cutting off corners 0 and 2 leaves 1 and 3 connected.
-  const bool cut_first = is_solid(solid, face.corners[0]) != joined;
+  const bool cut_first = is_solid(solid, face.corners[0]) != connected;
   const auto& e = face.edges;
-  return cut_first ? Joints{2, {std::pair(e[3], e[0]), std::pair(e[1], e[2])}}
-                   : Joints{2, {std::pair(e[0], e[1]), std::pair(e[2], e[3])}};
+  return cut_first ? Connections{2, {std::pair(e[3], e[0]), std::pair(e[1], e[2])}}
+                   : Connections{2, {std::pair(e[0], e[1]), std::pair(e[2], e[3])}};
 }
 
 }  // namespace
 
-CellSheets sheets_of(std::uint8_t solid, std::uint8_t joined) {
+CellSheets sheets_of(std::uint8_t solid, std::uint8_t connected) {
   CellSheets sheets;
   sheets.of_edge.fill(-1);
   std::array<std::array<std::int8_t, 2>, 12> neighbors;
   std::array<int, 12> degree{};
   for (int face = 0; face < 6; ++face) {
-    const Joints joints = joints_of(solid, face / 2, face % 2, (joined >> face & 1) != 0);
-    for (int k = 0; k < joints.count; ++k) {
-      const auto [a, b] = joints.pairs[static_cast<std::size_t>(k)];
+    const Connections connections = connections_of(solid, face / 2, face % 2, (connected >> face & 1) != 0);
+    for (int k = 0; k < connections.count; ++k) {
+      const auto [a, b] = connections.pairs[static_cast<std::size_t>(k)];
       const auto at = static_cast<std::size_t>(a), to = static_cast<std::size_t>(b);
       neighbors[at][static_cast<std::size_t>(degree[at]++)] = static_cast<std::int8_t>(b);
       neighbors[to][static_cast<std::size_t>(degree[to]++)] = static_cast<std::int8_t>(a);
@@ -77,23 +77,23 @@ namespace {
 
 /// Whether a face is ambiguous and both surface parts through it belong to one sheet of the cell.
 bool one_sheet_through(std::uint8_t solid, int axis, int side) {
-  const Joints joints = joints_of(solid, axis, side, false);
-  if (joints.count < 2) return false;
+  const Connections connections = connections_of(solid, axis, side, false);
+  if (connections.count < 2) return false;
   const CellSheets sheets = sheets_of(solid);
-  return sheets.of_edge[static_cast<std::size_t>(joints.pairs[0].first)] ==
-         sheets.of_edge[static_cast<std::size_t>(joints.pairs[1].first)];
+  return sheets.of_edge[static_cast<std::size_t>(connections.pairs[0].first)] ==
+         sheets.of_edge[static_cast<std::size_t>(connections.pairs[1].first)];
 }
 
 }  // namespace
 
-std::uint8_t joined_faces(std::uint8_t solid, const std::function<std::uint8_t(int axis, int side)>& beyond) {
-  std::uint8_t joined = 0;
+std::uint8_t connected_faces(std::uint8_t solid, const std::function<std::uint8_t(int axis, int side)>& beyond) {
+  std::uint8_t connected = 0;
   for (int face = 0; face < 6; ++face) {
     const int axis = face / 2, side = face % 2;
     if (one_sheet_through(solid, axis, side) && one_sheet_through(beyond(axis, side), axis, 1 - side))
-      joined = static_cast<std::uint8_t>(joined | 1U << face);
+      connected = static_cast<std::uint8_t>(connected | 1U << face);
   }
-  return joined;
+  return connected;
 }
 
 }  // namespace rastro::detail

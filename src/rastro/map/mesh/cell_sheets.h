@@ -25,13 +25,13 @@ constexpr int edge_at(int axis, int corner) {
 /// Faces: two per axis, the one of the first corner first.
 constexpr int face_of(int axis, int side) { return 2 * axis + side; }
 
-/// `solid`: one bit per corner. On ambiguous faces solid corners are disconnected, on those in `joined` (one bit per
+/// `solid`: one bit per corner. On ambiguous faces solid corners are disconnected, on those in `connected` (one bit per
 /// face) connected; cells that share a face must agree on it.
-CellSheets sheets_of(std::uint8_t solid, std::uint8_t joined = 0);
+CellSheets sheets_of(std::uint8_t solid, std::uint8_t connected = 0);
 
 /// The faces on which solid corners are connected: the ambiguous ones where two sheets would otherwise share one edge
 /// of the mesh, since both cells have them in one sheet (Wenger 2013, "Isosurfaces", section 3.4). `beyond` returns the
 /// solid corners of the cell beyond the face of an axis and side; it is called for ambiguous faces only.
-std::uint8_t joined_faces(std::uint8_t solid, const std::function<std::uint8_t(int axis, int side)>& beyond);
+std::uint8_t connected_faces(std::uint8_t solid, const std::function<std::uint8_t(int axis, int side)>& beyond);
 
 }  // namespace rastro::detail

@@ -20,7 +20,7 @@ TEST(CellSheets, HaveOneForEachGroupOfCorners) {
   EXPECT_EQ(sheets_of(0b10000001).count, 2) << "two opposite corners";
   EXPECT_EQ(sheets_of(0b01111110).count, 2) << "all but them: the free ones";
   EXPECT_EQ(sheets_of(0b01101001).count, 4) << "every other corner";
-  EXPECT_EQ(sheets_of(0b00001001).count, 2) << "two corners of a face, apart";
+  EXPECT_EQ(sheets_of(0b00001001).count, 2) << "two corners of a face, disconnected";
   EXPECT_EQ(sheets_of(0b00001001, 1U << face_of(2, 0)).count, 1) << "and together";
 }
 
@@ -68,7 +68,7 @@ class RandomGrid {
       const int step = at == 1 ? 1 : -1;
       return cell(x + (axis == 0 ? step : 0), y + (axis == 1 ? step : 0), z + (axis == 2 ? step : 0));
     };
-    const CellSheets sheets = sheets_of(bits, joined_faces(bits, beyond));
+    const CellSheets sheets = sheets_of(bits, connected_faces(bits, beyond));
     return {x, y, z, sheets.of_edge[static_cast<std::size_t>(edge)]};
   }
 

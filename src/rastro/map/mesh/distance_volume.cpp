@@ -47,13 +47,13 @@ DistanceVolume::DistanceVolume(const MeshOptions& options)
       truncation_m_(options.truncation_m > 0.0 ? options.truncation_m : 4.0 * options.voxel_m),
       max_blocks_(options.max_blocks) {}
 
-std::uint64_t DistanceVolume::key_of(const BlockIndex& place) {
+std::uint64_t DistanceVolume::key_of(const BlockIndex& index) {
   const auto biased = [](int value) { return static_cast<std::uint64_t>(value + farthest_block); };
-  return biased(place.z()) << 42 | biased(place.y()) << 21 | biased(place.x());
+  return biased(index.z()) << 42 | biased(index.y()) << 21 | biased(index.x());
 }
 
-int DistanceVolume::block_at(const BlockIndex& place) const {
-  const auto found = index_.find(key_of(place));
+int DistanceVolume::block_at(const BlockIndex& index) const {
+  const auto found = index_.find(key_of(index));
   return found == index_.end() ? -1 : found->second;
 }
 
@@ -64,14 +64,14 @@ std::vector<int> DistanceVolume::touch(const std::vector<SurfaceSample>& samples
   for (std::size_t k = 0; k < samples.size(); k += samples_between) {
     const Eigen::Vector3d point = samples[k].point_in_camera.cast<double>();
     for (int step = -steps; step <= steps; ++step) {
-      const Eigen::Vector3d place = point + point.normalized() * (truncation_m_ * step / steps);
-      const Eigen::Vector3d in_blocks = (world_from_camera * place / block_m).array().floor();
+      const Eigen::Vector3d position = point + point.normalized() * (truncation_m_ * step / steps);
+      const Eigen::Vector3d in_blocks = (world_from_camera * position / block_m).array().floor();
       if (!(in_blocks.cwiseAbs().maxCoeff() < farthest_block - 2)) continue;
       const BlockIndex block = in_blocks.cast<int>();
       const auto [found, is_new] = index_.try_emplace(key_of(block), static_cast<int>(blocks_.size()));
       if (is_new) {
         blocks_.push_back(std::make_unique<DistanceBlock>());
-        blocks_.back()->place = block;
+        blocks_.back()->index = block;
       }
       if (touched.empty() || touched.back() != found->second) touched.push_back(found->second);
     }
@@ -88,7 +88,7 @@ void DistanceVolume::update(DistanceBlock& block, const View& view) const {
   for (int cell = 0; cell < block_cells; ++cell) {
     const Eigen::Vector3i inside(cell % block_side, cell / block_side % block_side, cell / (block_side * block_side));
     const Eigen::Vector3d center =
-        voxel_m_ * ((block_side * block.place + inside).cast<double>() + Eigen::Vector3d::Constant(0.5));
+        voxel_m_ * ((block_side * block.index + inside).cast<double>() + Eigen::Vector3d::Constant(0.5));
     const Eigen::Vector3d in_camera = view.camera_from_world * center;
     const SurfaceSample* sample = view.seen_from(in_camera);
     if (sample == nullptr) continue;
@@ -128,8 +128,8 @@ void DistanceVolume::add(const std::vector<SurfaceSample>& samples, const Camera
 }
 
 void DistanceVolume::sort() {
-  std::sort(blocks_.begin(), blocks_.end(), [](const auto& a, const auto& b) { return precedes(a->place, b->place); });
-  for (std::size_t k = 0; k < blocks_.size(); ++k) index_[key_of(blocks_[k]->place)] = static_cast<int>(k);
+  std::sort(blocks_.begin(), blocks_.end(), [](const auto& a, const auto& b) { return precedes(a->index, b->index); });
+  for (std::size_t k = 0; k < blocks_.size(); ++k) index_[key_of(blocks_[k]->index)] = static_cast<int>(k);
 }
 
 }  // namespace rastro::detail

@@ -31,7 +31,7 @@ struct DistanceVoxel {
 using BlockIndex = Eigen::Vector3i;  ///< In blocks.
 
 struct DistanceBlock {
-  BlockIndex place = BlockIndex::Zero();
+  BlockIndex index = BlockIndex::Zero();
   std::array<DistanceVoxel, block_cells> voxels;
 };
 
@@ -48,11 +48,11 @@ class DistanceVolume {
   double voxel_m() const { return voxel_m_; }
   const std::vector<std::unique_ptr<DistanceBlock>>& blocks() const { return blocks_; }
   /// Index of a block; -1 where there is none.
-  int block_at(const BlockIndex& place) const;
+  int block_at(const BlockIndex& index) const;
 
  private:
   struct View;
-  static std::uint64_t key_of(const BlockIndex& place);
+  static std::uint64_t key_of(const BlockIndex& index);
   std::vector<int> touch(const std::vector<SurfaceSample>& samples, const SE3& world_from_camera);
   void update(DistanceBlock& block, const View& view) const;
 

@@ -72,12 +72,12 @@ OccupancyOctree::~OccupancyOctree() = default;
 
 double OccupancyOctree::resolution_m() const { return tree_->octomap->getResolution(); }
 
-std::optional<double> OccupancyOctree::occupancy_at(const Eigen::Vector3d& place) const {
+std::optional<double> OccupancyOctree::occupancy_at(const Eigen::Vector3d& position) const {
   // OctoMap converts any coordinate to an int before it checks the range.
   const double reach = tree_->octomap->getResolution() * 32768.0;
-  if (!(place.array().abs() < reach).all()) return std::nullopt;
+  if (!(position.array().abs() < reach).all()) return std::nullopt;
   octomap::OcTreeKey key;
-  if (!tree_->octomap->coordToKeyChecked(place.x(), place.y(), place.z(), key)) return std::nullopt;
+  if (!tree_->octomap->coordToKeyChecked(position.x(), position.y(), position.z(), key)) return std::nullopt;
   const octomap::OcTreeNode* node = tree_->octomap->search(key);
   if (node == nullptr) return std::nullopt;
   return node->getOccupancy();
@@ -128,9 +128,9 @@ OccupancyOctree build_octree(const Map& map, const OctreeOptions& options, TaskP
   std::vector<RayCells> group(detail::MapViews::group_size, RayCells(Eigen::Vector3d::Zero(), options.resolution_m));
   detail::MapViews views(map, detail::keyframes_of(map, options.submap), pool);
   views.walk(
-      [&](std::size_t slot, std::size_t keyframe, const UnpackedImages& pictures, const RayTable& rays) {
+      [&](std::size_t slot, std::size_t keyframe, const UnpackedImages& images, const RayTable& rays) {
         group[slot] =
-            cells_of(surface_samples(pictures, rays, surface), map.keyframes[keyframe].world_from_camera, options);
+            cells_of(surface_samples(images, rays, surface), map.keyframes[keyframe].world_from_camera, options);
       },
       [&](std::size_t, std::size_t count) {
         for (std::size_t slot = 0; slot < count; ++slot) update(*tree, group[slot]);

@@ -35,7 +35,7 @@ class OccupancyOctree {
 
   double resolution_m() const;
   /// Probability 0..1 of the cube at a position; nullopt where unknown.
-  std::optional<double> occupancy_at(const Eigen::Vector3d& place) const;
+  std::optional<double> occupancy_at(const Eigen::Vector3d& position) const;
   /// Bounds of the known space; both zero for an empty tree.
   Eigen::Vector3d low() const;
   Eigen::Vector3d high() const;

@@ -59,10 +59,10 @@ TEST(OccupancyOctree, IsReadByOctoMapFromBothFormats) {
   octomap::OcTree decided(0.1);
   ASSERT_NE(probabilities, nullptr);
   ASSERT_TRUE(decided.readBinary(bt_stream));
-  for (const Vector3d& place : {Vector3d(1.99, 0.1, 1.0), Vector3d(0.0, 0.0, 1.0), Vector3d(0.0, 0.0, 9.0)}) {
-    const auto expected = octree.occupancy_at(place);
-    const auto* fine = probabilities->search(place.x(), place.y(), place.z());
-    const auto* coarse = decided.search(place.x(), place.y(), place.z());
+  for (const Vector3d& position : {Vector3d(1.99, 0.1, 1.0), Vector3d(0.0, 0.0, 1.0), Vector3d(0.0, 0.0, 9.0)}) {
+    const auto expected = octree.occupancy_at(position);
+    const auto* fine = probabilities->search(position.x(), position.y(), position.z());
+    const auto* coarse = decided.search(position.x(), position.y(), position.z());
     ASSERT_EQ(expected.has_value(), fine != nullptr);
     ASSERT_EQ(expected.has_value(), coarse != nullptr);
     if (!expected) continue;
@@ -87,8 +87,8 @@ TEST(RayCells, PassEveryCubeThatARayCrossesAndNoOther) {
   cells.add(end, true);
   cells.finish();
   std::set<detail::CellKey> crossed;
-  const auto key = [](const Vector3d& place) {
-    const Eigen::Vector3d cell = (place / 0.1).array().floor() + 32768.0;
+  const auto key = [](const Vector3d& position) {
+    const Eigen::Vector3d cell = (position / 0.1).array().floor() + 32768.0;
     return static_cast<detail::CellKey>(cell.x()) | static_cast<detail::CellKey>(cell.y()) << 16 |
            static_cast<detail::CellKey>(cell.z()) << 32;
   };

@@ -24,15 +24,15 @@ void make_set(std::vector<CellKey>& keys) {
 
 RayCells::RayCells(const Eigen::Vector3d& origin, double resolution_m) : origin_(origin), resolution_m_(resolution_m) {}
 
-bool RayCells::is_inside(const Eigen::Vector3d& place) const {
-  return place.cwiseAbs().maxCoeff() / resolution_m_ < middle_cell - 2.0;
+bool RayCells::is_inside(const Eigen::Vector3d& position) const {
+  return position.cwiseAbs().maxCoeff() / resolution_m_ < middle_cell - 2.0;
 }
 
-CellKey RayCells::cell_of(const Eigen::Vector3d& place) const {
+CellKey RayCells::cell_of(const Eigen::Vector3d& position) const {
   std::array<std::int64_t, 3> cell;
   for (int axis = 0; axis < 3; ++axis)
     cell[static_cast<std::size_t>(axis)] =
-        static_cast<std::int64_t>(std::floor(place[axis] / resolution_m_) + middle_cell);
+        static_cast<std::int64_t>(std::floor(position[axis] / resolution_m_) + middle_cell);
   return packed(cell);
 }
 

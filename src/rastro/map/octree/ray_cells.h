@@ -27,8 +27,8 @@ class RayCells {
     CellKey cell = 0;
     Eigen::Vector3d end = Eigen::Vector3d::Zero();
   };
-  bool is_inside(const Eigen::Vector3d& place) const;
-  CellKey cell_of(const Eigen::Vector3d& place) const;
+  bool is_inside(const Eigen::Vector3d& position) const;
+  CellKey cell_of(const Eigen::Vector3d& position) const;
   void pass(const Ray& ray);
 
   Eigen::Vector3d origin_;

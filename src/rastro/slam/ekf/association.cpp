@@ -20,27 +20,27 @@ class Associator {
     for (std::size_t i = 0; i < records.size(); ++i) expected_.push_back(filter.expected(i));
   }
 
-  LandmarkAssociation operator()(const BodyObservation& sighting) const {
-    return sighting.sensor_id >= 0 ? by_name(sighting) : by_distance(sighting);
+  LandmarkAssociation operator()(const BodyObservation& observation) const {
+    return observation.sensor_id >= 0 ? by_name(observation) : by_distance(observation);
   }
 
  private:
-  double distance(const BodyObservation& sighting, std::size_t landmark) const {
+  double distance(const BodyObservation& observation, std::size_t landmark) const {
     const auto& expected = expected_[landmark];
-    return squared_mahalanobis(sighting.in_body - expected.in_body, expected.covariance + sighting.covariance);
+    return squared_mahalanobis(observation.in_body - expected.in_body, expected.covariance + observation.covariance);
   }
 
-  bool alike(const BodyObservation& sighting, const LandmarkRecord& record) const {
-    if (sighting.kind != record.kind || record.sensor_id >= 0) return false;
-    if (sighting.kind != LandmarkKind::corner) return true;
-    const double off = angle_between(sighting.direction + heading_, record.direction);
+  bool alike(const BodyObservation& observation, const LandmarkRecord& record) const {
+    if (observation.kind != record.kind || record.sensor_id >= 0) return false;
+    if (observation.kind != LandmarkKind::corner) return true;
+    const double off = angle_between(observation.direction + heading_, record.direction);
     return off <= options_.max_direction_deg * std::numbers::pi / 180.0;
   }
 
-  LandmarkAssociation by_name(const BodyObservation& sighting) const {
+  LandmarkAssociation by_name(const BodyObservation& observation) const {
     for (std::size_t i = 0; i < records_.size(); ++i) {
-      if (records_[i].sensor_id != sighting.sensor_id) continue;
-      const double found = distance(sighting, i);
+      if (records_[i].sensor_id != observation.sensor_id) continue;
+      const double found = distance(observation, i);
       return {found <= options_.named_gate ? kind_of(records_[i]) : LandmarkAssociation::Kind::contradicting, i, found};
     }
     return {};
@@ -50,17 +50,17 @@ class Associator {
     return record.is_candidate() ? LandmarkAssociation::Kind::candidate : LandmarkAssociation::Kind::landmark;
   }
 
-  LandmarkAssociation by_distance(const BodyObservation& sighting) const {
-    const LandmarkAssociation in_map = nearest(sighting, false);
-    return in_map.kind == LandmarkAssociation::Kind::fresh ? nearest(sighting, true) : in_map;
+  LandmarkAssociation by_distance(const BodyObservation& observation) const {
+    const LandmarkAssociation in_map = nearest(observation, false);
+    return in_map.kind == LandmarkAssociation::Kind::fresh ? nearest(observation, true) : in_map;
   }
 
-  LandmarkAssociation nearest(const BodyObservation& sighting, bool candidates) const {
+  LandmarkAssociation nearest(const BodyObservation& observation, bool candidates) const {
     LandmarkAssociation best{LandmarkAssociation::Kind::fresh, 0, nothing_near};
     double second = nothing_near;
     for (std::size_t i = 0; i < records_.size(); ++i) {
-      if (records_[i].is_candidate() != candidates || !alike(sighting, records_[i])) continue;
-      const double found = distance(sighting, i);
+      if (records_[i].is_candidate() != candidates || !alike(observation, records_[i])) continue;
+      const double found = distance(observation, i);
       if (found < best.distance) {
         second = best.distance;
         best = {LandmarkAssociation::Kind::fresh, i, found};
@@ -118,18 +118,18 @@ bool agree(const EkfFilter& filter, const BodyObservation& a, const BodyObservat
 
 /// With an uncertain body pose, a single landmark inside the gate is weak evidence: another landmark must be observed
 /// at its predicted position, too.
-void drop_lonely(const EkfFilter& filter, std::span<const BodyObservation> sightings, const EkfOptions& options,
+void drop_lonely(const EkfFilter& filter, std::span<const BodyObservation> observations, const EkfOptions& options,
                  std::vector<LandmarkAssociation>& associations) {
   const std::vector<LandmarkAssociation> before = associations;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    if (!is_known(before[i]) || sightings[i].sensor_id >= 0) continue;
+    if (!is_known(before[i]) || observations[i].sensor_id >= 0) continue;
     const double doubt = filter.expected(before[i].landmark).covariance.trace();
     if (doubt <= options.unsure_m * options.unsure_m) continue;
     int companions = 0;
     for (std::size_t j = 0; j < before.size(); ++j) {
       const bool other =
           j != i && is_known(before[j]) &&
-          agree(filter, sightings[i], sightings[j], before[i].landmark, before[j].landmark, options.gate);
+          agree(filter, observations[i], observations[j], before[i].landmark, before[j].landmark, options.gate);
       companions += other ? 1 : 0;
     }
     if (companions < options.companions) associations[i].kind = LandmarkAssociation::Kind::ambiguous;
@@ -139,13 +139,13 @@ void drop_lonely(const EkfFilter& filter, std::span<const BodyObservation> sight
 }  // namespace
 
 std::vector<LandmarkAssociation> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
-                                           std::span<const BodyObservation> sightings, const EkfOptions& options) {
+                                           std::span<const BodyObservation> observations, const EkfOptions& options) {
   const Associator associator(filter, records, options);
   std::vector<LandmarkAssociation> result;
-  result.reserve(sightings.size());
-  for (const BodyObservation& sighting : sightings) result.push_back(associator(sighting));
+  result.reserve(observations.size());
+  for (const BodyObservation& observation : observations) result.push_back(associator(observation));
   settle_claims(result, records.size());
-  drop_lonely(filter, sightings, options, result);
+  drop_lonely(filter, observations, options, result);
   return result;
 }
 

@@ -30,7 +30,7 @@ struct LandmarkAssociation {
 /// the gate of a landmark is wider than `unsure_m`, the association also needs `companions` others at the distances
 /// that the map predicts. `records` are those of the filter's landmarks.
 std::vector<LandmarkAssociation> associate(const EkfFilter& filter, std::span<const LandmarkRecord> records,
-                                           std::span<const BodyObservation> sightings, const EkfOptions& options);
+                                           std::span<const BodyObservation> observations, const EkfOptions& options);
 
 /// The angle between two directions, 0 to pi.
 double angle_between(double a, double b);

@@ -26,12 +26,12 @@ struct KnownLandmarks {
     filter.add({x, y}, 0.01 * Eigen::Matrix2d::Identity());
     records.push_back({static_cast<std::int64_t>(records.size()), kind, id, 0.0, 1, 0});
   }
-  std::vector<LandmarkAssociation> associated(const std::vector<BodyObservation>& sightings,
+  std::vector<LandmarkAssociation> associated(const std::vector<BodyObservation>& observations,
                                               const EkfOptions& options = {}) const {
-    return associate(filter, records, sightings, options);
+    return associate(filter, records, observations, options);
   }
-  Kind kind_of(const BodyObservation& sighting, const EkfOptions& options = {}) const {
-    return associated({sighting}, options)[0].kind;
+  Kind kind_of(const BodyObservation& observation, const EkfOptions& options = {}) const {
+    return associated({observation}, options)[0].kind;
   }
 };
 
@@ -65,12 +65,12 @@ TEST(LandmarkAssociation, AmbiguousObservationsAreNotUsed) {
 TEST(LandmarkAssociation, ALandmarkIsMatchedOnceByTheNearest) {
   KnownLandmarks map;
   map.add(5.0, 0.0);
-  for (const bool turned : {false, true}) {
-    std::vector<BodyObservation> sightings = {observation_at(5.0, 0.1), observation_at(5.0, -0.2)};
-    if (turned) std::swap(sightings[0], sightings[1]);
-    const auto found = map.associated(sightings);
-    EXPECT_EQ(found[turned ? 1 : 0].kind, Kind::landmark);
-    EXPECT_EQ(found[turned ? 0 : 1].kind, Kind::ambiguous);
+  for (const bool swapped : {false, true}) {
+    std::vector<BodyObservation> observations = {observation_at(5.0, 0.1), observation_at(5.0, -0.2)};
+    if (swapped) std::swap(observations[0], observations[1]);
+    const auto found = map.associated(observations);
+    EXPECT_EQ(found[swapped ? 1 : 0].kind, Kind::landmark);
+    EXPECT_EQ(found[swapped ? 0 : 1].kind, Kind::ambiguous);
   }
 }
 
@@ -119,9 +119,9 @@ TEST(LandmarkAssociation, WithAnUncertainPoseALandmarkNeedsACompanionAtTheCorrec
   const auto together = map.associated({one, other});
   EXPECT_EQ(together[0].kind, Kind::landmark);
   EXPECT_EQ(together[1].kind, Kind::landmark);
-  const auto apart = map.associated({one, wrong});
-  EXPECT_EQ(apart[0].kind, Kind::ambiguous);
-  EXPECT_EQ(apart[1].kind, Kind::ambiguous);
+  const auto conflicting = map.associated({one, wrong});
+  EXPECT_EQ(conflicting[0].kind, Kind::ambiguous);
+  EXPECT_EQ(conflicting[1].kind, Kind::ambiguous);
   EkfOptions bold;
   bold.companions = 0;
   EXPECT_EQ(map.kind_of(one, bold), Kind::landmark);

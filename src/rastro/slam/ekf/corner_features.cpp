@@ -24,10 +24,10 @@ std::optional<Eigen::Vector2d> corner_of(std::span<const ScanPoint> run, const S
   const Eigen::Vector2d offsets(a.normal().dot(a.center), b.normal().dot(b.center));
   const Eigen::Vector2d crossing = normals_of(a, b).inverse() * offsets;
   // The last beam on a wall ends up to one step before the corner.
-  const double step_a = (run[a.last].place - run[a.last - 1].place).norm();
-  const double step_b = (run[b.first + 1].place - run[b.first].place).norm();
-  const bool seen = (run[a.last].place - crossing).norm() <= options.corner_gap_m + step_a &&
-                    (run[b.first].place - crossing).norm() <= options.corner_gap_m + step_b;
+  const double step_a = (run[a.last].position - run[a.last - 1].position).norm();
+  const double step_b = (run[b.first + 1].position - run[b.first].position).norm();
+  const bool seen = (run[a.last].position - crossing).norm() <= options.corner_gap_m + step_a &&
+                    (run[b.first].position - crossing).norm() <= options.corner_gap_m + step_b;
   return seen ? std::optional(crossing) : std::nullopt;
 }
 
@@ -35,15 +35,15 @@ std::optional<Eigen::Vector2d> corner_of(std::span<const ScanPoint> run, const S
 void part_at(const Eigen::Vector2d& crossing, std::span<const ScanPoint> run, ScanLine& a, ScanLine& b,
              const EkfOptions& options) {
   const auto before = [&](const ScanLine& line, std::size_t point) {
-    return line.direction.dot(run[point].place - crossing) < 0.0;
+    return line.direction.dot(run[point].position - crossing) < 0.0;
   };
   const auto is_on = [&](const ScanLine& line, std::size_t point) {
-    return std::abs(line.distance(run[point].place)) <= options.line_tolerance_m;
+    return std::abs(line.distance(run[point].position)) <= options.line_tolerance_m;
   };
   // A point near the corner is on both lines; it goes to the nearer one.
   const auto of_a = [&](std::size_t point) {
     return before(a, point) &&
-           (before(b, point) || std::abs(a.distance(run[point].place)) <= std::abs(b.distance(run[point].place)));
+           (before(b, point) || std::abs(a.distance(run[point].position)) <= std::abs(b.distance(run[point].position)));
   };
   std::size_t last = a.last, first = b.first;
   while (last > a.first + 2 && !of_a(last)) --last;
@@ -60,11 +60,11 @@ ScanFeature feature_at(const Eigen::Vector2d& crossing, const ScanLine& a, const
     const Eigen::Vector2d lever(1.0, line.direction.dot(crossing - line.center));
     return lever.dot(line.covariance * lever);
   };
-  const Eigen::Matrix2d place_by_offsets = normals_of(a, b).inverse();
+  const Eigen::Matrix2d position_by_offsets = normals_of(a, b).inverse();
   const Eigen::Vector2d variances(variance_at(a), variance_at(b));
   const Eigen::Vector2d between = b.direction - a.direction;
   return {crossing,
-          place_by_offsets * variances.asDiagonal() * place_by_offsets.transpose() +
+          position_by_offsets * variances.asDiagonal() * position_by_offsets.transpose() +
               options.corner_error_m * options.corner_error_m * Eigen::Matrix2d::Identity(),
           std::atan2(between.y(), between.x())};
 }
@@ -80,23 +80,23 @@ std::optional<ScanFeature> spike_of(const LaserScan& scan, std::span<const ScanP
   if (count < options.min_spike_beams || count > options.max_spike_beams) return std::nullopt;
   if (before == 0 || after >= scan.ranges.size()) return std::nullopt;
   double range = 0.0;
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
   for (const ScanPoint& point : run) {
     range += point.range / count;
-    place += point.place / count;
+    position += point.position / count;
   }
-  const double width = (run.back().place - run.front().place).norm() + std::abs(scan.angle_step) * range;
+  const double width = (run.back().position - run.front().position).norm() + std::abs(scan.angle_step) * range;
   if (range > options.max_spike_range_m || width > options.max_spike_m) return std::nullopt;
   if (!is_background(scan, before - 1, range, options) || !is_background(scan, after, range, options)) {
     return std::nullopt;
   }
-  const Eigen::Vector2d away = place.normalized(), across(-away.y(), away.x());
+  const Eigen::Vector2d away = position.normalized(), across(-away.y(), away.x());
   // Averaged over the width of a round pole, its surface is pi/4 of the radius in front of the center.
-  place += std::numbers::pi / 8.0 * width * away;
+  position += std::numbers::pi / 8.0 * width * away;
   const double step = std::abs(scan.angle_step) * range;
   const double along = options.beam_noise_m * options.beam_noise_m / count + step * step / 12.0;
   const double sideways = step * step / 12.0;
-  return ScanFeature{place,
+  return ScanFeature{position,
                      along * away * away.transpose() + sideways * across * across.transpose() +
                          options.spike_error_m * options.spike_error_m * Eigen::Matrix2d::Identity(),
                      0.0};

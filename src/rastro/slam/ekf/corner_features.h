@@ -11,7 +11,7 @@ namespace rastro {
 
 /// A distinctive point of a scan, in the laser frame.
 struct ScanFeature {
-  Eigen::Vector2d place;
+  Eigen::Vector2d position;
   Eigen::Matrix2d covariance;
   double direction = 0.0;  ///< Of a corner: bisector of its two walls, radians.
 };

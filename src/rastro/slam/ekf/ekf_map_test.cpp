@@ -65,16 +65,17 @@ TEST(EkfMap, ConstraintsHaveTheUncertaintyOfOdometryOverTheirPath) {
   drive_ahead(slam, 10);
   const auto map = slam.snapshot();
   ASSERT_EQ(map->constraints.size(), 2U);
-  const double place = 0.02 * 0.02 * 0.4 + 1e-8, yaw = std::pow(0.5 * radians_per_degree, 2) * 0.4 + 1e-8;
+  const double position_variance = 0.02 * 0.02 * 0.4 + 1e-8,
+               yaw_variance = std::pow(0.5 * radians_per_degree, 2) * 0.4 + 1e-8;
   for (std::size_t i = 0; i < 2; ++i) {
     const Constraint& constraint = map->constraints[i];
     EXPECT_EQ(constraint.from, static_cast<KeyframeId>(i));
     EXPECT_EQ(constraint.to, static_cast<KeyframeId>(i) + 1);
     EXPECT_EQ(constraint.kind, ConstraintKind::odometry);
     EXPECT_NEAR(constraint.from_from_to.translation().x(), 0.4, 1e-9);
-    EXPECT_NEAR(constraint.information(0, 0), 1.0 / place, 1e-3 / place);
-    EXPECT_NEAR(constraint.information(1, 1), 1.0 / place, 1e-3 / place);
-    EXPECT_NEAR(constraint.information(5, 5), 1.0 / yaw, 1e-3 / yaw);
+    EXPECT_NEAR(constraint.information(0, 0), 1.0 / position_variance, 1e-3 / position_variance);
+    EXPECT_NEAR(constraint.information(1, 1), 1.0 / position_variance, 1e-3 / position_variance);
+    EXPECT_NEAR(constraint.information(5, 5), 1.0 / yaw_variance, 1e-3 / yaw_variance);
   }
 }
 
@@ -183,19 +184,19 @@ TEST(EkfMap, AScanNeedsTheMinimumOfReturns) {
   }
 }
 
-TEST(GivenSightings, AreWithinTheRangeWithTheirNoiseAlongAndAcross) {
+TEST(GivenObservations, AreWithinTheRangeWithTheirNoiseAlongAndAcross) {
   const EkfOptions options;
   Frame frame;
   frame.landmarks = {{1, 200.0, 0.0}, {2, 200.1, 0.0}, {3, 0.0, 0.0}, {4, -1.0, 0.0}, {5, 4.0, std::numbers::pi / 2.0}};
-  const std::vector<BodyObservation> sightings = given_observations(frame.landmarks, options);
-  ASSERT_EQ(sightings.size(), 2U);
-  EXPECT_EQ(sightings[0].sensor_id, 1);
-  EXPECT_EQ(sightings[1].sensor_id, 5);
-  EXPECT_LT((sightings[1].in_body - Eigen::Vector2d(0.0, 4.0)).norm(), 1e-12);
+  const std::vector<BodyObservation> observations = given_observations(frame.landmarks, options);
+  ASSERT_EQ(observations.size(), 2U);
+  EXPECT_EQ(observations[0].sensor_id, 1);
+  EXPECT_EQ(observations[1].sensor_id, 5);
+  EXPECT_LT((observations[1].in_body - Eigen::Vector2d(0.0, 4.0)).norm(), 1e-12);
   const double along = 0.05 + 0.01 * 4.0, across = 4.0 * radians_per_degree, least = 1e-3 * 0.05;
-  EXPECT_NEAR(sightings[1].covariance(1, 1), along * along, 1e-12);
-  EXPECT_NEAR(sightings[1].covariance(0, 0), across * across + least * least, 1e-12);
-  EXPECT_NEAR(sightings[1].covariance(0, 1), 0.0, 1e-12);
+  EXPECT_NEAR(observations[1].covariance(1, 1), along * along, 1e-12);
+  EXPECT_NEAR(observations[1].covariance(0, 0), across * across + least * least, 1e-12);
+  EXPECT_NEAR(observations[1].covariance(0, 1), 0.0, 1e-12);
 }
 
 }  // namespace

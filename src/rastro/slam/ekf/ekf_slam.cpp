@@ -69,13 +69,13 @@ SlamUpdate EkfSlam::process(const Frame& frame) {
     return update;
   }
   predict(frame, update);
-  const std::vector<BodyObservation> sightings = see(frame, update);
+  const std::vector<BodyObservation> observations = see(frame, update);
   update.times.push_back({"landmarks", stage.lap_ms()});
-  const std::vector<LandmarkAssociation> associations = associate(filter_, records_, sightings, options_);
-  correct(sightings, associations, update);
+  const std::vector<LandmarkAssociation> associations = associate(filter_, records_, observations, options_);
+  correct(observations, associations, update);
   judge(associations, update);
-  observe(sightings, associations);
-  if (maps_) learn(sightings, associations, update);
+  observe(observations, associations);
+  if (maps_) learn(observations, associations, update);
   update.times.push_back({"filter", stage.lap_ms()});
   keep(frame, update);
   if (budget_.limited()) stay_within_budget(update);
@@ -115,27 +115,27 @@ Motion EkfSlam::motion_by_odometry(const SE2& odometry_from_body, double seconds
 }
 
 std::vector<BodyObservation> EkfSlam::see(const Frame& frame, SlamUpdate& update) const {
-  std::vector<BodyObservation> sightings = given_observations(frame.landmarks, options_);
+  std::vector<BodyObservation> observations = given_observations(frame.landmarks, options_);
   if (!frame.scan) {
-    if (scans_expected_ && sightings.empty()) doubt(update, SlamReason::no_data, "no scan; odometry alone");
-    return sightings;
+    if (scans_expected_ && observations.empty()) doubt(update, SlamReason::no_data, "no scan; odometry alone");
+    return observations;
   }
   const int returns = returns_of(*frame.scan);
   if (returns < options_.min_returns) {
     doubt(update, SlamReason::few_returns,
           fmt::format("needs at least {} valid beams, got {} of {}; odometry alone", options_.min_returns, returns,
                       frame.scan->ranges.size()));
-    return sightings;
+    return observations;
   }
   Random random(seed_for(options_.seed, static_cast<std::uint64_t>(frame.index)));
-  for (BodyObservation& sighting : scan_observations(*frame.scan, options_, random))
-    sightings.push_back(std::move(sighting));
-  return sightings;
+  for (BodyObservation& observation : scan_observations(*frame.scan, options_, random))
+    observations.push_back(std::move(observation));
+  return observations;
 }
 
-void EkfSlam::correct(std::span<const BodyObservation> sightings, std::span<const LandmarkAssociation> associations,
+void EkfSlam::correct(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations,
                       SlamUpdate& update) {
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
+  for (std::size_t i = 0; i < observations.size(); ++i) {
     const auto& [kind, landmark, distance] = associations[i];
     if (kind != LandmarkAssociation::Kind::landmark && kind != LandmarkAssociation::Kind::candidate) continue;
     LandmarkRecord& record = records_[landmark];
@@ -143,17 +143,17 @@ void EkfSlam::correct(std::span<const BodyObservation> sightings, std::span<cons
     record.last_frame = static_cast<std::int64_t>(trajectory_.size());
     if (record.is_candidate() && record.observations >= options_.observations) confirm(landmark, update);
     if (record.is_candidate()) continue;
-    filter_.update(landmark, sightings[i].in_body, sightings[i].covariance);
+    filter_.update(landmark, observations[i].in_body, observations[i].covariance);
     ++update.used;
   }
 }
 
 void EkfSlam::confirm(std::size_t landmark, SlamUpdate& update) {
   records_[landmark].id = confirmed_++;
-  const Eigen::Vector2d place = filter_.landmark(landmark);
+  const Eigen::Vector2d position = filter_.landmark(landmark);
   update.events.push_back(
-      {"landmark", fmt::format("{} at ({:.2f}, {:.2f}) m, sigma {:.2g} m", records_[landmark].id, place.x(), place.y(),
-                               std::sqrt(filter_.landmark_covariance(landmark).trace()))});
+      {"landmark", fmt::format("{} at ({:.2f}, {:.2f}) m, sigma {:.2g} m", records_[landmark].id, position.x(),
+                               position.y(), std::sqrt(filter_.landmark_covariance(landmark).trace()))});
 }
 
 void EkfSlam::judge(std::span<const LandmarkAssociation> associations, SlamUpdate& update) {
@@ -170,13 +170,13 @@ void EkfSlam::judge(std::span<const LandmarkAssociation> associations, SlamUpdat
   }
 }
 
-void EkfSlam::learn(std::span<const BodyObservation> sightings, std::span<const LandmarkAssociation> associations,
+void EkfSlam::learn(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations,
                     SlamUpdate& update) {
   const auto frame = static_cast<std::int64_t>(trajectory_.size());
   const double heading = filter_.world_from_body().rotation().angle();
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
+  for (std::size_t i = 0; i < observations.size(); ++i) {
     if (associations[i].kind != LandmarkAssociation::Kind::fresh || !has_room()) continue;
-    const BodyObservation& seen = sightings[i];
+    const BodyObservation& seen = observations[i];
     filter_.add(seen.in_body, seen.covariance);
     records_.push_back({-1, seen.kind, seen.sensor_id, seen.direction + heading, 1, frame});
     if (options_.observations > 1) continue;
@@ -193,12 +193,13 @@ bool EkfSlam::has_room() const {
 }
 
 /// Call it before forget_candidates(), which renumbers the records.
-void EkfSlam::observe(std::span<const BodyObservation> sightings, std::span<const LandmarkAssociation> associations) {
+void EkfSlam::observe(std::span<const BodyObservation> observations,
+                      std::span<const LandmarkAssociation> associations) {
   using Kind = LandmarkAssociation::Kind;
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
+  for (std::size_t i = 0; i < observations.size(); ++i) {
     const auto& [kind, landmark, distance] = associations[i];
     FeatureObservation seen;
-    seen.in_body = sightings[i].in_body;
+    seen.in_body = observations[i].in_body;
     if (kind != Kind::fresh) seen.landmark = records_[landmark].id;
     if (kind == Kind::landmark) seen.state = ObservationState::inlier;
     if (kind == Kind::contradicting) seen.state = ObservationState::outlier;
@@ -304,7 +305,7 @@ std::vector<SlamEvent> EkfSlam::finish() {
     events.push_back({"landmark", fmt::format("the map is full: max_landmarks={}", options_.max_landmarks)});
   }
   const OdometryCheck::Result result = odometry_check_.result();
-  if (result.meters > 0 || result.turns > 0) events.push_back({"odometry", describe(result)});
+  if (result.meters > 0 || result.rotations > 0) events.push_back({"odometry", describe(result)});
   return events;
 }
 

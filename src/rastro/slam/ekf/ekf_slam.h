@@ -51,12 +51,12 @@ class EkfSlam : public Slam {
   Motion motion_since_last(const Frame& frame, SlamUpdate& update);
   Motion motion_by_odometry(const SE2& odometry_from_body, double seconds, SlamUpdate& update);
   std::vector<BodyObservation> see(const Frame& frame, SlamUpdate& update) const;
-  void correct(std::span<const BodyObservation> sightings, std::span<const LandmarkAssociation> associations,
+  void correct(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations,
                SlamUpdate& update);
   void judge(std::span<const LandmarkAssociation> associations, SlamUpdate& update);
-  void learn(std::span<const BodyObservation> sightings, std::span<const LandmarkAssociation> associations,
+  void learn(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations,
              SlamUpdate& update);
-  void observe(std::span<const BodyObservation> sightings, std::span<const LandmarkAssociation> associations);
+  void observe(std::span<const BodyObservation> observations, std::span<const LandmarkAssociation> associations);
   bool has_room() const;
   void confirm(std::size_t landmark, SlamUpdate& update);
   void forget_candidates();

@@ -15,10 +15,11 @@ LandmarkWorld ring_world(std::size_t landmarks, std::uint64_t seed) {
   const Eigen::Vector2d center(0.0, world.radius_m);
   while (world.landmarks.size() < landmarks) {
     const SO2 direction = SO2::from_angle(random.uniform(-std::numbers::pi, std::numbers::pi));
-    const Eigen::Vector2d place = center + direction * Eigen::Vector2d(world.radius_m + random.uniform(-2.5, 4.0), 0.0);
+    const Eigen::Vector2d position =
+        center + direction * Eigen::Vector2d(world.radius_m + random.uniform(-2.5, 4.0), 0.0);
     const bool crowded = std::any_of(world.landmarks.begin(), world.landmarks.end(),
-                                     [&](const Eigen::Vector2d& other) { return (other - place).norm() < 1.0; });
-    if (!crowded) world.landmarks.push_back(place);
+                                     [&](const Eigen::Vector2d& other) { return (other - position).norm() < 1.0; });
+    if (!crowded) world.landmarks.push_back(position);
   }
   return world;
 }
@@ -53,8 +54,8 @@ Frame LandmarkDrive::next() {
   frame.odometry_from_body = odometry_;
   see(frame);
   if (!world_.walls.walls.empty()) {
-    constexpr double full_turn = 2.0 * std::numbers::pi * 360.0 / 361.0;
-    frame.scan = scan_of(world_.walls, ground_truth_, 361, full_turn, world_.beam_noise_m, random_);
+    constexpr double full_circle = 2.0 * std::numbers::pi * 360.0 / 361.0;
+    frame.scan = scan_of(world_.walls, ground_truth_, 361, full_circle, world_.beam_noise_m, random_);
   }
   return frame;
 }
@@ -62,9 +63,9 @@ Frame LandmarkDrive::next() {
 SE2 LandmarkDrive::noisy(const SE2& motion) {
   // From the definition of the options, not from the filter's motion model: an error there must be detected.
   constexpr double rad_per_deg = std::numbers::pi / 180.0;
-  const double path_m = motion.translation().norm(), turn_deg = std::abs(motion.rotation().angle()) / rad_per_deg;
+  const double path_m = motion.translation().norm(), rotation_deg = std::abs(motion.rotation().angle()) / rad_per_deg;
   const double along = options_.odometry_error_m_per_m * std::sqrt(path_m);
-  const double angle = rad_per_deg * std::hypot(options_.odometry_error_deg_per_45_deg * std::sqrt(turn_deg / 45.0),
+  const double angle = rad_per_deg * std::hypot(options_.odometry_error_deg_per_45_deg * std::sqrt(rotation_deg / 45.0),
                                                 options_.heading_error_deg_per_m * std::sqrt(path_m));
   const Eigen::Vector3d sigma = world_.odometry_scale * Eigen::Vector3d(along, along, angle);
   const Eigen::Vector2d translation =
@@ -93,10 +94,10 @@ void WallWorld::add_polygon(const std::vector<Eigen::Vector2d>& corners) {
 double WallWorld::distance(const Eigen::Vector2d& from, const Eigen::Vector2d& direction) const {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Wall& wall : walls) {
-    Eigen::Matrix2d ways;
-    ways << direction, wall.from - wall.to;
-    if (std::abs(ways.determinant()) < 1e-12) continue;
-    const Eigen::Vector2d hit = ways.inverse() * (wall.from - from);
+    Eigen::Matrix2d system;
+    system << direction, wall.from - wall.to;
+    if (std::abs(system.determinant()) < 1e-12) continue;
+    const Eigen::Vector2d hit = system.inverse() * (wall.from - from);
     if (hit.x() > 0.0 && hit.y() >= 0.0 && hit.y() <= 1.0) nearest = std::min(nearest, hit.x());
   }
   for (const Pole& pole : poles) {

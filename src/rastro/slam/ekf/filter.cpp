@@ -14,7 +14,7 @@ namespace {
 constexpr Eigen::Index first_capacity = 64;
 
 /// Derivative of a rotated vector with respect to the rotation angle.
-Eigen::Vector2d turned_left(const Eigen::Vector2d& vector) { return {-vector.y(), vector.x()}; }
+Eigen::Vector2d rotated_left(const Eigen::Vector2d& vector) { return {-vector.y(), vector.x()}; }
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
@@ -48,7 +48,7 @@ void EkfFilter::predict(const SE2& last_from_body, const Eigen::Matrix3d& covari
   mean_[2] = wrapped(mean_[2] + last_from_body.rotation().angle());
 
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity(), G = Eigen::Matrix3d::Identity();
-  F.topRightCorner<2, 1>() = turned_left(step);
+  F.topRightCorner<2, 1>() = rotated_left(step);
   G.topLeftCorner<2, 2>() = world_from_last.rotation().matrix();
   const Eigen::Matrix3d body = F * body_covariance() * F.transpose() + G * covariance * G.transpose();
   covariance_.topLeftCorner<3, 3>().triangularView<Eigen::Lower>() = body;
@@ -74,7 +74,7 @@ EkfFilter::Derivative EkfFilter::derivative(std::size_t number) const {
   const Eigen::Matrix2d rotation = body_from_world.rotation().matrix();
   Derivative H;
   H.leftCols<2>() = -rotation;
-  H.col(2) = -turned_left(body_from_world * landmark(number));
+  H.col(2) = -rotated_left(body_from_world * landmark(number));
   H.rightCols<2>() = rotation;
   return H;
 }
@@ -138,7 +138,7 @@ void EkfFilter::add(const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise
   mean_.segment<2>(row) = mean_.head<2>() + offset;
 
   Eigen::Matrix<double, 2, 3> by_body;
-  by_body << Eigen::Matrix2d::Identity(), turned_left(offset);
+  by_body << Eigen::Matrix2d::Identity(), rotated_left(offset);
   const Eigen::Matrix3d body = body_covariance();
   covariance_.block<2, 3>(row, 0) = by_body * body;
   covariance_.block(row, 3, 2, row - 3) = by_body * covariance_.block(3, 0, row - 3, 3).transpose();

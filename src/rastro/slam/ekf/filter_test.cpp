@@ -170,9 +170,9 @@ TEST(EkfFilter, StaysPositiveDefiniteWhereTheShortFormDoesNot) {
   const Eigen::Matrix2d precise = 1e-10 * Eigen::Matrix2d::Identity();
   EkfFilter filter;
   DenseFilter shortened;
-  for (const Eigen::Vector2d& place : {Eigen::Vector2d(3.0, 1.0), Eigen::Vector2d(-2.0, 4.0)}) {
-    filter.add(place, precise);
-    shortened.add(place, precise);
+  for (const Eigen::Vector2d& position : {Eigen::Vector2d(3.0, 1.0), Eigen::Vector2d(-2.0, 4.0)}) {
+    filter.add(position, precise);
+    shortened.add(position, precise);
   }
   double least = 1.0, least_shortened = 1.0;
   for (int step = 0; step < 20; ++step) {

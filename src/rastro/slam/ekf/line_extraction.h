@@ -14,7 +14,7 @@ namespace rastro {
 
 /// A return of a scan, in the laser frame.
 struct ScanPoint {
-  Eigen::Vector2d place;
+  Eigen::Vector2d position;
   double range = 0.0;
   std::size_t beam = 0;
 };

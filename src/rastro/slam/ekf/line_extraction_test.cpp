@@ -52,8 +52,8 @@ TEST(RunsOf, AreSplitBetweenDistantNeighbors) {
     for (std::size_t i = 0; i < count[k]; ++i) {
       const ScanPoint& point = runs[k][i];
       EXPECT_EQ(point.beam, first[k] + i);
-      EXPECT_NEAR(point.place.norm(), point.range, 1e-9);
-      EXPECT_NEAR(std::atan2(point.place.y(), point.place.x()), scan.angle_of(point.beam), 1e-9);
+      EXPECT_NEAR(point.position.norm(), point.range, 1e-9);
+      EXPECT_NEAR(std::atan2(point.position.y(), point.position.x()), scan.angle_of(point.beam), 1e-9);
     }
   }
 }
@@ -78,7 +78,7 @@ TEST(FitLine, LiesOnTheWallForAnyDirection) {
     const Eigen::Vector2d normal(std::cos(tilt), std::sin(tilt));
     EXPECT_NEAR(normal.dot(line.center), 2.0, 1e-5);
     EXPECT_NEAR(normal.dot(line.direction), 0.0, 1e-6);
-    EXPECT_GT(line.direction.dot(runs[0].back().place - runs[0].front().place), 0.0) << "from first to last";
+    EXPECT_GT(line.direction.dot(runs[0].back().position - runs[0].front().position), 0.0) << "from first to last";
     EXPECT_NEAR(line.distance(line.center + 0.3 * line.normal() + 5.0 * line.direction), 0.3, 1e-12);
   }
 }
@@ -97,10 +97,10 @@ TEST(FitLine, CovarianceIsThatOfManyScans) {
     const auto runs = runs_of(wall_scan(2.0, tilt, 0.01, static_cast<std::uint64_t>(k) + 5), options);
     ASSERT_EQ(runs.size(), 1U);
     const ScanLine line = fit_line(runs[0], 0, runs[0].size() - 1, options);
-    const double turn = std::asin(exact.normal().dot(line.direction));
+    const double rotation = std::asin(exact.normal().dot(line.direction));
     // At the exact line's center, since the means also move along the line.
-    const double offset = exact.distance(line.center) - turn * exact.direction.dot(line.center - exact.center);
-    const Eigen::Vector2d error(offset, turn);
+    const double offset = exact.distance(line.center) - rotation * exact.direction.dot(line.center - exact.center);
+    const Eigen::Vector2d error(offset, rotation);
     drawn += error * error.transpose() / draws;
   }
   EXPECT_NEAR(exact.covariance(0, 0) / drawn(0, 0), 1.0, 0.12);
@@ -112,7 +112,7 @@ TEST(FitLine, CovarianceIsThatOfManyScans) {
 TEST(FitLine, SingleOutliersHaveNoInfluence) {
   auto runs = runs_of(wall_scan(2.0, 0.2), {});
   const ScanLine without = fit_line(runs[0], 0, runs[0].size() - 1, {});
-  runs[0][30].place *= 0.85;  // something thin in front of the wall
+  runs[0][30].position *= 0.85;  // something thin in front of the wall
   const ScanLine with = fit_line(runs[0], 0, runs[0].size() - 1, {});
   EXPECT_NEAR(with.distance(without.center), 0.0, 1e-3);
   EXPECT_NEAR(with.normal().dot(without.direction), 0.0, 1e-3);
@@ -171,14 +171,14 @@ TEST(MotionModel, VariancesGrowWithPathAndRotationAndNotWithSteps) {
   options.odometry_error_deg_per_45_deg = 4.0;
   options.heading_error_deg_per_m = 2.0;
   const Motion whole = measured_motion(motion(1.2, 0.0, 0.0), options),
-               turn = measured_motion(motion(0, 0, -1.0), options);
-  Eigen::Matrix3d of_steps = Eigen::Matrix3d::Zero(), of_turns = of_steps;
+               rotation = measured_motion(motion(0, 0, -1.0), options);
+  Eigen::Matrix3d of_steps = Eigen::Matrix3d::Zero(), of_rotations = of_steps;
   for (int k = 0; k < 8; ++k) {
     of_steps += measured_motion(motion(0.15, 0.0, 0.0), options).covariance;
-    of_turns += measured_motion(motion(0.0, 0.0, -0.125), options).covariance;
+    of_rotations += measured_motion(motion(0.0, 0.0, -0.125), options).covariance;
   }
   EXPECT_LT((whole.covariance - of_steps).norm(), 1e-12);
-  EXPECT_LT((turn.covariance - of_turns).norm(), 1e-12);
+  EXPECT_LT((rotation.covariance - of_rotations).norm(), 1e-12);
   // One meter: 10 cm; 45 degrees: 4 degrees.
   EXPECT_NEAR(measured_motion(motion(0.6, 0.8, 0.0), options).covariance(0, 0), 0.01, 1e-12);
   EXPECT_NEAR(std::sqrt(measured_motion(motion(0.0, 0.0, 45.0 * degrees), options).covariance(2, 2)), 4.0 * degrees,

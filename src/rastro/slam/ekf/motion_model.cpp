@@ -15,12 +15,12 @@ double square(double value) { return value * value; }
 }  // namespace
 
 Motion measured_motion(const SE2& last_from_body, const EkfOptions& options) {
-  const double way = last_from_body.translation().norm();
-  const double turn = std::abs(last_from_body.rotation().angle());
-  const double along = square(options.odometry_error_m_per_m) * way;
+  const double distance = last_from_body.translation().norm();
+  const double rotation = std::abs(last_from_body.rotation().angle());
+  const double along = square(options.odometry_error_m_per_m) * distance;
   const double angle =
-      square(options.odometry_error_deg_per_45_deg * radians_per_degree) * turn / (45.0 * radians_per_degree) +
-      square(options.heading_error_deg_per_m * radians_per_degree) * way;
+      square(options.odometry_error_deg_per_45_deg * radians_per_degree) * rotation / (45.0 * radians_per_degree) +
+      square(options.heading_error_deg_per_m * radians_per_degree) * distance;
   return {last_from_body, Eigen::Vector3d(along, along, angle).asDiagonal()};
 }
 
@@ -28,16 +28,16 @@ Motion carried_motion(const SE2& last_motion, double last_seconds, double second
   // Limited to a few times the last step: the robot may have stopped during a pause.
   const double share = last_seconds > 0.0 ? std::clamp(seconds / last_seconds, 0.0, 5.0) : 0.0;
   const double time = std::min(seconds, 10.0);
-  const double way = square(options.unknown_speed_m_per_s * time);
+  const double variance = square(options.unknown_speed_m_per_s * time);
   const double angle = square(options.unknown_yaw_rate_deg_per_s * radians_per_degree * time);
-  return {SE2::exp(share * last_motion.log()), Eigen::Vector3d(way, way, std::min(angle, 4.0)).asDiagonal()};
+  return {SE2::exp(share * last_motion.log()), Eigen::Vector3d(variance, variance, std::min(angle, 4.0)).asDiagonal()};
 }
 
 bool is_jump(const SE2& last_from_body, double seconds, const EkfOptions& options) {
-  const double way = last_from_body.translation().norm();
-  const double turn = std::abs(last_from_body.rotation().angle());
-  const bool plausible = way <= options.max_speed_m_per_s * seconds + options.jump_m &&
-                         turn <= (options.max_yaw_rate_deg_per_s * seconds + options.jump_deg) * radians_per_degree;
+  const double distance = last_from_body.translation().norm();
+  const double rotation = std::abs(last_from_body.rotation().angle());
+  const bool plausible = distance <= options.max_speed_m_per_s * seconds + options.jump_m &&
+                         rotation <= (options.max_yaw_rate_deg_per_s * seconds + options.jump_deg) * radians_per_degree;
   return !plausible;
 }
 

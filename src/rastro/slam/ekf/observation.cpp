@@ -13,18 +13,18 @@ std::vector<BodyObservation> given_observations(std::span<const LandmarkMeasurem
   for (const LandmarkMeasurement& seen : landmarks) {
     const bool usable = seen.range > 0.0 && seen.range <= options.max_observation_m && std::isfinite(seen.bearing);
     if (!usable) continue;
-    BodyObservation sighting;
-    sighting.sensor_id = seen.id;
+    BodyObservation observation;
+    observation.sensor_id = seen.id;
     const SO2 direction = SO2::from_angle(seen.bearing);
-    sighting.in_body = direction * Eigen::Vector2d(seen.range, 0.0);
+    observation.in_body = direction * Eigen::Vector2d(seen.range, 0.0);
     const double along = options.range_noise_m + options.range_noise_share * seen.range;
     const double across = bearing_noise * seen.range;
     const Eigen::Matrix2d rotation = direction.matrix();
     // A landmark at the sensor itself has no bearing error, but its covariance must not be singular.
     const double least = 1e-3 * options.range_noise_m;
     const Eigen::Vector2d variances(along * along, across * across + least * least);
-    sighting.covariance = rotation * variances.asDiagonal() * rotation.transpose();
-    result.push_back(sighting);
+    observation.covariance = rotation * variances.asDiagonal() * rotation.transpose();
+    result.push_back(observation);
   }
   return result;
 }

@@ -24,7 +24,7 @@ class OdometryCheck {
   struct Result {
     int meters = 0;          ///< Number of one-meter segments measured.
     double error_m = 0.0;    ///< Median over them.
-    int turns = 0;           ///< Number of 45-degree rotations measured.
+    int rotations = 0;       ///< Number of 45-degree rotations measured.
     double error_deg = 0.0;  ///< Median over them.
   };
   Result result() const;
@@ -34,16 +34,16 @@ class OdometryCheck {
     SE2 odometry_from_body, world_from_body;
   };
   /// From a frame with a landmark to the first one with a landmark after `length` of path or rotation.
-  struct Stretch {
+  struct Segment {
     std::optional<Pose> start;
     double length = 0.0;
     std::vector<double> errors;  ///< Per unit of length.
   };
   /// The motion over a segment that is long enough and ends here, by odometry relative to the filter's.
-  static std::optional<SE2> finished(Stretch& stretch, double length, double motion, const Pose& now, bool seen);
+  static std::optional<SE2> finished(Segment& segment, double length, double motion, const Pose& now, bool seen);
 
   std::optional<SE2> last_odometry_;
-  Stretch way_, turn_;
+  Segment path_, rotation_;
 };
 
 /// One clause with numbers, and whether they are within the bound of METHODS 3.

@@ -16,7 +16,7 @@ TEST(OdometryCheck, MeasuresErrorPerMeter) {
   for (int i = 0; i <= 100; ++i) check.add(pose(0.1 * i, 0.0), pose(0.1 * i * 1.03, 0.0), true);
   EXPECT_NEAR(check.result().error_m, 0.03, 1e-9);
   EXPECT_GE(check.result().meters, 9);
-  EXPECT_EQ(check.result().turns, 0);
+  EXPECT_EQ(check.result().rotations, 0);
   EXPECT_NE(describe(check.result()).find("beyond"), std::string::npos);
 }
 

@@ -11,9 +11,9 @@
 namespace rastro {
 namespace {
 
-BodyObservation sighting_of(const ScanFeature& feature, LandmarkKind kind, const SE2& body_from_laser) {
+BodyObservation observation_of(const ScanFeature& feature, LandmarkKind kind, const SE2& body_from_laser) {
   const Eigen::Matrix2d rotation = body_from_laser.rotation().matrix();
-  return {kind, -1, body_from_laser * feature.place, rotation * feature.covariance * rotation.transpose(),
+  return {kind, -1, body_from_laser * feature.position, rotation * feature.covariance * rotation.transpose(),
           feature.direction + body_from_laser.rotation().angle()};
 }
 
@@ -25,26 +25,27 @@ std::size_t reach_in_beams(const LaserScan& scan, const EkfOptions& options) {
 }  // namespace
 
 std::vector<BodyObservation> scan_observations(const LaserScan& scan, const EkfOptions& options, Random& random) {
-  std::vector<BodyObservation> sightings;
+  std::vector<BodyObservation> observations;
   const auto runs = runs_of(scan, options);
   if (options.corners) {
     for (const auto& run : runs) {
       for (const ScanFeature& corner :
            find_corners(run, extract_lines(run, reach_in_beams(scan, options), options, random), options)) {
-        sightings.push_back(sighting_of(corner, LandmarkKind::corner, scan.body_from_laser));
+        observations.push_back(observation_of(corner, LandmarkKind::corner, scan.body_from_laser));
       }
     }
   }
   if (options.spikes) {
     for (const ScanFeature& spike : find_spikes(scan, runs, options)) {
-      sightings.push_back(sighting_of(spike, LandmarkKind::spike, scan.body_from_laser));
+      observations.push_back(observation_of(spike, LandmarkKind::spike, scan.body_from_laser));
     }
   }
   // In a broken scan all beams may coincide; no line follows from that.
-  std::erase_if(sightings, [](const BodyObservation& sighting) {
-    return !sighting.in_body.allFinite() || !sighting.covariance.allFinite() || !std::isfinite(sighting.direction);
+  std::erase_if(observations, [](const BodyObservation& observation) {
+    return !observation.in_body.allFinite() || !observation.covariance.allFinite() ||
+           !std::isfinite(observation.direction);
   });
-  return sightings;
+  return observations;
 }
 
 std::vector<Eigen::Vector2d> returns_in(const LaserScan& scan, const SE2& frame_from_laser) {

@@ -23,20 +23,20 @@ using testing::WallWorld;
 constexpr double pi = std::numbers::pi;
 // The seam of the 360-degree scan is on a wall, not on a corner.
 constexpr std::size_t beams = 721;
-constexpr double full_turn = 2.0 * pi * 720.0 / 721.0;
+constexpr double full_circle = 2.0 * pi * 720.0 / 721.0;
 
 std::vector<BodyObservation> seen(const WallWorld& world, const SE2& world_from_laser, const EkfOptions& options = {},
                                   std::uint64_t seed = 1) {
   Random random(seed);
-  const LaserScan scan = scan_of(world, world_from_laser, beams, full_turn, 0.0, random);
+  const LaserScan scan = scan_of(world, world_from_laser, beams, full_circle, 0.0, random);
   return scan_observations(scan, options, random);
 }
 
-const BodyObservation* nearest_to(const std::vector<BodyObservation>& sightings, const Eigen::Vector2d& place) {
-  const auto nearest = std::min_element(sightings.begin(), sightings.end(), [&](const auto& a, const auto& b) {
-    return (a.in_body - place).norm() < (b.in_body - place).norm();
+const BodyObservation* nearest_to(const std::vector<BodyObservation>& observations, const Eigen::Vector2d& position) {
+  const auto nearest = std::min_element(observations.begin(), observations.end(), [&](const auto& a, const auto& b) {
+    return (a.in_body - position).norm() < (b.in_body - position).norm();
   });
-  return nearest == sightings.end() ? nullptr : &*nearest;
+  return nearest == observations.end() ? nullptr : &*nearest;
 }
 
 WallWorld polygon(const std::vector<Eigen::Vector2d>& corners) {
@@ -54,11 +54,11 @@ TEST(ScanFeatures, FindEveryCornerOfExactPolygonsAtItsPosition) {
   };
   for (const auto& corners : polygons) {
     const SE2 world_from_laser(SO2::from_angle(0.1), {2.8, -0.2});
-    const auto sightings = seen(polygon(corners), world_from_laser);
-    EXPECT_EQ(sightings.size(), corners.size());
+    const auto observations = seen(polygon(corners), world_from_laser);
+    EXPECT_EQ(observations.size(), corners.size());
     for (const Eigen::Vector2d& corner : corners) {
       const Eigen::Vector2d expected = world_from_laser.inverse() * corner;
-      const BodyObservation* found = nearest_to(sightings, expected);
+      const BodyObservation* found = nearest_to(observations, expected);
       ASSERT_NE(found, nullptr);
       EXPECT_THAT(found->in_body, matrix_near(expected, 1e-5));
       EXPECT_EQ(found->kind, LandmarkKind::corner);
@@ -68,10 +68,10 @@ TEST(ScanFeatures, FindEveryCornerOfExactPolygonsAtItsPosition) {
 
 TEST(ScanFeatures, ACornerHasTheDirectionBetweenItsWalls) {
   const SE2 world_from_laser(SO2(), {2.8, 0.0});
-  const auto sightings =
+  const auto observations =
       seen(polygon({{-3.0, -2.0}, {4.0, -2.0}, {4.0, 3.0}, {2.0, 3.0}, {2.0, 1.5}, {-3.0, 1.5}}), world_from_laser);
   const auto direction_at = [&](double x, double y) {
-    const BodyObservation* found = nearest_to(sightings, {x - 2.8, y});
+    const BodyObservation* found = nearest_to(observations, {x - 2.8, y});
     EXPECT_THAT(found->in_body, matrix_near(Eigen::Vector2d(x - 2.8, y), 1e-5));
     return found->direction;
   };
@@ -85,10 +85,10 @@ TEST(ScanFeatures, AreGivenInTheBodyFrame) {
   Random random(1);
   const WallWorld world = polygon({{-3.0, -2.0}, {4.0, -2.0}, {4.0, 3.0}, {-3.0, 3.0}});
   const SE2 body_from_laser(SO2::from_angle(0.4), {0.2, 0.1});
-  LaserScan scan = scan_of(world, body_from_laser, beams, full_turn, 0.0, random);
+  LaserScan scan = scan_of(world, body_from_laser, beams, full_circle, 0.0, random);
   scan.body_from_laser = body_from_laser;
-  const auto sightings = scan_observations(scan, {}, random);
-  const BodyObservation* corner = nearest_to(sightings, {4.0, 3.0});
+  const auto observations = scan_observations(scan, {}, random);
+  const BodyObservation* corner = nearest_to(observations, {4.0, 3.0});
   EXPECT_THAT(corner->in_body, matrix_near(Eigen::Vector2d(4.0, 3.0), 1e-5));
   EXPECT_NEAR(angle_between(corner->direction, -0.75 * pi), 0.0, 1e-4);
 }
@@ -111,10 +111,10 @@ TEST(ScanFeatures, HaveConsistentCovariances) {
   double sum = 0.0;
   int count = 0;
   for (int i = 0; i < 300; ++i) {
-    const LaserScan scan = scan_of(world, {}, 361, full_turn, options.beam_noise_m, random);
-    const auto sightings = scan_observations(scan, options, random);
+    const LaserScan scan = scan_of(world, {}, 361, full_circle, options.beam_noise_m, random);
+    const auto observations = scan_observations(scan, options, random);
     for (const Eigen::Vector2d& corner : {Eigen::Vector2d(4.0, 3.0), Eigen::Vector2d(-3.0, -2.0)}) {
-      const BodyObservation* found = nearest_to(sightings, corner);
+      const BodyObservation* found = nearest_to(observations, corner);
       ASSERT_NE(found, nullptr);
       if ((found->in_body - corner).norm() > 0.2) continue;
       sum += squared_mahalanobis(found->in_body - corner, found->covariance);
@@ -135,10 +135,10 @@ TEST(ScanFeatures, FindAPoleFromAllSidesAtItsCenter) {
   for (int i = 0; i < 16; ++i) {
     const SO2 side = SO2::from_angle(0.4 * i);
     const SE2 world_from_laser(side * SO2::from_angle(pi), world.poles[0].middle + side * Eigen::Vector2d(2.5, 0.0));
-    const auto sightings = seen(world, world_from_laser, options);
-    ASSERT_EQ(sightings.size(), 1U);
-    EXPECT_EQ(sightings[0].kind, LandmarkKind::spike);
-    EXPECT_LT((world_from_laser * sightings[0].in_body - world.poles[0].middle).norm(), 0.02);
+    const auto observations = seen(world, world_from_laser, options);
+    ASSERT_EQ(observations.size(), 1U);
+    EXPECT_EQ(observations[0].kind, LandmarkKind::spike);
+    EXPECT_LT((world_from_laser * observations[0].in_body - world.poles[0].middle).norm(), 0.02);
   }
 }
 
@@ -153,7 +153,7 @@ TEST(ScanFeatures, APoleNeedsAFarBackgroundOnBothSides) {
   free.poles = {{{3.0, 0.0}, 0.06}};
   EXPECT_EQ(seen(free, {}, options).size(), 1U);
   Random random(1);
-  LaserScan scan = scan_of(free, {}, beams, full_turn, 0.0, random);
+  LaserScan scan = scan_of(free, {}, beams, full_circle, 0.0, random);
   const auto first = static_cast<std::size_t>(
       std::find_if(scan.ranges.begin(), scan.ranges.end(), [](float range) { return range < 4.0F; }) -
       scan.ranges.begin());
@@ -176,8 +176,8 @@ TEST(ScanFeatures, BrokenScansGiveNothing) {
     scan.angle_step = step;
     for (std::size_t beam = 0; beam < 300; ++beam)
       scan.ranges[beam] = static_cast<float>(1.0 + 0.05 * random.uniform());
-    for (const BodyObservation& sighting : scan_observations(scan, {}, random))
-      EXPECT_TRUE(sighting.in_body.allFinite());
+    for (const BodyObservation& observation : scan_observations(scan, {}, random))
+      EXPECT_TRUE(observation.in_body.allFinite());
   }
 }
 

@@ -5,7 +5,7 @@
 
 namespace rastro {
 
-std::vector<StampedPlanarPose> placed(const std::vector<PosedScan>& scans, const SubmapGraph& graph) {
+std::vector<StampedPlanarPose> scan_poses(const std::vector<PosedScan>& scans, const SubmapGraph& graph) {
   std::vector<StampedPlanarPose> poses;
   const std::vector<KeyScan>& keys = graph.key_scans();
   const auto world_by = [&](std::size_t key, const SE2& local_from_body) {

@@ -23,6 +23,6 @@ struct StampedPlanarPose {
 };
 
 /// Every scan in the world. The correction between two key scans is interpolated in proportion to time.
-std::vector<StampedPlanarPose> placed(const std::vector<PosedScan>& scans, const SubmapGraph& graph);
+std::vector<StampedPlanarPose> scan_poses(const std::vector<PosedScan>& scans, const SubmapGraph& graph);
 
 }  // namespace rastro

@@ -21,7 +21,7 @@ namespace rastro {
 namespace {
 
 /// Covariance of (x, y, angle) in axes rotated by `rotation`.
-Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const SO2& rotation) {
+Eigen::Matrix3d in_rotated_axes(const Eigen::Matrix3d& covariance, const SO2& rotation) {
   Eigen::Matrix3d by = Eigen::Matrix3d::Identity();
   by.topLeftCorner<2, 2>() = rotation.matrix();
   return by * covariance * by.transpose();
@@ -54,7 +54,7 @@ class HectorSlam::State {
   Eigen::Matrix3d with_unseen_path(const FollowedScan& followed) const;
   bool moved_enough() const;
   Submap* open_submap();
-  void turn_over_submaps(SlamUpdate& update);
+  void advance_submaps(SlamUpdate& update);
   void close_loops(SlamUpdate& update);
   std::size_t map_bytes() const { return graph_.bytes() + scans_.size() * sizeof(PosedScan); }
   std::string measures() const;
@@ -68,7 +68,7 @@ class HectorSlam::State {
   MapBudget budget_;
   std::string given_up_;  ///< The last measure to save memory; reported when it changes.
   std::vector<PosedScan> scans_;
-  std::size_t looked_up_to_ = 0;  ///< Loop closures of key scans before this one were searched for in older submaps.
+  std::size_t searched_up_to_ = 0;  ///< Loop closures of key scans before this one were searched for in older submaps.
   double path_m_ = 0.0;
   double unseen_path_m_ = 0.0;  ///< Path length since all directions were last observable.
   std::int64_t revision_ = 0;
@@ -143,7 +143,7 @@ void HectorSlam::State::judge(const FollowedScan& followed, SlamUpdate& update) 
     update.reason = SlamReason::poor_match;
     update.detail = fmt::format("match score {:.2f}, needs {:.2f}", followed.score, options_.min_score);
   } else {
-    update.covariance = in_space(turned(followed.covariance, graph_.world_from_local().rotation()));
+    update.covariance = in_space(in_rotated_axes(followed.covariance, graph_.world_from_local().rotation()));
     if (followed.unseen_direction) {
       const Eigen::Vector2d along = followed.local_from_body.rotation().inverse() * *followed.unseen_direction;
       update.state = SlamState::weak;
@@ -192,10 +192,10 @@ Submap* HectorSlam::State::open_submap() {
 
 bool HectorSlam::State::moved_enough() const {
   const SE2 moved = graph_.key_scans().back().local_from_body.inverse() * guess_.last();
-  const double way = options_.loop_closing ? options_.submap_insert_distance_m : options_.insert_distance_m;
-  const double turn = options_.loop_closing ? options_.submap_insert_angle_rad : options_.insert_angle_rad;
-  return moved.translation().norm() >= budget_.spacing() * way ||
-         std::abs(moved.rotation().angle()) >= budget_.spacing() * turn;
+  const double distance_m = options_.loop_closing ? options_.submap_insert_distance_m : options_.insert_distance_m;
+  const double angle_rad = options_.loop_closing ? options_.submap_insert_angle_rad : options_.insert_angle_rad;
+  return moved.translation().norm() >= budget_.spacing() * distance_m ||
+         std::abs(moved.rotation().angle()) >= budget_.spacing() * angle_rad;
 }
 
 void HectorSlam::State::stay_within_budget(SlamUpdate& update) {
@@ -226,11 +226,11 @@ void HectorSlam::State::extend_map(const Frame& frame, const ScanPoints& scan, c
   scans_.back().key_scan = key;
   ++revision_;
   update.events.push_back({"keyframe", fmt::format("{}, after {:.2f} m", key, path_m_)});
-  if (options_.loop_closing) turn_over_submaps(update);
+  if (options_.loop_closing) advance_submaps(update);
 }
 
 /// Submaps overlap by half, so that there is always one with enough scans.
-void HectorSlam::State::turn_over_submaps(SlamUpdate& update) {
+void HectorSlam::State::advance_submaps(SlamUpdate& update) {
   std::vector<Submap*> open;
   for (const auto& submap : graph_.submaps()) {
     if (!submap->finished()) open.push_back(submap.get());
@@ -245,9 +245,9 @@ void HectorSlam::State::turn_over_submaps(SlamUpdate& update) {
 
 void HectorSlam::State::close_loops(SlamUpdate& update) {
   const std::size_t keys = graph_.key_scans().size();
-  if (!options_.loop_closing || keys < looked_up_to_ + static_cast<std::size_t>(options_.optimize_every)) return;
-  const int closed = graph_.search_loops(looked_up_to_);
-  looked_up_to_ = keys;
+  if (!options_.loop_closing || keys < searched_up_to_ + static_cast<std::size_t>(options_.optimize_every)) return;
+  const int closed = graph_.search_loops(searched_up_to_);
+  searched_up_to_ = keys;
   if (closed == 0) return;
   graph_.optimize();
   ++revision_;
@@ -262,20 +262,21 @@ std::vector<SlamEvent> HectorSlam::State::finish() {
   for (const auto& submap : graph_.submaps()) {
     if (!submap->finished() && !submap->key_scans().empty()) submap->finish();
   }
-  const int closed = graph_.search_loops(looked_up_to_);
+  const int closed = graph_.search_loops(searched_up_to_);
   graph_.optimize();
-  const int tied = graph_.constrain_neighbors();
+  const int constrained = graph_.constrain_neighbors();
   graph_.optimize();
   ++revision_;
   events.push_back(
       {"map_revised",
-       fmt::format("{} loop closures at the end, {} key scans matched with submaps near them", closed, tied)});
+       fmt::format("{} loop closures at the end, {} key scans matched with submaps near them", closed, constrained)});
   return events;
 }
 
 Trajectory HectorSlam::State::trajectory() const {
   Trajectory trajectory;
-  for (const StampedPlanarPose& pose : placed(scans_, graph_)) trajectory.push_back({pose.stamp, in_space(pose.pose)});
+  for (const StampedPlanarPose& pose : scan_poses(scans_, graph_))
+    trajectory.push_back({pose.stamp, in_space(pose.pose)});
   // Scans are processed in the order of the log; in some logs the stamps are not in this order.
   std::stable_sort(trajectory.begin(), trajectory.end(),
                    [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
@@ -298,7 +299,7 @@ std::shared_ptr<const Map> HectorSlam::State::snapshot() const {
   }
   map->layers.put<ScanLayer>(std::move(scans));
   map->constraints = graph_.constraints();
-  const std::vector<StampedPlanarPose> poses = placed(scans_, graph_);
+  const std::vector<StampedPlanarPose> poses = scan_poses(scans_, graph_);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const std::size_t key = scans_[i].key_scan;
     map->frames.push_back({poses[i].stamp, static_cast<KeyframeId>(key),

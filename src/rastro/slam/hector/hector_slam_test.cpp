@@ -86,9 +86,9 @@ TEST(HectorSlam, ItsMapHasTheWallsAtTheirPositions) {
     for (int x = 0; x < grid.width; ++x) {
       if (grid.at(x, y) < 60) continue;
       ++occupied;
-      const Eigen::Vector2d place = walls_from_world * grid.center_of(x, y);
-      const double to_wall = std::min(
-          {std::abs(place.x() + 2.0), std::abs(place.x() - 5.0), std::abs(place.y() + 2.1), std::abs(place.y() - 2.9)});
+      const Eigen::Vector2d position = walls_from_world * grid.center_of(x, y);
+      const double to_wall = std::min({std::abs(position.x() + 2.0), std::abs(position.x() - 5.0),
+                                       std::abs(position.y() + 2.1), std::abs(position.y() - 2.9)});
       EXPECT_LT(to_wall, 0.1);
     }
   }
@@ -142,7 +142,7 @@ TEST(HectorSlam, ReportsTheUnobservableDirectionOfACorridor) {
       EXPECT_NEAR(std::remainder(degrees + heading * 180.0 / M_PI, 180.0), 0.0, 1.5) << update.detail;
       const Eigen::Matrix2d covariance = update.covariance->topLeftCorner<2, 2>();
       EXPECT_GT(along.dot(covariance * along), 20.0 * across.dot(covariance * across));
-      // Odometry, which is exact here, determines the motion along the corridor, so the robot is not held in place.
+      // Odometry, which is exact here, determines the motion along the corridor, so the robot is not kept from moving.
       EXPECT_LT(off(drive, k, update.world_from_body).x(), 0.03);
     }
   }
@@ -163,7 +163,7 @@ TEST(HectorSlam, TakesScansInTheirOrderWhenStampsGoBack) {
     const auto at = std::find_if(done.trajectory.begin(), done.trajectory.end(),
                                  [&](const StampedPose& pose) { return pose.stamp == frames[k].stamp; });
     ASSERT_NE(at, done.trajectory.end());
-    EXPECT_LT(off(drive, k, at->world_from_body).x(), 0.03) << "the pose of the scan, not of its place in time";
+    EXPECT_LT(off(drive, k, at->world_from_body).x(), 0.03) << "the pose of the scan, not of its stamp";
   }
 }
 
@@ -181,8 +181,8 @@ TEST(HectorSlam, ImpossibleOdometryIsNotUsed) {
   const WalledDrive drive = room_drive(40);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const SE2 there = *drive.frames()[20].odometry_from_body;
-  const SE2 broken_turn(SO2::from_angle(nan), there.translation());
-  for (const SE2& odometry : {pose_of(30.0, -20.0, 2.0), pose_of(nan, 0.0, 0.0), broken_turn}) {
+  const SE2 broken_rotation(SO2::from_angle(nan), there.translation());
+  for (const SE2& odometry : {pose_of(30.0, -20.0, 2.0), pose_of(nan, 0.0, 0.0), broken_rotation}) {
     std::vector<Frame> frames = drive.frames();
     // For one scan only, so that it jumps twice: there and back.
     frames[20].odometry_from_body = odometry;

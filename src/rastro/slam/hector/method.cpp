@@ -23,9 +23,9 @@ class HectorMethod : public SlamMethod {
     if (!source.has_scan)
       throw Error("has no laser scans", source.path, "'rastro convert DATA --to scan' cuts them from depth images");
     planar_initial_pose(context, name());
-    return make_placed(context, [this](const SlamContext& placed) {
+    return make_with_initial_pose(context, [this](const SlamContext& own_context) {
       constexpr double reserve_mb = 50.0;  // for everything except the map
-      return std::make_unique<HectorSlam>(options_, placed.pool, map_budget_bytes(placed, reserve_mb));
+      return std::make_unique<HectorSlam>(options_, own_context.pool, map_budget_bytes(own_context, reserve_mb));
     });
   }
 

@@ -25,14 +25,15 @@ ScanGuess MotionGuess::guess(TimeNs stamp, const std::optional<SE2>& odometry_fr
   if (options_.guess == "none") return {last_, 0.2, 0.2, false};
   if (options_.guess == "constant-velocity" || !odometry_from_body || !last_odometry_) return from_speed(stamp);
   const SE2 moved = last_odometry_->inverse() * *odometry_from_body;
-  const double way = moved.translation().norm(), turn = std::abs(moved.rotation().angle());
-  if (!(way <= options_.max_speed_m_per_s * std::clamp(seconds_between(last_stamp_, stamp), 1.0, longest_gap_s)) ||
-      !std::isfinite(turn)) {
+  const double distance_m = moved.translation().norm(), angle = std::abs(moved.rotation().angle());
+  if (!(distance_m <=
+        options_.max_speed_m_per_s * std::clamp(seconds_between(last_stamp_, stamp), 1.0, longest_gap_s)) ||
+      !std::isfinite(angle)) {
     jumped_ = true;
     return from_speed(stamp);
   }
-  return {last_ * moved, least_sigma_m + options_.odometry_sigma_share * way,
-          least_sigma_rad + options_.odometry_yaw_sigma_share * turn, true};
+  return {last_ * moved, least_sigma_m + options_.odometry_sigma_share * distance_m,
+          least_sigma_rad + options_.odometry_yaw_sigma_share * angle, true};
 }
 
 /// Scanners rotate evenly, but the stamps of some logs are irregular, so time is counted in scans.

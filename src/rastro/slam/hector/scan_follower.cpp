@@ -17,9 +17,9 @@ ScanPrior prior_of(const ScanGuess& guess, const SE2& submap_from_body) {
   ScanPrior prior;
   prior.pose = submap_from_body;
   if (!guess.trusted) return prior;
-  const double place = usual_variance / (guess.sigma_m * guess.sigma_m);
-  const double turn = usual_variance / (guess.sigma_rad * guess.sigma_rad);
-  prior.information.diagonal() << place, place, turn;
+  const double position_information = usual_variance / (guess.sigma_m * guess.sigma_m);
+  const double yaw_information = usual_variance / (guess.sigma_rad * guess.sigma_rad);
+  prior.information.diagonal() << position_information, position_information, yaw_information;
   return prior;
 }
 
@@ -62,11 +62,11 @@ Eigen::Matrix3d covariance_of(const ScanToMapFit& fit, const ScanPrior& prior,
 }
 
 /// Keeps the guess along that direction, by `weight`: the map's gradient there is only noise of its cells, which would
-/// hold the robot in place (Zhang et al. 2016).
+/// keep the robot from moving (Zhang et al. 2016).
 void keep_guess_along(const Eigen::Vector2d& direction, double weight, const ScanGuess& guess, FollowedScan& followed) {
-  const Eigen::Vector2d place = followed.local_from_body.translation();
-  const double off = direction.dot(guess.local_from_body.translation() - place);
-  followed.local_from_body = SE2(followed.local_from_body.rotation(), place + weight * off * direction);
+  const Eigen::Vector2d position = followed.local_from_body.translation();
+  const double off = direction.dot(guess.local_from_body.translation() - position);
+  followed.local_from_body = SE2(followed.local_from_body.rotation(), position + weight * off * direction);
 }
 
 }  // namespace

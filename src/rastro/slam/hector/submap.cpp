@@ -33,12 +33,12 @@ Submap::Submap(const HectorOptions& options, const SE2& local_from_body)
 
 void Submap::insert(const ScanPoints& scan, const SE2& local_from_body, std::size_t key_scan) {
   const SE2 submap_from_body = local_from_submap_.inverse() * local_from_body;
-  std::vector<Eigen::Vector2d> placed;
-  placed.reserve(scan.points.size());
-  for (const Eigen::Vector2d& point : scan.points) placed.push_back(submap_from_body * point);
+  std::vector<Eigen::Vector2d> in_submap;
+  in_submap.reserve(scan.points.size());
+  for (const Eigen::Vector2d& point : scan.points) in_submap.push_back(submap_from_body * point);
   views_.clear();
   for (LogOddsGrid& grid : grids_) {
-    grid.insert(submap_from_body * scan.sensor, placed);
+    grid.insert(submap_from_body * scan.sensor, in_submap);
     views_.push_back(grid.view());
   }
   key_scans_.push_back(key_scan);

@@ -31,8 +31,9 @@ Eigen::Matrix3d information_of(const Eigen::Matrix3d& covariance, double sigma_m
   Eigen::Matrix3d sum = covariance;
   sum.diagonal() += Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
   Eigen::Matrix3d information = sum.inverse();
-  constexpr double place = 1.0 / (largest_sigma_m * largest_sigma_m);
-  information.diagonal() += Eigen::Vector3d(place, place, 1.0 / (largest_sigma_rad * largest_sigma_rad));
+  constexpr double position_information = 1.0 / (largest_sigma_m * largest_sigma_m);
+  information.diagonal() +=
+      Eigen::Vector3d(position_information, position_information, 1.0 / (largest_sigma_rad * largest_sigma_rad));
   return information;
 }
 
@@ -65,7 +66,7 @@ std::size_t SubmapGraph::add_key_scan(KeyScan scan, const Eigen::Matrix3d& covar
   pose_of_key_scan_.push_back(poses_.size());
   poses_.push_back(world_from_body);
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
-    if (!submaps_[s]->finished()) tie(s, key_scan, covariance);
+    if (!submaps_[s]->finished()) constrain_to_submap(s, key_scan, covariance);
   }
   if (key_scan > 0) constrain_to_last(key_scan);
   return key_scan;
@@ -76,10 +77,11 @@ SE2 SubmapGraph::world_from_local() const {
   return poses_[pose_of_key_scan_.back()] * key_scans_.back().local_from_body.inverse();
 }
 
-void SubmapGraph::tie(std::size_t submap, std::size_t key_scan, const Eigen::Matrix3d& covariance) {
+void SubmapGraph::constrain_to_submap(std::size_t submap, std::size_t key_scan, const Eigen::Matrix3d& covariance) {
   const SE2 submap_from_body = submaps_[submap]->local_from_submap().inverse() * key_scans_[key_scan].local_from_body;
-  ties_.push_back(edge_between(pose_of_submap_[submap], pose_of_key_scan_[key_scan], submap_from_body,
-                               information_of(covariance, least_sigma_m, least_sigma_rad), ConstraintKind::odometry));
+  constraints_.push_back(edge_between(pose_of_submap_[submap], pose_of_key_scan_[key_scan], submap_from_body,
+                                      information_of(covariance, least_sigma_m, least_sigma_rad),
+                                      ConstraintKind::odometry));
 }
 
 /// Constrains consecutive key scans by the matcher's relative pose (along an unobservable direction that of odometry,
@@ -93,8 +95,9 @@ void SubmapGraph::constrain_to_last(std::size_t key_scan) {
     const Eigen::Vector2d along = slip_share * last_from_body.translation().norm() * *last.unseen_direction;
     covariance.topLeftCorner<2, 2>() = along * along.transpose();
   }
-  ties_.push_back(edge_between(pose_of_key_scan_[key_scan - 1], pose_of_key_scan_[key_scan], last_from_body,
-                               information_of(covariance, least_sigma_m, least_sigma_rad), ConstraintKind::odometry));
+  constraints_.push_back(edge_between(pose_of_key_scan_[key_scan - 1], pose_of_key_scan_[key_scan], last_from_body,
+                                      information_of(covariance, least_sigma_m, least_sigma_rad),
+                                      ConstraintKind::odometry));
 }
 
 bool SubmapGraph::made_by(std::size_t submap, std::size_t key_scan) const {
@@ -115,7 +118,7 @@ std::vector<Constraint> SubmapGraph::constraints() const {
   for (std::size_t k = 0; k < pose_of_key_scan_.size(); ++k)
     key_scan_of[static_cast<KeyframeId>(pose_of_key_scan_[k])] = static_cast<KeyframeId>(k);
   std::vector<Constraint> constraints;
-  for (Constraint edge : ties_) {
+  for (Constraint edge : constraints_) {
     const auto from = key_scan_of.find(edge.from), to = key_scan_of.find(edge.to);
     if (from == key_scan_of.end() || to == key_scan_of.end()) continue;
     edge.from = from->second;
@@ -135,31 +138,31 @@ std::vector<Constraint> SubmapGraph::constraints() const {
 }
 
 /// Path length without a constraint to the submap or an older one: what may have drifted relative to it.
-std::vector<double> SubmapGraph::untied_paths(const KeyScan& scan) const {
-  std::vector<double> tied_m(submaps_.size(), 0.0);
+std::vector<double> SubmapGraph::unconstrained_paths(const KeyScan& scan) const {
+  std::vector<double> constrained_m(submaps_.size(), 0.0);
   for (const ClosedLoop& loop : loops_)
-    tied_m[loop.submap] = std::max(tied_m[loop.submap], key_scans_[loop.key_scan].path_m);
-  double tied_to_older_m = 0.0;
+    constrained_m[loop.submap] = std::max(constrained_m[loop.submap], key_scans_[loop.key_scan].path_m);
+  double older_constrained_m = 0.0;
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
-    tied_to_older_m = std::max(tied_to_older_m, tied_m[s]);
+    older_constrained_m = std::max(older_constrained_m, constrained_m[s]);
     const double made_m = submaps_[s]->key_scans().empty() ? 0.0 : key_scans_[submaps_[s]->key_scans().back()].path_m;
-    tied_m[s] = std::max(0.0, scan.path_m - std::max(made_m, tied_to_older_m));
+    constrained_m[s] = std::max(0.0, scan.path_m - std::max(made_m, older_constrained_m));
   }
-  return tied_m;
+  return constrained_m;
 }
 
 std::vector<SubmapGraph::Candidate> SubmapGraph::candidates_of(std::size_t key_scan, bool near_only) const {
   std::vector<Candidate> candidates;
-  const std::vector<double> untied_m = untied_paths(key_scans_[key_scan]);
+  const std::vector<double> unconstrained_m = unconstrained_paths(key_scans_[key_scan]);
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
     if (!submaps_[s]->finished() || submaps_[s]->released() || made_by(s, key_scan)) continue;
     if (!near_only && key_scan < submaps_[s]->key_scans().back()) continue;
     Candidate candidate{s, key_scan, 0.0, 0.0, !near_only};
     if (!near_only) {
       candidate.reach_m =
-          std::min(options_.loop_max_reach_m, options_.loop_reach_m + options_.loop_drift_share * untied_m[s]);
-      candidate.reach_rad =
-          std::min(options_.loop_max_reach_rad, options_.loop_reach_rad + options_.loop_drift_rad_per_m * untied_m[s]);
+          std::min(options_.loop_max_reach_m, options_.loop_reach_m + options_.loop_drift_share * unconstrained_m[s]);
+      candidate.reach_rad = std::min(options_.loop_max_reach_rad,
+                                     options_.loop_reach_rad + options_.loop_drift_rad_per_m * unconstrained_m[s]);
     }
     const double distance = distance_to(s, world_from_key_scan(key_scan).translation());
     if (distance < options_.loop_near_m + candidate.reach_m) candidates.push_back(candidate);
@@ -301,7 +304,7 @@ Constraint SubmapGraph::edge_of(const ClosedLoop& loop) const {
 }
 
 std::vector<Constraint> SubmapGraph::edges() const {
-  std::vector<Constraint> edges = ties_;
+  std::vector<Constraint> edges = constraints_;
   for (const ClosedLoop& loop : loops_) edges.push_back(edge_of(loop));
   return edges;
 }

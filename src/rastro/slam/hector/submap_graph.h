@@ -69,9 +69,9 @@ class SubmapGraph {
     bool search;  ///< False: only refined from the pose in the graph.
   };
 
-  void tie(std::size_t submap, std::size_t key_scan, const Eigen::Matrix3d& covariance);
+  void constrain_to_submap(std::size_t submap, std::size_t key_scan, const Eigen::Matrix3d& covariance);
   void constrain_to_last(std::size_t key_scan);
-  std::vector<double> untied_paths(const KeyScan& scan) const;
+  std::vector<double> unconstrained_paths(const KeyScan& scan) const;
   std::vector<Candidate> candidates_of(std::size_t key_scan, bool near_only) const;
   bool made_by(std::size_t submap, std::size_t key_scan) const;
   double distance_to(std::size_t submap, const Eigen::Vector2d& world) const;
@@ -95,7 +95,7 @@ class SubmapGraph {
   std::vector<KeyScan> key_scans_;
   std::vector<SE2> poses_;
   std::vector<std::size_t> pose_of_submap_, pose_of_key_scan_;
-  std::vector<Constraint> ties_;  ///< Between poses_, as edge_of().
+  std::vector<Constraint> constraints_;  ///< Between poses_, as edge_of().
   std::vector<ClosedLoop> loops_;
   bool sparing_ = false;
 };

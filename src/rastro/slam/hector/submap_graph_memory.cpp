@@ -6,7 +6,7 @@
 namespace rastro {
 
 std::size_t SubmapGraph::bytes() const {
-  std::size_t bytes = poses_.size() * sizeof(SE2) + ties_.size() * sizeof(Constraint) +
+  std::size_t bytes = poses_.size() * sizeof(SE2) + constraints_.size() * sizeof(Constraint) +
                       loops_.size() * sizeof(ClosedLoop) +
                       (pose_of_submap_.size() + pose_of_key_scan_.size()) * sizeof(std::size_t);
   for (const auto& submap : submaps_) bytes += submap->bytes();

@@ -162,7 +162,7 @@ TEST(SubmapGraph, AnotherRoomIsNotMatchedToTheFirst) {
   for (std::size_t k = 0; k <= 20; k += 4) graph.add_key_scan(matched.key_scan(k), MatchedDrive::covariance());
   graph.submaps().front()->finish();
   graph.add_submap(matched.local(24));
-  // A long narrow room with pillars, which the matcher places at the same position.
+  // A long narrow room with pillars, which the matcher matches at the same position.
   MatchedDrive other = matched;
   other.drive.walls = {};
   other.drive.walls.add_box(-1.0, -6.0, 1.2, 9.0);
@@ -259,7 +259,7 @@ TEST(SubmapGraph, ALoopNeedsTheMinimumScore) {
   EXPECT_EQ(graph.search_loops(6), 0);
 }
 
-TEST(Placed, AScanBetweenTwoKeyScansIsMovedByBoth) {
+TEST(ScanPoses, AScanBetweenTwoKeyScansIsMovedByBoth) {
   const MatchedDrive matched = drifting();
   SubmapGraph graph(matched.options, nullptr);
   close_and_optimize(matched, graph);
@@ -274,7 +274,7 @@ TEST(Placed, AScanBetweenTwoKeyScansIsMovedByBoth) {
     scans[i].key_scan = key;
     scans[i].local_from_body = matched.local(33);
   }
-  const std::vector<StampedPlanarPose> poses = placed(scans, graph);
+  const std::vector<StampedPlanarPose> poses = scan_poses(scans, graph);
   ASSERT_EQ(poses.size(), 6U);
   const SE2 last = by(key, matched.local(33)), next = by(key + 1, matched.local(33));
   EXPECT_GT(matrix_distance(last, next), 1e-6) << "or there is nothing to share";
@@ -286,8 +286,8 @@ TEST(Placed, AScanBetweenTwoKeyScansIsMovedByBoth) {
   scans.resize(1);
   scans[0].key_scan = 19;
   scans[0].stamp = 79;
-  EXPECT_LT(matrix_distance(placed(scans, graph)[0].pose, by(19, matched.local(33))), 1e-12) << "no next one";
-  EXPECT_TRUE(placed(scans, SubmapGraph(matched.options, nullptr)).empty());
+  EXPECT_LT(matrix_distance(scan_poses(scans, graph)[0].pose, by(19, matched.local(33))), 1e-12) << "no next one";
+  EXPECT_TRUE(scan_poses(scans, SubmapGraph(matched.options, nullptr)).empty());
 }
 
 TEST(ReturnsOf, BothEndsOfTheRangeAreReturns) {

@@ -252,7 +252,7 @@ TEST(KeyframePipeline, TheMapIsArchivedWhenItGrowsAndNoJobIsInFlight) {
   PipelineBench bench(without_culling(), context);
   bench.session.scale = MapScale{true, 0.5, "a known length"};
   bench.pipeline.archive_map();
-  EXPECT_EQ(archive.kept.size(), 0U) << "a keyframe is under way";
+  EXPECT_EQ(archive.kept.size(), 0U) << "a keyframe is being processed";
   bench.pipeline.take_all_results(bench.events);
   ASSERT_EQ(archive.kept.size(), 1U);
   EXPECT_EQ(archive.kept[0]->keyframes.size(), 4U);

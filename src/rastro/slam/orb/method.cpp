@@ -26,8 +26,9 @@ class OrbMethod : public SlamMethod {
     if (!source.has_image) throw Error("has no images", source.path, "'--method orb' needs a recording of a camera");
     if (source.cameras.empty() || !source.cameras.front().camera)
       throw Error("has no calibration", source.path, "give one with --calibration FILE");
-    return make_placed(context,
-                       [&](const SlamContext& placed) { return std::make_unique<OrbSlam>(options_, source, placed); });
+    return make_with_initial_pose(context, [&](const SlamContext& own_context) {
+      return std::make_unique<OrbSlam>(options_, source, own_context);
+    });
   }
 
  private:

@@ -23,8 +23,8 @@ std::shared_ptr<const KeyframeSurface> DepthStore::depth(std::int64_t keyframe) 
       return found->second.grid;
     }
   }
-  const UnpackedImages pictures = unpack_images(pictures_->pictures(keyframe), fmt::format("keyframe {}", keyframe));
-  auto grid = std::make_shared<const KeyframeSurface>(check_.surface_of(pictures.depth));
+  const UnpackedImages images = unpack_images(images_->images(keyframe), fmt::format("keyframe {}", keyframe));
+  auto grid = std::make_shared<const KeyframeSurface>(check_.surface_of(images.depth));
   const std::lock_guard lock(mutex_);
   hold(keyframe, grid);
   return grid;

@@ -15,8 +15,8 @@ namespace rastro {
 /// their images. Thread-safe. `check` must outlive this.
 class DepthStore {
  public:
-  DepthStore(const SurfaceCheck& check, std::shared_ptr<const ImageStore> pictures)
-      : check_(check), pictures_(std::move(pictures)) {}
+  DepthStore(const SurfaceCheck& check, std::shared_ptr<const ImageStore> images)
+      : check_(check), images_(std::move(images)) {}
   void add(std::int64_t keyframe, const DepthImage& depth);
   std::shared_ptr<const KeyframeSurface> depth(std::int64_t keyframe);
 
@@ -28,7 +28,7 @@ class DepthStore {
   void hold(std::int64_t keyframe, std::shared_ptr<const KeyframeSurface> grid);
 
   const SurfaceCheck& check_;
-  std::shared_ptr<const ImageStore> pictures_;
+  std::shared_ptr<const ImageStore> images_;
   std::mutex mutex_;
   std::map<std::int64_t, Held> held_;
   std::uint64_t uses_ = 0;

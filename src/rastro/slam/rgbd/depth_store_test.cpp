@@ -36,13 +36,13 @@ class DepthStoreTest : public ::testing::Test {
     return camera;
   }
   void add(std::int64_t id) {
-    pictures_->add(id, wall_of(id));
+    images_->add(id, wall_of(id));
     store_.add(id, wall_of(id).depth);
   }
 
   SurfaceCheck check_{camera(), surface_options(RgbdSlamOptions())};
-  std::shared_ptr<CountingImages> pictures_ = std::make_shared<CountingImages>();
-  DepthStore store_{check_, pictures_};
+  std::shared_ptr<CountingImages> images_ = std::make_shared<CountingImages>();
+  DepthStore store_{check_, images_};
 };
 
 TEST_F(DepthStoreTest, WhatWasJustAddedIsNotReadAgain) {
@@ -50,7 +50,7 @@ TEST_F(DepthStoreTest, WhatWasJustAddedIsNotReadAgain) {
   for (int id = 0; id < held_at_most; ++id) {
     EXPECT_EQ(store_.depth(id)->blocks.depth, check_.surface_of(wall_of(id).depth).blocks.depth) << id;
   }
-  EXPECT_EQ(pictures_->asked(), 0);
+  EXPECT_EQ(images_->asked(), 0);
 }
 
 TEST_F(DepthStoreTest, HoldsNoMoreThanItsBoundAndGivesTheSameContentAgain) {
@@ -68,9 +68,9 @@ TEST_F(DepthStoreTest, HoldsNoMoreThanItsBoundAndGivesTheSameContentAgain) {
   int alive = 0;
   for (const auto& surface : given) alive += surface.expired() ? 0 : 1;
   EXPECT_EQ(alive, held_at_most) << "of those that nobody else holds";
-  EXPECT_EQ(pictures_->asked(), 0);
+  EXPECT_EQ(images_->asked(), 0);
   for (int id = 0; id < 20; ++id) EXPECT_EQ(store_.depth(id)->blocks.depth, blocks[static_cast<std::size_t>(id)]);
-  EXPECT_EQ(pictures_->asked(), 20) << "each was made again from its pictures";
+  EXPECT_EQ(images_->asked(), 20) << "each was made again from its images";
   const auto first = store_.depth(0);
   ASSERT_EQ(first->planes.size(), planes_of_first.size());
   for (std::size_t k = 0; k < first->planes.size(); ++k) {
@@ -84,13 +84,13 @@ TEST_F(DepthStoreTest, TheLeastRecentlyUsedIsDroppedFirst) {
   store_.depth(0);
   add(held_at_most);
   store_.depth(0);
-  EXPECT_EQ(pictures_->asked(), 0) << "asked for last, so it stays";
+  EXPECT_EQ(images_->asked(), 0) << "asked for last, so it stays";
   store_.depth(1);
-  EXPECT_EQ(pictures_->asked(), 1) << "the oldest was given up for the new one";
+  EXPECT_EQ(images_->asked(), 1) << "the oldest was given up for the new one";
   store_.depth(1);
-  EXPECT_EQ(pictures_->asked(), 1) << "and is held again";
+  EXPECT_EQ(images_->asked(), 1) << "and is held again";
   store_.depth(2);
-  EXPECT_EQ(pictures_->asked(), 2) << "the next oldest had to go for it";
+  EXPECT_EQ(images_->asked(), 2) << "the next oldest had to go for it";
 }
 
 TEST_F(DepthStoreTest, ASurfaceInUseOutlivesItsCacheEntry) {
@@ -106,7 +106,7 @@ TEST_F(DepthStoreTest, AMissingKeyframeIsAnError) { EXPECT_THROW(store_.depth(5)
 
 TEST_F(DepthStoreTest, SeveralThreadsGetTheSame) {
   constexpr int keyframes = 100;
-  for (int id = 0; id < keyframes; ++id) pictures_->add(id, wall_of(id));
+  for (int id = 0; id < keyframes; ++id) images_->add(id, wall_of(id));
   std::vector<int> wrong(4, 0);
   std::vector<std::thread> threads;
   for (std::size_t t = 0; t < wrong.size(); ++t) {

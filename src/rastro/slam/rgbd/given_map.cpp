@@ -18,9 +18,9 @@ namespace {
 void check_camera(const Camera& other, const Camera& camera) {
   constexpr double most_share = 0.01;  // of the width: calibrations of the same camera differ by less
   const double most_px = most_share * camera.width;
-  const double apart_px = std::max({std::abs(other.fx - camera.fx), std::abs(other.fy - camera.fy),
-                                    std::abs(other.cx - camera.cx), std::abs(other.cy - camera.cy)});
-  if (other.width == camera.width && other.height == camera.height && apart_px <= most_px) return;
+  const double difference_px = std::max({std::abs(other.fx - camera.fx), std::abs(other.fy - camera.fy),
+                                         std::abs(other.cx - camera.cx), std::abs(other.cy - camera.cy)});
+  if (other.width == camera.width && other.height == camera.height && difference_px <= most_px) return;
   throw Error(fmt::format("was made by another camera ({} x {} pixels, focal length {:.1f} px)", other.width,
                           other.height, other.fx),
               "--map",

@@ -37,8 +37,8 @@ Features spread(const Features& all, const Frame& frame, std::size_t most) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Keypoint& keypoint = all.keypoints[i];
     if (masked(frame, keypoint)) continue;
-    const auto cell = [](float place, int size, int cells_along) {
-      return std::clamp(static_cast<int>(place) * cells_along / std::max(1, size), 0, cells_along - 1);
+    const auto cell = [](float position, int size, int cells_along) {
+      return std::clamp(static_cast<int>(position) * cells_along / std::max(1, size), 0, cells_along - 1);
     };
     const int row = cell(keypoint.y, frame.image.height(), cells_down);
     cells[static_cast<std::size_t>(row * cells_across + cell(keypoint.x, frame.image.width(), cells_across))].push_back(

@@ -63,9 +63,9 @@ TEST(FeatureDepth, MissingPixelsDoNotCountAndTooManyGiveNone) {
 
 TEST(FeatureDepth, HasNoneAtTheImageBorder) {
   const DepthImage depth = patch();
-  for (const float place : {-3.0F, 0.0F, 1.0F, 7.0F, 8.0F, 30.0F}) {
-    EXPECT_EQ(feature_depth(depth, place, 4.0F), 0.0F) << place;
-    EXPECT_EQ(feature_depth(depth, 4.0F, place), 0.0F) << place;
+  for (const float coordinate : {-3.0F, 0.0F, 1.0F, 7.0F, 8.0F, 30.0F}) {
+    EXPECT_EQ(feature_depth(depth, coordinate, 4.0F), 0.0F) << coordinate;
+    EXPECT_EQ(feature_depth(depth, 4.0F, coordinate), 0.0F) << coordinate;
   }
   EXPECT_EQ(feature_depth(depth, 2.0F, 6.0F), 2.0F);
   EXPECT_EQ(feature_depth(DepthImage(), 4.0F, 4.0F), 0.0F);

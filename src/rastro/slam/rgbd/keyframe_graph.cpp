@@ -42,13 +42,13 @@ void KeyframeGraph::add_edge(const Constraint& edge) {
 }
 
 void KeyframeGraph::forget_features(std::int64_t id) {
-  auto& place = keyframes_[static_cast<std::size_t>(id)];
+  auto& entry = keyframes_[static_cast<std::size_t>(id)];
   auto bare = std::make_shared<ImageFeatures>();
-  bare->id = place->id;
-  bare->frame = place->frame;
-  bare->stamp = place->stamp;
-  bare->features.length = place->features.length;
-  place = std::move(bare);
+  bare->id = entry->id;
+  bare->frame = entry->frame;
+  bare->stamp = entry->stamp;
+  bare->features.length = entry->features.length;
+  entry = std::move(bare);
 }
 
 std::optional<std::int64_t> KeyframeGraph::most_redundant(int others) const {
@@ -56,14 +56,15 @@ std::optional<std::int64_t> KeyframeGraph::most_redundant(int others) const {
   int most = others - 1;
   for (std::int64_t id = frozen_; id < size() - options_.graph_window; ++id) {
     if (keyframe(id).features.size() == 0) continue;
-    std::vector<std::int64_t> tied;
+    std::vector<std::int64_t> neighbors;
     for (const std::size_t e : edges_of_[static_cast<std::size_t>(id)]) {
       const std::int64_t other = edges_[e].from == id ? edges_[e].to : edges_[e].from;
-      if (keyframe(other).features.size() > 0 && std::find(tied.begin(), tied.end(), other) == tied.end())
-        tied.push_back(other);
+      if (keyframe(other).features.size() > 0 &&
+          std::find(neighbors.begin(), neighbors.end(), other) == neighbors.end())
+        neighbors.push_back(other);
     }
-    if (static_cast<int>(tied.size()) <= most) continue;
-    most = static_cast<int>(tied.size());
+    if (static_cast<int>(neighbors.size()) <= most) continue;
+    most = static_cast<int>(neighbors.size());
     best = id;
   }
   return best;
@@ -125,7 +126,7 @@ std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& ran
   return candidates.ids();
 }
 
-void KeyframeGraph::join(const Constraint& edge) {
+void KeyframeGraph::merge(const Constraint& edge) {
   const int a = submap(edge.from), b = submap(edge.to);
   if (a == b) return;
   const SE3 a_from_b = pose(edge.from) * edge.rigid() * pose(edge.to).inverse();

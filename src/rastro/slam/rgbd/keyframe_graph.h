@@ -55,7 +55,7 @@ class KeyframeGraph {
   int steps_between(std::int64_t from, std::int64_t to, int most) const;
   /// Merges two submaps: transforms the one with the larger number into the frame of the other, by the `edge` between
   /// them.
-  void join(const Constraint& edge);
+  void merge(const Constraint& edge);
   /// Optimizes the last keyframes only, or all.
   PoseGraphResult optimize(bool all);
   /// Sets an upper bound of a keyframe's covariance relative to the first of its submap: that of the best neighbor plus

@@ -101,10 +101,10 @@ TEST(KeyframeGraphCandidates, TheNearestAreThoseOfBruteForce) {
     const std::int64_t id = graph.size() - 1;
     std::vector<std::pair<double, std::int64_t>> all;
     for (std::int64_t k = 0; k < id; ++k) {
-      const Eigen::Vector3d apart = graph.pose(k).translation() - graph.pose(id).translation();
-      const Eigen::AngleAxisd turned(graph.pose(k).rotation().matrix().transpose() *
-                                     graph.pose(id).rotation().matrix());
-      const double far = std::max(apart.norm() / options.near_distance_m, turned.angle() / options.near_angle_rad);
+      const Eigen::Vector3d offset = graph.pose(k).translation() - graph.pose(id).translation();
+      const Eigen::AngleAxisd rotation(graph.pose(k).rotation().matrix().transpose() *
+                                       graph.pose(id).rotation().matrix());
+      const double far = std::max(offset.norm() / options.near_distance_m, rotation.angle() / options.near_angle_rad);
       if (far < 1.0 && graph.submap(k) == graph.submap(id) && k % 7 != 3) all.emplace_back(far, k);
     }
     std::sort(all.begin(), all.end());
@@ -211,27 +211,27 @@ TEST(KeyframeGraph, MergingTransformsTheLargerNumberIntoTheFrameOfTheSmaller) {
       before.push_back(SE3::exp(random_vector<Vector6d>(random, 2.0)));
       add_keyframe(graph, before.back(), k < 4 ? 1 : k < 7 ? 3 : 0);
     }
-    const SE3 tied = SE3::exp(random_vector<Vector6d>(random, 0.5));
+    const SE3 relative = SE3::exp(random_vector<Vector6d>(random, 0.5));
     // From submap 1 to 3 by keyframes 2 and 5, or in the opposite direction.
     const Constraint edge =
-        forward ? edge_of(2, 5, tied, ConstraintKind::merge) : edge_of(5, 2, tied, ConstraintKind::merge);
-    graph.join(edge);
+        forward ? edge_of(2, 5, relative, ConstraintKind::merge) : edge_of(5, 2, relative, ConstraintKind::merge);
+    graph.merge(edge);
     const std::size_t from = forward ? 2 : 5, to = forward ? 5 : 2;
     EXPECT_THAT(graph.pose(static_cast<std::int64_t>(from)).inverse() * graph.pose(static_cast<std::int64_t>(to)),
-                pose_near(tied, 1e-9, 1e-9));
+                pose_near(relative, 1e-9, 1e-9));
     for (std::int64_t k = 0; k < 9; ++k) {
-      const auto place = static_cast<std::size_t>(k);
+      const auto index = static_cast<std::size_t>(k);
       EXPECT_EQ(graph.submap(k), k < 7 ? 1 : 0) << "the smaller number is kept, a third submap has no part";
       const std::size_t first = k < 4 ? 0 : k < 7 ? 4 : 7;
       EXPECT_THAT(graph.pose(static_cast<std::int64_t>(first)).inverse() * graph.pose(k),
-                  pose_near(before[first].inverse() * before[place], 1e-9, 1e-9))
+                  pose_near(before[first].inverse() * before[index], 1e-9, 1e-9))
           << "moved as one";
       if (k >= 4 && k < 7) continue;
-      EXPECT_THAT(graph.pose(k), pose_near(before[place], 0.0, 1e-12)) << "stays";
+      EXPECT_THAT(graph.pose(k), pose_near(before[index], 0.0, 1e-12)) << "stays";
     }
-    graph.join(edge_of(0, 6, SE3(), ConstraintKind::merge));
+    graph.merge(edge_of(0, 6, SE3(), ConstraintKind::merge));
     EXPECT_THAT(graph.pose(static_cast<std::int64_t>(from)).inverse() * graph.pose(static_cast<std::int64_t>(to)),
-                pose_near(tied, 1e-9, 1e-9))
+                pose_near(relative, 1e-9, 1e-9))
         << "of one submap already: nothing to do";
   }
 }
@@ -365,8 +365,8 @@ TEST(KeyframeGraph, TheCovarianceOfAChainIsThatOfManySamples) {
       const SE3 sample = edge.rigid() * SE3::exp(error);
       end = end * (edge.from < edge.to ? sample : sample.inverse());
     }
-    const Vector6d apart = (graph.pose(4).inverse() * end).log();
-    drawn += apart * apart.transpose() / draws;
+    const Vector6d difference = (graph.pose(4).inverse() * end).log();
+    drawn += difference * difference.transpose() / draws;
   }
   EXPECT_THAT(graph.covariance(4), matrix_near(drawn, 0.08 * drawn.diagonal().maxCoeff()));
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(graph.covariance(4)(i, i) / drawn(i, i), 1.0, 0.12) << i;

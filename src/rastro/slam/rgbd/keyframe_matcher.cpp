@@ -81,7 +81,7 @@ std::vector<PointMatch> KeyframeMatcher::matches_of(const ImageFeatures& a, cons
   DescriptorMatchOptions matching;
   matching.max_ratio = options_.max_ratio;
   const float finest_a = finest_size(a.features), finest_b = finest_size(b.features);
-  std::vector<PointMatch> ties;
+  std::vector<PointMatch> matches;
   for (const DescriptorMatch& match : match_descriptors(b.features, a.features, matching)) {
     const Keypoint &in_a = a.features.keypoints[match.second], &in_b = b.features.keypoints[match.first];
     const auto ray_a = camera_.unproject(Eigen::Vector2d(Eigen::Vector2f(in_a.x, in_a.y).cast<double>()));
@@ -89,16 +89,16 @@ std::vector<PointMatch> KeyframeMatcher::matches_of(const ImageFeatures& a, cons
     const auto depth_a = static_cast<double>(a.depths[match.second]),
                depth_b = static_cast<double>(b.depths[match.first]);
     if (!ray_a || !ray_b || (depth_a <= 0.0 && depth_b <= 0.0)) continue;
-    ties.push_back({*ray_a, *ray_b, depth_a, depth_b, pixel_sigma(in_a, finest_a, options_.pixel_sigma),
-                    pixel_sigma(in_b, finest_b, options_.pixel_sigma)});
+    matches.push_back({*ray_a, *ray_b, depth_a, depth_b, pixel_sigma(in_a, finest_a, options_.pixel_sigma),
+                       pixel_sigma(in_b, finest_b, options_.pixel_sigma)});
   }
-  return ties;
+  return matches;
 }
 
 std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a, const ViewOfKeyframe& b,
                                                          int min_inliers, std::uint64_t seed,
                                                          const std::optional<SE3>& guess) const {
-  const std::vector<PointMatch> ties = matches_of(*a.keyframe, *b.keyframe);
+  const std::vector<PointMatch> matches = matches_of(*a.keyframe, *b.keyframe);
   PointMatchOptions fitting;
   fitting.noise = depth_noise(options_);
   fitting.focal_px = camera_.fx;
@@ -106,24 +106,25 @@ std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a
   const bool may_slide = options_.few_features == "icp";
   fitting.min_inliers = may_slide ? std::min(min_inliers, options_.few_inliers) : min_inliers;
   fitting.seed = seed;
-  std::optional<MatchedViews> views = estimate_views(ties, fitting, guess);
-  if (!views || judge({.matches = static_cast<int>(ties.size()), .inliers = views->inliers},
+  std::optional<MatchedViews> views = estimate_views(matches, fitting, guess);
+  if (!views || judge({.matches = static_cast<int>(matches.size()), .inliers = views->inliers},
                       feature_acceptance(options_)) != Rejection::none)
     return std::nullopt;
   const auto surface_a = a.depth(), surface_b = b.depth();
   const bool few = views->inliers < min_inliers;
   if (few) views = slide(check_, *surface_a, *surface_b, *views);
   if (!views) return std::nullopt;
-  KeyframeConstraint tie{views->a_from_b, Matrix6d::Identity(), static_cast<int>(ties.size()), views->inliers, {}};
-  tie.agreement = check_.compare(*surface_a, *surface_b, tie.a_from_b);
-  if (judge(tie.evidence(), surface_acceptance(options_, few)) != Rejection::none) return std::nullopt;
+  KeyframeConstraint constraint{
+      views->a_from_b, Matrix6d::Identity(), static_cast<int>(matches.size()), views->inliers, {}};
+  constraint.agreement = check_.compare(*surface_a, *surface_b, constraint.a_from_b);
+  if (judge(constraint.evidence(), surface_acceptance(options_, few)) != Rejection::none) return std::nullopt;
   // Errors common to pixels and depths, as from lens and clocks, do not decrease with their number.
   Matrix6d covariance = views->information.inverse();
   covariance.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
   covariance.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;
-  tie.information = covariance.inverse();
-  tie.information = (0.5 * (tie.information + tie.information.transpose())).eval();
-  return tie;
+  constraint.information = covariance.inverse();
+  constraint.information = (0.5 * (constraint.information + constraint.information.transpose())).eval();
+  return constraint;
 }
 
 }  // namespace rastro

@@ -54,16 +54,16 @@ TEST_F(KeyframeMatcherTest, FindsTheMotionBetweenTwoViewsWithinItsSigmas) {
     const SE3 moved = pose_b_ * SE3(SO3::exp({0.0, 0.02 * k - 0.08, 0.01 * k}), {0.02 * k, 0.0, 0.0});
     const View a = view(pose_a_, static_cast<std::uint64_t>(2 * k)),
                b = view(moved, static_cast<std::uint64_t>(2 * k + 1));
-    const auto tie = match(a, b);
-    ASSERT_TRUE(tie) << k;
-    EXPECT_GE(tie->inliers, 25);
-    EXPECT_LE(tie->inliers, tie->matches);
+    const auto constraint = match(a, b);
+    ASSERT_TRUE(constraint) << k;
+    EXPECT_GE(constraint->inliers, 25);
+    EXPECT_LE(constraint->inliers, constraint->matches);
     const SE3 truth = a.world_from_camera.inverse() * b.world_from_camera;
-    EXPECT_THAT(tie->a_from_b, pose_near(truth, 0.025, 0.008)) << k;
-    const Vector6d error = (tie->a_from_b.inverse() * truth).log();
-    sum += error.dot(tie->information * error);
-    EXPECT_GT(tie->agreement.evidence().observed_share(), 0.95);
-    EXPECT_EQ(tie->information, tie->information.transpose());
+    EXPECT_THAT(constraint->a_from_b, pose_near(truth, 0.025, 0.008)) << k;
+    const Vector6d error = (constraint->a_from_b.inverse() * truth).log();
+    sum += error.dot(constraint->information * error);
+    EXPECT_GT(constraint->agreement.evidence().observed_share(), 0.95);
+    EXPECT_EQ(constraint->information, constraint->information.transpose());
   }
   EXPECT_LT(sum / pairs, 12.0) << "6 on average for a right covariance";
 }
@@ -71,9 +71,9 @@ TEST_F(KeyframeMatcherTest, FindsTheMotionBetweenTwoViewsWithinItsSigmas) {
 TEST_F(KeyframeMatcherTest, HasAMinimumSigma) {
   options_.edge_sigma_m = 0.05;
   options_.edge_sigma_rad = 0.03;
-  const auto tie = match(view(pose_a_, 1), view(pose_b_, 2));
-  ASSERT_TRUE(tie);
-  const Matrix6d covariance = tie->information.inverse();
+  const auto constraint = match(view(pose_a_, 1), view(pose_b_, 2));
+  ASSERT_TRUE(constraint);
+  const Matrix6d covariance = constraint->information.inverse();
   for (int i = 0; i < 6; ++i) {
     const double floor = i < 3 ? 0.05 : 0.03;
     EXPECT_GT(covariance(i, i), floor * floor);
@@ -99,17 +99,17 @@ TEST_F(KeyframeMatcherTest, ViewsOfDifferentWallsHaveNothingInCommon) {
 TEST_F(KeyframeMatcherTest, FewerInliersThanAskedForAreRefused) {
   options_.few_features = "refuse";
   const View a = view(pose_a_, 1), b = view(pose_b_, 2);
-  const auto tie = match(a, b);
-  ASSERT_TRUE(tie);
-  EXPECT_TRUE(match(a, b, tie->inliers - 5));
-  EXPECT_FALSE(match(a, b, tie->inliers + 20));
+  const auto constraint = match(a, b);
+  ASSERT_TRUE(constraint);
+  EXPECT_TRUE(match(a, b, constraint->inliers - 5));
+  EXPECT_FALSE(match(a, b, constraint->inliers + 20));
 }
 
 TEST_F(KeyframeMatcherTest, TooSmallAShareOfInliersIsRefused) {
   const View a = view(pose_a_, 1), b = view(pose_b_, 2);
-  const auto tie = match(a, b);
-  ASSERT_TRUE(tie);
-  const double share = static_cast<double>(tie->inliers) / tie->matches;
+  const auto constraint = match(a, b);
+  ASSERT_TRUE(constraint);
+  const double share = static_cast<double>(constraint->inliers) / constraint->matches;
   options_.min_inlier_share = share - 0.05;
   EXPECT_TRUE(match(a, b));
   options_.min_inlier_share = std::min(1.0, share + 0.05);
@@ -165,19 +165,19 @@ TEST_F(KeyframeMatcherTest, AMatchThatDepthContradictsIsRefused) {
 TEST_F(KeyframeMatcherTest, MatchesHavePositionsAndSigmas) {
   const View a = view(pose_a_, 1), b = view(pose_b_, 2);
   const KeyframeMatcher matcher(options_, test_room::camera());
-  const std::vector<PointMatch> ties = matcher.matches_of(*a.keyframe, *b.keyframe);
-  ASSERT_GT(ties.size(), 50U);
+  const std::vector<PointMatch> matches = matcher.matches_of(*a.keyframe, *b.keyframe);
+  ASSERT_GT(matches.size(), 50U);
   const SE3 a_from_b = pose_a_.inverse() * pose_b_;
   int close = 0;
-  for (const PointMatch& tie : ties) {
-    EXPECT_TRUE(tie.depth_a > 0.0 || tie.depth_b > 0.0);
-    EXPECT_GE(tie.sigma_a, options_.pixel_sigma);
-    EXPECT_LE(tie.sigma_a, 2.0 * options_.pixel_sigma) << "of coarse features twice as much at most";
-    if (tie.depth_b <= 0.0) continue;
-    const Eigen::Vector3d in_a = a_from_b * (tie.depth_b * tie.ray_b.homogeneous());
-    close += (in_a.hnormalized() - tie.ray_a).norm() * 260.0 < 4.0 ? 1 : 0;
+  for (const PointMatch& point_match : matches) {
+    EXPECT_TRUE(point_match.depth_a > 0.0 || point_match.depth_b > 0.0);
+    EXPECT_GE(point_match.sigma_a, options_.pixel_sigma);
+    EXPECT_LE(point_match.sigma_a, 2.0 * options_.pixel_sigma) << "of coarse features twice as much at most";
+    if (point_match.depth_b <= 0.0) continue;
+    const Eigen::Vector3d in_a = a_from_b * (point_match.depth_b * point_match.ray_b.homogeneous());
+    close += (in_a.hnormalized() - point_match.ray_a).norm() * 260.0 < 4.0 ? 1 : 0;
   }
-  EXPECT_GT(close, static_cast<int>(ties.size()) / 2) << "from b to a, not the other way";
+  EXPECT_GT(close, static_cast<int>(matches.size()) / 2) << "from b to a, not the other way";
 }
 
 TEST_F(KeyframeMatcherTest, FeaturesWithoutDepthInBothAreNoMatches) {
@@ -194,9 +194,9 @@ TEST_F(KeyframeMatcherTest, FeaturesWithoutDepthInBothAreNoMatches) {
   EXPECT_GT(by_b.size(), 30U) << "one depth of the two is enough";
   View half = a;
   half.keyframe = flat_a;
-  const auto tie = match(half, b);
-  ASSERT_TRUE(tie);
-  EXPECT_THAT(tie->a_from_b, pose_near(pose_a_.inverse() * pose_b_, 0.03, 0.01));
+  const auto constraint = match(half, b);
+  ASSERT_TRUE(constraint);
+  EXPECT_THAT(constraint->a_from_b, pose_near(pose_a_.inverse() * pose_b_, 0.03, 0.01));
 }
 
 TEST(KeyframeMatcherNoise, IsTheFollowers) {

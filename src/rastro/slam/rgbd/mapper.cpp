@@ -43,9 +43,9 @@ Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamC
       maps_(context.map == nullptr),
       budget_(map_budget_bytes(context, options.memory_reserve_mb)),
       in_memory_(std::make_shared<MemoryImages>()),
-      pictures_(packed_images_of(context, in_memory_)),
+      images_(packed_images_of(context, in_memory_)),
       matcher_(options, camera),
-      depths_(matcher_.surfaces(), pictures_),
+      depths_(matcher_.surfaces(), images_),
       features_(options),
       graph_(options, context.map ? static_cast<std::int64_t>(context.map->keyframes.size()) : 0) {
   if (!context.map) return;
@@ -61,9 +61,9 @@ MapRevision Mapper::add(const KeyframeOrder& order) {
   ImageFeatures keyframe = features_.extract(order.frame, budget_.share());
   keyframe.id = order.id;
   keep(order, std::move(keyframe));
-  for (const Constraint& edge : order.ties) add_edge(edge, revision);
+  for (const Constraint& edge : order.constraints) add_edge(edge, revision);
   graph_.settle_covariance(order.id);
-  tie(order.id, revision);
+  constrain(order.id, revision);
   frames_ = order.frames;
   stay_within_budget(revision);
   revision.keyframe = graph_.shared_keyframe(order.id);
@@ -75,8 +75,8 @@ MapRevision Mapper::add(const KeyframeOrder& order) {
 /// Its pose from the tracker, relative to the keyframe of its constraint, since the graph may have moved.
 void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
   KeyframePose pose{order.world_from_camera, order.submap};
-  if (!order.ties.empty()) {
-    const Constraint& edge = order.ties.front();
+  if (!order.constraints.empty()) {
+    const Constraint& edge = order.constraints.front();
     pose = {graph_.pose(edge.from) * edge.rigid(), graph_.submap(edge.from)};
   }
   auto kept = std::make_shared<const ImageFeatures>(std::move(keyframe));
@@ -85,12 +85,12 @@ void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
   bytes_ += bytes_of(*kept);
   graph_.add(kept, pose, Matrix6d::Zero());
   if (!maps_) return;
-  PackedImages pictures = pack_images(shown);
+  PackedImages images = pack_images(shown);
   if (archive_ != nullptr) {
-    archive_->add_images(order.id, std::move(pictures));
+    archive_->add_images(order.id, std::move(images));
   } else {
-    bytes_ += pictures.bytes();
-    in_memory_->add(order.id, std::move(pictures));
+    bytes_ += images.bytes();
+    in_memory_->add(order.id, std::move(images));
   }
 }
 
@@ -103,16 +103,16 @@ std::optional<Constraint> Mapper::verify(std::int64_t other, std::int64_t id) {
   const auto view = [this](std::int64_t k) {
     return ViewOfKeyframe{&graph_.keyframe(k), [this, k] { return depths_.depth(k); }};
   };
-  const bool joins = graph_.submap(other) != graph_.submap(id);
+  const bool merges = graph_.submap(other) != graph_.submap(id);
   std::optional<SE3> guess;
-  if (!joins) guess = graph_.pose(other).inverse() * graph_.pose(id);
+  if (!merges) guess = graph_.pose(other).inverse() * graph_.pose(id);
   const std::uint64_t seed =
       seed_for(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)), static_cast<std::uint64_t>(other));
-  const auto tie =
-      matcher_.match(view(other), view(id), joins ? options_.relocalize_inliers : options_.min_inliers, seed, guess);
-  if (!tie) return std::nullopt;
-  Constraint edge{other, id, Sim3(tie->a_from_b), tie->information, ConstraintKind::proximity, 1.0, tie->inliers};
-  if (joins) {
+  const auto match =
+      matcher_.match(view(other), view(id), merges ? options_.relocalize_inliers : options_.min_inliers, seed, guess);
+  if (!match) return std::nullopt;
+  Constraint edge{other, id, Sim3(match->a_from_b), match->information, ConstraintKind::proximity, 1.0, match->inliers};
+  if (merges) {
     edge.kind = ConstraintKind::merge;
   } else if (other < graph_.frozen() || graph_.steps_between(other, id, options_.loop_steps) >= options_.loop_steps) {
     edge.kind = ConstraintKind::loop;
@@ -120,7 +120,7 @@ std::optional<Constraint> Mapper::verify(std::int64_t other, std::int64_t id) {
   return edge;
 }
 
-void Mapper::tie(std::int64_t id, MapRevision& revision) {
+void Mapper::constrain(std::int64_t id, MapRevision& revision) {
   Random random(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)));
   std::vector<Constraint> verified;
   for (const std::int64_t other : graph_.candidates(id, random)) {
@@ -135,7 +135,7 @@ void Mapper::accept(const Constraint& edge, MapRevision& revision) {
     revision.events.push_back(
         {"joined", fmt::format("submaps {} and {} by keyframes {} and {}", graph_.submap(edge.from),
                                graph_.submap(edge.to), edge.from, edge.to)});
-    graph_.join(edge);
+    graph_.merge(edge);
   }
   add_edge(edge, revision);
 }
@@ -144,8 +144,8 @@ void Mapper::correct(std::int64_t id, const std::vector<Constraint>& accepted, M
   const auto count = [&](ConstraintKind kind) {
     return std::count_if(accepted.begin(), accepted.end(), [&](const Constraint& edge) { return edge.kind == kind; });
   };
-  const auto loops = count(ConstraintKind::loop), joins = count(ConstraintKind::merge);
-  const bool all = maps_ && (loops > 0 || joins > 0);
+  const auto loops = count(ConstraintKind::loop), merges = count(ConstraintKind::merge);
+  const bool all = maps_ && (loops > 0 || merges > 0);
   const PoseGraphResult result = graph_.optimize(all);
   graph_.settle_covariance(id);
   if (loops > 0 && maps_)

@@ -24,11 +24,11 @@ namespace rastro {
 /// The input from which the mapper makes a keyframe.
 struct KeyframeOrder {
   std::int64_t id = 0;
-  Frame frame;                   ///< Only image, color, depth and mask are read.
-  SE3 world_from_camera;         ///< As the tracker estimated it.
-  int submap = 0;                ///< As far as the tracker knows.
-  std::vector<Constraint> ties;  ///< To this keyframe: from odometry or from relocalization.
-  std::size_t frames = 0;        ///< Number with a pose so far; they take memory as well.
+  Frame frame;                          ///< Only image, color, depth and mask are read.
+  SE3 world_from_camera;                ///< As the tracker estimated it.
+  int submap = 0;                       ///< As far as the tracker knows.
+  std::vector<Constraint> constraints;  ///< To this keyframe: from odometry or from relocalization.
+  std::size_t frames = 0;               ///< Number with a pose so far; they take memory as well.
 };
 
 /// The new keyframe and the changes to the map.
@@ -53,14 +53,14 @@ class Mapper {
   /// Optimizes all keyframes over all constraints once more; the keyframe of the result stays null.
   MapRevision settle();
 
-  const std::shared_ptr<const ImageStore>& pictures() const { return pictures_; }
+  const std::shared_ptr<const ImageStore>& images() const { return images_; }
   /// Thread-safe.
   DepthStore& depths() { return depths_; }
 
  private:
   void keep(const KeyframeOrder& order, ImageFeatures keyframe);
   /// Candidates, verification, acceptance, correction.
-  void tie(std::int64_t id, MapRevision& revision);
+  void constrain(std::int64_t id, MapRevision& revision);
   std::optional<Constraint> verify(std::int64_t other, std::int64_t id);
   void accept(const Constraint& edge, MapRevision& revision);
   void correct(std::int64_t id, const std::vector<Constraint>& accepted, MapRevision& revision);
@@ -80,7 +80,7 @@ class Mapper {
   std::size_t frames_ = 0;     ///< As in the last input.
   std::int64_t given_up_ = 0;  ///< Keyframes without their features.
   std::shared_ptr<MemoryImages> in_memory_;
-  std::shared_ptr<const ImageStore> pictures_;
+  std::shared_ptr<const ImageStore> images_;
   KeyframeMatcher matcher_;
   DepthStore depths_;
   KeyframeFeatures features_;

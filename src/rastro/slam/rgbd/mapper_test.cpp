@@ -35,8 +35,8 @@ class RecordingArchive : public MapArchive {
 };
 
 KeyframeOrder order_of(std::int64_t id, const SE3& world_from_camera, const SE3& shown_from,
-                       std::vector<Constraint> ties = {}, int submap = 0) {
-  return {id, room_frame(shown_from, 10 * id), world_from_camera, submap, std::move(ties)};
+                       std::vector<Constraint> constraints = {}, int submap = 0) {
+  return {id, room_frame(shown_from, 10 * id), world_from_camera, submap, std::move(constraints)};
 }
 
 bool has_event(const MapRevision& revision, const std::string& kind) {
@@ -140,7 +140,7 @@ TEST(Mapper, TwoSubmapsOfTheSamePlaceAreMerged) {
   EXPECT_THAT(revision.poses[2].world_from_camera, pose_near(beside(1), 0.02, 0.01)) << "in the frame of the first";
   EXPECT_THAT(revision.poses[1].world_from_camera.inverse() * revision.poses[2].world_from_camera,
               pose_near(step, 0.005, 0.003))
-      << "what was tied to it came along";
+      << "connected keyframes are transformed with it";
 }
 
 TEST(Mapper, MaskedPixelsAreNeitherMatchedNorKept) {
@@ -151,7 +151,7 @@ TEST(Mapper, MaskedPixelsAreNeitherMatchedNorKept) {
     for (int x = 0; x < 320; ++x) order.frame.mask.at(x, y) = x < 160 ? 255 : 0;
   const MapRevision revision = mapper.add(order);
   for (const Keypoint& point : revision.keyframe->features.keypoints) EXPECT_LT(std::lround(point.x), 160);
-  const UnpackedImages kept = unpack_images(mapper.pictures()->pictures(0), "test");
+  const UnpackedImages kept = unpack_images(mapper.images()->images(0), "test");
   for (int y = 0; y < 240; y += 7) {
     EXPECT_EQ(kept.depth.at(200, y), 0.0F);
     EXPECT_NEAR(kept.depth.at(100, y), order.frame.depth.at(100, y), 2e-4F);
@@ -174,7 +174,7 @@ TEST(Mapper, TheArchiveGetsTheImagesAndEachRevisionHasTheNewEdges) {
     EXPECT_EQ(revision.poses.size(), static_cast<std::size_t>(k) + 1);
   }
   EXPECT_EQ(archive.keyframes, (std::vector<KeyframeId>{0, 1, 2}));
-  EXPECT_EQ(mapper.pictures(), archive.kept) << "pictures are there, not in memory";
+  EXPECT_EQ(mapper.images(), archive.kept) << "images are there, not in memory";
   EXPECT_TRUE(archive.maps.empty()) << "the map is the tracker's to hand over";
   revision = mapper.settle();
   EXPECT_FALSE(revision.keyframe);

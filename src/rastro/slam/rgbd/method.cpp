@@ -26,8 +26,8 @@ class RgbdMethod : public SlamMethod {
                   "'--method rgbd' needs a recording of a depth camera, such as a TUM RGB-D folder");
     if (source.cameras.empty() || !source.cameras.front().camera)
       throw Error("has no calibration", source.path, "give one with --calibration FILE");
-    return make_placed(context, [&](const SlamContext& placed) {
-      return std::make_unique<RgbdSlam>(options_, *source.cameras.front().camera, placed);
+    return make_with_initial_pose(context, [&](const SlamContext& own_context) {
+      return std::make_unique<RgbdSlam>(options_, *source.cameras.front().camera, own_context);
     });
   }
 

@@ -50,10 +50,11 @@ void Relocalizer::compare(const ImageFeatures& seen, const Frame& frame,
     const ImageFeatures& keyframe = *keyframes[static_cast<std::size_t>(id)];
     if (keyframe.features.size() == 0) continue;
     ++result.compared;
-    const auto tie =
+    const auto constraint =
         matcher_.match({&keyframe, [&] { return depths_.depth(id); }}, {&seen, [&] { return grid; }},
                        options_.relocalize_inliers, seed_for(seed, static_cast<std::uint64_t>(id)), std::nullopt);
-    if (tie && (!result.found || tie->inliers > result.found->tie.inliers)) result.found = Found{id, *tie};
+    if (constraint && (!result.found || constraint->inliers > result.found->constraint.inliers))
+      result.found = Found{id, *constraint};
   }
 }
 

@@ -21,7 +21,7 @@ class Relocalizer {
 
   struct Found {
     std::int64_t keyframe = 0;
-    KeyframeConstraint tie;  ///< From the keyframe to the frame.
+    KeyframeConstraint constraint;  ///< From the keyframe to the frame.
   };
   struct Try {
     std::optional<Found> found;  ///< The one with most inliers.

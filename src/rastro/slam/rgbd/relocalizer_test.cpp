@@ -26,7 +26,7 @@ class RelocalizerTest : public ::testing::Test {
       poses_.push_back(looking({0.3 * std::cos(k * M_PI / 2), 0.3 * std::sin(k * M_PI / 2), 1.2}, k * M_PI / 2, -0.3));
       const Frame frame = room_frame(poses_.back(), k);
       keyframes_.push_back(room_keyframe(frame, k, options_));
-      pictures_->add(k, frame);
+      images_->add(k, frame);
     }
   }
   Relocalizer::Try find(const Frame& frame, std::uint64_t seed = 1) {
@@ -35,8 +35,8 @@ class RelocalizerTest : public ::testing::Test {
 
   RgbdSlamOptions options_;
   KeyframeMatcher matcher_{options_, test_room::camera()};
-  std::shared_ptr<CountingImages> pictures_ = std::make_shared<CountingImages>();
-  DepthStore depths_{matcher_.surfaces(), pictures_};
+  std::shared_ptr<CountingImages> images_ = std::make_shared<CountingImages>();
+  DepthStore depths_{matcher_.surfaces(), images_};
   std::vector<SE3> poses_;
   std::vector<std::shared_ptr<const ImageFeatures>> keyframes_;
 };
@@ -48,8 +48,8 @@ TEST_F(RelocalizerTest, FindsTheKeyframeOfItsWallAndThePose) {
     const Relocalizer::Try tried = find(with_depth_noise(room_frame(truth), options_, k));
     ASSERT_TRUE(tried.found) << k;
     EXPECT_EQ(tried.found->keyframe, static_cast<std::int64_t>(k));
-    EXPECT_THAT(poses_[k] * tried.found->tie.a_from_b, pose_near(truth, 0.03, 0.015)) << k;
-    EXPECT_GE(tried.found->tie.inliers, options_.relocalize_inliers);
+    EXPECT_THAT(poses_[k] * tried.found->constraint.a_from_b, pose_near(truth, 0.03, 0.015)) << k;
+    EXPECT_GE(tried.found->constraint.inliers, options_.relocalize_inliers);
     EXPECT_EQ(tried.compared, 4);
     EXPECT_GT(tried.features, 100);
   }
@@ -61,12 +61,12 @@ TEST_F(RelocalizerTest, OfSeveralKeyframesTheOneWithMostInliersCounts) {
   const SE3 truth = poses_[1] * SE3(SO3::exp({0.0, 0.12, 0.0}), {0.1, 0.0, 0.0});
   const Frame beside = room_frame(truth * SE3(SO3(), {0.005, 0.0, 0.0}), 4);
   keyframes_.push_back(room_keyframe(beside, 4, options_));
-  pictures_->add(4, beside);
+  images_->add(4, beside);
   const Relocalizer::Try tried = find(room_frame(truth));
   ASSERT_TRUE(tried.found);
   EXPECT_EQ(tried.found->keyframe, 4);
   std::swap(keyframes_[0], keyframes_[4]);  // in another order it is still the best
-  pictures_->add(0, beside);
+  images_->add(0, beside);
   const Relocalizer::Try swapped = find(room_frame(truth));
   ASSERT_TRUE(swapped.found);
   EXPECT_EQ(swapped.found->keyframe, 0);
@@ -92,7 +92,7 @@ TEST_F(RelocalizerTest, WithoutKeyframesOrFeaturesThereIsNothingToCompare) {
   const Relocalizer::Try tried = relocalizer.find(room_frame(poses_[0]), none, 1);
   EXPECT_EQ(tried.compared, 0) << "their features were given up";
   EXPECT_FALSE(tried.found);
-  EXPECT_EQ(pictures_->asked(), 0);
+  EXPECT_EQ(images_->asked(), 0);
 }
 
 /// Only the middle one of many keyframes matches the frame; trying all in order must reach it, whatever the random
@@ -102,7 +102,7 @@ TEST_F(RelocalizerTest, EveryKeyframeIsTriedEventually) {
   options_.relocalize_random = 1;
   std::vector<std::shared_ptr<const ImageFeatures>> many;
   for (std::int64_t k = 0; k < 12; ++k) many.push_back(k == 7 ? keyframes_[2] : bare_keyframe(k, 0));
-  pictures_->add(7, room_frame(poses_[2]));
+  images_->add(7, room_frame(poses_[2]));
   Relocalizer relocalizer(options_, test_room::camera(), depths_);
   int tries = 0;
   while (tries < 12) {
@@ -122,7 +122,7 @@ TEST_F(RelocalizerTest, TheSameSeedGivesTheSame) {
   const Relocalizer::Try once = find(frame, 3), again = find(frame, 3);
   ASSERT_TRUE(once.found && again.found);
   EXPECT_EQ(once.found->keyframe, again.found->keyframe);
-  EXPECT_EQ(once.found->tie.a_from_b.matrix(), again.found->tie.a_from_b.matrix());
+  EXPECT_EQ(once.found->constraint.a_from_b.matrix(), again.found->constraint.a_from_b.matrix());
 }
 
 }  // namespace

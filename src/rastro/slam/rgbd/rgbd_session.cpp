@@ -31,7 +31,7 @@ RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, c
       camera_(camera),
       maps_(context.map == nullptr),
       mapper_(options_, camera, context),
-      map_(context.map ? *context.map : base_map(options_, camera), mapper_.pictures(), context.map != nullptr),
+      map_(context.map ? *context.map : base_map(options_, camera), mapper_.images(), context.map != nullptr),
       relocalizer_(options_, camera, mapper_.depths()),
       follower_(options_.follow, camera, context.pool),
       archive_(maps_ ? context.archive : nullptr),
@@ -63,7 +63,7 @@ void RgbdSession::follow(const Frame& frame, SlamUpdate& update) {
   if (!following_.has_pose) {
     update.state = exists() ? SlamState::lost : SlamState::initializing;
     update.reason = SlamReason::not_found;
-    look_around(frame, update);
+    relocalize(frame, update);
     update.times.push_back({"relocalize", stage.lap_ms()});
     return;
   }
@@ -101,7 +101,7 @@ void RgbdSession::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUp
   if (!exists()) {
     make_keyframe(frame, pose, {}, map_.new_submap(), Matrix6d::Zero(), update);
   } else {
-    mapping_ ? place(frame, followed, update) : localize(frame, followed, update);
+    mapping_ ? update_pose(frame, followed, update) : localize(frame, followed, update);
     map_.add_frame(frame.stamp, anchor_.keyframe, anchor_.world_from_keyframe.inverse() * update.world_from_body);
     return;
   }
@@ -113,7 +113,7 @@ Matrix6d RgbdSession::covariance_of(const SE3& pose, const Matrix6d& from_keyfra
 }
 
 /// Where the follower has the frame, which becomes a keyframe where it is to.
-void RgbdSession::place(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update) {
+void RgbdSession::update_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update) {
   const SE3& pose = followed.world_from_camera;
   const Matrix6d from_keyframe =
       chained(anchor_.reference_covariance, anchor_.world_from_reference.inverse() * pose, followed.covariance);
@@ -155,18 +155,19 @@ Constraint RgbdSession::path_edge(const SE3& world_from_camera, const Matrix6d& 
   return edge;
 }
 
-void RgbdSession::make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<Constraint>& ties,
-                                int submap, const Matrix6d& covariance, SlamUpdate& update) {
+void RgbdSession::make_keyframe(const Frame& frame, const SE3& world_from_camera,
+                                const std::vector<Constraint>& constraints, int submap, const Matrix6d& covariance,
+                                SlamUpdate& update) {
   const std::int64_t id = map_.keyframe_count();
   const auto order = std::make_shared<const KeyframeOrder>(
-      KeyframeOrder{id, kept_of(frame), world_from_camera, submap, ties, map_.frame_count()});
+      KeyframeOrder{id, kept_of(frame), world_from_camera, submap, constraints, map_.frame_count()});
   map_.add_pending({world_from_camera, submap}, covariance);
   anchor_ = {id, world_from_camera, covariance, world_from_camera, Matrix6d::Zero()};
   counts_.anchored = counts_.seen;
   update.events.push_back({"keyframe", fmt::format("{}", id)});
   say_pose(world_from_camera, covariance, update);
-  const auto job = [this, order, stretch = stretch_] {
-    return MappedKeyframe{order->id, stretch, mapper_.add(*order)};
+  const auto job = [this, order, segment = segment_] {
+    return MappedKeyframe{order->id, segment, mapper_.add(*order)};
   };
   pipeline_.submit(job, {counts_.seen, frame.stamp}, {.frames = options_.backend_delay_frames});
 }
@@ -188,7 +189,7 @@ void RgbdSession::apply(MappedKeyframe mapped, std::vector<SlamEvent>& events) {
   const SE3 before = map_.pose(mapped.keyframe);
   map_.apply(std::move(mapped.revision));
   if (mapped.keyframe == anchor_.keyframe) anchor_.covariance = map_.covariance(mapped.keyframe);
-  if (mapped.stretch != stretch_) return;
+  if (mapped.segment != segment_) return;
   const SE3 correction = map_.pose(mapped.keyframe) * before.inverse();
   constexpr double least = 1e-9;
   if (!(correction.log().norm() > least)) return;

@@ -44,7 +44,7 @@ class RgbdSession {
   /// What mapping made of a keyframe.
   struct MappedKeyframe {
     std::int64_t keyframe = 0;
-    int stretch = 0;
+    int segment = 0;
     MapRevision revision;
   };
 
@@ -66,18 +66,18 @@ class RgbdSession {
   void follow(const Frame& frame, SlamUpdate& update);
   void on_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
   void on_loss(const Frame& frame, SlamUpdate& update);
-  void look_around(const Frame& frame, SlamUpdate& update);
-  bool start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& tie,
+  void relocalize(const Frame& frame, SlamUpdate& update);
+  bool start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& constraint,
                    SlamUpdate& update);
   std::vector<std::int64_t> hinted_keyframes() const;
-  void anchor_at(std::int64_t keyframe, const KeyframeConstraint& tie);
+  void anchor_at(std::int64_t keyframe, const KeyframeConstraint& constraint);
   Matrix6d covariance_of(const SE3& pose, const Matrix6d& from_keyframe) const;
-  void place(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
+  void update_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
   void localize(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
   bool has_moved(const RgbdFollow& followed) const;
   bool needs_keyframe(const RgbdFollow& followed) const;
-  void make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<Constraint>& ties, int submap,
-                     const Matrix6d& covariance, SlamUpdate& update);
+  void make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<Constraint>& constraints,
+                     int submap, const Matrix6d& covariance, SlamUpdate& update);
   Constraint path_edge(const SE3& world_from_camera, const Matrix6d& covariance) const;
   void apply(MappedKeyframe mapped, std::vector<SlamEvent>& events);
   void note_memory(const MapRevision& revision);
@@ -96,9 +96,9 @@ class RgbdSession {
   FrameCounts counts_;
   Following following_;
   Loss loss_;
-  int stretch_ = 0;  ///< Of frames followed without a break.
+  int segment_ = 0;  ///< Number of the segment of frames followed without a break.
   SE3 last_pose_;
-  std::optional<SE3> hint_;  ///< Where to look first in a map given, until found.
+  std::optional<SE3> hint_;  ///< Where to search first in a given map, until found.
   double spacing_ = 1.0;     ///< Of keyframes, times the usual motion: more where memory is short.
   MapMemory memory_;
   std::vector<SlamEvent> events_;      ///< Not yet told of.

@@ -24,7 +24,7 @@ void RgbdSession::localize(const Frame& frame, const RgbdFollow& followed, SlamU
     const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
     const auto near = map_.nearest(pose, map_.submap(anchor_.keyframe), options_);
     if (const auto found = relocalizer_.find_among(frame, map_.keyframes(), near, seed)) {
-      anchor_at(found->keyframe, found->tie);
+      anchor_at(found->keyframe, found->constraint);
       from_keyframe = anchor_.reference_covariance;
       follower_.move(anchor_.world_from_reference * pose.inverse());
       pose = anchor_.world_from_reference;
@@ -34,10 +34,10 @@ void RgbdSession::localize(const Frame& frame, const RgbdFollow& followed, SlamU
 }
 
 /// The frame stands relative to a keyframe that it was matched with.
-void RgbdSession::anchor_at(std::int64_t keyframe, const KeyframeConstraint& tie) {
+void RgbdSession::anchor_at(std::int64_t keyframe, const KeyframeConstraint& constraint) {
   const SE3 world_from_keyframe = map_.pose(keyframe);
-  anchor_ = {keyframe, world_from_keyframe, map_.covariance(keyframe), world_from_keyframe * tie.a_from_b,
-             tie.information.inverse()};
+  anchor_ = {keyframe, world_from_keyframe, map_.covariance(keyframe), world_from_keyframe * constraint.a_from_b,
+             constraint.information.inverse()};
   counts_.anchored = counts_.seen;
 }
 
@@ -45,11 +45,11 @@ void RgbdSession::on_loss(const Frame& frame, SlamUpdate& update) {
   if (!loss_.lost) loss_.frames = 0;
   loss_.lost = true;
   if (update.reason == SlamReason::dark_or_blank || update.reason == SlamReason::repeated_frame) return;
-  look_around(frame, update);
+  relocalize(frame, update);
 }
 
 /// For the map first; ground that was not found again long enough is taken for new.
-void RgbdSession::look_around(const Frame& frame, SlamUpdate& update) {
+void RgbdSession::relocalize(const Frame& frame, SlamUpdate& update) {
   if (frame.image.empty() || frame.depth.empty()) {
     if (update.reason == SlamReason::not_found || update.reason == SlamReason::none)
       update.reason = SlamReason::no_data;
@@ -62,16 +62,16 @@ void RgbdSession::look_around(const Frame& frame, SlamUpdate& update) {
     if (update.detail.empty())
       update.detail = fmt::format("{} features, matched with none of {} keyframes", tried.features, tried.compared);
     if (tried.found) {
-      const auto& [keyframe, tie] = *tried.found;
-      const Constraint edge{keyframe,        map_.keyframe_count(),     Sim3(tie.a_from_b),
-                            tie.information, ConstraintKind::proximity, 1.0,
-                            tie.inliers};
-      if (!start_again(frame, map_.pose(keyframe) * tie.a_from_b, edge, update)) return;
-      update.score = static_cast<double>(tie.inliers) / std::max(1, tie.matches);
-      update.used = tie.inliers;
+      const auto& [keyframe, constraint] = *tried.found;
+      const Constraint edge{
+          keyframe, map_.keyframe_count(), Sim3(constraint.a_from_b), constraint.information, ConstraintKind::proximity,
+          1.0,      constraint.inliers};
+      if (!start_again(frame, map_.pose(keyframe) * constraint.a_from_b, edge, update)) return;
+      update.score = static_cast<double>(constraint.inliers) / std::max(1, constraint.matches);
+      update.used = constraint.inliers;
       update.events.push_back(
           {"relocalized", fmt::format("in keyframe {} with {} inliers of {} matches after {} frames", keyframe,
-                                      tie.inliers, tie.matches, loss_.frames)});
+                                      constraint.inliers, constraint.matches, loss_.frames)});
       return;
     }
   }
@@ -88,27 +88,28 @@ std::vector<std::int64_t> RgbdSession::hinted_keyframes() const {
   return map_.nearest(*hint_, 0, options_);
 }
 
-bool RgbdSession::start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& tie,
-                              SlamUpdate& update) {
+bool RgbdSession::start_again(const Frame& frame, const SE3& world_from_camera,
+                              const std::optional<Constraint>& constraint, SlamUpdate& update) {
   follower_.restart(world_from_camera);
   const RgbdFollow followed = follower_.follow(frame);
   following_.has_pose = followed.new_reference;
   if (!following_.has_pose) return false;
-  ++stretch_;
+  ++segment_;
   loss_.lost = false;
   update.state = SlamState::relocalized;
   update.reason = SlamReason::none;
   update.detail.clear();
   hint_.reset();
   if (!mapping_) {
-    anchor_at(tie->from, {tie->rigid(), tie->information, 0, tie->inliers, {}});
+    anchor_at(constraint->from, {constraint->rigid(), constraint->information, 0, constraint->inliers, {}});
     say_pose(world_from_camera, covariance_of(world_from_camera, anchor_.reference_covariance), update);
     map_.add_frame(frame.stamp, anchor_.keyframe, anchor_.world_from_keyframe.inverse() * world_from_camera);
     return true;
   }
-  if (tie) {
-    const Matrix6d covariance = chained(map_.covariance(tie->from), tie->rigid(), tie->information.inverse());
-    make_keyframe(frame, world_from_camera, {*tie}, map_.submap(tie->from), covariance, update);
+  if (constraint) {
+    const Matrix6d covariance =
+        chained(map_.covariance(constraint->from), constraint->rigid(), constraint->information.inverse());
+    make_keyframe(frame, world_from_camera, {*constraint}, map_.submap(constraint->from), covariance, update);
   } else {
     make_keyframe(frame, world_from_camera, {}, map_.new_submap(), Matrix6d::Zero(), update);
   }

@@ -65,7 +65,7 @@ Views pan(double yaw, double per_frame, int frames) {
   return views;
 }
 
-Views joined(std::initializer_list<Views> parts) {
+Views concatenated(std::initializer_list<Views> parts) {
   Views all;
   for (const Views& part : parts) all.insert(all.end(), part.begin(), part.end());
   return all;
@@ -150,7 +150,7 @@ TEST(RgbdSlam, TheCovarianceIsConsistentWithTheError) {
 
 TEST(RgbdSlam, IsLostInTheDarkAndRelocalizedInTheMap) {
   const Views before = pan(-0.2, 0.02, 15), dark(4), after = pan(0.2, 0.01, 8);
-  const Views views = joined({before, dark, after});
+  const Views views = concatenated({before, dark, after});
   const Driven done = run(views, quick());
   for (std::size_t k = 15; k < 19; ++k) {
     EXPECT_EQ(done.updates[k].state, SlamState::lost) << k;
@@ -167,14 +167,14 @@ TEST(RgbdSlam, IsLostInTheDarkAndRelocalizedInTheMap) {
 /// frame of the first.
 TEST(RgbdSlam, ASubmapBegunElsewhereIsMergedWithTheFirstWhereTheyOverlap) {
   const Views first = pan(0.0, 0.01, 14), dark(3), back = pan(2.4, -0.08, 32), on = pan(-0.15, 0.01, 8);
-  const Views views = joined({first, dark, back, on});
+  const Views views = concatenated({first, dark, back, on});
   const Driven done = run(views, quick());
   EXPECT_GE(done.count("submap"), 1);
   ASSERT_GE(done.count("joined"), 1);
-  const bool placed_apart = std::any_of(done.updates.begin(), done.updates.end(), [](const SlamUpdate& update) {
+  const bool disconnected = std::any_of(done.updates.begin(), done.updates.end(), [](const SlamUpdate& update) {
     return update.state == SlamState::weak && update.reason == SlamReason::apart;
   });
-  EXPECT_TRUE(placed_apart) << "until they meet, a pose is a guess and says so";
+  EXPECT_TRUE(disconnected) << "until they meet, a pose is a guess and says so";
   for (const Keyframe& keyframe : done.snapshot->keyframes) EXPECT_EQ(keyframe.submap, 0);
   EXPECT_GT(done.trajectory.size(), views.size() - 10) << "all but the dark and the first frames after it";
   expect_near_ground_truth(done, views, 0.12, 0.05);
@@ -235,7 +235,7 @@ TEST(RgbdSlam, OptionsOutOfRangeAreRefused) {
 }
 
 TEST(RgbdSlam, MappingBesideTrackingGivesTheSameResult) {
-  const Views views = joined({pan(-0.2, 0.02, 12), Views(2), pan(0.0, 0.01, 6)});
+  const Views views = concatenated({pan(-0.2, 0.02, 12), Views(2), pan(0.0, 0.01, 6)});
   const Driven alone = run(views, quick());
   TaskPool pool(3);
   SlamContext context;

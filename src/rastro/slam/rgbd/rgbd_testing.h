@@ -107,9 +107,9 @@ inline Constraint edge_of(std::int64_t from, std::int64_t to, const SE3& from_fr
 class CountingImages : public ImageStore {
  public:
   void add(std::int64_t id, const Frame& frame) { kept_.add(id, pack_images(frame)); }
-  PackedImages pictures(std::int64_t id) const override {
+  PackedImages images(std::int64_t id) const override {
     ++asked_;
-    return kept_.pictures(id);
+    return kept_.images(id);
   }
   int asked() const { return asked_; }
 

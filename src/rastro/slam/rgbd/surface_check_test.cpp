@@ -46,7 +46,7 @@ TEST(SurfaceCheck, AViewAgreesWithItself) {
   EXPECT_EQ(sum.contradict, 0);
   EXPECT_EQ(sum.hidden, 0);
   EXPECT_EQ(sum.evidence().observed_share(), 1.0);
-  EXPECT_GT(sum.evidence().overlap(), 0.8) << "but for rims, of the picture and of things";
+  EXPECT_GT(sum.evidence().overlap(), 0.8) << "but for rims, of the image and of objects";
 }
 
 TEST(SurfaceCheck, TwoViewsOfTheRoomAgreeAtTheirTruePoses) {
@@ -92,7 +92,7 @@ TEST(SurfaceCheck, ASurfaceInFrontOfTheMeasuredOneByMoreThanTheNoiseIsAContradic
     const SurfaceAgreement beyond = check.compare(two_meters, two_meters, ahead(side * 1.15 * allowed));
     EXPECT_EQ(beyond.agree, 0) << side;
     EXPECT_GT(beyond.contradict, 0) << side << ": one of the two sees through the other's wall";
-    EXPECT_GT(beyond.hidden, 0) << side << ": and is hidden behind it the other way";
+    EXPECT_GT(beyond.hidden, 0) << side << ": and is occluded behind it in the opposite direction";
     EXPECT_EQ(beyond.evidence().observed_share(), 0.0);
   }
 }
@@ -110,7 +110,7 @@ TEST(SurfaceCheck, ABoardThatTheOtherLooksThroughIsAContradictionAndTheWallBehin
   EXPECT_LE(sum.hidden, 10 * 10);
   EXPECT_GT(sum.agree, 5 * sum.contradict);
   const SurfaceAgreement swapped = check.compare(board, bare, SE3());
-  EXPECT_EQ(swapped.contradict, sum.contradict) << "it looks both ways";
+  EXPECT_EQ(swapped.contradict, sum.contradict) << "it counts in both directions";
   EXPECT_EQ(swapped.hidden, sum.hidden);
   EXPECT_EQ(swapped.agree, sum.agree);
 }

@@ -18,13 +18,13 @@ TrackedMap::TrackedMap(Map base, std::shared_ptr<const ImageStore> images, bool 
 }
 
 SE3 TrackedMap::pose(std::int64_t keyframe) const {
-  const auto place = static_cast<std::size_t>(keyframe);
-  return place < poses_.size() ? poses_[place].world_from_camera : pending_[place - poses_.size()].world_from_camera;
+  const auto index = static_cast<std::size_t>(keyframe);
+  return index < poses_.size() ? poses_[index].world_from_camera : pending_[index - poses_.size()].world_from_camera;
 }
 
 int TrackedMap::submap(std::int64_t keyframe) const {
-  const auto place = static_cast<std::size_t>(keyframe);
-  return place < poses_.size() ? poses_[place].submap : pending_[place - poses_.size()].submap;
+  const auto index = static_cast<std::size_t>(keyframe);
+  return index < poses_.size() ? poses_[index].submap : pending_[index - poses_.size()].submap;
 }
 
 std::vector<std::int64_t> TrackedMap::nearest(const SE3& pose, int submap, const RgbdSlamOptions& options) const {
@@ -32,9 +32,9 @@ std::vector<std::int64_t> TrackedMap::nearest(const SE3& pose, int submap, const
   std::vector<std::pair<double, std::int64_t>> all;
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     if (poses_[k].submap != submap || keyframes_[k]->features.size() == 0) continue;
-    const SE3 apart = poses_[k].world_from_camera.inverse() * pose;
-    all.emplace_back(std::max(apart.translation().norm() / options.near_distance_m,
-                              apart.rotation().log().norm() / options.near_angle_rad),
+    const SE3 difference = poses_[k].world_from_camera.inverse() * pose;
+    all.emplace_back(std::max(difference.translation().norm() / options.near_distance_m,
+                              difference.rotation().log().norm() / options.near_angle_rad),
                      static_cast<std::int64_t>(k));
   }
   std::sort(all.begin(), all.end());

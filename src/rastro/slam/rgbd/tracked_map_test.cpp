@@ -136,10 +136,10 @@ TEST(TrackedMap, AMergedSubmapIsPartOfTheTrajectory) {
   }
   map.apply(revision_of(0, {in_submap(at(0.0), 0)}));
   EXPECT_EQ(map.trajectory().size(), 1U);
-  MapRevision joined = revision_of(1, {in_submap(at(0.0), 0), in_submap(at(1.0), 0)});
-  joined.new_edges = {edge_of(0, 1, at(1.0), ConstraintKind::merge)};
-  joined.weights = {0.75};
-  map.apply(joined);
+  MapRevision merged = revision_of(1, {in_submap(at(0.0), 0), in_submap(at(1.0), 0)});
+  merged.new_edges = {edge_of(0, 1, at(1.0), ConstraintKind::merge)};
+  merged.weights = {0.75};
+  map.apply(merged);
   ASSERT_EQ(map.trajectory().size(), 2U);
   EXPECT_NEAR(map.trajectory().back().world_from_body.translation().x(), 1.1, 1e-12);
   const auto snapshot = map.snapshot();

@@ -31,15 +31,16 @@ class TwoViewProblem {
  public:
   static constexpr std::size_t sample_size = 3;
 
-  TwoViewProblem(std::span<const PointMatch> ties, const PointMatchOptions& options) : ties_(ties), options_(options) {}
+  TwoViewProblem(std::span<const PointMatch> matches, const PointMatchOptions& options)
+      : matches_(matches), options_(options) {}
 
   template <typename Sink>
   void fit(const std::array<std::uint32_t, 3>& sample, Sink&& sink) const {
     const auto all = [&](auto has) {
-      return std::all_of(sample.begin(), sample.end(), [&](auto i) { return has(ties_[i]); });
+      return std::all_of(sample.begin(), sample.end(), [&](auto i) { return has(matches_[i]); });
     };
-    const bool a = all([](const PointMatch& tie) { return tie.depth_a > 0.0; });
-    const bool b = all([](const PointMatch& tie) { return tie.depth_b > 0.0; });
+    const bool a = all([](const PointMatch& match) { return match.depth_a > 0.0; });
+    const bool b = all([](const PointMatch& match) { return match.depth_b > 0.0; });
     if (a && b) {
       fit_points(sample, sink);
     } else if (a) {
@@ -53,8 +54,8 @@ class TwoViewProblem {
   void errors(const PoseMatrix& model, float* out) const {
     const Eigen::Matrix3d rotation = model.leftCols<3>();
     const Eigen::Vector3d shift = model.col(3);
-    for (std::size_t i = 0; i < ties_.size(); ++i) {
-      const Residual residual = residual_of(ties_[i], rotation, shift, false);
+    for (std::size_t i = 0; i < matches_.size(); ++i) {
+      const Residual residual = residual_of(matches_[i], rotation, shift, false);
       out[i] = residual.rows == 0 ? 1e30F
                                   : static_cast<float>(std::max(residual.error.head<2>().squaredNorm(),
                                                                 residual.error.z() * residual.error.z()));
@@ -81,9 +82,9 @@ class TwoViewProblem {
       result = {pose};
       Vector6d right = Vector6d::Zero();
       const Eigen::Matrix3d rotation = pose.rotation().matrix();
-      for (std::size_t i = 0; i < ties_.size(); ++i) {
+      for (std::size_t i = 0; i < matches_.size(); ++i) {
         if (!(errors[i] <= limit)) continue;
-        const Residual residual = residual_of(ties_[i], rotation, pose.translation(), true);
+        const Residual residual = residual_of(matches_[i], rotation, pose.translation(), true);
         const double weight = HuberKernel{1.5}.weight(residual.error.squaredNorm());
         result.normal.noalias() += weight * residual.jacobian.transpose() * residual.jacobian;
         right.noalias() -= weight * residual.jacobian.transpose() * residual.error;
@@ -106,8 +107,8 @@ class TwoViewProblem {
   void fit_points(const std::array<std::uint32_t, 3>& sample, Sink&& sink) const {
     std::array<Eigen::Vector3d, 3> in_a, in_b;
     for (std::size_t k = 0; k < 3; ++k) {
-      in_a[k] = point_at(ties_[sample[k]].ray_a, ties_[sample[k]].depth_a);
-      in_b[k] = point_at(ties_[sample[k]].ray_b, ties_[sample[k]].depth_b);
+      in_a[k] = point_at(matches_[sample[k]].ray_a, matches_[sample[k]].depth_a);
+      in_b[k] = point_at(matches_[sample[k]].ray_b, matches_[sample[k]].depth_b);
     }
     // A rigid motion preserves the distances between three points.
     for (std::size_t k = 0; k < 3; ++k) {
@@ -126,32 +127,32 @@ class TwoViewProblem {
     std::array<Eigen::Vector3d, 3> points;
     std::array<Eigen::Vector2d, 3> rays;
     for (std::size_t k = 0; k < 3; ++k) {
-      const PointMatch& tie = ties_[sample[k]];
-      points[k] = points_of_a ? point_at(tie.ray_a, tie.depth_a) : point_at(tie.ray_b, tie.depth_b);
-      rays[k] = points_of_a ? tie.ray_b : tie.ray_a;
+      const PointMatch& match = matches_[sample[k]];
+      points[k] = points_of_a ? point_at(match.ray_a, match.depth_a) : point_at(match.ray_b, match.depth_b);
+      rays[k] = points_of_a ? match.ray_b : match.ray_a;
     }
     return pose_from_three(points, rays);
   }
 
   /// With b's point in a if b has a depth, else with a's point in b.
-  Residual residual_of(const PointMatch& tie, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& shift,
+  Residual residual_of(const PointMatch& match, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& shift,
                        bool with_jacobian) const {
-    const bool to_a = tie.depth_b > 0.0;
+    const bool to_a = match.depth_b > 0.0;
     const Eigen::Vector3d in_b =
-        to_a ? point_at(tie.ray_b, tie.depth_b)
-             : Eigen::Vector3d(rotation.transpose() * (point_at(tie.ray_a, tie.depth_a) - shift));
+        to_a ? point_at(match.ray_b, match.depth_b)
+             : Eigen::Vector3d(rotation.transpose() * (point_at(match.ray_a, match.depth_a) - shift));
     const Eigen::Vector3d p = to_a ? Eigen::Vector3d(rotation * in_b + shift) : in_b;
     Residual residual;
     if (!(p.z() > 0.05)) return residual;
-    const double scale = options_.focal_px / std::hypot(tie.sigma_a, tie.sigma_b);
+    const double scale = options_.focal_px / std::hypot(match.sigma_a, match.sigma_b);
     const double inverse = 1.0 / p.z(), x = p.x() * inverse, y = p.y() * inverse;
-    residual.error.head<2>() = scale * (Eigen::Vector2d(x, y) - (to_a ? tie.ray_a : tie.ray_b));
+    residual.error.head<2>() = scale * (Eigen::Vector2d(x, y) - (to_a ? match.ray_a : match.ray_b));
     residual.rows = 2;
-    const bool both = to_a && tie.depth_a > 0.0;
+    const bool both = to_a && match.depth_a > 0.0;
     const double depth_scale =
-        both ? 1.0 / std::hypot(options_.noise.sigma(tie.depth_a), options_.noise.sigma(tie.depth_b)) : 0.0;
+        both ? 1.0 / std::hypot(options_.noise.sigma(match.depth_a), options_.noise.sigma(match.depth_b)) : 0.0;
     if (both) {
-      residual.error.z() = depth_scale * (p.z() - tie.depth_a);
+      residual.error.z() = depth_scale * (p.z() - match.depth_a);
       residual.rows = 3;
     }
     if (!with_jacobian) return residual;
@@ -168,23 +169,23 @@ class TwoViewProblem {
     return residual;
   }
 
-  std::span<const PointMatch> ties_;
+  std::span<const PointMatch> matches_;
   PointMatchOptions options_;
 };
 
 }  // namespace
 
-std::optional<MatchedViews> estimate_views(std::span<const PointMatch> ties, const PointMatchOptions& options,
+std::optional<MatchedViews> estimate_views(std::span<const PointMatch> matches, const PointMatchOptions& options,
                                            const std::optional<SE3>& guess) {
-  if (ties.size() < static_cast<std::size_t>(std::max(4, options.min_inliers))) return std::nullopt;
-  const TwoViewProblem problem(ties, options);
+  if (matches.size() < static_cast<std::size_t>(std::max(4, options.min_inliers))) return std::nullopt;
+  const TwoViewProblem problem(matches, options);
   RansacOptions ransac;
   ransac.max_error_px = options.max_sigmas;
   ransac.max_iterations = options.iterations;
   ransac.confidence = 0.999;
   ransac.seed = options.seed;
   const auto start = guess ? std::optional(matrix_of(*guess)) : std::nullopt;
-  auto fit = ransac_of<PoseMatrix>(problem, ties.size(), ransac, start);
+  auto fit = ransac_of<PoseMatrix>(problem, matches.size(), ransac, start);
   if (!fit || fit->inliers < options.min_inliers) return std::nullopt;
   const auto limit = static_cast<float>(options.max_sigmas * options.max_sigmas);
   const auto refined = problem.refine(pose_of(fit->model), fit->squared_errors, limit, 5);

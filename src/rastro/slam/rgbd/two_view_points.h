@@ -40,7 +40,7 @@ struct MatchedViews {
 /// (closed form), else 3D to 2D (P3P); scored and refined over pixels and depths, weighted by their sigmas. `guess`,
 /// where given, is tried first. nullopt with fewer than min_inliers inliers, or when they do not determine the pose.
 /// The same seed gives the same bits.
-std::optional<MatchedViews> estimate_views(std::span<const PointMatch> ties, const PointMatchOptions& options,
+std::optional<MatchedViews> estimate_views(std::span<const PointMatch> matches, const PointMatchOptions& options,
                                            const std::optional<SE3>& guess = std::nullopt);
 
 }  // namespace rastro

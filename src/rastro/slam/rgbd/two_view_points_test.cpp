@@ -24,40 +24,40 @@ enum class Depths { both, of_a, of_b, mixed };
 /// Points 1 to 4 m in front of b, without noise.
 std::vector<PointMatch> exact_matches(std::size_t count, Depths depths = Depths::both, std::uint64_t seed = 3) {
   Random random(seed);
-  std::vector<PointMatch> ties;
-  while (ties.size() < count) {
+  std::vector<PointMatch> matches;
+  while (matches.size() < count) {
     const double z = random.uniform(1.0, 4.0);
     const Eigen::Vector3d in_b(z * random.uniform(-0.5, 0.5), z * random.uniform(-0.4, 0.4), z);
     const Eigen::Vector3d in_a = true_a_from_b * in_b;
-    PointMatch tie{in_a.hnormalized(), in_b.hnormalized(), in_a.z(), in_b.z(), 1.0, 1.0};
-    const std::size_t turn = ties.size() % 3;
-    if (depths == Depths::of_b || (depths == Depths::mixed && turn == 1)) tie.depth_a = 0.0;
-    if (depths == Depths::of_a || (depths == Depths::mixed && turn == 2)) tie.depth_b = 0.0;
-    ties.push_back(tie);
+    PointMatch match{in_a.hnormalized(), in_b.hnormalized(), in_a.z(), in_b.z(), 1.0, 1.0};
+    const std::size_t kind = matches.size() % 3;
+    if (depths == Depths::of_b || (depths == Depths::mixed && kind == 1)) match.depth_a = 0.0;
+    if (depths == Depths::of_a || (depths == Depths::mixed && kind == 2)) match.depth_b = 0.0;
+    matches.push_back(match);
   }
-  return ties;
+  return matches;
 }
 
 /// The noise of the options: half a pixel in each direction at 500 px focal length, and the depth noise.
-std::vector<PointMatch> noisy(std::vector<PointMatch> ties, const PointMatchOptions& options, Random& random) {
+std::vector<PointMatch> noisy(std::vector<PointMatch> matches, const PointMatchOptions& options, Random& random) {
   const auto disturb = [&](Eigen::Vector2d& ray, double& depth, double sigma_px) {
     for (double& value : ray) value += sigma_px / options.focal_px * random.normal();
     if (depth > 0.0) depth += options.noise.sigma(depth) * random.normal();
   };
-  for (PointMatch& tie : ties) {
-    tie.sigma_a = tie.sigma_b = 0.5;
-    disturb(tie.ray_a, tie.depth_a, tie.sigma_a);
-    disturb(tie.ray_b, tie.depth_b, tie.sigma_b);
+  for (PointMatch& match : matches) {
+    match.sigma_a = match.sigma_b = 0.5;
+    disturb(match.ray_a, match.depth_a, match.sigma_a);
+    disturb(match.ray_b, match.depth_b, match.sigma_b);
   }
-  return ties;
+  return matches;
 }
 
 /// The first `count` are matched to features anywhere in a's image.
-void make_outliers(std::vector<PointMatch>& ties, std::size_t count, std::uint64_t seed) {
+void make_outliers(std::vector<PointMatch>& matches, std::size_t count, std::uint64_t seed) {
   Random random(seed);
   for (std::size_t i = 0; i < count; ++i) {
-    ties[i].ray_a = {random.uniform(-0.6, 0.6), random.uniform(-0.45, 0.45)};
-    if (ties[i].depth_a > 0.0) ties[i].depth_a = random.uniform(1.0, 4.0);
+    matches[i].ray_a = {random.uniform(-0.6, 0.6), random.uniform(-0.45, 0.45)};
+    if (matches[i].depth_a > 0.0) matches[i].depth_a = random.uniform(1.0, 4.0);
   }
 }
 
@@ -93,11 +93,11 @@ TEST(PointMatches, TheInformationIsConsistentWithTheErrors) {
 TEST(PointMatches, LargeResidualsMakeTheMotionLessCertain) {
   PointMatchOptions options;
   Random random(4);
-  const auto ties = noisy(exact_matches(100), options, random);
-  auto claimed = ties;  // the same residuals, claimed to be a fifth as large
-  for (PointMatch& tie : claimed) tie.sigma_a = tie.sigma_b = 0.1;
+  const auto matches = noisy(exact_matches(100), options, random);
+  auto claimed = matches;  // the same residuals, claimed to be a fifth as large
+  for (PointMatch& match : claimed) match.sigma_a = match.sigma_b = 0.1;
   options.max_sigmas = 30.0;
-  const auto honest = estimate_views(ties, options), too_sure = estimate_views(claimed, options);
+  const auto honest = estimate_views(matches, options), too_sure = estimate_views(claimed, options);
   ASSERT_TRUE(honest && too_sure);
   EXPECT_LT(too_sure->information.trace(), 8.0 * honest->information.trace()) << "25 times by what was claimed";
 }
@@ -106,20 +106,20 @@ TEST(PointMatches, OutliersHaveNoInfluence) {
   PointMatchOptions options;
   for (const Depths depths : {Depths::both, Depths::of_a, Depths::of_b, Depths::mixed}) {
     Random random(8);
-    auto ties = noisy(exact_matches(120, depths), options, random);
-    make_outliers(ties, 60, 21);
-    const auto views = estimate_views(ties, options);
+    auto matches = noisy(exact_matches(120, depths), options, random);
+    make_outliers(matches, 60, 21);
+    const auto views = estimate_views(matches, options);
     ASSERT_TRUE(views) << static_cast<int>(depths);
     EXPECT_THAT(views->a_from_b, pose_near(true_a_from_b, 0.01, 0.005)) << static_cast<int>(depths);
     EXPECT_GE(views->inliers, 54) << static_cast<int>(depths);
-    EXPECT_LE(views->inliers, 64) << "an outlier is close to its place by chance only";
+    EXPECT_LE(views->inliers, 64) << "an outlier is close to its position by chance only";
   }
 }
 
 TEST(PointMatches, AMatchWithTheRightPixelAndTheWrongDepthIsAnOutlier) {
-  auto ties = exact_matches(60);
-  for (std::size_t i = 0; i < 20; ++i) ties[i].depth_a *= 1.25;
-  const auto views = estimate_views(ties, {});
+  auto matches = exact_matches(60);
+  for (std::size_t i = 0; i < 20; ++i) matches[i].depth_a *= 1.25;
+  const auto views = estimate_views(matches, {});
   ASSERT_TRUE(views);
   EXPECT_EQ(views->inliers, 40);
   EXPECT_THAT(views->a_from_b, pose_near(true_a_from_b, 1e-6, 1e-6));
@@ -130,9 +130,9 @@ TEST(PointMatches, FewerThanAskedForAreRefused) {
   options.min_inliers = 20;
   EXPECT_TRUE(estimate_views(exact_matches(20), options));
   EXPECT_FALSE(estimate_views(exact_matches(19), options));
-  auto ties = exact_matches(60);
-  make_outliers(ties, 41, 5);
-  EXPECT_FALSE(estimate_views(ties, options)) << "19 agree, among many that do not";
+  auto matches = exact_matches(60);
+  make_outliers(matches, 41, 5);
+  EXPECT_FALSE(estimate_views(matches, options)) << "19 agree, among many that do not";
   EXPECT_FALSE(estimate_views({}, options));
   options.min_inliers = 1;
   EXPECT_FALSE(estimate_views(exact_matches(3), options)) << "three fit anything";
@@ -140,16 +140,16 @@ TEST(PointMatches, FewerThanAskedForAreRefused) {
 
 TEST(PointMatches, MatchesAtRandomGiveNothing) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    auto ties = exact_matches(80);
-    make_outliers(ties, ties.size(), seed);
-    EXPECT_FALSE(estimate_views(ties, {})) << seed;
+    auto matches = exact_matches(80);
+    make_outliers(matches, matches.size(), seed);
+    EXPECT_FALSE(estimate_views(matches, {})) << seed;
   }
 }
 
 TEST(PointMatches, ADepthOfNanCountsAsNone) {
   auto none = exact_matches(60, Depths::mixed), nan = none;
-  for (PointMatch& tie : nan) {
-    for (double* depth : {&tie.depth_a, &tie.depth_b})
+  for (PointMatch& match : nan) {
+    for (double* depth : {&match.depth_a, &match.depth_b})
       if (*depth == 0.0) *depth = std::numeric_limits<double>::quiet_NaN();
   }
   const auto of_none = estimate_views(none, {}), of_nan = estimate_views(nan, {});
@@ -159,33 +159,33 @@ TEST(PointMatches, ADepthOfNanCountsAsNone) {
 }
 
 TEST(PointMatches, MatchesWithoutAnyDepthAreNoInliers) {
-  auto ties = exact_matches(60);
+  auto matches = exact_matches(60);
   for (std::size_t i = 0; i < 15; ++i) {
-    ties[i].depth_a = ties[i].depth_b = i % 2 == 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+    matches[i].depth_a = matches[i].depth_b = i % 2 == 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN();
   }
-  const auto views = estimate_views(ties, {});
+  const auto views = estimate_views(matches, {});
   ASSERT_TRUE(views);
   EXPECT_EQ(views->inliers, 45);
   EXPECT_THAT(views->a_from_b, pose_near(true_a_from_b, 1e-6, 1e-6));
 }
 
 TEST(PointMatches, PointsOnALineDoNotDetermineThePose) {
-  std::vector<PointMatch> ties;
+  std::vector<PointMatch> matches;
   for (int i = 0; i < 40; ++i) {
     const Eigen::Vector3d in_b = Eigen::Vector3d(-0.5, 0.2, 2.0) + 0.03 * i * Eigen::Vector3d(1.0, 0.3, 0.5);
     const Eigen::Vector3d in_a = true_a_from_b * in_b;
-    ties.push_back({in_a.hnormalized(), in_b.hnormalized(), in_a.z(), in_b.z(), 1.0, 1.0});
+    matches.push_back({in_a.hnormalized(), in_b.hnormalized(), in_a.z(), in_b.z(), 1.0, 1.0});
   }
-  EXPECT_FALSE(estimate_views(ties, {}));
-  EXPECT_FALSE(estimate_views(ties, {}, true_a_from_b)) << "nor does a guess close it";
+  EXPECT_FALSE(estimate_views(matches, {}));
+  EXPECT_FALSE(estimate_views(matches, {}, true_a_from_b)) << "nor does a guess close it";
 }
 
 TEST(PointMatches, TheSameSeedGivesTheSameBits) {
   PointMatchOptions options;
   Random random(2);
-  auto ties = noisy(exact_matches(90, Depths::mixed), options, random);
-  make_outliers(ties, 40, 6);
-  const auto once = estimate_views(ties, options), again = estimate_views(ties, options);
+  auto matches = noisy(exact_matches(90, Depths::mixed), options, random);
+  make_outliers(matches, 40, 6);
+  const auto once = estimate_views(matches, options), again = estimate_views(matches, options);
   ASSERT_TRUE(once && again);
   EXPECT_EQ(
       std::memcmp(once->a_from_b.matrix().eval().data(), again->a_from_b.matrix().eval().data(), 16 * sizeof(double)),
@@ -194,13 +194,13 @@ TEST(PointMatches, TheSameSeedGivesTheSameBits) {
 }
 
 TEST(PointMatches, AGuessFindsWhatSamplesWouldMiss) {
-  auto ties = exact_matches(200);
-  make_outliers(ties, 180, 9);
+  auto matches = exact_matches(200);
+  make_outliers(matches, 180, 9);
   PointMatchOptions options;
   options.iterations = 3;  // one sample in a thousand has three inliers
-  EXPECT_FALSE(estimate_views(ties, options));
+  EXPECT_FALSE(estimate_views(matches, options));
   const SE3 near = true_a_from_b * SE3::exp((Vector6d() << 0.002, -0.001, 0.002, 0.001, 0.0, -0.001).finished());
-  const auto views = estimate_views(ties, options, near);
+  const auto views = estimate_views(matches, options, near);
   ASSERT_TRUE(views);
   EXPECT_THAT(views->a_from_b, pose_near(true_a_from_b, 1e-3, 1e-3));
   const SE3 wrong(SO3::exp({0.0, 0.5, 0.0}), {1.0, 0.0, 0.0});
@@ -213,17 +213,17 @@ TEST(PointMatches, AGuessFindsWhatSamplesWouldMiss) {
 TEST(PointMatches, FromTheOtherViewItIsTheInverse) {
   PointMatchOptions options;
   Random random(13);
-  const auto ties = noisy(exact_matches(150), options, random);
-  auto swapped = ties;
-  for (PointMatch& tie : swapped) {
-    std::swap(tie.ray_a, tie.ray_b);
-    std::swap(tie.depth_a, tie.depth_b);
+  const auto matches = noisy(exact_matches(150), options, random);
+  auto swapped = matches;
+  for (PointMatch& match : swapped) {
+    std::swap(match.ray_a, match.ray_b);
+    std::swap(match.depth_a, match.depth_b);
   }
-  const auto there = estimate_views(ties, options), back = estimate_views(swapped, options);
+  const auto there = estimate_views(matches, options), back = estimate_views(swapped, options);
   ASSERT_TRUE(there && back);
   EXPECT_THAT(back->a_from_b, pose_near(there->a_from_b.inverse(), 0.002, 0.001));
-  const Matrix6d turned = there->a_from_b.inverse().adjoint();
-  const Matrix6d of_back = turned.transpose() * there->information * turned;
+  const Matrix6d adjoint = there->a_from_b.inverse().adjoint();
+  const Matrix6d of_back = adjoint.transpose() * there->information * adjoint;
   EXPECT_NEAR(back->information.trace() / of_back.trace(), 1.0, 0.2);
 }
 

@@ -78,8 +78,8 @@ TEST(Initializer, ARotationInPlaceNeverInitializes) {
   Initializer initializer({}, world.camera);
   initializer.add(world.observe(0, SE3()).frame);
   for (int k = 1; k < 6; ++k) {
-    const SE3 turned(SO3::exp({0.004 * k, -0.02 * k, 0.006 * k}), Eigen::Vector3d::Zero());
-    EXPECT_FALSE(initializer.add(world.observe(k, turned, {.noise_px = 0.5}).frame));
+    const SE3 rotated(SO3::exp({0.004 * k, -0.02 * k, 0.006 * k}), Eigen::Vector3d::Zero());
+    EXPECT_FALSE(initializer.add(world.observe(k, rotated, {.noise_px = 0.5}).frame));
     EXPECT_THAT(initializer.detail(), ::testing::MatchesRegex("median parallax 0\\.[0-9] deg, need 1\\.0"));
   }
   EXPECT_EQ(initializer.frames().size(), 6U);

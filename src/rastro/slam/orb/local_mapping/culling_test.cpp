@@ -22,9 +22,9 @@ struct CullingBench : MappingBench {
 
 /// Five keyframes of 200 points, the first two in a loop constraint; of keyframe 2, `points` points are observed by
 /// `others` others.
-void place_with_points_of_few(CullingBench& bench, std::size_t points, std::size_t others) {
-  for (int id = 0; id < 5; ++id) bench.place(id);
-  bench.map.graph.ties() = {{.from = 0, .to = 1, .from_from_to = {}, .inliers = 9}};
+void add_keyframes_with_points_of_few(CullingBench& bench, std::size_t points, std::size_t others) {
+  for (int id = 0; id < 5; ++id) bench.add_keyframe(id);
+  bench.map.graph.constraints() = {{.from = 0, .to = 1, .from_from_to = {}, .inliers = 9}};
   const IdList order{0, 1, 3, 4};
   for (std::size_t point = 0; point < points; ++point) {
     for (std::size_t k = others; k < order.size(); ++k)
@@ -65,9 +65,9 @@ TEST(KeyframeCulling, AKeyframeStaysWithEnoughLandmarksThatFewerThanThreeOthersO
   for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
     // Of 200 landmarks, 180 are 90 %: more than that must be observed by three others.
     CullingBench stays(sensor, near_to(20.0)), goes(sensor, near_to(20.0)), by_three(sensor, near_to(20.0));
-    place_with_points_of_few(stays, 20, 2);
-    place_with_points_of_few(goes, 19, 2);
-    place_with_points_of_few(by_three, 20, 3);
+    add_keyframes_with_points_of_few(stays, 20, 2);
+    add_keyframes_with_points_of_few(goes, 19, 2);
+    add_keyframes_with_points_of_few(by_three, 20, 3);
     EXPECT_TRUE(contains(left_after_culling(stays), 2));
     EXPECT_FALSE(contains(left_after_culling(goes), 2));
     EXPECT_FALSE(contains(left_after_culling(by_three), 2));
@@ -77,7 +77,7 @@ TEST(KeyframeCulling, AKeyframeStaysWithEnoughLandmarksThatFewerThanThreeOthersO
 TEST(KeyframeCulling, OthersCountOnlyIfTheyObserveALandmarkAtAboutTheSameLevel) {
   for (const int coarser : {1, 2}) {
     CullingBench bench(CameraKind::mono);
-    for (int id = 0; id < 5; ++id) bench.place(id);
+    for (int id = 0; id < 5; ++id) bench.add_keyframe(id);
     // Keyframe 2 observes everything at the finest level, all others at much coarser ones.
     for (const std::int64_t id : {0, 1, 2, 3, 4}) {
       MapKeyframe& keyframe = bench.map.graph.keyframe(id);
@@ -98,7 +98,7 @@ TEST(KeyframeCulling, WithDepthFarLandmarksDoNotCount) {
   const double near_m = 0.5 * (depths[14] + depths[15]);
   for (const double far_m : {20.0, near_m}) {
     CullingBench bench(CameraKind::depth, near_to(far_m));
-    place_with_points_of_few(bench, 0, 0);
+    add_keyframes_with_points_of_few(bench, 0, 0);
     for (std::size_t point = 0; point < 60; ++point) {
       if (world.points[point].z() > near_m) continue;
       for (const std::int64_t id : {3, 4}) bench.map.graph.remove_observation(id, bench.map.landmark_of[point]);
@@ -110,9 +110,9 @@ TEST(KeyframeCulling, WithDepthFarLandmarksDoNotCount) {
 TEST(KeyframeCulling, TheRootAndTheLastTwoStay) {
   for (const std::int64_t newest : {5, 6}) {
     CullingBench bench(CameraKind::mono);
-    for (int id = 0; id < 5; ++id) bench.place(id);
-    bench.map.graph.ties() = {{.from = 1, .to = 2, .from_from_to = {}, .inliers = 9},
-                              {.from = 1, .to = 3, .from_from_to = {}, .inliers = 9}};
+    for (int id = 0; id < 5; ++id) bench.add_keyframe(id);
+    bench.map.graph.constraints() = {{.from = 1, .to = 2, .from_from_to = {}, .inliers = 9},
+                                     {.from = 1, .to = 3, .from_from_to = {}, .inliers = 9}};
     EXPECT_EQ(left_after_culling(bench, newest), newest == 5 ? (IdList{0, 1, 2, 3, 4, 5}) : (IdList{0, 1, 2, 3, 6}));
   }
 }
@@ -122,7 +122,7 @@ TEST(KeyframeCulling, OnlyKeyframesThatShareEnoughAreConsidered) {
     OrbSlamOptions options;
     options.covisible_landmarks = least;
     CullingBench bench(CameraKind::mono, options);
-    for (int id = 0; id < 5; ++id) bench.place(id);
+    for (int id = 0; id < 5; ++id) bench.add_keyframe(id);
     EXPECT_EQ(contains(left_after_culling(bench), 2), least == 141) << "the newest has 140 landmarks of it";
   }
 }
@@ -130,11 +130,11 @@ TEST(KeyframeCulling, OnlyKeyframesThatShareEnoughAreConsidered) {
 TEST(KeyframeCulling, EitherEndOfALoopStays) {
   for (const bool from : {false, true}) {
     CullingBench bench(CameraKind::mono);
-    for (int id = 0; id < 5; ++id) bench.place(id);
+    for (int id = 0; id < 5; ++id) bench.add_keyframe(id);
     Constraint loop;
     loop.from = from ? 2 : 0;
     loop.to = from ? 0 : 2;
-    bench.map.graph.ties() = {loop};
+    bench.map.graph.constraints() = {loop};
     EXPECT_EQ(left_after_culling(bench), (IdList{0, 2, 4, 5}));
   }
 }
@@ -161,12 +161,12 @@ struct LandmarkBench : MappingBench {
   }
   /// Of the first half of the points.
   KeyframeInput input_by_truth(std::int64_t id) {
-    const Observed looked = observe(id, mapping_pose(static_cast<int>(id)), {.to = 100});
+    const Observed observed = observe(id, mapping_pose(static_cast<int>(id)), {.to = 100});
     KeyframeInput made;
-    made.frame = looked.frame;
+    made.frame = observed.frame;
     made.reference = 0;
     made.camera_from_reference = mapping_pose(static_cast<int>(id));
-    made.points = map.tracked(looked);
+    made.points = map.tracked(observed);
     return made;
   }
   bool has(std::size_t point) const { return map.graph.has_landmark(map.landmark_of[point]); }

@@ -208,10 +208,10 @@ void LocalMapping::cull_keyframes(std::int64_t keyframe) {
     if (!graph_.has_keyframe(n.id)) continue;
     const MapKeyframe& candidate = graph_.keyframe(n.id);
     if (candidate.parent < 0 || candidate.id + 2 > keyframe) continue;
-    const bool tied = std::any_of(graph_.ties().begin(), graph_.ties().end(), [&](const Constraint& tie) {
-      return tie.from == candidate.id || tie.to == candidate.id;
-    });
-    if (!tied && is_redundant(candidate)) graph_.remove_keyframe(candidate.id);
+    const bool constrained = std::any_of(
+        graph_.constraints().begin(), graph_.constraints().end(),
+        [&](const Constraint& constraint) { return constraint.from == candidate.id || constraint.to == candidate.id; });
+    if (!constrained && is_redundant(candidate)) graph_.remove_keyframe(candidate.id);
   }
 }
 

@@ -94,7 +94,7 @@ TEST(LocalMapping, NewPointsOfTwoKeyframesAreTriangulated) {
     options.far_baselines = 30.0;  // of points with depth, none is nearer than 3 m
     MappingBench bench(sensor, options);
     // Both keyframes observe all points, but have landmarks of the first half only.
-    for (const int id : {0, 1}) bench.place(id);
+    for (const int id : {0, 1}) bench.add_keyframe(id);
     bench.forget_second_half();
     EXPECT_EQ(bench.true_landmarks(1e-9), 100U);
     bench.mapping.process(bench.input(2, 1));
@@ -144,11 +144,11 @@ TEST(LocalMapping, LandmarksNotObservedByTheSecondKeyframeAfterAreCulled) {
 TEST(LocalMapping, TwoLandmarksOfOnePointBecomeOne) {
   for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
     MappingBench bench(sensor, without_keyframe_culling());
-    for (const int id : {0, 1}) bench.place(id);
+    for (const int id : {0, 1}) bench.add_keyframe(id);
     const std::vector<std::int64_t> old = bench.map.landmark_of;
     // The next two keyframes create new landmarks for a quarter of the points.
     std::fill_n(bench.map.landmark_of.begin(), 50, -1);
-    for (const int id : {2, 3}) bench.place(id);
+    for (const int id : {2, 3}) bench.add_keyframe(id);
     EXPECT_EQ(bench.map.graph.landmark_count(), 250U);
     KeyframeInput input = bench.input(4, 3);
     std::erase_if(input.points, [](const TrackedPoint& point) { return point.landmark < 100; });
@@ -166,23 +166,23 @@ TEST(LocalMapping, TwoLandmarksOfOnePointBecomeOne) {
 }
 
 TEST(LocalMapping, ARedundantKeyframeIsCulledUnlessItHasALoop) {
-  for (const bool tied : {false, true}) {
+  for (const bool has_loop : {false, true}) {
     MappingBench bench(CameraKind::mono);
-    for (int id = 0; id < 5; ++id) bench.place(id);
-    if (tied)
-      bench.map.graph.ties() = {{.from = 1, .to = 2, .from_from_to = {}, .inliers = 9},
-                                {.from = 1, .to = 3, .from_from_to = {}, .inliers = 9}};
+    for (int id = 0; id < 5; ++id) bench.add_keyframe(id);
+    if (has_loop)
+      bench.map.graph.constraints() = {{.from = 1, .to = 2, .from_from_to = {}, .inliers = 9},
+                                       {.from = 1, .to = 3, .from_from_to = {}, .inliers = 9}};
     bench.mapping.process(bench.input(5, 4));
     // The first anchors the map, the last two may still get observations.
     using Ids = std::vector<std::int64_t>;
-    EXPECT_EQ(bench.map.graph.keyframe_ids(), tied ? (Ids{0, 1, 2, 3, 4, 5}) : (Ids{0, 4, 5}));
+    EXPECT_EQ(bench.map.graph.keyframe_ids(), has_loop ? (Ids{0, 1, 2, 3, 4, 5}) : (Ids{0, 4, 5}));
     EXPECT_THAT(bench.map.graph.camera_from_world(2), pose_near(mapping_pose(2), 1e-3, 1e-4));
   }
 }
 
 TEST(LocalMapping, AdjustingRemovesOutliers) {
   MappingBench bench(CameraKind::depth, without_keyframe_culling());
-  for (int id = 0; id < 4; ++id) bench.place(id);
+  for (int id = 0; id < 4; ++id) bench.add_keyframe(id);
   bench.map.graph.make_root(1);
   bench.mapping.process(bench.input(4, 3, {.moved_share = 0.2}));
   EXPECT_EQ(bench.map.graph.camera_from_world(1).matrix(), mapping_pose(1).matrix()) << "the root holds the map";
@@ -200,7 +200,7 @@ TEST(LocalMapping, AdjustingRemovesOutliers) {
 
 TEST(LocalMapping, AWholeSubmapIsAdjustedAboutItsRoot) {
   MappingBench bench(CameraKind::depth);
-  for (int id = 0; id < 4; ++id) bench.place(id);
+  for (int id = 0; id < 4; ++id) bench.add_keyframe(id);
   MapGraph& graph = bench.map.graph;
   Random random(3);
   for (int id = 1; id < 4; ++id)
@@ -216,14 +216,14 @@ TEST(LocalMapping, AWholeSubmapIsAdjustedAboutItsRoot) {
 
 TEST(LocalMapping, AKeyframesParentSharesMostAndItsPoseIsInTheCurrentUnit) {
   MappingBench bench(CameraKind::mono);
-  bench.place(0, {.from = 0, .to = 150});
-  bench.place(1, {.from = 0, .to = 50});
+  bench.add_keyframe(0, {.from = 0, .to = 150});
+  bench.add_keyframe(1, {.from = 0, .to = 50});
   // Nothing connects it to the map: it keeps its pose, in the unit of the reference.
-  KeyframeInput apart = bench.input(2, 1);
-  apart.points.clear();
-  apart.camera_from_reference = SE3(SO3::exp({0.0, 0.2, 0.0}), {1.0, 2.0, 3.0});
-  apart.reference_unit = 0.5;
-  bench.mapping.process(apart);
+  KeyframeInput disconnected = bench.input(2, 1);
+  disconnected.points.clear();
+  disconnected.camera_from_reference = SE3(SO3::exp({0.0, 0.2, 0.0}), {1.0, 2.0, 3.0});
+  disconnected.reference_unit = 0.5;
+  bench.mapping.process(disconnected);
   const SE3 doubled(SO3::exp({0.0, 0.2, 0.0}), {2.0, 4.0, 6.0});
   EXPECT_THAT(bench.map.graph.camera_from_world(2), pose_near(doubled * mapping_pose(1), 1e-9, 1e-9));
   EXPECT_EQ(bench.map.graph.keyframe(2).parent, 1);

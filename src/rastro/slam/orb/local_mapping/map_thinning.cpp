@@ -44,7 +44,7 @@ std::size_t MapThinning::graph_bytes() const {
   }
   return ids.size() * sizeof(MapKeyframe) + features * a_feature + neighbors * sizeof(Neighbor) +
          graph_.landmark_count() * sizeof(MapLandmark) + observations * sizeof(LandmarkObservation) +
-         graph_.ties().size() * sizeof(Constraint);
+         graph_.constraints().size() * sizeof(Constraint);
 }
 
 void MapThinning::process(std::size_t trajectory_bytes, std::vector<SlamEvent>& events) {
@@ -73,11 +73,11 @@ bool MapThinning::remove_redundant(std::size_t trajectory_bytes) {
 
 std::vector<std::int64_t> MapThinning::removable() const {
   constexpr std::size_t newest_kept = 10;
-  std::set<std::int64_t> tied;
-  for (const Constraint& tie : graph_.ties()) tied.insert({tie.from, tie.to});
+  std::set<std::int64_t> constrained;
+  for (const Constraint& constraint : graph_.constraints()) constrained.insert({constraint.from, constraint.to});
   std::vector<std::int64_t> ids = graph_.keyframe_ids();
   ids.resize(ids.size() - std::min(ids.size(), newest_kept));
-  std::erase_if(ids, [&](std::int64_t id) { return graph_.keyframe(id).parent < 0 || tied.contains(id); });
+  std::erase_if(ids, [&](std::int64_t id) { return graph_.keyframe(id).parent < 0 || constrained.contains(id); });
   return ids;
 }
 

@@ -29,7 +29,7 @@ struct MappingBench {
     return result;
   }
   /// Adds a keyframe of the exact map, not through mapping.
-  void place(std::int64_t id, ObserveOptions how = {}) {
+  void add_keyframe(std::int64_t id, ObserveOptions how = {}) {
     observe(id, mapping_pose(static_cast<int>(id)), how);
     map.add(id, mapping_pose(static_cast<int>(id)), how);
   }
@@ -41,13 +41,13 @@ struct MappingBench {
   }
   /// The input that tracking hands over for a frame at `mapping_pose(id)`.
   KeyframeInput input(std::int64_t id, std::int64_t reference, ObserveOptions how = {}) {
-    const Observed looked = observe(id, mapping_pose(static_cast<int>(id)), how);
+    const Observed observed = observe(id, mapping_pose(static_cast<int>(id)), how);
     KeyframeInput input;
-    input.frame = looked.frame;
+    input.frame = observed.frame;
     input.reference = reference;
     const SE3 step = mapping_pose(static_cast<int>(id)) * mapping_pose(static_cast<int>(reference)).inverse();
     input.camera_from_reference = SE3(step.rotation(), scale() * step.translation());
-    input.points = map.tracked(looked);
+    input.points = map.tracked(observed);
     return input;
   }
   /// Scale of the map: map units per meter, from the first two keyframes.

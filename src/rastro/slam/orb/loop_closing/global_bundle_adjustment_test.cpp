@@ -80,7 +80,7 @@ TEST(GlobalBundleAdjustment, IsAppliedToTheCurrentMap) {
   EXPECT_LT(map.error(5), 0.04);
   EXPECT_LT((map.graph.camera_from_world(11).inverse().translation() - map.mapper.centers[11]).norm(), 0.04);
   const SE3 after = map.graph.keyframe(made).camera_from_world * map.graph.keyframe(11).camera_from_world.inverse();
-  EXPECT_LT((after * made_from_parent.inverse()).log().norm(), 1e-9) << "what was made since keeps its place";
+  EXPECT_LT((after * made_from_parent.inverse()).log().norm(), 1e-9) << "what was made since keeps its relative pose";
   EXPECT_LT((map.graph.keyframe(made).camera_from_world * map.graph.landmark(own).position - in_made).norm(), 1e-9);
 }
 

@@ -95,15 +95,15 @@ std::vector<Hypothesis> LoopClosing::detect_candidates(const MapKeyframe& keyfra
   const auto near = connected(graph_, keyframe, options_.covisible_landmarks);
   const PlaceCandidateOptions options{options_.place_shared_words, lowest_similarity(index, *keyframe.words, neighbors),
                                       min_share_of_best, options_.place_candidates};
-  const auto is_apart = [&](std::int64_t id) { return !std::binary_search(near.begin(), near.end(), id); };
+  const auto is_disconnected = [&](std::int64_t id) { return !std::binary_search(near.begin(), near.end(), id); };
   const auto group_of = [&](std::int64_t id) { return ids_of(graph_.covisible(id, 1, surroundings)); };
   std::vector<Hypothesis> hypotheses;
-  for (const PlaceCandidate& candidate : place_candidates(index, *keyframe.words, options, is_apart, group_of))
+  for (const PlaceCandidate& candidate : place_candidates(index, *keyframe.words, options, is_disconnected, group_of))
     hypotheses.push_back({candidate.id, surroundings_of(graph_, candidate.id, options_.covisible_landmarks)});
   return hypotheses;
 }
 
-/// Estimates a similarity from pairs of landmarks, and finds the landmarks of the place where it predicts them.
+/// Estimates a similarity from pairs of landmarks, and finds the landmarks of the candidate where it predicts them.
 std::optional<VerifiedLoop> LoopClosing::verify(const MapKeyframe& keyframe, const MapKeyframe& candidate) const {
   const auto similarity = find_similarity(keyframe, candidate);
   if (!similarity) return std::nullopt;

@@ -96,7 +96,7 @@ TEST_P(LoopClosingTest, ClosesAConfirmedLoopAndRemovesTheDrift) {
   adjustment.apply(bench.graph);
   EXPECT_LT(bench.error(), 0.065 * before) << "measured: 0.043 and 0.027";
   expect_sound(bench.graph);
-  ASSERT_EQ(bench.graph.ties().size(), 1U);
+  ASSERT_EQ(bench.graph.constraints().size(), 1U);
   EXPECT_GT(bench.graph.shared(closed->keyframe, closed->matched), 15) << "they now see the same landmarks";
   // A map unit has the same length everywhere.
   std::vector<double> lengths;

@@ -38,7 +38,7 @@ int fuse_observation(MapGraph& graph, std::int64_t keyframe, std::uint32_t featu
   return 1;
 }
 
-/// Searches for landmarks of the place in all keyframes around, whose poses are corrected by now.
+/// Searches for landmarks of the matched place in all keyframes around, whose poses are corrected by now.
 int fuse_landmarks(MapGraph& graph, const OrbSlamOptions& options, const VerifiedLoop& loop,
                    const std::vector<std::int64_t>& around) {
   int fused = 0;
@@ -121,9 +121,9 @@ class LoopCorrection {
           add_edge(id, n.id, relative(id, n.id));
       }
     }
-    for (const Constraint& tie : graph_.ties()) {
-      if (graph_.keyframe(tie.from).submap == submap_ && graph_.keyframe(tie.to).submap == submap_)
-        add_edge(tie.from, tie.to, relative(tie.from, tie.to));
+    for (const Constraint& constraint : graph_.constraints()) {
+      if (graph_.keyframe(constraint.from).submap == submap_ && graph_.keyframe(constraint.to).submap == submap_)
+        add_edge(constraint.from, constraint.to, relative(constraint.from, constraint.to));
     }
     for (const std::int64_t id : around_) {
       std::vector<std::int64_t>& list = known_[id];
@@ -131,7 +131,7 @@ class LoopCorrection {
     }
   }
 
-  /// Moves the surroundings to the poses that the place predicts, with all landmarks they observe.
+  /// Moves the surroundings to the poses that the loop predicts, with all landmarks they observe.
   void move_surroundings() {
     const Sim3 keyframe_from_world =
         loop_.keyframe_from_matched * Sim3(graph_.keyframe(loop_.matched).camera_from_world);
@@ -210,10 +210,10 @@ int merge_submaps(MapGraph& graph, const OrbSlamOptions& options, const Verified
                                                  loop.keyframe_from_matched.inverse() *
                                                  Sim3(keyframe.camera_from_world);
   if (matched.submap < keyframe.submap) {
-    graph.join(keyframe.submap, matched.submap, matched_world_from_keyframe_world, keyframe.id, matched.id);
+    graph.merge(keyframe.submap, matched.submap, matched_world_from_keyframe_world, keyframe.id, matched.id);
     result.scale = matched_world_from_keyframe_world.scale();
   } else {
-    graph.join(matched.submap, keyframe.submap, matched_world_from_keyframe_world.inverse(), matched.id, keyframe.id);
+    graph.merge(matched.submap, keyframe.submap, matched_world_from_keyframe_world.inverse(), matched.id, keyframe.id);
     result.scale = 1.0 / matched_world_from_keyframe_world.scale();
   }
   return fuse_landmarks(graph, options, loop, surroundings(graph, loop.keyframe, options.covisible_landmarks));
@@ -245,11 +245,11 @@ LoopResult correct_loop(MapGraph& graph, const OrbSlamOptions& options, const Ve
   }
   const SE3 keyframe_from_matched =
       keyframe.camera_from_world * graph.keyframe(loop.matched).camera_from_world.inverse();
-  graph.ties().push_back({.from = loop.keyframe,
-                          .to = loop.matched,
-                          .from_from_to = Sim3(keyframe_from_matched),
-                          .kind = result.merged ? ConstraintKind::merge : ConstraintKind::loop,
-                          .inliers = loop.inliers});
+  graph.constraints().push_back({.from = loop.keyframe,
+                                 .to = loop.matched,
+                                 .from_from_to = Sim3(keyframe_from_matched),
+                                 .kind = result.merged ? ConstraintKind::merge : ConstraintKind::loop,
+                                 .inliers = loop.inliers});
   if (!result.merged) result.moved = (keyframe.camera_from_world.inverse().translation() - center).norm();
   return result;
 }

@@ -76,8 +76,8 @@ class RoundWorld {
   std::shared_ptr<const Vocabulary> vocabulary() const {
     std::vector<std::vector<Descriptor>> sectors(40);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const double turns = std::atan2(points[i].y(), points[i].x()) / (2.0 * M_PI) + 0.5;
-      sectors[std::min<std::size_t>(39, static_cast<std::size_t>(40.0 * turns))].push_back(descriptors[i]);
+      const double fraction = std::atan2(points[i].y(), points[i].x()) / (2.0 * M_PI) + 0.5;
+      sectors[std::min<std::size_t>(39, static_cast<std::size_t>(40.0 * fraction))].push_back(descriptors[i]);
     }
     VocabularyOptions options;
     options.depth = 3;
@@ -102,8 +102,8 @@ class RoundWorld {
 /// Makes a map with odometry drift: heading and scale drift, and points out of view for a while become new landmarks.
 class DriftingMapper {
  public:
-  DriftingMapper(RoundWorld& world, MapGraph& graph, double turn, double growth)
-      : world_(world), graph_(graph), turn_(turn), growth_(growth) {}
+  DriftingMapper(RoundWorld& world, MapGraph& graph, double yaw_step, double growth)
+      : world_(world), graph_(graph), yaw_step_(yaw_step), growth_(growth) {}
 
   /// Starts a submap in a frame of its own, with a unit of 1 / `scale` meters.
   void begin(int submap, const SE3& world_from_first, double scale) {
@@ -119,7 +119,7 @@ class DriftingMapper {
     const SE3 truth = RoundWorld::world_from_camera(angle);
     if (parent_ >= 0) {
       const SE3 step = true_pose_.inverse() * truth;
-      pose_ = pose_ * SE3(step.rotation() * SO3::exp({0.0, turn_, 0.0}), scale_ * step.translation());
+      pose_ = pose_ * SE3(step.rotation() * SO3::exp({0.0, yaw_step_, 0.0}), scale_ * step.translation());
       scale_ *= growth_;
     }
     true_pose_ = truth;
@@ -148,7 +148,7 @@ class DriftingMapper {
  private:
   RoundWorld& world_;
   MapGraph& graph_;
-  double turn_, growth_;
+  double yaw_step_, growth_;
   int submap_ = 0;
   std::int64_t parent_ = -1;
   SE3 pose_, true_pose_;

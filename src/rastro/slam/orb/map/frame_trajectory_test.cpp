@@ -20,7 +20,7 @@ constexpr TimeNs tenth = 100000000;
 SE3 pose_at(double meters) { return SE3(SO3::exp({0.0, 0.1 * meters, 0.02}), {meters, 0.1 * meters, 0.0}); }
 
 /// As tracking hands it over: at `world_from_camera`, relative to a keyframe of the graph.
-TrackedFrame placed(const MapGraph& graph, std::int64_t index, std::int64_t keyframe, const SE3& world_from_camera) {
+TrackedFrame frame_at(const MapGraph& graph, std::int64_t index, std::int64_t keyframe, const SE3& world_from_camera) {
   TrackedFrame frame;
   frame.index = index;
   frame.stamp = tenth * index;
@@ -41,7 +41,7 @@ struct PathBench {
   TrackedFrame seeing(std::int64_t index, std::int64_t keyframe, const SE3& world_from_camera, const SE3& error) {
     const Observed observed =
         world.observe(100 + index, world_from_camera.inverse(), {.baseline = map.graph.baseline()});
-    TrackedFrame frame = placed(map.graph, index, keyframe, world_from_camera * error);
+    TrackedFrame frame = frame_at(map.graph, index, keyframe, world_from_camera * error);
     for (const TrackedPoint& point : map.tracked(observed)) {
       const Eigen::Vector2d ray = observed.frame->ray(point.feature);
       frame.seen.push_back({point.landmark, ray.cast<float>(),
@@ -70,7 +70,7 @@ const SE3 some_error(SO3::exp({0.02, -0.01, 0.03}), {0.05, -0.04, 0.06});
 TEST(FrameTrajectory, IsInTheOrderOfTheRecordingHoweverFramesCome) {
   PathBench bench;
   for (const int index : {3, 1, 4, 2})
-    bench.recorded.add(placed(bench.map.graph, index, index % 2, pose_at(0.2 * index)));
+    bench.recorded.add(frame_at(bench.map.graph, index, index % 2, pose_at(0.2 * index)));
   const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
   ASSERT_EQ(poses.size(), 4U);
   for (int i = 0; i < 4; ++i) {
@@ -82,8 +82,8 @@ TEST(FrameTrajectory, IsInTheOrderOfTheRecordingHoweverFramesCome) {
 
 TEST(FrameTrajectory, FramesMoveWithTheirKeyframe) {
   PathBench bench;
-  bench.recorded.add(placed(bench.map.graph, 1, 0, pose_at(0.2)));
-  bench.recorded.add(placed(bench.map.graph, 2, 1, pose_at(0.8)));
+  bench.recorded.add(frame_at(bench.map.graph, 1, 0, pose_at(0.2)));
+  bench.recorded.add(frame_at(bench.map.graph, 2, 1, pose_at(0.8)));
   const SE3 shift(SO3::exp({0.1, 0.2, 0.3}), {1.0, 2.0, 3.0});
   bench.map.graph.keyframe(1).camera_from_world = (shift * pose_at(1.0)).inverse();
   const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
@@ -93,11 +93,11 @@ TEST(FrameTrajectory, FramesMoveWithTheirKeyframe) {
 
 TEST(FrameTrajectory, ScalesWithTheMap) {
   PathBench bench;
-  bench.recorded.add(placed(bench.map.graph, 1, 1, pose_at(0.5)));
+  bench.recorded.add(frame_at(bench.map.graph, 1, 1, pose_at(0.5)));
   const Sim3 grown(2.5, SO3::exp({0.3, -0.1, 0.2}), {1.0, -2.0, 0.5});
   bench.map.graph.transform(0, grown);
   // In the larger unit already.
-  bench.recorded.add(placed(bench.map.graph, 2, 1, SE3(SO3(), {7.0, 8.0, 9.0})));
+  bench.recorded.add(frame_at(bench.map.graph, 2, 1, SE3(SO3(), {7.0, 8.0, 9.0})));
   const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
   const SE3 expected(grown.rotation() * pose_at(0.5).rotation(), grown * pose_at(0.5).translation());
   EXPECT_THAT(poses[0].world_from_body, pose_near(expected, 1e-9, 1e-9));
@@ -106,7 +106,7 @@ TEST(FrameTrajectory, ScalesWithTheMap) {
 
 TEST(FrameTrajectory, FramesOfARemovedKeyframeKeepTheirPose) {
   PathBench bench;
-  bench.recorded.add(placed(bench.map.graph, 1, 1, pose_at(0.7)));
+  bench.recorded.add(frame_at(bench.map.graph, 1, 1, pose_at(0.7)));
   bench.map.graph.remove_keyframe(1);
   const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0);
   ASSERT_EQ(poses.size(), 1U);
@@ -116,7 +116,7 @@ TEST(FrameTrajectory, FramesOfARemovedKeyframeKeepTheirPose) {
 TEST(FrameTrajectory, TheLastPoseIsRepeatedOnlyLater) {
   PathBench bench;
   EXPECT_FALSE(bench.recorded.repeat_last(1, tenth));
-  bench.recorded.add(placed(bench.map.graph, 3, 0, pose_at(0.3)));
+  bench.recorded.add(frame_at(bench.map.graph, 3, 0, pose_at(0.3)));
   EXPECT_FALSE(bench.recorded.repeat_last(3, 4 * tenth));
   EXPECT_FALSE(bench.recorded.repeat_last(4, 3 * tenth));
   EXPECT_EQ(bench.recorded.frames().size(), 1U);
@@ -217,7 +217,7 @@ TEST(FrameTrajectory, LandmarksOfAnotherSubmapAreNotUsed) {
 TEST(FrameTrajectory, AFrameThatBecameAKeyframeGetsItsPose) {
   PathBench bench;
   const SE3 elsewhere = pose_at(3.0);
-  for (const int index : {1, 2, 3}) bench.recorded.add(placed(bench.map.graph, index, 0, pose_at(0.1 * index)));
+  for (const int index : {1, 2, 3}) bench.recorded.add(frame_at(bench.map.graph, index, 0, pose_at(0.1 * index)));
   bench.recorded.set_keyframe(2, 1);
   bench.recorded.set_keyframe(7, 1);
   bench.map.graph.keyframe(1).camera_from_world = elsewhere.inverse();

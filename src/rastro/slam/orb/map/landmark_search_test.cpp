@@ -55,8 +55,8 @@ TEST(LandmarkSearch, FindsLandmarksInAWindowThatGrowsWithTheLevel) {
   const auto aside = [](double px) { return Sim3(1.0, SO3::exp({0.0, px / 500.0, 0.0}), Eigen::Vector3d::Zero()); };
   std::size_t expected = 0;
   for (std::uint32_t i = 0; i < observed.seen.size(); ++i) {
-    const Eigen::Vector3d turned = aside(6.0) * world.points[observed.seen[i]];
-    const Eigen::Vector2d off = *world.camera.project(turned) - observed.frame->pixel(i).cast<double>();
+    const Eigen::Vector3d rotated = aside(6.0) * world.points[observed.seen[i]];
+    const Eigen::Vector2d off = *world.camera.project(rotated) - observed.frame->pixel(i).cast<double>();
     expected += off.cwiseAbs().maxCoeff() <= 3.0 * std::pow(1.2, observed.frame->level(i)) ? 1U : 0U;
   }
   EXPECT_GT(expected, 20U);

@@ -73,9 +73,9 @@ class FrameReferences {
   std::vector<std::vector<std::size_t>> by_stamp_;  ///< Indices of keyframes, by submap.
 };
 
-void add_frames(const MapGraph& graph, const FrameTrajectory& way, int largest, Map& map) {
+void add_frames(const MapGraph& graph, const FrameTrajectory& trajectory, int largest, Map& map) {
   const FrameReferences references(map);
-  for (const auto& frame : way.frames()) {
+  for (const auto& frame : trajectory.frames()) {
     const double scale = graph.unit(frame.keyframe) / frame.unit;
     const SE3 camera_from_keyframe(frame.camera_from_keyframe.rotation(),
                                    scale * frame.camera_from_keyframe.translation());
@@ -92,18 +92,18 @@ void add_frames(const MapGraph& graph, const FrameTrajectory& way, int largest, 
 
 }  // namespace
 
-std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& way,
+std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& trajectory,
                                   const std::optional<MapScale>& scale) {
   auto map = std::make_shared<Map>();
   map->method = "orb";
   map->revision = graph.newest_keyframe() + 1;
   const double baseline = graph.sensor() == CameraKind::stereo ? graph.baseline() : 0.0;
   map->cameras.push_back({graph.sensor(), graph.camera(), baseline, {}, SE3()});
-  const int largest = way.largest_submap(graph);
+  const int largest = trajectory.largest_submap(graph);
   add_keyframes(graph, largest, *map);
   add_landmarks(graph, *map);
-  map->constraints = graph.ties();
-  add_frames(graph, way, largest, *map);
+  map->constraints = graph.constraints();
+  add_frames(graph, trajectory, largest, *map);
   const TimeNs first = map->frames.empty() ? 0 : map->frames.front().stamp;
   const TimeNs last = map->frames.empty() ? 0 : map->frames.back().stamp;
   map->sessions.push_back({0, 0, "", first, last, scale ? *scale : scale_of(graph.sensor())});
@@ -121,7 +121,7 @@ void restore(const Map& given, double baseline, MapGraph& graph) {
   }
   for (const Keyframe& keyframe : map.keyframes) graph.set_parent(keyframe.id, keyframe.parent);
   for (const Landmark& landmark : map.layer<LandmarkLayer>()->landmarks) graph.restore_landmark(landmark);
-  graph.ties() = map.constraints;
+  graph.constraints() = map.constraints;
 }
 
 }  // namespace rastro

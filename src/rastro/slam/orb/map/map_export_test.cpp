@@ -35,11 +35,11 @@ struct ExportBench {
     add(4, 0, 0);
     for (const std::uint32_t feature : {3U, 5U}) graph.describe(add_landmark(graph, feature, {0, 1, 4}));
     graph.add_landmark({1.0, 2.0, 3.0}, 0);
-    Constraint tie;
-    tie.from = 4;
-    tie.to = 0;
-    tie.inliers = 55;
-    graph.ties() = {tie};
+    Constraint constraint;
+    constraint.from = 4;
+    constraint.to = 0;
+    constraint.inliers = 55;
+    graph.constraints() = {constraint};
   }
   void add(std::int64_t id, int submap, std::int64_t parent) {
     graph.add_keyframe(blank_frame(id, 5.0, 0.1), camera_at(0.5 * static_cast<double>(id)), submap, parent);
@@ -168,8 +168,8 @@ TEST(MapExport, IsRestoredAsItWas) {
     EXPECT_EQ(now.max_distance, was.max_distance);
     EXPECT_EQ(now.first_keyframe, 0);
   }
-  ASSERT_EQ(graph.ties().size(), 1U);
-  EXPECT_EQ(graph.ties()[0].from, 4);
+  ASSERT_EQ(graph.constraints().size(), 1U);
+  EXPECT_EQ(graph.constraints()[0].from, 4);
 }
 
 TEST(MapExport, IdsTooFarApartForTheGraphAreRenumbered) {

@@ -98,19 +98,20 @@ void MapGraph::remove_keyframe(std::int64_t id) {
   }
   move_children(gone);
   erase_sorted(keyframe(gone.parent).children, id);
-  std::erase_if(ties_, [&](const Constraint& tie) { return tie.from == id || tie.to == id; });
+  std::erase_if(constraints_,
+                [&](const Constraint& constraint) { return constraint.from == id || constraint.to == id; });
   keyframes_[static_cast<std::size_t>(id)].reset();
   --keyframe_count_;
 }
 
 /// Children go to the parent of the removed keyframe, or to a sibling with a new parent: whichever shares most.
 void MapGraph::move_children(const MapKeyframe& gone) {
-  std::vector<std::int64_t> placed{gone.parent}, left = gone.children;
+  std::vector<std::int64_t> in_tree{gone.parent}, left = gone.children;
   while (!left.empty()) {
-    std::int64_t best_child = left.front(), best_parent = placed.front();
+    std::int64_t best_child = left.front(), best_parent = in_tree.front();
     int best = -1;
     for (const std::int64_t child : left) {
-      for (const std::int64_t candidate : placed) {
+      for (const std::int64_t candidate : in_tree) {
         const int count = shared(child, candidate);
         if (count > best) {
           best = count;
@@ -120,7 +121,7 @@ void MapGraph::move_children(const MapKeyframe& gone) {
       }
     }
     set_parent(best_child, best_parent);
-    placed.push_back(best_child);
+    in_tree.push_back(best_child);
     std::erase(left, best_child);
   }
 }
@@ -195,17 +196,17 @@ void MapGraph::transform(int submap, const Sim3& new_from_old) {
     l->min_distance *= static_cast<float>(scale);
     l->max_distance *= static_cast<float>(scale);
   }
-  const SO3 turn_back = new_from_old.rotation().inverse();
+  const SO3 old_from_new = new_from_old.rotation().inverse();
   for (const auto& k : keyframes_) {
     if (!k || k->submap != submap) continue;
-    const SO3 rotation = k->camera_from_world.rotation() * turn_back;
+    const SO3 rotation = k->camera_from_world.rotation() * old_from_new;
     k->camera_from_world =
         SE3(rotation, scale * k->camera_from_world.translation() - (rotation * new_from_old.translation()));
     k->unit *= scale;
   }
 }
 
-void MapGraph::join(int from, int to, const Sim3& to_from_from, std::int64_t root, std::int64_t parent) {
+void MapGraph::merge(int from, int to, const Sim3& to_from_from, std::int64_t root, std::int64_t parent) {
   transform(from, to_from_from);
   make_root(root);
   for (const auto& k : keyframes_) {

@@ -120,13 +120,13 @@ class MapGraph {
   std::vector<Neighbor> covisible(std::int64_t keyframe, int least, std::size_t count = 0) const;
   int shared(std::int64_t a, std::int64_t b) const;
 
-  std::vector<Constraint>& ties() { return ties_; }
-  const std::vector<Constraint>& ties() const { return ties_; }
+  std::vector<Constraint>& constraints() { return constraints_; }
+  const std::vector<Constraint>& constraints() const { return constraints_; }
   int submap_count() const { return submaps_; }
   int new_submap() { return submaps_++; }
   /// Merges two submaps; merged submaps share the smallest number. `from` is transformed by `to_from_from` and becomes
   /// part of `to`; its root gets `parent`, a keyframe of `to`.
-  void join(int from, int to, const Sim3& to_from_from, std::int64_t root, std::int64_t parent);
+  void merge(int from, int to, const Sim3& to_from_from, std::int64_t root, std::int64_t parent);
   /// Transforms all keyframes and landmarks of a submap (and their units).
   void transform(int submap, const Sim3& new_from_old);
 
@@ -150,7 +150,7 @@ class MapGraph {
   std::map<std::int64_t, Removed> removed_;
   std::map<std::int64_t, std::int64_t> fused_into_;
   std::size_t keyframe_count_ = 0, landmark_count_ = 0;
-  std::vector<Constraint> ties_;
+  std::vector<Constraint> constraints_;
   int submaps_ = 0;
 };
 

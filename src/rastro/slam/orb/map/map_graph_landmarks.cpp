@@ -9,7 +9,7 @@
 namespace rastro {
 namespace {
 
-auto place_of(std::vector<LandmarkObservation>& observations, std::int64_t keyframe) {
+auto insertion_point(std::vector<LandmarkObservation>& observations, std::int64_t keyframe) {
   return std::lower_bound(observations.begin(), observations.end(), keyframe,
                           [](const LandmarkObservation& o, std::int64_t id) { return o.keyframe < id; });
 }
@@ -90,7 +90,7 @@ void MapGraph::fuse(std::int64_t kept, std::int64_t gone) {
 void MapGraph::add_observation(std::int64_t keyframe, std::uint32_t feature, std::int64_t landmark) {
   MapKeyframe& observer = this->keyframe(keyframe);
   MapLandmark& seen = this->landmark(landmark);
-  const auto at = place_of(seen.observations, keyframe);
+  const auto at = insertion_point(seen.observations, keyframe);
   if (observer.landmarks[feature] >= 0 || (at != seen.observations.end() && at->keyframe == keyframe)) return;
   for (const LandmarkObservation& other : seen.observations) count(keyframe, other.keyframe, 1);
   seen.observations.insert(at, {keyframe, feature});
@@ -99,7 +99,7 @@ void MapGraph::add_observation(std::int64_t keyframe, std::uint32_t feature, std
 
 void MapGraph::remove_observation(std::int64_t keyframe, std::int64_t landmark) {
   MapLandmark& seen = this->landmark(landmark);
-  const auto at = place_of(seen.observations, keyframe);
+  const auto at = insertion_point(seen.observations, keyframe);
   if (at == seen.observations.end() || at->keyframe != keyframe) return;
   this->keyframe(keyframe).landmarks[at->feature] = -1;
   seen.observations.erase(at);

@@ -48,9 +48,9 @@ std::vector<std::int64_t> Relocalization::hinted_keyframes() const {
   const SE3 world_from_camera = *session_.initial_pose * session_.sensor.camera_from_left().inverse();
   std::vector<std::pair<double, std::int64_t>> near;
   for (const std::int64_t id : session_.graph.keyframe_ids(0)) {
-    const SE3 apart = session_.graph.keyframe(id).camera_from_world * world_from_camera;
-    if ((apart.rotation() * Eigen::Vector3d::UnitZ()).z() >= least_cosine)
-      near.emplace_back(apart.translation().norm(), id);
+    const SE3 difference = session_.graph.keyframe(id).camera_from_world * world_from_camera;
+    if ((difference.rotation() * Eigen::Vector3d::UnitZ()).z() >= least_cosine)
+      near.emplace_back(difference.translation().norm(), id);
   }
   std::sort(near.begin(), near.end());
   std::vector<std::int64_t> ids;

@@ -165,8 +165,8 @@ TEST_P(FrameTrackerTest, AJerkBeyondEverySearchIsFoundFromTheKeyframe) {
 
 TEST_P(FrameTrackerTest, TrackedLandmarksReplaceTheSearch) {
   TrackingBench bench(GetParam());
-  const SE3 turned(SO3::exp({0.05, 0.1, 0.6}), {-0.2, 0.1, 0.1});
-  const Observed observed = bench.observe(7, turned);
+  const SE3 rotated(SO3::exp({0.05, 0.1, 0.6}), {-0.2, 0.1, 0.1});
+  const Observed observed = bench.observe(7, rotated);
   std::vector<LandmarkTrack> followed;
   for (std::uint32_t feature = 0; feature < 60; ++feature)
     followed.push_back({bench.map.landmark_of[observed.seen[feature]], observed.frame->ray(feature)});
@@ -175,7 +175,7 @@ TEST_P(FrameTrackerTest, TrackedLandmarksReplaceTheSearch) {
   const TrackingResult result = bench.tracker.track(observed.frame, followed);
   EXPECT_EQ(result.predicted, 50) << "of 60, 10 are wrong; one more is none of this map's";
   ASSERT_TRUE(result.ok);
-  EXPECT_THAT(result.camera_from_world, pose_near(turned, 2e-4, 2e-5));
+  EXPECT_THAT(result.camera_from_world, pose_near(rotated, 2e-4, 2e-5));
 }
 
 INSTANTIATE_TEST_SUITE_P(Sensors, FrameTrackerTest, ::testing::Values(CameraKind::mono, CameraKind::depth));

@@ -27,7 +27,7 @@ Camera image_camera() {
 }
 
 /// Blurred noise with many corners; the content at (x, y) is at (x + dx, y + dy) when shifted.
-Frame picture(std::int64_t index, int dx, int dy) {
+Frame shifted_image(std::int64_t index, int dx, int dy) {
   static const GrayImage noise = testing::noise_image(image_width + 80, image_height + 80, 7);
   Frame frame;
   frame.index = index;
@@ -46,7 +46,7 @@ Frame picture(std::int64_t index, int dx, int dy) {
 }
 
 Frame blank_image(std::int64_t index) {
-  Frame frame = picture(index, 0, 0);
+  Frame frame = shifted_image(index, 0, 0);
   frame.image = GrayImage(image_width, image_height);
   return frame;
 }
@@ -99,7 +99,7 @@ void expect_shifted(const std::vector<LandmarkTrack>& followed, double dx, doubl
 /// Ready to track: it has processed the image, and has landmarks on the pixels with from <= x < to.
 TrackAssociation association(int from, int to, const OrbSlamOptions& options = {}) {
   TrackAssociation tracks(options, image_camera(), nullptr);
-  EXPECT_TRUE(tracks.follow(picture(0, 0, 0)).empty()) << "nothing was learned yet";
+  EXPECT_TRUE(tracks.follow(shifted_image(0, 0, 0)).empty()) << "nothing was learned yet";
   tracks.learn(feature_everywhere(), landmark_everywhere(from, to));
   return tracks;
 }
@@ -108,7 +108,7 @@ TEST(TrackAssociation, LandmarksAreTrackedToTheShiftOfTheImage) {
   TrackAssociation tracks = association(0, image_width);
   std::size_t before = 150;
   for (const auto& [dx, dy] : {std::pair{3, -2}, std::pair{7, 1}, std::pair{1, 4}}) {
-    const auto followed = tracks.follow(picture(1, dx, dy));
+    const auto followed = tracks.follow(shifted_image(1, dx, dy));
     EXPECT_GT(followed.size(), before * 3 / 4);
     before = followed.size();
     expect_shifted(followed, dx, dy);
@@ -120,7 +120,7 @@ TEST(TrackAssociation, LandmarksAreTrackedToTheShiftOfTheImage) {
 TEST(TrackAssociation, TracksWithoutALandmarkGiveNothing) {
   TrackAssociation tracks = association(0, image_width / 2);
   for (int k = 1; k < 4; ++k) {
-    const auto followed = tracks.follow(picture(k, 4 * k, 0));
+    const auto followed = tracks.follow(shifted_image(k, 4 * k, 0));
     EXPECT_GT(followed.size(), 60U);
     // Tracks of the other half observe none, except those next to a landmark.
     for (const LandmarkTrack& one : followed) {
@@ -132,37 +132,37 @@ TEST(TrackAssociation, TracksWithoutALandmarkGiveNothing) {
 
 TEST(TrackAssociation, PointsThatAreNoLandmarksYetAreNotLearned) {
   TrackAssociation tracks(OrbSlamOptions{}, image_camera(), nullptr);
-  tracks.follow(picture(0, 0, 0));
+  tracks.follow(shifted_image(0, 0, 0));
   std::vector<TrackedPoint> points = landmark_everywhere(0, image_width);
   for (TrackedPoint& point : points) point.landmark = -1;
   tracks.learn(feature_everywhere(), points);
-  EXPECT_TRUE(tracks.follow(picture(1, 1, 1)).empty());
+  EXPECT_TRUE(tracks.follow(shifted_image(1, 1, 1)).empty());
 }
 
 TEST(TrackAssociation, ALostViewGivesNothingAndItsReturnTheSameLandmarks) {
   TrackAssociation tracks = association(0, image_width);
-  const std::size_t before = tracks.follow(picture(1, 1, 0)).size();
+  const std::size_t before = tracks.follow(shifted_image(1, 1, 0)).size();
   EXPECT_TRUE(tracks.follow(blank_image(2)).empty());
   tracks.learn(feature_everywhere(), landmark_everywhere(0, image_width));
   EXPECT_TRUE(tracks.follow(blank_image(3)).empty()) << "there was nothing to learn from";
-  const auto followed = tracks.follow(picture(4, 2, 1));
+  const auto followed = tracks.follow(shifted_image(4, 2, 1));
   EXPECT_GT(followed.size(), before / 3);
   expect_shifted(followed, 2.0, 1.0);
 }
 
 TEST(TrackAssociation, AnImageOfAnotherSizeGivesNothingAndHarmsNothing) {
   TrackAssociation tracks = association(0, image_width);
-  Frame other = picture(1, 0, 0);
+  Frame other = shifted_image(1, 0, 0);
   other.image = GrayImage(image_width / 2, image_height / 2);
   EXPECT_TRUE(tracks.follow(other).empty());
-  const auto followed = tracks.follow(picture(2, 2, 2));
+  const auto followed = tracks.follow(shifted_image(2, 2, 2));
   EXPECT_GT(followed.size(), 100U);
   expect_shifted(followed, 2.0, 2.0);
 }
 
 TEST(TrackAssociation, NothingIsTrackedIntoTheMask) {
   TrackAssociation tracks = association(0, image_width);
-  Frame frame = picture(1, 3, 0);
+  Frame frame = shifted_image(1, 3, 0);
   frame.mask = GrayImage(image_width, image_height);
   for (int y = 0; y < image_height; ++y) std::fill_n(frame.mask.row(y), image_width / 2, std::uint8_t{255});
   const auto followed = tracks.follow(frame);
@@ -173,11 +173,11 @@ TEST(TrackAssociation, NothingIsTrackedIntoTheMask) {
 TEST(TrackAssociation, ATrackGetsTheLandmarkItObservedLast) {
   TrackAssociation tracks = association(0, image_width);
   std::set<std::int64_t> before;
-  for (const LandmarkTrack& one : tracks.follow(picture(1, 0, 0))) before.insert(one.landmark);
+  for (const LandmarkTrack& one : tracks.follow(shifted_image(1, 0, 0))) before.insert(one.landmark);
   std::vector<TrackedPoint> renamed = landmark_everywhere(0, image_width);
   for (TrackedPoint& point : renamed) point.landmark += first_landmark;
   tracks.learn(feature_everywhere(), renamed);
-  const auto followed = tracks.follow(picture(2, 0, 0));
+  const auto followed = tracks.follow(shifted_image(2, 0, 0));
   ASSERT_GT(followed.size(), 100U);
   std::size_t same = 0;
   for (const LandmarkTrack& one : followed) {
@@ -191,7 +191,7 @@ TEST(TrackAssociation, OldTracksAreForgotten) {
   OrbSlamOptions options;
   options.tracks_kept = 20;
   TrackAssociation tracks = association(0, image_width, options);
-  const auto followed = tracks.follow(picture(1, 1, 0));
+  const auto followed = tracks.follow(shifted_image(1, 1, 0));
   EXPECT_GT(followed.size(), 10U);
   EXPECT_LE(followed.size(), 21U);
 }

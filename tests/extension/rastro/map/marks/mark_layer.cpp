@@ -16,8 +16,8 @@ class MarkLayerType : public KeyframeLayerType<MarkLayer, Marks> {
   /// One line a mark.
   std::string body_of(const Marks& marks) const override {
     std::string body;
-    for (const auto& [word, place] : marks)
-      body += fmt::format("{:a} {:a} {:a} {}\n", place.x(), place.y(), place.z(), word);
+    for (const auto& [word, position] : marks)
+      body += fmt::format("{:a} {:a} {:a} {}\n", position.x(), position.y(), position.z(), word);
     return body;
   }
   std::shared_ptr<const Marks> thing_of(KeyframeId, std::string_view body, const std::string& where) const override {
@@ -55,7 +55,7 @@ class MarkLayerType : public KeyframeLayerType<MarkLayer, Marks> {
   static double number(const std::string& text, const std::string& where) {
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != '\0') throw Error("has a mark at no place", where, "mark again");
+    if (text.empty() || *end != '\0') throw Error("has a mark without a position", where, "mark again");
     return value;
   }
 };
