@@ -18,8 +18,8 @@ template <typename Pose>
 constexpr int value_count = PoseSpace<Pose>::Values::RowsAtCompileTime;
 
 template <typename Pose>
-Pose pose_at(const double* values) {
-  return PoseSpace<Pose>::pose_of(Eigen::Map<const typename PoseSpace<Pose>::Values>(values));
+typename PoseSpace<Pose>::Values values_at(const double* values) {
+  return Eigen::Map<const typename PoseSpace<Pose>::Values>(values);
 }
 
 /// Steps of the space, along its first axes. Cost functions return their derivatives by such a step in the first
@@ -36,7 +36,7 @@ class PoseManifold final : public ceres::Manifold {
     by.head(axes_) = Eigen::Map<const Eigen::VectorXd>(step, axes_);
     if (!by.allFinite()) return false;
     Eigen::Map<typename Space::Values> result(moved);
-    result = Space::values_of(Space::step(pose_at<Pose>(pose), by));
+    result = Space::step(values_at<Pose>(pose), by);
     return true;
   }
   bool PlusJacobian(const double*, double* jacobian) const override {
@@ -44,7 +44,7 @@ class PoseManifold final : public ceres::Manifold {
     return true;
   }
   bool Minus(const double* to, const double* from, double* step) const override {
-    const auto by = Space::difference(pose_at<Pose>(from), pose_at<Pose>(to));
+    const auto by = Space::difference(values_at<Pose>(from), values_at<Pose>(to));
     Eigen::Map<Eigen::VectorXd>(step, axes_) = by.head(axes_);
     return true;
   }
@@ -76,17 +76,16 @@ class EdgeCost final
   using Matrix = Eigen::Matrix<double, dimension, dimension>;
 
   EdgeCost(const Constraint& edge, const PoseGraphOptions& options)
-      : root_(root_of<Matrix>(Space::information(edge, options))), to_from_from_(Space::relative(edge).inverse()) {}
+      : root_(root_of<Matrix>(Space::information(edge, options))), edge_(Space::relative(edge)) {}
 
   bool Evaluate(double const* const* poses, double* residuals, double** jacobians) const override {
-    const Pose from = pose_at<Pose>(poses[0]), to = pose_at<Pose>(poses[1]), from_from_to = from.inverse() * to;
-    const Pose rest = to_from_from_ * from_from_to;
-    const typename Pose::Tangent residual = Space::residual(rest);
+    const LinearizedEdge<dimension> edge =
+        edge_.linearize(values_at<Pose>(poses[0]), values_at<Pose>(poses[1]), jacobians != nullptr);
     Eigen::Map<typename Pose::Tangent> weighted(residuals);
-    weighted = root_ * residual;
+    weighted = root_ * edge.residual;
     if (!jacobians) return weighted.allFinite();
-    const Matrix by_to = root_ * Space::residual_by_to(residual, rest, to);
-    if (jacobians[0]) write(by_to * Space::to_by_from(from, from_from_to), jacobians[0]);
+    const Matrix by_to = root_ * edge.by_to;
+    if (jacobians[0]) write(by_to * edge.to_by_from, jacobians[0]);
     if (jacobians[1]) write(by_to, jacobians[1]);
     return weighted.allFinite() && by_to.allFinite();
   }
@@ -99,7 +98,7 @@ class EdgeCost final
   }
 
   Matrix root_;
-  Pose to_from_from_;
+  typename Space::Edge edge_;
 };
 
 class SwitchLoss final : public ceres::LossFunction {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 
 #include "rastro/map/graph/constraint.h"
 #include "rastro/map/graph/planar.h"
@@ -15,12 +16,20 @@
 
 namespace rastro {
 
+/// The residual of an edge, rest = relative^-1 * from^-1 * to as a vector, its derivative by a step of `to`, and the
+/// step of `to` with the same effect as a step of `from`.
+template <int dimension>
+struct LinearizedEdge {
+  using Matrix = Eigen::Matrix<double, dimension, dimension>;
+  Eigen::Matrix<double, dimension, 1> residual;
+  Matrix by_to, to_by_from;
+};
+
 /// The differences between graphs of SE2, SE3 and Sim3:
 /// - the parameters of a pose in the solver: Values, values_of(), pose_of();
 /// - updates of poses: step(), difference();
 /// - the measurement of an edge: relative(), information();
-/// - the residual of an edge, rest = relative^-1 * from^-1 * to, as a vector: residual(), its derivative by a step of
-///   `to`, and the step of `to` with the same effect as a step of `from`.
+/// - the residual of an edge: residual() of the rest, linearize(), which computes derivatives only where asked.
 template <GraphPose Pose>
 struct PoseSpace;
 
@@ -34,12 +43,9 @@ struct PoseSpace<SE2> {
     return {pose.translation().x(), pose.translation().y(), pose.rotation().angle()};
   }
   static SE2 pose_of(const Values& values) { return {SO2::from_angle(values.z()), values.head<2>()}; }
-  static SE2 step(const SE2& pose, const Eigen::Vector3d& by) {
-    return {pose.rotation() * SO2::from_angle(by.z()), pose.translation() + by.head<2>()};
-  }
-  static Eigen::Vector3d difference(const SE2& from, const SE2& to) {
-    const Eigen::Vector2d offset = to.translation() - from.translation();
-    return {offset.x(), offset.y(), (from.rotation().inverse() * to.rotation()).angle()};
+  static Values step(const Values& pose, const Eigen::Vector3d& by) { return pose + by; }
+  static Eigen::Vector3d difference(const Values& from, const Values& to) {
+    return {to.x() - from.x(), to.y() - from.y(), std::remainder(to.z() - from.z(), 2.0 * M_PI)};
   }
 
   static SE2 relative(const Constraint& edge) { return in_plane(edge.rigid()); }
@@ -47,33 +53,70 @@ struct PoseSpace<SE2> {
     return in_plane(edge.information);
   }
   static Eigen::Vector3d residual(const SE2& rest) { return values_of(rest); }
-  static Eigen::Matrix3d residual_by_to(const Eigen::Vector3d&, const SE2& rest, const SE2& to) {
-    Eigen::Matrix3d by_to = Eigen::Matrix3d::Identity();
-    by_to.topLeftCorner<2, 2>() = (rest.rotation() * to.rotation().inverse()).matrix();
-    return by_to;
-  }
-  static Eigen::Matrix3d to_by_from(const SE2& from, const SE2& from_from_to) {
-    const Eigen::Vector2d offset = from.rotation() * from_from_to.translation();
-    Eigen::Matrix3d to_by_from = -Eigen::Matrix3d::Identity();
-    to_by_from.topRightCorner<2, 1>() << offset.y(), -offset.x();
-    return to_by_from;
-  }
+
+  /// An edge with its relative pose as numbers, since graphs of laser scans spend much of their time here.
+  class Edge {
+   public:
+    explicit Edge(const SE2& relative)
+        : rotation_(relative.rotation().inverse().matrix()),
+          translation_(relative.translation()),
+          yaw_(relative.rotation().angle()) {}
+    LinearizedEdge<3> linearize(const Values& from, const Values& to, bool derivatives) const {
+      const double c = std::cos(from.z()), s = std::sin(from.z());
+      Eigen::Matrix2d from_world;
+      from_world << c, s, -s, c;
+      const Eigen::Vector2d observed = from_world * (to - from).head<2>();
+      LinearizedEdge<3> edge;
+      edge.residual << rotation_ * (observed - translation_), std::remainder(to.z() - from.z() - yaw_, 2.0 * M_PI);
+      if (!derivatives) return edge;
+      edge.by_to.setIdentity();
+      edge.by_to.topLeftCorner<2, 2>() = rotation_ * from_world;
+      edge.to_by_from = -Eigen::Matrix3d::Identity();
+      edge.to_by_from.topRightCorner<2, 1>() << to.y() - from.y(), from.x() - to.x();
+      return edge;
+    }
+
+   private:
+    Eigen::Matrix2d rotation_;  ///< Inverse of the relative one.
+    Eigen::Vector2d translation_;
+    double yaw_;
+  };
 };
 
 /// A step is pose * exp(step), and a residual a logarithm.
 template <typename Group>
 struct GroupSpace {
+  using Space = PoseSpace<Group>;
   using Tangent = typename Group::Tangent;
   static constexpr int dimension = Tangent::RowsAtCompileTime;
-  using Matrix = Eigen::Matrix<double, dimension, dimension>;
 
-  static Group step(const Group& pose, const Tangent& by) { return pose * Group::exp(by); }
-  static Tangent difference(const Group& from, const Group& to) { return (from.inverse() * to).log(); }
-  static Tangent residual(const Group& rest) { return rest.log(); }
-  static Matrix residual_by_to(const Tangent& residual, const Group&, const Group&) {
-    return right_jacobian_inverse<Group>(residual);
+  template <typename Values>
+  static Values step(const Values& pose, const Tangent& by) {
+    return Space::values_of(Space::pose_of(pose) * Group::exp(by));
   }
-  static Matrix to_by_from(const Group&, const Group& from_from_to) { return -from_from_to.inverse().adjoint(); }
+  template <typename Values>
+  static Tangent difference(const Values& from, const Values& to) {
+    return (Space::pose_of(from).inverse() * Space::pose_of(to)).log();
+  }
+  static Tangent residual(const Group& rest) { return rest.log(); }
+
+  class Edge {
+   public:
+    explicit Edge(const Group& relative) : to_from_from_(relative.inverse()) {}
+    template <typename Values>
+    LinearizedEdge<dimension> linearize(const Values& from, const Values& to, bool derivatives) const {
+      const Group from_from_to = Space::pose_of(from).inverse() * Space::pose_of(to);
+      LinearizedEdge<dimension> edge;
+      edge.residual = (to_from_from_ * from_from_to).log();
+      if (!derivatives) return edge;
+      edge.by_to = right_jacobian_inverse<Group>(edge.residual);
+      edge.to_by_from = -from_from_to.inverse().adjoint();
+      return edge;
+    }
+
+   private:
+    Group to_from_from_;
+  };
 };
 
 /// x y z, then qx qy qz qw.
@@ -102,7 +145,7 @@ struct PoseSpace<Sim3> : GroupSpace<Sim3> {
     return {values[7], SO3(Eigen::Quaterniond(values.segment<4>(3))), values.head<3>()};
   }
   /// The solver also evaluates whole gradients as steps, whatever their unit: this bounds the change of a scale.
-  static Sim3 step(const Sim3& pose, Vector7d by) {
+  static Values step(const Values& pose, Vector7d by) {
     constexpr double most = 50.0;
     by[6] = std::clamp(by[6], -most, most);
     return GroupSpace::step(pose, by);
