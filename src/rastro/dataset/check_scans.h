@@ -15,7 +15,7 @@ class ScanCheck {
  public:
   explicit ScanCheck(CheckReport& report) : report_(report) {}
 
-  void look_at(const Frame& frame);
+  void add(const Frame& frame);
   /// Shares, jumps and the warnings about them.
   void finish();
 

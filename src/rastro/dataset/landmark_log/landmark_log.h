@@ -17,19 +17,19 @@ namespace rastro {
 /// How fast the wheels said the body went, from `stamp` until the next one.
 struct WheelVelocity {
   TimeNs stamp = 0;
-  double forward = 0.0;  ///< m/s
-  double turn = 0.0;     ///< rad/s, counterclockwise.
+  double forward = 0.0;   ///< m/s
+  double yaw_rate = 0.0;  ///< rad/s, counterclockwise.
 };
 
 struct StampedObservation {
   TimeNs stamp = 0;
-  LandmarkMeasurement sighting;
+  LandmarkMeasurement measurement;
 };
 
 /// What a log of range-bearing landmarks and wheel odometry holds; both lists in the order of time.
 struct LandmarkLog {
   std::vector<WheelVelocity> velocities;
-  std::vector<StampedObservation> sightings;
+  std::vector<StampedObservation> observations;
   std::vector<std::string> warnings;  ///< Each one plain line, about lines that were omitted.
 };
 

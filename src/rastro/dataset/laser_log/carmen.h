@@ -22,7 +22,7 @@ namespace rastro {
 /// (ODOM, SYNC, RLASER, ROBOTLASER2, ...) are not needed; scans among them are counted in a warning.
 class CarmenParser final : public LogParser {
  public:
-  std::optional<Frame> read(std::string_view line, const LinePosition& place) override;
+  std::optional<Frame> read(std::string_view line, const LinePosition& position) override;
   void start_over(SourceInfo& info) override;
 
  private:

@@ -20,14 +20,14 @@ namespace rastro {
 /// - 695 columns: 3 to 5 are x and y in meters and the heading in degrees, counterclockwise, as the rover kept them.
 class MinesroverParser final : public LogParser {
  public:
-  std::optional<Frame> read(std::string_view line, const LinePosition& place) override;
+  std::optional<Frame> read(std::string_view line, const LinePosition& position) override;
   void start_over(SourceInfo& info) override;
 
  private:
   struct Wheels {
     double left = 0.0, right = 0.0;  ///< Counts.
   };
-  void turn_wheels(const Wheels& wheels);
+  void integrate_wheels(const Wheels& wheels);
 
   std::optional<Wheels> last_wheels_;
   SE2 odometry_from_body_;

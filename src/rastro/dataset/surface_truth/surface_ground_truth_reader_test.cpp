@@ -160,7 +160,7 @@ TEST_F(SurfaceGroundTruthTest, broken_text_is_an_error_or_read_but_never_a_crash
   EXPECT_GT(refused, 30);
 }
 
-TEST_F(SurfaceGroundTruthTest, broken_pictures_are_errors) {
+TEST_F(SurfaceGroundTruthTest, broken_images_are_errors) {
   const fs::path broken = copy();
   const std::string name = std::to_string(world_->stamp(0)) + ".png";
   const std::string whole = contents(broken / "depth" / name);

@@ -27,12 +27,12 @@ TEST(LoopWalk, is_120_m_long_and_returns_to_its_start_after_a_round) {
   const auto walking = static_cast<double>(loop_frames - (loop_elsewhere_end - loop_elsewhere_begin));
   EXPECT_NEAR(walking * speed_per_frame, loop::path_m(), 0.5);
   const loop::PathPoint start = loop::path_point(0.0), back = loop::path_point(loop::round_m() + 2.2);
-  EXPECT_NEAR((back.place - loop::path_point(2.2).place).norm(), 0.0, 1e-6);
+  EXPECT_NEAR((back.position - loop::path_point(2.2).position).norm(), 0.0, 1e-6);
   EXPECT_NEAR(back.heading - start.heading, 2.0 * std::numbers::pi, 1e-9);
-  for (double way = 0.0; way < loop::path_m() - 0.1; way += 0.07) {
-    const loop::PathPoint a = loop::path_point(way), b = loop::path_point(way + 0.05);
-    ASSERT_NEAR((b.place - a.place).norm(), 0.05, 1e-3) << way;
-    ASSERT_LT(std::abs(b.heading - a.heading), 0.03) << way;
+  for (double distance = 0.0; distance < loop::path_m() - 0.1; distance += 0.07) {
+    const loop::PathPoint a = loop::path_point(distance), b = loop::path_point(distance + 0.05);
+    ASSERT_NEAR((b.position - a.position).norm(), 0.05, 1e-3) << distance;
+    ASSERT_LT(std::abs(b.heading - a.heading), 0.03) << distance;
   }
 }
 
