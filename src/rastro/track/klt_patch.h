@@ -61,7 +61,7 @@ struct KltKernels {
   KltResidual (*residual)(const KltWindow& window, const KltPatch& patch);
   /// Bilinear, rounded; outside, the pixel at the edge is used. Columns behind the last one may be written, up to the
   /// next multiple of eight.
-  void (*turn)(const KltRotation& turn, std::uint8_t* turned);
+  void (*rotate)(const KltRotation& rotation, std::uint8_t* rotated);
 };
 
 const KltKernels& klt_kernels_plain();

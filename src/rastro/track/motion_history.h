@@ -65,7 +65,7 @@ class MotionHistory {
 
   const TrackOptions& options_;
   std::int64_t current_ = -1;
-  bool apart_ = false;  ///< The layers had different motions when both were last observed.
+  bool layers_differ_ = false;  ///< The layers had different motions when both were last observed.
   std::array<Eigen::Matrix3d, layers> last_step_{Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity()};
   std::array<std::vector<Motion>, layers> motions_;
 };
