@@ -61,15 +61,15 @@ bool inside(const LengthRegion& region, const Vector3d& point, int axes) {
   return true;
 }
 
-/// Calls look(ray, depth) for the pixels of the region's image, evenly thinned out if they are many.
-template <typename Look>
-void for_pixels(const LengthView& view, const PixelBox& box, Look&& look) {
+/// Calls visit(ray, depth) for the pixels of the region's image, evenly thinned out if they are many.
+template <typename Visit>
+void for_pixels(const LengthView& view, const PixelBox& box, Visit&& visit) {
   const auto stride =
       static_cast<int>(std::ceil(std::sqrt(static_cast<double>(box.count()) / static_cast<double>(most_pixels))));
   for (int y = box.y0; y <= box.y1; y += std::max(1, stride)) {
     for (int x = box.x0; x <= box.x1; x += std::max(1, stride)) {
       const auto ray = view.camera.unproject(Vector2d(x, y));
-      if (ray) look(Vector3d(ray->x(), ray->y(), 1.0), static_cast<double>(view.depth.at(x, y)));
+      if (ray) visit(Vector3d(ray->x(), ray->y(), 1.0), static_cast<double>(view.depth.at(x, y)));
     }
   }
 }

@@ -139,8 +139,8 @@ class MappedGroundTruth : public SurfaceGroundTruth {
   std::optional<SurfacePoint> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const override {
     return ground_truth_.surface_at(frames_.at(static_cast<std::size_t>(frame)), pixel);
   }
-  Sighting sighting_of(std::int64_t frame, const SurfacePoint& point) const override {
-    return ground_truth_.sighting_of(frames_.at(static_cast<std::size_t>(frame)), point);
+  ProjectedPoint project(std::int64_t frame, const SurfacePoint& point) const override {
+    return ground_truth_.project(frames_.at(static_cast<std::size_t>(frame)), point);
   }
 
  private:

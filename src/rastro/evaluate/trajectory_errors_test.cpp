@@ -11,12 +11,12 @@
 namespace rastro {
 namespace {
 
-/// Straight along x: pose k at k meters and k times 0.1 s; the estimate's steps are longer by `stretch`.
-PairedPoses straight(int count, double stretch) {
+/// Straight along x: pose k at k meters and k times 0.1 s; the estimate's steps are longer by `scale`.
+PairedPoses straight(int count, double scale) {
   PairedPoses poses;
   for (int k = 0; k < count; ++k) {
     poses.reference.push_back(SE3(SO3(), {1.0 * k, 0, 0}).matrix());
-    poses.estimate.push_back(SE3(SO3(), {stretch * k, 0, 0}).matrix());
+    poses.estimate.push_back(SE3(SO3(), {scale * k, 0, 0}).matrix());
     poses.stamps.push_back(TimeNs(k) * 100'000'000);
   }
   return poses;
