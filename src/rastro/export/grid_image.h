@@ -25,7 +25,7 @@ struct MapImage {
   std::vector<Eigen::Vector2d> keyframes;                          ///< Dots.
   std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> loops;  ///< Of those alike one is drawn.
   std::vector<PositionEllipse> landmarks;                          ///< Crosses with their 95 % ellipses.
-  std::vector<PositionEllipse> places;                             ///< 95 % ellipses along the path.
+  std::vector<PositionEllipse> positions;                          ///< 95 % ellipses along the path.
 };
 
 /// Submap 0 of a planar map with a trajectory through it: `grid` is occupancy_grid_of(map) (null: none), landmarks are
@@ -35,6 +35,6 @@ MapImage map_image(const Map& map, std::shared_ptr<const OccupancyGrid> grid, co
 
 /// A PNG of at most 1600 pixels a side: walls black, free cells white, the rest gray, path blue from the green start to
 /// the red end, loop closures orange, with a bar of 1 m (10 m, ... for large maps).
-void write_map_image(const MapImage& picture, const std::string& file);
+void write_map_image(const MapImage& image, const std::string& file);
 
 }  // namespace rastro

@@ -115,7 +115,7 @@ TEST(SlamRun, CountsStatesLoopsAndCoverage) {
   EXPECT_DOUBLE_EQ(end.result.path_length, 13.5);
   EXPECT_NEAR(end.result.coverage, 100.0 * 28 / 30, 1e-9);
   EXPECT_NEAR(end.result.timing.recording_seconds, 29 * 0.05, 1e-9);
-  EXPECT_EQ(end.places.size(), 7U) << "one every two meters";
+  EXPECT_EQ(end.position_covariances.size(), 7U) << "one every two meters";
   EXPECT_EQ(method.finished, 1);
   EXPECT_EQ(end.result.ended, "end of data");
   EXPECT_THAT(end.first_skip, HasSubstr("frame 4"));
