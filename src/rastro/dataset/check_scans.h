@@ -10,7 +10,7 @@
 
 namespace rastro {
 
-/// Looks at what frames without images bring: scans, wheel odometry, landmarks. Internal to the dataset module.
+/// Checks what frames without images bring: scans, wheel odometry, landmarks. Internal to the dataset module.
 class ScanCheck {
  public:
   explicit ScanCheck(CheckReport& report) : report_(report) {}

@@ -90,7 +90,7 @@ TEST(TrajectoryErrors, TooFewPosesOrNoStampsGiveNoErrors) {
   EXPECT_EQ(segment_errors(none, {100.0}).front().count, 0);
 }
 
-TEST(TrajectoryErrors, SegmentsOfAStretchedPath) {
+TEST(TrajectoryErrors, SegmentsOfAScaledPath) {
   // 201 m: segments of 100 m begin at 0, 10, ... and end one pose beyond the length, at 101 m.
   const auto segments = segment_errors(straight(202, 1.02), {100.0, 300.0});
   ASSERT_EQ(segments.size(), 2u);

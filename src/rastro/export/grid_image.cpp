@@ -224,7 +224,7 @@ class Drawing {
   cv::Mat sheet_;
 };
 
-/// A loop closure between keyframes of a path that hardly turned ties neighbors: no loop to be looked at.
+/// A loop closure between keyframes of a nearly straight path connects neighbors: no loop to be drawn.
 constexpr double shortest_detour = 2.0;
 
 /// Of the path through the keyframes, up to each.

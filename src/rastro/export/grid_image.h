@@ -30,7 +30,7 @@ struct MapImage {
 
 /// Submap 0 of a planar map with a trajectory through it: `grid` is occupancy_grid_of(map) (null: none), landmarks are
 /// those with estimates. Of the loop closures those count whose keyframes have a path
-/// between them of at least twice their distance: others tie neighbors.
+/// between them of at least twice their distance: others connect neighbors.
 MapImage map_image(const Map& map, std::shared_ptr<const OccupancyGrid> grid, const Trajectory& trajectory);
 
 /// A PNG of at most 1600 pixels a side: walls black, free cells white, the rest gray, path blue from the green start to

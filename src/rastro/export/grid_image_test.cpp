@@ -36,7 +36,7 @@ std::shared_ptr<const OccupancyGrid> hall() {
   return grid;
 }
 
-TEST(MapImage, PutsWallsAndWayWhereTheyAre) {
+TEST(MapImage, PutsWallsAndPathWhereTheyAre) {
   MapImage image;
   image.grid = hall();
   image.path = {{0.5, 0.5}, {3.5, 0.5}};
@@ -50,7 +50,7 @@ TEST(MapImage, PutsWallsAndWayWhereTheyAre) {
   EXPECT_NEAR(drawing.rows, 580, 2);
   EXPECT_EQ(at(2.0, 1.95), cv::Vec3b(0, 0, 0)) << "the wall is at the top";
   EXPECT_EQ(at(2.0, 1.5), cv::Vec3b(255, 255, 255));
-  EXPECT_EQ(at(2.0, 0.5), cv::Vec3b(200, 90, 0)) << "the way";
+  EXPECT_EQ(at(2.0, 0.5), cv::Vec3b(200, 90, 0)) << "the path";
   EXPECT_EQ(at(0.5, 0.5), cv::Vec3b(0, 150, 0)) << "its start";
   EXPECT_EQ(at(3.5, 0.5), cv::Vec3b(0, 0, 220)) << "its end";
   EXPECT_EQ(at(-0.3, 1.0), cv::Vec3b(215, 215, 215)) << "beyond the map";

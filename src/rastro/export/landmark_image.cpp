@@ -101,7 +101,7 @@ class Sheet {
 
  private:
   Vector2d low_ = Vector2d::Zero();
-  double left_ = 0.0;  ///< Pixels, of the leftmost place.
+  double left_ = 0.0;  ///< Pixels, of the leftmost position.
   double scale_ = 1.0;
 };
 

@@ -130,7 +130,7 @@ TEST(Pcd, HasTheFieldsOfThePointCloudLibrary) {
   EXPECT_TRUE(std::isnan(sigma));
 }
 
-TEST(G2o, HasPosesMeasurementsAndTheInformationOfHalfTurns) {
+TEST(G2o, HasPosesMeasurementsAndTheInformationOfRotationsByPi) {
   Map map = make_test_map(3);
   map.constraints[1].weight = 0.0;
   map.constraints[0].weight = 0.5;

@@ -46,7 +46,7 @@ Rows rows_of(const SE3& pose, const SO3& first_rotation, bool camera_axes) {
   return {position.x(), position.y(), position.z(), angles.x(), angles.y(), angles.z()};
 }
 
-/// Of each pose of the reference; angles run on over half turns.
+/// Of each pose of the reference; angles run on beyond 180 degrees.
 std::vector<Rows> reference_rows(const TrajectoryPlot& plot) {
   std::vector<Rows> all;
   for (const SE3& pose : plot.reference) {
@@ -182,8 +182,7 @@ void require_plot_name(const std::string& file) {
 void write_trajectory_plot(const TrajectoryPlot& plot, const std::string& file) {
   require_plot_name(file);
   if (plot.reference.empty()) throw Error("there is nothing to plot", file, "");
-  RASTRO_CHECK(plot.along.size() == plot.reference.size(),
-               "every pose of the reference has its position along the path");
+  RASTRO_CHECK(plot.along.size() == plot.reference.size(), "every pose of the reference has its frame or time");
   const auto pen = is_svg(file) ? svg_pen(sheet_width, sheet_height) : png_pen(sheet_width, sheet_height);
   Sheet(plot).draw(*pen);
   pen->save(file);

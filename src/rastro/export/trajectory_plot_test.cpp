@@ -63,7 +63,7 @@ TEST(TrajectoryPlot, SvgHoldsTheCurves) {
   EXPECT_NEAR((high - low).x(), (high - low).y(), 0.5) << "a circle stays one";
 }
 
-TEST(TrajectoryPlot, PngIsAPictureWithTheColors) {
+TEST(TrajectoryPlot, PngIsAnImageWithTheColors) {
   const auto file = scratch_path("plot.png");
   write_trajectory_plot(circle(), file.string());
   const cv::Mat image = cv::imread(file.string());

@@ -41,7 +41,7 @@ struct KltWindow {
   const std::uint8_t* row(int y) const { return pixels + y * stride; }
 };
 
-/// A square image to be resampled with rotation and stretch; positions and steps in 1/65536 pixel. Kernels read up to
+/// A square image to be resampled with rotation and scale; positions and steps in 1/65536 pixel. Kernels read up to
 /// three bytes behind its last pixel.
 struct KltRotation {
   const std::uint8_t* pixels = nullptr;

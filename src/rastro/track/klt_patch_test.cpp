@@ -133,7 +133,7 @@ TEST(KltPatch, SumsAreThoseOfItsPixelsOneByOne) {
   }
 }
 
-TEST(KltRotation, IsTheBilinearValueOfTheTurnedPlaceWithEdgesRepeated) {
+TEST(KltRotation, IsTheBilinearValueAtTheRotatedPositionWithEdgesRepeated) {
   constexpr int side = 38;
   std::vector<std::uint8_t> pixels(side * side + 8);
   for (int y = 0; y < side; ++y)
@@ -234,7 +234,7 @@ TEST(Klt, FollowsWhatLeavesNoMoreThanTheLargestResidual) {
     EXPECT_EQ(limited[i].followed, static_cast<double>(all[i].residual_ratio) <= limit) << i;
 }
 
-TEST(Klt, TheWayBackTellsWhatIsNotTheSame) {
+TEST(Klt, TrackingBackwardTellsWhatIsNotTheSame) {
   const Pyramid before = one_level(testing::noise_image(120, 100, 1)),
                 after = one_level(testing::noise_image(120, 100, 2));
   std::vector<Eigen::Vector2f> points;

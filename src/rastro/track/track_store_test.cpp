@@ -21,7 +21,7 @@ Descriptor with_bits(int count) {
   return descriptor;
 }
 
-TEST(Track, KeepsItsLookAtIntervalsAndTheOneBefore) {
+TEST(Track, KeepsItsPatchAtIntervalsAndTheOneBefore) {
   const Pyramid pyramid = wave_pyramid();
   Track track(30);
   track.start(0);
@@ -41,7 +41,7 @@ TEST(Track, KeepsItsLookAtIntervalsAndTheOneBefore) {
   EXPECT_EQ(track.patch_frame(), -1);
 }
 
-TEST(Track, TheOlderLookIsOfWhereItWasThen) {
+TEST(Track, TheOlderPatchIsOfWhereItWasThen) {
   const Pyramid pyramid = wave_pyramid();
   Track track(30);
   track.start(0);
@@ -80,7 +80,7 @@ TEST(TrackStore, LostTracksAreInTheOrderOfTheirIds) {
   EXPECT_EQ(store.lost(), (std::vector<std::size_t>{0, 1, 4}));
   store.discard(3);
   const std::size_t again = store.create();
-  EXPECT_EQ(again, 3U) << "the place of the one that was discarded";
+  EXPECT_EQ(again, 3U) << "the slot of the one that was discarded";
   EXPECT_EQ(store[again].id, 5);
   store[again].observe(1, {}, {}, {});
   store.mark_lost(again);

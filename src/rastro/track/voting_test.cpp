@@ -102,7 +102,7 @@ TEST(Voting, ProposesNothingWithoutLostTracks) {
   EXPECT_TRUE(voting.candidates_for(std::span(&descriptor, 1)).empty());
 }
 
-/// Two lost tracks of one look, 300 pixels apart.
+/// Two lost tracks of one descriptor, 300 pixels apart.
 struct TwoLost {
   TrackStore store{30};
   Descriptor descriptor;
@@ -140,7 +140,7 @@ TEST(Voting, ComparesOnlyWhatMayHaveTraveledToTheCorner) {
   EXPECT_EQ(lost.proposed({250.0F, 200.0F}, 150.0, {still, still}), (Ids{0, 1}));
 }
 
-TEST(Voting, TravelCountsFromTheOldPlaceOrFromWhereTheOthersMoved) {
+TEST(Voting, TravelCountsFromTheOldPositionOrFromWhereTheOthersMoved) {
   const TwoLost lost;
   const Eigen::Vector2f moved(0.0F, 150.0F);
   EXPECT_EQ(lost.proposed({100.0F, 350.0F}, 60.0, {moved, moved}), Ids{0});

@@ -18,7 +18,7 @@
 namespace rastro {
 namespace {
 
-/// How the pixels of one ROS encoding lie in memory, and how OpenCV turns them into BGR.
+/// How the pixels of one ROS encoding lie in memory, and how OpenCV converts them to BGR.
 struct Encoding {
   std::string_view name;
   int type;
@@ -41,7 +41,7 @@ constexpr std::array<Encoding, 14> encodings = {{{"mono8", CV_8UC1, -1},
                                                  {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR},
                                                  {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2BGR}}};
 
-/// A view of the message's own bytes, turned to BGR where it has colors in another order.
+/// A view of the message's own bytes, converted to BGR where it has colors in another order.
 cv::Mat mat_of(const ImageMessage& message, const std::string& where) {
   const auto encoding = std::find_if(encodings.begin(), encodings.end(),
                                      [&](const Encoding& known) { return known.name == message.encoding; });

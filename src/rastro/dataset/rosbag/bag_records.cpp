@@ -185,7 +185,7 @@ std::optional<BagMessage> BagRecords::next() {
   while (!stopped_) {
     const auto record = next_record();
     const char kind = record ? kind_of(record->fields) : '\0';
-    // Behind what is incomplete nothing has its place any more.
+    // Behind what is incomplete no offset holds any more.
     if (!record || (kind == chunk_kind && !open_chunk(*record))) stopped_ = true;
     if (kind == connection_kind) keep_connection(*record);
     if (kind != message_kind) continue;

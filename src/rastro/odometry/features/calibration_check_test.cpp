@@ -16,7 +16,7 @@ Eigen::Vector2d focal_too_short(const Eigen::Vector2d& ray) { return ray / 0.9; 
 Eigen::Vector2d center_aside(const Eigen::Vector2d& ray) { return ray + Eigen::Vector2d(0.08, 0.0); }
 Eigen::Vector2d without_distortion(const Eigen::Vector2d& ray) { return (1.0 - 0.2 * ray.squaredNorm()) * ray; }
 
-/// Eight cameras on a trajectory, turning or straight, and points observed by all of them with noise of 0.1 px;
+/// Eight cameras on a trajectory, rotating or straight, and points observed by all of them with noise of 0.1 px;
 /// adjusted as the odometry does.
 RefinementWindow window_of(Wrong wrong, bool rotating, std::uint64_t seed) {
   Random random(seed);

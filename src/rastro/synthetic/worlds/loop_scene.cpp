@@ -89,7 +89,7 @@ void add_fountain(Scene& scene) {
   }
 }
 
-/// The place of the kidnap: a closed room far from the walk.
+/// The location of the kidnap: a closed room far from the walk.
 void add_elsewhere(Scene& scene) {
   const Vector3d low = elsewhere_position - Vector3d(2.2, 2.5, elsewhere_position.z()),
                  high = low + Vector3d(6.5, 6.0, 3.0);
