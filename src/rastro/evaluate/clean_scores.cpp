@@ -68,18 +68,18 @@ class CleanScorer {
 
   Verdict judge_reidentification(const Track& track, std::size_t i) const {
     if (i == 0) return Verdict::unscored;
-    const Observation& corner = track[i];
-    const bool clear = cover_ && !cover_->covered(corner.frame, corner.pixel, options_.tolerance_px);
+    const Observation& observation = track[i];
+    const bool clear = cover_ && !cover_->covered(observation.frame, observation.pixel, options_.tolerance_px);
     if (clear && only_on_occluder(track, i - 1)) return Verdict::other_position;
-    return judge(counterpart(track, i - 1), corner);
+    return judge(counterpart(track, i - 1), observation);
   }
 
-  Verdict judge(const CleanSegment* truth, const Observation& corner) const {
-    const auto position = truth ? truth->at(corner.frame) : std::nullopt;
+  Verdict judge(const CleanSegment* truth, const Observation& observation) const {
+    const auto position = truth ? truth->at(observation.frame) : std::nullopt;
     if (!position) return Verdict::unscored;
-    if (covered(corner.frame, *position)) return Verdict::hidden;
-    if ((*position - corner.pixel).norm() > options_.tolerance_px) return Verdict::other_position;
-    return covered(corner.frame, corner.pixel) ? Verdict::on_occluder : Verdict::correct;
+    if (covered(observation.frame, *position)) return Verdict::hidden;
+    if ((*position - observation.pixel).norm() > options_.tolerance_px) return Verdict::other_position;
+    return covered(observation.frame, observation.pixel) ? Verdict::on_occluder : Verdict::correct;
   }
 
   void book_reidentification(const Track& track, std::size_t i) {

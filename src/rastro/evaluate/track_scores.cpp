@@ -81,29 +81,29 @@ class SurfaceScorer {
 
   bool near_edge(const Eigen::Vector2d& pixel) const { return near_image_edge(pixel, options_); }
 
-  bool same_point(const SurfacePoint& anchor, const Observation& anchor_seen, const SurfacePoint& corner) const {
-    if (anchor.surface == corner.surface) return true;
-    const ProjectedPoint back = ground_truth_.project(anchor_seen.frame, corner);
+  bool same_point(const SurfacePoint& anchor, const Observation& anchor_seen, const SurfacePoint& point) const {
+    if (anchor.surface == point.surface) return true;
+    const ProjectedPoint back = ground_truth_.project(anchor_seen.frame, point);
     return back.visibility != Visibility::outside_image &&
            (back.pixel - anchor_seen.pixel).norm() <= options_.tolerance_px;
   }
 
-  Verdict judge(const Observation& anchor_seen, const Point& anchor, const Observation& corner_seen,
-                const Point& corner) const {
-    if (!anchor || !corner) return Verdict::unscored;
-    const ProjectedPoint projection = ground_truth_.project(corner_seen.frame, *anchor);
+  Verdict judge(const Observation& anchor_seen, const Point& anchor, const Observation& observation,
+                const Point& point) const {
+    if (!anchor || !point) return Verdict::unscored;
+    const ProjectedPoint projection = ground_truth_.project(observation.frame, *anchor);
     if (projection.visibility == Visibility::outside_image) return Verdict::anchor_outside;
     if (projection.visibility == Visibility::occluded_by_surface) return Verdict::anchor_occluded;
-    if ((projection.pixel - corner_seen.pixel).norm() > options_.tolerance_px) return Verdict::other_position;
-    return same_point(*anchor, anchor_seen, *corner) ? Verdict::correct : Verdict::on_occluder;
+    if ((projection.pixel - observation.pixel).norm() > options_.tolerance_px) return Verdict::other_position;
+    return same_point(*anchor, anchor_seen, *point) ? Verdict::correct : Verdict::on_occluder;
   }
 
   void book_reidentification(const Seen& seen) {
-    const Observation& corner = seen.observation();
-    FrameScores& frame = row(corner.frame);
+    const Observation& observation = seen.observation();
+    FrameScores& frame = row(observation.frame);
     ++frame.reidentified;
     const Verdict verdict =
-        seen.previous ? judge(*seen.previous, *seen.previous_point, corner, seen.point()) : Verdict::unknown_id;
+        seen.previous ? judge(*seen.previous, *seen.previous_point, observation, seen.point()) : Verdict::unknown_id;
     if (verdict == Verdict::correct || verdict == Verdict::unscored) {
       ++(verdict == Verdict::correct ? frame.correct : frame.unscored);
       return;
@@ -116,7 +116,7 @@ class SurfaceScorer {
     wrongs.other_position += verdict == Verdict::other_position;
     wrongs.on_occluder += verdict == Verdict::on_occluder;
     for (std::size_t k = seen.position; k-- > 0;) {
-      if (judge((*seen.track)[k], seen.points[k], corner, seen.point()) != Verdict::correct) continue;
+      if (judge((*seen.track)[k], seen.points[k], observation, seen.point()) != Verdict::correct) continue;
       ++scores_.wrong_but_earlier_position;
       break;
     }

@@ -81,11 +81,11 @@ void draw_points(Sheet& sheet, const std::vector<Vector3d>& positions, const std
 
 void draw_path(Sheet& sheet, const std::vector<Vector3d>& path) {
   if (path.empty()) return;
-  std::vector<cv::Point> corners;
-  for (const Vector3d& position : path) corners.push_back(sheet.whole(position));
-  cv::polylines(sheet.image, corners, false, path_color, 2, cv::LINE_AA);
+  std::vector<cv::Point> vertices;
+  for (const Vector3d& position : path) vertices.push_back(sheet.whole(position));
+  cv::polylines(sheet.image, vertices, false, path_color, 2, cv::LINE_AA);
   for (const auto& [name, at, color] :
-       {std::tuple{"end", corners.back(), end_color}, std::tuple{"start", corners.front(), start_color}}) {
+       {std::tuple{"end", vertices.back(), end_color}, std::tuple{"start", vertices.front(), start_color}}) {
     cv::circle(sheet.image, at, 5, color, cv::FILLED, cv::LINE_AA);
     drawing::put_text(sheet.image, name, {static_cast<float>(at.x) + 8.0F, static_cast<float>(at.y) - 6.0F},
                       drawing::white, 0.5);

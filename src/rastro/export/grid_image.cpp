@@ -164,10 +164,10 @@ class Drawing {
   }
 
   void draw_line(const std::vector<Vector2d>& points, const cv::Scalar& color, int width) {
-    std::vector<cv::Point> corners;
+    std::vector<cv::Point> vertices;
     for (const Vector2d& point : points)
-      if (point.allFinite()) corners.push_back(view_.fine(point));
-    if (!corners.empty()) cv::polylines(sheet_, corners, false, color, width, cv::LINE_AA, fraction_bits);
+      if (point.allFinite()) vertices.push_back(view_.fine(point));
+    if (!vertices.empty()) cv::polylines(sheet_, vertices, false, color, width, cv::LINE_AA, fraction_bits);
   }
 
   void draw_dot(const Vector2d& position, const cv::Scalar& color, int radius) {
@@ -182,9 +182,9 @@ class Drawing {
     // Not known at all: an ellipse larger than the image says nothing.
     if (lengths.maxCoeff() * view_.px_per_m > 2.0 * longest_px) return;
     std::vector<Vector2d> rim;
-    constexpr int corners = 36;
-    for (int k = 0; k <= corners; ++k) {
-      const double angle = 2.0 * std::numbers::pi * k / corners;
+    constexpr int sides = 36;
+    for (int k = 0; k <= sides; ++k) {
+      const double angle = 2.0 * std::numbers::pi * k / sides;
       const Vector2d on_circle(std::cos(angle), std::sin(angle));
       rim.push_back(ellipse.center + axes.eigenvectors() * lengths.cwiseProduct(on_circle));
     }

@@ -139,12 +139,12 @@ class Drawing {
 
   void draw_trajectory() {
     if (content_.trajectory.empty()) return;
-    std::vector<Vector2d> corners;
-    for (const Vector2d& position : content_.trajectory) corners.push_back(sheet_.pixel(position));
-    pen_.line(corners, dark, 1.5);
+    std::vector<Vector2d> vertices;
+    for (const Vector2d& position : content_.trajectory) vertices.push_back(sheet_.pixel(position));
+    pen_.line(vertices, dark, 1.5);
     const Vector2d beside(6.0, -6.0);
-    pen_.text("S", corners.front() + beside, TextAnchor::left, 16.0, dark);
-    pen_.text("E", corners.back() + beside, TextAnchor::left, 16.0, dark);
+    pen_.text("S", vertices.front() + beside, TextAnchor::left, 16.0, dark);
+    pen_.text("E", vertices.back() + beside, TextAnchor::left, 16.0, dark);
   }
 
   void draw_caption(int covisible) {

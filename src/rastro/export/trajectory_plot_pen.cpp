@@ -62,10 +62,10 @@ class PngPen : public PlotPen {
   PngPen(int width, int height) : image_(height, width, CV_8UC3, cv::Scalar(255, 255, 255)) {}
 
   void line(const std::vector<Eigen::Vector2d>& points, PlotColor color, double width) override {
-    std::vector<cv::Point> corners;
+    std::vector<cv::Point> vertices;
     for (const Eigen::Vector2d& point : points)
-      corners.emplace_back(cvRound(point.x() * fraction_units), cvRound(point.y() * fraction_units));
-    cv::polylines(image_, corners, false, bgr(color), std::max(1, cvRound(width)), cv::LINE_AA, fraction_bits);
+      vertices.emplace_back(cvRound(point.x() * fraction_units), cvRound(point.y() * fraction_units));
+    cv::polylines(image_, vertices, false, bgr(color), std::max(1, cvRound(width)), cv::LINE_AA, fraction_bits);
   }
 
   void text(const std::string& text, Eigen::Vector2d foot, TextAnchor anchor, double height, PlotColor color) override {
