@@ -85,8 +85,8 @@ Brief::Brief(int patch_px, std::uint64_t seed) {
 const Brief::Pattern& Brief::pattern_of(double angle_rad, double scale) const {
   const auto nearest_scale = std::min_element(
       scales().begin(), scales().end(), [&](double a, double b) { return std::abs(a - scale) < std::abs(b - scale); });
-  const auto steps = std::lround(angle_rad * angles / (2.0 * std::numbers::pi));
-  const auto angle_index = ((steps % angles) + angles) % angles;
+  const auto angle_steps = std::lround(angle_rad * angles / (2.0 * std::numbers::pi));
+  const auto angle_index = ((angle_steps % angles) + angles) % angles;
   return patterns_[static_cast<std::size_t>((nearest_scale - scales().begin()) * angles + angle_index)];
 }
 
