@@ -13,7 +13,7 @@ namespace {
 using namespace rastro;
 
 /// Noise, smoothed and stretched, with blobs and corners of several sizes.
-GrayImage picture(int width, int height) {
+GrayImage textured_image(int width, int height) {
   Pyramid pyramid;
   pyramid.build(rastro::testing::noise_image(2 * width, 2 * height, 1).view(), 3, 40);
   GrayImage made(width, height);
@@ -27,7 +27,7 @@ GrayImage picture(int width, int height) {
 }
 
 void orb(benchmark::State& state) {
-  const GrayImage image = picture(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  const GrayImage image = textured_image(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   OrbOptions options;
   options.features = static_cast<int>(state.range(2));
   OrbExtractor extractor(options);
@@ -38,7 +38,7 @@ void orb(benchmark::State& state) {
 
 void orb_of_opencv(benchmark::State& state) {
   cv::setNumThreads(1);
-  GrayImage image = picture(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  GrayImage image = textured_image(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   const cv::Mat mat(image.height(), image.width(), CV_8U, image.row(0), static_cast<std::size_t>(image.stride()));
   const auto extractor = cv::ORB::create(static_cast<int>(state.range(2)), 1.2F, 8, 31, 0, 2, cv::ORB::FAST_SCORE);
   std::vector<cv::KeyPoint> keypoints;

@@ -51,15 +51,15 @@ std::vector<Test> draw_tests(Random& random) {
 }
 
 /// A corner with position, orientation and scale.
-struct Look {
+struct OrientedCorner {
   int x, y;
   double cosine, sine;
 };
 
-bool is_below(const GrayImage& image, const Look& look, const Test& test) {
+bool is_below(const GrayImage& image, const OrientedCorner& corner, const Test& test) {
   const auto value = [&](int x, int y) {
-    const auto to_x = look.x + std::lround(look.cosine * x - look.sine * y);
-    const auto to_y = look.y + std::lround(look.sine * x + look.cosine * y);
+    const auto to_x = corner.x + std::lround(corner.cosine * x - corner.sine * y);
+    const auto to_y = corner.y + std::lround(corner.sine * x + corner.cosine * y);
     return image.at(std::clamp(static_cast<int>(to_x), 0, image.width() - 1),
                     std::clamp(static_cast<int>(to_y), 0, image.height() - 1));
   };
@@ -68,15 +68,16 @@ bool is_below(const GrayImage& image, const Look& look, const Test& test) {
 
 class Samples {
  public:
-  void add(const GrayImage& image, Look look, Random& random, std::vector<Test>& tests) {
+  void add(const GrayImage& image, OrientedCorner corner, Random& random, std::vector<Test>& tests) {
     if (count_ % 64 == 0)
       for (Test& test : tests) test.bits.push_back(0);
-    const double turn = random.uniform(-0.2, 0.2), scale = random.uniform(0.88, 1.12);
-    const Look off{look.x + static_cast<int>(random.below(3)) - 1, look.y + static_cast<int>(random.below(3)) - 1,
-                   scale * (look.cosine * std::cos(turn) - look.sine * std::sin(turn)),
-                   scale * (look.sine * std::cos(turn) + look.cosine * std::sin(turn))};
+    const double angle = random.uniform(-0.2, 0.2), scale = random.uniform(0.88, 1.12);
+    const OrientedCorner off{corner.x + static_cast<int>(random.below(3)) - 1,
+                             corner.y + static_cast<int>(random.below(3)) - 1,
+                             scale * (corner.cosine * std::cos(angle) - corner.sine * std::sin(angle)),
+                             scale * (corner.sine * std::cos(angle) + corner.cosine * std::sin(angle))};
     for (Test& test : tests) {
-      const bool bit = is_below(image, look, test);
+      const bool bit = is_below(image, corner, test);
       test.bits.back() |= static_cast<std::uint64_t>(bit) << (count_ % 64);
       test.ones += bit ? 1 : 0;
       test.flips += bit != is_below(image, off, test) ? 1 : 0;
@@ -89,13 +90,13 @@ class Samples {
   std::size_t count_ = 0;
 };
 
-void add_picture(const cv::Mat& picture, Random& random, Samples& samples, std::vector<Test>& tests) {
+void add_image(const cv::Mat& image, Random& random, Samples& samples, std::vector<Test>& tests) {
   const OrbOptions options;
-  const auto features = OrbExtractor(options).extract({picture.data, picture.cols, picture.rows, picture.cols});
+  const auto features = OrbExtractor(options).extract({image.data, image.cols, image.rows, image.cols});
   const auto scales = orb_level_scales(options);
   PaddedImage level;
-  level.reset(picture.cols, picture.rows, fast_padding);
-  for (int y = 0; y < picture.rows; ++y) std::copy_n(picture.ptr(y), picture.cols, level.row(y));
+  level.reset(image.cols, image.rows, fast_padding);
+  for (int y = 0; y < image.rows; ++y) std::copy_n(image.ptr(y), image.cols, level.row(y));
   for (std::size_t index = 0; index < scales.size(); ++index) {
     level.fill_padding();
     GrayImage blurred(level.width(), level.height());
@@ -145,8 +146,8 @@ int main(int argc, char** argv) {
   std::vector<Test> tests = draw_tests(random);
   Samples samples;
   for (int i = 1; i < argc; ++i) {
-    const cv::Mat picture = cv::imread(argv[i], cv::IMREAD_GRAYSCALE);
-    if (!picture.empty()) add_picture(picture.clone(), random, samples, tests);
+    const cv::Mat image = cv::imread(argv[i], cv::IMREAD_GRAYSCALE);
+    if (!image.empty()) add_image(image.clone(), random, samples, tests);
   }
   const auto count = static_cast<double>(samples.count());
   const auto cost = [&](const Test& test) {

@@ -262,16 +262,16 @@ void OptionTable::load_yaml_text(const std::string& text, std::string_view where
   if (!root.IsMap()) throw Error("not a map of options", where, "write one 'key: value' per line");
   std::set<std::string> seen;
   for (const auto& entry : root) {
-    const std::string place = fmt::format("{}:{}", where, entry.first.Mark().line + 1);
-    if (!entry.first.IsScalar()) throw Error("a key is not a word", place, "write one 'key: value' per line");
+    const std::string position = fmt::format("{}:{}", where, entry.first.Mark().line + 1);
+    if (!entry.first.IsScalar()) throw Error("a key is not a word", position, "write one 'key: value' per line");
     const std::string& key = entry.first.Scalar();
-    const Option& option = find(key, place);
+    const Option& option = find(key, position);
     if (!seen.insert(option.name).second)
-      throw Error(fmt::format("'{}' is given twice", key), place, "keep one of the two");
+      throw Error(fmt::format("'{}' is given twice", key), position, "keep one of the two");
     if (!entry.second.IsScalar()) {
-      throw Error(fmt::format("'{}' has no single value", key), place, "write one 'key: value' per line");
+      throw Error(fmt::format("'{}' has no single value", key), position, "write one 'key: value' per line");
     }
-    set_value(option, current_choice(option, entry.second.Scalar(), place), place);
+    set_value(option, current_choice(option, entry.second.Scalar(), position), position);
   }
 }
 

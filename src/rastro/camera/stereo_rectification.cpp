@@ -34,11 +34,12 @@ Camera camera_for(const Camera& left, const Camera& right, const SO3& left_from_
   camera.height = left.height;
   camera.fx = camera.fy = 0.25 * (left.fx + left.fy + right.fx + right.fy);
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const auto& [from, turn] : {std::pair{&left, &left_from_rectified}, std::pair{&right, &right_from_rectified}}) {
+  for (const auto& [from, camera_from_rectified] :
+       {std::pair{&left, &left_from_rectified}, std::pair{&right, &right_from_rectified}}) {
     const Eigen::Vector2d center(0.5 * (from->width - 1), 0.5 * (from->height - 1));
     const Eigen::Vector2d ray = from->unproject(center).value_or(Eigen::Vector2d::Zero());
-    const Eigen::Vector3d turned = turn->inverse() * Eigen::Vector3d(ray.x(), ray.y(), 1.0);
-    middle += 0.5 * turned.head<2>() / turned.z();
+    const Eigen::Vector3d rectified = camera_from_rectified->inverse() * Eigen::Vector3d(ray.x(), ray.y(), 1.0);
+    middle += 0.5 * rectified.head<2>() / rectified.z();
   }
   camera.cx = 0.5 * (camera.width - 1) - camera.fx * middle.x();
   camera.cy = 0.5 * (camera.height - 1) - camera.fy * middle.y();

@@ -21,7 +21,7 @@ Camera lens(double focal) {
   return camera;
 }
 
-SE3 turned_pair() { return {SO3::exp({0.02, -0.03, 0.015}), {0.11, 0.002, -0.004}}; }
+SE3 rotated_pair() { return {SO3::exp({0.02, -0.03, 0.015}), {0.11, 0.002, -0.004}}; }
 
 /// Image of a far wall, whose pattern is known everywhere, in a camera at `camera_from_wall`.
 GrayImage image_of_wall(const Camera& camera, const SE3& wall_from_camera) {
@@ -42,7 +42,7 @@ GrayImage image_of_wall(const Camera& camera, const SE3& wall_from_camera) {
 
 TEST(StereoRectification, ImagesAreThoseOfTheRectifiedPair) {
   const Camera left = lens(230.0), right = lens(228.0);
-  const SE3 left_from_right = turned_pair();
+  const SE3 left_from_right = rotated_pair();
   const auto made = rectify_stereo(left, right, left_from_right);
   ASSERT_TRUE(made);
   EXPECT_NEAR(made->baseline, left_from_right.translation().norm(), 1e-12);
@@ -71,7 +71,7 @@ TEST(StereoRectification, ImagesAreThoseOfTheRectifiedPair) {
 
 TEST(StereoRectification, EpipolarLinesAreRowsAndDisparityGivesDepth) {
   const Camera left = lens(230.0), right = lens(228.0);
-  const SE3 left_from_right = turned_pair();
+  const SE3 left_from_right = rotated_pair();
   const auto made = rectify_stereo(left, right, left_from_right);
   ASSERT_TRUE(made);
   const SE3 right_from_left = left_from_right.inverse();
@@ -107,7 +107,7 @@ TEST(StereoRectification, TheImagedAreaShrinksByItsMargin) {
 
 TEST(StereoRectification, AnyPoolMakesTheSameBytes) {
   const Camera camera = lens(230.0);
-  const auto made = rectify_stereo(camera, camera, turned_pair());
+  const auto made = rectify_stereo(camera, camera, rotated_pair());
   ASSERT_TRUE(made);
   const GrayImage image = image_of_wall(camera, SE3());
   TaskPool three(3);
@@ -120,8 +120,8 @@ TEST(StereoRectification, RefusesCamerasThatAreNotSideBySide) {
   Camera other = camera, unknown = camera;
   other.width = 640;
   unknown.width = 0;
-  EXPECT_FALSE(rectify_stereo(camera, other, turned_pair()));
-  EXPECT_FALSE(rectify_stereo(unknown, unknown, turned_pair()));
+  EXPECT_FALSE(rectify_stereo(camera, other, rotated_pair()));
+  EXPECT_FALSE(rectify_stereo(unknown, unknown, rotated_pair()));
   EXPECT_FALSE(rectify_stereo(camera, camera, SE3()));
   EXPECT_FALSE(rectify_stereo(camera, camera, SE3(SO3(), {0.0, 0.1, 0.0})));
   EXPECT_FALSE(rectify_stereo(camera, camera, SE3(SO3::exp({0.0, 1.0, 0.0}), {0.1, 0.0, 0.0})));

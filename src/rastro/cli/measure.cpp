@@ -168,11 +168,11 @@ void write_images(const fs::path& folder, std::size_t number, const Map& map,
   fs::create_directories(folder);
   for (std::size_t k = 0; k < lengths.size(); ++k) {
     const MeasuredLength& one = lengths[k];
-    if (one.picture.keyframe < 0 || !one.length_m) continue;
-    const std::string where = fmt::format("keyframe {}", one.picture.keyframe);
-    const auto keyframe_images = unpack_images(images->images(one.picture.keyframe), where);
+    if (one.image.keyframe < 0 || !one.length_m) continue;
+    const std::string where = fmt::format("keyframe {}", one.image.keyframe);
+    const auto keyframe_images = unpack_images(images->images(one.image.keyframe), where);
     const std::string file = fmt::format("map{}_{}_{}.png", number + 1, k + 1, file_name_of(one.name));
-    write_length_image(keyframe_images.color, {one.picture.a, one.picture.b},
+    write_length_image(keyframe_images.color, {one.image.a, one.image.b},
                        fmt::format("{}: {:.4f} m +- {:.4f}", one.name, *one.length_m, one.sigma_m),
                        (folder / file).string());
   }

@@ -17,7 +17,7 @@ class RecordedGroundTruth : public SurfaceGroundTruth {
     if (!found) return std::nullopt;
     return SurfacePoint{found->point_in_world, found->surface};
   }
-  Sighting sighting_of(std::int64_t frame, const SurfacePoint& point) const override {
+  ProjectedPoint project(std::int64_t frame, const SurfacePoint& point) const override {
     const RecordedView view = reader_.view_of(frame, point.point_in_world);
     if (!view.inside) return {};
     return {view.visible ? Visibility::visible : Visibility::occluded_by_surface, view.pixel};

@@ -69,7 +69,7 @@ TEST(WriteKitti, raw_packets_are_read_back_as_the_way_driven) {
   fs::remove_all(folder);
 }
 
-TEST(WriteKitti, odometry_is_read_back_as_the_camera_s_way) {
+TEST(WriteKitti, odometry_is_read_back_as_the_camera_s_trajectory) {
   const fs::path folder = scratch_path("odometry");
   fs::remove_all(folder);
   TaskPool pool(2);
@@ -229,8 +229,8 @@ TEST(WriteTum, a_room_is_read_back_in_color_with_depth_at_times_of_its_own) {
   const TriangleMesh truth = read_mesh_ply((folder / "truth.ply").string());
   EXPECT_GT(truth.triangles.size(), 1000U);
   for (const MeshVertex& vertex : truth.vertices) {
-    const Eigen::Vector3d place = world.world_from_camera(0) * vertex.position.cast<double>();
-    ASSERT_TRUE(world.scene().touches(place, 1e-3)) << place.transpose();
+    const Eigen::Vector3d position = world.world_from_camera(0) * vertex.position.cast<double>();
+    ASSERT_TRUE(world.scene().touches(position, 1e-3)) << position.transpose();
   }
   EXPECT_TRUE(fs::exists(folder / "objects.yaml"));
 }

@@ -81,7 +81,8 @@ void write_planar_image(const MapOfRun& run, const std::string& file) {
   MapImage image = map_image(run.map, run.grid, run.end.trajectory);
   // A scan matcher's covariance is of one scan against the map; only the landmark filter has that of the position.
   if (run.estimates)
-    for (const PositionCovariance& place : run.end.places) image.places.push_back({place.place, place.covariance});
+    for (const PositionCovariance& estimate : run.end.position_covariances)
+      image.positions.push_back({estimate.position, estimate.covariance});
   write_map_image(image, file);
 }
 

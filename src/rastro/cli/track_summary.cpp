@@ -10,11 +10,11 @@ std::string per_frame(std::int64_t total, std::int64_t frames) {
   return frames > 0 ? fmt::format("{:.1f} per frame", static_cast<double>(total) / static_cast<double>(frames)) : "-";
 }
 
-std::string percent_of_corners(const TrackResult& result) {
-  const std::int64_t corners = result.reidentified + result.features;
-  if (corners == 0) return "";
+std::string reidentified_percent(const TrackResult& result) {
+  const std::int64_t detected = result.reidentified + result.features;
+  if (detected == 0) return "";
   return fmt::format(", {:.1f} % of the corners detected",
-                     100.0 * static_cast<double>(result.reidentified) / static_cast<double>(corners));
+                     100.0 * static_cast<double>(result.reidentified) / static_cast<double>(detected));
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ std::string track_summary(const TrackRunEnd& end, const std::string& folder,
                       result.mean_track_length);
   text += fmt::format("  tracked        {}\n", per_frame(result.tracked, result.frames));
   text += fmt::format("  re-identified  {} ({}{})\n", result.reidentified,
-                      per_frame(result.reidentified, result.frames), percent_of_corners(result));
+                      per_frame(result.reidentified, result.frames), reidentified_percent(result));
   text += fmt::format("  time           {:.2f} ms per frame, 95 % within {:.2f} ms; memory {:.0f} MB\n",
                       result.ms_per_frame_mean, result.ms_per_frame_p95, result.peak_memory_mb);
   text += fmt::format("  result         sha256 {}\n", result.result_sha256);

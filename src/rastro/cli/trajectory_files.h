@@ -26,7 +26,7 @@ struct ReferenceTrajectory {
 };
 
 /// A trajectory file, a run folder (its trajectory.txt) or a recording with ground truth. A reference of the body is
-/// turned into one of the camera where the estimate is the camera's and T_BS is known: from --body-from-camera, the
+/// converted to one of the camera where the estimate is the camera's and T_BS is known: from --body-from-camera, the
 /// recording, or ../cam0/sensor.yaml beside EuRoC's state_groundtruth_estimate0/data.csv. Only KITTI raw is compared in
 /// the frame of its IMU. Where the reference lies in a EuRoC or TUM recording, its poses before the first frame and
 /// after the last one are omitted. Error for what cannot be read, and for --estimate-of camera without a T_BS.

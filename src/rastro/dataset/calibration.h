@@ -36,7 +36,7 @@ std::optional<SE3> first_from_camera(const std::filesystem::path& file, const st
 /// camchain.yaml, sensor.yaml, calib.txt); empty where there is none.
 std::filesystem::path find_calibration_file(const std::filesystem::path& folder);
 
-/// left_from_right of two cameras whose place on the body is known; nullopt otherwise.
+/// left_from_right of two cameras whose poses on the body are known; nullopt otherwise.
 std::optional<SE3> relative_pose(const CalibratedCamera& left, const CalibratedCamera& right);
 
 /// Puts the given calibration (--calibration, --intrinsics, --fov) in place of what was found (or, for --fov, where

@@ -66,7 +66,7 @@ class ImageCheck {
  public:
   explicit ImageCheck(CheckReport& report) : report_(report) {}
 
-  void look_at(std::int64_t index, const RecordedFrame& frame) {
+  void add(std::int64_t index, const RecordedFrame& frame) {
     const auto main = try_read(report_, index, [&] { return read_image(frame.image).gray; });
     if (main) {
       ++report_.frames_read;
@@ -115,7 +115,7 @@ Stamps check_recording(CheckReport& report, const Recording& recording, const Op
   for (std::int64_t k = 0; k < choice.count; ++k) {
     const auto index = choice.index(k);
     const auto& frame = recording.frames[static_cast<std::size_t>(index)];
-    images.look_at(index, frame);
+    images.add(index, frame);
     stamps.frames.push_back(index);
     stamps.stamps.push_back(frame.stamp);
     if (progress) progress(k + 1, choice.count);
@@ -183,7 +183,7 @@ Stamps check_log(CheckReport& report, Source& log, const OpenOptions& options, c
     if (!frame) continue;
     if (!*frame) break;
     ++report.frames_read;
-    scans.look_at(**frame);
+    scans.add(**frame);
     const auto& image = (*frame)->image;
     if (!image.empty()) compare_size(report, (*frame)->index, image.width(), image.height(), (*frame)->name);
     if (const auto& depth = (*frame)->depth; !depth.empty()) {

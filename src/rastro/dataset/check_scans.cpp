@@ -31,12 +31,12 @@ double percent(std::int64_t part, std::int64_t whole) {
 
 }  // namespace
 
-void ScanCheck::look_at(const Frame& frame) {
+void ScanCheck::add(const Frame& frame) {
   if (frame.scan) check_scan(frame.index, *frame.scan);
   if (frame.odometry_from_body) check_odometry(frame);
   report_.landmark_observations += static_cast<std::int64_t>(frame.landmarks.size());
-  for (const auto& sighting : frame.landmarks)
-    if (sighting.id >= 0) landmarks_.insert(sighting.id);
+  for (const auto& landmark : frame.landmarks)
+    if (landmark.id >= 0) landmarks_.insert(landmark.id);
 }
 
 void ScanCheck::check_scan(std::int64_t index, const LaserScan& scan) {

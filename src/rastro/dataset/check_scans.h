@@ -10,12 +10,12 @@
 
 namespace rastro {
 
-/// Looks at what frames without images bring: scans, wheel odometry, landmarks. Internal to the dataset module.
+/// Checks what frames without images bring: scans, wheel odometry, landmarks. Internal to the dataset module.
 class ScanCheck {
  public:
   explicit ScanCheck(CheckReport& report) : report_(report) {}
 
-  void look_at(const Frame& frame);
+  void add(const Frame& frame);
   /// Shares, jumps and the warnings about them.
   void finish();
 

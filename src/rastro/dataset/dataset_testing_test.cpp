@@ -20,9 +20,9 @@ constexpr const char* euroc_sensor =
     "0.0, 0.0, 1.0]\nrate_hz: 20\nresolution: [8, 6]\ncamera_model: pinhole\nintrinsics: [6.0, 6.0, 3.5, 2.5]\n"
     "distortion_model: radial-tangential\ndistortion_coefficients: [0.0, 0.0, 0.0, 0.0]\n";
 
-void write_mat(const std::string& path, const cv::Mat& picture) {
+void write_mat(const std::string& path, const cv::Mat& mat) {
   std::filesystem::create_directories(std::filesystem::path(path).parent_path());
-  if (!cv::imwrite(path, picture)) throw std::runtime_error("cannot write " + path);
+  if (!cv::imwrite(path, mat)) throw std::runtime_error("cannot write " + path);
 }
 
 }  // namespace

@@ -76,37 +76,36 @@ bool jpeg_is_whole(std::span<const unsigned char> bytes) {
 cv::Mat decode(const std::string& path) {
   const std::string bytes = read_text_file(path);
   if (const auto reason = why_incomplete(as_bytes(bytes)); !reason.empty()) throw Error(reason, path, "");
-  cv::Mat picture;
+  cv::Mat mat;
   try {
     const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-    picture = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+    mat = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception& exception) {
     throw Error("cannot be decoded as an image (" + exception.err + ")", path, "");
   }
-  if (picture.empty()) throw Error("cannot be decoded as an image", path, "it is damaged or of another kind");
-  return picture;
+  if (mat.empty()) throw Error("cannot be decoded as an image", path, "it is damaged or of another kind");
+  return mat;
 }
 
 }  // namespace
 
 DecodedImage read_image(const std::string& path, bool want_color) {
-  const cv::Mat picture = decode(path);
+  const cv::Mat mat = decode(path);
   DecodedImage image;
-  const auto reason = convert(picture, want_color, image);
+  const auto reason = convert(mat, want_color, image);
   if (!reason.empty()) throw Error(reason, path, "");
   return image;
 }
 
 Image<std::uint16_t> read_raw_depth(const std::string& path) {
-  const cv::Mat picture = decode(path);
-  if (picture.type() != CV_16UC1) {
-    throw Error(fmt::format("a depth image has one channel of 16 bit, this has {} of {}", picture.channels(),
-                            8 * picture.elemSize1()),
-                path, "");
+  const cv::Mat mat = decode(path);
+  if (mat.type() != CV_16UC1) {
+    throw Error(
+        fmt::format("a depth image has one channel of 16 bit, this has {} of {}", mat.channels(), 8 * mat.elemSize1()),
+        path, "");
   }
-  Image<std::uint16_t> raw(picture.cols, picture.rows);
-  for (int y = 0; y < raw.height(); ++y)
-    std::memcpy(raw.row(y), picture.ptr(y), 2 * static_cast<std::size_t>(raw.width()));
+  Image<std::uint16_t> raw(mat.cols, mat.rows);
+  for (int y = 0; y < raw.height(); ++y) std::memcpy(raw.row(y), mat.ptr(y), 2 * static_cast<std::size_t>(raw.width()));
   return raw;
 }
 

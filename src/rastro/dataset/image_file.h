@@ -22,8 +22,8 @@ struct ImageSize {
   bool operator==(const ImageSize&) const = default;
 };
 
-/// Reads and decodes one image: 8-bit gray as it is, color turned to gray, 16 bit scaled to 8. Error, naming the file,
-/// where it is missing, may not be read, is empty, cut short, damaged or no image.
+/// Reads and decodes one image: 8-bit gray as it is, color converted to gray, 16 bit scaled to 8. Error, naming the
+/// file, where it is missing, may not be read, is empty, cut short, damaged or no image.
 DecodedImage read_image(const std::string& path, bool want_color = false);
 
 /// The numbers of a one-channel 16-bit image; errors as above, and for any other kind of image.

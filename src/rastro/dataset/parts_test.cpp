@@ -39,17 +39,17 @@ TEST(Associate, TakesNearestPairsFirstAndEachOnce) {
 
 TEST(ImageFile, ColorBecomesGrayByTheWeightsOfGrayFromColor) {
   const ScratchFolder folder;
-  cv::Mat picture(7, 9, CV_8UC3);
+  cv::Mat mat(7, 9, CV_8UC3);
   for (int y = 0; y < 7; ++y) {
-    for (int x = 0; x < 9; ++x) picture.at<cv::Vec3b>(y, x) = cv::Vec3b(x * 28, y * 36, (x * y * 5) % 256);
+    for (int x = 0; x < 9; ++x) mat.at<cv::Vec3b>(y, x) = cv::Vec3b(x * 28, y * 36, (x * y * 5) % 256);
   }
-  cv::imwrite(folder.path("c.png"), picture);
+  cv::imwrite(folder.path("c.png"), mat);
   const auto image = read_image(folder.path("c.png"), true);
   const auto expected = gray_from_color(image.color);
   for (int y = 0; y < 7; ++y) {
     for (int x = 0; x < 9; ++x) {
       EXPECT_EQ(image.gray.at(x, y), expected.at(x, y));
-      EXPECT_EQ(image.color.rgb.at(3 * x, y), picture.at<cv::Vec3b>(y, x)[2]) << "red comes first";
+      EXPECT_EQ(image.color.rgb.at(3 * x, y), mat.at<cv::Vec3b>(y, x)[2]) << "red comes first";
     }
   }
 }

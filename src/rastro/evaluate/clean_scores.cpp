@@ -44,7 +44,7 @@ class CleanScorer {
   bool near_edge(const Eigen::Vector2d& pixel) const { return near_image_edge(pixel, options_); }
 
   /// The segment that is the counterpart of the feature last observed as track[i]; null if there is none.
-  const Stretch* counterpart(const Track& track, std::size_t i) const {
+  const CleanSegment* counterpart(const Track& track, std::size_t i) const {
     const std::int64_t oldest = track[i].frame - options_.window;
     for (std::size_t k = i + 1; k-- > 0;) {
       if (track[k].frame < oldest) break;
@@ -68,18 +68,18 @@ class CleanScorer {
 
   Verdict judge_reidentification(const Track& track, std::size_t i) const {
     if (i == 0) return Verdict::unscored;
-    const Observation& corner = track[i];
-    const bool clear = cover_ && !cover_->covered(corner.frame, corner.pixel, options_.tolerance_px);
+    const Observation& observation = track[i];
+    const bool clear = cover_ && !cover_->covered(observation.frame, observation.pixel, options_.tolerance_px);
     if (clear && only_on_occluder(track, i - 1)) return Verdict::other_position;
-    return judge(counterpart(track, i - 1), corner);
+    return judge(counterpart(track, i - 1), observation);
   }
 
-  Verdict judge(const Stretch* truth, const Observation& corner) const {
-    const auto place = truth ? truth->at(corner.frame) : std::nullopt;
-    if (!place) return Verdict::unscored;
-    if (covered(corner.frame, *place)) return Verdict::hidden;
-    if ((*place - corner.pixel).norm() > options_.tolerance_px) return Verdict::other_position;
-    return covered(corner.frame, corner.pixel) ? Verdict::on_occluder : Verdict::correct;
+  Verdict judge(const CleanSegment* truth, const Observation& observation) const {
+    const auto position = truth ? truth->at(observation.frame) : std::nullopt;
+    if (!position) return Verdict::unscored;
+    if (covered(observation.frame, *position)) return Verdict::hidden;
+    if ((*position - observation.pixel).norm() > options_.tolerance_px) return Verdict::other_position;
+    return covered(observation.frame, observation.pixel) ? Verdict::on_occluder : Verdict::correct;
   }
 
   void book_reidentification(const Track& track, std::size_t i) {
@@ -99,9 +99,9 @@ class CleanScorer {
   }
 
   void book_switch(const Track& track, std::size_t i) {
-    const Stretch* truth = counterpart(track, i - 1);
-    const auto place = truth ? truth->at(track[i].frame) : std::nullopt;
-    if (place && (*place - track[i].pixel).norm() > options_.tolerance_px) ++scores_.id_switches;
+    const CleanSegment* truth = counterpart(track, i - 1);
+    const auto position = truth ? truth->at(track[i].frame) : std::nullopt;
+    if (position && (*position - track[i].pixel).norm() > options_.tolerance_px) ++scores_.id_switches;
   }
 
   void book_loss(const Track& track, std::size_t i);
@@ -117,7 +117,7 @@ class CleanScorer {
 void CleanScorer::book_loss(const Track& track, std::size_t i) {
   const std::int64_t seen = track[i].frame;
   FrameScores& frame = row(seen + 1);
-  const Stretch* truth = counterpart(track, i);
+  const CleanSegment* truth = counterpart(track, i);
   if (!truth) {
     ++frame.lost_unscored;
     return;
@@ -128,14 +128,14 @@ void CleanScorer::book_loss(const Track& track, std::size_t i) {
   bool occluded_in_span = false, occluded_before = false;
   std::vector<std::pair<std::int64_t, Eigen::Vector2d>> visible_again;
   for (std::int64_t k = seen + 1; k <= std::min(window_end, truth->last()); ++k) {
-    const auto place = truth->at(k);
-    if (!place) continue;
-    const bool hidden = cover_ ? covered(k, *place) : k == seen + 1;
+    const auto position = truth->at(k);
+    if (!position) continue;
+    const bool hidden = cover_ ? covered(k, *position) : k == seen + 1;
     if (hidden) occluded_in_span = occluded_in_span || k <= span_end;
     occluded_before = occluded_before || hidden;
-    if (occluded_before && !hidden && !near_edge(*place)) visible_again.emplace_back(k, *place);
+    if (occluded_before && !hidden && !near_edge(*position)) visible_again.emplace_back(k, *position);
   }
-  const bool ends_at_edge = truth->last() < window_end && near_edge(truth->places.back());
+  const bool ends_at_edge = truth->last() < window_end && near_edge(truth->positions.back());
   const bool followed_on = truth->last() >= window_end || ends_at_edge;
   if (!occluded_in_span) {
     if (ends_at_edge)

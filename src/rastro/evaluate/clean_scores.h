@@ -33,8 +33,8 @@ class OccluderCover {
 /// * `reappeared`: of `lost`, the counterpart is tracked to a frame of the window in which its position is uncovered
 /// again, at
 ///   least border_px inside the image.
-/// * a re-identified corner is `correct` if it lies within tolerance_px of the counterpart and no occluder covers the
-///   counterpart's position or the corner; `unscored` without a counterpart that reaches this frame; else `wrong`. An
+/// * a re-identified feature is `correct` if it lies within tolerance_px of the counterpart and no occluder covers the
+///   counterpart's position or the feature; `unscored` without a counterpart that reaches this frame; else `wrong`. An
 ///   id
 ///   observed only on the occluder, and then clear of it, is `wrong` too.
 /// * recall, precision and the rest: as in TrackScores. id_switches counts consecutive observations of one id with a

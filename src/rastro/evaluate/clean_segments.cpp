@@ -19,11 +19,11 @@ CleanSegments::CleanSegments(const TrackTable& occluded, const TrackTable& clean
       for (const TrackedFeature& feature : found->second->features) {
         const auto before = open.find(feature.id);
         const bool goes_on = feature.state == TrackState::tracked && before != open.end();
-        const std::size_t stretch = goes_on ? before->second : segments_.size();
+        const std::size_t segment = goes_on ? before->second : segments_.size();
         if (!goes_on) segments_.push_back({static_cast<std::int64_t>(k), {}});
-        if (!still_open.emplace(feature.id, stretch).second) continue;
-        segments_[stretch].places.push_back(feature.pixel.cast<double>());
-        in_frame_[k].push_back(stretch);
+        if (!still_open.emplace(feature.id, segment).second) continue;
+        segments_[segment].positions.push_back(feature.pixel.cast<double>());
+        in_frame_[k].push_back(segment);
       }
     }
     open = std::move(still_open);
@@ -33,14 +33,14 @@ CleanSegments::CleanSegments(const TrackTable& occluded, const TrackTable& clean
                 "give a run on the recording that the occluded copy was made from");
 }
 
-const Stretch* CleanSegments::nearest(std::int64_t frame, const Eigen::Vector2d& pixel, double radius_px) const {
-  const Stretch* best = nullptr;
+const CleanSegment* CleanSegments::nearest(std::int64_t frame, const Eigen::Vector2d& pixel, double radius_px) const {
+  const CleanSegment* best = nullptr;
   double best_distance = radius_px;
   for (const std::size_t index : in_frame_[static_cast<std::size_t>(frame)]) {
-    const Stretch& stretch = segments_[index];
-    const double distance = (*stretch.at(frame) - pixel).norm();
+    const CleanSegment& segment = segments_[index];
+    const double distance = (*segment.at(frame) - pixel).norm();
     if (best ? distance < best_distance : distance <= best_distance) {
-      best = &stretch;
+      best = &segment;
       best_distance = distance;
     }
   }

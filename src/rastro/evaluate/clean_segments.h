@@ -9,14 +9,14 @@
 namespace rastro {
 
 /// A segment of a clean track: consecutive frames of the occluded run in which optical flow alone tracked it.
-struct Stretch {
-  std::int64_t first = 0;  ///< Frame of places[0]: index in the occluded run's table.
-  std::vector<Eigen::Vector2d> places;
+struct CleanSegment {
+  std::int64_t first = 0;  ///< Frame of positions[0]: index in the occluded run's table.
+  std::vector<Eigen::Vector2d> positions;
 
-  std::int64_t last() const { return first + static_cast<std::int64_t>(places.size()) - 1; }
+  std::int64_t last() const { return first + static_cast<std::int64_t>(positions.size()) - 1; }
   std::optional<Eigen::Vector2d> at(std::int64_t frame) const {
     if (frame < first || frame > last()) return std::nullopt;
-    return places[static_cast<std::size_t>(frame - first)];
+    return positions[static_cast<std::size_t>(frame - first)];
   }
 };
 
@@ -28,11 +28,11 @@ class CleanSegments {
 
   /// The segment nearest to `pixel` in `frame`, within `radius_px`; null if there is none. Equally near: the earlier
   /// one.
-  const Stretch* nearest(std::int64_t frame, const Eigen::Vector2d& pixel, double radius_px) const;
+  const CleanSegment* nearest(std::int64_t frame, const Eigen::Vector2d& pixel, double radius_px) const;
   std::int64_t shared_frames() const { return shared_frames_; }
 
  private:
-  std::vector<Stretch> segments_;
+  std::vector<CleanSegment> segments_;
   std::vector<std::vector<std::size_t>> in_frame_;  ///< Segments in each frame of the occluded run.
   std::int64_t shared_frames_ = 0;
 };

@@ -19,11 +19,11 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double most_places = 2e6;
-constexpr std::size_t nearest_places = 8;  ///< Samples whose triangles a point is compared with.
+constexpr double max_samples = 2e6;
+constexpr std::size_t nearest_samples = 8;  ///< Samples whose triangles a point is compared with.
 constexpr int grain = 4096;
 
-struct Places {
+struct Samples {
   std::vector<Vector3f> at;
   std::vector<std::uint32_t> triangle;  ///< Per sample; empty without triangles.
 
@@ -36,7 +36,8 @@ struct Places {
   }
 };
 
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Places>, Places, 3, std::uint32_t>;
+using Tree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Samples>, Samples, 3, std::uint32_t>;
 
 std::array<Vector3f, 3> corners_of(const TriangleMesh& mesh, std::size_t triangle) {
   const auto& of = mesh.triangles[triangle];
@@ -49,7 +50,7 @@ double area_of(const std::array<Vector3f, 3>& corners) {
 }
 
 /// Samples all over a triangle: the centers of the pieces from repeatedly halving the longest side.
-void cover(const std::array<Vector3f, 3>& corners, std::uint32_t triangle, float spacing, Places& places) {
+void cover(const std::array<Vector3f, 3>& corners, std::uint32_t triangle, float spacing, Samples& samples) {
   std::size_t from = 0;
   float longest = 0.0F;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -58,21 +59,21 @@ void cover(const std::array<Vector3f, 3>& corners, std::uint32_t triangle, float
   }
   // The halves of a piece of this size are about as large as a square of `spacing`.
   if (!(longest > 4.0F * spacing * spacing)) {
-    places.at.push_back((corners[0] + corners[1] + corners[2]) / 3.0F);
-    places.triangle.push_back(triangle);
+    samples.at.push_back((corners[0] + corners[1] + corners[2]) / 3.0F);
+    samples.triangle.push_back(triangle);
     return;
   }
   const Vector3f &a = corners[from], &b = corners[(from + 1) % 3], &c = corners[(from + 2) % 3];
   const Vector3f middle = 0.5F * (a + b);
-  cover({a, middle, c}, triangle, spacing, places);
-  cover({middle, b, c}, triangle, spacing, places);
+  cover({a, middle, c}, triangle, spacing, samples);
+  cover({middle, b, c}, triangle, spacing, samples);
 }
 
-Places places_of(const TriangleMesh& mesh, double spacing) {
-  Places places;
+Samples samples_of(const TriangleMesh& mesh, double spacing) {
+  Samples samples;
   if (mesh.triangles.empty()) {
-    for (const MeshVertex& vertex : mesh.vertices) places.at.push_back(vertex.position);
-    return places;
+    for (const MeshVertex& vertex : mesh.vertices) samples.at.push_back(vertex.position);
+    return samples;
   }
   double area = 0.0, length = 0.0;  // slivers get samples by their length
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
@@ -80,10 +81,10 @@ Places places_of(const TriangleMesh& mesh, double spacing) {
     area += area_of(corners);
     length += static_cast<double>((corners[1] - corners[0]).norm() + (corners[2] - corners[0]).norm());
   }
-  spacing = std::max({spacing, std::sqrt(area / most_places), length / most_places});
+  spacing = std::max({spacing, std::sqrt(area / max_samples), length / max_samples});
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k)
-    cover(corners_of(mesh, k), static_cast<std::uint32_t>(k), static_cast<float>(spacing), places);
-  return places;
+    cover(corners_of(mesh, k), static_cast<std::uint32_t>(k), static_cast<float>(spacing), samples);
+  return samples;
 }
 
 /// Ericson 2005, "Real-Time Collision Detection", 5.1.5.
@@ -101,16 +102,16 @@ double distance_to(const Vector3d& p, const std::array<Vector3f, 3>& corners) {
   return inside ? std::abs(normal.dot(p - a)) / normal.norm() : least;
 }
 
-double distance_to_ground_truth(const Vector3f& point, const TriangleMesh& mesh, const Places& places,
+double distance_to_ground_truth(const Vector3f& point, const TriangleMesh& mesh, const Samples& samples,
                                 const Tree& tree) {
-  std::array<std::uint32_t, nearest_places> found{};
-  std::array<float, nearest_places> squares{};
-  const std::size_t wanted = places.triangle.empty() ? 1 : nearest_places;
+  std::array<std::uint32_t, nearest_samples> found{};
+  std::array<float, nearest_samples> squares{};
+  const std::size_t wanted = samples.triangle.empty() ? 1 : nearest_samples;
   const std::size_t count = tree.knnSearch(point.data(), wanted, found.data(), squares.data());
   double least = std::sqrt(static_cast<double>(squares[0]));
-  if (places.triangle.empty()) return least;
+  if (samples.triangle.empty()) return least;
   for (std::size_t k = 0; k < count; ++k)
-    least = std::min(least, distance_to(point.cast<double>(), corners_of(mesh, places.triangle[found[k]])));
+    least = std::min(least, distance_to(point.cast<double>(), corners_of(mesh, samples.triangle[found[k]])));
   return least;
 }
 
@@ -137,20 +138,20 @@ double root_mean_square(const std::vector<double>& values) {
 
 CloudAgreement cloud_agreement(const TriangleMesh& truth, const PointCloud& cloud, const CloudAgreementOptions& options,
                                TaskPool* pool) {
-  const Places places = places_of(truth, options.spacing_m);
-  if (places.at.empty()) throw Error("the ground truth has no points", "REF", "give a PLY with vertices");
+  const Samples samples = samples_of(truth, options.spacing_m);
+  if (samples.at.empty()) throw Error("the ground truth has no points", "REF", "give a PLY with vertices");
   if (cloud.points.empty()) throw Error("the cloud has no points", "EST", "give a PLY with vertices");
-  const Tree tree(3, places);
+  const Tree tree(3, samples);
   std::vector<double> distances(cloud.points.size());
   for_all(pool, distances.size(), [&](std::size_t k) {
-    distances[k] = distance_to_ground_truth(cloud.points[k].position, truth, places, tree);
+    distances[k] = distance_to_ground_truth(cloud.points[k].position, truth, samples, tree);
   });
-  Places own;
+  Samples own;
   for (const CloudPoint& point : cloud.points) own.at.push_back(point.position);
   const Tree own_tree(3, own);
-  std::vector<double> gaps(places.at.size());
+  std::vector<double> gaps(samples.at.size());
   for_all(pool, gaps.size(),
-          [&](std::size_t k) { gaps[k] = distance_to_ground_truth(places.at[k], {}, own, own_tree); });
+          [&](std::size_t k) { gaps[k] = distance_to_ground_truth(samples.at[k], {}, own, own_tree); });
 
   CloudAgreement agreement;
   std::vector<double> ratios;

@@ -21,9 +21,9 @@ TriangleMesh square() {
   return mesh;
 }
 
-CloudPoint point_at(const Eigen::Vector3f& place, float sigma) {
+CloudPoint point_at(const Eigen::Vector3f& position, float sigma) {
   CloudPoint point;
-  point.position = place;
+  point.position = position;
   point.sigma = sigma;
   return point;
 }
@@ -56,9 +56,9 @@ TEST(CloudAgreement, GivesTheNoiseOfPointsAndTheCoveredShareOfTheSurface) {
 
 TEST(CloudAgreement, MeasuresExactlyToTrianglesAndTheirRims) {
   PointCloud cloud;
-  for (const Eigen::Vector3f& place : {Eigen::Vector3f(0.3037F, -0.777F, 0.25F), Eigen::Vector3f(1.3F, 0.123F, 0.4F),
-                                       Eigen::Vector3f(-1.3F, -1.4F, 0.0F)})
-    cloud.points.push_back(point_at(place, 0.0F));
+  for (const Eigen::Vector3f& position : {Eigen::Vector3f(0.3037F, -0.777F, 0.25F), Eigen::Vector3f(1.3F, 0.123F, 0.4F),
+                                          Eigen::Vector3f(-1.3F, -1.4F, 0.0F)})
+    cloud.points.push_back(point_at(position, 0.0F));
   const CloudAgreement agreement = cloud_agreement(square(), cloud, {});
   EXPECT_NEAR(agreement.mean, (0.25 + 0.5 + 0.5) / 3.0, 1e-6);
   EXPECT_TRUE(std::isnan(agreement.sigma_ratio)) << "points without sigma do not count";

@@ -117,13 +117,13 @@ std::optional<CloudFace> face_in(const PointCloud& cloud, const LengthRegion& re
 
 /// End of the points of a slice towards the outside (larger values are inside): walks outwards from the inner side
 /// until two steps have no point. nullopt if there is none at the start.
-std::optional<double> end_of(std::vector<double> places, double step, double start) {
-  std::sort(places.begin(), places.end(), std::greater<>());
+std::optional<double> end_of(std::vector<double> positions, double step, double start) {
+  std::sort(positions.begin(), positions.end(), std::greater<>());
   std::optional<double> last;
-  for (const double place : places) {
-    if (place > start) continue;
-    if (last.value_or(start) - place > 2.0 * step) break;
-    last = place;
+  for (const double position : positions) {
+    if (position > start) continue;
+    if (last.value_or(start) - position > 2.0 * step) break;
+    last = position;
   }
   return last;
 }
@@ -135,10 +135,10 @@ std::optional<std::pair<double, double>> boundary(const CloudFace& face, const L
   std::vector<double> ends;
   for (int k = 0; k < slices; ++k) {
     const double from = region.low.x() + k * width;
-    std::vector<double> places;
+    std::vector<double> positions;
     for (const Vector3d& point : face.points)
-      if (point.x() >= from && point.x() < from + width) places.push_back(point.y());
-    const auto end = end_of(std::move(places), spacing, 0.5 * region.high.y());
+      if (point.x() >= from && point.x() < from + width) positions.push_back(point.y());
+    const auto end = end_of(std::move(positions), spacing, 0.5 * region.high.y());
     if (end) ends.push_back(*end);
   }
   if (static_cast<int>(ends.size()) < fewest_slices) return std::nullopt;

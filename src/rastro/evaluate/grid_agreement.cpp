@@ -117,10 +117,10 @@ class Comparison {
 
 GridAgreement grid_agreement(const OccupancyGrid& map, const OccupancyGrid& truth, const GridAgreementOptions& options,
                              const SE2& ground_truth_from_map) {
-  const SE2 placed = options.align ? align_grids(map, truth, ground_truth_from_map, options.search_m,
-                                                 options.search_deg * std::numbers::pi / 180.0)
-                                   : ground_truth_from_map;
-  return Comparison(map, truth, options).measure(placed);
+  const SE2 alignment = options.align ? align_grids(map, truth, ground_truth_from_map, options.search_m,
+                                                    options.search_deg * std::numbers::pi / 180.0)
+                                      : ground_truth_from_map;
+  return Comparison(map, truth, options).measure(alignment);
 }
 
 }  // namespace rastro

@@ -62,7 +62,7 @@ class Search {
   }
 
   SE2 run(double search_m, double search_rad) {
-    best_ = score(placed(Eigen::Vector3d::Zero()));
+    best_ = score(moved_by(Eigen::Vector3d::Zero()));
     around(Eigen::Vector3d::Zero(), {first_step_m, first_step_m, first_step_rad},
            {search_m + 1e-9, search_m + 1e-9, search_rad + 1e-9});
     Eigen::Vector3d step(first_step_m, first_step_m, first_step_rad);
@@ -70,15 +70,15 @@ class Search {
       step /= 2.0;
       around(at_, step, 1.5 * step);
     }
-    return placed(at_);
+    return moved_by(at_);
   }
 
  private:
   /// `change`: x and y in the axes of the ground truth, and the rotation about the center of the map's walls.
-  SE2 placed(const Eigen::Vector3d& change) const {
-    const SO2 turn = SO2::from_angle(change.z());
+  SE2 moved_by(const Eigen::Vector3d& change) const {
+    const SO2 rotation = SO2::from_angle(change.z());
     const Eigen::Vector2d middle = start_ * middle_;
-    const SE2 moved(turn, middle - turn * middle + change.head<2>());
+    const SE2 moved(rotation, middle - rotation * middle + change.head<2>());
     return moved * start_;
   }
 
@@ -94,13 +94,13 @@ class Search {
 
   void around(const Eigen::Vector3d& middle, const Eigen::Vector3d& step, const Eigen::Vector3d& reach) {
     const Eigen::Vector3i count = (reach.array() / step.array()).floor().cast<int>();
-    for (int turn = -count.z(); turn <= count.z(); ++turn)
+    for (int yaw = -count.z(); yaw <= count.z(); ++yaw)
       for (int y = -count.y(); y <= count.y(); ++y)
-        for (int x = -count.x(); x <= count.x(); ++x) try_at(middle + step.cwiseProduct(Eigen::Vector3d(x, y, turn)));
+        for (int x = -count.x(); x <= count.x(); ++x) try_at(middle + step.cwiseProduct(Eigen::Vector3d(x, y, yaw)));
   }
 
   void try_at(const Eigen::Vector3d& change) {
-    const double found = score(placed(change));
+    const double found = score(moved_by(change));
     if (found <= best_) return;
     best_ = found;
     at_ = change;

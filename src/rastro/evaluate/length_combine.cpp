@@ -23,18 +23,18 @@ double spread(std::vector<double> values, double center) {
   return 1.4826 * upper_median(std::move(values));
 }
 
-std::vector<double> values_of(const std::vector<LengthObservation>& sightings) {
+std::vector<double> values_of(const std::vector<LengthObservation>& observations) {
   std::vector<double> values;
-  values.reserve(sightings.size());
-  for (const LengthObservation& one : sightings) values.push_back(one.value_m);
+  values.reserve(observations.size());
+  for (const LengthObservation& one : observations) values.push_back(one.value_m);
   return values;
 }
 
-void drop_outliers(std::vector<LengthObservation>& sightings) {
-  if (sightings.size() < 3) return;
-  const std::vector<double> values = values_of(sightings);
+void drop_outliers(std::vector<LengthObservation>& observations) {
+  if (observations.size() < 3) return;
+  const std::vector<double> values = values_of(observations);
   const double center = upper_median(values), sigma = spread(values, center);
-  std::erase_if(sightings, [&](const LengthObservation& one) {
+  std::erase_if(observations, [&](const LengthObservation& one) {
     return std::abs(one.value_m - center) > outlier_sigmas * std::hypot(sigma, one.sigma_m);
   });
 }
@@ -89,11 +89,11 @@ double pose_variance(const std::vector<LengthObservation>& a, const std::vector<
 
 /// The unknowns: positions of a and b, heights of their faces.
 struct Solution {
-  Eigen::Vector4d places = Eigen::Vector4d::Zero();
+  Eigen::Vector4d unknowns = Eigen::Vector4d::Zero();
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
 
   double difference(const Pair& pair) const {
-    return pair.difference() - pair.b->lever * places[3] + pair.a->lever * places[2];
+    return pair.difference() - pair.b->lever * unknowns[3] + pair.a->lever * unknowns[2];
   }
 };
 
@@ -123,14 +123,14 @@ Solution solved(const std::vector<Pair>& pairs, double pose_variance, const Leng
     information += design.transpose() * weight * design;
     right += design.transpose() * weight * values;
   }
-  for (const auto& [sightings, unknown] : {std::pair(&a, 2), std::pair(&b, 3)}) {
-    const double sigma = std::max(sightings->height_sigma_m, 1e-6);
+  for (const auto& [observations, unknown] : {std::pair(&a, 2), std::pair(&b, 3)}) {
+    const double sigma = std::max(observations->height_sigma_m, 1e-6);
     information(unknown, unknown) += 1.0 / (sigma * sigma);
-    right[unknown] += sightings->height_m / (sigma * sigma);
+    right[unknown] += observations->height_m / (sigma * sigma);
   }
   Solution solution;
   solution.covariance = information.inverse();
-  solution.places = solution.covariance * right;
+  solution.unknowns = solution.covariance * right;
   return solution;
 }
 
@@ -153,10 +153,10 @@ void judge_scatter(const std::vector<Pair>& pairs, const Solution& solution, Com
 }
 
 /// Mean of the error common to all keyframes, as a variance.
-double shared_by_all(const LengthObservations& sightings) {
+double shared_by_all(const LengthObservations& observations) {
   double sum = 0.0;
-  for (const LengthObservation& one : sightings.all) sum += one.shared_m * one.shared_m;
-  return sum / std::max<double>(1.0, static_cast<double>(sightings.all.size()));
+  for (const LengthObservation& one : observations.all) sum += one.shared_m * one.shared_m;
+  return sum / std::max<double>(1.0, static_cast<double>(observations.all.size()));
 }
 
 }  // namespace
@@ -174,7 +174,7 @@ std::optional<CombinedLength> combine_lengths(LengthObservations a, LengthObserv
   const double variance = pose_variance(a.all, b.all);
   const Solution solution = solved(pairs, variance, a, b);
   const Eigen::Matrix4d& covariance = solution.covariance;
-  result.length_m = solution.places[1] - solution.places[0];
+  result.length_m = solution.unknowns[1] - solution.unknowns[0];
   result.pose_sigma_m = std::sqrt(variance);
   double own_variance = 0.0, excess = 1.0;
   judge_scatter(pairs, solution, result, own_variance, excess);

@@ -117,9 +117,9 @@ TEST(CombineLengths, IsGeneralizedLeastSquaresOverAllValues) {
     covariance(i, i) += scene.sigma * scene.sigma;
   }
   const Eigen::MatrixXd weight = covariance.inverse();
-  const Eigen::Vector2d places =
+  const Eigen::Vector2d positions =
       (design.transpose() * weight * design).ldlt().solve(design.transpose() * weight * values);
-  EXPECT_NEAR(length->length_m, places[1] - places[0], 1e-6);
+  EXPECT_NEAR(length->length_m, positions[1] - positions[0], 1e-6);
 }
 
 TEST(CombineLengths, OutliersAreLeftOut) {

@@ -30,9 +30,9 @@ constexpr double half_score = 5.0;
 constexpr double weakest_share = 0.08;  ///< Of the best score.
 constexpr int segments = 4;             ///< Along the edge, each with its own sign.
 constexpr std::size_t most_edges = 6;
-constexpr double apart_samples = 2.0;    ///< Maxima closer than this are one.
-constexpr double reach_samples = 3.0;    ///< From the line to the peak of a profile.
-constexpr double image_sigma_px = 0.12;  ///< Common shift of all profiles by blur and compression.
+constexpr double min_distance_samples = 2.0;  ///< Maxima closer than this are one.
+constexpr double reach_samples = 3.0;         ///< From the line to the peak of a profile.
+constexpr double image_sigma_px = 0.12;       ///< Common shift of all profiles by blur and compression.
 
 /// The part of the face around the rough point, rectified: sample (row, column) is at along(row), across(column).
 struct Strip {
@@ -305,7 +305,7 @@ std::vector<StripLine> strong_lines(const Strip& strip) {
   for (const StripLine& line : all) {
     if (line.score < std::max(smallest_score, weakest_share * all.front().score) || kept.size() == most_edges) break;
     const bool alone = std::all_of(kept.begin(), kept.end(), [&](const StripLine& other) {
-      return std::abs(other.column - line.column) >= apart_samples;
+      return std::abs(other.column - line.column) >= min_distance_samples;
     });
     if (alone) kept.push_back(line);
   }
@@ -323,7 +323,7 @@ std::vector<LengthEdge> find_edges(const LengthView& view, const LengthFace& fac
     const auto line = refined(*strip, rough);
     if (!line || std::abs(line->column - rough.column) > reach_samples) continue;
     const bool known = std::any_of(lines.begin(), lines.end(), [&](const StripLine& other) {
-      return std::abs(other.column - line->column) < apart_samples;
+      return std::abs(other.column - line->column) < min_distance_samples;
     });
     if (!known) lines.push_back(*line);
   }

@@ -61,15 +61,15 @@ bool inside(const LengthRegion& region, const Vector3d& point, int axes) {
   return true;
 }
 
-/// Calls look(ray, depth) for the pixels of the region's image, evenly thinned out if they are many.
-template <typename Look>
-void for_pixels(const LengthView& view, const PixelBox& box, Look&& look) {
+/// Calls visit(ray, depth) for the pixels of the region's image, evenly thinned out if they are many.
+template <typename Visit>
+void for_pixels(const LengthView& view, const PixelBox& box, Visit&& visit) {
   const auto stride =
       static_cast<int>(std::ceil(std::sqrt(static_cast<double>(box.count()) / static_cast<double>(most_pixels))));
   for (int y = box.y0; y <= box.y1; y += std::max(1, stride)) {
     for (int x = box.x0; x <= box.x1; x += std::max(1, stride)) {
       const auto ray = view.camera.unproject(Vector2d(x, y));
-      if (ray) look(Vector3d(ray->x(), ray->y(), 1.0), static_cast<double>(view.depth.at(x, y)));
+      if (ray) visit(Vector3d(ray->x(), ray->y(), 1.0), static_cast<double>(view.depth.at(x, y)));
     }
   }
 }
@@ -138,18 +138,18 @@ Vector3d refined(const std::vector<Measured>& all, Vector3d inverse, Matrix3d& i
 }
 
 void count_support(const LengthView& view, const LengthRegion& region, const PixelBox& box, LengthFace& face) {
-  std::int64_t looking = 0, agreeing = 0;
+  std::int64_t compared = 0, agreeing = 0;
   double squares = 0.0;
   for_pixels(view, box, [&](const Vector3d& ray, double z) {
     const double expected = face.depth_at(ray);
     if (!(expected > nearest_m && expected < 100.0) || !inside(region, expected * ray, 2)) return;
-    ++looking;
+    ++compared;
     if (z < nearest_m || std::abs(z - expected) > gate_sigmas * view.depth_sigma(expected)) return;
     ++agreeing;
     squares += (z - expected) * (z - expected);
   });
   face.points = static_cast<int>(agreeing);
-  face.support = looking > 0 ? static_cast<double>(agreeing) / static_cast<double>(looking) : 0.0;
+  face.support = compared > 0 ? static_cast<double>(agreeing) / static_cast<double>(compared) : 0.0;
   face.residual_m = agreeing > 0 ? std::sqrt(squares / static_cast<double>(agreeing)) : 0.0;
 }
 

@@ -46,7 +46,7 @@ class LengthRoom {
     map.method = "rgbd";
     map.cameras.push_back({CameraKind::depth, camera_, 0.0, {}, SE3()});
     auto images = std::make_shared<ImageLayer>();
-    auto pictures = std::make_shared<MemoryImages>();
+    auto memory_images = std::make_shared<MemoryImages>();
     Random random(seed);
     for (int k = 0; k < keyframes; ++k) {
       Vector6d error;
@@ -58,9 +58,9 @@ class LengthRoom {
       Frame frame;
       frame.image = frames_[static_cast<std::size_t>(k)].gray;
       frame.depth = measured(frames_[static_cast<std::size_t>(k)].depth, true_pose(k), random, hidden);
-      pictures->add(k, pack_images(frame));
+      memory_images->add(k, pack_images(frame));
     }
-    images->store = pictures;
+    images->store = memory_images;
     map.layers.put<ImageLayer>(std::move(images));
     return map;
   }

@@ -18,9 +18,9 @@ constexpr double flattest = 0.1;  ///< Cosine between normal and ray; faces at a
 constexpr std::int64_t neighborhood = 3;
 
 /// Pixels per meter at the point, corrected for the viewing angle; 0 if not visible.
-double quality(const Map& map, const Keyframe& keyframe, const LengthPosition& place) {
+double quality(const Map& map, const Keyframe& keyframe, const LengthPosition& position) {
   const Camera& camera = map.cameras[static_cast<std::size_t>(keyframe.camera)].intrinsics;
-  const Eigen::Vector3d point = keyframe.world_from_camera.inverse() * place.point;
+  const Eigen::Vector3d point = keyframe.world_from_camera.inverse() * position.point;
   if (!(point.z() > nearest_m && point.z() < farthest_m)) return 0.0;
   const auto pixel = camera.project(point);
   if (!pixel || pixel->x() < margin_px || pixel->y() < margin_px || pixel->x() > camera.width - 1 - margin_px ||
@@ -28,8 +28,8 @@ double quality(const Map& map, const Keyframe& keyframe, const LengthPosition& p
     return 0.0;
   }
   double squareness = 1.0;
-  if (place.normal) {
-    const Eigen::Vector3d normal = keyframe.world_from_camera.rotation().inverse() * *place.normal;
+  if (position.normal) {
+    const Eigen::Vector3d normal = keyframe.world_from_camera.rotation().inverse() * *position.normal;
     squareness = std::abs(normal.dot(point)) / point.norm();
     if (squareness < flattest) return 0.0;
   }
@@ -74,16 +74,16 @@ LengthView open_view(const Map& map, KeyframeId id) {
   RASTRO_CHECK(images && keyframe && !map.cameras.empty(), "a keyframe with images");
   const MapCamera& camera = map.cameras[static_cast<std::size_t>(keyframe->camera)];
   const std::string where = fmt::format("keyframe {}", id);
-  const UnpackedImages pictures = unpack_images(images->images(id), where);
-  if (pictures.depth.width() != camera.intrinsics.width || pictures.depth.height() != camera.intrinsics.height)
-    throw Error(fmt::format("its images are {} x {}, the map's camera {} x {}", pictures.depth.width(),
-                            pictures.depth.height(), camera.intrinsics.width, camera.intrinsics.height),
+  const UnpackedImages unpacked = unpack_images(images->images(id), where);
+  if (unpacked.depth.width() != camera.intrinsics.width || unpacked.depth.height() != camera.intrinsics.height)
+    throw Error(fmt::format("its images are {} x {}, the map's camera {} x {}", unpacked.depth.width(),
+                            unpacked.depth.height(), camera.intrinsics.width, camera.intrinsics.height),
                 where, "the map is damaged");
   return {id,
           keyframe->world_from_camera,
           camera.intrinsics,
-          gray_from_color(pictures.color),
-          pictures.depth,
+          gray_from_color(unpacked.color),
+          unpacked.depth,
           camera.depth_noise.sigma_m,
           camera.depth_noise.sigma_per_m2};
 }

@@ -55,7 +55,7 @@ struct ViewFinding {
 
 /// A feature and the views that agree on it.
 struct Found {
-  std::vector<std::pair<std::size_t, Candidate>> sightings;         ///< With the index of the finding.
+  std::vector<std::pair<std::size_t, Candidate>> observations;      ///< With the index of the finding.
   Vector3d point = Vector3d::Zero(), direction = Vector3d::Zero();  ///< Means.
   double height_m = 0.0;                                            ///< Of the face above the rough one, without depth.
   double wrong_position_variance = 0.0;                             ///< For the risk of a wrong edge.
@@ -67,9 +67,9 @@ Candidate face_candidate(const LengthView& view, const LengthFace& face, const V
   const Vector3d foot = face.foot(spot), normal = face.normal();
   const Vector3d ray = foot / foot.z();
   const double sigma = std::abs(normal.dot(ray)) * face.depth_sigma_at(ray);
-  const Matrix3d turn = view.world_from_camera.rotation().matrix();
+  const Matrix3d rotation = view.world_from_camera.rotation().matrix();
   found.point = view.world_from_camera * foot;
-  found.direction = turn * normal;
+  found.direction = rotation * normal;
   found.covariance = sigma * sigma * found.direction * found.direction.transpose();
   found.score = std::sqrt(static_cast<double>(face.points)) * face.support;
   const auto pixel = view.camera.project(foot);
@@ -79,12 +79,12 @@ Candidate face_candidate(const LengthView& view, const LengthFace& face, const V
 
 std::vector<Candidate> edge_candidates(const LengthView& view, const LengthFace& face, const LengthEdgeSearch& search) {
   std::vector<Candidate> found;
-  const Matrix3d turn = view.world_from_camera.rotation().matrix();
+  const Matrix3d rotation = view.world_from_camera.rotation().matrix();
   for (const LengthEdge& edge : find_edges(view, face, search)) {
     Candidate one;
     one.point = view.world_from_camera * edge.point;
-    one.direction = turn * edge.direction;
-    one.covariance = turn * edge.covariance * turn.transpose();
+    one.direction = rotation * edge.direction;
+    one.covariance = rotation * edge.covariance * rotation.transpose();
     one.score = edge.score;
     one.shared_m = shared_px * edge.pixel_m;
     one.pixels = edge.pixels;
@@ -117,12 +117,12 @@ std::vector<Candidate> candidates_in(const LengthView& view, const LengthFeature
   const auto face = by_depth ? measured_face(view, feature, radius_m, options) : rough_face(view, feature);
   if (!face || face->inverse.isZero()) return {};
   const SE3 camera_from_world = view.world_from_camera.inverse();
-  const Matrix3d turn = camera_from_world.rotation().matrix();
+  const Matrix3d rotation = camera_from_world.rotation().matrix();
   const Vector3d spot = camera_from_world * feature.spot;
   std::vector<Candidate> found;
   if (feature.is_edge) {
-    found = edge_candidates(view, *face,
-                            {spot, turn * feature.along, turn * feature.inwards, radius_m, options.half_length_m});
+    found = edge_candidates(
+        view, *face, {spot, rotation * feature.along, rotation * feature.inwards, radius_m, options.half_length_m});
   } else {
     found.push_back(face_candidate(view, *face, spot));
   }
@@ -189,11 +189,11 @@ VotedOffset most_voted(const std::vector<std::vector<Candidate>>& views, const L
 
 /// Selects the candidate of a view that matches the offset; nullopt if it has none.
 std::optional<Candidate> taken_at(std::vector<Candidate>& candidates, const LengthFeature& feature,
-                                  const VotedOffset& place) {
+                                  const VotedOffset& voted) {
   auto best = candidates.end();
   double most = 0.0;
   for (auto one = candidates.begin(); one != candidates.end(); ++one) {
-    const double distance = offset_of(feature, *one, place.height_m) - place.offset_m;
+    const double distance = offset_of(feature, *one, voted.height_m) - voted.offset_m;
     const double score = one->score * vote(distance, vote_width_m);
     if (std::abs(distance) < agree_widths * vote_width_m && score > most) most = score, best = one;
   }
@@ -218,8 +218,8 @@ Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const 
   for (std::size_t i = 0; i < views.size(); ++i) {
     const auto taken = taken_at(views[i], feature, chosen);
     if (!taken) continue;
-    found.sightings.emplace_back(i, *taken);
-    found.sightings.back().second.point += chosen.height_m * taken->lever;
+    found.observations.emplace_back(i, *taken);
+    found.observations.back().second.point += chosen.height_m * taken->lever;
   }
   const VotedOffset rival = most_voted(views, feature, radius_m, by_depth);
   found.rivalry = rival.votes / chosen.votes;
@@ -227,9 +227,9 @@ Found agreed(const std::vector<ViewFinding>& findings, std::size_t which, const 
   // Votes are no probabilities: an offset with half of them is hardly ever the right one.
   const double odds = std::pow(found.rivalry, 4), share = odds / (1.0 + odds);
   found.wrong_position_variance = share * (1.0 - share) * std::pow(rival.offset_m - chosen.offset_m, 2);
-  for (auto& [finding, one] : found.sightings) {
-    if (one.direction.dot(found.sightings.front().second.direction) < 0.0) one.direction = -one.direction;
-    found.point += one.point / static_cast<double>(found.sightings.size());
+  for (auto& [finding, one] : found.observations) {
+    if (one.direction.dot(found.observations.front().second.direction) < 0.0) one.direction = -one.direction;
+    found.point += one.point / static_cast<double>(found.observations.size());
     found.direction += one.direction;
   }
   found.direction.normalize();
@@ -241,8 +241,8 @@ Found crossing(const Found& one, const Found& other) {
   Found corner;
   corner.wrong_position_variance = one.wrong_position_variance + other.wrong_position_variance;
   corner.rivalry = std::max(one.rivalry, other.rivalry);
-  for (const auto& [finding, first] : one.sightings) {
-    for (const auto& [same, second] : other.sightings) {
+  for (const auto& [finding, first] : one.observations) {
+    for (const auto& [same, second] : other.observations) {
       if (finding != same) continue;
       const double cosine = first.direction.dot(second.direction), sine_squared = 1.0 - cosine * cosine;
       if (sine_squared < 0.05) continue;
@@ -252,11 +252,11 @@ Found crossing(const Found& one, const Found& other) {
       point.point = first.point + along * first.direction;
       point.covariance = first.covariance + second.covariance;
       point.pixels = {first.pixels[0], second.pixels[0]};
-      corner.sightings.emplace_back(finding, point);
+      corner.observations.emplace_back(finding, point);
       corner.point += point.point;
     }
   }
-  if (!corner.sightings.empty()) corner.point /= static_cast<double>(corner.sightings.size());
+  if (!corner.observations.empty()) corner.point /= static_cast<double>(corner.observations.size());
   return corner;
 }
 
@@ -274,32 +274,32 @@ std::optional<Vector3d> measured_direction(LengthKind kind, const Found& a, cons
 }
 
 LengthObservations along(const Found& found, const std::vector<ViewFinding>& findings, const Vector3d& direction) {
-  LengthObservations sightings;
-  for (const auto& [finding, one] : found.sightings) {
-    sightings.all.push_back({findings[finding].keyframe, direction.dot(one.point),
-                             std::sqrt(std::max(0.0, direction.dot(one.covariance * direction))), one.shared_m,
-                             direction.dot(one.lever)});
+  LengthObservations observations;
+  for (const auto& [finding, one] : found.observations) {
+    observations.all.push_back({findings[finding].keyframe, direction.dot(one.point),
+                                std::sqrt(std::max(0.0, direction.dot(one.covariance * direction))), one.shared_m,
+                                direction.dot(one.lever)});
   }
   // The points are at the height with the most votes; the remaining height is counted from there.
-  sightings.height_m = -found.height_m;
-  sightings.height_sigma_m = height_sigma_m;
-  return sightings;
+  observations.height_m = -found.height_m;
+  observations.height_sigma_m = height_sigma_m;
+  return observations;
 }
 
 /// The keyframe with the best view: both features, with high scores.
-LengthImage best_picture(const Found& a, const Found& b, const std::vector<ViewFinding>& findings) {
+LengthImage best_image(const Found& a, const Found& b, const std::vector<ViewFinding>& findings) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   LengthImage best;
   double most = 0.0;
   for (std::size_t i = 0; i < findings.size(); ++i) {
-    LengthImage picture{
+    LengthImage image{
         findings[i].keyframe, {Vector2d(nan, nan), Vector2d(nan, nan)}, {Vector2d(nan, nan), Vector2d(nan, nan)}};
     double score = 0.0;
-    for (const auto& [finding, one] : a.sightings)
-      if (finding == i) picture.a = one.pixels, score += 1e3 + one.score;
-    for (const auto& [finding, one] : b.sightings)
-      if (finding == i) picture.b = one.pixels, score += 1e3 + one.score;
-    if (score > most) most = score, best = picture;
+    for (const auto& [finding, one] : a.observations)
+      if (finding == i) image.a = one.pixels, score += 1e3 + one.score;
+    for (const auto& [finding, one] : b.observations)
+      if (finding == i) image.b = one.pixels, score += 1e3 + one.score;
+    if (score > most) most = score, best = image;
   }
   return best;
 }
@@ -307,8 +307,8 @@ LengthImage best_picture(const Found& a, const Found& b, const std::vector<ViewF
 double mean_support(const Found& a, const Found& b) {
   double sum = 0.0;
   for (const auto* found : {&a, &b})
-    for (const auto& [finding, one] : found->sightings) sum += one.support;
-  return sum / std::max<double>(1.0, static_cast<double>(a.sightings.size() + b.sightings.size()));
+    for (const auto& [finding, one] : found->observations) sum += one.support;
+  return sum / std::max<double>(1.0, static_cast<double>(a.observations.size() + b.observations.size()));
 }
 
 std::string doubts(const MeasuredLength& measured, double rivalry) {
@@ -334,29 +334,29 @@ class LengthSearch {
   }
 
   MeasuredLength measure(TaskPool& pool) {
-    look(pool);
+    find_in_views(pool);
     if (findings_.empty()) return not_measured(object_, "no keyframe shows it");
     Found a = found(a_, 0), b = found(b_, a_.size());
-    if (object_.kind == LengthKind::edges && std::min(a.sightings.size(), b.sightings.size()) < few_keyframes) {
+    if (object_.kind == LengthKind::edges && std::min(a.observations.size(), b.observations.size()) < few_keyframes) {
       by_depth_ = false;
-      look(pool);
+      find_in_views(pool);
       a = found(a_, 0), b = found(b_, a_.size());
     }
-    if (a.sightings.empty() || b.sightings.empty()) {
-      const char* end = a.sightings.empty() ? (b.sightings.empty() ? "neither end" : "a") : "b";
+    if (a.observations.empty() || b.observations.empty()) {
+      const char* end = a.observations.empty() ? (b.observations.empty() ? "neither end" : "a") : "b";
       return not_measured(object_, fmt::format("{} was not found in {} keyframes", end, findings_.size()));
     }
     return combined(a, b);
   }
 
  private:
-  LengthPosition place_of(const LengthFeature& feature) const {
+  LengthPosition position_of(const LengthFeature& feature) const {
     return {feature.spot, feature.normal_known ? std::optional<Vector3d>(feature.normal()) : std::nullopt};
   }
 
-  void look(TaskPool& pool) {
+  void find_in_views(TaskPool& pool) {
     const std::vector<KeyframeId> views =
-        choose_views(map_, place_of(a_.front()), place_of(b_.front()), options_.views);
+        choose_views(map_, position_of(a_.front()), position_of(b_.front()), options_.views);
     findings_.resize(views.size());
     pool.for_chunks(0, static_cast<int>(views.size()), 1, [&](int begin, int end) {
       for (int i = begin; i < end; ++i) {
@@ -395,9 +395,9 @@ class LengthSearch {
     measured.together = length->together;
     measured.scatter_m = length->scatter_m;
     for (const auto* found : {&a, &b})
-      for (const auto& [finding, one] : found->sightings) measured.points += one.points;
+      for (const auto& [finding, one] : found->observations) measured.points += one.points;
     measured.support = mean_support(a, b);
-    measured.picture = best_picture(a, b, findings_);
+    measured.image = best_image(a, b, findings_);
     measured.note = doubts(measured, std::max(a.rivalry, b.rivalry));
     return measured;
   }

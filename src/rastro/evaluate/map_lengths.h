@@ -34,7 +34,7 @@ struct MeasuredLength {
   std::int64_t points = 0;                             ///< Depth pixels, or points of the cloud, on the faces.
   double support = 0.0;    ///< Share of the pixels facing the faces with their depth: low for glass.
   double scatter_m = 0.0;  ///< Scatter of the single keyframes' measurements.
-  LengthImage picture;
+  LengthImage image;
 
   std::optional<double> error_m() const {
     if (!length_m || !true_length_m) return std::nullopt;

@@ -77,7 +77,7 @@ TEST(MapLengths, AreCorrectWithCorrectKeyframePoses) {
     EXPECT_LT(std::abs(*one.error_m()), 0.004) << one.name;
     EXPECT_LT(one.sigma_m, 0.010) << one.name;
     EXPECT_GE(one.keyframes_a, 3) << one.name;
-    EXPECT_GE(one.picture.keyframe, 0) << one.name;
+    EXPECT_GE(one.image.keyframe, 0) << one.name;
   }
 }
 
@@ -156,9 +156,9 @@ TEST(CombinedLengths, KeyframesThatObserveBothDoNotNeedTheirPoses) {
   EXPECT_LT(together->sigma_m, 0.003);
   EXPECT_EQ(together->together, 9);
   for (LengthObservation& one : b.all) one.keyframe += 100;
-  const auto apart = combine_lengths(a, b);
-  ASSERT_TRUE(apart);
-  EXPECT_GT(apart->sigma_m, 0.05) << "their poses scatter by 7 cm";
+  const auto combined = combine_lengths(a, b);
+  ASSERT_TRUE(combined);
+  EXPECT_GT(combined->sigma_m, 0.05) << "their poses scatter by 7 cm";
 }
 
 TEST(CombinedLengths, EstimatesHeightsOfFacesFromDifferentSides) {

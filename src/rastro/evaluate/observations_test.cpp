@@ -141,10 +141,10 @@ TEST(BookMiss, GivesTheReason) {
   TrackScoreOptions options;
   options.tolerance_px = 3.0;
   options.min_distance_px = 30.0;
-  const Eigen::Vector2d place(100.0, 100.0);
+  const Eigen::Vector2d position(100.0, 100.0);
   const auto booked = [&](const std::vector<TrackedFeature>& features, std::optional<std::int64_t> back = {}) {
     MissReasons reasons;
-    book_miss(table_of({features}), {{0, place}}, back, options, reasons);
+    book_miss(table_of({features}), {{0, position}}, back, options, reasons);
     EXPECT_EQ(reasons.wrong_position + reasons.not_reidentified + reasons.blocked + reasons.budget_full +
                   reasons.never_detected,
               1);
@@ -213,7 +213,7 @@ TEST(CleanSegments, NearestEqualsBruteForce) {
         if (k == 4 || k == 5 || k == 17 || distance > best) continue;
         best = distance, any = true;
       }
-      const Stretch* nearest = segments.nearest(static_cast<std::int64_t>(k), pixel, 12.0);
+      const CleanSegment* nearest = segments.nearest(static_cast<std::int64_t>(k), pixel, 12.0);
       ASSERT_EQ(nearest != nullptr, any) << k;
       if (!any) continue;
       ++found;
@@ -225,9 +225,9 @@ TEST(CleanSegments, NearestEqualsBruteForce) {
 
 TEST(CleanSegments, ASegmentEndsWithFlowAndWithCommonFrames) {
   const auto segment_at = [](const CleanSegments& segments, std::int64_t frame) {
-    const Stretch* stretch = segments.nearest(frame, {10.0, 10.0}, 5.0);
-    return stretch == nullptr ? std::pair<std::int64_t, std::int64_t>{-1, -1}
-                              : std::pair{stretch->first, stretch->last()};
+    const CleanSegment* segment = segments.nearest(frame, {10.0, 10.0}, 5.0);
+    return segment == nullptr ? std::pair<std::int64_t, std::int64_t>{-1, -1}
+                              : std::pair{segment->first, segment->last()};
   };
   TrackTable clean = table_of(std::vector<std::vector<TrackedFeature>>(8, {feature(1, 10, 10)}));
   clean.frames[3].features[0].state = TrackState::reidentified;

@@ -34,10 +34,10 @@ TEST(Relations, AreReadToTheNanosecond) {
   EXPECT_EQ(relations[0].stamp_b, 976'052'911'885'496'000);
   EXPECT_NEAR(relations[0].a_from_b.rotation().log().z(), -1.682210, 1e-12);
   EXPECT_NEAR(relations[0].a_from_b.translation().y(), -0.128430, 1e-15);
-  const Eigen::Matrix3d turn = relations[1].a_from_b.rotation().matrix();
-  EXPECT_NEAR(std::atan2(turn(1, 0), turn(0, 0)), 0.3, 1e-12) << "yaw";
-  EXPECT_NEAR(std::asin(-turn(2, 0)), 0.2, 1e-12) << "pitch";
-  EXPECT_NEAR(std::atan2(turn(2, 1), turn(2, 2)), 0.1, 1e-12) << "roll";
+  const Eigen::Matrix3d rotation = relations[1].a_from_b.rotation().matrix();
+  EXPECT_NEAR(std::atan2(rotation(1, 0), rotation(0, 0)), 0.3, 1e-12) << "yaw";
+  EXPECT_NEAR(std::asin(-rotation(2, 0)), 0.2, 1e-12) << "pitch";
+  EXPECT_NEAR(std::atan2(rotation(2, 1), rotation(2, 2)), 0.1, 1e-12) << "roll";
 }
 
 TEST(Relations, RefusesOtherText) {

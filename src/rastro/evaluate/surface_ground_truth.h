@@ -15,7 +15,7 @@ struct SurfacePoint {
 
 enum class Visibility { visible, occluded_by_surface, outside_image };
 
-struct Sighting {
+struct ProjectedPoint {
   Visibility visibility = Visibility::outside_image;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< Projection of the point; undefined if outside_image.
 };
@@ -28,7 +28,7 @@ class SurfaceGroundTruth {
   virtual std::int64_t frame_count() const = 0;
   /// nullopt outside the image or if the ray hits nothing.
   virtual std::optional<SurfacePoint> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const = 0;
-  virtual Sighting sighting_of(std::int64_t frame, const SurfacePoint& point) const = 0;
+  virtual ProjectedPoint project(std::int64_t frame, const SurfacePoint& point) const = 0;
 };
 
 }  // namespace rastro

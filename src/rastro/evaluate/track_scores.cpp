@@ -81,29 +81,29 @@ class SurfaceScorer {
 
   bool near_edge(const Eigen::Vector2d& pixel) const { return near_image_edge(pixel, options_); }
 
-  bool same_point(const SurfacePoint& anchor, const Observation& anchor_seen, const SurfacePoint& corner) const {
-    if (anchor.surface == corner.surface) return true;
-    const Sighting back = ground_truth_.sighting_of(anchor_seen.frame, corner);
+  bool same_point(const SurfacePoint& anchor, const Observation& anchor_seen, const SurfacePoint& point) const {
+    if (anchor.surface == point.surface) return true;
+    const ProjectedPoint back = ground_truth_.project(anchor_seen.frame, point);
     return back.visibility != Visibility::outside_image &&
            (back.pixel - anchor_seen.pixel).norm() <= options_.tolerance_px;
   }
 
-  Verdict judge(const Observation& anchor_seen, const Point& anchor, const Observation& corner_seen,
-                const Point& corner) const {
-    if (!anchor || !corner) return Verdict::unscored;
-    const Sighting sighting = ground_truth_.sighting_of(corner_seen.frame, *anchor);
-    if (sighting.visibility == Visibility::outside_image) return Verdict::anchor_outside;
-    if (sighting.visibility == Visibility::occluded_by_surface) return Verdict::anchor_occluded;
-    if ((sighting.pixel - corner_seen.pixel).norm() > options_.tolerance_px) return Verdict::other_position;
-    return same_point(*anchor, anchor_seen, *corner) ? Verdict::correct : Verdict::on_occluder;
+  Verdict judge(const Observation& anchor_seen, const Point& anchor, const Observation& observation,
+                const Point& point) const {
+    if (!anchor || !point) return Verdict::unscored;
+    const ProjectedPoint projection = ground_truth_.project(observation.frame, *anchor);
+    if (projection.visibility == Visibility::outside_image) return Verdict::anchor_outside;
+    if (projection.visibility == Visibility::occluded_by_surface) return Verdict::anchor_occluded;
+    if ((projection.pixel - observation.pixel).norm() > options_.tolerance_px) return Verdict::other_position;
+    return same_point(*anchor, anchor_seen, *point) ? Verdict::correct : Verdict::on_occluder;
   }
 
   void book_reidentification(const Seen& seen) {
-    const Observation& corner = seen.observation();
-    FrameScores& frame = row(corner.frame);
+    const Observation& observation = seen.observation();
+    FrameScores& frame = row(observation.frame);
     ++frame.reidentified;
     const Verdict verdict =
-        seen.previous ? judge(*seen.previous, *seen.previous_point, corner, seen.point()) : Verdict::unknown_id;
+        seen.previous ? judge(*seen.previous, *seen.previous_point, observation, seen.point()) : Verdict::unknown_id;
     if (verdict == Verdict::correct || verdict == Verdict::unscored) {
       ++(verdict == Verdict::correct ? frame.correct : frame.unscored);
       return;
@@ -116,7 +116,7 @@ class SurfaceScorer {
     wrongs.other_position += verdict == Verdict::other_position;
     wrongs.on_occluder += verdict == Verdict::on_occluder;
     for (std::size_t k = seen.position; k-- > 0;) {
-      if (judge((*seen.track)[k], seen.points[k], corner, seen.point()) != Verdict::correct) continue;
+      if (judge((*seen.track)[k], seen.points[k], observation, seen.point()) != Verdict::correct) continue;
       ++scores_.wrong_but_earlier_position;
       break;
     }
@@ -124,9 +124,9 @@ class SurfaceScorer {
 
   void book_switch(const Seen& seen) {
     if (!seen.previous || !*seen.previous_point) return;
-    const Sighting sighting = ground_truth_.sighting_of(seen.observation().frame, **seen.previous_point);
-    if (sighting.visibility == Visibility::outside_image ||
-        (sighting.pixel - seen.observation().pixel).norm() > options_.tolerance_px)
+    const ProjectedPoint projection = ground_truth_.project(seen.observation().frame, **seen.previous_point);
+    if (projection.visibility == Visibility::outside_image ||
+        (projection.pixel - seen.observation().pixel).norm() > options_.tolerance_px)
       ++scores_.id_switches;
   }
 
@@ -134,9 +134,9 @@ class SurfaceScorer {
 
   void collect_drift(const Seen& seen) {
     if (seen.position == 0 || !seen.points[0]) return;
-    const Sighting sighting = ground_truth_.sighting_of(seen.observation().frame, *seen.points[0]);
-    if (sighting.visibility != Visibility::outside_image)
-      drift_.push_back((sighting.pixel - seen.observation().pixel).norm());
+    const ProjectedPoint projection = ground_truth_.project(seen.observation().frame, *seen.points[0]);
+    if (projection.visibility != Visibility::outside_image)
+      drift_.push_back((projection.pixel - seen.observation().pixel).norm());
   }
 
   void finish_drift() {
@@ -179,16 +179,16 @@ void SurfaceScorer::book_loss(const Seen& last_seen) {
   const std::int64_t window_end = std::min(seen + options_.window, index_.end - 1);
   const bool returns = i + 1 < track.size() && track[i + 1].frame <= window_end;
   const std::int64_t span_end = returns ? track[i + 1].frame : window_end;
-  const Sighting next = ground_truth_.sighting_of(seen + 1, *anchor);
+  const ProjectedPoint next = ground_truth_.project(seen + 1, *anchor);
   Loss loss;
   bool occluded_before = false;
   for (std::int64_t k = seen + 1; k <= window_end; ++k) {
-    const Sighting sighting = ground_truth_.sighting_of(k, *anchor);
-    if (sighting.visibility == Visibility::occluded_by_surface) {
+    const ProjectedPoint projection = ground_truth_.project(k, *anchor);
+    if (projection.visibility == Visibility::occluded_by_surface) {
       occluded_before = true;
       loss.occluded_in_span = loss.occluded_in_span || k <= span_end;
-    } else if (occluded_before && sighting.visibility == Visibility::visible && !near_edge(sighting.pixel)) {
-      loss.visible_again.emplace_back(k, sighting.pixel);
+    } else if (occluded_before && projection.visibility == Visibility::visible && !near_edge(projection.pixel)) {
+      loss.visible_again.emplace_back(k, projection.pixel);
     }
   }
   if (next.visibility == Visibility::outside_image) {

@@ -23,7 +23,7 @@ struct TrackScoreOptions {
   double border_px = 10.0;
   int image_width = 0;  ///< Pixels; 0: unknown, and then border_px is not used.
   int image_height = 0;
-  /// The tracker's minimum distance of corners, to tell which misses had their position taken.
+  /// The tracker's minimum distance of features, to tell which misses had their position taken.
   double min_distance_px = 30.0;
   /// Frames of the table (by index) that are scored: losses, re-identifications and lengths all inside [first_frame,
   /// end_frame).
@@ -55,9 +55,9 @@ struct FrameScores : TrackCounts {
 /// Why features that reappeared were not re-identified, as far as can be told from outside. They add up to the misses.
 struct MissReasons {
   int wrong_position = 0;    ///< The id was re-identified at a wrong position.
-  int not_reidentified = 0;  ///< A corner was detected at the position and got another id.
+  int not_reidentified = 0;  ///< A feature was detected at the position and got another id.
   int blocked = 0;           ///< In each frame in which it was visible, another feature was within min_distance_px.
-  int budget_full = 0;       ///< No corner at all was detected in the frames in which it was visible.
+  int budget_full = 0;       ///< No feature at all was detected in the frames in which it was visible.
   int never_detected = 0;    ///< Corners were detected elsewhere, none at the position.
 };
 
@@ -66,8 +66,8 @@ struct WrongReasons {
   int unknown_id = 0;       ///< The id had never been observed before.
   int anchor_outside = 0;   ///< The anchor projects outside the image.
   int anchor_occluded = 0;  ///< The anchor is occluded by a nearer surface in this frame.
-  int other_position = 0;   ///< The anchor is visible, farther than tolerance_px from the corner.
-  int on_occluder = 0;      ///< Close enough in the image, but the corner is on a surface in front of the anchor.
+  int other_position = 0;   ///< The anchor is visible, farther than tolerance_px from the feature.
+  int on_occluder = 0;      ///< Close enough in the image, but the feature is on a surface in front of the anchor.
 };
 
 /// Scores of a run. With O the observations of an id, in order of frames, and surface(f, p) the true surface point at a
@@ -87,9 +87,9 @@ struct WrongReasons {
 ///   after a frame in which it was occluded.
 /// * `reidentified`: observations that are marked re-identified or follow a gap, whatever the cause of the loss.
 /// `correct`: the
-///   anchor is visible in this frame, its reprojection is within tolerance_px of the corner, and the corner's own
+///   anchor is visible in this frame, its reprojection is within tolerance_px of the feature, and the feature's own
 ///   surface point is the same point: on the same surface, or within tolerance_px of the anchor when projected into the
-///   anchor's frame. A corner on an occluder in front of the anchor is therefore wrong. `unscored`: corner or anchor
+///   anchor's frame. A feature on an occluder in front of the anchor is therefore wrong. `unscored`: feature or anchor
 ///   shows no surface. All others are `wrong`.
 /// * `recalled`: of `reappeared`, those with a correct re-identification. recall = recalled / reappeared;
 ///   precision = correct / (correct + wrong); no value where there is nothing to count.
@@ -139,8 +139,8 @@ class MappedGroundTruth : public SurfaceGroundTruth {
   std::optional<SurfacePoint> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const override {
     return ground_truth_.surface_at(frames_.at(static_cast<std::size_t>(frame)), pixel);
   }
-  Sighting sighting_of(std::int64_t frame, const SurfacePoint& point) const override {
-    return ground_truth_.sighting_of(frames_.at(static_cast<std::size_t>(frame)), point);
+  ProjectedPoint project(std::int64_t frame, const SurfacePoint& point) const override {
+    return ground_truth_.project(frames_.at(static_cast<std::size_t>(frame)), point);
   }
 
  private:

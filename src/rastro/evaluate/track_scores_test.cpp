@@ -151,11 +151,11 @@ TEST(TrackScores, CornerOnTheOccluderIsWrong) {
   const double x = WallGroundTruth::camera_x(k) + (edge - 1.0 - 100.0) / 10.0;
   TableBuilder builder(frames);
   builder.follow(0, 5, 7, x, 1, fresh);
-  const Eigen::Vector2d place = WallGroundTruth::wall_pixel(k, x, 1);
-  ASSERT_FALSE(WallGroundTruth::covered(k, place));
+  const Eigen::Vector2d pixel = WallGroundTruth::wall_pixel(k, x, 1);
+  ASSERT_FALSE(WallGroundTruth::covered(k, pixel));
   TableBuilder right = builder, wrong = builder;
-  right.see(k, 7, place - Eigen::Vector2d(2, 0), reidentified);
-  wrong.see(k, 7, place + Eigen::Vector2d(2, 0), reidentified);
+  right.see(k, 7, pixel - Eigen::Vector2d(2, 0), reidentified);
+  wrong.see(k, 7, pixel + Eigen::Vector2d(2, 0), reidentified);
   EXPECT_EQ(score(right).correct, 1);
   EXPECT_EQ(score(wrong).wrong, 1);
   EXPECT_EQ(score(wrong).wrongs.on_occluder, 1);

@@ -11,12 +11,12 @@
 namespace rastro {
 namespace {
 
-/// Straight along x: pose k at k meters and k times 0.1 s; the estimate's steps are longer by `stretch`.
-PairedPoses straight(int count, double stretch) {
+/// Straight along x: pose k at k meters and k times 0.1 s; the estimate's steps are longer by `scale`.
+PairedPoses straight(int count, double scale) {
   PairedPoses poses;
   for (int k = 0; k < count; ++k) {
     poses.reference.push_back(SE3(SO3(), {1.0 * k, 0, 0}).matrix());
-    poses.estimate.push_back(SE3(SO3(), {stretch * k, 0, 0}).matrix());
+    poses.estimate.push_back(SE3(SO3(), {scale * k, 0, 0}).matrix());
     poses.stamps.push_back(TimeNs(k) * 100'000'000);
   }
   return poses;
@@ -90,7 +90,7 @@ TEST(TrajectoryErrors, TooFewPosesOrNoStampsGiveNoErrors) {
   EXPECT_EQ(segment_errors(none, {100.0}).front().count, 0);
 }
 
-TEST(TrajectoryErrors, SegmentsOfAStretchedPath) {
+TEST(TrajectoryErrors, SegmentsOfAScaledPath) {
   // 201 m: segments of 100 m begin at 0, 10, ... and end one pose beyond the length, at 101 m.
   const auto segments = segment_errors(straight(202, 1.02), {100.0, 300.0});
   ASSERT_EQ(segments.size(), 2u);

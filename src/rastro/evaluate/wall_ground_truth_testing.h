@@ -47,7 +47,7 @@ class WallGroundTruth : public SurfaceGroundTruth {
     if (on_board) point.x() -= board_left(frame);
     return SurfacePoint{point, on_board ? board : wall};
   }
-  Sighting sighting_of(std::int64_t frame, const SurfacePoint& point) const override {
+  ProjectedPoint project(std::int64_t frame, const SurfacePoint& point) const override {
     const bool on_board = point.surface == board;
     const double x = point.point_in_world.x() + (on_board ? board_left(frame) : 0.0) - camera_x(frame);
     const double scale = focal / point.point_in_world.z();

@@ -26,68 +26,68 @@ const cv::Scalar path_color(200, 90, 0), start_color(0, 150, 0), end_color(0, 0,
 
 class Sheet {
  public:
-  /// All of the way and nearly all of the cloud.
-  Sheet(const std::vector<Vector3d>& cloud, const std::vector<Vector3d>& way) {
+  /// All of the path and nearly all of the cloud.
+  Sheet(const std::vector<Vector3d>& cloud, const std::vector<Vector3d>& path) {
     for (int axis = 0; axis < 2; ++axis) {
       std::vector<double> values;
-      for (const Vector3d& place : cloud) values.push_back(place[axis]);
+      for (const Vector3d& position : cloud) values.push_back(position[axis]);
       std::sort(values.begin(), values.end());
       const auto skipped = static_cast<std::size_t>(strays * static_cast<double>(values.size()));
       values = values.empty() ? std::vector<double>{} : std::vector<double>{values[skipped], values.rbegin()[skipped]};
-      for (const Vector3d& place : way) values.push_back(place[axis]);
+      for (const Vector3d& position : path) values.push_back(position[axis]);
       if (values.empty()) values.push_back(0.0);
       low_[axis] = *std::min_element(values.begin(), values.end()) - margin_m;
       high_[axis] = *std::max_element(values.begin(), values.end()) + margin_m;
     }
     scale_ = std::min(most_px_per_m, longest_px / (high_ - low_).maxCoeff());
     const Vector2d size = (high_ - low_) * scale_;
-    picture = cv::Mat(std::max(1, cvRound(size.y())), std::max(1, cvRound(size.x())), CV_8UC3, cv::Scalar::all(255));
+    image = cv::Mat(std::max(1, cvRound(size.y())), std::max(1, cvRound(size.x())), CV_8UC3, cv::Scalar::all(255));
   }
 
-  Vector2d pixel(const Vector3d& place) const {
-    return {(place.x() - low_.x()) * scale_, (high_.y() - place.y()) * scale_};
+  Vector2d pixel(const Vector3d& position) const {
+    return {(position.x() - low_.x()) * scale_, (high_.y() - position.y()) * scale_};
   }
-  cv::Point whole(const Vector3d& place) const {
-    const Vector2d at = pixel(place).cwiseMax(-1e6).cwiseMin(1e6);
+  cv::Point whole(const Vector3d& position) const {
+    const Vector2d at = pixel(position).cwiseMax(-1e6).cwiseMin(1e6);
     return {cvRound(at.x()), cvRound(at.y())};
   }
   double px_per_m() const { return scale_; }
 
-  cv::Mat picture;
+  cv::Mat image;
 
  private:
   Vector2d low_, high_;
   double scale_ = 1.0;
 };
 
-void draw_points(Sheet& sheet, const std::vector<Vector3d>& places, const std::vector<const CloudPoint*>& points,
+void draw_points(Sheet& sheet, const std::vector<Vector3d>& positions, const std::vector<const CloudPoint*>& points,
                  double voxel_m) {
-  cv::Mat heights(sheet.picture.size(), CV_32F, cv::Scalar(-1e9));
+  cv::Mat heights(sheet.image.size(), CV_32F, cv::Scalar(-1e9));
   const int side = std::max(1, static_cast<int>(std::ceil(voxel_m * sheet.px_per_m())));
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const Vector3d& place = places[k];
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    const Vector3d& position = positions[k];
     const auto& color = points[k]->color;
-    const cv::Point corner = sheet.whole(place) - cv::Point(side / 2, side / 2);
+    const cv::Point corner = sheet.whole(position) - cv::Point(side / 2, side / 2);
     for (int y = std::max(0, corner.y); y < std::min(heights.rows, corner.y + side); ++y) {
       for (int x = std::max(0, corner.x); x < std::min(heights.cols, corner.x + side); ++x) {
-        const auto height = static_cast<float>(place.z());
+        const auto height = static_cast<float>(position.z());
         if (height <= heights.at<float>(y, x)) continue;
         heights.at<float>(y, x) = height;
-        sheet.picture.at<cv::Vec3b>(y, x) = {color[2], color[1], color[0]};
+        sheet.image.at<cv::Vec3b>(y, x) = {color[2], color[1], color[0]};
       }
     }
   }
 }
 
-void draw_path(Sheet& sheet, const std::vector<Vector3d>& way) {
-  if (way.empty()) return;
-  std::vector<cv::Point> corners;
-  for (const Vector3d& place : way) corners.push_back(sheet.whole(place));
-  cv::polylines(sheet.picture, corners, false, path_color, 2, cv::LINE_AA);
+void draw_path(Sheet& sheet, const std::vector<Vector3d>& path) {
+  if (path.empty()) return;
+  std::vector<cv::Point> vertices;
+  for (const Vector3d& position : path) vertices.push_back(sheet.whole(position));
+  cv::polylines(sheet.image, vertices, false, path_color, 2, cv::LINE_AA);
   for (const auto& [name, at, color] :
-       {std::tuple{"end", corners.back(), end_color}, std::tuple{"start", corners.front(), start_color}}) {
-    cv::circle(sheet.picture, at, 5, color, cv::FILLED, cv::LINE_AA);
-    drawing::put_text(sheet.picture, name, {static_cast<float>(at.x) + 8.0F, static_cast<float>(at.y) - 6.0F},
+       {std::tuple{"end", vertices.back(), end_color}, std::tuple{"start", vertices.front(), start_color}}) {
+    cv::circle(sheet.image, at, 5, color, cv::FILLED, cv::LINE_AA);
+    drawing::put_text(sheet.image, name, {static_cast<float>(at.x) + 8.0F, static_cast<float>(at.y) - 6.0F},
                       drawing::white, 0.5);
   }
 }
@@ -95,9 +95,9 @@ void draw_path(Sheet& sheet, const std::vector<Vector3d>& way) {
 void draw_bar(Sheet& sheet) {
   double meters = 1.0;
   while (meters * sheet.px_per_m() < 20.0) meters *= 10.0;
-  const int y = sheet.picture.rows - 12;
-  cv::line(sheet.picture, {10, y}, {10 + cvRound(meters * sheet.px_per_m()), y}, bar_color, 3);
-  drawing::put_text(sheet.picture, fmt::format("{:g} m", meters), {10.0F, static_cast<float>(y) - 8.0F}, drawing::white,
+  const int y = sheet.image.rows - 12;
+  cv::line(sheet.image, {10, y}, {10 + cvRound(meters * sheet.px_per_m()), y}, bar_color, 3);
+  drawing::put_text(sheet.image, fmt::format("{:g} m", meters), {10.0F, static_cast<float>(y) - 8.0F}, drawing::white,
                     0.5);
 }
 
@@ -105,25 +105,25 @@ void draw_bar(Sheet& sheet) {
 
 void write_cloud_image(const PointCloud& cloud, const Trajectory& trajectory, const std::string& file) {
   const SE3 upright_from_world = find_upright(cloud, trajectory).upright_from_world;
-  std::vector<Vector3d> way;
+  std::vector<Vector3d> path;
   double highest = trajectory.empty() ? 1e9 : -1e9;
   for (const StampedPose& pose : trajectory) {
-    way.push_back(upright_from_world * pose.world_from_body.translation());
-    highest = std::max(highest, way.back().z() + above_cameras_m);
+    path.push_back(upright_from_world * pose.world_from_body.translation());
+    highest = std::max(highest, path.back().z() + above_cameras_m);
   }
-  std::vector<Vector3d> places;
+  std::vector<Vector3d> positions;
   std::vector<const CloudPoint*> points;
   for (const CloudPoint& point : cloud.points) {
-    const Vector3d place = upright_from_world * point.position.cast<double>();
-    if (place.z() > highest) continue;
-    places.push_back(place);
+    const Vector3d position = upright_from_world * point.position.cast<double>();
+    if (position.z() > highest) continue;
+    positions.push_back(position);
     points.push_back(&point);
   }
-  Sheet sheet(places, way);
-  draw_points(sheet, places, points, cloud.voxel_m);
-  draw_path(sheet, way);
+  Sheet sheet(positions, path);
+  draw_points(sheet, positions, points, cloud.voxel_m);
+  draw_path(sheet, path);
   draw_bar(sheet);
-  drawing::save(file, sheet.picture);
+  drawing::save(file, sheet.image);
 }
 
 }  // namespace rastro

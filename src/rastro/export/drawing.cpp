@@ -53,29 +53,29 @@ Canvas canvas_of(GrayView image) {
                      static_cast<std::size_t>(image.stride));
   Canvas canvas;
   canvas.scale = std::min(scale_for(image.width), 8);
-  cv::cvtColor(gray, canvas.picture, cv::COLOR_GRAY2BGR);
+  cv::cvtColor(gray, canvas.image, cv::COLOR_GRAY2BGR);
   if (canvas.scale > 1) {
-    cv::resize(canvas.picture, canvas.picture, {}, canvas.scale, canvas.scale, cv::INTER_NEAREST);
+    cv::resize(canvas.image, canvas.image, {}, canvas.scale, canvas.scale, cv::INTER_NEAREST);
   }
   return canvas;
 }
 
-void put_text(cv::Mat& picture, const std::string& text, cv::Point2f lower_left, const cv::Scalar& color, double size) {
+void put_text(cv::Mat& image, const std::string& text, cv::Point2f lower_left, const cv::Scalar& color, double size) {
   int baseline = 0;
   const cv::Size extent = cv::getTextSize(text, font, size, 1, &baseline);
-  const int x = std::clamp(cvRound(lower_left.x), 1, std::max(1, picture.cols - extent.width - 2));
-  const int y = std::clamp(cvRound(lower_left.y), extent.height + 1, std::max(extent.height + 1, picture.rows - 3));
-  cv::putText(picture, text, {x, y}, font, size, cv::Scalar(0, 0, 0), 3, cv::LINE_AA);
-  cv::putText(picture, text, {x, y}, font, size, color, 1, cv::LINE_AA);
+  const int x = std::clamp(cvRound(lower_left.x), 1, std::max(1, image.cols - extent.width - 2));
+  const int y = std::clamp(cvRound(lower_left.y), extent.height + 1, std::max(extent.height + 1, image.rows - 3));
+  cv::putText(image, text, {x, y}, font, size, cv::Scalar(0, 0, 0), 3, cv::LINE_AA);
+  cv::putText(image, text, {x, y}, font, size, color, 1, cv::LINE_AA);
 }
 
-cv::Mat with_caption(const cv::Mat& picture, const std::vector<Piece>& pieces) {
+cv::Mat with_caption(const cv::Mat& image, const std::vector<Piece>& pieces) {
   int width = 2 * caption_margin_px;
   for (const Piece& piece : pieces) width += width_of(piece.text, caption_size);
   // A caption wider than the image is written smaller rather than cut.
-  const double size = caption_size * std::min(1.0, static_cast<double>(picture.cols) / width);
-  cv::Mat whole(picture.rows + caption_height_px, picture.cols, CV_8UC3, cv::Scalar(32, 32, 32));
-  picture.copyTo(whole(cv::Rect(0, caption_height_px, picture.cols, picture.rows)));
+  const double size = caption_size * std::min(1.0, static_cast<double>(image.cols) / width);
+  cv::Mat whole(image.rows + caption_height_px, image.cols, CV_8UC3, cv::Scalar(32, 32, 32));
+  image.copyTo(whole(cv::Rect(0, caption_height_px, image.cols, image.rows)));
   int x = caption_margin_px;
   for (const Piece& piece : pieces) {
     cv::putText(whole, piece.text, {x, caption_height_px - 8}, font, size, piece.color, 1, cv::LINE_AA);
@@ -87,19 +87,19 @@ cv::Mat with_caption(const cv::Mat& picture, const std::vector<Piece>& pieces) {
 cv::Mat overlay(const TrackFrame& frame, GrayView image) {
   Canvas canvas = canvas_of(image);
   for (const TrackedFeature& feature : frame.features) {
-    cv::circle(canvas.picture, canvas.at(feature.pixel), 3, red, cv::FILLED, cv::LINE_AA);
+    cv::circle(canvas.image, canvas.at(feature.pixel), 3, red, cv::FILLED, cv::LINE_AA);
   }
   for (const TrackedFeature& feature : frame.features) {
     const cv::Point2f beside = canvas.at(feature.pixel) + cv::Point2f(5.0F, -3.0F);
-    put_text(canvas.picture, fmt::format("{}", feature.id), beside, green, id_size);
+    put_text(canvas.image, fmt::format("{}", feature.id), beside, green, id_size);
   }
-  return with_caption(canvas.picture, counts_of(frame));
+  return with_caption(canvas.image, counts_of(frame));
 }
 
-void save(const std::string& path, const cv::Mat& picture) {
+void save(const std::string& path, const cv::Mat& image) {
   std::vector<unsigned char> bytes;
   // Level 1 is four times as fast as the best one and a tenth larger.
-  if (!cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
+  if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
     throw Error("the image cannot be encoded", path, "check the size of the images");
   }
   write_whole_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});

@@ -19,7 +19,7 @@ inline const cv::Scalar white(255, 255, 255);
 
 /// A color image of a gray image, enlarged by a whole factor until ids can be read in it.
 struct Canvas {
-  cv::Mat picture;
+  cv::Mat image;
   int scale = 1;
   cv::Point2f at(const Eigen::Vector2f& pixel) const;
 };
@@ -29,18 +29,18 @@ int scale_for(int width);
 Canvas canvas_of(GrayView image);
 
 /// Text with a dark rim, kept inside the image.
-void put_text(cv::Mat& picture, const std::string& text, cv::Point2f lower_left, const cv::Scalar& color, double size);
+void put_text(cv::Mat& image, const std::string& text, cv::Point2f lower_left, const cv::Scalar& color, double size);
 /// A dark strip with one line of text in colors, put above the image.
 struct Piece {
   std::string text;
   cv::Scalar color;
 };
-cv::Mat with_caption(const cv::Mat& picture, const std::vector<Piece>& pieces);
+cv::Mat with_caption(const cv::Mat& image, const std::vector<Piece>& pieces);
 
 /// The frame with positions in red and ids in green, and a caption with its counts.
 cv::Mat overlay(const TrackFrame& frame, GrayView image);
 
 /// Error naming the file when the image cannot be written.
-void save(const std::string& path, const cv::Mat& picture);
+void save(const std::string& path, const cv::Mat& image);
 
 }  // namespace rastro::drawing

@@ -26,7 +26,7 @@ constexpr std::uint8_t unknown_gray = 215;
 
 // OpenCV order: blue, green, red.
 const cv::Scalar path_color(200, 90, 0), keyframe_color(120, 40, 0), loop_color(0, 140, 255),
-    landmark_color(190, 0, 190), place_color(220, 170, 60), start_color(0, 150, 0), end_color(0, 0, 220),
+    landmark_color(190, 0, 190), position_color(220, 170, 60), start_color(0, 150, 0), end_color(0, 0, 220),
     bar_color(0, 0, 0);
 
 /// What of the world is in the image.
@@ -71,16 +71,16 @@ class Bounds {
 };
 
 /// Of all that is known; unknown cells around it are omitted.
-View view_of(const MapImage& picture) {
+View view_of(const MapImage& image) {
   Bounds bounds;
-  if (picture.grid) {
-    const OccupancyGrid& grid = *picture.grid;
+  if (image.grid) {
+    const OccupancyGrid& grid = *image.grid;
     for (int y = 0; y < grid.height; ++y)
       for (int x = 0; x < grid.width; ++x)
         if (grid.at(x, y) != OccupancyGrid::unknown) bounds.add(grid.center_of(x, y));
   }
-  for (const Vector2d& place : picture.path) bounds.add(place);
-  for (const PositionEllipse& landmark : picture.landmarks) bounds.add(landmark.center);
+  for (const Vector2d& position : image.path) bounds.add(position);
+  for (const PositionEllipse& landmark : image.landmarks) bounds.add(landmark.center);
   return bounds.view();
 }
 
@@ -94,16 +94,16 @@ std::uint8_t gray_of(const OccupancyGrid& grid, const Vector2d& world) {
 
 class Drawing {
  public:
-  explicit Drawing(const MapImage& picture)
-      : picture_(picture), view_(view_of(picture)), sheet_(view_.size, CV_8UC3, cv::Scalar::all(255)) {}
+  explicit Drawing(const MapImage& image)
+      : image_(image), view_(view_of(image)), sheet_(view_.size, CV_8UC3, cv::Scalar::all(255)) {}
 
   cv::Mat draw() {
-    if (picture_.grid) draw_grid(*picture_.grid);
-    for (const PositionEllipse& place : picture_.places) draw_ellipse(place, place_color);
+    if (image_.grid) draw_grid(*image_.grid);
+    for (const PositionEllipse& position : image_.positions) draw_ellipse(position, position_color);
     draw_loops();
-    draw_line(picture_.path, path_color, 2);
-    for (const Vector2d& place : picture_.keyframes) draw_dot(place, keyframe_color, 2);
-    for (const PositionEllipse& landmark : picture_.landmarks) draw_landmark(landmark);
+    draw_line(image_.path, path_color, 2);
+    for (const Vector2d& position : image_.keyframes) draw_dot(position, keyframe_color, 2);
+    for (const PositionEllipse& landmark : image_.landmarks) draw_landmark(landmark);
     draw_ends();
     draw_bar();
     return sheet_;
@@ -123,21 +123,21 @@ class Drawing {
 
   /// Where hundreds lie beside each other, one stands for all; walls stay on top.
   void draw_loops() {
-    constexpr double apart_px = 100.0, opacity = 0.6;
+    constexpr double min_distance_px = 100.0, opacity = 0.6;
     std::vector<std::pair<Vector2d, Vector2d>> drawn;
     const cv::Mat before = sheet_.clone();
-    for (const auto& [from, to] : picture_.loops) {
+    for (const auto& [from, to] : image_.loops) {
       const Vector2d a = view_.pixel(from), b = view_.pixel(to);
-      const bool crowded = std::any_of(drawn.begin(), drawn.end(), [&, first = a, second = b](const auto& other) {
-        return (other.first - first).norm() < apart_px && (other.second - second).norm() < apart_px;
+      const bool near_another = std::any_of(drawn.begin(), drawn.end(), [&, first = a, second = b](const auto& other) {
+        return (other.first - first).norm() < min_distance_px && (other.second - second).norm() < min_distance_px;
       });
-      if (crowded) continue;
+      if (near_another) continue;
       drawn.emplace_back(a, b);
       draw_line({from, to}, loop_color, 1);
     }
     if (drawn.empty()) return;
     cv::addWeighted(sheet_, opacity, before, 1.0 - opacity, 0.0, sheet_);
-    if (picture_.grid) draw_walls(before);
+    if (image_.grid) draw_walls(before);
   }
 
   /// As they were, over what has been drawn since.
@@ -163,16 +163,16 @@ class Drawing {
     }
   }
 
-  void draw_line(const std::vector<Vector2d>& places, const cv::Scalar& color, int width) {
-    std::vector<cv::Point> corners;
-    for (const Vector2d& place : places)
-      if (place.allFinite()) corners.push_back(view_.fine(place));
-    if (!corners.empty()) cv::polylines(sheet_, corners, false, color, width, cv::LINE_AA, fraction_bits);
+  void draw_line(const std::vector<Vector2d>& points, const cv::Scalar& color, int width) {
+    std::vector<cv::Point> vertices;
+    for (const Vector2d& point : points)
+      if (point.allFinite()) vertices.push_back(view_.fine(point));
+    if (!vertices.empty()) cv::polylines(sheet_, vertices, false, color, width, cv::LINE_AA, fraction_bits);
   }
 
-  void draw_dot(const Vector2d& place, const cv::Scalar& color, int radius) {
-    if (!place.allFinite()) return;
-    cv::circle(sheet_, view_.fine(place), radius << fraction_bits, color, cv::FILLED, cv::LINE_AA, fraction_bits);
+  void draw_dot(const Vector2d& position, const cv::Scalar& color, int radius) {
+    if (!position.allFinite()) return;
+    cv::circle(sheet_, view_.fine(position), radius << fraction_bits, color, cv::FILLED, cv::LINE_AA, fraction_bits);
   }
 
   void draw_ellipse(const PositionEllipse& ellipse, const cv::Scalar& color) {
@@ -182,9 +182,9 @@ class Drawing {
     // Not known at all: an ellipse larger than the image says nothing.
     if (lengths.maxCoeff() * view_.px_per_m > 2.0 * longest_px) return;
     std::vector<Vector2d> rim;
-    constexpr int corners = 36;
-    for (int k = 0; k <= corners; ++k) {
-      const double angle = 2.0 * std::numbers::pi * k / corners;
+    constexpr int sides = 36;
+    for (int k = 0; k <= sides; ++k) {
+      const double angle = 2.0 * std::numbers::pi * k / sides;
       const Vector2d on_circle(std::cos(angle), std::sin(angle));
       rim.push_back(ellipse.center + axes.eigenvectors() * lengths.cwiseProduct(on_circle));
     }
@@ -198,15 +198,15 @@ class Drawing {
   }
 
   void draw_ends() {
-    if (picture_.path.empty()) return;
-    mark("end", picture_.path.back(), end_color, Vector2d(8.0, 16.0));
-    mark("start", picture_.path.front(), start_color, Vector2d(8.0, -6.0));
+    if (image_.path.empty()) return;
+    mark("end", image_.path.back(), end_color, Vector2d(8.0, 16.0));
+    mark("start", image_.path.front(), start_color, Vector2d(8.0, -6.0));
   }
 
-  void mark(const std::string& name, const Vector2d& place, const cv::Scalar& color, const Vector2d& beside) {
-    if (!place.allFinite()) return;
-    draw_dot(place, color, 5);
-    const Vector2d at = view_.pixel(place) + beside;
+  void mark(const std::string& name, const Vector2d& position, const cv::Scalar& color, const Vector2d& beside) {
+    if (!position.allFinite()) return;
+    draw_dot(position, color, 5);
+    const Vector2d at = view_.pixel(position) + beside;
     drawing::put_text(sheet_, name, {static_cast<float>(at.x()), static_cast<float>(at.y())}, drawing::white, 0.5);
   }
 
@@ -219,12 +219,12 @@ class Drawing {
                       {static_cast<float>(left.x), static_cast<float>(left.y) - 8.0F}, drawing::white, 0.5);
   }
 
-  const MapImage& picture_;
+  const MapImage& image_;
   View view_;
   cv::Mat sheet_;
 };
 
-/// A loop closure between keyframes of a path that hardly turned ties neighbors: no loop to be looked at.
+/// A loop closure between keyframes of a nearly straight path connects neighbors: no loop to be drawn.
 constexpr double shortest_detour = 2.0;
 
 /// Of the path through the keyframes, up to each.
@@ -240,12 +240,12 @@ std::vector<double> path_lengths(const Map& map) {
 }  // namespace
 
 MapImage map_image(const Map& map, std::shared_ptr<const OccupancyGrid> grid, const Trajectory& trajectory) {
-  MapImage picture;
-  picture.grid = std::move(grid);
+  MapImage image;
+  image.grid = std::move(grid);
   const auto in_plane = [](const SE3& pose) { return Vector2d(pose.translation().head<2>()); };
-  for (const StampedPose& pose : trajectory) picture.path.push_back(in_plane(pose.world_from_body));
+  for (const StampedPose& pose : trajectory) image.path.push_back(in_plane(pose.world_from_body));
   for (const Keyframe& keyframe : map.keyframes)
-    if (keyframe.submap == 0) picture.keyframes.push_back(in_plane(keyframe.world_from_camera));
+    if (keyframe.submap == 0) image.keyframes.push_back(in_plane(keyframe.world_from_camera));
   const std::vector<double> path = path_lengths(map);
   for (const Constraint& constraint : map.constraints) {
     if (constraint.kind == ConstraintKind::odometry || constraint.kind == ConstraintKind::proximity) continue;
@@ -254,15 +254,15 @@ MapImage map_image(const Map& map, std::shared_ptr<const OccupancyGrid> grid, co
     const Vector2d a = in_plane(map.keyframes[*from].world_from_camera);
     const Vector2d b = in_plane(map.keyframes[*to].world_from_camera);
     if (std::abs(path[*to] - path[*from]) < shortest_detour * (a - b).norm()) continue;
-    picture.loops.emplace_back(a, b);
+    image.loops.emplace_back(a, b);
   }
   if (const auto layer = map.layer<LandmarkLayer>(); layer && layer->estimates.size() == layer->landmarks.size())
     for (std::size_t k = 0; k < layer->landmarks.size(); ++k)
-      picture.landmarks.push_back(
+      image.landmarks.push_back(
           {layer->landmarks[k].position.head<2>(), layer->estimates[k].covariance.topLeftCorner<2, 2>()});
-  return picture;
+  return image;
 }
 
-void write_map_image(const MapImage& picture, const std::string& file) { drawing::save(file, Drawing(picture).draw()); }
+void write_map_image(const MapImage& image, const std::string& file) { drawing::save(file, Drawing(image).draw()); }
 
 }  // namespace rastro

@@ -25,16 +25,16 @@ struct MapImage {
   std::vector<Eigen::Vector2d> keyframes;                          ///< Dots.
   std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> loops;  ///< Of those alike one is drawn.
   std::vector<PositionEllipse> landmarks;                          ///< Crosses with their 95 % ellipses.
-  std::vector<PositionEllipse> places;                             ///< 95 % ellipses along the path.
+  std::vector<PositionEllipse> positions;                          ///< 95 % ellipses along the path.
 };
 
 /// Submap 0 of a planar map with a trajectory through it: `grid` is occupancy_grid_of(map) (null: none), landmarks are
 /// those with estimates. Of the loop closures those count whose keyframes have a path
-/// between them of at least twice their distance: others tie neighbors.
+/// between them of at least twice their distance: others connect neighbors.
 MapImage map_image(const Map& map, std::shared_ptr<const OccupancyGrid> grid, const Trajectory& trajectory);
 
 /// A PNG of at most 1600 pixels a side: walls black, free cells white, the rest gray, path blue from the green start to
 /// the red end, loop closures orange, with a bar of 1 m (10 m, ... for large maps).
-void write_map_image(const MapImage& picture, const std::string& file);
+void write_map_image(const MapImage& image, const std::string& file);
 
 }  // namespace rastro

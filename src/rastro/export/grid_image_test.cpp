@@ -12,16 +12,16 @@
 namespace rastro {
 namespace {
 
-cv::Mat drawn(const MapImage& picture) {
+cv::Mat drawn(const MapImage& image) {
   const std::string file = scratch_path("map.png").string();
-  write_map_image(picture, file);
+  write_map_image(image, file);
   return cv::imread(file);
 }
 
-int pixels_like(const cv::Mat& picture, const cv::Vec3b& color) {
+int pixels_like(const cv::Mat& image, const cv::Vec3b& color) {
   int count = 0;
-  for (int y = 0; y < picture.rows; ++y)
-    for (int x = 0; x < picture.cols; ++x) count += picture.at<cv::Vec3b>(y, x) == color ? 1 : 0;
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x) count += image.at<cv::Vec3b>(y, x) == color ? 1 : 0;
   return count;
 }
 
@@ -36,11 +36,11 @@ std::shared_ptr<const OccupancyGrid> hall() {
   return grid;
 }
 
-TEST(MapImage, PutsWallsAndWayWhereTheyAre) {
-  MapImage picture;
-  picture.grid = hall();
-  picture.path = {{0.5, 0.5}, {3.5, 0.5}};
-  const cv::Mat drawing = drawn(picture);
+TEST(MapImage, PutsWallsAndPathWhereTheyAre) {
+  MapImage image;
+  image.grid = hall();
+  image.path = {{0.5, 0.5}, {3.5, 0.5}};
+  const cv::Mat drawing = drawn(image);
   // 4 x 2 m with half a meter around cell centers, 200 pixels a meter.
   const auto at = [&](double x, double y) {
     return drawing.at<cv::Vec3b>(drawing.rows - static_cast<int>((y + 0.45) * 200.0),
@@ -50,7 +50,7 @@ TEST(MapImage, PutsWallsAndWayWhereTheyAre) {
   EXPECT_NEAR(drawing.rows, 580, 2);
   EXPECT_EQ(at(2.0, 1.95), cv::Vec3b(0, 0, 0)) << "the wall is at the top";
   EXPECT_EQ(at(2.0, 1.5), cv::Vec3b(255, 255, 255));
-  EXPECT_EQ(at(2.0, 0.5), cv::Vec3b(200, 90, 0)) << "the way";
+  EXPECT_EQ(at(2.0, 0.5), cv::Vec3b(200, 90, 0)) << "the path";
   EXPECT_EQ(at(0.5, 0.5), cv::Vec3b(0, 150, 0)) << "its start";
   EXPECT_EQ(at(3.5, 0.5), cv::Vec3b(0, 0, 220)) << "its end";
   EXPECT_EQ(at(-0.3, 1.0), cv::Vec3b(215, 215, 215)) << "beyond the map";
@@ -73,26 +73,26 @@ TEST(MapImage, DrawsLoopsLandmarksAndEllipses) {
   landmarks.landmarks[0].position = {2.0, 0.5, 0.0};
   landmarks.estimates.push_back({3, 1, 0.01 * Eigen::Matrix3d::Identity()});
   map.layers.put<LandmarkLayer>(std::make_shared<LandmarkLayer>(landmarks));
-  MapImage picture = map_image(map, hall(), {});
-  EXPECT_EQ(picture.keyframes.size(), 3U) << "another submap is left out";
-  ASSERT_EQ(picture.loops.size(), 1U)
+  MapImage image = map_image(map, hall(), {});
+  EXPECT_EQ(image.keyframes.size(), 3U) << "another submap is left out";
+  ASSERT_EQ(image.loops.size(), 1U)
       << "with no keyframe, with another submap, or straight ahead a loop closure is left out";
-  EXPECT_EQ(picture.loops[0].second, Eigen::Vector2d(0.5, 1.5));
-  const cv::Mat with = drawn(picture);
+  EXPECT_EQ(image.loops[0].second, Eigen::Vector2d(0.5, 1.5));
+  const cv::Mat with = drawn(image);
   EXPECT_GT(pixels_like(with, {190, 0, 190}), 30);
-  picture.loops.clear();
-  picture.landmarks.clear();
-  EXPECT_EQ(pixels_like(drawn(picture), {190, 0, 190}), 0);
-  EXPECT_GT(cv::norm(with, drawn(picture), cv::NORM_L1), 0.0);
+  image.loops.clear();
+  image.landmarks.clear();
+  EXPECT_EQ(pixels_like(drawn(image), {190, 0, 190}), 0);
+  EXPECT_GT(cv::norm(with, drawn(image), cv::NORM_L1), 0.0);
 }
 
 TEST(MapImage, LoopsHideNeitherMapNorWalls) {
-  MapImage picture;
-  picture.grid = hall();
-  const cv::Mat without = drawn(picture);
-  for (int k = 0; k < 1000; ++k) picture.loops.push_back({{1.0, 0.2 + 1e-4 * k}, {3.0, 1.9 + 1e-4 * k}});
-  picture.loops.push_back({{0.5, 1.95}, {3.5, 1.95}});  // along the wall
-  const cv::Mat with = drawn(picture);
+  MapImage image;
+  image.grid = hall();
+  const cv::Mat without = drawn(image);
+  for (int k = 0; k < 1000; ++k) image.loops.push_back({{1.0, 0.2 + 1e-4 * k}, {3.0, 1.9 + 1e-4 * k}});
+  image.loops.push_back({{0.5, 1.95}, {3.5, 1.95}});  // along the wall
+  const cv::Mat with = drawn(image);
   int changed = 0;
   for (int y = 0; y < with.rows; ++y)
     for (int x = 0; x < with.cols; ++x) changed += with.at<cv::Vec3b>(y, x) != without.at<cv::Vec3b>(y, x) ? 1 : 0;
@@ -103,12 +103,12 @@ TEST(MapImage, LoopsHideNeitherMapNorWalls) {
 
 TEST(MapImage, SurvivesNothingAndTheEndless) {
   EXPECT_FALSE(drawn({}).empty());
-  MapImage picture;
+  MapImage image;
   const double no_number = std::numeric_limits<double>::quiet_NaN();
-  picture.path = {{0.0, 0.0}, {no_number, 1.0}, {1e7, -1e7}};
-  picture.landmarks.push_back({{1.0, 1.0}, Eigen::Matrix2d::Constant(no_number)});
-  picture.landmarks.push_back({{1.0, 1.0}, 1e30 * Eigen::Matrix2d::Identity()});
-  const cv::Mat drawing = drawn(picture);
+  image.path = {{0.0, 0.0}, {no_number, 1.0}, {1e7, -1e7}};
+  image.landmarks.push_back({{1.0, 1.0}, Eigen::Matrix2d::Constant(no_number)});
+  image.landmarks.push_back({{1.0, 1.0}, 1e30 * Eigen::Matrix2d::Identity()});
+  const cv::Mat drawing = drawn(image);
   EXPECT_LE(std::max(drawing.cols, drawing.rows), 1601);
 }
 
@@ -118,9 +118,9 @@ TEST(MapImage, KeepsThinWallsOfALargeMap) {
   grid->width = grid->height = 4000;
   grid->percent.assign(16'000'000, 0);
   for (std::size_t y = 0; y < 4000; ++y) grid->percent[y * 4000 + 1001] = 100;
-  MapImage picture;
-  picture.grid = grid;
-  const cv::Mat drawing = drawn(picture);
+  MapImage image;
+  image.grid = grid;
+  const cv::Mat drawing = drawn(image);
   int rows_with_wall = 0;
   for (int y = 0; y < drawing.rows; ++y)
     for (int x = 380; x < 420; ++x)

@@ -28,7 +28,7 @@ int gray_of(std::int8_t percent) {
   return 255 - static_cast<int>(std::lround(2.55 * percent));
 }
 
-struct Picture {
+struct PgmImage {
   int width = 0, height = 0;
   std::string_view pixels;  ///< 8-bit gray, the top row first.
 };
@@ -38,20 +38,20 @@ class Head {
  public:
   Head(std::string_view bytes, std::string_view where) : bytes_(bytes), where_(where) {
     if (!bytes.starts_with("P5")) refuse("is not a binary PGM (P5)");
-    place_ = 2;
+    position_ = 2;
   }
 
   std::int64_t number(std::int64_t largest) {
     skip_space();
-    const std::size_t begin = place_;
-    while (place_ < bytes_.size() && bytes_[place_] >= '0' && bytes_[place_] <= '9') ++place_;
-    const auto value = parse_int64(bytes_.substr(begin, place_ - begin));
+    const std::size_t begin = position_;
+    while (position_ < bytes_.size() && bytes_[position_] >= '0' && bytes_[position_] <= '9') ++position_;
+    const auto value = parse_int64(bytes_.substr(begin, position_ - begin));
     if (!value || *value < 1 || *value > largest) refuse("has no valid width, height and maximum value");
     return *value;
   }
 
   /// What follows the one space after the head.
-  std::string_view rest() const { return bytes_.substr(std::min(place_ + 1, bytes_.size())); }
+  std::string_view rest() const { return bytes_.substr(std::min(position_ + 1, bytes_.size())); }
 
   [[noreturn]] void refuse(const std::string& what) const {
     throw Error(what, where_, "give the 8-bit image that map_server writes");
@@ -59,22 +59,22 @@ class Head {
 
  private:
   void skip_space() {
-    while (place_ < bytes_.size()) {
-      if (bytes_[place_] == '#') {
-        place_ = std::min(bytes_.find('\n', place_), bytes_.size());
-      } else if (std::string_view(" \t\r\n").find(bytes_[place_]) == std::string_view::npos) {
+    while (position_ < bytes_.size()) {
+      if (bytes_[position_] == '#') {
+        position_ = std::min(bytes_.find('\n', position_), bytes_.size());
+      } else if (std::string_view(" \t\r\n").find(bytes_[position_]) == std::string_view::npos) {
         return;
       } else {
-        ++place_;
+        ++position_;
       }
     }
   }
 
   std::string_view bytes_, where_;
-  std::size_t place_ = 0;
+  std::size_t position_ = 0;
 };
 
-Picture parse_pgm(std::string_view bytes, std::string_view where) {
+PgmImage parse_pgm(std::string_view bytes, std::string_view where) {
   Head head(bytes, where);
   const std::int64_t width = head.number(most_cells), height = head.number(most_cells);
   if (width * height > most_cells) head.refuse("is too large");
@@ -158,7 +158,7 @@ Thresholds thresholds_of(const MapFields& fields) {
   return found;
 }
 
-void place(OccupancyGrid& grid, const MapFields& fields) {
+void set_geometry(OccupancyGrid& grid, const MapFields& fields) {
   grid.cell_m = fields.number("resolution");
   if (!(grid.cell_m >= smallest_cell_m && grid.cell_m <= largest_cell_m))
     fields.fail("resolution", "is not a cell size in meters", "");
@@ -185,16 +185,16 @@ std::string map_server_yaml(const OccupancyGrid& grid, const std::string& image)
 }
 
 OccupancyGrid parse_map_server(std::string_view yaml, std::string_view where, std::string_view pgm,
-                               std::string_view picture) {
+                               std::string_view image_file) {
   const MapFields fields(yaml, where);
   const Thresholds thresholds = thresholds_of(fields);
   OccupancyGrid grid;
-  place(grid, fields);
-  const Picture read = parse_pgm(pgm, picture);
+  set_geometry(grid, fields);
+  const PgmImage read = parse_pgm(pgm, image_file);
   grid.width = read.width;
   grid.height = read.height;
   if (std::max(read.width, read.height) * grid.cell_m > farthest_m)
-    throw Error("is too large for a map", picture, "check the resolution");
+    throw Error("is too large for a map", image_file, "check the resolution");
   grid.percent.reserve(static_cast<std::size_t>(read.width) * static_cast<std::size_t>(read.height));
   for (int y = read.height - 1; y >= 0; --y) {
     const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(read.width);
@@ -208,8 +208,8 @@ OccupancyGrid read_map_server(const std::string& yaml_file) {
   const std::string yaml = read_text_file(yaml_file);
   const MapFields fields(yaml, yaml_file);
   const std::filesystem::path image(fields.text("image"));
-  const std::string picture = (std::filesystem::path(yaml_file).parent_path() / image).string();
-  return parse_map_server(yaml, yaml_file, read_text_file(picture), picture);
+  const std::string image_file = (std::filesystem::path(yaml_file).parent_path() / image).string();
+  return parse_map_server(yaml, yaml_file, read_text_file(image_file), image_file);
 }
 
 }  // namespace rastro

@@ -17,11 +17,11 @@ std::string map_server_pgm(const OccupancyGrid& grid);
 std::string map_server_yaml(const OccupancyGrid& grid, const std::string& image);
 
 /// Reads what is written above or by map_server, as map_server does in its mode "trinary": cells are 0, 100 or unknown.
-/// Error for a file that is none, an image that is no 8-bit binary PGM of the size it says, and for turned maps.
+/// Error for a file that is none, an image that is no 8-bit binary PGM of the size it says, and for rotated maps.
 OccupancyGrid read_map_server(const std::string& yaml_file);
 
-/// The same from text and bytes in memory; `where` and `picture` name them in messages.
+/// The same from text and bytes in memory; `where` and `image_file` name them in messages.
 OccupancyGrid parse_map_server(std::string_view yaml, std::string_view where, std::string_view pgm,
-                               std::string_view picture);
+                               std::string_view image_file);
 
 }  // namespace rastro

@@ -38,7 +38,7 @@ struct ModelImage {
 
 struct ModelPoint {
   std::int64_t id = 0;
-  Vector3d place = Vector3d::Zero();
+  Vector3d position = Vector3d::Zero();
   double error_px = 0.0;
   std::vector<std::pair<std::int64_t, std::uint32_t>> track;  ///< Image, and index of its point in there.
 };
@@ -132,9 +132,9 @@ std::string images_text(const Model& model) {
 std::string points_text(const Model& model) {
   std::string text = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
   for (const ModelPoint& point : model.points) {
-    fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {} {} {} {:.3f}", point.id, point.place.x(),
-                   point.place.y(), point.place.z(), unknown_color, unknown_color, unknown_color, point.error_px);
-    for (const auto& [image, place] : point.track) fmt::format_to(std::back_inserter(text), " {} {}", image, place);
+    fmt::format_to(std::back_inserter(text), "{} {:.9g} {:.9g} {:.9g} {} {} {} {:.3f}", point.id, point.position.x(),
+                   point.position.y(), point.position.z(), unknown_color, unknown_color, unknown_color, point.error_px);
+    for (const auto& [image, index] : point.track) fmt::format_to(std::back_inserter(text), " {} {}", image, index);
     text += '\n';
   }
   return text;
@@ -180,13 +180,13 @@ std::string points_bytes(const Model& model) {
   append_raw(bytes, static_cast<std::uint64_t>(model.points.size()));
   for (const ModelPoint& point : model.points) {
     append_raw(bytes, point.id);
-    for (const double value : point.place) append_raw(bytes, value);
+    for (const double value : point.position) append_raw(bytes, value);
     for (int i = 0; i < 3; ++i) append_raw(bytes, unknown_color);
     append_raw(bytes, point.error_px);
     append_raw(bytes, static_cast<std::uint64_t>(point.track.size()));
-    for (const auto& [image, place] : point.track) {
+    for (const auto& [image, index] : point.track) {
       append_raw(bytes, static_cast<std::uint32_t>(image));
-      append_raw(bytes, place);
+      append_raw(bytes, index);
     }
   }
   return bytes;

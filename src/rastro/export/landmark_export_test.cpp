@@ -53,7 +53,7 @@ TEST(LandmarkColmap, PointsOfTheTextReprojectOntoTheirImages) {
   ASSERT_EQ(images.size(), 2 * road().keyframes.size());
   ASSERT_EQ(points.size(), road_landmarks().size());
   const auto point = numbers_of(points[7]);
-  const Eigen::Vector3d place(point[1], point[2], point[3]);
+  const Eigen::Vector3d position(point[1], point[2], point[3]);
   EXPECT_NEAR(point[7], 0.0, 1e-3) << "an exact map";
   for (std::size_t i = 8; i + 1 < point.size(); i += 2) {
     std::size_t row = 0;
@@ -61,7 +61,7 @@ TEST(LandmarkColmap, PointsOfTheTextReprojectOntoTheirImages) {
     ASSERT_LT(row, images.size());
     const auto pose = numbers_of(images[row]), seen = numbers_of(images[row + 1]);
     const Eigen::Quaterniond q(pose[1], pose[2], pose[3], pose[4]);
-    const Eigen::Vector3d in_camera = q * place + Eigen::Vector3d(pose[5], pose[6], pose[7]);
+    const Eigen::Vector3d in_camera = q * position + Eigen::Vector3d(pose[5], pose[6], pose[7]);
     const auto at = static_cast<std::size_t>(point[i + 1]) * 3;
     const Camera camera = TestRoad::camera();
     EXPECT_NEAR(camera.fx * in_camera.x() / in_camera.z() + camera.cx + 0.5, seen[at], 0.01);

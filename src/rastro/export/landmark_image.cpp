@@ -69,13 +69,13 @@ class Sheet {
     Vector2d size;
     for (int axis = 0; axis < 2; ++axis) {
       std::vector<double> values;
-      for (const Vector2d& place : content.landmarks) values.push_back(place[axis]);
+      for (const Vector2d& position : content.landmarks) values.push_back(position[axis]);
       std::sort(values.begin(), values.end());
       const auto skipped = static_cast<std::size_t>(strays * static_cast<double>(values.size()));
       values = values.empty() ? std::vector<double>{} : std::vector<double>{values[skipped], values.rbegin()[skipped]};
       for (std::size_t k = 0; k < map.keyframes.size(); ++k)
         if (map.keyframes[k].submap == 0) values.push_back(content.keyframes[k][axis]);
-      for (const Vector2d& place : content.trajectory) values.push_back(place[axis]);
+      for (const Vector2d& position : content.trajectory) values.push_back(position[axis]);
       if (values.empty()) values.push_back(0.0);
       low_[axis] = *std::min_element(values.begin(), values.end());
       size[axis] = *std::max_element(values.begin(), values.end()) - low_[axis];
@@ -89,8 +89,8 @@ class Sheet {
     left_ = 0.5 * (width - size.x() * scale_);
   }
 
-  Vector2d pixel(const Vector2d& place) const {
-    return {left_ + (place.x() - low_.x()) * scale_, height - margin_px - (place.y() - low_.y()) * scale_};
+  Vector2d pixel(const Vector2d& position) const {
+    return {left_ + (position.x() - low_.x()) * scale_, height - margin_px - (position.y() - low_.y()) * scale_};
   }
   bool holds(const Vector2d& at) const {
     return at.x() >= 0.0 && at.y() >= caption_px && at.x() < width && at.y() < height;
@@ -101,7 +101,7 @@ class Sheet {
 
  private:
   Vector2d low_ = Vector2d::Zero();
-  double left_ = 0.0;  ///< Pixels, of the leftmost place.
+  double left_ = 0.0;  ///< Pixels, of the leftmost position.
   double scale_ = 1.0;
 };
 
@@ -111,7 +111,7 @@ class Drawing {
       : map_(map), pen_(pen), sheet_(sheet), content_(content) {}
 
   void draw(int covisible) {
-    for (const Vector2d& place : content_.landmarks) dot(place, 0.6, gray);
+    for (const Vector2d& position : content_.landmarks) dot(position, 0.6, gray);
     for (const Covisibility& pair : covisibility_graph(map_, covisible))
       edge(pair.first, pair.second, light_green, 1.0);
     const auto essential = essential_graph(map_);
@@ -126,8 +126,8 @@ class Drawing {
   }
 
  private:
-  void dot(const Vector2d& place, double radius, PlotColor color) {
-    const Vector2d at = sheet_.pixel(place);
+  void dot(const Vector2d& position, double radius, PlotColor color) {
+    const Vector2d at = sheet_.pixel(position);
     if (!sheet_.holds(at)) return;
     pen_.line({at - Vector2d(radius, 0.0), at + Vector2d(radius, 0.0)}, color, 2.0 * radius);
   }
@@ -139,12 +139,12 @@ class Drawing {
 
   void draw_trajectory() {
     if (content_.trajectory.empty()) return;
-    std::vector<Vector2d> corners;
-    for (const Vector2d& place : content_.trajectory) corners.push_back(sheet_.pixel(place));
-    pen_.line(corners, dark, 1.5);
+    std::vector<Vector2d> vertices;
+    for (const Vector2d& position : content_.trajectory) vertices.push_back(sheet_.pixel(position));
+    pen_.line(vertices, dark, 1.5);
     const Vector2d beside(6.0, -6.0);
-    pen_.text("S", corners.front() + beside, TextAnchor::left, 16.0, dark);
-    pen_.text("E", corners.back() + beside, TextAnchor::left, 16.0, dark);
+    pen_.text("S", vertices.front() + beside, TextAnchor::left, 16.0, dark);
+    pen_.text("E", vertices.back() + beside, TextAnchor::left, 16.0, dark);
   }
 
   void draw_caption(int covisible) {

@@ -29,12 +29,12 @@ cv::Rect part_around(const cv::Size& size, const std::vector<std::array<Eigen::V
 
 }  // namespace
 
-void write_length_image(const ColorImage& picture, const std::vector<std::array<Eigen::Vector2d, 2>>& lines,
+void write_length_image(const ColorImage& image, const std::vector<std::array<Eigen::Vector2d, 2>>& lines,
                         const std::string& caption, const std::string& file) {
-  const cv::Mat rgb(picture.height(), picture.width(), CV_8UC3, const_cast<std::uint8_t*>(picture.rgb.row(0)),
-                    static_cast<std::size_t>(picture.rgb.stride()));
+  const cv::Mat rgb(image.height(), image.width(), CV_8UC3, const_cast<std::uint8_t*>(image.rgb.row(0)),
+                    static_cast<std::size_t>(image.rgb.stride()));
   std::vector<std::array<Eigen::Vector2d, 2>> drawn;
-  const double farthest = picture.width() + picture.height();
+  const double farthest = image.width() + image.height();
   for (const auto& line : lines) {
     if (std::all_of(line.begin(), line.end(), [&](const auto& end) { return end.norm() < farthest; }))
       drawn.push_back(line);

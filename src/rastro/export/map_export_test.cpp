@@ -130,7 +130,7 @@ TEST(Pcd, HasTheFieldsOfThePointCloudLibrary) {
   EXPECT_TRUE(std::isnan(sigma));
 }
 
-TEST(G2o, HasPosesMeasurementsAndTheInformationOfHalfTurns) {
+TEST(G2o, HasPosesMeasurementsAndTheInformationOfRotationsByPi) {
   Map map = make_test_map(3);
   map.constraints[1].weight = 0.0;
   map.constraints[0].weight = 0.5;
@@ -196,12 +196,12 @@ TEST(Colmap, HasPixelsAtHalvesAndPointsThatProjectThere) {
   const std::size_t keyframe = static_cast<std::size_t>(*parse_int64(words[8])) - 1;
   const std::size_t feature = static_cast<std::size_t>(*parse_int64(words[9]));
   const auto number = [](std::string_view word) { return parse_double(word).value(); };
-  const Eigen::Vector3d place(number(words[1]), number(words[2]), number(words[3]));
+  const Eigen::Vector3d position(number(words[1]), number(words[2]), number(words[3]));
   const auto image = split_words(content_lines(images)[2 * keyframe].text);
   const SE3 camera_from_world(
       SO3(Eigen::Quaterniond(number(image[1]), number(image[2]), number(image[3]), number(image[4]))),
       {number(image[5]), number(image[6]), number(image[7])});
-  const auto pixel = map.cameras[0].intrinsics.project(camera_from_world * place);
+  const auto pixel = map.cameras[0].intrinsics.project(camera_from_world * position);
   const auto features = split_words(content_lines(images)[2 * keyframe + 1].text);
   ASSERT_TRUE(pixel);
   EXPECT_NEAR(pixel->x() + 0.5, number(features[3 * feature]), 8.0);
@@ -217,15 +217,15 @@ TEST(CloudImage, ShowsTheRoomFromAboveWithoutItsCeiling) {
   const Map map = make_test_map(4);
   CloudOptions options;
   options.voxel_m = 0.02;
-  const std::string file = (scratch_folder("cloud_picture") / "map.png").string();
+  const std::string file = (scratch_folder("cloud_image") / "map.png").string();
   write_cloud_image(build_cloud(map, options), trajectory_of(map), file);
-  const cv::Mat picture = cv::imread(file);
-  ASSERT_FALSE(picture.empty());
-  EXPECT_LE(std::max(picture.rows, picture.cols), 1600);
+  const cv::Mat image = cv::imread(file);
+  ASSERT_FALSE(image.empty());
+  EXPECT_LE(std::max(image.rows, image.cols), 1600);
   int blue = 0;
-  for (int y = 0; y < picture.rows; ++y)
-    for (int x = 0; x < picture.cols; ++x) {
-      const cv::Vec3b& pixel = picture.at<cv::Vec3b>(y, x);
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x) {
+      const cv::Vec3b& pixel = image.at<cv::Vec3b>(y, x);
       blue += pixel[0] > 2 * pixel[2] && pixel[0] > 60 && pixel[1] < pixel[0] / 2 ? 1 : 0;
     }
   EXPECT_GT(blue, 1000) << "the top of the box";

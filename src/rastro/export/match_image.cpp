@@ -77,11 +77,10 @@ void MatchImage::draw(const TrackFrame& frame, GrayView image) {
   const drawing::Canvas left = drawing::canvas_of(first_image_);
   const drawing::Canvas right = drawing::canvas_of(image);
   constexpr int gap_px = 6;
-  const int offset = left.picture.cols + gap_px;
-  cv::Mat pair(std::max(left.picture.rows, right.picture.rows), offset + right.picture.cols, CV_8UC3,
-               cv::Scalar(32, 32, 32));
-  left.picture.copyTo(pair(cv::Rect(0, 0, left.picture.cols, left.picture.rows)));
-  right.picture.copyTo(pair(cv::Rect(offset, 0, right.picture.cols, right.picture.rows)));
+  const int offset = left.image.cols + gap_px;
+  cv::Mat pair(std::max(left.image.rows, right.image.rows), offset + right.image.cols, CV_8UC3, cv::Scalar(32, 32, 32));
+  left.image.copyTo(pair(cv::Rect(0, 0, left.image.cols, left.image.rows)));
+  right.image.copyTo(pair(cv::Rect(offset, 0, right.image.cols, right.image.rows)));
   MatchCounts counts;
   counts.in_first = static_cast<int>(starts_.size());
   for (const TrackedFeature& feature : frame.features) {

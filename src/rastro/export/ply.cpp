@@ -13,7 +13,7 @@ namespace {
 
 using detail::append_raw;
 
-constexpr const char* place_properties =
+constexpr const char* position_properties =
     "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
     "property uchar red\nproperty uchar green\nproperty uchar blue\n";
 
@@ -34,7 +34,7 @@ std::string cloud_ply(const PointCloud& cloud, const std::string& frame, const C
   bytes += fmt::format("comment count: {}; sigma: standard deviation of {}, {}; nan: unknown\n", terms.count,
                        terms.sigma, terms.unit);
   bytes += fmt::format("element vertex {}\n{}property uint count\nproperty float sigma\nend_header\n",
-                       cloud.points.size(), place_properties);
+                       cloud.points.size(), position_properties);
   bytes.reserve(bytes.size() + 35 * cloud.points.size());
   for (const CloudPoint& point : cloud.points) {
     append_raw(bytes, point.position);
@@ -49,7 +49,7 @@ std::string cloud_ply(const PointCloud& cloud, const std::string& frame, const C
 std::string mesh_ply(const TriangleMesh& mesh, const std::string& frame) {
   std::string bytes = head(frame, "meters");
   bytes += fmt::format("element vertex {}\n{}element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
-                       mesh.vertices.size(), place_properties, mesh.triangles.size());
+                       mesh.vertices.size(), position_properties, mesh.triangles.size());
   for (const MeshVertex& vertex : mesh.vertices) {
     append_raw(bytes, vertex.position);
     append_raw(bytes, vertex.normal);

@@ -12,7 +12,7 @@ namespace rastro {
 /// world_from_camera), numbered by keyframe ids, EDGE_SE3:QUAT with the upper triangle of the information of
 /// (translation, vector part of the quaternion), which is half a rotation vector. The first keyframe of each submap is
 /// fixed. Information is times the weight that the robust kernel left, so that the poses are a minimum of the file as
-/// well; edges of weight 0 are comments. `size`: what was written, comments apart; may be null.
+/// well; edges of weight 0 are comments. `size`: what was written, without comments; may be null.
 std::string pose_graph_g2o(const Map& map, int submap = -1, GraphSize* size = nullptr);
 
 }  // namespace rastro

@@ -101,7 +101,7 @@ class Reader {
         for (std::uint64_t k = 0; k < element.count; ++k) skip(element, body);
       }
     }
-    check_corners(mesh, cloud.points.size());
+    check_faces(mesh, cloud.points.size());
     return mesh;
   }
 
@@ -251,22 +251,22 @@ class Reader {
   }
 
   void read_polygon(const Property& property, Body& body, TriangleMesh& mesh) const {
-    const double corners = body.number(property.count_kind, property.count_bytes);
+    const double vertex_count = body.number(property.count_kind, property.count_bytes);
     std::uint32_t first = 0, last = 0;
-    for (double k = 0; k < corners; ++k) {
+    for (double k = 0; k < vertex_count; ++k) {
       const double value = body.number(property.kind, property.bytes);
       if (!(value >= 0.0 && value < static_cast<double>(most_elements))) refuse("has a face with invalid vertices");
-      const auto corner = static_cast<std::uint32_t>(value);
-      if (k == 0) first = corner;
-      if (k >= 2) mesh.triangles.push_back({first, last, corner});
-      last = corner;
+      const auto vertex = static_cast<std::uint32_t>(value);
+      if (k == 0) first = vertex;
+      if (k >= 2) mesh.triangles.push_back({first, last, vertex});
+      last = vertex;
     }
   }
 
-  void check_corners(const TriangleMesh& mesh, std::size_t vertices) const {
+  void check_faces(const TriangleMesh& mesh, std::size_t vertices) const {
     for (const auto& triangle : mesh.triangles)
-      for (const std::uint32_t corner : triangle)
-        if (corner >= vertices) refuse("has a face with a missing vertex");
+      for (const std::uint32_t vertex : triangle)
+        if (vertex >= vertices) refuse("has a face with a missing vertex");
   }
 
   const std::string& where_;
@@ -285,12 +285,12 @@ PointCloud parse_cloud_ply(std::string_view bytes, const std::string& where) {
 }
 
 TriangleMesh parse_mesh_ply(std::string_view bytes, const std::string& where) {
-  PointCloud corners;
-  TriangleMesh mesh = Reader(bytes, where).mesh_and_cloud(corners);
-  for (const CloudPoint& point : corners.points) mesh.vertices.push_back({point.position, point.normal, point.color});
+  PointCloud cloud;
+  TriangleMesh mesh = Reader(bytes, where).mesh_and_cloud(cloud);
+  for (const CloudPoint& point : cloud.points) mesh.vertices.push_back({point.position, point.normal, point.color});
   std::erase_if(mesh.triangles, [&](const std::array<std::uint32_t, 3>& triangle) {
     return std::any_of(triangle.begin(), triangle.end(),
-                       [&](std::uint32_t corner) { return !mesh.vertices[corner].position.allFinite(); });
+                       [&](std::uint32_t vertex) { return !mesh.vertices[vertex].position.allFinite(); });
   });
   return mesh;
 }

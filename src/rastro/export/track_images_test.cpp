@@ -28,8 +28,8 @@ GrayImage flat_image(int width, int height, std::uint8_t value = 90) {
 bool is_green(const cv::Vec3b& p) { return p[1] > p[0] + 50 && p[1] > p[2] + 50; }
 bool is_magenta(const cv::Vec3b& p) { return p[0] > p[1] + 50 && p[2] > p[1] + 50; }
 
-int count_of(const cv::Mat& picture, bool (*is_hue)(const cv::Vec3b&)) {
-  return static_cast<int>(std::count_if(picture.begin<cv::Vec3b>(), picture.end<cv::Vec3b>(), is_hue));
+int count_of(const cv::Mat& image, bool (*is_hue)(const cv::Vec3b&)) {
+  return static_cast<int>(std::count_if(image.begin<cv::Vec3b>(), image.end<cv::Vec3b>(), is_hue));
 }
 
 TEST(TrackImages, RedDotStandsOnThePixelAndTheIdBesideIt) {
@@ -37,20 +37,20 @@ TEST(TrackImages, RedDotStandsOnThePixelAndTheIdBesideIt) {
   TrackImages images(folder / "images");
   const GrayImage image = flat_image(640, 200);
   images.write(make_frame(12, {make_feature(345, fresh, 100.0F, 80.0F)}), image);
-  const cv::Mat picture = cv::imread((folder / "images" / "000012.png").string());
-  ASSERT_FALSE(picture.empty());
-  const int caption = picture.rows - 200;
-  const cv::Vec3b dot = picture.at<cv::Vec3b>(80 + caption, 100);
+  const cv::Mat drawn = cv::imread((folder / "images" / "000012.png").string());
+  ASSERT_FALSE(drawn.empty());
+  const int caption = drawn.rows - 200;
+  const cv::Vec3b dot = drawn.at<cv::Vec3b>(80 + caption, 100);
   EXPECT_EQ(dot, cv::Vec3b(40, 40, 255));
-  EXPECT_GT(count_of(picture(cv::Rect(104, 65 + caption, 40, 15)), is_green), 5);
+  EXPECT_GT(count_of(drawn(cv::Rect(104, 65 + caption, 40, 15)), is_green), 5);
 }
 
 TEST(TrackImages, IdsAtTheEdgeAreNotClipped) {
   const GrayImage image = flat_image(640, 100);
   // The same label must have the same number of green pixels in the middle and in each corner.
   const auto green_at = [&](float x, float y) {
-    const cv::Mat picture = drawing::overlay(make_frame(0, {make_feature(88888, fresh, x, y)}), image);
-    return count_of(picture(cv::Rect(0, picture.rows - 100, 640, 100)), is_green);
+    const cv::Mat drawn = drawing::overlay(make_frame(0, {make_feature(88888, fresh, x, y)}), image);
+    return count_of(drawn(cv::Rect(0, drawn.rows - 100, 640, 100)), is_green);
   };
   const int whole = green_at(300.0F, 50.0F);
   ASSERT_GT(whole, 20);
@@ -60,12 +60,12 @@ TEST(TrackImages, IdsAtTheEdgeAreNotClipped) {
 }
 
 TEST(TrackImages, SmallImagesAreEnlargedAndTheDotStaysInPlace) {
-  const cv::Mat picture = drawing::overlay(make_frame(0, {make_feature(1, fresh, 50.0F, 40.0F)}), flat_image(160, 120));
+  const cv::Mat drawn = drawing::overlay(make_frame(0, {make_feature(1, fresh, 50.0F, 40.0F)}), flat_image(160, 120));
   const int scale = drawing::scale_for(160);
-  EXPECT_GE(picture.cols, 600);
-  EXPECT_EQ(picture.cols, 160 * scale);
-  const int caption = picture.rows - 120 * scale;
-  EXPECT_EQ(picture.at<cv::Vec3b>(40 * scale + scale / 2 + caption, 50 * scale + scale / 2), cv::Vec3b(40, 40, 255));
+  EXPECT_GE(drawn.cols, 600);
+  EXPECT_EQ(drawn.cols, 160 * scale);
+  const int caption = drawn.rows - 120 * scale;
+  EXPECT_EQ(drawn.at<cv::Vec3b>(40 * scale + scale / 2 + caption, 50 * scale + scale / 2), cv::Vec3b(40, 40, 255));
 }
 
 TEST(MatchImage, CountsFollowedAndReidentified) {
@@ -100,11 +100,11 @@ TEST(MatchImage, LinesHaveTheColorsOfTheirKind) {
   match.write(make_frame(1, {make_feature(0, tracked, 50.0F, 20.0F)}), image);
   match.write(make_frame(2, {make_feature(0, tracked, 50.0F, 20.0F), make_feature(1, reidentified, 50.0F, 80.0F)}),
               image);
-  const cv::Mat picture = cv::imread((folder / "m.png").string());
-  const int caption = picture.rows - 100;
-  EXPECT_GT(count_of(picture.row(20 + caption), is_magenta), 600);
-  EXPECT_EQ(count_of(picture.row(20 + caption), is_green), 0);
-  EXPECT_GT(count_of(picture.row(80 + caption), is_green), 600);
+  const cv::Mat drawn = cv::imread((folder / "m.png").string());
+  const int caption = drawn.rows - 100;
+  EXPECT_GT(count_of(drawn.row(20 + caption), is_magenta), 600);
+  EXPECT_EQ(count_of(drawn.row(20 + caption), is_green), 0);
+  EXPECT_GT(count_of(drawn.row(80 + caption), is_green), 600);
 }
 
 TEST(MatchImage, RefusesFramesInTheWrongOrder) {

@@ -17,9 +17,9 @@ TrackTableFile::TrackTableFile(const std::filesystem::path& path) : file_(path) 
 }
 
 std::optional<double> TrackTableFile::reidentified_percent(const TrackFrame& frame) {
-  const int corners = frame.reidentified + frame.fresh;
-  if (corners == 0) return std::nullopt;
-  return 100.0 * frame.reidentified / corners;
+  const int detected = frame.reidentified + frame.fresh;
+  if (detected == 0) return std::nullopt;
+  return 100.0 * frame.reidentified / detected;
 }
 
 void TrackTableFile::write(const TrackFrame& frame, GrayView) {
@@ -32,7 +32,7 @@ void TrackTableFile::write(const TrackFrame& frame, GrayView) {
   reidentified_ += frame.reidentified;
   time_ms_ += frame.times.total_ms;
   if (percent) {
-    ++rows_with_corners_;
+    ++rows_with_detections_;
     percent_ += *percent;
   }
 }
@@ -42,7 +42,7 @@ void TrackTableFile::finish() {
     file_.append("\nNo frame lost a feature, so there is no mean.\n");
     return;
   }
-  const auto percent = rows_with_corners_ > 0 ? std::optional(percent_ / rows_with_corners_) : std::nullopt;
+  const auto percent = rows_with_detections_ > 0 ? std::optional(percent_ / rows_with_detections_) : std::nullopt;
   file_.append(fmt::format("| **mean** | {:.1f} | {:.1f} | {} | {:.2f} |\n", tracked_ / rows_with_loss_,
                            reidentified_ / rows_with_loss_, percent_text(percent), time_ms_ / rows_with_loss_));
   file_.append(

@@ -25,7 +25,7 @@ class TrackTableFile : public TrackSink {
  private:
   AppendFile file_;
   int rows_with_loss_ = 0;
-  int rows_with_corners_ = 0;  ///< Of those with loss.
+  int rows_with_detections_ = 0;  ///< Of those with loss.
   double tracked_ = 0, reidentified_ = 0, percent_ = 0, time_ms_ = 0;
 };
 

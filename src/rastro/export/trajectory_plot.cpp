@@ -28,11 +28,11 @@ constexpr std::array<const char*, 6> row_names = {"x [m]", "y [m]", "z [m]", "ro
 /// x, y, z in meters, then roll, pitch, yaw in degrees: the six rows of the plot.
 using Rows = std::array<double, 6>;
 
-double within_half_turn(double degrees) { return std::remainder(degrees, 360.0); }
+double within_180_deg(double degrees) { return std::remainder(degrees, 360.0); }
 
 /// Roll, pitch, yaw in degrees.
-Eigen::Vector3d angles_of(const SO3& turn, bool camera_axes) {
-  const Eigen::Matrix3d r = turn.matrix();
+Eigen::Vector3d angles_of(const SO3& rotation, bool camera_axes) {
+  const Eigen::Matrix3d r = rotation.matrix();
   const auto asin_of = [](double sine) { return std::asin(std::clamp(sine, -1.0, 1.0)); };
   const Eigen::Vector3d radians =
       camera_axes ? Eigen::Vector3d(std::atan2(r(1, 0), r(1, 1)), asin_of(-r(1, 2)), std::atan2(r(0, 2), r(2, 2)))
@@ -40,19 +40,19 @@ Eigen::Vector3d angles_of(const SO3& turn, bool camera_axes) {
   return radians * 180.0 / std::numbers::pi;
 }
 
-Rows rows_of(const SE3& pose, const SO3& first_turn, bool camera_axes) {
-  const Eigen::Vector3d angles = angles_of(first_turn.inverse() * pose.rotation(), camera_axes);
+Rows rows_of(const SE3& pose, const SO3& first_rotation, bool camera_axes) {
+  const Eigen::Vector3d angles = angles_of(first_rotation.inverse() * pose.rotation(), camera_axes);
   const Eigen::Vector3d& position = pose.translation();
   return {position.x(), position.y(), position.z(), angles.x(), angles.y(), angles.z()};
 }
 
-/// Of each pose of the reference; angles run on over half turns.
+/// Of each pose of the reference; angles run on beyond 180 degrees.
 std::vector<Rows> reference_rows(const TrajectoryPlot& plot) {
   std::vector<Rows> all;
   for (const SE3& pose : plot.reference) {
     Rows rows = rows_of(pose, plot.reference.front().rotation(), plot.camera_axes);
     for (std::size_t k = 3; k < rows.size() && !all.empty(); ++k)
-      rows[k] = all.back()[k] + within_half_turn(rows[k] - all.back()[k]);
+      rows[k] = all.back()[k] + within_180_deg(rows[k] - all.back()[k]);
     all.push_back(rows);
   }
   return all;
@@ -70,7 +70,7 @@ EstimateRows rows_of(const PlottedEstimate& estimate, const TrajectoryPlot& plot
     Rows errors{};
     for (std::size_t row = 0; row < values.size(); ++row) {
       errors[row] = values[row] - truth[row];
-      if (row >= 3) errors[row] = within_half_turn(errors[row]);
+      if (row >= 3) errors[row] = within_180_deg(errors[row]);
       values[row] = truth[row] + errors[row];
     }
     result.values.push_back(values);
@@ -155,8 +155,8 @@ class Sheet {
   }
 
   void draw_legend(PlotPen& pen) const {
-    const auto entry = [&](std::size_t place, const std::string& name, PlotColor color) {
-      const Eigen::Vector2d at(left_px + 2.0 * column_px, 860.0 + 24.0 * static_cast<double>(place));
+    const auto entry = [&](std::size_t row, const std::string& name, PlotColor color) {
+      const Eigen::Vector2d at(left_px + 2.0 * column_px, 860.0 + 24.0 * static_cast<double>(row));
       pen.line({at, at + Eigen::Vector2d(40.0, 0.0)}, color, 3.0);
       pen.text(name, at + Eigen::Vector2d(50.0, 5.0), TextAnchor::left, 14.0, reference_color);
     };
@@ -182,7 +182,7 @@ void require_plot_name(const std::string& file) {
 void write_trajectory_plot(const TrajectoryPlot& plot, const std::string& file) {
   require_plot_name(file);
   if (plot.reference.empty()) throw Error("there is nothing to plot", file, "");
-  RASTRO_CHECK(plot.along.size() == plot.reference.size(), "every pose of the reference has its place");
+  RASTRO_CHECK(plot.along.size() == plot.reference.size(), "every pose of the reference has its frame or time");
   const auto pen = is_svg(file) ? svg_pen(sheet_width, sheet_height) : png_pen(sheet_width, sheet_height);
   Sheet(plot).draw(*pen);
   pen->save(file);

@@ -16,15 +16,16 @@ struct PlottedEstimate {
   std::vector<SE3> poses;
 };
 
-/// What a plot of trajectories shows: x, y, z (meters) and roll, pitch, yaw (degrees, of the turn since the reference's
-/// first pose) of reference and estimates, their errors (estimate minus reference), and the path from above.
+/// What a plot of trajectories shows: x, y, z (meters) and roll, pitch, yaw (degrees, of the rotation since the
+/// reference's first pose) of reference and estimates, their errors (estimate minus reference), and the path from
+/// above.
 struct TrajectoryPlot {
   std::string title;
   std::string along_label;    ///< What `along` is: "frame" or "time [s]".
   std::vector<double> along;  ///< Of each pose of the reference.
   std::vector<SE3> reference;
   std::vector<PlottedEstimate> estimates;
-  /// The poses are a camera's (x right, y down, z forward: yaw turns about y, pitch about x, roll about z, in this
+  /// The poses are a camera's (x right, y down, z forward: yaw rotates about y, pitch about x, roll about z, in this
   /// order); otherwise a body's (x forward, z up: yaw about z, pitch about y, roll about x).
   bool camera_axes = true;
   /// Seen from above, the world is its x-z plane, as where the first camera is the world; otherwise its x-y plane.

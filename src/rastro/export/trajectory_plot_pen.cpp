@@ -59,13 +59,13 @@ class SvgPen : public PlotPen {
 
 class PngPen : public PlotPen {
  public:
-  PngPen(int width, int height) : picture_(height, width, CV_8UC3, cv::Scalar(255, 255, 255)) {}
+  PngPen(int width, int height) : image_(height, width, CV_8UC3, cv::Scalar(255, 255, 255)) {}
 
   void line(const std::vector<Eigen::Vector2d>& points, PlotColor color, double width) override {
-    std::vector<cv::Point> corners;
+    std::vector<cv::Point> vertices;
     for (const Eigen::Vector2d& point : points)
-      corners.emplace_back(cvRound(point.x() * fraction_units), cvRound(point.y() * fraction_units));
-    cv::polylines(picture_, corners, false, bgr(color), std::max(1, cvRound(width)), cv::LINE_AA, fraction_bits);
+      vertices.emplace_back(cvRound(point.x() * fraction_units), cvRound(point.y() * fraction_units));
+    cv::polylines(image_, vertices, false, bgr(color), std::max(1, cvRound(width)), cv::LINE_AA, fraction_bits);
   }
 
   void text(const std::string& text, Eigen::Vector2d foot, TextAnchor anchor, double height, PlotColor color) override {
@@ -73,11 +73,11 @@ class PngPen : public PlotPen {
     int below = 0;
     const int width = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &below).width;
     const double shift = anchor == TextAnchor::left ? 0.0 : anchor == TextAnchor::middle ? 0.5 : 1.0;
-    cv::putText(picture_, text, {cvRound(foot.x() - shift * width), cvRound(foot.y())}, cv::FONT_HERSHEY_SIMPLEX, size,
+    cv::putText(image_, text, {cvRound(foot.x() - shift * width), cvRound(foot.y())}, cv::FONT_HERSHEY_SIMPLEX, size,
                 bgr(color), 1, cv::LINE_AA);
   }
 
-  void save(const std::string& file) override { drawing::save(file, picture_); }
+  void save(const std::string& file) override { drawing::save(file, image_); }
 
  private:
   static constexpr int fraction_bits = 4;
@@ -85,7 +85,7 @@ class PngPen : public PlotPen {
   static constexpr double font_height = 30.0;  ///< Of OpenCV's letters at size 1, with what hangs below the line.
   static cv::Scalar bgr(PlotColor color) { return {double(color.blue), double(color.green), double(color.red)}; }
 
-  cv::Mat picture_;
+  cv::Mat image_;
 };
 
 }  // namespace

@@ -63,14 +63,14 @@ TEST(TrajectoryPlot, SvgHoldsTheCurves) {
   EXPECT_NEAR((high - low).x(), (high - low).y(), 0.5) << "a circle stays one";
 }
 
-TEST(TrajectoryPlot, PngIsAPictureWithTheColors) {
+TEST(TrajectoryPlot, PngIsAnImageWithTheColors) {
   const auto file = scratch_path("plot.png");
   write_trajectory_plot(circle(), file.string());
-  const cv::Mat picture = cv::imread(file.string());
-  ASSERT_FALSE(picture.empty());
+  const cv::Mat image = cv::imread(file.string());
+  ASSERT_FALSE(image.empty());
   int red = 0;
-  for (int y = 0; y < picture.rows; ++y)
-    for (int x = 0; x < picture.cols; ++x) red += picture.at<cv::Vec3b>(y, x) == cv::Vec3b(40, 39, 214) ? 1 : 0;
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x) red += image.at<cv::Vec3b>(y, x) == cv::Vec3b(40, 39, 214) ? 1 : 0;
   EXPECT_GT(red, 200);
 }
 

@@ -27,15 +27,15 @@ class TrackVideo::Writer {
   }
 
   void write(const TrackFrame& frame, GrayView image) {
-    cv::Mat picture = drawing::overlay(frame, image);
+    cv::Mat drawn = drawing::overlay(frame, image);
     if (writer_.isOpened()) {
-      put(picture);
+      put(drawn);
     } else if (first_.empty()) {
-      first_ = picture;
+      first_ = drawn;
       first_stamp_ = frame.stamp;
     } else {
       start(rate_between(first_stamp_, frame.stamp));
-      put(picture);
+      put(drawn);
     }
   }
 
@@ -64,14 +64,14 @@ class TrackVideo::Writer {
     put(std::exchange(first_, cv::Mat()));
   }
 
-  void put(const cv::Mat& picture) {
-    if (picture.size() == size_) {
-      writer_.write(picture);
+  void put(const cv::Mat& image) {
+    if (image.size() == size_) {
+      writer_.write(image);
       return;
     }
     cv::Mat padded;
-    cv::copyMakeBorder(picture, padded, 0, std::max(0, size_.height - picture.rows), 0,
-                       std::max(0, size_.width - picture.cols), cv::BORDER_CONSTANT);
+    cv::copyMakeBorder(image, padded, 0, std::max(0, size_.height - image.rows), 0,
+                       std::max(0, size_.width - image.cols), cv::BORDER_CONSTANT);
     writer_.write(padded(cv::Rect({0, 0}, size_)));
   }
 

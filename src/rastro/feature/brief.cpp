@@ -65,17 +65,17 @@ Brief::Brief(int patch_px, std::uint64_t seed) {
   const auto drawn = draw_tests(patch_px, seed);
   for (const double scale : scales()) {
     for (int angle = 0; angle < angles; ++angle) {
-      const double turn = 2.0 * std::numbers::pi * angle / angles;
-      const double cosine = scale * std::cos(turn), sine = scale * std::sin(turn);
+      const double angle_rad = 2.0 * std::numbers::pi * angle / angles;
+      const double cosine = scale * std::cos(angle_rad), sine = scale * std::sin(angle_rad);
       Pattern pattern{};
-      const auto place = [&](double x, double y, std::int8_t& to_x, std::int8_t& to_y) {
+      const auto rotate = [&](double x, double y, std::int8_t& to_x, std::int8_t& to_y) {
         to_x = static_cast<std::int8_t>(std::lround(cosine * x - sine * y));
         to_y = static_cast<std::int8_t>(std::lround(sine * x + cosine * y));
         reach_ = std::max({reach_, std::abs(int{to_x}), std::abs(int{to_y})});
       };
       for (std::size_t t = 0; t < drawn.size(); ++t) {
-        place(drawn[t].ax, drawn[t].ay, pattern.ax[t], pattern.ay[t]);
-        place(drawn[t].bx, drawn[t].by, pattern.bx[t], pattern.by[t]);
+        rotate(drawn[t].ax, drawn[t].ay, pattern.ax[t], pattern.ay[t]);
+        rotate(drawn[t].bx, drawn[t].by, pattern.bx[t], pattern.by[t]);
       }
       patterns_.push_back(pattern);
     }
@@ -85,8 +85,8 @@ Brief::Brief(int patch_px, std::uint64_t seed) {
 const Brief::Pattern& Brief::pattern_of(double angle_rad, double scale) const {
   const auto nearest_scale = std::min_element(
       scales().begin(), scales().end(), [&](double a, double b) { return std::abs(a - scale) < std::abs(b - scale); });
-  const auto turns = std::lround(angle_rad * angles / (2.0 * std::numbers::pi));
-  const auto angle_index = ((turns % angles) + angles) % angles;
+  const auto angle_steps = std::lround(angle_rad * angles / (2.0 * std::numbers::pi));
+  const auto angle_index = ((angle_steps % angles) + angles) % angles;
   return patterns_[static_cast<std::size_t>((nearest_scale - scales().begin()) * angles + angle_index)];
 }
 
@@ -128,8 +128,8 @@ RASTRO_TARGET_AVX2 inline __m256i widened(const std::int8_t* values) {
 /// Eight values at once; each read takes two bytes too many, which the image's slack allows.
 RASTRO_TARGET_AVX2 inline __m256i values_at(const std::uint16_t* center, __m256i stride, const std::int8_t* x,
                                             const std::int8_t* y) {
-  const __m256i places = _mm256_add_epi32(_mm256_mullo_epi32(widened(y), stride), widened(x));
-  const __m256i read = _mm256_i32gather_epi32(reinterpret_cast<const int*>(center), places, sizeof(std::uint16_t));
+  const __m256i offsets = _mm256_add_epi32(_mm256_mullo_epi32(widened(y), stride), widened(x));
+  const __m256i read = _mm256_i32gather_epi32(reinterpret_cast<const int*>(center), offsets, sizeof(std::uint16_t));
   return _mm256_and_si256(read, _mm256_set1_epi32(0xffff));
 }
 

@@ -26,7 +26,7 @@ Image<std::uint16_t> smooth(const GrayImage& image) {
 }
 
 /// `image` rotated by `angle` about its center and magnified by `scale`.
-GrayImage turned(const GrayImage& image, double angle, double scale) {
+GrayImage rotated(const GrayImage& image, double angle, double scale) {
   GrayImage out(image.width(), image.height());
   const int cx = image.width() / 2, cy = image.height() / 2;
   for (int y = 0; y < out.height(); ++y) {
@@ -91,12 +91,12 @@ TEST(Brief, EveryBitIsThatOfThePublicationsPlainTest) {
     for (const auto& [x, y] : {std::pair{75, 65}, {60, 70}, {3, 8}, {149, 129}}) {
       EXPECT_EQ(brief.describe(sums, static_cast<float>(x), static_cast<float>(y)),
                 plain_brief(image, x, y, patch_px, 5, 0.0, 1.0));
-      for (const int turn : {0, 1, 7, 16, 31}) {
+      for (const int step_count : {0, 1, 7, 16, 31}) {
         for (const double scale : Brief::scales())
-          EXPECT_EQ(
-              brief.describe(sums, static_cast<float>(x), static_cast<float>(y), (turn + 0.4) * step, 1.04 * scale),
-              plain_brief(image, x, y, patch_px, 5, turn * step, scale))
-              << x << ' ' << y << " turn " << turn << " scale " << scale;
+          EXPECT_EQ(brief.describe(sums, static_cast<float>(x), static_cast<float>(y), (step_count + 0.4) * step,
+                                   1.04 * scale),
+                    plain_brief(image, x, y, patch_px, 5, step_count * step, scale))
+              << x << ' ' << y << " rotation step " << step_count << " scale " << scale;
       }
     }
   }
@@ -140,10 +140,10 @@ TEST(Brief, SteeredAndScaledPatternsFollowRotationAndScale) {
   const GrayImage image = testing::wave_image(240, 240, 0, 0);
   const auto before = brief.describe(smooth(image), 120, 120);
   const double angle = std::numbers::pi / 4;
-  const auto turned_sums = smooth(turned(image, angle, 1.0));
-  EXPECT_LE(hamming_distance(before, brief.describe(turned_sums, 120, 120, angle, 1.0)), 25);
-  EXPECT_GE(hamming_distance(before, brief.describe(turned_sums, 120, 120)), 60);
-  const auto scaled_sums = smooth(turned(image, 0.0, 1.5625));
+  const auto rotated_sums = smooth(rotated(image, angle, 1.0));
+  EXPECT_LE(hamming_distance(before, brief.describe(rotated_sums, 120, 120, angle, 1.0)), 25);
+  EXPECT_GE(hamming_distance(before, brief.describe(rotated_sums, 120, 120)), 60);
+  const auto scaled_sums = smooth(rotated(image, 0.0, 1.5625));
   EXPECT_LT(hamming_distance(before, brief.describe(scaled_sums, 120, 120, 0.0, 1.5625)),
             hamming_distance(before, brief.describe(scaled_sums, 120, 120)));
 }
@@ -152,11 +152,11 @@ TEST(Brief, EveryLevelOfSimdGivesTheSameBits) {
   const Brief brief(48, 1);
   const auto sums = smooth(testing::wave_image(160, 120, 0, 0));
   for (const double scale : Brief::scales()) {
-    for (float place = 0.0F; place < 120.0F; place += 7.3F) {
+    for (float position = 0.0F; position < 120.0F; position += 7.3F) {
       limit_simd_level(SimdLevel::plain);
-      const Descriptor plain = brief.describe(sums, place, place, 0.1 * place, scale);
+      const Descriptor plain = brief.describe(sums, position, position, 0.1 * position, scale);
       limit_simd_level(SimdLevel::avx2);
-      EXPECT_EQ(plain, brief.describe(sums, place, place, 0.1 * place, scale));
+      EXPECT_EQ(plain, brief.describe(sums, position, position, 0.1 * position, scale));
     }
   }
 }

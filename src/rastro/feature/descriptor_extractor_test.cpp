@@ -76,12 +76,12 @@ TEST_P(DescriptorExtractorTest, MatchesAShiftedAndRotatedImage) {
     double dx, dy, angle;
   };
   for (const View& view : {View{12.3, -7.6, 0.0}, View{3.0, 5.0, 0.35}}) {
-    const auto turned = extractor()->extract(blots.image(view.dx, view.dy, view.angle));
-    const auto matches = match_descriptors(reference, turned, {});
+    const auto rotated = extractor()->extract(blots.image(view.dx, view.dy, view.angle));
+    const auto matches = match_descriptors(reference, rotated, {});
     const double c = std::cos(view.angle), s = std::sin(view.angle);
     int right = 0;
     for (const DescriptorMatch& match : matches) {
-      const Keypoint &a = reference.keypoints[match.first], &b = turned.keypoints[match.second];
+      const Keypoint &a = reference.keypoints[match.first], &b = rotated.keypoints[match.second];
       const double x = c * (a.x - middle_x) - s * (a.y - middle_y) + middle_x + view.dx,
                    y = s * (a.x - middle_x) + c * (a.y - middle_y) + middle_y + view.dy;
       right += std::hypot(b.x - x, b.y - y) < std::max(3.0F, 0.1F * b.size_px);

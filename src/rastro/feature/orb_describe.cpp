@@ -57,7 +57,7 @@ Moments moments_plain(const std::uint8_t* center, std::ptrdiff_t stride) {
 }
 
 /// Position of a rotated end in the image.
-std::ptrdiff_t place_of(const std::int16_t* end, const OrbDirection& direction, std::ptrdiff_t stride) {
+std::ptrdiff_t offset_of(const std::int16_t* end, const OrbDirection& direction, std::ptrdiff_t stride) {
   constexpr int half = 1 << (bits - 1);
   const int x = (end[0] * direction.cosine - end[1] * direction.sine + half) >> bits;
   const int y = (end[0] * direction.sine + end[1] * direction.cosine + half) >> bits;
@@ -67,8 +67,8 @@ std::ptrdiff_t place_of(const std::int16_t* end, const OrbDirection& direction, 
 Descriptor describe_plain(const std::uint8_t* center, std::ptrdiff_t stride, const OrbDirection& direction) {
   Descriptor descriptor;
   for (std::size_t t = 0; t < 256; ++t) {
-    const bool below = center[place_of(&ends().first[2 * t], direction, stride)] <
-                       center[place_of(&ends().second[2 * t], direction, stride)];
+    const bool below = center[offset_of(&ends().first[2 * t], direction, stride)] <
+                       center[offset_of(&ends().second[2 * t], direction, stride)];
     descriptor.words[t / 64] |= static_cast<std::uint64_t>(below) << (t % 64);
   }
   return descriptor;
@@ -121,8 +121,8 @@ RASTRO_TARGET_AVX2 inline __m256i values_at(const std::int16_t* ends, const std:
   const __m256i end = _mm256_load_si256(reinterpret_cast<const __m256i*>(ends));
   const __m256i x = _mm256_srai_epi32(_mm256_add_epi32(_mm256_madd_epi16(end, to_x), half), bits);
   const __m256i y = _mm256_srai_epi32(_mm256_add_epi32(_mm256_madd_epi16(end, to_y), half), bits);
-  const __m256i places = _mm256_add_epi32(_mm256_mullo_epi32(y, strides), x);
-  return _mm256_and_si256(_mm256_i32gather_epi32(reinterpret_cast<const int*>(center), places, 1),
+  const __m256i offsets = _mm256_add_epi32(_mm256_mullo_epi32(y, strides), x);
+  return _mm256_and_si256(_mm256_i32gather_epi32(reinterpret_cast<const int*>(center), offsets, 1),
                           _mm256_set1_epi32(0xff));
 }
 

@@ -72,11 +72,11 @@ OrbResize::OrbResize(int source_width, int source_height, double factor)
       const int at = static_cast<int>(std::lround((source_of(x + i, factor) - made.start) * steps));
       // By a factor near two the last of eight can end in the seventeenth byte.
       const int left = std::min(at / steps, 14), weight = std::min(at - left * steps, steps);
-      const auto place = static_cast<std::size_t>(2 * i);
-      made.bytes[place] = static_cast<std::uint8_t>(left);
-      made.bytes[place + 1] = static_cast<std::uint8_t>(left + 1);
-      made.weights[place] = static_cast<std::int8_t>(steps - weight);
-      made.weights[place + 1] = static_cast<std::int8_t>(weight);
+      const auto index = static_cast<std::size_t>(2 * i);
+      made.bytes[index] = static_cast<std::uint8_t>(left);
+      made.bytes[index + 1] = static_cast<std::uint8_t>(left + 1);
+      made.weights[index] = static_cast<std::int8_t>(steps - weight);
+      made.weights[index + 1] = static_cast<std::int8_t>(weight);
     }
   }
   for (int y = 0; y < height_; ++y) {

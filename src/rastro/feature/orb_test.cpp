@@ -24,7 +24,7 @@ namespace {
 /// Overlapping rectangles of random intensity, and noise: corners of all sizes.
 GrayImage blocks(int width, int height, std::uint64_t seed, double noise = 3.0) {
   Random random(seed);
-  cv::Mat picture(height, width, CV_32F, cv::Scalar(128.0));
+  cv::Mat canvas(height, width, CV_32F, cv::Scalar(128.0));
   for (int i = 0; i < width * height / 400; ++i) {
     const auto side = static_cast<float>(4.0 * std::exp(3.0 * random.uniform()));
     const cv::RotatedRect box(
@@ -34,12 +34,12 @@ GrayImage blocks(int width, int height, std::uint64_t seed, double noise = 3.0) 
     box.points(corners);
     std::vector<cv::Point> polygon;
     for (const auto& corner : corners) polygon.emplace_back(cvRound(corner.x), cvRound(corner.y));
-    cv::fillConvexPoly(picture, polygon, cv::Scalar(random.uniform(0.0, 255.0)));
+    cv::fillConvexPoly(canvas, polygon, cv::Scalar(random.uniform(0.0, 255.0)));
   }
   GrayImage image(width, height);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      image.at(x, y) = cv::saturate_cast<std::uint8_t>(picture.at<float>(y, x) + noise * random.normal());
+      image.at(x, y) = cv::saturate_cast<std::uint8_t>(canvas.at<float>(y, x) + noise * random.normal());
   return image;
 }
 
@@ -212,7 +212,7 @@ TEST(Orb, OrientationRotatesWithTheImage) {
   options.features = 100000;
   const Features before = OrbExtractor(options).extract(image.view());
   const Features after = OrbExtractor(options).extract(quarter.view());
-  int found = 0, turned = 0;
+  int found = 0, rotated = 0;
   for (std::size_t i = 0; i < before.size(); ++i) {
     for (std::size_t j = 0; j < after.size(); ++j) {
       if (std::abs(after.keypoints[j].x - (299.0F - before.keypoints[i].y)) > 0.01F ||
@@ -220,13 +220,13 @@ TEST(Orb, OrientationRotatesWithTheImage) {
         continue;
       ++found;
       const double by = static_cast<double>(after.keypoints[j].angle_rad - before.keypoints[i].angle_rad);
-      turned += std::abs(std::remainder(by - std::numbers::pi / 2, 2 * std::numbers::pi)) < 1e-5 &&
-                hamming_distance(before.descriptors[i], after.descriptors[j]) <= 12;
+      rotated += std::abs(std::remainder(by - std::numbers::pi / 2, 2 * std::numbers::pi)) < 1e-5 &&
+                 hamming_distance(before.descriptors[i], after.descriptors[j]) <= 12;
     }
   }
   // Of two equal neighbors another one is selected in the rotated image.
   EXPECT_GT(found, 0.9 * static_cast<double>(before.size()));
-  EXPECT_GT(turned, 0.9 * found);
+  EXPECT_GT(rotated, 0.9 * found);
 }
 
 TEST(Orb, SpreadsOverTheImage) {

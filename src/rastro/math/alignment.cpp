@@ -46,13 +46,13 @@ Moments moments(Points target, Points source) {
   return result;
 }
 
-struct Turn {
+struct RotationFit {
   SO3 rotation;
   double trace = 0.0;  ///< Of the singular values with their signs.
   bool unique = false;
 };
 
-Turn yaw_turn(const Eigen::Matrix3d& covariance) {
+RotationFit fit_yaw(const Eigen::Matrix3d& covariance) {
   const double sine = covariance(1, 0) - covariance(0, 1);
   const double cosine = covariance(0, 0) + covariance(1, 1);
   const double scale = covariance.cwiseAbs().maxCoeff();
@@ -61,7 +61,7 @@ Turn yaw_turn(const Eigen::Matrix3d& covariance) {
   return {SO3::exp({0.0, 0.0, yaw}), 0.0, unique};
 }
 
-Turn free_turn(const Eigen::Matrix3d& covariance) {
+RotationFit fit_rotation(const Eigen::Matrix3d& covariance) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();
   if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) signs.z() = -1.0;
@@ -86,16 +86,16 @@ std::optional<Alignment> align_points(Points target, Points source, AlignmentKin
   const Moments sums = moments(target, source);
   if (!sums.covariance.allFinite() || !sums.target_mean.allFinite() || !sums.source_mean.allFinite())
     return std::nullopt;
-  const Turn turn = kind == AlignmentKind::yaw ? yaw_turn(sums.covariance) : free_turn(sums.covariance);
+  const RotationFit fit = kind == AlignmentKind::yaw ? fit_yaw(sums.covariance) : fit_rotation(sums.covariance);
   double scale = 1.0;
   if (kind == AlignmentKind::similarity) {
-    scale = turn.trace / sums.source_variance;
+    scale = fit.trace / sums.source_variance;
     if (!(scale > 0.0) || !std::isfinite(scale)) return std::nullopt;
   }
   Alignment result;
-  result.target_from_source = Sim3(scale, turn.rotation, sums.target_mean - scale * (turn.rotation * sums.source_mean));
+  result.target_from_source = Sim3(scale, fit.rotation, sums.target_mean - scale * (fit.rotation * sums.source_mean));
   result.rmse = rmse_of(target, source, result.target_from_source);
-  result.unique = turn.unique;
+  result.unique = fit.unique;
   return result;
 }
 

@@ -129,7 +129,7 @@ TYPED_TEST(LieGroup, LogUndoesExp) {
     EXPECT_THAT(TypeParam::exp(tangent).log(), matrix_near(tangent, 1e-12)) << tangent.transpose();
 }
 
-TYPED_TEST(LieGroup, ExpUndoesLogAtAndBeyondHalfATurn) {
+TYPED_TEST(LieGroup, ExpUndoesLogAtAndBeyondARotationByPi) {
   for (const double beyond : {0.0, 1e-12, 1e-6, 0.1, 2.0}) {
     const auto a = TypeParam::exp(this->tangent_of_angle(std::numbers::pi + beyond));
     EXPECT_TRUE(same(TypeParam::exp(a.log()), a, 1e-12)) << beyond;

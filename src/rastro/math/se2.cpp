@@ -5,12 +5,12 @@ namespace rastro {
 namespace {
 
 /// Integral of the rotation from 0 to `angle`: [sine, -cosine; cosine, sine] of the result.
-struct Turning {
+struct RotationIntegral {
   double sine;    ///< sin(angle) / angle
   double cosine;  ///< (1 - cos(angle)) / angle
 };
 
-Turning turning(double angle) {
+RotationIntegral rotation_integral(double angle) {
   if (std::abs(angle) < 1e-4) return {1.0 - angle * angle / 6.0, 0.5 * angle};
   const double half_sine = std::sin(0.5 * angle);
   return {std::sin(angle) / angle, 2.0 * half_sine * half_sine / angle};
@@ -19,14 +19,14 @@ Turning turning(double angle) {
 }  // namespace
 
 SE2 SE2::exp(const Eigen::Vector3d& tangent) {
-  const auto [sine, cosine] = turning(tangent.z());
+  const auto [sine, cosine] = rotation_integral(tangent.z());
   return SE2(SO2::from_angle(tangent.z()),
              {sine * tangent.x() - cosine * tangent.y(), cosine * tangent.x() + sine * tangent.y()});
 }
 
 Eigen::Vector3d SE2::log() const {
   const double angle = rotation_.angle();
-  const auto [sine, cosine] = turning(angle);
+  const auto [sine, cosine] = rotation_integral(angle);
   const double square = sine * sine + cosine * cosine;
   return {(sine * translation_.x() + cosine * translation_.y()) / square,
           (sine * translation_.y() - cosine * translation_.x()) / square, angle};

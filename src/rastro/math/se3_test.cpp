@@ -32,11 +32,11 @@ TEST(SE3, FromMatrixUndoesMatrix) {
 }
 
 TEST(MathTesting, DistantPosesAreNotNear) {
-  const SE3 moved(SO3(), {0.1, 0.0, 0.0}), turned(SO3::exp({0.0, 0.1, 0.0}), Eigen::Vector3d::Zero());
+  const SE3 moved(SO3(), {0.1, 0.0, 0.0}), rotated(SO3::exp({0.0, 0.1, 0.0}), Eigen::Vector3d::Zero());
   EXPECT_THAT(moved, pose_near(SE3(), 0.11, 0.0));
   EXPECT_THAT(moved, ::testing::Not(pose_near(SE3(), 0.09, 1.0)));
-  EXPECT_THAT(turned, pose_near(SE3(), 0.0, 0.11));
-  EXPECT_THAT(turned, ::testing::Not(pose_near(SE3(), 1.0, 0.09)));
+  EXPECT_THAT(rotated, pose_near(SE3(), 0.0, 0.11));
+  EXPECT_THAT(rotated, ::testing::Not(pose_near(SE3(), 1.0, 0.09)));
 }
 
 }  // namespace

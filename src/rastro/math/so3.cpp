@@ -26,7 +26,7 @@ double angle_minus_sine_over_cube(double angle) {
   return (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0 * (1.0 - square / 110.0)))) / 6.0;
 }
 
-/// (1 - angle/2 * cot(angle/2)) / angle^2: finite up to a full turn.
+/// (1 - angle/2 * cot(angle/2)) / angle^2: finite up to 2 pi.
 double inverse_jacobian_coefficient(double angle) {
   const double square = angle * angle;
   if (square > series_below) return (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / square;

@@ -38,7 +38,7 @@ class SO3 {
   static Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& tangent) { return left_jacobian(-tangent); }
   /// exp(tangent + d) = exp(left_jacobian(tangent) * d) * exp(tangent) to first order in d.
   static Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& tangent);
-  /// The inverses exist for rotations of less than a full turn.
+  /// The inverses exist for rotations of less than 2 pi.
   static Eigen::Matrix3d right_jacobian_inverse(const Eigen::Vector3d& tangent) {
     return left_jacobian_inverse(-tangent);
   }

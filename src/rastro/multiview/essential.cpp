@@ -28,9 +28,9 @@ Decomposition decompose(const Eigen::Matrix3d& essential) {
   Eigen::Matrix3d u = svd.matrixU(), v = svd.matrixV();
   if (u.determinant() < 0.0) u.col(2) *= -1.0;
   if (v.determinant() < 0.0) v.col(2) *= -1.0;
-  Eigen::Matrix3d quarter_turn;
-  quarter_turn << 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0;
-  return {{u * quarter_turn * v.transpose(), u * quarter_turn.transpose() * v.transpose()}, u.col(2)};
+  Eigen::Matrix3d quarter_rotation;
+  quarter_rotation << 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0;
+  return {{u * quarter_rotation * v.transpose(), u * quarter_rotation.transpose() * v.transpose()}, u.col(2)};
 }
 
 bool counts(std::span<const std::uint8_t> is_inlier, std::size_t i) { return is_inlier.empty() || is_inlier[i] != 0; }

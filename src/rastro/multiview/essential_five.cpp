@@ -28,22 +28,22 @@ constexpr std::array<Monomial, 20> cubic_terms{
 
 /// Index in `products` of the product of term i of the one and term j of the linear terms.
 template <std::size_t Count, std::size_t Products>
-constexpr std::array<std::array<int, 4>, Count> product_places(const std::array<Monomial, Count>& terms,
-                                                               const std::array<Monomial, Products>& products) {
-  std::array<std::array<int, 4>, Count> places{};
+constexpr std::array<std::array<int, 4>, Count> product_indices(const std::array<Monomial, Count>& terms,
+                                                                const std::array<Monomial, Products>& products) {
+  std::array<std::array<int, 4>, Count> indices{};
   for (std::size_t i = 0; i < Count; ++i) {
     for (std::size_t j = 0; j < 4; ++j) {
       const Monomial product{terms[i].x + linear_terms[j].x, terms[i].y + linear_terms[j].y,
                              terms[i].z + linear_terms[j].z};
       for (std::size_t k = 0; k < Products; ++k) {
-        if (products[k] == product) places[i][j] = static_cast<int>(k);
+        if (products[k] == product) indices[i][j] = static_cast<int>(k);
       }
     }
   }
-  return places;
+  return indices;
 }
-constexpr auto to_quadratic = product_places(linear_terms, quadratic_terms);
-constexpr auto to_cubic = product_places(quadratic_terms, cubic_terms);
+constexpr auto to_quadratic = product_indices(linear_terms, quadratic_terms);
+constexpr auto to_cubic = product_indices(quadratic_terms, cubic_terms);
 
 using Linear = Eigen::Vector4d;
 using Quadratic = Eigen::Matrix<double, 10, 1>;

@@ -100,14 +100,14 @@ TEST(EstimateEssential, MeasuresTheParallaxOfTheMotion) {
 }
 
 TEST(EstimateEssential, WithoutTranslationTheParallaxIsZero) {
-  for (const Eigen::Vector3d& turn : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.02, 0.1, -0.03)}) {
+  for (const Eigen::Vector3d& rotation : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.02, 0.1, -0.03)}) {
     Random random(5);
-    const auto scene = two_view_scene(random, SE3(SO3::exp(turn), Eigen::Vector3d::Zero()),
+    const auto scene = two_view_scene(random, SE3(SO3::exp(rotation), Eigen::Vector3d::Zero()),
                                       {.count = 200, .noise_px = 0.2, .outlier_share = 0.1});
     const auto fit = estimate_essential(scene.a, scene.b, ransac_options());
     ASSERT_TRUE(fit);
     EXPECT_LT(fit->median_parallax_deg, 0.2);
-    EXPECT_LT((fit->second_from_first.rotation().inverse() * SO3::exp(turn)).log().norm(), 0.02);
+    EXPECT_LT((fit->second_from_first.rotation().inverse() * SO3::exp(rotation)).log().norm(), 0.02);
   }
 }
 
@@ -178,21 +178,21 @@ TEST(RefineRelativePose, ConvergesFromAPerturbedStart) {
 }
 
 TEST(RotationBetween, IsExactAndRobustToOutliers) {
-  const SO3 turn = SO3::exp({0.05, -0.2, 0.1});
+  const SO3 rotation = SO3::exp({0.05, -0.2, 0.1});
   Random random(11);
-  const auto exact = two_view_scene(random, SE3(turn, Eigen::Vector3d::Zero()), {.count = 40});
+  const auto exact = two_view_scene(random, SE3(rotation, Eigen::Vector3d::Zero()), {.count = 40});
   const auto fit = rotation_between(exact.a, exact.b, ransac_options());
   ASSERT_TRUE(fit);
-  EXPECT_LT((fit->second_from_first.inverse() * turn).log().norm(), 1e-10);
+  EXPECT_LT((fit->second_from_first.inverse() * rotation).log().norm(), 1e-10);
   EXPECT_LT(fit->median_error_px, 1e-3);
-  const auto noisy =
-      two_view_scene(random, SE3(turn, Eigen::Vector3d::Zero()), {.count = 200, .noise_px = 0.3, .outlier_share = 0.4});
+  const auto noisy = two_view_scene(random, SE3(rotation, Eigen::Vector3d::Zero()),
+                                    {.count = 200, .noise_px = 0.3, .outlier_share = 0.4});
   const auto robust = rotation_between(noisy.a, noisy.b, ransac_options());
   ASSERT_TRUE(robust);
-  EXPECT_LT((robust->second_from_first.inverse() * turn).log().norm(), 2e-4);
+  EXPECT_LT((robust->second_from_first.inverse() * rotation).log().norm(), 2e-4);
   for (std::size_t i = 0; i < noisy.a.size(); ++i) {
     if (noisy.is_outlier[i]) continue;
-    EXPECT_LT((noisy.b[i] - (turn * noisy.points[i]).hnormalized()).norm(), 0.01);
+    EXPECT_LT((noisy.b[i] - (rotation * noisy.points[i]).hnormalized()).norm(), 0.01);
   }
 }
 

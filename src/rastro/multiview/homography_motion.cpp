@@ -31,7 +31,7 @@ std::vector<SE3> motions_of_homography(const Eigen::Matrix3d& homography) {
     const SO3 rotation = SO3::from_matrix(after * before.transpose());
     const Eigen::Vector3d translation = (unit - rotation.matrix()) * normal;
     if (!(translation.norm() > 1e-12)) continue;
-    for (const double way : {1.0, -1.0}) motions.emplace_back(rotation, way * translation.normalized());
+    for (const double direction : {1.0, -1.0}) motions.emplace_back(rotation, direction * translation.normalized());
   }
   return motions;
 }

@@ -21,7 +21,7 @@ Eigen::Matrix3d some_homography() {
 /// Matches of a scene of points at 2 to 12 m observed by two cameras of focal length 450 px, with pixel noise and
 /// outliers.
 PointPairs two_views(Random& random, int count, double outlier_share, double noise, std::vector<bool>& is_outlier) {
-  const Eigen::AngleAxisd turn(0.05, Eigen::Vector3d(0.2, 1.0, 0.1).normalized());
+  const Eigen::AngleAxisd rotation(0.05, Eigen::Vector3d(0.2, 1.0, 0.1).normalized());
   const Eigen::Vector3d shift(0.4, -0.1, 0.2);
   const auto project = [](const Eigen::Vector3d& p) {
     return Eigen::Vector2d(450.0 * p.x() / p.z() + 376.0, 450.0 * p.y() / p.z() + 240.0);
@@ -31,7 +31,7 @@ PointPairs two_views(Random& random, int count, double outlier_share, double noi
     const double depth = random.uniform(2.0, 12.0);
     const Eigen::Vector2d pixel = random_pixel(random);
     const Eigen::Vector3d point((pixel.x() - 376.0) / 450.0 * depth, (pixel.y() - 240.0) / 450.0 * depth, depth);
-    Eigen::Vector2d other = project(turn * point + shift);
+    Eigen::Vector2d other = project(rotation * point + shift);
     is_outlier.push_back(random.uniform() < outlier_share);
     if (is_outlier.back()) other = random_pixel(random);
     other += noise * Eigen::Vector2d(random.normal(), random.normal());

@@ -54,9 +54,9 @@ struct Normal {
       return;
     }
     const double unit = 1.0 / sigma, inverse = 1.0 / p.z(), x = p.x() * inverse, y = p.y() * inverse;
-    Eigen::Matrix<double, 2, 3> by_place;
-    by_place << inverse, 0.0, -x * inverse, 0.0, inverse, -y * inverse;
-    const Eigen::Matrix<double, 2, 7> jacobian = unit * by_place * by_step;
+    Eigen::Matrix<double, 2, 3> by_point;
+    by_point << inverse, 0.0, -x * inverse, 0.0, inverse, -y * inverse;
+    const Eigen::Matrix<double, 2, 7> jacobian = unit * by_point * by_step;
     const Eigen::Vector2d rest = unit * (ray - Eigen::Vector2d(x, y));
     const double squared = rest.squaredNorm(), weight = kernel.weight(squared);
     matrix.noalias() += weight * jacobian.transpose() * jacobian;

@@ -98,8 +98,8 @@ TEST(RefineSimilarity, NoStepFromTheResultFitsBetter) {
 
 TEST(EstimateSimilarity, FindsTheScaleWithBothCamerasAtOnePosition) {
   Random random(6);
-  const Sim3 same_place(1.7, SO3::exp({0.02, -0.05, 0.1}), {0.001, 0.0, 0.0});
-  const auto fit = estimate_similarity(pairs_of(same_place, random, 100, 1.0, 0.2), {});
+  const Sim3 same_position(1.7, SO3::exp({0.02, -0.05, 0.1}), {0.001, 0.0, 0.0});
+  const auto fit = estimate_similarity(pairs_of(same_position, random, 100, 1.0, 0.2), {});
   ASSERT_TRUE(fit);
   EXPECT_NEAR(fit->first_from_second.scale(), 1.7, 0.05);
 }

@@ -117,8 +117,9 @@ std::optional<EssentialFit> find_essential(std::span<const TwoViewPair> pairs, c
 /// Score of a pure rotation, computed as for a homography.
 double rotation_score(std::span<const TwoViewPair> pairs, const TwoViewOptions& options) {
   const Points points(pairs);
-  const auto turn = rotation_between(points.first, points.second, ransac_options(options, options.homography_chi2, 2));
-  return turn ? score_homography(pairs, turn->second_from_first.matrix(), options).score : 0.0;
+  const auto rotation =
+      rotation_between(points.first, points.second, ransac_options(options, options.homography_chi2, 2));
+  return rotation ? score_homography(pairs, rotation->second_from_first.matrix(), options).score : 0.0;
 }
 
 /// The four of an essential matrix (Hartley and Zisserman 2004, result 9.19).
@@ -127,10 +128,10 @@ std::vector<SE3> motions_of_essential(const Eigen::Matrix3d& essential) {
   Eigen::Matrix3d quarter;
   quarter << 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0;
   std::vector<SE3> motions;
-  for (const Eigen::Matrix3d& turn : {quarter, Eigen::Matrix3d(quarter.transpose())}) {
-    Eigen::Matrix3d rotation = svd.matrixU() * turn * svd.matrixV().transpose();
+  for (const Eigen::Matrix3d& quarter_rotation : {quarter, Eigen::Matrix3d(quarter.transpose())}) {
+    Eigen::Matrix3d rotation = svd.matrixU() * quarter_rotation * svd.matrixV().transpose();
     if (rotation.determinant() < 0.0) rotation = -rotation;
-    for (const double way : {1.0, -1.0}) motions.emplace_back(SO3::from_matrix(rotation), way * svd.matrixU().col(2));
+    for (const double sign : {1.0, -1.0}) motions.emplace_back(SO3::from_matrix(rotation), sign * svd.matrixU().col(2));
   }
   return motions;
 }
@@ -155,9 +156,9 @@ Hypothesis judged(const SE3& motion, std::span<const TwoViewPair> pairs, const S
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (model.is_inlier[i] == 0) continue;
     const TwoViewPair& pair = pairs[i];
-    const Eigen::Vector3d turned = motion.rotation() * pair.first.homogeneous().eval();
+    const Eigen::Vector3d rotated = motion.rotation() * pair.first.homogeneous().eval();
     const Eigen::Vector3d ray = pair.second.homogeneous();
-    parallaxes.push_back(std::atan2(turned.cross(ray).norm(), turned.dot(ray)) * 180.0 / std::numbers::pi);
+    parallaxes.push_back(std::atan2(rotated.cross(ray).norm(), rotated.dot(ray)) * 180.0 / std::numbers::pi);
     triangulation.max_error_px =
         std::sqrt(options.homography_chi2) * std::max(pair.first_sigma_px, pair.second_sigma_px);
     const auto point = triangulate(motion, pair.first, pair.second, triangulation);
@@ -263,10 +264,10 @@ TwoViewFit find_two_view_motion(std::span<const TwoViewPair> pairs, const TwoVie
   decide(std::move(hypotheses), options, fit);
   if (fit.status != TwoViewStatus::found) return fit;
   // The error of a rotation estimated as a motion gives points parallax.
-  const double turned = rotation_score(pairs, options) / model.score;
-  if (turned > options.max_rotation_score) {
+  const double rotation_share = rotation_score(pairs, options) / model.score;
+  if (rotation_share > options.max_rotation_score) {
     fit.status = TwoViewStatus::little_motion;
-    fit.detail = fmt::format("a pure rotation has {:.0f} % of the score, need at most {:.0f} %", 100.0 * turned,
+    fit.detail = fmt::format("a pure rotation has {:.0f} % of the score, need at most {:.0f} %", 100.0 * rotation_share,
                              100.0 * options.max_rotation_score);
   }
   return fit;

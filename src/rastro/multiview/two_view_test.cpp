@@ -49,9 +49,9 @@ TEST(MotionsOfHomography, ContainTheTrueMotionAndHaveLengthOne) {
     }
     EXPECT_LT(nearest, 1e-6);
   }
-  const auto turn = motions_of_homography(SO3::exp({0.1, 0.2, 0.3}).matrix());
-  ASSERT_EQ(turn.size(), 1U);
-  EXPECT_EQ(turn[0].translation().norm(), 0.0);
+  const auto rotation_only = motions_of_homography(SO3::exp({0.1, 0.2, 0.3}).matrix());
+  ASSERT_EQ(rotation_only.size(), 1U);
+  EXPECT_EQ(rotation_only[0].translation().norm(), 0.0);
   EXPECT_TRUE(motions_of_homography(Eigen::Matrix3d::Zero()).empty());
   EXPECT_TRUE(motions_of_homography(Eigen::Vector3d(1, 1, 0).asDiagonal()).empty());
 }

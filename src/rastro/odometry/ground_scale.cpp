@@ -96,29 +96,29 @@ std::optional<GroundScale::Costs> GroundScale::compare(GrayView image, const SE3
       direction_.isZero() ? ahead : Eigen::Vector3d((1.0 - direction_memory) * direction_ + direction_memory * ahead);
   pitch_rad_ = std::clamp(-std::atan2(direction_.y(), direction_.z()), -largest_pitch, largest_pitch);
   const Eigen::Vector3d down = downwards(pitch_rad_);
-  std::vector<Eigen::Vector3d> turned(textured_.size());
+  std::vector<Eigen::Vector3d> rotated(textured_.size());
   const Eigen::Matrix3d rotation = current_from_last.rotation().matrix();
   for (std::size_t i = 0; i < textured_.size(); ++i) {
     const Eigen::Vector3d ray = textured_[i].ray.homogeneous();
-    turned[i] = rotation * (ray / down.dot(ray));
+    rotated[i] = rotation * (ray / down.dot(ray));
   }
   Costs costs(static_cast<std::size_t>(heights), not_seen);
   for (int h = 0; h < heights; ++h) {
     const double height = height_at(h);
     if (step < shortest_step * height || step > longest_step * height) continue;
-    costs[static_cast<std::size_t>(h)] = difference(image, turned, current_from_last.translation() / height);
+    costs[static_cast<std::size_t>(h)] = difference(image, rotated, current_from_last.translation() / height);
   }
   return costs;
 }
 
 /// Mean intensity difference at the predicted positions of the road's samples; not_seen if most of them left the image.
-float GroundScale::difference(GrayView image, const std::vector<Eigen::Vector3d>& turned,
+float GroundScale::difference(GrayView image, const std::vector<Eigen::Vector3d>& rotated,
                               const Eigen::Vector3d& moved) const {
   const bool plain = camera_.distortion == Distortion::none;
   float sum = 0.0F;
   std::size_t seen = 0;
-  for (std::size_t i = 0; i < turned.size(); ++i) {
-    const Eigen::Vector3d there = turned[i] + moved;
+  for (std::size_t i = 0; i < rotated.size(); ++i) {
+    const Eigen::Vector3d there = rotated[i] + moved;
     if (there.z() < nearest_depth) continue;
     std::optional<Eigen::Vector2d> pixel;
     if (plain) {
@@ -133,7 +133,7 @@ float GroundScale::difference(GrayView image, const std::vector<Eigen::Vector3d>
     sum += std::min(largest_difference, std::abs(*gray - textured_[i].gray));
     ++seen;
   }
-  return 2 * seen > turned.size() ? sum / static_cast<float>(seen) : not_seen;
+  return 2 * seen > rotated.size() ? sum / static_cast<float>(seen) : not_seen;
 }
 
 void GroundScale::Sums::add(const Costs& costs) {

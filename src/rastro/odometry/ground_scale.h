@@ -49,7 +49,7 @@ class GroundScale {
   };
   static std::optional<double> best_of(const Sums& sums);
 
-  float difference(GrayView image, const std::vector<Eigen::Vector3d>& turned, const Eigen::Vector3d& moved) const;
+  float difference(GrayView image, const std::vector<Eigen::Vector3d>& rotated, const Eigen::Vector3d& moved) const;
 
   /// A pixel of the previous image on the assumed road.
   struct Sample {

@@ -34,7 +34,7 @@ double road_gray(double x, double z) {
 }
 
 /// Image of a camera above the road, pitched down by `pitch`.
-GrayImage picture(const Camera& camera, double ahead_m, double pitch) {
+GrayImage render(const Camera& camera, double ahead_m, double pitch) {
   GrayImage image(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
@@ -55,7 +55,7 @@ std::optional<GroundScale::Found> drive(double meters_per_unit, double pitch, in
   GroundScale scale(camera, camera_height_m);
   for (int i = 0; i < frames; ++i) {
     const Eigen::Vector3d ahead(0.0, -std::sin(pitch), std::cos(pitch));
-    scale.add(picture(camera, i * step_m, pitch).view(), SE3(SO3(), i * step_m / meters_per_unit * ahead));
+    scale.add(render(camera, i * step_m, pitch).view(), SE3(SO3(), i * step_m / meters_per_unit * ahead));
   }
   return scale.find();
 }

@@ -53,7 +53,7 @@ TEST(CarmenLine, HasTheGeometryAndWhatEveryBeamSays) {
   EXPECT_EQ(words.size(), expected.size() + 6 + 5 + 3) << "two poses, five numbers, two stamps and a host";
 }
 
-TEST(CarmenLine, APoseOfTheLaserIsThatOfTheBodyAndItsPlaceThere) {
+TEST(CarmenLine, APoseOfTheLaserIsThatOfTheBodyAndItsPoseThere) {
   LaserScan scan = scan_of({});
   scan.body_from_laser = SE2(SO2::from_angle(std::numbers::pi / 2.0), {0.5, 0.25});
   const auto words = words_of(scan, SE2(SO2::from_angle(std::numbers::pi / 2.0), {3.0, -4.0}), 1'500'000'000);

@@ -69,7 +69,7 @@ class Runner {
     SlamUpdate update = run_.method->process(frame);
     update.milliseconds = watch.lap_ms();
     count(update);
-    note_place(update);
+    note_covariance(update);
     if (run_.folder) write(update);
     if (run_.progress)
       run_.progress({end_.result.frames + reader_.skipped(), run_.frames_asked, end_.result.loops_closed, &update});
@@ -110,8 +110,9 @@ class Runner {
     std::int64_t* const by_state[] = {&result.states.initializing, &result.states.tracking, &result.states.weak,
                                       &result.states.lost, &result.states.relocalized};
     ++*by_state[static_cast<std::size_t>(update.state)];
-    const bool placed = update.state != SlamState::initializing && update.state != SlamState::lost;
-    if (placed && !result.seconds_to_first_pose) result.seconds_to_first_pose = to_seconds(update.stamp - first_stamp_);
+    const bool has_pose = update.state != SlamState::initializing && update.state != SlamState::lost;
+    if (has_pose && !result.seconds_to_first_pose)
+      result.seconds_to_first_pose = to_seconds(update.stamp - first_stamp_);
     if (update.reason != SlamReason::none) ++result.reasons[name_of(update.reason)];
     result.timing.frames.add(update.milliseconds);
     result.timing.method_seconds += update.milliseconds / 1e3;
@@ -121,9 +122,9 @@ class Runner {
 
   void add_time(const std::string& stage, double milliseconds) {
     std::vector<SlamStage>& stages = end_.result.timing.stages;
-    auto place = std::find_if(stages.begin(), stages.end(), [&](const SlamStage& each) { return each.name == stage; });
-    if (place == stages.end()) place = stages.insert(stages.end(), SlamStage{stage, {}});
-    place->times.add(milliseconds);
+    auto found = std::find_if(stages.begin(), stages.end(), [&](const SlamStage& each) { return each.name == stage; });
+    if (found == stages.end()) found = stages.insert(stages.end(), SlamStage{stage, {}});
+    found->times.add(milliseconds);
   }
 
   void note(std::int64_t index, const std::vector<SlamEvent>& events) {
@@ -133,11 +134,13 @@ class Runner {
     }
   }
 
-  void note_place(const SlamUpdate& update) {
+  void note_covariance(const SlamUpdate& update) {
     if (!update.covariance || update.state == SlamState::initializing) return;
-    const Eigen::Vector2d place = update.world_from_body.translation().head<2>();
-    if (!end_.places.empty() && (place - end_.places.back().place).norm() < covariance_step_m) return;
-    end_.places.push_back({place, update.covariance->topLeftCorner<2, 2>()});
+    const Eigen::Vector2d position = update.world_from_body.translation().head<2>();
+    if (!end_.position_covariances.empty() &&
+        (position - end_.position_covariances.back().position).norm() < covariance_step_m)
+      return;
+    end_.position_covariances.push_back({position, update.covariance->topLeftCorner<2, 2>()});
   }
 
   void write(const SlamUpdate& update) {
@@ -165,8 +168,8 @@ class Runner {
     const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames);
     const double posed = static_cast<double>(end_.trajectory.size());
     result.coverage = asked > 0 ? 100.0 * posed / static_cast<double>(asked) : 0.0;
-    const double placed = static_cast<double>(result.states.tracking + result.states.weak + result.states.relocalized);
-    result.recall = asked > 0 ? 100.0 * placed / static_cast<double>(asked) : 0.0;
+    const double tracked = static_cast<double>(result.states.tracking + result.states.weak + result.states.relocalized);
+    result.recall = asked > 0 ? 100.0 * tracked / static_cast<double>(asked) : 0.0;
     result.path_length = path_length(end_.trajectory);
     result.timing.recording_seconds = to_seconds(last_stamp_ - first_stamp_);
     result.peak_memory_mb = peak_resident_memory_mb();

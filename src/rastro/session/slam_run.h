@@ -44,7 +44,7 @@ struct SlamRun {
 
 /// Uncertainty of the position at one point of the trajectory.
 struct PositionCovariance {
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();       ///< World, meters.
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();    ///< World, meters.
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m^2
 };
 
@@ -53,7 +53,7 @@ struct SlamRunEnd {
   Trajectory trajectory;
   std::shared_ptr<const Map> map;  ///< Null if the method could not give one any more.
   /// As first estimated, every two meters of path; empty if the method has no covariance.
-  std::vector<PositionCovariance> places;
+  std::vector<PositionCovariance> position_covariances;
   std::exception_ptr failure;
   std::string first_skip;  ///< Why the first skipped frame could not be read.
 };

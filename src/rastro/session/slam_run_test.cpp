@@ -107,7 +107,7 @@ TEST(SlamRun, CountsStatesLoopsAndCoverage) {
   EXPECT_EQ(end.result.states.weak, 4);
   EXPECT_EQ(end.result.states.tracking, 24);
   EXPECT_EQ(end.result.reasons.at("few_returns"), 4);
-  EXPECT_EQ(end.result.loops_closed, 4) << "three on the way, one at the end";
+  EXPECT_EQ(end.result.loops_closed, 4) << "three during the run, one at the end";
   EXPECT_NEAR(end.result.recall, 100.0 * 28 / 30, 1e-9);
   EXPECT_DOUBLE_EQ(end.result.seconds_to_first_pose.value(), 0.0);
   EXPECT_EQ(end.result.landmarks, 3);
@@ -115,7 +115,7 @@ TEST(SlamRun, CountsStatesLoopsAndCoverage) {
   EXPECT_DOUBLE_EQ(end.result.path_length, 13.5);
   EXPECT_NEAR(end.result.coverage, 100.0 * 28 / 30, 1e-9);
   EXPECT_NEAR(end.result.timing.recording_seconds, 29 * 0.05, 1e-9);
-  EXPECT_EQ(end.places.size(), 7U) << "one every two meters";
+  EXPECT_EQ(end.position_covariances.size(), 7U) << "one every two meters";
   EXPECT_EQ(method.finished, 1);
   EXPECT_EQ(end.result.ended, "end of data");
   EXPECT_THAT(end.first_skip, HasSubstr("frame 4"));

@@ -18,13 +18,13 @@ struct Trial {
     run.source = &source;
     run.process = [this](GrayView image, TimeNs stamp, GrayView mask) { return tracker.process(image, stamp, mask); };
     run.sinks = {&sink};
-    run.image_sinks = {&pictures};
+    run.image_sinks = {&image_sink};
   }
   TrackRunEnd go() { return track_run(run); }
 
   FakeSource source;
   FakeTracker tracker;
-  FakeSink sink, pictures;
+  FakeSink sink, image_sink;
   TrackRun run;
 };
 
@@ -33,7 +33,7 @@ TEST(TrackRun, GivesEveryFrameToEverySinkInOrder) {
   const TrackRunEnd end = trial.go();
   EXPECT_FALSE(end.failure);
   EXPECT_EQ(end.result.ended, "end of data");
-  for (const FakeSink* sink : {&trial.sink, &trial.pictures}) {
+  for (const FakeSink* sink : {&trial.sink, &trial.image_sink}) {
     ASSERT_EQ(sink->frames.size(), 50U);
     for (std::int64_t i = 0; i < 50; ++i) EXPECT_EQ(sink->frames[static_cast<std::size_t>(i)].index, i);
     EXPECT_EQ(sink->finished, 1);
@@ -90,8 +90,8 @@ TEST(TrackRun, AnUnusableSourceEndsTheRunButKeepsWhatWasComputed) {
   EXPECT_THROW(std::rethrow_exception(end.failure), UnusableSource);
   EXPECT_EQ(end.result.frames, 4);
   EXPECT_EQ(trial.sink.frames.size(), 4U);
-  EXPECT_EQ(trial.pictures.frames.size(), 4U) << "what waits for the writer is written";
-  EXPECT_EQ(trial.pictures.finished, 1);
+  EXPECT_EQ(trial.image_sink.frames.size(), 4U) << "what waits for the writer is written";
+  EXPECT_EQ(trial.image_sink.finished, 1);
 }
 
 TEST(TrackRun, StopsAfterTheCurrentFrame) {
@@ -104,14 +104,14 @@ TEST(TrackRun, StopsAfterTheCurrentFrame) {
   EXPECT_TRUE(end.result.interrupted);
   EXPECT_FALSE(end.failure);
   EXPECT_EQ(trial.sink.frames.size(), 20U);
-  EXPECT_EQ(trial.pictures.frames.size(), 20U);
+  EXPECT_EQ(trial.image_sink.frames.size(), 20U);
   EXPECT_EQ(trial.sink.finished, 1);
   EXPECT_DOUBLE_EQ(end.result.coverage, 2.0);
 }
 
 TEST(TrackRun, AFailingImageSinkIsReported) {
   Trial trial(FakeSource(100));
-  trial.pictures.fail_at = 3;
+  trial.image_sink.fail_at = 3;
   const TrackRunEnd end = trial.go();
   EXPECT_THROW(std::rethrow_exception(end.failure), Error);
   EXPECT_LT(end.result.frames, 100) << "the run does not go on for long";

@@ -12,11 +12,11 @@ constexpr double reach_m = 3.0;           // Nothing farther than this occludes 
 constexpr double texels_per_node = 16.0;  // Coarsely painted surfaces are lit coarsely.
 
 /// World point and outward normal of a point on a face, found from the center of the face's local frame.
-struct Place {
+struct PointOnFace {
   Eigen::Vector3d point, normal;
 };
 
-Place place_on(const Scene& scene, const Surface& surface, double u, double v) {
+PointOnFace point_on(const Scene& scene, const Surface& surface, double u, double v) {
   const Primitive& solid = scene.primitives()[surface.primitive];
   const Eigen::Vector3d& half = solid.half;
   Eigen::Vector3d local = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
@@ -51,12 +51,12 @@ std::array<Eigen::Vector3d, 40> directions() {
 }
 
 /// Light that reaches a point: lamps above, windows to the sides, less in corners. About 1 in the open.
-double light_at(const Scene& scene, std::uint32_t primitive, const Place& place) {
+double light_at(const Scene& scene, std::uint32_t primitive, const PointOnFace& at) {
   static const std::array<Eigen::Vector3d, 40> rays = directions();
   double light = 0.0, weight = 0.0;
-  const Eigen::Vector3d origin = place.point + 2e-3 * place.normal;
+  const Eigen::Vector3d origin = at.point + 2e-3 * at.normal;
   for (const Eigen::Vector3d& ray : rays) {
-    const double slope = ray.dot(place.normal);
+    const double slope = ray.dot(at.normal);
     if (slope <= 0.05) continue;
     const std::optional<RayHit> hit = scene.trace_beside(primitive, origin, ray, reach_m);
     const double open = hit ? 0.25 + 0.75 * hit->t / reach_m : 1.0;
@@ -78,7 +78,7 @@ Image<float> light_map(const Scene& scene, const Surface& surface, double detail
       // A little inside the border, where a neighboring solid does not yet cover the point.
       const double u = std::clamp(surface.width * column / (columns - 1), 0.01, std::max(0.01, surface.width - 0.01));
       const double v = std::clamp(surface.height * row / (rows - 1), 0.01, std::max(0.01, surface.height - 0.01));
-      map.at(column, row) = static_cast<float>(light_at(scene, surface.primitive, place_on(scene, surface, u, v)));
+      map.at(column, row) = static_cast<float>(light_at(scene, surface.primitive, point_on(scene, surface, u, v)));
     }
   return map;
 }

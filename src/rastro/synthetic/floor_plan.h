@@ -44,17 +44,17 @@ void write_floor_plan(const FloorPlan& plan, const std::filesystem::path& folder
 /// Woo 1987).
 template <typename Visit>
 void visit_cells(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Visit&& visit) {
-  const Eigen::Vector2d way = to - from;
+  const Eigen::Vector2d ray = to - from;
   int cell[2], step[2];
   double next[2], gap[2];
   int left = 0;
   for (int axis = 0; axis < 2; ++axis) {
     cell[axis] = static_cast<int>(std::floor(from[axis]));
     left += std::abs(static_cast<int>(std::floor(to[axis])) - cell[axis]);
-    step[axis] = way[axis] > 0.0 ? 1 : -1;
-    gap[axis] = way[axis] == 0.0 ? std::numeric_limits<double>::infinity() : 1.0 / std::abs(way[axis]);
-    const double border = way[axis] > 0.0 ? cell[axis] + 1.0 - from[axis] : from[axis] - cell[axis];
-    next[axis] = way[axis] == 0.0 ? gap[axis] : border * gap[axis];
+    step[axis] = ray[axis] > 0.0 ? 1 : -1;
+    gap[axis] = ray[axis] == 0.0 ? std::numeric_limits<double>::infinity() : 1.0 / std::abs(ray[axis]);
+    const double border = ray[axis] > 0.0 ? cell[axis] + 1.0 - from[axis] : from[axis] - cell[axis];
+    next[axis] = ray[axis] == 0.0 ? gap[axis] : border * gap[axis];
   }
   visit(cell[0], cell[1]);
   for (; left > 0; --left) {

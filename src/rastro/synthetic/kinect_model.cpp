@@ -88,9 +88,9 @@ class KinectShot {
     const float strength = focal_ * static_cast<float>(model_.baseline_m);
     float leftmost = std::numeric_limits<float>::infinity();
     for (int x = width_ - 1; x >= 0; --x) {
-      const float place = static_cast<float>(x) - (depth[x] > 0.0F ? strength / depth[x] : 0.0F);
-      in_shadow[static_cast<std::size_t>(x)] = place > leftmost + 0.5F ? 1 : 0;
-      leftmost = std::min(leftmost, place);
+      const float projector_x = static_cast<float>(x) - (depth[x] > 0.0F ? strength / depth[x] : 0.0F);
+      in_shadow[static_cast<std::size_t>(x)] = projector_x > leftmost + 0.5F ? 1 : 0;
+      leftmost = std::min(leftmost, projector_x);
     }
   }
 
@@ -135,12 +135,12 @@ class KinectShot {
     for (const GlassSheet& sheet : renderer_.scene().glass()) {
       const double t = sheet.intersect(world_from_camera_.translation(), direction);
       if (!(t < static_cast<double>(z))) continue;
-      const Eigen::Vector3d place = world_from_camera_.translation() + t * direction - sheet.center;
+      const Eigen::Vector3d offset = world_from_camera_.translation() + t * direction - sheet.center;
       const auto cell = [](double meters, double size) {
         return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(meters / size)));
       };
-      const std::uint64_t u = cell(place.dot(sheet.right.normalized()), 0.03),
-                          v = cell(place.dot(sheet.down.normalized()), 0.03),
+      const std::uint64_t u = cell(offset.dot(sheet.right.normalized()), 0.03),
+                          v = cell(offset.dot(sheet.down.normalized()), 0.03),
                           view = cell(direction.dot(sheet.right.normalized()), 0.2);
       const std::uint64_t item = u + 1000 * v + 1000000 * view;
       const double lost = Random(seed_for(seed_for(renderer_.scene().surfaces().size(), glass_stream), item)).uniform();

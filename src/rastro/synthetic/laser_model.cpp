@@ -14,9 +14,9 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() 
 /// Distance along a ray of unit direction to a pane; infinite if it misses.
 double intersect_pane(const GlassPane& pane, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction) {
   const Eigen::Vector2d side = pane.to - pane.from, to_pane = pane.from - origin;
-  const double turn = cross(direction, side);
-  const double range = cross(to_pane, side) / turn, along = cross(to_pane, direction) / turn;
-  const bool met = turn != 0.0 && range > 0.0 && along >= 0.0 && along <= 1.0;
+  const double determinant = cross(direction, side);
+  const double range = cross(to_pane, side) / determinant, along = cross(to_pane, direction) / determinant;
+  const bool met = determinant != 0.0 && range > 0.0 && along >= 0.0 && along <= 1.0;
   return met ? range : nothing;
 }
 

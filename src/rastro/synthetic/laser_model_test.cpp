@@ -37,10 +37,10 @@ double wall_range(const Eigen::Vector2d& at, double angle) {
 
 /// Nearer intersection of a ray with the column's circle, from the angle to its center.
 double column_range(const Eigen::Vector2d& at, double angle) {
-  const Eigen::Vector2d way = Eigen::Vector2d(2.0, 1.0) - at;
-  const double off = angle - std::atan2(way.y(), way.x()), aside = way.norm() * std::sin(off);
+  const Eigen::Vector2d offset = Eigen::Vector2d(2.0, 1.0) - at;
+  const double off = angle - std::atan2(offset.y(), offset.x()), aside = offset.norm() * std::sin(off);
   if (std::cos(off) < 0.0 || std::abs(aside) > 0.25) return std::numeric_limits<double>::infinity();
-  return way.norm() * std::cos(off) - std::sqrt(0.0625 - aside * aside);
+  return offset.norm() * std::cos(off) - std::sqrt(0.0625 - aside * aside);
 }
 
 TEST(LaserModel, ranges_are_those_of_the_walls_and_the_column) {

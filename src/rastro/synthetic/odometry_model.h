@@ -32,7 +32,7 @@ class WheelOdometry {
  private:
   OdometryModel model_;
   Random random_;
-  double meter_scale_, turn_scale_;
+  double meter_scale_, rotation_scale_;
   SE2 odometry_from_body_;
 };
 

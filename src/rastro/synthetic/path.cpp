@@ -29,8 +29,8 @@ SO3 looking(double yaw, double pitch, double roll) {
   Eigen::Matrix3d world_from_level;
   // Camera x is the world's -y, camera y the world's -z, camera z the world's x.
   world_from_level << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  const SO3 turned = SO3::exp({0, 0, yaw}) * SO3::exp({0, pitch, 0});
-  return turned * SO3::from_matrix(world_from_level) * SO3::exp({0, 0, roll});
+  const SO3 yaw_pitch = SO3::exp({0, 0, yaw}) * SO3::exp({0, pitch, 0});
+  return yaw_pitch * SO3::from_matrix(world_from_level) * SO3::exp({0, 0, roll});
 }
 
 }  // namespace rastro

@@ -41,10 +41,10 @@ void check_folder(const fs::path& folder, bool force) {
     throw Error("the folder is not empty", folder.string(), "choose another --out or use --force");
 }
 
-std::uintmax_t write_png(const fs::path& file, const cv::Mat& picture) {
+std::uintmax_t write_png(const fs::path& file, const cv::Mat& image) {
   std::vector<std::uint8_t> bytes;
   // Without a level OpenCV uses the fastest one with row differences, which suits both images and smooth depth.
-  if (!cv::imencode(".png", picture, bytes)) fail_to_write(file);
+  if (!cv::imencode(".png", image, bytes)) fail_to_write(file);
   std::ofstream stream(file, std::ios::binary);
   stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   stream.flush();

@@ -29,7 +29,7 @@ void make_folder(const std::filesystem::path& folder);
 /// Throws Error if the folder is a file, or is not empty and `force` is not set.
 void check_folder(const std::filesystem::path& folder, bool force);
 /// Returns the size of the file.
-std::uintmax_t write_png(const std::filesystem::path& file, const cv::Mat& picture);
+std::uintmax_t write_png(const std::filesystem::path& file, const cv::Mat& image);
 /// Shares the pixels of `gray`, which must not be written to.
 cv::Mat gray_image(const GrayImage& gray);
 

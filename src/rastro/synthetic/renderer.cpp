@@ -150,19 +150,19 @@ class Shot {
   }
 
   Footprint footprint(const PixelHit& hit, const Eigen::Vector3d& direction, const Eigen::Vector3d& origin) const {
-    const FacePoint place = scene_.face_point(hit.surface, origin + hit.depth * direction);
+    const FacePoint point = scene_.face_point(hit.surface, origin + hit.depth * direction);
     const Surface& surface = scene_.surfaces()[hit.surface];
-    const double facing = place.normal.dot(direction);
+    const double facing = point.normal.dot(direction);
     const double safe = std::abs(facing) < 1e-4 ? 1e-4 : facing;
-    const double along_u = place.along_u.dot(direction) / safe, along_v = place.along_v.dot(direction) / safe;
-    const double normal_x = place.normal.dot(step_x_), normal_y = place.normal.dot(step_y_);
+    const double along_u = point.along_u.dot(direction) / safe, along_v = point.along_v.dot(direction) / safe;
+    const double normal_x = point.normal.dot(step_x_), normal_y = point.normal.dot(step_y_);
     const double scale_x = hit.depth * surface.texels_x, scale_y = hit.depth * surface.texels_y;
-    const auto du_dx = static_cast<float>(scale_x * (place.along_u.dot(step_x_) - along_u * normal_x));
-    const auto dv_dx = static_cast<float>(scale_y * (place.along_v.dot(step_x_) - along_v * normal_x));
-    const auto du_dy = static_cast<float>(scale_x * (place.along_u.dot(step_y_) - along_u * normal_y));
-    const auto dv_dy = static_cast<float>(scale_y * (place.along_v.dot(step_y_) - along_v * normal_y));
-    return {static_cast<float>(place.u * surface.texels_x),
-            static_cast<float>(place.v * surface.texels_y),
+    const auto du_dx = static_cast<float>(scale_x * (point.along_u.dot(step_x_) - along_u * normal_x));
+    const auto dv_dx = static_cast<float>(scale_y * (point.along_v.dot(step_x_) - along_v * normal_x));
+    const auto du_dy = static_cast<float>(scale_x * (point.along_u.dot(step_y_) - along_u * normal_y));
+    const auto dv_dy = static_cast<float>(scale_y * (point.along_v.dot(step_y_) - along_v * normal_y));
+    return {static_cast<float>(point.u * surface.texels_x),
+            static_cast<float>(point.v * surface.texels_y),
             du_dx,
             dv_dx,
             du_dy,

@@ -82,9 +82,9 @@ struct GlassSheet {
   double intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
     const Eigen::Vector3d normal = right.cross(down);
     const double t = normal.dot(center - origin) / normal.dot(direction);
-    const Eigen::Vector3d place = origin + t * direction - center;
-    const bool met = t > 0.0 && std::abs(place.dot(right)) <= 0.5 * right.squaredNorm() &&
-                     std::abs(place.dot(down)) <= 0.5 * down.squaredNorm();
+    const Eigen::Vector3d offset = origin + t * direction - center;
+    const bool met = t > 0.0 && std::abs(offset.dot(right)) <= 0.5 * right.squaredNorm() &&
+                     std::abs(offset.dot(down)) <= 0.5 * down.squaredNorm();
     return met ? t : std::numeric_limits<double>::infinity();
   }
 };

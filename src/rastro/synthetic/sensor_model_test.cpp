@@ -46,10 +46,10 @@ TEST(SensorModelTest, noise_has_the_given_standard_deviation) {
 
 TEST(SensorModelTest, noise_differs_between_seeds_and_not_between_pools) {
   TaskPool one(1), eight(8);
-  const auto picture = [&](std::uint64_t seed, TaskPool& pool) {
+  const auto rendered = [&](std::uint64_t seed, TaskPool& pool) {
     return expose(flat_light(100), flat_depth(2), camera(), SensorModel{}, {}, seed, pool);
   };
-  const GrayImage a = picture(1, one), b = picture(2, one), c = picture(1, eight);
+  const GrayImage a = rendered(1, one), b = rendered(2, one), c = rendered(1, eight);
   int differ = 0;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {

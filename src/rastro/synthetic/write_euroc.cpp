@@ -18,22 +18,22 @@ constexpr int frames_at_once =
     16;  // Written in the order of time after each batch, so that an interrupted run is a shorter recording.
 
 cv::Mat depth_image_of(const DepthImage& depth) {
-  cv::Mat picture(depth.height(), depth.width(), CV_16U);
+  cv::Mat image(depth.height(), depth.width(), CV_16U);
   for (int y = 0; y < depth.height(); ++y)
     for (int x = 0; x < depth.width(); ++x) {
       const double meters = depth.at(x, y);
       const double steps = meters > 0.0 ? std::round(1.0 / (meters * inverse_depth_step)) : 0.0;
-      picture.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(std::clamp(steps, 0.0, 65535.0));
+      image.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(std::clamp(steps, 0.0, 65535.0));
     }
-  return picture;
+  return image;
 }
 
 cv::Mat surface_image(const Image<std::uint32_t>& surface) {
-  cv::Mat picture(surface.height(), surface.width(), CV_16U);
+  cv::Mat image(surface.height(), surface.width(), CV_16U);
   for (int y = 0; y < surface.height(); ++y)
     for (int x = 0; x < surface.width(); ++x)
-      picture.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(std::min<std::uint32_t>(surface.at(x, y), 65535));
-  return picture;
+      image.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(std::min<std::uint32_t>(surface.at(x, y), 65535));
+  return image;
 }
 
 std::string rows_of(const Eigen::Matrix4d& m) {

@@ -49,7 +49,7 @@ std::string date_text(TimeNs stamp) {
 class Lists {
  public:
   virtual ~Lists() = default;
-  virtual fs::path picture(std::int64_t frame) const = 0;
+  virtual fs::path image_of(std::int64_t frame) const = 0;
   virtual fs::path right_image_of(std::int64_t) const { return {}; }
   virtual void add(std::int64_t frame) = 0;
 };
@@ -68,7 +68,7 @@ class OdometryLists : public Lists {
     times_.emplace(folder / "times.txt");
     poses_.emplace(folder / "poses.txt");
   }
-  fs::path picture(std::int64_t frame) const override { return folder_ / "image_0" / fmt::format("{:06}.png", frame); }
+  fs::path image_of(std::int64_t frame) const override { return folder_ / "image_0" / fmt::format("{:06}.png", frame); }
   fs::path right_image_of(std::int64_t frame) const override {
     return folder_ / "image_1" / fmt::format("{:06}.png", frame);
   }
@@ -93,7 +93,7 @@ class RawLists : public Lists {
     image_times_.emplace(drive / "image_00/timestamps.txt");
     oxts_times_.emplace(drive / "oxts/timestamps.txt");
   }
-  fs::path picture(std::int64_t frame) const override {
+  fs::path image_of(std::int64_t frame) const override {
     return drive_ / "image_00/data" / fmt::format("{:010}.png", frame);
   }
   void add(std::int64_t frame) override {
@@ -153,7 +153,7 @@ KittiSummary write_kitti(const World& world, const fs::path& folder, const Kitti
     pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
       TaskPool alone(1);
       for (int i = begin; i < stop; ++i) {
-        bytes += write_png(lists->picture(first + i), gray_image(world.render(first + i, alone).gray));
+        bytes += write_png(lists->image_of(first + i), gray_image(world.render(first + i, alone).gray));
         if (options.stereo)
           bytes += write_png(lists->right_image_of(first + i), gray_image(world.render_right(first + i, alone).gray));
       }

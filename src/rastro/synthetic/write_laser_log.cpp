@@ -60,16 +60,16 @@ class Recorder {
     for (std::int64_t first = 0; first < scans_; first += scans_at_once) {
       const std::int64_t end = std::min(scans_, first + scans_at_once);
       std::vector<LaserScan> scans(static_cast<std::size_t>(end - first));
-      std::vector<std::vector<LandmarkMeasurement>> sightings(scans.size());
+      std::vector<std::vector<LandmarkMeasurement>> observations(scans.size());
       pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
         for (int i = begin; i < stop; ++i) {
           scans[static_cast<std::size_t>(i)] = scan(first + i);
-          sightings[static_cast<std::size_t>(i)] = sight_landmarks(world_, first + i);
+          observations[static_cast<std::size_t>(i)] = sight_landmarks(world_, first + i);
         }
       });
       for (std::int64_t number = first; number < end; ++number)
         write(number, scans[static_cast<std::size_t>(number - first)],
-              sightings[static_cast<std::size_t>(number - first)]);
+              observations[static_cast<std::size_t>(number - first)]);
       if (progress) progress(end);
     }
   }
@@ -93,7 +93,7 @@ class Recorder {
                       Random(seed_for(stream, static_cast<std::uint64_t>(number))));
   }
 
-  void write(std::int64_t number, const LaserScan& scan, const std::vector<LandmarkMeasurement>& sightings) {
+  void write(std::int64_t number, const LaserScan& scan, const std::vector<LandmarkMeasurement>& observations) {
     const SE2 here = pose(number);
     if (number > 0) move(number, pose(number - 1).inverse() * here);
     const std::string line = carmen_robot_laser_line(scan, wheels_.odometry_from_body(), world_.stamp(number));
@@ -103,7 +103,7 @@ class Recorder {
     const std::string stamp = seconds_text(world_.stamp(number));
     ground_truth_->write(fmt::format("{} {:.9f} {:.9f} 0 0 0 {:.12f} {:.12f}\n", stamp, here.translation().x(),
                                      here.translation().y(), std::sin(half), std::cos(half)));
-    for (const LandmarkMeasurement& seen : sightings)
+    for (const LandmarkMeasurement& seen : observations)
       landmarks_->write(fmt::format("landmark {} {} {:.4f} {:.5f}\n", stamp, seen.id, seen.range, seen.bearing));
   }
 
@@ -133,10 +133,10 @@ std::string relation_line(const LaserWorld& world, const ScanPair& pair) {
 }
 
 bool in_sight(const LaserWorld& world, const Scene& now, const Eigen::Vector2d& laser, const LaserLandmark& landmark) {
-  const Eigen::Vector2d way = landmark.position - laser;
-  const double free = way.norm() - landmark.radius, height = world.laser.height_m;
+  const Eigen::Vector2d ray = landmark.position - laser;
+  const double free = ray.norm() - landmark.radius, height = world.laser.height_m;
   if (free <= 0.0) return true;
-  const Eigen::Vector2d direction = way.normalized();
+  const Eigen::Vector2d direction = ray.normalized();
   return !now.trace({laser.x(), laser.y(), height}, {direction.x(), direction.y(), 0.0}, free);
 }
 
@@ -149,39 +149,41 @@ std::vector<LandmarkMeasurement> sight_landmarks(const LaserWorld& world, std::i
   const SE2 laser_from_world = (world_from_body * world.laser.body_from_laser).inverse();
   const Eigen::Vector2d laser = laser_from_world.inverse().translation();
   Random random(seed_for(seed_for(world.seed, landmark_noise), static_cast<std::uint64_t>(scan)));
-  std::vector<LandmarkMeasurement> sightings;
+  std::vector<LandmarkMeasurement> observations;
   for (const LaserLandmark& landmark : world.landmarks) {
     const double range_noise = random.normal(), bearing_noise = random.normal();
     const Eigen::Vector2d seen = laser_from_world * landmark.position;
     if (std::abs(std::atan2(seen.y(), seen.x())) > -world.laser.first_angle) continue;
     const Eigen::Vector2d in_body = world_from_body.inverse() * landmark.position;
     if (in_body.norm() > reach_m || !in_sight(world, now, laser, landmark)) continue;
-    sightings.push_back({landmark.id, in_body.norm() * (1.0 + range_share * range_noise),
-                         std::atan2(in_body.y(), in_body.x()) + bearing_sigma * bearing_noise});
+    observations.push_back({landmark.id, in_body.norm() * (1.0 + range_share * range_noise),
+                            std::atan2(in_body.y(), in_body.x()) + bearing_sigma * bearing_noise});
   }
-  return sightings;
+  return observations;
 }
 
 std::vector<ScanPair> relation_pairs(const LaserWorld& world, std::int64_t scans) {
   constexpr double step_m = 1.0, revisit_step_m = 0.5, near_m = 1.0, away_m = 10.0;
-  std::vector<Eigen::Vector2d> places;
-  std::vector<double> way = {0.0};
+  std::vector<Eigen::Vector2d> positions;
+  std::vector<double> path_length = {0.0};
   for (std::int64_t scan = 0; scan < scans; ++scan) {
-    places.push_back(world.world_from_body(world.time_of(scan)).translation());
-    if (scan > 0) way.push_back(way.back() + (places.back() - places[places.size() - 2]).norm());
+    positions.push_back(world.world_from_body(world.time_of(scan)).translation());
+    if (scan > 0)
+      path_length.push_back(path_length.back() + (positions.back() - positions[positions.size() - 2]).norm());
   }
   std::vector<ScanPair> pairs;
   std::size_t last = 0, last_revisit = 0;
-  for (std::size_t here = 1; here < places.size(); ++here) {
-    if (way[here] - way[last] >= step_m) {
+  for (std::size_t here = 1; here < positions.size(); ++here) {
+    if (path_length[here] - path_length[last] >= step_m) {
       pairs.push_back({static_cast<std::int64_t>(last), static_cast<std::int64_t>(here)});
       last = here;
     }
-    if (way[here] - way[last_revisit] < revisit_step_m) continue;
+    if (path_length[here] - path_length[last_revisit] < revisit_step_m) continue;
     last_revisit = here;
     std::optional<std::size_t> nearest;
-    for (std::size_t before = 0; before < here && way[here] - way[before] > away_m; ++before)
-      if ((places[before] - places[here]).norm() < (nearest ? (places[*nearest] - places[here]).norm() : near_m))
+    for (std::size_t before = 0; before < here && path_length[here] - path_length[before] > away_m; ++before)
+      if ((positions[before] - positions[here]).norm() <
+          (nearest ? (positions[*nearest] - positions[here]).norm() : near_m))
         nearest = before;
     if (nearest) pairs.push_back({static_cast<std::int64_t>(*nearest), static_cast<std::int64_t>(here)});
   }

@@ -84,10 +84,12 @@ TEST(WriteLaserLog, ground_truth_and_relations_are_those_of_the_drive) {
 
 TEST(WriteLaserLog, relations_reach_across_the_loop) {
   const auto pairs = relation_pairs(office(), office().scan_count());
-  const auto place = [](std::int64_t scan) { return office().world_from_body(office().time_of(scan)).translation(); };
+  const auto position = [](std::int64_t scan) {
+    return office().world_from_body(office().time_of(scan)).translation();
+  };
   int neighbors = 0, across = 0;
   for (const ScanPair& pair : pairs) {
-    const double away = (place(pair.second) - place(pair.first)).norm();
+    const double away = (position(pair.second) - position(pair.first)).norm();
     EXPECT_LT(away, 1.1);
     (pair.second - pair.first > 1000 ? across : neighbors) += 1;
   }
@@ -97,7 +99,7 @@ TEST(WriteLaserLog, relations_reach_across_the_loop) {
 
 TEST(WriteLaserLog, landmarks_are_observed_at_their_positions_and_only_when_visible) {
   Eigen::Vector2d squares = Eigen::Vector2d::Zero();
-  int sightings = 0;
+  int observations = 0;
   for (std::int64_t scan = 0; scan < office().scan_count(); scan += 10) {
     const SE2 body_from_world = office().world_from_body(office().time_of(scan)).inverse();
     for (const LandmarkMeasurement& seen : sight_landmarks(office(), scan)) {
@@ -105,14 +107,15 @@ TEST(WriteLaserLog, landmarks_are_observed_at_their_positions_and_only_when_visi
       ASSERT_EQ(landmark.id, seen.id);
       const Eigen::Vector2d in_body = body_from_world * landmark.position;
       ASSERT_LT(in_body.norm(), 6.0);
-      const double turn = std::remainder(seen.bearing - std::atan2(in_body.y(), in_body.x()), 2.0 * std::numbers::pi);
-      squares += Eigen::Vector2d(std::pow(seen.range / in_body.norm() - 1.0, 2), turn * turn);
-      ++sightings;
+      const double bearing_error =
+          std::remainder(seen.bearing - std::atan2(in_body.y(), in_body.x()), 2.0 * std::numbers::pi);
+      squares += Eigen::Vector2d(std::pow(seen.range / in_body.norm() - 1.0, 2), bearing_error * bearing_error);
+      ++observations;
     }
   }
-  ASSERT_GT(sightings, 300);
-  EXPECT_NEAR(std::sqrt(squares.x() / sightings), 0.02, 0.002);
-  EXPECT_NEAR(std::sqrt(squares.y() / sightings), std::numbers::pi / 180.0, 0.1 * std::numbers::pi / 180.0);
+  ASSERT_GT(observations, 300);
+  EXPECT_NEAR(std::sqrt(squares.x() / observations), 0.02, 0.002);
+  EXPECT_NEAR(std::sqrt(squares.y() / observations), std::numbers::pi / 180.0, 0.1 * std::numbers::pi / 180.0);
   // In the middle of the bare corridor there is no door, and those of the rooms are occluded.
   EXPECT_TRUE(sight_landmarks(office(), 930).empty());
 }

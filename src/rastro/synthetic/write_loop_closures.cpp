@@ -48,7 +48,7 @@ Eigen::Vector3d motion(const World& world, std::int64_t frame) {
 }
 
 /// Frames used, with their scenes.
-struct Look {
+struct UsedFrame {
   std::int64_t frame;
   SE3 pose;
   Scene scene;
@@ -58,14 +58,14 @@ struct Look {
 
 std::vector<TrueLoopClosure> true_loop_closures(const World& world, std::int64_t frames,
                                                 const LoopClosureSearch& search) {
-  std::vector<Look> looks;
+  std::vector<UsedFrame> used_frames;
   for (std::int64_t frame = 0; frame < frames; frame += search.step)
-    looks.push_back({frame, world.world_from_camera(frame), world.scene_at(frame)});
+    used_frames.push_back({frame, world.world_from_camera(frame), world.scene_at(frame)});
   std::vector<TrueLoopClosure> loop_closures;
-  for (const Look& late : looks) {
+  for (const UsedFrame& late : used_frames) {
     TrueLoopClosure best;
     std::vector<Eigen::Vector3d> points;
-    for (const Look& early : looks) {
+    for (const UsedFrame& early : used_frames) {
       if (early.frame + search.gap > late.frame) break;
       const double distance = (early.pose.translation() - late.pose.translation()).norm();
       if (distance > search.farthest_m || angle_between(early.pose, late.pose) > search.widest_rad) continue;

@@ -63,14 +63,14 @@ class Mesh {
     const bool round = solid.shape == Shape::cylinder || solid.shape == Shape::sphere;
     const int columns = round ? 48 : 1, rows = solid.shape == Shape::sphere ? 24 : 1;
     // Explicit type: an Eigen expression would outlive the objects it refers to.
-    const auto place = [&](int column, int row) -> Vector3d {
-      return solid.center + solid.world_from_local * local_place(solid, face, static_cast<double>(column) / columns,
-                                                                 static_cast<double>(row) / rows);
+    const auto position = [&](int column, int row) -> Vector3d {
+      return solid.center + solid.world_from_local * local_position(solid, face, static_cast<double>(column) / columns,
+                                                                    static_cast<double>(row) / rows);
     };
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns; ++column) {
-        const Vector3d a = place(column, row), b = place(column + 1, row), c = place(column + 1, row + 1),
-                       d = place(column, row + 1);
+        const Vector3d a = position(column, row), b = position(column + 1, row), c = position(column + 1, row + 1),
+                       d = position(column, row + 1);
         add_triangle(a, b, c, solid, color);
         add_triangle(a, c, d, solid, color);
       }
@@ -110,29 +110,29 @@ class Mesh {
 
  private:
   /// A face as a square of s and t in 0..1.
-  static Vector3d local_place(const Primitive& solid, int face, double s, double t) {
+  static Vector3d local_position(const Primitive& solid, int face, double s, double t) {
     const Vector3d& half = solid.half;
-    const double turn = 2.0 * std::numbers::pi * s;
+    const double longitude = 2.0 * std::numbers::pi * s;
     switch (solid.shape) {
       case Shape::box: {
-        Vector3d place;
+        Vector3d position;
         const int axis = face / 2;
-        place[axis] = (face & 1) != 0 ? -half[axis] : half[axis];
-        place[(axis + 1) % 3] = (2.0 * s - 1.0) * half[(axis + 1) % 3];
-        place[(axis + 2) % 3] = (2.0 * t - 1.0) * half[(axis + 2) % 3];
-        return place;
+        position[axis] = (face & 1) != 0 ? -half[axis] : half[axis];
+        position[(axis + 1) % 3] = (2.0 * s - 1.0) * half[(axis + 1) % 3];
+        position[(axis + 2) % 3] = (2.0 * t - 1.0) * half[(axis + 2) % 3];
+        return position;
       }
       case Shape::quad:
         return {(2.0 * s - 1.0) * half.x(), (2.0 * t - 1.0) * half.y(), 0.0};
       case Shape::cylinder: {
         const double radius = face == 0 ? half.x() : t * half.x();
         const double z = face == 0 ? (2.0 * t - 1.0) * half.z() : face == 1 ? half.z() : -half.z();
-        return {radius * std::cos(turn), radius * std::sin(turn), z};
+        return {radius * std::cos(longitude), radius * std::sin(longitude), z};
       }
       case Shape::sphere: {
         const double colatitude = std::numbers::pi * t;
-        return half.x() * Vector3d(std::sin(colatitude) * std::cos(turn), std::sin(colatitude) * std::sin(turn),
-                                   std::cos(colatitude));
+        return half.x() * Vector3d(std::sin(colatitude) * std::cos(longitude),
+                                   std::sin(colatitude) * std::sin(longitude), std::cos(colatitude));
       }
     }
     return Vector3d::Zero();
@@ -144,9 +144,9 @@ class Mesh {
     if (normal.norm() < 1e-12) return;
     const bool inward = normal.dot((a + b + c) / 3.0 - solid.center) < 0.0;
     for (const Vector3d& corner : {a, inward ? c : b, inward ? b : c}) {
-      const Vector3d place = mesh_from_world_ * corner;
+      const Vector3d vertex = mesh_from_world_ * corner;
       vertices_.push_back(
-          {static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(place.z())});
+          {static_cast<float>(vertex.x()), static_cast<float>(vertex.y()), static_cast<float>(vertex.z())});
       colors_.push_back(color);
     }
   }

@@ -30,11 +30,11 @@ std::uint16_t raw_depth(double meters, const DepthModel& model, double normal) {
 }
 
 cv::Mat depth_image_of(const DepthImage& depth, const DepthModel& model, Random random) {
-  cv::Mat picture(depth.height(), depth.width(), CV_16U);
+  cv::Mat image(depth.height(), depth.width(), CV_16U);
   for (int y = 0; y < depth.height(); ++y)
     for (int x = 0; x < depth.width(); ++x)
-      picture.at<std::uint16_t>(y, x) = raw_depth(static_cast<double>(depth.at(x, y)), model, random.normal());
-  return picture;
+      image.at<std::uint16_t>(y, x) = raw_depth(static_cast<double>(depth.at(x, y)), model, random.normal());
+  return image;
 }
 
 TimeNs depth_delay(const World& world) { return world.kinect() ? from_seconds(world.kinect()->delay_s) : 0; }
@@ -53,13 +53,13 @@ cv::Mat depth_of(const World& world, std::int64_t frame, const RenderedFrame& sh
 
 /// OpenCV's order is blue first.
 cv::Mat color_image_of(const ColorImage& color) {
-  cv::Mat picture(color.height(), color.width(), CV_8UC3);
+  cv::Mat image(color.height(), color.width(), CV_8UC3);
   for (int y = 0; y < color.height(); ++y) {
     const std::uint8_t* from = color.rgb.row(y);
-    std::uint8_t* to = picture.ptr<std::uint8_t>(y);
+    std::uint8_t* to = image.ptr<std::uint8_t>(y);
     for (int x = 0; x < 3 * color.width(); x += 3) to[x] = from[x + 2], to[x + 1] = from[x + 1], to[x + 2] = from[x];
   }
-  return picture;
+  return image;
 }
 
 std::string camera_text(const Camera& camera) {
@@ -106,10 +106,10 @@ TumSummary write_tum(const World& world, const fs::path& folder, const TumOption
     TaskPool alone(1);
     RenderedFrame shot = world.render(frame, alone);
     cv::Mat depth_raw = depth_of(world, frame, shot, options, alone);
-    cv::Mat picture = shot.color.empty() ? gray_image(shot.gray) : color_image_of(shot.color);
+    cv::Mat image = shot.color.empty() ? gray_image(shot.gray) : color_image_of(shot.color);
     if (options.black && world.time_of(frame) >= options.black->first && world.time_of(frame) < options.black->second)
-      picture.setTo(0), depth_raw.setTo(0);
-    bytes += write_png(folder / "rgb" / name_of(frame), picture);
+      image.setTo(0), depth_raw.setTo(0);
+    bytes += write_png(folder / "rgb" / name_of(frame), image);
     bytes += write_png(folder / "depth" / depth_name_of(frame), depth_raw);
   };
   for (std::int64_t first = 0; first < options.frames; first += frames_at_once) {

@@ -219,21 +219,21 @@ void KltReference::cut(const Eigen::Matrix2f& current_from_reference, KltPatch& 
   constexpr float one = 65536.0F;
   const auto fixed = [](float pixels) { return static_cast<std::int32_t>(std::lround(pixels * one)); };
   const Eigen::Matrix2f reference_from_current = current_from_reference.inverse();
-  KltRotation turn;
-  turn.pixels = pixels_.data();
-  turn.side = stride();
-  turn.across_x = fixed(reference_from_current(0, 0));
-  turn.across_y = fixed(reference_from_current(1, 0));
-  turn.down_x = fixed(reference_from_current(0, 1));
-  turn.down_y = fixed(reference_from_current(1, 1));
-  turn.rows = size_ + 3;
+  KltRotation rotation;
+  rotation.pixels = pixels_.data();
+  rotation.side = stride();
+  rotation.across_x = fixed(reference_from_current(0, 0));
+  rotation.across_y = fixed(reference_from_current(1, 0));
+  rotation.down_x = fixed(reference_from_current(0, 1));
+  rotation.down_y = fixed(reference_from_current(1, 1));
+  rotation.rows = size_ + 3;
   // The window's center is fixed; fractions of the corner come in 1/32768.
   const int half = 1 + size_ / 2, middle = (margin() + half) * 65536;
-  turn.x = middle + 2 * fraction_x_ - half * (turn.across_x + turn.down_x);
-  turn.y = middle + 2 * fraction_y_ - half * (turn.across_y + turn.down_y);
-  std::array<std::uint8_t, KltRotation::row_length*(klt_largest_window + 3) + 64> turned{};
-  klt_kernels().turn(turn, turned.data());
-  klt_kernels().cut({turned.data() + KltRotation::row_length + 1, KltRotation::row_length, 0, 0}, size_, patch);
+  rotation.x = middle + 2 * fraction_x_ - half * (rotation.across_x + rotation.down_x);
+  rotation.y = middle + 2 * fraction_y_ - half * (rotation.across_y + rotation.down_y);
+  std::array<std::uint8_t, KltRotation::row_length*(klt_largest_window + 3) + 64> rotated{};
+  klt_kernels().rotate(rotation, rotated.data());
+  klt_kernels().cut({rotated.data() + KltRotation::row_length + 1, KltRotation::row_length, 0, 0}, size_, patch);
 }
 
 KltResult KltReference::align(const Pyramid& current, const Eigen::Vector2f& guess, double reach_px,

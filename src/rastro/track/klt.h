@@ -51,7 +51,7 @@ class KltReference {
 
   /// Aligns the template with the current image, starting at `guess` (finest level only, so from a few pixels away).
   /// `followed` says whether the options' limits hold; there is no backward check. `current_from_reference`: rotation
-  /// and stretch of the surroundings since (the derivative of the motion).
+  /// and scale of the surroundings since (the derivative of the motion).
   KltResult align(const Pyramid& current, const Eigen::Vector2f& guess, double reach_px, const KltOptions& options,
                   const Eigen::Matrix2f& current_from_reference = Eigen::Matrix2f::Identity()) const;
   /// Squared difference from the current image at `point`, as share of the template's variance (1e9 outside).

@@ -114,17 +114,17 @@ KltResidual residual_plain(const KltWindow& window, const KltPatch& patch) {
   return sums;
 }
 
-void rotate_plain(const KltRotation& turn, std::uint8_t* turned) {
-  const std::int32_t most = (turn.side - 1) * 65536 - 1;
-  for (int y = 0; y < turn.rows; ++y) {
-    std::int32_t at_x = turn.x + y * turn.down_x, at_y = turn.y + y * turn.down_y;
-    std::uint8_t* out = turned + y * KltRotation::row_length;
-    for (int x = 0; x < turn.rows; ++x, at_x += turn.across_x, at_y += turn.across_y) {
+void rotate_plain(const KltRotation& rotation, std::uint8_t* rotated) {
+  const std::int32_t most = (rotation.side - 1) * 65536 - 1;
+  for (int y = 0; y < rotation.rows; ++y) {
+    std::int32_t at_x = rotation.x + y * rotation.down_x, at_y = rotation.y + y * rotation.down_y;
+    std::uint8_t* out = rotated + y * KltRotation::row_length;
+    for (int x = 0; x < rotation.rows; ++x, at_x += rotation.across_x, at_y += rotation.across_y) {
       const std::int32_t px = std::clamp(at_x, 0, most), py = std::clamp(at_y, 0, most);
-      const std::uint8_t* pixel = turn.pixels + (py >> 16) * turn.side + (px >> 16);
+      const std::uint8_t* pixel = rotation.pixels + (py >> 16) * rotation.side + (px >> 16);
       const int fx = (px >> 8) & 255, fy = (py >> 8) & 255;
       const int upper = pixel[0] * (256 - fx) + pixel[1] * fx;
-      const int lower = pixel[turn.side] * (256 - fx) + pixel[turn.side + 1] * fx;
+      const int lower = pixel[rotation.side] * (256 - fx) + pixel[rotation.side + 1] * fx;
       out[x] = static_cast<std::uint8_t>((upper * (256 - fy) + lower * fy + 32768) >> 16);
     }
   }

@@ -41,7 +41,7 @@ struct KltWindow {
   const std::uint8_t* row(int y) const { return pixels + y * stride; }
 };
 
-/// A square image to be resampled with rotation and stretch; positions and steps in 1/65536 pixel. Kernels read up to
+/// A square image to be resampled with rotation and scale; positions and steps in 1/65536 pixel. Kernels read up to
 /// three bytes behind its last pixel.
 struct KltRotation {
   const std::uint8_t* pixels = nullptr;
@@ -61,7 +61,7 @@ struct KltKernels {
   KltResidual (*residual)(const KltWindow& window, const KltPatch& patch);
   /// Bilinear, rounded; outside, the pixel at the edge is used. Columns behind the last one may be written, up to the
   /// next multiple of eight.
-  void (*turn)(const KltRotation& turn, std::uint8_t* turned);
+  void (*rotate)(const KltRotation& rotation, std::uint8_t* rotated);
 };
 
 const KltKernels& klt_kernels_plain();

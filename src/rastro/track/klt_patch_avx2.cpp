@@ -164,33 +164,35 @@ RASTRO_TARGET_AVX2 KltResidual residual_avx2(const KltWindow& window, const KltP
 }
 
 /// Eight pairs of neighboring pixels, interpolated horizontally, in 1/256 level.
-RASTRO_TARGET_AVX2 inline __m256i gathered(const std::uint8_t* pixels, __m256i places, __m256i weights) {
-  const __m256i four = _mm256_i32gather_epi32(reinterpret_cast<const int*>(pixels), places, 1);
+RASTRO_TARGET_AVX2 inline __m256i gathered(const std::uint8_t* pixels, __m256i offsets, __m256i weights) {
+  const __m256i four = _mm256_i32gather_epi32(reinterpret_cast<const int*>(pixels), offsets, 1);
   const __m256i left = _mm256_and_si256(four, _mm256_set1_epi32(0xff));
   const __m256i right = _mm256_and_si256(_mm256_slli_epi32(four, 8), _mm256_set1_epi32(0xff0000));
   return _mm256_madd_epi16(_mm256_or_si256(left, right), weights);
 }
 
-RASTRO_TARGET_AVX2 void rotate_avx2(const KltRotation& turn, std::uint8_t* turned) {
-  const __m256i most = _mm256_set1_epi32((turn.side - 1) * 65536 - 1), zero = _mm256_setzero_si256();
-  const __m256i side = _mm256_set1_epi32(turn.side), one = _mm256_set1_epi32(256), byte = _mm256_set1_epi32(255);
+RASTRO_TARGET_AVX2 void rotate_avx2(const KltRotation& rotation, std::uint8_t* rotated) {
+  const __m256i most = _mm256_set1_epi32((rotation.side - 1) * 65536 - 1), zero = _mm256_setzero_si256();
+  const __m256i side = _mm256_set1_epi32(rotation.side), one = _mm256_set1_epi32(256), byte = _mm256_set1_epi32(255);
   const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-  const __m256i lanes_x = _mm256_mullo_epi32(lanes, _mm256_set1_epi32(turn.across_x));
-  const __m256i lanes_y = _mm256_mullo_epi32(lanes, _mm256_set1_epi32(turn.across_y));
-  for (int y = 0; y < turn.rows; ++y) {
-    std::uint8_t* out = turned + y * KltRotation::row_length;
-    for (int x = 0; x < turn.rows; x += 8) {
-      const __m256i at_x = _mm256_add_epi32(_mm256_set1_epi32(turn.x + y * turn.down_x + x * turn.across_x), lanes_x);
-      const __m256i at_y = _mm256_add_epi32(_mm256_set1_epi32(turn.y + y * turn.down_y + x * turn.across_y), lanes_y);
+  const __m256i lanes_x = _mm256_mullo_epi32(lanes, _mm256_set1_epi32(rotation.across_x));
+  const __m256i lanes_y = _mm256_mullo_epi32(lanes, _mm256_set1_epi32(rotation.across_y));
+  for (int y = 0; y < rotation.rows; ++y) {
+    std::uint8_t* out = rotated + y * KltRotation::row_length;
+    for (int x = 0; x < rotation.rows; x += 8) {
+      const __m256i at_x =
+          _mm256_add_epi32(_mm256_set1_epi32(rotation.x + y * rotation.down_x + x * rotation.across_x), lanes_x);
+      const __m256i at_y =
+          _mm256_add_epi32(_mm256_set1_epi32(rotation.y + y * rotation.down_y + x * rotation.across_y), lanes_y);
       const __m256i px = _mm256_min_epi32(_mm256_max_epi32(at_x, zero), most);
       const __m256i py = _mm256_min_epi32(_mm256_max_epi32(at_y, zero), most);
-      const __m256i places =
+      const __m256i offsets =
           _mm256_add_epi32(_mm256_mullo_epi32(_mm256_srai_epi32(py, 16), side), _mm256_srai_epi32(px, 16));
       const __m256i fx = _mm256_and_si256(_mm256_srai_epi32(px, 8), byte);
       const __m256i fy = _mm256_and_si256(_mm256_srai_epi32(py, 8), byte);
       const __m256i weights = _mm256_or_si256(_mm256_sub_epi32(one, fx), _mm256_slli_epi32(fx, 16));
-      const __m256i upper = gathered(turn.pixels, places, weights);
-      const __m256i lower = gathered(turn.pixels + turn.side, places, weights);
+      const __m256i upper = gathered(rotation.pixels, offsets, weights);
+      const __m256i lower = gathered(rotation.pixels + rotation.side, offsets, weights);
       const __m256i both =
           _mm256_add_epi32(_mm256_mullo_epi32(upper, _mm256_sub_epi32(one, fy)), _mm256_mullo_epi32(lower, fy));
       const __m256i gray = _mm256_srli_epi32(_mm256_add_epi32(both, _mm256_set1_epi32(32768)), 16);

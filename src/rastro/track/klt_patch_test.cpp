@@ -133,7 +133,7 @@ TEST(KltPatch, SumsAreThoseOfItsPixelsOneByOne) {
   }
 }
 
-TEST(KltRotation, IsTheBilinearValueOfTheTurnedPlaceWithEdgesRepeated) {
+TEST(KltRotation, IsTheBilinearValueAtTheRotatedPositionWithEdgesRepeated) {
   constexpr int side = 38;
   std::vector<std::uint8_t> pixels(side * side + 8);
   for (int y = 0; y < side; ++y)
@@ -141,17 +141,17 @@ TEST(KltRotation, IsTheBilinearValueOfTheTurnedPlaceWithEdgesRepeated) {
       pixels[static_cast<std::size_t>(y * side + x)] = static_cast<std::uint8_t>(5 * x + 2 * y);
   const auto fixed = [](double value) { return static_cast<std::int32_t>(std::lround(65536.0 * value)); };
   const double x0 = -3.0, y0 = 6.5, across_x = 1.3, across_y = -0.4, down_x = 0.4, down_y = 1.1;
-  const KltRotation turn{pixels.data(),   side,          fixed(x0),     fixed(y0), fixed(across_x),
-                         fixed(across_y), fixed(down_x), fixed(down_y), 30};
+  const KltRotation rotation{pixels.data(),   side,          fixed(x0),     fixed(y0), fixed(across_x),
+                             fixed(across_y), fixed(down_x), fixed(down_y), 30};
   for (const KltKernels* kernels : every_kernel) {
-    std::vector<std::uint8_t> turned(KltRotation::row_length * 40);
-    kernels->turn(turn, turned.data());
-    for (int y = 0; y < turn.rows; ++y) {
-      for (int x = 0; x < turn.rows; ++x) {
+    std::vector<std::uint8_t> rotated(KltRotation::row_length * 40);
+    kernels->rotate(rotation, rotated.data());
+    for (int y = 0; y < rotation.rows; ++y) {
+      for (int x = 0; x < rotation.rows; ++x) {
         const double px = std::clamp(x0 + x * across_x + y * down_x, 0.0, side - 1.0);
         const double py = std::clamp(y0 + x * across_y + y * down_y, 0.0, side - 1.0);
         // Of a plane the bilinear value is the plane's.
-        ASSERT_NEAR(turned[static_cast<std::size_t>(y * KltRotation::row_length + x)], 5.0 * px + 2.0 * py, 0.6)
+        ASSERT_NEAR(rotated[static_cast<std::size_t>(y * KltRotation::row_length + x)], 5.0 * px + 2.0 * py, 0.6)
             << x << ' ' << y;
       }
     }
@@ -234,7 +234,7 @@ TEST(Klt, FollowsWhatLeavesNoMoreThanTheLargestResidual) {
     EXPECT_EQ(limited[i].followed, static_cast<double>(all[i].residual_ratio) <= limit) << i;
 }
 
-TEST(Klt, TheWayBackTellsWhatIsNotTheSame) {
+TEST(Klt, TrackingBackwardTellsWhatIsNotTheSame) {
   const Pyramid before = one_level(testing::noise_image(120, 100, 1)),
                 after = one_level(testing::noise_image(120, 100, 2));
   std::vector<Eigen::Vector2f> points;

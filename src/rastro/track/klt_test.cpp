@@ -146,15 +146,15 @@ TEST(KltReference, AlignsFromAFewPixelsAwayAndRejectsAnotherPatch) {
 
 TEST(KltReference, IsFoundRotatedAndScaledByAKnownAmount) {
   // The image b(p) = a(M^-1 p) shows a's center region rotated and scaled by M.
-  Eigen::Matrix2f turned;
-  turned << 1.08F, -0.46F, 0.46F, 1.08F;
+  Eigen::Matrix2f warp;
+  warp << 1.08F, -0.46F, 0.46F, 1.08F;
   const GrayImage a = wave_image(320, 240, 0, 0);
   GrayImage b(320, 240);
   const Eigen::Vector2f middle(160.0F, 120.0F);
   for (int y = 0; y < 240; ++y) {
     for (int x = 0; x < 320; ++x) {
       const Eigen::Vector2f from =
-          turned.inverse() * (Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - middle) + middle;
+          warp.inverse() * (Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - middle) + middle;
       const int ix = std::clamp(static_cast<int>(std::floor(from.x())), 0, 318);
       const int iy = std::clamp(static_cast<int>(std::floor(from.y())), 0, 238);
       const float fx = from.x() - static_cast<float>(ix), fy = from.y() - static_cast<float>(iy);
@@ -164,14 +164,14 @@ TEST(KltReference, IsFoundRotatedAndScaledByAKnownAmount) {
     }
   }
   const Pyramid before = pyramid_of(a), after = pyramid_of(b);
-  for (const Eigen::Vector2f& place : {Eigen::Vector2f(160.0F, 120.0F), Eigen::Vector2f(140.3F, 131.8F)}) {
+  for (const Eigen::Vector2f& position : {Eigen::Vector2f(160.0F, 120.0F), Eigen::Vector2f(140.3F, 131.8F)}) {
     KltReference reference;
-    reference.keep(before, place, 21);
-    const Eigen::Vector2f there = turned * (place - middle) + middle;
-    const KltResult found = reference.align(after, there + Eigen::Vector2f(1.5F, -1.0F), 5.0, {}, turned);
+    reference.keep(before, position, 21);
+    const Eigen::Vector2f there = warp * (position - middle) + middle;
+    const KltResult found = reference.align(after, there + Eigen::Vector2f(1.5F, -1.0F), 5.0, {}, warp);
     ASSERT_TRUE(found.followed);
     EXPECT_LT((found.pixel - there).norm(), 0.1F);
-    EXPECT_GT(reference.residual_ratio(after, there), 4.0 * reference.residual_ratio(after, there, turned));
+    EXPECT_GT(reference.residual_ratio(after, there), 4.0 * reference.residual_ratio(after, there, warp));
   }
 }
 
@@ -181,16 +181,16 @@ TEST(Klt, PlainAndFastResamplingGiveTheSameBytes) {
   for (auto& pixel : pixels) pixel = static_cast<std::uint8_t>(random.below(256));
   const auto within = [&](std::int32_t most) { return static_cast<std::int32_t>(random.below(2 * most)) - most; };
   for (int i = 0; i < 200; ++i) {
-    const KltRotation turn{pixels.data(),      38,
-                           within(40 * 65536), within(40 * 65536),
-                           within(2 * 65536),  within(2 * 65536),
-                           within(131072),     within(131072),
-                           24 + i % 11};
+    const KltRotation rotation{pixels.data(),      38,
+                               within(40 * 65536), within(40 * 65536),
+                               within(2 * 65536),  within(2 * 65536),
+                               within(131072),     within(131072),
+                               24 + i % 11};
     std::vector<std::uint8_t> plain(KltRotation::row_length * 40), fast(plain.size());
-    klt_kernels_plain().turn(turn, plain.data());
-    klt_kernels_avx2().turn(turn, fast.data());
-    for (int y = 0; y < turn.rows; ++y) {
-      for (int x = 0; x < turn.rows; ++x) {
+    klt_kernels_plain().rotate(rotation, plain.data());
+    klt_kernels_avx2().rotate(rotation, fast.data());
+    for (int y = 0; y < rotation.rows; ++y) {
+      for (int x = 0; x < rotation.rows; ++x) {
         ASSERT_EQ(plain[static_cast<std::size_t>(y * KltRotation::row_length + x)],
                   fast[static_cast<std::size_t>(y * KltRotation::row_length + x)]);
       }

@@ -112,7 +112,7 @@ Eigen::Matrix3d MotionHistory::guess_step(int layer, const Step& other, std::int
     dx.push_back(followed[i].ideal.x() - track.undistorted_in(current - 1).x());
     dy.push_back(followed[i].ideal.y() - track.undistorted_in(current - 1).y());
   }
-  if (!apart_) return other.current_from_last;
+  if (!layers_differ_) return other.current_from_last;
   if (dx.size() < fewest) return last_step_[static_cast<std::size_t>(layer)];
   Eigen::Matrix3d step = Eigen::Matrix3d::Identity();
   step(0, 2) = static_cast<double>(upper_median(std::move(dx)));
@@ -128,11 +128,11 @@ void MotionHistory::advance(std::int64_t current, std::span<const Association> f
     for (auto& motions : motions_) {
       for (Motion& motion : motions) motion.frame = -1;
     }
-    apart_ = false;
+    layers_differ_ = false;
   } else {
     const int first = layer_of_first(steps, followed, store);
-    if (steps.size() == 1 && members(steps[0], 1 - first, followed, store) > 0) apart_ = false;
-    if (steps.size() > 1) apart_ = true;
+    if (steps.size() == 1 && members(steps[0], 1 - first, followed, store) > 0) layers_differ_ = false;
+    if (steps.size() > 1) layers_differ_ = true;
     const Eigen::Matrix3d other =
         steps.size() > 1 ? steps[1].current_from_last : guess_step(1 - first, steps[0], current, followed, store);
     move(first, steps[0].current_from_last);

@@ -46,7 +46,7 @@ class MotionHistory {
 
   /// The motion of a layer from frame `frame` to the current one; nullopt if unknown. Refined on first use.
   const Motion* since(std::int64_t frame, int layer, std::span<const Association> followed, const TrackStore& store);
-  /// Rotation and stretch of a track's surroundings since frame `frame`, in which it was observed, if they move with
+  /// Rotation and scale of a track's surroundings since frame `frame`, in which it was observed, if they move with
   /// `layer`; nullopt if unknown or implausibly large.
   std::optional<Eigen::Matrix2f> rotated_since(std::int64_t frame, int layer, const Track& track,
                                                std::span<const Association> followed, const TrackStore& store);
@@ -65,7 +65,7 @@ class MotionHistory {
 
   const TrackOptions& options_;
   std::int64_t current_ = -1;
-  bool apart_ = false;  ///< The layers had different motions when both were last observed.
+  bool layers_differ_ = false;  ///< The layers had different motions when both were last observed.
   std::array<Eigen::Matrix3d, layers> last_step_{Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity()};
   std::array<std::vector<Motion>, layers> motions_;
 };
@@ -74,7 +74,7 @@ class MotionHistory {
 std::optional<Eigen::Vector2d> moved_pixel(const Eigen::Matrix3d& homography, const Eigen::Vector2f& ideal,
                                            const UndistortedCamera& camera);
 
-/// The derivative of such a homography: rotation and stretch of the surroundings. nullopt if it mirrors, or stretches
+/// The derivative of such a homography: rotation and scale of the surroundings. nullopt if it mirrors, or stretches
 /// to more than double or less than half.
 std::optional<Eigen::Matrix2f> derivative_at(const Eigen::Matrix3d& homography, const Eigen::Vector2f& ideal);
 

@@ -18,7 +18,7 @@ class TwoLayers {
  public:
   explicit TwoLayers(int life) : store_(30), history_(options_), life_(life) {}
 
-  static Eigen::Matrix3d place(int layer, std::int64_t frame) {
+  static Eigen::Matrix3d layer_pose(int layer, std::int64_t frame) {
     const double t = static_cast<double>(frame);
     Eigen::Isometry2d pose = Eigen::Isometry2d::Identity();
     pose.pretranslate(layer == 0 ? Eigen::Vector2d(3.0 * t, -2.0 * t) : Eigen::Vector2d(-9.0 * t, 0.5 * t));
@@ -47,7 +47,7 @@ class TwoLayers {
         const Eigen::Vector3d now(random_.uniform() * 600.0, random_.uniform() * 400.0, 1.0);
         // Staggered, so that they do not all end in one frame.
         const std::int64_t born = frame_ == 0 ? -(number % life_) : frame_;
-        live_.push_back({store_.create(), layer, number, born, place(layer, frame_).inverse() * now});
+        live_.push_back({store_.create(), layer, number, born, layer_pose(layer, frame_).inverse() * now});
       }
     }
     for (const Live& feature : live_) store_[feature.track].observe(frame_, at(feature), at(feature), {});
@@ -60,7 +60,7 @@ class TwoLayers {
       const auto* motion = history_.since(frame, known, associations_, store_);
       if (!motion) continue;
       const Eigen::Vector2d from(300.0, 200.0);
-      const Eigen::Matrix3d truth = place(layer, frame_) * place(layer, frame).inverse();
+      const Eigen::Matrix3d truth = layer_pose(layer, frame_) * layer_pose(layer, frame).inverse();
       best = std::min(best, (*transfer(motion->current_from_frame, from) - *transfer(truth, from)).norm());
     }
     return best;
@@ -74,7 +74,7 @@ class TwoLayers {
     Eigen::Vector3d point;
   };
   Eigen::Vector2f at(const Live& feature) const {
-    return (place(feature.layer, frame_) * feature.point).hnormalized().cast<float>();
+    return (layer_pose(feature.layer, frame_) * feature.point).hnormalized().cast<float>();
   }
 
   TrackOptions options_;

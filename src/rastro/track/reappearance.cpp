@@ -34,11 +34,11 @@ class Search {
 
   std::optional<Reappeared> find(std::size_t index) {
     const int first = std::max(0, store_[index].layer), second = 1 - first;
-    const auto expected = expected_place(index, first);
+    const auto expected = expected_position(index, first);
     if (expected) {
       if (const auto found = find_at(index, first, *expected)) return found;
     }
-    const auto other = expected_place(index, second);
+    const auto other = expected_position(index, second);
     // Where both layers have the same motion, nothing has reappeared.
     constexpr double alike_px = 1.0;
     if (!other || (expected && (*other - *expected).norm() < alike_px)) return std::nullopt;
@@ -46,7 +46,7 @@ class Search {
   }
 
  private:
-  std::optional<Eigen::Vector2d> expected_place(std::size_t index, int layer) {
+  std::optional<Eigen::Vector2d> expected_position(std::size_t index, int layer) {
     const Track& track = store_[index];
     const MotionHistory::Motion* motion = history_.since(track.last_seen, layer, followed_, store_);
     if (!motion) return std::nullopt;
@@ -58,10 +58,10 @@ class Search {
     const Track& track = store_[index];
     const Eigen::Vector2f& last = track.undistorted_in(track.last_seen);
     const MotionHistory::Motion& motion = *history_.since(track.last_seen, layer, followed_, store_);
-    const auto turned = derivative_at(motion.current_from_frame, last);
-    if (!turned || !is_alike(track, expected.cast<float>(), *turned, prefilter_slack)) return std::nullopt;
+    const auto warp = derivative_at(motion.current_from_frame, last);
+    if (!warp || !is_alike(track, expected.cast<float>(), *warp, prefilter_slack)) return std::nullopt;
     const KltResult found = align(track, layer, expected.cast<float>());
-    if (!found.followed || !has_room_(found.pixel) || !is_alike(track, found.pixel, *turned, 0)) return std::nullopt;
+    if (!found.followed || !has_room_(found.pixel) || !is_alike(track, found.pixel, *warp, 0)) return std::nullopt;
     if (motion.inlier_share < options_.min_inlier_share &&
         !agrees_with_neighbors(motion.shared, last.cast<double>(), camera_.from_pixel(found.pixel).cast<double>(),
                                options_.max_reprojection_px))
@@ -72,10 +72,9 @@ class Search {
   // Before alignment a position may be wrong by a pixel or two.
   static constexpr int prefilter_slack = 8;
 
-  bool is_alike(const Track& track, const Eigen::Vector2f& pixel, const Eigen::Matrix2f& turned, int slack) {
-    const double angle =
-        std::atan2(static_cast<double>(turned(1, 0) - turned(0, 1)), static_cast<double>(turned.trace()));
-    const double scale = std::sqrt(static_cast<double>(turned.determinant()));
+  bool is_alike(const Track& track, const Eigen::Vector2f& pixel, const Eigen::Matrix2f& warp, int slack) {
+    const double angle = std::atan2(static_cast<double>(warp(1, 0) - warp(0, 1)), static_cast<double>(warp.trace()));
+    const double scale = std::sqrt(static_cast<double>(warp.determinant()));
     const Descriptor seen = describe_(pixel, angle, scale);
     distances_.resize(track.descriptors().size());
     hamming_distances(seen, track.descriptors(), distances_);
@@ -87,17 +86,17 @@ class Search {
     return votes >= options_.min_votes;
   }
 
-  KltResult align_patch(const KltReference& look, std::int64_t frame, const Track& track, int layer,
+  KltResult align_patch(const KltReference& patch, std::int64_t frame, const Track& track, int layer,
                         const Eigen::Vector2f& pixel) {
-    const auto turned = history_.rotated_since(frame, layer, track, followed_, store_);
+    const auto warp = history_.rotated_since(frame, layer, track, followed_, store_);
     const double reach = std::min(options_.max_alignment_px, options_.max_reprojection_px);
-    return turned ? look.align(image_, pixel, reach, klt_, *turned) : KltResult{};
+    return warp ? patch.align(image_, pixel, reach, klt_, *warp) : KltResult{};
   }
 
   KltResult align(const Track& track, int layer, const Eigen::Vector2f& pixel) {
     const bool just_lost = track.last_seen >= current_ - options_.reference_interval;
     klt_.max_residual_ratio = just_lost ? options_.max_residual_ratio : options_.max_alignment_residual;
-    const KltResult older = align_patch(track.look(), track.patch_frame(), track, layer, pixel);
+    const KltResult older = align_patch(track.reference_patch(), track.patch_frame(), track, layer, pixel);
     if (older.followed && older.residual_ratio <= static_cast<float>(options_.max_residual_ratio)) return older;
     const KltResult newer = align_patch(track.newest_patch(), track.newest_patch_frame(), track, layer, pixel);
     return older.followed && (!newer.followed || older.residual_ratio <= newer.residual_ratio) ? older : newer;

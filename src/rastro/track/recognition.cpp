@@ -110,7 +110,7 @@ std::optional<Eigen::Vector2f> aligned(const Track& track, std::int64_t current,
   const bool just_lost = track.last_seen == current - 1;
   klt.max_residual_ratio = just_lost ? options.max_residual_ratio : options.max_alignment_residual;
   const double reach = options.max_alignment_px;
-  const KltResult older = track.look().align(image, corner, reach, klt);
+  const KltResult older = track.reference_patch().align(image, corner, reach, klt);
   if (older.followed && older.residual_ratio <= static_cast<float>(options.max_residual_ratio)) return older.pixel;
   const KltResult newer = track.newest_patch().align(image, corner, reach, klt);
   if (!older.followed && !newer.followed) return std::nullopt;

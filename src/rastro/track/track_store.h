@@ -38,7 +38,7 @@ class Track {
   void keep_patch(std::int64_t frame, int interval, const Pyramid& pyramid, const Eigen::Vector2f& pixel,
                   int window_px);
   /// The patch kept before the last one, where there is one: old enough not to show what occludes the feature now.
-  const KltReference& look() const { return older_patch_.empty() ? patch_ : older_patch_; }
+  const KltReference& reference_patch() const { return older_patch_.empty() ? patch_ : older_patch_; }
   const KltReference& newest_patch() const { return patch_; }
   /// The frames of the observations; -1 for none.
   std::int64_t patch_frame() const { return older_patch_.empty() ? patch_frame_ : older_patch_frame_; }

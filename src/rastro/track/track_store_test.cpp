@@ -21,34 +21,34 @@ Descriptor with_bits(int count) {
   return descriptor;
 }
 
-TEST(Track, KeepsItsLookAtIntervalsAndTheOneBefore) {
+TEST(Track, KeepsItsPatchAtIntervalsAndTheOneBefore) {
   const Pyramid pyramid = wave_pyramid();
   Track track(30);
   track.start(0);
   EXPECT_EQ(track.patch_frame(), -1);
   EXPECT_EQ(track.newest_patch_frame(), -1);
-  EXPECT_TRUE(track.look().empty());
+  EXPECT_TRUE(track.reference_patch().empty());
   for (std::int64_t frame = 2; frame <= 13; ++frame) {
     track.keep_patch(frame, 4, pyramid, {50.0F, 40.0F}, 21);
     const std::int64_t newest = 2 + (frame - 2) / 4 * 4;
     EXPECT_EQ(track.newest_patch_frame(), newest) << frame;
     EXPECT_EQ(track.patch_frame(), std::max<std::int64_t>(2, newest - 4)) << frame;
-    EXPECT_FALSE(track.look().empty());
+    EXPECT_FALSE(track.reference_patch().empty());
   }
   track.start(1);
-  EXPECT_TRUE(track.look().empty());
+  EXPECT_TRUE(track.reference_patch().empty());
   EXPECT_TRUE(track.newest_patch().empty());
   EXPECT_EQ(track.patch_frame(), -1);
 }
 
-TEST(Track, TheOlderLookIsOfWhereItWasThen) {
+TEST(Track, TheOlderPatchIsOfWhereItWasThen) {
   const Pyramid pyramid = wave_pyramid();
   Track track(30);
   track.start(0);
   track.keep_patch(0, 4, pyramid, {40.0F, 40.0F}, 21);
   track.keep_patch(4, 4, pyramid, {70.0F, 50.0F}, 21);
-  EXPECT_LT(track.look().residual_ratio(pyramid, {40.0F, 40.0F}), 1e-6);
-  EXPECT_GT(track.look().residual_ratio(pyramid, {70.0F, 50.0F}), 0.1);
+  EXPECT_LT(track.reference_patch().residual_ratio(pyramid, {40.0F, 40.0F}), 1e-6);
+  EXPECT_GT(track.reference_patch().residual_ratio(pyramid, {70.0F, 50.0F}), 0.1);
   EXPECT_LT(track.newest_patch().residual_ratio(pyramid, {70.0F, 50.0F}), 1e-6);
 }
 
@@ -80,7 +80,7 @@ TEST(TrackStore, LostTracksAreInTheOrderOfTheirIds) {
   EXPECT_EQ(store.lost(), (std::vector<std::size_t>{0, 1, 4}));
   store.discard(3);
   const std::size_t again = store.create();
-  EXPECT_EQ(again, 3U) << "the place of the one that was discarded";
+  EXPECT_EQ(again, 3U) << "the slot of the one that was discarded";
   EXPECT_EQ(store[again].id, 5);
   store[again].observe(1, {}, {}, {});
   store.mark_lost(again);

@@ -210,13 +210,13 @@ void Tracker::State::drop_changed() {
   if (options_.max_reference_residual <= 0.0) return;
   std::erase_if(live_, [&](const Live& feature) {
     const Track& track = store_[feature.track];
-    if (track.look().empty()) return false;
-    Eigen::Matrix2f turned = Eigen::Matrix2f::Identity();
+    if (track.reference_patch().empty()) return false;
+    Eigen::Matrix2f warp = Eigen::Matrix2f::Identity();
     if (foresees()) {
       const auto known = history_.rotated_since(track.patch_frame(), std::max(0, track.layer), track, followed, store_);
-      if (known) turned = *known;
+      if (known) warp = *known;
     }
-    return track.look().residual_ratio(current_, feature.pixel, turned) > options_.max_reference_residual;
+    return track.reference_patch().residual_ratio(current_, feature.pixel, warp) > options_.max_reference_residual;
   });
 }
 
@@ -364,19 +364,19 @@ void Tracker::State::make_room(std::vector<Recognized>& recognized, TrackFrame& 
     const Track &first = store_[live_[a].track], &second = store_[live_[b].track];
     return first.age != second.age ? first.age < second.age : first.id > second.id;
   });
-  std::vector<char> gives_way(live_.size(), 0);
+  std::vector<char> is_displaced(live_.size(), 0);
   int displaced = 0;
   const int most = std::min(most_displaced(), static_cast<int>(youngest.size()));
   while (excess() - displaced > 0) {
     const std::size_t next = displaced < most ? youngest[static_cast<std::size_t>(displaced)] : live_.size();
     if (next < live_.size() && store_[live_[next].track].age < store_[recognized.back().track].age) {
-      gives_way[next] = 1;
+      is_displaced[next] = 1;
       ++displaced;
     } else {
       recognized.pop_back();
     }
   }
-  remove_live(gives_way, frame);
+  remove_live(is_displaced, frame);
 }
 
 void Tracker::State::observe(const Live& feature, const Descriptor& descriptor) {

@@ -95,11 +95,11 @@ void Voting::keep_best(std::size_t slot, const Proposal& proposal) {
   const auto per_frame = static_cast<std::size_t>(options_.proposals_per_frame);
   Proposal* best = proposals_.data() + slot * per_frame;
   // Lost tracks come in ascending order of id, so at equal distance the present one has the smaller id and stays.
-  std::size_t place = per_frame;
-  while (place > 0 && proposal.distance < best[place - 1].distance) --place;
-  if (place == per_frame) return;
-  std::copy_backward(best + place, best + per_frame - 1, best + per_frame);
-  best[place] = proposal;
+  std::size_t rank = per_frame;
+  while (rank > 0 && proposal.distance < best[rank - 1].distance) --rank;
+  if (rank == per_frame) return;
+  std::copy_backward(best + rank, best + per_frame - 1, best + per_frame);
+  best[rank] = proposal;
 }
 
 std::vector<Candidate> Voting::count_votes() const {

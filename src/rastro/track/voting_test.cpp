@@ -102,16 +102,16 @@ TEST(Voting, ProposesNothingWithoutLostTracks) {
   EXPECT_TRUE(voting.candidates_for(std::span(&descriptor, 1)).empty());
 }
 
-/// Two lost tracks of one look, 300 pixels apart.
+/// Two lost tracks of one descriptor, 300 pixels apart.
 struct TwoLost {
   TrackStore store{30};
-  Descriptor look;
+  Descriptor descriptor;
   TwoLost() {
     Random random(3);
-    look = random_descriptor(random);
+    descriptor = random_descriptor(random);
     for (const Eigen::Vector2f& pixel : {Eigen::Vector2f(100.0F, 200.0F), Eigen::Vector2f(400.0F, 200.0F)}) {
       const std::size_t track = store.create();
-      store[track].observe(3, pixel, pixel, look);
+      store[track].observe(3, pixel, pixel, descriptor);
       store.mark_lost(track);
     }
   }
@@ -122,7 +122,7 @@ struct TwoLost {
     voting.expect(motions);
     if (!voting.select_near(corner)) return {-1};
     std::vector<std::int64_t> ids;
-    for (const Candidate& candidate : voting.candidates_for(std::span(&look, 1)))
+    for (const Candidate& candidate : voting.candidates_for(std::span(&descriptor, 1)))
       ids.push_back(store[candidate.track].id);
     return ids;
   }
@@ -140,7 +140,7 @@ TEST(Voting, ComparesOnlyWhatMayHaveTraveledToTheCorner) {
   EXPECT_EQ(lost.proposed({250.0F, 200.0F}, 150.0, {still, still}), (Ids{0, 1}));
 }
 
-TEST(Voting, TravelCountsFromTheOldPlaceOrFromWhereTheOthersMoved) {
+TEST(Voting, TravelCountsFromTheOldPositionOrFromWhereTheOthersMoved) {
   const TwoLost lost;
   const Eigen::Vector2f moved(0.0F, 150.0F);
   EXPECT_EQ(lost.proposed({100.0F, 350.0F}, 60.0, {moved, moved}), Ids{0});
@@ -165,13 +165,13 @@ TEST(Voting, WithoutALimitOrAMotionEverythingIsCompared) {
 TEST(Voting, EachObservationTakesTheNearestOfSeveralViews) {
   Random random(8);
   const TwoLost lost;
-  const Descriptor far = random_descriptor(random), near = with_flips(lost.look, 20, random);
+  const Descriptor far = random_descriptor(random), near = with_flips(lost.descriptor, 20, random);
   Voting voting(lost.store, 5, {50, 2, 2, 1, 0.0});
   EXPECT_TRUE(voting.candidates_for(std::span(&far, 1)).empty());
   const Descriptor views[] = {far, near, far};
   const auto found = voting.candidates_for(views);
   ASSERT_EQ(found.size(), 2U);
-  EXPECT_EQ(found[0].distance, hamming_distance(near, lost.look));
+  EXPECT_EQ(found[0].distance, hamming_distance(near, lost.descriptor));
 }
 
 TEST(TrackStore, RemovesWhatLeftTheWindowAndReusesItsSlot) {

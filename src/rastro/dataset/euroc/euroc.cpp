@@ -25,7 +25,7 @@ constexpr TimeNs max_stereo_difference = 1'000'000;  // Both shutters are trigge
 bool is_camera_folder(const fs::path& path) { return is_file(path / "data.csv") && is_folder(path / "data"); }
 
 /// Where the camera folders lie, and the main camera where the path itself names one.
-struct Place {
+struct Location {
   fs::path root;
   std::string camera;
 };
@@ -38,13 +38,13 @@ std::vector<std::string> camera_names(const fs::path& root) {
   return names;
 }
 
-std::optional<Place> find_place(const fs::path& path) {
-  if (!camera_names(path / "mav0").empty()) return Place{path / "mav0", ""};
-  if (!camera_names(path).empty()) return Place{path, ""};
+std::optional<Location> find_location(const fs::path& path) {
+  if (!camera_names(path / "mav0").empty()) return Location{path / "mav0", ""};
+  if (!camera_names(path).empty()) return Location{path, ""};
   const fs::path folder = path.has_filename() ? path : path.parent_path();
   if (is_camera_folder(folder) && !is_file(folder / "rgb.txt")) {
     const fs::path whole = fs::absolute(folder);
-    return Place{folder.has_parent_path() ? folder.parent_path() : whole.parent_path(), whole.filename().string()};
+    return Location{folder.has_parent_path() ? folder.parent_path() : whole.parent_path(), whole.filename().string()};
   }
   return std::nullopt;
 }
@@ -63,13 +63,13 @@ void add_camera(SourceInfo& info, const fs::path& root, const std::string& name,
   info.cameras.push_back(uncalibrated(name));
 }
 
-std::string choose_camera(const Place& place, const std::vector<std::string>& names, const std::string& wanted) {
+std::string choose_camera(const Location& location, const std::vector<std::string>& names, const std::string& wanted) {
   if (!wanted.empty() && std::find(names.begin(), names.end(), wanted) == names.end()) {
-    throw Error(fmt::format("there is no camera '{}'", wanted), place.root.string(),
+    throw Error(fmt::format("there is no camera '{}'", wanted), location.root.string(),
                 fmt::format("there are {}", fmt::join(names, ", ")));
   }
   if (!wanted.empty()) return wanted;
-  return place.camera.empty() ? names.front() : place.camera;
+  return location.camera.empty() ? names.front() : location.camera;
 }
 
 /// The next camera after the main one is the right one of a stereo pair.
@@ -173,27 +173,27 @@ ImageList parse_euroc_image_list(std::string_view text, std::string_view where) 
 }
 
 std::optional<Recording> index_euroc(const fs::path& path, const OpenOptions& options) {
-  const auto place = find_place(path);
-  if (!place) return std::nullopt;
-  auto names = camera_names(place->root);
-  const std::string main = choose_camera(*place, names, options.camera);
+  const auto location = find_location(path);
+  if (!location) return std::nullopt;
+  auto names = camera_names(location->root);
+  const std::string main = choose_camera(*location, names, options.camera);
   const std::string right = right_of(names, main);
 
   Recording recording;
   recording.info.path = path.string();
   recording.info.format = "euroc";
-  const auto list = read_list(place->root, main, recording.info);
+  const auto list = read_list(location->root, main, recording.info);
   recording.stamp_unit = unit_name(list.unit);
   for (const auto& image : list.images) {
-    recording.frames.push_back({image.stamp, (place->root / main / "data" / image.file).string(), "", "", 0});
+    recording.frames.push_back({image.stamp, (location->root / main / "data" / image.file).string(), "", "", 0});
   }
-  add_camera(recording.info, place->root, main, !calibration_is_given(options));
+  add_camera(recording.info, location->root, main, !calibration_is_given(options));
   if (!right.empty()) {
-    add_right(recording, place->root, right, list);
-    add_camera(recording.info, place->root, right, options.calibration_file.empty());
+    add_right(recording, location->root, right, list);
+    add_camera(recording.info, location->root, right, options.calibration_file.empty());
     recording.info.left_from_right = relative_pose(recording.info.cameras[0], recording.info.cameras[1]);
   }
-  add_ground_truth(recording.info, place->root);
+  add_ground_truth(recording.info, location->root);
   return recording;
 }
 

@@ -14,7 +14,7 @@ namespace rastro {
 std::int64_t file_number(const std::string& name);
 
 /// For each image, the row of a list with `row_count` rows that belongs to it: the number in its name where all of them
-/// are rows (a clip cut out of a sequence keeps its numbers), else its place in the folder; -1 where there is no such
+/// are rows (a clip cut out of a sequence keeps its numbers), else its index in the folder; -1 where there is no such
 /// row.
 std::vector<std::int64_t> rows_of_images(const std::vector<std::string>& names, std::size_t row_count);
 

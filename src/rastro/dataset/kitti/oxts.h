@@ -19,7 +19,7 @@ struct OxtsPacket {
 };
 
 /// Error naming `where` for anything but 30 finite numbers, and for a
-/// place that is not on the map of Mercator's projection (85 degrees).
+/// position that is not on the map of Mercator's projection (85 degrees).
 OxtsPacket parse_oxts_packet(std::string_view text, std::string_view where);
 
 /// The poses in the frame of the first packet, by Mercator's projection at its latitude, as the raw data's own tools

@@ -42,7 +42,7 @@ WheelVelocity read_velocity(LogWords& words) {
   WheelVelocity velocity;
   velocity.stamp = words.stamp("the time", StampUnit::seconds);
   velocity.forward = words.bounded("the forward velocity", most_velocity);
-  velocity.turn = words.bounded("the yaw rate", most_velocity);
+  velocity.yaw_rate = words.bounded("the yaw rate", most_velocity);
   require_end(words);
   return velocity;
 }
@@ -58,10 +58,10 @@ std::int64_t read_id(LogWords& words) {
 StampedObservation read_observation(LogWords& words) {
   StampedObservation seen;
   seen.stamp = words.stamp("the time", StampUnit::seconds);
-  seen.sighting.id = read_id(words);
-  seen.sighting.range = words.finite("the range");
-  seen.sighting.bearing = words.finite("the bearing");
-  if (seen.sighting.range < 0.0) words.refuse("the range is below 0");
+  seen.measurement.id = read_id(words);
+  seen.measurement.range = words.finite("the range");
+  seen.measurement.bearing = words.finite("the bearing");
+  if (seen.measurement.range < 0.0) words.refuse("the range is below 0");
   require_end(words);
   return seen;
 }
@@ -88,7 +88,7 @@ class DeadReckoning {
  private:
   void go_to(TimeNs stamp) {
     const double seconds = to_seconds(stamp - current_.stamp);
-    if (next_ > 0) pose_ = pose_ * SE2::exp({current_.forward * seconds, 0.0, current_.turn * seconds});
+    if (next_ > 0) pose_ = pose_ * SE2::exp({current_.forward * seconds, 0.0, current_.yaw_rate * seconds});
     current_.stamp = stamp;
   }
 
@@ -107,13 +107,13 @@ LandmarkLog parse_landmark_log(std::string_view text, std::string_view where) {
     if (kind == "odometry") {
       log.velocities.push_back(read_velocity(words));
     } else if (kind == "landmark") {
-      log.sightings.push_back(read_observation(words));
+      log.observations.push_back(read_observation(words));
     } else {
       words.refuse(fmt::format("{} is neither odometry nor landmark", in_quotes(kind.value_or(""))));
     }
   });
   sort_by_stamp(log.velocities);
-  sort_by_stamp(log.sightings);
+  sort_by_stamp(log.observations);
   return log;
 }
 
@@ -127,20 +127,20 @@ void parse_mrclam_measurements(LandmarkLog& log, const std::map<std::int64_t, st
   std::int64_t robots = 0, strangers = 0;
   read_lines(text, where, log.warnings, [&](LogWords words) {
     auto seen = read_observation(words);
-    const auto found = subject_of_barcode.find(seen.sighting.id);
+    const auto found = subject_of_barcode.find(seen.measurement.id);
     if (found == subject_of_barcode.end()) {
       ++strangers;
     } else if (found->second <= most_robots) {
       ++robots;
     } else {
-      seen.sighting.id = found->second;
-      log.sightings.push_back(seen);
+      seen.measurement.id = found->second;
+      log.observations.push_back(seen);
     }
   });
   if (robots > 0) log.warnings.push_back(fmt::format("{} observations of other robots ignored: {}", robots, where));
   if (strangers > 0)
     log.warnings.push_back(fmt::format("{} observations of unknown barcodes ignored: {}", strangers, where));
-  sort_by_stamp(log.sightings);
+  sort_by_stamp(log.observations);
 }
 
 std::map<std::int64_t, std::int64_t> parse_mrclam_barcodes(std::string_view text, std::string_view where) {
@@ -171,7 +171,7 @@ Trajectory parse_mrclam_ground_truth(std::string_view text, std::string_view whe
 std::vector<Frame> landmark_frames(const LandmarkLog& log) {
   std::vector<Frame> frames;
   DeadReckoning wheels(log.velocities);
-  for (const auto& seen : log.sightings) {
+  for (const auto& seen : log.observations) {
     if (frames.empty() || frames.back().stamp != seen.stamp) {
       Frame& frame = frames.emplace_back();
       frame.index = static_cast<std::int64_t>(frames.size()) - 1;
@@ -179,7 +179,7 @@ std::vector<Frame> landmark_frames(const LandmarkLog& log) {
       frame.name = fmt::format("frame {}", frame.index);
       if (!log.velocities.empty()) frame.odometry_from_body = wheels.pose_at(seen.stamp);
     }
-    frames.back().landmarks.push_back(seen.sighting);
+    frames.back().landmarks.push_back(seen.measurement);
   }
   return frames;
 }

@@ -17,19 +17,19 @@ namespace rastro {
 /// How fast the wheels said the body went, from `stamp` until the next one.
 struct WheelVelocity {
   TimeNs stamp = 0;
-  double forward = 0.0;  ///< m/s
-  double turn = 0.0;     ///< rad/s, counterclockwise.
+  double forward = 0.0;   ///< m/s
+  double yaw_rate = 0.0;  ///< rad/s, counterclockwise.
 };
 
 struct StampedObservation {
   TimeNs stamp = 0;
-  LandmarkMeasurement sighting;
+  LandmarkMeasurement measurement;
 };
 
 /// What a log of range-bearing landmarks and wheel odometry holds; both lists in the order of time.
 struct LandmarkLog {
   std::vector<WheelVelocity> velocities;
-  std::vector<StampedObservation> sightings;
+  std::vector<StampedObservation> observations;
   std::vector<std::string> warnings;  ///< Each one plain line, about lines that were omitted.
 };
 
@@ -41,7 +41,8 @@ struct LandmarkLog {
 ///   landmark  STAMP ID RANGE BEARING    seconds, number or - where unknown, m, rad counterclockwise from ahead
 LandmarkLog parse_landmark_log(std::string_view text, std::string_view where);
 
-/// Of UTIAS MRCLAM (Leung et al. 2011): "time forward turn" and "time barcode range bearing" a line, in s, m and rad.
+/// Of UTIAS MRCLAM (Leung et al. 2011): "time forward yaw_rate" and "time barcode range bearing" a line, in s, m and
+/// rad.
 void parse_mrclam_odometry(LandmarkLog& log, std::string_view text, std::string_view where);
 /// `subject_of_barcode` names the landmark of each barcode. Other robots (subjects 1 to 5) move and are omitted, as
 /// are barcodes that nobody has: their counts are in the warnings.

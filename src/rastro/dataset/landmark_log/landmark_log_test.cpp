@@ -28,7 +28,7 @@ constexpr const char* log_text =
     "landmark 14.0 4 2.5 0.3\n"
     "landmark 9.0 4 2.5 0.3\n";
 
-TEST(LandmarkLog, SightingsOfOneTimeAreOneFrameAndVelocitiesAreSummedUp) {
+TEST(LandmarkLog, ObservationsOfOneTimeAreOneFrameAndVelocitiesAreSummedUp) {
   const ScratchFolder folder;
   folder.write("walk.log", log_text);
   folder.write("groundtruth.txt", "9 0 0 0 0 0 0 1\n14 1 0 0 0 0 0 1\n");
@@ -60,14 +60,14 @@ TEST(LandmarkLog, BrokenLinesAreLeftOutAndCounted) {
       "landmark 2 7 1 0 9\nlandmark 2 7 1 0\n",
       "a.log");
   EXPECT_EQ(log.velocities.size(), 1u);
-  EXPECT_EQ(log.sightings.size(), 1u);
+  EXPECT_EQ(log.observations.size(), 1u);
   ASSERT_EQ(log.warnings.size(), 1u);
   EXPECT_THAT(log.warnings[0], HasSubstr("5 lines skipped; the first: a.log:2: "));
   EXPECT_THAT(error_of([] { parse_landmark_log("# nothing\n", "a.log"); }), HasSubstr("only comments"));
   EXPECT_THAT(error_of([] { parse_landmark_log("odometry x\n", "a.log"); }), HasSubstr("a.log:1"));
 }
 
-TEST(LandmarkLog, WithoutASightingItIsAnError) {
+TEST(LandmarkLog, WithoutAnObservationItIsAnError) {
   const ScratchFolder folder;
   folder.write("walk.log", "odometry 1 2 3\n");
   EXPECT_THAT(error_of([&] { open(folder.path("walk.log")); }), HasSubstr("has no landmark observations"));

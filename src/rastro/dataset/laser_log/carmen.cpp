@@ -57,8 +57,8 @@ void require_end(LogWords& words) {
 
 }  // namespace
 
-std::optional<Frame> CarmenParser::read(std::string_view line, const LinePosition& place) {
-  LogWords words(line, place);
+std::optional<Frame> CarmenParser::read(std::string_view line, const LinePosition& position) {
+  LogWords words(line, position);
   const auto kind = words.next();
   if (!kind) return std::nullopt;
   if (*kind == "PARAM") read_param(words);

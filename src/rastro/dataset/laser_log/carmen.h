@@ -13,7 +13,7 @@ namespace rastro {
 /// Scans of a CARMEN log (Montemerlo, Roy, Thrun 2003): FLASER and ROBOTLASER1, whichever comes first in the file.
 /// Stamps are the ipc_timestamp of the line, exact. The units are meters and radians.
 /// - FLASER: n ranges over 180 degrees from -90. The log does not say the step: 180, 360, ... beams are whole parts of
-///   180 degrees (the last one misses), 181, 361, ... reach from end to end. The scanner's place is PARAM
+///   180 degrees (the last one misses), 181, 361, ... reach from end to end. The scanner's pose is PARAM
 ///   robot_frontlaser_offset (meters forward, default 0): the line's own laser pose may have been corrected by others.
 ///   Nothing came back at max_range: the largest range of the file where at least one beam in a thousand has exactly
 ///   it, as scanners write a number of their own for that; else PARAM robot_front_laser_max; else 81.83 (SICK LMS 200).
@@ -22,7 +22,7 @@ namespace rastro {
 /// (ODOM, SYNC, RLASER, ROBOTLASER2, ...) are not needed; scans among them are counted in a warning.
 class CarmenParser final : public LogParser {
  public:
-  std::optional<Frame> read(std::string_view line, const LinePosition& place) override;
+  std::optional<Frame> read(std::string_view line, const LinePosition& position) override;
   void start_over(SourceInfo& info) override;
 
  private:

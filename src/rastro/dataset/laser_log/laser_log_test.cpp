@@ -285,9 +285,9 @@ TEST(MinesroverLog, WheelsAreSummedUp) {
   EXPECT_TRUE(scan.is_return(340) && !scan.is_return(0) && !scan.is_free(0));
   EXPECT_FALSE(frames[1].scan->is_return(340));  // 7 is a code of the scanner.
   EXPECT_NEAR(frames[1].odometry_from_body->translation().x(), 0.23, 1e-12);
-  const double turn = 0.23 / 0.33;
-  EXPECT_NEAR(frames[2].odometry_from_body->rotation().angle(), turn, 1e-12);
-  EXPECT_NEAR(frames[2].odometry_from_body->translation().y(), 0.165 * (1.0 - std::cos(turn)), 1e-12);
+  const double yaw = 0.23 / 0.33;
+  EXPECT_NEAR(frames[2].odometry_from_body->rotation().angle(), yaw, 1e-12);
+  EXPECT_NEAR(frames[2].odometry_from_body->translation().y(), 0.165 * (1.0 - std::cos(yaw)), 1e-12);
 }
 
 TEST(MinesroverLog, APoseIsTakenAsItStandsAndALineOfAnotherLengthIsBroken) {

@@ -64,9 +64,9 @@ LogLines& LogLines::operator=(LogLines&&) noexcept = default;
 
 std::optional<std::string_view> LogLines::next() {
   State& state = *state_;
-  std::size_t looked = state.begin;
+  std::size_t searched = state.begin;
   for (;;) {
-    const auto end = state.buffer.find('\n', looked);
+    const auto end = state.buffer.find('\n', searched);
     if (end != std::string::npos) {
       const auto line = std::string_view(state.buffer).substr(state.begin, end - state.begin);
       state.begin = end + 1;
@@ -76,7 +76,7 @@ std::optional<std::string_view> LogLines::next() {
     if (state.ended) break;
     const std::size_t unread = state.buffer.size() - state.begin;
     state.fill();
-    looked = unread;
+    searched = unread;
   }
   if (state.damaged || state.begin >= state.buffer.size()) return std::nullopt;
   const auto line = std::string_view(state.buffer).substr(state.begin);

@@ -19,7 +19,7 @@ class LogParser {
   virtual ~LogParser() = default;
   /// The frame of this line; nullopt where it is not a frame. Error where it should be one and is broken: it keeps its
   /// number.
-  virtual std::optional<Frame> read(std::string_view line, const LinePosition& place) = 0;
+  virtual std::optional<Frame> read(std::string_view line, const LinePosition& position) = 0;
   /// The first pass is over: says what the file holds. `info` has path, frame_count and warnings already.
   virtual void start_over(SourceInfo& info) = 0;
 };

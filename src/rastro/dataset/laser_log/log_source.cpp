@@ -43,12 +43,12 @@ class LogSource final : public Source {
     if (position_ >= choice_.count) return std::nullopt;
     const std::int64_t wanted = choice_.index(position_++);
     while (const auto line = lines_.next()) {
-      const LinePosition place{info_.path, lines_.number()};
+      const LinePosition position{info_.path, lines_.number()};
       try {
-        auto frame = parser_->read(*line, place);
+        auto frame = parser_->read(*line, position);
         if (!frame || at_++ < wanted) continue;
         frame->index = wanted;
-        frame->name = fmt::format("line {}", place.line);
+        frame->name = fmt::format("line {}", position.line);
         return frame;
       } catch (const Error&) {
         if (at_++ >= wanted) throw;

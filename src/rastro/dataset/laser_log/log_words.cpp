@@ -67,7 +67,9 @@ TimeNs LogWords::stamp(std::string_view what, StampUnit unit) {
   return *stamp;
 }
 
-void LogWords::refuse(const std::string& problem) const { throw Error("broken line: " + problem, place_.text(), ""); }
+void LogWords::refuse(const std::string& problem) const {
+  throw Error("broken line: " + problem, position_.text(), "");
+}
 
 std::string_view LogWords::word(std::string_view what) {
   const auto found = next();

@@ -25,7 +25,7 @@ struct LinePosition {
 /// the line is not.
 class LogWords {
  public:
-  LogWords(std::string_view line, const LinePosition& place) : rest_(line), place_(place) {}
+  LogWords(std::string_view line, const LinePosition& position) : rest_(line), position_(position) {}
 
   /// nullopt at the end of the line.
   std::optional<std::string_view> next();
@@ -44,7 +44,7 @@ class LogWords {
   std::string_view word(std::string_view what);
 
   std::string_view rest_;
-  LinePosition place_;
+  LinePosition position_;
 };
 
 }  // namespace rastro

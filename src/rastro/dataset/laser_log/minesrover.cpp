@@ -48,8 +48,8 @@ LaserScan read_scan(LogWords& words) {
 
 }  // namespace
 
-std::optional<Frame> MinesroverParser::read(std::string_view line, const LinePosition& place) {
-  LogWords words(line, place);
+std::optional<Frame> MinesroverParser::read(std::string_view line, const LinePosition& position) {
+  LogWords words(line, position);
   const std::size_t columns = count_words(line);
   if (columns == 0) return std::nullopt;
   if (columns != columns_with_wheels && columns != columns_with_pose)
@@ -59,7 +59,7 @@ std::optional<Frame> MinesroverParser::read(std::string_view line, const LinePos
   skip(words, columns == columns_with_wheels ? 1 : 2);
   if (columns == columns_with_wheels) {
     const double left = words.bounded("the left wheel", most_counts);
-    turn_wheels({left, words.bounded("the right wheel", most_counts)});
+    integrate_wheels({left, words.bounded("the right wheel", most_counts)});
     frame.odometry_from_body = odometry_from_body_;
     skip(words, 21);
   } else {
@@ -71,7 +71,7 @@ std::optional<Frame> MinesroverParser::read(std::string_view line, const LinePos
   return frame;
 }
 
-void MinesroverParser::turn_wheels(const Wheels& wheels) {
+void MinesroverParser::integrate_wheels(const Wheels& wheels) {
   if (last_wheels_) {
     const double left = (wheels.left - last_wheels_->left) * meters_per_count;
     const double right = (wheels.right - last_wheels_->right) * meters_per_count;

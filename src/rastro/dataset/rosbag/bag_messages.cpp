@@ -18,7 +18,7 @@
 namespace rastro {
 namespace {
 
-/// How the pixels of one ROS encoding lie in memory, and how OpenCV turns them into BGR.
+/// How the pixels of one ROS encoding lie in memory, and how OpenCV converts them to BGR.
 struct Encoding {
   std::string_view name;
   int type;
@@ -41,8 +41,8 @@ constexpr std::array<Encoding, 14> encodings = {{{"mono8", CV_8UC1, -1},
                                                  {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR},
                                                  {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2BGR}}};
 
-/// A view of the message's own bytes, turned to BGR where it has colors in another order.
-cv::Mat picture_of(const ImageMessage& message, const std::string& where) {
+/// A view of the message's own bytes, converted to BGR where it has colors in another order.
+cv::Mat mat_of(const ImageMessage& message, const std::string& where) {
   const auto encoding = std::find_if(encodings.begin(), encodings.end(),
                                      [&](const Encoding& known) { return known.name == message.encoding; });
   if (encoding == encodings.end())
@@ -58,17 +58,17 @@ cv::Mat picture_of(const ImageMessage& message, const std::string& where) {
   }
   if (message.is_bigendian != 0 && CV_MAT_DEPTH(encoding->type) != CV_8U)
     throw Error("the image has its bytes in the order of big-endian machines", where, "");
-  const cv::Mat picture(static_cast<int>(message.height), static_cast<int>(message.width), encoding->type,
-                        const_cast<std::uint8_t*>(message.data.data()), message.step);
-  if (encoding->to_bgr < 0) return picture;
+  const cv::Mat mat(static_cast<int>(message.height), static_cast<int>(message.width), encoding->type,
+                    const_cast<std::uint8_t*>(message.data.data()), message.step);
+  if (encoding->to_bgr < 0) return mat;
   cv::Mat bgr;
-  cv::cvtColor(picture, bgr, encoding->to_bgr);
+  cv::cvtColor(mat, bgr, encoding->to_bgr);
   return bgr;
 }
 
-DecodedImage decoded(const cv::Mat& picture, bool want_color, const std::string& where) {
+DecodedImage decoded(const cv::Mat& mat, bool want_color, const std::string& where) {
   DecodedImage image;
-  const auto reason = convert(picture, want_color, image);
+  const auto reason = convert(mat, want_color, image);
   if (!reason.empty()) throw Error("the image " + reason, where, "");
   return image;
 }
@@ -97,48 +97,50 @@ LaserScan scan_of(const ScanMessage& message, const std::string& where) {
 }
 
 SE2 pose_of(const OdometryMessage& message, const std::string& where) {
-  const auto& place = message.pose.pose.position;
-  const auto& turn = message.pose.pose.orientation;
-  const double angle =
-      std::atan2(2.0 * (turn.w * turn.z + turn.x * turn.y), 1.0 - 2.0 * (turn.y * turn.y + turn.z * turn.z));
-  require_finite(std::abs(place.x) < 1e9 && std::abs(place.y) < 1e9 && std::isfinite(angle), "the odometry", where);
-  return {SO2::from_angle(angle), {place.x, place.y}};
+  const auto& position = message.pose.pose.position;
+  const auto& orientation = message.pose.pose.orientation;
+  const double angle = std::atan2(2.0 * (orientation.w * orientation.z + orientation.x * orientation.y),
+                                  1.0 - 2.0 * (orientation.y * orientation.y + orientation.z * orientation.z));
+  require_finite(std::abs(position.x) < 1e9 && std::abs(position.y) < 1e9 && std::isfinite(angle), "the odometry",
+                 where);
+  return {SO2::from_angle(angle), {position.x, position.y}};
 }
 
 ImuSample sample_of(const ImuMessage& message) {
-  const auto& turn = message.angular_velocity;
-  const auto& push = message.linear_acceleration;
-  return {nanoseconds(message.header.stamp), {turn.x, turn.y, turn.z}, {push.x, push.y, push.z}};
+  const auto& rate = message.angular_velocity;
+  const auto& acceleration = message.linear_acceleration;
+  return {
+      nanoseconds(message.header.stamp), {rate.x, rate.y, rate.z}, {acceleration.x, acceleration.y, acceleration.z}};
 }
 
 DecodedImage image_of(const ImageMessage& message, bool want_color, const std::string& where) {
-  return decoded(picture_of(message, where), want_color, where);
+  return decoded(mat_of(message, where), want_color, where);
 }
 
 DecodedImage image_of(const CompressedMessage& message, bool want_color, const std::string& where) {
   const auto incomplete = why_incomplete(message.data);
   if (!incomplete.empty()) throw Error("the image " + incomplete, where, "");
-  cv::Mat picture;
+  cv::Mat mat;
   try {
     const cv::Mat bytes(1, static_cast<int>(message.data.size()), CV_8UC1,
                         const_cast<std::uint8_t*>(message.data.data()));
-    if (!message.data.empty()) picture = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+    if (!message.data.empty()) mat = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
-    picture.release();
+    mat.release();
   }
-  if (picture.empty()) throw Error("the image cannot be decoded", where, "");
-  return decoded(picture, want_color, where);
+  if (mat.empty()) throw Error("the image cannot be decoded", where, "");
+  return decoded(mat, want_color, where);
 }
 
 bool is_depth(const ImageMessage& message) { return message.encoding == "16UC1" || message.encoding == "32FC1"; }
 
 DepthImage depth_of(const ImageMessage& message, const std::string& where) {
-  const cv::Mat picture = picture_of(message, where);
-  DepthImage depth(picture.cols, picture.rows);
-  for (int y = 0; y < picture.rows; ++y) {
-    for (int x = 0; x < picture.cols; ++x) {
-      const float meters = picture.depth() == CV_32F ? picture.at<float>(y, x)
-                                                     : static_cast<float>(picture.at<std::uint16_t>(y, x)) * 1e-3F;
+  const cv::Mat mat = mat_of(message, where);
+  DepthImage depth(mat.cols, mat.rows);
+  for (int y = 0; y < mat.rows; ++y) {
+    for (int x = 0; x < mat.cols; ++x) {
+      const float meters =
+          mat.depth() == CV_32F ? mat.at<float>(y, x) : static_cast<float>(mat.at<std::uint16_t>(y, x)) * 1e-3F;
       depth.at(x, y) = std::isfinite(meters) && meters > 0.0F && meters < 65.0F ? meters : 0.0F;
     }
   }

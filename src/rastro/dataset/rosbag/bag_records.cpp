@@ -26,7 +26,7 @@ std::optional<std::uint32_t> number_of(std::string_view bytes) {
   return number;
 }
 
-std::optional<std::uint64_t> place_of(std::string_view bytes) {
+std::optional<std::uint64_t> offset_of(std::string_view bytes) {
   if (bytes.size() != 8) return std::nullopt;
   return *number_of(bytes.substr(0, 4)) | std::uint64_t{*number_of(bytes.substr(4))} << 32;
 }
@@ -85,26 +85,26 @@ BagRecords::BagRecords(const std::string& path) : file_(path, std::ios::binary) 
   go_to(magic.size());
 }
 
-void BagRecords::go_to(std::uint64_t place) {
+void BagRecords::go_to(std::uint64_t offset) {
   file_.clear();
-  file_.seekg(static_cast<std::streamoff>(place));
-  left_in_file_ = file_size_ - place;
+  file_.seekg(static_cast<std::streamoff>(offset));
+  left_in_file_ = file_size_ - offset;
 }
 
 std::optional<std::vector<std::pair<BagRecords::Connection, std::int64_t>>> BagRecords::read_index() {
   go_to(magic.size());
-  std::optional<std::uint64_t> place;
+  std::optional<std::uint64_t> offset;
   std::optional<std::uint32_t> connections, chunks;
   if (read_from_file()) {
     const auto fields = fields_of(header_);
-    place = place_of(field(fields, "index_pos"));
+    offset = offset_of(field(fields, "index_pos"));
     connections = number_of(field(fields, "conn_count"));
     chunks = number_of(field(fields, "chunk_count"));
   }
   std::map<std::uint32_t, std::int64_t> counts;
   std::uint32_t chunks_found = 0;
-  if (place && *place > magic.size() && *place <= file_size_) {
-    go_to(*place);
+  if (offset && *offset > magic.size() && *offset <= file_size_) {
+    go_to(*offset);
     while (read_from_file()) {
       const Record record{fields_of(header_), data_};
       if (kind_of(record.fields) == connection_kind) keep_connection(record);
@@ -114,7 +114,7 @@ std::optional<std::vector<std::pair<BagRecords::Connection, std::int64_t>>> BagR
         counts[*number_of(pairs.substr(0, 4))] += *number_of(pairs.substr(4, 4));
     }
   }
-  const bool whole = place && connections == connections_.size() && chunks == chunks_found && left_in_file_ == 0;
+  const bool whole = offset && connections == connections_.size() && chunks == chunks_found && left_in_file_ == 0;
   go_to(magic.size());
   if (!whole) return std::nullopt;
   std::vector<std::pair<Connection, std::int64_t>> index;
@@ -185,7 +185,7 @@ std::optional<BagMessage> BagRecords::next() {
   while (!stopped_) {
     const auto record = next_record();
     const char kind = record ? kind_of(record->fields) : '\0';
-    // Behind what is incomplete nothing has its place any more.
+    // Behind what is incomplete no offset holds any more.
     if (!record || (kind == chunk_kind && !open_chunk(*record))) stopped_ = true;
     if (kind == connection_kind) keep_connection(*record);
     if (kind != message_kind) continue;

@@ -56,7 +56,7 @@ class BagRecords {
   void keep_connection(const Record& record);
   std::optional<BagMessage> message_of(const Record& record) const;
 
-  void go_to(std::uint64_t place);
+  void go_to(std::uint64_t offset);
 
   std::ifstream file_;
   std::uint64_t file_size_ = 0;

@@ -63,9 +63,9 @@ class BagWriter {
     write("/odom", seconds, message);
   }
 
-  void imu(double seconds, double turn) {
+  void imu(double seconds, double yaw_rate) {
     ImuMessage message;
-    message.angular_velocity.z = turn;
+    message.angular_velocity.z = yaw_rate;
     message.linear_acceleration.z = 9.81;
     write("/imu", seconds, message);
   }

@@ -80,7 +80,7 @@ StampedPose pose_of(const TextLine& line, const std::string& file) {
 
 }  // namespace
 
-struct SurfaceGroundTruthReader::Pictures {
+struct SurfaceGroundTruthReader::Images {
   std::int64_t frame = 0;
   Image<std::uint16_t> inverse_depth, surface;
 
@@ -115,26 +115,26 @@ SurfaceGroundTruthReader::SurfaceGroundTruthReader(const std::string& ground_tru
 SurfaceGroundTruthReader::~SurfaceGroundTruthReader() = default;
 SurfaceGroundTruthReader::SurfaceGroundTruthReader(SurfaceGroundTruthReader&&) noexcept = default;
 
-const SurfaceGroundTruthReader::Pictures& SurfaceGroundTruthReader::pictures(std::int64_t frame) const {
+const SurfaceGroundTruthReader::Images& SurfaceGroundTruthReader::images(std::int64_t frame) const {
   const auto known =
-      std::find_if(kept_.begin(), kept_.end(), [&](const auto& pictures) { return pictures->frame == frame; });
+      std::find_if(kept_.begin(), kept_.end(), [&](const auto& images) { return images->frame == frame; });
   if (known != kept_.end()) {
     std::rotate(kept_.begin(), known, known + 1);
     return *kept_.front();
   }
-  auto pictures = std::make_unique<Pictures>();
-  pictures->frame = frame;
+  auto images = std::make_unique<Images>();
+  images->frame = frame;
   const std::string name = std::to_string(poses_[static_cast<std::size_t>(frame)].stamp) + ".png";
   const auto read = [&](const std::string& file) {
-    Image<std::uint16_t> picture = read_raw_depth(file);
-    if (picture.width() != camera_.width || picture.height() != camera_.height)
+    Image<std::uint16_t> image = read_raw_depth(file);
+    if (image.width() != camera_.width || image.height() != camera_.height)
       throw Error("the image size is not that of camera.yaml", file, remedy);
-    return picture;
+    return image;
   };
-  pictures->inverse_depth = read(folder_ + "/depth/" + name);
-  pictures->surface = read(folder_ + "/surface/" + name);
+  images->inverse_depth = read(folder_ + "/depth/" + name);
+  images->surface = read(folder_ + "/surface/" + name);
   if (kept_.size() >= most_kept) kept_.pop_back();
-  kept_.insert(kept_.begin(), std::move(pictures));
+  kept_.insert(kept_.begin(), std::move(images));
   return *kept_.front();
 }
 
@@ -159,7 +159,7 @@ std::optional<RecordedSurfacePoint> SurfaceGroundTruthReader::surface_near(std::
   const int x = static_cast<int>(std::floor(pixel.x() + 0.5)), y = static_cast<int>(std::floor(pixel.y() + 0.5));
   const std::optional<Eigen::Vector2d> ray = camera_.unproject(pixel);
   if (!ray) return std::nullopt;
-  const Pictures& seen = pictures(frame);
+  const Images& seen = images(frame);
   // On a plane the inverse depth changes linearly over the image.
   const auto steps_from = [&](int cx, int cy) {
     if (seen.inverse_depth.at(cx, cy) == 0) return 0.0;
@@ -193,7 +193,7 @@ RecordedView SurfaceGroundTruthReader::view_of(std::int64_t frame, const Eigen::
   view.inside = true;
   view.pixel = *pixel;
   const int x = static_cast<int>(std::floor(pixel->x() + 0.5)), y = static_cast<int>(std::floor(pixel->y() + 0.5));
-  const Pictures& seen = pictures(frame);
+  const Images& seen = images(frame);
   const double nearest_allowed = 1.01 / (point.z() * inverse_depth_step_) + 1.0;
   for (int row = y - 1; row <= y + 1; ++row)
     for (int column = x - 1; column <= x + 1; ++column)

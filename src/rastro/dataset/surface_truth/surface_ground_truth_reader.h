@@ -52,15 +52,15 @@ class SurfaceGroundTruthReader {
   RecordedView view_of(std::int64_t frame, const Eigen::Vector3d& point_in_world) const;
 
  private:
-  struct Pictures;
-  const Pictures& pictures(std::int64_t frame) const;
+  struct Images;
+  const Images& images(std::int64_t frame) const;
   std::optional<RecordedSurfacePoint> surface_near(std::int64_t frame, const Eigen::Vector2d& pixel, int reach) const;
 
   std::string folder_;
   Camera camera_;
   double inverse_depth_step_ = 0.0;
   Trajectory poses_;
-  mutable std::vector<std::unique_ptr<Pictures>> kept_;
+  mutable std::vector<std::unique_ptr<Images>> kept_;
 };
 
 /// Reads the ground truth of a recording: `path` is its folder, its mav0 or the ground truth folder itself. Error where

@@ -126,7 +126,7 @@ TEST_F(SurfaceGroundTruthTest, names_the_file_that_is_missing) {
   const SurfaceGroundTruthReader truth = read_surface_ground_truth(broken.string());
   try {
     truth.surface_at(2, {5, 5});
-    FAIL() << "a missing picture must be an error";
+    FAIL() << "a missing image must be an error";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
@@ -160,12 +160,12 @@ TEST_F(SurfaceGroundTruthTest, broken_text_is_an_error_or_read_but_never_a_crash
   EXPECT_GT(refused, 30);
 }
 
-TEST_F(SurfaceGroundTruthTest, broken_pictures_are_errors) {
+TEST_F(SurfaceGroundTruthTest, broken_images_are_errors) {
   const fs::path broken = copy();
   const std::string name = std::to_string(world_->stamp(0)) + ".png";
   const std::string whole = contents(broken / "depth" / name);
   for (const std::string& text :
-       {std::string(), whole.substr(0, 100), whole.substr(0, whole.size() / 2), std::string("no picture")}) {
+       {std::string(), whole.substr(0, 100), whole.substr(0, whole.size() / 2), std::string("no image")}) {
     write(broken / "depth" / name, text);
     const SurfaceGroundTruthReader truth = read_surface_ground_truth(broken.string());
     EXPECT_THROW(truth.surface_at(0, {5, 5}), Error);

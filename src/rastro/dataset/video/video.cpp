@@ -47,9 +47,9 @@ class VideoSource final : public Source {
     while (at_ < wanted) {
       if (!grab()) return std::nullopt;
     }
-    cv::Mat picture;
-    if (!grab() || !retrieve(picture)) return std::nullopt;
-    return make_frame(wanted, picture);
+    cv::Mat mat;
+    if (!grab() || !retrieve(mat)) return std::nullopt;
+    return make_frame(wanted, mat);
   }
 
  private:
@@ -94,15 +94,15 @@ class VideoSource final : public Source {
     return stamp_ + made_up_stamp(1, rate_hz_);
   }
 
-  bool retrieve(cv::Mat& picture) { return video_.retrieve(picture) && !picture.empty(); }
+  bool retrieve(cv::Mat& mat) { return video_.retrieve(mat) && !mat.empty(); }
 
-  Frame make_frame(std::int64_t index, const cv::Mat& picture) {
+  Frame make_frame(std::int64_t index, const cv::Mat& mat) {
     Frame frame;
     frame.index = index;
     frame.name = fmt::format("frame {}", index);
     frame.stamp = stamp_;
     DecodedImage image;
-    const auto reason = convert(picture, options_.want_color, image);
+    const auto reason = convert(mat, options_.want_color, image);
     if (!reason.empty()) throw Error(reason, info_.path, "");
     const ImageSize size{image.gray.width(), image.gray.height()};
     if (first_size_.width == 0) first_size_ = size;

@@ -47,7 +47,7 @@ TEST_F(Video, StampsArePresentationTimes) {
   ASSERT_EQ(frames.size(), phone_ms.size());
   for (std::size_t k = 0; k < frames.size(); ++k) {
     EXPECT_EQ(frames[k].stamp, phone_ms[k] * ms);
-    EXPECT_NEAR(frames[k].image.at(4, 3), 10 + 10 * static_cast<int>(k), 3) << "the picture is of this stamp";
+    EXPECT_NEAR(frames[k].image.at(4, 3), 10 + 10 * static_cast<int>(k), 3) << "the image is of this stamp";
   }
   OpenOptions options;
   options.rate_hz = 10.0;

@@ -62,7 +62,7 @@ class Normal {
 
  private:
   struct Row {
-    Eigen::Index place;
+    Eigen::Index index;
     Matrix26 by_camera;
     Matrix25 by_correction;
     Eigen::Matrix<double, 2, 3> by_point;
@@ -75,14 +75,14 @@ class Normal {
     if (p.z() < least_depth) return false;
     const double f = window_.focal_px, inverse = 1.0 / p.z(), x = p.x() * inverse, y = p.y() * inverse;
     const double r2 = x * x + y * y;
-    row.place = 6 * seen.camera;
+    row.index = 6 * seen.camera;
     row.error = f * (Eigen::Vector2d(x, y) - seen.ray);
-    Eigen::Matrix<double, 2, 3> by_place;
-    by_place << f * inverse, 0.0, -f * x * inverse, 0.0, f * inverse, -f * y * inverse;
+    Eigen::Matrix<double, 2, 3> by_translation;
+    by_translation << f * inverse, 0.0, -f * x * inverse, 0.0, f * inverse, -f * y * inverse;
     Eigen::Matrix3d cross;
     cross << 0.0, -p.z(), p.y(), p.z(), 0.0, -p.x(), -p.y(), p.x(), 0.0;
-    row.by_camera << by_place, -by_place * cross;
-    row.by_point = by_place * pose.rotation().matrix();
+    row.by_camera << by_translation, -by_translation * cross;
+    row.by_point = by_translation * pose.rotation().matrix();
     row.by_correction << x, 0.0, 1.0, 0.0, x * r2, 0.0, y, 0.0, 1.0, y * r2;
     row.by_correction *= -f;
     const double norm = row.error.norm(), weight = norm <= huber_px ? 1.0 : std::sqrt(huber_px / norm);
@@ -117,13 +117,13 @@ class Normal {
   void add_row(const Row& row, const Eigen::Matrix<double, unknowns, 3>& correction_by_point,
                const Eigen::Matrix3d& inverse, const Eigen::Vector3d& right) {
     const Eigen::Matrix<double, 6, 3> scaled = row.by_camera.transpose() * row.by_point * inverse;
-    all_.block<6, 6>(row.place, row.place) += row.by_camera.transpose() * row.by_camera;
+    all_.block<6, 6>(row.index, row.index) += row.by_camera.transpose() * row.by_camera;
     for (const Row& other : rows_)
-      all_.block<6, 6>(row.place, other.place) -= scaled * (other.by_point.transpose() * other.by_camera);
-    all_.block<6, unknowns>(row.place, cameras_) +=
+      all_.block<6, 6>(row.index, other.index) -= scaled * (other.by_point.transpose() * other.by_camera);
+    all_.block<6, unknowns>(row.index, cameras_) +=
         row.by_camera.transpose() * row.by_correction - scaled * correction_by_point.transpose();
     all_.bottomRightCorner<unknowns, unknowns>() += row.by_correction.transpose() * row.by_correction;
-    right_.segment<6>(row.place) -= row.by_camera.transpose() * row.error + scaled * right;
+    right_.segment<6>(row.index) -= row.by_camera.transpose() * row.error + scaled * right;
     right_.tail<unknowns>() -= row.by_correction.transpose() * row.error;
     squares_ += row.error.squaredNorm();
     ++used_;
@@ -182,8 +182,8 @@ std::string CalibrationCheck::detail(double focal_px) const {
   const auto say = [&](int index, const std::string& text) {
     if (is_off(index)) better += (better.empty() ? "" : ", ") + text;
   };
-  say(RayCorrection::stretch_x, fmt::format("fx about {:.2f} times as long", 1.0 / std::max(0.1, 1.0 + v[0])));
-  say(RayCorrection::stretch_y, fmt::format("fy about {:.2f} times as long", 1.0 / std::max(0.1, 1.0 + v[1])));
+  say(RayCorrection::scale_x, fmt::format("fx about {:.2f} times as long", 1.0 / std::max(0.1, 1.0 + v[0])));
+  say(RayCorrection::scale_y, fmt::format("fy about {:.2f} times as long", 1.0 / std::max(0.1, 1.0 + v[1])));
   say(RayCorrection::shift_x, fmt::format("cx about {:+.0f} px", -v[2] * focal_px));
   say(RayCorrection::shift_y, fmt::format("cy about {:+.0f} px", -v[3] * focal_px));
   say(RayCorrection::radial, "a different radial distortion");

@@ -10,9 +10,9 @@ namespace rastro {
 
 /// The correction of the given calibration that fits the observed motion best: normal equations of the five parameters
 /// of `Index`, all else eliminated, in units of the residuals' variance. A point predicted at (x, y) of the normalized
-/// image plane is observed at x + stretch_x x + shift_x + radial x r^2, and likewise in y.
+/// image plane is observed at x + scale_x x + shift_x + radial x r^2, and likewise in y.
 struct RayCorrection {
-  enum Index { stretch_x, stretch_y, shift_x, shift_y, radial, count };
+  enum Index { scale_x, scale_y, shift_x, shift_y, radial, count };
   using Vector = Eigen::Matrix<double, count, 1>;
   using Matrix = Eigen::Matrix<double, count, count>;
   Matrix information = Matrix::Zero();

@@ -16,14 +16,14 @@ Eigen::Vector2d focal_too_short(const Eigen::Vector2d& ray) { return ray / 0.9; 
 Eigen::Vector2d center_aside(const Eigen::Vector2d& ray) { return ray + Eigen::Vector2d(0.08, 0.0); }
 Eigen::Vector2d without_distortion(const Eigen::Vector2d& ray) { return (1.0 - 0.2 * ray.squaredNorm()) * ray; }
 
-/// Eight cameras on a trajectory, turning or straight, and points observed by all of them with noise of 0.1 px;
+/// Eight cameras on a trajectory, rotating or straight, and points observed by all of them with noise of 0.1 px;
 /// adjusted as the odometry does.
-RefinementWindow window_of(Wrong wrong, bool turning, std::uint64_t seed) {
+RefinementWindow window_of(Wrong wrong, bool rotating, std::uint64_t seed) {
   Random random(seed);
   RefinementWindow window;
   for (int k = 0; k < 8; ++k) {
-    const SO3 turn = turning ? SO3::exp({0.02 * k, 0.05 * k, 0.01 * k * k}) : SO3();
-    window.camera_from_world.push_back(SE3(turn, {turning ? 0.3 * k : 0.0, 0.0, 0.6 * k}).inverse());
+    const SO3 rotation = rotating ? SO3::exp({0.02 * k, 0.05 * k, 0.01 * k * k}) : SO3();
+    window.camera_from_world.push_back(SE3(rotation, {rotating ? 0.3 * k : 0.0, 0.0, 0.6 * k}).inverse());
     window.fixed.push_back(k < 2 ? 1 : 0);
   }
   for (int i = 0; i < 150; ++i) {
@@ -40,9 +40,9 @@ RefinementWindow window_of(Wrong wrong, bool turning, std::uint64_t seed) {
   return window;
 }
 
-CalibrationCheck checked(Wrong wrong, bool turning = true) {
+CalibrationCheck checked(Wrong wrong, bool rotating = true) {
   CalibrationCheck check(0.045);
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) check.add(window_of(wrong, turning, seed));
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) check.add(window_of(wrong, rotating, seed));
   return check;
 }
 
@@ -56,11 +56,11 @@ TEST(CalibrationCheck, ARightCalibrationIsRight) {
 TEST(CalibrationCheck, DetectsFocalLengthErrorsOfTenPercent) {
   const CalibrationCheck check = checked(focal_too_long), other = checked(focal_too_short);
   EXPECT_TRUE(check.doubtful());
-  EXPECT_NEAR(check.estimate().value[RayCorrection::stretch_x], 0.1, 0.03);
-  EXPECT_NEAR(check.estimate().value[RayCorrection::stretch_y], 0.1, 0.03);
+  EXPECT_NEAR(check.estimate().value[RayCorrection::scale_x], 0.1, 0.03);
+  EXPECT_NEAR(check.estimate().value[RayCorrection::scale_y], 0.1, 0.03);
   EXPECT_NE(check.detail(500.0).find("fx about 0.9"), std::string::npos) << check.detail(500.0);
   EXPECT_TRUE(other.doubtful());
-  EXPECT_NEAR(other.estimate().value[RayCorrection::stretch_x], -0.1, 0.03);
+  EXPECT_NEAR(other.estimate().value[RayCorrection::scale_x], -0.1, 0.03);
 }
 
 TEST(CalibrationCheck, DetectsAShiftedCenterAndMissingDistortion) {
@@ -73,7 +73,7 @@ TEST(CalibrationCheck, DetectsAShiftedCenterAndMissingDistortion) {
 TEST(CalibrationCheck, AStraightTrajectoryDoesNotConstrainTheFocalLengthAndReportsNothing) {
   const CalibrationCheck check = checked(focal_too_long, false);
   EXPECT_FALSE(check.doubtful());
-  EXPECT_GT(check.estimate().sigma[RayCorrection::stretch_x], 0.05);
+  EXPECT_GT(check.estimate().sigma[RayCorrection::scale_x], 0.05);
 }
 
 TEST(CalibrationCheck, OneWindowIsNotEnoughAndNoObservationsAreNoError) {

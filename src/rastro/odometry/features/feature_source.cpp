@@ -37,11 +37,11 @@ class TrackedFeatures : public FeatureSource {
       : tracker_(tracker_options(options), camera, pool) {}
 
   RayObservations next(const Frame& frame) override {
-    RayObservations sightings;
+    RayObservations observations;
     for (const TrackedFeature& feature : tracker_.process(frame.image.view(), frame.stamp).features) {
-      if (feature.ray.allFinite()) sightings.push_back({feature.id, feature.ray.cast<double>()});
+      if (feature.ray.allFinite()) observations.push_back({feature.id, feature.ray.cast<double>()});
     }
-    return sightings;
+    return observations;
   }
 
  private:
@@ -64,18 +64,18 @@ class MatchedFeatures : public FeatureSource {
       for (const DescriptorMatch& match : match_descriptors(last_, current, matching_, pool_))
         ids[match.second] = last_ids_[match.first];
     }
-    RayObservations sightings;
+    RayObservations observations;
     for (std::size_t i = 0; i < current.size(); ++i) {
       if (ids[i] < 0) ids[i] = next_id_++;
       const Keypoint& keypoint = current.keypoints[i];
       const auto ray = camera_.unproject({static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)});
-      if (ray) sightings.push_back({ids[i], *ray});
+      if (ray) observations.push_back({ids[i], *ray});
     }
-    std::sort(sightings.begin(), sightings.end(),
+    std::sort(observations.begin(), observations.end(),
               [](const RayObservation& a, const RayObservation& b) { return a.id < b.id; });
     last_ = std::move(current);
     last_ids_ = std::move(ids);
-    return sightings;
+    return observations;
   }
 
  private:

@@ -29,10 +29,10 @@ struct SharedRays {
 
 SharedRays shared_rays(const RayObservations& first, const RayObservations& second) {
   SharedRays shared;
-  for (const RayObservation& sighting : second) {
-    if (const Eigen::Vector2d* ray = find_ray(first, sighting.id)) {
+  for (const RayObservation& observation : second) {
+    if (const Eigen::Vector2d* ray = find_ray(first, observation.id)) {
       shared.a.push_back(*ray);
-      shared.b.push_back(sighting.ray);
+      shared.b.push_back(observation.ray);
     }
   }
   return shared;
@@ -63,21 +63,21 @@ class FeaturesOdometry::State {
   struct Waiting {
     std::size_t record;
     TimeNs stamp;
-    RayObservations sightings;
+    RayObservations observations;
   };
 
-  void start(OdometryUpdate& update, const RayObservations& sightings);
+  void start(OdometryUpdate& update, const RayObservations& observations);
   bool start_from_pair(OdometryUpdate& update, const Waiting& first, const Waiting& second);
-  void place_waiting(std::size_t first_keyframe);
-  void follow(OdometryUpdate& update, const RayObservations& sightings);
-  bool stands_still(OdometryUpdate& update, const RayObservations& sightings);
-  std::optional<AbsolutePose> pose_from_points(const RayObservations& sightings, const SE3& guess,
+  void locate_waiting(std::size_t first_keyframe);
+  void follow(OdometryUpdate& update, const RayObservations& observations);
+  bool stands_still(OdometryUpdate& update, const RayObservations& observations);
+  std::optional<AbsolutePose> pose_from_points(const RayObservations& observations, const SE3& guess,
                                                OdometryUpdate& update);
-  bool is_keyframe(const RayObservations& sightings, const SE3& camera_from_world, int inliers) const;
-  void add_keyframe(OdometryUpdate& update, const RayObservations& sightings);
+  bool is_keyframe(const RayObservations& observations, const SE3& camera_from_world, int inliers) const;
+  void add_keyframe(OdometryUpdate& update, const RayObservations& observations);
   void check_calibration();
   void bridge(OdometryUpdate& update);
-  void restart(const OdometryUpdate& update, const RayObservations& sightings);
+  void restart(const OdometryUpdate& update, const RayObservations& observations);
   CalibratedRansacOptions ransac(double max_error_px) const;
   SE3 keyframe_pose(std::size_t keyframe) const { return map_.keyframes()[keyframe].camera_from_world; }
 
@@ -101,15 +101,15 @@ OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
   update.index = frame.index;
   update.stamp = frame.stamp;
   ++processed_;
-  const FrameCheckResult look = check_.check(frame.image.view(), frame.stamp);
-  if (look.useful()) {
-    const RayObservations sightings = features_->next(frame);
-    started_ ? follow(update, sightings) : start(update, sightings);
+  const FrameCheckResult image_check = check_.check(frame.image.view(), frame.stamp);
+  if (image_check.useful()) {
+    const RayObservations observations = features_->next(frame);
+    started_ ? follow(update, observations) : start(update, observations);
     // Against the last frame that moved; otherwise a slow motion would never be detected.
-    if (update.reason != OdometryReason::no_motion) moved_observations_ = sightings;
-    if (look.reason != OdometryReason::none && update.reason == OdometryReason::none) {
-      update.reason = look.reason;
-      update.detail = look.detail;
+    if (update.reason != OdometryReason::no_motion) moved_observations_ = observations;
+    if (image_check.reason != OdometryReason::none && update.reason == OdometryReason::none) {
+      update.reason = image_check.reason;
+      update.detail = image_check.detail;
     }
     if (update.state == OdometryState::tracking && update.reason == OdometryReason::none && calibration_.doubtful()) {
       update.reason = OdometryReason::calibration_doubtful;
@@ -118,8 +118,8 @@ OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
   } else {
     update.used = false;
     update.state = started_ ? OdometryState::weak : OdometryState::initializing;
-    update.reason = look.reason;
-    update.detail = look.detail;
+    update.reason = image_check.reason;
+    update.detail = image_check.detail;
     chain_.add_unknown(frame.stamp);
   }
   update.world_from_camera = chain_.last_camera_from_world(map_).inverse();
@@ -137,15 +137,15 @@ CalibratedRansacOptions FeaturesOdometry::State::ransac(double max_error_px) con
 }
 
 /// Waits for a pair of frames with enough parallax: the oldest that still shares enough points, and the newest.
-void FeaturesOdometry::State::start(OdometryUpdate& update, const RayObservations& sightings) {
+void FeaturesOdometry::State::start(OdometryUpdate& update, const RayObservations& observations) {
   update.state = OdometryState::initializing;
   const std::size_t record = chain_.add_unknown(update.stamp);
-  waiting_.push_back({record, update.stamp, sightings});
+  waiting_.push_back({record, update.stamp, observations});
   if (waiting_.size() == 1) {
     update.reason = OdometryReason::first_frame;
     return;
   }
-  while (waiting_.size() > 2 && static_cast<int>(shared_rays(waiting_.front().sightings, sightings).a.size()) <
+  while (waiting_.size() > 2 && static_cast<int>(shared_rays(waiting_.front().observations, observations).a.size()) <
                                     std::max(options_.min_start_points, options_.features / 4)) {
     waiting_.erase(waiting_.begin());
   }
@@ -158,7 +158,7 @@ void FeaturesOdometry::State::start(OdometryUpdate& update, const RayObservation
 }
 
 bool FeaturesOdometry::State::start_from_pair(OdometryUpdate& update, const Waiting& first, const Waiting& second) {
-  const SharedRays shared = shared_rays(first.sightings, second.sightings);
+  const SharedRays shared = shared_rays(first.observations, second.observations);
   update.matches = static_cast<int>(shared.a.size());
   const auto refuse = [&](OdometryReason reason, std::string detail) {
     update.reason = reason;
@@ -172,12 +172,12 @@ bool FeaturesOdometry::State::start_from_pair(OdometryUpdate& update, const Wait
   const double motion_px = median_motion_px(shared, focal_px_);
   if (motion_px < options_.min_motion_px)
     return refuse(OdometryReason::no_motion, fmt::format("median motion {:.2f} px", motion_px));
-  const auto turned = rotation_between(shared.a, shared.b, ransac(options_.max_error_px));
-  if (turned && turned->median_error_px < options_.max_error_px) {
-    return refuse(turned->second_from_first.log().norm() * focal_px_ > 2.0 * options_.max_error_px
+  const auto rotation = rotation_between(shared.a, shared.b, ransac(options_.max_error_px));
+  if (rotation && rotation->median_error_px < options_.max_error_px) {
+    return refuse(rotation->second_from_first.log().norm() * focal_px_ > 2.0 * options_.max_error_px
                       ? OdometryReason::pure_rotation
                       : OdometryReason::too_little_parallax,
-                  fmt::format("{:.2f} px beyond the rotation", turned->median_error_px));
+                  fmt::format("{:.2f} px beyond the rotation", rotation->median_error_px));
   }
   const auto fit = estimate_essential(shared.a, shared.b, ransac(options_.max_error_px));
   const int needed = static_cast<int>(options_.min_start_inlier_share * update.matches);
@@ -193,19 +193,19 @@ bool FeaturesOdometry::State::start_from_pair(OdometryUpdate& update, const Wait
   // After tracking was lost, the speed before it gives the scale.
   const double length = chain_.length_between(first.stamp, second.stamp, map_).value_or(1.0);
   const SE3 second_from_first(fit->second_from_first.rotation(), length * fit->second_from_first.translation());
-  const std::size_t keyframe = map_.add_keyframe(first.stamp, base, first.sightings);
-  map_.add_keyframe(second.stamp, second_from_first * base, second.sightings);
+  const std::size_t keyframe = map_.add_keyframe(first.stamp, base, first.observations);
+  map_.add_keyframe(second.stamp, second_from_first * base, second.observations);
   if (map_.triangulate() < options_.min_points) {
     map_.restart();
     return refuse(OdometryReason::too_few_points, "too few points could be triangulated");
   }
   map_.drop_bad_points();
-  place_waiting(keyframe);
+  locate_waiting(keyframe);
   return true;
 }
 
 /// Poses of the frames between the first pair, from the map points.
-void FeaturesOdometry::State::place_waiting(std::size_t first_keyframe) {
+void FeaturesOdometry::State::locate_waiting(std::size_t first_keyframe) {
   const TimeNs begin = map_.keyframes()[first_keyframe].stamp, end = map_.keyframes()[first_keyframe + 1].stamp;
   chain_.set(waiting_.front().record, first_keyframe, SE3());
   chain_.set(waiting_.back().record, first_keyframe + 1, SE3());
@@ -214,21 +214,21 @@ void FeaturesOdometry::State::place_waiting(std::size_t first_keyframe) {
         static_cast<double>(waiting_[i].stamp - begin) / std::max(1.0, static_cast<double>(end - begin));
     const SE3 guess = interpolate(keyframe_pose(first_keyframe), keyframe_pose(first_keyframe + 1), fraction);
     OdometryUpdate ignored;
-    const auto pose = pose_from_points(waiting_[i].sightings, guess, ignored);
+    const auto pose = pose_from_points(waiting_[i].observations, guess, ignored);
     if (pose)
       chain_.set(waiting_[i].record, first_keyframe, pose->camera_from_world * keyframe_pose(first_keyframe).inverse());
   }
 }
 
-std::optional<AbsolutePose> FeaturesOdometry::State::pose_from_points(const RayObservations& sightings,
+std::optional<AbsolutePose> FeaturesOdometry::State::pose_from_points(const RayObservations& observations,
                                                                       const SE3& guess, OdometryUpdate& update) {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector2d> rays;
-  for (const RayObservation& sighting : sightings) {
-    const auto point = map_.points().find(sighting.id);
+  for (const RayObservation& observation : observations) {
+    const auto point = map_.points().find(observation.id);
     if (point == map_.points().end()) continue;
     points.push_back(point->second);
-    rays.push_back(sighting.ray);
+    rays.push_back(observation.ray);
   }
   update.matches = static_cast<int>(points.size());
   AbsolutePoseOptions options;
@@ -241,23 +241,23 @@ std::optional<AbsolutePose> FeaturesOdometry::State::pose_from_points(const RayO
   return pose;
 }
 
-void FeaturesOdometry::State::follow(OdometryUpdate& update, const RayObservations& sightings) {
+void FeaturesOdometry::State::follow(OdometryUpdate& update, const RayObservations& observations) {
   update.state = OdometryState::tracking;
-  if (stands_still(update, sightings)) return;
+  if (stands_still(update, observations)) return;
   const SE3 guess = chain_.predicted(update.stamp, map_);
-  const auto pose = pose_from_points(sightings, guess, update);
+  const auto pose = pose_from_points(observations, guess, update);
   if (!pose) {
     bridge(update);
-    restart(update, sightings);
+    restart(update, observations);
     return;
   }
   const std::size_t last = map_.keyframes().size() - 1;
   chain_.add(update.stamp, last, pose->camera_from_world * keyframe_pose(last).inverse());
-  if (is_keyframe(sightings, pose->camera_from_world, pose->inliers)) add_keyframe(update, sightings);
+  if (is_keyframe(observations, pose->camera_from_world, pose->inliers)) add_keyframe(update, observations);
 }
 
-bool FeaturesOdometry::State::stands_still(OdometryUpdate& update, const RayObservations& sightings) {
-  const SharedRays shared = shared_rays(moved_observations_, sightings);
+bool FeaturesOdometry::State::stands_still(OdometryUpdate& update, const RayObservations& observations) {
+  const SharedRays shared = shared_rays(moved_observations_, observations);
   if (static_cast<int>(shared.a.size()) < options_.min_points) return false;
   const double motion_px = median_motion_px(shared, focal_px_);
   // Below the measurement noise of a feature: no motion can be claimed.
@@ -269,23 +269,23 @@ bool FeaturesOdometry::State::stands_still(OdometryUpdate& update, const RayObse
   return true;
 }
 
-bool FeaturesOdometry::State::is_keyframe(const RayObservations& sightings, const SE3& camera_from_world,
+bool FeaturesOdometry::State::is_keyframe(const RayObservations& observations, const SE3& camera_from_world,
                                           int inliers) const {
-  if (inliers < options_.min_keyframe_share * static_cast<double>(sightings.size())) return true;
+  if (inliers < options_.min_keyframe_share * static_cast<double>(observations.size())) return true;
   const LocalMap::Keyframe& keyframe = map_.keyframes().back();
   const SO3 current_from_keyframe = camera_from_world.rotation() * keyframe.camera_from_world.rotation().inverse();
   std::vector<double> motions;
-  for (const RayObservation& sighting : sightings) {
-    const Eigen::Vector2d* ray = find_ray(keyframe.sightings, sighting.id);
+  for (const RayObservation& observation : observations) {
+    const Eigen::Vector2d* ray = find_ray(keyframe.observations, observation.id);
     if (!ray) continue;
-    const Eigen::Vector3d turned = current_from_keyframe * Eigen::Vector3d(ray->x(), ray->y(), 1.0);
-    if (turned.z() > 0.0) motions.push_back(focal_px_ * (sighting.ray - turned.head<2>() / turned.z()).norm());
+    const Eigen::Vector3d rotated = current_from_keyframe * Eigen::Vector3d(ray->x(), ray->y(), 1.0);
+    if (rotated.z() > 0.0) motions.push_back(focal_px_ * (observation.ray - rotated.head<2>() / rotated.z()).norm());
   }
   return upper_median_or(std::move(motions), 0.0) > options_.keyframe_parallax_px;
 }
 
-void FeaturesOdometry::State::add_keyframe(OdometryUpdate& update, const RayObservations& sightings) {
-  const std::size_t keyframe = map_.add_keyframe(update.stamp, chain_.last_camera_from_world(map_), sightings);
+void FeaturesOdometry::State::add_keyframe(OdometryUpdate& update, const RayObservations& observations) {
+  const std::size_t keyframe = map_.add_keyframe(update.stamp, chain_.last_camera_from_world(map_), observations);
   chain_.set_last(keyframe, SE3());
   map_.triangulate();
   if (options_.refine) map_.refine();
@@ -311,11 +311,11 @@ void FeaturesOdometry::State::bridge(OdometryUpdate& update) {
 }
 
 /// Initializes again from this frame, with the predicted pose and speed.
-void FeaturesOdometry::State::restart(const OdometryUpdate& update, const RayObservations& sightings) {
+void FeaturesOdometry::State::restart(const OdometryUpdate& update, const RayObservations& observations) {
   map_.restart();
   started_ = false;
   waiting_.clear();
-  waiting_.push_back({chain_.add_predicted(update.stamp, map_), update.stamp, sightings});
+  waiting_.push_back({chain_.add_predicted(update.stamp, map_), update.stamp, observations});
 }
 
 Trajectory FeaturesOdometry::State::trajectory() const { return chain_.trajectory(map_); }

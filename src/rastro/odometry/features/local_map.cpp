@@ -7,27 +7,27 @@
 
 namespace rastro {
 
-const Eigen::Vector2d* find_ray(const RayObservations& sightings, std::int64_t id) {
+const Eigen::Vector2d* find_ray(const RayObservations& observations, std::int64_t id) {
   const auto found =
-      std::lower_bound(sightings.begin(), sightings.end(), id,
-                       [](const RayObservation& sighting, std::int64_t wanted) { return sighting.id < wanted; });
-  return found != sightings.end() && found->id == id ? &found->ray : nullptr;
+      std::lower_bound(observations.begin(), observations.end(), id,
+                       [](const RayObservation& observation, std::int64_t wanted) { return observation.id < wanted; });
+  return found != observations.end() && found->id == id ? &found->ray : nullptr;
 }
 
 void LocalMap::restart() {
   points_.clear();
-  for (Keyframe& keyframe : keyframes_) keyframe.sightings.clear();
+  for (Keyframe& keyframe : keyframes_) keyframe.observations.clear();
   restarted_at_ = keyframes_.size();
 }
 
-std::size_t LocalMap::add_keyframe(TimeNs stamp, const SE3& camera_from_world, RayObservations sightings) {
-  keyframes_.push_back({stamp, camera_from_world, std::move(sightings)});
+std::size_t LocalMap::add_keyframe(TimeNs stamp, const SE3& camera_from_world, RayObservations observations) {
+  keyframes_.push_back({stamp, camera_from_world, std::move(observations)});
   // Observations outside the window are never used again; points with no other observations go too.
   const std::size_t begin = window_begin();
-  if (begin > 0 && begin > restarted_at_) keyframes_[begin - 1].sightings = {};
+  if (begin > 0 && begin > restarted_at_) keyframes_[begin - 1].observations = {};
   std::erase_if(points_, [&](const auto& point) {
     for (std::size_t k = begin; k < keyframes_.size(); ++k) {
-      if (find_ray(keyframes_[k].sightings, point.first)) return false;
+      if (find_ray(keyframes_[k].observations, point.first)) return false;
     }
     return true;
   });
@@ -45,13 +45,13 @@ bool LocalMap::window_is_full() const {
 
 int LocalMap::triangulate() {
   const TriangulationOptions options{focal_px_, options_.max_point_error_px, options_.min_point_parallax_deg};
-  int placed = 0;
-  for (const RayObservation& sighting : keyframes_.back().sightings) {
-    if (points_.contains(sighting.id)) continue;
+  int triangulated = 0;
+  for (const RayObservation& observation : keyframes_.back().observations) {
+    if (points_.contains(observation.id)) continue;
     std::vector<SE3> world_from_camera;
     std::vector<Eigen::Vector2d> rays;
     for (std::size_t k = window_begin(); k < keyframes_.size(); ++k) {
-      const Eigen::Vector2d* ray = find_ray(keyframes_[k].sightings, sighting.id);
+      const Eigen::Vector2d* ray = find_ray(keyframes_[k].observations, observation.id);
       if (!ray) continue;
       world_from_camera.push_back(keyframes_[k].camera_from_world.inverse());
       rays.push_back(*ray);
@@ -59,10 +59,10 @@ int LocalMap::triangulate() {
     if (rays.size() < 2) continue;
     const auto point = rastro::triangulate(world_from_camera, rays, options);
     if (!point) continue;
-    points_.emplace(sighting.id, point->position);
-    ++placed;
+    points_.emplace(observation.id, point->position);
+    ++triangulated;
   }
-  return placed;
+  return triangulated;
 }
 
 RefinementWindow LocalMap::window(std::vector<std::int64_t>& ids) const {
@@ -77,7 +77,7 @@ RefinementWindow LocalMap::window(std::vector<std::int64_t>& ids) const {
     const auto point = static_cast<int>(window.points.size());
     const std::size_t before = window.observations.size();
     for (std::size_t k = begin; k < keyframes_.size(); ++k) {
-      const Eigen::Vector2d* ray = find_ray(keyframes_[k].sightings, id);
+      const Eigen::Vector2d* ray = find_ray(keyframes_[k].observations, id);
       if (ray) window.observations.push_back({static_cast<int>(k - begin), point, *ray});
     }
     if (window.observations.size() < before + 2) {
@@ -105,7 +105,7 @@ void LocalMap::drop_bad_points() {
   const std::size_t begin = window_begin();
   std::erase_if(points_, [&](const auto& point) {
     for (std::size_t k = begin; k < keyframes_.size(); ++k) {
-      const Eigen::Vector2d* ray = find_ray(keyframes_[k].sightings, point.first);
+      const Eigen::Vector2d* ray = find_ray(keyframes_[k].observations, point.first);
       if (ray && reprojection_error_px(keyframes_[k].camera_from_world, point.second, *ray, focal_px_) >
                      options_.max_point_error_px)
         return true;

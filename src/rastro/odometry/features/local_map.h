@@ -25,7 +25,7 @@ struct RayObservation {
 using RayObservations = std::vector<RayObservation>;
 
 /// The ray of a feature in a frame.
-const Eigen::Vector2d* find_ray(const RayObservations& sightings, std::int64_t id);
+const Eigen::Vector2d* find_ray(const RayObservations& observations, std::int64_t id);
 
 /// The last keyframes and the map points observed in them.
 class LocalMap {
@@ -33,7 +33,7 @@ class LocalMap {
   struct Keyframe {
     TimeNs stamp = 0;
     SE3 camera_from_world;
-    RayObservations sightings;  ///< Kept while the keyframe is in the window.
+    RayObservations observations;  ///< Kept while the keyframe is in the window.
   };
 
   /// `options` must outlive it; `focal_px` converts rays to pixels.
@@ -41,7 +41,7 @@ class LocalMap {
 
   /// Forgets all points and the window's observations. The poses of the keyframes stay.
   void restart();
-  std::size_t add_keyframe(TimeNs stamp, const SE3& camera_from_world, RayObservations sightings);
+  std::size_t add_keyframe(TimeNs stamp, const SE3& camera_from_world, RayObservations observations);
   /// All keyframes ever, oldest first.
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   const std::map<std::int64_t, Eigen::Vector3d>& points() const { return points_; }

@@ -63,10 +63,10 @@ SE3 PoseChain::predicted(TimeNs stamp, const LocalMap& map) const {
   const double steps =
       static_cast<double>(stamp - last->stamp) / static_cast<double>(std::max<TimeNs>(1, last->stamp - before->stamp));
   const Eigen::Vector3d moved = world_from_last.translation() - world_from_before.translation();
-  constexpr double longest_turn = 2.0;
-  const SO3 turn = world_from_before.rotation().inverse() * world_from_last.rotation();
-  const SO3 turned = world_from_last.rotation() * SO3::exp(std::clamp(steps, 0.0, longest_turn) * turn.log());
-  return SE3(turned, world_from_last.translation() + std::max(0.0, steps) * moved).inverse();
+  constexpr double most_steps = 2.0;
+  const SO3 step_rotation = world_from_before.rotation().inverse() * world_from_last.rotation();
+  const SO3 rotation = world_from_last.rotation() * SO3::exp(std::clamp(steps, 0.0, most_steps) * step_rotation.log());
+  return SE3(rotation, world_from_last.translation() + std::max(0.0, steps) * moved).inverse();
 }
 
 SE3 PoseChain::last_camera_from_world(const LocalMap& map) const {

@@ -18,8 +18,8 @@ constexpr TimeNs step = 33'333'333;
 
 /// A camera with constant linear and angular velocity.
 SE3 world_from_camera(int frame) {
-  const SO3 turn = SO3::exp({0.0, 0.03 * frame, 0.0});
-  return {turn, {0.1 * frame, 0.02 * frame, 0.3 * frame}};
+  const SO3 rotation = SO3::exp({0.0, 0.03 * frame, 0.0});
+  return {rotation, {0.1 * frame, 0.02 * frame, 0.3 * frame}};
 }
 
 SE3 camera_from_world(int frame) { return world_from_camera(frame).inverse(); }
@@ -146,12 +146,12 @@ TEST_F(LocalMapTest, TriangulatesExactlyWhatTwoKeyframesObserve) {
   add(0);
   EXPECT_EQ(map_.triangulate(), 0) << "no parallax";
   add(1);
-  const int placed = map_.triangulate();
-  EXPECT_EQ(placed, static_cast<int>(map_.points().size()));
-  EXPECT_GT(placed, 20);
+  const int triangulated = map_.triangulate();
+  EXPECT_EQ(triangulated, static_cast<int>(map_.points().size()));
+  EXPECT_GT(triangulated, 20);
   for (const auto& [id, position] : map_.points()) {
     EXPECT_LT((position - points_.at(id)).norm(), 1e-5) << id;
-    EXPECT_TRUE(find_ray(map_.keyframes()[0].sightings, id) && find_ray(map_.keyframes()[1].sightings, id));
+    EXPECT_TRUE(find_ray(map_.keyframes()[0].observations, id) && find_ray(map_.keyframes()[1].observations, id));
   }
   EXPECT_EQ(map_.triangulate(), 0) << "nothing twice";
 }
@@ -163,11 +163,11 @@ TEST_F(LocalMapTest, WhatLeavesTheWindowIsDroppedExceptForItsPose) {
     map_.triangulate();
     ASSERT_EQ(map_.keyframes().size(), static_cast<std::size_t>(k) + 1);
     for (int i = 0; i <= k; ++i)
-      EXPECT_EQ(map_.keyframes()[static_cast<std::size_t>(i)].sightings.empty(), i < k - 3) << i;
+      EXPECT_EQ(map_.keyframes()[static_cast<std::size_t>(i)].observations.empty(), i < k - 3) << i;
     for (const auto& [id, position] : map_.points()) {
       bool seen = false;
       for (int i = std::max(0, k - 3); i <= k; ++i)
-        seen = seen || find_ray(map_.keyframes()[static_cast<std::size_t>(i)].sightings, id) != nullptr;
+        seen = seen || find_ray(map_.keyframes()[static_cast<std::size_t>(i)].observations, id) != nullptr;
       EXPECT_TRUE(seen) << id;
     }
   }
@@ -187,11 +187,11 @@ TEST_F(LocalMapTest, TheWindowHasEveryObservationOfItsPoints) {
   std::size_t expected = 0;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     EXPECT_EQ(window.points[i], map_.points().at(ids[i]));
-    for (std::size_t k = 2; k < 6; ++k) expected += find_ray(map_.keyframes()[k].sightings, ids[i]) ? 1 : 0;
+    for (std::size_t k = 2; k < 6; ++k) expected += find_ray(map_.keyframes()[k].observations, ids[i]) ? 1 : 0;
   }
   EXPECT_EQ(window.observations.size(), expected);
   for (const auto& seen : window.observations) {
-    const auto& rays = map_.keyframes()[static_cast<std::size_t>(seen.camera) + 2].sightings;
+    const auto& rays = map_.keyframes()[static_cast<std::size_t>(seen.camera) + 2].observations;
     EXPECT_EQ(seen.ray, *find_ray(rays, ids[static_cast<std::size_t>(seen.point)]));
   }
 }

@@ -36,12 +36,12 @@ Linearized linearize(const CameraMatrix& camera_from_world, const Eigen::Vector3
   if (p.z() < least_depth) return out;
   const double inverse = 1.0 / p.z(), x = p.x() * inverse, y = p.y() * inverse;
   out.error = focal * (Eigen::Vector2d(x, y) - ray);
-  Eigen::Matrix<double, 2, 3> by_place;
-  by_place << focal * inverse, 0.0, -focal * x * inverse, 0.0, focal * inverse, -focal * y * inverse;
-  out.by_camera.leftCols<3>() = by_place;
+  Eigen::Matrix<double, 2, 3> by_translation;
+  by_translation << focal * inverse, 0.0, -focal * x * inverse, 0.0, focal * inverse, -focal * y * inverse;
+  out.by_camera.leftCols<3>() = by_translation;
   out.by_camera.rightCols<3>() << -focal * x * y, focal * (1.0 + x * x), -focal * y,  //
       -focal * (1.0 + y * y), focal * x * y, focal * x;
-  out.by_point = by_place * camera_from_world.rotation;
+  out.by_point = by_translation * camera_from_world.rotation;
   const double norm = out.error.norm();
   out.weight = norm <= huber ? 1.0 : huber / norm;
   out.valid = true;
@@ -66,8 +66,8 @@ double cost_of(const RefinementWindow& window, double huber) {
 /// The normal equations with the points eliminated, and what back-substitution of the points needs.
 class Schur {
  public:
-  Schur(const RefinementWindow& window, const std::vector<int>& places, int free_cameras, double huber, double damping)
-      : window_(window), places_(places) {
+  Schur(const RefinementWindow& window, const std::vector<int>& indices, int free_cameras, double huber, double damping)
+      : window_(window), indices_(indices) {
     blocks_.assign(static_cast<std::size_t>(free_cameras) * static_cast<std::size_t>(free_cameras), Matrix6::Zero());
     right_.setZero(6 * free_cameras);
     for (const SE3& pose : window.camera_from_world) cameras_.push_back({pose.rotation().matrix(), pose.translation()});
@@ -94,7 +94,7 @@ class Schur {
     for (const Point& point : eliminated_) {
       Eigen::Vector3d right = point.right;
       for (std::size_t k = point.begin; k < point.end; ++k) {
-        right -= links_[k].by_both.transpose() * camera_steps.segment<6>(6 * links_[k].place);
+        right -= links_[k].by_both.transpose() * camera_steps.segment<6>(6 * links_[k].index);
       }
       point_steps[static_cast<std::size_t>(point.index)] = point.inverse * right;
     }
@@ -103,7 +103,7 @@ class Schur {
 
  private:
   struct Link {
-    int place;
+    int index;
     Matrix63 by_both;
   };
   struct Point {
@@ -135,12 +135,12 @@ class Schur {
       if (!l.valid) continue;
       normal += l.weight * l.by_point.transpose() * l.by_point;
       point.right -= l.weight * l.by_point.transpose() * l.error;
-      const int place = places_[static_cast<std::size_t>(seen.camera)];
-      if (place < 0) continue;
+      const int index = indices_[static_cast<std::size_t>(seen.camera)];
+      if (index < 0) continue;
       const Eigen::Matrix<double, 6, 2> weighted = l.weight * l.by_camera.transpose();
-      block(place, place).noalias() += weighted * l.by_camera;
-      right_.segment<6>(6 * place).noalias() -= weighted * l.error;
-      links_.push_back({place, weighted * l.by_point});
+      block(index, index).noalias() += weighted * l.by_camera;
+      right_.segment<6>(6 * index).noalias() -= weighted * l.error;
+      links_.push_back({index, weighted * l.by_point});
     }
     normal.diagonal() *= 1.0 + damping;
     normal.diagonal().array() += 1e-9;
@@ -148,18 +148,18 @@ class Schur {
     point.end = links_.size();
     for (std::size_t a = point.begin; a < point.end; ++a) {
       const Matrix63 scaled = links_[a].by_both * point.inverse;
-      right_.segment<6>(6 * links_[a].place) -= scaled * point.right;
+      right_.segment<6>(6 * links_[a].index) -= scaled * point.right;
       for (std::size_t b = point.begin; b < point.end; ++b) {
         // The solver reads only the lower half.
-        if (links_[b].place <= links_[a].place)
-          block(links_[a].place, links_[b].place).noalias() -= scaled * links_[b].by_both.transpose();
+        if (links_[b].index <= links_[a].index)
+          block(links_[a].index, links_[b].index).noalias() -= scaled * links_[b].by_both.transpose();
       }
     }
     eliminated_.push_back(point);
   }
 
   const RefinementWindow& window_;
-  const std::vector<int>& places_;
+  const std::vector<int>& indices_;
   std::vector<CameraMatrix> cameras_;
   std::vector<Matrix6> blocks_;
   Eigen::MatrixXd reduced_;
@@ -178,24 +178,24 @@ double reprojection_error_px(const SE3& camera_from_world, const Eigen::Vector3d
 }
 
 double refine_window(RefinementWindow& window, const RefinementOptions& options) {
-  std::vector<int> places(window.camera_from_world.size(), -1);
+  std::vector<int> indices(window.camera_from_world.size(), -1);
   int free_cameras = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (window.fixed[i] == 0) places[i] = free_cameras++;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    if (window.fixed[i] == 0) indices[i] = free_cameras++;
   }
   double damping = 1e-4, cost = cost_of(window, options.huber_px);
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
-    const Schur schur(window, places, free_cameras, options.huber_px, damping);
+    const Schur schur(window, indices, free_cameras, options.huber_px, damping);
     Eigen::VectorXd camera_steps;
     std::vector<Eigen::Vector3d> point_steps;
     if (!schur.solve(camera_steps, point_steps)) break;
     RefinementWindow moved = window;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      if (places[i] < 0) continue;
-      const Eigen::Matrix<double, 6, 1> step = camera_steps.segment<6>(6 * places[i]);
-      const SO3 turn = SO3::exp(step.tail<3>());
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      if (indices[i] < 0) continue;
+      const Eigen::Matrix<double, 6, 1> step = camera_steps.segment<6>(6 * indices[i]);
+      const SO3 rotation = SO3::exp(step.tail<3>());
       const SE3& before = window.camera_from_world[i];
-      moved.camera_from_world[i] = SE3(turn * before.rotation(), turn * before.translation() + step.head<3>());
+      moved.camera_from_world[i] = SE3(rotation * before.rotation(), rotation * before.translation() + step.head<3>());
     }
     for (std::size_t i = 0; i < window.points.size(); ++i) moved.points[i] += point_steps[i];
     const double moved_cost = cost_of(moved, options.huber_px);

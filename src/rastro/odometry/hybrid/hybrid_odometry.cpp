@@ -101,8 +101,8 @@ HybridOdometry::Shared HybridOdometry::shared_between(const View& a, const View&
     shared.b.push_back(in_b->ray.cast<double>());
     shared.ids.push_back(feature.id);
     motions.push_back(static_cast<double>((feature.pixel - in_b->pixel).norm()));
-    const Eigen::Vector3d turned = b_from_a * shared.a.back().homogeneous().eval();
-    if (turned.z() > 0.0) parallaxes.push_back((turned.hnormalized() - shared.b.back()).norm() * camera_.fx);
+    const Eigen::Vector3d rotated = b_from_a * shared.a.back().homogeneous().eval();
+    if (rotated.z() > 0.0) parallaxes.push_back((rotated.hnormalized() - shared.b.back()).norm() * camera_.fx);
   }
   shared.motion_px = upper_median_or(std::move(motions), 0.0);
   shared.parallax_px = upper_median_or(std::move(parallaxes), 0.0);
@@ -145,8 +145,8 @@ void HybridOdometry::start(View current, OdometryUpdate& update) {
     return;
   }
   if (shared.parallax_px < options_.min_start_parallax_px) {
-    const bool turned = shared.motion_px > 4.0 * shared.parallax_px;
-    wait(turned ? OdometryReason::pure_rotation : OdometryReason::too_little_parallax,
+    const bool only_rotated = shared.motion_px > 4.0 * shared.parallax_px;
+    wait(only_rotated ? OdometryReason::pure_rotation : OdometryReason::too_little_parallax,
          fmt::format("median parallax {:.1f} px, need {:.1f}", shared.parallax_px, options_.min_start_parallax_px));
     return;
   }
@@ -169,7 +169,7 @@ void HybridOdometry::start(View current, OdometryUpdate& update) {
   velocity_ = first_from_current.translation() / frames;
   world_from_last_ = current.world_from_camera;
   second_ = std::move(current);
-  place_between(first_->position, second_->position);
+  interpolate_between(first_->position, second_->position);
   points_ = triangulate_between(*first_, *second_);
 }
 
@@ -259,7 +259,7 @@ void HybridOdometry::bridge(OdometryUpdate& update) {
 }
 
 /// The frames between the two views of an initialization got poses before the camera's translation was known.
-void HybridOdometry::place_between(std::size_t first, std::size_t last) {
+void HybridOdometry::interpolate_between(std::size_t first, std::size_t last) {
   const SE3 from = first_->world_from_camera, to = second_->world_from_camera;
   for (std::size_t i = first + 1; i < last; ++i) {
     const double share = static_cast<double>(i - first) / static_cast<double>(last - first);

@@ -52,7 +52,7 @@ class HybridOdometry : public Odometry {
   void accept(View current, const Shared& since_second);
   void lose(View current, OdometryReason reason, std::string detail, OdometryUpdate& update);
   void bridge(OdometryUpdate& update);
-  void place_between(std::size_t first, std::size_t last);
+  void interpolate_between(std::size_t first, std::size_t last);
   Shared shared_between(const View& a, const View& b) const;
   std::vector<KnownPoint> triangulate_between(const View& a, const View& b) const;
   CalibratedRansacOptions ransac_options(std::uint64_t item) const;

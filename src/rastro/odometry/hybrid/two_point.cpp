@@ -34,7 +34,7 @@ struct TranslationProblem {
   std::span<const Eigen::Vector3d> points;
   std::span<const Eigen::Vector2d> seen;
   double focal_px;
-  std::vector<Eigen::Vector3d> turned;
+  std::vector<Eigen::Vector3d> rotated;
 
   template <typename Sink>
   void fit(const std::array<std::uint32_t, 2>& sample, Sink&& sink) const {
@@ -43,8 +43,8 @@ struct TranslationProblem {
   }
 
   void errors(const Eigen::Vector3d& translation, float* out) const {
-    for (std::size_t i = 0; i < turned.size(); ++i) {
-      const Eigen::Vector3d p = turned[i] + translation;
+    for (std::size_t i = 0; i < rotated.size(); ++i) {
+      const Eigen::Vector3d p = rotated[i] + translation;
       out[i] =
           p.z() > 0.0 ? static_cast<float>((p.hnormalized() - seen[i]).squaredNorm() * focal_px * focal_px) : far_off;
     }
@@ -55,16 +55,16 @@ struct TranslationProblem {
     for (int iteration = 0; iteration < refine_iterations; ++iteration) {
       Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
       Eigen::Vector3d right = Eigen::Vector3d::Zero();
-      for (std::size_t i = 0; i < turned.size(); ++i) {
+      for (std::size_t i = 0; i < rotated.size(); ++i) {
         if (!(start.squared_errors[i] <= limit)) continue;
-        const Eigen::Vector3d p = turned[i] + translation;
+        const Eigen::Vector3d p = rotated[i] + translation;
         if (!(p.z() > 0.0)) continue;
-        const Eigen::Vector2d place = p.hnormalized();
+        const Eigen::Vector2d projected = p.hnormalized();
         Eigen::Matrix<double, 2, 3> jacobian;
-        jacobian << 1.0, 0.0, -place.x(), 0.0, 1.0, -place.y();
+        jacobian << 1.0, 0.0, -projected.x(), 0.0, 1.0, -projected.y();
         jacobian /= p.z();
         normal.noalias() += jacobian.transpose() * jacobian;
-        right.noalias() += jacobian.transpose() * (seen[i] - place);
+        right.noalias() += jacobian.transpose() * (seen[i] - projected);
       }
       const Eigen::Vector3d step = normal.ldlt().solve(right);
       if (!step.allFinite()) return std::nullopt;
@@ -78,7 +78,7 @@ struct TranslationProblem {
 /// Normals b x R a of the planes that t lies in; errors are distances in pixels from the line that t and R a span.
 struct DirectionProblem {
   static constexpr std::size_t sample_size = 2;
-  std::vector<Eigen::Vector3d> turned, normals;
+  std::vector<Eigen::Vector3d> rotated, normals;
   std::span<const Eigen::Vector2d> seen;
   double focal_px;
 
@@ -90,8 +90,8 @@ struct DirectionProblem {
   }
 
   void errors(const Eigen::Vector3d& t, float* out) const {
-    for (std::size_t i = 0; i < turned.size(); ++i) {
-      const Eigen::Vector3d line = t.cross(turned[i]);
+    for (std::size_t i = 0; i < rotated.size(); ++i) {
+      const Eigen::Vector3d line = t.cross(rotated[i]);
       const double square = line.head<2>().squaredNorm(), distance = line.dot(seen[i].homogeneous().eval());
       out[i] = square > 0.0 ? static_cast<float>(distance * distance / square * focal_px * focal_px) : far_off;
     }
@@ -101,8 +101,8 @@ struct DirectionProblem {
     Eigen::Vector3d t = start.model;
     for (int iteration = 0; iteration < refine_iterations; ++iteration) {
       Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-      for (std::size_t i = 0; i < turned.size(); ++i) {
-        const double square = t.cross(turned[i]).head<2>().squaredNorm();
+      for (std::size_t i = 0; i < rotated.size(); ++i) {
+        const double square = t.cross(rotated[i]).head<2>().squaredNorm();
         // Divided by the length of the line, so that all are in pixels.
         if (start.squared_errors[i] <= limit && square > 0.0) sum += normals[i] * normals[i].transpose() / square;
       }
@@ -117,13 +117,13 @@ struct DirectionProblem {
 /// Points in front of both cameras with translation t, minus those in front with -t.
 int balance_in_front(const DirectionProblem& problem, const TranslationFit& fit) {
   int balance = 0;
-  for (std::size_t i = 0; i < problem.turned.size(); ++i) {
+  for (std::size_t i = 0; i < problem.rotated.size(); ++i) {
     if (fit.is_inlier[i] == 0) continue;
     // s b = z R a + t: the cross products with b and with R a give the signs of the depths.
     const Eigen::Vector3d b = problem.seen[i].homogeneous();
-    const Eigen::Vector3d across = problem.turned[i].cross(b);
+    const Eigen::Vector3d across = problem.rotated[i].cross(b);
     const double depth_first = b.cross(fit.translation).dot(across);
-    const double depth_second = problem.turned[i].cross(fit.translation).dot(across);
+    const double depth_second = problem.rotated[i].cross(fit.translation).dot(across);
     if (depth_first > 0.0 && depth_second > 0.0) ++balance;
     if (depth_first < 0.0 && depth_second < 0.0) --balance;
   }
@@ -152,7 +152,7 @@ std::optional<TranslationFit> estimate_translation(const Eigen::Matrix3d& rotati
                                                    const std::optional<Eigen::Vector3d>& initial) {
   RASTRO_CHECK(points_in_first.size() == points.size(), "one pixel per point");
   TranslationProblem problem{rotation, points_in_first, points, options.focal_px, {}};
-  for (const auto& point : points_in_first) problem.turned.emplace_back(rotation * point);
+  for (const auto& point : points_in_first) problem.rotated.emplace_back(rotation * point);
   const auto found = ransac_of<Eigen::Vector3d>(problem, points.size(), options, initial);
   if (!found || found->inliers < 2 || !found->model.allFinite()) return std::nullopt;
   return fit_of(*found, options.max_error_px);
@@ -164,8 +164,8 @@ std::optional<TranslationFit> estimate_direction(const Eigen::Matrix3d& rotation
   RASTRO_CHECK(a.size() == b.size(), "the same number of points in both views");
   DirectionProblem problem{{}, {}, b, options.focal_px};
   for (std::size_t i = 0; i < a.size(); ++i) {
-    problem.turned.emplace_back(rotation * a[i].homogeneous());
-    problem.normals.emplace_back(b[i].homogeneous().cross(problem.turned.back()));
+    problem.rotated.emplace_back(rotation * a[i].homogeneous());
+    problem.normals.emplace_back(b[i].homogeneous().cross(problem.rotated.back()));
   }
   const auto found = ransac_of<Eigen::Vector3d>(problem, a.size(), options);
   if (!found || found->inliers < 2 || !found->model.allFinite()) return std::nullopt;

@@ -98,13 +98,13 @@ TEST(EstimateDirection, FindsDirectionAndSign) {
 
 TEST(EstimateDirection, APureRotationHasNone) {
   Random random(4);
-  const SE3 turn(SO3::exp({0.0, 0.1, 0.0}), Eigen::Vector3d::Zero());
-  const auto scene = two_view_scene(random, turn, {.count = 50});
-  const auto fit = estimate_direction(turn.rotation().matrix(), scene.a, scene.b, {});
+  const SE3 rotation_only(SO3::exp({0.0, 0.1, 0.0}), Eigen::Vector3d::Zero());
+  const auto scene = two_view_scene(random, rotation_only, {.count = 50});
+  const auto fit = estimate_direction(rotation_only.rotation().matrix(), scene.a, scene.b, {});
   if (fit) {
     EXPECT_TRUE(fit->translation.allFinite());
   }
-  EXPECT_FALSE(estimate_direction(turn.rotation().matrix(), {}, {}, {}));
+  EXPECT_FALSE(estimate_direction(rotation_only.rotation().matrix(), {}, {}, {}));
 }
 
 }  // namespace

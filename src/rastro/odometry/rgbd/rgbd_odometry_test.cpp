@@ -31,15 +31,15 @@ TEST(RgbdOdometry, StartsANewMapAfterASecondOfLoss) {
   RgbdOdometry odometry({}, room.camera, nullptr);
   OdometryUpdate update;
   for (int i = 0; i < 5; ++i) update = odometry.process(room.frame(i, PaperedRoom::pose(i)));
-  const SE3 half_turn(SO3::exp({0.0, 3.0, 0.0}), {0.3, 0.0, 0.0});
+  const SE3 half_rotation(SO3::exp({0.0, 3.0, 0.0}), {0.3, 0.0, 0.0});
   int lost = 0;
   for (int i = 5; i < 60 && (i == 5 || update.state == OdometryState::lost); ++i) {
-    update = odometry.process(room.frame(i, PaperedRoom::pose(i) * half_turn));
+    update = odometry.process(room.frame(i, PaperedRoom::pose(i) * half_rotation));
     lost += update.state == OdometryState::lost ? 1 : 0;
   }
   EXPECT_EQ(lost, 30) << update.detail;
   EXPECT_NE(update.state, OdometryState::lost);
-  const OdometryUpdate next = odometry.process(room.frame(61, PaperedRoom::pose(36) * half_turn));
+  const OdometryUpdate next = odometry.process(room.frame(61, PaperedRoom::pose(36) * half_rotation));
   EXPECT_EQ(next.state, OdometryState::tracking) << next.detail;
   EXPECT_LT(distance(update.world_from_camera, next.world_from_camera), 0.05);
 }

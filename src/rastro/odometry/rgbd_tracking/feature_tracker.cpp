@@ -16,7 +16,7 @@ constexpr int points_per_chunk = 32;
 constexpr double recognition_reach_px = 5.0;
 constexpr int border_px = 4;
 // A patch stretched or shrunk by more than this shows other detail.
-constexpr float most_stretch = 1.6F;
+constexpr float max_scale = 1.6F;
 // Two points this much closer than the minimum distance are the same corner, detected twice.
 constexpr double same_share = 0.5;
 
@@ -93,10 +93,10 @@ std::vector<FeatureTracker::Candidate> FeatureTracker::in_view(const PointMap& m
     const Eigen::Matrix<double, 3, 2> across =
         camera_from.rotation().matrix().leftCols<2>() *
         (Eigen::Vector2d(1.0 / camera_.fx, 1.0 / camera_.fy) * depth).asDiagonal();
-    const Eigen::Matrix2f turn = (projection * across).cast<float>();
-    const float stretch = std::sqrt(std::abs(turn.determinant()));
-    if (!(stretch < most_stretch && stretch > 1.0F / most_stretch)) continue;
-    candidates.push_back({i, pixel->cast<float>(), turn, carried_of[i]});
+    const Eigen::Matrix2f warp = (projection * across).cast<float>();
+    const float scale = std::sqrt(std::abs(warp.determinant()));
+    if (!(scale < max_scale && scale > 1.0F / max_scale)) continue;
+    candidates.push_back({i, pixel->cast<float>(), warp, carried_of[i]});
   }
   return candidates;
 }

@@ -105,9 +105,10 @@ namespace {
 Vector6d shared_variance(const std::vector<PointMeasurement>& points, double ray_error, const SE3& world_from_camera) {
   double depths = 0.0;
   for (const PointMeasurement& point : points) depths += (point.in_world - world_from_camera.translation()).norm();
-  const double way = ray_error * depths / std::max<double>(1.0, static_cast<double>(points.size()));
+  const double translation_error = ray_error * depths / std::max<double>(1.0, static_cast<double>(points.size()));
   Vector6d variance;
-  variance << Eigen::Vector3d::Constant(way * way), Eigen::Vector3d::Constant(ray_error * ray_error);
+  variance << Eigen::Vector3d::Constant(translation_error * translation_error),
+      Eigen::Vector3d::Constant(ray_error * ray_error);
   return variance;
 }
 

@@ -93,7 +93,7 @@ class RgbdFollower::State {
   FrameCheck check_;
   FeatureTracker tracker_;
   SurfaceMatcher surfaces_;
-  LandmarkFinder places_;
+  LandmarkFinder landmark_finder_;
   PointMap map_;
   bool has_pose_ = false;
   SE3 pose_;                              ///< world_from_camera of the last frame.
@@ -115,19 +115,19 @@ RgbdFollow RgbdFollower::State::follow(const Frame& frame) {
   features_.clear();
   result.world_from_camera = pose_;
   result.state = map_is_empty() ? OdometryState::initializing : OdometryState::weak;
-  const FrameCheckResult look = check_.check(frame.image.view(), frame.stamp);
-  if (look.reason != OdometryReason::repeated_frame && !frame.image.empty()) {
+  const FrameCheckResult image_check = check_.check(frame.image.view(), frame.stamp);
+  if (image_check.reason != OdometryReason::repeated_frame && !frame.image.empty()) {
     camera_.width = frame.image.width();  // some calibrations have no size
     camera_.height = frame.image.height();
     // A blurred image still has more information than a prediction.
-    const bool image_useful = look.useful() || look.reason == OdometryReason::blurred;
+    const bool image_useful = image_check.useful() || image_check.reason == OdometryReason::blurred;
     if (image_useful) tracker_.take(frame);
     surfaces_.take(frame, camera_);
     map_is_empty() ? start(frame, result) : follow_map(frame, image_useful, result);
   }
-  if (look.reason != OdometryReason::none && (result.reason == OdometryReason::none || !look.useful())) {
-    result.reason = look.reason;
-    result.detail = look.detail;
+  if (image_check.reason != OdometryReason::none && (result.reason == OdometryReason::none || !image_check.useful())) {
+    result.reason = image_check.reason;
+    result.detail = image_check.detail;
   }
   if (!map_is_empty()) result.world_from_reference = map_.references.back().world_from_camera;
   return result;
@@ -251,7 +251,7 @@ std::optional<SE3> RgbdFollower::State::first_pose(const Frame& frame, const SE3
   if (!image_useful) return std::nullopt;
   carried.clear();
   const std::vector<FoundPoint> anywhere =
-      places_.find(map_, camera_, tracker_.pyramid(), tracker_.new_corners(frame, {}, corners_to_find));
+      landmark_finder_.find(map_, camera_, tracker_.pyramid(), tracker_.new_corners(frame, {}, corners_to_find));
   return pose_from(anywhere, guess, result);
 }
 
@@ -398,10 +398,10 @@ bool RgbdFollower::State::is_reference(const SE3& pose, int inliers) const {
   const int oldest = std::max(map_.first_live, static_cast<int>(map_.references.size()) - options_.map_references);
   for (std::size_t i = static_cast<std::size_t>(oldest); i < map_.references.size(); ++i) {
     const Reference& reference = map_.references[i];
-    const SE3 way = reference.world_from_camera.inverse() * pose;
-    const double turn_deg = way.rotation().log().norm() * 180.0 / std::numbers::pi;
-    if (turn_deg < options_.max_reference_rotation_deg &&
-        way.translation().norm() < options_.max_reference_motion_m * reference.median_depth)
+    const SE3 motion = reference.world_from_camera.inverse() * pose;
+    const double rotation_deg = motion.rotation().log().norm() * 180.0 / std::numbers::pi;
+    if (rotation_deg < options_.max_reference_rotation_deg &&
+        motion.translation().norm() < options_.max_reference_motion_m * reference.median_depth)
       return false;
   }
   return true;
@@ -425,7 +425,7 @@ double RgbdFollower::State::add_points(const Frame& frame, int number) {
     if (measured.inverse_depth > 0.0) depths.push_back(1.0 / measured.inverse_depth);
   }
   const std::vector<Eigen::Vector2f> corners = tracker_.new_corners(frame, found_, 2 * wanted);
-  const std::vector<Descriptor> descriptors = places_.describe(tracker_.pyramid(), corners);
+  const std::vector<Descriptor> descriptors = landmark_finder_.describe(tracker_.pyramid(), corners);
   int added = 0;
   for (std::size_t i = 0; i < corners.size() && added < wanted; ++i) {
     const auto ray = camera_.unproject(corners[i].cast<double>());

@@ -49,8 +49,8 @@ TEST(RgbdFollower, TracksBareWallsBySurfaces) {
 /// rolled by `roll_rad`.
 struct AfterTheDark {
   RgbdFollow back;
-  SE3 truth;           ///< Pose of the first frame after the dark, in the first camera's frame.
-  double apart = 0.0;  ///< Its distance to the last pose before the dark, meters and radians.
+  SE3 truth;              ///< Pose of the first frame after the dark, in the first camera's frame.
+  double distance = 0.0;  ///< Its distance to the last pose before the dark, meters and radians.
   double error() const { return (truth.inverse() * back.world_from_camera).log().norm(); }
 };
 
@@ -81,7 +81,7 @@ AfterTheDark after_the_dark(const SE3& world_from_camera) {
   }
   AfterTheDark seen;
   seen.truth = PaperedRoom::pose(0).inverse() * world_from_camera;
-  seen.apart = (last.inverse() * seen.truth).log().norm();
+  seen.distance = (last.inverse() * seen.truth).log().norm();
   seen.back = follower.follow(room.frame(i, world_from_camera));
   return seen;
 }
@@ -93,11 +93,11 @@ SE3 rolled(const SE3& pose, double roll_rad) {
 TEST(RgbdFollower, RelocalizesAfterTheDark) {
   // Rolled by 0.7 rad, only descriptors find it: too far for optical flow and for surfaces.
   for (const double roll_rad : {0.0, 0.7}) {
-    for (const int place : {2, 10}) {
-      SCOPED_TRACE(place);
-      const AfterTheDark seen = after_the_dark(rolled(PaperedRoom::pose(place), roll_rad));
+    for (const int index : {2, 10}) {
+      SCOPED_TRACE(index);
+      const AfterTheDark seen = after_the_dark(rolled(PaperedRoom::pose(index), roll_rad));
       const double limit = roll_rad == 0.0 ? 0.004 : 0.0105;  // measured: 0.0026 and 0.0070
-      ASSERT_GT(seen.apart, 20.0 * limit - 0.01) << "repeating the last pose must not pass";
+      ASSERT_GT(seen.distance, 20.0 * limit - 0.01) << "repeating the last pose must not pass";
       EXPECT_EQ(seen.back.state, OdometryState::tracking) << seen.back.detail;
       EXPECT_LT(seen.error(), limit);
     }
@@ -106,11 +106,11 @@ TEST(RgbdFollower, RelocalizesAfterTheDark) {
 
 TEST(RgbdFollower, DoesNotClaimToHaveRelocalizedInAnUnknownView) {
   // A pose that is reported as good is good: the error was 0.014 at the largest roll.
-  for (const int place : {0, 4, 15}) {
+  for (const int index : {0, 4, 15}) {
     for (const double roll_rad : {0.3, -1.5}) {
-      const AfterTheDark seen = after_the_dark(rolled(PaperedRoom::pose(place), roll_rad));
+      const AfterTheDark seen = after_the_dark(rolled(PaperedRoom::pose(index), roll_rad));
       EXPECT_TRUE(seen.back.state == OdometryState::lost || seen.error() < 0.021)
-          << place << " " << roll_rad << ": " << name_of(seen.back.state) << ", error " << seen.error() << " "
+          << index << " " << roll_rad << ": " << name_of(seen.back.state) << ", error " << seen.error() << " "
           << seen.back.detail;
     }
   }

@@ -55,10 +55,10 @@ struct PaperedRoom {
   /// Hand-held motion facing a corner of the room.
   static SE3 pose(std::int64_t index) {
     const double t = static_cast<double>(index) / 30.0;
-    Vector6d way;
-    way << 0.2 * std::sin(1.1 * t), 0.1 * std::sin(1.7 * t), 0.15 * std::sin(0.9 * t), 0.1 * std::sin(1.3 * t) + 0.25,
-        0.2 * std::sin(t) + 0.7, 0.1 * std::sin(0.8 * t);
-    return SE3::exp(way);
+    Vector6d tangent;
+    tangent << 0.2 * std::sin(1.1 * t), 0.1 * std::sin(1.7 * t), 0.15 * std::sin(0.9 * t),
+        0.1 * std::sin(1.3 * t) + 0.25, 0.2 * std::sin(t) + 0.7, 0.1 * std::sin(0.8 * t);
+    return SE3::exp(tangent);
   }
 };
 

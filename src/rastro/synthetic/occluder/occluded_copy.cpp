@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int batch_frames = 16;  // drawn sequentially, then written in parallel
 
-struct Picture {
+struct OccludedImage {
   TimeNs stamp = 0;
   GrayImage image, mask;
 };
@@ -128,8 +128,8 @@ std::string occluder_yaml(const SourceInfo& info, std::uint64_t seed, Occluder& 
     if (pass.first >= frames) break;
     text +=
         fmt::format("  - {{first: {}, frames: {}, shape: {}, to_right: {}, width_px: {:.1f}, hidden_frames: {:.1f}}}\n",
-                    pass.first, pass.frames, pass.look.shape == OccluderShape::post ? "post" : "figure", pass.to_right,
-                    pass.look.width_px, pass.occluded_frames);
+                    pass.first, pass.frames, pass.appearance.shape == OccluderShape::post ? "post" : "figure",
+                    pass.to_right, pass.appearance.width_px, pass.occluded_frames);
     frame = pass.first + pass.frames;
   }
   return text;
@@ -146,7 +146,7 @@ class Copy {
   }
 
   OccludedCopyResult run(const std::function<void(std::int64_t)>& progress) {
-    std::vector<Picture> batch;
+    std::vector<OccludedImage> batch;
     for (bool more = true; more;) {
       batch.clear();
       while (static_cast<int>(batch.size()) < batch_frames && (more = read_into(batch))) {
@@ -162,7 +162,7 @@ class Copy {
 
  private:
   /// False at the end of the source.
-  bool read_into(std::vector<Picture>& batch) {
+  bool read_into(std::vector<OccludedImage>& batch) {
     std::optional<Frame> frame;
     try {
       frame = source_.next();
@@ -183,9 +183,9 @@ class Copy {
       throw Error(fmt::format("its stamp {} ns is not after that of the previous frame", frame->stamp), frame->name,
                   "see `rastro check` on the data");
     last_stamp_ = frame->stamp;
-    Picture picture{frame->stamp, std::move(frame->image), {}};
-    occluder_->draw(drawn_++, picture.image, picture.mask);
-    batch.push_back(std::move(picture));
+    OccludedImage occluded{frame->stamp, std::move(frame->image), {}};
+    occluder_->draw(drawn_++, occluded.image, occluded.mask);
+    batch.push_back(std::move(occluded));
     return true;
   }
 
@@ -196,19 +196,19 @@ class Copy {
     write_sensors(source_.info(), folder_, width_, height_);
   }
 
-  void write(std::vector<Picture>& batch) {
+  void write(std::vector<OccludedImage>& batch) {
     const auto count = static_cast<int>(batch.size());
     pool_.for_chunks(0, count, 1, [&](int begin, int end) {
       for (int i = begin; i < end; ++i) {
-        Picture& picture = batch[static_cast<std::size_t>(i)];
-        const std::string name = fmt::format("{}.png", picture.stamp);
-        write_png(folder_ / "mav0" / "cam0" / "data" / name, picture.image, {cv::IMWRITE_PNG_COMPRESSION, 1});
-        write_png(folder_ / "mav0" / "occluder" / name, picture.mask, {cv::IMWRITE_PNG_BILEVEL, 1});
+        OccludedImage& occluded = batch[static_cast<std::size_t>(i)];
+        const std::string name = fmt::format("{}.png", occluded.stamp);
+        write_png(folder_ / "mav0" / "cam0" / "data" / name, occluded.image, {cv::IMWRITE_PNG_COMPRESSION, 1});
+        write_png(folder_ / "mav0" / "occluder" / name, occluded.mask, {cv::IMWRITE_PNG_BILEVEL, 1});
       }
     });
-    for (Picture& picture : batch) {
-      list_->append(fmt::format("{0},{0}.png\n", picture.stamp));
-      count_covered(picture.mask);
+    for (OccludedImage& occluded : batch) {
+      list_->append(fmt::format("{0},{0}.png\n", occluded.stamp));
+      count_covered(occluded.mask);
       ++result_.frames;
     }
     if (occluder_)

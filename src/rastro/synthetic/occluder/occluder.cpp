@@ -57,18 +57,18 @@ void Occluder::add_pass() {
   pass.to_right = random.uniform() < 0.5;
   pass.occluded_frames = random.uniform(5.0, 9.0);
   pass.speed_change = random.uniform(0.05, 0.2);
-  OccluderAppearance& look = pass.look;
-  look.shape = figure ? OccluderShape::figure : OccluderShape::post;
-  look.width_px = random.uniform(0.2, 0.3) * width_;
-  look.height_px = height_;
-  look.tilt_rad = random.uniform(-0.09, 0.09);
-  look.brightness = std::clamp(options_.brightness * random.uniform(0.75, 1.25), 50.0, 190.0);
-  look.contrast = std::clamp(options_.contrast * random.uniform(0.8, 1.2), 25.0, 60.0);
-  const double speed = look.width_px / pass.occluded_frames;
-  look.blur_px = shutter_share * speed;
-  look.seed = random.next();
-  const double lean = std::abs(std::tan(look.tilt_rad)) * height_;
-  pass.frames = std::llround((width_ + look.width_px * 1.15 + lean) / speed) + 1;
+  OccluderAppearance& appearance = pass.appearance;
+  appearance.shape = figure ? OccluderShape::figure : OccluderShape::post;
+  appearance.width_px = random.uniform(0.2, 0.3) * width_;
+  appearance.height_px = height_;
+  appearance.tilt_rad = random.uniform(-0.09, 0.09);
+  appearance.brightness = std::clamp(options_.brightness * random.uniform(0.75, 1.25), 50.0, 190.0);
+  appearance.contrast = std::clamp(options_.contrast * random.uniform(0.8, 1.2), 25.0, 60.0);
+  const double speed = appearance.width_px / pass.occluded_frames;
+  appearance.blur_px = shutter_share * speed;
+  appearance.seed = random.next();
+  const double lean = std::abs(std::tan(appearance.tilt_rad)) * height_;
+  pass.frames = std::llround((width_ + appearance.width_px * 1.15 + lean) / speed) + 1;
   passes_.push_back(pass);
 }
 
@@ -80,19 +80,19 @@ const OccluderPass& Occluder::pass_at(std::int64_t frame) {
 
 double Occluder::center_x(std::int64_t frame) {
   const OccluderPass& pass = pass_at(frame);
-  const double lean = std::abs(std::tan(pass.look.tilt_rad)) * height_;
-  const double reach = (pass.look.width_px * 1.15 + lean) / 2.0 + pass.look.blur_px + 4.0;
+  const double lean = std::abs(std::tan(pass.appearance.tilt_rad)) * height_;
+  const double reach = (pass.appearance.width_px * 1.15 + lean) / 2.0 + pass.appearance.blur_px + 4.0;
   const double time = std::max(0.0, static_cast<double>(frame - pass.first) / static_cast<double>(pass.frames - 1));
-  constexpr double turn = 2.0 * std::numbers::pi * 2.0;
-  const double way = time + pass.speed_change * std::sin(turn * time) / turn;
+  constexpr double angular_frequency = 2.0 * std::numbers::pi * 2.0;
+  const double progress = time + pass.speed_change * std::sin(angular_frequency * time) / angular_frequency;
   const double from = pass.to_right ? -reach : width_ - 1 + reach;
   const double to = pass.to_right ? width_ - 1 + reach : -reach;
-  return from + way * (to - from);
+  return from + progress * (to - from);
 }
 
 const OccluderTile& Occluder::tile_of(const OccluderPass& pass) {
   if (painted_first_ != pass.first) {
-    tile_ = paint_occluder(pass.look);
+    tile_ = paint_occluder(pass.appearance);
     painted_first_ = pass.first;
   }
   return tile_;
@@ -107,7 +107,7 @@ void Occluder::draw(std::int64_t frame, GrayImage& image, GrayImage& mask) {
   const double left = center_x(frame) - (tile.opacity.width() - 1) / 2.0;
   // The bob of a step, for realizm.
   const double top = 0.006 * height_ * std::sin(0.9 * static_cast<double>(frame - pass.first));
-  const std::uint64_t noise = seed_for(pass.look.seed, static_cast<std::uint64_t>(frame));
+  const std::uint64_t noise = seed_for(pass.appearance.seed, static_cast<std::uint64_t>(frame));
   const int begin = std::max(0, static_cast<int>(std::floor(left)));
   const int end = std::min(width_, static_cast<int>(std::ceil(left)) + tile.opacity.width() + 1);
   for (int y = 0; y < height_; ++y) {

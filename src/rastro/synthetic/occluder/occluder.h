@@ -23,7 +23,7 @@ struct OccluderPass {
   double occluded_frames =
       7.0;                    ///< Mean number of frames for which the occluder's widest part occludes a point at rest.
   double speed_change = 0.2;  ///< Relative change of the speed during the pass.
-  OccluderAppearance look;
+  OccluderAppearance appearance;
 };
 
 /// A textured post or person that crosses the image again and again, with pauses, so that everything in the image is

@@ -37,8 +37,8 @@ struct Patch {
   bool disc = false;
 
   /// 1 inside, 0 outside, with a soft border of `softness` (in widths, like all lengths here).
-  double cover(const Vector2d& place, double softness) const {
-    const Vector2d offset = place - center;
+  double cover(const Vector2d& position, double softness) const {
+    const Vector2d offset = position - center;
     const Vector2d local(offset.dot(along), offset.x() * -along.y() + offset.y() * along.x());
     const double outside = disc ? local.norm() - half_size.x() : (local.cwiseAbs() - half_size).maxCoeff();
     return std::clamp(0.5 - outside / softness, 0.0, 1.0);
@@ -48,21 +48,21 @@ struct Patch {
 /// The texture of one occluder, at positions in units of its width.
 class Texture {
  public:
-  explicit Texture(const OccluderAppearance& look) : patch_(look), pixel_(1.0 / look.width_px) {
-    Random random(look.seed);
+  explicit Texture(const OccluderAppearance& appearance) : patch_(appearance), pixel_(1.0 / appearance.width_px) {
+    Random random(appearance.seed);
     for (double& tone : part_tones_) tone = random.uniform(-0.5, 0.5);
     part_tones_[static_cast<std::size_t>(OccluderPart::hair)] = -0.9;
     part_tones_[static_cast<std::size_t>(OccluderPart::skin)] = 0.3;
     stripes_ = random.uniform() < 0.5 ? random.uniform(7.0, 12.0) : 0.0;
-    const double height = look.height_px * pixel_;
+    const double height = appearance.height_px * pixel_;
     const int count = static_cast<int>(std::clamp(40.0 * height, 20.0, 200.0));
     for (int i = 0; i < count; ++i) {
       Patch patch;
       patch.center = {random.uniform(-0.5, 0.5), random.uniform(0.0, height)};
       const double size = 0.025 + 0.11 * std::pow(random.uniform(), 2.0);
       patch.half_size = {size, size * random.uniform(0.4, 1.0)};
-      const double turn = random.uniform(-0.5, 0.5);
-      patch.along = {std::cos(turn), std::sin(turn)};
+      const double angle = random.uniform(-0.5, 0.5);
+      patch.along = {std::cos(angle), std::sin(angle)};
       patch.tone = (random.uniform() < 0.5 ? -1.0 : 1.0) * random.uniform(0.3, 1.1);
       patch.disc = random.uniform() < 0.25;
       add(patch);
@@ -70,17 +70,18 @@ class Texture {
   }
 
   /// Intensity at `distance` (below 0: inside) from the outline.
-  double gray(const Vector2d& place, const OutlineDistance& outline) const {
+  double gray(const Vector2d& position, const OutlineDistance& outline) const {
     double tone = part_tones_[static_cast<std::size_t>(outline.part)];
     const bool printed = outline.part == OccluderPart::shirt || outline.part == OccluderPart::post;
-    if (stripes_ > 0.0 && printed) tone += 0.35 * std::clamp(4.0 * std::sin(place.y() * 2.0 * stripes_), -1.0, 1.0);
-    if (printed || outline.part == OccluderPart::trousers) tone = print(place, tone, printed ? 1.0 : 0.6);
+    if (stripes_ > 0.0 && printed) tone += 0.35 * std::clamp(4.0 * std::sin(position.y() * 2.0 * stripes_), -1.0, 1.0);
+    if (printed || outline.part == OccluderPart::trousers) tone = print(position, tone, printed ? 1.0 : 0.6);
     double noise = 0.0, strength = 0.4, scale = 4.0;
     for (std::uint64_t octave = 0; octave < 5; ++octave, scale *= 2.1, strength *= 0.8)
-      noise += strength * lattice_noise(seed_for(patch_.seed, 100 + octave), place.x() * scale, place.y() * scale);
+      noise +=
+          strength * lattice_noise(seed_for(patch_.seed, 100 + octave), position.x() * scale, position.y() * scale);
     // Round bodies get darker towards their outline, on one side more than on the other.
     const double depth = std::clamp(-outline.distance / 0.18, 0.0, 1.0);
-    const double shade = 0.72 + 0.28 * std::sqrt(depth) - 0.16 * place.x();
+    const double shade = 0.72 + 0.28 * std::sqrt(depth) - 0.16 * position.x();
     return std::clamp((patch_.brightness + patch_.contrast * (tone + noise)) * shade, 4.0, 250.0);
   }
 
@@ -94,12 +95,12 @@ class Texture {
     for (std::size_t band = band_of(patch.center.y() - reach); band <= last; ++band) bands_[band].push_back(patch);
   }
 
-  double print(const Vector2d& place, double tone, double strength) const {
-    const std::size_t band = band_of(place.y());
+  double print(const Vector2d& position, double tone, double strength) const {
+    const std::size_t band = band_of(position.y());
     if (band >= bands_.size()) return tone;
     for (const Patch& patch : bands_[band])
-      if ((place - patch.center).squaredNorm() < reach * reach)
-        tone += strength * patch.cover(place, 1.5 * pixel_) * (patch.tone - tone);
+      if ((position - patch.center).squaredNorm() < reach * reach)
+        tone += strength * patch.cover(position, 1.5 * pixel_) * (patch.tone - tone);
     return tone;
   }
 
@@ -132,31 +133,31 @@ void blur_along_rows(Image<float>& image, double length) {
 
 }  // namespace
 
-OccluderTile paint_occluder(const OccluderAppearance& look) {
-  const double lean = std::abs(std::tan(look.tilt_rad)) * look.height_px;
-  const int margin = static_cast<int>(std::ceil(look.blur_px)) + 4;
-  const int width = static_cast<int>(std::ceil(look.width_px * 1.15 + lean)) + 2 * margin;
-  const int height = static_cast<int>(std::ceil(look.height_px));
+OccluderTile paint_occluder(const OccluderAppearance& appearance) {
+  const double lean = std::abs(std::tan(appearance.tilt_rad)) * appearance.height_px;
+  const int margin = static_cast<int>(std::ceil(appearance.blur_px)) + 4;
+  const int width = static_cast<int>(std::ceil(appearance.width_px * 1.15 + lean)) + 2 * margin;
+  const int height = static_cast<int>(std::ceil(appearance.height_px));
   OccluderTile tile{Image<float>(width, height), Image<float>(width, height)};
-  const Texture texture(look);
-  const double sway = Random(seed_for(look.seed, 7)).uniform(-1.0, 1.0);
-  const double cosine = std::cos(look.tilt_rad), sine = std::sin(look.tilt_rad);
+  const Texture texture(appearance);
+  const double sway = Random(seed_for(appearance.seed, 7)).uniform(-1.0, 1.0);
+  const double cosine = std::cos(appearance.tilt_rad), sine = std::sin(appearance.tilt_rad);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       // Tilts about the image's middle row, so that it is not shifted as a whole.
       const double dx = x - (width - 1) / 2.0, dy = y - height / 2.0;
-      const Vector2d place((cosine * dx + sine * dy) / look.width_px,
-                           (cosine * dy - sine * dx + height / 2.0) / look.width_px);
-      const OutlineDistance outline = outline_distance(look.shape, place, sway);
+      const Vector2d position((cosine * dx + sine * dy) / appearance.width_px,
+                              (cosine * dy - sine * dx + height / 2.0) / appearance.width_px);
+      const OutlineDistance outline = outline_distance(appearance.shape, position, sway);
       // A lens is never perfectly sharp: 2 px from nothing to full.
-      const double opacity = std::clamp(0.5 - outline.distance * look.width_px / 2.0, 0.0, 1.0);
+      const double opacity = std::clamp(0.5 - outline.distance * appearance.width_px / 2.0, 0.0, 1.0);
       if (opacity <= 0.0) continue;
       tile.opacity.at(x, y) = static_cast<float>(opacity);
-      tile.gray.at(x, y) = static_cast<float>(opacity * texture.gray(place, outline));
+      tile.gray.at(x, y) = static_cast<float>(opacity * texture.gray(position, outline));
     }
   }
-  blur_along_rows(tile.gray, look.blur_px);
-  blur_along_rows(tile.opacity, look.blur_px);
+  blur_along_rows(tile.gray, appearance.blur_px);
+  blur_along_rows(tile.opacity, appearance.blur_px);
   return tile;
 }
 

@@ -29,6 +29,6 @@ struct OccluderTile {
 
 /// Paints shape and texture: noise of many octaves, clothing or poster patches with their own corners, shading towards
 /// the outline, soft edges. The same bytes for the same parameters.
-OccluderTile paint_occluder(const OccluderAppearance& look);
+OccluderTile paint_occluder(const OccluderAppearance& appearance);
 
 }  // namespace rastro

@@ -10,15 +10,15 @@ namespace {
 using Eigen::Vector2d;
 
 /// Distance to a rod from a to b whose radius changes from radius_a to radius_b.
-double rod(const Vector2d& place, const Vector2d& a, const Vector2d& b, double radius_a, double radius_b) {
+double rod(const Vector2d& position, const Vector2d& a, const Vector2d& b, double radius_a, double radius_b) {
   const Vector2d along = b - a;
-  const double part = std::clamp((place - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (place - a - part * along).norm() - (radius_a + part * (radius_b - radius_a));
+  const double part = std::clamp((position - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (position - a - part * along).norm() - (radius_a + part * (radius_b - radius_a));
 }
 
 /// Distance to an ellipse, valid near the outline, which suffices for soft edges.
-double ellipse(const Vector2d& place, const Vector2d& center, const Vector2d& radii) {
-  const Vector2d unit = (place - center).cwiseQuotient(radii);
+double ellipse(const Vector2d& position, const Vector2d& center, const Vector2d& radii) {
+  const Vector2d unit = (position - center).cwiseQuotient(radii);
   return (unit.norm() - 1.0) * radii.minCoeff();
 }
 
@@ -26,14 +26,14 @@ void join(OutlineDistance& whole, double distance, OccluderPart part) {
   if (distance < whole.distance) whole = {distance, part};
 }
 
-OutlineDistance figure_distance(const Vector2d& place, double sway) {
-  const Vector2d mirrored(std::abs(place.x()), place.y());
-  const double side = place.x() < 0 ? -1.0 : 1.0;
-  OutlineDistance whole{rod(place, {0, 0.50}, {0, 0.68}, 0.10, 0.12), OccluderPart::skin};
-  join(whole, ellipse(place, {0, 0.30}, {0.17, 0.23}), OccluderPart::skin);
-  join(whole, ellipse(place, {0, 0.21}, {0.185, 0.17}), OccluderPart::hair);
+OutlineDistance figure_distance(const Vector2d& position, double sway) {
+  const Vector2d mirrored(std::abs(position.x()), position.y());
+  const double side = position.x() < 0 ? -1.0 : 1.0;
+  OutlineDistance whole{rod(position, {0, 0.50}, {0, 0.68}, 0.10, 0.12), OccluderPart::skin};
+  join(whole, ellipse(position, {0, 0.30}, {0.17, 0.23}), OccluderPart::skin);
+  join(whole, ellipse(position, {0, 0.21}, {0.185, 0.17}), OccluderPart::hair);
   join(whole, rod(mirrored, {0.14, 0.76}, {0.33, 0.82}, 0.13, 0.11), OccluderPart::shirt);
-  join(whole, rod(place, {0, 0.85}, {0, 1.75}, 0.36, 0.28), OccluderPart::shirt);
+  join(whole, rod(position, {0, 0.85}, {0, 1.75}, 0.36, 0.28), OccluderPart::shirt);
   const Vector2d elbow(0.44, 1.28), hand(0.42 + 0.07 * sway * side, 1.74);
   join(whole, rod(mirrored, {0.37, 0.84}, elbow, 0.10, 0.085), OccluderPart::shirt);
   join(whole, rod(mirrored, elbow, hand, 0.085, 0.06), OccluderPart::shirt);
@@ -46,9 +46,9 @@ OutlineDistance figure_distance(const Vector2d& place, double sway) {
 
 }  // namespace
 
-OutlineDistance outline_distance(OccluderShape shape, const Vector2d& place, double sway) {
-  if (shape == OccluderShape::post) return {std::abs(place.x()) - 0.5, OccluderPart::post};
-  return figure_distance(place, sway);
+OutlineDistance outline_distance(OccluderShape shape, const Vector2d& position, double sway) {
+  if (shape == OccluderShape::post) return {std::abs(position.x()) - 0.5, OccluderPart::post};
+  return figure_distance(position, sway);
 }
 
 }  // namespace rastro

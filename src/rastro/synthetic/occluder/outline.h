@@ -17,6 +17,6 @@ struct OutlineDistance {
 
 /// The outline in units of the occluder's width: x to the right from the middle, y down from the image's top edge.
 /// `sway` (-1 to 1) moves the figure's arms and legs.
-OutlineDistance outline_distance(OccluderShape shape, const Eigen::Vector2d& place, double sway);
+OutlineDistance outline_distance(OccluderShape shape, const Eigen::Vector2d& position, double sway);
 
 }  // namespace rastro

@@ -77,8 +77,8 @@ class Canvas {
 
  private:
   std::uint8_t& ink_at(const float* texel) {
-    const std::ptrdiff_t place = texel - values_.row(0);
-    return ink_of_.at(static_cast<int>(place % values_.stride()), static_cast<int>(place / values_.stride()));
+    const std::ptrdiff_t index = texel - values_.row(0);
+    return ink_of_.at(static_cast<int>(index % values_.stride()), static_cast<int>(index / values_.stride()));
   }
 
   double width_m_, height_m_, density_;

@@ -25,9 +25,9 @@ double smooth(double f) {
 }
 
 /// Curvature ramps up and down smoothly; a quarter of a circle in all.
-double turn_curvature(double way) {
+double turn_curvature(double distance) {
   const double most = 0.5 * std::numbers::pi / (turn_m - ramp_m);
-  return most * smooth(way / ramp_m) * smooth((turn_m - way) / ramp_m);
+  return most * smooth(distance / ramp_m) * smooth((turn_m - distance) / ramp_m);
 }
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -53,16 +53,16 @@ void Drive::make_turn() {
 }
 
 void Drive::make_legs() {
-  const auto& way = corners();
-  for (std::size_t i = 0; i + 1 < way.size(); ++i) {
-    const Eigen::Vector2d along = (way[i + 1] - way[i]).normalized();
-    const bool first = i == 0, last = i + 2 == way.size();
+  const auto& path = corners();
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    const Eigen::Vector2d along = (path[i + 1] - path[i]).normalized();
+    const bool first = i == 0, last = i + 2 == path.size();
     Leg leg;
     leg.begin_m = length_m_;
     leg.world_from_begin =
-        SE2(SO2::from_angle(std::atan2(along.y(), along.x())), way[i] + (first ? 0.0 : turn_reach_) * along);
-    leg.straight_m = (way[i + 1] - way[i]).norm() - (first ? 0.0 : turn_reach_) - (last ? 0.0 : turn_reach_);
-    if (!last) leg.turn = cross(along, way[i + 2] - way[i + 1]) > 0.0 ? 1 : -1;
+        SE2(SO2::from_angle(std::atan2(along.y(), along.x())), path[i] + (first ? 0.0 : turn_reach_) * along);
+    leg.straight_m = (path[i + 1] - path[i]).norm() - (first ? 0.0 : turn_reach_) - (last ? 0.0 : turn_reach_);
+    if (!last) leg.turn = cross(along, path[i + 2] - path[i + 1]) > 0.0 ? 1 : -1;
     length_m_ += leg.straight_m + (last ? 0.0 : turn_m);
     legs_.push_back(leg);
   }
@@ -74,8 +74,8 @@ void Drive::make_arrivals() {
   std::vector<double> speed(static_cast<std::size_t>(steps) + 1, most_speed);
   for (std::size_t i = 0; i < speed.size(); ++i)
     for (const Leg& leg : legs_) {
-      const double turned = static_cast<double>(i) * step_m - leg.begin_m - leg.straight_m;
-      if (leg.turn != 0 && turned >= 0.0 && turned <= turn_m) speed[i] = yaw_rate;
+      const double into_turn_m = static_cast<double>(i) * step_m - leg.begin_m - leg.straight_m;
+      if (leg.turn != 0 && into_turn_m >= 0.0 && into_turn_m <= turn_m) speed[i] = yaw_rate;
     }
   speed.front() = speed.back() = 0.0;
   const auto limit = [step_m](double& here, double beside) {
@@ -98,24 +98,25 @@ double Drive::path_at(double time_s) const {
 }
 
 double Drive::loop_end_s() const {
-  const double place = (length_m_ - overlap_m) / length_m_ * static_cast<double>(arrivals_.size() - 1);
-  const auto index = static_cast<std::size_t>(place);
-  return arrivals_[index] + (place - static_cast<double>(index)) * (arrivals_[index + 1] - arrivals_[index]);
+  const double position = (length_m_ - overlap_m) / length_m_ * static_cast<double>(arrivals_.size() - 1);
+  const auto index = static_cast<std::size_t>(position);
+  return arrivals_[index] + (position - static_cast<double>(index)) * (arrivals_[index + 1] - arrivals_[index]);
 }
 
 SE2 Drive::in_turn(double path_m, int side) const {
-  const double place = std::clamp(path_m, 0.0, turn_m) / turn_step_m;
-  const std::size_t index = std::min(turn_.size() - 2, static_cast<std::size_t>(place));
-  const Eigen::Vector3d pose = turn_[index] + (place - static_cast<double>(index)) * (turn_[index + 1] - turn_[index]);
+  const double position = std::clamp(path_m, 0.0, turn_m) / turn_step_m;
+  const std::size_t index = std::min(turn_.size() - 2, static_cast<std::size_t>(position));
+  const Eigen::Vector3d pose =
+      turn_[index] + (position - static_cast<double>(index)) * (turn_[index + 1] - turn_[index]);
   return {SO2::from_angle(side * pose.z()), {pose.x(), side * pose.y()}};
 }
 
 SE2 Drive::pose_at_distance(double path_m) const {
-  const double way = std::clamp(path_m, 0.0, length_m_);
+  const double distance = std::clamp(path_m, 0.0, length_m_);
   std::size_t number = 0;
-  while (number + 1 < legs_.size() && legs_[number + 1].begin_m <= way) ++number;
+  while (number + 1 < legs_.size() && legs_[number + 1].begin_m <= distance) ++number;
   const Leg& leg = legs_[number];
-  const double gone = way - leg.begin_m;
+  const double gone = distance - leg.begin_m;
   const SE2 straight(SO2(), {std::min(gone, leg.straight_m), 0.0});
   if (gone <= leg.straight_m) return leg.world_from_begin * straight;
   return leg.world_from_begin * straight * in_turn(gone - leg.straight_m, leg.turn);

@@ -39,16 +39,16 @@ class Builder {
     line_ = &line;
     along_ = (line.to - line.from).normalized();
     left_ = {-along_.y(), along_.x()};
-    std::vector<double> ways;
-    for (const Opening& opening : line.openings) ways.push_back(path_of(opening));
+    std::vector<double> distances;
+    for (const Opening& opening : line.openings) distances.push_back(path_of(opening));
     double begin = 0.0;
-    std::vector<std::size_t> order(ways.size());
+    std::vector<std::size_t> order(distances.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return ways[a] < ways[b]; });
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return distances[a] < distances[b]; });
     for (const std::size_t i : order) {
-      block(begin, ways[i] - 0.5 * door_width, 0.0, thick, 0.0, ceiling_m, wall(line.bare));
-      add_door(ways[i], line.openings[i].door);
-      begin = ways[i] + 0.5 * door_width;
+      block(begin, distances[i] - 0.5 * door_width, 0.0, thick, 0.0, ceiling_m, wall(line.bare));
+      add_door(distances[i], line.openings[i].door);
+      begin = distances[i] + 0.5 * door_width;
     }
     block(begin, (line.to - line.from).norm(), 0.0, thick, 0.0, ceiling_m, wall(line.bare));
   }
@@ -58,43 +58,45 @@ class Builder {
     const bool along_x = std::abs(along_.x()) > 0.5;
     return (opening.at - (along_x ? line_->from.x() : line_->from.y())) * (along_x ? along_.x() : along_.y());
   }
-  Vector2d place(double way, double left) const { return line_->from + way * along_ + left * left_; }
+  Vector2d point(double distance, double left) const { return line_->from + distance * along_ + left * left_; }
 
-  void block(double way0, double way1, double left0, double left1, double z0, double z1, const Material& material) {
-    const Vector2d a = place(way0, left0), b = place(way1, left1), low = a.cwiseMin(b), high = a.cwiseMax(b);
+  void block(double distance0, double distance1, double left0, double left1, double z0, double z1,
+             const Material& material) {
+    const Vector2d a = point(distance0, left0), b = point(distance1, left1), low = a.cwiseMin(b), high = a.cwiseMax(b);
     add_block(scene_, {low.x(), low.y(), z0}, {high.x(), high.y(), z1}, material);
   }
 
-  void add_door(double way, Door door) {
+  void add_door(double distance, Door door) {
     const double half = 0.5 * door_width;
     for (const double side : {-1.0, 1.0}) {
-      const double outside = way + side * half, inside = outside - side * post;
+      const double outside = distance + side * half, inside = outside - side * post;
       block(outside, inside, -proud, thick + proud, 0.0, door_height, wood(70.0F));
       floor_.landmarks.push_back({static_cast<std::int64_t>(floor_.landmarks.size()),
-                                  place(0.5 * (outside + inside), 0.5 * thick), 0.5 * thick + proud + post});
+                                  point(0.5 * (outside + inside), 0.5 * thick), 0.5 * thick + proud + post});
     }
-    block(way - half, way + half, 0.0, thick, door_height, ceiling_m, wall(true));
-    if (door == Door::open) add_leaf(way);
-    if (door == Door::closed) block(way - half + post, way + half - post, 0.06, 0.10, 0.0, door_height, wood(120.0F));
-    if (door == Door::glass) add_glass(way);
+    block(distance - half, distance + half, 0.0, thick, door_height, ceiling_m, wall(true));
+    if (door == Door::open) add_leaf(distance);
+    if (door == Door::closed)
+      block(distance - half + post, distance + half - post, 0.06, 0.10, 0.0, door_height, wood(120.0F));
+    if (door == Door::glass) add_glass(distance);
   }
 
   /// The leaf of an open door is inside the room, more than 90 degrees open.
-  void add_leaf(double way) {
+  void add_leaf(double distance) {
     const double swing = random_.uniform(1.72, 2.0), length = door_width - 2.0 * post;
     const double side = random_.uniform() < 0.5 ? -1.0 : 1.0;
-    const Vector2d hinge = place(way + side * (0.5 * door_width - post), thick + proud);
+    const Vector2d hinge = point(distance + side * (0.5 * door_width - post), thick + proud);
     const Vector2d direction = -side * std::cos(swing) * along_ + std::sin(swing) * left_;
     const Vector2d middle = hinge + 0.5 * length * direction;
     scene_.add_box({middle.x(), middle.y(), 0.5 * door_height}, {length, 0.04, door_height - 0.01}, wood(120.0F),
                    std::atan2(direction.y(), direction.x()));
   }
 
-  void add_glass(double way) {
+  void add_glass(double distance) {
     const double half = 0.5 * door_width - post;
-    floor_.panes.push_back({place(way - half, 0.5 * thick), place(way + half, 0.5 * thick)});
+    floor_.panes.push_back({point(distance - half, 0.5 * thick), point(distance + half, 0.5 * thick)});
     for (const double z : {0.0, 1.0, door_height - 0.1})
-      block(way - half, way + half, 0.06, 0.10, z, z + 0.1, metal(140.0F));
+      block(distance - half, distance + half, 0.06, 0.10, z, z + 0.1, metal(140.0F));
   }
 
   Floor& floor_;

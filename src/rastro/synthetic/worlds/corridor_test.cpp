@@ -36,17 +36,17 @@ TEST(CorridorDrive, closes_its_loop_and_drives_ten_meters_of_it_again) {
 TEST(CorridorDrive, has_its_length_and_keeps_its_speed_limits) {
   const corridor::Drive drive;
   const double step = 0.05;
-  double way = 0.0, turned = 0.0;
+  double length = 0.0, yaw = 0.0;
   for (double time = 0.0; time < drive.duration_s(); time += step) {
     const SE2 motion = drive.world_from_body(time).inverse() * drive.world_from_body(time + step);
-    way += motion.translation().norm();
-    turned += motion.rotation().angle();
+    length += motion.translation().norm();
+    yaw += motion.rotation().angle();
     ASSERT_LT(motion.translation().norm() / step, corridor::most_speed + 1e-6) << time;
     ASSERT_LT(std::abs(motion.rotation().angle()) / step, 40.0 * degree) << time;
     ASSERT_LT(std::abs(motion.log().y()), 2e-4) << "wheels do not slide, at " << time;
   }
-  EXPECT_NEAR(way, drive.length_m(), 0.02);
-  EXPECT_NEAR(turned, 2.0 * std::numbers::pi, 1e-3);
+  EXPECT_NEAR(length, drive.length_m(), 0.02);
+  EXPECT_NEAR(yaw, 2.0 * std::numbers::pi, 1e-3);
 }
 
 TEST(Corridor, the_robot_and_the_person_touch_nothing) {

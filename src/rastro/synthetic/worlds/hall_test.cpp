@@ -72,9 +72,9 @@ TEST(HallTest, the_drone_returns_near_its_start) {
 
 TEST(HallTest, an_abrupt_rotation_and_back) {
   const World& world = small_hall();
-  const double turned = (world.world_from_camera(42).inverse() * world.world_from_camera(47)).rotation().log().norm();
-  EXPECT_GT(turned, 0.44);
-  EXPECT_LT(turned, 0.61);
+  const double rotation = (world.world_from_camera(42).inverse() * world.world_from_camera(47)).rotation().log().norm();
+  EXPECT_GT(rotation, 0.44);
+  EXPECT_LT(rotation, 0.61);
   EXPECT_LT((world.world_from_camera(41).inverse() * world.world_from_camera(57)).rotation().log().norm(), 0.08);
 }
 

@@ -51,16 +51,16 @@ Material coat(float tone) {
           140.0};
 }
 
-Vector2d place_of(const Walker& walker, double time_s) {
+Vector2d position_of(const Walker& walker, double time_s) {
   const double length = (walker.to - walker.from).norm(), gone = walker.start_m + walker.speed * time_s;
-  const double way = gone - 2.0 * length * std::floor(gone / (2.0 * length));
-  return walker.from + (way < length ? way : 2.0 * length - way) / length * (walker.to - walker.from);
+  const double distance = gone - 2.0 * length * std::floor(gone / (2.0 * length));
+  return walker.from + (distance < length ? distance : 2.0 * length - distance) / length * (walker.to - walker.from);
 }
 
 SE3 pose_of(const Walker& walker, double time_s) {
-  const Vector2d here = place_of(walker, time_s);
+  const Vector2d here = position_of(walker, time_s);
   // Turns around within half a second.
-  const Vector2d ahead = place_of(walker, time_s + 0.25) - place_of(walker, time_s - 0.25);
+  const Vector2d ahead = position_of(walker, time_s + 0.25) - position_of(walker, time_s - 0.25);
   const double heading = ahead.norm() > 1e-9 ? std::atan2(ahead.y(), ahead.x()) : 0.0;
   return {SO3::exp({0, 0, heading}), {here.x(), here.y(), 0.0}};
 }

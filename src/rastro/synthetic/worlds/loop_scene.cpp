@@ -89,9 +89,10 @@ void add_fountain(Scene& scene) {
   }
 }
 
-/// The place of the kidnap: a closed room far from the walk.
+/// The location of the kidnap: a closed room far from the walk.
 void add_elsewhere(Scene& scene) {
-  const Vector3d low = elsewhere_place - Vector3d(2.2, 2.5, elsewhere_place.z()), high = low + Vector3d(6.5, 6.0, 3.0);
+  const Vector3d low = elsewhere_position - Vector3d(2.2, 2.5, elsewhere_position.z()),
+                 high = low + Vector3d(6.5, 6.0, 3.0);
   const double t = 0.2;
   add_block(scene, {high.x(), low.y(), 0}, {high.x() + t, high.y(), high.z()}, corridor::wall(false));
   add_block(scene, {low.x() - t, low.y(), 0}, {low.x(), high.y(), high.z()}, corridor::wall(false));

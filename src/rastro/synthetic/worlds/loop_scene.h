@@ -14,7 +14,7 @@ namespace rastro::loop {
 std::unique_ptr<Scene> build_scene(std::uint64_t seed, int threads, double detail);
 
 /// Position of the camera in the room that the images show for two seconds.
-inline const Eigen::Vector3d elsewhere_place(60.0, -40.0, 1.5);
+inline const Eigen::Vector3d elsewhere_position(60.0, -40.0, 1.5);
 
 /// Crates, drums, boards and the like along the path; different ones for another `random`.
 void add_things(Scene& scene, Random& random);

@@ -27,12 +27,12 @@ TEST(LoopWalk, is_120_m_long_and_returns_to_its_start_after_a_round) {
   const auto walking = static_cast<double>(loop_frames - (loop_elsewhere_end - loop_elsewhere_begin));
   EXPECT_NEAR(walking * speed_per_frame, loop::path_m(), 0.5);
   const loop::PathPoint start = loop::path_point(0.0), back = loop::path_point(loop::round_m() + 2.2);
-  EXPECT_NEAR((back.place - loop::path_point(2.2).place).norm(), 0.0, 1e-6);
+  EXPECT_NEAR((back.position - loop::path_point(2.2).position).norm(), 0.0, 1e-6);
   EXPECT_NEAR(back.heading - start.heading, 2.0 * std::numbers::pi, 1e-9);
-  for (double way = 0.0; way < loop::path_m() - 0.1; way += 0.07) {
-    const loop::PathPoint a = loop::path_point(way), b = loop::path_point(way + 0.05);
-    ASSERT_NEAR((b.place - a.place).norm(), 0.05, 1e-3) << way;
-    ASSERT_LT(std::abs(b.heading - a.heading), 0.03) << way;
+  for (double distance = 0.0; distance < loop::path_m() - 0.1; distance += 0.07) {
+    const loop::PathPoint a = loop::path_point(distance), b = loop::path_point(distance + 0.05);
+    ASSERT_NEAR((b.position - a.position).norm(), 0.05, 1e-3) << distance;
+    ASSERT_LT(std::abs(b.heading - a.heading), 0.03) << distance;
   }
 }
 
@@ -76,7 +76,7 @@ TEST(LoopTest, closes_once_in_the_same_direction_and_once_against_it) {
 TEST(LoopTest, people_are_in_front_of_the_camera_where_the_crowd_is_and_nowhere_else) {
   const World& world = small_loop();
   TaskPool pool(2);
-  const auto crowded = [&](std::int64_t frame) {
+  const auto moving_share = [&](std::int64_t frame) {
     const Image<std::uint32_t> surface = world.render(frame, pool).surface;
     int moving = 0;
     for (int y = 0; y < surface.height(); ++y)
@@ -86,15 +86,15 @@ TEST(LoopTest, people_are_in_front_of_the_camera_where_the_crowd_is_and_nowhere_
     return static_cast<double>(moving) / (surface.width() * surface.height());
   };
   double most = 0.0, sum = 0.0;
-  int looked = 0;
-  for (std::int64_t frame = loop_crowd_begin; frame < loop_crowd_end; frame += 15, ++looked) {
-    const double share = crowded(frame);
+  int count = 0;
+  for (std::int64_t frame = loop_crowd_begin; frame < loop_crowd_end; frame += 15, ++count) {
+    const double share = moving_share(frame);
     most = std::max(most, share), sum += share;
   }
-  EXPECT_GT(sum / looked, 0.02);
+  EXPECT_GT(sum / count, 0.02);
   EXPECT_GT(most, 0.06);
   for (const std::int64_t frame : {450, 520, 560, 700, 800, 950, 1100, 1300, 1500})
-    EXPECT_LT(crowded(frame), 0.003) << frame;
+    EXPECT_LT(moving_share(frame), 0.003) << frame;
 }
 
 /// Geometry of a rectified pair: a point in a row of the left image is in the same row of the right one, shifted to the

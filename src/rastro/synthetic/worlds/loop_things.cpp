@@ -13,22 +13,22 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-Vector3d at(const Vector2d& place, double z) { return {place.x(), place.y(), z}; }
+Vector3d at(const Vector2d& position, double z) { return {position.x(), position.y(), z}; }
 float tone_of(Random& random) { return static_cast<float>(random.uniform(60.0, 185.0)); }
 
-void add_crates(Scene& scene, Random& random, const Vector2d& place) {
+void add_crates(Scene& scene, Random& random, const Vector2d& position) {
   double z = 0.0, size = random.uniform(0.6, 0.9);
   for (int i = 0; i < 3 && size > 0.3; ++i) {
     const Material material = random.uniform() < 0.5 ? hall::wooden_crate() : hall::cardboard();
-    scene.add_box(at(place, z + 0.5 * size), {size, size, size}, material, random.uniform(-0.5, 0.5));
+    scene.add_box(at(position, z + 0.5 * size), {size, size, size}, material, random.uniform(-0.5, 0.5));
     z += size;
     size *= random.uniform(0.6, 0.95);
   }
 }
 
-void add_drums(Scene& scene, Random& random, const Vector2d& place) {
+void add_drums(Scene& scene, Random& random, const Vector2d& position) {
   for (const double side : {-0.31, 0.31}) {
-    const Vector2d here = place + side * Vector2d(1.0, random.uniform(-0.3, 0.3));
+    const Vector2d here = position + side * Vector2d(1.0, random.uniform(-0.3, 0.3));
     const float tone = tone_of(random);
     const std::uint32_t drum = scene.add_cylinder(at(here, 0), at(here, 0.9), 0.29, hall::drum(tone));
     scene.paint_face(drum, 1, hall::lid(tone));
@@ -36,25 +36,26 @@ void add_drums(Scene& scene, Random& random, const Vector2d& place) {
 }
 
 /// A column for notices.
-void add_column(Scene& scene, Random& random, const Vector2d& place) {
-  scene.add_cylinder(at(place, 0), at(place, 2.5), 0.42, hall::tank(tone_of(random)));
-  scene.add_cylinder(at(place, 2.5), at(place, 2.65), 0.5, street::pole(80.0F));
+void add_column(Scene& scene, Random& random, const Vector2d& position) {
+  scene.add_cylinder(at(position, 0), at(position, 2.5), 0.42, hall::tank(tone_of(random)));
+  scene.add_cylinder(at(position, 2.5), at(position, 2.65), 0.5, street::pole(80.0F));
 }
 
-void add_board(Scene& scene, Random& random, const Vector2d& place) {
+void add_board(Scene& scene, Random& random, const Vector2d& position) {
   const double yaw = random.uniform(0.0, std::numbers::pi);
-  scene.add_cylinder(at(place, 0), at(place, 2.3), 0.05, street::pole(110.0F));
-  scene.add_box(at(place, 1.75), {0.9, 0.05, 0.6}, street::board(), yaw);
+  scene.add_cylinder(at(position, 0), at(position, 2.3), 0.05, street::pole(110.0F));
+  scene.add_box(at(position, 1.75), {0.9, 0.05, 0.6}, street::board(), yaw);
 }
 
-void add_tub(Scene& scene, Random& random, const Vector2d& place) {
-  scene.add_box(at(place, 0.3), {0.9, 0.6, 0.6}, hall::brick_wall(), random.uniform(-0.2, 0.2));
-  scene.add_sphere(at(place, 0.95), random.uniform(0.4, 0.5), street::foliage(tone_of(random)));
+void add_tub(Scene& scene, Random& random, const Vector2d& position) {
+  scene.add_box(at(position, 0.3), {0.9, 0.6, 0.6}, hall::brick_wall(), random.uniform(-0.2, 0.2));
+  scene.add_sphere(at(position, 0.95), random.uniform(0.4, 0.5), street::foliage(tone_of(random)));
 }
 
-void add_locker(Scene& scene, Random& random, const Vector2d& place) {
+void add_locker(Scene& scene, Random& random, const Vector2d& position) {
   const double height = random.uniform(1.1, 1.9);
-  scene.add_box(at(place, 0.5 * height), {0.9, 0.6, height}, hall::cabinet(tone_of(random)), random.uniform(-0.2, 0.2));
+  scene.add_box(at(position, 0.5 * height), {0.9, 0.6, height}, hall::cabinet(tone_of(random)),
+                random.uniform(-0.2, 0.2));
 }
 
 /// Objects of all kinds side by side, about 1.9 m apart.
@@ -104,11 +105,11 @@ void add_signs(Scene& scene, Random& random) {
   for (const Wall& wall : walls) {
     const Vector2d along = (wall.to - wall.from).normalized();
     const double length = (wall.to - wall.from).norm();
-    for (double way = random.uniform(0.5, 1.0); way < length - 0.6; way += random.uniform(1.2, 2.2)) {
+    for (double distance = random.uniform(0.5, 1.0); distance < length - 0.6; distance += random.uniform(1.2, 2.2)) {
       const double width = random.uniform(0.5, 1.1), height = width * random.uniform(0.5, 1.3);
       const double z = random.uniform(1.0 + 0.5 * height, wall.top - 0.5 * height);
       // Never coplanar with the wall or with each other.
-      const Vector2d middle = wall.from + way * along + random.uniform(0.01, 0.03) * wall.out;
+      const Vector2d middle = wall.from + distance * along + random.uniform(0.01, 0.03) * wall.out;
       const Vector2d size = width * along.cwiseAbs() + 0.09 * wall.out.cwiseAbs();
       scene.add_box(at(middle, z), {size.x(), size.y(), height}, sign_material(random));
     }
@@ -121,8 +122,8 @@ void add_things(Scene& scene, Random& random) {
   for (const Row& row : rows) {
     const Vector2d along = (row.to - row.from).normalized();
     const double length = (row.to - row.from).norm();
-    for (double way = random.uniform(0.0, 0.5); way < length; way += random.uniform(1.5, 2.3))
-      kinds[random.below(std::size(kinds))](scene, random, row.from + way * along);
+    for (double distance = random.uniform(0.0, 0.5); distance < length; distance += random.uniform(1.5, 2.3))
+      kinds[random.below(std::size(kinds))](scene, random, row.from + distance * along);
   }
 }
 

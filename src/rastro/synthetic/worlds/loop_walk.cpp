@@ -58,9 +58,9 @@ const std::array<Leg, legs>& path_legs() {
 
 double length(const Leg& leg) { return leg.straight + std::abs(leg.turn) * 0.5 * std::numbers::pi * radius_m; }
 
-PathPoint on_leg(const Leg& leg, double way) {
-  if (way <= leg.straight) return {leg.from + way * leg.along, leg.heading};
-  const double angle = (way - leg.straight) / radius_m;
+PathPoint on_leg(const Leg& leg, double distance) {
+  if (distance <= leg.straight) return {leg.from + distance * leg.along, leg.heading};
+  const double angle = (distance - leg.straight) / radius_m;
   const Vector2d left = leg.turn * Vector2d(-leg.along.y(), leg.along.x());
   return {
       leg.from + (leg.straight + radius_m * std::sin(angle)) * leg.along + radius_m * (1.0 - std::cos(angle)) * left,
@@ -69,20 +69,21 @@ PathPoint on_leg(const Leg& leg, double way) {
 
 /// Yaw of the head (degrees to the left of the path) at a point of the path.
 struct Glance {
-  double way, degrees;
+  double distance, degrees;
 };
 constexpr Glance glances[] = {{0, 15},    {6, 15},  {13, 0}, {54.5, 0}, {58.5, -80}, {62, -80}, {65.5, 0},
                               {68.0, 15}, {75, 15}, {78, 0}, {107, 0},  {111.5, 80}, {120, 80}};
 
 double smooth(double f) { return f * f * (3.0 - 2.0 * f); }
 
-double glance(double way) {
+double glance(double distance) {
   const Glance* next =
-      std::find_if(std::begin(glances), std::end(glances), [&](const Glance& g) { return g.way > way; });
+      std::find_if(std::begin(glances), std::end(glances), [&](const Glance& g) { return g.distance > distance; });
   if (next == std::begin(glances)) return glances[0].degrees;
   if (next == std::end(glances)) return std::prev(next)->degrees;
   const Glance& before = *std::prev(next);
-  return before.degrees + smooth((way - before.way) / (next->way - before.way)) * (next->degrees - before.degrees);
+  return before.degrees +
+         smooth((distance - before.distance) / (next->distance - before.distance)) * (next->degrees - before.degrees);
 }
 
 double wave(double seconds, double period_s, double phase) {
@@ -90,25 +91,26 @@ double wave(double seconds, double period_s, double phase) {
 }
 
 /// Steps, and a hand that is never still.
-SE3 in_hand(const Eigen::Vector3d& place, double yaw, double seconds) {
+SE3 in_hand(const Eigen::Vector3d& position, double yaw, double seconds) {
   const Eigen::Vector3d sway(0.012 * wave(seconds, 1.07, 0.3), 0.014 * wave(seconds, 1.31, 2.0),
                              0.014 * wave(seconds, 0.53, 0.7));
-  const double turn = 0.7 * wave(seconds, 1.9, 0.2) + 0.3 * wave(seconds, 0.61, 1.9);
+  const double yaw_offset = 0.7 * wave(seconds, 1.9, 0.2) + 0.3 * wave(seconds, 0.61, 1.9);
   const double pitch = 1.0 + 0.7 * wave(seconds, 1.43, 1.2) + 0.3 * wave(seconds, 0.53, 0.6);
   const double roll = 0.7 * wave(seconds, 1.07, 2.8) + 0.3 * wave(seconds, 0.47, 0.9);
-  return {looking(yaw + turn * degree, pitch * degree, roll * degree), place + sway};
+  return {looking(yaw + yaw_offset * degree, pitch * degree, roll * degree), position + sway};
 }
 
 SE3 walked(std::int64_t index) {
-  const double seconds = static_cast<double>(index) / knots_hz, way = speed * seconds;
-  const PathPoint point = path_point(way);
-  return in_hand({point.place.x(), point.place.y(), camera_height_m}, point.heading + glance(way) * degree, seconds);
+  const double seconds = static_cast<double>(index) / knots_hz, distance = speed * seconds;
+  const PathPoint point = path_point(distance);
+  return in_hand({point.position.x(), point.position.y(), camera_height_m}, point.heading + glance(distance) * degree,
+                 seconds);
 }
 
 SE3 elsewhere(std::int64_t index) {
   const double seconds = static_cast<double>(index) / knots_hz;
   const double gone = seconds - static_cast<double>(loop_elsewhere_begin) / rate_hz;
-  return in_hand(elsewhere_place + Eigen::Vector3d(0.3 * gone, 0.5 * gone, 0.0), -0.12 * gone, seconds);
+  return in_hand(elsewhere_position + Eigen::Vector3d(0.3 * gone, 0.5 * gone, 0.0), -0.12 * gone, seconds);
 }
 
 }  // namespace
@@ -125,11 +127,11 @@ double round_m() {
   return total;
 }
 
-PathPoint path_point(double way) {
-  way = std::max(0.0, way);
+PathPoint path_point(double distance) {
+  distance = std::max(0.0, distance);
   for (const Leg& leg : path_legs()) {
-    if (way < length(leg)) return on_leg(leg, way);
-    way -= length(leg);
+    if (distance < length(leg)) return on_leg(leg, distance);
+    distance -= length(leg);
   }
   return on_leg(path_legs().back(), length(path_legs().back()));
 }

@@ -51,9 +51,9 @@ void paint_wallpaper(Canvas& canvas, Random& random, const Color& color, const C
     for (double x = 0.05; x < canvas.width(); x += 0.19) {
       const double at_x = x + random.uniform(-0.04, 0.04), at_y = y + random.uniform(-0.04, 0.04);
       const int petals = 3 + static_cast<int>(random.below(4));
-      const double reach = random.uniform(0.012, 0.03), turn = random.uniform(0.0, 6.0);
+      const double reach = random.uniform(0.012, 0.03), phase = random.uniform(0.0, 6.0);
       for (int petal = 0; petal < petals; ++petal) {
-        const double angle = turn + 6.2831853 * petal / petals;
+        const double angle = phase + 6.2831853 * petal / petals;
         canvas.disc(at_x + reach * std::cos(angle), at_y + reach * std::sin(angle), 0.45 * reach, value, 0.7F);
       }
     }

@@ -30,11 +30,11 @@ const NamedLength& length_of(const World& world, const std::string& name) {
 
 /// Whether a ray straight down to a point of the face's plane hits the face's solid or pane there.
 bool is_on_face(const World& world, const NamedLength& length, const Eigen::Vector3d& normal,
-                const Eigen::Vector3d& place) {
-  const Eigen::Vector3d origin = place + 0.02 * normal;
+                const Eigen::Vector3d& point) {
+  const Eigen::Vector3d origin = point + 0.02 * normal;
   for (const GlassSheet& sheet : world.scene().glass())
     if (std::isfinite(sheet.intersect(origin + normal, -normal)) &&
-        std::abs((sheet.center - place).dot(normal)) < 0.006)
+        std::abs((sheet.center - point).dot(normal)) < 0.006)
       return true;
   const auto hit = world.scene().trace(origin, -normal, 0.03);
   const auto face = world.scene().trace(length.face + 0.02 * normal, -normal, 0.03);
@@ -51,9 +51,9 @@ void expect_true(const World& world, const std::string& name, double should_m) {
   if (normal.dot(world.world_from_camera(0).translation() - length.face) < 0.0) normal = -normal;
   for (const auto& [edge, outward] : {std::pair(length.a, Eigen::Vector3d(-across)), std::pair(length.b, across)})
     for (const double along : {-0.05, -0.02, 0.02}) {
-      const Eigen::Vector3d place = edge.middle + along * edge.direction;
-      EXPECT_TRUE(is_on_face(world, length, normal, place - 0.001 * outward)) << name << ' ' << along;
-      EXPECT_FALSE(is_on_face(world, length, normal, place + 0.001 * outward)) << name << ' ' << along;
+      const Eigen::Vector3d point = edge.middle + along * edge.direction;
+      EXPECT_TRUE(is_on_face(world, length, normal, point - 0.001 * outward)) << name << ' ' << along;
+      EXPECT_FALSE(is_on_face(world, length, normal, point + 0.001 * outward)) << name << ' ' << along;
     }
 }
 
@@ -79,12 +79,12 @@ TEST(Rooms, the_walk_is_hand_held_and_ends_at_its_start) {
       const SE3 here = world.world_from_camera(frame);
       ASSERT_FALSE(world.scene().touches(here.translation(), 0.30)) << "frame " << frame;
       const SE3 step = here.inverse() * world.world_from_camera(frame + 1);
-      const double turn = step.rotation().log().norm() * world.rate_hz() / degree;
+      const double rotation_rate = step.rotation().log().norm() * world.rate_hz() / degree;
       ASSERT_LT(step.translation().norm() * world.rate_hz(), 0.8) << "frame " << frame;
       if (time > swing_s - 0.1 && time < swing_s + 1.1)
-        fastest = std::max(fastest, turn);
+        fastest = std::max(fastest, rotation_rate);
       else
-        ASSERT_LT(turn, 65.0) << "frame " << frame;
+        ASSERT_LT(rotation_rate, 65.0) << "frame " << frame;
     }
     EXPECT_GT(fastest, 150.0);
     EXPECT_LT(fastest, 230.0);

@@ -113,16 +113,16 @@ Vector3d velocity_of(StartKind kind, int variation) {
 
 CameraPath path_of(StartKind kind, int variation) {
   const Vector3d velocity = velocity_of(kind, variation);
-  const bool turns_first = kind == StartKind::rotation_first;
+  const bool rotates_first = kind == StartKind::rotation_first;
   return CameraPath([=](double time_s) {
-    const double moving = turns_first ? std::max(0.0, time_s - rotation_s) : time_s;
-    const double turning = turns_first ? std::min(time_s, rotation_s) : 0.0;
+    const double moving = rotates_first ? std::max(0.0, time_s - rotation_s) : time_s;
+    const double rotation_time_s = rotates_first ? std::min(time_s, rotation_s) : 0.0;
     const double side = variation % 2 == 0 ? 1.0 : -1.0;
     // A yaw of 14 degrees there and back, or only there; later the hand trembles.
-    const double turned =
-        variation < 2 ? 14.0 * std::sin(std::numbers::pi * turning / rotation_s) : 14.0 * turning / rotation_s;
+    const double yaw = variation < 2 ? 14.0 * std::sin(std::numbers::pi * rotation_time_s / rotation_s)
+                                     : 14.0 * rotation_time_s / rotation_s;
     const double tremble = 0.4 * std::sin(5.0 * moving) + 0.2 * std::sin(11.0 * moving);
-    return SE3(looking((side * turned + tremble) * degree, 0.5 * tremble * degree, 0.3 * tremble * degree),
+    return SE3(looking((side * yaw + tremble) * degree, 0.5 * tremble * degree, 0.3 * tremble * degree),
                moving * velocity);
   });
 }

@@ -42,8 +42,8 @@ class Drive {
   double turn_reach_ = 0.0;  ///< From a corner of the lane to the begin and end of its turn.
   double straight_m_[2] = {0.0, 0.0};
   double lap_m_ = 0.0, lap_s_ = 0.0;
-  std::vector<PlanPose> turn_;  ///< Evenly spaced along one turn that begins at the origin along x.
-  std::vector<double> way_;     ///< Evenly spaced in time over one lap.
+  std::vector<PlanPose> turn_;     ///< Evenly spaced along one turn that begins at the origin along x.
+  std::vector<double> distances_;  ///< Evenly spaced in time over one lap.
 };
 
 /// The camera on the roof of that car, with a little pitch and roll.

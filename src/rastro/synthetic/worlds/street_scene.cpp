@@ -51,9 +51,9 @@ class Builder {
     const StreetLine line = street_line(number);
     const double first = street_beyond, second = street_beyond + line.block;
     const bool owns_corners = number % 2 == 0;
-    stretch(line, 0.0, first - corner_m, 0.0, owns_corners ? 0.5 : 12.0);
-    stretch(line, first + corner_m, second - corner_m, owns_corners ? 0.5 : 12.0, owns_corners ? 0.5 : 12.0);
-    stretch(line, second + corner_m, line.length, owns_corners ? 0.5 : 12.0, 0.0);
+    section(line, 0.0, first - corner_m, 0.0, owns_corners ? 0.5 : 12.0);
+    section(line, first + corner_m, second - corner_m, owns_corners ? 0.5 : 12.0, owns_corners ? 0.5 : 12.0);
+    section(line, second + corner_m, line.length, owns_corners ? 0.5 : 12.0, 0.0);
     // Houses that close the view at both ends.
     for (const double end : {-6.0, line.length + 6.0}) {
       const double height = random_.uniform(10.0, 15.0);
@@ -76,15 +76,15 @@ class Builder {
   }
 
   /// A part of a street between two positions along it, without crossings. Houses keep off its ends.
-  void stretch(const StreetLine& line, double begin, double end, double keep_begin, double keep_end) {
+  void section(const StreetLine& line, double begin, double end, double keep_begin, double keep_end) {
     const int tiles = std::max(1, static_cast<int>((end - begin) / tile_m));
     const double length = (end - begin) / tiles, across = house_line_m - kerb_m;
     for (int i = 0; i < tiles; ++i) {
-      const double way = begin + (i + 0.5) * length;
-      scene_.add_quad(line.at(way, 0, 0), -2.0 * kerb_m * line.left3(), -length * line.along3(),
+      const double distance = begin + (i + 0.5) * length;
+      scene_.add_quad(line.at(distance, 0, 0), -2.0 * kerb_m * line.left3(), -length * line.along3(),
                       road(begin + i * length));
       for (const double side : {-1.0, 1.0})
-        paved(line.at(way, side * (kerb_m + 0.5 * across), 0.5 * pavement_height),
+        paved(line.at(distance, side * (kerb_m + 0.5 * across), 0.5 * pavement_height),
               line.size(length, across, pavement_height));
     }
     for (const double side : {-1.0, 1.0}) {
@@ -94,38 +94,38 @@ class Builder {
   }
 
   void row_of_houses(const StreetLine& line, double begin, double end, double side) {
-    double way = begin;
-    while (way < end - 5.0) {
+    double distance = begin;
+    while (distance < end - 5.0) {
       double width = random_.uniform(7.5, 14.0);
-      if (way + width > end - 5.0) width = end - way;
+      if (distance + width > end - 5.0) width = end - distance;
       const bool garden = random_.uniform() < 0.35;
       const double setback = garden ? random_.uniform(2.5, 4.5) : random_.uniform(0.0, 0.5);
       const double height = 3.0 * (2 + random_.below(3)) + random_.uniform(0.0, 0.8);
-      const double depth = 9.0, middle = way + 0.5 * width;
+      const double depth = 9.0, middle = distance + 0.5 * width;
       house(line, middle, side * (house_line_m + setback + 0.5 * depth), width - 0.02, depth, height,
             -side * line.left());
-      if (garden) front_garden(line, way, width, setback, side);
-      way += width;
+      if (garden) front_garden(line, distance, width, setback, side);
+      distance += width;
       if (random_.uniform() < 0.3) {
         const double gap = random_.uniform(2.0, 4.0);
-        gap_between(line, way + 0.5 * gap, gap, side);
-        way += gap;
+        gap_between(line, distance + 0.5 * gap, gap, side);
+        distance += gap;
       }
     }
   }
 
-  void house(const StreetLine& line, double way, double left_m, double width, double depth, double height,
+  void house(const StreetLine& line, double distance, double left_m, double width, double depth, double height,
              const Eigen::Vector2d& front) {
     const float tone = static_cast<float>(random_.uniform(82.0, 148.0));
     const int floors = std::max(2, static_cast<int>(height / 3.0));
     const bool faces_along = std::abs(front.dot(line.along)) > 0.5;
     const double along_m = faces_along ? depth : width, across_m = faces_along ? width : depth;
-    const std::uint32_t body = scene_.add_box(line.at(way, left_m, 0.5 * height), line.size(along_m, across_m, height),
-                                              house_wall(tone, floors));
+    const std::uint32_t body = scene_.add_box(line.at(distance, left_m, 0.5 * height),
+                                              line.size(along_m, across_m, height), house_wall(tone, floors));
     scene_.paint_face(body, face_towards(front), house_front(tone, floors));
     for (const int hidden : {4, 5}) scene_.paint_face(body, hidden, plain(60.0F));
     const Vector3d forward(front.x(), front.y(), 0.0), right(-front.y(), front.x(), 0.0);
-    pitched_roof(line.at(way, left_m, height), forward, right, width, depth);
+    pitched_roof(line.at(distance, left_m, height), forward, right, width, depth);
   }
 
   /// Two slopes over a stepped gable; `eaves` is the center of the house at the height of its eaves.
@@ -150,25 +150,25 @@ class Builder {
                    garden_wall(86.0F, 30.0));
   }
 
-  void front_garden(const StreetLine& line, double way, double width, double setback, double side) {
+  void front_garden(const StreetLine& line, double distance, double width, double setback, double side) {
     const double edge = house_line_m + 0.2;
     const bool green = random_.uniform() < 0.5;
     const double height = random_.uniform(0.7, 1.3);
     for (const double part : {0.22, 0.78})
-      scene_.add_box(line.at(way + part * width, side * edge, 0.5 * height), line.size(0.4 * width, 0.4, height),
+      scene_.add_box(line.at(distance + part * width, side * edge, 0.5 * height), line.size(0.4 * width, 0.4, height),
                      green ? hedge() : garden_wall(112.0F));
-    scene_.add_quad(line.at(way + 0.5 * width, side * (house_line_m + 0.5 * setback), 0.02), -setback * line.left3(),
-                    -width * line.along3(), pavement());
+    scene_.add_quad(line.at(distance + 0.5 * width, side * (house_line_m + 0.5 * setback), 0.02),
+                    -setback * line.left3(), -width * line.along3(), pavement());
     for (int i = 0; i < 2; ++i)
-      scene_.add_sphere(line.at(way + random_.uniform(0.1, 0.9) * width,
+      scene_.add_sphere(line.at(distance + random_.uniform(0.1, 0.9) * width,
                                 side * (house_line_m + random_.uniform(0.35, 0.8) * setback), 0.4),
                         random_.uniform(0.35, 0.7), foliage(70.0F));
   }
 
-  void gap_between(const StreetLine& line, double way, double gap, double side) {
-    scene_.add_box(line.at(way, side * (house_line_m + 1.0), 1.0), line.size(gap, 0.3, 2.0),
+  void gap_between(const StreetLine& line, double distance, double gap, double side) {
+    scene_.add_box(line.at(distance, side * (house_line_m + 1.0), 1.0), line.size(gap, 0.3, 2.0),
                    random_.uniform() < 0.5 ? garden_wall(96.0F) : hedge());
-    tree(line.at(way, side * (house_line_m + 6.0), 0.0), random_.uniform(1.2, 1.8));
+    tree(line.at(distance, side * (house_line_m + 6.0), 0.0), random_.uniform(1.2, 1.8));
   }
 
   void tree(const Vector3d& foot, double size) {
@@ -186,28 +186,30 @@ class Builder {
   /// Objects along the kerb: lamps, trees, signs, boxes, parked cars.
   void furniture(const StreetLine& line, double begin, double end, double side) {
     int index = static_cast<int>(random_.below(4));
-    for (double way = begin + random_.uniform(1.0, 3.0); way < end - 1.5; way += random_.uniform(4.0, 6.5), ++index) {
+    for (double distance = begin + random_.uniform(1.0, 3.0); distance < end - 1.5;
+         distance += random_.uniform(4.0, 6.5), ++index) {
       const double at = side * (kerb_m + 0.45);
       switch (index % 4) {
         case 0:
-          tree(line.at(way, side * (kerb_m + 0.7), pavement_height), random_.uniform(0.8, 1.15));
+          tree(line.at(distance, side * (kerb_m + 0.7), pavement_height), random_.uniform(0.8, 1.15));
           break;
         case 1:
-          sign(line.at(way, at, pavement_height), line);
+          sign(line.at(distance, at, pavement_height), line);
           break;
         case 2:
-          lamp(line, way, side);
+          lamp(line, distance, side);
           break;
         default:
-          thing(line, way, side);
+          thing(line, distance, side);
       }
     }
-    for (double way = begin + random_.uniform(6.0, 14.0); way < end - 6.0; way += random_.uniform(7.0, 26.0))
-      add_car(scene_, random_, line, way, side * (kerb_m - 1.0), side > 0.0);
+    for (double distance = begin + random_.uniform(6.0, 14.0); distance < end - 6.0;
+         distance += random_.uniform(7.0, 26.0))
+      add_car(scene_, random_, line, distance, side * (kerb_m - 1.0), side > 0.0);
   }
 
-  void lamp(const StreetLine& line, double way, double side) {
-    const Vector3d foot = line.at(way, side * (kerb_m + 0.45), pavement_height), inward = -side * line.left3();
+  void lamp(const StreetLine& line, double distance, double side) {
+    const Vector3d foot = line.at(distance, side * (kerb_m + 0.45), pavement_height), inward = -side * line.left3();
     const double height = random_.uniform(5.2, 6.2);
     scene_.add_cylinder(foot, foot + Vector3d(0, 0, height), 0.07, pole(92.0F));
     scene_.add_cylinder(foot + Vector3d(0, 0, 0), foot + Vector3d(0, 0, 1.0), 0.11, pole(70.0F));
@@ -226,17 +228,17 @@ class Builder {
                      board());
   }
 
-  void thing(const StreetLine& line, double way, double side) {
+  void thing(const StreetLine& line, double distance, double side) {
     const double kind = random_.uniform();
-    const Vector3d foot = line.at(way, side * (house_line_m - 0.5), pavement_height);
+    const Vector3d foot = line.at(distance, side * (house_line_m - 0.5), pavement_height);
     if (kind < 0.35)
       scene_.add_box(foot + Vector3d(0, 0, 0.6), line.size(0.9, 0.45, 1.2), board());
     else if (kind < 0.7)
       scene_.add_cylinder(foot, foot + Vector3d(0, 0, 0.95), 0.28, garden_wall(80.0F));
     else
       for (int i = 0; i < 3; ++i)
-        scene_.add_cylinder(line.at(way + 1.2 * i, side * (kerb_m + 0.3), pavement_height),
-                            line.at(way + 1.2 * i, side * (kerb_m + 0.3), 1.0), 0.07, pole(140.0F));
+        scene_.add_cylinder(line.at(distance + 1.2 * i, side * (kerb_m + 0.3), pavement_height),
+                            line.at(distance + 1.2 * i, side * (kerb_m + 0.3), 1.0), 0.07, pole(140.0F));
   }
 
   Scene& scene_;

@@ -19,10 +19,10 @@ struct StreetLine {
   double block = 0.0;  ///< From the first crossing to the second one.
 
   Eigen::Vector2d left() const { return {-along.y(), along.x()}; }
-  /// `way` meters along the street, `left_m` to the left of its center line.
-  Eigen::Vector3d at(double way, double left_m, double z) const {
-    const Eigen::Vector2d place = from + way * along + left_m * left();
-    return {place.x(), place.y(), z};
+  /// `distance` meters along the street, `left_m` to the left of its center line.
+  Eigen::Vector3d at(double distance, double left_m, double z) const {
+    const Eigen::Vector2d point = from + distance * along + left_m * left();
+    return {point.x(), point.y(), z};
   }
   Eigen::Vector3d along3() const { return {along.x(), along.y(), 0.0}; }
   Eigen::Vector3d left3() const { return {-along.y(), along.x(), 0.0}; }
@@ -35,8 +35,8 @@ StreetLine street_line(int number);
 constexpr double kerb_m = 5.4;        ///< From the center line of the street to the kerb.
 constexpr double house_line_m = 8.4;  ///< And to the edge of the pavement.
 
-/// A parked car on `line`, its center at (way, left_m), pointing along the street or against it.
-void add_car(Scene& scene, Random& random, const StreetLine& line, double way, double left_m, bool against);
+/// A parked car on `line`, its center at (distance, left_m), pointing along the street or against it.
+void add_car(Scene& scene, Random& random, const StreetLine& line, double distance, double left_m, bool against);
 /// Moving cars. Periodic in the time of a lap of the drive, so that every lap has the same events.
 void add_traffic(Scene& scene, Random& random);
 

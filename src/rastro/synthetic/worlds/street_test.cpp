@@ -32,10 +32,10 @@ TEST(Drive, laps_close_and_have_the_driven_path_length) {
   const street::PlanPose start = drive.pose_at_distance(0.0), end = drive.pose_at_distance(drive.lap_m() - 1e-9);
   EXPECT_NEAR(std::hypot(end.x - start.x, end.y - start.y), 0.0, 0.01);
   EXPECT_NEAR(std::remainder(end.heading - start.heading, 2.0 * std::numbers::pi), 0.0, 1e-3);
-  for (double way = -30.0; way < 700.0; way += 0.37) {
-    const street::PlanPose a = drive.pose_at_distance(way), b = drive.pose_at_distance(way + 0.1);
-    ASSERT_NEAR(std::hypot(b.x - a.x, b.y - a.y), 0.1, 2e-3) << way;
-    ASSERT_LT(std::abs(std::remainder(b.heading - a.heading, 2.0 * std::numbers::pi)), 0.02) << way;
+  for (double distance = -30.0; distance < 700.0; distance += 0.37) {
+    const street::PlanPose a = drive.pose_at_distance(distance), b = drive.pose_at_distance(distance + 0.1);
+    ASSERT_NEAR(std::hypot(b.x - a.x, b.y - a.y), 0.1, 2e-3) << distance;
+    ASSERT_LT(std::abs(std::remainder(b.heading - a.heading, 2.0 * std::numbers::pi)), 0.02) << distance;
   }
   EXPECT_NEAR(drive.path_at(drive.lap_s() + 3.0), drive.path_at(3.0) + drive.lap_m(), 1e-6);
   EXPECT_NEAR(drive.path_at(-drive.lap_s() + 3.0), drive.path_at(3.0) - drive.lap_m(), 1e-6);
