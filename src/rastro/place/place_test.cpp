@@ -31,16 +31,16 @@ class Places {
     for (auto& of : things_)
       for (int i = 0; i < 60; ++i) of.push_back({{random_.next(), random_.next(), random_.next(), random_.next()}});
   }
-  std::vector<Descriptor> picture(std::size_t place) {
+  std::vector<Descriptor> image(std::size_t place) {
     std::vector<Descriptor> seen;
     for (const Descriptor& thing : things_[place])
       if (random_.uniform() < 0.8) seen.push_back(flipped(thing, 6, random_));
     return seen;
   }
-  std::vector<std::vector<Descriptor>> pictures(int of_each) {
+  std::vector<std::vector<Descriptor>> images(int of_each) {
     std::vector<std::vector<Descriptor>> all;
     for (std::size_t place = 0; place < things_.size(); ++place)
-      for (int i = 0; i < of_each; ++i) all.push_back(picture(place));
+      for (int i = 0; i < of_each; ++i) all.push_back(image(place));
     return all;
   }
 
@@ -50,7 +50,7 @@ class Places {
 };
 
 const Vocabulary& trained() {
-  static const Vocabulary vocabulary = Vocabulary::train(Places(12).pictures(5), {8, 3, 12, 1});
+  static const Vocabulary vocabulary = Vocabulary::train(Places(12).images(5), {8, 3, 12, 1});
   return vocabulary;
 }
 
@@ -67,9 +67,9 @@ TEST(Vocabulary, DistinguishesPlaces) {
   Places places(12);
   double least_same = 1.0, most_other = 0.0;
   for (std::size_t a = 0; a < 12; ++a) {
-    const BagOfWords words = trained().words_of(places.picture(a));
+    const BagOfWords words = trained().words_of(places.image(a));
     for (std::size_t b = 0; b < 12; ++b) {
-      const double alike = similarity(words, trained().words_of(places.picture(b)));
+      const double alike = similarity(words, trained().words_of(places.image(b)));
       if (a == b) least_same = std::min(least_same, alike);
       if (a != b) most_other = std::max(most_other, alike);
     }
@@ -80,9 +80,9 @@ TEST(Vocabulary, DistinguishesPlaces) {
 
 TEST(Vocabulary, BagsHaveAscendingWordsAndUnitSum) {
   Places places(12);
-  const auto picture = places.picture(3);
-  const BagOfWords bag = trained().words_of(picture, 2);
-  ASSERT_EQ(bag.nodes.size(), picture.size());
+  const auto image = places.image(3);
+  const BagOfWords bag = trained().words_of(image, 2);
+  ASSERT_EQ(bag.nodes.size(), image.size());
   double sum = 0.0;
   for (std::size_t i = 0; i < bag.words.size(); ++i) {
     sum += static_cast<double>(bag.words[i].second);
@@ -94,7 +94,7 @@ TEST(Vocabulary, BagsHaveAscendingWordsAndUnitSum) {
   EXPECT_NEAR(similarity(bag, bag), 1.0, 1e-5);
   EXPECT_LE(std::set<std::uint32_t>(bag.nodes.begin(), bag.nodes.end()).size(), 8U * 8U);
   const std::set<std::uint32_t> coarse = [&] {
-    const auto nodes = trained().words_of(picture, 1).nodes;
+    const auto nodes = trained().words_of(image, 1).nodes;
     return std::set<std::uint32_t>(nodes.begin(), nodes.end());
   }();
   EXPECT_LE(coarse.size(), 8U);
@@ -102,12 +102,12 @@ TEST(Vocabulary, BagsHaveAscendingWordsAndUnitSum) {
 }
 
 TEST(Vocabulary, IsTheSameForAnyPoolAndCode) {
-  const auto pictures = Places(6).pictures(4);
+  const auto images = Places(6).images(4);
   TaskPool pool(3);
-  const std::string bytes = Vocabulary::train(pictures, {}).bytes();
-  EXPECT_EQ(bytes, Vocabulary::train(pictures, {}, &pool).bytes());
-  EXPECT_EQ(bytes, rastro::testing::with_plain_code([&] { return Vocabulary::train(pictures, {}).bytes(); }));
-  EXPECT_NE(bytes, Vocabulary::train(pictures, {10, 5, 12, 2}).bytes());
+  const std::string bytes = Vocabulary::train(images, {}).bytes();
+  EXPECT_EQ(bytes, Vocabulary::train(images, {}, &pool).bytes());
+  EXPECT_EQ(bytes, rastro::testing::with_plain_code([&] { return Vocabulary::train(images, {}).bytes(); }));
+  EXPECT_NE(bytes, Vocabulary::train(images, {10, 5, 12, 2}).bytes());
 }
 
 TEST(Vocabulary, TrainsFromIdenticalAndFewDescriptors) {
@@ -123,13 +123,13 @@ TEST(Vocabulary, SavesAndLoads) {
   const Vocabulary back = Vocabulary::read(file);
   EXPECT_EQ(back.bytes(), trained().bytes());
   Places places(12);
-  const auto picture = places.picture(0);
-  EXPECT_EQ(back.words_of(picture).words, trained().words_of(picture).words);
-  EXPECT_EQ(back.words_of(picture).nodes, trained().words_of(picture).nodes);
+  const auto image = places.image(0);
+  EXPECT_EQ(back.words_of(image).words, trained().words_of(image).words);
+  EXPECT_EQ(back.words_of(image).nodes, trained().words_of(image).nodes);
 }
 
 TEST(Vocabulary, RefusesAnyDamagedFile) {
-  const std::string bytes = Vocabulary::train(Places(2).pictures(2), {3, 2, 12, 1}).bytes();
+  const std::string bytes = Vocabulary::train(Places(2).images(2), {3, 2, 12, 1}).bytes();
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     std::string damaged = bytes;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x10);
@@ -197,9 +197,9 @@ TEST(PlaceIndex, FindsThePlace) {
   Places places(12);
   PlaceIndex index;
   for (std::int64_t id = 0; id < 36; ++id)
-    index.add(id, trained().words_of(places.picture(static_cast<std::size_t>(id / 3))));
+    index.add(id, trained().words_of(places.image(static_cast<std::size_t>(id / 3))));
   for (std::size_t place = 0; place < 12; ++place) {
-    const BagOfWords asked = trained().words_of(places.picture(place));
+    const BagOfWords asked = trained().words_of(places.image(place));
     const auto matches = index.find(asked, 0.0);
     ASSERT_GE(matches.size(), 3U);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(static_cast<std::size_t>(matches[i].id / 3), place);
@@ -216,7 +216,7 @@ TEST(PlaceIndex, FindsThePlace) {
 TEST(PlaceIndex, DoesNotFindRemovedImages) {
   Places places(4);
   PlaceIndex index;
-  const BagOfWords first = trained().words_of(places.picture(0));
+  const BagOfWords first = trained().words_of(places.image(0));
   index.add(7, first);
   index.add(3, first);
   const auto both = index.find(first);

@@ -32,32 +32,32 @@ class CorrelativeMap::Search {
          const CorrelativeWindow& window)
       : map_(map), points_(points), guess_(guess), window_(window) {
     step_rad_ = map.cell_m_ / std::max(map.cell_m_, usual_range(points));
-    turns_ = static_cast<int>(std::ceil(window.reach_rad / step_rad_));
+    rotation_steps_ = static_cast<int>(std::ceil(window.reach_rad / step_rad_));
     reach_ = static_cast<int>(std::ceil(window.reach_m / map.cell_m_));
     best_sum_ = static_cast<int>(std::ceil(255.0 * window.least_score * static_cast<double>(points.size()))) - 1;
   }
 
   std::optional<CorrelativeFit> run() {
     // From the middle outwards: the likely rotations first give a bound that prunes the others.
-    for (int k = 0; k <= 2 * turns_; ++k) {
-      const int turn = k % 2 == 0 ? -k / 2 : (k + 1) / 2;
-      look_along(turn);
+    for (int k = 0; k <= 2 * rotation_steps_; ++k) {
+      const int rotation_step = k % 2 == 0 ? -k / 2 : (k + 1) / 2;
+      search_along(rotation_step);
     }
     if (!found_) return std::nullopt;
-    const SE2 pose(guess_.rotation() * SO2::from_angle(best_turn_ * step_rad_),
+    const SE2 pose(guess_.rotation() * SO2::from_angle(best_rotation_ * step_rad_),
                    guess_.translation() + map_.cell_m_ * Eigen::Vector2d(best_.x, best_.y));
     return CorrelativeFit{pose, best_.sum / (255.0 * static_cast<double>(points_.size()))};
   }
 
  private:
-  void look_along(int turn) {
+  void search_along(int rotation_step) {
     cells_.clear();
-    const SE2 pose(guess_.rotation() * SO2::from_angle(turn * step_rad_), guess_.translation());
+    const SE2 pose(guess_.rotation() * SO2::from_angle(rotation_step * step_rad_), guess_.translation());
     for (const Eigen::Vector2d& point : points_) {
-      const Eigen::Vector2d place = (pose * point - map_.origin_) / map_.cell_m_;
-      cells_.emplace_back(static_cast<int>(std::floor(place.x())), static_cast<int>(std::floor(place.y())));
+      const Eigen::Vector2d cell = (pose * point - map_.origin_) / map_.cell_m_;
+      cells_.emplace_back(static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y())));
     }
-    turn_ = turn;
+    rotation_step_ = rotation_step;
     const int top = static_cast<int>(map_.levels_.size()) - 1, side = 1 << top;
     std::vector<Candidate> candidates;
     for (int y = -reach_; y <= reach_; y += side) {
@@ -74,7 +74,7 @@ class CorrelativeMap::Search {
       if (level == 0) {
         best_ = candidate;
         best_sum_ = candidate.sum;
-        best_turn_ = turn_;
+        best_rotation_ = rotation_step_;
         found_ = true;
         return;
       }
@@ -109,10 +109,10 @@ class CorrelativeMap::Search {
   SE2 guess_;
   CorrelativeWindow window_;
   double step_rad_ = 0.0;
-  int turns_ = 0, reach_ = 0, turn_ = 0;
+  int rotation_steps_ = 0, reach_ = 0, rotation_step_ = 0;
   std::vector<Eigen::Vector2i> cells_;
   Candidate best_;
-  int best_sum_ = 0, best_turn_ = 0;
+  int best_sum_ = 0, best_rotation_ = 0;
   bool found_ = false;
 };
 

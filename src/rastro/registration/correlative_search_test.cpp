@@ -13,8 +13,8 @@
 namespace rastro {
 namespace {
 
-struct Place {
-  int turn = 0, x = 0, y = 0;
+struct CellPose {
+  int rotation = 0, x = 0, y = 0;
 };
 
 /// A small random map, points and a search window.
@@ -57,18 +57,19 @@ double step_rad(const Case& made) {
   return made.map.cell_m / std::max(made.map.cell_m, ranges[ranges.size() * 9 / 10]);
 }
 
-SE2 pose_at(const Case& made, const Place& place) {
-  return {made.guess.rotation() * SO2::from_angle(place.turn * step_rad(made)),
-          made.guess.translation() + made.map.cell_m * Eigen::Vector2d(place.x, place.y)};
+SE2 pose_at(const Case& made, const CellPose& at_cell) {
+  return {made.guess.rotation() * SO2::from_angle(at_cell.rotation * step_rad(made)),
+          made.guess.translation() + made.map.cell_m * Eigen::Vector2d(at_cell.x, at_cell.y)};
 }
 
 /// Sum of the cells at the endpoints that are known to be occupied.
-int sum_at(const Case& made, const Place& place) {
-  const SE2 turned = pose_at(made, {place.turn, 0, 0});
+int sum_at(const Case& made, const CellPose& at_cell) {
+  const SE2 rotated = pose_at(made, {at_cell.rotation, 0, 0});
   int sum = 0;
   for (const Eigen::Vector2d& point : made.points) {
-    const Eigen::Vector2d at = (turned * point - made.map.origin) / made.map.cell_m;
-    const int x = static_cast<int>(std::floor(at.x())) + place.x, y = static_cast<int>(std::floor(at.y())) + place.y;
+    const Eigen::Vector2d at = (rotated * point - made.map.origin) / made.map.cell_m;
+    const int x = static_cast<int>(std::floor(at.x())) + at_cell.x,
+              y = static_cast<int>(std::floor(at.y())) + at_cell.y;
     if (x < 0 || y < 0 || x >= made.map.width || y >= made.map.height) continue;
     const int value = made.map.cells[static_cast<std::ptrdiff_t>(y) * made.map.width + x];
     if (value > 128) sum += value;
@@ -77,22 +78,22 @@ int sum_at(const Case& made, const Place& place) {
 }
 
 struct BruteForce {
-  int best_sum = -1, least_turn = 0;  ///< The smallest rotation, of either sign, that reaches the best score.
-  int ties = 0;
+  int best_sum = -1, least_rotation = 0;  ///< The smallest rotation, of either sign, that reaches the best score.
+  int equals = 0;
 };
 
 BruteForce look_everywhere(const Case& made) {
   BruteForce best;
-  const int turns = static_cast<int>(std::ceil(made.window.reach_rad / step_rad(made)));
+  const int steps = static_cast<int>(std::ceil(made.window.reach_rad / step_rad(made)));
   const int reach = static_cast<int>(std::ceil(made.window.reach_m / made.map.cell_m));
-  for (int turn = -turns; turn <= turns; ++turn) {
+  for (int rotation = -steps; rotation <= steps; ++rotation) {
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {
-        const int sum = sum_at(made, {turn, x, y});
-        if (sum > best.best_sum) best = {sum, std::abs(turn), 0};
+        const int sum = sum_at(made, {rotation, x, y});
+        if (sum > best.best_sum) best = {sum, std::abs(rotation), 0};
         if (sum == best.best_sum) {
-          ++best.ties;
-          best.least_turn = std::min(best.least_turn, std::abs(turn));
+          ++best.equals;
+          best.least_rotation = std::min(best.least_rotation, std::abs(rotation));
         }
       }
     }
@@ -101,26 +102,26 @@ BruteForce look_everywhere(const Case& made) {
 }
 
 /// Index of a pose on the raster; the test fails if it is not on it.
-Place place_of(const Case& made, const SE2& pose) {
-  const double turn = (made.guess.rotation().inverse() * pose.rotation()).angle() / step_rad(made);
+CellPose cell_pose_of(const Case& made, const SE2& pose) {
+  const double rotation = (made.guess.rotation().inverse() * pose.rotation()).angle() / step_rad(made);
   const Eigen::Vector2d offset = (pose.translation() - made.guess.translation()) / made.map.cell_m;
-  const Place place{static_cast<int>(std::lround(turn)), static_cast<int>(std::lround(offset.x())),
-                    static_cast<int>(std::lround(offset.y()))};
-  EXPECT_NEAR(turn, place.turn, 1e-6);
-  EXPECT_NEAR(offset.x(), place.x, 1e-6);
-  EXPECT_NEAR(offset.y(), place.y, 1e-6);
+  const CellPose at_cell{static_cast<int>(std::lround(rotation)), static_cast<int>(std::lround(offset.x())),
+                         static_cast<int>(std::lround(offset.y()))};
+  EXPECT_NEAR(rotation, at_cell.rotation, 1e-6);
+  EXPECT_NEAR(offset.x(), at_cell.x, 1e-6);
+  EXPECT_NEAR(offset.y(), at_cell.y, 1e-6);
   const int reach = static_cast<int>(std::ceil(made.window.reach_m / made.map.cell_m));
-  EXPECT_LE(std::max(std::abs(place.x), std::abs(place.y)), reach);
-  return place;
+  EXPECT_LE(std::max(std::abs(at_cell.x), std::abs(at_cell.y)), reach);
+  return at_cell;
 }
 
 void expect_best(const Case& made, int levels, const BruteForce& best) {
   const auto found = CorrelativeMap(made.map, levels).search(made.points, made.guess, made.window);
   ASSERT_TRUE(found);
-  const Place place = place_of(made, found->map_from_body);
-  EXPECT_EQ(sum_at(made, place), best.best_sum);
+  const CellPose at_cell = cell_pose_of(made, found->map_from_body);
+  EXPECT_EQ(sum_at(made, at_cell), best.best_sum);
   EXPECT_DOUBLE_EQ(found->score, best.best_sum / (255.0 * static_cast<double>(made.points.size())));
-  EXPECT_EQ(std::abs(place.turn), best.least_turn) << "of equal ones the one of smallest rotation";
+  EXPECT_EQ(std::abs(at_cell.rotation), best.least_rotation) << "of equal ones the one of smallest rotation";
 }
 
 TEST(CorrelativeSearch, EqualsBruteForce) {
@@ -134,14 +135,14 @@ TEST(CorrelativeSearch, EqualsBruteForce) {
 
 TEST(CorrelativeSearch, EqualsBruteForceWithManyEqualScores) {
   Random random(22);
-  int with_matches = 0;
+  int with_equals = 0;
   for (int round = 0; round < 80; ++round) {
     const Case made = random_case(random, 1);
     const BruteForce best = look_everywhere(made);
-    with_matches += best.ties > 1 ? 1 : 0;
+    with_equals += best.equals > 1 ? 1 : 0;
     for (const int levels : {1, 3, 5}) expect_best(made, levels, best);
   }
-  EXPECT_GT(with_matches, 30);
+  EXPECT_GT(with_equals, 30);
 }
 
 TEST(CorrelativeSearch, FindsNothingBelowTheMinimumScore) {

@@ -210,9 +210,9 @@ SurfaceFit ProjectiveIcp::compare(const std::vector<BlockPlane>& reference, cons
       if (!(weight > 0.0)) continue;
       ++fit.compared;
       if (std::abs(error) < fitting_noises * noise) ++fit.fitting;
-      const Eigen::Vector3d turned = rotation.transpose() * normal;
+      const Eigen::Vector3d rotated = rotation.transpose() * normal;
       Vector6d jacobian;
-      jacobian << turned, p.cross(turned);
+      jacobian << rotated, p.cross(rotated);
       fit.information.noalias() += weight * jacobian * jacobian.transpose();
       fit.gradient.noalias() += weight * error * jacobian;
     }

@@ -42,9 +42,9 @@ DepthImage depth_of(const std::vector<Eigen::Vector4d>& planes, const SE3& world
 const std::vector<Eigen::Vector4d> corner = {{0.6, 0, 0.8, 2}, {-0.8, 0, 0.6, 2}, {0, 0.8, 0.6, 2}};
 
 SE3 small_motion() {
-  Vector6d way;
-  way << 0.02, -0.01, 0.015, 0.01, -0.008, 0.012;
-  return SE3::exp(way);
+  Vector6d motion;
+  motion << 0.02, -0.01, 0.015, 0.01, -0.008, 0.012;
+  return SE3::exp(motion);
 }
 
 TEST(ProjectiveIcp, FindsAKnownMotionInACorner) {

@@ -31,8 +31,8 @@ class Walls {
       const Eigen::Vector2d along = end - start, to_wall = start - from;
       const double slope = cross(direction, along);
       if (std::abs(slope) < 1e-12) continue;
-      const double way = cross(to_wall, along) / slope, share = cross(to_wall, direction) / slope;
-      if (way > 0.0 && share >= 0.0 && share <= 1.0) nearest = std::min(nearest, way);
+      const double distance = cross(to_wall, along) / slope, share = cross(to_wall, direction) / slope;
+      if (distance > 0.0 && share >= 0.0 && share <= 1.0) nearest = std::min(nearest, distance);
     }
     return nearest;
   }
@@ -44,8 +44,8 @@ class Walls {
     for (int k = 0; k < beams; ++k) {
       const double angle = 2.0 * M_PI * k / beams;
       const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-      const double way = range(world_from_body.translation(), world_from_body.rotation() * direction);
-      if (way < reach_m) points.emplace_back(way * direction);
+      const double distance = range(world_from_body.translation(), world_from_body.rotation() * direction);
+      if (distance < reach_m) points.emplace_back(distance * direction);
     }
     return points;
   }

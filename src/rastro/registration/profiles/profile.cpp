@@ -66,10 +66,10 @@ AngleScale AngleScale::along(const Camera& camera, const Eigen::Vector2d& axis, 
     const Eigen::Vector2d ray = std::tan(angle) * axis;
     const auto pixel = camera.project(Eigen::Vector3d(ray.x(), ray.y(), 1.0));
     if (!pixel) return false;
-    const double place = axis.dot(*pixel);
-    if (!(place >= 0.0 && place < pixels - 1)) return false;
-    entry.pixel = static_cast<std::int32_t>(place);
-    entry.fraction = static_cast<std::int32_t>((place - entry.pixel) * 256.0);
+    const double position = axis.dot(*pixel);
+    if (!(position >= 0.0 && position < pixels - 1)) return false;
+    entry.pixel = static_cast<std::int32_t>(position);
+    entry.fraction = static_cast<std::int32_t>((position - entry.pixel) * 256.0);
     return true;
   };
   Entry entry{};

@@ -17,16 +17,16 @@ namespace {
 using testing::noise_image;
 
 /// A smooth, irregular profile that can be sampled anywhere.
-double texture(double place) {
-  return 120.0 + 40.0 * std::sin(0.11 * place) + 30.0 * std::sin(0.047 * place + 1.0) +
-         20.0 * std::sin(0.29 * place + 2.0) + 15.0 * std::sin(0.0171 * place + 0.3);
+double texture(double position) {
+  return 120.0 + 40.0 * std::sin(0.11 * position) + 30.0 * std::sin(0.047 * position + 1.0) +
+         20.0 * std::sin(0.29 * position + 2.0) + 15.0 * std::sin(0.0171 * position + 0.3);
 }
 
-template <typename Place>
-Profile profile_of(int size, Place&& place) {
+template <typename Position>
+Profile profile_of(int size, Position&& position) {
   Profile profile;
   for (int i = 0; i < size; ++i) {
-    profile.push_back(static_cast<std::int16_t>(std::lround(profile_units * texture(place(i)))));
+    profile.push_back(static_cast<std::int16_t>(std::lround(profile_units * texture(position(i)))));
   }
   return profile;
 }
@@ -76,8 +76,9 @@ TEST(Profile, AtEqualAnglesARotationIsAShift) {
   const Camera camera{.width = 1242, .height = 375, .fx = 721.5, .fy = 721.5, .cx = 609.6, .cy = 172.9};
   const AngleScale scale = AngleScale::across(camera, camera.width);
   const int turn_steps = 37;  // to the left: all angles increase by this much
-  const auto seen_from = [&](double turn) {
-    return profile_of(camera.width, [&](int x) { return camera.fx * (std::atan((x - camera.cx) / camera.fx) - turn); });
+  const auto seen_from = [&](double rotation) {
+    return profile_of(camera.width,
+                      [&](int x) { return camera.fx * (std::atan((x - camera.cx) / camera.fx) - rotation); });
   };
   Profile before, after;
   scale.resample(seen_from(0.0), before);
@@ -151,23 +152,23 @@ TEST(Shift, MeanAndGradientIgnoreBrightness) {
 /// Walls on both sides move outwards while the camera rotates: the plain shift is wrong, this one is not.
 TEST(ExpandingShift, DistinguishesPassingWallsFromARotation) {
   const ExpansionModel model{.focal_px = 720.0, .zero_step = 500};
-  for (const double turn : {-25.0, 0.0, 8.5}) {
+  for (const double rotation : {-25.0, 0.0, 8.5}) {
     for (const std::pair<double, double>& walls : {std::pair{0.0, 0.0}, {0.12, 0.03}, {0.02, 0.16}}) {
       const double low = walls.first, high = walls.second;
       const auto previous = profile_of(1000, [](int i) { return i; });
       const auto current = profile_of(1000, [&](int i) {
         // The point at i now was at `before`: found by iterating the forward motion.
-        double before = i - turn;
+        double before = i - rotation;
         for (int iteration = 0; iteration < 50; ++iteration) {
           const double sine = std::sin((before - model.zero_step) / model.focal_px);
-          before = i - turn - model.focal_px * (sine < 0.0 ? low : high) * sine * std::abs(sine);
+          before = i - rotation - model.focal_px * (sine < 0.0 ? low : high) * sine * std::abs(sine);
         }
         return before;
       });
       const auto found = ExpandingShiftFinder().find(previous, current, 150, model);
-      EXPECT_NEAR(found.shift, turn, 0.4) << low << ' ' << high;
-      EXPECT_NEAR(found.low_expansion, low, 0.021) << turn;
-      EXPECT_NEAR(found.high_expansion, high, 0.021) << turn;
+      EXPECT_NEAR(found.shift, rotation, 0.4) << low << ' ' << high;
+      EXPECT_NEAR(found.low_expansion, low, 0.021) << rotation;
+      EXPECT_NEAR(found.high_expansion, high, 0.021) << rotation;
       EXPECT_GT(found.confidence, 0.4);
     }
   }

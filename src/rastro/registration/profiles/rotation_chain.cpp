@@ -7,7 +7,7 @@
 namespace rastro {
 
 std::optional<RotationStep> RotationChain::step(GrayView image, int frames) {
-  const auto measured = meter_.look(image);
+  const auto measured = meter_.measure(image);
   if (!measured) {
     meter_.keep_as_reference();
     return std::nullopt;

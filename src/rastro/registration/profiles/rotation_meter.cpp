@@ -61,7 +61,7 @@ ExpandingShift RotationMeter::measure(Axis& axis, int max_shift) {
   return {find_shift(axis.reference, axis.current, max_shift)};
 }
 
-std::optional<ProfileRotation> RotationMeter::look(GrayView image) {
+std::optional<ProfileRotation> RotationMeter::measure(GrayView image) {
   if (!prepared_) prepare(image);
   column_profile(image, static_cast<int>(options_.band_top * image.height),
                  static_cast<int>(options_.band_bottom * image.height), columns_.raw);

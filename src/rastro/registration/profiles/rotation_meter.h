@@ -33,7 +33,7 @@ class RotationMeter {
 
   /// Computes the profiles of a frame; all frames must have one size. Then measures against the reference, if there is
   /// one; nullopt otherwise.
-  std::optional<ProfileRotation> look(GrayView image);
+  std::optional<ProfileRotation> measure(GrayView image);
   /// Makes the last measured frame the reference of the following measurements.
   void keep_as_reference();
 

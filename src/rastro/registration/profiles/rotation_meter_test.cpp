@@ -22,9 +22,9 @@ Camera camera() {
   return camera;
 }
 
-double wave(double place, double phase) {
-  return 22.0 * std::sin(0.11 * place + phase) + 17.0 * std::sin(0.047 * place + 2.0 * phase) +
-         12.0 * std::sin(0.29 * place + 3.0 * phase);
+double wave(double position, double phase) {
+  return 22.0 * std::sin(0.11 * position + phase) + 17.0 * std::sin(0.047 * position + 2.0 * phase) +
+         12.0 * std::sin(0.29 * position + 3.0 * phase);
 }
 
 /// Content `right` pixels to the right and `down` pixels below where it is at 0, 0.
@@ -48,9 +48,9 @@ TEST(RotationMeter, AShiftOverTheFocalLengthIsTheAngle) {
     RotationOptions options = by_pixels();
     options.profile = profile;
     RotationMeter meter(options, camera());
-    EXPECT_FALSE(meter.look(moved_image(0, 0).view())) << "nothing to compare with";
+    EXPECT_FALSE(meter.measure(moved_image(0, 0).view())) << "nothing to compare with";
     meter.keep_as_reference();
-    const auto rotation = meter.look(moved_image(12, -5).view());
+    const auto rotation = meter.measure(moved_image(12, -5).view());
     ASSERT_TRUE(rotation);
     EXPECT_NEAR(rotation->columns.shift, 12.0, 0.1) << profile;
     EXPECT_NEAR(rotation->yaw, 12.0 / camera().fx, 0.1 / camera().fx) << "to the left, as the content goes right";
@@ -64,29 +64,29 @@ TEST(RotationMeter, LambdaReplacesTheFocalLengthForYawAlone) {
   RotationOptions options = by_pixels();
   options.lambda = 0.01;
   RotationMeter meter(options, camera());
-  meter.look(moved_image(0, 0).view());
+  meter.measure(moved_image(0, 0).view());
   meter.keep_as_reference();
-  const auto rotation = meter.look(moved_image(-8, 4).view());
+  const auto rotation = meter.measure(moved_image(-8, 4).view());
   EXPECT_NEAR(rotation->yaw, -0.08, 0.001);
   EXPECT_NEAR(rotation->pitch, 4.0 / camera().fy, 0.1 / camera().fy);
 }
 
 TEST(RotationMeter, TheReferenceStaysUntilAnotherOneIsKept) {
   RotationMeter meter(by_pixels(), camera());
-  meter.look(moved_image(0, 0).view());
+  meter.measure(moved_image(0, 0).view());
   meter.keep_as_reference();
-  EXPECT_NEAR(meter.look(moved_image(6, 0).view())->columns.shift, 6.0, 0.1);
-  EXPECT_NEAR(meter.look(moved_image(10, 0).view())->columns.shift, 10.0, 0.1);
+  EXPECT_NEAR(meter.measure(moved_image(6, 0).view())->columns.shift, 6.0, 0.1);
+  EXPECT_NEAR(meter.measure(moved_image(10, 0).view())->columns.shift, 10.0, 0.1);
   meter.keep_as_reference();
-  EXPECT_NEAR(meter.look(moved_image(13, 0).view())->columns.shift, 3.0, 0.1);
+  EXPECT_NEAR(meter.measure(moved_image(13, 0).view())->columns.shift, 3.0, 0.1);
 }
 
 TEST(RotationMeter, UpToHalfAPixelItStandsStill) {
   for (const auto& [right, down] : {std::pair{0.0, 0.0}, {0.4, 0.0}, {0.7, 0.0}, {0.0, 0.4}, {0.0, 0.7}}) {
     RotationMeter meter(by_pixels(), camera());
-    meter.look(moved_image(0, 0).view());
+    meter.measure(moved_image(0, 0).view());
     meter.keep_as_reference();
-    const auto rotation = meter.look(moved_image(right, down).view());
+    const auto rotation = meter.measure(moved_image(right, down).view());
     EXPECT_EQ(rotation->still, std::max(right, down) < 0.5) << right << ' ' << down;
   }
 }
@@ -95,14 +95,14 @@ TEST(RotationMeter, WithoutRowsThereIsNoPitchAndFlatImagesAreWeak) {
   RotationOptions options = by_pixels();
   options.pitch = false;
   RotationMeter meter(options, camera());
-  meter.look(moved_image(0, 0).view());
+  meter.measure(moved_image(0, 0).view());
   meter.keep_as_reference();
-  EXPECT_EQ(meter.look(moved_image(0, 9).view())->pitch, 0.0);
+  EXPECT_EQ(meter.measure(moved_image(0, 9).view())->pitch, 0.0);
   RotationMeter blind(by_pixels(), camera());
   const GrayImage flat(width, height);
-  blind.look(flat.view());
+  blind.measure(flat.view());
   blind.keep_as_reference();
-  EXPECT_TRUE(blind.look(flat.view())->weak);
+  EXPECT_TRUE(blind.measure(flat.view())->weak);
 }
 
 TEST(RotationMeter, BandsAndFocalLengthsThatCannotBeAreErrors) {
