@@ -10,7 +10,7 @@ namespace {
 
 using testing::ExactMap;
 using testing::PointWorld;
-using KeyframeIds = std::vector<std::int64_t>;
+using IdsLeft = std::vector<std::int64_t>;
 
 /// Keyframes 0.05 m apart that all observe the same points.
 struct ThinningBench {
@@ -21,7 +21,7 @@ struct ThinningBench {
   void add(std::int64_t id) { map.add(id, SE3(SO3(), {-0.05 * static_cast<double>(id), 0.0, 0.0})); }
   std::size_t bytes() { return MapThinning(options, map.graph, 1).memory(0).bytes; }
   /// The keyframes that are left with a budget of `share` of the map.
-  KeyframeIds left(double share) {
+  IdsLeft left(double share) {
     MapThinning thinning(options, map.graph, static_cast<std::size_t>(share * static_cast<double>(bytes())));
     thinning.process(0, events);
     return map.graph.keyframe_ids();
@@ -64,7 +64,7 @@ TEST(MapThinning, RedundantKeyframesGoFromNineTenthsOnUntilTheMapFits) {
   EXPECT_EQ(below.left(1.2).size(), 20U) << "83 % of the budget";
   ASSERT_EQ(below.events.size(), 1U) << "a stage begins";
   EXPECT_EQ(below.events[0].detail.substr(0, 22), "the map uses 83 % of i");
-  const KeyframeIds left = above.left(1.0);
+  const IdsLeft left = above.left(1.0);
   EXPECT_LT(left.size(), 20U);
   EXPECT_GT(left.size(), 15U) << "no more than needed";
   ASSERT_EQ(above.events.size(), 1U);
@@ -74,7 +74,7 @@ TEST(MapThinning, RedundantKeyframesGoFromNineTenthsOnUntilTheMapFits) {
 TEST(MapThinning, TheRootLoopsAndTheNewestTenStay) {
   ThinningBench bench(20);
   bench.map.graph.ties() = {{.from = 3, .to = 5, .from_from_to = {}, .inliers = 9}};
-  EXPECT_EQ(bench.left(0.05), (KeyframeIds{0, 3, 5, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19}));
+  EXPECT_EQ(bench.left(0.05), (IdsLeft{0, 3, 5, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19}));
 }
 
 TEST(MapThinning, TheTrajectoryCounts) {
@@ -91,7 +91,7 @@ TEST(MapThinning, KeyframesThatAreNotRedundantStayUntilTheBudgetIsExceeded) {
   ThinningBench full(20), beyond(20);
   for (ThinningBench* bench : {&full, &beyond}) {
     for (std::int64_t id = 0; id < 20; ++id) {
-      const KeyframeIds landmarks = bench->map.graph.keyframe(id).landmarks;
+      const IdsLeft landmarks = bench->map.graph.keyframe(id).landmarks;
       for (const std::int64_t landmark : landmarks) {
         if (landmark >= 0 && landmark % 7 != id % 7) bench->map.graph.remove_observation(id, landmark);
       }
