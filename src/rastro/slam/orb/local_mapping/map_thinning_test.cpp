@@ -46,7 +46,7 @@ TEST(MapThinning, TheMemoryGrowsWithFeaturesObservationsKeyframesAndConstraints)
             features * static_cast<double>(sizeof(Descriptor) + sizeof(Keypoint) + sizeof(LandmarkObservation)));
   EXPECT_LT(static_cast<double>(second), features * 150.0 + sizeof(MapKeyframe) + 100.0);
   const std::size_t before = many.bytes();
-  many.map.graph.ties() = {{.from = 0, .to = 7, .from_from_to = {}, .inliers = 9}};
+  many.map.graph.constraints() = {{.from = 0, .to = 7, .from_from_to = {}, .inliers = 9}};
   EXPECT_EQ(many.bytes(), before + sizeof(Constraint));
   EXPECT_EQ(MapThinning(many.options, many.map.graph, 1).memory(1000).bytes, before + sizeof(Constraint) + 1000);
 }
@@ -73,7 +73,7 @@ TEST(MapThinning, RedundantKeyframesGoFromNineTenthsOnUntilTheMapFits) {
 
 TEST(MapThinning, TheRootLoopsAndTheNewestTenStay) {
   ThinningBench bench(20);
-  bench.map.graph.ties() = {{.from = 3, .to = 5, .from_from_to = {}, .inliers = 9}};
+  bench.map.graph.constraints() = {{.from = 3, .to = 5, .from_from_to = {}, .inliers = 9}};
   EXPECT_EQ(bench.left(0.05), (IdsLeft{0, 3, 5, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19}));
 }
 
