@@ -72,8 +72,8 @@ TEST_P(TwinPlaces, AreNotMerged) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, TwinPlaces,
                          testing::Values(TwinCase{"hector", "laser", 0.13}, TwinCase{"ekf", "laser", 0.18},
-                                         TwinCase{"rgbd", "rgbd", 0.2, true}, TwinCase{"orb", "rgbd", 0.04, true},
-                                         TwinCase{"orb", "stereo", 0.2, true}, TwinCase{"orb", "mono", 0.3, true}),
+                                         TwinCase{"rgbd", "rgbd", 0.2}, TwinCase{"orb", "rgbd", 0.04},
+                                         TwinCase{"orb", "stereo", 0.06}, TwinCase{"orb", "mono", 0.04}),
                          [](const auto& parameter) {
                            return std::string(parameter.param.method) + "_" + parameter.param.sensor;
                          });

@@ -53,6 +53,8 @@ const char* name_of(SlamReason reason) {
       return "not_found";
     case SlamReason::apart:
       return "apart";
+    case SlamReason::unconfirmed:
+      return "unconfirmed";
   }
   return "unknown";
 }

@@ -43,6 +43,7 @@ enum class SlamReason : std::uint8_t {
   blurred,          ///< The image has motion blur.
   not_found,        ///< The frame was not found in the map yet.
   apart,            ///< In a submap that is not connected to the first one yet.
+  unconfirmed,      ///< Found in the map, but too few frames agree yet: its pose is not believed.
 };
 
 const char* name_of(SlamState state);    ///< "initializing", "tracking", ...

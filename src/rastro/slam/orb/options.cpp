@@ -401,6 +401,29 @@ void add_place_options(OptionTable& table, OrbSlamOptions& o) {
              0.5,
              100,
              {}});
+  table.add({"relocalize_frames",
+             &o.relocalize_frames,
+             "",
+             "frames in a row that must fit the map before a relocalization is believed; until then they are lost with "
+             "reason unconfirmed",
+             1,
+             100,
+             {}});
+  table.add({"relocalize_inlier_share",
+             &o.relocalize_inlier_share,
+             "",
+             "share of the matches that must fit the pose in each of these frames; about 0.45 fit any pose by chance",
+             0,
+             1,
+             {}});
+  table.add({"relocalize_observed_share",
+             &o.relocalize_observed_share,
+             "",
+             "share of the landmarks that should be visible which each of these frames must observe; 0.02 to 0.03 in a "
+             "wrong place of a street, 0.3 to 0.5 where the map was made",
+             0,
+             1,
+             {}});
   table.add_former_name("relocalise_matches", "relocalize_matches");
   table.add_former_name("relocalise_search_px", "relocalize_search_px");
 }
@@ -425,6 +448,28 @@ void add_loop_options(OptionTable& table, OrbSlamOptions& o) {
              "search radius around the positions predicted by the similarity, at the finest level",
              0.5,
              100,
+             {}});
+  table.add({"loop_drift_share",
+             &o.loop_drift_share,
+             "",
+             "assumed standard deviation of the drift between two keyframes, as share of the path between them; a loop "
+             "that contradicts it is rejected",
+             0.001,
+             10,
+             {}});
+  table.add({"loop_drift_rad_per_m",
+             &o.loop_drift_rad_per_m,
+             "rad/m",
+             "the same of the orientation; with one camera per unit of the map",
+             0.0001,
+             10,
+             {}});
+  table.add({"loop_max_sigmas",
+             &o.loop_max_sigmas,
+             "",
+             "largest distance of a loop from the relative pose in the map, in standard deviations of that drift",
+             1,
+             1e9,
              {}});
   table.add(
       {"loop_min_gap", &o.loop_min_gap, "", "minimum number of keyframes between two loop closures", 0, 100000, {}});

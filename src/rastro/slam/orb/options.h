@@ -96,11 +96,17 @@ struct OrbSlamOptions {
   double place_ratio = 0.8;
   int relocalize_matches = 15;
   double relocalize_search_px = 10.0;
+  int relocalize_frames = 3;
+  double relocalize_inlier_share = 0.55;
+  double relocalize_observed_share = 0.05;
   int loop_neighbor_landmarks = 30;
   int loop_consistent = 3;
   int loop_inliers = 20;
   int loop_landmarks = 40;
   double loop_search_px = 8.0;
+  double loop_drift_share = 0.1;
+  double loop_drift_rad_per_m = 0.02;
+  double loop_max_sigmas = 5.0;
   int loop_min_gap = 10;
   int loop_adjust_iterations = 4;
   double loop_adjust_delay_s = 2.0;

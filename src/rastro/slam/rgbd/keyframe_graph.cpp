@@ -103,6 +103,18 @@ int KeyframeGraph::steps_between(std::int64_t from, std::int64_t to, int most) c
   return most;
 }
 
+double KeyframeGraph::path_between(std::int64_t from, std::int64_t to) const {
+  double path_m = 0.0;
+  std::int64_t previous = from;
+  for (std::int64_t id = from + 1; id <= to; ++id) {
+    if (submap(id) != submap(from)) continue;
+    const SE3 step = pose(previous).inverse() * pose(id);
+    path_m += step.translation().norm() + step.rotation().log().norm();
+    previous = id;
+  }
+  return path_m;
+}
+
 std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& random) const {
   // In a given map, the previous frames say nothing about the pose in it.
   LoopCandidates candidates(frozen_ > 0 ? frozen_ : id);

@@ -53,6 +53,9 @@ class KeyframeGraph {
   std::vector<std::int64_t> candidates(std::int64_t id, Random& random) const;
   /// Number of edges on the shortest path between the two; `most` if it is longer, or if there is none.
   int steps_between(std::int64_t from, std::int64_t to, int most) const;
+  /// Length of the path through the keyframes of a submap from one to a later one, meters. A rotation counts like a
+  /// step of a meter per radian, since tracking drifts in it too.
+  double path_between(std::int64_t from, std::int64_t to) const;
   /// Merges two submaps: transforms the one with the larger number into the frame of the other, by the `edge` between
   /// them.
   void merge(const Constraint& edge);

@@ -437,5 +437,17 @@ TEST(KeyframeGraph, KeyframesOfAGivenMapAreNotRedundant) {
   EXPECT_EQ(graph.most_redundant(2), 4);
 }
 
+TEST(KeyframeGraph, ThePathIsThatOfTheSubmapAndCountsRotations) {
+  KeyframeGraph graph({}, 0);
+  const SE3 step(SO3::exp({0.0, 0.0, 0.5}), {0.3, 0.0, 0.0});
+  SE3 pose;
+  for (int k = 0; k < 6; ++k, pose = pose * step) {
+    add_keyframe(graph, pose);
+    add_keyframe(graph, SE3(SO3(), {100.0 * k, 0.0, 0.0}), 1);
+  }
+  EXPECT_NEAR(graph.path_between(2, 8), 3 * 0.8, 1e-9);
+  EXPECT_EQ(graph.path_between(4, 4), 0.0);
+}
+
 }  // namespace
 }  // namespace rastro

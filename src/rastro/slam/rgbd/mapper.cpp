@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "rastro/backend/acceptance.h"
 #include "rastro/base/error.h"
 
 namespace rastro {
@@ -117,7 +118,19 @@ std::optional<Constraint> Mapper::verify(std::int64_t other, std::int64_t id) {
   } else if (other < graph_.frozen() || graph_.steps_between(other, id, options_.loop_steps) >= options_.loop_steps) {
     edge.kind = ConstraintKind::loop;
   }
+  if (!merges && contradicts_path(edge)) return std::nullopt;
   return edge;
+}
+
+/// Whether a match is farther from the relative pose in the graph than the camera can have drifted on the path between.
+bool Mapper::contradicts_path(const Constraint& edge) const {
+  if (edge.from < graph_.frozen()) return false;
+  constexpr double least_path_m = 1.0;  // over which tracking may slip without a path
+  const OdometryDrift drift{options_.loop_drift_share, options_.loop_drift_rad_per_m};
+  const SE3 predicted = graph_.pose(edge.from).inverse() * graph_.pose(edge.to);
+  const double path_m = least_path_m + graph_.path_between(edge.from, edge.to);
+  const Evidence evidence{.graph_sigmas = graph_sigmas(predicted, edge.rigid(), drift.covariance(path_m))};
+  return judge(evidence, {.max_graph_sigmas = options_.loop_max_sigmas}) != Rejection::none;
 }
 
 void Mapper::constrain(std::int64_t id, MapRevision& revision) {

@@ -62,6 +62,7 @@ class Mapper {
   /// Candidates, verification, acceptance, correction.
   void constrain(std::int64_t id, MapRevision& revision);
   std::optional<Constraint> verify(std::int64_t other, std::int64_t id);
+  bool contradicts_path(const Constraint& edge) const;
   void accept(const Constraint& edge, MapRevision& revision);
   void correct(std::int64_t id, const std::vector<Constraint>& accepted, MapRevision& revision);
   void add_edge(const Constraint& edge, MapRevision& revision);

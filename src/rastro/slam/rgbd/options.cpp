@@ -155,6 +155,22 @@ void add_graph_options(OptionTable& table, RgbdSlamOptions& o) {
              2,
              1000,
              {}});
+  table.add({"loop_drift_share",
+             &o.loop_drift_share,
+             "",
+             "assumed standard deviation of the drift between two keyframes, as share of the path between them; a loop "
+             "that contradicts it is rejected",
+             0.001,
+             10,
+             {}});
+  table.add({"loop_drift_rad_per_m", &o.loop_drift_rad_per_m, "rad/m", "the same of the orientation", 0.0001, 10, {}});
+  table.add({"loop_max_sigmas",
+             &o.loop_max_sigmas,
+             "",
+             "largest distance of a loop from the relative pose in the map, in standard deviations of that drift",
+             1,
+             1e9,
+             {}});
   table.add(
       {"optimize_iterations", &o.optimize_iterations, "", "iterations of each optimization, at most", 1, 1000, {}});
   table.add({"backend_delay_frames",

@@ -59,9 +59,37 @@ std::vector<std::int64_t> surroundings_of(const MapGraph& graph, std::int64_t id
   return ids;
 }
 
+/// Length of the path through the keyframes of a submap from one to a later one. A rotation counts like a step of as
+/// many units, since tracking drifts in it too.
+double path_between(const MapGraph& graph, std::int64_t from, std::int64_t to) {
+  double path = 0.0;
+  SE3 previous = graph.keyframe(from).camera_from_world;
+  for (const std::int64_t id : graph.keyframe_ids(graph.keyframe(from).submap)) {
+    if (id <= from || id > to) continue;
+    const SE3& pose = graph.keyframe(id).camera_from_world;
+    const SE3 step = previous * pose.inverse();
+    path += step.translation().norm() + step.rotation().log().norm();
+    previous = pose;
+  }
+  return path;
+}
+
+/// How far a loop is from the relative pose in the map, in standard deviations of the drift along the path between.
+double drift_sigmas(const MapGraph& graph, const VerifiedLoop& loop, const OdometryDrift& drift) {
+  const MapKeyframe &keyframe = graph.keyframe(loop.keyframe), &matched = graph.keyframe(loop.matched);
+  if (keyframe.submap != matched.submap) return 0.0;
+  constexpr double least_path = 1.0;  // over which tracking may slip without a path
+  const double path =
+      least_path + path_between(graph, std::min(loop.matched, loop.keyframe), std::max(loop.matched, loop.keyframe));
+  const SE3 predicted = keyframe.camera_from_world * matched.camera_from_world.inverse();
+  const SE3 measured(loop.keyframe_from_matched.rotation(), loop.keyframe_from_matched.translation());
+  return graph_sigmas(predicted, measured, drift.covariance(path));
+}
+
 AcceptanceOptions loop_acceptance(const OrbSlamOptions& options) {
   return {.min_inliers = options.loop_inliers,
           .min_observed = options.loop_landmarks,
+          .max_graph_sigmas = options.loop_max_sigmas,
           .min_confirmations = options.loop_consistent};
 }
 
@@ -114,6 +142,7 @@ std::optional<VerifiedLoop> LoopClosing::verify(const MapKeyframe& keyframe, con
        search_landmarks(graph_, around, *keyframe.frame, loop.keyframe_from_matched * Sim3(candidate.camera_from_world),
                         {.radius_px = options_.loop_search_px, .limits = limits()}))
     loop.landmarks.emplace_back(match.feature, around[match.subject]);
+  loop.graph_sigmas = drift_sigmas(graph_, loop, {options_.loop_drift_share, options_.loop_drift_rad_per_m});
   return loop;
 }
 

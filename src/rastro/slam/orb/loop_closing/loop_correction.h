@@ -20,8 +20,12 @@ struct VerifiedLoop {
   int inliers = 0;             ///< Pairs of landmarks that fit it.
   /// Features of the keyframe matched to landmarks around the other one.
   std::vector<std::pair<std::uint32_t, std::int64_t>> landmarks;
+  /// Distance to the relative pose in the map, in standard deviations of its drift; 0 between submaps.
+  double graph_sigmas = 0.0;
 
-  Evidence evidence() const { return {.inliers = inliers, .observed = static_cast<int>(landmarks.size())}; }
+  Evidence evidence() const {
+    return {.inliers = inliers, .observed = static_cast<int>(landmarks.size()), .graph_sigmas = graph_sigmas};
+  }
 };
 
 /// The effect of a loop closure or merge on the map.

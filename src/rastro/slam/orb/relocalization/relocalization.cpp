@@ -9,6 +9,19 @@
 #include "rastro/slam/orb/tracking/tracked_frame.h"
 
 namespace rastro {
+namespace {
+
+Evidence evidence_of(const TrackingResult& tracked) {
+  const auto observed = static_cast<int>(std::count_if(tracked.points.begin(), tracked.points.end(),
+                                                       [](const auto& point) { return point.landmark >= 0; }));
+  return {.matches = tracked.matches,
+          .inliers = tracked.inliers,
+          .compared = static_cast<int>(tracked.visible.size()),
+          .predicted = static_cast<int>(tracked.visible.size()),
+          .observed = observed};
+}
+
+}  // namespace
 
 Relocalization::Relocalization(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline,
                                KeyframeInsertion& keyframes)
@@ -18,9 +31,8 @@ Relocalization::Relocalization(OrbSession& session, FrameTracker& tracker, Keyfr
       keyframes_(keyframes),
       relocalizer_(session.options, session.graph, pipeline.database()) {}
 
-std::optional<TrackingResult> Relocalization::relocalize(const std::shared_ptr<const FeatureFrame>& frame,
-                                                         SlamUpdate& update) {
-  pipeline_.take_all_results(update.events);
+std::optional<TrackingResult> Relocalization::relocalize(const FramePointer& frame, std::vector<SlamEvent>& events) {
+  pipeline_.take_all_results(events);
   keep(frame);
   const auto relocation = relocalizer_.find(*frame, hinted_keyframes());
   if (!relocation) return std::nullopt;
@@ -29,16 +41,57 @@ std::optional<TrackingResult> Relocalization::relocalize(const std::shared_ptr<c
   TrackingResult tracked = tracker_.track_from(frame, relocation->camera_from_world);
   if (!tracked.ok) return std::nullopt;
   session_.tracking = true;
-  session_.initial_pose.reset();
   lost_.pop_back();
-  track_lost_frames();
+  hypothesis_ = {relocation->keyframe, tracker_, {}};
+  return tracked;
+}
+
+AcceptanceOptions Relocalization::acceptance() const {
+  return {.min_inliers = session_.options.min_inliers,
+          .min_inlier_share = session_.options.relocalize_inlier_share,
+          .min_observed_share = session_.options.relocalize_observed_share,
+          .min_confirmations = session_.options.relocalize_frames};
+}
+
+bool Relocalization::confirm(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update) {
+  const Evidence evidence = evidence_of(tracked);
+  const AcceptanceOptions limits = acceptance();
+  const auto agreeing = static_cast<int>(hypothesis_->frames.size()) + 1;
+  const Rejection rejection = judge(evidence, limits);
+  if (rejection == Rejection::none && agreeing >= limits.min_confirmations) {
+    accept(tracked, update);
+    return true;
+  }
+  if (agreeing > 1) ++session_.lost_frames;
+  hypothesis_->frames.emplace_back(
+      frame, tracked_frame(session_.graph, *tracker_.view(), *frame, tracked, session_.options.pixel_sigma));
+  update.state = SlamState::lost;
+  update.reason = rejection == Rejection::none ? SlamReason::unconfirmed : SlamReason::not_found;
+  update.detail =
+      fmt::format("in keyframe {}: {} of {} visible landmarks observed, {} of {} matches fit; {} of {} frames agree",
+                  hypothesis_->keyframe, evidence.observed, evidence.predicted, evidence.inliers, evidence.matches,
+                  rejection == Rejection::none ? agreeing : 0, limits.min_confirmations);
+  if (rejection != Rejection::none) reject();
+  return false;
+}
+
+void Relocalization::reject() {
+  for (auto& [frame, tracked] : hypothesis_->frames) keep(frame);
+  hypothesis_.reset();
+  session_.tracking = false;
+}
+
+void Relocalization::accept(const TrackingResult& tracked, SlamUpdate& update) {
+  track_lost_frames(std::move(hypothesis_->first));
+  for (const auto& [frame, unconfirmed] : hypothesis_->frames) session_.trajectory.add(unconfirmed);
+  session_.initial_pose.reset();
   keyframes_.on_relocalized();
   update.state = SlamState::relocalized;
   update.reason = SlamReason::none;
   update.detail.clear();
   update.events.push_back({"relocalized", fmt::format("in keyframe {} with {} landmarks after {} frames",
-                                                      relocation->keyframe, tracked.inliers, session_.lost_frames)});
-  return tracked;
+                                                      hypothesis_->keyframe, tracked.inliers, session_.lost_frames)});
+  hypothesis_.reset();
 }
 
 /// Keyframes of the first submap closest to the initial pose, with about the same viewing direction.
@@ -59,20 +112,19 @@ std::vector<std::int64_t> Relocalization::hinted_keyframes() const {
   return ids;
 }
 
-void Relocalization::keep(const std::shared_ptr<const FeatureFrame>& frame) {
+void Relocalization::keep(const FramePointer& frame) {
   lost_.push_back(frame);
   if (lost_.size() > static_cast<std::size_t>(session_.options.init_frames)) lost_.pop_front();
 }
 
-/// Backward from the relocalized frame, as far as tracking succeeds.
-void Relocalization::track_lost_frames() {
-  FrameTracker backward = tracker_;
+/// Backward from the first relocalized frame, as far as tracking succeeds.
+void Relocalization::track_lost_frames(FrameTracker backward) {
   while (!lost_.empty()) {
     const FeatureFrame& frame = *lost_.back();
     const TrackingResult tracked = backward.track(lost_.back());
     if (!tracked.ok) break;
     session_.trajectory.add(
-        tracked_frame(session_.graph, *tracker_.view(), frame, tracked, session_.options.pixel_sigma));
+        tracked_frame(session_.graph, *backward.view(), frame, tracked, session_.options.pixel_sigma));
     lost_.pop_back();
   }
   lost_.clear();

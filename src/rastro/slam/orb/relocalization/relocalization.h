@@ -4,8 +4,10 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "rastro/backend/acceptance.h"
 #include "rastro/slam/orb/keyframe_pipeline.h"
 #include "rastro/slam/orb/relocalization/frame_relocalizer.h"
 #include "rastro/slam/orb/session.h"
@@ -14,27 +16,47 @@
 
 namespace rastro {
 
-/// Relocalizes when tracking is lost (Mur-Artal et al. 2015, section V.C), and then estimates the poses of the frames
-/// lost before.
+/// Relocalizes when tracking is lost (Mur-Artal et al. 2015, section V.C). A relocalization is a hypothesis at first:
+/// several frames in a row must be tracked from it, and each must observe a share of the landmarks that it predicts to
+/// be visible. Then these frames and those lost before get poses.
 class Relocalization {
  public:
   /// All outlive this.
   Relocalization(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline, KeyframeInsertion& keyframes);
 
-  /// nullopt: not relocalized; the frame is kept.
-  std::optional<TrackingResult> relocalize(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
+  /// Begins a hypothesis, which the tracker then follows. nullopt: not relocalized; the frame is kept.
+  std::optional<TrackingResult> relocalize(const std::shared_ptr<const FeatureFrame>& frame,
+                                           std::vector<SlamEvent>& events);
+  /// Whether tracking follows a hypothesis.
+  bool is_unconfirmed() const { return hypothesis_.has_value(); }
+  /// Judges the hypothesis by a frame tracked from it. Returns whether it is confirmed now; otherwise the frame is lost
+  /// as `update` says.
+  bool confirm(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked, SlamUpdate& update);
+  /// Drops the hypothesis: a frame could not be tracked from it.
+  void reject();
 
  private:
+  using FramePointer = std::shared_ptr<const FeatureFrame>;
+  /// A relocalization that is not believed yet.
+  struct Unconfirmed {
+    std::int64_t keyframe = 0;
+    FrameTracker first;  ///< Tracking at its first frame, to track backward from.
+    std::vector<std::pair<FramePointer, TrackedFrame>> frames;
+  };
+
+  AcceptanceOptions acceptance() const;
   std::vector<std::int64_t> hinted_keyframes() const;
-  void keep(const std::shared_ptr<const FeatureFrame>& frame);
-  void track_lost_frames();
+  void keep(const FramePointer& frame);
+  void accept(const TrackingResult& tracked, SlamUpdate& update);
+  void track_lost_frames(FrameTracker backward);
 
   OrbSession& session_;
   FrameTracker& tracker_;
   KeyframePipeline& pipeline_;
   KeyframeInsertion& keyframes_;
   FrameRelocalizer relocalizer_;
-  std::deque<std::shared_ptr<const FeatureFrame>> lost_;  ///< The most recent ones.
+  std::deque<FramePointer> lost_;  ///< The most recent ones.
+  std::optional<Unconfirmed> hypothesis_;
 };
 
 }  // namespace rastro

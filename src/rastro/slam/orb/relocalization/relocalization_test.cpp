@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "rastro/math/math_testing.h"
 #include "rastro/slam/orb/session_testing.h"
 
@@ -18,7 +20,9 @@ using testing::SessionBench;
 /// relocalized.
 struct RelocalizationBench : SessionBench {
   explicit RelocalizationBench(CameraKind sensor = CameraKind::mono, int init_frames = 60)
-      : SessionBench(sensor, options_with(init_frames)), relocalization(session, tracker, pipeline, keyframes) {
+      : RelocalizationBench(sensor, options_with(init_frames)) {}
+  RelocalizationBench(CameraKind sensor, const OrbSlamOptions& options)
+      : SessionBench(sensor, options), relocalization(session, tracker, pipeline, keyframes) {
     begin(3);
     session.tracking = false;
     session.lost_frames = 7;
@@ -28,18 +32,29 @@ struct RelocalizationBench : SessionBench {
     OrbSlamOptions options;
     options.relocalize_matches = 100;
     options.init_frames = init_frames;
+    options.relocalize_frames = 1;
     return options;
   }
   std::optional<TrackingResult> relocalize(std::int64_t index, double k, const ObserveOptions& how = {}) {
     update.state = SlamState::lost;
     update.reason = SlamReason::not_found;
     update.detail = "before";
-    return relocalization.relocalize(observe(index, stop(k), how).frame, update);
+    const auto frame = observe(index, stop(k), how).frame;
+    auto found = relocalization.relocalize(frame, update.events);
+    if (found && !relocalization.confirm(frame, *found, update)) return std::nullopt;
+    return found;
+  }
+  /// The next frame, tracked from an unconfirmed relocalization. Returns whether it confirms it.
+  bool confirm(std::int64_t index, double k, const ObserveOptions& how = {}) {
+    const auto frame = observe(index, stop(k), how).frame;
+    const TrackingResult result = tracker.track(frame);
+    EXPECT_TRUE(result.ok);
+    return relocalization.confirm(frame, result, update);
   }
   /// A frame that observes nothing of the map.
   std::optional<TrackingResult> relocalize_elsewhere(std::int64_t index) {
     const testing::PointWorld other(300, 99);
-    return relocalization.relocalize(other.observe(index, stop(1.0)).frame, update);
+    return relocalization.relocalize(other.observe(index, stop(1.0)).frame, update.events);
   }
   std::vector<std::int64_t> frames() const {
     std::vector<std::int64_t> indices;
@@ -118,6 +133,73 @@ TEST(Relocalization, NoKeyframeIsMadeRightAfter) {
   EXPECT_FALSE(bench.keyframes.needs_keyframe(*frame, weak));
   bench.session.frame_number = 50 + 20;
   EXPECT_TRUE(bench.keyframes.needs_keyframe(*frame, weak));
+}
+
+OrbSlamOptions confirmed_by(int frames) {
+  OrbSlamOptions options = RelocalizationBench::options_with(60);
+  options.relocalize_frames = frames;
+  return options;
+}
+
+TEST(Relocalization, IsBelievedOnceEnoughFramesAgree) {
+  RelocalizationBench bench(CameraKind::mono, confirmed_by(3));
+  EXPECT_FALSE(bench.relocalize(9, 0.8, {.to = 60}));
+  EXPECT_FALSE(bench.relocalize(10, 1.0));
+  EXPECT_TRUE(bench.relocalization.is_unconfirmed());
+  EXPECT_EQ(bench.update.state, SlamState::lost);
+  EXPECT_EQ(bench.update.reason, SlamReason::unconfirmed);
+  EXPECT_THAT(bench.update.detail, ::testing::HasSubstr("; 1 of 3 frames agree"));
+  EXPECT_FALSE(bench.confirm(11, 1.1));
+  EXPECT_THAT(bench.update.detail, ::testing::HasSubstr("; 2 of 3 frames agree"));
+  EXPECT_TRUE(bench.frames().empty()) << "no frame has a pose yet";
+  EXPECT_TRUE(bench.update.events.empty());
+  EXPECT_TRUE(bench.confirm(12, 1.2));
+  EXPECT_FALSE(bench.relocalization.is_unconfirmed());
+  EXPECT_EQ(bench.update.state, SlamState::relocalized);
+  EXPECT_EQ(bench.update.reason, SlamReason::none);
+  EXPECT_EQ(bench.frames(), (std::vector<std::int64_t>{9, 10, 11})) << "those lost before and those unconfirmed";
+  const Trajectory poses = bench.session.trajectory.trajectory(bench.session.graph, 0);
+  for (const auto& [k, at] : {std::pair{0U, 0.8}, {1U, 1.0}, {2U, 1.1}})
+    EXPECT_THAT(poses[k].world_from_body, pose_near(bench.stop(at).inverse(), 1e-3, 1e-4)) << k;
+}
+
+TEST(Relocalization, AFrameThatCannotBeTrackedRejectsIt) {
+  RelocalizationBench bench(CameraKind::mono, confirmed_by(3));
+  bench.relocalize(10, 1.0);
+  bench.confirm(11, 1.1);
+  bench.relocalization.reject();
+  EXPECT_FALSE(bench.session.tracking);
+  EXPECT_FALSE(bench.relocalization.is_unconfirmed());
+  EXPECT_TRUE(bench.frames().empty());
+  // The same frames get their poses when the map is found again.
+  bench.relocalize(12, 1.2);
+  bench.confirm(13, 1.3);
+  EXPECT_TRUE(bench.confirm(14, 1.4));
+  EXPECT_EQ(bench.frames(), (std::vector<std::int64_t>{10, 11, 12, 13}));
+}
+
+/// Keyframes of 300 points; a frame observes few of those that should be visible.
+TEST(Relocalization, WhatShouldBeVisibleMustBeObserved) {
+  for (const double share : {0.3, 0.5}) {
+    OrbSlamOptions options = confirmed_by(1);
+    options.relocalize_matches = 15;
+    options.relocalize_observed_share = share;
+    RelocalizationBench bench(CameraKind::mono, options);
+    EXPECT_EQ(bench.relocalize(10, 1.0, {.to = 120}).has_value(), share < 0.4) << bench.update.detail;
+    if (share < 0.4) continue;
+    EXPECT_EQ(bench.update.reason, SlamReason::not_found);
+    EXPECT_THAT(bench.update.detail, ::testing::HasSubstr("visible landmarks observed"));
+    EXPECT_FALSE(bench.session.tracking);
+  }
+}
+
+TEST(Relocalization, EnoughOfTheMatchesMustFit) {
+  for (const double share : {0.3, 0.6}) {
+    OrbSlamOptions options = confirmed_by(1);
+    options.relocalize_inlier_share = share;
+    RelocalizationBench bench(CameraKind::mono, options);
+    EXPECT_EQ(bench.relocalize(10, 1.0, {.noise_px = 2.4}).has_value(), share < 0.5) << bench.update.detail;
+  }
 }
 
 }  // namespace

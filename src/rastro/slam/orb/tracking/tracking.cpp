@@ -53,6 +53,7 @@ void Tracking::process(const Frame& frame, SlamUpdate& update) {
   if (session_.tracking) tracked = track_map(measured, update);
   if (!tracked) tracked = relocalize(measured.features, update);
   if (!tracked) return initialize(measured.features, update);
+  if (relocalization_.is_unconfirmed() && !confirm(measured.features, *tracked, update)) return;
   Stopwatch stage;
   observe(*tracked, ObservationState::outlier);
   report_pose(*measured.features, *tracked, update);
@@ -67,7 +68,7 @@ bool Tracking::is_usable(const Frame& frame, SlamUpdate& update) {
   if (checked.useful() || checked.reason == OdometryReason::blurred) return true;
   update.state = session_.has_map ? SlamState::lost : SlamState::initializing;
   if (frame.image.empty()) update.reason = SlamReason::no_data;
-  const bool repeated = session_.tracking && checked.reason == OdometryReason::repeated_frame;
+  const bool repeated = follows_map() && checked.reason == OdometryReason::repeated_frame;
   if (repeated && session_.trajectory.repeat_last(frame.index, frame.stamp)) update.state = SlamState::tracking;
   return false;
 }
@@ -106,7 +107,7 @@ std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, 
   update.times.push_back({"track", stage.lap_ms()});
   if (!tracked.ok) {
     observe(tracked, ObservationState::matched);
-    on_lost(tracked, update);
+    relocalization_.is_unconfirmed() ? relocalization_.reject() : on_lost(tracked, update);
     return std::nullopt;
   }
   if (initialization_.is_contradicted_by(measured.features, tracked)) {
@@ -133,10 +134,20 @@ std::optional<TrackingResult> Tracking::relocalize(const FramePointer& frame, Sl
   if (!session_.has_map) return std::nullopt;
   if (update.reason == SlamReason::none) update.reason = SlamReason::not_found;
   Stopwatch stage;
-  const auto tracked = relocalization_.relocalize(frame, update);
-  if (tracked) initialization_.reset();
+  auto tracked = relocalization_.relocalize(frame, update.events);
   update.times.push_back({"relocalize", stage.lap_ms()});
   return tracked;
+}
+
+bool Tracking::follows_map() const { return session_.tracking && !relocalization_.is_unconfirmed(); }
+
+bool Tracking::confirm(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update) {
+  if (!relocalization_.confirm(frame, tracked, update)) {
+    observe(tracked, ObservationState::matched);
+    return false;
+  }
+  initialization_.reset();
+  return true;
 }
 
 void Tracking::initialize(const FramePointer& frame, SlamUpdate& update) {

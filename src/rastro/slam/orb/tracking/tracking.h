@@ -40,6 +40,9 @@ class Tracking {
   Measurements extract_features(const Frame& frame, SlamUpdate& update);
   std::optional<TrackingResult> track_map(const Measurements& measured, SlamUpdate& update);
   std::optional<TrackingResult> relocalize(const FramePointer& frame, SlamUpdate& update);
+  /// Whether tracking has a pose that is believed.
+  bool follows_map() const;
+  bool confirm(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update);
   void initialize(const FramePointer& frame, SlamUpdate& update);
   void observe(const TrackingResult& tracked, ObservationState contradicted);
   void observe_first_landmarks(const FeatureFrame& frame);
