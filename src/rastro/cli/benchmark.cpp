@@ -42,11 +42,12 @@ where it was. Results of another program, or of a list that says otherwise now, 
 
 Columns, per entry over its seeds:
   runs               with a result, of those in the list if some are missing
-  median m, worst m  absolute trajectory error (rmse) over the frames with a pose: SE3 where the run claims meters, Sim3 where not; of a
-                     laser log with relations their mean error; of localization in the frame of the map, without an alignment
+  median m, worst m  absolute trajectory error (rmse) over the frames with a pose: SE3 where the run claims meters, Sim3 where not, in
+                     their plane where all poses lie in one; of a laser log with relations their mean error; of localization in the
+                     frame of the map, without an alignment
   tracked %          frames in state tracking, weak or relocalized
-  false              of these, frames further off the ground truth than the limit (0.1 m); +N: of lost frames that have a pose
-  warned             runs that said that something is wrong with input or result, or refused a disturbed input
+  false              of these, frames further off the ground truth than the limit (0.1 m); +N: of others that have a pose
+  warned             runs that said that something is wrong with input or result, or refused wrong input
   ms/frame, CPU ms   time of the whole process per frame, medians; CPU: over all threads
   MB                 largest resident memory
   (value)            that of --baseline where it differs
@@ -128,7 +129,9 @@ BenchmarkTools tools_of(const Flags& flags, const BenchmarkList& list) {
   BenchmarkTools tools;
   tools.stop = &stop;
   tools.run = [&stop, timeout_s = list.timeout_s](const std::vector<std::string>& words) {
-    return run_child(this_program, words, timeout_s, stop);
+    std::vector<std::string> command = {"rastro"};
+    command.insert(command.end(), words.begin(), words.end());
+    return run_child(this_program, command, timeout_s, stop);
   };
   tools.score = score_run;
   if (!flags.quiet) tools.progress = show;

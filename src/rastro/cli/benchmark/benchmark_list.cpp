@@ -136,7 +136,7 @@ BenchmarkEntry common_of(const YamlFields& fields, double limit_m) {
   const std::string expect = choice_of(fields, "expect", "", {"found", "lost"});
   entry.expect = expect == "found" ? Expectation::found : expect == "lost" ? Expectation::lost : Expectation::none;
   entry.ground_truth = fields.text("ground_truth");
-  entry.alignment = choice_of(fields, "alignment", "", {"se3", "sim3"});
+  entry.alignment = choice_of(fields, "alignment", "", {"se3", "sim3", "yaw"});
   entry.false_pose_limit_m = fields.number("false_pose_limit_m", limit_m, 0.0);
   entry.seeds = fields.numbers("seeds");
   if (fields.has("seeds") && !fields.has("world")) fields.refuse("seeds", "is for worlds", "omit it");

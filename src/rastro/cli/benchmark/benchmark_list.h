@@ -44,8 +44,8 @@ struct BenchmarkEntry {
   std::vector<std::string> disturbances;  ///< NAME or NAME=VALUE; empty: none.
   std::optional<BenchmarkMap> map;        ///< Localization in it.
   Expectation expect = Expectation::none;
-  std::string ground_truth;         ///< Trajectory, or relations of a laser log; empty: that of the recording.
-  std::string alignment;            ///< "se3" or "sim3"; empty: as the run claims, metric or up to scale.
+  std::string ground_truth;  ///< Trajectory, or relations of a laser log; empty: that of the recording.
+  std::string alignment;     ///< "se3", "sim3" or "yaw"; empty: yaw in a plane, else as the run claims, metric or not.
   double false_pose_limit_m = 0.1;  ///< A pose further than this from the ground truth is false.
 };
 

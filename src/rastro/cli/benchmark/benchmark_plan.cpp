@@ -53,7 +53,7 @@ class Planner {
     BenchmarkRun run;
     run.entry = entry.name;
     run.seed = seed;
-    run.disturbed = !entry.disturbances.empty();
+    run.may_refuse = !entry.disturbances.empty() || entry.expect == Expectation::lost;
     run.id = as_file_name(entry.input.world.empty() ? entry.name : fmt::format("{} seed {}", entry.name, seed));
     const PlannedInput input = input_of(entry.input, seed);
     run.recording = input.part;

@@ -26,7 +26,7 @@ struct BenchmarkPart {
 /// How the poses of a run are judged.
 struct BenchmarkJudgment {
   std::string ground_truth;  ///< Recording, trajectory or relations.
-  std::string alignment;     ///< "se3", "sim3"; empty: as the run claims.
+  std::string alignment;     ///< "se3", "sim3", "yaw"; empty: yaw in a plane, else as the run claims.
   double false_pose_limit_m = 0.1;
   bool localized = false;        ///< In the map of `map_folder`: judged in its frame.
   bool same_world = true;        ///< False: every localized pose is false.
@@ -40,7 +40,7 @@ struct BenchmarkRun {
   std::uint64_t seed = 0;          ///< Of the world; 0 for a recording.
   std::vector<std::string> words;  ///< Command of the program, without --out.
   std::string recording, map;      ///< Folders of the parts that it needs; empty: none.
-  bool disturbed = false;          ///< The program may refuse the input.
+  bool may_refuse = false;         ///< The input is wrong or the place is not in the map: refusing it is an answer.
   BenchmarkJudgment judgment;
 };
 

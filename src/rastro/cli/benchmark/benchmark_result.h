@@ -10,10 +10,11 @@ namespace rastro::cli {
 
 /// What a run gave, judged by the ground truth; empty where it gave no result.
 struct RunScores {
-  std::int64_t frames = 0;            ///< Processed or skipped.
-  std::int64_t tracked = 0;           ///< In state tracking, weak or relocalized.
-  std::int64_t false_poses = 0;       ///< Of these, further off the ground truth than the limit.
-  std::int64_t false_poses_lost = 0;  ///< The same of the other frames, which got a pose all the same.
+  std::int64_t frames = 0;       ///< Processed or skipped.
+  std::int64_t tracked = 0;      ///< In state tracking, weak or relocalized.
+  std::int64_t false_poses = 0;  ///< Of these, further off the ground truth than the limit.
+  std::int64_t false_poses_lost =
+      0;                        ///< The same of frames lost or not yet initialized, which got a pose all the same.
   std::optional<double> ate_m;  ///< Absolute trajectory error, or mean error of relations; none: not to be judged.
   bool warned = false;          ///< The program said that something is wrong with the input or the result.
   std::string sha256;           ///< Of its trajectory and map.

@@ -88,7 +88,7 @@ class Workers {
     result.failure = failure_of(end);
     if (result.failure.empty()) {
       judge(run, folder, result);
-    } else if (run.disturbed && end.exit_code == refused) {
+    } else if (run.may_refuse && end.exit_code == refused) {
       result.failure.clear();
       result.scores.warned = true;
     }

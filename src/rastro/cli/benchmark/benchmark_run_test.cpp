@@ -205,7 +205,7 @@ TEST(BenchmarkRun, BrokenResultFilesAreRunAgain) {
 TEST(ChildProcess, GivesExitCodeTimesMemoryAndLastLine) {
   const std::atomic<bool> stop = false;
   const ChildEnd end =
-      run_child("/bin/sh", {"-c", "echo unseen; echo first >&2; echo 'rastro: last' >&2; exit 2"}, 60, stop);
+      run_child("/bin/sh", {"sh", "-c", "echo unseen; echo first >&2; echo 'rastro: last' >&2; exit 2"}, 60, stop);
   EXPECT_EQ(end.exit_code, 2);
   EXPECT_EQ(end.signal, 0);
   EXPECT_EQ(end.last_line, "rastro: last");
@@ -216,13 +216,13 @@ TEST(ChildProcess, GivesExitCodeTimesMemoryAndLastLine) {
 
 TEST(ChildProcess, SignalsTimeoutsAndStopsAreTold) {
   std::atomic<bool> stop = false;
-  EXPECT_EQ(run_child("/bin/sh", {"-c", "kill -9 $$"}, 60, stop).signal, 9);
-  const ChildEnd late = run_child("/bin/sleep", {"60"}, 0.0, stop);
+  EXPECT_EQ(run_child("/bin/sh", {"sh", "-c", "kill -9 $$"}, 60, stop).signal, 9);
+  const ChildEnd late = run_child("/bin/sleep", {"sleep", "60"}, 0.0, stop);
   EXPECT_TRUE(late.timed_out);
   EXPECT_THAT(failure_of(late), HasSubstr("too long"));
   stop = true;
-  EXPECT_TRUE(run_child("/bin/sleep", {"60"}, 60, stop).stopped);
-  EXPECT_EQ(run_child("/nowhere/program", {}, 60, stop).exit_code, 127);
+  EXPECT_TRUE(run_child("/bin/sleep", {"sleep", "60"}, 60, stop).stopped);
+  EXPECT_EQ(run_child("/nowhere/program", {"program"}, 60, stop).exit_code, 127);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ BenchmarkRow row_of(const BenchmarkEntry& entry, const std::vector<BenchmarkResu
   BenchmarkRow row;
   row.name = entry.name;
   row.planned = planned_runs(entry);
-  row.disturbed = !entry.disturbances.empty();
+  row.disturbed = !entry.disturbances.empty() || entry.expect == Expectation::lost;
   std::vector<double> ates, times, cpu_times;
   std::int64_t frames = 0, tracked = 0;
   for (const BenchmarkResult& result : results) {
@@ -116,6 +116,11 @@ const std::vector<std::string> column_titles = {"entry", "runs",   "median m", "
                                                 "false", "warned", "ms/frame", "CPU ms",  "MB"};
 
 std::vector<std::string> cells_of(const BenchmarkRow& row) {
+  if (row.runs == 0) {
+    std::vector<std::string> nothing(column_count, "-");
+    nothing[0] = row.name, nothing[1] = fmt::format("0/{}", row.planned);
+    return nothing;
+  }
   return {row.name,
           row.runs == row.planned ? fmt::format("{}", row.runs) : fmt::format("{}/{}", row.runs, row.planned),
           meters(row.median_ate_m),

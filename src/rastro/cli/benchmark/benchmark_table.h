@@ -17,7 +17,7 @@ struct BenchmarkRow {
   std::string name;
   int runs = 0, planned = 0;  ///< With a result or a failure; of the list.
   int failed = 0, warned = 0;
-  bool disturbed = false;                           ///< A warning is right; else it is a false alarm.
+  bool disturbed = false;  ///< Wrong input, or another place: a warning is right; else it is a false alarm.
   std::optional<double> median_ate_m, worst_ate_m;  ///< None: no run could be judged.
   double tracked_percent = 0.0;                     ///< Over the frames of all runs.
   std::int64_t false_poses = 0, false_poses_lost = 0;

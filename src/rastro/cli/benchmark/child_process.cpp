@@ -36,14 +36,14 @@ struct Descriptor {
 };
 
 /// Between fork and exec: nothing but system calls.
-[[noreturn]] void become(char* const* arguments, int error_pipe, pid_t parent) {
+[[noreturn]] void become(const char* program, char* const* words, int error_pipe, pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(not_started);
   const int nothing = ::open("/dev/null", O_RDWR);
   ::dup2(nothing, STDIN_FILENO);
   ::dup2(nothing, STDOUT_FILENO);
   ::dup2(error_pipe, STDERR_FILENO);
-  ::execv(arguments[0], arguments);
+  ::execv(program, words);
   ::_exit(not_started);
 }
 
@@ -96,10 +96,9 @@ void note_usage(pid_t child, ChildEnd& end) {
 
 }  // namespace
 
-ChildEnd run_child(const std::string& program, const std::vector<std::string>& arguments, double timeout_s,
+ChildEnd run_child(const std::string& program, const std::vector<std::string>& command, double timeout_s,
                    const std::atomic<bool>& stop) {
-  std::vector<std::string> words = {program};
-  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<std::string> words = command;
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
@@ -110,7 +109,7 @@ ChildEnd run_child(const std::string& program, const std::vector<std::string>& a
   const pid_t parent = ::getpid();
   Stopwatch watch;
   const pid_t child = ::fork();
-  if (child == 0) become(pointers.data(), writing.number, parent);
+  if (child == 0) become(program.c_str(), pointers.data(), writing.number, parent);
   if (child < 0)
     throw Error(fmt::format("cannot be started: {}", std::strerror(errno)), program, "free memory or lower --jobs");
   writing.close_now();

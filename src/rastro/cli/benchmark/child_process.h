@@ -19,9 +19,10 @@ struct ChildEnd {
   std::string last_line;  ///< Of its standard error.
 };
 
-/// Runs `program` with these arguments, without input and standard output, to its end, or until `stop` is set or
-/// `timeout_s` is over. It dies with this process. Error where it cannot be started.
-ChildEnd run_child(const std::string& program, const std::vector<std::string>& arguments, double timeout_s,
+/// Runs the file `program` with these words, the first of which is the name it goes by, without input and standard
+/// output, to its end, or until `stop` is set or `timeout_s` is over. It dies with this process. Error where it cannot
+/// be started.
+ChildEnd run_child(const std::string& program, const std::vector<std::string>& command, double timeout_s,
                    const std::atomic<bool>& stop);
 
 }  // namespace rastro::cli

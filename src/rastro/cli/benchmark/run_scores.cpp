@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -97,10 +98,21 @@ Compared compared(const fs::path& folder, const std::string& ground_truth) {
   return both;
 }
 
+/// A mirrored trajectory in a plane would be turned over by a rotation in space: it is aligned in its plane.
+bool is_planar(const Trajectory& trajectory) {
+  return std::all_of(trajectory.begin(), trajectory.end(),
+                     [](const StampedPose& pose) { return pose.world_from_body.translation().z() == 0.0; });
+}
+
+std::string alignment_of(const Compared& both, const Json& result) {
+  if (is_planar(both.estimate.poses)) return "yaw";
+  return claims_meters(result) ? "se3" : "sim3";
+}
+
 TrajectoryScores aligned(const Compared& both, const std::string& alignment, const Json& result) {
   TrajectoryScoreOptions options;
   options.max_difference = pair_within;
-  options.alignment = parse_alignment(!alignment.empty() ? alignment : claims_meters(result) ? "se3" : "sim3");
+  options.alignment = parse_alignment(alignment.empty() ? alignment_of(both, result) : alignment);
   return score_trajectory(both.reference.input, both.estimate, options);
 }
 

@@ -87,6 +87,16 @@ TEST(RunScores, ScaleIsFreeOnlyWhereTheRunClaimsNoMeters) {
   EXPECT_LT(score_run(run_folder("f", R"({"metric": true})", twice), free, {}).ate_m.value(), 1e-6);
 }
 
+TEST(RunScores, MirroredPathInThePlaneIsWrong) {
+  const auto in_plane = [](int k) { return Eigen::Vector3d(0.1 * k, 0.02 * k * k, 0.0); };
+  const auto mirrored = [](int k) { return Eigen::Vector3d(0.1 * k, -0.02 * k * k, 0.0); };
+  BenchmarkJudgment judgment = judged_by_ground_truth();
+  write_whole_file(judgment.ground_truth, poses(in_plane));
+  EXPECT_LT(score_run(run_folder("plane", "", in_plane), judgment, {}).ate_m.value(), 1e-6);
+  EXPECT_GT(score_run(run_folder("mirrored", "", mirrored), judgment, {}).ate_m.value(), 0.1)
+      << "turned over in space it would fit";
+}
+
 TEST(RunScores, LocalizedPosesAreJudgedInTheFrameOfTheMap) {
   const auto shifted = [](int k) { return Eigen::Vector3d(position_of(k) + Eigen::Vector3d(5, 0, 0)); };
   BenchmarkJudgment judgment = judged_by_ground_truth();
