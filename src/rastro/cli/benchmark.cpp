@@ -145,7 +145,7 @@ void print_plan(const BenchmarkPlan& plan) {
 int report(const Flags& flags, const BenchmarkList& list, const std::vector<BenchmarkResult>& results,
            const BenchmarkRows& baseline) {
   const BenchmarkRows rows = rows_of(list, results);
-  fmt::print("{}{}", table_text(rows, baseline), expectations_text(list, results));
+  fmt::print("{}{}{}", table_text(rows, baseline), warnings_text(rows), expectations_text(list, results));
   if (!flags.save.empty()) write_whole_file(flags.save, to_json(rows));
   if (flags.baseline.empty()) return done;
   const std::vector<std::string> worse = worse_than(rows, baseline, list.tolerance);

@@ -30,11 +30,20 @@ double percent_of(std::int64_t part, std::int64_t whole) {
 
 int planned_runs(const BenchmarkEntry& entry) { return std::max<int>(1, static_cast<int>(entry.seeds.size())); }
 
+const char* name_of(WarningDue due) { return due == WarningDue::yes ? "yes" : due == WarningDue::no ? "no" : "either"; }
+
+/// The most of its disturbances; a map of another place may be refused.
+WarningDue warning_due_of(const BenchmarkEntry& entry) {
+  WarningDue most = entry.expect == Expectation::lost ? WarningDue::either : WarningDue::no;
+  for (const std::string& disturbance : entry.disturbances) most = std::max(most, warning_due(disturbance));
+  return most;
+}
+
 BenchmarkRow row_of(const BenchmarkEntry& entry, const std::vector<BenchmarkResult>& results) {
   BenchmarkRow row;
   row.name = entry.name;
   row.planned = planned_runs(entry);
-  row.disturbed = !entry.disturbances.empty() || entry.expect == Expectation::lost;
+  row.warning_due = warning_due_of(entry);
   std::vector<double> ates, times, cpu_times;
   std::int64_t frames = 0, tracked = 0;
   for (const BenchmarkResult& result : results) {
@@ -69,7 +78,7 @@ Json json_of(const BenchmarkRow& row) {
           {"planned", row.planned},
           {"failed", row.failed},
           {"warned", row.warned},
-          {"disturbed", row.disturbed},
+          {"warning_due", name_of(row.warning_due)},
           {"median_ate_m", json_of(row.median_ate_m)},
           {"worst_ate_m", json_of(row.worst_ate_m)},
           {"tracked_percent", row.tracked_percent},
@@ -86,7 +95,8 @@ BenchmarkRow row_in(const Json& json) {
   row.name = json.at("name").get<std::string>();
   row.runs = json.at("runs").get<int>(), row.planned = json.at("planned").get<int>();
   row.failed = json.at("failed").get<int>(), row.warned = json.at("warned").get<int>();
-  row.disturbed = json.at("disturbed").get<bool>();
+  const auto due = json.at("warning_due").get<std::string>();
+  row.warning_due = due == "yes" ? WarningDue::yes : due == "no" ? WarningDue::no : WarningDue::either;
   row.median_ate_m = optional_in(json, "median_ate_m"), row.worst_ate_m = optional_in(json, "worst_ate_m");
   row.tracked_percent = json.at("tracked_percent").get<double>();
   row.false_poses = json.at("false_poses").get<std::int64_t>();
@@ -159,9 +169,9 @@ class Comparison {
     not_above("false poses", total_false(row_), total_false(former_), 0.0, "", 0);
     not_above("untracked", 100.0 - row_.tracked_percent, 100.0 - former_.tracked_percent, tolerance.tracked_points,
               " %", 1);
-    if (row_.disturbed)
+    if (row_.warning_due == WarningDue::yes)
       not_above("runs without a warning", row_.runs - row_.warned, former_.runs - former_.warned, 0.0, "", 0);
-    else
+    else if (row_.warning_due == WarningDue::no)
       not_above("false alarms", row_.warned, former_.warned, 0.0, "", 0);
     const auto share = [](double percent, double of) { return 0.01 * percent * of; };
     not_above("CPU time per frame", row_.cpu_ms_per_frame, former_.cpu_ms_per_frame,
@@ -245,6 +255,16 @@ std::vector<std::string> worse_than(const BenchmarkRows& rows, const BenchmarkRo
     lines.insert(lines.end(), comparison.lines.begin(), comparison.lines.end());
   }
   return lines;
+}
+
+std::string warnings_text(const BenchmarkRows& rows) {
+  int wrong = 0, told = 0, right = 0, alarms = 0;
+  for (const BenchmarkRow& row : rows) {
+    if (row.warning_due == WarningDue::yes) wrong += row.runs, told += row.warned;
+    if (row.warning_due == WarningDue::no) right += row.runs, alarms += row.warned;
+  }
+  return fmt::format("warnings: {} of {} runs with wrong input; {} of {} with right input (false alarms)\n", told,
+                     wrong, alarms, right);
 }
 
 std::string expectations_text(const BenchmarkList& list, const std::vector<BenchmarkResult>& results) {

@@ -9,6 +9,7 @@
 
 #include "rastro/cli/benchmark/benchmark_list.h"
 #include "rastro/cli/benchmark/benchmark_result.h"
+#include "rastro/synthetic/disturbance/disturbance.h"
 
 namespace rastro::cli {
 
@@ -17,7 +18,7 @@ struct BenchmarkRow {
   std::string name;
   int runs = 0, planned = 0;  ///< With a result or a failure; of the list.
   int failed = 0, warned = 0;
-  bool disturbed = false;  ///< Wrong input, or another place: a warning is right; else it is a false alarm.
+  WarningDue warning_due = WarningDue::no;          ///< Of the input; no: a warning is a false alarm.
   std::optional<double> median_ate_m, worst_ate_m;  ///< None: no run could be judged.
   double tracked_percent = 0.0;                     ///< Over the frames of all runs.
   std::int64_t false_poses = 0, false_poses_lost = 0;
@@ -41,6 +42,9 @@ std::string table_text(const BenchmarkRows& rows, const BenchmarkRows& baseline)
 /// One line per value of a completed row that is worse than the baseline beyond the tolerance, with both values.
 std::vector<std::string> worse_than(const BenchmarkRows& rows, const BenchmarkRows& baseline,
                                     const BenchmarkTolerance& tolerance);
+
+/// How many runs with wrong input warned, and how many with right input; one line.
+std::string warnings_text(const BenchmarkRows& rows);
 
 /// What localization was expected to find and did, in one line; empty without such entries.
 std::string expectations_text(const BenchmarkList& list, const std::vector<BenchmarkResult>& results);

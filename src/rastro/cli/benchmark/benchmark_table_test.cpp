@@ -27,7 +27,7 @@ BenchmarkResult result_of(const std::string& entry, std::uint64_t seed, double a
 const BenchmarkList& two_entries() {
   static const BenchmarkList list = parse_benchmark_list(
       "entries:\n  - {name: walk, world: loop, seeds: [1, 2, 3], method: orb}\n"
-      "  - {name: wrong, world: loop, seeds: [1], method: orb, disturb: noise=5}\n",
+      "  - {name: wrong, world: loop, seeds: [1], method: orb, disturb: baseline=10}\n",
       "list.yaml");
   return list;
 }
@@ -54,7 +54,8 @@ TEST(BenchmarkTable, RowsHaveMedianWorstSharesAndTimes) {
   EXPECT_DOUBLE_EQ(row.peak_memory_mb, 200.0);
   EXPECT_EQ(rows[1].runs, 0);
   EXPECT_EQ(rows[1].planned, 1);
-  EXPECT_TRUE(rows[1].disturbed);
+  EXPECT_EQ(rows[1].warning_due, WarningDue::yes);
+  EXPECT_EQ(row.warning_due, WarningDue::no);
 }
 
 TEST(BenchmarkTable, TextHasFormerValuesBesideThoseThatChanged) {
@@ -119,10 +120,14 @@ TEST(BenchmarkComparison, ToleranceHoldsForEachValue) {
 TEST(BenchmarkComparison, WarningsAreRightOfWrongInputOnly) {
   EXPECT_THAT(worse_with([](BenchmarkRow& row) { row.warned = 1; }), ElementsAre("walk: false alarms 1, was 0"));
   BenchmarkRow was, is;
-  was.name = is.name = "wrong", was.disturbed = is.disturbed = true, was.runs = is.runs = 1;
+  was.name = is.name = "wrong", was.warning_due = is.warning_due = WarningDue::yes, was.runs = is.runs = 1;
   was.warned = 1;
   EXPECT_THAT(worse_than({is}, {was}, {}), ElementsAre("wrong: runs without a warning 1, was 0"));
   EXPECT_THAT(worse_than({was}, {is}, {}), IsEmpty());
+  BenchmarkRow right;
+  right.runs = 4, right.warned = 1;
+  EXPECT_EQ(warnings_text({was, right}),
+            "warnings: 1 of 1 runs with wrong input; 1 of 4 with right input (false alarms)\n");
 }
 
 TEST(BenchmarkComparison, UnfinishedAndNewEntriesAreNotJudged) {

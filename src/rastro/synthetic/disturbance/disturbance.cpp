@@ -26,13 +26,15 @@ struct KnownDisturbance {
 const std::vector<KnownDisturbance>& known_disturbances() {
   namespace d = disturbance;
   static const std::vector<KnownDisturbance> known = {
-      {{"none", "", "", "nothing: the recording as it is"}, d::none},
-      {{"black", "A:B", "", "black images without depth in frames A to B-1"}, d::black},
-      {{"freeze", "A:B", "", "images, depth and scans of the frame before A are repeated in frames A to B-1"},
+      {{"none", "", "", "nothing: the recording as it is", WarningDue::no}, d::none},
+      {{"black", "A:B", "", "black images without depth in frames A to B-1", WarningDue::either}, d::black},
+      {{"freeze", "A:B", "", "images, depth and scans of the frame before A are repeated in frames A to B-1",
+        WarningDue::either},
        d::freeze},
-      {{"drop", "A:B", "", "frames A to B-1 are missing"}, d::drop},
-      {{"noise", "SIGMA", "10", "normal noise of the intensities, standard deviation of 0 to 255"}, d::noise},
-      {{"color-cast", "FACTOR", "0.6", "red is scaled; intensities stay"}, d::color_cast},
+      {{"drop", "A:B", "", "frames A to B-1 are missing", WarningDue::either}, d::drop},
+      {{"noise", "SIGMA", "10", "normal noise of the intensities, standard deviation of 0 to 255", WarningDue::no},
+       d::noise},
+      {{"color-cast", "FACTOR", "0.6", "red is scaled; intensities stay", WarningDue::no}, d::color_cast},
       {{"swap-stereo", "", "", "left and right images are swapped"}, d::swap_stereo},
       {{"late-right", "N", "1", "the right image is that of N frames before"}, d::late_right},
       {{"baseline", "FACTOR", "10", "the calibrated baseline is scaled"}, d::baseline},
@@ -138,6 +140,8 @@ const std::vector<DisturbanceKind>& disturbance_kinds() {
   }();
   return kinds;
 }
+
+WarningDue warning_due(const std::string& assignment) { return parsed(assignment).first->kind.warning_due; }
 
 void check_disturbance(const std::string& assignment) {
   const auto [known, value] = parsed(assignment);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,16 +10,23 @@
 
 namespace rastro {
 
+/// Whether a program that is given the recording should say that its input is wrong.
+enum class WarningDue : std::uint8_t { no, either, yes };
+
 /// One way in which a recording can be wrong, for tests of what a method says to it.
 struct DisturbanceKind {
   std::string name;           ///< "baseline".
   std::string value;          ///< What its value is, such as "FACTOR"; empty: it has none.
   std::string default_value;  ///< Used where none is given; empty: a value is required, or there is none.
   std::string summary;        ///< One line.
+  WarningDue warning_due = WarningDue::yes;
 };
 
 /// Every kind, in the order of the documentation.
 const std::vector<DisturbanceKind>& disturbance_kinds();
+
+/// Of NAME or NAME=VALUE. Error as check_disturbance().
+WarningDue warning_due(const std::string& assignment);
 
 /// Error unless `assignment` is NAME or NAME=VALUE of a kind; names the nearest kind.
 void check_disturbance(const std::string& assignment);

@@ -195,6 +195,12 @@ TEST(Disturbance, WhatIsNotThereCannotBeDisturbed) {
   EXPECT_THAT(error_with("focal-length", false), HasSubstr("no calibrated camera"));
 }
 
+TEST(Disturbance, WarningsAreDueWhereTheInputContradictsItself) {
+  EXPECT_EQ(warning_due("baseline=10"), WarningDue::yes);
+  EXPECT_EQ(warning_due("noise=5"), WarningDue::no);
+  EXPECT_EQ(warning_due("black=1:2"), WarningDue::either);
+}
+
 TEST(Disturbance, EveryKindIsDocumentedAndCanBeMade) {
   for (const DisturbanceKind& kind : disturbance_kinds()) {
     EXPECT_FALSE(kind.summary.empty()) << kind.name;
