@@ -22,7 +22,7 @@ HOMES = {
     "opencv2/core/utils/logger.hpp": {"cli"},  # the program silences OpenCV
     "opencv2/": {"dataset", "export", "feature", "map", "synthetic"},
     "dlib/": {"feature"},
-    "yaml-cpp/": {"base", "camera", "dataset", "evaluate", "export"},
+    "yaml-cpp/": {"base", "camera", "dataset", "evaluate", "export", "cli"},
     "nlohmann/": {"dataset", "evaluate", "export", "session", "cli"},
     "CLI/": {"cli"},
     "spdlog/": {"cli"},

@@ -386,6 +386,29 @@ options() {
   run 0 track "$hall" --out "$here/run" --frames 0:2 --options "$here/options.yaml"
 }
 
+benchmark() {
+  local list=$here/list.yaml out=$here/out
+  printf '%s\n' 'entries:' \
+    '  - {world: hall, simulate: --frames 10 --no-ground-truth, command: odometry, method: profiles, disturb: [none, "black=4:6"]}' >"$list"
+  run 0 benchmark "$list" --dry-run
+  said 'odometry @out/worlds/hall'
+  run 0 benchmark "$list" --out "$out" --save "$here/baseline.json"
+  said '0 of 2 runs have results'
+  said 'hall odometry profiles black=4:6'
+  said 'worst m'
+  run 0 benchmark "$list" --out "$out" --baseline "$here/baseline.json"
+  said '2 of 2 runs have results'
+  said 'nothing is worse'
+  sed -i 's/"tracked_percent": .*/"tracked_percent": 300.0,/' "$here/baseline.json"
+  run 1 benchmark "$list" --out "$out" --baseline "$here/baseline.json" --quiet
+  said 'worse: hall odometry profiles: untracked'
+  sed -i 's/method: profiles/metod: profiles/' "$list"
+  refused "did you mean 'method'" benchmark "$list" --out "$out"
+  run 0 odometry "$hall" --out "$here/disturbed" --method profiles --disturb drop=3:5
+  [[ $(value_of frames disturbed) -eq 10 ]] || fail "no frame was dropped"
+  refused "did you mean 'swap-stereo'" odometry "$hall" --out "$here/no" --disturb swap-stero
+}
+
 interrupt() {
   long_recording "$here/data"
   "$rastro" track "$here/data" --out "$here/run" >"$here/stdout" 2>"$here/stderr" &

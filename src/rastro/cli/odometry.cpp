@@ -100,7 +100,7 @@ std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
   OpenOptions open = open_options(flags.data);
   open.want_depth = run->method->wants_depth();
   open.want_right = run->method->wants_right();
-  run->source = rastro::open(flags.data.path, open);
+  run->source = open_disturbed(flags, open);
   const SourceInfo& info = run->source->info();
   if (info.frame_count >= 0) run->frames = FrameChoice(open, info.frame_count, info.path).count;
   run->pool = std::make_unique<TaskPool>(flags.data.threads);

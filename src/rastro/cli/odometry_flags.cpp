@@ -61,6 +61,7 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
       ->type_name("FILE")
       ->group(group);
   add_settings_flags(command, flags, group, "rastro options METHOD");
+  add_disturbance_flag(command, flags);
   add_folder_flags(command, flags);
   add_data_flags(command, flags.data);
   command.footer("Methods:\n" + methods_text(odometry_methods()) + footer);

@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
+#include "rastro/synthetic/disturbance/disturbance.h"
+
 namespace rastro::cli {
 
 void add_settings_flags(CLI::App& command, RunFlags& flags, const std::string& group,
@@ -14,6 +18,20 @@ void add_settings_flags(CLI::App& command, RunFlags& flags, const std::string& g
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
       ->group(group);
+}
+
+void add_disturbance_flag(CLI::App& command, RunFlags& flags) {
+  command.add_option("--disturb", flags.disturbances, "Make the input wrong on purpose; see 'rastro benchmark --help'")
+      ->type_name("NAME[=VALUE]")
+      ->allow_extra_args(false)
+      ->group("");  // hidden
+}
+
+std::unique_ptr<Source> open_disturbed(const RunFlags& flags, const OpenOptions& options) {
+  for (const std::string& each : flags.disturbances) check_disturbance(each);
+  auto source = rastro::open(flags.data.path, options);
+  for (const std::string& each : flags.disturbances) source = disturbed(std::move(source), each);
+  return source;
 }
 
 void add_folder_flags(CLI::App& command, RunFlags& flags) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ struct RunFlags {
   DataFlags data;
   std::string out;
   std::string options_file;
-  std::vector<std::string> settings;  ///< --set key=value
+  std::vector<std::string> settings;      ///< --set key=value
+  std::vector<std::string> disturbances;  ///< --disturb NAME[=VALUE]
   bool force = false;
   bool seed_given = false;
 };
@@ -23,8 +25,13 @@ struct RunFlags {
 /// --options and --set; `options_command` prints the options: "rastro options METHOD".
 void add_settings_flags(CLI::App& command, RunFlags& flags, const std::string& group,
                         const std::string& options_command);
+/// --disturb, which only `rastro benchmark --help` documents: it makes the input wrong on purpose.
+void add_disturbance_flag(CLI::App& command, RunFlags& flags);
 /// --out and --force.
 void add_folder_flags(CLI::App& command, RunFlags& flags);
+
+/// Opens the recording, disturbed as the flags say.
+std::unique_ptr<Source> open_disturbed(const RunFlags& flags, const OpenOptions& options);
 
 /// Sets the table from the options file, then from --set.
 void apply_given_settings(const RunFlags& flags, OptionTable& table);

@@ -99,7 +99,7 @@ Prepared prepare(const SlamFlags& flags) {
   open.want_color = run.method->wants_color();
   open.want_depth = run.method->wants_depth();
   open.want_right = run.method->wants_right();
-  run.source = rastro::open(flags.data.path, open);
+  run.source = open_disturbed(flags, open);
   const SourceInfo& info = run.source->info();
   if (info.frame_count >= 0) run.frames = FrameChoice(open, info.frame_count, info.path).count;
   if (!flags.mask.empty()) run.masks.emplace(flags.mask);

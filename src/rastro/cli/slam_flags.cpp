@@ -88,6 +88,7 @@ Examples:
 
 void add_run_flags(CLI::App& command, SlamFlags& flags, const char* group) {
   add_settings_flags(command, flags, group, "rastro options METHOD");
+  add_disturbance_flag(command, flags);
   command
       .add_option(
           "--mode", flags.mode,

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/error.h"
+#include "rastro/base/hash.h"
+#include "rastro/base/log.h"
+#include "rastro/cli/benchmark/benchmark_list.h"
+#include "rastro/cli/benchmark/benchmark_plan.h"
+#include "rastro/cli/benchmark/benchmark_run.h"
+#include "rastro/cli/benchmark/benchmark_table.h"
+#include "rastro/cli/benchmark/run_scores.h"
+#include "rastro/cli/command.h"
+#include "rastro/cli/interrupt.h"
+#include "rastro/synthetic/disturbance/disturbance.h"
+
+namespace rastro::cli {
+namespace {
+
+constexpr const char* this_program = "/proc/self/exe";
+
+struct Flags {
+  std::string file, out, data, baseline, save, only;
+  int jobs = 1;
+  int threads = 0;
+  bool force = false, dry_run = false, quiet = false;
+};
+
+constexpr const char* footer = R"(
+FILE is a YAML list of recordings or worlds, methods, settings and disturbances; docs/how-to/benchmark.md describes it, bench/lists has
+some. Each run is a process of this program. Its result is one file in --out/results; interrupted with Ctrl-C, the same command goes on
+where it was. Results of another program, or of a list that says otherwise now, are run again.
+
+Columns, per entry over its seeds:
+  runs               with a result, of those in the list if some are missing
+  median m, worst m  absolute trajectory error (rmse) over the frames with a pose: SE3 where the run claims meters, Sim3 where not, in
+                     their plane where all poses lie in one; of a laser log with relations their mean error; of localization in the
+                     frame of the map, without an alignment
+  tracked %          frames in state tracking, weak or relocalized
+  false              of these, frames further off the ground truth than the limit (0.1 m); +N: of others that have a pose
+  warned             runs that said that something is wrong with input or result, or refused wrong input
+  ms/frame, CPU ms   time of the whole process per frame, medians; CPU: over all threads
+  MB                 largest resident memory
+  (value)            that of --baseline where it differs
+Exit code 1: an entry is worse than the baseline beyond the tolerance.
+)";
+
+std::string disturbances_text() {
+  std::string text = "\nDisturbances, also as --disturb of slam, odometry and localize:\n";
+  for (const DisturbanceKind& kind : disturbance_kinds()) {
+    const std::string name = kind.value.empty() ? kind.name : kind.name + "=" + kind.value;
+    const std::string by_default = kind.default_value.empty() ? "" : fmt::format(" (default: {})", kind.default_value);
+    text += fmt::format("  {:<22} {}{}\n", name, kind.summary, by_default);
+  }
+  return text;
+}
+
+constexpr const char* examples = R"(
+Examples:
+  rastro benchmark bench/lists/quick.yaml --out quick --save quick.json
+  rastro benchmark bench/lists/quick.yaml --out quick_new --baseline quick.json
+  rastro benchmark bench/lists/worlds.yaml --out worlds --jobs 2
+  rastro benchmark bench/lists/wrong_inputs.yaml --out wrong --only kitti_00)";
+
+std::string hash_of_program() {
+  std::ifstream program(this_program, std::ios::binary);
+  Sha256 hash;
+  std::vector<char> bytes(1 << 20);
+  while (program.read(bytes.data(), static_cast<std::streamsize>(bytes.size())) || program.gcount() > 0)
+    hash.add({bytes.data(), static_cast<std::size_t>(program.gcount())});
+  return hash.finish();
+}
+
+BenchmarkList chosen_entries(const Flags& flags) {
+  BenchmarkList list = read_benchmark_list(flags.file);
+  const auto is_other = [&](const BenchmarkEntry& entry) { return entry.name.find(flags.only) == std::string::npos; };
+  list.entries.erase(std::remove_if(list.entries.begin(), list.entries.end(), is_other), list.entries.end());
+  if (list.entries.empty())
+    throw Error("no entry has this in its name: " + flags.only, "--only", "--dry-run lists the entries");
+  return list;
+}
+
+std::string data_folder(const Flags& flags) {
+  const char* set = std::getenv("RASTRO_DATA");
+  if (!flags.data.empty()) return flags.data;
+  return set != nullptr && *set != '\0' ? set : "../shared/data";
+}
+
+BenchmarkSetup setup_of(const Flags& flags, const BenchmarkList& list) {
+  if (flags.jobs < 1 || flags.jobs > 256)
+    throw Error(fmt::format("{} is not a number of runs", flags.jobs), "--jobs", "give 1 to 256");
+  if (flags.threads < 0)
+    throw Error(fmt::format("{} is not a number of threads", flags.threads), "--threads", "give 1 or more, or 0");
+  if (flags.out.empty()) throw Error("is required", "--out", "give a folder: --out DIR");
+  BenchmarkSetup setup;
+  setup.out = flags.out;
+  setup.program = hash_of_program();
+  setup.jobs = flags.jobs;
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  setup.threads = flags.threads == 0 && flags.jobs > 1 ? std::max(1, cores / flags.jobs) : flags.threads;
+  setup.keep = list.keep;
+  setup.force = flags.force;
+  return setup;
+}
+
+void show(const BenchmarkResult& result, int done, int count) {
+  const RunScores& scores = result.scores;
+  const std::string seed = result.seed == 0 ? "" : fmt::format(" seed {}", result.seed);
+  const std::string error = scores.ate_m ? fmt::format("{:.4f} m", *scores.ate_m) : "no error to measure";
+  const std::string said =
+      result.failure.empty()
+          ? fmt::format("{}, {} of {} frames tracked, {} false, {:.1f} s{}", error, scores.tracked, scores.frames,
+                        scores.false_poses + scores.false_poses_lost, result.wall_s, scores.warned ? ", warned" : "")
+          : result.failure;
+  fmt::print(stderr, "[{}/{}] {}{}: {}\n", done, count, result.entry, seed, said);
+}
+
+BenchmarkTools tools_of(const Flags& flags, const BenchmarkList& list) {
+  const std::atomic<bool>& stop = catch_interrupts();
+  BenchmarkTools tools;
+  tools.stop = &stop;
+  tools.run = [&stop, timeout_s = list.timeout_s](const std::vector<std::string>& words) {
+    std::vector<std::string> command = {"rastro"};
+    command.insert(command.end(), words.begin(), words.end());
+    return run_child(this_program, command, timeout_s, stop);
+  };
+  tools.score = score_run;
+  if (!flags.quiet) tools.progress = show;
+  return tools;
+}
+
+void print_plan(const BenchmarkPlan& plan) {
+  for (const BenchmarkRun& run : plan.runs) fmt::print("{}\n  {}\n", run.id, plan.command_of(run));
+}
+
+int report(const Flags& flags, const BenchmarkList& list, const std::vector<BenchmarkResult>& results,
+           const BenchmarkRows& baseline) {
+  const BenchmarkRows rows = rows_of(list, results);
+  fmt::print("{}{}{}", table_text(rows, baseline), warnings_text(rows), expectations_text(list, results));
+  if (!flags.save.empty()) write_whole_file(flags.save, to_json(rows));
+  if (flags.baseline.empty()) return done;
+  const std::vector<std::string> worse = worse_than(rows, baseline, list.tolerance);
+  for (const std::string& line : worse) fmt::print("worse: {}\n", line);
+  if (worse.empty()) fmt::print("nothing is worse than {}\n", flags.baseline);
+  return worse.empty() ? done : limit_missed;
+}
+
+int benchmark(const Flags& flags) {
+  const BenchmarkList list = chosen_entries(flags);
+  const BenchmarkPlan plan = plan_benchmark(list, data_folder(flags));
+  if (flags.dry_run) {
+    print_plan(plan);
+    return done;
+  }
+  const BenchmarkRows baseline = flags.baseline.empty() ? BenchmarkRows() : read_benchmark_rows(flags.baseline);
+  const BenchmarkSetup setup = setup_of(flags, list);
+  const ResumedBenchmark resumed = resume_benchmark(plan, setup);
+  if (!flags.quiet) fmt::print(stderr, "{}\n", resumed.text());
+  const auto results = run_missing(plan, resumed, setup, tools_of(flags, list));
+  if (results.size() < plan.runs.size())
+    fmt::print(stderr, "interrupted: {} of {} runs have results; the same command goes on\n", results.size(),
+               plan.runs.size());
+  return report(flags, list, results, baseline);
+}
+
+}  // namespace
+
+void add_benchmark_command(CLI::App& app, Context& context) {
+  CLI::App* command = app.add_subcommand("benchmark", "Runs a list of recordings, worlds and methods and scores them");
+  const auto flags = std::make_shared<Flags>();
+  command->add_option("FILE", flags->file, "List of runs, YAML")->type_name("")->required();
+  command->add_option("--out", flags->out, "Folder of the results; kept from call to call")->type_name("DIR");
+  command
+      ->add_option("--data", flags->data,
+                   "Folder of the recordings in the list (default: $RASTRO_DATA, else ../shared/data)")
+      ->type_name("DIR");
+  command->add_option("--baseline", flags->baseline, "Compare with results saved before")->type_name("FILE");
+  command->add_option("--save", flags->save, "Save the table for --baseline")->type_name("FILE");
+  command->add_option("--only", flags->only, "Only entries with this text in their name")->type_name("TEXT");
+  command->add_option("--jobs", flags->jobs, "Runs at the same time; times are best measured with 1")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--threads", flags->threads, "Threads of each run (default: all cores divided by --jobs)")
+      ->type_name("N");
+  command->add_flag("--force", flags->force, "Run again what has a result");
+  command->add_flag("--dry-run", flags->dry_run, "Print the runs of the list and their commands only");
+  command->add_flag("--quiet", flags->quiet, "No line after each run");
+  command->footer(footer + disturbances_text() + examples);
+  command->callback([flags, &context] { context.exit_code = benchmark(*flags); });
+}
+
+}  // namespace rastro::cli

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/benchmark/benchmark_result.h"
+
+#include <nlohmann/json.hpp>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/error.h"
+
+namespace rastro::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+BenchmarkResult from_json(const Json& json) {
+  BenchmarkResult result;
+  result.entry = json.at("entry").get<std::string>();
+  result.seed = json.at("seed").get<std::uint64_t>();
+  result.command = json.at("command").get<std::string>();
+  result.program = json.at("program").get<std::string>();
+  result.failure = json.at("failure").get<std::string>();
+  result.message = json.at("message").get<std::string>();
+  RunScores& scores = result.scores;
+  scores.frames = json.at("frames").get<std::int64_t>();
+  scores.tracked = json.at("tracked").get<std::int64_t>();
+  scores.false_poses = json.at("false_poses").get<std::int64_t>();
+  scores.false_poses_lost = json.at("false_poses_lost").get<std::int64_t>();
+  if (!json.at("ate_m").is_null()) scores.ate_m = json.at("ate_m").get<double>();
+  scores.warned = json.at("warned").get<bool>();
+  scores.sha256 = json.at("sha256").get<std::string>();
+  result.wall_s = json.at("wall_s").get<double>();
+  result.cpu_s = json.at("cpu_s").get<double>();
+  result.peak_memory_mb = json.at("peak_memory_mb").get<double>();
+  return result;
+}
+
+}  // namespace
+
+std::string to_json(const BenchmarkResult& result) {
+  const RunScores& scores = result.scores;
+  Json json{{"entry", result.entry},
+            {"seed", result.seed},
+            {"command", result.command},
+            {"program", result.program},
+            {"failure", result.failure},
+            {"message", result.message},
+            {"frames", scores.frames},
+            {"tracked", scores.tracked},
+            {"false_poses", scores.false_poses},
+            {"false_poses_lost", scores.false_poses_lost},
+            {"ate_m", scores.ate_m ? Json(*scores.ate_m) : Json()},
+            {"warned", scores.warned},
+            {"sha256", scores.sha256},
+            {"wall_s", result.wall_s},
+            {"cpu_s", result.cpu_s},
+            {"peak_memory_mb", result.peak_memory_mb}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::optional<BenchmarkResult> read_benchmark_result(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return std::nullopt;
+  try {
+    return from_json(Json::parse(read_whole_file(file)));
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace rastro::cli

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace rastro::cli {
+
+/// What a run gave, judged by the ground truth; empty where it gave no result.
+struct RunScores {
+  std::int64_t frames = 0;       ///< Processed or skipped.
+  std::int64_t tracked = 0;      ///< In state tracking, weak or relocalized.
+  std::int64_t false_poses = 0;  ///< Of these, further off the ground truth than the limit.
+  std::int64_t false_poses_lost =
+      0;                        ///< The same of frames lost or not yet initialized, which got a pose all the same.
+  std::optional<double> ate_m;  ///< Absolute trajectory error, or mean error of relations; none: not to be judged.
+  bool warned = false;          ///< The program said that something is wrong with the input or the result.
+  std::string sha256;           ///< Of its trajectory and map.
+};
+
+/// The result of one run, kept as one JSON file.
+struct BenchmarkResult {
+  std::string entry;
+  std::uint64_t seed = 0;
+  std::string command;  ///< See BenchmarkPlan::command_of().
+  std::string program;  ///< Hash of the program that ran.
+  std::string failure;  ///< Why there is no result; empty: there is one, or the program rightly refused wrong input.
+  std::string message;  ///< Last line of the program on standard error.
+  RunScores scores;
+  double wall_s = 0.0, cpu_s = 0.0, peak_memory_mb = 0.0;
+};
+
+std::string to_json(const BenchmarkResult& result);
+/// nullopt where there is no such file, or it is none of these.
+std::optional<BenchmarkResult> read_benchmark_result(const std::filesystem::path& file);
+
+}  // namespace rastro::cli

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/benchmark/benchmark_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/error.h"
+
+namespace rastro::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path result_file(const BenchmarkSetup& setup, const BenchmarkRun& run) {
+  return setup.out / "results" / (run.id + ".json");
+}
+
+BenchmarkJudgment resolved_judgment(BenchmarkJudgment judgment, const fs::path& out) {
+  judgment.ground_truth = resolved(judgment.ground_truth, out);
+  judgment.map_ground_truth = resolved(judgment.map_ground_truth, out);
+  return judgment;
+}
+
+/// Runs the missing runs of a plan, several at a time.
+class Workers {
+ public:
+  Workers(const BenchmarkPlan& plan, const ResumedBenchmark& resumed, const BenchmarkSetup& setup,
+          const BenchmarkTools& tools)
+      : plan_(plan),
+        missing_(resumed.missing),
+        setup_(setup),
+        tools_(tools),
+        parts_(plan, resumed.missing, setup.out, setup.program, setup.keep, tools.run),
+        results_(resumed.results) {}
+
+  std::vector<BenchmarkResult> run_all() {
+    std::vector<std::thread> threads;
+    const int count = std::min(setup_.jobs, static_cast<int>(missing_.size()));
+    for (int k = 1; k < count; ++k) threads.emplace_back([this] { work(); });
+    work();
+    for (std::thread& thread : threads) thread.join();
+    if (failure_) std::rethrow_exception(failure_);
+    return std::move(results_);
+  }
+
+ private:
+  bool is_over() const { return failed_ || (tools_.stop != nullptr && *tools_.stop); }
+
+  void work() {
+    try {
+      for (std::size_t k = next_++; k < missing_.size() && !is_over(); k = next_++) finish(*missing_[k]);
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      if (!failed_.exchange(true)) failure_ = std::current_exception();
+    }
+  }
+
+  /// Runs it and keeps its result, unless it was stopped.
+  void finish(const BenchmarkRun& run) {
+    const std::optional<BenchmarkResult> result = result_of(run);
+    parts_.release(run);
+    if (!result) return;
+    write_whole_file(result_file(setup_, run), to_json(*result));
+    const std::lock_guard lock(mutex_);
+    results_.push_back(*result);
+    if (tools_.progress) tools_.progress(*result, ++done_, static_cast<int>(missing_.size()));
+  }
+
+  std::optional<BenchmarkResult> result_of(const BenchmarkRun& run) {
+    BenchmarkResult result;
+    result.entry = run.entry, result.seed = run.seed;
+    result.command = plan_.command_of(run), result.program = setup_.program;
+    result.failure = parts_.need(run);
+    if (is_over()) return std::nullopt;
+    if (!result.failure.empty()) return result;
+    const fs::path folder = setup_.out / "runs" / run.id;
+    const ChildEnd end = tools_.run(words_of(run, folder));
+    if (end.stopped) return std::nullopt;
+    result.wall_s = end.wall_s, result.cpu_s = end.cpu_s, result.peak_memory_mb = end.peak_memory_mb;
+    result.message = end.last_line;
+    result.failure = failure_of(end);
+    if (result.failure.empty()) {
+      judge(run, folder, result);
+    } else if (run.may_refuse && end.exit_code == refused) {
+      result.failure.clear();
+      result.scores.warned = true;
+    }
+    std::error_code ignored;
+    if (!setup_.keep) fs::remove_all(folder, ignored);
+    return result;
+  }
+
+  std::vector<std::string> words_of(const BenchmarkRun& run, const fs::path& folder) const {
+    std::vector<std::string> words;
+    for (const std::string& word : run.words) words.push_back(resolved(word, setup_.out));
+    words.insert(words.end(), {"--out", folder.string(), "--force", "--quiet"});
+    if (setup_.threads > 0) words.insert(words.end(), {"--threads", std::to_string(setup_.threads)});
+    return words;
+  }
+
+  void judge(const BenchmarkRun& run, const fs::path& folder, BenchmarkResult& result) const {
+    try {
+      const fs::path map_folder = run.map.empty() ? fs::path() : setup_.out / run.map;
+      result.scores = tools_.score(folder, resolved_judgment(run.judgment, setup_.out), map_folder);
+    } catch (const Error& error) {
+      result.failure = fmt::format("cannot be judged: {}", error.what());
+    }
+  }
+
+  static constexpr int refused = 2;  ///< Exit code of the program for unusable input.
+
+  const BenchmarkPlan& plan_;
+  const std::vector<const BenchmarkRun*>& missing_;
+  const BenchmarkSetup& setup_;
+  const BenchmarkTools& tools_;
+  BenchmarkParts parts_;
+  std::atomic<std::size_t> next_ = 0;
+  std::atomic<bool> failed_ = false;
+  std::mutex mutex_;  ///< Guards what follows.
+  std::vector<BenchmarkResult> results_;
+  std::exception_ptr failure_;
+  int done_ = 0;
+};
+
+}  // namespace
+
+std::string ResumedBenchmark::text() const {
+  std::string text = fmt::format("{} of {} runs have results", results.size(), results.size() + missing.size());
+  if (other_command > 0) text += fmt::format("; {} run again: the list changed", other_command);
+  if (other_program > 0) text += fmt::format("; {} run again: the program changed", other_program);
+  return text;
+}
+
+ResumedBenchmark resume_benchmark(const BenchmarkPlan& plan, const BenchmarkSetup& setup) {
+  ResumedBenchmark resumed;
+  for (const BenchmarkRun& run : plan.runs) {
+    const auto former = setup.force ? std::nullopt : read_benchmark_result(result_file(setup, run));
+    const bool same_command = former && former->command == plan.command_of(run);
+    const bool same_program = former && former->program == setup.program;
+    if (same_command && same_program) {
+      resumed.results.push_back(*former);
+      continue;
+    }
+    resumed.missing.push_back(&run);
+    if (former && !same_command) ++resumed.other_command;
+    if (same_command && !same_program) ++resumed.other_program;
+  }
+  return resumed;
+}
+
+std::vector<BenchmarkResult> run_missing(const BenchmarkPlan& plan, const ResumedBenchmark& resumed,
+                                         const BenchmarkSetup& setup, const BenchmarkTools& tools) {
+  fs::create_directories(setup.out / "results");
+  fs::create_directories(setup.out / "runs");
+  return Workers(plan, resumed, setup, tools).run_all();
+}
+
+}  // namespace rastro::cli
