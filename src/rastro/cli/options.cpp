@@ -74,7 +74,7 @@ class Settings {
       names.push_back(wanted.find('/') == std::string::npos ? alone : name);
     }
     throw Error(fmt::format("'{}' is not a method", wanted), "rastro options",
-                fmt::format("did you mean '{}'?", nearest_name(wanted, names)));
+                did_you_mean(wanted, names));
   }
 
  private:

@@ -105,11 +105,10 @@ void check_flags(const SimulateFlags& flags) {
   };
   if (!is_one_of(flags.world, names))
     throw Error("there is no such world", flags.world,
-                fmt::format("did you mean '{}'? `rastro simulate` lists the worlds", nearest_name(flags.world, names)));
+                did_you_mean(flags.world, names));
   if (!flags.format.empty() && !is_one_of(flags.format, formats))
     throw Error("there is no such format", flags.format,
-                fmt::format("did you mean '{}'? There are euroc, kitti, kitti-raw, tum and carmen",
-                            nearest_name(flags.format, formats)));
+                did_you_mean(flags.format, formats));
   if (flags.distortion && flags.world != "hall")
     throw Error("only the hall has a lens with distortion", "--distortion", "omit it");
   if (!flags.black.empty() && flags.format != "tum" && !(flags.format.empty() && is_room(flags.world)))

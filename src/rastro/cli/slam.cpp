@@ -58,7 +58,7 @@ SlamContext context_of(const SlamFlags& flags) {
   const std::vector<std::string> modes = {"step", "pipelined"};
   if (std::find(modes.begin(), modes.end(), flags.mode) == modes.end()) {
     throw Error(in_quotes(flags.mode) + " is not a mode", "--mode",
-                fmt::format("did you mean '{}'?", nearest_name(flags.mode, modes)));
+                did_you_mean(flags.mode, modes));
   }
   context.pipelined = flags.mode == "pipelined";
   if (!flags.max_memory.empty()) context.max_memory_bytes = parse_size(flags.max_memory, "--max-memory");

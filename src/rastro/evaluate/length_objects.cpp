@@ -32,7 +32,7 @@ class SpotFields {
       const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
       throw Error(fmt::format("unknown key {}", in_quotes(key)), at(entry.first),
-                  fmt::format("did you mean '{}'?", nearest_name(key, known)));
+                  did_you_mean(key, known));
     }
   }
 

@@ -207,7 +207,7 @@ std::optional<double> trajectory_score_named(const TrajectoryScores& scores, con
   std::vector<std::string> names;
   for (const auto& item : json.items()) names.push_back(item.key());
   throw Error("there is no figure " + in_quotes(name), "--require",
-              "did you mean '" + nearest_name(name, names) + "'?");
+              did_you_mean(name, names));
 }
 
 ScoreLimit parse_trajectory_limit(const std::string& text) {
