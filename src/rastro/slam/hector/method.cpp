@@ -25,7 +25,7 @@ class HectorMethod : public SlamMethod {
     planar_initial_pose(context, name());
     return make_placed(context, [this](const SlamContext& placed) {
       constexpr double reserve_mb = 50.0;  // for everything except the map
-      return std::make_unique<HectorSlam>(options_, placed.pool, map_budget_bytes(placed, reserve_mb));
+      return std::make_unique<HectorSlam>(options_, placed.pool, map_budget_bytes(placed, reserve_mb), placed.stop);
     });
   }
 
