@@ -62,6 +62,15 @@ void refuse_unknown_command(const CLI::App& app, int argc, const char* const* ar
               did_you_mean(argv[1], names, "see 'rastro --help'"));
 }
 
+void refuse_empty_values(const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    if (word == "--") return;
+    if (word.size() < 4 || !word.starts_with("--") || word.find('=') != word.size() - 1) continue;
+    // CLI11 would take the next word for its value, be that a flag.
+    throw Error("has no value", word, "write the value right after the '='");
+  }
+}
+
 std::string one_line(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = innermost(app);
   // A mistyped flag often shows first as a missing argument: name the flag, it is the cause.
