@@ -24,9 +24,9 @@ NUMBERS = [b"nan", b"inf", b"-1", b"0", b"1e308", b"1e-320", b"99999999999999999
 # {out} a new path, other names in braces are originals.
 CASES = [
     ("euroc", ["info {in}", "check {in}", "track {in} --out {out}", "odometry {in} --out {out}", "slam {in} --method orb --out {out}",
-               "localize {in} --map {orb} --out {out}", "occlude {in} --out {out}", "vocabulary {in} --depth 2 --out {out}",
-               "evaluate trajectory {in} {orb}", "evaluate tracks {tracks} --ground-truth {in}",
-               "slam {in} --map {orb} --continue --out {out}", "odometry {in} --method profiles --out {out}"]),
+               "localize {in} --map {mono} --out {out}", "occlude {in} --out {out}", "vocabulary {in} --depth 2 --out {out}",
+               "evaluate trajectory {in} {mono}", "evaluate tracks {tracks} --ground-truth {in}",
+               "slam {in} --map {mono} --continue --out {out}", "odometry {in} --method profiles --out {out}"]),
     ("kitti", ["info {in}", "check {in}", "track {in} --out {out}", "odometry {in} --out {out}", "slam {in} --method orb --out {out}"]),
     ("kitti_raw/2014_06_24/2014_06_24_drive_0001_sync", ["info {in}", "check {in}", "track {in} --out {out}"]),
     ("tum", ["info {in}", "check {in}", "odometry {in} --method rgbd --out {out}", "slam {in} --method rgbd --out {out}",
@@ -34,24 +34,26 @@ CASES = [
     ("corridor", ["info {in}", "check {in}", "slam {in} --method hector --out {out}", "slam {in} --method ekf --out {out}",
                   "convert {in} --to scan --out {out}", "slam {in}/landmarks.txt --method ekf --out {out}",
                   "evaluate relations {hector} --relations {in}/relations.txt", "evaluate map {hector} {in}/floor_plan.yaml"]),
-    ("orb", ["info {in}", "recover {in} --out {out}", "localize {euroc} --map {in} --out {out}", "export {in} --to g2o --out {out}",
+    ("orb", ["info {in}", "recover {in} --out {out}", "localize {tum} --map {in} --out {out}", "export {in} --to g2o --out {out}",
              "export {in} --to colmap --out {out}", "export {in} --to landmarks --out {out}", "export {in} --to svg --out {out}",
-             "export {in} --to tum --out {out}", "scale {in} --length f0,f3,1.5", "evaluate trajectory {euroc} {in}",
-             "slam {euroc} --map {in} --continue --out {out}", "measure {in} --between 0,0,1,1,1,1"]),
+             "export {in} --to tum --out {out}", "evaluate trajectory {tum} {in}", "slam {tum} --map {in} --continue --out {out}",
+             "measure {in} --between 0,0,1,1,1,1"]),
+    ("mono", ["scale {in} --length f2,f20,1.5", "scale {in} --camera-height 1.5", "export {in} --to ply --out {out}"]),
     ("rgbd", ["info {in}", "recover {in} --out {out}", "localize {tum} --map {in} --out {out}", "export {in} --to ply --out {out}",
               "export {in} --to mesh --out {out}", "evaluate cloud {in}/cloud.ply {rgbd}/cloud.ply"]),
     ("hector", ["info {in}", "recover {in} --out {out}", "export {in} --to pgm --out {out}", "export {in} --to ply --out {out}",
                 "evaluate map {in} {corridor}/floor_plan.yaml"]),
     ("tracks", ["evaluate tracks {in} --ground-truth {euroc}", "export {in} --to colmap --out {out}"]),
-    ("orb/map.rastro", ["info {in}", "recover {in} --out {out}", "localize {euroc} --map {in} --out {out}", "scale {in} --length 1,2,3"]),
-    ("orb/trajectory.txt", ["evaluate trajectory {euroc} {in}", "evaluate trajectory {in} {in}", "export {in} --to kitti --out {out}",
-                            "odometry {euroc} --scale reference={in} --out {out}", "scale {orb_copy} --reference {in}"]),
+    ("orb/map.rastro", ["info {in}", "recover {in} --out {out}", "localize {tum} --map {in} --out {out}"]),
+    ("mono/map.rastro", ["recover {in} --out {out}", "localize {euroc} --map {in} --out {out}", "scale {in} --length 1,2,3"]),
+    ("mono/trajectory.txt", ["evaluate trajectory {longer} {in}", "evaluate trajectory {in} {in}", "export {in} --to kitti --out {out}",
+                            "odometry {euroc} --scale reference={in} --out {out}", "scale {mono_copy} --reference {in}"]),
     ("orb/options.yaml", ["slam {euroc} --method orb --options {in} --out {out}", "track {euroc} --options {in} --out {out}"]),
     ("euroc/mav0/cam0/sensor.yaml", ["info {euroc} --calibration {in}", "track {euroc} --calibration {in} --out {out}"]),
     ("kitti/calib.txt", ["info {euroc} --calibration {in}", "slam {kitti} --calibration {in} --method orb --out {out}"]),
     ("tum/camera.yaml", ["info {tum} --calibration {in}", "odometry {tum} --calibration {in} --method rgbd --out {out}"]),
     ("mask.png", ["track {euroc} --mask {in} --out {out}", "slam {euroc} --method orb --mask {in} --out {out}"]),
-    ("objects.yaml", ["measure {orb} --objects {in}"]),
+    ("objects.yaml", ["measure {rgbd} --objects {in}"]),
 ]
 
 
@@ -66,7 +68,9 @@ def make_originals(program, folder):
     for name, frames in {"euroc": 4, "kitti": 3, "kitti-raw": 3, "tum": 4}.items():
         run(program, f"simulate hall --frames {frames} --format {name} --out {folder}/{name.replace('-', '_')}")
     run(program, f"simulate corridor --frames 25 --out {folder}/corridor")
-    run(program, f"slam {folder}/euroc --method orb --out {folder}/orb")
+    run(program, f"simulate hall --frames 24 --no-ground-truth --out {folder}/longer")  # as many as one camera needs for a map
+    run(program, f"slam {folder}/longer --method orb --out {folder}/mono")
+    run(program, f"slam {folder}/tum --method orb --out {folder}/orb")
     run(program, f"slam {folder}/tum --method rgbd --out {folder}/rgbd")
     run(program, f"slam {folder}/corridor --method hector --out {folder}/hector")
     run(program, f"track {folder}/euroc --out {folder}/tracks")
@@ -74,9 +78,9 @@ def make_originals(program, folder):
     (folder / "objects.yaml").write_text("objects:\n  - {name: box, a: [0, 0, 1], b: [1, 0, 1], length_m: 1}\n")
 
 
-def copy_linked(source, target):
+def copy(source, target):
     if source.is_dir():
-        shutil.copytree(source, target, copy_function=os.link)
+        shutil.copytree(source, target)
     else:
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(source, target)
@@ -129,7 +133,7 @@ def break_one(victim, others, rng):
     data = victim.read_bytes()
     victim.unlink()
     if kind == "swapped":
-        shutil.copy(rng.choice(others), victim)
+        shutil.copy(rng.choice([other for other in others if other != victim]), victim)
     elif kind == "folder":
         victim.mkdir()
     elif kind == "fifo":
@@ -167,14 +171,14 @@ def try_input(program, originals, work, seed, number, keep):
     here = work / f"input_{number}"
     shutil.rmtree(here, ignore_errors=True)
     broken = here / Path(name).name
-    copy_linked(originals / name, broken)
+    copy(originals / name, broken)
     files = [path for path in sorted(broken.rglob("*")) if path.is_file()] if broken.is_dir() else [broken]
     victim = rng.choice(files)
     kind = break_one(victim, files, rng) if len(files) > 1 else break_one(victim, [originals / "mask.png"], rng)
     paths = {path.name: str(path) for path in originals.iterdir() if path.is_dir()}
-    if "{orb_copy}" in command:
-        copy_linked(originals / "orb", here / "orb_copy")
-    paths |= {"in": str(broken), "out": str(here / "out"), "orb_copy": str(here / "orb_copy")}
+    if "{mono_copy}" in command:
+        copy(originals / "mono", here / "mono_copy")
+    paths |= {"in": str(broken), "out": str(here / "out"), "mono_copy": str(here / "mono_copy")}
     words = words_of(command, paths)
     begin = time.monotonic()
     with subprocess.Popen([program, *words], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:

@@ -75,6 +75,7 @@ special() {
   done
   refused 'fifo.rastro' info "$here/fifo.rastro"
   refused '/dev/zero' info /dev/zero
+  refused '/dev/zero' track /dev/zero --out "$here/no"
   [[ ! -e $here/no ]] || fail "a refused run left something"
 }
 

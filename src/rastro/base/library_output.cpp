@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace rastro {
@@ -12,7 +13,7 @@ thread_local std::string* collected_text = nullptr;
 
 #ifdef __GLIBC__
 ssize_t write_or_collect(void*, const char* text, std::size_t size) {
-  if (!collected_text) return ::write(STDERR_FILENO, text, size);
+  if (!collected_text) return std::max<ssize_t>(0, ::write(STDERR_FILENO, text, size));
   constexpr std::size_t most = 4096;  // A damaged image may bring a line per row.
   if (collected_text->size() < most) collected_text->append(text, size);
   return static_cast<ssize_t>(size);
