@@ -135,6 +135,9 @@ quiet() {
   refused 'no folder given' track "$hall" --out '' --quiet
   refused "unknown option 'intrinsics'" track "$hall" --out "$here/no" --set intrinsics=3
   ! grep -q 'did you mean' "$here/stderr" || fail "a far name is suggested: $(cat "$here/stderr")"
+  printf 'sensor_type: camera\ncomment: none\nresolution: [752, 480]\ncamera_model: pinhole\n' >"$here/camera.yaml"
+  refused "no key 'intrinsics'" info "$hall" --calibration "$here/camera.yaml"
+  ! grep -q 'did you mean' "$here/stderr" || fail "a far name is suggested: $(cat "$here/stderr")"
   refused '1 .. 254' slam "$hall" --method orb --out "$here/no" --set fast_threshold=255
   run 0 slam "$hall" --method orb --out "$here/slam" --set fast_threshold=254 --frames 0:3 --quiet
 }

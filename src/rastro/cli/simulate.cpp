@@ -204,6 +204,7 @@ void simulate_camera(const SimulateFlags& flags) {
   {
     Progress progress(flags, frames);
     try {
+      stop_if_interrupted();  // making the world takes time, too
       written = write_as_asked(world, flags, frames, std::ref(progress));
     } catch (const Interrupted&) {
       return say_interrupted(flags, progress, "frames", flags.world == "loop" ? "; closures.yaml is missing" : "");
