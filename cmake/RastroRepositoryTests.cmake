@@ -19,6 +19,14 @@ if(NOT RASTRO_SANITIZERS)
   set_tests_properties(repository.consumer PROPERTIES TIMEOUT 120)
 endif()
 
+# Every command on generated broken inputs; by hand before a release: --count 5000. A sanitizer is too slow for its limits of time.
+if(RASTRO_BUILD_PROGRAM AND NOT RASTRO_SANITIZERS)
+  add_test(NAME repository.broken_inputs
+    COMMAND "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/tests/broken_inputs.py" "$<TARGET_FILE:rastro_program>"
+            "${PROJECT_BINARY_DIR}/broken_inputs" --count 100 --jobs 2)
+  set_tests_properties(repository.broken_inputs PROPERTIES TIMEOUT 300)
+endif()
+
 # The reference page of the options is generated: it must say what the program says.
 if(RASTRO_BUILD_PROGRAM)
   add_test(NAME repository.option_pages

@@ -68,8 +68,9 @@ files() {
   [[ -s $here/found/trajectory.txt && ! -e $here/found/map.rastro ]] || fail "localize leaves a trajectory and no map"
 
   head -c $(($(stat -c %s "$map") / 2)) "$map" >"$here/cut.rastro"
-  run 0 info "$here/cut.rastro"
+  run 2 info "$here/cut.rastro"
   said 'damaged'
+  [[ $(wc -l <"$here/stderr") -eq 1 ]] || fail "a damaged map is one line: $(cat "$here/stderr")"
   refused 'rastro recover' localize "$room" --map "$here/cut.rastro" --out "$here/no"
   run 0 recover "$here/cut.rastro" --out "$here/saved.rastro"
   said 'lost'

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "rastro/base/error.h"
+#include "rastro/base/regular_file.h"
 
 namespace rastro {
 namespace {
@@ -52,8 +53,7 @@ void write_whole_file(const std::filesystem::path& path, std::string_view text) 
 }
 
 std::string read_whole_file(const std::filesystem::path& path) {
-  std::error_code code;
-  if (std::filesystem::is_directory(path, code)) fail(path, "read", EISDIR);
+  require_regular_file(path, largest_whole_file_bytes);
   std::ifstream stream(path, std::ios::binary);
   if (!stream) fail(path, "read", errno);
   std::string text{std::istreambuf_iterator<char>(stream), {}};

@@ -5,6 +5,7 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -13,7 +14,11 @@ namespace rastro {
 class Background::State {
  public:
   explicit State(bool own_thread) {
-    if (own_thread) thread_ = std::thread([this] { work(); });
+    try {
+      if (own_thread) thread_ = std::thread([this] { work(); });
+    } catch (const std::system_error&) {
+      // The system allows no more threads: the jobs run in submit().
+    }
   }
 
   ~State() {

@@ -236,9 +236,8 @@ Option& OptionTable::find(std::string_view given, std::string_view where) {
   if (found != options_.end()) return *found;
   std::vector<std::string> names;
   for (const Option& option : options_) names.push_back(option.name);
-  const std::string nearest = nearest_name(name, names);
-  throw Error(fmt::format("unknown option {}", in_quotes(name)), where,
-              nearest.empty() ? "there are no options here" : fmt::format("did you mean '{}'?", nearest));
+  const std::string_view otherwise = names.empty() ? "there are no options here" : "'rastro options' lists the options";
+  throw Error(fmt::format("unknown option {}", in_quotes(name)), where, did_you_mean(name, names, otherwise));
 }
 
 void OptionTable::set(std::string_view name, std::string_view value, std::string_view where) {

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/base/task_pool.h"
 
+#include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
+#include <mutex>
 #include <thread>
+#include <vector>
 
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 
 #ifdef RASTRO_UNDER_TSAN
 #include <sanitizer/tsan_interface.h>
@@ -16,6 +21,41 @@
 
 namespace rastro {
 namespace {
+
+constexpr int most_threads = 256;
+
+/// How many threads can be started: TBB ends the program where the memory or the number of processes does not allow one
+/// that it wants. Twice as many as wanted are tried, which leaves room for the memory that the work needs.
+int startable_threads(int wanted) {
+  static std::mutex mutex;
+  static int known = 1;
+  static bool limited = false;
+  const std::lock_guard lock(mutex);
+  if (wanted <= known || limited) return std::min(wanted, known);
+  std::atomic<bool> over = false;
+  std::vector<std::thread> trial;
+  try {
+    trial.reserve(2 * static_cast<std::size_t>(wanted));
+    while (trial.size() < trial.capacity()) trial.emplace_back([&over] { over.wait(false); });
+  } catch (const std::exception&) {
+    limited = true;
+  }
+  over = true;
+  over.notify_all();
+  for (std::thread& thread : trial) thread.join();
+  known = limited ? std::clamp(static_cast<int>(trial.size() / 2), 1, wanted) : wanted;
+  return known;
+}
+
+int usable_threads(int wanted) {
+  if (wanted == 0) wanted = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const int usable = wanted == 1 ? 1 : startable_threads(std::min(wanted, most_threads));
+  static std::atomic<bool> said = false;
+  if (usable < wanted && !said.exchange(true))
+    log_warning(fmt::format("{} of {} threads are used: {}", usable, wanted,
+                            usable == most_threads ? "more are of no use" : "the system does not allow to start more"));
+  return usable;
+}
 
 /// Debian's oneTBB is not compiled with ThreadSanitizer, which therefore does not see that a loop begins after
 /// everything before it and ends before everything after it. Chunks are not ordered relative to each other.
@@ -48,8 +88,7 @@ struct TaskPool::Arena {
   oneapi::tbb::task_arena arena;
 };
 
-TaskPool::TaskPool(int threads, TaskPriority priority)
-    : threads_(threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()))) {
+TaskPool::TaskPool(int threads, TaskPriority priority) : threads_(usable_threads(std::max(0, threads))) {
   if (threads_ > 1) arena_ = std::make_unique<Arena>(threads_, priority);
 }
 

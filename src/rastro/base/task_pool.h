@@ -13,8 +13,10 @@ enum class TaskPriority { low, normal };
 /// threads. A body that writes only to the elements of its own index therefore gives the same bytes for any pool.
 class TaskPool {
  public:
-  /// `threads` >= 1; 0 uses the machine's count. With one thread everything runs in the caller. Each pool starts its
-  /// loops at once, whatever the others do; helper threads go to the pool with higher priority.
+  /// `threads` >= 1; 0 uses the machine's count. Where the
+  /// system does not allow to start as many, or above 256, fewer are used, with a warning. With one thread everything
+  /// runs in the caller. Each pool starts its loops at once, whatever the others do; helper threads go to the pool with
+  /// higher priority.
   explicit TaskPool(int threads, TaskPriority priority = TaskPriority::normal);
   ~TaskPool();
   TaskPool(const TaskPool&) = delete;

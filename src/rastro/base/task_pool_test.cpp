@@ -77,5 +77,12 @@ TEST(TaskPool, AGrainOfZeroIsAFault) {
   EXPECT_THROW(pool.for_chunks(0, 1, 0, [](int, int) {}), Fault);
 }
 
+TEST(TaskPool, UsesNoMoreThreadsThanAreOfUse) {
+  TaskPool pool(100'000);
+  EXPECT_GE(pool.threads(), 1);
+  EXPECT_LE(pool.threads(), 256);
+  EXPECT_EQ(chunks_of(pool, 0, 10, 4), (std::set<Chunk>{{0, 4}, {4, 8}, {8, 10}}));
+}
+
 }  // namespace
 }  // namespace rastro

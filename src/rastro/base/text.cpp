@@ -2,6 +2,7 @@
 #include "rastro/base/text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -122,7 +123,19 @@ std::string nearest_name(std::string_view wanted, std::span<const std::string> n
   const auto nearest = std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
     return edit_distance(wanted, a) < edit_distance(wanted, b);
   });
-  return nearest == names.end() ? std::string() : *nearest;
+  if (nearest == names.end()) return {};
+  const std::size_t longer = std::max(wanted.size(), nearest->size());
+  return 2 * edit_distance(wanted, *nearest) <= longer ? *nearest : std::string();
+}
+
+std::string did_you_mean(std::string_view wanted, std::span<const std::string> names, std::string_view otherwise) {
+  constexpr std::size_t most_listed = 12;
+  const std::string nearest = nearest_name(wanted, names);
+  if (!nearest.empty()) return fmt::format("did you mean '{}'?", one_line(nearest, 60));
+  if (!otherwise.empty() || names.empty()) return std::string(otherwise);
+  const auto listed = names.first(std::min(names.size(), most_listed));
+  return fmt::format("there are {}{}", one_line(fmt::format("{}", fmt::join(listed, ", "))),
+                     listed.size() < names.size() ? ", ..." : "");
 }
 
 }  // namespace rastro

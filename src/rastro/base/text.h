@@ -32,7 +32,11 @@ std::string one_line(std::string_view text, std::size_t longest = 200);
 /// The same in single quotes, truncated after about 60 bytes.
 std::string in_quotes(std::string_view text);
 
-/// The name nearest to `wanted` by edit distance, for "unknown key ...; did you mean ...". Empty if there are none.
+/// The name nearest to `wanted` by edit distance; empty if none is near: at most half of the letters differ.
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names);
+
+/// For the remedy of an unknown name: "did you mean 'window'?"; where no name is near, `otherwise` or, if that is
+/// empty, a list of the names.
+std::string did_you_mean(std::string_view wanted, std::span<const std::string> names, std::string_view otherwise = {});
 
 }  // namespace rastro

@@ -6,17 +6,16 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <memory>
 
 #include "rastro/base/error.h"
+#include "rastro/base/regular_file.h"
 #include "rastro/base/text.h"
 
 namespace rastro {
 namespace {
 
 std::string why_not_opened(int error) {
-  if (error == ENOENT || error == ENOTDIR) return "no such file";
   if (error == EACCES || error == EPERM) return "no permission to read it";
   return fmt::format("cannot be opened ({})", std::strerror(error));
 }
@@ -24,8 +23,7 @@ std::string why_not_opened(int error) {
 }  // namespace
 
 std::string read_text_file(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw Error("is a folder, not a file", path, "");
+  require_regular_file(path, largest_text_file_bytes);
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
   if (!file) throw Error(why_not_opened(errno), path, "");
   std::string text;

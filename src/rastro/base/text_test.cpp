@@ -89,6 +89,19 @@ TEST(NearestName, FindsTheFewestEdits) {
   EXPECT_EQ(nearest_name("x", {}), "");
 }
 
+TEST(NearestName, IsNoneWhereAllAreFar) {
+  const std::vector<std::string> names = {"comment", "resolution", "T_BS"};
+  EXPECT_EQ(nearest_name("intrinsics", names), "");
+}
+
+TEST(DidYouMean, NamesTheNearestOrListsAll) {
+  const std::vector<std::string> names = {"window", "features", "mode"};
+  EXPECT_EQ(did_you_mean("widnow", names), "did you mean 'window'?");
+  EXPECT_EQ(did_you_mean("intrinsics", names), "there are window, features, mode");
+  EXPECT_EQ(did_you_mean("intrinsics", names, "see the list"), "see the list");
+  EXPECT_EQ(did_you_mean("x", {}), "");
+}
+
 TEST(NearestName, PrefersTheEarlierOfEquals) {
   const std::vector<std::string> names = {"ab", "ac"};
   EXPECT_EQ(nearest_name("a", names), "ab");

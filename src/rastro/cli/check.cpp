@@ -51,7 +51,9 @@ void add_check_command(CLI::App& app, Context& context) {
         rastro::check(flags->path, open_options(*flags),
                       progress ? std::function(show_progress) : std::function<void(std::int64_t, std::int64_t)>());
     fmt::print("{}", flags->json ? to_json(report) : to_text(report));
-    context.exit_code = report.usable ? done : unusable;
+    std::fflush(stdout);
+    if (!report.usable) throw Error("unusable: " + report.reasons.front(), flags->path, "see the report");
+    context.exit_code = done;
   });
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/common_flags.h"
+#include "rastro/cli/interrupt.h"
 #include "rastro/dataset/open.h"
 #include "rastro/dataset/scan_from_depth.h"
 #include "rastro/sensor/scan_text.h"
@@ -39,6 +41,7 @@ struct Flags {
 struct Written {
   std::int64_t scans = 0, skipped = 0;
   std::int64_t beams = 0, returns = 0, free = 0;
+  bool interrupted = false;
 };
 
 double share(std::int64_t part, std::int64_t whole) {
@@ -86,7 +89,10 @@ Written write_scans(Source& source, const ScanFromDepthOptions& options, AppendF
   Written written;
   std::optional<ScanFromDepth> cutter;
   file.append(carmen_header());
+  const std::atomic<bool>& stop = catch_interrupts();
   for (;;) {
+    written.interrupted = stop.load();
+    if (written.interrupted) return written;
     std::optional<Frame> frame;
     try {
       frame = source.next();
@@ -119,14 +125,15 @@ void report(const Flags& flags, const Written& written) {
     json["out"] = flags.out;
     json["scans"] = written.scans;
     json["skipped"] = written.skipped;
+    json["interrupted"] = written.interrupted;
     json["beams"] = written.beams;
     json["returns_share"] = share(written.returns, written.beams);
     json["free_share"] = share(written.free, written.beams);
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else if (!flags.data.quiet) {
-    fmt::print("{} scans written to {}, {} frames skipped; {:.1f} % of the beams are returns, {:.1f} % are free\n",
-               written.scans, flags.out, written.skipped, 100.0 * share(written.returns, written.beams),
-               100.0 * share(written.free, written.beams));
+    fmt::print("{}{} scans written to {}, {} frames skipped; {:.1f} % of the beams are returns, {:.1f} % are free\n",
+               written.interrupted ? "interrupted: " : "", written.scans, flags.out, written.skipped,
+               100.0 * share(written.returns, written.beams), 100.0 * share(written.free, written.beams));
   }
 }
 

@@ -89,7 +89,7 @@ const Format& format_named(const std::string& name) {
     names.emplace_back(format.name);
   }
   throw Error(in_quotes(name) + " is not a format", "--to",
-              fmt::format("did you mean '{}'? Formats are {}", nearest_name(name, names), fmt::join(names, ", ")));
+              did_you_mean(name, names, fmt::format("formats are {}", fmt::join(names, ", "))));
 }
 
 double checked(double value, double lowest, double highest, const char* flag, const char* unit) {

@@ -59,6 +59,7 @@ std::string unit_of(const Map& map) { return scale_of(map).metric ? "meters" : "
 std::string unit_of(const ExportInput& input) {
   if (input.map) return unit_of(*input.map);
   const fs::path file = is_folder(input.path) ? fs::path(input.path) / "trajectory.txt" : fs::path(input.path);
+  if (!is_file(file)) return "unit unknown";
   std::ifstream stream(file);
   std::string comment;
   std::getline(stream, comment);

@@ -51,6 +51,7 @@ void show_map(const DataFlags& flags) {
   const std::string file = map_file_of(flags.path).string();
   const MapFileReport report = check_map_file(file);
   fmt::print("{}", flags.json ? describe_map_json(report, file) : describe_map(report, file));
+  if (!report.damage.empty()) throw Error(report.damage);
 }
 
 }  // namespace

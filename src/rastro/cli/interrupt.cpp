@@ -6,20 +6,32 @@
 namespace rastro::cli {
 namespace {
 
+constexpr int patience = 3;  ///< The signal that ends the program.
+
 std::atomic<bool> interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
+std::atomic<int> signals = 0;
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+              "a signal handler may only touch lock-free atomics");
 
 extern "C" void note_interrupt(int signal) {
   interrupted.store(true);
+  if (signals.fetch_add(1) + 1 < patience) return;
   std::signal(signal, SIG_DFL);
+  std::raise(signal);
 }
 
 }  // namespace
 
 const std::atomic<bool>& catch_interrupts() {
-  std::signal(SIGINT, note_interrupt);
-  std::signal(SIGTERM, note_interrupt);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    // 'nohup rastro ...' is not to be interrupted.
+    if (std::signal(signal, note_interrupt) == SIG_IGN && signal == SIGHUP) std::signal(signal, SIG_IGN);
+  }
   return interrupted;
+}
+
+void stop_if_interrupted() {
+  if (interrupted.load()) throw Interrupted{};
 }
 
 }  // namespace rastro::cli

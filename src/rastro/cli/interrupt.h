@@ -5,7 +5,14 @@
 
 namespace rastro::cli {
 
-/// From here on Ctrl-C (SIGINT) and SIGTERM set the flag returned instead of ending the program; a second one ends it.
+/// From here on Ctrl-C (SIGINT), SIGTERM and SIGHUP set the flag returned instead of ending the program. The second of
+/// them changes nothing: the command is saving its results. The third ends the program.
 const std::atomic<bool>& catch_interrupts();
+
+/// Thrown by stop_if_interrupted() to leave the loop of a writer, whose files are complete up to there.
+struct Interrupted {};
+
+/// Throws Interrupted where the flag of catch_interrupts() is set.
+void stop_if_interrupted();
 
 }  // namespace rastro::cli

@@ -13,6 +13,7 @@
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
+#include "rastro/base/text_file.h"
 #include "rastro/camera/stereo_rectification.h"
 #include "rastro/dataset/open.h"
 #include "rastro/dataset/recording.h"
@@ -139,8 +140,8 @@ bool names_its_cameras(const std::string& format) { return format != "images" &&
 RecordingOfRun recording_of_run(const fs::path& run_or_map) {
   std::error_code ignored;
   const fs::path folder = fs::is_directory(run_or_map, ignored) ? run_or_map : run_or_map.parent_path();
-  std::ifstream stream(folder / "about.json");
-  const auto about = nlohmann::json::parse(stream, nullptr, false);
+  if (!is_there(folder / "about.json")) return {};
+  const auto about = nlohmann::json::parse(read_text_file((folder / "about.json").string()), nullptr, false);
   if (!about.is_object() || !about.contains("input")) return {};
   const auto& input = about["input"];
   if (!input.is_object() || !input.contains("path") || !input["path"].is_string()) return {};

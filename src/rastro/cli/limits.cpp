@@ -35,7 +35,7 @@ std::vector<ScoreLimit> parse_limits(const std::vector<std::string>& texts, cons
     const std::string& name = limits.back().name;
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     throw Error(fmt::format("{} is not a value of the result", in_quotes(name)), "--require",
-                fmt::format("did you mean '{}'?", nearest_name(name, names)));
+                did_you_mean(name, names));
   }
   return limits;
 }

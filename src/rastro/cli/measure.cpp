@@ -147,7 +147,7 @@ LengthObjects objects_of(const Flags& flags) {
   for (const std::string& name : flags.only) {
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     throw Error(fmt::format("{} is not an object of {}", in_quotes(name), one_line(flags.objects)), "--only",
-                fmt::format("did you mean '{}'?", nearest_name(name, names)));
+                did_you_mean(name, names));
   }
   std::erase_if(all.objects, [&](const LengthObject& object) {
     return !flags.only.empty() && std::find(flags.only.begin(), flags.only.end(), object.name) == flags.only.end();

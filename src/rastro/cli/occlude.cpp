@@ -8,6 +8,7 @@
 #include "rastro/base/task_pool.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/common_flags.h"
+#include "rastro/cli/interrupt.h"
 #include "rastro/dataset/open.h"
 #include "rastro/synthetic/occluder/occluded_copy.h"
 
@@ -47,7 +48,18 @@ void occlude(const Flags& flags) {
   const std::unique_ptr<Source> source = rastro::open(flags.data.path, open_options(flags.data));
   for (const std::string& warning : source->info().warnings) log_warning(warning);
   TaskPool pool(flags.data.threads);
-  const OccludedCopyResult result = write_occluded_copy(*source, flags.out, {flags.data.seed, flags.force}, pool);
+  std::int64_t complete = 0;
+  OccludedCopyResult result;
+  catch_interrupts();
+  try {
+    result = write_occluded_copy(*source, flags.out, {flags.data.seed, flags.force}, pool, [&](std::int64_t frames) {
+      complete = frames;
+      stop_if_interrupted();
+    });
+  } catch (const Interrupted&) {
+    if (!flags.data.quiet) fmt::print("interrupted: {} frames are complete in {}\n", complete, flags.out);
+    return;
+  }
   if (flags.data.json)
     fmt::print("{}", as_json(result, flags.out));
   else if (!flags.data.quiet)

@@ -73,8 +73,7 @@ class Settings {
       if (wanted == alone || wanted == name) return table;
       names.push_back(wanted.find('/') == std::string::npos ? alone : name);
     }
-    throw Error(fmt::format("'{}' is not a method", wanted), "rastro options",
-                fmt::format("did you mean '{}'?", nearest_name(wanted, names)));
+    throw Error(fmt::format("'{}' is not a method", wanted), "rastro options", did_you_mean(wanted, names));
   }
 
  private:

@@ -42,8 +42,8 @@ std::vector<std::string> commands_of(const CLI::App& app) {
 
 std::string unknown_flag(const CLI::App& command, const std::string& word) {
   const std::string name = word.substr(0, word.find('='));
-  return fmt::format("unknown option '{}' of '{}'; did you mean '{}'? See '{} --help'", name, full_name(command),
-                     nearest_name(name, flags_of(command)), full_name(command));
+  return fmt::format("unknown option '{}' of '{}'; {}", name, full_name(command),
+                     did_you_mean(name, flags_of(command), fmt::format("see '{} --help'", full_name(command))));
 }
 
 std::string without_line_breaks(std::string text) {
@@ -59,7 +59,16 @@ void refuse_unknown_command(const CLI::App& app, int argc, const char* const* ar
   const std::vector<std::string> names = commands_of(app);
   if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return;
   throw Error(fmt::format("'{}' is not a command", argv[1]), "command line",
-              fmt::format("did you mean '{}'? See 'rastro --help'", nearest_name(argv[1], names)));
+              did_you_mean(argv[1], names, "see 'rastro --help'"));
+}
+
+void refuse_empty_values(const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    if (word == "--") return;
+    if (word.size() < 4 || !word.starts_with("--") || word.find('=') != word.size() - 1) continue;
+    // CLI11 would take the next word for its value, be that a flag.
+    throw Error("has no value", word, "write the value right after the '='");
+  }
 }
 
 std::string one_line(const CLI::App& app, const CLI::ParseError& error) {

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 namespace rastro::cli {
 
@@ -11,5 +12,8 @@ void refuse_unknown_command(const CLI::App& app, int argc, const char* const* ar
 
 /// What is wrong with the command line, in one line that names the nearest flag of the command where a flag is unknown.
 std::string one_line(const CLI::App& app, const CLI::ParseError& error);
+
+/// Error for a word such as `--out=`: CLI11 takes the next word for the value.
+void refuse_empty_values(const std::vector<std::string>& words);
 
 }  // namespace rastro::cli

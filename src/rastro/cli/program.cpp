@@ -9,10 +9,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
 #include <opencv2/core/utils/logger.hpp>
+#include <system_error>
 #include <vector>
 
 #include "rastro/base/error.h"
+#include "rastro/base/library_output.h"
 #include "rastro/base/log.h"
 #include "rastro/base/version.h"
 #include "rastro/cli/command.h"
@@ -130,12 +133,20 @@ int dispatch(int argc, const char* const* argv) {
   add_commands(app, context);
   try {
     refuse_unknown_command(app, argc, argv);
-    parse(app, with_current_flags(argc, argv));
+    const std::vector<std::string> words = with_current_flags(argc, argv);
+    refuse_empty_values(words);
+    parse(app, words);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
     return say(unusable, one_line(app, error));
   }
   return context.exit_code;
+}
+
+int say_fault(const std::exception& error) {
+  return say(fault, fmt::format("internal error: {}; please report it with this line, the command '{}' and the output "
+                                "of 'rastro --version'",
+                                error.what(), command_line()));
 }
 
 }  // namespace
@@ -149,13 +160,17 @@ int run_program(int argc, const char* const* argv) {
   stored_command_line() = as_typed(argc, argv);
   try {
     send_log_to_stderr();
+    divert_library_output();
     return dispatch(argc, argv);
   } catch (const Error& error) {
     return say(unusable, error.what());
+  } catch (const std::bad_alloc&) {
+    return say(unusable, "memory: there is not enough of it; raise its limit, or use smaller images or fewer frames");
+  } catch (const std::system_error& error) {
+    if (error.code() != std::errc::resource_unavailable_try_again) return say_fault(error);
+    return say(unusable, "threads: none can be started; raise the limits on memory and processes or add --threads 1");
   } catch (const std::exception& error) {
-    return say(fault, fmt::format("internal error: {}; please report it with this line, the command '{}' and "
-                                  "the output of 'rastro --version'",
-                                  error.what(), command_line()));
+    return say_fault(error);
   }
 }
 

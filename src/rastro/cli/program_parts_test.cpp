@@ -190,5 +190,13 @@ TEST(Masks, OneFileIsForAllAndMustHaveTheSizeOfTheImages) {
   EXPECT_TRUE(holds(error_of([] { Masks empty(folder_of_masks({})); }), "no image in this folder"));
 }
 
+TEST(EmptyValues, AreRefusedUpToTheEndOfTheFlags) {
+  EXPECT_TRUE(holds(error_of([] {
+                      refuse_empty_values({"rastro", "track", "--out=", "--quiet"});
+                    }),
+                    "--out=: has no value"));
+  EXPECT_NO_THROW(refuse_empty_values({"rastro", "track", "--out=x", "--set", "window=", "--", "--out="}));
+}
+
 }  // namespace
 }  // namespace rastro::cli

@@ -9,6 +9,7 @@
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
+#include "rastro/base/folder_lock.h"
 #include "rastro/base/hash.h"
 #include "rastro/base/text.h"
 #include "rastro/export/landmark_image.h"
@@ -97,6 +98,7 @@ std::string scaled_result(const std::string& text, const Map& in_meters, const M
 }  // namespace
 
 void scale_run_folder(const fs::path& folder, const Map& in_meters, const MapScaleFound& found) {
+  const FolderLock lock(folder);
   std::vector<NewFile> files;
   std::string trajectory, keyframes;
   for (const char* name : {"trajectory.txt", "trajectory_online.txt", "keyframes.txt", "covariance_online.txt"}) {

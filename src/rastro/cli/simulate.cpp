@@ -11,6 +11,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
+#include "rastro/cli/interrupt.h"
 #include "rastro/synthetic/worlds/corridor.h"
 #include "rastro/synthetic/worlds/hall.h"
 #include "rastro/synthetic/worlds/loop.h"
@@ -104,12 +105,9 @@ void check_flags(const SimulateFlags& flags) {
     return std::find(list.begin(), list.end(), name) != list.end();
   };
   if (!is_one_of(flags.world, names))
-    throw Error("there is no such world", flags.world,
-                fmt::format("did you mean '{}'? `rastro simulate` lists the worlds", nearest_name(flags.world, names)));
+    throw Error("there is no such world", flags.world, did_you_mean(flags.world, names));
   if (!flags.format.empty() && !is_one_of(flags.format, formats))
-    throw Error("there is no such format", flags.format,
-                fmt::format("did you mean '{}'? There are euroc, kitti, kitti-raw, tum and carmen",
-                            nearest_name(flags.format, formats)));
+    throw Error("there is no such format", flags.format, did_you_mean(flags.format, formats));
   if (flags.distortion && flags.world != "hall")
     throw Error("only the hall has a lens with distortion", "--distortion", "omit it");
   if (!flags.black.empty() && flags.format != "tum" && !(flags.format.empty() && is_room(flags.world)))
@@ -160,14 +158,23 @@ class Progress {
   ~Progress() {
     if (shows_) fmt::print(stderr, "\r{:40}\r", "");
   }
-  void operator()(std::int64_t done) const {
+  /// Throws Interrupted after Ctrl-C: what is listed in the recording is complete.
+  void operator()(std::int64_t done) {
+    done_ = done;
     if (shows_) fmt::print(stderr, "\r{} of {} frames", done, frames_);
+    if (done < frames_) stop_if_interrupted();
   }
+  std::string complete() const { return fmt::format("{} of {}", done_, frames_); }
 
  private:
-  std::int64_t frames_;
+  std::int64_t frames_, done_ = 0;
   bool shows_;
 };
+
+void say_interrupted(const SimulateFlags& flags, const Progress& progress, const char* what, const char* missing) {
+  if (!flags.quiet)
+    fmt::print("interrupted: {} {} are complete in {}{}\n", progress.complete(), what, flags.out, missing);
+}
 
 void simulate_laser(const SimulateFlags& flags) {
   const LaserWorld world = make_corridor_floor({.seed = flags.seed});
@@ -175,8 +182,12 @@ void simulate_laser(const SimulateFlags& flags) {
   const LaserLogOptions options{flags.frames, {.factor = flags.odometry_error.value_or(1.0)}, flags.force};
   LaserLogSummary summary;
   {
-    const Progress progress(flags, std::min(world.scan_count(), flags.frames.value_or(world.scan_count())));
-    summary = write_laser_log(world, flags.out, options, pool, std::cref(progress));
+    Progress progress(flags, std::min(world.scan_count(), flags.frames.value_or(world.scan_count())));
+    try {
+      summary = write_laser_log(world, flags.out, options, pool, std::ref(progress));
+    } catch (const Interrupted&) {
+      return say_interrupted(flags, progress, "scans", "; relations and floor plan are missing");
+    }
   }
   if (!flags.quiet)
     fmt::print(
@@ -191,8 +202,13 @@ void simulate_camera(const SimulateFlags& flags) {
   const World world = make_world(flags);
   Written written;
   {
-    const Progress progress(flags, frames);
-    written = write_as_asked(world, flags, frames, std::cref(progress));
+    Progress progress(flags, frames);
+    try {
+      stop_if_interrupted();  // making the world takes time, too
+      written = write_as_asked(world, flags, frames, std::ref(progress));
+    } catch (const Interrupted&) {
+      return say_interrupted(flags, progress, "frames", flags.world == "loop" ? "; closures.yaml is missing" : "");
+    }
     if (flags.world == "loop") write_loop_closures(world, frames, written.recording);
   }
   if (!flags.quiet)
@@ -221,6 +237,7 @@ void simulate(SimulateFlags flags) {
   }
   check_flags(flags);
   if (flags.format.empty()) flags.format = default_format(flags.world);
+  catch_interrupts();
   if (flags.format == "carmen")
     simulate_laser(flags);
   else

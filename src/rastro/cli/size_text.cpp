@@ -46,8 +46,10 @@ std::size_t parse_size(const std::string& text, const std::string& flag) {
                   fmt::format("did you mean {:g}{}?", *number, each.name));
     names.emplace_back(each.name);
   }
+  const std::string nearest = nearest_name(unit, names);
   throw Error(in_quotes(text) + " has an unknown unit", flag,
-              fmt::format("did you mean {:g}{}?", *number, nearest_name(unit, names)));
+              nearest.empty() ? "give a number and a unit, such as 600MB"
+                              : fmt::format("did you mean {:g}{}?", *number, nearest));
 }
 
 }  // namespace rastro::cli

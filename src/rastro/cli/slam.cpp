@@ -57,8 +57,7 @@ SlamContext context_of(const SlamFlags& flags) {
   SlamContext context;
   const std::vector<std::string> modes = {"step", "pipelined"};
   if (std::find(modes.begin(), modes.end(), flags.mode) == modes.end()) {
-    throw Error(in_quotes(flags.mode) + " is not a mode", "--mode",
-                fmt::format("did you mean '{}'?", nearest_name(flags.mode, modes)));
+    throw Error(in_quotes(flags.mode) + " is not a mode", "--mode", did_you_mean(flags.mode, modes));
   }
   context.pipelined = flags.mode == "pipelined";
   if (!flags.max_memory.empty()) context.max_memory_bytes = parse_size(flags.max_memory, "--max-memory");
@@ -93,7 +92,7 @@ Prepared prepare(const SlamFlags& flags) {
   run.context = context_of(flags);
   run.method = method_for(flags, run.context);
   run.table = run.method->options();
-  apply_settings(flags, run.table);
+  apply_settings(flags, run.method->name(), run.table);
   run.limits = parse_limits(flags.limits, numbers_of(SlamResult{}), "'coverage>=95'");
   OpenOptions open = open_options(flags.data);
   open.want_color = run.method->wants_color();

@@ -125,6 +125,14 @@ void add_output_flags(CLI::App& command, SlamFlags& flags, const std::string& ex
       ->group("Output");
 }
 
+void add_sensor_flag(CLI::App& command, SlamFlags& flags, const char* group) {
+  command
+      .add_option("--sensor", flags.sensor,
+                  "Sensor to use: mono, stereo or rgbd (option sensor; default: all the recording has)")
+      ->type_name("mono|stereo|rgbd")
+      ->group(group);
+}
+
 void add_method_flags(CLI::App& command, SlamFlags& flags) {
   const char* group = "SLAM";
   command.add_option("--method", flags.method, "SLAM method, see below; with --map: that of the map")
@@ -135,11 +143,7 @@ void add_method_flags(CLI::App& command, SlamFlags& flags) {
       ->group(group);
   command.add_flag("--continue", flags.extend, "Continue the map of --map; the extended map is written to --out")
       ->group(group);
-  command
-      .add_option("--sensor", flags.sensor,
-                  "Sensor to use: mono, stereo or rgbd (option sensor; default: all the recording has)")
-      ->type_name("mono|stereo|rgbd")
-      ->group(group);
+  add_sensor_flag(command, flags, group);
   command
       .add_option("--frontend", flags.frontend,
                   "Matching between frames: descriptors (orb) or optical flow (tracks) (option frontend; default: orb)")
@@ -165,6 +169,7 @@ void add_slam_flags(CLI::App& command, SlamFlags& flags) {
 
 void add_localize_flags(CLI::App& command, SlamFlags& flags) {
   command.add_option("--map", flags.map, "Map file or run folder")->type_name("MAP")->required()->group("Map");
+  add_sensor_flag(command, flags, "Map");
   add_run_flags(command, flags, "Map");
   add_output_flags(command, flags, "recall>=95");
   add_data_flags(command, flags.data);
@@ -189,12 +194,12 @@ std::optional<SE3> parse_initial_pose(const std::string& text, bool planar) {
   return SE3(rotation, {numbers[0], numbers[1], numbers[2]});
 }
 
-void apply_settings(const SlamFlags& flags, OptionTable& table) {
+void apply_settings(const SlamFlags& flags, const std::string& method, OptionTable& table) {
   apply_given_settings(flags, table);
-  set_from_flag(table, "guess", flags.guess, "--guess", flags.method);
-  set_from_flag(table, "sensor", flags.sensor, "--sensor", flags.method);
-  set_from_flag(table, "frontend", flags.frontend, "--frontend", flags.method);
-  set_from_flag(table, "loop_closing", flags.loop_closing, "--loop-closing", flags.method);
+  set_from_flag(table, "guess", flags.guess, "--guess", method);
+  set_from_flag(table, "sensor", flags.sensor, "--sensor", method);
+  set_from_flag(table, "frontend", flags.frontend, "--frontend", method);
+  set_from_flag(table, "loop_closing", flags.loop_closing, "--loop-closing", method);
   // A method without a seed uses no random numbers: any seed gives its result.
   if (has_option(table, "seed")) apply_given_seed(flags, table);
 }

@@ -34,6 +34,6 @@ std::optional<SE3> parse_initial_pose(const std::string& text, bool planar);
 
 /// Sets the table from the options file, --set and the flags, in this order. Errors name the flag, also for a flag
 /// whose option the method does not have.
-void apply_settings(const SlamFlags& flags, OptionTable& table);
+void apply_settings(const SlamFlags& flags, const std::string& method, OptionTable& table);
 
 }  // namespace rastro::cli

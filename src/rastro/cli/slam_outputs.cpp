@@ -199,7 +199,8 @@ SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const S
     write_hashed_files(run, files);
     outputs.files = files.names();
     if (run.grid) outputs.grid = size_of(*run.grid);
-    if (images_of(run.map)) {
+    // Building it may take longer than a user who pressed Ctrl-C waits; the map has all that it is made of.
+    if (images_of(run.map) && !end.result.interrupted) {
       run.cloud = cloud_of(run.map, context);
       write_whole_file(folder.file("cloud.ply"), cloud_ply(*run.cloud, "world"));
       outputs.files.push_back("cloud.ply");

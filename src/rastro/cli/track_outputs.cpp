@@ -28,7 +28,7 @@ void check_formats(const TrackFlags& flags) {
   for (const std::string& format : flags.formats) {
     if (std::find(known_formats.begin(), known_formats.end(), format) != known_formats.end()) continue;
     throw Error(fmt::format("'{}' is not a format of tracks", format), "--formats",
-                fmt::format("did you mean '{}'? Formats are yaml, csv and jsonl", nearest_name(format, known_formats)));
+                did_you_mean(format, known_formats));
   }
 }
 

@@ -5,13 +5,18 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
 
 #include "rastro/base/error.h"
+#include "rastro/base/library_output.h"
+#include "rastro/base/log.h"
+#include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
 #include "rastro/dataset/mat_conversion.h"
+#include "rastro/image/image_header.h"
 
 namespace rastro {
 namespace {
@@ -73,10 +78,21 @@ bool jpeg_is_whole(std::span<const unsigned char> bytes) {
   return false;
 }
 
+/// What the decoder complains of is said once: a recording may have it in every image.
+void warn_once(const std::string& path, const std::string& complaint) {
+  static std::atomic<bool> warned = false;
+  if (complaint.empty() || warned.exchange(true)) return;
+  log_warning(fmt::format("{}: the image may be damaged: {}; further ones are not named", path,
+                          one_line(trim(complaint.substr(0, complaint.find('\n'))))));
+}
+
 cv::Mat decode(const std::string& path) {
   const std::string bytes = read_text_file(path);
   if (const auto reason = why_incomplete(as_bytes(bytes)); !reason.empty()) throw Error(reason, path, "");
+  if (const auto reason = why_too_large(as_bytes(bytes)); !reason.empty())
+    throw Error(reason, path, "scale the images down");
   cv::Mat mat;
+  const LibraryOutput output;
   try {
     const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
     mat = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
@@ -84,6 +100,7 @@ cv::Mat decode(const std::string& path) {
     throw Error("cannot be decoded as an image (" + exception.err + ")", path, "");
   }
   if (mat.empty()) throw Error("cannot be decoded as an image", path, "it is damaged or of another kind");
+  warn_once(path, output.text());
   return mat;
 }
 

@@ -3,6 +3,7 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -21,7 +22,13 @@ struct Outcome {
 class ReadAheadSource final : public Source {
  public:
   ReadAheadSource(std::unique_ptr<Source> source, int depth)
-      : source_(std::move(source)), depth_(static_cast<std::size_t>(depth)), thread_([this] { produce(); }) {}
+      : source_(std::move(source)), depth_(static_cast<std::size_t>(depth)) {
+    try {
+      thread_ = std::thread([this] { produce(); });
+    } catch (const std::system_error&) {
+      // The system allows no more threads: next() reads.
+    }
+  }
 
   ~ReadAheadSource() override {
     {
@@ -29,12 +36,13 @@ class ReadAheadSource final : public Source {
       stopping_ = true;
     }
     room_.notify_one();
-    thread_.join();
+    if (thread_.joinable()) thread_.join();
   }
 
   const SourceInfo& info() const override { return source_->info(); }
 
   std::optional<Frame> next() override {
+    if (!thread_.joinable()) return source_->next();
     std::unique_lock lock(mutex_);
     filled_.wait(lock, [this] { return !queue_.empty() || ended_; });
     if (queue_.empty()) return std::nullopt;

@@ -31,8 +31,7 @@ class SpotFields {
     for (const auto& entry : node_) {
       const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-      throw Error(fmt::format("unknown key {}", in_quotes(key)), at(entry.first),
-                  fmt::format("did you mean '{}'?", nearest_name(key, known)));
+      throw Error(fmt::format("unknown key {}", in_quotes(key)), at(entry.first), did_you_mean(key, known));
     }
   }
 

@@ -190,7 +190,7 @@ std::optional<double> score_named(const TrackScores& scores, const std::string& 
     return found->is_null() ? std::nullopt : std::optional(found->get<double>());
   std::vector<std::string> names;
   for (const auto& item : json.items()) names.push_back(item.key());
-  throw Error("there is no score '" + name + "'", "--require", "did you mean '" + nearest_name(name, names) + "'?");
+  throw Error("there is no score '" + name + "'", "--require", did_you_mean(name, names));
 }
 
 ScoreLimit parse_limit(const std::string& text) {

@@ -206,8 +206,7 @@ std::optional<double> trajectory_score_named(const TrajectoryScores& scores, con
     return found->is_null() ? std::nullopt : std::optional(found->get<double>());
   std::vector<std::string> names;
   for (const auto& item : json.items()) names.push_back(item.key());
-  throw Error("there is no figure " + in_quotes(name), "--require",
-              "did you mean '" + nearest_name(name, names) + "'?");
+  throw Error("there is no figure " + in_quotes(name), "--require", did_you_mean(name, names));
 }
 
 ScoreLimit parse_trajectory_limit(const std::string& text) {

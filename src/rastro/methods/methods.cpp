@@ -18,7 +18,7 @@ std::unique_ptr<Method> named(std::vector<std::unique_ptr<Method>> methods, cons
     names.push_back(method->name());
   }
   throw Error(fmt::format("there is no {} '{}'", kind, name), "--method",
-              fmt::format("did you mean '{}'? 'rastro methods' lists them", nearest_name(name, names)));
+              did_you_mean(name, names, "'rastro methods' lists them"));
 }
 
 }  // namespace

@@ -130,6 +130,7 @@ RunFolder::RunFolder(fs::path folder, bool overwrite) : folder_(std::move(folder
   }
   fs::create_directories(folder_, code);
   if (code) refuse(folder_, "cannot be made (" + code.message() + ")", "choose another --out");
+  lock_.emplace(folder_);
   const bool empty = fs::is_empty(folder_, code);
   if (code) refuse(folder_, "cannot be read (" + code.message() + ")", "choose another --out");
   if (!empty && !overwrite) refuse(folder_, "the folder is not empty", "choose another --out or add --force");

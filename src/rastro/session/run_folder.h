@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rastro/base/append_file.h"
+#include "rastro/base/folder_lock.h"
 #include "rastro/base/options.h"
 #include "rastro/odometry/odometry.h"
 #include "rastro/sensor/source.h"
@@ -20,7 +21,7 @@ namespace rastro {
 class RunFolder {
  public:
   /// Creates the folder. A folder that is not empty is an Error unless `overwrite` is given; then the files of an
-  /// earlier run are removed and other files stay.
+  /// earlier run are removed and other files stay. Error also while another run writes to the folder.
   RunFolder(std::filesystem::path folder, bool overwrite);
 
   const std::filesystem::path& path() const { return folder_; }
@@ -42,6 +43,7 @@ class RunFolder {
 
  private:
   std::filesystem::path folder_;
+  std::optional<FolderLock> lock_;
   std::optional<AppendFile> stats_;
   std::optional<AppendFile> events_;
 };

@@ -71,8 +71,7 @@ Limit::Limit(const std::string& text) : text_(text) {
   bound_ = *bound;
   const std::vector<std::string> names = limit_names();
   if (std::find(names.begin(), names.end(), name_) == names.end()) {
-    throw Error(fmt::format("'{}' is not a value of result.json", name_), "--require",
-                fmt::format("did you mean '{}'?", nearest_name(name_, names)));
+    throw Error(fmt::format("'{}' is not a value of result.json", name_), "--require", did_you_mean(name_, names));
   }
 }
 

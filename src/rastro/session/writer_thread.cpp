@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/session/writer_thread.h"
 
+#include <system_error>
 #include <utility>
 
 #include "rastro/base/error.h"
@@ -10,7 +11,11 @@ namespace rastro {
 WriterThread::WriterThread(std::vector<TrackSink*> sinks, std::size_t queue_length)
     : sinks_(std::move(sinks)), queue_length_(queue_length) {
   RASTRO_CHECK(queue_length > 0, "a queue holds at least one frame");
-  if (!sinks_.empty()) thread_ = std::thread([this] { work(); });
+  try {
+    if (!sinks_.empty()) thread_ = std::thread([this] { work(); });
+  } catch (const std::system_error&) {
+    // The system allows no more threads: write() does the work.
+  }
 }
 
 WriterThread::~WriterThread() {
@@ -23,7 +28,10 @@ WriterThread::~WriterThread() {
 }
 
 void WriterThread::write(TrackFrame frame, GrayImage image) {
-  if (sinks_.empty()) return;
+  if (!thread_.joinable()) {
+    for (TrackSink* sink : sinks_) sink->write(frame, image);
+    return;
+  }
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return queue_.size() < queue_length_ || failure_; });
   rethrow();

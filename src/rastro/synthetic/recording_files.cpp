@@ -33,12 +33,15 @@ void make_folder(const fs::path& folder) {
     throw Error("the folder cannot be made (" + error.message() + ")", folder.string(), "choose another --out");
 }
 
-void check_folder(const fs::path& folder, bool force) {
+FolderLock claim_folder(const fs::path& folder, bool force) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     throw Error("this is not a folder", folder.string(), "choose another --out");
-  if (!force && fs::exists(folder, error) && !fs::is_empty(folder, error))
+  make_folder(folder);
+  FolderLock lock(folder);
+  if (!force && !fs::is_empty(folder, error))
     throw Error("the folder is not empty", folder.string(), "choose another --out or use --force");
+  return lock;
 }
 
 std::uintmax_t write_png(const fs::path& file, const cv::Mat& image) {

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "rastro/base/folder_lock.h"
 #include "rastro/image/image.h"
 
 namespace rastro {
@@ -26,8 +27,9 @@ class TextFile {
 };
 
 void make_folder(const std::filesystem::path& folder);
-/// Throws Error if the folder is a file, or is not empty and `force` is not set.
-void check_folder(const std::filesystem::path& folder, bool force);
+/// Makes the folder and keeps other runs from writing to it while the lock lives. Throws Error if it is a file, is in
+/// use by another run, or is not empty and `force` is not set.
+[[nodiscard]] FolderLock claim_folder(const std::filesystem::path& folder, bool force);
 /// Returns the size of the file.
 std::uintmax_t write_png(const std::filesystem::path& file, const cv::Mat& image);
 /// Shares the pixels of `gray`, which must not be written to.

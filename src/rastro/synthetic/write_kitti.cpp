@@ -134,7 +134,7 @@ KittiSummary write_kitti(const World& world, const fs::path& folder, const Kitti
   if (options.stereo && !(world.left_from_right() && options.layout == KittiLayout::odometry))
     throw Error("only one camera can be written", world.name(),
                 "omit the options that need two, or choose a world with two and the layout of KITTI odometry");
-  check_folder(folder, options.force);
+  const FolderLock lock = claim_folder(folder, options.force);
   KittiSummary summary;
   summary.recording = folder;
   std::unique_ptr<Lists> lists;

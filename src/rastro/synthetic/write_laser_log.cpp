@@ -46,8 +46,7 @@ class Recorder {
         scans_(std::min(options.scans.value_or(world.scan_count()), world.scan_count())),
         wheels_(options.odometry, seed_for(world.seed, wheel_noise)) {
     if (scans_ < 1) throw Error("there are no scans to write", "frames", "request at least one");
-    check_folder(folder, options.force);
-    make_folder(folder);
+    lock_.emplace(claim_folder(folder, options.force));
     TextFile(folder / "README.txt", readme);
     log_.emplace(folder / "scans.log", carmen_header());
     ground_truth_.emplace(folder / "groundtruth.txt", "# world_from_body: stamp tx ty tz qx qy qz qw\n");
@@ -119,6 +118,7 @@ class Recorder {
   const LaserWorld& world_;
   std::int64_t scans_;
   WheelOdometry wheels_;
+  std::optional<FolderLock> lock_;
   std::optional<TextFile> log_, ground_truth_, landmarks_;
   double path_m_ = 0.0, off_m_ = 0.0;
   std::uintmax_t bytes_ = 0;

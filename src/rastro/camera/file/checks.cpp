@@ -42,8 +42,7 @@ Model model_of(std::string_view name, const std::string& where) {
     names.emplace_back(known.name);
   }
   throw Error(fmt::format("distortion model '{}' is not supported", one_line(name, 40)), where,
-              fmt::format("did you mean '{}'? Known are none, radial-tangential (radtan, plumb_bob) and equidistant",
-                          nearest_name(name, names)));
+              did_you_mean(name, names, "known are none, radial-tangential (radtan, plumb_bob) and equidistant"));
 }
 
 bool all_zero(std::span<const double> values) {

@@ -70,7 +70,7 @@ void YamlFields::fail_missing(Names names) const {
     if (item.first.IsScalar()) present.push_back(item.first.Scalar());
   const std::string nearest = nearest_name(*names.begin(), present);
   throw Error(fmt::format("no key '{}'", *names.begin()), at(),
-              nearest.empty() ? "" : fmt::format("did you mean '{}' to be it?", one_line(nearest, 40)));
+              nearest.empty() ? "it is needed" : fmt::format("did you mean '{}' to be it?", one_line(nearest, 40)));
 }
 
 void YamlFields::fail(Names names, std::string_view what_is_wrong, std::string_view remedy) const {

@@ -152,6 +152,25 @@ TEST(CarmenLog, ABrokenLineKeepsItsNumberAndCostsOnlyItself) {
   EXPECT_THAT(errors[3], HasSubstr("not 0 to 100000"));
 }
 
+TEST(CarmenLog, AByteOrderMarkAndControlCharactersCostOnlyTheirLine) {
+  const ScratchFolder folder;
+  std::string log = "\xEF\xBB\xBF";
+  for (int k = 0; k < 40; ++k) {
+    std::string line = flaser({"1", "2"}, "0 0 0", std::to_string(k));
+    if (k == 7 || k == 9) line[9] = '\x01';
+    log += line;
+  }
+  folder.write("a.log", log);
+  const auto source = open(folder.path("a.log"));
+  EXPECT_EQ(source->info().frame_count, 38);
+  EXPECT_THAT(source->info().warnings,
+              Contains(HasSubstr(
+                  "2 damaged lines with control characters are skipped; the first: " + folder.path("a.log") + ":8")));
+  EXPECT_EQ(read_all(*source).size(), 38U);
+  folder.write("b.log", std::string(1000, '\x01') + log);
+  EXPECT_THAT(error_of([&] { open(folder.path("b.log")); }), HasSubstr("is neither an image nor a video"));
+}
+
 TEST(CarmenLog, FramesAreChosenByNumber) {
   const ScratchFolder folder;
   std::string text;

@@ -13,10 +13,21 @@ namespace {
 constexpr std::size_t longest_line = std::size_t{4} << 20;
 constexpr unsigned piece_size = 1U << 18;
 constexpr std::size_t front_size = std::size_t{64} << 10;
+constexpr std::size_t text_bytes_per_other = 100;  // A damaged log is a log still; what has more is no text.
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 bool is_text(char c) {
   const auto byte = static_cast<unsigned char>(c);
   return byte >= 0x20 || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v';
+}
+
+std::size_t others_in(std::string_view text) {
+  return text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), is_text));
+}
+
+std::string_view without_mark(std::string_view text) {
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  return text;
 }
 
 }  // namespace
@@ -27,6 +38,7 @@ struct LogLines::State {
   std::string buffer;
   std::size_t begin = 0;  ///< Of what was not given out yet.
   std::int64_t number = 0;
+  std::int64_t skipped = 0, first_skipped = 0;
   bool ended = false;
   bool damaged = false;
 
@@ -63,6 +75,14 @@ LogLines::LogLines(LogLines&&) noexcept = default;
 LogLines& LogLines::operator=(LogLines&&) noexcept = default;
 
 std::optional<std::string_view> LogLines::next() {
+  while (const auto line = any_line()) {
+    if (others_in(*line) == 0) return number() == 1 ? without_mark(*line) : *line;
+    if (state_->skipped++ == 0) state_->first_skipped = number();
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string_view> LogLines::any_line() {
   State& state = *state_;
   std::size_t searched = state.begin;
   for (;;) {
@@ -87,6 +107,8 @@ std::optional<std::string_view> LogLines::next() {
 
 std::int64_t LogLines::number() const { return state_->number; }
 bool LogLines::damaged() const { return state_->damaged; }
+std::int64_t LogLines::skipped() const { return state_->skipped; }
+std::int64_t LogLines::first_skipped() const { return state_->first_skipped; }
 
 std::string text_at_front(const std::string& path) {
   const gzFile file = gzopen(path.c_str(), "rb");
@@ -95,7 +117,8 @@ std::string text_at_front(const std::string& path) {
   const int got = gzread(file, text.data(), static_cast<unsigned>(text.size()));
   gzclose_r(file);
   text.resize(static_cast<std::size_t>(std::max(got, 0)));
-  return std::all_of(text.begin(), text.end(), is_text) ? text : std::string();
+  if (others_in(text) * text_bytes_per_other > text.size()) return {};
+  return std::string(without_mark(text));
 }
 
 }  // namespace rastro

@@ -72,6 +72,9 @@ class LogSource final : public Source {
     if (lines_.damaged())
       info_.warnings.push_back(fmt::format("the packed file is damaged or breaks off after {} frames, line {}: {}",
                                            info_.frame_count, lines_.number(), info_.path));
+    if (lines_.skipped() > 0)
+      info_.warnings.push_back(fmt::format("{} damaged lines with control characters are skipped; the first: {}:{}",
+                                           lines_.skipped(), info_.path, lines_.first_skipped()));
     if (broken > 0)
       info_.warnings.push_back(
           fmt::format("{} of {} frames cannot be read; the first: {}", broken, info_.frame_count, first_problem));

@@ -12,8 +12,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "rastro/base/error.h"
+#include "rastro/base/library_output.h"
 #include "rastro/base/text.h"
 #include "rastro/dataset/mat_conversion.h"
+#include "rastro/image/image_header.h"
 
 namespace rastro {
 namespace {
@@ -120,7 +122,10 @@ DecodedImage image_of(const ImageMessage& message, bool want_color, const std::s
 DecodedImage image_of(const CompressedMessage& message, bool want_color, const std::string& where) {
   const auto incomplete = why_incomplete(message.data);
   if (!incomplete.empty()) throw Error("the image " + incomplete, where, "");
+  if (const auto reason = why_too_large(message.data); !reason.empty())
+    throw Error("the image " + reason, where, "scale the images down");
   cv::Mat mat;
+  const LibraryOutput output;
   try {
     const cv::Mat bytes(1, static_cast<int>(message.data.size()), CV_8UC1,
                         const_cast<std::uint8_t*>(message.data.data()));

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "rastro/base/error.h"
+#include "rastro/base/regular_file.h"
 #include "rastro/map/file/database.h"
 
 namespace rastro {
@@ -25,7 +26,9 @@ std::uint64_t big_endian(std::string_view bytes) {
 /// The pages of the file; pages in the log replace older ones.
 class Pages {
  public:
-  explicit Pages(const std::filesystem::path& file) : file_(file, std::ios::binary) {
+  explicit Pages(const std::filesystem::path& file) {
+    require_regular_file(file, largest_whole_file_bytes);
+    file_.open(file, std::ios::binary);
     if (!file_) throw Error("cannot be read", file.string(), "check the path");
     file_.seekg(0, std::ios::end);
     count_ = (static_cast<std::uint64_t>(file_.tellg()) + page_size - 1) / page_size;

@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
+#include <limits>
 #include <utility>
 
 #include "rastro/base/error.h"
 #include "rastro/base/hash.h"
+#include "rastro/base/regular_file.h"
 #include "rastro/map/file/bytes.h"
 
 namespace rastro {
@@ -51,6 +53,7 @@ bool has_log(const std::string& file) {
 
 /// Reports what can be determined without SQLite, in plain language.
 std::uint32_t check_header(const std::string& file) {
+  require_regular_file(file, std::numeric_limits<std::uintmax_t>::max());
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error("cannot be read", file, "check the path");
   std::string header(header_size, '\0');

@@ -42,6 +42,8 @@ void read_every_image(const Map& map) {
 std::shared_ptr<const Map> load_map(const std::filesystem::path& file) { return load(file).map; }
 
 bool is_map_file(const std::filesystem::path& file) {
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(file, code)) return false;
   std::ifstream stream(file, std::ios::binary);
   char header[72] = {};
   return stream.read(header, sizeof header) && std::string_view(header + 68, 4) == "RSTR" &&

@@ -9,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "rastro/base/error.h"
+#include "rastro/base/library_output.h"
+#include "rastro/image/image_header.h"
 
 namespace rastro {
 namespace {
@@ -53,7 +55,8 @@ std::vector<std::uint8_t> packed_depth(const DepthImage& depth) {
 }
 
 cv::Mat decoded(const std::vector<std::uint8_t>& bytes, int flags) {
-  if (bytes.empty()) return {};
+  if (bytes.empty() || !why_too_large(bytes).empty()) return {};
+  const LibraryOutput output;
   try {
     return cv::imdecode(bytes, flags);
   } catch (const cv::Exception&) {

@@ -310,14 +310,19 @@ std::shared_ptr<const Map> HectorSlam::State::snapshot() const {
   return map;
 }
 
-HectorSlam::HectorSlam(const HectorOptions& options, TaskPool* pool, std::size_t map_budget_bytes)
+HectorSlam::HectorSlam(const HectorOptions& options, TaskPool* pool, std::size_t map_budget_bytes,
+                       const std::atomic<bool>* stop)
     : options_(options),
       pool_(pool),
       map_budget_bytes_(map_budget_bytes),
+      stop_(stop),
       state_(std::make_unique<State>(options, pool, map_budget_bytes)) {}
 HectorSlam::~HectorSlam() = default;
 SlamUpdate HectorSlam::process(const Frame& frame) { return state_->process(frame); }
-std::vector<SlamEvent> HectorSlam::finish() { return state_->finish(); }
+std::vector<SlamEvent> HectorSlam::finish() {
+  if (stop_ && stop_->load()) return {{"stopped", "the map is left without the search for loops at the end"}};
+  return state_->finish();
+}
 Trajectory HectorSlam::trajectory() const { return state_->trajectory(); }
 std::shared_ptr<const Map> HectorSlam::snapshot() const { return state_->snapshot(); }
 MapMemory HectorSlam::map_memory() const { return state_->map_memory(); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 
@@ -15,8 +16,9 @@ namespace rastro {
 class HectorSlam : public Slam {
  public:
   /// `pool` may be null and must outlive this. `map_budget_bytes`: memory limit of the map, see MapBudget; 0:
-  /// unlimited.
-  HectorSlam(const HectorOptions& options, TaskPool* pool, std::size_t map_budget_bytes = 0);
+  /// unlimited. `stop` (may be null): once set, finish() leaves the map as it is.
+  HectorSlam(const HectorOptions& options, TaskPool* pool, std::size_t map_budget_bytes = 0,
+             const std::atomic<bool>* stop = nullptr);
   ~HectorSlam() override;
   SlamUpdate process(const Frame& frame) override;
   std::vector<SlamEvent> finish() override;
@@ -31,6 +33,7 @@ class HectorSlam : public Slam {
   HectorOptions options_;
   TaskPool* pool_;
   std::size_t map_budget_bytes_;
+  const std::atomic<bool>* stop_;
   std::unique_ptr<State> state_;
 };
 

@@ -54,6 +54,16 @@ Eigen::Vector2d worst_error(const WalledDrive& drive, const Trajectory& trajecto
   return worst;
 }
 
+TEST(HectorSlam, AStoppedRunKeepsItsMapAndSearchesForNoMoreLoops) {
+  const std::atomic<bool> stop = true;
+  HectorSlam slam({}, nullptr, 0, &stop);
+  for (const Frame& frame : room_drive(20).frames()) slam.process(frame);
+  const auto events = slam.finish();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().kind, "stopped");
+  EXPECT_EQ(slam.trajectory().size(), 20U);
+}
+
 TEST(HectorSlam, FollowsADriveThroughARoomWithEveryGuess) {
   const WalledDrive drive = room_drive();
   const std::vector<Frame> frames = drive.frames();

@@ -25,7 +25,8 @@ class HectorMethod : public SlamMethod {
     planar_initial_pose(context, name());
     return make_with_initial_pose(context, [this](const SlamContext& own_context) {
       constexpr double reserve_mb = 50.0;  // for everything except the map
-      return std::make_unique<HectorSlam>(options_, own_context.pool, map_budget_bytes(own_context, reserve_mb));
+      return std::make_unique<HectorSlam>(options_, own_context.pool, map_budget_bytes(own_context, reserve_mb),
+                                          own_context.stop);
     });
   }
 

@@ -21,13 +21,13 @@ void add_feature_options(OptionTable& table, OrbSlamOptions& o) {
              {}});
   table.add({"levels", &o.levels, "", "levels of the image pyramid (Mur-Artal et al. 2015)", 1, 16, {}});
   table.add({"scale_factor", &o.scale_factor, "", "scale factor between levels", 1.05, 2, {}});
-  table.add({"fast_threshold", &o.fast_threshold, "intensity", "threshold of the FAST corner detector", 1, 255, {}});
+  table.add({"fast_threshold", &o.fast_threshold, "intensity", "threshold of the FAST corner detector", 1, 254, {}});
   table.add({"least_fast_threshold",
              &o.least_fast_threshold,
              "intensity",
              "threshold where a cell has no corner at fast_threshold",
              1,
-             255,
+             254,
              {}});
   table.add({"pixel_sigma",
              &o.pixel_sigma,

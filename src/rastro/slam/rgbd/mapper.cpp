@@ -41,6 +41,7 @@ Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamC
     : options_(options),
       camera_(camera),
       archive_(context.map ? nullptr : context.archive),
+      stop_(context.stop),
       maps_(context.map == nullptr),
       budget_(map_budget_bytes(context, options.memory_reserve_mb)),
       in_memory_(std::make_shared<MemoryImages>()),
@@ -220,7 +221,8 @@ void Mapper::revise(MapRevision& revision) const {
 
 MapRevision Mapper::settle() {
   MapRevision revision;
-  if (maps_ && graph_.size() > 1) {
+  const bool stopped = stop_ && stop_->load();
+  if (maps_ && graph_.size() > 1 && !stopped) {
     const PoseGraphResult result = graph_.optimize(true);
     revision.events.push_back({"map_revised", fmt::format("{} keyframes at the end, cost {:.1f} to {:.1f}",
                                                           graph_.size(), result.first_cost, result.last_cost)});

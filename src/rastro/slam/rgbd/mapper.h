@@ -50,7 +50,8 @@ class Mapper {
  public:
   Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context);
   MapRevision add(const KeyframeOrder& order);
-  /// Optimizes all keyframes over all constraints once more; the keyframe of the result stays null.
+  /// Optimizes all keyframes over all constraints once more, unless the run was stopped (SlamContext::stop); the
+  /// keyframe of the result stays null.
   MapRevision settle();
 
   const std::shared_ptr<const ImageStore>& images() const { return images_; }
@@ -75,7 +76,8 @@ class Mapper {
   RgbdSlamOptions options_;
   Camera camera_;
   MapArchive* archive_;
-  bool maps_;  ///< False: the given map is only read.
+  const std::atomic<bool>* stop_;  ///< May be null.
+  bool maps_;                      ///< False: the given map is only read.
   MapBudget budget_;
   std::size_t bytes_ = 0;      ///< Of features, and of images in memory.
   std::size_t frames_ = 0;     ///< As in the last input.

@@ -183,6 +183,19 @@ TEST(Mapper, TheArchiveGetsTheImagesAndEachRevisionHasTheNewEdges) {
   EXPECT_EQ(revision.weights.size(), edges);
 }
 
+TEST(Mapper, AStoppedRunIsNotOptimizedAtItsEnd) {
+  std::atomic<bool> stop = false;
+  SlamContext context;
+  context.stop = &stop;
+  Mapper mapper({}, test_room::camera(), context);
+  mapper.add(order_of(0, beside(0), beside(0)));
+  mapper.add(order_of(1, beside(1), beside(1), {edge_of(0, 1, beside(0).inverse() * beside(1))}));
+  stop = true;
+  const MapRevision revision = mapper.settle();
+  EXPECT_FALSE(has_event(revision, "map_revised"));
+  EXPECT_EQ(revision.poses.size(), 2U);
+}
+
 TEST(Mapper, AGivenMapStaysUnchanged) {
   const auto map = std::make_shared<const Map>(make_test_map(4));
   const std::vector<Keyframe>& before = map->keyframes;

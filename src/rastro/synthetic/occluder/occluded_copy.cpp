@@ -11,6 +11,7 @@
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
+#include "rastro/base/folder_lock.h"
 #include "rastro/base/log.h"
 #include "rastro/synthetic/occluder/occluder.h"
 
@@ -32,10 +33,11 @@ void make_folder(const fs::path& folder) {
     throw Error("the folder cannot be made (" + problem.message() + ")", folder.string(), "choose another --out");
 }
 
-void prepare_folder(const fs::path& folder, bool overwrite) {
+FolderLock prepare_folder(const fs::path& folder, bool overwrite) {
+  make_folder(folder);
+  FolderLock lock(folder);
   std::error_code problem;
-  const bool holds_something =
-      fs::exists(folder, problem) && !(fs::is_directory(folder, problem) && fs::is_empty(folder, problem));
+  const bool holds_something = !fs::is_empty(folder, problem);
   if (holds_something && !overwrite)
     throw Error("the folder is not empty", folder.string(), "give an empty --out, or --force to replace it");
   // Removes only the files of a copy.
@@ -45,6 +47,7 @@ void prepare_folder(const fs::path& folder, bool overwrite) {
   }
   make_folder(folder / "mav0" / "cam0" / "data");
   make_folder(folder / "mav0" / "occluder");
+  return lock;
 }
 
 void write_png(const fs::path& file, GrayImage& image, const std::vector<int>& settings) {
@@ -139,8 +142,11 @@ std::string occluder_yaml(const SourceInfo& info, std::uint64_t seed, Occluder& 
 class Copy {
  public:
   Copy(Source& source, const fs::path& folder, const OccludedCopyOptions& options, TaskPool& pool)
-      : source_(source), folder_(folder), options_(options), pool_(pool) {
-    prepare_folder(folder, options.overwrite);
+      : source_(source),
+        folder_(folder),
+        lock_(prepare_folder(folder, options.overwrite)),
+        options_(options),
+        pool_(pool) {
     list_.emplace(folder / "mav0" / "cam0" / "data.csv");
     list_->append("#timestamp [ns],filename\n");
   }
@@ -225,6 +231,7 @@ class Copy {
 
   Source& source_;
   fs::path folder_;
+  FolderLock lock_;
   OccludedCopyOptions options_;
   TaskPool& pool_;
   std::optional<AppendFile> list_;

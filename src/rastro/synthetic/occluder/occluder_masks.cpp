@@ -7,6 +7,8 @@
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
+#include "rastro/base/library_output.h"
+#include "rastro/image/image_header.h"
 
 namespace rastro {
 namespace {
@@ -18,10 +20,11 @@ std::filesystem::path masks_of(const std::filesystem::path& folder) { return fol
 GrayImage read_mask(const std::filesystem::path& file) {
   // Reads the file itself: OpenCV's reader prints if a file is missing.
   const std::string bytes = read_whole_file(file);
+  const std::vector<std::uint8_t> buffer(bytes.begin(), bytes.end());
   cv::Mat read;
+  const LibraryOutput output;
   try {
-    if (!bytes.empty())
-      read = cv::imdecode(std::vector<std::uint8_t>(bytes.begin(), bytes.end()), cv::IMREAD_GRAYSCALE);
+    if (!bytes.empty() && why_too_large(buffer).empty()) read = cv::imdecode(buffer, cv::IMREAD_GRAYSCALE);
   } catch (const cv::Exception&) {
     read.release();
   }

@@ -78,9 +78,7 @@ double path_between(const MapGraph& graph, std::int64_t from, std::int64_t to) {
 double drift_sigmas(const MapGraph& graph, const VerifiedLoop& loop, const OdometryDrift& drift) {
   const MapKeyframe &keyframe = graph.keyframe(loop.keyframe), &matched = graph.keyframe(loop.matched);
   if (keyframe.submap != matched.submap) return 0.0;
-  constexpr double least_path = 1.0;  // over which tracking may slip without a path
-  const double path =
-      least_path + path_between(graph, std::min(loop.matched, loop.keyframe), std::max(loop.matched, loop.keyframe));
+  const double path = path_between(graph, std::min(loop.matched, loop.keyframe), std::max(loop.matched, loop.keyframe));
   const SE3 predicted = keyframe.camera_from_world * matched.camera_from_world.inverse();
   const SE3 measured(loop.keyframe_from_matched.rotation(), loop.keyframe_from_matched.translation());
   return graph_sigmas(predicted, measured, drift.covariance(path));

@@ -55,7 +55,7 @@ void Tracking::process(const Frame& frame, SlamUpdate& update) {
   if (!tracked) return initialize(measured.features, update);
   if (relocalization_.is_unconfirmed() && !confirm(measured.features, *tracked, update)) return;
   Stopwatch stage;
-  observe(*tracked, ObservationState::outlier);
+  observe(*tracked, ObservationState::inlier, ObservationState::outlier);
   report_pose(*measured.features, *tracked, update);
   insert_keyframe(measured.features, *tracked, update);
   update.times.push_back({"keyframe", stage.lap_ms()});
@@ -106,7 +106,7 @@ std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, 
   const TrackingResult tracked = tracker_.track(measured.features, measured.tracks);
   update.times.push_back({"track", stage.lap_ms()});
   if (!tracked.ok) {
-    observe(tracked, ObservationState::matched);
+    observe(tracked, ObservationState::matched, ObservationState::matched);
     relocalization_.is_unconfirmed() ? relocalization_.reject() : on_lost(tracked, update);
     return std::nullopt;
   }
@@ -143,7 +143,7 @@ bool Tracking::follows_map() const { return session_.tracking && !relocalization
 
 bool Tracking::confirm(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update) {
   if (!relocalization_.confirm(frame, tracked, update)) {
-    observe(tracked, ObservationState::matched);
+    observe(tracked, ObservationState::matched, ObservationState::matched);
     return false;
   }
   initialization_.reset();
@@ -190,15 +190,15 @@ void Tracking::insert_keyframe(const FramePointer& frame, const TrackingResult& 
   }
 }
 
-/// `contradicted`: state of matches that do not fit the pose.
-void Tracking::observe(const TrackingResult& tracked, ObservationState contradicted) {
+/// States of the matches that fit the pose, and of those that do not.
+void Tracking::observe(const TrackingResult& tracked, ObservationState fitting, ObservationState contradicted) {
   for (const TrackedPoint& point : tracked.outliers) {
     observations_[point.feature].landmark = point.landmark;
     observations_[point.feature].state = contradicted;
   }
   for (const TrackedPoint& point : tracked.points) {
     observations_[point.feature].landmark = point.landmark;
-    observations_[point.feature].state = tracked.ok ? ObservationState::inlier : contradicted;
+    observations_[point.feature].state = fitting;
   }
 }
 

@@ -44,7 +44,7 @@ class Tracking {
   bool follows_map() const;
   bool confirm(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update);
   void initialize(const FramePointer& frame, SlamUpdate& update);
-  void observe(const TrackingResult& tracked, ObservationState contradicted);
+  void observe(const TrackingResult& tracked, ObservationState fitting, ObservationState contradicted);
   void observe_first_landmarks(const FeatureFrame& frame);
   void report_pose(const FeatureFrame& frame, const TrackingResult& tracked, SlamUpdate& update);
   void insert_keyframe(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update);
