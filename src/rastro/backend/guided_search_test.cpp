@@ -265,5 +265,17 @@ TEST_F(GuidedSearchTest, SearchesEverywhereWithoutAPrediction) {
   EXPECT_EQ(matches[0].subject, 4U);
 }
 
+TEST_F(GuidedSearchTest, ALevelBeyondTheCoarsestIsTheCoarsest) {
+  drawing_.add(pixel().x() + 3.0F, pixel().y(), 7, flipped(descriptor_, 2));
+  const FeatureGrid grid = drawing_.grid();
+  for (const int level : {7, 8, 9}) {
+    GuidedSearch guided = search(grid);
+    ASSERT_TRUE(guided.add_point(0, position_, level, descriptor_));
+    const auto matches = guided.match({.max_distance = 10});
+    ASSERT_EQ(matches.size(), 1U) << level;
+    EXPECT_EQ(matches[0].feature, 2U) << "level 6 is the most similar one there";
+  }
+}
+
 }  // namespace
 }  // namespace rastro

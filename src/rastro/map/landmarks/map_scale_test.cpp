@@ -16,6 +16,7 @@
 #include "rastro/map/landmarks/jackknife.h"
 #include "rastro/map/landmarks/landmark_map_testing.h"
 #include "rastro/map/landmarks/landmark_uncertainty.h"
+#include "rastro/math/alignment.h"
 
 namespace rastro {
 namespace {
@@ -272,6 +273,49 @@ TEST(KnownLengths, OneBetweenLandmarksHasTheSigmaOfTheirPositions) {
   EXPECT_NEAR(found.relative_sigma, std::sqrt(along.dot(covariance * along)) / between.norm(), 1e-12);
   EXPECT_EQ(found.measurements, 1);
   EXPECT_EQ(found.from, "a known length");
+}
+
+/// A curve of `count` poses, in the map with errors and in a reference of 2.5 m for each unit.
+std::pair<Map, Trajectory> map_and_reference(int count) {
+  Map map;
+  Trajectory reference;
+  for (int k = 0; k < count; ++k) {
+    const Eigen::Vector3d position(std::cos(0.3 * k), std::sin(0.5 * k), 0.1 * k);
+    const Eigen::Vector3d error(0.02 * (k * k % 7), -0.015 * (k % 4), 0.01 * (k * k % 5));
+    map.keyframes.push_back({k, k, k * ns_per_second, 0, SE3(SO3(), position + error), 0, no_keyframe, 1.0});
+    map.frames.push_back({k * ns_per_second, k, SE3()});
+    reference.push_back({k * ns_per_second, SE3(SO3(), 2.5 * position)});
+  }
+  return {map, reference};
+}
+
+TEST(ScaleFromReference, NeedsTenPosesWithinIt) {
+  for (const int count : {9, 10}) {
+    const auto [map, reference] = map_and_reference(count);
+    if (count < 10) {
+      EXPECT_THROW(scale_from_reference(map, reference, "here"), Error);
+    } else {
+      EXPECT_NEAR(scale_from_reference(map, reference, "here").meters_per_unit, 2.5, 0.15);
+    }
+  }
+}
+
+TEST(ScaleFromReference, ItsSigmaIsThatOfEightBlocksLeftOut) {
+  const auto [map, reference] = map_and_reference(24);
+  const auto scale_without = [&, &map = map, &reference = reference](std::size_t begin,
+                                                                     std::size_t end) -> std::optional<double> {
+    std::vector<Eigen::Vector3d> to, from;
+    for (std::size_t k = 0; k < 24; ++k) {
+      if (k >= begin && k < end) continue;
+      to.push_back(reference[k].world_from_body.translation());
+      from.push_back(map.keyframes[k].world_from_camera.translation());
+    }
+    return align_points(to, from, AlignmentKind::similarity)->target_from_source.scale();
+  };
+  const MapScaleFound found = scale_from_reference(map, reference, "here");
+  EXPECT_NEAR(found.meters_per_unit, *scale_without(0, 0), 1e-12);
+  EXPECT_NEAR(found.relative_sigma, jackknife_sigma(24, scale_without) / *scale_without(0, 0), 1e-12);
+  EXPECT_EQ(found.measurements, 24);
 }
 
 }  // namespace

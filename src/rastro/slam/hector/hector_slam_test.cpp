@@ -128,6 +128,11 @@ TEST(HectorSlam, ClosesALoopDespiteWheelSlip) {
     EXPECT_GT(off(drive, last, open.trajectory[last].world_from_body).x(), 0.12) << "there must be a loop to close";
     EXPECT_LT(off(drive, last, closed.trajectory[last].world_from_body).x(), 0.06);
     EXPECT_GT(loops_around(*closed.snapshot), 0);
+    int closed_on_the_way = 0;
+    for (const SlamUpdate& update : closed.updates)
+      closed_on_the_way += static_cast<int>(std::count_if(update.events.begin(), update.events.end(),
+                                                          [](const auto& e) { return e.kind == "loop_closed"; }));
+    EXPECT_GT(closed_on_the_way, 0) << "not only at the end";
     EXPECT_EQ(loops_around(*open.snapshot), 0);
   }
 }

@@ -231,5 +231,15 @@ TEST(LocalMapping, AKeyframesParentSharesMostAndItsPoseIsInTheCurrentUnit) {
   EXPECT_EQ(bench.map.graph.keyframe(3).parent, 0);
 }
 
+TEST(LocalMapping, OnlyTheRootIsHeldNotItsChildren) {
+  MappingBench bench(CameraKind::depth, without_keyframe_culling());
+  for (int id = 0; id < 3; ++id) bench.add_keyframe(id);
+  MapGraph& graph = bench.map.graph;
+  ASSERT_EQ(graph.keyframe(1).parent, 0);
+  graph.keyframe(1).camera_from_world = SE3(SO3(), {0.0, 0.03, 0.0}) * mapping_pose(1);
+  bench.mapping.process(bench.input(3, 2));
+  EXPECT_THAT(graph.camera_from_world(1), pose_near(mapping_pose(1), 5e-3, 1e-3));
+}
+
 }  // namespace
 }  // namespace rastro

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/hector/scan_follower.h"
+
+#include <gtest/gtest.h>
+
+#include "rastro/slam/hector/hector_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::pose_of;
+using testing::room_drive;
+using testing::WalledDrive;
+
+/// A submap of a room in its first scan's frame, and a scan 20 frames later.
+struct MappedRoom {
+  HectorOptions options;
+  WalledDrive drive = room_drive(40);
+  Submap submap{options, SE2()};
+  static constexpr std::size_t seen = 20;
+
+  MappedRoom() {
+    for (std::size_t k = 0; k < 40; k += 4) submap.insert(returns_of(drive.scan(k), options), drive.truth(k), k / 4);
+  }
+  FollowedScan follow(const SE2& off, double sigma_m, double sigma_rad, bool trusted = true) {
+    const ScanGuess guess{drive.truth(seen) * off, sigma_m, sigma_rad, trusted};
+    return ScanFollower(options).follow(submap, returns_of(drive.scan(seen), options).points, guess);
+  }
+  double error_m(const FollowedScan& followed) const {
+    return (followed.local_from_body.translation() - drive.truth(seen).translation()).norm();
+  }
+};
+
+TEST(ScanFollower, AGoodGuessIsRefinedWithoutASearch) {
+  MappedRoom room;
+  const FollowedScan followed = room.follow(pose_of(0.05, -0.04, 0.02), 0.05, 0.02);
+  EXPECT_FALSE(followed.searched);
+  EXPECT_TRUE(followed.fits);
+  EXPECT_LT(room.error_m(followed), 0.02);
+  EXPECT_GT(followed.score, 0.8);
+  EXPECT_FALSE(followed.unseen_direction);
+  EXPECT_GT(followed.covariance.diagonal().minCoeff(), 0.0);
+}
+
+/// So far off that the gradient leads elsewhere.
+TEST(ScanFollower, TheBetterOfGradientAndSearchCounts) {
+  MappedRoom room;
+  for (const bool trusted : {true, false}) {
+    const FollowedScan followed = room.follow(pose_of(0.7, -0.5, 0.6), 0.5, 0.4, trusted);
+    EXPECT_TRUE(followed.searched);
+    ASSERT_TRUE(followed.fits);
+    EXPECT_LT(room.error_m(followed), 0.03);
+  }
+}
+
+TEST(ScanFollower, AnUncertainGuessIsSearchedForEvenIfItFits) {
+  MappedRoom room;
+  const FollowedScan followed = room.follow(pose_of(0.02, 0.0, 0.0), 0.9, 0.9);
+  EXPECT_TRUE(followed.searched);
+  EXPECT_LT(room.error_m(followed), 0.02);
+}
+
+TEST(ScanFollower, AScanThatFitsNowhereKeepsTheGuess) {
+  MappedRoom room;
+  std::vector<Eigen::Vector2d> arc;
+  for (int k = 0; k < 90; ++k) arc.emplace_back(0.4 * std::cos(0.05 * k), 0.4 * std::sin(0.05 * k));
+  const ScanGuess guess{pose_of(0.5, 0.1, 0.2), 0.1, 0.1, true};
+  room.options.min_score = 0.9;
+  const FollowedScan followed = ScanFollower(room.options).follow(room.submap, arc, guess);
+  EXPECT_TRUE(followed.searched);
+  EXPECT_FALSE(followed.fits);
+  EXPECT_EQ(followed.local_from_body.matrix(), guess.local_from_body.matrix());
+}
+
+}  // namespace
+}  // namespace rastro
