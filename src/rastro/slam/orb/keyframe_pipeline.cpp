@@ -166,7 +166,7 @@ void KeyframePipeline::adjust_map() {
 
 void KeyframePipeline::archive_map() {
   if (session_.archive != nullptr && session_.mapping && mapping_.empty() && session_.archive->wants_map())
-    session_.archive->keep(map_of(session_.graph, session_.trajectory, session_.scale));
+    session_.archive->keep(map_of(session_.graph, session_.trajectory, session_.given));
 }
 
 }  // namespace rastro

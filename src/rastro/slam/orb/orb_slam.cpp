@@ -47,9 +47,8 @@ OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, c
 void OrbSlam::State::use_map(const SlamContext& context) {
   const Map& map = *context.map;
   check_map(map, session_.sensor, context.extend_map);
-  restore(map, session_.sensor.baseline, session_.graph);
+  session_.given = restore(map, session_.sensor.baseline, session_.graph);
   pipeline_.database().update();
-  session_.scale = scale_of(map);
   session_.mapping = context.extend_map;
   session_.has_map = !map.keyframes.empty();
   session_.initial_pose = context.initial_pose;
@@ -84,14 +83,16 @@ Trajectory OrbSlam::State::trajectory() const {
   pipeline_.wait();
   if (!session_.has_map) return {};
   const FrameTrajectory& frames = session_.trajectory;
-  Trajectory trajectory = frames.trajectory(session_.graph, frames.largest_submap(session_.graph));
+  // In a given map, poses are in its frame and its unit or none: those of a new submap have neither.
+  const int submap = session_.given ? 0 : frames.largest_submap(session_.graph);
+  Trajectory trajectory = frames.trajectory(session_.graph, submap);
   for (StampedPose& pose : trajectory) pose.world_from_body = pose.world_from_body * session_.sensor.camera_from_left();
   return trajectory;
 }
 
 std::shared_ptr<const Map> OrbSlam::State::snapshot() const {
   pipeline_.wait();
-  return map_of(session_.graph, session_.trajectory, session_.scale);
+  return map_of(session_.graph, session_.trajectory, session_.given);
 }
 
 MapMemory OrbSlam::State::map_memory() const {

@@ -7,6 +7,7 @@
 
 #include "rastro/backend/pipeline.h"
 #include "rastro/slam/orb/map/frame_trajectory.h"
+#include "rastro/slam/orb/map/map_export.h"
 #include "rastro/slam/orb/map/map_graph.h"
 #include "rastro/slam/orb/map/map_view.h"
 #include "rastro/slam/orb/options.h"
@@ -25,7 +26,7 @@ struct OrbSession {
   SensorChoice sensor;
   MapGraph graph;
   FrameTrajectory trajectory;
-  std::optional<MapScale> scale;  ///< Of a given map.
+  std::optional<GivenMap> given;
   MapArchive* archive = nullptr;
   const std::atomic<bool>* stop = nullptr;
   /// world_from_body. Where relocalization in a given map starts, until the first frame is localized.

@@ -93,24 +93,25 @@ void add_frames(const MapGraph& graph, const FrameTrajectory& trajectory, int la
 }  // namespace
 
 std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& trajectory,
-                                  const std::optional<MapScale>& scale) {
+                                  const std::optional<GivenMap>& given) {
   auto map = std::make_shared<Map>();
   map->method = "orb";
   map->revision = graph.newest_keyframe() + 1;
   const double baseline = graph.sensor() == CameraKind::stereo ? graph.baseline() : 0.0;
   map->cameras.push_back({graph.sensor(), graph.camera(), baseline, {}, SE3()});
-  const int largest = trajectory.largest_submap(graph);
+  const int largest = given ? 0 : trajectory.largest_submap(graph);
   add_keyframes(graph, largest, *map);
   add_landmarks(graph, *map);
   map->constraints = graph.constraints();
+  if (given) add_frames(graph, given->trajectory, largest, *map);
   add_frames(graph, trajectory, largest, *map);
   const TimeNs first = map->frames.empty() ? 0 : map->frames.front().stamp;
   const TimeNs last = map->frames.empty() ? 0 : map->frames.back().stamp;
-  map->sessions.push_back({0, 0, "", first, last, scale ? *scale : scale_of(graph.sensor())});
+  map->sessions.push_back({0, 0, "", first, last, given ? given->scale : scale_of(graph.sensor())});
   return map;
 }
 
-void restore(const Map& given, double baseline, MapGraph& graph) {
+GivenMap restore(const Map& given, double baseline, MapGraph& graph) {
   constexpr KeyframeId most_spread = 1 << 24;  // the graph has an entry for each number
   const bool spread = !given.keyframes.empty() && given.keyframes.back().id >= most_spread;
   const Map map = spread ? renumbered(given) : given;
@@ -122,6 +123,16 @@ void restore(const Map& given, double baseline, MapGraph& graph) {
   for (const Keyframe& keyframe : map.keyframes) graph.set_parent(keyframe.id, keyframe.parent);
   for (const Landmark& landmark : map.layer<LandmarkLayer>()->landmarks) graph.restore_landmark(landmark);
   graph.constraints() = map.constraints;
+  GivenMap restored{scale_of(map), {}};
+  for (std::size_t k = 0; k < map.frames.size(); ++k)
+    restored.trajectory.add({static_cast<std::int64_t>(k),
+                             map.frames[k].stamp,
+                             map.frames[k].keyframe,
+                             map.frames[k].keyframe_from_camera.inverse(),
+                             1.0,
+                             -1,
+                             {}});
+  return restored;
 }
 
 }  // namespace rastro

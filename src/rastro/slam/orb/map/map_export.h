@@ -10,10 +10,17 @@
 
 namespace rastro {
 
-/// Exports the map. The submap with most frames is renumbered to 0. `scale`: the scale of its unit, where known.
+/// What a map that is continued had besides its graph.
+struct GivenMap {
+  MapScale scale;
+  FrameTrajectory trajectory;  ///< Frames of earlier runs.
+};
+
+/// Exports the map. The submap with most frames is renumbered to 0, but that of a given map stays 0, with its scale and
+/// the frames of earlier runs.
 std::shared_ptr<const Map> map_of(const MapGraph& graph, const FrameTrajectory& trajectory,
-                                  const std::optional<MapScale>& scale);
+                                  const std::optional<GivenMap>& given);
 /// Fills an empty graph with an existing map.
-void restore(const Map& map, double baseline, MapGraph& graph);
+GivenMap restore(const Map& map, double baseline, MapGraph& graph);
 
 }  // namespace rastro

@@ -87,7 +87,7 @@ TEST(MapExport, ContainsAllOfTheGraph) {
 
 TEST(MapExport, TheScaleIsThatOfTheSensorUnlessOneIsGiven) {
   const auto exported = [](CameraKind sensor, const std::optional<MapScale>& scale) {
-    return map_of(empty_graph(sensor), {}, scale);
+    return map_of(empty_graph(sensor), {}, scale ? std::optional(GivenMap{*scale, {}}) : std::nullopt);
   };
   const auto mono = exported(CameraKind::mono, std::nullopt), stereo = exported(CameraKind::stereo, std::nullopt),
              depth = exported(CameraKind::depth, std::nullopt);
@@ -188,6 +188,31 @@ TEST(MapExport, IdsTooFarApartForTheGraphAreRenumbered) {
   restore(map, 0.1, graph);
   EXPECT_EQ(graph.keyframe_ids(), (KeyframeIds{0, 1, 2, 3, 4}));
   EXPECT_THAT(graph.camera_from_world(4), pose_near(camera_at(2.0), 1e-12, 1e-12));
+}
+
+TEST(MapExport, AContinuedMapKeepsItsSubmapItsScaleAndTheFramesOfEarlierRuns) {
+  ExportBench first;
+  const SE3 motion(SO3(), {0.1, 0.0, 0.0});
+  first.track(7, 100, 0, motion);
+  first.track(8, 200, 1, motion);
+  auto map = std::make_shared<Map>(*first.map());
+  map->sessions[0].scale = {true, 0.01, "a known length"};
+  MapGraph graph = empty_graph();
+  const GivenMap given = restore(*map, 0.1, graph);
+  EXPECT_EQ(given.scale.relative_sigma, 0.01);
+  // This run has all its frames in a new submap.
+  FrameTrajectory now;
+  graph.add_keyframe(blank_frame(9, 5.0, 0.1), camera_at(0.0), 2, -1);
+  for (const std::int64_t index : {0, 1, 2}) now.add({index, 1000 + index, 9, motion, 1.0, -1, {}});
+  const auto continued = map_of(graph, now, given);
+  EXPECT_EQ(continued->keyframes.front().submap, 0);
+  EXPECT_EQ(continued->keyframes.back().submap, 2);
+  EXPECT_EQ(continued->sessions[0].scale.origin, "a known length");
+  ASSERT_EQ(continued->frames.size(), 5U);
+  EXPECT_EQ(continued->frames[1].stamp, 200);
+  EXPECT_EQ(continued->frames[1].keyframe, 1);
+  EXPECT_THAT(continued->frames[1].keyframe_from_camera, pose_near(motion.inverse(), 1e-12, 1e-12));
+  EXPECT_EQ(continued->frames[2].stamp, 1000);
 }
 
 }  // namespace
