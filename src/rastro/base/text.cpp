@@ -115,7 +115,7 @@ std::string one_line(std::string_view text, std::size_t longest) {
   return text.empty() ? shown : shown + "...";
 }
 
-std::string in_quotes(std::string_view text) { return "'" + one_line(text, 60) + "'"; }
+std::string in_quotes(std::string_view text) { return fmt::format("'{}'", one_line(text, 60)); }
 
 std::string nearest_name(std::string_view wanted, std::span<const std::string> names) {
   // Names are short: of a longer text only the beginning is compared.

@@ -142,7 +142,7 @@ TEST(MapFile, AnEmptyMapAndFloatDescriptorsAreMapsToo) {
 
 TEST(MapFile, AnInvalidFileIsRefusedInOneLine) {
   const fs::path file = scratch_path("bad.rastro");
-  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("cannot be read"));
+  EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("no such file"));
   write_whole_file(file, "a text");
   EXPECT_THAT(message_of([&] { load_map(file); }), HasSubstr("not a map of rastro"));
   EXPECT_THAT(message_of([&] { check_map_file(file); }), HasSubstr("not a map of rastro"));

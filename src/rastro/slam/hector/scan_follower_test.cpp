@@ -46,7 +46,7 @@ TEST(ScanFollower, AGoodGuessIsRefinedWithoutASearch) {
 TEST(ScanFollower, TheBetterOfGradientAndSearchCounts) {
   MappedRoom room;
   for (const bool trusted : {true, false}) {
-    const FollowedScan followed = room.follow(pose_of(0.7, -0.5, 0.6), 0.5, 0.4, trusted);
+    const FollowedScan followed = room.follow(pose_of(0.45, -0.3, 0.3), 0.5, 0.4, trusted);
     EXPECT_TRUE(followed.searched);
     ASSERT_TRUE(followed.fits);
     EXPECT_LT(room.error_m(followed), 0.03);

@@ -250,7 +250,7 @@ TEST(KeyframePipeline, TheMapIsArchivedWhenItGrowsAndNoJobIsInFlight) {
   SlamContext context;
   context.archive = &archive;
   PipelineBench bench(without_culling(), context);
-  bench.session.scale = MapScale{true, 0.5, "a known length"};
+  bench.session.given = GivenMap{MapScale{true, 0.5, "a known length"}, {}};
   bench.pipeline.archive_map();
   EXPECT_EQ(archive.kept.size(), 0U) << "a keyframe is being processed";
   bench.pipeline.take_all_results(bench.events);
