@@ -43,7 +43,7 @@ threads() {
   (ulimit -v 3000000 && run 0 track "$hall" --out "$here/few" --frames 0:3 --threads 1000)
   said 'of 1000 threads are used'
   (ulimit -v 3000000 && run 0 slam "$hall" --method orb --out "$here/slam" --frames 0:3 --threads 1000)
-  (ulimit -v 600000 && run 0 track "$hall" --out "$here/fewer" --frames 0:3 --threads 64)
+  (ulimit -v 1500000 && run 0 track "$hall" --out "$here/fewer" --frames 0:3 --threads 64)
   cmp "$here/few/tracks.csv" "$here/fewer/tracks.csv" || fail "the result depends on the threads"
 }
 

@@ -46,6 +46,21 @@ std::optional<TrackingResult> Relocalization::relocalize(const FramePointer& fra
   return tracked;
 }
 
+void Relocalization::on_lost() { last_pose_ = {tracker_.last_pose(), tracker_.velocity(), session_.frame_number}; }
+
+/// Within a few frames, no farther than twice the last velocity leads, plus a little where that was small.
+bool Relocalization::continues_motion(const SE3& camera_from_world) const {
+  constexpr std::int64_t most_frames = 5;
+  constexpr double least_distance = 0.05, least_angle_rad = 0.05;  // meters, or the median depth of the first map
+  if (!last_pose_) return false;
+  const std::int64_t frames = session_.frame_number - last_pose_->frame + 1;
+  if (frames > most_frames) return false;
+  const SE3 moved = camera_from_world * last_pose_->camera_from_world.inverse();
+  const double reach = 2.0 * static_cast<double>(frames);
+  return moved.translation().norm() <= least_distance + reach * last_pose_->velocity.translation().norm() &&
+         moved.rotation().log().norm() <= least_angle_rad + reach * last_pose_->velocity.rotation().log().norm();
+}
+
 AcceptanceOptions Relocalization::acceptance() const {
   return {.min_inliers = session_.options.min_inliers,
           .min_inlier_share = session_.options.relocalize_inlier_share,
@@ -58,7 +73,8 @@ bool Relocalization::confirm(const FramePointer& frame, const TrackingResult& tr
   const AcceptanceOptions limits = acceptance();
   const auto agreeing = static_cast<int>(hypothesis_->frames.size()) + 1;
   const Rejection rejection = judge(evidence, limits);
-  if (rejection == Rejection::none && agreeing >= limits.min_confirmations) {
+  const bool confirmed = agreeing >= limits.min_confirmations || continues_motion(tracked.camera_from_world);
+  if (rejection == Rejection::none && confirmed) {
     accept(tracked, update);
     return true;
   }

@@ -18,12 +18,15 @@ namespace rastro {
 
 /// Relocalizes when tracking is lost (Mur-Artal et al. 2015, section V.C). A relocalization is a hypothesis at first:
 /// several frames in a row must be tracked from it, and each must observe a share of the landmarks that it predicts to
-/// be visible. Then these frames and those lost before get poses.
+/// be visible. One frame is enough where tracking was lost a moment ago and the camera is about where its motion was
+/// leading. Then these frames and those lost before get poses.
 class Relocalization {
  public:
   /// All outlive this.
   Relocalization(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline, KeyframeInsertion& keyframes);
 
+  /// Tracking has been lost in this frame.
+  void on_lost();
   /// Begins a hypothesis, which the tracker then follows. nullopt: not relocalized; the frame is kept.
   std::optional<TrackingResult> relocalize(const std::shared_ptr<const FeatureFrame>& frame,
                                            std::vector<SlamEvent>& events);
@@ -43,8 +46,14 @@ class Relocalization {
     FrameTracker first;  ///< Tracking at its first frame, to track backward from.
     std::vector<std::pair<FramePointer, TrackedFrame>> frames;
   };
+  /// The last pose before the loss.
+  struct LastPose {
+    SE3 camera_from_world, velocity;
+    std::int64_t frame = 0;  ///< Frame number of the first lost frame.
+  };
 
   AcceptanceOptions acceptance() const;
+  bool continues_motion(const SE3& camera_from_world) const;
   std::vector<std::int64_t> hinted_keyframes() const;
   void keep(const FramePointer& frame);
   void accept(const TrackingResult& tracked, SlamUpdate& update);
@@ -57,6 +66,7 @@ class Relocalization {
   FrameRelocalizer relocalizer_;
   std::deque<FramePointer> lost_;  ///< The most recent ones.
   std::optional<Unconfirmed> hypothesis_;
+  std::optional<LastPose> last_pose_;
 };
 
 }  // namespace rastro

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <tuple>
 #include <utility>
 
 #include "rastro/math/math_testing.h"
@@ -199,6 +200,17 @@ TEST(Relocalization, EnoughOfTheMatchesMustFit) {
     options.relocalize_inlier_share = share;
     RelocalizationBench bench(CameraKind::mono, options);
     EXPECT_EQ(bench.relocalize(10, 1.0, {.noise_px = 2.4}).has_value(), share < 0.5) << bench.update.detail;
+  }
+}
+
+TEST(Relocalization, WhereTheMotionWasLeadingOneFrameIsEnough) {
+  for (const auto& [at, frames_later, enough] :
+       {std::tuple{2.2, 2, true}, {2.9, 2, false}, {1.8, 2, true}, {0.5, 2, false}, {2.2, 9, false}}) {
+    RelocalizationBench bench(CameraKind::mono, confirmed_by(3));
+    bench.session.frame_number = 50;
+    bench.relocalization.on_lost();  // standing at stop 2
+    bench.session.frame_number = 50 + frames_later;
+    EXPECT_EQ(bench.relocalize(10, at).has_value(), enough) << at << ' ' << frames_later;
   }
 }
 

@@ -123,6 +123,7 @@ void Tracking::on_lost(const TrackingResult& tracked, SlamUpdate& update) {
   update.detail = fmt::format("needs at least {} inliers, got {} of {} matches", session_.options.min_inliers,
                               tracked.inliers, tracked.matches);
   update.world_from_body = tracker_.predicted().inverse();
+  relocalization_.on_lost();
   session_.tracking = false;
   session_.lost_frames = 0;
   initialization_.reset();
