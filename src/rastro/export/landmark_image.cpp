@@ -152,10 +152,10 @@ class Drawing {
     while (length * sheet_.px_per_unit() < 30.0) length *= 10.0;
     while (length * sheet_.px_per_unit() > 300.0) length /= 10.0;
     pen_.line({{10.0, 22.0}, {10.0 + length * sheet_.px_per_unit(), 22.0}}, dark, 3.0);
-    pen_.text(
-        fmt::format("{:g} {}   {} keyframes, {} landmarks, covisible: {} shared", length,
-                    scale_of(map_).metric ? "m" : "units", map_.keyframes.size(), content_.landmark_count, covisible),
-        {10.0, 16.0}, TextAnchor::left, 13.0, dark);
+    const char* unit = scale_of(map_).metric ? "m" : length == 1.0 ? "map unit" : "map units";
+    pen_.text(fmt::format("{:g} {}   {} keyframes, {} landmarks, covisible: {} shared", length, unit,
+                          map_.keyframes.size(), content_.landmark_count, covisible),
+              {10.0, 16.0}, TextAnchor::left, 13.0, dark);
   }
 
   const Map& map_;
