@@ -13,11 +13,11 @@ namespace rastro {
 namespace {
 
 constexpr int cell_px = 4;
-constexpr double edge_share = 0.12;     // Of the cells: those with the largest gradients are edges.
+constexpr double edge_share = 0.12;        // Of the cells: those with the largest gradients are edges.
 constexpr double least_depth_step = 0.08;  // Of the depth.
 constexpr std::size_t least_steps = 60;
 constexpr int dense_frames = 240, burst_frames = 24, burst_every = 120;
-constexpr double most_overlap = 0.75;   // Of the edges of two images, if the camera moved between them.
+constexpr double most_overlap = 0.75;  // Of the edges of two images, if the camera moved between them.
 constexpr int least_advantages = 10;
 constexpr double least_better = 0.75;
 constexpr double least_mirror_gain = 0.08, least_lag_gain = 0.06;
@@ -134,7 +134,8 @@ void DepthCheck::add(const TrackedWindow& window, const Camera& camera, InputWar
   if (mirrored > clear_residuals * given) return;
   ++windows_mirrored_;
   mirror_evidence_ += std::log(given / mirrored);
-  if (windows_mirrored_ < 2 || windows_mirrored_ < 3 * windows_right_ || mirror_evidence_ < least_mirror_evidence) return;
+  if (windows_mirrored_ < 2 || windows_mirrored_ < 3 * windows_right_ || mirror_evidence_ < least_mirror_evidence)
+    return;
   said_ = true;
   found.push_back({"depth_mirrored",
                    fmt::format("the depth seems to be mirrored: features move as their depth says to {:.2f} px, and to "
@@ -164,7 +165,8 @@ void DepthCheck::check_spread(const DepthImage& depth, InputWarnings& found) {
 void DepthCheck::compare(InputWarnings& found) {
   const Outline& now = recent_.back();
   if (now.depth_steps.size() >= least_steps) {
-    mirrored_.add(share_on_edges(now.depth_steps, now.is_edge, false), share_on_edges(now.depth_steps, now.is_edge, true));
+    mirrored_.add(share_on_edges(now.depth_steps, now.is_edge, false),
+                  share_on_edges(now.depth_steps, now.is_edge, true));
   }
   for (std::size_t k = 0; k + 1 < recent_.size(); ++k) {
     const Outline& then = recent_[k];
@@ -175,7 +177,7 @@ void DepthCheck::compare(InputWarnings& found) {
       by_lag_[static_cast<std::size_t>(most_lag + index)].add(share_on_edges(depth.depth_steps, depth.is_edge, false),
                                                               share_on_edges(depth.depth_steps, image.is_edge, false));
     };
-    add_to(lag, now, then);   // the depth of now belongs to the image of then: it is late
+    add_to(lag, now, then);  // the depth of now belongs to the image of then: it is late
     add_to(-lag, then, now);
     frame_s_ = to_seconds(now.stamp - then.stamp) / lag;
   }
@@ -185,11 +187,12 @@ void DepthCheck::compare(InputWarnings& found) {
 void DepthCheck::judge(InputWarnings& found) {
   if (mirrored_.is_sure(least_mirror_gain)) {
     said_ = true;
-    found.push_back({"depth_mirrored",
-                     fmt::format("the depth seems to be mirrored: {:.0f} % of its steps lie on edges of the image as it "
-                                 "is, {:.0f} % of them mirrored left to right ({} images)",
-                                 100.0 * mirrored_.own / mirrored_.frames, 100.0 * mirrored_.other / mirrored_.frames,
-                                 mirrored_.frames)});
+    found.push_back(
+        {"depth_mirrored",
+         fmt::format("the depth seems to be mirrored: {:.0f} % of its steps lie on edges of the image as it "
+                     "is, {:.0f} % of them mirrored left to right ({} images)",
+                     100.0 * mirrored_.own / mirrored_.frames, 100.0 * mirrored_.other / mirrored_.frames,
+                     mirrored_.frames)});
     return;
   }
   const auto best = std::max_element(by_lag_.begin(), by_lag_.end(), [](const Advantage& a, const Advantage& b) {
@@ -198,12 +201,12 @@ void DepthCheck::judge(InputWarnings& found) {
   const int lag = static_cast<int>(best - by_lag_.begin()) - most_lag;
   if (std::abs(lag) < 2 || !best->is_sure(least_lag_gain)) return;
   said_ = true;
-  found.push_back({"depth_late",
-                   fmt::format("the depth seems to be {:.2f} s {} than the image: {:.0f} % of its steps lie on edges of "
-                               "its own image, {:.0f} % on those of {} frames {} ({} images); check the stamps",
-                               std::abs(lag) * frame_s_, lag > 0 ? "later" : "earlier", 100.0 * best->own / best->frames,
-                               100.0 * best->other / best->frames, std::abs(lag), lag > 0 ? "before" : "after",
-                               best->frames)});
+  found.push_back(
+      {"depth_late",
+       fmt::format("the depth seems to be {:.2f} s {} than the image: {:.0f} % of its steps lie on edges of "
+                   "its own image, {:.0f} % on those of {} frames {} ({} images); check the stamps",
+                   std::abs(lag) * frame_s_, lag > 0 ? "later" : "earlier", 100.0 * best->own / best->frames,
+                   100.0 * best->other / best->frames, std::abs(lag), lag > 0 ? "before" : "after", best->frames)});
 }
 
 }  // namespace rastro

@@ -30,7 +30,7 @@ class DepthCheck {
   /// A frame in cells of 4 x 4 pixels.
   struct Outline {
     TimeNs stamp = 0;
-    Image<std::uint8_t> is_edge;             ///< 1 on and beside an edge of the image.
+    Image<std::uint8_t> is_edge;               ///< 1 on and beside an edge of the image.
     std::vector<Eigen::Vector2i> depth_steps;  ///< Cells before a nearer surface.
   };
   /// How much better the depth fits something else than its own image, one number per frame.

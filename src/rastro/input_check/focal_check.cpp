@@ -75,12 +75,13 @@ void FocalCheck::judge(InputWarnings& found) {
              others = right + static_cast<int>((is_shorter ? longer : shorter).given.size());
   if (against < least_votes || votes.evidence < least_evidence || against < 3 * others) return;
   said_ = true;
-  found.push_back({"focal_length",
-                   fmt::format("features move as with a {} focal length: residual {:.2f} px with fx = {:.0f} px, "
-                               "{:.2f} px with {} of it (medians of {} windows); check fx, fy and the image size of the "
-                               "calibration",
-                               is_shorter ? "shorter" : "longer", median(votes.given), camera_->fx,
-                               median(votes.better), is_shorter ? "0.5 to 0.7" : "1.4 to 2", against)});
+  found.push_back(
+      {"focal_length",
+       fmt::format("features move as with a {} focal length: residual {:.2f} px with fx = {:.0f} px, "
+                   "{:.2f} px with {} of it (medians of {} windows); check fx, fy and the image size of the "
+                   "calibration",
+                   is_shorter ? "shorter" : "longer", median(votes.given), camera_->fx, median(votes.better),
+                   is_shorter ? "0.5 to 0.7" : "1.4 to 2", against)});
 }
 
 }  // namespace rastro

@@ -119,11 +119,11 @@ void LaserCheck::judge_direction(InputWarnings& found) {
   const bool forward_right = forward_.same >= least_forwards / 2 && forward_.same >= 5 * forward_.opposite;
   if (path_reversed && (turns_reversed || (forward_.reversed(least_forwards) && yaw_.same == 0))) {
     direction_wrong_ = true;
-    found.push_back({"odometry_reversed",
-                     fmt::format("odometry runs against the scans: {} of {} motions and {} of {} rotations have the "
-                                 "opposite direction; check the sign of the odometry",
-                                 forward_.opposite, forward_.same + forward_.opposite, yaw_.opposite,
-                                 yaw_.same + yaw_.opposite)});
+    found.push_back(
+        {"odometry_reversed",
+         fmt::format("odometry runs against the scans: {} of {} motions and {} of {} rotations have the "
+                     "opposite direction; check the sign of the odometry",
+                     forward_.opposite, forward_.same + forward_.opposite, yaw_.opposite, yaw_.same + yaw_.opposite)});
   } else if (turns_reversed && (forward_right || yaw_.reversed(3 * least_yaws))) {
     direction_wrong_ = true;
     found.push_back({"laser_mirrored",
@@ -140,10 +140,11 @@ void LaserCheck::judge_scale(InputWarnings& found) {
   if (ratio <= 0.0 || (ratio < most_ratio && ratio > 1.0 / most_ratio)) return;
   if (share_near(ratios_, ratio) < least_agreeing || share_near(ratios_, 1.0) > most_right) return;
   scale_wrong_ = true;
-  found.push_back({"laser_scale",
-                   fmt::format("{} motions between scans are {:.2f} times as long as by odometry: check the unit of the "
-                               "ranges, or the scale of the odometry",
-                               ratios_.size(), ratio)});
+  found.push_back(
+      {"laser_scale",
+       fmt::format("{} motions between scans are {:.2f} times as long as by odometry: check the unit of the "
+                   "ranges, or the scale of the odometry",
+                   ratios_.size(), ratio)});
 }
 
 }  // namespace rastro

@@ -14,9 +14,9 @@ namespace rastro {
 namespace {
 
 constexpr std::size_t least_rays = 40;
-constexpr double least_share = 0.6;     // Of the features, with rays and depth.
-constexpr double outlier_px = 4.0;      // What an outlier counts at most.
-constexpr double rotation_px = 1.0;     // A median error below: the camera only rotated.
+constexpr double least_share = 0.6;  // Of the features, with rays and depth.
+constexpr double outlier_px = 4.0;   // What an outlier counts at most.
+constexpr double rotation_px = 1.0;  // A median error below: the camera only rotated.
 constexpr double sample_error_px = 1.5;
 
 /// The same features in three frames, normalized; depths are 0 where unknown.

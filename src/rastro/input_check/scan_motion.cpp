@@ -71,8 +71,8 @@ void ScanMotion::draw(const Eigen::Vector2d& point) {
   const Eigen::Vector2i cell = ((point - origin_) / scan_cell_m).array().floor().cast<int>();
   for (int y = cell.y() - 1; y <= cell.y() + 1; ++y) {
     for (int x = cell.x() - 1; x <= cell.x() + 1; ++x) {
-      std::uint8_t& value = cells_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                                   static_cast<std::size_t>(x)];
+      std::uint8_t& value =
+          cells_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
       value = std::max(value, x == cell.x() && y == cell.y() ? at_surface : beside_surface);
     }
   }

@@ -71,14 +71,14 @@ void StereoCheck::add(const Frame& frame, InputWarnings& found) {
   last_ = std::move(pair);
 }
 
-StereoCheck::View StereoCheck::view_of(const GrayImage& image, const Camera& camera,
-                                       const SO3& camera_from_rectified) {
+StereoCheck::View StereoCheck::view_of(const GrayImage& image, const Camera& camera, const SO3& camera_from_rectified) {
   View view{extractor_.extract(image), {}};
   const SO3 rectified_from_camera = camera_from_rectified.inverse();
   for (const Keypoint& keypoint : view.features.keypoints) {
     const auto ray = camera.unproject({static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)});
     const Eigen::Vector3d direction =
-        ray ? Eigen::Vector3d(rectified_from_camera * Eigen::Vector3d(ray->x(), ray->y(), 1.0)) : Eigen::Vector3d::Zero();
+        ray ? Eigen::Vector3d(rectified_from_camera * Eigen::Vector3d(ray->x(), ray->y(), 1.0))
+            : Eigen::Vector3d::Zero();
     const bool ahead = direction.z() > 0.1;
     view.rectified.push_back(ahead ? Eigen::Vector2d(left_->fx * direction.head<2>() / direction.z())
                                    : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
@@ -147,14 +147,16 @@ bool StereoCheck::judge_time(InputWarnings& found) {
     is_early += sample.right_early.matches >= least_matches && early.back() < timed_share * now ? 1 : 0;
   }
   const std::size_t wrong = std::max(is_late, is_early);
-  if (wrong < least_samples || static_cast<double>(wrong) < least_untimed_samples * static_cast<double>(samples_.size()))
+  if (wrong < least_samples ||
+      static_cast<double>(wrong) < least_untimed_samples * static_cast<double>(samples_.size()))
     return false;
   const bool lags = is_late >= is_early;
-  found.push_back({"stereo_unsynchronized",
-                   fmt::format("the right image seems to be of {} moment: vertical disparities of {:.1f} px (median) "
-                               "fall to {:.1f} px against the {} left image; check the stamps or the trigger of the pair",
-                               lags ? "an earlier" : "a later", median(together), median(lags ? late : early),
-                               lags ? "previous" : "next")});
+  found.push_back(
+      {"stereo_unsynchronized",
+       fmt::format("the right image seems to be of {} moment: vertical disparities of {:.1f} px (median) "
+                   "fall to {:.1f} px against the {} left image; check the stamps or the trigger of the pair",
+                   lags ? "an earlier" : "a later", median(together), median(lags ? late : early),
+                   lags ? "previous" : "next")});
   return true;
 }
 
@@ -167,20 +169,22 @@ void StereoCheck::judge_rectification(InputWarnings& found) {
   }
   if (static_cast<double>(off) < least_unrectified_samples * static_cast<double>(samples_.size())) return;
   said_ = true;
-  found.push_back({"stereo_not_rectified",
-                   fmt::format("matches between the images of a pair miss the calibration's epipolar lines by {:.1f} px "
-                               "(median over {} pairs): check the order of the images, intrinsics and pose of the "
-                               "cameras, whether the images are rectified, and whether both are of the same moment",
-                               median(sizes), samples_.size())});
+  found.push_back(
+      {"stereo_not_rectified",
+       fmt::format("matches between the images of a pair miss the calibration's epipolar lines by {:.1f} px "
+                   "(median over {} pairs): check the order of the images, intrinsics and pose of the "
+                   "cameras, whether the images are rectified, and whether both are of the same moment",
+                   median(sizes), samples_.size())});
 }
 
 void StereoCheck::judge_baseline(InputWarnings& found) {
   baseline_judged_ = true;
   if (baseline_m_ >= shortest_baseline_m && baseline_m_ <= longest_baseline_m) return;
-  found.push_back({"baseline",
-                   fmt::format("the baseline is {:.4g} m, and stereo cameras have {:g} to {:g} m: all lengths scale with "
-                               "it; check the unit of the calibration",
-                               baseline_m_, shortest_baseline_m, longest_baseline_m)});
+  found.push_back(
+      {"baseline",
+       fmt::format("the baseline is {:.4g} m, and stereo cameras have {:g} to {:g} m: all lengths scale with "
+                   "it; check the unit of the calibration",
+                   baseline_m_, shortest_baseline_m, longest_baseline_m)});
 }
 
 }  // namespace rastro

@@ -78,8 +78,7 @@ void WindowTracker::follow(const Frame& frame) {
   for (const std::size_t i : alive_) {
     const auto& track = window_.tracks[i];
     points.push_back(track.back());
-    guesses.push_back(track.size() < 2 ? track.back()
-                                       : Eigen::Vector2f(2.0F * track.back() - track[track.size() - 2]));
+    guesses.push_back(track.size() < 2 ? track.back() : Eigen::Vector2f(2.0F * track.back() - track[track.size() - 2]));
   }
   std::vector<KltResult> results(points.size());
   klt_follow(last_, current_, points, guesses, window_klt, nullptr, results);

@@ -22,7 +22,8 @@ constexpr const char* online_poses =
 
 class Runner {
  public:
-  explicit Runner(const OdometryRun& run) : run_(run), reader_(*run.source, run.folder), input_(run.source->info(), run.folder) {
+  explicit Runner(const OdometryRun& run)
+      : run_(run), reader_(*run.source, run.folder), input_(run.source->info(), run.folder) {
     if (run.folder) online_.emplace(run.folder->file("trajectory_online.txt")).append(tum_header(online_poses));
   }
 

@@ -47,7 +47,8 @@ GrayImage copy_of(GrayView view) {
 
 class Runner {
  public:
-  explicit Runner(const SlamRun& run) : run_(run), reader_(*run.source, run.folder), input_(run.source->info(), run.folder) {
+  explicit Runner(const SlamRun& run)
+      : run_(run), reader_(*run.source, run.folder), input_(run.source->info(), run.folder) {
     if (!run.folder) return;
     stats_.emplace(run.folder->file("stats.csv"));
     online_.emplace(run.folder->file("trajectory_online.txt")).append(tum_header(online_poses));

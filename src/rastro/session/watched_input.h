@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Internal: not installed.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
