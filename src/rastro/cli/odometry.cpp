@@ -156,6 +156,7 @@ std::string summary(const OdometryRunEnd& end, const std::string& folder) {
         "the images contradict the calibration: check fx, fy, cx, cy and the distortion (--calibration, --intrinsics); "
         "events.jsonl has the values that fit better\n";
   }
+  for (const InputWarning& warning : result.warnings) text += "warning: " + warning.text + "\n";
   if (result.skipped_frames > 0) text += fmt::format("{} frames could not be read\n", result.skipped_frames);
   if (result.tracking == 0)
     text +=

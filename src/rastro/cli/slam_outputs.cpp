@@ -226,6 +226,7 @@ std::string slam_summary(const SlamRunEnd& end, const SlamOutputs& outputs, cons
   if (result.timing.dropped_frames > 0)
     text += fmt::format("  dropped      {} frames were not mapped because mapping was too slow\n",
                         result.timing.dropped_frames);
+  for (const InputWarning& warning : result.warnings) text += fmt::format("  warning      {}\n", warning.text);
   text += fmt::format("  result       sha256 {}\n", result.result_sha256);
   text += fmt::format("written to {}: {} result.json stats.csv\n", folder, fmt::join(outputs.files, " "));
   if (result.skipped_frames > 0) {

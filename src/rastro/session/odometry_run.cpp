@@ -12,6 +12,7 @@
 #include "rastro/session/run_loop.h"
 #include "rastro/session/time_histogram.h"
 #include "rastro/session/trajectory_text.h"
+#include "rastro/session/watched_input.h"
 
 namespace rastro {
 namespace {
@@ -21,7 +22,8 @@ constexpr const char* online_poses =
 
 class Runner {
  public:
-  explicit Runner(const OdometryRun& run) : run_(run), reader_(*run.source, run.folder) {
+  explicit Runner(const OdometryRun& run)
+      : run_(run), reader_(*run.source, run.folder), input_(run.source->info(), run.folder) {
     if (run.folder) online_.emplace(run.folder->file("trajectory_online.txt")).append(tum_header(online_poses));
   }
 
@@ -38,6 +40,7 @@ class Runner {
   void process(const Frame& frame) {
     const OdometryUpdate update = run_.method->process(frame);
     times_.add(update.milliseconds);
+    input_.add(frame);
     count(update);
     if (run_.watch) run_.watch(frame, update);
     if (run_.folder) write(update);
@@ -68,6 +71,7 @@ class Runner {
     end_.trajectory = run_.method->trajectory();
     end_.first_skip = reader_.first_skip();
     result.skipped_frames = reader_.skipped();
+    result.warnings = input_.warnings();
     const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames);
     const double posed = static_cast<double>(end_.trajectory.size());
     result.coverage = asked > 0 ? 100.0 * posed / static_cast<double>(asked) : 0.0;
@@ -78,6 +82,7 @@ class Runner {
 
   const OdometryRun& run_;
   FrameReader reader_;
+  WatchedInput input_;
   std::optional<AppendFile> online_;
   OdometryRunEnd end_;
   TimeHistogram times_;
@@ -101,6 +106,7 @@ std::string to_json(const OdometryResult& result) {
   json["initializing"] = result.initializing;
   json["unused_frames"] = result.unused_frames;
   json["reasons"] = result.reasons;
+  json["warnings"] = json_of(result.warnings);
   json["path_length"] = rounded(result.path_length);
   json["scale"] = result.scale;
   json["ms_per_frame_mean"] = rounded(result.ms_per_frame_mean);

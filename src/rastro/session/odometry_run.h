@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "rastro/input_check/input_warning.h"
 #include "rastro/odometry/odometry.h"
 #include "rastro/sensor/source.h"
 #include "rastro/session/run_folder.h"
@@ -46,6 +47,7 @@ struct OdometryResult {
   std::string scale = "relative";  ///< Or the source of the metric scale.
   double ms_per_frame_mean = 0.0, ms_per_frame_p95 = 0.0;
   double peak_memory_mb = 0.0;
+  InputWarnings warnings;     ///< What the input contradicts: its calibration, or its other sensors.
   std::string result_sha256;  ///< Of trajectory.txt.
   bool interrupted = false;
   std::string ended;  ///< "end of data", "interrupted", or the error that ended the run.

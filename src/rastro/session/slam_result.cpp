@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "rastro/session/watched_input.h"
+
 namespace rastro {
 namespace {
 
@@ -71,6 +73,7 @@ std::string to_json(const SlamResult& result) {
     json["map_memory_budget_mb"] = rounded(static_cast<double>(result.map_memory.budget_bytes) / bytes_per_mb);
   if (!result.map_memory.measures.empty()) json["map_memory_measures"] = result.map_memory.measures;
   json["reasons"] = result.reasons;
+  json["warnings"] = json_of(result.warnings);
   json["stages"] = stages_of(result);
   json["result_sha256"] = result.result_sha256;
   json["interrupted"] = result.interrupted;

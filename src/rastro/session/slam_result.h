@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "rastro/input_check/input_warning.h"
 #include "rastro/map/graph/map.h"
 #include "rastro/session/time_histogram.h"
 #include "rastro/slam/slam.h"
@@ -53,6 +54,7 @@ struct SlamResult {
   SlamTiming timing;
   double peak_memory_mb = 0.0;
   MapMemory map_memory;       ///< Of the map alone at the end, by the method's own count.
+  InputWarnings warnings;     ///< What the input contradicts: its calibration, or its other sensors.
   std::string result_sha256;  ///< Of trajectory.txt and the files of the map.
   bool interrupted = false;
   std::string ended;  ///< "end of data", "interrupted", or the error that ended the run.

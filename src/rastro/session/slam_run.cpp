@@ -19,6 +19,7 @@
 #include "rastro/session/run_loop.h"
 #include "rastro/session/slam_stats.h"
 #include "rastro/session/trajectory_text.h"
+#include "rastro/session/watched_input.h"
 
 namespace rastro {
 namespace {
@@ -46,7 +47,8 @@ GrayImage copy_of(GrayView view) {
 
 class Runner {
  public:
-  explicit Runner(const SlamRun& run) : run_(run), reader_(*run.source, run.folder) {
+  explicit Runner(const SlamRun& run)
+      : run_(run), reader_(*run.source, run.folder), input_(run.source->info(), run.folder) {
     if (!run.folder) return;
     stats_.emplace(run.folder->file("stats.csv"));
     online_.emplace(run.folder->file("trajectory_online.txt")).append(tum_header(online_poses));
@@ -70,6 +72,7 @@ class Runner {
     update.milliseconds = watch.lap_ms();
     count(update);
     note_covariance(update);
+    input_.add(frame);
     if (run_.folder) write(update);
     if (run_.progress)
       run_.progress({end_.result.frames + reader_.skipped(), run_.frames_asked, end_.result.loops_closed, &update});
@@ -164,6 +167,7 @@ class Runner {
     SlamResult& result = end_.result;
     end_.first_skip = reader_.first_skip();
     result.skipped_frames = reader_.skipped();
+    result.warnings = input_.warnings();
     result.timing.dropped_frames = run_.method->dropped_frames();
     const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames);
     const double posed = static_cast<double>(end_.trajectory.size());
@@ -190,6 +194,7 @@ class Runner {
 
   const SlamRun& run_;
   FrameReader reader_;
+  WatchedInput input_;
   std::optional<SlamStats> stats_;
   std::optional<AppendFile> online_, covariances_;
   SlamRunEnd end_;

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: not installed.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "rastro/camera/camera.h"
+#include "rastro/input_check/input_warning.h"
+#include "rastro/input_check/tracked_window.h"
+#include "rastro/sensor/frame.h"
+
+namespace rastro {
+
+/// Checks depth images against the gray ones: do steps of the depth lie on edges of the image, or on those of its
+/// mirror image, or of an earlier or later image? And is it depth at all, or one value?
+class DepthCheck {
+ public:
+  /// Adds what is sure since this frame to `found`, each kind once.
+  void add(const Frame& frame, InputWarnings& found);
+  /// Of the same frames: the motion of features with their depth.
+  void add(const TrackedWindow& window, const Camera& camera, InputWarnings& found);
+
+ private:
+  static constexpr int most_lag = 8;  ///< Frames.
+
+  /// A frame in cells of 4 x 4 pixels.
+  struct Outline {
+    TimeNs stamp = 0;
+    Image<std::uint8_t> is_edge;               ///< 1 on and beside an edge of the image.
+    std::vector<Eigen::Vector2i> depth_steps;  ///< Cells before a nearer surface.
+  };
+  /// How much better the depth fits something else than its own image, one number per frame.
+  struct Advantage {
+    int frames = 0, better = 0;
+    double sum = 0.0, own = 0.0, other = 0.0;
+    void add(double own_share, double other_share);
+    bool is_sure(double least_mean) const;
+  };
+
+  void check_spread(const DepthImage& depth, InputWarnings& found);
+  void compare(InputWarnings& found);
+  void judge(InputWarnings& found);
+
+  std::int64_t frames_ = 0;
+  int constant_ = 0, varied_ = 0;
+  bool said_constant_ = false, said_ = false;
+  std::deque<Outline> recent_;  ///< The newest last.
+  Advantage mirrored_;
+  std::array<Advantage, 2 * most_lag + 1> by_lag_;  ///< Depth is that many frames later than the image, from -most_lag.
+  double frame_s_ = 0.0;
+  int windows_right_ = 0, windows_mirrored_ = 0;
+  double mirror_evidence_ = 0.0;
+};
+
+}  // namespace rastro

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/input_check/focal_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rastro/input_check/motion_residual.h"
+#include "rastro/math/median.h"
+
+namespace rastro {
+namespace {
+
+constexpr std::size_t given_factor = 2;
+constexpr double clearly_better = 0.8, clear_px = 0.15;
+constexpr double worst_px = 4.0;  // Larger residuals say no more.
+// Evidence is the logarithm of the ratio of residuals: two windows where another focal length leaves 0.6 of them.
+constexpr int least_votes = 2;
+constexpr double least_evidence = 1.0;
+
+struct Votes {
+  std::vector<double> given, better;
+  double evidence = 0.0;
+  void add(double given_px, double better_px) {
+    given.push_back(given_px);
+    better.push_back(better_px);
+    evidence += std::log(given_px / better_px);
+  }
+};
+
+Camera with_focal_factor(Camera camera, double factor) {
+  camera.fx *= factor;
+  camera.fy *= factor;
+  return camera;
+}
+
+}  // namespace
+
+std::optional<FocalCheck::Residuals> FocalCheck::residuals_of(const TrackedWindow& window) const {
+  Residuals residuals{};
+  for (std::size_t k = 0; k < factors.size(); ++k) {
+    const auto residual = motion_residual(window, with_focal_factor(*camera_, factors[k]));
+    residuals[k] = residual.value_or(std::numeric_limits<double>::infinity());
+  }
+  const double best = *std::min_element(residuals.begin(), residuals.end());
+  if (!std::isfinite(best)) return std::nullopt;
+  return residuals;
+}
+
+void FocalCheck::add(const TrackedWindow& window, InputWarnings& found) {
+  if (!camera_ || said_) return;
+  const auto residuals = residuals_of(window);
+  if (!residuals) return;
+  windows_.push_back(*residuals);
+  judge(found);
+}
+
+void FocalCheck::judge(InputWarnings& found) {
+  Votes shorter, longer;
+  int right = 0;
+  for (const Residuals& each : windows_) {
+    const auto best = static_cast<std::size_t>(std::min_element(each.begin(), each.end()) - each.begin());
+    const double given = each[given_factor], worst = std::min(worst_px, *std::max_element(each.begin(), each.end()));
+    if (best == given_factor) {
+      right += each[best] < clearly_better * worst ? 1 : 0;
+    } else if (each[best] < clearly_better * given && given - each[best] > clear_px) {
+      (best < given_factor ? shorter : longer).add(std::min(given, worst_px), each[best]);
+    }
+  }
+  const bool is_shorter = shorter.given.size() > longer.given.size();
+  const Votes& votes = is_shorter ? shorter : longer;
+  const auto against = static_cast<int>(votes.given.size()),
+             others = right + static_cast<int>((is_shorter ? longer : shorter).given.size());
+  if (against < least_votes || votes.evidence < least_evidence || against < 3 * others) return;
+  said_ = true;
+  found.push_back(
+      {"focal_length",
+       fmt::format("features move as with a {} focal length: residual {:.2f} px with fx = {:.0f} px, "
+                   "{:.2f} px with {} of it (medians of {} windows); check fx, fy and the image size of the "
+                   "calibration",
+                   is_shorter ? "shorter" : "longer", median(votes.given), camera_->fx, median(votes.better),
+                   is_shorter ? "0.5 to 0.7" : "1.4 to 2", against)});
+}
+
+}  // namespace rastro

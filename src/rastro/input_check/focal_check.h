@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: not installed.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "rastro/camera/camera.h"
+#include "rastro/input_check/input_warning.h"
+#include "rastro/input_check/tracked_window.h"
+
+namespace rastro {
+
+/// Compares the calibrated focal length with multiples of it: how well does each explain the motion of features? A
+/// straight trajectory says nothing, and neither does a vehicle that hardly turns.
+class FocalCheck {
+ public:
+  explicit FocalCheck(const std::optional<Camera>& camera) : camera_(camera) {}
+
+  /// Adds a warning to `found` once another focal length is surely better.
+  void add(const TrackedWindow& window, InputWarnings& found);
+
+ private:
+  static constexpr std::array<double, 5> factors = {0.5, 0.7, 1.0, 1.4, 2.0};
+  using Residuals = std::array<double, factors.size()>;
+
+  std::optional<Residuals> residuals_of(const TrackedWindow& window) const;
+  void judge(InputWarnings& found);
+
+  std::optional<Camera> camera_;
+  bool said_ = false;
+  std::vector<Residuals> windows_;
+};
+
+}  // namespace rastro

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/input_check/input_monitor.h"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+
+#include "rastro/input_check/depth_check.h"
+#include "rastro/input_check/focal_check.h"
+#include "rastro/input_check/laser_check.h"
+#include "rastro/input_check/stereo_check.h"
+#include "rastro/input_check/tracked_window.h"
+
+namespace rastro {
+
+struct InputMonitor::Checks {
+  explicit Checks(const SourceInfo& info)
+      : camera(info.cameras.empty() ? std::nullopt : info.cameras.front().camera), stereo(info), focal(camera) {}
+
+  void look(const Frame& frame, InputWarnings& found) {
+    laser.add(frame, found);
+    stereo.add(frame, found);
+    depth.add(frame, found);
+    if (!camera || !tracker.add(frame)) return;
+    depth.add(tracker.window(), *camera, found);
+    focal.add(tracker.window(), found);
+  }
+
+  std::optional<Camera> camera;
+
+  LaserCheck laser;
+  StereoCheck stereo;
+  DepthCheck depth;
+  WindowTracker tracker;
+  FocalCheck focal;
+  InputWarnings warnings;
+};
+
+InputMonitor::InputMonitor(const SourceInfo& info) : checks_(std::make_unique<Checks>(info)) {}
+InputMonitor::~InputMonitor() = default;
+
+InputWarnings InputMonitor::add(const Frame& frame) {
+  InputWarnings found;
+  checks_->look(frame, found);
+  std::copy(found.begin(), found.end(), std::back_inserter(checks_->warnings));
+  return found;
+}
+
+const InputWarnings& InputMonitor::warnings() const { return checks_->warnings; }
+
+}  // namespace rastro

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace rastro {
+
+/// Why an input cannot be what its calibration or its other sensors say.
+struct InputWarning {
+  /// "stereo_swapped", "stereo_unsynchronized", "stereo_not_rectified", "baseline", "depth_constant", "depth_mirrored",
+  /// "depth_late", "focal_length", "laser_stuck", "laser_mirrored", "laser_scale", "odometry_reversed".
+  std::string kind;
+  std::string text;  ///< One line with the numbers and the likely cause.
+};
+
+using InputWarnings = std::vector<InputWarning>;
+
+}  // namespace rastro
