@@ -174,7 +174,7 @@ std::string time_line(const SlamResult& result) {
   std::string text = fmt::format("  time         {:.2f} ms per frame, 95 % within {:.2f} ms",
                                  result.timing.frames.mean_ms(), result.timing.frames.percentile_ms(0.95));
   if (const auto times = result.timing.times_real_time()) text += fmt::format(", {:.0f} times real time", *times);
-  return text + fmt::format("; memory {:.0f} MB\n", result.peak_memory_mb);
+  return text + fmt::format("; memory {:.0f} MB\n", result.memory.peak_mb);
 }
 
 /// Where a budget was given.
@@ -222,7 +222,7 @@ std::string slam_summary(const SlamRunEnd& end, const SlamOutputs& outputs, cons
                                  result.frames, result.coverage, result.interrupted ? " (interrupted)" : "");
   text += states_line(result) + reasons_line(result);
   text += (task == SlamTask::localize ? recall_line(result) : map_line(end, outputs)) + scale_line(result) +
-          time_line(result) + map_memory_line(result.map_memory);
+          time_line(result) + map_memory_line(result.memory.map);
   if (result.timing.dropped_frames > 0)
     text += fmt::format("  dropped      {} frames were not mapped because mapping was too slow\n",
                         result.timing.dropped_frames);

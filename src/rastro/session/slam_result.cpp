@@ -58,8 +58,8 @@ std::vector<std::pair<std::string, double>> numbers_of(const SlamResult& result)
           {"ms_per_frame_mean", result.timing.frames.mean_ms()},
           {"ms_per_frame_p95", result.timing.frames.percentile_ms(0.95)},
           {"times_real_time", result.timing.times_real_time().value_or(0.0)},
-          {"peak_memory_mb", result.peak_memory_mb},
-          {"map_memory_mb", static_cast<double>(result.map_memory.bytes) / bytes_per_mb}};
+          {"peak_memory_mb", result.memory.peak_mb},
+          {"map_memory_mb", static_cast<double>(result.memory.map.bytes) / bytes_per_mb}};
 }
 
 std::string to_json(const SlamResult& result) {
@@ -69,9 +69,9 @@ std::string to_json(const SlamResult& result) {
     json["scale"] = {{"metric", result.scale->metric},
                      {"relative_sigma", result.scale->relative_sigma},
                      {"from", result.scale->origin}};
-  if (result.map_memory.budget_bytes > 0)
-    json["map_memory_budget_mb"] = rounded(static_cast<double>(result.map_memory.budget_bytes) / bytes_per_mb);
-  if (!result.map_memory.measures.empty()) json["map_memory_measures"] = result.map_memory.measures;
+  if (result.memory.map.budget_bytes > 0)
+    json["map_memory_budget_mb"] = rounded(static_cast<double>(result.memory.map.budget_bytes) / bytes_per_mb);
+  if (!result.memory.map.measures.empty()) json["map_memory_measures"] = result.memory.map.measures;
   json["reasons"] = result.reasons;
   json["warnings"] = json_of(result.warnings);
   json["stages"] = stages_of(result);

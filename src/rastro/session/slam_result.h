@@ -37,6 +37,11 @@ struct SlamTiming {
   std::optional<double> times_real_time() const;
 };
 
+struct SlamMemory {
+  double peak_mb = 0.0;  ///< Of the program, 10^6 bytes.
+  MapMemory map;         ///< Of the map alone at the end, by the method's own count.
+};
+
 /// The result of a run; the fields of its result.json. Percentages are 0 to 100.
 struct SlamResult {
   std::string method;
@@ -52,8 +57,7 @@ struct SlamResult {
   std::optional<MapScale> scale;  ///< Of the map, if there is one.
   double path_length = 0.0;       ///< Of the final trajectory, meters, or the map's unit where `scale` is not metric.
   SlamTiming timing;
-  double peak_memory_mb = 0.0;
-  MapMemory map_memory;       ///< Of the map alone at the end, by the method's own count.
+  SlamMemory memory;
   InputWarnings warnings;     ///< What the input contradicts: its calibration, or its other sensors.
   std::string result_sha256;  ///< Of trajectory.txt and the files of the map.
   bool interrupted = false;

@@ -96,7 +96,7 @@ class Runner {
     add_time("finish", milliseconds);
     end_.result.timing.method_seconds += milliseconds / 1e3;
     note(last_index_, events);
-    end_.result.map_memory = run_.method->map_memory();
+    end_.result.memory.map = run_.method->map_memory();
     end_.trajectory = run_.method->trajectory();
     end_.map = run_.method->snapshot();
     if (!run_.map_file || !end_.map) return;
@@ -176,7 +176,7 @@ class Runner {
     result.recall = asked > 0 ? 100.0 * tracked / static_cast<double>(asked) : 0.0;
     result.path_length = path_length(end_.trajectory);
     result.timing.recording_seconds = to_seconds(last_stamp_ - first_stamp_);
-    result.peak_memory_mb = peak_resident_memory_mb();
+    result.memory.peak_mb = peak_resident_memory_mb();
     if (!end_.map) return;
     count(*end_.map);
   }

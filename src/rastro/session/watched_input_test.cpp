@@ -18,7 +18,8 @@ using ::testing::HasSubstr;
 Frame stuck_frame(std::int64_t index) {
   Frame frame;
   frame.index = index;
-  frame.scan = LaserScan{.first_angle = -1.0, .angle_step = 0.02, .max_range = 10.0};
+  LaserScan& scan = frame.scan.emplace();
+  scan.first_angle = -1.0, scan.angle_step = 0.02, scan.max_range = 10.0;
   frame.scan->ranges.assign(100, 3.0F);
   frame.odometry_from_body = SE2(SO2(), {0.2 * static_cast<double>(index), 0.0});
   return frame;
