@@ -20,7 +20,7 @@ constexpr int dense_frames = 240, burst_frames = 24, burst_every = 120;
 constexpr double most_overlap = 0.75;  // Of the edges of two images, if the camera moved between them.
 constexpr int least_advantages = 10;
 constexpr double least_better = 0.75;
-constexpr double least_mirror_gain = 0.12, least_lag_gain = 0.15, least_gain_ratio = 1.5;
+constexpr double least_mirror_gain = 0.12, least_lag_gain = 0.30, least_gain_ratio = 1.5;
 // By the motion of features, as in FocalCheck.
 constexpr double clear_residuals = 0.8, least_mirror_evidence = 0.7;
 constexpr double constant_spread = 0.002;

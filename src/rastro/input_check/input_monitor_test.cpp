@@ -164,7 +164,7 @@ TEST(InputMonitorStereo, TheSameWarningsTwice) {
 }
 
 const Recorded& room_recording() {
-  static const Recorded recorded = record(make_bedroom(), 60, false);
+  static const Recorded recorded = record(make_bedroom(), 75, false);
   return recorded;
 }
 
