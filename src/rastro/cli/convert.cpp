@@ -143,8 +143,8 @@ void convert(Flags& flags) {
   OpenOptions options = open_options(flags.data);
   options.want_depth = true;
   const auto source = rastro::open(flags.data.path, options);
-  for (const std::string& warning : source->info().warnings) log_warning(warning);
   require_scans_or_depth(source->info());
+  for (const std::string& warning : source->info().warnings) log_warning(warning);
   refuse_own_data(flags.data.path, flags.out);
   AppendFile file(flags.out);
   const Written written = write_scans(*source, flags.cut, file);
