@@ -23,8 +23,7 @@ YamlFields::YamlFields(const YAML::Node& node, std::string file, const std::vect
   for (const auto& field : node_) {
     const std::string key = field.first.IsScalar() ? field.first.Scalar() : "";
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-    throw Error("unknown key " + in_quotes(key), at(field.first),
-                fmt::format("did you mean '{}'?", nearest_name(key, keys)));
+    throw Error("unknown key " + in_quotes(key), at(field.first), did_you_mean(key, keys));
   }
 }
 

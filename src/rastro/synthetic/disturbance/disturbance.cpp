@@ -60,8 +60,7 @@ std::pair<const KnownDisturbance*, Value> parsed(const std::string& assignment) 
   if (found == known.end()) {
     std::vector<std::string> names;
     for (const KnownDisturbance& each : known) names.push_back(each.kind.name);
-    throw Error(in_quotes(name) + " is not a disturbance", flag,
-                fmt::format("did you mean '{}'?", nearest_name(name, names)));
+    throw Error(in_quotes(name) + " is not a disturbance", flag, did_you_mean(name, names));
   }
   const DisturbanceKind& kind = found->kind;
   if (equals != std::string::npos && kind.value.empty())
