@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -25,7 +26,8 @@ namespace {
 constexpr int most_threads = 256;
 
 /// How many threads can be started: TBB ends the program where the memory or the number of processes does not allow one
-/// that it wants. Twice as many as wanted are tried, which leaves room for the memory that the work needs.
+/// that it wants. Twice as many as wanted are tried, each with an allocation, for which the allocator reserves address
+/// space per thread; that leaves room for the memory that the work needs.
 int startable_threads(int wanted) {
   static std::mutex mutex;
   static int known = 1;
@@ -36,7 +38,12 @@ int startable_threads(int wanted) {
   std::vector<std::thread> trial;
   try {
     trial.reserve(2 * static_cast<std::size_t>(wanted));
-    while (trial.size() < trial.capacity()) trial.emplace_back([&over] { over.wait(false); });
+    const auto reserve_and_wait = [&over] {
+      void* volatile reserved = std::malloc(64);
+      over.wait(false);
+      std::free(reserved);
+    };
+    while (trial.size() < trial.capacity()) trial.emplace_back(reserve_and_wait);
   } catch (const std::exception&) {
     limited = true;
   }
