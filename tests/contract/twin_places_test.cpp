@@ -14,8 +14,6 @@ struct TwinCase {
   const char* method;
   const char* sensor;
   double worst_m;  ///< Of any pose; about one and a half times what was measured.
-  /// A known weakness: reported and skipped while it persists.
-  bool known_to_merge = false;
 };
 
 void PrintTo(const TwinCase& twin, std::ostream* out) { *out << twin.method << '_' << twin.sensor; }
@@ -63,9 +61,6 @@ TEST_P(TwinPlaces, AreNotMerged) {
   const double worst_m = worst_error_m(slam->trajectory(), *recording);
   RecordProperty("worst_m", fmt::format("{:.4f}", worst_m));
   EXPECT_GE(slam->trajectory().size() * 10, static_cast<std::size_t>(recording->frame_count()) * 9);
-  if (twin.known_to_merge && (!false_merges.empty() || worst_m >= twin.worst_m))
-    GTEST_SKIP() << "known weakness: places that look the same are merged, worst pose " << worst_m << " m off;"
-                 << false_merges;
   EXPECT_EQ(false_merges, "") << "frames that were taken for one place";
   EXPECT_LT(worst_m, twin.worst_m);
 }
