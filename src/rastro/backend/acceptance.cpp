@@ -63,6 +63,8 @@ const char* name_of(Rejection rejection) {
       return "few_inliers";
     case Rejection::low_inlier_share:
       return "low_inlier_share";
+    case Rejection::near_chance:
+      return "near_chance";
     case Rejection::few_observed:
       return "few_observed";
     case Rejection::low_overlap:
@@ -83,6 +85,7 @@ Rejection judge(const Evidence& evidence, const AcceptanceOptions& options) {
   if (evidence.inliers < options.min_inliers) return Rejection::few_inliers;
   if (evidence.inliers < options.min_inlier_share * static_cast<double>(evidence.matches))
     return Rejection::low_inlier_share;
+  if (!(evidence.inliers >= options.min_chance_ratio * evidence.chance_inliers)) return Rejection::near_chance;
   if (evidence.observed < options.min_observed) return Rejection::few_observed;
   if (evidence.overlap() < options.min_overlap) return Rejection::low_overlap;
   if (evidence.observed_share() < options.min_observed_share) return Rejection::low_observed_share;

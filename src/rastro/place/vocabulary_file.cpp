@@ -54,6 +54,7 @@ class VocabularyReader {
     made_.depth_ = get<std::uint8_t>();
     const std::size_t count = get<std::uint32_t>();
     check(all.size() >= 4 && count > 0 && count <= all.size() / sizeof(Descriptor) + 1);
+    if (count == 1) refuse(where_, "has no words");  // The root is none.
     std::uint32_t stored = 0;
     std::memcpy(&stored, all.data() + all.size() - 4, 4);
     check(stored == checksum(all.substr(0, all.size() - 4)));

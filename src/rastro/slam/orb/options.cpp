@@ -211,6 +211,15 @@ void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
              {}});
   table.add(
       {"min_inliers", &o.min_inliers, "", "inliers that a pose needs; with fewer, tracking is lost", 4, 1000, {}});
+  table.add(
+      {"min_chance_ratio",
+       &o.min_chance_ratio,
+       "",
+       "ratio of the inliers of a pose to those that fit by chance plus one, at least; below, tracking is lost. 0: "
+       "not compared",
+       0,
+       10000,
+       {}});
   table.add({"pnp_iterations", &o.pnp_iterations, "", "RANSAC iterations of PnP, at most", 10, 100000, {}});
   table.add({"local_keyframes", &o.local_keyframes, "", "keyframes of the local map, at most", 2, 1000, {}});
   table.add({"local_landmarks", &o.local_landmarks, "", "landmarks of the local map, at most", 100, 1000000, {}});
@@ -409,21 +418,15 @@ void add_place_options(OptionTable& table, OrbSlamOptions& o) {
              1,
              100,
              {}});
-  table.add({"relocalize_inlier_share",
-             &o.relocalize_inlier_share,
-             "",
-             "share of the matches that must fit the pose in each of these frames; about 0.45 fit any pose by chance",
-             0,
-             1,
-             {}});
-  table.add({"relocalize_observed_share",
-             &o.relocalize_observed_share,
-             "",
-             "share of the landmarks that should be visible which each of these frames must observe; 0.02 to 0.03 in a "
-             "wrong place of a street, 0.3 to 0.5 where the map was made",
-             0,
-             1,
-             {}});
+  table.add(
+      {"relocalize_chance_ratio",
+       &o.relocalize_chance_ratio,
+       "",
+       "ratio of the inliers of these frames to those that fit by chance, plus one per frame, at least; 2 to 3.7 in "
+       "a wrong place of a street, 5 to 30 in the right one",
+       0,
+       10000,
+       {}});
   table.add_former_name("relocalise_matches", "relocalize_matches");
   table.add_former_name("relocalise_search_px", "relocalize_search_px");
 }
@@ -447,7 +450,7 @@ void add_loop_options(OptionTable& table, OrbSlamOptions& o) {
              "px",
              "search radius around the positions predicted by the similarity, at the finest level",
              0.5,
-             100,
+             10000,
              {}});
   table.add({"loop_drift_share",
              &o.loop_drift_share,

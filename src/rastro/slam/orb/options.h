@@ -56,6 +56,7 @@ struct OrbSlamOptions {
   double max_view_angle_deg = 60.0;
   int min_guess_inliers = 20;
   int min_inliers = 30;
+  double min_chance_ratio = 3.0;
   int pnp_iterations = 200;
   int local_keyframes = 40;
   int local_landmarks = 6000;
@@ -97,8 +98,7 @@ struct OrbSlamOptions {
   int relocalize_matches = 15;
   double relocalize_search_px = 10.0;
   int relocalize_frames = 3;
-  double relocalize_inlier_share = 0.55;
-  double relocalize_observed_share = 0.05;
+  double relocalize_chance_ratio = 4.2;
   int loop_neighbor_landmarks = 30;
   int loop_consistent = 3;
   int loop_inliers = 20;

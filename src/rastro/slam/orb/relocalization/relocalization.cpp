@@ -9,20 +9,6 @@
 #include "rastro/slam/orb/tracking/tracked_frame.h"
 
 namespace rastro {
-namespace {
-
-Evidence evidence_of(const TrackingResult& tracked) {
-  const auto observed = static_cast<int>(std::count_if(tracked.points.begin(), tracked.points.end(),
-                                                       [](const auto& point) { return point.landmark >= 0; }));
-  return {.matches = tracked.matches,
-          .inliers = tracked.inliers,
-          .compared = static_cast<int>(tracked.visible.size()),
-          .predicted = static_cast<int>(tracked.visible.size()),
-          .observed = observed};
-}
-
-}  // namespace
-
 Relocalization::Relocalization(OrbSession& session, FrameTracker& tracker, KeyframePipeline& pipeline,
                                KeyframeInsertion& keyframes)
     : session_(session),
@@ -42,7 +28,7 @@ std::optional<TrackingResult> Relocalization::relocalize(const FramePointer& fra
   if (!tracked.ok) return std::nullopt;
   session_.tracking = true;
   lost_.pop_back();
-  hypothesis_ = {relocation->keyframe, tracker_, {}};
+  hypothesis_ = {relocation->keyframe, tracker_, {}, {}};
   return tracked;
 }
 
@@ -61,32 +47,43 @@ bool Relocalization::continues_motion(const SE3& camera_from_world) const {
          moved.rotation().log().norm() <= least_angle_rad + reach * last_pose_->velocity.rotation().log().norm();
 }
 
-AcceptanceOptions Relocalization::acceptance() const {
-  return {.min_inliers = session_.options.min_inliers,
-          .min_inlier_share = session_.options.relocalize_inlier_share,
-          .min_observed_share = session_.options.relocalize_observed_share,
-          .min_confirmations = session_.options.relocalize_frames};
+/// Adds the frame to the evidence. The fewer frames, the less is asked of it: a wrong pose may be tracked for a while,
+/// but a right one must not be rejected by one bad frame.
+Rejection Relocalization::judge_with(const FeatureFrame& frame, const TrackingResult& tracked) {
+  Evidence& evidence = hypothesis_->evidence;
+  evidence.inliers += tracked.inliers;
+  evidence.matches += tracked.matches;
+  evidence.predicted += static_cast<int>(tracked.visible.size());
+  evidence.chance_inliers += 1.0 + tracker_.chance_inliers(frame, tracked.camera_from_world);
+  const OrbSlamOptions& options = session_.options;
+  return judge(evidence,
+               {.min_inliers = options.min_inliers,
+                .min_chance_ratio = is_enough(tracked) ? options.relocalize_chance_ratio : options.min_chance_ratio});
+}
+
+/// Whether the frames that agree are enough, with this one.
+bool Relocalization::is_enough(const TrackingResult& tracked) const {
+  return static_cast<int>(hypothesis_->frames.size()) + 1 >= session_.options.relocalize_frames ||
+         continues_motion(tracked.camera_from_world);
 }
 
 bool Relocalization::confirm(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update) {
-  const Evidence evidence = evidence_of(tracked);
-  const AcceptanceOptions limits = acceptance();
-  const auto agreeing = static_cast<int>(hypothesis_->frames.size()) + 1;
-  const Rejection rejection = judge(evidence, limits);
-  const bool confirmed = agreeing >= limits.min_confirmations || continues_motion(tracked.camera_from_world);
-  if (rejection == Rejection::none && confirmed) {
+  const Rejection rejection = judge_with(*frame, tracked);
+  if (rejection == Rejection::none && is_enough(tracked)) {
     accept(tracked, update);
     return true;
   }
+  const std::size_t agreeing = hypothesis_->frames.size() + 1;
   if (agreeing > 1) ++session_.lost_frames;
   hypothesis_->frames.emplace_back(
       frame, tracked_frame(session_.graph, *tracker_.view(), *frame, tracked, session_.options.pixel_sigma));
+  const Evidence& evidence = hypothesis_->evidence;
   update.state = SlamState::lost;
   update.reason = rejection == Rejection::none ? SlamReason::unconfirmed : SlamReason::not_found;
   update.detail =
-      fmt::format("in keyframe {}: {} of {} visible landmarks observed, {} of {} matches fit; {} of {} frames agree",
-                  hypothesis_->keyframe, evidence.observed, evidence.predicted, evidence.inliers, evidence.matches,
-                  rejection == Rejection::none ? agreeing : 0, limits.min_confirmations);
+      fmt::format("in keyframe {}: {} of {} visible landmarks fit, {:.0f} would by chance; {} of {} frames agree",
+                  hypothesis_->keyframe, evidence.inliers, evidence.predicted, evidence.chance_inliers,
+                  rejection == Rejection::none ? agreeing : 0, session_.options.relocalize_frames);
   if (rejection != Rejection::none) reject();
   return false;
 }

@@ -17,8 +17,8 @@
 namespace rastro {
 
 /// Relocalizes when tracking is lost (Mur-Artal et al. 2015, section V.C). A relocalization is a hypothesis at first:
-/// several frames in a row must be tracked from it, and each must observe a share of the landmarks that it predicts to
-/// be visible. One frame is enough where tracking was lost a moment ago and the camera is about where its motion was
+/// several frames in a row must be tracked from it, with several times the inliers that a wrong pose would have by
+/// chance. One frame is enough where tracking was lost a moment ago and the camera is about where its motion was
 /// leading. Then these frames and those lost before get poses.
 class Relocalization {
  public:
@@ -45,6 +45,7 @@ class Relocalization {
     std::int64_t keyframe = 0;
     FrameTracker first;  ///< Tracking at its first frame, to track backward from.
     std::vector<std::pair<FramePointer, TrackedFrame>> frames;
+    Evidence evidence;  ///< Of all its frames so far.
   };
   /// The last pose before the loss.
   struct LastPose {
@@ -52,7 +53,8 @@ class Relocalization {
     std::int64_t frame = 0;  ///< Frame number of the first lost frame.
   };
 
-  AcceptanceOptions acceptance() const;
+  Rejection judge_with(const FeatureFrame& frame, const TrackingResult& tracked);
+  bool is_enough(const TrackingResult& tracked) const;
   bool continues_motion(const SE3& camera_from_world) const;
   std::vector<std::int64_t> hinted_keyframes() const;
   void keep(const FramePointer& frame);

@@ -179,28 +179,30 @@ TEST(Relocalization, AFrameThatCannotBeTrackedRejectsIt) {
   EXPECT_EQ(bench.frames(), (std::vector<std::int64_t>{10, 11, 12, 13}));
 }
 
-/// Keyframes of 300 points; a frame observes few of those that should be visible.
-TEST(Relocalization, WhatShouldBeVisibleMustBeObserved) {
-  for (const double share : {0.3, 0.5}) {
-    OrbSlamOptions options = confirmed_by(1);
-    options.relocalize_matches = 15;
-    options.relocalize_observed_share = share;
+/// The inliers of all frames together are compared with those that fit by chance.
+TEST(Relocalization, InliersMustExceedThoseByChance) {
+  for (const double ratio : {5.0, 1000.0}) {
+    OrbSlamOptions options = confirmed_by(2);
+    options.relocalize_chance_ratio = ratio;
     RelocalizationBench bench(CameraKind::mono, options);
-    EXPECT_EQ(bench.relocalize(10, 1.0, {.to = 120}).has_value(), share < 0.4) << bench.update.detail;
-    if (share < 0.4) continue;
+    EXPECT_FALSE(bench.relocalize(10, 1.0));
+    EXPECT_TRUE(bench.relocalization.is_unconfirmed()) << "less is asked of the first frame";
+    EXPECT_EQ(bench.confirm(11, 1.1), ratio < 10.0) << bench.update.detail;
+    if (ratio < 10.0) continue;
     EXPECT_EQ(bench.update.reason, SlamReason::not_found);
-    EXPECT_THAT(bench.update.detail, ::testing::HasSubstr("visible landmarks observed"));
+    EXPECT_THAT(bench.update.detail, ::testing::HasSubstr("visible landmarks fit"));
     EXPECT_FALSE(bench.session.tracking);
+    EXPECT_FALSE(bench.relocalization.is_unconfirmed());
   }
 }
 
-TEST(Relocalization, EnoughOfTheMatchesMustFit) {
-  for (const double share : {0.3, 0.6}) {
-    OrbSlamOptions options = confirmed_by(1);
-    options.relocalize_inlier_share = share;
-    RelocalizationBench bench(CameraKind::mono, options);
-    EXPECT_EQ(bench.relocalize(10, 1.0, {.noise_px = 2.4}).has_value(), share < 0.5) << bench.update.detail;
-  }
+TEST(Relocalization, AFirstFrameNoBetterThanChanceRejectsIt) {
+  OrbSlamOptions options = confirmed_by(3);
+  options.relocalize_chance_ratio = options.min_chance_ratio = 1000.0;
+  RelocalizationBench bench(CameraKind::mono, options);
+  EXPECT_FALSE(bench.relocalize(10, 1.0));
+  EXPECT_FALSE(bench.relocalization.is_unconfirmed());
+  EXPECT_EQ(bench.update.reason, SlamReason::not_found);
 }
 
 TEST(Relocalization, WhereTheMotionWasLeadingOneFrameIsEnough) {

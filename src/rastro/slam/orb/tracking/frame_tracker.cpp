@@ -255,7 +255,7 @@ TrackingResult FrameTracker::track(const std::shared_ptr<const FeatureFrame>& fr
   }
   TrackingResult result = track_local_map(*frame, start);
   result.predicted = predicted.inliers;
-  result.ok = result.inliers >= options_.min_inliers;
+  result.ok = result.inliers >= options_.min_inliers && exceeds_chance(*frame, result);
   if (result.ok) accept(frame, result);
   return result;
 }

@@ -38,6 +38,7 @@ struct TrackingResult {
   int matches = 0;                         ///< Including outliers.
   int inliers = 0;                         ///< Those in `points`.
   int predicted = 0;                       ///< Inliers of the first search.
+  double chance_inliers = 0.0;             ///< Inliers that a wrong pose would have, where this had to be known.
   double mean_squared = 0.0;
   std::vector<TrackedPoint> points;
   std::vector<TrackedPoint> outliers;  ///< Matched, but inconsistent with the pose.
@@ -60,11 +61,15 @@ class FrameTracker {
   /// Adds points with depth of a keyframe that is not in the view yet.
   void add_depth_points(std::int64_t keyframe, std::shared_ptr<const FeatureFrame> frame, const SE3& camera_from_world,
                         const std::vector<std::uint32_t>& features);
-  /// Tracks the next frame. If the result is ok, the following frame is predicted from its pose. `tracks` replace the
-  /// search where enough of them fit one pose.
+  /// Tracks the next frame. If the result is ok (enough inliers, and min_chance_ratio times those that fit by chance),
+  /// the following frame is predicted from its pose. `tracks` replace the search where enough of them fit one pose.
   TrackingResult track(const std::shared_ptr<const FeatureFrame>& frame, const std::vector<LandmarkTrack>& tracks = {});
-  /// Tracks from a given approximate pose, as after relocalization.
+  /// Tracks from a given approximate pose, as after relocalization; chance_inliers is not compared.
   TrackingResult track_from(const std::shared_ptr<const FeatureFrame>& frame, const SE3& camera_from_world);
+  /// How many landmarks fit a wrong pose by chance: the mean over poses rotated by more than a search window, each
+  /// refined as if it were right. What stands out less from it is no evidence for a pose (a contrario validation:
+  /// Moisan and Stival 2004, "A probabilistic criterion to detect rigid point matches between two images").
+  double chance_inliers(const FeatureFrame& frame, const SE3& camera_from_world) const;
   /// Predicted pose of the next frame.
   SE3 predicted() const { return velocity_ * last_pose_; }
   const SE3& last_pose() const { return last_pose_; }
@@ -98,6 +103,7 @@ class FrameTracker {
   PoseRefinement refine(const FeatureFrame& frame, const Search& search, const std::vector<FeatureMatch>& matches,
                         const SE3& start) const;
   std::int64_t reference_of(const std::vector<TrackedPoint>& points) const;
+  bool exceeds_chance(const FeatureFrame& frame, TrackingResult& result);
   void accept(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& result);
 
   OrbSlamOptions options_;
@@ -112,6 +118,7 @@ class FrameTracker {
   SE3 last_pose_;  ///< camera_from_world
   SE3 velocity_;   ///< Next camera from last camera.
   std::int64_t reference_ = -1;
+  double chance_share_ = 0.05;  ///< Of the visible landmarks, those that fit by chance: as last estimated.
 };
 
 }  // namespace rastro

@@ -212,6 +212,39 @@ TEST(FrameTracker, PoseAndVelocityMoveWithTheMap) {
   EXPECT_THAT(next.camera_from_world, pose_near(moved(step * step * at(0.3)), 4e-4, 4e-5));
 }
 
+TEST(FrameTracker, DistinctiveLandmarksFitNoPoseByChance) {
+  const TrackingBench bench;
+  const Observed observed = bench.observe(7, near_keyframe());
+  EXPECT_LT(bench.tracker.chance_inliers(*observed.frame, near_keyframe()), 1.0);
+}
+
+/// Where all look alike, points elsewhere fit any pose.
+TEST(FrameTracker, APoseNoBetterThanChanceIsNoPose) {
+  const auto alike = [](std::uint64_t seed) {
+    PointWorld world(1500, seed);
+    std::fill(world.descriptors.begin(), world.descriptors.end(), Descriptor{});
+    return world;
+  };
+  const PointWorld here = alike(5), elsewhere = alike(99);
+  ExactMap map(here, CameraKind::mono, 0.0);
+  map.add(0, at(0.0));
+  for (const double ratio : {0.0, 3.0}) {
+    OrbSlamOptions options;
+    options.match_ratio = 1.0;
+    options.min_chance_ratio = ratio;
+    FrameTracker tracker(options, here.camera, CameraKind::mono, 0.0);
+    tracker.set_view(view_of(map.graph, 0, {}));
+    const Observed last = here.observe(1, at(0.0));
+    tracker.restart(at(0.0), map.tracked(last), last.frame);
+    const TrackingResult result = tracker.track(elsewhere.observe(7, at(0.0)).frame);
+    ASSERT_GT(result.inliers, 100);
+    EXPECT_EQ(result.ok, ratio == 0.0);
+    if (ratio == 0.0) continue;
+    EXPECT_GT(3.0 * result.chance_inliers, result.inliers);
+    EXPECT_THAT(tracker.last_pose(), pose_near(at(0.0), 0.0, 0.0)) << "it stays where it was";
+  }
+}
+
 std::vector<std::uint32_t> all_features(const FeatureFrame& frame) {
   std::vector<std::uint32_t> features(frame.size());
   for (std::uint32_t i = 0; i < features.size(); ++i) features[i] = i;

@@ -120,8 +120,11 @@ std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, 
 
 void Tracking::on_lost(const TrackingResult& tracked, SlamUpdate& update) {
   update.reason = SlamReason::few_inliers;
-  update.detail = fmt::format("needs at least {} inliers, got {} of {} matches", session_.options.min_inliers,
-                              tracked.inliers, tracked.matches);
+  update.detail = tracked.inliers < session_.options.min_inliers
+                      ? fmt::format("needs at least {} inliers, got {} of {} matches", session_.options.min_inliers,
+                                    tracked.inliers, tracked.matches)
+                      : fmt::format("only {} inliers where {:.0f} fit a wrong pose by chance", tracked.inliers,
+                                    tracked.chance_inliers);
   update.world_from_body = tracker_.predicted().inverse();
   relocalization_.on_lost();
   session_.tracking = false;
