@@ -211,6 +211,13 @@ void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
              {}});
   table.add(
       {"min_inliers", &o.min_inliers, "", "inliers that a pose needs; with fewer, tracking is lost", 4, 1000, {}});
+  table.add({"localization_inliers",
+             &o.localization_inliers,
+             "",
+             "the same while only localizing in a given map, which a bad pose cannot harm",
+             4,
+             1000,
+             {}});
   table.add(
       {"min_chance_ratio",
        &o.min_chance_ratio,

@@ -56,6 +56,7 @@ struct OrbSlamOptions {
   double max_view_angle_deg = 60.0;
   int min_guess_inliers = 20;
   int min_inliers = 30;
+  int localization_inliers = 20;
   double min_chance_ratio = 3.0;
   int pnp_iterations = 200;
   int local_keyframes = 40;

@@ -155,17 +155,17 @@ TEST(FrameRelocalizer, FindsAFrameAnywhereInTheMapAndNoneElsewhere) {
       // Slightly off the trajectory, and rotated.
       const SE3 truth = RoundWorld::world_from_camera(angle) * SE3(SO3::exp({0.05, -0.05, 0.2}), {0.1, 0.1, -0.3});
       const auto frame = bench.world.frame(100, truth, bench.graph.baseline(), seen);
-      const auto found = relocalizer.find(*frame);
+      const auto found = relocalizer.find(*frame, 30);
       ASSERT_TRUE(found);
       EXPECT_GT(found->inliers, 80);
       EXPECT_LT((found->camera_from_world * truth).log().norm(), 0.02);
     }
     const auto elsewhere =
         bench.world.frame(101, RoundWorld::world_from_camera(M_PI * 1.3), bench.graph.baseline(), seen);
-    EXPECT_FALSE(relocalizer.find(*elsewhere));
+    EXPECT_FALSE(relocalizer.find(*elsewhere, 30));
     RoundWorld other(9);
-    EXPECT_FALSE(relocalizer.find(*other.frame(102, RoundWorld::world_from_camera(0.5), 0.0, seen)));
-    EXPECT_FALSE(relocalizer.find(FeatureFrame(std::make_shared<ImageFeatures>(), bench.world.camera, 0.0)));
+    EXPECT_FALSE(relocalizer.find(*other.frame(102, RoundWorld::world_from_camera(0.5), 0.0, seen), 30));
+    EXPECT_FALSE(relocalizer.find(FeatureFrame(std::make_shared<ImageFeatures>(), bench.world.camera, 0.0), 30));
   }
 }
 

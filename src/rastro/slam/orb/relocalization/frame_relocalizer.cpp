@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "rastro/backend/acceptance.h"
 #include "rastro/backend/loop_candidates.h"
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/optimize/pose_refinement.h"
@@ -30,7 +29,8 @@ PoseRefinement refined(const MapGraph& graph, const FeatureFrame& frame,
 FrameRelocalizer::FrameRelocalizer(const OrbSlamOptions& options, const MapGraph& graph, KeyframeDatabase& database)
     : options_(options), graph_(graph), database_(database) {}
 
-std::optional<Relocation> FrameRelocalizer::find(const FeatureFrame& frame, const std::vector<std::int64_t>& first) {
+std::optional<Relocation> FrameRelocalizer::find(const FeatureFrame& frame, int min_inliers,
+                                                 const std::vector<std::int64_t>& first) {
   database_.update();
   const BagOfWords words = database_.words_of(frame);
   std::vector<std::int64_t> candidates = first;
@@ -38,10 +38,9 @@ std::optional<Relocation> FrameRelocalizer::find(const FeatureFrame& frame, cons
        place_candidates(database_.index(), words,
                         {.min_shared_words = options_.place_shared_words, .max_candidates = options_.place_candidates}))
     candidates.push_back(candidate.id);
-  const AcceptanceOptions acceptance{.min_inliers = options_.min_inliers};
   for (const std::int64_t id : candidates) {
     const auto found = try_keyframe(frame, words, id);
-    if (found && judge({.inliers = found->inliers}, acceptance) == Rejection::none) return found;
+    if (found && found->inliers >= min_inliers) return found;
   }
   return std::nullopt;
 }

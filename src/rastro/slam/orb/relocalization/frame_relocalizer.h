@@ -24,8 +24,9 @@ class FrameRelocalizer {
   /// Both outlive this.
   FrameRelocalizer(const OrbSlamOptions& options, const MapGraph& graph, KeyframeDatabase& database);
 
-  /// nullopt: no pose with at least min_inliers landmarks. `first`: keyframes to try before all others.
-  std::optional<Relocation> find(const FeatureFrame& frame, const std::vector<std::int64_t>& first = {});
+  /// nullopt: no pose with at least `min_inliers` landmarks. `first`: keyframes to try before all others.
+  std::optional<Relocation> find(const FeatureFrame& frame, int min_inliers,
+                                 const std::vector<std::int64_t>& first = {});
 
  private:
   std::optional<Relocation> try_keyframe(const FeatureFrame& frame, const BagOfWords& words,

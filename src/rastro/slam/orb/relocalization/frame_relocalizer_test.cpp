@@ -24,7 +24,8 @@ struct RelocalizerBench {
 
   std::optional<Relocation> find(const SE3& camera_from_world, const OrbSlamOptions& options, ObserveOptions how = {}) {
     how.baseline = map.graph.baseline();
-    return FrameRelocalizer(options, map.graph, database).find(*world.observe(50, camera_from_world, how).frame);
+    return FrameRelocalizer(options, map.graph, database)
+        .find(*world.observe(50, camera_from_world, how).frame, options.min_inliers);
   }
 
   PointWorld world{300, 5};

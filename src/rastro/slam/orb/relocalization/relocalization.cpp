@@ -20,7 +20,7 @@ Relocalization::Relocalization(OrbSession& session, FrameTracker& tracker, Keyfr
 std::optional<TrackingResult> Relocalization::relocalize(const FramePointer& frame, std::vector<SlamEvent>& events) {
   pipeline_.take_all_results(events);
   keep(frame);
-  const auto relocation = relocalizer_.find(*frame, hinted_keyframes());
+  const auto relocation = relocalizer_.find(*frame, session_.min_inliers(), hinted_keyframes());
   if (!relocation) return std::nullopt;
   tracker_.set_view(view_of(session_.graph, relocation->keyframe, session_.view_options()));
   tracker_.restart(relocation->camera_from_world, {}, frame);
@@ -57,7 +57,7 @@ Rejection Relocalization::judge_with(const FeatureFrame& frame, const TrackingRe
   evidence.chance_inliers += 1.0 + tracker_.chance_inliers(frame, tracked.camera_from_world);
   const OrbSlamOptions& options = session_.options;
   return judge(evidence,
-               {.min_inliers = options.min_inliers,
+               {.min_inliers = session_.min_inliers(),
                 .min_chance_ratio = is_enough(tracked) ? options.relocalize_chance_ratio : options.min_chance_ratio});
 }
 

@@ -205,6 +205,18 @@ TEST(Relocalization, AFirstFrameNoBetterThanChanceRejectsIt) {
   EXPECT_EQ(bench.update.reason, SlamReason::not_found);
 }
 
+/// A frame of 25 points: too little for a map that grows, enough where it only localizes.
+TEST(Relocalization, AGivenMapAsksForFewerInliers) {
+  for (const bool mapping : {true, false}) {
+    OrbSlamOptions options = confirmed_by(1);
+    options.relocalize_matches = 15;
+    RelocalizationBench bench(CameraKind::mono, options);
+    bench.session.mapping = mapping;
+    bench.tracker.set_min_inliers(bench.session.min_inliers());
+    EXPECT_EQ(bench.relocalize(10, 1.0, {.to = 25}).has_value(), !mapping) << bench.update.detail;
+  }
+}
+
 TEST(Relocalization, WhereTheMotionWasLeadingOneFrameIsEnough) {
   for (const auto& [at, frames_later, enough] :
        {std::tuple{2.2, 2, true}, {2.9, 2, false}, {1.8, 2, true}, {0.5, 2, false}, {2.2, 9, false}}) {

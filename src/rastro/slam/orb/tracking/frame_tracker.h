@@ -52,6 +52,8 @@ class FrameTracker {
  public:
   FrameTracker(const OrbSlamOptions& options, const Camera& camera, CameraKind sensor, double baseline);
 
+  /// How many inliers a pose needs from now on (default: options.min_inliers).
+  void set_min_inliers(int inliers) { options_.min_inliers = inliers; }
   /// Sets a newer view; the last pose moves with the map.
   void set_view(std::shared_ptr<const MapView> view);
   const MapView* view() const { return view_.get(); }

@@ -49,6 +49,7 @@ void Tracking::process(const Frame& frame, SlamUpdate& update) {
   observations_.clear();
   for (const Keypoint& keypoint : measured.features->data().features.keypoints)
     observations_.push_back({{keypoint.x, keypoint.y}, -1, ObservationState::unmatched});
+  tracker_.set_min_inliers(session_.min_inliers());
   std::optional<TrackingResult> tracked;
   if (session_.tracking) tracked = track_map(measured, update);
   if (!tracked) tracked = relocalize(measured.features, update);
@@ -120,8 +121,8 @@ std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, 
 
 void Tracking::on_lost(const TrackingResult& tracked, SlamUpdate& update) {
   update.reason = SlamReason::few_inliers;
-  update.detail = tracked.inliers < session_.options.min_inliers
-                      ? fmt::format("needs at least {} inliers, got {} of {} matches", session_.options.min_inliers,
+  update.detail = tracked.inliers < session_.min_inliers()
+                      ? fmt::format("needs at least {} inliers, got {} of {} matches", session_.min_inliers(),
                                     tracked.inliers, tracked.matches)
                       : fmt::format("only {} inliers where {:.0f} fit a wrong pose by chance", tracked.inliers,
                                     tracked.chance_inliers);
