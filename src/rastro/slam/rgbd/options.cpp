@@ -201,6 +201,15 @@ void add_loss_options(OptionTable& table, RgbdSlamOptions& o) {
              5000,
              {}});
   table.add(
+      {"relocalize_frames",
+       &o.relocalize_frames,
+       "",
+       "frames in a row that must be found in the same place before a relocalization is believed; until then they "
+       "are lost with reason unconfirmed",
+       1,
+       100,
+       {}});
+  table.add(
       {"lost_frames", &o.lost_frames, "", "frames without tracking before a new submap is started", 1, 1000000, {}});
   table.add({"memory_reserve_mb",
              &o.memory_reserve_mb,

@@ -60,6 +60,7 @@ struct RgbdSlamOptions {
   int relocalize_last = 3;
   int relocalize_random = 3;
   int relocalize_inliers = 30;
+  int relocalize_frames = 3;
   int lost_frames = 60;
 
   double memory_reserve_mb = 250.0;

@@ -61,7 +61,7 @@ SlamUpdate RgbdSession::process(const Frame& frame) {
 void RgbdSession::follow(const Frame& frame, SlamUpdate& update) {
   Stopwatch stage;
   if (!following_.has_pose) {
-    update.state = exists() ? SlamState::lost : SlamState::initializing;
+    update.state = exists() || !maps_ ? SlamState::lost : SlamState::initializing;
     update.reason = SlamReason::not_found;
     relocalize(frame, update);
     update.times.push_back({"relocalize", stage.lap_ms()});

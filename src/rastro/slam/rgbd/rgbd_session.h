@@ -61,12 +61,23 @@ class RgbdSession {
     bool lost = false;
     int frames = 0;  ///< Since, with something to see in them.
   };
+  /// A lost frame found in the map, not believed yet.
+  struct UnconfirmedFrame {
+    TimeNs stamp = 0;
+    std::int64_t keyframe = 0;
+    SE3 keyframe_from_camera;
+  };
 
   bool exists() const { return anchor_.keyframe >= 0; }
   void follow(const Frame& frame, SlamUpdate& update);
   void on_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
   void on_loss(const Frame& frame, SlamUpdate& update);
   void relocalize(const Frame& frame, SlamUpdate& update);
+  std::optional<Relocalizer::Found> find_in_map(const Frame& frame, SlamUpdate& update);
+  bool confirm(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);
+  bool agrees_with_last(const SE3& world_from_camera) const;
+  bool continues_motion(const SE3& world_from_camera) const;
+  void on_relocalized(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);
   bool start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& constraint,
                    SlamUpdate& update);
   std::vector<std::int64_t> hinted_keyframes() const;
@@ -96,7 +107,8 @@ class RgbdSession {
   FrameCounts counts_;
   Following following_;
   Loss loss_;
-  int segment_ = 0;  ///< Number of the segment of frames followed without a break.
+  std::vector<UnconfirmedFrame> unconfirmed_;  ///< In a row.
+  int segment_ = 0;                            ///< Number of the segment of frames followed without a break.
   SE3 last_pose_;
   std::optional<SE3> hint_;  ///< Where to search first in a given map, until found.
   double spacing_ = 1.0;     ///< Of keyframes, times the usual motion: more where memory is short.

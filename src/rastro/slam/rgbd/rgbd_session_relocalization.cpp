@@ -56,24 +56,11 @@ void RgbdSession::relocalize(const Frame& frame, SlamUpdate& update) {
     return;
   }
   ++loss_.frames;
-  if ((loss_.frames - 1) % options_.relocalize_every == 0) {
-    const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
-    const Relocalizer::Try tried = relocalizer_.find(frame, map_.keyframes(), seed, hinted_keyframes());
-    if (update.detail.empty())
-      update.detail = fmt::format("{} features, matched with none of {} keyframes", tried.features, tried.compared);
-    if (tried.found) {
-      const auto& [keyframe, constraint] = *tried.found;
-      const Constraint edge{
-          keyframe, map_.keyframe_count(), Sim3(constraint.a_from_b), constraint.information, ConstraintKind::proximity,
-          1.0,      constraint.inliers};
-      if (!start_again(frame, map_.pose(keyframe) * constraint.a_from_b, edge, update)) return;
-      update.score = static_cast<double>(constraint.inliers) / std::max(1, constraint.matches);
-      update.used = constraint.inliers;
-      update.events.push_back(
-          {"relocalized", fmt::format("in keyframe {} with {} inliers of {} matches after {} frames", keyframe,
-                                      constraint.inliers, constraint.matches, loss_.frames)});
-      return;
-    }
+  if (!unconfirmed_.empty() || (loss_.frames - 1) % options_.relocalize_every == 0) {
+    const auto found = find_in_map(frame, update);
+    if (found && confirm(frame, *found, update)) return on_relocalized(frame, *found, update);
+    if (found) return;
+    unconfirmed_.clear();
   }
   if (maps_ && mapping_ && exists() && loss_.frames >= options_.lost_frames) {
     const SE3 guess = update.world_from_body;
@@ -81,6 +68,62 @@ void RgbdSession::relocalize(const Frame& frame, SlamUpdate& update) {
       update.events.push_back({"submap", fmt::format("{} started, no relocalization in {} frames",
                                                      map_.submap(anchor_.keyframe), loss_.frames)});
   }
+}
+
+/// Where the frames before were found first, else near the initial pose.
+std::optional<Relocalizer::Found> RgbdSession::find_in_map(const Frame& frame, SlamUpdate& update) {
+  const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
+  const auto first = unconfirmed_.empty() ? hinted_keyframes() : std::vector{unconfirmed_.back().keyframe};
+  const Relocalizer::Try tried = relocalizer_.find(frame, map_.keyframes(), seed, first);
+  if (update.detail.empty())
+    update.detail = fmt::format("{} features, matched with none of {} keyframes", tried.features, tried.compared);
+  return tried.found;
+}
+
+/// One place may look like another: several frames in a row must be found in the same one. One is enough where the
+/// camera was lost a moment ago and has hardly moved since.
+bool RgbdSession::confirm(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update) {
+  const SE3 pose = map_.pose(found.keyframe) * found.constraint.a_from_b;
+  if (!agrees_with_last(pose)) unconfirmed_.clear();
+  const std::size_t agreeing = unconfirmed_.size() + 1;
+  if (agreeing >= static_cast<std::size_t>(options_.relocalize_frames) || continues_motion(pose)) return true;
+  unconfirmed_.push_back({frame.stamp, found.keyframe, found.constraint.a_from_b});
+  update.reason = SlamReason::unconfirmed;
+  update.detail = fmt::format("in keyframe {} with {} inliers of {} matches; {} of {} frames agree", found.keyframe,
+                              found.constraint.inliers, found.constraint.matches, agreeing, options_.relocalize_frames);
+  return false;
+}
+
+bool RgbdSession::agrees_with_last(const SE3& world_from_camera) const {
+  constexpr double max_distance_m = 0.3, max_angle_rad = 0.35;  // between two frames
+  if (unconfirmed_.empty()) return true;
+  const UnconfirmedFrame& last = unconfirmed_.back();
+  const SE3 moved = (map_.pose(last.keyframe) * last.keyframe_from_camera).inverse() * world_from_camera;
+  return moved.translation().norm() <= max_distance_m && moved.rotation().log().norm() <= max_angle_rad;
+}
+
+bool RgbdSession::continues_motion(const SE3& world_from_camera) const {
+  constexpr int most_frames = 5;
+  constexpr double max_distance_m = 0.1, max_angle_rad = 0.1;  // per frame
+  if (!exists() || loss_.frames > most_frames) return false;
+  const SE3 moved = last_pose_.inverse() * world_from_camera;
+  return moved.translation().norm() <= max_distance_m * loss_.frames &&
+         moved.rotation().log().norm() <= max_angle_rad * loss_.frames;
+}
+
+void RgbdSession::on_relocalized(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update) {
+  const auto& [keyframe, constraint] = found;
+  for (const UnconfirmedFrame& before : unconfirmed_)
+    map_.add_frame(before.stamp, before.keyframe, before.keyframe_from_camera);
+  unconfirmed_.clear();
+  const Constraint edge{
+      keyframe, map_.keyframe_count(), Sim3(constraint.a_from_b), constraint.information, ConstraintKind::proximity,
+      1.0,      constraint.inliers};
+  if (!start_again(frame, map_.pose(keyframe) * constraint.a_from_b, edge, update)) return;
+  update.score = static_cast<double>(constraint.inliers) / std::max(1, constraint.matches);
+  update.used = constraint.inliers;
+  update.events.push_back({"relocalized", fmt::format("in keyframe {} with {} inliers of {} matches after {} frames",
+                                                      keyframe, constraint.inliers, constraint.matches, loss_.frames)});
 }
 
 std::vector<std::int64_t> RgbdSession::hinted_keyframes() const {

@@ -192,8 +192,9 @@ TEST(RgbdSlam, FramesAreLocalizedInAGivenMapWhichStays) {
   RgbdSlamOptions options = quick();
   options.relocalize_last = 6;
   const Driven done = run(views, options, context);
-  EXPECT_EQ(done.updates.front().state, SlamState::relocalized);
-  for (std::size_t k = 0; k < views.size(); ++k)
+  for (const std::size_t k : {0U, 1U}) EXPECT_EQ(done.updates[k].reason, SlamReason::unconfirmed) << k;
+  EXPECT_EQ(done.updates[2].state, SlamState::relocalized);
+  for (std::size_t k = 2; k < views.size(); ++k)
     EXPECT_THAT(done.updates[k].world_from_body, pose_near(*views[k], 0.04, 0.02)) << "in the frame of the map";
   EXPECT_EQ(done.snapshot->keyframes.size(), 6U);
   EXPECT_EQ(done.trajectory.size(), views.size());
@@ -263,9 +264,29 @@ TEST(RgbdSlam, WhileLostTheMapIsSearchedInTheFirstFrameAndThenInEveryNth) {
       // The opposite wall, which the map does not have.
       for (int k = 0; k < elsewhere; ++k)
         EXPECT_EQ(slam.process(frame_of(looking({-0.5, 0.01 * k, 1.2}, M_PI), index++)).used, 0);
-      const bool found = slam.process(frame_of(views[0], index)).state == SlamState::relocalized;
+      const bool found = slam.process(frame_of(views[0], index)).reason == SlamReason::unconfirmed;
       EXPECT_EQ(found, elsewhere % every == 0) << "after " << elsewhere << " frames, every " << every;
     }
+  }
+}
+
+/// A frame that is found elsewhere in the map, or not at all, begins the count anew.
+TEST(RgbdSlam, ARelocalizationIsBelievedOnceEnoughFramesAgree) {
+  const Views views = pan(-0.2, 0.04, 12);
+  SlamContext context;
+  context.map = run(views, quick()).snapshot;
+  const auto opposite = looking({-0.5, 0.0, 1.2}, M_PI);
+  for (const auto& [between, agrees] : {std::pair{*views[1], true}, {*views[10], false}, {opposite, false}}) {
+    RgbdSlamOptions options = quick();
+    options.relocalize_frames = 3;
+    RgbdSlam slam(options, test_room::camera(), context);
+    std::int64_t index = 0;
+    for (const SE3& view : {*views[0], between})
+      EXPECT_EQ(slam.process(frame_of(view, index++)).state, SlamState::lost);
+    EXPECT_TRUE(slam.trajectory().empty()) << "no pose is given before";
+    const SlamUpdate third = slam.process(frame_of(views[1], index++));
+    EXPECT_EQ(third.state == SlamState::relocalized, agrees) << third.detail;
+    EXPECT_EQ(slam.trajectory().size(), agrees ? 3U : 0U);
   }
 }
 
