@@ -57,15 +57,16 @@ class RgbdSession {
     bool has_pose = true;         ///< False: the follower knows no pose to go on from.
     bool has_last_frame = false;  ///< The last frame was given to the follower.
   };
-  struct Loss {
-    bool lost = false;
-    int frames = 0;  ///< Since, with something to see in them.
-  };
   /// A lost frame found in the map, not believed yet.
   struct UnconfirmedFrame {
     TimeNs stamp = 0;
     std::int64_t keyframe = 0;
     SE3 keyframe_from_camera;
+  };
+  struct Loss {
+    bool lost = false;
+    int frames = 0;                             ///< Since, with something to see in them.
+    std::vector<UnconfirmedFrame> unconfirmed;  ///< In a row.
   };
 
   bool exists() const { return anchor_.keyframe >= 0; }
@@ -107,8 +108,7 @@ class RgbdSession {
   FrameCounts counts_;
   Following following_;
   Loss loss_;
-  std::vector<UnconfirmedFrame> unconfirmed_;  ///< In a row.
-  int segment_ = 0;                            ///< Number of the segment of frames followed without a break.
+  int segment_ = 0;  ///< Number of the segment of frames followed without a break.
   SE3 last_pose_;
   std::optional<SE3> hint_;  ///< Where to search first in a given map, until found.
   double spacing_ = 1.0;     ///< Of keyframes, times the usual motion: more where memory is short.

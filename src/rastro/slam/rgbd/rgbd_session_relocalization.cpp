@@ -56,11 +56,11 @@ void RgbdSession::relocalize(const Frame& frame, SlamUpdate& update) {
     return;
   }
   ++loss_.frames;
-  if (!unconfirmed_.empty() || (loss_.frames - 1) % options_.relocalize_every == 0) {
+  if (!loss_.unconfirmed.empty() || (loss_.frames - 1) % options_.relocalize_every == 0) {
     const auto found = find_in_map(frame, update);
     if (found && confirm(frame, *found, update)) return on_relocalized(frame, *found, update);
     if (found) return;
-    unconfirmed_.clear();
+    loss_.unconfirmed.clear();
   }
   if (maps_ && mapping_ && exists() && loss_.frames >= options_.lost_frames) {
     const SE3 guess = update.world_from_body;
@@ -73,7 +73,7 @@ void RgbdSession::relocalize(const Frame& frame, SlamUpdate& update) {
 /// Where the frames before were found first, else near the initial pose.
 std::optional<Relocalizer::Found> RgbdSession::find_in_map(const Frame& frame, SlamUpdate& update) {
   const auto seed = seed_for(options_.follow.seed ^ 0x5EEDULL, static_cast<std::uint64_t>(counts_.seen));
-  const auto first = unconfirmed_.empty() ? hinted_keyframes() : std::vector{unconfirmed_.back().keyframe};
+  const auto first = loss_.unconfirmed.empty() ? hinted_keyframes() : std::vector{loss_.unconfirmed.back().keyframe};
   const Relocalizer::Try tried = relocalizer_.find(frame, map_.keyframes(), seed, first);
   if (update.detail.empty())
     update.detail = fmt::format("{} features, matched with none of {} keyframes", tried.features, tried.compared);
@@ -84,10 +84,10 @@ std::optional<Relocalizer::Found> RgbdSession::find_in_map(const Frame& frame, S
 /// camera was lost a moment ago and has hardly moved since.
 bool RgbdSession::confirm(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update) {
   const SE3 pose = map_.pose(found.keyframe) * found.constraint.a_from_b;
-  if (!agrees_with_last(pose)) unconfirmed_.clear();
-  const std::size_t agreeing = unconfirmed_.size() + 1;
+  if (!agrees_with_last(pose)) loss_.unconfirmed.clear();
+  const std::size_t agreeing = loss_.unconfirmed.size() + 1;
   if (agreeing >= static_cast<std::size_t>(options_.relocalize_frames) || continues_motion(pose)) return true;
-  unconfirmed_.push_back({frame.stamp, found.keyframe, found.constraint.a_from_b});
+  loss_.unconfirmed.push_back({frame.stamp, found.keyframe, found.constraint.a_from_b});
   update.reason = SlamReason::unconfirmed;
   update.detail = fmt::format("in keyframe {} with {} inliers of {} matches; {} of {} frames agree", found.keyframe,
                               found.constraint.inliers, found.constraint.matches, agreeing, options_.relocalize_frames);
@@ -96,8 +96,8 @@ bool RgbdSession::confirm(const Frame& frame, const Relocalizer::Found& found, S
 
 bool RgbdSession::agrees_with_last(const SE3& world_from_camera) const {
   constexpr double max_distance_m = 0.3, max_angle_rad = 0.35;  // between two frames
-  if (unconfirmed_.empty()) return true;
-  const UnconfirmedFrame& last = unconfirmed_.back();
+  if (loss_.unconfirmed.empty()) return true;
+  const UnconfirmedFrame& last = loss_.unconfirmed.back();
   const SE3 moved = (map_.pose(last.keyframe) * last.keyframe_from_camera).inverse() * world_from_camera;
   return moved.translation().norm() <= max_distance_m && moved.rotation().log().norm() <= max_angle_rad;
 }
@@ -113,9 +113,9 @@ bool RgbdSession::continues_motion(const SE3& world_from_camera) const {
 
 void RgbdSession::on_relocalized(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update) {
   const auto& [keyframe, constraint] = found;
-  for (const UnconfirmedFrame& before : unconfirmed_)
+  for (const UnconfirmedFrame& before : loss_.unconfirmed)
     map_.add_frame(before.stamp, before.keyframe, before.keyframe_from_camera);
-  unconfirmed_.clear();
+  loss_.unconfirmed.clear();
   const Constraint edge{
       keyframe, map_.keyframe_count(), Sim3(constraint.a_from_b), constraint.information, ConstraintKind::proximity,
       1.0,      constraint.inliers};
