@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # What rastro writes, read by the programs it is written for: other_programs_test.sh PROGRAM SCRATCH_FOLDER CASE
-# CASE is make_other (first), models, g2o, clouds, tracks_yaml or video. A case whose program is missing ends with 77
+# CASE is make_other (first), models, g2o, clouds, octomap, numbers, tracks_yaml or video. A case whose program is missing ends with 77
 # (skipped) and says which package has it.
 set -euo pipefail
 rastro=$1
@@ -90,6 +90,33 @@ clouds() {
   done
 }
 
+octomap() {
+  need convert_octree octomap-tools
+  run export "$data/rgbd" --to octomap --out "$here/room.ot"
+  run export "$data/rgbd" --to octomap --out "$here/room.bt"
+  bt2vrml "$here/room.bt" >"$here/log" 2>&1 || fail "OctoMap does not read room.bt: $(tail -3 "$here/log")"
+  [[ $(grep -c translation "$here/room.bt.wrl") -gt 100 ]] || fail "OctoMap finds few occupied cells in room.bt"
+  convert_octree "$here/room.ot" "$here/back.bt" >"$here/log" 2>&1 || fail "OctoMap does not read room.ot"
+  cmp -s <(sed '1,/^data/d' "$here/back.bt") <(sed '1,/^data/d' "$here/room.bt") || fail "room.ot and room.bt differ"
+}
+
+numbers() {
+  need_python numpy python3-numpy
+  run track "$data/room" --out "$here/run" --frames 0:6
+  run export "$data/depth" --to landmarks --out "$here/landmarks.csv"
+  (cd "$here" && /usr/bin/python3 - "$data") <<'PYTHON' || fail "numpy does not read tracks, trajectory or landmarks"
+import sys
+import numpy
+tracks = numpy.genfromtxt("run/tracks.csv", delimiter=",", names=True)
+assert len(set(tracks["frame"])) == 6, tracks.dtype
+trajectory = numpy.loadtxt(sys.argv[1] + "/depth/trajectory.txt")
+assert trajectory.shape == (40, 8), trajectory.shape
+assert numpy.allclose(numpy.linalg.norm(trajectory[:, 4:], axis=1), 1, atol=1e-6)
+landmarks = numpy.genfromtxt("landmarks.csv", delimiter=",", names=True)
+assert len(landmarks) > 100, landmarks.dtype
+PYTHON
+}
+
 tracks_yaml() {
   need_python cv2 python3-opencv
   need_python yaml python3-yaml
@@ -121,7 +148,7 @@ video() {
 
 case $case_name in
   make_other) make_other ;;
-  models | g2o | clouds | tracks_yaml | video)
+  models | g2o | clouds | octomap | numbers | tracks_yaml | video)
     rm -rf "$here" && mkdir -p "$here"
     $case_name "$@"
     ;;

@@ -60,10 +60,15 @@ Calibration read_calibration(const std::string& path) {
 
 std::optional<Camera> published_tum_camera(std::string_view name) {
   constexpr auto brown = Distortion::radial_tangential;
+  // Of the Kinect's color camera (Ringaby and Forssen 2011, "Scan rectification for structured light range sensors with
+  // rolling shutters"). That of freiburg3's Xtion is not published.
+  constexpr double kinect_readout_s = 0.02611;
   if (name == "freiburg1")
-    return Camera{640, 480, 517.3, 516.5, 318.6, 255.3, brown, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}};
+    return Camera{
+        640, 480, 517.3, 516.5, 318.6, 255.3, brown, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}, kinect_readout_s};
   if (name == "freiburg2")
-    return Camera{640, 480, 520.9, 521.0, 325.1, 249.7, brown, {0.2312, -0.7849, -0.0033, -0.0001, 0.9172}};
+    return Camera{
+        640, 480, 520.9, 521.0, 325.1, 249.7, brown, {0.2312, -0.7849, -0.0033, -0.0001, 0.9172}, kinect_readout_s};
   if (name == "freiburg3") return Camera{640, 480, 535.4, 539.2, 320.1, 247.6, Distortion::none, {}};
   return std::nullopt;
 }

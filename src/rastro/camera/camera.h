@@ -22,6 +22,8 @@ struct Camera {
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< Pixels.
   Distortion distortion = Distortion::none;
   std::array<double, 5> coefficients{};
+  /// Of a rolling shutter: seconds from the first row to the last, the middle one at the frame's stamp. 0: all at once.
+  double readout_s = 0.0;
 
   /// Pixel of a point in the camera frame; nullopt if it is not in front of the camera (z <= 0) or outside the model's
   /// range.

@@ -84,6 +84,12 @@ void add_data_flags(CLI::App& command, DataFlags& flags) {
                   "Horizontal field of view in degrees, for a pinhole camera of unknown calibration")
       ->type_name("DEG")
       ->group(calibration);
+  command
+      .add_option("--readout-time", flags.readout_s,
+                  "Seconds in which a rolling shutter reads an image; 0: a global shutter (default: that of the "
+                  "calibration)")
+      ->type_name("S")
+      ->group(calibration);
   command.add_option("--threads", flags.threads, "Number of threads, 0: all cores; results do not depend on it")
       ->type_name("N")
       ->capture_default_str()
@@ -115,6 +121,13 @@ OpenOptions open_options(const DataFlags& flags) {
   }
   if (!flags.intrinsics.empty()) options.intrinsics = parse_intrinsics(flags.intrinsics);
   options.calibration_file = flags.calibration;
+  if (flags.readout_s != -1.0) {
+    if (!(flags.readout_s >= 0.0 && flags.readout_s <= 1.0)) {
+      throw Error(fmt::format("{:g} s is not a readout time", flags.readout_s), "--readout-time",
+                  "give the seconds from the first row to the last, such as 0.03");
+    }
+    options.readout_s = flags.readout_s;
+  }
   if (flags.fov_deg != 0.0) {
     if (!(flags.fov_deg > 1.0 && flags.fov_deg < 179.0)) {
       throw Error(fmt::format("{:g} degrees is not a field of view of a pinhole camera", flags.fov_deg), "--fov",

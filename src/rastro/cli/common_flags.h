@@ -21,6 +21,7 @@ struct DataFlags {
   double fov_deg = 0.0;     ///< --fov DEG, horizontal; 0 = not given
   std::string intrinsics;   ///< --intrinsics fx,fy,cx,cy
   std::string calibration;  ///< --calibration FILE
+  double readout_s = -1.0;  ///< --readout-time S; negative: not given
   int threads = 0;          ///< --threads N, 0: all cores
   std::uint64_t seed = 1;   ///< --seed N
   bool json = false;        ///< --json

@@ -155,6 +155,7 @@ void finish_calibration(SourceInfo& info, const OpenOptions& options, std::optio
   apply_given(info, options, size);
   for (auto& camera : info.cameras) {
     if (!camera.camera) continue;
+    camera.camera->readout_s = options.readout_s.value_or(camera.camera->readout_s);
     if (size) fit_to_images(info, camera, *size);
     for (const auto& warning : calibration_warnings(*camera.camera)) {
       info.warnings.push_back(fmt::format("{} of {}: {}", camera.name, camera.calibration_file, warning));

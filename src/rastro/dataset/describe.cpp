@@ -60,6 +60,7 @@ Json camera_fields(const CalibratedCamera& calibrated) {
   fields["width"] = camera.width;
   fields["height"] = camera.height;
   fields["intrinsics"] = {camera.fx, camera.fy, camera.cx, camera.cy};
+  if (camera.readout_s > 0.0) fields["readout_s"] = camera.readout_s;
   fields["distortion"] = distortion_name(camera.distortion);
   fields["coefficients"] =
       std::vector<double>(camera.coefficients.begin(),
@@ -72,9 +73,9 @@ Json camera_fields(const CalibratedCamera& calibrated) {
 std::string describe_camera(const Camera& camera) {
   auto text = fmt::format("{}x{}, fx fy cx cy = {:g} {:g} {:g} {:g}, ", camera.width, camera.height, camera.fx,
                           camera.fy, camera.cx, camera.cy);
-  if (camera.distortion == Distortion::none) return text + "no distortion";
-  text += distortion_name(camera.distortion);
+  text += camera.distortion == Distortion::none ? "no distortion" : distortion_name(camera.distortion);
   for (std::size_t i = 0; i < coefficient_count(camera); ++i) text += fmt::format(" {:g}", camera.coefficients[i]);
+  if (camera.readout_s > 0.0) text += fmt::format(", rolling shutter of {:g} ms", 1e3 * camera.readout_s);
   return text;
 }
 

@@ -21,6 +21,7 @@ struct OpenOptions {
   std::optional<double> field_of_view_deg;          ///< Horizontal; used where there is no calibration.
   std::optional<std::array<double, 4>> intrinsics;  ///< fx fy cx cy; overrides what is found.
   std::string calibration_file;                     ///< Overrides what is found.
+  std::optional<double> readout_s;                  ///< Of the rolling shutter; overrides what is found.
   bool want_right = false;
   bool want_depth = false;
   bool want_color = false;

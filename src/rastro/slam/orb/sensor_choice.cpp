@@ -8,6 +8,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
+#include "rastro/camera/rolling_shutter.h"
 #include "rastro/odometry/rgbd_tracking/depth_reading.h"
 #include "rastro/slam/orb/tracking/stereo_matching.h"
 
@@ -30,6 +31,14 @@ float depth_at(const DepthImage& depth, const Camera& camera, const Keypoint& ke
   static const RgbdOptions reading = farther_reading();
   const auto read = read_depth(depth, camera, *ray, depth_from_color, reading);
   return read ? static_cast<float>(1.0 / read->inverse_depth) : 0.0F;
+}
+
+void move_to_middle_row(const Camera& camera, const Eigen::Vector3d& angular_velocity, Features& features) {
+  for (Keypoint& keypoint : features.keypoints) {
+    const Eigen::Vector2f moved = at_middle_row(camera, {keypoint.x, keypoint.y}, angular_velocity).cast<float>();
+    keypoint.x = moved.x();
+    keypoint.y = moved.y();
+  }
 }
 
 }  // namespace
@@ -169,7 +178,7 @@ void check_map(const Map& map, const SensorChoice& choice, bool extend) {
 FeatureMaker::FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool)
     : options_(options), sensor_(sensor), pool_(pool), extractor_(orb_options(options)) {}
 
-std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const SE3& depth_from_color) {
+std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const FrameMotion& motion) {
   auto data = std::make_shared<ImageFeatures>();
   data->id = -1;
   data->frame = frame.index;
@@ -179,7 +188,7 @@ std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const
     data->depths.resize(data->features.size());
     const auto read = [&](int begin, int end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-        data->depths[i] = depth_at(frame.depth, sensor_.camera, data->features.keypoints[i], depth_from_color);
+        data->depths[i] = depth_at(frame.depth, sensor_.camera, data->features.keypoints[i], motion.depth_from_color);
     };
     const auto count = static_cast<int>(data->features.size());
     pool_ != nullptr ? pool_->for_chunks(0, count, 64, read) : read(0, count);
@@ -191,6 +200,7 @@ std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const
       match_stereo(frame.image.view(), frame.right.view(), extractor_.extract(frame.right.view(), {}, pool_),
                    sensor_.camera.fx * sensor_.baseline, options_, pool_, *data);
   }
+  if (sensor_.camera.readout_s > 0.0) move_to_middle_row(sensor_.camera, motion.angular_velocity, data->features);
   return std::make_shared<FeatureFrame>(std::move(data), sensor_.camera, sensor_.baseline);
 }
 

@@ -48,12 +48,18 @@ class FrameRectifier {
   GrayImage shown_;  ///< Mask of the valid pixels of the left image.
 };
 
-/// Extracts features from frames, with depth where it is measured.
+/// How the camera moves while a frame is recorded, as predicted.
+struct FrameMotion {
+  SE3 depth_from_color;                                        ///< From the instant of the image to that of its depth.
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< As at_middle_row() takes it.
+};
+
+/// Extracts features from frames, where the camera had them when it read the middle row, with depth where it is
+/// measured.
 class FeatureMaker {
  public:
   FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool);
-  /// `depth_from_color`: motion of the camera from the instant of the image to that of its depth.
-  std::shared_ptr<const FeatureFrame> make(const Frame& frame, const SE3& depth_from_color);
+  std::shared_ptr<const FeatureFrame> make(const Frame& frame, const FrameMotion& motion = {});
 
  private:
   OrbSlamOptions options_;

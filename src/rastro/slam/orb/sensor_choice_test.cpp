@@ -53,7 +53,7 @@ TEST(SensorChoice, AnUnrectifiedPairMeasuresDepthsToo) {
   frame.image = image_of_wall(camera, SE3());
   frame.right = image_of_wall(camera, left_from_right());
   const Frame rectified = FrameRectifier(choice.rectification, nullptr).rectified(frame);
-  const auto features = FeatureMaker(options, choice, nullptr).make(rectified, SE3());
+  const auto features = FeatureMaker(options, choice, nullptr).make(rectified);
   std::size_t known = 0, exact = 0;
   for (std::size_t i = 0; i < features->size(); ++i) {
     if (!(features->data().depths[i] > 0.0F)) continue;
@@ -96,8 +96,8 @@ TEST(SensorChoice, ADepthCameraMeasuresEveryFeatureOfTheWallForAnyPool) {
   frame.depth = DepthImage(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y) std::fill_n(frame.depth.row(y), camera.width, static_cast<float>(wall_m));
   TaskPool four(4);
-  const auto alone = FeatureMaker(options, choice, nullptr).make(frame, SE3());
-  const auto together = FeatureMaker(options, choice, &four).make(frame, SE3());
+  const auto alone = FeatureMaker(options, choice, nullptr).make(frame);
+  const auto together = FeatureMaker(options, choice, &four).make(frame);
   EXPECT_EQ(alone->data().depths, together->data().depths);
   ASSERT_GT(alone->size(), 300U);
   for (const float depth : alone->data().depths) EXPECT_NEAR(static_cast<double>(depth), wall_m, 1e-3);

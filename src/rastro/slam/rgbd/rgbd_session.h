@@ -65,8 +65,8 @@ class RgbdSession {
   };
   struct Loss {
     bool lost = false;
-    int frames = 0;                             ///< Since, with something to see in them.
-    std::vector<UnconfirmedFrame> unconfirmed;  ///< In a row.
+    int frames = 0;                               ///< Since, with something to see in them.
+    std::vector<UnconfirmedFrame> unconfirmed{};  ///< In a row.
   };
 
   bool exists() const { return anchor_.keyframe >= 0; }

@@ -83,7 +83,7 @@ Tracking::Measurements Tracking::extract_features(const Frame& recorded, SlamUpd
   }
   const Frame& frame = rectified ? *rectified : recorded;
   Measurements measured;
-  measured.features = extractor_.make(frame, depth_from_color(frame));
+  measured.features = extractor_.make(frame, motion_during(frame));
   session_.last_stamp = frame.stamp;
   update.times.push_back({"features", stage.lap_ms()});
   if (tracks_) {
@@ -93,12 +93,16 @@ Tracking::Measurements Tracking::extract_features(const Frame& recorded, SlamUpd
   return measured;
 }
 
-/// Depth cameras capture both images at different instants; the last motion is extrapolated from one to the other.
-SE3 Tracking::depth_from_color(const Frame& frame) const {
+/// The last motion is extrapolated: over the rows of a rolling shutter, and to the instant of the depth image.
+FrameMotion Tracking::motion_during(const Frame& frame) const {
+  FrameMotion motion;
   const double interval = to_seconds(frame.stamp - session_.last_stamp);
+  if (!session_.tracking || !(interval > 0.0)) return motion;
+  motion.angular_velocity = tracker_.velocity().rotation().log() / interval;
   const double offset = to_seconds(frame.depth_stamp - frame.stamp);
-  if (!session_.tracking || frame.depth.empty() || !(interval > 0.0) || std::abs(offset) > interval) return {};
-  return SE3::exp(offset / interval * tracker_.velocity().log());
+  if (!frame.depth.empty() && std::abs(offset) <= interval)
+    motion.depth_from_color = SE3::exp(offset / interval * tracker_.velocity().log());
+  return motion;
 }
 
 /// Tracks in the local map, from the pose predicted by constant velocity or the reference keyframe.

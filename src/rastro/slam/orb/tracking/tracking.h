@@ -48,7 +48,7 @@ class Tracking {
   void observe_first_landmarks(const FeatureFrame& frame);
   void report_pose(const FeatureFrame& frame, const TrackingResult& tracked, SlamUpdate& update);
   void insert_keyframe(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update);
-  SE3 depth_from_color(const Frame& frame) const;
+  FrameMotion motion_during(const Frame& frame) const;
   void on_lost(const TrackingResult& tracked, SlamUpdate& update);
   void report_submap(const TrackingResult& tracked, SlamUpdate& update) const;
   void follow_reference(const TrackingResult& tracked);

@@ -113,7 +113,7 @@ TEST(Tracking, TheCovarianceIsInTheAxesOfTheWorld) {
   const Frame frame = run.frame_at(1, run.beside(0.03));
   const SlamUpdate update = run.process(frame);
   const TrackingResult in_camera =
-      same.track(FeatureMaker(run.session.options, run.session.sensor, nullptr).make(frame, SE3()));
+      same.track(FeatureMaker(run.session.options, run.session.sensor, nullptr).make(frame));
   Matrix6d axes = Matrix6d::Zero();
   axes.topLeftCorner<3, 3>() = axes.bottomRightCorner<3, 3>() = in_camera.camera_from_world.rotation().matrix();
   ASSERT_TRUE(update.covariance);
