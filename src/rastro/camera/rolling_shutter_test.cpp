@@ -36,7 +36,10 @@ TEST(RollingShutter, PixelsMoveToWhereTheMiddleRowIsRead) {
     const Eigen::Vector3d direction(random.uniform(-0.4, 0.4), random.uniform(-0.3, 0.3), 1.0);
     const Eigen::Vector3d velocity(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2));
     const Eigen::Vector2d recorded = seen(camera, direction, velocity), middle = *camera.project(direction);
-    EXPECT_LT((at_middle_row(camera, recorded, velocity) - middle).norm(), 1e-3);
+    const PixelAtMiddleRow moved = at_middle_row(camera, recorded, velocity);
+    EXPECT_LT((moved.pixel - middle).norm(), 1e-3);
+    const double t = (recorded.y() / (camera.height - 1) - 0.5) * camera.readout_s;
+    EXPECT_NEAR(moved.depth_factor * (SO3::exp(t * velocity) * direction).z(), direction.z(), 1e-4);
     largest = std::max(largest, (recorded - middle).norm());
   }
   EXPECT_GT(largest, 10.0) << "a hundred degrees a second matter";
@@ -44,8 +47,8 @@ TEST(RollingShutter, PixelsMoveToWhereTheMiddleRowIsRead) {
 
 TEST(RollingShutter, NothingMovesWithoutRotationOrWithAGlobalShutter) {
   const Eigen::Vector2d pixel(100.0, 400.0);
-  EXPECT_LT((at_middle_row(rolling(0.03), pixel, Eigen::Vector3d::Zero()) - pixel).norm(), 1e-6);
-  EXPECT_EQ(at_middle_row(rolling(0.0), pixel, {1.0, 2.0, 0.5}), pixel);
+  EXPECT_LT((at_middle_row(rolling(0.03), pixel, Eigen::Vector3d::Zero()).pixel - pixel).norm(), 1e-6);
+  EXPECT_EQ(at_middle_row(rolling(0.0), pixel, {1.0, 2.0, 0.5}).pixel, pixel);
 }
 
 }  // namespace

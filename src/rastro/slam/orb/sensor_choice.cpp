@@ -33,14 +33,6 @@ float depth_at(const DepthImage& depth, const Camera& camera, const Keypoint& ke
   return read ? static_cast<float>(1.0 / read->inverse_depth) : 0.0F;
 }
 
-void move_to_middle_row(const Camera& camera, const Eigen::Vector3d& angular_velocity, Features& features) {
-  for (Keypoint& keypoint : features.keypoints) {
-    const Eigen::Vector2f moved = at_middle_row(camera, {keypoint.x, keypoint.y}, angular_velocity).cast<float>();
-    keypoint.x = moved.x();
-    keypoint.y = moved.y();
-  }
-}
-
 }  // namespace
 
 OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source, const Map* map) {
@@ -176,9 +168,11 @@ void check_map(const Map& map, const SensorChoice& choice, bool extend) {
 }
 
 FeatureMaker::FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool)
-    : options_(options), sensor_(sensor), pool_(pool), extractor_(orb_options(options)) {}
+    : options_(options), sensor_(sensor), pool_(pool), extractor_(orb_options(options)) {
+  if (sensor.camera.readout_s > 0.0) shutter_.emplace(sensor.camera, options.seed, pool);
+}
 
-std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const FrameMotion& motion) {
+std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const SE3& depth_from_color) {
   auto data = std::make_shared<ImageFeatures>();
   data->id = -1;
   data->frame = frame.index;
@@ -188,7 +182,7 @@ std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const
     data->depths.resize(data->features.size());
     const auto read = [&](int begin, int end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-        data->depths[i] = depth_at(frame.depth, sensor_.camera, data->features.keypoints[i], motion.depth_from_color);
+        data->depths[i] = depth_at(frame.depth, sensor_.camera, data->features.keypoints[i], depth_from_color);
     };
     const auto count = static_cast<int>(data->features.size());
     pool_ != nullptr ? pool_->for_chunks(0, count, 64, read) : read(0, count);
@@ -200,8 +194,25 @@ std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const
       match_stereo(frame.image.view(), frame.right.view(), extractor_.extract(frame.right.view(), {}, pool_),
                    sensor_.camera.fx * sensor_.baseline, options_, pool_, *data);
   }
-  if (sensor_.camera.readout_s > 0.0) move_to_middle_row(sensor_.camera, motion.angular_velocity, data->features);
+  if (shutter_) angular_velocity_ = shutter_->next(data);
+  if (angular_velocity_) return at_middle_row(*data);
   return std::make_shared<FeatureFrame>(std::move(data), sensor_.camera, sensor_.baseline);
+}
+
+std::shared_ptr<const FeatureFrame> FeatureMaker::with_rotation(const FeatureFrame& frame) const {
+  return at_middle_row(frame.data());
+}
+
+std::shared_ptr<const FeatureFrame> FeatureMaker::at_middle_row(ImageFeatures features) const {
+  for (std::size_t i = 0; i < features.features.size(); ++i) {
+    Keypoint& keypoint = features.features.keypoints[i];
+    const auto moved = rastro::at_middle_row(sensor_.camera, {keypoint.x, keypoint.y}, *angular_velocity_);
+    keypoint.x = static_cast<float>(moved.pixel.x());
+    keypoint.y = static_cast<float>(moved.pixel.y());
+    if (!features.depths.empty()) features.depths[i] *= static_cast<float>(moved.depth_factor);
+  }
+  return std::make_shared<FeatureFrame>(std::make_shared<ImageFeatures>(std::move(features)), sensor_.camera,
+                                        sensor_.baseline);
 }
 
 }  // namespace rastro

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "rastro/base/task_pool.h"
 #include "rastro/camera/stereo_rectification.h"
@@ -10,6 +11,7 @@
 #include "rastro/sensor/source.h"
 #include "rastro/slam/orb/map/feature_frame.h"
 #include "rastro/slam/orb/options.h"
+#include "rastro/slam/orb/tracking/frame_rotation.h"
 
 namespace rastro {
 
@@ -48,24 +50,27 @@ class FrameRectifier {
   GrayImage shown_;  ///< Mask of the valid pixels of the left image.
 };
 
-/// How the camera moves while a frame is recorded, as predicted.
-struct FrameMotion {
-  SE3 depth_from_color;                                        ///< From the instant of the image to that of its depth.
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< As at_middle_row() takes it.
-};
-
-/// Extracts features from frames, where the camera had them when it read the middle row, with depth where it is
-/// measured.
+/// Extracts features from frames, with depth where it is measured. Those of a rolling shutter are moved to where the
+/// camera had them when it read the middle row.
 class FeatureMaker {
  public:
   FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool);
-  std::shared_ptr<const FeatureFrame> make(const Frame& frame, const FrameMotion& motion = {});
+  /// `depth_from_color`: motion of the camera from the instant of the image to that of its depth.
+  std::shared_ptr<const FeatureFrame> make(const Frame& frame, const SE3& depth_from_color = {});
+  /// False: the features of the last frame are as recorded, since the rotation of a rolling shutter is unknown.
+  bool is_rotation_known() const { return !shutter_ || angular_velocity_; }
+  /// A frame that was made while it was unknown, with the rotation known since.
+  std::shared_ptr<const FeatureFrame> with_rotation(const FeatureFrame& frame) const;
 
  private:
+  std::shared_ptr<const FeatureFrame> at_middle_row(ImageFeatures features) const;
+
   OrbSlamOptions options_;
   SensorChoice sensor_;
   TaskPool* pool_;
   OrbExtractor extractor_;
+  std::optional<FrameRotation> shutter_;             ///< Of a rolling shutter.
+  std::optional<Eigen::Vector3d> angular_velocity_;  ///< In the last frame.
 };
 
 }  // namespace rastro

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "rastro/base/stopwatch.h"
 #include "rastro/slam/orb/tracking/tracked_frame.h"
@@ -50,6 +51,7 @@ void Tracking::process(const Frame& frame, SlamUpdate& update) {
   for (const Keypoint& keypoint : measured.features->data().features.keypoints)
     observations_.push_back({{keypoint.x, keypoint.y}, -1, ObservationState::unmatched});
   tracker_.set_min_inliers(session_.min_inliers());
+  if (waits_for_rotation(measured.features, update)) return;
   std::optional<TrackingResult> tracked;
   if (session_.tracking) tracked = track_map(measured, update);
   if (!tracked) tracked = relocalize(measured.features, update);
@@ -83,7 +85,7 @@ Tracking::Measurements Tracking::extract_features(const Frame& recorded, SlamUpd
   }
   const Frame& frame = rectified ? *rectified : recorded;
   Measurements measured;
-  measured.features = extractor_.make(frame, motion_during(frame));
+  measured.features = extractor_.make(frame, depth_from_color(frame));
   session_.last_stamp = frame.stamp;
   update.times.push_back({"features", stage.lap_ms()});
   if (tracks_) {
@@ -93,16 +95,28 @@ Tracking::Measurements Tracking::extract_features(const Frame& recorded, SlamUpd
   return measured;
 }
 
-/// The last motion is extrapolated: over the rows of a rolling shutter, and to the instant of the depth image.
-FrameMotion Tracking::motion_during(const Frame& frame) const {
-  FrameMotion motion;
+/// Depth cameras capture both images at different instants; the last motion is extrapolated from one to the other.
+SE3 Tracking::depth_from_color(const Frame& frame) const {
   const double interval = to_seconds(frame.stamp - session_.last_stamp);
-  if (!session_.tracking || !(interval > 0.0)) return motion;
-  motion.angular_velocity = tracker_.velocity().rotation().log() / interval;
   const double offset = to_seconds(frame.depth_stamp - frame.stamp);
-  if (!frame.depth.empty() && std::abs(offset) <= interval)
-    motion.depth_from_color = SE3::exp(offset / interval * tracker_.velocity().log());
-  return motion;
+  if (!session_.tracking || frame.depth.empty() || !(interval > 0.0) || std::abs(offset) > interval) return {};
+  return SE3::exp(offset / interval * tracker_.velocity().log());
+}
+
+/// With a rolling shutter the first frame of a map waits for the second, which shows how the camera rotates.
+bool Tracking::waits_for_rotation(const FramePointer& frame, SlamUpdate& update) {
+  if (!session_.mapping || session_.has_map) return false;
+  if (first_) {
+    const FramePointer first = std::exchange(first_, nullptr);
+    initialization_.process(extractor_.is_rotation_known() ? extractor_.with_rotation(*first) : first, update);
+    return false;
+  }
+  if (extractor_.is_rotation_known()) return false;
+  first_ = frame;
+  update.state = SlamState::initializing;
+  update.reason = SlamReason::first_frame;
+  update.detail = "the next frame shows how far the camera rotates while it reads an image";
+  return true;
 }
 
 /// Tracks in the local map, from the pose predicted by constant velocity or the reference keyframe.

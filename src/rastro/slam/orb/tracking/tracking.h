@@ -48,7 +48,8 @@ class Tracking {
   void observe_first_landmarks(const FeatureFrame& frame);
   void report_pose(const FeatureFrame& frame, const TrackingResult& tracked, SlamUpdate& update);
   void insert_keyframe(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update);
-  FrameMotion motion_during(const Frame& frame) const;
+  SE3 depth_from_color(const Frame& frame) const;
+  bool waits_for_rotation(const FramePointer& frame, SlamUpdate& update);
   void on_lost(const TrackingResult& tracked, SlamUpdate& update);
   void report_submap(const TrackingResult& tracked, SlamUpdate& update) const;
   void follow_reference(const TrackingResult& tracked);
@@ -62,6 +63,7 @@ class Tracking {
   KeyframeInsertion keyframes_;
   Initialization initialization_;
   Relocalization relocalization_;
+  FramePointer first_;                            ///< Waits for the next frame, to know its rotation.
   std::vector<FeatureObservation> observations_;  ///< Of the last frame whose features were extracted.
 };
 

@@ -25,8 +25,8 @@ Camera wall_camera() {
 
 /// The parts of a run, in front of a wall seen by a depth camera.
 struct WallRun {
-  explicit WallRun(const OrbSlamOptions& options = wall_options())
-      : session(options, testing::source_of(wall_camera(), CameraKind::depth), {}),
+  explicit WallRun(const OrbSlamOptions& options = wall_options(), const Camera& camera = wall_camera())
+      : session(options, testing::source_of(camera, CameraKind::depth), {}),
         tracker(session.options, session.sensor.camera, session.sensor.sensor, session.sensor.baseline),
         pipeline(session, tracker, {}),
         tracking(session, tracker, pipeline, nullptr) {}
@@ -120,6 +120,52 @@ TEST(Tracking, TheCovarianceIsInTheAxesOfTheWorld) {
   const Matrix6d expected = axes.transpose() * in_camera.covariance * axes;
   EXPECT_GT((expected - in_camera.covariance).norm(), 0.1 * expected.norm());
   EXPECT_THAT(*update.covariance, testing::matrix_near(expected, 1e-9 * expected.norm()));
+}
+
+/// Yaw at 1 rad/s, read in 80 ms: by pieces of four rows.
+Frame rolling_frame(std::int64_t index) {
+  constexpr double rad_per_s = 1.0, readout_s = 0.08;
+  constexpr int rows = 4;
+  const auto at = [](double seconds) { return SE3(SO3::exp({0.0, rad_per_s * seconds, 0.0}), {0.0, 0.0, 0.0}); };
+  const double middle_s = 0.1 * static_cast<double>(index);
+  Frame frame = WallRun::frame_at(index, at(middle_s));
+  for (int y = 0; y < frame.image.height(); y += rows) {
+    const double seconds = ((y + 0.5 * rows) / frame.image.height() - 0.5) * readout_s;
+    const GrayImage then = testing::image_of_wall(wall_camera(), at(middle_s + seconds));
+    for (int row = y; row < y + rows; ++row) std::copy_n(then.row(row), then.width(), frame.image.row(row));
+  }
+  for (int y = 0; y < frame.depth.height(); ++y) {
+    const double seconds = (y / (frame.depth.height() - 1.0) - 0.5) * readout_s;
+    for (int x = 0; x < frame.depth.width(); ++x) {
+      const Eigen::Vector2d ray = *wall_camera().unproject({x, y});
+      const Eigen::Vector3d in_world = at(middle_s + seconds).rotation() * ray.homogeneous();
+      frame.depth.at(x, y) = static_cast<float>(testing::wall_m / in_world.z());
+    }
+  }
+  return frame;
+}
+
+TEST(Tracking, ARollingShutterIsCompensatedFromTheFirstFrameOn) {
+  std::vector<Frame> frames;
+  for (std::int64_t k = 0; k < 4; ++k) frames.push_back(rolling_frame(k));
+  std::vector<double> errors;
+  for (const double readout_s : {0.0, 0.08}) {
+    Camera camera = wall_camera();
+    camera.readout_s = readout_s;
+    WallRun run(WallRun::wall_options(), camera);
+    const SlamUpdate first = run.process(frames[0]);
+    EXPECT_EQ(first.state == SlamState::initializing, readout_s > 0.0) << "its rotation is not known yet";
+    double worst_m = 0.0;
+    for (std::size_t k = 1; k < frames.size(); ++k) {
+      const SlamUpdate update = run.process(frames[k]);
+      EXPECT_EQ(update.state, SlamState::tracking) << k;
+      worst_m = std::max(worst_m, update.world_from_body.translation().norm());
+    }
+    EXPECT_EQ(run.session.trajectory.frames().size(), frames.size()) << "the first one too";
+    errors.push_back(worst_m);
+  }
+  EXPECT_LT(errors[1], 0.02) << "it only rotates";
+  EXPECT_GT(errors[0], 2.0 * errors[1]);
 }
 
 /// The largest depth error of the keyframes made from frame 3 on, while the camera moves straight toward the wall and
