@@ -25,7 +25,7 @@ OccupancyGrid every_percentage() {
   grid.origin = {-12.35, 3.1};
   grid.width = 17;
   grid.height = 6;
-  for (int k = 0; k < 102; ++k) grid.percent.push_back(static_cast<std::int8_t>(k - 1));
+  for (int k = 0; k < 102; ++k) grid.percent.set(k % 17, k / 17, static_cast<std::int8_t>(k - 1));
   return grid;
 }
 
@@ -45,10 +45,10 @@ TEST(GridMapServer, ReadsBackWhatItWrites) {
   EXPECT_EQ(back.height, grid.height);
   EXPECT_DOUBLE_EQ(back.cell_m, grid.cell_m);
   EXPECT_TRUE(back.origin.isApprox(grid.origin));
-  for (std::size_t k = 0; k < grid.percent.size(); ++k) {
-    const int percent = grid.percent[k];
+  for (int k = 0; k < 102; ++k) {
+    const int percent = k - 1;
     const int expected = percent >= 65 ? 100 : percent >= 0 && percent < 20 ? 0 : OccupancyGrid::unknown;
-    EXPECT_EQ(back.percent[k], expected) << percent;
+    EXPECT_EQ(back.at(k % 17, k / 17), expected) << percent;
   }
 }
 
@@ -101,7 +101,7 @@ TEST(GridMapServer, ReadsTheFileBesideTheYaml) {
   const OccupancyGrid grid = every_percentage();
   write_whole_file(folder / "floor.pgm", map_server_pgm(grid));
   write_whole_file(folder / "floor.yaml", map_server_yaml(grid, "floor.pgm"));
-  EXPECT_EQ(read_map_server((folder / "floor.yaml").string()).percent.size(), 102U);
+  EXPECT_EQ(read_map_server((folder / "floor.yaml").string()).width, 17);
   write_whole_file(folder / "lost.yaml", map_server_yaml(grid, "nowhere.pgm"));
   EXPECT_THROW(read_map_server((folder / "lost.yaml").string()), Error);
 }
