@@ -12,8 +12,8 @@
 namespace rastro {
 namespace {
 
-constexpr double cell_m = 0.05;
-const LogOddsModel usual_model{0.85, 0.4, 6.0};
+constexpr double mapper_cell_m = 0.05;
+const LogOddsModel mapper_model{0.85, 0.4, 6.0};
 
 struct TestScan {
   Eigen::Vector2d sensor;
@@ -31,8 +31,8 @@ TestScan random_scan(const Eigen::Vector2d& middle, int beams, Random& random) {
 
 /// Of the same scans in OccupancyMapper and in the grid that holds every cell.
 void expect_same_grid(const std::vector<TestScan>& scans, const LogOddsModel& model) {
-  OccupancyMapper mapper(cell_m, model);
-  LogOddsGrid dense(cell_m, model);
+  OccupancyMapper mapper(mapper_cell_m, model);
+  LogOddsGrid dense(mapper_cell_m, model);
   for (const TestScan& scan : scans) {
     mapper.insert(scan.sensor, scan.returns);
     dense.insert(scan.sensor, scan.returns);
@@ -48,7 +48,7 @@ void expect_same_grid(const std::vector<TestScan>& scans, const LogOddsModel& mo
 
 TEST(OccupancyMapper, GivesWhatTheGridOfAllCellsGives) {
   Random random(3);
-  for (const LogOddsModel& model : {usual_model, LogOddsModel(), LogOddsModel{0.6, 0.45, 1.0}}) {
+  for (const LogOddsModel& model : {mapper_model, LogOddsModel(), LogOddsModel{0.6, 0.45, 1.0}}) {
     std::vector<TestScan> scans;
     for (int k = 0; k < 30; ++k) scans.push_back(random_scan({1.5 * k - 20.0, 13.0 - k}, 80, random));
     expect_same_grid(scans, model);
@@ -59,15 +59,15 @@ TEST(OccupancyMapper, CountsMoreScansThanACellHasNumbersFor) {
   Random random(4);
   std::vector<TestScan> scans;
   for (int k = 0; k < 33'000; ++k) scans.push_back(random_scan({0.0, 0.0}, 3, random));
-  expect_same_grid(scans, usual_model);
+  expect_same_grid(scans, mapper_model);
 }
 
 TEST(OccupancyMapper, LeavesOutReturnsTooFarAway) {
-  expect_same_grid({{{0.0, 0.0}, {{32768 * cell_m + 1.0, 0.0}, {1.0, 1.0}}}}, usual_model);
+  expect_same_grid({{{0.0, 0.0}, {{32768 * mapper_cell_m + 1.0, 0.0}, {1.0, 1.0}}}}, mapper_model);
 }
 
 TEST(OccupancyMapper, TwoRoomsTenKilometersApartHoldFewTiles) {
-  OccupancyMapper mapper(cell_m, usual_model);
+  OccupancyMapper mapper(mapper_cell_m, mapper_model);
   Random random(6);
   for (const Eigen::Vector2d& middle : {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(7000.0, -7200.0)})
     for (int k = 0; k < 20; ++k) {
@@ -75,7 +75,7 @@ TEST(OccupancyMapper, TwoRoomsTenKilometersApartHoldFewTiles) {
       mapper.insert(scan.sensor, scan.returns);
     }
   // A room is at most 34 x 34 m; the box of both has 5 million tiles.
-  const double tile_m = TiledCells<std::int8_t>::side * cell_m, most_a_room = std::pow(34.0 / tile_m + 2.0, 2);
+  const double tile_m = TiledCells<std::int8_t>::side * mapper_cell_m, most_a_room = std::pow(34.0 / tile_m + 2.0, 2);
   EXPECT_LE(static_cast<double>(mapper.tiles()), 2.0 * most_a_room);
   const OccupancyGrid grid = mapper.grid();
   EXPECT_GT(static_cast<double>(grid.width) * grid.height, 1e10);
@@ -85,7 +85,7 @@ TEST(OccupancyMapper, TwoRoomsTenKilometersApartHoldFewTiles) {
 }
 
 TEST(OccupancyMapper, GivesPercentWhereABeamPassed) {
-  OccupancyMapper mapper(cell_m, {0.8, 0.3, 6.0});
+  OccupancyMapper mapper(mapper_cell_m, {0.8, 0.3, 6.0});
   const std::vector<Eigen::Vector2d> returns{{-0.125, 0.225}};
   mapper.insert({-0.125, 0.025}, returns);
   const OccupancyGrid grid = mapper.grid();

@@ -9,8 +9,8 @@
 
 namespace rastro {
 
-/// The cells of a scan's sensor and returns; cell (0, 0) has its corner in the origin. Returns farther than 32,768 cells
-/// from the sensor are left out.
+/// The cells of a scan's sensor and returns; cell (0, 0) has its corner in the origin. Returns farther than 32,768
+/// cells from the sensor are left out.
 struct ScanCells {
   ScanCells(double cell_m, const Eigen::Vector2d& sensor_position, std::span<const Eigen::Vector2d> return_positions);
 
