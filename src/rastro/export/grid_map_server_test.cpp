@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "rastro/base/append_file.h"
@@ -94,6 +95,22 @@ TEST(GridMapServer, RefusesWhatIsNoMapInOneLine) {
               HasSubstr("too large"));
   EXPECT_THAT(message_of("P5 2 1 255 ab", sound), HasSubstr(".yaml"));
   EXPECT_THAT(message_of("just words", sound), HasSubstr("not a map"));
+}
+
+TEST(GridMapServer, GivesALargeImageInPieces) {
+  OccupancyGrid grid;
+  grid.width = 3000;
+  grid.height = 1000;
+  grid.percent.set(2999, 0, 100);
+  std::string bytes;
+  map_server_pgm(grid, [&bytes](std::string_view piece) {
+    EXPECT_LT(piece.size(), 1'100'000U);
+    bytes += piece;
+  });
+  EXPECT_EQ(bytes.size(), std::string("P5\n3000 1000\n255\n").size() + 3'000'000U);
+  EXPECT_EQ(static_cast<unsigned char>(bytes.back()), 0) << "the last cell of the lowest row";
+  EXPECT_EQ(std::count(bytes.begin(), bytes.end(), static_cast<char>(205)), 2'999'999);
+  EXPECT_EQ(map_server_pgm(grid), bytes);
 }
 
 TEST(GridMapServer, ReadsTheFileBesideTheYaml) {
