@@ -68,12 +68,12 @@ TEST(GridMapServer, ReadsWhatOthersWrite) {
   const std::string three = pgm + std::string(1, '\0');
   const OccupancyGrid grid = parse_map_server(
       "image: a.pgm\nmode: trinary\nresolution: 0.1\norigin:\n  - -1.0\n  - 2\n  - 0.0\nnegate: 0\n", "m", three, "a");
-  EXPECT_THAT(grid.percent, testing::ElementsAre(OccupancyGrid::unknown, 0, 100));
+  EXPECT_THAT(grid.row(0), testing::ElementsAre(OccupancyGrid::unknown, 0, 100));
   EXPECT_DOUBLE_EQ(grid.origin.y(), 2.0);
   const OccupancyGrid negative =
       parse_map_server("image: a.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 1\n", "m", three, "a");
-  EXPECT_EQ(negative.percent[1], 100);
-  EXPECT_EQ(negative.percent[2], 0);
+  EXPECT_EQ(negative.at(1, 0), 100);
+  EXPECT_EQ(negative.at(2, 0), 0);
 }
 
 TEST(GridMapServer, RefusesWhatIsNoMapInOneLine) {
