@@ -115,9 +115,10 @@ inline void expect_sound(const Constraint& constraint) {
 }
 
 inline void expect_sound(const OccupancyGrid& grid) {
-  const auto cells = static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height);
-  ASSERT_EQ(grid.percent.size(), cells);
-  for (const std::int8_t percent : grid.percent) ASSERT_TRUE(percent >= OccupancyGrid::unknown && percent <= 100);
+  grid.percent.for_each([&](int x, int y, std::int8_t percent) {
+    ASSERT_TRUE(percent >= OccupancyGrid::unknown && percent <= 100);
+    ASSERT_TRUE(percent == OccupancyGrid::unknown || grid.holds(x, y));
+  });
 }
 
 inline void expect_sound(const Map& map) {

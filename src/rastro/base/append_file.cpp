@@ -44,9 +44,16 @@ void AppendFile::append(std::string_view piece) {
 }
 
 void write_whole_file(const std::filesystem::path& path, std::string_view text) {
+  write_whole_file(path, [text](const PutPiece& put) { put(text); });
+}
+
+void write_whole_file(const std::filesystem::path& path, const std::function<void(const PutPiece&)>& make) {
   std::filesystem::path partial = path;
   partial += ".partial";
-  AppendFile(partial).append(text);
+  {
+    AppendFile file(partial);
+    make([&file](std::string_view piece) { file.append(piece); });
+  }
   std::error_code code;
   std::filesystem::rename(partial, path, code);
   if (code) fail(path, "put in place", code.value());

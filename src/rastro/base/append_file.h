@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -28,6 +29,10 @@ class AppendFile {
 
 /// Replaces a small file atomically: readers see the old one or the new one, never a part.
 void write_whole_file(const std::filesystem::path& path, std::string_view text);
+
+/// The same for a large file that is made in pieces: make(put) calls put(piece) with one after the other.
+using PutPiece = std::function<void(std::string_view)>;
+void write_whole_file(const std::filesystem::path& path, const std::function<void(const PutPiece&)>& make);
 
 /// The text of a file; Error when it cannot be read.
 std::string read_whole_file(const std::filesystem::path& path);

@@ -47,5 +47,16 @@ TEST(WriteWholeFile, ReplacesAndLeavesNoPartialFile) {
   EXPECT_FALSE(std::filesystem::exists(path.string() + ".partial"));
 }
 
+TEST(WriteWholeFile, JoinsPiecesAndKeepsTheFormerFileUntilTheLast) {
+  const auto path = scratch_path("pieces.txt");
+  write_whole_file(path, "old");
+  write_whole_file(path, [&path](const PutPiece& put) {
+    put("two ");
+    EXPECT_EQ(read_whole_file(path), "old");
+    put("pieces");
+  });
+  EXPECT_EQ(read_whole_file(path), "two pieces");
+}
+
 }  // namespace
 }  // namespace rastro

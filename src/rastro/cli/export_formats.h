@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "rastro/base/append_file.h"
 #include "rastro/base/task_pool.h"
 #include "rastro/cli/export_input.h"
 #include "rastro/map/cloud/build_cloud.h"
@@ -50,5 +52,6 @@ ExportFacts export_poses(const ExportJob& job);
 
 /// Creates the folder if needed.
 void write_export(const std::filesystem::path& file, std::string_view bytes);
+void write_export(const std::filesystem::path& file, const std::function<void(const PutPiece&)>& make);
 
 }  // namespace rastro::cli

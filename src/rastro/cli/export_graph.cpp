@@ -48,9 +48,13 @@ ColmapNames colmap_names(const ExportJob& job, const Map& map) {
 }  // namespace
 
 void write_export(const fs::path& file, std::string_view bytes) {
+  write_export(file, [bytes](const PutPiece& put) { put(bytes); });
+}
+
+void write_export(const fs::path& file, const std::function<void(const PutPiece&)>& make) {
   std::error_code ignored;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);
-  write_whole_file(file, bytes);
+  write_whole_file(file, make);
 }
 
 ExportFacts export_g2o(const ExportJob& job) {

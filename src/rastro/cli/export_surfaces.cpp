@@ -78,7 +78,7 @@ std::pair<PointCloud, std::string> oriented_points(const ExportJob& job, ExportF
 ExportFacts write_grid(const ExportJob& job, const OccupancyGrid& grid, const std::string& comment, ExportFacts facts) {
   fs::path image = job.settings.out, yaml = job.settings.out;
   image.replace_extension(".pgm"), yaml.replace_extension(".yaml");
-  write_export(image, map_server_pgm(grid));
+  write_export(image, [&grid](const PutPiece& put) { map_server_pgm(grid, put); });
   write_export(yaml, comment + map_server_yaml(grid, image.filename().string()));
   facts["width"] = grid.width;
   facts["height"] = grid.height;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -40,8 +41,15 @@ class HashedFiles {
  public:
   explicit HashedFiles(const RunFolder& folder) : folder_(folder) {}
   void write(const std::string& name, const std::string& bytes) {
-    write_whole_file(folder_.file(name), bytes);
-    hash_.add(bytes);
+    write(name, [&bytes](const PutPiece& put) { put(bytes); });
+  }
+  void write(const std::string& name, const std::function<void(const PutPiece&)>& make) {
+    write_whole_file(folder_.file(name), [&](const PutPiece& put) {
+      make([&](std::string_view piece) {
+        put(piece);
+        hash_.add(piece);
+      });
+    });
     names_.push_back(name);
   }
   /// A file that is there already.
@@ -110,7 +118,7 @@ PointCloud cloud_of(const Map& map, const SlamContext& context) {
 
 void write_hashed_files(const MapOfRun& run, HashedFiles& files) {
   if (run.grid) {
-    files.write("map.pgm", map_server_pgm(*run.grid));
+    files.write("map.pgm", [&run](const PutPiece& put) { map_server_pgm(*run.grid, put); });
     files.write("map.yaml", map_server_yaml(*run.grid, "map.pgm"));
   }
   if (run.estimates) files.write("landmarks.csv", landmarks_csv(*run.estimates));

@@ -15,14 +15,10 @@ OccupancyGrid unknown_grid(int width, int height, double cell_m, const Eigen::Ve
   grid.origin = origin;
   grid.width = width;
   grid.height = height;
-  grid.percent.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), OccupancyGrid::unknown);
   return grid;
 }
 
-void set(OccupancyGrid& grid, int x, int y, std::int8_t percent) {
-  grid.percent[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x)] =
-      percent;
-}
+void set(OccupancyGrid& grid, int x, int y, std::int8_t percent) { grid.percent.set(x, y, percent); }
 
 /// A room of 8 x 5 m with walls 0.3 m thick and a box in a corner, as mapped by a robot at map_from_room.
 OccupancyGrid room(const SE2& map_from_room = {}, double cell_m = 0.05) {

@@ -20,9 +20,10 @@ constexpr std::size_t most_points = 4000;
 /// % too long, which does not affect the choice between neighboring poses.
 std::vector<float> distances(const OccupancyGrid& grid) {
   const auto step = static_cast<float>(grid.cell_m), diagonal = step * std::numbers::sqrt2_v<float>;
-  std::vector<float> field(grid.percent.size(), static_cast<float>(reach_m));
+  const CellMask walls = mask_of(grid, is_occupied);
+  std::vector<float> field(walls.size(), static_cast<float>(reach_m));
   for (std::size_t k = 0; k < field.size(); ++k)
-    if (is_occupied(grid.percent[k])) field[k] = 0.0F;
+    if (walls[k] != 0) field[k] = 0.0F;
   const auto relax = [&](int x, int y, int dx, int dy) {
     if (!grid.holds(x + dx, y + dy)) return;
     float& here = field[cell_index(grid, x, y)];
@@ -58,7 +59,8 @@ class Search {
   }
 
   bool is_possible() const {
-    return !walls_.empty() && std::any_of(ground_truth_.percent.begin(), ground_truth_.percent.end(), is_occupied);
+    const auto at_wall = [](float distance_m) { return distance_m == 0.0F; };
+    return !walls_.empty() && std::any_of(field_.begin(), field_.end(), at_wall);
   }
 
   SE2 run(double search_m, double search_rad) {

@@ -22,16 +22,19 @@ inline std::size_t cell_index(const OccupancyGrid& grid, int x, int y) {
 
 inline CellMask mask_of(const OccupancyGrid& grid, bool (*is_it)(std::int8_t)) {
   CellMask mask;
-  mask.reserve(grid.percent.size());
-  for (const std::int8_t percent : grid.percent) mask.push_back(is_it(percent) ? 1 : 0);
+  mask.reserve(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height));
+  for (int y = 0; y < grid.height; ++y)
+    for (const std::int8_t percent : grid.row(y)) mask.push_back(is_it(percent) ? 1 : 0);
   return mask;
 }
 
 /// Calls visit(percent, center), row by row.
 template <typename Visit>
 void for_each_cell(const OccupancyGrid& grid, const Visit& visit) {
-  for (int y = 0; y < grid.height; ++y)
-    for (int x = 0; x < grid.width; ++x) visit(grid.at(x, y), grid.center_of(x, y));
+  for (int y = 0; y < grid.height; ++y) {
+    int x = 0;
+    for (const std::int8_t percent : grid.row(y)) visit(percent, grid.center_of(x++, y));
+  }
 }
 
 }  // namespace rastro

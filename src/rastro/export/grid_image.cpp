@@ -75,19 +75,16 @@ View view_of(const MapImage& image) {
   Bounds bounds;
   if (image.grid) {
     const OccupancyGrid& grid = *image.grid;
-    for (int y = 0; y < grid.height; ++y)
-      for (int x = 0; x < grid.width; ++x)
-        if (grid.at(x, y) != OccupancyGrid::unknown) bounds.add(grid.center_of(x, y));
+    grid.percent.for_each([&](int x, int y, std::int8_t percent) {
+      if (percent != OccupancyGrid::unknown) bounds.add(grid.center_of(x, y));
+    });
   }
   for (const Vector2d& position : image.path) bounds.add(position);
   for (const PositionEllipse& landmark : image.landmarks) bounds.add(landmark.center);
   return bounds.view();
 }
 
-std::uint8_t gray_of(const OccupancyGrid& grid, const Vector2d& world) {
-  const Eigen::Vector2i cell = grid.cell_of(world);
-  if (!grid.holds(cell.x(), cell.y())) return unknown_gray;
-  const std::int8_t percent = grid.at(cell.x(), cell.y());
+std::uint8_t gray_of(std::int8_t percent) {
   if (percent == OccupancyGrid::unknown) return unknown_gray;
   return static_cast<std::uint8_t>(255 - static_cast<int>(std::lround(2.55 * percent)));
 }
@@ -112,13 +109,21 @@ class Drawing {
  private:
   void draw_grid(const OccupancyGrid& grid) {
     for (int row = 0; row < sheet_.rows; ++row) {
+      std::vector<std::int8_t> cells;  // Of the row of the grid that this row of pixels shows.
       for (int column = 0; column < sheet_.cols; ++column) {
         const Vector2d world = view_.lower + Vector2d(column + 0.5, sheet_.rows - row - 0.5) / view_.px_per_m;
-        const std::uint8_t gray = gray_of(grid, world);
-        sheet_.at<cv::Vec3b>(row, column) = {gray, gray, gray};
+        const Eigen::Vector2i cell = grid.cell_of(world);
+        const bool inside = grid.holds(cell.x(), cell.y());
+        if (inside && cells.empty()) cells = grid.row(cell.y());
+        draw_cell(row, column, inside ? cells[static_cast<std::size_t>(cell.x())] : OccupancyGrid::unknown);
       }
     }
     if (grid.cell_m * view_.px_per_m < 1.0) keep_walls(grid);
+  }
+
+  void draw_cell(int row, int column, std::int8_t percent) {
+    const std::uint8_t gray = gray_of(percent);
+    sheet_.at<cv::Vec3b>(row, column) = {gray, gray, gray};
   }
 
   /// Where hundreds lie beside each other, one stands for all; walls stay on top.
@@ -151,16 +156,13 @@ class Drawing {
 
   /// Cells smaller than a pixel: a thin wall between two samples would vanish.
   void keep_walls(const OccupancyGrid& grid) {
-    for (int y = 0; y < grid.height; ++y) {
-      for (int x = 0; x < grid.width; ++x) {
-        if (grid.at(x, y) <= 50) continue;
-        const Vector2d at = view_.pixel(grid.center_of(x, y));
-        const int column = std::clamp(static_cast<int>(at.x()), 0, sheet_.cols - 1);
-        const int row = std::clamp(static_cast<int>(at.y()), 0, sheet_.rows - 1);
-        const std::uint8_t gray = gray_of(grid, grid.center_of(x, y));
-        sheet_.at<cv::Vec3b>(row, column) = {gray, gray, gray};
-      }
-    }
+    grid.percent.for_each([&](int x, int y, std::int8_t percent) {
+      if (percent <= 50) return;
+      const Vector2d at = view_.pixel(grid.center_of(x, y));
+      const int column = std::clamp(static_cast<int>(at.x()), 0, sheet_.cols - 1);
+      const int row = std::clamp(static_cast<int>(at.y()), 0, sheet_.rows - 1);
+      draw_cell(row, column, percent);
+    });
   }
 
   void draw_line(const std::vector<Vector2d>& points, const cv::Scalar& color, int width) {

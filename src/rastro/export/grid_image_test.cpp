@@ -31,8 +31,8 @@ std::shared_ptr<const OccupancyGrid> hall() {
   grid->cell_m = 0.1;
   grid->width = 40;
   grid->height = 20;
-  grid->percent.assign(800, 0);
-  for (std::size_t x = 0; x < 40; ++x) grid->percent[19 * 40 + x] = 100;
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 40; ++x) grid->percent.set(x, y, y == 19 ? 100 : 0);
   return grid;
 }
 
@@ -116,8 +116,8 @@ TEST(MapImage, KeepsThinWallsOfALargeMap) {
   auto grid = std::make_shared<OccupancyGrid>();
   grid->cell_m = 0.05;
   grid->width = grid->height = 4000;
-  grid->percent.assign(16'000'000, 0);
-  for (std::size_t y = 0; y < 4000; ++y) grid->percent[y * 4000 + 1001] = 100;
+  for (int y = 0; y < 4000; ++y)
+    for (int x = 0; x < 4000; ++x) grid->percent.set(x, y, x == 1001 ? 100 : 0);
   MapImage image;
   image.grid = grid;
   const cv::Mat drawing = drawn(image);

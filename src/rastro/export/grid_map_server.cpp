@@ -168,14 +168,37 @@ void set_geometry(OccupancyGrid& grid, const MapFields& fields) {
   if (origin[2] != 0.0) fields.fail("origin", "has a rotation, which is not supported", "its third number must be 0");
 }
 
+/// The top row of the image is that of the largest y.
+void read_cells(const PgmImage& image, const Thresholds& thresholds, OccupancyGrid& grid) {
+  TiledCells<std::int8_t>::Writer writer(grid.percent);
+  for (int y = 0; y < image.height; ++y) {
+    const auto row = static_cast<std::size_t>(image.height - 1 - y) * static_cast<std::size_t>(image.width);
+    for (int x = 0; x < image.width; ++x) {
+      const char gray = image.pixels[row + static_cast<std::size_t>(x)];
+      const std::int8_t percent = thresholds.percent_of(static_cast<unsigned char>(gray));
+      if (percent != OccupancyGrid::unknown) writer.at(x, y) = percent;
+    }
+  }
+}
+
 }  // namespace
 
 std::string map_server_pgm(const OccupancyGrid& grid) {
-  std::string bytes = fmt::format("P5\n{} {}\n255\n", grid.width, grid.height);
-  bytes.reserve(bytes.size() + grid.percent.size());
-  for (int y = grid.height - 1; y >= 0; --y)
-    for (int x = 0; x < grid.width; ++x) bytes += static_cast<char>(gray_of(grid.at(x, y)));
+  std::string bytes;
+  map_server_pgm(grid, [&bytes](std::string_view piece) { bytes += piece; });
   return bytes;
+}
+
+void map_server_pgm(const OccupancyGrid& grid, const std::function<void(std::string_view)>& put) {
+  constexpr std::size_t least_piece = 1 << 20;
+  std::string bytes = fmt::format("P5\n{} {}\n255\n", grid.width, grid.height);
+  for (int y = grid.height - 1; y >= 0; --y) {
+    for (const std::int8_t percent : grid.row(y)) bytes += static_cast<char>(gray_of(percent));
+    if (bytes.size() < least_piece) continue;
+    put(bytes);
+    bytes.clear();
+  }
+  put(bytes);
 }
 
 std::string map_server_yaml(const OccupancyGrid& grid, const std::string& image) {
@@ -195,12 +218,7 @@ OccupancyGrid parse_map_server(std::string_view yaml, std::string_view where, st
   grid.height = read.height;
   if (std::max(read.width, read.height) * grid.cell_m > farthest_m)
     throw Error("is too large for a map", image_file, "check the resolution");
-  grid.percent.reserve(static_cast<std::size_t>(read.width) * static_cast<std::size_t>(read.height));
-  for (int y = read.height - 1; y >= 0; --y) {
-    const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(read.width);
-    for (const char gray : read.pixels.substr(row, static_cast<std::size_t>(read.width)))
-      grid.percent.push_back(thresholds.percent_of(static_cast<unsigned char>(gray)));
-  }
+  read_cells(read, thresholds, grid);
   return grid;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -11,6 +12,8 @@ namespace rastro {
 /// The image that ROS's map_server reads: binary PGM, the row of the largest y first; 0 % is white, 100 % black, in
 /// between gray; unknown cells are 205, which no percentage is.
 std::string map_server_pgm(const OccupancyGrid& grid);
+/// The same in pieces, as the image of a large map takes more memory than the map: put() gets one after the other.
+void map_server_pgm(const OccupancyGrid& grid, const std::function<void(std::string_view)>& put);
 
 /// The file beside it: image, resolution, origin and the thresholds of map_server's own saver. `image` is a file
 /// name.

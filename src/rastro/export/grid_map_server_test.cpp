@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "rastro/base/append_file.h"
@@ -25,7 +26,7 @@ OccupancyGrid every_percentage() {
   grid.origin = {-12.35, 3.1};
   grid.width = 17;
   grid.height = 6;
-  for (int k = 0; k < 102; ++k) grid.percent.push_back(static_cast<std::int8_t>(k - 1));
+  for (int k = 0; k < 102; ++k) grid.percent.set(k % 17, k / 17, static_cast<std::int8_t>(k - 1));
   return grid;
 }
 
@@ -45,10 +46,10 @@ TEST(GridMapServer, ReadsBackWhatItWrites) {
   EXPECT_EQ(back.height, grid.height);
   EXPECT_DOUBLE_EQ(back.cell_m, grid.cell_m);
   EXPECT_TRUE(back.origin.isApprox(grid.origin));
-  for (std::size_t k = 0; k < grid.percent.size(); ++k) {
-    const int percent = grid.percent[k];
+  for (int k = 0; k < 102; ++k) {
+    const int percent = k - 1;
     const int expected = percent >= 65 ? 100 : percent >= 0 && percent < 20 ? 0 : OccupancyGrid::unknown;
-    EXPECT_EQ(back.percent[k], expected) << percent;
+    EXPECT_EQ(back.at(k % 17, k / 17), expected) << percent;
   }
 }
 
@@ -67,12 +68,12 @@ TEST(GridMapServer, ReadsWhatOthersWrite) {
   const std::string three = pgm + std::string(1, '\0');
   const OccupancyGrid grid = parse_map_server(
       "image: a.pgm\nmode: trinary\nresolution: 0.1\norigin:\n  - -1.0\n  - 2\n  - 0.0\nnegate: 0\n", "m", three, "a");
-  EXPECT_THAT(grid.percent, testing::ElementsAre(OccupancyGrid::unknown, 0, 100));
+  EXPECT_THAT(grid.row(0), testing::ElementsAre(OccupancyGrid::unknown, 0, 100));
   EXPECT_DOUBLE_EQ(grid.origin.y(), 2.0);
   const OccupancyGrid negative =
       parse_map_server("image: a.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 1\n", "m", three, "a");
-  EXPECT_EQ(negative.percent[1], 100);
-  EXPECT_EQ(negative.percent[2], 0);
+  EXPECT_EQ(negative.at(1, 0), 100);
+  EXPECT_EQ(negative.at(2, 0), 0);
 }
 
 TEST(GridMapServer, RefusesWhatIsNoMapInOneLine) {
@@ -96,12 +97,28 @@ TEST(GridMapServer, RefusesWhatIsNoMapInOneLine) {
   EXPECT_THAT(message_of("just words", sound), HasSubstr("not a map"));
 }
 
+TEST(GridMapServer, GivesALargeImageInPieces) {
+  OccupancyGrid grid;
+  grid.width = 3000;
+  grid.height = 1000;
+  grid.percent.set(2999, 0, 100);
+  std::string bytes;
+  map_server_pgm(grid, [&bytes](std::string_view piece) {
+    EXPECT_LT(piece.size(), 1'100'000U);
+    bytes += piece;
+  });
+  EXPECT_EQ(bytes.size(), std::string("P5\n3000 1000\n255\n").size() + 3'000'000U);
+  EXPECT_EQ(static_cast<unsigned char>(bytes.back()), 0) << "the last cell of the lowest row";
+  EXPECT_EQ(std::count(bytes.begin(), bytes.end(), static_cast<char>(205)), 2'999'999);
+  EXPECT_EQ(map_server_pgm(grid), bytes);
+}
+
 TEST(GridMapServer, ReadsTheFileBesideTheYaml) {
   const auto folder = scratch_folder("map_server");
   const OccupancyGrid grid = every_percentage();
   write_whole_file(folder / "floor.pgm", map_server_pgm(grid));
   write_whole_file(folder / "floor.yaml", map_server_yaml(grid, "floor.pgm"));
-  EXPECT_EQ(read_map_server((folder / "floor.yaml").string()).percent.size(), 102U);
+  EXPECT_EQ(read_map_server((folder / "floor.yaml").string()).width, 17);
   write_whole_file(folder / "lost.yaml", map_server_yaml(grid, "nowhere.pgm"));
   EXPECT_THROW(read_map_server((folder / "lost.yaml").string()), Error);
 }

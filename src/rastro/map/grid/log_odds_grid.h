@@ -2,21 +2,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "rastro/map/grid/occupancy_grid.h"
-#include "rastro/math/se2.h"
+#include "rastro/map/grid/log_odds_model.h"
+#include "rastro/map/grid/scan_cells.h"
 
 namespace rastro {
-
-/// The update of the cells by one scan. The defaults are those of Hector SLAM (Kohlbrecher et al. 2011).
-struct LogOddsModel {
-  double occupied_probability = 0.9;  ///< Of a cell with a return, from this scan alone; above 0.5.
-  double free_probability = 0.4;      ///< Of a cell a beam went through; below 0.5.
-  double largest_log_odds = 6.0;      ///< Bound on the log-odds, so that a cell can still change.
-};
 
 /// Read-only occupancy probabilities of the cells, for the matchers. Values are 0 (free) to 255 (occupied), 128 where
 /// unknown. Points into the grid it comes from.
@@ -28,9 +22,11 @@ struct ProbabilityView {
 };
 
 /// An occupancy grid in log-odds that grows with the scans inserted (Moravec and Elfes 1985; Thrun et al. 2005, 9.2).
+/// It holds every cell of its bounding box, as the matchers read it: for the small area of a submap. For a whole map
+/// there is OccupancyMapper.
 class LogOddsGrid {
  public:
-  LogOddsGrid(double cell_m, const LogOddsModel& model);
+  LogOddsGrid(double cell_m, const LogOddsModel& model) : cell_m_(cell_m), steps_(model) {}
 
   /// Inserts beams from `sensor` to each of `returns`, both in the grid's frame: free along the beam, occupied at its
   /// end. A cell is updated once per scan, and a return in it outweighs a beam through it. Returns farther than 32,768
@@ -40,29 +36,28 @@ class LogOddsGrid {
   ProbabilityView view() const;
   /// Frees the memory that only insert() needs.
   void freeze();
+  /// Memory of the cells.
+  std::size_t bytes() const;
 
  private:
-  void grow_to_hold(const Eigen::Vector2i& least, const Eigen::Vector2i& most);
-  Eigen::Vector2i cell_of(const Eigen::Vector2d& point) const;
+  void grow_to_hold(const ScanCells& scan);
   void draw_beam(const Eigen::Vector2i& from, const Eigen::Vector2i& to);
-  void add(std::size_t cell, int log_odds);
+  void set(std::size_t cell, std::int16_t log_odds) {
+    log_odds_[cell] = log_odds;
+    probability_[cell] = steps_.probability_of(log_odds);
+  }
   std::size_t index_of(const Eigen::Vector2i& cell) const {
-    return static_cast<std::size_t>(cell.y() - first_.y()) * static_cast<std::size_t>(size_.x()) +
-           static_cast<std::size_t>(cell.x() - first_.x());
+    return static_cast<std::size_t>(cell.y() - box_.first.y()) * static_cast<std::size_t>(box_.size.x()) +
+           static_cast<std::size_t>(cell.x() - box_.first.x());
   }
 
   double cell_m_;
-  int occupied_step_, free_step_, largest_;
-  std::vector<std::uint8_t> probability_of_;  ///< Of each log-odds value from -largest_ on.
-  Eigen::Vector2i first_ = Eigen::Vector2i::Zero();
-  Eigen::Vector2i size_ = Eigen::Vector2i::Zero();
+  LogOddsSteps steps_;
+  CellBox box_;
   std::vector<std::int16_t> log_odds_;
   std::vector<std::uint8_t> probability_;
   std::vector<std::uint32_t> touched_;  ///< Number of the scan that last changed the cell, twice; odd: by a return.
   std::uint32_t scans_ = 0;
 };
-
-/// As percent; unknown where no beam passed.
-OccupancyGrid to_occupancy(const ProbabilityView& view);
 
 }  // namespace rastro

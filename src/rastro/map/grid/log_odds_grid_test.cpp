@@ -215,21 +215,15 @@ TEST(LogOddsGrid, AFrozenGridReadsTheSame) {
   EXPECT_EQ(grid.view().cell_m, cell_m);
 }
 
-TEST(LogOddsGrid, ConvertsToPercentWhereABeamPassed) {
-  const LogOddsModel model{0.8, 0.3, 6.0};
-  LogOddsGrid grid(cell_m, model);
-  const std::vector<Eigen::Vector2d> returns{middle_of({-3, 4})};
-  grid.insert(middle_of({-3, 0}), returns);
-  const OccupancyGrid occupancy = to_occupancy(grid.view());
-  const auto percent_at = [&](const Cell& cell) {
-    const Eigen::Vector2i there = occupancy.cell_of(middle_of(cell));
-    return static_cast<int>(occupancy.at(there.x(), there.y()));
-  };
-  EXPECT_EQ(percent_at({-3, 4}), 80);
-  EXPECT_EQ(percent_at({-3, 2}), 30);
-  EXPECT_EQ(percent_at({-2, 2}), OccupancyGrid::unknown);
-  EXPECT_EQ(std::count(occupancy.percent.begin(), occupancy.percent.end(), OccupancyGrid::unknown),
-            occupancy.width * occupancy.height - 5);
+TEST(LogOddsGrid, AFrozenGridTakesOneByteACell) {
+  LogOddsGrid grid(cell_m, usual_model);
+  EXPECT_EQ(grid.bytes(), 0U);
+  const std::vector<Eigen::Vector2d> returns{middle_of({5, 3}), middle_of({-6, 2})};
+  grid.insert(middle_of({0, 0}), returns);
+  const auto cells = static_cast<std::size_t>(grid.view().width) * static_cast<std::size_t>(grid.view().height);
+  EXPECT_EQ(grid.bytes(), 7 * cells);
+  grid.freeze();
+  EXPECT_EQ(grid.bytes(), cells);
 }
 
 }  // namespace

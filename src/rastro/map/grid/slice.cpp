@@ -44,10 +44,12 @@ OccupancyGrid slice_between(const OccupancyOctree& octree, double lowest_m, doub
   const double bottom = std::floor(std::max(lowest_m, octree.low().z()) / grid.cell_m + 1e-9) * grid.cell_m;
   const double top = std::min(highest_m, octree.high().z());
   const int cubes = std::max(0, static_cast<int>(std::ceil((top - bottom) / grid.cell_m - 1e-9)));
-  grid.percent.reserve(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height));
-  for (int y = 0; y < grid.height; ++y)
-    for (int x = 0; x < grid.width; ++x)
-      grid.percent.push_back(column_percent(octree, grid.center_of(x, y), bottom, cubes));
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const std::int8_t percent = column_percent(octree, grid.center_of(x, y), bottom, cubes);
+      if (percent != OccupancyGrid::unknown) grid.percent.set(x, y, percent);
+    }
+  }
   return grid;
 }
 

@@ -5,6 +5,7 @@
 
 #include "rastro/map/file/bytes.h"
 #include "rastro/map/graph/planar.h"
+#include "rastro/map/grid/occupancy_mapper.h"
 
 namespace rastro {
 namespace {
@@ -100,7 +101,7 @@ class ScanLayerType : public KeyframeLayerType<ScanLayer, KeyframeScans> {
 std::optional<OccupancyGrid> occupancy_grid_of(const Map& map, int submap) {
   const auto layer = map.layer<ScanLayer>();
   if (!layer) return std::nullopt;
-  LogOddsGrid grid(layer->cell_m, layer->model);
+  OccupancyMapper mapper(layer->cell_m, layer->model);
   for (const Keyframe& keyframe : map.keyframes) {
     const KeyframeScans* scans = keyframe.submap == submap ? layer->find(keyframe.id) : nullptr;
     if (!scans) continue;
@@ -109,11 +110,10 @@ std::optional<OccupancyGrid> occupancy_grid_of(const Map& map, int submap) {
       std::vector<Eigen::Vector2d> points;
       points.reserve(scan.points.size());
       for (const Eigen::Vector2d& point : scan.points) points.push_back(world_from_body * point);
-      grid.insert(world_from_body * scan.sensor, points);
+      mapper.insert(world_from_body * scan.sensor, points);
     }
   }
-  grid.freeze();  // what is left to do needs one byte a cell
-  return to_occupancy(grid.view());
+  return mapper.grid();
 }
 
 std::unique_ptr<LayerType> scans_layer_type() { return std::make_unique<ScanLayerType>(); }

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "rastro/map/grid/log_odds_grid.h"
+#include "rastro/map/grid/log_odds_model.h"
 #include "rastro/map/grid/occupancy_grid.h"
 #include "rastro/map/keyframe_layer.h"
 

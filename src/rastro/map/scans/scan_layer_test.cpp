@@ -9,6 +9,7 @@
 
 #include "rastro/base/random.h"
 #include "rastro/map/graph/planar.h"
+#include "rastro/map/grid/dense_grid_testing.h"
 
 namespace rastro {
 namespace {

@@ -24,7 +24,7 @@ std::size_t LocalMap::add_keyframe(TimeNs stamp, const SE3& camera_from_world, R
   keyframes_.push_back({stamp, camera_from_world, std::move(observations)});
   // Observations outside the window are never used again; points with no other observations go too.
   const std::size_t begin = window_begin();
-  if (begin > 0 && begin > restarted_at_) keyframes_[begin - 1].observations = {};
+  if (begin > 0 && begin > restarted_at_) keyframes_[begin - 1].observations = RayObservations();
   std::erase_if(points_, [&](const auto& point) {
     for (std::size_t k = begin; k < keyframes_.size(); ++k) {
       if (find_ray(keyframes_[k].observations, point.first)) return false;

@@ -22,7 +22,7 @@ void PointMap::add_reading(MapPoint& point, const DepthReading& reading) {
 void PointMap::forget(int count, int most_missed) {
   const int oldest = std::max(first_live, static_cast<int>(references.size()) - count);
   for (int i = oldest - 1; i >= 0 && !references[static_cast<std::size_t>(i)].planes.empty(); --i) {
-    references[static_cast<std::size_t>(i)].planes = {};
+    references[static_cast<std::size_t>(i)].planes = std::vector<BlockPlane>();  // "= {}" would keep the memory
   }
   std::erase_if(points, [&](const MapPoint& point) { return point.anchor < oldest || point.missed > most_missed; });
 }

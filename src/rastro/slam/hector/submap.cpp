@@ -61,12 +61,8 @@ void Submap::release() {
 }
 
 std::size_t Submap::bytes() const {
-  // One probability per cell; while scans are inserted, also log-odds and the number of the scan.
-  constexpr std::size_t a_finished_cell = 1, an_open_cell = 7;
   std::size_t bytes = sizeof(Submap) + key_scans_.size() * sizeof(std::size_t);
-  for (const ProbabilityView& view : views_)
-    bytes += static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height) *
-             (finished_ ? a_finished_cell : an_open_cell);
+  for (const LogOddsGrid& grid : grids_) bytes += grid.bytes();
   if (correlative_)
     bytes += static_cast<std::size_t>(search_levels) * static_cast<std::size_t>(views_.front().width) *
              static_cast<std::size_t>(views_.front().height);

@@ -20,12 +20,13 @@ void FrameTrajectory::add(const TrackedFrame& frame) {
   const auto at = std::upper_bound(frames_.begin(), frames_.end(), frame.index,
                                    [](std::int64_t index, const TrackedFrame& other) { return index < other.index; });
   const auto added = frames_.insert(at, frame);
-  if (!keeps_observations_) added->seen = {};
+  // "= {}" would keep the memory.
+  if (!keeps_observations_) added->seen = std::vector<FrameObservation>();
 }
 
 void FrameTrajectory::forget_observations() {
   keeps_observations_ = false;
-  for (TrackedFrame& frame : frames_) frame.seen = {};
+  for (TrackedFrame& frame : frames_) frame.seen = std::vector<FrameObservation>();
 }
 
 std::size_t FrameTrajectory::bytes() const {
