@@ -76,6 +76,9 @@ files() {
   said 'lost'
   run 0 info "$here/saved.rastro"
   said 'complete'
+  head -c 12288 "$map" >"$here/head.rastro"
+  refused 'nothing to recover' recover "$here/head.rastro" --out "$here/none.rastro"
+  [[ ! -e $here/none.rastro ]] || fail "an empty map is written"
   run 0 recover "$map" --out "$here/again.rastro"
   said 'nothing'
   cmp "$map" "$here/again.rastro" || fail "read and written again, the map has other bytes"

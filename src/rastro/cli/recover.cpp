@@ -34,6 +34,8 @@ int recover(const RecoverFlags& flags) {
     throw Error("already exists", flags.out, "choose another --out or add --force");
   const RecoveredMap recovered = recover_map(file);
   const Map& map = *recovered.map;
+  if (map.keyframes.empty() && map.frames.empty())
+    throw Error("holds no keyframe and no pose that could be read", file.string(), "there is nothing to recover");
   save_map(map, out);
   fmt::print("{}: {} keyframes, {} constraints, {} poses of the trajectory\n", flags.out, map.keyframes.size(),
              map.constraints.size(), map.frames.size());
