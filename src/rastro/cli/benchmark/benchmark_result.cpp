@@ -22,6 +22,7 @@ BenchmarkResult from_json(const Json& json) {
   RunScores& scores = result.scores;
   scores.frames = json.at("frames").get<std::int64_t>();
   scores.tracked = json.at("tracked").get<std::int64_t>();
+  scores.posed = json.at("posed").get<std::int64_t>();
   scores.false_poses = json.at("false_poses").get<std::int64_t>();
   scores.false_poses_lost = json.at("false_poses_lost").get<std::int64_t>();
   if (!json.at("ate_m").is_null()) scores.ate_m = json.at("ate_m").get<double>();
@@ -45,6 +46,7 @@ std::string to_json(const BenchmarkResult& result) {
             {"message", result.message},
             {"frames", scores.frames},
             {"tracked", scores.tracked},
+            {"posed", scores.posed},
             {"false_poses", scores.false_poses},
             {"false_poses_lost", scores.false_poses_lost},
             {"ate_m", scores.ate_m ? Json(*scores.ate_m) : Json()},

@@ -12,7 +12,8 @@ namespace rastro::cli {
 struct RunScores {
   std::int64_t frames = 0;       ///< Processed or skipped.
   std::int64_t tracked = 0;      ///< In state tracking, weak or relocalized.
-  std::int64_t false_poses = 0;  ///< Of these, further off the ground truth than the limit.
+  std::int64_t posed = 0;        ///< With a pose in the end, also those placed once a relocalization was confirmed.
+  std::int64_t false_poses = 0;  ///< Of the tracked, further off the ground truth than the limit.
   std::int64_t false_poses_lost =
       0;                        ///< The same of frames lost or not yet initialized, which got a pose all the same.
   std::optional<double> ate_m;  ///< Absolute trajectory error, or mean error of relations; none: not to be judged.

@@ -275,7 +275,7 @@ std::string expectations_text(const BenchmarkList& list, const std::vector<Bench
       if (entry.expect == Expectation::none || result.entry != entry.name) continue;
       const RunScores& scores = result.scores;
       false_poses += scores.false_poses + scores.false_poses_lost;
-      const bool in_map = percent_of(scores.tracked, scores.frames) >= found_percent && scores.false_poses == 0;
+      const bool in_map = percent_of(scores.posed, scores.frames) >= found_percent && scores.false_poses == 0;
       (entry.expect == Expectation::found ? places : lost) += 1;
       if (entry.expect == Expectation::found && in_map) ++found;
       if (entry.expect == Expectation::lost && result.failure.empty() &&
@@ -285,7 +285,7 @@ std::string expectations_text(const BenchmarkList& list, const std::vector<Bench
   }
   if (lost + places == 0) return "";
   return fmt::format(
-      "localization: {} of {} runs found the place ({:.0f} % of the frames, no false pose); {} of {} without "
+      "localization: {} of {} runs found the place (a pose for {:.0f} % of the frames, none false); {} of {} without "
       "the place gave no false pose; {} false poses\n",
       found, places, found_percent, stayed_lost, lost, false_poses);
 }

@@ -141,12 +141,13 @@ TEST(BenchmarkTable, ExpectationsOfLocalizationAreCounted) {
       "  - {name: elsewhere, data: a, method: orb, map: {data: b}, expect: lost}\n",
       "list.yaml");
   auto here = result_of("here", 0, 0.01), elsewhere = result_of("elsewhere", 0, 0.01);
-  here.scores.tracked = 100;
+  here.scores.posed = 100;
   elsewhere.scores.false_poses = 3;
   EXPECT_THAT(
       expectations_text(list, {here, elsewhere}),
-      HasSubstr("1 of 1 runs found the place (95 % of the frames, no false pose); 0 of 1 without the place gave no "
-                "false pose; 3 false poses"));
+      HasSubstr(
+          "1 of 1 runs found the place (a pose for 95 % of the frames, none false); 0 of 1 without the place gave no "
+          "false pose; 3 false poses"));
   EXPECT_EQ(expectations_text(two_entries(), three_walks()), "");
 }
 

@@ -130,8 +130,8 @@ void judge_poses(const Compared& both, const Sim3& reference_from_estimate, cons
   if (static_cast<int>(pairs.size()) >= fewest_pairs) scores.ate_m = std::sqrt(sum / static_cast<double>(pairs.size()));
 }
 
-bool has_poses(const fs::path& folder) {
-  return !content_lines(read_text_file((folder / "trajectory.txt").string())).empty();
+std::int64_t count_poses(const fs::path& folder) {
+  return static_cast<std::int64_t>(content_lines(read_text_file((folder / "trajectory.txt").string())).size());
 }
 
 void judge_run(const fs::path& folder, const BenchmarkJudgment& judgment, const Json& result,
@@ -175,7 +175,8 @@ RunScores score_run(const fs::path& folder, const BenchmarkJudgment& judgment, c
   for (const auto& frame : frames) scores.tracked += frame.second ? 1 : 0;
   scores.warned = says_a_warning(result);
   scores.sha256 = result.value("result_sha256", std::string());
-  if (!has_poses(folder)) return scores;
+  scores.posed = count_poses(folder);
+  if (scores.posed == 0) return scores;
   if (judgment.localized)
     judge_localized(folder, judgment, map_folder, frames, scores);
   else if (is_relations(judgment.ground_truth))

@@ -57,6 +57,7 @@ TEST(RunScores, RightRunHasNoFalsePose) {
   const RunScores scores = score_run(run_folder("right", "", position_of), judged_by_ground_truth(), {});
   EXPECT_EQ(scores.frames, 21);
   EXPECT_EQ(scores.tracked, 18);
+  EXPECT_EQ(scores.posed, 20);
   EXPECT_EQ(scores.false_poses, 0);
   EXPECT_NEAR(scores.ate_m.value(), 0.0, 1e-6);
   EXPECT_EQ(scores.sha256, "ab");
