@@ -18,6 +18,9 @@ PipelineOptions pipeline_options(const SlamContext& context) {
   return options;
 }
 
+constexpr std::size_t observed_frames = 500;  ///< Keep their observations, to be refined with the final map.
+constexpr std::size_t refined_at_once = 100;  ///< At least.
+
 constexpr double reserve_mb = 150.0;  ///< For everything except the map.
 
 }  // namespace
@@ -59,9 +62,15 @@ HandOverDelay KeyframePipeline::mapping_delay() const {
 
 void KeyframePipeline::insert(std::shared_ptr<const KeyframeInput> keyframe, TimeNs stamp) {
   const std::size_t trajectory_bytes = thinning_.limited() ? session_.trajectory.bytes() : 0;
-  mapping_.submit(
-      [this, keyframe = std::move(keyframe), trajectory_bytes] { return process(*keyframe, trajectory_bytes); },
-      session_.frame_time(stamp), mapping_delay());
+  auto frames =
+      std::make_shared<std::vector<TrackedFrame>>(session_.trajectory.take_observed(observed_frames, refined_at_once));
+  const auto job = [this, keyframe = std::move(keyframe), frames = std::move(frames), trajectory_bytes] {
+    Result result = process(*keyframe, trajectory_bytes);
+    refine_frames(*frames, session_.graph, session_.options.min_inliers / 2);
+    result.refined = std::move(*frames);
+    return result;
+  };
+  mapping_.submit(job, session_.frame_time(stamp), mapping_delay());
 }
 
 void KeyframePipeline::insert_now(const KeyframeInput& keyframe) {
@@ -71,6 +80,9 @@ void KeyframePipeline::insert_now(const KeyframeInput& keyframe) {
 
 void KeyframePipeline::take_results(TimeNs stamp, std::vector<SlamEvent>& events) {
   const FrameTime now = session_.frame_time(stamp);
+  // A map that does not change refines nothing.
+  if (!session_.mapping && session_.frame_number % static_cast<std::int64_t>(refined_at_once) == 0)
+    session_.trajectory.take_observed(observed_frames, refined_at_once);
   if (auto adjustment = adjusting_.take_ready(now)) take_adjustment(std::move(*adjustment), stamp);
   while (auto result = mapping_.take_ready(now)) take(std::move(*result), events);
 }
@@ -81,6 +93,7 @@ void KeyframePipeline::take_all_results(std::vector<SlamEvent>& events) {
 
 void KeyframePipeline::take(Result result, std::vector<SlamEvent>& events) {
   events.insert(events.end(), result.events.begin(), result.events.end());
+  session_.trajectory.put_back(result.refined);
   if (session_.tracking && result.view) tracker_.set_view(result.view);
   if (result.adjustment) begin_adjustment(std::move(result.adjustment));
   spend_sparingly(result.budget);

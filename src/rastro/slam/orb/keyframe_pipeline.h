@@ -61,6 +61,7 @@ class KeyframePipeline {
     std::vector<SlamEvent> events;
     std::shared_ptr<GlobalBundleAdjustment> adjustment;  ///< Still to be run; null: none.
     MapBudget budget;
+    std::vector<TrackedFrame> refined;  ///< Frames that no longer need their observations.
   };
 
   Result process(const KeyframeInput& keyframe, std::size_t trajectory_bytes);

@@ -55,8 +55,34 @@ void FrameTrajectory::forget(const MapGraph& graph, int submap) {
   std::erase_if(frames_, [&](const TrackedFrame& frame) { return graph.submap(frame.keyframe) == submap; });
 }
 
-void FrameTrajectory::refine(const MapGraph& graph, int least) {
+std::vector<TrackedFrame> FrameTrajectory::take_observed(std::size_t kept, std::size_t least) {
+  const auto observed = static_cast<std::size_t>(
+      std::count_if(frames_.begin(), frames_.end(), [](const TrackedFrame& frame) { return !frame.seen.empty(); }));
+  std::vector<TrackedFrame> taken;
+  if (observed < kept + least) return taken;
   for (TrackedFrame& frame : frames_) {
+    if (taken.size() == observed - kept) break;
+    if (frame.seen.empty()) continue;
+    taken.push_back(frame);
+    frame.seen = std::vector<FrameObservation>();
+  }
+  return taken;
+}
+
+void FrameTrajectory::put_back(const std::vector<TrackedFrame>& refined) {
+  for (const TrackedFrame& frame : refined) {
+    const auto here =
+        std::lower_bound(frames_.begin(), frames_.end(), frame.index,
+                         [](const TrackedFrame& other, std::int64_t index) { return other.index < index; });
+    if (here == frames_.end() || here->index != frame.index) continue;
+    here->keyframe = frame.keyframe;
+    here->camera_from_keyframe = frame.camera_from_keyframe;
+    here->unit = frame.unit;
+  }
+}
+
+void refine_frames(std::span<TrackedFrame> frames, const MapGraph& graph, int least) {
+  for (TrackedFrame& frame : frames) {
     if (frame.became >= 0 && graph.has_keyframe(frame.became)) {
       frame = {frame.index, frame.stamp, frame.became, SE3(), graph.unit(frame.became), frame.became, {}};
       continue;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "rastro/sensor/trajectory.h"
@@ -29,6 +30,10 @@ struct TrackedFrame {
   std::vector<FrameObservation> seen;  ///< The observations used for its pose.
 };
 
+/// Re-estimates every pose from the frame's observations in the current map. A frame with fewer than `least` inliers
+/// keeps its pose.
+void refine_frames(std::span<TrackedFrame> frames, const MapGraph& graph, int least);
+
 /// All frames that have a pose.
 class FrameTrajectory {
  public:
@@ -39,9 +44,13 @@ class FrameTrajectory {
   void set_keyframe(std::int64_t index, std::int64_t keyframe);
   /// Removes the poses of a submap's frames.
   void forget(const MapGraph& graph, int submap);
-  /// Re-estimates every pose from the frame's observations in the current map. A frame with fewer than `least` inliers
-  /// keeps its pose.
-  void refine(const MapGraph& graph, int least);
+  /// As refine_frames(), of all frames.
+  void refine(const MapGraph& graph, int least) { refine_frames(frames_, graph, least); }
+  /// So that memory does not grow with time: the frames with observations except the last `kept` of them, for
+  /// refine_frames() beside tracking. They lose their observations here, not their poses. Empty for fewer than `least`.
+  std::vector<TrackedFrame> take_observed(std::size_t kept, std::size_t least);
+  /// Sets the poses of frames refined meanwhile; those that are no longer here are left out.
+  void put_back(const std::vector<TrackedFrame>& refined);
   /// To save memory: drops the observations of all frames, and of those added from now on; refine() skips these.
   void forget_observations();
   std::size_t bytes() const;

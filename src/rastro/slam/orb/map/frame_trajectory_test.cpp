@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "rastro/math/math_testing.h"
 #include "rastro/slam/orb/tracking/frame_testing.h"
 
@@ -228,6 +230,36 @@ TEST(FrameTrajectory, AFrameThatBecameAKeyframeGetsItsPose) {
   EXPECT_THAT(poses[1].world_from_body, pose_near(elsewhere, 1e-9, 1e-9));
   EXPECT_EQ(poses[1].stamp, 2 * tenth);
   EXPECT_THAT(poses[2].world_from_body, pose_near(pose_at(0.3), 1e-9, 1e-9));
+}
+
+/// Refined beside tracking, in part, frames get the poses that refining all of them at the end gives.
+TEST(FrameTrajectory, FramesRefinedElsewhereArePutBack) {
+  PathBench bench;
+  FrameTrajectory at_once;
+  for (int index = 1; index <= 6; ++index) {
+    const TrackedFrame frame = bench.seeing(index, index % 2, pose_at(0.15 * index), some_error);
+    bench.recorded.add(frame);
+    at_once.add(frame);
+  }
+  EXPECT_TRUE(bench.recorded.take_observed(4, 3).empty()) << "too few to be worth it";
+  std::vector<TrackedFrame> taken = bench.recorded.take_observed(4, 2);
+  ASSERT_EQ(taken.size(), 2U) << "the oldest";
+  EXPECT_EQ(taken[1].index, 2);
+  const auto observed = [](const TrackedFrame& frame) { return !frame.seen.empty(); };
+  EXPECT_EQ(std::count_if(bench.recorded.frames().begin(), bench.recorded.frames().end(), observed), 4);
+  refine_frames(taken, bench.map.graph, 15);
+  taken.push_back(taken[0]);
+  taken.back().index = 77;  // of a map that was dropped meanwhile
+  bench.recorded.put_back(taken);
+  EXPECT_EQ(bench.recorded.frames().size(), 6U);
+  EXPECT_TRUE(bench.recorded.take_observed(4, 1).empty()) << "they have no observations any more";
+  bench.recorded.refine(bench.map.graph, 15);
+  at_once.refine(bench.map.graph, 15);
+  const Trajectory poses = bench.recorded.trajectory(bench.map.graph, 0), all = at_once.trajectory(bench.map.graph, 0);
+  for (std::size_t k = 0; k < 6; ++k) {
+    EXPECT_THAT(poses[k].world_from_body, pose_near(all[k].world_from_body, 1e-9, 1e-9)) << k;
+    EXPECT_THAT(poses[k].world_from_body, pose_near(pose_at(0.15 * static_cast<double>(k + 1)), 1e-3, 1e-4)) << k;
+  }
 }
 
 }  // namespace
