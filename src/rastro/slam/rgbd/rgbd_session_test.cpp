@@ -51,6 +51,20 @@ TEST(RgbdSession, TheLatestPoseIsThatOfTheTrajectoryWhateverIsPending) {
   EXPECT_GT(corrected, 1e-5) << "nothing was corrected";
 }
 
+/// The camera hardly moves, so that the number of frames decides.
+TEST(RgbdSession, AKeyframeIsMadeAfterSoManyFrames) {
+  RgbdSlamOptions options = many_keyframes();
+  options.keyframe_frames = 4;
+  RgbdSession session(options, test_room::camera(), {});
+  for (int k = 0; k < 13; ++k) {
+    const SE3 view = looking({-0.5, -0.2 + 0.0005 * k, 1.2}, 0.0, -0.3);
+    const SlamUpdate update = session.process(with_depth_noise(room_frame(view, k), options, 1));
+    const bool made = std::any_of(update.events.begin(), update.events.end(),
+                                  [](const SlamEvent& event) { return event.kind == "keyframe"; });
+    EXPECT_EQ(made, k % 4 == 0) << k;
+  }
+}
+
 TEST(RgbdSession, TheScoreIsTheShareOfInliers) {
   const RgbdSlamOptions options = many_keyframes();
   RgbdSession session(options, test_room::camera(), {});
