@@ -100,10 +100,15 @@ TEST(FeatureGrid, NeverFindsFeaturesWithoutPixelAndKnowsTheImageBounds) {
   Drawing drawing;
   drawing.add(nan, nan, 0, random_descriptor(random));
   drawing.add(100.0F, 100.0F, 0, random_descriptor(random));
+  drawing.add(0.0F, 0.0F, 0, random_descriptor(random));
   const FeatureGrid grid = drawing.grid();
   std::vector<std::uint32_t> found;
   grid.find(320.0F, 240.0F, 1000.0F, 0, 7, found);
-  EXPECT_THAT(found, ElementsAre(1U));
+  EXPECT_THAT(found, ::testing::UnorderedElementsAre(1U, 2U));
+  for (const auto& [x, y] : {std::pair{0.0F, -5.0F}, {-5.0F, 0.0F}}) {
+    grid.find(x, y, 5.0F, 0, 7, found);
+    EXPECT_THAT(found, ElementsAre(2U)) << "a window that only touches it holds it";
+  }
   EXPECT_TRUE(grid.holds(0.0F, 479.0F));
   EXPECT_FALSE(grid.holds(-1.0F, 10.0F));
   EXPECT_FALSE(grid.holds(10.0F, 482.0F));
@@ -163,6 +168,19 @@ TEST(MatchInWindows, EqualsBruteForce) {
     EXPECT_EQ(matches[i].subject, expected[i].subject);
     EXPECT_EQ(matches[i].distance, expected[i].distance);
   }
+}
+
+TEST(MatchInWindows, TheSecondBestMayBeAsNearAsTheRatioAllows) {
+  Random random(9);
+  const Descriptor descriptor = random_descriptor(random);
+  Drawing drawing;
+  drawing.add(100.0F, 100.0F, 0, flipped(descriptor, 10));
+  drawing.add(104.0F, 100.0F, 0, flipped(descriptor, 20));
+  const FeatureGrid grid = drawing.grid();
+  const std::vector<SearchWindow> windows = {{3, 102.0F, 100.0F, 5.0F, nan, 0, 7, &descriptor}};
+  for (const auto& [ratio, found] : {std::pair{0.5, true}, {0.49, false}})
+    EXPECT_EQ(match_in_windows(grid, windows, {.max_distance = 10, .max_ratio = ratio}).size(), found ? 1U : 0U);
+  EXPECT_TRUE(match_in_windows(grid, windows, {.max_distance = 9, .max_ratio = 1.0}).empty());
 }
 
 TEST(MatchWithinRadius, MatchesFeaturesThatMovedLessThanTheRadius) {

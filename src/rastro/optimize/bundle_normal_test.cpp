@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 #include <cstring>
+#include <limits>
+#include <utility>
 
 #include "rastro/optimize/bundle_testing.h"
 
@@ -146,6 +148,55 @@ TEST(BundleNormal, PointsBehindACameraHaveNoInfluence) {
   std::erase_if(without.observations, [](const BundleObservation& seen) { return seen.point == 4; });
   const BundleStep expected = step_of(without, {}, 0.01);
   EXPECT_LT((step.cameras - expected.cameras).norm(), 1e-9 * expected.cameras.norm());
+}
+
+/// Beyond 60 free cameras the matrix is sparse; beyond 128 points sums are of several chunks.
+TEST(BundleNormal, ManyCamerasAndPointsAreTheSameEquations) {
+  BundleSceneOptions options = small_scene();
+  options.cameras = 64;
+  options.points = 150;
+  options.stereo_share = 0.5;
+  for (const int fixed : {2, 3}) {
+    options.fixed = fixed;
+    BundleScene scene = bundle_scene(options, 17);
+    // A loop: two cameras far from each other observe the same points.
+    for (const std::uint32_t point : {0U, 3U, 7U}) {
+      BundleObservation seen;
+      seen.camera = 40;
+      seen.point = point;
+      seen.sigma = 1.0 / 500.0;
+      scene.bundle.points[point] = scene.bundle.camera_from_world[40].inverse() * Eigen::Vector3d(0.1, 0.2, 4.0);
+      seen.ray = Eigen::Vector2d(0.03, 0.05);
+      scene.bundle.observations.push_back(seen);
+    }
+    expect_dense_step(scene.bundle, {}, 1e-2);
+  }
+}
+
+TEST(BundleNormal, WithoutAFiniteSolutionThereIsNone) {
+  BundleSceneOptions options = small_scene();
+  for (const int cameras : {6, 70}) {
+    options.cameras = cameras;
+    options.points = 10 * cameras;
+    const BundleScene scene = bundle_scene(options, 19);
+    const BundleOptions solving;
+    Bundle broken = scene.bundle;
+    broken.observations[5].ray.x() = std::numeric_limits<double>::quiet_NaN();
+    BundleNormal normal(broken, solving, nullptr);
+    BundleStep step;
+    EXPECT_FALSE(normal.solve(broken, 1e-3, step)) << cameras;
+    EXPECT_TRUE(normal.solve(scene.bundle, 1e-3, step)) << "it recovers";
+  }
+}
+
+TEST(BundleNormal, APointThatOneCameraAloneObservesStays) {
+  BundleScene scene = bundle_scene(small_scene(), 21);
+  std::erase_if(scene.bundle.observations, [&, kept = false](const BundleObservation& seen) mutable {
+    return seen.point == 4 && std::exchange(kept, true);
+  });
+  const BundleStep step = step_of(scene.bundle, {}, 0.01);
+  EXPECT_EQ(step.points[4].norm(), 0.0);
+  EXPECT_GT(step.points[5].norm(), 0.0);
 }
 
 /// One object solves repeatedly, at other cameras and dampings.

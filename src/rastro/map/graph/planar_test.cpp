@@ -17,7 +17,7 @@ TEST(Planar, PosesAndCovariancesGoToSpaceAndBack) {
               1e-14);
   }
   Eigen::Matrix3d covariance;
-  covariance << 1.0, 2.0, 3.0, 2.0, 5.0, 6.0, 3.0, 6.0, 9.0;
+  covariance << 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0;  // not symmetric: each entry has its position
   EXPECT_EQ(in_plane(in_space(covariance)), covariance);
   Matrix6d full = in_space(covariance);
   for (const int out : {2, 3, 4}) full.row(out).setConstant(7.0);

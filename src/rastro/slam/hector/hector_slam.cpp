@@ -238,7 +238,7 @@ void HectorSlam::State::advance_submaps(SlamUpdate& update) {
   const auto most = static_cast<std::size_t>(options_.submap_scans);
   const bool full = open.front()->key_scans().size() >= most;
   if (full && open.size() > 1) open.front()->finish();
-  if (open.back()->key_scans().size() < std::max<std::size_t>(1, most / 2)) return;
+  if (open.back()->key_scans().size() < most / 2) return;
   const std::size_t submap = graph_.add_submap(guess_.last());
   update.events.push_back({"submap", fmt::format("{} started", submap)});
 }

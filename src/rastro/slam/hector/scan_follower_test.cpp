@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "rastro/registration/scan_to_map.h"
 #include "rastro/slam/hector/hector_testing.h"
 
 namespace rastro {
@@ -47,6 +48,22 @@ TEST(ScanFollower, TheBetterOfGradientAndSearchCounts) {
   MappedRoom room;
   for (const bool trusted : {true, false}) {
     const FollowedScan followed = room.follow(pose_of(0.45, -0.3, 0.3), 0.5, 0.4, trusted);
+    EXPECT_TRUE(followed.searched);
+    ASSERT_TRUE(followed.fits);
+    EXPECT_LT(room.error_m(followed), 0.03);
+  }
+}
+
+/// The gradient alone leads elsewhere from there.
+TEST(ScanFollower, TheSearchFindsWhatTheGradientCannot) {
+  MappedRoom room;
+  for (const SE2& off : {pose_of(0.35, -0.35, 0.45), pose_of(-0.3, 0.38, -0.45)}) {
+    const std::vector<Eigen::Vector2d> points = returns_of(room.drive.scan(MappedRoom::seen), room.options).points;
+    const auto alone =
+        match_scan_to_map(room.submap.levels(), points, room.drive.truth(MappedRoom::seen) * off, nullptr, {});
+    ASSERT_TRUE(alone);
+    ASSERT_LT(alone->score, room.options.min_score) << "nothing to search for";
+    const FollowedScan followed = room.follow(off, 0.5, 0.5, false);
     EXPECT_TRUE(followed.searched);
     ASSERT_TRUE(followed.fits);
     EXPECT_LT(room.error_m(followed), 0.03);

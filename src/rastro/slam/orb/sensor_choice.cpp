@@ -51,7 +51,7 @@ OrbSlamOptions options_for(OrbSlamOptions options, const SourceInfo& source, con
   }
   if (options.features == 0) {
     const Camera& camera = *source.cameras.front().camera;
-    options.features = camera.width > 0 && camera.width * camera.height > 1.3 * pixels_of_vga ? 2000 : 1000;
+    options.features = camera.width * camera.height > 1.3 * pixels_of_vga ? 2000 : 1000;
   }
   return options;
 }

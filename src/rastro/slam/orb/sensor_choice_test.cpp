@@ -74,6 +74,81 @@ TEST(SensorChoice, ARectifiedPairIsUsedUnchanged) {
   EXPECT_DOUBLE_EQ(choice.baseline, 0.3);
 }
 
+TEST(SensorChoice, APairIsRectifiedIfItIsNotRectifiedWellEnough) {
+  Camera camera = distorted();
+  camera.distortion = Distortion::none;
+  const auto is_used_as_it_is = [&](const Camera& right, const SE3& left_from_right) {
+    SourceInfo source = pair_of(camera, left_from_right);
+    source.cameras[1].camera = right;
+    const SensorChoice choice = choose_sensor(options_of("auto"), source);
+    return choice.sensor == CameraKind::stereo && !choice.rectification;
+  };
+  const SE3 aside(SO3(), {0.3, 0.0, 0.0});
+  for (double Camera::*parameter : {&Camera::fx, &Camera::fy, &Camera::cx, &Camera::cy}) {
+    for (const double off : {-0.6, -0.4, 0.4, 0.6}) {
+      Camera right = camera;
+      right.*parameter += off;
+      EXPECT_EQ(is_used_as_it_is(right, aside), std::abs(off) < 0.5) << off;
+    }
+  }
+  EXPECT_FALSE(is_used_as_it_is(distorted(), aside));
+  for (const double angle : {0.0009, 0.0011})
+    EXPECT_EQ(is_used_as_it_is(camera, SE3(SO3::exp({0.0, angle, 0.0}), aside.translation())), angle < 0.001);
+  for (const double off : {0.0014, 0.0016}) {
+    EXPECT_EQ(is_used_as_it_is(camera, SE3(SO3(), {0.3, off, 0.0})), off < 0.0015);
+    EXPECT_EQ(is_used_as_it_is(camera, SE3(SO3(), {0.3, 0.0, off})), off < 0.0015);
+  }
+  EXPECT_FALSE(is_used_as_it_is(camera, SE3(SO3(), {-0.3, 0.0, 0.0}))) << "right and left are swapped";
+}
+
+TEST(SensorChoice, TheSensorIsTheOneAskedForOrTheBestOfTheSource) {
+  SourceInfo source = pair_of(distorted(), left_from_right());
+  for (const bool right : {false, true}) {
+    for (const bool depth : {false, true}) {
+      source.has_right = right, source.has_depth = depth;
+      const CameraKind best = depth ? CameraKind::depth : right ? CameraKind::stereo : CameraKind::mono;
+      EXPECT_EQ(choose_sensor(options_of("auto"), source).sensor, best);
+      EXPECT_EQ(choose_sensor(options_of("mono"), source).sensor, CameraKind::mono);
+      if (right) {
+        EXPECT_EQ(choose_sensor(options_of("stereo"), source).sensor, CameraKind::stereo);
+      } else {
+        EXPECT_THROW(choose_sensor(options_of("stereo"), source), Error);
+      }
+      if (depth) {
+        EXPECT_EQ(choose_sensor(options_of("rgbd"), source).baseline, options_of("rgbd").virtual_baseline_m);
+      } else {
+        EXPECT_THROW(choose_sensor(options_of("rgbd"), source), Error);
+      }
+    }
+  }
+}
+
+TEST(SensorChoice, LargeImagesHaveTwiceTheFeaturesUnlessTheirNumberIsGiven) {
+  SourceInfo source;
+  source.cameras = {{"left", distorted(), {}, ""}};
+  Camera& camera = *source.cameras.front().camera;
+  OrbSlamOptions options;
+  options.features = 0;
+  camera.height = 480;
+  for (const auto& [width, features] : {std::pair{0, 1000}, {640, 1000}, {832, 1000}, {833, 2000}}) {
+    camera.width = width;
+    EXPECT_EQ(options_for(options, source, nullptr).features, features) << width;
+  }
+  options.features = 700;
+  EXPECT_EQ(options_for(options, source, nullptr).features, 700);
+  Map map;
+  auto layer = std::make_shared<FeatureLayer>();
+  layer->extraction = {
+      .features = 1234, .levels = 5, .scale_factor = 1.3, .fast_threshold = 22, .least_fast_threshold = 9};
+  map.layers.put<FeatureLayer>(std::move(layer));
+  const OrbSlamOptions of_map = options_for(options, source, &map);
+  EXPECT_EQ(of_map.features, 1234);
+  EXPECT_EQ(of_map.levels, 5);
+  EXPECT_EQ(of_map.scale_factor, 1.3);
+  EXPECT_EQ(of_map.fast_threshold, 22);
+  EXPECT_EQ(of_map.least_fast_threshold, 9);
+}
+
 TEST(SensorChoice, AnUnusablePairLeavesTheLeftCameraOrIsRefused) {
   SourceInfo uncalibrated = pair_of(distorted(), left_from_right());
   uncalibrated.left_from_right.reset();
@@ -101,6 +176,25 @@ TEST(SensorChoice, ADepthCameraMeasuresEveryFeatureOfTheWallForAnyPool) {
   EXPECT_EQ(alone->data().depths, together->data().depths);
   ASSERT_GT(alone->size(), 300U);
   for (const float depth : alone->data().depths) EXPECT_NEAR(static_cast<double>(depth), wall_m, 1e-3);
+}
+
+TEST(SensorChoice, WhatTheLensDoesNotShowWithAMarginOf16PixelsIsMasked) {
+  const Camera camera = distorted();
+  const SE3 turned(SO3::exp({0.1, -0.05, 0.15}), {0.3, 0.003, -0.004});
+  const SensorChoice choice = choose_sensor(options_of("stereo"), pair_of(camera, turned));
+  ASSERT_TRUE(choice.rectification);
+  Frame frame;
+  frame.image = GrayImage(camera.width, camera.height);
+  const GrayImage mask = FrameRectifier(choice.rectification, nullptr).rectified(frame).mask;
+  const GrayImage shown = shown_by(choice.rectification->left, camera.width, camera.height, 16);
+  int masked = 0;
+  for (int y = 0; y < shown.height(); ++y) {
+    for (int x = 0; x < shown.width(); ++x) {
+      ASSERT_EQ(mask.at(x, y), shown.at(x, y)) << x << ' ' << y;
+      masked += mask.at(x, y) == 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(masked, 3000);
 }
 
 TEST(SensorChoice, MasksAreRectifiedToo) {

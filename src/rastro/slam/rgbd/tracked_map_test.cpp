@@ -74,6 +74,30 @@ TEST(TrackedMap, PendingKeyframesAreTransformedFromTheGivenOneOn) {
   EXPECT_NEAR((map.pose(2).translation() - Eigen::Vector3d(0.0, 3.0, 6.0)).norm(), 0.0, 1e-12);
 }
 
+TEST(TrackedMap, TheNearestKeyframesAreThoseOfTheSubmapWithFeaturesInTheirOrder) {
+  TrackedMap map = empty_map();
+  std::vector<KeyframePose> poses;
+  const double x[] = {4.0, 1.0, 0.2, 3.0, 0.1, 2.0, 0.6, 5.0};
+  for (std::int64_t id = 0; id < 8; ++id) {
+    poses.push_back(in_submap(at(x[id]), id == 2 ? 1 : 0));
+    map.add_pending(poses.back(), Matrix6d::Zero());
+    MapRevision revision = revision_of(id, poses);
+    if (id == 5) revision.forgotten = {4};
+    map.apply(revision);
+  }
+  RgbdSlamOptions options;
+  options.near_distance_m = 1.0, options.near_angle_rad = 1.0;
+  using Ids = std::vector<std::int64_t>;
+  EXPECT_EQ(map.nearest(at(0.0), 0, options), (Ids{6, 1, 5, 3, 0})) << "five, without the one that has no features";
+  EXPECT_EQ(map.nearest(at(4.6), 0, options), (Ids{7, 0, 3, 5, 1}));
+  EXPECT_EQ(map.nearest(at(4.6), 1, options), Ids{2});
+  EXPECT_EQ(map.nearest(at(4.6), 2, options), Ids{});
+  // Turned by 1.5 rad, the nearest is as far as at 1.5 m; beyond that, the distance counts.
+  EXPECT_EQ(map.nearest(at(0.0, 1.5), 0, options), (Ids{1, 6, 5, 3, 0})) << "the first two are alike: by number";
+  options.near_angle_rad = 0.01;
+  EXPECT_EQ(map.nearest(at(0.0, 0.1), 0, options), (Ids{0, 1, 3, 5, 6})) << "all alike by their angle";
+}
+
 TEST(TrackedMap, EveryFrameFollowsItsKeyframe) {
   TrackedMap map = empty_map();
   map.new_submap();

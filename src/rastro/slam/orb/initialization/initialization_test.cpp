@@ -189,6 +189,19 @@ TEST(Initialization, NoMapIsDroppedWithoutATrialOrAfterIt) {
   EXPECT_EQ(reset.process(200, 0.0).reason, SlamReason::first_frame);
 }
 
+TEST(Initialization, ContradictionsOfAnEarlierTrialDoNotCount) {
+  OrbSlamOptions options;
+  options.init_trial_frames = 2;
+  InitializationBench bench(CameraKind::mono, options);
+  bench.begin_from_two_views();
+  for (int k = 0; k < 2; ++k) EXPECT_FALSE(bench.contradicts(9.0));
+  bench.session.tracking = false;
+  bench.session.lost_frames = 30;
+  bench.process(20, 0.0);
+  ASSERT_EQ(bench.process(21, 2.0).events.size(), 1U) << "another submap, on trial";
+  EXPECT_FALSE(bench.contradicts(9.0));
+}
+
 TEST(Initialization, ADroppedMapLeavesNothingAndTheKeptFramesInitializeAgain) {
   InitializationBench bench(CameraKind::mono);
   bench.begin_from_two_views();

@@ -109,6 +109,22 @@ TEST(LocalMapping, NewPointsOfTwoKeyframesAreTriangulated) {
   }
 }
 
+TEST(LocalMapping, EveryFeatureWithoutALandmarkIsTriangulated) {
+  MappingBench bench(CameraKind::mono, without_keyframe_culling());
+  for (const int id : {0, 1}) bench.add_keyframe(id);
+  const auto landmark_of_feature = [&](std::uint32_t feature) {
+    return bench.map.graph.keyframe(1).landmarks[feature];
+  };
+  const auto last = static_cast<std::uint32_t>(bench.seen[1].size()) - 1;
+  for (const std::uint32_t feature : {0U, 1U, last}) {
+    bench.map.landmark_of[bench.seen[1][feature]] = -1;
+    bench.map.graph.remove_landmark(landmark_of_feature(feature));
+  }
+  bench.mapping.process(bench.input(2, 1));
+  for (const std::uint32_t feature : {0U, 1U, last}) EXPECT_GE(landmark_of_feature(feature), 0) << feature;
+  EXPECT_EQ(bench.true_landmarks(1e-3), bench.map.graph.landmark_count());
+}
+
 TEST(LocalMapping, NothingIsTriangulatedFromOnePosition) {
   MappingBench bench(CameraKind::mono);
   const SE3 beside(SO3::exp({0.0, 0.02, 0.0}), {-0.02, 0.0, 0.0});

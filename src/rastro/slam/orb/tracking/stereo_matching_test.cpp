@@ -166,6 +166,55 @@ TEST(StereoMatching, NextToABorderThereIsNoWindow) {
   }
 }
 
+TEST(StereoMatching, AFeatureWithoutPartnerHasNeitherPositionNorDepth) {
+  OneFeature one;
+  one.right_features = {};
+  EXPECT_EQ(one.match(), 0.0);
+  EXPECT_EQ(one.keyframe.right_x.at(0), -1.0F);
+  EXPECT_EQ(one.keyframe.depths.at(0), 0.0F);
+}
+
+/// The definition of the shift: windows of 11 x 11 pixels, `step` apart, minus their middle one; the least sum of
+/// squared differences within five steps of the partner, and the vertex of the parabola through its neighbors.
+double plain_disparity(const GrayImage& left, const GrayImage& right, int x, int y, int partner, int step) {
+  const auto difference = [&](int at) {
+    double sum = 0.0;
+    for (int dy = -5; dy <= 5; ++dy) {
+      for (int dx = -5; dx <= 5; ++dx) {
+        const int a = left.at(x + dx * step, y + dy * step) - left.at(x, y);
+        const int b = right.at(at + dx * step, y + dy * step) - right.at(at, y);
+        sum += (a - b) * (a - b);
+      }
+    }
+    return sum;
+  };
+  int best = partner - 5 * step;
+  for (int at = best; at <= partner + 5 * step; ++at) best = difference(at) < difference(best) ? at : best;
+  if (std::abs(best - partner) == 5 * step) return 0.0;
+  const double before = difference(best - 1), middle = difference(best), after = difference(best + 1);
+  return x - (best + 0.5 * (before - after) / (before - 2.0 * middle + after));
+}
+
+/// With less contrast on the right, the least difference is far from zero.
+TEST(StereoMatching, EqualsTheDefinitionAtAnyLevelAndContrast) {
+  OneFeature one;
+  for (int y = 0; y < one.right.height(); ++y)
+    for (int x = 0; x < one.right.width(); ++x)
+      one.right.at(x, y) = static_cast<std::uint8_t>(std::lround(64.0 + 0.5 * one.right.at(x, y)));
+  int found = 0;
+  for (const auto& [level, step] : {std::pair{0, 1}, {2, 1}, {3, 2}, {6, 3}}) {
+    for (int x = 120; x < 400; x += 31) {
+      one.keyframe.features = OneFeature::feature(static_cast<float>(x), 100.0F, static_cast<std::uint8_t>(level));
+      one.right_features = OneFeature::feature(static_cast<float>(x - 11), 100.0F, static_cast<std::uint8_t>(level));
+      const double expected = plain_disparity(one.left, one.right, x, 100, x - 11, step);
+      const double disparity = one.match();
+      EXPECT_NEAR(disparity, expected, 1e-4) << x << " at level " << level;
+      found += disparity > 0.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(found, 20);
+}
+
 TEST(StereoMatching, ThreadsGiveTheSameBytes) {
   const GrayImage left = textured(0.0), right = textured(12.3);
   OrbExtractor extractor(OrbOptions{.features = 400});

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the tracker makes of the mapper's results, and how it searches the map while lost.
+#include "rastro/slam/rgbd/rgbd_session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "rastro/slam/rgbd/rgbd_testing.h"
+
+namespace rastro {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::looking;
+using testing::pose_near;
+using testing::room_frame;
+using testing::with_depth_noise;
+
+RgbdSlamOptions many_keyframes() {
+  RgbdSlamOptions options;
+  options.backend_delay_frames = 5;
+  options.keyframe_frames = 2;
+  return options;
+}
+
+/// A noisy view of a pan along a wall, 30 frames/s.
+Frame panned_frame(int k, const RgbdSlamOptions& options) {
+  const SE3 view = looking({-0.5, -0.2 + 0.01 * k, 1.2}, -0.3 + 0.02 * k, -0.3);
+  return with_depth_noise(room_frame(view, k), options, static_cast<std::uint64_t>(k));
+}
+
+/// While several keyframes wait for the mapper, its corrections of earlier ones move them and the tracker alike.
+TEST(RgbdSession, TheLatestPoseIsThatOfTheTrajectoryWhateverIsPending) {
+  const RgbdSlamOptions options = many_keyframes();
+  RgbdSession session(options, test_room::camera(), {});
+  double corrected = 0.0;
+  SE3 last;
+  for (int k = 0; k < 24; ++k) {
+    const SlamUpdate update = session.process(panned_frame(k, options));
+    const Trajectory trajectory = session.trajectory();
+    ASSERT_EQ(trajectory.size(), static_cast<std::size_t>(k + 1));
+    EXPECT_THAT(trajectory.back().world_from_body, pose_near(update.world_from_body, 1e-9, 1e-9)) << k;
+    if (k > 0) {
+      const SE3 before = trajectory[trajectory.size() - 2].world_from_body;
+      corrected = std::max(corrected, (before.inverse() * last).log().norm());
+    }
+    last = update.world_from_body;
+  }
+  EXPECT_GT(corrected, 1e-5) << "nothing was corrected";
+}
+
+/// The camera hardly moves, so that the number of frames decides.
+TEST(RgbdSession, AKeyframeIsMadeAfterSoManyFrames) {
+  RgbdSlamOptions options = many_keyframes();
+  options.keyframe_frames = 4;
+  RgbdSession session(options, test_room::camera(), {});
+  for (int k = 0; k < 13; ++k) {
+    const SE3 view = looking({-0.5, -0.2 + 0.0005 * k, 1.2}, 0.0, -0.3);
+    const SlamUpdate update = session.process(with_depth_noise(room_frame(view, k), options, 1));
+    const bool made = std::any_of(update.events.begin(), update.events.end(),
+                                  [](const SlamEvent& event) { return event.kind == "keyframe"; });
+    EXPECT_EQ(made, k % 4 == 0) << k;
+  }
+}
+
+TEST(RgbdSession, TheScoreIsTheShareOfInliers) {
+  const RgbdSlamOptions options = many_keyframes();
+  RgbdSession session(options, test_room::camera(), {});
+  for (int k = 0; k < 6; ++k) {
+    const SlamUpdate update = session.process(panned_frame(k, options));
+    EXPECT_GT(update.score, 0.5) << k;
+    EXPECT_LE(update.score, 1.0) << k;
+  }
+}
+
+/// Elsewhere in the room nothing is found, and the detail says with how many keyframes the frame was compared.
+TEST(RgbdSession, AHintNamesKeyframesToCompareFirstInAGivenMapAlone) {
+  const auto map = std::make_shared<const Map>(make_test_map(6));
+  const Frame elsewhere = room_frame(looking({0.0, -0.5, 1.2}, M_PI));
+  RgbdSlamOptions options;
+  options.relocalize_last = 6;
+  for (const bool hinted : {false, true}) {
+    SlamContext context;
+    context.map = map;
+    if (hinted) context.initial_pose = map->keyframes[2].world_from_camera;
+    RgbdSession session(options, test_room::camera(), context);
+    const SlamUpdate update = session.process(elsewhere);
+    EXPECT_EQ(update.state, SlamState::initializing);
+    EXPECT_EQ(update.reason, SlamReason::not_found);
+    EXPECT_THAT(update.detail, HasSubstr(hinted ? "none of 11 keyframes" : "none of 6 keyframes"));
+  }
+}
+
+}  // namespace
+}  // namespace rastro
