@@ -85,8 +85,8 @@ Rejection judge(const Evidence& evidence, const AcceptanceOptions& options) {
   if (evidence.inliers < options.min_inliers) return Rejection::few_inliers;
   if (evidence.inliers < options.min_inlier_share * static_cast<double>(evidence.matches))
     return Rejection::low_inlier_share;
-  if (!(evidence.inliers >= options.min_chance_ratio * evidence.chance_inliers)) return Rejection::near_chance;
   if (evidence.observed < options.min_observed) return Rejection::few_observed;
+  if (!(evidence.observed >= options.min_chance_ratio * evidence.chance_observed)) return Rejection::near_chance;
   if (evidence.overlap() < options.min_overlap) return Rejection::low_overlap;
   if (evidence.observed_share() < options.min_observed_share) return Rejection::low_observed_share;
   if (std::isfinite(options.max_graph_sigmas) && !(evidence.graph_sigmas <= options.max_graph_sigmas))

@@ -26,8 +26,8 @@ enum class Rejection : std::uint8_t {
   low_score,           ///< The method's own score is too low.
   few_inliers,         ///< Too few matches fit one pose.
   low_inlier_share,    ///< Too small a share of the matches fits one pose.
-  near_chance,         ///< Too few inliers beside those of a wrong pose.
   few_observed,        ///< Too few landmarks are found where the hypothesis predicts them.
+  near_chance,         ///< Too few beside those found under a wrong hypothesis.
   low_overlap,         ///< Too little of what was compared can be judged at all.
   low_observed_share,  ///< Negative evidence: what should be visible and is not occluded is not observed.
   contradicts_graph,   ///< Inconsistent with odometry or the rest of the graph.
@@ -37,13 +37,13 @@ const char* name_of(Rejection rejection);  ///< "none", "low_score", ...
 
 /// What a method knows about a hypothesis. Values it leaves out are not judged while their limit is off.
 struct Evidence {
-  double score = 1.0;           ///< Likelihood or similarity, 0..1.
-  int matches = 0;              ///< Of features or landmarks, correct or not.
-  int inliers = 0;              ///< Of these, those that fit one pose.
-  double chance_inliers = 0.0;  ///< Inliers to be expected of a wrong pose.
-  int compared = 0;             ///< Landmarks, depths or beams compared with the map.
-  int predicted = 0;            ///< Of these, those that the hypothesis predicts to be visible and not occluded.
-  int observed = 0;             ///< Of these, those observed where they are predicted.
+  double score = 1.0;            ///< Likelihood or similarity, 0..1.
+  int matches = 0;               ///< Of features or landmarks, correct or not.
+  int inliers = 0;               ///< Of these, those that fit one pose.
+  int compared = 0;              ///< Landmarks, depths or beams compared with the map.
+  int predicted = 0;             ///< Of these, those that the hypothesis predicts to be visible and not occluded.
+  int observed = 0;              ///< Of these, those observed where they are predicted.
+  double chance_observed = 0.0;  ///< The same to be expected of a wrong hypothesis.
   /// Distance between the hypothesis and the graph's prediction, in standard deviations: graph_sigmas().
   double graph_sigmas = 0.0;
 
@@ -58,8 +58,8 @@ struct AcceptanceOptions {
   double min_score = 0.0;
   int min_inliers = 0;
   double min_inlier_share = 0.0;    ///< Of the matches.
-  double min_chance_ratio = 0.0;    ///< Of the inliers to those of a wrong pose.
   int min_observed = 0;             ///< Landmarks found where they are predicted.
+  double min_chance_ratio = 0.0;    ///< Of these to those found under a wrong hypothesis.
   double min_overlap = 0.0;         ///< Of what was compared.
   double min_observed_share = 0.0;  ///< Of what is predicted; a smaller share is negative evidence and rejects.
   double max_graph_sigmas = std::numeric_limits<double>::infinity();

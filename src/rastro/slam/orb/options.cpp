@@ -459,6 +459,15 @@ void add_loop_options(OptionTable& table, OrbSlamOptions& o) {
              0.5,
              10000,
              {}});
+  table.add(
+      {"loop_chance_ratio",
+       &o.loop_chance_ratio,
+       "",
+       "ratio of the landmarks found with the similarity of a loop to those found by chance plus one, at least; 7 "
+       "to 9 in wrong loops, 15 to 50 in right ones",
+       0,
+       10000,
+       {}});
   table.add({"loop_drift_share",
              &o.loop_drift_share,
              "",

@@ -105,6 +105,7 @@ struct OrbSlamOptions {
   int loop_inliers = 20;
   int loop_landmarks = 40;
   double loop_search_px = 8.0;
+  double loop_chance_ratio = 11.0;
   double loop_drift_share = 0.1;
   double loop_drift_rad_per_m = 0.02;
   double loop_max_sigmas = 5.0;

@@ -87,6 +87,7 @@ double drift_sigmas(const MapGraph& graph, const VerifiedLoop& loop, const Odome
 AcceptanceOptions loop_acceptance(const OrbSlamOptions& options) {
   return {.min_inliers = options.loop_inliers,
           .min_observed = options.loop_landmarks,
+          .min_chance_ratio = options.loop_chance_ratio,
           .max_graph_sigmas = options.loop_max_sigmas,
           .min_confirmations = options.loop_consistent};
 }
@@ -136,10 +137,17 @@ std::optional<VerifiedLoop> LoopClosing::verify(const MapKeyframe& keyframe, con
   VerifiedLoop loop{keyframe.id, candidate.id, similarity->first_from_second, similarity->inliers, {}};
   const std::vector<std::int64_t> around = landmarks_around(graph_, candidate.id, options_.covisible_landmarks,
                                                             static_cast<std::size_t>(options_.local_keyframes));
-  for (const FeatureMatch& match :
-       search_landmarks(graph_, around, *keyframe.frame, loop.keyframe_from_matched * Sim3(candidate.camera_from_world),
-                        {.radius_px = options_.loop_search_px, .limits = limits()}))
+  const Sim3 keyframe_from_world = loop.keyframe_from_matched * Sim3(candidate.camera_from_world);
+  const LandmarkSearchOptions search{.radius_px = options_.loop_search_px, .limits = limits()};
+  for (const FeatureMatch& match : search_landmarks(graph_, around, *keyframe.frame, keyframe_from_world, search))
     loop.landmarks.emplace_back(match.feature, around[match.subject]);
+  const auto wrong = rotations_beyond_windows(options_.loop_search_px * graph_.level_scales().back(), graph_.camera());
+  for (const SO3& rotation : wrong) {
+    const Sim3 elsewhere = Sim3(1.0, rotation, Eigen::Vector3d::Zero()) * keyframe_from_world;
+    loop.chance_landmarks +=
+        static_cast<double>(search_landmarks(graph_, around, *keyframe.frame, elsewhere, search).size()) /
+        static_cast<double>(wrong.size());
+  }
   loop.graph_sigmas = drift_sigmas(graph_, loop, {options_.loop_drift_share, options_.loop_drift_rad_per_m});
   return loop;
 }

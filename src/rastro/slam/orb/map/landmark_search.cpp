@@ -26,6 +26,17 @@ std::vector<FeatureMatch> search_landmarks(const MapGraph& graph, const std::vec
   return search.match(options.limits);
 }
 
+std::array<SO3, 8> rotations_beyond_windows(double window_px, const Camera& camera) {
+  const double angle_rad = 3.0 * window_px / camera.fx;
+  constexpr std::array shares{-1.0, -0.7, 0.7, 1.0};
+  std::array<SO3, 8> rotations;
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    rotations[2 * k] = SO3::exp({shares[k] * angle_rad, 0.0, 0.0});
+    rotations[2 * k + 1] = SO3::exp({0.0, shares[k] * angle_rad, 0.0});
+  }
+  return rotations;
+}
+
 std::vector<std::int64_t> landmarks_around(const MapGraph& graph, std::int64_t keyframe, int least_shared,
                                            std::size_t most_keyframes) {
   std::vector<std::int64_t> landmarks = landmarks_of(graph.keyframe(keyframe));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -22,6 +23,10 @@ struct LandmarkSearchOptions {
 std::vector<FeatureMatch> search_landmarks(const MapGraph& graph, const std::vector<std::int64_t>& landmarks,
                                            const FeatureFrame& frame, const Sim3& camera_from_world,
                                            const LandmarkSearchOptions& options);
+
+/// Eight rotations of a camera that move every pixel by more than a search window of `window_px`: under them no
+/// landmark can be matched to itself, so what is found is found by chance.
+std::array<SO3, 8> rotations_beyond_windows(double window_px, const Camera& camera);
 
 /// Landmarks of a keyframe and of those that share at least `least_shared` landmarks with it, at most `most_keyframes`;
 /// ascending.

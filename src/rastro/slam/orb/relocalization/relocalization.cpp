@@ -52,9 +52,10 @@ bool Relocalization::continues_motion(const SE3& camera_from_world) const {
 Rejection Relocalization::judge_with(const FeatureFrame& frame, const TrackingResult& tracked) {
   Evidence& evidence = hypothesis_->evidence;
   evidence.inliers += tracked.inliers;
+  evidence.observed += tracked.inliers;
   evidence.matches += tracked.matches;
   evidence.predicted += static_cast<int>(tracked.visible.size());
-  evidence.chance_inliers += 1.0 + tracker_.chance_inliers(frame, tracked.camera_from_world);
+  evidence.chance_observed += 1.0 + tracker_.chance_inliers(frame, tracked.camera_from_world);
   const OrbSlamOptions& options = session_.options;
   return judge(evidence,
                {.min_inliers = session_.min_inliers(),
@@ -82,7 +83,7 @@ bool Relocalization::confirm(const FramePointer& frame, const TrackingResult& tr
   update.reason = rejection == Rejection::none ? SlamReason::unconfirmed : SlamReason::not_found;
   update.detail =
       fmt::format("in keyframe {}: {} of {} visible landmarks fit, {:.0f} would by chance; {} of {} frames agree",
-                  hypothesis_->keyframe, evidence.inliers, evidence.predicted, evidence.chance_inliers,
+                  hypothesis_->keyframe, evidence.inliers, evidence.predicted, evidence.chance_observed,
                   rejection == Rejection::none ? agreeing : 0, session_.options.relocalize_frames);
   if (rejection != Rejection::none) reject();
   return false;

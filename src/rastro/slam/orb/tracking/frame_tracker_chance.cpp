@@ -1,24 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // FrameTracker: how many landmarks fit a pose by chance.
-#include <array>
-
+#include "rastro/slam/orb/map/landmark_search.h"
 #include "rastro/slam/orb/tracking/frame_tracker.h"
 
 namespace rastro {
 
 double FrameTracker::chance_inliers(const FeatureFrame& frame, const SE3& camera_from_world) const {
-  // Beyond the largest search window, so that no landmark can be matched to itself.
-  const double largest_window_px = options_.local_search_px * level_scales_.back();
-  const double angle_rad = 3.0 * largest_window_px / camera_.fx;
-  constexpr std::array shares{-1.0, -0.7, 0.7, 1.0};
+  const auto rotations = rotations_beyond_windows(options_.local_search_px * level_scales_.back(), camera_);
   double sum = 0.0;
-  for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitX().eval(), Eigen::Vector3d::UnitY().eval()}) {
-    for (const double share : shares) {
-      const SE3 rotated(SO3::exp(share * angle_rad * axis), Eigen::Vector3d::Zero());
-      sum += track_local_map(frame, rotated * camera_from_world).inliers;
-    }
-  }
-  return sum / (2.0 * shares.size());
+  for (const SO3& rotation : rotations)
+    sum += track_local_map(frame, SE3(rotation, Eigen::Vector3d::Zero()) * camera_from_world).inliers;
+  return sum / static_cast<double>(rotations.size());
 }
 
 /// The share changes slowly with the scene, so it is estimated anew only where it might decide.
