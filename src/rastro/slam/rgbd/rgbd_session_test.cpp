@@ -87,7 +87,7 @@ TEST(RgbdSession, AHintNamesKeyframesToCompareFirstInAGivenMapAlone) {
     if (hinted) context.initial_pose = map->keyframes[2].world_from_camera;
     RgbdSession session(options, test_room::camera(), context);
     const SlamUpdate update = session.process(elsewhere);
-    EXPECT_EQ(update.state, SlamState::initializing);
+    EXPECT_EQ(update.state, SlamState::lost);
     EXPECT_EQ(update.reason, SlamReason::not_found);
     EXPECT_THAT(update.detail, HasSubstr(hinted ? "none of 11 keyframes" : "none of 6 keyframes"));
   }

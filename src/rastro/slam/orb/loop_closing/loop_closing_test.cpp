@@ -21,8 +21,9 @@ constexpr double step = 2.0 * M_PI / 60.0;
 
 /// Map and loop_closing over one world.
 struct Bench {
-  explicit Bench(CameraKind sensor)
-      : graph(world.camera, sensor, sensor == CameraKind::mono ? 0.0 : 0.1, OrbOptions{}),
+  explicit Bench(CameraKind sensor, const OrbSlamOptions& settings = {})
+      : options(settings),
+        graph(world.camera, sensor, sensor == CameraKind::mono ? 0.0 : 0.1, OrbOptions{}),
         database(graph, world.vocabulary()),
         loop_closing(options, graph, database),
         mapper(world, graph, sensor == CameraKind::mono ? 0.004 : 0.006, sensor == CameraKind::mono ? 1.004 : 1.0) {}
@@ -130,6 +131,14 @@ TEST_P(LoopClosingTest, MergesASubmapOfAnotherUnitIntoTheOlderOne) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sensors, LoopClosingTest, ::testing::Values(CameraKind::mono, CameraKind::depth));
+
+TEST(LoopClosing, ALoopMustFindMoreLandmarksThanAWrongOneWould) {
+  OrbSlamOptions options;
+  options.loop_chance_ratio = 1000.0;
+  Bench bench(CameraKind::mono, options);
+  bench.mapper.begin(0, SE3(), 1.0);
+  for (int k = 0; k < 68; ++k) EXPECT_FALSE(bench.loop_closing.process(bench.mapper.add(k * step))) << k;
+}
 
 TEST(LoopClosing, SameInputSameBytes) {
   const auto run = [] {
