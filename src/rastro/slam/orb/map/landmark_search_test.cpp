@@ -96,7 +96,7 @@ TEST(RotationsBeyondWindows, MoveEveryPixelByMoreThanAWindow) {
   camera.fx = camera.fy = 500.0, camera.cx = 319.5, camera.cy = 239.5;
   constexpr double window_px = 15.0;
   for (const SO3& rotation : rotations_beyond_windows(window_px, camera)) {
-    for (const Eigen::Vector2d pixel : {Eigen::Vector2d(0, 0), {639, 0}, {320, 240}, {0, 479}, {639, 479}}) {
+    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0, 0), {639, 0}, {320, 240}, {0, 479}, {639, 479}}) {
       const Eigen::Vector2d moved = *camera.project(rotation * camera.unproject(pixel)->homogeneous());
       EXPECT_GT((moved - pixel).lpNorm<Eigen::Infinity>(), 2.0 * window_px);
       EXPECT_LT((moved - pixel).norm(), 6.0 * window_px) << "the camera still sees about the same";
