@@ -49,7 +49,7 @@ inline std::optional<int> frame_of(const TestRecording& recording, TimeNs stamp)
 /// True and estimated positions of the poses in `range`, by their stamps. A pose whose stamp is of no
 /// frame is skipped.
 struct PairedPositions {
-  std::vector<Eigen::Vector3d> truth, estimate;
+  std::vector<Eigen::Vector3d> ground_truth, estimate;
 };
 
 inline PairedPositions paired_positions(const Trajectory& trajectory, const TestRecording& recording,
@@ -58,7 +58,7 @@ inline PairedPositions paired_positions(const Trajectory& trajectory, const Test
   for (const StampedPose& pose : trajectory) {
     const std::optional<int> k = frame_of(recording, pose.stamp);
     if (!k || *k < range.first || *k >= range.end) continue;
-    paired.truth.push_back(recording.world_from_body(*k).translation());
+    paired.ground_truth.push_back(recording.world_from_body(*k).translation());
     paired.estimate.push_back(pose.world_from_body.translation());
   }
   return paired;
@@ -68,7 +68,7 @@ inline PairedPositions paired_positions(const Trajectory& trajectory, const Test
 /// by similarity. Infinite without a pose.
 inline double worst_error_m(const Trajectory& trajectory, const TestRecording& recording, FrameRange range = {}) {
   const PairedPositions paired = paired_positions(trajectory, recording, range);
-  if (paired.truth.empty()) return std::numeric_limits<double>::infinity();
+  if (paired.ground_truth.empty()) return std::numeric_limits<double>::infinity();
   Sim3 ground_truth_from_estimate;
   if (recording.is_metric()) {
     const auto first = std::find_if(trajectory.begin(), trajectory.end(), [&](const StampedPose& pose) {
@@ -78,13 +78,13 @@ inline double worst_error_m(const Trajectory& trajectory, const TestRecording& r
         recording.world_from_body(*frame_of(recording, first->stamp)) * first->world_from_body.inverse();
     ground_truth_from_estimate = Sim3(1.0, ground_truth_from.rotation(), ground_truth_from.translation());
   } else {
-    const auto aligned = align_points(paired.truth, paired.estimate, AlignmentKind::similarity);
+    const auto aligned = align_points(paired.ground_truth, paired.estimate, AlignmentKind::similarity);
     if (!aligned) return std::numeric_limits<double>::infinity();
     ground_truth_from_estimate = aligned->target_from_source;
   }
   double worst = 0.0;
-  for (std::size_t i = 0; i < paired.truth.size(); ++i)
-    worst = std::max(worst, (ground_truth_from_estimate * paired.estimate[i] - paired.truth[i]).norm());
+  for (std::size_t i = 0; i < paired.ground_truth.size(); ++i)
+    worst = std::max(worst, (ground_truth_from_estimate * paired.estimate[i] - paired.ground_truth[i]).norm());
   return worst;
 }
 

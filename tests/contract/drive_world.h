@@ -108,24 +108,25 @@ struct DriveError {
 inline DriveError drive_error(const Trajectory& poses, bool is_metric, const std::set<int>& left_out = {}) {
   std::map<TimeNs, SE3> at;
   for (const StampedPose& pose : poses) at[pose.stamp] = pose.world_from_body;
-  std::vector<Eigen::Vector3d> truth, estimate;
+  std::vector<Eigen::Vector3d> ground_truth, estimate;
   double rotation = 0.0, both = 0.0, own = 0.0, squares = 0.0;
   for (int k = 0; k < DriveWorld::frame_count; ++k) {
     if (left_out.contains(k)) continue;
     if (!at.contains(DriveWorld::stamp(k))) return {};
     const SE3 moved = at[DriveWorld::stamp(0)].inverse() * at[DriveWorld::stamp(k)];
     const SE3 true_moved = DriveWorld::first_from_camera(k);
-    truth.push_back(true_moved.translation());
+    ground_truth.push_back(true_moved.translation());
     estimate.push_back(moved.translation());
-    both += truth.back().dot(estimate.back());
+    both += ground_truth.back().dot(estimate.back());
     own += estimate.back().squaredNorm();
     rotation = std::max(rotation, (true_moved.rotation().inverse() * moved.rotation()).log().norm());
   }
   if (!(own > 0.0)) return {};
   const double scale = is_metric ? 1.0 : both / own;
-  for (std::size_t k = 0; k < truth.size(); ++k) squares += (scale * estimate[k] - truth[k]).squaredNorm();
+  for (std::size_t k = 0; k < ground_truth.size(); ++k)
+    squares += (scale * estimate[k] - ground_truth[k]).squaredNorm();
   return {rotation * 180.0 / std::numbers::pi,
-          std::sqrt(squares / static_cast<double>(truth.size())) / DriveWorld::path_m()};
+          std::sqrt(squares / static_cast<double>(ground_truth.size())) / DriveWorld::path_m()};
 }
 
 }  // namespace rastro

@@ -68,7 +68,7 @@ class SlamContract : public testing::TestWithParam<std::string> {
   void expect_right(const Slam& slam, FrameRange range = {}, double factor = 1.0) const {
     const Trajectory trajectory = slam.trajectory();
     range.end = std::min(range.end, recording().frame_count());
-    const auto poses = static_cast<double>(paired_positions(trajectory, recording(), range).truth.size());
+    const auto poses = static_cast<double>(paired_positions(trajectory, recording(), range).ground_truth.size());
     const double worst_m = worst_error_m(trajectory, recording(), range);
     RecordProperty("worst_m", std::to_string(worst_m));
     EXPECT_LT(worst_m, factor * limit().worst_m);

@@ -35,9 +35,11 @@ struct StartJudgment {
 
 namespace start_detail {
 
-inline double scale_between(const std::vector<Eigen::Vector3d>& truth, const std::vector<Eigen::Vector3d>& estimate) {
+inline double scale_between(const std::vector<Eigen::Vector3d>& ground_truth,
+                            const std::vector<Eigen::Vector3d>& estimate) {
   double both = 0.0, own = 0.0;
-  for (std::size_t i = 0; i < truth.size(); ++i) both += truth[i].dot(estimate[i]), own += estimate[i].squaredNorm();
+  for (std::size_t i = 0; i < ground_truth.size(); ++i)
+    both += ground_truth[i].dot(estimate[i]), own += estimate[i].squaredNorm();
   return own > 0.0 ? both / own : 0.0;
 }
 
@@ -48,23 +50,24 @@ inline std::int64_t frame_at(const World& world, TimeNs stamp) {
 }
 
 inline void judge_path(const World& world, const Trajectory& trajectory, StartJudgment& judgment, double& scale) {
-  std::vector<Eigen::Vector3d> truth, estimate;
+  std::vector<Eigen::Vector3d> ground_truth, estimate;
   const SE3 true_first = world.world_from_camera(frame_at(world, trajectory.front().stamp));
   for (const StampedPose& pose : trajectory) {
     const SE3 moved = true_first.inverse() * world.world_from_camera(frame_at(world, pose.stamp));
     const SE3 followed = trajectory.front().world_from_body.inverse() * pose.world_from_body;
-    truth.push_back(moved.translation());
+    ground_truth.push_back(moved.translation());
     estimate.push_back(followed.translation());
     judgment.rotation_error_rad =
         std::max(judgment.rotation_error_rad, (moved.rotation().inverse() * followed.rotation()).log().norm());
   }
-  scale = scale_between(truth, estimate);
+  scale = scale_between(ground_truth, estimate);
   double squares = 0.0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    squares += (scale * estimate[i] - truth[i]).squaredNorm();
-    if (i > 0) judgment.path_m += (truth[i] - truth[i - 1]).norm();
+  for (std::size_t i = 0; i < ground_truth.size(); ++i) {
+    squares += (scale * estimate[i] - ground_truth[i]).squaredNorm();
+    if (i > 0) judgment.path_m += (ground_truth[i] - ground_truth[i - 1]).norm();
   }
-  judgment.position_error = std::sqrt(squares / static_cast<double>(truth.size())) / std::max(1e-9, judgment.path_m);
+  judgment.position_error =
+      std::sqrt(squares / static_cast<double>(ground_truth.size())) / std::max(1e-9, judgment.path_m);
 }
 
 /// Each landmark is compared with the surface at its feature in its first keyframe.

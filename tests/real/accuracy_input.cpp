@@ -96,7 +96,7 @@ AccuracyInput open_world(const AccuracyRow& row) {
   AccuracyInput input;
   const auto world = std::make_shared<const World>(make_world(row.recording.substr(6)));
   for (std::int64_t k = row.first; k < row.end; ++k)
-    input.truth.push_back({world->stamp(k), world->world_from_camera(k)});
+    input.ground_truth.push_back({world->stamp(k), world->world_from_camera(k)});
   input.source = std::make_unique<ChosenFrames>(*world, row);
   input.world = world;
   return input;
@@ -118,7 +118,7 @@ AccuracyInput open_laser_world(const AccuracyRow& row) {
   options.first_frame = row.first;
   input.source = open((folder / "scans.log").string(), options);
   for (std::int64_t k = row.first; k < row.end; ++k)
-    input.truth.push_back({world->stamp(k), raised(world->world_from_body(world->time_of(k)))});
+    input.ground_truth.push_back({world->stamp(k), raised(world->world_from_body(world->time_of(k)))});
   input.world = world;
   return input;
 }
@@ -141,9 +141,9 @@ AccuracyInput open_recorded(const AccuracyRow& row) {
     return input;
   }
   const SourceInfo& info = input.source->info();
-  input.truth = info.ground_truth;
+  input.ground_truth = info.ground_truth;
   if (info.ground_truth_frame == "body" && !info.cameras.empty() && info.cameras.front().body_from_camera) {
-    for (StampedPose& pose : input.truth)
+    for (StampedPose& pose : input.ground_truth)
       pose.world_from_body = pose.world_from_body * *info.cameras.front().body_from_camera;
   }
   return input;

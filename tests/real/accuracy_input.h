@@ -15,7 +15,7 @@ namespace rastro {
 struct AccuracyInput {
   std::shared_ptr<const void> world;  ///< That the source renders; null for recordings. Declared first: it goes last.
   std::unique_ptr<Source> source;
-  Trajectory truth;  ///< Of the camera or of the robot, as the method's poses are.
+  Trajectory ground_truth;  ///< Of the camera or of the robot, as the method's poses are.
   std::vector<Relation> relations;
 };
 

@@ -81,7 +81,7 @@ double error_of(const AccuracyRow& row, const AccuracyInput& input, const Trajec
   }
   TrajectoryScoreOptions options;
   options.alignment = parse_alignment(row.alignment);
-  const TrajectoryScores scores = score_trajectory(trajectory_input_from(input.truth, "truth"),
+  const TrajectoryScores scores = score_trajectory(trajectory_input_from(input.ground_truth, "truth"),
                                                    trajectory_input_from(trajectory, "estimate"), options);
   EXPECT_GE(scores.pairing.matched * 10, static_cast<int>(trajectory.size()) * 9) << "poses without truth say nothing";
   return scores.ate_m.value().rmse;

@@ -26,9 +26,10 @@ namespace {
 constexpr int most_threads = 256;
 
 /// How many threads can be started: TBB ends the program where the memory or the number of processes does not allow one
-/// that it wants. Twice as many as wanted are tried, each with an allocation, for which the allocator reserves address
-/// space per thread; that leaves room for the memory that the work needs.
+/// that it wants. Four times as many as wanted are tried, each with an allocation, for which the allocator reserves
+/// address space per thread; that leaves room for the memory that the work needs.
 int startable_threads(int wanted) {
+  constexpr std::size_t tried_per_thread = 4;
   static std::mutex mutex;
   static int known = 1;
   static bool limited = false;
@@ -37,7 +38,7 @@ int startable_threads(int wanted) {
   std::atomic<bool> over = false;
   std::vector<std::thread> trial;
   try {
-    trial.reserve(2 * static_cast<std::size_t>(wanted));
+    trial.reserve(tried_per_thread * static_cast<std::size_t>(wanted));
     const auto reserve_and_wait = [&over] {
       void* volatile reserved = std::malloc(64);
       over.wait(false);
@@ -50,7 +51,7 @@ int startable_threads(int wanted) {
   over = true;
   over.notify_all();
   for (std::thread& thread : trial) thread.join();
-  known = limited ? std::clamp(static_cast<int>(trial.size() / 2), 1, wanted) : wanted;
+  known = limited ? std::clamp(static_cast<int>(trial.size() / tried_per_thread), 1, wanted) : wanted;
   return known;
 }
 

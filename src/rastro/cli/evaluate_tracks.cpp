@@ -125,10 +125,10 @@ void require_same_recording(const Flags& flags, const TrackRunInput& input, cons
   constexpr TimeNs tolerance = 1'000'000;
   require_same_size(input, opened.image_width, opened.image_height, flags.ground_truth);
   for (const TrackFrame& frame : table.frames) {
-    if (frame.index < 0 || frame.index >= opened.truth->frame_count())
-      refuse_ground_truth(
-          fmt::format("the run has frame {}, the ground truth has {} frames", frame.index, opened.truth->frame_count()),
-          flags.ground_truth);
+    if (frame.index < 0 || frame.index >= opened.ground_truth->frame_count())
+      refuse_ground_truth(fmt::format("the run has frame {}, the ground truth has {} frames", frame.index,
+                                      opened.ground_truth->frame_count()),
+                          flags.ground_truth);
     const TimeNs stamp = opened.stamps[static_cast<std::size_t>(frame.index)];
     if (std::abs(frame.stamp - stamp) > tolerance)
       refuse_ground_truth(
@@ -156,7 +156,7 @@ TrackScores against_ground_truth(const Flags& flags, const TrackRunInput& input,
   options.image_height = opened.image_height;
   std::vector<std::int64_t> numbers;
   for (const TrackFrame& frame : table.frames) numbers.push_back(frame.index);
-  const TrackScores scores = score_tracks(table, MappedGroundTruth(*opened.truth, std::move(numbers)), options);
+  const TrackScores scores = score_tracks(table, MappedGroundTruth(*opened.ground_truth, std::move(numbers)), options);
   warn_of_drift(scores, flags.ground_truth);
   return scores;
 }

@@ -100,12 +100,12 @@ OpenedMap open_map(const std::string& path) {
 /// ground_truth_from_map, from poses of equal timestamps.
 SE3 aligned(const OpenedMap& map, const std::string& path, const std::string& ground_truth_file_name) {
   if (!map.map) throw Error("has no trajectory to align", path, "give a map file or a run folder");
-  const TrajectoryInput truth = read_trajectory_input(ground_truth_file_name);
+  const TrajectoryInput ground_truth = read_trajectory_input(ground_truth_file_name);
   constexpr TimeNs max_difference = 20'000'000;
   std::vector<Eigen::Vector3d> target, source;
   const Trajectory trajectory = trajectory_of(*map.map);
-  for (const PosePair& pair : pair_by_stamp(truth.poses, trajectory, max_difference)) {
-    target.push_back(truth.poses[pair.reference].world_from_body.translation());
+  for (const PosePair& pair : pair_by_stamp(ground_truth.poses, trajectory, max_difference)) {
+    target.push_back(ground_truth.poses[pair.reference].world_from_body.translation());
     source.push_back(trajectory[pair.estimate].world_from_body.translation());
   }
   const auto alignment = align_points(target, source, AlignmentKind::rigid);

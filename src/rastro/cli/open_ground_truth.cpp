@@ -35,7 +35,7 @@ OpenedGroundTruth open_ground_truth(const std::string& data_folder) {
   opened.image_width = reader.camera().width;
   opened.image_height = reader.camera().height;
   for (const StampedPose& pose : reader.poses()) opened.stamps.push_back(pose.stamp);
-  opened.truth = std::make_unique<RecordedGroundTruth>(std::move(reader));
+  opened.ground_truth = std::make_unique<RecordedGroundTruth>(std::move(reader));
   return opened;
 }
 

@@ -12,7 +12,7 @@ namespace rastro::cli {
 
 /// Surface ground truth of a generated recording, with the size of its images.
 struct OpenedGroundTruth {
-  std::unique_ptr<SurfaceGroundTruth> truth;
+  std::unique_ptr<SurfaceGroundTruth> ground_truth;
   int image_width = 0;
   int image_height = 0;
   std::vector<TimeNs> stamps;  ///< Of its frames.

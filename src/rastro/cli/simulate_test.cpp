@@ -105,7 +105,7 @@ TEST(WriteStereo, both_cameras_are_read_back_where_they_are) {
   const fs::path euroc = scratch_path("euroc_stereo"), kitti = scratch_path("kitti_stereo");
   fs::remove_all(euroc);
   fs::remove_all(kitti);
-  write_euroc(world, euroc, {.frames = 2, .truth = false, .stereo = true}, pool);
+  write_euroc(world, euroc, {.frames = 2, .ground_truth = false, .stereo = true}, pool);
   write_kitti(world, kitti, {.frames = 2, .stereo = true}, pool);
   const GrayImage right = world.render_right(1, pool).gray;
   OpenOptions both;
@@ -226,9 +226,9 @@ TEST(WriteTum, a_room_is_read_back_in_color_with_depth_at_times_of_its_own) {
     const int pixels = shot.depth.width() * shot.depth.height();
     EXPECT_TRUE(frame == 3 ? measured == 0 : measured > pixels * 7 / 10) << frame << ' ' << measured;
   }
-  const TriangleMesh truth = read_mesh_ply((folder / "truth.ply").string());
-  EXPECT_GT(truth.triangles.size(), 1000U);
-  for (const MeshVertex& vertex : truth.vertices) {
+  const TriangleMesh ground_truth = read_mesh_ply((folder / "truth.ply").string());
+  EXPECT_GT(ground_truth.triangles.size(), 1000U);
+  for (const MeshVertex& vertex : ground_truth.vertices) {
     const Eigen::Vector3d position = world.world_from_camera(0) * vertex.position.cast<double>();
     ASSERT_TRUE(world.scene().touches(position, 1e-3)) << position.transpose();
   }

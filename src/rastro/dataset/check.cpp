@@ -231,14 +231,14 @@ void judge_unit(CheckReport& report, const Stamps& all) {
 }
 
 void judge_ground_truth(CheckReport& report, const Stamps& all) {
-  const auto& truth = report.info.ground_truth;
-  if (truth.empty() || all.stamps.empty()) return;
+  const auto& ground_truth = report.info.ground_truth;
+  if (ground_truth.empty() || all.stamps.empty()) return;
   const TimeNs max_gap = std::max(shortest_ground_truth_gap, 2 * median_forward_step(all.stamps));
   const auto covered = std::count_if(all.stamps.begin(), all.stamps.end(), [&](TimeNs stamp) {
-    const double before = static_cast<double>(truth.front().stamp) - static_cast<double>(stamp);
-    const double behind = static_cast<double>(stamp) - static_cast<double>(truth.back().stamp);
+    const double before = static_cast<double>(ground_truth.front().stamp) - static_cast<double>(stamp);
+    const double behind = static_cast<double>(stamp) - static_cast<double>(ground_truth.back().stamp);
     const double outside = std::max(before, behind);
-    return outside <= 0.0 ? pose_at(truth, stamp, max_gap).has_value()
+    return outside <= 0.0 ? pose_at(ground_truth, stamp, max_gap).has_value()
                           : outside <= static_cast<double>(ground_truth_tolerance);
   });
   report.ground_truth_percent = 100.0 * static_cast<double>(covered) / static_cast<double>(all.stamps.size());

@@ -79,17 +79,17 @@ void write_euroc(const ScratchFolder& folder, int frames, int cameras) {
 }
 
 void write_tum(const ScratchFolder& folder, int frames) {
-  std::string color = "# color images\n", depth = "# depth maps\n", truth = "# tx ty tz qx qy qz qw\n";
+  std::string color = "# color images\n", depth = "# depth maps\n", ground_truth = "# tx ty tz qx qy qz qw\n";
   for (int k = 0; k < frames; ++k) {
     color += fmt::format("{:.6f} rgb/{}.png\n", 1000.0 + 0.05 * k, k);
     depth += fmt::format("{:.6f} depth/{}.png\n", 1000.004 + 0.05 * k, k);
-    truth += fmt::format("{:.6f} {} 0 0 0 0 0 1\n", 1000.0 + 0.05 * k, k);
+    ground_truth += fmt::format("{:.6f} {} 0 0 0 0 0 1\n", 1000.0 + 0.05 * k, k);
     folder.write_color(fmt::format("rgb/{}.png", k), 10 + k);
     folder.write_depth(fmt::format("depth/{}.png", k), 5000 + 5 * k);
   }
   folder.write("rgb.txt", color);
   folder.write("depth.txt", depth);
-  folder.write("groundtruth.txt", truth);
+  folder.write("groundtruth.txt", ground_truth);
 }
 
 void write_kitti(const ScratchFolder& folder, int frames, int pairs) {

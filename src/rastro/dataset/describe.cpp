@@ -42,14 +42,15 @@ std::string frames_line(const SourceInfo& info) {
 }
 
 std::string ground_truth_line(const SourceInfo& info) {
-  const auto& truth = info.ground_truth;
-  const double span = to_seconds(truth.back().stamp - truth.front().stamp);
+  const auto& ground_truth = info.ground_truth;
+  const double span = to_seconds(ground_truth.back().stamp - ground_truth.front().stamp);
   double length = 0.0;
-  for (std::size_t k = 1; k < truth.size(); ++k) {
-    length += (truth[k].world_from_body.translation() - truth[k - 1].world_from_body.translation()).norm();
+  for (std::size_t k = 1; k < ground_truth.size(); ++k) {
+    length +=
+        (ground_truth[k].world_from_body.translation() - ground_truth[k - 1].world_from_body.translation()).norm();
   }
-  return fmt::format("{} poses of the {} over {:.2f} s, path {:.2f} m ({})", truth.size(), info.ground_truth_frame,
-                     span, length, info.ground_truth_file);
+  return fmt::format("{} poses of the {} over {:.2f} s, path {:.2f} m ({})", ground_truth.size(),
+                     info.ground_truth_frame, span, length, info.ground_truth_file);
 }
 
 Json camera_fields(const CalibratedCamera& calibrated) {

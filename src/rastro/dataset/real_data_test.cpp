@@ -16,7 +16,7 @@ struct Expected {
   int width;
   int height;
   bool calibrated;
-  std::size_t truth;
+  std::size_t ground_truth;
   bool right;
   double depth_factor;
 };
@@ -37,7 +37,7 @@ TEST_P(RealData, IsReadWhole) {
   EXPECT_EQ(info.format, expected.format);
   EXPECT_EQ(info.frame_count, expected.frames);
   EXPECT_EQ(info.cameras.front().camera.has_value(), expected.calibrated);
-  EXPECT_EQ(info.ground_truth.size(), expected.truth);
+  EXPECT_EQ(info.ground_truth.size(), expected.ground_truth);
   EXPECT_EQ(info.has_right, expected.right);
   EXPECT_EQ(info.depth_factor, expected.depth_factor);
   std::int64_t count = 0;

@@ -18,7 +18,7 @@ class CleanScorer {
         options_(options),
         index_(index_tracks(occluded, options)),
         clean_(occluded, clean) {
-    scores_.truth = "clean run";
+    scores_.ground_truth = "clean run";
     scores_.frames = frame_rows(occluded, index_);
   }
 
@@ -74,8 +74,8 @@ class CleanScorer {
     return judge(counterpart(track, i - 1), observation);
   }
 
-  Verdict judge(const CleanSegment* truth, const Observation& observation) const {
-    const auto position = truth ? truth->at(observation.frame) : std::nullopt;
+  Verdict judge(const CleanSegment* ground_truth, const Observation& observation) const {
+    const auto position = ground_truth ? ground_truth->at(observation.frame) : std::nullopt;
     if (!position) return Verdict::unscored;
     if (covered(observation.frame, *position)) return Verdict::hidden;
     if ((*position - observation.pixel).norm() > options_.tolerance_px) return Verdict::other_position;
@@ -99,8 +99,8 @@ class CleanScorer {
   }
 
   void book_switch(const Track& track, std::size_t i) {
-    const CleanSegment* truth = counterpart(track, i - 1);
-    const auto position = truth ? truth->at(track[i].frame) : std::nullopt;
+    const CleanSegment* ground_truth = counterpart(track, i - 1);
+    const auto position = ground_truth ? ground_truth->at(track[i].frame) : std::nullopt;
     if (position && (*position - track[i].pixel).norm() > options_.tolerance_px) ++scores_.id_switches;
   }
 
@@ -117,8 +117,8 @@ class CleanScorer {
 void CleanScorer::book_loss(const Track& track, std::size_t i) {
   const std::int64_t seen = track[i].frame;
   FrameScores& frame = row(seen + 1);
-  const CleanSegment* truth = counterpart(track, i);
-  if (!truth) {
+  const CleanSegment* ground_truth = counterpart(track, i);
+  if (!ground_truth) {
     ++frame.lost_unscored;
     return;
   }
@@ -127,21 +127,21 @@ void CleanScorer::book_loss(const Track& track, std::size_t i) {
   const std::int64_t span_end = returns ? track[i + 1].frame : window_end;
   bool occluded_in_span = false, occluded_before = false;
   std::vector<std::pair<std::int64_t, Eigen::Vector2d>> visible_again;
-  for (std::int64_t k = seen + 1; k <= std::min(window_end, truth->last()); ++k) {
-    const auto position = truth->at(k);
+  for (std::int64_t k = seen + 1; k <= std::min(window_end, ground_truth->last()); ++k) {
+    const auto position = ground_truth->at(k);
     if (!position) continue;
     const bool hidden = cover_ ? covered(k, *position) : k == seen + 1;
     if (hidden) occluded_in_span = occluded_in_span || k <= span_end;
     occluded_before = occluded_before || hidden;
     if (occluded_before && !hidden && !near_edge(*position)) visible_again.emplace_back(k, *position);
   }
-  const bool ends_at_edge = truth->last() < window_end && near_edge(truth->positions.back());
-  const bool followed_on = truth->last() >= window_end || ends_at_edge;
+  const bool ends_at_edge = ground_truth->last() < window_end && near_edge(ground_truth->positions.back());
+  const bool followed_on = ground_truth->last() >= window_end || ends_at_edge;
   if (!occluded_in_span) {
     if (ends_at_edge)
       ++frame.lost_outside;
     else
-      ++(followed_on || truth->last() > seen ? frame.lost_visible : frame.lost_unscored);
+      ++(followed_on || ground_truth->last() > seen ? frame.lost_visible : frame.lost_unscored);
     return;
   }
   // Occluded, and the counterpart ends before it could reappear.
@@ -150,7 +150,7 @@ void CleanScorer::book_loss(const Track& track, std::size_t i) {
     return;
   }
   // The id was re-identified after the end of its counterpart: correctness unknown.
-  const Verdict verdict = returns ? judge(truth, track[i + 1]) : Verdict::unscored;
+  const Verdict verdict = returns ? judge(ground_truth, track[i + 1]) : Verdict::unscored;
   if (returns && verdict == Verdict::unscored) {
     ++frame.lost_unscored;
     return;

@@ -136,15 +136,15 @@ double root_mean_square(const std::vector<double>& values) {
 
 }  // namespace
 
-CloudAgreement cloud_agreement(const TriangleMesh& truth, const PointCloud& cloud, const CloudAgreementOptions& options,
-                               TaskPool* pool) {
-  const Samples samples = samples_of(truth, options.spacing_m);
+CloudAgreement cloud_agreement(const TriangleMesh& ground_truth, const PointCloud& cloud,
+                               const CloudAgreementOptions& options, TaskPool* pool) {
+  const Samples samples = samples_of(ground_truth, options.spacing_m);
   if (samples.at.empty()) throw Error("the ground truth has no points", "REF", "give a PLY with vertices");
   if (cloud.points.empty()) throw Error("the cloud has no points", "EST", "give a PLY with vertices");
   const Tree tree(3, samples);
   std::vector<double> distances(cloud.points.size());
   for_all(pool, distances.size(), [&](std::size_t k) {
-    distances[k] = distance_to_ground_truth(cloud.points[k].position, truth, samples, tree);
+    distances[k] = distance_to_ground_truth(cloud.points[k].position, ground_truth, samples, tree);
   });
   Samples own;
   for (const CloudPoint& point : cloud.points) own.at.push_back(point.position);

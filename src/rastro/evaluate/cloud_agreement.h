@@ -28,7 +28,7 @@ struct CloudAgreement {
 
 /// Both in one frame. Positions are compared by nearest neighbors (Muja and Lowe's k-d trees as in nanoflann). The
 /// same for any pool. Throws Error if either is empty.
-CloudAgreement cloud_agreement(const TriangleMesh& truth, const PointCloud& cloud, const CloudAgreementOptions& options,
-                               TaskPool* pool = nullptr);
+CloudAgreement cloud_agreement(const TriangleMesh& ground_truth, const PointCloud& cloud,
+                               const CloudAgreementOptions& options, TaskPool* pool = nullptr);
 
 }  // namespace rastro

@@ -49,8 +49,10 @@ struct Share {
 
 class Comparison {
  public:
-  Comparison(const OccupancyGrid& map, const OccupancyGrid& truth, const GridAgreementOptions& options)
-      : map_(map), ground_truth_(truth), tolerance_m_(options.tolerance_cells * std::max(map.cell_m, truth.cell_m)) {}
+  Comparison(const OccupancyGrid& map, const OccupancyGrid& ground_truth, const GridAgreementOptions& options)
+      : map_(map),
+        ground_truth_(ground_truth),
+        tolerance_m_(options.tolerance_cells * std::max(map.cell_m, ground_truth.cell_m)) {}
 
   GridAgreement measure(const SE2& ground_truth_from_map) const {
     GridAgreement result;
@@ -115,12 +117,12 @@ class Comparison {
 
 }  // namespace
 
-GridAgreement grid_agreement(const OccupancyGrid& map, const OccupancyGrid& truth, const GridAgreementOptions& options,
-                             const SE2& ground_truth_from_map) {
-  const SE2 alignment = options.align ? align_grids(map, truth, ground_truth_from_map, options.search_m,
+GridAgreement grid_agreement(const OccupancyGrid& map, const OccupancyGrid& ground_truth,
+                             const GridAgreementOptions& options, const SE2& ground_truth_from_map) {
+  const SE2 alignment = options.align ? align_grids(map, ground_truth, ground_truth_from_map, options.search_m,
                                                     options.search_deg * std::numbers::pi / 180.0)
                                       : ground_truth_from_map;
-  return Comparison(map, truth, options).measure(alignment);
+  return Comparison(map, ground_truth, options).measure(alignment);
 }
 
 }  // namespace rastro

@@ -33,7 +33,7 @@ struct GridAgreementOptions {
 };
 
 /// `ground_truth_from_map`: pose of the map's frame in that of the ground truth.
-GridAgreement grid_agreement(const OccupancyGrid& map, const OccupancyGrid& truth, const GridAgreementOptions& options,
-                             const SE2& ground_truth_from_map = {});
+GridAgreement grid_agreement(const OccupancyGrid& map, const OccupancyGrid& ground_truth,
+                             const GridAgreementOptions& options, const SE2& ground_truth_from_map = {});
 
 }  // namespace rastro

@@ -49,17 +49,17 @@ TEST(GridAgreement, IsCompleteForTheSameMap) {
 }
 
 TEST(GridAgreement, CountsByHand) {
-  OccupancyGrid truth = unknown_grid(6, 3, 1.0, {0.0, 0.0}), map = truth;
+  OccupancyGrid ground_truth = unknown_grid(6, 3, 1.0, {0.0, 0.0}), map = ground_truth;
   for (int x = 0; x < 6; ++x) {
-    set(truth, x, 2, 100);
-    set(truth, x, 1, 0);
+    set(ground_truth, x, 2, 100);
+    set(ground_truth, x, 1, 0);
   }
   set(map, 0, 2, 100);  // right
   set(map, 1, 2, 100);  // right
   set(map, 2, 0, 100);  // two cells beside a wall
   set(map, 3, 1, 0);    // right
   set(map, 4, 2, 0);    // a wall mapped as free
-  const GridAgreement strict = grid_agreement(map, truth, {.tolerance_cells = 0.0});
+  const GridAgreement strict = grid_agreement(map, ground_truth, {.tolerance_cells = 0.0});
   EXPECT_EQ(strict.map_occupied, 3);
   EXPECT_EQ(strict.ground_truth_occupied, 6);
   EXPECT_EQ(strict.ground_truth_seen, 3);
@@ -69,7 +69,7 @@ TEST(GridAgreement, CountsByHand) {
   EXPECT_DOUBLE_EQ(strict.iou, 0.5);
   EXPECT_DOUBLE_EQ(strict.free_agreement, 0.5);
   EXPECT_DOUBLE_EQ(strict.explored, 1.0 / 6.0);
-  const GridAgreement lax = grid_agreement(map, truth, {.tolerance_cells = 2.0});
+  const GridAgreement lax = grid_agreement(map, ground_truth, {.tolerance_cells = 2.0});
   EXPECT_DOUBLE_EQ(lax.precision, 1.0);
   EXPECT_DOUBLE_EQ(lax.free_agreement, 1.0);
 }

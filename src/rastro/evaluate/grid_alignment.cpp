@@ -53,8 +53,8 @@ std::vector<Eigen::Vector2d> walls_of(const OccupancyGrid& grid) {
 
 class Search {
  public:
-  Search(const OccupancyGrid& map, const OccupancyGrid& truth, const SE2& start)
-      : ground_truth_(truth), field_(distances(truth)), walls_(walls_of(map)), start_(start) {
+  Search(const OccupancyGrid& map, const OccupancyGrid& ground_truth, const SE2& start)
+      : ground_truth_(ground_truth), field_(distances(ground_truth)), walls_(walls_of(map)), start_(start) {
     for (const Eigen::Vector2d& wall : walls_) middle_ += wall / static_cast<double>(walls_.size());
   }
 
@@ -119,9 +119,9 @@ class Search {
 
 }  // namespace
 
-SE2 align_grids(const OccupancyGrid& map, const OccupancyGrid& truth, const SE2& start, double search_m,
+SE2 align_grids(const OccupancyGrid& map, const OccupancyGrid& ground_truth, const SE2& start, double search_m,
                 double search_rad) {
-  Search search(map, truth, start);
+  Search search(map, ground_truth, start);
   return search.is_possible() ? search.run(search_m, search_rad) : start;
 }
 

@@ -10,7 +10,7 @@ namespace rastro {
 /// `start` (the rotation is about the center of the map): the pose that aligns the occupied cells of the map best with
 /// occupied ones of the ground truth, by a search over a lattice that is then refined. `start` if one of the maps has
 /// no occupied cell.
-SE2 align_grids(const OccupancyGrid& map, const OccupancyGrid& truth, const SE2& start, double search_m,
+SE2 align_grids(const OccupancyGrid& map, const OccupancyGrid& ground_truth, const SE2& start, double search_m,
                 double search_rad);
 
 }  // namespace rastro

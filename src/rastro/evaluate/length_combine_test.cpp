@@ -26,8 +26,8 @@ Ends drawn(const Drawing& scene, Random& random) {
   Ends ends;
   for (int k = 0; k < scene.both + scene.only_a + scene.only_b; ++k) {
     const double pose = scene.pose_sigma * random.normal();
-    const auto seen = [&](double truth) {
-      return LengthObservation{k, truth + pose + scene.sigma * random.normal(), scene.sigma, 0.0, 0.0};
+    const auto seen = [&](double ground_truth) {
+      return LengthObservation{k, ground_truth + pose + scene.sigma * random.normal(), scene.sigma, 0.0, 0.0};
     };
     if (k < scene.both + scene.only_a) ends.a.all.push_back(seen(scene.true_a));
     if (k < scene.both || k >= scene.both + scene.only_a) ends.b.all.push_back(seen(scene.true_b));

@@ -31,11 +31,11 @@ std::size_t name_width(const std::vector<MapOfLengths>& maps) {
 }
 
 std::string line_of(const MeasuredLength& one, std::size_t width) {
-  const std::string truth = one.true_length_m ? fmt::format("{:.4f}", *one.true_length_m) : "-";
+  const std::string ground_truth = one.true_length_m ? fmt::format("{:.4f}", *one.true_length_m) : "-";
   std::string line = one.length_m
                          ? fmt::format("{:<{}}  {:>9.4f}  {:>7.4f}", one.name, width, *one.length_m, one.sigma_m)
                          : fmt::format("{:<{}}  {:>9}  {:>7}", one.name, width, "-", "-");
-  line += fmt::format("  {:>8}  {}", truth, error_text(one));
+  line += fmt::format("  {:>8}  {}", ground_truth, error_text(one));
   line += fmt::format("  {:>3} {:>3} {:>3}", one.keyframes_a, one.keyframes_b, one.together);
   if (!one.note.empty()) line += fmt::format("  {}{}", one.length_m ? "" : "not measurable: ", one.note);
   return line + "\n";

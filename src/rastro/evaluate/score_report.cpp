@@ -134,7 +134,7 @@ std::string frames_as_text(const TrackScores& scores) {
 
 std::string scores_as_json(const TrackScores& s, bool per_frame) {
   Json json;
-  json["truth"] = s.truth;
+  json["truth"] = s.ground_truth;
   json.update(totals(s));
   json["misses"] = {{"wrong_place", s.misses.wrong_position},
                     {"not_recognized", s.misses.not_reidentified},
@@ -169,7 +169,7 @@ std::string scores_as_text(const TrackScores& s, bool per_frame) {
                         pixel_text(s.drift_median_px), pixel_text(s.drift_p95_px), 100.0 * s.drifted_share);
   text += "\n" + lengths_as_text(s);
   if (s.duplicate_ids > 0) text += fmt::format("fault of the tracker: {} ids twice in one frame\n", s.duplicate_ids);
-  return text + fmt::format("frames: {}; ground truth: {}\n", s.frame_count, s.truth);
+  return text + fmt::format("frames: {}; ground truth: {}\n", s.frame_count, s.ground_truth);
 }
 
 std::string scores_as_csv(const TrackScores& scores) {

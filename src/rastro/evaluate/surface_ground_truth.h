@@ -20,8 +20,8 @@ struct ProjectedPoint {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< Projection of the point; undefined if outside_image.
 };
 
-/// Ground truth of a generated sequence for scoring: the surface point at a pixel, and the projection and visibility of
-/// a point.
+/// Ground truth of a generated sequence for scoring: the surface point at a pixel, and the projection and
+/// visibility of a point.
 class SurfaceGroundTruth {
  public:
   virtual ~SurfaceGroundTruth() = default;

@@ -15,13 +15,13 @@ enum class Verdict { correct, unscored, unknown_id, anchor_outside, anchor_occlu
 /// The scoring of one run; a class only to avoid passing table, ground truth and options around.
 class SurfaceScorer {
  public:
-  SurfaceScorer(const TrackTable& table, const SurfaceGroundTruth& truth, const TrackScoreOptions& options)
-      : table_(table), ground_truth_(truth), options_(options), index_(index_tracks(table, options)) {
-    if (index_.end > truth.frame_count())
+  SurfaceScorer(const TrackTable& table, const SurfaceGroundTruth& ground_truth, const TrackScoreOptions& options)
+      : table_(table), ground_truth_(ground_truth), options_(options), index_(index_tracks(table, options)) {
+    if (index_.end > ground_truth.frame_count())
       throw Error("the run has frame " + std::to_string(index_.end - 1) + " but the ground truth has only " +
-                      std::to_string(truth.frame_count()) + " frames",
+                      std::to_string(ground_truth.frame_count()) + " frames",
                   "evaluate tracks", "give the data folder that the run was made on");
-    scores_.truth = "surfaces";
+    scores_.ground_truth = "surfaces";
     scores_.frames = frame_rows(table, index_);
   }
 
@@ -208,8 +208,9 @@ void SurfaceScorer::book_loss(const Seen& last_seen) {
 
 }  // namespace
 
-TrackScores score_tracks(const TrackTable& table, const SurfaceGroundTruth& truth, const TrackScoreOptions& options) {
-  return SurfaceScorer(table, truth, options).score();
+TrackScores score_tracks(const TrackTable& table, const SurfaceGroundTruth& ground_truth,
+                         const TrackScoreOptions& options) {
+  return SurfaceScorer(table, ground_truth, options).score();
 }
 
 }  // namespace rastro

@@ -100,7 +100,7 @@ struct WrongReasons {
 ///
 /// Frames near the end of the scored range have a shorter window: it ends with the range.
 struct TrackScores : TrackCounts {
-  std::string truth;  ///< "surfaces" (score_tracks) or "clean run" (score_clean_tracks).
+  std::string ground_truth;  ///< "surfaces" (score_tracks) or "clean run" (score_clean_tracks).
   int frame_count = 0;
   /// Of `unscored`, those of ids observed only on the occluder of a clean run's copy: its own corners, which are not
   /// scored.
@@ -126,15 +126,15 @@ const std::vector<int>& length_bins();
 
 /// Scores a run against exact ground truth. Frame k of the table is frame k of the ground truth (see MappedGroundTruth
 /// for others). Throws Error if the table has frames that the ground truth lacks, or an option is out of range.
-TrackScores score_tracks(const TrackTable& table, const SurfaceGroundTruth& truth,
+TrackScores score_tracks(const TrackTable& table, const SurfaceGroundTruth& ground_truth,
                          const TrackScoreOptions& options = {});
 
 /// Ground truth for a table whose frames are a selection: runs with --frames or --every.
 class MappedGroundTruth : public SurfaceGroundTruth {
  public:
-  /// Frame k is frame frames[k] of `truth`, which must outlive this.
-  MappedGroundTruth(const SurfaceGroundTruth& truth, std::vector<std::int64_t> frames)
-      : ground_truth_(truth), frames_(std::move(frames)) {}
+  /// Frame k is frame frames[k] of `ground_truth`, which must outlive this.
+  MappedGroundTruth(const SurfaceGroundTruth& ground_truth, std::vector<std::int64_t> frames)
+      : ground_truth_(ground_truth), frames_(std::move(frames)) {}
   std::int64_t frame_count() const override { return static_cast<std::int64_t>(frames_.size()); }
   std::optional<SurfacePoint> surface_at(std::int64_t frame, const Eigen::Vector2d& pixel) const override {
     return ground_truth_.surface_at(frames_.at(static_cast<std::size_t>(frame)), pixel);

@@ -271,24 +271,25 @@ TEST(TrackScores, MappedTruthScoresEveryOtherFrame) {
     if (!WallGroundTruth::covered(in_ground_truth, pixel))
       builder.see(k, 1, pixel, k == 5 ? reidentified : k == 0 ? fresh : tracked);
   }
-  const WallGroundTruth truth(frames);
-  const TrackScores scores = score_tracks(builder.table(), MappedGroundTruth(truth, chosen), small_image_options());
+  const WallGroundTruth ground_truth(frames);
+  const TrackScores scores =
+      score_tracks(builder.table(), MappedGroundTruth(ground_truth, chosen), small_image_options());
   EXPECT_EQ(scores.lost, 1);
   EXPECT_EQ(scores.recall, 1.0);
 }
 
 TEST(TrackScores, RefusesInputThatCannotBeScored) {
-  const WallGroundTruth truth(frames);
-  EXPECT_THROW(score_tracks(TableBuilder(frames + 1).table(), truth), Error);
-  EXPECT_THROW(score_tracks(TrackTable{}, truth), Error);
+  const WallGroundTruth ground_truth(frames);
+  EXPECT_THROW(score_tracks(TableBuilder(frames + 1).table(), ground_truth), Error);
+  EXPECT_THROW(score_tracks(TrackTable{}, ground_truth), Error);
   TrackScoreOptions options;
   options.window = 0;
-  EXPECT_THROW(score_tracks(TableBuilder(3).table(), truth, options), Error);
+  EXPECT_THROW(score_tracks(TableBuilder(3).table(), ground_truth, options), Error);
   options = {};
   options.first_frame = 5;
   options.end_frame = 5;
-  EXPECT_THROW(score_tracks(TableBuilder(9).table(), truth, options), Error);
-  EXPECT_EQ(score_tracks(TableBuilder(9).table(), truth).recall, std::nullopt);
+  EXPECT_THROW(score_tracks(TableBuilder(9).table(), ground_truth, options), Error);
+  EXPECT_EQ(score_tracks(TableBuilder(9).table(), ground_truth).recall, std::nullopt);
 }
 
 /// For any tracker the counts add up and the ratios are between 0 and 1.

@@ -20,7 +20,7 @@ constexpr std::size_t fewest_landmarks = 10;
 constexpr double huber = 2.0;              ///< Sigmas.
 constexpr double least_condition = 1e-12;  ///< Of the information; its units differ.
 
-/// One linear system of the pose: truth = first_from_second * exp(d).
+/// One linear system of the pose: ground truth = first_from_second * exp(d).
 struct Normal {
   Matrix6d information = Matrix6d::Zero();
   Vector6d right = Vector6d::Zero();

@@ -233,18 +233,18 @@ std::map<std::pair<KeyframeId, KeyframeId>, Edge> edges_of(const std::string& te
 TEST(LandmarkG2o, EdgesAreMeasuredByLandmarksAndDoNotFollowTheNodes) {
   Map map = road();
   const auto before = edges_of(landmark_graph_g2o(map, 0));
-  const Keyframe truth = map.keyframes[5];
+  const Keyframe ground_truth = map.keyframes[5];
   const SE3 off = SE3::exp((Vector6d() << 0.05, -0.02, 0.03, 0.004, 0.01, -0.003).finished());
-  map.keyframes[5].world_from_camera = truth.world_from_camera * off;
+  map.keyframes[5].world_from_camera = ground_truth.world_from_camera * off;
   const auto after = edges_of(landmark_graph_g2o(map, 0));
   ASSERT_EQ(after.size(), before.size());
   int into = 0;
   for (const auto& [ends, edge] : after) {
     const SE3 change = before.at(ends).pose.inverse() * edge.pose;
-    if (ends.second == truth.id) {
+    if (ends.second == ground_truth.id) {
       EXPECT_LT(change.log().norm(), 1e-5) << "the landmarks are where they were";
       ++into;
-    } else if (ends.first != truth.id) {
+    } else if (ends.first != ground_truth.id) {
       EXPECT_LT(change.log().norm(), 1e-12);
     }
   }

@@ -66,12 +66,12 @@ EstimateRows rows_of(const PlottedEstimate& estimate, const TrajectoryPlot& plot
   EstimateRows result;
   for (std::size_t k = 0; k < estimate.poses.size(); ++k) {
     Rows values = rows_of(estimate.poses[k], plot.reference.front().rotation(), plot.camera_axes);
-    const Rows& truth = reference[estimate.reference_index[k]];
+    const Rows& ground_truth = reference[estimate.reference_index[k]];
     Rows errors{};
     for (std::size_t row = 0; row < values.size(); ++row) {
-      errors[row] = values[row] - truth[row];
+      errors[row] = values[row] - ground_truth[row];
       if (row >= 3) errors[row] = within_180_deg(errors[row]);
-      values[row] = truth[row] + errors[row];
+      values[row] = ground_truth[row] + errors[row];
     }
     result.values.push_back(values);
     result.errors.push_back(errors);
@@ -117,9 +117,10 @@ class Sheet {
 
   PlotPanel values_panel(std::size_t row) const {
     PlotPanel panel = panel_at(row, 0, row_names[row]);
-    PlotCurve truth{{}, reference_color};
-    for (std::size_t k = 0; k < reference_.size(); ++k) truth.points.emplace_back(plot_.along[k], reference_[k][row]);
-    panel.curves.push_back(truth);
+    PlotCurve ground_truth{{}, reference_color};
+    for (std::size_t k = 0; k < reference_.size(); ++k)
+      ground_truth.points.emplace_back(plot_.along[k], reference_[k][row]);
+    panel.curves.push_back(ground_truth);
     for (std::size_t k = 0; k < estimates_.size(); ++k)
       panel.curves.push_back(curve(estimates_[k].values, row, plot_.estimates[k], color_of(k)));
     return panel;

@@ -31,34 +31,34 @@ Points moved(const Sim3& target_from_source, const Points& source) {
 TEST(Alignment, FindsTheSimilarity) {
   Random random(1);
   for (int i = 0; i < 50; ++i) {
-    const Sim3 truth = Sim3::exp(random_vector<Vector7d>(random, 1.5));
+    const Sim3 ground_truth = Sim3::exp(random_vector<Vector7d>(random, 1.5));
     const Points source = cloud(random, 10, 3.0);
-    const auto found = align_points(moved(truth, source), source, AlignmentKind::similarity);
+    const auto found = align_points(moved(ground_truth, source), source, AlignmentKind::similarity);
     ASSERT_TRUE(found);
     EXPECT_TRUE(found->unique);
     EXPECT_LT(found->rmse, 1e-12);
-    EXPECT_THAT(found->target_from_source.matrix(), matrix_near(truth.matrix(), 1e-11));
+    EXPECT_THAT(found->target_from_source.matrix(), matrix_near(ground_truth.matrix(), 1e-11));
   }
 }
 
 TEST(Alignment, FindsTheRigidMotionAndKeepsScaleOne) {
   Random random(2);
-  const SE3 truth = SE3::exp(random_vector<Vector6d>(random, 1.5));
+  const SE3 ground_truth = SE3::exp(random_vector<Vector6d>(random, 1.5));
   const Points source = cloud(random, 30, 3.0);
-  const auto found = align_points(moved(Sim3(truth), source), source, AlignmentKind::rigid);
+  const auto found = align_points(moved(Sim3(ground_truth), source), source, AlignmentKind::rigid);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->target_from_source.scale(), 1.0);
-  EXPECT_THAT(found->target_from_source.matrix(), matrix_near(truth.matrix(), 1e-12));
+  EXPECT_THAT(found->target_from_source.matrix(), matrix_near(ground_truth.matrix(), 1e-12));
 }
 
 TEST(Alignment, FindsTheYaw) {
   Random random(3);
   for (const double yaw : {-3.0, -0.2, 0.0, 1.0, 3.1}) {
-    const SE3 truth(SO3::exp({0.0, 0.0, yaw}), {1.0, -2.0, 3.0});
+    const SE3 ground_truth(SO3::exp({0.0, 0.0, yaw}), {1.0, -2.0, 3.0});
     const Points source = cloud(random, 5, 3.0);
-    const auto found = align_points(moved(Sim3(truth), source), source, AlignmentKind::yaw);
+    const auto found = align_points(moved(Sim3(ground_truth), source), source, AlignmentKind::yaw);
     ASSERT_TRUE(found);
-    EXPECT_THAT(found->target_from_source.matrix(), matrix_near(truth.matrix(), 1e-12));
+    EXPECT_THAT(found->target_from_source.matrix(), matrix_near(ground_truth.matrix(), 1e-12));
   }
 }
 

@@ -109,16 +109,16 @@ TEST(EstimateAbsolutePose, AGoodGuessSavesSamplesAndABadOneDoesNoHarm) {
 
 TEST(EstimateAbsolutePose, CovarianceAgreesWithThePoseError) {
   Random random(6);
-  const SE3 truth = random_pose(random);
+  const SE3 ground_truth = random_pose(random);
   double sum = 0.0;
   constexpr int trials = 200;
   for (int trial = 0; trial < trials; ++trial) {
-    const auto scene = two_view_scene(random, truth, {.count = 60, .noise_px = 0.3});
+    const auto scene = two_view_scene(random, ground_truth, {.count = 60, .noise_px = 0.3});
     auto options = pose_options();
     options.huber_px = 10.0;
     const auto fit = estimate_absolute_pose(scene.points, scene.b, options);
     ASSERT_TRUE(fit);
-    const Vector6d off = (truth * fit->camera_from_world.inverse()).log();
+    const Vector6d off = (ground_truth * fit->camera_from_world.inverse()).log();
     sum += off.dot(fit->covariance.ldlt().solve(off));
   }
   EXPECT_NEAR(sum / trials, 6.0, 1.0);  // chi squared with six degrees of freedom

@@ -28,11 +28,11 @@ TEST(EssentialFromFive, OneOfTheModelsIsTheTrueOneForAnyMotion) {
     const SE3 motion(SO3::exp({random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)}),
                      {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
     const auto scene = two_view_scene(random, motion, {.count = 5});
-    const Eigen::Matrix3d truth = essential_of(motion) / std::sqrt(2.0);
+    const Eigen::Matrix3d ground_truth = essential_of(motion) / std::sqrt(2.0);
     double nearest = 1.0;
     for (const auto& e : essential_from_five(scene.a, scene.b, indices)) {
       unsound += std::abs(e.determinant()) > 1e-5;
-      nearest = std::min({nearest, (e - truth).norm(), (e + truth).norm()});
+      nearest = std::min({nearest, (e - ground_truth).norm(), (e + ground_truth).norm()});
     }
     found += nearest < 1e-6;
   }

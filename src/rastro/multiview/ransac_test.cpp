@@ -42,17 +42,17 @@ PointPairs two_views(Random& random, int count, double outlier_share, double noi
 
 TEST(Homography, FourPairsGiveItExactly) {
   Random random(2);
-  const Eigen::Matrix3d truth = some_homography();
+  const Eigen::Matrix3d ground_truth = some_homography();
   PointPairs pairs;
   for (const Eigen::Vector2d& p : {Eigen::Vector2d(10, 20), {700, 60}, {640, 400}, {50, 450}}) {
-    pairs.add(p.cast<float>(), transfer(truth, p)->cast<float>());
+    pairs.add(p.cast<float>(), transfer(ground_truth, p)->cast<float>());
   }
   const std::uint32_t indices[4] = {0, 1, 2, 3};
   const auto h = homography_from_four(pairs, indices);
   ASSERT_TRUE(h);
   for (int i = 0; i < 50; ++i) {
     const Eigen::Vector2d p = random_pixel(random);
-    EXPECT_NEAR((*transfer(*h, p) - *transfer(truth, p)).norm(), 0.0, 1e-3);
+    EXPECT_NEAR((*transfer(*h, p) - *transfer(ground_truth, p)).norm(), 0.0, 1e-3);
   }
 }
 
@@ -65,11 +65,11 @@ TEST(Homography, ThreePointsOnALineGiveNone) {
 
 TEST(Homography, RansacFindsItAmongHalfOutliers) {
   Random random(3);
-  const Eigen::Matrix3d truth = some_homography();
+  const Eigen::Matrix3d ground_truth = some_homography();
   PointPairs pairs;
   for (int i = 0; i < 120; ++i) {
     const Eigen::Vector2d p = random_pixel(random);
-    Eigen::Vector2d q = i % 2 == 0 ? *transfer(truth, p) : random_pixel(random);
+    Eigen::Vector2d q = i % 2 == 0 ? *transfer(ground_truth, p) : random_pixel(random);
     q += 0.3 * Eigen::Vector2d(random.normal(), random.normal());
     pairs.add(p.cast<float>(), q.cast<float>());
   }
@@ -79,7 +79,7 @@ TEST(Homography, RansacFindsItAmongHalfOutliers) {
   EXPECT_LE(fit->inliers, 66);
   for (int i = 0; i < 20; ++i) {
     const Eigen::Vector2d p = random_pixel(random);
-    EXPECT_NEAR((*transfer(fit->model, p) - *transfer(truth, p)).norm(), 0.0, 0.8);
+    EXPECT_NEAR((*transfer(fit->model, p) - *transfer(ground_truth, p)).norm(), 0.0, 0.8);
   }
 }
 

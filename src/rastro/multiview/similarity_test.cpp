@@ -11,7 +11,7 @@
 namespace rastro {
 namespace {
 
-const Sim3 truth(1.7, SO3::exp({0.1, -0.2, 0.15}), {0.5, -0.3, 0.4});
+const Sim3 ground_truth(1.7, SO3::exp({0.1, -0.2, 0.15}), {0.5, -0.3, 0.4});
 
 /// Points known to both cameras with a small error, observed with a pixel of noise.
 std::vector<SimilarityPair> pairs_of(const Sim3& first_from_second, Random& random, int count, double noise,
@@ -43,16 +43,16 @@ double off(const Sim3& estimate, const Sim3& expected) { return (expected.invers
 
 TEST(EstimateSimilarity, IsExactWithoutNoise) {
   Random random(1);
-  const auto pairs = pairs_of(truth, random, 20, 0.0, 0.0);
+  const auto pairs = pairs_of(ground_truth, random, 20, 0.0, 0.0);
   const auto fit = estimate_similarity(pairs, {});
   ASSERT_TRUE(fit);
   EXPECT_EQ(fit->inliers, 20);
-  EXPECT_LT(off(fit->first_from_second, truth), 1e-8);
+  EXPECT_LT(off(fit->first_from_second, ground_truth), 1e-8);
 }
 
 TEST(EstimateSimilarity, IsRobustToNoiseAndHalfOutliersWithAndWithoutScale) {
   for (const bool fix_scale : {false, true}) {
-    const Sim3 expected(fix_scale ? 1.0 : truth.scale(), truth.rotation(), truth.translation());
+    const Sim3 expected(fix_scale ? 1.0 : ground_truth.scale(), ground_truth.rotation(), ground_truth.translation());
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       Random random(seed);
       const auto pairs = pairs_of(expected, random, 100, 1.0, 0.5);
@@ -70,7 +70,7 @@ TEST(EstimateSimilarity, IsRobustToNoiseAndHalfOutliersWithAndWithoutScale) {
 
 TEST(RefineSimilarity, NoStepFromTheResultFitsBetter) {
   Random random(3);
-  const auto pairs = pairs_of(truth, random, 60, 0.5, 0.0);
+  const auto pairs = pairs_of(ground_truth, random, 60, 0.5, 0.0);
   SimilarityOptions options;
   options.chi2 = 1e6;
   options.refine_iterations = 50;
@@ -86,7 +86,7 @@ TEST(RefineSimilarity, NoStepFromTheResultFitsBetter) {
     }
     return sum;
   };
-  const auto fit = refine_similarity(pairs, truth * Sim3::exp(Vector7d::Constant(0.03)), options);
+  const auto fit = refine_similarity(pairs, ground_truth * Sim3::exp(Vector7d::Constant(0.03)), options);
   ASSERT_TRUE(fit);
   const double best = cost(fit->first_from_second);
   for (int axis = 0; axis < 14; ++axis) {
@@ -106,21 +106,21 @@ TEST(EstimateSimilarity, FindsTheScaleWithBothCamerasAtOnePosition) {
 
 TEST(EstimateSimilarity, GivesNothingWithoutASimilarity) {
   Random random(4);
-  const auto pairs = pairs_of(truth, random, 20, 0.0, 0.0);
+  const auto pairs = pairs_of(ground_truth, random, 20, 0.0, 0.0);
   EXPECT_FALSE(estimate_similarity({}, {}));
   EXPECT_FALSE(estimate_similarity(std::span(pairs).first(2), {}));
   EXPECT_FALSE(estimate_similarity(std::vector<SimilarityPair>(20, pairs[0]), {}));
   auto senseless = pairs;
   for (SimilarityPair& pair : senseless) pair.first_point.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(estimate_similarity(senseless, {}));
-  auto unlike = pairs_of(truth, random, 60, 1.0, 1.0);
+  auto unlike = pairs_of(ground_truth, random, 60, 1.0, 1.0);
   const auto fit = estimate_similarity(unlike, {});
   EXPECT_TRUE(!fit || fit->inliers < 15);
 }
 
 TEST(EstimateSimilarity, SameSeedSameBits) {
   Random random(5);
-  const auto pairs = pairs_of(truth, random, 100, 1.0, 0.4);
+  const auto pairs = pairs_of(ground_truth, random, 100, 1.0, 0.4);
   const auto first = estimate_similarity(pairs, {}), second = estimate_similarity(pairs, {});
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->first_from_second.matrix(), second->first_from_second.matrix());

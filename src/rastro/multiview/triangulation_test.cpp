@@ -36,21 +36,21 @@ TEST(Triangulation, ManyViewsAverageTheNoiseOut) {
   }
   double two = 0.0, all = 0.0;
   for (int trial = 0; trial < 200; ++trial) {
-    const Eigen::Vector3d truth(5.0 + random.uniform(-2, 2), 1.0 + random.uniform(-1, 1), random.uniform(4, 12));
+    const Eigen::Vector3d ground_truth(5.0 + random.uniform(-2, 2), 1.0 + random.uniform(-1, 1), random.uniform(4, 12));
     std::vector<Eigen::Vector2d> exact, noisy;
     for (const SE3& pose : world_from_camera) {
-      exact.push_back((pose.inverse() * truth).hnormalized());
+      exact.push_back((pose.inverse() * ground_truth).hnormalized());
       noisy.push_back(exact.back() + 0.5 / 500.0 * Eigen::Vector2d(random.normal(), random.normal()));
     }
     const auto sharp = triangulate(world_from_camera, exact, {});
     ASSERT_TRUE(sharp);
-    EXPECT_LT((sharp->position - truth).norm(), 1e-8);
+    EXPECT_LT((sharp->position - ground_truth).norm(), 1e-8);
     const TriangulationOptions loose{.max_error_px = 10.0};
     const auto few = triangulate(std::span(world_from_camera).first(2), std::span(noisy).first(2), loose);
     const auto many = triangulate(world_from_camera, noisy, loose);
     ASSERT_TRUE(many);
-    if (few) two += (few->position - truth).norm();
-    all += (many->position - truth).norm();
+    if (few) two += (few->position - ground_truth).norm();
+    all += (many->position - ground_truth).norm();
   }
   EXPECT_LT(all, two / 5.0);
   EXPECT_LT(all / 200.0, 0.1);

@@ -18,7 +18,7 @@ namespace rastro {
 
 struct Drive {
   std::vector<Frame> frames;
-  Trajectory truth;
+  Trajectory ground_truth;
   Camera camera;
 };
 
@@ -30,7 +30,7 @@ inline Drive first_bend(double scale) {
   Drive drive;
   drive.camera = street.camera();
   const auto source = synthetic_source(street, 46, 2);
-  drive.truth = source->info().ground_truth;
+  drive.ground_truth = source->info().ground_truth;
   while (auto frame = source->next()) drive.frames.push_back(std::move(*frame));
   return drive;
 }
@@ -68,19 +68,19 @@ inline void expect_sound(const DriveResult& result, std::size_t frames) {
 }
 
 /// Error of the yaw between the first and the last pose, in degrees.
-inline double yaw_error_deg(const Trajectory& estimate, const Trajectory& truth) {
+inline double yaw_error_deg(const Trajectory& estimate, const Trajectory& ground_truth) {
   const auto rotation = [](const Trajectory& t) {
     return t.front().world_from_body.rotation().inverse() * t.back().world_from_body.rotation();
   };
-  return std::abs((rotation(estimate).inverse() * rotation(truth)).log().y()) * 180.0 / std::numbers::pi;
+  return std::abs((rotation(estimate).inverse() * rotation(ground_truth)).log().y()) * 180.0 / std::numbers::pi;
 }
 
 /// Root mean square of the positions after alignment with scale, as a share of the path length.
-inline double path_error(const Trajectory& estimate, const Trajectory& truth) {
+inline double path_error(const Trajectory& estimate, const Trajectory& ground_truth) {
   std::vector<Eigen::Vector3d> there, ours;
   double length = 0.0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    there.push_back(truth[i].world_from_body.translation());
+  for (std::size_t i = 0; i < ground_truth.size(); ++i) {
+    there.push_back(ground_truth[i].world_from_body.translation());
     ours.push_back(estimate[i].world_from_body.translation());
     if (i > 0) length += (there[i] - there[i - 1]).norm();
   }

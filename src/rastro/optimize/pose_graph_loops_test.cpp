@@ -37,9 +37,9 @@ class LoopsOfPoseGraph : public ::testing::Test {
     bend[0] = 0.01;
     bend[1] = 0.005;
     bend[Tangent::RowsAtCompileTime == 3 ? 2 : 5] = 0.01;
-    std::vector<Pose> poses{truth[0]};
-    for (std::size_t k = 1; k < truth.size(); ++k)
-      poses.push_back(poses.back() * (truth[k - 1].inverse() * truth[k]) * Pose::exp(bend));
+    std::vector<Pose> poses{ground_truth[0]};
+    for (std::size_t k = 1; k < ground_truth.size(); ++k)
+      poses.push_back(poses.back() * (ground_truth[k - 1].inverse() * ground_truth[k]) * Pose::exp(bend));
     return poses;
   }
 
@@ -53,40 +53,40 @@ class LoopsOfPoseGraph : public ::testing::Test {
     return edges;
   }
 
-  const std::vector<Pose> truth = square_loop<Pose>();
+  const std::vector<Pose> ground_truth = square_loop<Pose>();
   PoseGraphOptions options;
 };
 TYPED_TEST_SUITE(LoopsOfPoseGraph, testing::GraphPoses);
 
 TYPED_TEST(LoopsOfPoseGraph, AWrongOneIsSwitchedOffAndCorrectOnesAfterALongDriftAreNot) {
-  std::vector<Constraint> edges = loop_edges(this->truth);
-  edges.push_back(edge_between(this->truth, 4, 25, ConstraintKind::loop));
+  std::vector<Constraint> edges = loop_edges(this->ground_truth);
+  edges.push_back(edge_between(this->ground_truth, 4, 25, ConstraintKind::loop));
   testing::falsify(edges.back(), this->wrong_by(1.5));
   std::vector<TypeParam> poses = this->drifted();
-  ASSERT_GT((poses.back().translation() - this->truth.back().translation()).norm(), 0.15);
+  ASSERT_GT((poses.back().translation() - this->ground_truth.back().translation()).norm(), 0.15);
   optimize_pose_graph(poses, edges, only_first(poses), this->options);
-  EXPECT_LT(worst_error(poses, this->truth), 0.03);
+  EXPECT_LT(worst_error(poses, this->ground_truth), 0.03);
   EXPECT_LT(edges.back().weight, 0.01);
   for (std::size_t e = 0; e + 1 < edges.size(); ++e) EXPECT_GT(edges[e].weight, 0.9) << e;
   this->options.loops = LoopModel::trusted;
   optimize_pose_graph(poses, edges, only_first(poses), this->options);
-  EXPECT_GT(worst_error(poses, this->truth), 0.1) << "it must pull where it is believed";
+  EXPECT_GT(worst_error(poses, this->ground_truth), 0.1) << "it must pull where it is believed";
   EXPECT_EQ(edges.back().weight, 1.0);
 }
 
 TYPED_TEST(LoopsOfPoseGraph, AWrongOneWithARobustKernelHasLittleInfluence) {
-  std::vector<Constraint> edges = loop_edges(this->truth);
-  edges.push_back(edge_between(this->truth, 4, 25, ConstraintKind::proximity));
+  std::vector<Constraint> edges = loop_edges(this->ground_truth);
+  edges.push_back(edge_between(this->ground_truth, 4, 25, ConstraintKind::proximity));
   testing::falsify(edges.back(), this->wrong_by(3.0));
-  std::vector<TypeParam> poses = this->truth;
+  std::vector<TypeParam> poses = this->ground_truth;
   this->options.loops = LoopModel::robust;
   this->options.robust_width = 2.0;
   optimize_pose_graph(poses, edges, only_first(poses), this->options);
-  EXPECT_LT(worst_error(poses, this->truth), 0.03);
+  EXPECT_LT(worst_error(poses, this->ground_truth), 0.03);
   EXPECT_LT(edges.back().weight, 0.01);
   edges.back().kind = ConstraintKind::odometry;
   optimize_pose_graph(poses, edges, only_first(poses), this->options);
-  EXPECT_GT(worst_error(poses, this->truth), 0.3) << "odometry is believed";
+  EXPECT_GT(worst_error(poses, this->ground_truth), 0.3) << "odometry is believed";
 }
 
 TYPED_TEST(LoopsOfPoseGraph, WeightIsTheSlopeOfTheKernel) {

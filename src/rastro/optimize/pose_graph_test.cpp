@@ -30,8 +30,8 @@ class PoseGraph : public ::testing::Test {
     return options;
   }
 
-  const std::vector<Pose> truth = square_loop<Pose>();
-  std::vector<Constraint> edges = loop_edges(truth);
+  const std::vector<Pose> ground_truth = square_loop<Pose>();
+  std::vector<Constraint> edges = loop_edges(ground_truth);
 };
 TYPED_TEST_SUITE(PoseGraph, testing::GraphPoses);
 
@@ -39,7 +39,7 @@ TYPED_TEST(PoseGraph, APerturbedLoopConvergesToGroundTruth) {
   Random random(2);
   for (const LoopModel loops : {LoopModel::switchable, LoopModel::robust, LoopModel::trusted}) {
     const PoseGraphOptions options = this->options(loops);
-    const std::vector<TypeParam> start = disturbed(this->truth, 0.15, random);
+    const std::vector<TypeParam> start = disturbed(this->ground_truth, 0.15, random);
     std::vector<TypeParam> poses = start;
     const PoseGraphResult result = optimize_pose_graph(poses, this->edges, only_first(poses), options);
     EXPECT_TRUE(result.converged);
@@ -47,7 +47,7 @@ TYPED_TEST(PoseGraph, APerturbedLoopConvergesToGroundTruth) {
       EXPECT_NEAR(result.first_cost, cost_of(start, this->edges, options), 1e-6 * result.first_cost);
     }
     EXPECT_LT(result.last_cost, 1e-9 * result.first_cost);
-    EXPECT_LT(worst_error(poses, this->truth), 1e-4);
+    EXPECT_LT(worst_error(poses, this->ground_truth), 1e-4);
     for (const Constraint& edge : this->edges) EXPECT_NEAR(edge.weight, 1.0, 1e-4);
   }
 }
@@ -59,7 +59,7 @@ TYPED_TEST(PoseGraph, WithInconsistentEdgesNoStepLowersTheCost) {
     std::vector<Constraint> disagreeing = this->edges;
     for (Constraint& edge : disagreeing)
       testing::falsify(edge, TypeParam::exp(testing::random_tangent<TypeParam>(0.03, random)));
-    std::vector<TypeParam> poses = disturbed(this->truth, 0.1, random);
+    std::vector<TypeParam> poses = disturbed(this->ground_truth, 0.1, random);
     PoseGraphOptions options = this->options(loops);
     options.switch_price = 100.0;
     options.robust_width = 8.0;
@@ -82,7 +82,7 @@ TYPED_TEST(PoseGraph, WithInconsistentEdgesNoStepLowersTheCost) {
 
 TYPED_TEST(PoseGraph, FixedAndUnconstrainedPosesStay) {
   Random random(4);
-  std::vector<TypeParam> start = disturbed(this->truth, 0.1, random);
+  std::vector<TypeParam> start = disturbed(this->ground_truth, 0.1, random);
   start.push_back(start[3] * start[5]);  // no edge constrains it
   std::vector<std::uint8_t> fixed(start.size(), 1);
   for (std::size_t k = 20; k < fixed.size(); ++k) fixed[k] = 0;
@@ -93,7 +93,7 @@ TYPED_TEST(PoseGraph, FixedAndUnconstrainedPosesStay) {
 }
 
 TYPED_TEST(PoseGraph, EdgesBetweenFixedPosesAreSkipped) {
-  std::vector<std::uint8_t> fixed(this->truth.size(), 1);
+  std::vector<std::uint8_t> fixed(this->ground_truth.size(), 1);
   fixed[20] = fixed[21] = 0;
   for (Constraint& edge : this->edges) {
     edge.weight = -1.0;
@@ -101,11 +101,11 @@ TYPED_TEST(PoseGraph, EdgesBetweenFixedPosesAreSkipped) {
         fixed[static_cast<std::size_t>(edge.from)] != 0 && fixed[static_cast<std::size_t>(edge.to)] != 0;
     if (between) edge.information.setZero();  // otherwise it would be refused
   }
-  std::vector<TypeParam> poses = this->truth;
+  std::vector<TypeParam> poses = this->ground_truth;
   poses[20] = poses[19];
   const PoseGraphResult result = optimize_pose_graph(poses, this->edges, fixed, {});
   EXPECT_LT(result.last_cost, 1e-9);
-  EXPECT_LT(worst_error(poses, this->truth), 1e-5);
+  EXPECT_LT(worst_error(poses, this->ground_truth), 1e-5);
   int looked_at = 0;
   for (const Constraint& edge : this->edges) {
     const bool held = fixed[static_cast<std::size_t>(edge.from)] == 0 || fixed[static_cast<std::size_t>(edge.to)] == 0;
@@ -116,7 +116,7 @@ TYPED_TEST(PoseGraph, EdgesBetweenFixedPosesAreSkipped) {
 }
 
 TYPED_TEST(PoseGraph, NothingToDoIsDone) {
-  std::vector<TypeParam> none, poses = this->truth;
+  std::vector<TypeParam> none, poses = this->ground_truth;
   EXPECT_TRUE(optimize_pose_graph(none, {}, {}, {}).converged);
   poses[1] = poses[7];
   const std::vector<std::uint8_t> all_fixed(poses.size(), 1);
@@ -126,12 +126,12 @@ TYPED_TEST(PoseGraph, NothingToDoIsDone) {
     EXPECT_EQ(result.first_cost, 0.0);
     EXPECT_EQ(result.last_cost, 0.0);
   }
-  EXPECT_TRUE(same_bytes(poses[1], this->truth[7]));
+  EXPECT_TRUE(same_bytes(poses[1], this->ground_truth[7]));
 }
 
 TYPED_TEST(PoseGraph, ItStopsAfterTheIterationsAskedFor) {
   Random random(7);
-  const std::vector<TypeParam> start = disturbed(this->truth, 0.15, random);
+  const std::vector<TypeParam> start = disturbed(this->ground_truth, 0.15, random);
   double last = 0.0;
   for (const int iterations : {50, 3, 2, 1}) {
     PoseGraphOptions options = this->options(LoopModel::trusted);
@@ -146,7 +146,7 @@ TYPED_TEST(PoseGraph, ItStopsAfterTheIterationsAskedFor) {
 
 TYPED_TEST(PoseGraph, SameBytesTwice) {
   Random random(6);
-  const std::vector<TypeParam> start = disturbed(this->truth, 0.15, random);
+  const std::vector<TypeParam> start = disturbed(this->ground_truth, 0.15, random);
   for (const LoopModel loops : {LoopModel::switchable, LoopModel::robust, LoopModel::trusted}) {
     std::vector<TypeParam> first = start, second = start;
     std::vector<Constraint> again = this->edges;
@@ -161,13 +161,13 @@ TYPED_TEST(PoseGraph, SameBytesTwice) {
 }
 
 TYPED_TEST(PoseGraph, AnInvalidGraphIsRefused) {
-  std::vector<TypeParam> poses = this->truth;
+  std::vector<TypeParam> poses = this->ground_truth;
   const auto refused = [&](Constraint edge) {
     std::vector<Constraint> one{edge};
     EXPECT_THROW(optimize_pose_graph(poses, one, only_first(poses), {}), Fault);
   };
   const auto last = static_cast<KeyframeId>(poses.size()) - 1;
-  Constraint edge = edge_between(this->truth, 0, poses.size() - 1, ConstraintKind::odometry);
+  Constraint edge = edge_between(this->ground_truth, 0, poses.size() - 1, ConstraintKind::odometry);
   edge.to = last + 1;
   refused(edge);
   edge.to = last;
@@ -179,7 +179,7 @@ TYPED_TEST(PoseGraph, AnInvalidGraphIsRefused) {
   edge.information(5, 5) = -1.0;
   refused(edge);
   EXPECT_THROW(optimize_pose_graph(poses, this->edges, std::vector<std::uint8_t>(3, 0), {}), Fault);
-  EXPECT_EQ(worst_error(poses, this->truth), worst_error(this->truth, this->truth));
+  EXPECT_EQ(worst_error(poses, this->ground_truth), worst_error(this->ground_truth, this->ground_truth));
 }
 
 }  // namespace

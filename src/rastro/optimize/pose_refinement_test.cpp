@@ -17,14 +17,14 @@ using testing::pose_near;
 
 constexpr double baseline = 0.3;
 
-std::vector<PoseObservation> observations_of(const SE3& truth, Random& random, int count, double stereo_share,
+std::vector<PoseObservation> observations_of(const SE3& ground_truth, Random& random, int count, double stereo_share,
                                              double outlier_share) {
   std::vector<PoseObservation> seen;
   while (static_cast<int>(seen.size()) < count) {
     PoseObservation one;
     const double x = random.uniform(-0.8, 0.8), y = random.uniform(-0.5, 0.5), depth = random.uniform(3.0, 20.0);
     const Eigen::Vector3d p = depth * Eigen::Vector3d(x, y, 1.0);
-    one.point = truth.inverse() * p;
+    one.point = ground_truth.inverse() * p;
     one.sigma = (seen.size() % 3 == 0 ? 1.44 : 1.0) / 500.0;
     const double off_x = one.sigma * random.normal(), off_y = one.sigma * random.normal();
     const double off_r = one.sigma * random.normal();
@@ -42,18 +42,18 @@ PoseRefinementOptions stereo_options() {
   return options;
 }
 
-const SE3 truth(SO3::exp({0.1, -0.3, 0.2}), {0.4, -0.2, 1.0});
+const SE3 ground_truth(SO3::exp({0.1, -0.3, 0.2}), {0.4, -0.2, 1.0});
 
 TEST(PoseRefinement, ConvergesFromAPerturbedStartDespiteOutliers) {
   for (const double stereo_share : {0.0, 0.5, 1.0}) {
     Random random(1);
-    const auto seen = observations_of(truth, random, 300, stereo_share, 0.25);
-    const SE3 start = SE3::exp(testing::random_twist(random, 0.1)) * truth;
+    const auto seen = observations_of(ground_truth, random, 300, stereo_share, 0.25);
+    const SE3 start = SE3::exp(testing::random_twist(random, 0.1)) * ground_truth;
     const PoseRefinement refined = refine_pose(start, seen, stereo_options());
-    EXPECT_THAT(refined.camera_from_world, pose_near(truth, 0.02, 0.002));
+    EXPECT_THAT(refined.camera_from_world, pose_near(ground_truth, 0.02, 0.002));
     int true_lost = 0, false_kept = 0;
     for (std::size_t i = 0; i < seen.size(); ++i) {
-      const bool outlier = ((truth * seen[i].point).hnormalized() - seen[i].ray).norm() > 0.03;
+      const bool outlier = ((ground_truth * seen[i].point).hnormalized() - seen[i].ray).norm() > 0.03;
       false_kept += outlier && refined.is_inlier[i] != 0;
       true_lost += !outlier && refined.is_inlier[i] == 0;
     }
@@ -70,9 +70,9 @@ TEST(PoseRefinement, CovarianceIsConsistentWithThePoseError) {
     double sum = 0.0;
     constexpr int trials = 200;
     for (int trial = 0; trial < trials; ++trial) {
-      const auto seen = observations_of(truth, random, 60, stereo_share, 0.0);
-      const PoseRefinement refined = refine_pose(truth, seen, options);
-      const Vector6d off = (truth * refined.camera_from_world.inverse()).log();
+      const auto seen = observations_of(ground_truth, random, 60, stereo_share, 0.0);
+      const PoseRefinement refined = refine_pose(ground_truth, seen, options);
+      const Vector6d off = (ground_truth * refined.camera_from_world.inverse()).log();
       sum += off.dot(refined.covariance.ldlt().solve(off));
     }
     EXPECT_NEAR(sum / trials, 6.0, 0.8) << "chi squared with six degrees of freedom";
@@ -81,7 +81,7 @@ TEST(PoseRefinement, CovarianceIsConsistentWithThePoseError) {
 
 TEST(PoseRefinement, NoStepFromTheResultFitsBetter) {
   Random random(3);
-  const auto seen = observations_of(truth, random, 50, 0.5, 0.0);
+  const auto seen = observations_of(ground_truth, random, 50, 0.5, 0.0);
   PoseRefinementOptions options = stereo_options();
   options.chi2_mono = options.chi2_stereo = 1e4;
   options.iterations = 50;
@@ -95,7 +95,8 @@ TEST(PoseRefinement, NoStepFromTheResultFitsBetter) {
     }
     return sum;
   };
-  const PoseRefinement refined = refine_pose(SE3::exp(testing::random_twist(random, 0.1)) * truth, seen, options);
+  const PoseRefinement refined =
+      refine_pose(SE3::exp(testing::random_twist(random, 0.1)) * ground_truth, seen, options);
   ASSERT_EQ(refined.inliers, 50);
   const double best = cost(refined.camera_from_world);
   EXPECT_NEAR(refined.mean_squared, best / 50, 1e-9 * best);
@@ -114,7 +115,7 @@ std::vector<PoseObservation> exact_observations(int count, double stereo_share, 
     const double x = random.uniform(-0.8, 0.8), y = random.uniform(-0.5, 0.5);
     const double depth = random.uniform(nearest, farthest);
     PoseObservation one;
-    one.point = truth.inverse() * Eigen::Vector3d(depth * x, depth * y, depth);
+    one.point = ground_truth.inverse() * Eigen::Vector3d(depth * x, depth * y, depth);
     one.ray = {x, y};
     if (i < stereo_share * count) one.right_x = x - baseline / depth;
     seen.push_back(one);
@@ -136,8 +137,8 @@ TEST(PoseRefinement, OneRoundConverges) {
     const auto seen = exact_observations(40, stereo_share, 3.0, 20.0);
     Random random(3);
     for (int trial = 0; trial < 5; ++trial) {
-      const SE3 start = SE3::exp(testing::random_twist(random, 0.3)) * truth;
-      EXPECT_THAT(refine_pose(start, seen, one_round(10)).camera_from_world, pose_near(truth, 1e-9, 1e-9));
+      const SE3 start = SE3::exp(testing::random_twist(random, 0.3)) * ground_truth;
+      EXPECT_THAT(refine_pose(start, seen, one_round(10)).camera_from_world, pose_near(ground_truth, 1e-9, 1e-9));
     }
   }
 }
@@ -147,16 +148,17 @@ TEST(PoseRefinement, StepsThatAreTooLargeAreUndone) {
   for (const double stereo_share : {0.0, 1.0}) {
     for (const double back : {5.0, 10.0, 20.0}) {
       const auto seen = exact_observations(40, stereo_share, 3.0, 6.0);
-      const SE3 start = SE3(SO3::exp({0.01, -0.02, 0.03}), {0.2, -0.1, back}) * truth;
-      EXPECT_THAT(refine_pose(start, seen, one_round(60)).camera_from_world, pose_near(truth, 1e-9, 1e-9)) << back;
+      const SE3 start = SE3(SO3::exp({0.01, -0.02, 0.03}), {0.2, -0.1, back}) * ground_truth;
+      EXPECT_THAT(refine_pose(start, seen, one_round(60)).camera_from_world, pose_near(ground_truth, 1e-9, 1e-9))
+          << back;
     }
   }
 }
 
 TEST(PoseRefinement, ItStopsByItself) {
   Random random(8);
-  const auto seen = observations_of(truth, random, 100, 0.5, 0.0);
-  const SE3 start = SE3::exp(testing::random_twist(random, 0.1)) * truth;
+  const auto seen = observations_of(ground_truth, random, 100, 0.5, 0.0);
+  const SE3 start = SE3::exp(testing::random_twist(random, 0.1)) * ground_truth;
   const PoseRefinement many = refine_pose(start, seen, one_round(500));
   int needed = 0;
   for (bool same = false; !same;
@@ -168,11 +170,12 @@ TEST(PoseRefinement, ItStopsByItself) {
 
 TEST(PoseRefinement, TheLastTwoRoundsAreLeastSquares) {
   Random random(9);
-  auto seen = observations_of(truth, random, 80, 0.5, 0.0);
+  auto seen = observations_of(ground_truth, random, 80, 0.5, 0.0);
   for (std::size_t i = 0; i < seen.size(); i += 8) seen[i].ray.x() += 7.0 * seen[i].sigma;
   PoseRefinementOptions options = stereo_options();
   options.rounds = 1;
-  const PoseRefinement one = refine_pose(truth, seen, options), of_all = refine_pose(truth, seen, one_round(10));
+  const PoseRefinement one = refine_pose(ground_truth, seen, options),
+                       of_all = refine_pose(ground_truth, seen, one_round(10));
   EXPECT_EQ(one.camera_from_world.matrix(), of_all.camera_from_world.matrix()) << "outliers pull like the others";
   ASSERT_LT(one.inliers, 75);
   ASSERT_GT(one.inliers, 40);
@@ -182,7 +185,7 @@ TEST(PoseRefinement, TheLastTwoRoundsAreLeastSquares) {
   }
   const PoseRefinement of_kept = refine_pose(one.camera_from_world, kept, one_round(10));
   options.rounds = 2;
-  const PoseRefinement two = refine_pose(truth, seen, options);
+  const PoseRefinement two = refine_pose(ground_truth, seen, options);
   EXPECT_EQ(two.camera_from_world.matrix(), of_kept.camera_from_world.matrix());
 }
 
@@ -200,7 +203,7 @@ TEST(PoseRefinement, AnOutlierIsWhatIsBeyondTheBound) {
       } else {
         one.ray.y() -= off;
       }
-      const PoseRefinement refined = refine_pose(truth, seen, options);
+      const PoseRefinement refined = refine_pose(ground_truth, seen, options);
       EXPECT_EQ(refined.inliers, beyond < 1.0 ? 60 : 59);
       EXPECT_EQ(refined.is_inlier[stereo ? 0 : seen.size() - 1], beyond < 1.0 ? 1 : 0);
     }
@@ -209,11 +212,11 @@ TEST(PoseRefinement, AnOutlierIsWhatIsBeyondTheBound) {
 
 TEST(PoseRefinement, ThreeObservationsAreEnough) {
   const auto seen = exact_observations(20, 0.5, 3.0, 6.0);
-  const SE3 start = SE3(SO3::exp({0.01, -0.01, 0.0}), {0.02, 0.0, 0.03}) * truth;
+  const SE3 start = SE3(SO3::exp({0.01, -0.01, 0.0}), {0.02, 0.0, 0.03}) * ground_truth;
   for (const std::size_t first : {std::size_t{0}, std::size_t{14}}) {  // with a right camera, and without
     const PoseRefinement refined = refine_pose(start, std::span(seen).subspan(first, 3), stereo_options());
     EXPECT_EQ(refined.inliers, 3);
-    EXPECT_THAT(refined.camera_from_world, pose_near(truth, 1e-6, 1e-6));
+    EXPECT_THAT(refined.camera_from_world, pose_near(ground_truth, 1e-6, 1e-6));
     EXPECT_EQ(refine_pose(start, std::span(seen).subspan(first, 2), stereo_options()).inliers, 0);
   }
 }
@@ -221,17 +224,17 @@ TEST(PoseRefinement, ThreeObservationsAreEnough) {
 TEST(PoseRefinement, APointBehindTheCameraIsAnOutlier) {
   auto seen = exact_observations(30, 0.5, 3.0, 6.0);
   // Its projection is the same, but the point is behind the camera.
-  seen[4].point = truth.inverse() * (-(truth * seen[4].point));
-  seen[20].point = truth.inverse() * (-(truth * seen[20].point));
-  const PoseRefinement refined = refine_pose(truth, seen, stereo_options());
+  seen[4].point = ground_truth.inverse() * (-(ground_truth * seen[4].point));
+  seen[20].point = ground_truth.inverse() * (-(ground_truth * seen[20].point));
+  const PoseRefinement refined = refine_pose(ground_truth, seen, stereo_options());
   EXPECT_EQ(refined.inliers, 28);
   EXPECT_EQ(refined.is_inlier[4] + refined.is_inlier[20], 0);
-  EXPECT_THAT(refined.camera_from_world, pose_near(truth, 1e-6, 1e-6));
+  EXPECT_THAT(refined.camera_from_world, pose_near(ground_truth, 1e-6, 1e-6));
 }
 
 TEST(PoseRefinement, AnUndeterminedPoseKeepsTheStart) {
   Random random(4);
-  const auto seen = observations_of(truth, random, 20, 0.0, 0.0);
+  const auto seen = observations_of(ground_truth, random, 20, 0.0, 0.0);
   const SE3 start(SO3(), {1.0, 2.0, 3.0});
   const auto same = [&](std::span<const PoseObservation> of) {
     const PoseRefinement refined = refine_pose(start, of, {});
@@ -253,7 +256,7 @@ TEST(PoseRefinement, AnUndeterminedPoseKeepsTheStart) {
 
 TEST(PoseRefinement, SameBitsTwice) {
   Random random(5);
-  const auto seen = observations_of(truth, random, 200, 0.5, 0.2);
+  const auto seen = observations_of(ground_truth, random, 200, 0.5, 0.2);
   const PoseRefinement first = refine_pose(SE3(), seen, stereo_options());
   const PoseRefinement second = refine_pose(SE3(), seen, stereo_options());
   EXPECT_EQ(first.camera_from_world.matrix(), second.camera_from_world.matrix());

@@ -80,32 +80,34 @@ TYPED_TEST(PoseSpaces, DerivativesAreThoseOfFiniteDifferences) {
 }
 
 TYPED_TEST(PoseSpaces, ResidualIsTheErrorAtTheEndOfTheEdge) {
-  const std::vector<TypeParam> truth = square_loop<TypeParam>();
-  const Constraint edge = edge_between(truth, 2, 9, ConstraintKind::loop);
+  const std::vector<TypeParam> ground_truth = square_loop<TypeParam>();
+  const Constraint edge = edge_between(ground_truth, 2, 9, ConstraintKind::loop);
   PoseGraphOptions options;
   options.scale_information = 700.0;
-  EXPECT_LT(edge_residual(edge, truth[2], truth[9]).norm(), 1e-12);
+  EXPECT_LT(edge_residual(edge, ground_truth[2], ground_truth[9]).norm(), 1e-12);
   typename TypeParam::Tangent off = TypeParam::Tangent::Zero();
   // Along one axis, where the logarithm and x, y, yaw are equal.
   for (int axis = 0; axis < TypeParam::Tangent::RowsAtCompileTime; ++axis) {
     off.setZero();
     off[axis] = axis % 2 == 0 ? 0.1 : -0.2;
-    EXPECT_LT((edge_residual(edge, truth[2], truth[9] * TypeParam::exp(off)) - off).norm(), 1e-12) << axis;
+    EXPECT_LT((edge_residual(edge, ground_truth[2], ground_truth[9] * TypeParam::exp(off)) - off).norm(), 1e-12)
+        << axis;
     const int full = TypeParam::Tangent::RowsAtCompileTime == 3 && axis == 2 ? 5 : axis;
     const double information = full < 6 ? edge.information(full, full) : 700.0;
-    EXPECT_NEAR(squared_sigmas(edge, truth[2], truth[9] * TypeParam::exp(off), options),
+    EXPECT_NEAR(squared_sigmas(edge, ground_truth[2], ground_truth[9] * TypeParam::exp(off), options),
                 information * off[axis] * off[axis], 1e-6)
         << axis;
   }
 }
 
 TEST(PoseSpaceOfSE3, ResidualIsATangentVector) {
-  const std::vector<SE3> truth = square_loop<SE3>();
-  const Constraint edge = edge_between(truth, 2, 9, ConstraintKind::loop);
+  const std::vector<SE3> ground_truth = square_loop<SE3>();
+  const Constraint edge = edge_between(ground_truth, 2, 9, ConstraintKind::loop);
   Vector6d off;
   off << 0.1, -0.2, 0.3, 0.04, -0.05, 0.06;
-  EXPECT_LT((edge_residual(edge, truth[2], truth[9] * SE3::exp(off)) - off).norm(), 1e-12);
-  EXPECT_NEAR(squared_sigmas(edge, truth[2], truth[9] * SE3::exp(off)), off.dot(edge.information * off), 1e-6);
+  EXPECT_LT((edge_residual(edge, ground_truth[2], ground_truth[9] * SE3::exp(off)) - off).norm(), 1e-12);
+  EXPECT_NEAR(squared_sigmas(edge, ground_truth[2], ground_truth[9] * SE3::exp(off)), off.dot(edge.information * off),
+              1e-6);
 }
 
 TEST(PoseSpaceOfSE2, ResidualIsXYAndYawInTheAxesOfTheEnd) {
@@ -128,21 +130,21 @@ TEST(PoseSpaceOfSE2, ResidualIsXYAndYawInTheAxesOfTheEnd) {
 
 TEST(PoseSpaceOfSE2, TheSameGraphInSpaceHasTheSamePoses) {
   // Exact edges: x, y, yaw and the logarithm have the same zero, whatever the start.
-  const std::vector<SE2> truth = square_loop<SE2>();
-  std::vector<Constraint> edges = loop_edges(truth);
+  const std::vector<SE2> ground_truth = square_loop<SE2>();
+  std::vector<Constraint> edges = loop_edges(ground_truth);
   for (Constraint& edge : edges)
     edge = planar_constraint(edge.from, edge.to, in_plane(edge.rigid()), in_plane(edge.information), edge.kind);
   // Small inconsistencies: the two differ by their square.
   for (std::size_t e = 0; e < edges.size(); ++e)
     edges[e].from_from_to = edges[e].from_from_to * Sim3(in_space(SE2::exp({e % 2 == 0 ? 1e-3 : -1e-3, 1e-3, -1e-3})));
   Random random(8);
-  std::vector<SE2> poses = disturbed(truth, 0.1, random);
+  std::vector<SE2> poses = disturbed(ground_truth, 0.1, random);
   std::vector<SE3> in_space_poses;
   for (const SE2& pose : poses) in_space_poses.push_back(in_space(pose));
   const PoseGraphOptions options{.loops = LoopModel::trusted, .iterations = 100};
   optimize_pose_graph(poses, edges, only_first(poses), options);
   optimize_pose_graph(in_space_poses, edges, only_first(poses), options);
-  EXPECT_GT(worst_error(poses, truth), 1e-3);
+  EXPECT_GT(worst_error(poses, ground_truth), 1e-3);
   for (std::size_t k = 0; k < poses.size(); ++k)
     EXPECT_LT((in_space(poses[k]).inverse() * in_space_poses[k]).log().norm(), 2e-5) << k;
 }
@@ -150,22 +152,22 @@ TEST(PoseSpaceOfSE2, TheSameGraphInSpaceHasTheSamePoses) {
 /// Each step is 1 % longer than the previous one in the unit of the first; the last pose observes the first with the
 /// correct scale.
 struct DriftOfScale {
-  std::vector<Sim3> truth, poses;
+  std::vector<Sim3> ground_truth, poses;
   std::vector<Constraint> edges;
 
   DriftOfScale() {
     for (int k = 0; k < 40; ++k) {
       const double angle = 2.0 * M_PI * k / 40.0;
-      truth.emplace_back(1.0, SO3::exp({0.0, 0.1, angle}),
-                         Eigen::Vector3d(5.0 * std::sin(angle), 5.0 * std::cos(angle), 0.1 * k));
+      ground_truth.emplace_back(1.0, SO3::exp({0.0, 0.1, angle}),
+                                Eigen::Vector3d(5.0 * std::sin(angle), 5.0 * std::cos(angle), 0.1 * k));
     }
-    poses.push_back(truth[0]);
-    for (std::size_t k = 0; k + 1 < truth.size(); ++k) {
-      const Sim3 step = truth[k].inverse() * truth[k + 1] * Sim3(1.01, SO3(), Eigen::Vector3d::Zero());
+    poses.push_back(ground_truth[0]);
+    for (std::size_t k = 0; k + 1 < ground_truth.size(); ++k) {
+      const Sim3 step = ground_truth[k].inverse() * ground_truth[k + 1] * Sim3(1.01, SO3(), Eigen::Vector3d::Zero());
       poses.push_back(poses.back() * step);
       edges.push_back(edge(k, k + 1, step));
     }
-    edges.push_back(edge(truth.size() - 1, 0, truth.back().inverse() * truth[0]));
+    edges.push_back(edge(ground_truth.size() - 1, 0, ground_truth.back().inverse() * ground_truth[0]));
   }
   static Constraint edge(std::size_t from, std::size_t to, const Sim3& from_from_to) {
     return {.from = static_cast<KeyframeId>(from), .to = static_cast<KeyframeId>(to), .from_from_to = from_from_to};
@@ -179,7 +181,7 @@ TEST(PoseSpaceOfSim3, ALoopRemovesTheScaleDrift) {
   PoseGraphOptions options{.iterations = 100};
   optimize_pose_graph(poses, drift.edges, only_first(poses), options);
   EXPECT_NEAR(poses.back().scale(), 1.0, 0.02);
-  EXPECT_LT((poses.back().translation() - drift.truth.back().translation()).norm(), 0.2);
+  EXPECT_LT((poses.back().translation() - drift.ground_truth.back().translation()).norm(), 0.2);
   // The loop's scale error is now spread over all.
   EXPECT_NEAR(poses[20].scale(), 1.0, 0.05);
 }
@@ -206,8 +208,8 @@ TEST(PoseSpaceOfSim3, KnownScalesStay) {
 
 TEST(PoseSpaceOfSim3, WithScalesOfOneItIsThatOfSE3) {
   Random random(9);
-  const std::vector<SE3> truth = square_loop<SE3>(), start = disturbed(truth, 0.1, random);
-  std::vector<Constraint> edges = loop_edges(truth);
+  const std::vector<SE3> ground_truth = square_loop<SE3>(), start = disturbed(ground_truth, 0.1, random);
+  std::vector<Constraint> edges = loop_edges(ground_truth);
   for (Constraint& edge : edges) testing::falsify(edge, SE3::exp(random_tangent<SE3>(0.02, random)));
   std::vector<SE3> rigid = start;
   std::vector<Sim3> similar(start.begin(), start.end());

@@ -82,8 +82,8 @@ TEST(ProjectiveIcp, PlanesAreThoseOfTheSceneButAlongCreases) {
     if (!(plane.distance > 0.0F)) continue;
     ++found;
     double nearest = 1.0;
-    for (const Eigen::Vector4d& truth : corner)
-      nearest = std::min(nearest, (truth.head<3>() - plane.normal.cast<double>()).norm());
+    for (const Eigen::Vector4d& ground_truth : corner)
+      nearest = std::min(nearest, (ground_truth.head<3>() - plane.normal.cast<double>()).norm());
     if (nearest < 0.01) ++right;
   }
   EXPECT_GT(found, 3000);

@@ -61,13 +61,14 @@ TEST(ScanToMap, AlignsAMovedScan) {
   const Levels levels(walls, places_in_room());
   Random random(5);
   for (int round = 0; round < 60; ++round) {
-    const SE2 truth = pose_of(random.uniform(-1.5, 0.5), random.uniform(-1.0, 0.5), random.uniform(-3.1, 3.1));
-    const auto points = walls.returns(truth, 360, 20.0);
+    const SE2 ground_truth = pose_of(random.uniform(-1.5, 0.5), random.uniform(-1.0, 0.5), random.uniform(-3.1, 3.1));
+    const auto points = walls.returns(ground_truth, 360, 20.0);
     const double heading = random.uniform(-M_PI, M_PI), off_m = random.uniform(0.0, 0.15);
-    const SE2 guess = moved(truth, {off_m * std::cos(heading), off_m * std::sin(heading), random.uniform(-0.08, 0.08)});
+    const SE2 guess =
+        moved(ground_truth, {off_m * std::cos(heading), off_m * std::sin(heading), random.uniform(-0.08, 0.08)});
     const auto fit = match_scan_to_map(levels.views(), points, guess, nullptr, {20});
     ASSERT_TRUE(fit);
-    const SE2 off = truth.inverse() * fit->map_from_body;
+    const SE2 off = ground_truth.inverse() * fit->map_from_body;
     EXPECT_LT(off.translation().norm(), 0.005) << round;
     EXPECT_LT(std::abs(off.rotation().angle()), 0.002) << round;
     EXPECT_GT(fit->score, score_of(levels.views().front(), points, guess) - 1e-9);
@@ -170,11 +171,12 @@ TEST(ScanToMap, ThePriorDecidesAlongABareCorridor) {
 TEST(ScanToMap, AStrongPriorPrevailsAndWrapsItsAngle) {
   const Walls walls = l_shaped_room();
   const Levels levels(walls, places_in_room());
-  const SE2 truth = pose_of(0.2, 0.1, M_PI - 0.01);
+  const SE2 ground_truth = pose_of(0.2, 0.1, M_PI - 0.01);
   ScanPrior prior;
   prior.information = 1e9 * Eigen::Matrix3d::Identity();
-  prior.pose = moved(truth, {0.02, 0.03, 0.04});  // Beyond pi: its angle is written as about -pi.
-  const auto fit = match_scan_to_map(levels.views(), walls.returns(truth, 360, 20.0), truth, &prior, {20});
+  prior.pose = moved(ground_truth, {0.02, 0.03, 0.04});  // Beyond pi: its angle is written as about -pi.
+  const auto fit =
+      match_scan_to_map(levels.views(), walls.returns(ground_truth, 360, 20.0), ground_truth, &prior, {20});
   ASSERT_TRUE(fit);
   const SE2 off = prior.pose.inverse() * fit->map_from_body;
   EXPECT_LT(off.translation().norm(), 1e-4);

@@ -112,7 +112,7 @@ std::uintmax_t write_images(const World& world, const fs::path& mav, std::int64_
   const std::string name = fmt::format("{}.png", world.stamp(frame));
   std::uintmax_t bytes = write_png(mav / "cam0/data" / name, gray_image(rendered.gray));
   if (options.stereo) bytes += write_png(mav / "cam1/data" / name, gray_image(world.render_right(frame, alone).gray));
-  if (!options.truth) return bytes;
+  if (!options.ground_truth) return bytes;
   bytes += write_png(mav / "truth/depth" / name, depth_image_of(rendered.depth));
   bytes += write_png(mav / "truth/surface" / name, surface_image(rendered.surface));
   return bytes;
@@ -138,7 +138,7 @@ EurocSummary write_euroc(const World& world, const fs::path& folder, const Euroc
                  "v_RS_R_z [m s^-1],b_w_RS_S_x [rad s^-1],b_w_RS_S_y [rad s^-1],b_w_RS_S_z [rad s^-1],b_a_RS_S_x [m "
                  "s^-2],b_a_RS_S_y [m s^-2],b_a_RS_S_z [m s^-2]\n");
   std::optional<TextFile> cameras;
-  if (options.truth) {
+  if (options.ground_truth) {
     make_folder(mav / "truth/depth");
     make_folder(mav / "truth/surface");
     TextFile(mav / "truth/README", ground_truth_readme);

@@ -53,17 +53,17 @@ TEST(WriteLaserLog, ground_truth_and_relations_are_those_of_the_drive) {
   TaskPool pool(2);
   const fs::path folder = scratch_path("truth");
   write_laser_log(office(), folder, {.scans = 90}, pool);
-  const Trajectory truth =
+  const Trajectory ground_truth =
       parse_tum_trajectory(read_text_file((folder / "groundtruth.txt").string()), "groundtruth.txt");
-  ASSERT_EQ(truth.size(), 90U);
+  ASSERT_EQ(ground_truth.size(), 90U);
   std::map<TimeNs, SE3> pose_of;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
+  for (std::size_t i = 0; i < ground_truth.size(); ++i) {
     const auto scan = static_cast<std::int64_t>(i);
-    EXPECT_EQ(truth[i].stamp, office().stamp(scan));
+    EXPECT_EQ(ground_truth[i].stamp, office().stamp(scan));
     const SE2 should = office().world_from_body(office().time_of(scan));
-    EXPECT_LT((truth[i].world_from_body.translation().head<2>() - should.translation()).norm(), 1e-8);
-    EXPECT_NEAR(truth[i].world_from_body.rotation().log().z(), should.rotation().angle(), 1e-9);
-    pose_of[truth[i].stamp] = truth[i].world_from_body;
+    EXPECT_LT((ground_truth[i].world_from_body.translation().head<2>() - should.translation()).norm(), 1e-8);
+    EXPECT_NEAR(ground_truth[i].world_from_body.rotation().log().z(), should.rotation().angle(), 1e-9);
+    pose_of[ground_truth[i].stamp] = ground_truth[i].world_from_body;
   }
   const std::string relations = read_text_file((folder / "relations.txt").string());
   int lines = 0;

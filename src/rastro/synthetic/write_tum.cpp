@@ -93,7 +93,7 @@ TumSummary write_tum(const World& world, const fs::path& folder, const TumOption
   TextFile(folder / "info.txt", fmt::format("depth_factor: {:g}\n", world.kinect() ? world.kinect()->units_per_meter
                                                                                    : options.depth.units_per_meter));
   TextFile rgb(folder / "rgb.txt", "# stamp file\n"), depth(folder / "depth.txt", "# stamp file\n");
-  TextFile truth(folder / "groundtruth.txt", "# world_from_camera: stamp tx ty tz qx qy qz qw\n");
+  TextFile ground_truth(folder / "groundtruth.txt", "# world_from_camera: stamp tx ty tz qx qy qz qw\n");
   const auto name_of = [&](std::int64_t frame) { return seconds_text(world.stamp(frame)) + ".png"; };
   const auto depth_stamp = [&](std::int64_t frame) { return seconds_text(world.stamp(frame) + depth_delay(world)); };
   const auto depth_name_of = [&](std::int64_t frame) { return depth_stamp(frame) + ".png"; };
@@ -120,7 +120,7 @@ TumSummary write_tum(const World& world, const fs::path& folder, const TumOption
     for (std::int64_t frame = first; frame < end; ++frame) {
       rgb.write(fmt::format("{} rgb/{}\n", seconds_text(world.stamp(frame)), name_of(frame)));
       depth.write(fmt::format("{} depth/{}\n", depth_stamp(frame), depth_name_of(frame)));
-      truth.write(ground_truth_line(world, frame));
+      ground_truth.write(ground_truth_line(world, frame));
     }
     if (progress) progress(end);
   }

@@ -60,8 +60,8 @@ class TwoLayers {
       const auto* motion = history_.since(frame, known, associations_, store_);
       if (!motion) continue;
       const Eigen::Vector2d from(300.0, 200.0);
-      const Eigen::Matrix3d truth = layer_pose(layer, frame_) * layer_pose(layer, frame).inverse();
-      best = std::min(best, (*transfer(motion->current_from_frame, from) - *transfer(truth, from)).norm());
+      const Eigen::Matrix3d ground_truth = layer_pose(layer, frame_) * layer_pose(layer, frame).inverse();
+      best = std::min(best, (*transfer(motion->current_from_frame, from) - *transfer(ground_truth, from)).norm());
     }
     return best;
   }

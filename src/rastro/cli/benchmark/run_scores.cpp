@@ -122,8 +122,8 @@ void judge_poses(const Compared& both, const Sim3& reference_from_estimate, cons
   double sum = 0.0;
   for (const PosePair& pair : pairs) {
     const StampedPose& pose = both.estimate.poses[pair.estimate];
-    const Eigen::Vector3d& truth = both.reference.input.poses[pair.reference].world_from_body.translation();
-    const double off_m = (reference_from_estimate * pose.world_from_body.translation() - truth).norm();
+    const Eigen::Vector3d& ground_truth = both.reference.input.poses[pair.reference].world_from_body.translation();
+    const double off_m = (reference_from_estimate * pose.world_from_body.translation() - ground_truth).norm();
     sum += off_m * off_m;
     if (off_m > limit_m) ++(was_tracked(frames, pose.stamp) ? scores.false_poses : scores.false_poses_lost);
   }

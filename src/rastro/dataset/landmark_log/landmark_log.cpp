@@ -155,17 +155,17 @@ std::map<std::int64_t, std::int64_t> parse_mrclam_barcodes(std::string_view text
 }
 
 Trajectory parse_mrclam_ground_truth(std::string_view text, std::string_view where) {
-  Trajectory truth;
+  Trajectory ground_truth;
   std::vector<std::string> warnings;
   read_lines(text, where, warnings, [&](LogWords words) {
-    StampedPose& pose = truth.emplace_back();
+    StampedPose& pose = ground_truth.emplace_back();
     pose.stamp = words.stamp("the time", StampUnit::seconds);
     const double x = words.finite("x"), y = words.finite("y");
     pose.world_from_body = SE3(SO3::exp({0.0, 0.0, words.finite("the heading")}), {x, y, 0.0});
   });
   if (!warnings.empty()) throw Error(warnings.front(), where, "");
-  sort_by_stamp(truth);
-  return truth;
+  sort_by_stamp(ground_truth);
+  return ground_truth;
 }
 
 std::vector<Frame> landmark_frames(const LandmarkLog& log) {

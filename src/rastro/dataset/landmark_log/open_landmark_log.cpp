@@ -69,10 +69,11 @@ std::unique_ptr<Source> open_landmark_log(const std::string& path, const OpenOpt
   SourceInfo info;
   info.path = path;
   info.format = "landmark_log";
-  const auto truth = fs::path(path).replace_filename("groundtruth.txt");
-  if (is_file(truth))
-    read_ground_truth(info, truth, "body",
-                      [&] { return parse_tum_trajectory(read_text_file(truth.string()), truth.string()); });
+  const auto ground_truth = fs::path(path).replace_filename("groundtruth.txt");
+  if (is_file(ground_truth))
+    read_ground_truth(info, ground_truth, "body", [&] {
+      return parse_tum_trajectory(read_text_file(ground_truth.string()), ground_truth.string());
+    });
   return std::make_unique<LandmarkSource>(std::move(info), parse_landmark_log(read_text_file(path), path), options);
 }
 
@@ -85,13 +86,14 @@ std::unique_ptr<Source> open_mrclam(const std::string& path, const OpenOptions& 
   info.format = "mrclam";
   const auto file = [&](const std::string& name) { return (folder / name).string(); };
   const auto odometry = file(robot + "_Odometry.dat"), measurement = file(robot + "_Measurement.dat"),
-             barcodes = file("Barcodes.dat"), truth = file(robot + "_Groundtruth.dat");
+             barcodes = file("Barcodes.dat"), ground_truth = file(robot + "_Groundtruth.dat");
   LandmarkLog log;
   parse_mrclam_odometry(log, read_text_file(odometry), odometry);
   parse_mrclam_measurements(log, parse_mrclam_barcodes(read_text_file(barcodes), barcodes), read_text_file(measurement),
                             measurement);
-  if (is_file(truth))
-    read_ground_truth(info, truth, "body", [&] { return parse_mrclam_ground_truth(read_text_file(truth), truth); });
+  if (is_file(ground_truth))
+    read_ground_truth(info, ground_truth, "body",
+                      [&] { return parse_mrclam_ground_truth(read_text_file(ground_truth), ground_truth); });
   return std::make_unique<LandmarkSource>(std::move(info), log, options);
 }
 

@@ -54,20 +54,20 @@ class SurfaceGroundTruthTest : public testing::Test {
 };
 
 TEST_F(SurfaceGroundTruthTest, agrees_with_the_world_it_was_written_from) {
-  const SurfaceGroundTruthReader truth = read_surface_ground_truth(folder_.string());
-  ASSERT_EQ(truth.frame_count(), 18);
+  const SurfaceGroundTruthReader ground_truth = read_surface_ground_truth(folder_.string());
+  ASSERT_EQ(ground_truth.frame_count(), 18);
   Random random(1);
   int compared = 0, same = 0, same_view = 0;
   for (int i = 0; i < 600; ++i) {
     const int frame = static_cast<int>(random.below(18)), later = static_cast<int>(random.below(18));
     const Eigen::Vector2d pixel(random.uniform(0, 187), random.uniform(0, 119));
     const auto exact = world_->surface_at(frame, pixel);
-    const auto read = truth.surface_at(frame, pixel);
+    const auto read = ground_truth.surface_at(frame, pixel);
     ASSERT_TRUE(exact && read);
     if (exact->surface != read->surface) continue;
     ++compared;
     const auto exact_view = world_->view_of(later, exact->point);
-    const RecordedView view = truth.view_of(later, read->point_in_world);
+    const RecordedView view = ground_truth.view_of(later, read->point_in_world);
     same += !exact_view.inside || (exact_view.pixel - view.pixel).norm() < 0.1 ? 1 : 0;
     same_view += exact_view.inside == view.inside && exact_view.visible == view.visible ? 1 : 0;
   }
@@ -77,15 +77,15 @@ TEST_F(SurfaceGroundTruthTest, agrees_with_the_world_it_was_written_from) {
 }
 
 TEST_F(SurfaceGroundTruthTest, a_point_behind_a_nearer_surface_is_hidden) {
-  const SurfaceGroundTruthReader truth = read_surface_ground_truth((folder_ / "mav0").string());
+  const SurfaceGroundTruthReader ground_truth = read_surface_ground_truth((folder_ / "mav0").string());
   const Eigen::Vector2d pixel(90, 40);
-  const auto first = truth.surface_at(0, pixel);
+  const auto first = ground_truth.surface_at(0, pixel);
   ASSERT_TRUE(first);
-  EXPECT_TRUE(truth.view_of(0, first->point_in_world).visible);
-  const RecordedView later = truth.view_of(16, first->point_in_world);
+  EXPECT_TRUE(ground_truth.view_of(0, first->point_in_world).visible);
+  const RecordedView later = ground_truth.view_of(16, first->point_in_world);
   EXPECT_TRUE(later.inside);
   EXPECT_FALSE(later.visible) << "the press hides the upper half at frame 16";
-  EXPECT_FALSE(truth.view_of(0, truth.poses()[0].world_from_body * Eigen::Vector3d(0, 0, -2)).inside);
+  EXPECT_FALSE(ground_truth.view_of(0, ground_truth.poses()[0].world_from_body * Eigen::Vector3d(0, 0, -2)).inside);
 }
 
 TEST_F(SurfaceGroundTruthTest, the_recording_opens_like_any_other) {
@@ -109,13 +109,13 @@ TEST_F(SurfaceGroundTruthTest, the_recording_opens_like_any_other) {
 }
 
 TEST_F(SurfaceGroundTruthTest, outside_is_nothing) {
-  const SurfaceGroundTruthReader truth = read_surface_ground_truth(folder_.string());
-  EXPECT_FALSE(truth.surface_at(0, {-0.6, 5}));
-  EXPECT_FALSE(truth.surface_at(0, {5, 119.6}));
-  EXPECT_FALSE(truth.surface_at(0, {std::nan(""), 5}));
-  EXPECT_FALSE(truth.surface_at(-1, {5, 5}));
-  EXPECT_FALSE(truth.surface_at(18, {5, 5}));
-  EXPECT_FALSE(truth.view_of(18, {5, 0, 1}).inside);
+  const SurfaceGroundTruthReader ground_truth = read_surface_ground_truth(folder_.string());
+  EXPECT_FALSE(ground_truth.surface_at(0, {-0.6, 5}));
+  EXPECT_FALSE(ground_truth.surface_at(0, {5, 119.6}));
+  EXPECT_FALSE(ground_truth.surface_at(0, {std::nan(""), 5}));
+  EXPECT_FALSE(ground_truth.surface_at(-1, {5, 5}));
+  EXPECT_FALSE(ground_truth.surface_at(18, {5, 5}));
+  EXPECT_FALSE(ground_truth.view_of(18, {5, 0, 1}).inside);
 }
 
 TEST_F(SurfaceGroundTruthTest, names_the_file_that_is_missing) {
@@ -123,9 +123,9 @@ TEST_F(SurfaceGroundTruthTest, names_the_file_that_is_missing) {
   const fs::path broken = copy();
   const std::string name = std::to_string(world_->stamp(2)) + ".png";
   fs::remove(broken / "depth" / name);
-  const SurfaceGroundTruthReader truth = read_surface_ground_truth(broken.string());
+  const SurfaceGroundTruthReader ground_truth = read_surface_ground_truth(broken.string());
   try {
-    truth.surface_at(2, {5, 5});
+    ground_truth.surface_at(2, {5, 5});
     FAIL() << "a missing image must be an error";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
@@ -147,9 +147,9 @@ TEST_F(SurfaceGroundTruthTest, broken_text_is_an_error_or_read_but_never_a_crash
       if (random.uniform() < 0.2 && !text.empty()) text.insert(at(), random.uniform() < 0.5 ? "nan" : ",-1e999,");
       write(broken / name, text);
       try {
-        const SurfaceGroundTruthReader truth = read_surface_ground_truth(broken.string());
-        truth.surface_at(0, {5, 5});
-        truth.view_of(1, {5, 0, 1});
+        const SurfaceGroundTruthReader ground_truth = read_surface_ground_truth(broken.string());
+        ground_truth.surface_at(0, {5, 5});
+        ground_truth.view_of(1, {5, 0, 1});
       } catch (const Error& error) {
         ++refused;
         EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
@@ -167,8 +167,8 @@ TEST_F(SurfaceGroundTruthTest, broken_images_are_errors) {
   for (const std::string& text :
        {std::string(), whole.substr(0, 100), whole.substr(0, whole.size() / 2), std::string("no image")}) {
     write(broken / "depth" / name, text);
-    const SurfaceGroundTruthReader truth = read_surface_ground_truth(broken.string());
-    EXPECT_THROW(truth.surface_at(0, {5, 5}), Error);
+    const SurfaceGroundTruthReader ground_truth = read_surface_ground_truth(broken.string());
+    EXPECT_THROW(ground_truth.surface_at(0, {5, 5}), Error);
   }
 }
 

@@ -165,10 +165,11 @@ std::optional<Recording> index_tum_rgbd(const fs::path& path, const OpenOptions&
   const bool published = add_camera(recording.info, path, calibration_is_given(options));
   set_depth_factor(recording, path, published);
 
-  const fs::path truth = path / "groundtruth.txt";
-  if (is_file(truth)) {
-    read_ground_truth(recording.info, truth, "camera",
-                      [&] { return parse_tum_trajectory(read_text_file(truth.string()), truth.string()); });
+  const fs::path ground_truth = path / "groundtruth.txt";
+  if (is_file(ground_truth)) {
+    read_ground_truth(recording.info, ground_truth, "camera", [&] {
+      return parse_tum_trajectory(read_text_file(ground_truth.string()), ground_truth.string());
+    });
   }
   return recording;
 }

@@ -151,11 +151,11 @@ std::vector<Eigen::Vector3d> grid_of_points() {
 }
 
 TEST(FeaturePointsOfAMap, AreTheObservedPoints) {
-  const auto truth = grid_of_points();
-  const std::vector<FeaturePoint> points = feature_points(map_of_points(truth, 4));
-  ASSERT_EQ(points.size(), truth.size());
+  const auto ground_truth = grid_of_points();
+  const std::vector<FeaturePoint> points = feature_points(map_of_points(ground_truth, 4));
+  ASSERT_EQ(points.size(), ground_truth.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    EXPECT_LT((points[i].position - truth[i]).norm(), 1e-4) << i;
+    EXPECT_LT((points[i].position - ground_truth[i]).norm(), 1e-4) << i;
     EXPECT_LT(points[i].error_px, 0.01);
     ASSERT_EQ(points[i].views.size(), 4U);
     for (std::size_t k = 0; k < 4; ++k) {
@@ -166,8 +166,8 @@ TEST(FeaturePointsOfAMap, AreTheObservedPoints) {
 }
 
 TEST(FeaturePointsOfAMap, SimilarFeaturesElsewhereAndDifferentOnesAtTheSamePositionAreNotMatched) {
-  const auto truth = grid_of_points();
-  Map map = map_of_points(truth, 2);
+  const auto ground_truth = grid_of_points();
+  Map map = map_of_points(ground_truth, 2);
   auto features = std::make_shared<FeatureLayer>(*map.layer<FeatureLayer>());
   auto changed = std::make_shared<ImageFeatures>(*features->of[1]);
   for (std::uint64_t& word : changed->features.descriptors[0].words) word = ~word;  // a different descriptor
@@ -176,7 +176,7 @@ TEST(FeaturePointsOfAMap, SimilarFeaturesElsewhereAndDifferentOnesAtTheSamePosit
   features->of[1] = changed;
   map.layers.put<FeatureLayer>(std::move(features));
   const std::vector<FeaturePoint> points = feature_points(map);
-  EXPECT_EQ(points.size(), truth.size() - 3);
+  EXPECT_EQ(points.size(), ground_truth.size() - 3);
   for (const FeaturePoint& point : points) EXPECT_GE(point.views.front().feature, 3U);
 }
 

@@ -21,7 +21,7 @@ const World& hall() {
 /// The first frames of a flight through the generated hall, rendered once for all tests.
 struct Flight {
   std::vector<Frame> frames;
-  Trajectory truth;
+  Trajectory ground_truth;
   Camera camera;
 };
 
@@ -30,7 +30,7 @@ const Flight& whole_flight() {
     Flight made_now;
     made_now.camera = hall().camera();
     const auto source = synthetic_source(hall(), 66, 2);
-    made_now.truth = source->info().ground_truth;
+    made_now.ground_truth = source->info().ground_truth;
     while (auto frame = source->next()) made_now.frames.push_back(std::move(*frame));
     return made_now;
   }();
@@ -44,7 +44,7 @@ const Flight& flight() {
   static const Flight beginning = [] {
     Flight first = whole_flight();
     first.frames.resize(40);
-    first.truth.resize(40);
+    first.ground_truth.resize(40);
     return first;
   }();
   return beginning;
@@ -57,14 +57,14 @@ Trajectory run(const std::vector<Frame>& frames, FeaturesOptions options = {}, T
 }
 
 double error_to_ground_truth(const Trajectory& trajectory) {
-  std::vector<Eigen::Vector3d> truth, ours;
+  std::vector<Eigen::Vector3d> ground_truth, ours;
   for (const StampedPose& pose : trajectory) {
-    const auto there = pose_at(flight().truth, pose.stamp, 1'000'000'000);
+    const auto there = pose_at(flight().ground_truth, pose.stamp, 1'000'000'000);
     if (!there) continue;
-    truth.push_back(there->translation());
+    ground_truth.push_back(there->translation());
     ours.push_back(pose.world_from_body.translation());
   }
-  const auto alignment = align_points(truth, ours, AlignmentKind::similarity);
+  const auto alignment = align_points(ground_truth, ours, AlignmentKind::similarity);
   return alignment ? alignment->rmse : 1e9;
 }
 
@@ -87,7 +87,7 @@ void expect_sound(const Trajectory& trajectory, std::size_t frames) {
 TEST(FeaturesOdometry, TracksTheFlightThroughTheHall) {
   const Trajectory trajectory = run(flight().frames);
   expect_sound(trajectory, flight().frames.size());
-  const double length = path_of(flight().truth);
+  const double length = path_of(flight().ground_truth);
   EXPECT_LT(error_to_ground_truth(trajectory), 0.02 * length);
 }
 
@@ -126,7 +126,7 @@ TEST(FeaturesOdometry, BlackFramesAreReportedAndBridged) {
     }
   }
   expect_sound(odometry.trajectory(), frames.size());
-  EXPECT_LT(error_to_ground_truth(odometry.trajectory()), 0.05 * path_of(flight().truth));
+  EXPECT_LT(error_to_ground_truth(odometry.trajectory()), 0.05 * path_of(flight().ground_truth));
 }
 
 TEST(FeaturesOdometry, ARepeatedFrameAndAnEmptyOneAreNoError) {

@@ -13,7 +13,7 @@ TEST(HybridOdometry, TracksTheFirstBendWithAndWithoutAPool) {
   HybridOdometry odometry({}, drive.camera);
   const DriveResult result = run(odometry, drive.frames);
   expect_sound(result, drive.frames.size());
-  EXPECT_LE(path_error(result.trajectory, drive.truth), 0.03);
+  EXPECT_LE(path_error(result.trajectory, drive.ground_truth), 0.03);
   EXPECT_EQ(result.updates.back().state, OdometryState::tracking);
   TaskPool pool(3);
   HybridOdometry pooled({}, drive.camera, &pool);

@@ -14,7 +14,7 @@ TEST(ProfilesOdometry, EstimatesTheRotationOfTheFirstBend) {
       dark({}, drive.camera);
   const DriveResult result = run(odometry, drive.frames);
   expect_sound(result, drive.frames.size());
-  EXPECT_LE(yaw_error_deg(result.trajectory, drive.truth), 2.0);
+  EXPECT_LE(yaw_error_deg(result.trajectory, drive.ground_truth), 2.0);
   expect_spoilt_frames_are_bridged(spoilt, drive);
   expect_still_and_dark_frames_are_said(still, dark, drive);
 }

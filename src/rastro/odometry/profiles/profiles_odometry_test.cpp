@@ -58,7 +58,7 @@ TEST_P(ProfilesOnRecorded, YawFollowsTheReference) {
   if (!recorded_data(drive.folder)) GTEST_SKIP() << no_recorded_data(drive.folder);
   const auto folder = recorded_data_path(drive.folder);
   const auto file = (folder / "poses.txt").string();
-  const auto truth = parse_kitti_poses(read_text_file(file), file);
+  const auto ground_truth = parse_kitti_poses(read_text_file(file), file);
 
   ProfilesOdometry odometry({}, drive.camera);
   std::vector<double> shifts, reference;
@@ -72,7 +72,7 @@ TEST_P(ProfilesOnRecorded, YawFollowsTheReference) {
     ASSERT_NE(update.reason, OdometryReason::no_motion) << i;
     if (i > 0) {
       const auto before = static_cast<std::size_t>(i - 1);
-      reference.push_back(yaw_between(truth[before], truth[before + 1]));
+      reference.push_back(yaw_between(ground_truth[before], ground_truth[before + 1]));
       const double yaw = yaw_between(last, update.world_from_camera);
       shifts.push_back(yaw * drive.camera.fx);
       squares += (yaw - reference.back()) * (yaw - reference.back());

@@ -11,8 +11,8 @@ namespace rastro {
 namespace {
 
 double path_error(const SE3& world_from_camera, std::int64_t frame) {
-  const SE3 truth = PaperedRoom::pose(0).inverse() * PaperedRoom::pose(frame);
-  return (truth.translation() - world_from_camera.translation()).norm();
+  const SE3 ground_truth = PaperedRoom::pose(0).inverse() * PaperedRoom::pose(frame);
+  return (ground_truth.translation() - world_from_camera.translation()).norm();
 }
 
 TEST(RgbdFollower, EstimatesAKnownTrajectoryAndTheSameForAnyPool) {
@@ -49,9 +49,9 @@ TEST(RgbdFollower, TracksBareWallsBySurfaces) {
 /// rolled by `roll_rad`.
 struct AfterTheDark {
   RgbdFollow back;
-  SE3 truth;              ///< Pose of the first frame after the dark, in the first camera's frame.
+  SE3 ground_truth;       ///< Pose of the first frame after the dark, in the first camera's frame.
   double distance = 0.0;  ///< Its distance to the last pose before the dark, meters and radians.
-  double error() const { return (truth.inverse() * back.world_from_camera).log().norm(); }
+  double error() const { return (ground_truth.inverse() * back.world_from_camera).log().norm(); }
 };
 
 const std::vector<Frame>& path_before_the_dark() {
@@ -80,8 +80,8 @@ AfterTheDark after_the_dark(const SE3& world_from_camera) {
     EXPECT_EQ(follow.reason, OdometryReason::dark_or_blank) << i;
   }
   AfterTheDark seen;
-  seen.truth = PaperedRoom::pose(0).inverse() * world_from_camera;
-  seen.distance = (last.inverse() * seen.truth).log().norm();
+  seen.ground_truth = PaperedRoom::pose(0).inverse() * world_from_camera;
+  seen.distance = (last.inverse() * seen.ground_truth).log().norm();
   seen.back = follower.follow(room.frame(i, world_from_camera));
   return seen;
 }

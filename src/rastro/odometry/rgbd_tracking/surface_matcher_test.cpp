@@ -41,9 +41,9 @@ class SurfaceMatcherTest : public ::testing::Test {
 
 TEST_F(SurfaceMatcherTest, RecoversTheTruePoseFromAPerturbedOne) {
   add_reference(corner_pose());
-  const SE3 truth = corner_pose() * SE3::exp(small_motion(0.05, -0.03, 0.04, 0.02, -0.03, 0.02));
-  take(truth);
-  SE3 pose = truth * SE3::exp(small_motion(-0.02, 0.02, 0.01, 0.01, 0.008, -0.01));
+  const SE3 ground_truth = corner_pose() * SE3::exp(small_motion(0.05, -0.03, 0.04, 0.02, -0.03, 0.02));
+  take(ground_truth);
+  SE3 pose = ground_truth * SE3::exp(small_motion(-0.02, 0.02, 0.01, 0.01, 0.008, -0.01));
   matcher_.choose(map_, pose, SE3());
   SurfaceMatch match;
   for (int k = 0; k < 10; ++k) {
@@ -51,7 +51,7 @@ TEST_F(SurfaceMatcherTest, RecoversTheTruePoseFromAPerturbedOne) {
     const PoseQuadratic sum = matcher_.compare(map_, pose, SE3(), 0.1, 1, &match);
     pose = pose * SE3::exp(sum.information.ldlt().solve(sum.gradient));
   }
-  EXPECT_THAT(pose, pose_near(truth, 0.002, 0.001));
+  EXPECT_THAT(pose, pose_near(ground_truth, 0.002, 0.001));
   EXPECT_GT(match.compared, 1000);
   EXPECT_GT(match.fitting, match.compared * 9 / 10);
 }
@@ -60,16 +60,16 @@ TEST_F(SurfaceMatcherTest, RecoversTheTruePoseFromAPerturbedOne) {
 TEST_F(SurfaceMatcherTest, DepthOfAnotherInstantIsTransformedToTheColorCamera) {
   const SE3 later = SE3::exp(small_motion(0.03, 0.01, -0.02, 0.02, 0.03, 0.01));
   add_reference(corner_pose(), later);
-  const SE3 truth = corner_pose() * SE3::exp(small_motion(0.04, 0.0, 0.03, 0.0, 0.03, 0.0));
+  const SE3 ground_truth = corner_pose() * SE3::exp(small_motion(0.04, 0.0, 0.03, 0.0, 0.03, 0.0));
   const SE3 later_still = SE3::exp(small_motion(-0.02, 0.02, 0.01, -0.02, 0.01, 0.02));
-  take(truth * later_still);
-  SE3 pose = truth * SE3::exp(small_motion(0.01, 0.01, -0.01, 0.005, 0.0, 0.005));
+  take(ground_truth * later_still);
+  SE3 pose = ground_truth * SE3::exp(small_motion(0.01, 0.01, -0.01, 0.005, 0.0, 0.005));
   matcher_.choose(map_, pose, later_still);
   for (int k = 0; k < 10; ++k) {
     const PoseQuadratic sum = matcher_.compare(map_, pose, later_still, 0.1, 1);
     pose = pose * SE3::exp(sum.information.ldlt().solve(sum.gradient));
   }
-  EXPECT_THAT(pose, pose_near(truth, 0.002, 0.001));
+  EXPECT_THAT(pose, pose_near(ground_truth, 0.002, 0.001));
 }
 
 TEST_F(SurfaceMatcherTest, WeightsAsItsOptionSaysForAnyStep) {
@@ -129,15 +129,15 @@ TEST_F(SurfaceMatcherTest, EstimatesTheDelayOfDepth) {
   constexpr double delay = 0.02;
   const Vector6d velocity = small_motion(0.4, -0.3, 0.5, 0.4, -0.5, 0.3);
   add_reference(corner_pose());
-  const SE3 truth = corner_pose() * SE3::exp(small_motion(0.02, 0.01, 0.02, 0.01, 0.01, 0.0));
-  take(truth * SE3::exp(delay * velocity));
-  matcher_.choose(map_, truth, SE3());
+  const SE3 ground_truth = corner_pose() * SE3::exp(small_motion(0.02, 0.01, 0.02, 0.01, 0.01, 0.0));
+  take(ground_truth * SE3::exp(delay * velocity));
+  matcher_.choose(map_, ground_truth, SE3());
   double found = 0.0;
   for (int k = 0; k < 8; ++k) {
     const SE3 camera_from_depth = SE3::exp(found * velocity);
-    const DelayedQuadratic sum = matcher_.compare_with_delay(map_, truth, camera_from_depth, velocity, 0.1, 1);
+    const DelayedQuadratic sum = matcher_.compare_with_delay(map_, ground_truth, camera_from_depth, velocity, 0.1, 1);
     EXPECT_THAT(Matrix6d(sum.information.topLeftCorner<6, 6>()),
-                matrix_near(matcher_.compare(map_, truth, camera_from_depth, 0.1, 1).information,
+                matrix_near(matcher_.compare(map_, ground_truth, camera_from_depth, 0.1, 1).information,
                             1e-9 * sum.information.norm()));
     found += sum.gradient(6) / sum.information(6, 6);  // the pose is known
   }

@@ -21,11 +21,12 @@ using testing::LandmarkWorld;
 using testing::ring_world;
 using testing::room_world;
 
-double nees_of(const SlamUpdate& update, const SE2& truth) {
+double nees_of(const SlamUpdate& update, const SE2& ground_truth) {
   const SE2 pose = {SO2::from_angle(update.world_from_body.rotation().log().z()),
                     update.world_from_body.translation().head<2>()};
   Eigen::Vector3d error;
-  error << pose.translation() - truth.translation(), (truth.rotation().inverse() * pose.rotation()).angle();
+  error << pose.translation() - ground_truth.translation(),
+      (ground_truth.rotation().inverse() * pose.rotation()).angle();
   Eigen::Matrix3d covariance;
   constexpr int planar[3] = {0, 1, 5};
   for (int a = 0; a < 3; ++a) {
@@ -269,9 +270,9 @@ Farthest farthest_of(const LandmarkWorld& world, int frames, std::uint64_t seed,
     if (!scans) frame.scan.reset();
     slam.process(frame);
     if (i < frames / 2) continue;
-    const Eigen::Vector2d truth = drive.world_from_body().translation();
-    farthest.filter = std::max(farthest.filter, (slam.filter().world_from_body().translation() - truth).norm());
-    farthest.odometry = std::max(farthest.odometry, (frame.odometry_from_body->translation() - truth).norm());
+    const Eigen::Vector2d ground_truth = drive.world_from_body().translation();
+    farthest.filter = std::max(farthest.filter, (slam.filter().world_from_body().translation() - ground_truth).norm());
+    farthest.odometry = std::max(farthest.odometry, (frame.odometry_from_body->translation() - ground_truth).norm());
   }
   return farthest;
 }

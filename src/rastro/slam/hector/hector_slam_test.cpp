@@ -42,7 +42,7 @@ Driven run(const std::vector<Frame>& frames, const HectorOptions& options, TaskP
 OccupancyGrid grid_of(const Driven& done) { return occupancy_grid_of(*done.snapshot).value(); }
 
 Eigen::Vector2d off(const WalledDrive& drive, std::size_t k, const SE3& pose) {
-  const SE2 error = drive.truth(k).inverse() * planar(pose);
+  const SE2 error = drive.ground_truth(k).inverse() * planar(pose);
   return {error.translation().norm(), std::abs(error.rotation().angle())};
 }
 

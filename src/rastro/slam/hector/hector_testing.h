@@ -32,7 +32,7 @@ struct WalledDrive {
   std::size_t slip_from = 0, slip_to = 1'000'000;
 
   /// Ground truth in the frame of the first pose, as methods report it.
-  SE2 truth(std::size_t k) const { return world_from_body.front().inverse() * world_from_body[k]; }
+  SE2 ground_truth(std::size_t k) const { return world_from_body.front().inverse() * world_from_body[k]; }
 
   void go(const SE2& motion, int times) {
     for (int k = 0; k < times; ++k) world_from_body.push_back(world_from_body.back() * motion);

@@ -21,14 +21,15 @@ struct MappedRoom {
   static constexpr std::size_t seen = 20;
 
   MappedRoom() {
-    for (std::size_t k = 0; k < 40; k += 4) submap.insert(returns_of(drive.scan(k), options), drive.truth(k), k / 4);
+    for (std::size_t k = 0; k < 40; k += 4)
+      submap.insert(returns_of(drive.scan(k), options), drive.ground_truth(k), k / 4);
   }
   FollowedScan follow(const SE2& off, double sigma_m, double sigma_rad, bool trusted = true) {
-    const ScanGuess guess{drive.truth(seen) * off, sigma_m, sigma_rad, trusted};
+    const ScanGuess guess{drive.ground_truth(seen) * off, sigma_m, sigma_rad, trusted};
     return ScanFollower(options).follow(submap, returns_of(drive.scan(seen), options).points, guess);
   }
   double error_m(const FollowedScan& followed) const {
-    return (followed.local_from_body.translation() - drive.truth(seen).translation()).norm();
+    return (followed.local_from_body.translation() - drive.ground_truth(seen).translation()).norm();
   }
 };
 
@@ -60,7 +61,7 @@ TEST(ScanFollower, TheSearchFindsWhatTheGradientCannot) {
   for (const SE2& off : {pose_of(0.35, -0.35, 0.45), pose_of(-0.3, 0.38, -0.45)}) {
     const std::vector<Eigen::Vector2d> points = returns_of(room.drive.scan(MappedRoom::seen), room.options).points;
     const auto alone =
-        match_scan_to_map(room.submap.levels(), points, room.drive.truth(MappedRoom::seen) * off, nullptr, {});
+        match_scan_to_map(room.submap.levels(), points, room.drive.ground_truth(MappedRoom::seen) * off, nullptr, {});
     ASSERT_TRUE(alone);
     ASSERT_LT(alone->score, room.options.min_score) << "nothing to search for";
     const FollowedScan followed = room.follow(off, 0.5, 0.5, false);

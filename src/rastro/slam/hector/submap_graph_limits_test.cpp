@@ -27,7 +27,9 @@ struct ShortSubmaps {
   std::size_t slip_from = 1000;
   std::optional<Eigen::Vector2d> unseen_direction = std::nullopt;
 
-  SE2 local(std::size_t key) const { return key < slip_from ? drive.truth(4 * key) : slip * drive.truth(4 * key); }
+  SE2 local(std::size_t key) const {
+    return key < slip_from ? drive.ground_truth(4 * key) : slip * drive.ground_truth(4 * key);
+  }
   void add(SubmapGraph& graph, std::size_t key) const {
     KeyScan scan{0, static_cast<TimeNs>(key), returns_of(drive.scan(4 * key), options), local(key), 0.24 * key, {}};
     scan.unseen_direction = unseen_direction;

@@ -25,7 +25,7 @@ struct MatchedDrive {
   SE2 drift;
   std::size_t first_part = 24, every = 4;
 
-  SE2 local(std::size_t k) const { return k < first_part ? drive.truth(k) : drift * drive.truth(k); }
+  SE2 local(std::size_t k) const { return k < first_part ? drive.ground_truth(k) : drift * drive.ground_truth(k); }
 
   KeyScan key_scan(std::size_t k) const {
     KeyScan scan;
@@ -53,8 +53,8 @@ struct MatchedDrive {
   double worst_m(const SubmapGraph& graph) const {
     double worst = 0.0;
     for (std::size_t i = 0; i < graph.key_scans().size(); ++i)
-      worst =
-          std::max(worst, (graph.world_from_key_scan(i).translation() - drive.truth(every * i).translation()).norm());
+      worst = std::max(
+          worst, (graph.world_from_key_scan(i).translation() - drive.ground_truth(every * i).translation()).norm());
     return worst;
   }
 };
@@ -99,9 +99,9 @@ TEST(SubmapGraph, LoopsAreFoundAtTheTruePoseAndRemoveTheDrift) {
   for (const ClosedLoop& loop : graph.loops()) {
     EXPECT_EQ(loop.submap, 0U);
     EXPECT_GE(loop.key_scan, 6U);
-    const SE2 truth = matched.local(0).inverse() * matched.drive.truth(4 * loop.key_scan);
+    const SE2 ground_truth = matched.local(0).inverse() * matched.drive.ground_truth(4 * loop.key_scan);
     const SE2 submap_from_first = graph.submaps()[0]->local_from_submap().inverse() * matched.local(0);
-    const SE2 error = (submap_from_first * truth).inverse() * loop.submap_from_body;
+    const SE2 error = (submap_from_first * ground_truth).inverse() * loop.submap_from_body;
     EXPECT_LT(error.translation().norm(), 0.03) << loop.key_scan;
     EXPECT_LT(std::abs(error.rotation().angle()), 0.01) << loop.key_scan;
     EXPECT_GT(loop.covariance.diagonal().minCoeff(), 0.0);

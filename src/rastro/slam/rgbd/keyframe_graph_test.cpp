@@ -238,7 +238,7 @@ TEST(KeyframeGraph, MergingTransformsTheLargerNumberIntoTheFrameOfTheSmaller) {
 
 /// One loop around a square with 40 keyframes, with drifting odometry and known ground truth.
 struct Walk {
-  std::vector<SE3> truth;
+  std::vector<SE3> ground_truth;
   KeyframeGraph graph;
 
   explicit Walk(const RgbdSlamOptions& options, std::int64_t frozen = 0) : graph(options, frozen) {
@@ -246,23 +246,25 @@ struct Walk {
     SE3 estimate;
     for (int k = 0; k < 40; ++k) {
       const SE3 step(SO3::exp({0.0, 0.0, k % 10 == 0 ? M_PI / 2.0 : 0.0}), {0.3, 0.0, 0.0});
-      truth.push_back(k == 0 ? SE3() : truth.back() * step);
+      ground_truth.push_back(k == 0 ? SE3() : ground_truth.back() * step);
       Vector6d drift;
       for (int i = 0; i < 6; ++i) drift[i] = (i < 3 ? 0.01 : 0.005) * random.normal() + (i == 5 ? 0.01 : 0.0);
       const SE3 measured = step * SE3::exp(drift);
       if (k > 0) estimate = estimate * measured;
-      add_keyframe(graph, k < frozen ? truth.back() : estimate);
+      add_keyframe(graph, k < frozen ? ground_truth.back() : estimate);
       if (k > 0) graph.add_edge(edge_of(k - 1, k, measured, ConstraintKind::odometry, 0.015, 0.015));
     }
   }
   void close(std::int64_t from, std::int64_t to, const SE3& wrong_by = SE3()) {
-    const SE3 right = truth[static_cast<std::size_t>(from)].inverse() * truth[static_cast<std::size_t>(to)];
+    const SE3 right =
+        ground_truth[static_cast<std::size_t>(from)].inverse() * ground_truth[static_cast<std::size_t>(to)];
     graph.add_edge(edge_of(from, to, right * wrong_by, ConstraintKind::loop, 0.01, 0.01));
   }
   double worst_m() const {
     double worst = 0.0;
     for (std::int64_t k = 0; k < graph.size(); ++k)
-      worst = std::max(worst, (graph.pose(k).translation() - truth[static_cast<std::size_t>(k)].translation()).norm());
+      worst = std::max(worst,
+                       (graph.pose(k).translation() - ground_truth[static_cast<std::size_t>(k)].translation()).norm());
     return worst;
   }
 };
@@ -323,8 +325,8 @@ TEST(KeyframeGraph, AWindowMovesOnlyTheLastKeyframesAndAFrozenMapStays) {
   localized.close(3, 39);
   localized.graph.optimize(true);
   for (std::size_t k = 0; k < 20; ++k)
-    EXPECT_THAT(localized.graph.pose(static_cast<std::int64_t>(k)), pose_near(localized.truth[k], 0.0, 0.0));
-  EXPECT_THAT(localized.graph.pose(39), pose_near(localized.truth[39], 0.05, 0.05));
+    EXPECT_THAT(localized.graph.pose(static_cast<std::int64_t>(k)), pose_near(localized.ground_truth[k], 0.0, 0.0));
+  EXPECT_THAT(localized.graph.pose(39), pose_near(localized.ground_truth[39], 0.05, 0.05));
 }
 
 TEST(KeyframeGraph, TheFirstKeyframeOfEachSubmapStays) {

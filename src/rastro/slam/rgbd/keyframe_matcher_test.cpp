@@ -58,9 +58,9 @@ TEST_F(KeyframeMatcherTest, FindsTheMotionBetweenTwoViewsWithinItsSigmas) {
     ASSERT_TRUE(constraint) << k;
     EXPECT_GE(constraint->inliers, 25);
     EXPECT_LE(constraint->inliers, constraint->matches);
-    const SE3 truth = a.world_from_camera.inverse() * b.world_from_camera;
-    EXPECT_THAT(constraint->a_from_b, pose_near(truth, 0.025, 0.008)) << k;
-    const Vector6d error = (constraint->a_from_b.inverse() * truth).log();
+    const SE3 ground_truth = a.world_from_camera.inverse() * b.world_from_camera;
+    EXPECT_THAT(constraint->a_from_b, pose_near(ground_truth, 0.025, 0.008)) << k;
+    const Vector6d error = (constraint->a_from_b.inverse() * ground_truth).log();
     sum += error.dot(constraint->information * error);
     EXPECT_GT(constraint->agreement.evidence().observed_share(), 0.95);
     EXPECT_EQ(constraint->information, constraint->information.transpose());

@@ -44,11 +44,11 @@ class RelocalizerTest : public ::testing::Test {
 TEST_F(RelocalizerTest, FindsTheKeyframeOfItsWallAndThePose) {
   options_.relocalize_last = 4;
   for (std::size_t k = 0; k < 4; ++k) {
-    const SE3 truth = poses_[k] * SE3(SO3::exp({0.03, -0.06, 0.05}), {0.05, 0.03, -0.04});
-    const Relocalizer::Try tried = find(with_depth_noise(room_frame(truth), options_, k));
+    const SE3 ground_truth = poses_[k] * SE3(SO3::exp({0.03, -0.06, 0.05}), {0.05, 0.03, -0.04});
+    const Relocalizer::Try tried = find(with_depth_noise(room_frame(ground_truth), options_, k));
     ASSERT_TRUE(tried.found) << k;
     EXPECT_EQ(tried.found->keyframe, static_cast<std::int64_t>(k));
-    EXPECT_THAT(poses_[k] * tried.found->constraint.a_from_b, pose_near(truth, 0.03, 0.015)) << k;
+    EXPECT_THAT(poses_[k] * tried.found->constraint.a_from_b, pose_near(ground_truth, 0.03, 0.015)) << k;
     EXPECT_GE(tried.found->constraint.inliers, options_.relocalize_inliers);
     EXPECT_EQ(tried.compared, 4);
     EXPECT_GT(tried.features, 100);
@@ -58,16 +58,16 @@ TEST_F(RelocalizerTest, FindsTheKeyframeOfItsWallAndThePose) {
 TEST_F(RelocalizerTest, OfSeveralKeyframesTheOneWithMostInliersCounts) {
   options_.relocalize_last = 5;
   // Close to keyframe 1, and even closer to a fifth one beside it.
-  const SE3 truth = poses_[1] * SE3(SO3::exp({0.0, 0.12, 0.0}), {0.1, 0.0, 0.0});
-  const Frame beside = room_frame(truth * SE3(SO3(), {0.005, 0.0, 0.0}), 4);
+  const SE3 ground_truth = poses_[1] * SE3(SO3::exp({0.0, 0.12, 0.0}), {0.1, 0.0, 0.0});
+  const Frame beside = room_frame(ground_truth * SE3(SO3(), {0.005, 0.0, 0.0}), 4);
   keyframes_.push_back(room_keyframe(beside, 4, options_));
   images_->add(4, beside);
-  const Relocalizer::Try tried = find(room_frame(truth));
+  const Relocalizer::Try tried = find(room_frame(ground_truth));
   ASSERT_TRUE(tried.found);
   EXPECT_EQ(tried.found->keyframe, 4);
   std::swap(keyframes_[0], keyframes_[4]);  // in another order it is still the best
   images_->add(0, beside);
-  const Relocalizer::Try swapped = find(room_frame(truth));
+  const Relocalizer::Try swapped = find(room_frame(ground_truth));
   ASSERT_TRUE(swapped.found);
   EXPECT_EQ(swapped.found->keyframe, 0);
 }

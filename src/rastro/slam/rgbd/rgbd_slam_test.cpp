@@ -141,8 +141,8 @@ TEST(RgbdSlam, TheCovarianceIsConsistentWithTheError) {
   const Views views = pan(-0.3, 0.02, 30);
   const Driven done = run(views, quick());
   for (std::size_t k = 5; k < views.size(); ++k) {
-    const SE3 truth = in_world(views, k), said = done.updates[k].world_from_body;
-    const Eigen::Vector3d error = truth.translation() - said.translation();
+    const SE3 ground_truth = in_world(views, k), said = done.updates[k].world_from_body;
+    const Eigen::Vector3d error = ground_truth.translation() - said.translation();
     const Eigen::Matrix3d covariance = done.updates[k].covariance->topLeftCorner<3, 3>();
     EXPECT_LT(error.dot(covariance.ldlt().solve(error)), 25.0) << k << ": beyond 5 sigma";
   }

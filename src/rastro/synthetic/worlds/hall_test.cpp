@@ -158,12 +158,12 @@ TEST(HallTest, a_folder_that_is_not_empty_is_refused) {
   namespace fs = std::filesystem;
   const fs::path folder = scratch_path("refused");
   TaskPool pool(2);
-  const EurocSummary summary = write_euroc(small_hall(), folder, {.frames = 2, .truth = false}, pool);
+  const EurocSummary summary = write_euroc(small_hall(), folder, {.frames = 2, .ground_truth = false}, pool);
   EXPECT_EQ(summary.frames, 2);
   EXPECT_TRUE(fs::exists(folder / "mav0/cam0/sensor.yaml"));
   EXPECT_FALSE(fs::exists(folder / "mav0/truth"));
   EXPECT_THROW(write_euroc(small_hall(), folder, {.frames = 2}, pool), Error);
-  EXPECT_NO_THROW(write_euroc(small_hall(), folder, {.frames = 2, .truth = false, .force = true}, pool));
+  EXPECT_NO_THROW(write_euroc(small_hall(), folder, {.frames = 2, .ground_truth = false, .force = true}, pool));
   fs::remove_all(folder);
   EXPECT_THROW(make_hall({.scale = 100}), Error);
 }

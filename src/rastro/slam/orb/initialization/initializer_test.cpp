@@ -33,8 +33,8 @@ void expect_true_start(const InitialPair& start, const PointWorld& world, const 
     EXPECT_EQ(point, second.seen[start.pairs[i].second]);
     if (!start.points[i]) continue;
     ++known;
-    const Eigen::Vector3d truth = world_from_first.inverse() * world.points[point];
-    EXPECT_LT((scale * *start.points[i] - truth).norm(), 2e-3 * truth.norm());
+    const Eigen::Vector3d ground_truth = world_from_first.inverse() * world.points[point];
+    EXPECT_LT((scale * *start.points[i] - ground_truth).norm(), 2e-3 * ground_truth.norm());
   }
   EXPECT_GT(known, start.pairs.size() * 9 / 10);
 }

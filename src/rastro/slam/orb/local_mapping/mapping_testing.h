@@ -61,8 +61,9 @@ struct MappingBench {
       const MapLandmark& landmark = map.graph.landmark(id);
       bool right = !landmark.observations.empty();
       for (const LandmarkObservation& o : landmark.observations) {
-        const Eigen::Vector3d truth = scale * world.points[seen[static_cast<std::size_t>(o.keyframe)][o.feature]];
-        right &= (landmark.position - truth).norm() < relative_error * truth.norm();
+        const Eigen::Vector3d ground_truth =
+            scale * world.points[seen[static_cast<std::size_t>(o.keyframe)][o.feature]];
+        right &= (landmark.position - ground_truth).norm() < relative_error * ground_truth.norm();
       }
       count += right;
     }

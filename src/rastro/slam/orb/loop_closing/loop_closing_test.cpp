@@ -31,13 +31,13 @@ struct Bench {
   /// Root mean square of the keyframes' position errors after alignment; NaN where that is undefined.
   double error() const { return error(mapper); }
   double error(const DriftingMapper& made) const {
-    std::vector<Eigen::Vector3d> truth, estimate;
+    std::vector<Eigen::Vector3d> ground_truth, estimate;
     for (const std::int64_t id : graph.keyframe_ids()) {
-      truth.push_back(made.centers[static_cast<std::size_t>(id)]);
+      ground_truth.push_back(made.centers[static_cast<std::size_t>(id)]);
       estimate.push_back(graph.keyframe(id).camera_from_world.inverse().translation());
     }
     const bool mono = graph.sensor() == CameraKind::mono;
-    const auto aligned = align_points(truth, estimate, mono ? AlignmentKind::similarity : AlignmentKind::rigid);
+    const auto aligned = align_points(ground_truth, estimate, mono ? AlignmentKind::similarity : AlignmentKind::rigid);
     // Any two keyframes align exactly with any other two: NaN, which fails every limit.
     return aligned && aligned->unique ? aligned->rmse : std::numeric_limits<double>::quiet_NaN();
   }
@@ -166,12 +166,13 @@ TEST(FrameRelocalizer, FindsAFrameAnywhereInTheMapAndNoneElsewhere) {
     std::vector<std::uint32_t> seen;
     for (const double angle : {3.3 * step, 11.6 * step}) {
       // Slightly off the trajectory, and rotated.
-      const SE3 truth = RoundWorld::world_from_camera(angle) * SE3(SO3::exp({0.05, -0.05, 0.2}), {0.1, 0.1, -0.3});
-      const auto frame = bench.world.frame(100, truth, bench.graph.baseline(), seen);
+      const SE3 ground_truth =
+          RoundWorld::world_from_camera(angle) * SE3(SO3::exp({0.05, -0.05, 0.2}), {0.1, 0.1, -0.3});
+      const auto frame = bench.world.frame(100, ground_truth, bench.graph.baseline(), seen);
       const auto found = relocalizer.find(*frame, 30);
       ASSERT_TRUE(found);
       EXPECT_GT(found->inliers, 80);
-      EXPECT_LT((found->camera_from_world * truth).log().norm(), 0.02);
+      EXPECT_LT((found->camera_from_world * ground_truth).log().norm(), 0.02);
     }
     const auto elsewhere =
         bench.world.frame(101, RoundWorld::world_from_camera(M_PI * 1.3), bench.graph.baseline(), seen);

@@ -116,20 +116,20 @@ class DriftingMapper {
   }
 
   std::int64_t add(double angle) {
-    const SE3 truth = RoundWorld::world_from_camera(angle);
+    const SE3 ground_truth = RoundWorld::world_from_camera(angle);
     if (parent_ >= 0) {
-      const SE3 step = true_pose_.inverse() * truth;
+      const SE3 step = true_pose_.inverse() * ground_truth;
       pose_ = pose_ * SE3(step.rotation() * SO3::exp({0.0, yaw_step_, 0.0}), scale_ * step.translation());
       scale_ *= growth_;
     }
-    true_pose_ = truth;
+    true_pose_ = ground_truth;
     const std::int64_t id = static_cast<std::int64_t>(scales.size());
     std::vector<std::uint32_t> seen;
-    graph_.add_keyframe(world_.frame(id, truth, graph_.baseline(), seen), pose_.inverse(), submap_, parent_);
+    graph_.add_keyframe(world_.frame(id, ground_truth, graph_.baseline(), seen), pose_.inverse(), submap_, parent_);
     for (std::uint32_t feature = 0; feature < seen.size(); ++feature) {
       const std::uint32_t point = seen[feature];
       if (last_seen_[point] + 3 < id) {
-        const Eigen::Vector3d in_camera = scale_ * (truth.inverse() * world_.points[point]);
+        const Eigen::Vector3d in_camera = scale_ * (ground_truth.inverse() * world_.points[point]);
         landmark_of_[point] = graph_.add_landmark(pose_ * in_camera, id).id;
       }
       last_seen_[point] = id;
@@ -137,7 +137,7 @@ class DriftingMapper {
       graph_.describe(landmark_of_[point]);
     }
     scales.push_back(scale_);
-    centers.push_back(truth.translation());
+    centers.push_back(ground_truth.translation());
     parent_ = id;
     return id;
   }

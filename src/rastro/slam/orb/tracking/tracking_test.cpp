@@ -188,11 +188,11 @@ double depth_error(TimeNs offset) {
   for (const std::int64_t id : run.session.graph.keyframe_ids()) {
     const ImageFeatures& data = run.session.graph.keyframe(id).frame->data();
     if (data.frame < 3) continue;
-    const double truth = testing::wall_m - 0.05 * static_cast<double>(data.frame);
+    const double ground_truth = testing::wall_m - 0.05 * static_cast<double>(data.frame);
     for (const float depth : data.depths) {
       if (!(depth > 0.0F)) continue;
       ++checked;
-      largest = std::max(largest, std::abs(static_cast<double>(depth) - truth));
+      largest = std::max(largest, std::abs(static_cast<double>(depth) - ground_truth));
     }
   }
   EXPECT_GT(checked, 150U);
