@@ -19,6 +19,14 @@ class TiledCells {
  public:
   static constexpr int side = 64;  ///< Of a tile, in cells.
 
+ private:
+  using Tile = std::array<Cell, static_cast<std::size_t>(side) * side>;
+  struct TilePosition {
+    int row = 0, column = 0;
+    friend auto operator<=>(const TilePosition&, const TilePosition&) = default;
+  };
+
+ public:
   explicit TiledCells(Cell unwritten) : unwritten_(unwritten) {}
 
   Cell at(int x, int y) const {
@@ -43,8 +51,8 @@ class TiledCells {
 
    private:
     TiledCells& cells_;
-    typename TiledCells::Tile* tile_ = nullptr;
-    typename TiledCells::TilePosition position_{};
+    Tile* tile_ = nullptr;
+    TilePosition position_{};
   };
 
   /// The cells (first_x, y), (first_x + 1, y), ...
@@ -89,12 +97,6 @@ class TiledCells {
   friend bool operator==(const TiledCells&, const TiledCells&) = default;
 
  private:
-  using Tile = std::array<Cell, static_cast<std::size_t>(side) * side>;
-  struct TilePosition {
-    int row = 0, column = 0;
-    friend auto operator<=>(const TilePosition&, const TilePosition&) = default;
-  };
-
   static constexpr int side_bits = 6;
   static_assert(side == 1 << side_bits);
 
