@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # What rastro writes, read by the programs it is written for: other_programs_test.sh PROGRAM SCRATCH_FOLDER CASE
-# CASE is make_other (first), models, g2o, clouds, octomap, numbers, tracks_yaml or video. A case whose program is missing ends with 77
+# CASE is make_other (first), models, g2o, grid, clouds, octomap, numbers, tracks_yaml or video. A case whose program is missing ends with 77
 # (skipped) and says which package has it.
 set -euo pipefail
 rastro=$1
@@ -39,6 +39,8 @@ make_other() {
   run slam "$data/room" --method orb --sensor rgbd --out "$data/depth"
   run slam "$data/pair" --method orb --sensor stereo --out "$data/stereo"
   run slam "$data/room" --method rgbd --out "$data/rgbd" --set keyframe_frames=4
+  run simulate corridor --out "$data/office" --frames 300
+  run slam "$data/office" --method hector --out "$data/laser"
 }
 
 colmap_of() {
@@ -75,6 +77,35 @@ g2o() {
     [[ $(sed -n 's/^Edge count *: //p' "$here/info") -gt 0 ]] || fail "MRPT finds no edge in the graph of $map"
     graph-slam --3d --levmarq --max-iters 20 -q -i "$here/$map.g2o" -o "$here/$map.out" >"$here/info" 2>&1 ||
       fail "MRPT does not optimize the graph of $map: $(tail -3 "$here/info")"
+  done
+}
+
+# The occupancy grid of a laser and of a depth camera: MRPT must know the same cells free, occupied and unknown.
+grid() {
+  need ros-map-yaml2mrpt mrpt-apps
+  local map
+  run export "$data/rgbd" --to pgm --out "$here/depth.pgm"
+  cp "$data/laser/map.pgm" "$data/laser/map.yaml" "$here"
+  for map in map depth; do
+    ros-map-yaml2mrpt -w -q -i "$here/$map.yaml" >"$here/log" 2>&1 || fail "MRPT does not read $map.yaml: $(cat "$here/log")"
+    /usr/bin/python3 - "$here/$map" <<'PYTHON' || fail "MRPT reads another map from $map.yaml"
+import gzip, re, struct, sys
+header, size, _, pixels = re.match(rb"(P5\s(?:#[^\n]*\s)*(\d+ \d+)\s(255)\s)(.*)", open(sys.argv[1] + ".pgm", "rb").read(), re.S).groups()
+columns, rows = map(int, size.split())
+yaml = dict(line.split(": ", 1) for line in open(sys.argv[1] + ".yaml") if ": " in line)
+origin, cell_m = [float(number) for number in yaml["origin"].strip("[]\n").split(",")], float(yaml["resolution"])
+grid = gzip.open(sys.argv[1] + ".gridmap.gz").read().split(b"COccupancyGridMap2D", 1)[1][2:]
+assert struct.unpack_from("<2I", grid) == (columns, rows), "size"
+x_min, x_max, y_min, y_max, resolution = struct.unpack_from("<5f", grid, 8)
+expected = (origin[0], origin[0] + columns * cell_m, origin[1], origin[1] + rows * cell_m, cell_m)
+assert all(abs(a - b) < 1e-4 for a, b in zip((x_min, x_max, y_min, y_max, resolution), expected)), "extent"
+odds = struct.unpack_from(f"<{columns * rows}b", grid, 28)
+occupied, free = float(yaml["occupied_thresh"]), float(yaml["free_thresh"])
+sign = [(p < free) - (p > occupied) for p in (1 - pixel / 255 for pixel in range(256))]
+of_image = [sign[pixel] for row in reversed(range(rows)) for pixel in pixels[row * columns:(row + 1) * columns]]
+assert of_image == [(cell > 0) - (cell < 0) for cell in odds], "cells"
+assert min(of_image) == -1 and max(of_image) == 1, "walls and free space"
+PYTHON
   done
 }
 
@@ -148,7 +179,7 @@ video() {
 
 case $case_name in
   make_other) make_other ;;
-  models | g2o | clouds | octomap | numbers | tracks_yaml | video)
+  models | g2o | grid | clouds | octomap | numbers | tracks_yaml | video)
     rm -rf "$here" && mkdir -p "$here"
     $case_name "$@"
     ;;

@@ -128,15 +128,19 @@ SE3 PoseSolution::by_points_alone() const {
   return step.allFinite() ? world_from_camera * SE3::exp(step) : world_from_camera;
 }
 
+Matrix6d PoseSolution::information_of_motion(double unshared) const {
+  return with_shared_error(points, unshared * unshared * shared_variance).information + others.information;
+}
+
 PoseSolution solve_pose(const std::vector<PointMeasurement>& points, double shared_ray_error, const SE3& start,
                         int iterations, const std::function<PoseQuadratic(const SE3&, int iteration)>& others) {
   PoseSolution solution;
   solution.world_from_camera = start;
-  const Vector6d shared = shared_variance(points, shared_ray_error, start);
+  solution.shared_variance = shared_variance(points, shared_ray_error, start);
   for (int i = 0; i < iterations; ++i) {
     solution.points = points_quadratic(points, solution.world_from_camera, kernel_width);
     solution.others = others ? others(solution.world_from_camera, i) : PoseQuadratic();
-    solution.shared_points = with_shared_error(solution.points, shared);
+    solution.shared_points = with_shared_error(solution.points, solution.shared_variance);
     const Matrix6d information =
         solution.shared_points.information + solution.others.information + hold * Matrix6d::Identity();
     const Vector6d step = information.ldlt().solve(solution.shared_points.gradient + solution.others.gradient);

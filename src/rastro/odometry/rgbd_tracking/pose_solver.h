@@ -60,10 +60,13 @@ struct PoseSolution {
   PoseQuadratic points;         ///< At the solution, with independent points.
   PoseQuadratic shared_points;  ///< With the error common to all points.
   PoseQuadratic others;
+  Vector6d shared_variance = Vector6d::Zero();  ///< Of the error common to all points.
   bool converged = false;
 
   /// Solution from the points alone.
   SE3 by_points_alone() const;
+  /// Inverse covariance of the motion since a frame that has the same common error, but for this share of it.
+  Matrix6d information_of_motion(double unshared) const;
 };
 
 /// Gauss-Newton over the points and `others` (may be empty) together. `shared_ray_error` is an error common to all

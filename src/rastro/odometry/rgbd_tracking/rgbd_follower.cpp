@@ -45,6 +45,11 @@ constexpr int corners_to_find = 600;
 // neither.
 constexpr double covariance_factor = 4.0;
 
+double largest_sigma(const Matrix6d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues()(5)));
+}
+
 }  // namespace
 
 class RgbdFollower::State {
@@ -74,7 +79,10 @@ class RgbdFollower::State {
   std::optional<SE3> pose_from_surfaces(const Frame& frame, const SE3& guess);
   void read_depths(const Frame& frame, const Vector6d& velocity);
   void keep_inliers(const SE3& pose);
-  bool judge(const PoseSolution& solution, const SurfaceMatch& match, RgbdFollow& result) const;
+  bool features_fit(const RgbdFollow& result) const;
+  double unshared_error(const PoseSolution& solution) const;
+  double excess_variance(const SE3& pose) const;
+  bool judge(const PoseSolution& solution, const SurfaceMatch& match, double excess, RgbdFollow& result) const;
   std::vector<PointMeasurement> measurements(const std::vector<FoundPoint>& found) const;
   SE3 depth_from_color(const Frame& frame, const Vector6d& velocity, double later_s = 0.0) const;
   std::optional<DepthReading> read(const Frame& frame, const Eigen::Vector2d& ray, const Vector6d& velocity) const;
@@ -297,9 +305,11 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool i
   SurfaceMatch match;
   surfaces_.compare(map_, solution.world_from_camera, camera_from_depth, fine_reach_m, coarse_step, &match);
   result.points = static_cast<int>(measured_.size());
-  keep_inliers(solution.by_points_alone());
+  const SE3 by_points = solution.by_points_alone();
+  const double excess = excess_variance(by_points), against_surfaces = excess_variance(solution.world_from_camera);
+  keep_inliers(by_points);
   result.inliers = static_cast<int>(found_.size());
-  if (!judge(solution, match, result)) return false;
+  if (!judge(solution, match, 2 * result.inliers >= result.points ? excess : against_surfaces, result)) return false;
   note_pose(frame.stamp, solution.world_from_camera);
   camera_from_depth_ = camera_from_depth;
   if (options_.learn_delay) learn_delay(solution.world_from_camera);
@@ -337,29 +347,62 @@ void RgbdFollower::State::keep_inliers(const SE3& pose) {
   measured_.resize(kept);
 }
 
+bool RgbdFollower::State::features_fit(const RgbdFollow& result) const {
+  return result.inliers >= options_.min_points && 3 * result.inliers >= result.points;
+}
+
 /// Whether features or surfaces determine the pose, and how certain it is.
-bool RgbdFollower::State::judge(const PoseSolution& solution, const SurfaceMatch& match, RgbdFollow& result) const {
-  const bool features_fit = result.inliers >= options_.min_points && 3 * result.inliers >= result.points;
+bool RgbdFollower::State::judge(const PoseSolution& solution, const SurfaceMatch& match, double excess,
+                                RgbdFollow& result) const {
   const bool surfaces_fit =
       match.compared * coarse_step * coarse_step >= least_compared && 2 * match.fitting >= match.compared;
-  if (!features_fit && !surfaces_fit) return false;
+  if (!features_fit(result) && !surfaces_fit) return false;
   const Matrix6d information = solution.shared_points.information + solution.others.information;
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
   const double sigma = 1.0 / std::sqrt(std::max(eigen.eigenvalues()(0), 1e-12));
   if (sigma > lost_sigma) return false;
-  result.covariance = covariance_factor * information.inverse();
+  result.covariance = covariance_factor * excess * solution.information_of_motion(unshared_error(solution)).inverse();
   result.world_from_camera = solution.world_from_camera;
   result.surface_points = match.fitting * coarse_step * coarse_step;
   const Vector6d texture = solution.shared_points.information.diagonal();
   result.texture_share = (texture.array() / information.diagonal().array()).mean();
   result.state = OdometryState::tracking;
-  if (sigma > most_sigma || !features_fit) {
-    result.state = sigma > most_sigma ? OdometryState::weak : OdometryState::tracking;
+  const double moved_sigma = largest_sigma(result.covariance);
+  if (sigma > most_sigma || !features_fit(result)) {
     result.reason = OdometryReason::too_few_points;
     result.detail = fmt::format("{} features, {} matching blocks of surface; standard deviation {:.3f} m or rad",
-                                result.inliers, result.surface_points, sigma);
+                                result.inliers, result.surface_points, std::max(sigma, moved_sigma));
+  } else if (moved_sigma > most_sigma) {
+    result.reason = OdometryReason::few_inliers;
+    result.detail =
+        fmt::format("features disagree, errors {:.0f} times their noise; standard deviation {:.3f} m or rad",
+                    std::sqrt(excess), moved_sigma);
   }
+  if (std::max(sigma, moved_sigma) > most_sigma) result.state = OdometryState::weak;
   return true;
+}
+
+/// Share of the common error that the newest reference does not have: it moves with the camera, and the same rays and
+/// depths have the same error.
+double RgbdFollower::State::unshared_error(const PoseSolution& solution) const {
+  constexpr double least = 0.1;
+  const Reference& reference = map_.references.back();
+  const SE3 motion = reference.world_from_camera.inverse() * solution.world_from_camera;
+  return std::clamp(motion.rotation().log().norm() + motion.translation().norm() / reference.median_depth, least, 1.0);
+}
+
+/// How much larger the features' squared errors are than their noise: by motion blur, a rolling shutter, surfaces that
+/// say otherwise, or people. 1 where there are too few to say.
+double RgbdFollower::State::excess_variance(const SE3& pose) const {
+  constexpr double median_of_noise = 1.386;  // of chi squared with two degrees of freedom
+  if (static_cast<int>(measured_.size()) < options_.min_points) return 1.0;
+  const SE3 camera_from_world = pose.inverse();
+  std::vector<double> squares;
+  for (const PointMeasurement& point : measured_) {
+    const Eigen::Vector3d p = camera_from_world * point.in_world;
+    squares.push_back((p.head<2>() / p.z() - point.ray).squaredNorm() / (point.ray_sigma * point.ray_sigma));
+  }
+  return std::max(1.0, upper_median(std::move(squares)) / median_of_noise);
 }
 
 std::vector<PointMeasurement> RgbdFollower::State::measurements(const std::vector<FoundPoint>& found) const {

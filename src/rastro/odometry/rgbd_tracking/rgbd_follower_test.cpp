@@ -45,6 +45,44 @@ TEST(RgbdFollower, TracksBareWallsBySurfaces) {
   }
 }
 
+/// Depth from a moment in which the camera was elsewhere: features and surfaces contradict each other.
+TEST(RgbdFollower, WhereFeaturesAndSurfacesDisagreeThePoseIsWeak) {
+  const PaperedRoom room;
+  RgbdFollower follower({}, room.camera, nullptr);
+  for (int i = 0; i < 6; ++i) follower.follow(room.frame(i, PaperedRoom::pose(i)));
+  RgbdFollower same({}, room.camera, nullptr);
+  for (int i = 0; i < 6; ++i) same.follow(room.frame(i, PaperedRoom::pose(i)));
+  const SE3 pose = PaperedRoom::pose(6);
+  Frame frame = room.frame(6, pose);
+  const RgbdFollow right = follower.follow(frame);
+  frame.depth = room.frame(6, pose * SE3(SO3::exp({0.0, 0.05, 0.03}), {0.1, 0.06, 0.0})).depth;
+  const RgbdFollow wrong = same.follow(frame);
+  EXPECT_EQ(right.state, OdometryState::tracking);
+  ASSERT_NE(wrong.state, OdometryState::tracking) << wrong.detail;
+  if (wrong.state == OdometryState::weak) {
+    EXPECT_GT(wrong.covariance.trace(), 20.0 * right.covariance.trace());
+    EXPECT_NE(wrong.reason, OdometryReason::none);
+  }
+}
+
+TEST(RgbdFollower, TheMotionSinceTheReferenceHasLittleOfTheErrorCommonToBoth) {
+  RgbdOptions options;
+  options.max_reference_rotation_deg = 80.0;
+  options.max_reference_motion_m = 2.0;
+  options.min_reference_share = 0.0;
+  options.shared_error_px = 10.0;
+  const PaperedRoom room;
+  RgbdFollower follower(options, room.camera, nullptr);
+  // Of standard deviation 2, two coordinates of translation at 2 m.
+  const double whole_error_m = 2.0 * std::sqrt(2.0) * 2.0 * options.shared_error_px / room.camera.fx;
+  for (int i = 0; i < 12; ++i) {
+    const RgbdFollow follow = follower.follow(room.frame(i, PaperedRoom::pose(i)));
+    ASSERT_EQ(follow.new_reference, i == 0);
+    const double sigma_m = std::sqrt(follow.covariance.topLeftCorner<3, 3>().trace());
+    EXPECT_TRUE(i == 0 || sigma_m < 0.5 * whole_error_m) << i << " " << sigma_m;
+  }
+}
+
 /// A follower on a known trajectory that then gets a second of darkness and then an earlier view, with the camera
 /// rolled by `roll_rad`.
 struct AfterTheDark {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/rgbd/frame_report.h"
 
+#include <Eigen/LU>
+
 namespace rastro {
 
 SlamReason reason_of(OdometryReason reason) {
@@ -58,6 +60,16 @@ Matrix6d chained(const Matrix6d& of_a, const SE3& b, const Matrix6d& of_b) {
   const Matrix6d adjoint = b.inverse().adjoint();
   const Matrix6d sum = adjoint * of_a * adjoint.transpose() + of_b;
   return 0.5 * (sum + sum.transpose());
+}
+
+Matrix6d of_inverse(const Matrix6d& of_a, const SE3& a) {
+  const Matrix6d adjoint = a.adjoint();
+  return adjoint * of_a * adjoint.transpose();
+}
+
+Matrix6d information_of(const Matrix6d& covariance) {
+  const Matrix6d information = covariance.inverse();
+  return 0.5 * (information + information.transpose());
 }
 
 Matrix6d in_world_axes(const Matrix6d& covariance, const SE3& pose) {

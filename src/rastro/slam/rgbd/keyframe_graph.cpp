@@ -115,6 +115,24 @@ double KeyframeGraph::path_between(std::int64_t from, std::int64_t to) const {
   return path_m;
 }
 
+std::optional<TrackedMotion> KeyframeGraph::tracked_motion(std::int64_t from, std::int64_t to, int most_steps) const {
+  TrackedMotion motion;
+  // Backward, as each keyframe has at most one odometry edge to an earlier one.
+  for (int steps = 0; to != from; ++steps) {
+    const auto& edges = edges_of_[static_cast<std::size_t>(to)];
+    const auto tracked = std::find_if(edges.begin(), edges.end(), [&](std::size_t e) {
+      return edges_[e].to == to && edges_[e].kind == ConstraintKind::odometry;
+    });
+    if (tracked == edges.end() || edges_[*tracked].from < from || steps == most_steps) return std::nullopt;
+    const Constraint& edge = edges_[*tracked];
+    const Matrix6d to_end = motion.from_from_to.inverse().adjoint();
+    motion.covariance += to_end * edge.information.inverse() * to_end.transpose();
+    motion.from_from_to = edge.rigid() * motion.from_from_to;
+    to = edge.from;
+  }
+  return motion;
+}
+
 std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& random) const {
   // In a given map, the previous frames say nothing about the pose in it.
   LoopCandidates candidates(frozen_ > 0 ? frozen_ : id);

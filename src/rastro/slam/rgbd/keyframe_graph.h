@@ -21,6 +21,12 @@ struct KeyframePose {
   int submap = 0;         ///< Merged submaps share the smallest number and one frame.
 };
 
+/// Motion between two keyframes by odometry.
+struct TrackedMotion {
+  SE3 from_from_to;
+  Matrix6d covariance = Matrix6d::Zero();  ///< Of d in true motion = from_from_to * exp(d).
+};
+
 /// Keyframes with their poses and constraints: which keyframes to compare, their distance in the graph, and their
 /// optimized poses. Keyframes below `frozen` belong to a given map and stay fixed.
 class KeyframeGraph {
@@ -56,6 +62,9 @@ class KeyframeGraph {
   /// Length of the path through the keyframes of a submap from one to a later one, meters. A rotation counts like a
   /// step of a meter per radian, since tracking drifts in it too.
   double path_between(std::int64_t from, std::int64_t to) const;
+  /// What tracking alone says of the motion from one keyframe to a later one; nullopt after a loss between them, or
+  /// with more than `most_steps` keyframes between.
+  std::optional<TrackedMotion> tracked_motion(std::int64_t from, std::int64_t to, int most_steps) const;
   /// Merges two submaps: transforms the one with the larger number into the frame of the other, by the `edge` between
   /// them.
   void merge(const Constraint& edge);

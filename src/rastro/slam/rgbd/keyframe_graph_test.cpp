@@ -451,5 +451,51 @@ TEST(KeyframeGraph, ThePathIsThatOfTheSubmapAndCountsRotations) {
   EXPECT_EQ(graph.path_between(4, 4), 0.0);
 }
 
+TEST(KeyframeGraphTrackedMotion, IsTheProductOfOdometryAndGathersItsErrors) {
+  Random random(3);
+  KeyframeGraph graph({}, 0);
+  std::vector<SE3> steps;
+  for (int k = 0; k < 5; ++k) {
+    add_keyframe(graph, SE3());
+    if (k == 0) continue;
+    steps.push_back(SE3::exp(random_vector<Vector6d>(random, 0.4)));
+    graph.add_edge(edge_of(k - 1, k, steps.back(), ConstraintKind::odometry, 0.01 * k, 0.02));
+    if (k > 1) graph.add_edge(edge_of(k - 2, k, SE3(), ConstraintKind::proximity));
+  }
+  const auto motion = graph.tracked_motion(1, 4, 10);
+  ASSERT_TRUE(motion);
+  const SE3 product = steps[1] * steps[2] * steps[3];
+  EXPECT_THAT(motion->from_from_to, pose_near(product, 1e-12, 1e-12));
+  // Each step's error d moves the product by the adjoint of what follows it.
+  Matrix6d expected = Matrix6d::Zero();
+  for (int k = 2; k <= 4; ++k) {
+    for (int axis = 0; axis < 6; ++axis) {
+      const double sigma = axis < 3 ? 0.01 * k : 0.02, step = 1e-6;
+      SE3 disturbed;
+      for (int j = 2; j <= 4; ++j) {
+        disturbed = disturbed * steps[static_cast<std::size_t>(j - 1)];
+        if (j == k) disturbed = disturbed * SE3::exp(step * Vector6d::Unit(axis));
+      }
+      const Vector6d change = (product.inverse() * disturbed).log() / step;
+      expected += sigma * sigma * change * change.transpose();
+    }
+  }
+  EXPECT_THAT(motion->covariance, matrix_near(expected, 1e-5 * expected.norm()));
+  EXPECT_THAT(graph.tracked_motion(2, 2, 10)->from_from_to, pose_near(SE3(), 0.0, 0.0));
+}
+
+TEST(KeyframeGraphTrackedMotion, IsNoneAfterALossOrOverTooManyKeyframes) {
+  KeyframeGraph graph({}, 0);
+  for (int k = 0; k < 6; ++k) {
+    add_keyframe(graph, SE3());
+    if (k > 0) graph.add_edge(edge_of(k - 1, k, SE3(), k == 3 ? ConstraintKind::proximity : ConstraintKind::odometry));
+  }
+  EXPECT_TRUE(graph.tracked_motion(0, 2, 10));
+  EXPECT_FALSE(graph.tracked_motion(1, 4, 10)) << "relocalized at 3";
+  EXPECT_FALSE(graph.tracked_motion(2, 3, 10));
+  EXPECT_TRUE(graph.tracked_motion(3, 5, 2));
+  EXPECT_FALSE(graph.tracked_motion(3, 5, 1));
+}
+
 }  // namespace
 }  // namespace rastro

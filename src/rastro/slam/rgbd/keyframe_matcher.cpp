@@ -97,12 +97,12 @@ std::vector<PointMatch> KeyframeMatcher::matches_of(const ImageFeatures& a, cons
 
 std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a, const ViewOfKeyframe& b,
                                                          int min_inliers, std::uint64_t seed,
-                                                         const std::optional<SE3>& guess) const {
+                                                         const std::optional<SE3>& guess, MatchScope scope) const {
   const std::vector<PointMatch> matches = matches_of(*a.keyframe, *b.keyframe);
   PointMatchOptions fitting;
   fitting.noise = depth_noise(options_);
   fitting.focal_px = camera_.fx;
-  fitting.iterations = options_.ransac_iterations;
+  fitting.iterations = scope == MatchScope::anywhere ? options_.ransac_iterations : 0;
   const bool may_slide = options_.few_features == "icp";
   fitting.min_inliers = may_slide ? std::min(min_inliers, options_.few_inliers) : min_inliers;
   fitting.seed = seed;
@@ -119,7 +119,7 @@ std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a
   constraint.agreement = check_.compare(*surface_a, *surface_b, constraint.a_from_b);
   if (judge(constraint.evidence(), surface_acceptance(options_, few)) != Rejection::none) return std::nullopt;
   // Errors common to pixels and depths, as from lens and clocks, do not decrease with their number.
-  Matrix6d covariance = views->information.inverse();
+  Matrix6d covariance = match_covariance_factor * views->information.inverse();
   covariance.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
   covariance.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;
   constraint.information = covariance.inverse();

@@ -31,6 +31,14 @@ struct KeyframeConstraint {
   Evidence evidence() const;  ///< Of features and surfaces.
 };
 
+/// Inflation of a match's covariance, as of tracking's: errors of neighboring features and depths are correlated.
+constexpr double match_covariance_factor = 4.0;
+
+enum class MatchScope : std::uint8_t {
+  anywhere,    ///< The relative pose that most matches agree with.
+  near_guess,  ///< Only what agrees with the guess.
+};
+
 /// Compares two keyframes: descriptor matching, RANSAC over the matches, and whether the surfaces contradict the
 /// result. Thread-safe.
 class KeyframeMatcher {
@@ -39,7 +47,8 @@ class KeyframeMatcher {
   /// nullopt where the keyframes have too little in common, or where depth contradicts. `guess` of a_from_b is one more
   /// hypothesis.
   std::optional<KeyframeConstraint> match(const ViewOfKeyframe& a, const ViewOfKeyframe& b, int min_inliers,
-                                          std::uint64_t seed, const std::optional<SE3>& guess) const;
+                                          std::uint64_t seed, const std::optional<SE3>& guess,
+                                          MatchScope scope = MatchScope::anywhere) const;
   const SurfaceCheck& surfaces() const { return check_; }
   std::vector<PointMatch> matches_of(const ImageFeatures& a, const ImageFeatures& b) const;
 

@@ -37,10 +37,11 @@ class KeyframeMatcherTest : public ::testing::Test {
             std::make_shared<const KeyframeSurface>(matcher.surfaces().surface_of(frame.depth))};
   }
   std::optional<KeyframeConstraint> match(const View& a, const View& b, int min_inliers = 25, std::uint64_t seed = 1,
-                                          const std::optional<SE3>& guess = std::nullopt) const {
+                                          const std::optional<SE3>& guess = std::nullopt,
+                                          MatchScope scope = MatchScope::anywhere) const {
     return KeyframeMatcher(options_, test_room::camera())
         .match({a.keyframe.get(), [&] { return a.surface; }}, {b.keyframe.get(), [&] { return b.surface; }},
-               min_inliers, seed, guess);
+               min_inliers, seed, guess, scope);
   }
 
   RgbdSlamOptions options_;
@@ -77,7 +78,7 @@ TEST_F(KeyframeMatcherTest, HasAMinimumSigma) {
   for (int i = 0; i < 6; ++i) {
     const double floor = i < 3 ? 0.05 : 0.03;
     EXPECT_GT(covariance(i, i), floor * floor);
-    EXPECT_LT(covariance(i, i), 1.5 * floor * floor) << "many matches add little to it";
+    EXPECT_LT(covariance(i, i), 2.0 * floor * floor) << "many matches add little to it";
   }
 }
 
@@ -103,6 +104,26 @@ TEST_F(KeyframeMatcherTest, FewerInliersThanAskedForAreRefused) {
   ASSERT_TRUE(constraint);
   EXPECT_TRUE(match(a, b, constraint->inliers - 5));
   EXPECT_FALSE(match(a, b, constraint->inliers + 20));
+}
+
+/// Most of the image moves along the wall by itself, as a crowd does.
+TEST_F(KeyframeMatcherTest, WhereMostOfTheImageMovesOnlyTheGuessShowsWhatStandsStill) {
+  const SE3 still = looking({-0.8, -0.4, 1.2}, 0.0, 0.0), moved = looking({-0.8, -0.28, 1.2}, 0.0, 0.0);
+  Frame frame = room_frame(still);
+  const Frame other = room_frame(moved);
+  const int columns = 72 * frame.image.width() / 100;
+  for (int y = 0; y < frame.image.height(); ++y) {
+    std::copy_n(other.image.row(y), columns, frame.image.row(y));
+    std::copy_n(other.depth.row(y), columns, frame.depth.row(y));
+  }
+  const View before = view_of(room_frame(still)), now = view_of(frame);
+  const auto most = match(before, now);
+  ASSERT_TRUE(most);
+  EXPECT_THAT(most->a_from_b, pose_near(still.inverse() * moved, 0.02, 0.01));
+  const auto near = match(before, now, 25, 1, SE3(), MatchScope::near_guess);
+  ASSERT_TRUE(near);
+  EXPECT_THAT(near->a_from_b, pose_near(SE3(), 0.02, 0.01));
+  EXPECT_LT(near->inliers, most->inliers);
 }
 
 TEST_F(KeyframeMatcherTest, TooSmallAShareOfInliersIsRefused) {

@@ -11,6 +11,8 @@
 namespace rastro {
 namespace {
 
+constexpr int most_tracked_steps = 40;  // keyframes over which tracking may know better than a match
+
 std::size_t bytes_of(const ImageFeatures& keyframe) {
   const Features& features = keyframe.features;
   return sizeof(ImageFeatures) + features.size() * (sizeof(Keypoint) + sizeof(float)) +
@@ -74,6 +76,16 @@ MapRevision Mapper::add(const KeyframeOrder& order) {
   return revision;
 }
 
+MapRevision Mapper::connect(Constraint edge) {
+  MapRevision revision;
+  if (graph_.steps_between(edge.from, edge.to, options_.loop_steps) >= options_.loop_steps)
+    edge.kind = ConstraintKind::loop;
+  accept(edge, revision);
+  correct(graph_.size() - 1, {edge}, revision);
+  revise(revision);
+  return revision;
+}
+
 /// Its pose from the tracker, relative to the keyframe of its constraint, since the graph may have moved.
 void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
   KeyframePose pose{order.world_from_camera, order.submap};
@@ -101,17 +113,18 @@ void Mapper::add_edge(const Constraint& edge, MapRevision& revision) {
   revision.new_edges.push_back(edge);
 }
 
-std::optional<Constraint> Mapper::verify(std::int64_t other, std::int64_t id) {
+std::optional<Constraint> Mapper::match(std::int64_t other, std::int64_t id, MatchScope scope) {
   const auto view = [this](std::int64_t k) {
     return ViewOfKeyframe{&graph_.keyframe(k), [this, k] { return depths_.depth(k); }};
   };
   const bool merges = graph_.submap(other) != graph_.submap(id);
   std::optional<SE3> guess;
   if (!merges) guess = graph_.pose(other).inverse() * graph_.pose(id);
+  if (const auto tracked = graph_.tracked_motion(other, id, most_tracked_steps)) guess = tracked->from_from_to;
   const std::uint64_t seed =
       seed_for(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)), static_cast<std::uint64_t>(other));
-  const auto match =
-      matcher_.match(view(other), view(id), merges ? options_.relocalize_inliers : options_.min_inliers, seed, guess);
+  const auto match = matcher_.match(view(other), view(id), merges ? options_.relocalize_inliers : options_.min_inliers,
+                                    seed, guess, scope);
   if (!match) return std::nullopt;
   Constraint edge{other, id, Sim3(match->a_from_b), match->information, ConstraintKind::proximity, 1.0, match->inliers};
   if (merges) {
@@ -119,18 +132,34 @@ std::optional<Constraint> Mapper::verify(std::int64_t other, std::int64_t id) {
   } else if (other < graph_.frozen() || graph_.steps_between(other, id, options_.loop_steps) >= options_.loop_steps) {
     edge.kind = ConstraintKind::loop;
   }
-  if (!merges && contradicts_path(edge)) return std::nullopt;
   return edge;
+}
+
+/// What most features agree with may be a crowd that walks by: where tracking knows better, what agrees with it counts.
+std::optional<Constraint> Mapper::verify(std::int64_t other, std::int64_t id) {
+  auto edge = match(other, id, MatchScope::anywhere);
+  if (!edge || edge->kind == ConstraintKind::merge || !contradicts_path(*edge)) return edge;
+  edge = match(other, id, MatchScope::near_guess);
+  return edge && !contradicts_path(*edge) ? edge : std::nullopt;
 }
 
 /// Whether a match is farther from the relative pose in the graph than the camera can have drifted on the path between.
 bool Mapper::contradicts_path(const Constraint& edge) const {
   if (edge.from < graph_.frozen()) return false;
-  constexpr double least_path_m = 1.0;  // over which tracking may slip without a path
-  const OdometryDrift drift{options_.loop_drift_share, options_.loop_drift_rad_per_m};
-  const SE3 predicted = graph_.pose(edge.from).inverse() * graph_.pose(edge.to);
-  const double path_m = least_path_m + graph_.path_between(edge.from, edge.to);
-  const Evidence evidence{.graph_sigmas = graph_sigmas(predicted, edge.rigid(), drift.covariance(path_m))};
+  const double path_m = graph_.path_between(edge.from, edge.to);
+  Evidence evidence;
+  if (const auto tracked = graph_.tracked_motion(edge.from, edge.to, most_tracked_steps)) {
+    const OdometryDrift drift{options_.tracked_drift_share, options_.tracked_drift_share};
+    // Without the inflation: what is common to all matches does not make a wrong one right.
+    const Matrix6d of_match = edge.information.inverse() / match_covariance_factor;
+    const Matrix6d covariance = tracked->covariance + of_match + drift.covariance(path_m);
+    evidence.graph_sigmas = graph_sigmas(tracked->from_from_to, edge.rigid(), covariance);
+  } else {
+    constexpr double least_path_m = 1.0;  // over which tracking may slip without a path
+    const OdometryDrift drift{options_.loop_drift_share, options_.loop_drift_rad_per_m};
+    const SE3 predicted = graph_.pose(edge.from).inverse() * graph_.pose(edge.to);
+    evidence.graph_sigmas = graph_sigmas(predicted, edge.rigid(), drift.covariance(least_path_m + path_m));
+  }
   return judge(evidence, {.max_graph_sigmas = options_.loop_max_sigmas}) != Rejection::none;
 }
 

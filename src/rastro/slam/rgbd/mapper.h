@@ -50,6 +50,8 @@ class Mapper {
  public:
   Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context);
   MapRevision add(const KeyframeOrder& order);
+  /// One more edge between keyframes; the keyframe of the result stays null.
+  MapRevision connect(Constraint edge);
   /// Optimizes all keyframes over all constraints once more, unless the run was stopped (SlamContext::stop); the
   /// keyframe of the result stays null.
   MapRevision settle();
@@ -63,6 +65,7 @@ class Mapper {
   /// Candidates, verification, acceptance, correction.
   void constrain(std::int64_t id, MapRevision& revision);
   std::optional<Constraint> verify(std::int64_t other, std::int64_t id);
+  std::optional<Constraint> match(std::int64_t other, std::int64_t id, MatchScope scope);
   bool contradicts_path(const Constraint& edge) const;
   void accept(const Constraint& edge, MapRevision& revision);
   void correct(std::int64_t id, const std::vector<Constraint>& accepted, MapRevision& revision);

@@ -88,6 +88,24 @@ TEST(Mapper, MatchesCorrectOdometryErrors) {
   EXPECT_LT(revision.covariance.diagonal().head(3).sum(), 3.0 * 0.1 * 0.1) << "surer than by odometry alone";
 }
 
+TEST(Mapper, MatchesThatContradictSureTrackingAreRefused) {
+  for (const double sigma_m : {0.002, 0.1}) {
+    Mapper mapper({}, test_room::camera(), {});
+    mapper.add(order_of(0, beside(0), beside(0)));
+    // Tracking says that the camera stands still; what it sees moves.
+    const MapRevision revision = mapper.add(
+        order_of(1, beside(0), beside(2), {edge_of(0, 1, SE3(), ConstraintKind::odometry, sigma_m, 0.5 * sigma_m)}));
+    const SE3& pose = revision.poses[1].world_from_camera;
+    if (sigma_m < 0.01) {
+      EXPECT_EQ(edges_of_kind(revision, ConstraintKind::proximity), 0);
+      EXPECT_THAT(pose, pose_near(beside(0), 1e-9, 1e-9));
+    } else {
+      EXPECT_EQ(edges_of_kind(revision, ConstraintKind::proximity), 1);
+      EXPECT_THAT(pose, pose_near(beside(2), 0.03, 0.012));
+    }
+  }
+}
+
 TEST(Mapper, AMatchFarAlongTheGraphIsALoopAndMovesAll) {
   RgbdSlamOptions options;
   options.loop_steps = 4;

@@ -32,6 +32,15 @@ void add_keyframe_options(OptionTable& table, RgbdSlamOptions& o) {
              1,
              100000,
              {}});
+  table.add(
+      {"dense_keyframes",
+       &o.dense_keyframes,
+       "",
+       "where the map has that many keyframes within the distance and angle above, a frame is matched with one of "
+       "them instead of becoming one more: memory grows with the places, not with the time",
+       1,
+       100000,
+       {}});
 }
 
 void add_candidate_options(OptionTable& table, RgbdSlamOptions& o) {
@@ -171,6 +180,15 @@ void add_graph_options(OptionTable& table, RgbdSlamOptions& o) {
              1,
              1e9,
              {}});
+  table.add(
+      {"tracked_drift_share",
+       &o.tracked_drift_share,
+       "",
+       "drift beside what the covariances of tracking say, where it was not lost between two keyframes: per meter "
+       "of path, in meters and radians; a match that contradicts it shows something that moves",
+       0.0001,
+       10,
+       {}});
   table.add(
       {"optimize_iterations", &o.optimize_iterations, "", "iterations of each optimization, at most", 1, 1000, {}});
   table.add({"backend_delay_frames",

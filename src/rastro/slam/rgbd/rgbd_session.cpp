@@ -119,6 +119,7 @@ void RgbdSession::update_pose(const Frame& frame, const RgbdFollow& followed, Sl
       chained(anchor_.reference_covariance, anchor_.world_from_reference.inverse() * pose, followed.covariance);
   const Matrix6d covariance = covariance_of(pose, from_keyframe);
   if (needs_keyframe(followed) && pipeline_.accepts()) {
+    if (revisit(frame, pose, from_keyframe, update)) return;
     make_keyframe(frame, pose, {path_edge(pose, from_keyframe)}, map_.submap(anchor_.keyframe), covariance, update);
     return;
   }
@@ -141,16 +142,19 @@ bool RgbdSession::needs_keyframe(const RgbdFollow& followed) const {
   return (followed.new_reference && spacing_ <= 1.0) || has_moved(followed);
 }
 
+/// Errors common to pixels and depths do not decrease with the number of frames.
+Matrix6d RgbdSession::softened(Matrix6d covariance) const {
+  covariance.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
+  covariance.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;
+  return covariance;
+}
+
 Constraint RgbdSession::path_edge(const SE3& world_from_camera, const Matrix6d& covariance) const {
   Constraint edge;
   edge.from = anchor_.keyframe;
   edge.to = map_.keyframe_count();
   edge.from_from_to = Sim3(anchor_.world_from_keyframe.inverse() * world_from_camera);
-  Matrix6d softened = covariance;
-  softened.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
-  softened.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;
-  edge.information = softened.inverse();
-  edge.information = (0.5 * (edge.information + edge.information.transpose())).eval();
+  edge.information = information_of(softened(covariance));
   edge.kind = ConstraintKind::odometry;
   return edge;
 }

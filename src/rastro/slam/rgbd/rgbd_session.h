@@ -86,6 +86,10 @@ class RgbdSession {
   Matrix6d covariance_of(const SE3& pose, const Matrix6d& from_keyframe) const;
   void update_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
   void localize(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
+  bool revisit(const Frame& frame, const SE3& pose, const Matrix6d& from_keyframe, SlamUpdate& update);
+  std::vector<std::int64_t> known_here(const SE3& pose) const;
+  void connect(const Constraint& edge, TimeNs stamp);
+  Matrix6d softened(Matrix6d covariance) const;
   bool has_moved(const RgbdFollow& followed) const;
   bool needs_keyframe(const RgbdFollow& followed) const;
   void make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<Constraint>& constraints,

@@ -65,6 +65,38 @@ TEST(RgbdSession, AKeyframeIsMadeAfterSoManyFrames) {
   }
 }
 
+/// Back and forth along a wall: the map holds the places after two rounds, and does not grow with the time.
+TEST(RgbdSession, NoKeyframeIsMadeWhereTheMapHasEnoughOfThem) {
+  for (const int dense : {2, 1000}) {
+    RgbdSlamOptions options = many_keyframes();
+    options.keyframe_frames = 5;
+    options.dense_keyframes = dense;
+    RgbdSession session(options, test_room::camera(), {});
+    std::size_t after_two_rounds = 0;
+    SlamUpdate update;
+    for (int k = 0; k < 96; ++k) {
+      const int phase = k % 24, step = phase < 12 ? phase : 24 - phase;
+      const SE3 view = looking({-0.5, -0.2 + 0.02 * step, 1.2}, -0.3 + 0.02 * step, -0.3);
+      update = session.process(with_depth_noise(room_frame(view, k), options, static_cast<std::uint64_t>(k)));
+      ASSERT_EQ(update.state, SlamState::tracking) << k << " " << update.detail;
+      const SE3 first = looking({-0.5, -0.2, 1.2}, -0.3, -0.3);
+      EXPECT_THAT(update.world_from_body, pose_near(first.inverse() * view, 0.02, 0.008)) << k;
+      if (k == 48) after_two_rounds = session.snapshot()->keyframes.size();
+    }
+    session.finish();
+    const auto map = session.snapshot();
+    if (dense == 2) {
+      EXPECT_LE(map->keyframes.size(), after_two_rounds + 1);
+      EXPECT_LT(map->keyframes.size(), 12U);
+      for (std::size_t a = 0; a < map->constraints.size(); ++a)
+        EXPECT_NE(map->constraints[a].from, map->constraints[a].to);
+    } else {
+      EXPECT_GT(map->keyframes.size(), 17U);
+    }
+    EXPECT_EQ(session.trajectory().size(), 96U);
+  }
+}
+
 TEST(RgbdSession, TheScoreIsTheShareOfInliers) {
   const RgbdSlamOptions options = many_keyframes();
   RgbdSession session(options, test_room::camera(), {});

@@ -43,6 +43,12 @@ std::vector<std::int64_t> TrackedMap::nearest(const SE3& pose, int submap, const
   return ids;
 }
 
+bool TrackedMap::are_connected(std::int64_t a, std::int64_t b) const {
+  return std::any_of(edges_.begin(), edges_.end(), [=](const Constraint& edge) {
+    return (edge.from == a && edge.to == b) || (edge.from == b && edge.to == a);
+  });
+}
+
 void TrackedMap::add_pending(const KeyframePose& pose, const Matrix6d& covariance) {
   pending_.push_back(pose);
   covariances_.push_back(covariance);

@@ -29,6 +29,8 @@ class TrackedMap {
   /// Keyframes of `submap` with features whose pose is closest to `pose` in position and viewing direction, the nearest
   /// first.
   std::vector<std::int64_t> nearest(const SE3& pose, int submap, const RgbdSlamOptions& options) const;
+  /// Whether an edge between the two has been handed over.
+  bool are_connected(std::int64_t a, std::int64_t b) const;
   std::int64_t revision() const { return revision_; }
   std::size_t frame_count() const { return frames_.size(); }
   int submap_count() const { return submaps_; }
