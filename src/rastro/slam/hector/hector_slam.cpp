@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rastro/backend/map_uncertainty.h"
 #include "rastro/base/checked_options.h"
 #include "rastro/base/error.h"
 #include "rastro/base/stopwatch.h"
@@ -52,9 +53,12 @@ class HectorSlam::State {
   void carry_on(const Frame& frame, SlamUpdate& update, SlamReason reason, std::string detail);
   void extend_map(const Frame& frame, const ScanPoints& scan, const FollowedScan& followed, SlamUpdate& update);
   Eigen::Matrix3d with_unseen_path(const FollowedScan& followed) const;
+  Matrix6d covariance_of(const SE2& local_from_body, const Eigen::Matrix3d& in_submap);
+  void keep_slip();
+  void take_over_certainty(std::size_t first_loop);
   bool moved_enough() const;
   Submap* open_submap();
-  void advance_submaps(SlamUpdate& update);
+  void advance_submaps(const Eigen::Matrix3d& in_submap, SlamUpdate& update);
   void close_loops(SlamUpdate& update);
   std::size_t map_bytes() const { return graph_.bytes() + scans_.size() * sizeof(PosedScan); }
   std::string measures() const;
@@ -65,12 +69,14 @@ class HectorSlam::State {
   ScanFollower follower_;
   MotionGuess guess_;
   SubmapGraph graph_;
+  MapUncertainty uncertainty_;  ///< Of the submaps.
   MapBudget budget_;
   std::string given_up_;  ///< The last measure to save memory; reported when it changes.
   std::vector<PosedScan> scans_;
   std::size_t searched_up_to_ = 0;  ///< Loop closures of key scans before this one were searched for in older submaps.
   double path_m_ = 0.0;
-  double unseen_path_m_ = 0.0;  ///< Path length since all directions were last observable.
+  double unseen_path_m_ = 0.0;                      ///< Path length since all directions were last observable.
+  Eigen::Vector2d slip_ = Eigen::Vector2d::Zero();  ///< Standard deviation gathered on it, local axes.
   std::int64_t revision_ = 0;
   bool lost_ = false;
   bool maps_ = true;  ///< False: scans are only localized.
@@ -125,7 +131,9 @@ void HectorSlam::State::follow(const Frame& frame, const ScanPoints& scan, SlamU
   judge(followed, update);
   const double path_m = (guess_.last().inverse() * followed.local_from_body).translation().norm();
   path_m_ += path_m;
+  if (!followed.unseen_direction && unseen_path_m_ > 0.0) keep_slip();
   unseen_path_m_ = followed.unseen_direction ? unseen_path_m_ + path_m : 0.0;
+  if (followed.unseen_direction) slip_ = options_.odometry_sigma_share * unseen_path_m_ * *followed.unseen_direction;
   settle(frame, followed.local_from_body, update);
   if (followed.fits && maps_) extend_map(frame, scan, followed, update);
   update.times.push_back({"map", stage.lap_ms()});
@@ -143,7 +151,7 @@ void HectorSlam::State::judge(const FollowedScan& followed, SlamUpdate& update) 
     update.reason = SlamReason::poor_match;
     update.detail = fmt::format("match score {:.2f}, needs {:.2f}", followed.score, options_.min_score);
   } else {
-    update.covariance = in_space(in_rotated_axes(followed.covariance, graph_.world_from_local().rotation()));
+    update.covariance = covariance_of(followed.local_from_body, followed.covariance);
     if (followed.unseen_direction) {
       const Eigen::Vector2d along = followed.local_from_body.rotation().inverse() * *followed.unseen_direction;
       update.state = SlamState::weak;
@@ -176,11 +184,21 @@ void HectorSlam::State::settle(const Frame& frame, const SE2& local_from_body, S
 /// Along an unobservable direction odometry errors accumulate: wheel slip is the same in each scan.
 Eigen::Matrix3d HectorSlam::State::with_unseen_path(const FollowedScan& followed) const {
   Eigen::Matrix3d covariance = followed.covariance;
-  if (followed.unseen_direction) {
-    const Eigen::Vector2d along = options_.odometry_sigma_share * unseen_path_m_ * *followed.unseen_direction;
-    covariance.topLeftCorner<2, 2>() += along * along.transpose();
-  }
+  if (followed.unseen_direction) covariance.topLeftCorner<2, 2>() += slip_ * slip_.transpose();
   return covariance;
+}
+
+/// What was not seen while the scans were inserted stays in the submaps that they are in.
+void HectorSlam::State::keep_slip() {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  const Eigen::Vector2d slip = graph_.world_from_local().rotation() * slip_;
+  covariance.topLeftCorner<2, 2>() = slip * slip.transpose();
+  for (std::size_t s = 0; s < graph_.submaps().size(); ++s) {
+    if (graph_.submaps()[s]->finished()) continue;
+    const Eigen::Vector3d position = in_space(graph_.world_from_submap(s)).translation();
+    const auto submap = static_cast<std::int64_t>(s);
+    uncertainty_.set(submap, position, uncertainty_.of_pose(submap, position, in_space(covariance)));
+  }
 }
 
 /// The oldest unfinished one, which has the most scans; null before the first scan and after finish().
@@ -226,11 +244,27 @@ void HectorSlam::State::extend_map(const Frame& frame, const ScanPoints& scan, c
   scans_.back().key_scan = key;
   ++revision_;
   update.events.push_back({"keyframe", fmt::format("{}, after {:.2f} m", key, path_m_)});
-  if (options_.loop_closing) advance_submaps(update);
+  if (options_.loop_closing) advance_submaps(with_unseen_path(followed), update);
+}
+
+/// From the covariance of a scan in the submap that it was matched with, in local axes.
+Matrix6d HectorSlam::State::covariance_of(const SE2& local_from_body, const Eigen::Matrix3d& in_submap) {
+  // Cells hold the walls to a part of their size, the same for all beams of a scan and all scans of a submap.
+  constexpr double share_of_cell = 0.6, sigma_rad = 0.002;
+  const double sigma_m = share_of_cell * options_.cell_m;
+  const Eigen::Matrix3d with_cells =
+      in_submap +
+      Eigen::Matrix3d(Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal());
+  const SE2 world_from_local = graph_.world_from_local();
+  std::size_t open = 0;
+  while (open + 1 < graph_.submaps().size() && graph_.submaps()[open]->finished()) ++open;
+  return uncertainty_.of_pose(static_cast<std::int64_t>(open),
+                              in_space(world_from_local * local_from_body).translation(),
+                              in_space(in_rotated_axes(with_cells, world_from_local.rotation())));
 }
 
 /// Submaps overlap by half, so that there is always one with enough scans.
-void HectorSlam::State::advance_submaps(SlamUpdate& update) {
+void HectorSlam::State::advance_submaps(const Eigen::Matrix3d& in_submap, SlamUpdate& update) {
   std::vector<Submap*> open;
   for (const auto& submap : graph_.submaps()) {
     if (!submap->finished()) open.push_back(submap.get());
@@ -239,21 +273,39 @@ void HectorSlam::State::advance_submaps(SlamUpdate& update) {
   const bool full = open.front()->key_scans().size() >= most;
   if (full && open.size() > 1) open.front()->finish();
   if (open.back()->key_scans().size() < most / 2) return;
+  const Matrix6d covariance = covariance_of(guess_.last(), in_submap);
   const std::size_t submap = graph_.add_submap(guess_.last());
+  uncertainty_.set(static_cast<std::int64_t>(submap), in_space(graph_.world_from_submap(submap)).translation(),
+                   covariance);
   update.events.push_back({"submap", fmt::format("{} started", submap)});
 }
 
 void HectorSlam::State::close_loops(SlamUpdate& update) {
   const std::size_t keys = graph_.key_scans().size();
   if (!options_.loop_closing || keys < searched_up_to_ + static_cast<std::size_t>(options_.optimize_every)) return;
+  const std::size_t before = graph_.loops().size();
   const int closed = graph_.search_loops(searched_up_to_);
   searched_up_to_ = keys;
   if (closed == 0) return;
   graph_.optimize();
+  take_over_certainty(before);
   ++revision_;
   update.world_from_body = in_space(graph_.world_from_local() * guess_.last());
   update.events.push_back({"loop_closed", fmt::format("{} key scans matched with earlier submaps", closed)});
   update.events.push_back({"map_revised", fmt::format("{} key scans in {} submaps", keys, graph_.submaps().size())});
+}
+
+/// What a loop closure ties the newest submaps to may be more certain than they are.
+void HectorSlam::State::take_over_certainty(std::size_t first_loop) {
+  for (std::size_t l = first_loop; l < graph_.loops().size(); ++l) {
+    const ClosedLoop& loop = graph_.loops()[l];
+    const SE2 pose = graph_.world_from_key_scan(loop.key_scan);
+    const Eigen::Vector3d position = in_space(pose).translation();
+    const Matrix6d covariance = uncertainty_.of_pose(static_cast<std::int64_t>(loop.submap), position,
+                                                     in_space(in_rotated_axes(loop.covariance, pose.rotation())));
+    for (std::size_t s = 0; s < graph_.submaps().size(); ++s)
+      if (!graph_.submaps()[s]->finished()) uncertainty_.reduce(static_cast<std::int64_t>(s), position, covariance);
+  }
 }
 
 std::vector<SlamEvent> HectorSlam::State::finish() {

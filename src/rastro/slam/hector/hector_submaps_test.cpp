@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "rastro/map/scans/scan_layer.h"
@@ -47,6 +48,19 @@ TEST(HectorSlam, SearchesForLoopsEverySoManyKeyScansAndNotBetween) {
     EXPECT_GT(key_scans, 100);
     EXPECT_EQ(closed > 0, every < 1000) << every;
   }
+}
+
+TEST(HectorSlam, APoseIsAsUncertainAsItsCellsAndMoreFromSubmapToSubmap) {
+  HectorOptions options;
+  const double of_cells_m = 0.3 * options.cell_m;
+  double first = 0.0, last = 0.0;
+  for (const SlamUpdate& update : updates_of(ring_drive().frames(), options)) {
+    if (!update.covariance || update.reason == SlamReason::first_frame) continue;
+    last = std::sqrt(update.covariance->topLeftCorner<2, 2>().trace());
+    if (first == 0.0) first = last;
+    EXPECT_GT(last, of_cells_m) << update.index;
+  }
+  EXPECT_GT(last, 1.5 * first);
 }
 
 TEST(HectorSlam, ASubmapIsStartedEveryHalfSubmap) {

@@ -183,7 +183,8 @@ void Tracking::initialize(const FramePointer& frame, SlamUpdate& update) {
 
 void Tracking::report_pose(const FeatureFrame& frame, const TrackingResult& tracked, SlamUpdate& update) {
   update.world_from_body = tracked.camera_from_world.inverse();
-  update.covariance = in_world_axes(tracked.covariance, tracked.camera_from_world);
+  update.covariance = map_uncertainty_.of_pose(tracked.reference, update.world_from_body.translation(),
+                                               in_world_axes(tracked.covariance, tracked.camera_from_world));
   update.score = static_cast<double>(tracked.inliers) / std::max(1, tracked.matches);
   update.used = tracked.inliers;
   session_.trajectory.add(
@@ -205,6 +206,8 @@ void Tracking::insert_keyframe(const FramePointer& frame, const TrackingResult& 
   if (!session_.mapping) {
     follow_reference(tracked);
   } else if (keyframes_.needs_keyframe(*frame, tracked)) {
+    const std::int64_t id = session_.next_keyframe;
+    map_uncertainty_.set(id, update.world_from_body.translation(), *update.covariance);
     // Landmarks of a keyframe get their numbers beside tracking; a feature may have been an outlier of another one.
     for (const std::uint32_t feature : keyframes_.insert(frame, tracked, update)) {
       observations_[feature].landmark = -1;

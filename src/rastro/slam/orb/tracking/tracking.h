@@ -12,6 +12,7 @@
 #include "rastro/slam/orb/session.h"
 #include "rastro/slam/orb/tracking/frame_tracker.h"
 #include "rastro/slam/orb/tracking/keyframe_insertion.h"
+#include "rastro/backend/map_uncertainty.h"
 #include "rastro/slam/orb/tracking/track_association.h"
 
 namespace rastro {
@@ -63,6 +64,7 @@ class Tracking {
   KeyframeInsertion keyframes_;
   Initialization initialization_;
   Relocalization relocalization_;
+  MapUncertainty map_uncertainty_;
   FramePointer first_;                            ///< Waits for the next frame, to know its rotation.
   std::vector<FeatureObservation> observations_;  ///< Of the last frame whose features were extracted.
 };
