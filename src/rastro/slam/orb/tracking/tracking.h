@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "rastro/backend/map_uncertainty.h"
 #include "rastro/odometry/frame_check.h"
 #include "rastro/slam/orb/initialization/initialization.h"
 #include "rastro/slam/orb/keyframe_pipeline.h"
@@ -12,7 +13,6 @@
 #include "rastro/slam/orb/session.h"
 #include "rastro/slam/orb/tracking/frame_tracker.h"
 #include "rastro/slam/orb/tracking/keyframe_insertion.h"
-#include "rastro/backend/map_uncertainty.h"
 #include "rastro/slam/orb/tracking/track_association.h"
 
 namespace rastro {
