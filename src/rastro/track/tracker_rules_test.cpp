@@ -87,6 +87,42 @@ TEST(Tracker, NewFeaturesMustHaveBeenThereInThePreviousFrame) {
   }
 }
 
+/// Left and right half move to the right at 2 and 5 pixels a frame, as at two depths; a square in the middle moves down.
+GrayImage with_mover(int k) {
+  const GrayImage still = rotated_waves(0.0), other = rotated_waves(1.0);
+  GrayImage image(side_px, side_px);
+  for (int y = 0; y < side_px; ++y) {
+    for (int x = 0; x < side_px; ++x) {
+      const int back = (x < side_px / 2 ? 2 : 5) * k, down = 6 * k;
+      const bool in_square = std::abs(x - 120) < 45 && std::abs(y - 80 - down) < 45;
+      image.at(x, y) = in_square ? other.at(x, y - down) : still.at((x + side_px - back) % side_px, y);
+    }
+  }
+  return image;
+}
+
+/// Features that were followed down with the square in four frames.
+int followed_with_the_mover(double max_epipolar_error_px) {
+  TrackOptions options = small_features();
+  options.mode = "klt";
+  options.predict = false;
+  options.max_epipolar_error_px = max_epipolar_error_px;
+  Tracker tracker(options);
+  int followed = 0;
+  for (int k = 0; k < 5; ++k) {
+    for (const TrackedFeature& feature : tracker.process(with_mover(k).view(), k).features) {
+      const Eigen::Vector2f off = (feature.pixel - Eigen::Vector2f(120.0F, 80.0F + 6.0F * k)).cwiseAbs();
+      followed += feature.state == TrackState::tracked && off.maxCoeff() < 33.0F ? 1 : 0;
+    }
+  }
+  return followed;
+}
+
+TEST(Tracker, FeaturesThatContradictTheEpipolarGeometryAreDropped) {
+  EXPECT_GT(followed_with_the_mover(100.0), 20) << "the square has features that can be followed";
+  EXPECT_LT(followed_with_the_mover(1.0), 4);
+}
+
 const std::vector<GrayImage>& small_hall() {
   static const std::vector<GrayImage> images = [] {
     const World world = make_hall({.scale = 0.5, .threads = 2});
