@@ -167,6 +167,11 @@ TEST(LoopCandidates, TheNearestAreCountedBesidesThoseChosen) {
   EXPECT_EQ(candidates.ids(), (Ids{4, 2, 7})) << "equal ones by id";
   candidates.add_nearest({{0.1, 3}}, 0);
   EXPECT_EQ(candidates.ids().size(), 3U);
+  // Past the last one nothing may be read, whatever is in memory there.
+  std::vector<std::pair<double, std::int64_t>> shrunk = {{0.1, 5}, {0.2, 6}};
+  shrunk.pop_back();
+  candidates.add_nearest(std::move(shrunk), 5);
+  EXPECT_EQ(candidates.ids(), (Ids{4, 2, 7, 5}));
 }
 
 TEST(LoopCandidates, RandomOnesAreDistinctAscendingAndTheSameForASeed) {

@@ -6,9 +6,13 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "rastro/base/random.h"
 #include "rastro/multiview/homography.h"
+#include "rastro/track/klt.h"
+#include "rastro/track/reappearance.h"
 
 namespace rastro {
 namespace {
@@ -55,15 +59,20 @@ class TwoLayers {
 
   /// Error of the history's motion of a layer since `frame`; the number of the layer is free.
   double error_since(std::int64_t frame, int layer) {
-    double best = 1e9;
+    const auto [one, other] = errors_since(frame, layer);
+    return std::min(one, other);
+  }
+  /// Errors of the motions of both of the history's layers as that of `layer`.
+  std::pair<double, double> errors_since(std::int64_t frame, int layer) {
+    double errors[MotionHistory::layers] = {1e9, 1e9};
     for (int known = 0; known < MotionHistory::layers; ++known) {
       const auto* motion = history_.since(frame, known, associations_, store_);
       if (!motion) continue;
       const Eigen::Vector2d from(300.0, 200.0);
       const Eigen::Matrix3d ground_truth = layer_pose(layer, frame_) * layer_pose(layer, frame).inverse();
-      best = std::min(best, (*transfer(motion->current_from_frame, from) - *transfer(ground_truth, from)).norm());
+      errors[known] = (*transfer(motion->current_from_frame, from) - *transfer(ground_truth, from)).norm();
     }
-    return best;
+    return {errors[0], errors[1]};
   }
 
  private:
@@ -109,11 +118,79 @@ TEST(MotionHistory, ALayerOfFewFeaturesMovesByTheirMedian) {
   EXPECT_LT(world.error_since(4, 1), 1.0);
 }
 
+TEST(MotionHistory, WhereAllMovesAlikeBothLayersDo) {
+  TwoLayers world(30);
+  for (int frame = 0; frame <= 6; ++frame) world.advance(60, 0);
+  const auto [one, other] = world.errors_since(2, 0);
+  EXPECT_LT(one, 0.1);
+  EXPECT_LT(other, 0.1);
+}
+
+TEST(MotionHistory, AHiddenLayerMovesOnAsItDidLast) {
+  TwoLayers world(30);
+  for (int frame = 0; frame <= 6; ++frame) world.advance(60, 30);
+  for (int frame = 7; frame <= 9; ++frame) world.advance(60, 0);
+  EXPECT_LT(world.error_since(4, 0), 0.1);
+  EXPECT_LT(world.error_since(4, 1), 0.1);
+}
+
 TEST(MotionHistory, GivesNothingForAnUnknownMotion) {
   TwoLayers world(30);
   for (int frame = 0; frame <= 3; ++frame) world.advance(60, 0);
   for (int frame = 4; frame <= 5; ++frame) world.advance(3, 0);
   EXPECT_EQ(world.error_since(2, 0), 1e9);
+}
+
+/// A scene that rotates by 0.1 rad and grows by 3 % per frame about the middle of the image.
+Eigen::Vector2f turned(const Eigen::Vector2f& start, std::int64_t frame) {
+  const Eigen::Vector2f middle(320.0F, 240.0F);
+  const auto t = static_cast<float>(frame);
+  return middle + std::pow(1.03F, t) * (Eigen::Rotation2Df(0.1F * t) * (start - middle));
+}
+
+TEST(Reappearance, IsSoughtWhereTheSceneMovedTurnedAndGrownAsItIs) {
+  constexpr std::int64_t lost_in = 2, now = 5;
+  const TrackOptions options;
+  TrackStore store(30);
+  MotionHistory history(options);
+  Random random(3);
+  std::vector<Eigen::Vector2f> starts;
+  for (int i = 0; i < 40; ++i)
+    starts.emplace_back(static_cast<float>(random.uniform(150.0, 500.0)),
+                        static_cast<float>(random.uniform(100.0, 400.0)));
+  for (std::size_t i = 0; i <= starts.size(); ++i) store.create();
+  const std::size_t lost = starts.size();
+  const Eigen::Vector2f start(400.0F, 200.0F);
+  std::vector<Association> followed;
+  for (std::int64_t frame = 0; frame <= now; ++frame) {
+    followed.clear();
+    for (std::size_t i = 0; i < starts.size(); ++i)
+      followed.push_back({i, turned(starts[i], frame), turned(starts[i], frame)});
+    history.advance(frame, followed, store);
+    for (const Association& feature : followed) store[feature.track].observe(frame, feature.pixel, feature.ideal, {});
+    if (frame <= lost_in) store[lost].observe(frame, turned(start, frame), turned(start, frame), {});
+  }
+  store.mark_lost(lost);
+  int asked = 0;
+  const DescribeRotated describe = [&](const Eigen::Vector2f& pixel, double angle_rad, double scale) {
+    ++asked;
+    EXPECT_LT((pixel - turned(start, now)).norm(), 0.1F);
+    EXPECT_NEAR(angle_rad, 0.1 * (now - lost_in), 1e-3);
+    EXPECT_NEAR(scale, std::pow(1.03, now - lost_in), 1e-3);
+    Descriptor other;
+    for (auto& word : other.words) word = ~std::uint64_t{0};
+    return other;
+  };
+  Pyramid image;
+  image.build(GrayImage(640, 480).view(), 1, klt_padding, nullptr);
+  for (const bool room : {false, true}) {
+    const HasRoom has_room = [&](const Eigen::Vector2f&) { return room; };
+    EXPECT_TRUE(find_reappeared(followed, store, now, history, UndistortedCamera(std::nullopt), image, has_room,
+                                describe, options)
+                    .empty())
+        << "it does not look alike";
+    EXPECT_EQ(asked, room ? 1 : 0);
+  }
 }
 
 TEST(DerivativeAt, IsThatOfFiniteDifferences) {

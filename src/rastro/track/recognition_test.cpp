@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
@@ -57,16 +58,28 @@ class LostAndFound {
     corners_.push_back(pixel);
     descriptors_[{pixel.x(), pixel.y()}] = descriptor;
   }
-  /// (corner, track), in their order.
-  using Found = std::vector<std::pair<std::size_t, std::size_t>>;
-  Found found(TaskPool* pool = nullptr) const {
+  /// The image gets texture, with which the patches of lost features are aligned.
+  void show_waves() {
+    GrayImage waves(640, 480);
+    for (int y = 0; y < waves.height(); ++y)
+      for (int x = 0; x < waves.width(); ++x)
+        waves.at(x, y) = static_cast<std::uint8_t>(
+            std::lround(128.0 + 50.0 * std::sin(0.21 * x + 0.05 * y) + 40.0 * std::sin(0.17 * y - 0.08 * x)));
+    image_.build(waves.view(), 1, klt_padding, nullptr);
+    has_patches_ = true;
+  }
+  std::vector<Recognized> recognized(TaskPool* pool = nullptr) const {
     const Describe describe = [this](const Eigen::Vector2f& corner) {
       return std::vector<Descriptor>{descriptors_.at({corner.x(), corner.y()})};
     };
     TrackTimes times;
+    return recognize(corners_, describe, tracked_, store_, now, image_, most, options, pool, times);
+  }
+  /// (corner, track), in their order.
+  using Found = std::vector<std::pair<std::size_t, std::size_t>>;
+  Found found(TaskPool* pool = nullptr) const {
     Found pairs;
-    for (const Recognized& one :
-         recognize(corners_, describe, tracked_, store_, now, image_, most, options, pool, times)) {
+    for (const Recognized& one : recognized(pool)) {
       EXPECT_EQ(one.pixel, corners_[one.corner]);
       pairs.emplace_back(one.corner, one.track);
     }
@@ -78,6 +91,7 @@ class LostAndFound {
     const std::size_t track = store_.create();
     for (std::int64_t frame = first; frame <= last; ++frame)
       store_[track].observe(frame, at(start, frame), at(start, frame), look);
+    if (has_patches_) store_[track].keep_patch(last, 1, image_, at(start, now), options.patch_window_px);
     return track;
   }
 
@@ -87,6 +101,7 @@ class LostAndFound {
   std::vector<Eigen::Vector2f> corners_;
   std::map<std::pair<float, float>, Descriptor> descriptors_;
   Pyramid image_;
+  bool has_patches_ = false;
 };
 
 const Eigen::Vector2f somewhere(200.0F, 200.0F), elsewhere(400.0F, 300.0F);
@@ -137,6 +152,33 @@ TEST(Recognition, MoreVotesComeFirstAndOnlyAsManyAsAskedFor) {
   EXPECT_EQ(scene.found(), (LostAndFound::Found{{1, often}, {0, once}})) << "three votes against one";
   scene.most = 1;
   EXPECT_EQ(scene.found(), (LostAndFound::Found{{1, often}}));
+}
+
+TEST(Recognition, AFeatureReappearsOnlyOnce) {
+  LostAndFound scene;
+  scene.options.min_distance_px = 2.0;
+  const Descriptor look = scene.random_descriptor();
+  const std::size_t lost = scene.add_lost(somewhere, look);
+  const Eigen::Vector2f there = LostAndFound::at(somewhere, now), aside(0.0F, 1.5F);
+  scene.add_corner(there - aside, LostAndFound::flipped(look, 3));
+  scene.add_corner(there + aside, look);
+  EXPECT_EQ(scene.found(), (LostAndFound::Found{{1, lost}})) << "both are where it may be";
+}
+
+TEST(Recognition, ACornerIsAlignedWithThePatchInNoMoreStepsThanAllowed) {
+  for (const int iterations : {1, 30}) {
+    LostAndFound scene;
+    scene.options.align = true;
+    scene.options.flow_iterations = iterations;
+    scene.show_waves();
+    const Descriptor look = scene.random_descriptor();
+    scene.add_lost(somewhere, look);
+    const Eigen::Vector2f there = LostAndFound::at(somewhere, now);
+    scene.add_corner(there + Eigen::Vector2f(3.0F, -2.0F), look);
+    const std::vector<Recognized> found = scene.recognized();
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ((found.front().pixel - there).norm() < 0.05F, iterations > 1) << found.front().pixel.transpose();
+  }
 }
 
 /// Two lost features that look alike, 6 px apart: the one taken first leaves the other corner to the other one.

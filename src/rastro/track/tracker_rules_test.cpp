@@ -182,5 +182,48 @@ TEST(Tracker, ReappearingFeaturesDisplaceTheYoungestOnesIfAllowed) {
   EXPECT_GT(reidentified[true], reidentified[false]);
 }
 
+/// The guided search compares with descriptors that were made in the same way.
+TEST(Tracker, LostFeaturesReappearWithEveryDescriptor) {
+  for (const char* descriptor : {"upright", "scaled", "steered", "steered_scaled"}) {
+    TrackOptions options = small_features();
+    options.descriptor = descriptor;
+    options.max_travel_px = 0.1;  // so that hardly any corner is a lost feature
+    std::map<bool, int> reidentified;
+    for (const bool predict : {false, true}) {
+      options.predict = predict;
+      for (const TrackFrame& frame : tracked_hall(options)) reidentified[predict] += frame.reidentified;
+    }
+    EXPECT_GT(reidentified[true], 10 * reidentified[false]) << descriptor << reidentified[false];
+  }
+}
+
+/// Waves that stand still; in frames 6 and 7 a blank square covers their middle.
+GrayImage with_cover(int k) {
+  GrayImage image = rotated_waves(0.0);
+  if (k < 6 || k > 7) return image;
+  for (int y = 60; y < 180; ++y) std::fill_n(image.row(y) + 60, 120, std::uint8_t{128});
+  return image;
+}
+
+/// What was covered comes back, and the ones that took its place meanwhile go.
+TEST(Tracker, TheYoungestAreDisplacedAndTheOldestStay) {
+  TrackOptions options = small_features();
+  options.features = 60;
+  options.predict = false;
+  options.displace = true;
+  Tracker tracker(options);
+  std::vector<TrackFrame> frames;
+  for (int k = 0; k <= 8; ++k) frames.push_back(tracker.process(with_cover(k).view(), k));
+  const TrackFrame &before = frames[7], &after = frames[8];
+  ASSERT_EQ(before.features.size(), 60U) << "full";
+  EXPECT_EQ(after.reidentified, 6) << "a tenth";
+  EXPECT_EQ(after.features.size(), 60U);
+  for (const TrackedFeature& feature : before.features) {
+    const bool stays = std::any_of(after.features.begin(), after.features.end(),
+                                   [&](const TrackedFeature& other) { return other.id == feature.id; });
+    EXPECT_TRUE(stays || feature.age < 3) << feature.age;
+  }
+}
+
 }  // namespace
 }  // namespace rastro

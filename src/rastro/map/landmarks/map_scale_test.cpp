@@ -162,6 +162,26 @@ TEST(CameraHeight, OnlySubmapZeroCountsInTheOrderOfItsFrames) {
   EXPECT_EQ(drive.found().measurements, 92);
 }
 
+/// Sixteen keyframes whose ground is at slightly different heights; those from `begin` to `end` observe nothing.
+Drive uneven_drive(KeyframeId begin = 0, KeyframeId end = 0) {
+  Drive drive(16);
+  for (KeyframeId k = 0; k < 16; ++k) {
+    const double height = 1.0 + 0.002 * static_cast<double>(k * k % 11);
+    if (k < begin || k >= end) drive.add(0.5, height, 3.0 * height, k, 10);
+  }
+  return drive;
+}
+
+TEST(CameraHeight, ItsSigmaIsThatOfEightBlocksOfKeyframesLeftOut) {
+  const auto height_without = [](std::size_t begin, std::size_t end) {
+    return std::optional(
+        height_m / uneven_drive(static_cast<KeyframeId>(begin), static_cast<KeyframeId>(end)).found().meters_per_unit);
+  };
+  const MapScaleFound found = uneven_drive().found();
+  EXPECT_NEAR(found.relative_sigma, jackknife_sigma(16, height_without) * found.meters_per_unit / height_m, 1e-12);
+  EXPECT_GT(found.relative_sigma, 1e-4);
+}
+
 TEST(CameraHeight, AStandingCameraHasNoHeight) {
   Drive drive(10, SO3(), 0.0);
   drive.add(0.5, 1.0, 3.0, 4, 60);

@@ -64,6 +64,15 @@ TEST(HectorSlam, AStoppedRunKeepsItsMapAndSearchesForNoMoreLoops) {
   EXPECT_EQ(slam.trajectory().size(), 20U);
 }
 
+TEST(HectorSlam, TheFirstScanFitsTheMapThatBeginsWithItExactly) {
+  const SlamUpdate first = HectorSlam({}, nullptr).process(room_drive(1).frames().front());
+  EXPECT_EQ(first.state, SlamState::tracking);
+  EXPECT_EQ(first.reason, SlamReason::first_frame);
+  EXPECT_EQ(first.score, 1.0);
+  ASSERT_TRUE(first.covariance);
+  EXPECT_EQ(first.covariance->norm(), 0.0);
+}
+
 TEST(HectorSlam, FollowsADriveThroughARoomWithEveryGuess) {
   const WalledDrive drive = room_drive();
   const std::vector<Frame> frames = drive.frames();

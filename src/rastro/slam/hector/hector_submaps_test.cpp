@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When submaps are started and when loops are searched for.
+// What submaps hold, when they are started and when loops are searched for.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include "rastro/map/scans/scan_layer.h"
 #include "rastro/slam/hector/hector_slam.h"
 #include "rastro/slam/hector/hector_testing.h"
+#include "rastro/slam/hector/submap.h"
 
 namespace rastro {
 namespace {
@@ -26,6 +27,46 @@ std::vector<SlamUpdate> updates_of(const std::vector<Frame>& frames, const Hecto
 
 bool has_event(const SlamUpdate& update, const char* kind) {
   return std::any_of(update.events.begin(), update.events.end(), [&](const SlamEvent& e) { return e.kind == kind; });
+}
+
+Submap submap_of(const WalledDrive& drive) {
+  const HectorOptions options;
+  Submap submap(options, SE2());
+  for (std::size_t k = 0; k < drive.world_from_body.size(); ++k)
+    submap.insert(returns_of(drive.scan(k), options), drive.ground_truth(k), k);
+  return submap;
+}
+
+/// By level, as the matchers read them.
+std::vector<std::vector<std::uint8_t>> cells_of(const Submap& submap) {
+  std::vector<std::vector<std::uint8_t>> cells;
+  for (const ProbabilityView& view : submap.levels())
+    cells.emplace_back(view.cells, view.cells + view.width * view.height);
+  return cells;
+}
+
+TEST(Submap, FinishingKeepsTheCellsOfEachLevelAndFreesMemory) {
+  Submap submap = submap_of(room_drive(5));
+  const auto cells = cells_of(submap);
+  const std::size_t bytes = submap.bytes();
+  ASSERT_EQ(cells.size(), static_cast<std::size_t>(HectorOptions().levels));
+  submap.finish();
+  EXPECT_TRUE(submap.finished());
+  EXPECT_EQ(cells_of(submap), cells);
+  EXPECT_LT(submap.bytes(), bytes);
+}
+
+TEST(Submap, SearchDataCountsAsMemoryWhileItIsKept) {
+  Submap submap = submap_of(room_drive(5));
+  const std::size_t bytes = submap.bytes(), finest = cells_of(submap).front().size();
+  submap.correlative();
+  EXPECT_EQ(submap.bytes(), bytes + 7 * finest) << "a byte for each cell of seven levels";
+  submap.forget_correlative();
+  EXPECT_EQ(submap.bytes(), bytes);
+  submap.correlative();
+  submap.release();
+  EXPECT_TRUE(submap.released());
+  EXPECT_LT(submap.bytes(), finest);
 }
 
 /// The search follows every so many key scans, so a closed loop is reported with one of these counts.

@@ -278,8 +278,12 @@ TEST(KeyframePipeline, TheFullerTheMapTheSparserItsKeyframes) {
     SlamContext context;
     context.map_memory_bytes = static_cast<std::size_t>(share * static_cast<double>(bytes));
     PipelineBench bench(without_culling(), context);
+    TrackedFrame frame;
+    frame.seen.resize(1);
+    bench.session.trajectory.add(frame);
     bench.pipeline.take_all_results(bench.events);
     EXPECT_EQ(bench.session.spacing, then.first) << share;
+    EXPECT_EQ(bench.session.trajectory.frames().front().seen.empty(), then.first >= 2.0) << share;
     EXPECT_NEAR(bench.session.keyframe_share, then.second, 1e-12) << share;
     EXPECT_EQ(bench.events.size(), then.first > 1.0 ? 1U : 0U) << share;
   }

@@ -174,7 +174,6 @@ FeatureMaker::FeatureMaker(const OrbSlamOptions& options, const SensorChoice& se
 
 std::shared_ptr<const FeatureFrame> FeatureMaker::make(const Frame& frame, const SE3& depth_from_color) {
   auto data = std::make_shared<ImageFeatures>();
-  data->id = -1;
   data->frame = frame.index;
   data->stamp = frame.stamp;
   data->features = extractor_.extract(frame.image.view(), frame.mask.view(), pool_);

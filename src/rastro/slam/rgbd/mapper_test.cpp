@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "rastro/base/error.h"
 #include "rastro/slam/rgbd/rgbd_testing.h"
@@ -80,6 +82,7 @@ TEST(Mapper, MatchesCorrectOdometryErrors) {
     EXPECT_EQ(edges_of_kind(revision, ConstraintKind::odometry), 1);
     EXPECT_GE(edges_of_kind(revision, ConstraintKind::proximity), 1) << k;
     EXPECT_EQ(edges_of_kind(revision, ConstraintKind::loop), 0);
+    EXPECT_TRUE(revision.events.empty()) << "no loop, so the map behind the last keyframes stays";
   }
   EXPECT_GT((tracked.translation() - beside(3).translation()).norm(), 0.15);
   for (int k = 0; k < 4; ++k)
@@ -235,7 +238,51 @@ TEST(Mapper, AGivenMapStaysUnchanged) {
   EXPECT_THAT(revision.poses[4].world_from_camera, pose_near(seen_from, 0.03, 0.015));
   EXPECT_TRUE(archive.keyframes.empty()) << "nothing is mapped";
   EXPECT_TRUE(archive.maps.empty());
+  EXPECT_GT(edges_of_kind(revision, ConstraintKind::loop), 0);
+  EXPECT_FALSE(has_event(revision, "loop_closed")) << "no loop of its own is closed";
   EXPECT_FALSE(has_event(revision, "map_revised"));
+}
+
+/// The keyframe before `end` with the most neighbors among those that still have features, the first of equals.
+std::int64_t most_connected(const std::vector<Constraint>& edges, std::int64_t end,
+                            const std::set<std::int64_t>& bare) {
+  std::map<std::int64_t, std::set<std::int64_t>> neighbors;
+  for (const Constraint& edge : edges) {
+    const auto from = static_cast<std::int64_t>(edge.from), to = static_cast<std::int64_t>(edge.to);
+    if (bare.contains(from) || bare.contains(to)) continue;
+    neighbors[from].insert(to);
+    neighbors[to].insert(from);
+  }
+  std::int64_t best = -1;
+  for (const auto& [id, others] : neighbors)
+    if (id < end && (best < 0 || others.size() > neighbors.at(best).size())) best = id;
+  return best;
+}
+
+TEST(Mapper, GivesUpFeaturesOfTheMostRedundantFirst) {
+  RgbdSlamOptions options;
+  options.graph_window = 2;
+  RecordingArchive archive;  // for the images
+  SlamContext context;
+  context.archive = &archive;
+  context.map_memory_bytes = 300'000;
+  Mapper mapper(options, test_room::camera(), context);
+  std::vector<Constraint> edges;
+  std::set<std::int64_t> bare;
+  for (std::int64_t k = 0; k < 40 && bare.size() < 3; ++k) {
+    const auto side = [](std::int64_t id) { return beside(static_cast<int>(id % 5)); };
+    std::vector<Constraint> path;
+    if (k > 0) path.push_back(edge_of(k - 1, k, side(k - 1).inverse() * side(k)));
+    const MapRevision revision = mapper.add(order_of(k, side(k), side(k), path));
+    edges.insert(edges.end(), revision.new_edges.begin(), revision.new_edges.end());
+    for (const std::int64_t id : revision.forgotten) {
+      EXPECT_EQ(id, most_connected(edges, k + 1 - options.graph_window, bare));
+      bare.insert(id);
+    }
+    EXPECT_EQ(has_event(revision, "memory") && !revision.forgotten.empty(), !revision.forgotten.empty());
+    EXPECT_LE(revision.memory.bytes, context.map_memory_bytes / 10 * 9) << k;
+  }
+  EXPECT_GE(bare.size(), 3U);
 }
 
 /// SIFT features take half a kilobyte each; the smallest budget is 16 MB.

@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
+#include "rastro/slam/rgbd/frame_report.h"
 #include "rastro/slam/rgbd/rgbd_testing.h"
 
 namespace rastro {
@@ -49,6 +51,44 @@ TEST(RgbdSession, TheLatestPoseIsThatOfTheTrajectoryWhateverIsPending) {
     last = update.world_from_body;
   }
   EXPECT_GT(corrected, 1e-5) << "nothing was corrected";
+}
+
+/// While mapping is off, frames refer to the keyframe they were last compared with.
+TEST(RgbdSession, WithoutMappingTheMapIsComparedWithAfterSoManyFrames) {
+  RgbdSlamOptions options = many_keyframes();
+  for (const int every : {1, 1000}) {
+    options.relocalize_every = every;
+    RgbdSession session(options, test_room::camera(), {});
+    for (int k = 0; k < 12; ++k) session.process(panned_frame(k, options));
+    EXPECT_TRUE(session.set_mapping(false));
+    const std::size_t mapped = session.snapshot()->frames.size();
+    for (int k = 12; k < 24; ++k) {
+      Frame back = panned_frame(23 - k, options);
+      back.index = k;
+      back.stamp = back.depth_stamp = panned_frame(k, options).stamp;
+      EXPECT_EQ(session.process(back).state, SlamState::tracking) << k;
+    }
+    const auto map = session.snapshot();
+    std::set<KeyframeId> keyframes;
+    for (std::size_t i = mapped; i < map->frames.size(); ++i) keyframes.insert(map->frames[i].keyframe);
+    EXPECT_EQ(map->frames.size(), 24U);
+    EXPECT_EQ(keyframes.size() > 1, every == 1);
+    EXPECT_TRUE(every == 1 || keyframes.contains(map->keyframes.back().id)) << "the last that was made";
+  }
+}
+
+TEST(FrameReport, AKeptFrameHasWhatTheMapNeeds) {
+  Frame frame = room_frame(looking({-0.5, -0.2, 1.2}, 0.0), 7);
+  frame.mask = GrayImage(320, 240);
+  frame.mask.at(3, 4) = 255;
+  const Frame kept = kept_of(frame);
+  EXPECT_EQ(kept.index, 7);
+  EXPECT_EQ(kept.stamp, frame.stamp);
+  EXPECT_EQ(kept.image.at(160, 120), frame.image.at(160, 120));
+  EXPECT_EQ(kept.depth.at(160, 120), frame.depth.at(160, 120));
+  ASSERT_EQ(kept.mask.width(), 320);
+  EXPECT_EQ(kept.mask.at(3, 4), 255);
+  EXPECT_EQ(kept.color.width(), frame.color.width());
 }
 
 /// The camera hardly moves, so that the number of frames decides.

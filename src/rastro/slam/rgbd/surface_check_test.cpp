@@ -166,6 +166,24 @@ TEST(SurfaceCheck, ASurfaceIsTheSameFromAFrameAsFromItsPackedImages) {
   }
 }
 
+/// 65535 units of 0.2 mm.
+TEST(SurfaceCheck, TheFarthestDepthIsThatOfPackedImages) {
+  RgbdSlamOptions settings;
+  SurfaceOptions options = surface_options(settings);
+  options.max_depth_m = 20.0;
+  const SurfaceCheck check(test_room::camera(), options);
+  for (const int units : {65534, 65535, 65536}) {
+    const DepthImage depth = wall(units / packed_depth_units_per_meter);
+    const DepthBlocks blocks = check.surface_of(depth).blocks;
+    EXPECT_NEAR(blocks.depth.at(40), units <= 65535 ? units / packed_depth_units_per_meter : 0.0, 1e-4) << units;
+    Frame frame;
+    frame.image = GrayImage(depth.width(), depth.height());
+    frame.depth = depth;
+    const DepthImage unpacked = unpack_images(pack_images(frame), "test").depth;
+    EXPECT_NEAR(blocks.depth.at(40), unpacked.at(160, 2), 1e-4F) << units;
+  }
+}
+
 TEST(SurfaceCheck, SurfacesAreAligned) {
   const SurfaceCheck check = room_check();
   const SE3 a = looking({-1.2, -0.3, 1.2}, 0.2), b = looking({-1.1, 0.1, 1.3}, 0.05), a_from_b = a.inverse() * b;

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "rastro/backend/acceptance.h"
 #include "rastro/math/alignment.h"
 #include "rastro/slam/orb/loop_closing/global_bundle_adjustment.h"
 #include "rastro/slam/orb/loop_closing/place_testing.h"
 #include "rastro/slam/orb/relocalization/frame_relocalizer.h"
+#include "rastro/slam/orb/tracking/frame_testing.h"
 
 namespace rastro {
 namespace {
@@ -138,6 +140,72 @@ TEST(LoopClosing, ALoopMustFindMoreLandmarksThanAWrongOneWould) {
   Bench bench(CameraKind::mono, options);
   bench.mapper.begin(0, SE3(), 1.0);
   for (int k = 0; k < 68; ++k) EXPECT_FALSE(bench.loop_closing.process(bench.mapper.add(k * step))) << k;
+}
+
+/// To the other side of the circle and back: nearly all of the path is the first and the last step.
+TEST(LoopClosing, ALoopMayBeAsFarOffAsTheWholePathDrifts) {
+  constexpr std::int64_t back = 5;
+  const auto drive = [&](Bench& bench) {
+    bench.mapper.begin(0, RoundWorld::world_from_camera(0.0), 1.0);
+    bench.mapper.add(0.0);
+    for (int k = 0; k < 4; ++k) bench.mapper.add(M_PI + k * step);
+    EXPECT_EQ(bench.mapper.add(0.0), back);
+  };
+  OrbSlamOptions options;
+  options.loop_consistent = 1;
+  Bench measured(CameraKind::depth, options);
+  drive(measured);
+  double path = 0.0;
+  for (std::int64_t id = 1; id <= back; ++id) {
+    const SE3 moved = measured.graph.camera_from_world(id - 1) * measured.graph.camera_from_world(id).inverse();
+    path += moved.translation().norm() + moved.rotation().log().norm();
+  }
+  const SE3 off = measured.graph.camera_from_world(back) * measured.graph.camera_from_world(0).inverse();
+  const double sigmas =
+      graph_sigmas(off, SE3(), OdometryDrift{options.loop_drift_share, options.loop_drift_rad_per_m}.covariance(path));
+  for (const double limit : {0.8, 1.2}) {
+    options.loop_max_sigmas = limit * sigmas;
+    Bench bench(CameraKind::depth, options);
+    drive(bench);
+    EXPECT_EQ(bench.loop_closing.process(back).has_value(), limit > 1.0) << limit;
+  }
+}
+
+/// A loop from keyframe `from` to `to`, off by 0.3 m, in a row of keyframes 0 to 3 of which only the first two share
+/// landmarks.
+MapGraph with_corrected_loop(const testing::PointWorld& world, std::int64_t from, std::int64_t to, bool branched) {
+  MapGraph graph(world.camera, CameraKind::depth, 0.1, OrbOptions{});
+  testing::ExactMap map(world, graph);
+  const auto at = [](double k) { return SE3(SO3(), {-0.2 * k, 0.0, 0.0}); };
+  map.add(0, at(0), {.from = 0, .to = 100});
+  map.add(1, at(1), {.from = 0, .to = 100});
+  map.add(2, at(2), {.from = 100, .to = 200});
+  map.add(3, at(3), {.from = 200, .to = 300});
+  if (branched) graph.set_parent(2, 0);
+  VerifiedLoop loop;
+  loop.keyframe = from;
+  loop.matched = to;
+  const SE3 measured = graph.camera_from_world(from) * graph.camera_from_world(to).inverse();
+  loop.keyframe_from_matched = Sim3(SE3(measured.rotation(), measured.translation() + Eigen::Vector3d(0.0, 0.3, 0.0)));
+  correct_loop(graph, OrbSlamOptions(), loop);
+  return graph;
+}
+
+TEST(LoopCorrection, HoldsTheRootOrTheMatchedKeyframeIfTheRootMoves) {
+  const testing::PointWorld world(300, 5);
+  const auto moved_by = [](const MapGraph& graph, std::int64_t id) {
+    const SE3 before(SO3(), {-0.2 * static_cast<double>(id), 0.0, 0.0});
+    return (graph.camera_from_world(id).inverse() * before).translation().norm();
+  };
+  const MapGraph forward = with_corrected_loop(world, 3, 1, false);
+  EXPECT_LT(moved_by(forward, 0), 1e-9);
+  EXPECT_GT(moved_by(forward, 3), 0.05);
+  for (const bool branched : {false, true}) {
+    const MapGraph backward = with_corrected_loop(world, 1, 3, branched);
+    EXPECT_LT(moved_by(backward, 3), 1e-9) << branched;
+    EXPECT_GT(moved_by(backward, 2), 0.01) << branched;
+    EXPECT_GT(moved_by(backward, 0), 0.05) << branched << ": it observes what keyframe 1 does";
+  }
 }
 
 TEST(LoopClosing, SameInputSameBytes) {

@@ -180,6 +180,8 @@ TEST(FrameTrajectory, IsRefinedInAMapWhoseScaleHasChanged) {
 TEST(FrameTrajectory, AFrameWithTooFewInliersKeepsItsPose) {
   PathBench bench;
   TrackedFrame frame = bench.seeing(1, 1, pose_at(0.4), some_error);
+  std::sort(frame.seen.begin(), frame.seen.end(), [](const auto& a, const auto& b) { return a.landmark < b.landmark; });
+  ASSERT_EQ(frame.seen.front().landmark, 0) << "the first one counts as well";
   frame.seen.resize(20);
   bench.recorded.add(frame);
   bench.recorded.refine(bench.map.graph, 21);

@@ -102,6 +102,19 @@ TEST(FrameRelocalizer, TriesNoMoreKeyframesThanAllowed) {
   EXPECT_FALSE(bench.find(aside(0.9), options)) << "it shares two thirds of the words";
 }
 
+TEST(FrameRelocalizer, TheSeedDecidesWhichMatchesAreSampled) {
+  RelocalizerBench bench;
+  bench.map.add(0, aside(0));
+  OrbSlamOptions options;
+  options.pnp_iterations = 1;
+  int found = 0;
+  constexpr int seeds = 20;
+  for (options.seed = 1; options.seed <= seeds; ++options.seed)
+    found += bench.find(off_track, options, {.moved_share = 0.3}) ? 1 : 0;
+  EXPECT_GT(found, 0);
+  EXPECT_LT(found, seeds);
+}
+
 TEST(FrameRelocalizer, IsRobustToWrongFeaturesAndNoise) {
   RelocalizerBench bench;
   for (int k = 0; k < 3; ++k) bench.map.add(k, aside(k));

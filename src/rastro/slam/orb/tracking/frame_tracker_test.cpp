@@ -193,6 +193,20 @@ TEST(FrameTracker, TheReferenceIsTheKeyframeThatSharesMost) {
   EXPECT_EQ(tracker.track_from(right.frame, at(0.1)).reference, 1);
 }
 
+/// The keyframe in the middle of the view observes none of what the frame after the jerk shows.
+TEST(FrameTracker, AJerkIsFoundFromTheReferenceOfTheLastFrame) {
+  const PointWorld world(300, 5);
+  ExactMap map(world, CameraKind::mono, 0.0);
+  map.add(0, at(0.0), {.from = 0, .to = 200});
+  map.add(1, at(0.1), {.from = 100, .to = 300});
+  FrameTracker tracker({}, world.camera, CameraKind::mono, 0.0);
+  tracker.set_view(view_of(map.graph, 1, {}));
+  ASSERT_TRUE(tracker.track_from(world.observe(7, at(0.1), {.from = 0, .to = 140}).frame, at(0.1)).ok);
+  const TrackingResult result = tracker.track(world.observe(8, upside_down(), {.from = 0, .to = 100}).frame);
+  ASSERT_TRUE(result.ok);
+  EXPECT_THAT(result.camera_from_world, pose_near(upside_down(), 2e-4, 2e-5));
+}
+
 TEST(FrameTracker, PoseAndVelocityMoveWithTheMap) {
   TrackingBench bench;
   const SE3 step(SO3::exp({0.0, 0.01, 0.005}), {-0.03, 0.0, 0.01});

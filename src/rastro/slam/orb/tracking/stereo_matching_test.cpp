@@ -144,6 +144,20 @@ TEST(StereoMatching, APartnerFartherRightOrBeyondTheLargestDisparityIsNone) {
   EXPECT_EQ(far.match(), 0.0);
 }
 
+/// Their bands reach beyond the image.
+TEST(StereoMatching, FeaturesInTheFirstAndLastRowsHarmNoOthers) {
+  OneFeature one;
+  one.keyframe.features = OneFeature::feature(200.0F, 98.0F);
+  for (const float row : {0.0F, 1.0F, 238.0F, 239.0F}) {
+    for (int i = 0; i < 50; ++i) {
+      one.right_features.keypoints.push_back({400.0F, row, 31.0F, 0.0F, 1.0F});
+      one.right_features.levels.push_back(7);
+      one.right_features.descriptors.emplace_back();
+    }
+  }
+  EXPECT_NEAR(one.match(), OneFeature::disparity, 0.1);
+}
+
 TEST(StereoMatching, TheShiftIsSoughtUpToFivePixelsFromThePartner) {
   for (const float off : {-3.0F, 3.0F, 4.0F, 6.0F, -6.0F}) {
     OneFeature one;

@@ -80,7 +80,15 @@ TEST(Tracking, ReportsPoseObservationsAndCovariance) {
   WallRun run;
   EXPECT_TRUE(run.tracking.observations().empty());
   EXPECT_EQ(run.process(0, 0.0).state, SlamState::tracking);
-  EXPECT_EQ(count_of(run.tracking.observations(), ObservationState::inlier), 0U) << "the map begins with this frame";
+  const std::vector<FeatureObservation> first = run.tracking.observations();
+  EXPECT_EQ(count_of(first, ObservationState::inlier), 0U) << "the map begins with this frame";
+  EXPECT_GT(count_of(first, ObservationState::new_landmark), 100U);
+  const std::vector<std::int64_t>& landmarks = run.session.graph.keyframe(0).landmarks;
+  ASSERT_EQ(first.size(), landmarks.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].landmark, landmarks[i]) << i;
+    EXPECT_EQ(first[i].state, landmarks[i] < 0 ? ObservationState::unmatched : ObservationState::new_landmark) << i;
+  }
   const SlamUpdate update = run.process(1, 0.03);
   EXPECT_EQ(update.state, SlamState::tracking);
   EXPECT_EQ(update.reason, SlamReason::none);
@@ -155,6 +163,7 @@ TEST(Tracking, ARollingShutterIsCompensatedFromTheFirstFrameOn) {
     WallRun run(WallRun::wall_options(), camera);
     const SlamUpdate first = run.process(frames[0]);
     EXPECT_EQ(first.state == SlamState::initializing, readout_s > 0.0) << "its rotation is not known yet";
+    EXPECT_EQ(first.reason == SlamReason::first_frame, readout_s > 0.0);
     double worst_m = 0.0;
     for (std::size_t k = 1; k < frames.size(); ++k) {
       const SlamUpdate update = run.process(frames[k]);
@@ -286,6 +295,23 @@ TEST(Tracking, LostFramesExtrapolateTheMotionAndAreRelocalized) {
   EXPECT_THAT(found.world_from_body, pose_near(run.beside(-0.23), 0.01, 0.003));
   EXPECT_EQ(run.session.trajectory.frames().size(), 6U) << "the unconfirmed ones have poses too now";
   EXPECT_EQ(run.process(8, -0.22).state, SlamState::tracking);
+}
+
+/// The camera leaps farther than landmarks are searched for around their predicted positions.
+TEST(Tracking, TracksFollowALeapThatTheSearchDoesNot) {
+  for (const char* frontend : {"orb", "tracks"}) {
+    OrbSlamOptions options = WallRun::wall_options();
+    options.frontend = frontend;
+    options.search_px = options.local_search_px = 1.0;
+    options.init_hamming = 1;  // or the reference keyframe would find it
+    WallRun run(options);
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(run.process(k, 0.0005 * k).state, SlamState::tracking) << k;
+    const SlamUpdate leap = run.process(3, 0.2);
+    EXPECT_EQ(leap.state == SlamState::tracking, options.frontend == "tracks");
+    if (options.frontend == "tracks") {
+      EXPECT_THAT(leap.world_from_body, pose_near(run.beside(0.2), 0.01, 0.003));
+    }
+  }
 }
 
 TEST(Tracking, KeyframesAreMadeWhileMappingAndTheViewFollowsTheCameraWithout) {
