@@ -155,8 +155,8 @@ struct LandmarkBench : MappingBench {
   void process(std::int64_t id, const std::vector<std::int64_t>& visible = {},
                const std::vector<std::int64_t>& found = {}) {
     KeyframeInput made = input_by_truth(id);
-    made.visible = visible;
-    made.found = found;
+    for (const std::int64_t landmark : visible) ++made.counts[landmark].visible;
+    for (const std::int64_t landmark : found) ++made.counts[landmark].found;
     mapping.process(made);
   }
   /// Of the first half of the points.

@@ -67,11 +67,10 @@ void LocalMapping::insert_keyframe(const KeyframeInput& input) {
   if (!graph_.has_keyframe(parent)) parent = graph_.keyframe_ids(submap).back();
   const std::int64_t id = graph_.add_keyframe(input.frame, pose, submap, parent).id;
   add_observations(id, input.points);
-  for (const std::int64_t landmark : input.visible) {
-    if (graph_.has_landmark(landmark)) ++graph_.landmark(landmark).visible;
-  }
-  for (const std::int64_t landmark : input.found) {
-    if (graph_.has_landmark(landmark)) ++graph_.landmark(landmark).found;
+  for (const auto& [landmark, counts] : input.counts) {
+    if (!graph_.has_landmark(landmark)) continue;
+    graph_.landmark(landmark).visible += counts.visible;
+    graph_.landmark(landmark).found += counts.found;
   }
   // The parent in the tree is the keyframe that shares most landmarks.
   const auto best = graph_.covisible(id, 1, 1);

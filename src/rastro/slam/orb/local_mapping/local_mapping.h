@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -15,6 +16,11 @@
 
 namespace rastro {
 
+/// Frames since the last keyframe in which a landmark should have been visible, and those in which it was found.
+struct LandmarkCounts {
+  int visible = 0, found = 0;
+};
+
 /// A frame that becomes a keyframe, as tracking hands it over.
 struct KeyframeInput {
   std::shared_ptr<const FeatureFrame> frame;
@@ -22,7 +28,7 @@ struct KeyframeInput {
   SE3 camera_from_reference;
   double reference_unit = 1.0;  ///< ... and its unit in the view.
   std::vector<TrackedPoint> points;
-  std::vector<std::int64_t> visible, found;  ///< Landmarks, once per frame since the last keyframe.
+  std::map<std::int64_t, LandmarkCounts> counts{};  ///< By landmark.
 };
 
 /// Local mapping of a new keyframe, METHODS 6 (Mur-Artal et al. 2015, section VI).

@@ -132,7 +132,7 @@ TEST(LocalMapping, NothingIsTriangulatedFromOnePosition) {
   bench.map.add(1, beside);
   bench.forget_second_half();
   const Observed all = bench.observe(2, beside);
-  bench.mapping.process({all.frame, 0, beside, 1.0, bench.map.tracked(all), {}, {}});
+  bench.mapping.process({all.frame, 0, beside, 1.0, bench.map.tracked(all), {}});
   EXPECT_EQ(bench.map.graph.landmark_count(), 100U);
 }
 
@@ -141,8 +141,7 @@ TEST(LocalMapping, LandmarksThatAreSeldomFoundAreCulled) {
   const std::vector<std::int64_t> ids = start_exactly(bench);
   // Found once when created; a quarter of the frames that should observe it are enough.
   KeyframeInput input = bench.input(2, 1);
-  input.visible = {ids[0], ids[0], ids[0], ids[0], ids[1], ids[1], ids[1], ids[2], ids[2], ids[2], ids[2]};
-  input.found = {ids[2]};
+  input.counts = {{ids[0], {4, 0}}, {ids[1], {3, 0}}, {ids[2], {4, 1}}};
   bench.mapping.process(input);
   EXPECT_FALSE(bench.map.graph.has_landmark(ids[0]));
   EXPECT_TRUE(bench.map.graph.has_landmark(ids[1]));

@@ -61,8 +61,7 @@ KeyframeInput KeyframeInsertion::input_of(const FeatureFrame& frame, const Track
                       tracked.camera_from_world * reference.camera_from_world.inverse(),
                       reference.unit,
                       tracked.points,
-                      std::move(visible_),
-                      std::move(found_)};
+                      std::move(counts_)};
   forget_observations();
   keyframe_frame_ = session_.frame_number;
   session_.trajectory.set_keyframe(frame.data().frame, input.frame->data().id);
@@ -70,16 +69,13 @@ KeyframeInput KeyframeInsertion::input_of(const FeatureFrame& frame, const Track
 }
 
 void KeyframeInsertion::count_observations(const TrackingResult& tracked) {
-  visible_.insert(visible_.end(), tracked.visible.begin(), tracked.visible.end());
+  for (const std::int64_t landmark : tracked.visible) ++counts_[landmark].visible;
   for (const TrackedPoint& point : tracked.points) {
-    if (point.landmark >= 0) found_.push_back(point.landmark);
+    if (point.landmark >= 0) ++counts_[point.landmark].found;
   }
 }
 
-void KeyframeInsertion::forget_observations() {
-  visible_.clear();
-  found_.clear();
-}
+void KeyframeInsertion::forget_observations() { counts_.clear(); }
 
 void KeyframeInsertion::on_initialized() {
   keyframe_frame_ = session_.frame_number;

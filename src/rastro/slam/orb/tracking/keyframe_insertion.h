@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -42,9 +43,9 @@ class KeyframeInsertion {
   OrbSession& session_;
   FrameTracker& tracker_;
   KeyframePipeline& pipeline_;
-  std::vector<std::int64_t> visible_, found_;  ///< Since the last keyframe, one entry per frame.
-  std::int64_t keyframe_frame_ = 0;            ///< Frame number of the last keyframe.
-  std::int64_t relocalized_frame_ = 0;         ///< Frame number of the last relocalization; 0: none in this map.
+  std::map<std::int64_t, LandmarkCounts> counts_;  ///< Since the last keyframe.
+  std::int64_t keyframe_frame_ = 0;                ///< Frame number of the last keyframe.
+  std::int64_t relocalized_frame_ = 0;             ///< Frame number of the last relocalization; 0: none in this map.
 };
 
 }  // namespace rastro
