@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "rastro/base/random.h"
 #include "rastro/multiview/homography.h"

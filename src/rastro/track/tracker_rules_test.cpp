@@ -182,18 +182,15 @@ TEST(Tracker, ReappearingFeaturesDisplaceTheYoungestOnesIfAllowed) {
   EXPECT_GT(reidentified[true], reidentified[false]);
 }
 
-/// The guided search compares with descriptors that were made in the same way.
+/// The guided search makes its descriptors as those it compares them with were made.
 TEST(Tracker, LostFeaturesReappearWithEveryDescriptor) {
   for (const char* descriptor : {"upright", "scaled", "steered", "steered_scaled"}) {
     TrackOptions options = small_features();
     options.descriptor = descriptor;
-    options.max_travel_px = 0.1;  // so that hardly any corner is a lost feature
-    std::map<bool, int> reidentified;
-    for (const bool predict : {false, true}) {
-      options.predict = predict;
-      for (const TrackFrame& frame : tracked_hall(options)) reidentified[predict] += frame.reidentified;
-    }
-    EXPECT_GT(reidentified[true], 10 * reidentified[false]) << descriptor << reidentified[false];
+    options.max_travel_px = 0.1;  // so that hardly any corner is compared with a lost feature
+    int reidentified = 0;
+    for (const TrackFrame& frame : tracked_hall(options)) reidentified += frame.reidentified;
+    EXPECT_GT(reidentified, 40) << descriptor << ", measured: 62 or more";
   }
 }
 

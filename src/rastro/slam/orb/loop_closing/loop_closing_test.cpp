@@ -9,6 +9,7 @@
 #include "rastro/backend/acceptance.h"
 #include "rastro/math/alignment.h"
 #include "rastro/slam/orb/loop_closing/global_bundle_adjustment.h"
+#include "rastro/slam/orb/loop_closing/loop_correction.h"
 #include "rastro/slam/orb/loop_closing/place_testing.h"
 #include "rastro/slam/orb/relocalization/frame_relocalizer.h"
 #include "rastro/slam/orb/tracking/frame_testing.h"
