@@ -55,6 +55,8 @@ const char* name_of(SlamReason reason) {
       return "apart";
     case SlamReason::unconfirmed:
       return "unconfirmed";
+    case SlamReason::implausible_motion:
+      return "implausible_motion";
   }
   return "unknown";
 }

@@ -29,21 +29,22 @@ enum class SlamState : std::uint8_t {
 enum class SlamReason : std::uint8_t {
   none,
   first_frame,
-  no_data,          ///< The frame has no data that the method uses: no scan, no image.
-  few_returns,      ///< Fewer valid beams, depths or points than a pose needs.
-  poor_match,       ///< The measurements fit the map badly.
-  degenerate,       ///< One direction is not observable, as along a bare corridor.
-  too_few_points,   ///< Fewer features or landmarks than a pose needs.
-  few_inliers,      ///< No motion explains enough of the matches.
-  no_odometry,      ///< A method that needs odometry got none with this frame.
-  dark_or_blank,    ///< An image without structure.
-  repeated_frame,   ///< The same data again, or a stamp that does not increase.
-  gap,              ///< Frames are missing: the motion since is too large to track.
-  odometry_jumped,  ///< Odometry reports a motion that no vehicle makes.
-  blurred,          ///< The image has motion blur.
-  not_found,        ///< The frame was not found in the map yet.
-  apart,            ///< In a submap that is not connected to the first one yet.
-  unconfirmed,      ///< Found in the map, but too few frames agree yet: its pose is not believed.
+  no_data,             ///< The frame has no data that the method uses: no scan, no image.
+  few_returns,         ///< Fewer valid beams, depths or points than a pose needs.
+  poor_match,          ///< The measurements fit the map badly.
+  degenerate,          ///< One direction is not observable, as along a bare corridor.
+  too_few_points,      ///< Fewer features or landmarks than a pose needs.
+  few_inliers,         ///< No motion explains enough of the matches.
+  no_odometry,         ///< A method that needs odometry got none with this frame.
+  dark_or_blank,       ///< An image without structure.
+  repeated_frame,      ///< The same data again, or a stamp that does not increase.
+  gap,                 ///< Frames are missing: the motion since is too large to track.
+  odometry_jumped,     ///< Odometry reports a motion that no vehicle makes.
+  blurred,             ///< The image has motion blur.
+  not_found,           ///< The frame was not found in the map yet.
+  apart,               ///< In a submap that is not connected to the first one yet.
+  unconfirmed,         ///< Found in the map, but too few frames agree yet: its pose is not believed.
+  implausible_motion,  ///< Only an acceleration explains the pose that hardly any camera is exposed to.
 };
 
 const char* name_of(SlamState state);    ///< "initializing", "tracking", ...

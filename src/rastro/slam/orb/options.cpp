@@ -227,6 +227,14 @@ void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
        0,
        10000,
        {}});
+  table.add(
+      {"max_acceleration",
+       &o.max_acceleration,
+       "m/s^2",
+       "a pose that only a larger acceleration explains is weak, unless one camera gives no meters; 0: not checked",
+       0,
+       1e6,
+       {}});
   table.add({"pnp_iterations", &o.pnp_iterations, "", "RANSAC iterations of PnP, at most", 10, 100000, {}});
   table.add({"local_keyframes", &o.local_keyframes, "", "keyframes of the local map, at most", 2, 1000, {}});
   table.add({"local_landmarks", &o.local_landmarks, "", "landmarks of the local map, at most", 100, 1000000, {}});

@@ -58,6 +58,7 @@ struct OrbSlamOptions {
   int min_inliers = 30;
   int localization_inliers = 20;
   double min_chance_ratio = 3.0;
+  double max_acceleration = 15.0;
   int pnp_iterations = 200;
   int local_keyframes = 40;
   int local_landmarks = 6000;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "rastro/base/stopwatch.h"
+#include "rastro/slam/motion_check.h"
 #include "rastro/slam/orb/keyframe_pipeline.h"
 #include "rastro/slam/orb/map/map_export.h"
 #include "rastro/slam/orb/session.h"
@@ -32,6 +33,7 @@ class OrbSlam::State {
   FrameTracker tracker_;
   KeyframePipeline pipeline_;
   Tracking tracking_;
+  MotionCheck motion_check_;
   SE3 last_pose_;                  ///< world_from_camera
   std::vector<SlamEvent> events_;  ///< Not reported yet.
 };
@@ -40,7 +42,8 @@ OrbSlam::State::State(const OrbSlamOptions& options, const SourceInfo& source, c
     : session_(options, source, context),
       tracker_(session_.options, session_.sensor.camera, session_.sensor.sensor, session_.sensor.baseline),
       pipeline_(session_, tracker_, context),
-      tracking_(session_, tracker_, pipeline_, context.pool) {
+      tracking_(session_, tracker_, pipeline_, context.pool),
+      motion_check_(session_.mono() ? 0.0 : session_.options.max_acceleration) {
   if (context.map) use_map(context);
 }
 
@@ -66,6 +69,7 @@ SlamUpdate OrbSlam::State::process(const Frame& frame) {
   pipeline_.take_results(frame.stamp, update.events);
   update.times.push_back({"wait", stage.lap_ms()});
   tracking_.process(frame, update);
+  motion_check_.check(update);
   last_pose_ = update.world_from_body;
   update.world_from_body = update.world_from_body * session_.sensor.camera_from_left();
   if (session_.has_map) pipeline_.archive_map();

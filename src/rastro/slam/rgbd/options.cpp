@@ -189,6 +189,13 @@ void add_graph_options(OptionTable& table, RgbdSlamOptions& o) {
        0.0001,
        10,
        {}});
+  table.add({"max_acceleration",
+             &o.max_acceleration,
+             "m/s^2",
+             "a pose that only a larger acceleration explains is weak; 0: not checked",
+             0,
+             1e6,
+             {}});
   table.add(
       {"optimize_iterations", &o.optimize_iterations, "", "iterations of each optimization, at most", 1, 1000, {}});
   table.add({"backend_delay_frames",

@@ -20,7 +20,7 @@ struct RgbdSlamOptions {
   double keyframe_distance_m = 0.15;
   double keyframe_angle_rad = 0.15;
   int keyframe_frames = 30;
-  int dense_keyframes = 4;
+  int dense_keyframes = 5;
 
   // Keyframe candidates.
   int last_candidates = 2;
@@ -54,6 +54,7 @@ struct RgbdSlamOptions {
   double loop_drift_rad_per_m = 0.02;
   double loop_max_sigmas = 5.0;
   double tracked_drift_share = 0.02;
+  double max_acceleration = 15.0;
   int optimize_iterations = 10;
   int backend_delay_frames = 10;
 

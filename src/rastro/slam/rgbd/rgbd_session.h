@@ -8,6 +8,7 @@
 
 #include "rastro/backend/pipeline.h"
 #include "rastro/odometry/rgbd_tracking/rgbd_follower.h"
+#include "rastro/slam/motion_check.h"
 #include "rastro/slam/rgbd/mapper.h"
 #include "rastro/slam/rgbd/relocalizer.h"
 #include "rastro/slam/rgbd/tracked_map.h"
@@ -114,6 +115,7 @@ class RgbdSession {
   Loss loss_;
   int segment_ = 0;  ///< Number of the segment of frames followed without a break.
   SE3 last_pose_;
+  MotionCheck motion_check_;
   std::optional<SE3> hint_;  ///< Where to search first in a given map, until found.
   double spacing_ = 1.0;     ///< Of keyframes, times the usual motion: more where memory is short.
   MapMemory memory_;
