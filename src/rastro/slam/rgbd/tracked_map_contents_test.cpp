@@ -68,19 +68,5 @@ TEST(TrackedMap, ASnapshotSaysWhenItsFramesWereAndWhatItsKeyframesAre) {
   EXPECT_EQ(snapshot->revision, 1);
 }
 
-TEST(TrackedMap, ATrajectoryIsByTimeWithOnePoseForEachStampTheFirstThatWasGiven) {
-  TrackedMap map = unfilled_map();
-  map.new_submap();
-  map.add_pending(in_submap(shifted(0.0)), Matrix6d::Zero());
-  const std::pair<TimeNs, double> frames[] = {{30, 3.0}, {10, 1.0}, {30, 4.0}, {20, 2.0}, {10, 5.0}};
-  for (const auto& [stamp, x] : frames) map.add_frame(stamp, 0, shifted(x));
-  const Trajectory trajectory = map.trajectory();
-  ASSERT_EQ(trajectory.size(), 3U);
-  for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(trajectory[k].stamp, static_cast<TimeNs>(10 * (k + 1)));
-    EXPECT_EQ(trajectory[k].world_from_body.translation().x(), static_cast<double>(k + 1));
-  }
-}
-
 }  // namespace
 }  // namespace rastro

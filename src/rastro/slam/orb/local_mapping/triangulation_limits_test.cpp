@@ -64,5 +64,25 @@ TEST(Triangulation, AFeatureMayBeTwoSigmaFromTheLineOfTheOther) {
   }
 }
 
+/// With what all keyframes see of it, also of landmarks that were only tracked, fused or measured by depth.
+TEST(LocalMapping, EveryLandmarkIsDescribedByAllItsObservations) {
+  for (const CameraKind sensor : {CameraKind::mono, CameraKind::depth}) {
+    MappingBench bench(sensor, testing::without_keyframe_culling());
+    for (const int id : {0, 1}) bench.add_keyframe(id);
+    bench.forget_second_half();
+    bench.mapping.process(bench.input(2, 1));
+    MapGraph& graph = bench.map.graph;
+    std::size_t of_three = 0;
+    for (const std::int64_t id : graph.landmark_ids()) {
+      const MapLandmark before = graph.landmark(id);
+      graph.describe(id);
+      EXPECT_LT((before.direction - graph.landmark(id).direction).norm(), 1e-3) << id;
+      EXPECT_EQ(before.descriptor.words, graph.landmark(id).descriptor.words);
+      of_three += before.observations.size() == 3 ? 1U : 0U;
+    }
+    EXPECT_GT(of_three, 150U);
+  }
+}
+
 }  // namespace
 }  // namespace rastro

@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "rastro/math/math_testing.h"
 #include "rastro/slam/orb/tracking/frame_testing.h"
 
@@ -82,6 +85,35 @@ TEST(LoopCorrection, ALoopThatFitsTheMapMovesNothing) {
     EXPECT_EQ(added.kind, ConstraintKind::loop);
     EXPECT_EQ(added.inliers, 17);
     EXPECT_THAT(added.rigid(), pose_near(in_row(5) * in_row(1).inverse(), 1e-9, 1e-9));
+  }
+}
+
+/// A loop that is 0.3 m off moves the end most and the root not at all, and all landmarks with their keyframes.
+TEST(LoopCorrection, TheErrorIsSpreadAndLandmarksStayWhereTheirFirstKeyframeSeesThem) {
+  Row row(CameraKind::depth);
+  VerifiedLoop loop = loop_of(row.graph, 5, 1);
+  const SE3 off(loop.keyframe_from_matched.rotation(),
+                loop.keyframe_from_matched.translation() + Eigen::Vector3d(0.0, 0.3, 0.0));
+  loop.keyframe_from_matched = Sim3(off);
+  const LoopResult result = correct_loop(row.graph, OrbSlamOptions(), loop);
+  std::vector<double> moved;
+  for (int k = 0; k < 6; ++k)
+    moved.push_back(
+        (row.graph.camera_from_world(k).inverse().translation() - in_row(k).inverse().translation()).norm());
+  EXPECT_EQ(result.moved, moved[5]);
+  EXPECT_EQ(std::max_element(moved.begin(), moved.end()) - moved.begin(), 5);
+  EXPECT_GT(moved[5], 0.05);
+  EXPECT_LT(moved[0], 1e-9);
+  for (const std::int64_t id : row.graph.landmark_ids()) {
+    const MapLandmark landmark = row.graph.landmark(id);
+    const std::int64_t first = landmark.first_keyframe;
+    const Eigen::Vector3d now = row.graph.camera_from_world(first) * landmark.position;
+    double error = 1e9;
+    for (const Eigen::Vector3d& point : row.world.points)
+      error = std::min(error, (in_row(static_cast<int>(first)) * point - now).norm());
+    EXPECT_TRUE(error < 1e-9 || first >= 3) << id << ": " << error;
+    row.graph.describe(id);
+    EXPECT_EQ(landmark.direction, row.graph.landmark(id).direction) << "described again where it is";
   }
 }
 
