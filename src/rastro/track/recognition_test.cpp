@@ -181,6 +181,55 @@ TEST(Recognition, ACornerIsAlignedWithThePatchInNoMoreStepsThanAllowed) {
   }
 }
 
+/// The newest patch is of the image as it is now; the one before is of `off_px` beside it, in another light, so that it
+/// fits less well.
+Eigen::Vector2f offset_of_older_and_newer(double max_residual_ratio, float off_px) {
+  const auto waves = [](bool disturbed) {
+    GrayImage image(200, 200);
+    for (int y = 0; y < 200; ++y) {
+      for (int x = 0; x < 200; ++x) {
+        const double other = disturbed ? 14.0 * std::sin(0.5 * x - 0.6 * y) : 0.0;
+        image.at(x, y) = static_cast<std::uint8_t>(
+            std::lround(128.0 + 50.0 * std::sin(0.21 * x + 0.05 * y) + 40.0 * std::sin(0.17 * y - 0.08 * x) + other));
+      }
+    }
+    return image;
+  };
+  TrackOptions options;
+  options.max_residual_ratio = max_residual_ratio;
+  options.max_alignment_residual = 1.0;
+  Pyramid now_seen, before;
+  now_seen.build(waves(false).view(), 1, klt_padding, nullptr);
+  before.build(waves(true).view(), 1, klt_padding, nullptr);
+  const Eigen::Vector2f here(100.0F, 100.0F);
+  TrackStore store(30);
+  const std::size_t lost = store.create();
+  store[lost].observe(1, here, here, {});
+  store[lost].keep_patch(1, 1, before, here + Eigen::Vector2f(off_px, 0.0F), options.patch_window_px);
+  store[lost].observe(2, here, here, {});
+  store[lost].keep_patch(2, 1, now_seen, here, options.patch_window_px);
+  store.mark_lost(lost);
+  options.min_votes = 1;
+  std::vector<Association> tracked;
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector2f pixel(20.0F + 25.0F * static_cast<float>(i % 6), 20.0F + 25.0F * static_cast<float>(i / 6));
+    tracked.push_back({store.create(), pixel, pixel});
+    for (const std::int64_t frame : {1, 2}) store[tracked.back().track].observe(frame, pixel, pixel, {});
+  }
+  const std::vector<Eigen::Vector2f> corners{here};
+  TrackTimes times;
+  const auto found = recognize(
+      corners, [](const Eigen::Vector2f&) { return std::vector<Descriptor>(1); }, tracked, store, now, now_seen, 1,
+      options, nullptr, times);
+  return found.empty() ? Eigen::Vector2f(1e3F, 1e3F) : Eigen::Vector2f(found.front().pixel - here);
+}
+
+TEST(Recognition, TheOlderPatchDecidesOnlyWhereItFitsAsWellAsATrackedFeature) {
+  EXPECT_LT(offset_of_older_and_newer(0.001, 1.5F).norm(), 0.1F) << "by the newer one, which fits better";
+  EXPECT_GT(offset_of_older_and_newer(1.0, 1.5F).norm(), 1.0F) << "by the older one";
+  EXPECT_LT(offset_of_older_and_newer(1.0, 1.5F).norm(), 2.0F);
+}
+
 /// Two lost features that look alike, 6 px apart: the one taken first leaves the other corner to the other one.
 TEST(Recognition, ATakenFeatureLeavesTheSecondBestCandidate) {
   LostAndFound scene;

@@ -150,7 +150,6 @@ void KeyframePipeline::pause(std::vector<SlamEvent>& events) {
   cancel_adjustment();
   take_all_results(events);
   cancel_adjustment();  // from a loop closed just now
-  wait();
 }
 
 void KeyframePipeline::finish(std::vector<SlamEvent>& events) {
@@ -162,7 +161,6 @@ void KeyframePipeline::finish(std::vector<SlamEvent>& events) {
     take_adjustment(std::move(*adjustment), session_.last_stamp);
     take_all_results(events);
   }
-  wait();
   if (!session_.has_map) return;
   if (session_.mapping && !stopped) adjust_map();
   session_.trajectory.refine(session_.graph, session_.options.min_inliers / 2);

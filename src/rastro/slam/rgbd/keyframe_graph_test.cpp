@@ -117,6 +117,14 @@ TEST(KeyframeGraphCandidates, TheNearestAreThoseOfBruteForce) {
   EXPECT_GT(found, 30) << "there must be something to find";
 }
 
+TEST(KeyframeGraphCandidates, TheNearestAreNearerThanTheReach) {
+  RgbdSlamOptions options = no_candidates();
+  options.near_candidates = 5;
+  options.near_distance_m = 1.0;
+  Random random(1);
+  EXPECT_EQ(chain(8, options).candidates(7, random), Ids{6}) << "0.5 m; the next is exactly as far as the reach";
+}
+
 TEST(KeyframeGraphCandidates, OfTheGraphsNeighborhoodThreeEdgesAway) {
   RgbdSlamOptions options = no_candidates();
   options.graph_candidates = 100;

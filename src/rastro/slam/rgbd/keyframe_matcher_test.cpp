@@ -201,6 +201,30 @@ TEST_F(KeyframeMatcherTest, MatchesHavePositionsAndSigmas) {
   EXPECT_GT(close, static_cast<int>(matches.size()) / 2) << "from b to a, not the other way";
 }
 
+/// A coarse feature's position is as uncertain as it is large, up to twice as much as that of the finest.
+TEST_F(KeyframeMatcherTest, SigmasGrowWithTheSizeOfTheFeature) {
+  options_.pixel_sigma = 1.5;
+  const View a = view(pose_a_, 1), b = view(pose_b_, 2);
+  const auto sigma_at = [&](const ImageFeatures& image, const Eigen::Vector2d& ray) {
+    float finest = 1e9F, size = 0.0F;
+    for (const Keypoint& keypoint : image.features.keypoints) {
+      finest = std::min(finest, keypoint.size_px);
+      const Eigen::Vector2d pixel(static_cast<double>(keypoint.x), static_cast<double>(keypoint.y));
+      if ((260.0 * ray + Eigen::Vector2d(159.5, 119.5) - pixel).norm() < 1e-9) size = keypoint.size_px;
+    }
+    return 1.5 * std::min(2.0, static_cast<double>(size) / static_cast<double>(finest));
+  };
+  int coarse = 0, between = 0;
+  for (const PointMatch& found : KeyframeMatcher(options_, test_room::camera()).matches_of(*a.keyframe, *b.keyframe)) {
+    EXPECT_NEAR(found.sigma_a, sigma_at(*a.keyframe, found.ray_a), 1e-6);
+    EXPECT_NEAR(found.sigma_b, sigma_at(*b.keyframe, found.ray_b), 1e-6);
+    coarse += found.sigma_a > 2.99 ? 1 : 0;
+    between += found.sigma_a > 1.51 && found.sigma_a < 2.99 ? 1 : 0;
+  }
+  EXPECT_GT(coarse, 3);
+  EXPECT_GT(between, 3);
+}
+
 TEST_F(KeyframeMatcherTest, FeaturesWithoutDepthInBothAreNoMatches) {
   const View a = view(pose_a_, 1), b = view(pose_b_, 2);
   const KeyframeMatcher matcher(options_, test_room::camera());

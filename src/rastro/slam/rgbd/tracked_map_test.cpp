@@ -219,6 +219,7 @@ TEST(TrackedMap, DroppedFeaturesAreRemovedHereToo) {
   map.apply(next);
   EXPECT_EQ(map.keyframes()[0]->features.size(), 0U);
   EXPECT_EQ(map.keyframes()[0]->id, 0);
+  EXPECT_EQ(map.keyframes()[0]->features.length, before->layer<FeatureLayer>()->find(0)->features.length);
   EXPECT_EQ(map.keyframes()[1]->features.size(), 1U);
   EXPECT_EQ(before->layer<FeatureLayer>()->find(0)->features.size(), 1U) << "an older snapshot keeps its own";
   EXPECT_EQ(map.snapshot()->layer<FeatureLayer>()->find(0)->features.size(), 0U);

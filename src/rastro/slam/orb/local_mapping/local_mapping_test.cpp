@@ -86,6 +86,7 @@ TEST(LocalMapping, DepthInitializesWithEveryPointThatIsNearEnough) {
   EXPECT_LT(near, first.seen.size() - 50);
   EXPECT_EQ(bench.map.graph.landmark_count(), near);
   EXPECT_EQ(bench.true_landmarks(1e-5), near);
+  EXPECT_EQ(bench.map.graph.keyframe(0).parent, -1) << "a root";
 }
 
 TEST(LocalMapping, NewPointsOfTwoKeyframesAreTriangulated) {

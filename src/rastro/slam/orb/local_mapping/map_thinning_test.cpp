@@ -51,6 +51,24 @@ TEST(MapThinning, TheMemoryGrowsWithFeaturesObservationsKeyframesAndConstraints)
   EXPECT_EQ(MapThinning(many.options, many.map.graph, 1).memory(1000).bytes, before + sizeof(Constraint) + 1000);
 }
 
+/// 41 bytes of a feature's own beside keypoint and descriptor: depth, level, pixel, grid, landmark and word.
+TEST(MapThinning, TheMemoryIsThatOfItsPartsOneByOne) {
+  ThinningBench bench(5);
+  bench.map.graph.constraints().resize(3);
+  std::size_t features = 0, neighbors = 0, observations = 0;
+  for (const std::int64_t id : bench.map.graph.keyframe_ids()) {
+    features += bench.map.graph.keyframe(id).frame->size();
+    neighbors += bench.map.graph.keyframe(id).neighbors.size();
+  }
+  for (const std::int64_t id : bench.map.graph.landmark_ids())
+    observations += bench.map.graph.landmark(id).observations.size();
+  const std::size_t expected = 5 * sizeof(MapKeyframe) + features * (sizeof(Keypoint) + sizeof(Descriptor) + 41) +
+                               neighbors * sizeof(Neighbor) + observations * sizeof(LandmarkObservation) +
+                               bench.map.graph.landmark_count() * sizeof(MapLandmark) + 3 * sizeof(Constraint);
+  EXPECT_EQ(neighbors, 20U) << "each has the four others";
+  EXPECT_EQ(bench.bytes(), expected);
+}
+
 TEST(MapThinning, WithoutALimitNothingHappens) {
   ThinningBench bench(15);
   MapThinning thinning(bench.options, bench.map.graph, 0);

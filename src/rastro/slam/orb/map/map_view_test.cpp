@@ -81,6 +81,15 @@ TEST(MapView, FindsItsLandmarksAndKeyframesOnly) {
   EXPECT_EQ(view->find(3), -1);
 }
 
+/// Keyframes are read until they have more than four times as many landmarks as the view may hold; the newest are kept.
+TEST(MapView, OfTooManyLandmarksTheNewestOfTheNearestKeyframesAreKept) {
+  MapGraph graph = chain(2);
+  share(graph, 0, 1, 0, 8);
+  const std::int64_t newest = add_landmark(graph, 20, {1});
+  EXPECT_EQ(view_of(graph, 0, {.keyframes = 2, .landmarks = 2})->ids, (Ids{newest - 1, newest}));
+  EXPECT_EQ(view_of(graph, 0, {.keyframes = 2, .landmarks = 1})->ids, (Ids{newest - 1})) << "eight are enough";
+}
+
 TEST(MapView, TakesNeighborsThenTheirsThatShareEnoughMostFirst) {
   MapGraph graph = chain(6);
   for (const std::int64_t id : {3, 4, 5}) graph.set_parent(id, 0);

@@ -179,6 +179,32 @@ TEST(Relocalization, AFrameThatCannotBeTrackedRejectsIt) {
   EXPECT_EQ(bench.frames(), (std::vector<std::int64_t>{10, 11, 12, 13}));
 }
 
+/// The number of the keyframe that a frame at stop 1.4 is found in, with this initial pose.
+std::int64_t found_in(const std::optional<SE3>& initial_world_from_camera) {
+  OrbSlamOptions options = RelocalizationBench::options_with(60);
+  options.place_candidates = 1;
+  RelocalizationBench bench(CameraKind::mono, options);
+  bench.session.initial_pose = initial_world_from_camera;
+  EXPECT_TRUE(bench.relocalize(10, 1.4));
+  EXPECT_FALSE(bench.session.initial_pose) << "known by now";
+  return std::stoll(bench.update.events.at(0).detail.substr(std::string("in keyframe ").size()));
+}
+
+/// All keyframes observe the same; those that look 60 degrees elsewhere are not near.
+TEST(Relocalization, AnInitialPoseSaysWhichKeyframeIsTriedFirst) {
+  for (const int k : {0, 1, 2}) EXPECT_EQ(found_in(SessionBench::stop(k + 0.1).inverse()), k);
+  const std::int64_t by_words = found_in(std::nullopt);
+  for (const int k : {0, 1, 2}) {
+    for (const double sign : {-1.0, 1.0}) {
+      const auto turned = [&](double degrees) {
+        return SessionBench::stop(k).inverse() * SE3(SO3::exp({0.0, sign * degrees * M_PI / 180.0, 0.0}), {0, 0, 0});
+      };
+      EXPECT_EQ(found_in(turned(59.0)), k);
+      EXPECT_EQ(found_in(turned(61.0)), by_words);
+    }
+  }
+}
+
 /// The inliers of all frames together are compared with those that fit by chance.
 TEST(Relocalization, InliersMustExceedThoseByChance) {
   for (const double ratio : {5.0, 1000.0}) {
