@@ -189,13 +189,13 @@ int MapGraph::shared(std::int64_t a, std::int64_t b) const {
 
 void MapGraph::transform(int submap, const Sim3& new_from_old) {
   const double scale = new_from_old.scale();
-  for (const auto& l : landmarks_) {
-    if (!l || l->observations.empty() || keyframe(l->observations.front().keyframe).submap != submap) continue;
-    l->position = new_from_old * l->position;
-    l->direction = new_from_old.rotation() * l->direction;
-    l->min_distance *= static_cast<float>(scale);
-    l->max_distance *= static_cast<float>(scale);
-  }
+  landmarks_.for_each([&](MapLandmark& l) {
+    if (l.observations.empty() || keyframe(l.observations.front().keyframe).submap != submap) return;
+    l.position = new_from_old * l.position;
+    l.direction = new_from_old.rotation() * l.direction;
+    l.min_distance *= static_cast<float>(scale);
+    l.max_distance *= static_cast<float>(scale);
+  });
   const SO3 old_from_new = new_from_old.rotation().inverse();
   for (const auto& k : keyframes_) {
     if (!k || k->submap != submap) continue;

@@ -3,10 +3,12 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <vector>
 
+#include "rastro/base/id_table.h"
 #include "rastro/map/features/feature_layer.h"
 #include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/math/se3.h"
@@ -99,7 +101,7 @@ class MapGraph {
   bool has_landmark(std::int64_t id) const;
   MapLandmark& landmark(std::int64_t id);
   const MapLandmark& landmark(std::int64_t id) const;
-  /// The landmark that it was fused into, or itself; -1: removed.
+  /// The landmark that it was fused into, or itself; -1: removed, or fused so long ago that no frame refers to it.
   std::int64_t current(std::int64_t id) const;
   std::vector<std::int64_t> landmark_ids() const;
   std::size_t landmark_count() const { return landmark_count_; }
@@ -138,6 +140,7 @@ class MapGraph {
     double unit = 1.0;         ///< The keyframe's own unit then.
   };
   void move_children(const MapKeyframe& gone);
+  MapLandmark& add_landmark(std::int64_t id, const Eigen::Vector3d& position, std::int64_t keyframe);
   void count(std::int64_t a, std::int64_t b, int change);
 
   Camera camera_;
@@ -146,9 +149,10 @@ class MapGraph {
   OrbOptions orb_options_;
   std::vector<double> level_scales_;
   std::vector<std::unique_ptr<MapKeyframe>> keyframes_;  ///< By id; null: removed.
-  std::vector<std::unique_ptr<MapLandmark>> landmarks_;  ///< By id; null: removed.
+  IdTable<MapLandmark> landmarks_;
   std::map<std::int64_t, Removed> removed_;
   std::map<std::int64_t, std::int64_t> fused_into_;
+  std::deque<std::int64_t> fused_;  ///< Its keys, oldest first.
   std::size_t keyframe_count_ = 0, landmark_count_ = 0;
   std::vector<Constraint> constraints_;
   int submaps_ = 0;

@@ -9,6 +9,9 @@
 namespace rastro {
 namespace {
 
+// Frames refer to landmarks for some hundreds of frames, with some tens fused in each.
+constexpr std::size_t most_fused = 40000;
+
 auto insertion_point(std::vector<LandmarkObservation>& observations, std::int64_t keyframe) {
   return std::lower_bound(observations.begin(), observations.end(), keyframe,
                           [](const LandmarkObservation& o, std::int64_t id) { return o.keyframe < id; });
@@ -17,20 +20,22 @@ auto insertion_point(std::vector<LandmarkObservation>& observations, std::int64_
 }  // namespace
 
 MapLandmark& MapGraph::add_landmark(const Eigen::Vector3d& position, std::int64_t keyframe) {
+  return add_landmark(landmarks_.end_id(), position, keyframe);
+}
+
+MapLandmark& MapGraph::add_landmark(std::int64_t id, const Eigen::Vector3d& position, std::int64_t keyframe) {
   auto landmark = std::make_unique<MapLandmark>();
-  landmark->id = static_cast<std::int64_t>(landmarks_.size());
+  landmark->id = id;
   landmark->position = position;
   landmark->first_keyframe = keyframe;
-  landmarks_.push_back(std::move(landmark));
   ++landmark_count_;
-  return *landmarks_.back();
+  return landmarks_.add(id, std::move(landmark));
 }
 
 void MapGraph::restore_landmark(const Landmark& landmark) {
-  RASTRO_CHECK(landmark.id >= static_cast<std::int64_t>(landmarks_.size()), "ids of landmarks ascend");
-  landmarks_.resize(static_cast<std::size_t>(landmark.id));
-  MapLandmark& restored =
-      add_landmark(landmark.position, landmark.observations.empty() ? -1 : landmark.observations.front().keyframe);
+  RASTRO_CHECK(landmark.id >= landmarks_.end_id(), "ids of landmarks ascend");
+  MapLandmark& restored = add_landmark(landmark.id, landmark.position,
+                                       landmark.observations.empty() ? -1 : landmark.observations.front().keyframe);
   restored.direction = landmark.direction;
   restored.descriptor = landmark.descriptor;
   restored.min_distance = landmark.min_distance;
@@ -38,18 +43,18 @@ void MapGraph::restore_landmark(const Landmark& landmark) {
   for (const LandmarkObservation& o : landmark.observations) add_observation(o.keyframe, o.feature, restored.id);
 }
 
-bool MapGraph::has_landmark(std::int64_t id) const {
-  return id >= 0 && id < static_cast<std::int64_t>(landmarks_.size()) && landmarks_[static_cast<std::size_t>(id)];
-}
+bool MapGraph::has_landmark(std::int64_t id) const { return landmarks_.find(id) != nullptr; }
 
 MapLandmark& MapGraph::landmark(std::int64_t id) {
-  RASTRO_CHECK(has_landmark(id), "the landmark exists");
-  return *landmarks_[static_cast<std::size_t>(id)];
+  MapLandmark* const found = landmarks_.find(id);
+  RASTRO_CHECK(found != nullptr, "the landmark exists");
+  return *found;
 }
 
 const MapLandmark& MapGraph::landmark(std::int64_t id) const {
-  RASTRO_CHECK(has_landmark(id), "the landmark exists");
-  return *landmarks_[static_cast<std::size_t>(id)];
+  MapLandmark* const found = landmarks_.find(id);
+  RASTRO_CHECK(found != nullptr, "the landmark exists");
+  return *found;
 }
 
 std::int64_t MapGraph::current(std::int64_t id) const {
@@ -62,16 +67,14 @@ std::int64_t MapGraph::current(std::int64_t id) const {
 
 std::vector<std::int64_t> MapGraph::landmark_ids() const {
   std::vector<std::int64_t> ids;
-  for (const auto& landmark : landmarks_) {
-    if (landmark) ids.push_back(landmark->id);
-  }
+  landmarks_.for_each([&](const MapLandmark& landmark) { ids.push_back(landmark.id); });
   return ids;
 }
 
 void MapGraph::remove_landmark(std::int64_t id) {
   MapLandmark& gone = landmark(id);
   while (!gone.observations.empty()) remove_observation(gone.observations.back().keyframe, id);
-  landmarks_[static_cast<std::size_t>(id)].reset();
+  landmarks_.remove(id);
   --landmark_count_;
 }
 
@@ -84,6 +87,11 @@ void MapGraph::fuse(std::int64_t kept, std::int64_t gone) {
   landmark(kept).visible += visible;
   landmark(kept).found += found;
   fused_into_[gone] = kept;
+  fused_.push_back(gone);
+  if (fused_.size() > most_fused) {
+    fused_into_.erase(fused_.front());
+    fused_.pop_front();
+  }
   describe(kept);
 }
 
