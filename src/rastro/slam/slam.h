@@ -71,7 +71,7 @@ struct SlamUpdate {
   std::string detail;   ///< The numbers behind the reason ("4 of 180 beams returned, need 20"); may be empty.
   SE3 world_from_body;  ///< As first estimated; trajectory() has later corrections.
   /// Of world_from_body.log() about this pose: translation (m), then rotation (rad), in the world's axes. A planar
-  /// method leaves the fixed components at zero.
+  /// method leaves the fixed components at zero. None where the pose is a guess: in a submap apart from the first.
   std::optional<Matrix6d> covariance;
   double score = 0.0;  ///< 0..1, how well the frame fits the map by the method's own measure.
   int used = 0;        ///< Beams, points or landmarks used for the pose.

@@ -184,6 +184,7 @@ void RgbdSession::say_pose(const SE3& world_from_camera, const Matrix6d& covaria
   const int submap = map_.submap(anchor_.keyframe);
   if (submap == 0) return;
   if (update.state == SlamState::tracking) update.state = SlamState::weak;
+  update.covariance.reset();
   update.reason = SlamReason::apart;
   update.detail = fmt::format("in submap {}, not connected to the first yet: its position is a guess", submap);
 }

@@ -61,6 +61,7 @@ void Tracking::process(const Frame& frame, SlamUpdate& update) {
   observe(*tracked, ObservationState::inlier, ObservationState::outlier);
   report_pose(*measured.features, *tracked, update);
   insert_keyframe(measured.features, *tracked, update);
+  report_submap(*tracked, update);
   update.times.push_back({"keyframe", stage.lap_ms()});
 }
 
@@ -190,13 +191,13 @@ void Tracking::report_pose(const FeatureFrame& frame, const TrackingResult& trac
   session_.trajectory.add(
       tracked_frame(session_.graph, *tracker_.view(), frame, tracked, session_.options.pixel_sigma));
   if (tracks_) tracks_->learn(frame, tracked.points);
-  report_submap(tracked, update);
 }
 
 void Tracking::report_submap(const TrackingResult& tracked, SlamUpdate& update) const {
   const int submap = tracker_.view()->keyframe(tracked.reference).submap;
   if (submap == 0) return;
   if (update.state == SlamState::tracking) update.state = SlamState::weak;
+  update.covariance.reset();
   update.reason = SlamReason::apart;
   update.detail = fmt::format("in submap {}, not connected to the first yet", submap);
 }
