@@ -35,9 +35,8 @@ RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, c
       relocalizer_(options_, camera, mapper_.depths()),
       follower_(options_.follow, camera, context.pool),
       archive_(maps_ ? context.archive : nullptr),
-      following_{.has_pose = maps_},
+      following_{.has_pose = maps_, .motion_check = MotionCheck(options_.max_acceleration)},
       loss_{.lost = !maps_},
-      motion_check_(options_.max_acceleration),
       hint_(context.initial_pose),
       pipeline_(pipeline_options(context)) {}
 
@@ -53,7 +52,7 @@ SlamUpdate RgbdSession::process(const Frame& frame) {
   update.times.push_back({"wait", stage.lap_ms()});
   update.world_from_body = last_pose_;
   follow(frame, update);
-  motion_check_.check(update);
+  following_.motion_check.check(update);
   last_pose_ = update.world_from_body;
   if (archive_ != nullptr && archive_->wants_map()) archive_->keep(map_.snapshot());
   update.milliseconds = whole.lap_ms();

@@ -57,6 +57,7 @@ class RgbdSession {
   struct Following {
     bool has_pose = true;         ///< False: the follower knows no pose to go on from.
     bool has_last_frame = false;  ///< The last frame was given to the follower.
+    MotionCheck motion_check;
   };
   /// A lost frame found in the map, not believed yet.
   struct UnconfirmedFrame {
@@ -115,7 +116,6 @@ class RgbdSession {
   Loss loss_;
   int segment_ = 0;  ///< Number of the segment of frames followed without a break.
   SE3 last_pose_;
-  MotionCheck motion_check_;
   std::optional<SE3> hint_;  ///< Where to search first in a given map, until found.
   double spacing_ = 1.0;     ///< Of keyframes, times the usual motion: more where memory is short.
   MapMemory memory_;

@@ -88,6 +88,7 @@ RgbdSlamOptions quick() {
   options.keyframe_frames = 8;
   options.lost_frames = 3;
   options.relocalize_every = 1;
+  options.max_acceleration = 0.0;  // poses of these small noisy images jitter
   return options;
 }
 
@@ -108,6 +109,19 @@ TEST(RgbdSlam, TracksAPanAndItsMapHasTheKeyframes) {
     ASSERT_TRUE(done.updates[k].covariance);
     EXPECT_GT(done.updates[k].covariance->diagonal().minCoeff(), 0.0) << k;
   }
+}
+
+TEST(RgbdSlam, AStepThatHardlyAnyCameraMakesIsWeak) {
+  Views views = pan(-0.3, 0.0, 10);
+  for (std::size_t k = 5; k < views.size(); ++k)
+    views[k] = *views[k] * SE3(SO3(), {0.04, 0.0, 0.0});  // 4 cm in a frame
+  RgbdSlamOptions options = quick();
+  options.max_acceleration = 20.0;
+  const Driven done = run(views, options);
+  EXPECT_EQ(done.updates[3].state, SlamState::tracking);
+  EXPECT_EQ(done.updates[5].state, SlamState::weak);
+  EXPECT_EQ(done.updates[5].reason, SlamReason::implausible_motion);
+  EXPECT_NE(done.updates[5].detail.find("at most 20 is plausible"), std::string::npos) << done.updates[5].detail;
 }
 
 TEST(RgbdSlam, AnOdometryEdgeHasAMinimumSigma) {
