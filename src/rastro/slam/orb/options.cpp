@@ -235,6 +235,20 @@ void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
        0,
        1e6,
        {}});
+  table.add({"weak_inliers",
+             &o.weak_inliers,
+             "",
+             "a pose with fewer inliers is weak if less than `weak_share` of its matches are inliers",
+             0,
+             100000,
+             {}});
+  table.add({"weak_share",
+             &o.weak_share,
+             "",
+             "share of inliers below which a pose with few of them is weak: something moves, or the map is wrong there",
+             0,
+             1,
+             {}});
   table.add({"pnp_iterations", &o.pnp_iterations, "", "RANSAC iterations of PnP, at most", 10, 100000, {}});
   table.add({"local_keyframes", &o.local_keyframes, "", "keyframes of the local map, at most", 2, 1000, {}});
   table.add({"local_landmarks", &o.local_landmarks, "", "landmarks of the local map, at most", 100, 1000000, {}});

@@ -58,6 +58,8 @@ struct OrbSlamOptions {
   int min_inliers = 30;
   int localization_inliers = 20;
   double min_chance_ratio = 3.0;
+  int weak_inliers = 150;
+  double weak_share = 0.75;
   double max_acceleration = 15.0;
   int pnp_iterations = 200;
   int local_keyframes = 40;

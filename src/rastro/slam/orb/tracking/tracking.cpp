@@ -191,6 +191,17 @@ void Tracking::report_pose(const FeatureFrame& frame, const TrackingResult& trac
   session_.trajectory.add(
       tracked_frame(session_.graph, *tracker_.view(), frame, tracked, session_.options.pixel_sigma));
   if (tracks_) tracks_->learn(frame, tracked.points);
+  report_contradiction(tracked, update);
+}
+
+/// With many inliers a pose is right, whatever else moves.
+void Tracking::report_contradiction(const TrackingResult& tracked, SlamUpdate& update) const {
+  const bool few = tracked.inliers < session_.options.weak_inliers;
+  if (update.state != SlamState::tracking || !few || update.score >= session_.options.weak_share) return;
+  update.state = SlamState::weak;
+  update.reason = SlamReason::few_inliers;
+  update.detail = fmt::format("only {} of {} matches are inliers: something moves, or the map is wrong there",
+                              tracked.inliers, tracked.matches);
 }
 
 void Tracking::report_submap(const TrackingResult& tracked, SlamUpdate& update) const {

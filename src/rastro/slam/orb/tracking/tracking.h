@@ -52,6 +52,7 @@ class Tracking {
   SE3 depth_from_color(const Frame& frame) const;
   bool waits_for_rotation(const FramePointer& frame, SlamUpdate& update);
   void on_lost(const TrackingResult& tracked, SlamUpdate& update);
+  void report_contradiction(const TrackingResult& tracked, SlamUpdate& update) const;
   void report_submap(const TrackingResult& tracked, SlamUpdate& update) const;
   void follow_reference(const TrackingResult& tracked);
 

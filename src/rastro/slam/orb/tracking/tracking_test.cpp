@@ -112,6 +112,26 @@ TEST(Tracking, ReportsPoseObservationsAndCovariance) {
   EXPECT_LT(error.cwiseAbs2().cwiseQuotient(update.covariance->diagonal()).maxCoeff(), 36.0);
 }
 
+TEST(Tracking, FewInliersAmongManyContradictionsAreWeak) {
+  const auto second_of = [](int weak_inliers, double weak_share) {
+    WallRun run;
+    run.session.options.weak_inliers = weak_inliers;
+    run.session.options.weak_share = weak_share;
+    run.process(0, 0.0);
+    return run.process(1, 0.03);
+  };
+  const SlamUpdate tracked = second_of(0, 1.0);
+  ASSERT_LT(tracked.score, 1.0);
+  EXPECT_EQ(tracked.state, SlamState::tracking);
+  EXPECT_EQ(second_of(tracked.used, 1.0).state, SlamState::tracking) << "not fewer than that";
+  EXPECT_EQ(second_of(tracked.used + 1, tracked.score).state, SlamState::tracking) << "not below that share";
+  const SlamUpdate weak = second_of(tracked.used + 1, tracked.score + 1e-6);
+  EXPECT_EQ(weak.state, SlamState::weak);
+  EXPECT_EQ(weak.reason, SlamReason::few_inliers);
+  EXPECT_TRUE(weak.detail.starts_with("only " + std::to_string(tracked.used) + " of ")) << weak.detail;
+  EXPECT_TRUE(weak.covariance);
+}
+
 TEST(Tracking, TheCovarianceIsInTheAxesOfTheWorld) {
   WallRun run;
   run.process(0, 0.0);
