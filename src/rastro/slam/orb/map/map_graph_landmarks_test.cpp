@@ -115,6 +115,24 @@ TEST(MapGraph, FusedLandmarksHaveTheObservationsAndCountsOfBoth) {
   EXPECT_EQ(graph.landmark_ids(), std::vector<std::int64_t>{kept});
 }
 
+/// Memory does not grow with what was fused long ago.
+TEST(MapGraph, OnlyTheLastFortyThousandFusionsAreFollowed) {
+  MapGraph graph(small_camera(), CameraKind::mono, 0.0, {});
+  graph.add_keyframe(blank_frame(0), SE3(), 0, -1);
+  const std::int64_t kept = add_landmark(graph, 1, {0});
+  std::vector<std::int64_t> gone;
+  for (int i = 0; i < 40002; ++i) {
+    gone.push_back(graph.add_landmark({0.0, 0.0, 1.0}, 0).id);
+    graph.fuse(kept, gone.back());
+  }
+  EXPECT_EQ(graph.current(gone[0]), -1);
+  EXPECT_EQ(graph.current(gone[1]), -1);
+  EXPECT_EQ(graph.current(gone[2]), kept);
+  EXPECT_EQ(graph.current(gone.back()), kept);
+  EXPECT_EQ(graph.landmark_count(), 1U);
+  EXPECT_EQ(graph.current(kept), kept);
+}
+
 TEST(MapGraph, AnObservationIsAddedOnceAndRemovedOnce) {
   MapGraph graph(small_camera(), CameraKind::mono, 0.0, {});
   for (int k = 0; k < 3; ++k) graph.add_keyframe(blank_frame(k), SE3(SO3(), {-0.1 * k, 0.0, 0.0}), 0, k - 1);
