@@ -69,7 +69,7 @@ TEST(RelativeLikelihood, IsThatOfTheEquations) {
   const RelativeLikelihood likelihood = relative_likelihood(scores);
   EXPECT_NEAR(likelihood.new_place, mean / sigma + 1.0, 1e-12);
   EXPECT_NEAR(likelihood.locations[2], (4.0 - sigma) / mean, 1e-12);
-  for (const std::size_t other : {0, 1, 3, 4}) EXPECT_EQ(likelihood.locations[other], 1.0);
+  for (const std::size_t other : {0U, 1U, 3U, 4U}) EXPECT_EQ(likelihood.locations[other], 1.0);
 }
 
 TEST(RelativeLikelihood, ScoresThatSayNothingGiveOne) {
