@@ -44,7 +44,7 @@ CONTRACT = [
     ("slam/orb/initialization/initializer", "OrbStarts.*:Methods/SlamContract.*/orb_mono", "Golden/*orb_mono*"),
     ("slam/orb/tracking/stereo_matching", "Methods/SlamContract.*/orb_stereo", "Golden/*orb_stereo*"),
     ("slam/orb", "Methods/SlamContract.*/orb*:OrbStarts.*", "Golden/*orb_*"),
-    ("slam/rgbd", "Methods/SlamContract.*/rgbd", "Golden/*/rgbd_*"),
+    ("backend/rgbd", "Methods/SlamContract.*/rgbd", "Golden/*/rgbd_*"),
     ("slam/hector", "Methods/SlamContract.*/hector", "Golden/*hector*"),
     ("slam/ekf", "Methods/SlamContract.*/ekf", "Golden/*ekf*"),
     ("odometry", "Methods/SlamContract.*/rgbd", "Golden/*/features*:Golden/*/profiles*:Golden/*/hybrid*:Golden/*/rgbd*"),

@@ -28,6 +28,7 @@ inline AccuracyLimit accuracy_limit(const std::string& method) {
       {"orb_mono", {0.035, 1.0}},    // 0.0152
       {"orb_stereo", {0.057, 1.0}},  // 0.0379
       {"rgbd", {0.018, 1.0}},        // 0.0118, after a spoilt frame; else 0.0054
+      {"rtabmap", {0.018, 1.0}},     // the same tracking
   };
   const auto found = limits.find(method);
   // A new method has to be measured first; until then it fails.

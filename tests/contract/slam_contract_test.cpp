@@ -417,7 +417,7 @@ TEST_P(SlamContract, LocalizesInAMapMadeBefore) {
               recording().is_metric() ? 0.1 : 0.05 * displacement)
         << pose.stamp;
   }
-  if (map->layer<ImageLayer>()) {
+  if (map->layer<ImageLayer>() && map->layer<FeatureLayer>()) {
     EXPECT_EQ(slam->snapshot()->layer<FeatureLayer>()->of, map->layer<FeatureLayer>()->of);
   }
   EXPECT_EQ(text_of(*mapper->snapshot()), before);

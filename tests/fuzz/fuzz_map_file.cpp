@@ -43,7 +43,7 @@ void check(const rastro::Map& map) {
     if (const auto* type = rastro::layer_type(name)) type->describe(map, *layer);
   const auto images = map.layer<rastro::ImageLayer>();
   if (!images) return;
-  for (const rastro::KeyframeId id : images->keyframes) images->store->images(id);
+  for (const rastro::KeyframeId id : images->keyframes) images->store->read(id);
 }
 
 void try_file(std::string_view bytes) {

@@ -170,7 +170,7 @@ void write_images(const fs::path& folder, std::size_t number, const Map& map,
     const MeasuredLength& one = lengths[k];
     if (one.image.keyframe < 0 || !one.length_m) continue;
     const std::string where = fmt::format("keyframe {}", one.image.keyframe);
-    const auto keyframe_images = unpack_images(images->images(one.image.keyframe), where);
+    const auto keyframe_images = unpack_images(images->read(one.image.keyframe), where);
     const std::string file = fmt::format("map{}_{}_{}.png", number + 1, k + 1, file_name_of(one.name));
     write_length_image(keyframe_images.color, {one.image.a, one.image.b},
                        fmt::format("{}: {:.4f} m +- {:.4f}", one.name, *one.length_m, one.sigma_m),

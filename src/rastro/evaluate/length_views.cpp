@@ -74,7 +74,7 @@ LengthView open_view(const Map& map, KeyframeId id) {
   RASTRO_CHECK(images && keyframe && !map.cameras.empty(), "a keyframe with images");
   const MapCamera& camera = map.cameras[static_cast<std::size_t>(keyframe->camera)];
   const std::string where = fmt::format("keyframe {}", id);
-  const UnpackedImages unpacked = unpack_images(images->images(id), where);
+  const UnpackedImages unpacked = unpack_images(images->read(id), where);
   if (unpacked.depth.width() != camera.intrinsics.width || unpacked.depth.height() != camera.intrinsics.height)
     throw Error(fmt::format("its images are {} x {}, the map's camera {} x {}", unpacked.depth.width(),
                             unpacked.depth.height(), camera.intrinsics.width, camera.intrinsics.height),

@@ -40,7 +40,7 @@ std::vector<std::array<std::uint8_t, 3>> colors_of(const Map& map, const std::ve
   std::vector<std::array<std::uint8_t, 3>> colors(points.size());
   for (const auto& [keyframe, shown] : by_keyframe) {
     const KeyframeId id = map.keyframes[keyframe].id;
-    const ColorImage color = unpack_images(images->images(id), fmt::format("keyframe {}", id)).color;
+    const ColorImage color = unpack_images(images->read(id), fmt::format("keyframe {}", id)).color;
     const std::vector<Keypoint> keypoints = keypoints_of(features.get(), id);
     for (const std::size_t k : shown) {
       const Keypoint& at = keypoints[points[k].views.front().feature];
@@ -133,7 +133,7 @@ void write_colmap(const Map& map, const fs::path& folder, int submap) {
   int width = camera_of(map, "colmap").intrinsics.width, height = map.cameras.front().intrinsics.height;
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     if (!wanted(map.keyframes[k], submap)) continue;
-    const PackedImages packed = images->images(map.keyframes[k].id);
+    const PackedImages packed = images->read(map.keyframes[k].id);
     if (width == 0) {
       const DepthImage depth = unpack_images(packed, fmt::format("keyframe {}", k)).depth;
       width = depth.width(), height = depth.height();

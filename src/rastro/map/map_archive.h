@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "rastro/map/graph/map.h"
 #include "rastro/map/images/image_layer.h"
@@ -22,6 +23,10 @@ class MapArchive {
   virtual void add_images(KeyframeId keyframe, PackedImages images) = 0;
   /// The images added so far. Thread-safe.
   virtual std::shared_ptr<const ImageStore> images() const = 0;
+  /// The same for any layer that stays in the file: a row of it, serialized.
+  virtual void add_row(const std::string& /*layer*/, KeyframeId /*keyframe*/, const std::string& /*body*/) {}
+  /// The rows added so far. Thread-safe. Null: it takes none, and the method keeps them in memory.
+  virtual std::shared_ptr<const RowStore> rows(const std::string& /*layer*/) const { return nullptr; }
 };
 
 }  // namespace rastro

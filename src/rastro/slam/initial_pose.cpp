@@ -47,6 +47,10 @@ class TransformedArchive : public MapArchive {
     archive_.add_images(keyframe, std::move(images));
   }
   std::shared_ptr<const ImageStore> images() const override { return archive_.images(); }
+  void add_row(const std::string& layer, KeyframeId keyframe, const std::string& body) override {
+    archive_.add_row(layer, keyframe, body);
+  }
+  std::shared_ptr<const RowStore> rows(const std::string& layer) const override { return archive_.rows(layer); }
 
  private:
   MapArchive& archive_;

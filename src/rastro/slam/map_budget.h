@@ -19,7 +19,8 @@ class MapBudget {
   std::size_t bytes() const { return bytes_; }
   /// 0 below half the budget, 1 from 50 %, 2 from 75 %, 3 from 90 % on; never falls.
   int stage() const { return stage_; }
-  /// The level from which redundant data is freed: 90 %.
+  /// Share of the budget from which redundant data is freed.
+  static constexpr double full_share = 0.9;
   std::size_t full_bytes() const { return bytes_ / 10 * 9; }
   /// Factor on the usual motion between keyframes: 1, 1.5, 2, 3.
   double spacing() const;

@@ -40,23 +40,14 @@ class FeatureLayerType : public KeyframeLayerType<FeatureLayer, ImageFeatures> {
 
   std::string body_of(const ImageFeatures& image) const override {
     ByteWriter bytes;
-    bytes.put(image.frame);
-    bytes.put(image.stamp);
-    put(bytes, image.features);
-    put(bytes, image.right_x);
-    put(bytes, image.depths);
+    put(bytes, image);
     return bytes.take();
   }
   std::shared_ptr<const ImageFeatures> thing_of(KeyframeId id, std::string_view body,
                                                 const std::string& where) const override {
     ByteReader bytes(body, where);
-    auto image = std::make_shared<ImageFeatures>();
+    const auto image = get_image_features(bytes);
     image->id = id;
-    image->frame = bytes.get<std::int64_t>();
-    image->stamp = bytes.get<TimeNs>();
-    image->features = get_features(bytes);
-    image->right_x = get_floats(bytes);
-    image->depths = get_floats(bytes);
     bytes.finish();
     return image;
   }
@@ -89,9 +80,7 @@ class FeatureLayerType : public KeyframeLayerType<FeatureLayer, ImageFeatures> {
 
   std::shared_ptr<const ImageFeatures> with_id(const std::shared_ptr<const ImageFeatures>& image,
                                                KeyframeId id) const override {
-    auto copy = std::make_shared<ImageFeatures>(*image);
-    copy->id = id;
-    return copy;
+    return rastro::with_id(*image, id);
   }
 
   LayerDescription describe(const Map&, const Layer& layer) const override {
@@ -103,6 +92,12 @@ class FeatureLayerType : public KeyframeLayerType<FeatureLayer, ImageFeatures> {
 };
 
 }  // namespace
+
+std::shared_ptr<const ImageFeatures> with_id(const ImageFeatures& image, KeyframeId id) {
+  auto copy = std::make_shared<ImageFeatures>(image);
+  copy->id = id;
+  return copy;
+}
 
 std::unique_ptr<LayerType> features_layer_type() { return std::make_unique<FeatureLayerType>(); }
 

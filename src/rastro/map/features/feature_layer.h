@@ -21,6 +21,9 @@ struct ImageFeatures {
   std::vector<float> depths;   ///< Along the optical axis, in the map's unit; 0: unknown. One per feature, or empty.
 };
 
+/// The same features as those of another keyframe.
+std::shared_ptr<const ImageFeatures> with_id(const ImageFeatures& image, KeyframeId id);
+
 /// The features of each keyframe.
 struct FeatureLayer : KeyframeLayer<ImageFeatures> {
   static constexpr const char* layer_name = "features";

@@ -81,4 +81,22 @@ OrbOptions get_orb_options(ByteReader& bytes) {
   return options;
 }
 
+void put(ByteWriter& bytes, const ImageFeatures& image) {
+  bytes.put(image.frame);
+  bytes.put(image.stamp);
+  put(bytes, image.features);
+  put(bytes, image.right_x);
+  put(bytes, image.depths);
+}
+
+std::shared_ptr<ImageFeatures> get_image_features(ByteReader& bytes) {
+  auto image = std::make_shared<ImageFeatures>();
+  image->frame = bytes.get<std::int64_t>();
+  image->stamp = bytes.get<TimeNs>();
+  image->features = get_features(bytes);
+  image->right_x = get_floats(bytes);
+  image->depths = get_floats(bytes);
+  return image;
+}
+
 }  // namespace rastro

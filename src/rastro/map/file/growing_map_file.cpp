@@ -20,7 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto write_every = std::chrono::milliseconds(500);
-constexpr auto commit_images_every = std::chrono::milliseconds(400);
+constexpr auto commit_rows_every = std::chrono::milliseconds(400);
 constexpr auto ahead = std::chrono::milliseconds(100);  ///< Time to build a map.
 constexpr int least_rest = 9;  ///< Pause in units of the writing time: uses a tenth of one core.
 
@@ -30,7 +30,7 @@ class ImagesInFile : public ImageStore {
  public:
   explicit ImagesInFile(std::shared_ptr<const SharedDatabase> file)
       : rows_(std::move(file), table_of_layer("images")) {}
-  PackedImages images(KeyframeId keyframe) const override { return read_images(rows_.row(keyframe), "images"); }
+  PackedImages read(KeyframeId keyframe) const override { return read_images(rows_.row(keyframe), "images"); }
 
  private:
   FileRows rows_;
@@ -60,19 +60,24 @@ class GrowingMapFile::State {
     wake_.notify_all();
   }
 
-  void add_images(KeyframeId keyframe, const PackedImages& images) {
+  void add_row(const std::string& layer, KeyframeId keyframe, const std::string& body) {
     {
       const std::lock_guard lock(mutex_);
       check_open();
-      images_added_ = true;
+      rows_added_ = true;
       start();
     }
-    const std::string body = body_of(images);
+    const std::string table = table_of_layer(layer);
     const std::lock_guard lock(database_->mutex);
-    open().put(table_of_layer("images"), keyframe, body);
+    Database& database = open();
+    database.need_table(table);
+    database.put(table, keyframe, body);
   }
 
   std::shared_ptr<const ImageStore> images() const { return images_; }
+  std::shared_ptr<const RowStore> rows(const std::string& layer) const {
+    return std::make_shared<FileRows>(database_, table_of_layer(layer));
+  }
 
   void finish(const Map& map) {
     const std::filesystem::path aside = write_map_beside(map, file_);
@@ -102,7 +107,6 @@ class GrowingMapFile::State {
   Database& open() {
     if (database_->database) return *database_->database;
     Database& database = database_->database.emplace(Database::create(file_));
-    database.need_table(table_of_layer("images"));
     // The log is append-only and safe against a kill in the middle; 16 MB of it are kept before a checkpoint.
     database.run("PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA wal_autocheckpoint=4000; BEGIN");
     return database;
@@ -118,11 +122,11 @@ class GrowingMapFile::State {
   void write_now_and_then() {
     std::unique_lock lock(mutex_);
     for (;;) {
-      wake_.wait(lock, [this] { return waiting_ || images_added_ || stopping_; });
-      const auto due = waiting_ ? next_ : std::min(next_, Clock::now() + commit_images_every);
+      wake_.wait(lock, [this] { return waiting_ || rows_added_ || stopping_; });
+      const auto due = waiting_ ? next_ : std::min(next_, Clock::now() + commit_rows_every);
       wake_.wait_until(lock, due, [this] { return stopping_; });
       const auto map = std::exchange(waiting_, nullptr);
-      images_added_ = false;
+      rows_added_ = false;
       if (!dropping_ && !failure_) write_unlocked(lock, map);
       if (stopping_ && (!waiting_ || dropping_)) return;
     }
@@ -161,7 +165,7 @@ class GrowingMapFile::State {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::shared_ptr<const Map> waiting_;
-  bool images_added_ = false, stopping_ = false, dropping_ = false;
+  bool rows_added_ = false, stopping_ = false, dropping_ = false;
   Clock::time_point next_{};  ///< Earliest time of the next write.
   std::exception_ptr failure_;
   std::thread writer_;
@@ -172,7 +176,13 @@ GrowingMapFile::GrowingMapFile(std::filesystem::path file) : state_(std::make_un
 GrowingMapFile::~GrowingMapFile() = default;
 bool GrowingMapFile::wants_map() const { return state_->wants_map(); }
 void GrowingMapFile::keep(std::shared_ptr<const Map> map) { state_->keep(std::move(map)); }
-void GrowingMapFile::add_images(KeyframeId keyframe, PackedImages images) { state_->add_images(keyframe, images); }
+void GrowingMapFile::add_images(KeyframeId keyframe, PackedImages images) {
+  state_->add_row(ImageLayer::layer_name, keyframe, body_of(images));
+}
+void GrowingMapFile::add_row(const std::string& layer, KeyframeId keyframe, const std::string& body) {
+  state_->add_row(layer, keyframe, body);
+}
+std::shared_ptr<const RowStore> GrowingMapFile::rows(const std::string& layer) const { return state_->rows(layer); }
 std::shared_ptr<const ImageStore> GrowingMapFile::images() const { return state_->images(); }
 void GrowingMapFile::finish(const Map& map) { state_->finish(map); }
 

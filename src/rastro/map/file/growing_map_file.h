@@ -22,6 +22,8 @@ class GrowingMapFile : public MapArchive {
   void keep(std::shared_ptr<const Map> map) override;
   void add_images(KeyframeId keyframe, PackedImages images) override;
   std::shared_ptr<const ImageStore> images() const override;
+  void add_row(const std::string& layer, KeyframeId keyframe, const std::string& body) override;
+  std::shared_ptr<const RowStore> rows(const std::string& layer) const override;
 
   /// Replaces the file by the final map, which may take its images from here; from then on they are read from that
   /// file. Nothing may be added afterwards. May be called without anything kept before.

@@ -96,7 +96,7 @@ TEST(Layers, AllTogetherKeepTheirContent) {
     EXPECT_EQ(now->pixels[7].intensity, depth->pixels[7].intensity);
   }
   for (const KeyframeId id : all().layer<ImageLayer>()->keyframes)
-    EXPECT_EQ(images_of(*loaded)->images(id), images_of(all())->images(id));
+    EXPECT_EQ(images_of(*loaded)->read(id), images_of(all())->read(id));
 }
 
 TEST(Layers, TheGraphOfSeveralRobotsAndCamerasIsKeptToo) {

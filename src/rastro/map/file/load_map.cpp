@@ -34,7 +34,7 @@ Loaded load(const std::filesystem::path& file) {
 void read_every_image(const Map& map) {
   const auto images = map.layer<ImageLayer>();
   if (!images) return;
-  for (const KeyframeId id : images->keyframes) images->store->images(id);
+  for (const KeyframeId id : images->keyframes) images->store->read(id);
 }
 
 }  // namespace

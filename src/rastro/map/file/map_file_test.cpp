@@ -77,7 +77,7 @@ void expect_same(const Map& a, const Map& b) {
     EXPECT_EQ(x.parent, y.parent);
     EXPECT_LT((x.world_from_camera.inverse() * y.world_from_camera).log().norm(), 1e-14);
     expect_same_features(*a.layer<FeatureLayer>()->find(x.id), *b.layer<FeatureLayer>()->find(y.id));
-    EXPECT_EQ(images_of(a)->images(x.id), images_of(b)->images(y.id));
+    EXPECT_EQ(images_of(a)->read(x.id), images_of(b)->read(y.id));
   }
   ASSERT_EQ(a.constraints.size(), b.constraints.size());
   for (std::size_t i = 0; i < a.constraints.size(); ++i) {
@@ -193,8 +193,8 @@ TEST(MapFile, ADamagedImageIsDetectedWhenItIsRead) {
   save_map(room(), file);
   run_sql(file, "UPDATE layer_images SET body=x'00' WHERE id=3");
   const auto map = load_map(file);
-  EXPECT_EQ(images_of(*map)->images(2), images_of(room())->images(2));
-  EXPECT_THAT(message_of([&] { images_of(*map)->images(3); }), HasSubstr("row 3 of layer_images"));
+  EXPECT_EQ(images_of(*map)->read(2), images_of(room())->read(2));
+  EXPECT_THAT(message_of([&] { images_of(*map)->read(3); }), HasSubstr("row 3 of layer_images"));
   EXPECT_THAT(check_map_file(file).damage, HasSubstr("row 3 of layer_images"));
 }
 
@@ -263,7 +263,7 @@ TEST(RecoverMap, LosingAPageOfAnImageAndTheFirstPageCostsThatImageAlone) {
   const fs::path file = scratch_path("holed.rastro");
   std::string holed = saved_bytes(room(), "whole.rastro");
   lose_page(holed, 0);  // SQLite's header and the names of the tables
-  const std::vector<std::uint8_t> color = images_of(room())->images(2).color;
+  const std::vector<std::uint8_t> color = images_of(room())->read(2).color;
   ASSERT_GT(color.size(), 12'288U);
   lose_page(holed, middle_of(holed, {color.begin(), color.end()}));
   write_whole_file(file, holed);
@@ -304,7 +304,7 @@ TEST(RecoverMap, ALostKeyframeTakesItsLayersConstraintsAndFramesWithIt) {
 }
 
 void add_all_images(const Map& map, MapArchive& archive) {
-  for (const Keyframe& keyframe : map.keyframes) archive.add_images(keyframe.id, images_of(map)->images(keyframe.id));
+  for (const Keyframe& keyframe : map.keyframes) archive.add_images(keyframe.id, images_of(map)->read(keyframe.id));
 }
 
 /// With its images in the archive.
@@ -321,10 +321,10 @@ TEST(GrowingMapFile, EndsAsTheFileOfTheMap) {
   GrowingMapFile growing(file);
   add_all_images(room(), growing);
   const Map map = kept_in(growing, room());
-  EXPECT_EQ(images_of(map)->images(4), images_of(room())->images(4)) << "before anything need be on the disk";
+  EXPECT_EQ(images_of(map)->read(4), images_of(room())->read(4)) << "before anything need be on the disk";
   growing.keep(std::make_shared<Map>(map));
   growing.finish(map);
-  EXPECT_EQ(images_of(map)->images(4), images_of(room())->images(4)) << "from the final file";
+  EXPECT_EQ(images_of(map)->read(4), images_of(room())->read(4)) << "from the final file";
   EXPECT_EQ(read_whole_file(file), saved_bytes(room(), "plain.rastro"));
   EXPECT_FALSE(fs::exists(file.string() + "-wal"));
 }
@@ -334,7 +334,7 @@ TEST(GrowingMapFile, EndsTheSameWithoutAnythingKeptBefore) {
   GrowingMapFile growing(file);
   growing.finish(room());
   EXPECT_EQ(read_whole_file(file), saved_bytes(room(), "plain.rastro"));
-  EXPECT_EQ(growing.images()->images(4), images_of(room())->images(4));
+  EXPECT_EQ(growing.images()->read(4), images_of(room())->read(4));
 }
 
 TEST(GrowingMapFile, IsReadableWhereItStopped) {
@@ -383,14 +383,14 @@ TEST(GrowingMapFile, ImagesAreReadByManyThreads) {
   GrowingMapFile growing(scratch_path("threads.rastro"));
   std::vector<std::thread> readers;
   for (KeyframeId id = 0; id < 6; ++id) {
-    growing.add_images(id, images_of(room())->images(id));
+    growing.add_images(id, images_of(room())->read(id));
     readers.emplace_back([&, id] {
       for (int i = 0; i < 20; ++i)
-        EXPECT_EQ(growing.images()->images(id).bytes(), images_of(room())->images(id).bytes());
+        EXPECT_EQ(growing.images()->read(id).bytes(), images_of(room())->read(id).bytes());
     });
   }
   for (std::thread& reader : readers) reader.join();
-  EXPECT_THROW(growing.images()->images(99), Error);
+  EXPECT_THROW(growing.images()->read(99), Error);
 }
 
 }  // namespace

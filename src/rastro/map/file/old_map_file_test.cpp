@@ -37,7 +37,7 @@ TEST(OldMapFile, OfADepthCameraIsReadWhole) {
   EXPECT_EQ(map.constraints[0].kind, ConstraintKind::odometry);
   EXPECT_EQ(map.constraints[1].kind, ConstraintKind::proximity);
   EXPECT_EQ(map.layer<FeatureLayer>()->find(1)->features.size(), 40U);
-  const UnpackedImages images = unpack_images(images_of(map)->images(1), "keyframe 1");
+  const UnpackedImages images = unpack_images(images_of(map)->read(1), "keyframe 1");
   EXPECT_EQ(images.depth.width(), 640);
   const Trajectory trajectory = trajectory_of(map);
   ASSERT_EQ(trajectory.size(), 8U);

@@ -117,7 +117,7 @@ void write_version_1(const Map& map, const fs::path& path) {
   file.put("head", 0, head_row);
   for (const Keyframe& keyframe : map.keyframes) {
     file.put("keyframes", keyframe.id, old_image(*map.layer<FeatureLayer>()->find(keyframe.id)));
-    file.put("pictures", keyframe.id, body_of(images_of(map)->images(keyframe.id)));
+    file.put("pictures", keyframe.id, body_of(images_of(map)->read(keyframe.id)));
     ByteWriter pose;
     pose.put<std::int32_t>(keyframe.submap);
     put(pose, keyframe.world_from_camera);
@@ -277,7 +277,7 @@ TEST(ReadOldMap, OfADepthCameraIsRead) {
   expect_same_graph(*now, map);
   EXPECT_EQ(now->layer<ImageLayer>()->keyframes, map.layer<ImageLayer>()->keyframes);
   for (const Keyframe& keyframe : map.keyframes)
-    EXPECT_EQ(images_of(*now)->images(keyframe.id), images_of(map)->images(keyframe.id));
+    EXPECT_EQ(images_of(*now)->read(keyframe.id), images_of(map)->read(keyframe.id));
 }
 
 TEST(ReadOldMap, OfLandmarksIsRead) {

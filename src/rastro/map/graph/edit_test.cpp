@@ -172,7 +172,7 @@ TEST(Renumbered, KeepsImages) {
   ASSERT_EQ(now->keyframes.size(), before->keyframes.size());
   for (std::size_t i = 0; i < now->keyframes.size(); ++i) {
     EXPECT_EQ(now->keyframes[i], static_cast<KeyframeId>(map.index_of(before->keyframes[i]).value()));
-    EXPECT_EQ(now->store->images(now->keyframes[i]), before->store->images(before->keyframes[i]));
+    EXPECT_EQ(now->store->read(now->keyframes[i]), before->store->read(before->keyframes[i]));
   }
 }
 

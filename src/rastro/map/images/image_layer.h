@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "rastro/image/image.h"
-#include "rastro/map/layer_type.h"
+#include "rastro/map/stored_layer.h"
 
 namespace rastro {
 
@@ -27,19 +27,12 @@ struct UnpackedImages {
   DepthImage depth;  ///< Meters, 0 = none.
 };
 
-/// Storage of packed images: in memory, or in a map file. Thread-safe.
-class ImageStore {
- public:
-  virtual ~ImageStore() = default;
-  /// Error where they cannot be read.
-  virtual PackedImages images(KeyframeId keyframe) const = 0;
-};
+/// Storage of packed images: in memory, or in a map file.
+using ImageStore = ItemStore<PackedImages>;
 
 /// Color and depth image of keyframes, read on demand.
-struct ImageLayer : Layer {
+struct ImageLayer : StoredLayer<PackedImages> {
   static constexpr const char* layer_name = "images";
-  std::shared_ptr<const ImageStore> store;
-  std::vector<KeyframeId> keyframes;  ///< Those that have images; ascending.
 };
 
 /// The images of a map; null where it has none.

@@ -50,7 +50,7 @@ MapViews::MapViews(const Map& map, std::vector<std::size_t> keyframes, TaskPool*
 
 UnpackedImages MapViews::packed_images_of(std::size_t keyframe) const {
   const std::int64_t id = map_.keyframes[keyframe].id;
-  return unpack_images(images_->images(id), fmt::format("keyframe {}", id));
+  return unpack_images(images_->read(id), fmt::format("keyframe {}", id));
 }
 
 void MapViews::walk(const Prepare& prepare, const Merge& merge,

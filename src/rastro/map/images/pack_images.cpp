@@ -98,17 +98,4 @@ UnpackedImages unpack_images(const PackedImages& images, const std::string& wher
   return {unpacked_color(bgr), unpacked_depth(units)};
 }
 
-void MemoryImages::add(std::int64_t keyframe_id, PackedImages images) {
-  const std::lock_guard lock(mutex_);
-  images_[keyframe_id] = std::move(images);
-}
-
-PackedImages MemoryImages::images(std::int64_t keyframe_id) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = images_.find(keyframe_id);
-  if (found == images_.end())
-    throw Error("has no images", fmt::format("keyframe {}", keyframe_id), "the map was not made by this program");
-  return found->second;
-}
-
 }  // namespace rastro

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
-#include <mutex>
-
 #include "rastro/map/images/image_layer.h"
 #include "rastro/sensor/frame.h"
 
@@ -16,15 +13,7 @@ PackedImages pack_images(const Frame& frame);
 /// images of different sizes.
 UnpackedImages unpack_images(const PackedImages& images, const std::string& where);
 
-/// Images in memory. Thread-safe.
-class MemoryImages : public ImageStore {
- public:
-  void add(std::int64_t keyframe_id, PackedImages images);
-  PackedImages images(std::int64_t keyframe_id) const override;
-
- private:
-  mutable std::mutex mutex_;
-  std::map<std::int64_t, PackedImages> images_;
-};
+/// Images in memory.
+using MemoryImages = MemoryItems<PackedImages>;
 
 }  // namespace rastro

@@ -109,11 +109,11 @@ TEST(MemoryImages, GiveBackWhatWasAddedLast) {
   const PackedImages one = pack_images(some_frame()), other = pack_images(some_frame(32, 48));
   images.add(3, one);
   images.add(4, other);
-  EXPECT_EQ(images.images(3), one);
-  EXPECT_EQ(images.images(4), other);
+  EXPECT_EQ(images.read(3), one);
+  EXPECT_EQ(images.read(4), other);
   images.add(3, other);
-  EXPECT_EQ(images.images(3), other);
-  EXPECT_THROW(images.images(5), Error);
+  EXPECT_EQ(images.read(3), other);
+  EXPECT_THROW(images.read(5), Error);
 }
 
 /// A map whose keyframes observe these world points exactly, each with its own descriptor.

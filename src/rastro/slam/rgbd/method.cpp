@@ -3,8 +3,8 @@
 
 #include "rastro/base/error.h"
 #include "rastro/slam/initial_pose.h"
-#include "rastro/slam/rgbd/options.h"
-#include "rastro/slam/rgbd/rgbd_slam.h"
+#include "rastro/backend/rgbd/options.h"
+#include "rastro/backend/rgbd/rgbd_slam.h"
 
 namespace rastro {
 namespace {
@@ -27,7 +27,7 @@ class RgbdMethod : public SlamMethod {
     if (source.cameras.empty() || !source.cameras.front().camera)
       throw Error("has no calibration", source.path, "give one with --calibration FILE");
     return make_with_initial_pose(context, [&](const SlamContext& own_context) {
-      return std::make_unique<RgbdSlam>(options_, *source.cameras.front().camera, own_context);
+      return std::make_unique<RgbdSlam>(name(), options_, *source.cameras.front().camera, own_context);
     });
   }
 

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/backend/rgbd/given_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "rastro/base/error.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/map/graph/edit.h"
+#include "rastro/backend/rgbd/keyframe_graph.h"
+#include "rastro/map/images/image_layer.h"
+
+namespace rastro {
+namespace {
+
+/// The rays of its features and the blocks of its surfaces are computed with the camera of this run.
+void check_camera(const Camera& other, const Camera& camera) {
+  constexpr double most_share = 0.01;  // of the width: calibrations of the same camera differ by less
+  const double most_px = most_share * camera.width;
+  const double difference_px = std::max({std::abs(other.fx - camera.fx), std::abs(other.fy - camera.fy),
+                                         std::abs(other.cx - camera.cx), std::abs(other.cy - camera.cy)});
+  if (other.width == camera.width && other.height == camera.height && difference_px <= most_px) return;
+  throw Error(fmt::format("was made by another camera ({} x {} pixels, focal length {:.1f} px)", other.width,
+                          other.height, other.fx),
+              "--map",
+              fmt::format("this run has {} x {} pixels, focal length {:.1f} px: give a map of the same camera",
+                          camera.width, camera.height, camera.fx));
+}
+
+}  // namespace
+
+Map base_map(const std::string& method, const RgbdSlamOptions& options, const Camera& camera) {
+  Map map;
+  map.method = method;
+  const DepthNoise noise{options.follow.depth_sigma_m, options.follow.depth_sigma_per_m2};
+  map.cameras.push_back({CameraKind::depth, camera, 0.0, noise, SE3()});
+  map.sessions.push_back({0, 0, "", 0, 0, {true, 0.0, "depth camera"}});
+  return map;
+}
+
+SlamContext with_usable_map(SlamContext context, const Camera& camera) {
+  if (!context.map) return context;
+  check_camera(camera_of(*context.map, "--map").intrinsics, camera);
+  auto map = std::make_shared<Map>(renumbered(*context.map));
+  const auto images = map->layer<ImageLayer>();
+  auto features = std::make_shared<FeatureLayer>();
+  for (const Keyframe& keyframe : map->keyframes) {
+    const auto image = signature_of(*map, keyframe.id).image;
+    const bool has_images =
+        images && std::binary_search(images->keyframes.begin(), images->keyframes.end(), keyframe.id);
+    if (!image || !has_images || image->depths.size() != image->features.size())
+      throw Error("has keyframes without features, their depths or depth images", "--map",
+                  "give a map made by --method rgbd or rtabmap");
+    features->of[keyframe.id] = context.extend_map ? without_features(*image) : image;
+  }
+  map->layers.put<FeatureLayer>(std::move(features));
+  context.map = std::move(map);
+  return context;
+}
+
+Signature signature_of(const Map& map, KeyframeId id) {
+  const auto signatures = map.layer<SignatureLayer>();
+  if (signatures && std::binary_search(signatures->keyframes.begin(), signatures->keyframes.end(), id)) {
+    Signature signature = signatures->store->read(id);
+    signature.image = with_id(*signature.image, id);
+    return signature;
+  }
+  const auto features = map.layer<FeatureLayer>();
+  const auto found = features ? features->of.find(id) : decltype(features->of.end()){};
+  if (!features || found == features->of.end()) return {};
+  return {found->second, {}};
+}
+
+}  // namespace rastro

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "rastro/camera/camera.h"
+#include "rastro/map/graph/map.h"
+#include "rastro/map/signatures/signature_layer.h"
+#include "rastro/backend/rgbd/options.h"
+#include "rastro/slam/slam_method.h"
+
+namespace rastro {
+
+/// What all maps of a run share.
+Map base_map(const std::string& method, const RgbdSlamOptions& options, const Camera& camera);
+
+/// Prepares the given map for these methods: keyframes numbered from 0, with a feature layer, whose features stay in
+/// long-term memory where the map is to be continued. Error where it lacks what relocalization needs, and for a map
+/// from another camera.
+SlamContext with_usable_map(SlamContext context, const Camera& camera);
+
+/// From the signatures, else the features of a map; without an image where it has neither.
+Signature signature_of(const Map& map, KeyframeId id);
+
+}  // namespace rastro

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "rastro/feature/descriptor_extractor.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/sensor/frame.h"
+#include "rastro/backend/rgbd/options.h"
+
+namespace rastro {
+
+/// Features of a keyframe with their depths, spread over the image. Not thread-safe.
+class KeyframeFeatures {
+ public:
+  explicit KeyframeFeatures(const RgbdSlamOptions& options);
+  /// Strongest first; none where the mask is zero. Sets only features and depths of the result. `share`: fraction of
+  /// the usual number of features.
+  ImageFeatures extract(const Frame& frame, double share = 1.0);
+
+ private:
+  RgbdSlamOptions options_;
+  std::unique_ptr<DescriptorExtractor> extractor_;
+};
+
+/// Median depth around a pixel; 0 where there is none, or at a depth discontinuity.
+float feature_depth(const DepthImage& depth, float x, float y);
+
+}  // namespace rastro

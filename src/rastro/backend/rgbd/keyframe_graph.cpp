@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/backend/rgbd/keyframe_graph.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "rastro/backend/loop_candidates.h"
+#include "rastro/base/error.h"
+
+namespace rastro {
+namespace {
+
+PoseGraphOptions graph_options(const RgbdSlamOptions& options) {
+  PoseGraphOptions graph;
+  graph.loops = options.loops == "robust" ? LoopModel::robust : LoopModel::switchable;
+  graph.switch_price = options.switch_price;
+  graph.robust_width = options.robust_width;
+  graph.iterations = options.optimize_iterations;
+  return graph;
+}
+
+}  // namespace
+
+KeyframeGraph::KeyframeGraph(const RgbdSlamOptions& options, std::int64_t frozen)
+    : options_(options), frozen_(frozen) {}
+
+void KeyframeGraph::add(std::shared_ptr<const ImageFeatures> keyframe, const KeyframePose& pose,
+                        const Matrix6d& covariance) {
+  RASTRO_CHECK(keyframe->id == size(), "keyframes are numbered as they come");
+  keyframes_.push_back(std::move(keyframe));
+  poses_.push_back(pose.world_from_camera);
+  submaps_.push_back(pose.submap);
+  covariances_.push_back(covariance);
+  edges_of_.emplace_back();
+}
+
+void KeyframeGraph::add_edge(const Constraint& edge) {
+  edges_of_[static_cast<std::size_t>(edge.from)].push_back(edges_.size());
+  edges_of_[static_cast<std::size_t>(edge.to)].push_back(edges_.size());
+  edges_.push_back(edge);
+}
+
+void KeyframeGraph::forget_features(std::int64_t id) {
+  auto& entry = keyframes_[static_cast<std::size_t>(id)];
+  entry = without_features(*entry);
+}
+
+void KeyframeGraph::restore_features(std::shared_ptr<const ImageFeatures> keyframe) {
+  const auto index = static_cast<std::size_t>(keyframe->id);
+  keyframes_[index] = std::move(keyframe);
+}
+
+std::shared_ptr<const ImageFeatures> without_features(const ImageFeatures& keyframe) {
+  auto bare = std::make_shared<ImageFeatures>();
+  bare->id = keyframe.id;
+  bare->frame = keyframe.frame;
+  bare->stamp = keyframe.stamp;
+  bare->features.length = keyframe.features.length;
+  return bare;
+}
+
+std::optional<std::int64_t> KeyframeGraph::most_redundant(int others) const {
+  std::optional<std::int64_t> best;
+  int most = others - 1;
+  for (std::int64_t id = frozen_; id < size() - options_.graph_window; ++id) {
+    if (keyframe(id).features.size() == 0) continue;
+    std::vector<std::int64_t> neighbors;
+    for (const std::size_t e : edges_of_[static_cast<std::size_t>(id)]) {
+      const std::int64_t other = edges_[e].from == id ? edges_[e].to : edges_[e].from;
+      if (keyframe(other).features.size() > 0 &&
+          std::find(neighbors.begin(), neighbors.end(), other) == neighbors.end())
+        neighbors.push_back(other);
+    }
+    if (static_cast<int>(neighbors.size()) <= most) continue;
+    most = static_cast<int>(neighbors.size());
+    best = id;
+  }
+  return best;
+}
+
+std::vector<KeyframePose> KeyframeGraph::keyframe_poses() const {
+  std::vector<KeyframePose> result;
+  result.reserve(poses_.size());
+  for (std::size_t i = 0; i < poses_.size(); ++i) result.push_back({poses_[i], submaps_[i]});
+  return result;
+}
+
+std::vector<std::int64_t> KeyframeGraph::neighborhood(std::int64_t id, int steps) const {
+  return within_steps(id, steps, [this](std::int64_t node, const auto& visit) {
+    for (const std::size_t e : edges_of_[static_cast<std::size_t>(node)])
+      visit(edges_[e].from == node ? edges_[e].to : edges_[e].from);
+  });
+}
+
+int KeyframeGraph::steps_between(std::int64_t from, std::int64_t to, int most) const {
+  std::vector<std::int64_t> found{from};
+  std::vector<std::uint8_t> seen(keyframes_.size(), 0);
+  seen[static_cast<std::size_t>(from)] = 1;
+  std::size_t next = 0;
+  for (int step = 0; step < most; ++step) {
+    for (const std::size_t end = found.size(); next < end; ++next) {
+      if (found[next] == to) return step;
+      for (const std::size_t e : edges_of_[static_cast<std::size_t>(found[next])]) {
+        const std::int64_t other = edges_[e].from == found[next] ? edges_[e].to : edges_[e].from;
+        if (seen[static_cast<std::size_t>(other)] != 0) continue;
+        seen[static_cast<std::size_t>(other)] = 1;
+        found.push_back(other);
+      }
+    }
+  }
+  return most;
+}
+
+double KeyframeGraph::path_between(std::int64_t from, std::int64_t to) const {
+  double path_m = 0.0;
+  std::int64_t previous = from;
+  for (std::int64_t id = from + 1; id <= to; ++id) {
+    if (submap(id) != submap(from)) continue;
+    const SE3 step = pose(previous).inverse() * pose(id);
+    path_m += step.translation().norm() + step.rotation().log().norm();
+    previous = id;
+  }
+  return path_m;
+}
+
+std::optional<TrackedMotion> KeyframeGraph::tracked_motion(std::int64_t from, std::int64_t to, int most_steps) const {
+  TrackedMotion motion;
+  // Backward, as each keyframe has at most one odometry edge to an earlier one.
+  for (int steps = 0; to != from; ++steps) {
+    const auto& edges = edges_of_[static_cast<std::size_t>(to)];
+    const auto tracked = std::find_if(edges.begin(), edges.end(), [&](std::size_t e) {
+      return edges_[e].to == to && edges_[e].kind == ConstraintKind::odometry;
+    });
+    if (tracked == edges.end() || edges_[*tracked].from < from || steps == most_steps) return std::nullopt;
+    const Constraint& edge = edges_[*tracked];
+    const Matrix6d to_end = motion.from_from_to.inverse().adjoint();
+    motion.covariance += to_end * edge.information.inverse() * to_end.transpose();
+    motion.from_from_to = edge.rigid() * motion.from_from_to;
+    to = edge.from;
+  }
+  return motion;
+}
+
+std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& random) const {
+  // In a given map, the previous frames say nothing about the pose in it.
+  LoopCandidates candidates(frozen_ > 0 ? frozen_ : id);
+  const auto to_match = [&](auto&& is_allowed) {
+    return candidates.free([&](std::int64_t k) { return keyframe(k).features.size() > 0 && is_allowed(k); });
+  };
+  if (frozen_ == 0) candidates.add_latest(id, options_.last_candidates);
+  // Nearest by position and viewing direction.
+  std::vector<std::pair<double, std::int64_t>> near;
+  for (const std::int64_t other : to_match([&](std::int64_t k) { return submap(k) == submap(id); })) {
+    const double distance =
+        share_of_reach(pose(other).inverse() * pose(id), options_.near_distance_m, options_.near_angle_rad);
+    if (distance < 1.0) near.emplace_back(distance, other);
+  }
+  candidates.add_nearest(std::move(near), options_.near_candidates);
+  constexpr int reach = 3;
+  candidates.add_random(neighborhood(id, reach), options_.graph_candidates, random);
+  candidates.add_random(to_match([&](std::int64_t k) { return submap(k) != submap(id); }), options_.join_candidates,
+                        random);
+  candidates.add_random(to_match([](std::int64_t) { return true; }), options_.random_candidates, random);
+  return candidates.ids();
+}
+
+void KeyframeGraph::merge(const Constraint& edge) {
+  const int a = submap(edge.from), b = submap(edge.to);
+  if (a == b) return;
+  const SE3 a_from_b = pose(edge.from) * edge.rigid() * pose(edge.to).inverse();
+  const int kept = std::min(a, b), moved = std::max(a, b);
+  const SE3 kept_from_moved = kept == a ? a_from_b : a_from_b.inverse();
+  for (std::size_t k = 0; k < poses_.size(); ++k) {
+    if (submaps_[k] != moved) continue;
+    poses_[k] = kept_from_moved * poses_[k];
+    submaps_[k] = kept;
+  }
+}
+
+PoseGraphResult KeyframeGraph::optimize(bool all) {
+  std::vector<std::uint8_t> fixed(poses_.size(), 0);
+  const std::int64_t first_free = all ? frozen_ : std::max(frozen_, size() - options_.graph_window);
+  std::vector<int> anchored;
+  for (std::int64_t k = 0; k < size(); ++k) {
+    // The first keyframe of each submap anchors it.
+    const bool first = std::find(anchored.begin(), anchored.end(), submap(k)) == anchored.end();
+    if (first) anchored.push_back(submap(k));
+    fixed[static_cast<std::size_t>(k)] = k < first_free || (first && frozen_ == 0) ? 1 : 0;
+  }
+  return optimize_pose_graph(poses_, edges_, fixed, graph_options(options_));
+}
+
+void KeyframeGraph::settle_covariance(std::int64_t id) {
+  double least = std::numeric_limits<double>::infinity();
+  Matrix6d best = Matrix6d::Zero();
+  for (const std::size_t e : edges_of_[static_cast<std::size_t>(id)]) {
+    const Constraint& edge = edges_[e];
+    const bool forward = edge.to == id;
+    const std::int64_t other = forward ? edge.from : edge.to;
+    if (other > id || submap(other) != submap(id)) continue;
+    const Matrix6d of_edge = edge.information.inverse();
+    const Matrix6d to_right = pose(id).inverse().adjoint() * pose(other).adjoint();
+    const Matrix6d back = edge.rigid().adjoint();
+    Matrix6d covariance = to_right * this->covariance(other) * to_right.transpose();
+    covariance += forward ? of_edge : Matrix6d(back * of_edge * back.transpose());
+    if (covariance.trace() >= least) continue;
+    least = covariance.trace();
+    best = covariance;
+  }
+  if (std::isfinite(least)) covariances_[static_cast<std::size_t>(id)] = 0.5 * (best + best.transpose());
+}
+
+}  // namespace rastro

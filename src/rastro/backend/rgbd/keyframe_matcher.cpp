@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/backend/rgbd/keyframe_matcher.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "rastro/feature/descriptor_matching.h"
+
+namespace rastro {
+namespace {
+
+/// Size of the finest features; the position error of those from coarser levels grows in proportion.
+float finest_size(const Features& features) {
+  float finest = std::numeric_limits<float>::infinity();
+  for (const Keypoint& keypoint : features.keypoints) finest = std::min(finest, keypoint.size_px);
+  return finest;
+}
+
+double pixel_sigma(const Keypoint& keypoint, float finest, double sigma) {
+  constexpr float most = 2.0F;
+  const float scale = finest > 0.0F ? keypoint.size_px / finest : 1.0F;
+  return sigma * static_cast<double>(std::clamp(scale, 1.0F, most));
+}
+
+/// Neighboring depth blocks have correlated errors.
+constexpr double surface_weight = 0.05;
+
+/// Aligns the surfaces, starting at the pose from features; nullopt where they leave a direction unconstrained.
+std::optional<MatchedViews> slide(const SurfaceCheck& check, const KeyframeSurface& a, const KeyframeSurface& b,
+                                  const MatchedViews& start) {
+  constexpr double reaches_m[] = {0.2, 0.2, 0.2, 0.1, 0.1, 0.1, 0.05, 0.05, 0.05};
+  constexpr double least_information = 1.0 / (0.02 * 0.02);
+  MatchedViews slid = start;
+  for (const double reach_m : reaches_m) {
+    const SurfaceFit fit = check.fit(a, b, slid.a_from_b, reach_m);
+    slid.information = surface_weight * fit.information;
+    const Eigen::LDLT<Matrix6d> solver(slid.information);
+    if (!(Eigen::SelfAdjointEigenSolver<Matrix6d>(slid.information).eigenvalues().minCoeff() > least_information))
+      return std::nullopt;
+    const Vector6d step = solver.solve(surface_weight * fit.gradient);
+    if (!step.allFinite() || step.norm() > 0.5) return std::nullopt;
+    slid.a_from_b = slid.a_from_b * SE3::exp(step);
+  }
+  return slid;
+}
+
+/// For features alone, and for surfaces: the environment measurement check. With fewer feature inliers, the surfaces
+/// must give more evidence.
+AcceptanceOptions feature_acceptance(const RgbdSlamOptions& options) {
+  return {.min_inlier_share = options.min_inlier_share};
+}
+AcceptanceOptions surface_acceptance(const RgbdSlamOptions& options, bool few_features) {
+  if (!few_features) return {.min_overlap = options.agreement_overlap, .min_observed_share = options.agreement};
+  return {.min_overlap = 3.0 * options.agreement_overlap, .min_observed_share = 0.5 * (1.0 + options.agreement)};
+}
+
+}  // namespace
+
+Evidence KeyframeConstraint::evidence() const {
+  Evidence evidence = agreement.evidence();
+  evidence.matches = matches;
+  evidence.inliers = inliers;
+  return evidence;
+}
+
+DepthNoise depth_noise(const RgbdSlamOptions& options) {
+  return {options.follow.depth_sigma_m, options.follow.depth_sigma_per_m2};
+}
+
+SurfaceOptions surface_options(const RgbdSlamOptions& options) {
+  return {options.follow.depth_sigma_m, options.follow.depth_sigma_per_m2, options.follow.min_depth_m,
+          options.follow.max_depth_m};
+}
+
+KeyframeMatcher::KeyframeMatcher(const RgbdSlamOptions& options, const Camera& camera)
+    : options_(options), camera_(camera), check_(camera, surface_options(options)) {}
+
+std::vector<PointMatch> KeyframeMatcher::matches_of(const ImageFeatures& a, const ImageFeatures& b) const {
+  DescriptorMatchOptions matching;
+  matching.max_ratio = options_.max_ratio;
+  const float finest_a = finest_size(a.features), finest_b = finest_size(b.features);
+  std::vector<PointMatch> matches;
+  for (const DescriptorMatch& match : match_descriptors(b.features, a.features, matching)) {
+    const Keypoint &in_a = a.features.keypoints[match.second], &in_b = b.features.keypoints[match.first];
+    const auto ray_a = camera_.unproject(Eigen::Vector2d(Eigen::Vector2f(in_a.x, in_a.y).cast<double>()));
+    const auto ray_b = camera_.unproject(Eigen::Vector2d(Eigen::Vector2f(in_b.x, in_b.y).cast<double>()));
+    const auto depth_a = static_cast<double>(a.depths[match.second]),
+               depth_b = static_cast<double>(b.depths[match.first]);
+    if (!ray_a || !ray_b || (depth_a <= 0.0 && depth_b <= 0.0)) continue;
+    matches.push_back({*ray_a, *ray_b, depth_a, depth_b, pixel_sigma(in_a, finest_a, options_.pixel_sigma),
+                       pixel_sigma(in_b, finest_b, options_.pixel_sigma)});
+  }
+  return matches;
+}
+
+std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a, const ViewOfKeyframe& b,
+                                                         int min_inliers, std::uint64_t seed,
+                                                         const std::optional<SE3>& guess, MatchScope scope) const {
+  const std::vector<PointMatch> matches = matches_of(*a.keyframe, *b.keyframe);
+  PointMatchOptions fitting;
+  fitting.noise = depth_noise(options_);
+  fitting.focal_px = camera_.fx;
+  fitting.iterations = scope == MatchScope::anywhere ? options_.ransac_iterations : 0;
+  const bool may_slide = options_.few_features == "icp";
+  fitting.min_inliers = may_slide ? std::min(min_inliers, options_.few_inliers) : min_inliers;
+  fitting.seed = seed;
+  std::optional<MatchedViews> views = estimate_views(matches, fitting, guess);
+  if (!views || judge({.matches = static_cast<int>(matches.size()), .inliers = views->inliers},
+                      feature_acceptance(options_)) != Rejection::none)
+    return std::nullopt;
+  const auto surface_a = a.depth(), surface_b = b.depth();
+  const bool few = views->inliers < min_inliers;
+  if (few) views = slide(check_, *surface_a, *surface_b, *views);
+  if (!views) return std::nullopt;
+  KeyframeConstraint constraint{
+      views->a_from_b, Matrix6d::Identity(), static_cast<int>(matches.size()), views->inliers, {}};
+  constraint.agreement = check_.compare(*surface_a, *surface_b, constraint.a_from_b);
+  if (judge(constraint.evidence(), surface_acceptance(options_, few)) != Rejection::none) return std::nullopt;
+  // Errors common to pixels and depths, as from lens and clocks, do not decrease with their number.
+  Matrix6d covariance = match_covariance_factor * views->information.inverse();
+  covariance.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
+  covariance.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;
+  constraint.information = covariance.inverse();
+  constraint.information = (0.5 * (constraint.information + constraint.information.transpose())).eval();
+  return constraint;
+}
+
+}  // namespace rastro

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/backend/rgbd/mapper.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "rastro/backend/acceptance.h"
+#include "rastro/backend/rgbd/given_map.h"
+#include "rastro/base/error.h"
+
+namespace rastro {
+namespace {
+
+constexpr int most_tracked_steps = 40;  // keyframes over which tracking may know better than a match
+
+std::size_t bytes_of(const ImageFeatures& keyframe) {
+  const Features& features = keyframe.features;
+  return sizeof(ImageFeatures) + features.size() * (sizeof(Keypoint) + sizeof(float)) +
+         features.floats.size() * sizeof(float) + features.descriptors.size() * sizeof(Descriptor);
+}
+
+bool makes_map(const SlamContext& context) { return !context.map || context.extend_map; }
+
+/// Depth where the mask allows it.
+Frame masked(const Frame& frame) {
+  Frame result = frame;
+  for (int y = 0; y < std::min(frame.mask.height(), result.depth.height()); ++y) {
+    for (int x = 0; x < std::min(frame.mask.width(), result.depth.width()); ++x) {
+      if (frame.mask.at(x, y) == 0) result.depth.at(x, y) = 0.0F;
+    }
+  }
+  return result;
+}
+
+std::shared_ptr<const ImageStore> packed_images_of(const SlamContext& context,
+                                                   const std::shared_ptr<MemoryImages>& in_memory) {
+  if (!makes_map(context)) return images_of(*context.map);
+  if (context.archive != nullptr) return context.archive->images();
+  return in_memory;
+}
+
+std::shared_ptr<const SignatureStore> signatures_of(const SlamContext& context,
+                                                    const std::shared_ptr<MemorySignatures>& in_memory) {
+  const auto rows = context.archive ? context.archive->rows(SignatureLayer::layer_name) : nullptr;
+  if (rows) return signatures_in(rows);
+  return in_memory;
+}
+
+}  // namespace
+
+Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context,
+               std::unique_ptr<LoopSearch> search)
+    : options_(options),
+      camera_(camera),
+      archive_(makes_map(context) ? context.archive : nullptr),
+      stop_(context.stop),
+      maps_(makes_map(context)),
+      budget_(map_budget_bytes(context, options.memory_reserve_mb)),
+      in_memory_(std::make_shared<MemoryImages>()),
+      images_(packed_images_of(context, in_memory_)),
+      matcher_(options, camera),
+      depths_(matcher_.surfaces(), images_),
+      features_(options),
+      graph_(options, maps_ ? 0 : static_cast<std::int64_t>(context.map->keyframes.size())),
+      search_(search ? std::move(search) : std::make_unique<GraphSearch>(options)) {
+  if (search_->has_long_term_memory()) {
+    signatures_in_memory_ = std::make_shared<MemorySignatures>();
+    signatures_ = signatures_of(context, signatures_in_memory_);
+  }
+  if (context.map) take_over(context.map);
+}
+
+void Mapper::take_over(const std::shared_ptr<const Map>& map) {
+  const auto features = map->layer<FeatureLayer>();
+  for (const Keyframe& keyframe : map->keyframes) {
+    graph_.add(features->of.at(keyframe.id), {keyframe.world_from_camera, keyframe.submap}, Matrix6d::Zero());
+    if (signatures_) search_->know(signature_of(*map, keyframe.id), keyframe.weight);
+  }
+  for (const Constraint& edge : map->constraints) graph_.add_edge(edge);
+  search_->know_constraints(map->constraints);
+  if (maps_) continued_ = map;
+}
+
+/// A map that is continued goes into the new file whole.
+void Mapper::store_continued() {
+  const auto map = std::exchange(continued_, nullptr);
+  if (!map) return;
+  const auto images = images_of(*map);
+  for (const Keyframe& keyframe : map->keyframes) {
+    keep_images(keyframe.id, images->read(keyframe.id));
+    if (signatures_) store_signature(keyframe.id, signature_of(*map, keyframe.id));
+  }
+}
+
+MapRevision Mapper::add(const KeyframeOrder& order) {
+  RASTRO_CHECK(order.id == graph_.size(), "keyframes come in their order");
+  MapRevision revision;
+  store_continued();
+  ImageFeatures keyframe = features_.extract(order.frame, budget_.share());
+  keyframe.id = order.id;
+  keep(order, std::move(keyframe));
+  for (const Constraint& edge : order.constraints) add_edge(edge, revision);
+  graph_.settle_covariance(order.id);
+  constrain(order.id, revision);
+  frames_ = order.frames;
+  stay_within_budget(revision);
+  revision.keyframe = graph_.shared_keyframe(order.id);
+  revision.covariance = graph_.covariance(order.id);
+  revise(revision);
+  return revision;
+}
+
+MapRevision Mapper::connect(Constraint edge) {
+  MapRevision revision;
+  if (graph_.steps_between(edge.from, edge.to, options_.loop_steps) >= options_.loop_steps)
+    edge.kind = ConstraintKind::loop;
+  accept(edge, revision);
+  correct(graph_.size() - 1, {edge}, revision);
+  revise(revision);
+  return revision;
+}
+
+/// Its pose from the tracker, relative to the keyframe of its constraint, since the graph may have moved.
+void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
+  KeyframePose pose{order.world_from_camera, order.submap};
+  if (!order.constraints.empty()) {
+    const Constraint& edge = order.constraints.front();
+    pose = {graph_.pose(edge.from) * edge.rigid(), graph_.submap(edge.from)};
+  }
+  auto kept = std::make_shared<const ImageFeatures>(std::move(keyframe));
+  const Frame shown = masked(order.frame);
+  depths_.add(order.id, shown.depth);
+  bytes_ += bytes_of(*kept);
+  graph_.add(kept, pose, Matrix6d::Zero());
+  if (!maps_) return;
+  keep_images(order.id, pack_images(shown));
+}
+
+void Mapper::keep_images(KeyframeId id, PackedImages images) {
+  if (archive_ != nullptr) {
+    archive_->add_images(id, std::move(images));
+  } else {
+    bytes_ += images.bytes();
+    in_memory_->add(id, std::move(images));
+  }
+}
+
+void Mapper::add_edge(const Constraint& edge, MapRevision& revision) {
+  graph_.add_edge(edge);
+  revision.new_edges.push_back(edge);
+}
+
+std::optional<Constraint> Mapper::match(std::int64_t other, std::int64_t id, MatchScope scope) {
+  const auto view = [this](std::int64_t k) {
+    return ViewOfKeyframe{&graph_.keyframe(k), [this, k] { return depths_.depth(k); }};
+  };
+  const bool merges = graph_.submap(other) != graph_.submap(id);
+  std::optional<SE3> guess;
+  if (!merges) guess = graph_.pose(other).inverse() * graph_.pose(id);
+  if (const auto tracked = graph_.tracked_motion(other, id, most_tracked_steps)) guess = tracked->from_from_to;
+  const std::uint64_t seed =
+      seed_for(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)), static_cast<std::uint64_t>(other));
+  const auto match = matcher_.match(view(other), view(id), merges ? options_.relocalize_inliers : options_.min_inliers,
+                                    seed, guess, scope);
+  if (!match) return std::nullopt;
+  Constraint edge{other, id, Sim3(match->a_from_b), match->information, ConstraintKind::proximity, 1.0, match->inliers};
+  if (merges) {
+    edge.kind = ConstraintKind::merge;
+  } else if (other < graph_.frozen() || graph_.steps_between(other, id, options_.loop_steps) >= options_.loop_steps) {
+    edge.kind = ConstraintKind::loop;
+  }
+  return edge;
+}
+
+/// What most features agree with may be a crowd that walks by: where tracking knows better, what agrees with it counts.
+std::optional<Constraint> Mapper::verify(std::int64_t other, std::int64_t id) {
+  auto edge = match(other, id, MatchScope::anywhere);
+  if (!edge || edge->kind == ConstraintKind::merge || !contradicts_path(*edge)) return edge;
+  edge = match(other, id, MatchScope::near_guess);
+  return edge && !contradicts_path(*edge) ? edge : std::nullopt;
+}
+
+/// Whether a match is farther from the relative pose in the graph than the camera can have drifted on the path between.
+bool Mapper::contradicts_path(const Constraint& edge) const {
+  if (edge.from < graph_.frozen()) return false;
+  const double path_m = graph_.path_between(edge.from, edge.to);
+  Evidence evidence;
+  if (const auto tracked = graph_.tracked_motion(edge.from, edge.to, most_tracked_steps)) {
+    const OdometryDrift drift{options_.tracked_drift_share, options_.tracked_drift_share};
+    // Without the inflation: what is common to all matches does not make a wrong one right.
+    const Matrix6d of_match = edge.information.inverse() / match_covariance_factor;
+    const Matrix6d covariance = tracked->covariance + of_match + drift.covariance(path_m);
+    evidence.graph_sigmas = graph_sigmas(tracked->from_from_to, edge.rigid(), covariance);
+  } else {
+    constexpr double least_path_m = 1.0;  // over which tracking may slip without a path
+    const OdometryDrift drift{options_.loop_drift_share, options_.loop_drift_rad_per_m};
+    const SE3 predicted = graph_.pose(edge.from).inverse() * graph_.pose(edge.to);
+    evidence.graph_sigmas = graph_sigmas(predicted, edge.rigid(), drift.covariance(least_path_m + path_m));
+  }
+  return judge(evidence, {.max_graph_sigmas = options_.loop_max_sigmas}) != Rejection::none;
+}
+
+void Mapper::constrain(std::int64_t id, MapRevision& revision) {
+  const LoopSearch::Candidates candidates = search_->candidates(graph_, id);
+  if (signatures_) store_signature(id, {graph_.shared_keyframe(id), search_->words_of(id)});
+  for (const std::int64_t other : candidates.retrieve) retrieve(other, revision);
+  std::vector<Constraint> verified;
+  for (const std::int64_t other : candidates.compare) {
+    retrieve(other, revision);
+    if (auto edge = verify(other, id)) verified.push_back(*edge);
+  }
+  for (const Constraint& edge : verified) accept(edge, revision);
+  if (!verified.empty() && id > 0) correct(id, verified, revision);
+  search_->on_matched(graph_, id, candidates, verified);
+  revision.keyframe_weights = search_->changed_weights();
+}
+
+/// Long-term memory has every location from its beginning: a killed run has lost none.
+void Mapper::store_signature(std::int64_t id, const Signature& signature) {
+  if (archive_ != nullptr && archive_->rows(SignatureLayer::layer_name)) {
+    archive_->add_row(SignatureLayer::layer_name, id, body_of(signature));
+  } else {
+    signatures_in_memory_->add(id, signature);
+  }
+}
+
+void Mapper::retrieve(std::int64_t id, MapRevision& revision) {
+  if (!signatures_ || graph_.keyframe(id).features.size() > 0) return;
+  auto image = with_id(*signatures_->read(id).image, id);
+  bytes_ += bytes_of(*image) - bytes_of(graph_.keyframe(id));
+  graph_.restore_features(image);
+  revision.retrieved.push_back(std::move(image));
+}
+
+std::vector<std::shared_ptr<const ImageFeatures>> Mapper::similar(const ImageFeatures& seen) const {
+  std::vector<std::shared_ptr<const ImageFeatures>> found;
+  for (const std::int64_t id : search_->similar(seen)) {
+    if (graph_.keyframe(id).features.size() > 0) {
+      found.push_back(graph_.shared_keyframe(id));
+    } else if (signatures_) {
+      found.push_back(with_id(*signatures_->read(id).image, id));
+    }
+  }
+  return found;
+}
+
+void Mapper::accept(const Constraint& edge, MapRevision& revision) {
+  if (edge.kind == ConstraintKind::merge && maps_ && graph_.submap(edge.from) != graph_.submap(edge.to)) {
+    revision.events.push_back(
+        {"joined", fmt::format("submaps {} and {} by keyframes {} and {}", graph_.submap(edge.from),
+                               graph_.submap(edge.to), edge.from, edge.to)});
+    graph_.merge(edge);
+  }
+  add_edge(edge, revision);
+}
+
+void Mapper::correct(std::int64_t id, const std::vector<Constraint>& accepted, MapRevision& revision) {
+  const auto count = [&](ConstraintKind kind) {
+    return std::count_if(accepted.begin(), accepted.end(), [&](const Constraint& edge) { return edge.kind == kind; });
+  };
+  const auto loops = count(ConstraintKind::loop), merges = count(ConstraintKind::merge);
+  const bool all = maps_ && (loops > 0 || merges > 0);
+  const PoseGraphResult result = graph_.optimize(all);
+  graph_.settle_covariance(id);
+  if (loops > 0 && maps_)
+    revision.events.push_back({"loop_closed", fmt::format("keyframe {} with {} earlier ones", id, loops)});
+  if (all)
+    revision.events.push_back({"map_revised", fmt::format("{} keyframes, cost {:.1f} to {:.1f}", graph_.size(),
+                                                          result.first_cost, result.last_cost)});
+}
+
+/// By the known size of the map, not by the system's memory usage, which differs from run to run. Poses, covariances
+/// and constraints are stored twice, here and by the tracker.
+std::size_t Mapper::map_bytes() const {
+  constexpr std::size_t a_keyframe = 2 * (sizeof(SE3) + sizeof(Matrix6d) + 2 * sizeof(std::shared_ptr<void>)),
+                        a_constraint = 2 * sizeof(Constraint), a_frame = sizeof(SE3) + 2 * sizeof(std::int64_t);
+  return bytes_ + static_cast<std::size_t>(graph_.size()) * a_keyframe + graph_.edges().size() * a_constraint +
+         frames_ * a_frame;
+}
+
+std::string Mapper::measures() const {
+  std::string text;
+  if (budget_.stage() > 0)
+    text = fmt::format("keyframes {:g} times as sparse, {:g} % of the features", budget_.spacing(),
+                       100.0 * budget_.share());
+  if (given_up_ > 0) text += fmt::format(", features of {} keyframes dropped", given_up_);
+  return text;
+}
+
+void Mapper::stay_within_budget(MapRevision& revision) {
+  const bool sparser = budget_.limited() && !search_->has_long_term_memory();
+  if (sparser && budget_.note(map_bytes())) revision.events.push_back(budget_.event(map_bytes(), measures()));
+  const auto fill = [this] {
+    return budget_.limited() ? static_cast<double>(map_bytes()) / static_cast<double>(budget_.bytes()) : 0.0;
+  };
+  for (;;) {
+    const std::vector<std::int64_t> leaving = search_->transfer(graph_, fill());
+    if (leaving.empty()) break;
+    for (const std::int64_t id : leaving) give_up_features(id, revision);
+  }
+  if (sparser && !revision.forgotten.empty()) revision.events.push_back(budget_.event(map_bytes(), measures()));
+}
+
+void Mapper::give_up_features(std::int64_t id, MapRevision& revision) {
+  if (graph_.keyframe(id).features.size() == 0) return;
+  bytes_ -= bytes_of(graph_.keyframe(id));
+  graph_.forget_features(id);
+  bytes_ += bytes_of(graph_.keyframe(id));
+  revision.forgotten.push_back(id);
+  ++given_up_;
+}
+
+void Mapper::revise(MapRevision& revision) const {
+  revision.poses = graph_.keyframe_poses();
+  for (const Constraint& edge : graph_.edges()) revision.weights.push_back(edge.weight);
+  revision.memory = {map_bytes(), budget_.bytes(), measures()};
+  revision.spacing = budget_.spacing();
+}
+
+MapRevision Mapper::settle() {
+  MapRevision revision;
+  const bool stopped = stop_ && stop_->load();
+  if (maps_ && graph_.size() > 1 && !stopped) {
+    const PoseGraphResult result = graph_.optimize(true);
+    revision.events.push_back({"map_revised", fmt::format("{} keyframes at the end, cost {:.1f} to {:.1f}",
+                                                          graph_.size(), result.first_cost, result.last_cost)});
+  }
+  revise(revision);
+  return revision;
+}
+
+}  // namespace rastro

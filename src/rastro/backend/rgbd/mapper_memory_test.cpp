@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the map is said to need, and what a session without room for it does.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+
+#include "rastro/backend/rgbd/mapper.h"
+#include "rastro/backend/rgbd/rgbd_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::edge_of;
+using testing::looking;
+using testing::room_frame;
+
+/// Two keyframes of a wall, of frames 0 and 7, and the edges found between them.
+struct TwoKeyframes {
+  TwoKeyframes() {
+    const SE3 first = looking({-0.8, -0.4, 1.2}, 0.1), second = looking({-0.8, -0.3, 1.2}, 0.1);
+    RgbdSlamOptions options;
+    Mapper mapper(options, test_room::camera(), {});
+    const KeyframeOrder begin{0, room_frame(first, 0), first, 0, {}, 1};
+    const KeyframeOrder next{1, room_frame(second, 7), second, 0, {edge_of(0, 1, first.inverse() * second)}, 8};
+    revisions[0] = mapper.add(begin);
+    revisions[1] = mapper.add(next);
+    for (std::int64_t k = 0; k < 2; ++k) images[k] = mapper.images()->read(k).bytes();
+  }
+  /// Features with keypoint, descriptor and depth; poses, covariances and edges twice, here and by the tracker.
+  std::size_t expected(std::size_t keyframes, std::size_t edges, std::size_t frames) const {
+    std::size_t bytes = 2 * edges * sizeof(Constraint) + frames * (sizeof(SE3) + 2 * sizeof(std::int64_t));
+    for (std::size_t k = 0; k < keyframes; ++k) {
+      const std::size_t features = revisions[k].keyframe->features.size();
+      bytes += sizeof(ImageFeatures) + features * (sizeof(Keypoint) + sizeof(Descriptor) + sizeof(float)) + images[k] +
+               2 * (sizeof(SE3) + sizeof(Matrix6d) + 2 * sizeof(std::shared_ptr<void>));
+    }
+    return bytes;
+  }
+
+  MapRevision revisions[2];
+  std::size_t images[2];
+};
+
+TEST(Mapper, TheMemoryIsThatOfKeyframesImagesEdgesAndFrames) {
+  const TwoKeyframes made;
+  EXPECT_EQ(made.revisions[0].memory.bytes, made.expected(1, 0, 1));
+  const std::size_t edges = made.revisions[1].new_edges.size();
+  EXPECT_EQ(edges, 2U) << "of the path and of the match";
+  EXPECT_EQ(made.revisions[1].memory.bytes, made.expected(2, edges, 8));
+  for (const MapRevision& revision : made.revisions) {
+    EXPECT_EQ(revision.memory.budget_bytes, 0U) << "no limit";
+    EXPECT_EQ(revision.spacing, 1.0);
+    EXPECT_EQ(revision.memory.measures, "");
+  }
+}
+
+}  // namespace
+}  // namespace rastro

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/backend/rgbd/rgbd_session.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <utility>
+
+#include "rastro/base/checked_options.h"
+#include "rastro/base/stopwatch.h"
+#include "rastro/backend/rgbd/frame_report.h"
+#include "rastro/backend/rgbd/given_map.h"
+
+namespace rastro {
+namespace {
+
+PipelineOptions pipeline_options(const SlamContext& context) {
+  constexpr std::size_t most_live = 4;  // keyframes that may wait for mapping
+  PipelineOptions options;
+  options.own_thread = context.pipelined && context.pool != nullptr && context.pool->threads() > 1;
+  if (!context.live) return options;
+  options.hand_over = HandOver::when_ready;
+  options.max_in_flight = most_live;
+  return options;
+}
+
+}  // namespace
+
+RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context)
+    : RgbdSession(options, camera, context, Method()) {}
+
+RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context,
+                         Method method)
+    : options_(checked(options, "rgbd options")),
+      camera_(camera),
+      maps_(!context.map || context.extend_map),
+      mapper_(options_, camera, context, std::move(method.search)),
+      map_(context.map ? *context.map : base_map(method.name, options_, camera), mapper_.images(),
+           !maps_, mapper_.signatures()),
+      relocalizer_(options_, camera, mapper_.depths()),
+      follower_(options_.follow, camera, context.pool),
+      archive_(maps_ ? context.archive : nullptr),
+      following_{.has_pose = maps_, .motion_check = MotionCheck(options_.max_acceleration)},
+      loss_{.lost = !maps_},
+      hint_(context.initial_pose),
+      pipeline_(pipeline_options(context)) {}
+
+SlamUpdate RgbdSession::process(const Frame& frame) {
+  Stopwatch whole, stage;
+  SlamUpdate update;
+  update.index = frame.index;
+  update.stamp = frame.stamp;
+  ++counts_.seen;
+  following_.has_last_frame = false;
+  update.events = std::exchange(events_, {});
+  while (auto mapped = pipeline_.take_ready({counts_.seen, frame.stamp})) apply(std::move(*mapped), update.events);
+  update.times.push_back({"wait", stage.lap_ms()});
+  update.world_from_body = last_pose_;
+  follow(frame, update);
+  following_.motion_check.check(update);
+  last_pose_ = update.world_from_body;
+  if (archive_ != nullptr && archive_->wants_map()) archive_->keep(map_.snapshot());
+  update.milliseconds = whole.lap_ms();
+  return update;
+}
+
+void RgbdSession::follow(const Frame& frame, SlamUpdate& update) {
+  Stopwatch stage;
+  if (!following_.has_pose) {
+    update.state = exists() || !maps_ ? SlamState::lost : SlamState::initializing;
+    update.reason = SlamReason::not_found;
+    relocalize(frame, update);
+    update.times.push_back({"relocalize", stage.lap_ms()});
+    return;
+  }
+  const RgbdFollow followed = follower_.follow(frame);
+  following_.has_last_frame = true;
+  update.times.push_back({"follow", stage.lap_ms()});
+  update.reason = reason_of(followed.reason);
+  update.detail = followed.detail;
+  update.world_from_body = followed.world_from_camera;
+  const bool nothing_new =
+      followed.reason == OdometryReason::dark_or_blank || followed.reason == OdometryReason::repeated_frame;
+  if (followed.state == OdometryState::initializing) {
+    update.state = SlamState::initializing;
+  } else if (followed.reason == OdometryReason::repeated_frame && !loss_.lost && exists()) {
+    update.state = SlamState::weak;
+    map_.add_frame(frame.stamp, anchor_.keyframe, anchor_.world_from_keyframe.inverse() * followed.world_from_camera);
+  } else if (followed.state == OdometryState::lost || nothing_new) {
+    update.state = SlamState::lost;
+    on_loss(frame, update);
+    update.times.push_back({"relocalize", stage.lap_ms()});
+  } else {
+    on_pose(frame, followed, update);
+    update.times.push_back({"keyframe", stage.lap_ms()});
+  }
+}
+
+void RgbdSession::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update) {
+  update.state = followed.state == OdometryState::weak ? SlamState::weak : SlamState::tracking;
+  if (loss_.lost) update.state = SlamState::relocalized;
+  loss_.lost = false;
+  loss_.frames = 0;
+  update.score = followed.points > 0 ? static_cast<double>(followed.inliers) / followed.points : 1.0;
+  update.used = followed.inliers + followed.surface_points;
+  const SE3& pose = followed.world_from_camera;
+  if (!exists()) {
+    make_keyframe(frame, pose, {}, map_.new_submap(), Matrix6d::Zero(), update);
+  } else {
+    mapping_ ? update_pose(frame, followed, update) : localize(frame, followed, update);
+    map_.add_frame(frame.stamp, anchor_.keyframe, anchor_.world_from_keyframe.inverse() * update.world_from_body);
+    return;
+  }
+  map_.add_frame(frame.stamp, anchor_.keyframe, SE3());
+}
+
+Matrix6d RgbdSession::covariance_of(const SE3& pose, const Matrix6d& from_keyframe) const {
+  return chained(anchor_.covariance, anchor_.world_from_keyframe.inverse() * pose, from_keyframe);
+}
+
+/// Where the follower has the frame, which becomes a keyframe where it is to.
+void RgbdSession::update_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update) {
+  const SE3& pose = followed.world_from_camera;
+  const Matrix6d from_keyframe =
+      chained(anchor_.reference_covariance, anchor_.world_from_reference.inverse() * pose, followed.covariance);
+  const Matrix6d covariance = covariance_of(pose, from_keyframe);
+  if (needs_keyframe(followed) && pipeline_.accepts()) {
+    if (revisit(frame, pose, from_keyframe, update)) return;
+    make_keyframe(frame, pose, {path_edge(pose, from_keyframe)}, map_.submap(anchor_.keyframe), covariance, update);
+    return;
+  }
+  if (followed.new_reference) {
+    anchor_.world_from_reference = pose;
+    anchor_.reference_covariance = from_keyframe;
+  }
+  say_pose(pose, covariance, update);
+}
+
+bool RgbdSession::has_moved(const RgbdFollow& followed) const {
+  const SE3 moved = anchor_.world_from_keyframe.inverse() * followed.world_from_camera;
+  return moved.translation().norm() >= spacing_ * options_.keyframe_distance_m ||
+         moved.rotation().log().norm() >= spacing_ * options_.keyframe_angle_rad ||
+         static_cast<double>(counts_.seen - counts_.anchored) >= spacing_ * options_.keyframe_frames;
+}
+
+/// Where memory is short, not every frame that the follower refers others to.
+bool RgbdSession::needs_keyframe(const RgbdFollow& followed) const {
+  return (followed.new_reference && spacing_ <= 1.0) || has_moved(followed);
+}
+
+/// Errors common to pixels and depths do not decrease with the number of frames.
+Matrix6d RgbdSession::softened(Matrix6d covariance) const {
+  covariance.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
+  covariance.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;
+  return covariance;
+}
+
+Constraint RgbdSession::path_edge(const SE3& world_from_camera, const Matrix6d& covariance) const {
+  Constraint edge;
+  edge.from = anchor_.keyframe;
+  edge.to = map_.keyframe_count();
+  edge.from_from_to = Sim3(anchor_.world_from_keyframe.inverse() * world_from_camera);
+  edge.information = information_of(softened(covariance));
+  edge.kind = ConstraintKind::odometry;
+  return edge;
+}
+
+void RgbdSession::make_keyframe(const Frame& frame, const SE3& world_from_camera,
+                                const std::vector<Constraint>& constraints, int submap, const Matrix6d& covariance,
+                                SlamUpdate& update) {
+  const std::int64_t id = map_.keyframe_count();
+  const auto order = std::make_shared<const KeyframeOrder>(
+      KeyframeOrder{id, kept_of(frame), world_from_camera, submap, constraints, map_.frame_count()});
+  map_.add_pending({world_from_camera, submap}, covariance);
+  anchor_ = {id, world_from_camera, covariance, world_from_camera, Matrix6d::Zero()};
+  counts_.anchored = counts_.seen;
+  update.events.push_back({"keyframe", fmt::format("{}", id)});
+  say_pose(world_from_camera, covariance, update);
+  const auto job = [this, order, segment = segment_] {
+    return MappedKeyframe{order->id, segment, mapper_.add(*order)};
+  };
+  pipeline_.submit(job, {counts_.seen, frame.stamp}, {.frames = options_.backend_delay_frames});
+}
+
+void RgbdSession::say_pose(const SE3& world_from_camera, const Matrix6d& covariance, SlamUpdate& update) {
+  update.world_from_body = world_from_camera;
+  update.covariance = in_world_axes(covariance, world_from_camera);
+  const int submap = map_.submap(anchor_.keyframe);
+  if (submap == 0) return;
+  if (update.state == SlamState::tracking) update.state = SlamState::weak;
+  update.covariance.reset();
+  update.reason = SlamReason::apart;
+  update.detail = fmt::format("in submap {}, not connected to the first yet: its position is a guess", submap);
+}
+
+/// The follower goes on from where the graph put its keyframe.
+void RgbdSession::apply(MappedKeyframe mapped, std::vector<SlamEvent>& events) {
+  events.insert(events.end(), mapped.revision.events.begin(), mapped.revision.events.end());
+  note_memory(mapped.revision);
+  const SE3 before = map_.pose(mapped.keyframe);
+  map_.apply(std::move(mapped.revision));
+  if (mapped.keyframe == anchor_.keyframe) anchor_.covariance = map_.covariance(mapped.keyframe);
+  if (mapped.segment != segment_) return;
+  const SE3 correction = map_.pose(mapped.keyframe) * before.inverse();
+  constexpr double least = 1e-9;
+  if (!(correction.log().norm() > least)) return;
+  follower_.move(correction);
+  map_.move_pending(mapped.keyframe + 1, correction);
+  if (mapped.keyframe != anchor_.keyframe)
+    anchor_.world_from_keyframe = correction * anchor_.world_from_keyframe;
+  else
+    anchor_.world_from_keyframe = map_.pose(mapped.keyframe);
+  anchor_.world_from_reference = correction * anchor_.world_from_reference;
+  last_pose_ = correction * last_pose_;
+}
+
+void RgbdSession::note_memory(const MapRevision& revision) {
+  memory_ = revision.memory;
+  spacing_ = revision.spacing;
+}
+
+/// A map given stays as it is.
+bool RgbdSession::set_mapping(bool on) {
+  if (!maps_ || (!on && !exists())) return false;
+  while (auto mapped = pipeline_.take_next()) apply(std::move(*mapped), events_);
+  mapping_ = on;
+  return true;
+}
+
+std::vector<FeatureObservation> RgbdSession::observations() const {
+  std::vector<FeatureObservation> observations;
+  if (!following_.has_last_frame) return observations;
+  for (const FollowedFeature& feature : follower_.features())
+    observations.push_back({feature.pixel, -1, state_of(feature.state)});
+  return observations;
+}
+
+std::vector<SlamEvent> RgbdSession::finish() {
+  std::vector<SlamEvent> events;
+  while (auto mapped = pipeline_.take_next()) apply(std::move(*mapped), events);
+  if (!maps_ || !mapping_) return events;
+  MapRevision revision = mapper_.settle();  // no job is under way any more
+  note_memory(revision);
+  events.insert(events.end(), revision.events.begin(), revision.events.end());
+  map_.apply(std::move(revision));
+  if (map_.make_largest_first()) events.push_back({"submap", "the largest is now the first"});
+  return events;
+}
+
+}  // namespace rastro

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rastro/backend/pipeline.h"
+#include "rastro/odometry/rgbd_tracking/rgbd_follower.h"
+#include "rastro/slam/motion_check.h"
+#include "rastro/backend/rgbd/mapper.h"
+#include "rastro/backend/rgbd/relocalizer.h"
+#include "rastro/backend/rgbd/tracked_map.h"
+#include "rastro/slam/slam.h"
+#include "rastro/slam/slam_method.h"
+
+namespace rastro {
+
+/// The keyframe that poses are relative to, and how surely they are.
+struct RgbdAnchor {
+  std::int64_t keyframe = -1;
+  SE3 world_from_keyframe;                           ///< In the follower's world.
+  Matrix6d covariance = Matrix6d::Zero();            ///< Of the keyframe, from the graph.
+  SE3 world_from_reference;                          ///< What the follower's covariance counts from.
+  Matrix6d reference_covariance = Matrix6d::Zero();  ///< Of the reference as seen from the keyframe.
+};
+
+/// One session of RGB-D SLAM, from the first frame or a reset on: follows the camera, makes keyframes for the mapper,
+/// relocalizes after a loss.
+class RgbdSession {
+ public:
+  struct Method {
+    std::string name = "rgbd";
+    std::unique_ptr<LoopSearch> search = nullptr;  ///< Null for a GraphSearch.
+  };
+  RgbdSession(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context);
+  RgbdSession(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context, Method method);
+
+  SlamUpdate process(const Frame& frame);
+  std::vector<SlamEvent> finish();
+  Trajectory trajectory() const { return map_.trajectory(); }
+  std::shared_ptr<const Map> snapshot() const { return map_.snapshot(); }
+  bool set_mapping(bool on);
+  std::vector<FeatureObservation> observations() const;
+  std::int64_t dropped_frames() const { return pipeline_.statistics().dropped; }
+  const MapMemory& map_memory() const { return memory_; }
+
+ private:
+  /// What mapping made of a keyframe.
+  struct MappedKeyframe {
+    std::int64_t keyframe = 0;
+    int segment = 0;
+    MapRevision revision;
+  };
+
+  struct FrameCounts {
+    std::int64_t seen = 0;       ///< Frames given, of any kind.
+    std::int64_t anchored = 0;   ///< `seen` when the last keyframe was made.
+    std::int64_t localized = 0;  ///< `seen` when a frame was last matched to the map while mapping was off.
+  };
+  struct Following {
+    bool has_pose = true;         ///< False: the follower knows no pose to go on from.
+    bool has_last_frame = false;  ///< The last frame was given to the follower.
+    MotionCheck motion_check;
+  };
+  /// A lost frame found in the map, not believed yet.
+  struct UnconfirmedFrame {
+    TimeNs stamp = 0;
+    std::int64_t keyframe = 0;
+    SE3 keyframe_from_camera;
+  };
+  struct Loss {
+    bool lost = false;
+    int frames = 0;                               ///< Since, with something to see in them.
+    std::vector<UnconfirmedFrame> unconfirmed{};  ///< In a row.
+  };
+
+  bool exists() const { return anchor_.keyframe >= 0; }
+  void follow(const Frame& frame, SlamUpdate& update);
+  void on_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
+  void on_loss(const Frame& frame, SlamUpdate& update);
+  void relocalize(const Frame& frame, SlamUpdate& update);
+  std::optional<Relocalizer::Found> find_in_map(const Frame& frame, SlamUpdate& update);
+  bool confirm(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);
+  bool agrees_with_last(const SE3& world_from_camera) const;
+  bool continues_motion(const SE3& world_from_camera) const;
+  void on_relocalized(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);
+  bool start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& constraint,
+                   SlamUpdate& update);
+  std::vector<std::int64_t> hinted_keyframes() const;
+  void anchor_at(std::int64_t keyframe, const KeyframeConstraint& constraint);
+  Matrix6d covariance_of(const SE3& pose, const Matrix6d& from_keyframe) const;
+  void update_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
+  void localize(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
+  bool revisit(const Frame& frame, const SE3& pose, const Matrix6d& from_keyframe, SlamUpdate& update);
+  std::vector<std::int64_t> known_here(const SE3& pose) const;
+  void connect(const Constraint& edge, TimeNs stamp);
+  Matrix6d softened(Matrix6d covariance) const;
+  bool has_moved(const RgbdFollow& followed) const;
+  bool needs_keyframe(const RgbdFollow& followed) const;
+  void make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<Constraint>& constraints,
+                     int submap, const Matrix6d& covariance, SlamUpdate& update);
+  Constraint path_edge(const SE3& world_from_camera, const Matrix6d& covariance) const;
+  void apply(MappedKeyframe mapped, std::vector<SlamEvent>& events);
+  void note_memory(const MapRevision& revision);
+  void say_pose(const SE3& world_from_camera, const Matrix6d& covariance, SlamUpdate& update);
+
+  RgbdSlamOptions options_;
+  Camera camera_;
+  bool maps_;            ///< False: localization in a map given.
+  bool mapping_ = true;  ///< False: switched off for now.
+  Mapper mapper_;
+  TrackedMap map_;
+  Relocalizer relocalizer_;
+  RgbdFollower follower_;
+  RgbdAnchor anchor_;
+  MapArchive* archive_;  ///< Null: nothing is kept safe.
+  FrameCounts counts_;
+  Following following_;
+  Loss loss_;
+  int segment_ = 0;  ///< Number of the segment of frames followed without a break.
+  SE3 last_pose_;
+  std::optional<SE3> hint_;  ///< Where to search first in a given map, until found.
+  double spacing_ = 1.0;     ///< Of keyframes, times the usual motion: more where memory is short.
+  MapMemory memory_;
+  std::vector<SlamEvent> events_;      ///< Not yet told of.
+  Pipeline<MappedKeyframe> pipeline_;  ///< Last: its jobs use what is above.
+};
+
+}  // namespace rastro

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/backend/rgbd/tracked_map.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace rastro {
+
+TrackedMap::TrackedMap(Map base, std::shared_ptr<const ImageStore> images, bool given,
+                       std::shared_ptr<const SignatureStore> signatures)
+    : base_(std::move(base)),
+      images_(std::move(images)),
+      signatures_(std::move(signatures)),
+      given_(given),
+      edges_(base_.constraints) {
+  const auto features = base_.layer<FeatureLayer>();
+  for (const Keyframe& keyframe : base_.keyframes) {
+    keyframes_.push_back(features->of.at(keyframe.id));
+    poses_.push_back({keyframe.world_from_camera, keyframe.submap});
+    weights_.push_back(keyframe.weight);
+    submaps_ = std::max(submaps_, keyframe.submap + 1);
+  }
+  if (signatures_ || base_.layer<SignatureLayer>()) base_.layers.put(FeatureLayer::layer_name, nullptr);
+  if (!given_) continue_base();
+  covariances_.assign(poses_.size(), Matrix6d::Zero());
+}
+
+/// What the base has of its own is part of every snapshot again; its last session is this one.
+void TrackedMap::continue_base() {
+  if (!base_.keyframes.empty()) {
+    MapSession session = base_.sessions.front();
+    session.session = base_.sessions.back().session + 1;
+    base_.sessions.push_back(session);
+  }
+  base_.keyframes.clear();
+  base_.constraints.clear();
+}
+
+SE3 TrackedMap::pose(std::int64_t keyframe) const {
+  const auto index = static_cast<std::size_t>(keyframe);
+  return index < poses_.size() ? poses_[index].world_from_camera : pending_[index - poses_.size()].world_from_camera;
+}
+
+int TrackedMap::submap(std::int64_t keyframe) const {
+  const auto index = static_cast<std::size_t>(keyframe);
+  return index < poses_.size() ? poses_[index].submap : pending_[index - poses_.size()].submap;
+}
+
+std::vector<std::int64_t> TrackedMap::nearest(const SE3& pose, int submap, const RgbdSlamOptions& options) const {
+  constexpr std::size_t most = 5;
+  std::vector<std::pair<double, std::int64_t>> all;
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    if (poses_[k].submap != submap || keyframes_[k]->features.size() == 0) continue;
+    const SE3 difference = poses_[k].world_from_camera.inverse() * pose;
+    all.emplace_back(std::max(difference.translation().norm() / options.near_distance_m,
+                              difference.rotation().log().norm() / options.near_angle_rad),
+                     static_cast<std::int64_t>(k));
+  }
+  std::sort(all.begin(), all.end());
+  std::vector<std::int64_t> ids;
+  for (std::size_t i = 0; i < all.size() && i < most; ++i) ids.push_back(all[i].second);
+  return ids;
+}
+
+bool TrackedMap::are_connected(std::int64_t a, std::int64_t b) const {
+  return std::any_of(edges_.begin(), edges_.end(), [=](const Constraint& edge) {
+    return (edge.from == a && edge.to == b) || (edge.from == b && edge.to == a);
+  });
+}
+
+void TrackedMap::add_pending(const KeyframePose& pose, const Matrix6d& covariance) {
+  pending_.push_back(pose);
+  covariances_.push_back(covariance);
+}
+
+void TrackedMap::move_pending(std::int64_t first, const SE3& new_world_from_world) {
+  const auto known = static_cast<std::int64_t>(poses_.size());
+  for (std::int64_t k = std::max(first, known); k < keyframe_count(); ++k) {
+    SE3& pose = pending_[static_cast<std::size_t>(k - known)].world_from_camera;
+    pose = new_world_from_world * pose;
+  }
+}
+
+void TrackedMap::apply(MapRevision revision) {
+  poses_ = std::move(revision.poses);
+  if (revision.keyframe) {
+    covariances_[static_cast<std::size_t>(revision.keyframe->id)] = revision.covariance;
+    keyframes_.push_back(std::move(revision.keyframe));
+    pending_.pop_front();
+  }
+  for (auto& keyframe : revision.retrieved) {
+    const auto index = static_cast<std::size_t>(keyframe->id);
+    keyframes_[index] = std::move(keyframe);
+  }
+  for (const std::int64_t id : revision.forgotten) {
+    auto& keyframe = keyframes_[static_cast<std::size_t>(id)];
+    keyframe = without_features(*keyframe);
+  }
+  weights_.resize(keyframes_.size(), 1.0);
+  for (const auto& [id, weight] : revision.keyframe_weights) weights_[static_cast<std::size_t>(id)] = weight;
+  edges_.insert(edges_.end(), revision.new_edges.begin(), revision.new_edges.end());
+  for (std::size_t e = 0; e < edges_.size() && e < revision.weights.size(); ++e) edges_[e].weight = revision.weights[e];
+  ++revision_;
+}
+
+void TrackedMap::add_frame(TimeNs stamp, std::int64_t keyframe, const SE3& keyframe_from_camera) {
+  frames_.push_back({stamp, keyframe, keyframe_from_camera});
+}
+
+bool TrackedMap::make_largest_first() {
+  std::vector<std::int64_t> frames(static_cast<std::size_t>(std::max(1, submaps_)), 0);
+  for (const PosedFrame& frame : frames_) ++frames[static_cast<std::size_t>(submap(frame.keyframe))];
+  const auto largest = static_cast<int>(std::max_element(frames.begin(), frames.end()) - frames.begin());
+  if (largest == 0 || given_ || base_.sessions.size() > 1) return false;  // a map continued keeps its frame
+  for (KeyframePose& pose : poses_) {
+    if (pose.submap == 0 || pose.submap == largest) pose.submap = largest - pose.submap;
+  }
+  ++revision_;
+  return true;
+}
+
+Trajectory TrackedMap::trajectory() const {
+  Trajectory trajectory;
+  for (const PosedFrame& frame : frames_) {
+    if (submap(frame.keyframe) == 0)
+      trajectory.push_back({frame.stamp, pose(frame.keyframe) * frame.keyframe_from_camera});
+  }
+  const auto before = [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; };
+  std::stable_sort(trajectory.begin(), trajectory.end(), before);
+  const auto same = [](const StampedPose& a, const StampedPose& b) { return a.stamp == b.stamp; };
+  trajectory.erase(std::unique(trajectory.begin(), trajectory.end(), same), trajectory.end());
+  return trajectory;
+}
+
+std::shared_ptr<const Map> TrackedMap::snapshot() const {
+  auto map = std::make_shared<Map>(base_);
+  if (given_) return map;
+  map->revision = revision_;
+  auto features = std::make_shared<FeatureLayer>();
+  auto images = std::make_shared<ImageLayer>();
+  auto signatures = std::make_shared<SignatureLayer>();
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    const ImageFeatures& image = *keyframes_[k];
+    map->keyframes.push_back({image.id, image.frame, image.stamp, 0, poses_[k].world_from_camera, poses_[k].submap,
+                              no_keyframe, weights_[k]});
+    if (!signatures_) features->of[image.id] = keyframes_[k];
+    images->keyframes.push_back(image.id);
+    signatures->keyframes.push_back(image.id);
+  }
+  images->store = images_;
+  signatures->store = signatures_;
+  if (signatures_)
+    map->layers.put<SignatureLayer>(std::move(signatures));
+  else
+    map->layers.put<FeatureLayer>(std::move(features));
+  map->layers.put<ImageLayer>(std::move(images));
+  map->constraints = edges_;
+  for (const PosedFrame& frame : frames_)
+    if (frame.keyframe < static_cast<std::int64_t>(poses_.size()))
+      map->frames.push_back({frame.stamp, frame.keyframe, frame.keyframe_from_camera});
+  if (map->frames.size() > base_.frames.size()) {
+    map->sessions.back().first_stamp = frames_.front().stamp;
+    map->sessions.back().last_stamp = map->frames.back().stamp;
+  }
+  return map;
+}
+
+}  // namespace rastro

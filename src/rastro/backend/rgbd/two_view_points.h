@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rastro/math/se3.h"
+#include "rastro/backend/rgbd/surface_check.h"
+
+namespace rastro {
+
+/// One feature observed in two views. A depth of 0 means not measured; at least one of the two is measured.
+struct PointMatch {
+  Eigen::Vector2d ray_a = Eigen::Vector2d::Zero(), ray_b = Eigen::Vector2d::Zero();  ///< Normalized (x/z, y/z).
+  double depth_a = 0.0, depth_b = 0.0;                                               ///< Meters.
+  double sigma_a = 1.0, sigma_b = 1.0;                                               ///< Of the pixel position.
+};
+
+struct PointMatchOptions {
+  DepthNoise noise;
+  double focal_px = 500.0;
+  double max_sigmas = 3.0;
+  int iterations = 300;
+  int min_inliers = 10;
+  std::uint64_t seed = 1;
+};
+
+struct MatchedViews {
+  SE3 a_from_b;
+  /// Inverse covariance of d in true pose = a_from_b * exp(d), from the noise model; inflated where the residuals are
+  /// larger.
+  Matrix6d information = Matrix6d::Identity();
+  int inliers = 0;
+};
+
+/// The relative pose that most matches agree with. RANSAC over three matches each: 3D to 3D where all have both depths
+/// (closed form), else 3D to 2D (P3P); scored and refined over pixels and depths, weighted by their sigmas. `guess`,
+/// where given, is tried first. nullopt with fewer than min_inliers inliers, or when they do not determine the pose.
+/// The same seed gives the same bits.
+std::optional<MatchedViews> estimate_views(std::span<const PointMatch> matches, const PointMatchOptions& options,
+                                           const std::optional<SE3>& guess = std::nullopt);
+
+}  // namespace rastro

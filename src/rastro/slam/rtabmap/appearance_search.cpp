@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/rtabmap/appearance_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "rastro/slam/map_budget.h"
+
+namespace rastro {
+namespace {
+
+LocationFilterOptions filter_options(const RtabmapOptions& options) {
+  LocationFilterOptions filter;
+  filter.stays_new = options.stays_new;
+  filter.neighbor_sigma = options.neighbor_sigma;
+  filter.neighbor_reach = static_cast<int>(std::lround(5.0 * options.neighbor_sigma));
+  return filter;
+}
+
+// What the parts of an iteration take on one core of a laptop, so that runs without a clock plan alike.
+constexpr double work_of_comparison_ms = 2e-6;  // of two descriptors
+constexpr double work_of_location_ms = 4e-3;    // by the Bayes filter
+constexpr double work_of_match_ms = 2.0;        // of two keyframes
+constexpr std::size_t most_similar = 8;         // locations that a lost frame is compared with
+
+/// Without the direct index, which only matching of features needs.
+BagOfWords bag_of(const ImageFeatures& image) {
+  BagOfWords bag = standard_vocabulary()->words_of(image.features.descriptors);
+  bag.nodes = {};
+  return bag;
+}
+
+bool follows_last(const KeyframeGraph& graph, std::int64_t id) {
+  return id > 0 && graph.tracked_motion(id - 1, id, 1).has_value();
+}
+
+void add_unless_there(std::vector<std::int64_t>& ids, std::int64_t id) {
+  if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
+}
+
+}  // namespace
+
+AppearanceSearch::AppearanceSearch(const RtabmapOptions& options, const Means& means)
+    : options_(options),
+      means_(means),
+      vocabulary_(options.distance_ratio),
+      filter_(filter_options(options)) {}
+
+/// Words, short-term memory with rehearsal, Bayes filter over working memory, retrieval: one iteration of the method.
+LoopSearch::Candidates AppearanceSearch::candidates(const KeyframeGraph& graph, std::int64_t id) {
+  clock_.lap_ms();
+  immune_.clear();
+  words_added_ = words_transferred_ = 0;
+  // After a loss, where the camera was a moment ago is a place like any other.
+  if (!follows_last(graph, id)) shorten_short_term(0);
+  remember(graph, id);
+  shorten_short_term(options_.short_term_size);
+  Random random(seed_for(options_.rgbd.follow.seed, static_cast<std::uint64_t>(id)));
+  Candidates candidates{graph.candidates(id, random), {}};
+  if (words_.empty()) return candidates;
+  for (const std::int64_t location : likely_locations()) recall(location, candidates);
+  const std::int64_t own = memory_.location_of(id);
+  for (const std::int64_t location : similar_locations(bag_of(graph.keyframe(id)), own))
+    recall(location, candidates);
+  return candidates;
+}
+
+/// A bad signature has too few features to be recognized by.
+bool AppearanceSearch::is_bad(const ImageFeatures& image) const {
+  return static_cast<double>(image.features.size()) < options_.bad_signature * features_per_image_;
+}
+
+void AppearanceSearch::remember(const KeyframeGraph& graph, std::int64_t id) {
+  const ImageFeatures& image = graph.keyframe(id);
+  ++images_;
+  features_per_image_ += (static_cast<double>(image.features.size()) - features_per_image_) / static_cast<double>(images_);
+  words_.clear();
+  if (!is_bad(image)) {
+    const std::span<const Descriptor> all = image.features.descriptors;
+    const std::size_t before = vocabulary_.size();
+    const std::size_t count = std::min(all.size(), static_cast<std::size_t>(options_.words_per_image));
+    work_ms_ = work_of_comparison_ms * static_cast<double>(count) * static_cast<double>(before);
+    words_ = vocabulary_.add(all.first(count), means_.pool);
+    words_added_ = vocabulary_.size() - before;
+  }
+  const bool follows = follows_last(graph, id);
+  const Location* last = memory_.last();
+  if (follows && last && shared_word_ratio(words_, last->words) > options_.rehearsal_similarity) {
+    vocabulary_.release(words_);
+    memory_.rehearse(id);
+    return;
+  }
+  memory_.begin(id, words_, follows);
+  waiting_[id] = bag_of(image);
+}
+
+void AppearanceSearch::shorten_short_term(int most) {
+  while (const auto location = memory_.leave_short_term(most)) {
+    const auto& words = memory_.at(*location).words;
+    if (!words.empty()) index_.add(*location, words);
+    const auto bag = waiting_.find(*location);
+    places_.add(*location, bag->second);
+    waiting_.erase(bag);
+  }
+}
+
+/// Those of working memory that the Bayes filter believes in, the likeliest first.
+std::vector<std::int64_t> AppearanceSearch::likely_locations() {
+  const std::vector<LocationScore> scores = index_.scores(words_);
+  const auto links = [this](std::int64_t id) { return memory_.at(id).neighbors; };
+  std::vector<LocationScore> likely = filter_.update(scores, links).locations;
+  work_ms_ += work_of_location_ms * static_cast<double>(likely.size());
+  std::erase_if(likely, [&](const LocationScore& each) { return each.score < options_.loop_probability; });
+  std::stable_sort(likely.begin(), likely.end(),
+                   [](const LocationScore& a, const LocationScore& b) { return a.score > b.score; });
+  std::vector<std::int64_t> ids;
+  for (const LocationScore& each : likely)
+    if (static_cast<int>(ids.size()) < options_.hypotheses) ids.push_back(each.location);
+  return ids;
+}
+
+/// Of all memory, since words that never change find again what was transferred long ago. A score alone has no meaning:
+/// the last location says how similar the same place is.
+std::vector<std::int64_t> AppearanceSearch::similar_locations(const BagOfWords& words, std::int64_t own) const {
+  if (options_.similar_locations == 0) return {};
+  double least = 0.0;
+  if (const auto last = waiting_.lower_bound(own); last != waiting_.begin())
+    least = options_.least_similarity * similarity(words, std::prev(last)->second);
+  std::vector<std::int64_t> ids;
+  for (const PlaceMatch& match : places_.find(words))
+    if (match.score >= least && static_cast<int>(ids.size()) < options_.similar_locations) ids.push_back(match.id);
+  return ids;
+}
+
+/// The location is compared, and neighbors of it come back to working memory: the next images will show them.
+void AppearanceSearch::recall(std::int64_t location, Candidates& candidates) {
+  add_unless_there(candidates.compare, location);
+  immune_.insert(location);
+  if (memory_.at(location).stage == MemoryStage::long_term) tried_.insert(location);
+  constexpr int reach = 2;
+  const int most = options_.retrieved_neighbors - static_cast<int>(candidates.retrieve.size());
+  for (const std::int64_t id : memory_.forgotten_neighbors(location, reach, std::max(0, most)))
+    add_unless_there(candidates.retrieve, id);
+}
+
+void AppearanceSearch::on_matched(const KeyframeGraph& graph, std::int64_t id, const Candidates& candidates,
+                                  std::span<const Constraint> accepted) {
+  const std::int64_t own = memory_.location_of(id);
+  std::optional<std::int64_t> closed;
+  for (const Constraint& edge : accepted) {
+    const std::int64_t other = memory_.location_of(edge.from);
+    if (tried_.erase(other) > 0) retrieve(graph, other);
+    if (other == own || memory_.at(other).stage == MemoryStage::short_term) continue;
+    closed ? memory_.link(own, other) : memory_.close_loop(own, other);
+    closed = other;
+    immune_.insert(other);
+  }
+  for (const std::int64_t location : candidates.retrieve) {
+    tried_.erase(location);
+    retrieve(graph, location);
+  }
+  work_ms_ += work_of_match_ms * static_cast<double>(candidates.compare.size());
+  if (means_.live) work_ms_ = clock_.lap_ms();
+}
+
+void AppearanceSearch::retrieve(const KeyframeGraph& graph, std::int64_t location) {
+  if (memory_.at(location).stage != MemoryStage::long_term) return;
+  const auto& words = memory_.at(location).words;
+  const std::span<const Descriptor> all = graph.keyframe(location).features.descriptors;
+  vocabulary_.restore(words, all.first(words.size()));
+  if (!words.empty()) index_.add(location, words);
+  memory_.retrieve(location);
+  immune_.insert(location);
+}
+
+/// One location a call: what was compared in vain first, then the least of working memory, as many words as were added.
+std::vector<std::int64_t> AppearanceSearch::transfer(const KeyframeGraph& /*graph*/, double fill) {
+  if (!tried_.empty()) {
+    const std::vector<std::int64_t> in_vain(tried_.begin(), tried_.end());
+    tried_.clear();
+    return in_vain;
+  }
+  const bool overdue = work_ms_ > options_.time_limit_ms && words_transferred_ <= words_added_;
+  if (!overdue && fill <= MapBudget::full_share) return {};
+  const auto least = memory_.least(immune_);
+  if (!least) return {};
+  const std::size_t before = vocabulary_.size();
+  vocabulary_.release(memory_.at(*least).words);
+  words_transferred_ += std::max<std::size_t>(1, before - vocabulary_.size());
+  index_.remove(*least);
+  memory_.transfer(*least);
+  return memory_.at(*least).keyframes;
+}
+
+void AppearanceSearch::know(const Signature& signature, double weight) {
+  const ImageFeatures& image = *signature.image;
+  if (signature.words.empty() && memory_.last() != nullptr && weight == 0.0) return memory_.rehearse(image.id);
+  // Ids of words are never given twice.
+  const std::span<const Descriptor> all = image.features.descriptors;
+  vocabulary_.restore(signature.words, all.first(signature.words.size()));
+  vocabulary_.release(signature.words);
+  memory_.begin(image.id, signature.words, false);
+  memory_.weigh(image.id, weight);
+  memory_.leave_short_term(0);
+  memory_.transfer(image.id);
+  places_.add(image.id, bag_of(image));
+}
+
+void AppearanceSearch::know_constraints(std::span<const Constraint> constraints) {
+  for (const Constraint& edge : constraints) memory_.link(memory_.location_of(edge.from), memory_.location_of(edge.to));
+}
+
+std::vector<std::int64_t> AppearanceSearch::words_of(std::int64_t id) const {
+  return memory_.location_of(id) == id ? words_ : std::vector<std::int64_t>{};
+}
+
+std::vector<std::pair<std::int64_t, double>> AppearanceSearch::changed_weights() {
+  std::vector<std::pair<std::int64_t, double>> weights;
+  for (const std::int64_t location : memory_.take_reweighted()) {
+    const Location& changed = memory_.at(location);
+    weights.emplace_back(location, changed.weight);
+    // What looks like a location already adds nothing to it.
+    if (changed.keyframes.size() > 1) weights.emplace_back(changed.keyframes.back(), 0.0);
+  }
+  return weights;
+}
+
+std::vector<std::int64_t> AppearanceSearch::similar(const ImageFeatures& seen) const {
+  std::vector<std::int64_t> ids;
+  for (const PlaceMatch& match : places_.find(bag_of(seen)))
+    if (ids.size() < most_similar) ids.push_back(match.id);
+  return ids;
+}
+
+}  // namespace rastro
