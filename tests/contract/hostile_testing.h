@@ -23,7 +23,8 @@ struct Hostile {
 };
 
 inline const SaidBy said_few_returns = {{"ekf", SlamReason::few_returns}, {"hector", SlamReason::few_returns}};
-inline const SaidBy said_dark = {{"orb", SlamReason::dark_or_blank}, {"rgbd", SlamReason::dark_or_blank}, {"rtabmap", SlamReason::dark_or_blank}};
+inline const SaidBy said_dark = {
+    {"orb", SlamReason::dark_or_blank}, {"rgbd", SlamReason::dark_or_blank}, {"rtabmap", SlamReason::dark_or_blank}};
 
 inline LaserScan& scan_of(Frame& frame) { return *frame.scan; }
 inline void fill(Frame& frame, float range) {
@@ -115,10 +116,14 @@ inline const Hostile spoilt_depths[] = {
     {"everything masked", [](Frame& frame) { frame.mask = gray(frame, 0); }, {{"orb", SlamReason::few_inliers}}},
     {"the stamp before",
      [](Frame& frame) { frame.stamp -= ns_per_second / 15; },
-     {{"orb", SlamReason::repeated_frame}, {"rgbd", SlamReason::repeated_frame}, {"rtabmap", SlamReason::repeated_frame}}},
+     {{"orb", SlamReason::repeated_frame},
+      {"rgbd", SlamReason::repeated_frame},
+      {"rtabmap", SlamReason::repeated_frame}}},
     {"no stamp",
      [](Frame& frame) { frame.stamp = 0; },
-     {{"orb", SlamReason::repeated_frame}, {"rgbd", SlamReason::repeated_frame}, {"rtabmap", SlamReason::repeated_frame}}},
+     {{"orb", SlamReason::repeated_frame},
+      {"rgbd", SlamReason::repeated_frame},
+      {"rtabmap", SlamReason::repeated_frame}}},
     {"no depth image", [](Frame& frame) { frame.depth = {}; }, {}},
     {"depth without a measurement", [](Frame& frame) { fill_depth(frame, 0.0F); }, {}},
     {"depth that is no number", [](Frame& frame) { fill_depth(frame, std::numeric_limits<float>::quiet_NaN()); }, {}},

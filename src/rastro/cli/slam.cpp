@@ -92,6 +92,7 @@ Prepared prepare(const SlamFlags& flags) {
   run.context = context_of(flags);
   run.method = method_for(flags, run.context);
   run.table = run.method->options();
+  apply_preset(flags, *run.method);
   apply_settings(flags, run.method->name(), run.table);
   run.limits = parse_limits(flags.limits, numbers_of(SlamResult{}), "'coverage>=95'");
   OpenOptions open = open_options(flags.data);

@@ -2,6 +2,7 @@
 #include "rastro/cli/slam_flags.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <numbers>
@@ -87,6 +88,11 @@ Examples:
   rastro localize kitchen_again --map run --out found --initial-pose 1.2,0.4,0,0,-30,0      search there first)";
 
 void add_run_flags(CLI::App& command, SlamFlags& flags, const char* group) {
+  command
+      .add_option("--preset", flags.preset,
+                  "Values of the settings to begin with: 'default', or 'paper' (rtabmap: those of the publication)")
+      ->type_name("NAME")
+      ->group(group);
   add_settings_flags(command, flags, group, "rastro options METHOD");
   add_disturbance_flag(command, flags);
   command
@@ -192,6 +198,15 @@ std::optional<SE3> parse_initial_pose(const std::string& text, bool planar) {
   const SO3 rotation = about(Eigen::Vector3d::UnitZ(), numbers[5]) * about(Eigen::Vector3d::UnitY(), numbers[4]) *
                        about(Eigen::Vector3d::UnitX(), numbers[3]);
   return SE3(rotation, {numbers[0], numbers[1], numbers[2]});
+}
+
+void apply_preset(const SlamFlags& flags, SlamMethod& method) {
+  if (flags.preset.empty() || flags.preset == "default") return;
+  const std::vector<std::string> presets = method.presets();
+  if (std::find(presets.begin(), presets.end(), flags.preset) == presets.end())
+    throw Error(fmt::format("the method '{}' has no preset '{}'", method.name(), flags.preset), "--preset",
+                presets.empty() ? "omit it" : fmt::format("use default or {}", fmt::join(presets, ", ")));
+  method.set_preset(flags.preset);
 }
 
 void apply_settings(const SlamFlags& flags, const std::string& method, OptionTable& table) {

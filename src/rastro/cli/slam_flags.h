@@ -9,6 +9,7 @@
 #include "rastro/base/options.h"
 #include "rastro/cli/run_flags.h"
 #include "rastro/math/se3.h"
+#include "rastro/slam/slam_method.h"
 
 namespace rastro::cli {
 
@@ -16,6 +17,7 @@ namespace rastro::cli {
 struct SlamFlags : RunFlags {
   std::string method;   ///< Empty: that of `map`.
   std::string map;      ///< Localize in this map (or that of this run), or continue it; empty: make a new one.
+  std::string preset;   ///< Empty: the method's defaults.
   bool extend = false;  ///< --continue
   std::string mode = "pipelined";
   std::string mask, max_memory, initial_pose;         ///< Empty: not given.
@@ -32,6 +34,8 @@ void add_localize_flags(CLI::App& command, SlamFlags& flags);
 /// planar method also "x,y,yaw", which takes the place of "x,y,z". nullopt for empty text; Error for any other.
 std::optional<SE3> parse_initial_pose(const std::string& text, bool planar);
 
+/// The values of --preset. Error for one that the method does not have.
+void apply_preset(const SlamFlags& flags, SlamMethod& method);
 /// Sets the table from the options file, --set and the flags, in this order. Errors name the flag, also for a flag
 /// whose option the method does not have.
 void apply_settings(const SlamFlags& flags, const std::string& method, OptionTable& table);

@@ -36,7 +36,8 @@ class MemoryItems : public ItemStore<Item> {
     const std::lock_guard lock(mutex_);
     const auto found = items_.find(keyframe);
     if (found == items_.end())
-      throw Error("is missing in the map", "keyframe " + std::to_string(keyframe), "the map was not made by this program");
+      throw Error("is missing in the map", "keyframe " + std::to_string(keyframe),
+                  "the map was not made by this program");
     return found->second;
   }
 

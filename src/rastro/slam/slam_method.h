@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rastro/base/options.h"
 #include "rastro/base/task_pool.h"
@@ -45,6 +46,10 @@ class SlamMethod {
   virtual std::string needs() const = 0;    ///< "2D laser scans; odometry where there is any".
   /// Points into this object, which must outlive the table.
   virtual OptionTable options() = 0;
+  /// Names of sets of values for the settings, beside the defaults, such as those of the publication.
+  virtual std::vector<std::string> presets() const { return {}; }
+  /// One of presets().
+  virtual void set_preset(const std::string& /*name*/) {}
   /// Whether the method wants color images, depth, or the right image of a stereo pair, where the source has them.
   /// Depends on the settings in force.
   virtual bool wants_color() const { return false; }

@@ -6,8 +6,8 @@
 #include <memory>
 #include <mutex>
 
-#include "rastro/map/images/image_layer.h"
 #include "rastro/backend/rgbd/surface_check.h"
+#include "rastro/map/images/image_layer.h"
 
 namespace rastro {
 

@@ -6,9 +6,9 @@
 #include <thread>
 #include <vector>
 
-#include "rastro/base/error.h"
 #include "rastro/backend/rgbd/keyframe_matcher.h"
 #include "rastro/backend/rgbd/rgbd_testing.h"
+#include "rastro/base/error.h"
 
 namespace rastro {
 namespace {

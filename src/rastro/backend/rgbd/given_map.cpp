@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rastro/backend/rgbd/keyframe_graph.h"
 #include "rastro/base/error.h"
 #include "rastro/map/features/feature_layer.h"
 #include "rastro/map/graph/edit.h"
-#include "rastro/backend/rgbd/keyframe_graph.h"
 #include "rastro/map/images/image_layer.h"
 
 namespace rastro {

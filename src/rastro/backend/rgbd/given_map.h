@@ -3,10 +3,10 @@
 
 #include <string>
 
+#include "rastro/backend/rgbd/options.h"
 #include "rastro/camera/camera.h"
 #include "rastro/map/graph/map.h"
 #include "rastro/map/signatures/signature_layer.h"
-#include "rastro/backend/rgbd/options.h"
 #include "rastro/slam/slam_method.h"
 
 namespace rastro {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "rastro/base/error.h"
 #include "rastro/backend/rgbd/rgbd_testing.h"
+#include "rastro/base/error.h"
 
 namespace rastro {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <memory>
 
+#include "rastro/backend/rgbd/options.h"
 #include "rastro/feature/descriptor_extractor.h"
 #include "rastro/map/features/feature_layer.h"
 #include "rastro/sensor/frame.h"
-#include "rastro/backend/rgbd/options.h"
 
 namespace rastro {
 

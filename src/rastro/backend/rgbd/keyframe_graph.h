@@ -8,10 +8,10 @@
 #include <optional>
 #include <vector>
 
+#include "rastro/backend/rgbd/options.h"
 #include "rastro/base/random.h"
 #include "rastro/map/features/feature_layer.h"
 #include "rastro/optimize/pose_graph.h"
-#include "rastro/backend/rgbd/options.h"
 
 namespace rastro {
 

@@ -97,7 +97,11 @@ std::vector<PointMatch> KeyframeMatcher::matches_of(const ImageFeatures& a, cons
 
 std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a, const ViewOfKeyframe& b,
                                                          int min_inliers, std::uint64_t seed,
-                                                         const std::optional<SE3>& guess, MatchScope scope) const {
+                                                         const std::optional<SE3>& guess, MatchScope scope,
+                                                         Rejection* why) const {
+  Rejection own;
+  Rejection& rejection = why ? *why : own;
+  rejection = Rejection::few_inliers;
   const std::vector<PointMatch> matches = matches_of(*a.keyframe, *b.keyframe);
   PointMatchOptions fitting;
   fitting.noise = depth_noise(options_);
@@ -107,17 +111,20 @@ std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a
   fitting.min_inliers = may_slide ? std::min(min_inliers, options_.few_inliers) : min_inliers;
   fitting.seed = seed;
   std::optional<MatchedViews> views = estimate_views(matches, fitting, guess);
-  if (!views || judge({.matches = static_cast<int>(matches.size()), .inliers = views->inliers},
-                      feature_acceptance(options_)) != Rejection::none)
-    return std::nullopt;
+  if (!views) return std::nullopt;
+  rejection =
+      judge({.matches = static_cast<int>(matches.size()), .inliers = views->inliers}, feature_acceptance(options_));
+  if (rejection != Rejection::none) return std::nullopt;
   const auto surface_a = a.depth(), surface_b = b.depth();
   const bool few = views->inliers < min_inliers;
   if (few) views = slide(check_, *surface_a, *surface_b, *views);
+  rejection = Rejection::few_inliers;
   if (!views) return std::nullopt;
   KeyframeConstraint constraint{
       views->a_from_b, Matrix6d::Identity(), static_cast<int>(matches.size()), views->inliers, {}};
   constraint.agreement = check_.compare(*surface_a, *surface_b, constraint.a_from_b);
-  if (judge(constraint.evidence(), surface_acceptance(options_, few)) != Rejection::none) return std::nullopt;
+  rejection = judge(constraint.evidence(), surface_acceptance(options_, few));
+  if (rejection != Rejection::none) return std::nullopt;
   // Errors common to pixels and depths, as from lens and clocks, do not decrease with their number.
   Matrix6d covariance = match_covariance_factor * views->information.inverse();
   covariance.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;

@@ -6,12 +6,12 @@
 #include <memory>
 #include <optional>
 
-#include "rastro/camera/camera.h"
-#include "rastro/map/features/feature_layer.h"
-#include "rastro/math/se3.h"
 #include "rastro/backend/rgbd/options.h"
 #include "rastro/backend/rgbd/surface_check.h"
 #include "rastro/backend/rgbd/two_view_points.h"
+#include "rastro/camera/camera.h"
+#include "rastro/map/features/feature_layer.h"
+#include "rastro/math/se3.h"
 
 namespace rastro {
 
@@ -45,10 +45,10 @@ class KeyframeMatcher {
  public:
   KeyframeMatcher(const RgbdSlamOptions& options, const Camera& camera);
   /// nullopt where the keyframes have too little in common, or where depth contradicts. `guess` of a_from_b is one more
-  /// hypothesis.
+  /// hypothesis. `why`, if any, receives what was lacking, or none.
   std::optional<KeyframeConstraint> match(const ViewOfKeyframe& a, const ViewOfKeyframe& b, int min_inliers,
                                           std::uint64_t seed, const std::optional<SE3>& guess,
-                                          MatchScope scope = MatchScope::anywhere) const;
+                                          MatchScope scope = MatchScope::anywhere, Rejection* why = nullptr) const;
   const SurfaceCheck& surfaces() const { return check_; }
   std::vector<PointMatch> matches_of(const ImageFeatures& a, const ImageFeatures& b) const;
 

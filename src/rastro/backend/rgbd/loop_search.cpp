@@ -7,7 +7,7 @@ namespace rastro {
 
 LoopSearch::Candidates GraphSearch::candidates(const KeyframeGraph& graph, std::int64_t id) {
   Random random(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)));
-  return {graph.candidates(id, random), {}};
+  return {graph.candidates(id, random), {}, {}};
 }
 
 std::vector<std::int64_t> GraphSearch::transfer(const KeyframeGraph& graph, double fill) {

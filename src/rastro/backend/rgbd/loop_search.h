@@ -17,7 +17,8 @@ namespace rastro {
 class LoopSearch {
  public:
   struct Candidates {
-    std::vector<std::int64_t> compare;   ///< Keyframes to match the new one with, in this order.
+    std::vector<std::int64_t> nearby;    ///< Keyframes to match the new one with, in this order ...
+    std::vector<std::int64_t> places;    ///< ... and those that look like it; a rejection of one is told.
     std::vector<std::int64_t> retrieve;  ///< Keyframes whose features come back to memory beside these.
   };
 

@@ -152,7 +152,7 @@ void Mapper::add_edge(const Constraint& edge, MapRevision& revision) {
   revision.new_edges.push_back(edge);
 }
 
-std::optional<Constraint> Mapper::match(std::int64_t other, std::int64_t id, MatchScope scope) {
+Mapper::Verified Mapper::match(std::int64_t other, std::int64_t id, MatchScope scope) {
   const auto view = [this](std::int64_t k) {
     return ViewOfKeyframe{&graph_.keyframe(k), [this, k] { return depths_.depth(k); }};
   };
@@ -162,24 +162,26 @@ std::optional<Constraint> Mapper::match(std::int64_t other, std::int64_t id, Mat
   if (const auto tracked = graph_.tracked_motion(other, id, most_tracked_steps)) guess = tracked->from_from_to;
   const std::uint64_t seed =
       seed_for(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)), static_cast<std::uint64_t>(other));
+  Rejection why = Rejection::none;
   const auto match = matcher_.match(view(other), view(id), merges ? options_.relocalize_inliers : options_.min_inliers,
-                                    seed, guess, scope);
-  if (!match) return std::nullopt;
+                                    seed, guess, scope, &why);
+  if (!match) return {std::nullopt, why};
   Constraint edge{other, id, Sim3(match->a_from_b), match->information, ConstraintKind::proximity, 1.0, match->inliers};
   if (merges) {
     edge.kind = ConstraintKind::merge;
   } else if (other < graph_.frozen() || graph_.steps_between(other, id, options_.loop_steps) >= options_.loop_steps) {
     edge.kind = ConstraintKind::loop;
   }
-  return edge;
+  return {edge};
 }
 
 /// What most features agree with may be a crowd that walks by: where tracking knows better, what agrees with it counts.
-std::optional<Constraint> Mapper::verify(std::int64_t other, std::int64_t id) {
-  auto edge = match(other, id, MatchScope::anywhere);
-  if (!edge || edge->kind == ConstraintKind::merge || !contradicts_path(*edge)) return edge;
-  edge = match(other, id, MatchScope::near_guess);
-  return edge && !contradicts_path(*edge) ? edge : std::nullopt;
+Mapper::Verified Mapper::verify(std::int64_t other, std::int64_t id) {
+  Verified found = match(other, id, MatchScope::anywhere);
+  if (!found.edge || found.edge->kind == ConstraintKind::merge || !contradicts_path(*found.edge)) return found;
+  found = match(other, id, MatchScope::near_guess);
+  if (found.edge && !contradicts_path(*found.edge)) return found;
+  return {std::nullopt, Rejection::contradicts_graph};
 }
 
 /// Whether a match is farther from the relative pose in the graph than the camera can have drifted on the path between.
@@ -207,9 +209,16 @@ void Mapper::constrain(std::int64_t id, MapRevision& revision) {
   if (signatures_) store_signature(id, {graph_.shared_keyframe(id), search_->words_of(id)});
   for (const std::int64_t other : candidates.retrieve) retrieve(other, revision);
   std::vector<Constraint> verified;
-  for (const std::int64_t other : candidates.compare) {
+  for (const std::int64_t other : candidates.nearby) {
+    if (const auto found = verify(other, id).edge) verified.push_back(*found);
+  }
+  for (const std::int64_t other : candidates.places) {
     retrieve(other, revision);
-    if (auto edge = verify(other, id)) verified.push_back(*edge);
+    const Verified found = verify(other, id);
+    if (found.edge) verified.push_back(*found.edge);
+    if (!found.edge)
+      revision.events.push_back(
+          {"rejected", fmt::format("keyframe {} with {}: {}", id, other, name_of(found.rejection))});
   }
   for (const Constraint& edge : verified) accept(edge, revision);
   if (!verified.empty() && id > 0) correct(id, verified, revision);

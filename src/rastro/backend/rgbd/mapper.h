@@ -7,17 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "rastro/base/random.h"
-#include "rastro/map/images/pack_images.h"
-#include "rastro/map/map_archive.h"
-#include "rastro/map/signatures/signature_layer.h"
-#include "rastro/slam/map_budget.h"
 #include "rastro/backend/rgbd/depth_store.h"
 #include "rastro/backend/rgbd/keyframe_features.h"
 #include "rastro/backend/rgbd/keyframe_graph.h"
 #include "rastro/backend/rgbd/keyframe_matcher.h"
 #include "rastro/backend/rgbd/loop_search.h"
 #include "rastro/backend/rgbd/options.h"
+#include "rastro/base/random.h"
+#include "rastro/map/images/pack_images.h"
+#include "rastro/map/map_archive.h"
+#include "rastro/map/signatures/signature_layer.h"
+#include "rastro/slam/map_budget.h"
 #include "rastro/slam/slam.h"
 #include "rastro/slam/slam_method.h"
 
@@ -41,7 +41,7 @@ struct MapRevision {
   std::vector<double> weights;             ///< Of all edges, including the new ones.
   Matrix6d covariance = Matrix6d::Zero();  ///< Of the keyframe's pose, see KeyframeGraph.
   std::vector<std::int64_t> forgotten;     ///< Keyframes whose features were dropped or transferred.
-  std::vector<std::shared_ptr<const ImageFeatures>> retrieved;  ///< Keyframes whose features came back.
+  std::vector<std::shared_ptr<const ImageFeatures>> retrieved;    ///< Keyframes whose features came back.
   std::vector<std::pair<std::int64_t, double>> keyframe_weights;  ///< Those that changed.
   std::vector<SlamEvent> events;
   MapMemory memory;
@@ -77,8 +77,12 @@ class Mapper {
   void keep(const KeyframeOrder& order, ImageFeatures keyframe);
   /// Candidates, verification, acceptance, correction.
   void constrain(std::int64_t id, MapRevision& revision);
-  std::optional<Constraint> verify(std::int64_t other, std::int64_t id);
-  std::optional<Constraint> match(std::int64_t other, std::int64_t id, MatchScope scope);
+  struct Verified {
+    std::optional<Constraint> edge;
+    Rejection rejection = Rejection::none;
+  };
+  Verified verify(std::int64_t other, std::int64_t id);
+  Verified match(std::int64_t other, std::int64_t id, MatchScope scope);
   bool contradicts_path(const Constraint& edge) const;
   void accept(const Constraint& edge, MapRevision& revision);
   void correct(std::int64_t id, const std::vector<Constraint>& accepted, MapRevision& revision);
@@ -100,9 +104,9 @@ class Mapper {
   const std::atomic<bool>* stop_;  ///< May be null.
   bool maps_;                      ///< False: the given map is only read.
   MapBudget budget_;
-  std::size_t bytes_ = 0;      ///< Of features, and of images in memory.
-  std::size_t frames_ = 0;     ///< As in the last input.
-  std::int64_t given_up_ = 0;  ///< Keyframes without their features.
+  std::size_t bytes_ = 0;                 ///< Of features, and of images in memory.
+  std::size_t frames_ = 0;                ///< As in the last input.
+  std::int64_t given_up_ = 0;             ///< Keyframes without their features.
   std::shared_ptr<const Map> continued_;  ///< Until it is in the archive.
   std::shared_ptr<MemoryImages> in_memory_;
   std::shared_ptr<const ImageStore> images_;

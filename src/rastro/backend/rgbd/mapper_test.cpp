@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
-#include "rastro/base/error.h"
 #include "rastro/backend/rgbd/rgbd_testing.h"
+#include "rastro/base/error.h"
 
 namespace rastro {
 namespace {

@@ -6,10 +6,10 @@
 #include <Eigen/LU>
 #include <utility>
 
-#include "rastro/base/checked_options.h"
-#include "rastro/base/stopwatch.h"
 #include "rastro/backend/rgbd/frame_report.h"
 #include "rastro/backend/rgbd/given_map.h"
+#include "rastro/base/checked_options.h"
+#include "rastro/base/stopwatch.h"
 
 namespace rastro {
 namespace {
@@ -35,8 +35,8 @@ RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, c
       camera_(camera),
       maps_(!context.map || context.extend_map),
       mapper_(options_, camera, context, std::move(method.search)),
-      map_(context.map ? *context.map : base_map(method.name, options_, camera), mapper_.images(),
-           !maps_, mapper_.signatures()),
+      map_(context.map ? *context.map : base_map(method.name, options_, camera), mapper_.images(), !maps_,
+           mapper_.signatures()),
       relocalizer_(options_, camera, mapper_.depths()),
       follower_(options_.follow, camera, context.pool),
       archive_(maps_ ? context.archive : nullptr),

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "rastro/backend/pipeline.h"
-#include "rastro/odometry/rgbd_tracking/rgbd_follower.h"
-#include "rastro/slam/motion_check.h"
 #include "rastro/backend/rgbd/mapper.h"
 #include "rastro/backend/rgbd/relocalizer.h"
 #include "rastro/backend/rgbd/tracked_map.h"
+#include "rastro/odometry/rgbd_tracking/rgbd_follower.h"
+#include "rastro/slam/motion_check.h"
 #include "rastro/slam/slam.h"
 #include "rastro/slam/slam_method.h"
 

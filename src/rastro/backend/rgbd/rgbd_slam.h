@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "rastro/camera/camera.h"
 #include "rastro/backend/rgbd/options.h"
+#include "rastro/camera/camera.h"
 #include "rastro/slam/slam.h"
 #include "rastro/slam/slam_method.h"
 

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <map>
 
+#include "rastro/backend/rgbd/rgbd_testing.h"
 #include "rastro/base/error.h"
 #include "rastro/base/task_pool.h"
-#include "rastro/backend/rgbd/rgbd_testing.h"
 
 namespace rastro {
 namespace {

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "rastro/map/images/pack_images.h"
-#include "rastro/map/images/room_map_testing.h"
-#include "rastro/math/math_testing.h"
 #include "rastro/backend/rgbd/keyframe_features.h"
 #include "rastro/backend/rgbd/keyframe_graph.h"
 #include "rastro/backend/rgbd/options.h"
+#include "rastro/map/images/pack_images.h"
+#include "rastro/map/images/room_map_testing.h"
+#include "rastro/math/math_testing.h"
 
 /// For tests of slam/rgbd only: views of the room of map/images/room_map_testing.h with exact poses, and parts of a
 /// map.

@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "rastro/backend/rgbd/mapper.h"
 #include "rastro/map/graph/map.h"
 #include "rastro/map/images/image_layer.h"
-#include "rastro/backend/rgbd/mapper.h"
 
 namespace rastro {
 
@@ -17,8 +17,8 @@ namespace rastro {
 /// pose relative to its keyframe.
 class TrackedMap {
  public:
-  /// `base`: what all snapshots share (camera, session), or the given map, which never changes. With `signatures`, these
-  /// are in the map instead of the features in memory.
+  /// `base`: what all snapshots share (camera, session), or the given map, which never changes. With `signatures`,
+  /// these are in the map instead of the features in memory.
   TrackedMap(Map base, std::shared_ptr<const ImageStore> images, bool given,
              std::shared_ptr<const SignatureStore> signatures = nullptr);
 

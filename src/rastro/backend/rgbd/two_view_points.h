@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "rastro/math/se3.h"
 #include "rastro/backend/rgbd/surface_check.h"
+#include "rastro/math/se3.h"
 
 namespace rastro {
 

@@ -385,8 +385,7 @@ TEST(GrowingMapFile, ImagesAreReadByManyThreads) {
   for (KeyframeId id = 0; id < 6; ++id) {
     growing.add_images(id, images_of(room())->read(id));
     readers.emplace_back([&, id] {
-      for (int i = 0; i < 20; ++i)
-        EXPECT_EQ(growing.images()->read(id).bytes(), images_of(room())->read(id).bytes());
+      for (int i = 0; i < 20; ++i) EXPECT_EQ(growing.images()->read(id).bytes(), images_of(room())->read(id).bytes());
     });
   }
   for (std::thread& reader : readers) reader.join();

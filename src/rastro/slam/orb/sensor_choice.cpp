@@ -62,38 +62,19 @@ OrbOptions orb_options(const OrbSlamOptions& options) {
 
 namespace {
 
-/// Whether corresponding points are in the same row of both images: pinhole cameras of one kind, side by side.
-bool is_rectified(const SourceInfo& source) {
-  if (source.cameras.size() < 2 || !source.cameras[1].camera || !source.left_from_right) return false;
-  const Camera &left = *source.cameras[0].camera, &right = *source.cameras[1].camera;
-  constexpr double most_px = 0.5, most_rad = 0.001, most_share = 0.005;
-  const Eigen::Vector3d aside = source.left_from_right->translation();
-  return left.distortion == Distortion::none && right.distortion == Distortion::none &&
-         std::abs(left.fx - right.fx) < most_px && std::abs(left.fy - right.fy) < most_px &&
-         std::abs(left.cx - right.cx) < most_px && std::abs(left.cy - right.cy) < most_px &&
-         source.left_from_right->rotation().log().norm() < most_rad && aside.x() > 0.0 &&
-         std::hypot(aside.y(), aside.z()) < most_share * aside.x();
-}
-
 /// Chooses both cameras, rectified where they are not; with `auto` only the left one if they cannot be rectified.
 void choose_pair(const OrbSlamOptions& options, const SourceInfo& source, SensorChoice& choice) {
   choice.sensor = CameraKind::stereo;
-  if (is_rectified(source)) {
-    choice.baseline = source.left_from_right->translation().x();
-    return;
-  }
-  const bool calibrated = source.cameras.size() > 1 && source.cameras[1].camera && source.left_from_right;
-  auto made =
-      calibrated ? rectify_stereo(choice.camera, *source.cameras[1].camera, *source.left_from_right) : std::nullopt;
-  if (made) {
-    choice.rectification = std::make_shared<StereoRectification>(std::move(*made));
-    choice.camera = choice.rectification->camera;
-    choice.baseline = choice.rectification->baseline;
+  if (const auto pair = stereo_pair(source)) {
+    choice.rectification = pair->rectification;
+    choice.camera = pair->camera;
+    choice.baseline = pair->baseline;
     return;
   }
   const char* why =
-      calibrated ? "has stereo images of cameras that are not side by side, or whose sizes are not in the calibration"
-                 : "has stereo images without calibration of both cameras and their baseline";
+      has_calibrated_pair(source)
+          ? "has stereo images of cameras that are not side by side, or whose sizes are not in the calibration"
+          : "has stereo images without calibration of both cameras and their baseline";
   if (options.sensor == "stereo") throw Error(why, source.path, "give --calibration FILE, or --sensor mono");
   log_warning(fmt::format("{} {}: only the left camera is used", source.path, why));
   choice.sensor = CameraKind::mono;
@@ -119,37 +100,6 @@ SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& sour
     choose_pair(options, source, choice);
   }
   return choice;
-}
-
-FrameRectifier::FrameRectifier(std::shared_ptr<const StereoRectification> rectification, TaskPool* pool)
-    : rectification_(std::move(rectification)), pool_(pool) {
-  constexpr int margin = 16;  // Corners at the border of the valid area are artifacts; the coarsest level reaches this
-                              // far.
-  const Camera& camera = rectification_->camera;  // of the recorded size
-  shown_ = shown_by(rectification_->left, camera.width, camera.height, margin);
-}
-
-Frame FrameRectifier::rectified(const Frame& frame) const {
-  const auto is_of_camera = [&](GrayView image) {
-    return image.width == rectification_->camera.width && image.height == rectification_->camera.height;
-  };
-  if (!is_of_camera(frame.image.view()) || !(frame.right.empty() || is_of_camera(frame.right.view())))
-    throw Error("has another size than the calibration", fmt::format("frame {}", frame.index),
-                "give the calibration of these images");
-  Frame made;
-  made.index = frame.index;
-  made.stamp = frame.stamp;
-  made.name = frame.name;
-  made.image = remap(frame.image.view(), rectification_->left, pool_);
-  if (!frame.right.empty()) made.right = remap(frame.right.view(), rectification_->right, pool_);
-  made.mask = shown_;
-  if (frame.mask.empty()) return made;
-  const GrayImage mask = remap(frame.mask.view(), rectification_->left, pool_);
-  constexpr std::uint8_t half = 128;  // The border of a mask has interpolated values.
-  for (int y = 0; y < mask.height(); ++y)
-    std::transform(mask.row(y), mask.row(y) + mask.width(), made.mask.row(y), made.mask.row(y),
-                   [](std::uint8_t a, std::uint8_t b) { return a < half ? std::uint8_t{0} : b; });
-  return made;
 }
 
 void check_map(const Map& map, const SensorChoice& choice, bool extend) {

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "rastro/base/task_pool.h"
-#include "rastro/camera/stereo_rectification.h"
 #include "rastro/feature/orb.h"
 #include "rastro/sensor/frame.h"
 #include "rastro/sensor/source.h"
+#include "rastro/sensor/stereo_pair.h"
 #include "rastro/slam/orb/map/feature_frame.h"
 #include "rastro/slam/orb/options.h"
 #include "rastro/slam/orb/tracking/frame_rotation.h"
@@ -35,20 +35,6 @@ SensorChoice choose_sensor(const OrbSlamOptions& options, const SourceInfo& sour
 
 /// Error where a run cannot use the map: one camera can localize in any map, but continues only a map of its own kind.
 void check_map(const Map& map, const SensorChoice& choice, bool extend);
-
-/// Rectifies the frames of a stereo pair.
-class FrameRectifier {
- public:
-  FrameRectifier(std::shared_ptr<const StereoRectification> rectification, TaskPool* pool);
-  /// Rectifies images and mask; of the other fields copies only number, stamp and name. Error for an image that has not
-  /// the calibration's size.
-  Frame rectified(const Frame& frame) const;
-
- private:
-  std::shared_ptr<const StereoRectification> rectification_;
-  TaskPool* pool_;
-  GrayImage shown_;  ///< Mask of the valid pixels of the left image.
-};
 
 /// Extracts features from frames, with depth where it is measured. Those of a rolling shutter are moved to where the
 /// camera had them when it read the middle row.

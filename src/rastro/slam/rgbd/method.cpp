@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/rgbd/method.h"
 
-#include "rastro/base/error.h"
-#include "rastro/slam/initial_pose.h"
 #include "rastro/backend/rgbd/options.h"
 #include "rastro/backend/rgbd/rgbd_slam.h"
+#include "rastro/base/error.h"
+#include "rastro/slam/initial_pose.h"
 
 namespace rastro {
 namespace {

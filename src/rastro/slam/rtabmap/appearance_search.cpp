@@ -42,10 +42,7 @@ void add_unless_there(std::vector<std::int64_t>& ids, std::int64_t id) {
 }  // namespace
 
 AppearanceSearch::AppearanceSearch(const RtabmapOptions& options, const Means& means)
-    : options_(options),
-      means_(means),
-      vocabulary_(options.distance_ratio),
-      filter_(filter_options(options)) {}
+    : options_(options), means_(means), vocabulary_(options.distance_ratio), filter_(filter_options(options)) {}
 
 /// Words, short-term memory with rehearsal, Bayes filter over working memory, retrieval: one iteration of the method.
 LoopSearch::Candidates AppearanceSearch::candidates(const KeyframeGraph& graph, std::int64_t id) {
@@ -57,12 +54,11 @@ LoopSearch::Candidates AppearanceSearch::candidates(const KeyframeGraph& graph, 
   remember(graph, id);
   shorten_short_term(options_.short_term_size);
   Random random(seed_for(options_.rgbd.follow.seed, static_cast<std::uint64_t>(id)));
-  Candidates candidates{graph.candidates(id, random), {}};
+  Candidates candidates{graph.candidates(id, random), {}, {}};
   if (words_.empty()) return candidates;
   for (const std::int64_t location : likely_locations()) recall(location, candidates);
   const std::int64_t own = memory_.location_of(id);
-  for (const std::int64_t location : similar_locations(bag_of(graph.keyframe(id)), own))
-    recall(location, candidates);
+  for (const std::int64_t location : similar_locations(bag_of(graph.keyframe(id)), own)) recall(location, candidates);
   return candidates;
 }
 
@@ -74,7 +70,8 @@ bool AppearanceSearch::is_bad(const ImageFeatures& image) const {
 void AppearanceSearch::remember(const KeyframeGraph& graph, std::int64_t id) {
   const ImageFeatures& image = graph.keyframe(id);
   ++images_;
-  features_per_image_ += (static_cast<double>(image.features.size()) - features_per_image_) / static_cast<double>(images_);
+  features_per_image_ +=
+      (static_cast<double>(image.features.size()) - features_per_image_) / static_cast<double>(images_);
   words_.clear();
   if (!is_bad(image)) {
     const std::span<const Descriptor> all = image.features.descriptors;
@@ -135,7 +132,8 @@ std::vector<std::int64_t> AppearanceSearch::similar_locations(const BagOfWords& 
 
 /// The location is compared, and neighbors of it come back to working memory: the next images will show them.
 void AppearanceSearch::recall(std::int64_t location, Candidates& candidates) {
-  add_unless_there(candidates.compare, location);
+  const auto& nearby = candidates.nearby;
+  if (std::find(nearby.begin(), nearby.end(), location) == nearby.end()) add_unless_there(candidates.places, location);
   immune_.insert(location);
   if (memory_.at(location).stage == MemoryStage::long_term) tried_.insert(location);
   constexpr int reach = 2;
@@ -160,7 +158,7 @@ void AppearanceSearch::on_matched(const KeyframeGraph& graph, std::int64_t id, c
     tried_.erase(location);
     retrieve(graph, location);
   }
-  work_ms_ += work_of_match_ms * static_cast<double>(candidates.compare.size());
+  work_ms_ += work_of_match_ms * static_cast<double>(candidates.nearby.size() + candidates.places.size());
   if (means_.live) work_ms_ = clock_.lap_ms();
 }
 

@@ -23,7 +23,7 @@ struct Location {
   std::vector<std::int64_t> words;  ///< Visual words of the first keyframe, one per feature quantized.
   double weight = 1.0;              ///< Number of observations that it stands for.
   MemoryStage stage = MemoryStage::short_term;
-  std::int64_t entered = 0;              ///< When it entered working memory last, counted in locations.
+  std::int64_t entered = 0;             ///< When it entered working memory last, counted in locations.
   std::vector<std::int64_t> neighbors;  ///< Consecutive locations, and those of loops; in the order found.
 };
 

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/rtabmap/method.h"
 
+#include <optional>
+#include <utility>
+
 #include "rastro/backend/rgbd/rgbd_slam.h"
 #include "rastro/base/error.h"
 #include "rastro/slam/initial_pose.h"
 #include "rastro/slam/rtabmap/appearance_search.h"
 #include "rastro/slam/rtabmap/options.h"
+#include "rastro/slam/rtabmap/stereo_slam.h"
 
 namespace rastro {
 namespace {
@@ -16,27 +20,59 @@ class RtabmapMethod : public SlamMethod {
   std::string summary() const override {
     return "appearance-based SLAM with memory management, after RTAB-Map (Labbe and Michaud 2013, 2014)";
   }
-  std::string needs() const override { return "calibrated images with depth"; }
+  std::string needs() const override { return "calibrated images with depth, or of a stereo pair"; }
   OptionTable options() override { return option_table(options_); }
+  std::vector<std::string> presets() const override { return {"paper"}; }
+  void set_preset(const std::string&) override { set_paper_preset(options_); }
   bool wants_color() const override { return true; }
-  bool wants_depth() const override { return true; }
+  bool wants_depth() const override { return options_.sensor != "stereo"; }
+  bool wants_right() const override { return options_.sensor != "rgbd"; }
   bool can_localize() const override { return true; }
   bool can_extend() const override { return true; }
   std::unique_ptr<Slam> make(const SourceInfo& source, const SlamContext& context) const override {
-    if (!source.has_depth)
-      throw Error("has no depth images", source.path,
-                  "'--method rtabmap' needs a recording of a depth camera, such as a TUM RGB-D folder");
     if (source.cameras.empty() || !source.cameras.front().camera)
       throw Error("has no calibration", source.path, "give one with --calibration FILE");
-    return make_with_initial_pose(context, [&](const SlamContext& own_context) {
+    const auto pair = pair_of(source);
+    const RgbdSlamOptions tracking = pair ? stereo_options(*pair) : options_.rgbd;
+    return make_with_initial_pose(context, [&](const SlamContext& own_context) -> std::unique_ptr<Slam> {
       const auto search = [options = options_, means = AppearanceSearch::Means{own_context.pool, own_context.live}] {
         return std::make_unique<AppearanceSearch>(options, means);
       };
-      return std::make_unique<RgbdSlam>("rtabmap", options_.rgbd, *source.cameras.front().camera, own_context, search);
+      const Camera& camera = pair ? pair->camera : *source.cameras.front().camera;
+      auto slam = std::make_unique<RgbdSlam>(name(), tracking, camera, own_context, search);
+      if (!pair) return slam;
+      const int max_disparity_px = options_.stereo_max_disparity_px;
+      return std::make_unique<StereoSlam>(*pair, StereoRange{options_.stereo_min_disparity_px, max_disparity_px},
+                                          own_context.pool, std::move(slam));
     });
   }
 
  private:
+  /// The pair to use; nullopt: depth images. Error where the source has neither.
+  std::optional<StereoPair> pair_of(const SourceInfo& source) const {
+    if (source.has_depth && options_.sensor != "stereo") return std::nullopt;
+    if (options_.sensor == "rgbd" || !source.has_right)
+      throw Error(options_.sensor == "stereo" ? "has no right images" : "has no depth images", source.path,
+                  "'--method rtabmap' needs a depth camera, such as a TUM RGB-D folder, or a stereo pair");
+    auto pair = stereo_pair(source);
+    if (!pair)
+      throw Error("has stereo images without calibration of both cameras, or of cameras that are not side by side",
+                  source.path, "give --calibration FILE");
+    return pair;
+  }
+
+  /// Depth z has the disparity f b / z, so that its sigma grows with its square.
+  RgbdSlamOptions stereo_options(const StereoPair& pair) const {
+    RgbdSlamOptions options = options_.rgbd;
+    const double focal_times_baseline = pair.camera.fx * pair.baseline;
+    options.follow.depth_sigma_m = 0.0;
+    options.follow.depth_sigma_per_m2 = options_.stereo_sigma_px / focal_times_baseline;
+    options.follow.min_depth_m = focal_times_baseline / options_.stereo_max_disparity_px;
+    options.follow.max_depth_m = focal_times_baseline / options_.stereo_min_disparity_px;
+    options.follow.learn_delay = false;  // both images are of one instant
+    return options;
+  }
+
   RtabmapOptions options_;
 };
 

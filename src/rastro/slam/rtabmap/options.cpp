@@ -9,8 +9,39 @@ namespace rastro {
 namespace {
 
 /// Of the search for loops by chance, which place recognition replaces; words are binary.
-constexpr std::array<std::string_view, 5> not_used = {"descriptor",      "random_candidates",
-                                                      "join_candidates", "relocalize_random", "memory_reserve_mb"};
+constexpr std::array<std::string_view, 5> not_used = {"descriptor", "random_candidates", "join_candidates",
+                                                      "relocalize_random", "memory_reserve_mb"};
+
+void add_sensor_options(OptionTable& table, RtabmapOptions& o) {
+  table.add({"sensor",
+             &o.sensor,
+             "",
+             "auto: depth where the recording has it, else the stereo pair",
+             0,
+             0,
+             {"auto", "rgbd", "stereo"}});
+  table.add({"stereo_sigma_px",
+             &o.stereo_sigma_px,
+             "px",
+             "standard deviation of a disparity; with a stereo pair, depth_sigma_m and depth_sigma_per_m2 follow",
+             0.01,
+             10,
+             {}});
+  table.add({"stereo_min_disparity_px",
+             &o.stereo_min_disparity_px,
+             "px",
+             "smallest disparity used; with a stereo pair, max_depth_m follows",
+             0.5,
+             100,
+             {}});
+  table.add({"stereo_max_disparity_px",
+             &o.stereo_max_disparity_px,
+             "px",
+             "largest disparity searched for: nearer points have no depth, and time grows with it",
+             16,
+             512,
+             {}});
+}
 
 void add_word_options(OptionTable& table, RtabmapOptions& o) {
   table.add({"distance_ratio",
@@ -140,6 +171,7 @@ void set_paper_preset(RtabmapOptions& options) {
 
 OptionTable option_table(RtabmapOptions& options) {
   OptionTable table;
+  add_sensor_options(table, options);
   add_word_options(table, options);
   add_memory_options(table, options);
   add_filter_options(table, options);

@@ -15,6 +15,12 @@ struct RtabmapOptions {
 
   RgbdSlamOptions rgbd;  ///< Its table is part of this one's, but for its own search for loops.
 
+  // Sensor.
+  std::string sensor = "auto";
+  double stereo_sigma_px = 0.3;
+  double stereo_min_disparity_px = 3.0;
+  int stereo_max_disparity_px = 96;
+
   // Words.
   double distance_ratio = 0.8;
   int words_per_image = 300;
