@@ -21,6 +21,7 @@
 #include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/map/scans/scan_layer.h"
 #include "rastro/map/semi_dense/semi_dense_layer.h"
+#include "rastro/map/signatures/signature_layer.h"
 #include "rastro/map/words/word_layer.h"
 
 namespace {
@@ -41,9 +42,10 @@ void check(const rastro::Map& map) {
   rastro::layer_points(map, -1);
   for (const auto& [name, layer] : map.layers.all())
     if (const auto* type = rastro::layer_type(name)) type->describe(map, *layer);
-  const auto images = map.layer<rastro::ImageLayer>();
-  if (!images) return;
-  for (const rastro::KeyframeId id : images->keyframes) images->store->read(id);
+  if (const auto images = map.layer<rastro::ImageLayer>())
+    for (const rastro::KeyframeId id : images->keyframes) images->store->read(id);
+  if (const auto signatures = map.layer<rastro::SignatureLayer>())
+    for (const rastro::KeyframeId id : signatures->keyframes) signatures->store->read(id);
 }
 
 void try_file(std::string_view bytes) {

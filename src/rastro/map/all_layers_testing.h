@@ -10,6 +10,7 @@
 #include "rastro/map/landmarks/landmark_map_testing.h"
 #include "rastro/map/scans/scan_layer.h"
 #include "rastro/map/semi_dense/semi_dense_layer.h"
+#include "rastro/map/signatures/signature_layer.h"
 #include "rastro/map/words/word_layer.h"
 
 namespace rastro {
@@ -58,6 +59,15 @@ inline std::shared_ptr<const BagOfWords> some_words(std::uint32_t first) {
   return bag;
 }
 
+inline Signature some_signature(KeyframeId id) {
+  auto image = std::make_shared<ImageFeatures>();
+  image->id = id;
+  image->features.keypoints.resize(3);
+  image->features.descriptors.resize(3);
+  image->depths = {1.0F, 0.0F, 2.5F};
+  return {std::move(image), {5, -1}};
+}
+
 }  // namespace all_layers
 
 /// A small map with every layer, each for some of its keyframes; ids have gaps and belong to two robots. The images are
@@ -70,6 +80,8 @@ inline Map make_map_of_all_layers() {
   all_layers::add_other_robot(map);
   auto images = std::make_shared<ImageLayer>();
   auto image_store = std::make_shared<MemoryImages>();
+  auto signatures = std::make_shared<SignatureLayer>();
+  auto signature_store = std::make_shared<MemorySignatures>();
   auto scans = std::make_shared<ScanLayer>();
   auto semi_dense = std::make_shared<SemiDenseLayer>();
   auto words = std::make_shared<WordLayer>();
@@ -81,12 +93,16 @@ inline Map make_map_of_all_layers() {
     const auto byte = static_cast<std::uint8_t>(k + 1);
     if (k % 2 == 0) images->keyframes.push_back(id);
     if (k % 2 == 0) image_store->add(id, {std::vector<std::uint8_t>(6000 + k, byte), {byte, 9}});
+    if (k % 4 != 2) signatures->keyframes.push_back(id);
+    if (k % 4 != 2) signature_store->add(id, all_layers::some_signature(id));
     if (k % 3 != 1) scans->of[id] = all_layers::some_scans(1 + k % 2, random);
     if (k % 3 != 2) semi_dense->of[id] = all_layers::some_depth(byte);
     if (k != 4) words->of[id] = all_layers::some_words(byte);
   }
   images->store = image_store;
+  signatures->store = signature_store;
   map.layers.put<ImageLayer>(std::move(images));
+  map.layers.put<SignatureLayer>(std::move(signatures));
   map.layers.put<ScanLayer>(std::move(scans));
   map.layers.put<SemiDenseLayer>(std::move(semi_dense));
   map.layers.put<WordLayer>(std::move(words));

@@ -11,7 +11,7 @@
 namespace rastro {
 namespace {
 
-const char* const every_layer[] = {"features", "images", "landmarks", "scans", "semi_dense", "words"};
+const char* const every_layer[] = {"features", "images", "landmarks", "scans", "semi_dense", "signatures", "words"};
 
 /// Made once: the tests only read it.
 const Map& all() {

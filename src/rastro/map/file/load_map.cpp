@@ -6,7 +6,7 @@
 #include "rastro/map/file/contents.h"
 #include "rastro/map/file/map_file.h"
 #include "rastro/map/file/read_map.h"
-#include "rastro/map/images/image_layer.h"
+#include "rastro/map/layer_type.h"
 
 namespace rastro {
 namespace {
@@ -31,10 +31,13 @@ Loaded load(const std::filesystem::path& file) {
   return loaded;
 }
 
-void read_every_image(const Map& map) {
-  const auto images = map.layer<ImageLayer>();
-  if (!images) return;
-  for (const KeyframeId id : images->keyframes) images->store->read(id);
+/// Of the layers that stay in the file.
+void read_every_row(const Map& map) {
+  for (const auto& [name, layer] : map.layers.all()) {
+    const LayerType* type = layer_type(name);
+    if (!type || !type->stays_in_file()) continue;
+    for (const std::int64_t id : type->rows(map, *layer)) type->row(*layer, id);
+  }
 }
 
 }  // namespace
@@ -59,7 +62,7 @@ MapFileReport check_map_file(const std::filesystem::path& file) {
     report.version = Database::open(file).version();
     const Loaded loaded = load(file);
     report.finished = loaded.finished;
-    read_every_image(*loaded.map);
+    read_every_row(*loaded.map);
     report.map = loaded.map;
   } catch (const Error& error) {
     report.damage = error.what();
