@@ -207,6 +207,30 @@ TEST(FrameTracker, AJerkIsFoundFromTheReferenceOfTheLastFrame) {
   EXPECT_THAT(result.camera_from_world, pose_near(upside_down(), 2e-4, 2e-5));
 }
 
+/// Whether the tracker finds a frame after a jerk that shows so many landmarks, if a guess needs this many.
+bool found_after_jerk(std::uint32_t shown, int min_guess_inliers) {
+  const PointWorld world(300, 5);
+  ExactMap map(world, CameraKind::mono, 0.0);
+  map.add(0, at(0.0));
+  OrbSlamOptions options;
+  options.min_guess_inliers = min_guess_inliers;
+  options.min_inliers = 8;
+  options.min_chance_ratio = 0.0;
+  FrameTracker tracker(options, world.camera, CameraKind::mono, 0.0);
+  tracker.set_view(view_of(map.graph, 0, {}));
+  tracker.track_from(world.observe(7, at(0.1)).frame, at(0.1));
+  return tracker.track(world.observe(8, upside_down(), {.from = 100, .to = 100 + shown}).frame).ok;
+}
+
+TEST(FrameTracker, AJerkIsFoundWithHalfTheInliersOfAGuess) {
+  const std::size_t shown = PointWorld(300, 5).observe(8, upside_down(), {.from = 100, .to = 120}).seen.size();
+  ASSERT_GT(shown, 8U);
+  const int most = 2 * static_cast<int>(shown);
+  EXPECT_TRUE(found_after_jerk(20, most));
+  EXPECT_TRUE(found_after_jerk(20, most + 1));
+  EXPECT_FALSE(found_after_jerk(20, most + 2));
+}
+
 TEST(FrameTracker, PoseAndVelocityMoveWithTheMap) {
   TrackingBench bench;
   const SE3 step(SO3::exp({0.0, 0.01, 0.005}), {-0.03, 0.0, 0.01});
