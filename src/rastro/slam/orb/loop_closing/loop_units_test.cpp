@@ -121,5 +121,25 @@ TEST(LoopClosing, TheNextLoopIsSearchedForAsSoonAsTheGapAllows) {
   }
 }
 
+/// A closed loop confirms no other one.
+TEST(LoopClosing, AfterALoopTheNextOneMustBeConfirmedAnew) {
+  OrbSlamOptions options;
+  options.loop_consistent = 2;
+  options.loop_min_gap = 1;
+  RoundWorld world(1);
+  MapGraph graph(world.camera, CameraKind::depth, 0.1, OrbOptions{});
+  KeyframeDatabase database(graph, world.vocabulary());
+  LoopClosing loop_closing(options, graph, database);
+  DriftingMapper mapper(world, graph, 0.0, 1.0);
+  constexpr double turn = 2.0 * M_PI / 60.0;
+  mapper.begin(0, SE3(), 1.0);
+  for (int k = 0; k < 14; ++k) EXPECT_FALSE(loop_closing.process(mapper.add(k * turn))) << k;
+  // Each keyframe from now on is alone in its submap, so that it is connected to nothing.
+  for (int k = 0; k < 4; ++k) {
+    mapper.begin(1 + k, SE3(SO3::exp({0.3, 1.0, -0.4}), {3.0, -2.0, 1.0}), 1.0);
+    EXPECT_EQ(loop_closing.process(mapper.add((6.3 + 0.3 * k) * turn)).has_value(), k % 2 == 1) << k;
+  }
+}
+
 }  // namespace
 }  // namespace rastro
