@@ -207,55 +207,6 @@ TEST(FrameTracker, AJerkIsFoundFromTheReferenceOfTheLastFrame) {
   EXPECT_THAT(result.camera_from_world, pose_near(upside_down(), 2e-4, 2e-5));
 }
 
-/// Its reference, or the newest keyframe while there is none or it is gone.
-TEST(FrameTracker, ThePoseMovesWithItsReference) {
-  for (const int reference : {0, 1, -1}) {
-    const PointWorld world(300, 5);
-    ExactMap map(world, CameraKind::mono, 0.0);
-    map.add(0, at(0.0), {.from = 0, .to = 200});
-    map.add(1, at(0.1), {.from = 100, .to = 300});
-    map.add(2, at(0.2), {.from = 150, .to = 250});
-    FrameTracker tracker({}, world.camera, CameraKind::mono, 0.0);
-    tracker.set_view(view_of(map.graph, 2, {}));
-    const ObserveOptions how{.from = reference == 0 ? 0U : 260U, .to = reference == 0 ? 90U : 300U};
-    if (reference >= 0) {
-      ASSERT_EQ(tracker.track_from(world.observe(7, at(0.1), how).frame, at(0.1)).reference, reference);
-    } else {
-      tracker.restart(at(0.1), {}, nullptr);
-    }
-    const SE3 before = tracker.last_pose(), moved(SO3::exp({0.1, 0.2, -0.1}), {1.0, 2.0, 3.0});
-    const std::int64_t with = reference >= 0 ? reference : 2;
-    SE3& pose = map.graph.keyframe(with).camera_from_world;
-    pose = pose * moved;
-    tracker.set_view(view_of(map.graph, 2, {}));
-    EXPECT_THAT(tracker.last_pose(), pose_near(before * moved, 1e-9, 1e-9)) << reference;
-  }
-}
-
-/// Whether the tracker finds a frame after a jerk that shows so many landmarks, if a guess needs this many.
-bool found_after_jerk(std::uint32_t shown, int min_guess_inliers) {
-  const PointWorld world(300, 5);
-  ExactMap map(world, CameraKind::mono, 0.0);
-  map.add(0, at(0.0));
-  OrbSlamOptions options;
-  options.min_guess_inliers = min_guess_inliers;
-  options.min_inliers = 8;
-  options.min_chance_ratio = 0.0;
-  FrameTracker tracker(options, world.camera, CameraKind::mono, 0.0);
-  tracker.set_view(view_of(map.graph, 0, {}));
-  tracker.track_from(world.observe(7, at(0.1)).frame, at(0.1));
-  return tracker.track(world.observe(8, upside_down(), {.from = 100, .to = 100 + shown}).frame).ok;
-}
-
-TEST(FrameTracker, AJerkIsFoundWithHalfTheInliersOfAGuess) {
-  const std::size_t shown = PointWorld(300, 5).observe(8, upside_down(), {.from = 100, .to = 120}).seen.size();
-  ASSERT_GT(shown, 8U);
-  const int most = 2 * static_cast<int>(shown);
-  EXPECT_TRUE(found_after_jerk(20, most));
-  EXPECT_TRUE(found_after_jerk(20, most + 1));
-  EXPECT_FALSE(found_after_jerk(20, most + 2));
-}
-
 TEST(FrameTracker, PoseAndVelocityMoveWithTheMap) {
   TrackingBench bench;
   const SE3 step(SO3::exp({0.0, 0.01, 0.005}), {-0.03, 0.0, 0.01});
