@@ -109,6 +109,26 @@ TEST(Mapper, MatchesThatContradictSureTrackingAreRefused) {
   }
 }
 
+/// Whether a keyframe that no odometry connects is matched where it is placed so far beside where it is.
+bool matched_beside(double off_m) {
+  RgbdSlamOptions options;
+  options.loop_drift_share = options.loop_drift_rad_per_m = 0.05;
+  options.loop_max_sigmas = 3.0;
+  Mapper mapper(options, test_room::camera(), {});
+  mapper.add(order_of(0, beside(0), beside(0)));
+  SE3 moved = beside(0).inverse() * beside(1);
+  moved = SE3(moved.rotation(), moved.translation() + off_m * moved.translation().normalized());
+  const MapRevision revision =
+      mapper.add(order_of(1, beside(1), beside(1), {edge_of(0, 1, moved, ConstraintKind::loop, 0.1, 0.05)}));
+  return edges_of_kind(revision, ConstraintKind::proximity) == 1;
+}
+
+/// Three sigmas of 5 % of the path, 0.13 m with its rotation, and of a meter more over which tracking may slip.
+TEST(Mapper, WithoutOdometryAMatchMayBeAsFarOffAsTheDriftOfThePathAndAMeter) {
+  EXPECT_TRUE(matched_beside(0.185));
+  EXPECT_FALSE(matched_beside(0.215));
+}
+
 TEST(Mapper, AMatchFarAlongTheGraphIsALoopAndMovesAll) {
   RgbdSlamOptions options;
   options.loop_steps = 4;

@@ -151,6 +151,19 @@ TEST(RgbdSlam, AKeyframeIsKnownAfterTheDelay) {
   }
 }
 
+TEST(RgbdSlam, InALiveRunAKeyframeIsKnownAsSoonAsItIsReady) {
+  RgbdSlamOptions options = quick();
+  options.backend_delay_frames = 4;
+  SlamContext context;
+  context.live = true;
+  RgbdSlam slam(options, test_room::camera(), context);
+  const Views views = pan(0.0, 0.005, 2);
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    slam.process(room_frame(*views[k], static_cast<std::int64_t>(k)));
+    EXPECT_EQ(slam.snapshot()->keyframes.size(), k) << k;
+  }
+}
+
 TEST(RgbdSlam, TheCovarianceIsConsistentWithTheError) {
   const Views views = pan(-0.3, 0.02, 30);
   const Driven done = run(views, quick());

@@ -105,6 +105,28 @@ TEST(HectorSlam, APoseIsAsUncertainAsItsCellsAndMoreFromSubmapToSubmap) {
   EXPECT_GT(last, 1.5 * first);
 }
 
+/// Scans are matched with the oldest submap that is not finished: while that is the first one, its cells are all that
+/// they inherit, though the next has begun.
+TEST(HectorSlam, APoseIsAsUncertainAsTheOldestOpenSubmap) {
+  HectorOptions options;
+  options.submap_scans = 10;
+  options.submap_insert_distance_m = 0.1;
+  std::vector<std::vector<double>> variances(1);  // by the number of submaps begun
+  for (const SlamUpdate& update : updates_of(room_drive(60).frames(), options)) {
+    if (update.reason == SlamReason::first_frame) continue;
+    ASSERT_TRUE(update.covariance);
+    variances.back().push_back(update.covariance->topLeftCorner<2, 2>().trace());
+    if (has_event(update, "submap")) variances.emplace_back();
+  }
+  ASSERT_GE(variances.size(), 4U);
+  const auto range = [&](std::size_t begun) {
+    return std::minmax_element(variances[begun].begin(), variances[begun].end());
+  };
+  ASSERT_GT(variances[2].size(), 2U);
+  EXPECT_LT(*range(1).second, 1.5 * *range(0).first) << "the second has begun";
+  EXPECT_GT(*range(2).first, 1.5 * *range(0).first) << "the first is finished";
+}
+
 TEST(HectorSlam, ASubmapIsStartedEveryHalfSubmap) {
   HectorOptions options;
   for (const int scans : {10, 7}) {

@@ -120,6 +120,22 @@ TEST(Initializer, IfNoMotionFitsANearerFrameReplacesTheFirst) {
   expect_true_start(*start, world, first, second, SE3(), start_motion());
 }
 
+/// Frame 2, halfway between, is as bad as the first one.
+TEST(Initializer, ANearerFrameWithoutAMotionIsPassedOver) {
+  const PointWorld world(300, 7);
+  Initializer initializer({}, world.camera);
+  for (const int k : {0, 1, 2, 3}) {
+    const double moved = k % 2 == 0 ? 1.0 : 0.0;
+    EXPECT_FALSE(initializer.add(
+        world.observe(k, SE3(), {.moved_share = moved, .seed = static_cast<std::uint64_t>(k + 1)}).frame));
+  }
+  const Observed first = world.observe(3, SE3()), second = world.observe(4, start_motion());
+  const auto start = initializer.add(second.frame);
+  ASSERT_TRUE(start) << initializer.detail();
+  EXPECT_EQ(start->first, 3U);
+  expect_true_start(*start, world, first, second, SE3(), start_motion());
+}
+
 TEST(Initializer, DropsTheOldestFramesAndKeepsTheIndicesCorrect) {
   const PointWorld before(300, 80), world(300, 8);
   OrbSlamOptions options;

@@ -252,7 +252,7 @@ TEST(FrameTrajectory, FramesRefinedElsewhereArePutBack) {
   refine_frames(taken, bench.map.graph, 15);
   taken.push_back(taken[0]);
   taken.back().index = 77;  // of a map that was dropped meanwhile
-  taken.push_back(taken[0]);
+  taken.push_back(taken[1]);
   taken.back().index = 0;  // the same, before those that are left
   bench.recorded.put_back(taken);
   EXPECT_EQ(bench.recorded.frames().size(), 6U);

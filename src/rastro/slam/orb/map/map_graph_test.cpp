@@ -196,5 +196,42 @@ TEST(MapGraph, ScalingTheMapChangesNoProjection) {
   }
 }
 
+TEST(MapGraph, ARemovedRootTakesAllItsLandmarksWithIt) {
+  MapGraph graph(small_camera(), CameraKind::depth, 0.1, {});
+  graph.add_keyframe(blank_frame(0), SE3(), 0, -1);
+  graph.add_keyframe(blank_frame(1), SE3(), 1, -1);
+  for (std::uint32_t feature = 0; feature < 3; ++feature)
+    graph.add_observation(0, feature, graph.add_landmark({0.0, 0.0, 5.0}, 0).id);
+  const std::int64_t other = graph.add_landmark({0.0, 0.0, 5.0}, 1).id;
+  graph.add_observation(1, 0, other);
+  graph.remove_root(0);
+  EXPECT_EQ(graph.landmark_ids(), std::vector<std::int64_t>{other});
+  EXPECT_EQ(graph.keyframe_ids(), std::vector<std::int64_t>{1});
+  EXPECT_EQ(graph.keyframe_count(), 1U);
+}
+
+TEST(MapGraph, ATransformationIsOfOneSubmapWithAllThatItsLandmarksKnow) {
+  MapGraph graph(small_camera(), CameraKind::mono, 0.0, {});
+  const SE3 pose(SO3::exp({0.1, -0.2, 0.3}), {0.5, 0.2, -0.1});
+  for (const int submap : {0, 1}) {
+    graph.add_keyframe(blank_frame(submap), pose, submap, -1);
+    graph.add_observation(submap, 0, graph.add_landmark({0.3, -0.4, 5.0}, submap).id);
+    graph.describe(submap);
+  }
+  const MapLandmark before = graph.landmark(0);
+  const Sim3 moved(2.0, SO3::exp({0.3, -0.2, 0.1}), {4.0, 5.0, 6.0});
+  graph.transform(1, moved);
+  EXPECT_EQ(graph.camera_from_world(0).matrix(), pose.matrix());
+  EXPECT_EQ(graph.unit(0), 1.0);
+  EXPECT_EQ(graph.landmark(0).position, before.position);
+  EXPECT_EQ(graph.landmark(0).max_distance, before.max_distance);
+  const MapLandmark& after = graph.landmark(1);
+  EXPECT_LT((after.position - moved * before.position).norm(), 1e-12);
+  EXPECT_LT((after.direction - moved.rotation() * before.direction).norm(), 1e-12);
+  EXPECT_EQ(after.min_distance, 2.0F * before.min_distance);
+  EXPECT_EQ(after.max_distance, 2.0F * before.max_distance);
+  EXPECT_EQ(graph.unit(1), 2.0);
+}
+
 }  // namespace
 }  // namespace rastro

@@ -150,8 +150,10 @@ TEST(Relocalization, IsBelievedOnceEnoughFramesAgree) {
   EXPECT_EQ(bench.update.state, SlamState::lost);
   EXPECT_EQ(bench.update.reason, SlamReason::unconfirmed);
   EXPECT_THAT(bench.update.detail, ::testing::HasSubstr("; 1 of 3 frames agree"));
+  EXPECT_EQ(bench.session.lost_frames, 7) << "the frame was counted as lost before it was found";
   EXPECT_FALSE(bench.confirm(11, 1.1));
   EXPECT_THAT(bench.update.detail, ::testing::HasSubstr("; 2 of 3 frames agree"));
+  EXPECT_EQ(bench.session.lost_frames, 8);
   EXPECT_TRUE(bench.frames().empty()) << "no frame has a pose yet";
   EXPECT_TRUE(bench.update.events.empty());
   EXPECT_TRUE(bench.confirm(12, 1.2));

@@ -176,7 +176,9 @@ TEST(StereoMatching, NextToABorderThereIsNoWindow) {
                                     {200.0F, 234.0F, true},
                                     {200.0F, 235.0F, false},
                                     {22.0F, 100.0F, true},
-                                    {21.0F, 100.0F, false}}) {
+                                    {21.0F, 100.0F, false},
+                                    {474.0F, 100.0F, true},
+                                    {475.0F, 100.0F, false}}) {
     OneFeature one;
     one.keyframe.features = OneFeature::feature(x, y);
     one.right_features = OneFeature::feature(x - 12.0F, y);

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far is searched, how uncertain a match is, and what a direction without surfaces changes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "rastro/registration/scan_to_map.h"
+#include "rastro/slam/hector/hector_testing.h"
+#include "rastro/slam/hector/scan_follower.h"
+
+namespace rastro {
+namespace {
+
+using testing::pose_of;
+using testing::room_drive;
+using testing::WalledDrive;
+
+/// A submap of a room in its first scan's frame, and a scan 20 frames later.
+struct RoomToFollow {
+  HectorOptions options;
+  WalledDrive drive = room_drive(40);
+  Submap submap{options, SE2()};
+  SE2 ground_truth = drive.ground_truth(20);
+  std::vector<Eigen::Vector2d> points = returns_of(drive.scan(20), options).points;
+
+  RoomToFollow() {
+    for (std::size_t k = 0; k < 40; k += 4)
+      submap.insert(returns_of(drive.scan(k), options), drive.ground_truth(k), k / 4);
+  }
+  FollowedScan follow(const SE2& off, double sigma_m, double sigma_rad, bool trusted = false) {
+    return ScanFollower(options).follow(submap, points, {ground_truth * off, sigma_m, sigma_rad, trusted});
+  }
+  bool finds(const SE2& off, double sigma_m, double sigma_rad) {
+    const FollowedScan followed = follow(off, sigma_m, sigma_rad);
+    EXPECT_TRUE(followed.searched);
+    return followed.fits && (followed.local_from_body.translation() - ground_truth.translation()).norm() < 0.03;
+  }
+};
+
+/// The gradient alone leads elsewhere from there.
+const SE2 far_off = pose_of(0.35, -0.35, 0.45);
+
+TEST(ScanFollowerLimits, WhereTheGuessFitsBadlyAllIsSearchedHoweverSureItIs) {
+  RoomToFollow room;
+  for (const double sigma : {0.01, 0.5}) EXPECT_TRUE(room.finds(far_off, sigma, sigma)) << sigma;
+}
+
+TEST(ScanFollowerLimits, AnUncertainGuessThatFitsIsSearchedForWithinFourSigmas) {
+  RoomToFollow room;
+  room.options.min_score = 0.01;  // fits anywhere
+  room.options.search_from_m = room.options.search_from_rad = 0.001;
+  EXPECT_TRUE(room.finds(far_off, 0.1, 0.13));
+  EXPECT_FALSE(room.finds(far_off, 0.02, 0.13));
+  EXPECT_FALSE(room.finds(far_off, 0.1, 0.02));
+  room.options.search_reach_m = 0.05;
+  EXPECT_FALSE(room.finds(far_off, 0.1, 0.13)) << "and no farther than the reach";
+}
+
+TEST(ScanFollowerLimits, EitherSigmaAloneMakesAGuessUncertain) {
+  RoomToFollow room;
+  const double m = room.options.search_from_m, rad = room.options.search_from_rad;
+  for (const auto& [sigma_m, sigma_rad, searched] :
+       {std::tuple{m, rad, false}, {1.01 * m, rad, true}, {m, 1.01 * rad, true}, {0.5 * m, 0.5 * rad, false}})
+    EXPECT_EQ(room.follow(SE2(), sigma_m, sigma_rad).searched, searched) << sigma_m << ' ' << sigma_rad;
+}
+
+/// As follow() says: the information of the scan, of the guess and a little of its own.
+TEST(ScanFollowerLimits, TheCovarianceIsThatOfScanAndGuess) {
+  RoomToFollow room;
+  const SE2 off = pose_of(0.03, -0.02, 0.01);
+  for (const bool trusted : {false, true}) {
+    for (const bool unseen : {false, true}) {
+      room.options.degenerate_ratio = unseen ? 10.0 : 1e-9;
+      const FollowedScan followed = room.follow(off, 0.05, 0.02, trusted);
+      ASSERT_FALSE(followed.searched);
+      ASSERT_EQ(followed.unseen_direction.has_value(), unseen);
+      ScanPrior prior;
+      prior.pose = room.ground_truth * off;
+      if (trusted) prior.information.diagonal() << 0.1 / (0.05 * 0.05), 0.1 / (0.05 * 0.05), 0.1 / (0.02 * 0.02);
+      const auto fit =
+          match_scan_to_map(room.submap.levels(), room.points, prior.pose, &prior, {room.options.match_iterations});
+      ASSERT_TRUE(fit);
+      Eigen::Matrix3d seen = fit->information;
+      if (unseen) {
+        Eigen::Vector3d direction(followed.unseen_direction->x(), followed.unseen_direction->y(), 0.0);
+        ASSERT_NEAR(direction.norm(), 1.0, 1e-9);
+        const Eigen::Matrix3d without = Eigen::Matrix3d::Identity() - direction * direction.transpose();
+        seen = without * seen * without;
+      }
+      const Eigen::Matrix3d information = seen + prior.information + 1e-3 * Eigen::Matrix3d::Identity();
+      const Eigen::Matrix3d expected = std::max(0.01, fit->residual_variance) * information.inverse();
+      EXPECT_LT((followed.covariance - expected).norm(), 1e-9 * expected.norm()) << trusted << ' ' << unseen;
+      EXPECT_EQ(followed.score, fit->score);
+    }
+  }
+}
+
+/// The share of surfaces across the weakest direction, found as the ratio from which on the direction is unseen.
+double share_across(RoomToFollow& room) {
+  double seen = 0.0, unseen = 1.1;
+  for (int k = 0; k < 60; ++k) {
+    room.options.degenerate_ratio = 0.5 * (seen + unseen);
+    (room.follow(SE2(), 0.05, 0.02).unseen_direction ? unseen : seen) = room.options.degenerate_ratio;
+  }
+  return seen;
+}
+
+TEST(ScanFollowerLimits, TheGuessCountsAlongAWeakDirectionUpToThreeTimesTheRatio) {
+  RoomToFollow room;
+  const double share = share_across(room);
+  ASSERT_GT(share, 0.05);
+  ASSERT_LT(share, 1.0);
+  const SE2 off = pose_of(0.06, -0.05, 0.0);
+  const auto at_ratio = [&](double ratio, bool trusted) {
+    room.options.degenerate_ratio = ratio;
+    return room.follow(off, 1.0, 1.0, trusted).local_from_body.translation();
+  };
+  room.options.search_from_m = room.options.search_from_rad = 2.0;
+  room.options.degenerate_ratio = 1.01 * share;
+  const auto unseen = room.follow(off, 1.0, 1.0, true).unseen_direction;
+  ASSERT_TRUE(unseen);
+  const Eigen::Vector2d scan = at_ratio(share / 3.01, true);
+  const Eigen::Vector2d guess = (room.ground_truth * off).translation();
+  const double along = unseen->dot(guess - scan);
+  ASSERT_GT(std::abs(along), 0.02);
+  for (const auto& [ratio, weight] : {std::pair{1.01 * share, 1.0},
+                                      {share / 1.5, 0.75},
+                                      {share / 2.0, 0.5},
+                                      {share / 2.5, 0.25},
+                                      {share / 4.0, 0.0}}) {
+    EXPECT_LT((at_ratio(ratio, true) - (scan + weight * along * *unseen)).norm(), 1e-6) << weight;
+    EXPECT_LT((at_ratio(ratio, false) - scan).norm(), 2e-3) << "a guess that is not trusted never counts";
+  }
+}
+
+TEST(ScanFollowerLimits, SurfacesAreReadFromNeighboringReturnsThatAreNotTooFarApart) {
+  RoomToFollow room;
+  // All points lie on lines along x; whether points of two lines make a surface across x depends on their distance.
+  for (const double between : {0.4, 0.6}) {
+    room.points.clear();
+    for (int row = 0; row < 12; ++row)
+      for (int k = 0; k < 2; ++k) room.points.emplace_back(1.0 + 0.005 * k, -3.0 + between * row);
+    room.options.degenerate_ratio = 0.3;
+    room.options.min_score = 0.0;
+    const FollowedScan followed = room.follow(SE2(), 0.05, 0.02);
+    ASSERT_TRUE(followed.fits);
+    ASSERT_TRUE(followed.unseen_direction);
+    const Eigen::Vector2d in_body = followed.local_from_body.rotation().inverse() * *followed.unseen_direction;
+    // Below the gap the points are one wall along y; beyond it they are no surface at all.
+    EXPECT_EQ(std::abs(in_body.y()) > 0.99, between < 0.5) << in_body.transpose();
+  }
+}
+
+}  // namespace
+}  // namespace rastro
