@@ -93,8 +93,8 @@ inline Map make_map_of_all_layers() {
     const auto byte = static_cast<std::uint8_t>(k + 1);
     if (k % 2 == 0) images->keyframes.push_back(id);
     if (k % 2 == 0) image_store->add(id, {std::vector<std::uint8_t>(6000 + k, byte), {byte, 9}});
-    if (k % 4 != 2) signatures->keyframes.push_back(id);
-    if (k % 4 != 2) signature_store->add(id, all_layers::some_signature(id));
+    if (k != 5) signatures->keyframes.push_back(id);
+    if (k != 5) signature_store->add(id, all_layers::some_signature(id));
     if (k % 3 != 1) scans->of[id] = all_layers::some_scans(1 + k % 2, random);
     if (k % 3 != 2) semi_dense->of[id] = all_layers::some_depth(byte);
     if (k != 4) words->of[id] = all_layers::some_words(byte);

@@ -156,7 +156,7 @@ TEST(RgbdSlam, InALiveRunAKeyframeIsKnownAsSoonAsItIsReady) {
   options.backend_delay_frames = 4;
   SlamContext context;
   context.live = true;
-  RgbdSlam slam(options, test_room::camera(), context);
+  RgbdSlam slam("rgbd", options, test_room::camera(), context);
   const Views views = pan(0.0, 0.005, 2);
   for (std::size_t k = 0; k < views.size(); ++k) {
     slam.process(room_frame(*views[k], static_cast<std::int64_t>(k)));

@@ -84,8 +84,9 @@ std::vector<std::int64_t> LocationMemory::forgotten_neighbors(std::int64_t locat
       for (const std::int64_t neighbor : at(id).neighbors) {
         if (!seen.insert(neighbor).second) continue;
         next.push_back(neighbor);
-        if (at(neighbor).stage == MemoryStage::long_term) found.push_back(neighbor);
+        if (at(neighbor).stage != MemoryStage::long_term) continue;
         if (static_cast<int>(found.size()) >= most) return found;
+        found.push_back(neighbor);
       }
     }
     border = std::move(next);

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "rastro/slam/rgbd/keyframe_matcher.h"
-#include "rastro/slam/rgbd/rgbd_testing.h"
+#include "rastro/backend/rgbd/keyframe_matcher.h"
+#include "rastro/backend/rgbd/rgbd_testing.h"
 
 namespace rastro {
 namespace {
