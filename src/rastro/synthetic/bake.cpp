@@ -103,6 +103,16 @@ void multiply(Image<float>& values, const Image<float>& map) {
 
 }  // namespace
 
+namespace {
+
+/// Seed of the painter of a face.
+std::uint64_t painter_seed(std::uint64_t seed, const Surface& surface, int index) {
+  if (surface.material.likeness == 0) return seed_for(seed, static_cast<std::uint64_t>(index));
+  return seed_for(seed_for(seed, ~surface.material.likeness), static_cast<std::uint64_t>(surface.face));
+}
+
+}  // namespace
+
 void Scene::make_tree() { tree_ = std::make_shared<const BoundsTree>(std::span(primitives_).first(still_count())); }
 
 void Scene::bake(std::uint64_t seed, TaskPool& pool, double detail, double light_spacing_m) {
@@ -110,7 +120,7 @@ void Scene::bake(std::uint64_t seed, TaskPool& pool, double detail, double light
   pool.for_chunks(0, static_cast<int>(surfaces_->size()), 1, [&](int begin, int end) {
     for (int index = begin; index < end; ++index) {
       Surface& surface = (*surfaces_)[static_cast<std::size_t>(index)];
-      Random random(seed_for(seed, static_cast<std::uint64_t>(index)));
+      Random random(painter_seed(seed, surface, index));
       Canvas canvas(surface.width, surface.height, detail * surface.material.texels_per_meter);
       surface.material.paint(canvas, random);
       if (!surface.material.shines) multiply(canvas.values(), light_map(*this, surface, detail, light_spacing_m));

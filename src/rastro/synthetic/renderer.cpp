@@ -24,7 +24,7 @@ class Shot {
  public:
   enum class Want { depth, gray, color };
 
-  Shot(const Scene& scene, const Renderer& renderer, const SE3& world_from_camera, Want want)
+  Shot(const Scene& scene, const Renderer& renderer, const SE3& world_from_camera, Want want, double time_s)
       : scene_(scene),
         renderer_(renderer),
         rotation_(world_from_camera.rotation().matrix()),
@@ -36,6 +36,7 @@ class Shot {
         rows_((renderer.camera().height + tile_px - 1) / tile_px),
         lists_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
         want_(want),
+        time_s_(time_s),
         light(light_width(renderer.camera().width, want), renderer.camera().height) {
     frame.depth = DepthImage(renderer.camera().width, renderer.camera().height);
     frame.surface = Image<std::uint32_t>(renderer.camera().width, renderer.camera().height);
@@ -138,6 +139,7 @@ class Shot {
   /// Texture coordinates of a ray, and the footprint of a pixel: in texels.
   struct Footprint {
     float x, y, dx_dx, dy_dx, dx_dy, dy_dy;
+    float light;  ///< Of the light field at the point.
   };
 
   float shade(const PixelHit& hit, const Eigen::Vector3d& direction) const {
@@ -146,7 +148,7 @@ class Shot {
   }
 
   static float sample(const Texture& texture, const Footprint& at) {
-    return texture.sample(at.x, at.y, at.dx_dx, at.dy_dx, at.dx_dy, at.dy_dy);
+    return at.light * texture.sample(at.x, at.y, at.dx_dx, at.dy_dx, at.dx_dy, at.dy_dy);
   }
 
   Footprint footprint(const PixelHit& hit, const Eigen::Vector3d& direction, const Eigen::Vector3d& origin) const {
@@ -166,7 +168,12 @@ class Shot {
             du_dx,
             dv_dx,
             du_dy,
-            dv_dy};
+            dv_dy,
+            light_at(origin + hit.depth * direction, facing > 0.0 ? Vector3d(-point.normal) : point.normal)};
+  }
+
+  float light_at(const Vector3d& point, const Vector3d& normal) const {
+    return renderer_.light() ? renderer_.light()(point, normal, time_s_) : 1.0F;
   }
 
   /// Through glass in front of the surface.
@@ -184,7 +191,7 @@ class Shot {
     const Surface& surface = scene_.surfaces()[hit.surface];
     const Footprint at = footprint(hit, direction, origin);
     if (surface.colors.empty()) return sample(surface.texture, at) * Channels(1.0F, 1.0F, 1.0F, 0.0F);
-    return surface.colors.sample(at.x, at.y, at.dx_dx, at.dy_dx, at.dx_dy, at.dy_dy);
+    return at.light * surface.colors.sample(at.x, at.y, at.dx_dx, at.dy_dx, at.dx_dy, at.dy_dy);
   }
 
   /// A pane absorbs a tenth of the light, more of its red, and reflects more at grazing angles (Schlick 1994).
@@ -230,6 +237,7 @@ class Shot {
   int columns_, rows_;
   std::vector<std::vector<const ViewedPrimitive*>> lists_;
   Want want_;
+  double time_s_;
 
  public:
   Image<float> light;
@@ -238,7 +246,8 @@ class Shot {
 
 }  // namespace
 
-Renderer::Renderer(const Scene& scene, const Camera& camera) : scene_(&scene), camera_(camera) {
+Renderer::Renderer(const Scene& scene, const Camera& camera, LightField light)
+    : scene_(&scene), camera_(camera), light_(std::move(light)) {
   if (camera.width < 2 || camera.height < 2)
     throw Error("the camera has no image size", "renderer", "give a width and height of at least 2");
   rays_.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
@@ -255,7 +264,8 @@ Renderer::Renderer(const Scene& scene, const Camera& camera) : scene_(&scene), c
 RenderedFrame Renderer::render(const SE3& world_from_camera, const SensorModel& sensor, const ShutterMotion& shutter,
                                std::uint64_t noise_seed, TaskPool& pool, double time_s, bool in_color) const {
   const std::optional<Scene> moved = scene_->moves() ? std::optional(scene_->at(time_s)) : std::nullopt;
-  Shot shot(moved ? *moved : *scene_, *this, world_from_camera, in_color ? Shot::Want::color : Shot::Want::gray);
+  Shot shot(moved ? *moved : *scene_, *this, world_from_camera, in_color ? Shot::Want::color : Shot::Want::gray,
+            time_s);
   shot.cast(pool);
   shot.smooth_edges(pool);
   if (in_color) {
@@ -269,7 +279,7 @@ RenderedFrame Renderer::render(const SE3& world_from_camera, const SensorModel& 
 
 RenderedFrame Renderer::cast(const SE3& world_from_camera, TaskPool& pool, double time_s) const {
   const std::optional<Scene> moved = scene_->moves() ? std::optional(scene_->at(time_s)) : std::nullopt;
-  Shot shot(moved ? *moved : *scene_, *this, world_from_camera, Shot::Want::depth);
+  Shot shot(moved ? *moved : *scene_, *this, world_from_camera, Shot::Want::depth, time_s);
   shot.cast(pool);
   return std::move(shot.frame);
 }

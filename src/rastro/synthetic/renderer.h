@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "rastro/base/task_pool.h"
@@ -24,12 +25,17 @@ struct RenderedFrame {
   ColorImage color;              ///< Only on request; `gray` is then computed from it.
 };
 
+/// Light that falls on a point of a surface (world, meters) with a unit normal towards the camera: a factor on the painted
+/// and lit texture. Must depend on its arguments only.
+using LightField = std::function<float(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double time_s)>;
+
 /// Casts one ray per pixel, more along the edges of solids, in small tiles with lists of the solids they may show. The
 /// scene must outlive the renderer. Rendering does not modify the scene and may run for several frames at once.
 class Renderer {
  public:
   /// Throws Error for a camera without size or whose distortion cannot be inverted somewhere in the image.
-  Renderer(const Scene& scene, const Camera& camera);
+  /// Without a light field the light is that of the baked textures at all times.
+  Renderer(const Scene& scene, const Camera& camera, LightField light = {});
 
   /// The same bytes for any pool. Moving objects are at their poses at `time_s`.
   RenderedFrame render(const SE3& world_from_camera, const SensorModel& sensor, const ShutterMotion& shutter,
@@ -40,6 +46,7 @@ class Renderer {
   const Scene& scene() const { return *scene_; }
 
   const Camera& camera() const { return camera_; }
+  const LightField& light() const { return light_; }
   /// Direction of a pixel's center in the camera, with z = 1.
   Eigen::Vector3d ray(int x, int y) const {
     const std::size_t pixel =
@@ -50,6 +57,7 @@ class Renderer {
  private:
   const Scene* scene_;
   Camera camera_;
+  LightField light_;
   std::vector<Eigen::Vector2d> rays_;
 };
 

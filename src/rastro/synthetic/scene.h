@@ -45,6 +45,9 @@ struct Material {
   double texels_per_meter = 100.0;
   bool shines = false;
   float infrared = 1.0F;  ///< Visibility to a depth camera: 0 never, 1 always.
+  /// Faces of one size with the same number are painted alike (doors of one make, panels of one wall); 0: each face its
+  /// own.
+  std::uint64_t likeness = 0;
 };
 
 /// One face, identified by a surface id.

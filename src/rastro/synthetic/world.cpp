@@ -58,7 +58,7 @@ class WorldSource : public Source {
 }  // namespace
 
 World::World(std::unique_ptr<const Scene> scene, Parts parts)
-    : scene_(std::move(scene)), parts_(std::move(parts)), renderer_(*scene_, parts_.camera) {}
+    : scene_(std::move(scene)), parts_(std::move(parts)), renderer_(*scene_, parts_.camera, parts_.light) {}
 
 TimeNs World::stamp(std::int64_t frame) const {
   return parts_.first_stamp + static_cast<TimeNs>(std::llround(static_cast<double>(frame) * 1e9 / parts_.rate_hz));

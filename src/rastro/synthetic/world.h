@@ -47,6 +47,7 @@ class World {
     std::vector<NamedLength> lengths = {};             ///< Its known lengths.
     /// Pose of a second camera of the same type, if there is one.
     std::optional<SE3> left_from_right = std::nullopt;
+    LightField light = {};  ///< Light that changes with time and place; empty: only what is baked.
   };
   World(std::unique_ptr<const Scene> scene, Parts parts);
 

@@ -52,12 +52,12 @@ std::string intrinsics_text(const Camera& camera) {
       camera.coefficients[1], camera.coefficients[2], camera.coefficients[3]);
 }
 
-std::string camera_yaml(const World& world, const SE3& body_from_camera) {
+std::string camera_yaml(const World& world, const SE3& body_from_camera, double rate_hz) {
   return fmt::format(
       "# General sensor definitions.\nsensor_type: camera\ncomment: generated world '{}'\n\n"
       "# Sensor extrinsics wrt. the body-frame.\nT_BS:\n  cols: 4\n  rows: 4\n{}\n"
       "# Camera specific definitions.\nrate_hz: {:g}\n{}\n",
-      world.name(), rows_of(body_from_camera.matrix()), world.rate_hz(), intrinsics_text(world.camera()));
+      world.name(), rows_of(body_from_camera.matrix()), rate_hz, intrinsics_text(world.camera()));
 }
 
 std::string ground_truth_yaml(const World& world) {
@@ -100,9 +100,9 @@ std::string camera_line(const World& world, std::int64_t frame) {
 }
 
 /// The list of one camera's images, with its calibration.
-TextFile camera_list(const World& world, const fs::path& folder, const SE3& body_from_camera) {
+TextFile camera_list(const World& world, const fs::path& folder, const SE3& body_from_camera, double rate_hz) {
   make_folder(folder / "data");
-  TextFile(folder / "sensor.yaml", camera_yaml(world, body_from_camera));
+  TextFile(folder / "sensor.yaml", camera_yaml(world, body_from_camera, rate_hz));
   return TextFile(folder / "data.csv", "#timestamp [ns],filename\n");
 }
 
@@ -151,9 +151,10 @@ EurocSummary write_euroc(const World& world, const fs::path& folder, const Euroc
   for (std::int64_t first = 0; first < options.frames; first += frames_at_once) {
     const std::int64_t end = std::min(options.frames, first + frames_at_once);
     pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
-      for (int i = begin; i < stop; ++i) bytes += write_images(world, mav, first + i, options);
+      for (int i = begin; i < stop; ++i) bytes += write_images(world, mav, options.selection.frame(first + i), options);
     });
-    for (std::int64_t frame = first; frame < end; ++frame) {
+    for (std::int64_t index = first; index < end; ++index) {
+      const std::int64_t frame = options.selection.frame(index);
       images.write(fmt::format("{0},{0}.png\n", world.stamp(frame)));
       if (right) right->write(fmt::format("{0},{0}.png\n", world.stamp(frame)));
       poses.write(body_line(world, frame));

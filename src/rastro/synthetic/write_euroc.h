@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "rastro/base/task_pool.h"
+#include "rastro/synthetic/frame_selection.h"
 #include "rastro/synthetic/world.h"
 
 namespace rastro {
@@ -15,6 +16,7 @@ struct EurocOptions {
   bool ground_truth = true;  ///< Also depth, surfaces and camera poses under mav0/truth.
   bool force = false;        ///< Write to a folder that is not empty.
   bool stereo = false;       ///< Also the right camera, as mav0/cam1. Throws Error for a world without one.
+  FrameSelection selection = {};  ///< Which frames; their stamps are those of the world.
 };
 
 struct EurocSummary {

@@ -56,7 +56,7 @@ class Lists {
 
 class OdometryLists : public Lists {
  public:
-  OdometryLists(const World& world, const fs::path& folder, bool stereo) : world_(world), folder_(folder) {
+  OdometryLists(const World& world, const fs::path& folder, const FrameSelection& selection, bool stereo) : world_(world), folder_(folder) {
     make_folder(folder / "image_0");
     std::string calibration = fmt::format("P0:{}\n", numbers(projection_rows(world.camera())));
     if (stereo) {
@@ -68,38 +68,42 @@ class OdometryLists : public Lists {
     times_.emplace(folder / "times.txt");
     poses_.emplace(folder / "poses.txt");
   }
-  fs::path image_of(std::int64_t frame) const override { return folder_ / "image_0" / fmt::format("{:06}.png", frame); }
-  fs::path right_image_of(std::int64_t frame) const override {
-    return folder_ / "image_1" / fmt::format("{:06}.png", frame);
+  fs::path image_of(std::int64_t index) const override { return folder_ / "image_0" / fmt::format("{:06}.png", index); }
+  fs::path right_image_of(std::int64_t index) const override {
+    return folder_ / "image_1" / fmt::format("{:06}.png", index);
   }
-  void add(std::int64_t frame) override {
-    times_->write(fmt::format("{:.9e}\n", to_seconds(world_.stamp(frame) - world_.stamp(0))));
-    const SE3 pose = world_.world_from_camera(0).inverse() * world_.world_from_camera(frame);
+  void add(std::int64_t index) override {
+    const std::int64_t frame = selection_.frame(index), first = selection_.first;
+    times_->write(fmt::format("{:.9e}\n", to_seconds(world_.stamp(frame) - world_.stamp(first))));
+    const SE3 pose = world_.world_from_camera(first).inverse() * world_.world_from_camera(frame);
     poses_->write(numbers(pose.matrix().topRows<3>()).substr(1) + "\n");
   }
 
  private:
   const World& world_;
   fs::path folder_;
+  FrameSelection selection_;
   std::optional<TextFile> times_, poses_;
 };
 
 class RawLists : public Lists {
  public:
-  RawLists(const World& world, const fs::path& day, const fs::path& drive) : world_(world), drive_(drive) {
+  RawLists(const World& world, const fs::path& day, const fs::path& drive, const FrameSelection& selection)
+      : world_(world), drive_(drive), selection_(selection) {
     make_folder(drive / "image_00/data");
     make_folder(drive / "oxts/data");
     write_calibration(day);
     image_times_.emplace(drive / "image_00/timestamps.txt");
     oxts_times_.emplace(drive / "oxts/timestamps.txt");
   }
-  fs::path image_of(std::int64_t frame) const override {
-    return drive_ / "image_00/data" / fmt::format("{:010}.png", frame);
+  fs::path image_of(std::int64_t index) const override {
+    return drive_ / "image_00/data" / fmt::format("{:010}.png", index);
   }
-  void add(std::int64_t frame) override {
+  void add(std::int64_t index) override {
+    const std::int64_t frame = selection_.frame(index);
     image_times_->write(date_text(world_.stamp(frame)) + "\n");
     oxts_times_->write(date_text(world_.stamp(frame)) + "\n");
-    TextFile(drive_ / "oxts/data" / fmt::format("{:010}.txt", frame), oxts_line(world_, frame) + "\n");
+    TextFile(drive_ / "oxts/data" / fmt::format("{:010}.txt", index), oxts_line(world_, frame) + "\n");
   }
 
  private:
@@ -121,6 +125,7 @@ class RawLists : public Lists {
 
   const World& world_;
   fs::path drive_;
+  FrameSelection selection_;
   std::optional<TextFile> image_times_, oxts_times_;
 };
 
@@ -139,13 +144,13 @@ KittiSummary write_kitti(const World& world, const fs::path& folder, const Kitti
   summary.recording = folder;
   std::unique_ptr<Lists> lists;
   if (options.layout == KittiLayout::odometry) {
-    lists = std::make_unique<OdometryLists>(world, folder, options.stereo);
+    lists = std::make_unique<OdometryLists>(world, folder, options.selection, options.stereo);
   } else {
-    const std::string date = date_text(world.stamp(0)).substr(0, 10);
+    const std::string date = date_text(world.stamp(options.selection.first)).substr(0, 10);
     std::string day = date;
     for (char& letter : day) letter = letter == '-' ? '_' : letter;
     summary.recording = folder / day / (day + "_drive_0001_sync");
-    lists = std::make_unique<RawLists>(world, folder / day, summary.recording);
+    lists = std::make_unique<RawLists>(world, folder / day, summary.recording, options.selection);
   }
   std::atomic<std::uintmax_t> bytes{0};
   for (std::int64_t first = 0; first < options.frames; first += frames_at_once) {
@@ -153,12 +158,13 @@ KittiSummary write_kitti(const World& world, const fs::path& folder, const Kitti
     pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
       TaskPool alone(1);
       for (int i = begin; i < stop; ++i) {
-        bytes += write_png(lists->image_of(first + i), gray_image(world.render(first + i, alone).gray));
+        const std::int64_t frame = options.selection.frame(first + i);
+        bytes += write_png(lists->image_of(first + i), gray_image(world.render(frame, alone).gray));
         if (options.stereo)
-          bytes += write_png(lists->right_image_of(first + i), gray_image(world.render_right(first + i, alone).gray));
+          bytes += write_png(lists->right_image_of(first + i), gray_image(world.render_right(frame, alone).gray));
       }
     });
-    for (std::int64_t frame = first; frame < end; ++frame) lists->add(frame);
+    for (std::int64_t index = first; index < end; ++index) lists->add(index);
     if (progress) progress(end);
   }
   summary.frames = options.frames;

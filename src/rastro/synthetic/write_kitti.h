@@ -7,6 +7,7 @@
 #include <string>
 
 #include "rastro/base/task_pool.h"
+#include "rastro/synthetic/frame_selection.h"
 #include "rastro/synthetic/world.h"
 
 namespace rastro {
@@ -21,6 +22,7 @@ struct KittiOptions {
   KittiLayout layout = KittiLayout::odometry;
   bool force = false;   ///< Write to a folder that is not empty.
   bool stereo = false;  ///< Also the right camera (odometry only). Throws Error for a world without one.
+  FrameSelection selection = {};  ///< Which frames; their stamps are those of the world.
 };
 
 struct KittiSummary {

@@ -115,9 +115,10 @@ TumSummary write_tum(const World& world, const fs::path& folder, const TumOption
   for (std::int64_t first = 0; first < options.frames; first += frames_at_once) {
     const std::int64_t end = std::min(options.frames, first + frames_at_once);
     pool.for_chunks(0, static_cast<int>(end - first), 1, [&](int begin, int stop) {
-      for (int i = begin; i < stop; ++i) write_frame(first + i);
+      for (int i = begin; i < stop; ++i) write_frame(options.selection.frame(first + i));
     });
-    for (std::int64_t frame = first; frame < end; ++frame) {
+    for (std::int64_t index = first; index < end; ++index) {
+      const std::int64_t frame = options.selection.frame(index);
       rgb.write(fmt::format("{} rgb/{}\n", seconds_text(world.stamp(frame)), name_of(frame)));
       depth.write(fmt::format("{} depth/{}\n", depth_stamp(frame), depth_name_of(frame)));
       ground_truth.write(ground_truth_line(world, frame));

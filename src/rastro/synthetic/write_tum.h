@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "rastro/base/task_pool.h"
+#include "rastro/synthetic/frame_selection.h"
 #include "rastro/synthetic/world.h"
 
 namespace rastro {
@@ -28,6 +29,7 @@ struct TumOptions {
   /// The camera is covered from the first of these times to the second (seconds from the start): its images are black
   /// and without depth.
   std::optional<std::pair<double, double>> black = {};
+  FrameSelection selection = {};  ///< Which frames; their stamps are those of the world.
 };
 
 struct TumSummary {

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // People in the street of the loop that leads north. They walk up and down beside the camera's path, or across it where
 // the camera is far.
-#include <cmath>
-#include <numbers>
-
-#include "rastro/synthetic/paint/details.h"
-#include "rastro/synthetic/worlds/corridor_materials.h"
 #include "rastro/synthetic/worlds/loop_scene.h"
+#include "rastro/synthetic/worlds/people.h"
 
 namespace rastro::loop {
 namespace {
@@ -30,56 +26,15 @@ const Walker walkers[] = {
     {{22.8, 15.4}, {22.8, 19.0}, 0.7, 1.0, 70.0F},  {{24.2, 17.9}, {20.0, 17.9}, 0.9, 2.0, 145.0F},
 };
 
-/// A coat with seams, buttons and its own pattern.
-Material coat(float tone) {
-  return {[tone](Canvas& canvas, Random& random) {
-            const double width = canvas.width(), height = canvas.height();
-            canvas.fill(tone);
-            const double pitch = random.uniform(0.06, 0.16);
-            const float other = tone + (tone > 110.0F ? -50.0F : 60.0F);
-            for (double y = 0.0; y < height; y += pitch) canvas.rectangle(0, y, width, y + 0.3 * pitch, other, 0.7F);
-            for (double x = 0.5 * pitch; x < width; x += 1.7 * pitch)
-              canvas.rectangle(x, 0, x + 0.2 * pitch, height, other, 0.6F);
-            for (int i = 0; i < 6; ++i) {
-              const double x = random.uniform(0.0, 0.8 * width), y = random.uniform(0.0, 0.8 * height);
-              canvas.rectangle(x, y, x + random.uniform(0.05, 0.16), y + random.uniform(0.05, 0.2),
-                               static_cast<float>(random.uniform(20, 235)));
-            }
-            paint::label(canvas, random, {0.3 * width, 0.2 * height, 0.6 * width, 0.45 * height});
-            canvas.add_noise(random, 0.2, 10.0F, 0.85F);
-          },
-          140.0};
-}
-
-Vector2d position_of(const Walker& walker, double time_s) {
-  const double length = (walker.to - walker.from).norm(), gone = walker.start_m + walker.speed * time_s;
-  const double distance = gone - 2.0 * length * std::floor(gone / (2.0 * length));
-  return walker.from + (distance < length ? distance : 2.0 * length - distance) / length * (walker.to - walker.from);
-}
-
-SE3 pose_of(const Walker& walker, double time_s) {
-  const Vector2d here = position_of(walker, time_s);
-  // Turns around within half a second.
-  const Vector2d ahead = position_of(walker, time_s + 0.25) - position_of(walker, time_s - 0.25);
-  const double heading = ahead.norm() > 1e-9 ? std::atan2(ahead.y(), ahead.x()) : 0.0;
-  return {SO3::exp({0, 0, heading}), {here.x(), here.y(), 0.0}};
-}
-
 }  // namespace
 
 void add_crowd(Scene& scene) {
   for (const Walker& walker : walkers) {
-    scene.begin_moving([walker](double time_s) { return pose_of(walker, time_s); });
-    scene.add_box({0, 0, 1.12}, {0.28, 0.46, 0.64}, coat(walker.coat));
-    scene.add_sphere({0, 0, 1.60}, 0.13, corridor::skin());
-    for (const double side : {-1.0, 1.0}) {
-      scene.begin_moving([walker, side](double time_s) {
-        const double swing = 0.2 * std::sin(std::numbers::pi * 1.8 * time_s + walker.start_m);
-        return pose_of(walker, time_s) * SE3(SO3(), {side * swing, 0.0, 0.0});
-      });
-      scene.add_cylinder({0, side * 0.11, 0}, {0, side * 0.11, 0.82}, 0.08, corridor::cloth(0.5F * walker.coat));
-      scene.add_cylinder({0, side * 0.28, 0.82}, {0, side * 0.28, 1.4}, 0.055, corridor::cloth(0.9F * walker.coat));
-    }
+    const Stroll stroll{{walker.from.x(), walker.from.y(), 0.0},
+                        {walker.to.x(), walker.to.y(), 0.0},
+                        walker.speed,
+                        walker.start_m};
+    add_person(scene, [stroll](double time_s) { return stroll.pose(time_s); }, walker.start_m, walker.coat);
   }
 }
 
