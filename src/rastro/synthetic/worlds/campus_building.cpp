@@ -16,8 +16,6 @@ using Eigen::Vector3d;
 constexpr double h = half_corridor, east = ring_x + h, north = ring_y + h;
 constexpr double tower_east = 74.5, gallery_north = 4.5;
 
-Material plaster_of(int piece) { return wall(static_cast<std::uint64_t>(1 + piece % 3)); }
-
 /// A horizontal rectangle in pieces of a bay along x or y, whichever is longer.
 void add_level(Scene& scene, const Vector2d& low, const Vector2d& high, double z, const Material& material) {
   const Vector2d size = high - low;
@@ -35,14 +33,14 @@ void add_level(Scene& scene, const Vector2d& low, const Vector2d& high, double z
 void add_ring(Scene& scene, int storey) {
   const double z = storey * storey_m;
   const auto level = [&](const Vector2d& low, const Vector2d& high) {
-    add_level(scene, low, high, z, floor(10));
+    add_level(scene, low, high, z, floor());
     add_level(scene, low, high, z + ceiling_m, ceiling(11));
   };
   level({-h, -h}, {east, h});
   level({-h, ring_y - h}, {east, north});
   level({-h, h}, {h, ring_y - h});
   level({ring_x - h, h}, {east, ring_y - h});
-  for (const Wall& wall : corridor_walls(storey)) add_wall(scene, wall, plaster_of);
+  for (const Wall& wall : corridor_walls(storey)) add_wall(scene, wall, plaster());
 }
 
 /// Doors in the middle of the bays, with the names beside them; windows instead in the connectors to the courtyard.
@@ -84,15 +82,15 @@ void add_notices(Scene& scene, Random& random, const Wall& wall) {
 
 /// From the wall of a corridor to the facade.
 void add_passage(Scene& scene, const Vector2d& low, const Vector2d& high, bool along_y) {
-  add_level(scene, low, high, 0.0, floor(10));
+  add_level(scene, low, high, 0.0, floor());
   add_level(scene, low, high, ceiling_m, ceiling(12));
   const Vector2d south_east(high.x(), low.y()), north_west(low.x(), high.y());
   if (along_y) {
-    add_wall(scene, {low, north_west, 0.0, ceiling_m}, plaster_of);
-    add_wall(scene, {high, south_east, 0.0, ceiling_m}, plaster_of);
+    add_wall(scene, {low, north_west, 0.0, ceiling_m}, plaster());
+    add_wall(scene, {high, south_east, 0.0, ceiling_m}, plaster());
   } else {
-    add_wall(scene, {south_east, low, 0.0, ceiling_m}, plaster_of);
-    add_wall(scene, {north_west, high, 0.0, ceiling_m}, plaster_of);
+    add_wall(scene, {south_east, low, 0.0, ceiling_m}, plaster());
+    add_wall(scene, {north_west, high, 0.0, ceiling_m}, plaster());
   }
 }
 
@@ -111,11 +109,11 @@ void add_stairs_up(Scene& scene, Random& random) {
       back{{east, gallery_north}, {tower_east, gallery_north}, storey_m, top_m};
   for (const Wall& wall : {south, end, back, Wall{{east, h}, {tower_east, h}, 0.0, storey_m},
                            Wall{{east, -h}, {east, h}, ceiling_m, storey_m}})
-    add_wall(scene, wall, plaster_of);
+    add_wall(scene, wall, plaster());
   add_steps(scene, stairs_up_x, 0.0, true);
-  add_level(scene, {east, -h}, {stairs_up_x, h}, 0.0, floor(10));
-  add_level(scene, {landing, -h}, {tower_east, gallery_north}, storey_m, floor(10));
-  add_level(scene, {east, h}, {landing, gallery_north}, storey_m, floor(10));
+  add_level(scene, {east, -h}, {stairs_up_x, h}, 0.0, floor());
+  add_level(scene, {landing, -h}, {tower_east, gallery_north}, storey_m, floor());
+  add_level(scene, {east, h}, {landing, gallery_north}, storey_m, floor());
   add_level(scene, {east, -h}, {tower_east, gallery_north}, top_m, ceiling(12));
   add_block(scene, {east, h - 0.08, storey_m}, {landing, h + 0.08, storey_m + 0.95}, hall::steel_beam(120.0F));
   add_panel(scene, end, 4.4, 1.5, {1.2, 1.5}, 0.04, picture());
@@ -126,10 +124,10 @@ void add_stairs_down(Scene& scene, Random& random) {
   const Wall south{{outer_east - 0.05, ring_y - h}, {east, ring_y - h}, 0.0, top_m},
       north_side{{east, north}, {outer_east - 0.05, north}, 0.0, top_m};
   const Wall exit{{outer_east - 0.05, north}, {outer_east - 0.05, ring_y - h}, 0.0, top_m, {{0.3, 2.7, 2.4}}};
-  for (const Wall& wall : {south, north_side, exit}) add_wall(scene, wall, plaster_of);
+  for (const Wall& wall : {south, north_side, exit}) add_wall(scene, wall, plaster());
   add_steps(scene, stairs_down_x, ring_y, false);
-  add_level(scene, {east, ring_y - h}, {stairs_down_x, north}, storey_m, floor(10));
-  add_level(scene, {stairs_down_x + stairs_m - step_m, ring_y - h}, {outer_east, north}, 0.0, floor(10));
+  add_level(scene, {east, ring_y - h}, {stairs_down_x, north}, storey_m, floor());
+  add_level(scene, {stairs_down_x + stairs_m - step_m, ring_y - h}, {outer_east, north}, 0.0, floor());
   add_level(scene, {east, ring_y - h}, {outer_east - 0.05, north}, top_m, ceiling(12));
   add_panel(scene, exit, 1.5, 4.2, {1.6, 1.2}, 0.02, view(31));
   add_panel(scene, south, 6.0, 2.6, {1.0, 1.2}, 0.03, poster());
@@ -178,25 +176,24 @@ std::uint32_t add_block(Scene& scene, const Vector3d& low, const Vector3d& high,
   return scene.add_box(0.5 * (low + high), high - low, material);
 }
 
-void add_wall(Scene& scene, const Wall& wall, const std::function<Material(int piece)>& material) {
+void add_wall(Scene& scene, const Wall& wall, const Material& material) {
   const Vector2d along = wall.along();
-  const auto add = [&](double begin, double end, double low, double high, int piece) {
+  const auto add = [&](double begin, double end, double low, double high) {
     if (end - begin < 1e-6 || high - low < 1e-6) return;
     scene.add_quad(wall.at(0.5 * (begin + end), 0.0, 0.5 * (low + high)),
-                   (end - begin) * Vector3d(along.x(), along.y(), 0.0), {0, 0, low - high}, material(piece));
+                   (end - begin) * Vector3d(along.x(), along.y(), 0.0), {0, 0, low - high}, material);
   };
-  int piece = 0;
-  for (double begin = 0.0; begin < wall.length() - 1e-6; begin += bay_m, ++piece) {
+  for (double begin = 0.0; begin < wall.length() - 1e-6; begin += bay_m) {
     const double end = std::min(begin + bay_m, wall.length());
     double from = begin;
     for (const Opening& opening : wall.openings) {
       const double cut = std::clamp(opening.begin, from, end), past = std::clamp(opening.end, from, end);
       if (past <= cut) continue;
-      add(from, cut, wall.low, wall.high, piece);
-      add(cut, past, wall.low + opening.top, wall.high, piece);
+      add(from, cut, wall.low, wall.high);
+      add(cut, past, wall.low + opening.top, wall.high);
       from = past;
     }
-    add(from, end, wall.low, wall.high, piece);
+    add(from, end, wall.low, wall.high);
   }
 }
 

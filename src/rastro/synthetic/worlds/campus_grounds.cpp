@@ -27,8 +27,8 @@ void add_facades(Scene& scene) {
       {{court_west, court_south}, {court_west, court_north}, 0.0, roof_m},
       {{court_east, court_north}, {court_east, court_south}, 0.0, roof_m, {{20.5, 23.5, ceiling_m}}},
   };
-  for (const Wall& wall : outside) add_wall(scene, wall, [](int) { return facade(true); });
-  for (const Wall& wall : inside) add_wall(scene, wall, [](int) { return facade(false); });
+  for (const Wall& wall : outside) add_wall(scene, wall, facade(true));
+  for (const Wall& wall : inside) add_wall(scene, wall, facade(false));
   // Signs at the doors.
   add_panel(scene, outside[0], 33.0, 1.7, {0.9, 1.2}, 0.04, street::board());
   add_panel(scene, outside[0], 36.0, 3.3, {3.4, 0.6}, 0.06, hall::sign(false));

@@ -231,8 +231,8 @@ Material alike(void (*paint)(Canvas&, Random&), double texels_per_meter, std::ui
 
 }  // namespace
 
-Material wall(std::uint64_t likeness) { return alike(paint_corridor_wall, 80.0, likeness); }
-Material floor(std::uint64_t likeness) { return alike(paint_floor, 60.0, likeness); }
+Material plaster() { return {paint_corridor_wall, 80.0}; }
+Material floor() { return {paint_floor, 60.0}; }
 Material ceiling(std::uint64_t likeness) {
   Material material = alike(paint_ceiling, 50.0, likeness);
   material.shines = true;

@@ -6,12 +6,12 @@
 namespace rastro::campus {
 
 // Materials of the campus. Those with a `likeness` are painted alike wherever they have the same size and number, as
-// parts of one make: corridors differ in what hangs and stands in them.
+// parts of one make: corridors differ in wear, and in what hangs and stands in them.
 
 /// Plaster above a darker, washable base with a handrail.
-Material wall(std::uint64_t likeness);
+Material plaster();
 /// Twelve tiles per bay, worn in the middle.
-Material floor(std::uint64_t likeness);
+Material floor();
 /// Panels of 0.6 m with two lamps per bay.
 Material ceiling(std::uint64_t likeness);
 Material door(std::uint64_t likeness);

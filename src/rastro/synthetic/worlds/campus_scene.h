@@ -84,8 +84,7 @@ struct Wall {
     return true;
   }
 };
-/// `material` is that of a piece with this number.
-void add_wall(Scene& scene, const Wall& wall, const std::function<Material(int piece)>& material);
+void add_wall(Scene& scene, const Wall& wall, const Material& material);
 /// A thin box on a wall: its center `distance` along and at height z above the wall's foot.
 void add_panel(Scene& scene, const Wall& wall, double distance, double z, const Eigen::Vector2d& size, double thick,
                const Material& material);
