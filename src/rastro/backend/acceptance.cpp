@@ -71,12 +71,22 @@ const char* name_of(Rejection rejection) {
       return "low_overlap";
     case Rejection::low_observed_share:
       return "low_observed_share";
+    case Rejection::looks_different:
+      return "looks_different";
     case Rejection::contradicts_graph:
       return "contradicts_graph";
     case Rejection::not_confirmed:
       return "not_confirmed";
   }
   return "";
+}
+
+double Evidence::alike_share() const {
+  if (patches <= 0) return 0.0;
+  constexpr double z = 1.645;
+  const double n = patches, share = alike_patches / n;
+  const double spread = std::sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n));
+  return (share + z * z / (2.0 * n) - z * spread) / (1.0 + z * z / n);
 }
 
 Rejection judge(const Evidence& evidence, const AcceptanceOptions& options) {
@@ -89,6 +99,7 @@ Rejection judge(const Evidence& evidence, const AcceptanceOptions& options) {
   if (!(evidence.observed >= options.min_chance_ratio * evidence.chance_observed)) return Rejection::near_chance;
   if (evidence.overlap() < options.min_overlap) return Rejection::low_overlap;
   if (evidence.observed_share() < options.min_observed_share) return Rejection::low_observed_share;
+  if (!(evidence.alike_share() >= options.min_alike_share)) return Rejection::looks_different;
   if (std::isfinite(options.max_graph_sigmas) && !(evidence.graph_sigmas <= options.max_graph_sigmas))
     return Rejection::contradicts_graph;
   return Rejection::none;

@@ -30,6 +30,7 @@ enum class Rejection : std::uint8_t {
   near_chance,         ///< Too few beside those found under a wrong hypothesis.
   low_overlap,         ///< Too little of what was compared can be judged at all.
   low_observed_share,  ///< Negative evidence: what should be visible and is not occluded is not observed.
+  looks_different,     ///< What has the right shape shows something else.
   contradicts_graph,   ///< Inconsistent with odometry or the rest of the graph.
   not_confirmed,       ///< The following frames or keyframes did not recognize the place again.
 };
@@ -44,6 +45,8 @@ struct Evidence {
   int predicted = 0;             ///< Of these, those that the hypothesis predicts to be visible and not occluded.
   int observed = 0;              ///< Of these, those observed where they are predicted.
   double chance_observed = 0.0;  ///< The same to be expected of a wrong hypothesis.
+  int patches = 0;               ///< Textured patches of surfaces that both views show.
+  int alike_patches = 0;         ///< Of these, those that look alike.
   /// Distance between the hypothesis and the graph's prediction, in standard deviations: graph_sigmas().
   double graph_sigmas = 0.0;
 
@@ -51,6 +54,8 @@ struct Evidence {
   double observed_share() const { return observed == 0 ? 0.0 : static_cast<double>(observed) / predicted; }
   /// Share of the compared that could be judged; 0 if nothing is observed.
   double overlap() const { return observed == 0 ? 0.0 : static_cast<double>(predicted) / compared; }
+  /// Share of the patches that looks alike, at least, with 95 % confidence (Wilson 1927): few patches prove little.
+  double alike_share() const;
 };
 
 /// Limits for one use (loops, merges, relocalization, continuation of a map). By default each is off.
@@ -62,6 +67,7 @@ struct AcceptanceOptions {
   double min_chance_ratio = 0.0;    ///< Of these to those found under a wrong hypothesis.
   double min_overlap = 0.0;         ///< Of what was compared.
   double min_observed_share = 0.0;  ///< Of what is predicted; a smaller share is negative evidence and rejects.
+  double min_alike_share = 0.0;     ///< Of the patches, see Evidence::alike_share().
   double max_graph_sigmas = std::numeric_limits<double>::infinity();
   int min_confirmations = 1;  ///< Consecutive frames or keyframes that must recognize it; 1: accepts the first.
   int max_missed = 0;         ///< Frames or keyframes between them that may miss it.

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
 
 namespace rastro {
 
@@ -33,15 +36,15 @@ const LocationScore* LocationFilter::Belief::best() const {
 }
 
 const LocationFilter::Belief& LocationFilter::update(std::span<const LocationScore> scores, const Links& links) {
-  const std::map<std::int64_t, double> predicted = predict(scores, links);
+  const std::vector<double> predicted = predict(scores, links);
   const RelativeLikelihood likelihood = relative_likelihood(scores);
   Belief updated;
   double known = 0.0;
-  for (const auto& [location, probability] : predicted) known += probability;
+  for (const double probability : predicted) known += probability;
   updated.new_place = likelihood.new_place * (1.0 - known);
   double sum = updated.new_place;
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    const double probability = likelihood.locations[i] * predicted.at(scores[i].location);
+    const double probability = likelihood.locations[i] * predicted[i];
     updated.locations.push_back({scores[i].location, probability});
     sum += probability;
   }
@@ -51,45 +54,82 @@ const LocationFilter::Belief& LocationFilter::update(std::span<const LocationSco
   return belief_;
 }
 
+namespace {
+
+/// Gives the probability of a location to it and its neighbors in working memory, by a Gaussian of the number of links
+/// between.
+class Spread {
+ public:
+  Spread(std::span<const LocationScore> scores, const LocationFilterOptions& options,
+         const LocationFilter::Links& links)
+      : links_(links), predicted_(scores.size(), 0.0) {
+    for (std::size_t i = 0; i < scores.size(); ++i) place_of_.emplace(scores[i].location, i);
+    for (int steps = 0; steps <= options.neighbor_reach; ++steps) {
+      const double sigmas = steps / options.neighbor_sigma;
+      weights_.push_back(std::exp(-0.5 * sigmas * sigmas));
+    }
+  }
+
+  bool contains(std::int64_t location) const { return place_of_.contains(location); }
+
+  void add(std::int64_t from, double probability) {
+    reached_.assign({{from, 0}});
+    seen_.clear();
+    seen_.insert(from);
+    for (std::size_t next = 0; next < reached_.size(); ++next) {
+      const auto [location, steps] = reached_[next];
+      if (steps + 1 == weights_.size()) break;
+      for (const std::int64_t neighbor : links_(location))
+        if (seen_.insert(neighbor).second) reached_.push_back({neighbor, steps + 1});
+    }
+    share(probability);
+  }
+
+  std::vector<double>& predicted() { return predicted_; }
+
+ private:
+  struct Reached {
+    std::int64_t location;
+    std::size_t steps;
+  };
+
+  void share(double probability) {
+    targets_.clear();
+    double sum = 0.0;
+    for (const Reached& each : reached_) {
+      const auto place = place_of_.find(each.location);
+      if (place == place_of_.end()) continue;
+      targets_.emplace_back(place->second, weights_[each.steps]);
+      sum += weights_[each.steps];
+    }
+    for (const auto& [place, weight] : targets_) predicted_[place] += probability * weight / sum;
+  }
+
+  const LocationFilter::Links& links_;
+  std::unordered_map<std::int64_t, std::size_t> place_of_;  ///< In the scores.
+  std::vector<double> weights_, predicted_;
+  std::vector<Reached> reached_;
+  std::unordered_set<std::int64_t> seen_;
+  std::vector<std::pair<std::size_t, double>> targets_;
+};
+
+}  // namespace
+
 /// The transition model: what is not known is a new place.
-std::map<std::int64_t, double> LocationFilter::predict(std::span<const LocationScore> scores,
-                                                       const Links& links) const {
-  std::map<std::int64_t, double> predicted;
-  for (const LocationScore& each : scores) predicted[each.location] = 0.0;
+std::vector<double> LocationFilter::predict(std::span<const LocationScore> scores, const Links& links) const {
+  Spread spread(scores, options_, links);
   double gone = belief_.new_place;
   for (const LocationScore& each : belief_.locations) {
-    if (!predicted.contains(each.location))
-      gone += each.score;
+    if (spread.contains(each.location))
+      spread.add(each.location, (1.0 - options_.leaves_known) * each.score);
     else
-      spread(each.location, (1.0 - options_.leaves_known) * each.score, links, predicted);
+      gone += each.score;
   }
-  if (predicted.empty()) return predicted;
-  const double found_again = (1.0 - options_.stays_new) * gone / static_cast<double>(predicted.size());
-  for (auto& [location, probability] : predicted) probability += found_again;
+  std::vector<double> predicted = std::move(spread.predicted());
+  const double found_again =
+      (1.0 - options_.stays_new) * gone / static_cast<double>(std::max<std::size_t>(1, predicted.size()));
+  for (double& probability : predicted) probability += found_again;
   return predicted;
-}
-
-/// Over the location and its neighbors in working memory, by a Gaussian of the number of links between.
-void LocationFilter::spread(std::int64_t from, double probability, const Links& links,
-                            std::map<std::int64_t, double>& predicted) const {
-  std::map<std::int64_t, int> links_to{{from, 0}};
-  std::vector<std::int64_t> edge{from};
-  for (int reached = 1; reached <= options_.neighbor_reach; ++reached) {
-    std::vector<std::int64_t> next;
-    for (const std::int64_t location : edge) {
-      for (const std::int64_t neighbor : links(location))
-        if (links_to.emplace(neighbor, reached).second) next.push_back(neighbor);
-    }
-    edge = std::move(next);
-  }
-  std::erase_if(links_to, [&](const auto& each) { return !predicted.contains(each.first); });
-  const auto weight = [&](int steps) {
-    const double sigmas = steps / options_.neighbor_sigma;
-    return std::exp(-0.5 * sigmas * sigmas);
-  };
-  double sum = 0.0;
-  for (const auto& [location, steps] : links_to) sum += weight(steps);
-  for (const auto& [location, steps] : links_to) predicted[location] += probability * weight(steps) / sum;
 }
 
 }  // namespace rastro

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <span>
 #include <vector>
 
@@ -24,7 +23,7 @@ struct LocationFilterOptions {
 class LocationFilter {
  public:
   /// Locations linked to one, directly.
-  using Links = std::function<std::vector<std::int64_t>(std::int64_t)>;
+  using Links = std::function<std::span<const std::int64_t>(std::int64_t)>;
   struct Belief {
     double new_place = 1.0;
     std::vector<LocationScore> locations;  ///< Probabilities, ids ascending; with new_place they sum to 1.
@@ -35,14 +34,13 @@ class LocationFilter {
   explicit LocationFilter(const LocationFilterOptions& options = {}) : options_(options) {}
 
   /// One step. `scores`: similarity of the current image to every location in working memory, ids ascending. A location
-  /// that is new here begins with probability 0, one that is no longer here gives its own to a new place.
+  /// that is new here begins with probability 0, one that is no longer here gives its own to a new place. `links` of
+  /// locations that have no score are followed as well.
   const Belief& update(std::span<const LocationScore> scores, const Links& links);
   const Belief& belief() const { return belief_; }
 
  private:
-  std::map<std::int64_t, double> predict(std::span<const LocationScore> scores, const Links& links) const;
-  void spread(std::int64_t from, double probability, const Links& links,
-              std::map<std::int64_t, double>& predicted) const;
+  std::vector<double> predict(std::span<const LocationScore> scores, const Links& links) const;
 
   LocationFilterOptions options_;
   Belief belief_;

@@ -131,7 +131,7 @@ TEST(LocationFilter, ALocationThatIsGoneGivesItsProbabilityToANewPlace) {
   std::vector<LocationScore> fewer = equal_scores(30);
   fewer.erase(fewer.begin() + 15);
   const double gone = filter.belief().locations[15].score, fresh = filter.belief().new_place;
-  const auto& belief = filter.update(fewer, [](std::int64_t) { return std::vector<std::int64_t>{}; });
+  const auto& belief = filter.update(fewer, [](std::int64_t) { return std::span<const std::int64_t>{}; });
   EXPECT_NEAR(belief.new_place, 0.9 * (fresh + gone) + 0.1 * (1.0 - fresh - gone), 1e-9);
   EXPECT_NEAR(sum_of(belief), 1.0, 1e-12);
 }

@@ -59,20 +59,22 @@ void LocationIndex::remove(std::int64_t location) {
 }
 
 std::vector<LocationScore> LocationIndex::scores(std::span<const std::int64_t> words) const {
-  std::map<std::int64_t, double> of;
+  std::vector<LocationScore> scores;
+  if (words_of_.empty()) return scores;
+  const std::int64_t first = words_of_.begin()->first;
+  std::vector<double> sums(static_cast<std::size_t>(words_of_.rbegin()->first - first + 1));
+  const auto sum_of = [&](std::int64_t location) -> double& {
+    return sums[static_cast<std::size_t>(location - first)];
+  };
   const auto locations = static_cast<double>(size());
   for_each_word(sorted(words), [&](std::int64_t word, int repeated) {
     const auto holders = holders_.find(word);
     if (holders == holders_.end()) return;
     const double rarity = std::log(locations / static_cast<double>(holders->second.size()));
-    for (const Holder& holder : holders->second) of[holder.location] += repeated * holder.count * rarity;
+    for (const Holder& holder : holders->second) sum_of(holder.location) += repeated * holder.count * rarity;
   });
-  std::vector<LocationScore> scores;
-  for (const auto& [location, counted] : words_of_) {
-    const auto found = of.find(location);
-    const double sum = found == of.end() ? 0.0 : found->second;
-    scores.push_back({location, counted.empty() ? 0.0 : sum / static_cast<double>(counted.size())});
-  }
+  for (const auto& [location, counted] : words_of_)
+    scores.push_back({location, counted.empty() ? 0.0 : sum_of(location) / static_cast<double>(counted.size())});
   return scores;
 }
 

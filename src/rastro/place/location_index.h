@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 namespace rastro {
@@ -37,8 +38,8 @@ class LocationIndex {
     std::int64_t location = 0;
     int count = 0;
   };
-  std::map<std::int64_t, std::vector<Holder>> holders_;         ///< By word; locations ascend.
-  std::map<std::int64_t, std::vector<std::int64_t>> words_of_;  ///< Words of each location.
+  std::unordered_map<std::int64_t, std::vector<Holder>> holders_;  ///< By word; locations ascend.
+  std::map<std::int64_t, std::vector<std::int64_t>> words_of_;     ///< Words of each location.
 };
 
 }  // namespace rastro

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
-#include <mutex>
 
+#include "rastro/backend/rgbd/recent_items.h"
 #include "rastro/backend/rgbd/surface_check.h"
 #include "rastro/map/images/image_layer.h"
 
@@ -21,17 +20,9 @@ class DepthStore {
   std::shared_ptr<const KeyframeSurface> depth(std::int64_t keyframe);
 
  private:
-  struct Held {
-    std::shared_ptr<const KeyframeSurface> grid;
-    std::uint64_t last_use = 0;
-  };
-  void hold(std::int64_t keyframe, std::shared_ptr<const KeyframeSurface> grid);
-
   const SurfaceCheck& check_;
   std::shared_ptr<const ImageStore> images_;
-  std::mutex mutex_;
-  std::map<std::int64_t, Held> held_;
-  std::uint64_t uses_ = 0;
+  RecentItems<KeyframeSurface> recent_{64};
 };
 
 }  // namespace rastro

@@ -84,17 +84,28 @@ float feature_depth(const DepthImage& depth, float x, float y) {
   return *middle;
 }
 
-KeyframeFeatures::KeyframeFeatures(const RgbdSlamOptions& options)
-    : options_(options),
-      extractor_(DescriptorExtractor::create(descriptor_kind(options.descriptor, "option descriptor"),
-                                             extractor_options(options))) {}
+KeyframeFeatures::KeyframeFeatures(const RgbdSlamOptions& options) : options_(options) {
+  const DescriptorKind kind = descriptor_kind(options.descriptor, "option descriptor");
+  if (kind == DescriptorKind::orb) {
+    orb_ = std::make_unique<OrbExtractor>(OrbOptions{.features = options.keyframe_features});
+  } else {
+    extractor_ = DescriptorExtractor::create(kind, extractor_options(options));
+  }
+}
+
+Features KeyframeFeatures::detect(const Frame& frame, std::size_t most) {
+  if (!orb_) return spread(extractor_->extract(frame.image.view()), frame, most);
+  Features features = orb_->extract(frame.image.view(), frame.mask.view());
+  features.levels.clear();
+  return features.size() <= most ? features : spread(features, frame, most);
+}
 
 ImageFeatures KeyframeFeatures::extract(const Frame& frame, double share) {
   ImageFeatures keyframe;
   keyframe.frame = frame.index;
   keyframe.stamp = frame.stamp;
   const auto most = static_cast<std::size_t>(std::lround(share * options_.keyframe_features));
-  keyframe.features = spread(extractor_->extract(frame.image.view()), frame, most);
+  keyframe.features = detect(frame, most);
   const auto least = static_cast<float>(options_.follow.min_depth_m),
              farthest = static_cast<float>(options_.follow.max_depth_m);
   for (const Keypoint& keypoint : keyframe.features.keypoints) {

@@ -5,6 +5,7 @@
 
 #include "rastro/backend/rgbd/options.h"
 #include "rastro/feature/descriptor_extractor.h"
+#include "rastro/feature/orb.h"
 #include "rastro/map/features/feature_layer.h"
 #include "rastro/sensor/frame.h"
 
@@ -14,13 +15,16 @@ namespace rastro {
 class KeyframeFeatures {
  public:
   explicit KeyframeFeatures(const RgbdSlamOptions& options);
-  /// Strongest first; none where the mask is zero. Sets only features and depths of the result. `share`: fraction of
+  /// None where the mask is zero. Sets only features and depths of the result. `share`: fraction of
   /// the usual number of features.
   ImageFeatures extract(const Frame& frame, double share = 1.0);
 
  private:
   RgbdSlamOptions options_;
-  std::unique_ptr<DescriptorExtractor> extractor_;
+  Features detect(const Frame& frame, std::size_t most);
+
+  std::unique_ptr<OrbExtractor> orb_;               ///< For descriptor "orb" ...
+  std::unique_ptr<DescriptorExtractor> extractor_;  ///< ... and for the others.
 };
 
 /// Median depth around a pixel; 0 where there is none, or at a depth discontinuity.

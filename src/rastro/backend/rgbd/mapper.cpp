@@ -62,6 +62,8 @@ Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamC
       images_(packed_images_of(context, in_memory_)),
       matcher_(options, camera),
       depths_(matcher_.surfaces(), images_),
+      appearance_check_(camera),
+      appearances_(appearance_check_, images_),
       features_(options),
       graph_(options, maps_ ? 0 : static_cast<std::int64_t>(context.map->keyframes.size())),
       search_(search ? std::move(search) : std::make_unique<GraphSearch>(options)) {
@@ -178,10 +180,20 @@ Mapper::Verified Mapper::match(std::int64_t other, std::int64_t id, MatchScope s
 /// What most features agree with may be a crowd that walks by: where tracking knows better, what agrees with it counts.
 Mapper::Verified Mapper::verify(std::int64_t other, std::int64_t id) {
   Verified found = match(other, id, MatchScope::anywhere);
-  if (!found.edge || found.edge->kind == ConstraintKind::merge || !contradicts_path(*found.edge)) return found;
-  found = match(other, id, MatchScope::near_guess);
-  if (found.edge && !contradicts_path(*found.edge)) return found;
-  return {std::nullopt, Rejection::contradicts_graph};
+  if (found.edge && found.edge->kind != ConstraintKind::merge && contradicts_path(*found.edge)) {
+    found = match(other, id, MatchScope::near_guess);
+    if (!found.edge || contradicts_path(*found.edge)) return {std::nullopt, Rejection::contradicts_graph};
+  }
+  if (found.edge && looks_different(*found.edge)) return {std::nullopt, Rejection::looks_different};
+  return found;
+}
+
+/// One place may have the same shape and furniture as another. What tracking connects needs no such proof.
+bool Mapper::looks_different(const Constraint& edge) {
+  if (edge.kind == ConstraintKind::proximity || options_.min_alike <= 0.0) return false;
+  const AppearanceAgreement agreement =
+      appearance_check_.compare(*appearances_.appearance(edge.from), *appearances_.appearance(edge.to), edge.rigid());
+  return judge(agreement.evidence(), {.min_alike_share = options_.min_alike}) != Rejection::none;
 }
 
 /// Whether a match is farther from the relative pose in the graph than the camera can have drifted on the path between.

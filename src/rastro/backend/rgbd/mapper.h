@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "rastro/backend/rgbd/appearance_check.h"
 #include "rastro/backend/rgbd/depth_store.h"
 #include "rastro/backend/rgbd/keyframe_features.h"
 #include "rastro/backend/rgbd/keyframe_graph.h"
@@ -72,6 +73,8 @@ class Mapper {
   const std::shared_ptr<const SignatureStore>& signatures() const { return signatures_; }
   /// Thread-safe.
   DepthStore& depths() { return depths_; }
+  /// Thread-safe.
+  AppearanceStore& appearances() { return appearances_; }
 
  private:
   void keep(const KeyframeOrder& order, ImageFeatures keyframe);
@@ -84,6 +87,7 @@ class Mapper {
   Verified verify(std::int64_t other, std::int64_t id);
   Verified match(std::int64_t other, std::int64_t id, MatchScope scope);
   bool contradicts_path(const Constraint& edge) const;
+  bool looks_different(const Constraint& edge);
   void accept(const Constraint& edge, MapRevision& revision);
   void correct(std::int64_t id, const std::vector<Constraint>& accepted, MapRevision& revision);
   void add_edge(const Constraint& edge, MapRevision& revision);
@@ -114,6 +118,8 @@ class Mapper {
   std::shared_ptr<const SignatureStore> signatures_;
   KeyframeMatcher matcher_;
   DepthStore depths_;
+  AppearanceCheck appearance_check_;
+  AppearanceStore appearances_;
   KeyframeFeatures features_;
   KeyframeGraph graph_;
   std::unique_ptr<LoopSearch> search_;

@@ -124,6 +124,14 @@ void add_agreement_options(OptionTable& table, RgbdSlamOptions& o) {
        {}});
   table.add(
       {"agreement_overlap", &o.agreement_overlap, "", "share of the depth that must overlap for this check", 0, 1, {}});
+  table.add({"min_alike",
+             &o.min_alike,
+             "",
+             "share of the textured patches that must look alike, with 95 % confidence, for a loop closure, to merge "
+             "submaps, and to relocalize: corridors of one make have the same shape; 0: not checked",
+             0,
+             1,
+             {}});
   table.add({"edge_sigma_m",
              &o.edge_sigma_m,
              "m",
@@ -236,6 +244,7 @@ void add_loss_options(OptionTable& table, RgbdSlamOptions& o) {
        {}});
   table.add(
       {"lost_frames", &o.lost_frames, "", "frames without tracking before a new submap is started", 1, 1000000, {}});
+  table.add({"lost_s", &o.lost_s, "s", "the same in seconds, for slow cameras: whichever is shorter", 0.01, 1e6, {}});
   table.add({"memory_reserve_mb",
              &o.memory_reserve_mb,
              "MB",

@@ -41,6 +41,7 @@ struct RgbdSlamOptions {
   double min_inlier_share = 0.25;
   double agreement = 0.9;
   double agreement_overlap = 0.1;
+  double min_alike = 0.83;
   double edge_sigma_m = 0.003;
   double edge_sigma_rad = 0.0015;
 
@@ -65,6 +66,7 @@ struct RgbdSlamOptions {
   int relocalize_inliers = 30;
   int relocalize_frames = 3;
   int lost_frames = 60;
+  double lost_s = 2.0;
 
   double memory_reserve_mb = 250.0;
 };

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/backend/rgbd/relocalizer.h"
 
+#include <tuple>
+
+#include "rastro/backend/acceptance.h"
 #include "rastro/backend/loop_candidates.h"
 #include "rastro/base/random.h"
 
 namespace rastro {
 
-Relocalizer::Relocalizer(const RgbdSlamOptions& options, const Camera& camera, DepthStore& depths)
-    : options_(options), depths_(depths), features_(options), matcher_(options, camera) {}
+Relocalizer::Relocalizer(const RgbdSlamOptions& options, const Camera& camera, DepthStore& depths,
+                         AppearanceStore& appearances)
+    : options_(options), depths_(depths), appearances_(appearances), features_(options), matcher_(options, camera) {}
 
 std::vector<std::int64_t> Relocalizer::candidates(std::int64_t count, std::uint64_t seed) {
   LoopCandidates candidates(count);
@@ -58,6 +62,7 @@ void Relocalizer::compare(const ImageFeatures& seen, const Frame& frame, const s
                           std::uint64_t seed, Try& result) {
   if (choices.empty()) return;
   const auto grid = std::make_shared<const KeyframeSurface>(matcher_.surfaces().surface_of(frame.depth));
+  std::optional<KeyframeAppearance> appearance;
   for (const auto& [id, keyframe] : choices) {
     if (keyframe->features.size() == 0) continue;
     ++result.compared;
@@ -65,9 +70,19 @@ void Relocalizer::compare(const ImageFeatures& seen, const Frame& frame, const s
     const auto constraint =
         matcher_.match({keyframe.get(), depth}, {&seen, [&] { return grid; }}, options_.relocalize_inliers,
                        seed_for(seed, static_cast<std::uint64_t>(id)), std::nullopt);
-    if (constraint && (!result.found || constraint->inliers > result.found->constraint.inliers))
-      result.found = Found{id, *constraint};
+    if (!constraint) continue;
+    if (!appearance) appearance = appearances_.check().appearance_of(frame);
+    const Found found{id, *constraint, looks_alike(*appearance, id, constraint->a_from_b)};
+    const auto rank = [](const Found& each) { return std::tuple(each.looks_alike, each.constraint.inliers); };
+    if (!result.found || rank(found) > rank(*result.found)) result.found = found;
   }
+}
+
+bool Relocalizer::looks_alike(const KeyframeAppearance& frame, std::int64_t keyframe, const SE3& keyframe_from_frame) {
+  if (options_.min_alike <= 0.0) return true;
+  const AppearanceAgreement agreement =
+      appearances_.check().compare(*appearances_.appearance(keyframe), frame, keyframe_from_frame);
+  return judge(agreement.evidence(), {.min_alike_share = options_.min_alike}) == Rejection::none;
 }
 
 }  // namespace rastro

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "rastro/backend/rgbd/appearance_check.h"
 #include "rastro/backend/rgbd/depth_store.h"
 #include "rastro/backend/rgbd/keyframe_features.h"
 #include "rastro/backend/rgbd/keyframe_matcher.h"
@@ -17,15 +18,16 @@ namespace rastro {
 /// other all.
 class Relocalizer {
  public:
-  /// `depths` must outlive this.
-  Relocalizer(const RgbdSlamOptions& options, const Camera& camera, DepthStore& depths);
+  /// The stores must outlive this.
+  Relocalizer(const RgbdSlamOptions& options, const Camera& camera, DepthStore& depths, AppearanceStore& appearances);
 
   struct Found {
     std::int64_t keyframe = 0;
     KeyframeConstraint constraint;  ///< From the keyframe to the frame.
+    bool looks_alike = false;       ///< Not only its shape and its features: see AppearanceCheck.
   };
   struct Try {
-    std::optional<Found> found;  ///< The one with most inliers.
+    std::optional<Found> found;  ///< The one with most inliers, among those that look alike if there are any.
     int features = 0, compared = 0;
   };
   /// Where to search first; the others are skipped if one of these matches.
@@ -55,9 +57,11 @@ class Relocalizer {
                const std::vector<std::shared_ptr<const ImageFeatures>>& keyframes, const std::vector<std::int64_t>& ids,
                std::uint64_t seed, Try& result);
   std::vector<std::int64_t> candidates(std::int64_t count, std::uint64_t seed);
+  bool looks_alike(const KeyframeAppearance& frame, std::int64_t keyframe, const SE3& keyframe_from_frame);
 
   RgbdSlamOptions options_;
   DepthStore& depths_;
+  AppearanceStore& appearances_;
   KeyframeFeatures features_;
   KeyframeMatcher matcher_;
   std::int64_t next_in_order_ = 0;

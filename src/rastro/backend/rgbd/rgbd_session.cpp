@@ -37,7 +37,7 @@ RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, c
       mapper_(options_, camera, context, std::move(method.search)),
       map_(context.map ? *context.map : base_map(method.name, options_, camera), mapper_.images(), !maps_,
            mapper_.signatures()),
-      relocalizer_(options_, camera, mapper_.depths()),
+      relocalizer_(options_, camera, mapper_.depths(), mapper_.appearances()),
       follower_(options_.follow, camera, context.pool),
       archive_(maps_ ? context.archive : nullptr),
       following_{.has_pose = maps_, .motion_check = MotionCheck(options_.max_acceleration)},

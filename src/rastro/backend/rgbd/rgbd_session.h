@@ -73,6 +73,7 @@ class RgbdSession {
   };
   struct Loss {
     bool lost = false;
+    TimeNs since = 0;                             ///< Stamp of the first lost frame.
     int frames = 0;                               ///< Since, with something to see in them.
     std::vector<UnconfirmedFrame> unconfirmed{};  ///< In a row.
   };
@@ -84,7 +85,7 @@ class RgbdSession {
   void relocalize(const Frame& frame, SlamUpdate& update);
   std::optional<Relocalizer::Found> find_in_map(const Frame& frame, SlamUpdate& update);
   bool confirm(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);
-  bool agrees_with_last(const SE3& world_from_camera) const;
+  bool agrees_with_last(TimeNs stamp, const SE3& world_from_camera) const;
   bool continues_motion(const SE3& world_from_camera) const;
   void on_relocalized(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update);
   bool start_again(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& constraint,

@@ -42,7 +42,7 @@ void RgbdSession::anchor_at(std::int64_t keyframe, const KeyframeConstraint& con
 }
 
 void RgbdSession::on_loss(const Frame& frame, SlamUpdate& update) {
-  if (!loss_.lost) loss_.frames = 0;
+  if (!loss_.lost) loss_.frames = 0, loss_.since = frame.stamp;
   loss_.lost = true;
   if (update.reason == SlamReason::dark_or_blank || update.reason == SlamReason::repeated_frame) return;
   relocalize(frame, update);
@@ -62,7 +62,9 @@ void RgbdSession::relocalize(const Frame& frame, SlamUpdate& update) {
     if (found) return;
     loss_.unconfirmed.clear();
   }
-  if (maps_ && mapping_ && exists() && loss_.frames >= options_.lost_frames) {
+  const bool long_lost =
+      loss_.frames >= options_.lost_frames || to_seconds(frame.stamp - loss_.since) >= options_.lost_s;
+  if (maps_ && mapping_ && exists() && long_lost) {
     const SE3 guess = update.world_from_body;
     if (start_again(frame, guess, std::nullopt, update))
       update.events.push_back({"submap", fmt::format("{} started, no relocalization in {} frames",
@@ -89,20 +91,25 @@ std::optional<Relocalizer::Found> RgbdSession::find_in_map(const Frame& frame, S
 /// camera was lost a moment ago and has hardly moved since.
 bool RgbdSession::confirm(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update) {
   const SE3 pose = map_.pose(found.keyframe) * found.constraint.a_from_b;
-  if (!agrees_with_last(pose)) loss_.unconfirmed.clear();
+  if (!agrees_with_last(frame.stamp, pose)) loss_.unconfirmed.clear();
   const std::size_t agreeing = loss_.unconfirmed.size() + 1;
-  if (agreeing >= static_cast<std::size_t>(options_.relocalize_frames) || continues_motion(pose)) return true;
+  const bool enough = agreeing >= static_cast<std::size_t>(options_.relocalize_frames);
+  if ((enough && found.looks_alike) || continues_motion(pose)) return true;
   loss_.unconfirmed.push_back({frame.stamp, found.keyframe, found.constraint.a_from_b});
   update.reason = SlamReason::unconfirmed;
-  update.detail = fmt::format("in keyframe {} with {} inliers of {} matches; {} of {} frames agree", found.keyframe,
-                              found.constraint.inliers, found.constraint.matches, agreeing, options_.relocalize_frames);
+  update.detail = fmt::format("in keyframe {} with {} inliers of {} matches; {} of {} frames agree{}", found.keyframe,
+                              found.constraint.inliers, found.constraint.matches, agreeing, options_.relocalize_frames,
+                              found.looks_alike ? "" : ", but it looks different");
   return false;
 }
 
-bool RgbdSession::agrees_with_last(const SE3& world_from_camera) const {
-  constexpr double max_distance_m = 0.3, max_angle_rad = 0.35;  // between two frames
+bool RgbdSession::agrees_with_last(TimeNs stamp, const SE3& world_from_camera) const {
+  constexpr double least_m = 0.3, least_rad = 0.35, meters_per_s = 2.0, rad_per_s = 1.5;
   if (loss_.unconfirmed.empty()) return true;
   const UnconfirmedFrame& last = loss_.unconfirmed.back();
+  const double seconds = to_seconds(stamp - last.stamp);
+  const double max_distance_m = std::max(least_m, meters_per_s * seconds),
+               max_angle_rad = std::max(least_rad, rad_per_s * seconds);
   const SE3 moved = (map_.pose(last.keyframe) * last.keyframe_from_camera).inverse() * world_from_camera;
   return moved.translation().norm() <= max_distance_m && moved.rotation().log().norm() <= max_angle_rad;
 }
@@ -117,7 +124,8 @@ bool RgbdSession::continues_motion(const SE3& world_from_camera) const {
 }
 
 void RgbdSession::on_relocalized(const Frame& frame, const Relocalizer::Found& found, SlamUpdate& update) {
-  const auto& [keyframe, constraint] = found;
+  const std::int64_t keyframe = found.keyframe;
+  const KeyframeConstraint& constraint = found.constraint;
   for (const UnconfirmedFrame& before : loss_.unconfirmed)
     map_.add_frame(before.stamp, before.keyframe, before.keyframe_from_camera);
   loss_.unconfirmed.clear();

@@ -105,7 +105,7 @@ void AppearanceSearch::shorten_short_term(int most) {
 /// Those of working memory that the Bayes filter believes in, the likeliest first.
 std::vector<std::int64_t> AppearanceSearch::likely_locations() {
   const std::vector<LocationScore> scores = index_.scores(words_);
-  const auto links = [this](std::int64_t id) { return memory_.at(id).neighbors; };
+  const auto links = [this](std::int64_t id) { return std::span<const std::int64_t>(memory_.at(id).neighbors); };
   std::vector<LocationScore> likely = filter_.update(scores, links).locations;
   work_ms_ += work_of_location_ms * static_cast<double>(likely.size());
   std::erase_if(likely, [&](const LocationScore& each) { return each.score < options_.loop_probability; });

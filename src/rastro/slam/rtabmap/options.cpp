@@ -157,6 +157,7 @@ RtabmapOptions::RtabmapOptions() {
   rgbd.join_candidates = 0;
   rgbd.relocalize_random = 0;
   rgbd.lost_frames = 15;
+  rgbd.lost_s = 0.5;
 }
 
 void set_paper_preset(RtabmapOptions& options) {
@@ -164,6 +165,7 @@ void set_paper_preset(RtabmapOptions& options) {
   options.time_limit_ms = 700.0;
   options.hypotheses = 1;
   options.similar_locations = 0;
+  options.rgbd.min_alike = 0.0;
   options.rgbd.near_candidates = 0;
   options.rgbd.graph_candidates = 0;
   options.rgbd.last_candidates = 0;

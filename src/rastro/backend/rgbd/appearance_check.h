@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "rastro/backend/acceptance.h"
+#include "rastro/backend/rgbd/recent_items.h"
+#include "rastro/camera/camera.h"
+#include "rastro/image/image.h"
+#include "rastro/map/images/image_layer.h"
+#include "rastro/math/se3.h"
+#include "rastro/sensor/frame.h"
+
+namespace rastro {
+
+/// A keyframe's image in coarse pixels of 4 x 4, with depth.
+struct KeyframeAppearance {
+  Image<float> brightness;
+  DepthImage depth;  ///< Of the nearest in each coarse pixel; meters along the optical axis, 0: none.
+};
+
+/// Patches of a surface that both views show: textured in two directions in one of them.
+struct AppearanceAgreement {
+  int agree = 0;       ///< They look alike: correlated, whatever the light.
+  int contradict = 0;  ///< They do not.
+
+  Evidence evidence() const { return {.patches = agree + contradict, .alike_patches = agree}; }
+};
+
+/// Compares what two keyframes show of the same surfaces. Corridors of one make have the same shape, doors and lamps,
+/// and features agree on one pose; but stains, notices and furniture differ, each a patch with negative evidence.
+/// Thread-safe.
+class AppearanceCheck {
+ public:
+  explicit AppearanceCheck(const Camera& camera);
+  KeyframeAppearance appearance_of(const UnpackedImages& images) const;
+  /// As if the frame were packed and unpacked first.
+  KeyframeAppearance appearance_of(const Frame& frame) const;
+  AppearanceAgreement compare(const KeyframeAppearance& a, const KeyframeAppearance& b, const SE3& a_from_b) const;
+
+ private:
+  struct Patch;
+  bool fill(const KeyframeAppearance& a, const KeyframeAppearance& b, const SE3& a_from_b, Patch& patch) const;
+
+  Camera camera_;                      ///< Of the coarse pixels.
+  std::vector<Eigen::Vector3d> rays_;  ///< Of the coarse pixels, z = 1; NaN where there is none.
+};
+
+/// The appearance of keyframes, computed from their images on demand. Thread-safe. `check` must outlive this.
+class AppearanceStore {
+ public:
+  AppearanceStore(const AppearanceCheck& check, std::shared_ptr<const ImageStore> images)
+      : check_(check), images_(std::move(images)) {}
+  std::shared_ptr<const KeyframeAppearance> appearance(std::int64_t keyframe);
+  const AppearanceCheck& check() const { return check_; }
+
+ private:
+  const AppearanceCheck& check_;
+  std::shared_ptr<const ImageStore> images_;
+  RecentItems<KeyframeAppearance> recent_{32};
+};
+
+}  // namespace rastro

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/evaluate/loop_closures.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "rastro/base/error.h"
+
+namespace rastro {
+namespace {
+
+constexpr const char* closures_form = "give the closures.yaml of a generated recording";
+
+TimeNs stamp_in(const YAML::Node& entry, const char* key, const std::string& where) {
+  const YAML::Node value = entry[key];
+  std::int64_t stamp = 0;
+  if (!value || !value.IsScalar() || !YAML::convert<std::int64_t>::decode(value, stamp))
+    throw Error(fmt::format("no time in nanoseconds at '{}'", key), fmt::format("{}:{}", where, entry.Mark().line + 1),
+                closures_form);
+  return stamp;
+}
+
+YAML::Node list_in(const std::string& text, const std::string& where) {
+  try {
+    const YAML::Node root = YAML::Load(text);
+    if (root.IsMap() && root["closures"] && (root["closures"].IsSequence() || root["closures"].IsNull()))
+      return root["closures"];
+  } catch (const YAML::Exception& error) {
+    throw Error("is not YAML", fmt::format("{}:{}", where, error.mark.line + 1), closures_form);
+  }
+  throw Error("has no list 'closures'", where, closures_form);
+}
+
+/// A later frame relative to an earlier one, as the map holds it.
+struct Link {
+  TimeNs stamp = 0, earlier_stamp = 0;
+  SE3 earlier_from_later;  ///< Of the body.
+};
+
+class Scoring {
+ public:
+  Scoring(const Map& map, const Trajectory& ground_truth, const LoopClosureLimits& limits)
+      : map_(map), ground_truth_(ground_truth), limits_(limits) {}
+
+  LoopClosureScores score(const std::vector<Revisit>& revisits) {
+    add_constraints();
+    add_frames();
+    std::sort(closed_.begin(), closed_.end());
+    scores_.revisits = static_cast<std::int64_t>(revisits.size());
+    scores_.found = std::count_if(revisits.begin(), revisits.end(),
+                                  [this](const Revisit& revisit) { return is_closed(revisit.stamp); });
+    return scores_;
+  }
+
+ private:
+  SE3 of_body(const Keyframe& keyframe, const SE3& a_from_b) const {
+    if (map_.cameras.empty()) return a_from_b;
+    const SE3& body_from_camera = map_.cameras[static_cast<std::size_t>(keyframe.camera)].body_from_camera;
+    return body_from_camera * a_from_b * body_from_camera.inverse();
+  }
+
+  std::optional<Link> link_of(TimeNs earlier, TimeNs later, const SE3& earlier_from_later) const {
+    const bool swapped = later < earlier;
+    Link link = swapped ? Link{earlier, later, earlier_from_later.inverse()} : Link{later, earlier, earlier_from_later};
+    return to_seconds(link.stamp - link.earlier_stamp) >= limits_.gap_s ? std::optional(link) : std::nullopt;
+  }
+
+  /// nullopt: without ground truth.
+  std::optional<bool> is_right(const Link& link) const {
+    const TimeNs max_gap = from_seconds(limits_.max_ground_truth_gap_s);
+    const auto earlier = pose_at(ground_truth_, link.earlier_stamp, max_gap),
+               later = pose_at(ground_truth_, link.stamp, max_gap);
+    if (!earlier || !later) return std::nullopt;
+    const SE3 error = link.earlier_from_later.inverse() * (earlier->inverse() * *later);
+    return error.translation().norm() <= limits_.max_error_m &&
+           error.rotation().log().norm() <= limits_.max_error_deg * std::numbers::pi / 180.0;
+  }
+
+  void add_constraints() {
+    for (const Constraint& constraint : map_.constraints) {
+      const Keyframe &from = *map_.find(constraint.from), &to = *map_.find(constraint.to);
+      const auto link = link_of(from.stamp, to.stamp, of_body(from, constraint.rigid()));
+      if (!link) continue;
+      const auto right = is_right(*link);
+      if (!right) {
+        ++scores_.unknown;
+        continue;
+      }
+      ++scores_.accepted;
+      *right ? closed_.push_back(link->stamp) : static_cast<void>(++scores_.wrong);
+    }
+  }
+
+  void add_frames() {
+    for (const MapFrame& frame : map_.frames) {
+      const Keyframe& keyframe = *map_.find(frame.keyframe);
+      const auto link = link_of(keyframe.stamp, frame.stamp, of_body(keyframe, frame.keyframe_from_camera));
+      if (link && link->stamp == frame.stamp && is_right(*link).value_or(false)) closed_.push_back(frame.stamp);
+    }
+  }
+
+  bool is_closed(TimeNs stamp) const {
+    const TimeNs reach = from_seconds(limits_.max_dt_s);
+    const auto first = std::lower_bound(closed_.begin(), closed_.end(), stamp - reach);
+    return first != closed_.end() && *first <= stamp + reach;
+  }
+
+  const Map& map_;
+  const Trajectory& ground_truth_;
+  LoopClosureLimits limits_;
+  LoopClosureScores scores_;
+  std::vector<TimeNs> closed_;
+};
+
+}  // namespace
+
+std::vector<Revisit> parse_revisits(const std::string& text, const std::string& where) {
+  std::vector<Revisit> revisits;
+  for (const YAML::Node& entry : list_in(text, where)) {
+    if (!entry.IsMap())
+      throw Error("is not a closure", fmt::format("{}:{}", where, entry.Mark().line + 1), closures_form);
+    revisits.push_back({stamp_in(entry, "stamp", where), stamp_in(entry, "earlier_stamp", where)});
+  }
+  return revisits;
+}
+
+LoopClosureScores score_loop_closures(const Map& map, const std::vector<Revisit>& revisits,
+                                      const Trajectory& ground_truth, const LoopClosureLimits& limits) {
+  return Scoring(map, ground_truth, limits).score(revisits);
+}
+
+}  // namespace rastro

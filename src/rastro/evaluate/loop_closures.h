@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rastro/map/graph/map.h"
+#include "rastro/sensor/trajectory.h"
+
+namespace rastro {
+
+/// A frame of a recording that shows what an earlier one showed.
+struct Revisit {
+  TimeNs stamp = 0, earlier_stamp = 0;
+};
+
+/// Those of a closures.yaml, as `rastro simulate` writes it. Throws Error naming the line for anything else.
+std::vector<Revisit> parse_revisits(const std::string& text, const std::string& where);
+
+struct LoopClosureLimits {
+  double gap_s = 15.0;       ///< Frames nearer in time are no revisit.
+  double max_error_m = 0.5;  ///< Of the relative pose of a right loop closure,
+  double max_error_deg = 10.0;
+  double max_dt_s = 0.26;  ///< Between a revisit and the keyframe that closes it.
+  double max_ground_truth_gap_s = 1.0;
+};
+
+/// How well a map recognized places.
+struct LoopClosureScores {
+  std::int64_t accepted = 0;  ///< Constraints between keyframes farther apart in time than the gap.
+  std::int64_t wrong = 0;     ///< Of these: the true relative pose is another one.
+  std::int64_t unknown = 0;   ///< Constraints without ground truth at one of their ends; not among the accepted.
+  std::int64_t revisits = 0;  ///< Frames that see a place again, by the list.
+  std::int64_t found = 0;     ///< Of these: a right constraint closes them, or the map places them in an old keyframe.
+
+  double precision() const {
+    return accepted == 0 ? 1.0 : 1.0 - static_cast<double>(wrong) / static_cast<double>(accepted);
+  }
+  double recall() const { return revisits == 0 ? 0.0 : static_cast<double>(found) / static_cast<double>(revisits); }
+};
+
+/// Precision of the loop closures in a map, and recall of the true ones. A frame that the map holds relative to a
+/// keyframe from an earlier visit, rightly, is found without a constraint of its own. `ground_truth`: world_from_body,
+/// in the order of time.
+LoopClosureScores score_loop_closures(const Map& map, const std::vector<Revisit>& revisits,
+                                      const Trajectory& ground_truth, const LoopClosureLimits& limits = {});
+
+}  // namespace rastro
