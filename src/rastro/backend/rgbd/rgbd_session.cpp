@@ -244,6 +244,9 @@ std::vector<SlamEvent> RgbdSession::finish() {
   events.insert(events.end(), revision.events.begin(), revision.events.end());
   map_.apply(std::move(revision));
   if (map_.make_largest_first()) events.push_back({"submap", "the largest is now the first"});
+  if (const int shown = map_.trajectory_submap(); shown != 0)
+    events.push_back(
+        {"submap", fmt::format("{} is not connected to the first: the trajectory is in its frame", shown)});
   return events;
 }
 

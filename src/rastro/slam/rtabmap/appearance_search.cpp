@@ -58,7 +58,8 @@ LoopSearch::Candidates AppearanceSearch::candidates(const KeyframeGraph& graph, 
   if (words_.empty()) return candidates;
   for (const std::int64_t location : likely_locations()) recall(location, candidates);
   const std::int64_t own = memory_.location_of(id);
-  for (const std::int64_t location : similar_locations(bag_of(graph.keyframe(id)), own)) recall(location, candidates);
+  for (const std::int64_t location : similar_locations(graph, bag_of(graph.keyframe(id)), own))
+    recall(location, candidates);
   return candidates;
 }
 
@@ -118,8 +119,10 @@ std::vector<std::int64_t> AppearanceSearch::likely_locations() {
 }
 
 /// Of all memory, since words that never change find again what was transferred long ago. A score alone has no meaning:
-/// the last location says how similar the same place is.
-std::vector<std::int64_t> AppearanceSearch::similar_locations(const BagOfWords& words, std::int64_t own) const {
+/// the last location says how similar the same place is. The best of the submaps that are not connected yet is always
+/// among them: where the camera came often, its own locations are more similar than those of another session.
+std::vector<std::int64_t> AppearanceSearch::similar_locations(const KeyframeGraph& graph, const BagOfWords& words,
+                                                              std::int64_t own) const {
   if (options_.similar_locations == 0) return {};
   double least = 0.0;
   if (const auto last = waiting_.lower_bound(own); last != waiting_.begin())
@@ -127,6 +130,10 @@ std::vector<std::int64_t> AppearanceSearch::similar_locations(const BagOfWords& 
   std::vector<std::int64_t> ids;
   for (const PlaceMatch& match : places_.find(words))
     if (match.score >= least && static_cast<int>(ids.size()) < options_.similar_locations) ids.push_back(match.id);
+  const auto is_apart = [&](std::int64_t id) { return graph.submap(id) != graph.submap(own); };
+  constexpr double least_share = 0.8;  // of the words shared with the best of these
+  const auto apart = places_.find(words, least_share, is_apart);
+  if (!apart.empty() && apart.front().score >= least) add_unless_there(ids, apart.front().id);
   return ids;
 }
 
