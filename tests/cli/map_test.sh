@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Map files as a user meets them: map_test.sh PROGRAM SCRATCH_FOLDER CASE [--twenty]
-# CASE is make_room (first), files, landmarks, kill or kill_landmarks: a run killed with -9 at three moments (twenty with --twenty) leaves a
+# CASE is make_room (first), files, landmarks, kill, kill_locations or kill_landmarks: a run killed with -9 at three moments (twenty with --twenty) leaves a
 # map that opens and has all but the last second; a map of landmarks, which is written whole, all but the last two.
 set -euo pipefail
 rastro=$1
@@ -194,6 +194,7 @@ kill_runs() {
 case $case_name in
   make_room | files | landmarks) $case_name ;;
   kill) kill_runs --method rgbd ;;
+  kill_locations) kill_runs --method rtabmap ;;
   kill_landmarks) kill_runs --method orb --sensor rgbd ;;
   *) fail "no case '$case_name'" ;;
 esac

@@ -30,6 +30,7 @@ void TrackedMap::continue_base() {
   if (!base_.keyframes.empty()) {
     MapSession session = base_.sessions.front();
     session.session = base_.sessions.back().session + 1;
+    session.recording.clear();
     base_.sessions.push_back(session);
   }
   base_.keyframes.clear();
