@@ -53,13 +53,15 @@ SlamUpdate RgbdSession::process(const Frame& frame) {
   ++counts_.seen;
   following_.has_last_frame = false;
   update.events = std::exchange(events_, {});
+  const std::size_t keyframes = map_.keyframes().size();
   while (auto mapped = pipeline_.take_ready({counts_.seen, frame.stamp})) apply(std::move(*mapped), update.events);
+  const bool has_grown = map_.keyframes().size() > keyframes;
   update.times.push_back({"wait", stage.lap_ms()});
   update.world_from_body = last_pose_;
   follow(frame, update);
   following_.motion_check.check(update);
   last_pose_ = update.world_from_body;
-  if (archive_ != nullptr && archive_->wants_map()) archive_->keep(map_.snapshot());
+  if (archive_ != nullptr && (has_grown || archive_->wants_map())) archive_->keep(map_.snapshot());
   update.milliseconds = whole.lap_ms();
   return update;
 }
