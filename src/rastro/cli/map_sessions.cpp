@@ -46,7 +46,7 @@ std::vector<SessionShare> session_shares(const Map& map) {
   TimeNs last_stamp = std::numeric_limits<TimeNs>::min();
   for (const Keyframe& keyframe : map.keyframes) {
     std::optional<std::size_t> session = session_in_id(map, keyframe);
-    if (!by_id) session = last = session_at(map, keyframe.stamp, keyframe.stamp < last_stamp ? last + 1 : last);
+    if (!by_id) session = last = session_at(map, keyframe.stamp, keyframe.stamp <= last_stamp ? last + 1 : last);
     last_stamp = keyframe.stamp;
     if (!session) continue;
     ++shares[*session].keyframes;

@@ -48,6 +48,13 @@ TEST(MapSessions, KeyframesNumberedOnBelongToSessionsByTheirStamps) {
   EXPECT_THAT(shares[2].submaps, ElementsAre(2));
 }
 
+TEST(MapSessions, NoTwoKeyframesOfASessionHaveOneStamp) {
+  Map map;
+  map.sessions = {session_of(0, 10, 20), session_of(1, 10, 20)};
+  for (const KeyframeId id : {0, 1}) add_keyframe(map, id, 10, static_cast<int>(id));
+  EXPECT_EQ(session_shares(map)[1].keyframes, 1U);
+}
+
 TEST(MapSessions, ASessionWithoutKeyframesHasNone) {
   Map map = numbered_on();
   std::erase_if(map.keyframes, [](const Keyframe& keyframe) { return keyframe.id == 3 || keyframe.id == 4; });

@@ -139,10 +139,12 @@ std::vector<std::int64_t> AppearanceSearch::similar_locations(const KeyframeGrap
 
 /// The location is compared, and neighbors of it come back to working memory: the next images will show them.
 void AppearanceSearch::recall(std::int64_t location, Candidates& candidates) {
-  const auto& nearby = candidates.nearby;
+  auto& nearby = candidates.nearby;
+  const bool forgotten = memory_.at(location).stage == MemoryStage::long_term;
+  if (forgotten) std::erase(nearby, location);  // only those of places get their features back
   if (std::find(nearby.begin(), nearby.end(), location) == nearby.end()) add_unless_there(candidates.places, location);
   immune_.insert(location);
-  if (memory_.at(location).stage == MemoryStage::long_term) tried_.insert(location);
+  if (forgotten) tried_.insert(location);
   constexpr int reach = 2;
   const int most = options_.retrieved_neighbors - static_cast<int>(candidates.retrieve.size());
   for (const std::int64_t id : memory_.forgotten_neighbors(location, reach, std::max(0, most)))

@@ -95,6 +95,17 @@ TEST(ContinuedMap, ASessionThatSeesTheSecondSubmapAloneHasItsTrajectoryThere) {
   EXPECT_THAT(second.last_said(), HasSubstr("1 is not connected to the first"));
 }
 
+/// The latest keyframes are compared anyway, but these have their features in long-term memory.
+TEST(ContinuedMap, WhatTheEarlierSessionSawLastIsRecognizedToo) {
+  RoomSlam first;
+  first.look(0.0, 0.1);
+  const auto before = first.finish();
+  ASSERT_LE(before->keyframes.size(), 2U);
+  RoomSlam second(before);
+  second.look(0.0, 0.1);
+  EXPECT_THAT(submaps_of(*second.finish()), ElementsAre(0));
+}
+
 TEST(ContinuedMap, SessionsAreAppendedAndEveryKeyframeHasItsOwnId) {
   const auto before = two_submaps();
   RoomSlam second(before);
