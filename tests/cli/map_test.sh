@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Map files as a user meets them: map_test.sh PROGRAM SCRATCH_FOLDER CASE [--twenty]
-# CASE is make_room (first), files, landmarks, kill or kill_landmarks: a run killed with -9 at three moments (twenty with --twenty) leaves a
-# map that opens and has all but the last second; a map of landmarks, which is written whole, all but the last two.
+# CASE is make_room (first), files, landmarks, kill, kill_locations or kill_landmarks: a run killed with -9 at three moments (twenty with --twenty) leaves a
+# map that opens and has all but the last second; a map of landmarks, which is written whole, all but the last two; one of locations all but the last location.
 set -euo pipefail
 rastro=$1
 scratch=$2
@@ -180,8 +180,12 @@ kill_one() {
   local kept
   kept=$(value_of poses "$here/stdout")
   ((kept >= before)) || fail "kill $number: $kept poses are left, and $((back / 10)) s before there were $before"
+  local made keyframes
+  made=$(grep -c '"event":"keyframe"' "$run/events.jsonl")
+  keyframes=$(value_of keyframes "$here/stdout")
+  [[ $case_name != kill_locations ]] || ((made - keyframes <= 1)) || fail "kill $number: $keyframes of $made locations are left"
   run 0 recover "$run" --out "$here/saved$number.rastro"
-  echo "kill $number: $kept poses, $((back / 10)) s before $before"
+  echo "kill $number: $kept poses, $((back / 10)) s before $before; $keyframes of $made keyframes"
 }
 
 kill_runs() {
@@ -194,6 +198,7 @@ kill_runs() {
 case $case_name in
   make_room | files | landmarks) $case_name ;;
   kill) kill_runs --method rgbd ;;
+  kill_locations) kill_runs --method rtabmap --set keyframe_frames=20 ;;
   kill_landmarks) kill_runs --method orb --sensor rgbd ;;
   *) fail "no case '$case_name'" ;;
 esac

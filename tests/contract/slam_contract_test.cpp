@@ -486,7 +486,9 @@ std::vector<std::string> method_names() {
     names.push_back(method->name());
     const OptionTable table = method->options();
     for (const Option& option : table.options())
-      if (option.name == "sensor") names.insert(names.end(), {method->name() + "_mono", method->name() + "_stereo"});
+      for (const std::string& choice : option.choices)
+        if (option.name == "sensor" && (choice == "mono" || choice == "stereo"))
+          names.push_back(method->name() + "_" + choice);
   }
   return names;
 }

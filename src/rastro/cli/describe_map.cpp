@@ -9,6 +9,7 @@
 #include <set>
 
 #include "rastro/base/text.h"
+#include "rastro/cli/map_sessions.h"
 #include "rastro/map/layer_type.h"
 
 namespace rastro::cli {
@@ -85,12 +86,20 @@ std::string layer_text(const Map& map, const std::string& name, const Layer& lay
   return type ? type->describe(map, layer).text : "kept, unknown to this program";
 }
 
+std::string sessions_text(const Map& map) {
+  const auto shares = session_shares(map);
+  std::string text = row("sessions", fmt::format("{}", map.sessions.size()));
+  for (std::size_t s = 0; s < shares.size(); ++s)
+    text += row(fmt::format("session {}", s), session_text(map.sessions[s], shares[s]));
+  return text;
+}
+
 std::string describe(const Map& map) {
   const MapFigures figures = figures_of(map);
   std::string text = row("made by", "rastro slam --method " + one_line(map.method));
   for (const MapCamera& camera : map.cameras) text += row("camera", camera_text(camera));
   text += row("scale", scale_text(scale_of(map)));
-  if (map.sessions.size() > 1) text += row("sessions", fmt::format("{}", map.sessions.size()));
+  if (map.sessions.size() > 1) text += sessions_text(map);
   text += row("keyframes",
               fmt::format("{} in {} submap{}", map.keyframes.size(), figures.submaps, figures.submaps == 1 ? "" : "s"));
   text += row("constraints", constraints_text(map));
@@ -120,6 +129,22 @@ Json number_json(double value) {
   return static_cast<double>(whole) == value ? Json(whole) : Json(value);
 }
 
+Json sessions_json(const Map& map) {
+  const auto shares = session_shares(map);
+  Json list = Json::array();
+  for (std::size_t s = 0; s < shares.size(); ++s) {
+    const MapSession& session = map.sessions[s];
+    list.push_back({{"robot", session.robot},
+                    {"session", session.session},
+                    {"recording", session.recording},
+                    {"first_stamp_s", to_seconds(session.first_stamp)},
+                    {"last_stamp_s", to_seconds(session.last_stamp)},
+                    {"keyframes", shares[s].keyframes},
+                    {"submaps", shares[s].submaps}});
+  }
+  return list;
+}
+
 void add_map(Json& json, const Map& map) {
   const MapFigures figures = figures_of(map);
   json["method"] = map.method;
@@ -128,6 +153,7 @@ void add_map(Json& json, const Map& map) {
   const MapScale& scale = scale_of(map);
   json["scale"] = {{"metric", scale.metric}, {"relative_sigma", scale.relative_sigma}, {"from", scale.origin}};
   json["sessions"] = map.sessions.size();
+  json["session_list"] = sessions_json(map);
   json["keyframes"] = map.keyframes.size();
   json["submaps"] = figures.submaps;
   json["poses"] = figures.poses;

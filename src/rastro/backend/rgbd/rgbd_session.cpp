@@ -53,13 +53,15 @@ SlamUpdate RgbdSession::process(const Frame& frame) {
   ++counts_.seen;
   following_.has_last_frame = false;
   update.events = std::exchange(events_, {});
+  const std::size_t keyframes = map_.keyframes().size();
   while (auto mapped = pipeline_.take_ready({counts_.seen, frame.stamp})) apply(std::move(*mapped), update.events);
+  const bool has_grown = map_.keyframes().size() > keyframes;
   update.times.push_back({"wait", stage.lap_ms()});
   update.world_from_body = last_pose_;
   follow(frame, update);
   following_.motion_check.check(update);
   last_pose_ = update.world_from_body;
-  if (archive_ != nullptr && archive_->wants_map()) archive_->keep(map_.snapshot());
+  if (archive_ != nullptr && (has_grown || archive_->wants_map())) archive_->keep(map_.snapshot());
   update.milliseconds = whole.lap_ms();
   return update;
 }
@@ -244,6 +246,9 @@ std::vector<SlamEvent> RgbdSession::finish() {
   events.insert(events.end(), revision.events.begin(), revision.events.end());
   map_.apply(std::move(revision));
   if (map_.make_largest_first()) events.push_back({"submap", "the largest is now the first"});
+  if (const int shown = map_.trajectory_submap(); shown != 0)
+    events.push_back(
+        {"submap", fmt::format("{} is not connected to the first: the trajectory is in its frame", shown)});
   return events;
 }
 

@@ -30,6 +30,7 @@ void TrackedMap::continue_base() {
   if (!base_.keyframes.empty()) {
     MapSession session = base_.sessions.front();
     session.session = base_.sessions.back().session + 1;
+    session.recording.clear();
     base_.sessions.push_back(session);
   }
   base_.keyframes.clear();
@@ -107,9 +108,14 @@ void TrackedMap::add_frame(TimeNs stamp, std::int64_t keyframe, const SE3& keyfr
   frames_.push_back({stamp, keyframe, keyframe_from_camera});
 }
 
-bool TrackedMap::make_largest_first() {
+std::vector<std::int64_t> TrackedMap::frames_per_submap() const {
   std::vector<std::int64_t> frames(static_cast<std::size_t>(std::max(1, submaps_)), 0);
   for (const PosedFrame& frame : frames_) ++frames[static_cast<std::size_t>(submap(frame.keyframe))];
+  return frames;
+}
+
+bool TrackedMap::make_largest_first() {
+  const auto frames = frames_per_submap();
   const auto largest = static_cast<int>(std::max_element(frames.begin(), frames.end()) - frames.begin());
   if (largest == 0 || given_ || base_.sessions.size() > 1) return false;  // a map continued keeps its frame
   for (KeyframePose& pose : poses_) {
@@ -119,10 +125,17 @@ bool TrackedMap::make_largest_first() {
   return true;
 }
 
+int TrackedMap::trajectory_submap() const {
+  const auto frames = frames_per_submap();
+  if (frames.front() > 0) return 0;
+  return static_cast<int>(std::max_element(frames.begin(), frames.end()) - frames.begin());
+}
+
 Trajectory TrackedMap::trajectory() const {
   Trajectory trajectory;
+  const int shown = trajectory_submap();
   for (const PosedFrame& frame : frames_) {
-    if (submap(frame.keyframe) == 0)
+    if (submap(frame.keyframe) == shown)
       trajectory.push_back({frame.stamp, pose(frame.keyframe) * frame.keyframe_from_camera});
   }
   const auto before = [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; };

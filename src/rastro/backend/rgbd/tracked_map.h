@@ -47,7 +47,9 @@ class TrackedMap {
   /// Renumbers the submap with most frames to 0. False if it already is.
   bool make_largest_first();
 
-  /// Of the frames of submap 0.
+  /// Submap 0, or the one with most frames of this session where none of them is connected to submap 0.
+  int trajectory_submap() const;
+  /// Of the frames of this session in trajectory_submap().
   Trajectory trajectory() const;
   std::shared_ptr<const Map> snapshot() const;
 
@@ -59,6 +61,7 @@ class TrackedMap {
   };
 
   void continue_base();
+  std::vector<std::int64_t> frames_per_submap() const;
 
   Map base_;
   std::shared_ptr<const ImageStore> images_;

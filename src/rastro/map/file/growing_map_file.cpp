@@ -64,6 +64,7 @@ class GrowingMapFile::State {
     {
       const std::lock_guard lock(mutex_);
       check_open();
+      if (!rows_added_) rows_since_ = Clock::now();
       rows_added_ = true;
       start();
     }
@@ -119,12 +120,17 @@ class GrowingMapFile::State {
     database.run("COMMIT; BEGIN");
   }
 
+  /// A new keyframe waits only for the rest after the last write, so that a killed run has lost none but the last.
+  Clock::time_point due() const {
+    if (!waiting_) return std::min(next_, rows_since_ + commit_rows_every);
+    return waiting_->keyframes.size() > written_keyframes_ ? rested_ : next_;
+  }
+
   void write_now_and_then() {
     std::unique_lock lock(mutex_);
     for (;;) {
       wake_.wait(lock, [this] { return waiting_ || rows_added_ || stopping_; });
-      const auto due = waiting_ ? next_ : std::min(next_, Clock::now() + commit_rows_every);
-      wake_.wait_until(lock, due, [this] { return stopping_; });
+      while (!stopping_ && Clock::now() < due()) wake_.wait_until(lock, due());
       const auto map = std::exchange(waiting_, nullptr);
       rows_added_ = false;
       if (!dropping_ && !failure_) write_unlocked(lock, map);
@@ -145,7 +151,10 @@ class GrowingMapFile::State {
     const Clock::time_point end = Clock::now();
     lock.lock();
     failure_ = failure;
-    if (map) next_ = std::max<Clock::time_point>(begin + write_every, end + least_rest * (end - begin));
+    if (!map) return;
+    written_keyframes_ = map->keyframes.size();
+    rested_ = end + least_rest * (end - begin);
+    next_ = std::max<Clock::time_point>(begin + write_every, rested_);
   }
 
   /// Writes the map kept last first, unless `drop`.
@@ -166,7 +175,10 @@ class GrowingMapFile::State {
   std::condition_variable wake_;
   std::shared_ptr<const Map> waiting_;
   bool rows_added_ = false, stopping_ = false, dropping_ = false;
-  Clock::time_point next_{};  ///< Earliest time of the next write.
+  Clock::time_point rested_{};      ///< Earliest time of the next write ...
+  Clock::time_point next_{};        ///< ... and of one without new keyframes.
+  Clock::time_point rows_since_{};  ///< When the first row was added that is not committed.
+  std::size_t written_keyframes_ = 0;
   std::exception_ptr failure_;
   std::thread writer_;
   std::shared_ptr<const Map> written_;  ///< The writer's own; others may use it once it has ended.

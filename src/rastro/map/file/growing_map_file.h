@@ -9,8 +9,8 @@
 namespace rastro {
 
 /// The map file of a run, written during the run by a thread of its own: the changes since the last write, in one
-/// transaction, about twice a second. A program killed at any moment leaves a file that load_map() reads. A failed
-/// write is reported by the next call.
+/// transaction, about twice a second, and for each new keyframe where that takes little time. A program killed at any
+/// moment leaves a file that load_map() reads. A failed write is reported by the next call.
 class GrowingMapFile : public MapArchive {
  public:
   /// The file is created with the first data kept; an existing one is replaced then.

@@ -58,7 +58,8 @@ LoopSearch::Candidates AppearanceSearch::candidates(const KeyframeGraph& graph, 
   if (words_.empty()) return candidates;
   for (const std::int64_t location : likely_locations()) recall(location, candidates);
   const std::int64_t own = memory_.location_of(id);
-  for (const std::int64_t location : similar_locations(bag_of(graph.keyframe(id)), own)) recall(location, candidates);
+  for (const std::int64_t location : similar_locations(graph, bag_of(graph.keyframe(id)), own))
+    recall(location, candidates);
   return candidates;
 }
 
@@ -118,8 +119,10 @@ std::vector<std::int64_t> AppearanceSearch::likely_locations() {
 }
 
 /// Of all memory, since words that never change find again what was transferred long ago. A score alone has no meaning:
-/// the last location says how similar the same place is.
-std::vector<std::int64_t> AppearanceSearch::similar_locations(const BagOfWords& words, std::int64_t own) const {
+/// the last location says how similar the same place is. The best of the submaps that are not connected yet is always
+/// among them: where the camera came often, its own locations are more similar than those of another session.
+std::vector<std::int64_t> AppearanceSearch::similar_locations(const KeyframeGraph& graph, const BagOfWords& words,
+                                                              std::int64_t own) const {
   if (options_.similar_locations == 0) return {};
   double least = 0.0;
   if (const auto last = waiting_.lower_bound(own); last != waiting_.begin())
@@ -127,15 +130,21 @@ std::vector<std::int64_t> AppearanceSearch::similar_locations(const BagOfWords& 
   std::vector<std::int64_t> ids;
   for (const PlaceMatch& match : places_.find(words))
     if (match.score >= least && static_cast<int>(ids.size()) < options_.similar_locations) ids.push_back(match.id);
+  const auto is_apart = [&](std::int64_t id) { return graph.submap(id) != graph.submap(own); };
+  constexpr double least_share = 0.8;  // of the words shared with the best of these
+  const auto apart = places_.find(words, least_share, is_apart);
+  if (!apart.empty() && apart.front().score >= least) add_unless_there(ids, apart.front().id);
   return ids;
 }
 
 /// The location is compared, and neighbors of it come back to working memory: the next images will show them.
 void AppearanceSearch::recall(std::int64_t location, Candidates& candidates) {
-  const auto& nearby = candidates.nearby;
+  auto& nearby = candidates.nearby;
+  const bool forgotten = memory_.at(location).stage == MemoryStage::long_term;
+  if (forgotten) std::erase(nearby, location);  // only those of places get their features back
   if (std::find(nearby.begin(), nearby.end(), location) == nearby.end()) add_unless_there(candidates.places, location);
   immune_.insert(location);
-  if (memory_.at(location).stage == MemoryStage::long_term) tried_.insert(location);
+  if (forgotten) tried_.insert(location);
   constexpr int reach = 2;
   const int most = options_.retrieved_neighbors - static_cast<int>(candidates.retrieve.size());
   for (const std::int64_t id : memory_.forgotten_neighbors(location, reach, std::max(0, most)))

@@ -52,7 +52,8 @@ class AppearanceSearch : public LoopSearch {
   void remember(const KeyframeGraph& graph, std::int64_t id);
   void shorten_short_term(int most);
   std::vector<std::int64_t> likely_locations();
-  std::vector<std::int64_t> similar_locations(const BagOfWords& words, std::int64_t own) const;
+  std::vector<std::int64_t> similar_locations(const KeyframeGraph& graph, const BagOfWords& words,
+                                              std::int64_t own) const;
   void recall(std::int64_t location, Candidates& candidates);
   void retrieve(const KeyframeGraph& graph, std::int64_t location);
 
