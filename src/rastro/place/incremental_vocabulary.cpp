@@ -2,13 +2,40 @@
 #include "rastro/place/incremental_vocabulary.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "rastro/base/error.h"
 #include "rastro/feature/hamming.h"
 
 namespace rastro {
+namespace {
 
-void IncrementalVocabulary::compare(Nearest& nearest, std::int64_t word, int distance) {
+constexpr std::size_t searched_buckets = 8;
+
+}  // namespace
+
+void WordDistance<Descriptor>::between(const Descriptor& query, std::span<const Descriptor> words,
+                                       std::span<Type> distances) {
+  hamming_distances(query, words, distances);
+}
+
+void WordDistance<RealDescriptor>::between(const RealDescriptor& query, std::span<const RealDescriptor> words,
+                                           std::span<Type> distances) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    constexpr std::size_t lanes = 8;  // sums of their own, in an order that does not depend on the compiler
+    std::array<float, lanes> sums{};
+    for (std::size_t k = 0; k < query.size(); k += lanes)
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        const float difference = query[k + lane] - words[i][k + lane];
+        sums[lane] += difference * difference;
+      }
+    distances[i] = std::sqrt(((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7])));
+  }
+}
+
+template <typename Value>
+void IncrementalVocabularyOf<Value>::compare(Nearest& nearest, std::int64_t word, Distance distance) {
   const bool nearer = distance < nearest.distance || (distance == nearest.distance && word < nearest.word);
   if (nearest.word < 0 ? distance <= nearest.distance : nearer) {
     if (nearest.word >= 0) nearest.second = nearest.distance;
@@ -19,20 +46,47 @@ void IncrementalVocabulary::compare(Nearest& nearest, std::int64_t word, int dis
   }
 }
 
-bool IncrementalVocabulary::fits(const Nearest& nearest) const {
-  return nearest.word >= 0 && nearest.distance <= distance_ratio_ * nearest.second;
+template <typename Value>
+bool IncrementalVocabularyOf<Value>::fits(const Nearest& nearest) const {
+  return nearest.word >= 0 && static_cast<double>(nearest.distance) <= distance_ratio_ * nearest.second;
 }
 
-std::vector<IncrementalVocabulary::Nearest> IncrementalVocabulary::nearest(std::span<const Descriptor> descriptors,
-                                                                           TaskPool* pool) const {
+template <typename Value>
+std::vector<std::size_t> IncrementalVocabularyOf<Value>::buckets_near(const Value& descriptor, std::size_t most) const {
+  if (centers_.empty()) return {0};
+  std::vector<Distance> distances(centers_.size());
+  WordDistance<Value>::between(descriptor, centers_, distances);
+  std::vector<std::pair<Distance, std::size_t>> near;
+  for (std::size_t bucket = 0; bucket < distances.size(); ++bucket) near.emplace_back(distances[bucket], bucket);
+  const std::size_t count = std::min(most, near.size());
+  std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
+  std::vector<std::size_t> buckets;
+  for (std::size_t i = 0; i < count; ++i) buckets.push_back(near[i].second);
+  return buckets;
+}
+
+template <typename Value>
+auto IncrementalVocabularyOf<Value>::nearest(const Value& descriptor, std::vector<Distance>& distances) const
+    -> Nearest {
+  Nearest found;
+  for (const std::size_t index : buckets_near(descriptor, searched_buckets)) {
+    const Bucket& bucket = buckets_[index];
+    distances.resize(bucket.values.size());
+    WordDistance<Value>::between(descriptor, bucket.values, distances);
+    for (std::size_t slot = 0; slot < distances.size(); ++slot)
+      if (distances[slot] <= found.second) compare(found, bucket.ids[slot], distances[slot]);
+  }
+  return found;
+}
+
+template <typename Value>
+auto IncrementalVocabularyOf<Value>::nearest(std::span<const Value> descriptors, TaskPool* pool) const
+    -> std::vector<Nearest> {
   std::vector<Nearest> found(descriptors.size());
   const auto search = [&](int begin, int end) {
-    std::vector<std::uint16_t> distances(descriptors_.size());
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      hamming_distances(descriptors[i], descriptors_, distances);
-      for (std::size_t slot = 0; slot < distances.size(); ++slot)
-        if (distances[slot] <= found[i].second) compare(found[i], ids_[slot], distances[slot]);
-    }
+    std::vector<Distance> distances;
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      found[i] = nearest(descriptors[i], distances);
   };
   constexpr int grain = 16;
   const auto count = static_cast<int>(descriptors.size());
@@ -40,62 +94,123 @@ std::vector<IncrementalVocabulary::Nearest> IncrementalVocabulary::nearest(std::
   return found;
 }
 
-std::vector<std::int64_t> IncrementalVocabulary::add(std::span<const Descriptor> descriptors, TaskPool* pool) {
+template <typename Value>
+std::vector<std::int64_t> IncrementalVocabularyOf<Value>::add(std::span<const Value> descriptors, TaskPool* pool) {
   std::vector<Nearest> found = nearest(descriptors, pool);
+  std::vector<Value> made;  // by this image
+  std::vector<Distance> distances;
   const std::int64_t first_new = next_id_;
   std::vector<std::int64_t> words;
   for (std::size_t i = 0; i < descriptors.size(); ++i) {
-    for (std::int64_t word = first_new; word < next_id_; ++word)
-      compare(found[i], word, hamming_distance(descriptors[i], descriptor(word)));
+    distances.resize(made.size());
+    WordDistance<Value>::between(descriptors[i], made, distances);
+    for (std::size_t k = 0; k < made.size(); ++k)
+      compare(found[i], first_new + static_cast<std::int64_t>(k), distances[k]);
     if (!fits(found[i])) {
-      insert(next_id_, descriptors[i]);
+      insert(next_id_, descriptors[i], 0);
+      made.push_back(descriptors[i]);
       words.push_back(next_id_++);
     } else {
       words.push_back(found[i].word);
     }
-    ++uses_[slots_.at(words.back())];
+    const Place& place = places_.at(words.back());
+    ++buckets_[place.bucket].uses[place.slot];
   }
+  rebalance();
   return words;
 }
 
-std::vector<std::int64_t> IncrementalVocabulary::find(std::span<const Descriptor> descriptors, TaskPool* pool) const {
+template <typename Value>
+std::vector<std::int64_t> IncrementalVocabularyOf<Value>::find(std::span<const Value> descriptors,
+                                                               TaskPool* pool) const {
   std::vector<std::int64_t> words;
   for (const Nearest& each : nearest(descriptors, pool)) words.push_back(fits(each) ? each.word : -1);
   return words;
 }
 
-void IncrementalVocabulary::release(std::span<const std::int64_t> words) {
+template <typename Value>
+void IncrementalVocabularyOf<Value>::release(std::span<const std::int64_t> words) {
   for (const std::int64_t word : words) {
     if (word < 0) continue;
     RASTRO_CHECK(contains(word), "a word in use exists");
-    const std::size_t slot = slots_.at(word);
-    if (--uses_[slot] > 0) continue;
-    slots_[ids_.back()] = slot;
-    slots_.erase(word);
-    descriptors_[slot] = descriptors_.back();
-    ids_[slot] = ids_.back();
-    uses_[slot] = uses_.back();
-    descriptors_.pop_back();
-    ids_.pop_back();
-    uses_.pop_back();
+    const Place place = places_.at(word);
+    Bucket& bucket = buckets_[place.bucket];
+    if (--bucket.uses[place.slot] > 0) continue;
+    places_.at(bucket.ids.back()) = place;
+    places_.erase(word);
+    bucket.values[place.slot] = bucket.values.back();
+    bucket.ids[place.slot] = bucket.ids.back();
+    bucket.uses[place.slot] = bucket.uses.back();
+    bucket.values.pop_back();
+    bucket.ids.pop_back();
+    bucket.uses.pop_back();
   }
+  rebalance();
 }
 
-void IncrementalVocabulary::restore(std::span<const std::int64_t> words, std::span<const Descriptor> descriptors) {
+template <typename Value>
+void IncrementalVocabularyOf<Value>::restore(std::span<const std::int64_t> words, std::span<const Value> descriptors) {
   RASTRO_CHECK(words.size() == descriptors.size(), "one descriptor for each word");
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (words[i] < 0) continue;
-    if (!contains(words[i])) insert(words[i], descriptors[i]);
-    ++uses_[slots_.at(words[i])];
+    if (!contains(words[i])) insert(words[i], descriptors[i], 0);
+    const Place& place = places_.at(words[i]);
+    ++buckets_[place.bucket].uses[place.slot];
     next_id_ = std::max(next_id_, words[i] + 1);
+  }
+  rebalance();
+}
+
+template <typename Value>
+const Value& IncrementalVocabularyOf<Value>::descriptor(std::int64_t word) const {
+  const Place& place = places_.at(word);
+  return buckets_[place.bucket].values[place.slot];
+}
+
+template <typename Value>
+int IncrementalVocabularyOf<Value>::uses(std::int64_t word) const {
+  const Place& place = places_.at(word);
+  return buckets_[place.bucket].uses[place.slot];
+}
+
+template <typename Value>
+std::size_t IncrementalVocabularyOf<Value>::comparisons() const {
+  if (centers_.empty()) return size();
+  return centers_.size() + searched_buckets * size() / centers_.size();
+}
+
+template <typename Value>
+void IncrementalVocabularyOf<Value>::insert(std::int64_t word, const Value& descriptor, int uses) {
+  const std::size_t index = buckets_near(descriptor, 1).front();
+  Bucket& bucket = buckets_[index];
+  places_[word] = {index, bucket.ids.size()};
+  bucket.ids.push_back(word);
+  bucket.values.push_back(descriptor);
+  bucket.uses.push_back(uses);
+}
+
+/// Words at regular steps of their ids become the centers.
+template <typename Value>
+void IncrementalVocabularyOf<Value>::rebalance() {
+  const bool grown = size() > std::max(most_in_one_bucket, 2 * balanced_size_), shrunk = 4 * size() < balanced_size_;
+  if (!grown && !shrunk) return;
+  balanced_size_ = size() > most_in_one_bucket ? size() : 0;
+  std::vector<std::int64_t> ids;
+  for (const auto& [word, place] : places_) ids.push_back(word);
+  std::sort(ids.begin(), ids.end());
+  const auto count = balanced_size_ == 0 ? 0 : static_cast<std::size_t>(std::sqrt(static_cast<double>(size())));
+  std::vector<Value> centers;
+  for (std::size_t i = 0; i < count; ++i) centers.push_back(descriptor(ids[i * ids.size() / count]));
+  centers_ = std::move(centers);
+  const std::vector<Bucket> before = std::exchange(buckets_, std::vector<Bucket>(std::max<std::size_t>(1, count)));
+  const auto places = std::exchange(places_, {});
+  for (const std::int64_t word : ids) {
+    const Place& place = places.at(word);
+    insert(word, before[place.bucket].values[place.slot], before[place.bucket].uses[place.slot]);
   }
 }
 
-void IncrementalVocabulary::insert(std::int64_t word, const Descriptor& descriptor) {
-  slots_[word] = ids_.size();
-  ids_.push_back(word);
-  descriptors_.push_back(descriptor);
-  uses_.push_back(0);
-}
+template class IncrementalVocabularyOf<Descriptor>;
+template class IncrementalVocabularyOf<RealDescriptor>;
 
 }  // namespace rastro

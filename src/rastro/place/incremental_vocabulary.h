@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <map>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "rastro/base/task_pool.h"
@@ -11,54 +12,97 @@
 
 namespace rastro {
 
+/// A real-valued descriptor of unit length; shorter ones end in zeros.
+using RealDescriptor = std::array<float, 128>;
+
+/// How words of a kind are compared.
+template <typename Value>
+struct WordDistance;
+
+template <>
+struct WordDistance<Descriptor> {
+  using Type = std::uint16_t;             ///< Hamming, bits.
+  static constexpr Type unrelated = 128;  ///< Of unrelated ones: what counts as second where there is no second word.
+  static void between(const Descriptor& query, std::span<const Descriptor> words, std::span<Type> distances);
+};
+
+template <>
+struct WordDistance<RealDescriptor> {
+  using Type = float;  ///< Euclidean.
+  static constexpr Type unrelated = 1.0F;
+  static void between(const RealDescriptor& query, std::span<const RealDescriptor> words, std::span<Type> distances);
+};
+
 /// Visual words that are made from the images as they come (Labbe and Michaud 2013, section III-A), for places that no
 /// training has seen. A word is a descriptor, with the number of features that use it; one without uses is forgotten.
 /// Ids ascend and are never given twice. Not thread-safe.
-class IncrementalVocabulary {
+///
+/// Many words are searched approximately: each is in the bucket of its nearest center (an inverted file, Sivic and
+/// Zisserman 2003), and only the buckets nearest to a feature are searched. Words become the centers of new buckets
+/// whenever their number has doubled or become a quarter, so that the time grows with the square root of the number.
+template <typename Value>
+class IncrementalVocabularyOf {
  public:
-  /// Bits by which unrelated descriptors differ: what counts as second where there is no second word.
-  static constexpr int unrelated_distance = 128;
+  using Distance = typename WordDistance<Value>::Type;
+  static constexpr std::size_t most_in_one_bucket = 2048;  ///< Up to here the search is exact.
 
   /// `distance_ratio`, 0..1: a feature is the nearest word where its distance is at most this share of that to the
   /// second nearest one (nearest-neighbor distance ratio).
-  explicit IncrementalVocabulary(double distance_ratio = 0.8) : distance_ratio_(distance_ratio) {}
+  explicit IncrementalVocabularyOf(double distance_ratio = 0.8) : distance_ratio_(distance_ratio), buckets_(1) {}
 
   /// The word of each descriptor; one that no word fits becomes a new word, which later ones of the same image may be.
   /// Each is used once more. The result does not depend on the pool.
-  std::vector<std::int64_t> add(std::span<const Descriptor> descriptors, TaskPool* pool = nullptr);
+  std::vector<std::int64_t> add(std::span<const Value> descriptors, TaskPool* pool = nullptr);
   /// The word of each descriptor, -1 where no word fits; nothing changes.
-  std::vector<std::int64_t> find(std::span<const Descriptor> descriptors, TaskPool* pool = nullptr) const;
+  std::vector<std::int64_t> find(std::span<const Value> descriptors, TaskPool* pool = nullptr) const;
   /// Takes back one use for each; ids below 0 are skipped. All others must exist.
   void release(std::span<const std::int64_t> words);
   /// Words of a location that comes back, with their descriptors as they were. One use for each; ids below 0 are
   /// skipped.
-  void restore(std::span<const std::int64_t> words, std::span<const Descriptor> descriptors);
+  void restore(std::span<const std::int64_t> words, std::span<const Value> descriptors);
 
-  std::size_t size() const { return ids_.size(); }
-  bool contains(std::int64_t word) const { return slots_.contains(word); }
-  const Descriptor& descriptor(std::int64_t word) const { return descriptors_[slots_.at(word)]; }
-  int uses(std::int64_t word) const { return uses_[slots_.at(word)]; }
+  std::size_t size() const { return places_.size(); }
+  bool contains(std::int64_t word) const { return places_.contains(word); }
+  const Value& descriptor(std::int64_t word) const;
+  int uses(std::int64_t word) const;
   /// Smallest id never given.
   std::int64_t next_id() const { return next_id_; }
+  /// Comparisons that the search for one descriptor takes.
+  std::size_t comparisons() const;
 
  private:
   /// The two words nearest to a descriptor: by distance, then by id.
   struct Nearest {
     std::int64_t word = -1;
-    int distance = unrelated_distance, second = unrelated_distance;
+    Distance distance = WordDistance<Value>::unrelated, second = WordDistance<Value>::unrelated;
   };
-  std::vector<Nearest> nearest(std::span<const Descriptor> descriptors, TaskPool* pool) const;
-  static void compare(Nearest& nearest, std::int64_t word, int distance);
+  /// One element for each word, in no order.
+  struct Bucket {
+    std::vector<Value> values;
+    std::vector<std::int64_t> ids;
+    std::vector<int> uses;
+  };
+  struct Place {
+    std::size_t bucket = 0, slot = 0;
+  };
+  std::vector<Nearest> nearest(std::span<const Value> descriptors, TaskPool* pool) const;
+  Nearest nearest(const Value& descriptor, std::vector<Distance>& distances) const;
+  static void compare(Nearest& nearest, std::int64_t word, Distance distance);
   bool fits(const Nearest& nearest) const;
-  void insert(std::int64_t word, const Descriptor& descriptor);
+  std::vector<std::size_t> buckets_near(const Value& descriptor, std::size_t most) const;
+  void insert(std::int64_t word, const Value& descriptor, int uses);
+  void rebalance();
 
   double distance_ratio_;
-  // One element for each word, in no order.
-  std::vector<Descriptor> descriptors_;
-  std::vector<std::int64_t> ids_;
-  std::vector<int> uses_;
-  std::map<std::int64_t, std::size_t> slots_;  ///< By id.
+  std::vector<Value> centers_;  ///< Of the buckets; none while there is one bucket.
+  std::vector<Bucket> buckets_;
+  std::unordered_map<std::int64_t, Place> places_;  ///< By id.
+  std::size_t balanced_size_ = 0;                   ///< When the buckets were made.
   std::int64_t next_id_ = 0;
 };
+
+extern template class IncrementalVocabularyOf<Descriptor>;
+extern template class IncrementalVocabularyOf<RealDescriptor>;
+using IncrementalVocabulary = IncrementalVocabularyOf<Descriptor>;
 
 }  // namespace rastro

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <span>
+
 #include <cmath>
 #include <numeric>
 
@@ -12,7 +15,11 @@ namespace {
 using Words = std::vector<std::int64_t>;
 
 /// Locations 0, 1, 2... along a path.
-std::vector<std::int64_t> along_path(std::int64_t location) { return {location - 1, location + 1}; }
+std::span<const std::int64_t> along_path(std::int64_t location) {
+  static std::array<std::int64_t, 2> links;  // until the next call
+  links = {location - 1, location + 1};
+  return links;
+}
 
 std::vector<LocationScore> equal_scores(int count, double score = 1.0) {
   std::vector<LocationScore> scores;

@@ -29,14 +29,23 @@ class PlaceIndex {
   /// The bag added for this id; nullptr if there is none.
   const BagOfWords* find_words(std::int64_t id) const;
 
+  /// Number of images with this word.
+  std::size_t images_with(std::uint32_t word) const { return word < holders_.size() ? holders_[word].size() : 0; }
+
   /// All images that share at least `least_share` times as many words as the one that shares most, with ids that
   /// `allowed` (if any) accepts; highest score first, equal ones by id.
   std::vector<PlaceMatch> find(const BagOfWords& words, double least_share = 0.8,
                                const std::function<bool(std::int64_t)>& allowed = {}) const;
 
  private:
-  std::map<std::int64_t, BagOfWords> entries_;
-  std::vector<std::vector<std::int64_t>> holders_;  ///< Ids per word, ascending.
+  struct Entry {
+    BagOfWords words;
+    std::uint32_t slot = 0;
+  };
+  std::map<std::int64_t, Entry> entries_;
+  std::vector<std::vector<std::uint32_t>> holders_;  ///< Slots of the images with each word.
+  std::vector<std::uint32_t> free_slots_;
+  std::uint32_t slots_ = 0;
 };
 
 }  // namespace rastro

@@ -4,6 +4,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <queue>
+#include <unordered_map>
 
 #include "rastro/backend/loop_candidates.h"
 #include "rastro/base/error.h"
@@ -122,6 +125,30 @@ double KeyframeGraph::path_between(std::int64_t from, std::int64_t to) const {
     previous = id;
   }
   return path_m;
+}
+
+double KeyframeGraph::graph_path_between(std::int64_t from, std::int64_t to, double most) const {
+  // Dijkstra 1959; the nearest first, of equals the one with the smallest id.
+  using Reached = std::pair<double, std::int64_t>;
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next;
+  std::unordered_map<std::int64_t, double> nearest{{from, 0.0}};
+  next.emplace(0.0, from);
+  while (!next.empty()) {
+    const auto [path_m, id] = next.top();
+    next.pop();
+    if (id == to) return path_m;
+    if (path_m > nearest.at(id)) continue;
+    for (const std::size_t e : edges_of_[static_cast<std::size_t>(id)]) {
+      const Constraint& edge = edges_[e];
+      const SE3 step = edge.rigid();
+      const double longer_m = path_m + step.translation().norm() + step.rotation().log().norm();
+      const auto [known, is_new] = nearest.emplace(edge.from == id ? edge.to : edge.from, longer_m);
+      if (longer_m >= most || (!is_new && known->second <= longer_m)) continue;
+      known->second = longer_m;
+      next.emplace(longer_m, known->first);
+    }
+  }
+  return most;
 }
 
 std::optional<TrackedMotion> KeyframeGraph::tracked_motion(std::int64_t from, std::int64_t to, int most_steps) const {

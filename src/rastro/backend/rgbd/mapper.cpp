@@ -211,7 +211,8 @@ bool Mapper::contradicts_path(const Constraint& edge) const {
     constexpr double least_path_m = 1.0;  // over which tracking may slip without a path
     const OdometryDrift drift{options_.loop_drift_share, options_.loop_drift_rad_per_m};
     const SE3 predicted = graph_.pose(edge.from).inverse() * graph_.pose(edge.to);
-    evidence.graph_sigmas = graph_sigmas(predicted, edge.rigid(), drift.covariance(least_path_m + path_m));
+    const double drifted_m = graph_.graph_path_between(edge.from, edge.to, path_m);
+    evidence.graph_sigmas = graph_sigmas(predicted, edge.rigid(), drift.covariance(least_path_m + drifted_m));
   }
   return judge(evidence, {.max_graph_sigmas = options_.loop_max_sigmas}) != Rejection::none;
 }

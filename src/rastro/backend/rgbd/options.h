@@ -51,8 +51,8 @@ struct RgbdSlamOptions {
   double robust_width = 4.0;
   int graph_window = 15;
   int loop_steps = 12;
-  double loop_drift_share = 0.1;
-  double loop_drift_rad_per_m = 0.02;
+  double loop_drift_share = 0.05;
+  double loop_drift_rad_per_m = 0.01;
   double loop_max_sigmas = 5.0;
   double tracked_drift_share = 0.02;
   double max_acceleration = 15.0;

@@ -75,11 +75,10 @@ void AppearanceSearch::remember(const KeyframeGraph& graph, std::int64_t id) {
       (static_cast<double>(image.features.size()) - features_per_image_) / static_cast<double>(images_);
   words_.clear();
   if (!is_bad(image)) {
-    const std::span<const Descriptor> all = image.features.descriptors;
     const std::size_t before = vocabulary_.size();
-    const std::size_t count = std::min(all.size(), static_cast<std::size_t>(options_.words_per_image));
-    work_ms_ = work_of_comparison_ms * static_cast<double>(count) * static_cast<double>(before);
-    words_ = vocabulary_.add(all.first(count), means_.pool);
+    const std::size_t count = std::min(image.features.size(), static_cast<std::size_t>(options_.words_per_image));
+    work_ms_ = work_of_comparison_ms * static_cast<double>(count * vocabulary_.comparisons());
+    words_ = vocabulary_.add(image.features, count, means_.pool);
     words_added_ = vocabulary_.size() - before;
   }
   const bool follows = follows_last(graph, id);
@@ -118,6 +117,25 @@ std::vector<std::int64_t> AppearanceSearch::likely_locations() {
   return ids;
 }
 
+/// By the words that few locations of this map have: where doors and lamps are all of one make, notices tell places
+/// apart.
+double AppearanceSearch::rare_similarity(const BagOfWords& a, const BagOfWords& b) const {
+  const auto rarity = [&](std::uint32_t word) {
+    const double share = static_cast<double>(places_.images_with(word) + 1) / static_cast<double>(places_.size() + 1);
+    const double bits = std::log(share);
+    return bits * bits;
+  };
+  double of_a = 0.0, of_b = 0.0, shared = 0.0;
+  for (const auto& [word, weight] : a.words) of_a += rarity(word);
+  for (const auto& [word, weight] : b.words) of_b += rarity(word);
+  for (auto i = a.words.begin(), j = b.words.begin(); i != a.words.end() && j != b.words.end();) {
+    if (i->first == j->first) shared += rarity(i->first);
+    const bool next_a = i->first <= j->first, next_b = j->first <= i->first;
+    i += next_a ? 1 : 0, j += next_b ? 1 : 0;
+  }
+  return std::max(of_a, of_b) > 0.0 ? shared / std::max(of_a, of_b) : 0.0;
+}
+
 /// Of all memory, since words that never change find again what was transferred long ago. A score alone has no meaning:
 /// the last location says how similar the same place is. The best of the submaps that are not connected yet is always
 /// among them: where the camera came often, its own locations are more similar than those of another session.
@@ -127,9 +145,17 @@ std::vector<std::int64_t> AppearanceSearch::similar_locations(const KeyframeGrap
   double least = 0.0;
   if (const auto last = waiting_.lower_bound(own); last != waiting_.begin())
     least = options_.least_similarity * similarity(words, std::prev(last)->second);
+  constexpr double least_words = 0.5;  // of those shared with the location that shares most
+  constexpr std::size_t ranked = 40;
+  std::vector<PlaceMatch> matches = places_.find(words, least_words);
+  if (matches.size() > ranked) matches.resize(ranked);
+  std::erase_if(matches, [&](const PlaceMatch& match) { return match.score < least; });
+  for (PlaceMatch& match : matches) match.score = rare_similarity(words, *places_.find_words(match.id));
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const PlaceMatch& a, const PlaceMatch& b) { return a.score > b.score; });
   std::vector<std::int64_t> ids;
-  for (const PlaceMatch& match : places_.find(words))
-    if (match.score >= least && static_cast<int>(ids.size()) < options_.similar_locations) ids.push_back(match.id);
+  for (const PlaceMatch& match : matches)
+    if (static_cast<int>(ids.size()) < options_.similar_locations) ids.push_back(match.id);
   const auto is_apart = [&](std::int64_t id) { return graph.submap(id) != graph.submap(own); };
   constexpr double least_share = 0.8;  // of the words shared with the best of these
   const auto apart = places_.find(words, least_share, is_apart);
@@ -174,8 +200,7 @@ void AppearanceSearch::on_matched(const KeyframeGraph& graph, std::int64_t id, c
 void AppearanceSearch::retrieve(const KeyframeGraph& graph, std::int64_t location) {
   if (memory_.at(location).stage != MemoryStage::long_term) return;
   const auto& words = memory_.at(location).words;
-  const std::span<const Descriptor> all = graph.keyframe(location).features.descriptors;
-  vocabulary_.restore(words, all.first(words.size()));
+  vocabulary_.restore(words, graph.keyframe(location).features);
   if (!words.empty()) index_.add(location, words);
   memory_.retrieve(location);
   immune_.insert(location);
@@ -204,8 +229,7 @@ void AppearanceSearch::know(const Signature& signature, double weight) {
   const ImageFeatures& image = *signature.image;
   if (signature.words.empty() && memory_.last() != nullptr && weight == 0.0) return memory_.rehearse(image.id);
   // Ids of words are never given twice.
-  const std::span<const Descriptor> all = image.features.descriptors;
-  vocabulary_.restore(signature.words, all.first(signature.words.size()));
+  vocabulary_.restore(signature.words, image.features);
   vocabulary_.release(signature.words);
   memory_.begin(image.id, signature.words, false);
   memory_.weigh(image.id, weight);

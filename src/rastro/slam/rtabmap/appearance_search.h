@@ -11,10 +11,10 @@
 #include "rastro/backend/rgbd/loop_search.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/base/task_pool.h"
-#include "rastro/place/incremental_vocabulary.h"
 #include "rastro/place/location_filter.h"
 #include "rastro/place/location_index.h"
 #include "rastro/place/place_index.h"
+#include "rastro/place/visual_words.h"
 #include "rastro/slam/rtabmap/location_memory.h"
 #include "rastro/slam/rtabmap/options.h"
 
@@ -49,6 +49,7 @@ class AppearanceSearch : public LoopSearch {
 
  private:
   bool is_bad(const ImageFeatures& image) const;
+  double rare_similarity(const BagOfWords& a, const BagOfWords& b) const;
   void remember(const KeyframeGraph& graph, std::int64_t id);
   void shorten_short_term(int most);
   std::vector<std::int64_t> likely_locations();
@@ -59,7 +60,7 @@ class AppearanceSearch : public LoopSearch {
 
   RtabmapOptions options_;
   Means means_;
-  IncrementalVocabulary vocabulary_;
+  VisualWords vocabulary_;
   LocationMemory memory_;
   LocationIndex index_;  ///< Of working memory, by the words of vocabulary_.
   LocationFilter filter_;

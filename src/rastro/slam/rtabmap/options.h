@@ -39,7 +39,7 @@ struct RtabmapOptions {
   int hypotheses = 2;
 
   // Index of all locations.
-  int similar_locations = 3;
+  int similar_locations = 8;
   double least_similarity = 0.3;
 };
 

@@ -34,7 +34,7 @@ void add_ring(Scene& scene, int storey) {
   const double z = storey * storey_m;
   const auto level = [&](const Vector2d& low, const Vector2d& high) {
     add_level(scene, low, high, z, floor());
-    add_level(scene, low, high, z + ceiling_m, ceiling(11));
+    add_level(scene, low, high, z + ceiling_m, ceiling());
   };
   level({-h, -h}, {east, h});
   level({-h, ring_y - h}, {east, north});
@@ -83,7 +83,7 @@ void add_notices(Scene& scene, Random& random, const Wall& wall) {
 /// From the wall of a corridor to the facade.
 void add_passage(Scene& scene, const Vector2d& low, const Vector2d& high, bool along_y) {
   add_level(scene, low, high, 0.0, floor());
-  add_level(scene, low, high, ceiling_m, ceiling(12));
+  add_level(scene, low, high, ceiling_m, ceiling());
   const Vector2d south_east(high.x(), low.y()), north_west(low.x(), high.y());
   if (along_y) {
     add_wall(scene, {low, north_west, 0.0, ceiling_m}, plaster());
@@ -114,7 +114,7 @@ void add_stairs_up(Scene& scene, Random& random) {
   add_level(scene, {east, -h}, {stairs_up_x, h}, 0.0, floor());
   add_level(scene, {landing, -h}, {tower_east, gallery_north}, storey_m, floor());
   add_level(scene, {east, h}, {landing, gallery_north}, storey_m, floor());
-  add_level(scene, {east, -h}, {tower_east, gallery_north}, top_m, ceiling(12));
+  add_level(scene, {east, -h}, {tower_east, gallery_north}, top_m, ceiling());
   add_block(scene, {east, h - 0.08, storey_m}, {landing, h + 0.08, storey_m + 0.95}, hall::steel_beam(120.0F));
   add_panel(scene, end, 4.4, 1.5, {1.2, 1.5}, 0.04, picture());
   for (const Wall& wall : {south, back}) add_notices(scene, random, wall);
@@ -128,7 +128,7 @@ void add_stairs_down(Scene& scene, Random& random) {
   add_steps(scene, stairs_down_x, ring_y, false);
   add_level(scene, {east, ring_y - h}, {stairs_down_x, north}, storey_m, floor());
   add_level(scene, {stairs_down_x + stairs_m - step_m, ring_y - h}, {outer_east, north}, 0.0, floor());
-  add_level(scene, {east, ring_y - h}, {outer_east - 0.05, north}, top_m, ceiling(12));
+  add_level(scene, {east, ring_y - h}, {outer_east - 0.05, north}, top_m, ceiling());
   add_panel(scene, exit, 1.5, 4.2, {1.6, 1.2}, 0.02, view(31));
   add_panel(scene, south, 6.0, 2.6, {1.0, 1.2}, 0.03, poster());
   add_panel(scene, north_side, 8.0, 2.4, {1.2, 0.9}, 0.04, notice_board());

@@ -233,8 +233,8 @@ Material alike(void (*paint)(Canvas&, Random&), double texels_per_meter, std::ui
 
 Material plaster() { return {paint_corridor_wall, 80.0}; }
 Material floor() { return {paint_floor, 60.0}; }
-Material ceiling(std::uint64_t likeness) {
-  Material material = alike(paint_ceiling, 50.0, likeness);
+Material ceiling() {
+  Material material{paint_ceiling, 50.0};
   material.shines = true;
   return material;
 }

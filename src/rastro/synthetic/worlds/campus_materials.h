@@ -13,7 +13,7 @@ Material plaster();
 /// Twelve tiles per bay, worn in the middle.
 Material floor();
 /// Panels of 0.6 m with two lamps per bay.
-Material ceiling(std::uint64_t likeness);
+Material ceiling();
 Material door(std::uint64_t likeness);
 /// A window from inside: the sky, trees and houses outside.
 Material view(std::uint64_t likeness);
