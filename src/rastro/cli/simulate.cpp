@@ -12,11 +12,8 @@
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/interrupt.h"
+#include "rastro/cli/simulated_worlds.h"
 #include "rastro/synthetic/worlds/corridor.h"
-#include "rastro/synthetic/worlds/hall.h"
-#include "rastro/synthetic/worlds/loop.h"
-#include "rastro/synthetic/worlds/rooms.h"
-#include "rastro/synthetic/worlds/street.h"
 #include "rastro/synthetic/write_euroc.h"
 #include "rastro/synthetic/write_kitti.h"
 #include "rastro/synthetic/write_laser_log.h"
@@ -27,38 +24,19 @@ namespace rastro::cli {
 namespace {
 
 struct SimulateFlags {
-  std::string world;
+  std::string world_name;
   std::string out;
   std::string format;
   std::optional<std::int64_t> frames;
   std::optional<double> odometry_error;
   std::string black;
-  std::uint64_t seed = 1;
-  int threads = 0;
-  bool distortion = false;
+  WorldFlags world;
+  FrameSelection selection;
   bool no_ground_truth = false;
   bool stereo = false;
   bool force = false;
   bool quiet = false;
 };
-
-constexpr const char* worlds_text =
-    R"(hall     machine hall seen from a drone, 752x480 at 20 Hz: it rises behind a press and descends again (frames 0-29),
-         rotates abruptly (42-56), passes behind a pillar (76-112), then tours the hall without end
-street   drive around a block of houses as in KITTI, 1242x375 at 10 Hz: a curve (frames 6-43), a straight, a second curve
-         (about 210-250) and so on without end; other cars move, the exposure changes
-corridor robot with a 2D laser (270 degrees, 10 m, 10 Hz) and wheel odometry with errors on an office floor: a loop of
-         76 m and 10 m more, glass doors, 26 m of corridor without structure, a walking person; --format tum: what its
-         depth camera sees
-bedroom  small room with few objects in artificial light, in color and depth from a hand-held Kinect, 640x480 at 30 Hz:
-         a blue box on a shelf (0.32 x 0.25 m), a bed of 2 m; a round of 38.5 s back to the start, an abrupt rotation at
-         15 s, and on without end; with objects.yaml for `rastro measure` and truth.ply
-study    the same for a cluttered room in less light: shelves (0.16 m high, 0.75 m wide), a wall calendar (0.42 m), a
-         glass table (0.85 m) with missing or wrong depth; the abrupt rotation is at 20.5 s
-loop     walk of 120 m through streets, a hall and a square, 640x480 at 20 Hz, with --stereo or --format tum: back at the
-         start in the same direction (frames 860-), across the square in the opposite one (1420-), a crowd (210-420), and
-         two seconds at another place (550-589); closures.yaml lists the frames that see the same place
-)";
 
 struct Written {
   std::int64_t frames = 0;
@@ -81,42 +59,37 @@ std::optional<std::pair<double, double>> black_of(const SimulateFlags& flags) {
 
 Written write_as_asked(const World& world, const SimulateFlags& flags, std::int64_t frames,
                        const std::function<void(std::int64_t)>& progress) {
-  TaskPool pool(flags.threads);
+  TaskPool pool(flags.world.threads);
   if (flags.format == "euroc") {
-    const EurocOptions options{frames, !flags.no_ground_truth, flags.force, flags.stereo};
+    const EurocOptions options{frames, !flags.no_ground_truth, flags.force, flags.stereo, flags.selection};
     const EurocSummary summary = write_euroc(world, flags.out, options, pool, progress);
     return {summary.frames, summary.bytes, flags.out};
   }
   if (flags.format == "tum") {
-    const TumOptions options{frames, DepthModel{}, flags.force, black_of(flags)};
+    const TumOptions options{frames, DepthModel{}, flags.force, black_of(flags), flags.selection};
     const TumSummary summary = write_tum(world, flags.out, options, pool, progress);
     return {summary.frames, summary.bytes, flags.out};
   }
   const KittiLayout layout = flags.format == "kitti" ? KittiLayout::odometry : KittiLayout::raw;
   const KittiSummary summary =
-      write_kitti(world, flags.out, {frames, layout, flags.force, flags.stereo}, pool, progress);
+      write_kitti(world, flags.out, {frames, layout, flags.force, flags.stereo, flags.selection}, pool, progress);
   return {summary.frames, summary.bytes, summary.recording.string()};
 }
 
 void check_flags(const SimulateFlags& flags) {
-  const std::vector<std::string> names = {"hall", "street", "corridor", "bedroom", "study", "loop"},
-                                 formats = {"euroc", "kitti", "kitti-raw", "tum", "carmen"};
-  const auto is_one_of = [](const std::string& name, const std::vector<std::string>& list) {
-    return std::find(list.begin(), list.end(), name) != list.end();
-  };
-  if (!is_one_of(flags.world, names))
-    throw Error("there is no such world", flags.world, did_you_mean(flags.world, names));
-  if (!flags.format.empty() && !is_one_of(flags.format, formats))
+  const SimulatedWorld& world = simulated_world(flags.world_name);
+  const std::vector<std::string> formats = {"euroc", "kitti", "kitti-raw", "tum", "carmen"};
+  if (!flags.format.empty() && std::find(formats.begin(), formats.end(), flags.format) == formats.end())
     throw Error("there is no such format", flags.format, did_you_mean(flags.format, formats));
-  if (flags.distortion && flags.world != "hall")
+  if (flags.world.distortion && flags.world_name != "hall")
     throw Error("only the hall has a lens with distortion", "--distortion", "omit it");
-  if (!flags.black.empty() && flags.format != "tum" && !(flags.format.empty() && is_room(flags.world)))
+  if (!flags.black.empty() && flags.format != "tum" && !(flags.format.empty() && is_room(flags.world_name)))
     throw Error("only recordings with depth can have black images", "--black", "omit it or add --format tum");
   black_of(flags);
   const bool has_two = flags.format.empty() || flags.format == "euroc" || flags.format == "kitti";
-  if (flags.stereo && !(flags.world == "loop" && has_two))
-    throw Error("only the loop has a stereo camera, and only formats euroc and kitti", "--stereo", "omit it");
-  const bool drives = flags.world == "corridor";
+  if (flags.stereo && !(world.has_stereo && has_two))
+    throw Error("only loop and campus have a stereo camera, and only formats euroc and kitti", "--stereo", "omit it");
+  const bool drives = flags.world_name == "corridor";
   if (flags.format == "carmen" && !drives)
     throw Error("only the corridor has a laser", "--format carmen", "simulate the corridor or choose another format");
   if (flags.odometry_error && !(drives && (flags.format.empty() || flags.format == "carmen")))
@@ -126,28 +99,14 @@ void check_flags(const SimulateFlags& flags) {
   if (flags.out.empty()) throw Error("is required", "--out", "give a folder: --out DIR");
   if (flags.frames && (*flags.frames < 1 || *flags.frames > 10'000'000))
     throw Error("the number of frames is out of range", "--frames", "give 1 to 10000000");
-  if (flags.threads < 0)
+  if (flags.selection.every < 1 || flags.selection.every > 100'000)
+    throw Error("this is not a step between frames", "--every", "give 1 to 100000");
+  if (flags.selection.first < 0 || flags.selection.first > 10'000'000)
+    throw Error("there is no such frame", "--first", "give 0 to 10000000");
+  if ((flags.selection.first > 0 || flags.selection.every > 1) && flags.format == "carmen")
+    throw Error("a laser log has every scan", "--every or --first", "omit it");
+  if (flags.world.threads < 0)
     throw Error("the number of threads is negative", "--threads", "give 1 or more, or 0 for all cores");
-}
-
-const char* default_format(const std::string& world) {
-  if (is_room(world)) return "tum";
-  return world == "street" ? "kitti" : world == "corridor" ? "carmen" : "euroc";
-}
-
-std::int64_t default_frames(const std::string& world) {
-  const double round_s = world == "bedroom" ? bedroom_round_s : study_round_s;
-  if (is_room(world)) return static_cast<std::int64_t>(round_s * 30.0) + 1;
-  return world == "loop" ? loop_frames : world == "street" ? 400 : 150;
-}
-
-World make_world(const SimulateFlags& flags) {
-  if (flags.world == "corridor") return make_corridor({.seed = flags.seed, .threads = flags.threads});
-  if (flags.world == "street") return make_street({.seed = flags.seed, .threads = flags.threads});
-  if (flags.world == "bedroom") return make_bedroom({.seed = flags.seed, .threads = flags.threads});
-  if (flags.world == "study") return make_study({.seed = flags.seed, .threads = flags.threads});
-  if (flags.world == "loop") return make_loop({.seed = flags.seed, .threads = flags.threads});
-  return make_hall({.seed = flags.seed, .distortion = flags.distortion, .threads = flags.threads});
 }
 
 /// Progress on standard error, if that is a terminal.
@@ -177,8 +136,8 @@ void say_interrupted(const SimulateFlags& flags, const Progress& progress, const
 }
 
 void simulate_laser(const SimulateFlags& flags) {
-  const LaserWorld world = make_corridor_floor({.seed = flags.seed});
-  TaskPool pool(flags.threads);
+  const LaserWorld world = make_corridor_floor({.seed = flags.world.seed});
+  TaskPool pool(flags.world.threads);
   const LaserLogOptions options{flags.frames, {.factor = flags.odometry_error.value_or(1.0)}, flags.force};
   LaserLogSummary summary;
   {
@@ -193,13 +152,20 @@ void simulate_laser(const SimulateFlags& flags) {
     fmt::print(
         "world      {} (seed {})\nscans      {}, {} beams, {:g} Hz\npath       {:.2f} m, wheel odometry error up to "
         "{:.2f} m\nrelations  {}\nwritten to {} ({:.1f} MB)\n",
-        world.name, flags.seed, summary.scans, world.laser.beams, world.rate_hz, summary.path_m, summary.odometry_off_m,
-        summary.relations, flags.out, static_cast<double>(summary.bytes) * 1e-6);
+        world.name, flags.world.seed, summary.scans, world.laser.beams, world.rate_hz, summary.path_m,
+        summary.odometry_off_m, summary.relations, flags.out, static_cast<double>(summary.bytes) * 1e-6);
+}
+
+/// Of a world at its full rate, those that are left after the first in steps of --every.
+std::int64_t frames_of(const SimulateFlags& flags, const SimulatedWorld& world) {
+  const std::int64_t left = std::max<std::int64_t>(1, world.default_frames - flags.selection.first);
+  return flags.frames.value_or((left + flags.selection.every - 1) / flags.selection.every);
 }
 
 void simulate_camera(const SimulateFlags& flags) {
-  const std::int64_t frames = flags.frames.value_or(default_frames(flags.world));
-  const World world = make_world(flags);
+  const SimulatedWorld& simulated = simulated_world(flags.world_name);
+  const std::int64_t frames = frames_of(flags, simulated);
+  const World world = simulated.make(flags.world);
   Written written;
   {
     Progress progress(flags, frames);
@@ -207,14 +173,18 @@ void simulate_camera(const SimulateFlags& flags) {
       stop_if_interrupted();  // making the world takes time, too
       written = write_as_asked(world, flags, frames, std::ref(progress));
     } catch (const Interrupted&) {
-      return say_interrupted(flags, progress, "frames", flags.world == "loop" ? "; closures.yaml is missing" : "");
+      return say_interrupted(flags, progress, "frames", simulated.has_closures ? "; closures.yaml is missing" : "");
     }
-    if (flags.world == "loop") write_loop_closures(world, frames, written.recording);
+    if (simulated.has_closures) {
+      TaskPool pool(flags.world.threads);
+      write_loop_closures(world, frames, flags.selection, written.recording, pool);
+    }
   }
   if (!flags.quiet)
     fmt::print("world      {} (seed {})\nframes     {}, {}x{}, {:g} Hz\nwritten to {} ({:.1f} MB)\n", world.name(),
-               flags.seed, written.frames, world.camera().width, world.camera().height, world.rate_hz(),
-               written.recording, static_cast<double>(written.bytes) * 1e-6);
+               flags.world.seed, written.frames, world.camera().width, world.camera().height,
+               world.rate_hz() / static_cast<double>(flags.selection.every), written.recording,
+               static_cast<double>(written.bytes) * 1e-6);
 }
 
 constexpr const char* examples_text = R"(Examples:
@@ -228,15 +198,17 @@ constexpr const char* examples_text = R"(Examples:
   rastro simulate bedroom --out bedroom                one round with a Kinect, ground truth and lengths to measure
   rastro simulate study --out dark --seed 3 --black 10:11   with one second of black images
   rastro simulate loop --out loop                      walk with two loop closures, one camera
-  rastro simulate loop --out pair --stereo             the same with a stereo camera)";
+  rastro simulate loop --out pair --stereo             the same with a stereo camera
+  rastro simulate campus --out tour --format tum --every 10   30 minutes at 2 Hz, in color and depth
+  rastro simulate campus --out part --stereo --first 6000 --frames 1200   a minute at the full rate)";
 
 void simulate(SimulateFlags flags) {
-  if (flags.world.empty()) {
-    fmt::print("{}", worlds_text);
+  if (flags.world_name.empty()) {
+    fmt::print("{}", simulated_worlds_text());
     return;
   }
   check_flags(flags);
-  if (flags.format.empty()) flags.format = default_format(flags.world);
+  if (flags.format.empty()) flags.format = simulated_world(flags.world_name).default_format;
   catch_interrupts();
   if (flags.format == "carmen")
     simulate_laser(flags);
@@ -250,19 +222,24 @@ void add_simulate_command(CLI::App& app, Context& context) {
   const auto flags = std::make_shared<SimulateFlags>();
   CLI::App* command =
       app.add_subcommand("simulate", "Generates a recording of a synthetic world with exact ground truth");
-  command->add_option("WORLD", flags->world, "hall, street, corridor, bedroom, study or loop; omit it to list them")
+  command
+      ->add_option("WORLD", flags->world_name,
+                   "hall, street, corridor, bedroom, study, loop or campus; omit it to list them")
       ->type_name("");
   command->add_option("--out", flags->out, "Output folder")->type_name("DIR");
   command
       ->add_option("--format", flags->format,
                    "euroc, kitti (odometry), kitti-raw, tum (with depth) or carmen (2D laser, corridor only); default: "
-                   "euroc for hall and loop, kitti for street, carmen for corridor, tum for bedroom and study")
+                   "euroc for hall, loop and campus, kitti for street, carmen for corridor, tum for bedroom and study")
       ->type_name("FORMAT");
   command
       ->add_option("--frames", flags->frames,
                    "Number of frames; default: hall 150, street 400, bedroom and study 1156 (one round), loop 1541, "
-                   "corridor the whole drive")
+                   "campus 36000, corridor the whole drive; fewer with --every")
       ->type_name("N");
+  command->add_option("--every", flags->selection.every, "Only every N-th frame of the camera (default: 1)")
+      ->type_name("N");
+  command->add_option("--first", flags->selection.first, "The first frame to write (default: 0)")->type_name("N");
   command
       ->add_option("--odometry-error", flags->odometry_error,
                    "Wheel odometry error of the corridor; 1: 2 cm per meter and 2 degrees per 45 (default: 1)")
@@ -272,15 +249,17 @@ void add_simulate_command(CLI::App& app, Context& context) {
                    "Black images without depth between two times, in seconds from the start (format tum)")
       ->type_name("FROM:TO");
   command
-      ->add_option("--seed", flags->seed,
+      ->add_option("--seed", flags->world.seed,
                    "Seed of textures, furniture or houses, and noise; the trajectory stays the same")
       ->capture_default_str();
-  command->add_option("--threads", flags->threads, "Number of threads, 0: all cores; the bytes do not depend on it")
+  command
+      ->add_option("--threads", flags->world.threads, "Number of threads, 0: all cores; the bytes do not depend on it")
       ->capture_default_str();
-  command->add_flag("--distortion", flags->distortion, "hall: EuRoC's lens distortion (default: a pinhole camera)");
+  command->add_flag("--distortion", flags->world.distortion,
+                    "hall: EuRoC's lens distortion (default: a pinhole camera)");
   command->add_flag("--no-ground-truth", flags->no_ground_truth,
                     "Omit the depth and surface images, which `rastro evaluate tracks` needs (euroc)");
-  command->add_flag("--stereo", flags->stereo, "loop: with the right camera (euroc, kitti)");
+  command->add_flag("--stereo", flags->stereo, "loop and campus: with the right camera (euroc, kitti)");
   command->add_flag("--force", flags->force, "Write into a folder that is not empty");
   command->add_flag("--quiet", flags->quiet, "Print errors only");
   command->footer(examples_text);

@@ -25,8 +25,8 @@ struct RenderedFrame {
   ColorImage color;              ///< Only on request; `gray` is then computed from it.
 };
 
-/// Light that falls on a point of a surface (world, meters) with a unit normal towards the camera: a factor on the painted
-/// and lit texture. Must depend on its arguments only.
+/// Light that falls on a point of a surface (world, meters) with a unit normal towards the camera: a factor on the
+/// painted and lit texture. Must depend on its arguments only.
 using LightField = std::function<float(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double time_s)>;
 
 /// Casts one ray per pixel, more along the edges of solids, in small tiles with lists of the solids they may show. The

@@ -129,9 +129,11 @@ EurocSummary write_euroc(const World& world, const fs::path& folder, const Euroc
   const fs::path mav = folder / "mav0";
   make_folder(mav / "state_groundtruth_estimate0");
   TextFile(mav / "state_groundtruth_estimate0/sensor.yaml", ground_truth_yaml(world));
-  TextFile images = camera_list(world, mav / "cam0", world.body_from_camera());
+  const double rate_hz = world.rate_hz() / static_cast<double>(options.selection.every);
+  TextFile images = camera_list(world, mav / "cam0", world.body_from_camera(), rate_hz);
   std::optional<TextFile> right;
-  if (options.stereo) right = camera_list(world, mav / "cam1", world.body_from_camera() * *world.left_from_right());
+  if (options.stereo)
+    right = camera_list(world, mav / "cam1", world.body_from_camera() * *world.left_from_right(), rate_hz);
   TextFile poses(mav / "state_groundtruth_estimate0/data.csv",
                  "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z "
                  "[],v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],"

@@ -56,7 +56,8 @@ class Lists {
 
 class OdometryLists : public Lists {
  public:
-  OdometryLists(const World& world, const fs::path& folder, const FrameSelection& selection, bool stereo) : world_(world), folder_(folder) {
+  OdometryLists(const World& world, const fs::path& folder, const FrameSelection& selection, bool stereo)
+      : world_(world), folder_(folder), selection_(selection) {
     make_folder(folder / "image_0");
     std::string calibration = fmt::format("P0:{}\n", numbers(projection_rows(world.camera())));
     if (stereo) {

@@ -14,8 +14,8 @@ struct CampusOptions {
   int threads = 0;     ///< Threads for painting the textures; 0: all cores. The result does not depend on it.
 };
 
-/// A tour of 30 minutes with a body camera (640x480, f = 420, 20 Hz, the right camera 0.12 m beside the left one): three
-/// laps of 600 m through a parking lot, the corridors of a ground floor, a courtyard, up a flight of stairs, the
+/// A tour of 30 minutes with a body camera (640x480, f = 420, 20 Hz, the right camera 0.12 m beside the left one):
+/// three laps of 600 m through a parking lot, the corridors of a ground floor, a courtyard, up a flight of stairs, the
 /// corridors of the upper floor, down another flight and around the building. Corridors look alike on both floors and
 /// in both wings; door signs, posters and notice boards differ. From lap to lap the light changes, and a third of the
 /// furniture and of the parked cars moves, comes or goes. People walk everywhere. The camera is at rest after the tour.

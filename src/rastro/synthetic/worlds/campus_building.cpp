@@ -106,7 +106,8 @@ void add_steps(Scene& scene, double x, double middle_y, bool up) {
 
 void add_stairs_up(Scene& scene, Random& random) {
   const double landing = stairs_up_x + stairs_m;
-  const Wall south{{tower_east, -h}, {east, -h}, 0.0, top_m}, end{{tower_east, gallery_north}, {tower_east, -h}, storey_m, top_m},
+  const Wall south{{tower_east, -h}, {east, -h}, 0.0, top_m},
+      end{{tower_east, gallery_north}, {tower_east, -h}, storey_m, top_m},
       back{{east, gallery_north}, {tower_east, gallery_north}, storey_m, top_m};
   for (const Wall& wall : {south, end, back, Wall{{east, h}, {tower_east, h}, 0.0, storey_m},
                            Wall{{east, -h}, {east, h}, ceiling_m, storey_m}})
@@ -140,14 +141,11 @@ void add_stairs_down(Scene& scene, Random& random) {
 
 std::vector<Wall> corridor_walls(int storey) {
   const double low = storey * storey_m, high = low + ceiling_m;
-  std::vector<Wall> walls = {{{east, -h}, {-h, -h}, low, high},
-                             {{h, h}, {ring_x - h, h}, low, high},
-                             {{-h, north}, {east, north}, low, high},
-                             {{ring_x - h, ring_y - h}, {h, ring_y - h}, low, high},
-                             {{-h, -h}, {-h, north}, low, high},
-                             {{h, ring_y - h}, {h, h}, low, high},
-                             {{east, north}, {east, -h}, low, high},
-                             {{ring_x - h, h}, {ring_x - h, ring_y - h}, low, high}};
+  std::vector<Wall> walls = {
+      {{east, -h}, {-h, -h}, low, high},       {{h, h}, {ring_x - h, h}, low, high},
+      {{-h, north}, {east, north}, low, high}, {{ring_x - h, ring_y - h}, {h, ring_y - h}, low, high},
+      {{-h, -h}, {-h, north}, low, high},      {{h, ring_y - h}, {h, h}, low, high},
+      {{east, north}, {east, -h}, low, high},  {{ring_x - h, h}, {ring_x - h, ring_y - h}, low, high}};
   if (storey == 0) {
     walls[0].openings = {{29.5, 33.5, ceiling_m}};
     walls[3].openings = {{27.0, 30.0, ceiling_m}};

@@ -39,7 +39,8 @@ void add_facades(Scene& scene) {
 
 void add_area(Scene& scene, const Vector2d& low, const Vector2d& high, double piece, const Material& material) {
   const Vector2d size = high - low;
-  const int columns = std::max(1, static_cast<int>(size.x() / piece)), rows = std::max(1, static_cast<int>(size.y() / piece));
+  const int columns = std::max(1, static_cast<int>(size.x() / piece)),
+            rows = std::max(1, static_cast<int>(size.y() / piece));
   const double width = size.x() / columns, height = size.y() / rows;
   for (int column = 0; column < columns; ++column)
     for (int row = 0; row < rows; ++row)
@@ -81,8 +82,9 @@ void add_tree(Scene& scene, Random& random, const Vector2d& foot) {
   scene.add_cylinder({foot.x(), foot.y(), 0}, {foot.x(), foot.y(), height}, 0.16, street::bark());
   for (int i = 0; i < 3; ++i) {
     const double angle = random.uniform(0.0, 2.0 * std::numbers::pi), off = i == 0 ? 0.0 : 0.6 * size;
-    scene.add_sphere({foot.x() + off * std::cos(angle), foot.y() + off * std::sin(angle), height + 0.6 * size + 0.3 * i},
-                     size * (i == 0 ? 1.0 : 0.7), street::foliage(static_cast<float>(random.uniform(62.0, 96.0))));
+    scene.add_sphere(
+        {foot.x() + off * std::cos(angle), foot.y() + off * std::sin(angle), height + 0.6 * size + 0.3 * i},
+        size * (i == 0 ? 1.0 : 0.7), street::foliage(static_cast<float>(random.uniform(62.0, 96.0))));
   }
 }
 
@@ -97,15 +99,24 @@ void add_lines_of_the_lot(Scene& scene) {
   for (const double middle : {-37.5, -26.2, -21.6})
     for (double x = 18.0; x <= 79.0; x += 3.0)
       scene.add_quad({x, middle, 0.005}, {0.1, 0, 0}, {0, -4.6, 0}, parking_line());
-  for (double x = 36.0; x <= 72.0; x += 3.0) scene.add_quad({x, -9.6, 0.005}, {0.1, 0, 0}, {0, -4.6, 0}, parking_line());
+  for (double x = 36.0; x <= 72.0; x += 3.0)
+    scene.add_quad({x, -9.6, 0.005}, {0.1, 0, 0}, {0, -4.6, 0}, parking_line());
 }
 
 void add_courtyard(Scene& scene, Random& random) {
   scene.add_cylinder({24.0, 17.8, 0}, {24.0, 17.8, 0.6}, 2.0, hall::concrete_pillar());
   scene.add_cylinder({24.0, 17.8, 0.6}, {24.0, 17.8, 2.2}, 0.35, hall::concrete_pillar());
   scene.add_sphere({24.0, 17.8, 2.6}, 0.6, hall::tank(120.0F));
-  for (const Vector2d& foot : {Vector2d(9.5, 20.0), {9.0, 30.5}, {20.0, 30.5}, {36.0, 29.0}, {46.0, 30.0}, {36.0, 20.0},
-                               {47.0, 21.0}, {40.0, 8.2}, {26.0, 8.4}, {10.0, 8.6}})
+  for (const Vector2d& foot : {Vector2d(9.5, 20.0),
+                               {9.0, 30.5},
+                               {20.0, 30.5},
+                               {36.0, 29.0},
+                               {46.0, 30.0},
+                               {36.0, 20.0},
+                               {47.0, 21.0},
+                               {40.0, 8.2},
+                               {26.0, 8.4},
+                               {10.0, 8.6}})
     add_tree(scene, random, foot);
   for (const double x : {18.0, 34.0, 42.0}) add_block(scene, {x, 14.6, 0}, {x + 3.2, 15.6, 0.6}, hall::brick_wall());
   for (const double x : {19.6, 35.6, 43.6}) scene.add_sphere({x, 15.1, 0.9}, 0.6, street::foliage(80.0F));
@@ -124,7 +135,7 @@ void add_grounds(Scene& scene, Random& random) {
   for (double x = -4.0; x < 88.0; x += random.uniform(9.0, 13.0)) add_tree(scene, random, {x, -44.0});
   for (const double y : {-20.0, -2.0, 16.0, 34.0}) add_street_lamp(scene, {78.2, y}, {0.9, 0.0});
   for (const double x : {20.0, 40.0, 60.0, 76.0}) add_street_lamp(scene, {x, -23.9}, {0.0, x < 50.0 ? 0.8 : -0.8});
-  for (const double y : {-30.0, -18.0, -8.0}) add_block(scene, {8.0, y, 0}, {8.8, y + 9.0, 1.2}, street::hedge());
+  for (const double y : {-30.0, -18.0}) add_block(scene, {8.0, y, 0}, {8.8, y + 9.0, 1.2}, street::hedge());
   add_block(scene, {86.5, -6.0, 0}, {87.1, 30.0, 1.1}, street::hedge());
   add_courtyard(scene, random);
 }

@@ -125,12 +125,12 @@ class Light {
  private:
   double inside(const Vector3d& point, const std::array<double, laps>& shares) const {
     const std::size_t upper = point.z() > 0.5 * (ceiling_m + storey_m) ? 1 : 0;
-    const bool south = point.y() < half_corridor + 0.2, north = point.y() > ring_y - half_corridor - 0.2;
-    const bool west = point.x() < 0.5 * ring_x;
-    const std::size_t corridor = 4 * upper + (south ? 0 : north ? 1 : west ? 2 : 3);
-    const double place = south || north ? point.x() : point.y();
+    const bool in_south = point.y()<half_corridor + 0.2, in_north = point.y()> ring_y - half_corridor - 0.2;
+    const bool in_west = point.x() < 0.5 * ring_x;
+    const std::size_t corridor = 4 * upper + (in_south ? 0 : in_north ? 1 : in_west ? 2 : 3);
+    const double place = in_south || in_north ? point.x() : point.y();
     double light = mixed(daylight_inside, shares);
-    if (!south && !north) light *= 1.6;  // The windows to the courtyard.
+    if (!in_south && !in_north) light *= 1.6;  // The windows to the courtyard.
     for (std::size_t lap = 0; lap < laps; ++lap)
       if (shares[lap] > 0.0) light += shares[lap] * lamps_.at(lap, corridor, place);
     return light;

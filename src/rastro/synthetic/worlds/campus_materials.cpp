@@ -139,7 +139,8 @@ void paint_notice_board(Canvas& canvas, Random& random) {
   if (width < 0.3) return;
   for (int i = 6 + static_cast<int>(random.below(7)); i > 0; --i) {
     const double w = random.uniform(0.15, 0.32), h = w * random.uniform(0.7, 1.45);
-    const double x = random.uniform(0.05, width - w - 0.05), y = random.uniform(0.05, std::max(0.06, height - h - 0.05));
+    const double x = random.uniform(0.05, width - w - 0.05),
+                 y = random.uniform(0.05, std::max(0.06, height - h - 0.05));
     canvas.rectangle(x + 0.01, y + 0.012, x + w + 0.01, y + h + 0.012, 45.0F, 0.6F);
     label(canvas, random, {x, y, x + w, y + h});
     if (random.uniform() < 0.4) canvas.disc(x + 0.6 * w, y + 0.65 * h, 0.2 * w, between(random, 40, 150));

@@ -43,7 +43,8 @@ void add_bench(Scene& scene, Random& random, const Spot& spot) {
   const float tone = tone_of(random, 90, 160);
   spot.box(scene, 0.0, 0.04, 0.38, {1.5, 0.36, 0.07}, corridor::wood(tone));
   for (const double side : {-0.6, 0.6}) spot.box(scene, side, 0.08, 0.0, {0.08, 0.28, 0.38}, corridor::metal(70.0F));
-  if (random.uniform() < 0.6) spot.box(scene, random.uniform(-0.4, 0.4), 0.1, 0.45, {0.34, 0.22, 0.3}, hall::cardboard());
+  if (random.uniform() < 0.6)
+    spot.box(scene, random.uniform(-0.4, 0.4), 0.1, 0.45, {0.34, 0.22, 0.3}, hall::cardboard());
 }
 
 void add_cupboard(Scene& scene, Random& random, const Spot& spot) {
@@ -131,15 +132,20 @@ void add_yard_things(LapThings& things) {
   };
   for (double y = 7.0; y < 10.0; y += 0.8)
     for (const double x : {15.5, 33.0}) things.add({x, y, 0}, {1, 0, 0}, bicycle({x, y, 0}));
-  for (const Vector2d& at : {Vector2d(19.0, 20.5), {29.0, 15.4}, {33.5, 24.0}, {38.0, 24.5}, {43.0, 18.0}, {17.5, 27.0},
-                             {25.0, 27.0}, {49.5, 16.0}})
+  for (const Vector2d& at : {Vector2d(19.0, 20.5),
+                             {29.0, 15.4},
+                             {33.5, 24.0},
+                             {38.0, 24.5},
+                             {43.0, 18.0},
+                             {17.5, 27.0},
+                             {25.0, 27.0},
+                             {49.5, 16.0}})
     things.add({at.x(), at.y(), 0}, {1, 0, 0}, table({at.x(), at.y(), 0}));
   for (const double y : {4.0, 10.0, 24.0, 30.0})
     things.add({78.0, y, 0}, {0, 1, 0}, [y](Scene& scene, Random& random) {
       add_bench(scene, random, {{outer_east, y, 0}, {0.0, 1.0}, {1.0, 0.0}});
     });
-  for (const double y : {14.0, 20.5, 27.5})
-    things.add({77.0, y, 0}, {0, 1, 0}, bicycle({77.4, y, 0}));
+  for (const double y : {14.0, 20.5, 27.5}) things.add({77.0, y, 0}, {0, 1, 0}, bicycle({77.4, y, 0}));
 }
 
 LapThings::Build car_at(const Vector3d& at, bool north_south, bool against) {
@@ -156,8 +162,7 @@ void add_slot(LapThings& things, const Vector3d& at, bool north_south) {
   const auto car = [&] { return car_at(at, north_south, random.uniform() < 0.5); };
   if (random.uniform() > share_that_changes) return things.replace(at, {car()});
   std::vector<LapThings::Build> builds;
-  for (int lap = 0; lap < laps; ++lap)
-    builds.push_back(random.uniform() < 0.4 ? LapThings::Build() : car());
+  for (int lap = 0; lap < laps; ++lap) builds.push_back(random.uniform() < 0.4 ? LapThings::Build() : car());
   things.replace(at, builds);
 }
 

@@ -73,8 +73,7 @@ double aside_m(double distance) {
 SE3 control(std::int64_t index) {
   const double seconds = static_cast<double>(index) / knots_hz, distance = tour().distance_at(seconds);
   const TourPoint here = tour().point(distance);
-  const double slope =
-      (tour().point(distance + 0.8).position.z() - tour().point(distance - 0.8).position.z()) / 1.6;
+  const double slope = (tour().point(distance + 0.8).position.z() - tour().point(distance - 0.8).position.z()) / 1.6;
   const double height = 0.5 * (tour().point(distance + 0.25).position.z() + tour().point(distance - 0.25).position.z());
   const double aside = aside_m(distance);
   const Vector3d sway(0.010 * wave(seconds, 1.07, 0.3), 0.012 * wave(seconds, 1.31, 2.0),
@@ -86,8 +85,8 @@ SE3 control(std::int64_t index) {
       -0.45 * std::atan(slope) + degree * (2.0 + 0.7 * wave(seconds, 2.3, 1.2) + 0.5 * wave(seconds, 0.57, 0.6));
   const double roll = degree * (0.6 * wave(seconds, 1.13, 2.8) + 0.3 * wave(seconds, 5.3, 0.9));
   const Vector3d left(-std::sin(here.heading), std::cos(here.heading), 0.0);
-  return {looking(yaw, pitch, roll), Vector3d(here.position.x(), here.position.y(), height + camera_height_m) +
-                                         aside * left + sway};
+  return {looking(yaw, pitch, roll),
+          Vector3d(here.position.x(), here.position.y(), height + camera_height_m) + aside * left + sway};
 }
 
 }  // namespace
@@ -174,8 +173,8 @@ double Tour::distance_at(double time_s) const {
   while (time_s >= lap_begin_s_[lap + 1]) ++lap;
   const double seconds = (time_s - lap_begin_s_[lap]) / slowness[lap];
   if (seconds <= 0.0) return static_cast<double>(lap) * lap_m_;
-  const auto after = static_cast<std::size_t>(std::upper_bound(seconds_.begin(), seconds_.end() - 1, seconds) -
-                                              seconds_.begin());
+  const auto after =
+      static_cast<std::size_t>(std::upper_bound(seconds_.begin(), seconds_.end() - 1, seconds) - seconds_.begin());
   const double share = (seconds - seconds_[after - 1]) / (seconds_[after] - seconds_[after - 1]);
   const double step = lap_m_ / static_cast<double>(seconds_.size() - 1);
   return static_cast<double>(lap) * lap_m_ + (static_cast<double>(after - 1) + share) * step;

@@ -30,11 +30,10 @@ const Walker walkers[] = {
 
 void add_crowd(Scene& scene) {
   for (const Walker& walker : walkers) {
-    const Stroll stroll{{walker.from.x(), walker.from.y(), 0.0},
-                        {walker.to.x(), walker.to.y(), 0.0},
-                        walker.speed,
-                        walker.start_m};
-    add_person(scene, [stroll](double time_s) { return stroll.pose(time_s); }, walker.start_m, walker.coat);
+    const Stroll stroll{
+        {walker.from.x(), walker.from.y(), 0.0}, {walker.to.x(), walker.to.y(), 0.0}, walker.speed, walker.start_m};
+    add_person(
+        scene, [stroll](double time_s) { return stroll.pose(time_s); }, walker.start_m, walker.coat);
   }
 }
 

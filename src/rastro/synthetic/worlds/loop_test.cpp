@@ -57,7 +57,8 @@ TEST(LoopTest, has_no_collision_and_shows_another_place_for_two_seconds) {
 
 TEST(LoopTest, closes_once_in_the_same_direction_and_once_against_it) {
   int same = 0, opposite = 0;
-  for (const TrueLoopClosure& loop_closure : true_loop_closures(small_loop(), loop_frames)) {
+  TaskPool pool(2);
+  for (const TrueLoopClosure& loop_closure : true_loop_closures(small_loop(), loop_frames, {}, pool)) {
     SCOPED_TRACE(loop_closure.frame);
     EXPECT_FALSE(is_elsewhere(loop_closure.frame) || is_elsewhere(loop_closure.earlier));
     const bool at_start = loop_closure.frame >= 860 && loop_closure.frame <= 1010 && loop_closure.earlier <= 100;
