@@ -102,8 +102,7 @@ ExportFacts export_image(const ExportJob& job) {
 
 ExportFacts export_word_images(const ExportJob& job) {
   need_layer<SignatureLayer>(job.input, job.settings.to);
-  const WordImageCounts counts =
-      write_word_images(*job.input.map, job.settings.out, job.pool, job.progress);
+  const WordImageCounts counts = write_word_images(*job.input.map, job.settings.out, job.pool, job.progress);
   return {{"locations", counts.locations}, {"loop closures", counts.loop_closures}};
 }
 
