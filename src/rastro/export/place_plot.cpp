@@ -27,7 +27,7 @@ class Sheet {
   explicit Sheet(const std::vector<PlaceBelief>& places) : places_(places) {
     for (const PlaceBelief& place : places) {
       last_ = std::max(last_, place.keyframe);
-      closures_ += place.accepted.size();
+      matches_ += place.accepted.size();
       rejections_ += place.rejected.size();
     }
     first_ = places.front().keyframe;
@@ -35,14 +35,24 @@ class Sheet {
   }
 
   void draw(PlotPen& pen) const {
-    pen.text(fmt::format("Places: {} keyframes, {} loop closures, {} rejected", places_.size(), closures_, rejections_),
+    pen.text(fmt::format("Places: {} keyframes, {} matches with earlier places, {} rejected", places_.size(), matches_,
+                         rejections_),
              {left_px, 30.0}, TextAnchor::left, 18.0, black);
     draw_legend(pen);
     draw_panel(probabilities(), pen);
     draw_panel(locations(), pen);
+    if (nothing_known())
+      pen.text("no place was left long enough ago to be looked for", {left_px + 0.5 * frame_width_px, 710.0},
+               TextAnchor::middle, 16.0, black);
   }
 
  private:
+  bool nothing_known() const {
+    return matches_ + rejections_ == 0 && std::all_of(places_.begin(), places_.end(), [](const PlaceBelief& place) {
+             return place.likely == no_keyframe;
+           });
+  }
+
   PlotPanel panel(double top_px, double height_px, const char* title, const char* x_label) const {
     PlotPanel panel;
     panel.corner = {left_px, top_px};
@@ -56,14 +66,15 @@ class Sheet {
     PlotPanel panel = this->panel(100.0, 300.0, "probability", "");
     panel.range = {{{number_of(first_), 0.0}, {number_of(last_), 1.0}}};
     PlotCurve new_place{{}, gray}, likely{{}, blue};
-    PlotDots accepted{{}, green, 4.0}, rejected{{}, red, 2.0};
+    PlotDots accepted{{}, green, 3.0}, rejected{{}, red, 3.0};
     for (const PlaceBelief& place : places_) {
       const Eigen::Vector2d at(number_of(place.keyframe), place.probability);
       new_place.points.emplace_back(at.x(), place.new_place);
       likely.points.push_back(at);
+      const auto& in_vain = place.rejected;
       if (!place.accepted.empty())
         accepted.points.push_back(at);
-      else if (!place.rejected.empty())
+      else if (std::find(in_vain.begin(), in_vain.end(), place.likely) != in_vain.end())
         rejected.points.push_back(at);
     }
     const double threshold = places_.back().threshold;
@@ -74,7 +85,7 @@ class Sheet {
 
   PlotPanel locations() const {
     PlotPanel panel = this->panel(450.0, 530.0, "earlier location (its keyframe)", "keyframe");
-    PlotDots unlikely{{}, light_blue, 2.0}, likely{{}, blue, 2.0}, accepted{{}, green, 4.0}, rejected{{}, red, 2.0};
+    PlotDots unlikely{{}, light_blue, 2.0}, likely{{}, blue, 2.0}, accepted{{}, green, 3.0}, rejected{{}, red, 1.5};
     double lowest = number_of(first_);
     const auto add = [&lowest](PlotDots& dots, KeyframeId from, KeyframeId to) {
       dots.points.emplace_back(number_of(to), number_of(from));
@@ -108,13 +119,13 @@ class Sheet {
     entry("most likely location", blue, 0.0);
     entry("below the threshold", light_blue, 3.0);
     entry(fmt::format("threshold {:g}", places_.back().threshold), orange, 0.0);
-    entry("loop closure", green, 4.0);
-    entry("compared and rejected", red, 3.0);
+    entry("matched", green, 3.0);
+    entry("compared in vain", red, 3.0);
   }
 
   const std::vector<PlaceBelief>& places_;
   KeyframeId first_ = 0, last_ = 0;
-  std::size_t closures_ = 0, rejections_ = 0;
+  std::size_t matches_ = 0, rejections_ = 0;
 };
 
 }  // namespace

@@ -43,10 +43,10 @@ TEST(PlacePlot, HasADotForEveryDecision) {
   const auto file = scratch_folder("place_plot") / "places.svg";
   write_place_plot(some_places(), file.string());
   const std::string drawn = text_of(file);
-  EXPECT_THAT(drawn, HasSubstr("Places: 5 keyframes, 3 loop closures, 3 rejected"));
+  EXPECT_THAT(drawn, HasSubstr("Places: 5 keyframes, 3 matches with earlier places, 3 rejected"));
   EXPECT_THAT(drawn, HasSubstr("threshold 0.11"));
-  EXPECT_EQ(count_of(drawn, green), 2U + 3U + in_legend) << "two keyframes above, three closures below";
-  EXPECT_EQ(count_of(drawn, red), 1U + 3U + in_legend) << "above, a keyframe with a closure is green alone";
+  EXPECT_EQ(count_of(drawn, green), 2U + 3U + in_legend) << "two keyframes above, three matches below";
+  EXPECT_EQ(count_of(drawn, red), 1U + 3U + in_legend) << "above, a keyframe with a match is green alone";
   EXPECT_EQ(count_of(drawn, light_blue), 1U + in_legend);
 }
 
@@ -55,9 +55,9 @@ TEST(PlacePlot, DotsStandWhereTheAxesSay) {
   write_place_plot(some_places(), file.string());
   const std::string drawn = text_of(file);
   // Above: keyframes 0 to 4 over 1285 pixels from 80, probabilities 0 to 1 over 300 pixels up to 100.
-  EXPECT_THAT(drawn, HasSubstr("<circle cx=\"1043.8\" cy=\"160.0\" r=\"4\"")) << "keyframe 3, probability 0.8";
+  EXPECT_THAT(drawn, HasSubstr("<circle cx=\"1043.8\" cy=\"160.0\" r=\"3\"")) << "keyframe 3, probability 0.8";
   // Below: locations 0 to 4 over 530 pixels up to 450.
-  EXPECT_THAT(drawn, HasSubstr("<circle cx=\"1043.8\" cy=\"847.5\" r=\"4\"")) << "keyframe 3 with location 1";
+  EXPECT_THAT(drawn, HasSubstr("<circle cx=\"1043.8\" cy=\"847.5\" r=\"3\"")) << "keyframe 3 with location 1";
 }
 
 TEST(PlacePlot, IsTheSamePngEveryTime) {
@@ -75,6 +75,15 @@ TEST(PlacePlot, OneKeyframeOrLocationsOfEarlierRunsCanBePlotted) {
   EXPECT_FALSE(cv::imread(file.string()).empty());
   write_place_plot({{7, 0.5, 3, 0.5, 0.11, {2}, {}}}, file.string());
   EXPECT_FALSE(cv::imread(file.string()).empty());
+}
+
+TEST(PlacePlot, AboveOnlyTheMostLikelyLocationIsRed) {
+  const auto file = scratch_folder("place_plot_likely") / "places.svg";
+  write_place_plot({{5, 0.5, 3, 0.5, 0.11, {}, {2}}}, file.string());
+  EXPECT_EQ(count_of(text_of(file), red), 1U + in_legend) << "location 2 is below alone";
+  EXPECT_THAT(text_of(file), testing::Not(HasSubstr("no place was left")));
+  write_place_plot({{5, 1.0, no_keyframe, 0.0, 0.11, {}, {}}}, file.string());
+  EXPECT_THAT(text_of(file), HasSubstr("no place was left long enough ago"));
 }
 
 TEST(PlacePlot, WithoutPlacesOrUnderAnotherNameIsRefused) {

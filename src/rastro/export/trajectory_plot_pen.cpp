@@ -46,8 +46,8 @@ class SvgPen : public PlotPen {
   }
 
   void dot(Eigen::Vector2d center, PlotColor color, double radius) override {
-    text_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:g}\" fill=\"{}\"/>\n", center.x(), center.y(), radius,
-                         hex(color));
+    text_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:g}\" fill=\"{}\"/>\n", center.x(), center.y(),
+                         radius, hex(color));
   }
 
   void text(const std::string& text, Eigen::Vector2d foot, TextAnchor anchor, double height, PlotColor color) override {

@@ -163,7 +163,7 @@ void AppearanceSearch::on_matched(const KeyframeGraph& graph, std::int64_t id, c
   place_ = belief_about(id, candidates, accepted);
 }
 
-/// Of a bad signature, the filter believes what it did before.
+/// Of a bad signature, the filter believes what it did before. Matches with short-term memory say nothing of places.
 PlaceBelief AppearanceSearch::belief_about(std::int64_t id, const Candidates& candidates,
                                            std::span<const Constraint> accepted) const {
   PlaceBelief place;
@@ -171,8 +171,11 @@ PlaceBelief AppearanceSearch::belief_about(std::int64_t id, const Candidates& ca
   place.new_place = belief().new_place;
   place.threshold = options_.loop_probability;
   if (const LocationScore* best = belief().best()) place.likely = best->location, place.probability = best->score;
-  for (const Constraint& edge : accepted)
-    if (edge.kind == ConstraintKind::loop || edge.kind == ConstraintKind::merge) place.accepted.push_back(edge.from);
+  for (const Constraint& edge : accepted) {
+    const std::int64_t other = memory_.location_of(edge.from);
+    if (other != memory_.location_of(id) && memory_.at(other).stage != MemoryStage::short_term)
+      place.accepted.push_back(edge.from);
+  }
   for (const std::int64_t location : candidates.places) {
     const bool fits = std::any_of(accepted.begin(), accepted.end(),
                                   [location](const Constraint& edge) { return edge.from == location; });

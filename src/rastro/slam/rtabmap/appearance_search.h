@@ -74,7 +74,7 @@ class AppearanceSearch : public LoopSearch {
   double features_per_image_ = 0.0;             ///< Mean.
   std::int64_t images_ = 0;
   std::size_t words_added_ = 0, words_transferred_ = 0;  ///< With the newest keyframe.
-  std::optional<PlaceBelief> place_;  ///< About the newest keyframe.
+  std::optional<PlaceBelief> place_;                     ///< About the newest keyframe.
   double work_ms_ = 0.0;
   Stopwatch clock_;
 };
