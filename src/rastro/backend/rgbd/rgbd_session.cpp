@@ -197,7 +197,6 @@ void RgbdSession::say_pose(const SE3& world_from_camera, const Matrix6d& covaria
 void RgbdSession::apply(MappedKeyframe mapped, std::vector<SlamEvent>& events) {
   events.insert(events.end(), mapped.revision.events.begin(), mapped.revision.events.end());
   note_memory(mapped.revision);
-  if (mapped.revision.belief) places_.push_back(std::move(*mapped.revision.belief));
   const SE3 before = map_.pose(mapped.keyframe);
   map_.apply(std::move(mapped.revision));
   if (mapped.keyframe == anchor_.keyframe) anchor_.covariance = map_.covariance(mapped.keyframe);

@@ -46,7 +46,7 @@ class RgbdSession {
   std::vector<FeatureObservation> observations() const;
   std::int64_t dropped_frames() const { return pipeline_.statistics().dropped; }
   const MapMemory& map_memory() const { return memory_; }
-  const std::vector<PlaceBelief>& places() const { return places_; }
+  const std::vector<PlaceBelief>& places() const { return map_.places(); }
 
  private:
   /// What mapping made of a keyframe.
@@ -127,7 +127,6 @@ class RgbdSession {
   double spacing_ = 1.0;     ///< Of keyframes, times the usual motion: more where memory is short.
   MapMemory memory_;
   std::vector<SlamEvent> events_;      ///< Not yet told of.
-  std::vector<PlaceBelief> places_;    ///< Of the keyframes so far.
   Pipeline<MappedKeyframe> pipeline_;  ///< Last: its jobs use what is above.
 };
 
