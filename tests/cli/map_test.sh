@@ -188,6 +188,28 @@ kill_one() {
   echo "kill $number: $kept poses, $((back / 10)) s before $before; $keyframes of $made keyframes"
 }
 
+places() {
+  local run=$here/run
+  run 0 slam "$room" --method rtabmap --out "$run" --set keyframe_frames=2
+  said 'places.png'
+  [[ -s $run/places.png ]] || fail "places.png is missing"
+  run 0 slam "$room" --method rtabmap --out "$here/step" --mode step --threads 1 --set keyframe_frames=2 --quiet
+  cmp "$run/places.png" "$here/step/places.png" || fail "other beliefs with one thread, one step after the other"
+  cp "$run/map.rastro" "$here/alone.rastro"
+  run 0 export "$here/alone.rastro" --to word-images --out "$here/words" --json
+  [[ $(find "$here/words" -name '*.jpg' | wc -l) -eq $(sed -n 's/^  "locations": \([0-9]*\).*/\1/p' "$here/stdout") ]] ||
+    fail "not one picture for each location: $(cat "$here/stdout")"
+  [[ -s $here/words/000000.jpg ]] || fail "the first keyframe is a location"
+  run 0 export "$run" --to word-images --out "$here/again" --threads 1 --quiet
+  cmp "$here/words/000000.jpg" "$here/again/000000.jpg" || fail "the picture depends on the threads"
+  run 0 slam "$room" --method rgbd --out "$here/rgbd" --frames 0:4 --quiet
+  [[ ! -e $here/rgbd/places.png ]] || fail "rgbd recognizes no places"
+  refused "no layer 'signatures'" export "$here/rgbd" --to word-images --out "$here/no"
+  refused '--method rtabmap' export "$here/rgbd" --to word-images --out "$here/no"
+  refused '--voxel' export "$run" --to word-images --voxel 0.1 --out "$here/no"
+  [[ ! -e $here/no ]] || fail "a refused export left a folder"
+}
+
 kill_runs() {
   local number
   RANDOM=7
@@ -196,7 +218,7 @@ kill_runs() {
 }
 
 case $case_name in
-  make_room | files | landmarks) $case_name ;;
+  make_room | files | landmarks | places) $case_name ;;
   kill) kill_runs --method rgbd ;;
   kill_locations) kill_runs --method rtabmap --set keyframe_frames=20 ;;
   kill_landmarks) kill_runs --method orb --sensor rgbd ;;

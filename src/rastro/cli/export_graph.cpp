@@ -10,9 +10,11 @@
 #include "rastro/export/landmarks_csv.h"
 #include "rastro/export/pose_graph_g2o.h"
 #include "rastro/export/pose_text.h"
+#include "rastro/export/word_image.h"
 #include "rastro/map/features/feature_layer.h"
 #include "rastro/map/images/image_layer.h"
 #include "rastro/map/landmarks/landmark_layer.h"
+#include "rastro/map/signatures/signature_layer.h"
 #include "rastro/session/trajectory_text.h"
 
 namespace rastro::cli {
@@ -96,6 +98,12 @@ ExportFacts export_image(const ExportJob& job) {
   if (out.has_parent_path()) fs::create_directories(out.parent_path(), ignored);
   write_landmark_image(map, out.string());
   return {{"keyframes", map.keyframes.size()}, {"landmarks", landmark_count(map)}};
+}
+
+ExportFacts export_word_images(const ExportJob& job) {
+  need_layer<SignatureLayer>(job.input, job.settings.to);
+  const WordImageCounts counts = write_word_images(*job.input.map, job.settings.out, job.pool, job.progress);
+  return {{"locations", counts.locations}, {"loop closures", counts.loop_closures}};
 }
 
 ExportFacts export_poses(const ExportJob& job) {

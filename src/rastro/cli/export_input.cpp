@@ -78,8 +78,11 @@ const Map& need_map(const ExportInput& input, const std::string& kind) {
 }
 
 void refuse_without_layer(const std::string& path, const std::string& layer, const std::string& kind) {
-  const std::map<std::string, const char*> makers = {
-      {"images", "rgbd"}, {"features", "orb or rgbd"}, {"landmarks", "orb"}, {"scans", "hector"}};
+  const std::map<std::string, const char*> makers = {{"images", "rgbd"},
+                                                     {"features", "orb or rgbd"},
+                                                     {"landmarks", "orb"},
+                                                     {"scans", "hector"},
+                                                     {"signatures", "rtabmap"}};
   const auto maker = makers.find(layer);
   throw Error(fmt::format("the map has no layer '{}', which {} needs", layer, kind), path,
               maker == makers.end() ? "'rastro info' lists its layers"

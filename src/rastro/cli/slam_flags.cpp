@@ -23,7 +23,8 @@ Output files, in --out:
   map.rastro             the map, for 'rastro info', 'export', 'localize', 'measure'; kept up to date during the run
   map.png                the map from above with the trajectory
   map.pgm map.yaml       2D laser: occupancy grid in the format of ROS map_server
-  cloud.ply              rgbd: colored point cloud
+  cloud.ply              rgbd, rtabmap: colored point cloud
+  places.png             rtabmap: probability of places keyframe by keyframe, with matches and rejections
   keyframes.txt          orb: final pose of every keyframe, TUM format
   landmarks.csv          ekf: position, covariance and number of observations of every landmark
   stats.csv              state, reason, score and stage times per frame

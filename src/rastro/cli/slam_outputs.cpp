@@ -19,6 +19,7 @@
 #include "rastro/export/landmark_export.h"
 #include "rastro/export/landmark_image.h"
 #include "rastro/export/landmarks_csv.h"
+#include "rastro/export/place_plot.h"
 #include "rastro/export/ply.h"
 #include "rastro/map/cloud/build_cloud.h"
 #include "rastro/map/images/image_layer.h"
@@ -217,6 +218,10 @@ SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const S
                                               [&run](const MapImageFile& each) { return each.applies(run); });
     image.write(run, folder.file("map.png").string());
     outputs.files.push_back("map.png");
+    if (!end.places.empty()) {
+      write_place_plot(end.places, folder.file("places.png").string());
+      outputs.files.push_back("places.png");
+    }
   } else {
     outputs.files = files.names();
   }

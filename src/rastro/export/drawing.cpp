@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -69,18 +70,23 @@ void put_text(cv::Mat& image, const std::string& text, cv::Point2f lower_left, c
   cv::putText(image, text, {x, y}, font, size, color, 1, cv::LINE_AA);
 }
 
-cv::Mat with_caption(const cv::Mat& image, const std::vector<Piece>& pieces) {
-  int width = 2 * caption_margin_px;
-  for (const Piece& piece : pieces) width += width_of(piece.text, caption_size);
+cv::Mat caption_strip(int width, const std::vector<Piece>& pieces) {
+  int needed = 2 * caption_margin_px;
+  for (const Piece& piece : pieces) needed += width_of(piece.text, caption_size);
   // A caption wider than the image is written smaller rather than cut.
-  const double size = caption_size * std::min(1.0, static_cast<double>(image.cols) / width);
-  cv::Mat whole(image.rows + caption_height_px, image.cols, CV_8UC3, cv::Scalar(32, 32, 32));
-  image.copyTo(whole(cv::Rect(0, caption_height_px, image.cols, image.rows)));
+  const double size = caption_size * std::min(1.0, static_cast<double>(width) / needed);
+  cv::Mat strip(caption_height_px, width, CV_8UC3, cv::Scalar(32, 32, 32));
   int x = caption_margin_px;
   for (const Piece& piece : pieces) {
-    cv::putText(whole, piece.text, {x, caption_height_px - 8}, font, size, piece.color, 1, cv::LINE_AA);
+    cv::putText(strip, piece.text, {x, caption_height_px - 8}, font, size, piece.color, 1, cv::LINE_AA);
     x += width_of(piece.text, size);
   }
+  return strip;
+}
+
+cv::Mat with_caption(const cv::Mat& image, const std::vector<Piece>& pieces) {
+  cv::Mat whole;
+  cv::vconcat(caption_strip(image.cols, pieces), image, whole);
   return whole;
 }
 
@@ -98,8 +104,11 @@ cv::Mat overlay(const TrackFrame& frame, GrayView image) {
 
 void save(const std::string& path, const cv::Mat& image) {
   std::vector<unsigned char> bytes;
+  const bool photograph = std::filesystem::path(path).extension() == ".jpg";
   // Level 1 is four times as fast as the best one and a tenth larger.
-  if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
+  const std::vector<int> settings =
+      photograph ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, 92} : std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 1};
+  if (!cv::imencode(photograph ? ".jpg" : ".png", image, bytes, settings)) {
     throw Error("the image cannot be encoded", path, "check the size of the images");
   }
   write_whole_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});

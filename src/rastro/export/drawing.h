@@ -36,11 +36,14 @@ struct Piece {
   cv::Scalar color;
 };
 cv::Mat with_caption(const cv::Mat& image, const std::vector<Piece>& pieces);
+/// The strip alone.
+cv::Mat caption_strip(int width, const std::vector<Piece>& pieces);
 
 /// The frame with positions in red and ids in green, and a caption with its counts.
 cv::Mat overlay(const TrackFrame& frame, GrayView image);
 
-/// Error naming the file when the image cannot be written.
+/// As the extension says: .png, or .jpg for a picture that is mostly a photograph. Error naming the file when the image
+/// cannot be written.
 void save(const std::string& path, const cv::Mat& image);
 
 }  // namespace rastro::drawing

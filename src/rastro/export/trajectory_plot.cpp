@@ -184,7 +184,7 @@ void write_trajectory_plot(const TrajectoryPlot& plot, const std::string& file) 
   require_plot_name(file);
   if (plot.reference.empty()) throw Error("there is nothing to plot", file, "");
   RASTRO_CHECK(plot.along.size() == plot.reference.size(), "every pose of the reference has its frame or time");
-  const auto pen = is_svg(file) ? svg_pen(sheet_width, sheet_height) : png_pen(sheet_width, sheet_height);
+  const auto pen = pen_for(file, sheet_width, sheet_height);
   Sheet(plot).draw(*pen);
   pen->save(file);
 }

@@ -20,6 +20,7 @@ struct Range {
 };
 
 Range range_of(const PlotPanel& panel) {
+  if (panel.range) return {panel.range->front(), panel.range->back()};
   Range range;
   bool any = false;
   for (const PlotCurve& curve : panel.curves)
@@ -113,6 +114,8 @@ void draw_panel(const PlotPanel& panel, PlotPen& pen) {
             axes(low.x(), low.y())},
            black, 1.0);
   for (const PlotCurve& curve : panel.curves) pen.line(on_sheet(curve, axes), curve.color, 1.2);
+  for (const PlotDots& dots : panel.dots)
+    for (const Eigen::Vector2d& point : dots.points) pen.dot(axes(point.x(), point.y()), dots.color, dots.radius);
   pen.text(panel.title, panel.corner + Eigen::Vector2d(0.0, -6.0), TextAnchor::left, letter_px + 1.0, black);
   if (!panel.x_label.empty())
     pen.text(panel.x_label, panel.corner + Eigen::Vector2d(0.5 * panel.size.x(), panel.size.y() + 34.0),

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,13 +18,23 @@ struct PlotCurve {
   PlotColor color;
 };
 
-/// A frame with axes and curves in it.
+/// Points of one color in the units of the axes.
+struct PlotDots {
+  std::vector<Eigen::Vector2d> points;
+  PlotColor color;
+  double radius = 2.0;  ///< Pixels.
+};
+
+/// A frame with axes, curves and dots in it.
 struct PlotPanel {
   Eigen::Vector2d corner, size;  ///< Of the frame, pixels; the numbers of the axes stand left of it and below.
   std::string title;             ///< Above the frame.
   std::string x_label;           ///< Below it; empty: no numbers there either.
   bool equal_axes = false;       ///< A unit is as long in both directions.
   std::vector<PlotCurve> curves;
+  std::vector<PlotDots> dots = {};  ///< Over the curves, in this order.
+  /// Lower left and upper right end of the axes; nullopt: what the curves need.
+  std::optional<std::array<Eigen::Vector2d, 2>> range = std::nullopt;
 };
 
 void draw_panel(const PlotPanel& panel, PlotPen& pen);

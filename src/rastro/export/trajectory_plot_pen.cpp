@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <opencv2/imgproc.hpp>
 
 #include "rastro/base/append_file.h"
@@ -44,6 +45,11 @@ class SvgPen : public PlotPen {
     text_ += "/>\n";
   }
 
+  void dot(Eigen::Vector2d center, PlotColor color, double radius) override {
+    text_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:g}\" fill=\"{}\"/>\n", center.x(), center.y(),
+                         radius, hex(color));
+  }
+
   void text(const std::string& text, Eigen::Vector2d foot, TextAnchor anchor, double height, PlotColor color) override {
     constexpr const char* anchors[] = {"start", "middle", "end"};
     text_ +=
@@ -68,6 +74,11 @@ class PngPen : public PlotPen {
     cv::polylines(image_, vertices, false, bgr(color), std::max(1, cvRound(width)), cv::LINE_AA, fraction_bits);
   }
 
+  void dot(Eigen::Vector2d center, PlotColor color, double radius) override {
+    const cv::Point at(cvRound(center.x() * fraction_units), cvRound(center.y() * fraction_units));
+    cv::circle(image_, at, cvRound(radius * fraction_units), bgr(color), cv::FILLED, cv::LINE_AA, fraction_bits);
+  }
+
   void text(const std::string& text, Eigen::Vector2d foot, TextAnchor anchor, double height, PlotColor color) override {
     const double size = height / font_height;
     int below = 0;
@@ -90,6 +101,9 @@ class PngPen : public PlotPen {
 
 }  // namespace
 
+std::unique_ptr<PlotPen> pen_for(const std::string& file, int width, int height) {
+  return std::filesystem::path(file).extension() == ".svg" ? svg_pen(width, height) : png_pen(width, height);
+}
 std::unique_ptr<PlotPen> svg_pen(int width, int height) { return std::make_unique<SvgPen>(width, height); }
 std::unique_ptr<PlotPen> png_pen(int width, int height) { return std::make_unique<PngPen>(width, height); }
 

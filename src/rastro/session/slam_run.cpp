@@ -98,6 +98,7 @@ class Runner {
     note(last_index_, events);
     end_.result.memory.map = run_.method->map_memory();
     end_.trajectory = run_.method->trajectory();
+    end_.places = run_.method->places();
     end_.map = run_.method->snapshot();
     if (!run_.map_file || !end_.map) return;
     watch.lap_ms();

@@ -54,6 +54,7 @@ struct SlamRunEnd {
   std::shared_ptr<const Map> map;  ///< Null if the method could not give one any more.
   /// As first estimated, every two meters of path; empty if the method has no covariance.
   std::vector<PositionCovariance> position_covariances;
+  std::vector<PlaceBelief> places;  ///< Of the keyframes of this run, by a method that recognizes places.
   std::exception_ptr failure;
   std::string first_skip;  ///< Why the first skipped frame could not be read.
 };

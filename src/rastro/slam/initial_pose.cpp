@@ -85,6 +85,7 @@ class TransformedSlam : public Slam {
     const auto map = method_->snapshot();
     return map ? std::make_shared<const Map>(transformed(*map, initial_pose_)) : map;
   }
+  std::vector<PlaceBelief> places() const override { return method_->places(); }
   void reset() override { method_->reset(); }
   bool set_mapping(bool on) override { return method_->set_mapping(on); }
   std::vector<FeatureObservation> observations() const override { return method_->observations(); }

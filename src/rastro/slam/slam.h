@@ -11,6 +11,7 @@
 
 #include "rastro/base/time.h"
 #include "rastro/map/graph/map.h"
+#include "rastro/map/graph/place_belief.h"
 #include "rastro/math/se3.h"
 #include "rastro/sensor/frame.h"
 #include "rastro/sensor/trajectory.h"
@@ -120,6 +121,10 @@ class Slam {
   virtual Trajectory trajectory() const = 0;
   /// The current map. The returned object never changes, whatever the method does afterwards.
   virtual std::shared_ptr<const Map> snapshot() const = 0;
+
+  /// Of a method that recognizes places, what it took each keyframe of this run for, in their order; complete after
+  /// finish().
+  virtual std::vector<PlaceBelief> places() const { return {}; }
 
   // For live use.
 

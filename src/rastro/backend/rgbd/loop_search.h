@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "rastro/backend/rgbd/keyframe_graph.h"
 #include "rastro/base/random.h"
+#include "rastro/map/graph/place_belief.h"
 #include "rastro/map/signatures/signature_layer.h"
 
 namespace rastro {
@@ -43,6 +45,8 @@ class LoopSearch {
   virtual std::vector<std::int64_t> words_of(std::int64_t /*id*/) const { return {}; }
   /// Weights of keyframes that changed since the last call: how many observations of its location each stands for.
   virtual std::vector<std::pair<std::int64_t, double>> changed_weights() { return {}; }
+  /// What it took the newest keyframe for; after on_matched().
+  virtual std::optional<PlaceBelief> place_belief() const { return std::nullopt; }
   /// Keyframes that look like an image, best first. Changes nothing.
   virtual std::vector<std::int64_t> similar(const ImageFeatures& /*seen*/) const { return {}; }
 };

@@ -237,6 +237,7 @@ void Mapper::constrain(std::int64_t id, MapRevision& revision) {
   if (!verified.empty() && id > 0) correct(id, verified, revision);
   search_->on_matched(graph_, id, candidates, verified);
   revision.keyframe_weights = search_->changed_weights();
+  revision.belief = search_->place_belief();
 }
 
 /// Long-term memory has every location from its beginning: a killed run has lost none.

@@ -44,6 +44,7 @@ struct MapRevision {
   std::vector<std::int64_t> forgotten;     ///< Keyframes whose features were dropped or transferred.
   std::vector<std::shared_ptr<const ImageFeatures>> retrieved;    ///< Keyframes whose features came back.
   std::vector<std::pair<std::int64_t, double>> keyframe_weights;  ///< Those that changed.
+  std::optional<PlaceBelief> belief;                              ///< About the keyframe, where places are recognized.
   std::vector<SlamEvent> events;
   MapMemory memory;
   double spacing = 1.0;  ///< For future keyframes: factor on the usual motion between them.

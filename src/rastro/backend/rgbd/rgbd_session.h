@@ -46,6 +46,7 @@ class RgbdSession {
   std::vector<FeatureObservation> observations() const;
   std::int64_t dropped_frames() const { return pipeline_.statistics().dropped; }
   const MapMemory& map_memory() const { return memory_; }
+  const std::vector<PlaceBelief>& places() const { return map_.places(); }
 
  private:
   /// What mapping made of a keyframe.

@@ -23,6 +23,7 @@ bool RgbdSlam::set_mapping(bool on) { return session_->set_mapping(on); }
 std::vector<FeatureObservation> RgbdSlam::observations() const { return session_->observations(); }
 std::int64_t RgbdSlam::dropped_frames() const { return session_->dropped_frames(); }
 MapMemory RgbdSlam::map_memory() const { return session_->map_memory(); }
+std::vector<PlaceBelief> RgbdSlam::places() const { return session_->places(); }
 
 void RgbdSlam::reset() {
   session_.reset();  // its jobs end before the next ones begin

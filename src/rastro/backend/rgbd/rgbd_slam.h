@@ -38,6 +38,7 @@ class RgbdSlam : public Slam {
   std::vector<FeatureObservation> observations() const override;
   std::int64_t dropped_frames() const override;
   MapMemory map_memory() const override;
+  std::vector<PlaceBelief> places() const override;
 
  private:
   std::unique_ptr<RgbdSession> new_session() const;

@@ -99,6 +99,7 @@ void TrackedMap::apply(MapRevision revision) {
   }
   weights_.resize(keyframes_.size(), 1.0);
   for (const auto& [id, weight] : revision.keyframe_weights) weights_[static_cast<std::size_t>(id)] = weight;
+  if (revision.belief) places_.push_back(std::move(*revision.belief));
   edges_.insert(edges_.end(), revision.new_edges.begin(), revision.new_edges.end());
   for (std::size_t e = 0; e < edges_.size() && e < revision.weights.size(); ++e) edges_[e].weight = revision.weights[e];
   ++revision_;

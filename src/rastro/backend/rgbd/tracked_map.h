@@ -52,6 +52,8 @@ class TrackedMap {
   /// Of the frames of this session in trajectory_submap().
   Trajectory trajectory() const;
   std::shared_ptr<const Map> snapshot() const;
+  /// Of the keyframes that revisions told of, where places are recognized.
+  const std::vector<PlaceBelief>& places() const { return places_; }
 
  private:
   struct PosedFrame {
@@ -74,6 +76,7 @@ class TrackedMap {
   std::vector<Matrix6d> covariances_;
   std::vector<Constraint> edges_;
   std::vector<PosedFrame> frames_;
+  std::vector<PlaceBelief> places_;
   int submaps_ = 0;
   std::int64_t revision_ = 0;
 };

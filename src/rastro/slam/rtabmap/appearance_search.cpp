@@ -195,6 +195,28 @@ void AppearanceSearch::on_matched(const KeyframeGraph& graph, std::int64_t id, c
   }
   work_ms_ += work_of_match_ms * static_cast<double>(candidates.nearby.size() + candidates.places.size());
   if (means_.live) work_ms_ = clock_.lap_ms();
+  place_ = belief_about(id, candidates, accepted);
+}
+
+/// Of a bad signature, the filter believes what it did before. Matches with short-term memory say nothing of places.
+PlaceBelief AppearanceSearch::belief_about(std::int64_t id, const Candidates& candidates,
+                                           std::span<const Constraint> accepted) const {
+  PlaceBelief place;
+  place.keyframe = id;
+  place.new_place = belief().new_place;
+  place.threshold = options_.loop_probability;
+  if (const LocationScore* best = belief().best()) place.likely = best->location, place.probability = best->score;
+  for (const Constraint& edge : accepted) {
+    const std::int64_t other = memory_.location_of(edge.from);
+    if (other != memory_.location_of(id) && memory_.at(other).stage != MemoryStage::short_term)
+      place.accepted.push_back(edge.from);
+  }
+  for (const std::int64_t location : candidates.places) {
+    const bool fits = std::any_of(accepted.begin(), accepted.end(),
+                                  [location](const Constraint& edge) { return edge.from == location; });
+    if (!fits) place.rejected.push_back(location);
+  }
+  return place;
 }
 
 void AppearanceSearch::retrieve(const KeyframeGraph& graph, std::int64_t location) {

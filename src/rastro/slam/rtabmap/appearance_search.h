@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -40,6 +41,7 @@ class AppearanceSearch : public LoopSearch {
   void know_constraints(std::span<const Constraint> constraints) override;
   std::vector<std::int64_t> words_of(std::int64_t id) const override;
   std::vector<std::pair<std::int64_t, double>> changed_weights() override;
+  std::optional<PlaceBelief> place_belief() const override { return place_; }
   std::vector<std::int64_t> similar(const ImageFeatures& seen) const override;
 
   const LocationMemory& memory() const { return memory_; }
@@ -57,6 +59,7 @@ class AppearanceSearch : public LoopSearch {
                                               std::int64_t own) const;
   void recall(std::int64_t location, Candidates& candidates);
   void retrieve(const KeyframeGraph& graph, std::int64_t location);
+  PlaceBelief belief_about(std::int64_t id, const Candidates& candidates, std::span<const Constraint> accepted) const;
 
   RtabmapOptions options_;
   Means means_;
@@ -73,6 +76,7 @@ class AppearanceSearch : public LoopSearch {
   double features_per_image_ = 0.0;             ///< Mean.
   std::int64_t images_ = 0;
   std::size_t words_added_ = 0, words_transferred_ = 0;  ///< With the newest keyframe.
+  std::optional<PlaceBelief> place_;                     ///< About the newest keyframe.
   double work_ms_ = 0.0;
   Stopwatch clock_;
 };

@@ -26,6 +26,7 @@ class StereoSlam : public Slam {
   std::vector<SlamEvent> finish() override { return slam_->finish(); }
   Trajectory trajectory() const override { return slam_->trajectory(); }
   std::shared_ptr<const Map> snapshot() const override { return slam_->snapshot(); }
+  std::vector<PlaceBelief> places() const override { return slam_->places(); }
   void reset() override { slam_->reset(); }
   bool set_mapping(bool on) override { return slam_->set_mapping(on); }
   std::vector<FeatureObservation> observations() const override { return slam_->observations(); }
