@@ -16,7 +16,7 @@ constexpr int coarse_px = 4, side = 8, margin = 1;  // A patch may be off by the
 constexpr int wide = side + 2 * margin;
 constexpr double nearest_m = 0.3, farthest_m = 8.0;
 constexpr double hidden_share = 0.08;  // of the depth, by which the other view sees something else there
-constexpr double least_texture = 4.0;  // squared intensity per coarse pixel, along the weaker direction
+constexpr double least_texture = 2.0;  // squared intensity per coarse pixel, along the weaker direction
 constexpr double alike_score = 0.7;    // of the normalized cross-correlation
 
 float sample(const Image<float>& image, double x, double y) {
