@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <limits>
 
@@ -12,7 +13,7 @@
 namespace rastro {
 namespace {
 
-constexpr int coarse_px = 4, side = 8, margin = 1;  // A patch may be off by the margin: poses are not exact.
+constexpr int side = 8, margin = 1;  // A patch may be off by the margin: poses are not exact.
 constexpr int wide = side + 2 * margin;
 constexpr double nearest_m = 0.3, farthest_m = 8.0;
 constexpr double hidden_share = 0.08;  // of the depth, by which the other view sees something else there
@@ -28,7 +29,13 @@ float sample(const Image<float>& image, double x, double y) {
   return across(top) + low_share * (across(top + 1) - across(top));
 }
 
-float nearest_depth(const DepthImage& depth, int left, int top) {
+/// Pixels of an image along a coarse one, which is about 160 wide.
+int coarse_px_of(const Camera& camera) {
+  constexpr double coarse_width = 160.0;
+  return std::max(1, static_cast<int>(std::lround(camera.width / coarse_width)));
+}
+
+float nearest_depth(const DepthImage& depth, int left, int top, int coarse_px) {
   float nearest = 0.0F;
   for (int y = top; y < top + coarse_px; ++y)
     for (int x = left; x < left + coarse_px; ++x) {
@@ -38,11 +45,11 @@ float nearest_depth(const DepthImage& depth, int left, int top) {
   return nearest;
 }
 
-float mean(const GrayImage& image, int left, int top) {
+float mean(const GrayImage& image, int left, int top, int coarse_px) {
   float sum = 0.0F;
   for (int y = top; y < top + coarse_px; ++y)
     for (int x = left; x < left + coarse_px; ++x) sum += static_cast<float>(image.at(x, y));
-  return sum / (coarse_px * coarse_px);
+  return sum / static_cast<float>(coarse_px * coarse_px);
 }
 
 }  // namespace
@@ -91,7 +98,8 @@ struct AppearanceCheck::Patch {
   }
 };
 
-AppearanceCheck::AppearanceCheck(const Camera& camera) : camera_(camera.scaled(1.0 / coarse_px)) {
+AppearanceCheck::AppearanceCheck(const Camera& camera)
+    : coarse_px_(coarse_px_of(camera)), camera_(camera.scaled(1.0 / coarse_px_)) {
   for (int y = 0; y < camera_.height; ++y)
     for (int x = 0; x < camera_.width; ++x) {
       const auto ray = camera_.unproject({static_cast<double>(x), static_cast<double>(y)});
@@ -103,12 +111,12 @@ AppearanceCheck::AppearanceCheck(const Camera& camera) : camera_(camera.scaled(1
 KeyframeAppearance AppearanceCheck::appearance_of(const UnpackedImages& images) const {
   KeyframeAppearance result{Image<float>(camera_.width, camera_.height), DepthImage(camera_.width, camera_.height)};
   const GrayImage gray = gray_from_color(images.color);
-  const int width = std::min(camera_.width, std::min(gray.width(), images.depth.width()) / coarse_px);
-  const int height = std::min(camera_.height, std::min(gray.height(), images.depth.height()) / coarse_px);
+  const int width = std::min(camera_.width, std::min(gray.width(), images.depth.width()) / coarse_px_);
+  const int height = std::min(camera_.height, std::min(gray.height(), images.depth.height()) / coarse_px_);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      result.brightness.at(x, y) = mean(gray, coarse_px * x, coarse_px * y);
-      result.depth.at(x, y) = nearest_depth(images.depth, coarse_px * x, coarse_px * y);
+      result.brightness.at(x, y) = mean(gray, coarse_px_ * x, coarse_px_ * y, coarse_px_);
+      result.depth.at(x, y) = nearest_depth(images.depth, coarse_px_ * x, coarse_px_ * y, coarse_px_);
     }
   return result;
 }
@@ -142,13 +150,24 @@ bool AppearanceCheck::fill(const KeyframeAppearance& a, const KeyframeAppearance
 
 AppearanceAgreement AppearanceCheck::compare(const KeyframeAppearance& a, const KeyframeAppearance& b,
                                              const SE3& a_from_b) const {
+  constexpr int across = 8, down = 6;
   AppearanceAgreement result;
+  std::bitset<across * down> cells;
   Patch patch;
   for (patch.top = margin; patch.top + side + margin <= camera_.height; patch.top += side)
     for (patch.left = margin; patch.left + side + margin <= camera_.width; patch.left += side) {
       if (!fill(a, b, a_from_b, patch) || !patch.has_texture()) continue;
-      ++(patch.is_alike() ? result.agree : result.contradict);
+      if (!patch.is_alike()) {
+        ++result.contradict;
+        continue;
+      }
+      ++result.agree;
+      const int x = patch.left + side / 2, y = patch.top + side / 2;
+      cells.set(static_cast<std::size_t>(y * down / camera_.height * across + x * across / camera_.width));
+      result.center += b.depth.at(x, y) * rays_[static_cast<std::size_t>(y * camera_.width + x)];
     }
+  result.cells = static_cast<int>(cells.count());
+  if (result.agree > 0) result.center /= result.agree;
   return result;
 }
 

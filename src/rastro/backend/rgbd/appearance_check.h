@@ -16,7 +16,7 @@
 
 namespace rastro {
 
-/// A keyframe's image in coarse pixels of 4 x 4, with depth.
+/// A keyframe's image in coarse pixels, about 160 across, with depth.
 struct KeyframeAppearance {
   Image<float> brightness;
   DepthImage depth;  ///< Of the nearest in each coarse pixel; meters along the optical axis, 0: none.
@@ -26,6 +26,8 @@ struct KeyframeAppearance {
 struct AppearanceAgreement {
   int agree = 0;       ///< They look alike: correlated, whatever the light.
   int contradict = 0;  ///< They do not.
+  int cells = 0;       ///< Of a grid of 8 x 6 over the second view, those with a patch that agrees.
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< Of the patches that agree, in the second camera, meters.
 
   Evidence evidence() const { return {.patches = agree + contradict, .alike_patches = agree}; }
 };
@@ -45,6 +47,7 @@ class AppearanceCheck {
   struct Patch;
   bool fill(const KeyframeAppearance& a, const KeyframeAppearance& b, const SE3& a_from_b, Patch& patch) const;
 
+  int coarse_px_;                      ///< Pixels along a coarse one.
   Camera camera_;                      ///< Of the coarse pixels.
   std::vector<Eigen::Vector3d> rays_;  ///< Of the coarse pixels, z = 1; NaN where there is none.
 };

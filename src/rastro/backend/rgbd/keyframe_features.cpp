@@ -85,11 +85,11 @@ float feature_depth(const DepthImage& depth, float x, float y) {
 }
 
 KeyframeFeatures::KeyframeFeatures(const RgbdSlamOptions& options) : options_(options) {
-  const DescriptorKind kind = descriptor_kind(options.descriptor, "option descriptor");
-  if (kind == DescriptorKind::orb) {
+  if (options.descriptor == "even_orb") {
     orb_ = std::make_unique<OrbExtractor>(OrbOptions{.features = options.keyframe_features});
   } else {
-    extractor_ = DescriptorExtractor::create(kind, extractor_options(options));
+    extractor_ = DescriptorExtractor::create(descriptor_kind(options.descriptor, "option descriptor"),
+                                             extractor_options(options));
   }
 }
 

@@ -15,15 +15,15 @@ namespace rastro {
 class KeyframeFeatures {
  public:
   explicit KeyframeFeatures(const RgbdSlamOptions& options);
-  /// None where the mask is zero. Sets only features and depths of the result. `share`: fraction of
-  /// the usual number of features.
+  /// None where the mask is zero; strongest first, but for "even_orb". Sets only features and depths of the result.
+  /// `share`: fraction of the usual number of features.
   ImageFeatures extract(const Frame& frame, double share = 1.0);
 
  private:
   RgbdSlamOptions options_;
   Features detect(const Frame& frame, std::size_t most);
 
-  std::unique_ptr<OrbExtractor> orb_;               ///< For descriptor "orb" ...
+  std::unique_ptr<OrbExtractor> orb_;               ///< For descriptor "even_orb" ...
   std::unique_ptr<DescriptorExtractor> extractor_;  ///< ... and for the others.
 };
 

@@ -184,16 +184,36 @@ Mapper::Verified Mapper::verify(std::int64_t other, std::int64_t id) {
     found = match(other, id, MatchScope::near_guess);
     if (!found.edge || contradicts_path(*found.edge)) return {std::nullopt, Rejection::contradicts_graph};
   }
-  if (found.edge && looks_different(*found.edge)) return {std::nullopt, Rejection::looks_different};
+  if (found.edge && found.edge->kind != ConstraintKind::proximity && options_.min_alike > 0.0) judge_appearance(found);
   return found;
 }
 
-/// One place may have the same shape and furniture as another. What tracking connects needs no such proof.
-bool Mapper::looks_different(const Constraint& edge) {
-  if (edge.kind == ConstraintKind::proximity || options_.min_alike <= 0.0) return false;
+/// One place may have the same shape and furniture as another. What tracking connects needs no such proof. A merge of
+/// submaps, or a loop after a long way, changes much: it needs a wide view that looks alike, or a second one.
+void Mapper::judge_appearance(Verified& found) {
+  constexpr int wide_cells = 20;
+  constexpr double long_way_m = 8.0;
+  const Constraint& edge = *found.edge;
   const AppearanceAgreement agreement =
       appearance_check_.compare(*appearances_.appearance(edge.from), *appearances_.appearance(edge.to), edge.rigid());
-  return judge(agreement.evidence(), {.min_alike_share = options_.min_alike}) != Rejection::none;
+  const bool far =
+      edge.kind == ConstraintKind::merge || graph_.graph_path_between(edge.from, edge.to, long_way_m) >= long_way_m;
+  found.alone = far && agreement.cells < wide_cells;
+  found.evidence = agreement.center;
+  found.rejection = judge(agreement.evidence(), {.min_alike_share = options_.min_alike});
+  if (found.rejection != Rejection::none) found.edge.reset();
+}
+
+/// Why not, if not yet.
+Rejection Mapper::take(const Verified& found, std::vector<Constraint>& accepted) {
+  if (!found.edge) return found.rejection;
+  if (!found.alone) {
+    accepted.push_back(*found.edge);
+    return Rejection::none;
+  }
+  const std::vector<Constraint> confirmed = confirmation_.next(graph_, {*found.edge, found.evidence});
+  accepted.insert(accepted.end(), confirmed.begin(), confirmed.end());
+  return confirmed.empty() ? Rejection::not_confirmed : Rejection::none;
 }
 
 /// Whether a match is farther from the relative pose in the graph than the camera can have drifted on the path between.
@@ -221,21 +241,18 @@ void Mapper::constrain(std::int64_t id, MapRevision& revision) {
   const LoopSearch::Candidates candidates = search_->candidates(graph_, id);
   if (signatures_) store_signature(id, {graph_.shared_keyframe(id), search_->words_of(id)});
   for (const std::int64_t other : candidates.retrieve) retrieve(other, revision);
-  std::vector<Constraint> verified;
-  for (const std::int64_t other : candidates.nearby) {
-    if (const auto found = verify(other, id).edge) verified.push_back(*found);
-  }
+  std::vector<Constraint> accepted;
+  for (const std::int64_t other : candidates.nearby) take(verify(other, id), accepted);
   for (const std::int64_t other : candidates.places) {
     retrieve(other, revision);
-    const Verified found = verify(other, id);
-    if (found.edge) verified.push_back(*found.edge);
-    if (!found.edge)
-      revision.events.push_back(
-          {"rejected", fmt::format("keyframe {} with {}: {}", id, other, name_of(found.rejection))});
+    const Rejection rejection = take(verify(other, id), accepted);
+    if (rejection != Rejection::none)
+      revision.events.push_back({"rejected", fmt::format("keyframe {} with {}: {}", id, other, name_of(rejection))});
   }
-  for (const Constraint& edge : verified) accept(edge, revision);
-  if (!verified.empty() && id > 0) correct(id, verified, revision);
-  search_->on_matched(graph_, id, candidates, verified);
+  for (const Constraint& edge : accepted) accept(edge, revision);
+  if (!accepted.empty() && id > 0) correct(id, accepted, revision);
+  std::erase_if(accepted, [&](const Constraint& edge) { return edge.to != id; });
+  search_->on_matched(graph_, id, candidates, accepted);
   revision.keyframe_weights = search_->changed_weights();
   revision.belief = search_->place_belief();
 }

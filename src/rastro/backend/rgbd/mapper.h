@@ -12,6 +12,7 @@
 #include "rastro/backend/rgbd/keyframe_features.h"
 #include "rastro/backend/rgbd/keyframe_graph.h"
 #include "rastro/backend/rgbd/keyframe_matcher.h"
+#include "rastro/backend/rgbd/loop_confirmation.h"
 #include "rastro/backend/rgbd/loop_search.h"
 #include "rastro/backend/rgbd/options.h"
 #include "rastro/base/random.h"
@@ -84,11 +85,14 @@ class Mapper {
   struct Verified {
     std::optional<Constraint> edge;
     Rejection rejection = Rejection::none;
+    bool alone = false;                                  ///< Has to be confirmed: nothing else supports it.
+    Eigen::Vector3d evidence = Eigen::Vector3d::Zero();  ///< See LoopHypothesis.
   };
   Verified verify(std::int64_t other, std::int64_t id);
   Verified match(std::int64_t other, std::int64_t id, MatchScope scope);
   bool contradicts_path(const Constraint& edge) const;
-  bool looks_different(const Constraint& edge);
+  void judge_appearance(Verified& found);
+  Rejection take(const Verified& found, std::vector<Constraint>& accepted);
   void accept(const Constraint& edge, MapRevision& revision);
   void correct(std::int64_t id, const std::vector<Constraint>& accepted, MapRevision& revision);
   void add_edge(const Constraint& edge, MapRevision& revision);
@@ -123,6 +127,7 @@ class Mapper {
   AppearanceStore appearances_;
   KeyframeFeatures features_;
   KeyframeGraph graph_;
+  LoopConfirmation confirmation_;
   std::unique_ptr<LoopSearch> search_;
 };
 

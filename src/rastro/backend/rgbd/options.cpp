@@ -11,10 +11,11 @@ void add_keyframe_options(OptionTable& table, RgbdSlamOptions& o) {
       {"descriptor",
        &o.descriptor,
        "",
-       "features for matching keyframes: orb is the fastest, sift the most robust to large rotations and distances",
+       "features for matching keyframes: orb; even_orb: spread over the "
+       "image and the pyramid, as the vocabulary knows them; sift: the most robust to large rotations and distances",
        0,
        0,
-       {"orb", "sift", "surf"}});
+       {"orb", "even_orb", "sift", "surf"}});
   table.add({"keyframe_features", &o.keyframe_features, "", "features per keyframe", 30, 5000, {}});
   table.add({"keyframe_distance_m",
              &o.keyframe_distance_m,

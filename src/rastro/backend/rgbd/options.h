@@ -41,7 +41,7 @@ struct RgbdSlamOptions {
   double min_inlier_share = 0.25;
   double agreement = 0.9;
   double agreement_overlap = 0.1;
-  double min_alike = 0.83;
+  double min_alike = 0.0;
   double edge_sigma_m = 0.003;
   double edge_sigma_rad = 0.0015;
 
@@ -51,8 +51,8 @@ struct RgbdSlamOptions {
   double robust_width = 4.0;
   int graph_window = 15;
   int loop_steps = 12;
-  double loop_drift_share = 0.05;
-  double loop_drift_rad_per_m = 0.01;
+  double loop_drift_share = 0.1;
+  double loop_drift_rad_per_m = 0.02;
   double loop_max_sigmas = 5.0;
   double tracked_drift_share = 0.02;
   double max_acceleration = 15.0;

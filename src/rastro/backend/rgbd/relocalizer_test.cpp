@@ -30,13 +30,15 @@ class RelocalizerTest : public ::testing::Test {
     }
   }
   Relocalizer::Try find(const Frame& frame, std::uint64_t seed = 1) {
-    return Relocalizer(options_, test_room::camera(), depths_).find(frame, keyframes_, seed);
+    return Relocalizer(options_, test_room::camera(), depths_, appearances_).find(frame, keyframes_, seed);
   }
 
   RgbdSlamOptions options_;
   KeyframeMatcher matcher_{options_, test_room::camera()};
   std::shared_ptr<CountingImages> images_ = std::make_shared<CountingImages>();
   DepthStore depths_{matcher_.surfaces(), images_};
+  AppearanceCheck check_{test_room::camera()};
+  AppearanceStore appearances_{check_, images_};
   std::vector<SE3> poses_;
   std::vector<std::shared_ptr<const ImageFeatures>> keyframes_;
 };
@@ -86,7 +88,7 @@ TEST_F(RelocalizerTest, AnUnknownPlaceIsNotFound) {
 
 TEST_F(RelocalizerTest, WithoutKeyframesOrFeaturesThereIsNothingToCompare) {
   std::vector<std::shared_ptr<const ImageFeatures>> none;
-  Relocalizer relocalizer(options_, test_room::camera(), depths_);
+  Relocalizer relocalizer(options_, test_room::camera(), depths_, appearances_);
   EXPECT_EQ(relocalizer.find(room_frame(poses_[0]), none, 1).compared, 0);
   for (std::int64_t k = 0; k < 3; ++k) none.push_back(bare_keyframe(k, 0));
   const Relocalizer::Try tried = relocalizer.find(room_frame(poses_[0]), none, 1);
@@ -103,7 +105,7 @@ TEST_F(RelocalizerTest, EveryKeyframeIsTriedEventually) {
   std::vector<std::shared_ptr<const ImageFeatures>> many;
   for (std::int64_t k = 0; k < 12; ++k) many.push_back(k == 7 ? keyframes_[2] : bare_keyframe(k, 0));
   images_->add(7, room_frame(poses_[2]));
-  Relocalizer relocalizer(options_, test_room::camera(), depths_);
+  Relocalizer relocalizer(options_, test_room::camera(), depths_, appearances_);
   int tries = 0;
   while (tries < 12) {
     ++tries;

@@ -158,6 +158,12 @@ RtabmapOptions::RtabmapOptions() {
   rgbd.relocalize_random = 0;
   rgbd.lost_frames = 15;
   rgbd.lost_s = 0.5;
+  rgbd.descriptor = "even_orb";
+  rgbd.min_alike = 0.83;
+  rgbd.loop_drift_share = 0.05;
+  rgbd.loop_drift_rad_per_m = 0.01;
+  rgbd.min_inliers = 15;
+  rgbd.relocalize_inliers = 18;
 }
 
 void set_paper_preset(RtabmapOptions& options) {
@@ -166,6 +172,8 @@ void set_paper_preset(RtabmapOptions& options) {
   options.hypotheses = 1;
   options.similar_locations = 0;
   options.rgbd.min_alike = 0.0;
+  options.rgbd.min_inliers = 25;
+  options.rgbd.relocalize_inliers = 30;
   options.rgbd.near_candidates = 0;
   options.rgbd.graph_candidates = 0;
   options.rgbd.last_candidates = 0;

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr double knots_hz = 10.0, grid_m = 0.1;
 constexpr double cruise = 1.1, stairs_speed = 0.65, yaw_rate = 0.5, quicken = 0.4;  // m/s, rad/s, m/s^2
-constexpr std::array<double, laps> slowness = {0.985, 1.02, 0.995};
+constexpr std::array<double, laps> slowness = {1.04, 1.07, 1.048};
 
 struct Corner {
   double x, y, z, radius;  ///< The radius is 0 where the direction stays.
