@@ -43,7 +43,8 @@ std::shared_ptr<const ImageStore> packed_images_of(const SlamContext& context,
 
 std::shared_ptr<const SignatureStore> signatures_of(const SlamContext& context,
                                                     const std::shared_ptr<MemorySignatures>& in_memory) {
-  const auto rows = context.archive ? context.archive->rows(SignatureLayer::layer_name) : nullptr;
+  const bool stores = makes_map(context) && context.archive != nullptr;
+  const auto rows = stores ? context.archive->rows(SignatureLayer::layer_name) : nullptr;
   if (rows) return signatures_in(rows);
   return in_memory;
 }
@@ -78,7 +79,10 @@ void Mapper::take_over(const std::shared_ptr<const Map>& map) {
   const auto features = map->layer<FeatureLayer>();
   for (const Keyframe& keyframe : map->keyframes) {
     graph_.add(features->of.at(keyframe.id), {keyframe.world_from_camera, keyframe.submap}, Matrix6d::Zero());
-    if (signatures_) search_->know(signature_of(*map, keyframe.id), keyframe.weight);
+    if (!signatures_) continue;
+    const Signature signature = signature_of(*map, keyframe.id);
+    if (!maps_) signatures_in_memory_->add(keyframe.id, signature);
+    search_->know(signature, keyframe.weight);
   }
   for (const Constraint& edge : map->constraints) graph_.add_edge(edge);
   search_->know_constraints(map->constraints);
@@ -136,8 +140,10 @@ void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
   depths_.add(order.id, shown.depth);
   bytes_ += bytes_of(*kept);
   graph_.add(kept, pose, Matrix6d::Zero());
-  if (!maps_) return;
-  keep_images(order.id, pack_images(shown));
+  if (maps_)
+    keep_images(order.id, pack_images(shown));
+  else if (options_.min_alike > 0.0)
+    appearances_.add(order.id, shown);
 }
 
 void Mapper::keep_images(KeyframeId id, PackedImages images) {
