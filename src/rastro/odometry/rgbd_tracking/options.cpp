@@ -7,6 +7,13 @@ namespace {
 void add_depth_options(OptionTable& table, RgbdOptions& o) {
   table.add(
       {"depth_sigma_m", &o.depth_sigma_m, "m", "part of the depth noise that does not grow with depth", 0, 1, {}});
+  table.add({"weak_sigma",
+             &o.weak_sigma,
+             "",
+             "a pose with a larger standard deviation in any direction is weak, meters and radians",
+             0.0001,
+             1,
+             {}});
   table.add(
       {"depth_sigma_per_m2",
        &o.depth_sigma_per_m2,

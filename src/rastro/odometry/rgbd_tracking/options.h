@@ -17,6 +17,7 @@ struct RgbdOptions {
   double min_depth_m = 0.3;
   double max_depth_m = 6.0;
   bool learn_delay = true;
+  double weak_sigma = 0.02;
 
   // Features.
   int features = 500;

@@ -35,8 +35,8 @@ constexpr double carried_sigma_factor = 2.0;
 constexpr int coarse_step = 4, fine_step = 3, coarse_iterations = 12;
 constexpr double coarse_reach_m = 0.2, fine_reach_m = 0.03;
 constexpr int least_compared = 1500;  // blocks
-// Meters and radians: a pose less certain than the first is weak, than the second lost.
-constexpr double most_sigma = 0.02, lost_sigma = 0.2;
+// Meters and radians: a pose less certain is lost.
+constexpr double lost_sigma = 0.2;
 constexpr double lost_variance = 1.0;
 // Share of the last motion, per frame.
 constexpr double lost_damping = 0.5;
@@ -280,7 +280,7 @@ std::optional<SE3> RgbdFollower::State::pose_from_surfaces(const Frame& frame, c
   if (match.compared * coarse_step * coarse_step < least_compared || 2 * match.fitting < match.compared)
     return std::nullopt;
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(last.information, Eigen::EigenvaluesOnly);
-  if (eigen.eigenvalues()(0) < 1.0 / (most_sigma * most_sigma)) return std::nullopt;
+  if (eigen.eigenvalues()(0) < 1.0 / (options_.weak_sigma * options_.weak_sigma)) return std::nullopt;
   return pose;
 }
 
@@ -368,17 +368,17 @@ bool RgbdFollower::State::judge(const PoseSolution& solution, const SurfaceMatch
   result.texture_share = (texture.array() / information.diagonal().array()).mean();
   result.state = OdometryState::tracking;
   const double moved_sigma = largest_sigma(result.covariance);
-  if (sigma > most_sigma || !features_fit(result)) {
+  if (sigma > options_.weak_sigma || !features_fit(result)) {
     result.reason = OdometryReason::too_few_points;
     result.detail = fmt::format("{} features, {} matching blocks of surface; standard deviation {:.3f} m or rad",
                                 result.inliers, result.surface_points, std::max(sigma, moved_sigma));
-  } else if (moved_sigma > most_sigma) {
+  } else if (moved_sigma > options_.weak_sigma) {
     result.reason = OdometryReason::few_inliers;
     result.detail =
         fmt::format("features disagree, errors {:.0f} times their noise; standard deviation {:.3f} m or rad",
                     std::sqrt(excess), moved_sigma);
   }
-  if (std::max(sigma, moved_sigma) > most_sigma) result.state = OdometryState::weak;
+  if (std::max(sigma, moved_sigma) > options_.weak_sigma) result.state = OdometryState::weak;
   return true;
 }
 

@@ -19,7 +19,7 @@ using ::testing::SizeIs;
 RtabmapOptions appearance_only() {
   RtabmapOptions options;
   options.rgbd.last_candidates = options.rgbd.near_candidates = options.rgbd.graph_candidates = 0;
-  options.short_term_size = 3;
+  options.short_term_size = options.similar_locations = 3;
   options.time_limit_ms = 1e6;
   return options;
 }
@@ -144,7 +144,7 @@ TEST(AppearanceSearch, WhatLooksLikeTheLastLocationIsRehearsed) {
 TEST(AppearanceSearch, AForgottenPlaceComesBackWithItsNeighbors) {
   Walk walk(appearance_only());
   walk.visit_all(0, 19);
-  EXPECT_THAT(walk.forget(1.0), ::testing::IsSupersetOf({3, 4, 5}));
+  EXPECT_THAT(walk.forget(1.0), ::testing::IsSupersetOf({3, 5, 6}));
   EXPECT_EQ(walk.stage(5), MemoryStage::long_term);
   const auto candidates = walk.visit(5);
   EXPECT_THAT(candidates.places, Contains(5));
@@ -192,7 +192,7 @@ TEST(AppearanceSearch, TransferKeepsTheTimeLimit) {
     }
     return most_ms;
   };
-  EXPECT_GT(work_ms(1e6), 1.2);
+  EXPECT_GT(work_ms(1e6), 0.6);
   const double limit_ms = 0.4, of_a_location_ms = 0.02;
   EXPECT_GT(work_ms(limit_ms), limit_ms) << "until then nothing leaves";
   EXPECT_LT(work_ms(limit_ms), limit_ms + of_a_location_ms);

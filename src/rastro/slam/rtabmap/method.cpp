@@ -69,6 +69,8 @@ class RtabmapMethod : public SlamMethod {
     options.follow.depth_sigma_per_m2 = options_.stereo_sigma_px / focal_times_baseline;
     options.follow.min_depth_m = focal_times_baseline / options_.stereo_max_disparity_px;
     options.follow.max_depth_m = focal_times_baseline / options_.stereo_min_disparity_px;
+    constexpr double usual_sigma = 0.06;  // of poses from stereo depth where all is well
+    options.follow.weak_sigma = usual_sigma;
     options.follow.learn_delay = false;  // both images are of one instant
     return options;
   }
