@@ -4,7 +4,7 @@
 namespace rastro {
 namespace {
 
-constexpr std::size_t most_waiting = 200;
+constexpr std::int64_t most_keyframes = 20;                  // between the two
 constexpr double least_apart_m = 1.5;                        // of the evidence
 constexpr double max_distance_m = 0.5, max_angle_rad = 0.1;  // between the corrections, where the camera is
 
@@ -33,6 +33,7 @@ std::vector<Constraint> LoopConfirmation::next(const KeyframeGraph& graph, const
   std::vector<Constraint> confirmed;
   std::vector<LoopHypothesis> left;
   for (const LoopHypothesis& earlier : waiting_) {
+    if (newest.edge.to - earlier.edge.to > most_keyframes) continue;
     if (agree(graph, earlier, newest))
       confirmed.push_back(earlier.edge);
     else
@@ -42,7 +43,6 @@ std::vector<Constraint> LoopConfirmation::next(const KeyframeGraph& graph, const
     confirmed.push_back(newest.edge);
   } else {
     left.push_back(newest);
-    if (left.size() > most_waiting) left.erase(left.begin());
   }
   waiting_ = std::move(left);
   return confirmed;

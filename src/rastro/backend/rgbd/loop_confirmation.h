@@ -14,8 +14,9 @@ struct LoopHypothesis {
   Eigen::Vector3d evidence = Eigen::Vector3d::Zero();  ///< Center of the surfaces that look alike, in camera edge.to.
 };
 
-/// One door looks like another, but hardly two things in a row: a hypothesis counts when an earlier one that rests on
-/// surfaces elsewhere would correct the map alike (Olson 2009, pairwise consistency). Not thread-safe.
+/// One door looks like another, but hardly two things in a row: a hypothesis counts when one of the last keyframes has
+/// another that rests on surfaces elsewhere and would correct the map alike (Olson 2009, pairwise consistency). Not
+/// thread-safe.
 class LoopConfirmation {
  public:
   /// The constraints that are confirmed now, with the newest among them; none where it has to wait for another.

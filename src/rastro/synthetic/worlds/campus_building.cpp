@@ -48,7 +48,7 @@ void add_doors(Scene& scene, const Wall& wall, bool windows) {
   for (double middle = 0.5 * bay_m; middle < wall.length() - 1.5; middle += bay_m) {
     if (!wall.closed(middle - 1.4, middle + 1.4)) continue;
     if (windows) {
-      add_panel(scene, wall, middle, 1.75, {2.4, 1.3}, 0.02, view(30));
+      add_panel(scene, wall, middle, 1.75, {2.4, 1.3}, 0.02, view());
       add_panel(scene, wall, middle, 1.06, {2.5, 0.05}, 0.2, hall::steel_beam(170.0F));
       continue;
     }

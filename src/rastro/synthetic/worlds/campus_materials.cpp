@@ -239,8 +239,8 @@ Material ceiling() {
   return material;
 }
 Material door(std::uint64_t likeness) { return alike(paint_door, 100.0, likeness); }
-Material view(std::uint64_t likeness) {
-  Material material = alike(paint_view, 60.0, likeness);
+Material view() {
+  Material material{paint_view, 60.0};
   material.shines = true;
   return material;
 }

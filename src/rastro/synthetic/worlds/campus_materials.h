@@ -16,7 +16,7 @@ Material floor();
 Material ceiling();
 Material door(std::uint64_t likeness);
 /// A window from inside: the sky, trees and houses outside.
-Material view(std::uint64_t likeness);
+Material view();
 Material tread();
 
 // What makes a place distinct: each one its own.

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/evaluate/loop_closures.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rastro/base/error.h"
+
+namespace rastro {
+namespace {
+
+/// Keyframe k at second 10 k, at x = k; 4 and 5 are back where 0 and 1 were. Ground truth is the same.
+struct Case {
+  Map map;
+  Trajectory ground_truth;
+  std::vector<Revisit> revisits;
+
+  Case() {
+    const double x[] = {0, 1, 2, 3, 0, 1};
+    for (int k = 0; k < 6; ++k) {
+      Keyframe keyframe;
+      keyframe.id = k;
+      keyframe.stamp = from_seconds(10.0 * k);
+      keyframe.world_from_camera = SE3(SO3(), {x[k], 0, 0});
+      map.keyframes.push_back(keyframe);
+      ground_truth.push_back({keyframe.stamp, keyframe.world_from_camera});
+      if (k > 3) revisits.push_back({keyframe.stamp, from_seconds(10.0 * (k - 4))});
+    }
+  }
+  void close(KeyframeId from, KeyframeId to, double x) {
+    Constraint constraint;
+    constraint.from = from, constraint.to = to;
+    constraint.from_from_to = Sim3(SE3(SO3(), {x, 0, 0}));
+    map.constraints.push_back(constraint);
+  }
+  LoopClosureScores score(const LoopClosureLimits& limits = {}) const {
+    LoopClosureLimits wide = limits;
+    wide.max_ground_truth_gap_s = 10.0;
+    return score_loop_closures(map, revisits, ground_truth, wide);
+  }
+};
+
+TEST(LoopClosureScores, CountRightAndWrongOnesAndTheRevisitsFound) {
+  Case test;
+  test.close(0, 1, 1.0);   // Too near in time to count.
+  test.close(0, 4, 0.1);   // Right.
+  test.close(5, 1, -0.1);  // Right, the later one first.
+  test.close(2, 5, 1.0);   // Wrong: it is at -1.
+  const LoopClosureScores scores = test.score();
+  EXPECT_EQ(scores.accepted, 3);
+  EXPECT_EQ(scores.wrong, 1);
+  EXPECT_EQ(scores.revisits, 2);
+  EXPECT_EQ(scores.found, 2);
+  EXPECT_NEAR(scores.precision(), 2.0 / 3.0, 1e-12);
+  EXPECT_EQ(scores.recall(), 1.0);
+}
+
+TEST(LoopClosureScores, AWrongOneFindsNothing) {
+  Case test;
+  test.close(0, 4, 0.6);
+  EXPECT_EQ(test.score().found, 0);
+  EXPECT_EQ(test.score({.max_error_m = 0.7}).found, 1);
+  EXPECT_EQ(test.score({.gap_s = 41.0}).accepted, 0);
+}
+
+TEST(LoopClosureScores, AFrameInAnOldKeyframeIsFound) {
+  Case test;
+  test.map.frames.push_back({from_seconds(40.0), 0, SE3()});
+  test.map.frames.push_back({from_seconds(50.0), 5, SE3()});
+  const LoopClosureScores scores = test.score();
+  EXPECT_EQ(scores.accepted, 0);
+  EXPECT_EQ(scores.found, 1);
+}
+
+TEST(LoopClosureScores, WithoutGroundTruthNothingIsJudged) {
+  Case test;
+  test.close(0, 4, 0.0);
+  test.ground_truth.resize(3);
+  const LoopClosureScores scores = test.score();
+  EXPECT_EQ(scores.accepted, 0);
+  EXPECT_EQ(scores.unknown, 1);
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    parse_revisits(text, "closures.yaml");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(ParseRevisits, ReadsTheListAndRefusesAnythingElse) {
+  const auto revisits = parse_revisits("closures:\n  - {frame: 3, stamp: 30, earlier_stamp: 10, overlap: 0.5}\n", "f");
+  ASSERT_EQ(revisits.size(), 1U);
+  EXPECT_EQ(revisits[0].stamp, 30);
+  EXPECT_EQ(revisits[0].earlier_stamp, 10);
+  EXPECT_TRUE(parse_revisits("closures:\n", "f").empty());
+  EXPECT_THAT(error_of("closures: [{stamp: x}]"), testing::HasSubstr("closures.yaml:1"));
+  EXPECT_THAT(error_of("closures: [3]"), testing::HasSubstr("is not a closure"));
+  EXPECT_THAT(error_of("{[}"), testing::HasSubstr("not YAML"));
+  EXPECT_THAT(error_of("a: 1"), testing::HasSubstr("no list"));
+}
+
+}  // namespace
+}  // namespace rastro
