@@ -129,7 +129,7 @@ void add_stairs_down(Scene& scene, Random& random) {
   add_level(scene, {east, ring_y - h}, {stairs_down_x, north}, storey_m, floor());
   add_level(scene, {stairs_down_x + stairs_m - step_m, ring_y - h}, {outer_east, north}, 0.0, floor());
   add_level(scene, {east, ring_y - h}, {outer_east - 0.05, north}, top_m, ceiling());
-  add_panel(scene, exit, 1.5, 4.2, {1.6, 1.2}, 0.02, view(31));
+  add_panel(scene, exit, 1.5, 4.2, {1.6, 1.2}, 0.02, view());
   add_panel(scene, south, 6.0, 2.6, {1.0, 1.2}, 0.03, poster());
   add_panel(scene, north_side, 8.0, 2.4, {1.2, 0.9}, 0.04, notice_board());
   add_notices(scene, random, south);
