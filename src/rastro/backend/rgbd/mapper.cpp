@@ -63,8 +63,7 @@ Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamC
       images_(packed_images_of(context, in_memory_)),
       matcher_(options, camera),
       depths_(matcher_.surfaces(), images_),
-      appearance_check_(camera),
-      appearances_(appearance_check_, images_),
+      proof_{AppearanceCheck(camera), AppearanceStore(proof_.check, images_)},
       features_(options),
       graph_(options, maps_ ? 0 : static_cast<std::int64_t>(context.map->keyframes.size())),
       search_(search ? std::move(search) : std::make_unique<GraphSearch>(options)) {
@@ -143,7 +142,7 @@ void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
   if (maps_)
     keep_images(order.id, pack_images(shown));
   else if (options_.min_alike > 0.0)
-    appearances_.add(order.id, shown);
+    proof_.appearances.add(order.id, shown);
 }
 
 void Mapper::keep_images(KeyframeId id, PackedImages images) {
@@ -200,8 +199,8 @@ void Mapper::judge_appearance(Verified& found) {
   constexpr int wide_cells = 20;
   constexpr double long_way_m = 8.0;
   const Constraint& edge = *found.edge;
-  const AppearanceAgreement agreement =
-      appearance_check_.compare(*appearances_.appearance(edge.from), *appearances_.appearance(edge.to), edge.rigid());
+  const AppearanceAgreement agreement = proof_.check.compare(*proof_.appearances.appearance(edge.from),
+                                                             *proof_.appearances.appearance(edge.to), edge.rigid());
   const bool far =
       edge.kind == ConstraintKind::merge || graph_.graph_path_between(edge.from, edge.to, long_way_m) >= long_way_m;
   found.alone = far && agreement.cells < wide_cells;
@@ -217,7 +216,7 @@ Rejection Mapper::take(const Verified& found, std::vector<Constraint>& accepted)
     accepted.push_back(*found.edge);
     return Rejection::none;
   }
-  const std::vector<Constraint> confirmed = confirmation_.next(graph_, {*found.edge, found.evidence});
+  const std::vector<Constraint> confirmed = proof_.confirmation.next(graph_, {*found.edge, found.evidence});
   accepted.insert(accepted.end(), confirmed.begin(), confirmed.end());
   return confirmed.empty() ? Rejection::not_confirmed : Rejection::none;
 }

@@ -76,7 +76,7 @@ class Mapper {
   /// Thread-safe.
   DepthStore& depths() { return depths_; }
   /// Thread-safe.
-  AppearanceStore& appearances() { return appearances_; }
+  AppearanceStore& appearances() { return proof_.appearances; }
 
  private:
   void keep(const KeyframeOrder& order, ImageFeatures keyframe);
@@ -123,11 +123,14 @@ class Mapper {
   std::shared_ptr<const SignatureStore> signatures_;
   KeyframeMatcher matcher_;
   DepthStore depths_;
-  AppearanceCheck appearance_check_;
-  AppearanceStore appearances_;
+  struct Proof {
+    AppearanceCheck check;
+    AppearanceStore appearances;
+    LoopConfirmation confirmation = {};
+  };
+  Proof proof_;  ///< What a loop closure needs beside matches.
   KeyframeFeatures features_;
   KeyframeGraph graph_;
-  LoopConfirmation confirmation_;
   std::unique_ptr<LoopSearch> search_;
 };
 
