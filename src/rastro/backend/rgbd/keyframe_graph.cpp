@@ -218,6 +218,19 @@ PoseGraphResult KeyframeGraph::optimize(bool all) {
   return optimize_pose_graph(poses_, edges_, fixed, graph_options(options_));
 }
 
+PoseGraphResult KeyframeGraph::optimize_until_converged() {
+  constexpr int most_rounds = 30;
+  constexpr double least_gain = 0.01;
+  PoseGraphResult result = optimize(true);
+  const double first_cost = result.first_cost;
+  for (int round = 1; round < most_rounds && !result.converged; ++round) {
+    result = optimize(true);
+    if (result.last_cost > (1.0 - least_gain) * result.first_cost) break;
+  }
+  result.first_cost = first_cost;
+  return result;
+}
+
 void KeyframeGraph::settle_covariance(std::int64_t id) {
   double least = std::numeric_limits<double>::infinity();
   Matrix6d best = Matrix6d::Zero();

@@ -78,6 +78,8 @@ class KeyframeGraph {
   void merge(const Constraint& edge);
   /// Optimizes the last keyframes only, or all.
   PoseGraphResult optimize(bool all);
+  /// All keyframes, as long as it helps.
+  PoseGraphResult optimize_until_converged();
   /// Sets an upper bound of a keyframe's covariance relative to the first of its submap: that of the best neighbor plus
   /// the edge to it. Further edges would only reduce it.
   void settle_covariance(std::int64_t id);

@@ -505,5 +505,26 @@ TEST(KeyframeGraphTrackedMotion, IsNoneAfterALossOrOverTooManyKeyframes) {
   EXPECT_FALSE(graph.tracked_motion(3, 5, 1));
 }
 
+/// A ring whose odometry is bent, with few iterations in each optimization.
+TEST(KeyframeGraph, OptimizesUntilNothingIsGained) {
+  RgbdSlamOptions options = no_candidates();
+  options.optimize_iterations = 1;
+  constexpr int count = 60;
+  const SE3 step(SO3::exp({0.0, 2.0 * M_PI / count, 0.0}), {0.5, 0.0, 0.0});
+  const SE3 bent = step * SE3(SO3::exp({0.02, 0.03, -0.02}), {0.02, 0.0, 0.0});
+  KeyframeGraph graph(options, 0);
+  for (int k = 0; k < count; ++k) {
+    add_keyframe(graph, k == 0 ? SE3() : graph.pose(k - 1) * bent);
+    if (k > 0) graph.add_edge(edge_of(k - 1, k, bent, ConstraintKind::odometry, 0.1, 0.1));
+  }
+  graph.add_edge(edge_of(count - 1, 0, step));
+  KeyframeGraph once = graph;
+  const PoseGraphResult first = once.optimize(true), all = graph.optimize_until_converged();
+  EXPECT_FALSE(first.converged);
+  EXPECT_TRUE(all.converged);
+  EXPECT_EQ(all.first_cost, first.first_cost);
+  EXPECT_LT(all.last_cost, first.last_cost);
+}
+
 }  // namespace
 }  // namespace rastro

@@ -77,7 +77,7 @@ SurfaceOptions surface_options(const RgbdSlamOptions& options) {
 KeyframeMatcher::KeyframeMatcher(const RgbdSlamOptions& options, const Camera& camera)
     : options_(options), camera_(camera), check_(camera, surface_options(options)) {}
 
-std::vector<PointMatch> KeyframeMatcher::matches_of(const ImageFeatures& a, const ImageFeatures& b) const {
+std::vector<PointMatch> KeyframeMatcher::matches_of(const ImageFeatures& a, const ImageFeatures& b, bool far) const {
   DescriptorMatchOptions matching;
   matching.max_ratio = options_.max_ratio;
   const float finest_a = finest_size(a.features), finest_b = finest_size(b.features);
@@ -88,7 +88,7 @@ std::vector<PointMatch> KeyframeMatcher::matches_of(const ImageFeatures& a, cons
     const auto ray_b = camera_.unproject(Eigen::Vector2d(Eigen::Vector2f(in_b.x, in_b.y).cast<double>()));
     const auto depth_a = static_cast<double>(a.depths[match.second]),
                depth_b = static_cast<double>(b.depths[match.first]);
-    if (!ray_a || !ray_b || (depth_a <= 0.0 && depth_b <= 0.0)) continue;
+    if (!ray_a || !ray_b || (!far && depth_a <= 0.0 && depth_b <= 0.0)) continue;
     matches.push_back({*ray_a, *ray_b, depth_a, depth_b, pixel_sigma(in_a, finest_a, options_.pixel_sigma),
                        pixel_sigma(in_b, finest_b, options_.pixel_sigma)});
   }
@@ -96,27 +96,26 @@ std::vector<PointMatch> KeyframeMatcher::matches_of(const ImageFeatures& a, cons
 }
 
 std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a, const ViewOfKeyframe& b,
-                                                         int min_inliers, std::uint64_t seed,
-                                                         const std::optional<SE3>& guess, MatchScope scope,
-                                                         Rejection* why) const {
+                                                         const MatchRequest& request, Rejection* why) const {
   Rejection own;
   Rejection& rejection = why ? *why : own;
   rejection = Rejection::few_inliers;
-  const std::vector<PointMatch> matches = matches_of(*a.keyframe, *b.keyframe);
+  const std::vector<PointMatch> matches = matches_of(*a.keyframe, *b.keyframe, request.far);
   PointMatchOptions fitting;
   fitting.noise = depth_noise(options_);
   fitting.focal_px = camera_.fx;
-  fitting.iterations = scope == MatchScope::anywhere ? options_.ransac_iterations : 0;
-  const bool may_slide = options_.few_features == "icp";
-  fitting.min_inliers = may_slide ? std::min(min_inliers, options_.few_inliers) : min_inliers;
-  fitting.seed = seed;
-  std::optional<MatchedViews> views = estimate_views(matches, fitting, guess);
+  fitting.iterations = request.scope == MatchScope::anywhere ? options_.ransac_iterations : 0;
+  const int least = options_.few_features == "icp" ? options_.few_inliers : request.min_inliers;
+  fitting.min_inliers = std::min(request.min_inliers, least);
+  fitting.min_depth_m = options_.follow.min_depth_m;
+  fitting.seed = request.seed;
+  std::optional<MatchedViews> views = estimate_views(matches, fitting, request.guess);
   if (!views) return std::nullopt;
   rejection =
       judge({.matches = static_cast<int>(matches.size()), .inliers = views->inliers}, feature_acceptance(options_));
   if (rejection != Rejection::none) return std::nullopt;
   const auto surface_a = a.depth(), surface_b = b.depth();
-  const bool few = views->inliers < min_inliers;
+  const bool few = views->inliers < request.min_inliers;
   if (few) views = slide(check_, *surface_a, *surface_b, *views);
   rejection = Rejection::few_inliers;
   if (!views) return std::nullopt;

@@ -39,18 +39,26 @@ enum class MatchScope : std::uint8_t {
   near_guess,  ///< Only what agrees with the guess.
 };
 
+/// How two keyframes are compared.
+struct MatchRequest {
+  int min_inliers = 25;           ///< That a constraint from features alone needs.
+  std::uint64_t seed = 1;         ///< Of RANSAC.
+  std::optional<SE3> guess = {};  ///< Of a_from_b: one more hypothesis.
+  MatchScope scope = MatchScope::anywhere;
+  bool far = false;  ///< Features without a depth count as well, by their direction.
+};
+
 /// Compares two keyframes: descriptor matching, RANSAC over the matches, and whether the surfaces contradict the
 /// result. Thread-safe.
 class KeyframeMatcher {
  public:
   KeyframeMatcher(const RgbdSlamOptions& options, const Camera& camera);
-  /// nullopt where the keyframes have too little in common, or where depth contradicts. `guess` of a_from_b is one more
-  /// hypothesis. `why`, if any, receives what was lacking, or none.
-  std::optional<KeyframeConstraint> match(const ViewOfKeyframe& a, const ViewOfKeyframe& b, int min_inliers,
-                                          std::uint64_t seed, const std::optional<SE3>& guess,
-                                          MatchScope scope = MatchScope::anywhere, Rejection* why = nullptr) const;
+  /// nullopt where the keyframes have too little in common, or where depth contradicts. `why`, if any, receives what
+  /// was lacking, or none.
+  std::optional<KeyframeConstraint> match(const ViewOfKeyframe& a, const ViewOfKeyframe& b, const MatchRequest& request,
+                                          Rejection* why = nullptr) const;
   const SurfaceCheck& surfaces() const { return check_; }
-  std::vector<PointMatch> matches_of(const ImageFeatures& a, const ImageFeatures& b) const;
+  std::vector<PointMatch> matches_of(const ImageFeatures& a, const ImageFeatures& b, bool far = false) const;
 
  private:
   RgbdSlamOptions options_;

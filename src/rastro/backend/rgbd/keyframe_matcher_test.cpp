@@ -41,7 +41,7 @@ class KeyframeMatcherTest : public ::testing::Test {
                                           MatchScope scope = MatchScope::anywhere) const {
     return KeyframeMatcher(options_, test_room::camera())
         .match({a.keyframe.get(), [&] { return a.surface; }}, {b.keyframe.get(), [&] { return b.surface; }},
-               min_inliers, seed, guess, scope);
+               {min_inliers, seed, guess, scope});
   }
 
   RgbdSlamOptions options_;

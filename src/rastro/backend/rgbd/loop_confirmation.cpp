@@ -4,8 +4,9 @@
 namespace rastro {
 namespace {
 
-constexpr std::int64_t most_keyframes = 20;                  // between the two
-constexpr double least_apart_m = 1.5;                        // of the evidence
+constexpr double most_path_m = 15.0;                         // between the two
+constexpr std::int64_t most_keyframes = 200;                 // likewise
+constexpr double least_apart_m = 4.0;                        // of the evidence: more than a door and its frame
 constexpr double max_distance_m = 0.5, max_angle_rad = 0.1;  // between the corrections, where the camera is
 
 /// How it would move the submap of its newer keyframe.
@@ -34,6 +35,7 @@ std::vector<Constraint> LoopConfirmation::next(const KeyframeGraph& graph, const
   std::vector<LoopHypothesis> left;
   for (const LoopHypothesis& earlier : waiting_) {
     if (newest.edge.to - earlier.edge.to > most_keyframes) continue;
+    if (graph.path_between(earlier.edge.to, newest.edge.to) > most_path_m) continue;
     if (agree(graph, earlier, newest))
       confirmed.push_back(earlier.edge);
     else

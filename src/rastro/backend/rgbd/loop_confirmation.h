@@ -14,7 +14,7 @@ struct LoopHypothesis {
   Eigen::Vector3d evidence = Eigen::Vector3d::Zero();  ///< Center of the surfaces that look alike, in camera edge.to.
 };
 
-/// One door looks like another, but hardly two things in a row: a hypothesis counts when one of the last keyframes has
+/// One door looks like another, but hardly two things in a row: a hypothesis counts when the path shortly before has
 /// another that rests on surfaces elsewhere and would correct the map alike (Olson 2009, pairwise consistency). Not
 /// thread-safe.
 class LoopConfirmation {

@@ -33,16 +33,16 @@ class LoopConfirmationTest : public ::testing::Test {
 
 TEST_F(LoopConfirmationTest, TwoThatRestOnOtherSurfacesConfirmEachOther) {
   EXPECT_TRUE(confirmation_.next(graph_, same_place(1)).empty());
-  const auto confirmed = confirmation_.next(graph_, same_place(4, 0.3));
+  const auto confirmed = confirmation_.next(graph_, same_place(6, 0.3));
   ASSERT_EQ(confirmed.size(), 2U);
   EXPECT_EQ(confirmed[0].from, 1);
-  EXPECT_EQ(confirmed[1].from, 4);
+  EXPECT_EQ(confirmed[1].from, 6);
   EXPECT_TRUE(confirmation_.next(graph_, same_place(8)).empty()) << "each counts once";
 }
 
 TEST_F(LoopConfirmationTest, TheSameSurfaceTwiceIsOnePieceOfEvidence) {
-  LoopHypothesis nearer = same_place(2);
-  nearer.evidence.z() = 1.0;
+  LoopHypothesis nearer = same_place(6);
+  nearer.evidence.z() = -2.0;
   EXPECT_TRUE(confirmation_.next(graph_, same_place(1)).empty());
   EXPECT_TRUE(confirmation_.next(graph_, nearer).empty());
 }
@@ -50,7 +50,7 @@ TEST_F(LoopConfirmationTest, TheSameSurfaceTwiceIsOnePieceOfEvidence) {
 TEST_F(LoopConfirmationTest, OnesThatCorrectTheMapOtherwiseDoNot) {
   EXPECT_TRUE(confirmation_.next(graph_, same_place(1)).empty());
   EXPECT_TRUE(confirmation_.next(graph_, same_place(4, 0.6)).empty());
-  EXPECT_EQ(confirmation_.next(graph_, same_place(7, 0.6)).size(), 2U);
+  EXPECT_EQ(confirmation_.next(graph_, same_place(9, 0.6)).size(), 2U);
 }
 
 TEST_F(LoopConfirmationTest, OnesLongAgoDoNot) {
@@ -66,7 +66,7 @@ TEST_F(LoopConfirmationTest, OnesLongAgoDoNot) {
 }
 
 TEST_F(LoopConfirmationTest, OnesBetweenOtherSubmapsDoNot) {
-  LoopHypothesis within = same_place(4);
+  LoopHypothesis within = same_place(6);
   within.edge.to = 9;
   EXPECT_TRUE(confirmation_.next(graph_, same_place(1)).empty());
   EXPECT_TRUE(confirmation_.next(graph_, within).empty());

@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "rastro/backend/acceptance.h"
@@ -47,6 +50,14 @@ std::shared_ptr<const SignatureStore> signatures_of(const SlamContext& context,
   const auto rows = stores ? context.archive->rows(SignatureLayer::layer_name) : nullptr;
   if (rows) return signatures_in(rows);
   return in_memory;
+}
+
+/// A loop that says less of the position is not worth its risk.
+constexpr double most_loop_sigma_m = 0.3;
+
+double position_sigma_m(const Matrix6d& information) {
+  const Eigen::Matrix3d covariance = information.inverse().topLeftCorner<3, 3>();
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().maxCoeff());
 }
 
 }  // namespace
@@ -159,27 +170,35 @@ void Mapper::add_edge(const Constraint& edge, MapRevision& revision) {
   revision.new_edges.push_back(edge);
 }
 
+ConstraintKind Mapper::kind_between(std::int64_t other, std::int64_t id) const {
+  if (graph_.submap(other) != graph_.submap(id)) return ConstraintKind::merge;
+  const int steps = options_.loop_steps;
+  const bool far = other < graph_.frozen() || graph_.steps_between(other, id, steps) >= steps;
+  return far ? ConstraintKind::loop : ConstraintKind::proximity;
+}
+
+int Mapper::inliers_for(ConstraintKind kind) const {
+  if (kind == ConstraintKind::merge) return options_.relocalize_inliers;
+  return kind == ConstraintKind::loop ? options_.loop_inliers : options_.min_inliers;
+}
+
 Mapper::Verified Mapper::match(std::int64_t other, std::int64_t id, MatchScope scope) {
   const auto view = [this](std::int64_t k) {
     return ViewOfKeyframe{&graph_.keyframe(k), [this, k] { return depths_.depth(k); }};
   };
-  const bool merges = graph_.submap(other) != graph_.submap(id);
+  const ConstraintKind kind = kind_between(other, id);
   std::optional<SE3> guess;
-  if (!merges) guess = graph_.pose(other).inverse() * graph_.pose(id);
-  if (const auto tracked = graph_.tracked_motion(other, id, most_tracked_steps)) guess = tracked->from_from_to;
+  if (kind != ConstraintKind::merge) guess = graph_.pose(other).inverse() * graph_.pose(id);
+  const auto tracked = graph_.tracked_motion(other, id, most_tracked_steps);
+  if (tracked) guess = tracked->from_from_to;
   const std::uint64_t seed =
       seed_for(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)), static_cast<std::uint64_t>(other));
   Rejection why = Rejection::none;
-  const auto match = matcher_.match(view(other), view(id), merges ? options_.relocalize_inliers : options_.min_inliers,
-                                    seed, guess, scope, &why);
+  const bool far = options_.match_far && !tracked;
+  const auto match = matcher_.match(view(other), view(id), {inliers_for(kind), seed, guess, scope, far}, &why);
   if (!match) return {std::nullopt, why};
-  Constraint edge{other, id, Sim3(match->a_from_b), match->information, ConstraintKind::proximity, 1.0, match->inliers};
-  if (merges) {
-    edge.kind = ConstraintKind::merge;
-  } else if (other < graph_.frozen() || graph_.steps_between(other, id, options_.loop_steps) >= options_.loop_steps) {
-    edge.kind = ConstraintKind::loop;
-  }
-  return {edge};
+  if (far && position_sigma_m(match->information) > most_loop_sigma_m) return {std::nullopt, Rejection::few_inliers};
+  return {Constraint{other, id, Sim3(match->a_from_b), match->information, kind, 1.0, match->inliers}};
 }
 
 /// What most features agree with may be a crowd that walks by: where tracking knows better, what agrees with it counts.
@@ -196,7 +215,7 @@ Mapper::Verified Mapper::verify(std::int64_t other, std::int64_t id) {
 /// One place may have the same shape and furniture as another. What tracking connects needs no such proof. A merge of
 /// submaps, or a loop after a long way, changes much: it needs a wide view that looks alike, or a second one.
 void Mapper::judge_appearance(Verified& found) {
-  constexpr int wide_cells = 20;
+  constexpr int wide_cells = 30;
   constexpr double long_way_m = 8.0;
   const Constraint& edge = *found.edge;
   const AppearanceAgreement agreement = proof_.check.compare(*proof_.appearances.appearance(edge.from),
@@ -330,8 +349,10 @@ std::string Mapper::measures() const {
   if (budget_.stage() > 0)
     text = fmt::format("keyframes {:g} times as sparse, {:g} % of the features", budget_.spacing(),
                        100.0 * budget_.share());
-  if (given_up_ > 0) text += fmt::format(", features of {} keyframes dropped", given_up_);
-  return text;
+  if (given_up_ == 0) return text;
+  if (!text.empty()) text += ", ";
+  return text + fmt::format("features of {} keyframes {}", given_up_,
+                            search_->has_long_term_memory() ? "in long-term memory alone" : "dropped");
 }
 
 void Mapper::stay_within_budget(MapRevision& revision) {
@@ -340,12 +361,13 @@ void Mapper::stay_within_budget(MapRevision& revision) {
   const auto fill = [this] {
     return budget_.limited() ? static_cast<double>(map_bytes()) / static_cast<double>(budget_.bytes()) : 0.0;
   };
+  const bool full = fill() > MapBudget::full_share;
   for (;;) {
     const std::vector<std::int64_t> leaving = search_->transfer(graph_, fill());
     if (leaving.empty()) break;
     for (const std::int64_t id : leaving) give_up_features(id, revision);
   }
-  if (sparser && !revision.forgotten.empty()) revision.events.push_back(budget_.event(map_bytes(), measures()));
+  if (full && !revision.forgotten.empty()) revision.events.push_back(budget_.event(map_bytes(), measures()));
 }
 
 void Mapper::give_up_features(std::int64_t id, MapRevision& revision) {
@@ -368,7 +390,7 @@ MapRevision Mapper::settle() {
   MapRevision revision;
   const bool stopped = stop_ && stop_->load();
   if (maps_ && graph_.size() > 1 && !stopped) {
-    const PoseGraphResult result = graph_.optimize(true);
+    const PoseGraphResult result = graph_.optimize_until_converged();
     revision.events.push_back({"map_revised", fmt::format("{} keyframes at the end, cost {:.1f} to {:.1f}",
                                                           graph_.size(), result.first_cost, result.last_cost)});
   }

@@ -89,6 +89,8 @@ class Mapper {
     Eigen::Vector3d evidence = Eigen::Vector3d::Zero();  ///< See LoopHypothesis.
   };
   Verified verify(std::int64_t other, std::int64_t id);
+  ConstraintKind kind_between(std::int64_t other, std::int64_t id) const;
+  int inliers_for(ConstraintKind kind) const;
   Verified match(std::int64_t other, std::int64_t id, MatchScope scope);
   bool contradicts_path(const Constraint& edge) const;
   void judge_appearance(Verified& found);

@@ -129,13 +129,12 @@ TEST(Mapper, WithoutOdometryAMatchMayBeAsFarOffAsTheDriftOfThePathAndAMeter) {
   EXPECT_FALSE(matched_beside(0.215));
 }
 
-TEST(Mapper, AMatchFarAlongTheGraphIsALoopAndMovesAll) {
-  RgbdSlamOptions options;
+/// What happens when the camera comes back to a room. Views of another scene lie between: only odometry connects them.
+/// Which of the four is compared is random, so it comes back with up to 30 seeds.
+MapRevision way_back(RgbdSlamOptions options) {
   options.loop_steps = 4;
   options.last_candidates = options.graph_candidates = options.near_candidates = 0;
   options.random_candidates = 1;
-  // Views of another scene between two of the room: only odometry connects them. Which of the four is compared is
-  // random.
   MapRevision revision;
   for (std::uint64_t seed = 1; seed < 30 && !has_event(revision, "loop_closed"); ++seed) {
     options.follow.seed = seed;
@@ -152,6 +151,20 @@ TEST(Mapper, AMatchFarAlongTheGraphIsALoopAndMovesAll) {
       revision = mapper.add(order);
     }
   }
+  return revision;
+}
+
+TEST(Mapper, ALoopNeedsInliersOfItsOwnNumber) {
+  RgbdSlamOptions options;
+  options.few_features = "refuse";
+  options.loop_inliers = 5000;
+  EXPECT_EQ(edges_of_kind(way_back(options), ConstraintKind::loop), 0);
+  std::swap(options.min_inliers, options.loop_inliers);
+  EXPECT_EQ(edges_of_kind(way_back(options), ConstraintKind::loop), 1);
+}
+
+TEST(Mapper, AMatchFarAlongTheGraphIsALoopAndMovesAll) {
+  const MapRevision revision = way_back({});
   ASSERT_TRUE(has_event(revision, "loop_closed"));
   EXPECT_TRUE(has_event(revision, "map_revised"));
   ASSERT_EQ(edges_of_kind(revision, ConstraintKind::loop), 1);

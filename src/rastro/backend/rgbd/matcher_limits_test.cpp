@@ -40,8 +40,7 @@ struct CornerPair {
   }
   std::optional<KeyframeConstraint> match(int min_inliers = 25) const {
     return KeyframeMatcher(options, test_room::camera())
-        .match({a.get(), [&] { return surface_a; }}, {b.get(), [&] { return surface_b; }}, min_inliers, 1, std::nullopt,
-               MatchScope::anywhere);
+        .match({a.get(), [&] { return surface_a; }}, {b.get(), [&] { return surface_b; }}, {min_inliers});
   }
 
   RgbdSlamOptions options;

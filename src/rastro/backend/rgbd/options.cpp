@@ -97,6 +97,16 @@ void add_matching_options(OptionTable& table, RgbdSlamOptions& o) {
              100000,
              {}});
   table.add({"min_inliers", &o.min_inliers, "", "inliers that a constraint from features alone needs", 6, 5000, {}});
+  table.add({"loop_inliers", &o.loop_inliers, "", "the same for a loop closure", 6, 5000, {}});
+  table.add(
+      {"match_far",
+       &o.match_far,
+       "",
+       "features without a depth in either keyframe count as well, by their direction: what is beyond the range of "
+       "the depth camera",
+       0,
+       1,
+       {}});
   table.add({"few_features",
              &o.few_features,
              "",

@@ -36,6 +36,8 @@ struct RgbdSlamOptions {
   double pixel_sigma = 1.0;
   int ransac_iterations = 300;
   int min_inliers = 25;
+  int loop_inliers = 25;
+  bool match_far = false;
   std::string few_features = "icp";
   int few_inliers = 10;
   double min_inlier_share = 0.25;

@@ -67,9 +67,10 @@ void Relocalizer::compare(const ImageFeatures& seen, const Frame& frame, const s
     if (keyframe->features.size() == 0) continue;
     ++result.compared;
     const auto depth = [this, id = id] { return depths_.depth(id); };
-    const auto constraint =
-        matcher_.match({keyframe.get(), depth}, {&seen, [&] { return grid; }}, options_.relocalize_inliers,
-                       seed_for(seed, static_cast<std::uint64_t>(id)), std::nullopt);
+    MatchRequest request;
+    request.min_inliers = options_.relocalize_inliers;
+    request.seed = seed_for(seed, static_cast<std::uint64_t>(id));
+    const auto constraint = matcher_.match({keyframe.get(), depth}, {&seen, [&] { return grid; }}, request);
     if (!constraint) continue;
     if (!appearance) appearance = appearances_.check().appearance_of(frame);
     const Found found{id, *constraint, looks_alike(*appearance, id, constraint->a_from_b)};

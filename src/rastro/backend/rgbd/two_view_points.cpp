@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "rastro/math/alignment.h"
 #include "rastro/math/robust_kernel.h"
@@ -32,10 +33,17 @@ class TwoViewProblem {
   static constexpr std::size_t sample_size = 3;
 
   TwoViewProblem(std::span<const PointMatch> matches, const PointMatchOptions& options)
-      : matches_(matches), options_(options) {}
+      : matches_(matches), options_(options) {
+    for (std::uint32_t i = 0; i < matches.size(); ++i)
+      if (matches[i].has_depth()) with_depth_.push_back(i);
+  }
 
   template <typename Sink>
-  void fit(const std::array<std::uint32_t, 3>& sample, Sink&& sink) const {
+  void fit(std::array<std::uint32_t, 3> sample, Sink&& sink) const {
+    // Drawn from all matches; only depths give a pose.
+    if (with_depth_.size() < sample_size) return;
+    for (std::uint32_t& i : sample) i = with_depth_[i * with_depth_.size() / matches_.size()];
+    if (sample[0] == sample[1] || sample[1] == sample[2] || sample[0] == sample[2]) return;
     const auto all = [&](auto has) {
       return std::all_of(sample.begin(), sample.end(), [&](auto i) { return has(matches_[i]); });
     };
@@ -134,9 +142,37 @@ class TwoViewProblem {
     return pose_from_three(points, rays);
   }
 
+  /// Without a depth: the distance of b's ray, as a sees it, from a's feature. What is nearest to the feature counts,
+  /// at any depth from the nearest to infinity, so along the ray there is no constraint but at its ends.
+  Residual ray_residual(const PointMatch& match, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& shift) const {
+    Residual residual;
+    const Eigen::Vector3d ray = match.ray_b.homogeneous(), far = rotation * ray;
+    if (!(far.z() > 0.05)) return residual;
+    const Eigen::Vector2d across = far.z() * shift.head<2>() - shift.z() * far.head<2>();
+    const double speed = across.norm(), along = across.dot(match.ray_a - far.hnormalized());  // of the image point
+    const double reach = speed * speed - along * far.z() * shift.z();
+    const double nearest = 1.0 / options_.min_depth_m, wanted = along * far.z() * far.z();
+    const bool inside = speed > 1e-9 && along > 0.0 && reach > 0.0 && wanted < nearest * reach;
+    const double inverse_depth = inside ? wanted / reach : along > 0.0 ? nearest : 0.0;
+    const Eigen::Vector3d p = far + inverse_depth * shift;
+    if (!(p.z() > 0.05)) return residual;
+    const double scale = options_.focal_px / std::hypot(match.sigma_a, match.sigma_b), inverse = 1.0 / p.z();
+    Eigen::Matrix2d used = Eigen::Matrix2d::Identity();
+    if (inside) used -= across * across.transpose() / (speed * speed);
+    residual.rows = inside ? 1 : 2;
+    residual.error.head<2>() = scale * used * (p.hnormalized() - match.ray_a);
+    Eigen::Matrix<double, 3, 6> point_by_step;
+    point_by_step << inverse_depth * rotation, -rotation * hat(ray);
+    Eigen::Matrix<double, 2, 3> by_point;
+    by_point << inverse, 0.0, -p.x() * inverse * inverse, 0.0, inverse, -p.y() * inverse * inverse;
+    residual.jacobian.topRows<2>() = scale * used * by_point * point_by_step;
+    return residual;
+  }
+
   /// With b's point in a if b has a depth, else with a's point in b.
   Residual residual_of(const PointMatch& match, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& shift,
                        bool with_jacobian) const {
+    if (!match.has_depth()) return ray_residual(match, rotation, shift);
     const bool to_a = match.depth_b > 0.0;
     const Eigen::Vector3d in_b =
         to_a ? point_at(match.ray_b, match.depth_b)
@@ -171,7 +207,19 @@ class TwoViewProblem {
 
   std::span<const PointMatch> matches_;
   PointMatchOptions options_;
+  std::vector<std::uint32_t> with_depth_;
 };
+
+/// Of all, and of those with a depth.
+std::pair<int, int> count_inliers(std::span<const PointMatch> matches, const std::vector<float>& errors, float limit) {
+  std::pair<int, int> count;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    if (!(errors[i] <= limit)) continue;
+    ++count.first;
+    count.second += matches[i].has_depth() ? 1 : 0;
+  }
+  return count;
+}
 
 }  // namespace
 
@@ -193,9 +241,10 @@ std::optional<MatchedViews> estimate_views(std::span<const PointMatch> matches, 
   problem.errors(matrix_of(refined->pose), fit->squared_errors.data());
   MatchedViews views;
   views.a_from_b = refined->pose;
-  views.inliers = static_cast<int>(
-      std::count_if(fit->squared_errors.begin(), fit->squared_errors.end(), [=](float e) { return e <= limit; }));
-  if (views.inliers < options.min_inliers) return std::nullopt;
+  const auto [inliers, with_depth] = count_inliers(matches, fit->squared_errors, limit);
+  if (inliers < options.min_inliers || with_depth < std::min(options.min_depth_inliers, options.min_inliers))
+    return std::nullopt;
+  views.inliers = inliers;
   views.information = refined->normal / std::max(1.0, refined->squared / std::max(1.0, refined->rows - 6.0));
   return views;
 }

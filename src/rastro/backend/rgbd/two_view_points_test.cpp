@@ -19,7 +19,7 @@ using testing::pose_near;
 const SE3 true_a_from_b(SO3::exp({0.06, -0.1, 0.04}), {0.12, -0.05, 0.08});
 
 /// Which of the two depths were measured.
-enum class Depths { both, of_a, of_b, mixed };
+enum class Depths { both, of_a, of_b, mixed, few };
 
 /// Points 1 to 4 m in front of b, without noise.
 std::vector<PointMatch> exact_matches(std::size_t count, Depths depths = Depths::both, std::uint64_t seed = 3) {
@@ -33,6 +33,7 @@ std::vector<PointMatch> exact_matches(std::size_t count, Depths depths = Depths:
     const std::size_t kind = matches.size() % 3;
     if (depths == Depths::of_b || (depths == Depths::mixed && kind == 1)) match.depth_a = 0.0;
     if (depths == Depths::of_a || (depths == Depths::mixed && kind == 2)) match.depth_b = 0.0;
+    if (depths == Depths::few && kind > 0) match.depth_a = match.depth_b = 0.0;
     matches.push_back(match);
   }
   return matches;
@@ -62,7 +63,7 @@ void make_outliers(std::vector<PointMatch>& matches, std::size_t count, std::uin
 }
 
 TEST(PointMatches, ExactMatchesGiveTheExactMotionWithAnyDepths) {
-  for (const Depths depths : {Depths::both, Depths::of_a, Depths::of_b, Depths::mixed}) {
+  for (const Depths depths : {Depths::both, Depths::of_a, Depths::of_b, Depths::mixed, Depths::few}) {
     const auto views = estimate_views(exact_matches(60, depths), {});
     ASSERT_TRUE(views) << static_cast<int>(depths);
     EXPECT_THAT(views->a_from_b, pose_near(true_a_from_b, 1e-7, 1e-7)) << static_cast<int>(depths);
@@ -73,7 +74,7 @@ TEST(PointMatches, ExactMatchesGiveTheExactMotionWithAnyDepths) {
 /// d^T information d has the mean 6 if the covariance is correct. The kernel reduces the weight of some good matches,
 /// so it may be less; 8 would mean a covariance too small by a third.
 TEST(PointMatches, TheInformationIsConsistentWithTheErrors) {
-  for (const Depths depths : {Depths::both, Depths::of_a, Depths::of_b}) {
+  for (const Depths depths : {Depths::both, Depths::of_a, Depths::of_b, Depths::few}) {
     PointMatchOptions options;
     Random random(11);
     double sum = 0.0;
@@ -88,6 +89,45 @@ TEST(PointMatches, TheInformationIsConsistentWithTheErrors) {
     EXPECT_GT(sum / runs, 3.0) << static_cast<int>(depths);
     EXPECT_LT(sum / runs, 8.0) << static_cast<int>(depths);
   }
+}
+
+/// Three points with a depth and noise, among many far away without.
+TEST(PointMatches, DirectionsAloneMakeTheMotionMoreCertain) {
+  PointMatchOptions options;
+  options.min_inliers = options.min_depth_inliers = 6;
+  Random random(5);
+  auto matches = noisy(exact_matches(90, Depths::few), options, random);
+  std::vector<PointMatch> with_depth;
+  std::copy_if(matches.begin(), matches.end(), std::back_inserter(with_depth),
+               [](const PointMatch& match) { return match.has_depth(); });
+  ASSERT_EQ(with_depth.size(), 30U);
+  const auto without = estimate_views(with_depth, options), all = estimate_views(matches, options);
+  ASSERT_TRUE(without && all);
+  EXPECT_LE(without->inliers, 30);
+  EXPECT_GT(all->inliers, 80);
+  EXPECT_GT(all->information.determinant(), 4.0 * without->information.determinant());
+}
+
+TEST(PointMatches, ADirectionCountsOnlyWhereItsRayIsSeen) {
+  PointMatchOptions options;
+  std::vector<PointMatch> matches = exact_matches(60, Depths::few);
+  const auto turned_away = [&](std::size_t i, double by) {
+    const Eigen::Vector3d at_infinity = true_a_from_b.rotation() * matches[i].ray_b.homogeneous();
+    const Eigen::Vector3d nearest = true_a_from_b * (options.min_depth_m * matches[i].ray_b.homogeneous());
+    const Eigen::Vector2d from = at_infinity.hnormalized(), to = nearest.hnormalized();
+    matches[i].ray_a = from + by * (to - from);
+  };
+  turned_away(1, 0.0), turned_away(2, 1.0), turned_away(4, -0.1), turned_away(5, 1.1);
+  matches[7].ray_a.y() += 0.05;
+  EXPECT_EQ(estimate_views(matches, options)->inliers, 57) << "beyond infinity, too near, and beside";
+}
+
+TEST(PointMatches, DirectionsAloneGiveNoMotion) {
+  std::vector<PointMatch> matches = exact_matches(60);
+  for (std::size_t i = 5; i < 60; ++i) matches[i].depth_a = matches[i].depth_b = 0.0;
+  EXPECT_FALSE(estimate_views(matches, {})) << "five have a depth";
+  matches[5] = exact_matches(6)[5];
+  EXPECT_TRUE(estimate_views(matches, {}));
 }
 
 TEST(PointMatches, LargeResidualsMakeTheMotionLessCertain) {
@@ -158,14 +198,14 @@ TEST(PointMatches, ADepthOfNanCountsAsNone) {
   EXPECT_EQ(of_none->a_from_b.matrix(), of_nan->a_from_b.matrix());
 }
 
-TEST(PointMatches, MatchesWithoutAnyDepthAreNoInliers) {
+TEST(PointMatches, MatchesWithoutAnyDepthCountByTheirDirection) {
   auto matches = exact_matches(60);
   for (std::size_t i = 0; i < 15; ++i) {
     matches[i].depth_a = matches[i].depth_b = i % 2 == 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN();
   }
   const auto views = estimate_views(matches, {});
   ASSERT_TRUE(views);
-  EXPECT_EQ(views->inliers, 45);
+  EXPECT_EQ(views->inliers, 60);
   EXPECT_THAT(views->a_from_b, pose_near(true_a_from_b, 1e-6, 1e-6));
 }
 

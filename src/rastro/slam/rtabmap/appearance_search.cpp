@@ -102,6 +102,16 @@ void AppearanceSearch::shorten_short_term(int most) {
   }
 }
 
+/// A budget smaller than short-term memory is kept as well; what was seen last stays for tracking.
+std::optional<std::int64_t> AppearanceSearch::leave_early() {
+  constexpr int least_size = 3;
+  while (memory_.short_term_size() > least_size) {
+    shorten_short_term(memory_.short_term_size() - 1);
+    if (const auto least = memory_.least(immune_)) return least;
+  }
+  return std::nullopt;
+}
+
 /// Those of working memory that the Bayes filter believes in, the likeliest first.
 std::vector<std::int64_t> AppearanceSearch::likely_locations() {
   const std::vector<LocationScore> scores = index_.scores(words_);
@@ -236,8 +246,10 @@ std::vector<std::int64_t> AppearanceSearch::transfer(const KeyframeGraph& /*grap
     return in_vain;
   }
   const bool overdue = work_ms_ > options_.time_limit_ms && words_transferred_ <= words_added_;
-  if (!overdue && fill <= MapBudget::full_share) return {};
-  const auto least = memory_.least(immune_);
+  const bool full = fill > MapBudget::full_share;
+  if (!overdue && !full) return {};
+  auto least = memory_.least(immune_);
+  if (!least && full) least = leave_early();
   if (!least) return {};
   const std::size_t before = vocabulary_.size();
   vocabulary_.release(memory_.at(*least).words);

@@ -54,6 +54,7 @@ class AppearanceSearch : public LoopSearch {
   double rare_similarity(const BagOfWords& a, const BagOfWords& b) const;
   void remember(const KeyframeGraph& graph, std::int64_t id);
   void shorten_short_term(int most);
+  std::optional<std::int64_t> leave_early();
   std::vector<std::int64_t> likely_locations();
   std::vector<std::int64_t> similar_locations(const KeyframeGraph& graph, const BagOfWords& words,
                                               std::int64_t own) const;

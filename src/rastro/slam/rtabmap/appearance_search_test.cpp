@@ -134,6 +134,16 @@ TEST(AppearanceSearch, ShortTermMemoryIsNotSearched) {
   EXPECT_THAT(walk.visit(5).places, IsEmpty());
 }
 
+TEST(AppearanceSearch, ABudgetSmallerThanShortTermMemoryShortensIt) {
+  RtabmapOptions options = appearance_only();
+  options.short_term_size = 30;
+  Walk walk(options);
+  walk.visit_all(0, 9);
+  EXPECT_THAT(walk.forget(0.5), IsEmpty());
+  EXPECT_THAT(walk.forget(0.95), ElementsAre(0, 1, 2, 3, 4, 5, 6)) << "the last three stay";
+  EXPECT_THAT(walk.visit(2).places, Contains(2)) << "and what left is recognized";
+}
+
 TEST(AppearanceSearch, WhatLooksLikeTheLastLocationIsRehearsed) {
   Walk walk(working_memory_only());
   for (const int place : {0, 1, 1, 1}) walk.visit(place);

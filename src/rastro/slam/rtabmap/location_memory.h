@@ -57,6 +57,7 @@ class LocationMemory {
   /// Null before the first.
   const Location* last() const { return locations_.empty() ? nullptr : &locations_.rbegin()->second; }
   std::size_t size() const { return locations_.size(); }
+  int short_term_size() const { return static_cast<int>(short_term_.size()); }
   const std::set<std::int64_t>& working() const { return working_; }
   /// Locations whose weight changed since the last call, ascending.
   std::vector<std::int64_t> take_reweighted();

@@ -159,11 +159,12 @@ RtabmapOptions::RtabmapOptions() {
   rgbd.lost_frames = 15;
   rgbd.lost_s = 0.5;
   rgbd.descriptor = "even_orb";
-  rgbd.min_alike = 0.83;
+  rgbd.min_alike = 0.87;
   rgbd.loop_drift_share = 0.05;
   rgbd.loop_drift_rad_per_m = 0.01;
-  rgbd.min_inliers = 15;
-  rgbd.relocalize_inliers = 18;
+  rgbd.loop_inliers = 20;
+  rgbd.relocalize_inliers = 22;
+  rgbd.match_far = true;
 }
 
 void set_paper_preset(RtabmapOptions& options) {
@@ -172,7 +173,8 @@ void set_paper_preset(RtabmapOptions& options) {
   options.hypotheses = 1;
   options.similar_locations = 0;
   options.rgbd.min_alike = 0.0;
-  options.rgbd.min_inliers = 25;
+  options.rgbd.loop_inliers = 25;
+  options.rgbd.match_far = false;
   options.rgbd.relocalize_inliers = 30;
   options.rgbd.near_candidates = 0;
   options.rgbd.graph_candidates = 0;

@@ -32,7 +32,8 @@ SourceInfo stereo_source() {
   SourceInfo source;
   source.path = "room";
   source.has_right = true;
-  for (int side = 0; side < 2; ++side) source.cameras.push_back({.camera = test_room::camera()});
+  source.cameras.resize(2);
+  for (CalibratedCamera& each : source.cameras) each.camera = test_room::camera();
   source.left_from_right = SE3(SO3(), {baseline, 0.0, 0.0});
   return source;
 }
