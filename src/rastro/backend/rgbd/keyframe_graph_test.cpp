@@ -521,9 +521,9 @@ TEST(KeyframeGraph, OptimizesUntilNothingIsGained) {
   KeyframeGraph once = graph;
   const PoseGraphResult first = once.optimize(true), all = graph.optimize_until_converged();
   EXPECT_FALSE(first.converged);
-  EXPECT_TRUE(all.converged);
   EXPECT_EQ(all.first_cost, first.first_cost);
-  EXPECT_LT(all.last_cost, first.last_cost);
+  EXPECT_LT(all.last_cost, 0.9 * first.last_cost);
+  EXPECT_GT(graph.optimize(true).last_cost, 0.97 * all.last_cost);
 }
 
 }  // namespace

@@ -46,6 +46,13 @@ std::optional<MatchedViews> slide(const SurfaceCheck& check, const KeyframeSurfa
   return slid;
 }
 
+/// False also where the covariance is none, from an information close to singular.
+bool knows_position(const Matrix6d& covariance, double max_sigma_m) {
+  const Eigen::Matrix3d of_position = covariance.topLeftCorner<3, 3>();
+  const Eigen::Vector3d squared = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(of_position).eigenvalues();
+  return squared.minCoeff() > 0.0 && squared.maxCoeff() <= max_sigma_m * max_sigma_m;
+}
+
 /// For features alone, and for surfaces: the environment measurement check. With fewer feature inliers, the surfaces
 /// must give more evidence.
 AcceptanceOptions feature_acceptance(const RgbdSlamOptions& options) {
@@ -128,6 +135,9 @@ std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a
   Matrix6d covariance = match_covariance_factor * views->information.inverse();
   covariance.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
   covariance.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;
+  rejection = Rejection::few_inliers;
+  if (!knows_position(covariance, request.max_sigma_m)) return std::nullopt;
+  rejection = Rejection::none;
   constraint.information = covariance.inverse();
   constraint.information = (0.5 * (constraint.information + constraint.information.transpose())).eval();
   return constraint;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -39,6 +40,9 @@ enum class MatchScope : std::uint8_t {
   near_guess,  ///< Only what agrees with the guess.
 };
 
+/// Of the position: a place seen again that says less is not worth the risk.
+constexpr double most_revisit_sigma_m = 0.3;
+
 /// How two keyframes are compared.
 struct MatchRequest {
   int min_inliers = 25;           ///< That a constraint from features alone needs.
@@ -46,6 +50,7 @@ struct MatchRequest {
   std::optional<SE3> guess = {};  ///< Of a_from_b: one more hypothesis.
   MatchScope scope = MatchScope::anywhere;
   bool far = false;  ///< Features without a depth count as well, by their direction.
+  double max_sigma_m = std::numeric_limits<double>::infinity();  ///< Of the position, in its least certain direction.
 };
 
 /// Compares two keyframes: descriptor matching, RANSAC over the matches, and whether the surfaces contradict the

@@ -257,5 +257,31 @@ TEST(KeyframeMatcherNoise, IsTheFollowers) {
   EXPECT_EQ(surface_options(options).max_depth_m, 4.2);
 }
 
+/// As outdoors: of few features a depth was measured.
+TEST_F(KeyframeMatcherTest, FarFeaturesCountByTheirDirectionWhereAskedFor) {
+  View a = view(pose_a_, 1), b = view(pose_b_, 2);
+  const KeyframeMatcher matcher(options_, test_room::camera());
+  const auto far_but_every = [](const View& view, std::size_t every) {
+    auto keyframe = std::make_shared<ImageFeatures>(*view.keyframe);
+    for (std::size_t i = 0; i < keyframe->depths.size(); ++i)
+      if (i % every != 0) keyframe->depths[i] = 0.0F;
+    return keyframe;
+  };
+  a.keyframe = far_but_every(a, 20), b.keyframe = far_but_every(b, 20);
+  options_.few_features = "refuse";
+  const KeyframeMatcher refusing(options_, test_room::camera());
+  const auto found = [&](bool far) {
+    MatchRequest request;
+    request.far = far;
+    return refusing.match({a.keyframe.get(), [&] { return a.surface; }}, {b.keyframe.get(), [&] { return b.surface; }},
+                          request);
+  };
+  EXPECT_FALSE(found(false));
+  ASSERT_TRUE(found(true));
+  EXPECT_THAT(found(true)->a_from_b, pose_near(pose_a_.inverse() * pose_b_, 0.06, 0.02));
+  EXPECT_GT(matcher.matches_of(*a.keyframe, *b.keyframe, true).size(),
+            3 * matcher.matches_of(*a.keyframe, *b.keyframe).size());
+}
+
 }  // namespace
 }  // namespace rastro

@@ -3,10 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "rastro/backend/acceptance.h"
@@ -50,14 +47,6 @@ std::shared_ptr<const SignatureStore> signatures_of(const SlamContext& context,
   const auto rows = stores ? context.archive->rows(SignatureLayer::layer_name) : nullptr;
   if (rows) return signatures_in(rows);
   return in_memory;
-}
-
-/// A loop that says less of the position is not worth its risk.
-constexpr double most_loop_sigma_m = 0.3;
-
-double position_sigma_m(const Matrix6d& information) {
-  const Eigen::Matrix3d covariance = information.inverse().topLeftCorner<3, 3>();
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().maxCoeff());
 }
 
 }  // namespace
@@ -194,10 +183,13 @@ Mapper::Verified Mapper::match(std::int64_t other, std::int64_t id, MatchScope s
   const std::uint64_t seed =
       seed_for(seed_for(options_.follow.seed, static_cast<std::uint64_t>(id)), static_cast<std::uint64_t>(other));
   Rejection why = Rejection::none;
-  const bool far = options_.match_far && !tracked;
-  const auto match = matcher_.match(view(other), view(id), {inliers_for(kind), seed, guess, scope, far}, &why);
+  MatchRequest request{inliers_for(kind), seed, guess, scope};
+  if (!tracked) {
+    request.far = options_.match_far;
+    request.max_sigma_m = most_revisit_sigma_m;
+  }
+  const auto match = matcher_.match(view(other), view(id), request, &why);
   if (!match) return {std::nullopt, why};
-  if (far && position_sigma_m(match->information) > most_loop_sigma_m) return {std::nullopt, Rejection::few_inliers};
   return {Constraint{other, id, Sim3(match->a_from_b), match->information, kind, 1.0, match->inliers}};
 }
 

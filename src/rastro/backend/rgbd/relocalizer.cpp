@@ -70,6 +70,7 @@ void Relocalizer::compare(const ImageFeatures& seen, const Frame& frame, const s
     MatchRequest request;
     request.min_inliers = options_.relocalize_inliers;
     request.seed = seed_for(seed, static_cast<std::uint64_t>(id));
+    request.max_sigma_m = most_revisit_sigma_m;
     const auto constraint = matcher_.match({keyframe.get(), depth}, {&seen, [&] { return grid; }}, request);
     if (!constraint) continue;
     if (!appearance) appearance = appearances_.check().appearance_of(frame);
