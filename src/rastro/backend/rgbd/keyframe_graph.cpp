@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <queue>
-#include <unordered_map>
 
 #include "rastro/backend/loop_candidates.h"
 #include "rastro/base/error.h"
@@ -42,6 +42,8 @@ void KeyframeGraph::add_edge(const Constraint& edge) {
   edges_of_[static_cast<std::size_t>(edge.from)].push_back(edges_.size());
   edges_of_[static_cast<std::size_t>(edge.to)].push_back(edges_.size());
   edges_.push_back(edge);
+  const SE3 step = edge.rigid();
+  lengths_.push_back(step.translation().norm() + step.rotation().log().norm());
 }
 
 void KeyframeGraph::forget_features(std::int64_t id) {
@@ -127,28 +129,26 @@ double KeyframeGraph::path_between(std::int64_t from, std::int64_t to) const {
   return path_m;
 }
 
-double KeyframeGraph::graph_path_between(std::int64_t from, std::int64_t to, double most) const {
-  // Dijkstra 1959; the nearest first, of equals the one with the smallest id.
+std::vector<double> KeyframeGraph::graph_paths_from(std::int64_t from) const {
+  // Dijkstra 1959; of equals the one with the smallest id.
   using Reached = std::pair<double, std::int64_t>;
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next;
-  std::unordered_map<std::int64_t, double> nearest{{from, 0.0}};
+  std::vector<double> shortest(keyframes_.size(), std::numeric_limits<double>::infinity());
+  shortest[static_cast<std::size_t>(from)] = 0.0;
   next.emplace(0.0, from);
   while (!next.empty()) {
     const auto [path_m, id] = next.top();
     next.pop();
-    if (id == to) return path_m;
-    if (path_m > nearest.at(id)) continue;
+    if (path_m > shortest[static_cast<std::size_t>(id)]) continue;
     for (const std::size_t e : edges_of_[static_cast<std::size_t>(id)]) {
-      const Constraint& edge = edges_[e];
-      const SE3 step = edge.rigid();
-      const double longer_m = path_m + step.translation().norm() + step.rotation().log().norm();
-      const auto [known, is_new] = nearest.emplace(edge.from == id ? edge.to : edge.from, longer_m);
-      if (longer_m >= most || (!is_new && known->second <= longer_m)) continue;
-      known->second = longer_m;
-      next.emplace(longer_m, known->first);
+      const std::int64_t other = edges_[e].from == id ? edges_[e].to : edges_[e].from;
+      double& known = shortest[static_cast<std::size_t>(other)];
+      if (path_m + lengths_[e] >= known) continue;
+      known = path_m + lengths_[e];
+      next.emplace(known, other);
     }
   }
-  return most;
+  return shortest;
 }
 
 std::optional<TrackedMotion> KeyframeGraph::tracked_motion(std::int64_t from, std::int64_t to, int most_steps) const {

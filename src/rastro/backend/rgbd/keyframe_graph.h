@@ -67,9 +67,9 @@ class KeyframeGraph {
   /// Length of the path through the keyframes of a submap from one to a later one, meters. A rotation counts like a
   /// step of a meter per radian, since tracking drifts in it too.
   double path_between(std::int64_t from, std::int64_t to) const;
-  /// Length of the shortest path over the constraints between two keyframes, counted in the same way; `most` if it is
-  /// longer, or if there is none. Every accepted loop closure makes paths shorter: what contradicts it stands out.
-  double graph_path_between(std::int64_t from, std::int64_t to, double most) const;
+  /// Lengths of the shortest paths over the constraints from a keyframe to every one, counted in the same way; infinity
+  /// where there is none. Every accepted loop closure makes paths shorter: what contradicts it stands out.
+  std::vector<double> graph_paths_from(std::int64_t from) const;
   /// What tracking alone says of the motion from one keyframe to a later one; nullopt after a loss between them, or
   /// with more than `most_steps` keyframes between.
   std::optional<TrackedMotion> tracked_motion(std::int64_t from, std::int64_t to, int most_steps) const;
@@ -94,6 +94,7 @@ class KeyframeGraph {
   std::vector<int> submaps_;
   std::vector<Matrix6d> covariances_;
   std::vector<Constraint> edges_;
+  std::vector<double> lengths_;                     ///< Of edges_: graph_paths_from().
   std::vector<std::vector<std::size_t>> edges_of_;  ///< Into edges_.
 };
 

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <set>
 
 #include "rastro/backend/rgbd/rgbd_testing.h"
@@ -524,6 +526,41 @@ TEST(KeyframeGraph, OptimizesUntilNothingIsGained) {
   EXPECT_EQ(all.first_cost, first.first_cost);
   EXPECT_LT(all.last_cost, 0.9 * first.last_cost);
   EXPECT_GT(graph.optimize(true).last_cost, 0.97 * all.last_cost);
+}
+
+/// Against Floyd and Warshall 1962, on random graphs in two parts.
+TEST(KeyframeGraph, PathsOverConstraintsAreTheShortest) {
+  constexpr int count = 14;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    KeyframeGraph graph(no_candidates(), 0);
+    double expected[count][count];
+    for (int k = 0; k < count; ++k) {
+      add_keyframe(graph, SE3());
+      for (int j = 0; j < count; ++j) expected[k][j] = k == j ? 0.0 : std::numeric_limits<double>::infinity();
+    }
+    for (int e = 0; e < 18; ++e) {
+      const int part = e % 2 * count / 2, a = part + static_cast<int>(random.below(count / 2)),
+                b = part + static_cast<int>(random.below(count / 2));
+      if (a == b) continue;
+      const double shift = random.uniform(0.1, 3.0), turn = random.uniform(0.0, 1.0);
+      graph.add_edge(edge_of(a, b, SE3(SO3::exp({0.0, turn, 0.0}), {shift, 0.0, 0.0})));
+      expected[a][b] = expected[b][a] = std::min(expected[a][b], shift + turn);
+    }
+    for (int k = 0; k < count; ++k)
+      for (int i = 0; i < count; ++i)
+        for (int j = 0; j < count; ++j) expected[i][j] = std::min(expected[i][j], expected[i][k] + expected[k][j]);
+    for (int i = 0; i < count; ++i) {
+      const std::vector<double> paths = graph.graph_paths_from(i);
+      ASSERT_EQ(paths.size(), static_cast<std::size_t>(count));
+      for (int j = 0; j < count; ++j) {
+        if (std::isinf(expected[i][j]))
+          EXPECT_TRUE(std::isinf(paths[static_cast<std::size_t>(j)]));
+        else
+          EXPECT_NEAR(paths[static_cast<std::size_t>(j)], expected[i][j], 1e-9);
+      }
+    }
+  }
 }
 
 }  // namespace

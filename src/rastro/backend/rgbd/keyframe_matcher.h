@@ -41,7 +41,7 @@ enum class MatchScope : std::uint8_t {
 };
 
 /// Of the position: a place seen again that says less is not worth the risk.
-constexpr double most_revisit_sigma_m = 0.3;
+constexpr double most_revisit_sigma_m = 0.2;
 
 /// How two keyframes are compared.
 struct MatchRequest {

@@ -4,6 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+
 #include <cstring>
 #include <limits>
 
@@ -281,6 +285,22 @@ TEST_F(KeyframeMatcherTest, FarFeaturesCountByTheirDirectionWhereAskedFor) {
   EXPECT_THAT(found(true)->a_from_b, pose_near(pose_a_.inverse() * pose_b_, 0.06, 0.02));
   EXPECT_GT(matcher.matches_of(*a.keyframe, *b.keyframe, true).size(),
             3 * matcher.matches_of(*a.keyframe, *b.keyframe).size());
+}
+
+TEST_F(KeyframeMatcherTest, ThePositionMustBeKnownAsWellAsAsked) {
+  const View a = view(pose_a_, 1), b = view(pose_b_, 2);
+  const auto found = [&](double max_sigma_m) {
+    MatchRequest request;
+    request.max_sigma_m = max_sigma_m;
+    return KeyframeMatcher(options_, test_room::camera())
+        .match({a.keyframe.get(), [&] { return a.surface; }}, {b.keyframe.get(), [&] { return b.surface; }}, request);
+  };
+  const auto constraint = match(a, b);
+  ASSERT_TRUE(constraint);
+  const Eigen::Matrix3d covariance = constraint->information.inverse().topLeftCorner<3, 3>();
+  const double sigma_m = std::sqrt(covariance.eigenvalues().real().maxCoeff());
+  EXPECT_TRUE(found(1.001 * sigma_m));
+  EXPECT_FALSE(found(0.999 * sigma_m));
 }
 
 }  // namespace

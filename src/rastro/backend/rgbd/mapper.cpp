@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "rastro/backend/acceptance.h"
@@ -212,9 +213,8 @@ void Mapper::judge_appearance(Verified& found) {
   const Constraint& edge = *found.edge;
   const AppearanceAgreement agreement = proof_.check.compare(*proof_.appearances.appearance(edge.from),
                                                              *proof_.appearances.appearance(edge.to), edge.rigid());
-  const bool far =
-      edge.kind == ConstraintKind::merge || graph_.graph_path_between(edge.from, edge.to, long_way_m) >= long_way_m;
-  found.alone = far && agreement.cells < wide_cells;
+  const bool merges = edge.kind == ConstraintKind::merge;
+  found.alone = merges ? agreement.cells < wide_cells : graph_path_m(edge) >= long_way_m;
   found.evidence = agreement.center;
   found.rejection = judge(agreement.evidence(), {.min_alike_share = options_.min_alike});
   if (found.rejection != Rejection::none) found.edge.reset();
@@ -232,22 +232,28 @@ Rejection Mapper::take(const Verified& found, std::vector<Constraint>& accepted)
   return confirmed.empty() ? Rejection::not_confirmed : Rejection::none;
 }
 
+/// Between the keyframes of an edge to the newest one, before it has any but those of tracking.
+double Mapper::graph_path_m(const Constraint& edge) const {
+  return graph_paths_.at(static_cast<std::size_t>(edge.from));
+}
+
 /// Whether a match is farther from the relative pose in the graph than the camera can have drifted on the path between.
 bool Mapper::contradicts_path(const Constraint& edge) const {
   if (edge.from < graph_.frozen()) return false;
-  const double path_m = graph_.path_between(edge.from, edge.to);
   Evidence evidence;
   if (const auto tracked = graph_.tracked_motion(edge.from, edge.to, most_tracked_steps)) {
     const OdometryDrift drift{options_.tracked_drift_share, options_.tracked_drift_share};
     // Without the inflation: what is common to all matches does not make a wrong one right.
     const Matrix6d of_match = edge.information.inverse() / match_covariance_factor;
-    const Matrix6d covariance = tracked->covariance + of_match + drift.covariance(path_m);
+    const Matrix6d covariance =
+        tracked->covariance + of_match + drift.covariance(graph_.path_between(edge.from, edge.to));
     evidence.graph_sigmas = graph_sigmas(tracked->from_from_to, edge.rigid(), covariance);
   } else {
     constexpr double least_path_m = 1.0;  // over which tracking may slip without a path
     const OdometryDrift drift{options_.loop_drift_share, options_.loop_drift_rad_per_m};
     const SE3 predicted = graph_.pose(edge.from).inverse() * graph_.pose(edge.to);
-    const double drifted_m = graph_.graph_path_between(edge.from, edge.to, path_m);
+    const double shortest_m = graph_path_m(edge);
+    const double drifted_m = std::isfinite(shortest_m) ? shortest_m : graph_.path_between(edge.from, edge.to);
     evidence.graph_sigmas = graph_sigmas(predicted, edge.rigid(), drift.covariance(least_path_m + drifted_m));
   }
   return judge(evidence, {.max_graph_sigmas = options_.loop_max_sigmas}) != Rejection::none;
@@ -257,6 +263,7 @@ void Mapper::constrain(std::int64_t id, MapRevision& revision) {
   const LoopSearch::Candidates candidates = search_->candidates(graph_, id);
   if (signatures_) store_signature(id, {graph_.shared_keyframe(id), search_->words_of(id)});
   for (const std::int64_t other : candidates.retrieve) retrieve(other, revision);
+  graph_paths_ = graph_.graph_paths_from(id);
   std::vector<Constraint> accepted;
   for (const std::int64_t other : candidates.nearby) take(verify(other, id), accepted);
   for (const std::int64_t other : candidates.places) {

@@ -93,6 +93,7 @@ class Mapper {
   int inliers_for(ConstraintKind kind) const;
   Verified match(std::int64_t other, std::int64_t id, MatchScope scope);
   bool contradicts_path(const Constraint& edge) const;
+  double graph_path_m(const Constraint& edge) const;
   void judge_appearance(Verified& found);
   Rejection take(const Verified& found, std::vector<Constraint>& accepted);
   void accept(const Constraint& edge, MapRevision& revision);
@@ -133,6 +134,7 @@ class Mapper {
   Proof proof_;  ///< What a loop closure needs beside matches.
   KeyframeFeatures features_;
   KeyframeGraph graph_;
+  std::vector<double> graph_paths_;  ///< From the newest keyframe.
   std::unique_ptr<LoopSearch> search_;
 };
 
