@@ -219,8 +219,8 @@ PoseGraphResult KeyframeGraph::optimize(bool all) {
 }
 
 PoseGraphResult KeyframeGraph::optimize_until_converged() {
-  constexpr int most_rounds = 30;
-  constexpr double least_gain = 0.01;
+  constexpr int most_rounds = 10;
+  constexpr double least_gain = 0.05;
   PoseGraphResult result = optimize(true);
   const double first_cost = result.first_cost;
   for (int round = 1; round < most_rounds && !result.converged; ++round) {

@@ -234,7 +234,7 @@ Rejection Mapper::take(const Verified& found, std::vector<Constraint>& accepted)
 
 /// Between the keyframes of an edge to the newest one, before it has any but those of tracking.
 double Mapper::graph_path_m(const Constraint& edge) const {
-  return graph_paths_.at(static_cast<std::size_t>(edge.from));
+  return proof_.graph_paths.at(static_cast<std::size_t>(edge.from));
 }
 
 /// Whether a match is farther from the relative pose in the graph than the camera can have drifted on the path between.
@@ -263,7 +263,7 @@ void Mapper::constrain(std::int64_t id, MapRevision& revision) {
   const LoopSearch::Candidates candidates = search_->candidates(graph_, id);
   if (signatures_) store_signature(id, {graph_.shared_keyframe(id), search_->words_of(id)});
   for (const std::int64_t other : candidates.retrieve) retrieve(other, revision);
-  graph_paths_ = graph_.graph_paths_from(id);
+  proof_.graph_paths = graph_.graph_paths_from(id);
   std::vector<Constraint> accepted;
   for (const std::int64_t other : candidates.nearby) take(verify(other, id), accepted);
   for (const std::int64_t other : candidates.places) {

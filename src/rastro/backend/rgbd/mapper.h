@@ -130,11 +130,11 @@ class Mapper {
     AppearanceCheck check;
     AppearanceStore appearances;
     LoopConfirmation confirmation = {};
+    std::vector<double> graph_paths = {};  ///< From the newest keyframe: KeyframeGraph::graph_paths_from().
   };
   Proof proof_;  ///< What a loop closure needs beside matches.
   KeyframeFeatures features_;
   KeyframeGraph graph_;
-  std::vector<double> graph_paths_;  ///< From the newest keyframe.
   std::unique_ptr<LoopSearch> search_;
 };
 
