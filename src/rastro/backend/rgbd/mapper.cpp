@@ -205,8 +205,8 @@ Mapper::Verified Mapper::verify(std::int64_t other, std::int64_t id) {
   return found;
 }
 
-/// One place may have the same shape and furniture as another. What tracking connects needs no such proof. A merge of
-/// submaps, or a loop after a long way, changes much: it needs a wide view that looks alike, or a second one.
+/// One place may have the same shape and furniture as another. What tracking connects needs no such proof. A loop after
+/// a long path changes much: it needs a second one. So does a merge of submaps, but for a wide view that looks alike.
 void Mapper::judge_appearance(Verified& found) {
   constexpr int wide_cells = 30;
   constexpr double long_way_m = 8.0;
