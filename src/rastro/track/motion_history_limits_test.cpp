@@ -192,6 +192,16 @@ TEST(MotionHistory, TheInlierShareIsThatOfTheFeaturesSeenInBothFrames) {
   }
 }
 
+TEST(MotionHistory, AMotionIsRefinedOnceAFrame) {
+  FollowedScene features;
+  features.add(30, stays);
+  features.follow_to(3);
+  ASSERT_TRUE(features.since(1, 0));
+  const auto* again = features.history.since(1, 0, {}, features.store);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->shared.size(), 30U) << "not from what it is asked with the second time";
+}
+
 TEST(DerivativeAt, StretchesToTwiceOrHalfAtMostInAnyDirection) {
   const auto plausible = [](double larger, double smaller) {
     const Eigen::Matrix2d stretched = Eigen::Rotation2Dd(0.7) * Eigen::DiagonalMatrix<double, 2>(larger, smaller) *

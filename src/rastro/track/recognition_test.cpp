@@ -182,8 +182,8 @@ TEST(Recognition, ACornerIsAlignedWithThePatchInNoMoreStepsThanAllowed) {
 }
 
 /// The newest patch is of the image as it is now; the one before is of `off_px` beside it, in another light, so that it
-/// fits less well.
-Eigen::Vector2f offset_of_older_and_newer(double max_residual_ratio, float off_px) {
+/// fits less well; or the other way round.
+Eigen::Vector2f offset_of_older_and_newer(double max_residual_ratio, float off_px, bool newer_is_off = false) {
   const auto waves = [](bool disturbed) {
     GrayImage image(200, 200);
     for (int y = 0; y < 200; ++y) {
@@ -205,9 +205,12 @@ Eigen::Vector2f offset_of_older_and_newer(double max_residual_ratio, float off_p
   TrackStore store(30);
   const std::size_t lost = store.create();
   store[lost].observe(1, here, here, {});
-  store[lost].keep_patch(1, 1, before, here + Eigen::Vector2f(off_px, 0.0F), options.patch_window_px);
-  store[lost].observe(2, here, here, {});
-  store[lost].keep_patch(2, 1, now_seen, here, options.patch_window_px);
+  for (const std::int64_t frame : {1, 2}) {
+    const bool off = newer_is_off == (frame == 2);
+    store[lost].observe(frame, here, here, {});
+    store[lost].keep_patch(frame, 1, off ? before : now_seen, here + Eigen::Vector2f(off ? off_px : 0.0F, 0.0F),
+                           options.patch_window_px);
+  }
   store.mark_lost(lost);
   options.min_votes = 1;
   std::vector<Association> tracked;
@@ -228,6 +231,7 @@ TEST(Recognition, TheOlderPatchDecidesOnlyWhereItFitsAsWellAsATrackedFeature) {
   EXPECT_LT(offset_of_older_and_newer(0.001, 1.5F).norm(), 0.1F) << "by the newer one, which fits better";
   EXPECT_GT(offset_of_older_and_newer(1.0, 1.5F).norm(), 1.0F) << "by the older one";
   EXPECT_LT(offset_of_older_and_newer(1.0, 1.5F).norm(), 2.0F);
+  EXPECT_LT(offset_of_older_and_newer(-1.0, 1.5F, true).norm(), 0.1F) << "by the older one, which fits better";
 }
 
 /// Two lost features that look alike, 6 px apart: the one taken first leaves the other corner to the other one.

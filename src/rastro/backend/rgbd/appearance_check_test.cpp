@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "rastro/base/random.h"
 
 namespace rastro {
@@ -60,6 +62,46 @@ TEST(AppearanceCheck, WhatIsPaintedOtherwiseContradicts) {
 TEST(AppearanceCheck, AnotherPoseOfTheSameWallContradicts) {
   const AppearanceAgreement moved = compare(wall(2), wall(2), SE3(SO3(), {0.3, 0.0, 0.0}));
   EXPECT_GT(moved.contradict, 10 * moved.agree);
+}
+
+/// Columns and rows of blocks, each brighter or darker by a random part of its amplitude.
+UnpackedImages plaid(double of_columns, double of_rows) {
+  UnpackedImages images = wall(2);
+  Random random(4);
+  std::vector<double> columns(width / 4), rows(height / 4);
+  for (double& value : columns) value = random.uniform(-of_columns, of_columns);
+  for (double& value : rows) value = random.uniform(-of_rows, of_rows);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < 3 * width; ++x)
+      images.color.rgb.at(x, y) = static_cast<std::uint8_t>(
+          120.0 + columns[static_cast<std::size_t>(x / 12)] + rows[static_cast<std::size_t>(y / 4)]);
+  return images;
+}
+
+/// Along stripes, a patch may be anywhere.
+TEST(AppearanceCheck, TextureIsWhatVariesInBothDirections) {
+  const AppearanceAgreement stripes = compare(plaid(80.0, 0.0), plaid(80.0, 0.0)),
+                            both = compare(plaid(80.0, 20.0), plaid(80.0, 20.0));
+  EXPECT_EQ(stripes.agree, 0);
+  EXPECT_GT(both.agree, 200);
+}
+
+/// Patches of 8 with a margin of 1 begin at 0 and end at 146 of 147 columns, 122 of 123 rows, and the next ones 8
+/// before: those at the right and the lower end leave the other view as soon as anything moves.
+TEST(AppearanceCheck, APatchCountsWhereAllOfItIsInTheOtherView) {
+  Camera camera = small_camera();
+  camera.width = 146, camera.height = 114;
+  const AppearanceCheck check(camera);
+  const KeyframeAppearance seen = check.appearance_of(wall(2));
+  const auto compared = [&](double right_px, double down_px) {
+    const SE3 moved(SO3(), {right_px * 2.0 / camera.fx, down_px * 2.0 / camera.fx, 0.0});
+    const AppearanceAgreement agreement = check.compare(seen, seen, moved);
+    return agreement.agree + agreement.contradict;
+  };
+  const int all = compared(-0.2, -0.2);
+  EXPECT_EQ(all, compared(0.2, 0.2)) << "a row and a column each";
+  EXPECT_LT(all, 18 * 14);
+  EXPECT_GT(all, 16 * 12);
 }
 
 TEST(AppearanceCheck, WhatIsHiddenOrWithoutTextureSaysNothing) {

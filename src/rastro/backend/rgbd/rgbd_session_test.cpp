@@ -78,6 +78,18 @@ TEST(RgbdSession, WithoutMappingTheMapIsComparedWithAfterSoManyFrames) {
   }
 }
 
+/// The shutter is closed: surfaces would go on by themselves, but what they agree with is a guess.
+TEST(RgbdSession, ADarkImageIsALossWhateverTheDepthImageShows) {
+  RgbdSession session(many_keyframes(), test_room::camera(), {});
+  for (int k = 0; k < 6; ++k) session.process(panned_frame(k, many_keyframes()));
+  Frame dark = panned_frame(6, many_keyframes());
+  dark.image = GrayImage(dark.image.width(), dark.image.height());
+  const SlamUpdate update = session.process(dark);
+  EXPECT_EQ(update.state, SlamState::lost);
+  EXPECT_EQ(update.reason, SlamReason::dark_or_blank);
+  EXPECT_EQ(session.trajectory().size(), 6U);
+}
+
 TEST(FrameReport, AKeptFrameHasWhatTheMapNeeds) {
   Frame frame = room_frame(looking({-0.5, -0.2, 1.2}, 0.0), 7);
   frame.mask = GrayImage(320, 240);
