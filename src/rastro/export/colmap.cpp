@@ -135,7 +135,7 @@ void write_colmap(const Map& map, const fs::path& folder, int submap) {
     if (!wanted(map.keyframes[k], submap)) continue;
     const PackedImages packed = images->read(map.keyframes[k].id);
     if (width == 0) {
-      const DepthImage depth = unpack_images(packed, fmt::format("keyframe {}", k)).depth;
+      const DepthImage depth = unpack_depth(packed, fmt::format("keyframe {}", k));
       width = depth.width(), height = depth.height();
     }
     write_whole_file(folder / "images" / image_name(k),

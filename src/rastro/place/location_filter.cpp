@@ -72,6 +72,8 @@ class Spread {
 
   bool contains(std::int64_t location) const { return place_of_.contains(location); }
 
+  void keep(std::int64_t location, double probability) { predicted_[place_of_.at(location)] += probability; }
+
   void add(std::int64_t from, double probability) {
     reached_.assign({{from, 0}});
     seen_.clear();
@@ -118,12 +120,16 @@ class Spread {
 /// The transition model: what is not known is a new place.
 std::vector<double> LocationFilter::predict(std::span<const LocationScore> scores, const Links& links) const {
   Spread spread(scores, options_, links);
+  const double least = options_.least_spread / static_cast<double>(belief_.locations.size() + 1);
   double gone = belief_.new_place;
   for (const LocationScore& each : belief_.locations) {
-    if (spread.contains(each.location))
-      spread.add(each.location, (1.0 - options_.leaves_known) * each.score);
-    else
+    const double stays = (1.0 - options_.leaves_known) * each.score;
+    if (!spread.contains(each.location))
       gone += each.score;
+    else if (each.score < least)
+      spread.keep(each.location, stays);
+    else
+      spread.add(each.location, stays);
   }
   std::vector<double> predicted = std::move(spread.predicted());
   const double found_again =

@@ -15,6 +15,9 @@ struct LocationFilterOptions {
   double leaves_known = 0.1;    ///< Probability that a known place is followed by a new one.
   double neighbor_sigma = 1.6;  ///< Of the Gaussian over the neighbors of a location, in links.
   int neighbor_reach = 8;       ///< Links.
+  /// Locations less likely than this share of what each had if nothing were known keep their probability instead of
+  /// giving it to their neighbors, which have about the same: time grows with what is likely, not with the map.
+  double least_spread = 1.0;
 };
 
 /// How likely the current place is each known location or a new one: a discrete Bayes filter (Labbe and Michaud 2013,

@@ -112,6 +112,7 @@ TEST(LocationFilter, OneImageIsNotEnoughAndSeveralAlongThePathAre) {
 TEST(LocationFilter, AKnownPlaceSpreadsToItsNeighborsByAGaussian) {
   LocationFilterOptions options;
   options.neighbor_reach = 2;
+  options.least_spread = 0.0;
   LocationFilter filter(options);
   std::vector<LocationScore> scores = equal_scores(30, 0.1);
   scores[15].score = 10.0;
@@ -127,6 +128,32 @@ TEST(LocationFilter, AKnownPlaceSpreadsToItsNeighborsByAGaussian) {
                           0.1 * (1.0 - std::accumulate(old.begin(), old.end(), 0.0)) / 30.0;
   EXPECT_NEAR(belief.locations[15].score, expected, 1e-9);
   EXPECT_GT(before, 0.5);
+}
+
+/// It makes no difference to what is believed that the unlikely ones do not spread.
+TEST(LocationFilter, WhatIsUnlikelyKeepsItsProbability) {
+  LocationFilterOptions all, likely;
+  all.least_spread = 0.0;
+  LocationFilter exact(all), fast(likely);
+  int asked = 0;
+  const auto counted = [&asked](std::int64_t location) {
+    ++asked;
+    return along_path(location);
+  };
+  for (int step = 0; step < 12; ++step) {
+    std::vector<LocationScore> scores = equal_scores(400, 0.0);
+    for (std::size_t i = 0; i < scores.size(); ++i) scores[i].score = 0.02 * static_cast<double>(i % 3);
+    scores[static_cast<std::size_t>(50 + step)].score = 2.0;
+    const auto& expected = exact.update(scores, along_path);
+    asked = 0;
+    const auto& belief = fast.update(scores, counted);
+    EXPECT_NEAR(sum_of(belief), 1.0, 1e-12);
+    EXPECT_EQ(belief.best()->location, expected.best()->location);
+    if (step > 2) {
+      EXPECT_NEAR(belief.best()->score, expected.best()->score, 0.01) << step;
+    }
+    EXPECT_LT(asked, 25 * 16) << "of 400 locations with 16 around each";
+  }
 }
 
 TEST(LocationFilter, ALocationThatIsGoneGivesItsProbabilityToANewPlace) {

@@ -13,8 +13,8 @@ void DepthStore::add(std::int64_t keyframe, const DepthImage& depth) {
 
 std::shared_ptr<const KeyframeSurface> DepthStore::depth(std::int64_t keyframe) {
   if (auto recent = recent_.find(keyframe)) return recent;
-  const UnpackedImages images = unpack_images(images_->read(keyframe), fmt::format("keyframe {}", keyframe));
-  return recent_.add(keyframe, check_.surface_of(images.depth));
+  const DepthImage depth = unpack_depth(images_->read(keyframe), fmt::format("keyframe {}", keyframe));
+  return recent_.add(keyframe, check_.surface_of(depth));
 }
 
 }  // namespace rastro

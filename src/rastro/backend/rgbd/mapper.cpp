@@ -24,6 +24,14 @@ std::size_t bytes_of(const ImageFeatures& keyframe) {
 
 bool makes_map(const SlamContext& context) { return !context.map || context.extend_map; }
 
+/// Where the camera is, is known by then: comparing with further places would take time and say little.
+bool closes_enough(const std::vector<Constraint>& accepted) {
+  constexpr std::ptrdiff_t enough = 3;
+  return std::count_if(accepted.begin(), accepted.end(), [](const Constraint& edge) {
+           return edge.kind == ConstraintKind::loop;
+         }) >= enough;
+}
+
 /// Depth where the mask allows it.
 Frame masked(const Frame& frame) {
   Frame result = frame;
@@ -259,19 +267,29 @@ bool Mapper::contradicts_path(const Constraint& edge) const {
   return judge(evidence, {.max_graph_sigmas = options_.loop_max_sigmas}) != Rejection::none;
 }
 
-void Mapper::constrain(std::int64_t id, MapRevision& revision) {
-  const LoopSearch::Candidates candidates = search_->candidates(graph_, id);
-  if (signatures_) store_signature(id, {graph_.shared_keyframe(id), search_->words_of(id)});
-  for (const std::int64_t other : candidates.retrieve) retrieve(other, revision);
-  proof_.graph_paths = graph_.graph_paths_from(id);
+/// The constraints found; leaves those candidates that were compared.
+std::vector<Constraint> Mapper::compare(std::int64_t id, LoopSearch::Candidates& candidates, MapRevision& revision) {
   std::vector<Constraint> accepted;
   for (const std::int64_t other : candidates.nearby) take(verify(other, id), accepted);
+  std::vector<std::int64_t> compared;
   for (const std::int64_t other : candidates.places) {
+    if (closes_enough(accepted) && kind_between(other, id) != ConstraintKind::merge) continue;
+    compared.push_back(other);
     retrieve(other, revision);
     const Rejection rejection = take(verify(other, id), accepted);
     if (rejection != Rejection::none)
       revision.events.push_back({"rejected", fmt::format("keyframe {} with {}: {}", id, other, name_of(rejection))});
   }
+  candidates.places = std::move(compared);
+  return accepted;
+}
+
+void Mapper::constrain(std::int64_t id, MapRevision& revision) {
+  LoopSearch::Candidates candidates = search_->candidates(graph_, id);
+  if (signatures_) store_signature(id, {graph_.shared_keyframe(id), search_->words_of(id)});
+  for (const std::int64_t other : candidates.retrieve) retrieve(other, revision);
+  proof_.graph_paths = graph_.graph_paths_from(id);
+  std::vector<Constraint> accepted = compare(id, candidates, revision);
   for (const Constraint& edge : accepted) accept(edge, revision);
   if (!accepted.empty() && id > 0) correct(id, accepted, revision);
   std::erase_if(accepted, [&](const Constraint& edge) { return edge.to != id; });

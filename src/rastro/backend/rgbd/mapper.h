@@ -81,6 +81,7 @@ class Mapper {
  private:
   void keep(const KeyframeOrder& order, ImageFeatures keyframe);
   /// Candidates, verification, acceptance, correction.
+  std::vector<Constraint> compare(std::int64_t id, LoopSearch::Candidates& candidates, MapRevision& revision);
   void constrain(std::int64_t id, MapRevision& revision);
   struct Verified {
     std::optional<Constraint> edge;

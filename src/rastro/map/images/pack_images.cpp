@@ -85,6 +85,10 @@ DepthImage unpacked_depth(const cv::Mat& units) {
   return depth;
 }
 
+Error damaged_images(const std::string& where) {
+  return {"its images are damaged", where, "'rastro recover' saves what can be read"};
+}
+
 }  // namespace
 
 PackedImages pack_images(const Frame& frame) { return {packed_color(frame), packed_depth(frame.depth)}; }
@@ -94,8 +98,15 @@ UnpackedImages unpack_images(const PackedImages& images, const std::string& wher
   cv::Mat units = decoded(images.depth, cv::IMREAD_UNCHANGED);
   if (images.depth.empty()) units = cv::Mat::zeros(bgr.size(), CV_16UC1);  // a frame without depth
   if (bgr.empty() || units.empty() || units.type() != CV_16UC1 || bgr.size() != units.size())
-    throw Error("its images are damaged", where, "'rastro recover' saves what can be read");
+    throw damaged_images(where);
   return {unpacked_color(bgr), unpacked_depth(units)};
+}
+
+DepthImage unpack_depth(const PackedImages& images, const std::string& where) {
+  if (images.depth.empty()) return unpack_images(images, where).depth;
+  const cv::Mat units = decoded(images.depth, cv::IMREAD_UNCHANGED);
+  if (units.empty() || units.type() != CV_16UC1) throw damaged_images(where);
+  return unpacked_depth(units);
 }
 
 }  // namespace rastro

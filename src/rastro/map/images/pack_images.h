@@ -13,6 +13,9 @@ PackedImages pack_images(const Frame& frame);
 /// images of different sizes.
 UnpackedImages unpack_images(const PackedImages& images, const std::string& where);
 
+/// The depth alone, without the time that the color image takes. Error as above, for the depth's bytes.
+DepthImage unpack_depth(const PackedImages& images, const std::string& where);
+
 /// Images in memory.
 using MemoryImages = MemoryItems<PackedImages>;
 

@@ -104,6 +104,25 @@ TEST(PackImages, DamageAndTwoSizesAreErrorsWithTheLocation) {
   }
 }
 
+TEST(PackImages, TheDepthAloneIsThatOfBoth) {
+  const auto equal = [](const DepthImage& a, const DepthImage& b) {
+    if (a.width() != b.width() || a.height() != b.height()) return false;
+    for (int y = 0; y < a.height(); ++y)
+      if (!std::equal(a.row(y), a.row(y) + a.width(), b.row(y))) return false;
+    return true;
+  };
+  Frame without = some_frame();
+  without.depth = {};
+  for (const Frame& frame : {some_frame(), without}) {
+    const PackedImages packed = pack_images(frame);
+    EXPECT_TRUE(equal(unpack_depth(packed, "test"), unpack_images(packed, "test").depth));
+  }
+  PackedImages cut = pack_images(some_frame()), color = cut;
+  cut.depth.resize(20);
+  color.depth = color.color;
+  for (const PackedImages& damaged : {cut, color, PackedImages{}}) EXPECT_THROW(unpack_depth(damaged, "it"), Error);
+}
+
 TEST(MemoryImages, GiveBackWhatWasAddedLast) {
   MemoryImages images;
   const PackedImages one = pack_images(some_frame()), other = pack_images(some_frame(32, 48));
