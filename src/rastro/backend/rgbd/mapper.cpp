@@ -28,7 +28,7 @@ bool makes_map(const SlamContext& context) { return !context.map || context.exte
 bool closes_enough(const std::vector<Constraint>& accepted) {
   constexpr std::ptrdiff_t enough = 3;
   return std::count_if(accepted.begin(), accepted.end(), [](const Constraint& edge) {
-           return edge.kind == ConstraintKind::loop;
+           return edge.to - edge.from > most_tracked_steps;
          }) >= enough;
 }
 

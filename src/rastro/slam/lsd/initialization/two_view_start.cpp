@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/initialization/two_view_start.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace rastro {
+namespace {
+
+Tracker start_tracker(const TwoViewStartOptions& options, const Camera& camera, TaskPool* pool) {
+  TrackOptions tracks;
+  tracks.features = options.features;
+  tracks.min_distance_px = 12.0;
+  tracks.seed = options.seed;
+  return Tracker(tracks, camera, pool);
+}
+
+}  // namespace
+
+double mean_inverse_depth(const InverseDepthMap& depth) {
+  double sum = 0.0, count = 0.0;
+  for (int y = 0; y < depth.height(); ++y)
+    for (int x = 0; x < depth.width(); ++x) {
+      if (!depth.is_known(x, y)) continue;
+      sum += static_cast<double>(depth.mean.at(x, y));
+      count += 1.0;
+    }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+void scale_inverse_depth(InverseDepthMap& depth, double factor) {
+  const auto of_mean = static_cast<float>(factor), of_variance = static_cast<float>(factor * factor);
+  for (int y = 0; y < depth.height(); ++y)
+    for (int x = 0; x < depth.width(); ++x)
+      depth.mean.at(x, y) *= of_mean, depth.variance.at(x, y) *= of_variance;
+}
+
+TwoViewStart::TwoViewStart(const TwoViewStartOptions& options, const Camera& camera, TaskPool* pool)
+    : options_(options), camera_(camera), pool_(pool), tracker_(start_tracker(options, camera, pool)) {}
+
+void TwoViewStart::reset() {
+  tracker_.emplace(start_tracker(options_, camera_, pool_));
+  frames_.clear();
+  first_ = 0;
+  detail_.clear();
+}
+
+std::optional<TwoViewStart::Result> TwoViewStart::take(std::int64_t index, TimeNs stamp, GrayImage image) {
+  const TrackFrame tracked = tracker_->process(image.view(), stamp);
+  KeptFrame frame{index, stamp, std::move(image), {}};
+  for (const TrackedFeature& feature : tracked.features)
+    if (feature.ray.allFinite()) frame.features.emplace(feature.id, feature);
+  frames_.push_back(std::move(frame));
+  if (frames_.size() > static_cast<std::size_t>(options_.frames)) {
+    frames_.pop_front();
+    first_ -= first_ > 0 ? 1 : 0;
+  }
+  detail_ = "the first frame";
+  // A first view that shares too little with the newest frame is replaced by a later one.
+  const auto needed = static_cast<std::size_t>(options_.min_matches);
+  while (first_ + 1 < frames_.size() && matches_with(frames_[first_]).pairs.size() < needed) {
+    detail_ = fmt::format("fewer than {} features were followed since the first view", needed);
+    ++first_;
+  }
+  return first_ + 1 < frames_.size() ? try_first(first_) : std::nullopt;
+}
+
+TwoViewStart::Matches TwoViewStart::matches_with(const KeptFrame& first) const {
+  Matches matches;
+  for (const auto& [id, feature] : frames_.back().features) {
+    const auto before = first.features.find(id);
+    if (before == first.features.end()) continue;
+    matches.pairs.push_back({before->second.ray.cast<double>(), feature.ray.cast<double>(), options_.pixel_sigma,
+                             options_.pixel_sigma});
+    matches.pixels.push_back(before->second.pixel);
+  }
+  return matches;
+}
+
+std::optional<TwoViewStart::Result> TwoViewStart::try_first(std::size_t first) {
+  const Matches matches = matches_with(frames_[first]);
+  TwoViewOptions options;
+  options.focal_px = camera_.fx;
+  options.min_parallax_deg = options_.min_parallax_deg;
+  options.seed = options_.seed;
+  const TwoViewFit fit = find_two_view_motion(matches.pairs, options);
+  detail_ = fit.detail;
+  if (fit.status != TwoViewStatus::found) return std::nullopt;
+  Result result{first, fit.second_from_first, depths_of(matches, fit)};
+  const double mean = mean_inverse_depth(result.depth);
+  if (!(mean > 0.0)) return std::nullopt;
+  scale_inverse_depth(result.depth, 1.0 / mean);
+  result.second_from_first = SE3(fit.second_from_first.rotation(), mean * fit.second_from_first.translation());
+  return result;
+}
+
+/// The depth of a feature is that of the pixels around it too, but less surely.
+InverseDepthMap TwoViewStart::depths_of(const Matches& matches, const TwoViewFit& fit) const {
+  constexpr int reach = 2;
+  constexpr double relative_sigma = 0.1;
+  const GrayImage& image = frames_.front().image;
+  InverseDepthMap depth(image.width(), image.height());
+  for (std::size_t i = 0; i < matches.pairs.size(); ++i) {
+    if (!fit.points[i]) continue;
+    const double mean = 1.0 / fit.points[i]->z(), sigma = relative_sigma * mean;
+    const auto cx = static_cast<int>(std::lround(matches.pixels[i].x())),
+               cy = static_cast<int>(std::lround(matches.pixels[i].y()));
+    for (int y = std::max(0, cy - reach); y <= std::min(image.height() - 1, cy + reach); ++y)
+      for (int x = std::max(0, cx - reach); x <= std::min(image.width() - 1, cx + reach); ++x) {
+        depth.mean.at(x, y) = static_cast<float>(mean);
+        depth.variance.at(x, y) = static_cast<float>(sigma * sigma);
+      }
+  }
+  return depth;
+}
+
+}  // namespace rastro
