@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many of the places that look alike a keyframe is compared with.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "rastro/backend/rgbd/mapper.h"
+#include "rastro/backend/rgbd/rgbd_testing.h"
+
+namespace rastro {
+namespace {
+
+using testing::edge_of;
+using testing::looking;
+using testing::room_frame;
+
+/// For one keyframe the first ones look like it; all others are compared with nothing.
+class OldPlaces : public LoopSearch {
+ public:
+  OldPlaces(std::int64_t asked, std::vector<std::int64_t>& compared) : asked_(asked), compared_(compared) {}
+  Candidates candidates(const KeyframeGraph&, std::int64_t id) override {
+    return {{}, id == asked_ ? std::vector<std::int64_t>{0, 1, 2, 3, 4} : std::vector<std::int64_t>{}, {}};
+  }
+  void on_matched(const KeyframeGraph&, std::int64_t id, const Candidates& candidates,
+                  std::span<const Constraint>) override {
+    if (id == asked_) compared_ = candidates.places;
+  }
+  std::vector<std::int64_t> transfer(const KeyframeGraph&, double) override { return {}; }
+
+ private:
+  std::int64_t asked_;
+  std::vector<std::int64_t>& compared_;
+};
+
+MapRevision add_in_place(Mapper& mapper, std::int64_t id, int submap) {
+  const SE3 view = looking({-0.8, -0.4, 1.2}, 0.15);
+  std::vector<Constraint> tracked;
+  if (id > 0 && submap == 0) tracked.push_back(edge_of(id - 1, id, SE3(), ConstraintKind::odometry, 0.01, 0.005));
+  return mapper.add({id, room_frame(view, 10 * id), view, submap, std::move(tracked)});
+}
+
+TEST(Mapper, ThreeEarlierPlacesThatFitAreEnough) {
+  for (const std::int64_t last : {46, 42}) {
+    std::vector<std::int64_t> compared;
+    Mapper mapper({}, test_room::camera(), {}, std::make_unique<OldPlaces>(last, compared));
+    for (std::int64_t id = 0; id < last; ++id) add_in_place(mapper, id, 0);
+    const MapRevision revision = add_in_place(mapper, last, 0);
+    const std::size_t expected = last == 46 ? 3U : 5U;  // tracking knows the motion since keyframes 2 to 4 of 42
+    EXPECT_EQ(compared.size(), expected) << last;
+    EXPECT_EQ(revision.new_edges.size(), 1U + expected);
+  }
+}
+
+/// Each connects a submap more.
+TEST(Mapper, PlacesOfOtherSubmapsAreComparedInAnyCase) {
+  std::vector<std::int64_t> compared;
+  Mapper mapper({}, test_room::camera(), {}, std::make_unique<OldPlaces>(46, compared));
+  add_in_place(mapper, 0, 0);
+  for (std::int64_t id = 1; id < 5; ++id) add_in_place(mapper, id, static_cast<int>(id));
+  for (std::int64_t id = 5; id <= 46; ++id) add_in_place(mapper, id, 5);
+  EXPECT_EQ(compared.size(), 5U);
+}
+
+}  // namespace
+}  // namespace rastro
