@@ -252,6 +252,19 @@ TEST(Upright, FindsTheFloorOfARoomForAnyWorldOrientation) {
   EXPECT_FALSE(find_upright(PointCloud(), cameras).floor_found);
 }
 
+/// Its image's upper edge is ahead then.
+TEST(Upright, TheFirstCameraMayFaceTheFloor) {
+  Eigen::Matrix3d level, downward;
+  level << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  downward << 0, -1, 0, -1, 0, 0, 0, 0, -1;
+  const SO3 turned = SO3::exp({0.0, 0.0, 2.0});
+  Trajectory cameras{{0, SE3(turned * SO3::from_matrix(downward), Vector3d::Zero())}};
+  for (int k = 1; k < 6; ++k) cameras.push_back({k, SE3(turned * SO3::from_matrix(level), Vector3d::Zero())});
+  const SO3 upright_from_world = find_upright(PointCloud(), cameras).upright_from_world.rotation();
+  const Vector3d ahead = upright_from_world * (cameras[0].world_from_body.rotation() * -Vector3d::UnitY());
+  EXPECT_GT(ahead.x(), 0.9) << ahead.transpose();
+}
+
 TEST(FeaturePoints, MatchFeaturesOfOnePointInSeveralKeyframes) {
   const Map map = make_test_map(4);
   const std::vector<FeaturePoint> points = feature_points(map);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <chrono>
 #include <functional>
 #include <thread>
 
@@ -335,6 +336,27 @@ TEST(GrowingMapFile, EndsTheSameWithoutAnythingKeptBefore) {
   growing.finish(room());
   EXPECT_EQ(read_whole_file(file), saved_bytes(room(), "plain.rastro"));
   EXPECT_EQ(growing.images()->read(4), images_of(room())->read(4));
+}
+
+/// What is in the file already is written again where it changed at all.
+TEST(GrowingMapFile, AKeyframeThatOnlyTurnedIsWrittenAgain) {
+  const fs::path file = scratch_path("turned.rastro");
+  Map map = room();
+  {
+    GrowingMapFile growing(file);
+    add_all_images(room(), growing);
+    growing.keep(std::make_shared<Map>(kept_in(growing, map)));
+    for (int tries = 0; tries < 100 && !growing.wants_map(); ++tries)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    ASSERT_TRUE(growing.wants_map()) << "the first was not written";
+    SE3& pose = map.keyframes[2].world_from_camera;
+    pose = SE3(pose.rotation() * SO3::exp({0.0, 0.1, 0.0}), pose.translation());
+    ++map.revision;
+    growing.keep(std::make_shared<Map>(kept_in(growing, map)));
+  }
+  const MapFileReport report = check_map_file(file);
+  ASSERT_TRUE(report.map);
+  expect_same(map, *report.map);
 }
 
 TEST(GrowingMapFile, IsReadableWhereItStopped) {

@@ -54,6 +54,16 @@ TEST(Initializer, TwoViewsWithParallaxGiveTheTrueMotionAndPoints) {
   expect_true_start(*start, world, first, second, first_pose.inverse(), start_motion());
 }
 
+TEST(Initializer, AMapNeedsAsManyPointsAsTheOptionSays) {
+  const PointWorld world(300, 1);
+  OrbSlamOptions options;
+  options.init_points = 1000;
+  Initializer initializer(options, world.camera);
+  initializer.add(world.observe(0, SE3()).frame);
+  EXPECT_FALSE(initializer.add(world.observe(1, start_motion()).frame));
+  EXPECT_NE(initializer.detail().find("1000"), std::string::npos) << initializer.detail();
+}
+
 TEST(Initializer, WaitsForParallaxAndKeepsTheFirstFrameUntilThen) {
   const PointWorld world(300, 2);
   Initializer initializer({}, world.camera);

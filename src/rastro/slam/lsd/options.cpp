@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/options.h"
+
+namespace rastro {
+namespace {
+
+void add_start_options(OptionTable& table, LsdOptions& o) {
+  table.add({"start",
+             &o.start,
+             "",
+             "first depths: from two views, or random ones with a large variance, which converge within some keyframes "
+             "(the paper's)",
+             0,
+             0,
+             {"two_views", "random"}});
+  table.add({"init_parallax_deg", &o.init_parallax_deg, "deg", "median parallax that two views need", 0.1, 20, {}});
+  table.add({"random_keyframes",
+             &o.random_keyframes,
+             "",
+             "keyframes after a random start before poses are called tracking",
+             0,
+             100,
+             {}});
+}
+
+void add_tracking_options(OptionTable& table, LsdOptions& o) {
+  table.add({"levels", &o.levels, "", "levels of the image pyramid, each half as large", 1, 8, {}});
+  table.add({"max_points",
+             &o.max_points,
+             "",
+             "pixels of a level that a frame is aligned by, evenly chosen: more take time, and add little",
+             100,
+             1000000,
+             {}});
+  table.add({"min_overlap",
+             &o.min_overlap,
+             "",
+             "share of the keyframe's pixels that must be in view, else the frame is lost",
+             0,
+             1,
+             {}});
+  table.add({"lost_frames", &o.lost_frames, "frames", "after so many lost ones a new submap begins", 1, 100000, {}});
+}
+
+void add_keyframe_options(OptionTable& table, LsdOptions& o) {
+  table.add({"keyframe_distance",
+             &o.keyframe_distance,
+             "",
+             "motion from which a new keyframe is made, times the mean inverse depth: a share of the mean distance",
+             0.01,
+             10,
+             {}});
+  table.add({"keyframe_overlap",
+             &o.keyframe_overlap,
+             "",
+             "share of the keyframe's pixels in view below which a new one is made",
+             0,
+             1,
+             {}});
+  table.add({"keyframe_residual",
+             &o.keyframe_residual,
+             "sigmas",
+             "rms residual above which a frame becomes no keyframe and does not improve depths",
+             0,
+             100,
+             {}});
+}
+
+void add_constraint_options(OptionTable& table, LsdOptions& o) {
+  table.add({"near_keyframes", &o.near_keyframes, "", "nearest keyframes that each is aligned with", 0, 100, {}});
+  table.add({"similar_keyframes",
+             &o.similar_keyframes,
+             "",
+             "keyframes that share most visual words and that each is aligned with: loop closures",
+             0,
+             100,
+             {}});
+  table.add({"max_reciprocal_error",
+             &o.max_reciprocal_error,
+             "squared sigmas",
+             "largest difference between the alignments of two keyframes with each other",
+             0,
+             1e6,
+             {}});
+  table.add({"min_constraint_overlap",
+             &o.min_constraint_overlap,
+             "",
+             "share of the pixels of either keyframe that must be in view of the other",
+             0,
+             1,
+             {}});
+  table.add({"optimize_iterations", &o.optimize_iterations, "", "of the pose graph, per stage", 1, 1000, {}});
+}
+
+}  // namespace
+
+void set_paper_preset(LsdOptions& options) { options.start = "random"; }
+
+OptionTable option_table(LsdOptions& options) {
+  OptionTable table;
+  table.add({"seed", &options.seed, "", "seed of the random numbers", 0, 0, {}});
+  add_start_options(table, options);
+  add_tracking_options(table, options);
+  add_keyframe_options(table, options);
+  add_constraint_options(table, options);
+  add_options(table, options.frame_check);
+  return table;
+}
+
+}  // namespace rastro

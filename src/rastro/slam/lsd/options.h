@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "rastro/base/options.h"
+#include "rastro/odometry/frame_check.h"
+
+namespace rastro {
+
+/// Settings of direct semi-dense SLAM; meaning, range and reason of each are documented once, in option_table().
+struct LsdOptions {
+  std::uint64_t seed = 1;
+
+  // Start.
+  std::string start = "two_views";
+  double init_parallax_deg = 1.5;
+  int random_keyframes = 5;
+
+  // Tracking.
+  int levels = 5;
+  int max_points = 8000;
+  double min_overlap = 0.4;
+  int lost_frames = 30;
+
+  // Keyframes.
+  double keyframe_distance = 0.15;
+  double keyframe_overlap = 0.75;
+  double keyframe_residual = 2.0;
+
+  // Constraints.
+  int near_keyframes = 4;
+  int similar_keyframes = 3;
+  double max_reciprocal_error = 12.6;
+  double min_constraint_overlap = 0.4;
+  int optimize_iterations = 20;
+
+  FrameCheckOptions frame_check;
+};
+
+/// The values of the papers, where they differ from rastro's own.
+void set_paper_preset(LsdOptions& options);
+
+/// The table points into `options`, which must outlive it.
+OptionTable option_table(LsdOptions& options);
+
+}  // namespace rastro

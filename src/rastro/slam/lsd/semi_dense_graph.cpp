@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/semi_dense_graph.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "rastro/base/error.h"
+#include "rastro/map/semi_dense/semi_dense_layer.h"
+#include "rastro/optimize/pose_graph.h"
+
+namespace rastro {
+namespace {
+
+/// Depths in the world's unit.
+std::shared_ptr<const SemiDenseDepth> layer_form(const SemiDenseKeyframe& keyframe, double world_per_unit) {
+  auto result = std::make_shared<SemiDenseDepth>();
+  const auto factor = static_cast<float>(1.0 / world_per_unit);
+  for (int y = 0; y < keyframe.depth.height(); ++y)
+    for (int x = 0; x < keyframe.depth.width(); ++x) {
+      const float mean = factor * keyframe.depth.mean.at(x, y);
+      if (!keyframe.depth.is_known(x, y) || !(mean > 0.0F)) continue;
+      result->pixels.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), mean,
+                                factor * factor * keyframe.depth.variance.at(x, y), keyframe.image.at(x, y)});
+    }
+  return result;
+}
+
+SE3 rigid(const Sim3& pose) { return {pose.rotation(), pose.translation()}; }
+
+}  // namespace
+
+void SemiDenseGraph::add(std::shared_ptr<const SemiDenseKeyframe> keyframe, const Sim3& world_from_keyframe,
+                         int submap) {
+  RASTRO_CHECK(keyframe->id == size(), "keyframes are numbered as they come");
+  keyframes_.push_back(std::move(keyframe));
+  poses_.push_back(world_from_keyframe);
+  submaps_.push_back(submap);
+  ++revision_;
+}
+
+void SemiDenseGraph::replace(std::shared_ptr<const SemiDenseKeyframe> keyframe) {
+  const auto index = static_cast<std::size_t>(keyframe->id);
+  keyframes_[index] = std::move(keyframe);
+  ++revision_;
+}
+
+int SemiDenseGraph::new_submap() const {
+  return submaps_.empty() ? 0 : *std::max_element(submaps_.begin(), submaps_.end()) + 1;
+}
+
+void SemiDenseGraph::merge(const Constraint& edge) {
+  const int a = submap(edge.from), b = submap(edge.to);
+  if (a == b) return;
+  const Sim3 a_from_b = pose(edge.from) * edge.from_from_to * pose(edge.to).inverse();
+  const int kept = std::min(a, b), moved = std::max(a, b);
+  const Sim3 kept_from_moved = kept == a ? a_from_b : a_from_b.inverse();
+  for (std::size_t k = 0; k < poses_.size(); ++k) {
+    if (submaps_[k] != moved) continue;
+    poses_[k] = kept_from_moved * poses_[k];
+    submaps_[k] = kept;
+  }
+}
+
+void SemiDenseGraph::optimize() {
+  std::vector<std::uint8_t> fixed(poses_.size(), 0);
+  std::vector<int> anchored;
+  for (std::size_t k = 0; k < poses_.size(); ++k) {
+    if (std::find(anchored.begin(), anchored.end(), submaps_[k]) != anchored.end()) continue;
+    anchored.push_back(submaps_[k]);
+    fixed[k] = 1;
+  }
+  PoseGraphOptions options;
+  options.iterations = options_.optimize_iterations;
+  constexpr double scale_sigma = 0.01;  // of an alignment
+  options.scale_information = 1.0 / (scale_sigma * scale_sigma);
+  optimize_pose_graph(poses_, edges_, fixed, options);
+  ++revision_;
+}
+
+std::vector<std::int64_t> SemiDenseGraph::near(std::int64_t id, int most,
+                                               const std::function<bool(std::int64_t)>& is_wanted) const {
+  constexpr double reach = 1.0, reach_rad = 0.6;  // in units of the keyframe: mean distances
+  std::vector<std::pair<double, std::int64_t>> found;
+  for (std::int64_t other = 0; other < size(); ++other) {
+    if (other == id || submap(other) != submap(id) || (is_wanted && !is_wanted(other))) continue;
+    const Sim3 keyframe_from_other = pose(id).inverse() * pose(other);
+    const double distance = keyframe_from_other.translation().norm() / reach +
+                            keyframe_from_other.rotation().log().norm() / reach_rad;
+    if (distance < 1.0) found.emplace_back(distance, other);
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::int64_t> ids;
+  for (const auto& [distance, other] : found)
+    if (static_cast<int>(ids.size()) < most) ids.push_back(other);
+  return ids;
+}
+
+std::vector<std::int64_t> SemiDenseGraph::similar(const BagOfWords& words, int most,
+                                                  const std::function<bool(std::int64_t)>& is_wanted) const {
+  constexpr double least_share = 0.8;  // of the words shared with the most similar one
+  std::vector<std::int64_t> ids;
+  for (const PlaceMatch& match : places_.find(words, least_share, is_wanted))
+    if (static_cast<int>(ids.size()) < most) ids.push_back(match.id);
+  return ids;
+}
+
+SE3 SemiDenseGraph::pose_of(const PlacedFrame& frame) const {
+  return rigid(pose(frame.keyframe) * Sim3(frame.keyframe_from_camera));
+}
+
+int SemiDenseGraph::largest_submap() const {
+  std::map<int, std::size_t> frames;
+  for (const PlacedFrame& frame : frames_) ++frames[submap(frame.keyframe)];
+  int largest = 0;
+  for (const auto& [submap, count] : frames)
+    if (count > frames[largest]) largest = submap;
+  return largest;
+}
+
+/// The submap with most frames is renumbered to 0.
+int SemiDenseGraph::public_submap(int submap, int largest) const {
+  return submap == largest ? 0 : submap < largest ? submap + 1 : submap;
+}
+
+Trajectory SemiDenseGraph::trajectory() const {
+  const int largest = largest_submap();
+  Trajectory trajectory;
+  for (const PlacedFrame& frame : frames_)
+    if (submap(frame.keyframe) == largest) trajectory.push_back({frame.stamp, pose_of(frame)});
+  return trajectory;
+}
+
+/// In the world's unit, with the scale that is left between both.
+Constraint SemiDenseGraph::public_form(const Constraint& edge) const {
+  const double from_unit = pose(edge.from).scale(), to_unit = pose(edge.to).scale();
+  Constraint result = edge;
+  result.from_from_to = Sim3(edge.from_from_to.scale() * from_unit / to_unit, edge.from_from_to.rotation(),
+                             from_unit * edge.from_from_to.translation());
+  result.information.topLeftCorner<3, 3>() /= to_unit * to_unit;
+  result.information.topRightCorner<3, 3>() /= to_unit;
+  result.information.bottomLeftCorner<3, 3>() /= to_unit;
+  return result;
+}
+
+std::shared_ptr<const Map> SemiDenseGraph::snapshot(const Camera& camera) const {
+  auto map = std::make_shared<Map>();
+  map->method = "lsd";
+  map->revision = revision_;
+  map->cameras.push_back({CameraKind::mono, camera, 0.0, {}, SE3()});
+  const int largest = largest_submap();
+  auto depths = std::make_shared<SemiDenseLayer>();
+  std::map<int, KeyframeId> last_of;
+  for (std::int64_t id = 0; id < size(); ++id) {
+    const SemiDenseKeyframe& kept = keyframe(id);
+    const auto before = last_of.find(submap(id));
+    map->keyframes.push_back({id, kept.frame, kept.stamp, 0, rigid(pose(id)), public_submap(submap(id), largest),
+                              before == last_of.end() ? no_keyframe : before->second, 1.0});
+    last_of[submap(id)] = id;
+    depths->of[id] = layer_form(kept, pose(id).scale());
+  }
+  map->layers.put<SemiDenseLayer>(std::move(depths));
+  for (const Constraint& edge : edges_) map->constraints.push_back(public_form(edge));
+  for (const PlacedFrame& frame : frames_) {
+    const double unit = pose(frame.keyframe).scale();
+    map->frames.push_back({frame.stamp, frame.keyframe,
+                           SE3(frame.keyframe_from_camera.rotation(), unit * frame.keyframe_from_camera.translation())});
+  }
+  if (!frames_.empty())
+    map->sessions.push_back({0, 0, "", frames_.front().stamp, frames_.back().stamp, {false, 0.0, "arbitrary"}});
+  return map;
+}
+
+}  // namespace rastro

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "rastro/base/time.h"
+#include "rastro/map/graph/map.h"
+#include "rastro/math/sim3.h"
+#include "rastro/place/place_index.h"
+#include "rastro/slam/lsd/inverse_depth_map.h"
+#include "rastro/slam/lsd/options.h"
+
+namespace rastro {
+
+/// An undistorted image with depths, in a unit of its own: where it was made, the mean inverse depth was 1.
+struct SemiDenseKeyframe {
+  std::int64_t id = 0;
+  std::int64_t frame = 0;  ///< Index in the recording.
+  TimeNs stamp = 0;
+  GrayImage image;
+  InverseDepthMap depth;
+  double mean_inverse_depth = 1.0;
+};
+
+/// A frame's pose relative to a keyframe and in its unit, so that it follows the keyframe's later corrections.
+struct PlacedFrame {
+  std::int64_t index = 0;
+  TimeNs stamp = 0;
+  std::int64_t keyframe = 0;
+  SE3 keyframe_from_camera;
+};
+
+/// Keyframes with similarities as poses, and the constraints between them (Engel et al. 2014, section 3.1). The world's
+/// unit is that of the first keyframe of each submap.
+class SemiDenseGraph {
+ public:
+  explicit SemiDenseGraph(const LsdOptions& options) : options_(options) {}
+
+  /// Its id must be size().
+  void add(std::shared_ptr<const SemiDenseKeyframe> keyframe, const Sim3& world_from_keyframe, int submap);
+  /// The same keyframe with better depths.
+  void replace(std::shared_ptr<const SemiDenseKeyframe> keyframe);
+  /// Of a finished keyframe: it can be recognized from now on.
+  void add_words(std::int64_t id, const BagOfWords& words) { places_.add(id, words); }
+  /// Relative poses are in the units of the keyframes themselves.
+  void add_edge(const Constraint& edge) { edges_.push_back(edge); }
+  void add_frame(const PlacedFrame& frame) { frames_.push_back(frame); }
+  /// Of one submap, which has more or earlier keyframes, the frame becomes that of both.
+  void merge(const Constraint& edge);
+  void optimize();
+
+  std::int64_t size() const { return static_cast<std::int64_t>(keyframes_.size()); }
+  const SemiDenseKeyframe& keyframe(std::int64_t id) const { return *keyframes_[static_cast<std::size_t>(id)]; }
+  const Sim3& pose(std::int64_t id) const { return poses_[static_cast<std::size_t>(id)]; }  ///< world_from_keyframe
+  int submap(std::int64_t id) const { return submaps_[static_cast<std::size_t>(id)]; }
+  int new_submap() const;
+  /// Other keyframes of its submap, the nearest in position and viewing direction first, at most `most` of those whose
+  /// views may overlap; `is_wanted` (if any) selects.
+  std::vector<std::int64_t> near(std::int64_t id, int most,
+                                 const std::function<bool(std::int64_t)>& is_wanted = {}) const;
+  /// Finished keyframes that share most words, the most similar first.
+  std::vector<std::int64_t> similar(const BagOfWords& words, int most,
+                                    const std::function<bool(std::int64_t)>& is_wanted = {}) const;
+
+  /// world_from_camera in the world's unit.
+  SE3 pose_of(const PlacedFrame& frame) const;
+  Trajectory trajectory() const;  ///< Of the submap with most frames.
+  std::shared_ptr<const Map> snapshot(const Camera& camera) const;
+
+ private:
+  int largest_submap() const;
+  int public_submap(int submap, int largest) const;
+  Constraint public_form(const Constraint& edge) const;
+
+  LsdOptions options_;
+  std::vector<std::shared_ptr<const SemiDenseKeyframe>> keyframes_;
+  std::vector<Sim3> poses_;
+  std::vector<int> submaps_;
+  std::vector<Constraint> edges_;
+  std::vector<PlacedFrame> frames_;  ///< In the order of the recording.
+  PlaceIndex places_;
+  std::int64_t revision_ = 0;
+};
+
+}  // namespace rastro
