@@ -20,7 +20,7 @@ LocationFilterOptions filter_options(const RtabmapOptions& options) {
 
 // What the parts of an iteration take on one core of a laptop, so that runs without a clock plan alike.
 constexpr double work_of_comparison_ms = 2e-6;  // of two descriptors
-constexpr double work_of_location_ms = 4e-3;    // by the Bayes filter
+constexpr double work_of_location_ms = 3e-4;    // by the Bayes filter
 constexpr double work_of_match_ms = 2.0;        // of two keyframes
 constexpr std::size_t most_similar = 8;         // locations that a lost frame is compared with
 
