@@ -44,7 +44,9 @@ class SemiDenseGraph {
   /// The same keyframe with better depths.
   void replace(std::shared_ptr<const SemiDenseKeyframe> keyframe);
   /// Of a finished keyframe: it can be recognized from now on.
-  void add_words(std::int64_t id, const BagOfWords& words) { places_.add(id, words); }
+  void add_words(std::int64_t id, const BagOfWords& words) {
+    if (!places_.contains(id)) places_.add(id, words);
+  }
   /// Relative poses are in the units of the keyframes themselves.
   void add_edge(const Constraint& edge) { edges_.push_back(edge); }
   void add_frame(const PlacedFrame& frame) { frames_.push_back(frame); }

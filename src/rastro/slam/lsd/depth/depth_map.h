@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "rastro/base/random.h"
+#include "rastro/base/task_pool.h"
+#include "rastro/camera/camera.h"
+#include "rastro/image/image.h"
+#include "rastro/math/se3.h"
+#include "rastro/slam/lsd/depth/epipolar_search.h"
+#include "rastro/slam/lsd/inverse_depth_map.h"
+
+namespace rastro {
+
+struct DepthMapOptions {
+  float min_gradient = 5.0F;    ///< Intensity levels per pixel, of the largest among the pixel and its neighbors.
+  double start_sigma = 0.5;     ///< Of random inverse depths about 1.
+  double max_relative_sigma = 0.5;  ///< Of an inverse depth: less certain ones are not begun.
+  double growth = 1.01;         ///< Of the variance from frame to frame: what the model misses.
+  double max_sigmas = 3.0;      ///< Between an observation and what is known, else it is a failure.
+  int most_failures = 5;        ///< In excess of successes, before a depth is dropped.
+  double propagation_sigma = 0.005;  ///< Of an inverse depth of 1, added by a change of keyframe.
+  EpipolarSearchOptions search;
+};
+
+/// What became of the pixels with gradient in one observation.
+struct DepthUpdate {
+  int updated = 0, created = 0, contradicted = 0;
+  std::array<int, epipolar_results> by_result{};
+
+  DepthUpdate& operator+=(const DepthUpdate& other);
+};
+
+/// The inverse depths of a keyframe's pixels where it has gradient, from stereo with the frames tracked on it: J. Engel,
+/// J. Sturm and D. Cremers, "Semi-Dense Visual Odometry for a Monocular Camera", 2013, section 2. Images are
+/// undistorted. Results do not depend on the pool.
+class DepthMap {
+ public:
+  DepthMap(GrayView image, const Camera& camera, const DepthMapOptions& options);
+
+  /// About 1 with a large variance, wherever there is gradient.
+  void start_random(std::uint64_t seed);
+  /// From depths known otherwise, where there is gradient.
+  void start_from(const InverseDepthMap& depth);
+  /// Intensity in the image = gain * intensity in the keyframe + offset.
+  DepthUpdate observe(GrayView image, const SE3& image_from_keyframe, double gain, double offset,
+                      TaskPool* pool = nullptr);
+  /// Fills holes, drops outliers and smooths what agrees with its neighbors (sections 2.4 to 2.6). Sets inverse_depth().
+  void regularize(TaskPool* pool = nullptr);
+  /// The depths as another keyframe sees them (section 2.3): nearer ones hide others.
+  DepthMap propagate(GrayView new_image, const SE3& new_from_keyframe) const;
+  /// Multiplies all inverse depths: another unit.
+  void rescale(double factor);
+
+  /// Smoothed; as of the last regularize().
+  const InverseDepthMap& inverse_depth() const { return smoothed_; }
+
+ private:
+  void observe_row(int y, const EpipolarSearch& search, DepthUpdate& update);
+  void fuse(int x, int y, const EpipolarMatch& match, DepthUpdate& update);
+  void fail(int x, int y);
+  void forget(int x, int y);
+  void fill_row(int y, const InverseDepthMap& before);
+  void smooth_row(int y);
+  void receive(int x, int y, float mean, float variance);
+
+  DepthMapOptions options_;
+  Camera camera_;
+  GrayImage image_;
+  Image<std::uint8_t> has_gradient_;
+  InverseDepthMap depth_, smoothed_;
+  Image<std::int8_t> failures_;  ///< Less successes.
+};
+
+}  // namespace rastro

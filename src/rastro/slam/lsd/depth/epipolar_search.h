@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "rastro/camera/camera.h"
+#include "rastro/image/image.h"
+#include "rastro/math/se3.h"
+
+namespace rastro {
+
+struct EpipolarSearchOptions {
+  double intensity_sigma = 3.0;   ///< Of one image, intensity levels.
+  double geometry_sigma_px = 0.4;  ///< Of the epipolar line's position: pose and calibration.
+  double min_line_px = 1.0;       ///< Shift by the inverse depth that is expected, at least.
+  double min_gradient = 3.0;      ///< Along the line, intensity levels per pixel.
+  double max_length_px = 40.0;    ///< Searched.
+  double max_residual_sigmas = 3.0;  ///< Root mean square of the five samples.
+  double min_second_ratio = 1.5;  ///< Of the residual of another minimum to the best one's.
+  double max_inverse_depth = 10.0;  ///< Where nothing is known: as a multiple of the mean.
+};
+
+enum class EpipolarResult : std::uint8_t {
+  matched,
+  outside,          ///< The line leaves the image.
+  short_line,       ///< Too little motion.
+  flat,             ///< Too little gradient along the line.
+  poor_match,       ///< Nothing on the line looks like the pixel.
+  ambiguous,        ///< More than one place does.
+  behind,           ///< Of the camera.
+};
+constexpr int epipolar_results = 7;
+
+struct EpipolarMatch {
+  EpipolarResult result = EpipolarResult::matched;
+  float mean = 0.0F, variance = 0.0F;  ///< Of the inverse depth.
+};
+
+/// Finds pixels of a keyframe along their epipolar lines in another image, by five equidistant samples (Engel et al.
+/// 2013, section 2.1); the variance is that of equations 6 to 13 there: geometric and photometric disparity errors,
+/// propagated to the inverse depth.
+class EpipolarSearch {
+ public:
+  /// Intensity in the image = gain * intensity in the keyframe + offset. All outlive this.
+  EpipolarSearch(GrayView keyframe, GrayView image, const Camera& camera, const SE3& image_from_keyframe, double gain,
+                 double offset, const EpipolarSearchOptions& options);
+  /// Between two inverse depths; `expected` is the most likely one. `ambiguity_matters`: nothing is known yet.
+  EpipolarMatch find(int x, int y, double least, double expected, double most, bool ambiguity_matters) const;
+
+ private:
+  struct Line;
+  bool sample_keyframe(int x, int y, Line& line) const;
+  double residual(const Line& line, double at) const;
+  EpipolarMatch best_on(const Line& line, int first, int last, bool ambiguity_matters) const;
+  EpipolarMatch measured(const Line& line, double at) const;
+  Eigen::Vector2d pixel_at(const Line& line, double inverse_depth) const;
+  double inverse_depth_at(const Line& line, double at) const;
+
+  GrayView keyframe_, image_;
+  Camera camera_;
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3d translation_, center_;  ///< center_: of the other camera, in the keyframe.
+  double gain_, offset_;
+  EpipolarSearchOptions options_;
+};
+
+}  // namespace rastro

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/lsd_slam.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "rastro/base/stopwatch.h"
+#include "rastro/camera/undistort_map.h"
+#include "rastro/feature/orb.h"
+#include "rastro/odometry/frame_check.h"
+#include "rastro/place/vocabulary.h"
+#include "rastro/slam/lsd/current_keyframe.h"
+#include "rastro/slam/lsd/initialization/two_view_start.h"
+#include "rastro/slam/lsd/semi_dense_graph.h"
+
+namespace rastro {
+namespace {
+
+SlamReason reason_of(OdometryReason reason) {
+  if (reason == OdometryReason::dark_or_blank) return SlamReason::dark_or_blank;
+  if (reason == OdometryReason::repeated_frame) return SlamReason::repeated_frame;
+  if (reason == OdometryReason::blurred) return SlamReason::blurred;
+  if (reason == OdometryReason::gap) return SlamReason::gap;
+  return SlamReason::none;
+}
+
+SlamReason reason_of(AlignmentFailure failure) {
+  if (failure == AlignmentFailure::too_few_points) return SlamReason::too_few_points;
+  return failure == AlignmentFailure::none ? SlamReason::none : SlamReason::poor_match;
+}
+
+bool is_distorted(const Camera& camera) { return camera.distortion != Distortion::none; }
+
+TwoViewStartOptions start_options(const LsdOptions& options) {
+  TwoViewStartOptions start;
+  start.min_parallax_deg = options.init_parallax_deg;
+  start.seed = options.seed;
+  return start;
+}
+
+}  // namespace
+
+class LsdSlam::State {
+ public:
+  State(const LsdOptions& options, const Camera& camera, const SlamContext& context);
+  SlamUpdate process(const Frame& frame);
+  const SemiDenseGraph& graph() const { return graph_; }
+  std::shared_ptr<const Map> snapshot() const { return graph_.snapshot(camera_); }
+
+ private:
+  /// Of the last frame with a pose.
+  struct Motion {
+    SE3 camera_from_keyframe, velocity;  ///< The camera's motion since the frame before, in the keyframe's unit.
+    int lost_frames = 0;
+    bool lost = false;
+  };
+
+  bool is_usable(const Frame& frame, SlamUpdate& update);
+  LsdFrame undistorted(const Frame& frame) const;
+  void start(LsdFrame frame, SlamUpdate& update);
+  void start_from_two_views(LsdFrame frame, SlamUpdate& update);
+  void begin_map(const LsdFrame& frame, const InverseDepthMap* depth, SlamUpdate& update);
+  void follow(const LsdFrame& frame, SlamUpdate& update);
+  void follow_kept_frames(std::size_t first);
+  void accept(const LsdFrame& frame, const ImageAlignment& tracked);
+  bool needs_keyframe(const ImageAlignment& tracked) const;
+  void change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
+  void finish_keyframe();
+  void on_loss(LsdFrame frame, const ImageAlignment& tracked, SlamUpdate& update);
+  bool relocalize(const LsdFrame& frame, SlamUpdate& update);
+  BagOfWords words_of(GrayView image);
+  LsdFrame prepared(std::int64_t index, TimeNs stamp, GrayImage image) const;
+
+  LsdOptions options_;
+  Camera camera_;  ///< Of the undistorted images.
+  TaskPool* pool_;
+  std::optional<UndistortMap> undistort_;
+  FrameCheck check_;
+  SemiDenseGraph graph_;
+  TwoViewStart start_;
+  OrbExtractor features_;
+  std::optional<CurrentKeyframe> current_;
+  Motion motion_;
+  SE3 last_pose_;  ///< world_from_camera
+};
+
+LsdSlam::State::State(const LsdOptions& options, const Camera& camera, const SlamContext& context)
+    : options_(options),
+      camera_(is_distorted(camera) ? undistorted_camera(camera, 0.0) : camera),
+      pool_(context.pool),
+      check_(options.frame_check),
+      graph_(options),
+      start_(start_options(options), camera_, context.pool),
+      features_(OrbOptions{}) {
+  if (is_distorted(camera)) undistort_ = undistort_map(camera, camera_);
+}
+
+/// One frame, as in figure 3 of Engel et al. 2014.
+SlamUpdate LsdSlam::State::process(const Frame& frame) {
+  Stopwatch whole;
+  SlamUpdate update;
+  update.index = frame.index;
+  update.stamp = frame.stamp;
+  update.world_from_body = last_pose_;
+  if (is_usable(frame, update)) {
+    LsdFrame undistorted_frame = undistorted(frame);
+    if (current_ && !(motion_.lost && motion_.lost_frames > options_.lost_frames))
+      follow(undistorted_frame, update);
+    else
+      start(std::move(undistorted_frame), update);
+  }
+  last_pose_ = update.world_from_body;
+  update.milliseconds = whole.lap_ms();
+  return update;
+}
+
+bool LsdSlam::State::is_usable(const Frame& frame, SlamUpdate& update) {
+  const FrameCheckResult checked = check_.check(frame.image.view(), frame.stamp);
+  update.reason = reason_of(checked.reason);
+  update.detail = checked.detail;
+  if (checked.useful() || checked.reason == OdometryReason::blurred) return true;
+  update.state = current_ ? SlamState::lost : SlamState::initializing;
+  if (frame.image.empty()) update.reason = SlamReason::no_data;
+  return false;
+}
+
+LsdFrame LsdSlam::State::prepared(std::int64_t index, TimeNs stamp, GrayImage image) const {
+  LsdFrame frame{index, stamp, std::move(image), {}};
+  frame.pyramid = alignment_pyramid(frame.image.view(), options_.levels, pool_);
+  return frame;
+}
+
+LsdFrame LsdSlam::State::undistorted(const Frame& frame) const {
+  return prepared(frame.index, frame.stamp,
+                  undistort_ ? remap(frame.image.view(), *undistort_, pool_) : frame.image);
+}
+
+void LsdSlam::State::start(LsdFrame frame, SlamUpdate& update) {
+  update.state = current_ ? SlamState::lost : SlamState::initializing;
+  if (current_ && relocalize(frame, update)) return;
+  if (options_.start == "two_views") return start_from_two_views(std::move(frame), update);
+  begin_map(frame, nullptr, update);
+  update.state = SlamState::tracking;
+  accept(frame, {});
+}
+
+void LsdSlam::State::start_from_two_views(LsdFrame frame, SlamUpdate& update) {
+  const auto found = start_.take(frame.index, frame.stamp, std::move(frame.image));
+  update.reason = start_.frames().size() == 1 ? SlamReason::first_frame : SlamReason::too_few_points;
+  update.detail = start_.detail();
+  if (!found) return;
+  const TwoViewStart::KeptFrame& first = start_.frames()[found->first];
+  begin_map(prepared(first.index, first.stamp, first.image), &found->depth, update);
+  follow_kept_frames(found->first);
+  start_.reset();
+  update.state = SlamState::tracking;
+  update.reason = SlamReason::none;
+  update.detail.clear();
+  update.world_from_body = graph_.pose_of({0, 0, current_->id(), motion_.camera_from_keyframe.inverse()});
+}
+
+void LsdSlam::State::begin_map(const LsdFrame& frame, const InverseDepthMap* depth, SlamUpdate& update) {
+  const std::int64_t id = graph_.size();
+  const int submap = graph_.new_submap();
+  current_.emplace(options_, camera_, pool_, id, frame, depth);
+  graph_.add(current_->published(), Sim3(), submap);
+  motion_ = {};
+  update.events.push_back({"keyframe", fmt::format("{}", id)});
+  if (submap > 0) update.events.push_back({"submap", fmt::format("{} begins with keyframe {}", submap, id)});
+}
+
+/// Those before the first view and since, in the order of the recording.
+void LsdSlam::State::follow_kept_frames(std::size_t first) {
+  const auto& kept = start_.frames();
+  std::vector<PlacedFrame> placed;
+  const auto track = [&](std::size_t k, const SE3& guess) -> std::optional<ImageAlignment> {
+    const LsdFrame frame = prepared(kept[k].index, kept[k].stamp, kept[k].image);
+    const ImageAlignment tracked = current_->track(frame.pyramid, guess);
+    if (!tracked.ok()) return std::nullopt;
+    placed.push_back({frame.index, frame.stamp, current_->id(), tracked.image_from_reference.inverse()});
+    if (k > first) current_->refine(frame, tracked);
+    return tracked;
+  };
+  SE3 pose;
+  for (std::size_t k = first + 1; k < kept.size(); ++k)
+    if (const auto tracked = track(k, pose)) pose = tracked->image_from_reference;
+  motion_.camera_from_keyframe = pose;
+  placed.push_back({kept[first].index, kept[first].stamp, current_->id(), SE3()});
+  pose = SE3();
+  for (std::size_t k = first; k-- > 0;)
+    if (const auto tracked = track(k, pose)) pose = tracked->image_from_reference;
+  std::sort(placed.begin(), placed.end(),
+            [](const PlacedFrame& a, const PlacedFrame& b) { return a.index < b.index; });
+  for (const PlacedFrame& frame : placed) graph_.add_frame(frame);
+}
+
+void LsdSlam::State::follow(const LsdFrame& frame, SlamUpdate& update) {
+  Stopwatch stage;
+  const SE3 guess = motion_.velocity * motion_.camera_from_keyframe;
+  ImageAlignment tracked = current_->track(frame.pyramid, guess);
+  if (!tracked.ok()) tracked = current_->track(frame.pyramid, motion_.camera_from_keyframe);
+  update.times.push_back({"track", stage.lap_ms()});
+  if (!tracked.ok()) return on_loss(frame, tracked, update);
+  update.state = motion_.lost ? SlamState::relocalized : SlamState::tracking;
+  update.score = tracked.inlier_share;
+  update.used = tracked.points;
+  accept(frame, tracked);
+  update.world_from_body = graph_.pose_of({0, 0, current_->id(), motion_.camera_from_keyframe.inverse()});
+  if (needs_keyframe(tracked))
+    change_keyframe(frame, tracked, update);
+  else if (tracked.rms < options_.keyframe_residual)
+    current_->refine(frame, tracked);
+  update.times.push_back({"depth", stage.lap_ms()});
+}
+
+void LsdSlam::State::accept(const LsdFrame& frame, const ImageAlignment& tracked) {
+  motion_.velocity = motion_.lost ? SE3() : tracked.image_from_reference * motion_.camera_from_keyframe.inverse();
+  motion_.camera_from_keyframe = tracked.image_from_reference;
+  motion_.lost = false;
+  motion_.lost_frames = 0;
+  graph_.add_frame({frame.index, frame.stamp, current_->id(), tracked.image_from_reference.inverse()});
+}
+
+/// Engel et al. 2013, section 2.3: the distance in mean inverse depths; and what is out of view.
+bool LsdSlam::State::needs_keyframe(const ImageAlignment& tracked) const {
+  const double distance = tracked.image_from_reference.inverse().translation().norm();
+  return tracked.rms < options_.keyframe_residual &&
+         (distance * current_->mean_inverse_depth() > options_.keyframe_distance ||
+          tracked.overlap < options_.keyframe_overlap);
+}
+
+void LsdSlam::State::change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update) {
+  finish_keyframe();
+  const std::int64_t before = current_->id(), id = graph_.size();
+  const Sim3 before_from_new = current_->change_to(id, frame, tracked.image_from_reference);
+  graph_.add(current_->published(), graph_.pose(before) * before_from_new, graph_.submap(before));
+  const double unit = before_from_new.scale();
+  const Matrix6d to_new = tracked.image_from_reference.adjoint();
+  Matrix6d covariance = to_new * tracked.covariance * to_new.transpose();
+  covariance.topLeftCorner<3, 3>() /= unit * unit;
+  covariance.topRightCorner<3, 3>() /= unit;
+  covariance.bottomLeftCorner<3, 3>() /= unit;
+  constexpr double least_sigma = 1e-3;  // common to all pixels
+  covariance.diagonal().array() += least_sigma * least_sigma;
+  Constraint edge{before, id, before_from_new, covariance.inverse()};
+  edge.inliers = tracked.points;
+  graph_.add_edge(edge);
+  motion_.camera_from_keyframe = SE3();
+  motion_.velocity = SE3(motion_.velocity.rotation(), motion_.velocity.translation() / unit);
+  update.events.push_back({"keyframe", fmt::format("{}", id)});
+}
+
+void LsdSlam::State::finish_keyframe() {
+  const auto finished = current_->published();
+  graph_.replace(finished);
+  graph_.add_words(finished->id, words_of(finished->image.view()));
+}
+
+void LsdSlam::State::on_loss(LsdFrame frame, const ImageAlignment& tracked, SlamUpdate& update) {
+  update.reason = reason_of(tracked.failure);
+  update.detail = fmt::format("{}: {} pixels, {:.0f} % in view, {:.0f} % fit", to_string(tracked.failure),
+                              tracked.points, 100.0 * tracked.overlap, 100.0 * tracked.inlier_share);
+  update.state = SlamState::lost;
+  motion_.lost = true;
+  motion_.velocity = SE3();
+  ++motion_.lost_frames;
+  relocalize(frame, update);
+}
+
+/// By direct alignment with the keyframes that share most words with the frame.
+bool LsdSlam::State::relocalize(const LsdFrame& frame, SlamUpdate& update) {
+  ++motion_.lost_frames;
+  for (const std::int64_t id : graph_.similar(words_of(frame.image.view()), options_.similar_keyframes)) {
+    const SemiDenseKeyframe& known = graph_.keyframe(id);
+    CurrentKeyframe candidate(options_, camera_, pool_, id, prepared(known.frame, known.stamp, known.image),
+                              &known.depth);
+    const ImageAlignment tracked = candidate.track(frame.pyramid, SE3());
+    if (!tracked.ok()) continue;
+    finish_keyframe();
+    current_.emplace(std::move(candidate));
+    update.state = SlamState::relocalized;
+    update.reason = SlamReason::none;
+    update.detail.clear();
+    update.events.push_back({"relocalized", fmt::format("in keyframe {}", id)});
+    accept(frame, tracked);
+    update.world_from_body = graph_.pose_of({0, 0, id, tracked.image_from_reference.inverse()});
+    start_.reset();
+    return true;
+  }
+  return false;
+}
+
+BagOfWords LsdSlam::State::words_of(GrayView image) {
+  BagOfWords words = standard_vocabulary()->words_of(features_.extract(image, {}, pool_).descriptors);
+  words.nodes = {};
+  return words;
+}
+
+LsdSlam::LsdSlam(const LsdOptions& options, const Camera& camera, const SlamContext& context)
+    : options_(options),
+      camera_(camera),
+      context_(context),
+      state_(std::make_unique<State>(options, camera, context)) {}
+LsdSlam::~LsdSlam() = default;
+SlamUpdate LsdSlam::process(const Frame& frame) { return state_->process(frame); }
+std::vector<SlamEvent> LsdSlam::finish() { return {}; }
+Trajectory LsdSlam::trajectory() const { return state_->graph().trajectory(); }
+std::shared_ptr<const Map> LsdSlam::snapshot() const { return state_->snapshot(); }
+void LsdSlam::reset() { state_ = std::make_unique<State>(options_, camera_, context_); }
+
+}  // namespace rastro

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/tracking/image_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rastro/slam/lsd/tracking/levenberg_marquardt.h"
+
+namespace rastro {
+namespace {
+
+constexpr int unknowns = alignment_columns - 1;
+constexpr double mid_intensity = static_cast<double>(AlignmentPoints::mid_intensity);
+using Vector8d = Eigen::Matrix<double, unknowns, 1>;
+
+/// Pose and change of brightness: image = gain * (reference - mid_intensity) + offset.
+struct MotionState {
+  SE3 image_from_reference;
+  double gain = 1.0, offset = mid_intensity;
+};
+
+std::size_t product_index(int row, int column) {
+  return static_cast<std::size_t>(row * alignment_columns - row * (row - 1) / 2 + column - row);
+}
+
+Vector8d gradient_of(const AlignmentSums& sums) {
+  Vector8d gradient;
+  for (int i = 0; i < unknowns; ++i) gradient[i] = sums.products[product_index(i, unknowns)];
+  return gradient;
+}
+
+/// The residuals of one level as a problem of minimize().
+class LevelAlignment {
+ public:
+  using State = MotionState;
+  struct Linear : Linearization<unknowns> {
+    AlignmentSums sums;
+    std::vector<AlignmentSums> chunks;
+  };
+
+  LevelAlignment(const AlignmentPoints& points, const PaddedImage& image, const PhotometricNoise& noise, TaskPool* pool)
+      : points_(points), image_(image), noise_(noise), pool_(pool), kernels_(alignment_kernels()) {}
+
+  Linear linearize(const State& state) const {
+    Linear linear;
+    linear.chunks.resize(static_cast<std::size_t>((points_.count + alignment_chunk - 1) / alignment_chunk));
+    const AlignmentView view =
+        alignment_view(image_, points_.camera, state.image_from_reference, state.gain, state.offset, noise_);
+    const auto work = [&](int begin, int end) { sum_chunks(view, begin, end, linear.chunks); };
+    if (pool_) {
+      pool_->for_chunks(0, static_cast<int>(linear.chunks.size()), chunks_per_task, work);
+    } else {
+      work(0, static_cast<int>(linear.chunks.size()));
+    }
+    for (const AlignmentSums& chunk : linear.chunks) linear.sums += chunk;
+    // A gain far off makes any image fit: a flat one.
+    if (linear.sums.used >= unknowns && state.gain > 0.1 && state.gain < 10.0) set_model(linear);
+    return linear;
+  }
+
+  static State retract(const State& state, const Vector8d& step) {
+    return {state.image_from_reference * SE3::exp(step.head<6>()), state.gain + step[6], state.offset + step[7]};
+  }
+
+  /// How far a point at mean depth moves, at most.
+  double step_px(const Vector8d& step) const {
+    const double inverse_depth = static_cast<double>(points_.mean_inverse_depth);
+    return points_.camera.fx * (inverse_depth * step.head<3>().norm() + step.segment<3>(3).norm());
+  }
+
+ private:
+  static constexpr int chunks_per_task = 8;
+
+  void sum_chunks(const AlignmentView& view, int begin, int end, std::vector<AlignmentSums>& chunks) const {
+    AlignmentColumns columns;
+    for (int chunk = begin; chunk < end; ++chunk) {
+      const int first = chunk * alignment_chunk;
+      kernels_.linearize(points_, first, std::min(first + alignment_chunk, points_.count), view, columns);
+      kernels_.accumulate(columns, chunks[static_cast<std::size_t>(chunk)]);
+    }
+  }
+
+  static void set_model(Linear& linear) {
+    for (int i = 0; i < unknowns; ++i) {
+      for (int j = i; j < unknowns; ++j) {
+        linear.hessian(i, j) = linear.hessian(j, i) = linear.sums.products[product_index(i, j)];
+      }
+    }
+    linear.gradient = gradient_of(linear.sums);
+    linear.cost = linear.sums.cost / linear.sums.used;
+  }
+
+  const AlignmentPoints& points_;
+  const PaddedImage& image_;
+  const PhotometricNoise& noise_;
+  TaskPool* pool_;
+  const AlignmentKernels& kernels_;
+};
+
+/// The change of brightness that gives the points' intensities the mean and spread that the image has where they
+/// project to: hardly depends on the motion, so it can be made before that is known.
+MotionState with_matched_brightness(const AlignmentPoints& points, const PaddedImage& image, MotionState state,
+                                    const PhotometricNoise& noise) {
+  const AlignmentView view = alignment_view(image, points.camera, state.image_from_reference, 1.0, 0.0, noise);
+  AlignmentColumns columns;
+  double count = 0.0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero(), squares = Eigen::Vector2d::Zero();
+  for (int begin = 0; begin < points.count; begin += alignment_chunk) {
+    alignment_kernels().linearize(points, begin, std::min(begin + alignment_chunk, points.count), view, columns);
+    for (int i = 0; i < columns.points; ++i) {
+      if (columns.weight[i] == 0.0F) continue;
+      const double reference = -static_cast<double>(columns.column[6][i]);
+      const Eigen::Vector2d pair(reference, static_cast<double>(columns.column[8][i]) + reference);
+      sum += pair, squares += pair.cwiseAbs2(), count += 1.0;
+    }
+  }
+  if (count < unknowns) return state;
+  const Eigen::Vector2d mean = sum / count, variance = squares / count - mean.cwiseAbs2();
+  state.gain = std::clamp(std::sqrt(std::max(variance[1], 1.0) / std::max(variance[0], 1.0)), 0.2, 5.0);
+  state.offset = mean[1] - state.gain * mean[0];
+  return state;
+}
+
+void set_covariance(const LevelAlignment::Linear& linear, ImageAlignment& result) {
+  Eigen::Matrix<double, unknowns, Eigen::Dynamic> scores(unknowns, static_cast<int>(linear.chunks.size()));
+  for (std::size_t i = 0; i < linear.chunks.size(); ++i)
+    scores.col(static_cast<int>(i)) = gradient_of(linear.chunks[i]);
+  const Eigen::Matrix<double, unknowns, unknowns> hessian = linear.hessian;
+  const Eigen::Matrix<double, unknowns, unknowns> inverse = hessian.inverse();
+  result.covariance = correlation_factor<unknowns>(hessian, scores) * inverse.topLeftCorner<6, 6>();
+}
+
+AlignmentFailure failure_of(const ImageAlignment& result, const ImageAlignmentOptions& options, bool determined) {
+  if (result.overlap < options.min_overlap) return AlignmentFailure::low_overlap;
+  if (result.points < options.min_points || !determined) return AlignmentFailure::too_few_points;
+  if (result.inlier_share < options.min_inlier_share) return AlignmentFailure::large_residual;
+  return AlignmentFailure::none;
+}
+
+ImageAlignment result_of(const MotionState& state, const LevelAlignment::Linear& linear, int points,
+                         const ImageAlignmentOptions& options, bool converged) {
+  ImageAlignment result;
+  result.image_from_reference = state.image_from_reference;
+  result.gain = state.gain;
+  result.offset = state.offset - state.gain * mid_intensity;
+  result.points = linear.sums.used;
+  result.converged = converged;
+  if (points == 0) return result;
+  result.overlap = static_cast<double>(linear.sums.inside) / points;
+  const double used = std::max(1, linear.sums.used);
+  result.inlier_share = linear.sums.inliers / used;
+  result.rms = std::sqrt(linear.sums.products.back() / used);
+  const bool determined = std::isfinite(linear.cost) && linear.hessian.ldlt().rcond() > 1e-12;
+  if (determined) set_covariance(linear, result);
+  result.failure = failure_of(result, options, determined);
+  return result;
+}
+
+}  // namespace
+
+const char* to_string(AlignmentFailure failure) {
+  switch (failure) {
+    case AlignmentFailure::none:
+      return "none";
+    case AlignmentFailure::too_few_points:
+      return "too few points";
+    case AlignmentFailure::low_overlap:
+      return "low overlap";
+    case AlignmentFailure::large_residual:
+      return "large residual";
+  }
+  return "unknown";
+}
+
+ImageAlignment align_image(const AlignmentReference& reference, const Pyramid& image,
+                           const SE3& image_from_reference_guess, const ImageAlignmentOptions& options,
+                           TaskPool* pool) {
+  const int coarsest = std::min({options.coarsest_level, reference.levels() - 1, image.levels() - 1});
+  const int finest = std::min(options.finest_level, coarsest);
+  RASTRO_CHECK(finest >= 0, "an alignment has a level");
+  MotionState state{image_from_reference_guess};
+  ImageAlignment result;
+  for (int level = coarsest; level >= finest; --level) {
+    const AlignmentPoints& points = reference.level(level);
+    if (level == coarsest) state = with_matched_brightness(points, image.level(level), state, options.noise);
+    LevelAlignment problem(points, image.level(level), options.noise, pool);
+    LevelAlignment::Linear linear = problem.linearize(state);
+    const double epsilon_px = level == finest ? options.epsilon_px : options.coarse_epsilon_px;
+    const bool converged = minimize(problem, {options.iterations, epsilon_px}, state, linear);
+    if (level == finest) result = result_of(state, linear, points.count, options, converged);
+  }
+  return result;
+}
+
+}  // namespace rastro
