@@ -6,10 +6,24 @@
 #include "rastro/slam/lsd/initialization/two_view_start.h"
 
 namespace rastro {
+namespace {
+
+DepthMapOptions depth_options(const LsdOptions& options) {
+  DepthMapOptions depth;
+  depth.min_gradient = static_cast<float>(options.min_gradient);
+  depth.growth = options.variance_growth;
+  depth.search.intensity_sigma = options.intensity_sigma;
+  depth.search.geometry_sigma_px = options.line_sigma_px;
+  depth.search.disparity_sigma_px = options.disparity_sigma_px;
+  depth.search.min_line_px = options.min_line_px;
+  return depth;
+}
+
+}  // namespace
 
 CurrentKeyframe::CurrentKeyframe(const LsdOptions& options, const Camera& camera, TaskPool* pool, std::int64_t id,
                                  const LsdFrame& frame, const InverseDepthMap* depth)
-    : options_(options), camera_(camera), pool_(pool), depth_(frame.image.view(), camera, {}) {
+    : options_(options), camera_(camera), pool_(pool), depth_(frame.image.view(), camera, depth_options(options)) {
   depth ? depth_.start_from(*depth) : depth_.start_random(seed_for(options.seed, static_cast<std::uint64_t>(id)));
   begin(id, frame);
 }

@@ -12,6 +12,7 @@
 #include "rastro/feature/orb.h"
 #include "rastro/odometry/frame_check.h"
 #include "rastro/place/vocabulary.h"
+#include "rastro/slam/lsd/constraint_search.h"
 #include "rastro/slam/lsd/current_keyframe.h"
 #include "rastro/slam/lsd/initialization/two_view_start.h"
 #include "rastro/slam/lsd/semi_dense_graph.h"
@@ -68,7 +69,8 @@ class LsdSlam::State {
   void accept(const LsdFrame& frame, const ImageAlignment& tracked);
   bool needs_keyframe(const ImageAlignment& tracked) const;
   void change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
-  void finish_keyframe();
+  void finish_keyframe(SlamUpdate& update);
+  void connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update);
   void on_loss(LsdFrame frame, const ImageAlignment& tracked, SlamUpdate& update);
   bool relocalize(const LsdFrame& frame, SlamUpdate& update);
   BagOfWords words_of(GrayView image);
@@ -81,6 +83,7 @@ class LsdSlam::State {
   FrameCheck check_;
   SemiDenseGraph graph_;
   TwoViewStart start_;
+  ConstraintSearch constraints_;
   OrbExtractor features_;
   std::optional<CurrentKeyframe> current_;
   Motion motion_;
@@ -94,6 +97,7 @@ LsdSlam::State::State(const LsdOptions& options, const Camera& camera, const Sla
       check_(options.frame_check),
       graph_(options),
       start_(start_options(options), camera_, context.pool),
+      constraints_(options_, camera_, graph_),
       features_(OrbOptions{}) {
   if (is_distorted(camera)) undistort_ = undistort_map(camera, camera_);
 }
@@ -233,7 +237,7 @@ bool LsdSlam::State::needs_keyframe(const ImageAlignment& tracked) const {
 }
 
 void LsdSlam::State::change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update) {
-  finish_keyframe();
+  finish_keyframe(update);
   const std::int64_t before = current_->id(), id = graph_.size();
   const Sim3 before_from_new = current_->change_to(id, frame, tracked.image_from_reference);
   graph_.add(current_->published(), graph_.pose(before) * before_from_new, graph_.submap(before));
@@ -253,10 +257,29 @@ void LsdSlam::State::change_keyframe(const LsdFrame& frame, const ImageAlignment
   update.events.push_back({"keyframe", fmt::format("{}", id)});
 }
 
-void LsdSlam::State::finish_keyframe() {
+void LsdSlam::State::finish_keyframe(SlamUpdate& update) {
+  Stopwatch stage;
   const auto finished = current_->published();
   graph_.replace(finished);
-  graph_.add_words(finished->id, words_of(finished->image.view()));
+  const BagOfWords words = words_of(finished->image.view());
+  connect(finished->id, words, update);
+  graph_.add_words(finished->id, words);
+  update.times.push_back({"constraints", stage.lap_ms()});
+}
+
+void LsdSlam::State::connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update) {
+  const std::vector<Constraint> found = constraints_.find(id, words);
+  for (const Constraint& edge : found) {
+    if (edge.kind == ConstraintKind::merge) {
+      update.events.push_back({"joined", fmt::format("submaps {} and {} by keyframes {} and {}",
+                                                     graph_.submap(edge.from), graph_.submap(id), edge.from, id)});
+      graph_.merge(edge);
+    }
+    if (edge.kind == ConstraintKind::loop)
+      update.events.push_back({"loop_closed", fmt::format("keyframe {} with {}", id, edge.from)});
+    graph_.add_edge(edge);
+  }
+  if (!found.empty()) graph_.optimize();
 }
 
 void LsdSlam::State::on_loss(LsdFrame frame, const ImageAlignment& tracked, SlamUpdate& update) {
@@ -279,7 +302,7 @@ bool LsdSlam::State::relocalize(const LsdFrame& frame, SlamUpdate& update) {
                               &known.depth);
     const ImageAlignment tracked = candidate.track(frame.pyramid, SE3());
     if (!tracked.ok()) continue;
-    finish_keyframe();
+    finish_keyframe(update);
     current_.emplace(std::move(candidate));
     update.state = SlamState::relocalized;
     update.reason = SlamReason::none;

@@ -42,6 +42,51 @@ void add_tracking_options(OptionTable& table, LsdOptions& o) {
   table.add({"lost_frames", &o.lost_frames, "frames", "after so many lost ones a new submap begins", 1, 100000, {}});
 }
 
+void add_depth_options(OptionTable& table, LsdOptions& o) {
+  table.add({"min_gradient",
+             &o.min_gradient,
+             "levels/px",
+             "pixels with less have no depth, unless a neighbor has more",
+             0.1,
+             255,
+             {}});
+  table.add({"intensity_sigma",
+             &o.intensity_sigma,
+             "levels",
+             "standard deviation of an image's intensities: noise, interpolation, and what no model covers",
+             0.1,
+             100,
+             {}});
+  table.add({"line_sigma_px",
+             &o.line_sigma_px,
+             "px",
+             "standard deviation of the epipolar lines' positions, by errors of pose and calibration",
+             0,
+             10,
+             {}});
+  table.add({"disparity_sigma_px",
+             &o.disparity_sigma_px,
+             "px",
+             "least standard deviation of a disparity",
+             0,
+             10,
+             {}});
+  table.add({"min_line_px",
+             &o.min_line_px,
+             "px",
+             "shift of a pixel by its depth from which stereo says something",
+             0,
+             100,
+             {}});
+  table.add({"variance_growth",
+             &o.variance_growth,
+             "",
+             "factor of a depth's variance from frame to frame: their errors are not independent",
+             1,
+             10,
+             {}});
+}
+
 void add_keyframe_options(OptionTable& table, LsdOptions& o) {
   table.add({"keyframe_distance",
              &o.keyframe_distance,
@@ -101,6 +146,7 @@ OptionTable option_table(LsdOptions& options) {
   table.add({"seed", &options.seed, "", "seed of the random numbers", 0, 0, {}});
   add_start_options(table, options);
   add_tracking_options(table, options);
+  add_depth_options(table, options);
   add_keyframe_options(table, options);
   add_constraint_options(table, options);
   add_options(table, options.frame_check);

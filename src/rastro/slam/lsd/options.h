@@ -24,15 +24,23 @@ struct LsdOptions {
   double min_overlap = 0.4;
   int lost_frames = 30;
 
+  // Depth.
+  double min_gradient = 8.0;
+  double intensity_sigma = 3.0;
+  double line_sigma_px = 0.4;
+  double disparity_sigma_px = 0.5;
+  double min_line_px = 3.0;
+  double variance_growth = 1.01;
+
   // Keyframes.
   double keyframe_distance = 0.15;
-  double keyframe_overlap = 0.75;
-  double keyframe_residual = 2.0;
+  double keyframe_overlap = 0.85;
+  double keyframe_residual = 5.0;
 
   // Constraints.
   int near_keyframes = 4;
   int similar_keyframes = 3;
-  double max_reciprocal_error = 12.6;
+  double max_reciprocal_error = 30.0;
   double min_constraint_overlap = 0.4;
   int optimize_iterations = 20;
 

@@ -150,7 +150,7 @@ double EpipolarSearch::inverse_depth_at(const Line& line, double at) const {
 }
 
 EpipolarMatch EpipolarSearch::measured(const Line& line, double at) const {
-  constexpr double sampling_variance = 0.01;  // of the parabola, square pixels
+  const double sampling_variance = options_.disparity_sigma_px * options_.disparity_sigma_px;
   const double inverse_depth = inverse_depth_at(line, at);
   const double per_px = inverse_depth_at(line, at + 0.5) - inverse_depth_at(line, at - 0.5);
   const double geometry = options_.geometry_sigma_px * options_.geometry_sigma_px * (1.0 / (line.cosine * line.cosine) - 1.0 + 0.05);

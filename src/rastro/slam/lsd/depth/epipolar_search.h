@@ -13,6 +13,7 @@ namespace rastro {
 struct EpipolarSearchOptions {
   double intensity_sigma = 3.0;   ///< Of one image, intensity levels.
   double geometry_sigma_px = 0.4;  ///< Of the epipolar line's position: pose and calibration.
+  double disparity_sigma_px = 0.1;  ///< Least, of the parabola and of what all frames have in common.
   double min_line_px = 1.0;       ///< Shift by the inverse depth that is expected, at least.
   double min_gradient = 3.0;      ///< Along the line, intensity levels per pixel.
   double max_length_px = 40.0;    ///< Searched.

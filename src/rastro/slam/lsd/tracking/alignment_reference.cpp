@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace rastro {
@@ -35,20 +36,24 @@ void select_tile(const PaddedImage& image, const InverseDepthMap& depth, int lef
   }
 }
 
-/// Keeps the `quota` strongest of those from `begin` on, in their order.
+/// Keeps the `quota` strongest of those from `begin` on, in their order; among equal ones the first.
 void keep_strongest(std::vector<SelectedPixel>& pixels, std::size_t begin, std::size_t quota) {
   if (pixels.size() - begin <= quota) return;
-  std::vector<std::size_t> order(pixels.size() - begin);
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = begin + i;
-  const auto stronger = [&](std::size_t a, std::size_t b) {
-    const float of_a = pixels[a].squared_gradient(), of_b = pixels[b].squared_gradient();
-    return of_a != of_b ? of_a > of_b : a < b;
-  };
-  std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(quota), order.end(), stronger);
-  order.resize(quota);
-  std::sort(order.begin(), order.end());
-  for (std::size_t i = 0; i < quota; ++i) pixels[begin + i] = pixels[order[i]];
-  pixels.resize(begin + quota);
+  const auto first = pixels.begin() + static_cast<std::ptrdiff_t>(begin);
+  std::vector<float> strengths(pixels.size() - begin);
+  std::transform(first, pixels.end(), strengths.begin(), [](const auto& pixel) { return pixel.squared_gradient(); });
+  const auto weakest_kept = strengths.begin() + static_cast<std::ptrdiff_t>(quota);
+  std::nth_element(strengths.begin(), weakest_kept, strengths.end(), std::greater<>());
+  const float limit = *weakest_kept;
+  // All above the limit are kept, and of those at it as many as are still missing.
+  auto missing = static_cast<std::ptrdiff_t>(quota) -
+                 std::count_if(strengths.begin(), weakest_kept, [&](float strength) { return strength > limit; });
+  pixels.erase(std::remove_if(first, pixels.end(),
+                              [&](const SelectedPixel& pixel) {
+                                const float strength = pixel.squared_gradient();
+                                return strength < limit || (strength == limit && missing-- <= 0);
+                              }),
+               pixels.end());
 }
 
 /// Every tile keeps the same share, rounded so that the level has `max_points` in the end.
@@ -87,24 +92,28 @@ void resize(AlignmentPoints& points, std::size_t count) {
   const std::size_t whole = (count + 7) / 8 * 8;
   for (auto* values : {&points.x, &points.y, &points.inverse_depth, &points.variance, &points.intensity,
                        &points.gradient_x, &points.gradient_y}) {
-    values->assign(whole, std::numeric_limits<float>::quiet_NaN());
+    values->resize(whole);
+    std::fill(values->begin() + static_cast<std::ptrdiff_t>(count), values->end(),
+              std::numeric_limits<float>::quiet_NaN());
   }
 }
 
 void fill(AlignmentPoints& points, const std::vector<SelectedPixel>& pixels, const PaddedImage& image,
           const InverseDepthMap& depth) {
   resize(points, pixels.size());
-  const LevelCamera& camera = points.camera;
+  const auto cx = static_cast<float>(points.camera.cx), cy = static_cast<float>(points.camera.cy);
+  const auto fx = static_cast<float>(points.camera.fx), fy = static_cast<float>(points.camera.fy);
+  const float per_fx = 1.0F / fx, per_fy = 1.0F / fy;
   double sum = 0.0;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const SelectedPixel& pixel = pixels[i];
-    points.x[i] = static_cast<float>((pixel.x - camera.cx) / camera.fx);
-    points.y[i] = static_cast<float>((pixel.y - camera.cy) / camera.fy);
+    points.x[i] = (static_cast<float>(pixel.x) - cx) * per_fx;
+    points.y[i] = (static_cast<float>(pixel.y) - cy) * per_fy;
     points.inverse_depth[i] = depth.mean.at(pixel.x, pixel.y);
     points.variance[i] = depth.variance.at(pixel.x, pixel.y);
     points.intensity[i] = static_cast<float>(image.row(pixel.y)[pixel.x]) - AlignmentPoints::mid_intensity;
-    points.gradient_x[i] = static_cast<float>(pixel.gradient_x * camera.fx);
-    points.gradient_y[i] = static_cast<float>(pixel.gradient_y * camera.fy);
+    points.gradient_x[i] = pixel.gradient_x * fx;
+    points.gradient_y[i] = pixel.gradient_y * fy;
     sum += static_cast<double>(points.inverse_depth[i]);
   }
   points.mean_inverse_depth = pixels.empty() ? 0.0F : static_cast<float>(sum / static_cast<double>(pixels.size()));

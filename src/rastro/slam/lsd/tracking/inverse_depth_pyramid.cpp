@@ -12,22 +12,27 @@ struct DepthSums {
   Image<float> squares;      ///< Sum of weight / variance * value^2.
   Image<float> weights;      ///< Sum of the binomial weights.
 
-  void add(int x, int y, float weight, float value, float variance) {
+  /// The products of one pixel, the same for each pixel it contributes to.
+  struct Share {
+    float precision, weighted, squared, weight;
+  };
+
+  void add(int x, int y, const Share& share) {
     if (x >= weights.width() || y >= weights.height()) return;
-    const float precision = weight / variance;
-    weighted.mean.at(x, y) += precision * value;
-    weighted.variance.at(x, y) += precision;
-    squares.at(x, y) += precision * value * value;
-    weights.at(x, y) += weight;
+    weighted.mean.at(x, y) += share.weighted;
+    weighted.variance.at(x, y) += share.precision;
+    squares.at(x, y) += share.squared;
+    weights.at(x, y) += share.weight;
   }
 };
 
 /// An even coordinate belongs to one of the coarser level, an odd one to both beside it.
 void scatter(const InverseDepthMap& fine, int x, int y, DepthSums& sums) {
-  const float value = fine.mean.at(x, y), variance = fine.variance.at(x, y);
-  const float weight = static_cast<float>((2 - x % 2) * (2 - y % 2));
+  const float value = fine.mean.at(x, y), weight = static_cast<float>((2 - (x & 1)) * (2 - (y & 1)));
+  const float precision = weight / fine.variance.at(x, y);
+  const DepthSums::Share share{precision, precision * value, precision * value * value, weight};
   for (int to_y = y / 2; to_y <= (y + 1) / 2; ++to_y) {
-    for (int to_x = x / 2; to_x <= (x + 1) / 2; ++to_x) sums.add(to_x, to_y, weight, value, variance);
+    for (int to_x = x / 2; to_x <= (x + 1) / 2; ++to_x) sums.add(to_x, to_y, share);
   }
 }
 

@@ -53,6 +53,16 @@ bool minimize(Problem& problem, const LevenbergMarquardtOptions& options, typena
   return false;
 }
 
+/// Whether the hessian determines every direction, whatever the units of its rows are.
+template <int N>
+bool is_determined(const Eigen::Matrix<double, N, N>& hessian) {
+  constexpr double least_share = 1e-9;
+  if (!(hessian.diagonal().minCoeff() > 0.0) || !hessian.allFinite()) return false;
+  const Eigen::Matrix<double, N, 1> scale = hessian.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::Matrix<double, N, N> scaled = scale.asDiagonal() * hessian * scale.asDiagonal();
+  return scaled.ldlt().vectorD().minCoeff() > least_share;
+}
+
 /// Covariance of estimates from residuals of which neighbors are correlated and whose assumed variance may be wrong is
 /// a multiple of the inverse hessian. The factor is measured: `scores` holds the gradient of each cluster of neighbors
 /// as a column; at the minimum they add up to zero and scatter as the true noise makes them (the sandwich of Liang and

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/constraint_search.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cstdlib>
+
+namespace rastro {
+namespace {
+
+constexpr std::int64_t consecutive = 10;  // keyframes between which nothing has drifted much
+
+}  // namespace
+
+std::vector<Constraint> ConstraintSearch::find(std::int64_t id, const BagOfWords& words) {
+  std::vector<Constraint> found;
+  const auto is_earlier = [id](std::int64_t other) { return other < id; };
+  std::vector<std::int64_t> near = graph_.near(id, options_.near_keyframes, is_earlier);
+  for (const std::int64_t other : near)
+    if (const auto edge = align(other, id, graph_.pose(other).inverse() * graph_.pose(id))) found.push_back(*edge);
+  const auto is_elsewhere = [&](std::int64_t other) {
+    return std::abs(other - id) > consecutive && std::find(near.begin(), near.end(), other) == near.end();
+  };
+  // Where drift or another submap says nothing of the relative pose, what looks alike is seen from nearby.
+  for (const std::int64_t other : graph_.similar(words, options_.similar_keyframes, is_elsewhere))
+    if (const auto edge = align(other, id, Sim3())) found.push_back(*edge);
+  return found;
+}
+
+std::shared_ptr<const ConstraintSearch::Prepared> ConstraintSearch::prepared(std::int64_t id) {
+  if (auto recent = recent_.find(id)) return recent;
+  const SemiDenseKeyframe& keyframe = graph_.keyframe(id);
+  Prepared made;
+  made.pyramid = alignment_pyramid(keyframe.image.view(), options_.levels);
+  AlignmentReferenceOptions options;
+  options.levels = options_.levels;
+  options.max_points = options_.max_points;
+  made.reference.build(made.pyramid, keyframe.depth, camera_, options);
+  return recent_.add(id, std::move(made));
+}
+
+/// Constraint::from_from_to is other_from_id.
+std::optional<Constraint> ConstraintSearch::align(std::int64_t other, std::int64_t id, const Sim3& other_from_id) {
+  const auto of_other = prepared(other), of_id = prepared(id);
+  const SimilarityAlignment forward = align_to(*of_other, *of_id, other_from_id);
+  if (!fits(forward)) return std::nullopt;
+  const SimilarityAlignment backward = align_to(*of_id, *of_other, forward.b_from_a.inverse());
+  if (!fits(backward)) return std::nullopt;
+  const auto error = reciprocal_error(forward, backward);
+  if (!error || *error > options_.max_reciprocal_error) return std::nullopt;
+  const Matrix7d covariance = forward.information.inverse();
+  constexpr double least_sigma = 1e-3;  // common to all pixels
+  Matrix6d of_motion = covariance.topLeftCorner<6, 6>();
+  of_motion.diagonal().array() += least_sigma * least_sigma;
+  Constraint edge{other, id, forward.b_from_a, of_motion.inverse(), kind_between(other, id)};
+  edge.information = (0.5 * (edge.information + edge.information.transpose())).eval();
+  edge.inliers = forward.points;
+  return edge;
+}
+
+SimilarityAlignment ConstraintSearch::align_to(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const {
+  SimilarityAlignmentOptions options;
+  options.coarsest_level = options_.levels - 1;
+  options.min_overlap = options_.min_constraint_overlap;
+  return align_similarity(a.reference, {b.pyramid, b.reference.depth()}, b_from_a, options);
+}
+
+bool ConstraintSearch::fits(const SimilarityAlignment& alignment) const {
+  return alignment.ok() && alignment.information.determinant() > 0.0;
+}
+
+ConstraintKind ConstraintSearch::kind_between(std::int64_t other, std::int64_t id) const {
+  if (graph_.submap(other) != graph_.submap(id)) return ConstraintKind::merge;
+  return std::abs(other - id) > consecutive ? ConstraintKind::loop : ConstraintKind::proximity;
+}
+
+}  // namespace rastro

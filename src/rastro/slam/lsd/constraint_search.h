@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "rastro/backend/rgbd/recent_items.h"
+#include "rastro/camera/camera.h"
+#include "rastro/map/graph/constraint.h"
+#include "rastro/place/vocabulary.h"
+#include "rastro/slam/lsd/options.h"
+#include "rastro/slam/lsd/semi_dense_graph.h"
+#include "rastro/slam/lsd/tracking/similarity_alignment.h"
+
+namespace rastro {
+
+/// Constraints of a finished keyframe with those around it and with those that look like it, by direct alignment on
+/// Sim(3) in both directions (Engel et al. 2014, section 3.5).
+class ConstraintSearch {
+ public:
+  /// All outlive this.
+  ConstraintSearch(const LsdOptions& options, const Camera& camera, const SemiDenseGraph& graph)
+      : options_(options), camera_(camera), graph_(graph) {}
+
+  std::vector<Constraint> find(std::int64_t id, const BagOfWords& words);
+
+ private:
+  struct Prepared {
+    Pyramid pyramid;
+    AlignmentReference reference;
+  };
+  std::shared_ptr<const Prepared> prepared(std::int64_t id);
+  std::optional<Constraint> align(std::int64_t other, std::int64_t id, const Sim3& other_from_id);
+  SimilarityAlignment align_to(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const;
+  bool fits(const SimilarityAlignment& alignment) const;
+  ConstraintKind kind_between(std::int64_t other, std::int64_t id) const;
+
+  const LsdOptions& options_;
+  const Camera& camera_;
+  const SemiDenseGraph& graph_;
+  RecentItems<Prepared> recent_{16};
+};
+
+}  // namespace rastro
