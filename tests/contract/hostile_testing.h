@@ -23,8 +23,10 @@ struct Hostile {
 };
 
 inline const SaidBy said_few_returns = {{"ekf", SlamReason::few_returns}, {"hector", SlamReason::few_returns}};
-inline const SaidBy said_dark = {
-    {"orb", SlamReason::dark_or_blank}, {"rgbd", SlamReason::dark_or_blank}, {"rtabmap", SlamReason::dark_or_blank}};
+inline const SaidBy said_dark = {{"orb", SlamReason::dark_or_blank},
+                                 {"rgbd", SlamReason::dark_or_blank},
+                                 {"rtabmap", SlamReason::dark_or_blank},
+                                 {"lsd", SlamReason::dark_or_blank}};
 
 inline LaserScan& scan_of(Frame& frame) { return *frame.scan; }
 inline void fill(Frame& frame, float range) {
@@ -104,7 +106,10 @@ inline const Hostile spoilt_depths[] = {
        bare.stamp = frame.stamp;
        frame = bare;
      },
-     {{"orb", SlamReason::no_data}, {"rgbd", SlamReason::dark_or_blank}, {"rtabmap", SlamReason::dark_or_blank}}},
+     {{"orb", SlamReason::no_data},
+      {"rgbd", SlamReason::dark_or_blank},
+      {"rtabmap", SlamReason::dark_or_blank},
+      {"lsd", SlamReason::no_data}}},
     {"black", [](Frame& frame) { frame.image = gray(frame, 0); }, said_dark},
     {"white without color and depth",
      [](Frame& frame) {
@@ -118,12 +123,14 @@ inline const Hostile spoilt_depths[] = {
      [](Frame& frame) { frame.stamp -= ns_per_second / 15; },
      {{"orb", SlamReason::repeated_frame},
       {"rgbd", SlamReason::repeated_frame},
-      {"rtabmap", SlamReason::repeated_frame}}},
+      {"rtabmap", SlamReason::repeated_frame},
+      {"lsd", SlamReason::repeated_frame}}},
     {"no stamp",
      [](Frame& frame) { frame.stamp = 0; },
      {{"orb", SlamReason::repeated_frame},
       {"rgbd", SlamReason::repeated_frame},
-      {"rtabmap", SlamReason::repeated_frame}}},
+      {"rtabmap", SlamReason::repeated_frame},
+      {"lsd", SlamReason::repeated_frame}}},
     {"no depth image", [](Frame& frame) { frame.depth = {}; }, {}},
     {"depth without a measurement", [](Frame& frame) { fill_depth(frame, 0.0F); }, {}},
     {"depth that is no number", [](Frame& frame) { fill_depth(frame, std::numeric_limits<float>::quiet_NaN()); }, {}},

@@ -152,6 +152,7 @@ class CameraRecording : public TestRecording {
 inline std::unique_ptr<TestRecording> recording_for(const SlamMethod& method, const std::string& sensor) {
   if (sensor == "mono" || sensor == "stereo") return std::make_unique<CameraRecording>(sensor == "stereo");
   if (method.wants_depth()) return std::make_unique<DepthRecording>();
+  if (!method.is_planar()) return std::make_unique<CameraRecording>(false);
   return std::make_unique<LaserRecording>();
 }
 

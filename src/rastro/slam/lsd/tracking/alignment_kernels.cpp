@@ -11,19 +11,19 @@ namespace {
 
 // Every expression below has a twin in alignment_kernels_avx2.cpp that rounds in the same order.
 
-struct Projection {
+struct PointProjection {
   float u, v;           ///< Normalized.
   float inverse_depth;  ///< Of the point in the image, times its depth in the reference.
   float pixel_x, pixel_y;
   bool inside;
 };
 
-Projection project(const AlignmentView& view, float x, float y, float inverse_depth) {
+PointProjection project_point(const AlignmentView& view, float x, float y, float inverse_depth) {
   const float *r = view.rotation, *t = view.translation;
   const float to_x = r[0] * x + r[1] * y + r[2] + t[0] * inverse_depth;
   const float to_y = r[3] * x + r[4] * y + r[5] + t[1] * inverse_depth;
   const float to_z = r[6] * x + r[7] * y + r[8] + t[2] * inverse_depth;
-  Projection p;
+  PointProjection p;
   p.inverse_depth = 1.0F / to_z;
   p.u = to_x * p.inverse_depth;
   p.v = to_y * p.inverse_depth;
@@ -34,7 +34,7 @@ Projection project(const AlignmentView& view, float x, float y, float inverse_de
   return p;
 }
 
-float sample(const AlignmentView& view, float x, float y) {
+float sample_intensity(const AlignmentView& view, float x, float y) {
   const int column = static_cast<int>(x), row = static_cast<int>(y);
   const float fraction_x = x - static_cast<float>(column), fraction_y = y - static_cast<float>(row);
   const std::uint8_t *above = view.pixels + row * view.stride + column, *below = above + view.stride;
@@ -46,13 +46,13 @@ float sample(const AlignmentView& view, float x, float y) {
   return top + fraction_y * (bottom - top);
 }
 
-void clear(AlignmentColumns& columns, int i) {
+void clear_point(AlignmentColumns& columns, int i) {
   for (auto& column : columns.column) column[i] = 0.0F;
   columns.weight[i] = 0.0F;
 }
 
 /// Derivatives of the intensity by (translation, rotation). Returns that by the inverse depth.
-float jacobian(const AlignmentPoints& points, int point, const AlignmentView& view, const Projection& p,
+float jacobian(const AlignmentPoints& points, int point, const AlignmentView& view, const PointProjection& p,
                AlignmentColumns& columns, int i) {
   const auto k = static_cast<std::size_t>(point);
   const float *r = view.rotation, *t = view.translation, *turn = view.gradient_turn;
@@ -91,12 +91,12 @@ void linearize_plain(const AlignmentPoints& points, int begin, int end, const Al
   columns.inside = columns.used = columns.inliers = 0;
   std::fill(columns.cost_lanes, columns.cost_lanes + 8, 0.0F);
   for (int i = 0; i < columns.points; ++i) {
-    clear(columns, i);
+    clear_point(columns, i);
     const auto k = static_cast<std::size_t>(begin + i);
-    const Projection p = project(view, points.x[k], points.y[k], points.inverse_depth[k]);
+    const PointProjection p = project_point(view, points.x[k], points.y[k], points.inverse_depth[k]);
     if (!p.inside) continue;
     ++columns.inside;
-    const float intensity = sample(view, p.pixel_x, p.pixel_y);
+    const float intensity = sample_intensity(view, p.pixel_x, p.pixel_y);
     if (!(intensity > view.darkest && intensity < view.brightest)) continue;
     ++columns.used;
     const float by_inverse_depth = jacobian(points, begin + i, view, p, columns, i);

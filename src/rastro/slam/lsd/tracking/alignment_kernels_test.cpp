@@ -14,11 +14,11 @@
 namespace rastro {
 namespace {
 
-constexpr int width = 160, height = 120;
+constexpr int wave_width = 160, wave_height = 120;
 
 Camera small_camera() {
   Camera camera;
-  camera.width = width, camera.height = height;
+  camera.width = wave_width, camera.height = wave_height;
   camera.fx = 130.0, camera.fy = 125.0, camera.cx = 79.0, camera.cy = 60.5;
   return camera;
 }
@@ -39,7 +39,7 @@ AlignmentPoints wave_points(int count, std::uint64_t seed) {
     values->assign(whole, std::numeric_limits<float>::quiet_NaN());
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    const double x = random.uniform(2.0, width - 3.0), y = random.uniform(2.0, height - 3.0);
+    const double x = random.uniform(2.0, wave_width - 3.0), y = random.uniform(2.0, wave_height - 3.0);
     points.x[i] = static_cast<float>((x - points.camera.cx) / points.camera.fx);
     points.y[i] = static_cast<float>((y - points.camera.cy) / points.camera.fy);
     points.inverse_depth[i] = static_cast<float>(random.uniform(0.1, 1.5));
@@ -52,9 +52,9 @@ AlignmentPoints wave_points(int count, std::uint64_t seed) {
 }
 
 PaddedImage wave_pixels() {
-  GrayImage image(width, height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) image.at(x, y) = static_cast<std::uint8_t>(std::lround(wave(x, y)));
+  GrayImage image(wave_width, wave_height);
+  for (int y = 0; y < wave_height; ++y) {
+    for (int x = 0; x < wave_width; ++x) image.at(x, y) = static_cast<std::uint8_t>(std::lround(wave(x, y)));
   }
   return testing::padded(image, alignment_padding);
 }

@@ -9,7 +9,7 @@
 namespace rastro {
 namespace {
 
-constexpr int tile_px = 32;
+constexpr int alignment_tile_px = 32;
 
 struct SelectedPixel {
   int x, y;
@@ -23,7 +23,8 @@ void select_tile(const PaddedImage& image, const InverseDepthMap& depth, int lef
                  std::vector<SelectedPixel>& selected) {
   const auto least = static_cast<float>(min_gradient * min_gradient);
   // The outermost pixels have no gradient across the border.
-  const int x_end = std::min(left + tile_px, image.width() - 1), y_end = std::min(top + tile_px, image.height() - 1);
+  const int x_end = std::min(left + alignment_tile_px, image.width() - 1),
+            y_end = std::min(top + alignment_tile_px, image.height() - 1);
   for (int y = std::max(top, 1); y < y_end; ++y) {
     const std::uint8_t *above = image.row(y - 1), *row = image.row(y), *below = image.row(y + 1);
     const float* variance = depth.variance.row(y);
@@ -57,8 +58,8 @@ void keep_strongest(std::vector<SelectedPixel>& pixels, std::size_t begin, std::
 }
 
 /// Every tile keeps the same share, rounded so that the level has `max_points` in the end.
-std::vector<SelectedPixel> thinned(const std::vector<SelectedPixel>& pixels, const std::vector<std::size_t>& tile_ends,
-                                   std::size_t max_points) {
+std::vector<SelectedPixel> thinned_pixels(const std::vector<SelectedPixel>& pixels,
+                                          const std::vector<std::size_t>& tile_ends, std::size_t max_points) {
   std::vector<SelectedPixel> kept;
   kept.reserve(max_points + pixels.size() / tile_ends.size());
   std::size_t begin = 0;
@@ -72,22 +73,22 @@ std::vector<SelectedPixel> thinned(const std::vector<SelectedPixel>& pixels, con
   return kept;
 }
 
-std::vector<SelectedPixel> select(const PaddedImage& image, const InverseDepthMap& depth,
-                                  const AlignmentReferenceOptions& options) {
+std::vector<SelectedPixel> select_pixels(const PaddedImage& image, const InverseDepthMap& depth,
+                                         const AlignmentReferenceOptions& options) {
   std::vector<SelectedPixel> pixels;
   std::vector<std::size_t> tile_ends;
-  for (int top = 0; top < image.height(); top += tile_px) {
-    for (int left = 0; left < image.width(); left += tile_px) {
+  for (int top = 0; top < image.height(); top += alignment_tile_px) {
+    for (int left = 0; left < image.width(); left += alignment_tile_px) {
       select_tile(image, depth, left, top, options.min_gradient, pixels);
       tile_ends.push_back(pixels.size());
     }
   }
   const auto max_points = static_cast<std::size_t>(options.max_points);
-  return max_points == 0 || pixels.size() <= max_points ? pixels : thinned(pixels, tile_ends, max_points);
+  return max_points == 0 || pixels.size() <= max_points ? pixels : thinned_pixels(pixels, tile_ends, max_points);
 }
 
 /// Elements behind `count` are NaN: they project nowhere.
-void resize(AlignmentPoints& points, std::size_t count) {
+void resize_points(AlignmentPoints& points, std::size_t count) {
   points.count = static_cast<int>(count);
   const std::size_t whole = (count + 7) / 8 * 8;
   for (auto* values : {&points.x, &points.y, &points.inverse_depth, &points.variance, &points.intensity,
@@ -98,9 +99,9 @@ void resize(AlignmentPoints& points, std::size_t count) {
   }
 }
 
-void fill(AlignmentPoints& points, const std::vector<SelectedPixel>& pixels, const PaddedImage& image,
-          const InverseDepthMap& depth) {
-  resize(points, pixels.size());
+void fill_points(AlignmentPoints& points, const std::vector<SelectedPixel>& pixels, const PaddedImage& image,
+                 const InverseDepthMap& depth) {
+  resize_points(points, pixels.size());
   const auto cx = static_cast<float>(points.camera.cx), cy = static_cast<float>(points.camera.cy);
   const auto fx = static_cast<float>(points.camera.fx), fy = static_cast<float>(points.camera.fy);
   const float per_fx = 1.0F / fx, per_fy = 1.0F / fy;
@@ -145,7 +146,7 @@ void AlignmentReference::build(const Pyramid& image, const InverseDepthMap& dept
     AlignmentPoints& points = points_[static_cast<std::size_t>(level)];
     const InverseDepthMap& level_depth = depth_[static_cast<std::size_t>(level)];
     points.camera = LevelCamera(camera, level);
-    fill(points, select(image.level(level), level_depth, options), image.level(level), level_depth);
+    fill_points(points, select_pixels(image.level(level), level_depth, options), image.level(level), level_depth);
   }
 }
 

@@ -16,13 +16,13 @@ Camera wave_camera() {
 }
 
 /// Inverse depth of a slanted plane, known everywhere.
-double plane(double x, double y) { return 0.3 + 0.001 * x - 0.0005 * y; }
+double slanted_plane(double x, double y) { return 0.3 + 0.001 * x - 0.0005 * y; }
 
 InverseDepthMap plane_map() {
   InverseDepthMap map(160, 120);
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 160; ++x) {
-      map.mean.at(x, y) = static_cast<float>(plane(x, y));
+      map.mean.at(x, y) = static_cast<float>(slanted_plane(x, y));
       map.variance.at(x, y) = 1e-4F;
     }
   }
@@ -36,7 +36,7 @@ TEST(InverseDepthPyramid, KeepsAPlaneAndItsVariance) {
     const int step = 1 << level;
     for (int y = 1; y < map.height() - 1; ++y) {
       for (int x = 1; x < map.width() - 1; ++x) {
-        ASSERT_NEAR(map.mean.at(x, y), plane(x * step, y * step), 1e-4) << level;
+        ASSERT_NEAR(map.mean.at(x, y), slanted_plane(x * step, y * step), 1e-4) << level;
         ASSERT_NEAR(map.variance.at(x, y), 1e-4, 1e-5);
       }
     }
@@ -68,7 +68,7 @@ TEST(AlignmentReference, PointsCarryTheRayIntensityAndGradientOfTheirPixel) {
     ASSERT_EQ(points.intensity[i], static_cast<float>(image.at(x, y)) - 128.0F);
     ASSERT_NEAR(points.gradient_x[i], 75.0 * (image.at(x + 1, y) - image.at(x - 1, y)), 1e-2);
     ASSERT_NEAR(points.gradient_y[i], 75.0 * (image.at(x, y + 1) - image.at(x, y - 1)), 1e-2);
-    ASSERT_NEAR(points.inverse_depth[i], plane(x, y), 1e-6);
+    ASSERT_NEAR(points.inverse_depth[i], slanted_plane(x, y), 1e-6);
   }
   for (std::size_t i = static_cast<std::size_t>(points.count); i < points.x.size(); ++i)
     EXPECT_TRUE(std::isnan(points.x[i]));

@@ -10,8 +10,8 @@
 namespace rastro {
 namespace {
 
-constexpr int unknowns = alignment_columns - 1;
-using Vector8d = Eigen::Matrix<double, unknowns, 1>;
+constexpr int motion_unknowns = alignment_columns - 1;
+using MotionStep = Eigen::Matrix<double, motion_unknowns, 1>;
 
 // Interpolation and the noise of the reference displace the minimum the same way in neighboring images: by about 0.02
 // px in trials on rendered views, where this factor makes the covariance consistent (NEES).
@@ -26,9 +26,9 @@ std::size_t product_index(int row, int column) {
   return static_cast<std::size_t>(row * alignment_columns - row * (row - 1) / 2 + column - row);
 }
 
-Vector8d gradient_of(const AlignmentSums& sums) {
-  Vector8d gradient;
-  for (int i = 0; i < unknowns; ++i) gradient[i] = sums.products[product_index(i, unknowns)];
+MotionStep gradient_of(const AlignmentSums& sums) {
+  MotionStep gradient;
+  for (int i = 0; i < motion_unknowns; ++i) gradient[i] = sums.products[product_index(i, motion_unknowns)];
   return gradient;
 }
 
@@ -36,7 +36,7 @@ Vector8d gradient_of(const AlignmentSums& sums) {
 class LevelAlignment {
  public:
   using State = MotionState;
-  struct Linear : Linearization<unknowns> {
+  struct Linear : Linearization<motion_unknowns> {
     AlignmentSums sums;
     std::vector<AlignmentSums> chunks;
   };
@@ -56,17 +56,17 @@ class LevelAlignment {
       work(0, static_cast<int>(linear.chunks.size()));
     }
     for (const AlignmentSums& chunk : linear.chunks) linear.sums += chunk;
-    if (linear.sums.used >= unknowns && state.brightness.plausible()) set_model(linear);
+    if (linear.sums.used >= motion_unknowns && state.brightness.plausible()) set_model(linear);
     return linear;
   }
 
-  static State retract(const State& state, const Vector8d& step) {
+  static State retract(const State& state, const MotionStep& step) {
     return {state.image_from_reference * SE3::exp(step.head<6>()),
             {state.brightness.gain + step[6], state.brightness.offset + step[7]}};
   }
 
   /// How far a point at mean depth moves, at most.
-  double step_px(const Vector8d& step) const {
+  double step_px(const MotionStep& step) const {
     const double inverse_depth = static_cast<double>(points_.mean_inverse_depth);
     return points_.camera.fx * (inverse_depth * step.head<3>().norm() + step.segment<3>(3).norm());
   }
@@ -84,8 +84,8 @@ class LevelAlignment {
   }
 
   static void set_model(Linear& linear) {
-    for (int i = 0; i < unknowns; ++i) {
-      for (int j = i; j < unknowns; ++j) {
+    for (int i = 0; i < motion_unknowns; ++i) {
+      for (int j = i; j < motion_unknowns; ++j) {
         linear.hessian(i, j) = linear.hessian(j, i) = linear.sums.products[product_index(i, j)];
       }
     }
@@ -101,24 +101,26 @@ class LevelAlignment {
 };
 
 void set_covariance(const LevelAlignment::Linear& linear, ImageAlignment& result) {
-  Eigen::Matrix<double, unknowns, Eigen::Dynamic> scores(unknowns, static_cast<int>(linear.chunks.size()));
+  Eigen::Matrix<double, motion_unknowns, Eigen::Dynamic> scores(motion_unknowns,
+                                                                static_cast<int>(linear.chunks.size()));
   for (std::size_t i = 0; i < linear.chunks.size(); ++i)
     scores.col(static_cast<int>(i)) = gradient_of(linear.chunks[i]);
-  const Eigen::Matrix<double, unknowns, unknowns> hessian = linear.hessian;
-  const Eigen::Matrix<double, unknowns, unknowns> inverse = hessian.inverse();
+  const Eigen::Matrix<double, motion_unknowns, motion_unknowns> hessian = linear.hessian;
+  const Eigen::Matrix<double, motion_unknowns, motion_unknowns> inverse = hessian.inverse();
   result.covariance =
-      shared_error_factor * correlation_factor<unknowns>(hessian, scores) * inverse.topLeftCorner<6, 6>();
+      shared_error_factor * correlation_factor<motion_unknowns>(hessian, scores) * inverse.topLeftCorner<6, 6>();
 }
 
-AlignmentFailure failure_of(const ImageAlignment& result, const ImageAlignmentOptions& options, bool determined) {
+AlignmentFailure failure_of_motion(const ImageAlignment& result, const ImageAlignmentOptions& options,
+                                   bool determined) {
   if (result.overlap < options.min_overlap) return AlignmentFailure::low_overlap;
   if (result.points < options.min_points || !determined) return AlignmentFailure::too_few_points;
   if (result.inlier_share < options.min_inlier_share) return AlignmentFailure::large_residual;
   return AlignmentFailure::none;
 }
 
-ImageAlignment result_of(const MotionState& state, const LevelAlignment::Linear& linear, int points,
-                         const ImageAlignmentOptions& options, bool converged) {
+ImageAlignment motion_result_of(const MotionState& state, const LevelAlignment::Linear& linear, int points,
+                                const ImageAlignmentOptions& options, bool converged) {
   ImageAlignment result;
   result.image_from_reference = state.image_from_reference;
   result.gain = state.brightness.gain;
@@ -130,9 +132,9 @@ ImageAlignment result_of(const MotionState& state, const LevelAlignment::Linear&
   const double used = std::max(1, linear.sums.used);
   result.inlier_share = linear.sums.inliers / used;
   result.rms = std::sqrt(linear.sums.products.back() / used);
-  const bool determined = std::isfinite(linear.cost) && is_determined<unknowns>(linear.hessian);
+  const bool determined = std::isfinite(linear.cost) && is_determined<motion_unknowns>(linear.hessian);
   if (determined) set_covariance(linear, result);
-  result.failure = failure_of(result, options, determined);
+  result.failure = failure_of_motion(result, options, determined);
   return result;
 }
 
@@ -169,7 +171,7 @@ ImageAlignment align_image(const AlignmentReference& reference, const Pyramid& i
     LevelAlignment::Linear linear = problem.linearize(state);
     const double epsilon_px = level == finest ? options.epsilon_px : options.coarse_epsilon_px;
     const bool converged = minimize(problem, {options.iterations, epsilon_px}, state, linear);
-    if (level == finest) result = result_of(state, linear, points.count, options, converged);
+    if (level == finest) result = motion_result_of(state, linear, points.count, options, converged);
   }
   return result;
 }

@@ -16,31 +16,34 @@ using testing::exposed;
 using testing::pose_near;
 using testing::semi_dense_depth;
 
-AlignmentRoom& room() {
+AlignmentRoom& alignment_room() {
   static AlignmentRoom room;
   return room;
 }
-const RenderedFrame& keyframe() {
-  static const RenderedFrame frame = room().render(SE3());
+const RenderedFrame& reference_frame() {
+  static const RenderedFrame frame = alignment_room().render(SE3());
   return frame;
 }
 
 AlignmentReference reference_of(const GrayImage& image, const InverseDepthMap& depth) {
   AlignmentReference reference;
-  reference.build(alignment_pyramid(image, 5), depth, room().camera());
+  reference.build(alignment_pyramid(image, 5), depth, alignment_room().camera());
   return reference;
 }
 const AlignmentReference& exact_reference() {
-  static const AlignmentReference reference = reference_of(keyframe().gray, semi_dense_depth(keyframe(), 5.0, 0.0, 1));
+  static const AlignmentReference reference =
+      reference_of(reference_frame().gray, semi_dense_depth(reference_frame(), 5.0, 0.0, 1));
   return reference;
 }
 
-SE3 motion(const Vector6d& tangent) { return SE3::exp(tangent); }
+SE3 motion_of(const Vector6d& tangent) { return SE3::exp(tangent); }
 /// About 20 px between the images at 320 x 240, half of it rotation.
-SE3 large_motion() { return motion((Vector6d() << 0.1, -0.03, 0.08, 0.01, -0.04, 0.03).finished()); }
-SE3 small_motion() { return motion((Vector6d() << 0.01, 0.008, -0.02, 0.003, 0.004, -0.006).finished()); }
+SE3 large_motion() { return motion_of((Vector6d() << 0.1, -0.03, 0.08, 0.01, -0.04, 0.03).finished()); }
+SE3 small_motion() { return motion_of((Vector6d() << 0.01, 0.008, -0.02, 0.003, 0.004, -0.006).finished()); }
 
-GrayImage image_at(const SE3& image_from_reference) { return room().render(image_from_reference.inverse()).gray; }
+GrayImage image_at(const SE3& image_from_reference) {
+  return alignment_room().render(image_from_reference.inverse()).gray;
+}
 
 ImageAlignment align_from_rest(const AlignmentReference& reference, const GrayImage& image) {
   return align_image(reference, alignment_pyramid(image, 5), SE3());
@@ -66,7 +69,7 @@ TEST(ImageAlignment, ConvergesFromMotionsOfUpToTwentyPixels) {
     Vector6d tangent = testing::random_vector<Vector6d>(random, 1.0);
     tangent.head<3>() *= 0.1 * share / tangent.head<3>().norm();
     tangent.tail<3>() *= 0.05 * share / tangent.tail<3>().norm();
-    const SE3 truth = motion(tangent);
+    const SE3 truth = motion_of(tangent);
     const ImageAlignment result = align_from_rest(exact_reference(), image_at(truth));
     const Vector6d error = (truth.inverse() * result.image_from_reference).log();
     recovered += result.ok() && error.head<3>().norm() < 0.002 && error.tail<3>().norm() < 0.0006;
@@ -75,15 +78,16 @@ TEST(ImageAlignment, ConvergesFromMotionsOfUpToTwentyPixels) {
 }
 
 TEST(ImageAlignment, RecoversARollThatTurnsTheGradients) {
-  const SE3 truth = motion((Vector6d() << 0.02, 0.0, 0.03, 0.0, 0.0, 0.5).finished());
-  const SE3 guess = truth * motion((Vector6d() << 0.01, -0.01, 0.01, 0.01, -0.01, 0.02).finished());
+  const SE3 truth = motion_of((Vector6d() << 0.02, 0.0, 0.03, 0.0, 0.0, 0.5).finished());
+  const SE3 guess = truth * motion_of((Vector6d() << 0.01, -0.01, 0.01, 0.01, -0.01, 0.02).finished());
   const ImageAlignment result = align_image(exact_reference(), alignment_pyramid(image_at(truth), 5), guess);
   EXPECT_TRUE(result.ok());
   EXPECT_THAT(result.image_from_reference, pose_near(truth, 0.001, 0.0003));
 }
 
 TEST(ImageAlignment, ToleratesFivePercentOfErrorInTheInverseDepth) {
-  const AlignmentReference reference = reference_of(keyframe().gray, semi_dense_depth(keyframe(), 5.0, 0.05, 2));
+  const AlignmentReference reference =
+      reference_of(reference_frame().gray, semi_dense_depth(reference_frame(), 5.0, 0.05, 2));
   for (const SE3& truth : {small_motion(), large_motion()}) {
     const ImageAlignment result = align_from_rest(reference, image_at(truth));
     EXPECT_TRUE(result.ok());
@@ -114,8 +118,9 @@ TEST(ImageAlignment, CovarianceFitsTheErrorsOfNoisyTrials) {
   double sum = 0.0;
   constexpr int trials = 50;
   for (std::uint64_t trial = 0; trial < trials; ++trial) {
-    const GrayImage noisy = exposed(keyframe().gray, 1.0, 0.0, 4.0, 100 + trial);
-    const AlignmentReference reference = reference_of(noisy, semi_dense_depth(keyframe(), 8.0, 0.03, 200 + trial));
+    const GrayImage noisy = exposed(reference_frame().gray, 1.0, 0.0, 4.0, 100 + trial);
+    const AlignmentReference reference =
+        reference_of(noisy, semi_dense_depth(reference_frame(), 8.0, 0.03, 200 + trial));
     const ImageAlignment result =
         align_image(reference, alignment_pyramid(exposed(clean, 1.0, 0.0, 4.0, 300 + trial), 5), truth);
     const Vector6d error = (result.image_from_reference.inverse() * truth).log();
@@ -128,8 +133,9 @@ TEST(ImageAlignment, CovarianceFitsTheErrorsOfNoisyTrials) {
 
 /// Neighbors with a common depth error are fewer independent observations: the covariance says so.
 TEST(ImageAlignment, CovarianceGrowsWithTheCorrelationOfNeighbors) {
-  const AlignmentReference independent = reference_of(keyframe().gray, semi_dense_depth(keyframe(), 5.0, 0.05, 7));
-  InverseDepthMap patches = semi_dense_depth(keyframe(), 5.0, 0.0, 7);
+  const AlignmentReference independent =
+      reference_of(reference_frame().gray, semi_dense_depth(reference_frame(), 5.0, 0.05, 7));
+  InverseDepthMap patches = semi_dense_depth(reference_frame(), 5.0, 0.0, 7);
   Random random(9);
   for (int top = 0; top < patches.height(); top += 16) {
     for (int left = 0; left < patches.width(); left += 16) {
@@ -144,7 +150,7 @@ TEST(ImageAlignment, CovarianceGrowsWithTheCorrelationOfNeighbors) {
   }
   const GrayImage image = image_at(large_motion());
   const ImageAlignment one = align_from_rest(independent, image);
-  const ImageAlignment other = align_from_rest(reference_of(keyframe().gray, patches), image);
+  const ImageAlignment other = align_from_rest(reference_of(reference_frame().gray, patches), image);
   EXPECT_GT(other.covariance.trace(), 2.0 * one.covariance.trace());
 }
 
@@ -153,13 +159,13 @@ TEST(ImageAlignment, SaysWhyItFailed) {
   EXPECT_EQ(align_from_rest(exact_reference(), black).failure, AlignmentFailure::too_few_points);
   EXPECT_EQ(align_from_rest(exact_reference(), testing::noise_image(320, 240, 5)).failure,
             AlignmentFailure::large_residual);
-  const GrayImage elsewhere = room().render(motion((Vector6d() << 0, 0, 0, 0, 0.9, 0).finished())).gray;
+  const GrayImage elsewhere = alignment_room().render(motion_of((Vector6d() << 0, 0, 0, 0, 0.9, 0).finished())).gray;
   EXPECT_FALSE(align_from_rest(exact_reference(), elsewhere).ok());
-  const SE3 turned = motion((Vector6d() << 0, 0, 0, 0, 2.5, 0).finished());
-  EXPECT_EQ(align_image(exact_reference(), alignment_pyramid(keyframe().gray, 5), turned).failure,
+  const SE3 turned = motion_of((Vector6d() << 0, 0, 0, 0, 2.5, 0).finished());
+  EXPECT_EQ(align_image(exact_reference(), alignment_pyramid(reference_frame().gray, 5), turned).failure,
             AlignmentFailure::low_overlap);
-  const AlignmentReference nothing = reference_of(keyframe().gray, InverseDepthMap(320, 240));
-  const ImageAlignment without = align_from_rest(nothing, keyframe().gray);
+  const AlignmentReference nothing = reference_of(reference_frame().gray, InverseDepthMap(320, 240));
+  const ImageAlignment without = align_from_rest(nothing, reference_frame().gray);
   EXPECT_EQ(without.failure, AlignmentFailure::too_few_points);
   EXPECT_THAT(without.image_from_reference, pose_near(SE3(), 0.0, 0.0));
 }

@@ -36,7 +36,7 @@ void scatter(const InverseDepthMap& fine, int x, int y, DepthSums& sums) {
   }
 }
 
-void finish(DepthSums& sums) {
+void divide_sums(DepthSums& sums) {
   for (int y = 0; y < sums.weights.height(); ++y) {
     for (int x = 0; x < sums.weights.width(); ++x) {
       float &mean = sums.weighted.mean.at(x, y), &variance = sums.weighted.variance.at(x, y);
@@ -58,7 +58,7 @@ InverseDepthMap halve(const InverseDepthMap& fine) {
       if (fine.is_known(x, y)) scatter(fine, x, y, sums);
     }
   }
-  finish(sums);
+  divide_sums(sums);
   return std::move(sums.weighted);
 }
 

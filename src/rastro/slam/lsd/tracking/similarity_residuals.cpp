@@ -9,7 +9,7 @@
 namespace rastro {
 namespace {
 
-double bilinear(const PaddedImage& image, double x, double y) {
+double bilinear_intensity(const PaddedImage& image, double x, double y) {
   const int column = static_cast<int>(x), row = static_cast<int>(y);
   const double fraction_x = x - column, fraction_y = y - row;
   const std::uint8_t *above = image.row(row) + column, *below = image.row(row + 1) + column;
@@ -67,7 +67,7 @@ SimilarityResidual SimilarityResiduals::residual(int point, const State& state) 
 }
 
 void SimilarityResiduals::set_intensity(const Projected& p, const State& state, SimilarityResidual& result) const {
-  const double in_b = bilinear(image_, p.pixel.x(), p.pixel.y()), gain = state.brightness.gain;
+  const double in_b = bilinear_intensity(image_, p.pixel.x(), p.pixel.y()), gain = state.brightness.gain;
   result.used = in_b > noise_.darkest && in_b < noise_.brightest;
   if (!result.used) return;
   const auto in_a = static_cast<double>(points_.intensity[p.point]);
