@@ -73,8 +73,8 @@ UnpackedImages plaid(double of_columns, double of_rows) {
   for (double& value : rows) value = random.uniform(-of_rows, of_rows);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < 3 * width; ++x)
-      images.color.rgb.at(x, y) = static_cast<std::uint8_t>(
-          120.0 + columns[static_cast<std::size_t>(x / 12)] + rows[static_cast<std::size_t>(y / 4)]);
+      images.color.rgb.at(x, y) = static_cast<std::uint8_t>(120.0 + columns[static_cast<std::size_t>(x / 12)] +
+                                                            rows[static_cast<std::size_t>(y / 4)]);
   return images;
 }
 

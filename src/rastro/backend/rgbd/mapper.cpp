@@ -27,9 +27,8 @@ bool makes_map(const SlamContext& context) { return !context.map || context.exte
 /// Where the camera is, is known by then: comparing with further places would take time and say little.
 bool closes_enough(const std::vector<Constraint>& accepted) {
   constexpr std::ptrdiff_t enough = 3;
-  return std::count_if(accepted.begin(), accepted.end(), [](const Constraint& edge) {
-           return edge.to - edge.from > most_tracked_steps;
-         }) >= enough;
+  return std::count_if(accepted.begin(), accepted.end(),
+                       [](const Constraint& edge) { return edge.to - edge.from > most_tracked_steps; }) >= enough;
 }
 
 /// Depth where the mask allows it.

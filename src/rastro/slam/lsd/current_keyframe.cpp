@@ -12,6 +12,7 @@ DepthMapOptions depth_options(const LsdOptions& options) {
   DepthMapOptions depth;
   depth.min_gradient = static_cast<float>(options.min_gradient);
   depth.growth = options.variance_growth;
+  depth.common_share = options.common_share;
   depth.search.intensity_sigma = options.intensity_sigma;
   depth.search.geometry_sigma_px = options.line_sigma_px;
   depth.search.disparity_sigma_px = options.disparity_sigma_px;
@@ -55,8 +56,7 @@ ImageAlignment CurrentKeyframe::track(const Pyramid& image, const SE3& image_fro
 }
 
 void CurrentKeyframe::refine(const LsdFrame& frame, const ImageAlignment& tracked) {
-  depth_.observe(frame.image.view(), tracked.image_from_reference, tracked.gain, tracked.offset,
-                 pool_);
+  depth_.observe(frame.image.view(), tracked.image_from_reference, tracked.gain, tracked.offset, pool_);
   ++frames_;
   update_reference();
 }

@@ -138,8 +138,7 @@ LsdFrame LsdSlam::State::prepared(std::int64_t index, TimeNs stamp, GrayImage im
 }
 
 LsdFrame LsdSlam::State::undistorted(const Frame& frame) const {
-  return prepared(frame.index, frame.stamp,
-                  undistort_ ? remap(frame.image.view(), *undistort_, pool_) : frame.image);
+  return prepared(frame.index, frame.stamp, undistort_ ? remap(frame.image.view(), *undistort_, pool_) : frame.image);
 }
 
 void LsdSlam::State::start(LsdFrame frame, SlamUpdate& update) {
@@ -196,8 +195,7 @@ void LsdSlam::State::follow_kept_frames(std::size_t first) {
   pose = SE3();
   for (std::size_t k = first; k-- > 0;)
     if (const auto tracked = track(k, pose)) pose = tracked->image_from_reference;
-  std::sort(placed.begin(), placed.end(),
-            [](const PlacedFrame& a, const PlacedFrame& b) { return a.index < b.index; });
+  std::sort(placed.begin(), placed.end(), [](const PlacedFrame& a, const PlacedFrame& b) { return a.index < b.index; });
   for (const PlacedFrame& frame : placed) graph_.add_frame(frame);
 }
 

@@ -11,9 +11,10 @@
 
 namespace rastro {
 
-/// Direct semi-dense SLAM of one camera, METHODS 7: J. Engel, J. Sturm and D. Cremers, "Semi-Dense Visual Odometry for a
-/// Monocular Camera", 2013; J. Engel, T. Schoeps and D. Cremers, "LSD-SLAM: Large-Scale Direct Monocular SLAM", 2014.
-/// The body is the camera; the world is the first keyframe's camera, and its unit the harmonic mean of the depths there.
+/// Direct semi-dense SLAM of one camera, METHODS 7: J. Engel, J. Sturm and D. Cremers, "Semi-Dense Visual Odometry for
+/// a Monocular Camera", 2013; J. Engel, T. Schoeps and D. Cremers, "LSD-SLAM: Large-Scale Direct Monocular SLAM", 2014.
+/// The body is the camera; the world is the first keyframe's camera, and its unit the harmonic mean of the depths
+/// there.
 class LsdSlam : public Slam {
  public:
   LsdSlam(const LsdOptions& options, const Camera& camera, const SlamContext& context);

@@ -64,19 +64,20 @@ void add_depth_options(OptionTable& table, LsdOptions& o) {
              0,
              10,
              {}});
-  table.add({"disparity_sigma_px",
-             &o.disparity_sigma_px,
-             "px",
-             "least standard deviation of a disparity",
-             0,
-             10,
-             {}});
+  table.add({"disparity_sigma_px", &o.disparity_sigma_px, "px", "least standard deviation of a disparity", 0, 10, {}});
   table.add({"min_line_px",
              &o.min_line_px,
              "px",
              "shift of a pixel by its depth from which stereo says something",
              0,
              100,
+             {}});
+  table.add({"common_share",
+             &o.common_share,
+             "",
+             "share of a depth's variance from one frame that no number of further ones reduces: they err alike",
+             0,
+             1,
              {}});
   table.add({"variance_growth",
              &o.variance_growth,

@@ -31,9 +31,10 @@ struct LsdOptions {
   double disparity_sigma_px = 0.5;
   double min_line_px = 3.0;
   double variance_growth = 1.01;
+  double common_share = 0.7;
 
   // Keyframes.
-  double keyframe_distance = 0.15;
+  double keyframe_distance = 0.25;
   double keyframe_overlap = 0.85;
   double keyframe_residual = 5.0;
 

@@ -85,8 +85,8 @@ std::vector<std::int64_t> SemiDenseGraph::near(std::int64_t id, int most,
   for (std::int64_t other = 0; other < size(); ++other) {
     if (other == id || submap(other) != submap(id) || (is_wanted && !is_wanted(other))) continue;
     const Sim3 keyframe_from_other = pose(id).inverse() * pose(other);
-    const double distance = keyframe_from_other.translation().norm() / reach +
-                            keyframe_from_other.rotation().log().norm() / reach_rad;
+    const double distance =
+        keyframe_from_other.translation().norm() / reach + keyframe_from_other.rotation().log().norm() / reach_rad;
     if (distance < 1.0) found.emplace_back(distance, other);
   }
   std::sort(found.begin(), found.end());
@@ -163,8 +163,9 @@ std::shared_ptr<const Map> SemiDenseGraph::snapshot(const Camera& camera) const 
   for (const Constraint& edge : edges_) map->constraints.push_back(public_form(edge));
   for (const PlacedFrame& frame : frames_) {
     const double unit = pose(frame.keyframe).scale();
-    map->frames.push_back({frame.stamp, frame.keyframe,
-                           SE3(frame.keyframe_from_camera.rotation(), unit * frame.keyframe_from_camera.translation())});
+    map->frames.push_back(
+        {frame.stamp, frame.keyframe,
+         SE3(frame.keyframe_from_camera.rotation(), unit * frame.keyframe_from_camera.translation())});
   }
   if (!frames_.empty())
     map->sessions.push_back({0, 0, "", frames_.front().stamp, frames_.back().stamp, {false, 0.0, "arbitrary"}});

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int border = 4;  // pixels at the edge without room for samples
 constexpr int row_grain = 8;
+constexpr std::int8_t confirmed = -3;  // what was known before counts as seen so often
 
 GrayImage copy_of(GrayView image) {
   GrayImage copy(image.width, image.height);
@@ -32,8 +33,8 @@ Image<std::uint8_t> gradient_mask(GrayView image, float least) {
       strong.at(x, y) = gradient_at(image, x, y) >= least * least ? 1 : 0;
   for (int y = border; y < image.height - border; ++y)
     for (int x = border; x < image.width - border; ++x)
-      mask.at(x, y) = strong.at(x, y) | strong.at(x - 1, y) | strong.at(x + 1, y) | strong.at(x, y - 1) |
-                      strong.at(x, y + 1);
+      mask.at(x, y) =
+          strong.at(x, y) | strong.at(x - 1, y) | strong.at(x + 1, y) | strong.at(x, y - 1) | strong.at(x, y + 1);
   return mask;
 }
 
@@ -70,6 +71,7 @@ void DepthMap::start_random(std::uint64_t seed) {
       if (has_gradient_.at(x, y) == 0) continue;
       depth_.mean.at(x, y) = static_cast<float>(random.uniform(1.0 - sigma, 1.0 + sigma));
       depth_.variance.at(x, y) = static_cast<float>(sigma * sigma);
+      failures_.at(x, y) = confirmed;
     }
 }
 
@@ -79,6 +81,7 @@ void DepthMap::start_from(const InverseDepthMap& depth) {
       if (has_gradient_.at(x, y) == 0 || !depth.is_known(x, y)) continue;
       depth_.mean.at(x, y) = depth.mean.at(x, y);
       depth_.variance.at(x, y) = depth.variance.at(x, y);
+      failures_.at(x, y) = confirmed;
     }
 }
 
@@ -132,7 +135,9 @@ void DepthMap::fuse(int x, int y, const EpipolarMatch& match, DepthUpdate& updat
     return fail(x, y);
   }
   mean = (match.variance * mean + prior * match.mean) / (prior + match.variance);
-  variance = prior * match.variance / (prior + match.variance);
+  // Frames at about the same place err alike: many of them tell little more than one.
+  const float fused = prior * match.variance / (prior + match.variance);
+  variance = std::max(fused, std::min(prior, static_cast<float>(options_.common_share) * match.variance));
   failures_.at(x, y) = static_cast<std::int8_t>(std::max(-10, failures_.at(x, y) - 1));
   ++update.updated;
 }
@@ -178,12 +183,13 @@ void DepthMap::fill_row(int y, const InverseDepthMap& before) {
   }
 }
 
-/// A depth that no neighbor supports is shown to nobody.
+/// A depth that was seen only once, or that no neighbor supports, is shown to nobody.
 void DepthMap::smooth_row(int y) {
-  constexpr int reach = 2, fewest = 3;
+  constexpr int reach = 2;
+  const int fewest = options_.least_support;
   for (int x = border; x < image_.width() - border; ++x) {
     smoothed_.mean.at(x, y) = smoothed_.variance.at(x, y) = 0.0F;
-    if (!depth_.is_known(x, y)) continue;
+    if (!depth_.is_known(x, y) || failures_.at(x, y) >= 0) continue;
     const float own = depth_.mean.at(x, y), own_variance = depth_.variance.at(x, y);
     float sum = 0.0F, weights = 0.0F;
     int count = 0;
@@ -219,7 +225,8 @@ DepthMap DepthMap::propagate(GrayView new_image, const SE3& new_from_keyframe) c
                 v = static_cast<int>(std::lround(camera_.fy * point.y() / point.z() + camera_.cy));
       if (u < border || v < border || u >= image_.width() - border || v >= image_.height() - border) continue;
       const double there = mean / point.z(), ratio = there / mean;
-      const double variance = ratio * ratio * ratio * ratio * static_cast<double>(depth_.variance.at(x, y)) + added * there * there;
+      const double variance =
+          ratio * ratio * ratio * ratio * static_cast<double>(depth_.variance.at(x, y)) + added * there * there;
       result.receive(u, v, static_cast<float>(there), static_cast<float>(variance));
     }
   return result;
@@ -228,6 +235,7 @@ DepthMap DepthMap::propagate(GrayView new_image, const SE3& new_from_keyframe) c
 void DepthMap::receive(int x, int y, float mean, float variance) {
   if (has_gradient_.at(x, y) == 0) return;
   float &there = depth_.mean.at(x, y), &there_variance = depth_.variance.at(x, y);
+  failures_.at(x, y) = confirmed;
   if (!depth_.is_known(x, y)) {
     there = mean, there_variance = variance;
   } else if (agree(there, mean, there_variance + variance)) {

@@ -15,12 +15,14 @@
 namespace rastro {
 
 struct DepthMapOptions {
-  float min_gradient = 5.0F;    ///< Intensity levels per pixel, of the largest among the pixel and its neighbors.
-  double start_sigma = 0.5;     ///< Of random inverse depths about 1.
-  double max_relative_sigma = 0.5;  ///< Of an inverse depth: less certain ones are not begun.
-  double growth = 1.01;         ///< Of the variance from frame to frame: what the model misses.
-  double max_sigmas = 3.0;      ///< Between an observation and what is known, else it is a failure.
-  int most_failures = 5;        ///< In excess of successes, before a depth is dropped.
+  float min_gradient = 5.0F;         ///< Intensity levels per pixel, of the largest among the pixel and its neighbors.
+  double start_sigma = 0.5;          ///< Of random inverse depths about 1.
+  double max_relative_sigma = 0.5;   ///< Of an inverse depth: less certain ones are not begun.
+  double growth = 1.01;              ///< Of the variance from frame to frame: what the model misses.
+  double common_share = 0.7;         ///< Of an observation's variance, which no number of further ones reduces.
+  double max_sigmas = 3.0;           ///< Between an observation and what is known, else it is a failure.
+  int least_support = 3;             ///< Neighbors that agree with a depth, itself included, before it is shown.
+  int most_failures = 5;             ///< In excess of successes, before a depth is dropped.
   double propagation_sigma = 0.005;  ///< Of an inverse depth of 1, added by a change of keyframe.
   EpipolarSearchOptions search;
 };
@@ -33,8 +35,8 @@ struct DepthUpdate {
   DepthUpdate& operator+=(const DepthUpdate& other);
 };
 
-/// The inverse depths of a keyframe's pixels where it has gradient, from stereo with the frames tracked on it: J. Engel,
-/// J. Sturm and D. Cremers, "Semi-Dense Visual Odometry for a Monocular Camera", 2013, section 2. Images are
+/// The inverse depths of a keyframe's pixels where it has gradient, from stereo with the frames tracked on it: J.
+/// Engel, J. Sturm and D. Cremers, "Semi-Dense Visual Odometry for a Monocular Camera", 2013, section 2. Images are
 /// undistorted. Results do not depend on the pool.
 class DepthMap {
  public:
@@ -47,7 +49,8 @@ class DepthMap {
   /// Intensity in the image = gain * intensity in the keyframe + offset.
   DepthUpdate observe(GrayView image, const SE3& image_from_keyframe, double gain, double offset,
                       TaskPool* pool = nullptr);
-  /// Fills holes, drops outliers and smooths what agrees with its neighbors (sections 2.4 to 2.6). Sets inverse_depth().
+  /// Fills holes, drops outliers and smooths what agrees with its neighbors (sections 2.4 to 2.6). Sets
+  /// inverse_depth().
   void regularize(TaskPool* pool = nullptr);
   /// The depths as another keyframe sees them (section 2.3): nearer ones hide others.
   DepthMap propagate(GrayView new_image, const SE3& new_from_keyframe) const;

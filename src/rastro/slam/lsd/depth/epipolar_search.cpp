@@ -30,16 +30,15 @@ bool is_inside(GrayView image, const Eigen::Vector2d& pixel, double margin) {
 /// Of one pixel: points rotated_ + inverse_depth * translation_ in the other camera, up to scale.
 struct EpipolarSearch::Line {
   Eigen::Vector3d rotated;
-  Eigen::Vector2d start, along;       ///< In the other image: pixel, and direction of length 1.
+  Eigen::Vector2d start, along;        ///< In the other image: pixel, and direction of length 1.
   std::array<double, samples> seen{};  ///< By the keyframe along its line, as the other image would show them.
-  double keyframe_step = 1.0;         ///< Pixels of the keyframe per pixel of the other image.
-  double gradient = 0.0;              ///< Along the line, root mean square, per pixel of the other image.
-  double cosine = 1.0;                ///< Between gradient and line in the keyframe.
+  double keyframe_step = 1.0;          ///< Pixels of the keyframe per pixel of the other image.
+  double gradient = 0.0;               ///< Along the line, root mean square, per pixel of the other image.
+  double cosine = 1.0;                 ///< Between gradient and line in the keyframe.
 };
 
-EpipolarSearch::EpipolarSearch(GrayView keyframe, GrayView image, const Camera& camera,
-                               const SE3& image_from_keyframe, double gain, double offset,
-                               const EpipolarSearchOptions& options)
+EpipolarSearch::EpipolarSearch(GrayView keyframe, GrayView image, const Camera& camera, const SE3& image_from_keyframe,
+                               double gain, double offset, const EpipolarSearchOptions& options)
     : keyframe_(keyframe),
       image_(image),
       camera_(camera),
@@ -81,7 +80,8 @@ EpipolarMatch EpipolarSearch::find(int x, int y, double least, double expected, 
 bool EpipolarSearch::sample_keyframe(int x, int y, Line& line) const {
   const double ray_x = (x - camera_.cx) / camera_.fx, ray_y = (y - camera_.cy) / camera_.fy;
   // Away from the epipole the inverse depth grows, or towards it: as in the other image.
-  Eigen::Vector2d along(camera_.fx * (ray_x * center_.z() - center_.x()), camera_.fy * (ray_y * center_.z() - center_.y()));
+  Eigen::Vector2d along(camera_.fx * (ray_x * center_.z() - center_.x()),
+                        camera_.fy * (ray_y * center_.z() - center_.y()));
   if (!(along.norm() > 1e-12)) return false;
   along.normalize();
   const Eigen::Vector2d here(x, y), reach = half_samples * line.keyframe_step * along;
@@ -91,7 +91,8 @@ bool EpipolarSearch::sample_keyframe(int x, int y, Line& line) const {
     line.seen[static_cast<std::size_t>(k)] = gain_ * bilinear(keyframe_, at.x(), at.y()) + offset_;
   }
   double squares = 0.0;
-  for (std::size_t k = 1; k < samples; ++k) squares += (line.seen[k] - line.seen[k - 1]) * (line.seen[k] - line.seen[k - 1]);
+  for (std::size_t k = 1; k < samples; ++k)
+    squares += (line.seen[k] - line.seen[k - 1]) * (line.seen[k] - line.seen[k - 1]);
   line.gradient = std::sqrt(squares / (samples - 1));
   const Eigen::Vector2d gradient(0.5 * (keyframe_.at(x + 1, y) - keyframe_.at(x - 1, y)),
                                  0.5 * (keyframe_.at(x, y + 1) - keyframe_.at(x, y - 1)));
@@ -145,7 +146,8 @@ double EpipolarSearch::inverse_depth_at(const Line& line, double at) const {
   const Eigen::Vector2d pixel = line.start + at * line.along;
   const bool across = std::abs(line.along.x()) > std::abs(line.along.y());
   const double ray = across ? (pixel.x() - camera_.cx) / camera_.fx : (pixel.y() - camera_.cy) / camera_.fy;
-  const double rotated = across ? line.rotated.x() : line.rotated.y(), moved = across ? translation_.x() : translation_.y();
+  const double rotated = across ? line.rotated.x() : line.rotated.y(),
+               moved = across ? translation_.x() : translation_.y();
   return (rotated - ray * line.rotated.z()) / (ray * translation_.z() - moved);
 }
 
@@ -153,9 +155,10 @@ EpipolarMatch EpipolarSearch::measured(const Line& line, double at) const {
   const double sampling_variance = options_.disparity_sigma_px * options_.disparity_sigma_px;
   const double inverse_depth = inverse_depth_at(line, at);
   const double per_px = inverse_depth_at(line, at + 0.5) - inverse_depth_at(line, at - 0.5);
-  const double geometry = options_.geometry_sigma_px * options_.geometry_sigma_px * (1.0 / (line.cosine * line.cosine) - 1.0 + 0.05);
-  const double photometry = 2.0 * options_.intensity_sigma * options_.intensity_sigma /
-                            (samples * line.gradient * line.gradient);
+  const double geometry =
+      options_.geometry_sigma_px * options_.geometry_sigma_px * (1.0 / (line.cosine * line.cosine) - 1.0 + 0.05);
+  const double photometry =
+      2.0 * options_.intensity_sigma * options_.intensity_sigma / (samples * line.gradient * line.gradient);
   const double variance = per_px * per_px * (geometry + photometry + sampling_variance);
   if (!(inverse_depth > 0.0) || !std::isfinite(variance)) return {EpipolarResult::behind};
   return {EpipolarResult::matched, static_cast<float>(inverse_depth), static_cast<float>(variance)};

@@ -11,25 +11,25 @@
 namespace rastro {
 
 struct EpipolarSearchOptions {
-  double intensity_sigma = 3.0;   ///< Of one image, intensity levels.
-  double geometry_sigma_px = 0.4;  ///< Of the epipolar line's position: pose and calibration.
-  double disparity_sigma_px = 0.1;  ///< Least, of the parabola and of what all frames have in common.
-  double min_line_px = 1.0;       ///< Shift by the inverse depth that is expected, at least.
-  double min_gradient = 3.0;      ///< Along the line, intensity levels per pixel.
-  double max_length_px = 40.0;    ///< Searched.
+  double intensity_sigma = 3.0;      ///< Of one image, intensity levels.
+  double geometry_sigma_px = 0.4;    ///< Of the epipolar line's position: pose and calibration.
+  double disparity_sigma_px = 0.1;   ///< Least, of the parabola and of what all frames have in common.
+  double min_line_px = 1.0;          ///< Shift by the inverse depth that is expected, at least.
+  double min_gradient = 3.0;         ///< Along the line, intensity levels per pixel.
+  double max_length_px = 40.0;       ///< Searched.
   double max_residual_sigmas = 3.0;  ///< Root mean square of the five samples.
-  double min_second_ratio = 1.5;  ///< Of the residual of another minimum to the best one's.
-  double max_inverse_depth = 10.0;  ///< Where nothing is known: as a multiple of the mean.
+  double min_second_ratio = 1.5;     ///< Of the residual of another minimum to the best one's.
+  double max_inverse_depth = 10.0;   ///< Where nothing is known: as a multiple of the mean.
 };
 
 enum class EpipolarResult : std::uint8_t {
   matched,
-  outside,          ///< The line leaves the image.
-  short_line,       ///< Too little motion.
-  flat,             ///< Too little gradient along the line.
-  poor_match,       ///< Nothing on the line looks like the pixel.
-  ambiguous,        ///< More than one place does.
-  behind,           ///< Of the camera.
+  outside,     ///< The line leaves the image.
+  short_line,  ///< Too little motion.
+  flat,        ///< Too little gradient along the line.
+  poor_match,  ///< Nothing on the line looks like the pixel.
+  ambiguous,   ///< More than one place does.
+  behind,      ///< Of the camera.
 };
 constexpr int epipolar_results = 7;
 

@@ -34,8 +34,7 @@ double mean_inverse_depth(const InverseDepthMap& depth) {
 void scale_inverse_depth(InverseDepthMap& depth, double factor) {
   const auto of_mean = static_cast<float>(factor), of_variance = static_cast<float>(factor * factor);
   for (int y = 0; y < depth.height(); ++y)
-    for (int x = 0; x < depth.width(); ++x)
-      depth.mean.at(x, y) *= of_mean, depth.variance.at(x, y) *= of_variance;
+    for (int x = 0; x < depth.width(); ++x) depth.mean.at(x, y) *= of_mean, depth.variance.at(x, y) *= of_variance;
 }
 
 TwoViewStart::TwoViewStart(const TwoViewStartOptions& options, const Camera& camera, TaskPool* pool)
@@ -73,8 +72,8 @@ TwoViewStart::Matches TwoViewStart::matches_with(const KeptFrame& first) const {
   for (const auto& [id, feature] : frames_.back().features) {
     const auto before = first.features.find(id);
     if (before == first.features.end()) continue;
-    matches.pairs.push_back({before->second.ray.cast<double>(), feature.ray.cast<double>(), options_.pixel_sigma,
-                             options_.pixel_sigma});
+    matches.pairs.push_back(
+        {before->second.ray.cast<double>(), feature.ray.cast<double>(), options_.pixel_sigma, options_.pixel_sigma});
     matches.pixels.push_back(before->second.pixel);
   }
   return matches;

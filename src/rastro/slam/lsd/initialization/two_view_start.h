@@ -40,9 +40,9 @@ class TwoViewStart {
     std::map<std::int64_t, TrackedFeature> features;  ///< By track.
   };
   struct Result {
-    std::size_t first = 0;   ///< Into frames(); the second is the newest.
-    SE3 second_from_first;   ///< Its unit gives `depth` the mean 1.
-    InverseDepthMap depth;   ///< Of the first view, around each feature.
+    std::size_t first = 0;  ///< Into frames(); the second is the newest.
+    SE3 second_from_first;  ///< Its unit gives `depth` the mean 1.
+    InverseDepthMap depth;  ///< Of the first view, around each feature.
   };
 
   /// `camera`: a pinhole without distortion. `pool` may be null and must outlive this.

@@ -28,8 +28,8 @@ TEST(TwoViewStart, DepthsOfTheFirstViewAreTrueButForTheUnit) {
   ASSERT_GT(ratios.size(), 500U);
   std::sort(ratios.begin(), ratios.end());
   const double unit = ratios[ratios.size() / 2];
-  const auto within = std::count_if(ratios.begin(), ratios.end(),
-                                    [unit](double ratio) { return std::abs(ratio / unit - 1.0) < 0.1; });
+  const auto within =
+      std::count_if(ratios.begin(), ratios.end(), [unit](double ratio) { return std::abs(ratio / unit - 1.0) < 0.1; });
   EXPECT_GT(static_cast<double>(within), 0.8 * static_cast<double>(ratios.size()));
 }
 

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/depth/depth_map.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "rastro/synthetic/worlds/hall.h"
+
+namespace rastro {
+namespace {
+
+/// In the unit that gives them the mean inverse depth 1. Returns what a meter is in it.
+double normalize(DepthImage& depth) {
+  double sum = 0.0, count = 0.0;
+  for (int y = 0; y < depth.height(); ++y)
+    for (int x = 0; x < depth.width(); ++x)
+      if (depth.at(x, y) > 0.0F) sum += 1.0 / static_cast<double>(depth.at(x, y)), count += 1.0;
+  const double meter = sum / count;
+  for (int y = 0; y < depth.height(); ++y)
+    for (int x = 0; x < depth.width(); ++x) depth.at(x, y) *= static_cast<float>(meter);
+  return meter;
+}
+
+/// A keyframe of a world, and what stereo with the frames after it makes of its depths with true poses.
+struct Observed {
+  Observed(const World& world, int first, int last, TaskPool* pool)
+      : map(world.render(first, own).gray.view(), world.camera(), {}) {
+    const SE3 keyframe_from_world = world.world_from_camera(first).inverse();
+    truth = world.render(first, own).depth;
+    const double meter = normalize(truth);
+    for (int k = first + 1; k <= last; ++k) {
+      const SE3 in_meters = (keyframe_from_world * world.world_from_camera(k)).inverse();
+      const SE3 image_from_keyframe(in_meters.rotation(), meter * in_meters.translation());
+      update += map.observe(world.render(k, own).gray.view(), image_from_keyframe, 1.0, 0.0, pool);
+      map.regularize(pool);
+    }
+  }
+
+  TaskPool own{1};
+  DepthMap map;
+  DepthImage truth;
+  DepthUpdate update;
+};
+
+struct DepthErrors {
+  int known = 0;
+  double within_5_percent = 0.0, median = 0.0, within_2_sigma = 0.0;
+};
+
+DepthErrors errors_of(const InverseDepthMap& map, const DepthImage& truth) {
+  std::vector<double> errors;
+  double inside = 0.0, near = 0.0;
+  for (int y = 0; y < map.height(); ++y)
+    for (int x = 0; x < map.width(); ++x) {
+      if (!map.is_known(x, y) || !(truth.at(x, y) > 0.0F)) continue;
+      const double expected = 1.0 / static_cast<double>(truth.at(x, y)), mean = static_cast<double>(map.mean.at(x, y));
+      errors.push_back(std::abs(expected / mean - 1.0));
+      near += errors.back() < 0.05 ? 1.0 : 0.0;
+      inside += std::abs(mean - expected) < 2.0 * std::sqrt(static_cast<double>(map.variance.at(x, y))) ? 1.0 : 0.0;
+    }
+  DepthErrors result;
+  result.known = static_cast<int>(errors.size());
+  if (errors.empty()) return result;
+  std::sort(errors.begin(), errors.end());
+  const auto count = static_cast<double>(errors.size());
+  result.median = errors[errors.size() / 2], result.within_5_percent = near / count,
+  result.within_2_sigma = inside / count;
+  return result;
+}
+
+const World& hall() {
+  static const World world = make_hall({.seed = 1, .scale = 0.5});
+  return world;
+}
+
+TEST(DepthMap, DepthsComeFromStereoWithTheFramesAfterTheKeyframe) {
+  const Observed observed(hall(), 120, 126, nullptr);
+  const DepthErrors errors = errors_of(observed.map.inverse_depth(), observed.truth);
+  EXPECT_GT(errors.known, 5000);
+  EXPECT_GT(errors.within_5_percent, 0.7);
+  EXPECT_LT(errors.median, 0.025);
+  EXPECT_GT(errors.within_2_sigma, 0.8);
+  EXPECT_GT(observed.update.created, 5000);
+  EXPECT_GT(observed.update.updated, observed.update.created);
+}
+
+TEST(DepthMap, EqualBytesForAnyNumberOfThreads) {
+  TaskPool pool(8);
+  const Observed alone(hall(), 120, 125, nullptr), together(hall(), 120, 125, &pool);
+  const InverseDepthMap &a = alone.map.inverse_depth(), &b = together.map.inverse_depth();
+  for (int y = 0; y < a.height(); ++y)
+    for (int x = 0; x < a.width(); ++x) {
+      ASSERT_EQ(a.mean.at(x, y), b.mean.at(x, y)) << x << ' ' << y;
+      ASSERT_EQ(a.variance.at(x, y), b.variance.at(x, y)) << x << ' ' << y;
+    }
+}
+
+TEST(DepthMap, ACameraThatStandsStillChangesNothing) {
+  TaskPool pool(1);
+  const GrayImage image = hall().render(120, pool).gray;
+  DepthMap map(image.view(), hall().camera(), {});
+  const DepthUpdate update = map.observe(image.view(), SE3(), 1.0, 0.0);
+  map.regularize();
+  EXPECT_EQ(update.updated + update.created, 0);
+  EXPECT_GT(update.by_result[static_cast<std::size_t>(EpipolarResult::short_line)], 10000);
+  EXPECT_EQ(errors_of(map.inverse_depth(), hall().render(120, pool).depth).known, 0);
+}
+
+/// Exact depths of one keyframe, propagated to a view 10 cm ahead.
+TEST(DepthMap, AnotherKeyframeSeesTheSameSurfaces) {
+  TaskPool pool(1);
+  const RenderedFrame first = hall().render(120, pool), second = hall().render(123, pool);
+  InverseDepthMap exact(first.depth.width(), first.depth.height());
+  for (int y = 0; y < exact.height(); ++y)
+    for (int x = 0; x < exact.width(); ++x) {
+      if (!(first.depth.at(x, y) > 0.0F)) continue;
+      exact.mean.at(x, y) = 1.0F / first.depth.at(x, y);
+      exact.variance.at(x, y) = 1e-6F;
+    }
+  DepthMap map(first.gray.view(), hall().camera(), {});
+  map.start_from(exact);
+  map.regularize();
+  const SE3 second_from_first = hall().world_from_camera(123).inverse() * hall().world_from_camera(120);
+  DepthMap propagated = map.propagate(second.gray.view(), second_from_first);
+  propagated.regularize();
+  const DepthErrors errors = errors_of(propagated.inverse_depth(), second.depth);
+  EXPECT_GT(errors.known, errors_of(map.inverse_depth(), first.depth).known * 6 / 10);
+  EXPECT_LT(errors.median, 0.005);
+  EXPECT_GT(errors.within_5_percent, 0.93);
+  propagated.rescale(2.0);
+  EXPECT_NEAR(errors_of(propagated.inverse_depth(), second.depth).median, 0.5, 0.01) << "another unit";
+}
+
+/// What nothing confirms is forgotten.
+TEST(DepthMap, WrongDepthsAreDropped) {
+  TaskPool pool(1);
+  const RenderedFrame keyframe = hall().render(120, pool);
+  InverseDepthMap wrong(keyframe.depth.width(), keyframe.depth.height());
+  for (int y = 0; y < wrong.height(); ++y)
+    for (int x = 0; x < wrong.width(); ++x)
+      if (keyframe.depth.at(x, y) > 0.0F)
+        wrong.mean.at(x, y) = 2.0F / keyframe.depth.at(x, y), wrong.variance.at(x, y) = 1e-6F;
+  DepthMap map(keyframe.gray.view(), hall().camera(), {});
+  map.start_from(wrong);
+  map.regularize();
+  const int before = errors_of(map.inverse_depth(), keyframe.depth).known;
+  const SE3 keyframe_from_world = hall().world_from_camera(120).inverse();
+  for (int k = 124; k <= 144; ++k)
+    map.observe(hall().render(k, pool).gray.view(), (keyframe_from_world * hall().world_from_camera(k)).inverse(), 1.0,
+                0.0);
+  map.regularize();
+  const DepthErrors after = errors_of(map.inverse_depth(), keyframe.depth);
+  EXPECT_GT((1.0 - after.within_5_percent) * after.known, 0.0);
+  EXPECT_LT((1.0 - after.within_5_percent) * after.known, 0.5 * before);
+}
+
+}  // namespace
+}  // namespace rastro
