@@ -76,7 +76,16 @@ class Runner {
     if (run_.folder) write(update);
     if (run_.progress)
       run_.progress({end_.result.frames + reader_.skipped(), run_.frames_asked, end_.result.loops_closed, &update});
+    return_freed_memory();
     keep_below_ceiling(frame.index);
+  }
+
+  /// Large maps are copied often: what a copy leaves behind is free, but the system gets it back on request alone.
+  void return_freed_memory() {
+    constexpr double least_mb = 512.0, growth = 1.25;
+    if (resident_memory_mb() < std::max(least_mb, growth * trimmed_mb_)) return;
+    ::malloc_trim(0);
+    trimmed_mb_ = resident_memory_mb();
   }
 
   void keep_below_ceiling(std::int64_t frame) const {
@@ -200,6 +209,7 @@ class Runner {
   std::optional<AppendFile> online_, covariances_;
   SlamRunEnd end_;
   std::int64_t last_index_ = -1;
+  double trimmed_mb_ = 0.0;  ///< Resident after the last malloc_trim().
   TimeNs first_stamp_ = 0, last_stamp_ = 0;
   SlamState last_state_ = SlamState::initializing;
   SlamReason last_reason_ = SlamReason::none;

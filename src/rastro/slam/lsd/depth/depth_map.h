@@ -62,6 +62,7 @@ class DepthMap {
 
  private:
   void observe_row(int y, const EpipolarSearch& search, DepthUpdate& update);
+  DepthPrior prior_of(int x, int y) const;
   void fuse(int x, int y, const EpipolarMatch& match, DepthUpdate& update);
   void fail(int x, int y);
   void forget(int x, int y);
@@ -75,6 +76,7 @@ class DepthMap {
   Image<std::uint8_t> has_gradient_;
   InverseDepthMap depth_, smoothed_;
   Image<std::int8_t> failures_;  ///< Less successes.
+  int observations_ = 0;
 };
 
 }  // namespace rastro

@@ -54,26 +54,28 @@ Eigen::Vector2d EpipolarSearch::pixel_at(const Line& line, double inverse_depth)
   return {camera_.fx * point.x() / point.z() + camera_.cx, camera_.fy * point.y() / point.z() + camera_.cy};
 }
 
-EpipolarMatch EpipolarSearch::find(int x, int y, double least, double expected, double most,
-                                   bool ambiguity_matters) const {
+EpipolarMatch EpipolarSearch::find(int x, int y, const DepthPrior& prior) const {
   Line line;
   line.rotated = rotation_ * Eigen::Vector3d((x - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy, 1.0);
   constexpr double least_z = 0.1;  // of the keyframe's depth
-  const double z_ratio = line.rotated.z() + expected * translation_.z();
-  if (!(std::min(line.rotated.z() + least * translation_.z(), line.rotated.z() + most * translation_.z()) > least_z) ||
-      !(z_ratio > least_z))
+  const auto z_ratio = [&](double inverse_depth) { return line.rotated.z() + inverse_depth * translation_.z(); };
+  if (!(std::min({z_ratio(prior.least), z_ratio(prior.expected), z_ratio(prior.most)}) > least_z))
     return {EpipolarResult::behind};
-  const Eigen::Vector2d middle = pixel_at(line, expected), far = pixel_at(line, least), near = pixel_at(line, most);
-  const Eigen::Vector2d shift = middle - pixel_at(line, 0.0);
-  if (!(shift.norm() >= options_.min_line_px)) return {EpipolarResult::short_line};
-  line.along = shift.normalized();
-  line.start = middle;
-  line.keyframe_step = z_ratio;
+  line.start = pixel_at(line, prior.expected);
+  const Eigen::Vector2d shift = line.start - pixel_at(line, 0.0);
+  const double shift_px = shift.norm();
+  if (!(shift_px >= options_.min_line_px)) return {EpipolarResult::short_line};
+  const double least_sigma = options_.disparity_sigma_px * prior.expected / shift_px;
+  if (least_sigma * least_sigma > prior.worthwhile_variance) return {EpipolarResult::no_news};
+  line.along = shift / shift_px;
+  line.keyframe_step = z_ratio(prior.expected);
   if (!sample_keyframe(x, y, line)) return {EpipolarResult::flat};
   const double half = 0.5 * options_.max_length_px;
-  const int first = static_cast<int>(std::floor(std::max(-half, (far - middle).dot(line.along)))) - 1;
-  const int last = static_cast<int>(std::ceil(std::min(half, (near - middle).dot(line.along)))) + 1;
-  return best_on(line, first, last, ambiguity_matters);
+  const double far = (pixel_at(line, prior.least) - line.start).dot(line.along),
+               near = (pixel_at(line, prior.most) - line.start).dot(line.along);
+  const int first = static_cast<int>(std::floor(std::max(-half, far))) - 1;
+  const int last = static_cast<int>(std::ceil(std::min(half, near))) + 1;
+  return best_on(line, first, last, !prior.is_known);
 }
 
 /// False where the line is flat or leaves the keyframe.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 
 #include "rastro/camera/camera.h"
 #include "rastro/image/image.h"
@@ -30,8 +31,17 @@ enum class EpipolarResult : std::uint8_t {
   poor_match,  ///< Nothing on the line looks like the pixel.
   ambiguous,   ///< More than one place does.
   behind,      ///< Of the camera.
+  no_news,     ///< It would be less certain than what is worth a search.
 };
-constexpr int epipolar_results = 7;
+constexpr int epipolar_results = 8;
+
+/// What is known of a pixel's inverse depth before.
+struct DepthPrior {
+  double least = 0.0, expected = 1.0, most = 1.0;
+  bool is_known = false;  ///< Else an ambiguous match is none.
+  /// Larger variances are not worth a search.
+  double worthwhile_variance = std::numeric_limits<double>::infinity();
+};
 
 struct EpipolarMatch {
   EpipolarResult result = EpipolarResult::matched;
@@ -46,8 +56,7 @@ class EpipolarSearch {
   /// Intensity in the image = gain * intensity in the keyframe + offset. All outlive this.
   EpipolarSearch(GrayView keyframe, GrayView image, const Camera& camera, const SE3& image_from_keyframe, double gain,
                  double offset, const EpipolarSearchOptions& options);
-  /// Between two inverse depths; `expected` is the most likely one. `ambiguity_matters`: nothing is known yet.
-  EpipolarMatch find(int x, int y, double least, double expected, double most, bool ambiguity_matters) const;
+  EpipolarMatch find(int x, int y, const DepthPrior& prior) const;
 
  private:
   struct Line;

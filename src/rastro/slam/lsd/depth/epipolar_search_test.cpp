@@ -63,7 +63,7 @@ Found search(const SE3& image_from_keyframe, double gain, double offset, double 
   Found found;
   for (int y = 20; y < height - 20; y += 3)
     for (int x = 30; x < width - 30; x += 3) {
-      const EpipolarMatch match = search.find(x, y, least, 0.5 * (least + most), most, true);
+      const EpipolarMatch match = search.find(x, y, {least, 0.5 * (least + most), most});
       ++found.all;
       if (match.result != EpipolarResult::matched) continue;
       ++found.matched;
@@ -108,14 +108,14 @@ TEST(EpipolarSearch, SaysWhyThereIsNoDepth) {
   GrayImage flat(width, height), other = wall_from(SE3(SO3::exp({0.0, 0.0, 1.5}), {0.3, 0.3, 0.0}));
   for (int y = 0; y < height; ++y) std::fill(flat.row(y), flat.row(y) + width, std::uint8_t{90});
   const auto result = [&](const GrayImage& from, const GrayImage& to, const SE3& motion) {
-    return EpipolarSearch(from.view(), to.view(), pinhole(), motion, 1.0, 0.0, {})
-        .find(80, 60, 0.3, 0.5, 0.8, true)
-        .result;
+    return EpipolarSearch(from.view(), to.view(), pinhole(), motion, 1.0, 0.0, {}).find(80, 60, {0.3, 0.5, 0.8}).result;
   };
   const SE3 aside(SO3(), {0.15, 0.0, 0.0});
   EXPECT_EQ(result(keyframe, keyframe, SE3()), EpipolarResult::short_line);
   EXPECT_EQ(result(flat, flat, aside), EpipolarResult::flat);
   EXPECT_EQ(result(keyframe, flat, aside), EpipolarResult::poor_match);
+  const EpipolarSearch sure(keyframe.view(), other.view(), pinhole(), aside, 1.0, 0.0, {});
+  EXPECT_EQ(sure.find(80, 60, {0.3, 0.5, 0.8, true, 1e-6}).result, EpipolarResult::no_news);
   EXPECT_EQ(result(keyframe, keyframe, SE3(SO3(), {5.0, 0.0, 0.0})), EpipolarResult::outside);
   EXPECT_EQ(result(keyframe, keyframe, SE3(SO3(), {0.0, 0.0, -3.0})), EpipolarResult::behind);
 }
