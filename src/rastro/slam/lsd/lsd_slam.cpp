@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "rastro/backend/rgbd/frame_report.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/camera/undistort_map.h"
 #include "rastro/feature/orb.h"
@@ -16,22 +17,17 @@
 #include "rastro/slam/lsd/current_keyframe.h"
 #include "rastro/slam/lsd/initialization/two_view_start.h"
 #include "rastro/slam/lsd/semi_dense_graph.h"
+#include "rastro/slam/map_budget.h"
 
 namespace rastro {
 namespace {
 
-SlamReason reason_of(OdometryReason reason) {
-  if (reason == OdometryReason::dark_or_blank) return SlamReason::dark_or_blank;
-  if (reason == OdometryReason::repeated_frame) return SlamReason::repeated_frame;
-  if (reason == OdometryReason::blurred) return SlamReason::blurred;
-  if (reason == OdometryReason::gap) return SlamReason::gap;
-  return SlamReason::none;
-}
-
-SlamReason reason_of(AlignmentFailure failure) {
+SlamReason reason_of_failure(AlignmentFailure failure) {
   if (failure == AlignmentFailure::too_few_points) return SlamReason::too_few_points;
   return failure == AlignmentFailure::none ? SlamReason::none : SlamReason::poor_match;
 }
+
+constexpr double memory_reserve_mb = 100.0;  // for everything except the map
 
 bool is_distorted(const Camera& camera) { return camera.distortion != Distortion::none; }
 
@@ -50,6 +46,7 @@ class LsdSlam::State {
   SlamUpdate process(const Frame& frame);
   const SemiDenseGraph& graph() const { return graph_; }
   std::shared_ptr<const Map> snapshot() const { return graph_.snapshot(camera_); }
+  MapMemory map_memory() const;
 
  private:
   /// Of the last frame with a pose.
@@ -66,6 +63,7 @@ class LsdSlam::State {
   void begin_map(const LsdFrame& frame, const InverseDepthMap* depth, SlamUpdate& update);
   void follow(const LsdFrame& frame, SlamUpdate& update);
   void follow_kept_frames(std::size_t first);
+  void doubt(SlamUpdate& update) const;
   void accept(const LsdFrame& frame, const ImageAlignment& tracked);
   bool needs_keyframe(const ImageAlignment& tracked) const;
   void change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
@@ -73,6 +71,7 @@ class LsdSlam::State {
   void connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update);
   void on_loss(LsdFrame frame, const ImageAlignment& tracked, SlamUpdate& update);
   bool relocalize(const LsdFrame& frame, SlamUpdate& update);
+  void stay_within_budget(SlamUpdate& update);
   BagOfWords words_of(GrayView image);
   LsdFrame prepared(std::int64_t index, TimeNs stamp, GrayImage image) const;
 
@@ -87,7 +86,9 @@ class LsdSlam::State {
   OrbExtractor features_;
   std::optional<CurrentKeyframe> current_;
   Motion motion_;
-  SE3 last_pose_;  ///< world_from_camera
+  SE3 last_pose_;               ///< world_from_camera
+  std::size_t budget_bytes_;    ///< 0: none.
+  std::int64_t forgotten_ = 0;  ///< Keyframes without depths.
 };
 
 LsdSlam::State::State(const LsdOptions& options, const Camera& camera, const SlamContext& context)
@@ -98,7 +99,8 @@ LsdSlam::State::State(const LsdOptions& options, const Camera& camera, const Sla
       graph_(options),
       start_(start_options(options), camera_, context.pool),
       constraints_(options_, camera_, graph_),
-      features_(OrbOptions{}) {
+      features_(OrbOptions{}),
+      budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {
   if (is_distorted(camera)) undistort_ = undistort_map(camera, camera_);
 }
 
@@ -166,6 +168,7 @@ void LsdSlam::State::start_from_two_views(LsdFrame frame, SlamUpdate& update) {
 }
 
 void LsdSlam::State::begin_map(const LsdFrame& frame, const InverseDepthMap* depth, SlamUpdate& update) {
+  if (current_) finish_keyframe(update);
   const std::int64_t id = graph_.size();
   const int submap = graph_.new_submap();
   current_.emplace(options_, camera_, pool_, id, frame, depth);
@@ -207,6 +210,7 @@ void LsdSlam::State::follow(const LsdFrame& frame, SlamUpdate& update) {
   update.times.push_back({"track", stage.lap_ms()});
   if (!tracked.ok()) return on_loss(frame, tracked, update);
   update.state = motion_.lost ? SlamState::relocalized : SlamState::tracking;
+  doubt(update);
   update.score = tracked.inlier_share;
   update.used = tracked.points;
   accept(frame, tracked);
@@ -216,6 +220,22 @@ void LsdSlam::State::follow(const LsdFrame& frame, SlamUpdate& update) {
   else if (tracked.rms < options_.keyframe_residual)
     current_->refine(frame, tracked);
   update.times.push_back({"depth", stage.lap_ms()});
+}
+
+/// What is not known yet: where a submap lies, and random depths at first.
+void LsdSlam::State::doubt(SlamUpdate& update) const {
+  constexpr std::int64_t until_converged = 5;  // keyframes
+  const std::int64_t id = current_->id();
+  if (graph_.submap(id) != 0) {
+    update.reason = SlamReason::apart;
+    update.detail = fmt::format("in submap {}, not connected to the first yet", graph_.submap(id));
+  } else if (options_.start == "random" && id < until_converged) {
+    update.reason = SlamReason::unconfirmed;
+    update.detail = "depths that began at random have not converged yet";
+  } else {
+    return;
+  }
+  update.state = SlamState::weak;
 }
 
 void LsdSlam::State::accept(const LsdFrame& frame, const ImageAlignment& tracked) {
@@ -252,6 +272,7 @@ void LsdSlam::State::change_keyframe(const LsdFrame& frame, const ImageAlignment
   graph_.add_edge(edge);
   motion_.camera_from_keyframe = SE3();
   motion_.velocity = SE3(motion_.velocity.rotation(), motion_.velocity.translation() / unit);
+  stay_within_budget(update);
   update.events.push_back({"keyframe", fmt::format("{}", id)});
 }
 
@@ -281,13 +302,12 @@ void LsdSlam::State::connect(std::int64_t id, const BagOfWords& words, SlamUpdat
 }
 
 void LsdSlam::State::on_loss(LsdFrame frame, const ImageAlignment& tracked, SlamUpdate& update) {
-  update.reason = reason_of(tracked.failure);
+  update.reason = reason_of_failure(tracked.failure);
   update.detail = fmt::format("{}: {} pixels, {:.0f} % in view, {:.0f} % fit", to_string(tracked.failure),
                               tracked.points, 100.0 * tracked.overlap, 100.0 * tracked.inlier_share);
   update.state = SlamState::lost;
   motion_.lost = true;
   motion_.velocity = SE3();
-  ++motion_.lost_frames;
   relocalize(frame, update);
 }
 
@@ -314,6 +334,21 @@ bool LsdSlam::State::relocalize(const LsdFrame& frame, SlamUpdate& update) {
   return false;
 }
 
+/// The oldest keyframes keep their poses only.
+void LsdSlam::State::stay_within_budget(SlamUpdate& update) {
+  constexpr std::int64_t kept = 3;
+  if (budget_bytes_ == 0) return;
+  const std::int64_t before = forgotten_;
+  const auto most = static_cast<std::size_t>(MapBudget::full_share * static_cast<double>(budget_bytes_));
+  while (graph_.bytes() > most && graph_.forget_oldest(kept)) ++forgotten_;
+  if (forgotten_ > before) update.events.push_back({"memory", map_memory().measures});
+}
+
+MapMemory LsdSlam::State::map_memory() const {
+  return {graph_.bytes(), budget_bytes_,
+          forgotten_ == 0 ? std::string() : fmt::format("depths of the {} oldest keyframes dropped", forgotten_)};
+}
+
 BagOfWords LsdSlam::State::words_of(GrayView image) {
   BagOfWords words = standard_vocabulary()->words_of(features_.extract(image, {}, pool_).descriptors);
   words.nodes = {};
@@ -330,6 +365,7 @@ SlamUpdate LsdSlam::process(const Frame& frame) { return state_->process(frame);
 std::vector<SlamEvent> LsdSlam::finish() { return {}; }
 Trajectory LsdSlam::trajectory() const { return state_->graph().trajectory(); }
 std::shared_ptr<const Map> LsdSlam::snapshot() const { return state_->snapshot(); }
+MapMemory LsdSlam::map_memory() const { return state_->map_memory(); }
 void LsdSlam::reset() { state_ = std::make_unique<State>(options_, camera_, context_); }
 
 }  // namespace rastro

@@ -24,6 +24,7 @@ class LsdSlam : public Slam {
   Trajectory trajectory() const override;
   std::shared_ptr<const Map> snapshot() const override;
   void reset() override;
+  MapMemory map_memory() const override;
 
  private:
   class State;

@@ -14,13 +14,6 @@ void add_start_options(OptionTable& table, LsdOptions& o) {
              0,
              {"two_views", "random"}});
   table.add({"init_parallax_deg", &o.init_parallax_deg, "deg", "median parallax that two views need", 0.1, 20, {}});
-  table.add({"random_keyframes",
-             &o.random_keyframes,
-             "",
-             "keyframes after a random start before poses are called tracking",
-             0,
-             100,
-             {}});
 }
 
 void add_tracking_options(OptionTable& table, LsdOptions& o) {

@@ -16,7 +16,6 @@ struct LsdOptions {
   // Start.
   std::string start = "two_views";
   double init_parallax_deg = 1.5;
-  int random_keyframes = 5;
 
   // Tracking.
   int levels = 5;

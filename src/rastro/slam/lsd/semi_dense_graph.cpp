@@ -45,6 +45,28 @@ void SemiDenseGraph::replace(std::shared_ptr<const SemiDenseKeyframe> keyframe) 
   ++revision_;
 }
 
+bool SemiDenseGraph::forget_oldest(std::int64_t kept) {
+  for (std::int64_t id = 0; id < size() - kept; ++id) {
+    const SemiDenseKeyframe& old = keyframe(id);
+    if (old.image.empty()) continue;
+    places_.remove(id);
+    replace(std::make_shared<const SemiDenseKeyframe>(
+        SemiDenseKeyframe{id, old.frame, old.stamp, {}, {}, old.mean_inverse_depth}));
+    return true;
+  }
+  return false;
+}
+
+std::size_t SemiDenseGraph::bytes() const {
+  constexpr std::size_t a_pixel = sizeof(std::uint8_t) + 2 * sizeof(float);
+  std::size_t sum = edges_.size() * sizeof(Constraint) + frames_.size() * sizeof(PlacedFrame) +
+                    keyframes_.size() * (sizeof(SemiDenseKeyframe) + sizeof(Sim3));
+  for (const auto& keyframe : keyframes_)
+    sum += static_cast<std::size_t>(keyframe->image.width()) * static_cast<std::size_t>(keyframe->image.height()) *
+           a_pixel;
+  return sum;
+}
+
 int SemiDenseGraph::new_submap() const {
   return submaps_.empty() ? 0 : *std::max_element(submaps_.begin(), submaps_.end()) + 1;
 }
@@ -83,7 +105,8 @@ std::vector<std::int64_t> SemiDenseGraph::near(std::int64_t id, int most,
   constexpr double reach = 1.0, reach_rad = 0.6;  // in units of the keyframe: mean distances
   std::vector<std::pair<double, std::int64_t>> found;
   for (std::int64_t other = 0; other < size(); ++other) {
-    if (other == id || submap(other) != submap(id) || (is_wanted && !is_wanted(other))) continue;
+    if (other == id || submap(other) != submap(id) || keyframe(other).image.empty()) continue;
+    if (is_wanted && !is_wanted(other)) continue;
     const Sim3 keyframe_from_other = pose(id).inverse() * pose(other);
     const double distance =
         keyframe_from_other.translation().norm() / reach + keyframe_from_other.rotation().log().norm() / reach_rad;
@@ -157,7 +180,7 @@ std::shared_ptr<const Map> SemiDenseGraph::snapshot(const Camera& camera) const 
     map->keyframes.push_back({id, kept.frame, kept.stamp, 0, rigid(pose(id)), public_submap(submap(id), largest),
                               before == last_of.end() ? no_keyframe : before->second, 1.0});
     last_of[submap(id)] = id;
-    depths->of[id] = layer_form(kept, pose(id).scale());
+    if (!kept.image.empty()) depths->of[id] = layer_form(kept, pose(id).scale());
   }
   map->layers.put<SemiDenseLayer>(std::move(depths));
   for (const Constraint& edge : edges_) map->constraints.push_back(public_form(edge));

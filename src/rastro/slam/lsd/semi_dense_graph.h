@@ -49,6 +49,9 @@ class SemiDenseGraph {
   }
   /// Relative poses are in the units of the keyframes themselves.
   void add_edge(const Constraint& edge) { edges_.push_back(edge); }
+  /// Drops image and depths of the oldest keyframe that has them, but for the last `kept`. False: there is none.
+  bool forget_oldest(std::int64_t kept);
+  std::size_t bytes() const;
   void add_frame(const PlacedFrame& frame) { frames_.push_back(frame); }
   /// Of one submap, which has more or earlier keyframes, the frame becomes that of both.
   void merge(const Constraint& edge);
