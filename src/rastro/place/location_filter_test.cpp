@@ -143,7 +143,7 @@ TEST(LocationFilter, WhatIsUnlikelyKeepsItsProbability) {
   for (int step = 0; step < 12; ++step) {
     std::vector<LocationScore> scores = equal_scores(400, 0.0);
     for (std::size_t i = 0; i < scores.size(); ++i) scores[i].score = 0.02 * static_cast<double>(i % 3);
-    scores[static_cast<std::size_t>(50 + step)].score = 2.0;
+    scores[50 + static_cast<std::size_t>(step)].score = 2.0;
     const auto& expected = exact.update(scores, along_path);
     asked = 0;
     const auto& belief = fast.update(scores, counted);

@@ -69,7 +69,7 @@ class LsdSlam::State {
   void change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
   void finish_keyframe(SlamUpdate& update);
   void connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update);
-  void on_loss(LsdFrame frame, const ImageAlignment& tracked, SlamUpdate& update);
+  void on_loss(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
   bool relocalize(const LsdFrame& frame, SlamUpdate& update);
   void stay_within_budget(SlamUpdate& update);
   BagOfWords words_of(GrayView image);
@@ -301,7 +301,7 @@ void LsdSlam::State::connect(std::int64_t id, const BagOfWords& words, SlamUpdat
   if (!found.empty()) graph_.optimize();
 }
 
-void LsdSlam::State::on_loss(LsdFrame frame, const ImageAlignment& tracked, SlamUpdate& update) {
+void LsdSlam::State::on_loss(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update) {
   update.reason = reason_of_failure(tracked.failure);
   update.detail = fmt::format("{}: {} pixels, {:.0f} % in view, {:.0f} % fit", to_string(tracked.failure),
                               tracked.points, 100.0 * tracked.overlap, 100.0 * tracked.inlier_share);

@@ -241,12 +241,10 @@ void DepthMap::receive(int x, int y, float mean, float variance) {
   if (has_gradient_.at(x, y) == 0) return;
   float &there = depth_.mean.at(x, y), &there_variance = depth_.variance.at(x, y);
   failures_.at(x, y) = confirmed;
-  if (!depth_.is_known(x, y)) {
-    there = mean, there_variance = variance;
-  } else if (agree(there, mean, there_variance + variance)) {
+  if (depth_.is_known(x, y) && agree(there, mean, there_variance + variance)) {
     there = (variance * there + there_variance * mean) / (variance + there_variance);
     there_variance = std::min(there_variance, variance);  // not independent: both come from the same images
-  } else if (mean > there) {
+  } else if (mean > there) {                              // the nearer one, or the first: nothing is farther than 0
     there = mean, there_variance = variance;
   }
 }

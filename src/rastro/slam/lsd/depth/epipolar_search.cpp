@@ -128,8 +128,8 @@ EpipolarMatch EpipolarSearch::best_on(const Line& line, int first, int last, boo
   }
   if (best < 0) return {EpipolarResult::outside};
   if (best == 0 || best + 1 == count) return {EpipolarResult::poor_match};
-  const double low = costs[static_cast<std::size_t>(best)], before = costs[static_cast<std::size_t>(best - 1)],
-               after = costs[static_cast<std::size_t>(best + 1)];
+  const auto lowest = static_cast<std::size_t>(best);
+  const double low = costs[lowest], before = costs[lowest - 1], after = costs[lowest + 1];
   if (!std::isfinite(before) || !std::isfinite(after)) return {EpipolarResult::outside};
   const double noise = 2.0 * options_.intensity_sigma * options_.intensity_sigma;
   const double curvature = before - 2.0 * low + after;

@@ -43,7 +43,7 @@ GrayImage wall_from(const SE3& image_from_keyframe, double gain = 1.0, double of
       const double value =
           gain * paint(camera.fx * point.x() / 2.0 + camera.cx, camera.fy * point.y() / 2.0 + camera.cy);
       image.at(x, y) =
-          static_cast<std::uint8_t>(std::clamp(value + offset + sigma * random.normal(), 0.0, 255.0) + 0.5);
+          static_cast<std::uint8_t>(std::lround(std::clamp(value + offset + sigma * random.normal(), 0.0, 255.0)));
     }
   return image;
 }

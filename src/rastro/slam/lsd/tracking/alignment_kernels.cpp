@@ -92,7 +92,7 @@ void linearize_plain(const AlignmentPoints& points, int begin, int end, const Al
   std::fill(columns.cost_lanes, columns.cost_lanes + 8, 0.0F);
   for (int i = 0; i < columns.points; ++i) {
     clear_point(columns, i);
-    const auto k = static_cast<std::size_t>(begin + i);
+    const auto k = static_cast<std::size_t>(begin) + static_cast<std::size_t>(i);
     const PointProjection p = project_point(view, points.x[k], points.y[k], points.inverse_depth[k]);
     if (!p.inside) continue;
     ++columns.inside;
