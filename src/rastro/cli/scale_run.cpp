@@ -12,8 +12,11 @@
 #include "rastro/base/folder_lock.h"
 #include "rastro/base/hash.h"
 #include "rastro/base/text.h"
+#include "rastro/export/cloud_image.h"
 #include "rastro/export/landmark_image.h"
 #include "rastro/map/file/map_file.h"
+#include "rastro/map/layer_type.h"
+#include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/sensor/trajectory_file.h"
 #include "rastro/session/trajectory_text.h"
 
@@ -95,6 +98,14 @@ std::string scaled_result(const std::string& text, const Map& in_meters, const M
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+/// As the run drew it.
+void write_image(const Map& in_meters, const std::string& file) {
+  if (in_meters.layer<SemiDenseLayer>())
+    write_cloud_image(layer_points(in_meters, 0), trajectory_of(in_meters), file);
+  else
+    write_landmark_image(in_meters, file);
+}
+
 }  // namespace
 
 void scale_run_folder(const fs::path& folder, const Map& in_meters, const MapScaleFound& found) {
@@ -116,7 +127,7 @@ void scale_run_folder(const fs::path& folder, const Map& in_meters, const MapSca
   if (!former_result.empty()) scaled_result(former_result, in_meters, found, "", result.string());
   save_map(in_meters, map);
   for (const NewFile& file : files) write_whole_file(file.file, file.bytes);
-  if (is_there(folder / "map.png")) write_landmark_image(in_meters, (folder / "map.png").string());
+  if (is_there(folder / "map.png")) write_image(in_meters, (folder / "map.png").string());
   if (former_result.empty()) return;
   Sha256 hash;
   hash.add(trajectory);

@@ -24,7 +24,9 @@
 #include "rastro/map/cloud/build_cloud.h"
 #include "rastro/map/images/image_layer.h"
 #include "rastro/map/landmarks/landmark_layer.h"
+#include "rastro/map/layer_type.h"
 #include "rastro/map/scans/scan_layer.h"
+#include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/session/trajectory_text.h"
 
 namespace rastro::cli {
@@ -105,6 +107,10 @@ constexpr MapImageFile map_image_files[] = {
      [](const MapOfRun& run, const std::string& file) { write_cloud_image(*run.cloud, run.end.trajectory, file); }},
     {[](const MapOfRun& run) { return has_observed_landmarks(run.map); },
      [](const MapOfRun& run, const std::string& file) { write_landmark_image(run.map, file); }},
+    {[](const MapOfRun& run) { return run.map.layer<SemiDenseLayer>() != nullptr; },
+     [](const MapOfRun& run, const std::string& file) {
+       write_cloud_image(layer_points(run.map, 0), run.end.trajectory, file, has_meters(run.end) ? "m" : "units");
+     }},
     {[](const MapOfRun&) { return true; }, write_planar_image},
 };
 

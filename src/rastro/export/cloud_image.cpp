@@ -26,8 +26,8 @@ const cv::Scalar path_color(200, 90, 0), start_color(0, 150, 0), end_color(0, 0,
 
 class Sheet {
  public:
-  /// All of the path and nearly all of the cloud.
-  Sheet(const std::vector<Vector3d>& cloud, const std::vector<Vector3d>& path) {
+  /// All of the path and nearly all of the cloud; in a unit of its own, it fills the sheet.
+  Sheet(const std::vector<Vector3d>& cloud, const std::vector<Vector3d>& path, bool metric) {
     for (int axis = 0; axis < 2; ++axis) {
       std::vector<double> values;
       for (const Vector3d& position : cloud) values.push_back(position[axis]);
@@ -36,10 +36,15 @@ class Sheet {
       values = values.empty() ? std::vector<double>{} : std::vector<double>{values[skipped], values.rbegin()[skipped]};
       for (const Vector3d& position : path) values.push_back(position[axis]);
       if (values.empty()) values.push_back(0.0);
-      low_[axis] = *std::min_element(values.begin(), values.end()) - margin_m;
-      high_[axis] = *std::max_element(values.begin(), values.end()) + margin_m;
+      low_[axis] = *std::min_element(values.begin(), values.end());
+      high_[axis] = *std::max_element(values.begin(), values.end());
     }
-    scale_ = std::min(most_px_per_m, longest_px / (high_ - low_).maxCoeff());
+    constexpr double margin_share = 0.03, least_extent = 1e-9;
+    const double extent = std::max(least_extent, (high_ - low_).maxCoeff());
+    const double margin = metric ? margin_m : margin_share * extent;
+    low_.array() -= margin, high_.array() += margin;
+    scale_ = longest_px / (high_ - low_).maxCoeff();
+    if (metric) scale_ = std::min(most_px_per_m, scale_);
     const Vector2d size = (high_ - low_) * scale_;
     image = cv::Mat(std::max(1, cvRound(size.y())), std::max(1, cvRound(size.x())), CV_8UC3, cv::Scalar::all(255));
   }
@@ -92,18 +97,21 @@ void draw_path(Sheet& sheet, const std::vector<Vector3d>& path) {
   }
 }
 
-void draw_bar(Sheet& sheet) {
-  double meters = 1.0;
-  while (meters * sheet.px_per_m() < 20.0) meters *= 10.0;
+void draw_bar(Sheet& sheet, const std::string& unit) {
+  constexpr double least_px = 20.0, most_px = 400.0;
+  double length = 1.0;
+  while (length * sheet.px_per_m() < least_px) length *= 10.0;
+  while (unit != "m" && length * sheet.px_per_m() > most_px) length /= 10.0;
   const int y = sheet.image.rows - 12;
-  cv::line(sheet.image, {10, y}, {10 + cvRound(meters * sheet.px_per_m()), y}, bar_color, 3);
-  drawing::put_text(sheet.image, fmt::format("{:g} m", meters), {10.0F, static_cast<float>(y) - 8.0F}, drawing::white,
-                    0.5);
+  cv::line(sheet.image, {10, y}, {10 + cvRound(length * sheet.px_per_m()), y}, bar_color, 3);
+  drawing::put_text(sheet.image, fmt::format("{:g} {}", length, unit), {10.0F, static_cast<float>(y) - 8.0F},
+                    drawing::white, 0.5);
 }
 
 }  // namespace
 
-void write_cloud_image(const PointCloud& cloud, const Trajectory& trajectory, const std::string& file) {
+void write_cloud_image(const PointCloud& cloud, const Trajectory& trajectory, const std::string& file,
+                       const std::string& unit) {
   const SE3 upright_from_world = find_upright(cloud, trajectory).upright_from_world;
   std::vector<Vector3d> path;
   double highest = trajectory.empty() ? 1e9 : -1e9;
@@ -119,10 +127,10 @@ void write_cloud_image(const PointCloud& cloud, const Trajectory& trajectory, co
     positions.push_back(position);
     points.push_back(&point);
   }
-  Sheet sheet(positions, path);
+  Sheet sheet(positions, path, unit == "m");
   draw_points(sheet, positions, points, cloud.voxel_m);
   draw_path(sheet, path);
-  draw_bar(sheet);
+  draw_bar(sheet, unit);
   drawing::save(file, sheet.image);
 }
 

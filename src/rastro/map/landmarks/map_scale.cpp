@@ -11,6 +11,7 @@
 #include "rastro/map/landmarks/jackknife.h"
 #include "rastro/map/landmarks/landmark_layer.h"
 #include "rastro/map/landmarks/landmark_uncertainty.h"
+#include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/math/alignment.h"
 
 namespace rastro {
@@ -142,6 +143,18 @@ MapScaleFound scale_from_reference(const Map& map, const Trajectory& reference, 
   return found;
 }
 
+namespace {
+
+std::shared_ptr<const SemiDenseDepth> scaled(const SemiDenseDepth& depth, double factor) {
+  auto result = std::make_shared<SemiDenseDepth>(depth);
+  const auto inverse = static_cast<float>(1.0 / factor);
+  for (SemiDenseDepth::Pixel& pixel : result->pixels)
+    pixel.inverse_depth *= inverse, pixel.variance *= inverse * inverse;
+  return result;
+}
+
+}  // namespace
+
 Map scaled(const Map& map, const MapScaleFound& found) {
   RASTRO_CHECK(!scale_of(map).metric || map.cameras.empty() || map.cameras.front().kind == CameraKind::mono,
                "only the map of one camera has a unit that can be chosen");
@@ -156,6 +169,11 @@ Map scaled(const Map& map, const MapScaleFound& found) {
     each.from_from_to =
         Sim3(each.from_from_to.scale(), each.from_from_to.rotation(), factor * each.from_from_to.translation());
   for (MapSession& session : result.sessions) session.scale = {true, found.relative_sigma, found.from};
+  if (const auto semi_dense = map.layer<SemiDenseLayer>()) {
+    auto depths = std::make_shared<SemiDenseLayer>();
+    for (const auto& [id, depth] : semi_dense->of) depths->of[id] = scaled(*depth, factor);
+    result.layers.put<SemiDenseLayer>(std::move(depths));
+  }
   const auto layer = map.layer<LandmarkLayer>();
   if (!layer) return result;
   auto landmarks = std::make_shared<LandmarkLayer>(*layer);

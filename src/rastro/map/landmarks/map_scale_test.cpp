@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "rastro/map/landmarks/jackknife.h"
 #include "rastro/map/landmarks/landmark_map_testing.h"
 #include "rastro/map/landmarks/landmark_uncertainty.h"
+#include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/math/alignment.h"
 
 namespace rastro {
@@ -52,6 +54,25 @@ class Drive {
  private:
   std::shared_ptr<LandmarkLayer> layer_;
 };
+
+/// A point that is 2 units ahead is as many meters ahead as two units are.
+TEST(MapScale, SemiDenseDepthIsInMetersToo) {
+  Map map;
+  map.keyframes.push_back({.id = 3, .world_from_camera = SE3(SO3(), {1.0, 0.0, 0.0})});
+  auto depths = std::make_shared<SemiDenseLayer>();
+  auto depth = std::make_shared<SemiDenseDepth>();
+  depth->pixels.push_back({.x = 5, .y = 6, .inverse_depth = 0.5F, .variance = 0.01F, .intensity = 7});
+  depths->of[3] = depth;
+  map.layers.put<SemiDenseLayer>(std::move(depths));
+  MapScaleFound found;
+  found.meters_per_unit = 4.0;
+  const Map in_meters = scaled(map, found);
+  EXPECT_NEAR(in_meters.keyframes[0].world_from_camera.translation().x(), 4.0, 1e-12);
+  const SemiDenseDepth::Pixel& pixel = in_meters.layer<SemiDenseLayer>()->of.at(3)->pixels.at(0);
+  EXPECT_EQ(pixel.inverse_depth, 0.125F);
+  EXPECT_EQ(pixel.variance, 0.01F / 16.0F);
+  EXPECT_EQ(map.layer<SemiDenseLayer>()->of.at(3)->pixels[0].inverse_depth, 0.5F) << "the map itself stays";
+}
 
 TEST(CameraHeight, UsesLandmarksAheadBelowAndNotFarAside) {
   const std::pair<Vector3d, bool> landmarks[] = {

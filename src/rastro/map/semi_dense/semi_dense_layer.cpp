@@ -55,8 +55,10 @@ class SemiDenseLayerType : public KeyframeLayerType<SemiDenseLayer, SemiDenseDep
       if (!keyframe || map.cameras.empty() || (submap >= 0 && keyframe->submap != submap)) continue;
       const Camera& camera = map.cameras[static_cast<std::size_t>(keyframe->camera)].intrinsics;
       for (const SemiDenseDepth::Pixel& pixel : depth->pixels) {
+        constexpr float most_relative_sigma = 0.1F;
+        const float most = most_relative_sigma * pixel.inverse_depth;
         const auto ray = camera.unproject({pixel.x, pixel.y});
-        if (!ray) continue;
+        if (!ray || pixel.variance > most * most) continue;
         const double z = 1.0 / static_cast<double>(pixel.inverse_depth);
         CloudPoint point;
         point.position = (keyframe->world_from_camera * Eigen::Vector3d(z * ray->x(), z * ray->y(), z)).cast<float>();

@@ -289,7 +289,7 @@ void LsdSlam::State::finish_keyframe(SlamUpdate& update) {
 void LsdSlam::State::connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update) {
   const std::vector<Constraint> found = constraints_.find(id, words);
   for (const Constraint& edge : found) {
-    if (edge.kind == ConstraintKind::merge) {
+    if (graph_.submap(edge.from) != graph_.submap(id)) {
       update.events.push_back({"joined", fmt::format("submaps {} and {} by keyframes {} and {}",
                                                      graph_.submap(edge.from), graph_.submap(id), edge.from, id)});
       graph_.merge(edge);
