@@ -14,6 +14,10 @@ class Stopwatch {
     last_ = now;
     return passed;
   }
+  /// Since the last lap.
+  double elapsed_ms() const {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - last_).count();
+  }
 
  private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();

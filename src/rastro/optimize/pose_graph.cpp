@@ -180,7 +180,7 @@ class Graph {
   /// From one at which no edge is switched off yet down to the requested one.
   std::vector<double> switch_prices() const {
     std::vector<double> prices{options_.switch_price};
-    if (options_.loops != LoopModel::switchable) return prices;
+    if (options_.loops != LoopModel::switchable || !options_.gradual) return prices;
     double worst = 0.0;
     for (const Constraint* edge : edges_) {
       if (may_be_wrong(*edge)) worst = std::max(worst, error_of(*edge));

@@ -25,6 +25,7 @@ struct PoseGraphOptions {
   double switch_price = 30.0;  ///< Squared sigmas that turning an edge off costs; a correct one has 6 on average.
   double robust_width = 4.0;   ///< Width of Cauchy's kernel, sigmas.
   int iterations = 20;         ///< Maximum per stage.
+  bool gradual = true;         ///< Introduces switches in stages; false: the switches decide from the first step on.
   bool fix_scale = false;      ///< Sim3: keeps the scales, as stereo and depth cameras measure them.
   /// Sim3: inverse variance of the log of an edge's scale, which Constraint::information does not include.
   double scale_information = 1.0;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
+#include <optional>
 #include <unordered_set>
 #include <utility>
 
@@ -62,17 +62,22 @@ class Spread {
  public:
   Spread(std::span<const LocationScore> scores, const LocationFilterOptions& options,
          const LocationFilter::Links& links)
-      : links_(links), predicted_(scores.size(), 0.0) {
-    for (std::size_t i = 0; i < scores.size(); ++i) place_of_.emplace(scores[i].location, i);
+      : links_(links), scores_(scores), predicted_(scores.size(), 0.0) {
     for (int steps = 0; steps <= options.neighbor_reach; ++steps) {
       const double sigmas = steps / options.neighbor_sigma;
       weights_.push_back(std::exp(-0.5 * sigmas * sigmas));
     }
   }
 
-  bool contains(std::int64_t location) const { return place_of_.contains(location); }
+  /// Of a location in the scores; nullopt: it has left.
+  std::optional<std::size_t> place_of(std::int64_t location) const {
+    const auto at = std::lower_bound(scores_.begin(), scores_.end(), location,
+                                     [](const LocationScore& score, std::int64_t id) { return score.location < id; });
+    if (at == scores_.end() || at->location != location) return std::nullopt;
+    return static_cast<std::size_t>(at - scores_.begin());
+  }
 
-  void keep(std::int64_t location, double probability) { predicted_[place_of_.at(location)] += probability; }
+  void keep(std::size_t place, double probability) { predicted_[place] += probability; }
 
   void add(std::int64_t from, double probability) {
     reached_.assign({{from, 0}});
@@ -99,16 +104,16 @@ class Spread {
     targets_.clear();
     double sum = 0.0;
     for (const Reached& each : reached_) {
-      const auto place = place_of_.find(each.location);
-      if (place == place_of_.end()) continue;
-      targets_.emplace_back(place->second, weights_[each.steps]);
+      const auto place = place_of(each.location);
+      if (!place) continue;
+      targets_.emplace_back(*place, weights_[each.steps]);
       sum += weights_[each.steps];
     }
     for (const auto& [place, weight] : targets_) predicted_[place] += probability * weight / sum;
   }
 
   const LocationFilter::Links& links_;
-  std::unordered_map<std::int64_t, std::size_t> place_of_;  ///< In the scores.
+  std::span<const LocationScore> scores_;
   std::vector<double> weights_, predicted_;
   std::vector<Reached> reached_;
   std::unordered_set<std::int64_t> seen_;
@@ -124,10 +129,11 @@ std::vector<double> LocationFilter::predict(std::span<const LocationScore> score
   double gone = belief_.new_place;
   for (const LocationScore& each : belief_.locations) {
     const double stays = (1.0 - options_.leaves_known) * each.score;
-    if (!spread.contains(each.location))
+    const auto place = spread.place_of(each.location);
+    if (!place)
       gone += each.score;
     else if (each.score < least)
-      spread.keep(each.location, stays);
+      spread.keep(*place, stays);
     else
       spread.add(each.location, stays);
   }

@@ -39,12 +39,13 @@ double shared_word_ratio(std::span<const std::int64_t> a, std::span<const std::i
 void LocationIndex::add(std::int64_t location, std::span<const std::int64_t> words) {
   RASTRO_CHECK(!contains(location), "a location can be added only once");
   std::vector<std::int64_t>& kept = words_of_[location] = sorted(words);
-  for_each_word(kept, [&](std::int64_t word, int count) {
-    std::vector<Holder>& holders = holders_[word];
+  const auto insert = [location](std::vector<Holder>& holders, int count) {
     const auto at = std::upper_bound(holders.begin(), holders.end(), location,
                                      [](std::int64_t id, const Holder& holder) { return id < holder.location; });
     holders.insert(at, {location, count});
-  });
+  };
+  for_each_word(kept, [&](std::int64_t word, int count) { insert(holders_[word], count); });
+  insert(sizes_, static_cast<int>(kept.size()));
 }
 
 void LocationIndex::remove(std::int64_t location) {
@@ -56,13 +57,14 @@ void LocationIndex::remove(std::int64_t location) {
     if (holders->second.empty()) holders_.erase(holders);
   });
   words_of_.erase(found);
+  std::erase_if(sizes_, [&](const Holder& each) { return each.location == location; });
 }
 
 std::vector<LocationScore> LocationIndex::scores(std::span<const std::int64_t> words) const {
   std::vector<LocationScore> scores;
-  if (words_of_.empty()) return scores;
-  const std::int64_t first = words_of_.begin()->first;
-  std::vector<double> sums(static_cast<std::size_t>(words_of_.rbegin()->first - first + 1));
+  if (sizes_.empty()) return scores;
+  const std::int64_t first = sizes_.front().location;
+  std::vector<double> sums(static_cast<std::size_t>(sizes_.back().location - first + 1));
   const auto sum_of = [&](std::int64_t location) -> double& {
     return sums[static_cast<std::size_t>(location - first)];
   };
@@ -73,8 +75,9 @@ std::vector<LocationScore> LocationIndex::scores(std::span<const std::int64_t> w
     const double rarity = std::log(locations / static_cast<double>(holders->second.size()));
     for (const Holder& holder : holders->second) sum_of(holder.location) += repeated * holder.count * rarity;
   });
-  for (const auto& [location, counted] : words_of_)
-    scores.push_back({location, counted.empty() ? 0.0 : sum_of(location) / static_cast<double>(counted.size())});
+  scores.reserve(sizes_.size());
+  for (const auto& [location, words_in] : sizes_)
+    scores.push_back({location, words_in == 0 ? 0.0 : sum_of(location) / words_in});
   return scores;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -38,8 +37,9 @@ class LocationIndex {
     std::int64_t location = 0;
     int count = 0;
   };
-  std::unordered_map<std::int64_t, std::vector<Holder>> holders_;  ///< By word; locations ascend.
-  std::map<std::int64_t, std::vector<std::int64_t>> words_of_;     ///< Words of each location.
+  std::unordered_map<std::int64_t, std::vector<Holder>> holders_;         ///< By word; locations ascend.
+  std::unordered_map<std::int64_t, std::vector<std::int64_t>> words_of_;  ///< Words of each location.
+  std::vector<Holder> sizes_;  ///< Their number for each location; these ascend.
 };
 
 }  // namespace rastro

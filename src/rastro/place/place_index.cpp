@@ -9,9 +9,13 @@ namespace rastro {
 
 void PlaceIndex::add(std::int64_t id, const BagOfWords& words) {
   RASTRO_CHECK(!entries_.contains(id), "an image can be added only once");
-  if (free_slots_.empty()) free_slots_.push_back(slots_++);
+  if (free_slots_.empty()) {
+    free_slots_.push_back(static_cast<std::uint32_t>(ids_.size()));
+    ids_.push_back(id);
+  }
   const std::uint32_t slot = free_slots_.back();
   free_slots_.pop_back();
+  ids_[slot] = id;
   entries_.emplace(id, Entry{words, slot});
   for (const auto& [word, share] : words.words) {
     if (word >= holders_.size()) holders_.resize(word + std::size_t{1});
@@ -34,17 +38,17 @@ const BagOfWords* PlaceIndex::find_words(std::int64_t id) const {
 
 std::vector<PlaceMatch> PlaceIndex::find(const BagOfWords& words, double least_share,
                                          const std::function<bool(std::int64_t)>& allowed) const {
-  std::vector<int> shared(slots_);
+  std::vector<int> shared(ids_.size());
   for (const auto& [word, share] : words.words) {
     if (word >= holders_.size()) continue;
     for (const std::uint32_t slot : holders_[word]) ++shared[slot];
   }
   std::vector<PlaceMatch> matches;
   int most = 0;
-  for (const auto& [id, entry] : entries_) {
-    if (shared[entry.slot] == 0 || (allowed && !allowed(id))) continue;
-    matches.push_back({id, shared[entry.slot], 0.0});
-    most = std::max(most, shared[entry.slot]);
+  for (std::size_t slot = 0; slot < ids_.size(); ++slot) {
+    if (shared[slot] == 0 || (allowed && !allowed(ids_[slot]))) continue;
+    matches.push_back({ids_[slot], shared[slot], 0.0});
+    most = std::max(most, shared[slot]);
   }
   std::erase_if(matches, [&](const PlaceMatch& match) { return match.shared_words < least_share * most; });
   for (PlaceMatch& match : matches) match.score = similarity(words, entries_.at(match.id).words);

@@ -45,7 +45,7 @@ class PlaceIndex {
   std::map<std::int64_t, Entry> entries_;
   std::vector<std::vector<std::uint32_t>> holders_;  ///< Slots of the images with each word.
   std::vector<std::uint32_t> free_slots_;
-  std::uint32_t slots_ = 0;
+  std::vector<std::int64_t> ids_;  ///< By slot.
 };
 
 }  // namespace rastro

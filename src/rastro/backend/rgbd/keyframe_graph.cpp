@@ -4,9 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <queue>
 
 #include "rastro/backend/loop_candidates.h"
 #include "rastro/base/error.h"
@@ -34,6 +32,7 @@ void KeyframeGraph::add(std::shared_ptr<const ImageFeatures> keyframe, const Key
   keyframes_.push_back(std::move(keyframe));
   poses_.push_back(pose.world_from_camera);
   submaps_.push_back(pose.submap);
+  first_of_submap_.emplace(pose.submap, size() - 1);
   covariances_.push_back(covariance);
   edges_of_.emplace_back();
 }
@@ -129,26 +128,13 @@ double KeyframeGraph::path_between(std::int64_t from, std::int64_t to) const {
   return path_m;
 }
 
-std::vector<double> KeyframeGraph::graph_paths_from(std::int64_t from) const {
-  // Dijkstra 1959; of equals the one with the smallest id.
-  using Reached = std::pair<double, std::int64_t>;
-  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next;
-  std::vector<double> shortest(keyframes_.size(), std::numeric_limits<double>::infinity());
-  shortest[static_cast<std::size_t>(from)] = 0.0;
-  next.emplace(0.0, from);
-  while (!next.empty()) {
-    const auto [path_m, id] = next.top();
-    next.pop();
-    if (path_m > shortest[static_cast<std::size_t>(id)]) continue;
-    for (const std::size_t e : edges_of_[static_cast<std::size_t>(id)]) {
-      const std::int64_t other = edges_[e].from == id ? edges_[e].to : edges_[e].from;
-      double& known = shortest[static_cast<std::size_t>(other)];
-      if (path_m + lengths_[e] >= known) continue;
-      known = path_m + lengths_[e];
-      next.emplace(known, other);
-    }
-  }
-  return shortest;
+GraphPaths KeyframeGraph::graph_paths_from(std::int64_t from) const {
+  return GraphPaths(from, [this](std::int64_t id) {
+    std::vector<GraphPaths::Link> links;
+    for (const std::size_t e : edges_of_[static_cast<std::size_t>(id)])
+      links.push_back({edges_[e].from == id ? edges_[e].to : edges_[e].from, lengths_[e]});
+    return links;
+  });
 }
 
 std::optional<TrackedMotion> KeyframeGraph::tracked_motion(std::int64_t from, std::int64_t to, int most_steps) const {
@@ -179,6 +165,7 @@ std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& ran
   // Nearest by position and viewing direction.
   std::vector<std::pair<double, std::int64_t>> near;
   for (const std::int64_t other : to_match([&](std::int64_t k) { return submap(k) == submap(id); })) {
+    if ((pose(other).translation() - pose(id).translation()).norm() > options_.near_distance_m) continue;
     const double distance =
         share_of_reach(pose(other).inverse() * pose(id), options_.near_distance_m, options_.near_angle_rad);
     if (distance < 1.0) near.emplace_back(distance, other);
@@ -203,32 +190,82 @@ void KeyframeGraph::merge(const Constraint& edge) {
     poses_[k] = kept_from_moved * poses_[k];
     submaps_[k] = kept;
   }
+  std::int64_t& first = first_of_submap_.at(kept);
+  first = std::min(first, first_of_submap_.at(moved));
+  first_changed_ = std::min(first_changed_, first_of_submap_.at(moved));
+  first_of_submap_.erase(moved);
 }
 
-PoseGraphResult KeyframeGraph::optimize(bool all) {
-  std::vector<std::uint8_t> fixed(poses_.size(), 0);
-  const std::int64_t first_free = all ? frozen_ : std::max(frozen_, size() - options_.graph_window);
-  std::vector<int> anchored;
-  for (std::int64_t k = 0; k < size(); ++k) {
-    // The first keyframe of each submap anchors it.
-    const bool first = std::find(anchored.begin(), anchored.end(), submap(k)) == anchored.end();
-    if (first) anchored.push_back(submap(k));
-    fixed[static_cast<std::size_t>(k)] = k < first_free || (first && frozen_ == 0) ? 1 : 0;
+/// Of the keyframes from `first` on, ascending.
+std::vector<std::size_t> KeyframeGraph::edges_from(std::int64_t first) const {
+  std::vector<std::size_t> edges;
+  for (std::int64_t id = first; id < size(); ++id) {
+    const auto& of_keyframe = edges_of_[static_cast<std::size_t>(id)];
+    edges.insert(edges.end(), of_keyframe.begin(), of_keyframe.end());
   }
-  return optimize_pose_graph(poses_, edges_, fixed, graph_options(options_));
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
 }
 
+bool KeyframeGraph::is_anchor(std::int64_t id) const { return frozen_ == 0 && first_of_submap_.at(submap(id)) == id; }
+
+/// The keyframes from `first_free` on, and those that edges connect them to, which stay.
+KeyframeGraph::Part KeyframeGraph::part_from(std::int64_t first_free) const {
+  Part part;
+  part.edge_numbers = edges_from(first_free);
+  for (const std::size_t e : part.edge_numbers) {
+    part.edges.push_back(edges_[e]);
+    part.keyframes.insert(part.keyframes.end(), {edges_[e].from, edges_[e].to});
+  }
+  std::sort(part.keyframes.begin(), part.keyframes.end());
+  part.keyframes.erase(std::unique(part.keyframes.begin(), part.keyframes.end()), part.keyframes.end());
+  for (const std::int64_t id : part.keyframes) {
+    part.poses.push_back(pose(id));
+    part.fixed.push_back(id < first_free || is_anchor(id) ? 1 : 0);
+  }
+  const auto index_of = [&](std::int64_t id) {
+    return std::lower_bound(part.keyframes.begin(), part.keyframes.end(), id) - part.keyframes.begin();
+  };
+  for (Constraint& edge : part.edges) edge.from = index_of(edge.from), edge.to = index_of(edge.to);
+  return part;
+}
+
+PoseGraphResult KeyframeGraph::optimize(bool all) { return optimize(all, graph_options(options_)); }
+
+PoseGraphResult KeyframeGraph::optimize(bool all, const PoseGraphOptions& options) {
+  const std::int64_t first_free = all ? frozen_ : std::max(frozen_, size() - options_.graph_window);
+  Part part = part_from(first_free);
+  const PoseGraphResult result = optimize_pose_graph(part.poses, part.edges, part.fixed, options);
+  for (std::size_t i = 0; i < part.keyframes.size(); ++i)
+    poses_[static_cast<std::size_t>(part.keyframes[i])] = part.poses[i];
+  for (std::size_t i = 0; i < part.edges.size(); ++i) edges_[part.edge_numbers[i]].weight = part.edges[i].weight;
+  first_changed_ = std::min(first_changed_, first_free);
+  return result;
+}
+
+/// Only at first are switches introduced gradually: what was decided there stands.
 PoseGraphResult KeyframeGraph::optimize_until_converged() {
   constexpr int most_rounds = 10;
   constexpr double least_gain = 0.05;
   PoseGraphResult result = optimize(true);
   const double first_cost = result.first_cost;
+  PoseGraphOptions further = graph_options(options_);
+  further.gradual = false;
   for (int round = 1; round < most_rounds && !result.converged; ++round) {
-    result = optimize(true);
+    result = optimize(true, further);
     if (result.last_cost > (1.0 - least_gain) * result.first_cost) break;
   }
   result.first_cost = first_cost;
   return result;
+}
+
+GraphChanges KeyframeGraph::take_changes() {
+  GraphChanges changes{first_changed_, {}, {}};
+  for (std::int64_t id = first_changed_; id < size(); ++id) changes.poses.push_back({pose(id), submap(id)});
+  for (const std::size_t e : edges_from(first_changed_)) changes.weights.push_back({e, edges_[e].weight});
+  first_changed_ = size();
+  return changes;
 }
 
 void KeyframeGraph::settle_covariance(std::int64_t id) {

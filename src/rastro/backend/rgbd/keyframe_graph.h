@@ -3,11 +3,12 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "rastro/backend/rgbd/graph_paths.h"
 #include "rastro/backend/rgbd/options.h"
 #include "rastro/base/random.h"
 #include "rastro/map/features/feature_layer.h"
@@ -25,6 +26,17 @@ struct KeyframePose {
 struct TrackedMotion {
   SE3 from_from_to;
   Matrix6d covariance = Matrix6d::Zero();  ///< Of d in true motion = from_from_to * exp(d).
+};
+
+/// What optimizations and merges changed, and what is new: nothing else has to be told to anyone.
+struct GraphChanges {
+  struct EdgeWeight {
+    std::size_t edge = 0;  ///< Counted in the order in which edges were added.
+    double weight = 1.0;
+  };
+  std::int64_t first_pose = 0;
+  std::vector<KeyframePose> poses;  ///< Of the keyframes from `first_pose` on.
+  std::vector<EdgeWeight> weights;  ///< Of the edges at these.
 };
 
 /// What is left of a keyframe's features to save memory: none of them.
@@ -59,6 +71,9 @@ class KeyframeGraph {
   const Matrix6d& covariance(std::int64_t id) const { return covariances_[static_cast<std::size_t>(id)]; }
   const std::vector<Constraint>& edges() const { return edges_; }
   std::vector<KeyframePose> keyframe_poses() const;
+  int submap_count() const { return static_cast<int>(first_of_submap_.size()); }
+  /// Since the last call.
+  GraphChanges take_changes();
 
   /// Which keyframes to compare with keyframe `id`, the newest: METHODS 8. In a fixed order, without duplicates.
   std::vector<std::int64_t> candidates(std::int64_t id, Random& random) const;
@@ -67,16 +82,16 @@ class KeyframeGraph {
   /// Length of the path through the keyframes of a submap from one to a later one, meters. A rotation counts like a
   /// step of a meter per radian, since tracking drifts in it too.
   double path_between(std::int64_t from, std::int64_t to) const;
-  /// Lengths of the shortest paths over the constraints from a keyframe to every one, counted in the same way; infinity
-  /// where there is none. Every accepted loop closure makes paths shorter: what contradicts it stands out.
-  std::vector<double> graph_paths_from(std::int64_t from) const;
+  /// Lengths of the shortest paths over the constraints, counted in the same way. Every accepted loop closure makes
+  /// paths shorter: what contradicts it stands out. To be asked before the graph changes.
+  GraphPaths graph_paths_from(std::int64_t from) const;
   /// What tracking alone says of the motion from one keyframe to a later one; nullopt after a loss between them, or
   /// with more than `most_steps` keyframes between.
   std::optional<TrackedMotion> tracked_motion(std::int64_t from, std::int64_t to, int most_steps) const;
   /// Merges two submaps: transforms the one with the larger number into the frame of the other, by the `edge` between
   /// them.
   void merge(const Constraint& edge);
-  /// Optimizes the last keyframes only, or all.
+  /// Optimizes the last keyframes only, in a time that does not depend on the number of the others, or all.
   PoseGraphResult optimize(bool all);
   /// All keyframes, as long as it helps.
   PoseGraphResult optimize_until_converged();
@@ -85,7 +100,20 @@ class KeyframeGraph {
   void settle_covariance(std::int64_t id);
 
  private:
+  /// A part of the graph, with ids that are indices into its own vectors.
+  struct Part {
+    std::vector<std::int64_t> keyframes;
+    std::vector<SE3> poses;
+    std::vector<std::uint8_t> fixed;
+    std::vector<std::size_t> edge_numbers;
+    std::vector<Constraint> edges;
+  };
+
   std::vector<std::int64_t> neighborhood(std::int64_t id, int steps) const;
+  std::vector<std::size_t> edges_from(std::int64_t first) const;
+  bool is_anchor(std::int64_t id) const;
+  Part part_from(std::int64_t first_free) const;
+  PoseGraphResult optimize(bool all, const PoseGraphOptions& options);
 
   RgbdSlamOptions options_;
   std::int64_t frozen_;
@@ -96,6 +124,8 @@ class KeyframeGraph {
   std::vector<Constraint> edges_;
   std::vector<double> lengths_;                     ///< Of edges_: graph_paths_from().
   std::vector<std::vector<std::size_t>> edges_of_;  ///< Into edges_.
+  std::map<int, std::int64_t> first_of_submap_;     ///< The first keyframe of each anchors it.
+  std::int64_t first_changed_ = 0;                  ///< Of the poses, since take_changes().
 };
 
 }  // namespace rastro

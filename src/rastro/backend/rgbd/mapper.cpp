@@ -240,12 +240,10 @@ Rejection Mapper::take(const Verified& found, std::vector<Constraint>& accepted)
 }
 
 /// Between the keyframes of an edge to the newest one, before it has any but those of tracking.
-double Mapper::graph_path_m(const Constraint& edge) const {
-  return proof_.graph_paths.at(static_cast<std::size_t>(edge.from));
-}
+double Mapper::graph_path_m(const Constraint& edge) { return proof_.graph_paths->to(edge.from); }
 
 /// Whether a match is farther from the relative pose in the graph than the camera can have drifted on the path between.
-bool Mapper::contradicts_path(const Constraint& edge) const {
+bool Mapper::contradicts_path(const Constraint& edge) {
   if (edge.from < graph_.frozen()) return false;
   Evidence evidence;
   if (const auto tracked = graph_.tracked_motion(edge.from, edge.to, most_tracked_steps)) {
@@ -287,7 +285,7 @@ void Mapper::constrain(std::int64_t id, MapRevision& revision) {
   LoopSearch::Candidates candidates = search_->candidates(graph_, id);
   if (signatures_) store_signature(id, {graph_.shared_keyframe(id), search_->words_of(id)});
   for (const std::int64_t other : candidates.retrieve) retrieve(other, revision);
-  proof_.graph_paths = graph_.graph_paths_from(id);
+  proof_.graph_paths.emplace(graph_.graph_paths_from(id));
   std::vector<Constraint> accepted = compare(id, candidates, revision);
   for (const Constraint& edge : accepted) accept(edge, revision);
   if (!accepted.empty() && id > 0) correct(id, accepted, revision);
@@ -395,9 +393,8 @@ void Mapper::give_up_features(std::int64_t id, MapRevision& revision) {
   ++given_up_;
 }
 
-void Mapper::revise(MapRevision& revision) const {
-  revision.poses = graph_.keyframe_poses();
-  for (const Constraint& edge : graph_.edges()) revision.weights.push_back(edge.weight);
+void Mapper::revise(MapRevision& revision) {
+  revision.graph = graph_.take_changes();
   revision.memory = {map_bytes(), budget_.bytes(), measures()};
   revision.spacing = budget_.spacing();
 }

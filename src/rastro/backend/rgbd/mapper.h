@@ -38,9 +38,8 @@ struct KeyframeOrder {
 /// The new keyframe and the changes to the map.
 struct MapRevision {
   std::shared_ptr<const ImageFeatures> keyframe;
-  std::vector<KeyframePose> poses;  ///< Of all keyframes up to this one.
+  GraphChanges graph;  ///< Includes the new keyframe and the weights of the new edges.
   std::vector<Constraint> new_edges;
-  std::vector<double> weights;             ///< Of all edges, including the new ones.
   Matrix6d covariance = Matrix6d::Zero();  ///< Of the keyframe's pose, see KeyframeGraph.
   std::vector<std::int64_t> forgotten;     ///< Keyframes whose features were dropped or transferred.
   std::vector<std::shared_ptr<const ImageFeatures>> retrieved;    ///< Keyframes whose features came back.
@@ -93,8 +92,8 @@ class Mapper {
   ConstraintKind kind_between(std::int64_t other, std::int64_t id) const;
   int inliers_for(ConstraintKind kind) const;
   Verified match(std::int64_t other, std::int64_t id, MatchScope scope);
-  bool contradicts_path(const Constraint& edge) const;
-  double graph_path_m(const Constraint& edge) const;
+  bool contradicts_path(const Constraint& edge);
+  double graph_path_m(const Constraint& edge);
   void judge_appearance(Verified& found);
   Rejection take(const Verified& found, std::vector<Constraint>& accepted);
   void accept(const Constraint& edge, MapRevision& revision);
@@ -109,7 +108,7 @@ class Mapper {
   void keep_images(KeyframeId id, PackedImages images);
   void store_signature(std::int64_t id, const Signature& signature);
   void retrieve(std::int64_t id, MapRevision& revision);
-  void revise(MapRevision& revision) const;
+  void revise(MapRevision& revision);
 
   RgbdSlamOptions options_;
   Camera camera_;
@@ -131,7 +130,7 @@ class Mapper {
     AppearanceCheck check;
     AppearanceStore appearances;
     LoopConfirmation confirmation = {};
-    std::vector<double> graph_paths = {};  ///< From the newest keyframe: KeyframeGraph::graph_paths_from().
+    std::optional<GraphPaths> graph_paths = {};  ///< From the newest keyframe.
   };
   Proof proof_;  ///< What a loop closure needs beside matches.
   KeyframeFeatures features_;

@@ -39,7 +39,7 @@ RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, c
            mapper_.signatures()),
       relocalizer_(options_, camera, mapper_.depths(), mapper_.appearances()),
       follower_(options_.follow, camera, context.pool),
-      archive_(maps_ ? context.archive : nullptr),
+      safe_{.archive = maps_ ? context.archive : nullptr},
       following_{.has_pose = maps_, .motion_check = MotionCheck(options_.max_acceleration)},
       loss_{.lost = !maps_},
       hint_(context.initial_pose),
@@ -61,9 +61,21 @@ SlamUpdate RgbdSession::process(const Frame& frame) {
   follow(frame, update);
   following_.motion_check.check(update);
   last_pose_ = update.world_from_body;
-  if (archive_ != nullptr && (has_grown || archive_->wants_map())) archive_->keep(map_.snapshot());
+  keep_safe(has_grown);
   update.milliseconds = whole.lap_ms();
   return update;
+}
+
+/// A new keyframe at once, so that a killed run loses hardly more than that; but a large map is not copied for each.
+void RgbdSession::keep_safe(bool has_grown) {
+  constexpr double most_share = 0.05;  // of the time
+  if (safe_.archive == nullptr) return;
+  const bool affordable = safe_.snapshot_ms <= most_share * safe_.since.elapsed_ms();
+  if (!(has_grown && affordable) && !safe_.archive->wants_map()) return;
+  Stopwatch watch;
+  safe_.archive->keep(map_.snapshot());
+  safe_.snapshot_ms = watch.lap_ms();
+  safe_.since = Stopwatch();
 }
 
 void RgbdSession::follow(const Frame& frame, SlamUpdate& update) {

@@ -11,6 +11,7 @@
 #include "rastro/backend/rgbd/mapper.h"
 #include "rastro/backend/rgbd/relocalizer.h"
 #include "rastro/backend/rgbd/tracked_map.h"
+#include "rastro/base/stopwatch.h"
 #include "rastro/odometry/rgbd_tracking/rgbd_follower.h"
 #include "rastro/slam/motion_check.h"
 #include "rastro/slam/slam.h"
@@ -79,6 +80,13 @@ class RgbdSession {
     std::vector<UnconfirmedFrame> unconfirmed{};  ///< In a row.
   };
 
+  struct Safekeeping {
+    MapArchive* archive = nullptr;  ///< Null: nothing is kept safe.
+    Stopwatch since{};              ///< The last snapshot was handed over.
+    double snapshot_ms = 0.0;       ///< What it took.
+  };
+
+  void keep_safe(bool has_grown);
   bool exists() const { return anchor_.keyframe >= 0; }
   void follow(const Frame& frame, SlamUpdate& update);
   void on_pose(const Frame& frame, const RgbdFollow& followed, SlamUpdate& update);
@@ -118,7 +126,7 @@ class RgbdSession {
   Relocalizer relocalizer_;
   RgbdFollower follower_;
   RgbdAnchor anchor_;
-  MapArchive* archive_;  ///< Null: nothing is kept safe.
+  Safekeeping safe_;
   FrameCounts counts_;
   Following following_;
   Loss loss_;

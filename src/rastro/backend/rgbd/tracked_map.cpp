@@ -8,11 +8,7 @@ namespace rastro {
 
 TrackedMap::TrackedMap(Map base, std::shared_ptr<const ImageStore> images, bool given,
                        std::shared_ptr<const SignatureStore> signatures)
-    : base_(std::move(base)),
-      images_(std::move(images)),
-      signatures_(std::move(signatures)),
-      given_(given),
-      edges_(base_.constraints) {
+    : base_(std::move(base)), images_(std::move(images)), signatures_(std::move(signatures)), given_(given) {
   const auto features = base_.layer<FeatureLayer>();
   for (const Keyframe& keyframe : base_.keyframes) {
     keyframes_.push_back(features->of.at(keyframe.id));
@@ -20,6 +16,7 @@ TrackedMap::TrackedMap(Map base, std::shared_ptr<const ImageStore> images, bool 
     weights_.push_back(keyframe.weight);
     submaps_ = std::max(submaps_, keyframe.submap + 1);
   }
+  for (const Constraint& edge : base_.constraints) add_edge(edge);
   if (signatures_ || base_.layer<SignatureLayer>()) base_.layers.put(FeatureLayer::layer_name, nullptr);
   if (!given_) continue_base();
   covariances_.assign(poses_.size(), Matrix6d::Zero());
@@ -49,25 +46,28 @@ int TrackedMap::submap(std::int64_t keyframe) const {
 
 std::vector<std::int64_t> TrackedMap::nearest(const SE3& pose, int submap, const RgbdSlamOptions& options) const {
   constexpr std::size_t most = 5;
-  std::vector<std::pair<double, std::int64_t>> all;
+  std::vector<std::pair<double, std::int64_t>> near;
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
     if (poses_[k].submap != submap || keyframes_[k]->features.size() == 0) continue;
-    const SE3 difference = poses_[k].world_from_camera.inverse() * pose;
-    all.emplace_back(std::max(difference.translation().norm() / options.near_distance_m,
-                              difference.rotation().log().norm() / options.near_angle_rad),
-                     static_cast<std::int64_t>(k));
+    const SE3& other = poses_[k].world_from_camera;
+    const double apart = (other.translation() - pose.translation()).norm() / options.near_distance_m;
+    if (near.size() == most && apart >= near.back().first) continue;  // whatever its direction
+    const double turned = (other.inverse() * pose).rotation().log().norm() / options.near_angle_rad;
+    near.emplace_back(std::max(apart, turned), static_cast<std::int64_t>(k));
+    std::sort(near.begin(), near.end());
+    if (near.size() > most) near.pop_back();
   }
-  std::sort(all.begin(), all.end());
   std::vector<std::int64_t> ids;
-  for (std::size_t i = 0; i < all.size() && i < most; ++i) ids.push_back(all[i].second);
+  for (const auto& [distance, id] : near) ids.push_back(id);
   return ids;
 }
 
-bool TrackedMap::are_connected(std::int64_t a, std::int64_t b) const {
-  return std::any_of(edges_.begin(), edges_.end(), [=](const Constraint& edge) {
-    return (edge.from == a && edge.to == b) || (edge.from == b && edge.to == a);
-  });
+void TrackedMap::add_edge(const Constraint& edge) {
+  edges_.push_back(edge);
+  connected_.insert(std::minmax(edge.from, edge.to));
 }
+
+bool TrackedMap::are_connected(std::int64_t a, std::int64_t b) const { return connected_.contains(std::minmax(a, b)); }
 
 void TrackedMap::add_pending(const KeyframePose& pose, const Matrix6d& covariance) {
   pending_.push_back(pose);
@@ -83,7 +83,9 @@ void TrackedMap::move_pending(std::int64_t first, const SE3& new_world_from_worl
 }
 
 void TrackedMap::apply(MapRevision revision) {
-  poses_ = std::move(revision.poses);
+  const GraphChanges& changes = revision.graph;
+  poses_.resize(static_cast<std::size_t>(changes.first_pose) + changes.poses.size());
+  std::copy(changes.poses.begin(), changes.poses.end(), poses_.begin() + changes.first_pose);
   if (revision.keyframe) {
     covariances_[static_cast<std::size_t>(revision.keyframe->id)] = revision.covariance;
     keyframes_.push_back(std::move(revision.keyframe));
@@ -100,8 +102,8 @@ void TrackedMap::apply(MapRevision revision) {
   weights_.resize(keyframes_.size(), 1.0);
   for (const auto& [id, weight] : revision.keyframe_weights) weights_[static_cast<std::size_t>(id)] = weight;
   if (revision.belief) places_.push_back(std::move(*revision.belief));
-  edges_.insert(edges_.end(), revision.new_edges.begin(), revision.new_edges.end());
-  for (std::size_t e = 0; e < edges_.size() && e < revision.weights.size(); ++e) edges_[e].weight = revision.weights[e];
+  for (const Constraint& edge : revision.new_edges) add_edge(edge);
+  for (const auto& [edge, weight] : changes.weights) edges_[edge].weight = weight;
   ++revision_;
 }
 

@@ -5,6 +5,8 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "rastro/backend/rgbd/mapper.h"
@@ -63,6 +65,7 @@ class TrackedMap {
   };
 
   void continue_base();
+  void add_edge(const Constraint& edge);
   std::vector<std::int64_t> frames_per_submap() const;
 
   Map base_;
@@ -75,6 +78,7 @@ class TrackedMap {
   std::deque<KeyframePose> pending_;
   std::vector<Matrix6d> covariances_;
   std::vector<Constraint> edges_;
+  std::set<std::pair<std::int64_t, std::int64_t>> connected_;  ///< By edges_, the smaller id first.
   std::vector<PosedFrame> frames_;
   std::vector<PlaceBelief> places_;
   int submaps_ = 0;

@@ -25,7 +25,7 @@ TrackedMap unfilled_map() {
 MapRevision first_keyframe() {
   MapRevision revision;
   revision.keyframe = bare_keyframe(0);
-  revision.poses = {in_submap(SE3())};
+  revision.graph.poses = {in_submap(SE3())};
   return revision;
 }
 

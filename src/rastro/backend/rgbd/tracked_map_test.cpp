@@ -32,7 +32,7 @@ TrackedMap empty_map() { return TrackedMap(base(), std::make_shared<MemoryImages
 MapRevision revision_of(std::int64_t id, std::vector<KeyframePose> poses) {
   MapRevision revision;
   revision.keyframe = bare_keyframe(id);
-  revision.poses = std::move(poses);
+  revision.graph.poses = std::move(poses);
   revision.covariance = static_cast<double>(id + 1) * Matrix6d::Identity();
   return revision;
 }
@@ -162,7 +162,7 @@ TEST(TrackedMap, AMergedSubmapIsPartOfTheTrajectory) {
   EXPECT_EQ(map.trajectory().size(), 1U);
   MapRevision merged = revision_of(1, {in_submap(at(0.0), 0), in_submap(at(1.0), 0)});
   merged.new_edges = {edge_of(0, 1, at(1.0), ConstraintKind::merge)};
-  merged.weights = {0.75};
+  merged.graph.weights = {{0, 0.75}};
   map.apply(merged);
   ASSERT_EQ(map.trajectory().size(), 2U);
   EXPECT_NEAR(map.trajectory().back().world_from_body.translation().x(), 1.1, 1e-12);
@@ -182,7 +182,7 @@ TEST(TrackedMap, ASnapshotNeverChanges) {
   MapRevision next = revision_of(1, {in_submap(at(0.5)), in_submap(at(1.5))});
   next.new_edges = {edge_of(0, 1, at(1.0)), edge_of(0, 1, at(1.0), ConstraintKind::proximity),
                     edge_of(0, 1, at(1.0), ConstraintKind::loop)};
-  next.weights = {1.0, 0.5, 0.25};
+  next.graph.weights = {{1, 0.5}, {2, 0.25}};
   map.apply(next);
   map.add_frame(2, 1, SE3());
   const auto second = map.snapshot();
@@ -194,9 +194,10 @@ TEST(TrackedMap, ASnapshotNeverChanges) {
   ASSERT_EQ(second->keyframes.size(), 2U);
   EXPECT_EQ(second->keyframes.back().stamp, 1000) << "of the keyframe itself";
   ASSERT_EQ(second->constraints.size(), 3U);
+  const double weights[] = {1.0, 0.5, 0.25};
   for (std::size_t e = 0; e < 3; ++e) {
     EXPECT_EQ(second->constraints[e].kind, next.new_edges[e].kind);
-    EXPECT_EQ(second->constraints[e].weight, next.weights[e]);
+    EXPECT_EQ(second->constraints[e].weight, weights[e]);
   }
   EXPECT_EQ(second->cameras.at(0).intrinsics.fx, 260.0) << "and what all share";
   EXPECT_EQ(second->sessions.size(), 1U);

@@ -3,15 +3,16 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "rastro/base/error.h"
 
 namespace rastro {
 
 void LocationMemory::begin(std::int64_t keyframe, std::vector<std::int64_t> words, bool linked) {
-  RASTRO_CHECK(locations_.empty() || keyframe > locations_.rbegin()->first, "locations come in their order");
+  RASTRO_CHECK(locations_.empty() || keyframe > last_, "locations come in their order");
   const bool first = locations_.empty();
-  const std::int64_t before = first ? 0 : locations_.rbegin()->first;
+  const std::int64_t before = std::exchange(last_, keyframe);
   Location location;
   location.keyframes = {keyframe};
   location.words = std::move(words);
@@ -23,11 +24,11 @@ void LocationMemory::begin(std::int64_t keyframe, std::vector<std::int64_t> word
 }
 
 void LocationMemory::rehearse(std::int64_t keyframe) {
-  auto& [id, last] = *locations_.rbegin();
+  Location& last = own(last_);
   last.keyframes.push_back(keyframe);
   last.weight += 1.0;
-  location_of_[keyframe] = id;
-  reweighted_.insert(id);
+  location_of_[keyframe] = last_;
+  reweighted_.insert(last_);
 }
 
 std::optional<std::int64_t> LocationMemory::leave_short_term(int most) {

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <optional>
 #include <set>
+#include <unordered_map>
 #include <vector>
 
 namespace rastro {
@@ -55,7 +55,7 @@ class LocationMemory {
   /// Of a keyframe.
   std::int64_t location_of(std::int64_t keyframe) const { return location_of_.at(keyframe); }
   /// Null before the first.
-  const Location* last() const { return locations_.empty() ? nullptr : &locations_.rbegin()->second; }
+  const Location* last() const { return locations_.empty() ? nullptr : &locations_.at(last_); }
   std::size_t size() const { return locations_.size(); }
   int short_term_size() const { return static_cast<int>(short_term_.size()); }
   const std::set<std::int64_t>& working() const { return working_; }
@@ -65,8 +65,9 @@ class LocationMemory {
  private:
   Location& own(std::int64_t location) { return locations_.at(location); }
 
-  std::map<std::int64_t, Location> locations_;
-  std::map<std::int64_t, std::int64_t> location_of_;  ///< By keyframe.
+  std::unordered_map<std::int64_t, Location> locations_;
+  std::int64_t last_ = 0;                                       ///< The newest.
+  std::unordered_map<std::int64_t, std::int64_t> location_of_;  ///< By keyframe.
   std::deque<std::int64_t> short_term_;
   std::set<std::int64_t> working_;
   std::set<std::int64_t> reweighted_;
