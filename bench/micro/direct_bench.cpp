@@ -3,6 +3,8 @@
 #include <benchmark/benchmark.h>
 
 #include "rastro/base/simd_testing.h"
+#include "rastro/slam/lsd/depth/depth_kernels.h"
+#include "rastro/slam/lsd/depth/depth_map.h"
 #include "rastro/slam/lsd/tracking/alignment_testing.h"
 #include "rastro/slam/lsd/tracking/image_alignment.h"
 #include "rastro/slam/lsd/tracking/similarity_alignment.h"
@@ -82,6 +84,42 @@ void similarity(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(align_similarity(views().reference, target, guess));
 }
 BENCHMARK(similarity)->Unit(benchmark::kMillisecond);
+
+/// A search over 16 places of the epipolar line.
+void search_line(benchmark::State& state, const DepthKernels& kernels) {
+  constexpr int places = 16;
+  LineIntensities intensities;
+  LineCosts costs;
+  const std::array<float, epipolar_samples> seen{90.0F, 100.0F, 120.0F, 130.0F, 125.0F};
+  float x = 20.0F;
+  for (auto _ : state) {
+    x = x > 500.0F ? 20.0F : x + 1.7F;
+    kernels.sample({views().image.view(), x, 100.5F, 0.9F, 0.43F, places + epipolar_samples - 1}, intensities);
+    kernels.compare(intensities, seen, places, costs);
+    benchmark::DoNotOptimize(costs);
+  }
+}
+BENCHMARK_CAPTURE(search_line, plain, depth_kernels_plain());
+BENCHMARK_CAPTURE(search_line, avx2, depth_kernels_avx2());
+
+void smooth(benchmark::State& state, const DepthKernels& kernels) {
+  std::vector<float> row(640);
+  for (auto _ : state)
+    for (int y = 4; y < 476; ++y) {
+      kernels.smooth_row(views().depth, y, {.border = 4}, row.data());
+      benchmark::DoNotOptimize(row.data());
+    }
+}
+BENCHMARK_CAPTURE(smooth, plain, depth_kernels_plain())->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(smooth, avx2, depth_kernels_avx2())->Unit(benchmark::kMillisecond);
+
+/// All that a frame tells about the depths of its keyframe.
+void observe(benchmark::State& state) {
+  DepthMap map(views().keyframe.gray.view(), views().room.camera(), {});
+  map.start_from(views().depth);
+  for (auto _ : state) benchmark::DoNotOptimize(map.observe(views().image.view(), image_from_reference, 1.0, 0.0));
+}
+BENCHMARK(observe)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

@@ -267,7 +267,9 @@ bool Mapper::contradicts_path(const Constraint& edge) {
 /// The constraints found; leaves those candidates that were compared.
 std::vector<Constraint> Mapper::compare(std::int64_t id, LoopSearch::Candidates& candidates, MapRevision& revision) {
   std::vector<Constraint> accepted;
-  for (const std::int64_t other : candidates.nearby) take(verify(other, id), accepted);
+  // Where places are recognized, the next ones will connect what this one leaves out.
+  for (const std::int64_t other : candidates.nearby)
+    if (!(recognizes_places() && closes_enough(accepted))) take(verify(other, id), accepted);
   std::vector<std::int64_t> compared;
   for (const std::int64_t other : candidates.places) {
     if (closes_enough(accepted) && kind_between(other, id) != ConstraintKind::merge) continue;

@@ -6,6 +6,8 @@
 #include <functional>
 #include <vector>
 
+#include "rastro/slam/lsd/depth/depth_kernels.h"
+
 namespace rastro {
 namespace {
 
@@ -190,28 +192,12 @@ void DepthMap::fill_row(int y, const InverseDepthMap& before) {
 
 /// A depth that was seen only once, or that no neighbor supports, is shown to nobody.
 void DepthMap::smooth_row(int y) {
-  constexpr int reach = 2;
-  const int fewest = options_.least_support;
+  const SmoothingOptions smoothing{.border = border, .fewest = options_.least_support};
+  float *mean = smoothed_.mean.row(y), *variance = smoothed_.variance.row(y);
+  depth_kernels().smooth_row(depth_, y, smoothing, mean);
   for (int x = border; x < image_.width() - border; ++x) {
-    smoothed_.mean.at(x, y) = smoothed_.variance.at(x, y) = 0.0F;
-    if (!depth_.is_known(x, y) || failures_.at(x, y) >= 0) continue;
-    const float own = depth_.mean.at(x, y), own_variance = depth_.variance.at(x, y);
-    float sum = 0.0F, weights = 0.0F;
-    int count = 0;
-    for (int v = std::max(border, y - reach); v <= std::min(image_.height() - 1 - border, y + reach); ++v)
-      for (int u = std::max(border, x - reach); u <= std::min(image_.width() - 1 - border, x + reach); ++u) {
-        if (!depth_.is_known(u, v)) continue;
-        const float mean = depth_.mean.at(u, v), variance = depth_.variance.at(u, v);
-        if (!agree(own, mean, own_variance + variance)) continue;
-        // A pixel farther away may lie on a slanted surface.
-        const auto distance = static_cast<float>((u - x) * (u - x) + (v - y) * (v - y));
-        const float slant = 0.01F * own, weight = 1.0F / (variance + distance * slant * slant);
-        sum += weight * mean, weights += weight;
-        ++count;
-      }
-    if (count < fewest) continue;
-    smoothed_.mean.at(x, y) = sum / weights;
-    smoothed_.variance.at(x, y) = own_variance;
+    if (failures_.at(x, y) >= 0) mean[x] = 0.0F;
+    variance[x] = mean[x] > 0.0F ? depth_.variance.at(x, y) : 0.0F;
   }
 }
 

@@ -6,23 +6,25 @@
 #include <cmath>
 #include <limits>
 
+#include "rastro/slam/lsd/depth/depth_kernels.h"
+
 namespace rastro {
 namespace {
 
-constexpr int half_samples = 2, samples = 2 * half_samples + 1;
-
-double bilinear(GrayView image, double x, double y) {
-  const int left = static_cast<int>(x), top = static_cast<int>(y);
-  const double right_share = x - left, low_share = y - top;
-  const std::uint8_t *above = image.row(top) + left, *below = image.row(top + 1) + left;
-  const double upper = above[0] + right_share * (above[1] - above[0]);
-  const double lower = below[0] + right_share * (below[1] - below[0]);
-  return upper + low_share * (lower - upper);
-}
+constexpr int samples = epipolar_samples, half_samples = samples / 2;
 
 bool is_inside(GrayView image, const Eigen::Vector2d& pixel, double margin) {
   return pixel.x() >= margin && pixel.y() >= margin && pixel.x() < image.width - 1.0 - margin &&
          pixel.y() < image.height - 1.0 - margin;
+}
+
+LineSampling sampling(GrayView image, const Eigen::Vector2d& first, const Eigen::Vector2d& step, int count) {
+  return {image,
+          static_cast<float>(first.x()),
+          static_cast<float>(first.y()),
+          static_cast<float>(step.x()),
+          static_cast<float>(step.y()),
+          count};
 }
 
 }  // namespace
@@ -30,11 +32,11 @@ bool is_inside(GrayView image, const Eigen::Vector2d& pixel, double margin) {
 /// Of one pixel: points rotated_ + inverse_depth * translation_ in the other camera, up to scale.
 struct EpipolarSearch::Line {
   Eigen::Vector3d rotated;
-  Eigen::Vector2d start, along;        ///< In the other image: pixel, and direction of length 1.
-  std::array<double, samples> seen{};  ///< By the keyframe along its line, as the other image would show them.
-  double keyframe_step = 1.0;          ///< Pixels of the keyframe per pixel of the other image.
-  double gradient = 0.0;               ///< Along the line, root mean square, per pixel of the other image.
-  double cosine = 1.0;                 ///< Between gradient and line in the keyframe.
+  Eigen::Vector2d start, along;       ///< In the other image: pixel, and direction of length 1.
+  std::array<float, samples> seen{};  ///< By the keyframe along its line, as the other image would show them.
+  double keyframe_step = 1.0;         ///< Pixels of the keyframe per pixel of the other image.
+  double gradient = 0.0;              ///< Along the line, root mean square, per pixel of the other image.
+  double cosine = 1.0;                ///< Between gradient and line in the keyframe.
 };
 
 EpipolarSearch::EpipolarSearch(GrayView keyframe, GrayView image, const Camera& camera, const SE3& image_from_keyframe,
@@ -88,14 +90,14 @@ bool EpipolarSearch::sample_keyframe(int x, int y, Line& line) const {
   along.normalize();
   const Eigen::Vector2d here(x, y), reach = half_samples * line.keyframe_step * along;
   if (!is_inside(keyframe_, here + reach, 1.0) || !is_inside(keyframe_, here - reach, 1.0)) return false;
-  for (int k = 0; k < samples; ++k) {
-    const Eigen::Vector2d at = here + (k - half_samples) * line.keyframe_step * along;
-    line.seen[static_cast<std::size_t>(k)] = gain_ * bilinear(keyframe_, at.x(), at.y()) + offset_;
+  LineIntensities intensities;
+  depth_kernels().sample(sampling(keyframe_, here - reach, line.keyframe_step * along, samples), intensities);
+  float squares = 0.0F;
+  for (std::size_t k = 0; k < samples; ++k) {
+    line.seen[k] = static_cast<float>(gain_) * intensities[k] + static_cast<float>(offset_);
+    if (k > 0) squares += (line.seen[k] - line.seen[k - 1]) * (line.seen[k] - line.seen[k - 1]);
   }
-  double squares = 0.0;
-  for (std::size_t k = 1; k < samples; ++k)
-    squares += (line.seen[k] - line.seen[k - 1]) * (line.seen[k] - line.seen[k - 1]);
-  line.gradient = std::sqrt(squares / (samples - 1));
+  line.gradient = std::sqrt(static_cast<double>(squares) / (samples - 1));
   const Eigen::Vector2d gradient(0.5 * (keyframe_.at(x + 1, y) - keyframe_.at(x - 1, y)),
                                  0.5 * (keyframe_.at(x, y + 1) - keyframe_.at(x, y - 1)));
   line.cosine = gradient.norm() > 0.0 ? std::abs(gradient.dot(along)) / gradient.norm() : 0.0;
@@ -103,44 +105,47 @@ bool EpipolarSearch::sample_keyframe(int x, int y, Line& line) const {
   return line.gradient >= options_.min_gradient * gain_ && line.cosine >= least_cosine;
 }
 
-/// Mean squared difference of the samples centered `at` pixels from the start; infinite outside the image.
-double EpipolarSearch::residual(const Line& line, double at) const {
-  const Eigen::Vector2d middle = line.start + at * line.along;
-  if (!is_inside(image_, middle, half_samples + 1.0)) return std::numeric_limits<double>::infinity();
-  double squares = 0.0;
-  for (int k = 0; k < samples; ++k) {
-    const Eigen::Vector2d pixel = middle + (k - half_samples) * line.along;
-    const double difference = bilinear(image_, pixel.x(), pixel.y()) - line.seen[static_cast<std::size_t>(k)];
-    squares += difference * difference;
-  }
-  return squares / samples;
+/// Mean squared difference of the samples centered at `count` places, `at` pixels from the start and on; infinite
+/// outside the image.
+void EpipolarSearch::compare(const Line& line, double at, int count, LineCosts& costs) const {
+  const auto is_seen = [&](int i) { return is_inside(image_, line.start + (at + i) * line.along, half_samples + 1.0); };
+  int first = 0, end = count;
+  while (first < end && !is_seen(first)) ++first;
+  while (end > first && !is_seen(end - 1)) --end;
+  std::fill(costs.begin(), costs.begin() + count, std::numeric_limits<float>::infinity());
+  if (first == end) return;
+  LineIntensities intensities;
+  const Eigen::Vector2d start = line.start + (at + first - half_samples) * line.along;
+  depth_kernels().sample(sampling(image_, start, line.along, end - first + samples - 1), intensities);
+  LineCosts seen;
+  depth_kernels().compare(intensities, line.seen, end - first, seen);
+  std::copy(seen.begin(), seen.begin() + (end - first), costs.begin() + first);
 }
 
 EpipolarMatch EpipolarSearch::best_on(const Line& line, int first, int last, bool ambiguity_matters) const {
-  constexpr int most_steps = 64;
-  std::array<double, most_steps> costs{};
-  const int count = std::min(last - first + 1, most_steps);
-  int best = -1;
-  for (int i = 0; i < count; ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    costs[index] = residual(line, first + i);
-    if (std::isfinite(costs[index]) && (best < 0 || costs[index] < costs[static_cast<std::size_t>(best)])) best = i;
-  }
-  if (best < 0) return {EpipolarResult::outside};
+  const int count = std::min(last - first + 1, most_line_steps);
+  LineCosts costs;
+  compare(line, first, count, costs);
+  const auto lowest = static_cast<std::size_t>(std::min_element(costs.begin(), costs.begin() + count) - costs.begin());
+  const int best = static_cast<int>(lowest);
+  if (!std::isfinite(costs[lowest])) return {EpipolarResult::outside};
   if (best == 0 || best + 1 == count) return {EpipolarResult::poor_match};
-  const auto lowest = static_cast<std::size_t>(best);
-  const double low = costs[lowest], before = costs[lowest - 1], after = costs[lowest + 1];
+  const float low = costs[lowest], before = costs[lowest - 1], after = costs[lowest + 1];
   if (!std::isfinite(before) || !std::isfinite(after)) return {EpipolarResult::outside};
+  const float curvature = before - 2.0F * low + after;
+  const float offset = curvature > 0.0F ? std::clamp(0.5F * (before - after) / curvature, -0.5F, 0.5F) : 0.0F;
+  const double at_best = static_cast<double>(first + best) + static_cast<double>(offset);
+  LineCosts between;
+  compare(line, at_best, 1, between);
+  const auto least = static_cast<double>(std::min(between.front(), low));
   const double noise = 2.0 * options_.intensity_sigma * options_.intensity_sigma;
-  const double curvature = before - 2.0 * low + after;
-  const double offset = curvature > 0.0 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0.0;
-  const double at_best = residual(line, first + best + offset);
-  if (!(std::min(at_best, low) <= options_.max_residual_sigmas * options_.max_residual_sigmas * noise))
+  if (!(least <= options_.max_residual_sigmas * options_.max_residual_sigmas * noise))
     return {EpipolarResult::poor_match};
-  const double second = options_.min_second_ratio * options_.min_second_ratio * (std::min(at_best, low) + 0.25 * noise);
+  const auto second =
+      static_cast<float>(options_.min_second_ratio * options_.min_second_ratio * (least + 0.25 * noise));
   for (int i = 0; ambiguity_matters && i < count; ++i)
     if (std::abs(i - best) > 2 && costs[static_cast<std::size_t>(i)] < second) return {EpipolarResult::ambiguous};
-  return measured(line, first + best + offset);
+  return measured(line, at_best);
 }
 
 /// Along the image axis in which the point moves more.

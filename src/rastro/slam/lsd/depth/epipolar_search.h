@@ -8,6 +8,7 @@
 #include "rastro/camera/camera.h"
 #include "rastro/image/image.h"
 #include "rastro/math/se3.h"
+#include "rastro/slam/lsd/depth/depth_kernels.h"
 
 namespace rastro {
 
@@ -61,7 +62,7 @@ class EpipolarSearch {
  private:
   struct Line;
   bool sample_keyframe(int x, int y, Line& line) const;
-  double residual(const Line& line, double at) const;
+  void compare(const Line& line, double at, int count, LineCosts& costs) const;
   EpipolarMatch best_on(const Line& line, int first, int last, bool ambiguity_matters) const;
   EpipolarMatch measured(const Line& line, double at) const;
   Eigen::Vector2d pixel_at(const Line& line, double inverse_depth) const;
