@@ -58,6 +58,7 @@ std::vector<std::int64_t> TrackedMap::nearest(const SE3& pose, int submap, const
     if (near.size() > most) near.pop_back();
   }
   std::vector<std::int64_t> ids;
+  ids.reserve(near.size());
   for (const auto& [distance, id] : near) ids.push_back(id);
   return ids;
 }
