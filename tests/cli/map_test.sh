@@ -206,6 +206,7 @@ places() {
   [[ ! -e $here/rgbd/places.png ]] || fail "rgbd recognizes no places"
   refused "no layer 'signatures'" export "$here/rgbd" --to word-images --out "$here/no"
   refused '--method rtabmap' export "$here/rgbd" --to word-images --out "$here/no"
+  refused "no layer 'semi_dense'" export "$here/rgbd" --to depth-images --out "$here/no"
   refused '--voxel' export "$run" --to word-images --voxel 0.1 --out "$here/no"
   [[ ! -e $here/no ]] || fail "a refused export left a folder"
 }

@@ -46,6 +46,9 @@ rtabmap:
   word-images  folder with a picture of each location, ID.jpg: its visual words (green: new, yellow: several times in
            this image, red: in the vocabulary, blue: in the previous image, pink: shared with the matched location) and
            the location that it closed a loop with
+lsd:
+  depth-images  folder with a picture of each keyframe, ID.jpg: its pixels with gradient and their inverse depths from
+           blue (far) to red (near), and twelve of them in strip.png
 Lengths are in meters, or up to scale in a map of one camera without 'rastro scale'; formats with comments say which. The
 frame is the world of the map; for cameras the first camera: x right, y down, z ahead. With --upright clouds, meshes and
 octrees are level: z up, origin on the floor below the first camera, which looks along x; a slice always is. The floor is
@@ -85,7 +88,8 @@ constexpr Format formats[] = {{"ply", export_cloud},
                               {"colmap-binary", export_colmap},
                               {"svg", export_image},
                               {"png", export_image},
-                              {"word-images", export_word_images}};
+                              {"word-images", export_word_images},
+                              {"depth-images", export_depth_images}};
 
 const Format& format_named(const std::string& name) {
   std::vector<std::string> names;
@@ -198,13 +202,12 @@ void add_export_command(CLI::App& app, Context& context) {
   const auto flags = std::make_shared<Flags>();
   command->add_option("RUN", flags->input, "Run folder or map file")->required()->type_name("");
   command
-      ->add_option(
-          "--to", flags->settings.to,
-          "ply, pcd, mesh, octomap, pgm, g2o, colmap, colmap-binary, landmarks, svg, png, word-images, tum, kitti, "
-          "euroc")
+      ->add_option("--to", flags->settings.to,
+                   "ply, pcd, mesh, octomap, pgm, g2o, colmap, colmap-binary, landmarks, svg, png, word-images, "
+                   "depth-images, tum, kitti, euroc")
       ->required()
       ->type_name("FORMAT");
-  command->add_option("--out", flags->settings.out, "Output file; colmap, word-images: folder")
+  command->add_option("--out", flags->settings.out, "Output file; colmap, word-images, depth-images: folder")
       ->required()
       ->type_name("FILE");
   command

@@ -49,7 +49,8 @@ ExportFacts export_colmap(const ExportJob& job);  ///< Of images, else of landma
 ExportFacts export_landmark_list(const ExportJob& job);
 ExportFacts export_image(const ExportJob& job);
 ExportFacts export_poses(const ExportJob& job);
-ExportFacts export_word_images(const ExportJob& job);  ///< Of signatures.
+ExportFacts export_depth_images(const ExportJob& job);  ///< Of semi-dense depth.
+ExportFacts export_word_images(const ExportJob& job);   ///< Of signatures.
 
 /// Creates the folder if needed.
 void write_export(const std::filesystem::path& file, std::string_view bytes);

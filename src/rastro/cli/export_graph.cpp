@@ -5,6 +5,7 @@
 #include "rastro/cli/export_formats.h"
 #include "rastro/cli/keyframe_images.h"
 #include "rastro/export/colmap.h"
+#include "rastro/export/depth_image.h"
 #include "rastro/export/landmark_export.h"
 #include "rastro/export/landmark_image.h"
 #include "rastro/export/landmarks_csv.h"
@@ -14,6 +15,7 @@
 #include "rastro/map/features/feature_layer.h"
 #include "rastro/map/images/image_layer.h"
 #include "rastro/map/landmarks/landmark_layer.h"
+#include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/map/signatures/signature_layer.h"
 #include "rastro/session/trajectory_text.h"
 
@@ -104,6 +106,11 @@ ExportFacts export_word_images(const ExportJob& job) {
   need_layer<SignatureLayer>(job.input, job.settings.to);
   const WordImageCounts counts = write_word_images(*job.input.map, job.settings.out, job.pool, job.progress);
   return {{"locations", counts.locations}, {"loop closures", counts.loop_closures}};
+}
+
+ExportFacts export_depth_images(const ExportJob& job) {
+  need_layer<SemiDenseLayer>(job.input, job.settings.to);
+  return {{"keyframes", write_depth_images(*job.input.map, job.settings.out, job.pool, job.progress)}};
 }
 
 ExportFacts export_poses(const ExportJob& job) {
