@@ -124,6 +124,8 @@ TYPED_TEST(LoopsOfPoseGraph, TheFirstStageSwitchesNothingOff) {
   EXPECT_NEAR(first_cost(30.0, 5.0, 40.0), with_price(30.0, 25.0) + 800.0, 1e-9) << "odometry has no switch";
   const double far = 1e6 * 1e6;
   EXPECT_NEAR(first_cost(30.0, 1e6, 0.0), with_price(3e8, far), 1e-9 * far) << "there are at most 8 stages";
+  this->options.gradual = false;
+  EXPECT_NEAR(first_cost(30.0, 40.0, 0.0), with_price(30.0, 1600.0), 1e-9) << "the switches decide at once";
   this->options.loops = LoopModel::robust;
   const double width = this->options.robust_width * this->options.robust_width;
   EXPECT_NEAR(first_cost(30.0, 40.0, 0.0), 0.5 * width * std::log1p(1600.0 / width), 1e-9);

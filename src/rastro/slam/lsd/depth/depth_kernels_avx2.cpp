@@ -5,7 +5,7 @@
 #include "rastro/slam/lsd/depth/depth_kernels.h"
 
 #if RASTRO_HAS_AVX2_CODE
-#include <immintrin.h>
+#include "rastro/slam/lsd/avx2_lanes.h"
 #endif
 
 namespace rastro {
@@ -15,18 +15,7 @@ namespace {
 
 // Every expression below has a twin in depth_kernels.cpp that rounds in the same order.
 
-RASTRO_TARGET_AVX2 inline __m256 mul(__m256 a, __m256 b) { return _mm256_mul_ps(a, b); }
-RASTRO_TARGET_AVX2 inline __m256 add(__m256 a, __m256 b) { return _mm256_add_ps(a, b); }
-RASTRO_TARGET_AVX2 inline __m256 sub(__m256 a, __m256 b) { return _mm256_sub_ps(a, b); }
-RASTRO_TARGET_AVX2 inline __m256 all(float value) { return _mm256_set1_ps(value); }
-
-/// Two neighbors of a row interpolated, from words whose lowest bytes they are.
-RASTRO_TARGET_AVX2 inline __m256 between(__m256i words, __m256 fraction) {
-  const __m256i byte = _mm256_set1_epi32(0xFF);
-  const __m256 left = _mm256_cvtepi32_ps(_mm256_and_si256(words, byte));
-  const __m256 right = _mm256_cvtepi32_ps(_mm256_and_si256(_mm256_srli_epi32(words, 8), byte));
-  return add(left, mul(fraction, sub(right, left)));
-}
+using lanes::add, lanes::all, lanes::between, lanes::mul, lanes::sub;
 
 RASTRO_TARGET_AVX2 void sample_avx2(const LineSampling& line, LineIntensities& intensities) {
   const auto stride = static_cast<int>(line.image.stride);

@@ -3,7 +3,7 @@
 #include "rastro/slam/lsd/tracking/alignment_kernels.h"
 
 #if RASTRO_HAS_AVX2_CODE
-#include <immintrin.h>
+#include "rastro/slam/lsd/avx2_lanes.h"
 #endif
 
 namespace rastro {
@@ -13,10 +13,7 @@ namespace {
 
 // Every expression below has a twin in alignment_kernels.cpp that rounds in the same order.
 
-RASTRO_TARGET_AVX2 inline __m256 mul(__m256 a, __m256 b) { return _mm256_mul_ps(a, b); }
-RASTRO_TARGET_AVX2 inline __m256 add(__m256 a, __m256 b) { return _mm256_add_ps(a, b); }
-RASTRO_TARGET_AVX2 inline __m256 sub(__m256 a, __m256 b) { return _mm256_sub_ps(a, b); }
-RASTRO_TARGET_AVX2 inline __m256 all(float value) { return _mm256_set1_ps(value); }
+using lanes::add, lanes::all, lanes::between, lanes::mul, lanes::sub;
 /// a x + b y + c z, the third product added last.
 RASTRO_TARGET_AVX2 inline __m256 dot(float a, __m256 x, float b, __m256 y, float c, __m256 z) {
   return add(add(mul(all(a), x), mul(all(b), y)), mul(all(c), z));
@@ -62,14 +59,6 @@ RASTRO_TARGET_AVX2 inline EightProjections project(const AlignmentView& view, co
       _mm256_and_ps(_mm256_cmp_ps(p.pixel_y, zero, _CMP_GE_OQ), _mm256_cmp_ps(p.pixel_y, all(view.last_y), _CMP_LT_OQ));
   p.inside = _mm256_and_ps(_mm256_cmp_ps(z, zero, _CMP_GT_OQ), _mm256_and_ps(in_x, in_y));
   return p;
-}
-
-/// Two neighbors of a row interpolated, from words whose lowest bytes they are.
-RASTRO_TARGET_AVX2 inline __m256 between(__m256i words, __m256 fraction) {
-  const __m256i byte = _mm256_set1_epi32(0xFF);
-  const __m256 left = _mm256_cvtepi32_ps(_mm256_and_si256(words, byte));
-  const __m256 right = _mm256_cvtepi32_ps(_mm256_and_si256(_mm256_srli_epi32(words, 8), byte));
-  return add(left, mul(fraction, sub(right, left)));
 }
 
 RASTRO_TARGET_AVX2 inline __m256 sample(const AlignmentView& view, const EightProjections& p) {
