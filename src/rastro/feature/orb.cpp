@@ -61,6 +61,13 @@ class OrbExtractor::State {
  public:
   explicit State(const OrbOptions& options) : options_(options), scales_(orb_level_scales(options)) { check(options); }
 
+  void set_features(int features) {
+    OrbOptions changed = options_;
+    changed.features = features;
+    check(changed);
+    options_ = changed;
+  }
+
   Features extract(GrayView image, GrayView mask, TaskPool* pool) {
     RASTRO_CHECK(mask.empty() || (mask.width == image.width && mask.height == image.height), "a mask of the same size");
     if (image.width != width_ || image.height != height_) plan(image.width, image.height);
@@ -207,6 +214,7 @@ class OrbExtractor::State {
 
 OrbExtractor::OrbExtractor(const OrbOptions& options) : state_(std::make_unique<State>(options)) {}
 OrbExtractor::~OrbExtractor() = default;
+void OrbExtractor::set_features(int features) { state_->set_features(features); }
 
 Features OrbExtractor::extract(GrayView image, GrayView mask, TaskPool* pool) {
   return state_->extract(image, mask, pool);

@@ -30,6 +30,8 @@ class OrbExtractor {
   /// Throws Error for options out of range.
   explicit OrbExtractor(const OrbOptions& options);
   ~OrbExtractor();
+  /// Changes the number of features of the following images. Throws Error as the constructor does.
+  void set_features(int features);
   /// No keypoints where `mask` (empty or of the image's size) is zero, nor on levels for which the image is too small.
   /// The result depends neither on the pool nor on the processor. Every keypoint has its level; their order depends
   /// only on image and options.

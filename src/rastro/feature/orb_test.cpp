@@ -281,6 +281,17 @@ TEST(OrbQuotas, WhatALevelCannotFillGoesToOthers) {
   EXPECT_EQ(orb_quotas(100, 2.0, {1, 2}), (std::vector<std::size_t>{1, 2}));
 }
 
+TEST(Orb, TheNumberOfFeaturesMayChangeFromImageToImage) {
+  const GrayImage image = blocks(300, 200, 5);
+  OrbExtractor extractor({.features = 300});
+  extractor.extract(image.view());
+  extractor.set_features(100);
+  const Features fewer = extractor.extract(image.view());
+  EXPECT_LE(fewer.size(), 100U);
+  EXPECT_TRUE(same(fewer, OrbExtractor({.features = 100}).extract(image.view())));
+  EXPECT_THROW(extractor.set_features(0), Error);
+}
+
 TEST(Orb, DoesNotDependOnThePreviousImage) {
   const GrayImage first = blocks(300, 200, 5), second = blocks(260, 210, 6);
   OrbExtractor extractor({});

@@ -36,6 +36,28 @@ void add_feature_options(OptionTable& table, OrbSlamOptions& o) {
              0.05,
              20,
              {}});
+  table.add({"more_features",
+             &o.more_features,
+             "",
+             "features of an image where few landmarks are tracked with one camera, as multiple of `features`: in a "
+             "turn or among people the static scene stays in the majority; 1: never more",
+             1,
+             4,
+             {}});
+  table.add({"few_tracked_share",
+             &o.few_tracked_share,
+             "",
+             "tracked landmarks, as share of `features`, below which more features are extracted",
+             0,
+             1,
+             {}});
+  table.add({"enough_tracked_share",
+             &o.enough_tracked_share,
+             "",
+             "tracked landmarks, as share of `features`, from which no more features are extracted",
+             0,
+             4,
+             {}});
 }
 
 void add_depth_options(OptionTable& table, OrbSlamOptions& o) {
@@ -490,6 +512,14 @@ void add_loop_options(OptionTable& table, OrbSlamOptions& o) {
        0,
        10000,
        {}});
+  table.add({"loop_fit_share",
+             &o.loop_fit_share,
+             "",
+             "share of the landmarks found with the similarity of a loop that are where it predicts them within their "
+             "accuracy, at least; 0.6 with a similarity that is half right, 0.9 and more with right ones",
+             0,
+             1,
+             {}});
   table.add({"loop_drift_share",
              &o.loop_drift_share,
              "",

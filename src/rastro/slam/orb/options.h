@@ -20,6 +20,9 @@ struct OrbSlamOptions {
   int fast_threshold = 20;
   int least_fast_threshold = 7;
   double pixel_sigma = 1.0;
+  double more_features = 1.5;
+  double few_tracked_share = 0.2;
+  double enough_tracked_share = 0.4;
 
   // Depth.
   double virtual_baseline_m = 0.4;
@@ -109,6 +112,7 @@ struct OrbSlamOptions {
   int loop_landmarks = 40;
   double loop_search_px = 8.0;
   double loop_chance_ratio = 11.0;
+  double loop_fit_share = 0.75;
   double loop_drift_share = 0.1;
   double loop_drift_rad_per_m = 0.02;
   double loop_max_sigmas = 5.0;

@@ -41,6 +41,8 @@ void check_map(const Map& map, const SensorChoice& choice, bool extend);
 class FeatureMaker {
  public:
   FeatureMaker(const OrbSlamOptions& options, const SensorChoice& sensor, TaskPool* pool);
+  /// Of the following frames, instead of options.features.
+  void set_features(int features) { extractor_.set_features(features); }
   /// `depth_from_color`: motion of the camera from the instant of the image to that of its depth.
   std::shared_ptr<const FeatureFrame> make(const Frame& frame, const SE3& depth_from_color = {});
   /// False: the features of the last frame are as recorded, since the rotation of a rolling shutter is unknown.

@@ -46,9 +46,7 @@ bool Initialization::may_begin() const {
 
 void Initialization::from_two_views(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update) {
   const auto pair = initializer_.add(frame);
-  if (!session_.has_map)
-    update.reason = initializer_.frames().size() < 2 ? SlamReason::first_frame : SlamReason::too_few_points;
-  update.detail = initializer_.detail();
+  report_waiting(update);
   if (!pair || !may_begin()) return;
   if (!create_map(*pair, update)) return;
   track_kept_frames(*pair);
@@ -56,6 +54,16 @@ void Initialization::from_two_views(const std::shared_ptr<const FeatureFrame>& f
   trial_frames_ = session_.options.init_trial_frames;
   contradictions_ = 0;
   if (trial_frames_ == 0) initializer_.clear();
+}
+
+/// Why tracking was lost says more than what a new submap waits for.
+void Initialization::report_waiting(SlamUpdate& update) const {
+  if (!session_.has_map) {
+    update.reason = initializer_.frames().size() < 2 ? SlamReason::first_frame : SlamReason::too_few_points;
+    update.detail = initializer_.detail();
+  } else if (update.detail.empty()) {
+    update.detail = "a new submap waits: " + initializer_.detail();
+  }
 }
 
 bool Initialization::create_map(const InitialPair& pair, SlamUpdate& update) {
@@ -72,7 +80,7 @@ bool Initialization::create_map(const InitialPair& pair, SlamUpdate& update) {
   add_keyframe(*first);
   add_keyframe(*second);
   report(fmt::format("{} started from frames {} and {} with {} points", submap, first->data().frame,
-                     second->data().frame, session_.graph.landmark_count()),
+                     second->data().frame, session_.graph.shared(first->data().id, second->data().id)),
          update);
   return true;
 }

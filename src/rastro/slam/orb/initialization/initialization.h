@@ -35,6 +35,7 @@ class Initialization {
   void from_two_views(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
   void from_depth(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
   bool may_begin() const;
+  void report_waiting(SlamUpdate& update) const;
   bool create_map(const InitialPair& pair, SlamUpdate& update);
   int next_submap() const;
   void begin_tracking(std::int64_t keyframe);

@@ -84,10 +84,25 @@ double drift_sigmas(const MapGraph& graph, const VerifiedLoop& loop, const Odome
   return graph_sigmas(predicted, measured, drift.covariance(path));
 }
 
+/// Landmarks that are where the similarity predicts them. A similarity that is half right finds landmarks in its search
+/// windows, but aside of their predicted positions.
+int count_fitting(const MapGraph& graph, const MapKeyframe& keyframe, const VerifiedLoop& loop,
+                  const Sim3& keyframe_from_world, double pixel_sigma) {
+  constexpr double chi2_95 = 5.991;
+  const auto fits = [&](const std::pair<std::uint32_t, std::int64_t>& match) {
+    const Eigen::Vector3d predicted = keyframe_from_world * graph.landmark(match.second).position;
+    const double sigma = pixel_sigma * graph.sigma(*keyframe.frame, match.first);
+    return predicted.z() > 0.0 &&
+           (predicted.hnormalized() - keyframe.frame->ray(match.first)).squaredNorm() <= chi2_95 * sigma * sigma;
+  };
+  return static_cast<int>(std::count_if(loop.landmarks.begin(), loop.landmarks.end(), fits));
+}
+
 AcceptanceOptions loop_acceptance(const OrbSlamOptions& options) {
   return {.min_inliers = options.loop_inliers,
           .min_observed = options.loop_landmarks,
           .min_chance_ratio = options.loop_chance_ratio,
+          .min_observed_share = options.loop_fit_share,
           .max_graph_sigmas = options.loop_max_sigmas,
           .min_confirmations = options.loop_consistent};
 }
@@ -141,6 +156,7 @@ std::optional<VerifiedLoop> LoopClosing::verify(const MapKeyframe& keyframe, con
   const LandmarkSearchOptions search{.radius_px = options_.loop_search_px, .limits = limits()};
   for (const FeatureMatch& match : search_landmarks(graph_, around, *keyframe.frame, keyframe_from_world, search))
     loop.landmarks.emplace_back(match.feature, around[match.subject]);
+  loop.fitting = count_fitting(graph_, keyframe, loop, keyframe_from_world, options_.pixel_sigma);
   const auto wrong = rotations_beyond_windows(options_.loop_search_px * graph_.level_scales().back(), graph_.camera());
   for (const SO3& rotation : wrong) {
     const Sim3 elsewhere = Sim3(1.0, rotation, Eigen::Vector3d::Zero()) * keyframe_from_world;

@@ -20,13 +20,16 @@ struct VerifiedLoop {
   int inliers = 0;             ///< Pairs of landmarks that fit it.
   /// Features of the keyframe matched to landmarks around the other one.
   std::vector<std::pair<std::uint32_t, std::int64_t>> landmarks;
+  int fitting = 0;                ///< Of these, where the similarity predicts them, within their accuracy.
   double chance_landmarks = 0.0;  ///< How many landmarks a wrong similarity would find.
   /// Distance to the relative pose in the map, in standard deviations of its drift; 0 between submaps.
   double graph_sigmas = 0.0;
 
   Evidence evidence() const {
     return {.inliers = inliers,
-            .observed = static_cast<int>(landmarks.size()),
+            .compared = static_cast<int>(landmarks.size()),
+            .predicted = static_cast<int>(landmarks.size()),
+            .observed = fitting,
             .chance_observed = 1.0 + chance_landmarks,
             .graph_sigmas = graph_sigmas};
   }

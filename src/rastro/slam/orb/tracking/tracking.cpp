@@ -37,6 +37,7 @@ Tracking::Tracking(OrbSession& session, FrameTracker& tracker, KeyframePipeline&
       tracker_(tracker),
       check_(session.options.frame_check),
       extractor_(session.options, session.sensor, pool),
+      feature_count_(session.options, session.mono()),
       keyframes_(session, tracker, pipeline),
       initialization_(session, tracker, pipeline, keyframes_),
       relocalization_(session, tracker, pipeline, keyframes_) {
@@ -86,6 +87,7 @@ Tracking::Measurements Tracking::extract_features(const Frame& recorded, SlamUpd
   }
   const Frame& frame = rectified ? *rectified : recorded;
   Measurements measured;
+  extractor_.set_features(feature_count_.next());
   measured.features = extractor_.make(frame, depth_from_color(frame));
   session_.last_stamp = frame.stamp;
   update.times.push_back({"features", stage.lap_ms()});
@@ -135,6 +137,7 @@ std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, 
     return std::nullopt;
   }
   update.state = SlamState::tracking;
+  if (session_.mapping) feature_count_.on_tracked(tracked.inliers);
   return tracked;
 }
 
@@ -147,6 +150,7 @@ void Tracking::on_lost(const TrackingResult& tracked, SlamUpdate& update) {
                                     tracked.chance_inliers);
   update.world_from_body = tracker_.predicted().inverse();
   relocalization_.on_lost();
+  feature_count_.on_lost();
   session_.tracking = false;
   session_.lost_frames = 0;
   initialization_.reset();

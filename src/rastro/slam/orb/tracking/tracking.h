@@ -11,6 +11,7 @@
 #include "rastro/slam/orb/keyframe_pipeline.h"
 #include "rastro/slam/orb/relocalization/relocalization.h"
 #include "rastro/slam/orb/session.h"
+#include "rastro/slam/orb/tracking/feature_count.h"
 #include "rastro/slam/orb/tracking/frame_tracker.h"
 #include "rastro/slam/orb/tracking/keyframe_insertion.h"
 #include "rastro/slam/orb/tracking/track_association.h"
@@ -61,6 +62,7 @@ class Tracking {
   FrameCheck check_;
   std::optional<FrameRectifier> rectifier_;
   FeatureMaker extractor_;
+  FeatureCount feature_count_;
   std::optional<TrackAssociation> tracks_;
   KeyframeInsertion keyframes_;
   Initialization initialization_;

@@ -25,8 +25,9 @@ Camera wall_camera() {
 
 /// The parts of a run, in front of a wall seen by a depth camera.
 struct WallRun {
-  explicit WallRun(const OrbSlamOptions& options = wall_options(), const Camera& camera = wall_camera())
-      : session(options, testing::source_of(camera, CameraKind::depth), {}),
+  explicit WallRun(const OrbSlamOptions& options = wall_options(), const Camera& camera = wall_camera(),
+                   CameraKind sensor = CameraKind::depth)
+      : session(options, testing::source_of(camera, sensor), {}),
         tracker(session.options, session.sensor.camera, session.sensor.sensor, session.sensor.baseline),
         pipeline(session, tracker, {}),
         tracking(session, tracker, pipeline, nullptr) {}
@@ -74,6 +75,20 @@ struct WallRun {
 std::size_t count_of(const std::vector<FeatureObservation>& observations, ObservationState state) {
   return static_cast<std::size_t>(
       std::count_if(observations.begin(), observations.end(), [&](const auto& o) { return o.state == state; }));
+}
+
+TEST(Tracking, OneCameraGetsMoreFeaturesWhileFewLandmarksAreTracked) {
+  for (const double few : {0.0, 1.0}) {
+    OrbSlamOptions options = WallRun::wall_options();
+    options.few_tracked_share = few;
+    options.enough_tracked_share = 1.0;
+    WallRun run(options, wall_camera(), CameraKind::mono);
+    int tracked = 0;
+    for (std::int64_t k = 0; k < 12 && tracked < 3; ++k)
+      tracked += run.process(k, 0.08 * static_cast<double>(k)).state == SlamState::tracking;
+    ASSERT_EQ(tracked, 3);
+    EXPECT_EQ(run.tracking.observations().size(), few > 0.0 ? 600U : 400U);
+  }
 }
 
 TEST(Tracking, ReportsPoseObservationsAndCovariance) {
