@@ -44,19 +44,20 @@ void add_feature_options(OptionTable& table, OrbSlamOptions& o) {
              1,
              4,
              {}});
-  table.add({"few_tracked_share",
-             &o.few_tracked_share,
+  table.add({"few_tracked",
+             &o.few_tracked,
              "",
-             "tracked landmarks, as share of `features`, below which more features are extracted",
+             "tracked landmarks below which more features are extracted; 150 to 200 hold the static scene in the "
+             "majority among people",
              0,
-             1,
+             100000,
              {}});
-  table.add({"enough_tracked_share",
-             &o.enough_tracked_share,
+  table.add({"enough_tracked",
+             &o.enough_tracked,
              "",
-             "tracked landmarks, as share of `features`, from which no more features are extracted",
+             "tracked landmarks from which no more features than `features` are extracted again",
              0,
-             4,
+             100000,
              {}});
 }
 

@@ -21,8 +21,8 @@ struct OrbSlamOptions {
   int least_fast_threshold = 7;
   double pixel_sigma = 1.0;
   double more_features = 1.5;
-  double few_tracked_share = 0.2;
-  double enough_tracked_share = 0.4;
+  int few_tracked = 200;
+  int enough_tracked = 400;
 
   // Depth.
   double virtual_baseline_m = 0.4;

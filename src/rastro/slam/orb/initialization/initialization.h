@@ -24,6 +24,8 @@ class Initialization {
   /// Tries to start the map, or a submap once tracking has been lost long enough, with this frame; otherwise the update
   /// says what is missing.
   void process(const std::shared_ptr<const FeatureFrame>& frame, SlamUpdate& update);
+  /// A map from two views is verified by the frames after it.
+  bool is_on_trial() const { return trial_frames_ > 0; }
   /// Whether a tracked frame is the last of several in a row that do not fit a map on trial.
   bool is_contradicted_by(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& tracked);
   /// Removes the map on trial, that is the tracked frame's submap. Initialization starts again with the frames kept.

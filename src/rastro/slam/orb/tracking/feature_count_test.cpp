@@ -10,8 +10,8 @@ OrbSlamOptions thousand_features() {
   OrbSlamOptions options;
   options.features = 1000;
   options.more_features = 1.5;
-  options.few_tracked_share = 0.2;
-  options.enough_tracked_share = 0.4;
+  options.few_tracked = 200;
+  options.enough_tracked = 400;
   return options;
 }
 

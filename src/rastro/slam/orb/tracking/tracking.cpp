@@ -137,7 +137,8 @@ std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, 
     return std::nullopt;
   }
   update.state = SlamState::tracking;
-  if (session_.mapping) feature_count_.on_tracked(tracked.inliers);
+  // The trial of a new map compares frames with the features that it began with.
+  if (session_.mapping && !initialization_.is_on_trial()) feature_count_.on_tracked(tracked.inliers);
   return tracked;
 }
 

@@ -78,16 +78,17 @@ std::size_t count_of(const std::vector<FeatureObservation>& observations, Observ
 }
 
 TEST(Tracking, OneCameraGetsMoreFeaturesWhileFewLandmarksAreTracked) {
-  for (const double few : {0.0, 1.0}) {
+  for (const int few : {0, 400}) {
     OrbSlamOptions options = WallRun::wall_options();
-    options.few_tracked_share = few;
-    options.enough_tracked_share = 1.0;
+    options.few_tracked = few;
+    options.enough_tracked = 400;
+    options.init_trial_frames = 0;
     WallRun run(options, wall_camera(), CameraKind::mono);
     int tracked = 0;
     for (std::int64_t k = 0; k < 12 && tracked < 3; ++k)
       tracked += run.process(k, 0.08 * static_cast<double>(k)).state == SlamState::tracking;
     ASSERT_EQ(tracked, 3);
-    EXPECT_EQ(run.tracking.observations().size(), few > 0.0 ? 600U : 400U);
+    EXPECT_EQ(run.tracking.observations().size(), few > 0 ? 600U : 400U);
   }
 }
 
