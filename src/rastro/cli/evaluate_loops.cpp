@@ -70,15 +70,6 @@ void check(const Flags& flags) {
     throw Error("is not an angle", "--max-angle", "give degrees, such as 10");
 }
 
-/// Poses in maps are those of the camera.
-Trajectory camera_trajectory(const SourceInfo& info) {
-  Trajectory poses = info.ground_truth;
-  const bool of_body = info.ground_truth_frame == "body" && !info.cameras.empty();
-  if (!of_body || !info.cameras.front().body_from_camera) return poses;
-  for (StampedPose& pose : poses) pose.world_from_body = pose.world_from_body * *info.cameras.front().body_from_camera;
-  return poses;
-}
-
 int evaluate_loops(const Flags& flags) {
   check(flags);
   const std::vector<ScoreLimit> limits = parse_limits(flags.limits, numbers_of({}), "'recall>=0.9'");
@@ -87,7 +78,7 @@ int evaluate_loops(const Flags& flags) {
   const SourceInfo info = open(flags.recording)->info();
   if (info.ground_truth.empty()) throw Error("has no ground truth", flags.recording, "give a generated recording");
   const std::shared_ptr<const Map> map = load_map(map_file_of(flags.run));
-  const LoopClosureScores scores = score_loop_closures(*map, revisits, camera_trajectory(info), flags.loops);
+  const LoopClosureScores scores = score_loop_closures(*map, revisits, camera_ground_truth(info), flags.loops);
   if (flags.json)
     fmt::print("{}", as_json(numbers_of(scores)));
   else if (!flags.quiet)

@@ -14,7 +14,16 @@ constexpr float scale = 8.0F;  ///< Of differences and gradients: sums over the 
 constexpr int most_reach = 7;
 
 /// What a window sums, of the pixels that have a disparity. Differences are left minus right.
-enum Sum : std::uint8_t { count, gradient, difference, gradient_squared, product, difference_squared, left, left_squared };
+enum Sum : std::uint8_t {
+  count,
+  gradient,
+  difference,
+  gradient_squared,
+  product,
+  difference_squared,
+  left,
+  left_squared
+};
 constexpr std::size_t sum_kinds = 8;
 using Sums = std::array<std::vector<std::int32_t>, sum_kinds>;
 

@@ -19,8 +19,8 @@ struct DisparityRefinementOptions {
 
 /// Makes the disparities of a rectified pair precise (Lucas and Kanade 1981, along the row): the shift by which the
 /// windows around each pixel fit best, whatever their brightness. Each pixel of a window has its own disparity, so that
-/// slanted surfaces have no bias. Pixels that do not fit lose their disparity; 0: none. Sums are of integers: the result
-/// depends on no order.
+/// slanted surfaces have no bias. Pixels that do not fit lose their disparity; 0: none. Sums are of integers: the
+/// result depends on no order.
 void refine_disparity(GrayView left, GrayView right, const DisparityRefinementOptions& options,
                       Image<float>& disparity);
 

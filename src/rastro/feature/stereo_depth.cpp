@@ -11,9 +11,9 @@ namespace rastro {
 namespace {
 
 constexpr int disparity_step =
-    16;  ///< OpenCV searches multiples of this, and gives disparities in this part of a pixel.
-constexpr int half = 2;              ///< Semi-global matching at this part of the size: an eighth of the time.
-constexpr int block_px = 5;          ///< Width of the blocks compared there.
+    16;                      ///< OpenCV searches multiples of this, and gives disparities in this part of a pixel.
+constexpr int half = 2;      ///< Semi-global matching at this part of the size: an eighth of the time.
+constexpr int block_px = 5;  ///< Width of the blocks compared there.
 constexpr int unique_percent = 8;    ///< By which the best match must be better than any other.
 constexpr int most_difference = 1;   ///< Of the disparities from left to right and back, pixels.
 constexpr int speckle_pixels = 100;  ///< Smaller regions of one depth are chance.
@@ -92,7 +92,8 @@ DepthImage StereoDepth::depth(GrayView left, GrayView right) const {
   for (int y = 0; y < left.height; ++y) std::fill_n(depth.row(y), left.width, 0.0F);
   if (left.width < least_size || left.height < least_size) return depth;
   const Image<float> disparity = matcher_->disparity(left, right);
-  const auto least = static_cast<float>(options_.min_disparity_px), most = static_cast<float>(options_.max_disparity_px);
+  const auto least = static_cast<float>(options_.min_disparity_px),
+             most = static_cast<float>(options_.max_disparity_px);
   for (int y = 0; y < left.height; ++y) {
     const float* from = disparity.row(y);
     float* to = depth.row(y);

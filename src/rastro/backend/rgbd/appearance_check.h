@@ -48,8 +48,8 @@ class AppearanceCheck {
   struct Patch;
   bool fill(const KeyframeAppearance& a, const KeyframeAppearance& b, const SE3& a_from_b, Patch& patch) const;
 
-  int coarse_px_;                      ///< Pixels along a coarse one.
-  Camera camera_;                      ///< Of the coarse pixels.
+  int coarse_px_;  ///< Pixels along a coarse one.
+  Camera camera_;  ///< Of the coarse pixels.
   DepthNoise noise_;
   std::vector<Eigen::Vector3d> rays_;  ///< Of the coarse pixels, z = 1; NaN where there is none.
 };
