@@ -245,7 +245,7 @@ PoseGraphResult KeyframeGraph::optimize(bool all, const PoseGraphOptions& option
 }
 
 FinalOptimization final_optimization(std::size_t edges, int iterations) {
-  constexpr double most_edge_iterations = 3e6;  // about a minute and a half of one core
+  constexpr double most_edge_iterations = 3e6;
   constexpr int most_rounds = 10, most_stages = 8;
   const double of_round = std::max(1.0, static_cast<double>(edges) * iterations);
   const int rounds = static_cast<int>(std::min(most_edge_iterations / of_round, 1.0 * (most_rounds + most_stages)));
