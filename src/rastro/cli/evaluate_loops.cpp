@@ -78,7 +78,7 @@ int evaluate_loops(const Flags& flags) {
   const SourceInfo info = open(flags.recording)->info();
   if (info.ground_truth.empty()) throw Error("has no ground truth", flags.recording, "give a generated recording");
   const std::shared_ptr<const Map> map = load_map(map_file_of(flags.run));
-  const LoopClosureScores scores = score_loop_closures(*map, revisits, info.ground_truth, flags.loops);
+  const LoopClosureScores scores = score_loop_closures(*map, revisits, camera_ground_truth(info), flags.loops);
   if (flags.json)
     fmt::print("{}", as_json(numbers_of(scores)));
   else if (!flags.quiet)

@@ -129,6 +129,14 @@ std::vector<Revisit> parse_revisits(const std::string& text, const std::string& 
   return revisits;
 }
 
+Trajectory camera_ground_truth(const SourceInfo& info) {
+  Trajectory poses = info.ground_truth;
+  if (info.ground_truth_frame != "body" || info.cameras.empty()) return poses;
+  const SE3 body_from_camera = info.cameras.front().body_from_camera.value_or(SE3());
+  for (StampedPose& pose : poses) pose.world_from_body = pose.world_from_body * body_from_camera;
+  return poses;
+}
+
 LoopClosureScores score_loop_closures(const Map& map, const std::vector<Revisit>& revisits,
                                       const Trajectory& ground_truth, const LoopClosureLimits& limits) {
   return Scoring(map, ground_truth, limits).score(revisits);

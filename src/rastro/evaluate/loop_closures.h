@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rastro/map/graph/map.h"
+#include "rastro/sensor/source.h"
 #include "rastro/sensor/trajectory.h"
 
 namespace rastro {
@@ -27,6 +28,9 @@ struct LoopClosureLimits {
   double max_ground_truth_gap_s = 1.0;
 };
 
+/// world_from_camera, as in maps of cameras, of a recording whose ground truth may be that of the body.
+Trajectory camera_ground_truth(const SourceInfo& info);
+
 /// How well a map recognized places.
 struct LoopClosureScores {
   std::int64_t accepted = 0;  ///< Constraints between keyframes farther apart in time than the gap.
@@ -42,8 +46,8 @@ struct LoopClosureScores {
 };
 
 /// Precision of the loop closures in a map, and recall of the true ones. A frame that the map holds relative to a
-/// keyframe from an earlier visit, rightly, is found without a constraint of its own. `ground_truth`: world_from_body,
-/// in the order of time.
+/// keyframe from an earlier visit, rightly, is found without a constraint of its own. `ground_truth`: in the frame of
+/// the map's cameras, in the order of time.
 LoopClosureScores score_loop_closures(const Map& map, const std::vector<Revisit>& revisits,
                                       const Trajectory& ground_truth, const LoopClosureLimits& limits = {});
 

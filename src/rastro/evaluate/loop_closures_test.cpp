@@ -55,6 +55,23 @@ TEST(LoopClosureScores, CountRightAndWrongOnesAndTheRevisitsFound) {
   EXPECT_EQ(scores.recall(), 1.0);
 }
 
+TEST(LoopClosureScores, GroundTruthOfTheBodyBecomesThatOfTheCamera) {
+  const SE3 body_from_camera(SO3::exp({0.0, 1.5, 0.0}), {0.0, 0.1, 0.2}), world_from_body(SO3(), {4.0, 5.0, 6.0});
+  SourceInfo info;
+  info.ground_truth.push_back({from_seconds(1.0), world_from_body});
+  info.ground_truth_frame = "body";
+  const auto error = [&](const SE3& expected) {
+    return (camera_ground_truth(info).front().world_from_body.inverse() * expected).log().norm();
+  };
+  EXPECT_LT(error(world_from_body), 1e-12) << "no camera is known";
+  info.cameras.emplace_back();
+  EXPECT_LT(error(world_from_body), 1e-12) << "nor where it is on the body";
+  info.cameras.front().body_from_camera = body_from_camera;
+  EXPECT_LT(error(world_from_body * body_from_camera), 1e-12);
+  info.ground_truth_frame = "camera";
+  EXPECT_LT(error(world_from_body), 1e-12);
+}
+
 TEST(LoopClosureScores, AWrongOneFindsNothing) {
   Case test;
   test.close(0, 4, 0.6);

@@ -11,10 +11,10 @@ struct StereoDepthOptions {
   double focal_times_baseline = 50.0;  ///< Pixels times meters: depth = this over disparity.
   double min_disparity_px = 2.0;       ///< A smaller one has no useful depth.
   int max_disparity_px = 96;           ///< Nearer points have no depth.
-  int block_px = 11;                   ///< Width of the blocks compared, odd.
 };
 
-/// Depth of a rectified pair by block matching with a left-right check (OpenCV). Not thread-safe.
+/// Depth of a rectified pair: semi-global matching of the images at half their size with a left-right check (OpenCV),
+/// which is dense and fast, then precise by `refine_disparity`. Not thread-safe.
 class StereoDepth {
  public:
   explicit StereoDepth(const StereoDepthOptions& options);

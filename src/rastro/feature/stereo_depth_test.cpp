@@ -47,7 +47,7 @@ double left_of_right(double x) {
   return (x + at_border) / (1.0 - slope);
 }
 
-StereoDepthOptions options_of(double least_px, int most_px) { return {focal_px * baseline, least_px, most_px, 11}; }
+StereoDepthOptions options_of(double least_px, int most_px) { return {focal_px * baseline, least_px, most_px}; }
 
 TEST(StereoDepth, ASlantedPlaneHasItsExactDepths) {
   const StereoDepth stereo(options_of(2.0, 48));

@@ -16,7 +16,8 @@ namespace {
 constexpr int side = 8, margin = 1;  // A patch may be off by the margin: poses are not exact.
 constexpr int wide = side + 2 * margin;
 constexpr double nearest_m = 0.3, farthest_m = 8.0;
-constexpr double hidden_share = 0.08;  // of the depth, by which the other view sees something else there
+// The other view sees something else there: by this share of the depth, and by more than the noise explains.
+constexpr double hidden_share = 0.08, hidden_sigmas = 3.0;
 constexpr double least_texture = 2.0;  // squared intensity per coarse pixel, along the weaker direction
 constexpr double alike_score = 0.7;    // of the normalized cross-correlation
 
@@ -98,8 +99,8 @@ struct AppearanceCheck::Patch {
   }
 };
 
-AppearanceCheck::AppearanceCheck(const Camera& camera)
-    : coarse_px_(coarse_px_of(camera)), camera_(camera.scaled(1.0 / coarse_px_)) {
+AppearanceCheck::AppearanceCheck(const Camera& camera, const DepthNoise& noise)
+    : coarse_px_(coarse_px_of(camera)), camera_(camera.scaled(1.0 / coarse_px_)), noise_(noise) {
   for (int y = 0; y < camera_.height; ++y)
     for (int x = 0; x < camera_.width; ++x) {
       const auto ray = camera_.unproject({static_cast<double>(x), static_cast<double>(y)});
@@ -140,7 +141,8 @@ bool AppearanceCheck::fill(const KeyframeAppearance& a, const KeyframeAppearance
                       pixel->y() < camera_.height - 1.0))
         return false;
       const double measured = a.depth.at(static_cast<int>(pixel->x() + 0.5), static_cast<int>(pixel->y() + 0.5));
-      if (!(std::abs(measured - point.z()) < hidden_share * point.z())) return false;
+      const double hidden_m = std::max(hidden_share * point.z(), hidden_sigmas * noise_.sigma(point.z()));
+      if (!(measured > 0.0 && std::abs(measured - point.z()) < hidden_m)) return false;
       patch.there[v][u] = sample(a.brightness, pixel->x(), pixel->y());
       const bool inner = u >= margin && v >= margin && u < side + margin && v < side + margin;
       if (inner) patch.seen[v - margin][u - margin] = b.brightness.at(x, y);

@@ -10,6 +10,7 @@
 #include "rastro/backend/rgbd/recent_items.h"
 #include "rastro/camera/camera.h"
 #include "rastro/image/image.h"
+#include "rastro/map/graph/map.h"
 #include "rastro/map/images/image_layer.h"
 #include "rastro/math/se3.h"
 #include "rastro/sensor/frame.h"
@@ -37,7 +38,7 @@ struct AppearanceAgreement {
 /// Thread-safe.
 class AppearanceCheck {
  public:
-  explicit AppearanceCheck(const Camera& camera);
+  explicit AppearanceCheck(const Camera& camera, const DepthNoise& noise = {});
   KeyframeAppearance appearance_of(const UnpackedImages& images) const;
   /// As if the frame were packed and unpacked first.
   KeyframeAppearance appearance_of(const Frame& frame) const;
@@ -47,8 +48,9 @@ class AppearanceCheck {
   struct Patch;
   bool fill(const KeyframeAppearance& a, const KeyframeAppearance& b, const SE3& a_from_b, Patch& patch) const;
 
-  int coarse_px_;                      ///< Pixels along a coarse one.
-  Camera camera_;                      ///< Of the coarse pixels.
+  int coarse_px_;  ///< Pixels along a coarse one.
+  Camera camera_;  ///< Of the coarse pixels.
+  DepthNoise noise_;
   std::vector<Eigen::Vector3d> rays_;  ///< Of the coarse pixels, z = 1; NaN where there is none.
 };
 

@@ -104,6 +104,21 @@ TEST(AppearanceCheck, APatchCountsWhereAllOfItIsInTheOtherView) {
   EXPECT_GT(all, 16 * 12);
 }
 
+TEST(AppearanceCheck, DepthsThatDifferByTheirNoiseAreOneSurface) {
+  UnpackedImages noisy = wall(2);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) noisy.depth.at(x, y) = 2.2F;
+  const auto compared = [&](const DepthNoise& noise) {
+    const AppearanceCheck check(small_camera(), noise);
+    const AppearanceAgreement agreement =
+        check.compare(check.appearance_of(noisy), check.appearance_of(wall(2)), SE3());
+    return agreement.agree + agreement.contradict;
+  };
+  EXPECT_EQ(compared({}), 0) << "of a Kinect: the wall is hidden";
+  EXPECT_GT(compared({0.0, 0.02}), 200) << "8 cm at 2 m";
+  EXPECT_EQ(compared({0.0, 0.015}), 0) << "6 cm at 2 m";
+}
+
 TEST(AppearanceCheck, WhatIsHiddenOrWithoutTextureSaysNothing) {
   UnpackedImages hidden = wall(2), plain = wall(2);
   for (int y = 0; y < height; ++y)

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "rastro/backend/rgbd/keyframe_matcher.h"
+
 namespace rastro {
 namespace {
 
@@ -62,9 +64,9 @@ Features spread(const Features& all, const Frame& frame, std::size_t most) {
 
 }  // namespace
 
-float feature_depth(const DepthImage& depth, float x, float y) {
+float feature_depth(const DepthImage& depth, float x, float y, const DepthNoise& noise) {
   constexpr int reach = 2;
-  constexpr float jump_share = 0.04F;
+  constexpr double jump_share = 0.04, jump_sigmas = 3.0;
   const int cx = static_cast<int>(std::lround(x)), cy = static_cast<int>(std::lround(y));
   if (cx < reach || cy < reach || cx >= depth.width() - reach || cy >= depth.height() - reach) return 0.0F;
   std::array<float, (2 * reach + 1) * (2 * reach + 1)> found{};
@@ -79,7 +81,8 @@ float feature_depth(const DepthImage& depth, float x, float y) {
   const auto begin = found.begin(), end = begin + static_cast<std::ptrdiff_t>(count),
              middle = begin + (end - begin) / 2;
   const auto [nearest, farthest] = std::minmax_element(begin, end);
-  if (*farthest - *nearest > jump_share * *nearest) return 0.0F;
+  const auto from_m = static_cast<double>(*nearest), to_m = static_cast<double>(*farthest);
+  if (to_m - from_m > std::max(jump_share * from_m, jump_sigmas * noise.sigma(from_m))) return 0.0F;
   std::nth_element(begin, middle, end);
   return *middle;
 }
@@ -109,7 +112,7 @@ ImageFeatures KeyframeFeatures::extract(const Frame& frame, double share) {
   const auto least = static_cast<float>(options_.follow.min_depth_m),
              farthest = static_cast<float>(options_.follow.max_depth_m);
   for (const Keypoint& keypoint : keyframe.features.keypoints) {
-    const float meters = feature_depth(frame.depth, keypoint.x, keypoint.y);
+    const float meters = feature_depth(frame.depth, keypoint.x, keypoint.y, depth_noise(options_));
     keyframe.depths.push_back(meters >= least && meters <= farthest ? meters : 0.0F);
   }
   return keyframe;

@@ -7,6 +7,7 @@
 #include "rastro/feature/descriptor_extractor.h"
 #include "rastro/feature/orb.h"
 #include "rastro/map/features/feature_layer.h"
+#include "rastro/map/graph/map.h"
 #include "rastro/sensor/frame.h"
 
 namespace rastro {
@@ -27,7 +28,7 @@ class KeyframeFeatures {
   std::unique_ptr<DescriptorExtractor> extractor_;  ///< ... and for the others.
 };
 
-/// Median depth around a pixel; 0 where there is none, or at a depth discontinuity.
-float feature_depth(const DepthImage& depth, float x, float y);
+/// Median depth around a pixel; 0 where there is none, or at a depth discontinuity: more than the noise explains.
+float feature_depth(const DepthImage& depth, float x, float y, const DepthNoise& noise = {});
 
 }  // namespace rastro

@@ -49,6 +49,16 @@ TEST(FeatureDepth, HasNoneAtADepthEdge) {
   }
 }
 
+TEST(FeatureDepth, WhatTheNoiseExplainsIsNoEdge) {
+  const DepthNoise of_stereo{0.0, 0.02};  // 8 cm at 2 m
+  for (const float other : {2.22F, 2.26F}) {
+    DepthImage depth = patch();
+    for (int y = 0; y < 9; ++y) depth.at(6, y) = other;
+    EXPECT_EQ(feature_depth(depth, 4.0F, 4.0F), 0.0F) << other;
+    EXPECT_EQ(feature_depth(depth, 4.0F, 4.0F, of_stereo), other < 2.24F ? 2.0F : 0.0F) << other;
+  }
+}
+
 TEST(FeatureDepth, MissingPixelsDoNotCountAndTooManyGiveNone) {
   for (const float missing : {0.0F, -1.0F, nan, infinite}) {
     DepthImage depth = patch();

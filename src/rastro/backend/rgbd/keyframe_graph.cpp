@@ -244,16 +244,26 @@ PoseGraphResult KeyframeGraph::optimize(bool all, const PoseGraphOptions& option
   return result;
 }
 
+FinalOptimization final_optimization(std::size_t edges, int iterations) {
+  constexpr double most_edge_iterations = 3e6;
+  constexpr int most_rounds = 10, most_stages = 8;
+  const double of_round = std::max(1.0, static_cast<double>(edges) * iterations);
+  const int rounds = static_cast<int>(std::min(most_edge_iterations / of_round, 1.0 * (most_rounds + most_stages)));
+  if (rounds > most_stages) return {true, std::min(most_rounds, rounds - most_stages)};
+  return {false, std::max(1, rounds)};
+}
+
 /// Only at first are switches introduced gradually: what was decided there stands.
 PoseGraphResult KeyframeGraph::optimize_until_converged() {
-  constexpr int most_rounds = 10;
   constexpr double least_gain = 0.05;
-  PoseGraphResult result = optimize(true);
+  const FinalOptimization limits = final_optimization(edges_.size(), options_.optimize_iterations);
+  PoseGraphOptions options = graph_options(options_);
+  options.gradual = limits.gradual;
+  PoseGraphResult result = optimize(true, options);
   const double first_cost = result.first_cost;
-  PoseGraphOptions further = graph_options(options_);
-  further.gradual = false;
-  for (int round = 1; round < most_rounds && !result.converged; ++round) {
-    result = optimize(true, further);
+  options.gradual = false;
+  for (int round = 1; round < limits.rounds && !result.converged; ++round) {
+    result = optimize(true, options);
     if (result.last_cost > (1.0 - least_gain) * result.first_cost) break;
   }
   result.first_cost = first_cost;

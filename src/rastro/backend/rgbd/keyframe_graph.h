@@ -42,6 +42,15 @@ struct GraphChanges {
 /// What is left of a keyframe's features to save memory: none of them.
 std::shared_ptr<const ImageFeatures> without_features(const ImageFeatures& keyframe);
 
+/// How much of the last optimization of a run is affordable.
+struct FinalOptimization {
+  bool gradual = true;  ///< Switches are introduced in stages, of which each costs a round. Else what loop closures
+                        ///< decided stands.
+  int rounds = 10;      ///< At most.
+};
+/// All of it for maps of up to about 16 000 constraints; a larger one is bounded to as much work, one round at least.
+FinalOptimization final_optimization(std::size_t edges, int iterations);
+
 /// Keyframes with their poses and constraints: which keyframes to compare, their distance in the graph, and their
 /// optimized poses. Keyframes below `frozen` belong to a given map and stay fixed.
 class KeyframeGraph {

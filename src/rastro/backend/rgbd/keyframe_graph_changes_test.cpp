@@ -2,6 +2,8 @@
 // What a graph tells of its changes, and how far it looks.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "rastro/backend/rgbd/keyframe_graph.h"
 #include "rastro/backend/rgbd/rgbd_testing.h"
 
@@ -110,6 +112,22 @@ TEST(GraphPaths, FollowNoMoreThanTheyAreAskedFor) {
   const int before = asked;
   EXPECT_EQ(paths.to(3), 3.0);
   EXPECT_EQ(asked, before) << "known by then";
+}
+
+TEST(FinalOptimization, IsCompleteForSmallMapsAndBoundedForLargeOnes) {
+  for (const std::size_t edges : {std::size_t{0}, std::size_t{100}, std::size_t{16000}}) {
+    EXPECT_TRUE(final_optimization(edges, 10).gradual) << edges;
+    EXPECT_EQ(final_optimization(edges, 10).rounds, 10) << edges;
+  }
+  double most = 0.0;
+  for (std::size_t edges = 20000; edges < 300000; edges += 1000) {
+    const FinalOptimization limits = final_optimization(edges, 10);
+    EXPECT_GE(limits.rounds, 1);
+    most = std::max(most, 10.0 * static_cast<double>(edges) * (limits.rounds + (limits.gradual ? 8 : 0)));
+  }
+  EXPECT_LE(most, 3.1e6);
+  EXPECT_FALSE(final_optimization(100000, 10).gradual) << "what loop closures decided stands";
+  EXPECT_EQ(final_optimization(10000000, 10).rounds, 1) << "one at least";
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ Mapper::Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamC
       images_(packed_images_of(context, in_memory_)),
       matcher_(options, camera),
       depths_(matcher_.surfaces(), images_),
-      proof_{AppearanceCheck(camera), AppearanceStore(proof_.check, images_)},
+      proof_{AppearanceCheck(camera, depth_noise(options)), AppearanceStore(proof_.check, images_)},
       features_(options),
       graph_(options, maps_ ? 0 : static_cast<std::int64_t>(context.map->keyframes.size())),
       search_(search ? std::move(search) : std::make_unique<GraphSearch>(options)) {

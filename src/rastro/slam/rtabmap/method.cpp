@@ -72,6 +72,9 @@ class RtabmapMethod : public SlamMethod {
     constexpr double usual_sigma = 0.06;  // of poses from stereo depth where all is well
     options.follow.weak_sigma = usual_sigma;
     options.follow.learn_delay = false;  // both images are of one instant
+    // Where there is no texture, semi-global matching assumes smooth surfaces: no measurement to track by. A camera
+    // that stands still would move with their noise.
+    options.follow.surfaces = "off";
     return options;
   }
 

@@ -23,7 +23,8 @@ void add_sensor_options(OptionTable& table, RtabmapOptions& o) {
   table.add({"stereo_sigma_px",
              &o.stereo_sigma_px,
              "px",
-             "standard deviation of a disparity; with a stereo pair, depth_sigma_m and depth_sigma_per_m2 follow",
+             "standard deviation of a disparity; with a stereo pair, depth_sigma_m and depth_sigma_per_m2 follow, and "
+             "surfaces are off",
              0.01,
              10,
              {}});
