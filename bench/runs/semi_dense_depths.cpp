@@ -28,9 +28,9 @@ using namespace rastro;
 
 World world_named(const std::string& name) {
   const std::map<std::string, std::function<World()>> worlds = {
-      {"hall", [] { return make_hall(); }},         {"street", [] { return make_street(); }},
-      {"loop", [] { return make_loop(); }},         {"corridor", [] { return make_corridor(); }},
-      {"bedroom", [] { return make_bedroom(); }},   {"study", [] { return make_study(); }}};
+      {"hall", [] { return make_hall(); }},       {"street", [] { return make_street(); }},
+      {"loop", [] { return make_loop(); }},       {"corridor", [] { return make_corridor(); }},
+      {"bedroom", [] { return make_bedroom(); }}, {"study", [] { return make_study(); }}};
   const auto found = worlds.find(name);
   if (found == worlds.end()) throw Error("is no world of this program", name, "give hall, street, loop or bedroom");
   return found->second();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "rastro/slam/lsd/lsd_frame.h"
+
 namespace rastro {
 namespace {
 
@@ -31,7 +33,7 @@ std::shared_ptr<const ConstraintSearch::Prepared> ConstraintSearch::prepared(std
   if (auto recent = recent_.find(id)) return recent;
   const SemiDenseKeyframe& keyframe = graph_.keyframe(id);
   Prepared made;
-  made.pyramid = alignment_pyramid(keyframe.image.view(), options_.levels);
+  made.pyramid = target_pyramid(keyframe.image, keyframe.mask, options_.levels, nullptr);
   AlignmentReferenceOptions options;
   options.levels = options_.levels;
   options.max_points = options_.max_points;

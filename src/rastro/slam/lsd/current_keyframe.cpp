@@ -14,6 +14,7 @@ DepthMapOptions depth_options(const LsdOptions& options) {
   depth.min_gradient = static_cast<float>(options.min_gradient);
   depth.growth = options.variance_growth;
   depth.common_share = options.common_share;
+  depth.surface_share = options.surface_share;
   depth.search.intensity_sigma = options.intensity_sigma;
   depth.search.geometry_sigma_px = options.line_sigma_px;
   depth.search.disparity_sigma_px = options.disparity_sigma_px;
@@ -28,7 +29,7 @@ CurrentKeyframe::CurrentKeyframe(const LsdOptions& options, const LsdSensor& sen
     : options_(options),
       sensor_(sensor),
       pool_(pool),
-      depth_(frame.image.view(), sensor.camera, depth_options(options)) {
+      depth_(frame.image.view(), sensor.camera, depth_options(options), frame.mask.view()) {
   if (depth)
     depth_.start_from(*depth);
   else if (!sensor.is_metric())
@@ -41,7 +42,9 @@ void CurrentKeyframe::begin(std::int64_t id, const LsdFrame& frame, const SE3& d
   frame_ = frame.index;
   stamp_ = frame.stamp;
   image_ = frame.image;
-  pyramid_ = frame.pyramid;
+  mask_ = frame.mask;
+  // Depths end at the mask, but on coarse levels black would reach into what they are compared with.
+  pyramid_ = mask_.empty() ? frame.pyramid : alignment_pyramid(image_.view(), options_.levels, pool_);
   frames_ = 0;
   measure(frame, depth_from_color);
   update_reference();
@@ -75,14 +78,15 @@ ImageAlignment CurrentKeyframe::track(const Pyramid& image, const SE3& image_fro
 }
 
 void CurrentKeyframe::refine(const LsdFrame& frame, const ImageAlignment& tracked) {
-  depth_.observe(frame.image.view(), tracked.image_from_reference, tracked.gain, tracked.offset, pool_);
+  depth_.observe(frame.image.view(), tracked.image_from_reference, tracked.gain, tracked.offset, pool_,
+                 frame.mask.view());
   ++frames_;
   update_reference();
 }
 
 Sim3 CurrentKeyframe::change_to(std::int64_t id, const LsdFrame& frame, const SE3& new_from_keyframe,
                                 const SE3& depth_from_color) {
-  depth_ = depth_.propagate(frame.image.view(), new_from_keyframe);
+  depth_ = depth_.propagate(frame.image.view(), new_from_keyframe, frame.mask.view());
   const double mean = depth_.mean();
   const double unit = mean > 0.0 && !sensor_.is_metric() ? 1.0 / mean : 1.0;
   depth_.rescale(unit);
@@ -95,7 +99,7 @@ int CurrentKeyframe::pixels() const { return reference_.level(0).count; }
 
 std::shared_ptr<const SemiDenseKeyframe> CurrentKeyframe::published() const {
   return std::make_shared<const SemiDenseKeyframe>(
-      SemiDenseKeyframe{id_, frame_, stamp_, image_, depth_.inverse_depth(), mean_inverse_depth_});
+      SemiDenseKeyframe{id_, frame_, stamp_, image_, depth_.inverse_depth(), mean_inverse_depth_, mask_});
 }
 
 }  // namespace rastro

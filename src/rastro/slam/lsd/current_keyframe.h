@@ -47,7 +47,7 @@ class CurrentKeyframe {
   std::int64_t id_ = 0;
   std::int64_t frame_ = 0;
   TimeNs stamp_ = 0;
-  GrayImage image_;
+  GrayImage image_, mask_;
   Pyramid pyramid_;
   DepthMap depth_;
   AlignmentReference reference_;

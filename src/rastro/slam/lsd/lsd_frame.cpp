@@ -32,6 +32,11 @@ GrayImage undistorted_mask(const GrayImage& mask, const UndistortMap& map, TaskP
 
 }  // namespace
 
+Pyramid target_pyramid(const GrayImage& image, const GrayImage& mask, int levels, TaskPool* pool) {
+  if (mask.empty()) return alignment_pyramid(image.view(), levels, pool);
+  return alignment_pyramid(with_black(image, mask).view(), levels, pool);
+}
+
 LsdFrameMaker::LsdFrameMaker(const LsdSensor& sensor, int levels, TaskPool* pool)
     : sensor_(sensor), levels_(levels), pool_(pool) {
   if (sensor.rectification)
@@ -46,9 +51,7 @@ LsdFrame LsdFrameMaker::from_image(std::int64_t index, TimeNs stamp, GrayImage i
   frame.stamp = stamp;
   frame.image = std::move(image);
   frame.mask = std::move(mask);
-  const bool masked = !frame.mask.empty();
-  const GrayImage black = masked ? with_black(frame.image, frame.mask) : GrayImage();
-  frame.pyramid = alignment_pyramid(masked ? black.view() : frame.image.view(), levels_, pool_);
+  frame.pyramid = target_pyramid(frame.image, frame.mask, levels_, pool_);
   return frame;
 }
 

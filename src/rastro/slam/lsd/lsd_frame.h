@@ -26,6 +26,9 @@ struct LsdFrame {
   TimeNs depth_stamp = 0;  ///< Of the depth.
 };
 
+/// Of an alignment's target: what the mask leaves out (empty: nothing) is black.
+Pyramid target_pyramid(const GrayImage& image, const GrayImage& mask, int levels, TaskPool* pool);
+
 /// Undistorts or rectifies the frames of a recording.
 class LsdFrameMaker {
  public:

@@ -16,6 +16,7 @@
 #include "rastro/slam/lsd/current_keyframe.h"
 #include "rastro/slam/lsd/initialization/two_view_start.h"
 #include "rastro/slam/lsd/lsd_frame.h"
+#include "rastro/slam/lsd/pose_uncertainty.h"
 #include "rastro/slam/lsd/semi_dense_graph.h"
 #include "rastro/slam/map_budget.h"
 
@@ -69,6 +70,7 @@ class LsdSlam::State {
   void follow(const LsdFrame& frame, SlamUpdate& update);
   void follow_kept_frames(std::size_t first);
   void doubt(SlamUpdate& update) const;
+  void set_covariance(const ImageAlignment& tracked, SlamUpdate& update) const;
   void accept(const LsdFrame& frame, const ImageAlignment& tracked);
   bool needs_keyframe(const ImageAlignment& tracked) const;
   void change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
@@ -77,7 +79,7 @@ class LsdSlam::State {
   void on_loss(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
   bool relocalize(const LsdFrame& frame, SlamUpdate& update);
   void stay_within_budget(SlamUpdate& update);
-  BagOfWords words_of(GrayView image);
+  BagOfWords words_of(GrayView image, GrayView mask);
 
   LsdOptions options_;
   LsdSensor sensor_;
@@ -85,6 +87,7 @@ class LsdSlam::State {
   LsdFrameMaker frames_;
   FrameCheck check_;
   SemiDenseGraph graph_;
+  PoseUncertainty uncertainty_;
   TwoViewStart start_;
   ConstraintSearch constraints_;
   OrbExtractor features_;
@@ -148,12 +151,12 @@ void LsdSlam::State::start(LsdFrame frame, SlamUpdate& update) {
 }
 
 void LsdSlam::State::start_from_two_views(LsdFrame frame, SlamUpdate& update) {
-  const auto found = start_.take(frame.index, frame.stamp, std::move(frame.image));
+  const auto found = start_.take(frame.index, frame.stamp, std::move(frame.image), std::move(frame.mask));
   update.reason = start_.frames().size() == 1 ? SlamReason::first_frame : SlamReason::too_few_points;
   update.detail = start_.detail();
   if (!found) return;
   const TwoViewStart::KeptFrame& first = start_.frames()[found->first];
-  const LsdFrame first_frame = frames_.from_image(first.index, first.stamp, first.image);
+  const LsdFrame first_frame = frames_.from_image(first.index, first.stamp, first.image, first.mask);
   begin_map({options_, sensor_, pool_, graph_.size(), first_frame, &found->depth}, update);
   follow_kept_frames(found->first);
   start_.reset();
@@ -184,6 +187,7 @@ void LsdSlam::State::begin_map(CurrentKeyframe first, SlamUpdate& update) {
   const int submap = graph_.new_submap();
   current_.emplace(std::move(first));
   graph_.add(current_->published(), Sim3(), submap);
+  uncertainty_.set_known(id, Eigen::Vector3d::Zero());
   motion_ = {};
   update.events.push_back({"keyframe", fmt::format("{}", id)});
   if (submap > 0) update.events.push_back({"submap", fmt::format("{} begins with keyframe {}", submap, id)});
@@ -194,7 +198,7 @@ void LsdSlam::State::follow_kept_frames(std::size_t first) {
   const auto& kept = start_.frames();
   std::vector<PlacedFrame> placed;
   const auto track = [&](std::size_t k, const SE3& guess) -> std::optional<ImageAlignment> {
-    const LsdFrame frame = frames_.from_image(kept[k].index, kept[k].stamp, kept[k].image);
+    const LsdFrame frame = frames_.from_image(kept[k].index, kept[k].stamp, kept[k].image, kept[k].mask);
     const ImageAlignment tracked = current_->track(frame.pyramid, guess);
     if (!tracked.ok()) return std::nullopt;
     placed.push_back({frame.index, frame.stamp, current_->id(), tracked.image_from_reference.inverse()});
@@ -226,6 +230,7 @@ void LsdSlam::State::follow(const LsdFrame& frame, SlamUpdate& update) {
   update.used = tracked.points;
   accept(frame, tracked);
   update.world_from_body = graph_.pose_of({0, 0, current_->id(), motion_.camera_from_keyframe.inverse()});
+  set_covariance(tracked, update);
   if (needs_keyframe(tracked))
     change_keyframe(frame, tracked, update);
   else if (tracked.rms < options_.keyframe_residual)
@@ -247,6 +252,14 @@ void LsdSlam::State::doubt(SlamUpdate& update) const {
     return;
   }
   update.state = SlamState::weak;
+}
+
+/// None in a submap apart from the first: where it lies is unknown.
+void LsdSlam::State::set_covariance(const ImageAlignment& tracked, SlamUpdate& update) const {
+  const std::int64_t id = current_->id();
+  if (graph_.submap(id) != 0) return;
+  update.covariance = uncertainty_.of_frame(id, graph_.pose(id).scale(), current_->mean_inverse_depth(),
+                                            update.world_from_body, tracked);
 }
 
 void LsdSlam::State::accept(const LsdFrame& frame, const ImageAlignment& tracked) {
@@ -283,6 +296,7 @@ void LsdSlam::State::change_keyframe(const LsdFrame& frame, const ImageAlignment
   Constraint edge{before, id, before_from_new, covariance.inverse()};
   edge.inliers = tracked.points;
   graph_.add_edge(edge);
+  if (update.covariance) uncertainty_.set(id, graph_.pose(id).translation(), *update.covariance);
   motion_.camera_from_keyframe = SE3();
   motion_.velocity = SE3(motion_.velocity.rotation(), motion_.velocity.translation() / unit);
   stay_within_budget(update);
@@ -293,7 +307,7 @@ void LsdSlam::State::finish_keyframe(SlamUpdate& update) {
   Stopwatch stage;
   const auto finished = current_->published();
   graph_.replace(finished);
-  const BagOfWords words = words_of(finished->image.view());
+  const BagOfWords words = words_of(finished->image.view(), finished->mask.view());
   connect(finished->id, words, update);
   graph_.add_words(finished->id, words);
   update.times.push_back({"constraints", stage.lap_ms()});
@@ -327,10 +341,11 @@ void LsdSlam::State::on_loss(const LsdFrame& frame, const ImageAlignment& tracke
 /// By direct alignment with the keyframes that share most words with the frame.
 bool LsdSlam::State::relocalize(const LsdFrame& frame, SlamUpdate& update) {
   ++motion_.lost_frames;
-  for (const std::int64_t id : graph_.similar(words_of(frame.image.view()), options_.similar_keyframes)) {
+  for (const std::int64_t id :
+       graph_.similar(words_of(frame.image.view(), frame.mask.view()), options_.similar_keyframes)) {
     const SemiDenseKeyframe& known = graph_.keyframe(id);
-    CurrentKeyframe candidate(options_, sensor_, pool_, id, frames_.from_image(known.frame, known.stamp, known.image),
-                              &known.depth);
+    CurrentKeyframe candidate(options_, sensor_, pool_, id,
+                              frames_.from_image(known.frame, known.stamp, known.image, known.mask), &known.depth);
     const ImageAlignment tracked = candidate.track(frame.pyramid, SE3());
     if (!tracked.ok()) continue;
     finish_keyframe(update);
@@ -362,8 +377,8 @@ MapMemory LsdSlam::State::map_memory() const {
           forgotten_ == 0 ? std::string() : fmt::format("depths of the {} oldest keyframes dropped", forgotten_)};
 }
 
-BagOfWords LsdSlam::State::words_of(GrayView image) {
-  BagOfWords words = standard_vocabulary()->words_of(features_.extract(image, {}, pool_).descriptors);
+BagOfWords LsdSlam::State::words_of(GrayView image, GrayView mask) {
+  BagOfWords words = standard_vocabulary()->words_of(features_.extract(image, mask, pool_).descriptors);
   words.nodes = {};
   return words;
 }

@@ -114,6 +114,15 @@ void add_depth_options(OptionTable& table, LsdOptions& o) {
              0,
              1,
              {}});
+  table.add(
+      {"surface_share",
+       &o.surface_share,
+       "",
+       "share of the squared distance to neighbors on another surface that is added to a depth's variance: it may "
+       "belong there",
+       0,
+       10,
+       {}});
   table.add({"variance_growth",
              &o.variance_growth,
              "",

@@ -41,6 +41,7 @@ struct LsdOptions {
   double min_line_px = 3.0;
   double variance_growth = 1.01;
   double common_share = 0.7;
+  double surface_share = 1.0;
 
   // Keyframes.
   double keyframe_distance = 0.25;

@@ -25,6 +25,7 @@ struct SemiDenseKeyframe {
   GrayImage image;
   InverseDepthMap depth;
   double mean_inverse_depth = 1.0;
+  GrayImage mask = {};  ///< Zero: must not be used; empty: all may be.
 };
 
 /// A frame's pose relative to a keyframe and in its unit, so that it follows the keyframe's later corrections.

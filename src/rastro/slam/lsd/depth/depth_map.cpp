@@ -29,7 +29,17 @@ float gradient_at(GrayView image, int x, int y) {
 }
 
 /// Pixels next to a strong gradient take part as well.
-Image<std::uint8_t> gradient_mask(GrayView image, float least) {
+/// Of a window of samples around the pixel.
+bool is_usable(GrayView mask, int x, int y) {
+  constexpr int reach = epipolar_samples / 2;
+  if (mask.empty()) return true;
+  for (int v = y - reach; v <= y + reach; ++v)
+    for (int u = x - reach; u <= x + reach; ++u)
+      if (mask.at(u, v) == 0) return false;
+  return true;
+}
+
+Image<std::uint8_t> gradient_mask(GrayView image, float least, GrayView usable) {
   Image<std::uint8_t> strong(image.width, image.height), mask(image.width, image.height);
   for (int y = border - 1; y < image.height - border + 1; ++y)
     for (int x = border - 1; x < image.width - border + 1; ++x)
@@ -38,6 +48,9 @@ Image<std::uint8_t> gradient_mask(GrayView image, float least) {
     for (int x = border; x < image.width - border; ++x)
       mask.at(x, y) =
           strong.at(x, y) | strong.at(x - 1, y) | strong.at(x + 1, y) | strong.at(x, y - 1) | strong.at(x, y + 1);
+  for (int y = border; y < image.height - border && !usable.empty(); ++y)
+    for (int x = border; x < image.width - border; ++x)
+      if (mask.at(x, y) != 0 && !is_usable(usable, x, y)) mask.at(x, y) = 0;
   return mask;
 }
 
@@ -57,11 +70,11 @@ DepthUpdate& DepthUpdate::operator+=(const DepthUpdate& other) {
   return *this;
 }
 
-DepthMap::DepthMap(GrayView image, const Camera& camera, const DepthMapOptions& options)
+DepthMap::DepthMap(GrayView image, const Camera& camera, const DepthMapOptions& options, GrayView mask)
     : options_(options),
       camera_(camera),
       image_(copy_of(image)),
-      has_gradient_(gradient_mask(image, options.min_gradient)),
+      has_gradient_(gradient_mask(image, options.min_gradient, mask)),
       depth_(image.width, image.height),
       smoothed_(image.width, image.height),
       failures_(image.width, image.height) {}
@@ -89,9 +102,10 @@ void DepthMap::start_from(const InverseDepthMap& depth) {
 }
 
 DepthUpdate DepthMap::observe(GrayView image, const SE3& image_from_keyframe, double gain, double offset,
-                              TaskPool* pool) {
+                              TaskPool* pool, GrayView mask) {
   ++observations_;
-  const EpipolarSearch search(image_.view(), image, camera_, image_from_keyframe, gain, offset, options_.search);
+  EpipolarSearch search(image_.view(), image, camera_, image_from_keyframe, gain, offset, options_.search);
+  search.leave_out(mask);
   return for_pixels([&](int x, int y, DepthUpdate& update) { take(x, y, search.find(x, y, prior_of(x, y)), update); },
                     pool);
 }
@@ -214,12 +228,29 @@ void DepthMap::smooth_row(int y) {
   depth_kernels().smooth_row(depth_, y, smoothing, mean);
   for (int x = border; x < image_.width() - border; ++x) {
     if (failures_.at(x, y) >= 0) mean[x] = 0.0F;
-    variance[x] = mean[x] > 0.0F ? depth_.variance.at(x, y) : 0.0F;
+    variance[x] = mean[x] > 0.0F ? depth_.variance.at(x, y) + spread_at(x, y) : 0.0F;
   }
 }
 
-DepthMap DepthMap::propagate(GrayView new_image, const SE3& new_from_keyframe) const {
-  DepthMap result(new_image, camera_, options_);
+/// Where neighbors lie on another surface, the pixel may do so too: samples along a line show both. Their mean squared
+/// distance beyond what their variances explain.
+float DepthMap::spread_at(int x, int y) const {
+  constexpr std::array<std::array<int, 2>, 8> around{
+      {{-2, 0}, {2, 0}, {0, -2}, {0, 2}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
+  const float own = depth_.mean.at(x, y), own_variance = depth_.variance.at(x, y);
+  float sum = 0.0F, count = 1.0F;
+  for (const auto& [dx, dy] : around) {
+    const float other = depth_.mean.at(x + dx, y + dy), variance = depth_.variance.at(x + dx, y + dy);
+    if (!(variance > 0.0F)) continue;
+    const float squared = (other - own) * (other - own);
+    count += 1.0F;
+    if (squared > 4.0F * (own_variance + variance)) sum += squared;
+  }
+  return static_cast<float>(options_.surface_share) * sum / count;
+}
+
+DepthMap DepthMap::propagate(GrayView new_image, const SE3& new_from_keyframe, GrayView new_mask) const {
+  DepthMap result(new_image, camera_, options_, new_mask);
   const Eigen::Matrix3d rotation = new_from_keyframe.rotation().matrix();
   const double added = options_.propagation_sigma * options_.propagation_sigma;
   for (int y = border; y < image_.height() - border; ++y)

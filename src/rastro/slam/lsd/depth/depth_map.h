@@ -24,6 +24,7 @@ struct DepthMapOptions {
   double max_sigmas = 3.0;           ///< Between an observation and what is known, else it is a failure.
   int least_support = 3;             ///< Neighbors that agree with a depth, itself included, before it is shown.
   int most_failures = 5;             ///< In excess of successes, before a depth is dropped.
+  double surface_share = 1.0;        ///< Of the squared distance to neighbors on another surface: variance added.
   double propagation_sigma = 0.005;  ///< Of an inverse depth of 1, added by a change of keyframe.
   EpipolarSearchOptions search;
 };
@@ -41,15 +42,17 @@ struct DepthUpdate {
 /// undistorted. Results do not depend on the pool.
 class DepthMap {
  public:
-  DepthMap(GrayView image, const Camera& camera, const DepthMapOptions& options);
+  /// Pixels where `mask` is zero, and those beside them, get no depth; empty: all may.
+  DepthMap(GrayView image, const Camera& camera, const DepthMapOptions& options, GrayView mask = {});
 
   /// About 1 with a large variance, wherever there is gradient.
   void start_random(std::uint64_t seed);
   /// From depths known otherwise, where there is gradient.
   void start_from(const InverseDepthMap& depth);
-  /// Intensity in the image = gain * intensity in the keyframe + offset.
+  /// Intensity in the image = gain * intensity in the keyframe + offset. Pixels of the image where `mask` is zero say
+  /// nothing; empty: all do.
   DepthUpdate observe(GrayView image, const SE3& image_from_keyframe, double gain, double offset,
-                      TaskPool* pool = nullptr);
+                      TaskPool* pool = nullptr, GrayView mask = {});
   /// What a sensor of its own measures at this very frame, with what is known of the pixel as prior: static stereo, or
   /// a depth camera. Called by many threads at once.
   using DepthSensor = std::function<EpipolarMatch(int x, int y, const DepthPrior& prior)>;
@@ -58,7 +61,7 @@ class DepthMap {
   /// inverse_depth().
   void regularize(TaskPool* pool = nullptr);
   /// The depths as another keyframe sees them (section 2.3): nearer ones hide others.
-  DepthMap propagate(GrayView new_image, const SE3& new_from_keyframe) const;
+  DepthMap propagate(GrayView new_image, const SE3& new_from_keyframe, GrayView new_mask = {}) const;
   /// Multiplies all inverse depths: another unit.
   void rescale(double factor);
   /// What pixels without a depth are expected to have: the mean, 1 unless said otherwise.
@@ -78,6 +81,7 @@ class DepthMap {
   void forget(int x, int y);
   void fill_row(int y, const InverseDepthMap& before);
   void smooth_row(int y);
+  float spread_at(int x, int y) const;
   void receive(int x, int y, float mean, float variance);
 
   DepthMapOptions options_;
