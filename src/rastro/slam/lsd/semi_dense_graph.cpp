@@ -70,7 +70,8 @@ std::size_t SemiDenseGraph::bytes() const {
                     keyframes_.size() * (sizeof(SemiDenseKeyframe) + sizeof(Sim3));
   for (const auto& keyframe : keyframes_)
     sum += static_cast<std::size_t>(keyframe->image.width()) * static_cast<std::size_t>(keyframe->image.height()) *
-           a_pixel;
+               a_pixel +
+           static_cast<std::size_t>(keyframe->mask.width()) * static_cast<std::size_t>(keyframe->mask.height());
   return sum;
 }
 

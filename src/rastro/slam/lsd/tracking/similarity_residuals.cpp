@@ -140,7 +140,7 @@ SimilarityResiduals::Linear SimilarityResiduals::linearize(const State& state) c
 
 void SimilarityResiduals::hold_scale(Linear& linear) {
   constexpr int scale = 6;
-  constexpr double known = 1e12;
+  const double known = 1e6 * linear.hessian(scale, scale) + 1e6;
   linear.hessian.row(scale).setZero();
   linear.hessian.col(scale).setZero();
   linear.hessian(scale, scale) = known;
