@@ -14,7 +14,6 @@ DepthMapOptions depth_options(const LsdOptions& options) {
   depth.min_gradient = static_cast<float>(options.min_gradient);
   depth.growth = options.variance_growth;
   depth.common_share = options.common_share;
-  depth.surface_share = options.surface_share;
   depth.search.intensity_sigma = options.intensity_sigma;
   depth.search.geometry_sigma_px = options.line_sigma_px;
   depth.search.disparity_sigma_px = options.disparity_sigma_px;

@@ -118,7 +118,7 @@ void add_depth_options(OptionTable& table, LsdOptions& o) {
       {"surface_share",
        &o.surface_share,
        "",
-       "share of the squared distance to neighbors on another surface that is added to a depth's variance: it may "
+       "share of the squared distance to neighbors on another surface that the map adds to a depth's variance: it may "
        "belong there",
        0,
        10,

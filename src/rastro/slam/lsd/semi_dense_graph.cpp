@@ -8,20 +8,24 @@
 #include "rastro/base/error.h"
 #include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/optimize/pose_graph.h"
+#include "rastro/slam/lsd/depth/surface_spread.h"
 
 namespace rastro {
 namespace {
 
-/// Depths in the world's unit.
-std::shared_ptr<const SemiDenseDepth> layer_form(const SemiDenseKeyframe& keyframe, double world_per_unit) {
+/// Depths in the world's unit. `surface_share`: see the option.
+std::shared_ptr<const SemiDenseDepth> layer_form(const SemiDenseKeyframe& keyframe, double world_per_unit,
+                                                 double surface_share) {
   auto result = std::make_shared<SemiDenseDepth>();
   const auto factor = static_cast<float>(1.0 / world_per_unit);
   for (int y = 0; y < keyframe.depth.height(); ++y)
     for (int x = 0; x < keyframe.depth.width(); ++x) {
       const float mean = factor * keyframe.depth.mean.at(x, y);
       if (!keyframe.depth.is_known(x, y) || !(mean > 0.0F)) continue;
+      const float variance =
+          keyframe.depth.variance.at(x, y) + static_cast<float>(surface_share) * surface_spread(keyframe.depth, x, y);
       result->pixels.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), mean,
-                                factor * factor * keyframe.depth.variance.at(x, y), keyframe.image.at(x, y)});
+                                factor * factor * variance, keyframe.image.at(x, y)});
     }
   return result;
 }
@@ -190,7 +194,7 @@ std::shared_ptr<const Map> SemiDenseGraph::snapshot(const LsdSensor& sensor) con
     map->keyframes.push_back({id, kept.frame, kept.stamp, 0, rigid(pose(id)), public_submap(submap(id), largest),
                               before == last_of.end() ? no_keyframe : before->second, 1.0});
     last_of[submap(id)] = id;
-    if (!kept.image.empty()) depths->of[id] = layer_form(kept, pose(id).scale());
+    if (!kept.image.empty()) depths->of[id] = layer_form(kept, pose(id).scale(), options_.surface_share);
   }
   map->layers.put<SemiDenseLayer>(std::move(depths));
   for (const Constraint& edge : edges_) map->constraints.push_back(public_form(edge));

@@ -228,25 +228,8 @@ void DepthMap::smooth_row(int y) {
   depth_kernels().smooth_row(depth_, y, smoothing, mean);
   for (int x = border; x < image_.width() - border; ++x) {
     if (failures_.at(x, y) >= 0) mean[x] = 0.0F;
-    variance[x] = mean[x] > 0.0F ? depth_.variance.at(x, y) + spread_at(x, y) : 0.0F;
+    variance[x] = mean[x] > 0.0F ? depth_.variance.at(x, y) : 0.0F;
   }
-}
-
-/// Where neighbors lie on another surface, the pixel may do so too: samples along a line show both. Their mean squared
-/// distance beyond what their variances explain.
-float DepthMap::spread_at(int x, int y) const {
-  constexpr std::array<std::array<int, 2>, 8> around{
-      {{-2, 0}, {2, 0}, {0, -2}, {0, 2}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
-  const float own = depth_.mean.at(x, y), own_variance = depth_.variance.at(x, y);
-  float sum = 0.0F, count = 1.0F;
-  for (const auto& [dx, dy] : around) {
-    const float other = depth_.mean.at(x + dx, y + dy), variance = depth_.variance.at(x + dx, y + dy);
-    if (!(variance > 0.0F)) continue;
-    const float squared = (other - own) * (other - own);
-    count += 1.0F;
-    if (squared > 4.0F * (own_variance + variance)) sum += squared;
-  }
-  return static_cast<float>(options_.surface_share) * sum / count;
 }
 
 DepthMap DepthMap::propagate(GrayView new_image, const SE3& new_from_keyframe, GrayView new_mask) const {

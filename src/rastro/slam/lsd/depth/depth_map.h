@@ -24,7 +24,6 @@ struct DepthMapOptions {
   double max_sigmas = 3.0;           ///< Between an observation and what is known, else it is a failure.
   int least_support = 3;             ///< Neighbors that agree with a depth, itself included, before it is shown.
   int most_failures = 5;             ///< In excess of successes, before a depth is dropped.
-  double surface_share = 1.0;        ///< Of the squared distance to neighbors on another surface: variance added.
   double propagation_sigma = 0.005;  ///< Of an inverse depth of 1, added by a change of keyframe.
   EpipolarSearchOptions search;
 };
@@ -81,7 +80,6 @@ class DepthMap {
   void forget(int x, int y);
   void fill_row(int y, const InverseDepthMap& before);
   void smooth_row(int y);
-  float spread_at(int x, int y) const;
   void receive(int x, int y, float mean, float variance);
 
   DepthMapOptions options_;

@@ -134,33 +134,6 @@ TEST(DepthMap, AnotherKeyframeSeesTheSameSurfaces) {
   EXPECT_NEAR(errors_of(propagated.inverse_depth(), second.depth).median, 0.5, 0.01) << "another unit";
 }
 
-/// A depth beside another surface may belong to it, and says so.
-TEST(DepthMap, VariancesGrowBesideAnotherSurface) {
-  TaskPool pool(1);
-  const RenderedFrame frame = hall().render(120, pool);
-  InverseDepthMap step(frame.depth.width(), frame.depth.height());
-  const int middle = step.width() / 2;
-  for (int y = 0; y < step.height(); ++y)
-    for (int x = 0; x < step.width(); ++x)
-      step.mean.at(x, y) = x < middle ? 1.0F : 0.5F, step.variance.at(x, y) = 1e-4F;
-  DepthMap map(frame.gray.view(), hall().camera(), {});
-  map.start_from(step);
-  map.regularize();
-  int beside = 0, larger = 0, away = 0, equal = 0;
-  for (int y = 8; y < step.height() - 8; ++y)
-    for (int x = 8; x < step.width() - 8; ++x) {
-      if (!map.inverse_depth().is_known(x, y)) continue;
-      const float variance = map.inverse_depth().variance.at(x, y);
-      const bool is_away = x < middle - 3 || x > middle + 2;
-      away += is_away, equal += is_away && variance < 1.01e-4F;
-      beside += x == middle, larger += x == middle && variance > 0.01F;
-    }
-  EXPECT_GT(away, 1000);
-  EXPECT_EQ(equal, away);
-  EXPECT_GT(beside, 10);
-  EXPECT_GT(larger, beside / 2);
-}
-
 /// Neither of the keyframe nor of the images after it.
 TEST(DepthMap, MaskedPixelsGiveNoDepth) {
   TaskPool pool(1);
