@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "rastro/slam/lsd/lsd_frame.h"
+
 namespace rastro {
 namespace {
 
@@ -31,11 +33,11 @@ std::shared_ptr<const ConstraintSearch::Prepared> ConstraintSearch::prepared(std
   if (auto recent = recent_.find(id)) return recent;
   const SemiDenseKeyframe& keyframe = graph_.keyframe(id);
   Prepared made;
-  made.pyramid = alignment_pyramid(keyframe.image.view(), options_.levels);
+  made.pyramid = target_pyramid(keyframe.image, keyframe.mask, options_.levels, nullptr);
   AlignmentReferenceOptions options;
   options.levels = options_.levels;
   options.max_points = options_.max_points;
-  made.reference.build(made.pyramid, keyframe.depth, camera_, options);
+  made.reference.build(made.pyramid, keyframe.depth, sensor_.camera, options);
   return recent_.add(id, std::move(made));
 }
 
@@ -49,9 +51,8 @@ std::optional<Constraint> ConstraintSearch::align(std::int64_t other, std::int64
   const auto error = reciprocal_error(forward, backward);
   if (!error || *error > options_.max_reciprocal_error) return std::nullopt;
   const Matrix7d covariance = forward.information.inverse();
-  constexpr double least_sigma = 1e-3;  // common to all pixels
   Matrix6d of_motion = covariance.topLeftCorner<6, 6>();
-  of_motion.diagonal().array() += least_sigma * least_sigma;
+  of_motion += common_covariance(graph_.keyframe(id).mean_inverse_depth);
   Constraint edge{other, id, forward.b_from_a, of_motion.inverse(), kind_between(other, id)};
   edge.information = (0.5 * (edge.information + edge.information.transpose())).eval();
   edge.inliers = forward.points;
@@ -62,6 +63,7 @@ SimilarityAlignment ConstraintSearch::align_to(const Prepared& b, const Prepared
   SimilarityAlignmentOptions options;
   options.coarsest_level = options_.levels - 1;
   options.min_overlap = options_.min_constraint_overlap;
+  options.fix_scale = sensor_.is_metric();
   return align_similarity(a.reference, {b.pyramid, b.reference.depth()}, b_from_a, options);
 }
 

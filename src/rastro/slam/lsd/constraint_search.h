@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "rastro/backend/rgbd/recent_items.h"
-#include "rastro/camera/camera.h"
 #include "rastro/map/graph/constraint.h"
 #include "rastro/place/vocabulary.h"
+#include "rastro/slam/lsd/lsd_sensor.h"
 #include "rastro/slam/lsd/options.h"
 #include "rastro/slam/lsd/semi_dense_graph.h"
 #include "rastro/slam/lsd/tracking/similarity_alignment.h"
@@ -21,8 +21,8 @@ namespace rastro {
 class ConstraintSearch {
  public:
   /// All outlive this.
-  ConstraintSearch(const LsdOptions& options, const Camera& camera, const SemiDenseGraph& graph)
-      : options_(options), camera_(camera), graph_(graph) {}
+  ConstraintSearch(const LsdOptions& options, const LsdSensor& sensor, const SemiDenseGraph& graph)
+      : options_(options), sensor_(sensor), graph_(graph) {}
 
   std::vector<Constraint> find(std::int64_t id, const BagOfWords& words);
 
@@ -38,7 +38,7 @@ class ConstraintSearch {
   ConstraintKind kind_between(std::int64_t other, std::int64_t id) const;
 
   const LsdOptions& options_;
-  const Camera& camera_;
+  const LsdSensor& sensor_;
   const SemiDenseGraph& graph_;
   RecentItems<Prepared> recent_{16};
 };

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "rastro/slam/lsd/depth_measurement.h"
 #include "rastro/slam/lsd/initialization/two_view_start.h"
 
 namespace rastro {
@@ -22,21 +23,41 @@ DepthMapOptions depth_options(const LsdOptions& options) {
 
 }  // namespace
 
-CurrentKeyframe::CurrentKeyframe(const LsdOptions& options, const Camera& camera, TaskPool* pool, std::int64_t id,
+CurrentKeyframe::CurrentKeyframe(const LsdOptions& options, const LsdSensor& sensor, TaskPool* pool, std::int64_t id,
                                  const LsdFrame& frame, const InverseDepthMap* depth)
-    : options_(options), camera_(camera), pool_(pool), depth_(frame.image.view(), camera, depth_options(options)) {
-  depth ? depth_.start_from(*depth) : depth_.start_random(seed_for(options.seed, static_cast<std::uint64_t>(id)));
-  begin(id, frame);
+    : options_(options),
+      sensor_(sensor),
+      pool_(pool),
+      depth_(frame.image.view(), sensor.camera, depth_options(options), frame.mask.view()) {
+  if (depth)
+    depth_.start_from(*depth);
+  else if (!sensor.is_metric())
+    depth_.start_random(seed_for(options.seed, static_cast<std::uint64_t>(id)));
+  begin(id, frame, SE3());
 }
 
-void CurrentKeyframe::begin(std::int64_t id, const LsdFrame& frame) {
+void CurrentKeyframe::begin(std::int64_t id, const LsdFrame& frame, const SE3& depth_from_color) {
   id_ = id;
   frame_ = frame.index;
   stamp_ = frame.stamp;
   image_ = frame.image;
-  pyramid_ = frame.pyramid;
+  mask_ = frame.mask;
+  // Depths end at the mask, but on coarse levels black would reach into what they are compared with.
+  pyramid_ = mask_.empty() ? frame.pyramid : alignment_pyramid(image_.view(), options_.levels, pool_);
   frames_ = 0;
+  measure(frame, depth_from_color);
   update_reference();
+}
+
+void CurrentKeyframe::measure(const LsdFrame& frame, const SE3& depth_from_color) {
+  if (!frame.right.empty()) {
+    const StereoMeasurement pair(frame, sensor_, options_, depth_options(options_).search, pool_);
+    depth_.measure([&](int x, int y, const DepthPrior& prior) { return pair.find(x, y, prior); }, pool_);
+  }
+  if (!frame.depth.empty()) {
+    const DepthCameraMeasurement camera(frame.depth, depth_from_color, sensor_, options_);
+    depth_.measure([&](int x, int y, const DepthPrior&) { return camera.find(x, y); }, pool_);
+  }
 }
 
 void CurrentKeyframe::update_reference() {
@@ -44,7 +65,7 @@ void CurrentKeyframe::update_reference() {
   AlignmentReferenceOptions options;
   options.levels = options_.levels;
   options.max_points = options_.max_points;
-  reference_.build(pyramid_, depth_.inverse_depth(), camera_, options);
+  reference_.build(pyramid_, depth_.inverse_depth(), sensor_.camera, options);
   mean_inverse_depth_ = rastro::mean_inverse_depth(depth_.inverse_depth());
 }
 
@@ -56,23 +77,28 @@ ImageAlignment CurrentKeyframe::track(const Pyramid& image, const SE3& image_fro
 }
 
 void CurrentKeyframe::refine(const LsdFrame& frame, const ImageAlignment& tracked) {
-  depth_.observe(frame.image.view(), tracked.image_from_reference, tracked.gain, tracked.offset, pool_);
+  depth_.observe(frame.image.view(), tracked.image_from_reference, tracked.gain, tracked.offset, pool_,
+                 frame.mask.view());
   ++frames_;
   update_reference();
 }
 
-Sim3 CurrentKeyframe::change_to(std::int64_t id, const LsdFrame& frame, const SE3& new_from_keyframe) {
-  depth_ = depth_.propagate(frame.image.view(), new_from_keyframe);
-  const double mean = rastro::mean_inverse_depth(depth_.inverse_depth());
-  const double unit = mean > 0.0 ? 1.0 / mean : 1.0;
+Sim3 CurrentKeyframe::change_to(std::int64_t id, const LsdFrame& frame, const SE3& new_from_keyframe,
+                                const SE3& depth_from_color) {
+  depth_ = depth_.propagate(frame.image.view(), new_from_keyframe, frame.mask.view());
+  const double mean = depth_.mean();
+  const double unit = mean > 0.0 && !sensor_.is_metric() ? 1.0 / mean : 1.0;
   depth_.rescale(unit);
-  begin(id, frame);
+  if (mean > 0.0) depth_.expect(unit * mean);
+  begin(id, frame, depth_from_color);
   return Sim3(new_from_keyframe.inverse()) * Sim3(unit, SO3(), Eigen::Vector3d::Zero());
 }
 
+int CurrentKeyframe::pixels() const { return reference_.level(0).count; }
+
 std::shared_ptr<const SemiDenseKeyframe> CurrentKeyframe::published() const {
   return std::make_shared<const SemiDenseKeyframe>(
-      SemiDenseKeyframe{id_, frame_, stamp_, image_, depth_.inverse_depth(), mean_inverse_depth_});
+      SemiDenseKeyframe{id_, frame_, stamp_, image_, depth_.inverse_depth(), mean_inverse_depth_, mask_});
 }
 
 }  // namespace rastro

@@ -9,13 +9,14 @@
 
 #include "rastro/backend/rgbd/frame_report.h"
 #include "rastro/base/stopwatch.h"
-#include "rastro/camera/undistort_map.h"
 #include "rastro/feature/orb.h"
 #include "rastro/odometry/frame_check.h"
 #include "rastro/place/vocabulary.h"
 #include "rastro/slam/lsd/constraint_search.h"
 #include "rastro/slam/lsd/current_keyframe.h"
 #include "rastro/slam/lsd/initialization/two_view_start.h"
+#include "rastro/slam/lsd/lsd_frame.h"
+#include "rastro/slam/lsd/pose_uncertainty.h"
 #include "rastro/slam/lsd/semi_dense_graph.h"
 #include "rastro/slam/map_budget.h"
 
@@ -29,8 +30,6 @@ SlamReason reason_of_failure(AlignmentFailure failure) {
 
 constexpr double memory_reserve_mb = 100.0;  // for everything except the map
 
-bool is_distorted(const Camera& camera) { return camera.distortion != Distortion::none; }
-
 TwoViewStartOptions start_options(const LsdOptions& options) {
   TwoViewStartOptions start;
   start.min_parallax_deg = options.init_parallax_deg;
@@ -42,28 +41,36 @@ TwoViewStartOptions start_options(const LsdOptions& options) {
 
 class LsdSlam::State {
  public:
-  State(const LsdOptions& options, const Camera& camera, const SlamContext& context);
+  State(const LsdOptions& options, const LsdSensor& sensor, const SlamContext& context);
   SlamUpdate process(const Frame& frame);
-  const SemiDenseGraph& graph() const { return graph_; }
-  std::shared_ptr<const Map> snapshot() const { return graph_.snapshot(camera_); }
+  Trajectory trajectory() const;
+  std::shared_ptr<const Map> snapshot() const { return graph_.snapshot(sensor_); }
   MapMemory map_memory() const;
 
  private:
   /// Of the last frame with a pose.
   struct Motion {
     SE3 camera_from_keyframe, velocity;  ///< The camera's motion since the frame before, in the keyframe's unit.
+    TimeNs stamp = 0, duration = 0;      ///< Of that frame; between both.
     int lost_frames = 0;
     bool lost = false;
+
+    /// Of the camera within `time`, at this velocity.
+    SE3 within(TimeNs time) const {
+      return duration > 0 ? SE3::exp(velocity.log() * (static_cast<double>(time) / static_cast<double>(duration)))
+                          : SE3();
+    }
   };
 
   bool is_usable(const Frame& frame, SlamUpdate& update);
-  LsdFrame undistorted(const Frame& frame) const;
   void start(LsdFrame frame, SlamUpdate& update);
   void start_from_two_views(LsdFrame frame, SlamUpdate& update);
-  void begin_map(const LsdFrame& frame, const InverseDepthMap* depth, SlamUpdate& update);
+  void start_from_sensor(const LsdFrame& frame, SlamUpdate& update);
+  void begin_map(CurrentKeyframe first, SlamUpdate& update);
   void follow(const LsdFrame& frame, SlamUpdate& update);
   void follow_kept_frames(std::size_t first);
   void doubt(SlamUpdate& update) const;
+  void set_covariance(const ImageAlignment& tracked, SlamUpdate& update) const;
   void accept(const LsdFrame& frame, const ImageAlignment& tracked);
   bool needs_keyframe(const ImageAlignment& tracked) const;
   void change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
@@ -72,15 +79,15 @@ class LsdSlam::State {
   void on_loss(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
   bool relocalize(const LsdFrame& frame, SlamUpdate& update);
   void stay_within_budget(SlamUpdate& update);
-  BagOfWords words_of(GrayView image);
-  LsdFrame prepared(std::int64_t index, TimeNs stamp, GrayImage image) const;
+  BagOfWords words_of(GrayView image, GrayView mask);
 
   LsdOptions options_;
-  Camera camera_;  ///< Of the undistorted images.
+  LsdSensor sensor_;
   TaskPool* pool_;
-  std::optional<UndistortMap> undistort_;
+  LsdFrameMaker frames_;
   FrameCheck check_;
   SemiDenseGraph graph_;
+  PoseUncertainty uncertainty_;
   TwoViewStart start_;
   ConstraintSearch constraints_;
   OrbExtractor features_;
@@ -91,18 +98,17 @@ class LsdSlam::State {
   std::int64_t forgotten_ = 0;  ///< Keyframes without depths.
 };
 
-LsdSlam::State::State(const LsdOptions& options, const Camera& camera, const SlamContext& context)
+LsdSlam::State::State(const LsdOptions& options, const LsdSensor& sensor, const SlamContext& context)
     : options_(options),
-      camera_(is_distorted(camera) ? undistorted_camera(camera, 0.0) : camera),
+      sensor_(sensor),
       pool_(context.pool),
+      frames_(sensor, options.levels, context.pool),
       check_(options.frame_check),
-      graph_(options),
-      start_(start_options(options), camera_, context.pool),
-      constraints_(options_, camera_, graph_),
+      graph_(options, sensor.is_metric()),
+      start_(start_options(options), sensor.camera, context.pool),
+      constraints_(options_, sensor_, graph_),
       features_(OrbOptions{}),
-      budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {
-  if (is_distorted(camera)) undistort_ = undistort_map(camera, camera_);
-}
+      budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {}
 
 /// One frame, as in figure 3 of Engel et al. 2014.
 SlamUpdate LsdSlam::State::process(const Frame& frame) {
@@ -112,13 +118,14 @@ SlamUpdate LsdSlam::State::process(const Frame& frame) {
   update.stamp = frame.stamp;
   update.world_from_body = last_pose_;
   if (is_usable(frame, update)) {
-    LsdFrame undistorted_frame = undistorted(frame);
+    LsdFrame undistorted_frame = frames_.make(frame);
     if (current_ && !(motion_.lost && motion_.lost_frames > options_.lost_frames))
       follow(undistorted_frame, update);
     else
       start(std::move(undistorted_frame), update);
   }
   last_pose_ = update.world_from_body;
+  update.world_from_body = update.world_from_body * sensor_.camera_from_left();
   update.milliseconds = whole.lap_ms();
   return update;
 }
@@ -133,32 +140,24 @@ bool LsdSlam::State::is_usable(const Frame& frame, SlamUpdate& update) {
   return false;
 }
 
-LsdFrame LsdSlam::State::prepared(std::int64_t index, TimeNs stamp, GrayImage image) const {
-  LsdFrame frame{index, stamp, std::move(image), {}};
-  frame.pyramid = alignment_pyramid(frame.image.view(), options_.levels, pool_);
-  return frame;
-}
-
-LsdFrame LsdSlam::State::undistorted(const Frame& frame) const {
-  return prepared(frame.index, frame.stamp, undistort_ ? remap(frame.image.view(), *undistort_, pool_) : frame.image);
-}
-
 void LsdSlam::State::start(LsdFrame frame, SlamUpdate& update) {
   update.state = current_ ? SlamState::lost : SlamState::initializing;
   if (current_ && relocalize(frame, update)) return;
+  if (sensor_.is_metric()) return start_from_sensor(frame, update);
   if (options_.start == "two_views") return start_from_two_views(std::move(frame), update);
-  begin_map(frame, nullptr, update);
+  begin_map({options_, sensor_, pool_, graph_.size(), frame, nullptr}, update);
   update.state = SlamState::tracking;
   accept(frame, {});
 }
 
 void LsdSlam::State::start_from_two_views(LsdFrame frame, SlamUpdate& update) {
-  const auto found = start_.take(frame.index, frame.stamp, std::move(frame.image));
+  const auto found = start_.take(frame.index, frame.stamp, std::move(frame.image), std::move(frame.mask));
   update.reason = start_.frames().size() == 1 ? SlamReason::first_frame : SlamReason::too_few_points;
   update.detail = start_.detail();
   if (!found) return;
   const TwoViewStart::KeptFrame& first = start_.frames()[found->first];
-  begin_map(prepared(first.index, first.stamp, first.image), &found->depth, update);
+  const LsdFrame first_frame = frames_.from_image(first.index, first.stamp, first.image, first.mask);
+  begin_map({options_, sensor_, pool_, graph_.size(), first_frame, &found->depth}, update);
   follow_kept_frames(found->first);
   start_.reset();
   update.state = SlamState::tracking;
@@ -167,12 +166,28 @@ void LsdSlam::State::start_from_two_views(LsdFrame frame, SlamUpdate& update) {
   update.world_from_body = graph_.pose_of({0, 0, current_->id(), motion_.camera_from_keyframe.inverse()});
 }
 
-void LsdSlam::State::begin_map(const LsdFrame& frame, const InverseDepthMap* depth, SlamUpdate& update) {
+/// A pair or a depth camera knows the depths of the very first frame.
+void LsdSlam::State::start_from_sensor(const LsdFrame& frame, SlamUpdate& update) {
+  CurrentKeyframe first(options_, sensor_, pool_, graph_.size(), frame, nullptr);
+  update.reason = frame.right.empty() && frame.depth.empty() ? SlamReason::no_data : SlamReason::too_few_points;
+  update.detail = fmt::format("{} pixels have a measured depth, need {}", first.pixels(), options_.start_pixels);
+  if (first.pixels() < options_.start_pixels) return;
+  update.reason = SlamReason::none;
+  update.detail.clear();
+  begin_map(std::move(first), update);
+  update.state = SlamState::tracking;
+  accept(frame, {});
+  update.world_from_body = graph_.pose_of({0, 0, current_->id(), SE3()});
+  doubt(update);
+}
+
+void LsdSlam::State::begin_map(CurrentKeyframe first, SlamUpdate& update) {
   if (current_) finish_keyframe(update);
-  const std::int64_t id = graph_.size();
+  const std::int64_t id = first.id();
   const int submap = graph_.new_submap();
-  current_.emplace(options_, camera_, pool_, id, frame, depth);
+  current_.emplace(std::move(first));
   graph_.add(current_->published(), Sim3(), submap);
+  uncertainty_.set_known(id, Eigen::Vector3d::Zero());
   motion_ = {};
   update.events.push_back({"keyframe", fmt::format("{}", id)});
   if (submap > 0) update.events.push_back({"submap", fmt::format("{} begins with keyframe {}", submap, id)});
@@ -183,7 +198,7 @@ void LsdSlam::State::follow_kept_frames(std::size_t first) {
   const auto& kept = start_.frames();
   std::vector<PlacedFrame> placed;
   const auto track = [&](std::size_t k, const SE3& guess) -> std::optional<ImageAlignment> {
-    const LsdFrame frame = prepared(kept[k].index, kept[k].stamp, kept[k].image);
+    const LsdFrame frame = frames_.from_image(kept[k].index, kept[k].stamp, kept[k].image, kept[k].mask);
     const ImageAlignment tracked = current_->track(frame.pyramid, guess);
     if (!tracked.ok()) return std::nullopt;
     placed.push_back({frame.index, frame.stamp, current_->id(), tracked.image_from_reference.inverse()});
@@ -215,6 +230,7 @@ void LsdSlam::State::follow(const LsdFrame& frame, SlamUpdate& update) {
   update.used = tracked.points;
   accept(frame, tracked);
   update.world_from_body = graph_.pose_of({0, 0, current_->id(), motion_.camera_from_keyframe.inverse()});
+  set_covariance(tracked, update);
   if (needs_keyframe(tracked))
     change_keyframe(frame, tracked, update);
   else if (tracked.rms < options_.keyframe_residual)
@@ -238,9 +254,19 @@ void LsdSlam::State::doubt(SlamUpdate& update) const {
   update.state = SlamState::weak;
 }
 
+/// None in a submap apart from the first: where it lies is unknown.
+void LsdSlam::State::set_covariance(const ImageAlignment& tracked, SlamUpdate& update) const {
+  const std::int64_t id = current_->id();
+  if (graph_.submap(id) != 0) return;
+  update.covariance = uncertainty_.of_frame(id, graph_.pose(id).scale(), current_->mean_inverse_depth(),
+                                            update.world_from_body, tracked);
+}
+
 void LsdSlam::State::accept(const LsdFrame& frame, const ImageAlignment& tracked) {
   motion_.velocity = motion_.lost ? SE3() : tracked.image_from_reference * motion_.camera_from_keyframe.inverse();
   motion_.camera_from_keyframe = tracked.image_from_reference;
+  motion_.duration = motion_.lost ? 0 : frame.stamp - motion_.stamp;
+  motion_.stamp = frame.stamp;
   motion_.lost = false;
   motion_.lost_frames = 0;
   graph_.add_frame({frame.index, frame.stamp, current_->id(), tracked.image_from_reference.inverse()});
@@ -257,7 +283,8 @@ bool LsdSlam::State::needs_keyframe(const ImageAlignment& tracked) const {
 void LsdSlam::State::change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update) {
   finish_keyframe(update);
   const std::int64_t before = current_->id(), id = graph_.size();
-  const Sim3 before_from_new = current_->change_to(id, frame, tracked.image_from_reference);
+  const SE3 depth_from_color = motion_.within(frame.depth_stamp - frame.stamp);
+  const Sim3 before_from_new = current_->change_to(id, frame, tracked.image_from_reference, depth_from_color);
   graph_.add(current_->published(), graph_.pose(before) * before_from_new, graph_.submap(before));
   const double unit = before_from_new.scale();
   const Matrix6d to_new = tracked.image_from_reference.adjoint();
@@ -265,11 +292,11 @@ void LsdSlam::State::change_keyframe(const LsdFrame& frame, const ImageAlignment
   covariance.topLeftCorner<3, 3>() /= unit * unit;
   covariance.topRightCorner<3, 3>() /= unit;
   covariance.bottomLeftCorner<3, 3>() /= unit;
-  constexpr double least_sigma = 1e-3;  // common to all pixels
-  covariance.diagonal().array() += least_sigma * least_sigma;
+  covariance += common_covariance(current_->mean_inverse_depth());
   Constraint edge{before, id, before_from_new, covariance.inverse()};
   edge.inliers = tracked.points;
   graph_.add_edge(edge);
+  if (update.covariance) uncertainty_.set(id, graph_.pose(id).translation(), *update.covariance);
   motion_.camera_from_keyframe = SE3();
   motion_.velocity = SE3(motion_.velocity.rotation(), motion_.velocity.translation() / unit);
   stay_within_budget(update);
@@ -280,7 +307,7 @@ void LsdSlam::State::finish_keyframe(SlamUpdate& update) {
   Stopwatch stage;
   const auto finished = current_->published();
   graph_.replace(finished);
-  const BagOfWords words = words_of(finished->image.view());
+  const BagOfWords words = words_of(finished->image.view(), finished->mask.view());
   connect(finished->id, words, update);
   graph_.add_words(finished->id, words);
   update.times.push_back({"constraints", stage.lap_ms()});
@@ -314,10 +341,11 @@ void LsdSlam::State::on_loss(const LsdFrame& frame, const ImageAlignment& tracke
 /// By direct alignment with the keyframes that share most words with the frame.
 bool LsdSlam::State::relocalize(const LsdFrame& frame, SlamUpdate& update) {
   ++motion_.lost_frames;
-  for (const std::int64_t id : graph_.similar(words_of(frame.image.view()), options_.similar_keyframes)) {
+  for (const std::int64_t id :
+       graph_.similar(words_of(frame.image.view(), frame.mask.view()), options_.similar_keyframes)) {
     const SemiDenseKeyframe& known = graph_.keyframe(id);
-    CurrentKeyframe candidate(options_, camera_, pool_, id, prepared(known.frame, known.stamp, known.image),
-                              &known.depth);
+    CurrentKeyframe candidate(options_, sensor_, pool_, id,
+                              frames_.from_image(known.frame, known.stamp, known.image, known.mask), &known.depth);
     const ImageAlignment tracked = candidate.track(frame.pyramid, SE3());
     if (!tracked.ok()) continue;
     finish_keyframe(update);
@@ -349,23 +377,29 @@ MapMemory LsdSlam::State::map_memory() const {
           forgotten_ == 0 ? std::string() : fmt::format("depths of the {} oldest keyframes dropped", forgotten_)};
 }
 
-BagOfWords LsdSlam::State::words_of(GrayView image) {
-  BagOfWords words = standard_vocabulary()->words_of(features_.extract(image, {}, pool_).descriptors);
+BagOfWords LsdSlam::State::words_of(GrayView image, GrayView mask) {
+  BagOfWords words = standard_vocabulary()->words_of(features_.extract(image, mask, pool_).descriptors);
   words.nodes = {};
   return words;
 }
 
-LsdSlam::LsdSlam(const LsdOptions& options, const Camera& camera, const SlamContext& context)
+Trajectory LsdSlam::State::trajectory() const {
+  Trajectory trajectory = graph_.trajectory();
+  for (StampedPose& pose : trajectory) pose.world_from_body = pose.world_from_body * sensor_.camera_from_left();
+  return trajectory;
+}
+
+LsdSlam::LsdSlam(const LsdOptions& options, const LsdSensor& sensor, const SlamContext& context)
     : options_(options),
-      camera_(camera),
+      sensor_(sensor),
       context_(context),
-      state_(std::make_unique<State>(options, camera, context)) {}
+      state_(std::make_unique<State>(options, sensor, context)) {}
 LsdSlam::~LsdSlam() = default;
 SlamUpdate LsdSlam::process(const Frame& frame) { return state_->process(frame); }
 std::vector<SlamEvent> LsdSlam::finish() { return {}; }
-Trajectory LsdSlam::trajectory() const { return state_->graph().trajectory(); }
+Trajectory LsdSlam::trajectory() const { return state_->trajectory(); }
 std::shared_ptr<const Map> LsdSlam::snapshot() const { return state_->snapshot(); }
 MapMemory LsdSlam::map_memory() const { return state_->map_memory(); }
-void LsdSlam::reset() { state_ = std::make_unique<State>(options_, camera_, context_); }
+void LsdSlam::reset() { state_ = std::make_unique<State>(options_, sensor_, context_); }
 
 }  // namespace rastro

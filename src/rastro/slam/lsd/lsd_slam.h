@@ -4,20 +4,21 @@
 #include <memory>
 #include <vector>
 
-#include "rastro/camera/camera.h"
+#include "rastro/slam/lsd/lsd_sensor.h"
 #include "rastro/slam/lsd/options.h"
 #include "rastro/slam/slam.h"
 #include "rastro/slam/slam_method.h"
 
 namespace rastro {
 
-/// Direct semi-dense SLAM of one camera, METHODS 7: J. Engel, J. Sturm and D. Cremers, "Semi-Dense Visual Odometry for
-/// a Monocular Camera", 2013; J. Engel, T. Schoeps and D. Cremers, "LSD-SLAM: Large-Scale Direct Monocular SLAM", 2014.
-/// The body is the camera; the world is the first keyframe's camera, and its unit the harmonic mean of the depths
-/// there.
+/// Direct semi-dense SLAM, METHODS 7: J. Engel, J. Sturm and D. Cremers, "Semi-Dense Visual Odometry for a Monocular
+/// Camera", 2013; J. Engel, T. Schoeps and D. Cremers, "LSD-SLAM: Large-Scale Direct Monocular SLAM", 2014; J. Engel,
+/// J. Stueckler and D. Cremers, "Large-Scale Direct SLAM with Stereo Cameras", 2015. The body is the (left) camera; the
+/// world is the first keyframe's camera. Its unit is the meter with a pair or a depth camera, else the harmonic mean of
+/// the depths there.
 class LsdSlam : public Slam {
  public:
-  LsdSlam(const LsdOptions& options, const Camera& camera, const SlamContext& context);
+  LsdSlam(const LsdOptions& options, const LsdSensor& sensor, const SlamContext& context);
   ~LsdSlam() override;
   SlamUpdate process(const Frame& frame) override;
   std::vector<SlamEvent> finish() override;
@@ -29,7 +30,7 @@ class LsdSlam : public Slam {
  private:
   class State;
   LsdOptions options_;
-  Camera camera_;
+  LsdSensor sensor_;
   SlamContext context_;
   std::unique_ptr<State> state_;
 };

@@ -4,6 +4,48 @@
 namespace rastro {
 namespace {
 
+void add_sensor_options(OptionTable& table, LsdOptions& o) {
+  table.add({"sensor",
+             &o.sensor,
+             "",
+             "sensors to use: auto: all that the recording has (depth before a second camera), or fewer",
+             0,
+             0,
+             {"auto", "mono", "stereo", "rgbd"}});
+  table.add({"stereo_min_disparity_px",
+             &o.stereo_min_disparity_px,
+             "px",
+             "least disparity of a pair that gives a depth: below, its error is as large as itself",
+             0.1,
+             100,
+             {}});
+  table.add({"stereo_max_disparity_px",
+             &o.stereo_max_disparity_px,
+             "px",
+             "largest disparity of a pair that is searched: nearer points have no depth",
+             4,
+             900,
+             {}});
+  table.add(
+      {"depth_sigma_m", &o.depth_sigma_m, "m", "standard deviation of a depth camera's depth, plus ...", 0, 1, {}});
+  table.add({"depth_sigma_per_m2",
+             &o.depth_sigma_per_m2,
+             "1/m",
+             "... this times the squared depth: the camera measures disparity",
+             0.0001,
+             1,
+             {}});
+  table.add({"min_depth_m", &o.min_depth_m, "m", "depths of a depth camera below this are not used", 0, 100, {}});
+  table.add({"max_depth_m", &o.max_depth_m, "m", "depths of a depth camera beyond this are not used", 0.1, 1000, {}});
+  table.add({"start_pixels",
+             &o.start_pixels,
+             "",
+             "pixels with a measured depth that the first keyframe of a pair or a depth camera needs",
+             100,
+             1000000,
+             {}});
+}
+
 void add_start_options(OptionTable& table, LsdOptions& o) {
   table.add({"start",
              &o.start,
@@ -72,6 +114,15 @@ void add_depth_options(OptionTable& table, LsdOptions& o) {
              0,
              1,
              {}});
+  table.add(
+      {"surface_share",
+       &o.surface_share,
+       "",
+       "share of the squared distance to neighbors on another surface that the map adds to a depth's variance: it may "
+       "belong there",
+       0,
+       10,
+       {}});
   table.add({"variance_growth",
              &o.variance_growth,
              "",
@@ -138,6 +189,7 @@ void set_paper_preset(LsdOptions& options) { options.start = "random"; }
 OptionTable option_table(LsdOptions& options) {
   OptionTable table;
   table.add({"seed", &options.seed, "", "seed of the random numbers", 0, 0, {}});
+  add_sensor_options(table, options);
   add_start_options(table, options);
   add_tracking_options(table, options);
   add_depth_options(table, options);

@@ -13,6 +13,16 @@ namespace rastro {
 struct LsdOptions {
   std::uint64_t seed = 1;
 
+  // Sensor.
+  std::string sensor = "auto";
+  double stereo_min_disparity_px = 1.0;
+  double stereo_max_disparity_px = 100.0;
+  double depth_sigma_m = 0.001;
+  double depth_sigma_per_m2 = 0.002;
+  double min_depth_m = 0.3;
+  double max_depth_m = 10.0;
+  int start_pixels = 1000;
+
   // Start.
   std::string start = "two_views";
   double init_parallax_deg = 1.5;
@@ -31,6 +41,7 @@ struct LsdOptions {
   double min_line_px = 3.0;
   double variance_growth = 1.01;
   double common_share = 0.7;
+  double surface_share = 1.0;
 
   // Keyframes.
   double keyframe_distance = 0.25;

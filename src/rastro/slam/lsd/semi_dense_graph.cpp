@@ -8,20 +8,24 @@
 #include "rastro/base/error.h"
 #include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/optimize/pose_graph.h"
+#include "rastro/slam/lsd/depth/surface_spread.h"
 
 namespace rastro {
 namespace {
 
-/// Depths in the world's unit.
-std::shared_ptr<const SemiDenseDepth> layer_form(const SemiDenseKeyframe& keyframe, double world_per_unit) {
+/// Depths in the world's unit. `surface_share`: see the option.
+std::shared_ptr<const SemiDenseDepth> layer_form(const SemiDenseKeyframe& keyframe, double world_per_unit,
+                                                 double surface_share) {
   auto result = std::make_shared<SemiDenseDepth>();
   const auto factor = static_cast<float>(1.0 / world_per_unit);
   for (int y = 0; y < keyframe.depth.height(); ++y)
     for (int x = 0; x < keyframe.depth.width(); ++x) {
       const float mean = factor * keyframe.depth.mean.at(x, y);
       if (!keyframe.depth.is_known(x, y) || !(mean > 0.0F)) continue;
+      const float variance =
+          keyframe.depth.variance.at(x, y) + static_cast<float>(surface_share) * surface_spread(keyframe.depth, x, y);
       result->pixels.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y), mean,
-                                factor * factor * keyframe.depth.variance.at(x, y), keyframe.image.at(x, y)});
+                                factor * factor * variance, keyframe.image.at(x, y)});
     }
   return result;
 }
@@ -29,6 +33,13 @@ std::shared_ptr<const SemiDenseDepth> layer_form(const SemiDenseKeyframe& keyfra
 SE3 rigid(const Sim3& pose) { return {pose.rotation(), pose.translation()}; }
 
 }  // namespace
+
+Matrix6d common_covariance(double mean_inverse_depth) {
+  constexpr double sigma = 1e-3;
+  Vector6d variances = Vector6d::Constant(sigma * sigma);
+  if (mean_inverse_depth > 0.0) variances.head<3>() /= mean_inverse_depth * mean_inverse_depth;
+  return variances.asDiagonal();
+}
 
 void SemiDenseGraph::add(std::shared_ptr<const SemiDenseKeyframe> keyframe, const Sim3& world_from_keyframe,
                          int submap) {
@@ -63,7 +74,8 @@ std::size_t SemiDenseGraph::bytes() const {
                     keyframes_.size() * (sizeof(SemiDenseKeyframe) + sizeof(Sim3));
   for (const auto& keyframe : keyframes_)
     sum += static_cast<std::size_t>(keyframe->image.width()) * static_cast<std::size_t>(keyframe->image.height()) *
-           a_pixel;
+               a_pixel +
+           static_cast<std::size_t>(keyframe->mask.width()) * static_cast<std::size_t>(keyframe->mask.height());
   return sum;
 }
 
@@ -95,6 +107,7 @@ void SemiDenseGraph::optimize() {
   PoseGraphOptions options;
   options.iterations = options_.optimize_iterations;
   constexpr double scale_sigma = 0.01;  // of an alignment
+  options.fix_scale = metric_;
   options.scale_information = 1.0 / (scale_sigma * scale_sigma);
   optimize_pose_graph(poses_, edges_, fixed, options);
   ++revision_;
@@ -102,14 +115,15 @@ void SemiDenseGraph::optimize() {
 
 std::vector<std::int64_t> SemiDenseGraph::near(std::int64_t id, int most,
                                                const std::function<bool(std::int64_t)>& is_wanted) const {
-  constexpr double reach = 1.0, reach_rad = 0.6;  // in units of the keyframe: mean distances
+  constexpr double reach = 1.0, reach_rad = 0.6;  // in mean distances
+  const double per_unit = keyframe(id).mean_inverse_depth / reach;
   std::vector<std::pair<double, std::int64_t>> found;
   for (std::int64_t other = 0; other < size(); ++other) {
     if (other == id || submap(other) != submap(id) || keyframe(other).image.empty()) continue;
     if (is_wanted && !is_wanted(other)) continue;
     const Sim3 keyframe_from_other = pose(id).inverse() * pose(other);
     const double distance =
-        keyframe_from_other.translation().norm() / reach + keyframe_from_other.rotation().log().norm() / reach_rad;
+        per_unit * keyframe_from_other.translation().norm() + keyframe_from_other.rotation().log().norm() / reach_rad;
     if (distance < 1.0) found.emplace_back(distance, other);
   }
   std::sort(found.begin(), found.end());
@@ -166,11 +180,11 @@ Constraint SemiDenseGraph::public_form(const Constraint& edge) const {
   return result;
 }
 
-std::shared_ptr<const Map> SemiDenseGraph::snapshot(const Camera& camera) const {
+std::shared_ptr<const Map> SemiDenseGraph::snapshot(const LsdSensor& sensor) const {
   auto map = std::make_shared<Map>();
   map->method = "lsd";
   map->revision = revision_;
-  map->cameras.push_back({CameraKind::mono, camera, 0.0, {}, SE3()});
+  map->cameras.push_back({sensor.kind, sensor.camera, sensor.baseline, sensor.depth_noise(options_), SE3()});
   const int largest = largest_submap();
   auto depths = std::make_shared<SemiDenseLayer>();
   std::map<int, KeyframeId> last_of;
@@ -180,7 +194,7 @@ std::shared_ptr<const Map> SemiDenseGraph::snapshot(const Camera& camera) const 
     map->keyframes.push_back({id, kept.frame, kept.stamp, 0, rigid(pose(id)), public_submap(submap(id), largest),
                               before == last_of.end() ? no_keyframe : before->second, 1.0});
     last_of[submap(id)] = id;
-    if (!kept.image.empty()) depths->of[id] = layer_form(kept, pose(id).scale());
+    if (!kept.image.empty()) depths->of[id] = layer_form(kept, pose(id).scale(), options_.surface_share);
   }
   map->layers.put<SemiDenseLayer>(std::move(depths));
   for (const Constraint& edge : edges_) map->constraints.push_back(public_form(edge));
@@ -191,7 +205,7 @@ std::shared_ptr<const Map> SemiDenseGraph::snapshot(const Camera& camera) const 
          SE3(frame.keyframe_from_camera.rotation(), unit * frame.keyframe_from_camera.translation())});
   }
   if (!frames_.empty())
-    map->sessions.push_back({0, 0, "", frames_.front().stamp, frames_.back().stamp, {false, 0.0, "arbitrary"}});
+    map->sessions.push_back({0, 0, "", frames_.front().stamp, frames_.back().stamp, sensor.scale()});
   return map;
 }
 

@@ -11,11 +11,13 @@
 #include "rastro/math/sim3.h"
 #include "rastro/place/place_index.h"
 #include "rastro/slam/lsd/inverse_depth_map.h"
+#include "rastro/slam/lsd/lsd_sensor.h"
 #include "rastro/slam/lsd/options.h"
 
 namespace rastro {
 
-/// An undistorted image with depths, in a unit of its own: where it was made, the mean inverse depth was 1.
+/// An undistorted image with depths: in meters, or in a unit of its own: where it was made, the mean inverse depth
+/// was 1.
 struct SemiDenseKeyframe {
   std::int64_t id = 0;
   std::int64_t frame = 0;  ///< Index in the recording.
@@ -23,6 +25,7 @@ struct SemiDenseKeyframe {
   GrayImage image;
   InverseDepthMap depth;
   double mean_inverse_depth = 1.0;
+  GrayImage mask = {};  ///< Zero: must not be used; empty: all may be.
 };
 
 /// A frame's pose relative to a keyframe and in its unit, so that it follows the keyframe's later corrections.
@@ -33,11 +36,15 @@ struct PlacedFrame {
   SE3 keyframe_from_camera;
 };
 
+/// What an alignment's covariance lacks: errors common to all pixels, as a share of the mean distance and in radians.
+Matrix6d common_covariance(double mean_inverse_depth);
+
 /// Keyframes with similarities as poses, and the constraints between them (Engel et al. 2014, section 3.1). The world's
 /// unit is that of the first keyframe of each submap.
 class SemiDenseGraph {
  public:
-  explicit SemiDenseGraph(const LsdOptions& options) : options_(options) {}
+  /// `metric`: all scales are 1.
+  SemiDenseGraph(const LsdOptions& options, bool metric) : options_(options), metric_(metric) {}
 
   /// Its id must be size().
   void add(std::shared_ptr<const SemiDenseKeyframe> keyframe, const Sim3& world_from_keyframe, int submap);
@@ -73,7 +80,7 @@ class SemiDenseGraph {
   /// world_from_camera in the world's unit.
   SE3 pose_of(const PlacedFrame& frame) const;
   Trajectory trajectory() const;  ///< Of the submap with most frames.
-  std::shared_ptr<const Map> snapshot(const Camera& camera) const;
+  std::shared_ptr<const Map> snapshot(const LsdSensor& sensor) const;
 
  private:
   int largest_submap() const;
@@ -81,6 +88,7 @@ class SemiDenseGraph {
   Constraint public_form(const Constraint& edge) const;
 
   LsdOptions options_;
+  bool metric_;
   std::vector<std::shared_ptr<const SemiDenseKeyframe>> keyframes_;
   std::vector<Sim3> poses_;
   std::vector<int> submaps_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "rastro/slam/lsd/depth/depth_kernels.h"
@@ -28,7 +29,17 @@ float gradient_at(GrayView image, int x, int y) {
 }
 
 /// Pixels next to a strong gradient take part as well.
-Image<std::uint8_t> gradient_mask(GrayView image, float least) {
+/// Of a window of samples around the pixel.
+bool is_usable(GrayView mask, int x, int y) {
+  constexpr int reach = epipolar_samples / 2;
+  if (mask.empty()) return true;
+  for (int v = y - reach; v <= y + reach; ++v)
+    for (int u = x - reach; u <= x + reach; ++u)
+      if (mask.at(u, v) == 0) return false;
+  return true;
+}
+
+Image<std::uint8_t> gradient_mask(GrayView image, float least, GrayView usable) {
   Image<std::uint8_t> strong(image.width, image.height), mask(image.width, image.height);
   for (int y = border - 1; y < image.height - border + 1; ++y)
     for (int x = border - 1; x < image.width - border + 1; ++x)
@@ -37,6 +48,9 @@ Image<std::uint8_t> gradient_mask(GrayView image, float least) {
     for (int x = border; x < image.width - border; ++x)
       mask.at(x, y) =
           strong.at(x, y) | strong.at(x - 1, y) | strong.at(x + 1, y) | strong.at(x, y - 1) | strong.at(x, y + 1);
+  for (int y = border; y < image.height - border && !usable.empty(); ++y)
+    for (int x = border; x < image.width - border; ++x)
+      if (mask.at(x, y) != 0 && !is_usable(usable, x, y)) mask.at(x, y) = 0;
   return mask;
 }
 
@@ -56,11 +70,11 @@ DepthUpdate& DepthUpdate::operator+=(const DepthUpdate& other) {
   return *this;
 }
 
-DepthMap::DepthMap(GrayView image, const Camera& camera, const DepthMapOptions& options)
+DepthMap::DepthMap(GrayView image, const Camera& camera, const DepthMapOptions& options, GrayView mask)
     : options_(options),
       camera_(camera),
       image_(copy_of(image)),
-      has_gradient_(gradient_mask(image, options.min_gradient)),
+      has_gradient_(gradient_mask(image, options.min_gradient, mask)),
       depth_(image.width, image.height),
       smoothed_(image.width, image.height),
       failures_(image.width, image.height) {}
@@ -88,32 +102,49 @@ void DepthMap::start_from(const InverseDepthMap& depth) {
 }
 
 DepthUpdate DepthMap::observe(GrayView image, const SE3& image_from_keyframe, double gain, double offset,
-                              TaskPool* pool) {
+                              TaskPool* pool, GrayView mask) {
   ++observations_;
-  const EpipolarSearch search(image_.view(), image, camera_, image_from_keyframe, gain, offset, options_.search);
+  EpipolarSearch search(image_.view(), image, camera_, image_from_keyframe, gain, offset, options_.search);
+  search.leave_out(mask);
+  return for_pixels([&](int x, int y, DepthUpdate& update) { take(x, y, search.find(x, y, prior_of(x, y)), update); },
+                    pool);
+}
+
+DepthUpdate DepthMap::measure(const DepthSensor& sensor, TaskPool* pool) {
+  constexpr std::int8_t seen = -1;  // the sensor confirms what it says itself
+  return for_pixels(
+      [&](int x, int y, DepthUpdate& update) {
+        const bool was_known = depth_.is_known(x, y);
+        DepthPrior prior = prior_of(x, y);
+        prior.worthwhile_variance = std::numeric_limits<double>::infinity();
+        take(x, y, sensor(x, y, prior), update);
+        if (!was_known && depth_.is_known(x, y)) failures_.at(x, y) = seen;
+      },
+      pool);
+}
+
+DepthUpdate DepthMap::for_pixels(const OfPixel& of_pixel, TaskPool* pool) const {
   std::vector<DepthUpdate> of_rows(static_cast<std::size_t>(image_.height()));
   for_rows(image_.height(), pool, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) observe_row(y, search, of_rows[static_cast<std::size_t>(y)]);
+    for (int y = begin; y < end; ++y)
+      for (int x = border; x < image_.width() - border; ++x)
+        if (has_gradient_.at(x, y) != 0) of_pixel(x, y, of_rows[static_cast<std::size_t>(y)]);
   });
   DepthUpdate update;
   for (const DepthUpdate& each : of_rows) update += each;
   return update;
 }
 
-void DepthMap::observe_row(int y, const EpipolarSearch& search, DepthUpdate& update) {
-  for (int x = border; x < image_.width() - border; ++x) {
-    if (has_gradient_.at(x, y) == 0) continue;
-    const EpipolarMatch match = search.find(x, y, prior_of(x, y));
-    ++update.by_result[static_cast<std::size_t>(match.result)];
-    if (match.result == EpipolarResult::matched)
-      fuse(x, y, match, update);
-    else if (match.result == EpipolarResult::poor_match && depth_.is_known(x, y))
-      fail(x, y);
-  }
+void DepthMap::take(int x, int y, const EpipolarMatch& match, DepthUpdate& update) {
+  ++update.by_result[static_cast<std::size_t>(match.result)];
+  if (match.result == EpipolarResult::matched)
+    fuse(x, y, match, update);
+  else if (match.result == EpipolarResult::poor_match && depth_.is_known(x, y))
+    fail(x, y);
 }
 
 DepthPrior DepthMap::prior_of(int x, int y) const {
-  if (!depth_.is_known(x, y)) return {0.0, 1.0, options_.search.max_inverse_depth};
+  if (!depth_.is_known(x, y)) return {0.0, expected_, expected_ * options_.search.max_inverse_depth};
   const auto mean = static_cast<double>(depth_.mean.at(x, y)), variance = static_cast<double>(depth_.variance.at(x, y));
   const double reach = 2.0 * std::sqrt(variance);
   DepthPrior prior{std::max(0.0, mean - reach), mean, mean + reach, true};
@@ -201,8 +232,8 @@ void DepthMap::smooth_row(int y) {
   }
 }
 
-DepthMap DepthMap::propagate(GrayView new_image, const SE3& new_from_keyframe) const {
-  DepthMap result(new_image, camera_, options_);
+DepthMap DepthMap::propagate(GrayView new_image, const SE3& new_from_keyframe, GrayView new_mask) const {
+  DepthMap result(new_image, camera_, options_, new_mask);
   const Eigen::Matrix3d rotation = new_from_keyframe.rotation().matrix();
   const double added = options_.propagation_sigma * options_.propagation_sigma;
   for (int y = border; y < image_.height() - border; ++y)
@@ -233,6 +264,17 @@ void DepthMap::receive(int x, int y, float mean, float variance) {
   } else if (mean > there) {                              // the nearer one, or the first: nothing is farther than 0
     there = mean, there_variance = variance;
   }
+}
+
+double DepthMap::mean() const {
+  double sum = 0.0, count = 0.0;
+  for (int y = border; y < image_.height() - border; ++y)
+    for (int x = border; x < image_.width() - border; ++x) {
+      if (!depth_.is_known(x, y)) continue;
+      sum += static_cast<double>(depth_.mean.at(x, y));
+      count += 1.0;
+    }
+  return count > 0.0 ? sum / count : 0.0;
 }
 
 void DepthMap::rescale(double factor) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 
 #include "rastro/base/random.h"
 #include "rastro/base/task_pool.h"
@@ -40,28 +41,39 @@ struct DepthUpdate {
 /// undistorted. Results do not depend on the pool.
 class DepthMap {
  public:
-  DepthMap(GrayView image, const Camera& camera, const DepthMapOptions& options);
+  /// Pixels where `mask` is zero, and those beside them, get no depth; empty: all may.
+  DepthMap(GrayView image, const Camera& camera, const DepthMapOptions& options, GrayView mask = {});
 
   /// About 1 with a large variance, wherever there is gradient.
   void start_random(std::uint64_t seed);
   /// From depths known otherwise, where there is gradient.
   void start_from(const InverseDepthMap& depth);
-  /// Intensity in the image = gain * intensity in the keyframe + offset.
+  /// Intensity in the image = gain * intensity in the keyframe + offset. Pixels of the image where `mask` is zero say
+  /// nothing; empty: all do.
   DepthUpdate observe(GrayView image, const SE3& image_from_keyframe, double gain, double offset,
-                      TaskPool* pool = nullptr);
+                      TaskPool* pool = nullptr, GrayView mask = {});
+  /// What a sensor of its own measures at this very frame, with what is known of the pixel as prior: static stereo, or
+  /// a depth camera. Called by many threads at once.
+  using DepthSensor = std::function<EpipolarMatch(int x, int y, const DepthPrior& prior)>;
+  DepthUpdate measure(const DepthSensor& sensor, TaskPool* pool = nullptr);
   /// Fills holes, drops outliers and smooths what agrees with its neighbors (sections 2.4 to 2.6). Sets
   /// inverse_depth().
   void regularize(TaskPool* pool = nullptr);
   /// The depths as another keyframe sees them (section 2.3): nearer ones hide others.
-  DepthMap propagate(GrayView new_image, const SE3& new_from_keyframe) const;
+  DepthMap propagate(GrayView new_image, const SE3& new_from_keyframe, GrayView new_mask = {}) const;
   /// Multiplies all inverse depths: another unit.
   void rescale(double factor);
+  /// What pixels without a depth are expected to have: the mean, 1 unless said otherwise.
+  void expect(double inverse_depth) { expected_ = inverse_depth; }
 
+  double mean() const;  ///< Of all inverse depths, smoothed or not; 0 without any.
   /// Smoothed; as of the last regularize().
   const InverseDepthMap& inverse_depth() const { return smoothed_; }
 
  private:
-  void observe_row(int y, const EpipolarSearch& search, DepthUpdate& update);
+  using OfPixel = std::function<void(int x, int y, DepthUpdate& update)>;
+  DepthUpdate for_pixels(const OfPixel& of_pixel, TaskPool* pool) const;
+  void take(int x, int y, const EpipolarMatch& match, DepthUpdate& update);
   DepthPrior prior_of(int x, int y) const;
   void fuse(int x, int y, const EpipolarMatch& match, DepthUpdate& update);
   void fail(int x, int y);
@@ -77,6 +89,7 @@ class DepthMap {
   InverseDepthMap depth_, smoothed_;
   Image<std::int8_t> failures_;  ///< Less successes.
   int observations_ = 0;
+  double expected_ = 1.0;
 };
 
 }  // namespace rastro

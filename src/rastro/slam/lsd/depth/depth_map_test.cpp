@@ -134,6 +134,50 @@ TEST(DepthMap, AnotherKeyframeSeesTheSameSurfaces) {
   EXPECT_NEAR(errors_of(propagated.inverse_depth(), second.depth).median, 0.5, 0.01) << "another unit";
 }
 
+/// Neither of the keyframe nor of the images after it.
+TEST(DepthMap, MaskedPixelsGiveNoDepth) {
+  TaskPool pool(1);
+  const RenderedFrame keyframe = hall().render(120, pool), later = hall().render(126, pool);
+  GrayImage mask(keyframe.gray.width(), keyframe.gray.height());
+  const int middle = mask.width() / 2;
+  for (int y = 0; y < mask.height(); ++y)
+    for (int x = 0; x < mask.width(); ++x) mask.at(x, y) = x < middle ? 255 : 0;
+  const SE3 motion = (hall().world_from_camera(120).inverse() * hall().world_from_camera(126)).inverse();
+  const auto created = [&](GrayView of_keyframe, GrayView of_image) {
+    DepthMap map(keyframe.gray.view(), hall().camera(), {}, of_keyframe);
+    const DepthUpdate update = map.observe(later.gray.view(), motion, 1.0, 0.0, nullptr, of_image);
+    return update.created;
+  };
+  const int all = created({}, {}), keyframe_half = created(mask.view(), {}), image_half = created({}, mask.view());
+  ASSERT_GT(all, 2000);
+  EXPECT_GT(keyframe_half, all / 5);
+  EXPECT_LT(keyframe_half, all * 4 / 5);
+  EXPECT_GT(image_half, all / 5);
+  EXPECT_LT(image_half, all * 4 / 5);
+  GrayImage nothing(mask.width(), mask.height());
+  EXPECT_EQ(created(nothing.view(), {}), 0);
+  EXPECT_EQ(created({}, nothing.view()), 0);
+}
+
+/// A sensor of its own is believed at once, and must agree with what was known.
+TEST(DepthMap, WhatASensorMeasuresIsShownAtOnce) {
+  TaskPool pool(1);
+  const RenderedFrame frame = hall().render(120, pool);
+  DepthMap map(frame.gray.view(), hall().camera(), {});
+  const auto sensor = [&](int x, int y, const DepthPrior&) {
+    const float depth = frame.depth.at(x, y);
+    return depth > 0.0F ? EpipolarMatch{EpipolarResult::matched, 1.0F / depth, 1e-6F}
+                        : EpipolarMatch{EpipolarResult::outside};
+  };
+  const DepthUpdate update = map.measure(sensor);
+  map.regularize();
+  const DepthErrors errors = errors_of(map.inverse_depth(), frame.depth);
+  EXPECT_GT(update.created, 5000);
+  EXPECT_GT(errors.known, update.created / 2);
+  EXPECT_GT(errors.within_5_percent, 0.95);
+  EXPECT_EQ(map.measure(sensor).created, 0);
+}
+
 /// What nothing confirms is forgotten.
 TEST(DepthMap, WrongDepthsAreDropped) {
   TaskPool pool(1);

@@ -56,6 +56,11 @@ Eigen::Vector2d EpipolarSearch::pixel_at(const Line& line, double inverse_depth)
   return {camera_.fx * point.x() / point.z() + camera_.cx, camera_.fy * point.y() / point.z() + camera_.cy};
 }
 
+bool EpipolarSearch::is_masked(const Eigen::Vector2d& pixel) const {
+  return !mask_.empty() && is_inside(mask_, pixel, 1.0) &&
+         mask_.at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))) == 0;
+}
+
 EpipolarMatch EpipolarSearch::find(int x, int y, const DepthPrior& prior) const {
   Line line;
   line.rotated = rotation_ * Eigen::Vector3d((x - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy, 1.0);
@@ -64,6 +69,7 @@ EpipolarMatch EpipolarSearch::find(int x, int y, const DepthPrior& prior) const 
   if (!(std::min({z_ratio(prior.least), z_ratio(prior.expected), z_ratio(prior.most)}) > least_z))
     return {EpipolarResult::behind};
   line.start = pixel_at(line, prior.expected);
+  if (is_masked(line.start)) return {EpipolarResult::outside};
   const Eigen::Vector2d shift = line.start - pixel_at(line, 0.0);
   const double shift_px = shift.norm();
   if (!(shift_px >= options_.min_line_px)) return {EpipolarResult::short_line};
@@ -159,6 +165,7 @@ double EpipolarSearch::inverse_depth_at(const Line& line, double at) const {
 }
 
 EpipolarMatch EpipolarSearch::measured(const Line& line, double at) const {
+  if (is_masked(line.start + at * line.along)) return {EpipolarResult::outside};
   const double sampling_variance = options_.disparity_sigma_px * options_.disparity_sigma_px;
   const double inverse_depth = inverse_depth_at(line, at);
   const double per_px = inverse_depth_at(line, at + 0.5) - inverse_depth_at(line, at - 0.5);

@@ -57,6 +57,8 @@ class EpipolarSearch {
   /// Intensity in the image = gain * intensity in the keyframe + offset. All outlive this.
   EpipolarSearch(GrayView keyframe, GrayView image, const Camera& camera, const SE3& image_from_keyframe, double gain,
                  double offset, const EpipolarSearchOptions& options);
+  /// Nothing is found where it is zero; empty: everywhere.
+  void leave_out(GrayView mask) { mask_ = mask; }
   EpipolarMatch find(int x, int y, const DepthPrior& prior) const;
 
  private:
@@ -65,10 +67,11 @@ class EpipolarSearch {
   void compare(const Line& line, double at, int count, LineCosts& costs) const;
   EpipolarMatch best_on(const Line& line, int first, int last, bool ambiguity_matters) const;
   EpipolarMatch measured(const Line& line, double at) const;
+  bool is_masked(const Eigen::Vector2d& pixel) const;
   Eigen::Vector2d pixel_at(const Line& line, double inverse_depth) const;
   double inverse_depth_at(const Line& line, double at) const;
 
-  GrayView keyframe_, image_;
+  GrayView keyframe_, image_, mask_;
   Camera camera_;
   Eigen::Matrix3d rotation_;
   Eigen::Vector3d translation_, center_;  ///< center_: of the other camera, in the keyframe.

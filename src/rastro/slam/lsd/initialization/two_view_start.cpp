@@ -47,9 +47,10 @@ void TwoViewStart::reset() {
   detail_.clear();
 }
 
-std::optional<TwoViewStart::Result> TwoViewStart::take(std::int64_t index, TimeNs stamp, GrayImage image) {
-  const TrackFrame tracked = tracker_->process(image.view(), stamp);
-  KeptFrame frame{index, stamp, std::move(image), {}};
+std::optional<TwoViewStart::Result> TwoViewStart::take(std::int64_t index, TimeNs stamp, GrayImage image,
+                                                       GrayImage mask) {
+  const TrackFrame tracked = tracker_->process(image.view(), stamp, mask.view());
+  KeptFrame frame{index, stamp, std::move(image), std::move(mask), {}};
   for (const TrackedFeature& feature : tracked.features)
     if (feature.ray.allFinite()) frame.features.emplace(feature.id, feature);
   frames_.push_back(std::move(frame));

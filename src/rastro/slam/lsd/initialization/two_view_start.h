@@ -37,6 +37,7 @@ class TwoViewStart {
     std::int64_t index = 0;
     TimeNs stamp = 0;
     GrayImage image;
+    GrayImage mask;                                   ///< Zero: must not be used; empty: all may be.
     std::map<std::int64_t, TrackedFeature> features;  ///< By track.
   };
   struct Result {
@@ -48,7 +49,7 @@ class TwoViewStart {
   /// `camera`: a pinhole without distortion. `pool` may be null and must outlive this.
   TwoViewStart(const TwoViewStartOptions& options, const Camera& camera, TaskPool* pool);
   /// nullopt: not yet; detail() says why.
-  std::optional<Result> take(std::int64_t index, TimeNs stamp, GrayImage image);
+  std::optional<Result> take(std::int64_t index, TimeNs stamp, GrayImage image, GrayImage mask = {});
   const std::deque<KeptFrame>& frames() const { return frames_; }
   const std::string& detail() const { return detail_; }
   void reset();

@@ -73,7 +73,8 @@ SimilarityAlignment align_similarity(const AlignmentReference& a, const Similari
       const SE3 rigid(b_from_a_guess.rotation(), b_from_a_guess.translation() / b_from_a_guess.scale());
       state.brightness = matched_brightness(points, image, rigid, options.noise);
     }
-    SimilarityResiduals problem(points, image, b.depth[static_cast<std::size_t>(level)], options.noise);
+    SimilarityResiduals problem(points, image, b.depth[static_cast<std::size_t>(level)], options.noise,
+                                options.fix_scale);
     SimilarityResiduals::Linear linear = problem.linearize(state);
     const double epsilon_px = level == finest ? options.epsilon_px : options.coarse_epsilon_px;
     const bool converged = minimize(problem, {options.iterations, epsilon_px}, state, linear);

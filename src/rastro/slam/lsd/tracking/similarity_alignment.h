@@ -18,6 +18,7 @@ struct SimilarityAlignmentOptions {
   int min_points = 100;           ///< On the finest level, and as many with an inverse depth in both keyframes.
   double min_overlap = 0.3;       ///< Share of the points of a.
   double min_inlier_share = 0.5;  ///< Share of the points that fit.
+  bool fix_scale = false;         ///< Keep the guess's: both sides are metric.
 };
 
 /// Keyframe b of align_similarity().

@@ -118,6 +118,19 @@ TEST(ReciprocalError, IsChiSquaredForRightInformation) {
   EXPECT_NEAR(sum / trials, 7.0, 0.4);
 }
 
+/// Depths of both keyframes are metric: no residual may change the scale, and it counts as known.
+TEST(SimilarityAlignment, AHeldScaleStaysWhatItIs) {
+  SimilarityAlignmentOptions options;
+  options.fix_scale = true;
+  const Sim3 guess = true_b_from_a() * Sim3::exp((Vector7d() << 0.01, 0.0, 0.01, 0.002, 0.0, 0.001, 0.02).finished());
+  const SimilarityTarget target{keyframe_b().image, keyframe_b().reference.depth()};
+  const SimilarityAlignment held = align_similarity(keyframe_a().reference, target, guess, options),
+                            free = align_similarity(keyframe_a().reference, target, guess);
+  EXPECT_NEAR(held.b_from_a.scale(), guess.scale(), 1e-12 * guess.scale());
+  EXPECT_GT(std::abs(free.b_from_a.scale() / guess.scale() - 1.0), 0.005);
+  EXPECT_GT(held.information(6, 6), 1e4 * free.information(6, 6));
+}
+
 /// The inverse depth is smooth, so its residual can be differentiated as it is; nearest pixels must not change.
 TEST(SimilarityResiduals, InverseDepthDerivativesAreThoseOfFiniteDifferences) {
   const SimilarityResiduals residuals(keyframe_a().reference.level(0), keyframe_b().image.level(0),

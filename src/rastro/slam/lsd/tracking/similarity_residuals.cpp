@@ -132,9 +132,20 @@ SimilarityResiduals::Linear SimilarityResiduals::linearize(const State& state) c
     linear.scores.push_back(score);
     linear.gradient += score;
   }
+  if (fix_scale_) hold_scale(linear);
   if (linear.used >= similarity_unknowns && linear.with_depth > 0 && state.brightness.plausible())
     linear.cost = linear.cost_sum / linear.used;
   return linear;
+}
+
+void SimilarityResiduals::hold_scale(Linear& linear) {
+  constexpr int scale = 6;
+  const double known = 1e6 * linear.hessian(scale, scale) + 1e6;
+  linear.hessian.row(scale).setZero();
+  linear.hessian.col(scale).setZero();
+  linear.hessian(scale, scale) = known;
+  linear.gradient[scale] = 0.0;
+  for (Step& score : linear.scores) score[scale] = 0.0;
 }
 
 SimilarityState SimilarityResiduals::retract(const State& state, const Step& step) {

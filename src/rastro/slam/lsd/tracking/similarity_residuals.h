@@ -44,9 +44,10 @@ class SimilarityResiduals {
     int inside = 0, used = 0, with_depth = 0, inliers = 0;
   };
 
+  /// `fix_scale`: no step changes it, and the hessian says that it is known.
   SimilarityResiduals(const AlignmentPoints& points, const PaddedImage& image, const InverseDepthMap& depth,
-                      const PhotometricNoise& noise)
-      : points_(points), image_(image), depth_(depth), noise_(noise) {}
+                      const PhotometricNoise& noise, bool fix_scale = false)
+      : points_(points), image_(image), depth_(depth), noise_(noise), fix_scale_(fix_scale) {}
 
   SimilarityResidual residual(int point, const State& state) const;
   Linear linearize(const State& state) const;
@@ -58,12 +59,14 @@ class SimilarityResiduals {
   struct Projected;
   void set_intensity(const Projected& projected, const State& state, SimilarityResidual& result) const;
   void set_inverse_depth(const Projected& projected, SimilarityResidual& result) const;
+  static void hold_scale(Linear& linear);
   void add(const SimilarityResidual& residual, Step& score, Linear& linear) const;
 
   const AlignmentPoints& points_;
   const PaddedImage& image_;
   const InverseDepthMap& depth_;
   PhotometricNoise noise_;
+  bool fix_scale_;
 };
 
 }  // namespace rastro

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/lsd_sensor.h"
+
+#include <fmt/format.h>
+
+#include "rastro/base/error.h"
+#include "rastro/base/log.h"
+#include "rastro/sensor/stereo_pair.h"
+
+namespace rastro {
+namespace {
+
+/// Both cameras; with `auto` only the left one where they cannot be used as a pair.
+LsdSensor pair_or_left(const LsdOptions& options, const SourceInfo& source) {
+  LsdSensor sensor = single_camera(*source.cameras.front().camera);
+  if (const auto pair = stereo_pair(source)) {
+    sensor.kind = CameraKind::stereo;
+    sensor.camera = pair->camera;
+    sensor.baseline = pair->baseline;
+    sensor.rectification = pair->rectification;
+    return sensor;
+  }
+  const char* why =
+      has_calibrated_pair(source)
+          ? "has stereo images of cameras that are not side by side, or whose sizes are not in the calibration"
+          : "has stereo images without calibration of both cameras and their baseline";
+  if (options.sensor == "stereo") throw Error(why, source.path, "give --calibration FILE, or --sensor mono");
+  log_warning(fmt::format("{} {}: only the left camera is used", source.path, why));
+  return sensor;
+}
+
+}  // namespace
+
+MapScale LsdSensor::scale() const {
+  if (kind == CameraKind::stereo) return {true, 0.0, "stereo baseline"};
+  if (kind == CameraKind::depth) return {true, 0.0, "depth camera"};
+  return {false, 0.0, "arbitrary"};
+}
+
+SE3 LsdSensor::camera_from_left() const {
+  return rectification ? SE3(rectification->left_from_rectified.inverse(), Eigen::Vector3d::Zero()) : SE3();
+}
+
+LsdSensor single_camera(const Camera& recorded) {
+  LsdSensor sensor;
+  sensor.recorded = recorded;
+  sensor.camera = recorded.distortion == Distortion::none ? recorded : undistorted_camera(recorded, 0.0);
+  return sensor;
+}
+
+LsdSensor choose_lsd_sensor(const LsdOptions& options, const SourceInfo& source) {
+  if (options.sensor == "rgbd" && !source.has_depth)
+    throw Error("has no depth images", source.path, "use --sensor mono");
+  if (options.sensor == "stereo" && !source.has_right)
+    throw Error("has no right images", source.path, "use --sensor mono");
+  const bool any = options.sensor == "auto";
+  if (!(options.sensor == "rgbd" || (any && source.has_depth))) {
+    if (options.sensor == "stereo" || (any && source.has_right)) return pair_or_left(options, source);
+    return single_camera(*source.cameras.front().camera);
+  }
+  LsdSensor sensor = single_camera(*source.cameras.front().camera);
+  sensor.kind = CameraKind::depth;
+  return sensor;
+}
+
+}  // namespace rastro

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/lsd_slam.h"
+
+#include <gtest/gtest.h>
+
+#include "rastro/synthetic/worlds/loop.h"
+
+namespace rastro {
+namespace {
+
+/// A walk past houses, seen by a pair.
+class WalkWithPair {
+ public:
+  static constexpr int first = 748, frames = 14;
+
+  SlamUpdate process(LsdSlam& slam, int number) {
+    Frame frame;
+    frame.index = number;
+    frame.stamp = world_.stamp(first + number);
+    frame.image = world_.render(first + number, pool_).gray;
+    frame.right = world_.render_right(first + number, pool_).gray;
+    return slam.process(frame);
+  }
+  LsdSensor sensor() const {
+    LsdSensor pair = single_camera(world_.camera());
+    pair.kind = CameraKind::stereo;
+    pair.baseline = world_.left_from_right()->translation().x();
+    return pair;
+  }
+  SE3 first_from_camera(int number) const {
+    return world_.world_from_camera(first).inverse() * world_.world_from_camera(first + number);
+  }
+
+ private:
+  TaskPool pool_{1};
+  World world_ = make_loop({.scale = 0.5, .threads = 1});
+};
+
+/// From the very first frame, without any alignment; and the covariance covers the errors.
+TEST(LsdSlam, APairGivesPosesInMetersWithTheirCovariance) {
+  WalkWithPair walk;
+  LsdSlam slam({}, walk.sensor(), {});
+  double squares = 0.0, moved = 0.0;
+  int inside = 0;
+  for (int k = 0; k < WalkWithPair::frames; ++k) {
+    const SlamUpdate update = walk.process(slam, k);
+    ASSERT_EQ(update.state, SlamState::tracking) << k << ' ' << update.detail;
+    const SE3 truth = walk.first_from_camera(k);
+    EXPECT_LT((update.world_from_body.translation() - truth.translation()).norm(), 0.03) << k;
+    if (k == 0) continue;
+    moved = truth.translation().norm();
+    ASSERT_TRUE(update.covariance);
+    Vector6d error;
+    error << truth.translation() - update.world_from_body.translation(),
+        (truth.rotation() * update.world_from_body.rotation().inverse()).log();
+    const double nees = error.dot(update.covariance->ldlt().solve(error));
+    squares += nees;
+    inside += nees < 12.59;  // 95 % of chi-squared with 6 degrees of freedom
+  }
+  EXPECT_GT(moved, 0.5);
+  EXPECT_GE(inside, (WalkWithPair::frames - 1) * 9 / 10);
+  EXPECT_GT(squares / (WalkWithPair::frames - 1), 0.05) << "so large a covariance says nothing";
+  const auto map = slam.snapshot();
+  EXPECT_TRUE(scale_of(*map).metric);
+  for (const Constraint& constraint : map->constraints) EXPECT_NEAR(constraint.from_from_to.scale(), 1.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace rastro
