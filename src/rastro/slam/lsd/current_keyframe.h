@@ -35,6 +35,7 @@ class CurrentKeyframe {
   Sim3 change_to(std::int64_t id, const LsdFrame& frame, const SE3& new_from_keyframe);
 
   std::int64_t id() const { return id_; }
+  const Pyramid& pyramid() const { return pyramid_; }
   double mean_inverse_depth() const { return mean_inverse_depth_; }
   int frames() const { return frames_; }  ///< That refined it.
   std::shared_ptr<const SemiDenseKeyframe> published() const;

@@ -35,6 +35,54 @@ void add_tracking_options(OptionTable& table, LsdOptions& o) {
   table.add({"lost_frames", &o.lost_frames, "frames", "after so many lost ones a new submap begins", 1, 100000, {}});
 }
 
+void add_belief_options(OptionTable& table, LsdOptions& o) {
+  table.add({"trusted_share",
+             &o.trusted_share,
+             "",
+             "share of the compared pixels that must fit within three standard deviations, else the frame is weak; right "
+             "poses of sharp images have 0.8 and more",
+             0,
+             1,
+             {}});
+  table.add({"trusted_regions",
+             &o.trusted_regions,
+             "",
+             "share of the regions of the image in which most pixels must fit, else the frame is weak: something may hide "
+             "the others",
+             0,
+             1,
+             {}});
+  table.add({"trusted_sigma",
+             &o.trusted_sigma,
+             "mean distances",
+             "standard deviation of the position above which the frame is weak",
+             0,
+             100,
+             {}});
+  table.add({"max_gain",
+             &o.max_gain,
+             "",
+             "change of the intensities since the keyframe, as a factor or its inverse, above which the frame is lost: "
+             "flat images fit everything",
+             1,
+             10,
+             {}});
+  table.add({"max_jump_deg",
+             &o.max_jump_deg,
+             "deg",
+             "change of the view, by motion and rotation, beyond what was expected, with which a weak frame is lost",
+             0,
+             180,
+             {}});
+  table.add({"relocalize_frames",
+             &o.relocalize_frames,
+             "frames",
+             "in a row that must agree with a relocalization; until then the pose is not believed",
+             1,
+             100,
+             {}});
+}
+
 void add_depth_options(OptionTable& table, LsdOptions& o) {
   table.add({"min_gradient",
              &o.min_gradient,
@@ -140,6 +188,7 @@ OptionTable option_table(LsdOptions& options) {
   table.add({"seed", &options.seed, "", "seed of the random numbers", 0, 0, {}});
   add_start_options(table, options);
   add_tracking_options(table, options);
+  add_belief_options(table, options);
   add_depth_options(table, options);
   add_keyframe_options(table, options);
   add_constraint_options(table, options);

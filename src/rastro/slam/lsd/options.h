@@ -23,6 +23,14 @@ struct LsdOptions {
   double min_overlap = 0.4;
   int lost_frames = 30;
 
+  // What a pose is believed by.
+  double trusted_share = 0.7;
+  double trusted_regions = 0.75;
+  double trusted_sigma = 0.03;
+  double max_gain = 5.0;
+  double max_jump_deg = 3.0;
+  int relocalize_frames = 3;
+
   // Depth.
   double min_gradient = 8.0;
   double intensity_sigma = 3.0;
