@@ -37,6 +37,8 @@ class LsdRelocalization {
                                 const PoseSearch& search, bool was_tried, const std::function<BagOfWords()>& words,
                                 SlamUpdate& update);
   void reset() { hypothesis_.reset(); }
+  /// Whether there is a hypothesis that too few frames agree with yet.
+  bool is_unconfirmed() const { return hypothesis_.has_value(); }
 
  private:
   struct Hypothesis {

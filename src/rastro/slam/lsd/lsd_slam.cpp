@@ -54,6 +54,7 @@ class LsdSlam::State {
   };
 
   bool is_usable(const Frame& frame, SlamUpdate& update);
+  void on_unusable_frame();
   LsdFrame undistorted(const Frame& frame) const;
   void start(LsdFrame frame, SlamUpdate& update);
   void start_from_two_views(LsdFrame frame, SlamUpdate& update);
@@ -135,7 +136,15 @@ bool LsdSlam::State::is_usable(const Frame& frame, SlamUpdate& update) {
   if (checked.useful() || checked.reason == OdometryReason::blurred) return true;
   update.state = current_ ? SlamState::lost : SlamState::initializing;
   if (frame.image.empty()) update.reason = SlamReason::no_data;
+  if (checked.reason != OdometryReason::repeated_frame) on_unusable_frame();
   return false;
+}
+
+/// The camera moves on unseen. That alone is no reason for a new submap: it may be covered for long.
+void LsdSlam::State::on_unusable_frame() {
+  motion_.lost = current_.has_value();
+  motion_.lost_frames = std::min(motion_.lost_frames + 1, options_.lost_frames);
+  relocalization_.reset();
 }
 
 LsdFrame LsdSlam::State::prepared(std::int64_t index, TimeNs stamp, GrayImage image) const {
@@ -150,7 +159,7 @@ LsdFrame LsdSlam::State::undistorted(const Frame& frame) const {
 
 void LsdSlam::State::start(LsdFrame frame, SlamUpdate& update) {
   update.state = current_ ? SlamState::lost : SlamState::initializing;
-  if (current_ && relocalize(frame, false, update)) return;
+  if (current_ && (relocalize(frame, false, update) || relocalization_.is_unconfirmed())) return;
   if (options_.start == "two_views") return start_from_two_views(std::move(frame), update);
   begin_map(frame, nullptr, update);
   update.state = SlamState::tracking;
@@ -185,8 +194,8 @@ void LsdSlam::State::begin_map(const LsdFrame& frame, const InverseDepthMap* dep
   if (submap > 0) update.events.push_back({"submap", fmt::format("{} begins with keyframe {}", submap, id)});
 }
 
-/// Those since the first view, and those right before it as long as they fit without doubt, in the order of the
-/// recording.
+/// Those since the first view, and those right before it as long as they fit without doubt and need no keyframe of
+/// their own, in the order of the recording.
 void LsdSlam::State::follow_kept_frames(std::size_t first) {
   const auto& kept = start_.frames();
   std::vector<PlacedFrame> placed;
@@ -194,7 +203,7 @@ void LsdSlam::State::follow_kept_frames(std::size_t first) {
   const auto track = [&](std::size_t k, const SE3& guess, PoseSearch& search) -> std::optional<ImageAlignment> {
     const LsdFrame frame = prepared(kept[k].index, kept[k].stamp, kept[k].image);
     const auto [tracked, verdict, jump_deg] = search.track(*current_, frame.pyramid, {guess, SE3(), 0});
-    if (verdict.grade != PoseGrade::tracking) return std::nullopt;
+    if (verdict.grade != PoseGrade::tracking || (k < first && needs_keyframe(tracked))) return std::nullopt;
     search.remember(frame.pyramid);
     placed.push_back({frame.index, frame.stamp, current_->id(), tracked.image_from_reference.inverse()});
     if (k > first) current_->refine(frame, tracked);
