@@ -43,11 +43,24 @@ bool LsdRelocalization::begin_near(const LsdFrame& frame, const CurrentKeyframe&
   return true;
 }
 
-bool LsdRelocalization::begin_similar(const LsdFrame& frame, const BagOfWords& words, const PoseSearch& search) {
+/// Whether the camera can be there by now, from where it was last seen. Between submaps nothing is known.
+bool LsdRelocalization::is_within_reach(const PlacedFrame& found, int missed) const {
+  if (graph_.frames().empty()) return true;
+  const PlacedFrame& last = graph_.frames().back();
+  if (graph_.submap(last.keyframe) != graph_.submap(found.keyframe)) return true;
+  const double distance = (graph_.pose_of(found).translation() - graph_.pose_of(last).translation()).norm();
+  const double mean_distance = graph_.pose(found.keyframe).scale();
+  return distance <= mean_distance + graph_.reach_from(found.keyframe, options_.max_drift, missed);
+}
+
+bool LsdRelocalization::begin_similar(const LsdFrame& frame, const BagOfWords& words, const PoseSearch& search,
+                                      int missed) {
   for (const std::int64_t id : graph_.similar(words, options_.similar_keyframes)) {
     CurrentKeyframe candidate = make_(id);
     const JudgedAlignment found = search.find(candidate, frame.pyramid);
     if (found.verdict.grade != PoseGrade::tracking) continue;
+    const SE3 keyframe_from_camera = found.alignment.image_from_reference.inverse();
+    if (!is_within_reach({frame.index, frame.stamp, id, keyframe_from_camera}, missed)) continue;
     hypothesis_.emplace(Hypothesis{std::move(candidate), id, {}, {}, {}, search, false});
     add(frame, found);
     return true;
@@ -55,24 +68,22 @@ bool LsdRelocalization::begin_similar(const LsdFrame& frame, const BagOfWords& w
   return false;
 }
 
-std::optional<LsdRelocalization::Confirmed> LsdRelocalization::take(const LsdFrame& frame,
-                                                                    const CurrentKeyframe& current,
-                                                                    const ExpectedMotion& last,
-                                                                    const PoseSearch& search, bool was_tried,
-                                                                    const std::function<BagOfWords()>& words,
-                                                                    SlamUpdate& update) {
+std::optional<LsdRelocalization::Confirmed> LsdRelocalization::take(
+    const LsdFrame& frame, const CurrentKeyframe& current, const ExpectedMotion& last, const PoseSearch& search,
+    bool was_tried, const std::function<BagOfWords()>& words, SlamUpdate& update) {
   update.state = SlamState::lost;
   if (hypothesis_ && !follows(frame, current)) hypothesis_.reset();
   const bool is_new = !hypothesis_;
-  if (is_new && (was_tried || !begin_near(frame, current, last, search)) && !begin_similar(frame, words(), search)) {
+  if (is_new && (was_tried || !begin_near(frame, current, last, search)) &&
+      !begin_similar(frame, words(), search, last.missed + 1)) {
     if (update.reason == SlamReason::none) update.reason = SlamReason::not_found;
     return std::nullopt;
   }
   const auto agreeing = static_cast<int>(hypothesis_->frames.size());
   if (agreeing < options_.relocalize_frames && !hypothesis_->is_near) {
     update.reason = SlamReason::unconfirmed;
-    update.detail = fmt::format("in keyframe {}: {} of {} frames agree", hypothesis_->id, agreeing,
-                                options_.relocalize_frames);
+    update.detail =
+        fmt::format("in keyframe {}: {} of {} frames agree", hypothesis_->id, agreeing, options_.relocalize_frames);
     return std::nullopt;
   }
   hypothesis_->frames.pop_back();

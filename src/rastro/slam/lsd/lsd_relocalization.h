@@ -52,7 +52,8 @@ class LsdRelocalization {
   bool follows(const LsdFrame& frame, const CurrentKeyframe& current);
   bool begin_near(const LsdFrame& frame, const CurrentKeyframe& current, const ExpectedMotion& last,
                   const PoseSearch& search);
-  bool begin_similar(const LsdFrame& frame, const BagOfWords& words, const PoseSearch& search);
+  bool begin_similar(const LsdFrame& frame, const BagOfWords& words, const PoseSearch& search, int missed);
+  bool is_within_reach(const PlacedFrame& found, int missed) const;
   void add(const LsdFrame& frame, const JudgedAlignment& tracked);
 
   const LsdOptions& options_;

@@ -100,11 +100,12 @@ LsdSlam::State::State(const LsdOptions& options, const Camera& camera, const Sla
       start_(start_options(options), camera_, context.pool),
       constraints_(options_, camera_, graph_),
       search_(options_, camera_),
-      relocalization_(options_, graph_, [this](std::int64_t id) {
-        const SemiDenseKeyframe& known = graph_.keyframe(id);
-        return CurrentKeyframe(options_, camera_, pool_, id, prepared(known.frame, known.stamp, known.image),
-                               &known.depth);
-      }),
+      relocalization_(options_, graph_,
+                      [this](std::int64_t id) {
+                        const SemiDenseKeyframe& known = graph_.keyframe(id);
+                        return CurrentKeyframe(options_, camera_, pool_, id,
+                                               prepared(known.frame, known.stamp, known.image), &known.depth);
+                      }),
       features_(OrbOptions{}),
       budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {
   if (is_distorted(camera)) undistort_ = undistort_map(camera, camera_);
@@ -343,8 +344,8 @@ void LsdSlam::State::on_loss(const LsdFrame& frame, const PoseVerdict& verdict, 
 bool LsdSlam::State::relocalize(const LsdFrame& frame, bool was_tried, SlamUpdate& update) {
   const ExpectedMotion last{motion_.camera_from_keyframe, motion_.velocity, motion_.lost_frames};
   ++motion_.lost_frames;
-  auto found = relocalization_.take(frame, *current_, last, search_, was_tried,
-                                    [&] { return words_of(frame.image.view()); }, update);
+  auto found = relocalization_.take(
+      frame, *current_, last, search_, was_tried, [&] { return words_of(frame.image.view()); }, update);
   if (!found) return false;
   if (found->keyframe) {
     finish_keyframe(update);

@@ -36,22 +36,24 @@ void add_tracking_options(OptionTable& table, LsdOptions& o) {
 }
 
 void add_belief_options(OptionTable& table, LsdOptions& o) {
-  table.add({"trusted_share",
-             &o.trusted_share,
-             "",
-             "share of the compared pixels that must fit within three standard deviations, else the frame is weak; right "
-             "poses of sharp images have 0.8 and more",
-             0,
-             1,
-             {}});
-  table.add({"trusted_regions",
-             &o.trusted_regions,
-             "",
-             "share of the regions of the image in which most pixels must fit, else the frame is weak: something may hide "
-             "the others",
-             0,
-             1,
-             {}});
+  table.add(
+      {"trusted_share",
+       &o.trusted_share,
+       "",
+       "share of the compared pixels that must fit within three standard deviations, else the frame is weak; right "
+       "poses of sharp images have 0.8 and more",
+       0,
+       1,
+       {}});
+  table.add(
+      {"trusted_regions",
+       &o.trusted_regions,
+       "",
+       "share of the regions of the image in which most pixels must fit, else the frame is weak: something may hide "
+       "the others",
+       0,
+       1,
+       {}});
   table.add({"trusted_sigma",
              &o.trusted_sigma,
              "mean distances",
@@ -80,6 +82,14 @@ void add_belief_options(OptionTable& table, LsdOptions& o) {
              "in a row that must agree with a relocalization; until then the pose is not believed",
              1,
              100,
+             {}});
+  table.add({"max_drift",
+             &o.max_drift,
+             "",
+             "share of the path since a keyframe by which the map may have drifted: a relocalization farther away than "
+             "that, and than the camera can have moved while lost, is not believed",
+             0,
+             1,
              {}});
 }
 
@@ -176,6 +186,15 @@ void add_constraint_options(OptionTable& table, LsdOptions& o) {
              0,
              1,
              {}});
+  table.add(
+      {"loop_share",
+       &o.loop_share,
+       "",
+       "share of the compared pixels that must fit both ways for a loop closure or a merge of submaps; right ones "
+       "have 0.88 and more, houses alike up to 0.85",
+       0,
+       1,
+       {}});
   table.add({"optimize_iterations", &o.optimize_iterations, "", "of the pose graph, per stage", 1, 1000, {}});
 }
 

@@ -30,6 +30,7 @@ struct LsdOptions {
   double max_gain = 5.0;
   double max_jump_deg = 3.0;
   int relocalize_frames = 3;
+  double max_drift = 0.1;
 
   // Depth.
   double min_gradient = 8.0;
@@ -50,6 +51,7 @@ struct LsdOptions {
   int similar_keyframes = 3;
   double max_reciprocal_error = 30.0;
   double min_constraint_overlap = 0.4;
+  double loop_share = 0.85;
   int optimize_iterations = 20;
 
   FrameCheckOptions frame_check;

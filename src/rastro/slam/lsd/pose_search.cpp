@@ -48,7 +48,8 @@ JudgedAlignment PoseSearch::track(const CurrentKeyframe& keyframe, const Pyramid
     if (is_better(other, best)) best = other;
   };
   if (best.verdict.grade != PoseGrade::tracking) improve_from(still);
-  if (best.verdict.grade != PoseGrade::tracking && last_) improve_from(rotation_between(*last_, small_of(image)) * still);
+  if (best.verdict.grade != PoseGrade::tracking && last_)
+    improve_from(rotation_between(*last_, small_of(image)) * still);
   return best;
 }
 

@@ -45,8 +45,8 @@ struct ImageAlignment {
   /// Share of the regions of the image (neighbors of alignment_chunk points) in which most points fit: something that
   /// hides a part of the view leaves all its regions without.
   double region_share = 0.0;
-  int points = 0;             ///< Compared.
-  bool converged = false;     ///< On the finest level.
+  int points = 0;          ///< Compared.
+  bool converged = false;  ///< On the finest level.
   AlignmentFailure failure = AlignmentFailure::too_few_points;
 
   bool ok() const { return failure == AlignmentFailure::none; }

@@ -44,8 +44,7 @@ PoseVerdict first_doubt(const ImageAlignment& alignment, double mean_inverse_dep
 }  // namespace
 
 double view_change_deg(const SE3& a_from_b, double mean_inverse_depth) {
-  return deg_per_rad *
-         (a_from_b.translation().norm() * mean_inverse_depth + a_from_b.rotation().log().norm());
+  return deg_per_rad * (a_from_b.translation().norm() * mean_inverse_depth + a_from_b.rotation().log().norm());
 }
 
 PoseVerdict judge_pose(const ImageAlignment& alignment, double mean_inverse_depth, double jump_deg,
