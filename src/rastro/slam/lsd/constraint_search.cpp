@@ -43,17 +43,18 @@ std::shared_ptr<const ConstraintSearch::Prepared> ConstraintSearch::prepared(std
 
 /// Constraint::from_from_to is other_from_id.
 std::optional<Constraint> ConstraintSearch::align(std::int64_t other, std::int64_t id, const Sim3& other_from_id) {
+  const ConstraintKind kind = kind_between(other, id);
   const auto of_other = prepared(other), of_id = prepared(id);
   const SimilarityAlignment forward = align_to(*of_other, *of_id, other_from_id);
-  if (!fits(forward)) return std::nullopt;
+  if (!fits(forward, kind)) return std::nullopt;
   const SimilarityAlignment backward = align_to(*of_id, *of_other, forward.b_from_a.inverse());
-  if (!fits(backward)) return std::nullopt;
+  if (!fits(backward, kind)) return std::nullopt;
   const auto error = reciprocal_error(forward, backward);
   if (!error || *error > options_.max_reciprocal_error) return std::nullopt;
   const Matrix7d covariance = forward.information.inverse();
   Matrix6d of_motion = covariance.topLeftCorner<6, 6>();
   of_motion += common_covariance(graph_.keyframe(id).mean_inverse_depth);
-  Constraint edge{other, id, forward.b_from_a, of_motion.inverse(), kind_between(other, id)};
+  Constraint edge{other, id, forward.b_from_a, of_motion.inverse(), kind};
   edge.information = (0.5 * (edge.information + edge.information.transpose())).eval();
   edge.inliers = forward.points;
   return edge;
@@ -67,8 +68,10 @@ SimilarityAlignment ConstraintSearch::align_to(const Prepared& b, const Prepared
   return align_similarity(a.reference, {b.pyramid, b.reference.depth()}, b_from_a, options);
 }
 
-bool ConstraintSearch::fits(const SimilarityAlignment& alignment) const {
-  return alignment.ok() && alignment.information.determinant() > 0.0;
+/// Another house with windows like these lets most pixels fit too, but not nearly all.
+bool ConstraintSearch::fits(const SimilarityAlignment& alignment, ConstraintKind kind) const {
+  const double least = kind == ConstraintKind::proximity ? options_.trusted_share : options_.loop_share;
+  return alignment.ok() && alignment.inlier_share >= least && alignment.information.determinant() > 0.0;
 }
 
 ConstraintKind ConstraintSearch::kind_between(std::int64_t other, std::int64_t id) const {

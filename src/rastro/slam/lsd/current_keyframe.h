@@ -31,6 +31,7 @@ class CurrentKeyframe {
   Sim3 change_to(std::int64_t id, const LsdFrame& frame, const SE3& new_from_keyframe, const SE3& depth_from_color);
 
   std::int64_t id() const { return id_; }
+  const Pyramid& pyramid() const { return pyramid_; }
   double mean_inverse_depth() const { return mean_inverse_depth_; }
   int frames() const { return frames_; }  ///< That refined it.
   int pixels() const;                     ///< With a depth.

@@ -16,17 +16,14 @@
 #include "rastro/slam/lsd/current_keyframe.h"
 #include "rastro/slam/lsd/initialization/two_view_start.h"
 #include "rastro/slam/lsd/lsd_frame.h"
+#include "rastro/slam/lsd/lsd_relocalization.h"
+#include "rastro/slam/lsd/pose_search.h"
 #include "rastro/slam/lsd/pose_uncertainty.h"
 #include "rastro/slam/lsd/semi_dense_graph.h"
 #include "rastro/slam/map_budget.h"
 
 namespace rastro {
 namespace {
-
-SlamReason reason_of_failure(AlignmentFailure failure) {
-  if (failure == AlignmentFailure::too_few_points) return SlamReason::too_few_points;
-  return failure == AlignmentFailure::none ? SlamReason::none : SlamReason::poor_match;
-}
 
 constexpr double memory_reserve_mb = 100.0;  // for everything except the map
 
@@ -52,7 +49,7 @@ class LsdSlam::State {
   struct Motion {
     SE3 camera_from_keyframe, velocity;  ///< The camera's motion since the frame before, in the keyframe's unit.
     TimeNs stamp = 0, duration = 0;      ///< Of that frame; between both.
-    int lost_frames = 0;
+    int lost_frames = 0, weak_frames = 0;
     bool lost = false;
 
     /// Of the camera within `time`, at this velocity.
@@ -63,6 +60,7 @@ class LsdSlam::State {
   };
 
   bool is_usable(const Frame& frame, SlamUpdate& update);
+  void on_unusable_frame();
   void start(LsdFrame frame, SlamUpdate& update);
   void start_from_two_views(LsdFrame frame, SlamUpdate& update);
   void start_from_sensor(const LsdFrame& frame, SlamUpdate& update);
@@ -76,9 +74,10 @@ class LsdSlam::State {
   void change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
   void finish_keyframe(SlamUpdate& update);
   void connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update);
-  void on_loss(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
-  bool relocalize(const LsdFrame& frame, SlamUpdate& update);
+  void on_loss(const LsdFrame& frame, const PoseVerdict& verdict, SlamUpdate& update);
+  bool relocalize(const LsdFrame& frame, bool was_tried, SlamUpdate& update);
   void stay_within_budget(SlamUpdate& update);
+  CurrentKeyframe restored_keyframe(std::int64_t id) const;
   BagOfWords words_of(GrayView image, GrayView mask);
 
   LsdOptions options_;
@@ -90,6 +89,8 @@ class LsdSlam::State {
   PoseUncertainty uncertainty_;
   TwoViewStart start_;
   ConstraintSearch constraints_;
+  PoseSearch search_;
+  LsdRelocalization relocalization_;
   OrbExtractor features_;
   std::optional<CurrentKeyframe> current_;
   Motion motion_;
@@ -107,6 +108,8 @@ LsdSlam::State::State(const LsdOptions& options, const LsdSensor& sensor, const 
       graph_(options, sensor.is_metric()),
       start_(start_options(options), sensor.camera, context.pool),
       constraints_(options_, sensor_, graph_),
+      search_(options_, sensor_.camera),
+      relocalization_(options_, graph_, [this](std::int64_t id) { return restored_keyframe(id); }),
       features_(OrbOptions{}),
       budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {}
 
@@ -137,12 +140,26 @@ bool LsdSlam::State::is_usable(const Frame& frame, SlamUpdate& update) {
   if (checked.useful() || checked.reason == OdometryReason::blurred) return true;
   update.state = current_ ? SlamState::lost : SlamState::initializing;
   if (frame.image.empty()) update.reason = SlamReason::no_data;
+  if (checked.reason != OdometryReason::repeated_frame) on_unusable_frame();
   return false;
+}
+
+/// The camera moves on unseen. That alone is no reason for a new submap: it may be covered for long.
+void LsdSlam::State::on_unusable_frame() {
+  motion_.lost = current_.has_value();
+  motion_.lost_frames = std::min(motion_.lost_frames + 1, options_.lost_frames);
+  relocalization_.reset();
+}
+
+CurrentKeyframe LsdSlam::State::restored_keyframe(std::int64_t id) const {
+  const SemiDenseKeyframe& known = graph_.keyframe(id);
+  return {options_,    sensor_, pool_, id, frames_.from_image(known.frame, known.stamp, known.image, known.mask),
+          &known.depth};
 }
 
 void LsdSlam::State::start(LsdFrame frame, SlamUpdate& update) {
   update.state = current_ ? SlamState::lost : SlamState::initializing;
-  if (current_ && relocalize(frame, update)) return;
+  if (current_ && (relocalize(frame, false, update) || relocalization_.is_unconfirmed())) return;
   if (sensor_.is_metric()) return start_from_sensor(frame, update);
   if (options_.start == "two_views") return start_from_two_views(std::move(frame), update);
   begin_map({options_, sensor_, pool_, graph_.size(), frame, nullptr}, update);
@@ -189,52 +206,67 @@ void LsdSlam::State::begin_map(CurrentKeyframe first, SlamUpdate& update) {
   graph_.add(current_->published(), Sim3(), submap);
   uncertainty_.set_known(id, Eigen::Vector3d::Zero());
   motion_ = {};
+  search_.remember(current_->pyramid());
+  relocalization_.reset();
   update.events.push_back({"keyframe", fmt::format("{}", id)});
   if (submap > 0) update.events.push_back({"submap", fmt::format("{} begins with keyframe {}", submap, id)});
 }
 
-/// Those before the first view and since, in the order of the recording.
+/// Those since the first view, and those right before it as long as they fit without doubt and need no keyframe of
+/// their own, in the order of the recording.
 void LsdSlam::State::follow_kept_frames(std::size_t first) {
   const auto& kept = start_.frames();
   std::vector<PlacedFrame> placed;
-  const auto track = [&](std::size_t k, const SE3& guess) -> std::optional<ImageAlignment> {
+  PoseSearch backward = search_;
+  const auto track = [&](std::size_t k, const SE3& guess, PoseSearch& search) -> std::optional<ImageAlignment> {
     const LsdFrame frame = frames_.from_image(kept[k].index, kept[k].stamp, kept[k].image, kept[k].mask);
-    const ImageAlignment tracked = current_->track(frame.pyramid, guess);
-    if (!tracked.ok()) return std::nullopt;
+    const auto [tracked, verdict, jump_deg] = search.track(*current_, frame.pyramid, {guess, SE3(), 0});
+    if (verdict.grade != PoseGrade::tracking || (k < first && needs_keyframe(tracked))) return std::nullopt;
+    search.remember(frame.pyramid);
     placed.push_back({frame.index, frame.stamp, current_->id(), tracked.image_from_reference.inverse()});
     if (k > first) current_->refine(frame, tracked);
     return tracked;
   };
   SE3 pose;
   for (std::size_t k = first + 1; k < kept.size(); ++k)
-    if (const auto tracked = track(k, pose)) pose = tracked->image_from_reference;
+    if (const auto tracked = track(k, pose, search_)) pose = tracked->image_from_reference;
   motion_.camera_from_keyframe = pose;
   placed.push_back({kept[first].index, kept[first].stamp, current_->id(), SE3()});
   pose = SE3();
-  for (std::size_t k = first; k-- > 0;)
-    if (const auto tracked = track(k, pose)) pose = tracked->image_from_reference;
+  for (std::size_t k = first; k-- > 0;) {
+    const auto tracked = track(k, pose, backward);
+    if (!tracked) break;
+    pose = tracked->image_from_reference;
+  }
   std::sort(placed.begin(), placed.end(), [](const PlacedFrame& a, const PlacedFrame& b) { return a.index < b.index; });
   for (const PlacedFrame& frame : placed) graph_.add_frame(frame);
 }
 
 void LsdSlam::State::follow(const LsdFrame& frame, SlamUpdate& update) {
+  if (motion_.lost) return void(relocalize(frame, false, update));
   Stopwatch stage;
-  const SE3 guess = motion_.velocity * motion_.camera_from_keyframe;
-  ImageAlignment tracked = current_->track(frame.pyramid, guess);
-  if (!tracked.ok()) tracked = current_->track(frame.pyramid, motion_.camera_from_keyframe);
+  const auto [tracked, verdict, jump_deg] =
+      search_.track(*current_, frame.pyramid, {motion_.camera_from_keyframe, motion_.velocity, 0});
   update.times.push_back({"track", stage.lap_ms()});
-  if (!tracked.ok()) return on_loss(frame, tracked, update);
-  update.state = motion_.lost ? SlamState::relocalized : SlamState::tracking;
+  motion_.weak_frames = verdict.grade == PoseGrade::weak ? motion_.weak_frames + 1 : 0;
+  if (verdict.grade == PoseGrade::lost || motion_.weak_frames > options_.lost_frames)
+    return on_loss(frame, verdict, update);
+  update.state = SlamState::tracking;
   doubt(update);
   update.score = tracked.inlier_share;
   update.used = tracked.points;
   accept(frame, tracked);
   update.world_from_body = graph_.pose_of({0, 0, current_->id(), motion_.camera_from_keyframe.inverse()});
   set_covariance(tracked, update);
-  if (needs_keyframe(tracked))
+  if (verdict.grade == PoseGrade::weak) {
+    update.state = SlamState::weak;
+    update.reason = verdict.reason;
+    update.detail = verdict.detail;
+  } else if (needs_keyframe(tracked)) {
     change_keyframe(frame, tracked, update);
-  else if (tracked.rms < options_.keyframe_residual)
+  } else {
     current_->refine(frame, tracked);
+  }
   update.times.push_back({"depth", stage.lap_ms()});
 }
 
@@ -269,6 +301,7 @@ void LsdSlam::State::accept(const LsdFrame& frame, const ImageAlignment& tracked
   motion_.stamp = frame.stamp;
   motion_.lost = false;
   motion_.lost_frames = 0;
+  search_.remember(frame.pyramid);
   graph_.add_frame({frame.index, frame.stamp, current_->id(), tracked.image_from_reference.inverse()});
 }
 
@@ -328,38 +361,39 @@ void LsdSlam::State::connect(std::int64_t id, const BagOfWords& words, SlamUpdat
   if (!found.empty()) graph_.optimize();
 }
 
-void LsdSlam::State::on_loss(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update) {
-  update.reason = reason_of_failure(tracked.failure);
-  update.detail = fmt::format("{}: {} pixels, {:.0f} % in view, {:.0f} % fit", to_string(tracked.failure),
-                              tracked.points, 100.0 * tracked.overlap, 100.0 * tracked.inlier_share);
-  update.state = SlamState::lost;
+void LsdSlam::State::on_loss(const LsdFrame& frame, const PoseVerdict& verdict, SlamUpdate& update) {
+  update.reason = verdict.reason;
+  update.detail = verdict.detail;
   motion_.lost = true;
-  motion_.velocity = SE3();
-  relocalize(frame, update);
+  motion_.weak_frames = 0;
+  relocalize(frame, true, update);
 }
 
-/// By direct alignment with the keyframes that share most words with the frame.
-bool LsdSlam::State::relocalize(const LsdFrame& frame, SlamUpdate& update) {
+/// `was_tried`: on the current keyframe.
+bool LsdSlam::State::relocalize(const LsdFrame& frame, bool was_tried, SlamUpdate& update) {
+  const ExpectedMotion last{motion_.camera_from_keyframe, motion_.velocity, motion_.lost_frames};
   ++motion_.lost_frames;
-  for (const std::int64_t id :
-       graph_.similar(words_of(frame.image.view(), frame.mask.view()), options_.similar_keyframes)) {
-    const SemiDenseKeyframe& known = graph_.keyframe(id);
-    CurrentKeyframe candidate(options_, sensor_, pool_, id,
-                              frames_.from_image(known.frame, known.stamp, known.image, known.mask), &known.depth);
-    const ImageAlignment tracked = candidate.track(frame.pyramid, SE3());
-    if (!tracked.ok()) continue;
+  auto found = relocalization_.take(
+      frame, *current_, last, search_, was_tried, [&] { return words_of(frame.image.view(), frame.mask.view()); },
+      update);
+  if (!found) return false;
+  if (found->keyframe) {
     finish_keyframe(update);
-    current_.emplace(std::move(candidate));
-    update.state = SlamState::relocalized;
-    update.reason = SlamReason::none;
-    update.detail.clear();
-    update.events.push_back({"relocalized", fmt::format("in keyframe {}", id)});
-    accept(frame, tracked);
-    update.world_from_body = graph_.pose_of({0, 0, id, tracked.image_from_reference.inverse()});
-    start_.reset();
-    return true;
+    current_.emplace(std::move(*found->keyframe));
   }
-  return false;
+  for (const PlacedFrame& earlier : found->earlier) graph_.add_frame(earlier);
+  motion_.lost = false;
+  motion_.camera_from_keyframe = found->last_pose;
+  accept(frame, found->tracked.alignment);
+  update.state = SlamState::relocalized;
+  update.reason = SlamReason::none;
+  update.detail.clear();
+  update.events.push_back({"relocalized", fmt::format("in keyframe {}", found->id)});
+  update.score = found->tracked.alignment.inlier_share;
+  update.used = found->tracked.alignment.points;
+  update.world_from_body = graph_.pose_of({0, 0, found->id, motion_.camera_from_keyframe.inverse()});
+  start_.reset();
+  return true;
 }
 
 /// The oldest keyframes keep their poses only.

@@ -77,6 +77,64 @@ void add_tracking_options(OptionTable& table, LsdOptions& o) {
   table.add({"lost_frames", &o.lost_frames, "frames", "after so many lost ones a new submap begins", 1, 100000, {}});
 }
 
+void add_belief_options(OptionTable& table, LsdOptions& o) {
+  table.add(
+      {"trusted_share",
+       &o.trusted_share,
+       "",
+       "share of the compared pixels that must fit within three standard deviations, else the frame is weak; right "
+       "poses of sharp images have 0.8 and more",
+       0,
+       1,
+       {}});
+  table.add(
+      {"trusted_regions",
+       &o.trusted_regions,
+       "",
+       "share of the regions of the image in which most pixels must fit, else the frame is weak: something may hide "
+       "the others",
+       0,
+       1,
+       {}});
+  table.add({"trusted_sigma",
+             &o.trusted_sigma,
+             "mean distances",
+             "standard deviation of the position above which the frame is weak",
+             0,
+             100,
+             {}});
+  table.add({"max_gain",
+             &o.max_gain,
+             "",
+             "change of the intensities since the keyframe, as a factor or its inverse, above which the frame is lost: "
+             "flat images fit everything",
+             1,
+             10,
+             {}});
+  table.add({"max_jump_deg",
+             &o.max_jump_deg,
+             "deg",
+             "change of the view, by motion and rotation, beyond what was expected, with which a weak frame is lost",
+             0,
+             180,
+             {}});
+  table.add({"relocalize_frames",
+             &o.relocalize_frames,
+             "frames",
+             "in a row that must agree with a relocalization; until then the pose is not believed",
+             1,
+             100,
+             {}});
+  table.add({"max_drift",
+             &o.max_drift,
+             "",
+             "share of the path since a keyframe by which the map may have drifted: a relocalization farther away than "
+             "that, and than the camera can have moved while lost, is not believed",
+             0,
+             1,
+             {}});
+}
+
 void add_depth_options(OptionTable& table, LsdOptions& o) {
   table.add({"min_gradient",
              &o.min_gradient,
@@ -179,6 +237,15 @@ void add_constraint_options(OptionTable& table, LsdOptions& o) {
              0,
              1,
              {}});
+  table.add(
+      {"loop_share",
+       &o.loop_share,
+       "",
+       "share of the compared pixels that must fit both ways for a loop closure or a merge of submaps; right ones "
+       "have 0.88 and more, houses alike up to 0.85",
+       0,
+       1,
+       {}});
   table.add({"optimize_iterations", &o.optimize_iterations, "", "of the pose graph, per stage", 1, 1000, {}});
 }
 
@@ -192,6 +259,7 @@ OptionTable option_table(LsdOptions& options) {
   add_sensor_options(table, options);
   add_start_options(table, options);
   add_tracking_options(table, options);
+  add_belief_options(table, options);
   add_depth_options(table, options);
   add_keyframe_options(table, options);
   add_constraint_options(table, options);

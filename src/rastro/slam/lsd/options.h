@@ -33,6 +33,15 @@ struct LsdOptions {
   double min_overlap = 0.4;
   int lost_frames = 30;
 
+  // What a pose is believed by.
+  double trusted_share = 0.7;
+  double trusted_regions = 0.75;
+  double trusted_sigma = 0.03;
+  double max_gain = 5.0;
+  double max_jump_deg = 3.0;
+  int relocalize_frames = 3;
+  double max_drift = 0.1;
+
   // Depth.
   double min_gradient = 8.0;
   double intensity_sigma = 3.0;
@@ -53,6 +62,7 @@ struct LsdOptions {
   int similar_keyframes = 3;
   double max_reciprocal_error = 30.0;
   double min_constraint_overlap = 0.4;
+  double loop_share = 0.85;
   int optimize_iterations = 20;
 
   FrameCheckOptions frame_check;

@@ -146,6 +146,19 @@ SE3 SemiDenseGraph::pose_of(const PlacedFrame& frame) const {
   return rigid(pose(frame.keyframe) * Sim3(frame.keyframe_from_camera));
 }
 
+double SemiDenseGraph::reach_from(std::int64_t id, double drift, int missed) const {
+  constexpr double faster = 5.0;  // than on average
+  double whole = 0.0, since = 0.0;
+  int steps = 0;
+  for (std::size_t k = 1; k < frames_.size(); ++k) {
+    if (submap(frames_[k].keyframe) != submap(frames_[k - 1].keyframe)) continue;
+    const double step = (pose_of(frames_[k]).translation() - pose_of(frames_[k - 1]).translation()).norm();
+    whole += step, ++steps;
+    if (frames_[k].index > keyframe(id).frame) since += step;
+  }
+  return drift * since + faster * whole / std::max(1, steps) * missed;
+}
+
 int SemiDenseGraph::largest_submap() const {
   std::map<int, std::size_t> frames;
   for (const PlacedFrame& frame : frames_) ++frames[submap(frame.keyframe)];

@@ -79,7 +79,11 @@ class SemiDenseGraph {
 
   /// world_from_camera in the world's unit.
   SE3 pose_of(const PlacedFrame& frame) const;
-  Trajectory trajectory() const;  ///< Of the submap with most frames.
+  /// Farthest that the last frame can be from where it seems to be, as seen from a keyframe: by the drift of the path
+  /// between, a share of it, and by the motion in `missed` frames since.
+  double reach_from(std::int64_t id, double drift, int missed) const;
+  const std::vector<PlacedFrame>& frames() const { return frames_; }  ///< In the order of the recording.
+  Trajectory trajectory() const;                                      ///< Of the submap with most frames.
   std::shared_ptr<const Map> snapshot(const LsdSensor& sensor) const;
 
  private:

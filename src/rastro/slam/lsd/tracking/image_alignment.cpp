@@ -119,6 +119,18 @@ AlignmentFailure failure_of_motion(const ImageAlignment& result, const ImageAlig
   return AlignmentFailure::none;
 }
 
+/// Of the regions with enough points to tell.
+double share_of_regions(const std::vector<AlignmentSums>& chunks) {
+  constexpr int fewest = alignment_chunk / 4;
+  int regions = 0, fitting = 0;
+  for (const AlignmentSums& chunk : chunks) {
+    if (chunk.used < fewest) continue;
+    ++regions;
+    fitting += 2 * chunk.inliers > chunk.used ? 1 : 0;
+  }
+  return regions > 0 ? static_cast<double>(fitting) / regions : 0.0;
+}
+
 ImageAlignment motion_result_of(const MotionState& state, const LevelAlignment::Linear& linear, int points,
                                 const ImageAlignmentOptions& options, bool converged) {
   ImageAlignment result;
@@ -131,6 +143,7 @@ ImageAlignment motion_result_of(const MotionState& state, const LevelAlignment::
   result.overlap = static_cast<double>(linear.sums.inside) / points;
   const double used = std::max(1, linear.sums.used);
   result.inlier_share = linear.sums.inliers / used;
+  result.region_share = share_of_regions(linear.chunks);
   result.rms = std::sqrt(linear.sums.products.back() / used);
   const bool determined = std::isfinite(linear.cost) && is_determined<motion_unknowns>(linear.hessian);
   if (determined) set_covariance(linear, result);

@@ -42,8 +42,11 @@ struct ImageAlignment {
   double rms = 0.0;           ///< Robust root mean square of the residuals, standard deviations.
   double overlap = 0.0;       ///< Share of the reference's points that project into the image.
   double inlier_share = 0.0;  ///< Share of the points that are compared within three standard deviations.
-  int points = 0;             ///< Compared.
-  bool converged = false;     ///< On the finest level.
+  /// Share of the regions of the image (neighbors of alignment_chunk points) in which most points fit: something that
+  /// hides a part of the view leaves all its regions without.
+  double region_share = 0.0;
+  int points = 0;          ///< Compared.
+  bool converged = false;  ///< On the finest level.
   AlignmentFailure failure = AlignmentFailure::too_few_points;
 
   bool ok() const { return failure == AlignmentFailure::none; }

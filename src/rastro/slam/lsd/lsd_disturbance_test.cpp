@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// What one camera does when its view changes abruptly: exposure, a cover, a fast rotation, a jump to another place.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "rastro/slam/lsd/method.h"
+#include "rastro/slam/lsd/tracking/alignment_testing.h"
+
+namespace rastro {
+namespace {
+
+constexpr int frames = 75;
+constexpr double rate_hz = 30.0;
+
+/// Walks sideways and up in front of the boxes.
+SE3 walk(int k) { return {SO3::exp({0.0, 0.001 * k, 0.0}), {-0.3 + 0.012 * k, 0.06 * std::sin(0.12 * k), 0.003 * k}}; }
+
+struct DisturbedRun {
+  std::vector<SlamUpdate> updates;
+  Trajectory trajectory;
+
+  int count(SlamState state, int first, int end) const {
+    return static_cast<int>(std::count_if(updates.begin() + first, updates.begin() + end,
+                                          [&](const SlamUpdate& update) { return update.state == state; }));
+  }
+  /// Frames from `first` on until the first one with a pose.
+  int frames_until_back(int first) const {
+    const auto has_pose = [](const SlamUpdate& update) {
+      return update.state != SlamState::lost && update.state != SlamState::initializing;
+    };
+    return static_cast<int>(std::find_if(updates.begin() + first, updates.end(), has_pose) - updates.begin()) - first;
+  }
+};
+
+const std::vector<GrayImage>& walked_images() {
+  static const std::vector<GrayImage> images = [] {
+    testing::AlignmentRoom room;
+    std::vector<GrayImage> made;
+    for (int k = 0; k < frames; ++k) made.push_back(room.render(walk(k)).gray);
+    return made;
+  }();
+  return images;
+}
+
+/// `image_of` gives the image of a frame.
+DisturbedRun run_with(const std::function<GrayImage(int)>& image_of) {
+  testing::AlignmentRoom room;
+  SourceInfo info;
+  info.path = "room";
+  info.cameras.push_back({"cam0", room.camera(), std::nullopt, "generated"});
+  const auto method = lsd_slam_method();
+  const auto slam = method->make(info, {});
+  DisturbedRun run;
+  for (int k = 0; k < frames; ++k) {
+    Frame frame;
+    frame.index = k;
+    frame.stamp = static_cast<TimeNs>(k / rate_hz * 1e9);
+    frame.image = image_of(k);
+    run.updates.push_back(slam->process(frame));
+  }
+  slam->finish();
+  run.trajectory = slam->trajectory();
+  return run;
+}
+
+/// Largest distance of a pose from the truth, as a share of the path, after the scale and the first pose are aligned.
+double largest_error(const DisturbedRun& run) {
+  const auto truth = [](const StampedPose& pose) {
+    return walk(static_cast<int>(std::lround(1e-9 * rate_hz * static_cast<double>(pose.stamp))));
+  };
+  const SE3 true_start = truth(run.trajectory.front()), start = run.trajectory.front().world_from_body;
+  double dot = 0.0, squares = 0.0, path = 0.0, largest = 0.0;
+  for (const StampedPose& pose : run.trajectory) {
+    const Eigen::Vector3d estimated = (start.inverse() * pose.world_from_body).translation();
+    const Eigen::Vector3d real = (true_start.inverse() * truth(pose)).translation();
+    dot += estimated.dot(real), squares += estimated.squaredNorm(), path = std::max(path, real.norm());
+  }
+  for (const StampedPose& pose : run.trajectory) {
+    const Eigen::Vector3d estimated = (start.inverse() * pose.world_from_body).translation();
+    const Eigen::Vector3d real = (true_start.inverse() * truth(pose)).translation();
+    largest = std::max(largest, (dot / squares * estimated - real).norm());
+  }
+  return largest / path;
+}
+
+TEST(LsdDisturbance, ExposureThatDoublesAndHalvesIsTracked) {
+  // Dark enough that twice the exposure does not clip.
+  const auto exposure = [](int k) { return k < 40 || k >= 50 ? 1.0 : std::exp2(std::sin((k - 40) * 0.2 * 3.14159)); };
+  const DisturbedRun run = run_with([&](int k) {
+    return testing::exposed(walked_images()[static_cast<std::size_t>(k)], 0.5 * exposure(k), 5.0, 0.0, 1);
+  });
+  EXPECT_EQ(run.count(SlamState::tracking, 35, frames), frames - 35);
+  EXPECT_LT(largest_error(run), 0.03);
+}
+
+TEST(LsdDisturbance, ACoveredCameraIsLostAndBackWithinASecond) {
+  const DisturbedRun run = run_with(
+      [](int k) { return k >= 35 && k < 65 ? GrayImage(320, 240) : walked_images()[static_cast<std::size_t>(k)]; });
+  EXPECT_EQ(run.count(SlamState::lost, 35, 65), 30);
+  EXPECT_LE(run.frames_until_back(65), 9);
+  EXPECT_LT(largest_error(run), 0.03);
+}
+
+TEST(LsdDisturbance, AfterACoverAPoseIsBelievedByThreeFrames) {
+  const DisturbedRun run = run_with(
+      [](int k) { return k >= 35 && k < 50 ? GrayImage(320, 240) : walked_images()[static_cast<std::size_t>(k)]; });
+  for (const int k : {50, 51}) {
+    EXPECT_EQ(run.updates[static_cast<std::size_t>(k)].state, SlamState::lost);
+    EXPECT_EQ(run.updates[static_cast<std::size_t>(k)].reason, SlamReason::unconfirmed);
+  }
+  EXPECT_EQ(run.updates[52].state, SlamState::relocalized);
+}
+
+TEST(LsdDisturbance, AfterAnAbruptRotationBySixtyDegreesItIsBack) {
+  testing::AlignmentRoom room;
+  // Away within three frames, back half a second later.
+  const auto yaw = [](int k) { return 1.05 * std::clamp(std::min(k - 40, 58 - k) / 3.0, 0.0, 1.0); };
+  const DisturbedRun run = run_with([&](int k) {
+    return room.render(walk(k) * SE3(SO3::exp({0.0, yaw(k), 0.0}), Eigen::Vector3d::Zero())).gray;
+  });
+  EXPECT_LE(run.frames_until_back(58), 17);
+  EXPECT_EQ(run.count(SlamState::tracking, 70, frames), frames - 70);
+  EXPECT_LT(largest_error(run), 0.03);
+}
+
+TEST(LsdDisturbance, WhatHidesMostOfTheViewIsDoubted) {
+  // A poster comes down in front of the lens, over two thirds of the image.
+  // Upside down, so that it is no view of the room.
+  GrayImage poster = walked_images().front();
+  for (int y = 0; y < poster.height(); ++y) std::reverse(poster.row(y), poster.row(y) + poster.width());
+  for (int y = 0; y < poster.height() / 2; ++y)
+    std::swap_ranges(poster.row(y), poster.row(y) + poster.width(), poster.row(poster.height() - 1 - y));
+  const auto lower_edge = [](int k) { return 160 - 10 * std::abs(k - 55); };
+  const DisturbedRun run = run_with([&](int k) {
+    GrayImage image = walked_images()[static_cast<std::size_t>(k)];
+    for (int y = 0; y < lower_edge(k); ++y)
+      for (int x = 0; x < image.width(); ++x) image.at(x, y) = poster.at(x, y - lower_edge(k) + 240);
+    return image;
+  });
+  EXPECT_GT(run.count(SlamState::lost, 40, 70) + run.count(SlamState::weak, 40, 70), 5);
+}
+
+}  // namespace
+}  // namespace rastro
