@@ -118,7 +118,9 @@ inline const Hostile spoilt_depths[] = {
        frame.depth = {};
      },
      said_dark},
-    {"everything masked", [](Frame& frame) { frame.mask = gray(frame, 0); }, {{"orb", SlamReason::few_inliers}}},
+    {"everything masked",
+     [](Frame& frame) { frame.mask = gray(frame, 0); },
+     {{"orb", SlamReason::few_inliers}, {"lsd", SlamReason::too_few_points}}},
     {"the stamp before",
      [](Frame& frame) { frame.stamp -= ns_per_second / 15; },
      {{"orb", SlamReason::repeated_frame},
