@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "rastro/slam/lsd/lsd_frame.h"
+#include "rastro/slam/lsd/tracking/view_correlation.h"
 
 namespace rastro {
 namespace {
@@ -46,7 +47,7 @@ std::optional<Constraint> ConstraintSearch::align(std::int64_t other, std::int64
   const ConstraintKind kind = kind_between(other, id);
   const auto of_other = prepared(other), of_id = prepared(id);
   const SimilarityAlignment forward = align_to(*of_other, *of_id, other_from_id);
-  if (!fits(forward, kind)) return std::nullopt;
+  if (!fits(forward, kind) || !shows_the_same(*of_other, *of_id, forward.b_from_a)) return std::nullopt;
   const SimilarityAlignment backward = align_to(*of_id, *of_other, forward.b_from_a.inverse());
   if (!fits(backward, kind)) return std::nullopt;
   const auto error = reciprocal_error(forward, backward);
@@ -66,6 +67,15 @@ SimilarityAlignment ConstraintSearch::align_to(const Prepared& b, const Prepared
   options.min_overlap = options_.min_constraint_overlap;
   options.fix_scale = sensor_.is_metric();
   return align_similarity(a.reference, {b.pyramid, b.reference.depth()}, b_from_a, options);
+}
+
+bool ConstraintSearch::shows_the_same(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const {
+  const SimilarityAlignmentOptions alignment;
+  const ImageAlignmentOptions tracking;
+  const int level = std::min(alignment.finest_level, options_.levels - 1);
+  const SE3 in_unit_of_a(b_from_a.rotation(), b_from_a.translation() / b_from_a.scale());
+  return correlated_share(a.reference.level(level), b.pyramid.level(level), in_unit_of_a, alignment.noise,
+                          tracking.min_correlation) >= options_.trusted_alike;
 }
 
 /// Another house with windows like these lets most pixels fit too, but not nearly all.

@@ -34,6 +34,7 @@ class ConstraintSearch {
   std::shared_ptr<const Prepared> prepared(std::int64_t id);
   std::optional<Constraint> align(std::int64_t other, std::int64_t id, const Sim3& other_from_id);
   SimilarityAlignment align_to(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const;
+  bool shows_the_same(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const;
   bool fits(const SimilarityAlignment& alignment, ConstraintKind kind) const;
   ConstraintKind kind_between(std::int64_t other, std::int64_t id) const;
 

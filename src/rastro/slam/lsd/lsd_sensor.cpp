@@ -29,6 +29,17 @@ LsdSensor pair_or_left(const LsdOptions& options, const SourceInfo& source) {
   return sensor;
 }
 
+/// Measured depth does not bend with the rows of a rolling shutter, as depths of the images themselves do: during fast
+/// rotations most pixels would contradict each other.
+bool is_depth_usable(const SourceInfo& source) {
+  if (!source.has_depth || source.cameras.front().camera->readout_s <= 0.0) return source.has_depth;
+  log_warning(
+      fmt::format("{} was taken with a rolling shutter: lsd uses the color images alone, and the scale is "
+                  "arbitrary; --sensor rgbd uses the depth all the same, --method orb compensates the shutter",
+                  source.path));
+  return false;
+}
+
 }  // namespace
 
 MapScale LsdSensor::scale() const {
@@ -54,7 +65,7 @@ LsdSensor choose_lsd_sensor(const LsdOptions& options, const SourceInfo& source)
   if (options.sensor == "stereo" && !source.has_right)
     throw Error("has no right images", source.path, "use --sensor mono");
   const bool any = options.sensor == "auto";
-  if (!(options.sensor == "rgbd" || (any && source.has_depth))) {
+  if (!(options.sensor == "rgbd" || (any && is_depth_usable(source)))) {
     if (options.sensor == "stereo" || (any && source.has_right)) return pair_or_left(options, source);
     return single_camera(*source.cameras.front().camera);
   }

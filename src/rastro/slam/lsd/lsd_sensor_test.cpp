@@ -40,6 +40,13 @@ TEST(LsdSensor, AutoTakesAllThatTheRecordingHas) {
   EXPECT_THROW(chosen("stereo", recording_of(false, true)), Error);
 }
 
+TEST(LsdSensor, AutoDoesWithoutDepthWhereTheShutterRolls) {
+  SourceInfo info = recording_of(false, true);
+  info.cameras.front().camera->readout_s = 0.026;
+  EXPECT_EQ(chosen("auto", info), CameraKind::mono);
+  EXPECT_EQ(chosen("rgbd", info), CameraKind::depth);
+}
+
 TEST(LsdSensor, ThePairKnowsItsBaselineAndItsScale) {
   const LsdSensor pair = choose_lsd_sensor({}, recording_of(true, false));
   EXPECT_EQ(pair.baseline, 0.2);

@@ -79,6 +79,15 @@ void add_tracking_options(OptionTable& table, LsdOptions& o) {
 
 void add_belief_options(OptionTable& table, LsdOptions& o) {
   table.add(
+      {"trusted_alike",
+       &o.trusted_alike,
+       "",
+       "share of the regions of the image whose intensities must be correlated with those of the keyframe by 0.5, else "
+       "the pose is lost, or the constraint refused: 0.85 and more where both show the same, 0.2 and less elsewhere",
+       0,
+       1,
+       {}});
+  table.add(
       {"trusted_share",
        &o.trusted_share,
        "",

@@ -18,7 +18,7 @@ struct LsdOptions {
   double stereo_min_disparity_px = 1.0;
   double stereo_max_disparity_px = 100.0;
   double depth_sigma_m = 0.001;
-  double depth_sigma_per_m2 = 0.002;
+  double depth_sigma_per_m2 = 0.01;
   double min_depth_m = 0.3;
   double max_depth_m = 10.0;
   int start_pixels = 1000;
@@ -34,6 +34,7 @@ struct LsdOptions {
   int lost_frames = 30;
 
   // What a pose is believed by.
+  double trusted_alike = 0.5;
   double trusted_share = 0.7;
   double trusted_regions = 0.75;
   double trusted_sigma = 0.03;

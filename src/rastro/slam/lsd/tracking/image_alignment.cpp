@@ -6,6 +6,7 @@
 
 #include "rastro/slam/lsd/tracking/affine_brightness.h"
 #include "rastro/slam/lsd/tracking/levenberg_marquardt.h"
+#include "rastro/slam/lsd/tracking/view_correlation.h"
 
 namespace rastro {
 namespace {
@@ -186,6 +187,8 @@ ImageAlignment align_image(const AlignmentReference& reference, const Pyramid& i
     const bool converged = minimize(problem, {options.iterations, epsilon_px}, state, linear);
     if (level == finest) result = motion_result_of(state, linear, points.count, options, converged);
   }
+  result.alike_share = correlated_share(reference.level(finest), image.level(finest), state.image_from_reference,
+                                        options.noise, options.min_correlation);
   return result;
 }
 

@@ -27,6 +27,7 @@ struct ImageAlignmentOptions {
   PhotometricNoise noise;
   int min_points = 100;           ///< On the finest level.
   double min_overlap = 0.3;       ///< Share of the reference's points.
+  double min_correlation = 0.5;   ///< Of a region in which both images show the same.
   double min_inlier_share = 0.5;  ///< Share of the points within three standard deviations.
 };
 
@@ -45,6 +46,8 @@ struct ImageAlignment {
   /// Share of the regions of the image (neighbors of alignment_chunk points) in which most points fit: something that
   /// hides a part of the view leaves all its regions without.
   double region_share = 0.0;
+  /// Share of these regions in which both images are correlated: see correlated_share().
+  double alike_share = 0.0;
   int points = 0;          ///< Compared.
   bool converged = false;  ///< On the finest level.
   AlignmentFailure failure = AlignmentFailure::too_few_points;

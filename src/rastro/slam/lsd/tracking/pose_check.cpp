@@ -55,6 +55,10 @@ PoseVerdict judge_pose(const ImageAlignment& alignment, double mean_inverse_dept
     return {PoseGrade::lost, SlamReason::poor_match,
             fmt::format("intensities change by a factor of {:.2f} since the keyframe, at most {:.1f}", alignment.gain,
                         options.max_gain)};
+  if (!(alignment.alike_share >= options.trusted_alike))
+    return {PoseGrade::lost, SlamReason::poor_match,
+            fmt::format("{:.0f} % of the regions of the image show what the keyframe shows, need {:.0f} %",
+                        100.0 * alignment.alike_share, 100.0 * options.trusted_alike)};
   PoseVerdict verdict = first_doubt(alignment, mean_inverse_depth, options);
   if (verdict.grade == PoseGrade::tracking || jump_deg <= options.max_jump_deg) return verdict;
   return {PoseGrade::lost, SlamReason::implausible_motion,

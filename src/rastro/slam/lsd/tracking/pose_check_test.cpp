@@ -8,7 +8,8 @@ namespace {
 
 ImageAlignment good_alignment() {
   ImageAlignment good;
-  good.rms = 1.0, good.overlap = 0.95, good.inlier_share = 0.95, good.region_share = 1.0, good.points = 5000;
+  good.rms = 1.0, good.overlap = 0.95, good.inlier_share = 0.95, good.region_share = good.alike_share = 1.0,
+  good.points = 5000;
   good.covariance = Matrix6d::Identity() * 1e-6;
   good.failure = AlignmentFailure::none;
   return good;
@@ -32,6 +33,14 @@ TEST(PoseCheck, APoseThatFewPixelsFitIsWeakAndWithAJumpLost) {
   EXPECT_NE(weak.detail.find("60 %"), std::string::npos) << weak.detail;
   EXPECT_EQ(lost.grade, PoseGrade::lost);
   EXPECT_EQ(lost.reason, SlamReason::implausible_motion);
+}
+
+TEST(PoseCheck, WhatShowsSomethingElseIsLostHoweverWellItFits) {
+  ImageAlignment elsewhere = good_alignment();
+  elsewhere.alike_share = 0.1;
+  const PoseVerdict verdict = judged(elsewhere);
+  EXPECT_EQ(verdict.grade, PoseGrade::lost);
+  EXPECT_EQ(verdict.detail, "10 % of the regions of the image show what the keyframe shows, need 50 %");
 }
 
 TEST(PoseCheck, RegionsWithoutFittingPixelsAreADoubt) {
