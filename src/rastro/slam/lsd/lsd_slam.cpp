@@ -34,6 +34,11 @@ TwoViewStartOptions start_options(const LsdOptions& options) {
   return start;
 }
 
+LsdOptions options_for(LsdOptions options, const LsdSensor& sensor) {
+  if (sensor.is_metric()) options.trusted_share = options.trusted_share_depth;
+  return options;
+}
+
 }  // namespace
 
 class LsdSlam::State {
@@ -100,7 +105,7 @@ class LsdSlam::State {
 };
 
 LsdSlam::State::State(const LsdOptions& options, const LsdSensor& sensor, const SlamContext& context)
-    : options_(options),
+    : options_(options_for(options, sensor)),
       sensor_(sensor),
       pool_(context.pool),
       frames_(sensor, options.levels, context.pool),

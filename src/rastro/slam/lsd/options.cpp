@@ -96,6 +96,13 @@ void add_belief_options(OptionTable& table, LsdOptions& o) {
        0,
        1,
        {}});
+  table.add({"trusted_share_depth",
+             &o.trusted_share_depth,
+             "",
+             "the same with a pair or a depth camera, whose depths no doubtful pose can spoil",
+             0,
+             1,
+             {}});
   table.add(
       {"trusted_regions",
        &o.trusted_regions,

@@ -18,7 +18,7 @@ struct LsdOptions {
   double stereo_min_disparity_px = 1.0;
   double stereo_max_disparity_px = 100.0;
   double depth_sigma_m = 0.001;
-  double depth_sigma_per_m2 = 0.01;
+  double depth_sigma_per_m2 = 0.005;
   double min_depth_m = 0.3;
   double max_depth_m = 10.0;
   int start_pixels = 1000;
@@ -36,6 +36,7 @@ struct LsdOptions {
   // What a pose is believed by.
   double trusted_alike = 0.5;
   double trusted_share = 0.7;
+  double trusted_share_depth = 0.5;
   double trusted_regions = 0.75;
   double trusted_sigma = 0.03;
   double max_gain = 5.0;

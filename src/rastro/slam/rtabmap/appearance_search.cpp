@@ -104,7 +104,7 @@ void AppearanceSearch::shorten_short_term(int most) {
 
 /// A budget smaller than short-term memory is kept as well; what was seen last stays for tracking.
 std::optional<std::int64_t> AppearanceSearch::leave_early() {
-  constexpr int least_size = 3;
+  constexpr int least_size = 1;  // The newest, which tracking and the next match need.
   while (memory_.short_term_size() > least_size) {
     shorten_short_term(memory_.short_term_size() - 1);
     if (const auto least = memory_.least(immune_)) return least;
