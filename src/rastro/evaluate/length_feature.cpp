@@ -57,7 +57,7 @@ LengthRegion length_region(const LengthFeature& feature, double radius_m, const 
     return region;
   }
   // A narrow board ends soon behind its edge; a bed continues, but its middle adds no information.
-  const double reach = std::clamp(2.0 * feature.reach_m, radius_m, options.patch_m);
+  const double reach = std::max(radius_m, std::min(2.0 * feature.reach_m, options.patch_m));
   region.low = {-options.half_length_m, -0.5 * radius_m, -radius_m};
   region.high = {options.half_length_m, reach, radius_m};
   return region;
