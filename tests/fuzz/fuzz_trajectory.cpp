@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "rastro/base/error.h"
+#include "rastro/evaluate/pose_consistency.h"
 #include "rastro/sensor/trajectory_file.h"
 
 namespace {
@@ -32,5 +33,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   refuse_or_read([&] { ask(rastro::parse_tum_trajectory(text, "input")); });
   refuse_or_read([&] { ask(rastro::parse_euroc_trajectory(text, "input")); });
   refuse_or_read([&] { rastro::parse_kitti_poses(text, "input"); });
+  refuse_or_read([&] { rastro::parse_pose_covariances(text, "input"); });
   return 0;
 }

@@ -1,26 +1,62 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/backend/map_uncertainty.h"
 
+#include <algorithm>
+
 namespace rastro {
 
-Matrix6d MapUncertainty::of_pose(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& tracked) const {
+MapUncertainty::Matrix7d MapUncertainty::moved_to(const Entry& part, const Eigen::Vector3d& position) const {
+  // A rotation of the part moves what is seen from it, and so does its scale.
+  const Eigen::Vector3d away = position - part.position;
+  Matrix7d lever = Matrix7d::Identity();
+  lever.block<3, 3>(0, 3) = -hat(away);
+  lever.block<3, 1>(0, 6) = away;
+  return lever * part.covariance * lever.transpose();
+}
+
+MapUncertainty::Matrix7d MapUncertainty::covariance_of(std::int64_t part, const Eigen::Vector3d& position) const {
   const auto found = parts_.find(part);
-  if (found == parts_.end()) return tracked;
-  // A rotation of the part moves what is seen from it.
-  Matrix6d lever = Matrix6d::Identity();
-  lever.topRightCorner<3, 3>() = -hat(position - found->second.position);
-  const Matrix6d sum = lever * found->second.covariance * lever.transpose() + tracked;
+  return found == parts_.end() ? Matrix7d::Zero() : moved_to(found->second, position);
+}
+
+Matrix6d MapUncertainty::of_pose(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& tracked) const {
+  if (!parts_.contains(part)) return tracked;
+  const Matrix6d sum = covariance_of(part, position).topLeftCorner<6, 6>() + tracked;
   return 0.5 * (sum + sum.transpose());
 }
 
+void MapUncertainty::add(std::int64_t part, std::int64_t from, const Eigen::Vector3d& position, const Matrix6d& tracked,
+                         double scale_variance) {
+  Matrix7d sum = covariance_of(from, position);
+  sum.topLeftCorner<6, 6>() += tracked;
+  sum(6, 6) += scale_variance;
+  parts_.insert_or_assign(part, Entry{position, 0.5 * (sum + sum.transpose())});
+}
+
 void MapUncertainty::set(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& covariance) {
-  parts_.insert_or_assign(part, Entry{position, covariance});
+  Matrix7d whole = Matrix7d::Zero();
+  whole.topLeftCorner<6, 6>() = covariance;
+  parts_.insert_or_assign(part, Entry{position, whole});
 }
 
 void MapUncertainty::reduce(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& covariance) {
   const auto found = parts_.find(part);
-  if (found != parts_.end() && covariance.trace() < found->second.covariance.trace())
-    found->second = {position, covariance};
+  if (found != parts_.end() && covariance.trace() < found->second.covariance.topLeftCorner<6, 6>().trace())
+    set(part, position, covariance);
+}
+
+void MapUncertainty::close_loop(std::int64_t earlier, std::int64_t later) {
+  // Rotations tell the share: positions have the levers of places as well.
+  const auto variance = [](const Matrix7d& covariance) { return covariance.block<3, 3>(3, 3).trace(); };
+  const auto end = parts_.find(later);
+  if (end == parts_.end()) return;
+  const Entry start = parts_.contains(earlier) ? parts_.at(earlier) : Entry{end->second.position, Matrix7d::Zero()};
+  const double whole = variance(end->second.covariance) - variance(start.covariance);
+  if (!(whole > 0.0)) return;
+  for (auto& [id, part] : parts_) {
+    const double share = std::clamp((variance(part.covariance) - variance(start.covariance)) / whole, 0.0, 1.0);
+    part.covariance = ((1.0 - share) * part.covariance + share * moved_to(start, part.position)).eval();
+  }
 }
 
 }  // namespace rastro

@@ -12,6 +12,7 @@ namespace rastro {
 /// How uncertain the parts of a map (keyframes, submaps) are relative to the first, for the covariances of poses
 /// tracked against them. Each part has the errors of the one that it was tracked against, and its own: an upper bound,
 /// as optimization only reduces them. Where tracking comes back to an early part, its smaller uncertainty counts again.
+/// Of one camera the scale is uncertain too: an error of a part's scale moves what is far from it.
 ///
 /// Covariances are of (position m, rotation rad) in the world's axes.
 class MapUncertainty {
@@ -19,16 +20,27 @@ class MapUncertainty {
   /// Of a pose at `position` tracked against a part, from its covariance relative to the map around. A part that was
   /// never added is certain.
   Matrix6d of_pose(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& tracked) const;
+  /// Adds or replaces a part at `position` that was tracked against `from`. `scale_variance`: of the logarithm of the
+  /// new part's scale relative to that of `from`.
+  void add(std::int64_t part, std::int64_t from, const Eigen::Vector3d& position, const Matrix6d& tracked,
+           double scale_variance);
   /// Replaces what was known of the part.
   void set(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& covariance);
   /// As set(), where it is less uncertain than before, as after a loop closure.
   void reduce(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& covariance);
+  /// A loop closure ties `later` to `earlier`: the errors in between are known at both ends, as those of a Brownian
+  /// bridge. Where the chain is at share f of the whole, 1 - f of its variance is left.
+  void close_loop(std::int64_t earlier, std::int64_t later);
 
  private:
+  using Matrix7d = Eigen::Matrix<double, 7, 7>;
   struct Entry {
     Eigen::Vector3d position;
-    Matrix6d covariance;
+    Matrix7d covariance;  ///< (position, rotation, logarithm of the scale)
   };
+  Matrix7d moved_to(const Entry& part, const Eigen::Vector3d& position) const;
+  Matrix7d covariance_of(std::int64_t part, const Eigen::Vector3d& position) const;
+
   std::map<std::int64_t, Entry> parts_;
 };
 

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "rastro/base/random.h"
 #include "rastro/math/math_testing.h"
 
@@ -64,6 +66,51 @@ TEST(MapUncertainty, ALoopClosureOnlyReducesWhatIsKnownToBeUncertain) {
   EXPECT_NEAR(uncertainty.of_pose(1, at, Matrix6d::Zero())(0, 0), 0.01, 1e-12);
   uncertainty.set(1, at, diagonal(0.4, 0.02));
   EXPECT_NEAR(uncertainty.of_pose(1, at, Matrix6d::Zero())(0, 0), 0.16, 1e-12) << "set() may also raise it";
+}
+
+/// Of one camera a wrong scale moves what is far away from where it became wrong, and along that direction alone.
+TEST(MapUncertainty, AnErrorOfTheScaleGrowsWithTheDistance) {
+  MapUncertainty uncertainty;
+  const Eigen::Vector3d part(2.0, 0.0, 0.0), pose(12.0, 0.0, 0.0);
+  uncertainty.add(1, 0, part, Matrix6d::Zero(), 0.02 * 0.02);
+  EXPECT_NEAR(uncertainty.of_pose(1, part, Matrix6d::Zero()).trace(), 0.0, 1e-15);
+  const Matrix6d far = uncertainty.of_pose(1, pose, Matrix6d::Zero());
+  EXPECT_NEAR(std::sqrt(far(0, 0)), 0.02 * 10.0, 1e-12);
+  EXPECT_NEAR(far(1, 1), 0.0, 1e-15);
+  uncertainty.add(2, 1, pose, diagonal(0.05, 0.001), 0.01 * 0.01);
+  EXPECT_NEAR(uncertainty.of_pose(2, pose, Matrix6d::Zero())(0, 0), 0.2 * 0.2 + 0.05 * 0.05, 1e-12);
+  // The errors of both scales are along the way that follows.
+  EXPECT_NEAR(uncertainty.of_pose(2, {22.0, 0.0, 0.0}, Matrix6d::Zero())(0, 0), 0.4 * 0.4 + 0.1 * 0.1 + 0.05 * 0.05,
+              1e-12);
+}
+
+/// A chain of 100 equal steps whose end is known: a Brownian bridge, against its closed form.
+TEST(MapUncertainty, AClosedLoopLeavesTheErrorsOfABridge) {
+  MapUncertainty uncertainty;
+  const Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  constexpr int steps = 100;
+  for (int k = 1; k <= steps; ++k) uncertainty.add(k, k - 1, at, diagonal(0.01, 0.002), 0.0);
+  uncertainty.close_loop(0, steps);
+  for (const int k : {1, 10, 50, 90, steps}) {
+    const double share = static_cast<double>(k) / steps;
+    const Matrix6d covariance = uncertainty.of_pose(k, at, Matrix6d::Zero());
+    EXPECT_NEAR(covariance(0, 0), 1e-4 * steps * share * (1.0 - share), 1e-12) << k;
+    EXPECT_NEAR(covariance(4, 4), 4e-6 * steps * share * (1.0 - share), 1e-12) << k;
+  }
+}
+
+TEST(MapUncertainty, ALoopChangesNothingBeforeIt) {
+  MapUncertainty uncertainty;
+  const Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  for (int k = 1; k <= 20; ++k) uncertainty.add(k, k - 1, at, diagonal(0.01, 0.002), 0.0);
+  uncertainty.close_loop(10, 20);
+  EXPECT_NEAR(uncertainty.of_pose(5, at, Matrix6d::Zero())(0, 0), 5e-4, 1e-12);
+  EXPECT_NEAR(uncertainty.of_pose(10, at, Matrix6d::Zero())(0, 0), 10e-4, 1e-12);
+  EXPECT_NEAR(uncertainty.of_pose(15, at, Matrix6d::Zero())(0, 0), 10e-4 + 2.5e-4, 1e-12);
+  EXPECT_NEAR(uncertainty.of_pose(20, at, Matrix6d::Zero())(0, 0), 10e-4, 1e-12);
+  uncertainty.close_loop(20, 10);
+  uncertainty.close_loop(3, 99);
+  EXPECT_NEAR(uncertainty.of_pose(20, at, Matrix6d::Zero())(0, 0), 10e-4, 1e-12) << "no loop";
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ class IdTable {
   }
 
  private:
-  static constexpr std::int64_t block_size = 256;
+  static constexpr std::int64_t block_size = 16;  ///< Small: a block stays while one of its objects does.
   struct Block {
     std::array<std::unique_ptr<T>, block_size> objects;
     int used = 0;

@@ -47,6 +47,8 @@ Columns, per entry over its seeds:
                      frame of the map, without an alignment
   tracked %          frames in state tracking, weak or relocalized
   false              of these, frames further off the ground truth than the limit (0.1 m); +N: of others that have a pose
+  inside 95 %        mean share of the poses inside the ellipse that should hold 95 % of them, positions/rotations ('rastro evaluate
+                     trajectory'); - without covariances
   warned             runs that said that something is wrong with input or result, or refused wrong input
   ms/frame, CPU ms   time of the whole process per frame, medians; CPU: over all threads
   MB                 largest resident memory

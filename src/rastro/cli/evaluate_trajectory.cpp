@@ -35,6 +35,9 @@ and unit of the timestamps are detected.
               of a pair from every pose (--rpe-pairs all)
   segments    KITTI's errors: from every tenth pose to the first one farther than each length along REF; % and deg/m
   drift       error of the motion from the first to the last matched pose per path length of REF between them
+  covariances of a run folder with covariance_online.txt: share of the poses as first given whose error, from where the run began, is
+              inside the ellipse that should hold 95 % of them, of positions and of rotations; NEES: mean normalized squared error
+              for each degree of freedom, 1 is right; and by how much the sigmas would have to be larger to hold 95 %
 A EuRoC reference is of the body. If ../cam0/sensor.yaml lies beside it, or --body-from-camera FILE is given, it is converted to
 poses of the camera, and the output says so; --estimate-of body prevents this. KITTI raw is compared in the frame of its IMU.
 Plots show rotations relative to the first pose of REF about the camera's axes (yaw: y, pitch: x, roll: z), or a body's (z, y, x).
@@ -149,6 +152,8 @@ int evaluate_trajectory(const Flags& flags) {
     estimates.push_back(read_estimate(path, reference, flags.files));
     all.push_back(score_trajectory(reference.input, estimates.back(), options));
     all.back().frames = reference.frames;
+    all.back().consistency =
+        consistency_of_run(path, reference, estimates.back(), all.back().scale, options.max_difference);
   }
   require_use_of_times(flags, reference, estimates);
   if (!flags.plot.empty()) write_trajectory_plot(plot_of(reference, all), flags.plot);

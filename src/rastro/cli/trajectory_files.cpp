@@ -7,6 +7,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
+#include "rastro/base/text_file.h"
 #include "rastro/camera/calibration_file.h"
 #include "rastro/dataset/open.h"
 
@@ -188,6 +189,24 @@ TrajectoryInput read_estimate(const std::string& path, const ReferenceTrajectory
   TrajectoryInput input = read_trajectory_input(file, flags.times);
   if (const auto& mount = reference.body_from_camera_of_estimates) move_poses(input, *mount, mount->inverse());
   return input;
+}
+
+PoseConsistency consistency_of_run(const std::string& path, const ReferenceTrajectory& reference,
+                                   const TrajectoryInput& final_poses, double scale, TimeNs max_difference) {
+  const fs::path covariance_file = fs::path(path) / "covariance_online.txt";
+  const fs::path first_poses_file = fs::path(path) / "trajectory_online.txt";
+  if (!is_folder(path) || !is_file(covariance_file) || !is_file(first_poses_file)) return {};
+  auto covariances = parse_pose_covariances(read_text_file(covariance_file.string()), covariance_file.string());
+  // The rotation error times the distance from camera to body is not added: it is small beside the position's.
+  if (const auto& mount = reference.body_from_camera_of_estimates) {
+    Matrix6d turned = Matrix6d::Zero();
+    turned.topLeftCorner<3, 3>() = turned.bottomRightCorner<3, 3>() = mount->rotation().matrix();
+    for (StampedCovariance& each : covariances)
+      each.covariance = (turned * each.covariance * turned.transpose()).eval();
+  }
+  const TrajectoryInput first_poses = read_estimate(first_poses_file.string(), reference, {});
+  return score_consistency(
+      {reference.input.poses, final_poses.poses, first_poses.poses, covariances, scale, max_difference});
 }
 
 }  // namespace rastro::cli

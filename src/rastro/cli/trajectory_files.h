@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "rastro/evaluate/pose_consistency.h"
 #include "rastro/evaluate/trajectory_input.h"
 #include "rastro/math/se3.h"
 
@@ -35,5 +36,10 @@ ReferenceTrajectory read_reference(const std::string& path, const TrajectoryFile
 /// A trajectory file or a run folder.
 TrajectoryInput read_estimate(const std::string& path, const ReferenceTrajectory& reference,
                               const TrajectoryFileFlags& flags);
+
+/// Of a run folder with covariance_online.txt: whether the covariances hold. Empty for a file and for a run without.
+/// `scale`: units of the reference per unit of the estimate.
+PoseConsistency consistency_of_run(const std::string& path, const ReferenceTrajectory& reference,
+                                   const TrajectoryInput& final_poses, double scale, TimeNs max_difference);
 
 }  // namespace rastro::cli

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
@@ -52,6 +53,12 @@ Json totals(const TrajectoryScores& s) {
   json["segment_count"] = s.segment_count;
   json["drift_percent"] = number_or_null(s.drift_percent);
   json["drift_deg_per_m"] = number_or_null(s.drift_deg_per_m);
+  for (const auto& [name, part] :
+       {std::pair("position", &s.consistency.position), std::pair("rotation", &s.consistency.rotation)}) {
+    json[fmt::format("inside_95_{}_percent", name)] = *part ? Json((*part)->inside_percent) : Json(nullptr);
+    json[fmt::format("nees_{}", name)] = *part ? Json((*part)->nees) : Json(nullptr);
+    json[fmt::format("sigma_factor_{}", name)] = *part ? Json((*part)->sigma_factor) : Json(nullptr);
+  }
   json["reference_path_m"] = s.reference_path_m;
   json["estimate_path_m"] = s.estimate_path_m;
   json["largest_dt_s"] = s.pairing.largest_difference_s;
@@ -132,6 +139,18 @@ std::string segments_text(const TrajectoryScores& s) {
   return text;
 }
 
+std::string consistency_text(const char* name, const std::optional<ConsistencyOfPart>& part) {
+  if (!part) return "";
+  return fmt::format("  {:<9} {:.1f} % of {} inside the 95 % ellipse, NEES {:.3g}, sigmas x {:.2f} would hold 95 %\n",
+                     name, part->inside_percent, part->poses, part->nees, part->sigma_factor);
+}
+
+std::string consistency_text(const PoseConsistency& consistency) {
+  if (!consistency.position && !consistency.rotation) return "";
+  return "covariances of the poses as first given, from the run's origin on\n" +
+         consistency_text("position", consistency.position) + consistency_text("rotation", consistency.rotation);
+}
+
 std::string cell(const std::optional<double>& value, const char* format) {
   return value ? fmt::format(fmt::runtime(format), *value) : "n/a";
 }
@@ -168,6 +187,7 @@ std::string trajectory_scores_as_text(const TrajectoryScores& s) {
   if (s.drift_percent)
     text += fmt::format("drift       {:.4f} % and {:.6f} deg/m from the first to the last pose\n", *s.drift_percent,
                         *s.drift_deg_per_m);
+  text += consistency_text(s.consistency);
   return text + fmt::format("path        {:.3f} m of the reference, {:.3f} m of the estimate\n", s.reference_path_m,
                             s.estimate_path_m);
 }

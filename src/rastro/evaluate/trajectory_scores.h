@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "rastro/evaluate/pose_consistency.h"
 #include "rastro/evaluate/trajectory_errors.h"
 #include "rastro/evaluate/trajectory_input.h"
 #include "rastro/evaluate/trajectory_pairs.h"
@@ -66,6 +67,7 @@ struct TrajectoryScores {
   std::optional<double> t_rel_percent, r_rel_deg_per_m;  ///< Means over all segments of all lengths.
   /// Error of the motion from the first to the last matched pose divided by the reference's path length.
   std::optional<double> drift_percent, drift_deg_per_m;
+  PoseConsistency consistency;  ///< Set by the caller, for a run that gives covariances.
 
   std::vector<PosePair> pairs;
   std::vector<StampedPose> aligned;  ///< The estimate's poses of the pairs, in the reference's world.

@@ -82,7 +82,7 @@ class Runner {
 
   /// Large maps are copied often: what a copy leaves behind is free, but the system gets it back on request alone.
   void return_freed_memory() {
-    constexpr double least_mb = 512.0, growth = 1.25;
+    constexpr double least_mb = 96.0, growth = 1.02;
     if (resident_memory_mb() < std::max(least_mb, growth * trimmed_mb_)) return;
     ::malloc_trim(0);
     trimmed_mb_ = resident_memory_mb();

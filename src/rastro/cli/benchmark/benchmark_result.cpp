@@ -11,6 +11,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+std::optional<double> optional_in(const Json& json, const char* key) {
+  return json.at(key).is_null() ? std::nullopt : std::optional(json.at(key).get<double>());
+}
+
 BenchmarkResult from_json(const Json& json) {
   BenchmarkResult result;
   result.entry = json.at("entry").get<std::string>();
@@ -25,7 +31,9 @@ BenchmarkResult from_json(const Json& json) {
   scores.posed = json.at("posed").get<std::int64_t>();
   scores.false_poses = json.at("false_poses").get<std::int64_t>();
   scores.false_poses_lost = json.at("false_poses_lost").get<std::int64_t>();
-  if (!json.at("ate_m").is_null()) scores.ate_m = json.at("ate_m").get<double>();
+  scores.ate_m = optional_in(json, "ate_m");
+  scores.inside_position_percent = optional_in(json, "inside_position_percent");
+  scores.inside_rotation_percent = optional_in(json, "inside_rotation_percent");
   scores.warned = json.at("warned").get<bool>();
   scores.sha256 = json.at("sha256").get<std::string>();
   result.wall_s = json.at("wall_s").get<double>();
@@ -49,7 +57,9 @@ std::string to_json(const BenchmarkResult& result) {
             {"posed", scores.posed},
             {"false_poses", scores.false_poses},
             {"false_poses_lost", scores.false_poses_lost},
-            {"ate_m", scores.ate_m ? Json(*scores.ate_m) : Json()},
+            {"ate_m", json_of(scores.ate_m)},
+            {"inside_position_percent", json_of(scores.inside_position_percent)},
+            {"inside_rotation_percent", json_of(scores.inside_rotation_percent)},
             {"warned", scores.warned},
             {"sha256", scores.sha256},
             {"wall_s", result.wall_s},

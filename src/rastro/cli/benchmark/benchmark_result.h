@@ -17,8 +17,10 @@ struct RunScores {
   std::int64_t false_poses_lost =
       0;                        ///< The same of frames lost or not yet initialized, which got a pose all the same.
   std::optional<double> ate_m;  ///< Absolute trajectory error, or mean error of relations; none: not to be judged.
-  bool warned = false;          ///< The program said that something is wrong with the input or the result.
-  std::string sha256;           ///< Of its trajectory and map.
+  /// Share of the poses inside their ellipse of 95 %; none: the run gives no covariances.
+  std::optional<double> inside_position_percent, inside_rotation_percent;
+  bool warned = false;  ///< The program said that something is wrong with the input or the result.
+  std::string sha256;   ///< Of its trajectory and map.
 };
 
 /// The result of one run, kept as one JSON file.

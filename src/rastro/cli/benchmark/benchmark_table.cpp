@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
@@ -22,6 +23,11 @@ double median_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t half = values.size() / 2;
   return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+std::optional<double> mean_of(const std::vector<double>& values) {
+  if (values.empty()) return std::nullopt;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 double percent_of(std::int64_t part, std::int64_t whole) {
@@ -44,7 +50,7 @@ BenchmarkRow row_of(const BenchmarkEntry& entry, const std::vector<BenchmarkResu
   row.name = entry.name;
   row.planned = planned_runs(entry);
   row.warning_due = warning_due_of(entry);
-  std::vector<double> ates, times, cpu_times;
+  std::vector<double> ates, times, cpu_times, inside_position, inside_rotation;
   std::int64_t frames = 0, tracked = 0;
   for (const BenchmarkResult& result : results) {
     if (result.entry != entry.name) continue;
@@ -53,6 +59,8 @@ BenchmarkRow row_of(const BenchmarkEntry& entry, const std::vector<BenchmarkResu
     row.warned += scores.warned ? 1 : 0;
     if (!result.failure.empty() && row.failed++ == 0) row.failure = result.failure;
     if (scores.ate_m) ates.push_back(*scores.ate_m);
+    if (scores.inside_position_percent) inside_position.push_back(*scores.inside_position_percent);
+    if (scores.inside_rotation_percent) inside_rotation.push_back(*scores.inside_rotation_percent);
     frames += scores.frames, tracked += scores.tracked;
     row.false_poses += scores.false_poses, row.false_poses_lost += scores.false_poses_lost;
     row.peak_memory_mb = std::max(row.peak_memory_mb, result.peak_memory_mb);
@@ -60,6 +68,7 @@ BenchmarkRow row_of(const BenchmarkEntry& entry, const std::vector<BenchmarkResu
     times.push_back(1e3 * result.wall_s / static_cast<double>(scores.frames));
     cpu_times.push_back(1e3 * result.cpu_s / static_cast<double>(scores.frames));
   }
+  row.inside_position_percent = mean_of(inside_position), row.inside_rotation_percent = mean_of(inside_rotation);
   row.tracked_percent = percent_of(tracked, frames);
   row.ms_per_frame = median_of(times), row.cpu_ms_per_frame = median_of(cpu_times);
   if (!ates.empty()) row.worst_ate_m = *std::max_element(ates.begin(), ates.end()), row.median_ate_m = median_of(ates);
@@ -69,7 +78,8 @@ BenchmarkRow row_of(const BenchmarkEntry& entry, const std::vector<BenchmarkResu
 Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
 std::optional<double> optional_in(const Json& json, const char* key) {
-  return json.at(key).is_null() ? std::nullopt : std::optional(json.at(key).get<double>());
+  // Baselines saved before a value existed have none.
+  return !json.contains(key) || json.at(key).is_null() ? std::nullopt : std::optional(json.at(key).get<double>());
 }
 
 Json json_of(const BenchmarkRow& row) {
@@ -81,6 +91,8 @@ Json json_of(const BenchmarkRow& row) {
           {"warning_due", name_of(row.warning_due)},
           {"median_ate_m", json_of(row.median_ate_m)},
           {"worst_ate_m", json_of(row.worst_ate_m)},
+          {"inside_position_percent", json_of(row.inside_position_percent)},
+          {"inside_rotation_percent", json_of(row.inside_rotation_percent)},
           {"tracked_percent", row.tracked_percent},
           {"false_poses", row.false_poses},
           {"false_poses_lost", row.false_poses_lost},
@@ -98,6 +110,8 @@ BenchmarkRow row_in(const Json& json) {
   const auto due = json.at("warning_due").get<std::string>();
   row.warning_due = due == "yes" ? WarningDue::yes : due == "no" ? WarningDue::no : WarningDue::either;
   row.median_ate_m = optional_in(json, "median_ate_m"), row.worst_ate_m = optional_in(json, "worst_ate_m");
+  row.inside_position_percent = optional_in(json, "inside_position_percent");
+  row.inside_rotation_percent = optional_in(json, "inside_rotation_percent");
   row.tracked_percent = json.at("tracked_percent").get<double>();
   row.false_poses = json.at("false_poses").get<std::int64_t>();
   row.false_poses_lost = json.at("false_poses_lost").get<std::int64_t>();
@@ -121,9 +135,14 @@ std::string false_text(const BenchmarkRow& row) {
                                   : fmt::format("{}", row.false_poses);
 }
 
-constexpr std::size_t column_count = 10;
-const std::vector<std::string> column_titles = {"entry", "runs",   "median m", "worst m", "tracked %",
-                                                "false", "warned", "ms/frame", "CPU ms",  "MB"};
+std::string inside_text(const BenchmarkRow& row) {
+  if (!row.inside_position_percent || !row.inside_rotation_percent) return "-";
+  return fmt::format("{:.0f}/{:.0f}", *row.inside_position_percent, *row.inside_rotation_percent);
+}
+
+constexpr std::size_t column_count = 11;
+const std::vector<std::string> column_titles = {"entry",       "runs",   "median m", "worst m", "tracked %", "false",
+                                                "inside 95 %", "warned", "ms/frame", "CPU ms",  "MB"};
 
 std::vector<std::string> cells_of(const BenchmarkRow& row) {
   if (row.runs == 0) {
@@ -137,6 +156,7 @@ std::vector<std::string> cells_of(const BenchmarkRow& row) {
           meters(row.worst_ate_m),
           fmt::format("{:.1f}", row.tracked_percent),
           false_text(row),
+          inside_text(row),
           fmt::format("{}", row.warned),
           milliseconds(row.ms_per_frame),
           milliseconds(row.cpu_ms_per_frame),

@@ -20,7 +20,8 @@ struct BenchmarkRow {
   int failed = 0, warned = 0;
   WarningDue warning_due = WarningDue::no;          ///< Of the input; no: a warning is a false alarm.
   std::optional<double> median_ate_m, worst_ate_m;  ///< None: no run could be judged.
-  double tracked_percent = 0.0;                     ///< Over the frames of all runs.
+  std::optional<double> inside_position_percent, inside_rotation_percent;  ///< Means over the runs with covariances.
+  double tracked_percent = 0.0;                                            ///< Over the frames of all runs.
   std::int64_t false_poses = 0, false_poses_lost = 0;
   double ms_per_frame = 0.0, cpu_ms_per_frame = 0.0;  ///< Medians over the runs; the whole program, reading included.
   double peak_memory_mb = 0.0;                        ///< The largest.

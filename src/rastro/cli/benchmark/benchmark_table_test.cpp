@@ -40,6 +40,8 @@ TEST(BenchmarkTable, RowsHaveMedianWorstSharesAndTimes) {
   auto results = three_walks();
   results[1].scores.false_poses = 4, results[2].scores.false_poses_lost = 2;
   results[2].peak_memory_mb = 200.0;
+  results[0].scores.inside_position_percent = 90.0, results[0].scores.inside_rotation_percent = 95.0;
+  results[1].scores.inside_position_percent = 100.0, results[1].scores.inside_rotation_percent = 97.0;
   const BenchmarkRows rows = rows_of(two_entries(), results);
   ASSERT_EQ(rows.size(), 2U);
   const BenchmarkRow& row = rows.front();
@@ -47,6 +49,9 @@ TEST(BenchmarkTable, RowsHaveMedianWorstSharesAndTimes) {
   EXPECT_DOUBLE_EQ(*row.median_ate_m, 0.02);
   EXPECT_DOUBLE_EQ(*row.worst_ate_m, 0.30);
   EXPECT_DOUBLE_EQ(row.tracked_percent, 90.0);
+  EXPECT_DOUBLE_EQ(row.inside_position_percent.value(), 95.0) << "the third run gives no covariances";
+  EXPECT_DOUBLE_EQ(row.inside_rotation_percent.value(), 96.0);
+  EXPECT_THAT(table_text(rows, {}), HasSubstr("95/96"));
   EXPECT_EQ(row.false_poses, 4);
   EXPECT_EQ(row.false_poses_lost, 2);
   EXPECT_DOUBLE_EQ(row.ms_per_frame, 20.0);

@@ -117,6 +117,21 @@ TEST(RunScores, InAMapOfAnotherWorldEveryPoseIsFalse) {
   EXPECT_FALSE(scores.ate_m.has_value());
 }
 
+TEST(RunScores, CovariancesAreHeldAgainstTheErrors) {
+  // Of the 20 poses that the run gave at first every second one is 3 sigmas off.
+  const auto at_first = [](int k) { return Eigen::Vector3d(position_of(k) + Eigen::Vector3d(0, 0.03 * (k % 2), 0)); };
+  const fs::path folder = run_folder("covariances", "", position_of);
+  write_whole_file(folder / "trajectory_online.txt", poses(at_first));
+  std::string covariances = "# stamp, then 21 numbers\n";
+  for (int k = 0; k < frame_count; ++k)
+    covariances += fmt::format("{:.1f} 1e-4 0 0 0 0 0 1e-4 0 0 0 0 1e-4 0 0 0 1e-6 0 0 1e-6 0 1e-6\n", 0.1 * k);
+  write_whole_file(folder / "covariance_online.txt", covariances);
+  const RunScores scores = score_run(folder, judged_by_ground_truth(), {});
+  EXPECT_DOUBLE_EQ(scores.inside_position_percent.value(), 50.0);
+  EXPECT_DOUBLE_EQ(scores.inside_rotation_percent.value(), 100.0);
+  EXPECT_FALSE(score_run(run_folder("none", "", position_of), judged_by_ground_truth(), {}).inside_position_percent);
+}
+
 TEST(RunScores, RunWithoutPosesIsNoError) {
   const fs::path folder = run_folder("lost", "", position_of);
   write_whole_file(folder / "trajectory.txt", "# no poses\n");

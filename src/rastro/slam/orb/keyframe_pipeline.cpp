@@ -42,8 +42,9 @@ KeyframePipeline::Result KeyframePipeline::process(const KeyframeInput& keyframe
   Result result;
   local_mapping_.process(keyframe);
   if (session_.options.loop_closing) {
-    if (const auto loop = loop_closing_.process(id)) {
-      result.events.push_back(loop->event());
+    result.loop = loop_closing_.process(id);
+    if (result.loop) {
+      result.events.push_back(result.loop->event());
       if (session_.options.loop_adjust_iterations > 0)
         result.adjustment = std::make_shared<GlobalBundleAdjustment>(session_.graph, session_.graph.keyframe(id).submap,
                                                                      session_.options.pixel_sigma);
@@ -94,6 +95,7 @@ void KeyframePipeline::take_all_results(std::vector<SlamEvent>& events) {
 void KeyframePipeline::take(Result result, std::vector<SlamEvent>& events) {
   events.insert(events.end(), result.events.begin(), result.events.end());
   session_.trajectory.put_back(result.refined);
+  if (result.loop && !result.loop->merged) session_.uncertainty.close_loop(result.loop->matched, result.loop->keyframe);
   if (session_.tracking && result.view) tracker_.set_view(result.view);
   if (result.adjustment) begin_adjustment(std::move(result.adjustment));
   spend_sparingly(result.budget);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "rastro/backend/pipeline.h"
@@ -59,6 +60,7 @@ class KeyframePipeline {
   struct Result {
     std::shared_ptr<const MapView> view;
     std::vector<SlamEvent> events;
+    std::optional<LoopResult> loop;
     std::shared_ptr<GlobalBundleAdjustment> adjustment;  ///< Still to be run; null: none.
     MapBudget budget;
     std::vector<TrackedFrame> refined;  ///< Frames that no longer need their observations.

@@ -513,6 +513,21 @@ void add_loop_options(OptionTable& table, OrbSlamOptions& o) {
        0,
        10000,
        {}});
+  table.add({"adjusted_rotation_share",
+             &o.adjusted_rotation_share,
+             "",
+             "share of a new keyframe's rotation sigma that bundle adjustment leaves, for the covariances of poses",
+             0,
+             1,
+             {}});
+  table.add({"scale_drift_share",
+             &o.scale_drift_share,
+             "",
+             "standard deviation of the drift of the scale from a keyframe to the next with one camera, as share, for "
+             "the covariances of poses",
+             0,
+             1,
+             {}});
   table.add({"loop_fit_share",
              &o.loop_fit_share,
              "",

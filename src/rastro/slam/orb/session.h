@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "rastro/backend/map_uncertainty.h"
 #include "rastro/backend/pipeline.h"
 #include "rastro/slam/orb/map/frame_trajectory.h"
 #include "rastro/slam/orb/map/map_export.h"
@@ -26,6 +27,7 @@ struct OrbSession {
   SensorChoice sensor;
   MapGraph graph;
   FrameTrajectory trajectory;
+  MapUncertainty uncertainty;  ///< Of the keyframes.
   std::optional<GivenMap> given;
   MapArchive* archive = nullptr;
   const std::atomic<bool>* stop = nullptr;

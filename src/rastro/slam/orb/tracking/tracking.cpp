@@ -189,8 +189,8 @@ void Tracking::initialize(const FramePointer& frame, SlamUpdate& update) {
 
 void Tracking::report_pose(const FeatureFrame& frame, const TrackingResult& tracked, SlamUpdate& update) {
   update.world_from_body = tracked.camera_from_world.inverse();
-  update.covariance = map_uncertainty_.of_pose(tracked.reference, update.world_from_body.translation(),
-                                               in_world_axes(tracked.covariance, tracked.camera_from_world));
+  update.covariance = session_.uncertainty.of_pose(tracked.reference, update.world_from_body.translation(),
+                                                   in_world_axes(tracked.covariance, tracked.camera_from_world));
   update.score = static_cast<double>(tracked.inliers) / std::max(1, tracked.matches);
   update.used = tracked.inliers;
   session_.trajectory.add(
@@ -224,13 +224,30 @@ void Tracking::insert_keyframe(const FramePointer& frame, const TrackingResult& 
     follow_reference(tracked);
   } else if (keyframes_.needs_keyframe(*frame, tracked)) {
     const std::int64_t id = session_.next_keyframe;
-    map_uncertainty_.set(id, update.world_from_body.translation(), *update.covariance);
+    note_uncertainty(id, tracked, update.world_from_body.translation());
     // Landmarks of a keyframe get their numbers beside tracking; a feature may have been an outlier of another one.
     for (const std::uint32_t feature : keyframes_.insert(frame, tracked, update)) {
       observations_[feature].landmark = -1;
       observations_[feature].state = ObservationState::new_landmark;
     }
   }
+}
+
+/// What bundle adjustment will leave of the new keyframe's errors.
+void Tracking::note_uncertainty(std::int64_t keyframe, const TrackingResult& tracked, const Eigen::Vector3d& position) {
+  const Matrix6d covariance = in_world_axes(tracked.covariance, tracked.camera_from_world);
+  Matrix6d left = Matrix6d::Identity();
+  left.bottomRightCorner<3, 3>() *= session_.options.adjusted_rotation_share;
+  session_.uncertainty.add(keyframe, tracked.reference, position, left * covariance * left,
+                           session_.mono() ? scale_variance(covariance, position) : 0.0);
+}
+
+/// One camera knows the scale of new landmarks as well as the map's extent: from its start as little as its first step.
+double Tracking::scale_variance(const Matrix6d& covariance, const Eigen::Vector3d& position) {
+  map_extent_ = std::max(map_extent_, position.norm());
+  const double drift = session_.options.scale_drift_share;
+  const double of_extent = covariance.topLeftCorner<3, 3>().trace() / std::max(1e-12, map_extent_ * map_extent_);
+  return drift * drift + std::min(1.0, of_extent);
 }
 
 /// States of the matches that fit the pose, and of those that do not.

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "rastro/backend/map_uncertainty.h"
 #include "rastro/odometry/frame_check.h"
 #include "rastro/slam/orb/initialization/initialization.h"
 #include "rastro/slam/orb/keyframe_pipeline.h"
@@ -49,6 +48,8 @@ class Tracking {
   void observe(const TrackingResult& tracked, ObservationState fitting, ObservationState contradicted);
   void observe_first_landmarks(const FeatureFrame& frame);
   void report_pose(const FeatureFrame& frame, const TrackingResult& tracked, SlamUpdate& update);
+  void note_uncertainty(std::int64_t keyframe, const TrackingResult& tracked, const Eigen::Vector3d& position);
+  double scale_variance(const Matrix6d& covariance, const Eigen::Vector3d& position);
   void insert_keyframe(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update);
   SE3 depth_from_color(const Frame& frame) const;
   bool waits_for_rotation(const FramePointer& frame, SlamUpdate& update);
@@ -67,9 +68,9 @@ class Tracking {
   KeyframeInsertion keyframes_;
   Initialization initialization_;
   Relocalization relocalization_;
-  MapUncertainty map_uncertainty_;
   FramePointer first_;                            ///< Waits for the next frame, to know its rotation.
   std::vector<FeatureObservation> observations_;  ///< Of the last frame whose features were extracted.
+  double map_extent_ = 0.0;                       ///< Largest distance of a keyframe from the world's origin.
 };
 
 }  // namespace rastro
