@@ -153,7 +153,7 @@ int evaluate_trajectory(const Flags& flags) {
     all.push_back(score_trajectory(reference.input, estimates.back(), options));
     all.back().frames = reference.frames;
     all.back().consistency =
-        consistency_of_run(path, reference, estimates.back(), all.back().scale, options.max_difference);
+        consistency_of_run(path, reference, estimates.back(), all.back().scale(), options.max_difference);
   }
   require_use_of_times(flags, reference, estimates);
   if (!flags.plot.empty()) write_trajectory_plot(plot_of(reference, all), flags.plot);

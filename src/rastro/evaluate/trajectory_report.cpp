@@ -36,7 +36,7 @@ Json totals(const TrajectoryScores& s) {
   json["estimate_poses"] = s.pairing.estimate_poses;
   json["reference_poses"] = s.pairing.reference_poses;
   json["coverage"] = s.pairing.coverage_percent;
-  json["scale"] = s.scale;
+  json["scale"] = s.scale();
   json["ate_rmse"] = number_or_null(part(s.ate_m, &ErrorStatistics::rmse));
   json["ate_mean"] = number_or_null(part(s.ate_m, &ErrorStatistics::mean));
   json["ate_median"] = number_or_null(part(s.ate_m, &ErrorStatistics::median));
@@ -117,7 +117,7 @@ std::string alignment_text(const TrajectoryScores& s) {
       text = "se3: rotation and translation, scale 1 (not estimated)";
       break;
     case TrajectoryAlignment::sim3:
-      text = fmt::format("sim3: rotation, translation and scale {:.9f}", s.scale);
+      text = fmt::format("sim3: rotation, translation and scale {:.9f}", s.scale());
       break;
     case TrajectoryAlignment::yaw:
       text = "yaw: rotation about the reference's z axis and translation, scale 1 (not estimated)";
@@ -159,7 +159,7 @@ std::string table_row(const TrajectoryScores& s) {
   const RpeScores first = s.rpe.empty() ? RpeScores{} : s.rpe.front();
   return fmt::format(
       "{:>7}  {:>6.1f} %  {:>9.5f}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>9}  {:>8}  {:>9}  {:>7}  {}\n",
-      s.pairing.matched, s.pairing.coverage_percent, s.scale, cell(part(s.ate_m, &ErrorStatistics::rmse), "{:.4f}"),
+      s.pairing.matched, s.pairing.coverage_percent, s.scale(), cell(part(s.ate_m, &ErrorStatistics::rmse), "{:.4f}"),
       cell(part(s.ate_m, &ErrorStatistics::mean), "{:.4f}"), cell(part(s.ate_m, &ErrorStatistics::median), "{:.4f}"),
       cell(part(s.ate_m, &ErrorStatistics::max), "{:.4f}"),
       cell(part(first.translation_m, &ErrorStatistics::rmse), "{:.4f}"),

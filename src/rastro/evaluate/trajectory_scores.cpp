@@ -77,7 +77,6 @@ void align(PairedPoses& poses, TrajectoryScores& scores) {
                             name_of(scores.alignment)),
                 scores.estimate, "use --align se3 or none");
   scores.reference_from_estimate = found->target_from_source;
-  scores.scale = found->target_from_source.scale();
   scores.alignment_unique = found->unique;
   const Eigen::Matrix3d rotation = found->target_from_source.rotation().matrix();
   for (Eigen::Matrix4d& pose : poses.estimate) {

@@ -49,14 +49,13 @@ struct PosePairing {
   double coverage_percent = 0.0;      ///< See coverage_of().
 };
 
-/// Scores of an estimate against a reference. Everything but `scale` and `target_from_estimate` is measured after the
-/// alignment; relative errors and segments depend on it only by the scale.
+/// Scores of an estimate against a reference. Everything but `scale()` and `reference_from_estimate` is measured after
+/// the alignment; relative errors and segments depend on it only by the scale.
 struct TrajectoryScores {
   std::string reference, estimate;  ///< Files.
   std::string frames;               ///< Body of the poses, as text; set by the caller.
   PosePairing pairing;
   TrajectoryAlignment alignment = TrajectoryAlignment::none;
-  double scale = 1.0;            ///< Meters of the reference per unit of the estimate; 1 unless sim3.
   bool alignment_unique = true;  ///< False: the positions lie on a line, so the rotation about it is undetermined.
   Sim3 reference_from_estimate;  ///< The alignment.
   double reference_path_m = 0.0, estimate_path_m = 0.0;  ///< Through the matched poses.
@@ -68,6 +67,9 @@ struct TrajectoryScores {
   /// Error of the motion from the first to the last matched pose divided by the reference's path length.
   std::optional<double> drift_percent, drift_deg_per_m;
   PoseConsistency consistency;  ///< Set by the caller, for a run that gives covariances.
+
+  /// Meters of the reference per unit of the estimate; 1 unless sim3.
+  double scale() const { return reference_from_estimate.scale(); }
 
   std::vector<PosePair> pairs;
   std::vector<StampedPose> aligned;  ///< The estimate's poses of the pairs, in the reference's world.

@@ -72,7 +72,7 @@ TEST(TrajectoryScores, AlignmentsRemoveTheTransformOfTheirKind) {
   const Sim3 similar(2.5, SO3::exp({0.5, -1.0, 2.0}), {10, 20, -3});
   const auto scores = score(reference, seen_through(reference, similar), TrajectoryAlignment::sim3);
   expect_perfect(scores);
-  EXPECT_NEAR(scores.scale, 2.5, 1e-12);
+  EXPECT_NEAR(scores.scale(), 2.5, 1e-12);
   EXPECT_NEAR(scores.estimate_path_m, scores.reference_path_m, 1e-9);
 }
 

@@ -141,7 +141,7 @@ void judge_run(const fs::path& folder, const BenchmarkJudgment& judgment, const 
   const TrajectoryScores found = aligned(both, judgment.alignment, result);
   judge_poses(both, found.reference_from_estimate, found.pairs, frames, judgment.false_pose_limit_m, scores);
   const PoseConsistency consistency =
-      consistency_of_run(folder.string(), both.reference, both.estimate, found.scale, pair_within);
+      consistency_of_run(folder.string(), both.reference, both.estimate, found.scale(), pair_within);
   if (consistency.position) scores.inside_position_percent = consistency.position->inside_percent;
   if (consistency.rotation) scores.inside_rotation_percent = consistency.rotation->inside_percent;
 }
