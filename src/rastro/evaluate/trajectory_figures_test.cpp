@@ -41,10 +41,10 @@ void expect_statistics(const ErrorStatistics& s, double rmse, double mean, doubl
 TEST_F(PublishedFigures, Freiburg1XyzOfRgbdSlam) {
   const auto rigid = scores("freiburg1_xyz-groundtruth.txt", "freiburg1_xyz-rgbdslam.txt", TrajectoryAlignment::se3);
   EXPECT_EQ(rigid.pairing.matched, 786);
-  EXPECT_EQ(rigid.scale, 1.0);
+  EXPECT_EQ(rigid.scale(), 1.0);
   expect_statistics(*rigid.ate_m, 0.013473468, 0.012029476, 0.011175751, 0.034727202);
   const auto similar = scores("freiburg1_xyz-groundtruth.txt", "freiburg1_xyz-rgbdslam.txt", TrajectoryAlignment::sim3);
-  EXPECT_NEAR(similar.scale, 1.007923666, nine_decimals);
+  EXPECT_NEAR(similar.scale(), 1.007923666, nine_decimals);
   EXPECT_NEAR(similar.ate_m->rmse, 0.013394055, nine_decimals);
 }
 
@@ -54,7 +54,7 @@ TEST_F(PublishedFigures, Freiburg1XyzOfMonocularOrbKeyFrames) {
   EXPECT_NEAR(rigid.ate_m->rmse, 0.024301632, nine_decimals);
   const auto similar =
       scores("freiburg1_xyz-groundtruth.txt", "freiburg1_xyz-ORB_kf_mono.txt", TrajectoryAlignment::sim3);
-  EXPECT_NEAR(similar.scale, 1.105622364, nine_decimals);
+  EXPECT_NEAR(similar.scale(), 1.105622364, nine_decimals);
   EXPECT_NEAR(similar.ate_m->rmse, 0.009754582, nine_decimals);
   EXPECT_NEAR(similar.ate_m->max, 0.027924002, nine_decimals);
 }
@@ -64,14 +64,14 @@ TEST_F(PublishedFigures, Freiburg2DeskOfOrb) {
   EXPECT_EQ(rigid.pairing.matched, 2223);
   expect_statistics(*rigid.ate_m, 0.008143967, 0.007514459, 0.007431565, 0.024328989);
   const auto similar = scores("fr2_desk_groundtruth.txt", "fr2_desk_ORB.txt", TrajectoryAlignment::sim3);
-  EXPECT_NEAR(similar.scale, 0.997002288, nine_decimals);
+  EXPECT_NEAR(similar.scale(), 0.997002288, nine_decimals);
   EXPECT_NEAR(similar.ate_m->rmse, 0.006185673, nine_decimals);
 }
 
 TEST_F(PublishedFigures, Freiburg2DeskOfMonocularOrbKeyFrames) {
   const auto similar = scores("fr2_desk_groundtruth.txt", "fr2_desk_ORB_kf_mono.txt", TrajectoryAlignment::sim3);
   EXPECT_EQ(similar.pairing.matched, 122);
-  EXPECT_NEAR(similar.scale, 2.228343751, nine_decimals);
+  EXPECT_NEAR(similar.scale(), 2.228343751, nine_decimals);
   EXPECT_NEAR(similar.ate_m->rmse, 0.007899783, nine_decimals);
 }
 

@@ -85,7 +85,7 @@ TEST(TrajectoryScores, AlignmentsRemoveNothingElse) {
   const Sim3 scaled(2.0, SO3(), {0, 0, 0});
   const auto rigid = score(reference, seen_through(reference, scaled), TrajectoryAlignment::se3);
   EXPECT_GT(rigid.ate_m->rmse, 1.0);
-  EXPECT_EQ(rigid.scale, 1.0);
+  EXPECT_EQ(rigid.scale(), 1.0);
   EXPECT_NEAR(rigid.estimate_path_m, 0.5 * rigid.reference_path_m, 1e-9);
 }
 
