@@ -10,6 +10,7 @@
 
 #include "rastro/base/text.h"
 #include "rastro/cli/map_sessions.h"
+#include "rastro/map/images/image_layer.h"
 #include "rastro/map/layer_type.h"
 
 namespace rastro::cli {
@@ -57,12 +58,17 @@ double megabytes(const MapFileReport& report) { return static_cast<double>(repor
 
 std::string row(const std::string& name, const std::string& text) { return fmt::format("  {:<11} {}\n", name, text); }
 
-std::string camera_text(const MapCamera& camera) {
+/// Of a pair it is only where its map has depth images.
+bool has_depth_noise(const Map& map, const MapCamera& camera) {
+  return camera.kind == CameraKind::depth || (camera.kind == CameraKind::stereo && map.layer<ImageLayer>());
+}
+
+std::string camera_text(const Map& map, const MapCamera& camera) {
   const Camera& k = camera.intrinsics;
   std::string text = fmt::format("{} x {} px, fx {:.6g} fy {:.6g} cx {:.6g} cy {:.6g}; {}", k.width, k.height, k.fx,
                                  k.fy, k.cx, k.cy, name_of(camera.kind));
   if (camera.baseline > 0.0) text += fmt::format(", baseline {:.4g} m", camera.baseline);
-  if (camera.kind == CameraKind::depth)
+  if (has_depth_noise(map, camera))
     text += fmt::format(", depth noise {:g} + {:g} z^2 m", camera.depth_noise.sigma_m, camera.depth_noise.sigma_per_m2);
   return text;
 }
@@ -97,7 +103,7 @@ std::string sessions_text(const Map& map) {
 std::string describe(const Map& map) {
   const MapFigures figures = figures_of(map);
   std::string text = row("made by", "rastro slam --method " + one_line(map.method));
-  for (const MapCamera& camera : map.cameras) text += row("camera", camera_text(camera));
+  for (const MapCamera& camera : map.cameras) text += row("camera", camera_text(map, camera));
   text += row("scale", scale_text(scale_of(map)));
   if (map.sessions.size() > 1) text += sessions_text(map);
   text += row("keyframes",
@@ -110,13 +116,13 @@ std::string describe(const Map& map) {
                                        figures.extent.z(), scale_of(map).metric ? "m" : "units"));
 }
 
-Json camera_json(const MapCamera& camera) {
+Json camera_json(const Map& map, const MapCamera& camera) {
   const Camera& k = camera.intrinsics;
   Json json{{"sensor", name_of(camera.kind)},
             {"size_px", {k.width, k.height}},
             {"fx_fy_cx_cy_px", {k.fx, k.fy, k.cx, k.cy}},
             {"baseline_m", camera.baseline}};
-  if (camera.kind == CameraKind::depth) {
+  if (has_depth_noise(map, camera)) {
     json["depth_sigma_m"] = camera.depth_noise.sigma_m;
     json["depth_sigma_per_m2"] = camera.depth_noise.sigma_per_m2;
   }
@@ -149,7 +155,7 @@ void add_map(Json& json, const Map& map) {
   const MapFigures figures = figures_of(map);
   json["method"] = map.method;
   json["cameras"] = Json::array();
-  for (const MapCamera& camera : map.cameras) json["cameras"].push_back(camera_json(camera));
+  for (const MapCamera& camera : map.cameras) json["cameras"].push_back(camera_json(map, camera));
   const MapScale& scale = scale_of(map);
   json["scale"] = {{"metric", scale.metric}, {"relative_sigma", scale.relative_sigma}, {"from", scale.origin}};
   json["sessions"] = map.sessions.size();

@@ -16,6 +16,7 @@
 #include "rastro/cli/progress_bar.h"
 #include "rastro/export/landmark_export.h"
 #include "rastro/map/images/image_layer.h"
+#include "rastro/map/mesh/build_mesh.h"
 
 namespace rastro::cli {
 namespace {
@@ -143,6 +144,25 @@ void refuse_input(const Flags& flags) {
       throw Error("would overwrite the input", flags.settings.out, "give another --out");
 }
 
+bool is_given(const Flags& flags, const char* flag) {
+  return std::find(flags.given.begin(), flags.given.end(), flag) != flags.given.end();
+}
+
+/// What is not given follows the depth that the map's sensor measures well.
+void fit_to_sensor(Flags& flags, const ExportInput& input) {
+  if (!input.map || !input.map->layer<ImageLayer>()) return;
+  ExportSettings& settings = flags.settings;
+  const CloudOptions fitting = cloud_options_for(*input.map);
+  const double ratio = fitting.max_depth_m / CloudOptions().max_depth_m;
+  if (ratio == 1.0) return;
+  if (!is_given(flags, "--max-depth"))
+    settings.max_depth_m = settings.cloud.max_depth_m = settings.octree.max_range_m = fitting.max_depth_m;
+  if (!is_given(flags, "--resolution")) settings.octree.resolution_m *= ratio;
+  if (is_given(flags, "--voxel")) return;
+  settings.cloud.voxel_m = fitting.voxel_m;
+  settings.voxel_m = MeshOptions().voxel_m * ratio;
+}
+
 void report(const Flags& flags, const ExportFacts& facts) {
   const std::string &to = flags.settings.to, &out = flags.settings.out;
   if (flags.json) {
@@ -162,9 +182,7 @@ void report(const Flags& flags, const ExportFacts& facts) {
 ExportInput chosen_input(const Flags& flags) {
   ExportInput input = read_export_input(flags.input);
   refuse_unused_flags(flags.given, flags.settings.to, input);
-  const auto given = [&](const char* flag) {
-    return std::find(flags.given.begin(), flags.given.end(), flag) != flags.given.end();
-  };
+  const auto given = [&](const char* flag) { return is_given(flags, flag); };
   if (!input.map) return input;
   const int submap = flags.settings.cloud.submap;
   if (given("--submap")) {
@@ -186,6 +204,7 @@ void run_export(Flags& flags) {
   settle(flags);
   refuse_input(flags);
   const ExportInput input = chosen_input(flags);
+  fit_to_sensor(flags, input);
   TaskPool pool(flags.threads);
   ProgressBar bar(!flags.quiet);
   const ExportFacts facts = format.write({flags.settings, input, pool, [&](std::size_t done, std::size_t all) {
@@ -212,7 +231,8 @@ void add_export_command(CLI::App& app, Context& context) {
       ->type_name("FILE");
   command
       ->add_option("--voxel", flags->settings.voxel_m,
-                   "ply, pcd, mesh: voxel size in meters (default: 0.01; mesh: 0.02)")
+                   "ply, pcd, mesh: voxel size in meters (default: 0.01; mesh: 0.02; of a stereo pair in proportion to "
+                   "its depth)")
       ->type_name("M");
   command
       ->add_option("--min-count", flags->settings.cloud.min_count,
@@ -227,7 +247,8 @@ void add_export_command(CLI::App& app, Context& context) {
       ->type_name("A:B");
   command
       ->add_option("--max-depth", flags->settings.max_depth_m,
-                   "Maximum depth in meters (rgbd; default: 5; orb: no limit)")
+                   "Maximum depth in meters (rgbd; default: 5; of a stereo pair as far as sigma is below 3 % of the "
+                   "depth; orb: no limit)")
       ->type_name("M");
   command
       ->add_option("--stride", flags->stride,

@@ -23,7 +23,7 @@ struct ExportSettings {
   CloudOptions cloud;    ///< Its submap is that of every format.
   OctreeOptions octree;  ///< For octomap and pgm.
   std::optional<double> voxel_m;
-  double max_depth_m = 5.0;
+  double max_depth_m = 5.0;                ///< As the sizes of voxels and cells, fitted to the sensor where not given.
   double lowest_m = 0.1, highest_m = 1.8;  ///< pgm: above the floor.
   bool upright = false;
 };

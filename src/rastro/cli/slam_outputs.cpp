@@ -117,7 +117,7 @@ constexpr MapImageFile map_image_files[] = {
 /// Coarse enough to be looked at; 'rastro export' makes finer ones from the map file.
 PointCloud cloud_of(const Map& map, const SlamContext& context) {
   constexpr std::size_t bytes_a_voxel = 256;  // with room to grow; half of what is allowed is left to the rest
-  CloudOptions options;
+  CloudOptions options = cloud_options_for(map);
   if (context.max_memory_bytes > 0)
     options.max_voxels = std::min(options.max_voxels, context.max_memory_bytes / 2 / bytes_a_voxel + 1);
   return build_cloud(map, options, context.pool);

@@ -31,12 +31,13 @@ void check_camera(const Camera& other, const Camera& camera) {
 
 }  // namespace
 
-Map base_map(const std::string& method, const RgbdSlamOptions& options, const Camera& camera) {
+Map base_map(const std::string& method, const RgbdSlamOptions& options, const Camera& camera, double baseline) {
   Map map;
   map.method = method;
   const DepthNoise noise{options.follow.depth_sigma_m, options.follow.depth_sigma_per_m2};
-  map.cameras.push_back({CameraKind::depth, camera, 0.0, noise, SE3()});
-  map.sessions.push_back({0, 0, "", 0, 0, {true, 0.0, "depth camera"}});
+  const bool pair = baseline > 0.0;
+  map.cameras.push_back({pair ? CameraKind::stereo : CameraKind::depth, camera, baseline, noise, SE3()});
+  map.sessions.push_back({0, 0, "", 0, 0, {true, 0.0, pair ? "stereo baseline" : "depth camera"}});
   return map;
 }
 

@@ -12,7 +12,7 @@
 namespace rastro {
 
 /// What all maps of a run share.
-Map base_map(const std::string& method, const RgbdSlamOptions& options, const Camera& camera);
+Map base_map(const std::string& method, const RgbdSlamOptions& options, const Camera& camera, double baseline = 0.0);
 
 /// Prepares the given map for these methods: keyframes numbered from 0, with a feature layer, whose features stay in
 /// long-term memory where the map is to be continued. Error where it lacks what relocalization needs, and for a map

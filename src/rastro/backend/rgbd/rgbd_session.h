@@ -35,6 +35,7 @@ class RgbdSession {
   struct Method {
     std::string name = "rgbd";
     std::unique_ptr<LoopSearch> search = nullptr;  ///< Null for a GraphSearch.
+    double baseline = 0.0;                         ///< Of the pair that gives the depth, meters; 0: a depth camera.
   };
   RgbdSession(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context);
   RgbdSession(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context, Method method);

@@ -7,12 +7,13 @@
 namespace rastro {
 
 RgbdSlam::RgbdSlam(const std::string& method, const RgbdSlamOptions& options, const Camera& camera,
-                   const SlamContext& context, MakeSearch make_search)
+                   const SlamContext& context, MakeSearch make_search, double baseline)
     : options_(options),
       camera_(camera),
       context_(with_usable_map(context, camera)),
       method_(method),
       make_search_(std::move(make_search)),
+      baseline_(baseline),
       session_(new_session()) {}
 RgbdSlam::~RgbdSlam() = default;
 SlamUpdate RgbdSlam::process(const Frame& frame) { return session_->process(frame); }
@@ -31,8 +32,8 @@ void RgbdSlam::reset() {
 }
 
 std::unique_ptr<RgbdSession> RgbdSlam::new_session() const {
-  return std::make_unique<RgbdSession>(options_, camera_, context_,
-                                       RgbdSession::Method{method_, make_search_ ? make_search_() : nullptr});
+  return std::make_unique<RgbdSession>(
+      options_, camera_, context_, RgbdSession::Method{method_, make_search_ ? make_search_() : nullptr, baseline_});
 }
 
 }  // namespace rastro

@@ -24,9 +24,9 @@ class RgbdSlam : public Slam {
  public:
   using MakeSearch = std::function<std::unique_ptr<LoopSearch>()>;
   /// Everything in `context` must outlive this. Error for a map that lacks what this method needs. `method`: name in
-  /// maps. Without `make_search`, a GraphSearch.
+  /// maps. Without `make_search`, a GraphSearch. `baseline`: in meters, where the depth is that of a stereo pair.
   RgbdSlam(const std::string& method, const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context,
-           MakeSearch make_search = {});
+           MakeSearch make_search = {}, double baseline = 0.0);
   ~RgbdSlam() override;
   SlamUpdate process(const Frame& frame) override;
   std::vector<SlamEvent> finish() override;
@@ -48,6 +48,7 @@ class RgbdSlam : public Slam {
   SlamContext context_;
   std::string method_;
   MakeSearch make_search_;
+  double baseline_;
   std::unique_ptr<RgbdSession> session_;
 };
 

@@ -182,6 +182,21 @@ class Thinning {
 
 }  // namespace
 
+double precise_depth_m(const Map& map) {
+  constexpr double largest_share = 0.03, nearest_m = 1.0, farthest_m = 100.0;
+  if (map.cameras.empty() || map.cameras.front().kind != CameraKind::stereo) return CloudOptions().max_depth_m;
+  const double sigma_per_m2 = map.cameras.front().depth_noise.sigma_per_m2;
+  return sigma_per_m2 > 0.0 ? std::clamp(largest_share / sigma_per_m2, nearest_m, farthest_m) : farthest_m;
+}
+
+CloudOptions cloud_options_for(const Map& map) {
+  CloudOptions options;
+  const double usual_m = options.max_depth_m;
+  options.max_depth_m = precise_depth_m(map);
+  options.voxel_m *= options.max_depth_m / usual_m;
+  return options;
+}
+
 PointCloud build_cloud(const Map& map, const CloudOptions& options, TaskPool* pool, const MapProgress& progress) {
   RASTRO_CHECK(options.voxel_m > 0.0, "voxels have a size");
   std::optional<VoxelTable> table = gather(map, options, pool, progress);

@@ -23,6 +23,12 @@ struct CloudOptions {
   std::size_t max_voxels = 4'000'000;
 };
 
+/// How far the depth of the map's first camera is used: 5 m with a depth camera; with a stereo pair as far as its sigma
+/// is below 3 % of the depth.
+double precise_depth_m(const Map& map);
+/// The defaults, with voxels and depth in proportion to precise_depth_m().
+CloudOptions cloud_options_for(const Map& map);
+
 /// Receives the number of keyframes done and their total.
 using MapProgress = std::function<void(std::size_t done, std::size_t all)>;
 

@@ -277,6 +277,23 @@ TEST(FeaturePoints, MatchFeaturesOfOnePointInSeveralKeyframes) {
   }
 }
 
+TEST(CloudOptions, OfAPairReachAsFarAsItsDepthIsPrecise) {
+  Map map;
+  EXPECT_EQ(cloud_options_for(map).max_depth_m, 5.0);
+  map.cameras.push_back({CameraKind::depth, test_room::camera(), 0.0, {0.001, 0.0028}, SE3()});
+  EXPECT_EQ(cloud_options_for(map).max_depth_m, 5.0) << "a depth camera does not see farther, whatever its noise";
+  EXPECT_EQ(cloud_options_for(map).voxel_m, 0.01);
+  // A pair of 0.54 m at 719 pixels, disparities to 0.3 pixels: 3 % are reached at 38 m.
+  MapCamera& camera = map.cameras.front();
+  camera.kind = CameraKind::stereo, camera.baseline = 0.54, camera.depth_noise = {0.0, 0.3 / (719 * 0.54)};
+  const CloudOptions street = cloud_options_for(map);
+  EXPECT_NEAR(camera.depth_noise.sigma(street.max_depth_m), 0.03 * street.max_depth_m, 1e-9);
+  EXPECT_NEAR(street.max_depth_m, 38.8, 0.1);
+  EXPECT_NEAR(street.voxel_m, 0.01 * street.max_depth_m / 5.0, 1e-12);
+  camera.depth_noise = {0.0, 0.0};
+  EXPECT_EQ(cloud_options_for(map).max_depth_m, 100.0);
+}
+
 TEST(VoxelTable, FindsWhatWasAddedAndConvertsPositionsBothWays) {
   detail::VoxelTable table(0.01);
   Random random(3);

@@ -39,7 +39,8 @@ class RtabmapMethod : public SlamMethod {
         return std::make_unique<AppearanceSearch>(options, means);
       };
       const Camera& camera = pair ? pair->camera : *source.cameras.front().camera;
-      auto slam = std::make_unique<RgbdSlam>(name(), tracking, camera, own_context, search);
+      const double baseline = pair ? pair->baseline : 0.0;
+      auto slam = std::make_unique<RgbdSlam>(name(), tracking, camera, own_context, search, baseline);
       if (!pair) return slam;
       const int max_disparity_px = options_.stereo_max_disparity_px;
       return std::make_unique<StereoSlam>(*pair, StereoRange{options_.stereo_min_disparity_px, max_disparity_px},

@@ -49,7 +49,12 @@ TEST(StereoSlam, PosesAreRightToACentimeter) {
   }
   slam->finish();
   EXPECT_EQ(slam->trajectory().size(), static_cast<std::size_t>(frames));
-  EXPECT_GE(slam->snapshot()->keyframes.size(), 2U);
+  const auto map = slam->snapshot();
+  EXPECT_GE(map->keyframes.size(), 2U);
+  ASSERT_EQ(map->cameras.size(), 1U);
+  EXPECT_EQ(map->cameras[0].kind, CameraKind::stereo);
+  EXPECT_GT(map->cameras[0].baseline, 0.0);
+  EXPECT_EQ(map->sessions[0].scale.origin, "stereo baseline");
 }
 
 TEST(StereoSlam, AFrameWithoutItsRightImageIsNotFollowed) {
