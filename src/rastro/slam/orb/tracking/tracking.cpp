@@ -40,7 +40,8 @@ Tracking::Tracking(OrbSession& session, FrameTracker& tracker, KeyframePipeline&
       feature_count_(session.options, session.mono()),
       keyframes_(session, tracker, pipeline),
       initialization_(session, tracker, pipeline, keyframes_),
-      relocalization_(session, tracker, pipeline, keyframes_) {
+      relocalization_(session, tracker, pipeline, keyframes_),
+      jump_check_(session.mono() ? 0.0 : session.options.max_acceleration) {
   if (session.sensor.rectification) rectifier_.emplace(session.sensor.rectification, pool);
   if (session.options.frontend == "tracks") tracks_.emplace(session.options, session.sensor.camera, pool);
 }
@@ -125,6 +126,7 @@ bool Tracking::waits_for_rotation(const FramePointer& frame, SlamUpdate& update)
 /// Tracks in the local map, from the pose predicted by constant velocity or the reference keyframe.
 std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, SlamUpdate& update) {
   Stopwatch stage;
+  const SE3 predicted = tracker_.predicted();
   const TrackingResult tracked = tracker_.track(measured.features, measured.tracks);
   update.times.push_back({"track", stage.lap_ms()});
   if (!tracked.ok) {
@@ -136,10 +138,25 @@ std::optional<TrackingResult> Tracking::track_map(const Measurements& measured, 
     initialization_.drop_map(tracked, update);
     return std::nullopt;
   }
+  if (jumps_in_given_map(tracked, predicted, update)) return std::nullopt;
   update.state = SlamState::tracking;
   // The trial of a new map compares frames with the features that it began with.
   if (session_.mapping && !initialization_.is_on_trial()) feature_count_.on_tracked(tracked.inliers);
   return tracked;
+}
+
+/// A map that is being made has its own errors, and corrects them: there the pose is only weak (MotionCheck).
+bool Tracking::jumps_in_given_map(const TrackingResult& tracked, const SE3& predicted, SlamUpdate& update) {
+  if (session_.mapping || relocalization_.is_unconfirmed()) return false;
+  if (!jump_check_.jumps(update.stamp, predicted, tracked.camera_from_world, tracked.covariance)) return false;
+  observe(tracked, ObservationState::matched, ObservationState::matched);
+  on_lost(tracked, update);
+  update.reason = SlamReason::implausible_motion;
+  update.detail =
+      fmt::format("the pose is {:.2f} m from where the motion so far leads, with {} inliers of {} matches",
+                  (tracked.camera_from_world.inverse().translation() - predicted.inverse().translation()).norm(),
+                  tracked.inliers, tracked.matches);
+  return true;
 }
 
 void Tracking::on_lost(const TrackingResult& tracked, SlamUpdate& update) {
@@ -151,6 +168,7 @@ void Tracking::on_lost(const TrackingResult& tracked, SlamUpdate& update) {
                                     tracked.chance_inliers);
   update.world_from_body = tracker_.predicted().inverse();
   relocalization_.on_lost();
+  jump_check_.reset();
   feature_count_.on_lost();
   session_.tracking = false;
   session_.lost_frames = 0;

@@ -12,6 +12,7 @@
 #include "rastro/slam/orb/session.h"
 #include "rastro/slam/orb/tracking/feature_count.h"
 #include "rastro/slam/orb/tracking/frame_tracker.h"
+#include "rastro/slam/orb/tracking/jump_check.h"
 #include "rastro/slam/orb/tracking/keyframe_insertion.h"
 #include "rastro/slam/orb/tracking/track_association.h"
 
@@ -54,6 +55,7 @@ class Tracking {
   SE3 depth_from_color(const Frame& frame) const;
   bool waits_for_rotation(const FramePointer& frame, SlamUpdate& update);
   void on_lost(const TrackingResult& tracked, SlamUpdate& update);
+  bool jumps_in_given_map(const TrackingResult& tracked, const SE3& predicted, SlamUpdate& update);
   void report_contradiction(const TrackingResult& tracked, SlamUpdate& update) const;
   void report_submap(const TrackingResult& tracked, SlamUpdate& update) const;
   void follow_reference(const TrackingResult& tracked);
@@ -70,7 +72,8 @@ class Tracking {
   Relocalization relocalization_;
   FramePointer first_;                            ///< Waits for the next frame, to know its rotation.
   std::vector<FeatureObservation> observations_;  ///< Of the last frame whose features were extracted.
-  double map_extent_ = 0.0;                       ///< Largest distance of a keyframe from the world's origin.
+  JumpCheck jump_check_;
+  double map_extent_ = 0.0;  ///< Largest distance of a keyframe from the world's origin.
 };
 
 }  // namespace rastro
