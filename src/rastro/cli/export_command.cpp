@@ -50,6 +50,7 @@ rtabmap:
 lsd:
   depth-images  folder with a picture of each keyframe, ID.jpg: its pixels with gradient and their inverse depths from
            blue (far) to red (near), and twelve of them in strip.png
+  depth-video   the same as a video in real time, .mp4 or .avi
 Lengths are in meters, or up to scale in a map of one camera without 'rastro scale'; formats with comments say which. The
 frame is the world of the map; for cameras the first camera: x right, y down, z ahead. With --upright clouds, meshes and
 octrees are level: z up, origin on the floor below the first camera, which looks along x; a slice always is. The floor is
@@ -90,7 +91,8 @@ constexpr Format formats[] = {{"ply", export_cloud},
                               {"svg", export_image},
                               {"png", export_image},
                               {"word-images", export_word_images},
-                              {"depth-images", export_depth_images}};
+                              {"depth-images", export_depth_images},
+                              {"depth-video", export_depth_video}};
 
 const Format& format_named(const std::string& name) {
   std::vector<std::string> names;
@@ -223,7 +225,7 @@ void add_export_command(CLI::App& app, Context& context) {
   command
       ->add_option("--to", flags->settings.to,
                    "ply, pcd, mesh, octomap, pgm, g2o, colmap, colmap-binary, landmarks, svg, png, word-images, "
-                   "depth-images, tum, kitti, euroc")
+                   "depth-images, depth-video, tum, kitti, euroc")
       ->required()
       ->type_name("FORMAT");
   command->add_option("--out", flags->settings.out, "Output file; colmap, word-images, depth-images: folder")

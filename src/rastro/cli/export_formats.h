@@ -50,6 +50,7 @@ ExportFacts export_landmark_list(const ExportJob& job);
 ExportFacts export_image(const ExportJob& job);
 ExportFacts export_poses(const ExportJob& job);
 ExportFacts export_depth_images(const ExportJob& job);  ///< Of semi-dense depth.
+ExportFacts export_depth_video(const ExportJob& job);   ///< Of semi-dense depth, as the one before.
 ExportFacts export_word_images(const ExportJob& job);   ///< Of signatures.
 
 /// Creates the folder if needed.

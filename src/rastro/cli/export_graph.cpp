@@ -113,6 +113,14 @@ ExportFacts export_depth_images(const ExportJob& job) {
   return {{"keyframes", write_depth_images(*job.input.map, job.settings.out, job.pool, job.progress)}};
 }
 
+ExportFacts export_depth_video(const ExportJob& job) {
+  need_layer<SemiDenseLayer>(job.input, job.settings.to);
+  const fs::path out = job.settings.out;
+  std::error_code ignored;
+  if (out.has_parent_path()) fs::create_directories(out.parent_path(), ignored);
+  return {{"keyframes", write_depth_video(*job.input.map, out, job.progress)}};
+}
+
 ExportFacts export_poses(const ExportJob& job) {
   const Trajectory& trajectory = need_trajectory(job.input, job.settings.to);
   const fs::path out = job.settings.out;

@@ -13,6 +13,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/export/drawing.h"
+#include "rastro/export/video_file.h"
 #include "rastro/map/semi_dense/semi_dense_layer.h"
 #include "rastro/sensor/stamp_text.h"
 
@@ -95,6 +96,13 @@ std::vector<DrawnKeyframe> keyframes_with_depth(const Map& map) {
   return found;
 }
 
+std::vector<DrawnKeyframe> drawable_keyframes(const Map& map, const std::filesystem::path& out) {
+  std::vector<DrawnKeyframe> keyframes = keyframes_with_depth(map);
+  if (keyframes.empty())
+    throw Error("the map has no semi-dense depth", out.string(), "'rastro slam DATA --method lsd' makes a map with it");
+  return keyframes;
+}
+
 /// At regular steps over the run.
 cv::Mat strip(const Map& map, const std::vector<DrawnKeyframe>& keyframes) {
   constexpr std::size_t most = 12, columns = 4;
@@ -117,12 +125,29 @@ cv::Mat strip(const Map& map, const std::vector<DrawnKeyframe>& keyframes) {
 
 }  // namespace
 
+std::size_t write_depth_video(const Map& map, const std::filesystem::path& file,
+                              const std::function<void(std::size_t, std::size_t)>& progress) {
+  constexpr TimeNs interval = ns_per_second / 10;
+  constexpr int longest = 100;  // intervals: pauses are cut to 10 s
+  const std::vector<DrawnKeyframe> keyframes = drawable_keyframes(map, file);
+  detail::VideoFile video(file);
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    const auto& [keyframe, depth] = keyframes[k];
+    const TimeNs begin = keyframe->stamp;
+    const TimeNs end = k + 1 < keyframes.size() ? keyframes[k + 1].first->stamp : begin + interval;
+    const auto ticks = std::clamp<std::int64_t>(end / interval - begin / interval, 1, longest);
+    const cv::Mat shown = picture(map, *keyframe, *depth);
+    for (std::int64_t tick = 0; tick < ticks; ++tick)
+      video.write(shown, to_seconds(ns_per_second) / to_seconds(interval));
+    if (progress) progress(k + 1, keyframes.size());
+  }
+  video.finish();
+  return keyframes.size();
+}
+
 std::size_t write_depth_images(const Map& map, const std::filesystem::path& folder, TaskPool& pool,
                                const std::function<void(std::size_t, std::size_t)>& progress) {
-  const std::vector<DrawnKeyframe> keyframes = keyframes_with_depth(map);
-  if (keyframes.empty())
-    throw Error("the map has no semi-dense depth", folder.string(),
-                "'rastro slam DATA --method lsd' makes a map with it");
+  const std::vector<DrawnKeyframe> keyframes = drawable_keyframes(map, folder);
   std::error_code code;
   std::filesystem::create_directories(folder, code);
   if (code) throw Error("the folder cannot be made (" + code.message() + ")", folder.string(), "choose another --out");

@@ -17,4 +17,9 @@ namespace rastro {
 std::size_t write_depth_images(const Map& map, const std::filesystem::path& folder, TaskPool& pool,
                                const std::function<void(std::size_t done, std::size_t all)>& progress = {});
 
+/// The same as a video in real time, .mp4 or .avi: at each instant the newest keyframe. Returns the number of
+/// keyframes. Error as above, for another extension, and where rastro was built without video.
+std::size_t write_depth_video(const Map& map, const std::filesystem::path& file,
+                              const std::function<void(std::size_t done, std::size_t all)>& progress = {});
+
 }  // namespace rastro

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/export/depth_image.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -80,7 +81,29 @@ TEST(DepthImages, TheStripShowsTwelveAtMostAndThreadsDoNotMatter) {
     EXPECT_EQ(bytes_of(folder / "one" / name), bytes_of(folder / "two" / name)) << name;
 }
 
+/// Motion JPEG: the size is that of the images, ten for each second.
+TEST(DepthVideo, ShowsEachKeyframeUntilTheNext) {
+  const fs::path folder = scratch_folder("depth_video");
+  const auto size_with_steps_of = [&](TimeNs step) -> std::uintmax_t {
+    Map map = map_of(5);
+    for (Keyframe& keyframe : map.keyframes) keyframe.stamp = keyframe.id * step;
+    const fs::path file = folder / fmt::format("{}.avi", step);
+    EXPECT_EQ(write_depth_video(map, file), 4U);
+    return fs::file_size(file);
+  };
+  try {
+    const auto usual = size_with_steps_of(ns_per_second / 10);
+    const auto slow = size_with_steps_of(ns_per_second);
+    // Steps of the four with depth: 2, 1 and 1, and the last is shown once.
+    EXPECT_NEAR(static_cast<double>(slow) / static_cast<double>(usual), 41.0 / 5.0, 1.0);
+  } catch (const Error& error) {
+    GTEST_SKIP() << error.what();
+  }
+  EXPECT_THROW(write_depth_video(map_of(3), folder / "depth.jpg"), Error);
+}
+
 TEST(DepthImages, AMapWithoutSemiDenseDepthIsAnError) {
+  EXPECT_THROW(write_depth_video(Map(), "depth.avi"), Error);
   TaskPool pool(1);
   EXPECT_THROW(write_depth_images(Map(), scratch_folder("depth_none"), pool), Error);
 }
