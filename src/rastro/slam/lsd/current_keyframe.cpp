@@ -52,11 +52,11 @@ void CurrentKeyframe::begin(std::int64_t id, const LsdFrame& frame, const SE3& d
 void CurrentKeyframe::measure(const LsdFrame& frame, const SE3& depth_from_color) {
   if (!frame.right.empty()) {
     const StereoMeasurement pair(frame, sensor_, options_, depth_options(options_).search, pool_);
-    depth_.measure([&](int x, int y, const DepthPrior& prior) { return pair.find(x, y, prior); }, pool_);
+    depth_.measure([&](const auto& queries, auto& matches) { pair.find(queries, matches); }, pool_);
   }
   if (!frame.depth.empty()) {
     const DepthCameraMeasurement camera(frame.depth, depth_from_color, sensor_, options_);
-    depth_.measure([&](int x, int y, const DepthPrior&) { return camera.find(x, y); }, pool_);
+    depth_.measure([&](const auto& queries, auto& matches) { camera.find(queries, matches); }, pool_);
   }
 }
 

@@ -10,33 +10,6 @@ namespace {
 
 // Every expression below has a twin in depth_kernels_avx2.cpp that rounds in the same order.
 
-void sample_plain(const LineSampling& line, LineIntensities& intensities) {
-  for (int i = 0; i < line.count; ++i) {
-    const float x = line.x + static_cast<float>(i) * line.step_x, y = line.y + static_cast<float>(i) * line.step_y;
-    const int column = static_cast<int>(x), row = static_cast<int>(y);
-    const float right = x - static_cast<float>(column), low = y - static_cast<float>(row);
-    const std::uint8_t *above = line.image.row(row) + column, *below = line.image.row(row + 1) + column;
-    const auto between = [right](const std::uint8_t* pixel) {
-      const auto left = static_cast<float>(pixel[0]);
-      return left + right * (static_cast<float>(pixel[1]) - left);
-    };
-    const float upper = between(above);
-    intensities[static_cast<std::size_t>(i)] = upper + low * (between(below) - upper);
-  }
-}
-
-void compare_plain(const LineIntensities& intensities, const std::array<float, epipolar_samples>& seen, int count,
-                   LineCosts& costs) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    float squares = 0.0F;
-    for (std::size_t k = 0; k < seen.size(); ++k) {
-      const float difference = intensities[i + k] - seen[k];
-      squares = squares + difference * difference;
-    }
-    costs[i] = squares * (1.0F / epipolar_samples);
-  }
-}
-
 /// 0 where fewer neighbors agree.
 float smoothed_mean(const InverseDepthMap& depth, int x, int y, const SmoothingOptions& options) {
   constexpr int reach = 2;
@@ -67,7 +40,7 @@ void smooth_row_plain(const InverseDepthMap& depth, int y, const SmoothingOption
 }  // namespace
 
 const DepthKernels& depth_kernels_plain() {
-  static const DepthKernels kernels{sample_plain, compare_plain, smooth_row_plain};
+  static const DepthKernels kernels{smooth_row_plain};
   return kernels;
 }
 

@@ -15,37 +15,7 @@ namespace {
 
 // Every expression below has a twin in depth_kernels.cpp that rounds in the same order.
 
-using lanes::add, lanes::all, lanes::between, lanes::mul, lanes::sub;
-
-RASTRO_TARGET_AVX2 void sample_avx2(const LineSampling& line, LineIntensities& intensities) {
-  const auto stride = static_cast<int>(line.image.stride);
-  const int* words = reinterpret_cast<const int*>(line.image.data);
-  const int* next_words = reinterpret_cast<const int*>(line.image.data + stride);
-  const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), last = _mm256_set1_epi32(line.count - 1);
-  for (int i = 0; i < line.count; i += 8) {
-    // Lanes past the end repeat the last sample.
-    const __m256 step = _mm256_cvtepi32_ps(_mm256_min_epi32(_mm256_add_epi32(_mm256_set1_epi32(i), lanes), last));
-    const __m256 x = add(all(line.x), mul(step, all(line.step_x))), y = add(all(line.y), mul(step, all(line.step_y)));
-    const __m256i column = _mm256_cvttps_epi32(x), row = _mm256_cvttps_epi32(y);
-    const __m256 right = sub(x, _mm256_cvtepi32_ps(column)), low = sub(y, _mm256_cvtepi32_ps(row));
-    const __m256i at = _mm256_add_epi32(_mm256_mullo_epi32(row, _mm256_set1_epi32(stride)), column);
-    const __m256 upper = between(_mm256_i32gather_epi32(words, at, 1), right);
-    const __m256 lower = between(_mm256_i32gather_epi32(next_words, at, 1), right);
-    _mm256_storeu_ps(&intensities[static_cast<std::size_t>(i)], add(upper, mul(low, sub(lower, upper))));
-  }
-}
-
-RASTRO_TARGET_AVX2 void compare_avx2(const LineIntensities& intensities,
-                                     const std::array<float, epipolar_samples>& seen, int count, LineCosts& costs) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); i += 8) {
-    __m256 squares = _mm256_setzero_ps();
-    for (std::size_t k = 0; k < seen.size(); ++k) {
-      const __m256 difference = sub(_mm256_loadu_ps(&intensities[i + k]), all(seen[k]));
-      squares = add(squares, mul(difference, difference));
-    }
-    _mm256_storeu_ps(&costs[i], mul(squares, all(1.0F / epipolar_samples)));
-  }
-}
+using lanes::add, lanes::all, lanes::mul, lanes::sub;
 
 struct EightSums {
   __m256 sum, weights, count;
@@ -97,7 +67,7 @@ RASTRO_TARGET_AVX2 void smooth_row_avx2(const InverseDepthMap& depth, int y, con
 }  // namespace
 
 const DepthKernels& depth_kernels_avx2() {
-  static const DepthKernels kernels{sample_avx2, compare_avx2, smooth_row_avx2};
+  static const DepthKernels kernels{smooth_row_avx2};
   return kernels;
 }
 #else

@@ -106,33 +106,55 @@ DepthUpdate DepthMap::observe(GrayView image, const SE3& image_from_keyframe, do
   ++observations_;
   EpipolarSearch search(image_.view(), image, camera_, image_from_keyframe, gain, offset, options_.search);
   search.leave_out(mask);
-  return for_pixels([&](int x, int y, DepthUpdate& update) { take(x, y, search.find(x, y, prior_of(x, y)), update); },
-                    pool);
+  return for_batches([&](const EpipolarQueries& queries, EpipolarMatches& matches) { search.find(queries, matches); },
+                     false, pool);
 }
 
-DepthUpdate DepthMap::measure(const DepthSensor& sensor, TaskPool* pool) {
-  constexpr std::int8_t seen = -1;  // the sensor confirms what it says itself
-  return for_pixels(
-      [&](int x, int y, DepthUpdate& update) {
-        const bool was_known = depth_.is_known(x, y);
-        DepthPrior prior = prior_of(x, y);
-        prior.worthwhile_variance = std::numeric_limits<double>::infinity();
-        take(x, y, sensor(x, y, prior), update);
-        if (!was_known && depth_.is_known(x, y)) failures_.at(x, y) = seen;
-      },
-      pool);
-}
+DepthUpdate DepthMap::measure(const DepthSearch& sensor, TaskPool* pool) { return for_batches(sensor, true, pool); }
 
-DepthUpdate DepthMap::for_pixels(const OfPixel& of_pixel, TaskPool* pool) const {
-  std::vector<DepthUpdate> of_rows(static_cast<std::size_t>(image_.height()));
+DepthUpdate DepthMap::for_batches(const DepthSearch& search, bool is_sensor, TaskPool* pool) {
+  std::vector<DepthUpdate> of_chunks(static_cast<std::size_t>(image_.height()));
   for_rows(image_.height(), pool, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y)
-      for (int x = border; x < image_.width() - border; ++x)
-        if (has_gradient_.at(x, y) != 0) of_pixel(x, y, of_rows[static_cast<std::size_t>(y)]);
+    of_chunks[static_cast<std::size_t>(begin)] = update_rows(begin, end, search, is_sensor);
   });
   DepthUpdate update;
-  for (const DepthUpdate& each : of_rows) update += each;
+  for (const DepthUpdate& each : of_chunks) update += each;
   return update;
+}
+
+DepthUpdate DepthMap::update_rows(int begin, int end, const DepthSearch& search, bool is_sensor) {
+  DepthUpdate update;
+  EpipolarQueries known, unknown;
+  known.known = true;
+  EpipolarMatches matches;
+  const auto flush = [&](EpipolarQueries& queries) {
+    search(queries, matches);
+    take(queries, matches, is_sensor, update);
+    queries.count = 0;
+  };
+  for (int y = begin; y < end; ++y)
+    for (int x = border; x < image_.width() - border; ++x) {
+      if (has_gradient_.at(x, y) == 0) continue;
+      EpipolarQueries& queries = depth_.is_known(x, y) ? known : unknown;
+      DepthPrior prior = prior_of(x, y);
+      if (is_sensor) prior.worthwhile_variance = std::numeric_limits<double>::infinity();
+      add_query(x, y, prior, queries);
+      if (queries.count == epipolar_batch) flush(queries);
+    }
+  flush(known);
+  flush(unknown);
+  return update;
+}
+
+void DepthMap::take(const EpipolarQueries& queries, const EpipolarMatches& matches, bool is_sensor,
+                    DepthUpdate& update) {
+  constexpr std::int8_t seen = -1;  // a sensor confirms what it says itself
+  for (int i = 0; i < queries.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const int x = static_cast<int>(queries.x[k]), y = static_cast<int>(queries.y[k]);
+    take(x, y, match_at(matches, i), update);
+    if (is_sensor && !queries.known && depth_.is_known(x, y)) failures_.at(x, y) = seen;
+  }
 }
 
 void DepthMap::take(int x, int y, const EpipolarMatch& match, DepthUpdate& update) {

@@ -52,10 +52,10 @@ class DepthMap {
   /// nothing; empty: all do.
   DepthUpdate observe(GrayView image, const SE3& image_from_keyframe, double gain, double offset,
                       TaskPool* pool = nullptr, GrayView mask = {});
-  /// What a sensor of its own measures at this very frame, with what is known of the pixel as prior: static stereo, or
-  /// a depth camera. Called by many threads at once.
-  using DepthSensor = std::function<EpipolarMatch(int x, int y, const DepthPrior& prior)>;
-  DepthUpdate measure(const DepthSensor& sensor, TaskPool* pool = nullptr);
+  /// Finds inverse depths of a batch of pixels; called by many threads at once.
+  using DepthSearch = std::function<void(const EpipolarQueries& queries, EpipolarMatches& matches)>;
+  /// What a sensor of its own measures at this very frame: static stereo, or a depth camera.
+  DepthUpdate measure(const DepthSearch& sensor, TaskPool* pool = nullptr);
   /// Fills holes, drops outliers and smooths what agrees with its neighbors (sections 2.4 to 2.6). Sets
   /// inverse_depth().
   void regularize(TaskPool* pool = nullptr);
@@ -71,8 +71,9 @@ class DepthMap {
   const InverseDepthMap& inverse_depth() const { return smoothed_; }
 
  private:
-  using OfPixel = std::function<void(int x, int y, DepthUpdate& update)>;
-  DepthUpdate for_pixels(const OfPixel& of_pixel, TaskPool* pool) const;
+  DepthUpdate for_batches(const DepthSearch& search, bool is_sensor, TaskPool* pool);
+  DepthUpdate update_rows(int begin, int end, const DepthSearch& search, bool is_sensor);
+  void take(const EpipolarQueries& queries, const EpipolarMatches& matches, bool is_sensor, DepthUpdate& update);
   void take(int x, int y, const EpipolarMatch& match, DepthUpdate& update);
   DepthPrior prior_of(int x, int y) const;
   void fuse(int x, int y, const EpipolarMatch& match, DepthUpdate& update);
