@@ -44,6 +44,9 @@ void CurrentKeyframe::begin(std::int64_t id, const LsdFrame& frame, const SE3& d
   mask_ = frame.mask;
   // Depths end at the mask, but on coarse levels black would reach into what they are compared with.
   pyramid_ = mask_.empty() ? frame.pyramid : alignment_pyramid(image_.view(), options_.levels, pool_);
+  const int levels = std::min(options_.levels, pyramid_.levels());
+  pixels_ = alignment_pixels(pyramid_, levels, AlignmentReferenceOptions().min_gradient);
+  coarse_depth_.resize(pixels_.size() - 1);
   frames_ = 0;
   measure(frame, depth_from_color);
   update_reference();
@@ -62,10 +65,12 @@ void CurrentKeyframe::measure(const LsdFrame& frame, const SE3& depth_from_color
 
 void CurrentKeyframe::update_reference() {
   depth_.regularize(pool_);
-  AlignmentReferenceOptions options;
-  options.levels = options_.levels;
-  options.max_points = options_.max_points;
-  reference_.build(pyramid_, depth_.inverse_depth(), sensor_.camera, options);
+  const InverseDepthMap* finer = &depth_.inverse_depth();
+  for (InverseDepthMap& coarse : coarse_depth_) {
+    halve(*finer, coarse);
+    finer = &coarse;
+  }
+  reference_.set_points(pyramid_, pixels_, depth_.inverse_depth(), coarse_depth_, sensor_.camera, options_.max_points);
   mean_inverse_depth_ = rastro::mean_inverse_depth(depth_.inverse_depth());
 }
 

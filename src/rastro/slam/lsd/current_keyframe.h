@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "rastro/base/task_pool.h"
 #include "rastro/slam/lsd/depth/depth_map.h"
@@ -51,6 +52,8 @@ class CurrentKeyframe {
   GrayImage image_, mask_;
   Pyramid pyramid_;
   DepthMap depth_;
+  std::vector<AlignmentPixels> pixels_;        ///< Of each level.
+  std::vector<InverseDepthMap> coarse_depth_;  ///< Of the levels after the finest.
   AlignmentReference reference_;
   double mean_inverse_depth_ = 1.0;
   int frames_ = 0;

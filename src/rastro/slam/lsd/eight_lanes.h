@@ -75,6 +75,11 @@ RASTRO_EIGHT_LANES Mask choose(Mask mask, Mask yes, Mask no) {
   return {_mm256_blendv_ps(no.bits, yes.bits, mask.bits)};
 }
 RASTRO_EIGHT_LANES bool any(Mask mask) { return _mm256_movemask_ps(mask.bits) != 0; }
+RASTRO_EIGHT_LANES unsigned bits(Mask mask) { return static_cast<unsigned>(_mm256_movemask_ps(mask.bits)); }
+RASTRO_EIGHT_LANES Reals every_second(const float* from) {
+  const __m256 pairs = _mm256_shuffle_ps(_mm256_loadu_ps(from), _mm256_loadu_ps(from + 8), _MM_SHUFFLE(2, 0, 2, 0));
+  return Reals(_mm256_castpd_ps(_mm256_permute4x64_pd(_mm256_castps_pd(pairs), _MM_SHUFFLE(3, 1, 2, 0))));
+}
 RASTRO_EIGHT_LANES float largest(Reals value) {
   const __m128 four = _mm_max_ps(_mm256_castps256_ps128(value.values), _mm256_extractf128_ps(value.values, 1));
   const __m128 two = _mm_max_ps(four, _mm_movehl_ps(four, four));

@@ -31,6 +31,10 @@ Value choose(Mask mask, Value yes, Value no) {
   return mask ? yes : no;
 }
 inline bool any(Mask mask) { return mask; }
+/// The lowest bit is the first lane.
+inline unsigned bits(Mask mask) { return mask ? 1U : 0U; }
+/// from[0], from[2] and so on.
+inline Reals every_second(const float* from) { return *from; }
 inline float largest(Reals value) { return value; }
 
 /// Bytes at the offset, and one or two further.

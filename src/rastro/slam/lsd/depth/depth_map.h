@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "rastro/base/random.h"
 #include "rastro/base/task_pool.h"
@@ -71,15 +72,19 @@ class DepthMap {
   const InverseDepthMap& inverse_depth() const { return smoothed_; }
 
  private:
+  struct Filling {
+    int x, y;
+    float mean, variance;
+  };
   DepthUpdate for_batches(const DepthSearch& search, bool is_sensor, TaskPool* pool);
   DepthUpdate update_rows(int begin, int end, const DepthSearch& search, bool is_sensor);
   void take(const EpipolarQueries& queries, const EpipolarMatches& matches, bool is_sensor, DepthUpdate& update);
-  void take(int x, int y, const EpipolarMatch& match, DepthUpdate& update);
-  DepthPrior prior_of(int x, int y) const;
-  void fuse(int x, int y, const EpipolarMatch& match, DepthUpdate& update);
+  void add_query(int x, int y, bool is_sensor, EpipolarQueries& queries) const;
+  void fuse(int x, int y, float found, float found_variance, DepthUpdate& update);
   void fail(int x, int y);
   void forget(int x, int y);
-  void fill_row(int y, const InverseDepthMap& before);
+  void find_fillings(int y, std::vector<Filling>& fillings) const;
+  Filling mean_around(int x, int y) const;
   void smooth_row(int y);
   void receive(int x, int y, float mean, float variance);
 
