@@ -228,6 +228,14 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
              0,
              100,
              {}});
+  table.add({"backend_delay_frames",
+             &o.backend_delay_frames,
+             "",
+             "pipeline latency: depths and keyframes of a frame are used from this many frames later on; 1 leaves "
+             "tracking nothing to do beside mapping",
+             1,
+             1000,
+             {}});
 }
 
 void add_constraint_options(OptionTable& table, LsdOptions& o) {

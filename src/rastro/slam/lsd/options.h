@@ -58,6 +58,7 @@ struct LsdOptions {
   double keyframe_distance = 0.25;
   double keyframe_overlap = 0.85;
   double keyframe_residual = 5.0;
+  int backend_delay_frames = 2;
 
   // Constraints.
   int near_keyframes = 4;
