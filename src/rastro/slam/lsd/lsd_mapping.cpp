@@ -39,7 +39,7 @@ LsdMapping::LsdMapping(const LsdOptions& options, const LsdSensor& sensor, const
       frames_(frames),
       pools_(pools),
       graph_(options, sensor.is_metric()),
-      constraints_(options, sensor, graph_),
+      constraints_(options, sensor, graph_, pools.mapping),
       features_(OrbOptions{}),
       budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {}
 
