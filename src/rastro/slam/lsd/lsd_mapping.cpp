@@ -55,16 +55,18 @@ void LsdMapping::begin_map(CurrentKeyframe first, SlamUpdate& update) {
 
 bool LsdMapping::needs_keyframe(const ImageAlignment& tracked) const {
   const double distance = tracked.image_from_reference.inverse().translation().norm();
+  // Depths are shown once two frames saw them: a keyframe that ends before that has fewer than the one before it.
+  const bool is_new = current_->frames() < options_.keyframe_frames;
+  const double overlap = is_new ? 0.5 * (options_.keyframe_overlap + options_.min_overlap) : options_.keyframe_overlap;
   return tracked.rms < options_.keyframe_residual &&
-         (distance * current_->mean_inverse_depth() > options_.keyframe_distance ||
-          tracked.overlap < options_.keyframe_overlap);
+         (distance * current_->mean_inverse_depth() > options_.keyframe_distance || tracked.overlap < overlap);
 }
 
 double LsdMapping::change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, const SE3& depth_from_color,
                                    SlamUpdate& update) {
   finish_keyframe(update);
   const std::int64_t before = current_->id(), id = graph_.size();
-  const Sim3 before_from_new = current_->change_to(id, frame, tracked.image_from_reference, depth_from_color);
+  const Sim3 before_from_new = current_->change_to(id, frame, tracked, depth_from_color);
   graph_.add(current_->published(), graph_.pose(before) * before_from_new, graph_.submap(before));
   graph_.add_edge(edge_to_new(before, id, before_from_new, current_->mean_inverse_depth(), tracked));
   if (update.covariance) uncertainty_.set(id, graph_.pose(id).translation(), *update.covariance);
