@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rastro/base/stopwatch.h"
+#include "rastro/slam/lsd/lsd_motion.h"
 #include "rastro/slam/map_budget.h"
 
 namespace rastro {
@@ -32,57 +33,74 @@ Constraint edge_to_new(std::int64_t before, std::int64_t id, const Sim3& before_
 }  // namespace
 
 LsdMapping::LsdMapping(const LsdOptions& options, const LsdSensor& sensor, const LsdFrameMaker& frames,
-                       const SlamContext& context)
+                       const LsdPools& pools, const SlamContext& context)
     : options_(options),
       sensor_(sensor),
       frames_(frames),
-      pool_(context.pool),
+      pools_(pools),
       graph_(options, sensor.is_metric()),
       constraints_(options, sensor, graph_),
       features_(OrbOptions{}),
       budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {}
 
-void LsdMapping::begin_map(CurrentKeyframe first, SlamUpdate& update) {
-  if (current_) finish_keyframe(update);
+void LsdMapping::begin_map(KeyframeDepths first, SlamUpdate& update) {
+  if (depths_) finish_keyframe(update);
   const std::int64_t id = first.id();
   const int submap = graph_.new_submap();
-  current_.emplace(std::move(first));
-  graph_.add(current_->published(), Sim3(), submap);
-  uncertainty_.set_known(id, Eigen::Vector3d::Zero());
+  depths_.emplace(std::move(first));
+  change_ = {};
+  graph_.add(depths_->published(), Sim3(), submap);
   update.events.push_back({"keyframe", fmt::format("{}", id)});
   if (submap > 0) update.events.push_back({"submap", fmt::format("{} begins with keyframe {}", submap, id)});
 }
 
-bool LsdMapping::needs_keyframe(const ImageAlignment& tracked) const {
-  const double distance = tracked.image_from_reference.inverse().translation().norm();
-  // Depths are shown once two frames saw them: a keyframe that ends before that has fewer than the one before it.
-  const bool is_new = current_->frames() < options_.keyframe_frames;
-  const double overlap = is_new ? 0.5 * (options_.keyframe_overlap + options_.min_overlap) : options_.keyframe_overlap;
-  return tracked.rms < options_.keyframe_residual &&
-         (distance * current_->mean_inverse_depth() > options_.keyframe_distance || tracked.overlap < overlap);
+std::optional<Sim3> LsdMapping::process(const MappingInput& input, SlamUpdate& update) {
+  const LsdFrame& frame = *input.frame;
+  graph_.add_frame({frame.index, frame.stamp, input.keyframe, input.tracked.image_from_reference.inverse()});
+  Stopwatch stage;
+  if (input.use == MappingInput::Use::keyframe) return change_keyframe(input, update);
+  if (input.use == MappingInput::Use::refine) {
+    if (const auto tracked = on_newest(input)) depths_->refine(frame, *tracked);
+    update.times.push_back({"depth", stage.lap_ms()});
+  }
+  return std::nullopt;
 }
 
-double LsdMapping::change_keyframe(const LsdFrame& frame, const ImageAlignment& tracked, const SE3& depth_from_color,
-                                   SlamUpdate& update) {
+/// The alignment with the newest keyframe of a frame that was tracked on it, or on the one before. nullopt: it was
+/// tracked on another one.
+std::optional<ImageAlignment> LsdMapping::on_newest(const MappingInput& input) const {
+  ImageAlignment tracked = input.tracked;
+  if (input.keyframe == depths_->id()) return tracked;
+  if (input.keyframe != change_.before) return std::nullopt;
+  tracked.image_from_reference = on_new_keyframe(tracked.image_from_reference, change_.before_from_new);
+  tracked.gain /= change_.gain;
+  tracked.offset -= tracked.gain * change_.offset;
+  return tracked;
+}
+
+Sim3 LsdMapping::change_keyframe(const MappingInput& input, SlamUpdate& update) {
   finish_keyframe(update);
-  const std::int64_t before = current_->id(), id = graph_.size();
-  const Sim3 before_from_new = current_->change_to(id, frame, tracked, depth_from_color);
-  graph_.add(current_->published(), graph_.pose(before) * before_from_new, graph_.submap(before));
-  graph_.add_edge(edge_to_new(before, id, before_from_new, current_->mean_inverse_depth(), tracked));
-  if (update.covariance) uncertainty_.set(id, graph_.pose(id).translation(), *update.covariance);
+  Stopwatch stage;
+  const std::int64_t before = depths_->id(), id = graph_.size();
+  const Sim3 before_from_new = depths_->change_to(id, *input.frame, input.tracked, input.depth_from_color);
+  change_ = {before, before_from_new, input.tracked.gain, input.tracked.offset};
+  graph_.add(depths_->published(), graph_.pose(before) * before_from_new, graph_.submap(before));
+  graph_.add_edge(edge_to_new(before, id, before_from_new, depths_->mean_inverse_depth(), input.tracked));
   stay_within_budget(update);
   update.events.push_back({"keyframe", fmt::format("{}", id)});
-  return before_from_new.scale();
+  update.times.push_back({"depth", stage.lap_ms()});
+  return before_from_new;
 }
 
-void LsdMapping::return_to(CurrentKeyframe earlier, SlamUpdate& update) {
+void LsdMapping::return_to(std::int64_t id, SlamUpdate& update) {
   finish_keyframe(update);
-  current_.emplace(std::move(earlier));
+  depths_.emplace(restored_keyframe(id));
+  change_ = {};
 }
 
 void LsdMapping::finish_keyframe(SlamUpdate& update) {
   Stopwatch stage;
-  const auto finished = current_->published();
+  const auto finished = depths_->published();
   graph_.replace(finished);
   const BagOfWords words = words_of(finished->image.view(), finished->mask.view());
   connect(finished->id, words, update);
@@ -105,35 +123,15 @@ void LsdMapping::connect(std::int64_t id, const BagOfWords& words, SlamUpdate& u
   if (!found.empty()) graph_.optimize();
 }
 
-CurrentKeyframe LsdMapping::restored_keyframe(std::int64_t id) const {
+KeyframeDepths LsdMapping::restored_keyframe(std::int64_t id) const {
   const SemiDenseKeyframe& known = graph_.keyframe(id);
-  return {options_,    sensor_, pool_, id, frames_.from_image(known.frame, known.stamp, known.image, known.mask),
+  return {options_,    sensor_, pools_, id, frames_.from_image(known.frame, known.stamp, known.image, known.mask),
           &known.depth};
 }
 
-SE3 LsdMapping::pose_of(const SE3& camera_from_keyframe) const {
-  return graph_.pose_of({0, 0, current_->id(), camera_from_keyframe.inverse()});
-}
-
-std::optional<Matrix6d> LsdMapping::covariance_of(const ImageAlignment& tracked, const SE3& world_from_camera) const {
-  const std::int64_t id = current_->id();
-  if (graph_.submap(id) != 0) return std::nullopt;
-  return uncertainty_.of_frame(id, graph_.pose(id).scale(), current_->mean_inverse_depth(), world_from_camera, tracked);
-}
-
-void LsdMapping::doubt(SlamUpdate& update) const {
-  constexpr std::int64_t until_converged = 5;  // keyframes
-  const std::int64_t id = current_->id();
-  if (graph_.submap(id) != 0) {
-    update.reason = SlamReason::apart;
-    update.detail = fmt::format("in submap {}, not connected to the first yet", graph_.submap(id));
-  } else if (options_.start == "random" && id < until_converged) {
-    update.reason = SlamReason::unconfirmed;
-    update.detail = "depths that began at random have not converged yet";
-  } else {
-    return;
-  }
-  update.state = SlamState::weak;
+MappedKeyframe LsdMapping::current() const {
+  const std::int64_t id = depths_->id();
+  return {depths_->current(), graph_.pose(id), graph_.submap(id)};
 }
 
 /// The oldest keyframes keep their poses only.
@@ -152,7 +150,7 @@ MapMemory LsdMapping::memory() const {
 }
 
 BagOfWords LsdMapping::words_of(GrayView image, GrayView mask) {
-  BagOfWords words = standard_vocabulary()->words_of(features_.extract(image, mask, pool_).descriptors);
+  BagOfWords words = standard_vocabulary()->words_of(features_.extract(image, mask, pools_.mapping).descriptors);
   words.nodes = {};
   return words;
 }

@@ -3,8 +3,16 @@
 
 #include "rastro/base/time.h"
 #include "rastro/math/se3.h"
+#include "rastro/math/sim3.h"
 
 namespace rastro {
+
+/// camera_from_new of a camera whose pose relative to the keyframe before is known. The scale of before_from_new is the
+/// new keyframe's unit in that of the one before.
+inline SE3 on_new_keyframe(const SE3& camera_from_before, const Sim3& before_from_new) {
+  const Sim3 camera_from_new = Sim3(camera_from_before) * before_from_new;
+  return {camera_from_new.rotation(), camera_from_new.translation() / before_from_new.scale()};
+}
 
 /// What is known of the camera's motion, as of the last frame with a pose.
 struct LsdMotion {
@@ -27,10 +35,10 @@ struct LsdMotion {
     lost = false;
     lost_frames = 0;
   }
-  /// The last frame became the keyframe, whose unit is `unit` of the one before.
-  void change_keyframe(double unit) {
-    camera_from_keyframe = SE3();
-    velocity = SE3(velocity.rotation(), velocity.translation() / unit);
+  /// Relative to a keyframe that was made of the one before.
+  void change_keyframe(const Sim3& before_from_new) {
+    camera_from_keyframe = on_new_keyframe(camera_from_keyframe, before_from_new);
+    velocity = SE3(velocity.rotation(), velocity.translation() / before_from_new.scale());
   }
 };
 

@@ -10,8 +10,8 @@
 #include "rastro/base/stopwatch.h"
 #include "rastro/odometry/frame_check.h"
 #include "rastro/slam/lsd/lsd_frame.h"
-#include "rastro/slam/lsd/lsd_mapping.h"
 #include "rastro/slam/lsd/lsd_motion.h"
+#include "rastro/slam/lsd/lsd_pipeline.h"
 #include "rastro/slam/lsd/lsd_relocalization.h"
 #include "rastro/slam/lsd/lsd_start.h"
 #include "rastro/slam/lsd/pose_search.h"
@@ -21,16 +21,19 @@ class LsdSlam::State {
  public:
   State(const LsdOptions& options, const LsdSensor& sensor, const SlamContext& context);
   SlamUpdate process(const Frame& frame);
-  Trajectory trajectory() const;
-  std::shared_ptr<const Map> snapshot() const { return mapping_.graph().snapshot(sensor_); }
+  std::vector<SlamEvent> finish();
+  Trajectory trajectory();
+  std::shared_ptr<const Map> snapshot() { return mapping_.settled().graph().snapshot(sensor_); }
   MapMemory map_memory() const { return mapping_.memory(); }
+  std::int64_t dropped_frames() const { return mapping_.dropped_frames(); }
 
  private:
+  using SharedFrame = std::shared_ptr<const LsdFrame>;
   bool is_usable(const Frame& frame, SlamUpdate& update);
   void on_unusable_frame();
-  void start(LsdFrame frame, SlamUpdate& update);
-  void follow(const LsdFrame& frame, SlamUpdate& update);
-  void map(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
+  void start(const LsdFrame& frame, SlamUpdate& update);
+  JudgedAlignment track(const LsdFrame& frame, SlamUpdate& update);
+  void follow(const SharedFrame& frame, SlamUpdate& update);
   void accept(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update);
   void on_loss(const LsdFrame& frame, const PoseVerdict& verdict, SlamUpdate& update);
   bool relocalize(const LsdFrame& frame, bool was_tried, SlamUpdate& update);
@@ -39,11 +42,12 @@ class LsdSlam::State {
   LsdSensor sensor_;
   LsdFrameMaker frames_;
   FrameCheck check_;
-  LsdMapping mapping_;
   LsdStart start_;
   PoseSearch search_;
-  LsdRelocalization relocalization_;
   LsdMotion motion_;
+  std::int64_t number_ = 0;  ///< Of the frame, counting all.
+  LsdPipeline mapping_;
+  LsdRelocalization relocalization_;
   SE3 last_pose_;  ///< world_from_camera
 };
 
@@ -52,25 +56,30 @@ LsdSlam::State::State(const LsdOptions& options, const LsdSensor& sensor, const 
       sensor_(sensor),
       frames_(sensor, options.levels, context.pool),
       check_(options.frame_check),
-      mapping_(options_, sensor_, frames_, context),
       start_(options_, sensor_, frames_, context.pool),
       search_(options_, sensor_.camera),
-      relocalization_(options_, mapping_.graph(), [this](std::int64_t id) { return mapping_.restored_keyframe(id); }) {}
+      mapping_(options_, sensor_, frames_, context),
+      relocalization_(options_, mapping_.settled().graph(),
+                      [this](std::int64_t id) { return mapping_.settled().restored_keyframe(id).current(); }) {}
 
 /// One frame, as in figure 3 of Engel et al. 2014: tracked on the newest keyframe, it refines this one's depths or
-/// becomes the next keyframe, which is connected with those around it. Without a map it begins one.
+/// becomes the next keyframe, which is connected with those around it; both beside the tracking of the next frames.
+/// Without a map it begins one.
 SlamUpdate LsdSlam::State::process(const Frame& frame) {
   Stopwatch whole;
   SlamUpdate update;
   update.index = frame.index;
   update.stamp = frame.stamp;
   update.world_from_body = last_pose_;
+  mapping_.take_results({number_++, frame.stamp}, motion_, update);
   if (is_usable(frame, update)) {
-    LsdFrame undistorted_frame = frames_.make(frame);
+    Stopwatch stage;
+    const auto undistorted_frame = std::make_shared<const LsdFrame>(frames_.make(frame));
+    update.times.push_back({"image", stage.lap_ms()});
     if (mapping_.has_keyframe() && !(motion_.lost && motion_.lost_frames > options_.lost_frames))
       follow(undistorted_frame, update);
     else
-      start(std::move(undistorted_frame), update);
+      start(*undistorted_frame, update);
   }
   last_pose_ = update.world_from_body;
   update.world_from_body = update.world_from_body * sensor_.camera_from_left();
@@ -96,51 +105,58 @@ void LsdSlam::State::on_unusable_frame() {
   relocalization_.reset();
 }
 
-void LsdSlam::State::start(LsdFrame frame, SlamUpdate& update) {
+void LsdSlam::State::start(const LsdFrame& frame, SlamUpdate& update) {
   update.state = mapping_.has_keyframe() ? SlamState::lost : SlamState::initializing;
   if (mapping_.has_keyframe() && (relocalize(frame, false, update) || relocalization_.is_unconfirmed())) return;
-  const auto camera_from_keyframe = start_.take(std::move(frame), mapping_, search_, update);
+  const auto camera_from_keyframe = start_.take(frame, mapping_.idle(motion_, update), search_, update);
   if (!camera_from_keyframe) return;
+  mapping_.on_change(true);
+  mapping_.doubt(update);
+  update.world_from_body = mapping_.pose_of(*camera_from_keyframe);
   motion_ = {};
   motion_.camera_from_keyframe = *camera_from_keyframe;
   motion_.stamp = update.stamp;
   relocalization_.reset();
 }
 
-void LsdSlam::State::follow(const LsdFrame& frame, SlamUpdate& update) {
-  if (motion_.lost) return void(relocalize(frame, false, update));
+/// What is in doubt is tried again with all that mapping knows by now.
+JudgedAlignment LsdSlam::State::track(const LsdFrame& frame, SlamUpdate& update) {
   Stopwatch stage;
-  const auto [tracked, verdict, jump_deg] =
-      search_.track(mapping_.current(), frame.pyramid, {motion_.camera_from_keyframe, motion_.velocity, 0});
+  const auto try_current = [&] {
+    return search_.track(mapping_.current(), frame.pyramid, {motion_.camera_from_keyframe, motion_.velocity, 0});
+  };
+  JudgedAlignment tracked = try_current();
+  if (tracked.verdict.grade != PoseGrade::tracking && mapping_.is_busy()) {
+    mapping_.idle(motion_, update);
+    tracked = try_current();
+  }
   update.times.push_back({"track", stage.lap_ms()});
+  return tracked;
+}
+
+void LsdSlam::State::follow(const SharedFrame& frame, SlamUpdate& update) {
+  if (motion_.lost) return void(relocalize(*frame, false, update));
+  const auto [tracked, verdict, jump_deg] = track(*frame, update);
   motion_.weak_frames = verdict.grade == PoseGrade::weak ? motion_.weak_frames + 1 : 0;
   if (verdict.grade == PoseGrade::lost || motion_.weak_frames > options_.lost_frames)
-    return on_loss(frame, verdict, update);
+    return on_loss(*frame, verdict, update);
   update.state = SlamState::tracking;
   mapping_.doubt(update);
-  accept(frame, tracked, update);
+  accept(*frame, tracked, update);
   update.covariance = mapping_.covariance_of(tracked, update.world_from_body);
-  if (verdict.grade == PoseGrade::weak) {
+  const bool is_sure = verdict.grade != PoseGrade::weak;
+  if (!is_sure) {
     update.state = SlamState::weak;
     update.reason = verdict.reason;
     update.detail = verdict.detail;
-  } else {
-    map(frame, tracked, update);
   }
-  update.times.push_back({"depth", stage.lap_ms()});
-}
-
-void LsdSlam::State::map(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update) {
-  if (!mapping_.needs_keyframe(tracked)) return mapping_.refine(frame, tracked);
-  const SE3 depth_from_color = motion_.within(frame.depth_stamp - frame.stamp);
-  motion_.change_keyframe(mapping_.change_keyframe(frame, tracked, depth_from_color, update));
+  mapping_.map(frame, tracked, is_sure, motion_, update);
 }
 
 void LsdSlam::State::accept(const LsdFrame& frame, const ImageAlignment& tracked, SlamUpdate& update) {
   const SE3& pose = tracked.image_from_reference;
   motion_.accept(frame.stamp, pose);
   search_.remember(frame.pyramid);
-  mapping_.add_frame({frame.index, frame.stamp, mapping_.current().id(), pose.inverse()});
   update.score = tracked.inlier_share;
   update.used = tracked.points;
   update.world_from_body = mapping_.pose_of(pose);
@@ -156,13 +172,17 @@ void LsdSlam::State::on_loss(const LsdFrame& frame, const PoseVerdict& verdict, 
 
 /// `was_tried`: on the current keyframe.
 bool LsdSlam::State::relocalize(const LsdFrame& frame, bool was_tried, SlamUpdate& update) {
+  LsdMapping& mapping = mapping_.idle(motion_, update);
   const ExpectedMotion last{motion_.camera_from_keyframe, motion_.velocity, motion_.lost_frames};
   ++motion_.lost_frames;
   auto found = relocalization_.take(
-      frame, mapping_.current(), last, search_, was_tried, [&] { return mapping_.words_of(frame); }, update);
+      frame, mapping_.current(), last, search_, was_tried, [&] { return mapping.words_of(frame); }, update);
   if (!found) return false;
-  if (found->keyframe) mapping_.return_to(std::move(*found->keyframe), update);
-  for (const PlacedFrame& earlier : found->earlier) mapping_.add_frame(earlier);
+  if (found->keyframe) mapping.return_to(found->id, update);
+  const SE3& pose = found->tracked.alignment.image_from_reference;
+  for (const PlacedFrame& earlier : found->earlier) mapping.add_frame(earlier);
+  mapping.add_frame({frame.index, frame.stamp, found->id, pose.inverse()});
+  mapping_.on_change(false);
   motion_.lost = false;
   motion_.camera_from_keyframe = found->last_pose;
   accept(frame, found->tracked.alignment, update);
@@ -174,8 +194,14 @@ bool LsdSlam::State::relocalize(const LsdFrame& frame, bool was_tried, SlamUpdat
   return true;
 }
 
-Trajectory LsdSlam::State::trajectory() const {
-  Trajectory trajectory = mapping_.graph().trajectory();
+std::vector<SlamEvent> LsdSlam::State::finish() {
+  SlamUpdate update;
+  mapping_.idle(motion_, update);
+  return std::move(update.events);
+}
+
+Trajectory LsdSlam::State::trajectory() {
+  Trajectory trajectory = mapping_.settled().graph().trajectory();
   for (StampedPose& pose : trajectory) pose.world_from_body = pose.world_from_body * sensor_.camera_from_left();
   return trajectory;
 }
@@ -187,10 +213,11 @@ LsdSlam::LsdSlam(const LsdOptions& options, const LsdSensor& sensor, const SlamC
       state_(std::make_unique<State>(options, sensor, context)) {}
 LsdSlam::~LsdSlam() = default;
 SlamUpdate LsdSlam::process(const Frame& frame) { return state_->process(frame); }
-std::vector<SlamEvent> LsdSlam::finish() { return {}; }
+std::vector<SlamEvent> LsdSlam::finish() { return state_->finish(); }
 Trajectory LsdSlam::trajectory() const { return state_->trajectory(); }
 std::shared_ptr<const Map> LsdSlam::snapshot() const { return state_->snapshot(); }
 MapMemory LsdSlam::map_memory() const { return state_->map_memory(); }
+std::int64_t LsdSlam::dropped_frames() const { return state_->dropped_frames(); }
 void LsdSlam::reset() { state_ = std::make_unique<State>(options_, sensor_, context_); }
 
 }  // namespace rastro

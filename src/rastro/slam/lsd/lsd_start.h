@@ -22,15 +22,15 @@ class LsdStart {
 
   /// The next frame without a map. Once a new submap has begun: the frame's pose relative to its first keyframe. The
   /// search remembers the last frame that was tracked.
-  std::optional<SE3> take(LsdFrame frame, LsdMapping& mapping, PoseSearch& search, SlamUpdate& update);
+  std::optional<SE3> take(const LsdFrame& frame, LsdMapping& mapping, PoseSearch& search, SlamUpdate& update);
   /// The camera was found elsewhere.
   void reset() { two_views_.reset(); }
 
  private:
-  std::optional<SE3> from_two_views(LsdFrame frame, LsdMapping& mapping, PoseSearch& search, SlamUpdate& update);
+  std::optional<SE3> from_two_views(const LsdFrame& frame, LsdMapping& mapping, PoseSearch& search, SlamUpdate& update);
   std::optional<SE3> from_sensor(const LsdFrame& frame, LsdMapping& mapping, PoseSearch& search, SlamUpdate& update);
-  SE3 from_one_frame(const LsdFrame& frame, CurrentKeyframe first, LsdMapping& mapping, PoseSearch& search,
-                     SlamUpdate& update) const;
+  static SE3 from_one_frame(const LsdFrame& frame, KeyframeDepths first, LsdMapping& mapping, PoseSearch& search,
+                            SlamUpdate& update);
   SE3 follow_kept_frames(std::size_t first, LsdMapping& mapping, PoseSearch& search);
   std::optional<SE3> follow_kept(std::size_t k, const SE3& guess, LsdMapping& mapping, PoseSearch& search,
                                  bool is_before, std::vector<PlacedFrame>& placed) const;
@@ -38,7 +38,6 @@ class LsdStart {
   const LsdOptions& options_;
   const LsdSensor& sensor_;
   const LsdFrameMaker& frames_;
-  TaskPool* pool_;
   TwoViewStart two_views_;
 };
 

@@ -228,6 +228,16 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
              0,
              10,
              {}});
+  table.add(
+      {"backend_delay_frames",
+       &o.backend_delay_frames,
+       "",
+       "pipeline latency: the depths that a frame improved are used from this many frames later on, a new keyframe "
+       "from the next one; 1: depths too, and tracking and mapping wait for each other. 1 and 2 are equally exact, "
+       "3 and 4 are not",
+       1,
+       1000,
+       {}});
 }
 
 void add_constraint_options(OptionTable& table, LsdOptions& o) {
