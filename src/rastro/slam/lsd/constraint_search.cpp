@@ -95,7 +95,7 @@ bool ConstraintSearch::shows_the_same(const Prepared& b, const Prepared& a, cons
 
 /// Another house with windows like these lets most pixels fit too, but not nearly all.
 bool ConstraintSearch::fits(const SimilarityAlignment& alignment, ConstraintKind kind) const {
-  const double least = kind == ConstraintKind::proximity ? options_.trusted_share : options_.loop_share;
+  const double least = kind == ConstraintKind::proximity ? 0.0 : options_.loop_share;
   return alignment.ok() && alignment.inlier_share >= least && alignment.information.determinant() > 0.0;
 }
 

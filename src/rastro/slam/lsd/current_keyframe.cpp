@@ -12,8 +12,12 @@ ImageAlignment CurrentKeyframe::track(const Pyramid& image, const SE3& image_fro
 
 bool CurrentKeyframe::is_left_by(const ImageAlignment& tracked) const {
   const double distance = tracked.image_from_reference.inverse().translation().norm();
+  // Depths are shown once two frames saw them: a keyframe that ends before that has fewer than the one before it.
+  const bool is_new = frames_ < options_->keyframe_frames;
+  const double overlap =
+      is_new ? 0.5 * (options_->keyframe_overlap + options_->min_overlap) : options_->keyframe_overlap;
   return tracked.rms < options_->keyframe_residual &&
-         (distance * mean_inverse_depth_ > options_->keyframe_distance || tracked.overlap < options_->keyframe_overlap);
+         (distance * mean_inverse_depth_ > options_->keyframe_distance || tracked.overlap < overlap);
 }
 
 }  // namespace rastro

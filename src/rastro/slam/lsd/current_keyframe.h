@@ -15,13 +15,14 @@ class CurrentKeyframe {
  public:
   /// `options` and `pool` outlive this.
   CurrentKeyframe(const LsdOptions& options, TaskPool* pool, std::int64_t id, std::shared_ptr<const Pyramid> pyramid,
-                  std::shared_ptr<const AlignmentReference> reference, double mean_inverse_depth)
+                  std::shared_ptr<const AlignmentReference> reference, double mean_inverse_depth, int frames)
       : options_(&options),
         pool_(pool),
         id_(id),
         pyramid_(std::move(pyramid)),
         reference_(std::move(reference)),
-        mean_inverse_depth_(mean_inverse_depth) {}
+        mean_inverse_depth_(mean_inverse_depth),
+        frames_(frames) {}
 
   ImageAlignment track(const Pyramid& image, const SE3& image_from_keyframe) const;
   /// Engel et al. 2013, section 2.3: whether a frame is too far away, in mean inverse depths, or sees too much else.
@@ -39,6 +40,7 @@ class CurrentKeyframe {
   std::shared_ptr<const Pyramid> pyramid_;
   std::shared_ptr<const AlignmentReference> reference_;
   double mean_inverse_depth_;
+  int frames_;  ///< That improved its depths.
 };
 
 }  // namespace rastro

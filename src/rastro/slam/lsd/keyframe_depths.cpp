@@ -48,6 +48,7 @@ void KeyframeDepths::begin(std::int64_t id, const LsdFrame& frame, const SE3& de
   const int levels = std::min(options_.levels, pyramid_->levels());
   pixels_ = alignment_pixels(*pyramid_, levels, AlignmentReferenceOptions().min_gradient);
   coarse_depth_.resize(pixels_.size() - 1);
+  frames_ = 0;
   measure(frame, depth_from_color);
   update_reference();
 }
@@ -79,16 +80,41 @@ void KeyframeDepths::update_reference() {
 void KeyframeDepths::refine(const LsdFrame& frame, const ImageAlignment& tracked) {
   depth_.observe(frame.image.view(), tracked.image_from_reference, tracked.gain, tracked.offset, pools_.mapping,
                  frame.mask.view());
+  ++frames_;
+  remember({frame.image, frame.mask, tracked.image_from_reference, tracked.gain, tracked.offset});
   update_reference();
 }
 
-Sim3 KeyframeDepths::change_to(std::int64_t id, const LsdFrame& frame, const SE3& new_from_keyframe,
+void KeyframeDepths::remember(View view) {
+  recent_.push_back(std::move(view));
+  if (recent_.size() > static_cast<std::size_t>(options_.earlier_frames)) recent_.erase(recent_.begin());
+}
+
+/// What came into view since the last keyframe was seen by the frames right before.
+void KeyframeDepths::observe_earlier(const ImageAlignment& tracked, double unit) {
+  const SE3 keyframe_from_new = tracked.image_from_reference.inverse();
+  std::vector<View> earlier;
+  earlier.swap(recent_);
+  for (View& view : earlier) {
+    const SE3 view_from_new = view.camera_from_keyframe * keyframe_from_new;
+    const SE3 in_new_unit(view_from_new.rotation(), view_from_new.translation() / unit);
+    const double gain = view.gain / tracked.gain;
+    const double offset = view.offset - gain * tracked.offset;
+    depth_.observe(view.image.view(), in_new_unit, gain, offset, pools_.mapping, view.mask.view());
+    remember({std::move(view.image), std::move(view.mask), in_new_unit, gain, offset});
+  }
+}
+
+Sim3 KeyframeDepths::change_to(std::int64_t id, const LsdFrame& frame, const ImageAlignment& tracked,
                                const SE3& depth_from_color) {
+  const SE3& new_from_keyframe = tracked.image_from_reference;
   depth_ = depth_.propagate(frame.image.view(), new_from_keyframe, frame.mask.view());
   const double mean = depth_.mean();
   const double unit = mean > 0.0 && !sensor_.is_metric() ? 1.0 / mean : 1.0;
   depth_.rescale(unit);
   if (mean > 0.0) depth_.expect(unit * mean);
+  observe_earlier(tracked, unit);
+  remember({frame.image, frame.mask, SE3(), 1.0, 0.0});
   begin(id, frame, depth_from_color);
   return Sim3(new_from_keyframe.inverse()) * Sim3(unit, SO3(), Eigen::Vector3d::Zero());
 }

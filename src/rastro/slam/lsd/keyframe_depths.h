@@ -36,18 +36,26 @@ class KeyframeDepths {
   /// The frame becomes the keyframe, with the depths of this one propagated. Returns keyframe_from_new: its scale is
   /// the new unit in that of the keyframe before; 1 where depth is metric. `depth_from_color`: motion of the camera
   /// from the instant of the image to that of a depth camera's depth.
-  Sim3 change_to(std::int64_t id, const LsdFrame& frame, const SE3& new_from_keyframe, const SE3& depth_from_color);
+  Sim3 change_to(std::int64_t id, const LsdFrame& frame, const ImageAlignment& tracked, const SE3& depth_from_color);
 
   std::int64_t id() const { return id_; }
   double mean_inverse_depth() const { return mean_inverse_depth_; }
   int pixels() const { return reference_->level(0).count; }  ///< With a depth.
   /// As the depths are now.
   CurrentKeyframe current() const {
-    return {options_, pools_.tracking, id_, pyramid_, reference_, mean_inverse_depth_};
+    return {options_, pools_.tracking, id_, pyramid_, reference_, mean_inverse_depth_, frames_};
   }
   std::shared_ptr<const SemiDenseKeyframe> published() const;
 
  private:
+  /// An earlier image with its pose, and its intensities relative to those of the keyframe.
+  struct View {
+    GrayImage image, mask;
+    SE3 camera_from_keyframe;
+    double gain = 1.0, offset = 0.0;
+  };
+  void remember(View view);
+  void observe_earlier(const ImageAlignment& tracked, double unit);
   void begin(std::int64_t id, const LsdFrame& frame, const SE3& depth_from_color);
   void measure(const LsdFrame& frame, const SE3& depth_from_color);
   void update_reference();
@@ -65,6 +73,8 @@ class KeyframeDepths {
   std::vector<InverseDepthMap> coarse_depth_;  ///< Of the levels after the finest.
   std::shared_ptr<const AlignmentReference> reference_;
   double mean_inverse_depth_ = 1.0;
+  int frames_ = 0;            ///< That refined it.
+  std::vector<View> recent_;  ///< The last ones, in order.
 };
 
 }  // namespace rastro

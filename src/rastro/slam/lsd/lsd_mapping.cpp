@@ -82,8 +82,7 @@ Sim3 LsdMapping::change_keyframe(const MappingInput& input, SlamUpdate& update) 
   finish_keyframe(update);
   Stopwatch stage;
   const std::int64_t before = depths_->id(), id = graph_.size();
-  const SE3& new_from_before = input.tracked.image_from_reference;
-  const Sim3 before_from_new = depths_->change_to(id, *input.frame, new_from_before, input.depth_from_color);
+  const Sim3 before_from_new = depths_->change_to(id, *input.frame, input.tracked, input.depth_from_color);
   change_ = {before, before_from_new, input.tracked.gain, input.tracked.offset};
   graph_.add(depths_->published(), graph_.pose(before) * before_from_new, graph_.submap(before));
   graph_.add_edge(edge_to_new(before, id, before_from_new, depths_->mean_inverse_depth(), input.tracked));

@@ -17,15 +17,6 @@
 #include "rastro/slam/lsd/pose_search.h"
 
 namespace rastro {
-namespace {
-
-LsdOptions options_for(LsdOptions options, const LsdSensor& sensor) {
-  if (sensor.is_metric()) options.trusted_share = options.trusted_share_depth;
-  return options;
-}
-
-}  // namespace
-
 class LsdSlam::State {
  public:
   State(const LsdOptions& options, const LsdSensor& sensor, const SlamContext& context);
@@ -61,7 +52,7 @@ class LsdSlam::State {
 };
 
 LsdSlam::State::State(const LsdOptions& options, const LsdSensor& sensor, const SlamContext& context)
-    : options_(options_for(options, sensor)),
+    : options_(options),
       sensor_(sensor),
       frames_(sensor, options.levels, context.pool),
       check_(options.frame_check),

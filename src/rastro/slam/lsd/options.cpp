@@ -88,22 +88,6 @@ void add_belief_options(OptionTable& table, LsdOptions& o) {
        1,
        {}});
   table.add(
-      {"trusted_share",
-       &o.trusted_share,
-       "",
-       "share of the compared pixels that must fit within three standard deviations, else the frame is weak; right "
-       "poses of sharp images have 0.8 and more",
-       0,
-       1,
-       {}});
-  table.add({"trusted_share_depth",
-             &o.trusted_share_depth,
-             "",
-             "the same with a pair or a depth camera, whose depths no doubtful pose can spoil",
-             0,
-             1,
-             {}});
-  table.add(
       {"trusted_regions",
        &o.trusted_regions,
        "",
@@ -227,6 +211,22 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
              "rms residual above which a frame becomes no keyframe and does not improve depths",
              0,
              100,
+             {}});
+  table.add({"keyframe_frames",
+             &o.keyframe_frames,
+             "frames",
+             "that must have improved a keyframe before one follows it as soon as keyframe_overlap is reached; before, "
+             "halfway between that and min_overlap: depths are shown after two",
+             0,
+             100,
+             {}});
+  table.add({"earlier_frames",
+             &o.earlier_frames,
+             "frames",
+             "right before a keyframe that give depths to it at once: what came into view since the last keyframe has "
+             "none otherwise",
+             0,
+             10,
              {}});
   table.add(
       {"backend_delay_frames",
