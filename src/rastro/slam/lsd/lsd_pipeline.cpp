@@ -63,6 +63,7 @@ void LsdPipeline::place_waiting() {
 void LsdPipeline::take(Result result, LsdMotion& motion, SlamUpdate& update) {
   if (result.before_from_new) {
     motion.change_keyframe(*result.before_from_new);
+    frames_on_current_ = 0;
     is_changing_ = false;
     const Eigen::Vector3d position = result.current.world_from_keyframe.translation();
     if (result.covariance) uncertainty_.set(result.current.keyframe.id(), position, *result.covariance);
@@ -76,6 +77,7 @@ void LsdPipeline::take(Result result, LsdMotion& motion, SlamUpdate& update) {
 void LsdPipeline::on_change(bool is_new) {
   current_.emplace(mapping_.current());
   memory_ = mapping_.memory();
+  frames_on_current_ = 0;
   if (is_new) uncertainty_.set_known(current().id(), Eigen::Vector3d::Zero());
 }
 
@@ -92,7 +94,11 @@ void LsdPipeline::map(std::shared_ptr<const LsdFrame> frame, const ImageAlignmen
     input.depth_from_color = motion.within(input.frame->depth_stamp - input.frame->stamp);
     is_changing_ = true;
   }
+  // Frames tracked on the keyframe before are farther from it: on the kitchen, a later change costs a quarter more
+  // error. In fast turns, its first depths are all that the next frame has.
+  constexpr std::int64_t next_frame = 1;
   const bool is_keyframe = input.use == MappingInput::Use::keyframe;
+  const bool is_new = frames_on_current_++ < options_.backend_direct_frames;
   const auto job = [this, input = std::move(input), waiting = std::exchange(waiting_, {}),
                     covariance = update.covariance] {
     for (const PlacedFrame& earlier : waiting) mapping_.add_frame(earlier);
@@ -101,10 +107,7 @@ void LsdPipeline::map(std::shared_ptr<const LsdFrame> frame, const ImageAlignmen
     return Result{mapping_.current(), before_from_new,        covariance,
                   mapping_.memory(),  std::move(said.events), std::move(said.times)};
   };
-  // Frames tracked on the keyframe before are farther from it: on the kitchen, a later change costs a quarter more
-  // error.
-  constexpr std::int64_t of_keyframe = 1;
-  pipeline_.submit(job, now_, {is_keyframe ? of_keyframe : options_.backend_delay_frames});
+  pipeline_.submit(job, now_, {is_keyframe || is_new ? next_frame : options_.backend_delay_frames});
 }
 
 SE3 LsdPipeline::pose_of(const SE3& camera_from_keyframe) const {

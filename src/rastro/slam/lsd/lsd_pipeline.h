@@ -65,6 +65,7 @@ class LsdPipeline {
   std::optional<MappedKeyframe> current_;
   PoseUncertainty uncertainty_;
   MapMemory memory_;
+  int frames_on_current_ = 0;
   bool is_changing_ = false;          ///< The job of a keyframe is in flight.
   std::vector<PlacedFrame> waiting_;  ///< Of a live run, whose jobs were dropped.
   FrameTime now_;

@@ -233,7 +233,8 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
        &o.backend_delay_frames,
        "",
        "pipeline latency: the depths that a frame improved are used from this many frames later on, a new keyframe "
-       "from the next one; 1: depths too, and tracking and mapping wait for each other. 1 and 2 are equally exact, "
+       "from the next one; 1: depths too, and tracking and mapping wait for each other. 1 and 2 are about equally "
+       "exact, "
        "3 and 4 are not",
        1,
        1000,
@@ -249,6 +250,15 @@ void add_constraint_options(OptionTable& table, LsdOptions& o) {
              0,
              100,
              {}});
+  table.add(
+      {"backend_direct_frames",
+       &o.backend_direct_frames,
+       "",
+       "first frames on a keyframe whose depths are used from the next frame on: in fast turns hardly anything else "
+       "is known",
+       0,
+       1000,
+       {}});
   table.add({"max_reciprocal_error",
              &o.max_reciprocal_error,
              "squared sigmas",

@@ -59,6 +59,7 @@ struct LsdOptions {
   int keyframe_frames = 2;
   int earlier_frames = 2;
   int backend_delay_frames = 2;
+  int backend_direct_frames = 2;
 
   // Constraints.
   int near_keyframes = 4;
