@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 
 namespace rastro {
 namespace {
@@ -42,6 +43,18 @@ std::optional<StereoPair> stereo_pair(const SourceInfo& source) {
   if (!made) return std::nullopt;
   const auto rectification = std::make_shared<const StereoRectification>(std::move(*made));
   return StereoPair{rectification->camera, rectification->baseline, rectification};
+}
+
+std::optional<StereoPair> choose_stereo_pair(const SourceInfo& source, bool is_required) {
+  auto pair = stereo_pair(source);
+  if (pair) return pair;
+  const char* why =
+      has_calibrated_pair(source)
+          ? "has stereo images of cameras that are not side by side, or whose sizes are not in the calibration"
+          : "has stereo images without calibration of both cameras and their baseline";
+  if (is_required) throw Error(why, source.path, "give --calibration FILE, or --sensor mono");
+  log_warning(source.path + " " + why + ": only the left camera is used");
+  return std::nullopt;
 }
 
 FrameRectifier::FrameRectifier(std::shared_ptr<const StereoRectification> rectification, TaskPool* pool)

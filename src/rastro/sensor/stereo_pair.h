@@ -25,6 +25,8 @@ struct StereoPair {
 bool has_calibrated_pair(const SourceInfo& source);
 /// Rectified where it has to be; nullopt without calibration, or for cameras that are not side by side.
 std::optional<StereoPair> stereo_pair(const SourceInfo& source);
+/// As stereo_pair; where there is none, Error if `is_required`, else a warning that only the left camera is used.
+std::optional<StereoPair> choose_stereo_pair(const SourceInfo& source, bool is_required);
 
 /// Rectifies the frames of a stereo pair.
 class FrameRectifier {

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "rastro/base/error.h"
+#include "rastro/base/log.h"
 
 namespace rastro {
 namespace {
@@ -132,6 +135,22 @@ TEST(FrameRectifier, ImagesOfAnotherSizeThanTheCalibrationAreRefused) {
   EXPECT_TRUE(rectifier.rectified(frame).right.empty());
   frame.image = plain_image(161, 120);
   EXPECT_THROW(rectifier.rectified(frame), Error);
+}
+
+TEST(StereoPair, WithoutAPairAWarningOrAnError) {
+  SourceInfo source = pair_of({SO3(), {0.0, 0.0, baseline}});
+  source.path = "walk";
+  std::vector<std::string> said;
+  set_log_sink([&](LogLevel, const std::string& line) { said.push_back(line); });
+  EXPECT_FALSE(choose_stereo_pair(source, false));
+  source.left_from_right.reset();
+  EXPECT_FALSE(choose_stereo_pair(source, false));
+  set_log_sink({});
+  ASSERT_EQ(said.size(), 2);
+  EXPECT_NE(said[0].find("walk has stereo images of cameras that are not side by side"), std::string::npos);
+  EXPECT_NE(said[1].find("without calibration"), std::string::npos);
+  EXPECT_THROW(choose_stereo_pair(source, true), Error);
+  EXPECT_TRUE(choose_stereo_pair(pair_of(side_by_side()), true));
 }
 
 TEST(FrameRectifier, TheMaskOfTheRecordingAndTheBorderAreMasked) {

@@ -16,17 +16,32 @@ constexpr std::int64_t consecutive = 10;  // keyframes between which nothing has
 }  // namespace
 
 std::vector<Constraint> ConstraintSearch::find(std::int64_t id, const BagOfWords& words) {
-  std::vector<Constraint> found;
+  std::vector<Candidate> candidates;
   const auto is_earlier = [id](std::int64_t other) { return other < id; };
   std::vector<std::int64_t> near = graph_.near(id, options_.near_keyframes, is_earlier);
-  for (const std::int64_t other : near)
-    if (const auto edge = align(other, id, graph_.pose(other).inverse() * graph_.pose(id))) found.push_back(*edge);
+  for (const std::int64_t other : near) candidates.push_back({other, graph_.pose(other).inverse() * graph_.pose(id)});
   const auto is_elsewhere = [&](std::int64_t other) {
     return std::abs(other - id) > consecutive && std::find(near.begin(), near.end(), other) == near.end();
   };
   // Where drift or another submap says nothing of the relative pose, what looks alike is seen from nearby.
   for (const std::int64_t other : graph_.similar(words, options_.similar_keyframes, is_elsewhere))
-    if (const auto edge = align(other, id, Sim3())) found.push_back(*edge);
+    candidates.push_back({other, Sim3()});
+  return align_all(candidates, id);
+}
+
+/// In the order of the candidates, for any number of threads.
+std::vector<Constraint> ConstraintSearch::align_all(const std::vector<Candidate>& candidates, std::int64_t id) {
+  std::vector<std::optional<Constraint>> aligned(candidates.size());
+  const auto align_some = [&](int begin, int end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      aligned[i] = align(candidates[i].id, id, candidates[i].other_from_id);
+  };
+  const auto count = static_cast<int>(candidates.size());
+  if (count > 0) prepared(id);  // once, for all
+  pool_ ? pool_->for_chunks(0, count, 1, align_some) : align_some(0, count);
+  std::vector<Constraint> found;
+  for (const auto& edge : aligned)
+    if (edge) found.push_back(*edge);
   return found;
 }
 
@@ -80,7 +95,7 @@ bool ConstraintSearch::shows_the_same(const Prepared& b, const Prepared& a, cons
 
 /// Another house with windows like these lets most pixels fit too, but not nearly all.
 bool ConstraintSearch::fits(const SimilarityAlignment& alignment, ConstraintKind kind) const {
-  const double least = kind == ConstraintKind::proximity ? options_.trusted_share : options_.loop_share;
+  const double least = kind == ConstraintKind::proximity ? 0.0 : options_.loop_share;
   return alignment.ok() && alignment.inlier_share >= least && alignment.information.determinant() > 0.0;
 }
 

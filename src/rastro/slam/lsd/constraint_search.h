@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rastro/backend/rgbd/recent_items.h"
+#include "rastro/base/task_pool.h"
 #include "rastro/map/graph/constraint.h"
 #include "rastro/place/vocabulary.h"
 #include "rastro/slam/lsd/lsd_sensor.h"
@@ -21,8 +22,8 @@ namespace rastro {
 class ConstraintSearch {
  public:
   /// All outlive this.
-  ConstraintSearch(const LsdOptions& options, const LsdSensor& sensor, const SemiDenseGraph& graph)
-      : options_(options), sensor_(sensor), graph_(graph) {}
+  ConstraintSearch(const LsdOptions& options, const LsdSensor& sensor, const SemiDenseGraph& graph, TaskPool* pool)
+      : options_(options), sensor_(sensor), graph_(graph), pool_(pool) {}
 
   std::vector<Constraint> find(std::int64_t id, const BagOfWords& words);
 
@@ -31,6 +32,11 @@ class ConstraintSearch {
     Pyramid pyramid;
     AlignmentReference reference;
   };
+  struct Candidate {
+    std::int64_t id;
+    Sim3 other_from_id;  ///< A guess.
+  };
+  std::vector<Constraint> align_all(const std::vector<Candidate>& candidates, std::int64_t id);
   std::shared_ptr<const Prepared> prepared(std::int64_t id);
   std::optional<Constraint> align(std::int64_t other, std::int64_t id, const Sim3& other_from_id);
   SimilarityAlignment align_to(const Prepared& b, const Prepared& a, const Sim3& b_from_a) const;
@@ -41,6 +47,7 @@ class ConstraintSearch {
   const LsdOptions& options_;
   const LsdSensor& sensor_;
   const SemiDenseGraph& graph_;
+  TaskPool* pool_;
   RecentItems<Prepared> recent_{16};
 };
 

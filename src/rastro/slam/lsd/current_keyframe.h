@@ -5,55 +5,42 @@
 #include <memory>
 
 #include "rastro/base/task_pool.h"
-#include "rastro/slam/lsd/depth/depth_map.h"
-#include "rastro/slam/lsd/lsd_frame.h"
-#include "rastro/slam/lsd/lsd_sensor.h"
 #include "rastro/slam/lsd/options.h"
-#include "rastro/slam/lsd/semi_dense_graph.h"
 #include "rastro/slam/lsd/tracking/image_alignment.h"
 
 namespace rastro {
 
-/// The newest keyframe: frames are tracked on its depths, and improve them.
+/// What frames are tracked on: a keyframe as its depths were at one instant. Never changes; copies are cheap.
 class CurrentKeyframe {
  public:
-  /// The depths given; else those that the sensor measures, or random ones of one camera. `options` and `sensor`
-  /// outlive this.
-  CurrentKeyframe(const LsdOptions& options, const LsdSensor& sensor, TaskPool* pool, std::int64_t id,
-                  const LsdFrame& frame, const InverseDepthMap* depth);
+  /// `options` and `pool` outlive this.
+  CurrentKeyframe(const LsdOptions& options, TaskPool* pool, std::int64_t id, std::shared_ptr<const Pyramid> pyramid,
+                  std::shared_ptr<const AlignmentReference> reference, double mean_inverse_depth, int frames)
+      : options_(&options),
+        pool_(pool),
+        id_(id),
+        pyramid_(std::move(pyramid)),
+        reference_(std::move(reference)),
+        mean_inverse_depth_(mean_inverse_depth),
+        frames_(frames) {}
 
   ImageAlignment track(const Pyramid& image, const SE3& image_from_keyframe) const;
-  /// Small-baseline stereo with a frame that was tracked.
-  void refine(const LsdFrame& frame, const ImageAlignment& tracked);
-  /// The frame becomes the keyframe, with the depths of this one propagated. Returns keyframe_from_new: its scale is
-  /// the new unit in that of the keyframe before; 1 where depth is metric. `depth_from_color`: motion of the camera
-  /// from the instant of the image to that of a depth camera's depth.
-  Sim3 change_to(std::int64_t id, const LsdFrame& frame, const SE3& new_from_keyframe, const SE3& depth_from_color);
+  /// Engel et al. 2013, section 2.3: whether a frame is too far away, in mean inverse depths, or sees too much else.
+  bool is_left_by(const ImageAlignment& tracked) const;
 
   std::int64_t id() const { return id_; }
-  const Pyramid& pyramid() const { return pyramid_; }
+  const Pyramid& pyramid() const { return *pyramid_; }
   double mean_inverse_depth() const { return mean_inverse_depth_; }
-  int frames() const { return frames_; }  ///< That refined it.
-  int pixels() const;                     ///< With a depth.
-  std::shared_ptr<const SemiDenseKeyframe> published() const;
+  int pixels() const { return reference_->level(0).count; }  ///< With a depth.
 
  private:
-  void begin(std::int64_t id, const LsdFrame& frame, const SE3& depth_from_color);
-  void measure(const LsdFrame& frame, const SE3& depth_from_color);
-  void update_reference();
-
-  const LsdOptions& options_;
-  const LsdSensor& sensor_;
+  const LsdOptions* options_;
   TaskPool* pool_;
-  std::int64_t id_ = 0;
-  std::int64_t frame_ = 0;
-  TimeNs stamp_ = 0;
-  GrayImage image_, mask_;
-  Pyramid pyramid_;
-  DepthMap depth_;
-  AlignmentReference reference_;
-  double mean_inverse_depth_ = 1.0;
-  int frames_ = 0;
+  std::int64_t id_;
+  std::shared_ptr<const Pyramid> pyramid_;
+  std::shared_ptr<const AlignmentReference> reference_;
+  double mean_inverse_depth_;
+  int frames_;  ///< That improved its depths.
 };
 
 }  // namespace rastro

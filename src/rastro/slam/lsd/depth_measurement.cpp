@@ -65,6 +65,14 @@ DepthCameraMeasurement::DepthCameraMeasurement(const DepthImage& depth, const SE
   reading_.max_depth_m = options.max_depth_m;
 }
 
+void DepthCameraMeasurement::find(const EpipolarQueries& queries, EpipolarMatches& matches) const {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(queries.count); ++i) {
+    const EpipolarMatch found = find(static_cast<int>(queries.x[i]), static_cast<int>(queries.y[i]));
+    matches.result[i] = static_cast<int>(found.result);
+    matches.mean[i] = found.mean, matches.variance[i] = found.variance;
+  }
+}
+
 EpipolarMatch DepthCameraMeasurement::find(int x, int y) const {
   const Camera& camera = sensor_.camera;
   const Eigen::Vector2d ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy);

@@ -14,7 +14,7 @@ class StereoMeasurement {
   /// A frame with a right image. `frame` outlives this.
   StereoMeasurement(const LsdFrame& frame, const LsdSensor& sensor, const LsdOptions& options,
                     const EpipolarSearchOptions& search, TaskPool* pool);
-  EpipolarMatch find(int x, int y, const DepthPrior& prior) const { return stereo_.find(x, y, prior); }
+  void find(const EpipolarQueries& queries, EpipolarMatches& matches) const { stereo_.find(queries, matches); }
 
  private:
   Pyramid right_;
@@ -28,6 +28,7 @@ class DepthCameraMeasurement {
   /// outlive this.
   DepthCameraMeasurement(const DepthImage& depth, const SE3& depth_from_color, const LsdSensor& sensor,
                          const LsdOptions& options);
+  void find(const EpipolarQueries& queries, EpipolarMatches& matches) const;
   EpipolarMatch find(int x, int y) const;
 
  private:

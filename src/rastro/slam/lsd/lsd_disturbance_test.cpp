@@ -126,6 +126,33 @@ TEST(LsdDisturbance, AfterAnAbruptRotationBySixtyDegreesItIsBack) {
   EXPECT_LT(largest_error(run), 0.03);
 }
 
+/// Largest error of the rotation since frame `first`, in degrees.
+double largest_rotation_error_deg(const DisturbedRun& run, int first, const std::function<SE3(int)>& pose) {
+  SO3 estimated_start;
+  double largest = 0.0;
+  for (const StampedPose& stamped : run.trajectory) {
+    const int k = static_cast<int>(std::lround(1e-9 * rate_hz * static_cast<double>(stamped.stamp)));
+    const SO3& estimated = stamped.world_from_body.rotation();
+    if (k == first) estimated_start = estimated;
+    const SO3 real = pose(first).rotation().inverse() * pose(k).rotation();
+    if (k >= first) largest = std::max(largest, (real.inverse() * estimated_start.inverse() * estimated).log().norm());
+  }
+  return largest * 57.3;
+}
+
+TEST(LsdDisturbance, DepthsArisePromptlyWhereAWalkTurns) {
+  // By 52 degrees, with a new keyframe after every few frames: each begins with less in view than the one before unless
+  // the frames right before it give depths to what came into view.
+  testing::AlignmentRoom room;
+  const auto pose = [](int k) {
+    const double yaw = 0.03 * std::clamp(k - 40, 0, 30);
+    return walk(k) * SE3(SO3::exp({0.0, yaw, 0.0}), Eigen::Vector3d::Zero());
+  };
+  const DisturbedRun run = run_with([&](int k) { return room.render(pose(k)).gray; });
+  EXPECT_EQ(run.count(SlamState::lost, 40, frames), 0);
+  EXPECT_LT(largest_rotation_error_deg(run, 40, pose), 2.0);
+}
+
 TEST(LsdDisturbance, WhatHidesMostOfTheViewIsNotFollowed) {
   // A poster comes down in front of the lens, over two thirds of the image.
   // Upside down, so that it is no view of the room.

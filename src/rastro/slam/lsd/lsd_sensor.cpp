@@ -13,19 +13,12 @@ namespace {
 /// Both cameras; with `auto` only the left one where they cannot be used as a pair.
 LsdSensor pair_or_left(const LsdOptions& options, const SourceInfo& source) {
   LsdSensor sensor = single_camera(*source.cameras.front().camera);
-  if (const auto pair = stereo_pair(source)) {
-    sensor.kind = CameraKind::stereo;
-    sensor.camera = pair->camera;
-    sensor.baseline = pair->baseline;
-    sensor.rectification = pair->rectification;
-    return sensor;
-  }
-  const char* why =
-      has_calibrated_pair(source)
-          ? "has stereo images of cameras that are not side by side, or whose sizes are not in the calibration"
-          : "has stereo images without calibration of both cameras and their baseline";
-  if (options.sensor == "stereo") throw Error(why, source.path, "give --calibration FILE, or --sensor mono");
-  log_warning(fmt::format("{} {}: only the left camera is used", source.path, why));
+  const auto pair = choose_stereo_pair(source, options.sensor == "stereo");
+  if (!pair) return sensor;
+  sensor.kind = CameraKind::stereo;
+  sensor.camera = pair->camera;
+  sensor.baseline = pair->baseline;
+  sensor.rectification = pair->rectification;
   return sensor;
 }
 

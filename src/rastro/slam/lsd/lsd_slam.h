@@ -26,6 +26,7 @@ class LsdSlam : public Slam {
   std::shared_ptr<const Map> snapshot() const override;
   void reset() override;
   MapMemory map_memory() const override;
+  std::int64_t dropped_frames() const override;
 
  private:
   class State;

@@ -65,5 +65,26 @@ TEST(LsdSlam, APairGivesPosesInMetersWithTheirCovariance) {
   for (const Constraint& constraint : map->constraints) EXPECT_NEAR(constraint.from_from_to.scale(), 1.0, 1e-12);
 }
 
+/// Mapping beside tracking, or after it: its results are handed over at the same frames.
+TEST(LsdSlam, EqualBytesWithMappingInAThreadOfItsOwn) {
+  WalkWithPair walk;
+  TaskPool pool(3);
+  SlamContext beside;
+  beside.pool = &pool;
+  beside.pipelined = true;
+  LsdSlam in_steps({}, walk.sensor(), {}), pipelined({}, walk.sensor(), beside);
+  for (int k = 0; k < WalkWithPair::frames; ++k) {
+    const SlamUpdate a = walk.process(in_steps, k), b = walk.process(pipelined, k);
+    ASSERT_EQ(a.world_from_body.matrix(), b.world_from_body.matrix()) << k;
+    ASSERT_EQ(a.events.size(), b.events.size()) << k;
+  }
+  in_steps.finish();
+  pipelined.finish();
+  const Trajectory a = in_steps.trajectory(), b = pipelined.trajectory();
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k)
+    EXPECT_EQ(a[k].world_from_body.matrix(), b[k].world_from_body.matrix()) << k;
+}
+
 }  // namespace
 }  // namespace rastro

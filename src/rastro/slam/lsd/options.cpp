@@ -88,22 +88,6 @@ void add_belief_options(OptionTable& table, LsdOptions& o) {
        1,
        {}});
   table.add(
-      {"trusted_share",
-       &o.trusted_share,
-       "",
-       "share of the compared pixels that must fit within three standard deviations, else the frame is weak; right "
-       "poses of sharp images have 0.8 and more",
-       0,
-       1,
-       {}});
-  table.add({"trusted_share_depth",
-             &o.trusted_share_depth,
-             "",
-             "the same with a pair or a depth camera, whose depths no doubtful pose can spoil",
-             0,
-             1,
-             {}});
-  table.add(
       {"trusted_regions",
        &o.trusted_regions,
        "",
@@ -228,6 +212,33 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
              0,
              100,
              {}});
+  table.add({"keyframe_frames",
+             &o.keyframe_frames,
+             "frames",
+             "that must have improved a keyframe before one follows it as soon as keyframe_overlap is reached; before, "
+             "halfway between that and min_overlap: depths are shown after two",
+             0,
+             100,
+             {}});
+  table.add({"earlier_frames",
+             &o.earlier_frames,
+             "frames",
+             "right before a keyframe that give depths to it at once: what came into view since the last keyframe has "
+             "none otherwise",
+             0,
+             10,
+             {}});
+  table.add(
+      {"backend_delay_frames",
+       &o.backend_delay_frames,
+       "",
+       "pipeline latency: the depths that a frame improved are used from this many frames later on, a new keyframe "
+       "from the next one; 1: depths too, and tracking and mapping wait for each other. 1 and 2 are about equally "
+       "exact, "
+       "3 and 4 are not",
+       1,
+       1000,
+       {}});
 }
 
 void add_constraint_options(OptionTable& table, LsdOptions& o) {
@@ -239,6 +250,15 @@ void add_constraint_options(OptionTable& table, LsdOptions& o) {
              0,
              100,
              {}});
+  table.add(
+      {"backend_direct_frames",
+       &o.backend_direct_frames,
+       "",
+       "first frames on a keyframe whose depths are used from the next frame on: in fast turns hardly anything else "
+       "is known",
+       0,
+       1000,
+       {}});
   table.add({"max_reciprocal_error",
              &o.max_reciprocal_error,
              "squared sigmas",

@@ -35,8 +35,6 @@ struct LsdOptions {
 
   // What a pose is believed by.
   double trusted_alike = 0.5;
-  double trusted_share = 0.7;
-  double trusted_share_depth = 0.5;
   double trusted_regions = 0.75;
   double trusted_sigma = 0.03;
   double max_gain = 5.0;
@@ -58,6 +56,10 @@ struct LsdOptions {
   double keyframe_distance = 0.25;
   double keyframe_overlap = 0.85;
   double keyframe_residual = 5.0;
+  int keyframe_frames = 2;
+  int earlier_frames = 2;
+  int backend_delay_frames = 2;
+  int backend_direct_frames = 2;
 
   // Constraints.
   int near_keyframes = 4;

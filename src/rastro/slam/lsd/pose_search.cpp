@@ -2,6 +2,7 @@
 #include "rastro/slam/lsd/pose_search.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "rastro/slam/lsd/tracking/rotation_search.h"
 
@@ -11,6 +12,11 @@ namespace {
 bool is_better(const JudgedAlignment& a, const JudgedAlignment& b) {
   if (a.verdict.grade != b.verdict.grade) return a.verdict.grade > b.verdict.grade;
   return a.alignment.inlier_share > b.alignment.inlier_share;
+}
+
+/// To the last bit: an alignment that starts there ends at the same pose.
+bool is_same(const SE3& a, const SE3& b) {
+  return a.translation() == b.translation() && a.rotation().quaternion().coeffs() == b.rotation().quaternion().coeffs();
 }
 
 }  // namespace
@@ -43,7 +49,10 @@ JudgedAlignment PoseSearch::track(const CurrentKeyframe& keyframe, const Pyramid
     return tried;
   };
   JudgedAlignment best = try_from(going_on);
+  std::vector<SE3> tried{going_on};
   const auto improve_from = [&](const SE3& guess) {
+    if (std::any_of(tried.begin(), tried.end(), [&](const SE3& other) { return is_same(other, guess); })) return;
+    tried.push_back(guess);
     const JudgedAlignment other = try_from(guess);
     if (is_better(other, best)) best = other;
   };
@@ -61,7 +70,9 @@ JudgedAlignment PoseSearch::find(const CurrentKeyframe& keyframe, const Pyramid&
   };
   JudgedAlignment best = try_from(SE3());
   if (best.verdict.grade == PoseGrade::tracking) return best;
-  const JudgedAlignment rotated = try_from(rotation_between(small_of(keyframe.pyramid()), small_of(image)));
+  const SE3 rotation = rotation_between(small_of(keyframe.pyramid()), small_of(image));
+  if (is_same(rotation, SE3())) return best;
+  const JudgedAlignment rotated = try_from(rotation);
   return is_better(rotated, best) ? rotated : best;
 }
 

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/orb/sensor_choice.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "rastro/base/error.h"
-#include "rastro/base/log.h"
 #include "rastro/camera/rolling_shutter.h"
 #include "rastro/odometry/rgbd_tracking/depth_reading.h"
 #include "rastro/slam/orb/tracking/stereo_matching.h"
@@ -64,20 +61,12 @@ namespace {
 
 /// Chooses both cameras, rectified where they are not; with `auto` only the left one if they cannot be rectified.
 void choose_pair(const OrbSlamOptions& options, const SourceInfo& source, SensorChoice& choice) {
+  const auto pair = choose_stereo_pair(source, options.sensor == "stereo");
+  if (!pair) return;
   choice.sensor = CameraKind::stereo;
-  if (const auto pair = stereo_pair(source)) {
-    choice.rectification = pair->rectification;
-    choice.camera = pair->camera;
-    choice.baseline = pair->baseline;
-    return;
-  }
-  const char* why =
-      has_calibrated_pair(source)
-          ? "has stereo images of cameras that are not side by side, or whose sizes are not in the calibration"
-          : "has stereo images without calibration of both cameras and their baseline";
-  if (options.sensor == "stereo") throw Error(why, source.path, "give --calibration FILE, or --sensor mono");
-  log_warning(fmt::format("{} {}: only the left camera is used", source.path, why));
-  choice.sensor = CameraKind::mono;
+  choice.rectification = pair->rectification;
+  choice.camera = pair->camera;
+  choice.baseline = pair->baseline;
 }
 
 }  // namespace

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "rastro/slam/lsd/depth/depth_kernels.h"
+#include "rastro/slam/lsd/depth/gradient_mask.h"
 
 namespace rastro {
 namespace {
 
-constexpr int border = 4;  // pixels at the edge without room for samples
+constexpr int border = depth_border;
 constexpr int row_grain = 8;
 constexpr std::int8_t confirmed = -3;  // what was known before counts as seen so often
 
@@ -20,38 +21,6 @@ GrayImage copy_of(GrayView image) {
   GrayImage copy(image.width, image.height);
   for (int y = 0; y < image.height; ++y) std::copy(image.row(y), image.row(y) + image.width, copy.row(y));
   return copy;
-}
-
-float gradient_at(GrayView image, int x, int y) {
-  const auto dx = 0.5F * static_cast<float>(image.at(x + 1, y) - image.at(x - 1, y)),
-             dy = 0.5F * static_cast<float>(image.at(x, y + 1) - image.at(x, y - 1));
-  return dx * dx + dy * dy;
-}
-
-/// Pixels next to a strong gradient take part as well.
-/// Of a window of samples around the pixel.
-bool is_usable(GrayView mask, int x, int y) {
-  constexpr int reach = epipolar_samples / 2;
-  if (mask.empty()) return true;
-  for (int v = y - reach; v <= y + reach; ++v)
-    for (int u = x - reach; u <= x + reach; ++u)
-      if (mask.at(u, v) == 0) return false;
-  return true;
-}
-
-Image<std::uint8_t> gradient_mask(GrayView image, float least, GrayView usable) {
-  Image<std::uint8_t> strong(image.width, image.height), mask(image.width, image.height);
-  for (int y = border - 1; y < image.height - border + 1; ++y)
-    for (int x = border - 1; x < image.width - border + 1; ++x)
-      strong.at(x, y) = gradient_at(image, x, y) >= least * least ? 1 : 0;
-  for (int y = border; y < image.height - border; ++y)
-    for (int x = border; x < image.width - border; ++x)
-      mask.at(x, y) =
-          strong.at(x, y) | strong.at(x - 1, y) | strong.at(x + 1, y) | strong.at(x, y - 1) | strong.at(x, y + 1);
-  for (int y = border; y < image.height - border && !usable.empty(); ++y)
-    for (int x = border; x < image.width - border; ++x)
-      if (mask.at(x, y) != 0 && !is_usable(usable, x, y)) mask.at(x, y) = 0;
-  return mask;
 }
 
 void for_rows(int height, TaskPool* pool, const std::function<void(int begin, int end)>& rows) {
@@ -106,76 +75,102 @@ DepthUpdate DepthMap::observe(GrayView image, const SE3& image_from_keyframe, do
   ++observations_;
   EpipolarSearch search(image_.view(), image, camera_, image_from_keyframe, gain, offset, options_.search);
   search.leave_out(mask);
-  return for_pixels([&](int x, int y, DepthUpdate& update) { take(x, y, search.find(x, y, prior_of(x, y)), update); },
-                    pool);
+  return for_batches([&](const EpipolarQueries& queries, EpipolarMatches& matches) { search.find(queries, matches); },
+                     false, pool);
 }
 
-DepthUpdate DepthMap::measure(const DepthSensor& sensor, TaskPool* pool) {
-  constexpr std::int8_t seen = -1;  // the sensor confirms what it says itself
-  return for_pixels(
-      [&](int x, int y, DepthUpdate& update) {
-        const bool was_known = depth_.is_known(x, y);
-        DepthPrior prior = prior_of(x, y);
-        prior.worthwhile_variance = std::numeric_limits<double>::infinity();
-        take(x, y, sensor(x, y, prior), update);
-        if (!was_known && depth_.is_known(x, y)) failures_.at(x, y) = seen;
-      },
-      pool);
-}
+DepthUpdate DepthMap::measure(const DepthSearch& sensor, TaskPool* pool) { return for_batches(sensor, true, pool); }
 
-DepthUpdate DepthMap::for_pixels(const OfPixel& of_pixel, TaskPool* pool) const {
-  std::vector<DepthUpdate> of_rows(static_cast<std::size_t>(image_.height()));
+DepthUpdate DepthMap::for_batches(const DepthSearch& search, bool is_sensor, TaskPool* pool) {
+  std::vector<DepthUpdate> of_chunks(static_cast<std::size_t>(image_.height()));
   for_rows(image_.height(), pool, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y)
-      for (int x = border; x < image_.width() - border; ++x)
-        if (has_gradient_.at(x, y) != 0) of_pixel(x, y, of_rows[static_cast<std::size_t>(y)]);
+    of_chunks[static_cast<std::size_t>(begin)] = update_rows(begin, end, search, is_sensor);
   });
   DepthUpdate update;
-  for (const DepthUpdate& each : of_rows) update += each;
+  for (const DepthUpdate& each : of_chunks) update += each;
   return update;
 }
 
-void DepthMap::take(int x, int y, const EpipolarMatch& match, DepthUpdate& update) {
-  ++update.by_result[static_cast<std::size_t>(match.result)];
-  if (match.result == EpipolarResult::matched)
-    fuse(x, y, match, update);
-  else if (match.result == EpipolarResult::poor_match && depth_.is_known(x, y))
-    fail(x, y);
+DepthUpdate DepthMap::update_rows(int begin, int end, const DepthSearch& search, bool is_sensor) {
+  DepthUpdate update;
+  EpipolarQueries known, unknown;
+  known.known = true;
+  EpipolarMatches matches;
+  const auto flush = [&](EpipolarQueries& queries) {
+    search(queries, matches);
+    take(queries, matches, is_sensor, update);
+    queries.count = 0;
+  };
+  for (int y = begin; y < end; ++y) {
+    const std::uint8_t* has_gradient = has_gradient_.row(y);
+    for (int x = border; x < image_.width() - border; ++x) {
+      if (has_gradient[x] == 0) continue;
+      EpipolarQueries& queries = depth_.is_known(x, y) ? known : unknown;
+      add_query(x, y, is_sensor, queries);
+      if (queries.count == epipolar_batch) flush(queries);
+    }
+  }
+  flush(known);
+  flush(unknown);
+  return update;
 }
 
-DepthPrior DepthMap::prior_of(int x, int y) const {
-  if (!depth_.is_known(x, y)) return {0.0, expected_, expected_ * options_.search.max_inverse_depth};
-  const auto mean = static_cast<double>(depth_.mean.at(x, y)), variance = static_cast<double>(depth_.variance.at(x, y));
-  const double reach = 2.0 * std::sqrt(variance);
-  DepthPrior prior{std::max(0.0, mean - reach), mean, mean + reach, true};
+void DepthMap::add_query(int x, int y, bool is_sensor, EpipolarQueries& queries) const {
+  constexpr float infinite = std::numeric_limits<float>::infinity();
+  const auto i = static_cast<std::size_t>(queries.count++);
+  queries.x[i] = static_cast<float>(x), queries.y[i] = static_cast<float>(y);
+  queries.worthwhile_variance[i] = infinite;
+  if (!queries.known) {
+    const auto expected = static_cast<float>(expected_);
+    queries.least[i] = 0.0F, queries.expected[i] = expected;
+    queries.most[i] = expected * static_cast<float>(options_.search.max_inverse_depth);
+    return;
+  }
+  const float mean = depth_.mean.at(x, y), variance = depth_.variance.at(x, y), reach = 2.0F * std::sqrt(variance);
+  queries.least[i] = std::max(0.0F, mean - reach), queries.expected[i] = mean, queries.most[i] = mean + reach;
   // Beyond that, fuse() would leave the variance as it is: a part of the pixels in turn finds out what is wrong.
   constexpr int turns = 3;
-  if ((x + y + observations_) % turns != 0) prior.worthwhile_variance = variance / options_.common_share;
-  return prior;
+  if (!is_sensor && (x + y + observations_) % turns != 0)
+    queries.worthwhile_variance[i] = variance / static_cast<float>(options_.common_share);
+}
+
+void DepthMap::take(const EpipolarQueries& queries, const EpipolarMatches& matches, bool is_sensor,
+                    DepthUpdate& update) {
+  constexpr std::int8_t seen = -1;  // a sensor confirms what it says itself
+  for (std::size_t i = 0; i < static_cast<std::size_t>(queries.count); ++i) {
+    const int x = static_cast<int>(queries.x[i]), y = static_cast<int>(queries.y[i]);
+    const auto result = static_cast<EpipolarResult>(matches.result[i]);
+    ++update.by_result[static_cast<std::size_t>(result)];
+    if (result == EpipolarResult::matched)
+      fuse(x, y, matches.mean[i], matches.variance[i], update);
+    else if (result == EpipolarResult::poor_match && queries.known)
+      fail(x, y);
+    if (is_sensor && !queries.known && depth_.is_known(x, y)) failures_.at(x, y) = seen;
+  }
 }
 
 /// As in a Kalman filter (equations 14 and 15).
-void DepthMap::fuse(int x, int y, const EpipolarMatch& match, DepthUpdate& update) {
+void DepthMap::fuse(int x, int y, float found, float found_variance, DepthUpdate& update) {
   float &mean = depth_.mean.at(x, y), &variance = depth_.variance.at(x, y);
   if (!depth_.is_known(x, y)) {
-    const auto most = static_cast<float>(options_.max_relative_sigma) * match.mean;
-    if (match.variance > most * most || failures_.at(x, y) > 0) {
+    const auto most = static_cast<float>(options_.max_relative_sigma) * found;
+    if (found_variance > most * most || failures_.at(x, y) > 0) {
       failures_.at(x, y) = static_cast<std::int8_t>(std::max(0, failures_.at(x, y) - 1));
       return;
     }
-    mean = match.mean, variance = match.variance;
+    mean = found, variance = found_variance;
     ++update.created;
     return;
   }
   const float prior = static_cast<float>(options_.growth) * variance;
-  if (!agree(mean, match.mean, prior + match.variance, static_cast<float>(options_.max_sigmas))) {
+  if (!agree(mean, found, prior + found_variance, static_cast<float>(options_.max_sigmas))) {
     ++update.contradicted;
     return fail(x, y);
   }
-  mean = (match.variance * mean + prior * match.mean) / (prior + match.variance);
+  mean = (found_variance * mean + prior * found) / (prior + found_variance);
   // Frames at about the same place err alike: many of them tell little more than one.
-  const float fused = prior * match.variance / (prior + match.variance);
-  variance = std::max(fused, std::min(prior, static_cast<float>(options_.common_share) * match.variance));
+  const float fused = prior * found_variance / (prior + found_variance);
+  variance = std::max(fused, std::min(prior, static_cast<float>(options_.common_share) * found_variance));
   failures_.at(x, y) = static_cast<std::int8_t>(std::max(-10, failures_.at(x, y) - 1));
   ++update.updated;
 }
@@ -191,34 +186,43 @@ void DepthMap::forget(int x, int y) {
 }
 
 void DepthMap::regularize(TaskPool* pool) {
-  const InverseDepthMap before = depth_;
+  std::vector<std::vector<Filling>> of_chunks(static_cast<std::size_t>(image_.height()));
   for_rows(image_.height(), pool, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) fill_row(y, before);
+    for (int y = begin; y < end; ++y) find_fillings(y, of_chunks[static_cast<std::size_t>(begin)]);
   });
+  for (const std::vector<Filling>& fillings : of_chunks)
+    for (const Filling& filling : fillings) {
+      depth_.mean.at(filling.x, filling.y) = filling.mean;
+      depth_.variance.at(filling.x, filling.y) = filling.variance;
+    }
   for_rows(image_.height(), pool, [&](int begin, int end) {
     for (int y = begin; y < end; ++y) smooth_row(y);
   });
 }
 
 /// A hole with enough neighbors that agree gets their mean.
-void DepthMap::fill_row(int y, const InverseDepthMap& before) {
+void DepthMap::find_fillings(int y, std::vector<Filling>& fillings) const {
   constexpr int fewest = 6;
-  for (int x = border; x < image_.width() - border; ++x) {
-    if (has_gradient_.at(x, y) == 0 || before.is_known(x, y) || failures_.at(x, y) > 0) continue;
-    float sum = 0.0F, weights = 0.0F, squares = 0.0F;
-    int count = 0;
-    for (int v = y - 1; v <= y + 1; ++v)
-      for (int u = x - 1; u <= x + 1; ++u) {
-        if (!before.is_known(u, v)) continue;
-        const float weight = 1.0F / before.variance.at(u, v), mean = before.mean.at(u, v);
-        sum += weight * mean, weights += weight, squares += weight * mean * mean;
-        ++count;
-      }
-    if (count < fewest) continue;
-    const float mean = sum / weights, spread = std::max(0.0F, squares / weights - mean * mean);
-    depth_.mean.at(x, y) = mean;
-    depth_.variance.at(x, y) = 4.0F * (static_cast<float>(count) / weights + spread);
+  std::vector<int> holes(static_cast<std::size_t>(image_.width()));
+  const int count = depth_kernels().find_holes(depth_, y, border, image_.width() - border, fewest, holes.data());
+  for (int i = 0; i < count; ++i) {
+    const int x = holes[static_cast<std::size_t>(i)];
+    if (has_gradient_.at(x, y) != 0 && failures_.at(x, y) <= 0) fillings.push_back(mean_around(x, y));
   }
+}
+
+DepthMap::Filling DepthMap::mean_around(int x, int y) const {
+  float sum = 0.0F, weights = 0.0F, squares = 0.0F;
+  int count = 0;
+  for (int v = y - 1; v <= y + 1; ++v)
+    for (int u = x - 1; u <= x + 1; ++u) {
+      if (!depth_.is_known(u, v)) continue;
+      const float weight = 1.0F / depth_.variance.at(u, v), mean = depth_.mean.at(u, v);
+      sum += weight * mean, weights += weight, squares += weight * mean * mean;
+      ++count;
+    }
+  const float mean = sum / weights, spread = std::max(0.0F, squares / weights - mean * mean);
+  return {x, y, mean, 4.0F * (static_cast<float>(count) / weights + spread)};
 }
 
 /// A depth that was seen only once, or that no neighbor supports, is shown to nobody.
@@ -226,9 +230,12 @@ void DepthMap::smooth_row(int y) {
   const SmoothingOptions smoothing{.border = border, .fewest = options_.least_support};
   float *mean = smoothed_.mean.row(y), *variance = smoothed_.variance.row(y);
   depth_kernels().smooth_row(depth_, y, smoothing, mean);
+  const float* unsmoothed = depth_.variance.row(y);
+  const std::int8_t* failures = failures_.row(y);
   for (int x = border; x < image_.width() - border; ++x) {
-    if (failures_.at(x, y) >= 0) mean[x] = 0.0F;
-    variance[x] = mean[x] > 0.0F ? depth_.variance.at(x, y) : 0.0F;
+    const float shown = failures[x] < 0 ? mean[x] : 0.0F;
+    mean[x] = shown;
+    variance[x] = shown > 0.0F ? unsmoothed[x] : 0.0F;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "rastro/base/random.h"
 #include "rastro/base/task_pool.h"
@@ -52,10 +53,10 @@ class DepthMap {
   /// nothing; empty: all do.
   DepthUpdate observe(GrayView image, const SE3& image_from_keyframe, double gain, double offset,
                       TaskPool* pool = nullptr, GrayView mask = {});
-  /// What a sensor of its own measures at this very frame, with what is known of the pixel as prior: static stereo, or
-  /// a depth camera. Called by many threads at once.
-  using DepthSensor = std::function<EpipolarMatch(int x, int y, const DepthPrior& prior)>;
-  DepthUpdate measure(const DepthSensor& sensor, TaskPool* pool = nullptr);
+  /// Finds inverse depths of a batch of pixels; called by many threads at once.
+  using DepthSearch = std::function<void(const EpipolarQueries& queries, EpipolarMatches& matches)>;
+  /// What a sensor of its own measures at this very frame: static stereo, or a depth camera.
+  DepthUpdate measure(const DepthSearch& sensor, TaskPool* pool = nullptr);
   /// Fills holes, drops outliers and smooths what agrees with its neighbors (sections 2.4 to 2.6). Sets
   /// inverse_depth().
   void regularize(TaskPool* pool = nullptr);
@@ -71,14 +72,19 @@ class DepthMap {
   const InverseDepthMap& inverse_depth() const { return smoothed_; }
 
  private:
-  using OfPixel = std::function<void(int x, int y, DepthUpdate& update)>;
-  DepthUpdate for_pixels(const OfPixel& of_pixel, TaskPool* pool) const;
-  void take(int x, int y, const EpipolarMatch& match, DepthUpdate& update);
-  DepthPrior prior_of(int x, int y) const;
-  void fuse(int x, int y, const EpipolarMatch& match, DepthUpdate& update);
+  struct Filling {
+    int x, y;
+    float mean, variance;
+  };
+  DepthUpdate for_batches(const DepthSearch& search, bool is_sensor, TaskPool* pool);
+  DepthUpdate update_rows(int begin, int end, const DepthSearch& search, bool is_sensor);
+  void take(const EpipolarQueries& queries, const EpipolarMatches& matches, bool is_sensor, DepthUpdate& update);
+  void add_query(int x, int y, bool is_sensor, EpipolarQueries& queries) const;
+  void fuse(int x, int y, float found, float found_variance, DepthUpdate& update);
   void fail(int x, int y);
   void forget(int x, int y);
-  void fill_row(int y, const InverseDepthMap& before);
+  void find_fillings(int y, std::vector<Filling>& fillings) const;
+  Filling mean_around(int x, int y) const;
   void smooth_row(int y);
   void receive(int x, int y, float mean, float variance);
 

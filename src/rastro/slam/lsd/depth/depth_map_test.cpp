@@ -164,10 +164,12 @@ TEST(DepthMap, WhatASensorMeasuresIsShownAtOnce) {
   TaskPool pool(1);
   const RenderedFrame frame = hall().render(120, pool);
   DepthMap map(frame.gray.view(), hall().camera(), {});
-  const auto sensor = [&](int x, int y, const DepthPrior&) {
-    const float depth = frame.depth.at(x, y);
-    return depth > 0.0F ? EpipolarMatch{EpipolarResult::matched, 1.0F / depth, 1e-6F}
-                        : EpipolarMatch{EpipolarResult::outside};
+  const auto sensor = [&](const EpipolarQueries& queries, EpipolarMatches& matches) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(queries.count); ++i) {
+      const float depth = frame.depth.at(static_cast<int>(queries.x[i]), static_cast<int>(queries.y[i]));
+      matches.result[i] = static_cast<int>(depth > 0.0F ? EpipolarResult::matched : EpipolarResult::outside);
+      matches.mean[i] = 1.0F / depth, matches.variance[i] = 1e-6F;
+    }
   };
   const DepthUpdate update = map.measure(sensor);
   map.regularize();

@@ -8,7 +8,7 @@
 #include "rastro/camera/camera.h"
 #include "rastro/image/image.h"
 #include "rastro/math/se3.h"
-#include "rastro/slam/lsd/depth/depth_kernels.h"
+#include "rastro/slam/lsd/depth/epipolar_kernels.h"
 
 namespace rastro {
 
@@ -54,29 +54,23 @@ struct EpipolarMatch {
 /// propagated to the inverse depth.
 class EpipolarSearch {
  public:
-  /// Intensity in the image = gain * intensity in the keyframe + offset. All outlive this.
+  /// Intensity in the image = gain * intensity in the keyframe + offset. Both outlive this.
   EpipolarSearch(GrayView keyframe, GrayView image, const Camera& camera, const SE3& image_from_keyframe, double gain,
                  double offset, const EpipolarSearchOptions& options);
   /// Nothing is found where it is zero; empty: everywhere.
-  void leave_out(GrayView mask) { mask_ = mask; }
+  void leave_out(GrayView mask) { view_.mask = mask; }
+  /// The same bytes for any SIMD level and whatever else is in the batch.
+  void find(const EpipolarQueries& queries, EpipolarMatches& matches) const {
+    epipolar_kernels().search(view_, queries, matches);
+  }
   EpipolarMatch find(int x, int y, const DepthPrior& prior) const;
 
  private:
-  struct Line;
-  bool sample_keyframe(int x, int y, Line& line) const;
-  void compare(const Line& line, double at, int count, LineCosts& costs) const;
-  EpipolarMatch best_on(const Line& line, int first, int last, bool ambiguity_matters) const;
-  EpipolarMatch measured(const Line& line, double at) const;
-  bool is_masked(const Eigen::Vector2d& pixel) const;
-  Eigen::Vector2d pixel_at(const Line& line, double inverse_depth) const;
-  double inverse_depth_at(const Line& line, double at) const;
-
-  GrayView keyframe_, image_, mask_;
-  Camera camera_;
-  Eigen::Matrix3d rotation_;
-  Eigen::Vector3d translation_, center_;  ///< center_: of the other camera, in the keyframe.
-  double gain_, offset_;
-  EpipolarSearchOptions options_;
+  EpipolarView view_;
 };
+
+/// Appends a pixel; the batch must have room.
+void add_query(int x, int y, const DepthPrior& prior, EpipolarQueries& queries);
+EpipolarMatch match_at(const EpipolarMatches& matches, int index);
 
 }  // namespace rastro

@@ -2,6 +2,7 @@
 #include "rastro/slam/lsd/depth/static_stereo.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "rastro/slam/lsd/tracking/alignment_reference.h"
@@ -32,6 +33,10 @@ EpipolarSearchOptions search_options(const StaticStereoOptions& options, bool co
   return search;
 }
 
+bool is_matched(const EpipolarMatches& matches, std::size_t i) {
+  return matches.result[i] == static_cast<int>(EpipolarResult::matched);
+}
+
 }  // namespace
 
 StaticStereo::StaticStereo(const Pyramid& left, const Pyramid& right, const Camera& camera, double gain, double offset,
@@ -54,27 +59,72 @@ DepthPrior StaticStereo::any_depth() const {
 }
 
 EpipolarMatch StaticStereo::find(int x, int y, const DepthPrior& prior) const {
-  if (prior.is_known) return fine_.find(x, y, prior);
-  const EpipolarMatch anywhere = find_anywhere(x, y);
-  if (anywhere.result != EpipolarResult::matched) return anywhere;
-  const auto expected = static_cast<double>(anywhere.mean);
-  const double reach = coarse_ / focal_times_baseline_;
-  return fine_.find(x, y, {std::max(0.0, expected - reach), expected, expected + reach, true});
+  EpipolarQueries queries;
+  EpipolarMatches matches;
+  queries.known = prior.is_known;
+  add_query(x, y, prior, queries);
+  find(queries, matches);
+  return match_at(matches, 0);
 }
 
-EpipolarMatch StaticStereo::find_anywhere(int x, int y) const {
-  const int left_x = static_cast<int>(std::lround(x / coarse_)), row = static_cast<int>(std::lround(y / coarse_));
-  const EpipolarMatch found = coarse_search_.find(left_x, row, any_depth());
-  if (found.result != EpipolarResult::matched) return found;
-  const double disparity = static_cast<double>(found.mean) * focal_times_baseline_ / coarse_;
-  const int right_x = static_cast<int>(std::lround(left_x - disparity));
-  if (right_x < 1) return {EpipolarResult::outside};
-  const EpipolarMatch back = coarse_check_.find(right_x, row, any_depth());
-  if (back.result != EpipolarResult::matched) return back;
-  const double there = static_cast<double>(back.mean) * focal_times_baseline_ / coarse_;
-  // The pixel is rounded to a whole one.
-  if (std::abs(there - disparity) > options_.max_check_px) return {EpipolarResult::ambiguous};
-  return found;
+void StaticStereo::find(const EpipolarQueries& queries, EpipolarMatches& matches) const {
+  if (queries.known) return fine_.find(queries, matches);
+  find_anywhere(queries, matches);
+  EpipolarQueries refined;
+  refined.known = true;
+  std::array<std::size_t, epipolar_batch> index_of;
+  const double reach = coarse_ / focal_times_baseline_;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(queries.count); ++i) {
+    if (!is_matched(matches, i)) continue;
+    const auto expected = static_cast<double>(matches.mean[i]);
+    index_of[static_cast<std::size_t>(refined.count)] = i;
+    add_query(static_cast<int>(queries.x[i]), static_cast<int>(queries.y[i]),
+              {std::max(0.0, expected - reach), expected, expected + reach, true}, refined);
+  }
+  EpipolarMatches fine;
+  fine_.find(refined, fine);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(refined.count); ++k) {
+    const std::size_t i = index_of[k];
+    matches.result[i] = fine.result[k], matches.mean[i] = fine.mean[k], matches.variance[i] = fine.variance[k];
+  }
+}
+
+/// Whole pixels of the coarse level.
+void StaticStereo::find_anywhere(const EpipolarQueries& queries, EpipolarMatches& matches) const {
+  EpipolarQueries coarse;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(queries.count); ++i)
+    add_query(static_cast<int>(std::lround(static_cast<double>(queries.x[i]) / coarse_)),
+              static_cast<int>(std::lround(static_cast<double>(queries.y[i]) / coarse_)), any_depth(), coarse);
+  coarse_search_.find(coarse, matches);
+  check_backward(coarse, matches);
+}
+
+/// What the search from the right image does not confirm gets its result.
+void StaticStereo::check_backward(const EpipolarQueries& coarse, EpipolarMatches& found) const {
+  EpipolarQueries back;
+  EpipolarMatches there;
+  std::array<std::size_t, epipolar_batch> index_of;
+  const double disparity_of = focal_times_baseline_ / coarse_;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(coarse.count); ++i) {
+    if (!is_matched(found, i)) continue;
+    const double disparity = static_cast<double>(found.mean[i]) * disparity_of;
+    const int right_x = static_cast<int>(std::lround(static_cast<double>(coarse.x[i]) - disparity));
+    if (right_x < 1) {
+      found.result[i] = static_cast<int>(EpipolarResult::outside);
+      continue;
+    }
+    index_of[static_cast<std::size_t>(back.count)] = i;
+    add_query(right_x, static_cast<int>(coarse.y[i]), any_depth(), back);
+  }
+  coarse_check_.find(back, there);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(back.count); ++k) {
+    std::int32_t& result = found.result[index_of[k]];
+    const auto difference = static_cast<double>(there.mean[k] - found.mean[index_of[k]]) * disparity_of;
+    if (!is_matched(there, k))
+      result = there.result[k];
+    else if (std::abs(difference) > options_.max_check_px)  // the pixel is rounded to a whole one
+      result = static_cast<int>(EpipolarResult::ambiguous);
+  }
 }
 
 }  // namespace rastro

@@ -23,10 +23,12 @@ class StaticStereo {
   /// left one + offset. The pyramids outlive this.
   StaticStereo(const Pyramid& left, const Pyramid& right, const Camera& camera, double gain, double offset,
                const StaticStereoOptions& options);
+  void find(const EpipolarQueries& queries, EpipolarMatches& matches) const;
   EpipolarMatch find(int x, int y, const DepthPrior& prior) const;
 
  private:
-  EpipolarMatch find_anywhere(int x, int y) const;
+  void find_anywhere(const EpipolarQueries& queries, EpipolarMatches& matches) const;
+  void check_backward(const EpipolarQueries& coarse, EpipolarMatches& found) const;
   DepthPrior any_depth() const;
 
   StaticStereoOptions options_;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "rastro/camera/camera.h"
 #include "rastro/image/pyramid.h"
 #include "rastro/slam/lsd/inverse_depth_map.h"
+#include "rastro/slam/lsd/tracking/alignment_pixels.h"
 #include "rastro/slam/lsd/tracking/inverse_depth_pyramid.h"
 
 namespace rastro {
@@ -56,10 +58,14 @@ class AlignmentReference {
   /// after the inverse depth has changed.
   void build(const Pyramid& image, const InverseDepthMap& depth, const Camera& camera,
              const AlignmentReferenceOptions& options = {});
+  /// The same points from what is at hand: the pixels with gradient and the inverse depth of each level, of the levels
+  /// after the finest in `coarser`. Sets no depth().
+  void set_points(const Pyramid& image, const std::vector<AlignmentPixels>& pixels, const InverseDepthMap& finest,
+                  std::span<const InverseDepthMap> coarser, const Camera& camera, int max_points);
 
   int levels() const { return static_cast<int>(points_.size()); }
   const AlignmentPoints& level(int index) const { return points_[static_cast<std::size_t>(index)]; }
-  /// Inverse depth on each level, for the other side of a similarity alignment.
+  /// Inverse depth on each level, for the other side of a similarity alignment; as of the last build().
   const std::vector<InverseDepthMap>& depth() const { return depth_; }
 
  private:

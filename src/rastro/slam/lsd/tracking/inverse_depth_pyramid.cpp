@@ -2,64 +2,59 @@
 #include "rastro/slam/lsd/tracking/inverse_depth_pyramid.h"
 
 #include <algorithm>
+#include <cstddef>
+
+#include "rastro/slam/lsd/depth/depth_kernels.h"
 
 namespace rastro {
 namespace {
 
-/// Weighted sums of the pixels that contribute to each pixel of the coarser level.
-struct DepthSums {
-  InverseDepthMap weighted;  ///< mean: sum of weight / variance * value; variance: sum of weight / variance.
-  Image<float> squares;      ///< Sum of weight / variance * value^2.
-  Image<float> weights;      ///< Sum of the binomial weights.
+constexpr std::size_t before = 16, behind = 32;  // zeros beside a row, for what vectors read there
 
-  /// The products of one pixel, the same for each pixel it contributes to.
-  struct Share {
-    float precision, weighted, squared, weight;
-  };
+/// One row of the finer map at a time, and the sums of one row of the coarser one.
+class HalvingBuffers {
+ public:
+  explicit HalvingBuffers(int width)
+      : width_(static_cast<std::size_t>(width)),
+        mean_(before + width_ + behind),
+        variance_(mean_.size()),
+        sums_(4 * mean_.size()) {}
 
-  void add(int x, int y, const Share& share) {
-    if (x >= weights.width() || y >= weights.height()) return;
-    weighted.mean.at(x, y) += share.weighted;
-    weighted.variance.at(x, y) += share.precision;
-    squares.at(x, y) += share.squared;
-    weights.at(x, y) += share.weight;
+  HalvingRow row(const InverseDepthMap& fine, int y) {
+    std::copy_n(fine.mean.row(y), width_, &mean_[before]);
+    std::copy_n(fine.variance.row(y), width_, &variance_[before]);
+    return {&mean_[before], &variance_[before]};
   }
+  HalvingSums sums() {
+    const std::size_t size = mean_.size();
+    return {sums_.data(), sums_.data() + size, sums_.data() + 2 * size, sums_.data() + 3 * size};
+  }
+  void clear() { std::fill(sums_.begin(), sums_.end(), 0.0F); }
+
+ private:
+  std::size_t width_;
+  std::vector<float> mean_, variance_, sums_;
 };
-
-/// An even coordinate belongs to one of the coarser level, an odd one to both beside it.
-void scatter(const InverseDepthMap& fine, int x, int y, DepthSums& sums) {
-  const float value = fine.mean.at(x, y), weight = static_cast<float>((2 - (x & 1)) * (2 - (y & 1)));
-  const float precision = weight / fine.variance.at(x, y);
-  const DepthSums::Share share{precision, precision * value, precision * value * value, weight};
-  for (int to_y = y / 2; to_y <= (y + 1) / 2; ++to_y) {
-    for (int to_x = x / 2; to_x <= (x + 1) / 2; ++to_x) sums.add(to_x, to_y, share);
-  }
-}
-
-void divide_sums(DepthSums& sums) {
-  for (int y = 0; y < sums.weights.height(); ++y) {
-    for (int x = 0; x < sums.weights.width(); ++x) {
-      float &mean = sums.weighted.mean.at(x, y), &variance = sums.weighted.variance.at(x, y);
-      if (!(variance > 0.0F)) continue;
-      mean /= variance;
-      const float spread = sums.squares.at(x, y) / variance - mean * mean;
-      variance = std::max(sums.weights.at(x, y) / variance, spread);
-    }
-  }
-}
 
 }  // namespace
 
-InverseDepthMap halve(const InverseDepthMap& fine) {
+void halve(const InverseDepthMap& fine, InverseDepthMap& coarse) {
   const int width = (fine.width() + 1) / 2, height = (fine.height() + 1) / 2;
-  DepthSums sums{InverseDepthMap(width, height), Image<float>(width, height), Image<float>(width, height)};
-  for (int y = 0; y < fine.height(); ++y) {
-    for (int x = 0; x < fine.width(); ++x) {
-      if (fine.is_known(x, y)) scatter(fine, x, y, sums);
-    }
+  if (coarse.width() != width || coarse.height() != height) coarse = InverseDepthMap(width, height);
+  HalvingBuffers buffers(fine.width());
+  HalvingSums sums = buffers.sums();
+  for (int y = 0; y < height; ++y) {
+    for (int row = std::max(0, 2 * y - 1); row <= std::min(fine.height() - 1, 2 * y + 1); ++row)
+      depth_kernels().add_row(buffers.row(fine, row), row == 2 * y ? 2.0F : 1.0F, width, sums);
+    depth_kernels().divide(sums, width, coarse.mean.row(y), coarse.variance.row(y));
+    buffers.clear();
   }
-  divide_sums(sums);
-  return std::move(sums.weighted);
+}
+
+InverseDepthMap halve(const InverseDepthMap& fine) {
+  InverseDepthMap coarse;
+  halve(fine, coarse);
+  return coarse;
 }
 
 std::vector<InverseDepthMap> inverse_depth_pyramid(const InverseDepthMap& map, int levels) {

@@ -12,6 +12,8 @@ namespace rastro {
 /// of neighboring pixels are correlated, so their number does not reduce the variance; a spread of the values, as at an
 /// occlusion's edge, raises it.
 InverseDepthMap halve(const InverseDepthMap& fine);
+/// The same into a map that may be reused.
+void halve(const InverseDepthMap& fine, InverseDepthMap& coarse);
 
 /// Level 0 is a copy; pixel (x, y) of level l lies at (x, y) * 2^l of it, as in Pyramid.
 std::vector<InverseDepthMap> inverse_depth_pyramid(const InverseDepthMap& map, int levels);

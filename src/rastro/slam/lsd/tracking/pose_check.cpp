@@ -25,10 +25,6 @@ PoseVerdict lost(const ImageAlignment& alignment) {
 
 /// The first of the doubts that applies; grade tracking: none.
 PoseVerdict first_doubt(const ImageAlignment& alignment, double mean_inverse_depth, const LsdOptions& options) {
-  if (alignment.inlier_share < options.trusted_share)
-    return {PoseGrade::weak, SlamReason::poor_match,
-            fmt::format("{:.0f} % of {} pixels fit, need {:.0f} %", 100.0 * alignment.inlier_share, alignment.points,
-                        100.0 * options.trusted_share)};
   if (alignment.region_share < options.trusted_regions)
     return {PoseGrade::weak, SlamReason::poor_match,
             fmt::format("pixels fit in {:.0f} % of the regions of the image, need {:.0f} %",

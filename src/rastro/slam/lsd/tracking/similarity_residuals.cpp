@@ -31,11 +31,29 @@ SimilarityResidual::Row by_tangent(const Eigen::Vector3d& by_ray, const Eigen::V
 
 }  // namespace
 
+/// What all points have in common.
+struct SimilarityResiduals::Motion {
+  explicit Motion(const State& state)
+      : scaled_rotation(state.b_from_a.scale() * state.b_from_a.rotation().matrix()),
+        inverse_rotation(scaled_rotation.transpose()),
+        translation(state.b_from_a.translation()),
+        brightness(state.brightness) {
+    // The gradient of a, rotated about the optical axis, as in AlignmentKernels.
+    const Eigen::Vector2d axis(scaled_rotation(0, 0) + scaled_rotation(1, 1),
+                               scaled_rotation(1, 0) - scaled_rotation(0, 1));
+    gradient_turn = brightness.gain * axis.normalized();
+  }
+
+  Eigen::Matrix3d scaled_rotation, inverse_rotation;  ///< The latter times the square of the scale.
+  Eigen::Vector3d translation;
+  AffineBrightness brightness;
+  Eigen::Vector2d gradient_turn;
+};
+
 /// A point of a moved into b: `scaled` is its position times its inverse depth in a.
 struct SimilarityResiduals::Projected {
   std::size_t point;
-  Eigen::Vector3d ray, scaled, translation;
-  Eigen::Matrix3d scaled_rotation;
+  Eigen::Vector3d ray, scaled;
   double inverse_depth, depth_variance;  ///< In a.
   Eigen::Vector2d pixel;
 };
@@ -46,58 +64,58 @@ double SimilarityResidual::squared_error() const {
 }
 
 SimilarityResidual SimilarityResiduals::residual(int point, const State& state) const {
+  return residual(point, Motion(state));
+}
+
+SimilarityResidual SimilarityResiduals::residual(int point, const Motion& motion) const {
   SimilarityResidual result;
   Projected p;
   p.point = static_cast<std::size_t>(point);
   p.ray = {static_cast<double>(points_.x[p.point]), static_cast<double>(points_.y[p.point]), 1.0};
   p.inverse_depth = static_cast<double>(points_.inverse_depth[p.point]);
   p.depth_variance = static_cast<double>(points_.variance[p.point]);
-  p.scaled_rotation = state.b_from_a.scale() * state.b_from_a.rotation().matrix();
-  p.translation = state.b_from_a.translation();
-  p.scaled = p.scaled_rotation * p.ray + p.inverse_depth * p.translation;
+  p.scaled = motion.scaled_rotation * p.ray + p.inverse_depth * motion.translation;
   if (!(p.scaled.z() > 0.0)) return result;
   const LevelCamera& camera = points_.camera;
   p.pixel = {camera.fx * p.scaled.x() / p.scaled.z() + camera.cx, camera.fy * p.scaled.y() / p.scaled.z() + camera.cy};
   result.inside =
       p.pixel.x() >= 0.0 && p.pixel.x() < image_.width() - 1 && p.pixel.y() >= 0.0 && p.pixel.y() < image_.height() - 1;
   if (!result.inside) return result;
-  set_intensity(p, state, result);
-  if (result.used) set_inverse_depth(p, result);
+  set_intensity(p, motion, result);
+  if (result.used) set_inverse_depth(p, motion, result);
   return result;
 }
 
-void SimilarityResiduals::set_intensity(const Projected& p, const State& state, SimilarityResidual& result) const {
-  const double in_b = bilinear_intensity(image_, p.pixel.x(), p.pixel.y()), gain = state.brightness.gain;
+void SimilarityResiduals::set_intensity(const Projected& p, const Motion& motion, SimilarityResidual& result) const {
+  const double in_b = bilinear_intensity(image_, p.pixel.x(), p.pixel.y()), gain = motion.brightness.gain;
   result.used = in_b > noise_.darkest && in_b < noise_.brightest;
   if (!result.used) return;
   const auto in_a = static_cast<double>(points_.intensity[p.point]);
-  result.intensity = in_b - gain * in_a - state.brightness.offset;
-  // The gradient of a, rotated about the optical axis, as in AlignmentKernels.
-  const Eigen::Vector2d axis(p.scaled_rotation(0, 0) + p.scaled_rotation(1, 1),
-                             p.scaled_rotation(1, 0) - p.scaled_rotation(0, 1));
-  const Eigen::Vector2d turn = gain * axis.normalized();
+  result.intensity = in_b - gain * in_a - motion.brightness.offset;
+  const Eigen::Vector2d& turn = motion.gradient_turn;
   const auto gx = static_cast<double>(points_.gradient_x[p.point]),
              gy = static_cast<double>(points_.gradient_y[p.point]);
   const Eigen::Vector2d gradient(turn.x() * gx - turn.y() * gy, turn.y() * gx + turn.x() * gy);
   const Eigen::Vector3d by_position(gradient.x() / p.scaled.z(), gradient.y() / p.scaled.z(),
                                     -gradient.dot(p.scaled.head<2>()) / (p.scaled.z() * p.scaled.z()));
-  result.by_state_intensity = by_tangent(p.scaled_rotation.transpose() * by_position, p.ray, p.inverse_depth);
+  result.by_state_intensity = by_tangent(motion.inverse_rotation * by_position, p.ray, p.inverse_depth);
   result.by_state_intensity[7] = -in_a;
   result.by_state_intensity[8] = -1.0;
-  const double by_inverse_depth = by_position.dot(p.translation);
+  const double by_inverse_depth = by_position.dot(motion.translation);
   result.intensity_variance = (1.0 + gain * gain) * noise_.intensity_sigma * noise_.intensity_sigma +
                               by_inverse_depth * by_inverse_depth * p.depth_variance;
 }
 
-void SimilarityResiduals::set_inverse_depth(const Projected& p, SimilarityResidual& result) const {
+void SimilarityResiduals::set_inverse_depth(const Projected& p, const Motion& motion,
+                                            SimilarityResidual& result) const {
   const int x = static_cast<int>(std::lround(p.pixel.x())), y = static_cast<int>(std::lround(p.pixel.y()));
   result.has_depth = depth_.is_known(x, y);
   if (!result.has_depth) return;
   const double z = p.scaled.z();
   result.inverse_depth = p.inverse_depth / z - static_cast<double>(depth_.mean.at(x, y));
   const Eigen::Vector3d by_position(0.0, 0.0, -p.inverse_depth / (z * z));
-  result.by_state_inverse_depth = by_tangent(p.scaled_rotation.transpose() * by_position, p.ray, p.inverse_depth);
-  const double by_inverse_depth = (z - p.inverse_depth * p.translation.z()) / (z * z);
+  result.by_state_inverse_depth = by_tangent(motion.inverse_rotation * by_position, p.ray, p.inverse_depth);
+  const double by_inverse_depth = (z - p.inverse_depth * motion.translation.z()) / (z * z);
   result.inverse_depth_variance =
       static_cast<double>(depth_.variance.at(x, y)) + by_inverse_depth * by_inverse_depth * p.depth_variance;
 }
@@ -115,7 +133,8 @@ void SimilarityResiduals::add(const SimilarityResidual& residual, Step& score, L
   linear.squares += weight * squared;
   const auto fold = [&](const SimilarityResidual::Row& row, double value, double variance) {
     const double precision = weight / variance;
-    linear.hessian.noalias() += (precision * row.transpose()) * row;
+    for (int column = 0; column < similarity_unknowns; ++column)
+      linear.hessian.col(column).head(column + 1) += precision * row[column] * row.head(column + 1).transpose();
     score.noalias() += precision * value * row.transpose();
   };
   fold(residual.by_state_intensity, residual.intensity, residual.intensity_variance);
@@ -125,13 +144,16 @@ void SimilarityResiduals::add(const SimilarityResidual& residual, Step& score, L
 
 SimilarityResiduals::Linear SimilarityResiduals::linearize(const State& state) const {
   Linear linear;
+  const Motion motion(state);
   for (int begin = 0; begin < points_.count; begin += alignment_chunk) {
     Step score = Step::Zero();
     for (int i = begin; i < std::min(begin + alignment_chunk, points_.count); ++i)
-      add(residual(i, state), score, linear);
+      add(residual(i, motion), score, linear);
     linear.scores.push_back(score);
     linear.gradient += score;
   }
+  // Only its upper half was added.
+  linear.hessian.triangularView<Eigen::StrictlyLower>() = linear.hessian.transpose();
   if (fix_scale_) hold_scale(linear);
   if (linear.used >= similarity_unknowns && linear.with_depth > 0 && state.brightness.plausible())
     linear.cost = linear.cost_sum / linear.used;

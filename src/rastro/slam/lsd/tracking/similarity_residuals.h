@@ -56,9 +56,11 @@ class SimilarityResiduals {
   double step_px(const Step& step) const;
 
  private:
+  struct Motion;
   struct Projected;
-  void set_intensity(const Projected& projected, const State& state, SimilarityResidual& result) const;
-  void set_inverse_depth(const Projected& projected, SimilarityResidual& result) const;
+  SimilarityResidual residual(int point, const Motion& motion) const;
+  void set_intensity(const Projected& projected, const Motion& motion, SimilarityResidual& result) const;
+  void set_inverse_depth(const Projected& projected, const Motion& motion, SimilarityResidual& result) const;
   static void hold_scale(Linear& linear);
   void add(const SimilarityResidual& residual, Step& score, Linear& linear) const;
 

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/lsd_mapping.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+#include <vector>
+
+#include "rastro/base/stopwatch.h"
+#include "rastro/slam/lsd/lsd_motion.h"
+#include "rastro/slam/map_budget.h"
+
+namespace rastro {
+namespace {
+
+constexpr double memory_reserve_mb = 100.0;  // for everything except the map
+
+/// Of the new keyframe relative to the one before, in the new one's unit.
+Constraint edge_to_new(std::int64_t before, std::int64_t id, const Sim3& before_from_new, double mean_inverse_depth,
+                       const ImageAlignment& tracked) {
+  const double unit = before_from_new.scale();
+  const Matrix6d to_new = tracked.image_from_reference.adjoint();
+  Matrix6d covariance = to_new * tracked.covariance * to_new.transpose();
+  covariance.topLeftCorner<3, 3>() /= unit * unit;
+  covariance.topRightCorner<3, 3>() /= unit;
+  covariance.bottomLeftCorner<3, 3>() /= unit;
+  covariance += common_covariance(mean_inverse_depth);
+  Constraint edge{before, id, before_from_new, covariance.inverse()};
+  edge.inliers = tracked.points;
+  return edge;
+}
+
+}  // namespace
+
+LsdMapping::LsdMapping(const LsdOptions& options, const LsdSensor& sensor, const LsdFrameMaker& frames,
+                       const LsdPools& pools, const SlamContext& context)
+    : options_(options),
+      sensor_(sensor),
+      frames_(frames),
+      pools_(pools),
+      graph_(options, sensor.is_metric()),
+      constraints_(options, sensor, graph_, pools.mapping),
+      features_(OrbOptions{}),
+      budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {}
+
+void LsdMapping::begin_map(KeyframeDepths first, SlamUpdate& update) {
+  if (depths_) finish_keyframe(update);
+  const std::int64_t id = first.id();
+  const int submap = graph_.new_submap();
+  depths_.emplace(std::move(first));
+  change_ = {};
+  graph_.add(depths_->published(), Sim3(), submap);
+  update.events.push_back({"keyframe", fmt::format("{}", id)});
+  if (submap > 0) update.events.push_back({"submap", fmt::format("{} begins with keyframe {}", submap, id)});
+}
+
+std::optional<Sim3> LsdMapping::process(const MappingInput& input, SlamUpdate& update) {
+  const LsdFrame& frame = *input.frame;
+  graph_.add_frame({frame.index, frame.stamp, input.keyframe, input.tracked.image_from_reference.inverse()});
+  Stopwatch stage;
+  if (input.use == MappingInput::Use::keyframe) return change_keyframe(input, update);
+  if (input.use == MappingInput::Use::refine) {
+    if (const auto tracked = on_newest(input)) depths_->refine(frame, *tracked);
+    update.times.push_back({"depth", stage.lap_ms()});
+  }
+  return std::nullopt;
+}
+
+/// The alignment with the newest keyframe of a frame that was tracked on it, or on the one before. nullopt: it was
+/// tracked on another one.
+std::optional<ImageAlignment> LsdMapping::on_newest(const MappingInput& input) const {
+  ImageAlignment tracked = input.tracked;
+  if (input.keyframe == depths_->id()) return tracked;
+  if (input.keyframe != change_.before) return std::nullopt;
+  tracked.image_from_reference = on_new_keyframe(tracked.image_from_reference, change_.before_from_new);
+  tracked.gain /= change_.gain;
+  tracked.offset -= tracked.gain * change_.offset;
+  return tracked;
+}
+
+Sim3 LsdMapping::change_keyframe(const MappingInput& input, SlamUpdate& update) {
+  finish_keyframe(update);
+  Stopwatch stage;
+  const std::int64_t before = depths_->id(), id = graph_.size();
+  const Sim3 before_from_new = depths_->change_to(id, *input.frame, input.tracked, input.depth_from_color);
+  change_ = {before, before_from_new, input.tracked.gain, input.tracked.offset};
+  graph_.add(depths_->published(), graph_.pose(before) * before_from_new, graph_.submap(before));
+  graph_.add_edge(edge_to_new(before, id, before_from_new, depths_->mean_inverse_depth(), input.tracked));
+  stay_within_budget(update);
+  update.events.push_back({"keyframe", fmt::format("{}", id)});
+  update.times.push_back({"depth", stage.lap_ms()});
+  return before_from_new;
+}
+
+void LsdMapping::return_to(std::int64_t id, SlamUpdate& update) {
+  finish_keyframe(update);
+  depths_.emplace(restored_keyframe(id));
+  change_ = {};
+}
+
+void LsdMapping::finish_keyframe(SlamUpdate& update) {
+  Stopwatch stage;
+  const auto finished = depths_->published();
+  graph_.replace(finished);
+  const BagOfWords words = words_of(finished->image.view(), finished->mask.view());
+  connect(finished->id, words, update);
+  graph_.add_words(finished->id, words);
+  update.times.push_back({"constraints", stage.lap_ms()});
+}
+
+void LsdMapping::connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update) {
+  const std::vector<Constraint> found = constraints_.find(id, words);
+  for (const Constraint& edge : found) {
+    if (graph_.submap(edge.from) != graph_.submap(id)) {
+      update.events.push_back({"joined", fmt::format("submaps {} and {} by keyframes {} and {}",
+                                                     graph_.submap(edge.from), graph_.submap(id), edge.from, id)});
+      graph_.merge(edge);
+    }
+    if (edge.kind == ConstraintKind::loop)
+      update.events.push_back({"loop_closed", fmt::format("keyframe {} with {}", id, edge.from)});
+    graph_.add_edge(edge);
+  }
+  if (!found.empty()) graph_.optimize();
+}
+
+KeyframeDepths LsdMapping::restored_keyframe(std::int64_t id) const {
+  const SemiDenseKeyframe& known = graph_.keyframe(id);
+  return {options_,    sensor_, pools_, id, frames_.from_image(known.frame, known.stamp, known.image, known.mask),
+          &known.depth};
+}
+
+MappedKeyframe LsdMapping::current() const {
+  const std::int64_t id = depths_->id();
+  return {depths_->current(), graph_.pose(id), graph_.submap(id)};
+}
+
+/// The oldest keyframes keep their poses only.
+void LsdMapping::stay_within_budget(SlamUpdate& update) {
+  constexpr std::int64_t kept = 3;
+  if (budget_bytes_ == 0) return;
+  const std::int64_t before = forgotten_;
+  const auto most = static_cast<std::size_t>(MapBudget::full_share * static_cast<double>(budget_bytes_));
+  while (graph_.bytes() > most && graph_.forget_oldest(kept)) ++forgotten_;
+  if (forgotten_ > before) update.events.push_back({"memory", memory().measures});
+}
+
+MapMemory LsdMapping::memory() const {
+  return {graph_.bytes(), budget_bytes_,
+          forgotten_ == 0 ? std::string() : fmt::format("depths of the {} oldest keyframes dropped", forgotten_)};
+}
+
+BagOfWords LsdMapping::words_of(GrayView image, GrayView mask) {
+  BagOfWords words = standard_vocabulary()->words_of(features_.extract(image, mask, pools_.mapping).descriptors);
+  words.nodes = {};
+  return words;
+}
+
+}  // namespace rastro

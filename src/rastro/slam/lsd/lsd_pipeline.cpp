@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/lsd_pipeline.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace rastro {
+namespace {
+
+PipelineOptions lsd_pipeline_options(const SlamContext& context) {
+  constexpr std::size_t most_live = 4;  // maximum number of frames waiting for mapping
+  PipelineOptions options;
+  options.own_thread = context.pipelined && context.pool != nullptr && context.pool->threads() > 1;
+  if (!context.live) return options;
+  options.hand_over = HandOver::when_ready;
+  options.max_in_flight = most_live;
+  return options;
+}
+
+void add_time(const StageTime& time, std::vector<StageTime>& times) {
+  const auto same = std::find_if(times.begin(), times.end(),
+                                 [&](const StageTime& each) { return std::string(each.stage) == time.stage; });
+  if (same == times.end())
+    times.push_back(time);
+  else
+    same->milliseconds += time.milliseconds;
+}
+
+}  // namespace
+
+LsdPipeline::LsdPipeline(const LsdOptions& options, const LsdSensor& sensor, const LsdFrameMaker& frames,
+                         const SlamContext& context)
+    : options_(options),
+      mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
+      mapping_(options, sensor, frames, LsdPools{context.pool, &mapping_pool_}, context),
+      pipeline_(lsd_pipeline_options(context)) {}
+
+void LsdPipeline::take_results(const FrameTime& now, LsdMotion& motion, SlamUpdate& update) {
+  now_ = now;
+  while (auto result = pipeline_.take_ready(now)) take(std::move(*result), motion, update);
+}
+
+LsdMapping& LsdPipeline::idle(LsdMotion& motion, SlamUpdate& update) {
+  while (auto result = pipeline_.take_next()) take(std::move(*result), motion, update);
+  place_waiting();
+  return mapping_;
+}
+
+const LsdMapping& LsdPipeline::settled() {
+  pipeline_.wait();
+  place_waiting();
+  return mapping_;
+}
+
+/// Only while no job runs.
+void LsdPipeline::place_waiting() {
+  for (const PlacedFrame& frame : waiting_) mapping_.add_frame(frame);
+  waiting_.clear();
+}
+
+void LsdPipeline::take(Result result, LsdMotion& motion, SlamUpdate& update) {
+  if (result.before_from_new) {
+    motion.change_keyframe(*result.before_from_new);
+    frames_on_current_ = 0;
+    is_changing_ = false;
+    const Eigen::Vector3d position = result.current.world_from_keyframe.translation();
+    if (result.covariance) uncertainty_.set(result.current.keyframe.id(), position, *result.covariance);
+  }
+  current_.emplace(std::move(result.current));
+  memory_ = std::move(result.memory);
+  update.events.insert(update.events.end(), result.events.begin(), result.events.end());
+  for (const StageTime& time : result.times) add_time(time, update.times);
+}
+
+void LsdPipeline::on_change(bool is_new) {
+  current_.emplace(mapping_.current());
+  memory_ = mapping_.memory();
+  frames_on_current_ = 0;
+  if (is_new) uncertainty_.set_known(current().id(), Eigen::Vector3d::Zero());
+}
+
+void LsdPipeline::map(std::shared_ptr<const LsdFrame> frame, const ImageAlignment& tracked, bool is_sure,
+                      const LsdMotion& motion, const SlamUpdate& update) {
+  if (!pipeline_.accepts()) {
+    waiting_.push_back({frame->index, frame->stamp, current().id(), tracked.image_from_reference.inverse()});
+    return;
+  }
+  MappingInput input{std::move(frame), current().id(), tracked, MappingInput::Use::place, {}};
+  if (is_sure) input.use = MappingInput::Use::refine;
+  if (is_sure && !is_changing_ && current().is_left_by(tracked)) {
+    input.use = MappingInput::Use::keyframe;
+    input.depth_from_color = motion.within(input.frame->depth_stamp - input.frame->stamp);
+    is_changing_ = true;
+  }
+  // Frames tracked on the keyframe before are farther from it: on the kitchen, a later change costs a quarter more
+  // error. In fast turns, its first depths are all that the next frame has.
+  constexpr std::int64_t next_frame = 1;
+  const bool is_keyframe = input.use == MappingInput::Use::keyframe;
+  const bool is_new = frames_on_current_++ < options_.backend_direct_frames;
+  const auto job = [this, input = std::move(input), waiting = std::exchange(waiting_, {}),
+                    covariance = update.covariance] {
+    for (const PlacedFrame& earlier : waiting) mapping_.add_frame(earlier);
+    SlamUpdate said;
+    const auto before_from_new = mapping_.process(input, said);
+    return Result{mapping_.current(), before_from_new,        covariance,
+                  mapping_.memory(),  std::move(said.events), std::move(said.times)};
+  };
+  pipeline_.submit(job, now_, {is_keyframe || is_new ? next_frame : options_.backend_delay_frames});
+}
+
+SE3 LsdPipeline::pose_of(const SE3& camera_from_keyframe) const {
+  const Sim3 pose = current_->world_from_keyframe * Sim3(camera_from_keyframe.inverse());
+  return {pose.rotation(), pose.translation()};
+}
+
+std::optional<Matrix6d> LsdPipeline::covariance_of(const ImageAlignment& tracked, const SE3& world_from_camera) const {
+  if (current_->submap != 0) return std::nullopt;
+  return uncertainty_.of_frame(current().id(), current_->world_from_keyframe.scale(), current().mean_inverse_depth(),
+                               world_from_camera, tracked);
+}
+
+void LsdPipeline::doubt(SlamUpdate& update) const {
+  constexpr std::int64_t until_converged = 5;  // keyframes
+  if (current_->submap != 0) {
+    update.reason = SlamReason::apart;
+    update.detail = fmt::format("in submap {}, not connected to the first yet", current_->submap);
+  } else if (options_.start == "random" && current().id() < until_converged) {
+    update.reason = SlamReason::unconfirmed;
+    update.detail = "depths that began at random have not converged yet";
+  } else {
+    return;
+  }
+  update.state = SlamState::weak;
+}
+
+}  // namespace rastro
