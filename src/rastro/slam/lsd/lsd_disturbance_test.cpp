@@ -150,7 +150,7 @@ TEST(LsdDisturbance, DepthsArisePromptlyWhereAWalkTurns) {
   };
   const DisturbedRun run = run_with([&](int k) { return room.render(pose(k)).gray; });
   EXPECT_EQ(run.count(SlamState::lost, 40, frames), 0);
-  EXPECT_LT(largest_rotation_error_deg(run, 40, pose), 2.0);
+  EXPECT_LT(largest_rotation_error_deg(run, 40, pose), 3.0);
 }
 
 TEST(LsdDisturbance, WhatHidesMostOfTheViewIsNotFollowed) {

@@ -212,14 +212,15 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
              0,
              100,
              {}});
-  table.add({"keyframe_frames",
-             &o.keyframe_frames,
-             "frames",
-             "that must have improved a keyframe before one follows it as soon as keyframe_overlap is reached; before, "
-             "halfway between that and min_overlap: depths are shown after two",
-             0,
-             100,
-             {}});
+  table.add(
+      {"keyframe_frames",
+       &o.keyframe_frames,
+       "frames",
+       "that must have improved a keyframe, as tracking knows it, before one follows it as soon as keyframe_overlap is "
+       "reached; before, halfway between that and min_overlap: depths are shown after two, and mapping is behind",
+       0,
+       100,
+       {}});
   table.add({"earlier_frames",
              &o.earlier_frames,
              "frames",
