@@ -85,23 +85,6 @@ void similarity(benchmark::State& state) {
 }
 BENCHMARK(similarity)->Unit(benchmark::kMillisecond);
 
-/// A search over 16 places of the epipolar line.
-void search_line(benchmark::State& state, const DepthKernels& kernels) {
-  constexpr int places = 16;
-  LineIntensities intensities;
-  LineCosts costs;
-  const std::array<float, epipolar_samples> seen{90.0F, 100.0F, 120.0F, 130.0F, 125.0F};
-  float x = 20.0F;
-  for (auto _ : state) {
-    x = x > 500.0F ? 20.0F : x + 1.7F;
-    kernels.sample({views().image.view(), x, 100.5F, 0.9F, 0.43F, places + epipolar_samples - 1}, intensities);
-    kernels.compare(intensities, seen, places, costs);
-    benchmark::DoNotOptimize(costs);
-  }
-}
-BENCHMARK_CAPTURE(search_line, plain, depth_kernels_plain());
-BENCHMARK_CAPTURE(search_line, avx2, depth_kernels_avx2());
-
 void smooth(benchmark::State& state, const DepthKernels& kernels) {
   std::vector<float> row(640);
   for (auto _ : state)
@@ -120,6 +103,11 @@ void observe(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(map.observe(views().image.view(), image_from_reference, 1.0, 0.0));
 }
 BENCHMARK(observe)->Unit(benchmark::kMillisecond);
+
+void observe_plain(benchmark::State& state) {
+  rastro::testing::with_plain_code([&] { observe(state); });
+}
+BENCHMARK(observe_plain)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 
