@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "rastro/base/error.h"
+#include "rastro/math/alignment.h"
 
 namespace rastro {
 namespace {
@@ -42,10 +43,28 @@ struct Link {
   SE3 earlier_from_later;  ///< Of the body.
 };
 
+/// Of a map up to scale, by its keyframes in submap 0; 1 where they do not tell.
+double meters_per_unit(const Map& map, const Trajectory& ground_truth, TimeNs max_gap) {
+  if (map.sessions.empty() || scale_of(map).metric) return 1.0;
+  std::vector<Eigen::Vector3d> expected, found;
+  for (const Keyframe& keyframe : map.keyframes) {
+    const auto pose = pose_at(ground_truth, keyframe.stamp, max_gap);
+    if (!pose || keyframe.submap != 0) continue;
+    expected.push_back(pose->translation());
+    found.push_back(keyframe.world_from_camera.translation());
+  }
+  const auto aligned = align_points(expected, found, AlignmentKind::similarity);
+  return aligned ? aligned->target_from_source.scale() : 1.0;
+}
+
 class Scoring {
  public:
   Scoring(const Map& map, const Trajectory& ground_truth, const LoopClosureLimits& limits)
-      : map_(map), ground_truth_(ground_truth), limits_(limits) {}
+      : map_(map),
+        ground_truth_(ground_truth),
+        limits_(limits),
+        max_gap_(from_seconds(limits.max_ground_truth_gap_s)),
+        meters_per_unit_(meters_per_unit(map, ground_truth, max_gap_)) {}
 
   LoopClosureScores score(const std::vector<Revisit>& revisits) {
     add_constraints();
@@ -72,11 +91,11 @@ class Scoring {
 
   /// nullopt: without ground truth.
   std::optional<bool> is_right(const Link& link) const {
-    const TimeNs max_gap = from_seconds(limits_.max_ground_truth_gap_s);
-    const auto earlier = pose_at(ground_truth_, link.earlier_stamp, max_gap),
-               later = pose_at(ground_truth_, link.stamp, max_gap);
+    const auto earlier = pose_at(ground_truth_, link.earlier_stamp, max_gap_),
+               later = pose_at(ground_truth_, link.stamp, max_gap_);
     if (!earlier || !later) return std::nullopt;
-    const SE3 error = link.earlier_from_later.inverse() * (earlier->inverse() * *later);
+    const SE3 measured(link.earlier_from_later.rotation(), meters_per_unit_ * link.earlier_from_later.translation());
+    const SE3 error = measured.inverse() * (earlier->inverse() * *later);
     return error.translation().norm() <= limits_.max_error_m &&
            error.rotation().log().norm() <= limits_.max_error_deg * std::numbers::pi / 180.0;
   }
@@ -113,6 +132,8 @@ class Scoring {
   const Map& map_;
   const Trajectory& ground_truth_;
   LoopClosureLimits limits_;
+  TimeNs max_gap_;
+  double meters_per_unit_;
   LoopClosureScores scores_;
   std::vector<TimeNs> closed_;
 };

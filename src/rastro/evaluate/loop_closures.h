@@ -47,7 +47,7 @@ struct LoopClosureScores {
 
 /// Precision of the loop closures in a map, and recall of the true ones. A frame that the map holds relative to a
 /// keyframe from an earlier visit, rightly, is found without a constraint of its own. `ground_truth`: in the frame of
-/// the map's cameras, in the order of time.
+/// the map's cameras, in the order of time. A map up to scale has the scale that aligns its keyframes with it.
 LoopClosureScores score_loop_closures(const Map& map, const std::vector<Revisit>& revisits,
                                       const Trajectory& ground_truth, const LoopClosureLimits& limits = {});
 

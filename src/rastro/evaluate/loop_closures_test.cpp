@@ -72,6 +72,22 @@ TEST(LoopClosureScores, GroundTruthOfTheBodyBecomesThatOfTheCamera) {
   EXPECT_LT(error(world_from_body), 1e-12);
 }
 
+/// One camera: the same in units of a quarter of a meter.
+TEST(LoopClosureScores, TheUnitOfAMapUpToScaleIsThatOfItsKeyframes) {
+  Case test;
+  test.map.sessions.push_back({0, 0, "", 0, 0, {false, 0.0, "arbitrary"}});
+  for (Keyframe& keyframe : test.map.keyframes)
+    keyframe.world_from_camera = SE3(SO3(), 4.0 * keyframe.world_from_camera.translation());
+  test.close(0, 4, 0.4);
+  test.close(1, 4, -4.0);  // Right, 1 m.
+  test.close(3, 5, -8.0);  // Right, 2 m.
+  test.close(2, 5, -1.0);  // Wrong: 0.25 m for 1 m.
+  EXPECT_EQ(test.score().accepted, 4);
+  EXPECT_EQ(test.score().wrong, 1);
+  test.map.sessions.front().scale.metric = true;
+  EXPECT_EQ(test.score().wrong, 2);
+}
+
 TEST(LoopClosureScores, AWrongOneFindsNothing) {
   Case test;
   test.close(0, 4, 0.6);

@@ -56,7 +56,7 @@ struct LsdOptions {
   double keyframe_distance = 0.25;
   double keyframe_overlap = 0.85;
   double keyframe_residual = 5.0;
-  int keyframe_frames = 1;
+  int keyframe_frames = 2;
   int earlier_frames = 2;
   int backend_delay_frames = 2;
   int backend_direct_frames = 2;
