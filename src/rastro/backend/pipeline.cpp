@@ -5,6 +5,16 @@
 
 namespace rastro {
 
+PipelineOptions mapping_pipeline(bool pipelined, bool live, const TaskPool* pool) {
+  constexpr std::size_t most_live = 4;
+  PipelineOptions options;
+  options.own_thread = pipelined && pool != nullptr && pool->threads() > 1;
+  if (!live) return options;
+  options.hand_over = HandOver::when_ready;
+  options.max_in_flight = most_live;
+  return options;
+}
+
 bool PipelineQueue::accepts() {
   const bool live = options_.hand_over == HandOver::when_ready;
   if (!live || options_.max_in_flight == 0 || in_flight_.size() < options_.max_in_flight) return true;

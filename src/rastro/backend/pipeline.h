@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "rastro/base/background.h"
+#include "rastro/base/task_pool.h"
 #include "rastro/base/time.h"
 
 namespace rastro {
@@ -42,6 +43,10 @@ struct PipelineOptions {
   /// With `when_ready`, maximum number of results in flight: a job beyond that is dropped. 0: unlimited.
   std::size_t max_in_flight = 0;
 };
+
+/// For mapping beside tracking: on a thread of its own where there are several; live, results are handed over when they
+/// are ready, and few keyframes may wait.
+PipelineOptions mapping_pipeline(bool pipelined, bool live, const TaskPool* pool);
 
 struct PipelineStatistics {
   std::int64_t jobs = 0;         ///< Accepted.

@@ -12,19 +12,6 @@
 #include "rastro/base/stopwatch.h"
 
 namespace rastro {
-namespace {
-
-PipelineOptions pipeline_options(const SlamContext& context) {
-  constexpr std::size_t most_live = 4;  // keyframes that may wait for mapping
-  PipelineOptions options;
-  options.own_thread = context.pipelined && context.pool != nullptr && context.pool->threads() > 1;
-  if (!context.live) return options;
-  options.hand_over = HandOver::when_ready;
-  options.max_in_flight = most_live;
-  return options;
-}
-
-}  // namespace
 
 RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context)
     : RgbdSession(options, camera, context, Method()) {}
@@ -43,7 +30,7 @@ RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, c
       following_{.has_pose = maps_, .motion_check = MotionCheck(options_.max_acceleration)},
       loss_{.lost = !maps_},
       hint_(context.initial_pose),
-      pipeline_(pipeline_options(context)) {}
+      pipeline_(mapping_pipeline(context.pipelined, context.live, context.pool)) {}
 
 SlamUpdate RgbdSession::process(const Frame& frame) {
   Stopwatch whole, stage;

@@ -9,16 +9,6 @@
 namespace rastro {
 namespace {
 
-PipelineOptions lsd_pipeline_options(const SlamContext& context) {
-  constexpr std::size_t most_live = 4;  // maximum number of frames waiting for mapping
-  PipelineOptions options;
-  options.own_thread = context.pipelined && context.pool != nullptr && context.pool->threads() > 1;
-  if (!context.live) return options;
-  options.hand_over = HandOver::when_ready;
-  options.max_in_flight = most_live;
-  return options;
-}
-
 void add_time(const StageTime& time, std::vector<StageTime>& times) {
   const auto same = std::find_if(times.begin(), times.end(),
                                  [&](const StageTime& each) { return std::string(each.stage) == time.stage; });
@@ -35,7 +25,7 @@ LsdPipeline::LsdPipeline(const LsdOptions& options, const LsdSensor& sensor, con
     : options_(options),
       mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
       mapping_(options, sensor, frames, LsdPools{context.pool, &mapping_pool_}, context),
-      pipeline_(lsd_pipeline_options(context)) {}
+      pipeline_(mapping_pipeline(context.pipelined, context.live, context.pool)) {}
 
 void LsdPipeline::take_results(const FrameTime& now, LsdMotion& motion, SlamUpdate& update) {
   now_ = now;

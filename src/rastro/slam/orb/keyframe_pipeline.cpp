@@ -8,16 +8,6 @@
 namespace rastro {
 namespace {
 
-PipelineOptions pipeline_options(const SlamContext& context) {
-  constexpr std::size_t most_live = 4;  // maximum number of keyframes waiting for mapping
-  PipelineOptions options;
-  options.own_thread = context.pipelined && context.pool != nullptr && context.pool->threads() > 1;
-  if (!context.live) return options;
-  options.hand_over = HandOver::when_ready;
-  options.max_in_flight = most_live;
-  return options;
-}
-
 constexpr std::size_t observed_frames = 500;  ///< Keep their observations, to be refined with the final map.
 constexpr std::size_t refined_at_once = 100;  ///< At least.
 
@@ -34,8 +24,8 @@ KeyframePipeline::KeyframePipeline(OrbSession& session, FrameTracker& tracker, c
       thinning_(session.options, session.graph, map_budget_bytes(context, reserve_mb)),
       database_(session.graph, standard_vocabulary()),
       loop_closing_(session.options, session.graph, database_),
-      mapping_(pipeline_options(context)),
-      adjusting_(pipeline_options(context)) {}
+      mapping_(mapping_pipeline(context.pipelined, context.live, context.pool)),
+      adjusting_(mapping_pipeline(context.pipelined, context.live, context.pool)) {}
 
 KeyframePipeline::Result KeyframePipeline::process(const KeyframeInput& keyframe, std::size_t trajectory_bytes) {
   const std::int64_t id = keyframe.frame->data().id;

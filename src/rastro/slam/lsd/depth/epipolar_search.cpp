@@ -30,14 +30,7 @@ EpipolarSearch::EpipolarSearch(GrayView keyframe, GrayView image, const Camera& 
   view_.geometry_variance = real(options.geometry_sigma_px * options.geometry_sigma_px);
 }
 
-EpipolarMatch EpipolarSearch::find(int x, int y, const DepthPrior& prior) const {
-  EpipolarQueries queries;
-  EpipolarMatches matches;
-  queries.known = prior.is_known;
-  add_query(x, y, prior, queries);
-  find(queries, matches);
-  return match_at(matches, 0);
-}
+EpipolarMatch EpipolarSearch::find(int x, int y, const DepthPrior& prior) const { return find_one(*this, x, y, prior); }
 
 void add_query(int x, int y, const DepthPrior& prior, EpipolarQueries& queries) {
   const auto i = static_cast<std::size_t>(queries.count++);

@@ -73,4 +73,15 @@ class EpipolarSearch {
 void add_query(int x, int y, const DepthPrior& prior, EpipolarQueries& queries);
 EpipolarMatch match_at(const EpipolarMatches& matches, int index);
 
+/// A search of batches, for a single pixel.
+template <typename Search>
+EpipolarMatch find_one(const Search& search, int x, int y, const DepthPrior& prior) {
+  EpipolarQueries queries;
+  EpipolarMatches matches;
+  queries.known = prior.is_known;
+  add_query(x, y, prior, queries);
+  search.find(queries, matches);
+  return match_at(matches, 0);
+}
+
 }  // namespace rastro

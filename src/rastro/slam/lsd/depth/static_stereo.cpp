@@ -58,14 +58,7 @@ DepthPrior StaticStereo::any_depth() const {
   return {0.0, 0.5 * most, most};
 }
 
-EpipolarMatch StaticStereo::find(int x, int y, const DepthPrior& prior) const {
-  EpipolarQueries queries;
-  EpipolarMatches matches;
-  queries.known = prior.is_known;
-  add_query(x, y, prior, queries);
-  find(queries, matches);
-  return match_at(matches, 0);
-}
+EpipolarMatch StaticStereo::find(int x, int y, const DepthPrior& prior) const { return find_one(*this, x, y, prior); }
 
 void StaticStereo::find(const EpipolarQueries& queries, EpipolarMatches& matches) const {
   if (queries.known) return fine_.find(queries, matches);
