@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "rastro/input_check/motion_residual.h"
+#include "rastro/input_check/sample_schedule.h"
 
 namespace rastro {
 namespace {
@@ -16,11 +17,9 @@ constexpr int cell_px = 4;
 constexpr double edge_share = 0.12;        // Of the cells: those with the largest gradients are edges.
 constexpr double least_depth_step = 0.08;  // Of the depth.
 constexpr std::size_t least_steps = 60;
-constexpr int dense_frames = 240, burst_frames = 24, burst_every = 120;
-constexpr double most_overlap = 0.75;  // Of the edges of two images, if the camera moved between them.
 constexpr int least_advantages = 10;
 constexpr double least_better = 0.75;
-constexpr double least_mirror_gain = 0.12, least_lag_gain = 0.30, least_gain_ratio = 1.5;
+constexpr double least_mirror_gain = 0.12, least_gain_ratio = 1.5;
 // By the motion of features, as in FocalCheck.
 constexpr double clear_residuals = 0.8, least_mirror_evidence = 0.7;
 constexpr double constant_spread = 0.002;
@@ -83,17 +82,6 @@ double share_on_edges(const std::vector<Eigen::Vector2i>& steps, const Image<std
   return static_cast<double>(hits) / static_cast<double>(steps.size());
 }
 
-double overlap_of(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
-  int both = 0, one = 0;
-  for (int y = 0; y < a.height(); ++y) {
-    for (int x = 0; x < a.width(); ++x) {
-      both += a.at(x, y) & b.at(x, y);
-      one += a.at(x, y);
-    }
-  }
-  return one > 0 ? static_cast<double>(both) / one : 1.0;
-}
-
 }  // namespace
 
 void DepthCheck::Advantage::add(double own_share, double other_share) {
@@ -114,16 +102,10 @@ void DepthCheck::add(const Frame& frame, InputWarnings& found) {
       frame.depth.height() != frame.image.height())
     return;
   const std::int64_t number = frames_++;
-  if (number >= dense_frames && number % burst_every >= burst_frames) {
-    recent_.clear();
-    return;
-  }
+  if (!is_in_burst(number)) return;
   check_spread(frame.depth, found);
   if (said_ || said_constant_) return;
-  if (!recent_.empty() && recent_.back().is_edge.width() != frame.image.width() / cell_px) recent_.clear();
-  recent_.push_back({frame.stamp, edges_of(frame.image), steps_of(frame.depth)});
-  if (recent_.size() > most_lag + 1) recent_.pop_front();
-  compare(found);
+  check_steps(frame, found);
 }
 
 void DepthCheck::add(const TrackedWindow& window, const Camera& camera, InputWarnings& found) {
@@ -163,51 +145,18 @@ void DepthCheck::check_spread(const DepthImage& depth, InputWarnings& found) {
                                constant_, 500.0 * (high - low), 0.5 * (low + high))});
 }
 
-void DepthCheck::compare(InputWarnings& found) {
-  const Outline& now = recent_.back();
-  if (now.depth_steps.size() >= least_steps) {
-    mirrored_.add(share_on_edges(now.depth_steps, now.is_edge, false),
-                  share_on_edges(now.depth_steps, now.is_edge, true));
-  }
-  for (std::size_t k = 0; k + 1 < recent_.size(); ++k) {
-    const Outline& then = recent_[k];
-    const int lag = static_cast<int>(recent_.size() - 1 - k);
-    if (overlap_of(then.is_edge, now.is_edge) > most_overlap) continue;
-    const auto add_to = [&](int index, const Outline& depth, const Outline& image) {
-      if (depth.depth_steps.size() < least_steps) return;
-      by_lag_[static_cast<std::size_t>(most_lag + index)].add(share_on_edges(depth.depth_steps, depth.is_edge, false),
-                                                              share_on_edges(depth.depth_steps, image.is_edge, false));
-    };
-    add_to(lag, now, then);  // the depth of now belongs to the image of then: it is late
-    add_to(-lag, then, now);
-    frame_s_ = to_seconds(now.stamp - then.stamp) / lag;
-  }
-  judge(found);
-}
-
-void DepthCheck::judge(InputWarnings& found) {
-  if (mirrored_.is_sure(least_mirror_gain)) {
-    said_ = true;
-    found.push_back(
-        {"depth_mirrored",
-         fmt::format("the depth seems to be mirrored: {:.0f} % of its steps lie on edges of the image as it "
-                     "is, {:.0f} % of them mirrored left to right ({} images)",
-                     100.0 * mirrored_.own / mirrored_.frames, 100.0 * mirrored_.other / mirrored_.frames,
-                     mirrored_.frames)});
-    return;
-  }
-  const auto best = std::max_element(by_lag_.begin(), by_lag_.end(), [](const Advantage& a, const Advantage& b) {
-    return a.sum * std::max(1, b.frames) < b.sum * std::max(1, a.frames);
-  });
-  const int lag = static_cast<int>(best - by_lag_.begin()) - most_lag;
-  if (std::abs(lag) < 2 || !best->is_sure(least_lag_gain)) return;
+void DepthCheck::check_steps(const Frame& frame, InputWarnings& found) {
+  const Image<std::uint8_t> is_edge = edges_of(frame.image);
+  const std::vector<Eigen::Vector2i> steps = steps_of(frame.depth);
+  if (steps.size() < least_steps) return;
+  mirrored_.add(share_on_edges(steps, is_edge, false), share_on_edges(steps, is_edge, true));
+  if (!mirrored_.is_sure(least_mirror_gain)) return;
   said_ = true;
-  found.push_back(
-      {"depth_late",
-       fmt::format("the depth seems to be {:.2f} s {} than the image: {:.0f} % of its steps lie on edges of "
-                   "its own image, {:.0f} % on those of {} frames {} ({} images); check the stamps",
-                   std::abs(lag) * frame_s_, lag > 0 ? "later" : "earlier", 100.0 * best->own / best->frames,
-                   100.0 * best->other / best->frames, std::abs(lag), lag > 0 ? "before" : "after", best->frames)});
+  found.push_back({"depth_mirrored",
+                   fmt::format("the depth seems to be mirrored: {:.0f} % of its steps lie on edges of the image as it "
+                               "is, {:.0f} % of them mirrored left to right ({} images)",
+                               100.0 * mirrored_.own / mirrored_.frames, 100.0 * mirrored_.other / mirrored_.frames,
+                               mirrored_.frames)});
 }
 
 }  // namespace rastro

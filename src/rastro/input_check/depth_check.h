@@ -16,23 +16,17 @@
 namespace rastro {
 
 /// Checks depth images against the gray ones: do steps of the depth lie on edges of the image, or on those of its
-/// mirror image, or of an earlier or later image? And is it depth at all, or one value?
+/// mirror image? And is it depth at all, or one value?
 class DepthCheck {
  public:
   /// Adds what is sure since this frame to `found`, each kind once.
   void add(const Frame& frame, InputWarnings& found);
   /// Of the same frames: the motion of features with their depth.
   void add(const TrackedWindow& window, const Camera& camera, InputWarnings& found);
+  /// Whether anything was found.
+  bool is_wrong() const { return said_ || said_constant_; }
 
  private:
-  static constexpr int most_lag = 8;  ///< Frames.
-
-  /// A frame in cells of 4 x 4 pixels.
-  struct Outline {
-    TimeNs stamp = 0;
-    Image<std::uint8_t> is_edge;               ///< 1 on and beside an edge of the image.
-    std::vector<Eigen::Vector2i> depth_steps;  ///< Cells before a nearer surface.
-  };
   /// How much better the depth fits something else than its own image, one number per frame.
   struct Advantage {
     int frames = 0, better = 0;
@@ -42,16 +36,12 @@ class DepthCheck {
   };
 
   void check_spread(const DepthImage& depth, InputWarnings& found);
-  void compare(InputWarnings& found);
-  void judge(InputWarnings& found);
+  void check_steps(const Frame& frame, InputWarnings& found);
 
   std::int64_t frames_ = 0;
   int constant_ = 0, varied_ = 0;
   bool said_constant_ = false, said_ = false;
-  std::deque<Outline> recent_;  ///< The newest last.
   Advantage mirrored_;
-  std::array<Advantage, 2 * most_lag + 1> by_lag_;  ///< Depth is that many frames later than the image, from -most_lag.
-  double frame_s_ = 0.0;
   int windows_right_ = 0, windows_mirrored_ = 0;
   double mirror_evidence_ = 0.0;
 };

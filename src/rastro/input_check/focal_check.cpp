@@ -8,11 +8,15 @@
 #include <limits>
 
 #include "rastro/input_check/motion_residual.h"
+#include "rastro/input_check/window_bundle.h"
 #include "rastro/math/median.h"
 
 namespace rastro {
 namespace {
 
+// By bundle adjustment: a correction of the focal length below least_correction is no error of the calibration.
+constexpr double least_correction = 0.2, sure = 4.0;
+constexpr int least_adjusted = 3;
 constexpr std::size_t given_factor = 2;
 constexpr double clearly_better = 0.8, clear_px = 0.15;
 constexpr double worst_px = 4.0;  // Larger residuals say no more.
@@ -38,6 +42,8 @@ Camera with_focal_factor(Camera camera, double factor) {
 
 }  // namespace
 
+FocalCheck::FocalCheck(const std::optional<Camera>& camera) : camera_(camera), adjustment_(least_correction) {}
+
 std::optional<FocalCheck::Residuals> FocalCheck::residuals_of(const TrackedWindow& window) const {
   Residuals residuals{};
   for (std::size_t k = 0; k < factors.size(); ++k) {
@@ -51,10 +57,28 @@ std::optional<FocalCheck::Residuals> FocalCheck::residuals_of(const TrackedWindo
 
 void FocalCheck::add(const TrackedWindow& window, InputWarnings& found) {
   if (!camera_ || said_) return;
+  adjust(window, found);
+  if (said_) return;
   const auto residuals = residuals_of(window);
   if (!residuals) return;
   windows_.push_back(*residuals);
   judge(found);
+}
+
+void FocalCheck::adjust(const TrackedWindow& window, InputWarnings& found) {
+  const auto bundle = adjusted_bundle(window, *camera_);
+  if (!bundle) return;
+  adjustment_.add(*bundle);
+  const auto [scale, sigma] = adjustment_.scale();
+  if (adjustment_.windows() < least_adjusted || std::abs(scale) < std::max(least_correction, sure * sigma)) return;
+  said_ = true;
+  found.push_back(
+      {"focal_length",
+       fmt::format("features move as with a {} focal length: bundle adjustment of {} windows makes it {:.2f} "
+                   "+- {:.2f} times as long as fx = {:.0f} px; check fx, fy and the image size of the "
+                   "calibration",
+                   scale > 0.0 ? "shorter" : "longer", adjustment_.windows(), 1.0 / (1.0 + scale),
+                   sigma / ((1.0 + scale) * (1.0 + scale)), camera_->fx)});
 }
 
 void FocalCheck::judge(InputWarnings& found) {

@@ -9,6 +9,7 @@
 #include "rastro/camera/camera.h"
 #include "rastro/input_check/input_warning.h"
 #include "rastro/input_check/tracked_window.h"
+#include "rastro/optimize/calibration_check.h"
 
 namespace rastro {
 
@@ -16,7 +17,7 @@ namespace rastro {
 /// straight trajectory says nothing, and neither does a vehicle that hardly turns.
 class FocalCheck {
  public:
-  explicit FocalCheck(const std::optional<Camera>& camera) : camera_(camera) {}
+  explicit FocalCheck(const std::optional<Camera>& camera);
 
   /// Adds a warning to `found` once another focal length is surely better.
   void add(const TrackedWindow& window, InputWarnings& found);
@@ -27,8 +28,10 @@ class FocalCheck {
 
   std::optional<Residuals> residuals_of(const TrackedWindow& window) const;
   void judge(InputWarnings& found);
+  void adjust(const TrackedWindow& window, InputWarnings& found);
 
   std::optional<Camera> camera_;
+  CalibrationCheck adjustment_;
   bool said_ = false;
   std::vector<Residuals> windows_;
 };

@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "rastro/input_check/depth_check.h"
+#include "rastro/input_check/depth_delay_check.h"
+#include "rastro/input_check/depth_scale_check.h"
 #include "rastro/input_check/focal_check.h"
 #include "rastro/input_check/laser_check.h"
 #include "rastro/input_check/stereo_check.h"
@@ -15,12 +17,17 @@ namespace rastro {
 
 struct InputMonitor::Checks {
   explicit Checks(const SourceInfo& info)
-      : camera(info.cameras.empty() ? std::nullopt : info.cameras.front().camera), stereo(info), focal(camera) {}
+      : camera(info.cameras.empty() ? std::nullopt : info.cameras.front().camera),
+        stereo(info),
+        depth_scale(camera),
+        focal(camera) {}
 
   void look(const Frame& frame, InputWarnings& found) {
     laser.add(frame, found);
     stereo.add(frame, found);
     depth.add(frame, found);
+    depth_scale.add(frame, found);
+    if (!depth.is_wrong()) depth_delay.add(frame, found);
     if (!camera || !tracker.add(frame)) return;
     depth.add(tracker.window(), *camera, found);
     focal.add(tracker.window(), found);
@@ -31,6 +38,8 @@ struct InputMonitor::Checks {
   LaserCheck laser;
   StereoCheck stereo;
   DepthCheck depth;
+  DepthScaleCheck depth_scale;
+  DepthDelayCheck depth_delay;
   WindowTracker tracker;
   FocalCheck focal;
   InputWarnings warnings;

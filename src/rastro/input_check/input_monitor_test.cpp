@@ -190,6 +190,17 @@ TEST(InputMonitorDepth, TellsConstantDepth) {
             "depth_constant");
 }
 
+TEST(InputMonitorDepth, TellsDepthOfAnEarlierMoment) {
+  std::deque<DepthImage> before;
+  EXPECT_EQ(told(room_recording().info, room_recording().frames,
+                 [&](Frame& frame) {
+                   before.push_back(frame.depth);
+                   if (before.size() > 4) before.pop_front();
+                   frame.depth = before.front();
+                 }),
+            "depth_late");
+}
+
 TEST(InputMonitorDepth, SurvivesEmptyAndStrangeFrames) {
   InputMonitor monitor(room_recording().info);
   for (int k = 0; k < 20; ++k) {

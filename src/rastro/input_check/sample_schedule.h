@@ -26,4 +26,7 @@ class SampleSchedule {
   double step_, growth_, longest_step_;
 };
 
+/// For what needs frames in a row: all of the first ones, then one in five, in bursts.
+inline bool is_in_burst(std::int64_t number) { return number < 240 || number % 200 < 40; }
+
 }  // namespace rastro

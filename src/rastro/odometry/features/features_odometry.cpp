@@ -13,11 +13,11 @@
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/multiview/essential.h"
 #include "rastro/multiview/rotation.h"
-#include "rastro/odometry/features/calibration_check.h"
 #include "rastro/odometry/features/feature_source.h"
 #include "rastro/odometry/features/local_map.h"
 #include "rastro/odometry/features/pose_chain.h"
 #include "rastro/odometry/frame_check.h"
+#include "rastro/optimize/calibration_check.h"
 
 namespace rastro {
 namespace {

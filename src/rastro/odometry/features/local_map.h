@@ -11,7 +11,7 @@
 #include "rastro/base/time.h"
 #include "rastro/math/se3.h"
 #include "rastro/odometry/features/options.h"
-#include "rastro/odometry/features/window_refinement.h"
+#include "rastro/optimize/window_refinement.h"
 
 namespace rastro {
 

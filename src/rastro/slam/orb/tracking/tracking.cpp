@@ -75,7 +75,7 @@ bool Tracking::is_usable(const Frame& frame, SlamUpdate& update) {
   update.state = session_.has_map ? SlamState::lost : SlamState::initializing;
   if (frame.image.empty()) update.reason = SlamReason::no_data;
   const bool repeated = follows_map() && checked.reason == OdometryReason::repeated_frame;
-  if (repeated && session_.trajectory.repeat_last(frame.index, frame.stamp)) update.state = SlamState::tracking;
+  if (repeated && session_.trajectory.repeat_last(frame.index, frame.stamp)) update.state = SlamState::weak;
   return false;
 }
 

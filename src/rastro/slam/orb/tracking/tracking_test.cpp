@@ -287,7 +287,7 @@ TEST(Tracking, ARepeatedFrameHasTheLastPoseIfItIsKnownAndLater) {
   again.index = 2;
   again.stamp = 150000000;
   const SlamUpdate repeated = run.process(again);
-  EXPECT_EQ(repeated.state, SlamState::tracking);
+  EXPECT_EQ(repeated.state, SlamState::weak) << "the camera may have moved on";
   EXPECT_EQ(repeated.reason, SlamReason::repeated_frame);
   ASSERT_EQ(run.session.trajectory.frames().size(), 3U);
   EXPECT_EQ(run.session.trajectory.frames()[2].index, 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rastro/odometry/features/window_refinement.h"
+#include "rastro/optimize/window_refinement.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rastro/odometry/features/calibration_check.h"
+#include "rastro/optimize/calibration_check.h"
 
 #include <fmt/format.h>
 
@@ -156,9 +156,20 @@ void CalibrationCheck::add(const RefinementWindow& window) {
   estimate_.value = covariance * sum_.right;
   // Windows that contradict each other more than their covariance allows (rolling shutter, moving objects) lower the
   // certainty.
-  const double scatter =
-      std::max(0.0, explained_ - sum_.right.dot(estimate_.value)) / (unknowns * std::max(1, windows_ - 1));
-  estimate_.sigma = (std::max(1.0, scatter) * covariance.diagonal().cwiseMax(0.0)).cwiseSqrt();
+  scatter_ = std::max(
+      1.0, std::max(0.0, explained_ - sum_.right.dot(estimate_.value)) / (unknowns * std::max(1, windows_ - 1)));
+  estimate_.sigma = (scatter_ * covariance.diagonal().cwiseMax(0.0)).cwiseSqrt();
+}
+
+CalibrationCheck::Scale CalibrationCheck::scale() const {
+  Eigen::Matrix<double, unknowns, unknowns - 1> from_fewer = Eigen::Matrix<double, unknowns, unknowns - 1>::Zero();
+  from_fewer(RayCorrection::scale_x, 0) = from_fewer(RayCorrection::scale_y, 0) = 1.0;
+  for (int i = RayCorrection::shift_x; i < unknowns; ++i) from_fewer(i, i - 1) = 1.0;
+  const RayCorrection::Matrix information = sum_.information + RayCorrection::Matrix::Identity();
+  const Eigen::Matrix<double, unknowns - 1, unknowns - 1> covariance =
+      (from_fewer.transpose() * information * from_fewer).inverse();
+  const double value = covariance.row(0).dot(from_fewer.transpose() * sum_.right);
+  return {value, std::sqrt(scatter_ * std::max(0.0, covariance(0, 0)))};
 }
 
 bool CalibrationCheck::is_off(int index) const {

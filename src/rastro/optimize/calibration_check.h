@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <string>
 
-#include "rastro/odometry/features/window_refinement.h"
+#include "rastro/optimize/window_refinement.h"
 
 namespace rastro {
 
@@ -38,6 +38,12 @@ class CalibrationCheck {
     RayCorrection::Vector sigma = RayCorrection::Vector::Ones();
   };
   const Estimate& estimate() const { return estimate_; }
+  /// The common scale of x and y alone: value and standard deviation.
+  struct Scale {
+    double value = 0.0, sigma = 1.0;
+  };
+  Scale scale() const;
+  int windows() const { return windows_; }
   /// Whether a parameter exceeds the tolerance significantly and over several windows.
   bool doubtful() const;
   /// The calibration that would fit better, in one short clause.
@@ -48,6 +54,7 @@ class CalibrationCheck {
 
   double tolerance_;
   int windows_ = 0;
+  double scatter_ = 1.0;    ///< How much more the windows differ than their covariance allows, at least 1.
   double explained_ = 0.0;  ///< Sum over windows: reduction of the squared errors by each window's own correction.
   RayCorrection sum_;
   Estimate estimate_;

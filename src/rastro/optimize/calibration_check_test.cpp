@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rastro/odometry/features/calibration_check.h"
+#include "rastro/optimize/calibration_check.h"
 
 #include <gtest/gtest.h>
 

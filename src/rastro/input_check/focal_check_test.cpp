@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/input_check/focal_check.h"
+
+#include <gtest/gtest.h>
+
+#include "rastro/base/random.h"
+#include "rastro/math/se3.h"
+
+namespace rastro {
+namespace {
+
+Camera wide_camera(double focal_factor) {
+  Camera camera;
+  camera.width = 1240, camera.height = 376;
+  camera.fx = camera.fy = 720.0 * focal_factor;
+  camera.cx = 620.0, camera.cy = 188.0;
+  return camera;
+}
+
+/// A drive along a street of points, turning by `yaw_rate` in each of eight frames.
+TrackedWindow drive(double yaw_rate, std::uint64_t seed) {
+  Random random(seed);
+  const Camera camera = wide_camera(1.0);
+  TrackedWindow window;
+  window.frames = 8;
+  for (int i = 0; i < 160; ++i) {
+    const Eigen::Vector3d point(20.0 * random.uniform() - 10.0, 3.0 * random.uniform() - 2.0,
+                                10.0 + 25.0 * random.uniform());
+    std::vector<Eigen::Vector2f> track;
+    for (int k = 0; k < 8; ++k) {
+      const SE3 world_from_camera(SO3::exp({0.0, yaw_rate * k, 0.0}), {0.1 * yaw_rate * k * k, 0.0, 0.8 * k});
+      const Eigen::Vector3d seen = world_from_camera.inverse() * point;
+      const Eigen::Vector2d noise(random.normal(), random.normal());
+      const Eigen::Vector2d pixel = camera.fx * seen.head<2>() / seen.z() + Eigen::Vector2d(camera.cx, camera.cy);
+      track.push_back((pixel + 0.1 * noise).cast<float>());
+    }
+    window.tracks.push_back(track);
+    window.first_depths.push_back(0.0F);
+    window.mirrored_depths.push_back(0.0F);
+  }
+  return window;
+}
+
+InputWarnings warnings(double focal_factor, double yaw_rate) {
+  FocalCheck check(wide_camera(focal_factor));
+  InputWarnings found;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) check.add(drive(yaw_rate, seed), found);
+  return found;
+}
+
+TEST(FocalCheck, TellsAWrongFocalLengthInAGentleTurn) {
+  for (const double factor : {0.5, 1.5}) {
+    const InputWarnings found = warnings(factor, 0.015);
+    ASSERT_EQ(found.size(), 1U) << factor;
+    EXPECT_EQ(found.front().kind, "focal_length");
+    EXPECT_NE(found.front().text.find(factor < 1.0 ? "longer" : "shorter"), std::string::npos) << found.front().text;
+  }
+}
+
+TEST(FocalCheck, SaysNothingOfARightOneNorOfAStraightDrive) {
+  EXPECT_TRUE(warnings(1.0, 0.015).empty());
+  EXPECT_TRUE(warnings(1.0, 0.0).empty());
+  EXPECT_TRUE(warnings(0.5, 0.0).empty());
+}
+
+}  // namespace
+}  // namespace rastro
