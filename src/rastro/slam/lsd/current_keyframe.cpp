@@ -20,4 +20,11 @@ bool CurrentKeyframe::is_left_by(const ImageAlignment& tracked) const {
          (distance * mean_inverse_depth_ > options_->keyframe_distance || tracked.overlap < overlap);
 }
 
+bool CurrentKeyframe::is_met_by(const ImageAlignment& tracked) const {
+  const double distance = tracked.image_from_reference.inverse().translation().norm();
+  return tracked.rms < options_->keyframe_residual &&
+         distance * mean_inverse_depth_ < options_->return_share * options_->keyframe_distance &&
+         1.0 - tracked.overlap < options_->return_share * (1.0 - options_->keyframe_overlap);
+}
+
 }  // namespace rastro

@@ -27,6 +27,8 @@ class CurrentKeyframe {
   ImageAlignment track(const Pyramid& image, const SE3& image_from_keyframe) const;
   /// Engel et al. 2013, section 2.3: whether a frame is too far away, in mean inverse depths, or sees too much else.
   bool is_left_by(const ImageAlignment& tracked) const;
+  /// Whether a frame is near enough that this keyframe is used again instead of a new one.
+  bool is_met_by(const ImageAlignment& tracked) const;
 
   std::int64_t id() const { return id_; }
   const Pyramid& pyramid() const { return *pyramid_; }

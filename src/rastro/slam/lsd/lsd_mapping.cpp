@@ -8,6 +8,7 @@
 
 #include "rastro/base/stopwatch.h"
 #include "rastro/slam/lsd/lsd_motion.h"
+#include "rastro/slam/lsd/tracking/pose_check.h"
 #include "rastro/slam/map_budget.h"
 
 namespace rastro {
@@ -48,6 +49,7 @@ void LsdMapping::begin_map(KeyframeDepths first, SlamUpdate& update) {
   const std::int64_t id = first.id();
   const int submap = graph_.new_submap();
   depths_.emplace(std::move(first));
+  is_finished_ = false;
   change_ = {};
   graph_.add(depths_->published(), Sim3(), submap);
   update.events.push_back({"keyframe", fmt::format("{}", id)});
@@ -58,7 +60,11 @@ std::optional<Sim3> LsdMapping::process(const MappingInput& input, SlamUpdate& u
   const LsdFrame& frame = *input.frame;
   graph_.add_frame({frame.index, frame.stamp, input.keyframe, input.tracked.image_from_reference.inverse()});
   Stopwatch stage;
-  if (input.use == MappingInput::Use::keyframe) return change_keyframe(input, update);
+  if (input.use == MappingInput::Use::keyframe) {
+    finish_keyframe(update);
+    if (const auto before_from_earlier = go_on_in_earlier(input, update)) return before_from_earlier;
+    return change_keyframe(input, update);
+  }
   if (input.use == MappingInput::Use::refine) {
     if (const auto tracked = on_newest(input)) depths_->refine(frame, *tracked);
     update.times.push_back({"depth", stage.lap_ms()});
@@ -79,10 +85,10 @@ std::optional<ImageAlignment> LsdMapping::on_newest(const MappingInput& input) c
 }
 
 Sim3 LsdMapping::change_keyframe(const MappingInput& input, SlamUpdate& update) {
-  finish_keyframe(update);
   Stopwatch stage;
   const std::int64_t before = depths_->id(), id = graph_.size();
   const Sim3 before_from_new = depths_->change_to(id, *input.frame, input.tracked, input.depth_from_color);
+  is_finished_ = false;
   change_ = {before, before_from_new, input.tracked.gain, input.tracked.offset};
   graph_.add(depths_->published(), graph_.pose(before) * before_from_new, graph_.submap(before));
   graph_.add_edge(edge_to_new(before, id, before_from_new, depths_->mean_inverse_depth(), input.tracked));
@@ -92,13 +98,49 @@ Sim3 LsdMapping::change_keyframe(const MappingInput& input, SlamUpdate& update) 
   return before_from_new;
 }
 
+/// Where the camera was before, the map has a keyframe already (the reactivation of Engel et al. 2013, section 2.3):
+/// nullopt where none is near enough, or the frame does not fit where the map says.
+std::optional<Sim3> LsdMapping::go_on_in_earlier(const MappingInput& input, SlamUpdate& update) {
+  constexpr double most_apart = 0.1;  // mean distances, between alignment and map
+  const std::int64_t before = depths_->id();
+  if (input.keyframe != before || options_.return_share <= 0.0) return std::nullopt;
+  Stopwatch stage;
+  const SE3& frame_from_before = input.tracked.image_from_reference;
+  const auto nearest =
+      graph_.near(before, Sim3(frame_from_before.inverse()), 1, [&](std::int64_t other) { return other != before; });
+  if (nearest.empty()) return std::nullopt;
+  const Sim3 expected_change = graph_.pose(before).inverse() * graph_.pose(nearest.front());
+  const SE3 expected = on_new_keyframe(frame_from_before, expected_change);
+  KeyframeDepths earlier = restored_keyframe(nearest.front());
+  const ImageAlignment tracked = earlier.current().track(input.frame->pyramid, expected);
+  const SE3 apart = tracked.image_from_reference * expected.inverse();
+  const bool is_there =
+      apart.translation().norm() * earlier.mean_inverse_depth() + apart.rotation().log().norm() < most_apart;
+  const bool is_sure = judge_pose(tracked, earlier.mean_inverse_depth(), 0.0, options_).grade == PoseGrade::tracking;
+  if (!is_there || !is_sure || !earlier.current().is_met_by(tracked)) return std::nullopt;
+  depths_.emplace(std::move(earlier));
+  is_finished_ = true;
+  const double unit = expected_change.scale();
+  const SE3& frame_from_earlier = tracked.image_from_reference;
+  const Sim3 before_from_earlier = Sim3(frame_from_before.inverse()) *
+                                   Sim3(unit, frame_from_earlier.rotation(), unit * frame_from_earlier.translation());
+  change_ = {before, before_from_earlier, input.tracked.gain / tracked.gain,
+             (input.tracked.offset - tracked.offset) / tracked.gain};
+  update.events.push_back({"returned", fmt::format("to keyframe {}", nearest.front())});
+  update.times.push_back({"depth", stage.lap_ms()});
+  return before_from_earlier;
+}
+
 void LsdMapping::return_to(std::int64_t id, SlamUpdate& update) {
   finish_keyframe(update);
   depths_.emplace(restored_keyframe(id));
+  is_finished_ = true;
   change_ = {};
 }
 
+/// Its depths stay as they were when an earlier one went on: smoothed each time, they would lose detail.
 void LsdMapping::finish_keyframe(SlamUpdate& update) {
+  if (is_finished_) return;
   Stopwatch stage;
   const auto finished = depths_->published();
   graph_.replace(finished);

@@ -35,7 +35,8 @@ struct MappedKeyframe {
   int submap = 0;
 };
 
-/// The map: the depths of the newest keyframe, which frames improve, and the graph of all keyframes.
+/// The map: the depths of the newest keyframe, which frames improve, and the graph of all keyframes. "Newest" is the
+/// one that frames are tracked on, also where it is an earlier one that goes on.
 class LsdMapping {
  public:
   /// Options, sensor and frames outlive this.
@@ -44,7 +45,8 @@ class LsdMapping {
 
   /// The first keyframe of a new submap. Events and times of this and the following go into the update.
   void begin_map(KeyframeDepths first, SlamUpdate& update);
-  /// Returns keyframe_from_new if the frame became the keyframe: its scale is the new unit in that of the one before.
+  /// Returns keyframe_from_new if the frame became the keyframe, or an earlier one goes on: its scale is the new unit
+  /// in that of the one before.
   std::optional<Sim3> process(const MappingInput& input, SlamUpdate& update);
   /// The camera was found again in an earlier keyframe, which goes on.
   void return_to(std::int64_t id, SlamUpdate& update);
@@ -68,6 +70,7 @@ class LsdMapping {
   };
 
   Sim3 change_keyframe(const MappingInput& input, SlamUpdate& update);
+  std::optional<Sim3> go_on_in_earlier(const MappingInput& input, SlamUpdate& update);
   std::optional<ImageAlignment> on_newest(const MappingInput& input) const;
   void finish_keyframe(SlamUpdate& update);
   void connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update);
@@ -82,6 +85,7 @@ class LsdMapping {
   ConstraintSearch constraints_;
   OrbExtractor features_;
   std::optional<KeyframeDepths> depths_;
+  bool is_finished_ = false;  ///< The newest keyframe is an earlier one that goes on: it has its constraints.
   Change change_;
   std::size_t budget_bytes_;    ///< 0: none.
   std::int64_t forgotten_ = 0;  ///< Keyframes without depths.

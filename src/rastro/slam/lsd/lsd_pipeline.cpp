@@ -56,7 +56,8 @@ void LsdPipeline::take(Result result, LsdMotion& motion, SlamUpdate& update) {
     frames_on_current_ = 0;
     is_changing_ = false;
     const Eigen::Vector3d position = result.current.world_from_keyframe.translation();
-    if (result.covariance) uncertainty_.set(result.current.keyframe.id(), position, *result.covariance);
+    const std::int64_t id = result.current.keyframe.id();
+    if (result.covariance && !uncertainty_.knows(id)) uncertainty_.set(id, position, *result.covariance);
   }
   current_.emplace(std::move(result.current));
   memory_ = std::move(result.memory);

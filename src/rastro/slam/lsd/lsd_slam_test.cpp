@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "rastro/synthetic/worlds/loop.h"
 
 namespace rastro {
@@ -13,13 +16,14 @@ class WalkWithPair {
  public:
   static constexpr int first = 748, frames = 14;
 
-  SlamUpdate process(LsdSlam& slam, int number) {
+  SlamUpdate process(LsdSlam& slam, int number) { return slam.process(frame(number)); }
+  Frame frame(int number) {
     Frame frame;
     frame.index = number;
     frame.stamp = world_.stamp(first + number);
     frame.image = world_.render(first + number, pool_).gray;
     frame.right = world_.render_right(first + number, pool_).gray;
-    return slam.process(frame);
+    return frame;
   }
   LsdSensor sensor() const {
     LsdSensor pair = single_camera(world_.camera());
@@ -84,6 +88,34 @@ TEST(LsdSlam, EqualBytesWithMappingInAThreadOfItsOwn) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t k = 0; k < a.size(); ++k)
     EXPECT_EQ(a[k].world_from_body.matrix(), b[k].world_from_body.matrix()) << k;
+}
+
+/// To and fro between the same houses: the map is the same after every visit, and so are the poses.
+TEST(LsdSlam, EarlierKeyframesGoOnWhereTheCameraComesBack) {
+  constexpr int turn = 24, visits = 3;
+  WalkWithPair walk;
+  LsdSlam slam({}, walk.sensor(), {});
+  std::vector<Frame> seen;
+  for (int k = 0; k < turn; ++k) seen.push_back(walk.frame(k));
+  std::size_t first_visit = 0;
+  int returned = 0;
+  for (int k = 0; k < 2 * visits * turn; ++k) {
+    const int there = k % (2 * turn) < turn ? k % (2 * turn) : 2 * turn - 1 - k % (2 * turn);
+    Frame frame = seen[static_cast<std::size_t>(there)];
+    frame.index = k;
+    frame.stamp = k * from_seconds(0.05);
+    // The turn shows the same image twice, which is told as a repeated one.
+    if (k > 0 && (k % turn) == 0) continue;
+    const SlamUpdate update = slam.process(frame);
+    ASSERT_EQ(update.state, SlamState::tracking) << k << ' ' << update.detail;
+    EXPECT_LT((update.world_from_body.translation() - walk.first_from_camera(there).translation()).norm(), 0.03) << k;
+    returned += static_cast<int>(std::count_if(update.events.begin(), update.events.end(),
+                                               [](const SlamEvent& event) { return event.kind == "returned"; }));
+    if (k == 2 * turn - 1) first_visit = slam.snapshot()->keyframes.size();
+  }
+  EXPECT_GT(first_visit, 2U);
+  EXPECT_GT(returned, 0);
+  EXPECT_LE(slam.snapshot()->keyframes.size(), first_visit + 1);
 }
 
 }  // namespace

@@ -221,6 +221,16 @@ void add_keyframe_options(OptionTable& table, LsdOptions& o) {
        0,
        100,
        {}});
+  table.add(
+      {"return_share",
+       &o.return_share,
+       "",
+       "where a new keyframe would be made, an earlier one goes on instead if the frame is within this share of "
+       "keyframe_distance and of what keyframe_overlap lets out of view: memory grows with what is seen, not with "
+       "time; 0: never",
+       0,
+       1,
+       {}});
   table.add({"earlier_frames",
              &o.earlier_frames,
              "frames",

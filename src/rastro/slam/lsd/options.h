@@ -58,6 +58,7 @@ struct LsdOptions {
   double keyframe_residual = 5.0;
   int keyframe_frames = 2;
   int earlier_frames = 2;
+  double return_share = 0.75;
   int backend_delay_frames = 2;
   int backend_direct_frames = 2;
 

@@ -19,6 +19,7 @@ class PoseUncertainty {
   /// keyframes never set.
   Matrix6d of_frame(std::int64_t keyframe, double unit, double mean_inverse_depth, const SE3& world_from_camera,
                     const ImageAlignment& alignment) const;
+  bool knows(std::int64_t keyframe) const { return keyframes_.contains(keyframe); }
   /// A frame becomes a keyframe.
   void set(std::int64_t keyframe, const Eigen::Vector3d& position, const Matrix6d& covariance);
 

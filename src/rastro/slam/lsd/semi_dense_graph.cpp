@@ -113,17 +113,18 @@ void SemiDenseGraph::optimize() {
   ++revision_;
 }
 
-std::vector<std::int64_t> SemiDenseGraph::near(std::int64_t id, int most,
+std::vector<std::int64_t> SemiDenseGraph::near(std::int64_t id, const Sim3& keyframe_from_pose, int most,
                                                const std::function<bool(std::int64_t)>& is_wanted) const {
   constexpr double reach = 1.0, reach_rad = 0.6;  // in mean distances
   const double per_unit = keyframe(id).mean_inverse_depth / reach;
+  const Sim3 pose_from_world = (pose(id) * keyframe_from_pose).inverse();
   std::vector<std::pair<double, std::int64_t>> found;
   for (std::int64_t other = 0; other < size(); ++other) {
     if (other == id || submap(other) != submap(id) || keyframe(other).image.empty()) continue;
     if (is_wanted && !is_wanted(other)) continue;
-    const Sim3 keyframe_from_other = pose(id).inverse() * pose(other);
+    const Sim3 pose_from_other = pose_from_world * pose(other);
     const double distance =
-        per_unit * keyframe_from_other.translation().norm() + keyframe_from_other.rotation().log().norm() / reach_rad;
+        per_unit * pose_from_other.translation().norm() + pose_from_other.rotation().log().norm() / reach_rad;
     if (distance < 1.0) found.emplace_back(distance, other);
   }
   std::sort(found.begin(), found.end());

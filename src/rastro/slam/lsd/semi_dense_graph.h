@@ -72,6 +72,11 @@ class SemiDenseGraph {
   /// Other keyframes of its submap, the nearest in position and viewing direction first, at most `most` of those whose
   /// views may overlap; `is_wanted` (if any) selects.
   std::vector<std::int64_t> near(std::int64_t id, int most,
+                                 const std::function<bool(std::int64_t)>& is_wanted = {}) const {
+    return near(id, Sim3(), most, is_wanted);
+  }
+  /// The same about another pose, relative to keyframe `id`.
+  std::vector<std::int64_t> near(std::int64_t id, const Sim3& keyframe_from_pose, int most,
                                  const std::function<bool(std::int64_t)>& is_wanted = {}) const;
   /// Finished keyframes that share most words, the most similar first.
   std::vector<std::int64_t> similar(const BagOfWords& words, int most,
