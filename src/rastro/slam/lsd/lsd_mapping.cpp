@@ -8,6 +8,7 @@
 
 #include "rastro/base/stopwatch.h"
 #include "rastro/slam/lsd/lsd_motion.h"
+#include "rastro/slam/lsd/refinement/final_refinement.h"
 #include "rastro/slam/lsd/tracking/pose_check.h"
 #include "rastro/slam/map_budget.h"
 
@@ -136,6 +137,18 @@ void LsdMapping::return_to(std::int64_t id, SlamUpdate& update) {
   depths_.emplace(restored_keyframe(id));
   is_finished_ = true;
   change_ = {};
+}
+
+void LsdMapping::finish(SlamUpdate& update) {
+  if (!depths_) return;
+  finish_keyframe(update);
+  is_finished_ = true;
+  if (options_.refine_iterations == 0 || graph_.size() < FinalRefinement::least_keyframes) return;
+  FinalRefinement refinement(options_, graph_, sensor_);
+  const std::string summary = refinement.run(pools_.tracking);
+  if (!refinement.is_better()) return;
+  graph_.set_poses(refinement.poses());
+  update.events.push_back({"map_revised", summary});
 }
 
 /// Its depths stay as they were when an earlier one went on: smoothed each time, they would lose detail.

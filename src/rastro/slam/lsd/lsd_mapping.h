@@ -51,6 +51,8 @@ class LsdMapping {
   /// The camera was found again in an earlier keyframe, which goes on.
   void return_to(std::int64_t id, SlamUpdate& update);
   void add_frame(const PlacedFrame& frame) { graph_.add_frame(frame); }
+  /// At the end: the last constraints; of one camera, all keyframes are adjusted together.
+  void finish(SlamUpdate& update);
 
   bool has_keyframe() const { return depths_.has_value(); }
   KeyframeDepths& depths() { return *depths_; }  ///< Of the newest keyframe, if there is one.

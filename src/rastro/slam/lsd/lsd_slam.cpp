@@ -196,7 +196,7 @@ bool LsdSlam::State::relocalize(const LsdFrame& frame, bool was_tried, SlamUpdat
 
 std::vector<SlamEvent> LsdSlam::State::finish() {
   SlamUpdate update;
-  mapping_.idle(motion_, update);
+  mapping_.idle(motion_, update).finish(update);
   return std::move(update.events);
 }
 

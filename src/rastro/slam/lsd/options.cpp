@@ -296,9 +296,25 @@ void add_constraint_options(OptionTable& table, LsdOptions& o) {
   table.add({"optimize_iterations", &o.optimize_iterations, "", "of the pose graph, per stage", 1, 1000, {}});
 }
 
+void add_refinement_options(OptionTable& table, LsdOptions& o) {
+  table.add({"refine_iterations",
+             &o.refine_iterations,
+             "",
+             "of the photometric bundle adjustment of one camera's keyframes at the end, at most; 0: none",
+             0,
+             1000,
+             {}});
+  table.add({"refine_points", &o.refine_points, "", "of a keyframe in it, at most", 50, 100000, {}});
+  table.add(
+      {"refine_targets", &o.refine_targets, "", "keyframes that each is compared with in it, at most", 1, 50, {}});
+}
+
 }  // namespace
 
-void set_paper_preset(LsdOptions& options) { options.start = "random"; }
+void set_paper_preset(LsdOptions& options) {
+  options.start = "random";
+  options.refine_iterations = 0;
+}
 
 OptionTable option_table(LsdOptions& options) {
   OptionTable table;
@@ -310,6 +326,7 @@ OptionTable option_table(LsdOptions& options) {
   add_depth_options(table, options);
   add_keyframe_options(table, options);
   add_constraint_options(table, options);
+  add_refinement_options(table, options);
   add_options(table, options.frame_check);
   return table;
 }

@@ -70,6 +70,11 @@ struct LsdOptions {
   double loop_share = 0.85;
   int optimize_iterations = 20;
 
+  // At the end.
+  int refine_iterations = 10;
+  int refine_points = 800;
+  int refine_targets = 5;
+
   FrameCheckOptions frame_check;
 };
 

@@ -63,11 +63,17 @@ class SemiDenseGraph {
   /// Of one submap, which has more or earlier keyframes, the frame becomes that of both.
   void merge(const Constraint& edge);
   void optimize();
+  /// world_from_keyframe by keyframe.
+  void set_poses(std::vector<Sim3> poses) {
+    poses_ = std::move(poses);
+    ++revision_;
+  }
 
   std::int64_t size() const { return static_cast<std::int64_t>(keyframes_.size()); }
   const SemiDenseKeyframe& keyframe(std::int64_t id) const { return *keyframes_[static_cast<std::size_t>(id)]; }
   const Sim3& pose(std::int64_t id) const { return poses_[static_cast<std::size_t>(id)]; }  ///< world_from_keyframe
   int submap(std::int64_t id) const { return submaps_[static_cast<std::size_t>(id)]; }
+  const std::vector<Constraint>& edges() const { return edges_; }
   int new_submap() const;
   /// Other keyframes of its submap, the nearest in position and viewing direction first, at most `most` of those whose
   /// views may overlap; `is_wanted` (if any) selects.

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/refinement/final_refinement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "rastro/math/median.h"
+
+namespace rastro {
+namespace {
+
+constexpr int border_px = 4;
+constexpr double most_uncertain = 0.3;  // Sigma of an inverse depth, of itself.
+constexpr std::size_t least_points = 30;
+constexpr double measured_factor = 2.0;  // Of sigmas: errors of a sensor's depths are alike among neighbors.
+
+int squared_gradient(const GrayImage& image, int x, int y) {
+  const int across = image.at(x + 1, y) - image.at(x - 1, y), upright = image.at(x, y + 1) - image.at(x, y - 1);
+  return across * across + upright * upright;
+}
+
+bool is_certain(const InverseDepthMap& depth, int x, int y) {
+  const double mean = static_cast<double>(depth.mean.at(x, y)), variance = static_cast<double>(depth.variance.at(x, y));
+  return variance > 0.0 && mean > 0.0 && variance < most_uncertain * most_uncertain * mean * mean;
+}
+
+}  // namespace
+
+FinalRefinement::FinalRefinement(const LsdOptions& options, const SemiDenseGraph& graph, const LsdSensor& sensor)
+    : options_(options),
+      graph_(graph),
+      camera_(sensor.camera),
+      is_metric_(sensor.is_metric()),
+      keyframes_(static_cast<std::size_t>(graph.size())) {
+  std::set<int> submaps;
+  for (std::int64_t id = 0; id < graph.size(); ++id) {
+    PhotometricKeyframe& keyframe = keyframes_[static_cast<std::size_t>(id)];
+    const Sim3& pose = graph.pose(id);
+    keyframe.image = graph.keyframe(id).image.view();
+    keyframe.camera_from_world = SE3(pose.rotation(), pose.translation()).inverse();
+    keyframe.fixed = submaps.insert(graph.submap(id)).second || graph.keyframe(id).image.empty();
+    choose_points(id);
+  }
+  choose_targets();
+}
+
+/// In each cell of the image the certain pixel with the largest gradient.
+void FinalRefinement::choose_points(std::int64_t id) {
+  const SemiDenseKeyframe& known = graph_.keyframe(id);
+  if (known.image.empty()) return;
+  const int width = known.image.width(), height = known.image.height();
+  const int cell_px = std::max(2, static_cast<int>(std::sqrt(1.0 * width * height / options_.refine_points)));
+  const double unit = graph_.pose(id).scale();
+  for (int top = border_px; top + cell_px + border_px < height; top += cell_px) {
+    for (int left = border_px; left + cell_px + border_px < width; left += cell_px) {
+      int best = 0, best_x = 0, best_y = 0;
+      for (int y = top; y < top + cell_px; ++y) {
+        for (int x = left; x < left + cell_px; ++x) {
+          if (!is_certain(known.depth, x, y)) continue;
+          const int gradient = squared_gradient(known.image, x, y);
+          if (gradient > best) best = gradient, best_x = x, best_y = y;
+        }
+      }
+      if (best == 0) continue;
+      PhotometricPoint point{best_x, best_y, static_cast<double>(known.depth.mean.at(best_x, best_y)) / unit};
+      if (is_metric_) {
+        point.measured = point.inverse_depth;
+        point.measured_sigma =
+            measured_factor * std::sqrt(static_cast<double>(known.depth.variance.at(best_x, best_y)));
+      }
+      keyframes_[static_cast<std::size_t>(id)].points.push_back(point);
+    }
+  }
+}
+
+/// Those that a constraint connects it with, those made right before and after it among them, the nearest first.
+void FinalRefinement::choose_targets() {
+  std::vector<std::set<std::int32_t>> connected(keyframes_.size());
+  const auto connect = [&](std::int64_t a, std::int64_t b) {
+    if (graph_.keyframe(a).image.empty() || graph_.keyframe(b).image.empty()) return;
+    connected[static_cast<std::size_t>(a)].insert(static_cast<std::int32_t>(b));
+    connected[static_cast<std::size_t>(b)].insert(static_cast<std::int32_t>(a));
+  };
+  for (const Constraint& edge : graph_.edges()) connect(edge.from, edge.to);
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    const Eigen::Vector3d here = graph_.pose(static_cast<std::int64_t>(i)).translation();
+    std::vector<std::pair<double, std::int32_t>> targets;
+    for (const std::int32_t other : connected[i])
+      targets.emplace_back((graph_.pose(other).translation() - here).norm(), other);
+    std::sort(targets.begin(), targets.end());
+    for (const auto& [distance, other] : targets)
+      if (static_cast<int>(keyframes_[i].targets.size()) < options_.refine_targets)
+        keyframes_[i].targets.push_back(other);
+  }
+}
+
+std::string FinalRefinement::run(TaskPool* pool) {
+  PhotometricBundleOptions options;
+  options.iterations = options_.refine_iterations;
+  const PhotometricBundleResult result = adjust_photometric_bundle(keyframes_, camera_, options, pool);
+  better_ = result.last_cost < result.first_cost;
+  return fmt::format(
+      "photometric adjustment of {} keyframes: cost {:.4g} -> {:.4g} in {} iterations, {} pixels compared",
+      keyframes_.size(), result.first_cost, result.last_cost, result.iterations, result.residuals);
+}
+
+std::vector<Sim3> FinalRefinement::poses() const {
+  std::vector<Sim3> poses;
+  for (std::int64_t id = 0; id < graph_.size(); ++id) {
+    const PhotometricKeyframe& keyframe = keyframes_[static_cast<std::size_t>(id)];
+    const SE3 world_from_keyframe = keyframe.camera_from_world.inverse();
+    std::vector<double> scales;
+    for (const PhotometricPoint& point : keyframe.points)
+      scales.push_back(static_cast<double>(graph_.keyframe(id).depth.mean.at(point.x, point.y)) / point.inverse_depth);
+    const bool keeps = is_metric_ || scales.size() < least_points;
+    const double scale = keeps ? graph_.pose(id).scale() : median(std::move(scales));
+    poses.emplace_back(scale, world_from_keyframe.rotation(), world_from_keyframe.translation());
+  }
+  return poses;
+}
+
+}  // namespace rastro

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/slam/lsd/refinement/photometric_bundle.h"
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace rastro {
+namespace {
+
+struct Offset {
+  int x, y;
+};
+constexpr std::array<Offset, 7> pattern = {{{0, 0}, {2, 0}, {-2, 0}, {0, 2}, {0, -2}, {1, 1}, {-1, -1}}};
+constexpr int border_px = 4;
+constexpr double least_inverse_depth = 1e-6;
+constexpr std::size_t least_pixels = 50;  // of a pair of keyframes, to know its gain and offset
+
+double huber_cost(double residual, double huber) {
+  const double size = std::abs(residual);
+  return size <= huber ? 0.5 * size * size : huber * (size - 0.5 * huber);
+}
+
+/// Bilinear.
+double intensity_at(const GrayView& image, double x, double y) {
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const double right = x - left, bottom = y - top;
+  const std::uint8_t* upper = image.row(top) + left;
+  const std::uint8_t* lower = image.row(top + 1) + left;
+  return (1.0 - bottom) * ((1.0 - right) * upper[0] + right * upper[1]) +
+         bottom * ((1.0 - right) * lower[0] + right * lower[1]);
+}
+
+/// One pixel of a point's pattern as another keyframe sees it.
+struct Sample {
+  std::size_t point = 0;
+  Eigen::Vector2d ray;        ///< In the host.
+  Eigen::Vector3d direction;  ///< In the target, times the inverse depth there.
+  double host = 0.0, target = 0.0;
+  double squared_gradient = 0.0;  ///< Of the host's intensity.
+  Eigen::Vector2d gradient;       ///< Of the target's.
+};
+
+/// Where points of `host` that `target` sees lie in it, with intensities.
+class PairSampler {
+ public:
+  PairSampler(const PhotometricKeyframe& host, const PhotometricKeyframe& target, const Camera& camera)
+      : host_(host),
+        target_(target),
+        camera_(camera),
+        target_from_host_(target.camera_from_world * host.camera_from_world.inverse()),
+        rotation_(target_from_host_.rotation().matrix()) {}
+
+  const SE3& target_from_host() const { return target_from_host_; }
+
+  /// Appends the samples of a point, all of its pattern or none.
+  void add(std::size_t index, std::vector<Sample>& samples) const {
+    const PhotometricPoint& point = host_.points[index];
+    const std::size_t before = samples.size();
+    for (const Offset& offset : pattern) {
+      const auto sample = sample_of(index, point, offset);
+      if (!sample) return samples.resize(before);
+      samples.push_back(*sample);
+    }
+  }
+
+ private:
+  std::optional<Sample> sample_of(std::size_t index, const PhotometricPoint& point, const Offset& offset) const {
+    Sample sample;
+    sample.point = index;
+    const int x = point.x + offset.x, y = point.y + offset.y;
+    sample.ray = {(x - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy};
+    sample.direction = rotation_ * sample.ray.homogeneous() + point.inverse_depth * target_from_host_.translation();
+    if (sample.direction.z() < 1e-3) return std::nullopt;
+    const double u = camera_.fx * sample.direction.x() / sample.direction.z() + camera_.cx,
+                 v = camera_.fy * sample.direction.y() / sample.direction.z() + camera_.cy;
+    if (!(u >= border_px && v >= border_px && u < target_.image.width - border_px - 1 &&
+          v < target_.image.height - border_px - 1))
+      return std::nullopt;
+    sample.host = host_.image.row(y)[x];
+    const double across = 0.5 * (host_.image.row(y)[x + 1] - host_.image.row(y)[x - 1]),
+                 upright = 0.5 * (host_.image.row(y + 1)[x] - host_.image.row(y - 1)[x]);
+    sample.squared_gradient = across * across + upright * upright;
+    sample.target = intensity_at(target_.image, u, v);
+    sample.gradient =
+        0.5 * Eigen::Vector2d(intensity_at(target_.image, u + 1, v) - intensity_at(target_.image, u - 1, v),
+                              intensity_at(target_.image, u, v + 1) - intensity_at(target_.image, u, v - 1));
+    return sample;
+  }
+
+  const PhotometricKeyframe& host_;
+  const PhotometricKeyframe& target_;
+  const Camera& camera_;
+  SE3 target_from_host_;
+  Eigen::Matrix3d rotation_;
+};
+
+struct Brightness {
+  double gain = 1.0, offset = 0.0;
+  double residual(const Sample& sample) const { return sample.target - gain * sample.host - offset; }
+};
+
+/// That fits the samples, in two rounds: the second without outliers.
+Brightness brightness_of(const std::vector<Sample>& samples, double outlier) {
+  Brightness brightness;
+  if (samples.size() < least_pixels) return brightness;
+  for (int round = 0; round < 2; ++round) {
+    double n = 0.0, host = 0.0, target = 0.0, squares = 0.0, products = 0.0;
+    for (const Sample& sample : samples) {
+      if (round > 0 && std::abs(brightness.residual(sample)) > outlier) continue;
+      ++n, host += sample.host, target += sample.target;
+      squares += sample.host * sample.host, products += sample.host * sample.target;
+    }
+    const double spread = squares - host * host / std::max(1.0, n);
+    if (!(spread > 1.0)) return brightness;
+    brightness.gain = std::clamp((products - host * target / n) / spread, 0.2, 5.0);
+    brightness.offset = (target - brightness.gain * host) / n;
+  }
+  return brightness;
+}
+
+/// What one keyframe's points say of its own pose (first) and of its targets' (after it), their depths eliminated.
+struct HostNormal {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd right;
+  double cost = 0.0;
+  std::int64_t residuals = 0;
+  /// By point: how its depth step follows from those of the poses.
+  std::vector<double> depth_information, depth_right;
+  std::vector<Eigen::VectorXf> depth_by_poses;
+};
+
+class HostLinearizer {
+ public:
+  HostLinearizer(const std::vector<PhotometricKeyframe>& keyframes, std::size_t host, const Camera& camera,
+                 const PhotometricBundleOptions& options)
+      : keyframes_(keyframes), host_(keyframes[host]), camera_(camera), options_(options) {}
+
+  double cost() const {
+    double sum = 0.0;
+    for (const std::int32_t target : host_.targets) sum += for_pair(target, [](const Sample&, double, double) {});
+    for (const PhotometricPoint& point : host_.points) sum += measured_cost(point);
+    return sum;
+  }
+
+  HostNormal linearize(double damping) const {
+    HostNormal normal;
+    const auto size = static_cast<Eigen::Index>(6 * (1 + host_.targets.size()));
+    normal.matrix.setZero(size, size);
+    normal.right.setZero(size);
+    normal.depth_information.assign(host_.points.size(), 0.0);
+    normal.depth_right.assign(host_.points.size(), 0.0);
+    normal.depth_by_poses.assign(host_.points.size(), Eigen::VectorXf::Zero(size));
+    for (std::size_t k = 0; k < host_.targets.size(); ++k) add_pair(k, normal);
+    for (std::size_t i = 0; i < host_.points.size(); ++i) {
+      const PhotometricPoint& point = host_.points[i];
+      normal.cost += measured_cost(point);
+      normal.depth_information[i] += measured_information(point);
+      normal.depth_right[i] += measured_information(point) * (point.inverse_depth - point.measured);
+      if (!(normal.depth_information[i] > 0.0)) continue;
+      const double inverse = 1.0 / ((1.0 + damping) * normal.depth_information[i]);
+      const Eigen::VectorXd across = normal.depth_by_poses[i].cast<double>();
+      normal.matrix.noalias() -= inverse * across * across.transpose();
+      normal.right -= inverse * normal.depth_right[i] * across;
+    }
+    return normal;
+  }
+
+ private:
+  double measured_information(const PhotometricPoint& point) const {
+    if (!(point.measured_sigma > 0.0)) return 0.0;
+    const double ratio = options_.intensity_sigma / point.measured_sigma;
+    return ratio * ratio;
+  }
+  double measured_cost(const PhotometricPoint& point) const {
+    const double error = point.inverse_depth - point.measured;
+    return 0.5 * measured_information(point) * error * error;
+  }
+  /// Calls `use` with each sample, its residual and its weight; returns the cost.
+  template <typename Use>
+  double for_pair(std::int32_t index, const Use& use) const {
+    const PairSampler sampler(host_, keyframes_[static_cast<std::size_t>(index)], camera_);
+    std::vector<Sample> samples;
+    samples.reserve(pattern.size() * host_.points.size());
+    for (std::size_t i = 0; i < host_.points.size(); ++i) sampler.add(i, samples);
+    const Brightness brightness = brightness_of(samples, options_.outlier);
+    const double most = huber_cost(options_.outlier, options_.huber);
+    // What is out of view costs as much as a hidden point, so that nothing is gained by looking away.
+    double cost = most * static_cast<double>(pattern.size() * host_.points.size() - samples.size());
+    for (const Sample& sample : samples) {
+      const double residual = brightness.residual(sample), size = std::abs(residual);
+      const double weight = 1.0 / (1.0 + sample.squared_gradient / (options_.gradient_scale * options_.gradient_scale));
+      cost += weight * std::min(most, huber_cost(residual, options_.huber));
+      if (size < options_.outlier)
+        use(sample, residual, weight * (size <= options_.huber ? 1.0 : options_.huber / size));
+    }
+    return cost;
+  }
+
+  void add_pair(std::size_t k, HostNormal& normal) const {
+    const PhotometricKeyframe& target = keyframes_[static_cast<std::size_t>(host_.targets[k])];
+    const SE3 target_from_host = target.camera_from_world * host_.camera_from_world.inverse();
+    const Eigen::Matrix3d rotation = target_from_host.rotation().matrix();
+    const auto column = static_cast<Eigen::Index>(6 * (k + 1));
+    normal.cost += for_pair(host_.targets[k], [&](const Sample& sample, double residual, double weight) {
+      const double inverse_depth = host_.points[sample.point].inverse_depth, inverse_z = 1.0 / sample.direction.z();
+      const double x = sample.direction.x() * inverse_z, y = sample.direction.y() * inverse_z;
+      // Of the intensity by the direction in the target.
+      Eigen::RowVector3d by_direction;
+      by_direction << camera_.fx * sample.gradient.x(), camera_.fy * sample.gradient.y(), 0.0;
+      by_direction.z() = -by_direction.x() * x - by_direction.y() * y;
+      by_direction *= inverse_z;
+      // exp(d) * pose moves a point by d's translation + rotation x point; directions are points times inverse_depth.
+      Eigen::Matrix<double, 1, 6> by_target, by_host;
+      by_target << inverse_depth * by_direction, sample.direction.transpose().cross(by_direction);
+      const Eigen::RowVector3d in_host = by_direction * rotation;
+      const Eigen::RowVector3d ray = sample.ray.homogeneous().transpose();
+      by_host << -inverse_depth * in_host, -ray.cross(in_host);
+      const double by_depth = by_direction.dot(target_from_host.translation());
+      normal.matrix.block<6, 6>(0, 0).noalias() += weight * by_host.transpose() * by_host;
+      normal.matrix.block<6, 6>(column, 0).noalias() += weight * by_target.transpose() * by_host;
+      normal.matrix.block<6, 6>(0, column).noalias() += weight * by_host.transpose() * by_target;
+      normal.matrix.block<6, 6>(column, column).noalias() += weight * by_target.transpose() * by_target;
+      normal.right.head<6>() += weight * residual * by_host.transpose();
+      normal.right.segment<6>(column) += weight * residual * by_target.transpose();
+      normal.depth_information[sample.point] += weight * by_depth * by_depth;
+      normal.depth_right[sample.point] += weight * residual * by_depth;
+      Eigen::VectorXf& across = normal.depth_by_poses[sample.point];
+      across.head<6>() += (weight * by_depth * by_host.transpose()).cast<float>();
+      across.segment<6>(column) += (weight * by_depth * by_target.transpose()).cast<float>();
+      ++normal.residuals;
+    });
+  }
+
+  const std::vector<PhotometricKeyframe>& keyframes_;
+  const PhotometricKeyframe& host_;
+  const Camera& camera_;
+  const PhotometricBundleOptions& options_;
+};
+
+class PhotometricBundle {
+ public:
+  PhotometricBundle(std::vector<PhotometricKeyframe>& keyframes, const Camera& camera,
+                    const PhotometricBundleOptions& options, TaskPool* pool)
+      : keyframes_(keyframes), camera_(camera), options_(options), pool_(pool) {}
+
+  PhotometricBundleResult adjust() {
+    PhotometricBundleResult result;
+    double damping = 1e-3;
+    for (int iteration = 0; iteration < options_.iterations; ++iteration) {
+      ++result.iterations;
+      const std::vector<HostNormal> normals = linearize(damping);
+      double cost = 0.0;
+      result.residuals = 0;
+      for (const HostNormal& normal : normals) cost += normal.cost, result.residuals += normal.residuals;
+      if (iteration == 0) result.first_cost = cost;
+      result.last_cost = cost;
+      const std::vector<PhotometricKeyframe> before = keyframes_;
+      if (!step(normals, damping)) break;
+      const double after = this->cost();
+      if (!(after < cost)) {
+        keyframes_ = before;
+        damping *= 10.0;
+        if (damping > 1e3) break;
+        continue;
+      }
+      result.last_cost = after;
+      damping = std::max(1e-6, 0.2 * damping);
+      if (after > (1.0 - options_.least_gain) * cost) break;
+    }
+    return result;
+  }
+
+ private:
+  template <typename Body>
+  void for_hosts(const Body& body) const {
+    const auto some = [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) body(static_cast<std::size_t>(i));
+    };
+    const auto count = static_cast<int>(keyframes_.size());
+    pool_ ? pool_->for_chunks(0, count, 1, some) : some(0, count);
+  }
+
+  double cost() const {
+    std::vector<double> costs(keyframes_.size());
+    for_hosts([&](std::size_t i) { costs[i] = HostLinearizer(keyframes_, i, camera_, options_).cost(); });
+    double sum = 0.0;
+    for (const double each : costs) sum += each;
+    return sum;
+  }
+
+  std::vector<HostNormal> linearize(double damping) const {
+    std::vector<HostNormal> normals(keyframes_.size());
+    for_hosts([&](std::size_t i) { normals[i] = HostLinearizer(keyframes_, i, camera_, options_).linearize(damping); });
+    return normals;
+  }
+
+  /// The keyframe of a block of the host's equations.
+  std::size_t keyframe_of(std::size_t host, std::size_t block) const {
+    return block == 0 ? host : static_cast<std::size_t>(keyframes_[host].targets[block - 1]);
+  }
+
+  bool step(const std::vector<HostNormal>& normals, double damping) {
+    const auto poses = solve(normals, damping);
+    if (!poses) return false;
+    for (std::size_t i = 0; i < keyframes_.size(); ++i) move_points(i, normals[i], *poses, damping);
+    for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+      const Vector6d move = poses->segment<6>(static_cast<Eigen::Index>(6 * i));
+      if (!keyframes_[i].fixed) keyframes_[i].camera_from_world = SE3::exp(move) * keyframes_[i].camera_from_world;
+    }
+    return true;
+  }
+
+  std::optional<Eigen::VectorXd> solve(const std::vector<HostNormal>& normals, double damping) const {
+    const auto size = static_cast<Eigen::Index>(6 * keyframes_.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(size), diagonal = Eigen::VectorXd::Zero(size);
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      const std::size_t blocks = 1 + keyframes_[i].targets.size();
+      for (std::size_t a = 0; a < blocks; ++a) {
+        const auto row = static_cast<Eigen::Index>(6 * keyframe_of(i, a)), from = static_cast<Eigen::Index>(6 * a);
+        right.segment<6>(row) += normals[i].right.segment<6>(from);
+        diagonal.segment<6>(row) += normals[i].matrix.diagonal().segment<6>(from);
+        for (std::size_t b = 0; b < blocks; ++b)
+          add_block(normals[i].matrix, from, 6 * b, row, keyframe_of(i, b), entries);
+      }
+    }
+    constexpr double held = 1e12;
+    for (Eigen::Index i = 0; i < size; ++i) {
+      const bool fixed = keyframes_[static_cast<std::size_t>(i / 6)].fixed;
+      entries.emplace_back(i, i, fixed ? held : damping * std::max(0.0, diagonal[i]) + 1e-3);
+    }
+    Eigen::SparseMatrix<double> matrix(size, size);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
+    if (solver.info() != Eigen::Success) return std::nullopt;
+    Eigen::VectorXd steps = solver.solve(-right);
+    if (!steps.allFinite()) return std::nullopt;
+    return steps;
+  }
+
+  /// The lower half is all that the solver reads.
+  static void add_block(const Eigen::MatrixXd& from, Eigen::Index from_row, std::size_t from_column, Eigen::Index row,
+                        std::size_t keyframe, std::vector<Eigen::Triplet<double>>& entries) {
+    const auto column = static_cast<Eigen::Index>(6 * keyframe);
+    if (column > row) return;
+    for (Eigen::Index y = 0; y < 6; ++y)
+      for (Eigen::Index x = 0; x < 6; ++x)
+        if (column + x <= row + y)
+          entries.emplace_back(row + y, column + x, from(from_row + y, static_cast<Eigen::Index>(from_column) + x));
+  }
+
+  void move_points(std::size_t host, const HostNormal& normal, const Eigen::VectorXd& poses, double damping) {
+    PhotometricKeyframe& keyframe = keyframes_[host];
+    Eigen::VectorXd local(normal.right.size());
+    for (std::size_t a = 0; a <= keyframe.targets.size(); ++a) {
+      const std::size_t moved = keyframe_of(host, a);
+      local.segment<6>(static_cast<Eigen::Index>(6 * a)) =
+          keyframes_[moved].fixed ? Vector6d(Vector6d::Zero())
+                                  : Vector6d(poses.segment<6>(static_cast<Eigen::Index>(6 * moved)));
+    }
+    for (std::size_t i = 0; i < keyframe.points.size(); ++i) {
+      if (!(normal.depth_information[i] > 0.0)) continue;
+      double& depth = keyframe.points[i].inverse_depth;
+      const double move = -(normal.depth_right[i] + normal.depth_by_poses[i].cast<double>().dot(local)) /
+                          ((1.0 + damping) * normal.depth_information[i]);
+      depth = std::clamp(depth + move, std::max(least_inverse_depth, 0.5 * depth), 2.0 * depth);
+    }
+  }
+
+  std::vector<PhotometricKeyframe>& keyframes_;
+  const Camera& camera_;
+  PhotometricBundleOptions options_;
+  TaskPool* pool_;
+};
+
+}  // namespace
+
+PhotometricBundleResult adjust_photometric_bundle(std::vector<PhotometricKeyframe>& keyframes, const Camera& camera,
+                                                  const PhotometricBundleOptions& options, TaskPool* pool) {
+  return PhotometricBundle(keyframes, camera, options, pool).adjust();
+}
+
+}  // namespace rastro
