@@ -31,7 +31,7 @@ std::vector<int> depths_of(const DepthImage& depth) {
   for (int y = 0; y < depth.height(); ++y)
     for (int x = 0; x < depth.width(); ++x) {
       const float z = depth.at(x, y);
-      if (z > 0.0F && z < farthest_m) occurs[static_cast<std::size_t>(z / bin_m + 0.5F)] = 1;
+      if (z > 0.0F && z < farthest_m) occurs[static_cast<std::size_t>(std::lround(z / bin_m))] = 1;
     }
   std::vector<int> depths;
   for (std::size_t i = 0; i < occurs.size(); ++i)

@@ -93,6 +93,7 @@ Eigen::Vector2d shift_between(const Thumbnail& first, const Thumbnail& second) {
   const std::vector<Cell> cells = cells_of(first, second);
   if (cells.size() < least_cells) return Eigen::Vector2d::Zero();
   std::vector<double> sizes;
+  sizes.reserve(cells.size());
   for (const Cell& cell : cells) sizes.push_back(std::abs(static_cast<double>(cell.difference)));
   const double largest = static_cast<double>(outlier_factor) * median(sizes);
   Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
