@@ -2,10 +2,7 @@
 // Internal: not installed.
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
 #include <cstdint>
-#include <deque>
 #include <vector>
 
 #include "rastro/camera/camera.h"

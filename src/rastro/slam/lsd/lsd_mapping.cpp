@@ -43,6 +43,7 @@ LsdMapping::LsdMapping(const LsdOptions& options, const LsdSensor& sensor, const
       graph_(options, sensor.is_metric()),
       constraints_(options, sensor, graph_, pools.mapping),
       features_(OrbOptions{}),
+      stop_(context.stop),
       budget_bytes_(map_budget_bytes(context, memory_reserve_mb)) {}
 
 void LsdMapping::begin_map(KeyframeDepths first, SlamUpdate& update) {
@@ -102,7 +103,7 @@ Sim3 LsdMapping::change_keyframe(const MappingInput& input, SlamUpdate& update) 
 /// Where the camera was before, the map has a keyframe already (the reactivation of Engel et al. 2013, section 2.3):
 /// nullopt where none is near enough, or the frame does not fit where the map says.
 std::optional<Sim3> LsdMapping::go_on_in_earlier(const MappingInput& input, SlamUpdate& update) {
-  constexpr double most_apart = 0.1;  // mean distances, between alignment and map
+  constexpr double max_deviation = 0.1;  // mean distances, between alignment and map
   const std::int64_t before = depths_->id();
   if (input.keyframe != before || options_.return_share <= 0.0) return std::nullopt;
   Stopwatch stage;
@@ -114,9 +115,9 @@ std::optional<Sim3> LsdMapping::go_on_in_earlier(const MappingInput& input, Slam
   const SE3 expected = on_new_keyframe(frame_from_before, expected_change);
   KeyframeDepths earlier = restored_keyframe(nearest.front());
   const ImageAlignment tracked = earlier.current().track(input.frame->pyramid, expected);
-  const SE3 apart = tracked.image_from_reference * expected.inverse();
+  const SE3 deviation = tracked.image_from_reference * expected.inverse();
   const bool is_there =
-      apart.translation().norm() * earlier.mean_inverse_depth() + apart.rotation().log().norm() < most_apart;
+      deviation.translation().norm() * earlier.mean_inverse_depth() + deviation.rotation().log().norm() < max_deviation;
   const bool is_sure = judge_pose(tracked, earlier.mean_inverse_depth(), 0.0, options_).grade == PoseGrade::tracking;
   if (!is_there || !is_sure || !earlier.current().is_met_by(tracked)) return std::nullopt;
   depths_.emplace(std::move(earlier));
@@ -143,9 +144,10 @@ void LsdMapping::finish(SlamUpdate& update) {
   if (!depths_) return;
   finish_keyframe(update);
   is_finished_ = true;
-  if (options_.refine_iterations == 0 || graph_.size() < FinalRefinement::least_keyframes) return;
+  const auto stopped = [this] { return stop_ != nullptr && stop_->load(); };
+  if (stopped() || options_.refine_iterations == 0 || graph_.size() < FinalRefinement::least_keyframes) return;
   FinalRefinement refinement(options_, graph_, sensor_);
-  const std::string summary = refinement.run(pools_.tracking);
+  const std::string summary = refinement.run(pools_.tracking, stopped);
   if (!refinement.is_better()) return;
   graph_.set_poses(refinement.poses());
   update.events.push_back({"map_revised", summary});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -89,8 +90,9 @@ class LsdMapping {
   std::optional<KeyframeDepths> depths_;
   bool is_finished_ = false;  ///< The newest keyframe is an earlier one that goes on: it has its constraints.
   Change change_;
-  std::size_t budget_bytes_;    ///< 0: none.
-  std::int64_t forgotten_ = 0;  ///< Keyframes without depths.
+  const std::atomic<bool>* stop_;  ///< The run is interrupted: what is optional is left out. May be null.
+  std::size_t budget_bytes_;       ///< 0: none.
+  std::int64_t forgotten_ = 0;     ///< Keyframes without depths.
 };
 
 }  // namespace rastro

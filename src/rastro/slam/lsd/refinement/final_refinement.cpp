@@ -98,9 +98,10 @@ void FinalRefinement::choose_targets() {
   }
 }
 
-std::string FinalRefinement::run(TaskPool* pool) {
+std::string FinalRefinement::run(TaskPool* pool, const std::function<bool()>& stopped) {
   PhotometricBundleOptions options;
   options.iterations = options_.refine_iterations;
+  options.stopped = stopped;
   const PhotometricBundleResult result = adjust_photometric_bundle(keyframes_, camera_, options, pool);
   better_ = result.last_cost < result.first_cost;
   return fmt::format(

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,8 @@ class FinalRefinement {
   /// Of fewer keyframes little has accumulated, and two of them hardly tell what moves from what stands still.
   static constexpr std::int64_t least_keyframes = 5;
 
-  /// Touches no map. Returns a summary for the log.
-  std::string run(TaskPool* pool);
+  /// Changes no map. Ends early once `stopped`. Returns a summary for the log.
+  std::string run(TaskPool* pool, const std::function<bool()>& stopped);
   /// Whether run() gained anything: poses() are better than those of the map.
   bool is_better() const { return better_; }
   /// world_from_keyframe by keyframe, with the scales that their depths in the map need.

@@ -251,6 +251,7 @@ class PhotometricBundle {
     PhotometricBundleResult result;
     double damping = 1e-3;
     for (int iteration = 0; iteration < options_.iterations; ++iteration) {
+      if (options_.stopped && options_.stopped()) break;
       ++result.iterations;
       const std::vector<HostNormal> normals = linearize(damping);
       double cost = 0.0;

@@ -152,6 +152,14 @@ TEST(PhotometricBundle, EqualBytesForAnyPool) {
   }
 }
 
+TEST(PhotometricBundle, EndsWhereItIsStopped) {
+  PlaneViews scene;
+  scene.disturb(3);
+  const double before = scene.error();
+  EXPECT_EQ(adjust_photometric_bundle(scene.keyframes, plane_camera(), {.stopped = [] { return true; }}).iterations, 0);
+  EXPECT_EQ(scene.error(), before);
+}
+
 TEST(PhotometricBundle, NothingToCompareChangesNothing) {
   std::vector<PhotometricKeyframe> none;
   EXPECT_EQ(adjust_photometric_bundle(none, plane_camera(), {}).residuals, 0);
