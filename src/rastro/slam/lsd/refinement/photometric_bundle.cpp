@@ -251,9 +251,9 @@ class PhotometricBundle {
     PhotometricBundleResult result;
     double damping = 1e-3;
     for (int iteration = 0; iteration < options_.iterations; ++iteration) {
-      if (options_.stopped && options_.stopped()) break;
-      ++result.iterations;
       const std::vector<HostNormal> normals = linearize(damping);
+      if (stopped()) break;
+      ++result.iterations;
       double cost = 0.0;
       result.residuals = 0;
       for (const HostNormal& normal : normals) cost += normal.cost, result.residuals += normal.residuals;
@@ -262,8 +262,9 @@ class PhotometricBundle {
       const std::vector<PhotometricKeyframe> before = keyframes_;
       if (!step(normals, damping)) break;
       const double after = this->cost();
-      if (!(after < cost)) {
+      if (stopped() || !(after < cost)) {
         keyframes_ = before;
+        if (stopped()) break;
         damping *= 10.0;
         if (damping > 1e3) break;
         continue;
@@ -276,10 +277,13 @@ class PhotometricBundle {
   }
 
  private:
+  bool stopped() const { return options_.stopped && options_.stopped(); }
+
+  /// Of some keyframes alone once stopped.
   template <typename Body>
   void for_hosts(const Body& body) const {
     const auto some = [&](int begin, int end) {
-      for (int i = begin; i < end; ++i) body(static_cast<std::size_t>(i));
+      for (int i = begin; i < end && !stopped(); ++i) body(static_cast<std::size_t>(i));
     };
     const auto count = static_cast<int>(keyframes_.size());
     pool_ ? pool_->for_chunks(0, count, 1, some) : some(0, count);

@@ -38,7 +38,7 @@ struct PhotometricBundleOptions {
   double intensity_sigma = 5.0;   ///< Of a residual, against which a measured depth counts.
   double outlier = 40.0;          ///< Residuals count no more than this: the point is hidden there.
   double least_gain = 1e-4;       ///< Relative decrease of the cost below which an iteration is the last.
-  std::function<bool()> stopped;  ///< Once true, no further iteration starts; the result so far stays. May be empty.
+  std::function<bool()> stopped;  ///< Once true, the step at hand is dropped; the result so far stays. May be empty.
 };
 
 struct PhotometricBundleResult {
