@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "rastro/backend/loop_candidates.h"
+#include "rastro/backend/rgbd/edge_covariance.h"
 #include "rastro/base/error.h"
 
 namespace rastro {
@@ -162,15 +163,17 @@ std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& ran
     return candidates.free([&](std::int64_t k) { return keyframe(k).features.size() > 0 && is_allowed(k); });
   };
   if (frozen_ == 0) candidates.add_latest(id, options_.last_candidates);
-  // Nearest by position and viewing direction.
-  std::vector<std::pair<double, std::int64_t>> near;
+  // By position and viewing direction; those on the way here must not crowd out those of an earlier visit.
+  std::vector<std::pair<double, std::int64_t>> latest, earlier;
   for (const std::int64_t other : to_match([&](std::int64_t k) { return submap(k) == submap(id); })) {
     if ((pose(other).translation() - pose(id).translation()).norm() > options_.near_distance_m) continue;
     const double distance =
         share_of_reach(pose(other).inverse() * pose(id), options_.near_distance_m, options_.near_angle_rad);
-    if (distance < 1.0) near.emplace_back(distance, other);
+    const bool on_the_way = other >= std::max(frozen_, id - options_.graph_window);
+    if (distance < 1.0) (on_the_way ? latest : earlier).emplace_back(distance, other);
   }
-  candidates.add_nearest(std::move(near), options_.near_candidates);
+  candidates.add_nearest(std::move(latest), options_.near_candidates);
+  candidates.add_nearest(std::move(earlier), options_.near_candidates);
   constexpr int reach = 3;
   candidates.add_random(neighborhood(id, reach), options_.graph_candidates, random);
   candidates.add_random(to_match([&](std::int64_t k) { return submap(k) != submap(id); }), options_.join_candidates,
@@ -286,7 +289,7 @@ void KeyframeGraph::settle_covariance(std::int64_t id) {
     const bool forward = edge.to == id;
     const std::int64_t other = forward ? edge.from : edge.to;
     if (other > id || submap(other) != submap(id)) continue;
-    const Matrix6d of_edge = edge.information.inverse();
+    const Matrix6d of_edge = without_common_errors(edge, options_);
     const Matrix6d to_right = pose(id).inverse().adjoint() * pose(other).adjoint();
     const Matrix6d back = edge.rigid().adjoint();
     Matrix6d covariance = to_right * this->covariance(other) * to_right.transpose();

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "rastro/backend/rgbd/edge_covariance.h"
 #include "rastro/feature/descriptor_matching.h"
 
 namespace rastro {
@@ -131,10 +132,8 @@ std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a
   constraint.agreement = check_.compare(*surface_a, *surface_b, constraint.a_from_b);
   rejection = judge(constraint.evidence(), surface_acceptance(options_, few));
   if (rejection != Rejection::none) return std::nullopt;
-  // Errors common to pixels and depths, as from lens and clocks, do not decrease with their number.
-  Matrix6d covariance = match_covariance_factor * views->information.inverse();
-  covariance.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
-  covariance.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;
+  const Matrix6d covariance =
+      with_common_errors(match_covariance_factor * views->information.inverse(), options_);
   rejection = Rejection::few_inliers;
   if (!knows_position(covariance, request.max_sigma_m)) return std::nullopt;
   rejection = Rejection::none;

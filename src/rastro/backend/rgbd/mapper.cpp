@@ -114,7 +114,7 @@ MapRevision Mapper::add(const KeyframeOrder& order) {
   ImageFeatures keyframe = features_.extract(order.frame, budget_.share());
   keyframe.id = order.id;
   keep(order, std::move(keyframe));
-  for (const Constraint& edge : order.constraints) add_edge(edge, revision);
+  if (order.constraint) add_edge(*order.constraint, revision);
   graph_.settle_covariance(order.id);
   constrain(order.id, revision);
   frames_ = order.frames;
@@ -138,8 +138,8 @@ MapRevision Mapper::connect(Constraint edge) {
 /// Its pose from the tracker, relative to the keyframe of its constraint, since the graph may have moved.
 void Mapper::keep(const KeyframeOrder& order, ImageFeatures keyframe) {
   KeyframePose pose{order.world_from_camera, order.submap};
-  if (!order.constraints.empty()) {
-    const Constraint& edge = order.constraints.front();
+  if (order.constraint) {
+    const Constraint& edge = *order.constraint;
     pose = {graph_.pose(edge.from) * edge.rigid(), graph_.submap(edge.from)};
   }
   auto kept = std::make_shared<const ImageFeatures>(std::move(keyframe));

@@ -28,11 +28,11 @@ namespace rastro {
 /// The input from which the mapper makes a keyframe.
 struct KeyframeOrder {
   std::int64_t id = 0;
-  Frame frame;                          ///< Only image, color, depth and mask are read.
-  SE3 world_from_camera;                ///< As the tracker estimated it.
-  int submap = 0;                       ///< As far as the tracker knows.
-  std::vector<Constraint> constraints;  ///< To this keyframe: from odometry or from relocalization.
-  std::size_t frames = 0;               ///< Number with a pose so far; they take memory as well.
+  Frame frame;                           ///< Only image, color, depth and mask are read.
+  SE3 world_from_camera;                 ///< As the tracker estimated it.
+  int submap = 0;                        ///< As far as the tracker knows.
+  std::optional<Constraint> constraint;  ///< To this keyframe: from odometry or from relocalization.
+  std::size_t frames = 0;                ///< Number with a pose so far; they take memory as well.
 };
 
 /// The new keyframe and the changes to the map.

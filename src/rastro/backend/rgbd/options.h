@@ -37,7 +37,7 @@ struct RgbdSlamOptions {
   int ransac_iterations = 300;
   int min_inliers = 25;
   int loop_inliers = 25;
-  bool match_far = false;
+  bool match_far = true;
   std::string few_features = "icp";
   int few_inliers = 10;
   double min_inlier_share = 0.25;

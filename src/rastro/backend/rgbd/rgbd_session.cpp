@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <utility>
 
+#include "rastro/backend/rgbd/edge_covariance.h"
 #include "rastro/backend/rgbd/frame_report.h"
 #include "rastro/backend/rgbd/given_map.h"
 #include "rastro/base/checked_options.h"
@@ -106,7 +107,7 @@ void RgbdSession::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUp
   update.used = followed.inliers + followed.surface_points;
   const SE3& pose = followed.world_from_camera;
   if (!exists()) {
-    make_keyframe(frame, pose, {}, map_.new_submap(), Matrix6d::Zero(), update);
+    make_keyframe(frame, pose, std::nullopt, update);
   } else {
     mapping_ ? update_pose(frame, followed, update) : localize(frame, followed, update);
     map_.add_frame(frame.stamp, anchor_.keyframe, anchor_.world_from_keyframe.inverse() * update.world_from_body);
@@ -116,7 +117,8 @@ void RgbdSession::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUp
 }
 
 Matrix6d RgbdSession::covariance_of(const SE3& pose, const Matrix6d& from_keyframe) const {
-  return chained(anchor_.covariance, anchor_.world_from_keyframe.inverse() * pose, from_keyframe);
+  const SE3 keyframe_from_camera = anchor_.world_from_keyframe.inverse() * pose;
+  return with_common_errors(chained(anchor_.covariance, keyframe_from_camera, from_keyframe), options_);
 }
 
 /// Where the follower has the frame, which becomes a keyframe where it is to.
@@ -124,17 +126,16 @@ void RgbdSession::update_pose(const Frame& frame, const RgbdFollow& followed, Sl
   const SE3& pose = followed.world_from_camera;
   const Matrix6d from_keyframe =
       chained(anchor_.reference_covariance, anchor_.world_from_reference.inverse() * pose, followed.covariance);
-  const Matrix6d covariance = covariance_of(pose, from_keyframe);
   if (needs_keyframe(followed) && pipeline_.accepts()) {
-    if (revisit(frame, pose, from_keyframe, update)) return;
-    make_keyframe(frame, pose, {path_edge(pose, from_keyframe)}, map_.submap(anchor_.keyframe), covariance, update);
+    if (!revisit(frame, pose, from_keyframe, update))
+      make_keyframe(frame, pose, path_edge(pose, from_keyframe), update);
     return;
   }
   if (followed.new_reference) {
     anchor_.world_from_reference = pose;
     anchor_.reference_covariance = from_keyframe;
   }
-  say_pose(pose, covariance, update);
+  say_pose(pose, covariance_of(pose, from_keyframe), update);
 }
 
 bool RgbdSession::has_moved(const RgbdFollow& followed) const {
@@ -149,34 +150,29 @@ bool RgbdSession::needs_keyframe(const RgbdFollow& followed) const {
   return (followed.new_reference && spacing_ <= 1.0) || has_moved(followed);
 }
 
-/// Errors common to pixels and depths do not decrease with the number of frames.
-Matrix6d RgbdSession::softened(Matrix6d covariance) const {
-  covariance.diagonal().head<3>().array() += options_.edge_sigma_m * options_.edge_sigma_m;
-  covariance.diagonal().tail<3>().array() += options_.edge_sigma_rad * options_.edge_sigma_rad;
-  return covariance;
-}
-
 Constraint RgbdSession::path_edge(const SE3& world_from_camera, const Matrix6d& covariance) const {
   Constraint edge;
   edge.from = anchor_.keyframe;
   edge.to = map_.keyframe_count();
   edge.from_from_to = Sim3(anchor_.world_from_keyframe.inverse() * world_from_camera);
-  edge.information = information_of(softened(covariance));
+  edge.information = information_of(with_common_errors(covariance, options_));
   edge.kind = ConstraintKind::odometry;
   return edge;
 }
 
+/// Relative to the keyframe of the constraint; without one it begins a submap.
 void RgbdSession::make_keyframe(const Frame& frame, const SE3& world_from_camera,
-                                const std::vector<Constraint>& constraints, int submap, const Matrix6d& covariance,
-                                SlamUpdate& update) {
-  const std::int64_t id = map_.keyframe_count();
+                                const std::optional<Constraint>& constraint, SlamUpdate& update) {
+  const std::int64_t id = map_.keyframe_count(), from = constraint ? constraint->from : -1;
+  const int submap = constraint ? map_.submap(from) : map_.new_submap();
   const auto order = std::make_shared<const KeyframeOrder>(
-      KeyframeOrder{id, kept_of(frame), world_from_camera, submap, constraints, map_.frame_count()});
-  map_.add_pending({world_from_camera, submap}, covariance);
-  anchor_ = {id, world_from_camera, covariance, world_from_camera, Matrix6d::Zero()};
+      KeyframeOrder{id, kept_of(frame), world_from_camera, submap, constraint, map_.frame_count()});
+  map_.add_pending({world_from_camera, submap}, from,
+                   constraint ? without_common_errors(*constraint, options_) : Matrix6d(Matrix6d::Zero()));
+  anchor_ = {id, world_from_camera, map_.covariance(id), world_from_camera, Matrix6d::Zero()};
   counts_.anchored = counts_.seen;
   update.events.push_back({"keyframe", fmt::format("{}", id)});
-  say_pose(world_from_camera, covariance, update);
+  say_pose(world_from_camera, covariance_of(world_from_camera, Matrix6d::Zero()), update);
   const auto job = [this, order, segment = segment_] {
     return MappedKeyframe{order->id, segment, mapper_.add(*order)};
   };
@@ -200,13 +196,13 @@ void RgbdSession::apply(MappedKeyframe mapped, std::vector<SlamEvent>& events) {
   note_memory(mapped.revision);
   const SE3 before = map_.pose(mapped.keyframe);
   map_.apply(std::move(mapped.revision));
-  if (mapped.keyframe == anchor_.keyframe) anchor_.covariance = map_.covariance(mapped.keyframe);
   if (mapped.segment != segment_) return;
   const SE3 correction = map_.pose(mapped.keyframe) * before.inverse();
+  map_.move_pending(mapped.keyframe + 1, correction, map_.submap(mapped.keyframe));
+  anchor_.covariance = map_.covariance(anchor_.keyframe);
   constexpr double least = 1e-9;
   if (!(correction.log().norm() > least)) return;
   follower_.move(correction);
-  map_.move_pending(mapped.keyframe + 1, correction);
   if (mapped.keyframe != anchor_.keyframe)
     anchor_.world_from_keyframe = correction * anchor_.world_from_keyframe;
   else

@@ -108,11 +108,10 @@ class RgbdSession {
   bool revisit(const Frame& frame, const SE3& pose, const Matrix6d& from_keyframe, SlamUpdate& update);
   std::vector<std::int64_t> known_here(const SE3& pose) const;
   void connect(const Constraint& edge, TimeNs stamp);
-  Matrix6d softened(Matrix6d covariance) const;
   bool has_moved(const RgbdFollow& followed) const;
   bool needs_keyframe(const RgbdFollow& followed) const;
-  void make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::vector<Constraint>& constraints,
-                     int submap, const Matrix6d& covariance, SlamUpdate& update);
+  void make_keyframe(const Frame& frame, const SE3& world_from_camera, const std::optional<Constraint>& constraint,
+                     SlamUpdate& update);
   Constraint path_edge(const SE3& world_from_camera, const Matrix6d& covariance) const;
   void apply(MappedKeyframe mapped, std::vector<SlamEvent>& events);
   void note_memory(const MapRevision& revision);

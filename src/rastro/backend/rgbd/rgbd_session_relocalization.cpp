@@ -162,13 +162,7 @@ bool RgbdSession::start_again(const Frame& frame, const SE3& world_from_camera,
     map_.add_frame(frame.stamp, anchor_.keyframe, anchor_.world_from_keyframe.inverse() * world_from_camera);
     return true;
   }
-  if (constraint) {
-    const Matrix6d covariance =
-        chained(map_.covariance(constraint->from), constraint->rigid(), constraint->information.inverse());
-    make_keyframe(frame, world_from_camera, {*constraint}, map_.submap(constraint->from), covariance, update);
-  } else {
-    make_keyframe(frame, world_from_camera, {}, map_.new_submap(), Matrix6d::Zero(), update);
-  }
+  make_keyframe(frame, world_from_camera, constraint, update);
   map_.add_frame(frame.stamp, anchor_.keyframe, SE3());
   return true;
 }

@@ -4,6 +4,7 @@
 
 #include "rastro/backend/acceptance.h"
 #include "rastro/backend/loop_candidates.h"
+#include "rastro/backend/rgbd/edge_covariance.h"
 #include "rastro/backend/rgbd/frame_report.h"
 #include "rastro/backend/rgbd/rgbd_session.h"
 
@@ -33,7 +34,7 @@ bool RgbdSession::revisit(const Frame& frame, const SE3& pose, const Matrix6d& f
   const Matrix6d both = of_path + chained(map_.covariance(found->keyframe), found->constraint.a_from_b, of_match);
   const Evidence evidence{.graph_sigmas = graph_sigmas(pose, matched, both)};
   if (judge(evidence, {.max_graph_sigmas = options_.loop_max_sigmas}) != Rejection::none) return false;
-  const Matrix6d tracked = softened(from_keyframe), gain = tracked * (tracked + of_match).inverse();
+  const Matrix6d tracked = with_common_errors(from_keyframe, options_), gain = tracked * (tracked + of_match).inverse();
   const SE3 fused = pose * SE3::exp(gain * (pose.inverse() * matched).log());
   if (anchor_.keyframe != found->keyframe) {
     Constraint edge{anchor_.keyframe, found->keyframe};

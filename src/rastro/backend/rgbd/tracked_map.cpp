@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "rastro/backend/rgbd/frame_report.h"
+
 namespace rastro {
 
 TrackedMap::TrackedMap(Map base, std::shared_ptr<const ImageStore> images, bool given,
@@ -36,12 +38,12 @@ void TrackedMap::continue_base() {
 
 SE3 TrackedMap::pose(std::int64_t keyframe) const {
   const auto index = static_cast<std::size_t>(keyframe);
-  return index < poses_.size() ? poses_[index].world_from_camera : pending_[index - poses_.size()].world_from_camera;
+  return index < poses_.size() ? poses_[index].world_from_camera : pending_[index - poses_.size()].pose.world_from_camera;
 }
 
 int TrackedMap::submap(std::int64_t keyframe) const {
   const auto index = static_cast<std::size_t>(keyframe);
-  return index < poses_.size() ? poses_[index].submap : pending_[index - poses_.size()].submap;
+  return index < poses_.size() ? poses_[index].submap : pending_[index - poses_.size()].pose.submap;
 }
 
 std::vector<std::int64_t> TrackedMap::nearest(const SE3& pose, int submap, const RgbdSlamOptions& options) const {
@@ -70,16 +72,23 @@ void TrackedMap::add_edge(const Constraint& edge) {
 
 bool TrackedMap::are_connected(std::int64_t a, std::int64_t b) const { return connected_.contains(std::minmax(a, b)); }
 
-void TrackedMap::add_pending(const KeyframePose& pose, const Matrix6d& covariance) {
-  pending_.push_back(pose);
-  covariances_.push_back(covariance);
+void TrackedMap::add_pending(const KeyframePose& pose, std::int64_t from, const Matrix6d& covariance) {
+  pending_.push_back({pose, from, covariance});
+  covariances_.push_back(covariance_of(pending_.back()));
 }
 
-void TrackedMap::move_pending(std::int64_t first, const SE3& new_world_from_world) {
+Matrix6d TrackedMap::covariance_of(const PendingKeyframe& keyframe) const {
+  if (keyframe.from < 0) return keyframe.covariance;
+  return chained(covariance(keyframe.from), pose(keyframe.from).inverse() * keyframe.pose.world_from_camera,
+                 keyframe.covariance);
+}
+
+void TrackedMap::move_pending(std::int64_t first, const SE3& new_world_from_world, int submap) {
   const auto known = static_cast<std::int64_t>(poses_.size());
   for (std::int64_t k = std::max(first, known); k < keyframe_count(); ++k) {
-    SE3& pose = pending_[static_cast<std::size_t>(k - known)].world_from_camera;
-    pose = new_world_from_world * pose;
+    PendingKeyframe& keyframe = pending_[static_cast<std::size_t>(k - known)];
+    keyframe.pose = {new_world_from_world * keyframe.pose.world_from_camera, submap};
+    covariances_[static_cast<std::size_t>(k)] = covariance_of(keyframe);
   }
 }
 

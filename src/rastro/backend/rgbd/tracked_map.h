@@ -40,10 +40,11 @@ class TrackedMap {
   int submap_count() const { return submaps_; }
   int new_submap() { return submaps_++; }
 
-  /// A keyframe requested from the mapper.
-  void add_pending(const KeyframePose& pose, const Matrix6d& covariance);
-  /// Transforms all pending keyframes from `first` on.
-  void move_pending(std::int64_t first, const SE3& new_world_from_world);
+  /// A keyframe requested from the mapper, seen from keyframe `from` with that covariance; -1: the first of a submap.
+  void add_pending(const KeyframePose& pose, std::int64_t from, const Matrix6d& covariance);
+  /// Transforms all pending keyframes from `first` on, which belong to `submap` from now on. They become as certain as
+  /// what they are seen from.
+  void move_pending(std::int64_t first, const SE3& new_world_from_world, int submap);
   void apply(MapRevision revision);
   void add_frame(TimeNs stamp, std::int64_t keyframe, const SE3& keyframe_from_camera);
   /// Renumbers the submap with most frames to 0. False if it already is.
@@ -58,6 +59,11 @@ class TrackedMap {
   const std::vector<PlaceBelief>& places() const { return places_; }
 
  private:
+  struct PendingKeyframe {
+    KeyframePose pose;
+    std::int64_t from = -1;
+    Matrix6d covariance = Matrix6d::Zero();  ///< Seen from there.
+  };
   struct PosedFrame {
     TimeNs stamp = 0;
     std::int64_t keyframe = 0;
@@ -65,6 +71,7 @@ class TrackedMap {
   };
 
   void continue_base();
+  Matrix6d covariance_of(const PendingKeyframe& keyframe) const;
   void add_edge(const Constraint& edge);
   std::vector<std::int64_t> frames_per_submap() const;
 
@@ -75,7 +82,7 @@ class TrackedMap {
   std::vector<std::shared_ptr<const ImageFeatures>> keyframes_;
   std::vector<double> weights_;  ///< Of keyframes_.
   std::vector<KeyframePose> poses_;
-  std::deque<KeyframePose> pending_;
+  std::deque<PendingKeyframe> pending_;
   std::vector<Matrix6d> covariances_;
   std::vector<Constraint> edges_;
   std::set<std::pair<std::int64_t, std::int64_t>> connected_;  ///< By edges_, the smaller id first.

@@ -32,7 +32,7 @@ MapRevision first_keyframe() {
 TEST(TrackedMap, KeyframesAreConnectedByAnEdgeBetweenThemInEitherDirection) {
   TrackedMap map = unfilled_map();
   map.new_submap();
-  map.add_pending(in_submap(shifted(0.0)), Matrix6d::Zero());
+  map.add_pending(in_submap(shifted(0.0)), -1, Matrix6d::Zero());
   MapRevision revision = first_keyframe();
   revision.new_edges = {edge_of(0, 1, shifted(1.0)), edge_of(3, 1, shifted(-2.0))};
   map.apply(revision);
@@ -50,7 +50,7 @@ TEST(TrackedMap, ASnapshotSaysWhenItsFramesWereAndWhatItsKeyframesAre) {
   TrackedMap map = unfilled_map();
   map.new_submap();
   EXPECT_EQ(map.snapshot()->sessions[0].last_stamp, 0) << "none yet";
-  for (const double x : {0.0, 1.0}) map.add_pending(in_submap(shifted(x)), Matrix6d::Zero());
+  for (const double x : {0.0, 1.0}) map.add_pending(in_submap(shifted(x)), -1, Matrix6d::Zero());
   for (const TimeNs stamp : {5, 7, 9}) map.add_frame(stamp, stamp == 9 ? 1 : 0, shifted(0.1));
   map.apply(first_keyframe());
   const auto snapshot = map.snapshot();

@@ -41,8 +41,8 @@ TEST(TrackedMap, KeyframesArePendingUntilTheMapperReturnsThem) {
   TrackedMap map = empty_map();
   EXPECT_EQ(map.new_submap(), 0);
   EXPECT_EQ(map.keyframe_count(), 0);
-  map.add_pending(in_submap(at(1.0)), Matrix6d::Identity());
-  map.add_pending(in_submap(at(2.0)), 2.0 * Matrix6d::Identity());
+  map.add_pending(in_submap(at(1.0)), -1, Matrix6d::Identity());
+  map.add_pending(in_submap(at(2.0)), -1, 2.0 * Matrix6d::Identity());
   EXPECT_EQ(map.keyframe_count(), 2);
   EXPECT_TRUE(map.keyframes().empty()) << "without features yet";
   EXPECT_THAT(map.pose(1), pose_near(at(2.0), 0.0, 0.0));
@@ -61,17 +61,20 @@ TEST(TrackedMap, KeyframesArePendingUntilTheMapperReturnsThem) {
   EXPECT_EQ(map.revision(), 2);
 }
 
-TEST(TrackedMap, PendingKeyframesAreTransformedFromTheGivenOneOn) {
+TEST(TrackedMap, PendingKeyframesAreTransformedAndJoinedFromTheGivenOneOn) {
   TrackedMap map = empty_map();
-  for (const double x : {1.0, 2.0, 3.0}) map.add_pending(in_submap(at(x)), Matrix6d::Zero());
+  for (const double x : {1.0, 2.0, 3.0}) map.add_pending(in_submap(at(x)), -1, Matrix6d::Zero());
   map.apply(revision_of(0, {in_submap(at(1.0))}));
   const SE3 correction(SO3::exp({0.0, 0.0, M_PI / 2.0}), {0.0, 0.0, 1.0});
-  map.move_pending(0, correction);
+  map.move_pending(0, correction, 2);
   EXPECT_THAT(map.pose(0), pose_near(at(1.0), 0.0, 0.0)) << "what the mapper has is the mapper's to move";
   EXPECT_NEAR((map.pose(1).translation() - Eigen::Vector3d(0.0, 2.0, 1.0)).norm(), 0.0, 1e-12);
-  map.move_pending(2, SE3(SO3(), {0.0, 0.0, 5.0}));
+  map.move_pending(2, SE3(SO3(), {0.0, 0.0, 5.0}), 1);
   EXPECT_NEAR((map.pose(1).translation() - Eigen::Vector3d(0.0, 2.0, 1.0)).norm(), 0.0, 1e-12);
   EXPECT_NEAR((map.pose(2).translation() - Eigen::Vector3d(0.0, 3.0, 6.0)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(map.submap(0), 0);
+  EXPECT_EQ(map.submap(1), 2);
+  EXPECT_EQ(map.submap(2), 1);
 }
 
 TEST(TrackedMap, TheNearestKeyframesAreThoseOfTheSubmapWithFeaturesInTheirOrder) {
@@ -80,7 +83,7 @@ TEST(TrackedMap, TheNearestKeyframesAreThoseOfTheSubmapWithFeaturesInTheirOrder)
   const double x[] = {4.0, 1.0, 0.2, 3.0, 0.1, 2.0, 0.6, 5.0};
   for (std::int64_t id = 0; id < 8; ++id) {
     poses.push_back(in_submap(at(x[id]), id == 2 ? 1 : 0));
-    map.add_pending(poses.back(), Matrix6d::Zero());
+    map.add_pending(poses.back(), -1, Matrix6d::Zero());
     MapRevision revision = revision_of(id, poses);
     if (id == 5) revision.forgotten = {4};
     map.apply(revision);
@@ -101,10 +104,10 @@ TEST(TrackedMap, TheNearestKeyframesAreThoseOfTheSubmapWithFeaturesInTheirOrder)
 TEST(TrackedMap, EveryFrameFollowsItsKeyframe) {
   TrackedMap map = empty_map();
   map.new_submap();
-  map.add_pending(in_submap(at(0.0)), Matrix6d::Zero());
+  map.add_pending(in_submap(at(0.0)), -1, Matrix6d::Zero());
   map.add_frame(10, 0, SE3());
   map.add_frame(20, 0, at(0.5));
-  map.add_pending(in_submap(at(1.0)), Matrix6d::Zero());
+  map.add_pending(in_submap(at(1.0)), -1, Matrix6d::Zero());
   map.add_frame(30, 1, SE3());
   map.add_frame(40, 1, at(0.5));
   map.apply(revision_of(0, {in_submap(at(0.0))}));
@@ -121,7 +124,7 @@ TEST(TrackedMap, EveryFrameFollowsItsKeyframe) {
 TEST(TrackedMap, TheTrajectoryIsInTheOrderOfStampsWithEachOnce) {
   TrackedMap map = empty_map();
   map.new_submap();
-  map.add_pending(in_submap(at(0.0)), Matrix6d::Zero());
+  map.add_pending(in_submap(at(0.0)), -1, Matrix6d::Zero());
   for (const TimeNs stamp : {30, 10, 20, 10, 30}) map.add_frame(stamp, 0, at(static_cast<double>(stamp)));
   std::vector<TimeNs> stamps;
   for (const StampedPose& pose : map.trajectory()) stamps.push_back(pose.stamp);
@@ -132,7 +135,7 @@ TEST(TrackedMap, TheTrajectoryIsThatOfTheFirstSubmapAndTheLargestBecomesIt) {
   TrackedMap map = empty_map();
   for (const int submap : {0, 1, 2}) {
     EXPECT_EQ(map.new_submap(), submap);
-    map.add_pending(in_submap(at(10.0 * submap), submap), Matrix6d::Zero());
+    map.add_pending(in_submap(at(10.0 * submap), submap), -1, Matrix6d::Zero());
   }
   map.apply(revision_of(0, {in_submap(at(0.0), 0)}));
   map.apply(revision_of(1, {in_submap(at(0.0), 0), in_submap(at(10.0), 1)}));
@@ -155,7 +158,7 @@ TEST(TrackedMap, AMergedSubmapIsPartOfTheTrajectory) {
   TrackedMap map = empty_map();
   for (const int submap : {0, 1}) {
     map.new_submap();
-    map.add_pending(in_submap(at(10.0 * submap), submap), Matrix6d::Zero());
+    map.add_pending(in_submap(at(10.0 * submap), submap), -1, Matrix6d::Zero());
     map.add_frame(submap + 1, submap, at(0.1));
   }
   map.apply(revision_of(0, {in_submap(at(0.0), 0)}));
@@ -175,7 +178,7 @@ TEST(TrackedMap, AMergedSubmapIsPartOfTheTrajectory) {
 TEST(TrackedMap, ASnapshotNeverChanges) {
   TrackedMap map = empty_map();
   map.new_submap();
-  for (const double x : {0.0, 1.0}) map.add_pending(in_submap(at(x)), Matrix6d::Zero());
+  for (const double x : {0.0, 1.0}) map.add_pending(in_submap(at(x)), -1, Matrix6d::Zero());
   map.add_frame(1, 0, SE3());
   map.apply(revision_of(0, {in_submap(at(0.0))}));
   const auto first = map.snapshot();
@@ -212,7 +215,7 @@ TEST(TrackedMap, ASnapshotNeverChanges) {
 TEST(TrackedMap, DroppedFeaturesAreRemovedHereToo) {
   TrackedMap map = empty_map();
   map.new_submap();
-  for (const double x : {0.0, 1.0}) map.add_pending(in_submap(at(x)), Matrix6d::Zero());
+  for (const double x : {0.0, 1.0}) map.add_pending(in_submap(at(x)), -1, Matrix6d::Zero());
   map.apply(revision_of(0, {in_submap(at(0.0))}));
   const auto before = map.snapshot();
   MapRevision next = revision_of(1, {in_submap(at(0.0)), in_submap(at(1.0))});
@@ -233,7 +236,7 @@ TEST(TrackedMap, AGivenMapIsNotChanged) {
   EXPECT_EQ(map.keyframes().size(), 4U);
   EXPECT_EQ(map.submap_count(), 1);
   EXPECT_EQ(map.new_submap(), 1);
-  map.add_pending(in_submap(at(0.5)), Matrix6d::Zero());
+  map.add_pending(in_submap(at(0.5)), -1, Matrix6d::Zero());
   std::vector<KeyframePose> poses;
   for (const Keyframe& keyframe : given.keyframes) poses.push_back({keyframe.world_from_camera, keyframe.submap});
   poses.push_back(in_submap(at(0.7)));

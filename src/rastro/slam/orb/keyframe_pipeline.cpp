@@ -57,7 +57,7 @@ void KeyframePipeline::insert(std::shared_ptr<const KeyframeInput> keyframe, Tim
       std::make_shared<std::vector<TrackedFrame>>(session_.trajectory.take_observed(observed_frames, refined_at_once));
   const auto job = [this, keyframe = std::move(keyframe), frames = std::move(frames), trajectory_bytes] {
     Result result = process(*keyframe, trajectory_bytes);
-    refine_frames(*frames, session_.graph, session_.options.min_inliers / 2);
+    for (TrackedFrame& frame : *frames) refine_frame(frame, session_.graph, session_.options.min_inliers / 2);
     result.refined = std::move(*frames);
     return result;
   };

@@ -81,27 +81,29 @@ void FrameTrajectory::put_back(const std::vector<TrackedFrame>& refined) {
   }
 }
 
-void refine_frames(std::span<TrackedFrame> frames, const MapGraph& graph, int least) {
-  for (TrackedFrame& frame : frames) {
-    if (frame.became >= 0 && graph.has_keyframe(frame.became)) {
-      frame = {frame.index, frame.stamp, frame.became, SE3(), graph.unit(frame.became), frame.became, {}};
-      continue;
-    }
-    const int submap = graph.submap(frame.keyframe);
-    std::vector<PoseObservation> observations;
-    for (const FrameObservation& seen : frame.seen) {
-      const std::int64_t id = graph.current(seen.landmark);
-      if (id < 0 || graph.landmark(id).observations.empty()) continue;
-      const MapLandmark& landmark = graph.landmark(id);
-      if (graph.submap(landmark.observations.front().keyframe) != submap) continue;
-      observations.push_back({landmark.position, seen.ray.cast<double>(), static_cast<double>(seen.right),
-                              static_cast<double>(seen.sigma)});
-    }
-    const PoseRefinement refined = refine_pose(pose_of(graph, frame), observations, {.baseline = graph.baseline()});
-    if (refined.inliers < least) continue;
-    frame.camera_from_keyframe = refined.camera_from_world * graph.camera_from_world(frame.keyframe).inverse();
-    frame.unit = graph.unit(frame.keyframe);
+void refine_frame(TrackedFrame& frame, const MapGraph& graph, int least) {
+  if (frame.became >= 0 && graph.has_keyframe(frame.became)) {
+    frame = {frame.index, frame.stamp, frame.became, SE3(), graph.unit(frame.became), frame.became, {}};
+    return;
   }
+  const int submap = graph.submap(frame.keyframe);
+  std::vector<PoseObservation> observations;
+  for (const FrameObservation& seen : frame.seen) {
+    const std::int64_t id = graph.current(seen.landmark);
+    if (id < 0 || graph.landmark(id).observations.empty()) continue;
+    const MapLandmark& landmark = graph.landmark(id);
+    if (graph.submap(landmark.observations.front().keyframe) != submap) continue;
+    observations.push_back({landmark.position, seen.ray.cast<double>(), static_cast<double>(seen.right),
+                            static_cast<double>(seen.sigma)});
+  }
+  const PoseRefinement refined = refine_pose(pose_of(graph, frame), observations, {.baseline = graph.baseline()});
+  if (refined.inliers < least) return;
+  frame.camera_from_keyframe = refined.camera_from_world * graph.camera_from_world(frame.keyframe).inverse();
+  frame.unit = graph.unit(frame.keyframe);
+}
+
+void FrameTrajectory::refine(const MapGraph& graph, int least) {
+  for (TrackedFrame& frame : frames_) refine_frame(frame, graph, least);
 }
 
 Trajectory FrameTrajectory::trajectory(const MapGraph& graph, int submap) const {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <deque>
 #include <vector>
 
 #include "rastro/sensor/trajectory.h"
@@ -30,9 +30,8 @@ struct TrackedFrame {
   std::vector<FrameObservation> seen;  ///< The observations used for its pose.
 };
 
-/// Re-estimates every pose from the frame's observations in the current map. A frame with fewer than `least` inliers
-/// keeps its pose.
-void refine_frames(std::span<TrackedFrame> frames, const MapGraph& graph, int least);
+/// Re-estimates the pose from the frame's observations in the current map; kept with fewer than `least` inliers.
+void refine_frame(TrackedFrame& frame, const MapGraph& graph, int least);
 
 /// All frames that have a pose.
 class FrameTrajectory {
@@ -44,24 +43,24 @@ class FrameTrajectory {
   void set_keyframe(std::int64_t index, std::int64_t keyframe);
   /// Removes the poses of a submap's frames.
   void forget(const MapGraph& graph, int submap);
-  /// As refine_frames(), of all frames.
-  void refine(const MapGraph& graph, int least) { refine_frames(frames_, graph, least); }
+  /// As refine_frame(), of all frames.
+  void refine(const MapGraph& graph, int least);
   /// So that memory does not grow with time: the frames with observations except the last `kept` of them, for
-  /// refine_frames() beside tracking. They lose their observations here, not their poses. Empty for fewer than `least`.
+  /// refine_frame() beside tracking. They lose their observations here, not their poses. Empty for fewer than `least`.
   std::vector<TrackedFrame> take_observed(std::size_t kept, std::size_t least);
   /// Sets the poses of frames refined meanwhile; those that are no longer here are left out.
   void put_back(const std::vector<TrackedFrame>& refined);
   /// To save memory: drops the observations of all frames, and of those added from now on; refine() skips these.
   void forget_observations();
   std::size_t bytes() const;
-  const std::vector<TrackedFrame>& frames() const { return frames_; }
+  const std::deque<TrackedFrame>& frames() const { return frames_; }
   /// world_from_camera of the frames whose keyframe is in `submap`, in the order of the recording.
   Trajectory trajectory(const MapGraph& graph, int submap) const;
   /// The submap with most frames, the smallest of equals.
   int largest_submap(const MapGraph& graph) const;
 
  private:
-  std::vector<TrackedFrame> frames_;  ///< By index.
+  std::deque<TrackedFrame> frames_;  ///< By index. In blocks: a vector takes twice the memory as it grows.
   bool keeps_observations_ = true;
 };
 

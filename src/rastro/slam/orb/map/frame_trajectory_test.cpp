@@ -249,7 +249,7 @@ TEST(FrameTrajectory, FramesRefinedElsewhereArePutBack) {
   EXPECT_EQ(taken[1].index, 2);
   const auto observed = [](const TrackedFrame& frame) { return !frame.seen.empty(); };
   EXPECT_EQ(std::count_if(bench.recorded.frames().begin(), bench.recorded.frames().end(), observed), 4);
-  refine_frames(taken, bench.map.graph, 15);
+  for (TrackedFrame& frame : taken) refine_frame(frame, bench.map.graph, 15);
   taken.push_back(taken[0]);
   taken.back().index = 77;  // of a map that was dropped meanwhile
   taken.push_back(taken[1]);

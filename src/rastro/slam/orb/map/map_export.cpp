@@ -75,6 +75,7 @@ class FrameReferences {
 
 void add_frames(const MapGraph& graph, const FrameTrajectory& trajectory, int largest, Map& map) {
   const FrameReferences references(map);
+  map.frames.reserve(map.frames.size() + trajectory.frames().size());
   for (const auto& frame : trajectory.frames()) {
     const double scale = graph.unit(frame.keyframe) / frame.unit;
     const SE3 camera_from_keyframe(frame.camera_from_keyframe.rotation(),

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <memory>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "rastro/math/se3.h"
 #include "rastro/math/sim3.h"
 #include "rastro/slam/orb/map/feature_frame.h"
+#include "rastro/slam/orb/map/fused_landmarks.h"
 
 namespace rastro {
 
@@ -151,8 +151,7 @@ class MapGraph {
   std::vector<std::unique_ptr<MapKeyframe>> keyframes_;  ///< By id; null: removed.
   IdTable<MapLandmark> landmarks_;
   std::map<std::int64_t, Removed> removed_;
-  std::map<std::int64_t, std::int64_t> fused_into_;
-  std::deque<std::int64_t> fused_;  ///< Its keys, oldest first.
+  FusedLandmarks fused_{40000};  ///< Frames refer to landmarks for some hundreds of frames, with some tens fused in each.
   std::size_t keyframe_count_ = 0, landmark_count_ = 0;
   std::vector<Constraint> constraints_;
   int submaps_ = 0;

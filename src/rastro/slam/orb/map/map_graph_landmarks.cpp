@@ -9,9 +9,6 @@
 namespace rastro {
 namespace {
 
-// Frames refer to landmarks for some hundreds of frames, with some tens fused in each.
-constexpr std::size_t most_fused = 40000;
-
 auto insertion_point(std::vector<LandmarkObservation>& observations, std::int64_t keyframe) {
   return std::lower_bound(observations.begin(), observations.end(), keyframe,
                           [](const LandmarkObservation& o, std::int64_t id) { return o.keyframe < id; });
@@ -58,10 +55,7 @@ const MapLandmark& MapGraph::landmark(std::int64_t id) const {
 }
 
 std::int64_t MapGraph::current(std::int64_t id) const {
-  while (id >= 0 && !has_landmark(id)) {
-    const auto next = fused_into_.find(id);
-    id = next == fused_into_.end() ? -1 : next->second;
-  }
+  while (id >= 0 && !has_landmark(id)) id = fused_.kept_of(id);
   return id;
 }
 
@@ -86,12 +80,7 @@ void MapGraph::fuse(std::int64_t kept, std::int64_t gone) {
   for (const LandmarkObservation& o : observations) add_observation(o.keyframe, o.feature, kept);
   landmark(kept).visible += visible;
   landmark(kept).found += found;
-  fused_into_[gone] = kept;
-  fused_.push_back(gone);
-  if (fused_.size() > most_fused) {
-    fused_into_.erase(fused_.front());
-    fused_.pop_front();
-  }
+  fused_.add(gone, kept);
   describe(kept);
 }
 
