@@ -101,7 +101,7 @@ std::string scaled_result(const std::string& text, const Map& in_meters, const M
 /// As the run drew it.
 void write_image(const Map& in_meters, const std::string& file) {
   if (in_meters.layer<SemiDenseLayer>())
-    write_cloud_image(layer_points(in_meters, 0), trajectory_of(in_meters), file);
+    write_cloud_image(layer_points(in_meters, 0, most_drawn_points), trajectory_of(in_meters), file);
   else
     write_landmark_image(in_meters, file);
 }

@@ -109,7 +109,8 @@ constexpr MapImageFile map_image_files[] = {
      [](const MapOfRun& run, const std::string& file) { write_landmark_image(run.map, file); }},
     {[](const MapOfRun& run) { return run.map.layer<SemiDenseLayer>() != nullptr; },
      [](const MapOfRun& run, const std::string& file) {
-       write_cloud_image(layer_points(run.map, 0), run.end.trajectory, file, has_meters(run.end) ? "m" : "units");
+       write_cloud_image(layer_points(run.map, 0, most_drawn_points), run.end.trajectory, file,
+                         has_meters(run.end) ? "m" : "units");
      }},
     {[](const MapOfRun&) { return true; }, write_planar_image},
 };

@@ -24,16 +24,26 @@ constexpr double strays = 0.002;  ///< Share of points on each side that may lie
 // OpenCV order: blue, green, red.
 const cv::Scalar path_color(200, 90, 0), start_color(0, 150, 0), end_color(0, 0, 220), bar_color(0, 0, 0);
 
+/// The least and the greatest coordinate but for strays; none of no points.
+std::vector<double> without_strays(const std::vector<Vector3d>& cloud, int axis) {
+  if (cloud.empty()) return {};
+  std::vector<double> values;
+  values.reserve(cloud.size());
+  for (const Vector3d& position : cloud) values.push_back(position[axis]);
+  const auto skipped = static_cast<std::ptrdiff_t>(strays * static_cast<double>(values.size()));
+  const auto low = values.begin() + skipped, high = values.end() - 1 - skipped;
+  std::nth_element(values.begin(), low, values.end());
+  const double lowest = *low;
+  std::nth_element(values.begin(), high, values.end());
+  return {lowest, *high};
+}
+
 class Sheet {
  public:
   /// All of the path and nearly all of the cloud; in a unit of its own, it fills the sheet.
   Sheet(const std::vector<Vector3d>& cloud, const std::vector<Vector3d>& path, bool metric) {
     for (int axis = 0; axis < 2; ++axis) {
-      std::vector<double> values;
-      for (const Vector3d& position : cloud) values.push_back(position[axis]);
-      std::sort(values.begin(), values.end());
-      const auto skipped = static_cast<std::size_t>(strays * static_cast<double>(values.size()));
-      values = values.empty() ? std::vector<double>{} : std::vector<double>{values[skipped], values.rbegin()[skipped]};
+      std::vector<double> values = without_strays(cloud, axis);
       for (const Vector3d& position : path) values.push_back(position[axis]);
       if (values.empty()) values.push_back(0.0);
       low_[axis] = *std::min_element(values.begin(), values.end());

@@ -9,10 +9,10 @@ const LayerType* layer_type(std::string_view name) {
   return nullptr;
 }
 
-PointCloud layer_points(const Map& map, int submap) {
+PointCloud layer_points(const Map& map, int submap, std::size_t most) {
   PointCloud cloud;
   for (const auto& [name, layer] : map.layers.all())
-    if (const LayerType* type = layer_type(name)) type->add_points(map, *layer, submap, cloud);
+    if (const LayerType* type = layer_type(name)) type->add_points(map, *layer, submap, most, cloud);
   return cloud;
 }
 

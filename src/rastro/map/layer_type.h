@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -63,8 +65,9 @@ class LayerType {
   virtual std::shared_ptr<const Layer> repaired(const Map& map, const std::shared_ptr<const Layer>& layer) const = 0;
 
   virtual LayerDescription describe(const Map& map, const Layer& layer) const = 0;
-  /// Adds the layer's surface points in a submap (-1: in all) to a cloud of single points.
-  virtual void add_points(const Map&, const Layer&, int /*submap*/, PointCloud&) const {}
+  /// Adds the layer's surface points in a submap (-1: in all) to a cloud of single points: about `most`, evenly chosen,
+  /// where the layer has many more.
+  virtual void add_points(const Map&, const Layer&, int /*submap*/, std::size_t /*most*/, PointCloud&) const {}
 
   /// Removes a keyframe's part, and adds it again.
   virtual LayerCut cut(const Layer& layer, KeyframeId id) const = 0;
@@ -79,8 +82,9 @@ const std::vector<std::unique_ptr<LayerType>>& layer_types();
 /// Null for an unknown one.
 const LayerType* layer_type(std::string_view name);
 
-/// The surface points of all layers in a submap (-1: in all), layer by layer in the order of their names.
-PointCloud layer_points(const Map& map, int submap);
+/// The surface points of all layers in a submap (-1: in all), layer by layer in the order of their names; about `most`
+/// of a layer with many more.
+PointCloud layer_points(const Map& map, int submap, std::size_t most = std::numeric_limits<std::size_t>::max());
 
 /// A layer unknown to this program: kept unchanged when the file is written again.
 struct UnknownLayer : Layer {

@@ -182,17 +182,28 @@ std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& ran
   return candidates.ids();
 }
 
+/// The submap of `joint`, an end of the edge, is as uncertain as the way to its first keyframe.
+void KeyframeGraph::add_covariance_of_merge(const Constraint& edge, std::int64_t joint) {
+  const Matrix6d of_way = covariance_over(edge, joint) + covariance(joint);
+  for (std::int64_t k = 0; k < size(); ++k) {
+    if (submap(k) != submap(joint)) continue;
+    const Matrix6d to_right = (pose(k).inverse() * pose(joint)).adjoint();
+    Matrix6d& sum = covariances_[static_cast<std::size_t>(k)];
+    sum += to_right * of_way * to_right.transpose();
+    sum = (0.5 * (sum + sum.transpose())).eval();
+  }
+}
+
 void KeyframeGraph::merge(const Constraint& edge) {
   const int a = submap(edge.from), b = submap(edge.to);
   if (a == b) return;
   const SE3 a_from_b = pose(edge.from) * edge.rigid() * pose(edge.to).inverse();
   const int kept = std::min(a, b), moved = std::max(a, b);
   const SE3 kept_from_moved = kept == a ? a_from_b : a_from_b.inverse();
-  for (std::size_t k = 0; k < poses_.size(); ++k) {
-    if (submaps_[k] != moved) continue;
-    poses_[k] = kept_from_moved * poses_[k];
-    submaps_[k] = kept;
-  }
+  for (std::size_t k = 0; k < poses_.size(); ++k)
+    if (submaps_[k] == moved) poses_[k] = kept_from_moved * poses_[k];
+  add_covariance_of_merge(edge, kept == a ? edge.to : edge.from);
+  std::replace(submaps_.begin(), submaps_.end(), moved, kept);
   std::int64_t& first = first_of_submap_.at(kept);
   first = std::min(first, first_of_submap_.at(moved));
   first_changed_ = std::min(first_changed_, first_of_submap_.at(moved));
@@ -281,19 +292,28 @@ GraphChanges KeyframeGraph::take_changes() {
   return changes;
 }
 
+/// From what is known of the keyframe at the other end of the edge.
+Matrix6d KeyframeGraph::covariance_over(const Constraint& edge, std::int64_t id) const {
+  const bool forward = edge.to == id;
+  const std::int64_t other = forward ? edge.from : edge.to;
+  const Matrix6d of_edge = without_common_errors(edge, options_), back = edge.rigid().adjoint();
+  return moved_covariance(other, id) + (forward ? of_edge : Matrix6d(back * of_edge * back.transpose()));
+}
+
+/// The errors of a keyframe as errors of another one that moves with it.
+Matrix6d KeyframeGraph::moved_covariance(std::int64_t from, std::int64_t to) const {
+  const Matrix6d to_right = (pose(to).inverse() * pose(from)).adjoint();
+  return to_right * covariance(from) * to_right.transpose();
+}
+
 void KeyframeGraph::settle_covariance(std::int64_t id) {
   double least = std::numeric_limits<double>::infinity();
   Matrix6d best = Matrix6d::Zero();
   for (const std::size_t e : edges_of_[static_cast<std::size_t>(id)]) {
     const Constraint& edge = edges_[e];
-    const bool forward = edge.to == id;
-    const std::int64_t other = forward ? edge.from : edge.to;
+    const std::int64_t other = edge.to == id ? edge.from : edge.to;
     if (other > id || submap(other) != submap(id)) continue;
-    const Matrix6d of_edge = without_common_errors(edge, options_);
-    const Matrix6d to_right = pose(id).inverse().adjoint() * pose(other).adjoint();
-    const Matrix6d back = edge.rigid().adjoint();
-    Matrix6d covariance = to_right * this->covariance(other) * to_right.transpose();
-    covariance += forward ? of_edge : Matrix6d(back * of_edge * back.transpose());
+    const Matrix6d covariance = covariance_over(edge, id);
     if (covariance.trace() >= least) continue;
     least = covariance.trace();
     best = covariance;

@@ -29,6 +29,13 @@ RgbdSlamOptions no_candidates() {
   return options;
 }
 
+/// Errors of neighboring edges have nothing in common.
+RgbdSlamOptions independent_errors() {
+  RgbdSlamOptions options;
+  options.edge_sigma_m = options.edge_sigma_rad = 0.0;
+  return options;
+}
+
 void add_keyframe(KeyframeGraph& graph, const SE3& pose, int submap = 0, std::size_t features = 1) {
   graph.add(bare_keyframe(graph.size(), features), in_submap(pose, submap), Matrix6d::Zero());
 }
@@ -61,7 +68,7 @@ KeyframeGraph random_graph(int count, int submaps, const RgbdSlamOptions& option
 TEST(KeyframeGraphCandidates, AreDistinctOlderBoundedAndTheSameForASeed) {
   const RgbdSlamOptions options;
   const auto most =
-      static_cast<std::size_t>(options.last_candidates + options.near_candidates + options.graph_candidates +
+      static_cast<std::size_t>(options.last_candidates + 2 * options.near_candidates + options.graph_candidates +
                                options.random_candidates + options.join_candidates);
   std::set<std::vector<std::int64_t>> drawn;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
@@ -93,25 +100,28 @@ TEST(KeyframeGraphCandidates, TheLastComeFirst) {
   EXPECT_EQ(chain(20, options).candidates(19, random), (Ids{18, 17, 16, 15}));
 }
 
-/// Against the sorted distances of all keyframes.
-TEST(KeyframeGraphCandidates, TheNearestAreThoseOfBruteForce) {
+/// Against the sorted distances of all keyframes: of the latest ones, then of those before.
+TEST(KeyframeGraphCandidates, TheNearestOnTheWayAndOfEarlierAreThoseOfBruteForce) {
   RgbdSlamOptions options = no_candidates();
   options.near_candidates = 5;
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const KeyframeGraph graph = random_graph(120, 2, options, seed);
     const std::int64_t id = graph.size() - 1;
-    std::vector<std::pair<double, std::int64_t>> all;
+    std::vector<std::pair<double, std::int64_t>> latest, earlier;
     for (std::int64_t k = 0; k < id; ++k) {
       const Eigen::Vector3d offset = graph.pose(k).translation() - graph.pose(id).translation();
       const Eigen::AngleAxisd rotation(graph.pose(k).rotation().matrix().transpose() *
                                        graph.pose(id).rotation().matrix());
       const double far = std::max(offset.norm() / options.near_distance_m, rotation.angle() / options.near_angle_rad);
-      if (far < 1.0 && graph.submap(k) == graph.submap(id) && k % 7 != 3) all.emplace_back(far, k);
+      if (far < 1.0 && graph.submap(k) == graph.submap(id) && k % 7 != 3)
+        (k >= id - options.graph_window ? latest : earlier).emplace_back(far, k);
     }
-    std::sort(all.begin(), all.end());
     Ids expected;
-    for (std::size_t k = 0; k < all.size() && k < 5; ++k) expected.push_back(all[k].second);
+    for (auto* part : {&latest, &earlier}) {
+      std::sort(part->begin(), part->end());
+      for (std::size_t k = 0; k < part->size() && k < 5; ++k) expected.push_back((*part)[k].second);
+    }
     Random random(seed);
     EXPECT_EQ(graph.candidates(id, random), expected) << seed;
     found += static_cast<int>(expected.size());
@@ -353,7 +363,7 @@ TEST(KeyframeGraph, TheFirstKeyframeOfEachSubmapStays) {
 /// The end of a chain, sampled a few thousand times: its spread is the predicted one.
 TEST(KeyframeGraph, TheCovarianceOfAChainIsThatOfManySamples) {
   Random random(23);
-  KeyframeGraph graph({}, 0);
+  KeyframeGraph graph(independent_errors(), 0);
   std::vector<Constraint> edges;
   SE3 pose = SE3::exp(random_vector<Vector6d>(random, 0.7));
   add_keyframe(graph, pose);
@@ -385,7 +395,7 @@ TEST(KeyframeGraph, TheCovarianceOfAChainIsThatOfManySamples) {
 }
 
 TEST(KeyframeGraph, CovarianceUsesTheBestNeighborOfTheSameSubmap) {
-  KeyframeGraph graph({}, 0);
+  KeyframeGraph graph(independent_errors(), 0);
   for (int k = 0; k < 4; ++k) add_keyframe(graph, SE3(), k == 2 ? 1 : 0);
   graph.add_edge(edge_of(0, 1, SE3(), ConstraintKind::odometry, 0.1, 0.1));
   graph.settle_covariance(1);
@@ -400,6 +410,36 @@ TEST(KeyframeGraph, CovarianceUsesTheBestNeighborOfTheSameSubmap) {
   EXPECT_THAT(graph.covariance(3), matrix_near(Matrix6d(0.0025 * Matrix6d::Identity()), 1e-12));
   graph.settle_covariance(0);
   EXPECT_THAT(graph.covariance(0), matrix_near(Matrix6d(Matrix6d::Zero()), 0.0)) << "nothing older holds it";
+}
+
+TEST(KeyframeGraph, ErrorsCommonToAllImagesDoNotAddUpAlongAPath) {
+  RgbdSlamOptions options;
+  options.edge_sigma_m = options.edge_sigma_rad = 0.1;
+  KeyframeGraph graph(options, 0);
+  for (int k = 0; k < 11; ++k) {
+    add_keyframe(graph, SE3());
+    if (k > 0)
+      graph.add_edge(edge_of(k - 1, k, SE3(), ConstraintKind::odometry, std::hypot(0.1, 0.02), std::hypot(0.1, 0.02)));
+    graph.settle_covariance(k);
+  }
+  EXPECT_THAT(graph.covariance(10), matrix_near(Matrix6d(10.0 * 0.02 * 0.02 * Matrix6d::Identity()), 1e-9));
+}
+
+TEST(KeyframeGraph, AMergedSubmapIsAsUncertainAsTheWayToIt) {
+  for (const bool forward : {true, false}) {
+    KeyframeGraph graph(independent_errors(), 0);
+    for (int k = 0; k < 4; ++k) add_keyframe(graph, SE3(), k < 2 ? 0 : 1);
+    graph.add_edge(edge_of(0, 1, SE3(), ConstraintKind::odometry, 0.1, 0.1));
+    graph.add_edge(edge_of(2, 3, SE3(), ConstraintKind::odometry, 0.2, 0.2));
+    for (const int k : {1, 3}) graph.settle_covariance(k);
+    graph.merge(forward ? edge_of(1, 3, SE3(), ConstraintKind::merge, 0.3, 0.3)
+                        : edge_of(3, 1, SE3(), ConstraintKind::merge, 0.3, 0.3));
+    const double of_joint = 0.01 + 0.09, back = 0.04;
+    EXPECT_THAT(graph.covariance(1), matrix_near(Matrix6d(0.01 * Matrix6d::Identity()), 1e-12)) << "stays";
+    EXPECT_THAT(graph.covariance(2), matrix_near(Matrix6d((of_joint + back) * Matrix6d::Identity()), 1e-12));
+    EXPECT_THAT(graph.covariance(3), matrix_near(Matrix6d((of_joint + 2.0 * back) * Matrix6d::Identity()), 1e-12))
+        << "an upper bound: on to the first of its submap and back";
+  }
 }
 
 TEST(KeyframeGraph, AKeyframeWithoutFeaturesKeepsItsIdAndIsNoCandidate) {

@@ -132,8 +132,7 @@ std::optional<KeyframeConstraint> KeyframeMatcher::match(const ViewOfKeyframe& a
   constraint.agreement = check_.compare(*surface_a, *surface_b, constraint.a_from_b);
   rejection = judge(constraint.evidence(), surface_acceptance(options_, few));
   if (rejection != Rejection::none) return std::nullopt;
-  const Matrix6d covariance =
-      with_common_errors(match_covariance_factor * views->information.inverse(), options_);
+  const Matrix6d covariance = with_common_errors(match_covariance_factor * views->information.inverse(), options_);
   rejection = Rejection::few_inliers;
   if (!knows_position(covariance, request.max_sigma_m)) return std::nullopt;
   rejection = Rejection::none;

@@ -36,9 +36,9 @@ class OldPlaces : public LoopSearch {
 
 MapRevision add_in_place(Mapper& mapper, std::int64_t id, int submap) {
   const SE3 view = looking({-0.8, -0.4, 1.2}, 0.15);
-  std::vector<Constraint> tracked;
-  if (id > 0 && submap == 0) tracked.push_back(edge_of(id - 1, id, SE3(), ConstraintKind::odometry, 0.01, 0.005));
-  return mapper.add({id, room_frame(view, 10 * id), view, submap, std::move(tracked)});
+  std::optional<Constraint> tracked;
+  if (id > 0 && submap == 0) tracked = edge_of(id - 1, id, SE3(), ConstraintKind::odometry, 0.01, 0.005);
+  return mapper.add({id, room_frame(view, 10 * id), view, submap, tracked});
 }
 
 TEST(Mapper, ThreeEarlierPlacesThatFitAreEnough) {

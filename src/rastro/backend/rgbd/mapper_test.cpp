@@ -37,8 +37,8 @@ class RecordingArchive : public MapArchive {
 };
 
 KeyframeOrder order_of(std::int64_t id, const SE3& world_from_camera, const SE3& shown_from,
-                       std::vector<Constraint> constraints = {}, int submap = 0) {
-  return {id, room_frame(shown_from, 10 * id), world_from_camera, submap, std::move(constraints)};
+                       const std::optional<Constraint>& constraint = {}, int submap = 0) {
+  return {id, room_frame(shown_from, 10 * id), world_from_camera, submap, constraint};
 }
 
 /// Of those that a revision tells.
@@ -83,7 +83,7 @@ TEST(Mapper, MatchesCorrectOdometryErrors) {
     const SE3 measured = beside(k - 1).inverse() * beside(k) * SE3(SO3::exp({0.0, 0.02, 0.0}), {0.06, 0.0, 0.05});
     tracked = tracked * measured;
     revision =
-        mapper.add(order_of(k, tracked, beside(k), {edge_of(k - 1, k, measured, ConstraintKind::odometry, 0.1, 0.05)}));
+        mapper.add(order_of(k, tracked, beside(k), edge_of(k - 1, k, measured, ConstraintKind::odometry, 0.1, 0.05)));
     EXPECT_EQ(edges_of_kind(revision, ConstraintKind::odometry), 1);
     EXPECT_GE(edges_of_kind(revision, ConstraintKind::proximity), 1) << k;
     EXPECT_EQ(edges_of_kind(revision, ConstraintKind::loop), 0);
@@ -101,7 +101,7 @@ TEST(Mapper, MatchesThatContradictSureTrackingAreRefused) {
     mapper.add(order_of(0, beside(0), beside(0)));
     // Tracking says that the camera stands still; what it sees moves.
     const MapRevision revision = mapper.add(
-        order_of(1, beside(0), beside(2), {edge_of(0, 1, SE3(), ConstraintKind::odometry, sigma_m, 0.5 * sigma_m)}));
+        order_of(1, beside(0), beside(2), edge_of(0, 1, SE3(), ConstraintKind::odometry, sigma_m, 0.5 * sigma_m)));
     const SE3& pose = pose_in(revision, 1);
     if (sigma_m < 0.01) {
       EXPECT_EQ(edges_of_kind(revision, ConstraintKind::proximity), 0);
@@ -123,7 +123,7 @@ bool matched_beside(double off_m) {
   SE3 moved = beside(0).inverse() * beside(1);
   moved = SE3(moved.rotation(), moved.translation() + off_m * moved.translation().normalized());
   const MapRevision revision =
-      mapper.add(order_of(1, beside(1), beside(1), {edge_of(0, 1, moved, ConstraintKind::loop, 0.1, 0.05)}));
+      mapper.add(order_of(1, beside(1), beside(1), edge_of(0, 1, moved, ConstraintKind::loop, 0.1, 0.05)));
   return edges_of_kind(revision, ConstraintKind::proximity) == 1;
 }
 
@@ -150,7 +150,7 @@ MapRevision way_back(RgbdSlamOptions options) {
       const SE3 moved(SO3::exp({0.0, 0.02, 0.0}), {0.03, 0.0, 0.0});
       tracked = tracked * moved;
       KeyframeOrder order =
-          order_of(k, tracked, beside(1), {edge_of(k - 1, k, moved, ConstraintKind::odometry, 0.05, 0.03)});
+          order_of(k, tracked, beside(1), edge_of(k - 1, k, moved, ConstraintKind::odometry, 0.05, 0.03));
       if (k < 4) order.frame = unknown_frame(static_cast<std::uint64_t>(k));
       revision = mapper.add(order);
     }
@@ -190,7 +190,7 @@ TEST(Mapper, TwoSubmapsOfTheSamePlaceAreMerged) {
   EXPECT_TRUE(revision.events.empty());
   // From there the camera moves to a view of the first submap.
   const SE3 step(SO3::exp({0.0, 0.3, 0.0}), {0.2, 0.0, 0.1});
-  revision = mapper.add(order_of(2, guess * step, beside(1), {edge_of(1, 2, step)}, 1));
+  revision = mapper.add(order_of(2, guess * step, beside(1), edge_of(1, 2, step), 1));
   EXPECT_TRUE(has_event(revision, "joined"));
   ASSERT_EQ(edges_of_kind(revision, ConstraintKind::merge), 1);
   for (const KeyframePose& pose : revision.graph.poses) EXPECT_EQ(pose.submap, 0) << "the smallest number wins";
@@ -225,7 +225,7 @@ TEST(Mapper, TheArchiveGetsTheImagesAndEachRevisionHasTheNewEdges) {
   MapRevision revision = mapper.add(order_of(0, beside(0), beside(0)));
   std::size_t edges = 0;
   for (int k = 1; k < 3; ++k) {
-    revision = mapper.add(order_of(k, beside(k), beside(k), {edge_of(k - 1, k, beside(k - 1).inverse() * beside(k))}));
+    revision = mapper.add(order_of(k, beside(k), beside(k), edge_of(k - 1, k, beside(k - 1).inverse() * beside(k))));
     edges += revision.new_edges.size();
     EXPECT_GE(revision.graph.weights.size(), revision.new_edges.size());
     EXPECT_EQ(revision.graph.weights.back().edge, edges - 1) << "the newest, and those beside it";
@@ -248,7 +248,7 @@ TEST(Mapper, AStoppedRunIsNotOptimizedAtItsEnd) {
   context.stop = &stop;
   Mapper mapper({}, test_room::camera(), context);
   mapper.add(order_of(0, beside(0), beside(0)));
-  mapper.add(order_of(1, beside(1), beside(1), {edge_of(0, 1, beside(0).inverse() * beside(1))}));
+  mapper.add(order_of(1, beside(1), beside(1), edge_of(0, 1, beside(0).inverse() * beside(1))));
   stop = true;
   const MapRevision revision = mapper.settle();
   EXPECT_FALSE(has_event(revision, "map_revised"));
@@ -269,7 +269,7 @@ TEST(Mapper, AGivenMapStaysUnchanged) {
   // Its relocalized pose is 6 cm off.
   const SE3 found = before[1].world_from_camera.inverse() * seen_from * SE3(SO3(), {0.06, 0.0, 0.0});
   const MapRevision revision = mapper.add(order_of(4, before[1].world_from_camera * found, seen_from,
-                                                   {edge_of(1, 4, found, ConstraintKind::proximity, 0.1, 0.05)}));
+                                                   edge_of(1, 4, found, ConstraintKind::proximity, 0.1, 0.05)));
   ASSERT_EQ(revision.graph.poses.size(), 5U);
   for (int k = 0; k < 4; ++k) EXPECT_EQ(pose_in(revision, k).matrix(), before[k].world_from_camera.matrix());
   EXPECT_GT(revision.new_edges.size(), 1U) << "it is held against the map's";
@@ -309,8 +309,8 @@ TEST(Mapper, GivesUpFeaturesOfTheMostRedundantFirst) {
   std::set<std::int64_t> bare;
   for (std::int64_t k = 0; k < 40 && bare.size() < 3; ++k) {
     const auto side = [](std::int64_t id) { return beside(static_cast<int>(id % 5)); };
-    std::vector<Constraint> path;
-    if (k > 0) path.push_back(edge_of(k - 1, k, side(k - 1).inverse() * side(k)));
+    std::optional<Constraint> path;
+    if (k > 0) path = edge_of(k - 1, k, side(k - 1).inverse() * side(k));
     const MapRevision revision = mapper.add(order_of(k, side(k), side(k), path));
     edges.insert(edges.end(), revision.new_edges.begin(), revision.new_edges.end());
     for (const std::int64_t id : revision.forgotten) {

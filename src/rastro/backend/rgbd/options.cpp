@@ -47,13 +47,15 @@ void add_keyframe_options(OptionTable& table, RgbdSlamOptions& o) {
 void add_candidate_options(OptionTable& table, RgbdSlamOptions& o) {
   table.add(
       {"last_candidates", &o.last_candidates, "", "previous keyframes that a new one is matched with", 0, 100, {}});
-  table.add({"near_candidates",
-             &o.near_candidates,
-             "",
-             "keyframes nearest in estimated position and orientation that a new one is matched with",
-             0,
-             100,
-             {}});
+  table.add(
+      {"near_candidates",
+       &o.near_candidates,
+       "",
+       "keyframes nearest in estimated position and orientation that a new one is matched with: so many of the last "
+       "graph_window, and as many of those before",
+       0,
+       100,
+       {}});
   table.add({"graph_candidates",
              &o.graph_candidates,
              "",

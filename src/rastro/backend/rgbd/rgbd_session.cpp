@@ -118,7 +118,9 @@ void RgbdSession::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUp
 
 Matrix6d RgbdSession::covariance_of(const SE3& pose, const Matrix6d& from_keyframe) const {
   const SE3 keyframe_from_camera = anchor_.world_from_keyframe.inverse() * pose;
-  return with_common_errors(chained(anchor_.covariance, keyframe_from_camera, from_keyframe), options_);
+  const Matrix6d sum = chained(anchor_.covariance, keyframe_from_camera, from_keyframe);
+  const bool is_first = anchor_.covariance.isZero(0.0);  // what poses count from
+  return is_first ? sum : with_common_errors(sum, options_);
 }
 
 /// Where the follower has the frame, which becomes a keyframe where it is to.

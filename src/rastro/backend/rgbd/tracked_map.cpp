@@ -38,7 +38,8 @@ void TrackedMap::continue_base() {
 
 SE3 TrackedMap::pose(std::int64_t keyframe) const {
   const auto index = static_cast<std::size_t>(keyframe);
-  return index < poses_.size() ? poses_[index].world_from_camera : pending_[index - poses_.size()].pose.world_from_camera;
+  return index < poses_.size() ? poses_[index].world_from_camera
+                               : pending_[index - poses_.size()].pose.world_from_camera;
 }
 
 int TrackedMap::submap(std::int64_t keyframe) const {

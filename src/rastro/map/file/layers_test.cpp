@@ -204,6 +204,10 @@ TEST(Layers, PointsAreThoseOfAllLayersWithSurfaces) {
   EXPECT_EQ(layer_points(all(), -1).points.size(), expected);
   EXPECT_EQ(layer_points(all(), 0).points.size(), expected);
   EXPECT_TRUE(layer_points(all(), 1).points.empty());
+  std::size_t left_out = 0;
+  for (const auto& [id, depth] : all().layer<SemiDenseLayer>()->of) left_out += depth->pixels.size() - 1;
+  EXPECT_GT(left_out, 0U);
+  EXPECT_EQ(layer_points(all(), 0, 1).points.size(), expected - left_out) << "the first pixel of each keyframe";
 }
 
 }  // namespace

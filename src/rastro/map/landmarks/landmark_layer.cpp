@@ -159,7 +159,8 @@ class LandmarkLayerType : public LayerType {
             {{"landmarks", count}, {"observations_per_landmark", each}}};
   }
 
-  void add_points(const Map& map, const Layer& layer, int submap, PointCloud& cloud) const override {
+  void add_points(const Map& map, const Layer& layer, int submap, std::size_t /*most*/,
+                  PointCloud& cloud) const override {
     constexpr std::uint8_t unknown_color = 160;
     for (const Landmark& landmark : typed(layer).landmarks) {
       if (submap >= 0 && submap_of(map, landmark) != submap) continue;

@@ -204,7 +204,7 @@ TEST(LandmarkLayer, ItsPointsAreThoseOfTheSubmapAskedFor) {
   const Map map = small_map();
   const auto xs = [&](int submap) {
     PointCloud cloud;
-    landmarks_type().add_points(map, layer_of(map), submap, cloud);
+    landmarks_type().add_points(map, layer_of(map), submap, 1, cloud);
     std::vector<float> all;
     for (const CloudPoint& point : cloud.points) all.push_back(point.position.x());
     return all;
@@ -218,7 +218,7 @@ TEST(LandmarkLayer, ItsPointsAreThoseOfTheSubmapAskedFor) {
 TEST(LandmarkLayer, APointFacesItsCamerasWithTheSigmaAlongThem) {
   const Map map = make_landmark_test_map();
   PointCloud cloud;
-  landmarks_type().add_points(map, layer_of(map), 0, cloud);
+  landmarks_type().add_points(map, layer_of(map), 0, 1, cloud);
   const LandmarkLayer layer = layer_of(map);
   ASSERT_EQ(cloud.points.size(), layer.landmarks.size());
   int with_sigma = 0;

@@ -80,7 +80,8 @@ class ScanLayerType : public KeyframeLayerType<ScanLayer, KeyframeScans> {
             {{"scans", static_cast<double>(scans)}, {"returns", static_cast<double>(returns)}}};
   }
 
-  void add_points(const Map& map, const Layer& layer, int submap, PointCloud& cloud) const override {
+  void add_points(const Map& map, const Layer& layer, int submap, std::size_t /*most*/,
+                  PointCloud& cloud) const override {
     for (const auto& [id, scans] : typed(layer).of) {
       const Keyframe* keyframe = map.find(id);
       if (!keyframe || (submap >= 0 && keyframe->submap != submap)) continue;

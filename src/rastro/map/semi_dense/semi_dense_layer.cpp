@@ -49,12 +49,16 @@ class SemiDenseLayerType : public KeyframeLayerType<SemiDenseLayer, SemiDenseDep
             {{"semi_dense_pixels", static_cast<double>(count)}}};
   }
 
-  void add_points(const Map& map, const Layer& layer, int submap, PointCloud& cloud) const override {
+  void add_points(const Map& map, const Layer& layer, int submap, std::size_t most, PointCloud& cloud) const override {
+    std::size_t pixels = 0;
+    for (const auto& [id, depth] : typed(layer).of) pixels += depth->pixels.size();
+    const std::size_t step = 1 + (pixels > 0 ? (pixels - 1) / std::max<std::size_t>(1, most) : 0);
     for (const auto& [id, depth] : typed(layer).of) {
       const Keyframe* keyframe = map.find(id);
       if (!keyframe || map.cameras.empty() || (submap >= 0 && keyframe->submap != submap)) continue;
       const Camera& camera = map.cameras[static_cast<std::size_t>(keyframe->camera)].intrinsics;
-      for (const SemiDenseDepth::Pixel& pixel : depth->pixels) {
+      for (std::size_t k = 0; k < depth->pixels.size(); k += step) {
+        const SemiDenseDepth::Pixel& pixel = depth->pixels[k];
         constexpr float most_relative_sigma = 0.1F;
         const float most = most_relative_sigma * pixel.inverse_depth;
         const auto ray = camera.unproject({pixel.x, pixel.y});

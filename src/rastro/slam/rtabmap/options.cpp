@@ -165,7 +165,6 @@ RtabmapOptions::RtabmapOptions() {
   rgbd.loop_drift_rad_per_m = 0.01;
   rgbd.loop_inliers = 20;
   rgbd.relocalize_inliers = 22;
-  rgbd.match_far = true;
 }
 
 void set_paper_preset(RtabmapOptions& options) {

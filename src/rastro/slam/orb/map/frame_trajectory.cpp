@@ -93,8 +93,8 @@ void refine_frame(TrackedFrame& frame, const MapGraph& graph, int least) {
     if (id < 0 || graph.landmark(id).observations.empty()) continue;
     const MapLandmark& landmark = graph.landmark(id);
     if (graph.submap(landmark.observations.front().keyframe) != submap) continue;
-    observations.push_back({landmark.position, seen.ray.cast<double>(), static_cast<double>(seen.right),
-                            static_cast<double>(seen.sigma)});
+    observations.push_back(
+        {landmark.position, seen.ray.cast<double>(), static_cast<double>(seen.right), static_cast<double>(seen.sigma)});
   }
   const PoseRefinement refined = refine_pose(pose_of(graph, frame), observations, {.baseline = graph.baseline()});
   if (refined.inliers < least) return;

@@ -39,7 +39,8 @@ class MarkLayerType : public KeyframeLayerType<MarkLayer, Marks> {
             {{"marks", static_cast<double>(count)}}};
   }
 
-  void add_points(const Map& map, const Layer& layer, int submap, PointCloud& cloud) const override {
+  void add_points(const Map& map, const Layer& layer, int submap, std::size_t /*most*/,
+                  PointCloud& cloud) const override {
     for (const auto& [id, marks] : typed(layer).of) {
       const Keyframe* keyframe = map.find(id);
       if (!keyframe || (submap >= 0 && keyframe->submap != submap)) continue;
