@@ -163,14 +163,14 @@ std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& ran
     return candidates.free([&](std::int64_t k) { return keyframe(k).features.size() > 0 && is_allowed(k); });
   };
   if (frozen_ == 0) candidates.add_latest(id, options_.last_candidates);
-  // By position and viewing direction; those on the way here must not crowd out those of an earlier visit.
+  // By position and viewing direction; the latest must not crowd out those of an earlier visit.
   std::vector<std::pair<double, std::int64_t>> latest, earlier;
   for (const std::int64_t other : to_match([&](std::int64_t k) { return submap(k) == submap(id); })) {
     if ((pose(other).translation() - pose(id).translation()).norm() > options_.near_distance_m) continue;
     const double distance =
         share_of_reach(pose(other).inverse() * pose(id), options_.near_distance_m, options_.near_angle_rad);
-    const bool on_the_way = other >= std::max(frozen_, id - options_.graph_window);
-    if (distance < 1.0) (on_the_way ? latest : earlier).emplace_back(distance, other);
+    const bool is_recent = other >= std::max(frozen_, id - options_.graph_window);
+    if (distance < 1.0) (is_recent ? latest : earlier).emplace_back(distance, other);
   }
   candidates.add_nearest(std::move(latest), options_.near_candidates);
   candidates.add_nearest(std::move(earlier), options_.near_candidates);
@@ -182,14 +182,13 @@ std::vector<std::int64_t> KeyframeGraph::candidates(std::int64_t id, Random& ran
   return candidates.ids();
 }
 
-/// The submap of `joint`, an end of the edge, is as uncertain as the way to its first keyframe.
+/// The submap of `joint`, an end of the edge, is as uncertain as the path to its first keyframe.
 void KeyframeGraph::add_covariance_of_merge(const Constraint& edge, std::int64_t joint) {
-  const Matrix6d of_way = covariance_over(edge, joint) + covariance(joint);
+  const Matrix6d of_path = covariance_over(edge, joint) + covariance(joint);
   for (std::int64_t k = 0; k < size(); ++k) {
     if (submap(k) != submap(joint)) continue;
-    const Matrix6d to_right = (pose(k).inverse() * pose(joint)).adjoint();
     Matrix6d& sum = covariances_[static_cast<std::size_t>(k)];
-    sum += to_right * of_way * to_right.transpose();
+    sum += moved_covariance(of_path, joint, k);
     sum = (0.5 * (sum + sum.transpose())).eval();
   }
 }
@@ -297,13 +296,14 @@ Matrix6d KeyframeGraph::covariance_over(const Constraint& edge, std::int64_t id)
   const bool forward = edge.to == id;
   const std::int64_t other = forward ? edge.from : edge.to;
   const Matrix6d of_edge = without_common_errors(edge, options_), back = edge.rigid().adjoint();
-  return moved_covariance(other, id) + (forward ? of_edge : Matrix6d(back * of_edge * back.transpose()));
+  return moved_covariance(covariance(other), other, id) +
+         (forward ? of_edge : Matrix6d(back * of_edge * back.transpose()));
 }
 
-/// The errors of a keyframe as errors of another one that moves with it.
-Matrix6d KeyframeGraph::moved_covariance(std::int64_t from, std::int64_t to) const {
+/// The errors of one keyframe as those of another one that moves with it.
+Matrix6d KeyframeGraph::moved_covariance(const Matrix6d& covariance, std::int64_t from, std::int64_t to) const {
   const Matrix6d to_right = (pose(to).inverse() * pose(from)).adjoint();
-  return to_right * covariance(from) * to_right.transpose();
+  return to_right * covariance * to_right.transpose();
 }
 
 void KeyframeGraph::settle_covariance(std::int64_t id) {

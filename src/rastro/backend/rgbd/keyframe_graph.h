@@ -120,7 +120,7 @@ class KeyframeGraph {
 
   std::vector<std::int64_t> neighborhood(std::int64_t id, int steps) const;
   Matrix6d covariance_over(const Constraint& edge, std::int64_t id) const;
-  Matrix6d moved_covariance(std::int64_t from, std::int64_t to) const;
+  Matrix6d moved_covariance(const Matrix6d& covariance, std::int64_t from, std::int64_t to) const;
   void add_covariance_of_merge(const Constraint& edge, std::int64_t joint);
   std::vector<std::size_t> edges_from(std::int64_t first) const;
   bool is_anchor(std::int64_t id) const;
