@@ -13,6 +13,9 @@ namespace {
 
 constexpr int least_pairs = 40, judged_every = 10;
 constexpr double least_correlation = 0.75;
+// Without the delay: where motion is that smooth, a delay changes little, and chance moves the highest correlation.
+constexpr double most_correlation = 0.85;
+constexpr double most_delay_s = 0.45;
 constexpr double least_gain = 1.6;  // What the shifts leave unexplained without the delay, of that with it.
 
 }  // namespace
@@ -63,6 +66,7 @@ void DepthDelayCheck::judge(InputWarnings& found) {
   const int lag = static_cast<int>(best - by_lag_.begin()) - most_lag;
   const double delayed = best->value(), together = by_lag_[most_lag].value();
   if (std::abs(lag) < 2 || std::abs(lag) == most_lag || best->pairs < least_pairs || delayed < least_correlation ||
+      together > most_correlation || std::abs(lag) * frame_s_ > most_delay_s ||
       1.0 - together * std::abs(together) < least_gain * (1.0 - delayed * delayed))
     return;
   said_ = true;

@@ -22,6 +22,14 @@ PoseGraphOptions graph_options(const RgbdSlamOptions& options) {
   return graph;
 }
 
+constexpr int freedoms = 6;
+
+/// A constraint far off is wrong, not noisy.
+double squared_noise(const Constraint& edge, const SE3& world_from_from, const SE3& world_from_to) {
+  constexpr double most_sigmas = 3.0;
+  return std::min(squared_sigmas(edge, world_from_from, world_from_to), freedoms * most_sigmas * most_sigmas);
+}
+
 }  // namespace
 
 KeyframeGraph::KeyframeGraph(const RgbdSlamOptions& options, std::int64_t frozen)
@@ -244,12 +252,33 @@ KeyframeGraph::Part KeyframeGraph::part_from(std::int64_t first_free) const {
   return part;
 }
 
+/// From the residuals of an optimized part.
+void KeyframeGraph::learn_noise(const Part& part) {
+  const auto is_free = [&](std::int64_t k) { return part.fixed[static_cast<std::size_t>(k)] == 0; };
+  double squared = 0.0;
+  std::ptrdiff_t used = 0;
+  for (const Constraint& edge : part.edges) {
+    if (!is_free(edge.from) && !is_free(edge.to)) continue;
+    squared += squared_noise(edge, part.poses[static_cast<std::size_t>(edge.from)],
+                             part.poses[static_cast<std::size_t>(edge.to)]);
+    ++used;
+  }
+  noise_.add(squared, freedoms * static_cast<double>(used - std::count(part.fixed.begin(), part.fixed.end(), 0)));
+}
+
+void KeyframeGraph::learn_noise() {
+  double squared = 0.0;
+  for (const Constraint& edge : edges_) squared += squared_noise(edge, pose(edge.from), pose(edge.to));
+  noise_.add(squared, freedoms * (static_cast<double>(edges_.size()) - static_cast<double>(size())));
+}
+
 PoseGraphResult KeyframeGraph::optimize(bool all) { return optimize(all, graph_options(options_)); }
 
 PoseGraphResult KeyframeGraph::optimize(bool all, const PoseGraphOptions& options) {
   const std::int64_t first_free = all ? frozen_ : std::max(frozen_, size() - options_.graph_window);
   Part part = part_from(first_free);
   const PoseGraphResult result = optimize_pose_graph(part.poses, part.edges, part.fixed, options);
+  learn_noise(part);
   for (std::size_t i = 0; i < part.keyframes.size(); ++i)
     poses_[static_cast<std::size_t>(part.keyframes[i])] = part.poses[i];
   for (std::size_t i = 0; i < part.edges.size(); ++i) edges_[part.edge_numbers[i]].weight = part.edges[i].weight;
@@ -295,7 +324,7 @@ GraphChanges KeyframeGraph::take_changes() {
 Matrix6d KeyframeGraph::covariance_over(const Constraint& edge, std::int64_t id) const {
   const bool forward = edge.to == id;
   const std::int64_t other = forward ? edge.from : edge.to;
-  const Matrix6d of_edge = without_common_errors(edge, options_), back = edge.rigid().adjoint();
+  const Matrix6d of_edge = noise_.value() * without_common_errors(edge, options_), back = edge.rigid().adjoint();
   return moved_covariance(covariance(other), other, id) +
          (forward ? of_edge : Matrix6d(back * of_edge * back.transpose()));
 }

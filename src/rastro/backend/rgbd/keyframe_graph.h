@@ -10,6 +10,7 @@
 
 #include "rastro/backend/rgbd/graph_paths.h"
 #include "rastro/backend/rgbd/options.h"
+#include "rastro/backend/rgbd/variance_factor.h"
 #include "rastro/base/random.h"
 #include "rastro/map/features/feature_layer.h"
 #include "rastro/optimize/pose_graph.h"
@@ -107,6 +108,10 @@ class KeyframeGraph {
   /// Sets an upper bound of a keyframe's covariance relative to the first of its submap: that of the best neighbor plus
   /// the edge to it. Further edges would only reduce it.
   void settle_covariance(std::int64_t id);
+  /// Of the covariances of constraints and tracked motions, as residuals show it.
+  double variance_factor() const { return noise_.value(); }
+  /// From all constraints at the poses as they are, as those of a given map.
+  void learn_noise();
 
  private:
   /// A part of the graph, with ids that are indices into its own vectors.
@@ -125,6 +130,7 @@ class KeyframeGraph {
   std::vector<std::size_t> edges_from(std::int64_t first) const;
   bool is_anchor(std::int64_t id) const;
   Part part_from(std::int64_t first_free) const;
+  void learn_noise(const Part& part);
   PoseGraphResult optimize(bool all, const PoseGraphOptions& options);
 
   RgbdSlamOptions options_;
@@ -137,7 +143,8 @@ class KeyframeGraph {
   std::vector<double> lengths_;                     ///< Of edges_: graph_paths_from().
   std::vector<std::vector<std::size_t>> edges_of_;  ///< Into edges_.
   std::map<int, std::int64_t> first_of_submap_;     ///< The first keyframe of each anchors it.
-  std::int64_t first_changed_ = 0;                  ///< Of the poses, since take_changes().
+  VarianceFactor noise_;
+  std::int64_t first_changed_ = 0;  ///< Of the poses, since take_changes().
 };
 
 }  // namespace rastro

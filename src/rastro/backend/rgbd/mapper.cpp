@@ -92,6 +92,7 @@ void Mapper::take_over(const std::shared_ptr<const Map>& map) {
     search_->know(signature, keyframe.weight);
   }
   for (const Constraint& edge : map->constraints) graph_.add_edge(edge);
+  graph_.learn_noise();
   search_->know_constraints(map->constraints);
   if (maps_) continued_ = map;
 }
@@ -399,6 +400,7 @@ void Mapper::revise(MapRevision& revision) {
   revision.graph = graph_.take_changes();
   revision.memory = {map_bytes(), budget_.bytes(), measures()};
   revision.spacing = budget_.spacing();
+  revision.variance_factor = graph_.variance_factor();
 }
 
 MapRevision Mapper::settle() {

@@ -47,7 +47,8 @@ struct MapRevision {
   std::optional<PlaceBelief> belief;                              ///< About the keyframe, where places are recognized.
   std::vector<SlamEvent> events;
   MapMemory memory;
-  double spacing = 1.0;  ///< For future keyframes: factor on the usual motion between them.
+  double variance_factor = 1.0;  ///< Of the covariances of tracked motions, see KeyframeGraph.
+  double spacing = 1.0;          ///< For future keyframes: factor on the usual motion between them.
 };
 
 /// Builds the map: features of each keyframe, matching to other keyframes, pose graph, archive. Runs beside the
@@ -58,6 +59,8 @@ class Mapper {
   /// `search`: null for a GraphSearch.
   Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context,
          std::unique_ptr<LoopSearch> search = nullptr);
+  /// Of the covariances of tracked motions, see KeyframeGraph.
+  double variance_factor() const { return graph_.variance_factor(); }
   MapRevision add(const KeyframeOrder& order);
   /// One more edge between keyframes; the keyframe of the result stays null.
   MapRevision connect(Constraint edge);

@@ -31,6 +31,7 @@ RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, c
       following_{.has_pose = maps_, .motion_check = MotionCheck(options_.max_acceleration)},
       loss_{.lost = !maps_},
       hint_(context.initial_pose),
+      variance_factor_(mapper_.variance_factor()),
       pipeline_(mapping_pipeline(context.pipelined, context.live, context.pool)) {}
 
 SlamUpdate RgbdSession::process(const Frame& frame) {
@@ -118,7 +119,7 @@ void RgbdSession::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUp
 
 Matrix6d RgbdSession::covariance_of(const SE3& pose, const Matrix6d& from_keyframe) const {
   const SE3 keyframe_from_camera = anchor_.world_from_keyframe.inverse() * pose;
-  const Matrix6d sum = chained(anchor_.covariance, keyframe_from_camera, from_keyframe);
+  const Matrix6d sum = chained(anchor_.covariance, keyframe_from_camera, variance_factor_ * from_keyframe);
   const bool is_first = anchor_.covariance.isZero(0.0);  // what poses count from
   return is_first ? sum : with_common_errors(sum, options_);
 }
@@ -170,7 +171,8 @@ void RgbdSession::make_keyframe(const Frame& frame, const SE3& world_from_camera
   const auto order = std::make_shared<const KeyframeOrder>(
       KeyframeOrder{id, kept_of(frame), world_from_camera, submap, constraint, map_.frame_count()});
   map_.add_pending({world_from_camera, submap}, from,
-                   constraint ? without_common_errors(*constraint, options_) : Matrix6d(Matrix6d::Zero()));
+                   constraint ? Matrix6d(variance_factor_ * without_common_errors(*constraint, options_))
+                              : Matrix6d(Matrix6d::Zero()));
   anchor_ = {id, world_from_camera, map_.covariance(id), world_from_camera, Matrix6d::Zero()};
   counts_.anchored = counts_.seen;
   update.events.push_back({"keyframe", fmt::format("{}", id)});
@@ -216,6 +218,7 @@ void RgbdSession::apply(MappedKeyframe mapped, std::vector<SlamEvent>& events) {
 void RgbdSession::note_memory(const MapRevision& revision) {
   memory_ = revision.memory;
   spacing_ = revision.spacing;
+  variance_factor_ = revision.variance_factor;
 }
 
 /// A map given stays as it is.

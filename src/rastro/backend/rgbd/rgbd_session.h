@@ -133,6 +133,7 @@ class RgbdSession {
   int segment_ = 0;  ///< Number of the segment of frames followed without a break.
   SE3 last_pose_;
   std::optional<SE3> hint_;  ///< Where to search first in a given map, until found.
+  double variance_factor_;   ///< Of the covariances of tracked motions.
   double spacing_ = 1.0;     ///< Of keyframes, times the usual motion: more where memory is short.
   MapMemory memory_;
   std::vector<SlamEvent> events_;      ///< Not yet told of.

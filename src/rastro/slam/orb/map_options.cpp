@@ -158,6 +158,14 @@ void add_place_options(OptionTable& table, OrbSlamOptions& o) {
        0,
        10000,
        {}});
+  table.add({"relocalize_visible_share",
+             &o.relocalize_visible_share,
+             "",
+             "share of the landmarks that would be visible from there which fit in these frames, at least; 0.04 in "
+             "another corridor of the same make",
+             0,
+             1,
+             {}});
   table.add_former_name("relocalise_matches", "relocalize_matches");
   table.add_former_name("relocalise_search_px", "relocalize_search_px");
 }
@@ -198,6 +206,14 @@ void add_loop_options(OptionTable& table, OrbSlamOptions& o) {
              "share of a new keyframe's rotation sigma that bundle adjustment leaves, for the covariances of poses",
              0,
              1,
+             {}});
+  table.add({"position_drift_factor",
+             &o.position_drift_factor,
+             "",
+             "factor on a new keyframe's position sigma, for the covariances of poses: successive keyframes see the "
+             "same landmarks, so their errors are alike",
+             0,
+             100,
              {}});
   table.add({"scale_drift_share",
              &o.scale_drift_share,

@@ -106,6 +106,7 @@ struct OrbSlamOptions {
   double relocalize_search_px = 10.0;
   int relocalize_frames = 3;
   double relocalize_chance_ratio = 4.2;
+  double relocalize_visible_share = 0.08;
   int loop_neighbor_landmarks = 30;
   int loop_consistent = 3;
   int loop_inliers = 20;
@@ -113,6 +114,7 @@ struct OrbSlamOptions {
   double loop_search_px = 8.0;
   double loop_chance_ratio = 11.0;
   double adjusted_rotation_share = 0.5;
+  double position_drift_factor = 1.3;
   double scale_drift_share = 0.002;
   double loop_fit_share = 0.75;
   double loop_drift_share = 0.1;

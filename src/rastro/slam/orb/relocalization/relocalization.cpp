@@ -57,9 +57,12 @@ Rejection Relocalization::judge_with(const FeatureFrame& frame, const TrackingRe
   evidence.predicted += static_cast<int>(tracked.visible.size());
   evidence.chance_observed += 1.0 + tracker_.chance_inliers(frame, tracked.camera_from_world);
   const OrbSlamOptions& options = session_.options;
-  return judge(evidence,
-               {.min_inliers = session_.min_inliers(),
-                .min_chance_ratio = is_enough(tracked) ? options.relocalize_chance_ratio : options.min_chance_ratio});
+  AcceptanceOptions asked{.min_inliers = session_.min_inliers(), .min_chance_ratio = options.min_chance_ratio};
+  if (is_enough(tracked)) {
+    asked.min_chance_ratio = options.relocalize_chance_ratio;
+    if (!continues_motion(tracked.camera_from_world)) asked.min_observed_share = options.relocalize_visible_share;
+  }
+  return judge(evidence, asked);
 }
 
 /// Whether the frames that agree are enough, with this one.
@@ -103,8 +106,12 @@ void Relocalization::accept(const TrackingResult& tracked, SlamUpdate& update) {
   update.state = SlamState::relocalized;
   update.reason = SlamReason::none;
   update.detail.clear();
-  update.events.push_back({"relocalized", fmt::format("in keyframe {} with {} landmarks after {} frames",
-                                                      hypothesis_->keyframe, tracked.inliers, session_.lost_frames)});
+  const Evidence& evidence = hypothesis_->evidence;
+  update.events.push_back(
+      {"relocalized", fmt::format("in keyframe {} with {} landmarks after {} frames; {} of {} visible ones fit, {:.0f} "
+                                  "would by chance",
+                                  hypothesis_->keyframe, tracked.inliers, session_.lost_frames, evidence.inliers,
+                                  evidence.predicted, evidence.chance_observed)});
   hypothesis_.reset();
 }
 

@@ -255,6 +255,7 @@ void Tracking::insert_keyframe(const FramePointer& frame, const TrackingResult& 
 void Tracking::note_uncertainty(std::int64_t keyframe, const TrackingResult& tracked, const Eigen::Vector3d& position) {
   const Matrix6d covariance = in_world_axes(tracked.covariance, tracked.camera_from_world);
   Matrix6d left = Matrix6d::Identity();
+  left.topLeftCorner<3, 3>() *= session_.options.position_drift_factor;
   left.bottomRightCorner<3, 3>() *= session_.options.adjusted_rotation_share;
   session_.uncertainty.add(keyframe, tracked.reference, position, left * covariance * left,
                            session_.mono() ? scale_variance(covariance, position) : 0.0);
