@@ -7,6 +7,7 @@
 
 #include "rastro/backend/rgbd/rgbd_session.h"
 #include "rastro/backend/rgbd/rgbd_testing.h"
+#include "rastro/backend/rgbd/variance_factor.h"
 
 namespace rastro {
 namespace {
@@ -29,9 +30,9 @@ RgbdSlamOptions revisiting() {
 
 SE3 shown_aside(double meters) { return looking({-0.5, meters, 1.2}, 0.0, -0.3); }
 
-/// In shares of the common error's variance: of the position, of the rotation.
+/// In shares of the common error's variance, as long as no residuals have changed it: of the position, of the rotation.
 std::pair<double, double> variances_of(const SlamUpdate& update) {
-  const Vector6d variances = update.covariance->diagonal() / (common_sigma * common_sigma);
+  const Vector6d variances = update.covariance->diagonal() / (VarianceFactor().value() * common_sigma * common_sigma);
   return {variances.head<3>().mean(), variances.tail<3>().mean()};
 }
 

@@ -45,6 +45,13 @@ constexpr int corners_to_find = 600;
 // neither.
 constexpr double covariance_factor = 4.0;
 
+/// Variance factor of a pose that most features contradict: something large moves, and the pose may follow it.
+double contradiction(const RgbdFollow& result) {
+  constexpr double enough = 0.4, least = 0.1;  // share of the features that fit
+  const double share = static_cast<double>(result.inliers) / std::max(1, result.points);
+  return std::pow(enough / std::clamp(share, least, enough), 3);
+}
+
 double largest_sigma(const Matrix6d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(covariance, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, eigen.eigenvalues()(5)));
@@ -361,7 +368,8 @@ bool RgbdFollower::State::judge(const PoseSolution& solution, const SurfaceMatch
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
   const double sigma = 1.0 / std::sqrt(std::max(eigen.eigenvalues()(0), 1e-12));
   if (sigma > lost_sigma) return false;
-  result.covariance = covariance_factor * excess * solution.information_of_motion(unshared_error(solution)).inverse();
+  result.covariance = covariance_factor * excess * contradiction(result) *
+                      solution.information_of_motion(unshared_error(solution)).inverse();
   result.world_from_camera = solution.world_from_camera;
   result.surface_points = match.fitting * coarse_step * coarse_step;
   const Vector6d texture = solution.shared_points.information.diagonal();

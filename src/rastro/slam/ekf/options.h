@@ -11,7 +11,7 @@ namespace rastro {
 /// each are documented once, in option_table().
 struct EkfOptions {
   // Odometry.
-  double odometry_error_m_per_m = 0.03;
+  double odometry_error_m_per_m = 0.025;
   double odometry_error_deg_per_45_deg = 2.0;
   double heading_error_deg_per_m = 0.35;
   double max_speed_m_per_s = 5.0;

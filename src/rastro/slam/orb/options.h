@@ -113,8 +113,8 @@ struct OrbSlamOptions {
   int loop_landmarks = 40;
   double loop_search_px = 8.0;
   double loop_chance_ratio = 11.0;
-  double adjusted_rotation_share = 0.5;
-  double position_drift_factor = 1.3;
+  double adjusted_rotation_share = 0.62;
+  double position_drift_factor = 1.7;
   double scale_drift_share = 0.002;
   double loop_fit_share = 0.75;
   double loop_drift_share = 0.1;
