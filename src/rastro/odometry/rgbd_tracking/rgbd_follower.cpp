@@ -46,7 +46,8 @@ constexpr int corners_to_find = 600;
 constexpr double covariance_factor = 4.0;
 
 /// Variance factor of a pose that most features contradict: something large moves, and the pose may follow it.
-double contradiction(const RgbdFollow& result) {
+double contradiction(const RgbdFollow& result, int min_points) {
+  if (result.points < min_points) return 1.0;
   constexpr double enough = 0.4, least = 0.1;  // share of the features that fit
   const double share = static_cast<double>(result.inliers) / std::max(1, result.points);
   return std::pow(enough / std::clamp(share, least, enough), 3);
@@ -368,7 +369,7 @@ bool RgbdFollower::State::judge(const PoseSolution& solution, const SurfaceMatch
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
   const double sigma = 1.0 / std::sqrt(std::max(eigen.eigenvalues()(0), 1e-12));
   if (sigma > lost_sigma) return false;
-  result.covariance = covariance_factor * excess * contradiction(result) *
+  result.covariance = covariance_factor * excess * contradiction(result, options_.min_points) *
                       solution.information_of_motion(unshared_error(solution)).inverse();
   result.world_from_camera = solution.world_from_camera;
   result.surface_points = match.fitting * coarse_step * coarse_step;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include <Eigen/Dense>
 
 #include "rastro/odometry/rgbd_tracking/room_testing.h"
@@ -154,6 +156,26 @@ TEST(RgbdFollower, DoesNotClaimToHaveRelocalizedInAnUnknownView) {
   }
   const SE3 behind = PaperedRoom::pose(4) * SE3(SO3::exp({0.0, 3.0, 0.0}), Eigen::Vector3d::Zero());
   EXPECT_EQ(after_the_dark(behind).back.state, OdometryState::lost) << "a wall it has never seen";
+}
+
+/// Three quarters of the image move by themselves, each in its own way.
+TEST(RgbdFollower, APoseThatMostFeaturesContradictIsLessCertain) {
+  const PaperedRoom room;
+  RgbdFollower follower({}, room.camera, nullptr);
+  for (int i = 0; i < 6; ++i) follower.follow(room.frame(i, PaperedRoom::pose(i)));
+  const SE3 pose = PaperedRoom::pose(6);
+  Frame frame = room.frame(6, pose);
+  const int quarter = room.camera.width / 4;
+  for (const auto& [part, meters] : {std::pair{0, 0.06}, {2, -0.06}, {3, 0.12}}) {
+    const Frame other = room.frame(6, pose * SE3(SO3(), Eigen::Vector3d(0.0, meters, 0.0)));
+    for (int y = 0; y < room.camera.height; ++y)
+      for (int x = part * quarter; x < (part + 1) * quarter; ++x) frame.image.at(x, y) = other.image.at(x, y);
+  }
+  const RgbdFollow follow = follower.follow(frame);
+  const double sigma_m = std::sqrt(follow.covariance.topLeftCorner<3, 3>().trace());
+  EXPECT_LT(5 * follow.inliers, 2 * follow.points);
+  EXPECT_EQ(follow.state, OdometryState::weak) << follow.detail;
+  EXPECT_GT(sigma_m, 0.06) << "0.05 m by the disagreement of the features alone";
 }
 
 TEST(RgbdFollower, EmptyAndRepeatedFramesAndAFullMaskAreNoError) {

@@ -81,8 +81,10 @@ TEST(Relocalization, ARelocalizedFrameIsTrackedFromThenOn) {
     EXPECT_EQ(bench.update.detail, "");
     ASSERT_EQ(bench.update.events.size(), 1U);
     EXPECT_EQ(bench.update.events[0].kind, "relocalized");
-    EXPECT_THAT(bench.update.events[0].detail,
-                ::testing::MatchesRegex("in keyframe [012] with (29[0-9]|300) landmarks after 7 frames"));
+    EXPECT_THAT(
+        bench.update.events[0].detail,
+        ::testing::MatchesRegex("in keyframe [012] with (29[0-9]|300) landmarks after 7 frames; .* of .* visible ones "
+                                "fit, .* would by chance"));
     EXPECT_THAT(bench.tracker.last_pose(), pose_near(bench.stop(0.4), 1e-4, 1e-5));
     EXPECT_THAT(bench.tracker.velocity(), pose_near(SE3(), 0.0, 0.0));
     EXPECT_TRUE(bench.frames().empty()) << "the frame itself is left to who asked";
@@ -220,6 +222,20 @@ TEST(Relocalization, InliersMustExceedThoseByChance) {
     EXPECT_EQ(bench.update.reason, SlamReason::not_found);
     EXPECT_THAT(bench.update.detail, ::testing::HasSubstr("visible landmarks fit"));
     EXPECT_FALSE(bench.session.tracking);
+    EXPECT_FALSE(bench.relocalization.is_unconfirmed());
+  }
+}
+
+/// Of what would be visible, half is not seen: a place that only looks alike.
+TEST(Relocalization, WhatShouldBeVisibleMustBeSeen) {
+  for (const double share : {0.3, 0.8}) {
+    OrbSlamOptions options = confirmed_by(2);
+    options.relocalize_visible_share = share;
+    RelocalizationBench bench(CameraKind::mono, options);
+    EXPECT_FALSE(bench.relocalize(10, 1.0, {.to = 150}));
+    EXPECT_EQ(bench.confirm(11, 1.1, {.to = 150}), share < 0.5) << bench.update.detail;
+    if (share < 0.5) continue;
+    EXPECT_EQ(bench.update.reason, SlamReason::not_found);
     EXPECT_FALSE(bench.relocalization.is_unconfirmed());
   }
 }
