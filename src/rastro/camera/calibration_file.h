@@ -20,6 +20,7 @@ struct CalibratedCameraEntry {
   std::optional<SE3> body_from_camera;      ///< EuRoC's T_BS; Kalibr: body = IMU, the inverse of T_cam_imu.
   std::optional<SE3> camera_from_previous;  ///< From the frame of the previous entry (Kalibr's T_cn_cnm1).
   std::optional<double> rate_hz;
+  std::optional<double> calibration_error;  ///< Standard deviation of focal length and baseline, as share of them.
 };
 
 struct Calibration {

@@ -169,7 +169,7 @@ TEST(CalibrationFile, Euroc) {
     EXPECT_EQ(read.format, "euroc");
     EXPECT_THAT(read.warnings, IsEmpty());
     ASSERT_EQ(read.cameras.size(), 1U);
-    const auto& [name, camera, body_from_camera, previous, rate] = read.cameras[0];
+    const auto& [name, camera, body_from_camera, previous, rate, error] = read.cameras[0];
     EXPECT_EQ(camera.width, 752);
     EXPECT_EQ(camera.height, 480);
     EXPECT_EQ(camera.fx, 458.654);
@@ -179,9 +179,23 @@ TEST(CalibrationFile, Euroc) {
     EXPECT_EQ(camera.distortion, Distortion::radial_tangential);
     EXPECT_THAT(camera.coefficients, ElementsAre(-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05, 0.0));
     EXPECT_EQ(rate, 20.0);
+    EXPECT_FALSE(error);
     EXPECT_FALSE(previous);
     ASSERT_TRUE(body_from_camera);
     EXPECT_THAT(*body_from_camera * Eigen::Vector3d(1, 2, 3), matrix_near(Eigen::Vector3d(-2.02, 0.94, 3.01), 1e-12));
+  }
+}
+
+TEST(CalibrationFile, SaysHowWellItIsKnown) {
+  const std::string opencv =
+      "image_width: 640\nimage_height: 480\ncamera_matrix: {rows: 3, cols: 3, data: [500, 0, 320, 0, 500, 240, 0, 0, "
+      "1]}\n";
+  for (const std::string& text : {euroc, opencv}) {
+    EXPECT_EQ(parse(text + "calibration_error: 0.002\n").cameras[0].calibration_error, 0.002);
+    EXPECT_EQ(parse(text + "calibration_error: 0.0\n").cameras[0].calibration_error, 0.0);
+    EXPECT_FALSE(parse(text).cameras[0].calibration_error);
+    EXPECT_THAT(error_of(text + "calibration_error: 2\n"), HasSubstr("is not a share"));
+    EXPECT_THAT(error_of(text + "calibration_error: -0.1\n"), HasSubstr("is not a share"));
   }
 }
 

@@ -90,6 +90,12 @@ void add_data_flags(CLI::App& command, DataFlags& flags) {
                   "calibration)")
       ->type_name("S")
       ->group(calibration);
+  command
+      .add_option("--calibration-error", flags.calibration_error,
+                  "Standard deviation of focal length and baseline or scale of depth, as share, for the covariances of "
+                  "poses (default: that of the calibration, else 0.005)")
+      ->type_name("SHARE")
+      ->group(calibration);
   command.add_option("--threads", flags.threads, "Number of threads, 0: all cores; results do not depend on it")
       ->type_name("N")
       ->capture_default_str()
@@ -127,6 +133,13 @@ OpenOptions open_options(const DataFlags& flags) {
                   "give the seconds from the first row to the last, such as 0.03");
     }
     options.readout_s = flags.readout_s;
+  }
+  if (flags.calibration_error != -1.0) {
+    if (!(flags.calibration_error >= 0.0 && flags.calibration_error <= 1.0)) {
+      throw Error(fmt::format("{:g} is not a share", flags.calibration_error), "--calibration-error",
+                  "give a number from 0 to 1: 0.005 says half a percent");
+    }
+    options.calibration_error = flags.calibration_error;
   }
   if (flags.fov_deg != 0.0) {
     if (!(flags.fov_deg > 1.0 && flags.fov_deg < 179.0)) {

@@ -12,6 +12,15 @@
 namespace rastro {
 namespace {
 
+constexpr double field_of_view_error = 0.05;
+
+CalibratedCamera calibrated(const std::string& name, const CalibratedCameraEntry& entry,
+                            const std::filesystem::path& file) {
+  CalibratedCamera camera{name, entry.camera, entry.body_from_camera, file.string()};
+  camera.calibration_error = entry.calibration_error.value_or(camera.calibration_error);
+  return camera;
+}
+
 Camera camera_from_intrinsics(const std::array<double, 4>& values) {
   Camera camera;
   camera.fx = values[0];
@@ -82,6 +91,7 @@ void apply_given(SourceInfo& info, const OpenOptions& options, std::optional<Ima
     if (!size) throw Error("the size of the images is unknown", "--fov", "give --intrinsics fx,fy,cx,cy instead");
     main.camera = camera_from_field_of_view(*options.field_of_view_deg, size->width, size->height);
     main.calibration_file = "--fov";
+    main.calibration_error = field_of_view_error;
   } else if (options.field_of_view_deg) {
     info.warnings.push_back(fmt::format("--fov is not used: there is a calibration ({})", main.calibration_file));
   }
@@ -112,8 +122,7 @@ void read_cameras(SourceInfo& info, const std::filesystem::path& file, const std
   for (const auto& name : names) {
     const auto* entry = find_entry(calibration, name, names.size() == 1);
     if (!entry) unknown.push_back(name);
-    info.cameras.push_back(entry ? CalibratedCamera{name, entry->camera, entry->body_from_camera, file.string()}
-                                 : uncalibrated(name));
+    info.cameras.push_back(entry ? calibrated(name, *entry, file) : uncalibrated(name));
   }
   if (unknown.size() == names.size()) refuse_cameras(calibration, fmt::format("{}", fmt::join(unknown, ", ")), file);
   for (const auto& name : unknown)
@@ -131,7 +140,7 @@ void read_unnamed_camera(SourceInfo& info, const std::filesystem::path& file, co
     info.warnings.push_back(fmt::format("{}: has {}; {} is used, --camera NAME selects another", file.string(),
                                         names_in(calibration), entry->name));
   }
-  info.cameras.push_back({only ? own_name : entry->name, entry->camera, entry->body_from_camera, file.string()});
+  info.cameras.push_back(calibrated(only ? own_name : entry->name, *entry, file));
 }
 
 std::optional<SE3> first_from_camera(const std::filesystem::path& file, const std::string& name) {
@@ -156,6 +165,7 @@ void finish_calibration(SourceInfo& info, const OpenOptions& options, std::optio
   for (auto& camera : info.cameras) {
     if (!camera.camera) continue;
     camera.camera->readout_s = options.readout_s.value_or(camera.camera->readout_s);
+    camera.calibration_error = options.calibration_error.value_or(camera.calibration_error);
     if (size) fit_to_images(info, camera, *size);
     for (const auto& warning : calibration_warnings(*camera.camera)) {
       info.warnings.push_back(fmt::format("{} of {}: {}", camera.name, camera.calibration_file, warning));

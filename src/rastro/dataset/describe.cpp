@@ -62,6 +62,7 @@ Json camera_fields(const CalibratedCamera& calibrated) {
   fields["height"] = camera.height;
   fields["intrinsics"] = {camera.fx, camera.fy, camera.cx, camera.cy};
   if (camera.readout_s > 0.0) fields["readout_s"] = camera.readout_s;
+  fields["calibration_error"] = calibrated.calibration_error;
   fields["distortion"] = distortion_name(camera.distortion);
   fields["coefficients"] =
       std::vector<double>(camera.coefficients.begin(),

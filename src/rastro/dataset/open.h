@@ -22,6 +22,7 @@ struct OpenOptions {
   std::optional<std::array<double, 4>> intrinsics;  ///< fx fy cx cy; overrides what is found.
   std::string calibration_file;                     ///< Overrides what is found.
   std::optional<double> readout_s;                  ///< Of the rolling shutter; overrides what is found.
+  std::optional<double> calibration_error;          ///< CalibratedCamera::calibration_error; overrides what is found.
   bool want_right = false;
   bool want_depth = false;
   bool want_color = false;

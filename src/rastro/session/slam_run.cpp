@@ -20,6 +20,7 @@
 #include "rastro/session/slam_stats.h"
 #include "rastro/session/trajectory_text.h"
 #include "rastro/session/watched_input.h"
+#include "rastro/slam/calibration_error.h"
 
 namespace rastro {
 namespace {
@@ -45,10 +46,18 @@ GrayImage copy_of(GrayView view) {
   return image;
 }
 
+/// Of the camera that the run uses; 0 without one.
+double calibration_error_of(const SourceInfo& info) {
+  return info.cameras.empty() || !info.cameras.front().camera ? 0.0 : info.cameras.front().calibration_error;
+}
+
 class Runner {
  public:
   explicit Runner(const SlamRun& run)
-      : run_(run), reader_(*run.source, run.folder), input_(run.source->info(), run.folder) {
+      : run_(run),
+        reader_(*run.source, run.folder),
+        input_(run.source->info(), run.folder),
+        calibration_error_(calibration_error_of(run.source->info())) {
     if (!run.folder) return;
     stats_.emplace(run.folder->file("stats.csv"));
     online_.emplace(run.folder->file("trajectory_online.txt")).append(tum_header(online_poses));
@@ -69,6 +78,8 @@ class Runner {
     if (run_.mask_of) frame.mask = copy_of(run_.mask_of(frame));
     Stopwatch watch;
     SlamUpdate update = run_.method->process(frame);
+    if (update.covariance && calibration_error_ > 0.0)
+      update.covariance = with_calibration_error(*update.covariance, update.world_from_body, calibration_error_);
     update.milliseconds = watch.lap_ms();
     count(update);
     note_covariance(update);
@@ -205,6 +216,7 @@ class Runner {
   const SlamRun& run_;
   FrameReader reader_;
   WatchedInput input_;
+  double calibration_error_;
   std::optional<SlamStats> stats_;
   std::optional<AppendFile> online_, covariances_;
   SlamRunEnd end_;

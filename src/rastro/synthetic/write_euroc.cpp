@@ -47,7 +47,8 @@ std::string rows_of(const Eigen::Matrix4d& m) {
 std::string intrinsics_text(const Camera& camera) {
   return fmt::format(
       "resolution: [{}, {}]\ncamera_model: pinhole\nintrinsics: [{:.15g}, {:.15g}, {:.15g}, {:.15g}] #fu, fv, cu, cv\n"
-      "distortion_model: radial-tangential\ndistortion_coefficients: [{:.15g}, {:.15g}, {:.15g}, {:.15g}]\n",
+      "distortion_model: radial-tangential\ndistortion_coefficients: [{:.15g}, {:.15g}, {:.15g}, {:.15g}]\n"
+      "calibration_error: 0.0\n",
       camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, camera.coefficients[0],
       camera.coefficients[1], camera.coefficients[2], camera.coefficients[3]);
 }

@@ -69,7 +69,8 @@ std::string camera_text(const Camera& camera) {
       "camera_matrix: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n"
       "  data: [{:.15g}, 0., {:.15g}, 0., {:.15g}, {:.15g}, 0., 0., 1.]\n"
       "distortion_coefficients: !!opencv-matrix\n  rows: 1\n  cols: 5\n  dt: d\n"
-      "  data: [{:.15g}, {:.15g}, {:.15g}, {:.15g}, {:.15g}]\n",
+      "  data: [{:.15g}, {:.15g}, {:.15g}, {:.15g}, {:.15g}]\n"
+      "calibration_error: 0.\n",
       camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy, k[0], k[1], k[2], k[3], k[4]);
 }
 

@@ -109,6 +109,14 @@ std::optional<double> optional_rate(const YamlFields& fields) {
   return rate;
 }
 
+std::optional<double> optional_calibration_error(const YamlFields& fields) {
+  static constexpr Names key = {"calibration_error"};
+  if (!fields.has(key)) return std::nullopt;
+  const double error = fields.number(key);
+  if (!(error >= 0.0 && error <= 1.0)) fields.fail(key, "is not a share", "0.005 says half a percent");
+  return error;
+}
+
 void require_usable(const Camera& camera, const std::string& where) {
   for (const double focal_length : {camera.fx, camera.fy})
     if (!(focal_length > 0.0 && focal_length < largest_focal_length))

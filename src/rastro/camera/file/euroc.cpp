@@ -28,6 +28,7 @@ Calibration parse_euroc(const YamlFields& root) {
   if (root.has({"T_BS"}))
     entry.body_from_camera = rigid_transform(root.matrix({"T_BS"}, 4, 4), "T_BS", root.at({"T_BS"}), result.warnings);
   entry.rate_hz = optional_rate(root);
+  entry.calibration_error = optional_calibration_error(root);
   result.cameras.push_back(std::move(entry));
   return result;
 }

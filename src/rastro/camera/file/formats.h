@@ -39,6 +39,9 @@ void set_intrinsics(Camera& camera, const YamlFields& fields);
 /// The key "rate_hz", if present; throws unless positive.
 std::optional<double> optional_rate(const YamlFields& fields);
 
+/// The key "calibration_error" of rastro's own, if present; throws unless it is a share.
+std::optional<double> optional_calibration_error(const YamlFields& fields);
+
 /// Throws unless focal lengths are positive and all values are of a plausible order.
 void require_usable(const Camera& camera, const std::string& where);
 

@@ -58,6 +58,7 @@ CalibratedCameraEntry parse_camera(const YamlFields& fields, Names matrix, Names
   set_distortion(entry.camera, distortion_model(fields, coefficients.size()), coefficients, fields.at(distortion),
                  *distortion.begin());
   require_usable(entry.camera, fields.at(matrix));
+  entry.calibration_error = optional_calibration_error(fields);
   return entry;
 }
 
