@@ -398,9 +398,11 @@ void Mapper::give_up_features(std::int64_t id, MapRevision& revision) {
 
 void Mapper::revise(MapRevision& revision) {
   revision.graph = graph_.take_changes();
-  revision.memory = {map_bytes(), budget_.bytes(), measures()};
-  revision.spacing = budget_.spacing();
-  revision.variance_factor = graph_.variance_factor();
+  revision.state = state();
+}
+
+MappingState Mapper::state() const {
+  return {{map_bytes(), budget_.bytes(), measures()}, budget_.spacing(), graph_.variance_factor()};
 }
 
 MapRevision Mapper::settle() {

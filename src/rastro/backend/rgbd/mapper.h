@@ -35,6 +35,13 @@ struct KeyframeOrder {
   std::size_t frames = 0;                ///< Number with a pose so far; they take memory as well.
 };
 
+/// What the tracker has to know of mapping.
+struct MappingState {
+  MapMemory memory;
+  double spacing = 1.0;          ///< For future keyframes: factor on the usual motion between them.
+  double variance_factor = 1.0;  ///< Of the covariances of tracked motions, see KeyframeGraph.
+};
+
 /// The new keyframe and the changes to the map.
 struct MapRevision {
   std::shared_ptr<const ImageFeatures> keyframe;
@@ -46,9 +53,7 @@ struct MapRevision {
   std::vector<std::pair<std::int64_t, double>> keyframe_weights;  ///< Those that changed.
   std::optional<PlaceBelief> belief;                              ///< About the keyframe, where places are recognized.
   std::vector<SlamEvent> events;
-  MapMemory memory;
-  double variance_factor = 1.0;  ///< Of the covariances of tracked motions, see KeyframeGraph.
-  double spacing = 1.0;          ///< For future keyframes: factor on the usual motion between them.
+  MappingState state;
 };
 
 /// Builds the map: features of each keyframe, matching to other keyframes, pose graph, archive. Runs beside the
@@ -59,8 +64,7 @@ class Mapper {
   /// `search`: null for a GraphSearch.
   Mapper(const RgbdSlamOptions& options, const Camera& camera, const SlamContext& context,
          std::unique_ptr<LoopSearch> search = nullptr);
-  /// Of the covariances of tracked motions, see KeyframeGraph.
-  double variance_factor() const { return graph_.variance_factor(); }
+  MappingState state() const;
   MapRevision add(const KeyframeOrder& order);
   /// One more edge between keyframes; the keyframe of the result stays null.
   MapRevision connect(Constraint edge);

@@ -43,14 +43,14 @@ struct TwoKeyframes {
 
 TEST(Mapper, TheMemoryIsThatOfKeyframesImagesEdgesAndFrames) {
   const TwoKeyframes made;
-  EXPECT_EQ(made.revisions[0].memory.bytes, made.expected(1, 0, 1));
+  EXPECT_EQ(made.revisions[0].state.memory.bytes, made.expected(1, 0, 1));
   const std::size_t edges = made.revisions[1].new_edges.size();
   EXPECT_EQ(edges, 2U) << "of the path and of the match";
-  EXPECT_EQ(made.revisions[1].memory.bytes, made.expected(2, edges, 8));
+  EXPECT_EQ(made.revisions[1].state.memory.bytes, made.expected(2, edges, 8));
   for (const MapRevision& revision : made.revisions) {
-    EXPECT_EQ(revision.memory.budget_bytes, 0U) << "no limit";
-    EXPECT_EQ(revision.spacing, 1.0);
-    EXPECT_EQ(revision.memory.measures, "");
+    EXPECT_EQ(revision.state.memory.budget_bytes, 0U) << "no limit";
+    EXPECT_EQ(revision.state.spacing, 1.0);
+    EXPECT_EQ(revision.state.memory.measures, "");
   }
 }
 

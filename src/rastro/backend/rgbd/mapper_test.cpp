@@ -318,7 +318,7 @@ TEST(Mapper, GivesUpFeaturesOfTheMostRedundantFirst) {
       bare.insert(id);
     }
     EXPECT_TRUE(revision.forgotten.empty() || has_event(revision, "memory")) << k;
-    EXPECT_LE(revision.memory.bytes, context.map_memory_bytes / 10 * 9) << k;
+    EXPECT_LE(revision.state.memory.bytes, context.map_memory_bytes / 10 * 9) << k;
   }
   EXPECT_GE(bare.size(), 3U);
 }
@@ -348,7 +348,7 @@ TEST(Mapper, FeaturesOfTheOldestAreDroppedIfNoneAreRedundant) {
     if (!revision.forgotten.empty()) {
       EXPECT_TRUE(has_event(revision, "memory"));
     }
-    EXPECT_LE(revision.memory.bytes, revision.memory.budget_bytes);
+    EXPECT_LE(revision.state.memory.bytes, revision.state.memory.budget_bytes);
     std::size_t held = 0;
     for (auto id = static_cast<std::size_t>(forgotten); id < bytes.size(); ++id) held += bytes[id];
     EXPECT_LT(held, 16'000'000U + 100'000U);
@@ -358,7 +358,7 @@ TEST(Mapper, FeaturesOfTheOldestAreDroppedIfNoneAreRedundant) {
     EXPECT_NEAR(static_cast<double>(revision.keyframe->features.size()), 0.35 * options.keyframe_features,
                 0.01 * options.keyframe_features)
         << "fewer features as the budget fills up";
-    EXPECT_GT(revision.spacing, 2.0);
+    EXPECT_GT(revision.state.spacing, 2.0);
   }
   EXPECT_GE(forgotten, 3);
 }

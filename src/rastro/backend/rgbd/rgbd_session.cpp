@@ -31,7 +31,7 @@ RgbdSession::RgbdSession(const RgbdSlamOptions& options, const Camera& camera, c
       following_{.has_pose = maps_, .motion_check = MotionCheck(options_.max_acceleration)},
       loss_{.lost = !maps_},
       hint_(context.initial_pose),
-      variance_factor_(mapper_.variance_factor()),
+      mapping_state_(mapper_.state()),
       pipeline_(mapping_pipeline(context.pipelined, context.live, context.pool)) {}
 
 SlamUpdate RgbdSession::process(const Frame& frame) {
@@ -119,7 +119,8 @@ void RgbdSession::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUp
 
 Matrix6d RgbdSession::covariance_of(const SE3& pose, const Matrix6d& from_keyframe) const {
   const SE3 keyframe_from_camera = anchor_.world_from_keyframe.inverse() * pose;
-  const Matrix6d sum = chained(anchor_.covariance, keyframe_from_camera, variance_factor_ * from_keyframe);
+  const Matrix6d sum =
+      chained(anchor_.covariance, keyframe_from_camera, mapping_state_.variance_factor * from_keyframe);
   const bool is_first = anchor_.covariance.isZero(0.0);  // what poses count from
   return is_first ? sum : with_common_errors(sum, options_);
 }
@@ -143,14 +144,14 @@ void RgbdSession::update_pose(const Frame& frame, const RgbdFollow& followed, Sl
 
 bool RgbdSession::has_moved(const RgbdFollow& followed) const {
   const SE3 moved = anchor_.world_from_keyframe.inverse() * followed.world_from_camera;
-  return moved.translation().norm() >= spacing_ * options_.keyframe_distance_m ||
-         moved.rotation().log().norm() >= spacing_ * options_.keyframe_angle_rad ||
-         static_cast<double>(counts_.seen - counts_.anchored) >= spacing_ * options_.keyframe_frames;
+  return moved.translation().norm() >= mapping_state_.spacing * options_.keyframe_distance_m ||
+         moved.rotation().log().norm() >= mapping_state_.spacing * options_.keyframe_angle_rad ||
+         static_cast<double>(counts_.seen - counts_.anchored) >= mapping_state_.spacing * options_.keyframe_frames;
 }
 
 /// Where memory is short, not every frame that the follower refers others to.
 bool RgbdSession::needs_keyframe(const RgbdFollow& followed) const {
-  return (followed.new_reference && spacing_ <= 1.0) || has_moved(followed);
+  return (followed.new_reference && mapping_state_.spacing <= 1.0) || has_moved(followed);
 }
 
 Constraint RgbdSession::path_edge(const SE3& world_from_camera, const Matrix6d& covariance) const {
@@ -171,7 +172,7 @@ void RgbdSession::make_keyframe(const Frame& frame, const SE3& world_from_camera
   const auto order = std::make_shared<const KeyframeOrder>(
       KeyframeOrder{id, kept_of(frame), world_from_camera, submap, constraint, map_.frame_count()});
   map_.add_pending({world_from_camera, submap}, from,
-                   constraint ? Matrix6d(variance_factor_ * without_common_errors(*constraint, options_))
+                   constraint ? Matrix6d(mapping_state_.variance_factor * without_common_errors(*constraint, options_))
                               : Matrix6d(Matrix6d::Zero()));
   anchor_ = {id, world_from_camera, map_.covariance(id), world_from_camera, Matrix6d::Zero()};
   counts_.anchored = counts_.seen;
@@ -197,7 +198,7 @@ void RgbdSession::say_pose(const SE3& world_from_camera, const Matrix6d& covaria
 /// The follower goes on from where the graph put its keyframe.
 void RgbdSession::apply(MappedKeyframe mapped, std::vector<SlamEvent>& events) {
   events.insert(events.end(), mapped.revision.events.begin(), mapped.revision.events.end());
-  note_memory(mapped.revision);
+  mapping_state_ = mapped.revision.state;
   const SE3 before = map_.pose(mapped.keyframe);
   map_.apply(std::move(mapped.revision));
   if (mapped.segment != segment_) return;
@@ -213,12 +214,6 @@ void RgbdSession::apply(MappedKeyframe mapped, std::vector<SlamEvent>& events) {
     anchor_.world_from_keyframe = map_.pose(mapped.keyframe);
   anchor_.world_from_reference = correction * anchor_.world_from_reference;
   last_pose_ = correction * last_pose_;
-}
-
-void RgbdSession::note_memory(const MapRevision& revision) {
-  memory_ = revision.memory;
-  spacing_ = revision.spacing;
-  variance_factor_ = revision.variance_factor;
 }
 
 /// A map given stays as it is.
@@ -242,7 +237,7 @@ std::vector<SlamEvent> RgbdSession::finish() {
   while (auto mapped = pipeline_.take_next()) apply(std::move(*mapped), events);
   if (!maps_ || !mapping_) return events;
   MapRevision revision = mapper_.settle();  // no job is under way any more
-  note_memory(revision);
+  mapping_state_ = revision.state;
   events.insert(events.end(), revision.events.begin(), revision.events.end());
   map_.apply(std::move(revision));
   if (map_.make_largest_first()) events.push_back({"submap", "the largest is now the first"});

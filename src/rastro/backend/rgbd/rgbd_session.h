@@ -47,7 +47,7 @@ class RgbdSession {
   bool set_mapping(bool on);
   std::vector<FeatureObservation> observations() const;
   std::int64_t dropped_frames() const { return pipeline_.statistics().dropped; }
-  const MapMemory& map_memory() const { return memory_; }
+  const MapMemory& map_memory() const { return mapping_state_.memory; }
   const std::vector<PlaceBelief>& places() const { return map_.places(); }
 
  private:
@@ -114,7 +114,6 @@ class RgbdSession {
                      SlamUpdate& update);
   Constraint path_edge(const SE3& world_from_camera, const Matrix6d& covariance) const;
   void apply(MappedKeyframe mapped, std::vector<SlamEvent>& events);
-  void note_memory(const MapRevision& revision);
   void say_pose(const SE3& world_from_camera, const Matrix6d& covariance, SlamUpdate& update);
 
   RgbdSlamOptions options_;
@@ -133,9 +132,7 @@ class RgbdSession {
   int segment_ = 0;  ///< Number of the segment of frames followed without a break.
   SE3 last_pose_;
   std::optional<SE3> hint_;  ///< Where to search first in a given map, until found.
-  double variance_factor_;   ///< Of the covariances of tracked motions.
-  double spacing_ = 1.0;     ///< Of keyframes, times the usual motion: more where memory is short.
-  MapMemory memory_;
+  MappingState mapping_state_;
   std::vector<SlamEvent> events_;      ///< Not yet told of.
   Pipeline<MappedKeyframe> pipeline_;  ///< Last: its jobs use what is above.
 };
