@@ -38,6 +38,7 @@ class FakeSource : public Source {
     return frame;
   }
 
+  void describe(const CalibratedCamera& camera) { info_.cameras = {camera}; }
   void become_unusable_from(std::int64_t frame) { unusable_from_ = frame; }
 
  private:

@@ -121,6 +121,23 @@ TEST(SlamRun, CountsStatesLoopsAndCoverage) {
   EXPECT_THAT(end.first_skip, HasSubstr("frame 4"));
 }
 
+/// Positions are half a meter apart, along x.
+TEST(SlamRun, CovariancesHaveTheErrorOfTheCalibration) {
+  for (const double share : {0.0, 0.01}) {
+    FakeSource source(20, {});
+    CalibratedCamera camera{"camera", Camera(), std::nullopt, "camera.yaml"};
+    camera.calibration_error = share;
+    source.describe(camera);
+    FakeSlam method;
+    const SlamRunEnd end = slam_run(wired(source, method));
+    ASSERT_GT(end.position_covariances.size(), 3U);
+    for (const PositionCovariance& at : end.position_covariances) {
+      const double added = share * at.position.x();
+      EXPECT_NEAR(at.covariance(0, 0), 1e-4 + added * added, 1e-12);
+    }
+  }
+}
+
 TEST(SlamRun, WritesAsItGoes) {
   const auto path = scratch_path("slam_run");
   RunFolder folder(path, false);
