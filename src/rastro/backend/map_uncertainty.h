@@ -20,6 +20,7 @@ class MapUncertainty {
   /// Of a pose at `position` tracked against a part, from its covariance relative to the map around. A part that was
   /// never added is certain.
   Matrix6d of_pose(std::int64_t part, const Eigen::Vector3d& position, const Matrix6d& tracked) const;
+  bool contains(std::int64_t part) const { return parts_.contains(part); }
   /// Adds or replaces a part at `position` that was tracked against `from`. `scale_variance`: of the logarithm of the
   /// new part's scale relative to that of `from`.
   void add(std::int64_t part, std::int64_t from, const Eigen::Vector3d& position, const Matrix6d& tracked,

@@ -25,6 +25,7 @@ LsdPipeline::LsdPipeline(const LsdOptions& options, const LsdSensor& sensor, con
     : options_(options),
       mapping_pool_(context.pool ? context.pool->threads() : 1, TaskPriority::low),
       mapping_(options, sensor, frames, LsdPools{context.pool, &mapping_pool_}, context),
+      uncertainty_(sensor.is_metric() ? 0.0 : options.scale_drift_share),
       pipeline_(mapping_pipeline(context.pipelined, context.live, context.pool)) {}
 
 void LsdPipeline::take_results(const FrameTime& now, LsdMotion& motion, SlamUpdate& update) {
@@ -57,7 +58,7 @@ void LsdPipeline::take(Result result, LsdMotion& motion, SlamUpdate& update) {
     is_changing_ = false;
     const Eigen::Vector3d position = result.current.world_from_keyframe.translation();
     const std::int64_t id = result.current.keyframe.id();
-    if (result.covariance && !uncertainty_.knows(id)) uncertainty_.set(id, position, *result.covariance);
+    if (result.current.submap == 0) uncertainty_.add(id, position, result.frame);
   }
   current_.emplace(std::move(result.current));
   memory_ = std::move(result.memory);
@@ -91,11 +92,11 @@ void LsdPipeline::map(std::shared_ptr<const LsdFrame> frame, const ImageAlignmen
   const bool is_keyframe = input.use == MappingInput::Use::keyframe;
   const bool is_new = frames_on_current_++ < options_.backend_direct_frames;
   const auto job = [this, input = std::move(input), waiting = std::exchange(waiting_, {}),
-                    covariance = update.covariance] {
+                    placed = aligned(tracked, update.world_from_body)] {
     for (const PlacedFrame& earlier : waiting) mapping_.add_frame(earlier);
     SlamUpdate said;
     const auto before_from_new = mapping_.process(input, said);
-    return Result{mapping_.current(), before_from_new,        covariance,
+    return Result{mapping_.current(), before_from_new,        placed,
                   mapping_.memory(),  std::move(said.events), std::move(said.times)};
   };
   pipeline_.submit(job, now_, {is_keyframe || is_new ? next_frame : options_.backend_delay_frames});
@@ -108,8 +109,12 @@ SE3 LsdPipeline::pose_of(const SE3& camera_from_keyframe) const {
 
 std::optional<Matrix6d> LsdPipeline::covariance_of(const ImageAlignment& tracked, const SE3& world_from_camera) const {
   if (current_->submap != 0) return std::nullopt;
-  return uncertainty_.of_frame(current().id(), current_->world_from_keyframe.scale(), current().mean_inverse_depth(),
-                               world_from_camera, tracked);
+  return uncertainty_.of_frame(aligned(tracked, world_from_camera));
+}
+
+AlignedFrame LsdPipeline::aligned(const ImageAlignment& tracked, const SE3& world_from_camera) const {
+  return {current().id(), current_->world_from_keyframe.scale(), current().mean_inverse_depth(), world_from_camera,
+          tracked};
 }
 
 void LsdPipeline::doubt(SlamUpdate& update) const {

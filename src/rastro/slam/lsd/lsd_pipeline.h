@@ -51,13 +51,14 @@ class LsdPipeline {
   struct Result {
     MappedKeyframe current;
     std::optional<Sim3> before_from_new;  ///< If it changed.
-    std::optional<Matrix6d> covariance;   ///< Of the frame that became it.
+    AlignedFrame frame;                   ///< That became it.
     MapMemory memory;
     std::vector<SlamEvent> events;
     std::vector<StageTime> times;
   };
   void take(Result result, LsdMotion& motion, SlamUpdate& update);
   void place_waiting();
+  AlignedFrame aligned(const ImageAlignment& tracked, const SE3& world_from_camera) const;
 
   const LsdOptions& options_;
   TaskPool mapping_pool_;

@@ -133,6 +133,14 @@ void add_belief_options(OptionTable& table, LsdOptions& o) {
              0,
              1,
              {}});
+  table.add({"scale_drift_share",
+             &o.scale_drift_share,
+             "",
+             "standard deviation of the drift of the scale from a keyframe to the next with one camera, as share, for "
+             "the covariances of poses",
+             0,
+             1,
+             {}});
 }
 
 void add_depth_options(OptionTable& table, LsdOptions& o) {

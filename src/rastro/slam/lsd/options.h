@@ -41,6 +41,7 @@ struct LsdOptions {
   double max_jump_deg = 3.0;
   int relocalize_frames = 3;
   double max_drift = 0.1;
+  double scale_drift_share = 0.005;
 
   // Depth.
   double min_gradient = 8.0;

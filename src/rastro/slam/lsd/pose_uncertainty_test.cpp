@@ -8,47 +8,67 @@
 namespace rastro {
 namespace {
 
-ImageAlignment alignment_with(double sigma, double sigma_rad, const SE3& image_from_reference) {
-  ImageAlignment alignment;
-  alignment.image_from_reference = image_from_reference;
-  alignment.covariance.topLeftCorner<3, 3>() = sigma * sigma * Eigen::Matrix3d::Identity();
-  alignment.covariance.bottomRightCorner<3, 3>() = sigma_rad * sigma_rad * Eigen::Matrix3d::Identity();
-  return alignment;
+AlignedFrame aligned(std::int64_t keyframe, const SE3& world_from_camera, double sigma = 0.0, double sigma_rad = 0.0) {
+  AlignedFrame frame;
+  frame.keyframe = keyframe;
+  frame.mean_inverse_depth = 1.0;
+  frame.world_from_camera = world_from_camera;
+  frame.alignment.covariance.topLeftCorner<3, 3>() = sigma * sigma * Eigen::Matrix3d::Identity();
+  frame.alignment.covariance.bottomRightCorner<3, 3>() = sigma_rad * sigma_rad * Eigen::Matrix3d::Identity();
+  return frame;
 }
 
+SE3 ahead(double meters) { return {SO3(), {meters, 0.0, 0.0}}; }
+
 TEST(PoseUncertainty, TheAlignmentsCovarianceIsGivenInTheWorldsAxesAndUnit) {
-  ImageAlignment alignment = alignment_with(0.0, 0.0, SE3());
-  alignment.covariance(2, 2) = 0.01;                                               // along the camera's axis
-  const SE3 world_from_camera(SO3::exp({0.0, M_PI / 2.0, 0.0}), {5.0, 0.0, 0.0});  // which is the world's x
-  const Matrix6d covariance = PoseUncertainty().of_frame(0, 2.0, 1.0, world_from_camera, alignment);
+  // Along the camera's axis, which is the world's x.
+  AlignedFrame frame = aligned(0, SE3(SO3::exp({0.0, M_PI / 2.0, 0.0}), {5.0, 0.0, 0.0}));
+  frame.alignment.covariance(2, 2) = 0.01;
+  frame.unit = 2.0;
+  const Matrix6d covariance = PoseUncertainty(0.0).of_frame(frame);
   EXPECT_NEAR(covariance(0, 0), 4.0 * 0.01, 1e-4);
   EXPECT_LT(covariance(2, 2), 1e-4);
 }
 
 /// One radian of the keyframe is one meter at a meter's distance.
 TEST(PoseUncertainty, AnErrorOfTheKeyframesRotationMovesTheFramesInIt) {
-  PoseUncertainty uncertainty;
-  Matrix6d of_keyframe = Matrix6d::Zero();
-  of_keyframe(5, 5) = 0.0001;  // about z
-  uncertainty.set(3, {1.0, 0.0, 0.0}, of_keyframe);
-  const SE3 ten_meters_on(SO3(), {11.0, 0.0, 0.0});
-  const Matrix6d covariance = uncertainty.of_frame(3, 1.0, 1.0, ten_meters_on, alignment_with(0.0, 0.0, SE3()));
+  PoseUncertainty uncertainty(0.0);
+  AlignedFrame keyframe = aligned(0, ahead(1.0));
+  keyframe.alignment.covariance(5, 5) = 0.0001;  // about z
+  uncertainty.add(3, {1.0, 0.0, 0.0}, keyframe);
+  const Matrix6d covariance = uncertainty.of_frame(aligned(3, ahead(11.0)));
   EXPECT_NEAR(covariance(1, 1), 100.0 * 0.0001, 1e-4);
   EXPECT_LT(covariance(0, 0), 1e-4);
   EXPECT_NEAR(covariance(1, 5), 10.0 * 0.0001, 1e-4) << "to the left by a rotation to the left";
 }
 
-TEST(PoseUncertainty, GrowsFromKeyframeToKeyframe) {
-  PoseUncertainty uncertainty;
-  uncertainty.set_known(0, Eigen::Vector3d::Zero());
-  double before = 0.0;
-  for (std::int64_t id = 0; id < 4; ++id) {
-    const SE3 pose(SO3(), {static_cast<double>(id + 1), 0.0, 0.0});
-    const Matrix6d covariance = uncertainty.of_frame(id, 1.0, 1.0, pose, alignment_with(0.01, 0.001, SE3()));
-    EXPECT_GT(covariance.trace(), before);
-    before = covariance.trace();
-    uncertainty.set(id + 1, pose.translation(), covariance);
+TEST(PoseUncertainty, GrowsFromKeyframeToKeyframeWithTheScaleToo) {
+  double along = 0.0;
+  for (const double drift : {0.0, 0.01}) {
+    PoseUncertainty uncertainty(drift);
+    uncertainty.set_known(0, Eigen::Vector3d::Zero());
+    double before = 0.0;
+    for (std::int64_t id = 0; id < 4; ++id) {
+      const AlignedFrame frame = aligned(id, ahead(1.0 + static_cast<double>(id)), 0.01, 0.001);
+      const Matrix6d covariance = uncertainty.of_frame(frame);
+      EXPECT_GT(covariance.trace(), before);
+      before = covariance.trace();
+      uncertainty.add(id + 1, frame.world_from_camera.translation(), frame);
+    }
+    const double of_last = uncertainty.of_frame(aligned(4, ahead(4.0)))(0, 0);
+    // Three drifts: over the last three meters, two and one.
+    EXPECT_NEAR(of_last - along, drift == 0.0 ? of_last : (9.0 + 4.0 + 1.0) * drift * drift, 1e-9);
+    along = of_last;
   }
+}
+
+TEST(PoseUncertainty, AKeyframeThatGoesOnIsAsCertainAsBefore) {
+  PoseUncertainty uncertainty(0.01);
+  uncertainty.set_known(0, Eigen::Vector3d::Zero());
+  uncertainty.add(1, {1.0, 0.0, 0.0}, aligned(0, ahead(1.0), 0.01, 0.001));
+  const Matrix6d before = uncertainty.of_frame(aligned(1, ahead(1.0)));
+  uncertainty.add(1, {1.0, 0.0, 0.0}, aligned(1, ahead(1.0), 0.1, 0.1));
+  EXPECT_EQ(uncertainty.of_frame(aligned(1, ahead(1.0))), before);
 }
 
 }  // namespace
