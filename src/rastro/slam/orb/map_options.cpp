@@ -200,6 +200,61 @@ void add_loop_options(OptionTable& table, OrbSlamOptions& o) {
        0,
        10000,
        {}});
+  table.add({"loop_fit_share",
+             &o.loop_fit_share,
+             "",
+             "share of the landmarks found with the similarity of a loop that are where it predicts them within their "
+             "accuracy, at least; 0.6 with a similarity that is half right, 0.9 and more with right ones",
+             0,
+             1,
+             {}});
+  table.add(
+      {"loop_min_gap", &o.loop_min_gap, "", "minimum number of keyframes between two loop closures", 0, 100000, {}});
+  table.add({"loop_adjust_iterations",
+             &o.loop_adjust_iterations,
+             "",
+             "iterations of global bundle adjustment after a loop closure, at most",
+             0,
+             1000,
+             {}});
+  table.add({"loop_adjust_delay_s",
+             &o.loop_adjust_delay_s,
+             "s",
+             "latency of global bundle adjustment after a loop closure per 100000 observations; with a shorter one "
+             "tracking may wait for it",
+             0,
+             1000,
+             {}});
+  table.add_former_name("loop_neighbour_landmarks", "loop_neighbor_landmarks");
+  table.add_former_name("loop_apart", "loop_min_gap");
+}
+
+void add_loop_drift_options(OptionTable& table, OrbSlamOptions& o) {
+  table.add({"loop_drift_share",
+             &o.loop_drift_share,
+             "",
+             "assumed standard deviation of the drift between two keyframes, as share of the path between them; a loop "
+             "that contradicts it is rejected",
+             0.001,
+             10,
+             {}});
+  table.add({"loop_drift_rad_per_m",
+             &o.loop_drift_rad_per_m,
+             "rad/m",
+             "the same of the orientation; with one camera per unit of the map",
+             0.0001,
+             10,
+             {}});
+  table.add({"loop_max_sigmas",
+             &o.loop_max_sigmas,
+             "",
+             "largest distance of a loop from the relative pose in the map, in standard deviations of that drift",
+             1,
+             1e9,
+             {}});
+}
+
+void add_covariance_options(OptionTable& table, OrbSlamOptions& o) {
   table.add({"adjusted_rotation_share",
              &o.adjusted_rotation_share,
              "",
@@ -223,55 +278,6 @@ void add_loop_options(OptionTable& table, OrbSlamOptions& o) {
              0,
              1,
              {}});
-  table.add({"loop_fit_share",
-             &o.loop_fit_share,
-             "",
-             "share of the landmarks found with the similarity of a loop that are where it predicts them within their "
-             "accuracy, at least; 0.6 with a similarity that is half right, 0.9 and more with right ones",
-             0,
-             1,
-             {}});
-  table.add({"loop_drift_share",
-             &o.loop_drift_share,
-             "",
-             "assumed standard deviation of the drift between two keyframes, as share of the path between them; a loop "
-             "that contradicts it is rejected",
-             0.001,
-             10,
-             {}});
-  table.add({"loop_drift_rad_per_m",
-             &o.loop_drift_rad_per_m,
-             "rad/m",
-             "the same of the orientation; with one camera per unit of the map",
-             0.0001,
-             10,
-             {}});
-  table.add({"loop_max_sigmas",
-             &o.loop_max_sigmas,
-             "",
-             "largest distance of a loop from the relative pose in the map, in standard deviations of that drift",
-             1,
-             1e9,
-             {}});
-  table.add(
-      {"loop_min_gap", &o.loop_min_gap, "", "minimum number of keyframes between two loop closures", 0, 100000, {}});
-  table.add({"loop_adjust_iterations",
-             &o.loop_adjust_iterations,
-             "",
-             "iterations of global bundle adjustment after a loop closure, at most",
-             0,
-             1000,
-             {}});
-  table.add({"loop_adjust_delay_s",
-             &o.loop_adjust_delay_s,
-             "s",
-             "latency of global bundle adjustment after a loop closure per 100000 observations; with a shorter one "
-             "tracking may wait for it",
-             0,
-             1000,
-             {}});
-  table.add_former_name("loop_neighbour_landmarks", "loop_neighbor_landmarks");
-  table.add_former_name("loop_apart", "loop_min_gap");
 }
 
 }  // namespace rastro

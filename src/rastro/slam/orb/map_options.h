@@ -12,5 +12,7 @@ void add_adjustment_options(OptionTable& table, OrbSlamOptions& o);
 void add_loss_options(OptionTable& table, OrbSlamOptions& o);
 void add_place_options(OptionTable& table, OrbSlamOptions& o);
 void add_loop_options(OptionTable& table, OrbSlamOptions& o);
+void add_loop_drift_options(OptionTable& table, OrbSlamOptions& o);
+void add_covariance_options(OptionTable& table, OrbSlamOptions& o);
 
 }  // namespace rastro

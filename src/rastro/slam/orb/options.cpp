@@ -343,6 +343,8 @@ OptionTable option_table(OrbSlamOptions& options) {
   add_loss_options(table, options);
   add_place_options(table, options);
   add_loop_options(table, options);
+  add_loop_drift_options(table, options);
+  add_covariance_options(table, options);
   add_options(table, options.frame_check);
   return table;
 }
