@@ -25,7 +25,7 @@ void PoseUncertainty::set_known(std::int64_t keyframe, const Eigen::Vector3d& po
 void PoseUncertainty::add(std::int64_t keyframe, const Eigen::Vector3d& position, const AlignedFrame& frame) {
   if (keyframes_.contains(keyframe)) return;
   // What all images have in common counts once, in of_frame(), but for a part that changes from view to view.
-  constexpr double changing = 0.1;
+  constexpr double changing = 0.15;
   const Matrix6d own = frame.alignment.covariance + changing * common_covariance(frame.mean_inverse_depth);
   keyframes_.add(keyframe, frame.keyframe, position, in_world(own, frame), scale_drift_ * scale_drift_);
 }
