@@ -61,8 +61,6 @@ TEST(EkfMap, KeyframesHaveTheGivenSpacingInPositionOrYaw) {
 TEST(EkfMap, ConstraintsHaveTheUncertaintyOfOdometryOverTheirPath) {
   EkfOptions options;
   options.keyframe_m = 0.35;
-  options.odometry_error_m_per_m = 0.02;
-  options.heading_error_deg_per_m = 0.5;
   EkfSlam slam(options, false);
   drive_ahead(slam, 10);
   const auto map = slam.snapshot();

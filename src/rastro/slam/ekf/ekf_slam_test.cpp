@@ -247,11 +247,8 @@ TEST(EkfSlam, ReportsTheOdometryError) {
   for (const double scale : {0.3, 4.0}) {
     LandmarkWorld world = ring_world(20, 5);
     world.odometry_scale = scale;
-    EkfOptions options;  // of the bound that the report names
-    options.odometry_error_m_per_m = 0.02;
-    options.heading_error_deg_per_m = 0.5;
-    LandmarkDrive drive(world, options, 1);
-    EkfSlam slam(options, false);
+    LandmarkDrive drive(world, EkfOptions(), 1);
+    EkfSlam slam(EkfOptions(), false);
     for (int i = 0; i < 250; ++i) slam.process(drive.next());
     const auto events = slam.finish();
     ASSERT_EQ(events.size(), 1U);

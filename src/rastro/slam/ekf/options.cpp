@@ -9,8 +9,7 @@ void add_odometry_options(OptionTable& table, EkfOptions& o) {
       {"odometry_error_m_per_m",
        &o.odometry_error_m_per_m,
        "m",
-       "standard deviation of the odometry's translation over the first meter, growing with the root of the distance; "
-       "0.02 is the paper's bound for usable odometry, whose errors are alike from meter to meter",
+       "standard deviation of the odometry's translation per meter; 0.02 is the paper's bound for usable odometry",
        1e-6,
        1,
        {}});

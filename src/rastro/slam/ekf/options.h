@@ -11,9 +11,9 @@ namespace rastro {
 /// each are documented once, in option_table().
 struct EkfOptions {
   // Odometry.
-  double odometry_error_m_per_m = 0.025;
+  double odometry_error_m_per_m = 0.02;
   double odometry_error_deg_per_45_deg = 2.0;
-  double heading_error_deg_per_m = 0.35;
+  double heading_error_deg_per_m = 0.5;
   double max_speed_m_per_s = 5.0;
   double max_yaw_rate_deg_per_s = 360.0;
   double jump_m = 0.5;
