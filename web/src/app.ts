@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page's one place of truth: runs, state, and who is told when the state changes.
+import * as THREE from 'three';
+import type { Loaded } from './scene/sources';
+import type { Frames, Vec3 } from './scene/scene';
+import { fromHash, toHash, type State } from './state';
+import { boundsOf } from './view3d/bounds';
+import { rangesOf } from './view3d/ranges';
+import { buildRun, type Run } from './view3d/run';
+import { View3d } from './view3d/view';
+import { initialState } from './initial_state';
+import type { Style } from './view3d/style';
+
+export class App {
+  readonly runs: Run[];
+  readonly errors: { name: string; message: string }[];
+  readonly up: Vec3;
+  readonly planar: boolean;
+  readonly view: View3d;
+  readonly initial: State;
+  state: State;
+  /** Meters for one unit of a run's map, where the person entered a known length. */
+  readonly scaleFactors = new Map<number, { factor: number; sigma: number | null }>();
+  private readonly ranges: Style['ranges'];
+  private readonly listeners: ((changed: Set<keyof State>) => void)[] = [];
+  private hashTimer = 0;
+
+  constructor(loaded: Loaded[], canvas: HTMLCanvasElement) {
+    const good = loaded.filter((l) => l.scene !== null);
+    this.errors = loaded.filter((l) => l.error !== null).map((l) => ({ name: l.name, message: l.error! }));
+    this.runs = good.map((l, i) => buildRun(l.name, l.scene!, i));
+    const scenes = this.runs.map((r) => r.scene);
+    this.up = scenes[0]?.up ?? [0, 0, 1];
+    this.planar = scenes.length > 0 && scenes.every((s) => s.planar);
+    const bounds = boundsOf(scenes);
+    this.ranges = rangesOf(scenes, this.up);
+    this.view = new View3d(canvas, this.up, bounds);
+    for (const run of this.runs) this.view.add(run);
+    this.initial = initialState(scenes, bounds.getSize(new THREE.Vector3()).length());
+    this.state = fromHash(location.hash, this.initial);
+    this.state.active = Math.min(this.state.active, Math.max(0, this.runs.length - 1));
+    this.applyAll();
+    this.view.controls.addEventListener('end', () => this.rememberCamera());
+  }
+
+  get active(): Run | null {
+    return this.runs[this.state.active] ?? null;
+  }
+
+  get frames(): Frames | null {
+    return this.active?.scene.frames ?? null;
+  }
+
+  get style(): Style {
+    const { pointColor, trajectoryColor, map, pointSize, maxSigma, cameraSize, ellipsoidScale } = this.state;
+    return {
+      pointColor, trajectoryColor, map, pointSize, maxSigma, cameraSize, ellipsoidScale,
+      dark: this.dark, up: this.up, ranges: this.ranges,
+    };
+  }
+
+  get dark(): boolean {
+    if (this.state.theme !== 'auto') return this.state.theme === 'dark';
+    return matchMedia('(prefers-color-scheme: dark)').matches;
+  }
+
+  onChange(listener: (changed: Set<keyof State>) => void): void {
+    this.listeners.push(listener);
+  }
+
+  set(patch: Partial<State>): void {
+    Object.assign(this.state, patch);
+    const changed = new Set(Object.keys(patch) as (keyof State)[]);
+    const drawn: (keyof State)[] = ['frame', 'active', 'camera'];
+    if ([...changed].some((key) => !drawn.includes(key))) this.applyAll();
+    this.view.requestDraw();
+    for (const listener of this.listeners) listener(changed);
+    this.writeHashSoon();
+  }
+
+  /** Redraws with the same state, such as after the system changed between dark and light. */
+  refresh(): void {
+    this.set({ theme: this.state.theme });
+  }
+
+  layerShown(key: string): boolean {
+    return this.state.layers[key] ?? this.runs.some((r) => r.layers.some((l) => l.key === key && l.shownAtFirst));
+  }
+
+  setLayer(key: string, on: boolean): void {
+    this.set({ layers: { ...this.state.layers, [key]: on } });
+  }
+
+  setRun(index: number, on: boolean): void {
+    const others = this.state.hiddenRuns.filter((i) => i !== index);
+    this.set({ hiddenRuns: on ? others : [...others, index] });
+  }
+
+  fit(): void {
+    this.set({ camera: null });
+    if (this.planar) this.view.fitFromAbove();
+    else this.view.fit();
+  }
+
+  rememberCamera(): void {
+    const { camera, controls } = this.view;
+    this.set({ camera: [...camera.position.toArray(), ...controls.target.toArray()] });
+  }
+
+  private applyAll(): void {
+    document.documentElement.dataset.theme = this.dark ? 'dark' : 'light';
+    const style = this.style;
+    for (const run of this.runs) {
+      run.group.visible = !this.state.hiddenRuns.includes(run.index);
+      for (const layer of run.layers) {
+        layer.object.visible = this.layerShown(layer.key);
+        layer.applyStyle(style);
+      }
+    }
+    this.view.reference.object.visible = this.state.layers.reference ?? true;
+    this.view.applyStyle(style);
+  }
+
+  /** Looks at the content, once the page has its layout and the view its size. */
+  begin(): void {
+    this.view.resize();
+    const place = this.state.camera;
+    if (!place) return this.fit();
+    this.view.camera.position.set(place[0], place[1], place[2]);
+    this.view.controls.target.set(place[3], place[4], place[5]);
+    this.view.controls.update();
+  }
+
+  private writeHashSoon(): void {
+    clearTimeout(this.hashTimer);
+    this.hashTimer = window.setTimeout(() => this.writeHash(), 300);
+  }
+
+  writeHash(): void {
+    const hash = toHash(this.state, this.initial);
+    history.replaceState(null, '', hash === '' ? location.pathname + location.search : `#${hash}`);
+  }
+}

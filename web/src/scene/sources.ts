@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where scenes come from: embedded in the page, or served by `rastro view`.
+import { parseScene } from './parse';
+import { SceneError, type Scene } from './scene';
+
+export interface Loaded {
+  name: string;
+  /** Exactly one of the two is set. */
+  scene: Scene | null;
+  error: string | null;
+}
+
+export function decodeBase64(text: string): Uint8Array {
+  const native = (Uint8Array as unknown as { fromBase64?: (text: string) => Uint8Array }).fromBase64;
+  try {
+    if (native) return native.call(Uint8Array, text);
+    const binary = atob(text.replace(/\s+/g, ''));
+    const bytes = new Uint8Array(binary.length);
+    for (let i = 0; i < binary.length; i++) bytes[i] = binary.charCodeAt(i);
+    return bytes;
+  } catch {
+    throw new SceneError('the scene in the page is not readable base64');
+  }
+}
+
+function load(name: string, bytes: () => Uint8Array): Loaded {
+  try {
+    return { name, scene: parseScene(bytes()), error: null };
+  } catch (error) {
+    if (!(error instanceof SceneError)) throw error;
+    return { name, scene: null, error: error.message };
+  }
+}
+
+export function embeddedScenes(page: Document): Loaded[] {
+  const scripts = [...page.querySelectorAll<HTMLScriptElement>('script.rastro-scene')];
+  return scripts.map((script, i) => {
+    const loaded = load(script.dataset.name || `scene ${i + 1}`, () => decodeBase64(script.textContent ?? ''));
+    script.remove(); // the text is as large as the scene; let it go
+    return loaded;
+  });
+}
+
+/** Scenes of the server this page came from; `query` carries the token. */
+export async function servedScenes(query: string): Promise<Loaded[]> {
+  const list: unknown = await (await get(`/api/scenes${query}`)).json();
+  if (!Array.isArray(list)) throw new SceneError('the server sent no list of scenes');
+  return Promise.all(list.map((entry, i) => servedScene(entry, i, query)));
+}
+
+async function servedScene(entry: unknown, i: number, query: string): Promise<Loaded> {
+  const { index, name } = (entry ?? {}) as { index?: unknown; name?: unknown };
+  const label = typeof name === 'string' && name !== '' ? name : `scene ${i + 1}`;
+  const number = Number.isInteger(index) ? (index as number) : i;
+  try {
+    const buffer = await (await get(`/api/scene/${number}${query}`)).arrayBuffer();
+    return load(label, () => new Uint8Array(buffer));
+  } catch (error) {
+    if (!(error instanceof SceneError)) throw error;
+    return { name: label, scene: null, error: error.message };
+  }
+}
+
+async function get(path: string): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(path);
+  } catch {
+    throw new SceneError('the server of rastro view does not answer; is it still running?');
+  }
+  if (response.status === 401 || response.status === 403) {
+    throw new SceneError('the server refused the token; open the address that rastro view printed');
+  }
+  if (!response.ok) throw new SceneError(`the server answered ${response.status} for ${path.split('?')[0]}`);
+  return response;
+}
+
+/** Only the token is passed on, nothing else of the address. */
+export function tokenQuery(search: string): string {
+  const token = new URLSearchParams(search).get('token');
+  return token === null ? '' : `?token=${encodeURIComponent(token)}`;
+}

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Puts the parts of the page together: bar at the top, panel at the side, view, timeline below.
+import type { App } from '../app';
+import { el } from './dom';
+import { Legend } from './legend';
+import { isEmpty } from './missing';
+import { bindShortcuts } from './shortcuts';
+import { sidePanel } from './side_panel';
+import { toolbar } from './toolbar';
+import { helpDialog } from './help';
+import type { Actions } from './actions';
+import { savePicture } from './picture';
+
+export function showMessage(root: HTMLElement, text: string): void {
+  root.replaceChildren(el('p', { className: 'message', role: 'status' }, text));
+}
+
+export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement): void {
+  const { canvas } = app.view;
+  canvas.tabIndex = 0;
+  canvas.setAttribute('aria-label', '3D view of the map. Drag to turn, right drag to move, wheel to zoom.');
+  const side = el('aside', { id: 'side', aria: { label: 'Layers and colors' } }, ...sidePanel(app));
+  const legend = new Legend(app);
+  stage.append(legend.element, ...notices(app));
+  const help = helpDialog();
+  const actions = buildActions(app, root, help);
+  root.replaceChildren(toolbar(app, actions), side, stage, help);
+  bindShortcuts(app, actions);
+  document.title = `${titleOf(app)} · rastro view`;
+  app.view.onDrawn = () => legend.update();
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => app.refresh());
+}
+
+export function titleOf(app: App): string {
+  return app.runs.map((r) => r.scene.title || r.name).join(' + ') || 'no map';
+}
+
+function notices(app: App): HTMLElement[] {
+  const errors = app.errors.map((e) => el('p', { className: 'notice error', role: 'alert' }, `${e.name} cannot be shown: ${e.message}.`));
+  const empty = app.runs.filter((r) => isEmpty(r.scene)).map((r) => el('p', { className: 'notice', role: 'status' }, `${r.scene.title || r.name} is empty: it has no trajectory, no keyframes and no points.`));
+  return errors.length + empty.length ? [el('div', { className: 'notices' }, ...errors, ...empty)] : [];
+}
+
+function buildActions(app: App, root: HTMLElement, help: HTMLDialogElement): Actions {
+  const themes = { auto: app.dark ? 'light' : 'dark', light: 'dark', dark: 'light' } as const;
+  return {
+    fit: () => app.fit(),
+    fromAbove: () => {
+      app.view.fitFromAbove();
+      app.rememberCamera();
+    },
+    toggleSide: () => root.classList.toggle('side-toggled'),
+    toggleTheme: () => app.set({ theme: themes[app.state.theme] }),
+    savePicture: () => savePicture(app),
+    help: () => (help.open ? help.close() : help.showModal()),
+    toggleLayer: (key) => app.setLayer(key, !app.layerShown(key)),
+  };
+}

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Saves the 3D view as a PNG file.
+import type { App } from '../app';
+
+export function savePicture(app: App): void {
+  app.view.drawAll();
+  app.view.canvas.toBlob((blob) => {
+    if (!blob) return;
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(blob);
+    link.download = `${(app.active?.name ?? 'map').replace(/[^\w.-]+/g, '_')}.png`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  });
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lengths as text. A map of arbitrary scale has no meters until the person enters a known length.
+import type { App } from '../app';
+
+export function unitOf(app: App, run = app.state.active): string {
+  const scene = app.runs[run]?.scene;
+  return !scene || scene.scale.kind === 'metric' || app.scaleFactors.has(run) ? 'm' : 'units';
+}
+
+/** A length of a run with its sigma, such as "0.750 ± 0.004 m". */
+export function lengthText(app: App, length: number, sigma: number | null, run = app.state.active): string {
+  const factor = app.scaleFactors.get(run)?.factor ?? 1;
+  const unit = unitOf(app, run);
+  if (sigma === null) return `${digits(length * factor)} ${unit}`;
+  const places = decimalsFor(sigma * factor);
+  return `${(length * factor).toFixed(places)} ± ${(sigma * factor).toFixed(places)} ${unit}`;
+}
+
+/** Two digits of the sigma are shown, and the length to the same place. */
+export function decimalsFor(sigma: number): number {
+  if (!(sigma > 0)) return 4;
+  return Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(sigma))));
+}
+
+export function digits(value: number): string {
+  if (!Number.isFinite(value)) return 'unknown';
+  return `${Number(value.toPrecision(3))}`;
+}

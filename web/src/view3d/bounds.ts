@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the content lies. A few points far away (wrong landmarks) must not make the view zoom out.
+import * as THREE from 'three';
+import type { Layer, Scene } from '../scene/scene';
+
+const samples = 20000;
+
+export function boundsOf(scenes: Scene[]): THREE.Box3 {
+  const box = new THREE.Box3();
+  for (const scene of scenes) {
+    if (scene.frames) box.union(robustBox(scene.frames.positions, 3, 0));
+    if (scene.keyframes) box.union(robustBox(scene.keyframes.poses, 7, 0));
+    for (const layer of scene.layers) box.union(layerBox(layer));
+    for (const length of scene.lengths) box.expandByPoint(new THREE.Vector3(...length.a)).expandByPoint(new THREE.Vector3(...length.b));
+  }
+  return finite(box) ? box : new THREE.Box3(new THREE.Vector3(-1, -1, -1), new THREE.Vector3(1, 1, 1));
+}
+
+function finite(box: THREE.Box3): boolean {
+  return !box.isEmpty() && [...box.min.toArray(), ...box.max.toArray()].every((v) => Math.abs(v) < 1e12);
+}
+
+function layerBox(layer: Layer): THREE.Box3 {
+  switch (layer.kind) {
+    case 'points':
+    case 'mesh':
+      return robustBox(layer.positions, 3, 0.01);
+    case 'cubes':
+    case 'ellipsoids':
+      return robustBox(layer.centers, 3, 0.01);
+    case 'grid':
+      return gridBox(layer);
+    case 'edges':
+      return new THREE.Box3();
+  }
+}
+
+function gridBox(grid: Extract<Layer, { kind: 'grid' }>): THREE.Box3 {
+  const [x, y] = grid.origin;
+  const box = new THREE.Box3();
+  // Only known cells count: maps often have a wide unknown border.
+  for (let i = 0; i < grid.cells.length; i++) {
+    if (grid.cells[i] === 255) continue;
+    box.expandByPoint(new THREE.Vector3(x + ((i % grid.width) + 0.5) * grid.cell, y + (Math.floor(i / grid.width) + 0.5) * grid.cell, 0));
+  }
+  return box;
+}
+
+/** Box of the rows without the share `cut` at either end of each axis. */
+export function robustBox(values: Float32Array, stride: number, cut: number): THREE.Box3 {
+  const rows = values.length / stride;
+  const step = Math.max(1, Math.floor(rows / samples));
+  const axes: number[][] = [[], [], []];
+  for (let row = 0; row < rows; row += step) {
+    const p = [values[row * stride], values[row * stride + 1], values[row * stride + 2]];
+    if (p.every(Number.isFinite)) p.forEach((v, axis) => axes[axis].push(v));
+  }
+  if (axes[0].length === 0) return new THREE.Box3();
+  const ends = axes.map((axis) => {
+    const sorted = Float64Array.from(axis).sort();
+    const skip = Math.floor(cut * sorted.length);
+    return [sorted[skip], sorted[sorted.length - 1 - skip]];
+  });
+  return new THREE.Box3(
+    new THREE.Vector3(ends[0][0], ends[1][0], ends[2][0]),
+    new THREE.Vector3(ends[0][1], ends[1][1], ends[2][1]),
+  );
+}

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Edges between keyframes: covisibility, spanning tree, odometry, loops.
+import type * as THREE from 'three';
+import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
+import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
+import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
+import type { EdgesLayer as EdgesData, Keyframes } from '../scene/scene';
+import { okabeIto } from './colors';
+import { thinLines } from './materials';
+import { count, titled, type LayerObject, type Style } from './style';
+
+/** Loops are few and are what people look for: they are drawn thick. */
+const isLoops = (name: string) => name.includes('loop');
+
+export class EdgesLayer implements LayerObject {
+  readonly key: string;
+  readonly label: string;
+  readonly detail: string;
+  readonly object: THREE.Object3D;
+  readonly shownAtFirst: boolean;
+  private readonly thin: THREE.LineBasicMaterial | null = null;
+
+  constructor(data: EdgesData, keyframes: Keyframes | null) {
+    this.key = `edges:${data.name}`;
+    this.label = titled(data.name);
+    this.detail = data.count === 0 ? 'none' : count(data.count, 'edge');
+    this.shownAtFirst = isLoops(data.name) || data.name === 'spanning_tree' || data.name === 'odometry';
+    const positions = ends(data, keyframes);
+    if (isLoops(data.name) && data.count > 0) {
+      this.object = thickLines(positions);
+    } else {
+      const lines = thinLines(positions, '#888888', 0.5);
+      this.thin = lines.material;
+      this.object = lines;
+    }
+  }
+
+  applyStyle(style: Style): void {
+    this.thin?.color.set(style.dark ? '#9fb4c8' : '#44566a');
+  }
+}
+
+function thickLines(positions: Float32Array): THREE.Object3D {
+  const geometry = new LineSegmentsGeometry();
+  geometry.setPositions(positions);
+  const lines = new LineSegments2(geometry, new LineMaterial({ linewidth: 2, color: okabeIto.vermillion }));
+  lines.frustumCulled = false;
+  return lines;
+}
+
+function ends(data: EdgesData, keyframes: Keyframes | null): Float32Array {
+  const positions = new Float32Array(3 * data.pairs.length);
+  data.pairs.forEach((row, i) => positions.set(keyframes!.poses.subarray(7 * row, 7 * row + 3), 3 * i));
+  return positions;
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// One scene as objects to draw: a run with its own color and a switch.
+import * as THREE from 'three';
+import type { Layer, Scene } from '../scene/scene';
+import { runColors } from './colors';
+import { EdgesLayer } from './edges_layer';
+import { EllipsoidsLayer } from './ellipsoids_layer';
+import { GridLayer } from './grid_layer';
+import { KeyframesLayer } from './keyframes_layer';
+import { PointsLayer } from './points_layer';
+import type { LayerObject } from './style';
+import { cubesLayer, meshLayer } from './surface_layers';
+import { TrajectoryLayer, type TrajectoryKind } from './trajectory_layer';
+
+export interface Run {
+  index: number;
+  name: string;
+  scene: Scene;
+  color: string;
+  group: THREE.Group;
+  layers: LayerObject[];
+}
+
+export function buildRun(name: string, scene: Scene, index: number): Run {
+  const color = runColors[index % runColors.length];
+  const layers: LayerObject[] = [];
+  if (scene.frames) {
+    for (const kind of ['final', 'online', 'truth'] as TrajectoryKind[]) {
+      if (kind !== 'final' && !scene.frames[kind]) continue;
+      layers.push(new TrajectoryLayer(kind, scene.frames, scene.stateNames, color));
+    }
+  }
+  if (scene.keyframes) layers.push(new KeyframesLayer(scene.keyframes, scene.camera, color));
+  for (const layer of scene.layers) layers.push(withUniqueKey(layerObject(layer, scene, color), layers));
+  const group = new THREE.Group();
+  for (const layer of layers) group.add(layer.object);
+  return { index, name, scene, color, group, layers };
+}
+
+function layerObject(layer: Layer, scene: Scene, color: string): LayerObject {
+  switch (layer.kind) {
+    case 'edges':
+      return new EdgesLayer(layer, scene.keyframes);
+    case 'points':
+      return new PointsLayer(layer, scene.keyframes, color);
+    case 'mesh':
+      return meshLayer(layer, color);
+    case 'cubes':
+      return cubesLayer(layer, color);
+    case 'grid':
+      return new GridLayer(layer);
+    case 'ellipsoids':
+      return new EllipsoidsLayer(layer);
+  }
+}
+
+/** Two layers of one kind and name are switched apart. */
+function withUniqueKey(layer: LayerObject, others: LayerObject[]): LayerObject {
+  const same = others.filter((o) => o.key === layer.key || o.key.startsWith(`${layer.key}#`)).length;
+  if (same > 0) Object.assign(layer, { key: `${layer.key}#${same + 1}`, label: `${layer.label} ${same + 1}` });
+  return layer;
+}

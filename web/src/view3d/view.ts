@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// The 3D view. It draws only when something changed. Points come in slices: the first slice with everything else,
+// the rest in the pictures after it without clearing, so that the view stays quick with millions of points.
+import * as THREE from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import type { Vec3 } from '../scene/scene';
+import { Budget } from './budget';
+import { PointsLayer } from './points_layer';
+import { Reference } from './reference';
+import type { Run } from './run';
+import { pointsMask, type Style } from './style';
+import { fitDistance, horizontal, nearFar } from './viewpoint';
+
+export interface Stats {
+  /** Points drawn so far since the view last moved. */
+  pointsDrawn: number;
+  pointsVisible: number;
+  frameMs: number;
+  firstPictureMs: number | null;
+  completePictureMs: number | null;
+}
+
+export class View3d {
+  readonly camera = new THREE.PerspectiveCamera(50, 1, 0.01, 1000);
+  readonly content = new THREE.Scene();
+  /** Marks of the page itself (current frame, measured lengths); always drawn in full. */
+  readonly marks = new THREE.Group();
+  readonly controls: OrbitControls;
+  readonly reference: Reference;
+  readonly stats: Stats = { pointsDrawn: 0, pointsVisible: 0, frameMs: 0, firstPictureMs: null, completePictureMs: null };
+  /** Called after each picture, for what is laid over the view. */
+  onDrawn: () => void = () => {};
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly budget: Budget;
+  private points: PointsLayer[] = [];
+  private drawnShare = 1;
+  private requested = false;
+  private changed = true;
+  private lastTime = 0;
+
+  constructor(readonly canvas: HTMLCanvasElement, private readonly up: Vec3, public bounds: THREE.Box3) {
+    // Colors are meant as they are written: no conversion between color spaces.
+    THREE.ColorManagement.enabled = false;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
+    this.renderer.autoClear = false;
+    this.budget = new Budget(this.renderer.getContext());
+    this.camera.up.set(...up);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener('change', () => this.requestDraw());
+    this.controls.screenSpacePanning = true;
+    this.controls.zoomToCursor = true;
+    this.reference = new Reference(bounds, up);
+    this.content.add(this.reference.object, this.marks);
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
+    canvas.addEventListener('webglcontextrestored', () => location.reload());
+    this.resize();
+  }
+
+  add(run: Run): void {
+    this.content.add(run.group);
+    for (const layer of run.layers) if (layer instanceof PointsLayer) this.points.push(layer);
+  }
+
+  applyStyle(style: Style): void {
+    this.renderer.setClearColor(style.dark ? '#14181d' : '#ffffff');
+    this.reference.applyStyle(style);
+    this.requestDraw();
+  }
+
+  requestDraw(): void {
+    this.changed = true;
+    this.schedule();
+  }
+
+  /** Whole content, seen from a little above. */
+  fit(): void {
+    const up = new THREE.Vector3(...this.up);
+    const [right, ahead] = horizontal(up);
+    this.look(up.multiplyScalar(0.55).addScaledVector(ahead, -1).addScaledVector(right, -0.45));
+  }
+
+  fitFromAbove(): void {
+    const up = new THREE.Vector3(...this.up);
+    // The small share keeps "ahead" at the top of the picture.
+    this.look(up.addScaledVector(horizontal(up)[1], -1e-4));
+  }
+
+  private look(direction: THREE.Vector3): void {
+    const center = this.bounds.getCenter(new THREE.Vector3());
+    const distance = fitDistance(this.bounds, direction.normalize(), this.camera, this.up);
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).addScaledVector(direction, distance);
+    this.controls.update();
+    this.requestDraw();
+  }
+
+  /** The view that a camera at this pose has. */
+  lookFrom(position: THREE.Vector3, ahead: THREE.Vector3): void {
+    this.camera.position.copy(position);
+    this.controls.target.copy(position).add(ahead);
+    this.controls.update();
+    this.requestDraw();
+  }
+
+  /** Pixel of the page (x right, y down) where a point of the world is drawn; null behind the camera. */
+  project(point: Vec3): [number, number] | null {
+    this.camera.updateMatrixWorld();
+    const p = new THREE.Vector3(...point).applyMatrix4(this.camera.matrixWorldInverse);
+    if (p.z >= 0) return null;
+    p.applyMatrix4(this.camera.projectionMatrix);
+    const box = this.canvas.getBoundingClientRect();
+    return [box.left + ((p.x + 1) / 2) * box.width, box.top + ((1 - p.y) / 2) * box.height];
+  }
+
+  /** World to clip coordinates, and the size of the view in pixels. */
+  projection(): { matrix: THREE.Matrix4; width: number; height: number } {
+    this.camera.updateMatrixWorld();
+    const matrix = this.camera.projectionMatrix.clone().multiply(this.camera.matrixWorldInverse);
+    return { matrix, width: this.canvas.clientWidth, height: this.canvas.clientHeight };
+  }
+
+  /** Draws all that is missing at once, for a picture to save. */
+  drawAll(): void {
+    this.drawSlice(0, 1);
+  }
+
+  pixelRatio(): number {
+    return this.renderer.getPixelRatio();
+  }
+
+  resize(): void {
+    const parent = this.canvas.parentElement!;
+    const [width, height] = [Math.max(1, parent.clientWidth), Math.max(1, parent.clientHeight)];
+    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.requestDraw();
+  }
+
+  private schedule(): void {
+    if (this.requested) return;
+    this.requested = true;
+    requestAnimationFrame((time) => this.step(time));
+  }
+
+  private step(time: number): void {
+    this.requested = false;
+    const interval = time - this.lastTime;
+    this.lastTime = time;
+    const total = this.visiblePoints();
+    const slice = total === 0 ? 1 : Math.min(1, this.budget.points / total);
+    if (this.changed) {
+      this.changed = false;
+      this.drawSlice(0, slice);
+    } else {
+      this.budget.learn(interval);
+      this.stats.frameMs = interval;
+      this.drawSlice(this.drawnShare, Math.min(1, this.drawnShare + slice));
+    }
+    if (this.drawnShare < 1) this.schedule();
+  }
+
+  private visiblePoints(): number {
+    const shown = this.points.filter((p) => p.object.visible && p.object.parent?.visible);
+    this.stats.pointsVisible = shown.reduce((sum, p) => sum + p.data.count, 0);
+    return this.stats.pointsVisible;
+  }
+
+  private drawSlice(from: number, to: number): void {
+    for (const layer of this.points) layer.setSlice(from, to);
+    if (from === 0) {
+      const { near, far } = nearFar(this.bounds, this.camera.position, this.controls.target);
+      Object.assign(this.camera, { near, far });
+      this.camera.updateProjectionMatrix();
+      this.renderer.clear();
+      this.camera.layers.enableAll();
+    } else {
+      this.camera.layers.set(pointsMask);
+    }
+    this.renderer.render(this.content, this.camera);
+    this.drawnShare = to;
+    this.note(to);
+    this.onDrawn();
+  }
+
+  private note(share: number): void {
+    this.stats.pointsDrawn = Math.round(share * this.stats.pointsVisible);
+    const waiting = this.stats.firstPictureMs === null || (share === 1 && this.stats.completePictureMs === null);
+    if (!waiting) return;
+    // Reading a pixel waits for the graphics card: the times are those of real pictures.
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    this.stats.firstPictureMs ??= performance.now();
+    if (share === 1) this.stats.completePictureMs ??= performance.now();
+  }
+}

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Geometry of where to look from.
+import * as THREE from 'three';
+import type { Vec3 } from '../scene/scene';
+
+/** Two horizontal axes: right, and ahead (up in a view from above). x stays right wherever that is possible. */
+export function horizontal(up: THREE.Vector3): [THREE.Vector3, THREE.Vector3] {
+  const start = Math.abs(up.x) < 0.9 ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, 1, 0);
+  const right = start.addScaledVector(up, -start.dot(up)).normalize();
+  return [right, new THREE.Vector3().crossVectors(up, right)];
+}
+
+export function corners(box: THREE.Box3): THREE.Vector3[] {
+  return Array.from({ length: 8 }, (_, i) => new THREE.Vector3(
+    i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z,
+  ));
+}
+
+/** Distance from the center, along `direction`, from which the whole box is in the picture. */
+export function fitDistance(box: THREE.Box3, direction: THREE.Vector3, camera: THREE.PerspectiveCamera, up: Vec3): number {
+  const side = new THREE.Vector3().crossVectors(new THREE.Vector3(...up), direction).normalize();
+  const top = new THREE.Vector3().crossVectors(direction, side);
+  const tan = Math.tan(THREE.MathUtils.degToRad(camera.fov / 2));
+  const center = box.getCenter(new THREE.Vector3());
+  const needed = corners(box).map((corner) => {
+    const p = corner.sub(center);
+    return p.dot(direction) + Math.max(Math.abs(p.dot(top)) / tan, Math.abs(p.dot(side)) / (tan * camera.aspect));
+  });
+  return 1.08 * Math.max(1e-3, ...needed);
+}
+
+/** Depth range: wide enough for all content, near enough to walk into it. */
+export function nearFar(box: THREE.Box3, eye: THREE.Vector3, target: THREE.Vector3): { near: number; far: number } {
+  const radius = box.getSize(new THREE.Vector3()).length() / 2 + 1e-3;
+  const far = 4 * radius + 2 * eye.distanceTo(box.getCenter(new THREE.Vector3()));
+  return { near: Math.max(far * 1e-5, Math.min(0.02 * eye.distanceTo(target), 0.05 * radius)), far };
+}
