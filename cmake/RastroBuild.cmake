@@ -110,5 +110,5 @@ if(RASTRO_BUILD_FUZZERS)
     message(FATAL_ERROR "RASTRO_BUILD_FUZZERS needs clang: use the preset 'fuzz'")
   endif()
   # Marks for libFuzzer only in the modules that read what comes from outside: they make hot loops several times slower.
-  set(RASTRO_FUZZED_MODULES base sensor camera dataset map evaluate export)
+  set(RASTRO_FUZZED_MODULES base sensor camera dataset map evaluate export viewer)
 endif()

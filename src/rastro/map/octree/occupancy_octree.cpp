@@ -98,6 +98,14 @@ Eigen::Vector3d OccupancyOctree::high() const {
 std::size_t OccupancyOctree::occupied_leaves() const { return count_leaves(*tree_->octomap, true); }
 std::size_t OccupancyOctree::free_leaves() const { return count_leaves(*tree_->octomap, false); }
 
+std::vector<OctreeCube> OccupancyOctree::occupied_cubes() const {
+  const octomap::OcTree& tree = *tree_->octomap;
+  std::vector<OctreeCube> cubes;
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf)
+    if (tree.isNodeOccupied(*leaf)) cubes.push_back({{leaf.getX(), leaf.getY(), leaf.getZ()}, leaf.getSize()});
+  return cubes;
+}
+
 // The headers are written here, because OctoMap's own functions print.
 std::string OccupancyOctree::ot_bytes() const {
   std::ostringstream stream;

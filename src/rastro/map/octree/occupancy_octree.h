@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rastro/base/task_pool.h"
 #include "rastro/map/cloud/build_cloud.h"
@@ -22,6 +23,12 @@ struct OctreeOptions {
   double hit = 0.7, miss = 0.4;             ///< Occupancy probability from a single measurement.
   double lowest = 0.1192, highest = 0.971;  ///< Occupancy is clamped to this range, so that it can change again.
   int submap = 0;                           ///< As in CloudOptions.
+};
+
+/// A cube of space; eight alike are one larger cube.
+struct OctreeCube {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< World, meters.
+  double side_m = 0.0;
 };
 
 /// The occupancy probability of each cube of space, as an OctoMap. World as in the map, meters.
@@ -41,6 +48,8 @@ class OccupancyOctree {
   Eigen::Vector3d high() const;
   std::size_t occupied_leaves() const;
   std::size_t free_leaves() const;
+  /// In the order of the tree.
+  std::vector<OctreeCube> occupied_cubes() const;
 
   /// The file formats of OctoMap: .ot holds probabilities, .bt occupied or free only.
   std::string ot_bytes() const;

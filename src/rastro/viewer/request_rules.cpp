@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/viewer/request_rules.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "rastro/base/text.h"
+#include "rastro/viewer/page.h"
+
+namespace rastro::detail {
+namespace {
+
+constexpr std::size_t longest_target = 1024;
+
+/// Takes as long for a wrong token as for the right one, so that time tells nothing of it.
+bool is_same(std::string_view a, std::string_view b) {
+  unsigned difference = a.size() == b.size() ? 0U : 1U;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    difference |= static_cast<unsigned char>(a[k]) ^ static_cast<unsigned char>(b.empty() ? '\0' : b[k % b.size()]);
+  return difference == 0;
+}
+
+/// The value of `name` in "a=1&b=2" or "a=1; b=2"; empty where there is none.
+std::string_view value_of(std::string_view name, std::string_view text, char separator) {
+  for (const std::string_view part : split(text, separator))
+    if (part.size() > name.size() && part.starts_with(name) && part[name.size()] == '=')
+      return part.substr(name.size() + 1);
+  return {};
+}
+
+struct Target {
+  std::string_view path, query;
+};
+
+Target parts_of(std::string_view target) {
+  const std::size_t mark = target.find('?');
+  if (mark == std::string_view::npos) return {target, {}};
+  return {target.substr(0, mark), target.substr(mark + 1)};
+}
+
+/// "[::1]:8420" -> "::1", "localhost:8420" -> "localhost"; empty for what is no host.
+std::string_view name_in(std::string_view host) {
+  if (host.starts_with('[')) {
+    const std::size_t end = host.find(']');
+    return end == std::string_view::npos ? std::string_view() : host.substr(1, end - 1);
+  }
+  return host.substr(0, host.find(':'));
+}
+
+bool is_numeric_address(std::string_view name) {
+  std::array<unsigned char, sizeof(in6_addr)> ignored{};
+  const std::string text(name);
+  return inet_pton(AF_INET, text.c_str(), ignored.data()) == 1 || inet_pton(AF_INET6, text.c_str(), ignored.data()) == 1;
+}
+
+std::string name_of_machine() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : std::string();
+}
+
+/// What the page may do: run its own script, show images it made, and talk to this server.
+constexpr const char* content_policy =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; media-src blob:; "
+    "worker-src blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+}  // namespace
+
+ViewReply refusal(int status, std::string_view line) {
+  ViewReply reply;
+  reply.status = status;
+  reply.body = line;
+  return reply;
+}
+
+RequestRules::RequestRules(const std::vector<NamedScene>& scenes, std::string token, bool loopback_only,
+                           std::uint16_t port)
+    : scenes_(scenes),
+      token_(std::move(token)),
+      cookie_name_(fmt::format("rastro_{}", port)),  // cookies of one host are shared by all its ports
+      machine_(name_of_machine()),
+      loopback_only_(loopback_only) {
+  auto list = nlohmann::ordered_json::array();
+  for (std::size_t index = 0; index < scenes.size(); ++index)
+    list.push_back({{"index", index}, {"name", scenes[index].name}, {"bytes", scenes[index].bytes.size()}});
+  list_ = list.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+/// A page elsewhere can have its name lead to this machine, but cannot make a browser call it localhost or a number.
+bool RequestRules::is_host_allowed(std::string_view host) const {
+  const std::string_view name = name_in(host);
+  if (name == "localhost" || name == "127.0.0.1" || name == "::1") return true;
+  return !loopback_only_ && !name.empty() && (name == machine_ || is_numeric_address(name));
+}
+
+bool RequestRules::has_token(const ViewRequest& request) const {
+  if (token_.empty()) return true;
+  return is_same(value_of("token", parts_of(request.target).query, '&'), token_) ||
+         is_same(value_of(cookie_name_, request.cookie, ';'), token_);
+}
+
+ViewReply RequestRules::content_at(std::string_view path) const {
+  constexpr std::string_view scene_path = "/api/scene/";
+  ViewReply reply;
+  if (path == "/") {
+    reply.type = "text/html; charset=utf-8";
+    reply.body = viewer_page();
+    reply.fields = {{"Content-Security-Policy", content_policy}};
+    return reply;
+  }
+  if (path == "/api/scenes") {
+    reply.type = "application/json";
+    reply.body = list_;
+    return reply;
+  }
+  if (!path.starts_with(scene_path)) return refusal(404, "there is nothing here\n");
+  const std::string_view number = path.substr(scene_path.size());
+  const bool digits = std::all_of(number.begin(), number.end(), [](char each) { return each >= '0' && each <= '9'; });
+  const auto index = digits ? parse_uint64(number) : std::nullopt;
+  if (!index || *index >= scenes_.size()) return refusal(404, "there is no such scene\n");
+  reply.type = "application/octet-stream";
+  reply.body = scenes_[static_cast<std::size_t>(*index)].bytes;
+  return reply;
+}
+
+ViewReply RequestRules::reply_to(const ViewRequest& request) const {
+  if (request.hosts.size() != 1 || !is_host_allowed(request.hosts.front()))
+    return refusal(403, "this host is not served: use the address that rastro view printed\n");
+  if (!request.origin.empty() && request.origin != "http://" + request.hosts.front())
+    return refusal(403, "other sites are not served\n");
+  if (request.method != "GET" && request.method != "HEAD") {
+    ViewReply reply = refusal(405, "only GET and HEAD are served\n");
+    reply.fields = {{"Allow", "GET, HEAD"}};
+    return reply;
+  }
+  if (request.target.size() > longest_target) return refusal(414, "the address is too long\n");
+  if (!has_token(request)) return refusal(401, "the token is missing or wrong: use the address that rastro view printed\n");
+  const Target target = parts_of(request.target);
+  ViewReply reply = content_at(target.path);
+  // What the page asks for later carries the cookie; scripts cannot read it, other sites cannot send it.
+  if (!token_.empty() && target.path == "/")
+    reply.fields.emplace_back("Set-Cookie", cookie_name_ + "=" + token_ + "; Path=/; HttpOnly; SameSite=Strict");
+  return reply;
+}
+
+}  // namespace rastro::detail

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/viewer/view_connection.h"
+
+#include <algorithm>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/span_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "rastro/viewer/http_message.h"
+
+namespace rastro::detail {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+using Response = http::response<http::span_body<const char>>;
+
+std::chrono::milliseconds in_ms(double seconds) { return std::chrono::milliseconds(std::llround(1e3 * seconds)); }
+
+/// Enough for a slow connection, and an end for a client that does not read.
+double seconds_for(std::size_t bytes) {
+  constexpr double least_seconds = 20.0, least_bytes_per_second = 100'000.0;
+  return least_seconds + static_cast<double>(bytes) / least_bytes_per_second;
+}
+
+Response response_of(const ViewReply& reply, unsigned version, bool keep_alive) {
+  Response response{static_cast<http::status>(reply.status), version};
+  response.set(http::field::content_type, beast::string_view(reply.type.data(), reply.type.size()));
+  response.set(http::field::cache_control, "no-store");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
+  response.set("Cross-Origin-Resource-Policy", "same-origin");
+  for (const auto& [name, value] : reply.fields) response.set(name, value);
+  response.body() = {reply.body.data(), reply.body.size()};
+  response.keep_alive(keep_alive);
+  response.content_length(reply.body.size());
+  return response;
+}
+
+}  // namespace
+
+/// Reads requests and answers them, one after the other, until the client or a deadline ends it.
+class ViewConnection : public std::enable_shared_from_this<ViewConnection> {
+ public:
+  ViewConnection(boost::asio::ip::tcp::socket socket, const RequestRules& rules, const ViewServerOptions& options)
+      : stream_(std::move(socket)), rules_(rules), options_(options) {}
+
+  bool is_waiting() const { return waiting_; }
+  void close() {
+    beast::error_code ignored;
+    stream_.socket().close(ignored);
+  }
+
+  void read() {
+    parser_.emplace();
+    prepare(*parser_);
+    waiting_ = true;
+    stream_.expires_after(in_ms(options_.request_seconds));
+    http::async_read_header(stream_, buffer_, *parser_,
+                            [self = shared_from_this()](const beast::error_code& error, std::size_t) {
+                              self->waiting_ = false;
+                              self->answer(error);
+                            });
+  }
+
+ private:
+  void answer(const beast::error_code& error) {
+    if (error) {
+      const auto reply = refusal_of(error);
+      if (reply) write(*reply, false);
+      return;
+    }
+    if (announces_body(*parser_)) return write(refusal(413, "requests have no body here\n"), false);
+    const ViewReply reply = rules_.reply_to(request_of(*parser_));
+    write(reply, reply.status < 400 && parser_->keep_alive());
+  }
+
+  void write(const ViewReply& reply, bool keep_alive) {
+    constexpr unsigned http_1_1 = 11;
+    const bool parsed = parser_->is_header_done();
+    response_ = response_of(reply, parsed ? parser_->get().version() : http_1_1, keep_alive);
+    const bool header_only = parsed && parser_->get().method() == http::verb::head;
+    stream_.expires_after(in_ms(seconds_for(reply.body.size())));
+    const auto done = [self = shared_from_this(), keep_alive](const beast::error_code& error, std::size_t) {
+      self->after_write(error, keep_alive);
+    };
+    serializer_.emplace(*response_);
+    if (header_only) return http::async_write_header(stream_, *serializer_, done);
+    http::async_write(stream_, *serializer_, done);
+  }
+
+  void after_write(const beast::error_code& error, bool keep_alive) {
+    if (!error && keep_alive) return read();
+    beast::error_code ignored;
+    stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);
+  }
+
+  static constexpr std::size_t most_buffered = 16 * 1024;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_{most_buffered};
+  std::optional<RequestParser> parser_;
+  std::optional<Response> response_;
+  std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
+  const RequestRules& rules_;
+  const ViewServerOptions& options_;
+  bool waiting_ = false;
+};
+
+bool ViewConnections::make_room(std::size_t most) {
+  std::erase_if(list_, [](const auto& each) { return each.expired(); });
+  if (list_.size() < most) return true;
+  const auto longest = std::find_if(list_.begin(), list_.end(), [](const auto& each) {
+    const auto connection = each.lock();
+    return connection && connection->is_waiting();
+  });
+  if (longest == list_.end()) return false;
+  if (const auto connection = longest->lock()) connection->close();
+  list_.erase(longest);
+  return true;
+}
+
+void ViewConnections::add(boost::asio::ip::tcp::socket socket, const RequestRules& rules,
+                          const ViewServerOptions& options) {
+  if (!make_room(static_cast<std::size_t>(std::max(1, options.max_connections)))) return;
+  const auto connection = std::make_shared<ViewConnection>(std::move(socket), rules, options);
+  list_.push_back(connection);
+  connection->read();
+}
+
+}  // namespace rastro::detail
