@@ -7,5 +7,10 @@ export interface Actions {
   toggleTheme(): void;
   savePicture(): void;
   help(): void;
+  play(): void;
+  /** Frames ahead, or back where negative. */
+  step(frames: number): void;
+  toEvent(direction: -1 | 1): void;
+  lookFromFrame(): void;
   toggleLayer(key: string): void;
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Puts the parts of the page together: bar at the top, panel at the side, view, timeline below.
 import type { App } from '../app';
+import { CurrentFrame } from '../timeline/current_frame';
+import { FramePanel } from '../timeline/frame_panel';
+import { Timeline } from '../timeline/timeline';
 import { el } from './dom';
 import { Legend } from './legend';
 import { isEmpty } from './missing';
@@ -21,10 +24,13 @@ export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement): vo
   canvas.setAttribute('aria-label', '3D view of the map. Drag to turn, right drag to move, wheel to zoom.');
   const side = el('aside', { id: 'side', aria: { label: 'Layers and colors' } }, ...sidePanel(app));
   const legend = new Legend(app);
-  stage.append(legend.element, ...notices(app));
+  const timeline = new Timeline(app);
+  const current = new CurrentFrame(app);
+  const frame = new FramePanel(app, () => current.look());
+  stage.append(legend.element, frame.element, ...notices(app));
   const help = helpDialog();
-  const actions = buildActions(app, root, help);
-  root.replaceChildren(toolbar(app, actions), side, stage, help);
+  const actions = buildActions(app, root, { help, timeline, current });
+  root.replaceChildren(toolbar(app, actions), side, stage, timeline.element, help);
   bindShortcuts(app, actions);
   document.title = `${titleOf(app)} · rastro view`;
   app.view.onDrawn = () => legend.update();
@@ -41,7 +47,13 @@ function notices(app: App): HTMLElement[] {
   return errors.length + empty.length ? [el('div', { className: 'notices' }, ...errors, ...empty)] : [];
 }
 
-function buildActions(app: App, root: HTMLElement, help: HTMLDialogElement): Actions {
+interface Parts {
+  help: HTMLDialogElement;
+  timeline: Timeline;
+  current: CurrentFrame;
+}
+
+function buildActions(app: App, root: HTMLElement, { help, timeline, current }: Parts): Actions {
   const themes = { auto: app.dark ? 'light' : 'dark', light: 'dark', dark: 'light' } as const;
   return {
     fit: () => app.fit(),
@@ -53,6 +65,10 @@ function buildActions(app: App, root: HTMLElement, help: HTMLDialogElement): Act
     toggleTheme: () => app.set({ theme: themes[app.state.theme] }),
     savePicture: () => savePicture(app),
     help: () => (help.open ? help.close() : help.showModal()),
+    play: () => timeline.player.toggle(),
+    step: (frames) => timeline.step(frames),
+    toEvent: (direction) => timeline.toEvent(direction),
+    lookFromFrame: () => current.look(),
     toggleLayer: (key) => app.setLayer(key, !app.layerShown(key)),
   };
 }

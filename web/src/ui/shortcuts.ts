@@ -11,6 +11,14 @@ export function bindShortcuts(app: App, actions: Actions): void {
     t: actions.toggleTheme,
     s: actions.savePicture,
     '?': actions.help,
+    c: actions.lookFromFrame,
+    ' ': actions.play,
+    '[': () => actions.toEvent(-1),
+    ']': () => actions.toEvent(1),
+    ArrowLeft: (event) => actions.step(event.shiftKey ? -10 : -1),
+    ArrowRight: (event) => actions.step(event.shiftKey ? 10 : 1),
+    Home: () => actions.step(-Infinity),
+    End: () => actions.step(Infinity),
   };
   window.addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || takesKeys(event)) return;

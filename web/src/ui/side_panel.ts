@@ -62,7 +62,7 @@ function trajectorySection(app: App): HTMLElement | null {
 }
 
 const pointLabels: Record<PointColor, string> = {
-  image: 'Color in the image',
+  image: 'Image color',
   height: 'Height',
   age: 'Age',
   uncertainty: 'Uncertainty',
@@ -101,7 +101,7 @@ function sigmaFilter(app: App): HTMLElement[] {
   const format = (v: number) => (v >= high ? 'all' : `≤ ${lengthText(app, 10 ** v, null)}`);
   const value = Number.isFinite(app.state.maxSigma) ? Math.log10(app.state.maxSigma) : all;
   return [slider({
-    label: 'Hide above sigma', min: low, max: all, step: 0.01, value, format,
+    label: 'Largest sigma', min: low, max: all, step: 0.01, value, format,
     oninput: (v) => app.set({ maxSigma: v >= high ? Infinity : 10 ** v }),
   })];
 }

@@ -23,8 +23,8 @@ export interface Stats {
 export class View3d {
   readonly camera = new THREE.PerspectiveCamera(50, 1, 0.01, 1000);
   readonly content = new THREE.Scene();
-  /** Marks of the page itself (current frame, measured lengths); always drawn in full. */
-  readonly marks = new THREE.Group();
+  /** Marks of the page itself (current frame, measured lengths); drawn last, over each slice. */
+  readonly marks = new THREE.Scene();
   readonly controls: OrbitControls;
   readonly reference: Reference;
   readonly stats: Stats = { pointsDrawn: 0, pointsVisible: 0, frameMs: 0, firstPictureMs: null, completePictureMs: null };
@@ -39,8 +39,6 @@ export class View3d {
   private lastTime = 0;
 
   constructor(readonly canvas: HTMLCanvasElement, private readonly up: Vec3, public bounds: THREE.Box3) {
-    // Colors are meant as they are written: no conversion between color spaces.
-    THREE.ColorManagement.enabled = false;
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     this.renderer.autoClear = false;
@@ -51,7 +49,7 @@ export class View3d {
     this.controls.screenSpacePanning = true;
     this.controls.zoomToCursor = true;
     this.reference = new Reference(bounds, up);
-    this.content.add(this.reference.object, this.marks);
+    this.content.add(this.reference.object);
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
     canvas.addEventListener('webglcontextrestored', () => location.reload());
     this.resize();
@@ -175,11 +173,12 @@ export class View3d {
       Object.assign(this.camera, { near, far });
       this.camera.updateProjectionMatrix();
       this.renderer.clear();
-      this.camera.layers.enableAll();
     } else {
       this.camera.layers.set(pointsMask);
     }
     this.renderer.render(this.content, this.camera);
+    this.camera.layers.enableAll();
+    this.renderer.render(this.marks, this.camera);
     this.drawnShare = to;
     this.note(to);
     this.onDrawn();

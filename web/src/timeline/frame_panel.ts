@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// The panel with the values of the current frame, and the image of the keyframe nearest in time.
+import type { App } from '../app';
+import type { Frames, Scene, Thumbnail } from '../scene/scene';
+import { stateColor } from '../view3d/colors';
+import { button, el } from '../ui/dom';
+import { icon } from '../ui/icons';
+import { digits, lengthText } from '../ui/units';
+import { duration } from './track';
+
+export class FramePanel {
+  readonly element = el('details', { className: 'frame', open: innerWidth > 720, aria: { label: 'Current frame' } });
+  private readonly title = el('summary');
+  private readonly list = el('dl');
+  private readonly image = el('img', { alt: 'Image of the nearest keyframe', hidden: true });
+  private shownImage: Thumbnail | null = null;
+
+  constructor(private readonly app: App, lookFrom: () => void) {
+    const look = button('Look from this camera', 'Look from the camera of this frame (C)', lookFrom, icon('camera'), 'Look from here');
+    this.element.append(this.title, this.image, this.list, look);
+    app.onChange(() => this.fill());
+    this.fill();
+  }
+
+  private fill(): void {
+    const { frames, active, state } = this.app;
+    this.element.hidden = !frames;
+    if (!frames || !active) return;
+    this.title.textContent = `Frame ${(state.frame + 1).toLocaleString('en-US')} of ${frames.count.toLocaleString('en-US')}`;
+    const rows = frameRows(this.app, frames, active.scene, state.frame);
+    this.list.replaceChildren(...rows.flatMap(([name, value]) => [el('dt', {}, name), el('dd', {}, value)]));
+    this.showImage(nearestImage(active.scene, frames.stamps[state.frame]));
+  }
+
+  private showImage(image: Thumbnail | null): void {
+    if (image === this.shownImage) return;
+    this.shownImage = image;
+    URL.revokeObjectURL(this.image.src);
+    this.image.hidden = image === null;
+    if (image) this.image.src = URL.createObjectURL(new Blob([image.jpeg as BlobPart], { type: 'image/jpeg' }));
+    else this.image.removeAttribute('src');
+  }
+}
+
+type Row = [string, Node | string];
+
+function frameRows(app: App, frames: Frames, scene: Scene, row: number): Row[] {
+  const rows: Row[] = [['Stamp', `${frames.stamps[row].toFixed(3)} s`]];
+  if (frames.states) rows.push(['State', stateCell(scene.stateNames[frames.states[row]])]);
+  const length = (values: Float32Array | null) => (values && Number.isFinite(values[row]) ? lengthText(app, values[row], null) : 'unknown');
+  if (frames.sigmas) rows.push(['Sigma', length(frames.sigmas)]);
+  if (frames.errors) rows.push(['Error', length(frames.errors)]);
+  if (frames.milliseconds) rows.push(['Time', Number.isFinite(frames.milliseconds[row]) ? `${digits(frames.milliseconds[row])} ms` : 'unknown']);
+  const p = [...frames.positions.subarray(3 * row, 3 * row + 3)].map((v) => v.toFixed(2));
+  rows.push(['Position', p.join('  ')]);
+  const event = lastEvent(scene, frames, row);
+  if (event) rows.push(['Last event', event]);
+  return rows;
+}
+
+function stateCell(name: string): Node {
+  return el('span', { className: 'key' }, el('span', { className: 'swatch', style: `background:${stateColor(name)}` }), name);
+}
+
+/** The event that explains the present state, if it is not long ago. */
+function lastEvent(scene: Scene, frames: Frames, row: number): string | null {
+  const now = frames.stamps[row];
+  const past = scene.events.filter((e) => e.stamp <= now + 1e-6 && now - e.stamp < 10);
+  const last = past.sort((a, b) => a.stamp - b.stamp).at(-1);
+  if (!last) return null;
+  const ago = now - last.stamp;
+  const what = last.kind.replaceAll('_', ' ');
+  return `${what}${ago > 0.01 ? ` ${duration(ago)} ago` : ''}${last.detail ? `: ${last.detail}` : ''}`;
+}
+
+function nearestImage(scene: Scene, stamp: number): Thumbnail | null {
+  let best: Thumbnail | null = null;
+  let distance = Infinity;
+  for (const image of scene.images) {
+    const d = Math.abs(scene.keyframes!.stamps[image.keyframe] - stamp);
+    if (d < distance) [best, distance] = [image, d];
+  }
+  return best;
+}
