@@ -8,6 +8,7 @@ import { boundsOf } from './view3d/bounds';
 import { rangesOf } from './view3d/ranges';
 import { buildRun, type Run } from './view3d/run';
 import { View3d } from './view3d/view';
+import type { ScaleFactor } from './measure/length';
 import { initialState } from './initial_state';
 import type { Style } from './view3d/style';
 
@@ -20,7 +21,7 @@ export class App {
   readonly initial: State;
   state: State;
   /** Meters for one unit of a run's map, where the person entered a known length. */
-  readonly scaleFactors = new Map<number, { factor: number; sigma: number | null }>();
+  readonly scaleFactors = new Map<number, ScaleFactor>();
   private readonly ranges: Style['ranges'];
   private readonly listeners: ((changed: Set<keyof State>) => void)[] = [];
   private hashTimer = 0;

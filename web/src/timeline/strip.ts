@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws the timeline: marks of events, band of states (color and pattern), a curve, the time axis, the current frame.
 import type { Frames, SceneEvent } from '../scene/scene';
-import { okabeIto, stateColor } from '../view3d/colors';
+import { loopColor, okabeIto, stateColor } from '../view3d/colors';
 import { columnMaxima, duration, stretches, timeStep, type CurveName } from './track';
 
 export interface StripData {
@@ -129,7 +129,7 @@ function drawEvents(context: Context, data: StripData, width: number): void {
     if (x < 0 || x > width) continue;
     const [kind, y] = [markOf(event.kind), rows.events + 6];
     context.lineWidth = 2;
-    context.strokeStyle = context.fillStyle = kind === 'loop' ? (data.dark ? okabeIto.skyBlue : okabeIto.blue) : kind === 'loss' ? okabeIto.vermillion : okabeIto.purple;
+    context.strokeStyle = context.fillStyle = kind === 'loop' ? loopColor : kind === 'loss' ? okabeIto.vermillion : okabeIto.skyBlue;
     context.beginPath();
     if (kind === 'loop') {
       context.moveTo(x - 5, y - 4);

@@ -144,7 +144,8 @@ export class Timeline {
     context.scale(devicePixelRatio, devicePixelRatio);
     drawCursor(context, this.data(), this.element.clientWidth);
     const seconds = frames.stamps[state.frame] - frames.stamps[0];
-    this.clock.textContent = `${duration(seconds)} / ${duration(frames.stamps[frames.count - 1] - frames.stamps[0])}`;
+    const all = duration(frames.stamps[frames.count - 1] - frames.stamps[0]);
+    this.clock.replaceChildren(duration(seconds), el('span', { className: 'all' }, ` / ${all}`));
     const values = { valuemin: '0', valuemax: `${frames.count - 1}`, valuenow: `${state.frame}`, valuetext: `frame ${state.frame + 1} of ${frames.count}` };
     for (const [key, value] of Object.entries(values)) this.canvas.setAttribute(`aria-${key}`, value);
   }

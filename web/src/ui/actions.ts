@@ -5,6 +5,9 @@ export interface Actions {
   fromAbove(): void;
   toggleSide(): void;
   toggleTheme(): void;
+  measure(): void;
+  /** Leaves what was begun. */
+  escape(): void;
   savePicture(): void;
   help(): void;
   play(): void;

@@ -4,6 +4,9 @@ import type { App } from '../app';
 import { CurrentFrame } from '../timeline/current_frame';
 import { FramePanel } from '../timeline/frame_panel';
 import { Timeline } from '../timeline/timeline';
+import { LengthList } from '../measure/length_list';
+import { LengthMarks } from '../measure/length_marks';
+import { Measure } from '../measure/measure';
 import { el } from './dom';
 import { Legend } from './legend';
 import { isEmpty } from './missing';
@@ -27,13 +30,27 @@ export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement): vo
   const timeline = new Timeline(app);
   const current = new CurrentFrame(app);
   const frame = new FramePanel(app, () => current.look());
-  stage.append(legend.element, frame.element, ...notices(app));
+  const measure = new Measure(app);
+  const marks = new LengthMarks(app, measure);
+  const lengths = new LengthList(app, measure);
+  const right = el('div', { className: 'right' }, frame.element, lengths.element);
+  stage.append(marks.labels, legend.element, right, measure.hint, ...notices(app));
   const help = helpDialog();
-  const actions = buildActions(app, root, { help, timeline, current });
-  root.replaceChildren(toolbar(app, actions), side, stage, timeline.element, help);
+  const actions = buildActions(app, root, { help, timeline, current, measure });
+  const bar = toolbar(app, actions);
+  root.replaceChildren(bar, side, stage, timeline.element, help);
   bindShortcuts(app, actions);
   document.title = `${titleOf(app)} · rastro view`;
-  app.view.onDrawn = () => legend.update();
+  app.view.onDrawn = () => {
+    legend.update();
+    marks.update();
+  };
+  measure.onChange(() => bar.querySelector('[data-tool="measure"]')!.setAttribute('aria-pressed', `${measure.active}`));
+  app.onChange((changed) => {
+    // The theme also changes with the unit of lengths, see Measure.setKnown.
+    if (changed.has('active') || changed.has('theme')) side.replaceChildren(...sidePanel(app));
+    else if (changed.has('layers')) showSwitches(app, side);
+  });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => app.refresh());
 }
 
@@ -47,13 +64,22 @@ function notices(app: App): HTMLElement[] {
   return errors.length + empty.length ? [el('div', { className: 'notices' }, ...errors, ...empty)] : [];
 }
 
+/** Layers can be switched by keys as well: the boxes follow. */
+function showSwitches(app: App, side: HTMLElement): void {
+  for (const box of side.querySelectorAll<HTMLElement>('[data-layer]')) {
+    const key = box.dataset.layer!;
+    box.querySelector('input')!.checked = key === 'reference' ? app.state.layers[key] ?? true : app.layerShown(key);
+  }
+}
+
 interface Parts {
   help: HTMLDialogElement;
   timeline: Timeline;
   current: CurrentFrame;
+  measure: Measure;
 }
 
-function buildActions(app: App, root: HTMLElement, { help, timeline, current }: Parts): Actions {
+function buildActions(app: App, root: HTMLElement, { help, timeline, current, measure }: Parts): Actions {
   const themes = { auto: app.dark ? 'light' : 'dark', light: 'dark', dark: 'light' } as const;
   return {
     fit: () => app.fit(),
@@ -63,6 +89,8 @@ function buildActions(app: App, root: HTMLElement, { help, timeline, current }: 
     },
     toggleSide: () => root.classList.toggle('side-toggled'),
     toggleTheme: () => app.set({ theme: themes[app.state.theme] }),
+    measure: () => measure.toggle(),
+    escape: () => measure.escape(),
     savePicture: () => savePicture(app),
     help: () => (help.open ? help.close() : help.showModal()),
     play: () => timeline.player.toggle(),

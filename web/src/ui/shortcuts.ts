@@ -9,6 +9,8 @@ export function bindShortcuts(app: App, actions: Actions): void {
     a: actions.fromAbove,
     l: actions.toggleSide,
     t: actions.toggleTheme,
+    m: actions.measure,
+    Escape: actions.escape,
     s: actions.savePicture,
     '?': actions.help,
     c: actions.lookFromFrame,

@@ -17,6 +17,7 @@ export function toolbar(app: App, actions: Actions): HTMLElement {
     el('div', { className: 'tools', role: 'toolbar', aria: { label: 'View' } },
       tool('Fit', 'fit', 'Show the whole map (F)', actions.fit),
       tool('Above', 'above', 'Look from above (A)', actions.fromAbove),
+      tool('Measure', 'measure', 'Measure a length by two clicks (M)', actions.measure),
       tool('Picture', 'picture', 'Save the view as a PNG picture (S)', actions.savePicture),
       tool('Theme', 'theme', 'Dark or light (T)', actions.toggleTheme),
       tool('Help', 'help', 'Keys and mouse (?)', actions.help)));

@@ -16,12 +16,14 @@ export const okabeIto = {
   gray: '#8f8f8f',
 } as const;
 
+/** Loops have one color in the view and in the timeline. */
+export const loopColor = okabeIto.purple;
+
 /** One color a run, in the order of the runs. */
 export const runColors: string[] = [
   okabeIto.skyBlue,
   okabeIto.orange,
   okabeIto.green,
-  okabeIto.purple,
   okabeIto.vermillion,
   okabeIto.blue,
   okabeIto.yellow,
@@ -32,7 +34,7 @@ const stateColors: Record<string, string> = {
   weak: okabeIto.orange,
   lost: okabeIto.vermillion,
   relocalized: okabeIto.skyBlue,
-  initializing: okabeIto.purple,
+  initializing: okabeIto.gray,
 };
 
 export function stateColor(name: string): string {

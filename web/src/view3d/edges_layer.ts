@@ -5,7 +5,7 @@ import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
 import type { EdgesLayer as EdgesData, Keyframes } from '../scene/scene';
-import { okabeIto } from './colors';
+import { loopColor } from './colors';
 import { thinLines } from './materials';
 import { count, titled, type LayerObject, type Style } from './style';
 
@@ -43,7 +43,7 @@ export class EdgesLayer implements LayerObject {
 function thickLines(positions: Float32Array): THREE.Object3D {
   const geometry = new LineSegmentsGeometry();
   geometry.setPositions(positions);
-  const lines = new LineSegments2(geometry, new LineMaterial({ linewidth: 2, color: okabeIto.vermillion }));
+  const lines = new LineSegments2(geometry, new LineMaterial({ linewidth: 2, color: loopColor }));
   lines.frustumCulled = false;
   return lines;
 }

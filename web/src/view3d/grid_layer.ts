@@ -23,7 +23,8 @@ export class GridLayer implements LayerObject {
     this.texture.minFilter = THREE.LinearFilter;
     const [w, h] = [data.width * data.cell, data.height * data.cell];
     const material = new THREE.MeshBasicMaterial({
-      map: this.texture, transparent: true, depthWrite: false, side: THREE.DoubleSide,
+      // Drawn first and without depth: lines and points in the same plane stay visible.
+      map: this.texture, alphaTest: 0.5, depthWrite: false, side: THREE.DoubleSide,
     });
     this.object = new THREE.Mesh(new THREE.PlaneGeometry(w, h), material);
     this.object.position.set(data.origin[0] + w / 2, data.origin[1] + h / 2, 0);

@@ -9,7 +9,7 @@ import { PointsLayer } from './points_layer';
 import { Reference } from './reference';
 import type { Run } from './run';
 import { pointsMask, type Style } from './style';
-import { fitDistance, horizontal, nearFar } from './viewpoint';
+import { fitDistance, horizontal, nearFar, offCenter } from './viewpoint';
 
 export interface Stats {
   /** Points drawn so far since the view last moved. */
@@ -90,7 +90,22 @@ export class View3d {
     this.controls.target.copy(center);
     this.camera.position.copy(center).addScaledVector(direction, distance);
     this.controls.update();
+    for (let i = 0; i < 4; i++) this.center();
+    this.controls.update();
     this.requestDraw();
+  }
+
+  /** Perspective makes the near side larger than the far one: moves the box to the middle and to the picture's size. */
+  private center(): void {
+    const { camera, controls } = this;
+    const { x, y, size } = offCenter(this.bounds, camera);
+    const distance = camera.position.distanceTo(controls.target);
+    const half = distance * Math.tan(THREE.MathUtils.degToRad(camera.fov / 2));
+    const move = new THREE.Vector3(x * half * camera.aspect, y * half, 0).applyQuaternion(camera.quaternion);
+    controls.target.add(move);
+    camera.position.add(move);
+    const back = camera.position.clone().sub(controls.target).multiplyScalar(Math.min(2, Math.max(0.5, size / 0.92)));
+    camera.position.copy(controls.target).add(back);
   }
 
   /** The view that a camera at this pose has. */

@@ -35,3 +35,13 @@ export function nearFar(box: THREE.Box3, eye: THREE.Vector3, target: THREE.Vecto
   const far = 4 * radius + 2 * eye.distanceTo(box.getCenter(new THREE.Vector3()));
   return { near: Math.max(far * 1e-5, Math.min(0.02 * eye.distanceTo(target), 0.05 * radius)), far };
 }
+
+/** How far the box is from the middle of the picture, as shares of its half width and half height. */
+export function offCenter(box: THREE.Box3, camera: THREE.PerspectiveCamera): { x: number; y: number; size: number } {
+  camera.updateMatrixWorld();
+  const projected = corners(box).map((corner) => corner.project(camera));
+  const ends = (values: number[]) => [Math.min(...values), Math.max(...values)];
+  const [x0, x1] = ends(projected.map((p) => p.x));
+  const [y0, y1] = ends(projected.map((p) => p.y));
+  return { x: (x0 + x1) / 2, y: (y0 + y1) / 2, size: Math.max(x1 - x0, y1 - y0) / 2 };
+}
