@@ -16,10 +16,12 @@ export function lengthText(app: App, length: number, sigma: number | null, run =
   return `${(length * factor).toFixed(places)} ± ${(sigma * factor).toFixed(places)} ${unit}`;
 }
 
-/** Two digits of the sigma are shown, and the length to the same place. */
+/** One digit of the sigma is shown (two where it begins with 1), and the length to the same place. */
 export function decimalsFor(sigma: number): number {
   if (!(sigma > 0)) return 4;
-  return Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(sigma))));
+  const power = Math.floor(Math.log10(sigma) + 1e-9);
+  const places = sigma / 10 ** power < 1.95 ? 1 - power : -power;
+  return Math.min(9, Math.max(0, places));
 }
 
 export function digits(value: number): string {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of one layer as one buffer. They are stored in an order whose every beginning is an even sample of the whole,
-// so that a slice can be drawn while the view moves and the rest afterwards.
+// Points of one layer as one buffer, drawn in classes that are each an even sample of the whole: some while the view
+// moves, the others afterwards.
 import * as THREE from 'three';
 import type { Keyframes, PointsLayer as PointsData } from '../scene/scene';
 import { hexToRgb } from './colors';
@@ -39,36 +39,39 @@ void main() {
 
 const modes: Record<PointColor, number> = { image: 0, height: 1, age: 2, uncertainty: 3, run: 4 };
 
-/** A step without a common divisor with `n`, near the golden section: k * step mod n visits all, evenly. */
-export function evenStep(n: number): number {
-  const divisor = (a: number, b: number): number => (b === 0 ? a : divisor(b, a % b));
-  let step = Math.max(1, Math.round(n * 0.6180339887));
-  while (n > 1 && divisor(n, step) !== 1) step++;
-  return n > 1 ? step % n : 0;
-}
+/** Large layers are drawn in this many classes; class j holds the points j, j + classes, j + 2 * classes, ... It is a
+ * prime, so that the rows and columns of a depth image are sampled evenly, and the largest for which the distance of
+ * two positions stays within the 255 bytes that WebGL allows. */
+export const classes = 19;
+const smallCount = 1e5;
 
 export class PointsLayer implements LayerObject {
   readonly key: string;
   readonly label: string;
   readonly detail: string;
-  readonly object: THREE.Points<THREE.BufferGeometry, THREE.ShaderMaterial>;
+  readonly object = new THREE.Group();
   readonly shownAtFirst = true;
   readonly modes: Set<PointColor>;
   maxSigma = Infinity;
+  private readonly material: THREE.ShaderMaterial;
 
   constructor(readonly data: PointsData, keyframes: Keyframes | null, runColor: string) {
     this.key = `points:${data.name}`;
     this.label = titled(data.name);
     this.detail = data.count === 0 ? 'empty' : count(data.count, 'point');
     this.modes = availableModes(data);
-    this.object = new THREE.Points(geometryOf(data, keyframes), material(runColor));
-    this.object.frustumCulled = false;
-    this.object.layers.set(pointsMask);
+    this.material = material(runColor);
+    for (const geometry of geometriesOf(data, keyframes)) {
+      const points = new THREE.Points(geometry, this.material);
+      points.frustumCulled = false;
+      points.layers.set(pointsMask);
+      this.object.add(points);
+    }
   }
 
   applyStyle(style: Style): void {
     const mode = this.modes.has(style.pointColor) ? style.pointColor : fallback(this.modes);
-    const uniforms = this.object.material.uniforms;
+    const uniforms = this.material.uniforms;
     this.maxSigma = this.data.sigmas ? style.maxSigma : Infinity;
     uniforms.mode.value = modes[mode];
     uniforms.size.value = style.pointSize * Math.min(2, devicePixelRatio);
@@ -78,10 +81,12 @@ export class PointsLayer implements LayerObject {
     uniforms.map.value = mapTexture(style.map);
   }
 
-  /** The part of the points that is drawn next, as shares of the whole. */
+  /** Which classes are drawn next; a small layer is drawn whole with the first. */
   setSlice(from: number, to: number): void {
-    const start = Math.round(from * this.data.count);
-    this.object.geometry.setDrawRange(start, Math.round(to * this.data.count) - start);
+    const small = this.object.children.length === 1;
+    this.object.children.forEach((points, j) => {
+      points.visible = small ? from === 0 : j >= from && j < to;
+    });
   }
 }
 
@@ -113,50 +118,42 @@ function material(runColor: string): THREE.ShaderMaterial {
   });
 }
 
-function geometryOf(data: PointsData, keyframes: Keyframes | null): THREE.BufferGeometry {
-  const n = data.count;
-  const order = evenOrder(n);
+/** One geometry a class. They share the buffers, which are the scene's own arrays: nothing is copied or sorted. */
+function geometriesOf(data: PointsData, keyframes: Keyframes | null): THREE.BufferGeometry[] {
+  const n = data.count < smallCount ? 1 : classes;
+  const shared: [string, THREE.InterleavedBuffer, number][] = [];
+  const share = (name: string, array: Float32Array | Uint8Array, columns: number) =>
+    shared.push([name, new THREE.InterleavedBuffer(array, columns * n), columns]);
+  share('position', data.positions, 3);
+  if (data.colors) share('color', padded(data.colors), 4);
+  if (data.sigmas) share('sigma', data.sigmas, 1);
+  if (data.keyframes && keyframes) share('age', ages(data.keyframes, keyframes), 1);
+  // Neighboring classes lie in neighboring points: a step of 7 spreads the first ones over the whole.
+  return Array.from({ length: n }, (_, j) => classGeometry(shared, n === 1 ? 0 : (7 * j) % n, n, data.count));
+}
+
+function classGeometry(
+  shared: [string, THREE.InterleavedBuffer, number][], first: number, n: number, count: number,
+): THREE.BufferGeometry {
   const geometry = new THREE.BufferGeometry();
-  geometry.boundingSphere = new THREE.Sphere(); // never culled; computing it would pass over all points again
-  geometry.setAttribute('position', attribute(reorder(data.positions, order, new Float32Array(3 * n), 3, 3), 3));
-  if (data.colors) {
-    const colors = reorder(data.colors, order, new Uint8Array(4 * n), 3, 4);
-    geometry.setAttribute('color', attribute(colors, 4, true));
+  geometry.boundingSphere = new THREE.Sphere(); // never culled; computing it would pass over all points
+  for (const [name, buffer, columns] of shared) {
+    const bytes = buffer.array instanceof Uint8Array;
+    geometry.setAttribute(name, new THREE.InterleavedBufferAttribute(buffer, columns, first * columns, bytes));
   }
-  if (data.sigmas) geometry.setAttribute('sigma', attribute(reorder(data.sigmas, order, new Float32Array(n), 1, 1), 1));
-  if (data.keyframes && keyframes) geometry.setAttribute('age', attribute(ages(data.keyframes, order, keyframes), 1));
+  geometry.setDrawRange(0, Math.ceil((count - first) / n));
   return geometry;
 }
 
-/** The copy in the graphics card is enough: the scene's own arrays serve for picking. */
-function attribute(array: Float32Array | Uint8Array, size: number, normalized = false): THREE.BufferAttribute {
-  const result = new THREE.BufferAttribute(array, size, normalized);
-  result.onUpload(function (this: THREE.BufferAttribute) {
-    this.array = this.array.subarray(0, 0) as typeof array;
-  });
+/** Graphics cards want attributes at multiples of four bytes. */
+export function padded(colors: Uint8Array): Uint8Array {
+  const result = new Uint8Array((colors.length / 3) * 4);
+  for (let i = 0, k = 0; i < colors.length; i += 3, k += 4) {
+    result[k] = colors[i];
+    result[k + 1] = colors[i + 1];
+    result[k + 2] = colors[i + 2];
+  }
   return result;
-}
-
-function evenOrder(n: number): Uint32Array {
-  const order = new Uint32Array(n);
-  const step = evenStep(n);
-  for (let k = 0, row = 0; k < n; k++) {
-    order[k] = row;
-    row += step;
-    if (row >= n) row -= n;
-  }
-  return order;
-}
-
-function reorder<T extends Float32Array | Uint8Array>(
-  from: T, order: Uint32Array, to: T, columnsFrom: number, columnsTo: number,
-): T {
-  for (let k = 0; k < order.length; k++) {
-    const a = order[k] * columnsFrom;
-    const b = k * columnsTo;
-    for (let c = 0; c < columnsFrom; c++) to[b + c] = from[a + c];
-  }
-  return to;
 }
 
 /** Seconds since the keyframe of each point, counted from the last keyframe. */
@@ -164,8 +161,6 @@ export function ageOf(row: number, keyframes: Keyframes): number {
   return keyframes.stamps[keyframes.count - 1] - keyframes.stamps[row];
 }
 
-function ages(rows: Uint32Array, order: Uint32Array, keyframes: Keyframes): Float32Array {
-  const result = new Float32Array(rows.length);
-  for (let k = 0; k < rows.length; k++) result[k] = ageOf(rows[order[k]], keyframes);
-  return result;
+function ages(rows: Uint32Array, keyframes: Keyframes): Float32Array {
+  return Float32Array.from(rows, (row) => ageOf(row, keyframes));
 }

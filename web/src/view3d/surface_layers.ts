@@ -4,6 +4,7 @@ import * as THREE from 'three';
 import type { CubesLayer as CubesData, MeshLayer as MeshData } from '../scene/scene';
 import { hexToRgb } from './colors';
 import { mapTexture } from './materials';
+import { padded } from './points_layer';
 import { count, titled, type LayerObject, type Style } from './style';
 
 // The light stands at the eye: every side that is seen is lit, and edges show by the angle.
@@ -113,15 +114,4 @@ export function cubesLayer(data: CubesData, runColor: string): LayerObject {
   geometry.instanceCount = data.count;
   const detail = data.count === 0 ? 'empty' : count(data.count, 'cube');
   return new SurfaceLayer(`cubes:${data.name}`, titled(data.name), detail, geometry, cubesVertex, data.colors !== null, runColor);
-}
-
-/** Graphics cards want attributes at multiples of four bytes. */
-function padded(colors: Uint8Array): Uint8Array {
-  const result = new Uint8Array((colors.length / 3) * 4);
-  for (let i = 0, k = 0; i < colors.length; i += 3, k += 4) {
-    result[k] = colors[i];
-    result[k + 1] = colors[i + 1];
-    result[k + 2] = colors[i + 2];
-  }
-  return result;
 }

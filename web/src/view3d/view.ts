@@ -4,8 +4,8 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Vec3 } from '../scene/scene';
-import { Budget } from './budget';
-import { PointsLayer } from './points_layer';
+import { Budget, isSoftware } from './budget';
+import { classes, PointsLayer } from './points_layer';
 import { Reference } from './reference';
 import type { Run } from './run';
 import { pointsMask, type Style } from './style';
@@ -21,7 +21,7 @@ export interface Stats {
 }
 
 export class View3d {
-  readonly camera = new THREE.PerspectiveCamera(50, 1, 0.01, 1000);
+  readonly camera = new THREE.PerspectiveCamera(40, 1, 0.01, 1000);
   readonly content = new THREE.Scene();
   /** Marks of the page itself (current frame, measured lengths); drawn last, over each slice. */
   readonly marks = new THREE.Scene();
@@ -33,16 +33,18 @@ export class View3d {
   private readonly renderer: THREE.WebGLRenderer;
   private readonly budget: Budget;
   private points: PointsLayer[] = [];
-  private drawnShare = 1;
+  /** Classes of points in the picture, of all `classes`. */
+  private drawnClasses = classes;
   private requested = false;
   private changed = true;
   private lastTime = 0;
 
   constructor(readonly canvas: HTMLCanvasElement, private readonly up: Vec3, public bounds: THREE.Box3) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    const software = isSoftware();
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !software, preserveDrawingBuffer: true });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     this.renderer.autoClear = false;
-    this.budget = new Budget(this.renderer.getContext());
+    this.budget = new Budget(software);
     this.camera.up.set(...up);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener('change', () => this.requestDraw());
@@ -104,7 +106,7 @@ export class View3d {
     const move = new THREE.Vector3(x * half * camera.aspect, y * half, 0).applyQuaternion(camera.quaternion);
     controls.target.add(move);
     camera.position.add(move);
-    const back = camera.position.clone().sub(controls.target).multiplyScalar(Math.min(2, Math.max(0.5, size / 0.92)));
+    const back = camera.position.clone().sub(controls.target).multiplyScalar(Math.min(2, Math.max(0.5, size / 0.86)));
     camera.position.copy(controls.target).add(back);
   }
 
@@ -135,7 +137,7 @@ export class View3d {
 
   /** Draws all that is missing at once, for a picture to save. */
   drawAll(): void {
-    this.drawSlice(0, 1);
+    this.drawSlice(0, classes);
   }
 
   pixelRatio(): number {
@@ -163,16 +165,16 @@ export class View3d {
     const interval = time - this.lastTime;
     this.lastTime = time;
     const total = this.visiblePoints();
-    const slice = total === 0 ? 1 : Math.min(1, this.budget.points / total);
+    const slice = total === 0 ? classes : Math.max(1, Math.floor((this.budget.points / total) * classes));
     if (this.changed) {
       this.changed = false;
-      this.drawSlice(0, slice);
+      this.drawSlice(0, Math.min(classes, slice));
     } else {
       this.budget.learn(interval);
       this.stats.frameMs = interval;
-      this.drawSlice(this.drawnShare, Math.min(1, this.drawnShare + slice));
+      this.drawSlice(this.drawnClasses, Math.min(classes, this.drawnClasses + slice));
     }
-    if (this.drawnShare < 1) this.schedule();
+    if (this.drawnClasses < classes) this.schedule();
   }
 
   private visiblePoints(): number {
@@ -194,8 +196,8 @@ export class View3d {
     this.renderer.render(this.content, this.camera);
     this.camera.layers.enableAll();
     this.renderer.render(this.marks, this.camera);
-    this.drawnShare = to;
-    this.note(to);
+    this.drawnClasses = to;
+    this.note(to / classes);
     this.onDrawn();
   }
 

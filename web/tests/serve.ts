@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// A server as `rastro view` is one: the page and its scenes on loopback, with a token.
+import { readFileSync } from 'node:fs';
+import { createServer } from 'node:http';
+import type { AddressInfo } from 'node:net';
+
+export interface Served {
+  url: string;
+  close: () => void;
+}
+
+export async function serve(scenes: { name: string; bytes: Uint8Array }[], token: string): Promise<Served> {
+  const server = createServer((request, response) => {
+    const url = new URL(request.url!, 'http://localhost');
+    const scene = /^\/api\/scene\/(\d+)$/.exec(url.pathname);
+    if (url.pathname === '/') return response.setHeader('content-type', 'text/html').end(readFileSync('dist/viewer.html'));
+    if (url.searchParams.get('token') !== token) return response.writeHead(401).end();
+    if (url.pathname === '/api/scenes') {
+      return response.setHeader('content-type', 'application/json').end(JSON.stringify(scenes.map((s, index) => ({ index, name: s.name, bytes: s.bytes.length }))));
+    }
+    if (scene && scenes[Number(scene[1])]) return response.end(scenes[Number(scene[1])].bytes);
+    return response.writeHead(404).end();
+  });
+  await new Promise<void>((done) => server.listen(0, '127.0.0.1', done));
+  const { port } = server.address() as AddressInfo;
+  return { url: `http://127.0.0.1:${port}/`, close: () => (server.closeAllConnections(), server.close()) };
+}
