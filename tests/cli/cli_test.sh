@@ -154,6 +154,7 @@ slam() {
     [[ ! -e $here/$method/landmarks.csv ]] || cat "$here/$method/landmarks.csv" >>"$here/all"
     cat "$here/$method/map.rastro" >>"$here/all"
     [[ $(value_of result_sha256 "$method") == $(sha256sum "$here/all" | cut -d' ' -f1) ]] || fail "wrong hash of $method"
+    run 0 evaluate trajectory "$here/corridor" "$here/$method" --require 'ate_rmse<=0.5'
     run 0 evaluate relations "$here/$method" --relations "$here/corridor/relations.txt" --json --require 'trans_mean<=1'
     said '"trans_mean": 0.'
     run 0 evaluate map "$here/$method" "$here/corridor/floor_plan.yaml" --require 'free_agreement>=0.9'

@@ -117,6 +117,7 @@ Found read_recording(const std::string& path, const std::string& times) {
   found.of_body = info.ground_truth_frame == "body";
   found.compare_in_body = info.format == "kitti_raw";
   found.recording = found.input.format == TrajectoryFormat::kitti ? std::nullopt : span_of_recording(path);
+  if (info.cameras.empty()) return found;  // a laser's
   const CalibratedCamera& camera = info.cameras.front();
   if (camera.body_from_camera) found.mount = CameraMount{*camera.body_from_camera, camera.calibration_file};
   return found;

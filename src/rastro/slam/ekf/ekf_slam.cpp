@@ -54,7 +54,7 @@ EkfSlam::EkfSlam(const EkfOptions& options, bool scans_expected, const SE2& init
       scans_expected_(scans_expected),
       initial_pose_(initial_pose),
       budget_(map_budget_bytes),
-      filter_(initial_pose) {}
+      filter_(initial_pose, {options.translation_scale_error, options.rotation_scale_error}) {}
 
 SlamUpdate EkfSlam::process(const Frame& frame) {
   Stopwatch whole, stage;
@@ -279,7 +279,7 @@ bool EkfSlam::thin_scans() {
 
 /// One joint covariance of the body and all landmarks.
 std::size_t EkfSlam::landmark_bytes() const {
-  const std::size_t size = 3 + 2 * records_.size();
+  const std::size_t size = 5 + 2 * records_.size();
   return sizeof(double) * size * size + sizeof(LandmarkRecord) * records_.size();
 }
 

@@ -20,16 +20,21 @@ double wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::
 
 }  // namespace
 
-EkfFilter::EkfFilter(const SE2& world_from_body)
+EkfFilter::EkfFilter(const SE2& world_from_body, const Eigen::Vector2d& scale_sigma)
     : mean_(Eigen::VectorXd::Zero(first_capacity)), covariance_(Eigen::MatrixXd::Zero(first_capacity, first_capacity)) {
   mean_.head<2>() = world_from_body.translation();
   mean_[2] = world_from_body.rotation().angle();
+  covariance_.diagonal().segment<2>(3) = scale_sigma.cwiseAbs2();
 }
 
 SE2 EkfFilter::world_from_body() const { return {SO2::from_angle(mean_[2]), mean_.head<2>()}; }
 
 Eigen::Matrix3d EkfFilter::body_covariance() const {
   return covariance_.topLeftCorner<3, 3>().selfadjointView<Eigen::Lower>();
+}
+
+EkfFilter::Own EkfFilter::own_covariance() const {
+  return covariance_.topLeftCorner<own_size, own_size>().selfadjointView<Eigen::Lower>();
 }
 
 Eigen::Matrix2d EkfFilter::landmark_covariance(std::size_t number) const {
@@ -42,19 +47,27 @@ Eigen::MatrixXd EkfFilter::covariance() const {
 }
 
 void EkfFilter::predict(const SE2& last_from_body, const Eigen::Matrix3d& covariance) {
-  const SE2 world_from_last = world_from_body();
-  const Eigen::Vector2d step = world_from_last.rotation() * last_from_body.translation();
-  mean_.head<2>() += step;
-  mean_[2] = wrapped(mean_[2] + last_from_body.rotation().angle());
+  const Eigen::Matrix2d rotation = world_from_body().rotation().matrix();
+  const Eigen::Vector2d told = rotation * last_from_body.translation();
+  const double told_angle = last_from_body.rotation().angle();
+  const Eigen::Vector2d step = (1.0 + mean_[3]) * told;
 
-  Eigen::Matrix3d F = Eigen::Matrix3d::Identity(), G = Eigen::Matrix3d::Identity();
-  F.topRightCorner<2, 1>() = rotated_left(step);
-  G.topLeftCorner<2, 2>() = world_from_last.rotation().matrix();
-  const Eigen::Matrix3d body = F * body_covariance() * F.transpose() + G * covariance * G.transpose();
-  covariance_.topLeftCorner<3, 3>().triangularView<Eigen::Lower>() = body;
-  auto rest = covariance_.block(3, 0, size() - 3, 3);
-  rest.col(0) += F(0, 2) * rest.col(2);
-  rest.col(1) += F(1, 2) * rest.col(2);
+  Own F = Own::Identity();
+  F.block<2, 1>(0, 2) = rotated_left(step);
+  F.block<2, 1>(0, 3) = told;
+  F(2, 4) = told_angle;
+  Eigen::Matrix3d G = Eigen::Matrix3d::Identity();
+  G.topLeftCorner<2, 2>() = rotation;
+
+  mean_.head<2>() += step;
+  mean_[2] = wrapped(mean_[2] + (1.0 + mean_[4]) * told_angle);
+  Own own = F * own_covariance() * F.transpose();
+  own.topLeftCorner<3, 3>() += G * covariance * G.transpose();
+  covariance_.topLeftCorner<own_size, own_size>().triangularView<Eigen::Lower>() = own;
+  auto rest = covariance_.block(own_size, 0, size() - own_size, own_size);
+  rest.col(0) += F(0, 2) * rest.col(2) + F(0, 3) * rest.col(3);
+  rest.col(1) += F(1, 2) * rest.col(2) + F(1, 3) * rest.col(3);
+  rest.col(2) += F(2, 4) * rest.col(4);
 }
 
 Eigen::Index EkfFilter::involved(std::size_t number, Eigen::Index which) const {
@@ -139,10 +152,12 @@ void EkfFilter::add(const Eigen::Vector2d& in_body, const Eigen::Matrix2d& noise
 
   Eigen::Matrix<double, 2, 3> by_body;
   by_body << Eigen::Matrix2d::Identity(), rotated_left(offset);
-  const Eigen::Matrix3d body = body_covariance();
-  covariance_.block<2, 3>(row, 0) = by_body * body;
-  covariance_.block(row, 3, 2, row - 3) = by_body * covariance_.block(3, 0, row - 3, 3).transpose();
-  covariance_.block<2, 2>(row, row) = by_body * body * by_body.transpose() + rotation * noise * rotation.transpose();
+  const Own own = own_covariance();
+  covariance_.block<2, own_size>(row, 0) = by_body * own.topRows<3>();
+  covariance_.block(row, own_size, 2, row - own_size) =
+      by_body * covariance_.block(own_size, 0, row - own_size, 3).transpose();
+  covariance_.block<2, 2>(row, row) =
+      by_body * own.topLeftCorner<3, 3>() * by_body.transpose() + rotation * noise * rotation.transpose();
   ++count_;
 }
 

@@ -8,26 +8,30 @@
 
 namespace rastro {
 
-/// The extended Kalman filter over one robot pose (x, y, angle) and any number of landmarks (x, y), all in the world
-/// frame; Durrant-Whyte and Bailey 2006, equations 8 to 10. A landmark is measured as its position in the body frame:
-/// linear in both positions, and without an angle that wraps. Only the lower triangle of the covariance is stored, so
-/// it always stays symmetric.
+/// The extended Kalman filter over one robot pose (x, y, angle), the scale of its odometry and any number of landmarks
+/// (x, y), poses and landmarks in the world frame; Durrant-Whyte and Bailey 2006, equations 8 to 10. A landmark is
+/// measured as its position in the body frame: linear in both positions, and without an angle that wraps. Only the
+/// lower triangle of the covariance is stored, so it always stays symmetric.
 class EkfFilter {
  public:
-  /// The body has exactly this pose, and there are no landmarks.
-  explicit EkfFilter(const SE2& world_from_body = {});
+  /// The body has exactly this pose, and there are no landmarks. `scale_sigma`: standard deviations of the shares by
+  /// which the odometry is wrong for the whole drive, in translation and in rotation (wheels of another size, another
+  /// axle track); zero: no share is estimated.
+  explicit EkfFilter(const SE2& world_from_body = {}, const Eigen::Vector2d& scale_sigma = Eigen::Vector2d::Zero());
 
   SE2 world_from_body() const;
+  /// The estimated shares, see the constructor: a true motion is 1 + share times what is told.
+  Eigen::Vector2d odometry_scale() const { return mean_.segment<2>(3); }
   /// Covariance of (x, y, angle) in the world's axes.
   Eigen::Matrix3d body_covariance() const;
   std::size_t landmarks() const { return count_; }
   Eigen::Vector2d landmark(std::size_t number) const { return mean_.segment<2>(row_of(number)); }
   Eigen::Matrix2d landmark_covariance(std::size_t number) const;
-  /// The full covariance: body, then landmarks in the order of their numbers. For tests and reports; a copy.
+  /// The full covariance: body, odometry's scale, then landmarks in the order of their numbers. For tests; a copy.
   Eigen::MatrixXd covariance() const;
 
-  /// Prediction step. `covariance` is that of the motion's translation (in the body frame before it) and angle. Linear
-  /// in the number of landmarks.
+  /// Prediction step with a motion as told, which the estimated scale corrects. `covariance` is that of the motion's
+  /// translation (in the body frame before it) and angle, without the scale's. Linear in the number of landmarks.
   void predict(const SE2& last_from_body, const Eigen::Matrix3d& covariance);
 
   /// Predicted observation of a landmark, with the covariance from the filter's state; without the sensor's noise.
@@ -56,12 +60,16 @@ class EkfFilter {
   void remove(std::size_t number);
 
  private:
+  using Own = Eigen::Matrix<double, 5, 5>;
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
   using Derivative = Eigen::Matrix<double, 2, 5>;
 
-  static Eigen::Index row_of(std::size_t number) { return 3 + 2 * static_cast<Eigen::Index>(number); }
+  /// Body and scale come before the landmarks.
+  static constexpr Eigen::Index own_size = 5;
+  static Eigen::Index row_of(std::size_t number) { return own_size + 2 * static_cast<Eigen::Index>(number); }
   Eigen::Index size() const { return row_of(count_); }
   Eigen::Index involved(std::size_t number, Eigen::Index which) const;
+  Own own_covariance() const;
   double entry(Eigen::Index a, Eigen::Index b) const { return a >= b ? covariance_(a, b) : covariance_(b, a); }
   Eigen::Matrix<double, 5, 5> involved_covariance(std::size_t number) const;
   /// Of the measurement with respect to the body's x, y, angle and the landmark's x, y.

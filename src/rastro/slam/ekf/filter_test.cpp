@@ -22,21 +22,29 @@ using testing::random_vector;
 const Eigen::Matrix3d motion_noise = Eigen::Vector3d(4e-4, 1e-4, 9e-4).asDiagonal();
 const Eigen::Matrix2d sensor_noise = (Eigen::Matrix2d() << 0.01, 0.002, 0.002, 0.02).finished();
 
+const Eigen::Vector2d scale_sigma(0.02, 0.04);
+
 SE2 motion(double x, double y, double angle) { return {SO2::from_angle(angle), {x, y}}; }
 
-/// The textbook filter: full matrices, every product written out.
+/// The textbook filter: full matrices, every product written out. State: x, y, angle, the odometry's scale in
+/// translation and rotation, then landmarks.
 struct DenseFilter {
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(3);
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(3, 3);
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(5);
+  Eigen::MatrixXd covariance = prior();
 
+  static Eigen::MatrixXd prior() {
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(5, 5);
+    covariance.diagonal().tail<2>() = scale_sigma.cwiseAbs2();
+    return covariance;
+  }
   static Eigen::VectorXd moved(Eigen::VectorXd state, const Eigen::Vector3d& step) {
-    const SE2 body = SE2(SO2::from_angle(state[2]), state.head<2>()) * motion(step.x(), step.y(), step.z());
-    state.head<2>() = body.translation();
-    state[2] += step.z();
+    const Eigen::Vector2d told = step.head<2>();
+    state.head<2>() += (1.0 + state[3]) * (SO2::from_angle(state[2]) * told);
+    state[2] += (1.0 + state[4]) * step.z();
     return state;
   }
   static Eigen::Vector2d seen(const Eigen::VectorXd& state, Eigen::Index landmark) {
-    return SE2(SO2::from_angle(state[2]), state.head<2>()).inverse() * state.segment<2>(3 + 2 * landmark).eval();
+    return SE2(SO2::from_angle(state[2]), state.head<2>()).inverse() * state.segment<2>(5 + 2 * landmark).eval();
   }
   static Eigen::VectorXd with_landmark(const Eigen::VectorXd& state, const Eigen::Vector2d& in_body) {
     Eigen::VectorXd result(state.size() + 2);
@@ -59,7 +67,10 @@ struct DenseFilter {
 
   void predict(const Eigen::Vector3d& step, const Eigen::Matrix3d& noise) {
     const Eigen::MatrixXd F = derivative([&](const Eigen::VectorXd& x) { return moved(x, step); }, mean);
-    const Eigen::MatrixXd G = derivative([&](const Eigen::VectorXd& u) { return moved(mean, u); }, step);
+    // The noise is that of the motion as it was, not of what is told.
+    Eigen::VectorXd unscaled = mean;
+    unscaled.segment<2>(3).setZero();
+    const Eigen::MatrixXd G = derivative([&](const Eigen::VectorXd& u) { return moved(unscaled, u); }, step);
     covariance = F * covariance * F.transpose() + G * noise * G.transpose();
     mean = moved(mean, step);
   }
@@ -91,11 +102,12 @@ struct DenseFilter {
 };
 
 Eigen::VectorXd mean_of(const EkfFilter& filter) {
-  Eigen::VectorXd mean(3 + 2 * static_cast<Eigen::Index>(filter.landmarks()));
+  Eigen::VectorXd mean(5 + 2 * static_cast<Eigen::Index>(filter.landmarks()));
   mean.head<2>() = filter.world_from_body().translation();
   mean[2] = filter.world_from_body().rotation().angle();
+  mean.segment<2>(3) = filter.odometry_scale();
   for (std::size_t i = 0; i < filter.landmarks(); ++i) {
-    mean.segment<2>(3 + 2 * static_cast<Eigen::Index>(i)) = filter.landmark(i);
+    mean.segment<2>(5 + 2 * static_cast<Eigen::Index>(i)) = filter.landmark(i);
   }
   return mean;
 }
@@ -106,7 +118,7 @@ double least_eigenvalue(const Eigen::MatrixXd& matrix) {
 
 TEST(EkfFilter, EqualsTheTextbookWithFullMatricesAndNumericDerivatives) {
   Random random(3);
-  EkfFilter filter;
+  EkfFilter filter({}, scale_sigma);
   DenseFilter dense;
   for (int step = 0; step < 60; ++step) {
     const Eigen::Vector3d moved(0.3, 0.02, 0.1);
@@ -168,7 +180,7 @@ TEST(EkfFilter, StaysPositiveDefiniteWhereTheShortFormDoesNot) {
   // A prior of 10 m, then a sensor accurate to 0.01 mm, repeatedly: 12 digits between their variances.
   const Eigen::Matrix3d doubt = Eigen::Vector3d(100.0, 100.0, 0.01).asDiagonal();
   const Eigen::Matrix2d precise = 1e-10 * Eigen::Matrix2d::Identity();
-  EkfFilter filter;
+  EkfFilter filter({}, scale_sigma);
   DenseFilter shortened;
   for (const Eigen::Vector2d& position : {Eigen::Vector2d(3.0, 1.0), Eigen::Vector2d(-2.0, 4.0)}) {
     filter.add(position, precise);
@@ -197,9 +209,10 @@ TEST(EkfFilter, RemovesALandmarkAndKeepsTheRest) {
       filter.predict(motion(0.3, 0.0, 0.2), motion_noise);
       filter.add({3.0 - i, 1.0 + i}, sensor_noise);
     }
-    std::vector<Eigen::Index> kept = {0, 1, 2};  // of the state: the body, then landmarks in their new order
+    std::vector<Eigen::Index> kept = {0, 1, 2, 3,
+                                      4};  // of the state: body and scale, then landmarks in their new order
     for (std::size_t landmark = 0; landmark < 3; ++landmark) {
-      const auto row = 3 + 2 * static_cast<Eigen::Index>(landmark == forgotten ? 3 : landmark);
+      const auto row = 5 + 2 * static_cast<Eigen::Index>(landmark == forgotten ? 3 : landmark);
       kept.push_back(row);
       kept.push_back(row + 1);
     }
@@ -209,6 +222,26 @@ TEST(EkfFilter, RemovesALandmarkAndKeepsTheRest) {
     EXPECT_EQ(mean_of(filter), mean(kept).eval());
     EXPECT_EQ(filter.covariance(), covariance(kept, kept).eval());
   }
+}
+
+TEST(EkfFilter, FindsTheOdometrysScaleFromLandmarksItKnows) {
+  // Landmarks beside a long path, each observed three times; wheels that tell 2 % less and rotations that tell 4 %
+  // more.
+  const Eigen::Vector2d scale(0.02, -0.04);
+  EkfFilter filter({}, scale_sigma);
+  SE2 world_from_body;
+  for (int step = 0; step < 1000; ++step) {
+    const double angle = step % 20 < 10 ? 0.05 : -0.05;
+    if (step % 3 == 0) filter.add({2.0, 1.0}, 1e-2 * sensor_noise);
+    const Eigen::Vector2d landmark = world_from_body * Eigen::Vector2d(2.0, 1.0);
+    world_from_body = world_from_body * motion(0.2 * (1.0 + scale.x()), 0.0, angle * (1.0 + scale.y()));
+    filter.predict(motion(0.2, 0.0, angle), 1e-2 * motion_noise);
+    if (step % 3 == 0) filter.update(filter.landmarks() - 1, world_from_body.inverse() * landmark, 1e-2 * sensor_noise);
+  }
+  EXPECT_THAT(filter.odometry_scale(), matrix_near(scale, 0.005));
+  const Eigen::VectorXd variances = filter.covariance().diagonal();
+  EXPECT_LT(variances[3], 0.1 * scale_sigma.x() * scale_sigma.x());
+  EXPECT_GT(variances[3], 0.0);
 }
 
 TEST(EkfFilter, PredictionIncreasesTheCovarianceAndAnUpdateReducesIt) {

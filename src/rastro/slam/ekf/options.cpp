@@ -29,6 +29,24 @@ void add_odometry_options(OptionTable& table, EkfOptions& o) {
              {}});
 }
 
+void add_scale_options(OptionTable& table, EkfOptions& o) {
+  table.add({"translation_scale_error",
+             &o.translation_scale_error,
+             "",
+             "standard deviation of the share by which the odometry's translations are wrong for the whole drive "
+             "(wheels of another size), which the filter estimates; 0: not estimated",
+             0,
+             1,
+             {}});
+  table.add({"rotation_scale_error",
+             &o.rotation_scale_error,
+             "",
+             "as translation_scale_error, for rotations (axle track)",
+             0,
+             1,
+             {}});
+}
+
 void add_jump_options(OptionTable& table, EkfOptions& o) {
   table.add({"max_speed_m_per_s",
              &o.max_speed_m_per_s,
@@ -259,6 +277,7 @@ void add_map_options(OptionTable& table, EkfOptions& o) {
 OptionTable option_table(EkfOptions& options) {
   OptionTable table;
   add_odometry_options(table, options);
+  add_scale_options(table, options);
   add_jump_options(table, options);
   add_observation_options(table, options);
   add_association_options(table, options);

@@ -14,6 +14,8 @@ struct EkfOptions {
   double odometry_error_m_per_m = 0.02;
   double odometry_error_deg_per_45_deg = 2.0;
   double heading_error_deg_per_m = 0.5;
+  double translation_scale_error = 0.02;
+  double rotation_scale_error = 0.04;
   double max_speed_m_per_s = 5.0;
   double max_yaw_rate_deg_per_s = 360.0;
   double jump_m = 0.5;
