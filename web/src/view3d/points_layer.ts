@@ -44,6 +44,7 @@ const modes: Record<PointColor, number> = { image: 0, height: 1, age: 2, uncerta
  * two positions stays within the 255 bytes that WebGL allows. */
 export const classes = 19;
 const smallCount = 1e5;
+const previewCount = 6e4;
 
 export class PointsLayer implements LayerObject {
   readonly key: string;
@@ -54,6 +55,9 @@ export class PointsLayer implements LayerObject {
   readonly modes: Set<PointColor>;
   maxSigma = Infinity;
   private readonly material: THREE.ShaderMaterial;
+  private readonly parts: THREE.Points[];
+  /** A small sample, for pictures while the view moves on a slow computer. */
+  private readonly preview: THREE.Points | null;
 
   constructor(readonly data: PointsData, keyframes: Keyframes | null, runColor: string) {
     this.key = `points:${data.name}`;
@@ -61,12 +65,16 @@ export class PointsLayer implements LayerObject {
     this.detail = data.count === 0 ? 'empty' : count(data.count, 'point');
     this.modes = availableModes(data);
     this.material = material(runColor);
-    for (const geometry of geometriesOf(data, keyframes)) {
-      const points = new THREE.Points(geometry, this.material);
-      points.frustumCulled = false;
-      points.layers.set(pointsMask);
-      this.object.add(points);
-    }
+    this.parts = geometriesOf(data, keyframes).map((geometry) => this.part(geometry));
+    this.preview = data.count < smallCount ? null : this.part(geometriesOf(sampleOf(data), keyframes)[0]);
+  }
+
+  private part(geometry: THREE.BufferGeometry): THREE.Points {
+    const points = new THREE.Points(geometry, this.material);
+    points.frustumCulled = false;
+    points.layers.set(pointsMask);
+    this.object.add(points);
+    return points;
   }
 
   applyStyle(style: Style): void {
@@ -81,12 +89,16 @@ export class PointsLayer implements LayerObject {
     uniforms.map.value = mapTexture(style.map);
   }
 
-  /** Which classes are drawn next; a small layer is drawn whole with the first. */
-  setSlice(from: number, to: number): void {
-    const small = this.object.children.length === 1;
-    this.object.children.forEach((points, j) => {
-      points.visible = small ? from === 0 : j >= from && j < to;
+  /** Which classes are drawn next, none for the preview. A small layer is drawn whole in the picture's first slice. */
+  setSlice(from: number, to: number, first: boolean): void {
+    if (this.preview) this.preview.visible = to === 0;
+    this.parts.forEach((points, j) => {
+      points.visible = this.preview ? j >= from && j < to : first;
     });
+  }
+
+  get previewCount(): number {
+    return this.preview ? sampleRows(this.data.count).length : this.data.count;
   }
 }
 
@@ -116,6 +128,28 @@ function material(runColor: string): THREE.ShaderMaterial {
       map: { value: mapTexture('viridis') },
     },
   });
+}
+
+function sampleRows(count: number): Uint32Array {
+  const step = Math.ceil(count / previewCount);
+  return Uint32Array.from({ length: Math.floor(count / step) }, (_, i) => i * step);
+}
+
+function sampleOf(data: PointsData): PointsData {
+  const rows = sampleRows(data.count);
+  const take = <T extends Float32Array | Uint8Array | Uint32Array>(from: T, columns: number): T => {
+    const to = from.slice(0, rows.length * columns) as T;
+    rows.forEach((row, i) => to.set(from.subarray(row * columns, (row + 1) * columns), i * columns));
+    return to;
+  };
+  return {
+    ...data,
+    count: rows.length,
+    positions: take(data.positions, 3),
+    colors: data.colors && take(data.colors, 3),
+    sigmas: data.sigmas && take(data.sigmas, 1),
+    keyframes: data.keyframes && take(data.keyframes, 1),
+  };
 }
 
 /** One geometry a class. They share the buffers, which are the scene's own arrays: nothing is copied or sorted. */

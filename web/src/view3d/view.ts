@@ -11,6 +11,9 @@ import type { Run } from './run';
 import { pointsMask, type Style } from './style';
 import { fitDistance, horizontal, nearFar, offCenter } from './viewpoint';
 
+/** The view has to rest this long before points that are missing are added: they would hold up the next movement. */
+const pauseMs = 80;
+
 export interface Stats {
   /** Points drawn so far since the view last moved. */
   pointsDrawn: number;
@@ -38,6 +41,8 @@ export class View3d {
   private requested = false;
   private changed = true;
   private lastTime = 0;
+  private lastChange = -Infinity;
+  private drawnInRow = 0;
 
   constructor(readonly canvas: HTMLCanvasElement, private readonly up: Vec3, public bounds: THREE.Box3) {
     const software = isSoftware();
@@ -137,7 +142,7 @@ export class View3d {
 
   /** Draws all that is missing at once, for a picture to save. */
   drawAll(): void {
-    this.drawSlice(0, classes);
+    this.drawSlice(0, classes, true);
   }
 
   pixelRatio(): number {
@@ -165,27 +170,36 @@ export class View3d {
     const interval = time - this.lastTime;
     this.lastTime = time;
     const total = this.visiblePoints();
-    const slice = total === 0 ? classes : Math.max(1, Math.floor((this.budget.points / total) * classes));
+    const slice = total === 0 ? classes : Math.floor((this.budget.points / total) * classes);
+    // Only pictures in a row tell how long one takes.
+    if (this.drawnInRow >= 2) this.budget.learn((this.stats.frameMs = interval));
     if (this.changed) {
       this.changed = false;
-      this.drawSlice(0, Math.min(classes, slice));
+      this.lastChange = time;
+      this.drawSlice(0, Math.min(classes, slice), true);
+      this.drawnInRow++;
+    } else if (this.drawnClasses < classes && time - this.lastChange >= pauseMs) {
+      this.drawSlice(this.drawnClasses, Math.min(classes, this.drawnClasses + Math.max(1, slice)), false);
+      this.drawnInRow++;
     } else {
-      this.budget.learn(interval);
-      this.stats.frameMs = interval;
-      this.drawSlice(this.drawnClasses, Math.min(classes, this.drawnClasses + slice));
+      this.drawnInRow = 0;
+      if (this.drawnClasses === classes) return;
     }
-    if (this.drawnClasses < classes) this.schedule();
+    this.schedule();
+  }
+
+  private shownPoints(): PointsLayer[] {
+    return this.points.filter((p) => p.object.visible && p.object.parent?.visible);
   }
 
   private visiblePoints(): number {
-    const shown = this.points.filter((p) => p.object.visible && p.object.parent?.visible);
-    this.stats.pointsVisible = shown.reduce((sum, p) => sum + p.data.count, 0);
+    this.stats.pointsVisible = this.shownPoints().reduce((sum, p) => sum + p.data.count, 0);
     return this.stats.pointsVisible;
   }
 
-  private drawSlice(from: number, to: number): void {
-    for (const layer of this.points) layer.setSlice(from, to);
-    if (from === 0) {
+  private drawSlice(from: number, to: number, first: boolean): void {
+    for (const layer of this.points) layer.setSlice(from, to, first);
+    if (first) {
       const { near, far } = nearFar(this.bounds, this.camera.position, this.controls.target);
       Object.assign(this.camera, { near, far });
       this.camera.updateProjectionMatrix();
@@ -202,7 +216,7 @@ export class View3d {
   }
 
   private note(share: number): void {
-    this.stats.pointsDrawn = Math.round(share * this.stats.pointsVisible);
+    this.stats.pointsDrawn = share > 0 ? Math.round(share * this.stats.pointsVisible) : this.shownPoints().reduce((sum, p) => sum + p.previewCount, 0);
     const waiting = this.stats.firstPictureMs === null || (share === 1 && this.stats.completePictureMs === null);
     if (!waiting) return;
     // Reading a pixel waits for the graphics card: the times are those of real pictures.
