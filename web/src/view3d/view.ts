@@ -19,6 +19,8 @@ export interface Stats {
   pointsDrawn: number;
   pointsVisible: number;
   frameMs: number;
+  /** Pictures drawn so far; at rest none is added. */
+  pictures: number;
   firstPictureMs: number | null;
   completePictureMs: number | null;
 }
@@ -30,7 +32,7 @@ export class View3d {
   readonly marks = new THREE.Scene();
   readonly controls: OrbitControls;
   readonly reference: Reference;
-  readonly stats: Stats = { pointsDrawn: 0, pointsVisible: 0, frameMs: 0, firstPictureMs: null, completePictureMs: null };
+  readonly stats: Stats = { pointsDrawn: 0, pointsVisible: 0, frameMs: 0, pictures: 0, firstPictureMs: null, completePictureMs: null };
   /** Called after each picture, for what is laid over the view. */
   onDrawn: () => void = () => {};
   private readonly renderer: THREE.WebGLRenderer;
@@ -211,6 +213,7 @@ export class View3d {
     this.camera.layers.enableAll();
     this.renderer.render(this.marks, this.camera);
     this.drawnClasses = to;
+    this.stats.pictures++;
     this.note(to / classes);
     this.onDrawn();
   }

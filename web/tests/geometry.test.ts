@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measuring, color maps, the timeline's arithmetic and the address: all without a browser.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { lengthBetween, scaled, scaleFrom } from '../src/measure/length';
+import { pick, type Candidates } from '../src/measure/pick';
+import { withSigma } from '../src/measure/texts';
+import { initialState } from '../src/initial_state';
+import type { Frames, Vec3 } from '../src/scene/scene';
+import { fromHash, toHash } from '../src/state';
+import { columnMaxima, duration, frameAt, nearestFrame, stretches, timeStep } from '../src/timeline/track';
+import { mapBytes, mapColor, robustRange, stateColor } from '../src/view3d/colors';
+import { niceStep } from '../src/view3d/reference';
+
+const at = (point: Vec3, sigma: number | null) => ({ point, sigma, source: 'cloud', run: 0 });
+
+test('length and sigma of two points', () => {
+  assert.deepEqual(lengthBetween(at([0, 0, 0], 0.003), at([1, 2, 2], 0.004), null), { length: 3, sigma: 0.005 });
+  assert.equal(lengthBetween(at([0, 0, 0], null), at([1, 0, 0], 0.1), null).sigma, null);
+  const withScale = lengthBetween(at([0, 0, 0], 0.03), at([4, 0, 0], 0), 0.01);
+  assert.ok(Math.abs(withScale.sigma! - 0.05) < 1e-12);
+});
+
+test('a known length gives the scale and its sigma', () => {
+  const scale = scaleFrom({ length: 2, sigma: 0.02 }, 5)!;
+  assert.deepEqual(scale, { factor: 2.5, sigma: 0.01 });
+  const other = scaled({ length: 4, sigma: 0.03 }, scale);
+  assert.equal(other.length, 10);
+  assert.ok(Math.abs(other.sigma! - 2.5 * 0.05) < 1e-12);
+  assert.equal(scaleFrom({ length: 0, sigma: null }, 1), null);
+  assert.equal(scaleFrom({ length: 1, sigma: null }, -1), null);
+});
+
+test('lengths as text', () => {
+  assert.equal(withSigma({ length: 1, sigma: 0.005 }, 'm'), '1.000 ± 0.005 m');
+  assert.equal(withSigma({ length: 0.7512, sigma: 0.0123 }, 'm'), '0.751 ± 0.012 m');
+  assert.equal(withSigma({ length: 2.5, sigma: null }, 'units'), '2.5 units ± unknown');
+});
+
+/** Looks along -z from z = 10 without perspective in x and y: clip = (x, y, ?, 10 - z). */
+const view = { matrix: [10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 1, -1, 0, 0, 0, 10], width: 200, height: 100 };
+
+function candidates(positions: number[], maxSigma = Infinity, sigmas: number[] | null = null): Candidates {
+  return { source: 'cloud', run: 0, positions: Float32Array.from(positions), stride: 3, sigmas: sigmas && Float32Array.from(sigmas), maxSigma };
+}
+
+test('the point nearest on the screen is picked, of equal ones the foremost', () => {
+  const points = candidates([0, 0, 0, 0.5, 0, 0, 0, 0, 5, 0, 0, 20]);
+  assert.deepEqual(pick([points], view, 150, 50, 10)!.point, [0.5, 0, 0]);
+  assert.deepEqual(pick([points], view, 100, 50, 10)!.point, [0, 0, 5]);
+  assert.equal(pick([points], view, 20, 20, 10), null);
+});
+
+test('hidden points and points that are not numbers are not picked', () => {
+  assert.equal(pick([candidates([0, 0, 0], 0.1, [0.2])], view, 100, 50, 10), null);
+  assert.equal(pick([candidates([NaN, 0, 0])], view, 100, 50, 10), null);
+  assert.equal(pick([candidates([0, 0, 0], Infinity, [NaN])], view, 100, 50, 10)!.sigma, null);
+});
+
+test('color maps have their published ends and are clamped', () => {
+  const rgb = (color: number[]) => color.map((v) => Math.round(v * 255));
+  assert.deepEqual(rgb(mapColor('viridis', 0)), [0x44, 0x01, 0x54]);
+  assert.deepEqual(rgb(mapColor('viridis', 2)), [0xfd, 0xe7, 0x25]);
+  assert.deepEqual(rgb(mapColor('cividis', 1)), [0xff, 0xea, 0x46]);
+  assert.deepEqual(rgb(mapColor('viridis', NaN)), [0x8f, 0x8f, 0x8f]);
+  assert.equal(stateColor('constructor'), '#8f8f8f');
+});
+
+test('color maps grow brighter from end to end, as color-blind people need', () => {
+  for (const map of ['viridis', 'cividis'] as const) {
+    const bytes = mapBytes(map);
+    let last = -1;
+    for (let i = 0; i < 256; i++) {
+      const light = 0.2126 * bytes[4 * i] + 0.7152 * bytes[4 * i + 1] + 0.0722 * bytes[4 * i + 2];
+      assert.ok(light >= last - 0.6, `${map} at ${i}`);
+      last = light;
+    }
+  }
+});
+
+test('ranges leave out outliers and what is not a number', () => {
+  assert.deepEqual(robustRange([3, NaN, 1, 2]), [1, 3]);
+  assert.equal(robustRange([NaN]), null);
+  const many = Array.from({ length: 1000 }, (_, i) => i);
+  assert.deepEqual(robustRange([...many, 1e9]), [20, 980]);
+});
+
+function frames(stamps: number[], states: number[]): Frames {
+  const n = stamps.length;
+  return {
+    count: n, stamps: Float64Array.from(stamps), positions: new Float32Array(3 * n), orientations: new Float32Array(4 * n),
+    online: null, states: Uint8Array.from(states), sigmas: null, errors: null, truth: null, milliseconds: null,
+  };
+}
+
+test('stretches of one state, broken at gaps of the recording', () => {
+  const result = stretches(frames([0, 0.5, 1, 1.5, 10], [0, 0, 2, 0, 0]));
+  assert.deepEqual(result.map((s) => [s.from, s.to, s.state]), [[0, 1, 0], [1, 1.5, 2], [1.5, 2.5, 0], [10, 10, 0]]);
+});
+
+test('frames by stamp', () => {
+  const stamps = Float64Array.from([0, 1, 2, 5]);
+  assert.deepEqual([-1, 0, 1.9, 2, 4, 9].map((s) => frameAt(stamps, s)), [0, 0, 1, 2, 2, 3]);
+  assert.deepEqual([1.4, 1.6, 3.4, 3.6].map((s) => nearestFrame(stamps, s)), [1, 2, 2, 3]);
+});
+
+test('the curve keeps the largest value of each column', () => {
+  const f = frames([0, 1, 2, 3, 4], [0, 0, 0, 0, 0]);
+  assert.deepEqual([...columnMaxima(f, Float32Array.from([1, 5, 2, NaN, 3]), 2)], [5, 3]);
+});
+
+test('durations and steps are readable', () => {
+  assert.equal(duration(3.2), '3.20 s');
+  assert.equal(duration(125.14), '2:05.1');
+  assert.equal(duration(119.98), '1:59.9');
+  assert.equal(duration(3725), '1:02:05');
+  assert.equal(timeStep(100, 10), 10);
+  assert.deepEqual([0.3, 1, 1.5, 7].map(niceStep), [0.5, 1, 2, 10]);
+});
+
+test('the address holds the state and gives it back', () => {
+  const initial = initialState([], 10);
+  assert.equal(toHash(initial, initial), '');
+  const state = { ...initial, layers: { 'points:cloud': false, 'trajectory:online': true }, hiddenRuns: [1], frame: 17, pointColor: 'age' as const, maxSigma: 0.05, camera: [1, 2, 3, 0, 0, 0.5], theme: 'dark' as const };
+  assert.deepEqual(fromHash(`#${toHash(state, initial)}`, initial), state);
+  assert.deepEqual(fromHash('#frame=x&points=none&view=1,2&layers=%00&size=-3', initial), { ...initial, pointSize: 1 });
+});
