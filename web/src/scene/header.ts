@@ -76,7 +76,7 @@ export class Entry {
   index(key: string, end: number): number {
     const value = this.number(key);
     if (!Number.isInteger(value) || value < 0 || value >= end) {
-      throw this.error(key, `is ${value}, not a whole number from 0 to ${end - 1}`);
+      throw this.error(key, end > 0 ? `is ${value}, not a whole number from 0 to ${end - 1}` : 'refers to what is not there');
     }
     return value;
   }
@@ -103,8 +103,8 @@ export class Entry {
     const ref = this.child(key);
     if (!ref) throw this.error(key, 'is missing');
     if (ref.text('type') !== type) throw this.error(key, `has type ${ref.text('type')}, not ${type}`);
-    const offset = ref.index('offset', this.body.length + 1);
-    const count = ref.index('count', this.body.length + 1);
+    const offset = ref.index('offset', 2 ** 48);
+    const count = ref.index('count', 2 ** 48);
     if (offset % 8 !== 0) throw this.error(key, `starts at ${offset}, not a multiple of 8`);
     if (offset + count * types[type].BYTES_PER_ELEMENT > this.body.length) {
       throw this.error(key, 'reaches past the end of the scene; the file may be cut off');
