@@ -137,6 +137,12 @@ export class App {
     this.hashTimer = window.setTimeout(() => this.writeHash(), 300);
   }
 
+  /** A link was opened in the same tab. */
+  readHash(): void {
+    this.set(fromHash(location.hash, this.initial));
+    this.begin();
+  }
+
   writeHash(): void {
     const hash = toHash(this.state, this.initial);
     history.replaceState(null, '', hash === '' ? location.pathname + location.search : `#${hash}`);

@@ -5,9 +5,10 @@ import { createHash } from 'node:crypto';
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 import type { Browser, Page } from 'playwright-core';
-import { stateNames, exactScene, floorScene, roomScene } from './scenes';
+import { damaged } from './damage';
+import { stateNames, exactScene, floorScene, hollowScene, roomScene } from './scenes';
 import { drawn, faultsOf, launch, open, pageWith, screenshot, type Picture } from './browser';
-import { SceneWriter } from './scene_writer';
+import { SceneWriter, random } from './scene_writer';
 import { serve } from './serve';
 
 let browser: Browser;
@@ -175,9 +176,9 @@ test('a known length gives a map of arbitrary scale its meters', () => withPage(
   await page.getByLabel('Known length in meters').first().fill('0.75');
   await page.keyboard.press('Enter');
   const [first, second] = await page.locator('.lengths .value').allInnerTexts();
-  assert.match(first, /^0\.750 ± 0\.005 m$/);
+  assert.equal(first, '0.75 m (known)');
   assert.match(second, /^1\.500 ± 0\.011 m$/);
-  assert.match(await page.locator('[data-layer="reference"]').innerText(), / m cells/);
+  assert.match(await page.locator('[data-layer="reference"]').innerText(), /cell [\d.]+ m/);
   await screenshot(page, 'scaled');
 }));
 
@@ -239,6 +240,31 @@ test('a malformed scene is named, the others are shown', async () => {
     await screenshot(page, 'malformed');
   });
 });
+
+test('damaged scenes never break the page', async () => {
+  const rnd = random(7);
+  const originals = [roomScene({ points: 300 }), floorScene(), exactScene()];
+  const scenes = Array.from({ length: 45 }, (_, i) => ({ name: `damage ${i}`, bytes: damaged(originals[i % 3], rnd) }));
+  await withPage(pageWith('damaged.html', scenes), {}, async (page) => {
+    await drawn(page);
+    const refused = await page.getByRole('alert').count();
+    const { shown } = await page.evaluate(() => ({ shown: (window as any).rastro.app.runs.length }));
+    assert.equal(refused + shown, 45);
+    assert.ok(refused > 10 && shown > 5, `${refused} refused`);
+    for (const choice of ['state', 'error', 'sigma', 'time']) {
+      await page.evaluate((trajectoryColor) => (window as any).rastro.app.set({ trajectoryColor }), choice);
+    }
+    await screenshot(page, 'damaged');
+  });
+});
+
+test('parts without content and poses without numbers are no fault', () => withPage(pageWith('hollow.html', [{ name: 'hollow', bytes: hollowScene() }]), {}, async (page) => {
+  await drawn(page);
+  assert.match(await page.locator('aside').innerText(), /This map has no points/);
+  await page.keyboard.press('a');
+  await page.keyboard.press('c');
+  await drawn(page);
+}));
 
 test('an empty map and a page without a map say so', async () => {
   const empty = pageWith('empty.html', [{ name: 'empty', bytes: new SceneWriter().finish({ state_names: stateNames }) }]);

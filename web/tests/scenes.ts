@@ -170,3 +170,21 @@ export function cloudScene(count: number): Uint8Array {
     layers: [{ kind: 'points', name: 'semi_dense', positions: w.f32(positions), colors: w.u8(colors), sigmas: w.f32(new Float32Array(count).fill(0.01)) }],
   });
 }
+
+/** All kinds of parts, each without content, and frames whose poses are not numbers. */
+export function hollowScene(): Uint8Array {
+  const w = new SceneWriter();
+  const none = w.f32([]);
+  const bad = [NaN, Infinity, 3e38];
+  return w.finish({
+    title: 'hollow', camera, state_names: stateNames,
+    frames: { stamps: w.f64([0, 1, 2]), positions: w.f32([...bad, ...bad, ...bad]), orientations: w.f32(new Array(12).fill(NaN)), errors: w.f32(bad), sigmas: w.f32(bad) },
+    keyframes: { ids: w.i32([0, 1]), stamps: w.f64([NaN, 1]), poses: w.f32(new Array(14).fill(3e38)) },
+    layers: [
+      { kind: 'edges', name: 'loops', pairs: w.u32([0, 1]) }, { kind: 'edges', name: 'odometry', pairs: w.u32([]) },
+      { kind: 'points', name: 'cloud', positions: none, colors: w.u8([]), sigmas: none }, { kind: 'mesh', name: 'mesh', positions: none, triangles: w.u32([]) },
+      { kind: 'cubes', name: 'octree', centers: none, sizes: none }, { kind: 'grid', name: 'grid', width: 0, height: 0, cell: 1, origin: [0, 0], cells: w.u8([]) },
+      { kind: 'ellipsoids', name: 'covariances', centers: none, axes: none },
+    ],
+  });
+}

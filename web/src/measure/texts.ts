@@ -7,7 +7,7 @@ import { scaled, type Length } from './length';
 import type { Measured } from './measure';
 
 export function measuredOf(app: App, item: Measured): string {
-  return text(app, item.measured, item.run);
+  return item.known !== null ? `${item.known} m (known)` : text(app, item.measured, item.run);
 }
 
 export function lengthOf(app: App, length: NamedLength, run: number): string {

@@ -7,6 +7,9 @@ import { FrameMarker } from '../view3d/frame_marker';
 export class CurrentFrame {
   private marker: FrameMarker | null = null;
   private run = -1;
+  follow = false;
+  private readonly last = new THREE.Vector3();
+  private readonly listeners: (() => void)[] = [];
 
   constructor(private readonly app: App) {
     app.onChange(() => this.update());
@@ -24,6 +27,25 @@ export class CurrentFrame {
     this.app.rememberCamera();
   }
 
+  onFollow(listener: () => void): void {
+    this.listeners.push(listener);
+  }
+
+  setFollow(on: boolean): void {
+    this.follow = on;
+    if (on && this.marker?.object.visible) this.moveAlong(this.app.view.controls.target.clone());
+    for (const listener of this.listeners) listener();
+  }
+
+  /** Eye and target go the same way as the current frame went from `from`. */
+  private moveAlong(from: THREE.Vector3): void {
+    const { camera, controls } = this.app.view;
+    const move = this.marker!.object.position.clone().sub(from);
+    camera.position.add(move);
+    controls.target.add(move);
+    controls.update();
+  }
+
   private update(): void {
     const { frames, active, state, view } = this.app;
     if (this.run !== state.active || !this.marker) {
@@ -34,6 +56,8 @@ export class CurrentFrame {
     }
     this.marker.object.visible = false;
     if (frames && active!.group.visible) this.marker.place(frames, state.frame, state.cameraSize, this.app.dark);
+    if (this.follow && this.marker.object.visible && !this.last.equals(this.marker.object.position)) this.moveAlong(this.last);
+    this.last.copy(this.marker.object.position);
     view.requestDraw();
   }
 }

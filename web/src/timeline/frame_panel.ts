@@ -6,18 +6,21 @@ import { stateColor } from '../view3d/colors';
 import { button, el } from '../ui/dom';
 import { icon } from '../ui/icons';
 import { digits, lengthText } from '../ui/units';
+import type { CurrentFrame } from './current_frame';
 import { duration } from './track';
 
 export class FramePanel {
   readonly element = el('details', { className: 'frame', open: innerWidth > 720, aria: { label: 'Current frame' } });
   private readonly title = el('summary');
   private readonly list = el('dl');
-  private readonly image = el('img', { alt: 'Image of the nearest keyframe', hidden: true });
+  private readonly image = el('img', { alt: 'Image of the nearest keyframe', hidden: true, onerror: () => (this.image.hidden = true) });
   private shownImage: Thumbnail | null = null;
 
-  constructor(private readonly app: App, lookFrom: () => void) {
-    const look = button('Look from this camera', 'Look from the camera of this frame (C)', lookFrom, icon('camera'), 'Look from here');
-    this.element.append(this.title, this.image, this.list, look);
+  constructor(private readonly app: App, current: CurrentFrame) {
+    const look = button('Look from this camera', 'Look from the camera of this frame (C)', () => current.look(), icon('camera'), 'Look from here');
+    const follow = button('Follow', 'Move the view along with the current frame (V)', () => current.setFollow(!current.follow), 'Follow');
+    current.onFollow(() => follow.setAttribute('aria-pressed', `${current.follow}`));
+    this.element.append(this.title, this.image, this.list, el('div', { className: 'buttons' }, look, follow));
     app.onChange(() => this.fill());
     this.fill();
   }

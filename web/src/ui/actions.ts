@@ -15,5 +15,7 @@ export interface Actions {
   step(frames: number): void;
   toEvent(direction: -1 | 1): void;
   lookFromFrame(): void;
+  /** Whether the view moves along with the current frame. */
+  follow(): void;
   toggleLayer(key: string): void;
 }

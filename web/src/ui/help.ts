@@ -10,6 +10,7 @@ const rows: [string, string][] = [
   ['F', 'show the whole map'],
   ['A', 'look from above'],
   ['C', 'look from the camera of the current frame'],
+  ['V', 'follow the current frame, or stop'],
   ['M', 'measure: click two points; Esc ends'],
   ['space', 'play or pause'],
   ['← →', 'one frame back or ahead; with Shift ten'],
@@ -28,6 +29,7 @@ export function helpDialog(): HTMLDialogElement {
   dialog.append(
     el('div', { className: 'row' }, el('h2', {}, 'Keys and mouse'), button('Close', 'Close (Esc)', () => dialog.close(), icon('close'))),
     table,
+    el('p', {}, 'Axes of the world: x red-orange, y green, z blue.'),
     el('p', {}, 'The address of this page holds the view, the layers, the colors and the frame: copy it to link what you see.'));
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();

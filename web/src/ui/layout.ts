@@ -29,7 +29,7 @@ export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement): vo
   const legend = new Legend(app);
   const timeline = new Timeline(app);
   const current = new CurrentFrame(app);
-  const frame = new FramePanel(app, () => current.look());
+  const frame = new FramePanel(app, current);
   const measure = new Measure(app);
   const marks = new LengthMarks(app, measure);
   const lengths = new LengthList(app, measure);
@@ -40,6 +40,7 @@ export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement): vo
   const bar = toolbar(app, actions);
   root.replaceChildren(bar, side, stage, timeline.element, help);
   bindShortcuts(app, actions);
+  window.addEventListener('hashchange', () => app.readHash());
   document.title = `${titleOf(app)} · rastro view`;
   app.view.onDrawn = () => {
     legend.update();
@@ -97,6 +98,7 @@ function buildActions(app: App, root: HTMLElement, { help, timeline, current, me
     step: (frames) => timeline.step(frames),
     toEvent: (direction) => timeline.toEvent(direction),
     lookFromFrame: () => current.look(),
+    follow: () => current.setFollow(!current.follow),
     toggleLayer: (key) => app.setLayer(key, !app.layerShown(key)),
   };
 }

@@ -31,7 +31,7 @@ export class Legend {
     const height = 2 * camera.position.distanceTo(controls.target) * Math.tan(THREE.MathUtils.degToRad(camera.fov / 2));
     const perPixel = height / Math.max(1, canvas.clientHeight);
     const factor = this.app.scaleFactors.get(this.app.state.active)?.factor ?? 1;
-    const length = niceStep(50 * perPixel * factor) / factor;
+    const length = niceStep(64 * perPixel * factor) / factor;
     this.bar.style.width = `${length / perPixel}px`;
     this.bar.textContent = lengthText(this.app, length, null);
   }

@@ -14,6 +14,7 @@ export function bindShortcuts(app: App, actions: Actions): void {
     s: actions.savePicture,
     '?': actions.help,
     c: actions.lookFromFrame,
+    v: actions.follow,
     ' ': actions.play,
     '[': () => actions.toEvent(-1),
     ']': () => actions.toEvent(1),

@@ -33,7 +33,7 @@ function layersSection(app: App): HTMLElement {
     rows.set(layer.key, row);
   }
   const boxes = [...rows].map(([key, row]) => layerBox(app, key, row.label, row.details.length > 1 ? `${row.details.length} runs` : row.details[0]));
-  const reference = layerBox(app, 'reference', 'Reference grid', `${lengthText(app, app.view.reference.cell, null)} cells`);
+  const reference = layerBox(app, 'reference', 'Reference grid', `cell ${lengthText(app, app.view.reference.cell, null)}`);
   const missing = missingParts(app.runs.map((r) => r.scene)).map((text) => el('p', { className: 'missing' }, text));
   return section('Layers', ...boxes, reference, ...missing);
 }

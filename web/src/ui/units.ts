@@ -11,9 +11,14 @@ export function unitOf(app: App, run = app.state.active): string {
 export function lengthText(app: App, length: number, sigma: number | null, run = app.state.active): string {
   const factor = app.scaleFactors.get(run)?.factor ?? 1;
   const unit = unitOf(app, run);
-  if (sigma === null) return `${digits(length * factor)} ${unit}`;
+  if (sigma === null) return withUnit(length * factor, unit);
   const places = decimalsFor(sigma * factor);
   return `${(length * factor).toFixed(places)} ± ${(sigma * factor).toFixed(places)} ${unit}`;
+}
+
+function withUnit(value: number, unit: string): string {
+  const text = digits(value);
+  return `${text} ${text === '1' && unit === 'units' ? 'unit' : unit}`;
 }
 
 /** One digit of the sigma is shown (two where it begins with 1), and the length to the same place. */

@@ -13,6 +13,7 @@ export function boundsOf(scenes: Scene[]): THREE.Box3 {
     for (const layer of scene.layers) box.union(layerBox(layer));
     for (const length of scene.lengths) box.expandByPoint(new THREE.Vector3(...length.a)).expandByPoint(new THREE.Vector3(...length.b));
   }
+  if (finite(box) && box.getSize(new THREE.Vector3()).length() < 1e-6) box.expandByScalar(1);
   return finite(box) ? box : new THREE.Box3(new THREE.Vector3(-1, -1, -1), new THREE.Vector3(1, 1, 1));
 }
 
@@ -36,14 +37,18 @@ function layerBox(layer: Layer): THREE.Box3 {
 }
 
 function gridBox(grid: Extract<Layer, { kind: 'grid' }>): THREE.Box3 {
-  const [x, y] = grid.origin;
-  const box = new THREE.Box3();
   // Only known cells count: maps often have a wide unknown border.
-  for (let i = 0; i < grid.cells.length; i++) {
-    if (grid.cells[i] === 255) continue;
-    box.expandByPoint(new THREE.Vector3(x + ((i % grid.width) + 0.5) * grid.cell, y + (Math.floor(i / grid.width) + 0.5) * grid.cell, 0));
+  const box = new THREE.Box2();
+  const corner = new THREE.Vector2();
+  for (let y = 0, i = 0; y < grid.height; y++) {
+    for (let x = 0; x < grid.width; x++, i++) if (grid.cells[i] !== 255) box.expandByPoint(corner.set(x, y));
   }
-  return box;
+  if (box.isEmpty()) return new THREE.Box3();
+  const place = (v: number, axis: 0 | 1) => grid.origin[axis] + v * grid.cell;
+  return new THREE.Box3(
+    new THREE.Vector3(place(box.min.x, 0), place(box.min.y, 1), 0),
+    new THREE.Vector3(place(box.max.x + 1, 0), place(box.max.y + 1, 1), 0),
+  );
 }
 
 /** Box of the rows without the share `cut` at either end of each axis. */

@@ -6,7 +6,7 @@ import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
 import type { EdgesLayer as EdgesData, Keyframes } from '../scene/scene';
 import { loopColor } from './colors';
-import { thinLines } from './materials';
+import { drawable, thinLines } from './materials';
 import { count, titled, type LayerObject, type Style } from './style';
 
 /** Loops are few and are what people look for: they are drawn thick. */
@@ -26,7 +26,7 @@ export class EdgesLayer implements LayerObject {
     this.detail = data.count === 0 ? 'none' : count(data.count, 'edge');
     this.shownAtFirst = isLoops(data.name) || data.name === 'spanning_tree' || data.name === 'odometry';
     const positions = ends(data, keyframes);
-    if (isLoops(data.name) && data.count > 0) {
+    if (isLoops(data.name) && positions.length > 0) {
       this.object = thickLines(positions);
     } else {
       const lines = thinLines(positions, '#888888', 0.5);
@@ -50,6 +50,14 @@ function thickLines(positions: Float32Array): THREE.Object3D {
 
 function ends(data: EdgesData, keyframes: Keyframes | null): Float32Array {
   const positions = new Float32Array(3 * data.pairs.length);
-  data.pairs.forEach((row, i) => positions.set(keyframes!.poses.subarray(7 * row, 7 * row + 3), 3 * i));
-  return positions;
+  let used = 0;
+  for (let i = 0; i < data.pairs.length; i += 2) {
+    const [a, b] = [7 * data.pairs[i], 7 * data.pairs[i + 1]];
+    const { poses } = keyframes!;
+    if (!drawable(poses, a) || !drawable(poses, b)) continue;
+    positions.set(poses.subarray(a, a + 3), used);
+    positions.set(poses.subarray(b, b + 3), used + 3);
+    used += 6;
+  }
+  return positions.subarray(0, used);
 }

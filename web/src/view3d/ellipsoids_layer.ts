@@ -57,6 +57,7 @@ export class EllipsoidsLayer implements LayerObject {
 function geometryOf(data: EllipsoidsData): THREE.InstancedBufferGeometry {
   const sphere = new THREE.IcosahedronGeometry(1, 2);
   const geometry = new THREE.InstancedBufferGeometry();
+  geometry.boundingSphere = new THREE.Sphere(); // never culled
   geometry.setAttribute('position', sphere.getAttribute('position'));
   geometry.setAttribute('center', new THREE.InstancedBufferAttribute(data.centers, 3));
   const axes = new THREE.InstancedInterleavedBuffer(data.axes, 9);

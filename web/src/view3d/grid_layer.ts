@@ -11,6 +11,7 @@ export class GridLayer implements LayerObject {
   readonly object: THREE.Mesh<THREE.PlaneGeometry, THREE.MeshBasicMaterial>;
   readonly shownAtFirst = true;
   private readonly pixels: Uint8Array<ArrayBuffer>;
+  private dark: boolean | null = null;
   private readonly texture: THREE.DataTexture;
 
   constructor(private readonly data: GridData) {
@@ -34,6 +35,8 @@ export class GridLayer implements LayerObject {
   }
 
   applyStyle(style: Style): void {
+    if (style.dark === this.dark) return;
+    this.dark = style.dark;
     const free = style.dark ? 56 : 250;
     const occupied = style.dark ? 235 : 20;
     this.data.cells.forEach((cell, i) => {

@@ -21,11 +21,17 @@ export function mapTexture(map: MapName): THREE.DataTexture {
   return texture;
 }
 
+/** Whether the point that begins at `i` can be drawn; beyond, the arithmetic of graphics cards overflows. */
+export function drawable(positions: ArrayLike<number>, i: number): boolean {
+  return Math.abs(positions[i]) < 1e12 && Math.abs(positions[i + 1]) < 1e12 && Math.abs(positions[i + 2]) < 1e12;
+}
+
 /** Thin lines, one pixel wide. */
 export function thinLines(positions: Float32Array, color: string, opacity = 1): THREE.LineSegments<THREE.BufferGeometry, THREE.LineBasicMaterial> {
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
   const material = new THREE.LineBasicMaterial({ color, transparent: opacity < 1, opacity });
+  geometry.boundingSphere = new THREE.Sphere(); // never culled, see below
   const lines = new THREE.LineSegments(geometry, material);
   lines.frustumCulled = false;
   return lines;

@@ -65,6 +65,7 @@ class SurfaceLayer implements LayerObject {
     private readonly hasColors: boolean,
     runColor: string,
   ) {
+    geometry.boundingSphere = new THREE.Sphere(); // never culled
     this.object = new THREE.Mesh(geometry, surfaceMaterial(vertexShader, runColor));
     this.object.frustumCulled = false;
   }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // One trajectory (final, online or ground truth) as a line of a few pixels' width, colored frame by frame.
-import type * as THREE from 'three';
+import { Group, type Object3D } from 'three';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
 import type { Frames } from '../scene/scene';
 import { hexToRgb, mapColor, okabeIto, shareOf, stateColor, type Rgb } from './colors';
+import { drawable } from './materials';
 import { count, type LayerObject, type Style, type TrajectoryColor } from './style';
 
 export type TrajectoryKind = 'final' | 'online' | 'truth';
@@ -20,10 +21,11 @@ export class TrajectoryLayer implements LayerObject {
   readonly key: string;
   readonly label: string;
   readonly detail: string;
-  readonly object: THREE.Object3D;
+  readonly object: Object3D;
   readonly shownAtFirst: boolean;
   private readonly geometry = new LineSegmentsGeometry();
   private readonly material: LineMaterial;
+  private colored = '';
   /** Rows of the frames where a segment begins. */
   private readonly starts: number[];
 
@@ -39,20 +41,27 @@ export class TrajectoryLayer implements LayerObject {
     this.detail = count(frames.count, 'frame');
     this.shownAtFirst = kind !== 'online';
     this.starts = connected(frames.stamps, positions);
-    this.geometry.setPositions(segments(positions, this.starts));
+    if (this.starts.length > 0) this.geometry.setPositions(segments(positions, this.starts));
     this.material = new LineMaterial({ linewidth: kind === 'final' ? 3 : 2, vertexColors: kind === 'final' });
-    this.object = new LineSegments2(this.geometry, this.material);
+    this.object = this.starts.length > 0 ? new LineSegments2(this.geometry, this.material) : new Group();
     this.object.frustumCulled = false;
-    this.object.visible = this.starts.length > 0;
   }
 
   applyStyle(style: Style): void {
     if (this.starts.length === 0) return;
     if (this.kind === 'truth') this.material.color.set(style.dark ? '#ffffff' : '#000000');
     else if (this.kind === 'online') this.material.color.set(this.runColor);
-    else this.geometry.setColors(this.colors(style));
+    else this.recolor(style);
     this.material.opacity = this.kind === 'final' ? 1 : 0.6;
     this.material.transparent = this.kind !== 'final';
+  }
+
+  /** Only when the colors changed: a long trajectory has many. */
+  private recolor(style: Style): void {
+    const key = `${style.trajectoryColor} ${style.map}`;
+    if (key === this.colored) return;
+    this.colored = key;
+    this.geometry.setColors(this.colors(style));
   }
 
   private colors(style: Style): Float32Array {
@@ -97,7 +106,7 @@ export function modesOf(frames: Frames): Set<TrajectoryColor> {
 function connected(stamps: Float64Array, positions: Float32Array): number[] {
   const steps = Float64Array.from(stamps.subarray(1), (s, i) => s - stamps[i]).sort();
   const gap = Math.max(1, 10 * (steps[steps.length >> 1] ?? 0));
-  const finite = (row: number) => Number.isFinite(positions[3 * row] + positions[3 * row + 1] + positions[3 * row + 2]);
+  const finite = (row: number) => drawable(positions, 3 * row);
   const starts: number[] = [];
   for (let row = 0; row + 1 < stamps.length; row++) {
     if (stamps[row + 1] - stamps[row] <= gap && finite(row) && finite(row + 1)) starts.push(row);
