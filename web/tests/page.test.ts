@@ -6,7 +6,7 @@ import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
 import type { Browser, Page } from 'playwright-core';
 import { damaged } from './damage';
-import { stateNames, exactScene, floorScene, hollowScene, roomScene } from './scenes';
+import { stateNames, exactScene, floorScene, hollowScene, imagesScene, roomScene } from './scenes';
 import { drawn, faultsOf, launch, open, pageWith, screenshot, type Picture } from './browser';
 import { SceneWriter, random } from './scene_writer';
 import { serve } from './serve';
@@ -198,6 +198,44 @@ test('the address restores view, layers, frame and colors', () => withPage(urls.
     assert.equal(await again.locator('[data-layer="points:landmarks"] input').isChecked(), false);
   });
 }));
+
+test('a link opened in the same tab is followed', () => withPage(urls.room, {}, async (page) => {
+  await drawn(page);
+  await page.evaluate(() => {
+    location.hash = '#frame=200&layers=-keyframes&view=0,-9,0.01,0,0,0';
+  });
+  await page.waitForFunction(() => (window as any).rastro.app.state.frame === 200);
+  assert.equal(await page.locator('[data-layer="keyframes"] input').isChecked(), false);
+  near(await page.evaluate(() => (window as any).rastro.app.view.camera.position.toArray()), [0, -9, 0.01], 0.01);
+}));
+
+test('the view follows the current frame, and looks from its camera', () => withPage(urls.room, {}, async (page) => {
+  await drawn(page);
+  const target = () => page.evaluate(() => (window as any).rastro.app.view.controls.target.toArray());
+  const position = () => page.evaluate(() => {
+    const { app } = (window as any).rastro;
+    return [...app.frames.positions.subarray(3 * app.state.frame, 3 * app.state.frame + 3)] as number[];
+  });
+  await page.keyboard.press('v');
+  near(await target(), await position(), 1e-5);
+  await page.keyboard.press('Shift+ArrowRight');
+  near(await target(), await position(), 1e-5);
+  await page.keyboard.press('c');
+  near(await page.evaluate(() => (window as any).rastro.app.view.camera.position.toArray()), await position(), 1e-5);
+}));
+
+test('the image of the nearest keyframe is shown; one that cannot be read is not', async () => {
+  const maker = await browser.newPage();
+  const jpeg = await maker.evaluate(() => document.createElement('canvas').toDataURL('image/jpeg').split(',')[1]);
+  await maker.close();
+  const url = pageWith('images.html', [{ name: 'images', bytes: imagesScene([Buffer.from(jpeg, 'base64'), Buffer.from('no image')]) }]);
+  await withPage(url, {}, async (page) => {
+    await page.locator('.frame img').waitFor({ state: 'visible' });
+    assert.ok(await page.locator('.frame img').evaluate((image) => (image as HTMLImageElement).naturalWidth > 0));
+    await page.keyboard.press('End');
+    await page.locator('.frame img').waitFor({ state: 'hidden' });
+  });
+});
 
 test('nothing is drawn while nothing changes', () => withPage(urls.room, {}, async (page) => {
   await drawn(page);

@@ -188,3 +188,15 @@ export function hollowScene(): Uint8Array {
     ],
   });
 }
+
+/** Two keyframes with an image each. */
+export function imagesScene(jpegs: Uint8Array[]): Uint8Array {
+  const w = new SceneWriter();
+  const poses = [0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1];
+  return w.finish({
+    title: 'images', camera,
+    frames: { stamps: w.f64([0, 1]), positions: w.f32([0, 0, 0, 1, 0, 0]), orientations: w.f32([0, 0, 0, 1, 0, 0, 0, 1]) },
+    keyframes: { ids: w.i32([0, 1]), stamps: w.f64([0, 1]), poses: w.f32(poses) },
+    images: jpegs.map((jpeg, keyframe) => ({ keyframe, width: 300, height: 150, jpeg: w.u8(jpeg) })),
+  });
+}

@@ -4,6 +4,10 @@ import { readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import type { AddressInfo } from 'node:net';
 
+// The page must work under the rules that the program's own server sends.
+const contentPolicy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; media-src blob:; "
+  + "worker-src blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
 export interface Served {
   url: string;
   close: () => void;
@@ -13,7 +17,7 @@ export async function serve(scenes: { name: string; bytes: Uint8Array }[], token
   const server = createServer((request, response) => {
     const url = new URL(request.url!, 'http://localhost');
     const scene = /^\/api\/scene\/(\d+)$/.exec(url.pathname);
-    if (url.pathname === '/') return response.setHeader('content-type', 'text/html').end(readFileSync('dist/viewer.html'));
+    if (url.pathname === '/') return response.setHeader('content-security-policy', contentPolicy).setHeader('content-type', 'text/html').end(readFileSync('dist/viewer.html'));
     if (url.searchParams.get('token') !== token) return response.writeHead(401).end();
     if (url.pathname === '/api/scenes') {
       return response.setHeader('content-type', 'application/json').end(JSON.stringify(scenes.map((s, index) => ({ index, name: s.name, bytes: s.bytes.length }))));

@@ -47,7 +47,7 @@ function layerBox(app: App, key: string, label: string, detail: string): HTMLEle
 
 const trajectoryLabels: Record<TrajectoryColor, string> = {
   state: 'State of tracking',
-  error: 'Error to ground truth',
+  error: 'Error',
   sigma: 'Position sigma',
   time: 'Time',
   run: 'One color a run',
