@@ -28,7 +28,8 @@ async function buildPage() {
   // A function as replacement: in a string, "$&" of the minified script would be read as a pattern.
   const page = readFileSync('src/index.html', 'utf8')
     .replace('/*style*/', () => style)
-    .replace('/*script*/', () => script);
+    .replace('/*script*/', () => script)
+    .replace('/*license*/', () => readFileSync('node_modules/three/LICENSE', 'utf8').trim());
   if (page.split(sceneMarker).length !== 2) throw new Error(`the page must hold ${sceneMarker} exactly once`);
   const bytes = Buffer.from(page);
   if (bytes.length > limitBytes) throw new Error(`dist/viewer.html has ${bytes.length} bytes, at most ${limitBytes} allowed`);

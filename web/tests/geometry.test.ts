@@ -94,8 +94,8 @@ function frames(stamps: number[], states: number[]): Frames {
 }
 
 test('stretches of one state, broken at gaps of the recording', () => {
-  const result = stretches(frames([0, 0.5, 1, 1.5, 10], [0, 0, 2, 0, 0]));
-  assert.deepEqual(result.map((s) => [s.from, s.to, s.state]), [[0, 1, 0], [1, 1.5, 2], [1.5, 2.5, 0], [10, 10, 0]]);
+  const result = stretches(frames([0, 0.5, 1, 1.5, 30], [0, 0, 2, 0, 0]));
+  assert.deepEqual(result.map((s) => [s.from, s.to, s.state]), [[0, 1, 0], [1, 1.5, 2], [1.5, 1.5, 0], [30, 30, 0]]);
 });
 
 test('frames by stamp', () => {

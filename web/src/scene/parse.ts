@@ -7,6 +7,7 @@ import {
   type Camera,
   type Frames,
   type Keyframes,
+  type NamedLength,
   type Scale,
   type Scene,
   type SceneEvent,
@@ -37,17 +38,11 @@ export function parseScene(bytes: Uint8Array): Scene {
     sessions: header.children('sessions').map(parseSession),
     frames,
     stateNames,
-    events: header.children('events').map((e) => parseEvent(e, frames)),
+    events: header.children('events').map((e) => parseEvent(e, frames)).sort((a, b) => a.stamp - b.stamp),
     keyframes,
     camera: parseCamera(header.child('camera')),
     layers: header.children('layers').map((e) => parseLayer(e, keyframes?.count ?? 0)),
-    lengths: header.children('lengths').map((e) => ({
-      name: e.text('name', ''),
-      a: e.vec3('a'),
-      b: e.vec3('b'),
-      length: e.number('length'),
-      sigma: e.numberOrNull('sigma'),
-    })),
+    lengths: header.children('lengths').map(parseLength),
     images: header.children('images').map((e) => parseImage(e, keyframes?.count ?? 0)),
   };
 }
@@ -166,6 +161,10 @@ function parseCamera(entry: Entry | null): Camera | null {
     cx: entry.number('cx'),
     cy: entry.number('cy'),
   };
+}
+
+function parseLength(e: Entry): NamedLength {
+  return { name: e.text('name', ''), a: e.vec3('a'), b: e.vec3('b'), length: e.number('length'), sigma: e.numberOrNull('sigma') };
 }
 
 function parseImage(entry: Entry, keyframes: number): Thumbnail {

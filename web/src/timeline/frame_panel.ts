@@ -7,6 +7,7 @@ import { button, el } from '../ui/dom';
 import { icon } from '../ui/icons';
 import { digits, lengthText } from '../ui/units';
 import type { CurrentFrame } from './current_frame';
+import { isMarked } from './strip';
 import { duration } from './track';
 
 export class FramePanel {
@@ -56,8 +57,10 @@ function frameRows(app: App, frames: Frames, scene: Scene, row: number): Row[] {
   if (frames.milliseconds) rows.push(['Time', Number.isFinite(frames.milliseconds[row]) ? `${digits(frames.milliseconds[row])} ms` : 'unknown']);
   const p = [...frames.positions.subarray(3 * row, 3 * row + 3)].map((v) => v.toFixed(2));
   rows.push(['Position', p.join('  ')]);
-  const event = lastEvent(scene, frames, row);
-  if (event) rows.push(['Last event', event]);
+  const why = reason(scene, frames.stamps[row]);
+  if (why) rows.push(['Reason', why]);
+  const event = lastEvent(scene, frames.stamps[row]);
+  if (event && !(why && event.endsWith(why))) rows.push(['Last event', event]);
   return rows;
 }
 
@@ -65,15 +68,19 @@ function stateCell(name: string): Node {
   return el('span', { className: 'key' }, el('span', { className: 'swatch', style: `background:${stateColor(name)}` }), name);
 }
 
-/** The event that explains the present state, if it is not long ago. */
-function lastEvent(scene: Scene, frames: Frames, row: number): string | null {
-  const now = frames.stamps[row];
-  const past = scene.events.filter((e) => e.stamp <= now + 1e-6 && now - e.stamp < 10);
-  const last = past.sort((a, b) => a.stamp - b.stamp).at(-1);
-  if (!last) return null;
+/** Why the state is as it is: the last event of a state, unless all is well again. */
+function reason(scene: Scene, now: number): string | null {
+  const last = scene.events.findLast((e) => e.stamp <= now + 1e-6 && scene.stateNames.includes(e.kind));
+  const bad = last && ['weak', 'lost', 'initializing'].includes(last.kind);
+  return bad && last.detail !== '' && last.detail !== 'none' ? last.detail : null;
+}
+
+/** The last event with a mark in the timeline, if it is not long ago. */
+function lastEvent(scene: Scene, now: number): string | null {
+  const last = scene.events.findLast((e) => e.stamp <= now + 1e-6 && isMarked(e.kind));
+  if (!last || now - last.stamp > 10) return null;
   const ago = now - last.stamp;
-  const what = last.kind.replaceAll('_', ' ');
-  return `${what}${ago > 0.01 ? ` ${duration(ago)} ago` : ''}${last.detail ? `: ${last.detail}` : ''}`;
+  return `${last.kind.replaceAll('_', ' ')}${ago > 0.01 ? ` ${duration(ago)} ago` : ''}${last.detail ? `: ${last.detail}` : ''}`;
 }
 
 function nearestImage(scene: Scene, stamp: number): Thumbnail | null {

@@ -116,6 +116,11 @@ function drawAxis(context: Context, data: StripData, width: number): void {
   }
 }
 
+/** Each frame's state is in the band, and keyframes and revisions are too many: what remains is worth a mark. */
+export function isMarked(kind: string): boolean {
+  return !['keyframe', 'map_revised', 'tracking', 'weak', 'initializing'].includes(kind);
+}
+
 export type Mark = 'loop' | 'loss' | 'other';
 
 export function markOf(kind: string): Mark {

@@ -6,7 +6,7 @@ import { button, el, select } from '../ui/dom';
 import { icon, type IconName } from '../ui/icons';
 import { digits, unitOf } from '../ui/units';
 import { Player } from './player';
-import { drawCursor, drawStrip, stampToX, xToStamp, type StripData } from './strip';
+import { drawCursor, drawStrip, isMarked, stampToX, xToStamp, type StripData } from './strip';
 import { curveLabels, duration, nearestFrame, type CurveName } from './track';
 
 const stripHeight = 74;
@@ -23,6 +23,7 @@ export class Timeline {
   private readonly background = document.createElement('canvas');
   private curve: CurveName | null = null;
   private scrubbing = false;
+  private events: SceneEvent[] = [];
 
   constructor(private readonly app: App) {
     this.player = new Player(app, () => this.showPlaying());
@@ -46,7 +47,7 @@ export class Timeline {
   /** To the event before (-1) or after (1) the current frame. */
   toEvent(direction: -1 | 1): void {
     const at = this.app.state.frame;
-    const rows = this.events().map((e) => e.frame!).filter((f) => (direction < 0 ? f < at : f > at)).sort((a, b) => a - b);
+    const rows = this.events.map((e) => e.frame!).filter((f) => (direction < 0 ? f < at : f > at)).sort((a, b) => a - b);
     if (rows.length) this.player.go(direction < 0 ? rows[rows.length - 1] : rows[0]);
   }
 
@@ -56,10 +57,11 @@ export class Timeline {
   }
 
   /** Events with their place in the timeline; those without a frame take the frame nearest in time. */
-  private events(): SceneEvent[] {
+  private findEvents(): SceneEvent[] {
     const { frames, active } = this.app;
     if (!frames || !active) return [];
-    return active.scene.events.map((e) => ({ ...e, frame: e.frame ?? nearestFrame(frames.stamps, e.stamp) }));
+    const marked = active.scene.events.filter((e) => isMarked(e.kind));
+    return marked.map((e) => ({ ...e, frame: e.frame ?? nearestFrame(frames.stamps, e.stamp) }));
   }
 
   private fill(): void {
@@ -68,6 +70,7 @@ export class Timeline {
       const text = this.app.runs.length === 0 ? 'No map is shown.' : 'This map has no trajectory, so there is no timeline.';
       return this.element.replaceChildren(el('p', { className: 'missing' }, text));
     }
+    this.events = this.findEvents();
     const curves = (Object.keys(curveLabels) as CurveName[]).filter((c) => frames[c]);
     this.curve = curves[0] ?? null;
     this.controls.replaceChildren(
@@ -116,7 +119,7 @@ export class Timeline {
 
   private data(): StripData {
     const { frames, active, dark, state } = this.app;
-    return { frames: frames!, stateNames: active!.scene.stateNames, events: this.events(), curve: this.curve, frame: state.frame, dark };
+    return { frames: frames!, stateNames: active!.scene.stateNames, events: this.events, curve: this.curve, frame: state.frame, dark };
   }
 
   /** The strip without the cursor is kept: moving the cursor over a long run stays cheap. */
@@ -182,7 +185,7 @@ export class Timeline {
     const { frames } = this.app;
     if (!frames) return null;
     const distance = (e: SceneEvent) => Math.abs(stampToX(frames, e.stamp, this.canvas.clientWidth) - x);
-    const near = this.events().filter((e) => distance(e) < 8).sort((a, b) => distance(a) - distance(b));
+    const near = this.events.filter((e) => distance(e) < 8).sort((a, b) => distance(a) - distance(b));
     return near[0] ?? null;
   }
 

@@ -16,14 +16,22 @@ export interface Stretch {
   state: number;
 }
 
+/** Between frames that are farther apart than this, nothing was recorded. */
+export function longestStep(stamps: Float64Array): number {
+  const steps = Float64Array.from(stamps.subarray(1), (s, i) => s - stamps[i]).sort();
+  return Math.max(1, 10 * (steps[steps.length >> 1] ?? 0));
+}
+
 /** Consecutive frames of one state, as stamps from the first frame to the next stretch. */
 export function stretches(frames: Frames): Stretch[] {
   const { stamps, states, count } = frames;
+  const longest = longestStep(stamps);
   const result: Stretch[] = [];
   for (let i = 0; i < count; i++) {
     const state = states ? states[i] : -1;
     const last = result[result.length - 1];
-    const until = i + 1 < count ? Math.min(stamps[i + 1], stamps[i] + 1) : stamps[i];
+    const joined = i + 1 < count && stamps[i + 1] - stamps[i] <= longest;
+    const until = joined ? stamps[i + 1] : stamps[i];
     if (last && last.state === state && stamps[i] - last.to <= 1e-9) last.to = until;
     else result.push({ from: stamps[i], to: until, state });
   }

@@ -22,9 +22,6 @@ export function showMessage(root: HTMLElement, text: string): void {
 }
 
 export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement): void {
-  const { canvas } = app.view;
-  canvas.tabIndex = 0;
-  canvas.setAttribute('aria-label', '3D view of the map. Drag to turn, right drag to move, wheel to zoom.');
   const side = el('aside', { id: 'side', aria: { label: 'Layers and colors' } }, ...sidePanel(app));
   const legend = new Legend(app);
   const timeline = new Timeline(app);
@@ -40,13 +37,17 @@ export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement): vo
   const bar = toolbar(app, actions);
   root.replaceChildren(bar, side, stage, timeline.element, help);
   bindShortcuts(app, actions);
-  window.addEventListener('hashchange', () => app.readHash());
-  document.title = `${titleOf(app)} · rastro view`;
   app.view.onDrawn = () => {
     legend.update();
     marks.update();
   };
   measure.onChange(() => bar.querySelector('[data-tool="measure"]')!.setAttribute('aria-pressed', `${measure.active}`));
+  keepUpToDate(app, side);
+}
+
+function keepUpToDate(app: App, side: HTMLElement): void {
+  window.addEventListener('hashchange', () => app.readHash());
+  document.title = `${titleOf(app)} · rastro view`;
   app.onChange((changed) => {
     // The theme also changes with the unit of lengths, see Measure.setKnown.
     if (changed.has('active') || changed.has('theme')) side.replaceChildren(...sidePanel(app));

@@ -9,7 +9,8 @@ import { loopColor } from './colors';
 import { drawable, thinLines } from './materials';
 import { count, titled, type LayerObject, type Style } from './style';
 
-/** Loops are few and are what people look for: they are drawn thick. */
+/** Few loops are what people look for and are drawn thick; thousands would cover the map and are drawn faint. */
+const fewLoops = 300;
 const isLoops = (name: string) => name.includes('loop');
 
 export class EdgesLayer implements LayerObject {
@@ -26,11 +27,13 @@ export class EdgesLayer implements LayerObject {
     this.detail = data.count === 0 ? 'none' : count(data.count, 'edge');
     this.shownAtFirst = isLoops(data.name) || data.name === 'spanning_tree' || data.name === 'odometry';
     const positions = ends(data, keyframes);
-    if (isLoops(data.name) && positions.length > 0) {
+    if (isLoops(data.name) && positions.length > 0 && data.count <= fewLoops) {
       this.object = thickLines(positions);
     } else {
-      const lines = thinLines(positions, '#888888', 0.5);
-      this.thin = lines.material;
+      const loops = isLoops(data.name);
+      const lines = thinLines(positions, loopColor, loops ? faint(data.count) : 0.5);
+      lines.renderOrder = -1; // below trajectory and points
+      if (!loops) this.thin = lines.material;
       this.object = lines;
     }
   }
@@ -38,6 +41,10 @@ export class EdgesLayer implements LayerObject {
   applyStyle(style: Style): void {
     this.thin?.color.set(style.dark ? '#9fb4c8' : '#44566a');
   }
+}
+
+function faint(count: number): number {
+  return Math.max(0.06, 0.8 * Math.sqrt(fewLoops / Math.max(count, fewLoops)));
 }
 
 function thickLines(positions: Float32Array): THREE.Object3D {

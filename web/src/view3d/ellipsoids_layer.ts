@@ -33,7 +33,8 @@ export class EllipsoidsLayer implements LayerObject {
   readonly label: string;
   readonly detail: string;
   readonly object: THREE.Mesh<THREE.InstancedBufferGeometry, THREE.ShaderMaterial>;
-  readonly shownAtFirst = true;
+  /** They hide what lies behind them; people who want them find the switch. */
+  readonly shownAtFirst = false;
 
   constructor(data: EllipsoidsData) {
     this.key = `ellipsoids:${data.name}`;

@@ -6,6 +6,7 @@ import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
 import type { Frames } from '../scene/scene';
 import { hexToRgb, mapColor, okabeIto, shareOf, stateColor, type Rgb } from './colors';
+import { longestStep } from '../timeline/track';
 import { drawable } from './materials';
 import { count, type LayerObject, type Style, type TrajectoryColor } from './style';
 
@@ -104,8 +105,7 @@ export function modesOf(frames: Frames): Set<TrajectoryColor> {
 
 /** Rows that are joined with the next one. A gap in the stamps is not bridged: nobody knows the path there. */
 function connected(stamps: Float64Array, positions: Float32Array): number[] {
-  const steps = Float64Array.from(stamps.subarray(1), (s, i) => s - stamps[i]).sort();
-  const gap = Math.max(1, 10 * (steps[steps.length >> 1] ?? 0));
+  const gap = longestStep(stamps);
   const finite = (row: number) => drawable(positions, 3 * row);
   const starts: number[] = [];
   for (let row = 0; row + 1 < stamps.length; row++) {
