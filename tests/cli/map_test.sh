@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Map files as a user meets them: map_test.sh PROGRAM SCRATCH_FOLDER CASE [--twenty]
-# CASE is make_room (first), files, landmarks, kill, kill_locations or kill_landmarks: a run killed with -9 at three moments (twenty with --twenty) leaves a
+# CASE is make_room (first), files, landmarks, places, view, kill, kill_locations or kill_landmarks: a run killed with -9 at three moments (twenty with --twenty) leaves a
 # map that opens and has all but the last second; a map of landmarks, which is written whole, all but the last two; one of locations all but the last location.
 set -euo pipefail
 rastro=$1
@@ -218,8 +218,57 @@ kill_runs() {
   for ((number = 1; number <= kills; number++)); do kill_one $number "$@"; done
 }
 
+# fetch PATH [HOST]: status and the first bytes of what the server gives.
+fetch() {
+  exec 3<>"/dev/tcp/127.0.0.1/$port"
+  printf 'GET %s HTTP/1.1\r\nHost: %s\r\nConnection: close\r\n\r\n' "$1" "${2:-localhost}" >&3
+  tr -d '\0' <&3 | head -c 3000
+  exec 3>&-
+}
+
+view() {
+  local begin
+  run 0 slam "$room" --method rgbd --out "$here/run" --set keyframe_frames=4 --quiet
+  run 0 export "$here/run" --to html --out "$here/room.html"
+  said 'bytes'
+  grep -qF 'class="rastro-scene" data-name="run"' "$here/room.html" || fail "the page has no scene"
+  run 0 export "$here/run/map.rastro" --to html --out "$here/map.html" --points 1000 --mesh --octree
+  [[ $(wc -c <"$here/map.html") -lt $(wc -c <"$here/room.html") ]] || fail "a thinned page is as large"
+  (cd "$here" && run 0 export run --to html --threads 1 --quiet)
+  cmp "$here/room.html" "$here/run.html" || fail "another page with one thread"
+  run 0 export "$here/run/trajectory.txt" --to html --out "$here/poses.html"
+  refused '--out' export "$here/run" --to ply
+  refused '--points' export "$here/run" --to html --points 0 --out "$here/no"
+  refused '--mesh' export "$here/run" --to ply --mesh --out "$here/no"
+  refused '--token' view "$here/run" --listen 0.0.0.0 --token 'a b'
+  refused 'is not an address' view "$here/run" --listen here
+  refused '--port' view "$here/run" --port 70000
+  refused 'does not exist' view "$here/none"
+  sed -i '3s/,.*/,cut/' "$here/run/stats.csv"
+  refused 'stats.csv:3' view "$here/run"
+  "$rastro" view "$here/run/map.rastro" "$here/run/trajectory.txt" --port 0 --token s3cret >"$here/address" 2>"$here/stderr" &
+  local process=$!
+  for ((begin = SECONDS; SECONDS - begin < 60; )); do
+    [[ -s $here/address ]] && break
+    sleep 0.1
+  done
+  local port
+  port=$(sed -n 's|^http://127.0.0.1:\([0-9]*\)/?token=s3cret$|\1|p' "$here/address")
+  [[ -n $port ]] || fail "no address was printed: $(cat "$here/address" "$here/stderr")"
+  fetch '/?token=s3cret' | grep -qF 'HTTP/1.1 200 OK' || fail "no page"
+  fetch '/api/scenes?token=s3cret' | grep -qF '"index":1,"name":"run"' || fail "no list of scenes"
+  fetch '/api/scene/0?token=s3cret' | grep -qF '"format":"rastro-scene"' || fail "no scene"
+  fetch /api/scenes | grep -qF 'HTTP/1.1 401' || fail "no token was asked for"
+  fetch '/?token=s3cret' evil.example | grep -qF 'HTTP/1.1 403' || fail "another host was served"
+  fetch '/../../etc/passwd?token=s3cret' | grep -qF 'HTTP/1.1 404' || fail "another path was served"
+  begin=$SECONDS
+  kill -INT $process
+  wait $process || fail "ended with $? after Ctrl-C"
+  ((SECONDS - begin <= 2)) || fail "it took $((SECONDS - begin)) s to stop"
+}
+
 case $case_name in
-  make_room | files | landmarks | places) $case_name ;;
+  make_room | files | landmarks | places | view) $case_name ;;
   kill) kill_runs --method rgbd ;;
   kill_locations) kill_runs --method rtabmap --set keyframe_frames=20 ;;
   kill_landmarks) kill_runs --method orb --sensor rgbd ;;

@@ -22,6 +22,7 @@ void add_localize_command(CLI::App& app, Context& context);
 void add_recover_command(CLI::App& app, Context& context);
 void add_scale_command(CLI::App& app, Context& context);
 void add_export_command(CLI::App& app, Context& context);
+void add_view_command(CLI::App& app, Context& context);
 void add_measure_command(CLI::App& app, Context& context);
 void add_methods_command(CLI::App& app, Context& context);
 void add_evaluate_command(CLI::App& app, Context& context);

@@ -26,6 +26,9 @@ namespace fs = std::filesystem;
 constexpr const char* footer =
     R"(RUN is a run folder or a map file (map.rastro); poses can also be taken from a trajectory file.
 All maps:
+  html     one page with everything there is to see, which opens in a browser without a server or a network: trajectory,
+           keyframes and their graphs, landmarks, cloud, semi-dense points, scans, occupancy grid; of a run folder also
+           states, times, events, uncertainties and errors. Also of poses alone. 'rastro view' shows the same
   ply      point cloud; binary. rgbd: colored surfaces with normals, count (measurements) and sigma (standard deviation
            along the normal). Others: landmarks (gray; count: observations, sigma: along the mean viewing direction),
            semi-dense depth and scans. An unknown sigma is nan
@@ -57,6 +60,7 @@ octrees are level: z up, origin on the floor below the first camera, which looks
 the lowest large horizontal plane; without one, up is the mean up direction of the cameras.
 
 Examples:
+  rastro export run --to html --out room.html
   rastro export run --to ply --out room.ply
   rastro export run/map.rastro --to octomap --out room.bt --resolution 0.1 --upright
   rastro export run --to pgm --out floor.yaml --height 0.1:1.5
@@ -76,7 +80,8 @@ struct Format {
   ExportFacts (*write)(const ExportJob&);
 };
 
-constexpr Format formats[] = {{"ply", export_cloud},
+constexpr Format formats[] = {{"html", export_html},
+                              {"ply", export_cloud},
                               {"pcd", export_cloud},
                               {"mesh", export_mesh},
                               {"octomap", export_octomap},
@@ -137,6 +142,13 @@ void settle(Flags& flags) {
   settings.cloud.submap = settings.octree.submap = flags.submap == "all" ? -1 : static_cast<int>(*submap);
   checked(flags.threads, 0, 1024, "--threads", "");
   set_height(flags);
+}
+
+void settle_out(Flags& flags) {
+  std::string& out = flags.settings.out;
+  if (!out.empty()) return;
+  if (flags.settings.to != "html") throw Error("is missing", "--out", "give the output file");
+  out = scene_name(flags.input) + ".html";
 }
 
 void refuse_input(const Flags& flags) {
@@ -204,6 +216,7 @@ ExportInput chosen_input(const Flags& flags) {
 void run_export(Flags& flags) {
   const Format& format = format_named(flags.settings.to);
   settle(flags);
+  settle_out(flags);
   refuse_input(flags);
   const ExportInput input = chosen_input(flags);
   fit_to_sensor(flags, input);
@@ -224,12 +237,13 @@ void add_export_command(CLI::App& app, Context& context) {
   command->add_option("RUN", flags->input, "Run folder or map file")->required()->type_name("");
   command
       ->add_option("--to", flags->settings.to,
-                   "ply, pcd, mesh, octomap, pgm, g2o, colmap, colmap-binary, landmarks, svg, png, word-images, "
+                   "html, ply, pcd, mesh, octomap, pgm, g2o, colmap, colmap-binary, landmarks, svg, png, word-images, "
                    "depth-images, depth-video, tum, kitti, euroc")
       ->required()
       ->type_name("FORMAT");
-  command->add_option("--out", flags->settings.out, "Output file; colmap, word-images, depth-images: folder")
-      ->required()
+  command
+      ->add_option("--out", flags->settings.out,
+                   "Output file; colmap, word-images, depth-images: folder (default: none; html: NAME.html)")
       ->type_name("FILE");
   command
       ->add_option("--voxel", flags->settings.voxel_m,
@@ -257,6 +271,12 @@ void add_export_command(CLI::App& app, Context& context) {
                    "Use every N-th pixel and row (default: 2; octomap, pgm: 4; mesh: always 1)")
       ->type_name("N");
   command
+      ->add_option("--points", flags->settings.scene.points,
+                   "html: maximum number of points of each layer (default: 300000)")
+      ->type_name("N");
+  command->add_flag("--mesh", flags->settings.scene.mesh, "html of rgbd: show surfaces as triangles, too");
+  command->add_flag("--octree", flags->settings.scene.octree, "html of rgbd: show occupied space as cubes, too");
+  command
       ->add_option("--images", flags->settings.images,
                    "colmap of orb: recording with the images (default: that of the run)")
       ->type_name("DATA");
@@ -271,7 +291,7 @@ void add_export_command(CLI::App& app, Context& context) {
   command->footer(footer);
   command->callback([command, flags, &context] {
     for (const char* flag : {"--voxel", "--min-count", "--resolution", "--height", "--max-depth", "--stride",
-                             "--submap", "--upright", "--images"})
+                             "--submap", "--upright", "--images", "--points", "--mesh", "--octree"})
       if (command->count(flag) > 0) flags->given.emplace_back(flag);
     if (flags->quiet) set_log_sink({});
     run_export(*flags);

@@ -31,10 +31,13 @@ constexpr FlagUse uses[] = {
     {"--height", "pgm", "", ""},
     {"--max-depth", "ply pcd mesh octomap pgm", "ply pcd colmap colmap-binary landmarks g2o svg png", ""},
     {"--stride", "ply pcd octomap pgm", "", ""},
-    {"--submap", "ply pcd mesh octomap pgm g2o colmap tum kitti euroc",
-     "ply pcd g2o colmap colmap-binary landmarks tum kitti euroc", "ply pcd pgm g2o tum kitti euroc"},
+    {"--submap", "html ply pcd mesh octomap pgm g2o colmap tum kitti euroc",
+     "html ply pcd g2o colmap colmap-binary landmarks tum kitti euroc", "html ply pcd pgm g2o tum kitti euroc"},
     {"--upright", "ply pcd mesh octomap pgm", "ply pcd", "ply pcd"},
     {"--images", "", "colmap colmap-binary", ""},
+    {"--points", "html", "html", "html"},
+    {"--mesh", "html", "", ""},
+    {"--octree", "html", "", ""},
 };
 
 struct InputKind {

@@ -45,6 +45,17 @@ TEST(ExportFlags, ThoseThatTheFormatDoesNotUseAreRefused) {
   EXPECT_EQ(refusal("--submap", "tum", Kind::poses), "--submap: does not apply to --to tum of poses; omit it");
 }
 
+TEST(ExportFlags, PagesTakeTheirOwn) {
+  for (const Kind kind : {Kind::images, Kind::landmarks, Kind::scans}) {
+    EXPECT_EQ(refusal("--points", "html", kind), "");
+    EXPECT_EQ(refusal("--submap", "html", kind), "");
+    EXPECT_NE(refusal("--points", "ply", kind), "");
+    EXPECT_NE(refusal("--voxel", "html", kind), "");
+  }
+  EXPECT_EQ(refusal("--mesh", "html", Kind::images), "");
+  EXPECT_NE(refusal("--octree", "html", Kind::scans), "");
+}
+
 TEST(ExportFlags, LandmarkMapsTakeTheirOwn) {
   for (const char* flag : {"--min-count", "--max-depth"}) {
     for (const char* to : {"ply", "pcd", "colmap", "landmarks", "g2o", "png"})

@@ -11,6 +11,7 @@
 #include "rastro/base/append_file.h"
 #include "rastro/base/task_pool.h"
 #include "rastro/cli/export_input.h"
+#include "rastro/cli/scene_input.h"
 #include "rastro/map/cloud/build_cloud.h"
 #include "rastro/map/octree/occupancy_octree.h"
 
@@ -26,6 +27,7 @@ struct ExportSettings {
   double max_depth_m = 5.0;                ///< As the sizes of voxels and cells, fitted to the sensor where not given.
   double lowest_m = 0.1, highest_m = 1.8;  ///< pgm: above the floor.
   bool upright = false;
+  SceneFlags scene;  ///< html.
 };
 
 /// Facts to print about an export, in order.
@@ -52,6 +54,7 @@ ExportFacts export_poses(const ExportJob& job);
 ExportFacts export_depth_images(const ExportJob& job);  ///< Of semi-dense depth.
 ExportFacts export_depth_video(const ExportJob& job);   ///< Of semi-dense depth, as the one before.
 ExportFacts export_word_images(const ExportJob& job);   ///< Of signatures.
+ExportFacts export_html(const ExportJob& job);          ///< Everything there is to see.
 
 /// Creates the folder if needed.
 void write_export(const std::filesystem::path& file, std::string_view bytes);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/cli/interrupt.h"
 
+#include <semaphore.h>
+
+#include <cerrno>
 #include <csignal>
 
 namespace rastro::cli {
@@ -10,11 +13,13 @@ constexpr int patience = 3;  ///< The signal that ends the program.
 
 std::atomic<bool> interrupted = false;
 std::atomic<int> signals = 0;
+sem_t interrupts;  // of the few things that a signal handler may touch
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
               "a signal handler may only touch lock-free atomics");
 
 extern "C" void note_interrupt(int signal) {
   interrupted.store(true);
+  sem_post(&interrupts);
   if (signals.fetch_add(1) + 1 < patience) return;
   std::signal(signal, SIG_DFL);
   std::raise(signal);
@@ -23,6 +28,7 @@ extern "C" void note_interrupt(int signal) {
 }  // namespace
 
 const std::atomic<bool>& catch_interrupts() {
+  [[maybe_unused]] static const int once = sem_init(&interrupts, 0, 0);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     // 'nohup rastro ...' is not to be interrupted.
     if (std::signal(signal, note_interrupt) == SIG_IGN && signal == SIGHUP) std::signal(signal, SIG_IGN);
@@ -32,6 +38,11 @@ const std::atomic<bool>& catch_interrupts() {
 
 void stop_if_interrupted() {
   if (interrupted.load()) throw Interrupted{};
+}
+
+void wait_for_interrupt() {
+  while (sem_wait(&interrupts) != 0 && errno == EINTR && !interrupted.load()) {
+  }
 }
 
 }  // namespace rastro::cli

@@ -15,4 +15,7 @@ struct Interrupted {};
 /// Throws Interrupted where the flag of catch_interrupts() is set.
 void stop_if_interrupted();
 
+/// After catch_interrupts(): returns when one of these signals came.
+void wait_for_interrupt();
+
 }  // namespace rastro::cli

@@ -38,6 +38,7 @@ Examples:
   rastro evaluate tracks tracks --ground-truth hall re-identification recall and precision
   rastro odometry kitti/00 --out vo                 trajectory of one camera
   rastro slam MH_01_easy --method orb --out run     trajectory and map
+  rastro view run                                   trajectory and map in a browser
   rastro evaluate trajectory MH_01_easy run         ATE and RPE
   rastro localize MH_02_easy --map run --out found  trajectory in that map
   rastro check my_recording                         gaps, timestamps, calibration, broken frames
@@ -93,6 +94,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_slam_command(app, context);
   add_localize_command(app, context);
   add_evaluate_command(app, context);
+  add_view_command(app, context);
   add_export_command(app, context);
   add_measure_command(app, context);
   add_scale_command(app, context);

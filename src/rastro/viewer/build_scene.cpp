@@ -31,7 +31,7 @@ int session_row(const Map& map, const Keyframe& keyframe) {
   return found == map.sessions.end() ? -1 : static_cast<int>(found - map.sessions.begin());
 }
 
-void add_sessions(const Map& map, Scene& scene) {
+void add_sessions(const Map& map, ViewScene& scene) {
   for (const MapSession& each : map.sessions)
     scene.sessions.push_back({static_cast<int>(scene.sessions.size()), each.robot, name_of_recording(each.recording),
                               to_seconds(each.first_stamp), to_seconds(each.last_stamp)});
@@ -41,7 +41,7 @@ void add_sessions(const Map& map, Scene& scene) {
   scene.scale_origin = scale.origin;
 }
 
-void add_keyframes(const SceneJob& job, Scene& scene) {
+void add_keyframes(const SceneJob& job, ViewScene& scene) {
   SceneKeyframes& keyframes = scene.keyframes;
   for (const std::size_t index : job.rows.shown()) {
     const Keyframe& keyframe = job.map.keyframes[index];
@@ -54,14 +54,14 @@ void add_keyframes(const SceneJob& job, Scene& scene) {
   }
 }
 
-void add_camera(const Map& map, Scene& scene) {
+void add_camera(const Map& map, ViewScene& scene) {
   if (map.cameras.empty() || map.cameras.front().kind == CameraKind::none) return;
   const auto& camera = map.cameras.front().intrinsics;
   if (camera.fx <= 0.0 || camera.width <= 0 || camera.height <= 0) return;
   scene.camera = SceneCamera{camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
 }
 
-void add_frames(const SceneJob& job, Scene& scene) {
+void add_frames(const SceneJob& job, ViewScene& scene) {
   std::set<int> submaps;
   for (const std::size_t index : job.rows.shown()) submaps.insert(job.map.keyframes[index].submap);
   Trajectory trajectory;
@@ -133,11 +133,11 @@ std::vector<std::size_t> evenly(std::size_t count, std::size_t most) {
 
 }  // namespace detail
 
-Scene build_scene(const Map& map, const SceneOptions& options, TaskPool& pool, const MapProgress& progress) {
+ViewScene build_scene(const Map& map, const ViewSceneOptions& options, TaskPool& pool, const MapProgress& progress) {
   RASTRO_CHECK(options.max_points > 0, "a scene has points");
   const KeyframeRows rows(map, options.submap);
   const SceneJob job{map, options, rows, pool, progress};
-  Scene scene;
+  ViewScene scene;
   scene.method = map.method;
   scene.revision = map.revision;
   scene.planar = map.cameras.empty();

@@ -10,7 +10,7 @@
 
 namespace rastro {
 
-struct SceneOptions {
+struct ViewSceneOptions {
   int submap = 0;                      ///< As in CloudOptions: -1 is all, each in the frame of its own.
   std::size_t max_points = 300'000;    ///< Of each layer of points, at least 1; others are thinned evenly.
   std::size_t max_ellipsoids = 1'000;  ///< Of landmarks, evenly chosen.
@@ -23,6 +23,7 @@ struct SceneOptions {
 /// What the page shows of a map: keyframes with their graphs, the frames that it holds, and every layer that has
 /// something to see: landmarks, points of other layers, the cloud of depth images, the occupancy grid of scans.
 /// The same scene for any pool. Error where images cannot be read.
-Scene build_scene(const Map& map, const SceneOptions& options, TaskPool& pool, const MapProgress& progress = {});
+ViewScene build_scene(const Map& map, const ViewSceneOptions& options, TaskPool& pool,
+                      const MapProgress& progress = {});
 
 }  // namespace rastro

@@ -23,7 +23,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::Not;
 
-std::string bytes_of(const Map& map, const SceneOptions& options = {}, int threads = 1) {
+std::string bytes_of(const Map& map, const ViewSceneOptions& options = {}, int threads = 1) {
   TaskPool pool(threads);
   return scene_bytes(build_scene(map, options, pool));
 }
@@ -39,7 +39,8 @@ std::vector<float> item(const std::vector<float>& numbers, std::size_t k, std::s
 }
 
 std::vector<std::uint32_t> pairs_of(const SceneBlock& block, const std::string& name) {
-  return block.layer(name) ? block.numbers<std::uint32_t>(block.layer(name)->at("pairs")) : std::vector<std::uint32_t>{};
+  return block.layer(name) ? block.numbers<std::uint32_t>(block.layer(name)->at("pairs"))
+                           : std::vector<std::uint32_t>{};
 }
 
 /// Three keyframes along x, each with one scan of a wall at y = 2.
@@ -70,7 +71,8 @@ TEST(BuildScene, HasTheRoomAsTheMapHasIt) {
   ASSERT_EQ(poses.size(), 7 * map.keyframes.size());
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     const SE3& pose = map.keyframes[k].world_from_camera;
-    EXPECT_EQ(item({poses.begin() + static_cast<std::ptrdiff_t>(7 * k), poses.end()}, 0, 3), floats(pose.translation()));
+    EXPECT_EQ(item({poses.begin() + static_cast<std::ptrdiff_t>(7 * k), poses.end()}, 0, 3),
+              floats(pose.translation()));
     EXPECT_EQ(poses[7 * k + 6], static_cast<float>(pose.rotation().quaternion().w()));
   }
   EXPECT_EQ(pairs_of(block, "odometry"), (std::vector<std::uint32_t>{0, 1, 1, 2, 2, 3, 3, 4, 4, 5}));
@@ -105,7 +107,7 @@ TEST(BuildScene, ThinsTheCloudAndFindsUp) {
   EXPECT_EQ(all.numbers<std::uint8_t>(all.layer("cloud")->at("colors"))[2], cloud.points[0].color[2]);
   const auto up = all.header["up"].get<std::vector<double>>();
   EXPECT_GT(up[2], 0.999) << "the room stands upright in its world";
-  SceneOptions few;
+  ViewSceneOptions few;
   few.max_points = 500;
   const std::string thinned = bytes_of(map, few);
   const auto count = SceneBlock(thinned).layer("cloud")->at("sigmas").at("count").get<std::size_t>();
@@ -120,12 +122,13 @@ TEST(BuildScene, MakesSurfacesAndSmallImagesOnRequest) {
   EXPECT_THAT(plain.layer_names(), Not(Contains("mesh")));
   EXPECT_THAT(plain.layer_names(), Not(Contains("octree")));
   EXPECT_TRUE(plain.header["images"].empty());
-  SceneOptions options;
+  ViewSceneOptions options;
   options.mesh = options.octree = true, options.max_images = 2;
   const std::string bytes = bytes_of(map, options);
   const SceneBlock block(bytes);
   const auto vertices = block.numbers<float>(block.layer("mesh")->at("positions")).size() / 3;
-  for (const auto corner : block.numbers<std::uint32_t>(block.layer("mesh")->at("triangles"))) ASSERT_LT(corner, vertices);
+  for (const auto corner : block.numbers<std::uint32_t>(block.layer("mesh")->at("triangles")))
+    ASSERT_LT(corner, vertices);
   EXPECT_GT(vertices, 100U);
   const auto sizes = block.numbers<float>(block.layer("octree")->at("sizes"));
   EXPECT_GT(sizes.size(), 100U);
@@ -158,7 +161,7 @@ TEST(BuildScene, HasLandmarksWithTheirGraphs) {
                       static_cast<float>(std::sqrt(landmark.direction.dot(*covariance * landmark.direction))));
     }
   }
-  EXPECT_EQ(pairs_of(block, "covisibility").size(), 2 * covisibility_graph(map, SceneOptions().covisible).size());
+  EXPECT_EQ(pairs_of(block, "covisibility").size(), 2 * covisibility_graph(map, ViewSceneOptions().covisible).size());
   EXPECT_EQ(pairs_of(block, "essential_graph").size(), 2 * essential_graph(map).size());
   EXPECT_EQ(pairs_of(block, "spanning_tree").size(), 2 * (map.keyframes.size() - 1));
   EXPECT_EQ(pairs_of(block, "loops"), (std::vector<std::uint32_t>{11, 0}));
@@ -178,9 +181,9 @@ TEST(BuildScene, GivesEllipsoidsTheSizeOfTheCovariance) {
   std::vector<float> lengths;
   for (std::size_t axis = 0; axis < 3; ++axis)
     lengths.push_back(std::hypot(axes[3 * axis], axes[3 * axis + 1], axes[3 * axis + 2]));
-  EXPECT_THAT(lengths, ::testing::UnorderedElementsAre(::testing::FloatNear(0.0F, 1e-6F),
-                                                       ::testing::FloatNear(0.2F, 1e-6F),
-                                                       ::testing::FloatNear(0.3F, 1e-6F)));
+  EXPECT_THAT(lengths,
+              ::testing::UnorderedElementsAre(::testing::FloatNear(0.0F, 1e-6F), ::testing::FloatNear(0.2F, 1e-6F),
+                                              ::testing::FloatNear(0.3F, 1e-6F)));
   EXPECT_FLOAT_EQ(block.numbers<float>(block.layer("landmarks")->at("sigmas"))[0], std::sqrt(0.13F));
 }
 
@@ -214,7 +217,7 @@ TEST(BuildScene, HasScansAndGridOfAPlanarMap) {
 }
 
 TEST(BuildScene, ShowsAllSubmapsOnRequest) {
-  SceneOptions all;
+  ViewSceneOptions all;
   all.submap = -1;
   const std::string bytes = bytes_of(planar_map(), all);
   EXPECT_EQ(SceneBlock(bytes).numbers<std::int32_t>(SceneBlock(bytes).header["keyframes"]["submaps"]),
@@ -242,7 +245,7 @@ TEST(BuildScene, HasSemiDensePointsWithRowsAndSigmas) {
 
 TEST(BuildScene, GivesTheSameBytesForAnyPool) {
   const Map map = make_test_map(4);
-  SceneOptions options;
+  ViewSceneOptions options;
   options.max_points = 2000, options.max_images = 4, options.octree = true;
   const std::string alone = bytes_of(map, options);
   EXPECT_EQ(bytes_of(map, options), alone);

@@ -7,9 +7,7 @@
 namespace rastro::detail {
 namespace {
 
-namespace http = boost::beast::http;
-
-std::string text_of(boost::beast::string_view view) { return {view.data(), view.size()}; }
+std::string string_of(boost::beast::string_view view) { return {view.data(), view.size()}; }
 
 }  // namespace
 
@@ -22,12 +20,12 @@ void prepare(RequestParser& parser) {
 ViewRequest request_of(const RequestParser& parser) {
   const auto& message = parser.get();
   ViewRequest request;
-  request.method = text_of(message.method_string());
-  request.target = text_of(message.target());
+  request.method = string_of(message.method_string());
+  request.target = string_of(message.target());
   const auto hosts = message.equal_range(http::field::host);
-  for (auto host = hosts.first; host != hosts.second; ++host) request.hosts.push_back(text_of(host->value()));
-  request.origin = text_of(message[http::field::origin]);
-  request.cookie = text_of(message[http::field::cookie]);
+  for (auto host = hosts.first; host != hosts.second; ++host) request.hosts.push_back(string_of(host->value()));
+  request.origin = string_of(message[http::field::origin]);
+  request.cookie = string_of(message[http::field::cookie]);
   return request;
 }
 

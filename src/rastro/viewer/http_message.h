@@ -13,7 +13,9 @@
 
 namespace rastro::detail {
 
-using RequestParser = boost::beast::http::request_parser<boost::beast::http::empty_body>;
+namespace http = boost::beast::http;
+
+using RequestParser = http::request_parser<http::empty_body>;
 
 /// For one request, within bounds.
 void prepare(RequestParser& parser);

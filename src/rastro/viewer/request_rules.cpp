@@ -55,12 +55,8 @@ std::string_view name_in(std::string_view host) {
 bool is_numeric_address(std::string_view name) {
   std::array<unsigned char, sizeof(in6_addr)> ignored{};
   const std::string text(name);
-  return inet_pton(AF_INET, text.c_str(), ignored.data()) == 1 || inet_pton(AF_INET6, text.c_str(), ignored.data()) == 1;
-}
-
-std::string name_of_machine() {
-  std::array<char, 256> name{};
-  return gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : std::string();
+  return inet_pton(AF_INET, text.c_str(), ignored.data()) == 1 ||
+         inet_pton(AF_INET6, text.c_str(), ignored.data()) == 1;
 }
 
 /// What the page may do: run its own script, show images it made, and talk to this server.
@@ -69,6 +65,11 @@ constexpr const char* content_policy =
     "worker-src blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 }  // namespace
+
+std::string name_of_machine() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : std::string("localhost");
+}
 
 ViewReply refusal(int status, std::string_view line) {
   ViewReply reply;
@@ -138,7 +139,8 @@ ViewReply RequestRules::reply_to(const ViewRequest& request) const {
     return reply;
   }
   if (request.target.size() > longest_target) return refusal(414, "the address is too long\n");
-  if (!has_token(request)) return refusal(401, "the token is missing or wrong: use the address that rastro view printed\n");
+  if (!has_token(request))
+    return refusal(401, "the token is missing or wrong: use the address that rastro view printed\n");
   const Target target = parts_of(request.target);
   ViewReply reply = content_at(target.path);
   // What the page asks for later carries the cookie; scripts cannot read it, other sites cannot send it.

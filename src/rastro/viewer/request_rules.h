@@ -44,6 +44,9 @@ class RequestRules {
   bool loopback_only_;
 };
 
+/// As other machines may call it.
+std::string name_of_machine();
+
 /// A reply that only says in one line what is wrong.
 ViewReply refusal(int status, std::string_view line);
 

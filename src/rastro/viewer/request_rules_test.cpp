@@ -23,8 +23,9 @@ TEST(RequestRules, ServesPageListAndScenes) {
   ASSERT_EQ(page.fields.size(), 1U);
   EXPECT_EQ(page.fields[0].first, "Content-Security-Policy");
   EXPECT_NE(page.fields[0].second.find("default-src 'none'"), std::string::npos);
-  EXPECT_EQ(rules.reply_to(get("/api/scenes")).body,
-            "[{\"index\":0,\"name\":\"kitchen\",\"bytes\":20},{\"index\":1,\"name\":\"office \xEF\xBF\xBD\",\"bytes\":4}]");
+  EXPECT_EQ(
+      rules.reply_to(get("/api/scenes")).body,
+      "[{\"index\":0,\"name\":\"kitchen\",\"bytes\":20},{\"index\":1,\"name\":\"office \xEF\xBF\xBD\",\"bytes\":4}]");
   EXPECT_EQ(rules.reply_to(get("/api/scene/0")).body, "bytes of the kitchen");
   EXPECT_EQ(rules.reply_to(get("/api/scene/1?x=y")).body, "1234");
 }
@@ -48,7 +49,8 @@ TEST(RequestRules, RefusesOtherHosts) {
   const RequestRules here(scenes, "", true, 8420), everywhere(scenes, "secret", false, 8420);
   for (const char* host : {"localhost", "localhost:9000", "127.0.0.1:8420", "[::1]:8420", "[::1]"})
     EXPECT_EQ(here.reply_to(get("/", host)).status, 200) << host;
-  for (const char* host : {"", "evil.example:8420", "localhost.evil.example", "192.168.1.5:8420", "[::1", "127.0.0.1.evil.example"})
+  for (const char* host :
+       {"", "evil.example:8420", "localhost.evil.example", "192.168.1.5:8420", "[::1", "127.0.0.1.evil.example"})
     EXPECT_EQ(here.reply_to(get("/", host)).status, 403) << host;
   EXPECT_EQ(everywhere.reply_to(get("/?token=secret", "192.168.1.5:8420")).status, 200);
   EXPECT_EQ(everywhere.reply_to(get("/?token=secret", "[fe80::1]:8420")).status, 200);
@@ -72,8 +74,8 @@ TEST(RequestRules, RefusesOtherOrigins) {
 
 TEST(RequestRules, AsksForTheToken) {
   const RequestRules rules(scenes, "s3cret", false, 8420);
-  for (const char* target : {"/", "/?token=", "/?token=s3cre", "/?token=s3crets3cret", "/?token=S3CRET", "/?nottoken=s3cret",
-                             "/api/scenes", "/api/scene/0", "/?token", "/nothing"})
+  for (const char* target : {"/", "/?token=", "/?token=s3cre", "/?token=s3crets3cret", "/?token=S3CRET",
+                             "/?nottoken=s3cret", "/api/scenes", "/api/scene/0", "/?token", "/nothing"})
     EXPECT_EQ(rules.reply_to(get(target)).status, 401) << target;
   const ViewReply page = rules.reply_to(get("/?a=b&token=s3cret"));
   EXPECT_EQ(page.status, 200);

@@ -83,7 +83,7 @@ void add_truth(const RunRecord& record, const FrameRows& rows, SceneFrames& fram
 }
 
 /// Sigmas of all frames, and ellipsoids of some.
-void add_uncertainties(const RunRecord& record, const FrameRows& rows, Scene& scene) {
+void add_uncertainties(const RunRecord& record, const FrameRows& rows, ViewScene& scene) {
   constexpr std::size_t most_ellipsoids = 300;
   if (record.uncertainties.empty()) return;
   scene.frames.sigmas.assign(rows.count(), nan_value);
@@ -102,7 +102,7 @@ void add_uncertainties(const RunRecord& record, const FrameRows& rows, Scene& sc
   if (!ellipsoids.centers.empty()) scene.layers.emplace_back(std::move(ellipsoids));
 }
 
-void add_events(const RunRecord& record, const FrameRows& rows, Scene& scene) {
+void add_events(const RunRecord& record, const FrameRows& rows, ViewScene& scene) {
   std::map<std::int64_t, SceneEvent> of_frames;
   for (const RunRecord::Frame& frame : record.frames)
     of_frames[frame.frame] = {SceneEvent::no_pose, to_seconds(frame.stamp), {}, {}};
@@ -118,7 +118,7 @@ void add_events(const RunRecord& record, const FrameRows& rows, Scene& scene) {
 
 }  // namespace
 
-void add_run(const RunRecord& record, Scene& scene) {
+void add_run(const RunRecord& record, ViewScene& scene) {
   if (record.trajectory.size() > scene.frames.stamps_s.size()) detail::set_frames(record.trajectory, scene.frames);
   const FrameRows rows(scene.frames.stamps_s);
   add_states(record, rows, scene.frames);

@@ -44,6 +44,6 @@ struct RunRecord {
 
 /// Adds it to the scene of the run's map (or an empty one). The frames of the map stay where they are as many as the
 /// run's; else the run's trajectory is shown.
-void add_run(const RunRecord& record, Scene& scene);
+void add_run(const RunRecord& record, ViewScene& scene);
 
 }  // namespace rastro

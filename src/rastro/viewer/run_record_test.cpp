@@ -20,7 +20,8 @@ RunRecord record() {
   record.online.push_back({stamp_of(1), SE3(SO3(), {1.5, 0.0, 0.0})});
   record.online.push_back({stamp_of(3), SE3(SO3(), {3.5, 0.0, 0.0})});
   const char* states[] = {"initializing", "tracking", "lost", "of another kind"};
-  for (int frame = 0; frame <= 3; ++frame) record.frames.push_back({frame, stamp_of(frame), states[frame], 10.0 + frame});
+  for (int frame = 0; frame <= 3; ++frame)
+    record.frames.push_back({frame, stamp_of(frame), states[frame], 10.0 + frame});
   RunRecord::Uncertainty uncertainty;
   uncertainty.stamp = stamp_of(2);
   uncertainty.covariance = Eigen::Vector3d(0.01, 0.02, 0.06).asDiagonal();
@@ -32,7 +33,7 @@ RunRecord record() {
 }
 
 TEST(RunRecord, JoinsWhatItHasByStamp) {
-  Scene scene;
+  ViewScene scene;
   add_run(record(), scene);
   const SceneFrames& frames = scene.frames;
   EXPECT_EQ(frames.positions, (std::vector<float>{1, 0, 0, 2, 0, 0, 3, 0, 0}));
@@ -49,7 +50,7 @@ TEST(RunRecord, JoinsWhatItHasByStamp) {
 }
 
 TEST(RunRecord, HasUncertaintiesTruthAndEvents) {
-  Scene scene;
+  ViewScene scene;
   add_run(record(), scene);
   const SceneFrames& frames = scene.frames;
   EXPECT_TRUE(std::isnan(frames.sigmas[0]));
@@ -67,7 +68,7 @@ TEST(RunRecord, HasUncertaintiesTruthAndEvents) {
 }
 
 TEST(RunRecord, KeepsTheFramesOfTheMapWhereTheyAreNoFewer) {
-  Scene scene;
+  ViewScene scene;
   scene.frames.stamps_s = {to_seconds(stamp_of(1)), to_seconds(stamp_of(2)), to_seconds(stamp_of(3))};
   scene.frames.positions.assign(9, 7.0F);
   scene.frames.orientations.assign(12, 0.5F);
@@ -77,7 +78,7 @@ TEST(RunRecord, KeepsTheFramesOfTheMapWhereTheyAreNoFewer) {
 }
 
 TEST(RunRecord, AddsNothingOfAnEmptyRun) {
-  Scene scene;
+  ViewScene scene;
   add_run({}, scene);
   EXPECT_TRUE(scene.frames.stamps_s.empty());
   EXPECT_TRUE(scene.frames.states.empty());

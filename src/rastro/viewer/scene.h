@@ -104,7 +104,7 @@ struct SceneImage {
   std::vector<std::uint8_t> jpeg;
 };
 
-struct Scene {
+struct ViewScene {
   std::string title, method;
   std::int64_t revision = 0;
   bool metric = false;

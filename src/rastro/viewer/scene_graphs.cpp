@@ -10,11 +10,16 @@ namespace {
 /// In the page's words, as they stand beside one another in its list of layers.
 const char* name_of_edges(ConstraintKind kind) {
   switch (kind) {
-    case ConstraintKind::odometry: return "odometry";
-    case ConstraintKind::proximity: return "proximity";
-    case ConstraintKind::loop: return "loops";
-    case ConstraintKind::merge: return "merges";
-    case ConstraintKind::inter_robot: return "inter_robot";
+    case ConstraintKind::odometry:
+      return "odometry";
+    case ConstraintKind::proximity:
+      return "proximity";
+    case ConstraintKind::loop:
+      return "loops";
+    case ConstraintKind::merge:
+      return "merges";
+    case ConstraintKind::inter_robot:
+      return "inter_robot";
   }
   return "constraints";
 }
@@ -27,9 +32,11 @@ class EdgeList {
   void add(std::optional<std::uint32_t> from, std::optional<std::uint32_t> to) {
     if (from && to) edges_.pairs.insert(edges_.pairs.end(), {*from, *to});
   }
-  void add_ids(KeyframeId from, KeyframeId to) { add(job_.rows.row_of(job_.map, from), job_.rows.row_of(job_.map, to)); }
+  void add_ids(KeyframeId from, KeyframeId to) {
+    add(job_.rows.row_of(job_.map, from), job_.rows.row_of(job_.map, to));
+  }
   void add_indices(std::size_t from, std::size_t to) { add(job_.rows.row(from), job_.rows.row(to)); }
-  void move_to(Scene& scene) {
+  void move_to(ViewScene& scene) {
     if (!edges_.pairs.empty()) scene.layers.emplace_back(std::move(edges_));
   }
 
@@ -38,7 +45,7 @@ class EdgeList {
   SceneEdges edges_;
 };
 
-void add_constraints(const SceneJob& job, Scene& scene) {
+void add_constraints(const SceneJob& job, ViewScene& scene) {
   for (int kind = 0; kind < constraint_kinds; ++kind) {
     EdgeList edges(job, name_of_edges(static_cast<ConstraintKind>(kind)));
     for (const Constraint& each : job.map.constraints)
@@ -47,7 +54,7 @@ void add_constraints(const SceneJob& job, Scene& scene) {
   }
 }
 
-void add_spanning_tree(const SceneJob& job, Scene& scene) {
+void add_spanning_tree(const SceneJob& job, ViewScene& scene) {
   EdgeList edges(job, "spanning_tree");
   for (const Keyframe& keyframe : job.map.keyframes)
     if (keyframe.parent != no_keyframe) edges.add_ids(keyframe.parent, keyframe.id);
@@ -56,7 +63,7 @@ void add_spanning_tree(const SceneJob& job, Scene& scene) {
 
 }  // namespace
 
-void add_graphs(const SceneJob& job, Scene& scene) {
+void add_graphs(const SceneJob& job, ViewScene& scene) {
   add_constraints(job, scene);
   add_spanning_tree(job, scene);
   const auto covisible = covisibility_graph(job.map, job.options.covisible);

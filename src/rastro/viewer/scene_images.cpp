@@ -36,7 +36,7 @@ SceneImage small_image(const PackedImages& packed, std::uint32_t row) {
 
 }  // namespace
 
-void add_images(const SceneJob& job, Scene& scene) {
+void add_images(const SceneJob& job, ViewScene& scene) {
   const auto layer = job.map.layer<ImageLayer>();
   if (!layer || job.options.max_images == 0) return;
   std::vector<std::pair<KeyframeId, std::uint32_t>> there;

@@ -57,7 +57,7 @@ std::uint32_t row_of(const SceneJob& job, const Landmark& landmark) {
 }
 
 void add_ellipsoids(const SceneJob& job, const LandmarkLayer& layer, const std::vector<std::size_t>& shown,
-                    const std::vector<Covariance>& covariances, Scene& scene) {
+                    const std::vector<Covariance>& covariances, ViewScene& scene) {
   std::vector<std::size_t> known;
   for (std::size_t k = 0; k < shown.size(); ++k)
     if (covariances[k] && covariances[k]->allFinite()) known.push_back(k);
@@ -73,7 +73,7 @@ void add_ellipsoids(const SceneJob& job, const LandmarkLayer& layer, const std::
 
 }  // namespace
 
-void add_landmarks(const SceneJob& job, Scene& scene) {
+void add_landmarks(const SceneJob& job, ViewScene& scene) {
   const auto layer = job.map.layer<LandmarkLayer>();
   if (!layer) return;
   const std::vector<std::size_t> shown = shown_landmarks(job, *layer);

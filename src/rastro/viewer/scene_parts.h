@@ -32,7 +32,7 @@ class KeyframeRows {
 /// One build of a scene.
 struct SceneJob {
   const Map& map;
-  const SceneOptions& options;
+  const ViewSceneOptions& options;
   const KeyframeRows& rows;
   TaskPool& pool;
   const MapProgress& progress;
@@ -40,16 +40,16 @@ struct SceneJob {
 
 // Each adds what the map has of one kind, and nothing where it has none of it.
 
-void add_graphs(const SceneJob& job, Scene& scene);
-void add_landmarks(const SceneJob& job, Scene& scene);
+void add_graphs(const SceneJob& job, ViewScene& scene);
+void add_landmarks(const SceneJob& job, ViewScene& scene);
 /// Points of all layers but landmarks.
-void add_layer_points(const SceneJob& job, Scene& scene);
+void add_layer_points(const SceneJob& job, ViewScene& scene);
 /// Of depth images. Returns the whole cloud; empty without images.
-PointCloud add_cloud(const SceneJob& job, Scene& scene);
-void add_grid(const SceneJob& job, Scene& scene);
+PointCloud add_cloud(const SceneJob& job, ViewScene& scene);
+void add_grid(const SceneJob& job, ViewScene& scene);
 /// Mesh and octree, where the options ask for them.
-void add_surfaces(const SceneJob& job, Scene& scene);
-void add_images(const SceneJob& job, Scene& scene);
+void add_surfaces(const SceneJob& job, ViewScene& scene);
+void add_images(const SceneJob& job, ViewScene& scene);
 
 inline void append(std::vector<float>& numbers, const Eigen::Vector3d& vector) {
   for (int axis = 0; axis < 3; ++axis) numbers.push_back(static_cast<float>(vector[axis]));

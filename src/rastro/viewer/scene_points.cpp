@@ -29,10 +29,10 @@ ScenePoints points_of(const RowedCloud& all, std::string name, double side, std:
   std::vector<float> positions;
   positions.reserve(3 * points.size());
   for (const CloudPoint& point : points) append(positions, point.position.cast<double>());
-  const bool colored = std::any_of(points.begin(), points.end(), [](const CloudPoint& each) {
-    return each.color != std::array<std::uint8_t, 3>{};
-  });
-  const bool has_sigmas = std::any_of(points.begin(), points.end(), [](const CloudPoint& each) { return each.sigma > 0.0F; });
+  const bool colored = std::any_of(points.begin(), points.end(),
+                                   [](const CloudPoint& each) { return each.color != std::array<std::uint8_t, 3>{}; });
+  const bool has_sigmas =
+      std::any_of(points.begin(), points.end(), [](const CloudPoint& each) { return each.sigma > 0.0F; });
   ScenePoints scene;
   scene.name = std::move(name);
   for (const std::uint32_t index : thin_points(positions, side, most)) {
@@ -78,7 +78,7 @@ ScenePoints points_of_layer(const SceneJob& job, const std::string& name, const 
 
 }  // namespace
 
-void add_layer_points(const SceneJob& job, Scene& scene) {
+void add_layer_points(const SceneJob& job, ViewScene& scene) {
   for (const auto& [name, layer] : job.map.layers.all()) {
     if (name == LandmarkLayer::layer_name) continue;
     ScenePoints points = points_of_layer(job, name, *layer);
@@ -86,7 +86,7 @@ void add_layer_points(const SceneJob& job, Scene& scene) {
   }
 }
 
-PointCloud add_cloud(const SceneJob& job, Scene& scene) {
+PointCloud add_cloud(const SceneJob& job, ViewScene& scene) {
   if (!images_of(job.map)) return {};
   CloudOptions options = cloud_options_for(job.map);
   options.submap = job.options.submap;

@@ -20,7 +20,8 @@ std::uint8_t cell_of(std::int8_t percent) {
   return static_cast<std::uint8_t>((percent * most_occupied + 50) / 100);
 }
 
-/// Whether `now` is to be shown in place of `before` where both fall into one cell: the occupied one, and no unknown one.
+/// Whether `now` is to be shown in place of `before` where both fall into one cell: the occupied one, and no unknown
+/// one.
 bool outweighs(std::uint8_t now, std::uint8_t before) {
   return now != unknown_cell && (before == unknown_cell || now > before);
 }
@@ -48,7 +49,7 @@ SceneGrid coarse_grid(const OccupancyGrid& grid, int factor) {
 /// Voxels and cells in proportion to the depth that the map's sensor measures well.
 double ratio_of(const Map& map) { return precise_depth_m(map) / CloudOptions().max_depth_m; }
 
-void add_mesh(const SceneJob& job, Scene& scene) {
+void add_mesh(const SceneJob& job, ViewScene& scene) {
   constexpr double voxel_m = 0.04;
   MeshOptions options;
   options.voxel_m = voxel_m * ratio_of(job.map);
@@ -61,11 +62,12 @@ void add_mesh(const SceneJob& job, Scene& scene) {
     append(part.positions, vertex.position.cast<double>());
     part.colors.insert(part.colors.end(), vertex.color.begin(), vertex.color.end());
   }
-  for (const auto& corners : mesh.triangles) part.triangles.insert(part.triangles.end(), corners.begin(), corners.end());
+  for (const auto& corners : mesh.triangles)
+    part.triangles.insert(part.triangles.end(), corners.begin(), corners.end());
   if (!part.triangles.empty()) scene.layers.emplace_back(std::move(part));
 }
 
-void add_octree(const SceneJob& job, Scene& scene) {
+void add_octree(const SceneJob& job, ViewScene& scene) {
   OctreeOptions options;
   options.resolution_m *= ratio_of(job.map);
   options.max_range_m = precise_depth_m(job.map);
@@ -82,7 +84,7 @@ void add_octree(const SceneJob& job, Scene& scene) {
 
 }  // namespace
 
-void add_grid(const SceneJob& job, Scene& scene) {
+void add_grid(const SceneJob& job, ViewScene& scene) {
   const auto grid = occupancy_grid_of(job.map, std::max(0, job.options.submap));
   if (!grid || grid->width == 0 || grid->height == 0) return;
   const double cells = static_cast<double>(grid->width) * grid->height;
@@ -90,7 +92,7 @@ void add_grid(const SceneJob& job, Scene& scene) {
   scene.layers.emplace_back(coarse_grid(*grid, factor));
 }
 
-void add_surfaces(const SceneJob& job, Scene& scene) {
+void add_surfaces(const SceneJob& job, ViewScene& scene) {
   if (!images_of(job.map)) return;
   if (job.options.mesh) add_mesh(job, scene);
   if (job.options.octree) add_octree(job, scene);

@@ -96,9 +96,8 @@ struct LayerWriter {
     return json;
   }
   Json operator()(const SceneGrid& grid) const {
-    return {{"kind", "grid"},       {"name", grid.name}, {"width", grid.width},
-            {"height", grid.height}, {"cell", grid.cell}, {"origin", grid.origin},
-            {"cells", body.put(grid.cells)}};
+    return {{"kind", "grid"},    {"name", grid.name},     {"width", grid.width},          {"height", grid.height},
+            {"cell", grid.cell}, {"origin", grid.origin}, {"cells", body.put(grid.cells)}};
   }
   Json operator()(const SceneEllipsoids& ellipsoids) const {
     return {{"kind", "ellipsoids"},
@@ -111,11 +110,8 @@ struct LayerWriter {
 Json sessions_json(const std::vector<SceneSession>& sessions) {
   Json json = Json::array();
   for (const SceneSession& each : sessions)
-    json.push_back({{"id", each.id},
-                    {"robot", each.robot},
-                    {"name", each.name},
-                    {"first", each.first_s},
-                    {"last", each.last_s}});
+    json.push_back(
+        {{"id", each.id}, {"robot", each.robot}, {"name", each.name}, {"first", each.first_s}, {"last", each.last_s}});
   return json;
 }
 
@@ -129,10 +125,8 @@ Json events_json(const std::vector<SceneEvent>& events) {
 Json images_json(const std::vector<SceneImage>& images, Body& body) {
   Json json = Json::array();
   for (const SceneImage& each : images)
-    json.push_back({{"keyframe", each.keyframe},
-                    {"width", each.width},
-                    {"height", each.height},
-                    {"jpeg", body.put(each.jpeg)}});
+    json.push_back(
+        {{"keyframe", each.keyframe}, {"width", each.width}, {"height", each.height}, {"jpeg", body.put(each.jpeg)}});
   return json;
 }
 
@@ -141,12 +135,11 @@ Json camera_json(const SceneCamera& camera) {
           {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
 }
 
-Json header_of(const Scene& scene, Body& body) {
+Json header_of(const ViewScene& scene, Body& body) {
   Json json{{"format", "rastro-scene"}, {"version", 1}, {"title", scene.title}, {"method", scene.method}};
   json["revision"] = scene.revision;
-  json["scale"] = {{"kind", scene.metric ? "metric" : "arbitrary"},
-                   {"sigma", scene.scale_sigma},
-                   {"origin", scene.scale_origin}};
+  json["scale"] = {
+      {"kind", scene.metric ? "metric" : "arbitrary"}, {"sigma", scene.scale_sigma}, {"origin", scene.scale_origin}};
   json["up"] = scene.up;
   json["planar"] = scene.planar;
   json["sessions"] = sessions_json(scene.sessions);
@@ -164,12 +157,11 @@ Json header_of(const Scene& scene, Body& body) {
 }  // namespace
 
 const std::vector<std::string>& scene_state_names() {
-  static const std::vector<std::string> names = {"tracking",    "weak",         "lost",
-                                                 "relocalized", "initializing", "unknown"};
+  static const std::vector<std::string> names = {"tracking", "weak", "lost", "relocalized", "initializing", "unknown"};
   return names;
 }
 
-std::string scene_bytes(const Scene& scene) {
+std::string scene_bytes(const ViewScene& scene) {
   constexpr std::size_t length_bytes = sizeof(std::uint32_t);
   Body body;
   // Names of files may be no UTF-8.

@@ -8,8 +8,8 @@
 namespace rastro {
 namespace {
 
-Scene scene_with_everything() {
-  Scene scene;
+ViewScene scene_with_everything() {
+  ViewScene scene;
   scene.title = "kitchen \"north\"", scene.method = "rgbd", scene.revision = 12;
   scene.metric = true, scene.scale_sigma = 0.01, scene.scale_origin = "depth camera";
   scene.up = {0.0, 0.6, 0.8};
@@ -55,8 +55,7 @@ TEST(SceneWriter, KeepsEveryNumber) {
 TEST(SceneWriter, KeepsEveryLayer) {
   const std::string bytes = scene_bytes(scene_with_everything());
   const SceneBlock block(bytes);
-  ASSERT_EQ(block.layer_names(),
-            (std::vector<std::string>{"loops", "cloud", "mesh", "octree", "grid", "covariances"}));
+  ASSERT_EQ(block.layer_names(), (std::vector<std::string>{"loops", "cloud", "mesh", "octree", "grid", "covariances"}));
   EXPECT_EQ(block.numbers<std::uint32_t>(block.layer("loops")->at("pairs")), (std::vector<std::uint32_t>{0, 0}));
   EXPECT_EQ(block.numbers<std::uint8_t>(block.layer("cloud")->at("colors")), (std::vector<std::uint8_t>{9, 8, 7}));
   EXPECT_EQ(block.numbers<float>(block.layer("cloud")->at("sigmas")), std::vector<float>{0.5F});
@@ -74,7 +73,7 @@ TEST(SceneWriter, GivesTheSameBytesAgain) {
 }
 
 TEST(SceneWriter, TakesTextThatIsNoUtf8) {
-  Scene scene;
+  ViewScene scene;
   scene.title = "map \xff";
   EXPECT_EQ(SceneBlock(scene_bytes(scene)).header["title"], "map \xEF\xBF\xBD");
 }

@@ -17,7 +17,8 @@ std::vector<float> square(std::size_t count) {
   Random random(5);
   std::vector<float> positions;
   for (std::size_t k = 0; k < count; ++k)
-    for (const double high : {10.0, 10.0, 0.0}) positions.push_back(static_cast<float>(random.uniform(0.0, 1.0) * high));
+    for (const double high : {10.0, 10.0, 0.0})
+      positions.push_back(static_cast<float>(random.uniform(0.0, 1.0) * high));
   return positions;
 }
 

@@ -18,7 +18,6 @@ namespace rastro::detail {
 namespace {
 
 namespace beast = boost::beast;
-namespace http = beast::http;
 using Response = http::response<http::span_body<const char>>;
 
 std::chrono::milliseconds in_ms(double seconds) { return std::chrono::milliseconds(std::llround(1e3 * seconds)); }

@@ -18,8 +18,8 @@ class ViewConnections {
  public:
   using List = std::list<std::weak_ptr<ViewConnection>>;
 
-  /// Starts to serve one more. At most options.max_connections stay: the oldest one that waits for a request makes room, else the
-  /// new one is closed. `rules` and `options` must outlive the connections.
+  /// Starts to serve one more. At most options.max_connections stay: the oldest one that waits for a request makes
+  /// room, else the new one is closed. `rules` and `options` must outlive the connections.
   void add(boost::asio::ip::tcp::socket socket, const RequestRules& rules, const ViewServerOptions& options);
 
  private:

@@ -70,7 +70,8 @@ class ViewServer::Listener {
 
   std::string url() const {
     const auto address = endpoint_.address();
-    const std::string host = address.is_v6() ? "[" + address.to_string() + "]" : address.to_string();
+    std::string host = address.is_v6() ? "[" + address.to_string() + "]" : address.to_string();
+    if (address.is_unspecified()) host = detail::name_of_machine();
     return fmt::format("http://{}:{}/{}", host, port(), options_.token.empty() ? "" : "?token=" + options_.token);
   }
 

@@ -74,7 +74,9 @@ std::string reply_of(const ViewServer& server, const std::string& first_line, co
   return client.all().value_or("no end");
 }
 
-std::string body_in(const std::string& reply) { return reply.substr(std::min(reply.size(), reply.find("\r\n\r\n") + 4)); }
+std::string body_in(const std::string& reply) {
+  return reply.substr(std::min(reply.size(), reply.find("\r\n\r\n") + 4));
+}
 
 TEST(ViewServer, AnswersOverLoopback) {
   const ViewServer server(any_port(), two_scenes());
@@ -152,15 +154,20 @@ TEST(ViewServer, TakesAnotherPortWhereTheUsualOneIsTaken) {
 std::string malformed_request(Random& random) {
   static const std::string right =
       "GET /api/scene/0 HTTP/1.1\r\nHost: localhost\r\nConnection: keep-alive\r\nCookie: a=b; c\r\n\r\n";
-  std::string bytes = random.uniform() < 0.2 ? std::string(static_cast<std::size_t>(random.uniform(0.0, 300.0)), 'x') : right;
+  std::string bytes =
+      random.uniform() < 0.2 ? std::string(static_cast<std::size_t>(random.uniform(0.0, 300.0)), 'x') : right;
   const int changes = 1 + static_cast<int>(random.uniform(0.0, 12.0));
   for (int k = 0; k < changes && !bytes.empty(); ++k) {
     const auto at = static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(bytes.size())));
     const double what = random.uniform();
-    if (what < 0.5) bytes[at] = static_cast<char>(random.next());
-    else if (what < 0.7) bytes.erase(at);
-    else if (what < 0.9) bytes.insert(at, bytes.substr(0, at));
-    else bytes.insert(at, 9000, 'y');
+    if (what < 0.5)
+      bytes[at] = static_cast<char>(random.next());
+    else if (what < 0.7)
+      bytes.erase(at);
+    else if (what < 0.9)
+      bytes.insert(at, bytes.substr(0, at));
+    else
+      bytes.insert(at, 9000, 'y');
   }
   return bytes.substr(0, 30'000);
 }

@@ -71,6 +71,17 @@ TEST(OccupancyOctree, IsReadByOctoMapFromBothFormats) {
   }
 }
 
+TEST(OccupancyOctree, ListsItsOccupiedCubes) {
+  const OccupancyOctree& octree = room();
+  const std::vector<OctreeCube> cubes = octree.occupied_cubes();
+  ASSERT_EQ(cubes.size(), octree.occupied_leaves());
+  for (const OctreeCube& cube : cubes) {
+    ASSERT_GE(cube.side_m, 0.99 * octree.resolution_m());
+    ASSERT_GT(octree.occupancy_at(cube.center).value_or(0.0), 0.5);
+    ASSERT_GT(octree.occupancy_at(cube.center + Vector3d::Constant(0.49 * cube.side_m)).value_or(0.0), 0.5);
+  }
+}
+
 TEST(OccupancyOctree, GivesTheSameBytesForAnyPool) {
   const Map map = make_test_map(9);
   const OctreeOptions coarse{.resolution_m = 0.1};

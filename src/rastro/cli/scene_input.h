@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/cli/export_input.h"
+#include "rastro/viewer/build_scene.h"
+#include "rastro/viewer/scene.h"
+
+namespace rastro::cli {
+
+/// What `rastro view` and `rastro export --to html` show of an input, as the page reads it: its map, and what the run
+/// noted of its frames. Error for a file of the run that is damaged, and for images that cannot be read.
+NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool, const MapProgress& progress);
+
+/// How an input is called in the page: the folder of a run, or the file's name without its extension.
+std::string scene_name(const std::string& path);
+
+/// The flags of both commands about what is shown.
+struct SceneFlags {
+  std::optional<std::int64_t> points;
+  bool mesh = false, octree = false;
+};
+
+/// Error for a number of points out of range. `default_points` where none is given.
+ViewSceneOptions scene_options(const SceneFlags& flags, int submap, std::size_t default_points);
+
+}  // namespace rastro::cli

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "rastro/base/error.h"
+#include "rastro/base/log.h"
+#include "rastro/base/text.h"
+#include "rastro/cli/command.h"
+#include "rastro/cli/interrupt.h"
+#include "rastro/cli/progress_bar.h"
+#include "rastro/cli/scene_input.h"
+#include "rastro/viewer/view_server.h"
+
+namespace rastro::cli {
+namespace {
+
+constexpr const char* footer =
+    R"(RUN is a run folder, a map file (map.rastro) or a trajectory file; several are laid over each other. Shown are trajectory
+(final and as first estimated, ground truth where the recording has one; by state, error, time or uncertainty), keyframes,
+covisibility and essential graph, constraints and loop closures, landmarks, cloud, semi-dense points, laser scans,
+occupancy grid and covariances, in layers that can be switched.
+
+The page needs nothing but this program: no network, no installation. It is served on this machine only, until Ctrl-C.
+--listen ADDRESS serves it to other machines too, which need the token in the address that is printed. The connection
+is not encrypted: use it in networks that you trust, or an SSH tunnel ('ssh -L 8420:localhost:8420 HOST').
+'rastro export RUN --to html' writes the same as one file.
+
+Examples:
+  rastro view run                               open the address that it prints
+  rastro view monday tuesday                    two runs in one picture
+  rastro view run/map.rastro --port 9000
+  rastro view run --listen 0.0.0.0              from other machines, with a generated token)";
+
+struct Flags {
+  std::vector<std::string> inputs;
+  SceneFlags scene;
+  std::string submap = "0", listen, token;
+  std::optional<int> port;
+  int threads = 0;
+  bool json = false, quiet = false;
+};
+
+/// -1 is all.
+int submap_in(const Flags& flags) {
+  if (flags.submap == "all") return -1;
+  const auto submap = parse_int64(flags.submap);
+  if (submap && *submap >= 0 && *submap < 1'000'000) return static_cast<int>(*submap);
+  throw Error(in_quotes(flags.submap) + " is not a submap", "--submap", "give a number, or all");
+}
+
+ViewServerOptions server_options(const Flags& flags) {
+  ViewServerOptions options;
+  options.token = flags.token;
+  if (!flags.listen.empty()) {
+    options.address = flags.listen;
+    if (flags.token.empty()) options.token = random_token();
+  }
+  if (!flags.port) return options;
+  if (*flags.port < 0 || *flags.port > 65535)
+    throw Error(fmt::format("{} is not a port", *flags.port), "--port", "give 1 to 65535, or 0 for any free one");
+  options.port = static_cast<std::uint16_t>(*flags.port);
+  return options;
+}
+
+std::vector<NamedScene> read_scenes(const Flags& flags) {
+  constexpr std::size_t default_points = 2'000'000;
+  if (flags.threads < 0 || flags.threads > 1024)
+    throw Error(fmt::format("{} is out of range", flags.threads), "--threads", "give 0 to 1024");
+  const ViewSceneOptions options = scene_options(flags.scene, submap_in(flags), default_points);
+  TaskPool pool(flags.threads);
+  ProgressBar bar(!flags.quiet);
+  std::vector<NamedScene> scenes;
+  for (const std::string& input : flags.inputs)
+    scenes.push_back(scene_of(read_export_input(input), options, pool,
+                              [&](std::size_t done, std::size_t all) { bar.show_steps("keyframes", done, all); }));
+  bar.clear();
+  return scenes;
+}
+
+void say_where(const Flags& flags, const ViewServer& server) {
+  if (flags.json) {
+    const nlohmann::ordered_json json{{"url", server.url()}, {"port", server.port()}};
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    fmt::print("{}\n", server.url());
+  }
+  std::fflush(stdout);  // it may be a pipe, and the program goes on
+  if (!flags.quiet) fmt::print(stderr, "Open this address in a browser; stop with Ctrl-C.\n");
+}
+
+void run_view(const Flags& flags) {
+  const ViewServerOptions options = server_options(flags);
+  std::vector<NamedScene> scenes = read_scenes(flags);
+  catch_interrupts();
+  ViewServer server(options, std::move(scenes));
+  say_where(flags, server);
+  wait_for_interrupt();
+  server.stop();
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& app, Context& context) {
+  CLI::App* command = app.add_subcommand("view", "Shows runs and maps in a browser");
+  const auto flags = std::make_shared<Flags>();
+  command->add_option("RUN", flags->inputs, "Run folders or map files")->required()->type_name("");
+  command->add_option("--port", flags->port, "Port (default: 8420, or any free one; 0: any free one)")->type_name("N");
+  command->add_option("--listen", flags->listen, "Address to serve other machines on, such as 0.0.0.0 (default: none)")
+      ->type_name("ADDRESS");
+  command->add_option("--token", flags->token, "Token that clients must give (default with --listen: generated)")
+      ->type_name("T");
+  command->add_option("--points", flags->scene.points, "Maximum number of points of each layer (default: 2000000)")
+      ->type_name("N");
+  command->add_flag("--mesh", flags->scene.mesh, "Surfaces as triangles, too (rgbd)");
+  command->add_flag("--octree", flags->scene.octree, "Occupied space as cubes, too (rgbd)");
+  command->add_option("--submap", flags->submap, "Submap (default: 0, the first)")->type_name("N|all");
+  command->add_option("--threads", flags->threads, "Number of threads (default: all cores)")->type_name("N");
+  command->add_flag("--json", flags->json, "Print the address as JSON");
+  command->add_flag("--quiet", flags->quiet, "Print the address, errors and warnings only");
+  command->footer(footer);
+  command->callback([flags, &context] {
+    if (flags->quiet) set_log_sink({});
+    run_view(*flags);
+    context.exit_code = done;
+  });
+}
+
+}  // namespace rastro::cli
