@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import type { Loaded } from './scene/sources';
 import type { Frames, Vec3 } from './scene/scene';
 import { fromHash, toHash, type State } from './state';
-import { boundsOf } from './view3d/bounds';
+import { boundsOf, outlineOf } from './view3d/bounds';
 import { rangesOf } from './view3d/ranges';
 import { buildRun, type Run } from './view3d/run';
 import { View3d } from './view3d/view';
@@ -35,7 +35,7 @@ export class App {
     this.planar = scenes.length > 0 && scenes.every((s) => s.planar);
     const bounds = boundsOf(scenes);
     this.ranges = rangesOf(scenes, this.up);
-    this.view = new View3d(canvas, this.up, bounds);
+    this.view = new View3d(canvas, this.up, bounds, outlineOf(scenes, bounds));
     for (const run of this.runs) this.view.add(run);
     this.initial = initialState(scenes, bounds.getSize(new THREE.Vector3()).length());
     this.state = fromHash(location.hash, this.initial);

@@ -78,7 +78,7 @@ function reason(scene: Scene, now: number): string | null {
 /** The last event with a mark in the timeline, if it is not long ago. */
 function lastEvent(scene: Scene, now: number): string | null {
   const last = scene.events.findLast((e) => e.stamp <= now + 1e-6 && isMarked(e.kind));
-  if (!last || now - last.stamp > 10) return null;
+  if (!last || now - last.stamp > 3) return null;
   const ago = now - last.stamp;
   return `${last.kind.replaceAll('_', ' ')}${ago > 0.01 ? ` ${duration(ago)} ago` : ''}${last.detail ? `: ${last.detail}` : ''}`;
 }

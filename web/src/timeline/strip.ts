@@ -9,6 +9,8 @@ export interface StripData {
   stateNames: string[];
   events: SceneEvent[];
   curve: CurveName | null;
+  /** Largest value of the curve, as text. */
+  highest: string;
   frame: number;
   dark: boolean;
 }
@@ -94,6 +96,17 @@ function drawCurve(context: Context, data: StripData, width: number): void {
     open = true;
   });
   context.stroke();
+  drawHighest(context, data);
+}
+
+/** The curve's largest value, at its upper left corner. */
+function drawHighest(context: Context, data: StripData): void {
+  context.font = '11px system-ui, "DejaVu Sans", sans-serif';
+  context.textBaseline = 'top';
+  context.fillStyle = data.dark ? 'rgba(26, 31, 38, .8)' : 'rgba(246, 247, 249, .8)';
+  context.fillRect(margin + 4, rows.curve, context.measureText(data.highest).width + 4, 12);
+  context.fillStyle = data.dark ? '#98a5b3' : '#5d6975';
+  context.fillText(data.highest, margin + 6, rows.curve);
 }
 
 function drawAxis(context: Context, data: StripData, width: number): void {

@@ -98,7 +98,7 @@ export class Timeline {
   private curveSelect(frames: Frames, curves: CurveName[]): HTMLElement[] {
     const gone = frames.states ? [] : [el('span', { className: 'missing' }, 'no states in this run')];
     if (curves.length === 0) return gone;
-    const choices = curves.map((value) => ({ value, label: `${curveLabels[value]}, up to ${this.highest(frames[value]!, value)}` }));
+    const choices = curves.map((value) => ({ value, label: curveLabels[value] }));
     return [select('Curve', choices, this.curve!, (value) => {
       this.curve = value;
       this.redraw();
@@ -119,7 +119,7 @@ export class Timeline {
 
   private data(): StripData {
     const { frames, active, dark, state } = this.app;
-    return { frames: frames!, stateNames: active!.scene.stateNames, events: this.events, curve: this.curve, frame: state.frame, dark };
+    return { frames: frames!, stateNames: active!.scene.stateNames, events: this.events, curve: this.curve, highest: this.curve ? this.highest(frames![this.curve]!, this.curve) : '', frame: state.frame, dark };
   }
 
   /** The strip without the cursor is kept: moving the cursor over a long run stays cheap. */

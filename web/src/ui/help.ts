@@ -29,7 +29,7 @@ export function helpDialog(): HTMLDialogElement {
   dialog.append(
     el('div', { className: 'row' }, el('h2', {}, 'Keys and mouse'), button('Close', 'Close (Esc)', () => dialog.close(), icon('close'))),
     table,
-    el('p', {}, 'Axes of the world: x red-orange, y green, z blue.'),
+    el('p', {}, 'Axes of the world: x red-orange, y green, z blue. In the timeline: triangle a loop, cross a loss, dot another event; above the curve its largest value.'),
     el('p', {}, 'The address of this page holds the view, the layers, the colors and the frame: copy it to link what you see.'));
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();

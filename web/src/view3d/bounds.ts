@@ -2,6 +2,7 @@
 // Where the content lies. A few points far away (wrong landmarks) must not make the view zoom out.
 import * as THREE from 'three';
 import type { Layer, Scene } from '../scene/scene';
+import { corners } from './viewpoint';
 
 const samples = 20000;
 
@@ -49,6 +50,24 @@ function gridBox(grid: Extract<Layer, { kind: 'grid' }>): THREE.Box3 {
     new THREE.Vector3(place(box.min.x, 0), place(box.min.y, 1), 0),
     new THREE.Vector3(place(box.max.x + 1, 0), place(box.max.y + 1, 1), 0),
   );
+}
+
+/** A sample of the content: the view is fitted to it more tightly than to the box, which may stand askew. */
+export function outlineOf(scenes: Scene[], box: THREE.Box3): THREE.Vector3[] {
+  const inside = box.clone().expandByScalar(1e-6 + 0.01 * box.getSize(new THREE.Vector3()).length());
+  const sources = scenes.flatMap((scene) => scene.layers.flatMap((layer): [Float32Array, number][] => {
+    if (layer.kind === 'points' || layer.kind === 'mesh') return [[layer.positions, 3]];
+    return layer.kind === 'cubes' ? [[layer.centers, 3]] : [];
+  }).concat(scene.frames ? [[scene.frames.positions, 3]] : [], scene.keyframes ? [[scene.keyframes.poses, 7]] : []));
+  const grids = scenes.some((s) => s.layers.some((l) => l.kind === 'grid' && l.count > 0));
+  const points = sources.flatMap(([values, stride]) => sampled(values, stride, 2000)).filter((p) => inside.containsPoint(p));
+  return points.length < 2 || grids ? corners(box) : points;
+}
+
+function sampled(values: Float32Array, stride: number, count: number): THREE.Vector3[] {
+  const rows = Math.floor(values.length / stride);
+  const step = Math.max(1, Math.floor(rows / count));
+  return Array.from({ length: Math.floor(rows / step) }, (_, i) => new THREE.Vector3().fromArray(values, i * step * stride));
 }
 
 /** Box of the rows without the share `cut` at either end of each axis. */

@@ -5,7 +5,7 @@ import type { Vec3 } from '../scene/scene';
 import { okabeIto } from './colors';
 import { thinLines } from './materials';
 import type { Style } from './style';
-import { corners, horizontal } from './viewpoint';
+import { horizontal } from './viewpoint';
 
 /** 1, 2 or 5 times a power of ten, the next one above `value`. */
 export function niceStep(value: number): number {
@@ -18,10 +18,10 @@ export class Reference {
   readonly cell: number;
   private readonly grid: THREE.LineSegments<THREE.BufferGeometry, THREE.LineBasicMaterial>;
 
-  constructor(bounds: THREE.Box3, up: Vec3) {
+  constructor(bounds: THREE.Box3, outline: THREE.Vector3[], up: Vec3) {
     const size = bounds.getSize(new THREE.Vector3()).length();
     this.cell = niceStep(size / 15);
-    this.grid = thinLines(gridLines(bounds, new THREE.Vector3(...up), this.cell), '#888888', 0.3);
+    this.grid = thinLines(gridLines(outline, new THREE.Vector3(...up), this.cell), '#888888', 0.3);
     this.grid.material.depthWrite = false;
     this.grid.renderOrder = -2;
     this.object.add(this.grid);
@@ -37,17 +37,19 @@ export class Reference {
   }
 }
 
-function gridLines(bounds: THREE.Box3, up: THREE.Vector3, cell: number): Float32Array {
+function gridLines(outline: THREE.Vector3[], up: THREE.Vector3, cell: number): Float32Array {
   const [right, ahead] = horizontal(up);
-  const heights = corners(bounds).map((p) => p.dot(up));
   const extent = (axis: THREE.Vector3) => {
-    const values = corners(bounds).map((p) => p.dot(axis));
+    const values = outline.map((p) => p.dot(axis));
     return [Math.floor(Math.min(...values) / cell) - 1, Math.ceil(Math.max(...values) / cell) + 1];
   };
   const [a0, a1] = extent(right);
   const [b0, b1] = extent(ahead);
+  // The lowest points of all are often wrong ones.
+  const heights = outline.map((p) => p.dot(up)).sort((a, b) => a - b);
+  const lowest = heights[Math.floor(0.005 * heights.length)];
   const at = (a: number, b: number) => new THREE.Vector3()
-    .addScaledVector(right, a * cell).addScaledVector(ahead, b * cell).addScaledVector(up, Math.min(...heights));
+    .addScaledVector(right, a * cell).addScaledVector(ahead, b * cell).addScaledVector(up, lowest);
   const points: THREE.Vector3[] = [];
   for (let a = a0; a <= a1; a++) points.push(at(a, b0), at(a, b1));
   for (let b = b0; b <= b1; b++) points.push(at(a0, b), at(a1, b));

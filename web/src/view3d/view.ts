@@ -46,7 +46,7 @@ export class View3d {
   private lastChange = -Infinity;
   private drawnInRow = 0;
 
-  constructor(readonly canvas: HTMLCanvasElement, private readonly up: Vec3, public bounds: THREE.Box3) {
+  constructor(readonly canvas: HTMLCanvasElement, private readonly up: Vec3, readonly bounds: THREE.Box3, private readonly outline: THREE.Vector3[]) {
     const software = isSoftware();
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !software, preserveDrawingBuffer: true });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
@@ -57,7 +57,7 @@ export class View3d {
     this.controls.addEventListener('change', () => this.requestDraw());
     this.controls.screenSpacePanning = true;
     this.controls.zoomToCursor = true;
-    this.reference = new Reference(bounds, up);
+    this.reference = new Reference(bounds, outline, up);
     this.content.add(this.reference.object);
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
     canvas.addEventListener('webglcontextrestored', () => location.reload());
@@ -95,7 +95,7 @@ export class View3d {
 
   private look(direction: THREE.Vector3): void {
     const center = this.bounds.getCenter(new THREE.Vector3());
-    const distance = fitDistance(this.bounds, direction.normalize(), this.camera, this.up);
+    const distance = fitDistance(this.outline, center, direction.normalize(), this.camera, this.up);
     this.controls.target.copy(center);
     this.camera.position.copy(center).addScaledVector(direction, distance);
     this.controls.update();
@@ -107,7 +107,7 @@ export class View3d {
   /** Perspective makes the near side larger than the far one: moves the box to the middle and to the picture's size. */
   private center(): void {
     const { camera, controls } = this;
-    const { x, y, size } = offCenter(this.bounds, camera);
+    const { x, y, size } = offCenter(this.outline, camera);
     const distance = camera.position.distanceTo(controls.target);
     const half = distance * Math.tan(THREE.MathUtils.degToRad(camera.fov / 2));
     const move = new THREE.Vector3(x * half * camera.aspect, y * half, 0).applyQuaternion(camera.quaternion);

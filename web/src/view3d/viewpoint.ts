@@ -16,14 +16,13 @@ export function corners(box: THREE.Box3): THREE.Vector3[] {
   ));
 }
 
-/** Distance from the center, along `direction`, from which the whole box is in the picture. */
-export function fitDistance(box: THREE.Box3, direction: THREE.Vector3, camera: THREE.PerspectiveCamera, up: Vec3): number {
+/** Distance from the center, along `direction`, from which all points are in the picture. */
+export function fitDistance(points: THREE.Vector3[], center: THREE.Vector3, direction: THREE.Vector3, camera: THREE.PerspectiveCamera, up: Vec3): number {
   const side = new THREE.Vector3().crossVectors(new THREE.Vector3(...up), direction).normalize();
   const top = new THREE.Vector3().crossVectors(direction, side);
   const tan = Math.tan(THREE.MathUtils.degToRad(camera.fov / 2));
-  const center = box.getCenter(new THREE.Vector3());
-  const needed = corners(box).map((corner) => {
-    const p = corner.sub(center);
+  const needed = points.map((point) => {
+    const p = point.clone().sub(center);
     return p.dot(direction) + Math.max(Math.abs(p.dot(top)) / tan, Math.abs(p.dot(side)) / (tan * camera.aspect));
   });
   return 1.08 * Math.max(1e-3, ...needed);
@@ -36,10 +35,10 @@ export function nearFar(box: THREE.Box3, eye: THREE.Vector3, target: THREE.Vecto
   return { near: Math.max(far * 1e-5, Math.min(0.02 * eye.distanceTo(target), 0.05 * radius)), far };
 }
 
-/** How far the box is from the middle of the picture, as shares of its half width and half height. */
-export function offCenter(box: THREE.Box3, camera: THREE.PerspectiveCamera): { x: number; y: number; size: number } {
+/** How far the points are from the middle of the picture, as shares of its half width and half height. */
+export function offCenter(points: THREE.Vector3[], camera: THREE.PerspectiveCamera): { x: number; y: number; size: number } {
   camera.updateMatrixWorld();
-  const projected = corners(box).map((corner) => corner.project(camera));
+  const projected = points.map((point) => point.clone().project(camera));
   const ends = (values: number[]) => [Math.min(...values), Math.max(...values)];
   const [x0, x1] = ends(projected.map((p) => p.x));
   const [y0, y1] = ends(projected.map((p) => p.y));
