@@ -24,7 +24,7 @@ async function findScenes(): Promise<Loaded[]> {
 
 function open(loaded: Loaded[]): void {
   const root = document.getElementById('app')!;
-  const canvas = el('canvas', { tabIndex: 0, aria: { label: '3D view of the map. Drag to turn, right drag to move, wheel to zoom.' } });
+  const canvas = el('canvas', { tabIndex: 0, role: 'img', aria: { label: '3D view of the map. Drag to turn, right drag to move, wheel to zoom.' } });
   const stage = el('main', { className: 'view' }, canvas);
   root.replaceChildren(stage);
   let app: App;

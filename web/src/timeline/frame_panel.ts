@@ -54,7 +54,7 @@ function frameRows(app: App, frames: Frames, scene: Scene, row: number): Row[] {
   const length = (values: Float32Array | null) => (values && Number.isFinite(values[row]) ? lengthText(app, values[row], null) : 'unknown');
   if (frames.sigmas) rows.push(['Sigma', length(frames.sigmas)]);
   if (frames.errors) rows.push(['Error', length(frames.errors)]);
-  if (frames.milliseconds) rows.push(['Time', Number.isFinite(frames.milliseconds[row]) ? `${digits(frames.milliseconds[row])} ms` : 'unknown']);
+  if (frames.milliseconds) rows.push(['Processing', Number.isFinite(frames.milliseconds[row]) ? `${digits(frames.milliseconds[row])} ms` : 'unknown']);
   const p = [...frames.positions.subarray(3 * row, 3 * row + 3)].map((v) => v.toFixed(2));
   rows.push(['Position', p.join('  ')]);
   const why = reason(scene, frames.stamps[row]);

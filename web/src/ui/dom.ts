@@ -64,5 +64,5 @@ export function slider(options: SliderOptions): HTMLElement {
 
 export function checkbox(label: string, detail: string, checked: boolean, onchange: (on: boolean) => void): HTMLElement {
   const input = el('input', { type: 'checkbox', checked, onchange: () => onchange(input.checked) });
-  return el('label', { className: 'check' }, input, el('span', { className: 'name' }, label), el('span', { className: 'detail' }, detail));
+  return el('label', { className: 'check', title: label }, input, el('span', { className: 'name' }, label), el('span', { className: 'detail' }, detail));
 }
