@@ -151,8 +151,7 @@ class MapGraph {
   std::vector<std::unique_ptr<MapKeyframe>> keyframes_;  ///< By id; null: removed.
   IdTable<MapLandmark> landmarks_;
   std::map<std::int64_t, Removed> removed_;
-  FusedLandmarks fused_{
-      40000};  ///< Frames refer to landmarks for some hundreds of frames, with some tens fused in each.
+  FusedLandmarks fused_{16000};  ///< Frames refer to landmarks for 600 frames, with up to 25 fused in each.
   std::size_t keyframe_count_ = 0, landmark_count_ = 0;
   std::vector<Constraint> constraints_;
   int submaps_ = 0;
