@@ -17,12 +17,15 @@ uniform float maxSigma;
 uniform vec2 range;
 uniform vec3 up;
 uniform vec3 flatColor;
+uniform bool colored;
 uniform sampler2D map;
 varying vec3 shade;
 void main() {
   float value = mode == 1 ? dot(position, up) : mode == 2 ? age : sigma;
   float share = clamp((value - range.x) / max(range.y - range.x, 1e-12), 0.0, 1.0);
-  shade = mode == 0 ? color.rgb : mode == 4 ? flatColor : texture2D(map, vec2(share, 0.5)).rgb;
+  // One color for all would hide every form: the image's brightness is kept.
+  float light = colored ? 0.45 + 0.77 * dot(color.rgb, vec3(0.2126, 0.7152, 0.0722)) : 1.0;
+  shade = mode == 0 ? color.rgb : mode == 4 ? flatColor * light : texture2D(map, vec2(share, 0.5)).rgb;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
   if (sigma > maxSigma) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   gl_PointSize = size;
@@ -64,7 +67,7 @@ export class PointsLayer implements LayerObject {
     this.label = titled(data.name);
     this.detail = data.count === 0 ? 'empty' : count(data.count, 'point');
     this.modes = availableModes(data);
-    this.material = material(runColor);
+    this.material = material(runColor, data.colors !== null);
     this.parts = geometriesOf(data, keyframes).map((geometry) => this.part(geometry));
     this.preview = data.count < smallCount ? null : this.part(geometriesOf(sampleOf(data), keyframes)[0]);
   }
@@ -114,13 +117,14 @@ function availableModes(data: PointsData): Set<PointColor> {
   return modes;
 }
 
-function material(runColor: string): THREE.ShaderMaterial {
+function material(runColor: string, colored: boolean): THREE.ShaderMaterial {
   return new THREE.ShaderMaterial({
     vertexShader,
     fragmentShader,
     uniforms: {
       mode: { value: 1 },
       size: { value: 2 },
+      colored: { value: colored },
       maxSigma: { value: 3e38 },
       range: { value: new THREE.Vector2(0, 1) },
       up: { value: new THREE.Vector3(0, 0, 1) },
