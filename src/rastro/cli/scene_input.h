@@ -14,7 +14,8 @@ namespace rastro::cli {
 
 /// What `rastro view` and `rastro export --to html` show of an input, as the page reads it: its map, and what the run
 /// noted of its frames. Error for a file of the run that is damaged, and for images that cannot be read.
-NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool, const MapProgress& progress);
+NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
+                    const MapProgress& progress);
 
 /// How an input is called in the page: the folder of a run, or the file's name without its extension.
 std::string scene_name(const std::string& path);
