@@ -2,34 +2,41 @@
 // The page's one place of truth: runs, state, and who is told when the state changes.
 import * as THREE from 'three';
 import type { Loaded } from './scene/sources';
-import type { Frames, Vec3 } from './scene/scene';
+import { emptyScene, type Frames, type Vec3 } from './scene/scene';
 import { fromHash, toHash, type State } from './state';
 import { boundsOf, outlineOf } from './view3d/bounds';
 import { rangesOf } from './view3d/ranges';
-import { buildRun, type Run } from './view3d/run';
+import { buildRun, disposeRun, type Run } from './view3d/run';
 import { View3d } from './view3d/view';
 import type { ScaleFactor } from './measure/length';
 import { initialState } from './initial_state';
-import type { Style } from './view3d/style';
+import type { LayerObject, Style } from './view3d/style';
+
+/** What listeners are told of: parts of the state, more frames of a run, another map of a run. */
+export type Change = keyof State | 'frames' | 'scene';
 
 export class App {
   readonly runs: Run[];
   readonly errors: { name: string; message: string }[];
-  readonly up: Vec3;
-  readonly planar: boolean;
+  up: Vec3;
+  planar: boolean;
   readonly view: View3d;
-  readonly initial: State;
+  initial: State;
+  /** The run that goes on, and its number on the server. */
+  readonly live: { run: number; scene: number } | null;
   state: State;
   /** Meters for one unit of a run's map, where the person entered a known length. */
   readonly scaleFactors = new Map<number, ScaleFactor>();
-  private readonly ranges: Style['ranges'];
-  private readonly listeners: ((changed: Set<keyof State>) => void)[] = [];
+  private ranges: Style['ranges'];
+  private readonly listeners: ((changed: Set<Change>) => void)[] = [];
   private hashTimer = 0;
 
   constructor(loaded: Loaded[], canvas: HTMLCanvasElement) {
-    const good = loaded.filter((l) => l.scene !== null);
+    const good = loaded.map(forLive).filter((l) => l.scene !== null);
     this.errors = loaded.filter((l) => l.error !== null).map((l) => ({ name: l.name, message: l.error! }));
     this.runs = good.map((l, i) => buildRun(l.name, l.scene!, i));
+    const live = good.findIndex((l) => l.live);
+    this.live = live < 0 ? null : { run: live, scene: good[live].index ?? live };
     const scenes = this.runs.map((r) => r.scene);
     this.up = scenes[0]?.up ?? [0, 0, 1];
     this.planar = scenes.length > 0 && scenes.every((s) => s.planar);
@@ -65,7 +72,7 @@ export class App {
     return matchMedia('(prefers-color-scheme: dark)').matches;
   }
 
-  onChange(listener: (changed: Set<keyof State>) => void): void {
+  onChange(listener: (changed: Set<Change>) => void): void {
     this.listeners.push(listener);
   }
 
@@ -77,6 +84,54 @@ export class App {
     this.view.requestDraw();
     for (const listener of this.listeners) listener(changed);
     this.writeHashSoon();
+  }
+
+  /** More frames came; `frame` is the current one. The address does not follow: it would change without end. */
+  framesGrew(frame: number): void {
+    this.state.frame = frame;
+    this.view.requestDraw();
+    for (const listener of this.listeners) listener(new Set<Change>(['frames', 'frame']));
+  }
+
+  /** Another map of a run takes the place of the one before; switches, colors and the view stay. `kept`: layers in both. */
+  replaceRun(run: Run, kept: LayerObject[]): void {
+    const before = this.runs[run.index];
+    this.view.remove(before);
+    disposeRun(before, kept);
+    for (const layer of kept) run.group.add(layer.object);
+    this.runs[run.index] = run;
+    this.view.add(run);
+    this.measureContent();
+    for (const listener of this.listeners) listener(new Set<Change>(['scene']));
+  }
+
+  /** Where the content lies and which values it has, after it changed. */
+  measureContent(): void {
+    const scenes = this.runs.map((r) => r.scene);
+    this.up = scenes[0].up;
+    this.planar = scenes.every((s) => s.planar);
+    const bounds = boundsOf(scenes);
+    this.ranges = rangesOf(scenes, this.up);
+    this.view.setContent(bounds, outlineOf(scenes, bounds), this.up);
+    this.applyAll();
+  }
+
+  /** Ranges of colors that grow with the frames alone. */
+  growRanges(): void {
+    const { time, sigma } = rangesOf(this.runs.map((r) => ({ ...r.scene, layers: [] })), this.up);
+    this.ranges = { ...this.ranges, time, sigma };
+    this.applyAll();
+  }
+
+  /** What was not chosen by hand begins anew, as the first map suits it. */
+  beginAnew(): void {
+    const next = initialState(this.runs.map((r) => r.scene), this.view.bounds.getSize(new THREE.Vector3()).length());
+    const patch = Object.entries(next).filter(([key]) => {
+      const name = key as keyof State;
+      return !['frame', 'active', 'layers', 'camera', 'hiddenRuns'].includes(name) && this.state[name] === this.initial[name];
+    });
+    this.initial = next;
+    this.set(Object.fromEntries(patch) as Partial<State>);
   }
 
   /** Redraws with the same state, such as after the system changed between dark and light. */
@@ -147,4 +202,9 @@ export class App {
     const hash = toHash(this.state, this.initial);
     history.replaceState(null, '', hash === '' ? location.pathname + location.search : `#${hash}`);
   }
+}
+
+/** A run whose map cannot be read now may send a better one. */
+function forLive(loaded: Loaded): Loaded {
+  return loaded.live && !loaded.scene ? { ...loaded, scene: emptyScene(loaded.name) } : loaded;
 }

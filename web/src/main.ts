@@ -2,6 +2,7 @@
 // Entry of the page: finds the scenes, builds the view and the panels, offers the hook for tests.
 import { App } from './app';
 import { embeddedScenes, servedScenes, tokenQuery, type Loaded } from './scene/sources';
+import { LiveSession } from './live/session';
 import { SceneError, type Vec3 } from './scene/scene';
 import { el } from './ui/dom';
 import { buildLayout, showMessage } from './ui/layout';
@@ -11,9 +12,10 @@ interface Hook {
   project: (point: Vec3) => [number, number] | null;
   stats: App['view']['stats'] | null;
   app: App | null;
+  live: LiveSession | null;
 }
 
-const hook: Hook = { ready: false, project: () => null, stats: null, app: null };
+const hook: Hook = { ready: false, project: () => null, stats: null, app: null, live: null };
 Object.assign(window, { rastro: hook });
 
 async function findScenes(): Promise<Loaded[]> {
@@ -35,12 +37,20 @@ function open(loaded: Loaded[]): void {
     console.error(error);
     return showMessage(root, 'This browser cannot draw in 3D: WebGL 2 is missing or switched off.');
   }
-  buildLayout(root, app, stage);
+  const live = liveSession(app);
+  buildLayout(root, app, stage, live);
   app.begin();
+  live?.start();
+  hook.live = live;
   hook.app = app;
   hook.stats = app.view.stats;
   hook.project = (point) => app.view.project(point);
   hook.ready = true;
+}
+
+/** A server has at most one run that goes on. */
+function liveSession(app: App): LiveSession | null {
+  return app.live ? new LiveSession(app, app.live, tokenQuery(location.search)) : null;
 }
 
 async function start(): Promise<void> {

@@ -19,7 +19,7 @@ import {
 const defaultStates = ['tracking', 'weak', 'lost', 'relocalized', 'initializing'];
 
 export function parseScene(bytes: Uint8Array): Scene {
-  const header = readHeader(bytes);
+  const header = readBlock(bytes, '');
   if (header.text('format') !== 'rastro-scene') throw new SceneError('this is not a scene of rastro');
   if (header.number('version') !== 1) {
     throw new SceneError(`the scene has version ${header.number('version')}, this page reads version 1`);
@@ -47,18 +47,20 @@ export function parseScene(bytes: Uint8Array): Scene {
   };
 }
 
-function readHeader(bytes: Uint8Array): Entry {
-  if (bytes.length < 8) throw new SceneError(`the scene has only ${bytes.length} bytes`);
+/** A block of bytes with a header; the messages of a run with binary parts are laid out like scenes. */
+export function readBlock(bytes: Uint8Array, where: string): Entry {
+  const what = where || 'scene';
+  if (bytes.length < 8) throw new SceneError(`the ${what} has only ${bytes.length} bytes`);
   const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(0, true);
-  if (4 + length > bytes.length) throw new SceneError('the header of the scene is cut off');
-  if ((4 + length) % 8 !== 0) throw new SceneError('the header of the scene has a wrong length');
+  if (4 + length > bytes.length) throw new SceneError(`the header of the ${what} is cut off`);
+  if ((4 + length) % 8 !== 0) throw new SceneError(`the header of the ${what} has a wrong length`);
   let json: unknown;
   try {
     json = JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes.subarray(4, 4 + length)));
   } catch {
-    throw new SceneError('the header of the scene is not readable JSON');
+    throw new SceneError(`the header of the ${what} is not readable JSON`);
   }
-  return Entry.from(json, alignedBody(bytes, 4 + length), '');
+  return Entry.from(json, alignedBody(bytes, 4 + length), where);
 }
 
 /** Typed arrays need a body that starts at a multiple of 8 in its buffer; only an unaligned scene is copied. */

@@ -153,3 +153,11 @@ export interface Scene {
   lengths: NamedLength[];
   images: Thumbnail[];
 }
+
+/** What is shown of a run before its first map. The first camera's axes are the best guess of the world's: y down. */
+export function emptyScene(title: string): Scene {
+  return {
+    title, method: '', revision: null, scale: { kind: 'metric', sigma: null, origin: '' }, up: [0, -1, 0], planar: false, sessions: [],
+    frames: null, stateNames: [], events: [], keyframes: null, camera: null, layers: [], lengths: [], images: [],
+  };
+}

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where scenes come from: embedded in the page, or served by `rastro view`.
 import { parseScene } from './parse';
-import { SceneError, type Scene } from './scene';
+import { emptyScene, SceneError, type Scene } from './scene';
 
 export interface Loaded {
   name: string;
   /** Exactly one of the two is set. */
   scene: Scene | null;
   error: string | null;
+  /** A run goes on: the scene is what its map is so far. */
+  live?: boolean;
+  /** Number of the scene on the server. */
+  index?: number;
 }
 
 export function decodeBase64(text: string): Uint8Array {
@@ -49,19 +53,22 @@ export async function servedScenes(query: string): Promise<Loaded[]> {
 }
 
 async function servedScene(entry: unknown, i: number, query: string): Promise<Loaded> {
-  const { index, name } = (entry ?? {}) as { index?: unknown; name?: unknown };
+  const { index, name, live } = (entry ?? {}) as { index?: unknown; name?: unknown; live?: unknown };
   const label = typeof name === 'string' && name !== '' ? name : `scene ${i + 1}`;
   const number = Number.isInteger(index) ? (index as number) : i;
   try {
-    const buffer = await (await get(`/api/scene/${number}${query}`)).arrayBuffer();
-    return load(label, () => new Uint8Array(buffer));
+    const response = await get(`/api/scene/${number}${query}`, live === true);
+    if (response.status === 404) return { name: label, scene: emptyScene(label), error: null, live: true, index: number };
+    const buffer = await response.arrayBuffer();
+    return { ...load(label, () => new Uint8Array(buffer)), live: live === true, index: number };
   } catch (error) {
     if (!(error instanceof SceneError)) throw error;
     return { name: label, scene: null, error: error.message };
   }
 }
 
-async function get(path: string): Promise<Response> {
+/** `early`: a run has no map yet at its begin, which is no fault. */
+async function get(path: string, early = false): Promise<Response> {
   let response: Response;
   try {
     response = await fetch(path);
@@ -71,7 +78,7 @@ async function get(path: string): Promise<Response> {
   if (response.status === 401 || response.status === 403) {
     throw new SceneError('the server refused the token; open the address that rastro view printed');
   }
-  if (!response.ok) throw new SceneError(`the server answered ${response.status} for ${path.split('?')[0]}`);
+  if (!response.ok && !(early && response.status === 404)) throw new SceneError(`the server answered ${response.status} for ${path.split('?')[0]}`);
   return response;
 }
 

@@ -7,6 +7,7 @@ import { FrameMarker } from '../view3d/frame_marker';
 export class CurrentFrame {
   private marker: FrameMarker | null = null;
   private run = -1;
+  private camera = '';
   follow = false;
   private readonly last = new THREE.Vector3();
   private readonly listeners: (() => void)[] = [];
@@ -48,9 +49,10 @@ export class CurrentFrame {
 
   private update(): void {
     const { frames, active, state, view } = this.app;
-    if (this.run !== state.active || !this.marker) {
+    const camera = JSON.stringify(active?.scene.camera ?? null);
+    if (this.run !== state.active || this.camera !== camera || !this.marker) {
       if (this.marker) view.marks.remove(this.marker.object);
-      this.run = state.active;
+      [this.run, this.camera] = [state.active, camera];
       this.marker = new FrameMarker(active?.scene.camera ?? null);
       view.marks.add(this.marker.object);
     }

@@ -22,6 +22,10 @@ export class Timeline {
   private readonly controls = el('div', { className: 'controls' });
   private readonly background = document.createElement('canvas');
   private curve: CurveName | null = null;
+  /** What the buttons and lists were made for. */
+  private shown = '';
+  private redrawTimer = 0;
+  private redrawMs = 0;
   private scrubbing = false;
   private events: SceneEvent[] = [];
 
@@ -31,7 +35,8 @@ export class Timeline {
     this.bindPointer();
     app.onChange((changed) => {
       if (changed.has('active') || changed.has('frame')) this.clampFrame();
-      if (changed.has('active')) this.fill();
+      if (changed.has('active') || changed.has('scene')) this.fill();
+      else if (changed.has('frames')) this.grow();
       else if (changed.has('theme')) this.redraw();
       else if (changed.has('frame')) this.drawFrame();
     });
@@ -64,15 +69,34 @@ export class Timeline {
     return marked.map((e) => ({ ...e, frame: e.frame ?? nearestFrame(frames.stamps, e.stamp) }));
   }
 
+  /** A run goes on: the strip is drawn anew as often as it can be without holding up the page. */
+  private grow(): void {
+    this.events = this.findEvents();
+    if (this.shown === '') return this.fill();
+    this.drawFrame();
+    if (this.redrawTimer) return;
+    const begin = performance.now() + Math.max(100, 10 * this.redrawMs);
+    this.redrawTimer = window.setTimeout(() => {
+      this.redrawTimer = 0;
+      this.redraw();
+    }, begin - performance.now());
+  }
+
   private fill(): void {
     const { frames } = this.app;
     if (!frames) {
-      const text = this.app.runs.length === 0 ? 'No map is shown.' : 'This map has no trajectory, so there is no timeline.';
+      this.shown = '';
+      const live = this.app.active?.live ? 'The timeline begins with the first frame.' : 'This map has no trajectory, so there is no timeline.';
+      const text = this.app.runs.length === 0 ? 'No map is shown.' : live;
       return this.element.replaceChildren(el('p', { className: 'missing' }, text));
     }
     this.events = this.findEvents();
     const curves = (Object.keys(curveLabels) as CurveName[]).filter((c) => frames[c]);
-    this.curve = curves[0] ?? null;
+    // The same buttons stay while they suit: a list that is open would close.
+    const shown = `${this.app.state.active} ${curves.join()} ${frames.states !== null}`;
+    if (shown === this.shown) return this.redraw();
+    this.shown = shown;
+    if (!this.curve || !curves.includes(this.curve)) this.curve = curves[0] ?? null;
     this.controls.replaceChildren(
       this.button('Event before', 'previous', 'Event before ( [ )', () => this.toEvent(-1)),
       this.button('One frame back', 'back', 'One frame back (←)', () => this.step(-1)),
@@ -125,6 +149,7 @@ export class Timeline {
   /** The strip without the cursor is kept: moving the cursor over a long run stays cheap. */
   private redraw(): void {
     if (!this.app.frames) return;
+    const begin = performance.now();
     const width = Math.max(50, this.element.clientWidth);
     const ratio = devicePixelRatio;
     for (const canvas of [this.canvas, this.background]) {
@@ -134,6 +159,7 @@ export class Timeline {
     const context = this.background.getContext('2d')!;
     context.scale(ratio, ratio);
     drawStrip(context, this.data(), width, stripHeight);
+    this.redrawMs = performance.now() - begin;
     this.drawFrame();
   }
 

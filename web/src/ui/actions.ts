@@ -18,4 +18,14 @@ export interface Actions {
   /** Whether the view moves along with the current frame. */
   follow(): void;
   toggleLayer(key: string): void;
+  /** Of a run that goes on; null where the page shows a finished one. */
+  live: LiveActions | null;
+}
+
+export interface LiveActions {
+  /** Presses a button of the run: pause, step, mapping, save, reset, end. */
+  press(name: string): void;
+  toggleFrameView(): void;
+  /** Back to the newest frame. */
+  follow(): void;
 }

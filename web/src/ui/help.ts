@@ -23,9 +23,20 @@ const rows: [string, string][] = [
   ['?', 'this help'],
 ];
 
-export function helpDialog(): HTMLDialogElement {
+const liveRows: [string, string][] = [
+  ['P', 'pause the run, or resume it'],
+  ['N', 'next frame of a paused run'],
+  ['O', 'localization only, or mapping again'],
+  ['W', 'save the map'],
+  ['R', 'reset the map (asks first)'],
+  ['E', 'end the run (asks first)'],
+  ['G', 'follow the newest frame'],
+  ['I', 'show or hide the frame view'],
+];
+
+export function helpDialog(live: boolean): HTMLDialogElement {
   const dialog = el('dialog', { className: 'help', aria: { label: 'Keys and mouse' } });
-  const table = el('table', {}, ...rows.map(([key, text]) => el('tr', {}, el('td', {}, el('kbd', {}, key)), el('td', {}, text))));
+  const table = el('table', {}, ...[...rows, ...(live ? liveRows : [])].map(([key, text]) => el('tr', {}, el('td', {}, el('kbd', {}, key)), el('td', {}, text))));
   dialog.append(
     el('div', { className: 'row' }, el('h2', {}, 'Keys and mouse'), button('Close', 'Close (Esc)', () => dialog.close(), icon('close'))),
     table,

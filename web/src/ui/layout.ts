@@ -7,51 +7,67 @@ import { Timeline } from '../timeline/timeline';
 import { LengthList } from '../measure/length_list';
 import { LengthMarks } from '../measure/length_marks';
 import { Measure } from '../measure/measure';
+import { FrameView } from '../live/frame_view';
+import { RunBar } from '../live/run_bar';
+import type { LiveSession } from '../live/session';
 import { el } from './dom';
 import { Legend } from './legend';
 import { isEmpty } from './missing';
 import { bindShortcuts } from './shortcuts';
-import { sidePanel } from './side_panel';
-import { toolbar } from './toolbar';
+import { sidePanel, updateDetails } from './side_panel';
+import { showTitle, toolbar } from './toolbar';
 import { helpDialog } from './help';
-import type { Actions } from './actions';
+import type { Actions, LiveActions } from './actions';
 import { savePicture } from './picture';
 
 export function showMessage(root: HTMLElement, text: string): void {
   root.replaceChildren(el('p', { className: 'message', role: 'status' }, text));
 }
 
-export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement): void {
+export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement, live: LiveSession | null): void {
   const side = el('aside', { id: 'side', aria: { label: 'Layers and colors' } }, ...sidePanel(app));
   const legend = new Legend(app);
   const timeline = new Timeline(app);
   const current = new CurrentFrame(app);
   const frame = new FramePanel(app, current);
+  const liveParts = live && livePartsOf(app, live);
+  // The frame view says more of the current frame than the panel.
+  if (live) frame.element.open = false;
   const measure = new Measure(app);
   const marks = new LengthMarks(app, measure);
   const lengths = new LengthList(app, measure);
-  const right = el('div', { className: 'right' }, frame.element, lengths.element);
+  const right = el('div', { className: 'right' }, ...(liveParts ? [liveParts.view.element] : []), frame.element, lengths.element);
   stage.append(marks.labels, legend.element, right, measure.hint, ...notices(app));
-  const help = helpDialog();
-  const actions = buildActions(app, root, { help, timeline, current, measure });
+  const help = helpDialog(live !== null);
+  const actions = { ...buildActions(app, root, { help, timeline, current, measure }), live: liveParts?.actions ?? null };
   const bar = toolbar(app, actions);
-  root.replaceChildren(bar, side, stage, timeline.element, help);
+  root.replaceChildren(bar, side, stage, ...(liveParts ? [liveParts.bar.element] : []), timeline.element, help);
   bindShortcuts(app, actions);
   app.view.onDrawn = () => {
     legend.update();
     marks.update();
   };
   measure.onChange(() => bar.querySelector('[data-tool="measure"]')!.setAttribute('aria-pressed', `${measure.active}`));
-  keepUpToDate(app, side);
+  keepUpToDate(app, side, bar);
 }
 
-function keepUpToDate(app: App, side: HTMLElement): void {
+function livePartsOf(app: App, session: LiveSession) {
+  const bar = new RunBar(session);
+  const view = new FrameView(app, session);
+  const actions: LiveActions = {
+    press: (name) => void bar.controls.press(name), toggleFrameView: () => view.toggle(), follow: () => session.follow(),
+  };
+  return { bar, view, actions };
+}
+
+function keepUpToDate(app: App, side: HTMLElement, bar: HTMLElement): void {
   window.addEventListener('hashchange', () => app.readHash());
   document.title = `${titleOf(app)} · rastro view`;
   app.onChange((changed) => {
     // The theme also changes with the unit of lengths, see Measure.setKnown.
     if (changed.has('active') || changed.has('theme')) side.replaceChildren(...sidePanel(app));
     else if (changed.has('layers')) showSwitches(app, side);
+    if (changed.has('scene')) showScene(app, side, bar);
   });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => app.refresh());
 }
@@ -62,8 +78,15 @@ export function titleOf(app: App): string {
 
 function notices(app: App): HTMLElement[] {
   const errors = app.errors.map((e) => el('p', { className: 'notice error', role: 'alert' }, `${e.name} cannot be shown: ${e.message}.`));
-  const empty = app.runs.filter((r) => isEmpty(r.scene)).map((r) => el('p', { className: 'notice', role: 'status' }, `${r.scene.title || r.name} is empty: it has no trajectory, no keyframes and no points.`));
+  const empty = app.runs.filter((r) => isEmpty(r.scene) && !r.live).map((r) => el('p', { className: 'notice', role: 'status' }, `${r.scene.title || r.name} is empty: it has no trajectory, no keyframes and no points.`));
   return errors.length + empty.length ? [el('div', { className: 'notices' }, ...errors, ...empty)] : [];
+}
+
+/** Another map of a run: what did not change stays, so that a slider or a list in use is not lost. */
+function showScene(app: App, side: HTMLElement, bar: HTMLElement): void {
+  document.title = `${titleOf(app)} · rastro view`;
+  showTitle(app, bar);
+  if (!updateDetails(app, side)) side.replaceChildren(...sidePanel(app));
 }
 
 /** Layers can be switched by keys as well: the boxes follow. */
@@ -81,7 +104,7 @@ interface Parts {
   measure: Measure;
 }
 
-function buildActions(app: App, root: HTMLElement, { help, timeline, current, measure }: Parts): Actions {
+function buildActions(app: App, root: HTMLElement, { help, timeline, current, measure }: Parts): Omit<Actions, 'live'> {
   const themes = { auto: app.dark ? 'light' : 'dark', light: 'dark', dark: 'light' } as const;
   return {
     fit: () => app.fit(),

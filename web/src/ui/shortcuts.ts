@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keys. They act only where no control takes the key itself.
 import type { App } from '../app';
-import type { Actions } from './actions';
+import type { Actions, LiveActions } from './actions';
 
 export function bindShortcuts(app: App, actions: Actions): void {
   const keys: Record<string, (event: KeyboardEvent) => void> = {
@@ -22,6 +22,7 @@ export function bindShortcuts(app: App, actions: Actions): void {
     ArrowRight: (event) => actions.step(event.shiftKey ? 10 : 1),
     Home: () => actions.step(-Infinity),
     End: () => actions.step(Infinity),
+    ...(actions.live ? liveKeys(actions.live) : {}),
   };
   window.addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || takesKeys(event)) return;
@@ -30,6 +31,12 @@ export function bindShortcuts(app: App, actions: Actions): void {
     event.preventDefault();
     action(event);
   });
+}
+
+function liveKeys(live: LiveActions): Record<string, () => void> {
+  const buttons = { p: 'pause', n: 'step', o: 'mapping', w: 'save', r: 'reset', e: 'end' };
+  const presses = Object.entries(buttons).map(([key, name]) => [key, () => live.press(name)]);
+  return { ...Object.fromEntries(presses), i: () => live.toggleFrameView(), g: () => live.follow() };
 }
 
 function layerKey(app: App, actions: Actions, key: string): (() => void) | null {

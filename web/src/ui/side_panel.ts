@@ -13,6 +13,17 @@ export function sidePanel(app: App): HTMLElement[] {
   return parts.filter((p): p is HTMLElement => p !== null);
 }
 
+/** Writes the new counts of layers into the panel; false where the panel needs other parts than it has. */
+export function updateDetails(app: App, side: HTMLElement): boolean {
+  const fresh = el('div', {}, ...sidePanel(app));
+  const shape = (root: HTMLElement) => [...root.querySelectorAll<HTMLElement>('[data-layer], section, option, .missing')]
+    .map((e) => `${e.dataset.layer ?? ''}${e.tagName === 'OPTION' ? `${e.textContent}${(e as HTMLOptionElement).disabled}` : e.tagName === 'P' ? e.textContent : e.getAttribute('aria-label')}`).join();
+  if (shape(fresh) !== shape(side)) return false;
+  const details = side.querySelectorAll('[data-layer] .detail');
+  fresh.querySelectorAll('[data-layer] .detail').forEach((detail, i) => (details[i].textContent = detail.textContent));
+  return true;
+}
+
 function runsSection(app: App): HTMLElement | null {
   if (app.runs.length < 2) return null;
   const rows = app.runs.map((run) => {

@@ -23,6 +23,13 @@ export function toolbar(app: App, actions: Actions): HTMLElement {
       tool('Help', 'help', 'Keys and mouse (?)', actions.help)));
 }
 
+/** After another map of the run came. */
+export function showTitle(app: App, bar: HTMLElement): void {
+  const title = bar.querySelector('h1')!;
+  title.title = title.textContent = titleOf(app);
+  bar.querySelector('.facts')!.replaceChildren(...facts(app));
+}
+
 function tool(label: string, name: IconName, title: string, onclick: () => void): HTMLButtonElement {
   const node = button(label, title, onclick, icon(name), el('span', {}, label));
   node.dataset.tool = label.toLowerCase();

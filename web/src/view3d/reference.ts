@@ -32,6 +32,13 @@ export class Reference {
     });
   }
 
+  dispose(): void {
+    for (const child of this.object.children as THREE.LineSegments<THREE.BufferGeometry, THREE.Material>[]) {
+      child.geometry.dispose();
+      child.material.dispose();
+    }
+  }
+
   applyStyle(style: Style): void {
     this.grid.material.color.set(style.dark ? '#53606d' : '#a9b3bd');
   }

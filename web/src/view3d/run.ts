@@ -19,22 +19,42 @@ export interface Run {
   color: string;
   group: THREE.Group;
   layers: LayerObject[];
+  /** It goes on. */
+  live: boolean;
 }
 
-export function buildRun(name: string, scene: Scene, index: number): Run {
-  const color = runColors[index % runColors.length];
-  const layers: LayerObject[] = [];
-  if (scene.frames) {
-    for (const kind of ['final', 'online', 'truth'] as TrajectoryKind[]) {
-      if (kind !== 'final' && !scene.frames[kind]) continue;
-      layers.push(new TrajectoryLayer(kind, scene.frames, scene.stateNames, color));
-    }
-  }
+export function runColor(index: number): string {
+  return runColors[index % runColors.length];
+}
+
+/** `trajectories` take the place of the scene's own while a run goes on. */
+export function buildRun(name: string, scene: Scene, index: number, trajectories?: LayerObject[]): Run {
+  const color = runColor(index);
+  const layers: LayerObject[] = trajectories ? [...trajectories] : trajectoriesOf(scene, color);
   if (scene.keyframes) layers.push(new KeyframesLayer(scene.keyframes, scene.camera, color));
   for (const layer of scene.layers) layers.push(withUniqueKey(layerObject(layer, scene, color), layers));
   const group = new THREE.Group();
   for (const layer of layers) group.add(layer.object);
-  return { index, name, scene, color, group, layers };
+  return { index, name, scene, color, group, layers, live: trajectories !== undefined };
+}
+
+function trajectoriesOf({ frames, stateNames }: Scene, color: string): LayerObject[] {
+  if (!frames) return [];
+  const kinds: TrajectoryKind[] = ['final', 'online', 'truth'];
+  return kinds.filter((kind) => kind === 'final' || frames[kind]).map((kind) => new TrajectoryLayer(kind, frames, stateNames, color));
+}
+
+/** Gives back what the graphics card holds for a run; layers in `kept` go on in another run. */
+export function disposeRun(run: Run, kept: LayerObject[]): void {
+  for (const layer of kept) run.group.remove(layer.object);
+  run.group.traverse((object) => {
+    const { geometry, material } = object as Partial<THREE.Mesh>;
+    geometry?.dispose();
+    for (const m of material ? [material].flat() : []) {
+      (m as THREE.MeshBasicMaterial).map?.dispose();
+      m.dispose();
+    }
+  });
 }
 
 function layerObject(layer: Layer, scene: Scene, color: string): LayerObject {

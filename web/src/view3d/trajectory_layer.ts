@@ -69,19 +69,21 @@ export class TrajectoryLayer implements LayerObject {
     const colors = new Float32Array(6 * this.starts.length);
     const mode = modesOf(this.frames).has(style.trajectoryColor) ? style.trajectoryColor : 'run';
     this.starts.forEach((row, i) => {
-      colors.set(this.colorOf(row, mode, style), 6 * i);
-      colors.set(this.colorOf(row + 1, mode, style), 6 * i + 3);
+      const colorOf = (at: number) => colorOfFrame(this.frames, at, mode, style, this.stateNames, this.runColor);
+      colors.set(colorOf(row), 6 * i);
+      colors.set(colorOf(row + 1), 6 * i + 3);
     });
     return colors;
   }
+}
 
-  private colorOf(row: number, mode: TrajectoryColor, style: Style): Rgb {
-    if (mode === 'run') return hexToRgb(this.runColor);
-    if (mode === 'state') return hexToRgb(stateColor(this.stateNames[this.frames.states![row]]));
-    const value = frameValue(this.frames, row, mode);
-    const range = style.ranges[mode];
-    return range && value !== null ? mapColor(style.map, shareOf(value, range)) : hexToRgb(okabeIto.gray);
-  }
+/** Color of the trajectory at a frame; the frames must have what `mode` needs. */
+export function colorOfFrame(frames: Frames, row: number, mode: TrajectoryColor, style: Style, stateNames: string[], runColor: string): Rgb {
+  if (mode === 'run') return hexToRgb(runColor);
+  if (mode === 'state') return hexToRgb(stateColor(stateNames[frames.states![row]]));
+  const value = frameValue(frames, row, mode);
+  const range = style.ranges[mode];
+  return range && value !== null ? mapColor(style.map, shareOf(value, range)) : hexToRgb(okabeIto.gray);
 }
 
 export function positionsOf(frames: Frames, kind: TrajectoryKind): Float32Array | null {

@@ -31,7 +31,7 @@ export class View3d {
   /** Marks of the page itself (current frame, measured lengths); drawn last, over each slice. */
   readonly marks = new THREE.Scene();
   readonly controls: OrbitControls;
-  readonly reference: Reference;
+  reference: Reference;
   readonly stats: Stats = { pointsDrawn: 0, pointsVisible: 0, frameMs: 0, pictures: 0, firstPictureMs: null, completePictureMs: null };
   /** Called after each picture, for what is laid over the view. */
   onDrawn: () => void = () => {};
@@ -46,7 +46,7 @@ export class View3d {
   private lastChange = -Infinity;
   private drawnInRow = 0;
 
-  constructor(readonly canvas: HTMLCanvasElement, private readonly up: Vec3, readonly bounds: THREE.Box3, private readonly outline: THREE.Vector3[]) {
+  constructor(readonly canvas: HTMLCanvasElement, private up: Vec3, public bounds: THREE.Box3, private outline: THREE.Vector3[]) {
     const software = isSoftware();
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !software, preserveDrawingBuffer: true });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
@@ -67,6 +67,30 @@ export class View3d {
   add(run: Run): void {
     this.content.add(run.group);
     for (const layer of run.layers) if (layer instanceof PointsLayer) this.points.push(layer);
+  }
+
+  remove(run: Run): void {
+    this.content.remove(run.group);
+    this.points = this.points.filter((layer) => !run.layers.includes(layer));
+  }
+
+  /** Where the content lies by now. The view stays where it is. */
+  setContent(bounds: THREE.Box3, outline: THREE.Vector3[], up: Vec3): void {
+    this.content.remove(this.reference.object);
+    this.reference.dispose();
+    if (up.join() !== this.up.join()) this.turnUp(up);
+    Object.assign(this, { bounds, outline, reference: new Reference(bounds, outline, up) });
+    this.content.add(this.reference.object);
+    this.requestDraw();
+  }
+
+  /** three.js reads the camera's "up" only once; these two are its own words for it. */
+  private turnUp(up: Vec3): void {
+    this.up = up;
+    this.camera.up.set(...up);
+    const turn = new THREE.Quaternion().setFromUnitVectors(this.camera.up, new THREE.Vector3(0, 1, 0));
+    Object.assign(this.controls, { _quat: turn, _quatInverse: turn.clone().invert() });
+    this.controls.update();
   }
 
   applyStyle(style: Style): void {

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads the messages of a run. Nothing in them may be believed: each is checked, a bad one throws SceneError and nothing else.
+import { Entry } from '../scene/header';
+import { readBlock } from '../scene/parse';
+import { SceneError, type SceneEvent } from '../scene/scene';
+
+export const commands = ['pause', 'resume', 'step', 'mapping_on', 'mapping_off', 'reset', 'save', 'end'] as const;
+export type Command = (typeof commands)[number];
+
+export interface Hello {
+  type: 'hello';
+  title: string;
+  method: string;
+  stateNames: string[];
+  /** Frames of the whole run, null where that is not known (a camera). */
+  frames: number | null;
+  commands: Set<Command>;
+}
+
+export interface LiveFrame {
+  type: 'frame';
+  index: number;
+  stamp: number;
+  state: number;
+  reason: string;
+  detail: string;
+  advice: string;
+  /** x y z qx qy qz qw, world_from_camera or body; null while the pose is not known. */
+  pose: number[] | null;
+  sigma: number | null;
+  used: number | null;
+  score: number | null;
+  ms: number | null;
+  stages: [string, number][];
+  events: { kind: string; detail: string }[];
+  done: number | null;
+  rate: number | null;
+  memoryMb: number | null;
+  dropped: number;
+}
+
+export interface SceneNews {
+  type: 'scene';
+  index: number;
+  revision: number | null;
+}
+
+export interface Status {
+  type: 'status';
+  paused: boolean | null;
+  mapping: boolean | null;
+  ended: boolean;
+  line: string;
+}
+
+export interface LiveImage {
+  type: 'image';
+  index: number;
+  /** Of the full image, to which the features refer. */
+  width: number;
+  height: number;
+  jpeg: Uint8Array;
+  features: Float32Array;
+  states: Uint8Array;
+  stateNames: string[];
+  matched: { keyframe: number; jpeg: Uint8Array } | null;
+}
+
+export type Message = Hello | LiveFrame | SceneNews | Status;
+
+const noBody = new Uint8Array(0);
+const largestIndex = 2 ** 31;
+const longestText = 1e6;
+const mostFeatures = 200000;
+
+/** Null: a kind of message that this page does not know, from a newer program. */
+export function readText(text: string, states: number): Message | null {
+  if (text.length > longestText) throw new SceneError(`a message has ${text.length} characters`);
+  let json: unknown;
+  try {
+    json = JSON.parse(text);
+  } catch {
+    throw new SceneError('a message is not readable JSON');
+  }
+  const entry = Entry.from(json, noBody, 'message');
+  switch (entry.text('type')) {
+    case 'hello':
+      return readHello(entry);
+    case 'frame':
+      return readFrame(entry, states);
+    case 'scene':
+      return { type: 'scene', index: entry.index('index', largestIndex), revision: entry.numberOrNull('revision') };
+    case 'status':
+      return readStatus(entry);
+    default:
+      return null;
+  }
+}
+
+function readHello(entry: Entry): Hello {
+  if (entry.number('version') !== 1) throw new SceneError(`the run speaks version ${entry.number('version')}, this page version 1`);
+  const stateNames = texts(entry, 'state_names', 255);
+  if (stateNames.length === 0) throw entry.error('state_names', 'is empty');
+  const known = texts(entry, 'commands', 100).filter((c): c is Command => (commands as readonly string[]).includes(c));
+  return {
+    type: 'hello', title: entry.text('title', ''), method: entry.text('method', ''), stateNames,
+    frames: entry.numberOrNull('frames'), commands: new Set(known),
+  };
+}
+
+function readFrame(entry: Entry, states: number): LiveFrame {
+  return {
+    type: 'frame',
+    index: entry.index('index', largestIndex),
+    stamp: entry.number('stamp'),
+    state: entry.index('state', states),
+    reason: entry.text('reason', ''),
+    detail: entry.text('detail', ''),
+    advice: entry.text('advice', ''),
+    pose: entry.has('pose') ? entry.numbers('pose', 7) : null,
+    sigma: entry.numberOrNull('sigma'),
+    used: entry.numberOrNull('used'),
+    score: entry.numberOrNull('score'),
+    ms: entry.numberOrNull('ms'),
+    stages: readStages(entry),
+    events: entry.children('events').slice(0, 100).map((e) => ({ kind: e.text('kind'), detail: e.text('detail', '') })),
+    done: entry.numberOrNull('done'),
+    rate: entry.numberOrNull('rate'),
+    memoryMb: entry.numberOrNull('memory_mb'),
+    dropped: entry.numberOrNull('dropped') ?? 0,
+  };
+}
+
+function readStages(entry: Entry): [string, number][] {
+  const stages = entry.value('stages') ?? {};
+  if (typeof stages !== 'object' || Array.isArray(stages)) throw entry.error('stages', 'is not an object');
+  const known = Object.entries(stages as object).filter((e): e is [string, number] => Number.isFinite(e[1]) && e[1] >= 0);
+  return known.slice(0, 24).map(([name, ms]) => [name.slice(0, 60), ms]);
+}
+
+function readStatus(entry: Entry): Status {
+  const flag = (key: string) => (entry.has(key) ? entry.flag(key) : null);
+  return { type: 'status', paused: flag('paused'), mapping: flag('mapping'), ended: entry.flag('ended'), line: entry.text('line', '') };
+}
+
+function texts(entry: Entry, key: string, most: number): string[] {
+  const list = entry.value(key);
+  if (!Array.isArray(list) || list.length > most || !list.every((t) => typeof t === 'string')) throw entry.error(key, 'is not a list of texts');
+  return list.map((t: string) => t.slice(0, 60));
+}
+
+/** Null: a kind of block that this page does not know. */
+export function readBinary(bytes: Uint8Array): LiveImage | null {
+  const entry = readBlock(bytes, 'message');
+  if (entry.text('type') !== 'image') return null;
+  const features = entry.arrayOrNull('features', 'f32', 2, null) ?? new Float32Array(0);
+  if (features.length > 2 * mostFeatures) throw entry.error('features', `has ${features.length / 2} features`);
+  const states = features.length ? entry.array('feature_states', 'u8', 1, features.length / 2) : new Uint8Array(0);
+  const matched = entry.child('matched');
+  return {
+    type: 'image',
+    index: entry.index('index', largestIndex),
+    width: side(entry, 'width'),
+    height: side(entry, 'height'),
+    jpeg: entry.array('jpeg', 'u8', 1, null),
+    features,
+    states,
+    stateNames: features.length ? texts(entry, 'feature_state_names', 255) : [],
+    matched: matched && { keyframe: matched.number('keyframe'), jpeg: matched.array('jpeg', 'u8', 1, null) },
+  };
+}
+
+function side(entry: Entry, key: string): number {
+  const value = entry.positive(key);
+  if (value > 65535) throw entry.error(key, `is ${value}, not an image's size`);
+  return value;
+}
+
+/** An event of a frame as the timeline wants it. */
+export function eventOf(frame: { stamp: number }, event: { kind: string; detail: string }): SceneEvent {
+  return { frame: null, stamp: frame.stamp, kind: event.kind, detail: event.detail };
+}

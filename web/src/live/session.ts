@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run that goes on: takes its messages, keeps what they say, and tells the page once a picture.
+import type { App } from '../app';
+import { SceneError } from '../scene/scene';
+import { Connection, type Link } from './connection';
+import { ImageStore } from './image_store';
+import { LiveMap } from './live_map';
+import { readBinary, readText, type Command, type Hello, type LiveFrame, type LiveImage, type Message, type Status } from './messages';
+import { LiveRecord } from './record';
+import { SceneFetcher } from './scene_fetcher';
+
+export type News = 'link' | 'hello' | 'status' | 'frames' | 'image' | 'following' | 'unreadable';
+
+export class LiveSession {
+  readonly record = new LiveRecord();
+  readonly images = new ImageStore();
+  readonly connection: Connection;
+  readonly fetcher: SceneFetcher;
+  hello: Hello | null = null;
+  /** What the run says of itself; null until it does. */
+  status: Status | null = null;
+  newest: LiveFrame | null = null;
+  following = true;
+  /** Messages that could not be read, and what was wrong with the last of them. */
+  unreadable = { count: 0, line: '' };
+  private readonly map: LiveMap;
+  private readonly listeners: ((news: Set<News>) => void)[] = [];
+  private readonly news = new Set<News>();
+  private readonly sceneIndex: number;
+  private scheduled = false;
+  private growing = false;
+  private fresh = false;
+
+  constructor(app: App, { run, scene }: { run: number; scene: number }, query: string) {
+    this.sceneIndex = scene;
+    this.map = new LiveMap(app, run, this.record);
+    this.fetcher = new SceneFetcher(`/api/scene/${scene}${query}`, (bytes) => this.takeScene(bytes));
+    const url = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/live${query}`;
+    this.connection = new Connection(url, {
+      linked: () => this.tell('link'),
+      opened: (again) => this.opened(again),
+      received: (data) => this.received(data),
+    });
+    app.onChange((changed) => {
+      if (changed.has('frame') && !this.growing) this.setFollowing(app.state.frame >= this.record.count - 1);
+    });
+  }
+
+  start(): void {
+    this.connection.connect();
+  }
+
+  get link(): Link {
+    return this.connection.link;
+  }
+
+  onNews(listener: (news: Set<News>) => void): void {
+    this.listeners.push(listener);
+  }
+
+  send(command: Command): boolean {
+    return this.connection.send(JSON.stringify({ command }));
+  }
+
+  /** Back to the newest frame, and along with it from now on. */
+  follow(): void {
+    this.setFollowing(true);
+    this.tell('frames');
+  }
+
+  private setFollowing(on: boolean): void {
+    if (on === this.following) return;
+    this.following = on;
+    this.tell('following');
+  }
+
+  private opened(again: boolean): void {
+    this.fresh = true;
+    // What changed in the meantime was told to nobody.
+    if (again) void this.fetcher.request();
+  }
+
+  private received(data: string | ArrayBuffer): void {
+    try {
+      if (typeof data !== 'string') return this.takeImage(readBinary(new Uint8Array(data)));
+      const message = readText(data, this.record.stateNames.length);
+      if (message) this.take(message);
+    } catch (error) {
+      if (!(error instanceof SceneError)) throw error;
+      this.complain(error.message);
+    }
+  }
+
+  private take(message: Message): void {
+    switch (message.type) {
+      case 'hello':
+        return this.takeHello(message);
+      case 'frame':
+        return this.takeFrame(message);
+      case 'scene':
+        if (message.index === this.sceneIndex) void this.fetcher.request();
+        return;
+      case 'status':
+        this.status = message;
+        this.connection.runEnded = message.ended;
+        return this.tell('status');
+    }
+  }
+
+  private takeHello(hello: Hello): void {
+    this.hello = hello;
+    // States that only a scene named stay behind those of the run.
+    this.record.stateNames = [...hello.stateNames, ...this.record.stateNames.slice(hello.stateNames.length)];
+    this.tell('hello');
+  }
+
+  private takeFrame(frame: LiveFrame): void {
+    // After a new connection, an earlier frame is the first one of another run.
+    if (this.fresh && frame.index < this.record.lastIndex && frame.stamp < this.record.lastStamp) this.forget();
+    this.fresh = false;
+    if (!this.record.append(frame)) return;
+    this.newest = frame;
+    this.tell('frames');
+  }
+
+  private forget(): void {
+    this.record.clear();
+    this.images.clear();
+    this.map.clear();
+  }
+
+  private takeImage(image: LiveImage | null): void {
+    if (image && this.images.add(image)) this.tell('image');
+  }
+
+  private takeScene(bytes: Uint8Array): void {
+    this.growing = true;
+    try {
+      this.map.replace(bytes);
+    } catch (error) {
+      if (!(error instanceof SceneError)) throw error;
+      this.complain(`the map: ${error.message}`);
+    } finally {
+      this.growing = false;
+    }
+    this.tell('frames');
+  }
+
+  private complain(line: string): void {
+    this.unreadable = { count: this.unreadable.count + 1, line };
+    this.tell('unreadable');
+  }
+
+  /** Once a picture: a burst of messages costs one pass over the page. */
+  private tell(news: News): void {
+    this.news.add(news);
+    if (this.scheduled) return;
+    this.scheduled = true;
+    requestAnimationFrame(() => this.flush());
+  }
+
+  private flush(): void {
+    this.scheduled = false;
+    const news = new Set(this.news);
+    this.news.clear();
+    this.growing = true;
+    if (news.has('frames')) this.map.grow(this.following);
+    this.growing = false;
+    for (const listener of this.listeners) listener(news);
+  }
+}
