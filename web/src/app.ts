@@ -102,6 +102,11 @@ export class App {
     this.runs[run.index] = run;
     this.view.add(run);
     this.measureContent();
+    this.contentGrew();
+  }
+
+  /** Counts, names and what can be chosen may have changed. */
+  contentGrew(): void {
     for (const listener of this.listeners) listener(new Set<Change>(['scene']));
   }
 
@@ -132,6 +137,7 @@ export class App {
     });
     this.initial = next;
     this.set(Object.fromEntries(patch) as Partial<State>);
+    this.contentGrew();
   }
 
   /** Redraws with the same state, such as after the system changed between dark and light. */

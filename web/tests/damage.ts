@@ -23,3 +23,15 @@ export function damaged(bytes: Uint8Array, rnd: () => number): Uint8Array {
   }
   return copy;
 }
+
+/** One random damage of a text message: a cut, changed characters, a changed value. */
+export function damagedText(text: string, rnd: () => number): string {
+  const kind = Math.floor(rnd() * 4);
+  const at = Math.floor(rnd() * text.length);
+  if (kind === 0) return text.slice(0, at);
+  if (kind === 1) return text.slice(0, at) + String.fromCharCode(Math.floor(rnd() * 300)) + text.slice(at + 1);
+  const words = ['-1', '1e999', '1e300', '99999999999', 'null', '"x"', '[]', '{}', '0.5', 'true', '""', '[null]', '"\\u0000"', '{"a":{}}'];
+  const values = [...text.matchAll(/[:,[](-?[\d.]+|"[^"]*"|true|false|null)(?=[,}\]])/g)];
+  const hit = values[Math.floor(rnd() * values.length)];
+  return `${text.slice(0, hit.index + 1)}${words[Math.floor(rnd() * words.length)]}${text.slice(hit.index + hit[0].length)}`;
+}

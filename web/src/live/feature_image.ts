@@ -37,7 +37,7 @@ export class FeatureImage {
     const context = canvas.getContext('2d')!;
     if (picture) context.drawImage(picture, 0, 0, canvas.width, canvas.height);
     context.scale(ratio, ratio);
-    this.drawFeatures(context, width / image.width, Math.max(2, Math.min(4, width / 120)));
+    this.drawFeatures(context, width / image.width, Math.max(2.5, Math.min(4, width / 100)));
   }
 
   private drawFeatures(context: CanvasRenderingContext2D, scale: number, radius: number): void {

@@ -11,6 +11,7 @@ import { buildRun, runColor } from '../view3d/run';
 import { nearestFrame } from '../timeline/track';
 import { TrajectoryLayer } from '../view3d/trajectory_layer';
 import { mergedEvents } from './merged_rows';
+import { isMapless } from '../ui/missing';
 import type { LiveRecord } from './record';
 
 /** Ranges of colors and the ground grid follow the growing run this often. */
@@ -30,7 +31,7 @@ export class LiveMap {
   constructor(private readonly app: App, private readonly index: number, private readonly record: LiveRecord) {
     const { scene } = app.runs[index];
     this.served = { ...scene };
-    this.mapSeen = scene.revision !== null || scene.layers.length > 0 || scene.keyframes !== null;
+    this.mapSeen = !isMapless(scene);
     this.trajectories = (['final', 'online'] as const).map((kind) => new GrowingTrajectory(kind, record, runColor(index)));
     // A drag must end with the view where it was left: from its first moment it is the person's.
     app.view.controls.addEventListener('start', () => app.rememberCamera());
@@ -42,16 +43,26 @@ export class LiveMap {
     this.show(parseScene(bytes));
   }
 
+  /** Names of the run for as long as there is no map that has its own. */
+  name(title: string, method: string): void {
+    const { scene } = this.app.runs[this.index];
+    if (this.mapSeen) return;
+    Object.assign(scene, { title: title || scene.title, method });
+    this.app.contentGrew();
+  }
+
   /** After frames were added to the record. `follow`: the newest one becomes the current one. */
   grow(follow: boolean): void {
     const { app, record } = this;
     const { scene } = app.runs[this.index];
+    const first = scene.frames === null && record.frames !== null;
     scene.frames = record.frames;
     scene.stateNames = record.stateNames;
     if (record.events.length !== this.knownEvents) this.joinEvents(scene);
     for (const trajectory of this.trajectories) trajectory.grow();
     const count = scene.frames?.count ?? 0;
     if (count === 0) return;
+    if (first) app.beginAnew();
     this.keepInSight(count - 1);
     if (performance.now() - this.lastSlow > slowMs) this.growSlowly();
     app.framesGrew(follow ? count - 1 : Math.min(app.state.frame, count - 1));
@@ -74,7 +85,7 @@ export class LiveMap {
     for (const trajectory of this.trajectories) trajectory.grow();
     if (stamp !== undefined && scene.frames) app.state.frame = nearestFrame(scene.frames.stamps, stamp);
     app.replaceRun(buildRun(app.runs[index].name, scene, index, [...this.trajectories, ...truth]), this.trajectories);
-    const first = !this.mapSeen && (scene.revision !== null || scene.layers.length > 0 || scene.keyframes !== null);
+    const first = !this.mapSeen && !isMapless(scene);
     if (!first) return;
     this.mapSeen = true;
     app.beginAnew();
@@ -92,6 +103,7 @@ export class LiveMap {
     const box = boundsOf(app.runs.map((r) => ({ ...r.scene, layers: [] }))).union(app.view.bounds);
     if (box.getSize(new THREE.Vector3()).length() > 1.1 * before) app.measureContent();
     else app.growRanges();
+    app.contentGrew();
     this.lastSlow = performance.now();
   }
 

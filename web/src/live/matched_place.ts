@@ -17,6 +17,6 @@ export class MatchedPlace {
     if (!matched) return;
     this.image.hidden = false;
     this.image.src = URL.createObjectURL(new Blob([matched.jpeg as BlobPart], { type: 'image/jpeg' }));
-    this.caption.textContent = `matched place: keyframe ${matched.keyframe}`;
+    this.caption.textContent = `matched: keyframe ${matched.keyframe}`;
   }
 }

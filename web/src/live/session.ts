@@ -111,6 +111,7 @@ export class LiveSession {
     this.hello = hello;
     // States that only a scene named stay behind those of the run.
     this.record.stateNames = [...hello.stateNames, ...this.record.stateNames.slice(hello.stateNames.length)];
+    this.map.name(hello.title, hello.method);
     this.tell('hello');
   }
 

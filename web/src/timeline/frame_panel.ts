@@ -30,7 +30,8 @@ export class FramePanel {
     const { frames, active, state } = this.app;
     this.element.hidden = !frames;
     if (!frames || !active) return;
-    this.title.textContent = `Frame ${(state.frame + 1).toLocaleString('en-US')} of ${frames.count.toLocaleString('en-US')}`;
+    // During a run the frame view names the frame.
+    this.title.textContent = active.live ? 'Pose and values' : `Frame ${(state.frame + 1).toLocaleString('en-US')} of ${frames.count.toLocaleString('en-US')}`;
     const rows = frameRows(this.app, frames, active.scene, state.frame);
     this.list.replaceChildren(...rows.flatMap(([name, value]) => [el('dt', {}, name), el('dd', {}, value)]));
     this.showImage(nearestImage(active.scene, frames.stamps[state.frame]));

@@ -36,12 +36,12 @@ export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement, liv
   const measure = new Measure(app);
   const marks = new LengthMarks(app, measure);
   const lengths = new LengthList(app, measure);
-  const right = el('div', { className: 'right' }, ...(liveParts ? [liveParts.view.element] : []), frame.element, lengths.element);
+  const right = el('div', { className: 'right' }, frame.element, lengths.element);
   stage.append(marks.labels, legend.element, right, measure.hint, ...notices(app));
   const help = helpDialog(live !== null);
   const actions = { ...buildActions(app, root, { help, timeline, current, measure }), live: liveParts?.actions ?? null };
   const bar = toolbar(app, actions);
-  root.replaceChildren(bar, side, stage, ...(liveParts ? [liveParts.bar.element] : []), timeline.element, help);
+  root.replaceChildren(bar, side, stage, ...(liveParts ? [liveParts.view.element, liveParts.bar.element] : []), timeline.element, help);
   bindShortcuts(app, actions);
   app.view.onDrawn = () => {
     legend.update();

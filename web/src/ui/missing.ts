@@ -13,6 +13,11 @@ export function missingParts(scenes: Scene[]): string[] {
   return parts;
 }
 
+/** Of a run that goes on and has not told its first map. */
+export function isMapless(scene: Scene): boolean {
+  return scene.revision === null && !scene.keyframes && scene.layers.length === 0;
+}
+
 export function isEmpty(scene: Scene): boolean {
   return !scene.frames && !scene.keyframes && scene.lengths.length === 0 && scene.layers.every((l) => l.count === 0);
 }

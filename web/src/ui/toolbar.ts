@@ -5,6 +5,7 @@ import type { Scene } from '../scene/scene';
 import type { Actions } from './actions';
 import { button, el } from './dom';
 import { icon, type IconName } from './icons';
+import { isMapless } from './missing';
 import { titleOf } from './layout';
 
 export function toolbar(app: App, actions: Actions): HTMLElement {
@@ -38,7 +39,8 @@ function tool(label: string, name: IconName, title: string, onclick: () => void)
 
 function facts(app: App): HTMLElement[] {
   if (app.runs.length !== 1) return [el('span', {}, `${app.runs.length} runs`)];
-  const scene = app.runs[0].scene;
+  const { scene, live } = app.runs[0];
+  if (live && isMapless(scene)) return [scene.method, 'no map yet'].filter((t) => t !== '').map((t) => el('span', {}, t));
   const texts = [scene.method, scene.revision !== null ? `revision ${scene.revision}` : '', scaleText(scene), sessionsText(scene)];
   return texts.filter((t) => t !== '').map((t) => el('span', {}, t));
 }

@@ -36,7 +36,7 @@ export class GrowingTrajectory implements LayerObject {
 
   constructor(private readonly kind: 'final' | 'online', private readonly record: GrowingFrames, private readonly runColor: string) {
     this.key = `trajectory:${kind}`;
-    this.label = kind === 'final' ? 'Trajectory' : 'Trajectory, as first estimated';
+    this.label = kind === 'final' ? 'Trajectory' : 'Trajectory, online';
     this.shownAtFirst = kind === 'final';
     this.material = new LineMaterial({ linewidth: kind === 'final' ? 3 : 2, vertexColors: kind === 'final' });
     if (kind === 'online') Object.assign(this.material, { transparent: true, opacity: 0.6 });
