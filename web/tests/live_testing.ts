@@ -21,11 +21,14 @@ export async function withRun(options: Options, use: (page: Page, server: LiveSe
   try {
     await page.waitForFunction(() => (window as any).rastro.live?.hello);
     await use(page, server);
-    assert.deepEqual(faultsOf(page).filter((fault) => !ofNetwork.test(fault)), []);
+  } catch (error) {
+    console.log(faultsOf(page).slice(0, 5).join('\n'));
+    throw error;
   } finally {
     await page.close();
     await server.close();
   }
+  assert.deepEqual(faultsOf(page).filter((fault) => !ofNetwork.test(fault)), []);
 }
 
 export async function shownFrame(page: Page, index: number): Promise<void> {

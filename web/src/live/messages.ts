@@ -70,6 +70,7 @@ export type Message = Hello | LiveFrame | SceneNews | Status;
 
 const noBody = new Uint8Array(0);
 const largestIndex = 2 ** 31;
+const latestStamp = 1e11;
 const longestText = 1e6;
 const mostFeatures = 200000;
 
@@ -112,7 +113,7 @@ function readFrame(entry: Entry, states: number): LiveFrame {
   return {
     type: 'frame',
     index: entry.index('index', largestIndex),
-    stamp: entry.number('stamp'),
+    stamp: stampOf(entry),
     state: entry.index('state', states),
     reason: entry.text('reason', ''),
     detail: entry.text('detail', ''),
@@ -129,6 +130,13 @@ function readFrame(entry: Entry, states: number): LiveFrame {
     memoryMb: entry.numberOrNull('memory_mb'),
     dropped: entry.numberOrNull('dropped') ?? 0,
   };
+}
+
+/** A time far beyond any clock would stretch the timeline until nothing is left of the run. */
+function stampOf(entry: Entry): number {
+  const stamp = entry.number('stamp');
+  if (Math.abs(stamp) > latestStamp) throw entry.error('stamp', `is ${stamp}, not a time in seconds`);
+  return stamp;
 }
 
 function readStages(entry: Entry): [string, number][] {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // All frames of the run so far, by time: those this page was told of, and those that a scene brought.
 import type { Frames, SceneEvent } from '../scene/scene';
+import { isMarked } from '../timeline/strip';
 import { f32, f64, u8 } from './columns';
 import { mergedRows, type RowPair } from './merged_rows';
 import { eventOf, type LiveFrame } from './messages';
@@ -124,6 +125,7 @@ export class LiveRecord {
     if (before !== frame.state && (badStates.includes(name) || row > 0) && !told) {
       events.push({ kind: name, detail: frame.detail || frame.reason });
     }
-    if (events.length) this.events = [...this.events, ...events.map((e) => eventOf(frame, e))];
+    const marked = events.filter((e) => isMarked(e.kind) || this.stateNames.includes(e.kind));
+    this.events.push(...marked.map((e) => eventOf(frame, e)));
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run that goes on: takes its messages, keeps what they say, and tells the page once a picture.
+// A run that goes on: takes its messages, keeps what they say, and tells the page about once a picture.
 import type { App } from '../app';
 import { SceneError } from '../scene/scene';
 import { Connection, type Link } from './connection';
@@ -10,6 +10,8 @@ import { LiveRecord } from './record';
 import { SceneFetcher } from './scene_fetcher';
 
 export type News = 'link' | 'hello' | 'status' | 'frames' | 'image' | 'following' | 'unreadable';
+
+const shortestPauseMs = 12;
 
 export class LiveSession {
   readonly record = new LiveRecord();
@@ -28,6 +30,7 @@ export class LiveSession {
   private readonly news = new Set<News>();
   private readonly sceneIndex: number;
   private scheduled = false;
+  private nextFlush = 0;
   private growing = false;
   private fresh = false;
 
@@ -152,21 +155,25 @@ export class LiveSession {
     this.tell('unreadable');
   }
 
-  /** Once a picture: a burst of messages costs one pass over the page. */
+  /** About once a picture, so that a burst of messages costs few passes over the page. Not in a picture's own callback:
+   * what is asked for there is drawn one picture later. */
   private tell(news: News): void {
     this.news.add(news);
     if (this.scheduled) return;
     this.scheduled = true;
-    requestAnimationFrame(() => this.flush());
+    setTimeout(() => this.flush(), Math.max(0, this.nextFlush - performance.now()));
   }
 
   private flush(): void {
     this.scheduled = false;
+    const begin = performance.now();
     const news = new Set(this.news);
     this.news.clear();
     this.growing = true;
     if (news.has('frames')) this.map.grow(this.following);
     this.growing = false;
     for (const listener of this.listeners) listener(news);
+    const end = performance.now();
+    this.nextFlush = end + Math.max(shortestPauseMs, 2 * (end - begin));
   }
 }
