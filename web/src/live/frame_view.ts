@@ -24,7 +24,7 @@ export class FrameView {
   private readonly stages = el('div', { className: 'stages' });
   private readonly legend: FeatureLegend;
   private readonly matched = new MatchedPlace();
-  private readonly empty = el('p', { className: 'missing' }, 'No image of this frame was sent.');
+  private readonly empty = el('p', { className: 'missing' });
 
   constructor(private readonly app: App, private readonly session: LiveSession) {
     this.legend = new FeatureLegend(this.image);
@@ -69,9 +69,10 @@ export class FrameView {
   private showImage(image: LiveImage | null, frame: LiveFrame | null): void {
     this.pictures.hidden = image === null;
     this.empty.hidden = image !== null;
+    this.empty.textContent = frame ? 'No image of this frame was sent.' : 'No frame yet.';
     this.image.show(image);
     this.legend.show(image);
-    this.matched.show(image?.matched ?? null);
+    this.matched.show(image, this.session.following);
     const apart = image && frame ? Math.abs(frame.index - image.index) : 0;
     this.caption.textContent = image && apart > nearFrames ? `image of frame ${(image.index + 1).toLocaleString('en-US')}` : '';
   }

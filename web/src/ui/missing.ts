@@ -2,8 +2,9 @@
 // Says what is not there, so that nobody searches for a switch or takes an empty view for a fault.
 import type { Layer, Scene } from '../scene/scene';
 
-export function missingParts(scenes: Scene[]): string[] {
+export function missingParts(scenes: Scene[], live: boolean): string[] {
   if (scenes.length === 0) return [];
+  if (live && scenes.every(isMapless)) return ['The run has no map yet.'];
   const what = scenes.length > 1 ? 'These maps have' : 'This map has';
   const parts: string[] = [];
   const holds = (kind: Layer['kind']) => scenes.some((s) => s.layers.some((l) => l.kind === kind && l.count > 0));

@@ -45,7 +45,7 @@ function layersSection(app: App): HTMLElement {
   }
   const boxes = [...rows].map(([key, row]) => layerBox(app, key, row.label, row.details.length > 1 ? `${row.details.length} runs` : row.details[0]));
   const reference = layerBox(app, 'reference', 'Reference grid', `cell ${lengthText(app, app.view.reference.cell, null)}`);
-  const missing = missingParts(app.runs.map((r) => r.scene)).map((text) => el('p', { className: 'missing' }, text));
+  const missing = missingParts(app.runs.map((r) => r.scene), app.live !== null).map((text) => el('p', { className: 'missing' }, text));
   return section('Layers', ...boxes, reference, ...missing);
 }
 
