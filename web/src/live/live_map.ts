@@ -38,6 +38,10 @@ export class LiveMap {
     this.show(scene);
   }
 
+  get hasMap(): boolean {
+    return this.mapSeen;
+  }
+
   /** Takes the bytes of a new map. Throws SceneError where they cannot be read; the map before stays. */
   replace(bytes: Uint8Array): void {
     this.show(parseScene(bytes));

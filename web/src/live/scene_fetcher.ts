@@ -5,8 +5,6 @@
 const longestFetchMs = 60000;
 
 export class SceneFetcher {
-  /** For tests: fetches begun so far. */
-  begun = 0;
   private wanted = false;
   private busy = false;
 
@@ -17,24 +15,31 @@ export class SceneFetcher {
     this.wanted = true;
     if (this.busy) return;
     this.busy = true;
-    while (this.wanted) {
-      this.wanted = false;
-      const begin = performance.now();
-      await this.fetchOnce();
-      // At most half of the time is spent on maps, however large they become.
-      await new Promise((done) => setTimeout(done, performance.now() - begin));
+    try {
+      while (this.wanted) await this.update();
+    } finally {
+      this.busy = false;
     }
-    this.busy = false;
   }
 
-  private async fetchOnce(): Promise<void> {
-    this.begun++;
+  private async update(): Promise<void> {
+    this.wanted = false;
+    const begin = performance.now();
+    const bytes = await this.fetched();
+    if (bytes) this.take(bytes);
+    // At most half of the time is spent on maps, however large they become.
+    await new Promise((done) => setTimeout(done, performance.now() - begin));
+  }
+
+  /** Null where there is none. */
+  private async fetched(): Promise<Uint8Array | null> {
     try {
       const response = await fetch(this.path, { cache: 'no-store', signal: AbortSignal.timeout(longestFetchMs) });
       // Before the first map the server has none; another message follows when it has.
-      if (response.ok) this.take(new Uint8Array(await response.arrayBuffer()));
+      return response.ok ? new Uint8Array(await response.arrayBuffer()) : null;
     } catch {
       // The connection of the run tells the person that the server is gone.
+      return null;
     }
   }
 }

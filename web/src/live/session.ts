@@ -79,8 +79,8 @@ export class LiveSession {
 
   private opened(again: boolean): void {
     this.fresh = true;
-    // What changed in the meantime was told to nobody.
-    if (again) void this.fetcher.request();
+    // What changed in the meantime was told to nobody; a map that was there already is not fetched twice.
+    if (again || !this.map.hasMap) void this.fetcher.request();
   }
 
   private received(data: string | ArrayBuffer): void {

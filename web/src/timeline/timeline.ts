@@ -141,9 +141,10 @@ export class Timeline {
     this.play.title = playing ? 'Pause (space)' : 'Play (space)';
   }
 
-  private data(): StripData {
+  /** The curve's largest value takes a pass over all frames: only where it is drawn. */
+  private data(highest = ''): StripData {
     const { frames, active, dark, state } = this.app;
-    return { frames: frames!, stateNames: active!.scene.stateNames, events: this.events, curve: this.curve, highest: this.curve ? this.highest(frames![this.curve]!, this.curve) : '', frame: state.frame, dark };
+    return { frames: frames!, stateNames: active!.scene.stateNames, events: this.events, curve: this.curve, highest, frame: state.frame, dark };
   }
 
   /** The strip without the cursor is kept: moving the cursor over a long run stays cheap. */
@@ -158,7 +159,7 @@ export class Timeline {
     }
     const context = this.background.getContext('2d')!;
     context.scale(ratio, ratio);
-    drawStrip(context, this.data(), width, stripHeight);
+    drawStrip(context, this.data(this.curve ? this.highest(this.app.frames[this.curve]!, this.curve) : ''), width, stripHeight);
     this.redrawMs = performance.now() - begin;
     this.drawFrame();
   }

@@ -13,8 +13,8 @@ export function rangesOf(scenes: Scene[], up: Vec3): Record<RangeName, Range | n
     height: join((s) => heights(s, up)),
     age: join(pointAges),
     uncertainty: join(pointSigmas),
-    error: join((s) => s.frames?.errors ?? []),
-    sigma: join((s) => s.frames?.sigmas ?? []),
+    error: join((s) => thinned(s.frames?.errors)),
+    sigma: join((s) => thinned(s.frames?.sigmas)),
     time: join((s) => (s.frames ? [0, s.frames.stamps[s.frames.count - 1] - s.frames.stamps[0]] : [])),
   };
 }
@@ -22,6 +22,10 @@ export function rangesOf(scenes: Scene[], up: Vec3): Record<RangeName, Range | n
 function* sampled(count: number): Generator<number> {
   const step = Math.max(1, Math.floor(count / samples));
   for (let i = 0; i < count; i += step) yield i;
+}
+
+function* thinned(values: Float32Array | null | undefined): Generator<number> {
+  for (const i of sampled(values?.length ?? 0)) yield values![i];
 }
 
 function* heights(scene: Scene, up: Vec3): Generator<number> {
