@@ -237,6 +237,10 @@ function(rastro_add_module_tests)
       get_property(shared GLOBAL PROPERTY RASTRO_TESTS_IN_ONE_PROCESS_${name})
       string(REPLACE "/" "_" module ${name})
       rastro_add_test(rastro_${module}_test MODULES ${module} synthetic SOURCES ${tests} ONE_PROCESS ${shared})
+      if(name STREQUAL "export")  # its tests parse MCAP files
+        target_compile_definitions(rastro_export_test PRIVATE RASTRO_WITH_MCAP=$<BOOL:${RASTRO_WITH_MCAP}>)
+        target_link_libraries(rastro_export_test PRIVATE ZLIB::ZLIB $<$<BOOL:${RASTRO_WITH_MCAP}>:protobuf::libprotobuf>)
+      endif()
       if(name STREQUAL "dataset")  # its tests write bags
         target_include_directories(rastro_dataset_test SYSTEM PRIVATE ${RASTRO_ROSBAG_TEST_INCLUDE_DIRS})
         target_compile_definitions(rastro_dataset_test PRIVATE RASTRO_WITH_ROSBAG=$<BOOL:${RASTRO_WITH_ROSBAG}>)

@@ -11,7 +11,8 @@ const Version& version() {
                                    RASTRO_VERSION_COMPILER,
                                    {{"video files", RASTRO_VERSION_WITH_VIDEO != 0},
                                     {"SURF", RASTRO_VERSION_WITH_SURF != 0},
-                                    {"ROS bags", RASTRO_VERSION_WITH_ROSBAG != 0}}};
+                                    {"ROS bags", RASTRO_VERSION_WITH_ROSBAG != 0},
+                                    {"MCAP", RASTRO_VERSION_WITH_MCAP != 0}}};
   return instance;
 }
 

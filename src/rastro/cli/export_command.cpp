@@ -29,6 +29,8 @@ All maps:
   html     one page with everything there is to see, which opens in a browser without a server or a network: trajectory,
            keyframes and their graphs, landmarks, cloud, semi-dense points, scans, occupancy grid; of a run folder also
            states, times, events, uncertainties and errors. Also of poses alone. 'rastro view' shows the same
+  mcap     the same for Foxglove, Lichtblick and Rerun, over the time of the recording, with images of the keyframes where
+           they are in the map or in a recording that is there; messages are those of Foxglove's Protobuf schemas
   ply      point cloud; binary. rgbd: colored surfaces with normals, count (measurements) and sigma (standard deviation
            along the normal). Others: landmarks (gray; count: observations, sigma: along the mean viewing direction),
            semi-dense depth and scans. An unknown sigma is nan
@@ -61,6 +63,7 @@ the lowest large horizontal plane; without one, up is the mean up direction of t
 
 Examples:
   rastro export run --to html --out room.html
+  rastro export run --to mcap --out room.mcap
   rastro export run --to ply --out room.ply
   rastro export run/map.rastro --to octomap --out room.bt --resolution 0.1 --upright
   rastro export run --to pgm --out floor.yaml --height 0.1:1.5
@@ -81,6 +84,7 @@ struct Format {
 };
 
 constexpr Format formats[] = {{"html", export_html},
+                              {"mcap", export_mcap},
                               {"ply", export_cloud},
                               {"pcd", export_cloud},
                               {"mesh", export_mesh},
@@ -147,8 +151,9 @@ void settle(Flags& flags) {
 void settle_out(Flags& flags) {
   std::string& out = flags.settings.out;
   if (!out.empty()) return;
-  if (flags.settings.to != "html") throw Error("is missing", "--out", "give the output file");
-  out = scene_name(flags.input) + ".html";
+  const std::string& to = flags.settings.to;
+  if (to != "html" && to != "mcap") throw Error("is missing", "--out", "give the output file");
+  out = scene_name(flags.input) + "." + to;
 }
 
 void refuse_input(const Flags& flags) {
@@ -236,14 +241,16 @@ void add_export_command(CLI::App& app, Context& context) {
   const auto flags = std::make_shared<Flags>();
   command->add_option("RUN", flags->input, "Run folder or map file")->required()->type_name("");
   command
-      ->add_option("--to", flags->settings.to,
-                   "html, ply, pcd, mesh, octomap, pgm, g2o, colmap, colmap-binary, landmarks, svg, png, word-images, "
-                   "depth-images, depth-video, tum, kitti, euroc")
+      ->add_option(
+          "--to", flags->settings.to,
+          "html, mcap, ply, pcd, mesh, octomap, pgm, g2o, colmap, colmap-binary, landmarks, svg, png, word-images, "
+          "depth-images, depth-video, tum, kitti, euroc")
       ->required()
       ->type_name("FORMAT");
   command
-      ->add_option("--out", flags->settings.out,
-                   "Output file; colmap, word-images, depth-images: folder (default: none; html: NAME.html)")
+      ->add_option(
+          "--out", flags->settings.out,
+          "Output file; colmap, word-images, depth-images: folder (default: none; html, mcap: NAME.html, NAME.mcap)")
       ->type_name("FILE");
   command
       ->add_option("--voxel", flags->settings.voxel_m,
@@ -272,13 +279,13 @@ void add_export_command(CLI::App& app, Context& context) {
       ->type_name("N");
   command
       ->add_option("--points", flags->settings.scene.points,
-                   "html: maximum number of points of each layer (default: 300000)")
+                   "html, mcap: maximum number of points of each layer (default: 300000; mcap: 1000000)")
       ->type_name("N");
   command->add_flag("--mesh", flags->settings.scene.mesh, "html of rgbd: show surfaces as triangles, too");
   command->add_flag("--octree", flags->settings.scene.octree, "html of rgbd: show occupied space as cubes, too");
   command
       ->add_option("--images", flags->settings.images,
-                   "colmap of orb: recording with the images (default: that of the run)")
+                   "colmap of orb, mcap of orb and lsd: recording with the images (default: that of the run)")
       ->type_name("DATA");
   command->add_option("--submap", flags->submap, "Submap (default: 0, the first)")->type_name("N|all");
   command->add_flag("--upright", flags->settings.upright,

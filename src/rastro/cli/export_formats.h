@@ -20,14 +20,14 @@ namespace rastro::cli {
 /// What the flags of `rastro export` ask for.
 struct ExportSettings {
   std::string to, out;
-  std::string images;    ///< colmap: the recording of the keyframes; empty: that of the run.
+  std::string images;    ///< colmap, mcap: the recording of the keyframes; empty: that of the run.
   CloudOptions cloud;    ///< Its submap is that of every format.
   OctreeOptions octree;  ///< For octomap and pgm.
   std::optional<double> voxel_m;
   double max_depth_m = 5.0;                ///< As the sizes of voxels and cells, fitted to the sensor where not given.
   double lowest_m = 0.1, highest_m = 1.8;  ///< pgm: above the floor.
   bool upright = false;
-  SceneFlags scene;  ///< html.
+  SceneFlags scene;  ///< html, mcap.
 };
 
 /// Facts to print about an export, in order.
@@ -55,6 +55,7 @@ ExportFacts export_depth_images(const ExportJob& job);  ///< Of semi-dense depth
 ExportFacts export_depth_video(const ExportJob& job);   ///< Of semi-dense depth, as the one before.
 ExportFacts export_word_images(const ExportJob& job);   ///< Of signatures.
 ExportFacts export_html(const ExportJob& job);          ///< Everything there is to see.
+ExportFacts export_mcap(const ExportJob& job);          ///< As html, with times.
 
 /// Creates the folder if needed.
 void write_export(const std::filesystem::path& file, std::string_view bytes);

@@ -51,16 +51,21 @@ std::string scene_name(const std::string& path) {
   return (of_run ? whole.parent_path().filename() : whole.stem()).string();
 }
 
-NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
-                    const MapProgress& progress) {
+ViewScene view_scene_of(const ExportInput& input, RunRecord record, const ViewSceneOptions& options, TaskPool& pool,
+                        const MapProgress& progress) {
   const bool mapped = input.map && !(input.map->keyframes.empty() && input.map->frames.empty());
   ViewScene scene = build_scene(mapped ? *input.map : without_keyframes(input), options, pool, progress);
   if (!mapped) guess_up(input.trajectory, scene);
-  RunRecord record = notes_of_run(input);
   // The trajectory is that of the first submap.
   if (options.submap > 0) record.trajectory.clear();
   add_run(record, scene);
   scene.title = scene_name(input.path);
+  return scene;
+}
+
+NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
+                    const MapProgress& progress) {
+  const ViewScene scene = view_scene_of(input, notes_of_run(input), options, pool, progress);
   return {scene.title, scene_bytes(scene)};
 }
 

@@ -8,6 +8,7 @@
 #include "rastro/base/task_pool.h"
 #include "rastro/cli/export_input.h"
 #include "rastro/viewer/build_scene.h"
+#include "rastro/viewer/run_record.h"
 #include "rastro/viewer/scene.h"
 
 namespace rastro::cli {
@@ -16,6 +17,10 @@ namespace rastro::cli {
 /// noted of its frames. Error for a file of the run that is damaged, and for images that cannot be read.
 NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
                     const MapProgress& progress);
+
+/// The same as arrays, with the notes of the run (notes_of_run) given.
+ViewScene view_scene_of(const ExportInput& input, RunRecord record, const ViewSceneOptions& options, TaskPool& pool,
+                        const MapProgress& progress);
 
 /// How an input is called in the page: the folder of a run, or the file's name without its extension.
 std::string scene_name(const std::string& path);
