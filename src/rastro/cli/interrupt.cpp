@@ -36,6 +36,11 @@ const std::atomic<bool>& catch_interrupts() {
   return interrupted;
 }
 
+void interrupt() {
+  interrupted.store(true);
+  sem_post(&interrupts);
+}
+
 void stop_if_interrupted() {
   if (interrupted.load()) throw Interrupted{};
 }

@@ -9,6 +9,9 @@ namespace rastro::cli {
 /// them changes nothing: the command is saving its results. The third ends the program.
 const std::atomic<bool>& catch_interrupts();
 
+/// As the first of these signals, for a person who asks for the end elsewhere.
+void interrupt();
+
 /// Thrown by stop_if_interrupted() to leave the loop of a writer, whose files are complete up to there.
 struct Interrupted {};
 

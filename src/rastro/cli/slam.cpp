@@ -12,10 +12,12 @@
 #include "rastro/cli/command.h"
 #include "rastro/cli/interrupt.h"
 #include "rastro/cli/limits.h"
+#include "rastro/cli/live_sink.h"
 #include "rastro/cli/map_path.h"
 #include "rastro/cli/masks.h"
 #include "rastro/cli/program.h"
 #include "rastro/cli/progress_bar.h"
+#include "rastro/cli/scene_input.h"
 #include "rastro/cli/size_text.h"
 #include "rastro/cli/slam.h"
 #include "rastro/cli/slam_flags.h"
@@ -113,14 +115,30 @@ Prepared prepare(const SlamFlags& flags) {
   return run;
 }
 
-SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
+/// Null without --view.
+std::unique_ptr<LiveSink> live_sink(const SlamFlags& flags, Prepared& prepared) {
+  if (!flags.view) return nullptr;
+  LiveHello hello;
+  hello.title = scene_name(flags.out);
+  hello.method = prepared.method->name();
+  hello.frames = prepared.frames;
+  hello.commands = {LiveCommand::pause, LiveCommand::resume, LiveCommand::step, LiveCommand::end};
+  const bool maps = task_of(prepared.context) == SlamTask::map;
+  if (maps) hello.commands.insert(hello.commands.end(), {LiveCommand::mapping_on, LiveCommand::mapping_off});
+  return std::make_unique<LiveSink>(flags.server, hello, *prepared.slam, maps);
+}
+
+SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar, LiveSink* live) {
   SlamRun run;
   run.source = prepared.source.get();
   run.method = prepared.slam.get();
   run.folder = &folder;
   run.stop = &catch_interrupts();
   run.frames_asked = prepared.frames;
-  run.progress = [&bar](const SlamProgress& progress) { bar.show(progress); };
+  run.progress = [&bar, live](const SlamProgress& progress) {
+    bar.show(progress);
+    if (live != nullptr) live->show(progress);
+  };
   if (prepared.masks) run.mask_of = [&prepared](const Frame& frame) { return prepared.masks->mask_of(frame); };
   run.map_file = prepared.map_file.get();
   run.max_memory_bytes = prepared.context.max_memory_bytes;
@@ -144,7 +162,8 @@ int run_slam(const SlamFlags& flags) {
   folder.write_about(prepared.source->info(), command_line());
   folder.write_options(prepared.table);
   ProgressBar bar(!flags.data.quiet);
-  SlamRunEnd end = slam_run(wired(prepared, folder, bar));
+  const std::unique_ptr<LiveSink> live = live_sink(flags, prepared);
+  SlamRunEnd end = slam_run(wired(prepared, folder, bar, live.get()));
   bar.clear();
   end.result.method = prepared.method->name();
   if (end.result.frames == 0 && !end.result.interrupted) refuse_without_frames(end, folder, flags.data.path);
@@ -157,7 +176,12 @@ int run_slam(const SlamFlags& flags) {
   } else if (!flags.data.quiet) {
     fmt::print("{}", slam_summary(end, outputs, flags.out, task));
   }
-  return report_missed(prepared.limits, numbers_of(end.result));
+  const int exit_code = report_missed(prepared.limits, numbers_of(end.result));
+  if (live) {
+    live->finish(end);
+    live->wait_until_closed();
+  }
+  return exit_code;
 }
 
 void add_slam_command(CLI::App& app, Context& context) {

@@ -167,9 +167,17 @@ void add_method_flags(CLI::App& command, SlamFlags& flags) {
 
 }  // namespace
 
+/// The flags of --view.
+void add_view_flags(CLI::App& command, SlamFlags& flags) {
+  command.add_flag("--view", flags.view, "Show the run in a browser while it goes on; prints the address")
+      ->group("Viewer");
+  add_server_flags(command, flags.server, "Viewer");
+}
+
 void add_slam_flags(CLI::App& command, SlamFlags& flags) {
   add_method_flags(command, flags);
   add_output_flags(command, flags, "coverage>=95");
+  add_view_flags(command, flags);
   add_data_flags(command, flags.data);
   command.footer(methods_text() + footer);
 }
@@ -179,6 +187,7 @@ void add_localize_flags(CLI::App& command, SlamFlags& flags) {
   add_sensor_flag(command, flags, "Map");
   add_run_flags(command, flags, "Map");
   add_output_flags(command, flags, "recall>=95");
+  add_view_flags(command, flags);
   add_data_flags(command, flags.data);
   command.footer(localize_footer);
 }

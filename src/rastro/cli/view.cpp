@@ -14,6 +14,7 @@
 #include "rastro/cli/interrupt.h"
 #include "rastro/cli/progress_bar.h"
 #include "rastro/cli/scene_input.h"
+#include "rastro/cli/server_flags.h"
 #include "rastro/viewer/view_server.h"
 
 namespace rastro::cli {
@@ -39,8 +40,8 @@ Examples:
 struct Flags {
   std::vector<std::string> inputs;
   SceneFlags scene;
-  std::string submap = "0", listen, token;
-  std::optional<int> port;
+  ServerFlags server;
+  std::string submap = "0";
   int threads = 0;
   bool json = false, quiet = false;
 };
@@ -51,20 +52,6 @@ int submap_in(const Flags& flags) {
   const auto submap = parse_int64(flags.submap);
   if (submap && *submap >= 0 && *submap < 1'000'000) return static_cast<int>(*submap);
   throw Error(in_quotes(flags.submap) + " is not a submap", "--submap", "give a number, or all");
-}
-
-ViewServerOptions server_options(const Flags& flags) {
-  ViewServerOptions options;
-  options.token = flags.token;
-  if (!flags.listen.empty()) {
-    options.address = flags.listen;
-    if (flags.token.empty()) options.token = random_token();
-  }
-  if (!flags.port) return options;
-  if (*flags.port < 0 || *flags.port > 65535)
-    throw Error(fmt::format("{} is not a port", *flags.port), "--port", "give 1 to 65535, or 0 for any free one");
-  options.port = static_cast<std::uint16_t>(*flags.port);
-  return options;
 }
 
 std::vector<NamedScene> read_scenes(const Flags& flags) {
@@ -94,7 +81,7 @@ void say_where(const Flags& flags, const ViewServer& server) {
 }
 
 void run_view(const Flags& flags) {
-  const ViewServerOptions options = server_options(flags);
+  const ViewServerOptions options = server_options(flags.server);
   std::vector<NamedScene> scenes = read_scenes(flags);
   catch_interrupts();
   ViewServer server(options, std::move(scenes));
@@ -109,11 +96,7 @@ void add_view_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("view", "Shows runs and maps in a browser");
   const auto flags = std::make_shared<Flags>();
   command->add_option("RUN", flags->inputs, "Run folders or map files")->required()->type_name("");
-  command->add_option("--port", flags->port, "Port (default: 8420, or any free one; 0: any free one)")->type_name("N");
-  command->add_option("--listen", flags->listen, "Address to serve other machines on, such as 0.0.0.0 (default: none)")
-      ->type_name("ADDRESS");
-  command->add_option("--token", flags->token, "Token that clients must give (default with --listen: generated)")
-      ->type_name("T");
+  add_server_flags(*command, flags->server, "");
   command->add_option("--points", flags->scene.points, "Maximum number of points of each layer (default: 2000000)")
       ->type_name("N");
   command->add_flag("--mesh", flags->scene.mesh, "Surfaces as triangles, too (rgbd)");

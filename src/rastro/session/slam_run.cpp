@@ -86,7 +86,8 @@ class Runner {
     input_.add(frame);
     if (run_.folder) write(update);
     if (run_.progress)
-      run_.progress({end_.result.frames + reader_.skipped(), run_.frames_asked, end_.result.loops_closed, &update});
+      run_.progress(
+          {end_.result.frames + reader_.skipped(), run_.frames_asked, end_.result.loops_closed, &update, &frame});
     return_freed_memory();
     keep_below_ceiling(frame.index);
   }

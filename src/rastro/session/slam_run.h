@@ -26,6 +26,7 @@ struct SlamProgress {
   std::optional<std::int64_t> frames;  ///< Total number of frames, if known.
   std::int64_t loops_closed = 0;
   const SlamUpdate* last = nullptr;
+  const Frame* frame = nullptr;  ///< That of `last`.
 };
 
 /// The parts of one run. They must outlive slam_run().

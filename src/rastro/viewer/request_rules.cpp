@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rastro/base/text.h"
+#include "rastro/viewer/block_writer.h"
 #include "rastro/viewer/page.h"
 
 namespace rastro::detail {
@@ -78,18 +79,36 @@ ViewReply refusal(int status, std::string_view line) {
   return reply;
 }
 
-RequestRules::RequestRules(const std::vector<NamedScene>& scenes, std::string token, bool loopback_only,
-                           std::uint16_t port)
-    : scenes_(scenes),
-      token_(std::move(token)),
+RequestRules::RequestRules(std::vector<NamedScene> scenes, std::string token, bool loopback_only, std::uint16_t port)
+    : token_(std::move(token)),
       cookie_name_(fmt::format("rastro_{}", port)),  // cookies of one host are shared by all its ports
       machine_(name_of_machine()),
       loopback_only_(loopback_only) {
-  auto list = nlohmann::ordered_json::array();
-  for (std::size_t index = 0; index < scenes.size(); ++index)
-    list.push_back({{"index", index}, {"name", scenes[index].name}, {"bytes", scenes[index].bytes.size()}});
-  list_ = list.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  for (NamedScene& scene : scenes) scenes_.push_back(std::make_shared<const NamedScene>(std::move(scene)));
+  make_list();
 }
+
+void RequestRules::make_list() {
+  auto list = nlohmann::ordered_json::array();
+  for (std::size_t index = 0; index < scenes_.size(); ++index) {
+    list.push_back({{"index", index}, {"name", scenes_[index]->name}, {"bytes", scenes_[index]->bytes.size()}});
+    if (live_) list.back()["live"] = true;
+  }
+  list_ = std::make_shared<const std::string>(text_of(list));
+}
+
+void RequestRules::set_live(bool live) {
+  live_ = live;
+  make_list();
+}
+
+void RequestRules::set_scene(NamedScene scene) {
+  scenes_.resize(std::max<std::size_t>(1, scenes_.size()));
+  scenes_.front() = std::make_shared<const NamedScene>(std::move(scene));
+  make_list();
+}
+
+bool RequestRules::asks_for_messages(const ViewRequest& request) { return parts_of(request.target).path == "/live"; }
 
 /// A page elsewhere can have its name lead to this machine, but cannot make a browser call it localhost or a number.
 bool RequestRules::is_host_allowed(std::string_view host) const {
@@ -115,7 +134,8 @@ ViewReply RequestRules::content_at(std::string_view path) const {
   }
   if (path == "/api/scenes") {
     reply.type = "application/json";
-    reply.body = list_;
+    reply.body = *list_;
+    reply.kept = list_;
     return reply;
   }
   if (!path.starts_with(scene_path)) return refusal(404, "there is nothing here\n");
@@ -123,12 +143,15 @@ ViewReply RequestRules::content_at(std::string_view path) const {
   const bool digits = std::all_of(number.begin(), number.end(), [](char each) { return each >= '0' && each <= '9'; });
   const auto index = digits ? parse_uint64(number) : std::nullopt;
   if (!index || *index >= scenes_.size()) return refusal(404, "there is no such scene\n");
+  const auto& scene = scenes_[static_cast<std::size_t>(*index)];
+  if (scene->bytes.empty()) return refusal(404, "there is no map yet\n");
   reply.type = "application/octet-stream";
-  reply.body = scenes_[static_cast<std::size_t>(*index)].bytes;
+  reply.body = scene->bytes;
+  reply.kept = scene;
   return reply;
 }
 
-ViewReply RequestRules::reply_to(const ViewRequest& request) const {
+std::optional<ViewReply> RequestRules::refusal_of(const ViewRequest& request) const {
   if (request.hosts.size() != 1 || !is_host_allowed(request.hosts.front()))
     return refusal(403, "this host is not served: use the address that rastro view printed\n");
   if (!request.origin.empty() && request.origin != "http://" + request.hosts.front())
@@ -141,6 +164,11 @@ ViewReply RequestRules::reply_to(const ViewRequest& request) const {
   if (request.target.size() > longest_target) return refusal(414, "the address is too long\n");
   if (!has_token(request))
     return refusal(401, "the token is missing or wrong: use the address that rastro view printed\n");
+  return std::nullopt;
+}
+
+ViewReply RequestRules::reply_to(const ViewRequest& request) const {
+  if (auto refused = refusal_of(request)) return *std::move(refused);
   const Target target = parts_of(request.target);
   ViewReply reply = content_at(target.path);
   // What the page asks for later carries the cookie; scripts cannot read it, other sites cannot send it.

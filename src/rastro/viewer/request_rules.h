@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,24 +24,34 @@ struct ViewRequest {
 struct ViewReply {
   int status = 200;
   std::string_view type = "text/plain; charset=utf-8";
-  std::string_view body;  ///< Of the rules, valid as long as they are.
+  std::string_view body;             ///< Of the program, or of `kept`.
+  std::shared_ptr<const void> kept;  ///< Stays while the reply is sent: scenes are replaced as a run goes on.
   std::vector<std::pair<std::string, std::string>> fields;
 };
 
-/// Which request is given what. Touches no file, no socket and no clock.
+/// Which request is given what. Touches no file, no socket and no clock. Of one thread.
 class RequestRules {
  public:
-  /// `scenes` must outlive the rules.
-  RequestRules(const std::vector<NamedScene>& scenes, std::string token, bool loopback_only, std::uint16_t port);
+  RequestRules(std::vector<NamedScene> scenes, std::string token, bool loopback_only, std::uint16_t port);
   ViewReply reply_to(const ViewRequest& request) const;
+  /// Whether the request asks for the messages of a run, which only a connection can give; its reply where it may not.
+  static bool asks_for_messages(const ViewRequest& request);
+  std::optional<ViewReply> refusal_of(const ViewRequest& request) const;
+
+  /// Whether the scenes are of a run that goes on.
+  void set_live(bool live);
+  /// Takes the place of the first one.
+  void set_scene(NamedScene scene);
 
  private:
   bool is_host_allowed(std::string_view host) const;
   bool has_token(const ViewRequest& request) const;
   ViewReply content_at(std::string_view path) const;
+  void make_list();
 
-  const std::vector<NamedScene>& scenes_;
-  std::string list_;  ///< JSON of /api/scenes.
+  std::vector<std::shared_ptr<const NamedScene>> scenes_;
+  bool live_ = false;
+  std::shared_ptr<const std::string> list_;  ///< JSON of /api/scenes.
   std::string token_, cookie_name_, machine_;
   bool loopback_only_;
 };

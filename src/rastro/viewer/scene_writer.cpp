@@ -1,49 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/viewer/scene_writer.h"
 
-#include <bit>
 #include <nlohmann/json.hpp>
-#include <type_traits>
 
-#include "rastro/base/error.h"
+#include "rastro/viewer/block_writer.h"
 
 namespace rastro {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::size_t alignment = 8;  // of every array, so that the page can view them in place
-
-template <typename Number>
-constexpr const char* type_name() {
-  if constexpr (std::is_same_v<Number, float>) return "f32";
-  if constexpr (std::is_same_v<Number, double>) return "f64";
-  if constexpr (std::is_same_v<Number, std::uint8_t>) return "u8";
-  if constexpr (std::is_same_v<Number, std::uint32_t>) return "u32";
-  if constexpr (std::is_same_v<Number, std::int32_t>) return "i32";
-}
-
-/// The arrays behind the header.
-class Body {
- public:
-  template <typename Number>
-  Json put(const std::vector<Number>& numbers) {
-    static_assert(std::endian::native == std::endian::little, "arrays are little endian");
-    const std::size_t offset = bytes_.size();
-    bytes_.append(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number));
-    bytes_.resize((bytes_.size() + alignment - 1) / alignment * alignment, '\0');
-    return {{"offset", offset}, {"type", type_name<Number>()}, {"count", numbers.size()}};
-  }
-  /// Adds the array to an object, unless it is empty.
-  template <typename Number>
-  void put_if_any(Json& object, const char* name, const std::vector<Number>& numbers) {
-    if (!numbers.empty()) object[name] = put(numbers);
-  }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-};
+using Body = detail::BlockBody;
 
 Json frames_json(const SceneFrames& frames, Body& body) {
   Json json;
@@ -162,16 +128,9 @@ const std::vector<std::string>& scene_state_names() {
 }
 
 std::string scene_bytes(const ViewScene& scene) {
-  constexpr std::size_t length_bytes = sizeof(std::uint32_t);
   Body body;
-  // Names of files may be no UTF-8.
-  std::string header = header_of(scene, body).dump(-1, ' ', false, Json::error_handler_t::replace);
-  header.resize((length_bytes + header.size() + alignment - 1) / alignment * alignment - length_bytes, ' ');
-  RASTRO_CHECK(header.size() < (std::size_t{1} << 31), "the header of a scene is small");
-  const auto length = static_cast<std::uint32_t>(header.size());
-  std::string bytes(reinterpret_cast<const char*>(&length), length_bytes);
-  bytes.reserve(length_bytes + header.size() + body.bytes().size());
-  return bytes.append(header).append(body.bytes());
+  const Json header = header_of(scene, body);
+  return detail::block_of(header, body);
 }
 
 }  // namespace rastro

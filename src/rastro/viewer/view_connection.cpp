@@ -8,6 +8,7 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/span_body.hpp>
 #include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -47,8 +48,8 @@ Response response_of(const ViewReply& reply, unsigned version, bool keep_alive) 
 /// Reads requests and answers them, one after the other, until the client or a deadline ends it.
 class ViewConnection : public std::enable_shared_from_this<ViewConnection> {
  public:
-  ViewConnection(boost::asio::ip::tcp::socket socket, const RequestRules& rules, const ViewServerOptions& options)
-      : stream_(std::move(socket)), rules_(rules), options_(options) {}
+  ViewConnection(boost::asio::ip::tcp::socket socket, const ViewService& service)
+      : stream_(std::move(socket)), service_(service) {}
 
   bool is_waiting() const { return waiting_; }
   void close() {
@@ -60,7 +61,7 @@ class ViewConnection : public std::enable_shared_from_this<ViewConnection> {
     parser_.emplace();
     prepare(*parser_);
     waiting_ = true;
-    stream_.expires_after(in_ms(options_.request_seconds));
+    stream_.expires_after(in_ms(service_.options.request_seconds));
     http::async_read_header(stream_, buffer_, *parser_,
                             [self = shared_from_this()](const beast::error_code& error, std::size_t) {
                               self->waiting_ = false;
@@ -76,13 +77,25 @@ class ViewConnection : public std::enable_shared_from_this<ViewConnection> {
       return;
     }
     if (announces_body(*parser_)) return write(refusal(413, "requests have no body here\n"), false);
-    const ViewReply reply = rules_.reply_to(request_of(*parser_));
+    const ViewRequest request = request_of(*parser_);
+    if (RequestRules::asks_for_messages(request)) return hand_over(request);
+    const ViewReply reply = service_.rules.reply_to(request);
     write(reply, reply.status < 400 && parser_->keep_alive());
+  }
+
+  /// The rest is the client's.
+  void hand_over(const ViewRequest& request) {
+    if (const auto refused = service_.rules.refusal_of(request)) return write(*refused, false);
+    if (service_.live == nullptr) return write(refusal(404, "no run goes on here\n"), false);
+    if (!beast::websocket::is_upgrade(parser_->get())) return write(refusal(426, "this is a WebSocket\n"), false);
+    stream_.expires_never();
+    service_.live->accept(stream_.release_socket(), parser_->get());
   }
 
   void write(const ViewReply& reply, bool keep_alive) {
     constexpr unsigned http_1_1 = 11;
     const bool parsed = parser_->is_header_done();
+    kept_ = reply.kept;
     response_ = response_of(reply, parsed ? parser_->get().version() : http_1_1, keep_alive);
     const bool header_only = parsed && parser_->get().method() == http::verb::head;
     stream_.expires_after(in_ms(seconds_for(reply.body.size())));
@@ -106,8 +119,8 @@ class ViewConnection : public std::enable_shared_from_this<ViewConnection> {
   std::optional<RequestParser> parser_;
   std::optional<Response> response_;
   std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
-  const RequestRules& rules_;
-  const ViewServerOptions& options_;
+  std::shared_ptr<const void> kept_;  ///< What the response shows.
+  ViewService service_;
   bool waiting_ = false;
 };
 
@@ -124,10 +137,9 @@ bool ViewConnections::make_room(std::size_t most) {
   return true;
 }
 
-void ViewConnections::add(boost::asio::ip::tcp::socket socket, const RequestRules& rules,
-                          const ViewServerOptions& options) {
-  if (!make_room(static_cast<std::size_t>(std::max(1, options.max_connections)))) return;
-  const auto connection = std::make_shared<ViewConnection>(std::move(socket), rules, options);
+void ViewConnections::add(boost::asio::ip::tcp::socket socket, const ViewService& service) {
+  if (!make_room(static_cast<std::size_t>(std::max(1, service.options.max_connections)))) return;
+  const auto connection = std::make_shared<ViewConnection>(std::move(socket), service);
   list_.push_back(connection);
   connection->read();
 }

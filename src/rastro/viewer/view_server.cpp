@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <cctype>
 #include <mutex>
@@ -55,14 +57,20 @@ void listen(tcp::acceptor& acceptor, const tcp::endpoint& endpoint) {
 /// Accepts connections in its own thread; everything but stop() happens there.
 class ViewServer::Listener {
  public:
-  Listener(ViewServerOptions options, std::vector<NamedScene> scenes)
-      : options_(std::move(options)), scenes_(std::move(scenes)), acceptor_(context_), pause_(context_) {
+  using LiveMessage = detail::LiveMessage;
+
+  Listener(ViewServerOptions options, std::vector<NamedScene> scenes, const LiveHello* run)
+      : options_(std::move(options)), acceptor_(context_), pause_(context_) {
     const auto address = parsed_address(options_.address);
     require_sound(options_, address);
     open(address);
-    rules_ = std::make_unique<detail::RequestRules>(scenes_, options_.token, address.is_loopback(), port());
+    rules_.emplace(std::move(scenes), options_.token, address.is_loopback(), port());
+    if (run != nullptr) {
+      live_.emplace(message(LiveMessage::Kind::hello, message_of(*run)), inbox_);
+      rules_->set_live(true);
+    }
     accept();
-    thread_ = std::thread([this] { run(); });
+    thread_ = std::thread([this] { this->run(); });
   }
   ~Listener() { stop(); }
 
@@ -75,6 +83,28 @@ class ViewServer::Listener {
     return fmt::format("http://{}:{}/{}", host, port(), options_.token.empty() ? "" : "?token=" + options_.token);
   }
 
+  void send(LiveMessage::Kind kind, std::string text) {
+    // A thread that gets no time must not be given more and more to do.
+    constexpr int most_posted = 1000;
+    const bool can_be_missed = kind == LiveMessage::Kind::frame || kind == LiveMessage::Kind::image;
+    if (posted_ >= most_posted && can_be_missed) return;
+    post([this, sent = message(kind, std::move(text))] { live_->send(sent); });
+  }
+
+  void end_live() {
+    post([this] { rules_->set_live(false); });
+  }
+
+  void set_scene(NamedScene scene, std::int64_t revision) {
+    post([this, scene = std::move(scene), sent = message(LiveMessage::Kind::scene, scene_message(revision))]() mutable {
+      rules_->set_scene(std::move(scene));
+      live_->send(sent);
+    });
+  }
+
+  int clients() const { return live_ ? live_->count() : 0; }
+  detail::LiveInbox& inbox() { return inbox_; }
+
   void stop() {
     std::call_once(stopped_, [this] {
       context_.stop();
@@ -83,6 +113,19 @@ class ViewServer::Listener {
   }
 
  private:
+  static LiveMessage message(LiveMessage::Kind kind, std::string text) {
+    return {kind, std::make_shared<const std::string>(std::move(text))};
+  }
+
+  template <typename Work>
+  void post(Work work) {
+    ++posted_;
+    asio::post(context_, [this, work = std::move(work)]() mutable {
+      --posted_;
+      work();
+    });
+  }
+
   void open(const asio::ip::address& address) {
     try {
       try {
@@ -115,7 +158,7 @@ class ViewServer::Listener {
       if (error == asio::error::operation_aborted) return;
       if (error) return accept_later();
       accept();
-      connections_.add(std::move(socket), *rules_, options_);
+      connections_.add(std::move(socket), {options_, *rules_, live_ ? &*live_ : nullptr});
     });
   }
 
@@ -128,9 +171,11 @@ class ViewServer::Listener {
   }
 
   ViewServerOptions options_;
-  std::vector<NamedScene> scenes_;
-  std::unique_ptr<detail::RequestRules> rules_;
+  std::optional<detail::RequestRules> rules_;
+  detail::LiveInbox inbox_;
+  std::atomic<int> posted_ = 0;
   asio::io_context context_{1};
+  std::optional<detail::LiveClients> live_;
   detail::ViewConnections connections_;
   tcp::acceptor acceptor_;
   tcp::endpoint endpoint_;
@@ -140,11 +185,31 @@ class ViewServer::Listener {
 };
 
 ViewServer::ViewServer(ViewServerOptions options, std::vector<NamedScene> scenes)
-    : listener_(std::make_unique<Listener>(std::move(options), std::move(scenes))) {}
+    : listener_(std::make_unique<Listener>(std::move(options), std::move(scenes), nullptr)) {}
+ViewServer::ViewServer(const LiveHello& run, ViewServerOptions options)
+    : listener_(std::make_unique<Listener>(std::move(options), std::vector<NamedScene>{{run.title, ""}}, &run)) {}
 ViewServer::~ViewServer() = default;
 std::uint16_t ViewServer::port() const { return listener_->port(); }
 std::string ViewServer::url() const { return listener_->url(); }
 void ViewServer::stop() { listener_->stop(); }
+
+void ViewServer::send(const LiveFrame& frame) {
+  if (clients() > 0) listener_->send(detail::LiveMessage::Kind::frame, message_of(frame));
+}
+void ViewServer::send(const LiveImage& image) {
+  if (clients() > 0) listener_->send(detail::LiveMessage::Kind::image, block_of(image));
+}
+void ViewServer::send(const LiveStatus& status) {
+  if (status.ended) listener_->end_live();
+  listener_->send(detail::LiveMessage::Kind::status, message_of(status));
+}
+void ViewServer::set_scene(NamedScene scene, std::int64_t revision) {
+  listener_->set_scene(std::move(scene), revision);
+}
+int ViewServer::clients() const { return listener_->clients(); }
+std::optional<LiveCommand> ViewServer::next_command(std::chrono::milliseconds at_most) {
+  return listener_->inbox().take(at_most);
+}
 
 std::string random_token() {
   std::random_device system;

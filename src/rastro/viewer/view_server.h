@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "rastro/viewer/live_messages.h"
 #include "rastro/viewer/scene.h"
 
 namespace rastro {
@@ -31,6 +33,9 @@ class ViewServer {
   /// Error for an address that is none or cannot be listened on, a taken port, a token of other letters, or an address
   /// other machines can reach without a token.
   ViewServer(ViewServerOptions options, std::vector<NamedScene> scenes);
+  /// Of a run that goes on: a WebSocket at '/live' gives its messages, and takes commands; scene 0 is its map, none at
+  /// first. What is sent never waits for a client: slow ones miss frames, and are told how many.
+  ViewServer(const LiveHello& run, ViewServerOptions options);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;
@@ -38,6 +43,16 @@ class ViewServer {
   std::uint16_t port() const;
   /// Of the page, with the token.
   std::string url() const;
+
+  // Of a run that goes on. From any thread.
+  void send(const LiveFrame& frame);
+  void send(const LiveImage& image);
+  void send(const LiveStatus& status);
+  void set_scene(NamedScene scene, std::int64_t revision);
+  int clients() const;  ///< Pages that watch.
+  /// What a page asked for, the oldest first; waits for it at most so long.
+  std::optional<LiveCommand> next_command(std::chrono::milliseconds at_most);
+
   /// Ends all connections, at once. Can be called from any thread, and again.
   void stop();
 

@@ -67,6 +67,8 @@ ViewServerOptions any_port() {
 
 std::vector<NamedScene> two_scenes() { return {{"kitchen", std::string(3'000'000, 'k')}, {"office", "1234"}}; }
 
+std::vector<NamedScene> no_scenes() { return {}; }
+
 std::string reply_of(const ViewServer& server, const std::string& first_line, const std::string& fields = "") {
   const Client client(server.port());
   client.send(first_line + " HTTP/1.1\r\nHost: localhost:" + std::to_string(server.port()) +
@@ -127,7 +129,7 @@ TEST(ViewServer, RefusesOptionsThatAreUnsafe) {
     ViewServerOptions options = any_port();
     options.address = address, options.token = token;
     try {
-      const ViewServer server(options, {});
+      const ViewServer server(options, no_scenes());
       return std::string("accepted");
     } catch (const Error& error) {
       return std::string(error.what());
@@ -138,14 +140,14 @@ TEST(ViewServer, RefusesOptionsThatAreUnsafe) {
   EXPECT_THAT(refused("here", ""), HasSubstr("is not an address"));
   EXPECT_THAT(refused("203.0.113.7", "t"), HasSubstr("cannot be listened on"));
   EXPECT_THAT(refused("127.0.0.1", "a b"), HasSubstr("letters"));
-  const ViewServer first(any_port(), {});
+  const ViewServer first(any_port(), no_scenes());
   ViewServerOptions taken;
   taken.port = first.port();
-  EXPECT_THROW(ViewServer(taken, {}), Error);
+  EXPECT_THROW(ViewServer(taken, no_scenes()), Error);
 }
 
 TEST(ViewServer, TakesAnotherPortWhereTheUsualOneIsTaken) {
-  const ViewServer first({}, {}), second({}, {});
+  const ViewServer first({}, no_scenes()), second({}, no_scenes());
   EXPECT_NE(first.port(), second.port());
   EXPECT_THAT(reply_of(second, "GET /api/scenes"), StartsWith("HTTP/1.1 200 "));
 }
@@ -231,7 +233,7 @@ TEST(ViewServer, FreesThePortAtItsEnd) {
   again.port = server->port();
   server.reset();
   EXPECT_FALSE(Client(*again.port).connected());
-  EXPECT_EQ(ViewServer(again, {}).port(), *again.port);
+  EXPECT_EQ(ViewServer(again, no_scenes()).port(), *again.port);
 }
 
 TEST(RandomToken, IsLongAndNew) {

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/loss_advice.h"
+
+namespace rastro::cli {
+
+std::string advice_for(SlamReason reason) {
+  switch (reason) {
+    case SlamReason::none:
+    case SlamReason::first_frame:
+      return "";
+    case SlamReason::no_data:
+    case SlamReason::gap:
+      return "frames are missing: record at a higher rate, or to a faster disk";
+    case SlamReason::few_returns:
+      return "the sensor measures little here: keep to its range, away from glass, black surfaces and sunlight";
+    case SlamReason::poor_match:
+      return "what is seen does not fit the map: move slower; check the calibration with 'rastro check'";
+    case SlamReason::degenerate:
+      return "one direction cannot be measured here: use wheel odometry, or turn the sensor towards more structure";
+    case SlamReason::too_few_points:
+      return "too little texture: aim at more structure, add light, or lower the detection threshold";
+    case SlamReason::few_inliers:
+      return "matches disagree: move slower, and keep people and cars from filling the image";
+    case SlamReason::no_odometry:
+      return "wheel odometry is missing for this frame: check its topic and stamps";
+    case SlamReason::dark_or_blank:
+      return "the image shows nothing: uncover the camera, add light, or aim at more structure";
+    case SlamReason::repeated_frame:
+      return "the same frame came again: check the recording with 'rastro check'";
+    case SlamReason::odometry_jumped:
+      return "wheel odometry jumped: check its source, or raise the limits of speed";
+    case SlamReason::blurred:
+      return "motion blur: rotate slower, or use a shorter exposure";
+    case SlamReason::not_found:
+      return "the place is not known: go back to where the map was made, and look the same way";
+    case SlamReason::apart:
+      return "this part of the map is not connected yet: return to a place seen before";
+    case SlamReason::unconfirmed:
+      return "keep looking at this place until more frames agree";
+    case SlamReason::implausible_motion:
+      return "the pose jumps: move slower, and look for moving things that fill the image";
+  }
+  return "";
+}
+
+}  // namespace rastro::cli

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "rastro/slam/slam.h"
+
+namespace rastro::cli {
+
+/// What a person can do about a frame that is weak or lost for this reason; empty where nothing needs to be done.
+std::string advice_for(SlamReason reason);
+
+}  // namespace rastro::cli

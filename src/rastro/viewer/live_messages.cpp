@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/viewer/live_messages.h"
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "rastro/viewer/block_writer.h"
+#include "rastro/viewer/scene.h"
+
+namespace rastro {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array all_commands = {LiveCommand::pause,      LiveCommand::resume,      LiveCommand::step,
+                                     LiveCommand::mapping_on, LiveCommand::mapping_off, LiveCommand::end};
+
+template <typename Value>
+Json or_null(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json();
+}
+
+Json pose_json(const SE3& pose) {
+  const Eigen::Vector3d& t = pose.translation();
+  const Eigen::Quaterniond q = pose.rotation().quaternion();
+  return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+void add_if_any(Json& json, const char* name, const std::string& text) {
+  if (!text.empty()) json[name] = text;
+}
+
+}  // namespace
+
+const char* name_of(LiveCommand command) {
+  switch (command) {
+    case LiveCommand::pause:
+      return "pause";
+    case LiveCommand::resume:
+      return "resume";
+    case LiveCommand::step:
+      return "step";
+    case LiveCommand::mapping_on:
+      return "mapping_on";
+    case LiveCommand::mapping_off:
+      return "mapping_off";
+    case LiveCommand::end:
+      return "end";
+  }
+  return "unknown";
+}
+
+std::optional<LiveCommand> live_command_in(std::string_view message) {
+  const auto json = nlohmann::json::parse(message, nullptr, false);
+  if (!json.is_object() || json.size() != 1 || !json.contains("command") || !json["command"].is_string())
+    return std::nullopt;
+  const auto& name = json["command"].get_ref<const std::string&>();
+  for (const LiveCommand command : all_commands)
+    if (name == name_of(command)) return command;
+  return std::nullopt;
+}
+
+const std::vector<std::string>& live_feature_state_names() {
+  static const std::vector<std::string> names = {"unmatched", "matched", "outlier", "inlier", "new"};
+  return names;
+}
+
+std::string message_of(const LiveHello& hello) {
+  Json json{{"type", "hello"}, {"version", 1}, {"title", hello.title}, {"method", hello.method}};
+  json["state_names"] = scene_state_names();
+  json["frames"] = or_null(hello.frames);
+  json["commands"] = Json::array();
+  for (const LiveCommand command : hello.commands) json["commands"].push_back(name_of(command));
+  return detail::text_of(json);
+}
+
+std::string message_of(const LiveFrame& frame) {
+  Json json{{"type", "frame"}, {"index", frame.index}, {"stamp", frame.stamp_s}, {"state", frame.state}};
+  add_if_any(json, "reason", frame.reason);
+  add_if_any(json, "detail", frame.detail);
+  add_if_any(json, "advice", frame.advice);
+  json["pose"] = frame.world_from_body ? pose_json(*frame.world_from_body) : Json();
+  json["sigma"] = or_null(frame.sigma);
+  json["used"] = frame.used;
+  json["score"] = frame.score;
+  json["ms"] = frame.milliseconds;
+  json["stages"] = Json::object();
+  for (const auto& [stage, milliseconds] : frame.stages) json["stages"][stage] = milliseconds;
+  json["events"] = Json::array();
+  for (const auto& [kind, detail] : frame.events) json["events"].push_back({{"kind", kind}, {"detail", detail}});
+  json["done"] = frame.done;
+  json["rate"] = frame.rate_hz;
+  json["memory_mb"] = frame.memory_mb;
+  std::string text = detail::text_of(json);
+  text.pop_back();
+  return text;
+}
+
+std::string message_of(const LiveStatus& status) {
+  Json json{{"type", "status"}, {"paused", status.paused}};
+  json["mapping"] = or_null(status.mapping);
+  json["ended"] = status.ended;
+  json["line"] = status.line;
+  return detail::text_of(json);
+}
+
+std::string scene_message(std::int64_t revision) {
+  return detail::text_of({{"type", "scene"}, {"index", 0}, {"revision", revision}});
+}
+
+std::string block_of(const LiveImage& image) {
+  detail::BlockBody body;
+  Json header{{"type", "image"}, {"index", image.index}, {"width", image.width}, {"height", image.height}};
+  header["jpeg"] = body.put(image.jpeg);
+  header["features"] = body.put(image.features);
+  header["feature_states"] = body.put(image.states);
+  header["feature_state_names"] = live_feature_state_names();
+  return detail::block_of(header, body);
+}
+
+}  // namespace rastro

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "rastro/base/stopwatch.h"
+#include "rastro/viewer/live_view.h"
+#include "rastro/viewer/view_server.h"
+
+namespace rastro {
+namespace {
+
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+using nlohmann::json;
+using std::chrono::milliseconds;
+
+constexpr milliseconds patience(20'000);
+
+/// A page: a WebSocket of /live, read message by message.
+class Page {
+ public:
+  explicit Page(std::uint16_t port, const std::string& target = "/live", const std::string& origin = "") {
+    const std::string host = "127.0.0.1:" + std::to_string(port);
+    beast::get_lowest_layer(socket_).connect({boost::asio::ip::address_v4::loopback(), port});
+    if (!origin.empty()) {
+      socket_.set_option(websocket::stream_base::decorator(
+          [origin](websocket::request_type& request) { request.set(beast::http::field::origin, origin); }));
+    }
+    socket_.handshake(host, target, error_);
+  }
+  bool is_open() const { return !error_; }
+  /// The next one; the socket waits without end, as the tests' time limit does not.
+  std::string next() {
+    beast::flat_buffer buffer;
+    socket_.read(buffer, error_);
+    return error_ ? "" : beast::buffers_to_string(buffer.data());
+  }
+  json next_of(const std::string& type) {
+    for (;;) {
+      const std::string text = next();
+      if (error_) return {};
+      if (!socket_.got_text()) continue;
+      json message = json::parse(text);
+      if (message["type"] == type) return message;
+    }
+  }
+  void send(const std::string& text) { socket_.write(boost::asio::buffer(text), error_); }
+
+ private:
+  boost::asio::io_context context_;
+  websocket::stream<boost::asio::ip::tcp::socket> socket_{context_};
+  beast::error_code error_;
+};
+
+ViewServerOptions any_port(const std::string& token = "") {
+  ViewServerOptions options;
+  options.port = 0;
+  options.token = token;
+  return options;
+}
+
+LiveHello some_run() { return {"run", "orb", 240, {LiveCommand::pause, LiveCommand::end}}; }
+
+LiveFrame frame_of(std::int64_t index) {
+  LiveFrame frame;
+  frame.index = index;
+  return frame;
+}
+
+void wait_for_clients(const ViewServer& server, int count) {
+  const Stopwatch watch;
+  while (server.clients() < count && watch.elapsed_ms() < 1e-3 * 20e6) std::this_thread::sleep_for(milliseconds(1));
+  ASSERT_EQ(server.clients(), count);
+}
+
+TEST(LiveServer, GivesAPageWhatTheRunSends) {
+  ViewServer server(some_run(), any_port());
+  Page page(server.port());
+  ASSERT_TRUE(page.is_open());
+  EXPECT_EQ(page.next_of("hello")["title"], "run");
+  wait_for_clients(server, 1);
+  server.send(frame_of(0));
+  server.send(LiveImage{1, 8, 8, {1, 2}, {}, {}});
+  server.send(frame_of(1));
+  server.send(LiveStatus{true, true, false, "paused"});
+  server.set_scene({"run", "12345678"}, 7);
+  const json first = page.next_of("frame");
+  EXPECT_EQ(first["index"], 0);
+  EXPECT_EQ(first["dropped"], 0);
+  EXPECT_EQ(page.next_of("frame")["index"], 1);
+  EXPECT_EQ(page.next_of("status")["paused"], true);
+  EXPECT_EQ(page.next_of("scene")["revision"], 7);
+}
+
+TEST(LiveServer, WhoComesLaterGetsStatusAndScene) {
+  ViewServer server(some_run(), any_port());
+  server.send(LiveStatus{false, true, false, "runs"});
+  server.set_scene({"run", "12345678"}, 9);
+  Page page(server.port());
+  EXPECT_EQ(page.next_of("hello")["method"], "orb");
+  EXPECT_EQ(page.next_of("status")["line"], "runs");
+  EXPECT_EQ(page.next_of("scene")["revision"], 9);
+}
+
+TEST(LiveServer, TakesCommandsAndIgnoresTheRest) {
+  ViewServer server(some_run(), any_port());
+  Page page(server.port());
+  page.next_of("hello");
+  page.send("nonsense");
+  page.send(R"({"command":"pause"})");
+  EXPECT_EQ(server.next_command(patience), LiveCommand::pause);
+  page.send(R"({"command":"end"})");
+  EXPECT_EQ(server.next_command(patience), LiveCommand::end);
+  EXPECT_EQ(server.next_command(milliseconds(0)), std::nullopt);
+  page.send(std::string(1000, ' '));
+  EXPECT_EQ(page.next(), "") << "longer than any command: closed";
+  EXPECT_FALSE(page.is_open());
+}
+
+TEST(LiveServer, AppliesTheRulesOfTheServer) {
+  ViewServer server(some_run(), any_port("s3cret"));
+  EXPECT_FALSE(Page(server.port()).is_open()) << "without the token";
+  EXPECT_FALSE(Page(server.port(), "/live?token=s3cret", "http://elsewhere.example").is_open());
+  EXPECT_FALSE(Page(server.port(), "/api/scenes?token=s3cret").is_open()) << "no WebSocket";
+  EXPECT_TRUE(Page(server.port(), "/live?token=s3cret").is_open());
+  const ViewServer without_run(any_port(), std::vector<NamedScene>{});
+  EXPECT_FALSE(Page(without_run.port()).is_open());
+}
+
+TEST(LiveServer, AStalledPageMissesFramesAndHoldsUpNobody) {
+  ViewServer server(some_run(), any_port());
+  Page stalled(server.port()), reading(server.port());
+  reading.next_of("hello");
+  wait_for_clients(server, 2);
+  constexpr std::int64_t count = 3000;
+  LiveFrame frame = frame_of(0);
+  frame.detail = std::string(20'000, 'x');  // more than the system's buffers take
+  double slowest_ms = 0.0;
+  for (std::int64_t k = 0; k < count; ++k) {
+    frame.index = k;
+    const Stopwatch watch;
+    server.send(frame);
+    slowest_ms = std::max(slowest_ms, watch.elapsed_ms());
+    if (k % 10 == 9) EXPECT_FALSE(reading.next().empty());
+  }
+  EXPECT_LT(slowest_ms, 1000.0) << "the run never waits for a page";
+  server.send(LiveStatus{false, std::nullopt, true, "over"});
+  EXPECT_EQ(reading.next_of("status")["ended"], true);
+  stalled.next_of("hello");
+  std::int64_t frames = 0, dropped = 0;
+  for (std::string text = stalled.next(); text.find("\"status\"") == std::string::npos; text = stalled.next()) {
+    ASSERT_FALSE(text.empty());
+    ++frames;
+    dropped = json::parse(text)["dropped"];
+  }
+  EXPECT_GT(dropped, 0);
+  EXPECT_LE(frames + dropped, count);
+}
+
+TEST(LiveServer, RefusesMoreThanThirtyTwoPages) {
+  ViewServer server(some_run(), any_port());
+  std::vector<std::unique_ptr<Page>> pages;
+  for (int k = 0; k < 32; ++k) pages.push_back(std::make_unique<Page>(server.port()));
+  wait_for_clients(server, 32);
+  EXPECT_FALSE(Page(server.port()).is_open());
+  for (const auto& page : pages) EXPECT_EQ(page->next_of("hello")["title"], "run");
+}
+
+TEST(LiveView, WorksForPagesThatWatchAlone) {
+  LiveView view(any_port(), some_run(), {});
+  EXPECT_FALSE(view.is_watched());
+  EXPECT_FALSE(view.wants_image());
+  EXPECT_FALSE(view.wants_map(0.0));
+  const std::string url = view.url();
+  const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+  Page page(port);
+  page.next_of("hello");
+  const Stopwatch watch;
+  while (!view.wants_image() && watch.elapsed_ms() < 20e3) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_TRUE(view.wants_image());
+  EXPECT_TRUE(view.wants_map(0.0));
+  EXPECT_FALSE(view.wants_map(1e9)) << "copies that take so long are rare";
+  SeenImage seen;
+  seen.frame.image = GrayImage(640, 480);
+  view.show(std::move(seen));
+  EXPECT_FALSE(view.wants_image()) << "not within 0.1 s";
+  auto map = std::make_shared<Map>();
+  map->revision = 5;
+  view.show(std::shared_ptr<const Map>(map));
+  EXPECT_EQ(page.next_of("scene")["revision"], 5);
+  map->revision = 6;
+  view.finish(*map);
+  EXPECT_EQ(page.next_of("scene")["revision"], 6);
+}
+
+}  // namespace
+}  // namespace rastro

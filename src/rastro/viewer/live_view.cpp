@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/viewer/live_view.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "rastro/base/task_pool.h"
+#include "rastro/viewer/scene_writer.h"
+#include "rastro/viewer/small_image.h"
+
+namespace rastro {
+namespace {
+
+/// The run comes first where cores are few. Where the system refuses, all threads are equal.
+void lower_priority_of_this_thread() {
+  constexpr int nice = 10;
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), nice);
+}
+
+}  // namespace
+
+LiveView::LiveView(const ViewServerOptions& server, const LiveHello& run, const ViewSceneOptions& scene)
+    : title_(run.title), scene_options_(scene), server_(run, server) {
+  packer_ = std::thread([this] { serve(image_, [this](const SeenImage& image) { pack(image); }); });
+  builder_ = std::thread([this] { serve(map_, [this](const std::shared_ptr<const Map>& map) { build(*map); }); });
+}
+
+LiveView::~LiveView() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  packer_.join();
+  builder_.join();
+}
+
+bool LiveView::wants_image() const {
+  constexpr auto least = std::chrono::milliseconds(100);
+  if (!is_watched()) return false;
+  const std::lock_guard lock(mutex_);
+  return image_.is_free() && Clock::now() - image_.last >= least;
+}
+
+bool LiveView::wants_map(double milliseconds) const {
+  constexpr double least_seconds = 1.0, most_share = 0.02, most_share_of_thread = 0.2;
+  if (!is_watched()) return false;
+  const std::lock_guard lock(mutex_);
+  const std::chrono::duration<double> since = Clock::now() - map_.last;
+  const double least =
+      std::max({least_seconds, 1e-3 * milliseconds / most_share, scene_seconds_ / most_share_of_thread});
+  return map_.is_free() && since.count() >= least;
+}
+
+void LiveView::show(SeenImage image) { put(image_, std::move(image)); }
+void LiveView::show(std::shared_ptr<const Map> map) { put(map_, std::move(map)); }
+
+template <typename Item>
+void LiveView::put(Slot<Item>& slot, Item item) {
+  {
+    const std::lock_guard lock(mutex_);
+    slot.next = std::move(item);
+    slot.last = Clock::now();
+  }
+  changed_.notify_all();
+}
+
+template <typename Item, typename Work>
+void LiveView::serve(Slot<Item>& slot, Work work) {
+  lower_priority_of_this_thread();
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [&] { return stopping_ || slot.next; });
+    if (stopping_) return;
+    const Item item = *std::exchange(slot.next, std::nullopt);
+    slot.busy = true;
+    lock.unlock();
+    work(item);
+    lock.lock();
+    slot.busy = false;
+    changed_.notify_all();
+  }
+}
+
+void LiveView::pack(const SeenImage& image) {
+  const Frame& frame = image.frame;
+  LiveImage live;
+  live.index = frame.index;
+  live.width = frame.color.empty() ? frame.image.width() : frame.color.width();
+  live.height = frame.color.empty() ? frame.image.height() : frame.color.height();
+  constexpr int longest_side_px = 480;
+  live.jpeg = detail::small_image(frame, longest_side_px).jpeg;
+  live.features = image.features;
+  live.states = image.states;
+  server_.send(live);
+}
+
+/// A map that has no memory left for a scene is shown the next time.
+void LiveView::build(const Map& map) {
+  const auto begin = Clock::now();
+  try {
+    TaskPool pool(1);
+    ViewScene scene = build_scene(map, scene_options_, pool);
+    scene.title = title_;
+    server_.set_scene({title_, scene_bytes(scene)}, map.revision);
+  } catch (const std::exception&) {
+  }
+  const std::lock_guard lock(mutex_);
+  scene_seconds_ = std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+void LiveView::finish(const Map& map) {
+  {
+    std::unique_lock lock(mutex_);
+    map_.next.reset();
+    changed_.wait(lock, [this] { return !map_.busy; });
+  }
+  build(map);
+}
+
+}  // namespace rastro

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "rastro/map/graph/map.h"
+#include "rastro/sensor/frame.h"
+#include "rastro/viewer/build_scene.h"
+#include "rastro/viewer/live_messages.h"
+#include "rastro/viewer/view_server.h"
+
+namespace rastro {
+
+/// An image of the run and the features found in it, as they are.
+struct SeenImage {
+  Frame frame;                       ///< Gray or color image alone.
+  std::vector<float> features;       ///< As in LiveImage.
+  std::vector<std::uint8_t> states;  ///< As in LiveImage.
+};
+
+/// A run that goes on, as a page shows it. The run hands over what it has and goes on at once: images are packed, and
+/// scenes built, by threads of their own with less priority, the latest ones alone. Without a page that watches,
+/// nothing is done. It changes nothing of the run: what the page shows depends on the clock, the run does not.
+class LiveView {
+ public:
+  LiveView(const ViewServerOptions& server, const LiveHello& run, const ViewSceneOptions& scene);
+  ~LiveView();
+  LiveView(const LiveView&) = delete;
+  LiveView& operator=(const LiveView&) = delete;
+
+  std::string url() const { return server_.url(); }
+  bool is_watched() const { return server_.clients() > 0; }
+  void show(const LiveFrame& frame) { server_.send(frame); }
+  void say(const LiveStatus& status) { server_.send(status); }
+  /// Whether an image is due: ten a second at most, and none while the last one is being packed.
+  bool wants_image() const;
+  void show(SeenImage image);
+  /// Whether a map is due: `milliseconds`, which the last one took to copy, are at most 2 % of the time, what it took
+  /// to make a scene of it a fifth; one a second at most.
+  bool wants_map(double milliseconds) const;
+  void show(std::shared_ptr<const Map> map);
+  /// The last map, whole: returns when it is served.
+  void finish(const Map& map);
+  std::optional<LiveCommand> next_command(std::chrono::milliseconds at_most) { return server_.next_command(at_most); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  /// What waits for a thread; the latest one alone.
+  template <typename Item>
+  struct Slot {
+    std::optional<Item> next;
+    bool busy = false;
+    Clock::time_point last;  ///< When the last one was handed over.
+    bool is_free() const { return !busy && !next; }
+  };
+  template <typename Item>
+  void put(Slot<Item>& slot, Item item);
+  /// Until the end: does `work` with each item of the slot.
+  template <typename Item, typename Work>
+  void serve(Slot<Item>& slot, Work work);
+  void pack(const SeenImage& image);
+  void build(const Map& map);
+
+  std::string title_;
+  ViewSceneOptions scene_options_;
+  ViewServer server_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  Slot<SeenImage> image_;
+  Slot<std::shared_ptr<const Map>> map_;
+  double scene_seconds_ = 0.0;  ///< That the last one took.
+  bool stopping_ = false;
+  std::thread packer_, builder_;  // Apart, since a scene can take seconds.
+};
+
+}  // namespace rastro
