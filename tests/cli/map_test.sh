@@ -237,6 +237,13 @@ view() {
   (cd "$here" && run 0 export run --to html --threads 1 --quiet)
   cmp "$here/room.html" "$here/run.html" || fail "another page with one thread"
   run 0 export "$here/run/trajectory.txt" --to html --out "$here/poses.html"
+  run 0 export "$here/run" --to mcap --out "$here/room.mcap"
+  said '/trajectory'
+  [[ $(head -c 6 "$here/room.mcap" | tail -c 5) == MCAP0 ]] || fail "no MCAP file"
+  (cd "$here" && run 0 export run --to mcap --threads 1 --quiet)
+  cmp "$here/room.mcap" "$here/run.mcap" || fail "another MCAP file with one thread"
+  run 0 export "$here/run/trajectory.txt" --to mcap --out "$here/poses.mcap"
+  refused '--images' export "$here/run" --to mcap --images "$here" --out "$here/no"
   refused '--out' export "$here/run" --to ply
   refused '--points' export "$here/run" --to html --points 0 --out "$here/no"
   refused '--mesh' export "$here/run" --to ply --mesh --out "$here/no"

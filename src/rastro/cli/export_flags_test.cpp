@@ -47,8 +47,10 @@ TEST(ExportFlags, ThoseThatTheFormatDoesNotUseAreRefused) {
 
 TEST(ExportFlags, PagesTakeTheirOwn) {
   for (const Kind kind : {Kind::images, Kind::landmarks, Kind::scans}) {
-    EXPECT_EQ(refusal("--points", "html", kind), "");
-    EXPECT_EQ(refusal("--submap", "html", kind), "");
+    for (const char* to : {"html", "mcap"}) {
+      EXPECT_EQ(refusal("--points", to, kind), "");
+      EXPECT_EQ(refusal("--submap", to, kind), "");
+    }
     EXPECT_NE(refusal("--points", "ply", kind), "");
     EXPECT_NE(refusal("--voxel", "html", kind), "");
   }
@@ -64,6 +66,8 @@ TEST(ExportFlags, LandmarkMapsTakeTheirOwn) {
     EXPECT_NE(refusal(flag, "ply", Kind::scans), "") << flag;
   }
   EXPECT_EQ(refusal("--images", "colmap", Kind::landmarks), "");
+  EXPECT_EQ(refusal("--images", "mcap", Kind::landmarks), "");
+  EXPECT_NE(refusal("--images", "mcap", Kind::images), "") << "they are in the map";
   EXPECT_NE(refusal("--images", "ply", Kind::landmarks), "");
   EXPECT_NE(refusal("--images", "colmap", Kind::images), "");
 }

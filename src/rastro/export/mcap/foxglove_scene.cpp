@@ -88,7 +88,7 @@ void add_arrow(double size, foxglove::LinePrimitive& lines) {
 }
 
 void add_ellipsoid(const Eigen::Vector3d& center, const Eigen::Matrix3d& covariance, foxglove::SceneEntity& entity) {
-  constexpr double thinnest = 1e-6;  // relative; a flat one has no surface that could be lit
+  constexpr double thinnest = 1e-6;       // relative; a flat one has no surface that could be lit
   if (covariance.trace() <= 0.0) return;  // a pose by definition: the first
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(covariance);
   Eigen::Matrix3d axes = parts.eigenvectors();
