@@ -115,6 +115,9 @@ landmarks() {
     run 0 export "$here/run" --to "$kind" --out "$here/$file"
     [[ -s $here/$file ]] || fail "$file is missing"
   done
+  run 0 export "$here/run" --to mcap --out "$here/run.mcap"
+  said '/camera/image'
+  [[ ! -e $here/run.mcap.images ]] || fail "images of the recording were left beside the file"
   run 0 export "$map" --to colmap-binary --out "$here/colmap"
   [[ -s $here/colmap/points3D.bin ]] || fail "no points3D.bin"
   refused "no layer 'images'" measure "$here/run" --between 0,0,1 0,0,2

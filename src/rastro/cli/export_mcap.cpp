@@ -9,6 +9,7 @@
 #include "rastro/cli/mcap_input.h"
 #include "rastro/cli/run_notes.h"
 #include "rastro/dataset/image_file.h"
+#include "rastro/dataset/open.h"
 #include "rastro/map/images/pack_images.h"
 
 namespace rastro::cli {
@@ -48,9 +49,21 @@ std::string jpeg_of(const fs::path& file) {
   return {packed.color.begin(), packed.color.end()};
 }
 
+/// lsd maps what an undistorted camera sees, but the images are as recorded; those of a pair were rectified.
+void use_recorded_camera(const Map& map, const RecordingOfRun& recording, McapRun& run) {
+  if (!run.camera || run.camera->distortion != Distortion::none || map.cameras.front().kind == CameraKind::stereo)
+    return;
+  OpenOptions options;
+  options.camera = recording.camera;
+  const auto source = open(recording.path, options);
+  const auto& cameras = source->info().cameras;
+  if (!cameras.empty() && cameras.front().camera) run.camera = *cameras.front().camera;
+}
+
 void add_recorded(const Map& map, int submap, const RecordingOfRun& recording, const fs::path& folder, McapRun& run) {
   for (const auto& [id, name] : write_keyframe_images(map, submap, recording, folder))
     run.images.push_back({map.find(id)->stamp, [file = folder / name] { return jpeg_of(file); }});
+  use_recorded_camera(map, recording, run);
 }
 
 /// Of a map of cameras without images: those of its recording, where that is there or was named.
