@@ -38,7 +38,9 @@ std::optional<LiveCommand> LiveInbox::take(std::chrono::milliseconds at_most) {
 /// One page. Writes one message at a time; what waits is bounded.
 class LiveClient : public std::enable_shared_from_this<LiveClient> {
  public:
-  LiveClient(boost::asio::ip::tcp::socket socket, LiveInbox& inbox) : stream_(std::move(socket)), inbox_(inbox) {
+  LiveClient(boost::asio::ip::tcp::socket socket, LiveInbox& inbox, std::atomic<int>& open)
+      : stream_(std::move(socket)), inbox_(inbox), open_(open) {
+    ++open_;
     constexpr std::size_t longest_command = 256;
     stream_.read_message_max(longest_command);
     // A client that answers no ping for half a minute is gone.
@@ -70,7 +72,9 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
   bool is_closed() const { return closed_; }
 
   void close() {
+    if (closed_) return;
     closed_ = true;
+    --open_;
     waiting_.clear();
     beast::error_code ignored;
     beast::get_lowest_layer(stream_).socket().close(ignored);
@@ -120,6 +124,7 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
 
   websocket::stream<beast::tcp_stream> stream_;
   LiveInbox& inbox_;
+  std::atomic<int>& open_;  ///< Number of clients.
   beast::flat_buffer buffer_;
   std::deque<LiveMessage> waiting_;
   LiveMessage current_;
@@ -130,19 +135,17 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
 
 void LiveClients::forget_closed() {
   std::erase_if(clients_, [](const auto& each) { return each->is_closed(); });
-  count_ = static_cast<int>(clients_.size());
 }
 
 void LiveClients::accept(boost::asio::ip::tcp::socket socket, const Request& request) {
   forget_closed();
   if (clients_.size() >= most_clients) return;
-  auto client = std::make_shared<LiveClient>(std::move(socket), inbox_);
+  auto client = std::make_shared<LiveClient>(std::move(socket), inbox_, count_);
   client->push(hello_);
   if (status_) client->push(*status_);
   if (scene_) client->push(*scene_);
   client->accept(request);
   clients_.push_back(std::move(client));
-  forget_closed();
 }
 
 void LiveClients::send(const LiveMessage& message) {

@@ -3,63 +3,22 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <boost/asio/connect.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/websocket.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <thread>
 
 #include "rastro/base/stopwatch.h"
+#include "rastro/viewer/live_page_testing.h"
 #include "rastro/viewer/live_view.h"
 #include "rastro/viewer/view_server.h"
 
 namespace rastro {
 namespace {
 
-namespace beast = boost::beast;
-namespace websocket = beast::websocket;
 using nlohmann::json;
 using std::chrono::milliseconds;
+using testing::LivePage;
 
 constexpr milliseconds patience(20'000);
-
-/// A page: a WebSocket of /live, read message by message.
-class Page {
- public:
-  explicit Page(std::uint16_t port, const std::string& target = "/live", const std::string& origin = "") {
-    const std::string host = "127.0.0.1:" + std::to_string(port);
-    beast::get_lowest_layer(socket_).connect({boost::asio::ip::address_v4::loopback(), port});
-    if (!origin.empty()) {
-      socket_.set_option(websocket::stream_base::decorator(
-          [origin](websocket::request_type& request) { request.set(beast::http::field::origin, origin); }));
-    }
-    socket_.handshake(host, target, error_);
-  }
-  bool is_open() const { return !error_; }
-  /// The next one; the socket waits without end, as the tests' time limit does not.
-  std::string next() {
-    beast::flat_buffer buffer;
-    socket_.read(buffer, error_);
-    return error_ ? "" : beast::buffers_to_string(buffer.data());
-  }
-  json next_of(const std::string& type) {
-    for (;;) {
-      const std::string text = next();
-      if (error_) return {};
-      if (!socket_.got_text()) continue;
-      json message = json::parse(text);
-      if (message["type"] == type) return message;
-    }
-  }
-  void send(const std::string& text) { socket_.write(boost::asio::buffer(text), error_); }
-
- private:
-  boost::asio::io_context context_;
-  websocket::stream<boost::asio::ip::tcp::socket> socket_{context_};
-  beast::error_code error_;
-};
 
 ViewServerOptions any_port(const std::string& token = "") {
   ViewServerOptions options;
@@ -78,13 +37,13 @@ LiveFrame frame_of(std::int64_t index) {
 
 void wait_for_clients(const ViewServer& server, int count) {
   const Stopwatch watch;
-  while (server.clients() < count && watch.elapsed_ms() < 1e-3 * 20e6) std::this_thread::sleep_for(milliseconds(1));
+  while (server.clients() < count && watch.elapsed_ms() < 20e3) std::this_thread::sleep_for(milliseconds(1));
   ASSERT_EQ(server.clients(), count);
 }
 
 TEST(LiveServer, GivesAPageWhatTheRunSends) {
   ViewServer server(some_run(), any_port());
-  Page page(server.port());
+  LivePage page(server.port());
   ASSERT_TRUE(page.is_open());
   EXPECT_EQ(page.next_of("hello")["title"], "run");
   wait_for_clients(server, 1);
@@ -105,7 +64,7 @@ TEST(LiveServer, WhoComesLaterGetsStatusAndScene) {
   ViewServer server(some_run(), any_port());
   server.send(LiveStatus{false, true, false, "runs"});
   server.set_scene({"run", "12345678"}, 9);
-  Page page(server.port());
+  LivePage page(server.port());
   EXPECT_EQ(page.next_of("hello")["method"], "orb");
   EXPECT_EQ(page.next_of("status")["line"], "runs");
   EXPECT_EQ(page.next_of("scene")["revision"], 9);
@@ -113,7 +72,7 @@ TEST(LiveServer, WhoComesLaterGetsStatusAndScene) {
 
 TEST(LiveServer, TakesCommandsAndIgnoresTheRest) {
   ViewServer server(some_run(), any_port());
-  Page page(server.port());
+  LivePage page(server.port());
   page.next_of("hello");
   page.send("nonsense");
   page.send(R"({"command":"pause"})");
@@ -128,17 +87,17 @@ TEST(LiveServer, TakesCommandsAndIgnoresTheRest) {
 
 TEST(LiveServer, AppliesTheRulesOfTheServer) {
   ViewServer server(some_run(), any_port("s3cret"));
-  EXPECT_FALSE(Page(server.port()).is_open()) << "without the token";
-  EXPECT_FALSE(Page(server.port(), "/live?token=s3cret", "http://elsewhere.example").is_open());
-  EXPECT_FALSE(Page(server.port(), "/api/scenes?token=s3cret").is_open()) << "no WebSocket";
-  EXPECT_TRUE(Page(server.port(), "/live?token=s3cret").is_open());
+  EXPECT_FALSE(LivePage(server.port()).is_open()) << "without the token";
+  EXPECT_FALSE(LivePage(server.port(), "/live?token=s3cret", "http://elsewhere.example").is_open());
+  EXPECT_FALSE(LivePage(server.port(), "/api/scenes?token=s3cret").is_open()) << "no WebSocket";
+  EXPECT_TRUE(LivePage(server.port(), "/live?token=s3cret").is_open());
   const ViewServer without_run(any_port(), std::vector<NamedScene>{});
-  EXPECT_FALSE(Page(without_run.port()).is_open());
+  EXPECT_FALSE(LivePage(without_run.port()).is_open());
 }
 
 TEST(LiveServer, AStalledPageMissesFramesAndHoldsUpNobody) {
   ViewServer server(some_run(), any_port());
-  Page stalled(server.port()), reading(server.port());
+  LivePage stalled(server.port()), reading(server.port());
   reading.next_of("hello");
   wait_for_clients(server, 2);
   constexpr std::int64_t count = 3000;
@@ -168,10 +127,10 @@ TEST(LiveServer, AStalledPageMissesFramesAndHoldsUpNobody) {
 
 TEST(LiveServer, RefusesMoreThanThirtyTwoPages) {
   ViewServer server(some_run(), any_port());
-  std::vector<std::unique_ptr<Page>> pages;
-  for (int k = 0; k < 32; ++k) pages.push_back(std::make_unique<Page>(server.port()));
+  std::vector<std::unique_ptr<LivePage>> pages;
+  for (int k = 0; k < 32; ++k) pages.push_back(std::make_unique<LivePage>(server.port()));
   wait_for_clients(server, 32);
-  EXPECT_FALSE(Page(server.port()).is_open());
+  EXPECT_FALSE(LivePage(server.port()).is_open());
   for (const auto& page : pages) EXPECT_EQ(page->next_of("hello")["title"], "run");
 }
 
@@ -182,7 +141,7 @@ TEST(LiveView, WorksForPagesThatWatchAlone) {
   EXPECT_FALSE(view.wants_map(0.0));
   const std::string url = view.url();
   const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
-  Page page(port);
+  LivePage page(port);
   page.next_of("hello");
   const Stopwatch watch;
   while (!view.wants_image() && watch.elapsed_ms() < 20e3) std::this_thread::sleep_for(milliseconds(1));
