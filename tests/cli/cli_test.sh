@@ -171,9 +171,11 @@ slam() {
   [[ $(head -1 "$here/ekf/landmarks.csv") == id,* ]] || fail "ekf wrote no landmarks"
   run 0 export "$here/ekf" --to landmarks --out "$here/ekf/exported.csv"
   cmp "$here/ekf/landmarks.csv" "$here/ekf/exported.csv" || fail "the map of ekf exports other landmarks"
-  run 0 slam "$here/corridor" --method hector --out "$here/shown" --frames 0:200 --view --port 0
+  run 0 slam "$here/corridor" --method hector --out "$here/shown" --frames 0:200 --view --port 0 --token s3cret
+  ! grep -q s3cret "$here/shown/about.json" || fail "the token is in a file"
   [[ $(value_of result_sha256 shown) == $(value_of result_sha256 hector) ]] || fail "--view changed the result"
   refused '--port' slam "$here/corridor" --method hector --out "$here/no" --view --port 70000
+  refused 'add --view' slam "$here/corridor" --method hector --out "$here/no" --port 8000
   run 0 slam "$here/corridor" --method hector --out "$here/again" --frames 0:200 --options "$here/hector/options.yaml" --json
   [[ $(value_of result_sha256 again) == $(value_of result_sha256 hector) ]] || fail "the options in use give another run"
   cmp "$here/stdout" "$here/again/result.json" || fail "--json does not print result.json"

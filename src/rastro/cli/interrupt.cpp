@@ -36,6 +36,8 @@ const std::atomic<bool>& catch_interrupts() {
   return interrupted;
 }
 
+int interrupt_signals() { return signals.load(); }
+
 void interrupt() {
   interrupted.store(true);
   sem_post(&interrupts);

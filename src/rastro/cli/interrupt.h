@@ -9,6 +9,9 @@ namespace rastro::cli {
 /// them changes nothing: the command is saving its results. The third ends the program.
 const std::atomic<bool>& catch_interrupts();
 
+/// How many of these signals came.
+int interrupt_signals();
+
 /// As the first of these signals, for a person who asks for the end elsewhere.
 void interrupt();
 

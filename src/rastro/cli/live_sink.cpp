@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <utility>
 
 #include "rastro/base/memory.h"
@@ -19,6 +20,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::size_t most_points = 300'000;  // of a scene that is made anew all the time
+constexpr double most_share_of_memory = 0.7;  // of a run's limit, which a copy of the map counts for as well
 
 std::size_t scene_state_of(SlamState state) {
   const auto& names = scene_state_names();
@@ -52,6 +54,11 @@ LiveFrame live_frame(const SlamUpdate& update) {
   return live;
 }
 
+ViewServerOptions with_token(ViewServerOptions options) {
+  if (options.token.empty()) options.token = random_token();
+  return options;
+}
+
 ViewSceneOptions live_scene_options() {
   ViewSceneOptions options;
   options.max_points = most_points;
@@ -60,8 +67,12 @@ ViewSceneOptions live_scene_options() {
 
 }  // namespace
 
-LiveSink::LiveSink(const ServerFlags& flags, const LiveHello& run, Slam& method, bool mapping)
-    : method_(method), view_(server_options(flags), run, live_scene_options()) {
+LiveSink::LiveSink(const ServerFlags& flags, const LiveHello& run, Slam& method, bool mapping,
+                   std::size_t max_memory_bytes)
+    : method_(method),
+      most_mb_(max_memory_bytes > 0 ? most_share_of_memory * static_cast<double>(max_memory_bytes) / (1024.0 * 1024.0)
+                                    : std::numeric_limits<double>::infinity()),
+      view_(with_token(server_options(flags)), run, live_scene_options()) {
   if (mapping) status_.mapping = true;
   say("");
   fmt::print(stderr, "view: {}\n", view_.url());
@@ -74,11 +85,17 @@ void LiveSink::show(const SlamProgress& progress) {
     show_map();
   }
   if (std::exchange(steps_, false)) status_.paused = true;
-  while (const auto command = view_.next_command(milliseconds(0))) obey(*command);
-  // A page that pauses a run and is closed leaves it to go on.
+  constexpr int most_at_once = 64;  // a page that sends without end does not hold up the run
+  for (int k = 0; k < most_at_once; ++k) {
+    const auto command = view_.next_command(milliseconds(0));
+    if (!command) break;
+    obey(*command);
+  }
   while (status_.paused && view_.is_watched() && !catch_interrupts().load())
     if (const auto command = view_.next_command(milliseconds(50))) obey(*command);
-  status_.paused = status_.paused && view_.is_watched();
+  if (!status_.paused || view_.is_watched()) return;
+  status_.paused = false;  // a page that pauses a run and is closed leaves it to go on
+  say("");
 }
 
 void LiveSink::show_frame(const SlamProgress& progress) {
@@ -104,7 +121,7 @@ void LiveSink::show_image(const SlamProgress& progress) {
 }
 
 void LiveSink::show_map() {
-  if (!view_.wants_map(snapshot_ms_)) return;
+  if (!view_.wants_map(snapshot_ms_) || resident_memory_mb() > most_mb_) return;
   Stopwatch watch;
   auto map = method_.snapshot();
   snapshot_ms_ = watch.lap_ms();
@@ -120,8 +137,7 @@ void LiveSink::obey(LiveCommand command) {
       status_.paused = false;
       return say("");
     case LiveCommand::step:
-      status_.paused = false;
-      steps_ = true;
+      steps_ = std::exchange(status_.paused, false);
       return;
     case LiveCommand::mapping_on:
       return set_mapping(true);
@@ -151,13 +167,14 @@ void LiveSink::finish(const SlamRunEnd& end) {
   status_.ended = true;
   say(fmt::format("{} frames, {:.1f} % with a pose, {} loop closures", end.result.frames, end.result.coverage,
                   end.result.loops_closed));
-  if (view_.is_watched() && end.map && !end.map->keyframes.empty()) view_.finish(*end.map);
+  if (view_.is_watched() && end.map && !end.map->keyframes.empty()) view_.finish(end.map);
 }
 
 void LiveSink::wait_until_closed() {
-  if (!view_.is_watched() || catch_interrupts().load()) return;
+  if (!view_.is_watched() || interrupt_signals() > 0) return;
+  std::fflush(stdout);  // it may be a pipe
   fmt::print(stderr, "view: still open; ends when the page is closed, or with Ctrl-C\n");
-  while (view_.is_watched() && !catch_interrupts().load()) view_.next_command(milliseconds(100));
+  while (view_.is_watched() && interrupt_signals() == 0) view_.next_command(milliseconds(100));
 }
 
 }  // namespace rastro::cli

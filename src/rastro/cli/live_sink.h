@@ -17,9 +17,10 @@ namespace rastro::cli {
 /// --view: shows a run in a browser while it goes on, and does what the page asks for, between frames.
 class LiveSink {
  public:
-  /// Prints the page's address on standard error. `mapping`: whether the run makes a map, so that it can be asked to
-  /// only localize.
-  LiveSink(const ServerFlags& flags, const LiveHello& run, Slam& method, bool mapping);
+  /// Prints the page's address on standard error, with a token in any case: whoever has it can end the run. `mapping`:
+  /// whether the run makes a map, so that it can be asked to only localize. `max_memory_bytes`: limit of the run, 0:
+  /// none; maps are not shown where they would come near it.
+  LiveSink(const ServerFlags& flags, const LiveHello& run, Slam& method, bool mapping, std::size_t max_memory_bytes);
 
   /// After a frame. Waits while the page has paused the run.
   void show(const SlamProgress& progress);
@@ -37,6 +38,7 @@ class LiveSink {
   void say(const std::string& line);
 
   Slam& method_;
+  double most_mb_;
   LiveStatus status_;
   bool steps_ = false;  ///< Paused again after the next frame.
   Stopwatch since_begin_;

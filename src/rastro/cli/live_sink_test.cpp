@@ -34,9 +34,9 @@ class WatchedRun {
  public:
   WatchedRun() {
     ::testing::internal::CaptureStderr();
-    sink_.emplace(ServerFlags{"", "", 0}, LiveHello{"run", "none", 100, {LiveCommand::pause}}, method, true);
+    sink_.emplace(ServerFlags{"", "s3cret", 0}, LiveHello{"run", "none", 100, {LiveCommand::pause}}, method, true, 0);
     const std::string said = ::testing::internal::GetCapturedStderr();
-    page.emplace(static_cast<std::uint16_t>(std::stoi(said.substr(said.rfind(':') + 1))));
+    page.emplace(static_cast<std::uint16_t>(std::stoi(said.substr(said.rfind(':') + 1))), "/live?token=s3cret");
     page->next_of("hello");
   }
   void process(std::int64_t index, SlamState state = SlamState::tracking, SlamReason reason = SlamReason::none) {

@@ -51,10 +51,21 @@ std::string& stored_command_line() {
   return line;
 }
 
+/// The words as they may be written into files: without the secret of --token.
+std::vector<std::string> words_to_show(int argc, const char* const* argv) {
+  std::vector<std::string> words(argv, argv + argc);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == "--token" && i + 1 < words.size()) words[i + 1] = "...";
+    if (words[i].starts_with("--token=")) words[i] = "--token=...";
+  }
+  return words;
+}
+
 std::string as_typed(int argc, const char* const* argv) {
   std::string line;
-  for (int i = 0; i < argc; ++i) {
-    const std::string word = argv[i];
+  const std::vector<std::string> words = words_to_show(argc, argv);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
     const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$&|;<>()*?[]{}~#`!") == std::string::npos;
     std::string quoted;
     for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);

@@ -117,6 +117,8 @@ Prepared prepare(const SlamFlags& flags) {
 
 /// Null without --view.
 std::unique_ptr<LiveSink> live_sink(const SlamFlags& flags, Prepared& prepared) {
+  const bool has_server = flags.server.port || !flags.server.listen.empty() || !flags.server.token.empty();
+  if (!flags.view && has_server) throw Error("nothing is served", "--port, --listen, --token", "add --view");
   if (!flags.view) return nullptr;
   LiveHello hello;
   hello.title = scene_name(flags.out);
@@ -125,7 +127,7 @@ std::unique_ptr<LiveSink> live_sink(const SlamFlags& flags, Prepared& prepared) 
   hello.commands = {LiveCommand::pause, LiveCommand::resume, LiveCommand::step, LiveCommand::end};
   const bool maps = task_of(prepared.context) == SlamTask::map;
   if (maps) hello.commands.insert(hello.commands.end(), {LiveCommand::mapping_on, LiveCommand::mapping_off});
-  return std::make_unique<LiveSink>(flags.server, hello, *prepared.slam, maps);
+  return std::make_unique<LiveSink>(flags.server, hello, *prepared.slam, maps, prepared.context.max_memory_bytes);
 }
 
 SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar, LiveSink* live) {
@@ -157,12 +159,12 @@ SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar, LiveSink*
 int run_slam(const SlamFlags& flags) {
   if (flags.data.quiet) set_log_sink({});
   Prepared prepared = prepare(flags);
+  const std::unique_ptr<LiveSink> live = live_sink(flags, prepared);
   for (const std::string& warning : prepared.source->info().warnings) log_warning(warning);
   RunFolder folder(flags.out, flags.force);
   folder.write_about(prepared.source->info(), command_line());
   folder.write_options(prepared.table);
   ProgressBar bar(!flags.data.quiet);
-  const std::unique_ptr<LiveSink> live = live_sink(flags, prepared);
   SlamRunEnd end = slam_run(wired(prepared, folder, bar, live.get()));
   bar.clear();
   end.result.method = prepared.method->name();

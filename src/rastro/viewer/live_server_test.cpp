@@ -109,7 +109,9 @@ TEST(LiveServer, AStalledPageMissesFramesAndHoldsUpNobody) {
     const Stopwatch watch;
     server.send(frame);
     slowest_ms = std::max(slowest_ms, watch.elapsed_ms());
-    if (k % 10 == 9) EXPECT_FALSE(reading.next().empty());
+    if (k % 10 == 9) {
+      EXPECT_FALSE(reading.next().empty());
+    }
   }
   EXPECT_LT(slowest_ms, 1000.0) << "the run never waits for a page";
   server.send(LiveStatus{false, std::nullopt, true, "over"});
@@ -156,8 +158,9 @@ TEST(LiveView, WorksForPagesThatWatchAlone) {
   map->revision = 5;
   view.show(std::shared_ptr<const Map>(map));
   EXPECT_EQ(page.next_of("scene")["revision"], 5);
-  map->revision = 6;
-  view.finish(*map);
+  auto last = std::make_shared<Map>();
+  last->revision = 6;
+  view.finish(last);
   EXPECT_EQ(page.next_of("scene")["revision"], 6);
 }
 

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <exception>
+#include <system_error>
 #include <utility>
 
+#include "rastro/base/error.h"
 #include "rastro/base/task_pool.h"
 #include "rastro/viewer/scene_writer.h"
 #include "rastro/viewer/small_image.h"
@@ -25,18 +27,25 @@ void lower_priority_of_this_thread() {
 
 LiveView::LiveView(const ViewServerOptions& server, const LiveHello& run, const ViewSceneOptions& scene)
     : title_(run.title), scene_options_(scene), server_(run, server) {
-  packer_ = std::thread([this] { serve(image_, [this](const SeenImage& image) { pack(image); }); });
   builder_ = std::thread([this] { serve(map_, [this](const std::shared_ptr<const Map>& map) { build(*map); }); });
+  try {
+    packer_ = std::thread([this] { serve(image_, [this](const SeenImage& image) { pack(image); }); });
+  } catch (const std::system_error&) {
+    stop();
+    throw;
+  }
 }
 
-LiveView::~LiveView() {
+LiveView::~LiveView() { stop(); }
+
+void LiveView::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
   changed_.notify_all();
-  packer_.join();
-  builder_.join();
+  for (std::thread* thread : {&packer_, &builder_})
+    if (thread->joinable()) thread->join();
 }
 
 bool LiveView::wants_image() const {
@@ -79,7 +88,10 @@ void LiveView::serve(Slot<Item>& slot, Work work) {
     const Item item = *std::exchange(slot.next, std::nullopt);
     slot.busy = true;
     lock.unlock();
-    work(item);
+    try {
+      work(item);
+    } catch (const std::exception&) {  // no memory, say: the run goes on, and the next one may be shown
+    }
     lock.lock();
     slot.busy = false;
     changed_.notify_all();
@@ -99,27 +111,18 @@ void LiveView::pack(const SeenImage& image) {
   server_.send(live);
 }
 
-/// A map that has no memory left for a scene is shown the next time.
 void LiveView::build(const Map& map) {
   const auto begin = Clock::now();
-  try {
-    TaskPool pool(1);
-    ViewScene scene = build_scene(map, scene_options_, pool);
-    scene.title = title_;
-    server_.set_scene({title_, scene_bytes(scene)}, map.revision);
-  } catch (const std::exception&) {
-  }
+  TaskPool pool(1);
+  ViewScene scene = build_scene(map, scene_options_, pool, [this](std::size_t, std::size_t) {
+    if (stopping_) throw Error("is not shown any more", title_, "");
+  });
+  scene.title = title_;
+  server_.set_scene({title_, scene_bytes(scene)}, map.revision);
   const std::lock_guard lock(mutex_);
   scene_seconds_ = std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-void LiveView::finish(const Map& map) {
-  {
-    std::unique_lock lock(mutex_);
-    map_.next.reset();
-    changed_.wait(lock, [this] { return !map_.busy; });
-  }
-  build(map);
-}
+void LiveView::finish(std::shared_ptr<const Map> map) { put(map_, std::move(map)); }
 
 }  // namespace rastro

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -47,8 +48,8 @@ class LiveView {
   /// to make a scene of it a fifth; one a second at most.
   bool wants_map(double milliseconds) const;
   void show(std::shared_ptr<const Map> map);
-  /// The last map, whole: returns when it is served.
-  void finish(const Map& map);
+  /// The last map, shown in any case; returns at once.
+  void finish(std::shared_ptr<const Map> map);
   std::optional<LiveCommand> next_command(std::chrono::milliseconds at_most) { return server_.next_command(at_most); }
 
  private:
@@ -66,6 +67,7 @@ class LiveView {
   /// Until the end: does `work` with each item of the slot.
   template <typename Item, typename Work>
   void serve(Slot<Item>& slot, Work work);
+  void stop();
   void pack(const SeenImage& image);
   void build(const Map& map);
 
@@ -77,7 +79,7 @@ class LiveView {
   Slot<SeenImage> image_;
   Slot<std::shared_ptr<const Map>> map_;
   double scene_seconds_ = 0.0;  ///< That the last one took.
-  bool stopping_ = false;
+  std::atomic<bool> stopping_ = false;
   std::thread packer_, builder_;  // Apart, since a scene can take seconds.
 };
 

@@ -53,6 +53,13 @@ std::string_view name_in(std::string_view host) {
   return host.substr(0, host.find(':'));
 }
 
+/// Browsers write hosts so.
+std::string in_lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& each : lower) each = each >= 'A' && each <= 'Z' ? static_cast<char>(each - 'A' + 'a') : each;
+  return lower;
+}
+
 bool is_numeric_address(std::string_view name) {
   std::array<unsigned char, sizeof(in6_addr)> ignored{};
   const std::string text(name);
@@ -82,7 +89,7 @@ ViewReply refusal(int status, std::string_view line) {
 RequestRules::RequestRules(std::vector<NamedScene> scenes, std::string token, bool loopback_only, std::uint16_t port)
     : token_(std::move(token)),
       cookie_name_(fmt::format("rastro_{}", port)),  // cookies of one host are shared by all its ports
-      machine_(name_of_machine()),
+      machine_(in_lower_case(name_of_machine())),
       loopback_only_(loopback_only) {
   for (NamedScene& scene : scenes) scenes_.push_back(std::make_shared<const NamedScene>(std::move(scene)));
   make_list();
@@ -114,7 +121,7 @@ bool RequestRules::asks_for_messages(const ViewRequest& request) { return parts_
 bool RequestRules::is_host_allowed(std::string_view host) const {
   const std::string_view name = name_in(host);
   if (name == "localhost" || name == "127.0.0.1" || name == "::1") return true;
-  return !loopback_only_ && !name.empty() && (name == machine_ || is_numeric_address(name));
+  return !loopback_only_ && !name.empty() && (in_lower_case(name) == machine_ || is_numeric_address(name));
 }
 
 bool RequestRules::has_token(const ViewRequest& request) const {

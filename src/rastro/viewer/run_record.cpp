@@ -29,8 +29,10 @@ class FrameRows {
     for (const Item& item : items) {
       // Seconds as a double are only as fine as a quarter of a microsecond.
       constexpr TimeNs tolerance = 1'000;
-      auto found = std::lower_bound(rows_.begin(), rows_.end(), std::pair{item.stamp - tolerance, std::size_t{0}});
-      if (found != rows_.end() && found->first <= item.stamp + tolerance) visit(found->second, item);
+      constexpr TimeNs largest = std::numeric_limits<TimeNs>::max() - tolerance;  // of files that may say anything
+      const TimeNs stamp = std::clamp(item.stamp, -largest, largest);
+      auto found = std::lower_bound(rows_.begin(), rows_.end(), std::pair{stamp - tolerance, std::size_t{0}});
+      if (found != rows_.end() && found->first <= stamp + tolerance) visit(found->second, item);
     }
   }
 
