@@ -45,7 +45,7 @@ class LiveView {
   bool wants_image() const;
   void show(SeenImage image);
   /// Whether a map is due: `milliseconds`, which the last one took to copy, are at most 2 % of the time, what it took
-  /// to make a scene of it a fifth; one a second at most.
+  /// to make a scene of it a tenth; one a second at most.
   bool wants_map(double milliseconds) const;
   void show(std::shared_ptr<const Map> map);
   /// The last map, shown in any case; returns at once.
