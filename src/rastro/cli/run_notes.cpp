@@ -97,7 +97,6 @@ void align_truth(const std::string& folder, const std::string& recording, bool m
     const Eigen::Vector3d position = estimate_from_reference * (pose * body_from_camera.translation());
     record.truth.push_back({estimate.poses[pair.estimate].stamp, camera_from_body * position});
   }
-  record.meters_per_unit = scores.scale();
 }
 
 void add_truth(const ExportInput& input, RunRecord& record) {

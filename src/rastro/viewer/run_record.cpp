@@ -79,8 +79,7 @@ void add_truth(const RunRecord& record, const FrameRows& rows, SceneFrames& fram
   frames.errors.assign(rows.count(), nan_value);
   rows.join(record.truth, [&](std::size_t row, const RunRecord::Truth& truth) {
     set(frames.truth, row, truth.position);
-    const double distance = (truth.position - vector_at(frames.positions, row)).norm();
-    frames.errors[row] = static_cast<float>(record.meters_per_unit * distance);
+    frames.errors[row] = static_cast<float>((truth.position - vector_at(frames.positions, row)).norm());
   });
 }
 

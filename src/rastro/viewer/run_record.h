@@ -38,8 +38,7 @@ struct RunRecord {
   std::vector<Frame> frames;
   std::vector<Uncertainty> uncertainties;
   std::vector<Truth> truth;
-  double meters_per_unit = 1.0;  ///< Of the alignment with the ground truth, for the errors.
-  std::vector<Event> events;     ///< Those of `frames` count.
+  std::vector<Event> events;  ///< Those of `frames` count.
 };
 
 /// Adds it to the scene of the run's map (or an empty one). The frames of the map stay where they are as many as the

@@ -27,7 +27,6 @@ RunRecord record() {
   uncertainty.covariance = Eigen::Vector3d(0.01, 0.02, 0.06).asDiagonal();
   record.uncertainties.push_back(uncertainty);
   record.truth.push_back({stamp_of(3), {3.0, 4.0, 0.0}});
-  record.meters_per_unit = 0.5;
   record.events = {{0, "initializing", "first_frame"}, {2, "loop_closed", "with 1"}, {99, "keyframe", "was skipped"}};
   return record;
 }
@@ -58,7 +57,7 @@ TEST(RunRecord, HasUncertaintiesTruthAndEvents) {
   const auto& ellipsoids = std::get<SceneEllipsoids>(scene.layers.at(0));
   EXPECT_EQ(ellipsoids.centers, (std::vector<float>{2, 0, 0})) << "at the final pose";
   EXPECT_TRUE(std::isnan(frames.errors[0]));
-  EXPECT_FLOAT_EQ(frames.errors[2], 2.0F) << "4 units of half a meter";
+  EXPECT_FLOAT_EQ(frames.errors[2], 4.0F) << "in the unit of the map, as all lengths are";
   EXPECT_EQ(frames.truth[7], 4.0F);
   ASSERT_EQ(scene.events.size(), 2U);
   EXPECT_EQ(scene.events[0].frame, SceneEvent::no_pose);
