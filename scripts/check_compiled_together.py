@@ -1,16 +1,23 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Sources of a module that are compiled as one (RASTRO_UNITY) must not share names in anonymous namespaces.
+"""Keeps cmake/compiled_together.txt: which sources of a module are compiled as one (RASTRO_UNITY).
 
-Finds those that do and are not in cmake/compiled_alone.txt; with --fix adds as few as it takes to that list.
+Those of one group must not share names in anonymous namespaces. Checks that they do not and that every source is in a
+group; with --fix mends the list, leaving what stands in it where it can.
 """
-import collections
 import pathlib
 import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-LIST = ROOT / "cmake/compiled_alone.txt"
+LIST = ROOT / "cmake/compiled_together.txt"
+HEAD = """# Sources that are compiled as one (RASTRO_UNITY): one group a line, paths from the root. Names in anonymous namespaces differ within
+# a group; `alone` begins the line of a source that goes with no other for another reason, as a name that a header has. A source that is
+# not here is compiled alone. scripts/check_compiled_together.py --fix keeps this list.
+"""
+MOST_IN_GROUP = 6
+ROOTS = ["src/rastro", "tests/contract", "tests/real"]
+NEVER = re.compile(r"_avx2\.cpp$|/main\.cpp$")
 DEFINITIONS = [re.compile(form) for form in (
     r"^(?:struct|class|enum class|enum) (\w+)",
     r"^using (\w+) =",
@@ -21,14 +28,14 @@ DEFINITIONS = [re.compile(form) for form in (
 
 def module_of(path):
     """The nearest folder around it with a CMakeLists.txt, of which tests are compiled apart."""
-    folder = next(parent for parent in path.parents if (parent / "CMakeLists.txt").is_file())
-    tests = " (tests)" if re.search(r"_(test|testing)\.cpp$", path.name) else ""
+    folder = next(parent for parent in (ROOT / path).parents if (parent / "CMakeLists.txt").is_file())
+    tests = " (tests)" if re.search(r"_(test|testing)\.cpp$", path) else ""
     return str(folder.relative_to(ROOT)) + tests
 
 
 def names_of(path):
     """Names at the outermost level of the source's anonymous namespaces, with the namespaces around them."""
-    text = path.read_text()
+    text = (ROOT / path).read_text()
     found = set()
     for block in re.finditer(r"^namespace \{\n(.*?)^\}  // namespace\n", text, re.MULTILINE | re.DOTALL):
         around = tuple(re.findall(r"^namespace ([\w:]+) \{", text[:block.start()], re.MULTILINE))
@@ -41,38 +48,78 @@ def names_of(path):
     return found
 
 
-def meetings(files, names):
-    """How many names each file shares with others."""
-    users = collections.defaultdict(list)
-    for file in files:
-        for name in names[file]:
-            users[name].append(file)
-    return collections.Counter(file for shared in users.values() if len(shared) > 1 for file in shared)
+def public_types():
+    """Types that headers declare: a source with one of that name in its anonymous namespace would hide it from others."""
+    form = re.compile(r"^(?:struct|class|enum class|enum|using) (\w+)(?: final)?(?: :| \{| =|$)", re.MULTILINE)
+    return {name for path in (ROOT / "src/rastro").rglob("*.h") if not path.name.endswith("_testing.h")
+            for name in form.findall(path.read_text())}
+
+
+def sources():
+    found = (str(path.relative_to(ROOT)) for root in ROOTS for path in (ROOT / root).rglob("*.cpp"))
+    return sorted(path for path in found if not NEVER.search(path))
+
+
+def read_list():
+    """The groups that stand in the list, and the sources that go with no other."""
+    groups, alone = [], []
+    for line in LIST.read_text().split("\n") if LIST.is_file() else []:
+        words = line.split()
+        if not words or words[0].startswith("#"):
+            continue
+        if words[0] == "alone":
+            alone += words[1:]
+        else:
+            groups.append(words)
+    return groups, alone
+
+
+def grouped(files, groups, names):
+    """The groups with what can stay in them, and every other file where it meets no name of its own."""
+    taken = {}
+    result = []
+    for group in groups:
+        kept, used = [], set()
+        for path in group:
+            if path in files and path not in taken and not names[path] & used and len(kept) < MOST_IN_GROUP:
+                kept.append(path)
+                used |= names[path]
+                taken[path] = True
+        if kept:
+            result.append((kept, used))
+    for path in sorted((path for path in files if path not in taken), key=lambda path: (-len(names[path]), path)):
+        module = module_of(path)
+        place = next(((kept, used) for kept, used in result
+                      if len(kept) < MOST_IN_GROUP and module_of(kept[0]) == module and not names[path] & used), None)
+        if place is None:
+            place = ([], set())
+            result.append(place)
+        place[0].append(path)
+        place[1].update(names[path])
+    return [sorted(kept) for kept, _ in result]
 
 
 def main():
-    listed = set(LIST.read_text().split("\n"))
-    modules = collections.defaultdict(list)
-    for path in sorted((ROOT / "src/rastro").rglob("*.cpp")):
-        relative = str(path.relative_to(ROOT))
-        if relative not in listed and not re.search(r"^src/rastro/cli/|_avx2\.cpp$", relative):
-            modules[module_of(path)].append(path)
-    alone = []
-    for module, files in sorted(modules.items()):
-        names = {file: names_of(file) for file in files}
-        while counts := meetings(files, names):
-            worst = max(sorted(counts), key=counts.get)
-            files.remove(worst)
-            alone.append(str(worst.relative_to(ROOT)))
-    if not alone:
+    groups, alone = read_list()
+    every = sources()
+    names = {path: names_of(path) for path in every}
+    types = public_types()
+    hiding = {path for path in every if any(name in types for _, name in names[path])}
+    alone = sorted(set(alone) & set(every) | hiding)
+    files = {path for path in every if path not in alone}
+    wanted = sorted(grouped(files, groups, names))
+    if wanted == sorted(sorted(group) for group in groups) and alone == sorted(read_list()[1]):
         return 0
     if "--fix" in sys.argv:
-        with LIST.open("a") as file:
-            file.writelines(name + "\n" for name in sorted(alone))
+        lines = [" ".join(group) for group in wanted] + ["alone " + path for path in alone]
+        LIST.write_text(HEAD + "\n".join(lines) + "\n")
         return 0
-    for name in sorted(alone):
-        print(f"{name}: shares names of its anonymous namespace with other sources; run "
-              "scripts/check_compiled_together.py --fix, or rename them", file=sys.stderr)
+    before = {path: tuple(sorted(group)) for group in groups for path in group}
+    for group in wanted:
+        for path in group:
+            if before.get(path) != tuple(group):
+                print(f"{path}: not listed, or shares names of its anonymous namespace with others of its group", file=sys.stderr)
+    print("run scripts/check_compiled_together.py --fix, or rename them", file=sys.stderr)
     return 1
 
 
