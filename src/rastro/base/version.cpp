@@ -12,7 +12,9 @@ const Version& version() {
                                    {{"video files", RASTRO_VERSION_WITH_VIDEO != 0},
                                     {"SURF", RASTRO_VERSION_WITH_SURF != 0},
                                     {"ROS bags", RASTRO_VERSION_WITH_ROSBAG != 0},
-                                    {"MCAP", RASTRO_VERSION_WITH_MCAP != 0}}};
+                                    {"MCAP", RASTRO_VERSION_WITH_MCAP != 0},
+                                    {"Video4Linux2", RASTRO_VERSION_WITH_V4L2 != 0},
+                                    {"OpenNI2", RASTRO_VERSION_WITH_OPENNI2 != 0}}};
   return instance;
 }
 

@@ -79,7 +79,7 @@ void apply_given(SourceInfo& info, const OpenOptions& options, std::optional<Ima
     std::vector<std::string> names;
     for (const auto& camera : info.cameras) names.push_back(camera.name);
     info.cameras.clear();
-    if (info.format == "images" || info.format == "video") {
+    if (info.format == "images" || info.format == "video" || info.format.starts_with("live_")) {
       read_unnamed_camera(info, options.calibration_file, names.front(), options.camera);
     } else {
       read_cameras(info, options.calibration_file, names);

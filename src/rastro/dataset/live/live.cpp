@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/dataset/live/live.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
+#include "rastro/base/error.h"
+#include "rastro/dataset/live/openni2.h"
+#include "rastro/dataset/live/pipe.h"
+#include "rastro/dataset/live/stream.h"
+#include "rastro/dataset/live/v4l2.h"
+
+namespace rastro {
+namespace {
+
+struct Request {
+  std::string address;  ///< In full.
+  std::string rest;     ///< Behind the scheme.
+  const OpenOptions& options;
+  const ReplayOptions& replay;
+  Clock& clock;
+};
+
+std::unique_ptr<LiveSource> open_replay(const Request& request) {
+  if (request.rest.empty()) throw Error("names no recording", request.address, "give replay:DATA");
+  return make_replay([data = request.rest, options = request.options] { return open(data, options); }, request.replay,
+                     request.clock);
+}
+
+std::unique_ptr<LiveSource> open_camera(const Request& request) {
+  return open_v4l2(request.address, request.rest, request.options, v4l2_system(), request.clock);
+}
+
+std::unique_ptr<LiveSource> open_depth_camera(const Request& request) {
+  return open_openni2(request.address, request.rest, request.options, request.clock);
+}
+
+std::unique_ptr<LiveSource> open_network(const Request& request) {
+  return open_stream(request.address, request.options, request.clock);
+}
+
+std::unique_ptr<LiveSource> open_standard_input(const Request& request) {
+  if (!request.rest.empty()) throw Error("reads standard input only", request.address, "give pipe:");
+  return open_pipe(request.address, STDIN_FILENO, request.options, request.clock);
+}
+
+std::unique_ptr<LiveSource> refuse_freenect(const Request& request) {
+  throw Error("libfreenect is not supported", request.address,
+              "install its driver for OpenNI2 (FreenectDriver) and give openni2:");
+}
+
+struct Scheme {
+  std::string_view begin;
+  std::unique_ptr<LiveSource> (*open)(const Request&);
+};
+
+constexpr Scheme schemes[] = {{"replay:", open_replay},        {"v4l2:", open_camera},
+                              {"openni2:", open_depth_camera}, {"http://", open_network},
+                              {"https://", open_network},      {"rtsp://", open_network},
+                              {"pipe:", open_standard_input},  {"freenect:", refuse_freenect}};
+
+const Scheme* scheme_of(const std::string& address) {
+  const auto* found = std::find_if(std::begin(schemes), std::end(schemes),
+                                   [&](const Scheme& each) { return address.starts_with(each.begin); });
+  return found == std::end(schemes) ? nullptr : found;
+}
+
+}  // namespace
+
+const char* const live_forms =
+    "replay:DATA, v4l2:/dev/video0[,1280x720@30], openni2:[FILE.oni], http://..., rtsp://... or pipe:";
+
+bool is_live(const std::string& address) { return scheme_of(address) != nullptr; }
+
+std::unique_ptr<LiveSource> open_live(const std::string& address, const OpenOptions& options,
+                                      const ReplayOptions& replay, Clock& clock) {
+  const Scheme* scheme = scheme_of(address);
+  if (!scheme) throw Error("is not a live source", address, std::string("give ") + live_forms);
+  return scheme->open({address, address.substr(scheme->begin.size()), options, replay, clock});
+}
+
+}  // namespace rastro
