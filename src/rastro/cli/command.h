@@ -19,6 +19,8 @@ void add_track_command(CLI::App& app, Context& context);
 void add_odometry_command(CLI::App& app, Context& context);
 void add_slam_command(CLI::App& app, Context& context);
 void add_localize_command(CLI::App& app, Context& context);
+void add_record_command(CLI::App& app, Context& context);
+void add_devices_command(CLI::App& app, Context& context);
 void add_recover_command(CLI::App& app, Context& context);
 void add_scale_command(CLI::App& app, Context& context);
 void add_export_command(CLI::App& app, Context& context);

@@ -12,6 +12,7 @@
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/interrupt.h"
+#include "rastro/cli/live_flags.h"
 #include "rastro/cli/odometry_flags.h"
 #include "rastro/cli/program.h"
 #include "rastro/cli/progress_bar.h"
@@ -58,7 +59,7 @@ struct Prepared {
   std::unique_ptr<OdometryMethod> method;
   OptionTable table;  ///< Points into the method.
   ScaleSource scale;
-  std::unique_ptr<Source> source;
+  RunInput input;
   std::optional<std::int64_t> frames;
   std::unique_ptr<TaskPool> pool;
   std::unique_ptr<Odometry> odometry;
@@ -100,8 +101,8 @@ std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
   OpenOptions open = open_options(flags.data);
   open.want_depth = run->method->wants_depth();
   open.want_right = run->method->wants_right();
-  run->source = open_disturbed(flags, open);
-  const SourceInfo& info = run->source->info();
+  run->input = open_run_input(flags, open);
+  const SourceInfo& info = run->input.source->info();
   if (info.frame_count >= 0) run->frames = FrameChoice(open, info.frame_count, info.path).count;
   run->pool = std::make_unique<TaskPool>(flags.data.threads);
   run->odometry = run->method->make(info, {.pool = run->pool.get()});
@@ -146,6 +147,7 @@ std::string summary(const OdometryRunEnd& end, const std::string& folder) {
   if (result.weak + result.lost > 0) text += fmt::format(", {} weak, {} lost", result.weak, result.lost);
   text += fmt::format("\npath {:.2f} (scale: {}); {:.1f} ms per frame, {:.0f} MB\n", result.path_length, result.scale,
                       result.ms_per_frame_mean, result.peak_memory_mb);
+  if (result.live) text += "live: " + summary_of(*result.live) + "\n";
   if (!result.reasons.empty()) {
     text += "reasons:";
     for (const auto& [reason, count] : result.reasons) text += fmt::format(" {} {}", reason, count);
@@ -167,7 +169,8 @@ std::string summary(const OdometryRunEnd& end, const std::string& folder) {
 
 OdometryRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
   OdometryRun run;
-  run.source = prepared.source.get();
+  run.source = prepared.input.source.get();
+  run.live = prepared.input.live;
   run.method = prepared.odometry.get();
   run.folder = &folder;
   run.stop = &catch_interrupts();
@@ -184,13 +187,14 @@ OdometryRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
 void run_odometry(const OdometryFlags& flags) {
   if (flags.data.quiet) set_log_sink({});
   const std::unique_ptr<Prepared> prepared = prepare(flags);
-  for (const std::string& warning : prepared->source->info().warnings) log_warning(warning);
+  for (const std::string& warning : prepared->input.source->info().warnings) log_warning(warning);
   RunFolder folder(flags.out, flags.force);
-  folder.write_about(prepared->source->info(), command_line());
+  folder.write_about(prepared->input.source->info(), command_line());
   folder.write_options(prepared->table);
   ProgressBar bar(!flags.data.quiet);
   OdometryRunEnd end = odometry_run(wired(*prepared, folder, bar));
   bar.clear();
+  finish_recording(prepared->input, end.result.live);
   apply_scale(*prepared, end);
   end.result.path_length = path_length(end.trajectory);
   const std::string text = poses_text(end.trajectory, end.result.scale);
@@ -208,7 +212,7 @@ void run_odometry(const OdometryFlags& flags) {
   if (end.failure) std::rethrow_exception(end.failure);
   if (flags.calibrate_yaw) {
     const double lambda = lambda_of(prepared->table).value_or(0.0);
-    const double in_force = lambda > 0.0 ? lambda : 1.0 / calibrated_camera(prepared->source->info()).fx;
+    const double in_force = lambda > 0.0 ? lambda : 1.0 / calibrated_camera(prepared->input.source->info()).fx;
     fmt::print("{}", yaw_calibration_report(end.trajectory, prepared->yaw_reference, in_force));
   } else if (flags.data.json) {
     fmt::print("{}", to_json(end.result));

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "rastro/cli/live_flags.h"
 #include "rastro/cli/method_text.h"
 #include "rastro/methods/methods.h"
 
@@ -63,6 +64,8 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
   add_settings_flags(command, flags, group, "rastro options METHOD");
   add_disturbance_flag(command, flags);
   add_folder_flags(command, flags);
+  add_live_flags(command, flags.live);
+  add_record_flag(command, flags.live);
   add_data_flags(command, flags.data);
   command.footer("Methods:\n" + methods_text(odometry_methods()) + footer);
 }

@@ -104,6 +104,8 @@ void add_commands(CLI::App& app, Context& context) {
   add_odometry_command(app, context);
   add_slam_command(app, context);
   add_localize_command(app, context);
+  add_record_command(app, context);
+  add_devices_command(app, context);
   add_evaluate_command(app, context);
   add_view_command(app, context);
   add_export_command(app, context);

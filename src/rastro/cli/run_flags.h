@@ -11,9 +11,18 @@
 
 namespace rastro::cli {
 
+/// The flags of live sources.
+struct LiveFlags {
+  double speed = 1.0;  ///< --speed; of a replay
+  bool loop = false;   ///< --loop; of a replay
+  int queue = 8;       ///< --queue, frames
+  std::string record;  ///< --record DIR; empty: nothing is recorded
+};
+
 /// The flags that mean the same in every subcommand that runs something with an option table.
 struct RunFlags {
   DataFlags data;
+  LiveFlags live;
   std::string out;
   std::string options_file;
   std::vector<std::string> settings;      ///< --set key=value

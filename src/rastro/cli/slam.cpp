@@ -12,6 +12,7 @@
 #include "rastro/cli/command.h"
 #include "rastro/cli/interrupt.h"
 #include "rastro/cli/limits.h"
+#include "rastro/cli/live_flags.h"
 #include "rastro/cli/live_sink.h"
 #include "rastro/cli/map_path.h"
 #include "rastro/cli/masks.h"
@@ -37,7 +38,7 @@ struct Prepared {
   std::unique_ptr<SlamMethod> method;
   OptionTable table;  ///< Points into the method.
   std::vector<ScoreLimit> limits;
-  std::unique_ptr<Source> source;
+  RunInput input;
   std::optional<std::int64_t> frames;
   std::optional<Masks> masks;
   std::unique_ptr<TaskPool> pool;
@@ -96,13 +97,14 @@ Prepared prepare(const SlamFlags& flags) {
   run.table = run.method->options();
   apply_preset(flags, *run.method);
   apply_settings(flags, run.method->name(), run.table);
-  run.limits = parse_limits(flags.limits, numbers_of(SlamResult{}), "'coverage>=95'");
+  run.limits = parse_limits(flags.limits, limit_numbers_of(SlamResult{}), "'coverage>=95'");
   OpenOptions open = open_options(flags.data);
   open.want_color = run.method->wants_color();
   open.want_depth = run.method->wants_depth();
   open.want_right = run.method->wants_right();
-  run.source = open_disturbed(flags, open);
-  const SourceInfo& info = run.source->info();
+  run.input = open_run_input(flags, open);
+  run.context.live = run.input.live != nullptr;
+  const SourceInfo& info = run.input.source->info();
   if (info.frame_count >= 0) run.frames = FrameChoice(open, info.frame_count, info.path).count;
   if (!flags.mask.empty()) run.masks.emplace(flags.mask);
   run.pool = std::make_unique<TaskPool>(flags.data.threads);
@@ -132,7 +134,8 @@ std::unique_ptr<LiveSink> live_sink(const SlamFlags& flags, Prepared& prepared) 
 
 SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar, LiveSink* live) {
   SlamRun run;
-  run.source = prepared.source.get();
+  run.source = prepared.input.source.get();
+  run.live = prepared.input.live;
   run.method = prepared.slam.get();
   run.folder = &folder;
   run.stop = &catch_interrupts();
@@ -160,13 +163,14 @@ int run_slam(const SlamFlags& flags) {
   if (flags.data.quiet) set_log_sink({});
   Prepared prepared = prepare(flags);
   const std::unique_ptr<LiveSink> live = live_sink(flags, prepared);
-  for (const std::string& warning : prepared.source->info().warnings) log_warning(warning);
+  for (const std::string& warning : prepared.input.source->info().warnings) log_warning(warning);
   RunFolder folder(flags.out, flags.force);
-  folder.write_about(prepared.source->info(), command_line());
+  folder.write_about(prepared.input.source->info(), command_line());
   folder.write_options(prepared.table);
   ProgressBar bar(!flags.data.quiet);
   SlamRunEnd end = slam_run(wired(prepared, folder, bar, live.get()));
   bar.clear();
+  finish_recording(prepared.input, end.result.timing.live);
   end.result.method = prepared.method->name();
   if (end.result.frames == 0 && !end.result.interrupted) refuse_without_frames(end, folder, flags.data.path);
   const SlamTask task = task_of(prepared.context);
@@ -178,7 +182,7 @@ int run_slam(const SlamFlags& flags) {
   } else if (!flags.data.quiet) {
     fmt::print("{}", slam_summary(end, outputs, flags.out, task));
   }
-  const int exit_code = report_missed(prepared.limits, numbers_of(end.result));
+  const int exit_code = report_missed(prepared.limits, limit_numbers_of(end.result));
   if (live) {
     live->finish(end);
     live->wait_until_closed();

@@ -9,6 +9,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
+#include "rastro/cli/live_flags.h"
 #include "rastro/methods/methods.h"
 
 namespace rastro::cli {
@@ -39,6 +40,7 @@ Examples:
   rastro slam rgbd_dataset_freiburg1_room --method rgbd --out room --max-memory 600MB
   rastro slam sequences/00 --method orb --sensor mono --out run     one camera: up to scale
   rastro scale run --camera-height 1.65                             makes it metric
+  rastro slam replay:sequences/00 --method orb --out run            at its own pace, as from a camera
   rastro slam sequences/00_again --map run --continue --out longer
   rastro slam corridor --method ekf --out run --require 'coverage>=99'
   rastro slam corridor --method hector --out run --initial-pose 12.5,3,90      in the frame of a floor plan
@@ -178,6 +180,8 @@ void add_slam_flags(CLI::App& command, SlamFlags& flags) {
   add_method_flags(command, flags);
   add_output_flags(command, flags, "coverage>=95");
   add_view_flags(command, flags);
+  add_live_flags(command, flags.live);
+  add_record_flag(command, flags.live);
   add_data_flags(command, flags.data);
   command.footer(methods_text() + footer);
 }
@@ -188,6 +192,8 @@ void add_localize_flags(CLI::App& command, SlamFlags& flags) {
   add_run_flags(command, flags, "Map");
   add_output_flags(command, flags, "recall>=95");
   add_view_flags(command, flags);
+  add_live_flags(command, flags.live);
+  add_record_flag(command, flags.live);
   add_data_flags(command, flags.data);
   command.footer(localize_footer);
 }

@@ -193,6 +193,10 @@ std::string time_line(const SlamResult& result) {
   return text + fmt::format("; memory {:.0f} MB\n", result.memory.peak_mb);
 }
 
+std::string live_line(const SlamResult& result) {
+  return result.timing.live ? "  live         " + summary_of(*result.timing.live) + "\n" : "";
+}
+
 /// Where a budget was given.
 std::string map_memory_line(const MapMemory& memory) {
   if (memory.budget_bytes == 0) return "";
@@ -242,7 +246,7 @@ std::string slam_summary(const SlamRunEnd& end, const SlamOutputs& outputs, cons
                                  result.frames, result.coverage, result.interrupted ? " (interrupted)" : "");
   text += states_line(result) + reasons_line(result);
   text += (task == SlamTask::localize ? recall_line(result) : map_line(end, outputs)) + scale_line(result) +
-          time_line(result) + map_memory_line(result.memory.map);
+          time_line(result) + live_line(result) + map_memory_line(result.memory.map);
   if (result.timing.dropped_frames > 0)
     text += fmt::format("  dropped      {} frames were not mapped because mapping was too slow\n",
                         result.timing.dropped_frames);

@@ -11,6 +11,7 @@
 #include "rastro/base/task_pool.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/interrupt.h"
+#include "rastro/cli/live_flags.h"
 #include "rastro/cli/masks.h"
 #include "rastro/cli/program.h"
 #include "rastro/cli/progress_bar.h"
@@ -55,7 +56,7 @@ struct Prepared {
   TrackOptions options;
   OptionTable table;
   std::vector<Limit> limits;
-  std::unique_ptr<Source> source;
+  RunInput input;
   std::optional<Camera> camera;
   std::optional<std::int64_t> frames;
   std::optional<Masks> masks;
@@ -70,8 +71,8 @@ std::unique_ptr<Prepared> prepare(const TrackFlags& flags) {
   for (const std::string& limit : flags.limits) run->limits.emplace_back(limit);
   check_outputs(flags);
   const OpenOptions open = open_options(flags.data);
-  run->source = rastro::open(flags.data.path, open);
-  const SourceInfo& info = run->source->info();
+  run->input = open_run_input(flags, open);
+  const SourceInfo& info = run->input.source->info();
   if (!info.has_image) throw Error("has no images to track", info.path, "'rastro slam' reads laser scans");
   run->frames = frames_asked(info, open);
   if (!info.cameras.empty()) run->camera = info.cameras.front().camera;
@@ -82,7 +83,7 @@ std::unique_ptr<Prepared> prepare(const TrackFlags& flags) {
 }
 
 void warn_about(const Prepared& run) {
-  for (const std::string& warning : run.source->info().warnings) {
+  for (const std::string& warning : run.input.source->info().warnings) {
     // The warning below also says what the tracks lack.
     if (run.camera || !warning.starts_with("no calibration found")) log_warning(warning);
   }
@@ -91,7 +92,8 @@ void warn_about(const Prepared& run) {
 
 TrackRun wired(Prepared& prepared, RunFolder& folder, const TrackOutputs& outputs, ProgressBar& bar) {
   TrackRun run;
-  run.source = prepared.source.get();
+  run.source = prepared.input.source.get();
+  run.live = prepared.input.live;
   run.process = [&prepared](GrayView image, TimeNs stamp, GrayView mask) {
     return prepared.tracker->process(image, stamp, mask);
   };
@@ -131,13 +133,14 @@ int run_track(const TrackFlags& flags) {
   if (flags.data.quiet) set_log_sink({});
   const std::unique_ptr<Prepared> prepared = prepare(flags);
   RunFolder folder(flags.out, flags.force);
-  folder.write_about(prepared->source->info(), command_line());
+  folder.write_about(prepared->input.source->info(), command_line());
   folder.write_options(prepared->table);
   const TracksHeader header = header_of(prepared->table, prepared->camera);
   TrackOutputs outputs(flags, folder, header);
   ProgressBar bar(!flags.data.quiet);
   TrackRunEnd end = track_run(wired(*prepared, folder, outputs, bar));
   bar.clear();
+  finish_recording(prepared->input, end.result.live);
   end.result.result_sha256 = outputs.result_sha256();
   end.result.options_sha256 = hash_of(header);
   folder.write_result(to_json(end.result));

@@ -5,6 +5,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
+#include "rastro/cli/live_flags.h"
 
 namespace rastro::cli {
 namespace {
@@ -74,6 +75,8 @@ void add_output_flags(CLI::App& command, TrackFlags& flags) {
 void add_track_flags(CLI::App& command, TrackFlags& flags) {
   add_output_flags(command, flags);
   add_setting_flags(command, flags);
+  add_live_flags(command, flags.live);
+  add_record_flag(command, flags.live);
   add_data_flags(command, flags.data);
   command.footer(footer);
 }

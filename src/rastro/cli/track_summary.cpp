@@ -51,6 +51,7 @@ std::string track_summary(const TrackRunEnd& end, const std::string& folder,
                       per_frame(result.reidentified, result.frames), reidentified_percent(result));
   text += fmt::format("  time           {:.2f} ms per frame, 95 % within {:.2f} ms; memory {:.0f} MB\n",
                       result.ms_per_frame_mean, result.ms_per_frame_p95, result.peak_memory_mb);
+  if (result.live) text += "  live           " + summary_of(*result.live) + "\n";
   text += fmt::format("  result         sha256 {}\n", result.result_sha256);
   text += fmt::format("written to {}:\n", folder);
   for (const auto& [file, what] : contents) text += fmt::format("  {:<36} {}\n", file, what);

@@ -9,6 +9,7 @@
 #include "rastro/base/append_file.h"
 #include "rastro/base/memory.h"
 #include "rastro/session/frame_reader.h"
+#include "rastro/session/live_statistics_json.h"
 #include "rastro/session/run_loop.h"
 #include "rastro/session/time_histogram.h"
 #include "rastro/session/trajectory_text.h"
@@ -24,11 +25,12 @@ class Runner {
  public:
   explicit Runner(const OdometryRun& run)
       : run_(run), reader_(*run.source, run.folder), input_(run.source->info(), run.folder) {
+    if (run.live) run.live->set_folder(run.folder);
     if (run.folder) online_.emplace(run.folder->file("trajectory_online.txt")).append(tum_header(online_poses));
   }
 
   OdometryRunEnd run_to_the_end() {
-    const RunLoopEnd loop = run_loop(reader_, run_.stop, [this](const Frame& frame) { process(frame); });
+    const RunLoopEnd loop = run_loop(reader_, run_.live, run_.stop, [this](const Frame& frame) { process(frame); });
     end_.failure = loop.failure;
     end_.result.interrupted = loop.interrupted;
     end_.result.ended = loop.ended;
@@ -39,6 +41,7 @@ class Runner {
  private:
   void process(const Frame& frame) {
     const OdometryUpdate update = run_.method->process(frame);
+    if (run_.live) run_.live->note_pose();
     times_.add(update.milliseconds);
     input_.add(frame);
     count(update);
@@ -72,7 +75,9 @@ class Runner {
     end_.first_skip = reader_.first_skip();
     result.skipped_frames = reader_.skipped();
     result.warnings = input_.warnings();
-    const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames);
+    if (run_.live) result.live = run_.live->statistics();
+    const std::int64_t dropped = result.live ? result.live->dropped : 0;
+    const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames + dropped);
     const double posed = static_cast<double>(end_.trajectory.size());
     result.coverage = asked > 0 ? 100.0 * posed / static_cast<double>(asked) : 0.0;
     result.ms_per_frame_mean = times_.mean_ms();
@@ -112,6 +117,7 @@ std::string to_json(const OdometryResult& result) {
   json["ms_per_frame_mean"] = rounded(result.ms_per_frame_mean);
   json["ms_per_frame_p95"] = rounded(result.ms_per_frame_p95);
   json["peak_memory_mb"] = rounded(result.peak_memory_mb);
+  if (result.live) json["live"] = json_of(*result.live);
   json["result_sha256"] = result.result_sha256;
   json["interrupted"] = result.interrupted;
   json["ended"] = result.ended;

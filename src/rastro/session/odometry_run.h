@@ -12,6 +12,7 @@
 #include "rastro/input_check/input_warning.h"
 #include "rastro/odometry/odometry.h"
 #include "rastro/sensor/source.h"
+#include "rastro/session/live_input.h"
 #include "rastro/session/run_folder.h"
 
 namespace rastro {
@@ -26,6 +27,7 @@ struct OdometryProgress {
 /// The parts of one run. They must outlive odometry_run().
 struct OdometryRun {
   Source* source = nullptr;
+  LiveInput* live = nullptr;  ///< `source` in a live run, else null.
   Odometry* method = nullptr;
   RunFolder* folder = nullptr;              ///< May be null: no stats, no events, no poses.
   const std::atomic<bool>* stop = nullptr;  ///< Set from outside (Ctrl-C): the run ends after the current frame.
@@ -47,8 +49,9 @@ struct OdometryResult {
   std::string scale = "relative";  ///< Or the source of the metric scale.
   double ms_per_frame_mean = 0.0, ms_per_frame_p95 = 0.0;
   double peak_memory_mb = 0.0;
-  InputWarnings warnings;     ///< What the input contradicts: its calibration, or its other sensors.
-  std::string result_sha256;  ///< Of trajectory.txt.
+  std::optional<LiveStatistics> live;  ///< Of a live run.
+  InputWarnings warnings;              ///< What the input contradicts: its calibration, or its other sensors.
+  std::string result_sha256;           ///< Of trajectory.txt.
   bool interrupted = false;
   std::string ended;  ///< "end of data", "interrupted", or the error that ended the run.
 };

@@ -26,17 +26,19 @@ void run_guarded(RunLoopEnd& end, const std::function<void()>& work) {
   }
 }
 
-RunLoopEnd run_loop(FrameReader& reader, const std::atomic<bool>* stop, const std::function<void(Frame&)>& process) {
+RunLoopEnd run_loop(FrameReader& reader, const LiveInput* live, const std::atomic<bool>* stop,
+                    const std::function<void(Frame&)>& process) {
   RunLoopEnd end;
+  const auto interrupt = [&end] {
+    end.interrupted = true;
+    end.ended = "interrupted";
+  };
   run_guarded(end, [&] {
     while (auto frame = reader.next()) {
-      if (stop && stop->load()) {
-        end.interrupted = true;
-        end.ended = "interrupted";
-        return;
-      }
+      if (stop && stop->load()) return interrupt();
       process(*frame);
     }
+    if (live && live->was_stopped()) interrupt();
   });
   return end;
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "rastro/session/frame_reader.h"
+#include "rastro/session/live_input.h"
 
 namespace rastro {
 
@@ -18,8 +19,9 @@ struct RunLoopEnd {
 };
 
 /// Passes every readable frame to `process` until the data ends, `stop` is set (may be null) or something throws; the
-/// exception is kept.
-RunLoopEnd run_loop(FrameReader& reader, const std::atomic<bool>* stop, const std::function<void(Frame&)>& process);
+/// exception is kept. `live`: the source of the reader in a live run, else null.
+RunLoopEnd run_loop(FrameReader& reader, const LiveInput* live, const std::atomic<bool>* stop,
+                    const std::function<void(Frame&)>& process);
 
 /// Calls `work`; keeps its exception in `end`, unless there is an earlier one.
 void run_guarded(RunLoopEnd& end, const std::function<void()>& work);

@@ -9,6 +9,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
+#include "rastro/session/live_statistics_json.h"
 
 namespace rastro {
 namespace {
@@ -50,6 +51,7 @@ std::string to_json(const TrackResult& result) {
       json[name] = rounded(value);
     }
   }
+  if (result.live) json["live"] = json_of(*result.live);
   json["result_sha256"] = result.result_sha256;
   json["options_sha256"] = result.options_sha256;
   json["interrupted"] = result.interrupted;

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "rastro/session/live_statistics.h"
+
 namespace rastro {
 
 /// The result of a tracking run; the fields of its result.json. Percentages are 0 to 100.
@@ -17,9 +19,10 @@ struct TrackResult {
   double ms_per_frame_mean = 0.0;   ///< Of the tracker alone, without reading and writing.
   double ms_per_frame_p95 = 0.0;
   double peak_memory_mb = 0.0;
-  std::string result_sha256;   ///< Of the bytes of tracks.csv.
-  std::string options_sha256;  ///< Of the values in force.
-  std::int64_t features = 0;   ///< Number of ids.
+  std::optional<LiveStatistics> live;  ///< Of a live run.
+  std::string result_sha256;           ///< Of the bytes of tracks.csv.
+  std::string options_sha256;          ///< Of the values in force.
+  std::int64_t features = 0;           ///< Number of ids.
   std::int64_t observations = 0;
   std::int64_t tracked = 0;
   std::int64_t reidentified = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "rastro/session/live_statistics_json.h"
 #include "rastro/session/watched_input.h"
 
 namespace rastro {
@@ -62,6 +63,12 @@ std::vector<std::pair<std::string, double>> numbers_of(const SlamResult& result)
           {"map_memory_mb", static_cast<double>(result.memory.map.bytes) / bytes_per_mb}};
 }
 
+std::vector<std::pair<std::string, double>> limit_numbers_of(const SlamResult& result) {
+  auto numbers = numbers_of(result);
+  for (auto& live : numbers_of(result.timing.live.value_or(LiveStatistics{}))) numbers.push_back(std::move(live));
+  return numbers;
+}
+
 std::string to_json(const SlamResult& result) {
   Json json{{"method", result.method}};
   for (const auto& [name, value] : numbers_of(result)) json[name] = number(value);
@@ -74,6 +81,7 @@ std::string to_json(const SlamResult& result) {
   if (!result.memory.map.measures.empty()) json["map_memory_measures"] = result.memory.map.measures;
   json["reasons"] = result.reasons;
   json["warnings"] = json_of(result.warnings);
+  if (result.timing.live) json["live"] = json_of(*result.timing.live);
   json["stages"] = stages_of(result);
   json["result_sha256"] = result.result_sha256;
   json["interrupted"] = result.interrupted;

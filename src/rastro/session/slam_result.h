@@ -10,6 +10,7 @@
 
 #include "rastro/input_check/input_warning.h"
 #include "rastro/map/graph/map.h"
+#include "rastro/session/live_statistics.h"
 #include "rastro/session/time_histogram.h"
 #include "rastro/slam/slam.h"
 
@@ -28,10 +29,11 @@ struct SlamStateCounts {
 
 struct SlamTiming {
   TimeHistogram frames;
-  std::vector<SlamStage> stages;    ///< In the order of their first occurrence.
-  double recording_seconds = 0.0;   ///< From the first stamp to the last one.
-  double method_seconds = 0.0;      ///< Of the method alone, without reading.
-  std::int64_t dropped_frames = 0;  ///< Frames that a live run could not map because mapping fell behind; else 0.
+  std::vector<SlamStage> stages;       ///< In the order of their first occurrence.
+  double recording_seconds = 0.0;      ///< From the first stamp to the last one.
+  double method_seconds = 0.0;         ///< Of the method alone, without reading.
+  std::int64_t dropped_frames = 0;     ///< Frames that a live run could not map because mapping fell behind; else 0.
+  std::optional<LiveStatistics> live;  ///< Of a live run.
 
   /// Seconds of recording processed per second; nullopt if nothing was measured.
   std::optional<double> times_real_time() const;
@@ -66,7 +68,9 @@ struct SlamResult {
 
 std::string to_json(const SlamResult& result);
 
-/// The numbers that a limit can name, such as "coverage".
+/// The numbers of result.json by name, such as "coverage".
 std::vector<std::pair<std::string, double>> numbers_of(const SlamResult& result);
+/// Those that a limit can name: also the numbers of a live run, 0 in others.
+std::vector<std::pair<std::string, double>> limit_numbers_of(const SlamResult& result);
 
 }  // namespace rastro

@@ -58,13 +58,14 @@ class Runner {
         reader_(*run.source, run.folder),
         input_(run.source->info(), run.folder),
         calibration_error_(calibration_error_of(run.source->info())) {
+    if (run.live) run.live->set_folder(run.folder);
     if (!run.folder) return;
     stats_.emplace(run.folder->file("stats.csv"));
     online_.emplace(run.folder->file("trajectory_online.txt")).append(tum_header(online_poses));
   }
 
   SlamRunEnd run_to_the_end() {
-    RunLoopEnd loop = run_loop(reader_, run_.stop, [this](Frame& frame) { process(frame); });
+    RunLoopEnd loop = run_loop(reader_, run_.live, run_.stop, [this](Frame& frame) { process(frame); });
     run_guarded(loop, [this] { finish(); });
     end_.failure = loop.failure;
     end_.result.interrupted = loop.interrupted;
@@ -81,6 +82,7 @@ class Runner {
     if (update.covariance && calibration_error_ > 0.0)
       update.covariance = with_calibration_error(*update.covariance, update.world_from_body, calibration_error_);
     update.milliseconds = watch.lap_ms();
+    if (run_.live) run_.live->note_pose();
     count(update);
     note_covariance(update);
     input_.add(frame);
@@ -191,7 +193,9 @@ class Runner {
     result.skipped_frames = reader_.skipped();
     result.warnings = input_.warnings();
     result.timing.dropped_frames = run_.method->dropped_frames();
-    const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames);
+    if (run_.live) result.timing.live = run_.live->statistics();
+    const std::int64_t dropped = result.timing.live ? result.timing.live->dropped : 0;
+    const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames + dropped);
     const double posed = static_cast<double>(end_.trajectory.size());
     result.coverage = asked > 0 ? 100.0 * posed / static_cast<double>(asked) : 0.0;
     const double tracked = static_cast<double>(result.states.tracking + result.states.weak + result.states.relocalized);

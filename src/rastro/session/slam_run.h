@@ -14,6 +14,7 @@
 #include "rastro/map/file/growing_map_file.h"
 #include "rastro/map/graph/map.h"
 #include "rastro/sensor/source.h"
+#include "rastro/session/live_input.h"
 #include "rastro/session/run_folder.h"
 #include "rastro/session/slam_result.h"
 #include "rastro/slam/slam.h"
@@ -32,6 +33,7 @@ struct SlamProgress {
 /// The parts of one run. They must outlive slam_run().
 struct SlamRun {
   Source* source = nullptr;
+  LiveInput* live = nullptr;  ///< `source` in a live run, else null.
   Slam* method = nullptr;
   RunFolder* folder = nullptr;              ///< May be null: no stats, no events, no poses.
   const std::atomic<bool>* stop = nullptr;  ///< Set from outside (Ctrl-C): the run ends after the current frame.

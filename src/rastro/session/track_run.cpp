@@ -21,7 +21,9 @@ constexpr std::size_t images_waiting = 4;
 class Runner {
  public:
   explicit Runner(const TrackRun& run)
-      : run_(run), reader_(*run.source, run.folder), writer_(run.image_sinks, images_waiting) {}
+      : run_(run), reader_(*run.source, run.folder), writer_(run.image_sinks, images_waiting) {
+    if (run.live) run.live->set_folder(run.folder);
+  }
 
   TrackRunEnd run_to_the_end() {
     try {
@@ -50,7 +52,8 @@ class Runner {
       if (!frame) break;
       process(*frame);
     }
-    end_.result.ended = "end of data";
+    end_.result.interrupted = run_.live && run_.live->was_stopped();
+    end_.result.ended = end_.result.interrupted ? "interrupted" : "end of data";
   }
 
   void process(Frame& frame) {
@@ -58,6 +61,7 @@ class Runner {
     const auto begin = std::chrono::steady_clock::now();
     TrackFrame tracks = run_.process(frame.image, frame.stamp, mask);
     tracks.times.total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    if (run_.live) run_.live->note_pose();
     times_.add(tracks.times.total_ms);
     renumber(tracks, frame.index);
     count(tracks);
@@ -118,7 +122,9 @@ class Runner {
     TrackResult& result = end_.result;
     result.skipped_frames = reader_.skipped();
     end_.first_skip = reader_.first_skip();
-    const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames);
+    if (run_.live) result.live = run_.live->statistics();
+    const std::int64_t dropped = result.live ? result.live->dropped : 0;
+    const std::int64_t asked = run_.frames_asked.value_or(result.frames + result.skipped_frames + dropped);
     result.coverage = asked > 0 ? 100.0 * static_cast<double>(result.frames) / static_cast<double>(asked) : 0.0;
     result.ms_per_frame_mean = times_.mean_ms();
     result.ms_per_frame_p95 = times_.percentile_ms(0.95);

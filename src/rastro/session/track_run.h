@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "rastro/sensor/source.h"
+#include "rastro/session/live_input.h"
 #include "rastro/session/run_folder.h"
 #include "rastro/session/run_result.h"
 #include "rastro/track/track_sink.h"
@@ -27,6 +28,7 @@ struct TrackProgress {
 /// The parts of one run. They must outlive track_run().
 struct TrackRun {
   Source* source = nullptr;
+  LiveInput* live = nullptr;  ///< `source` in a live run, else null.
   /// Tracker::process, or a stand-in for it.
   std::function<TrackFrame(GrayView image, TimeNs stamp, GrayView mask)> process;
   /// The mask of a frame, empty for none; valid until the next call. May be unset.
