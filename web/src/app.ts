@@ -25,6 +25,8 @@ export class App {
   /** The run that goes on, and its number on the server. */
   readonly live: { run: number; scene: number } | null;
   state: State;
+  /** Where the program behind the page can be asked to measure in a run's map; null where it cannot. */
+  readonly measureUrls: (string | null)[];
   /** Meters for one unit of a run's map, where the person entered a known length. */
   readonly scaleFactors = new Map<number, ScaleFactor>();
   private ranges: Style['ranges'];
@@ -35,6 +37,7 @@ export class App {
     const good = loaded.map(forLive).filter((l) => l.scene !== null);
     this.errors = loaded.filter((l) => l.error !== null).map((l) => ({ name: l.name, message: l.error! }));
     this.runs = good.map((l, i) => buildRun(l.name, l.scene!, i));
+    this.measureUrls = good.map((l) => l.measureUrl ?? null);
     const live = good.findIndex((l) => l.live);
     this.live = live < 0 ? null : { run: live, scene: good[live].index ?? live };
     const scenes = this.runs.map((r) => r.scene);

@@ -50,6 +50,41 @@ test('two clicks measure the exact length with its error bar', () => withPage(ur
   await screenshot(page, 'measured');
 }));
 
+test('edges and faces of the table are measured, and drawn as long as they are', () => withPage(urls.shelf, {}, async (page) => {
+  await drawn(page);
+  await page.keyboard.press('m');
+  await page.keyboard.press('x');
+  assert.match(await page.locator('.hint').innerText(), /Click a point near an edge/);
+  for (const p of [[0, 0.15, 0], [0.75, 0.15, 0]]) await clickPoint(page, p);
+  const [, length, sigma] = /([\d.]+) ± ([\d.]+) m/.exec(await page.locator('.lengths .value').innerText())!.map(Number);
+  assert.ok(Math.abs(length - 0.75) < sigma && sigma < 0.03, `${length} ± ${sigma}`);
+  await page.getByRole('button', { name: 'face' }).click();
+  for (const p of [[0.4, 0.15, 0], [0.4, -0.3, 0.4]]) await clickPoint(page, p);
+  const [, depth, error] = /([\d.]+) ± ([\d.]+) m/.exec(await page.locator('.lengths .value').nth(1).innerText())!.map(Number);
+  assert.ok(Math.abs(depth - 0.4) < error && error < 0.01, `${depth} ± ${error}`);
+  assert.match(await page.locator('.lengths').innerText(), /from the points of the map/);
+  await clickPoint(page, [0.4, 0.15, 0]);
+  await page.keyboard.press('x');
+  await page.keyboard.press('x');
+  await clickPoint(page, [0, 0.15, 0]);
+  assert.match(await page.locator('.hint').innerText(), /Measured|not parallel/);
+  await screenshot(page, 'measured_edges');
+}));
+
+test('a video of one turn is saved, and the view is where it was', () => withPage(urls.exact, {}, async (page) => {
+  await drawn(page);
+  const before = await project(page, [1, 2, 0]);
+  await page.keyboard.press('b');
+  await screenshot(page, 'video');
+  await page.getByRole('button', { name: /One turn/ }).click();
+  await page.waitForFunction((p) => Math.abs((window as any).rastro.project([1, 2, 0])[0] - p) > 30, before[0]);
+  const [download] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('b')]);
+  assert.match(download.suggestedFilename(), /^exact\.(mp4|webm)$/);
+  const file = readFileSync(await download.path());
+  assert.ok(file.length > 2000 && (file.readUInt32BE(0) === 0x1a45dfa3 || file.toString('latin1', 4, 8) === 'ftyp'));
+  near(await project(page, [1, 2, 0]), before, 0.01);
+}));
+
 test('a known length gives a map of arbitrary scale its meters', () => withPage(urls.arbitrary, {}, async (page) => {
   await drawn(page);
   await page.getByRole('button', { name: 'Measure' }).click();

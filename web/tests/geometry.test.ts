@@ -2,7 +2,8 @@
 // Measuring, color maps, the timeline's arithmetic and the address: all without a browser.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { lengthBetween, scaled, scaleFrom } from '../src/measure/length';
+import { asPoint, featureAt, spanBetween, type Feature } from '../src/measure/feature';
+import { scaled, scaleFrom } from '../src/measure/length';
 import { pick, type Candidates } from '../src/measure/pick';
 import { withSigma } from '../src/measure/texts';
 import { initialState } from '../src/initial_state';
@@ -11,14 +12,43 @@ import { fromHash, toHash } from '../src/state';
 import { columnMaxima, duration, frameAt, nearestFrame, stretches, timeStep } from '../src/timeline/track';
 import { mapBytes, mapColor, robustRange, stateColor } from '../src/view3d/colors';
 import { niceStep } from '../src/view3d/reference';
+import { random } from './scene_writer';
 
-const at = (point: Vec3, sigma: number | null) => ({ point, sigma, source: 'cloud', run: 0 });
+const at = (point: Vec3, sigma: number | null) => asPoint({ point, sigma, source: 'cloud', run: 0 });
+const lengthBetween = (a: Feature, b: Feature, scaleSigma: number | null) => {
+  const { length, sigma } = spanBetween(a, b, scaleSigma)!;
+  return { length, sigma };
+};
 
 test('length and sigma of two points', () => {
   assert.deepEqual(lengthBetween(at([0, 0, 0], 0.003), at([1, 2, 2], 0.004), null), { length: 3, sigma: 0.005 });
   assert.equal(lengthBetween(at([0, 0, 0], null), at([1, 0, 0], 0.1), null).sigma, null);
   const withScale = lengthBetween(at([0, 0, 0], 0.03), at([4, 0, 0], 0), 0.01);
   assert.ok(Math.abs(withScale.sigma! - 0.05) < 1e-12);
+});
+
+/** A board of 0.75 by 0.3 m, 12 mm apart points with 2 mm of noise, in front of a wall. */
+function board(): Candidates {
+  const noise = random(3);
+  const positions: number[] = [];
+  for (let x = 0; x <= 0.75; x += 0.012) for (let y = 0; y <= 0.3; y += 0.012) positions.push(x, y, 0.004 * (noise() - 0.5));
+  for (let x = -0.5; x <= 1.25; x += 0.02) for (let y = -0.5; y <= 0.8; y += 0.02) positions.push(x, y, 0.4 + 0.004 * (noise() - 0.5));
+  return candidates(positions);
+}
+
+test('two edges of a board, and its distance from the wall, within their error bars', () => {
+  const around = { candidates: [board()], radius: 0.1, metric: true, upright: null };
+  const take = (kind: 'edge' | 'face', point: Vec3) => featureAt(kind, { point, sigma: null, source: 'cloud', run: 0 }, around)!;
+  const [left, right] = [take('edge', [0.012, 0.132, 0]), take('edge', [0.744, 0.156, 0])];
+  assert.ok(Math.abs(Math.abs(left.direction![1]) - 1) < 0.01, `${left.direction}`);
+  const width = spanBetween(left, right, null)!;
+  assert.ok(Math.abs(width.length - 0.75) < 0.008 && width.sigma! > 0.01 && width.sigma! < 0.03, `${width.length} ± ${width.sigma}`);
+  const depth = spanBetween(take('face', [0.36, 0.144, 0]), take('face', [-0.2, 0.6, 0.4]), null)!;
+  assert.ok(Math.abs(depth.length - 0.4) < 0.002 && depth.sigma! < 0.006, `${depth.length} ± ${depth.sigma}`);
+  assert.ok(Math.abs(depth.a[2] - depth.b[2] + 0.4) < 0.01);
+  // Not parallel: an edge that runs up and one that runs across.
+  assert.equal(spanBetween(left, take('edge', [0.36, 0.288, 0]), null), null);
+  assert.equal(featureAt('edge', { point: [0.36, 0.144, 0], sigma: null, source: 'cloud', run: 0 }, { ...around, radius: 0.05 }), null);
 });
 
 test('a known length gives the scale and its sigma', () => {
@@ -41,7 +71,7 @@ test('lengths as text', () => {
 const view = { matrix: [10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 1, -1, 0, 0, 0, 10], width: 200, height: 100 };
 
 function candidates(positions: number[], maxSigma = Infinity, sigmas: number[] | null = null): Candidates {
-  return { source: 'cloud', run: 0, positions: Float32Array.from(positions), stride: 3, sigmas: sigmas && Float32Array.from(sigmas), maxSigma };
+  return { source: 'cloud', run: 0, positions: Float32Array.from(positions), stride: 3, sigmas: sigmas && Float32Array.from(sigmas), maxSigma, surface: true };
 }
 
 test('the point nearest on the screen is picked, of equal ones the foremost', () => {

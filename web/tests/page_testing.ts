@@ -5,7 +5,7 @@ import { createHash } from 'node:crypto';
 import { after, before } from 'node:test';
 import type { Browser, Page } from 'playwright-core';
 import { drawn, faultsOf, launch, open, pageWith, screenshot, type Picture } from './browser';
-import { exactScene, floorScene, roomScene } from './scenes';
+import { exactScene, floorScene, roomScene, shelfScene } from './scenes';
 
 let browser: Browser;
 
@@ -22,6 +22,7 @@ export function useBrowser(): void {
     browser = await launch();
     urls.room = pageWith('room.html', [{ name: 'room', bytes: roomScene({ points: 4000 }) }]);
     urls.floor = pageWith('floor.html', [{ name: 'floor', bytes: floorScene() }]);
+    urls.shelf = pageWith('shelf.html', [{ name: 'shelf', bytes: shelfScene() }]);
     urls.exact = pageWith('exact.html', [{ name: 'exact', bytes: exactScene() }]);
     urls.arbitrary = pageWith('arbitrary.html', [{ name: 'exact', bytes: exactScene({ kind: 'arbitrary' }) }]);
   });

@@ -162,6 +162,23 @@ export function exactScene(scale: object = { kind: 'metric' }): Uint8Array {
   });
 }
 
+/** A board of 0.75 by 0.3 m, 0.4 m in front of a wall, as noisy points 12 mm apart. */
+export function shelfScene(): Uint8Array {
+  const w = new SceneWriter();
+  const noise = random(3);
+  const [positions, colors]: number[][] = [[], []];
+  const add = (x: number, y: number, z: number, color: number[]) => {
+    positions.push(x, y, z + 0.004 * (noise() - 0.5));
+    colors.push(...color);
+  };
+  for (let x = 0; x <= 0.751; x += 0.0125) for (let y = 0; y <= 0.301; y += 0.0125) add(x, y, 0, [200, 160, 90]);
+  for (let x = -0.5; x <= 1.25; x += 0.02) for (let y = -0.5; y <= 0.8; y += 0.02) add(x, y, 0.4, [90, 110, 130]);
+  return w.finish({
+    title: 'shelf', method: 'test', up: [0, -1, 0], scale: { kind: 'metric' },
+    layers: [{ kind: 'points', name: 'cloud', positions: w.f32(positions), colors: w.u8(colors) }],
+  });
+}
+
 export function cloudScene(count: number): Uint8Array {
   const w = new SceneWriter();
   const { positions, colors } = roomPoints(count, 9);

@@ -17,8 +17,8 @@ function ofRun(app: App, run: Run): Candidates[] {
   const shown = new Set(run.layers.filter((l) => l.object.visible).map((l) => l.key));
   const { frames, keyframes, layers } = run.scene;
   const result: Candidates[] = [];
-  const add = (source: string, positions: Float32Array, stride: number, sigmas: Float32Array | null, maxSigma = Infinity) =>
-    result.push({ source, run: run.index, positions, stride, sigmas, maxSigma });
+  const add = (source: string, positions: Float32Array, stride: number, sigmas: Float32Array | null, maxSigma = Infinity, surface = false) =>
+    result.push({ source, run: run.index, positions, stride, sigmas, maxSigma, surface });
   if (frames && shown.has('trajectory:final')) add('trajectory', frames.positions, 3, frames.sigmas);
   if (keyframes && shown.has('keyframes')) add('keyframes', keyframes.poses, 7, null);
   // Layers of the scene are the last of the run's layers, in the same order.
@@ -26,7 +26,7 @@ function ofRun(app: App, run: Run): Candidates[] {
   layers.forEach((layer, i) => {
     const positions = objects[i].object.visible ? positionsOf(layer) : null;
     const sigmas = layer.kind === 'points' ? layer.sigmas : null;
-    if (positions) add(layer.name, positions, 3, sigmas, app.state.maxSigma);
+    if (positions) add(layer.name, positions, 3, sigmas, app.state.maxSigma, layer.kind !== 'cubes');
   });
   return result;
 }

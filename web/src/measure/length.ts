@@ -1,26 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Length between two points of a map, with its standard deviation.
-import type { Vec3 } from '../scene/scene';
-import type { Picked } from './pick';
+// A length with its standard deviation, and the scale that a known length gives.
 
 export interface Length {
   length: number;
   /** Null where the sigma of an end is not known. */
   sigma: number | null;
-}
-
-export function distance(a: Vec3, b: Vec3): number {
-  return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
-
-/**
- * The ends' sigmas are those of one axis, thus also of the axis along the line; both ends are taken as independent.
- * `scaleSigma` is the relative sigma of the map's scale: it lengthens or shortens every length alike.
- */
-export function lengthBetween(a: Picked, b: Picked, scaleSigma: number | null): Length {
-  const length = distance(a.point, b.point);
-  if (a.sigma === null || b.sigma === null) return { length, sigma: null };
-  return { length, sigma: Math.hypot(a.sigma, b.sigma, length * (scaleSigma ?? 0)) };
 }
 
 export interface ScaleFactor {

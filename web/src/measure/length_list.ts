@@ -42,9 +42,13 @@ export class LengthList {
     const name = el('input', { type: 'text', value: item.name, aria: { label: 'Name of the length' } });
     name.onchange = () => this.measure.rename(item, name.value);
     const remove = button('Remove', 'Remove this length', () => this.measure.remove(item), icon('close'));
-    const title = `from ${item.a.source} to ${item.b.source}`;
+    const title = `from ${item.a.kind} in ${item.a.source} to ${item.b.kind} in ${item.b.source}`;
     const row = el('div', { className: 'length', title }, name, el('span', { className: 'value' }, measuredOf(this.app, item)), remove);
-    return this.app.runs[item.run].scene.scale.kind === 'arbitrary' ? el('div', {}, row, this.known(item)) : row;
+    const below = [
+      ...(item.note ? [el('div', { className: 'note' }, item.note)] : []),
+      ...(this.app.runs[item.run].scene.scale.kind === 'arbitrary' ? [this.known(item)] : []),
+    ];
+    return below.length ? el('div', {}, row, ...below) : row;
   }
 
   private known(item: Measured): HTMLElement {

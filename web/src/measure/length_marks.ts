@@ -64,7 +64,7 @@ export class LengthMarks {
     const named = (app.state.layers.lengths ?? true)
       ? app.runs.filter((r) => shown(r.index)).flatMap((r) => r.scene.lengths.map((l) => ({ a: l.a, b: l.b, text: `${l.name} ${lengthOf(app, l, r.index)}` })))
       : [];
-    const measured = this.measure.list.filter((m) => shown(m.run)).map((m) => ({ a: m.a.point, b: m.b.point, text: `${m.name} ${measuredOf(app, m)}` }));
+    const measured = this.measure.list.filter((m) => shown(m.run)).map((m) => ({ a: m.ends.a, b: m.ends.b, text: `${m.name} ${measuredOf(app, m)}` }));
     return [...named, ...measured];
   }
 }

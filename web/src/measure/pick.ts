@@ -12,6 +12,8 @@ export interface Candidates {
   sigmas: Float32Array | null;
   /** Points above it are not drawn and cannot be picked. */
   maxSigma: number;
+  /** They lie on what the map shows, so that faces and edges can be found among them. */
+  surface: boolean;
 }
 
 export interface Picked {
@@ -30,7 +32,7 @@ export interface Projection {
 }
 
 /** Of points that are equally near within this many pixels, the one in front is meant. */
-const tiePixels = 1.5;
+export const tiePixels = 1.5;
 
 interface Best {
   distance: number;
@@ -39,10 +41,11 @@ interface Best {
   row: number;
 }
 
-export function pick(candidates: Candidates[], view: Projection, x: number, y: number, radius: number): Picked | null {
+/** `tie`: as `tiePixels`; for an edge, which ends in front of something else, the whole radius. */
+export function pick(candidates: Candidates[], view: Projection, x: number, y: number, radius: number, tie = tiePixels): Picked | null {
   let nearest = radius;
   for (const c of candidates) nearest = Math.min(nearest, visit(c, view, x, y, radius, null));
-  const best: Best = { distance: Math.min(radius, nearest + tiePixels), depth: Infinity, from: null, row: 0 };
+  const best: Best = { distance: Math.min(radius, nearest + tie), depth: Infinity, from: null, row: 0 };
   for (const c of candidates) visit(c, view, x, y, best.distance, best);
   return best.from ? pickedOf(best.from, best.row) : null;
 }

@@ -12,6 +12,8 @@ export interface Loaded {
   live?: boolean;
   /** Number of the scene on the server. */
   index?: number;
+  /** Where the server measures in the map of the scene. */
+  measureUrl?: string;
 }
 
 export function decodeBase64(text: string): Uint8Array {
@@ -53,6 +55,12 @@ export async function servedScenes(query: string): Promise<Loaded[]> {
 }
 
 async function servedScene(entry: unknown, i: number, query: string): Promise<Loaded> {
+  const loaded = await fetchedScene(entry, i, query);
+  if ((entry as { measures?: unknown } | null)?.measures === true) loaded.measureUrl = `/api/measure/${loaded.index ?? i}${query}`;
+  return loaded;
+}
+
+async function fetchedScene(entry: unknown, i: number, query: string): Promise<Loaded> {
   const { index, name, live } = (entry ?? {}) as { index?: unknown; name?: unknown; live?: unknown };
   const label = typeof name === 'string' && name !== '' ? name : `scene ${i + 1}`;
   const number = Number.isInteger(index) ? (index as number) : i;

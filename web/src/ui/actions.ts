@@ -6,9 +6,13 @@ export interface Actions {
   toggleSide(): void;
   toggleTheme(): void;
   measure(): void;
+  /** Points, edges or faces. */
+  measureKind(): void;
   /** Leaves what was begun. */
   escape(): void;
   savePicture(): void;
+  /** Asks for a video, or ends one. */
+  video(): void;
   help(): void;
   play(): void;
   /** Frames ahead, or back where negative. */

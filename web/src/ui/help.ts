@@ -11,7 +11,8 @@ const rows: [string, string][] = [
   ['A', 'look from above'],
   ['C', 'look from the camera of the current frame'],
   ['V', 'follow the current frame, or stop'],
-  ['M', 'measure: click two points; Esc ends'],
+  ['M', 'measure: click both ends; Esc ends'],
+  ['X', 'measure points, edges or faces'],
   ['space', 'play or pause'],
   ['← →', 'one frame back or ahead; with Shift ten'],
   ['Home End', 'first or last frame'],
@@ -20,6 +21,7 @@ const rows: [string, string][] = [
   ['L', 'show or hide the panel of layers'],
   ['T', 'dark or light'],
   ['S', 'save the view as a picture (PNG)'],
+  ['B', 'save a video of a turn, or of the timeline'],
   ['?', 'this help'],
 ];
 

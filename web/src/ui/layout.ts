@@ -19,6 +19,7 @@ import { showTitle, toolbar } from './toolbar';
 import { helpDialog } from './help';
 import type { Actions, LiveActions } from './actions';
 import { savePicture } from './picture';
+import { Video } from './video';
 
 export function showMessage(root: HTMLElement, text: string): void {
   root.replaceChildren(el('p', { className: 'message', role: 'status' }, text));
@@ -38,16 +39,19 @@ export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement, liv
   const lengths = new LengthList(app, measure);
   const right = el('div', { className: 'right' }, frame.element, lengths.element);
   stage.append(marks.labels, legend.element, right, measure.hint, ...notices(app));
+  const video = new Video(app, timeline.player);
   const help = helpDialog(live !== null);
-  const actions = { ...buildActions(app, root, { help, timeline, current, measure }), live: liveParts?.actions ?? null };
+  const actions = { ...buildActions(app, root, { help, timeline, current, measure, video }), live: liveParts?.actions ?? null };
   const bar = toolbar(app, actions);
-  root.replaceChildren(bar, side, stage, ...(liveParts ? [liveParts.view.element, liveParts.bar.element] : []), timeline.element, help);
+  root.replaceChildren(bar, side, stage, ...(liveParts ? [liveParts.view.element, liveParts.bar.element] : []), timeline.element, help, video.dialog);
   bindShortcuts(app, actions);
   app.view.onDrawn = () => {
     legend.update();
     marks.update();
   };
-  measure.onChange(() => bar.querySelector('[data-tool="measure"]')!.setAttribute('aria-pressed', `${measure.active}`));
+  const press = (tool: string, on: boolean) => bar.querySelector(`[data-tool="${tool}"]`)!.setAttribute('aria-pressed', `${on}`);
+  measure.onChange(() => press('measure', measure.active));
+  video.onSwitch(() => press('video', video.isOn));
   keepUpToDate(app, side, bar);
 }
 
@@ -102,9 +106,10 @@ interface Parts {
   timeline: Timeline;
   current: CurrentFrame;
   measure: Measure;
+  video: Video;
 }
 
-function buildActions(app: App, root: HTMLElement, { help, timeline, current, measure }: Parts): Omit<Actions, 'live'> {
+function buildActions(app: App, root: HTMLElement, { help, timeline, current, measure, video }: Parts): Omit<Actions, 'live'> {
   const themes = { auto: app.dark ? 'light' : 'dark', light: 'dark', dark: 'light' } as const;
   return {
     fit: () => app.fit(),
@@ -115,8 +120,10 @@ function buildActions(app: App, root: HTMLElement, { help, timeline, current, me
     toggleSide: () => root.classList.toggle('side-toggled'),
     toggleTheme: () => app.set({ theme: themes[app.state.theme] }),
     measure: () => measure.toggle(),
+    measureKind: () => measure.nextKind(),
     escape: () => measure.escape(),
     savePicture: () => savePicture(app),
+    video: () => video.ask(),
     help: () => (help.open ? help.close() : help.showModal()),
     play: () => timeline.player.toggle(),
     step: (frames) => timeline.step(frames),

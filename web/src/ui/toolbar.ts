@@ -20,6 +20,7 @@ export function toolbar(app: App, actions: Actions): HTMLElement {
       tool('Above', 'above', 'Look from above (A)', actions.fromAbove),
       tool('Measure', 'measure', 'Measure a length by two clicks (M)', actions.measure),
       tool('Picture', 'picture', 'Save the view as a PNG picture (S)', actions.savePicture),
+      tool('Video', 'video', 'Save a video, or end it (B)', actions.video),
       tool('Theme', 'theme', 'Dark or light (T)', actions.toggleTheme),
       tool('Help', 'help', 'Keys and mouse (?)', actions.help)));
 }
