@@ -444,6 +444,28 @@ kill_() {
   [[ $(frames_of run) -ge 5 ]] || fail "frames were lost"
 }
 
+# What is recorded beside a live run repeats it, and no frame changes on the way. So few frames that all of them may
+# wait for a machine that is busy.
+live() {
+  run 0 track "replay:$hall" --frames 0:30 --speed 2 --queue 1000 --out "$here/live" --record "$here/recorded"
+  said '0 of'
+  grep -qF '"runs_may_differ": true' "$here/live/result.json" || fail "result.json does not say that the run was live"
+  run 0 track "$here/recorded" --out "$here/repeated"
+  run 0 track "$hall" --frames 0:30 --out "$here/offline"
+  cmp "$here/offline/tracks.csv" "$here/live/tracks.csv" || fail "a replay of which no frame is dropped differs"
+  cmp "$here/offline/tracks.csv" "$here/repeated/tracks.csv" || fail "the recording of a live run differs"
+  run 0 record "replay:$hall" --frames 0:3 --out "$here/copy"
+  said '3 frames of'
+  refused 'not empty' record "replay:$hall" --frames 0:3 --out "$here/copy" --quiet
+  refused 'is not a live source' record "$hall" --out "$here/other"
+  refused 'is for replays' track "$hall" --out "$here/other" --speed 2
+  refused '/dev/video99' track v4l2:/dev/video99 --out "$here/other"
+  printf 'YUV4MPEG2 W64 H48 F30:1 Cmono\nFRAME\n%3072sFRAME\n%3072s' ' ' ' ' >"$here/two.y4m"
+  run 0 track pipe: --rate 30 --out "$here/pipe" <"$here/two.y4m"
+  [[ $(value_of frames pipe) == 2 ]] || fail "the pipe had two frames"
+  run 0 devices --json
+}
+
 fresh
 if [[ $case_name == kill ]]; then kill_; else "$case_name"; fi
 echo "passed"
