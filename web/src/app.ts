@@ -24,6 +24,8 @@ export class App {
   initial: State;
   /** The run that goes on, and its number on the server. */
   readonly live: { run: number; scene: number } | null;
+  /** Recordings: the number on the server of each, by run. */
+  readonly recordings: Map<number, number>;
   state: State;
   /** Where the program behind the page can be asked to measure in a run's map; null where it cannot. */
   readonly measureUrls: (string | null)[];
@@ -40,6 +42,7 @@ export class App {
     this.measureUrls = good.map((l) => l.measureUrl ?? null);
     const live = good.findIndex((l) => l.live);
     this.live = live < 0 ? null : { run: live, scene: good[live].index ?? live };
+    this.recordings = new Map(good.flatMap((l, i): [number, number][] => (l.recording ? [[i, l.index ?? i]] : [])));
     const scenes = this.runs.map((r) => r.scene);
     this.up = scenes[0]?.up ?? [0, 0, 1];
     this.planar = scenes.length > 0 && scenes.every((s) => s.planar);

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import type { Page } from 'playwright-core';
 import { drawn, screenshot } from './browser';
-import { corridorJpeg, frame, hello, image, lostFrame, manyFeatures, mapScene, plainJpeg, status } from './live_run';
+import { corridorJpeg, frame, hello, image, lostFrame, manyFeatures, mapScene, place, plainJpeg, status } from './live_run';
 import { runState, shownFrame, shownImage, until, wait, withRun } from './live_testing';
 import { near, pixelAt, project, useBrowser } from './page_testing';
 
@@ -58,12 +58,11 @@ test('features are drawn at their pixels, by color and shape, with counts', () =
   const jpeg = await plainJpeg(page, '#202020');
   const features = [100, 100, 320, 240, 600, 440, 100, 400, 500, 100, 501, 101];
   server.send(frame(0));
-  server.sendBytes(image(0, { jpeg, features, states: [3, 2, 1, 4, 0, 0], matched: await plainJpeg(page, '#806040') }));
+  server.sendBytes(image(0, { jpeg, features, states: [3, 2, 1, 4, 0, 0] }));
   await shownImage(page, 0);
-  await page.locator('.pictures .matched img').waitFor({ state: 'visible' });
   await wait(100);
   const picture = await screenshot(page, 'live_features');
-  const box = (await page.locator('.pictures canvas').boundingBox())!;
+  const box = (await page.locator('.frame-view > .pictures canvas').boundingBox())!;
   assert.ok(Math.abs(box.width / box.height - 4 / 3) < 0.02);
   const at = (x: number, y: number, dx = 0, dy = 0) => picture.at(Math.round(box.x + (x * box.width) / 640 + dx), Math.round(box.y + (y * box.height) / 480 + dy));
   near(at(100, 100), [0x00, 0xb3, 0x86], 12);
@@ -71,11 +70,59 @@ test('features are drawn at their pixels, by color and shape, with counts', () =
   near(at(200, 200), [0x20, 0x20, 0x20], 6);
   const legend = await page.locator('.feature-legend button').allInnerTexts();
   assert.deepEqual(legend.map((t) => t.replace(/\s+/g, ' ')), ['unmatched 2', 'matched 1', 'outlier 1', 'inlier 1', 'new 1']);
-  assert.match(await page.locator('.pictures .matched').innerText(), /keyframe 12/);
   await page.locator('.feature-legend button', { hasText: 'inlier' }).click();
   await page.mouse.move(600, 300);
   const without = await screenshot(page, 'live_features_hidden');
   near(without.at(Math.round(box.x + (100 * box.width) / 640), Math.round(box.y + (100 * box.height) / 480)), [0x20, 0x20, 0x20], 6);
+}));
+
+const wordNames = ['known_word', 'new_word', 'repeated_word', 'previous_word', 'shared_word'];
+const words = (count: number) => ({ ...manyFeatures(count, 3), names: wordNames });
+
+test('a keyframe is shown with its words, and the place it was matched with; pixels of depth in their colors', () => withRun({}, async (page, server) => {
+  const [jpeg, other] = [await plainJpeg(page, '#202020'), await plainJpeg(page, '#806040')];
+  server.send(frame(0));
+  server.sendBytes(image(0, { jpeg }));
+  server.sendBytes(place(0, 30, { jpeg, features: [100, 100], states: [4], names: wordNames }, { jpeg: other, features: [320, 240], states: [4], names: wordNames }));
+  await page.locator('.place .matched canvas').waitFor({ state: 'visible' });
+  await wait(200);
+  const at = async (name: string, selector: string, x: number, y: number) => {
+    const box = (await page.locator(selector).boundingBox())!;
+    return (await screenshot(page, name)).at(Math.round(box.x + (x * box.width) / 640), Math.round(box.y + (y * box.height) / 480));
+  };
+  near(await at('live_place', '.place .matched canvas', 100, 400), [0x80, 0x60, 0x40], 8);
+  assert.match(await page.locator('.place').innerText(), /keyframe 30, frame 1\s+matched place: keyframe 12/);
+  assert.match((await page.locator('.place .feature-legend').innerText()).replace(/\s+/g, ' '), /shared word 1/);
+  server.sendBytes(place(4, 31, { jpeg, features: [320, 240, 100, 100], states: [0, 0], names: ['depth'], colors: [0, 0, 255, 255, 0, 0] }));
+  await page.locator('.place', { hasText: 'keyframe 31' }).waitFor();
+  await wait(200);
+  assert.ok(await page.locator('.place .matched').isHidden());
+  near(await at('live_depths', '.place figure canvas >> nth=0', 320, 240), [0, 0, 255], 30);
+}));
+
+test('tracks have trails, and their ids under the pointer or where they are few; a run without poses is all image', () => withRun({}, async (page, server) => {
+  const jpeg = await plainJpeg(page, '#202020');
+  const many = manyFeatures(60, 2);
+  const ids = many.states.map((_, i) => 1000 + i);
+  many.features.splice(0, 2, 320, 240);
+  server.send(frame(0, { pose: null }));
+  server.sendBytes(image(0, { jpeg, ...many, states: many.states.map(() => 3), ids, trails: ids.map((_, i) => (i === 0 ? [120, 240, 220, 240, 320, 240] : [])) }));
+  await shownImage(page, 0);
+  await wait(100);
+  const box = (await page.locator('.frame-view > .pictures canvas').boundingBox())!;
+  assert.ok(box.width > 600, `${box.width} px`);
+  const place = (x: number, y: number) => [Math.round(box.x + (x * box.width) / 640), Math.round(box.y + (y * box.height) / 480)];
+  const [x, y] = place(200, 240);
+  const bare = await screenshot(page, 'live_trails');
+  const green = [-1, 0, 1].map((d) => bare.at(x, y + d)[1]);
+  assert.ok(Math.max(...green) > 120, `${green}`);
+  await page.mouse.move(...(place(322, 242) as [number, number]));
+  const named = await screenshot(page, 'live_trails_id');
+  const [labelX, labelY] = place(320, 240);
+  assert.ok(named.at(labelX + 9, labelY - 6)[0] < 8 && bare.at(labelX + 9, labelY - 6)[0] > 20, 'the id under the pointer');
+  assert.ok(!(await page.locator('.facts-line').innerText()).includes('no pose'));
+}, (server) => {
+  server.greeting = [hello({ poses: false }), status()];
 }));
 
 test('stage times are bars; a loss says why and what to do', () => withRun({}, async (page, server) => {
@@ -204,6 +251,16 @@ test('controls send what they say and show only what the run says', () => withRu
   for (const node of await page.locator('.run-buttons button').all()) assert.ok(await node.isDisabled());
 }));
 
+test('after a reset the page shows the frames of the new map alone', () => withRun({}, async (page, server) => {
+  for (let i = 0; i < 20; i++) server.send(frame(i));
+  await shownFrame(page, 19);
+  server.send(status({ resets: 1, line: 'a new map begins; the one before is saved' }));
+  for (let i = 20; i < 23; i++) server.send(frame(i));
+  await shownFrame(page, 22);
+  assert.equal((await state(page)).count, 3);
+  await runState(page, 'the one before is saved');
+}));
+
 test('only commands that the run understands have buttons', () => withRun({}, async (page) => {
   await page.locator('.run-buttons button:visible').first().waitFor();
   assert.deepEqual(await page.locator('.run-buttons button:visible').evaluateAll((b) => b.map((n) => n.getAttribute('aria-label'))), ['Pause', 'End']);
@@ -243,7 +300,8 @@ for (const [name, options] of Object.entries({ dark: { dark: true }, light: { da
     for (let i = 0; i < 140; i++) server.send(i > 70 && i < 84 ? frame(i, { state: 1 }) : i === 120 ? frame(i, { events: [{ kind: 'loop_closed', detail: 'keyframes 12 and 2' }] }) : frame(i));
     server.scene = mapScene(12, 14);
     server.send({ type: 'scene', index: 0, revision: 12 });
-    server.sendBytes(image(139, { jpeg, matched, ...manyFeatures(500, 4) }));
+    server.sendBytes(image(139, { jpeg, ...manyFeatures(500, 4) }));
+    server.sendBytes(place(138, 14, { jpeg, ...words(300) }, { jpeg: matched, ...words(250) }));
     await shownFrame(page, 139);
     await page.locator('.facts', { hasText: 'revision 12' }).waitFor({ state: 'attached' });
     if ((options as { width?: number }).width) {

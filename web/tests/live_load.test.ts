@@ -80,7 +80,7 @@ test('2000 damaged messages break nothing; one plain line counts them', () => wi
   const jpeg = await corridorJpeg(page, 320, 240);
   for (let i = 0; i < 20; i++) server.send(frame(i));
   server.scene = mapScene(1, 3);
-  const block = image(21, { jpeg, matched: jpeg, ...manyFeatures(50, 1) });
+  const block = image(21, { jpeg, ...manyFeatures(50, 1) });
   for (let i = 0; i < 2000; i++) {
     const whole = [hello(), status({ line: 'x' }), frame(20 + (i >> 3)), lostFrame(20 + (i >> 3)), { type: 'scene', index: 0, revision: i }, frame(20 + (i >> 3), { events: [{ kind: 'loop_closed', detail: 'x' }] })];
     if (i % 5 === 4) server.sendBytes(damaged(block, rnd));

@@ -4,12 +4,12 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { ImageStore } from '../src/live/image_store';
 import { mergedEvents, mergedRows } from '../src/live/merged_rows';
-import { readBinary, readText, type LiveFrame } from '../src/live/messages';
+import { readBinary, readText, type LiveFrame, type LiveImage, type LivePlace } from '../src/live/messages';
 import { LiveRecord } from '../src/live/record';
 import { parseScene } from '../src/scene/parse';
 import { SceneError } from '../src/scene/scene';
 import { damaged, damagedText } from './damage';
-import { allCommands, featureNames, frame, hello, image, lostFrame, manyFeatures, mapScene, status } from './live_run';
+import { allCommands, featureNames, frame, hello, image, lostFrame, manyFeatures, mapScene, place, status } from './live_run';
 import { random } from './scene_writer';
 
 const read = (message: object) => readText(JSON.stringify(message), 5);
@@ -21,7 +21,7 @@ test('messages are read as the protocol says', () => {
   const lost = read(lostFrame(7));
   assert.ok(lost?.type === 'frame' && lost.pose === null && lost.sigma === null && lost.reason === 'too_few_matches');
   assert.deepEqual(framed(3).stages[1], ['matching', 3.4]);
-  assert.deepEqual(read(status({ mapping: null })), { type: 'status', paused: false, mapping: null, ended: false, line: '' });
+  assert.deepEqual(read(status({ mapping: null })), { type: 'status', paused: false, mapping: null, ended: false, line: '', resets: 0 });
   assert.equal(read({ type: 'weather' }), null);
 });
 
@@ -41,23 +41,34 @@ test('what a message lacks is unknown; what is wrong in it is said', () => {
 });
 
 test('an image is read with its features; a damaged one is refused', () => {
-  const bytes = image(4, { jpeg: new Uint8Array([1, 2, 3]), features: [1, 2, 3, 4], states: [3, 0], matched: new Uint8Array([9]) });
-  const good = readBinary(bytes)!;
-  assert.deepEqual([good.index, good.width, [...good.features], [...good.states], good.stateNames, good.matched?.keyframe], [4, 640, [1, 2, 3, 4], [3, 0], featureNames, 12]);
+  const bytes = image(4, { jpeg: new Uint8Array([1, 2, 3]), features: [1, 2, 3, 4], states: [3, 0] });
+  const good = readBinary(bytes) as LiveImage;
+  assert.deepEqual([good.index, good.width, [...good.features], [...good.states], good.stateNames], [4, 640, [1, 2, 3, 4], [3, 0], featureNames]);
   assert.throws(() => readBinary(image(4, { jpeg: new Uint8Array(3), features: [1, 2], states: [1, 1] })), SceneError);
   assert.throws(() => readBinary(bytes.subarray(0, bytes.length - 20)), SceneError);
+  const jpeg = new Uint8Array(3);
+  const tracks = readBinary(image(4, { jpeg, features: [1, 2, 3, 4], states: [3, 0], ids: [7, -1], trails: [[0, 2, 1, 2], []] })) as LiveImage;
+  assert.deepEqual([[...tracks.ids!], tracks.trails.map((t) => [...t])], [[7, -1], [[0, 2, 1, 2], []]]);
+  assert.deepEqual([good.ids, good.trails], [null, []]);
+  assert.throws(() => readBinary(image(4, { jpeg, features: [1, 2], states: [3], ids: [7, 8] })), SceneError);
+  const seen = readBinary(place(9, 30, { jpeg, features: [1, 2], states: [3], colors: [1, 2, 3] }, { jpeg })) as LivePlace;
+  assert.deepEqual([seen.keyframe, seen.image.index, [...seen.image.colors!], seen.matched?.keyframe], [30, 9, [1, 2, 3], 12]);
+  const broken = image(4, { jpeg, features: [1, 2], states: [3], trails: [[1, 2, 3, 4, 5, 6]] });
+  assert.throws(() => readBinary(Buffer.from(Buffer.from(broken).toString('latin1').replace(/("trails":{"offset":\d+,"type":"f32","count":)6/, '$14'), 'latin1')), /trails has 2 points, not 3/);
   assert.throws(() => readBinary(new Uint8Array(2)), SceneError);
 });
 
 test('20000 damaged messages give a message or a SceneError, never another fault', () => {
   const rnd = random(8);
   const texts = [hello(), status(), frame(3), lostFrame(4), { type: 'scene', index: 0, revision: 3 }].map((m) => JSON.stringify(m));
-  const block = image(4, { jpeg: new Uint8Array(100), ...manyFeatures(20, 1) });
+  const jpeg = new Uint8Array(100);
+  const tracked = { jpeg, ...manyFeatures(20, 1), ids: [...Array(20).keys()], trails: Array.from({ length: 20 }, () => [1, 2, 3, 4]) };
+  const blocks = [image(4, { jpeg, ...manyFeatures(20, 1) }), image(4, tracked), place(4, 7, tracked, { jpeg })];
   const counts = { read: 0, refused: 0 };
   const record = new LiveRecord();
   for (let i = 0; i < 20000; i++) {
     try {
-      const message = i % 4 === 3 ? readBinary(damaged(block, rnd)) : readText(damagedText(texts[i % texts.length], rnd), 5);
+      const message = i % 4 === 3 ? readBinary(damaged(blocks[(i >> 2) % 3], rnd)) : readText(damagedText(texts[i % texts.length], rnd), 5);
       if (message?.type === 'frame') record.append(message);
       counts.read++;
     } catch (error) {
@@ -103,8 +114,8 @@ test('stamps and events of two lists', () => {
 
 test('images are kept up to a size, and found by the nearest frame before', () => {
   const store = new ImageStore();
-  for (let i = 0; i < 100; i += 3) store.add(readBinary(image(i, { jpeg: new Uint8Array(2e6) }))!);
-  assert.ok(!store.add(readBinary(image(3, { jpeg: new Uint8Array(1) }))!));
+  for (let i = 0; i < 100; i += 3) store.add(readBinary(image(i, { jpeg: new Uint8Array(2e6) })) as LiveImage);
+  assert.ok(!store.add(readBinary(image(3, { jpeg: new Uint8Array(1) })) as LiveImage));
   assert.equal(store.near(98)!.index, 96);
   assert.equal(store.near(150), null);
   assert.equal(store.last!.index, 99);

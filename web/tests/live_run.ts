@@ -40,20 +40,35 @@ export function lostFrame(index: number): object {
 
 export interface ImageOptions {
   jpeg: Uint8Array;
-  matched?: Uint8Array;
   features?: number[];
   states?: number[];
   width?: number;
   height?: number;
+  /** Of each feature, and where it was before. */
+  ids?: number[];
+  trails?: number[][];
+  colors?: number[];
+  names?: string[];
 }
 
 export function image(index: number, options: ImageOptions): Uint8Array {
   const w = new SceneWriter();
+  return w.finish({ type: 'image', ...imageFields(w, index, options) });
+}
+
+export function place(index: number, keyframe: number, own: ImageOptions, matched?: ImageOptions): Uint8Array {
+  const w = new SceneWriter();
+  return w.finish({ type: 'place', keyframe, ...imageFields(w, index, own), ...(matched ? { matched: { keyframe: 12, ...imageFields(w, 40, matched) } } : {}) });
+}
+
+function imageFields(w: SceneWriter, index: number, options: ImageOptions): object {
   const { features = [], states = [], width = 640, height = 480 } = options;
-  return w.finish({
-    type: 'image', index, width, height, jpeg: w.u8(options.jpeg), features: w.f32(features), feature_states: w.u8(states), feature_state_names: featureNames,
-    ...(options.matched ? { matched: { keyframe: 12, jpeg: w.u8(options.matched) } } : {}),
-  });
+  return {
+    index, width, height, jpeg: w.u8(options.jpeg), features: w.f32(features), feature_states: w.u8(states), feature_state_names: options.names ?? featureNames,
+    ...(options.ids ? { feature_ids: w.i32(options.ids) } : {}),
+    ...(options.trails ? { trail_lengths: w.u8(options.trails.map((t) => t.length / 2)), trails: w.f32(options.trails.flat()) } : {}),
+    ...(options.colors ? { feature_colors: w.u8(options.colors) } : {}),
+  };
 }
 
 /** Features as a frontend spreads them over an image. */

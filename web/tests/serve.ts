@@ -13,14 +13,26 @@ export interface Served {
   close: () => void;
 }
 
-export async function serve(scenes: { name: string; bytes: Uint8Array }[], token: string): Promise<Served> {
+/** `frame`: of a recording, the block of a frame, or null where it cannot be read. */
+export interface ServedScene {
+  name: string;
+  bytes: Uint8Array;
+  frame?: (index: number) => Uint8Array | null;
+}
+
+export async function serve(scenes: ServedScene[], token: string): Promise<Served> {
   const server = createServer((request, response) => {
     const url = new URL(request.url!, 'http://localhost');
     const scene = /^\/api\/scene\/(\d+)$/.exec(url.pathname);
     if (url.pathname === '/') return response.setHeader('content-security-policy', contentPolicy).setHeader('content-type', 'text/html').end(readFileSync('dist/viewer.html'));
     if (url.searchParams.get('token') !== token) return response.writeHead(401).end();
     if (url.pathname === '/api/scenes') {
-      return response.setHeader('content-type', 'application/json').end(JSON.stringify(scenes.map((s, index) => ({ index, name: s.name, bytes: s.bytes.length }))));
+      return response.setHeader('content-type', 'application/json').end(JSON.stringify(scenes.map((s, index) => ({ index, name: s.name, bytes: s.bytes.length, ...(s.frame ? { frames: true } : {}) }))));
+    }
+    const frame = /^\/api\/frame\/(\d+)\/(\d+)$/.exec(url.pathname);
+    if (frame) {
+      const block = scenes[Number(frame[1])]?.frame?.(Number(frame[2]));
+      return block ? response.end(block) : response.writeHead(404).end('this frame cannot be read');
     }
     if (scene && scenes[Number(scene[1])]) return response.end(scenes[Number(scene[1])].bytes);
     return response.writeHead(404).end();

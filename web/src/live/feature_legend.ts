@@ -10,7 +10,8 @@ export class FeatureLegend {
   private names = '';
   private counts: HTMLElement[] = [];
 
-  constructor(private readonly image: FeatureImage) {}
+  /** `changed`: after a switch, for images beside this one. */
+  constructor(private readonly image: FeatureImage, private readonly changed: () => void = () => {}) {}
 
   show(image: LiveImage | null): void {
     const names = image?.stateNames ?? [];
@@ -35,6 +36,7 @@ export class FeatureLegend {
       if (!shown) this.image.hidden.add(name);
       node.setAttribute('aria-pressed', `${shown}`);
       this.image.draw();
+      this.changed();
     };
     return node;
   }

@@ -16,6 +16,12 @@ const known: Record<string, FeatureStyle> = {
   inlier: { color: '#00b386', shape: 'disc' },
   new: { color: okabeIto.yellow, shape: 'triangle' },
   re_identified: { color: okabeIto.purple, shape: 'diamond' },
+  // Visual words, as Labbe and Michaud 2013 color them.
+  known_word: { color: '#e8503a', shape: 'disc' },
+  new_word: { color: '#35c24a', shape: 'triangle' },
+  repeated_word: { color: '#ffe600', shape: 'square' },
+  previous_word: { color: '#4aa3ff', shape: 'ring' },
+  shared_word: { color: '#ff80e5', shape: 'diamond' },
 };
 
 const others: FeatureStyle[] = [

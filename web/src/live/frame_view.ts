@@ -6,7 +6,7 @@ import { el } from '../ui/dom';
 import { digits, lengthText } from '../ui/units';
 import { FeatureImage } from './feature_image';
 import { FeatureLegend } from './feature_legend';
-import { MatchedPlace } from './matched_place';
+import { PlaceView } from './place_view';
 import type { LiveFrame, LiveImage } from './messages';
 import type { LiveSession } from './session';
 
@@ -23,19 +23,20 @@ export class FrameView {
   private readonly trouble = el('div', { className: 'trouble', role: 'status', hidden: true });
   private readonly stages = el('div', { className: 'stages' });
   private readonly legend: FeatureLegend;
-  private readonly matched = new MatchedPlace();
+  private readonly place = new PlaceView();
   private readonly empty = el('p', { className: 'missing' });
 
   constructor(private readonly app: App, private readonly session: LiveSession) {
     this.legend = new FeatureLegend(this.image);
-    this.pictures.append(el('figure', {}, this.image.canvas, this.caption), this.matched.element);
-    this.element.append(this.title, this.trouble, this.pictures, this.empty, this.legend.element, this.facts, this.stages);
+    this.pictures.append(el('figure', {}, this.image.canvas, this.caption));
+    this.element.append(this.title, this.trouble, this.pictures, this.empty, this.legend.element, this.place.element, this.facts, this.stages);
     this.image.onDrawn = (image) => (this.element.dataset.image = `${image.index}`);
     app.onChange((changed) => {
       if (changed.has('frame') || changed.has('frames')) this.fill();
     });
     session.onNews((news) => {
-      if (news.has('image') || news.has('hello')) this.fill();
+      if (news.has('hello')) this.element.classList.toggle('whole', session.hello?.poses === false);
+      if (news.has('image') || news.has('place') || news.has('hello')) this.fill();
     });
     this.element.addEventListener('toggle', () => this.fill());
     this.fill();
@@ -56,7 +57,7 @@ export class FrameView {
     if (!this.element.open) return;
     this.showImage(this.imageOf(frame), frame);
     this.showTrouble(frame, state);
-    this.facts.replaceChildren(...(frame ? factsOf(this.app, frame) : []));
+    this.facts.replaceChildren(...(frame ? factsOf(this.app, frame, this.session.hello?.poses !== false) : []));
     this.stages.replaceChildren(...(frame ? stageBars(frame) : []));
   }
 
@@ -72,7 +73,8 @@ export class FrameView {
     this.empty.textContent = frame ? 'No image of this frame was sent.' : 'No frame yet.';
     this.image.show(image);
     this.legend.show(image);
-    this.matched.show(image, this.session.following);
+    const { following, places } = this.session;
+    this.place.show(following ? places.at(-1) ?? null : places.findLast((p) => frame !== null && p.image.index <= frame.index) ?? null);
     const apart = image && frame ? Math.abs(frame.index - image.index) : 0;
     this.caption.textContent = image && apart > nearFrames ? `image of frame ${(image.index + 1).toLocaleString('en-US')}` : '';
   }
@@ -100,12 +102,12 @@ function titleOf(frame: LiveFrame | null, state: string, all: number | null): (N
   return [`Frame ${count.toLocaleString('en-US')}${of}`, el('span', { className: 'key' }, swatch, state)];
 }
 
-function factsOf(app: App, frame: LiveFrame): HTMLElement[] {
+function factsOf(app: App, frame: LiveFrame, poses: boolean): HTMLElement[] {
   const texts = [
     frame.used !== null ? `${frame.used.toLocaleString('en-US')} tracked` : '',
     frame.score !== null ? `score ${digits(frame.score)}` : '',
     frame.sigma !== null ? `sigma ${lengthText(app, frame.sigma, null)}` : '',
-    frame.pose === null ? 'no pose' : '',
+    frame.pose === null && poses ? 'no pose' : '',
   ];
   return texts.filter((t) => t !== '').map((t) => el('span', {}, t));
 }

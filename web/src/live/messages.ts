@@ -15,6 +15,8 @@ export interface Hello {
   /** Frames of the whole run, null where that is not known (a camera). */
   frames: number | null;
   commands: Set<Command>;
+  /** False: the run estimates none, its images are all there is to see. */
+  poses: boolean;
 }
 
 export interface LiveFrame {
@@ -51,6 +53,8 @@ export interface Status {
   mapping: boolean | null;
   ended: boolean;
   line: string;
+  /** How often the run began anew. */
+  resets: number;
 }
 
 export interface LiveImage {
@@ -63,7 +67,21 @@ export interface LiveImage {
   features: Float32Array;
   states: Uint8Array;
   stateNames: string[];
-  matched: { keyframe: number; jpeg: Uint8Array } | null;
+  /** Of each feature, the same in all images, -1 where it has none; null: unknown. */
+  ids: Int32Array | null;
+  /** Of each feature: where it was in the last frames, x and y, the oldest first; empty: unknown. */
+  trails: Float32Array[];
+  /** Red, green and blue of each feature; null: each state has its own. */
+  colors: Uint8Array | null;
+}
+
+/** A keyframe as the map knows it, and the earlier one that it was matched with. */
+export interface LivePlace {
+  type: 'place';
+  /** -1: a frame that is none. */
+  keyframe: number;
+  image: LiveImage;
+  matched: { keyframe: number; image: LiveImage } | null;
 }
 
 export type Message = Hello | LiveFrame | SceneNews | Status;
@@ -105,7 +123,7 @@ function readHello(entry: Entry): Hello {
   const known = texts(entry, 'commands', 100).filter((c): c is Command => (commands as readonly string[]).includes(c));
   return {
     type: 'hello', title: entry.text('title', ''), method: entry.text('method', ''), stateNames,
-    frames: entry.numberOrNull('frames'), commands: new Set(known),
+    frames: entry.numberOrNull('frames'), commands: new Set(known), poses: !entry.has('poses') || entry.flag('poses'),
   };
 }
 
@@ -148,7 +166,7 @@ function readStages(entry: Entry): [string, number][] {
 
 function readStatus(entry: Entry): Status {
   const flag = (key: string) => (entry.has(key) ? entry.flag(key) : null);
-  return { type: 'status', paused: flag('paused'), mapping: flag('mapping'), ended: entry.flag('ended'), line: entry.text('line', '') };
+  return { type: 'status', paused: flag('paused'), mapping: flag('mapping'), ended: entry.flag('ended'), line: entry.text('line', ''), resets: entry.numberOrNull('resets') ?? 0 };
 }
 
 function texts(entry: Entry, key: string, most: number): string[] {
@@ -158,13 +176,30 @@ function texts(entry: Entry, key: string, most: number): string[] {
 }
 
 /** Null: a kind of block that this page does not know. */
-export function readBinary(bytes: Uint8Array): LiveImage | null {
+export function readBinary(bytes: Uint8Array): LiveImage | LivePlace | null {
   const entry = readBlock(bytes, 'message');
-  if (entry.text('type') !== 'image') return null;
+  switch (entry.text('type')) {
+    case 'image':
+      return readImage(entry);
+    case 'place':
+      return readPlace(entry);
+    default:
+      return null;
+  }
+}
+
+function readPlace(entry: Entry): LivePlace {
+  const matched = entry.child('matched');
+  return {
+    type: 'place', keyframe: entry.number('keyframe'), image: readImage(entry),
+    matched: matched && { keyframe: matched.number('keyframe'), image: readImage(matched) },
+  };
+}
+
+function readImage(entry: Entry): LiveImage {
   const features = entry.arrayOrNull('features', 'f32', 2, null) ?? new Float32Array(0);
   if (features.length > 2 * mostFeatures) throw entry.error('features', `has ${features.length / 2} features`);
   const states = features.length ? entry.array('feature_states', 'u8', 1, features.length / 2) : new Uint8Array(0);
-  const matched = entry.child('matched');
   return {
     type: 'image',
     index: entry.index('index', largestIndex),
@@ -174,8 +209,20 @@ export function readBinary(bytes: Uint8Array): LiveImage | null {
     features,
     states,
     stateNames: features.length ? texts(entry, 'feature_state_names', 255) : [],
-    matched: matched && { keyframe: matched.number('keyframe'), jpeg: matched.array('jpeg', 'u8', 1, null) },
+    ids: features.length ? entry.arrayOrNull('feature_ids', 'i32', 1, features.length / 2) : null,
+    trails: readTrails(entry, features.length / 2),
+    colors: features.length ? entry.arrayOrNull('feature_colors', 'u8', 3, features.length / 2) : null,
   };
+}
+
+function readTrails(entry: Entry, features: number): Float32Array[] {
+  const lengths = features ? entry.arrayOrNull('trail_lengths', 'u8', 1, features) : null;
+  if (!lengths) return [];
+  const points = entry.array('trails', 'f32', 2, null);
+  let end = 0;
+  const trails = Array.from(lengths, (length) => points.subarray(2 * end, 2 * (end += length)));
+  if (2 * end !== points.length) throw entry.error('trails', `has ${points.length / 2} points, not ${end}`);
+  return trails;
 }
 
 function side(entry: Entry, key: string): number {

@@ -44,7 +44,7 @@ export class RunControls {
   async press(name: string): Promise<void> {
     const { node } = this.controls[name];
     if (node.hidden || node.disabled) return;
-    if (name === 'reset' && !(await ask('Reset the map?', 'The run goes on with an empty map. What was mapped so far is lost unless it was saved.', 'Reset'))) return;
+    if (name === 'reset' && !(await ask('Reset the map?', 'The map so far is saved beside the results, and the run goes on with an empty one.', 'Reset'))) return;
     if (name === 'end' && !(await ask('End the run?', 'No further frame is processed. The map and the results are written as at the end of the data.', 'End the run'))) return;
     const command = this.controls[name].command();
     if (command && this.session.send(command)) this.wait(node);

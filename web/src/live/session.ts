@@ -5,17 +5,20 @@ import { SceneError } from '../scene/scene';
 import { Connection, type Link } from './connection';
 import { ImageStore } from './image_store';
 import { LiveMap } from './live_map';
-import { readBinary, readText, type Command, type Hello, type LiveFrame, type LiveImage, type Message, type Status } from './messages';
+import { readBinary, readText, type Command, type Hello, type LiveFrame, type LiveImage, type LivePlace, type Message, type Status } from './messages';
 import { LiveRecord } from './record';
 import { SceneFetcher } from './scene_fetcher';
 
-export type News = 'link' | 'hello' | 'status' | 'frames' | 'image' | 'following' | 'unreadable';
+export type News = 'link' | 'hello' | 'status' | 'frames' | 'image' | 'place' | 'following' | 'unreadable';
 
 const shortestPauseMs = 12;
+const mostPlaces = 50;
 
 export class LiveSession {
   readonly record = new LiveRecord();
   readonly images = new ImageStore();
+  /** The last ones, the oldest first. */
+  places: LivePlace[] = [];
   readonly connection: Connection;
   readonly fetcher: SceneFetcher;
   hello: Hello | null = null;
@@ -85,7 +88,7 @@ export class LiveSession {
 
   private received(data: string | ArrayBuffer): void {
     try {
-      if (typeof data !== 'string') return this.takeImage(readBinary(new Uint8Array(data)));
+      if (typeof data !== 'string') return this.takeBlock(readBinary(new Uint8Array(data)));
       const message = readText(data, this.record.stateNames.length);
       if (message) this.take(message);
     } catch (error) {
@@ -104,6 +107,8 @@ export class LiveSession {
         if (message.index === this.sceneIndex) void this.fetcher.request();
         return;
       case 'status':
+        // The frames so far are of a map that is no longer this one.
+        if (this.status && message.resets > this.status.resets) this.forget();
         this.status = message;
         this.connection.runEnded = message.ended;
         return this.tell('status');
@@ -128,13 +133,18 @@ export class LiveSession {
   }
 
   private forget(): void {
+    this.newest = null;
     this.record.clear();
     this.images.clear();
+    this.places = [];
     this.map.clear();
   }
 
-  private takeImage(image: LiveImage | null): void {
-    if (image && this.images.add(image)) this.tell('image');
+  private takeBlock(block: LiveImage | LivePlace | null): void {
+    if (block?.type === 'image' && this.images.add(block)) this.tell('image');
+    if (block?.type !== 'place') return;
+    this.places = [...this.places, block].slice(-mostPlaces);
+    this.tell('place');
   }
 
   private takeScene(bytes: Uint8Array): void {

@@ -10,6 +10,8 @@ export interface Loaded {
   error: string | null;
   /** A run goes on: the scene is what its map is so far. */
   live?: boolean;
+  /** A recording, whose frames the server gives one by one. */
+  recording?: boolean;
   /** Number of the scene on the server. */
   index?: number;
   /** Where the server measures in the map of the scene. */
@@ -61,14 +63,14 @@ async function servedScene(entry: unknown, i: number, query: string): Promise<Lo
 }
 
 async function fetchedScene(entry: unknown, i: number, query: string): Promise<Loaded> {
-  const { index, name, live } = (entry ?? {}) as { index?: unknown; name?: unknown; live?: unknown };
+  const { index, name, live, frames } = (entry ?? {}) as { index?: unknown; name?: unknown; live?: unknown; frames?: unknown };
   const label = typeof name === 'string' && name !== '' ? name : `scene ${i + 1}`;
   const number = Number.isInteger(index) ? (index as number) : i;
   try {
     const response = await get(`/api/scene/${number}${query}`, live === true);
     if (response.status === 404) return { name: label, scene: emptyScene(label), error: null, live: true, index: number };
     const buffer = await response.arrayBuffer();
-    return { ...load(label, () => new Uint8Array(buffer)), live: live === true, index: number };
+    return { ...load(label, () => new Uint8Array(buffer)), live: live === true, recording: frames === true, index: number };
   } catch (error) {
     if (!(error instanceof SceneError)) throw error;
     return { name: label, scene: null, error: error.message };

@@ -10,6 +10,8 @@ import { Measure } from '../measure/measure';
 import { FrameView } from '../live/frame_view';
 import { RunBar } from '../live/run_bar';
 import type { LiveSession } from '../live/session';
+import { RecordingView } from '../recording/recording_view';
+import { tokenQuery } from '../scene/sources';
 import { el } from './dom';
 import { Legend } from './legend';
 import { isEmpty } from './missing';
@@ -32,8 +34,9 @@ export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement, liv
   const current = new CurrentFrame(app);
   const frame = new FramePanel(app, current);
   const liveParts = live && livePartsOf(app, live);
+  const recording = app.recordings.size && !live ? new RecordingView(app, app.recordings, tokenQuery(location.search)) : null;
   // The frame view says more of the current frame than the panel.
-  if (live) frame.element.open = false;
+  if (live || recording) frame.element.open = false;
   const measure = new Measure(app);
   const marks = new LengthMarks(app, measure);
   const lengths = new LengthList(app, measure);
@@ -43,7 +46,7 @@ export function buildLayout(root: HTMLElement, app: App, stage: HTMLElement, liv
   const help = helpDialog(live !== null);
   const actions = { ...buildActions(app, root, { help, timeline, current, measure, video }), live: liveParts?.actions ?? null };
   const bar = toolbar(app, actions);
-  root.replaceChildren(bar, side, stage, ...(liveParts ? [liveParts.view.element, liveParts.bar.element] : []), timeline.element, help, video.dialog);
+  root.replaceChildren(bar, side, stage, ...(liveParts ? [liveParts.view.element, liveParts.bar.element] : []), ...(recording ? [recording.element] : []), timeline.element, help, video.dialog);
   bindShortcuts(app, actions);
   app.view.onDrawn = () => {
     legend.update();

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the current frame of a recording measured, in the 3D view: depth as a cloud, or a scan.
+import * as THREE from 'three';
+import type { App } from '../app';
+import { robustBox } from '../view3d/bounds';
+import { corners } from '../view3d/viewpoint';
+import { okabeIto } from '../view3d/colors';
+import type { RecordedFrame } from './frame_block';
+
+export class FramePoints {
+  private readonly cloud = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({ size: 2, sizeAttenuation: false }));
+  private seen = false;
+
+  constructor(private readonly app: App) {
+    this.cloud.frustumCulled = false;
+    this.cloud.visible = false;
+    app.view.marks.add(this.cloud);
+  }
+
+  /** `row`: of the frames, whose pose the points are placed at; without one they are where the camera began. */
+  show(frame: RecordedFrame, row: number): void {
+    const { cloud, app } = this;
+    cloud.visible = frame.points.length > 0;
+    app.view.requestDraw();
+    if (!cloud.visible) return;
+    cloud.geometry.dispose();
+    cloud.geometry = new THREE.BufferGeometry();
+    cloud.geometry.setAttribute('position', new THREE.BufferAttribute(frame.points, 3));
+    if (frame.colors) cloud.geometry.setAttribute('color', new THREE.BufferAttribute(frame.colors, 3, true));
+    Object.assign(cloud.material, { vertexColors: frame.colors !== null, size: 2 * Math.min(2, devicePixelRatio) });
+    cloud.material.color.set(frame.colors ? '#ffffff' : okabeIto.skyBlue);
+    cloud.material.needsUpdate = true;
+    const known = this.place(row);
+    if (!known) this.lookAt(frame);
+  }
+
+  /** False where the frame has no pose. */
+  private place(row: number): boolean {
+    const { frames } = this.app;
+    const p = [...(frames?.positions.subarray(3 * row, 3 * row + 3) ?? [])];
+    const q = [...(frames?.orientations.subarray(4 * row, 4 * row + 4) ?? [])];
+    const known = p.length === 3 && q.length === 4 && [...p, ...q].every(Number.isFinite);
+    this.cloud.position.fromArray(known ? p : [0, 0, 0]);
+    this.cloud.quaternion.fromArray(known ? q : [0, 0, 0, 1]).normalize();
+    return known;
+  }
+
+  /** A recording without poses has nothing else that the view could be fitted to. */
+  private lookAt(frame: RecordedFrame): void {
+    const { app } = this;
+    const { frames } = app;
+    const anywhere = frames !== null && frames.positions.some(Number.isFinite);
+    const box = robustBox(frame.points, 3, 0.02);
+    if (this.seen || anywhere || box.isEmpty()) return;
+    this.seen = true;
+    box.expandByPoint(new THREE.Vector3());
+    app.view.setContent(box, corners(box), app.up);
+    if (app.state.camera === null) app.fit();
+  }
+}
