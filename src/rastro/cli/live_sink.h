@@ -1,49 +1,58 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "rastro/base/stopwatch.h"
-#include "rastro/cli/server_flags.h"
-#include "rastro/session/slam_run.h"
-#include "rastro/slam/slam.h"
-#include "rastro/slam/slam_method.h"
+#include "rastro/cli/run_flags.h"
 #include "rastro/viewer/live_view.h"
 
 namespace rastro::cli {
 
-/// --view: shows a run in a browser while it goes on, and does what the page asks for, between frames.
+/// --view: shows a run in a browser while it goes on, and does what the page asks for, between frames. What is common
+/// to all kinds of runs; they add what they show.
 class LiveSink {
  public:
-  /// Prints the page's address on standard error, with a token in any case: whoever has it can end the run. `mapping`:
-  /// whether the run makes a map, so that it can be asked to only localize. `max_memory_bytes`: limit of the run, 0:
-  /// none; maps are not shown where they would come near it.
-  LiveSink(const ServerFlags& flags, const LiveHello& run, Slam& method, bool mapping, std::size_t max_memory_bytes);
+  /// Prints the page's address on standard error, with a token in any case: whoever has it can end the run. Every run
+  /// can be paused, stepped and ended; `more` are the commands of this one, done by `obey`.
+  LiveSink(const ServerFlags& flags, LiveHello run, const std::vector<LiveCommand>& more = {},
+           std::function<void(LiveCommand)> obey = {}, LiveView::PlaceOf place_of = {});
 
-  /// After a frame. Waits while the page has paused the run.
-  void show(const SlamProgress& progress);
-  /// The result of the run, after it.
-  void finish(const SlamRunEnd& end);
+  bool is_watched() const { return view_.is_watched(); }
+  /// `rate_hz` and `memory_mb` are set here.
+  void show(LiveFrame frame);
+  LiveView& view() { return view_; }
+  /// After each frame: does what pages asked for, and waits while one paused the run.
+  void obey_pages();
+
+  std::optional<bool> mapping() const { return status_.mapping; }
+  void set_mapping(bool on) { status_.mapping = on; }
+  void say(const std::string& line);
+  /// The frames from now on are of another map.
+  void count_reset() { ++status_.resets; }
+  /// After the run. `line`: its result.
+  void finish(const std::string& line);
   /// Returns when no page is open any more, or at Ctrl-C.
   void wait_until_closed();
 
  private:
-  void show_frame(const SlamProgress& progress);
-  void show_image(const SlamProgress& progress);
-  void show_map();
   void obey(LiveCommand command);
-  void set_mapping(bool on);
-  void say(const std::string& line);
 
-  Slam& method_;
-  double most_mb_;
+  std::function<void(LiveCommand)> obey_more_;
   LiveStatus status_;
   bool steps_ = false;  ///< Paused again after the next frame.
   Stopwatch since_begin_;
-  double snapshot_ms_ = 0.0;
   LiveView view_;
 };
+
+/// Index into scene_state_names().
+std::size_t scene_state_of(const std::string& name);
+
+/// What the page is told of a run. Error where flags of --view are given without it; nullopt without it.
+std::optional<LiveHello> live_hello(const RunFlags& flags, const std::string& method,
+                                    std::optional<std::int64_t> frames);
 
 }  // namespace rastro::cli

@@ -43,4 +43,46 @@ std::string advice_for(SlamReason reason) {
   return "";
 }
 
+std::string advice_for(OdometryReason reason) {
+  switch (reason) {
+    case OdometryReason::none:
+    case OdometryReason::first_frame:
+    case OdometryReason::no_motion:
+      return "";
+    case OdometryReason::too_little_parallax:
+      return "move the camera sideways: its motion is too small for the distance of what it sees";
+    case OdometryReason::pure_rotation:
+      return "do not only turn the camera: one camera needs a translation to begin";
+    case OdometryReason::calibration_doubtful:
+      return "check fx, fy, cx, cy and the distortion: events.jsonl has the values that fit better";
+    case OdometryReason::too_few_points:
+      return advice_for(SlamReason::too_few_points);
+    case OdometryReason::few_inliers:
+      return advice_for(SlamReason::few_inliers);
+    case OdometryReason::dark_or_blank:
+      return advice_for(SlamReason::dark_or_blank);
+    case OdometryReason::blurred:
+      return advice_for(SlamReason::blurred);
+    case OdometryReason::repeated_frame:
+      return advice_for(SlamReason::repeated_frame);
+    case OdometryReason::gap:
+      return advice_for(SlamReason::gap);
+  }
+  return "";
+}
+
+std::string advice_for(TrackHealth health) {
+  switch (health) {
+    case TrackHealth::good:
+      return "";
+    case TrackHealth::few_corners:
+      return "too little texture: aim at more structure, add light, or ask for fewer --features";
+    case TrackHealth::dark_or_blank:
+      return advice_for(SlamReason::dark_or_blank);
+    case TrackHealth::abrupt_motion:
+      return "the image moved too far between two frames: move slower, or record at a higher rate";
+  }
+  return "";
+}
+
 }  // namespace rastro::cli

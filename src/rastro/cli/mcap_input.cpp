@@ -100,11 +100,6 @@ Trajectory trajectory_in(const ExportInput& input, int submap) {
   return all;
 }
 
-McapRun::Level level_of(const std::string& kind) {
-  if (kind == "lost") return McapRun::Level::error;
-  return kind == "weak" ? McapRun::Level::warning : McapRun::Level::info;
-}
-
 /// Events, and changes of the state that no event tells.
 std::vector<McapRun::Note> notes_in(const RunRecord& record) {
   std::multimap<std::int64_t, const RunRecord::Event*> events;
@@ -114,9 +109,9 @@ std::vector<McapRun::Note> notes_in(const RunRecord& record) {
   for (const RunRecord::Frame& frame : record.frames) {
     const auto [begin, end] = events.equal_range(frame.frame);
     const bool told = std::any_of(begin, end, [&](const auto& each) { return each.second->kind == frame.state; });
-    if (frame.state != state && !told) notes.push_back({frame.stamp, level_of(frame.state), frame.state, ""});
+    if (frame.state != state && !told) notes.push_back({frame.stamp, mcap_level_of(frame.state), frame.state, ""});
     for (auto each = begin; each != end; ++each)
-      notes.push_back({frame.stamp, level_of(each->second->kind), each->second->kind, each->second->detail});
+      notes.push_back({frame.stamp, mcap_level_of(each->second->kind), each->second->kind, each->second->detail});
     state = frame.state;
   }
   return notes;
@@ -134,6 +129,11 @@ void add_facts(const ExportInput& input, const ViewScene& scene, McapRun& run) {
 }
 
 }  // namespace
+
+McapRun::Level mcap_level_of(const std::string& kind) {
+  if (kind == "lost") return McapRun::Level::error;
+  return kind == "weak" ? McapRun::Level::warning : McapRun::Level::info;
+}
 
 McapRun mcap_run_of(const ExportInput& input, const RunRecord& record, const ViewScene& scene, int submap) {
   McapRun run;

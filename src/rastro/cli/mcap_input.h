@@ -13,4 +13,7 @@ namespace rastro::cli {
 /// the keyframes are those in the map, if any; it must outlive the result.
 McapRun mcap_run_of(const ExportInput& input, const RunRecord& record, const ViewScene& scene, int submap);
 
+/// How grave a state or event is.
+McapRun::Level mcap_level_of(const std::string& kind);
+
 }  // namespace rastro::cli

@@ -13,6 +13,8 @@
 #include "rastro/cli/command.h"
 #include "rastro/cli/interrupt.h"
 #include "rastro/cli/live_flags.h"
+#include "rastro/cli/live_odometry.h"
+#include "rastro/cli/mcap_sink.h"
 #include "rastro/cli/odometry_flags.h"
 #include "rastro/cli/program.h"
 #include "rastro/cli/progress_bar.h"
@@ -167,7 +169,13 @@ std::string summary(const OdometryRunEnd& end, const std::string& folder) {
   return text + fmt::format("poses written to {}/trajectory.txt\n", folder);
 }
 
-OdometryRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
+/// Null without --view.
+std::unique_ptr<LiveOdometry> live_view(const OdometryFlags& flags, const Prepared& prepared) {
+  const auto hello = live_hello(flags, prepared.method->name(), prepared.frames);
+  return hello ? std::make_unique<LiveOdometry>(flags.server, *hello, *prepared.odometry) : nullptr;
+}
+
+OdometryRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar, LiveOdometry* live, McapSink* mcap) {
   OdometryRun run;
   run.source = prepared.input.source.get();
   run.live = prepared.input.live;
@@ -175,10 +183,12 @@ OdometryRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
   run.folder = &folder;
   run.stop = &catch_interrupts();
   run.frames_asked = prepared.frames;
-  run.watch = [&prepared](const Frame& frame, const OdometryUpdate& update) {
+  run.watch = [&prepared, live, mcap](const Frame& frame, const OdometryUpdate& update) {
     if (prepared.ground && update.state == OdometryState::tracking) {
       prepared.ground->add(frame.image, update.world_from_camera);
     }
+    if (mcap != nullptr) mcap->add(frame, update);
+    if (live != nullptr) live->show(frame, update);
   };
   run.progress = [&bar](const OdometryProgress& progress) { bar.show(progress); };
   return run;
@@ -187,12 +197,14 @@ OdometryRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar) {
 void run_odometry(const OdometryFlags& flags) {
   if (flags.data.quiet) set_log_sink({});
   const std::unique_ptr<Prepared> prepared = prepare(flags);
+  const std::unique_ptr<LiveOdometry> live = live_view(flags, *prepared);
   for (const std::string& warning : prepared->input.source->info().warnings) log_warning(warning);
   RunFolder folder(flags.out, flags.force);
   folder.write_about(prepared->input.source->info(), command_line());
   folder.write_options(prepared->table);
   ProgressBar bar(!flags.data.quiet);
-  OdometryRunEnd end = odometry_run(wired(*prepared, folder, bar));
+  const auto mcap = mcap_sink(flags.mcap, flags.out, prepared->method->name(), prepared->input.source->info());
+  OdometryRunEnd end = odometry_run(wired(*prepared, folder, bar, live.get(), mcap.get()));
   bar.clear();
   finish_recording(prepared->input, end.result.live);
   apply_scale(*prepared, end);
@@ -209,6 +221,7 @@ void run_odometry(const OdometryFlags& flags) {
   }
   write_whole_file(folder.file("trajectory.txt"), text);
   folder.write_result(to_json(end.result));
+  if (mcap) mcap->finish(end, *prepared->pool);
   if (end.failure) std::rethrow_exception(end.failure);
   if (flags.calibrate_yaw) {
     const double lambda = lambda_of(prepared->table).value_or(0.0);
@@ -218,6 +231,10 @@ void run_odometry(const OdometryFlags& flags) {
     fmt::print("{}", to_json(end.result));
   } else if (!flags.data.quiet) {
     fmt::print("{}", summary(end, flags.out));
+  }
+  if (live) {
+    live->finish(end);
+    live->wait_until_closed();
   }
 }
 

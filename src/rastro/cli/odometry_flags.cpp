@@ -25,6 +25,7 @@ say which.
 
 Examples:
   rastro odometry kitti/00 --out run
+  rastro odometry kitti/00 --out run --view             in a browser, while it runs
   rastro odometry kitti/00 --out run --scale camera-height=1.65
   rastro odometry rgbd_dataset_freiburg1_desk --out run --method rgbd
   rastro odometry MH_01_easy --out run --scale reference=groundtruth.txt --set features=600
@@ -64,8 +65,10 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
   add_settings_flags(command, flags, group, "rastro options METHOD");
   add_disturbance_flag(command, flags);
   add_folder_flags(command, flags);
+  add_mcap_flag(command, flags);
   add_live_flags(command, flags.live);
   add_record_flag(command, flags.live);
+  add_view_flags(command, flags);
   add_data_flags(command, flags.data);
   command.footer("Methods:\n" + methods_text(odometry_methods()) + footer);
 }

@@ -40,6 +40,22 @@ void add_folder_flags(CLI::App& command, RunFlags& flags) {
   command.add_flag("--force", flags.force, "Overwrite a former run in --out")->group(group);
 }
 
+void add_view_flags(CLI::App& command, RunFlags& flags) {
+  const char* group = "Viewer";
+  command.add_flag("--view", flags.view, "Show the run in a browser while it goes on; prints the address")
+      ->group(group);
+  add_server_flags(command, flags.server, group);
+}
+
+void add_mcap_flag(CLI::App& command, RunFlags& flags) {
+  command
+      .add_option("--mcap", flags.mcap,
+                  "Write the run as it goes on as an MCAP file, for Foxglove, Lichtblick and Rerun: poses as first "
+                  "estimated, events, images of keyframes; trajectory and map at the end")
+      ->type_name("FILE")
+      ->group("Output");
+}
+
 void apply_given_settings(const RunFlags& flags, OptionTable& table) {
   if (!flags.options_file.empty()) table.load_yaml(flags.options_file);
   for (const std::string& setting : flags.settings) table.set_assignment(setting, "--set");

@@ -8,6 +8,7 @@
 
 #include "rastro/base/options.h"
 #include "rastro/cli/common_flags.h"
+#include "rastro/cli/server_flags.h"
 
 namespace rastro::cli {
 
@@ -29,6 +30,9 @@ struct RunFlags {
   std::vector<std::string> disturbances;  ///< --disturb NAME[=VALUE]
   bool force = false;
   bool seed_given = false;
+  bool view = false;
+  ServerFlags server;  ///< Of --view.
+  std::string mcap;    ///< --mcap; empty: none.
 };
 
 /// --options and --set; `options_command` prints the options: "rastro options METHOD".
@@ -38,6 +42,10 @@ void add_settings_flags(CLI::App& command, RunFlags& flags, const std::string& g
 void add_disturbance_flag(CLI::App& command, RunFlags& flags);
 /// --out and --force.
 void add_folder_flags(CLI::App& command, RunFlags& flags);
+/// --view, and where it is served.
+void add_view_flags(CLI::App& command, RunFlags& flags);
+/// --mcap
+void add_mcap_flag(CLI::App& command, RunFlags& flags);
 
 /// Opens the recording, disturbed as the flags say.
 std::unique_ptr<Source> open_disturbed(const RunFlags& flags, const OpenOptions& options);

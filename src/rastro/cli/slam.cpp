@@ -13,12 +13,12 @@
 #include "rastro/cli/interrupt.h"
 #include "rastro/cli/limits.h"
 #include "rastro/cli/live_flags.h"
-#include "rastro/cli/live_sink.h"
+#include "rastro/cli/live_slam.h"
 #include "rastro/cli/map_path.h"
 #include "rastro/cli/masks.h"
+#include "rastro/cli/mcap_sink.h"
 #include "rastro/cli/program.h"
 #include "rastro/cli/progress_bar.h"
-#include "rastro/cli/scene_input.h"
 #include "rastro/cli/size_text.h"
 #include "rastro/cli/slam.h"
 #include "rastro/cli/slam_flags.h"
@@ -118,21 +118,15 @@ Prepared prepare(const SlamFlags& flags) {
 }
 
 /// Null without --view.
-std::unique_ptr<LiveSink> live_sink(const SlamFlags& flags, Prepared& prepared) {
-  const bool has_server = flags.server.port || !flags.server.listen.empty() || !flags.server.token.empty();
-  if (!flags.view && has_server) throw Error("nothing is served", "--port, --listen, --token", "add --view");
-  if (!flags.view) return nullptr;
-  LiveHello hello;
-  hello.title = scene_name(flags.out);
-  hello.method = prepared.method->name();
-  hello.frames = prepared.frames;
-  hello.commands = {LiveCommand::pause, LiveCommand::resume, LiveCommand::step, LiveCommand::end};
+std::unique_ptr<LiveSlam> live_view(const SlamFlags& flags, Prepared& prepared) {
+  const auto hello = live_hello(flags, prepared.method->name(), prepared.frames);
+  if (!hello) return nullptr;
   const bool maps = task_of(prepared.context) == SlamTask::map;
-  if (maps) hello.commands.insert(hello.commands.end(), {LiveCommand::mapping_on, LiveCommand::mapping_off});
-  return std::make_unique<LiveSink>(flags.server, hello, *prepared.slam, maps, prepared.context.max_memory_bytes);
+  return std::make_unique<LiveSlam>(flags.server, *hello, *prepared.slam, maps, flags.out,
+                                    prepared.context.max_memory_bytes);
 }
 
-SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar, LiveSink* live) {
+SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar, LiveSlam* live, McapSink* mcap) {
   SlamRun run;
   run.source = prepared.input.source.get();
   run.live = prepared.input.live;
@@ -140,8 +134,9 @@ SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar, LiveSink*
   run.folder = &folder;
   run.stop = &catch_interrupts();
   run.frames_asked = prepared.frames;
-  run.progress = [&bar, live](const SlamProgress& progress) {
+  run.progress = [&bar, live, mcap](const SlamProgress& progress) {
     bar.show(progress);
+    if (mcap != nullptr) mcap->add(*progress.frame, *progress.last);
     if (live != nullptr) live->show(progress);
   };
   if (prepared.masks) run.mask_of = [&prepared](const Frame& frame) { return prepared.masks->mask_of(frame); };
@@ -162,13 +157,14 @@ SlamRun wired(Prepared& prepared, RunFolder& folder, ProgressBar& bar, LiveSink*
 int run_slam(const SlamFlags& flags) {
   if (flags.data.quiet) set_log_sink({});
   Prepared prepared = prepare(flags);
-  const std::unique_ptr<LiveSink> live = live_sink(flags, prepared);
+  const std::unique_ptr<LiveSlam> live = live_view(flags, prepared);
   for (const std::string& warning : prepared.input.source->info().warnings) log_warning(warning);
   RunFolder folder(flags.out, flags.force);
   folder.write_about(prepared.input.source->info(), command_line());
   folder.write_options(prepared.table);
   ProgressBar bar(!flags.data.quiet);
-  SlamRunEnd end = slam_run(wired(prepared, folder, bar, live.get()));
+  const auto mcap = mcap_sink(flags.mcap, flags.out, prepared.method->name(), prepared.input.source->info());
+  SlamRunEnd end = slam_run(wired(prepared, folder, bar, live.get(), mcap.get()));
   bar.clear();
   finish_recording(prepared.input, end.result.timing.live);
   end.result.method = prepared.method->name();
@@ -176,6 +172,7 @@ int run_slam(const SlamFlags& flags) {
   const SlamTask task = task_of(prepared.context);
   const SlamOutputs outputs = write_slam_outputs(end, folder, prepared.context, task);
   folder.write_result(to_json(end.result));
+  if (mcap) mcap->finish(end, *prepared.pool);
   if (end.failure) std::rethrow_exception(end.failure);
   if (flags.data.json) {
     fmt::print("{}", to_json(end.result));

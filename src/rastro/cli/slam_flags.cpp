@@ -132,6 +132,7 @@ void add_output_flags(CLI::App& command, SlamFlags& flags, const std::string& ex
       ->type_name("LIMIT")
       ->allow_extra_args(false)
       ->group("Output");
+  add_mcap_flag(command, flags);
 }
 
 void add_sensor_flag(CLI::App& command, SlamFlags& flags, const char* group) {
@@ -168,13 +169,6 @@ void add_method_flags(CLI::App& command, SlamFlags& flags) {
 }
 
 }  // namespace
-
-/// The flags of --view.
-void add_view_flags(CLI::App& command, SlamFlags& flags) {
-  command.add_flag("--view", flags.view, "Show the run in a browser while it goes on; prints the address")
-      ->group("Viewer");
-  add_server_flags(command, flags.server, "Viewer");
-}
 
 void add_slam_flags(CLI::App& command, SlamFlags& flags) {
   add_method_flags(command, flags);

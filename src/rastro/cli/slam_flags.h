@@ -8,7 +8,6 @@
 
 #include "rastro/base/options.h"
 #include "rastro/cli/run_flags.h"
-#include "rastro/cli/server_flags.h"
 #include "rastro/math/se3.h"
 #include "rastro/slam/slam_method.h"
 
@@ -24,8 +23,6 @@ struct SlamFlags : RunFlags {
   std::string mask, max_memory, initial_pose;         ///< Empty: not given.
   std::string guess, loop_closing, sensor, frontend;  ///< Empty: not given; set the options of the same names.
   std::vector<std::string> limits;                    ///< --require
-  bool view = false;
-  ServerFlags server;  ///< Of --view.
 };
 
 void add_slam_flags(CLI::App& command, SlamFlags& flags);

@@ -12,6 +12,7 @@
 #include "rastro/cli/command.h"
 #include "rastro/cli/interrupt.h"
 #include "rastro/cli/live_flags.h"
+#include "rastro/cli/live_tracks.h"
 #include "rastro/cli/masks.h"
 #include "rastro/cli/program.h"
 #include "rastro/cli/progress_bar.h"
@@ -90,7 +91,13 @@ void warn_about(const Prepared& run) {
   if (!run.camera) log_warning(no_calibration_warning);
 }
 
-TrackRun wired(Prepared& prepared, RunFolder& folder, const TrackOutputs& outputs, ProgressBar& bar) {
+/// Null without --view.
+std::unique_ptr<LiveTracks> live_view(const TrackFlags& flags, const Prepared& prepared) {
+  const auto hello = live_hello(flags, "track", prepared.frames);
+  return hello ? std::make_unique<LiveTracks>(flags.server, *hello) : nullptr;
+}
+
+TrackRun wired(Prepared& prepared, RunFolder& folder, const TrackOutputs& outputs, ProgressBar& bar, LiveTracks* live) {
   TrackRun run;
   run.source = prepared.input.source.get();
   run.live = prepared.input.live;
@@ -99,6 +106,7 @@ TrackRun wired(Prepared& prepared, RunFolder& folder, const TrackOutputs& output
   };
   if (prepared.masks) run.mask_of = [&prepared](const Frame& frame) { return prepared.masks->mask_of(frame); };
   run.sinks = outputs.text_sinks();
+  if (live != nullptr) run.sinks.push_back(live);
   run.image_sinks = outputs.image_sinks();
   run.folder = &folder;
   run.stop = &catch_interrupts();
@@ -132,13 +140,14 @@ void refuse_empty_run(const TrackRunEnd& end, const std::string& path) {
 int run_track(const TrackFlags& flags) {
   if (flags.data.quiet) set_log_sink({});
   const std::unique_ptr<Prepared> prepared = prepare(flags);
+  const std::unique_ptr<LiveTracks> live = live_view(flags, *prepared);
   RunFolder folder(flags.out, flags.force);
   folder.write_about(prepared->input.source->info(), command_line());
   folder.write_options(prepared->table);
   const TracksHeader header = header_of(prepared->table, prepared->camera);
   TrackOutputs outputs(flags, folder, header);
   ProgressBar bar(!flags.data.quiet);
-  TrackRunEnd end = track_run(wired(*prepared, folder, outputs, bar));
+  TrackRunEnd end = track_run(wired(*prepared, folder, outputs, bar, live.get()));
   bar.clear();
   finish_recording(prepared->input, end.result.live);
   end.result.result_sha256 = outputs.result_sha256();
@@ -150,6 +159,10 @@ int run_track(const TrackFlags& flags) {
     fmt::print("{}", to_json(end.result));
   } else if (!flags.data.quiet) {
     fmt::print("{}", track_summary(end, flags.out, outputs.contents(), hints_for(end)));
+  }
+  if (live) {
+    live->finish(end);
+    live->wait_until_closed();
   }
   return missed_limits(prepared->limits, end.result);
 }

@@ -25,6 +25,7 @@ Examples:
   rastro track hall --out run --images
   rastro track MH_01_easy --out run --match-image 1:29 --video run.avi
   rastro track walk.mp4 --fov 70 --out run --set min_distance_px=20 --features 300
+  rastro track hall --out run --view                  in a browser, while it runs
   rastro track kitti/00 --frames 0:500 --mask hood.png --out run --require 'coverage>=99'
   rastro options --yaml > mine.yaml && rastro track hall --out run --options mine.yaml)";
 
@@ -77,6 +78,7 @@ void add_track_flags(CLI::App& command, TrackFlags& flags) {
   add_setting_flags(command, flags);
   add_live_flags(command, flags.live);
   add_record_flag(command, flags.live);
+  add_view_flags(command, flags);
   add_data_flags(command, flags.data);
   command.footer(footer);
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rastro/base/time.h"
 #include "rastro/math/se3.h"
@@ -50,6 +52,19 @@ struct OdometryUpdate {
   double milliseconds = 0.0;
 };
 
+/// A feature of the last frame, and what it was used for.
+struct OdometryFeature {
+  enum class State : std::uint8_t {
+    matched,  ///< With an earlier frame; the pose neither uses nor contradicts it.
+    outlier,  ///< Matched to a point, but inconsistent with the pose.
+    inlier,   ///< Matched to a point and used for the pose.
+    fresh,    ///< Of no earlier frame.
+  };
+  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();
+  std::int64_t id = -1;  ///< The same in all frames; -1: none.
+  State state = State::matched;
+};
+
 /// Interface of a visual odometry, METHODS 2: estimates the poses of one camera. Frames come in the order of the
 /// recording. Results depend on frames, options and seed alone, not on threads.
 class Odometry {
@@ -60,6 +75,8 @@ class Odometry {
   virtual OdometryUpdate process(const Frame& frame) = 0;
   /// One pose (world_from_camera) for every processed frame, improved by all later information.
   virtual Trajectory trajectory() const = 0;
+  /// Of the last frame, on request; empty for a method without features. The call changes nothing.
+  virtual std::vector<OdometryFeature> features() const { return {}; }
 };
 
 const char* name_of(OdometryState state);    ///< "tracking", ...

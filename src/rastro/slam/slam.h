@@ -55,7 +55,8 @@ const char* name_of(SlamReason reason);  ///< "none", "first_frame", ...
 struct SlamEvent {
   /// "keyframe", "loop_closed", "map_revised", "landmark", "submap", "joined", "relocalized", "returned", "memory".
   std::string kind;
-  std::string detail;  ///< One short clause with numbers.
+  std::string detail;              ///< One short clause with numbers.
+  KeyframeId place = no_keyframe;  ///< Of "relocalized": the keyframe that was recognized.
 };
 
 struct StageTime {

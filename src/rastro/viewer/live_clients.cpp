@@ -59,7 +59,8 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
 
   void push(const LiveMessage& message) {
     if (closed_) return;
-    if (message.kind == Kind::image || message.kind == Kind::scene) drop(message.kind);  // the latest one counts
+    if (message.kind == Kind::image || message.kind == Kind::place || message.kind == Kind::scene)
+      drop(message.kind);  // the latest one counts
     if (message.kind == Kind::frame && waiting(Kind::frame) >= most_frames) {
       drop_first(Kind::frame);
       ++dropped_;
@@ -112,7 +113,7 @@ class LiveClient : public std::enable_shared_from_this<LiveClient> {
     current_ = std::move(waiting_.front());
     waiting_.pop_front();
     tail_ = current_.kind == Kind::frame ? ",\"dropped\":" + std::to_string(dropped_) + "}" : std::string();
-    stream_.binary(current_.kind == Kind::image);
+    stream_.binary(current_.kind == Kind::image || current_.kind == Kind::place);
     const std::array<boost::asio::const_buffer, 2> buffers = {boost::asio::buffer(*current_.bytes),
                                                               boost::asio::buffer(tail_)};
     stream_.async_write(buffers, [self = shared_from_this()](const beast::error_code& error, std::size_t) {

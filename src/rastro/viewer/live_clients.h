@@ -36,7 +36,7 @@ class LiveInbox {
 
 /// A message as all clients get it.
 struct LiveMessage {
-  enum class Kind : std::uint8_t { hello, frame, image, scene, status };
+  enum class Kind : std::uint8_t { hello, frame, image, place, scene, status };
   Kind kind = Kind::frame;
   std::shared_ptr<const std::string> bytes;
 };

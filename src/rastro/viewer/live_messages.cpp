@@ -13,7 +13,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array all_commands = {LiveCommand::pause,      LiveCommand::resume,      LiveCommand::step,
-                                     LiveCommand::mapping_on, LiveCommand::mapping_off, LiveCommand::end};
+                                     LiveCommand::mapping_on, LiveCommand::mapping_off, LiveCommand::reset,
+                                     LiveCommand::save,       LiveCommand::end};
 
 template <typename Value>
 Json or_null(const std::optional<Value>& value) {
@@ -24,6 +25,21 @@ Json pose_json(const SE3& pose) {
   const Eigen::Vector3d& t = pose.translation();
   const Eigen::Quaterniond q = pose.rotation().quaternion();
   return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+void put_image(const LiveImage& image, Json& header, detail::BlockBody& body) {
+  header["index"] = image.index;
+  header["width"] = image.width;
+  header["height"] = image.height;
+  header["jpeg"] = body.put(image.jpeg);
+  const LiveFeatures& features = image.features;
+  header["features"] = body.put(features.pixels);
+  header["feature_states"] = body.put(features.states);
+  header["feature_state_names"] = features.state_names;
+  body.put_if_any(header, "feature_ids", features.ids);
+  body.put_if_any(header, "trail_lengths", features.trail_lengths);
+  body.put_if_any(header, "trails", features.trails);
+  body.put_if_any(header, "feature_colors", features.colors);
 }
 
 void add_if_any(Json& json, const char* name, const std::string& text) {
@@ -44,6 +60,10 @@ const char* name_of(LiveCommand command) {
       return "mapping_on";
     case LiveCommand::mapping_off:
       return "mapping_off";
+    case LiveCommand::reset:
+      return "reset";
+    case LiveCommand::save:
+      return "save";
     case LiveCommand::end:
       return "end";
   }
@@ -60,17 +80,13 @@ std::optional<LiveCommand> live_command_in(std::string_view message) {
   return std::nullopt;
 }
 
-const std::vector<std::string>& live_feature_state_names() {
-  static const std::vector<std::string> names = {"unmatched", "matched", "outlier", "inlier", "new"};
-  return names;
-}
-
 std::string message_of(const LiveHello& hello) {
   Json json{{"type", "hello"}, {"version", 1}, {"title", hello.title}, {"method", hello.method}};
   json["state_names"] = scene_state_names();
   json["frames"] = or_null(hello.frames);
   json["commands"] = Json::array();
   for (const LiveCommand command : hello.commands) json["commands"].push_back(name_of(command));
+  json["poses"] = hello.has_poses;
   return detail::text_of(json);
 }
 
@@ -101,6 +117,7 @@ std::string message_of(const LiveStatus& status) {
   json["mapping"] = or_null(status.mapping);
   json["ended"] = status.ended;
   json["line"] = status.line;
+  json["resets"] = status.resets;
   return detail::text_of(json);
 }
 
@@ -110,11 +127,19 @@ std::string scene_message(std::int64_t revision) {
 
 std::string block_of(const LiveImage& image) {
   detail::BlockBody body;
-  Json header{{"type", "image"}, {"index", image.index}, {"width", image.width}, {"height", image.height}};
-  header["jpeg"] = body.put(image.jpeg);
-  header["features"] = body.put(image.features);
-  header["feature_states"] = body.put(image.states);
-  header["feature_state_names"] = live_feature_state_names();
+  Json header{{"type", "image"}};
+  put_image(image, header, body);
+  return detail::block_of(header, body);
+}
+
+std::string block_of(const LivePlace& place) {
+  detail::BlockBody body;
+  Json header{{"type", "place"}, {"keyframe", place.keyframe}};
+  put_image(place.image, header, body);
+  if (place.matched_image) {
+    header["matched"] = {{"keyframe", place.matched}};
+    put_image(*place.matched_image, header["matched"], body);
+  }
   return detail::block_of(header, body);
 }
 

@@ -14,7 +14,7 @@ namespace rastro {
 
 // What a run that goes on tells the page, and what the page asks of it: the messages of /live, see README.md.
 
-enum class LiveCommand : std::uint8_t { pause, resume, step, mapping_on, mapping_off, end };
+enum class LiveCommand : std::uint8_t { pause, resume, step, mapping_on, mapping_off, reset, save, end };
 
 const char* name_of(LiveCommand command);  ///< "pause", ...
 /// Of a client's message, {"command":"pause"}; nullopt for anything else.
@@ -25,6 +25,7 @@ struct LiveHello {
   std::string title, method;
   std::optional<std::int64_t> frames;  ///< In all, if known.
   std::vector<LiveCommand> commands;   ///< Those that it understands.
+  bool has_poses = true;               ///< False: there is nothing to see but images.
 };
 
 /// One frame as the method reported it.
@@ -49,19 +50,35 @@ struct LiveStatus {
   std::optional<bool> mapping;  ///< nullopt: the method cannot tell.
   bool ended = false;
   std::string line;  ///< For a person.
+  int resets = 0;    ///< How often the run began anew: frames before the last time are of another map.
+};
+
+/// The features of an image. An array but the first two may be empty: unknown.
+struct LiveFeatures {
+  std::vector<float> pixels;                ///< x and y of each.
+  std::vector<std::uint8_t> states;         ///< Of each; index into `state_names`.
+  std::vector<std::int32_t> ids;            ///< Of each, the same in all frames; -1: none.
+  std::vector<std::uint8_t> trail_lengths;  ///< Of each: how many pixels of `trails` are its own.
+  std::vector<float> trails;                ///< x and y where it was in the last frames, the oldest first.
+  std::vector<std::uint8_t> colors;         ///< Of each: red, green, blue; else each state has its own.
+  std::vector<std::string> state_names;
 };
 
 /// An image with the features found in it.
 struct LiveImage {
   std::int64_t index = 0;
-  int width = 0, height = 0;         ///< Pixels of the whole image, that `features` refer to.
-  std::vector<std::uint8_t> jpeg;    ///< May be smaller.
-  std::vector<float> features;       ///< x and y of each.
-  std::vector<std::uint8_t> states;  ///< Of each; index into live_feature_state_names().
+  int width = 0, height = 0;       ///< Pixels of the whole image, that the features refer to.
+  std::vector<std::uint8_t> jpeg;  ///< May be smaller.
+  LiveFeatures features;
 };
 
-/// "unmatched", "matched", "outlier", "inlier", "new".
-const std::vector<std::string>& live_feature_state_names();
+/// A keyframe as the map knows it, and the earlier one that it was matched with.
+struct LivePlace {
+  LiveImage image;             ///< Its features in the colors of the method.
+  std::int64_t keyframe = -1;  ///< -1: a frame that is none.
+  std::optional<LiveImage> matched_image;
+  std::int64_t matched = -1;
+};
 
 std::string message_of(const LiveHello& hello);
 /// Without its end: each client's own ",\"dropped\":N}" follows.
@@ -69,5 +86,6 @@ std::string message_of(const LiveFrame& frame);
 std::string message_of(const LiveStatus& status);
 std::string scene_message(std::int64_t revision);
 std::string block_of(const LiveImage& image);
+std::string block_of(const LivePlace& place);
 
 }  // namespace rastro

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rastro/base/random.h"
+#include "rastro/viewer/feature_trails.h"
 #include "rastro/viewer/scene.h"
 
 namespace rastro {
@@ -16,8 +17,9 @@ namespace {
 using nlohmann::json;
 
 TEST(LiveMessages, TakeTheCommandsTheyNameAndNothingElse) {
-  for (const LiveCommand command : {LiveCommand::pause, LiveCommand::resume, LiveCommand::step, LiveCommand::mapping_on,
-                                    LiveCommand::mapping_off, LiveCommand::end}) {
+  for (const LiveCommand command :
+       {LiveCommand::pause, LiveCommand::resume, LiveCommand::step, LiveCommand::mapping_on, LiveCommand::mapping_off,
+        LiveCommand::reset, LiveCommand::save, LiveCommand::end}) {
     const std::string message = json{{"command", name_of(command)}}.dump();
     EXPECT_EQ(live_command_in(message), command) << message;
   }
@@ -72,7 +74,10 @@ TEST(LiveMessages, HelloNamesTheStatesAndTheCommands) {
 }
 
 TEST(LiveMessages, AnImageIsABlockOfItsArrays) {
-  LiveImage image{3, 640, 480, {1, 2, 3}, {10.5F, 20.5F}, {3}};
+  LiveImage image{3, 640, 480, {1, 2, 3}, {}};
+  image.features.pixels = {10.5F, 20.5F};
+  image.features.states = {3};
+  image.features.state_names = {"matched", "new"};
   const std::string block = block_of(image);
   std::uint32_t length = 0;
   std::memcpy(&length, block.data(), sizeof length);
@@ -85,7 +90,40 @@ TEST(LiveMessages, AnImageIsABlockOfItsArrays) {
   std::memcpy(&x, body.data() + header["features"]["offset"].get<std::size_t>(), sizeof x);
   EXPECT_EQ(x, 10.5F);
   EXPECT_EQ(header["feature_states"]["count"], 1);
-  EXPECT_EQ(header["feature_state_names"], json(live_feature_state_names()));
+  EXPECT_EQ(header["feature_state_names"], json({"matched", "new"}));
+  EXPECT_FALSE(header.contains("trails"));
+}
+
+LiveFeatures features_at(std::vector<std::int32_t> ids, float x) {
+  LiveFeatures features;
+  features.ids = std::move(ids);
+  for (std::size_t k = 0; k < features.ids.size(); ++k)
+    features.pixels.insert(features.pixels.end(), {x, static_cast<float>(k)});
+  return features;
+}
+
+TEST(FeatureTrails, LeadFromFrameToFrameAndOverGaps) {
+  FeatureTrails trails;
+  trails.add(features_at({7, 9, -1}, 1.0F));
+  trails.add(features_at({9}, 2.0F));
+  LiveFeatures now = features_at({7, 9, -1}, 3.0F);
+  trails.add(now);
+  trails.write_to(now);
+  EXPECT_EQ(now.trail_lengths, (std::vector<std::uint8_t>{2, 3, 0}));
+  EXPECT_EQ(now.trails, (std::vector<float>{1, 0, 3, 0, 1, 1, 2, 0, 3, 1}));
+}
+
+TEST(FeatureTrails, AreBoundedInLengthAndTime) {
+  FeatureTrails trails;
+  LiveFeatures now;
+  for (int k = 0; k < 100; ++k) trails.add(now = features_at({1}, static_cast<float>(k)));
+  trails.write_to(now);
+  EXPECT_EQ(now.trail_lengths.front(), 24);
+  EXPECT_EQ(now.trails[46], 99.0F);
+  for (int k = 0; k < 50; ++k) trails.add(features_at({2}, 0.0F));
+  trails.add(now = features_at({1}, 5.0F));
+  trails.write_to(now);
+  EXPECT_EQ(now.trails, (std::vector<float>{5, 0})) << "missing for too long";
 }
 
 }  // namespace

@@ -7,10 +7,11 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 #include <cstdint>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace rastro::testing {
+namespace rastro {
 
 /// A page for tests: a WebSocket of /live, read message by message.
 class LivePage {
@@ -42,6 +43,24 @@ class LivePage {
       if (message["type"] == type) return message;
     }
   }
+  nlohmann::json next_text() {
+    for (;;) {
+      const std::string text = next();
+      if (error_) return {};
+      if (socket_.got_text()) return nlohmann::json::parse(text);
+    }
+  }
+  /// Header of the next block.
+  nlohmann::json next_block() {
+    for (;;) {
+      const std::string bytes = next();
+      if (error_) return {};
+      if (socket_.got_text()) continue;
+      std::uint32_t length = 0;
+      std::memcpy(&length, bytes.data(), sizeof length);
+      return nlohmann::json::parse(bytes.substr(4, length));
+    }
+  }
   void send(const std::string& text) { socket_.write(boost::asio::buffer(text), error_); }
 
  private:
@@ -50,4 +69,4 @@ class LivePage {
   boost::beast::error_code error_;
 };
 
-}  // namespace rastro::testing
+}  // namespace rastro

@@ -16,7 +16,6 @@ namespace {
 
 using nlohmann::json;
 using std::chrono::milliseconds;
-using testing::LivePage;
 
 constexpr milliseconds patience(20'000);
 
@@ -48,7 +47,7 @@ TEST(LiveServer, GivesAPageWhatTheRunSends) {
   EXPECT_EQ(page.next_of("hello")["title"], "run");
   wait_for_clients(server, 1);
   server.send(frame_of(0));
-  server.send(LiveImage{1, 8, 8, {1, 2}, {}, {}});
+  server.send(LiveImage{1, 8, 8, {1, 2}, {}});
   server.send(frame_of(1));
   server.send(LiveStatus{true, true, false, "paused"});
   server.set_scene({"run", "12345678"}, 7);

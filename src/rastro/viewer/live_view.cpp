@@ -25,8 +25,9 @@ void lower_priority_of_this_thread() {
 
 }  // namespace
 
-LiveView::LiveView(const ViewServerOptions& server, const LiveHello& run, const ViewSceneOptions& scene)
-    : title_(run.title), scene_options_(scene), server_(run, server) {
+LiveView::LiveView(const ViewServerOptions& server, const LiveHello& run, const ViewSceneOptions& scene,
+                   PlaceOf place_of)
+    : title_(run.title), scene_options_(scene), place_of_(std::move(place_of)), server_(run, server) {
   builder_ = std::thread([this] { serve(map_, [this](const std::shared_ptr<const Map>& map) { build(*map); }); });
   try {
     packer_ = std::thread([this] { serve(image_, [this](const SeenImage& image) { pack(image); }); });
@@ -107,8 +108,8 @@ void LiveView::pack(const SeenImage& image) {
   constexpr int longest_side_px = 480;
   live.jpeg = detail::small_image(frame, longest_side_px).jpeg;
   live.features = image.features;
-  live.states = image.states;
   server_.send(live);
+  seen_.add(frame.stamp, std::move(live));
 }
 
 void LiveView::build(const Map& map) {
@@ -119,10 +120,13 @@ void LiveView::build(const Map& map) {
   });
   scene.title = title_;
   server_.set_scene({title_, scene_bytes(scene)}, map.revision);
+  if (place_of_)
+    if (const auto place = place_of_(map, seen_)) server_.send(*place);
   const std::lock_guard lock(mutex_);
   scene_seconds_ = std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
 void LiveView::finish(std::shared_ptr<const Map> map) { put(map_, std::move(map)); }
+void LiveView::show(const ViewScene& scene) { server_.set_scene({title_, scene_bytes(scene)}, scene.revision); }
 
 }  // namespace rastro

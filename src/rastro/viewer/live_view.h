@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -16,15 +17,16 @@
 #include "rastro/sensor/frame.h"
 #include "rastro/viewer/build_scene.h"
 #include "rastro/viewer/live_messages.h"
+#include "rastro/viewer/scene.h"
+#include "rastro/viewer/seen_images.h"
 #include "rastro/viewer/view_server.h"
 
 namespace rastro {
 
 /// An image of the run and the features found in it, as they are.
 struct SeenImage {
-  Frame frame;                       ///< Gray or color image alone.
-  std::vector<float> features;       ///< As in LiveImage.
-  std::vector<std::uint8_t> states;  ///< As in LiveImage.
+  Frame frame;  ///< Gray or color image alone.
+  LiveFeatures features;
 };
 
 /// A run that goes on, as a page shows it. The run hands over what it has and goes on at once: images are packed, and
@@ -32,7 +34,10 @@ struct SeenImage {
 /// nothing is done. It changes nothing of the run: what the page shows depends on the clock, the run does not.
 class LiveView {
  public:
-  LiveView(const ViewServerOptions& server, const LiveHello& run, const ViewSceneOptions& scene);
+  /// What to show of a map beside its scene, if anything. Called in a thread of its own, one map after the other.
+  using PlaceOf = std::function<std::optional<LivePlace>(const Map&, const SeenImages&)>;
+
+  LiveView(const ViewServerOptions& server, const LiveHello& run, const ViewSceneOptions& scene, PlaceOf place_of = {});
   ~LiveView();
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
@@ -50,6 +55,8 @@ class LiveView {
   void show(std::shared_ptr<const Map> map);
   /// The last map, shown in any case; returns at once.
   void finish(std::shared_ptr<const Map> map);
+  /// A scene that needs no building: that of a run without a map.
+  void show(const ViewScene& scene);
   std::optional<LiveCommand> next_command(std::chrono::milliseconds at_most) { return server_.next_command(at_most); }
 
  private:
@@ -73,6 +80,8 @@ class LiveView {
 
   std::string title_;
   ViewSceneOptions scene_options_;
+  PlaceOf place_of_;
+  SeenImages seen_;
   ViewServer server_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

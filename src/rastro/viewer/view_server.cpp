@@ -199,6 +199,9 @@ void ViewServer::send(const LiveFrame& frame) {
 void ViewServer::send(const LiveImage& image) {
   if (clients() > 0) listener_->send(detail::LiveMessage::Kind::image, block_of(image));
 }
+void ViewServer::send(const LivePlace& place) {
+  if (clients() > 0) listener_->send(detail::LiveMessage::Kind::place, block_of(place));
+}
 void ViewServer::send(const LiveStatus& status) {
   if (status.ended) listener_->end_live();
   listener_->send(detail::LiveMessage::Kind::status, message_of(status));

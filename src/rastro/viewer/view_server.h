@@ -47,6 +47,7 @@ class ViewServer {
   // Of a run that goes on. From any thread.
   void send(const LiveFrame& frame);
   void send(const LiveImage& image);
+  void send(const LivePlace& place);
   void send(const LiveStatus& status);
   void set_scene(NamedScene scene, std::int64_t revision);
   int clients() const;  ///< Pages that watch.

@@ -135,8 +135,10 @@ void RgbdSession::on_relocalized(const Frame& frame, const Relocalizer::Found& f
   if (!start_again(frame, map_.pose(keyframe) * constraint.a_from_b, edge, update)) return;
   update.score = static_cast<double>(constraint.inliers) / std::max(1, constraint.matches);
   update.used = constraint.inliers;
-  update.events.push_back({"relocalized", fmt::format("in keyframe {} with {} inliers of {} matches after {} frames",
-                                                      keyframe, constraint.inliers, constraint.matches, loss_.frames)});
+  update.events.push_back({"relocalized",
+                           fmt::format("in keyframe {} with {} inliers of {} matches after {} frames", keyframe,
+                                       constraint.inliers, constraint.matches, loss_.frames),
+                           keyframe});
 }
 
 std::vector<std::int64_t> RgbdSession::hinted_keyframes() const {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -85,5 +86,26 @@ struct McapTopic {
 /// grids, /keyframes, /graph, /covariances) is logged at the first stamp of all, so that it is there at every time.
 /// Returns the topics by name. Error for a stamp before 0, and where rastro was built without MCAP.
 std::vector<McapTopic> put_mcap(const McapRun& run, const PutPiece& put);
+
+/// The same of a run that goes on: what has a time is written as it comes, in chunks that a killed run keeps; readers
+/// of such a file need no summary. Error as above, from the constructor and from what has the stamp.
+class McapRecorder {
+ public:
+  /// Of `about` the facts, of_camera, up and camera count.
+  McapRecorder(McapRun about, PutPiece put);
+  ~McapRecorder();
+
+  /// As first estimated.
+  void add(const StampedPose& pose);
+  void add(const McapRun::Note& note);
+  void add_image(TimeNs stamp, const std::string& jpeg);
+  /// What the whole run led to, at the last stamp; poses, notes and images of `run` are not written again. Nothing may
+  /// be added afterwards.
+  std::vector<McapTopic> finish(const McapRun& run);
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace rastro

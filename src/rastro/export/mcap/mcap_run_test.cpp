@@ -120,6 +120,48 @@ TEST(McapRun, HasATopicForEachThing) {
   EXPECT_EQ(decoded.file().metadata.at("rastro").at("name"), "room");
 }
 
+/// What a run hands over while it goes on.
+void record_frames(const McapRun& run, McapRecorder& recorder) {
+  for (const StampedPose& pose : run.trajectory) recorder.add(pose);
+  for (const McapRun::Note& note : run.notes) recorder.add(note);
+  for (const McapRun::Image& image : run.images) recorder.add_image(image.stamp, image.jpeg());
+}
+
+TEST(McapRecorder, GivesTheTopicsOfAWholeRun) {
+  const McapRun run = small_run();
+  std::string bytes;
+  McapRecorder recorder(run, [&bytes](std::string_view piece) { bytes += piece; });
+  record_frames(run, recorder);
+  const std::vector<McapTopic> topics = recorder.finish(run);
+  std::map<std::string, std::uint64_t> at_once;
+  for (const McapTopic& topic : put_mcap(run, [](std::string_view) {})) at_once[topic.topic] = topic.messages;
+  ++at_once["/tf_static"];  // before the first frame, and as the map has it
+  const McapFileRead file(bytes);
+  std::map<std::string, std::uint64_t> counts;
+  for (const McapTopic& topic : topics) {
+    counts[topic.topic] = topic.messages;
+    EXPECT_EQ(file.of_topic(topic.topic).size(), topic.messages) << topic.topic;
+  }
+  EXPECT_EQ(counts, at_once);
+  EXPECT_EQ(file.of_topic("/cloud").front().time, 6U * second + 7) << "when it was known";
+  EXPECT_EQ(file.metadata.at("rastro").at("name"), "room");
+}
+
+TEST(McapRecorder, AKilledRunKeepsItsChunks) {
+  constexpr std::uint64_t poses = 3000;
+  std::string bytes;
+  McapRecorder recorder(small_run(), [&bytes](std::string_view piece) { bytes += piece; });
+  for (std::uint64_t k = 0; k < poses; ++k) recorder.add({static_cast<TimeNs>(k) * second, SE3()});
+  const McapFileRead file(bytes + "12345678");  // in place of the end that a whole file has
+  EXPECT_GT(file.of_topic("/pose").size(), 0.8 * poses);
+  EXPECT_LE(file.of_topic("/pose").size(), poses);
+}
+
+TEST(McapRecorder, RefusesStampsBeforeZero) {
+  McapRecorder recorder(small_run(), [](std::string_view) {});
+  EXPECT_THROW(recorder.add({-1, SE3()}), Error);
+}
+
 TEST(McapRun, LogsAtTheTimesOfTheRecording) {
   const DecodedFile decoded(small_run());
   const McapFileRead& file = decoded.file();

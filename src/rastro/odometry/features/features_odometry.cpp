@@ -50,6 +50,7 @@ class FeaturesOdometry::State {
  public:
   State(const FeaturesOptions& options, const Camera& camera, TaskPool* pool)
       : options_(checked(options, "odometry options")),
+        camera_(camera),
         focal_px_(camera.fx),
         features_(make_feature_source(options_, camera, pool)),
         map_(options_, focal_px_),
@@ -57,6 +58,7 @@ class FeaturesOdometry::State {
 
   OdometryUpdate process(const Frame& frame);
   Trajectory trajectory() const;
+  std::vector<OdometryFeature> features() const;
 
  private:
   /// A frame waiting for initialization.
@@ -82,6 +84,7 @@ class FeaturesOdometry::State {
   SE3 keyframe_pose(std::size_t keyframe) const { return map_.keyframes()[keyframe].camera_from_world; }
 
   FeaturesOptions options_;
+  Camera camera_;
   double focal_px_;
   std::unique_ptr<FeatureSource> features_;
   FrameCheck check_;
@@ -92,6 +95,8 @@ class FeaturesOdometry::State {
   std::vector<Waiting> waiting_;
   bool started_ = false;
   RayObservations moved_observations_;  ///< Of the last frame that moved.
+  RayObservations seen_;                ///< Of the last frame.
+  std::int64_t newest_id_ = -1;         ///< Of the frames before it.
   std::int64_t processed_ = 0;
 };
 
@@ -101,9 +106,12 @@ OdometryUpdate FeaturesOdometry::State::process(const Frame& frame) {
   update.index = frame.index;
   update.stamp = frame.stamp;
   ++processed_;
+  if (!seen_.empty()) newest_id_ = seen_.back().id;
+  seen_.clear();
   const FrameCheckResult image_check = check_.check(frame.image.view(), frame.stamp);
   if (image_check.useful()) {
     const RayObservations observations = features_->next(frame);
+    seen_ = observations;
     started_ ? follow(update, observations) : start(update, observations);
     // Against the last frame that moved; otherwise a slow motion would never be detected.
     if (update.reason != OdometryReason::no_motion) moved_observations_ = observations;
@@ -320,10 +328,30 @@ void FeaturesOdometry::State::restart(const OdometryUpdate& update, const RayObs
 
 Trajectory FeaturesOdometry::State::trajectory() const { return chain_.trajectory(map_); }
 
+std::vector<OdometryFeature> FeaturesOdometry::State::features() const {
+  using State = OdometryFeature::State;
+  const SE3 camera_from_world = chain_.last_camera_from_world(map_);
+  std::vector<OdometryFeature> features;
+  for (const RayObservation& seen : seen_) {
+    const auto pixel = camera_.project(seen.ray.homogeneous());
+    if (!pixel) continue;
+    State state = seen.id > newest_id_ ? State::fresh : State::matched;
+    const auto point = map_.points().find(seen.id);
+    if (started_ && point != map_.points().end()) {
+      const Eigen::Vector3d in_camera = camera_from_world * point->second;
+      const double error_px = focal_px_ * (in_camera.hnormalized() - seen.ray).norm();
+      state = in_camera.z() > 0.0 && error_px <= options_.max_error_px ? State::inlier : State::outlier;
+    }
+    features.push_back({pixel->cast<float>(), seen.id, state});
+  }
+  return features;
+}
+
 FeaturesOdometry::FeaturesOdometry(const FeaturesOptions& options, const Camera& camera, TaskPool* pool)
     : state_(std::make_unique<State>(options, camera, pool)) {}
 FeaturesOdometry::~FeaturesOdometry() = default;
 OdometryUpdate FeaturesOdometry::process(const Frame& frame) { return state_->process(frame); }
 Trajectory FeaturesOdometry::trajectory() const { return state_->trajectory(); }
+std::vector<OdometryFeature> FeaturesOdometry::features() const { return state_->features(); }
 
 }  // namespace rastro

@@ -21,6 +21,7 @@ class FeaturesOdometry : public Odometry {
 
   OdometryUpdate process(const Frame& frame) override;
   Trajectory trajectory() const override;
+  std::vector<OdometryFeature> features() const override;
 
  private:
   class State;

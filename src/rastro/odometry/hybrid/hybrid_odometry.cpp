@@ -42,6 +42,7 @@ OdometryUpdate HybridOdometry::process(const Frame& frame) {
   update.reason = check.reason;
   update.detail = check.detail;
   trajectory_.push_back({frame.stamp, world_from_last_});
+  seen_.clear();
   if (check.useful()) {
     follow(frame, update);
   } else {
@@ -56,6 +57,7 @@ void HybridOdometry::follow(const Frame& frame, OdometryUpdate& update) {
   View current;
   current.position = trajectory_.size() - 1;
   current.features = tracker_.process(frame.image, frame.stamp).features;
+  seen_ = current.features;
   const auto rotation = rotations_.step(frame.image, bridged_ + 1);
   if (!rotation) {
     first_ = std::move(current);
@@ -72,6 +74,15 @@ void HybridOdometry::follow(const Frame& frame, OdometryUpdate& update) {
     start(std::move(current), update);
   }
   bridged_ = 0;
+}
+
+std::vector<OdometryFeature> HybridOdometry::features() const {
+  std::vector<OdometryFeature> features;
+  for (const TrackedFeature& seen : seen_) {
+    const bool fresh = seen.state == TrackState::fresh;
+    features.push_back({seen.pixel, seen.id, fresh ? OdometryFeature::State::fresh : OdometryFeature::State::matched});
+  }
+  return features;
 }
 
 SE3 HybridOdometry::predicted(const SO3& world_from_current) const {

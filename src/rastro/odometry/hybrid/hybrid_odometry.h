@@ -27,6 +27,7 @@ class HybridOdometry : public Odometry {
 
   OdometryUpdate process(const Frame& frame) override;
   Trajectory trajectory() const override { return trajectory_; }
+  std::vector<OdometryFeature> features() const override;
 
  private:
   struct View {
@@ -63,7 +64,8 @@ class HybridOdometry : public Odometry {
   FrameCheck check_;
   RotationChain rotations_;
   Tracker tracker_;
-  SO3 world_from_rotated_;  ///< Last rotation measured, from the profiles alone.
+  SO3 world_from_rotated_;            ///< Last rotation measured, from the profiles alone.
+  std::vector<TrackedFeature> seen_;  ///< In the last frame.
   std::optional<View> first_, second_;
   std::vector<KnownPoint> points_;
   Trajectory trajectory_;

@@ -69,4 +69,18 @@ Trajectory RgbdOdometry::trajectory() const {
   return trajectory;
 }
 
+std::vector<OdometryFeature> RgbdOdometry::features() const {
+  using From = FollowedFeature::State;
+  using To = OdometryFeature::State;
+  std::vector<OdometryFeature> features;
+  for (const FollowedFeature& seen : state_->follower.features()) {
+    const To state = seen.state == From::inlier    ? To::inlier
+                     : seen.state == From::outlier ? To::outlier
+                     : seen.state == From::fresh   ? To::fresh
+                                                   : To::matched;
+    features.push_back({seen.pixel, -1, state});
+  }
+  return features;
+}
+
 }  // namespace rastro

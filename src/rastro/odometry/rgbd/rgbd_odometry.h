@@ -19,6 +19,7 @@ class RgbdOdometry : public Odometry {
   ~RgbdOdometry() override;
   OdometryUpdate process(const Frame& frame) override;
   Trajectory trajectory() const override;
+  std::vector<OdometryFeature> features() const override;
 
  private:
   class State;

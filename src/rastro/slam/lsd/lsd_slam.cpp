@@ -189,7 +189,7 @@ bool LsdSlam::State::relocalize(const LsdFrame& frame, bool was_tried, SlamUpdat
   update.state = SlamState::relocalized;
   update.reason = SlamReason::none;
   update.detail.clear();
-  update.events.push_back({"relocalized", fmt::format("in keyframe {}", found->id)});
+  update.events.push_back({"relocalized", fmt::format("in keyframe {}", found->id), found->id});
   start_.reset();
   return true;
 }

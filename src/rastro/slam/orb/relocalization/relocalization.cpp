@@ -108,10 +108,12 @@ void Relocalization::accept(const TrackingResult& tracked, SlamUpdate& update) {
   update.detail.clear();
   const Evidence& evidence = hypothesis_->evidence;
   update.events.push_back(
-      {"relocalized", fmt::format("in keyframe {} with {} landmarks after {} frames; {} of {} visible ones fit, {:.0f} "
-                                  "would by chance",
-                                  hypothesis_->keyframe, tracked.inliers, session_.lost_frames, evidence.inliers,
-                                  evidence.predicted, evidence.chance_observed)});
+      {"relocalized",
+       fmt::format("in keyframe {} with {} landmarks after {} frames; {} of {} visible ones fit, {:.0f} "
+                   "would by chance",
+                   hypothesis_->keyframe, tracked.inliers, session_.lost_frames, evidence.inliers, evidence.predicted,
+                   evidence.chance_observed),
+       hypothesis_->keyframe});
   hypothesis_.reset();
 }
 
