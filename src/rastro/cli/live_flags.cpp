@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <utility>
 
 #include "rastro/base/clock.h"
@@ -66,7 +67,7 @@ void add_record_flag(CLI::App& command, LiveFlags& flags) {
       ->group(group);
 }
 
-RunInput open_run_input(const RunFlags& flags, const OpenOptions& options) {
+RunInput open_run_input(const RunFlags& flags, const OpenOptions& options, const char* user) {
   check(flags);
   RunInput input;
   if (!is_live(flags.data.path)) {
@@ -78,6 +79,7 @@ RunInput open_run_input(const RunFlags& flags, const OpenOptions& options) {
   auto source = open_live(flags.data.path, options, {flags.live.speed, flags.live.loop}, steady_clock());
   LiveInputOptions live_options;
   live_options.queue = static_cast<std::size_t>(flags.live.queue);
+  live_options.user = user;
   live_options.stop = &catch_interrupts();
   live_options.tap = recorder_for(source->info(), flags.live.record, input);
   auto live = std::make_unique<LiveInput>(std::move(source), steady_clock(), std::move(live_options));
@@ -88,7 +90,9 @@ RunInput open_run_input(const RunFlags& flags, const OpenOptions& options) {
 }
 
 void finish_recording(RunInput& input, std::optional<LiveStatistics>& statistics) {
-  if (input.recorder && statistics) statistics->recording = input.recorder->finish();
+  if (!input.recorder || !statistics) return;
+  constexpr std::chrono::milliseconds patient = std::chrono::seconds(60), interrupted = std::chrono::milliseconds(500);
+  statistics->recording = input.recorder->finish(catch_interrupts().load() ? interrupted : patient);
 }
 
 }  // namespace rastro::cli

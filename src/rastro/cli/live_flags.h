@@ -26,10 +26,16 @@ struct RunInput {
 };
 
 /// Opens DATA, disturbed as the flags say where it is a recording. Error for flags of a live source or a replay without
-/// one. Ctrl-C ends the frames of a live source.
-RunInput open_run_input(const RunFlags& flags, const OpenOptions& options);
+/// one. Ctrl-C ends the frames of a live source. `user` takes the frames, for messages.
+RunInput open_run_input(const RunFlags& flags, const OpenOptions& options, const char* user = "the method");
 
-/// After a run: what was recorded joins the statistics.
+/// --view does what its pages ask for also while a live source gives no frame. `view`: null without --view.
+template <typename View>
+void watch_while_idle(RunInput& input, View* view) {
+  if (input.live && view) input.live->set_idle([view](const LiveCondition& condition) { view->idle(condition.line); });
+}
+
+/// After a run: what was recorded joins the statistics. After Ctrl-C it does not take long.
 void finish_recording(RunInput& input, std::optional<LiveStatistics>& statistics);
 
 }  // namespace rastro::cli

@@ -18,6 +18,8 @@ class LiveOdometry {
   /// The result of the run and its final trajectory, after it.
   void finish(const OdometryRunEnd& end);
   void wait_until_closed() { sink_.wait_until_closed(); }
+  /// While a live source gives no frame.
+  void idle(const std::string& line) { sink_.idle(line); }
 
  private:
   void show_image(const Frame& frame);

@@ -54,14 +54,27 @@ void LiveSink::show(LiveFrame frame) {
   view_.show(frame);
 }
 
-void LiveSink::obey_pages() {
-  if (std::exchange(steps_, false)) status_.paused = true;
+void LiveSink::idle(const std::string& line) {
+  if (!line.empty() && line != status_.line) {
+    shows_source_ = true;
+    say(line);
+  }
+  take_commands();
+}
+
+void LiveSink::take_commands() {
   constexpr int most_at_once = 64;  // a page that sends without end does not hold up the run
   for (int k = 0; k < most_at_once; ++k) {
     const auto command = view_.next_command(milliseconds(0));
     if (!command) break;
     obey(*command);
   }
+}
+
+void LiveSink::obey_pages() {
+  if (std::exchange(shows_source_, false)) say("");
+  if (std::exchange(steps_, false)) status_.paused = true;
+  take_commands();
   while (status_.paused && view_.is_watched() && !catch_interrupts().load())
     if (const auto command = view_.next_command(milliseconds(50))) obey(*command);
   if (!status_.paused || view_.is_watched()) return;

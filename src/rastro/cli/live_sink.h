@@ -25,6 +25,8 @@ class LiveSink {
   /// `rate_hz` and `memory_mb` are set here.
   void show(LiveFrame frame);
   LiveView& view() { return view_; }
+  /// While a live source gives no frame: does what pages asked for, and shows why, unless `line` is empty.
+  void idle(const std::string& line);
   /// After each frame: does what pages asked for, and waits while one paused the run.
   void obey_pages();
 
@@ -39,11 +41,13 @@ class LiveSink {
   void wait_until_closed();
 
  private:
+  void take_commands();
   void obey(LiveCommand command);
 
   std::function<void(LiveCommand)> obey_more_;
   LiveStatus status_;
-  bool steps_ = false;  ///< Paused again after the next frame.
+  bool steps_ = false;         ///< Paused again after the next frame.
+  bool shows_source_ = false;  ///< Why the source gives no frame.
   Stopwatch since_begin_;
   LiveView view_;
 };

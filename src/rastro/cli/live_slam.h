@@ -24,6 +24,8 @@ class LiveSlam {
   /// The result of the run, after it.
   void finish(const SlamRunEnd& end);
   void wait_until_closed() { sink_.wait_until_closed(); }
+  /// While a live source gives no frame.
+  void idle(const std::string& line) { sink_.idle(line); }
 
  private:
   void show_image(const Frame& frame);

@@ -19,6 +19,8 @@ class LiveTracks : public TrackSink {
   void finish(const TrackRunEnd& end);
   using TrackSink::finish;
   void wait_until_closed() { sink_.wait_until_closed(); }
+  /// While a live source gives no frame.
+  void idle(const std::string& line) { sink_.idle(line); }
 
  private:
   void show_image(LiveFeatures features, const TrackFrame& frame, GrayView image);

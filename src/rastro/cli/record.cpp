@@ -65,7 +65,7 @@ void record(const RunFlags& flags) {
     throw Error("is not a live source", flags.data.path, std::string("give ") + live_forms);
   OpenOptions options = open_options(flags.data);
   options.want_color = options.want_depth = options.want_right = true;
-  RunInput input = open_run_input(flags, options);
+  RunInput input = open_run_input(flags, options, "writing");
   for (const std::string& warning : input.source->info().warnings) log_warning(warning);
   RecordingWriter writer(input.source->info(), flags.out);
   FrameReader reader(*input.source, nullptr);
@@ -73,6 +73,7 @@ void record(const RunFlags& flags) {
   Recorded recorded;
   const RunLoopEnd end = run_loop(reader, input.live, nullptr, [&](Frame& frame) {
     writer.write(frame);
+    input.live->note_pose();
     count(recorded, frame);
     bar.show(SlamProgress{recorded.frames, std::nullopt, 0, nullptr, nullptr});
   });

@@ -162,6 +162,7 @@ int run_slam(const SlamFlags& flags) {
   RunFolder folder(flags.out, flags.force);
   folder.write_about(prepared.input.source->info(), command_line());
   folder.write_options(prepared.table);
+  watch_while_idle(prepared.input, live.get());
   ProgressBar bar(!flags.data.quiet);
   const auto mcap = mcap_sink(flags.mcap, flags.out, prepared.method->name(), prepared.input.source->info());
   SlamRunEnd end = slam_run(wired(prepared, folder, bar, live.get(), mcap.get()));

@@ -146,6 +146,7 @@ int run_track(const TrackFlags& flags) {
   folder.write_options(prepared->table);
   const TracksHeader header = header_of(prepared->table, prepared->camera);
   TrackOutputs outputs(flags, folder, header);
+  watch_while_idle(prepared->input, live.get());
   ProgressBar bar(!flags.data.quiet);
   TrackRunEnd end = track_run(wired(*prepared, folder, outputs, bar, live.get()));
   bar.clear();

@@ -25,9 +25,10 @@ void FrameRecorder::add(const Frame& frame) {
   filled_.notify_one();
 }
 
-RecordingStatistics FrameRecorder::finish() {
+RecordingStatistics FrameRecorder::finish(std::chrono::milliseconds at_most) {
   {
     const std::lock_guard lock(mutex_);
+    if (!finishing_) until_ = std::chrono::steady_clock::now() + at_most;
     finishing_ = true;
     filled_.notify_one();
   }
@@ -40,6 +41,10 @@ void FrameRecorder::write_all() {
   for (;;) {
     filled_.wait(lock, [this] { return !queue_.empty() || finishing_; });
     if (queue_.empty()) return;
+    if (finishing_ && std::chrono::steady_clock::now() > until_) {
+      statistics_.dropped += static_cast<std::int64_t>(queue_.size());
+      return;
+    }
     const Frame frame = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();

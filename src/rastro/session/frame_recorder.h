@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -26,8 +27,9 @@ class FrameRecorder {
 
   /// Copies the frame. Never throws for what happens to the recording.
   void add(const Frame& frame);
-  /// Writes what waits and tells how it went.
-  RecordingStatistics finish();
+  /// Writes what waits, but for no longer than `at_most` beside the frame at hand: what then waits still is left out
+  /// and counted. Tells how it went.
+  RecordingStatistics finish(std::chrono::milliseconds at_most = std::chrono::seconds(60));
 
  private:
   void write_all();
@@ -39,7 +41,8 @@ class FrameRecorder {
   std::deque<Frame> queue_;
   RecordingStatistics statistics_;
   bool finishing_ = false;
-  std::thread thread_;  // Last: it uses all of the above.
+  std::chrono::steady_clock::time_point until_;  ///< Once finishing.
+  std::thread thread_;                           // Last: it uses all of the above.
 };
 
 }  // namespace rastro

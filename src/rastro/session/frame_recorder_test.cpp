@@ -47,5 +47,16 @@ TEST(FrameRecorder, NeverWaitsForASlowDisk) {
   EXPECT_GE(statistics.dropped, 15);
 }
 
+TEST(FrameRecorder, LeavesOutWhatIsNotWrittenInTime) {
+  std::promise<void> go;
+  std::shared_future<void> gone = go.get_future().share();
+  FrameRecorder recorder([gone](const Frame&) { gone.wait(); });
+  for (std::int64_t k = 0; k < 20; ++k) recorder.add(frame_of(k));
+  go.set_value();
+  const RecordingStatistics statistics = recorder.finish(std::chrono::milliseconds(-1000));
+  EXPECT_EQ(statistics.frames + statistics.dropped, 20) << "all are counted";
+  EXPECT_EQ(recorder.finish().dropped, statistics.dropped);
+}
+
 }  // namespace
 }  // namespace rastro

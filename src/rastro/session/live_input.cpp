@@ -93,20 +93,14 @@ void LiveInput::note_condition() {
   if (now.state == condition_.state && now.line == condition_.line) return;
   const bool is_back = now.state == LiveState::delivering &&
                        (condition_.state == LiveState::stalled || condition_.state == LiveState::gone);
+  const std::string text = now.line.empty() && is_back ? source_->info().path + ": delivers frames again" : now.line;
+  if (!text.empty()) log(is_back ? LogLevel::info : LogLevel::warning, text);
   const std::lock_guard lock(mutex_);
   if (now.state != condition_.state) {
     statistics_.stalls += now.state == LiveState::stalled ? 1 : 0;
     statistics_.losses += now.state == LiveState::gone ? 1 : 0;
   }
-  const std::string text = now.line.empty() && is_back ? "delivers frames again" : now.line;
-  if (!text.empty()) {
-    events_.push_back({is_back ? "source back" : kind_of(now.state), text});
-    if (now.state == LiveState::delivering && is_back) {
-      log_info(text);
-    } else {
-      log_warning(text);
-    }
-  }
+  if (!text.empty()) events_.push_back({is_back ? "source back" : kind_of(now.state), text});
   condition_ = std::move(now);
 }
 
@@ -136,9 +130,10 @@ std::optional<Frame> LiveInput::next() {
     if (ended_) return std::nullopt;
     if (filled_.wait_for(lock, std::chrono::nanoseconds(patience), [this] { return !queue_.empty() || ended_; }))
       continue;
+    const LiveCondition condition = condition_;
     lock.unlock();
     write_events();
-    if (options_.idle) options_.idle();
+    if (options_.idle) options_.idle(condition);
     lock.lock();
   }
   Waiting item = pop(lock);

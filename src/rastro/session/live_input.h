@@ -25,11 +25,12 @@ namespace rastro {
 
 struct LiveInputOptions {
   std::size_t queue = 8;                    ///< Frames that may wait for the method; at least 1.
+  std::string user = "the method";          ///< What takes the frames, for messages.
   const std::atomic<bool>* stop = nullptr;  ///< Set from outside (Ctrl-C): next() returns at once. May be null.
   /// Called for each frame that arrives, dropped later or not, in the thread that takes them. May be empty.
   std::function<void(const Frame&)> tap = {};
   /// Called by next() in its thread about 20 times a second while no frame comes. May be empty.
-  std::function<void()> idle = {};
+  std::function<void(const LiveCondition&)> idle = {};
 };
 
 /// A live source as the source of a run: a thread takes its frames into a bounded queue from which the oldest are
@@ -49,7 +50,7 @@ class LiveInput final : public Source {
   void note_pose();
   /// Where the events go; null: nowhere.
   void set_folder(RunFolder* folder) { folder_ = folder; }
-  void set_idle(std::function<void()> idle) { options_.idle = std::move(idle); }
+  void set_idle(std::function<void(const LiveCondition&)> idle) { options_.idle = std::move(idle); }
   /// Whether next() ended because of LiveInputOptions::stop.
   bool was_stopped() const { return was_stopped_; }
   LiveStatistics statistics() const;
@@ -90,7 +91,7 @@ class LiveInput final : public Source {
   std::int64_t last_index_ = -1;
   Report report_;
   bool was_stopped_ = false;
-  // Of the thread that takes frames.
+  // Of the thread that takes frames and, under the lock, of the caller's.
   LiveCondition condition_;
   // Of both.
   mutable std::mutex mutex_;

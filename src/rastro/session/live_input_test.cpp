@@ -166,11 +166,16 @@ TEST(LiveInput, StopsWhileItWaits) {
   std::atomic<bool> stop = false;
   LiveInputOptions options;
   options.stop = &stop;
-  options.idle = [&stop] { stop = true; };
+  std::string said;
+  options.idle = [&](const LiveCondition& condition) {
+    said = condition.line;
+    stop = !said.empty();
+  };
   LiveInput input(std::make_unique<SilentSource>(clock), clock, options);
   const TimeNs begin = clock.now();
   EXPECT_FALSE(input.next());
   EXPECT_TRUE(input.was_stopped());
+  EXPECT_EQ(said, "unplugged");
   EXPECT_LT(clock.now() - begin, ns_per_second);
 }
 

@@ -44,7 +44,7 @@ std::string summary_of(const LiveStatistics& statistics) {
   if (statistics.dropped > 0) text += " (the method was too slow)";
   if (statistics.lost > 0) text += fmt::format(", {} lost by the device", statistics.lost);
   if (statistics.losses + statistics.stalls > 0)
-    text += fmt::format(", the source was gone {} times and stalled {} times", statistics.losses, statistics.stalls);
+    text += fmt::format(", the source was gone {} and stalled {} time(s)", statistics.losses, statistics.stalls);
   if (statistics.recording) text += fmt::format(", {} recorded", statistics.recording->frames);
   return text + fmt::format("; exposure to pose {:.1f} ms (median), 95 % within {:.1f} ms; runs may differ",
                             statistics.exposure_to_pose.percentile_ms(0.5),

@@ -54,6 +54,9 @@ class Openni2Device final : public CameraDevice {
   }
 
   ~Openni2Device() override {
+    // Frames are the streams'.
+    depth_frame_.release();
+    color_frame_.release();
     for (openni::VideoStream* stream : {&depth_, &color_}) {
       if (!stream->isValid()) continue;
       stream->stop();
