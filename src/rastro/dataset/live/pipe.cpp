@@ -140,8 +140,10 @@ std::unique_ptr<LiveSource> open_pipe(const std::string& address, int descriptor
   while (!first && !device->has_ended() && clock.now() < until) first = device->next(ns_per_second / 10);
   if (!first) throw Error("has no whole image", address, "");
   const ImageSize size{first->frame.image.width(), first->frame.image.height()};
-  return make_live_camera(camera_info(address, "live_pipe", size, options),
-                          std::make_unique<WithFirst>(std::move(first), std::move(device)), {}, options, {}, clock);
+  SourceInfo info = camera_info(address, "live_pipe", size, options);
+  info.path = "standard input";
+  return make_live_camera(std::move(info), std::make_unique<WithFirst>(std::move(first), std::move(device)), {},
+                          options, {}, clock);
 }
 
 }  // namespace rastro
