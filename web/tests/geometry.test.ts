@@ -14,7 +14,7 @@ import { mapBytes, mapColor, robustRange, stateColor } from '../src/view3d/color
 import { niceStep } from '../src/view3d/reference';
 import { random } from './scene_writer';
 
-const at = (point: Vec3, sigma: number | null) => asPoint({ point, sigma, source: 'cloud', run: 0 });
+const at = (point: Vec3, sigma: number | null) => asPoint({ point, sigma, source: 'cloud', run: 0, spacing: null }, 1);
 const lengthBetween = (a: Feature, b: Feature, scaleSigma: number | null) => {
   const { length, sigma } = spanBetween(a, b, scaleSigma)!;
   return { length, sigma };
@@ -37,8 +37,8 @@ function board(): Candidates {
 }
 
 test('two edges of a board, and its distance from the wall, within their error bars', () => {
-  const around = { candidates: [board()], radius: 0.1, metric: true, upright: null };
-  const take = (kind: 'edge' | 'face', point: Vec3) => featureAt(kind, { point, sigma: null, source: 'cloud', run: 0 }, around)!;
+  const around = { candidates: [board()], radius: 0.1, perPixel: 0.002, metric: true, upright: null };
+  const take = (kind: 'edge' | 'face', point: Vec3) => featureAt(kind, { point, sigma: null, source: 'cloud', run: 0, spacing: null }, around)!;
   const [left, right] = [take('edge', [0.012, 0.132, 0]), take('edge', [0.744, 0.156, 0])];
   assert.ok(Math.abs(Math.abs(left.direction![1]) - 1) < 0.01, `${left.direction}`);
   const width = spanBetween(left, right, null)!;
@@ -48,7 +48,7 @@ test('two edges of a board, and its distance from the wall, within their error b
   assert.ok(Math.abs(depth.a[2] - depth.b[2] + 0.4) < 0.01);
   // Not parallel: an edge that runs up and one that runs across.
   assert.equal(spanBetween(left, take('edge', [0.36, 0.288, 0]), null), null);
-  assert.equal(featureAt('edge', { point: [0.36, 0.144, 0], sigma: null, source: 'cloud', run: 0 }, { ...around, radius: 0.05 }), null);
+  assert.equal(featureAt('edge', { point: [0.36, 0.144, 0], sigma: null, source: 'cloud', run: 0, spacing: null }, { ...around, radius: 0.05 }), null);
 });
 
 test('a known length gives the scale and its sigma', () => {
@@ -79,6 +79,11 @@ test('the point nearest on the screen is picked, of equal ones the foremost', ()
   assert.deepEqual(pick([points], view, 150, 50, 10)!.point, [0.5, 0, 0]);
   assert.deepEqual(pick([points], view, 100, 50, 10)!.point, [0, 0, 5]);
   assert.equal(pick([points], view, 20, 20, 10), null);
+});
+
+test('what is seen between the points of a surface is not picked', () => {
+  const surface = Array.from({ length: 81 }, (_, i) => [0.02 * ((i % 9) - 4) + 0.01, 0.02 * (Math.floor(i / 9) - 4) + 0.01, 5]).flat();
+  assert.equal(pick([candidates([...surface, 0, 0, 0])], view, 100, 50, 10)!.point[2], 5);
 });
 
 test('hidden points and points that are not numbers are not picked', () => {

@@ -21,7 +21,10 @@ const fewestSlices = 4;
 export function findEdge(points: Vec3[], click: Vec3, radius: number, tolerance: number): Edge | null {
   const plane = fitPlane(points, tolerance, null);
   if (!plane) return null;
-  return boundary(points, plane, click, radius) ?? crease(points, plane, click, radius, tolerance);
+  // The front of a box ends where its side begins, and both end below: the edge nearest to the click is meant.
+  const edges = [boundary(points, plane, click, radius), crease(points, plane, click, radius, tolerance)].filter((e): e is Edge => e !== null);
+  const off = (e: Edge) => Math.hypot(...cross(e.direction, minus(click, e.point)));
+  return edges.sort((a, b) => off(a) - off(b))[0] ?? null;
 }
 
 /** Distance of neighboring points on a face. */
@@ -48,7 +51,7 @@ function boundary(points: Vec3[], plane: Plane, click: Vec3, radius: number): Ed
     const angle = (2 * Math.PI * i) / angles;
     const line = endsTowards(flat, Math.cos(angle), Math.sin(angle), radius, spacing);
     if (!line || Math.abs(line.slope) > 0.06) continue;
-    const cost = line.spread + 0.3 * Math.abs(line.offset) + 0.5 * radius * Math.abs(line.slope);
+    const cost = line.spread + Math.abs(line.offset) + 0.5 * radius * Math.abs(line.slope);
     const out = along([Math.cos(angle) * first[0], Math.cos(angle) * first[1], Math.cos(angle) * first[2]], Math.sin(angle), second);
     if (!best || cost < best.cost) best = { cost, out, line };
   }

@@ -20,6 +20,8 @@ export interface Surroundings {
   candidates: Candidates[];
   /** Around the click. */
   radius: number;
+  /** Length of a pixel at the picked point. */
+  perPixel: number;
   metric: boolean;
   /** Up in a planar map, where all points lie in one plane; else null. */
   upright: Vec3 | null;
@@ -28,27 +30,32 @@ export interface Surroundings {
 /** Error common to all points of a face, and distance between the end of an object and of its depth: as `rastro measure` on clouds. */
 const sharedSigma = 0.003;
 const depthEdgeSigma = 0.012;
+const pointingPixels = 3;
+const leastEdgeRadius = 0.1;
 const fewest = 40;
 const most = 20000;
 
-export function asPoint(picked: Picked): Feature {
-  return { ...picked, kind: 'point', direction: null, face: null };
+/** `perPixel`: length of a pixel at the point. Of a point among others on a surface it is not sure that it is the one that was meant. */
+export function asPoint(picked: Picked, perPixel: number): Feature {
+  const pointing = picked.spacing === null ? 0 : perPixel * Math.hypot(pointingPixels, picked.spacing);
+  const sigma = picked.sigma === null ? null : Math.hypot(picked.sigma, pointing);
+  return { ...picked, sigma, kind: 'point', direction: null, face: null };
 }
 
 /** The feature at a picked point; null where the points around it show none. */
 export function featureAt(kind: FeatureKind, picked: Picked, around: Surroundings): Feature | null {
-  if (kind === 'point') return asPoint(picked);
+  if (kind === 'point') return asPoint(picked, around.perPixel);
   if (kind === 'edge' && around.upright) return null;
-  for (let radius = around.radius, round = 0; round < 3; radius *= 1.8, round++) {
-    const points = near(around.candidates, picked, radius);
-    const found = points.length < fewest ? null : kind === 'edge' ? edgeAt(points, picked, radius, around) : faceAt(points, picked, radius, around);
-    if (found) return found;
-  }
-  return null;
+  // A short piece of a ragged edge does not tell its direction.
+  let radius = kind === 'edge' && around.metric ? Math.max(around.radius, leastEdgeRadius) : around.radius;
+  let points = near(around.candidates, picked, radius);
+  for (let round = 0; points.length < fewest && round < 2; round++) points = near(around.candidates, picked, (radius *= 1.8));
+  if (points.length < fewest) return null;
+  return kind === 'edge' ? edgeAt(points, picked, radius, around) : faceAt(points, picked, radius, around);
 }
 
 function toleranceOf(radius: number, metric: boolean): number {
-  return metric ? Math.min(0.015, 0.12 * radius) : 0.08 * radius;
+  return metric ? Math.min(0.006, 0.12 * radius) : 0.08 * radius;
 }
 
 function edgeAt(points: Vec3[], picked: Picked, radius: number, { metric }: Surroundings): Feature | null {
@@ -92,8 +99,8 @@ export interface Span {
   sigma: number | null;
 }
 
-/** Two directions are parallel up to 15 degrees, as people click on parallel things. */
-const cosParallel = Math.cos((15 * Math.PI) / 180);
+/** People click on parallel things; what was found at their ends may deviate by so much. */
+const parallel = (25 * Math.PI) / 180;
 
 /**
  * Length between two features: along the normal of faces, perpendicular to edges, else from point to point. Null where
@@ -120,10 +127,10 @@ function commonAxis(a: Feature, b: Feature): { kind: FeatureKind; direction: Vec
   const [first, second] = [a, b].filter((f) => f.kind === kind).map((f) => f.direction!);
   const edge = kind === 'face' ? [a, b].find((f) => f.kind === 'edge') : undefined;
   // An edge that runs into a face has no distance from it.
-  if (edge && Math.abs(dot(edge.direction!, first)) > Math.sin((15 * Math.PI) / 180)) return null;
+  if (edge && Math.abs(dot(edge.direction!, first)) > Math.sin(parallel)) return null;
   if (!second) return { kind, direction: first };
   const cosine = dot(first, second);
-  if (Math.abs(cosine) < cosParallel) return null;
+  if (Math.abs(cosine) < Math.cos(parallel)) return null;
   const sum = along(first, Math.sign(cosine), second);
   const norm = Math.hypot(...sum);
   return { kind, direction: [sum[0] / norm, sum[1] / norm, sum[2] / norm] };

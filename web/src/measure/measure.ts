@@ -6,7 +6,7 @@ import { button, el } from '../ui/dom';
 import { shownCandidates } from './candidates';
 import { featureAt, spanBetween, type Feature, type FeatureKind, type Span } from './feature';
 import { scaleFrom, type Length } from './length';
-import { pick, tiePixels, type Picked } from './pick';
+import { pick, type Picked } from './pick';
 import { askServer } from './server_measure';
 
 export interface Measured {
@@ -121,8 +121,8 @@ export class Measure {
   private click(x: number, y: number, radius: number): void {
     const { matrix, width, height } = this.app.view.projection();
     // An edge ends in front of something else: its own side is meant, however near the other one is.
-    const tie = this.kind === 'edge' ? radius : tiePixels;
-    const picked = pick(shownCandidates(this.app), { matrix: matrix.elements, width, height }, x, y, radius, tie);
+    const front = this.kind === 'edge' ? radius : undefined;
+    const picked = pick(shownCandidates(this.app), { matrix: matrix.elements, width, height }, x, y, radius, front);
     if (!picked) return this.changed('There is no point near the click. Click on a point, or zoom in.');
     const found = featureAt(this.kind, picked, this.around(picked));
     if (!found) return this.changed(this.kind === 'edge' ? 'The points around the click end in no straight edge. Zoom in, or measure points.' : 'The points around the click lie on no flat face. Zoom in, or measure points.');
@@ -141,7 +141,7 @@ export class Measure {
     const perPixel = (2 * depth * Math.tan(THREE.MathUtils.degToRad(camera.fov / 2))) / Math.max(1, canvas.clientHeight);
     const metric = scene.scale.kind === 'metric';
     const radius = metric ? Math.min(mostMeters, Math.max(leastMeters, surroundings * perPixel)) : surroundings * perPixel;
-    return { candidates: shownCandidates(this.app), radius, metric, upright: scene.planar ? scene.up : null };
+    return { candidates: shownCandidates(this.app), radius, perPixel, metric, upright: scene.planar ? scene.up : null };
   }
 
   private finish(a: Feature, b: Feature): void {

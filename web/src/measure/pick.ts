@@ -22,6 +22,8 @@ export interface Picked {
   sigma: number | null;
   source: string;
   run: number;
+  /** Pixels from one point to the next around the click; null where the point stands alone. */
+  spacing: number | null;
 }
 
 export interface Projection {
@@ -32,44 +34,48 @@ export interface Projection {
 }
 
 /** Of points that are equally near within this many pixels, the one in front is meant. */
-export const tiePixels = 1.5;
+const tiePixels = 1.5;
+/** Between the points of a surface one sees what lies behind it: with so many points this near the click, only what is about as far as they are is meant. */
+const frontPixels = 6;
+const frontCount = 3;
+const frontDepth = 1.04;
 
-interface Best {
+interface Near {
   distance: number;
   depth: number;
-  from: Candidates | null;
+  from: Candidates;
   row: number;
 }
 
-/** `tie`: as `tiePixels`; for an edge, which ends in front of something else, the whole radius. */
-export function pick(candidates: Candidates[], view: Projection, x: number, y: number, radius: number, tie = tiePixels): Picked | null {
-  let nearest = radius;
-  for (const c of candidates) nearest = Math.min(nearest, visit(c, view, x, y, radius, null));
-  const best: Best = { distance: Math.min(radius, nearest + tie), depth: Infinity, from: null, row: 0 };
-  for (const c of candidates) visit(c, view, x, y, best.distance, best);
-  return best.from ? pickedOf(best.from, best.row) : null;
+/** `front`: distance from the click within which points in front count; for an edge, which ends before something else, all of the radius. */
+export function pick(candidates: Candidates[], view: Projection, x: number, y: number, radius: number, front = frontPixels): Picked | null {
+  const near = candidates.flatMap((c) => within(c, view, x, y, radius));
+  const depths = near.filter((n) => n.distance <= front).map((n) => n.depth).sort((a, b) => a - b);
+  const deepest = depths.length >= frontCount ? depths[frontCount - 1] * frontDepth : Infinity;
+  const meant = near.filter((n) => n.depth <= deepest);
+  const least = meant.reduce((d, n) => Math.min(d, n.distance), Infinity);
+  let best: Near | null = null;
+  for (const n of meant) if (n.distance <= least + tiePixels && (!best || n.depth < best.depth)) best = n;
+  return best ? pickedOf(best.from, best.row, meant.length < 4 ? null : Math.sqrt((Math.PI * radius * radius) / meant.length)) : null;
 }
 
-/** Smallest distance on the screen; with `best`, notes the foremost point within `radius`. */
-function visit(c: Candidates, view: Projection, x: number, y: number, radius: number, best: Best | null): number {
+function within(c: Candidates, view: Projection, x: number, y: number, radius: number): Near[] {
   const [m, p] = [view.matrix, c.positions];
   const [halfWidth, halfHeight] = [view.width / 2, view.height / 2];
-  let least = radius * radius;
-  const limit = least;
+  const found: Near[] = [];
   for (let i = 0, row = 0; i + 2 < p.length; i += c.stride, row++) {
     const w = m[3] * p[i] + m[7] * p[i + 1] + m[11] * p[i + 2] + m[15];
     if (!(w > 0)) continue;
     const dx = ((m[0] * p[i] + m[4] * p[i + 1] + m[8] * p[i + 2] + m[12]) / w + 1) * halfWidth - x;
     const dy = (1 - (m[1] * p[i] + m[5] * p[i + 1] + m[9] * p[i + 2] + m[13]) / w) * halfHeight - y;
     const d = dx * dx + dy * dy;
-    if (!(d <= limit) || (c.sigmas !== null && c.sigmas[row] > c.maxSigma)) continue;
-    if (d < least) least = d;
-    if (best && w < best.depth) Object.assign(best, { depth: w, from: c, row });
+    if (!(d <= radius * radius) || (c.sigmas !== null && c.sigmas[row] > c.maxSigma)) continue;
+    found.push({ distance: Math.sqrt(d), depth: w, from: c, row });
   }
-  return Math.sqrt(least);
+  return found;
 }
 
-function pickedOf(c: Candidates, row: number): Picked {
+function pickedOf(c: Candidates, row: number, spacing: number | null): Picked {
   const i = row * c.stride;
   const sigma = c.sigmas ? c.sigmas[row] : NaN;
   return {
@@ -77,5 +83,6 @@ function pickedOf(c: Candidates, row: number): Picked {
     sigma: Number.isFinite(sigma) ? sigma : null,
     source: c.source,
     run: c.run,
+    spacing,
   };
 }
