@@ -16,6 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double level = 1e-6;
+
 Map without_keyframes(const ExportInput& input) {
   if (input.trajectory.empty()) throw Error("has no poses", input.path, "there is nothing to show");
   return {};
@@ -23,23 +25,26 @@ Map without_keyframes(const ExportInput& input) {
 
 /// Poses alone do not say what they are of: a planar robot where they stay level, with z up, else a camera.
 void guess_up(const Trajectory& trajectory, ViewScene& scene) {
-  constexpr double level = 1e-6;
   bool planar = true;
-  Eigen::Vector3d up = Eigen::Vector3d::Zero();
   for (const StampedPose& pose : trajectory) {
     const SO3& rotation = pose.world_from_body.rotation();
     const double height = (pose.world_from_body.translation() - trajectory.front().world_from_body.translation()).z();
     planar = planar && (rotation * Eigen::Vector3d::UnitZ()).z() > 1.0 - level && std::abs(height) < level;
-    up -= rotation * Eigen::Vector3d::UnitY();
   }
   scene.planar = planar;
-  if (planar) up = Eigen::Vector3d::UnitZ();
-  if (up.norm() < level) up = -Eigen::Vector3d::UnitY();
-  up.normalize();
-  scene.up = {up.x(), up.y(), up.z()};
+  scene.up = up_of(trajectory, planar);
 }
 
 }  // namespace
+
+std::array<double, 3> up_of(const Trajectory& trajectory, bool planar) {
+  if (planar) return {0.0, 0.0, 1.0};
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const StampedPose& pose : trajectory) up -= pose.world_from_body.rotation() * Eigen::Vector3d::UnitY();
+  if (up.norm() < level) up = -Eigen::Vector3d::UnitY();
+  up.normalize();
+  return {up.x(), up.y(), up.z()};
+}
 
 std::string scene_name(const std::string& path) {
   std::error_code ignored;

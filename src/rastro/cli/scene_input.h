@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, T
 /// The same as arrays, with the notes of the run (notes_of_run) given.
 ViewScene view_scene_of(const ExportInput& input, RunRecord record, const ViewSceneOptions& options, TaskPool& pool,
                         const MapProgress& progress);
+
+/// Unit vector that points up in the world of these poses of a camera (x right, y down): the mean of its own.
+std::array<double, 3> up_of(const Trajectory& trajectory, bool planar);
 
 /// How an input is called in the page: the folder of a run, or the file's name without its extension.
 std::string scene_name(const std::string& path);

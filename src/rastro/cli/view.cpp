@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,18 +14,21 @@
 #include "rastro/cli/command.h"
 #include "rastro/cli/interrupt.h"
 #include "rastro/cli/progress_bar.h"
+#include "rastro/cli/recording_scene.h"
 #include "rastro/cli/scene_input.h"
 #include "rastro/cli/server_flags.h"
+#include "rastro/map/file/map_file.h"
 #include "rastro/viewer/view_server.h"
 
 namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    R"(RUN is a run folder, a map file (map.rastro) or a trajectory file; several are laid over each other. Shown are trajectory
+    R"(RUN is a run folder, a map file (map.rastro), a trajectory file or a recording; several are laid over each other. Shown are trajectory
 (final and as first estimated, ground truth where the recording has one; by state, error, time or uncertainty), keyframes,
 covisibility and essential graph, constraints and loop closures, landmarks, cloud, semi-dense points, laser scans,
-occupancy grid and covariances, in layers that can be switched.
+occupancy grid and covariances, in layers that can be switched. Of a recording: its images, depth of the current frame as
+cloud, laser scans, and the ground truth or wheel odometry as trajectory.
 
 The page needs nothing but this program: no network, no installation. It is served on this machine only, until Ctrl-C.
 --listen ADDRESS serves it to other machines too, which need the token in the address that is printed. The connection
@@ -35,6 +39,7 @@ Examples:
   rastro view run                               open the address that it prints
   rastro view monday tuesday                    two runs in one picture
   rastro view run/map.rastro --port 9000
+  rastro view rgbd_dataset_freiburg1_room       a recording, frame by frame
   rastro view run --listen 0.0.0.0              from other machines, with a generated token)";
 
 struct Flags {
@@ -54,6 +59,18 @@ int submap_in(const Flags& flags) {
   throw Error(in_quotes(flags.submap) + " is not a submap", "--submap", "give a number, or all");
 }
 
+/// Else it is a recording. A file of poses has the extension of one.
+bool is_run_or_map(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::path folder = path;
+  if (fs::is_directory(folder, ignored))
+    return fs::exists(folder / "map.rastro", ignored) || fs::exists(folder / "trajectory.txt", ignored);
+  if (!fs::is_regular_file(folder, ignored)) return false;
+  const std::string extension = folder.extension().string();
+  return is_map_file(path) || extension == ".txt" || extension == ".csv" || extension == ".tum";
+}
+
 std::vector<NamedScene> read_scenes(const Flags& flags) {
   constexpr std::size_t default_points = 2'000'000;
   if (flags.threads < 0 || flags.threads > 1024)
@@ -62,9 +79,14 @@ std::vector<NamedScene> read_scenes(const Flags& flags) {
   TaskPool pool(flags.threads);
   ProgressBar bar(!flags.quiet);
   std::vector<NamedScene> scenes;
-  for (const std::string& input : flags.inputs)
+  for (const std::string& input : flags.inputs) {
+    if (!is_run_or_map(input)) {
+      scenes.push_back(recording_scene(input));
+      continue;
+    }
     scenes.push_back(scene_of(read_export_input(input), options, pool,
                               [&](std::size_t done, std::size_t all) { bar.show_steps("keyframes", done, all); }));
+  }
   bar.clear();
   return scenes;
 }
@@ -93,9 +115,9 @@ void run_view(const Flags& flags) {
 }  // namespace
 
 void add_view_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("view", "Shows runs and maps in a browser");
+  CLI::App* command = app.add_subcommand("view", "Shows runs, maps and recordings in a browser");
   const auto flags = std::make_shared<Flags>();
-  command->add_option("RUN", flags->inputs, "Run folders or map files")->required()->type_name("");
+  command->add_option("RUN", flags->inputs, "Run folders, map files or recordings")->required()->type_name("");
   add_server_flags(*command, flags->server, "");
   command->add_option("--points", flags->scene.points, "Maximum number of points of each layer (default: 2000000)")
       ->type_name("N");

@@ -72,6 +72,12 @@ constexpr const char* content_policy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; media-src blob:; "
     "worker-src blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
+/// Digits alone; nullopt for anything else.
+std::optional<std::uint64_t> number_in(std::string_view text) {
+  const bool digits = std::all_of(text.begin(), text.end(), [](char each) { return each >= '0' && each <= '9'; });
+  return digits ? parse_uint64(text) : std::nullopt;
+}
+
 }  // namespace
 
 std::string name_of_machine() {
@@ -100,6 +106,7 @@ void RequestRules::make_list() {
   for (std::size_t index = 0; index < scenes_.size(); ++index) {
     list.push_back({{"index", index}, {"name", scenes_[index]->name}, {"bytes", scenes_[index]->bytes.size()}});
     if (live_) list.back()["live"] = true;
+    if (scenes_[index]->frame_block) list.back()["frames"] = true;
   }
   list_ = std::make_shared<const std::string>(text_of(list));
 }
@@ -131,7 +138,7 @@ bool RequestRules::has_token(const ViewRequest& request) const {
 }
 
 ViewReply RequestRules::content_at(std::string_view path) const {
-  constexpr std::string_view scene_path = "/api/scene/";
+  constexpr std::string_view scene_path = "/api/scene/", frame_path = "/api/frame/";
   ViewReply reply;
   if (path == "/") {
     reply.type = "text/html; charset=utf-8";
@@ -145,10 +152,36 @@ ViewReply RequestRules::content_at(std::string_view path) const {
     reply.kept = list_;
     return reply;
   }
+  if (path.starts_with(frame_path)) return frame_at(path.substr(frame_path.size()));
   if (!path.starts_with(scene_path)) return refusal(404, "there is nothing here\n");
-  const std::string_view number = path.substr(scene_path.size());
-  const bool digits = std::all_of(number.begin(), number.end(), [](char each) { return each >= '0' && each <= '9'; });
-  const auto index = digits ? parse_uint64(number) : std::nullopt;
+  return scene_at(path.substr(scene_path.size()));
+}
+
+/// "SCENE/FRAME"
+ViewReply RequestRules::frame_at(std::string_view numbers) const {
+  const std::size_t slash = numbers.find('/');
+  const auto scene = number_in(numbers.substr(0, slash));
+  const auto frame = slash == std::string_view::npos ? std::nullopt : number_in(numbers.substr(slash + 1));
+  constexpr std::uint64_t most_frames = 1'000'000'000;
+  if (!scene || !frame || *scene >= scenes_.size() || *frame >= most_frames)
+    return refusal(404, "there is no such frame\n");
+  const auto& source = scenes_[static_cast<std::size_t>(*scene)];
+  if (!source->frame_block) return refusal(404, "there are no frames here\n");
+  try {
+    const auto block = std::make_shared<const std::string>(source->frame_block(static_cast<std::int64_t>(*frame)));
+    ViewReply reply;
+    reply.type = "application/octet-stream";
+    reply.body = *block;
+    reply.kept = block;
+    return reply;
+  } catch (const std::exception&) {  // the file may have gone in the meantime
+    return refusal(404, "this frame cannot be read; 'rastro check' lists what is wrong\n");
+  }
+}
+
+ViewReply RequestRules::scene_at(std::string_view number) const {
+  ViewReply reply;
+  const auto index = number_in(number);
   if (!index || *index >= scenes_.size()) return refusal(404, "there is no such scene\n");
   const auto& scene = scenes_[static_cast<std::size_t>(*index)];
   if (scene->bytes.empty()) return refusal(404, "there is no map yet\n");

@@ -47,6 +47,8 @@ class RequestRules {
   bool is_host_allowed(std::string_view host) const;
   bool has_token(const ViewRequest& request) const;
   ViewReply content_at(std::string_view path) const;
+  ViewReply scene_at(std::string_view number) const;
+  ViewReply frame_at(std::string_view numbers) const;
   void make_list();
 
   std::vector<std::shared_ptr<const NamedScene>> scenes_;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
@@ -125,6 +126,9 @@ struct ViewScene {
 struct NamedScene {
   std::string name;
   std::string bytes;  ///< Of scene_bytes().
+  /// Of a recording: the block of a frame by its number (frame_block()), read on request; empty where there is none.
+  /// Throws Error for a frame that cannot be read. Called by one thread at a time.
+  std::function<std::string(std::int64_t frame)> frame_block = nullptr;
 };
 
 }  // namespace rastro

@@ -30,31 +30,32 @@ export class FramePoints {
     Object.assign(cloud.material, { vertexColors: frame.colors !== null, size: 2 * Math.min(2, devicePixelRatio) });
     cloud.material.color.set(frame.colors ? '#ffffff' : okabeIto.skyBlue);
     cloud.material.needsUpdate = true;
-    const known = this.place(row);
-    if (!known) this.lookAt(frame);
+    this.place(row);
+    this.lookAt(frame);
   }
 
-  /** False where the frame has no pose. */
-  private place(row: number): boolean {
+  /** Where the camera of the frame was; without a pose where it would have begun. */
+  private place(row: number): void {
     const { frames } = this.app;
     const p = [...(frames?.positions.subarray(3 * row, 3 * row + 3) ?? [])];
     const q = [...(frames?.orientations.subarray(4 * row, 4 * row + 4) ?? [])];
     const known = p.length === 3 && q.length === 4 && [...p, ...q].every(Number.isFinite);
     this.cloud.position.fromArray(known ? p : [0, 0, 0]);
     this.cloud.quaternion.fromArray(known ? q : [0, 0, 0, 1]).normalize();
-    return known;
+    this.cloud.updateMatrixWorld();
   }
 
-  /** A recording without poses has nothing else that the view could be fitted to. */
+  /** The first points belong to what the view is fitted to: a camera that only turns has hardly any trajectory. */
   private lookAt(frame: RecordedFrame): void {
     const { app } = this;
-    const { frames } = app;
-    const anywhere = frames !== null && frames.positions.some(Number.isFinite);
     const box = robustBox(frame.points, 3, 0.02);
-    if (this.seen || anywhere || box.isEmpty()) return;
+    if (this.seen || box.isEmpty()) return;
     this.seen = true;
-    box.expandByPoint(new THREE.Vector3());
-    app.view.setContent(box, corners(box), app.up);
+    box.applyMatrix4(this.cloud.matrixWorld).expandByPoint(this.cloud.position);
+    const posed = app.frames !== null && app.frames.positions.some(Number.isFinite);
+    const whole = posed ? box.union(app.view.bounds) : box;
+    app.view.setContent(whole, corners(whole), app.up);
+    app.contentGrew();
     if (app.state.camera === null) app.fit();
   }
 }

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "rastro/sensor/frame.h"
+#include "rastro/sensor/source.h"
+
+namespace rastro {
+
+/// A frame of a recording as the page reads it, see README.md: its image, small, and what its depth image (where the
+/// recording has a calibration) or its scan measured as points, thinned. Points are in the camera frame, of a scan in
+/// the body frame.
+std::string frame_block(const Frame& frame, const SourceInfo& recording);
+
+}  // namespace rastro
