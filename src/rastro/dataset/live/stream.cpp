@@ -12,16 +12,17 @@
 namespace rastro {
 namespace {
 
-// A program that is asked to end must not wait longer.
-constexpr int open_within_ms = 5000, image_within_ms = 1500;
+constexpr int open_within_ms = 5000;
+// During a run: a program that is asked to end must not wait longer.
+constexpr int image_within_ms = 1500;
 
 class StreamDevice final : public CameraDevice {
  public:
-  StreamDevice(std::string address, bool want_color, Clock& clock)
+  StreamDevice(std::string address, bool want_color, int within_ms, Clock& clock)
       : address_(std::move(address)), want_color_(want_color), clock_(clock), offset_(epoch_offset(clock)) {
     try {
       video_.open(address_, cv::CAP_FFMPEG,
-                  {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, open_within_ms, cv::CAP_PROP_READ_TIMEOUT_MSEC, image_within_ms});
+                  {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, within_ms, cv::CAP_PROP_READ_TIMEOUT_MSEC, image_within_ms});
     } catch (const cv::Exception&) {
       video_.release();
     }
@@ -61,14 +62,15 @@ class StreamDevice final : public CameraDevice {
 }  // namespace
 
 std::unique_ptr<LiveSource> open_stream(const std::string& address, const OpenOptions& options, Clock& clock) {
-  const auto open_device = [address, color = options.want_color, &clock] {
-    return std::make_unique<StreamDevice>(address, color, clock);
+  const auto open_device = [address, color = options.want_color, &clock](int within_ms) {
+    return std::make_unique<StreamDevice>(address, color, within_ms, clock);
   };
-  auto device = open_device();
+  auto device = open_device(open_within_ms);
   const ImageSize size = device->size();
   const auto known = size.width > 0 && size.height > 0 ? std::optional(size) : std::nullopt;
-  return make_live_camera(camera_info(address, "live_stream", known, options), std::move(device), open_device, options,
-                          {}, clock);
+  return make_live_camera(
+      camera_info(address, "live_stream", known, options), std::move(device),
+      [open_device] { return open_device(image_within_ms); }, options, {}, clock);
 }
 
 }  // namespace rastro
