@@ -252,13 +252,20 @@ test('controls send what they say and show only what the run says', () => withRu
 }));
 
 test('after a reset the page shows the frames of the new map alone', () => withRun({}, async (page, server) => {
-  for (let i = 0; i < 20; i++) server.send(frame(i));
-  await shownFrame(page, 19);
+  for (let i = 0; i < 60; i++) server.send(frame(i));
+  await shownFrame(page, 59);
   server.send(status({ resets: 1, line: 'a new map begins; the one before is saved' }));
-  for (let i = 20; i < 23; i++) server.send(frame(i));
-  await shownFrame(page, 22);
+  await wait(1100); // so that the view may be fitted anew
+  for (let i = 60; i < 63; i++) server.send(frame(i, { pose: [40, 0, 0, 0, 0, 0, 1] }));
+  await shownFrame(page, 62);
   assert.equal((await state(page)).count, 3);
   await runState(page, 'the one before is saved');
+  server.scene = mapScene(2, 2, 0, { frames: undefined });
+  server.send({ type: 'scene', index: 0, revision: 2 });
+  await page.locator('.facts', { hasText: 'revision 2' }).waitFor();
+  assert.equal((await state(page)).count, 3);
+}, (server) => {
+  server.scene = mapScene(1, 5);
 }));
 
 test('only commands that the run understands have buttons', () => withRun({}, async (page) => {

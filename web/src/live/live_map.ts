@@ -74,8 +74,12 @@ export class LiveMap {
 
   /** Forgets the frames of a run that is over. */
   clear(): void {
+    const { scene } = this.app.runs[this.index];
+    Object.assign(scene, { frames: null, events: [] });
+    this.served.events = [];
     for (const trajectory of this.trajectories) trajectory.grow();
     this.knownEvents = -1;
+    this.app.framesGrew(0);
   }
 
   private show(served: Scene): void {
