@@ -284,6 +284,10 @@ void add_export_command(CLI::App& app, Context& context) {
   command->add_flag("--mesh", flags->settings.scene.mesh, "html of rgbd: show surfaces as triangles, too");
   command->add_flag("--octree", flags->settings.scene.octree, "html of rgbd: show occupied space as cubes, too");
   command
+      ->add_option("--objects", flags->settings.scene.objects,
+                   "html of rgbd: lengths to measure and show, as of 'rastro measure'")
+      ->type_name("FILE");
+  command
       ->add_option("--images", flags->settings.images,
                    "colmap of orb, mcap of orb and lsd: recording with the images (default: that of the run)")
       ->type_name("DATA");
@@ -298,7 +302,7 @@ void add_export_command(CLI::App& app, Context& context) {
   command->footer(footer);
   command->callback([command, flags, &context] {
     for (const char* flag : {"--voxel", "--min-count", "--resolution", "--height", "--max-depth", "--stride",
-                             "--submap", "--upright", "--images", "--points", "--mesh", "--octree"})
+                             "--submap", "--upright", "--images", "--points", "--mesh", "--octree", "--objects"})
       if (command->count(flag) > 0) flags->given.emplace_back(flag);
     if (flags->quiet) set_log_sink({});
     run_export(*flags);

@@ -39,6 +39,7 @@ constexpr FlagUse uses[] = {
     {"--points", "html mcap", "html mcap", "html mcap"},
     {"--mesh", "html", "", ""},
     {"--octree", "html", "", ""},
+    {"--objects", "html", "", ""},
 };
 
 struct InputKind {

@@ -56,6 +56,8 @@ TEST(ExportFlags, PagesTakeTheirOwn) {
   }
   EXPECT_EQ(refusal("--mesh", "html", Kind::images), "");
   EXPECT_NE(refusal("--octree", "html", Kind::scans), "");
+  EXPECT_EQ(refusal("--objects", "html", Kind::images), "");
+  EXPECT_NE(refusal("--objects", "html", Kind::landmarks), "");
 }
 
 TEST(ExportFlags, LandmarkMapsTakeTheirOwn) {

@@ -8,6 +8,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/cli/run_notes.h"
+#include "rastro/cli/scene_lengths.h"
 #include "rastro/viewer/run_record.h"
 #include "rastro/viewer/scene_writer.h"
 
@@ -69,8 +70,9 @@ ViewScene view_scene_of(const ExportInput& input, RunRecord record, const ViewSc
 }
 
 NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
-                    const MapProgress& progress) {
-  const ViewScene scene = view_scene_of(input, notes_of_run(input), options, pool, progress);
+                    const MapProgress& progress, const std::string& objects) {
+  ViewScene scene = view_scene_of(input, notes_of_run(input), options, pool, progress);
+  scene.lengths = lengths_of(input, objects, pool);
   return {scene.title, scene_bytes(scene)};
 }
 

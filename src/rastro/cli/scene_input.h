@@ -14,10 +14,11 @@
 
 namespace rastro::cli {
 
-/// What `rastro view` and `rastro export --to html` show of an input, as the page reads it: its map, and what the run
-/// noted of its frames. Error for a file of the run that is damaged, and for images that cannot be read.
+/// What `rastro view` and `rastro export --to html` show of an input, as the page reads it: its map, what the run noted
+/// of its frames, and lengths: those of the file `objects`, measured in the map, and of lengths.json of the run. Error
+/// for a file of the run that is damaged, and for images that cannot be read.
 NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
-                    const MapProgress& progress);
+                    const MapProgress& progress, const std::string& objects = "");
 
 /// The same as arrays, with the notes of the run (notes_of_run) given.
 ViewScene view_scene_of(const ExportInput& input, RunRecord record, const ViewSceneOptions& options, TaskPool& pool,
@@ -33,6 +34,7 @@ std::string scene_name(const std::string& path);
 struct SceneFlags {
   std::optional<std::int64_t> points;
   bool mesh = false, octree = false;
+  std::string objects;  ///< Lengths to measure, as of `rastro measure`; empty: none.
 };
 
 /// Error for a number of points out of range. `default_points` where none is given.

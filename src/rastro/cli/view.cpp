@@ -16,6 +16,7 @@
 #include "rastro/cli/progress_bar.h"
 #include "rastro/cli/recording_scene.h"
 #include "rastro/cli/scene_input.h"
+#include "rastro/cli/scene_lengths.h"
 #include "rastro/cli/server_flags.h"
 #include "rastro/map/file/map_file.h"
 #include "rastro/viewer/view_server.h"
@@ -29,6 +30,10 @@ constexpr const char* footer =
 covisibility and essential graph, constraints and loop closures, landmarks, cloud, semi-dense points, laser scans,
 occupancy grid and covariances, in layers that can be switched. Of a recording: its images, depth of the current frame as
 cloud, laser scans, and the ground truth or wheel odometry as trajectory.
+
+Lengths can be measured in the page between points, edges and faces; of a map with depth images the last two are measured
+as 'rastro measure' does. Named lengths are shown of --objects FILE, and of lengths.json in a run folder
+('rastro measure run --objects FILE --json > run/lengths.json').
 
 The page needs nothing but this program: no network, no installation. It is served on this machine only, until Ctrl-C.
 --listen ADDRESS serves it to other machines too, which need the token in the address that is printed. The connection
@@ -71,6 +76,14 @@ bool is_run_or_map(const std::string& path) {
   return is_map_file(path) || extension == ".txt" || extension == ".csv" || extension == ".tum";
 }
 
+NamedScene shown(const ExportInput& input, const Flags& flags, const ViewSceneOptions& options, TaskPool& pool,
+                 ProgressBar& bar) {
+  const auto progress = [&](std::size_t done, std::size_t all) { bar.show_steps("keyframes", done, all); };
+  NamedScene scene = scene_of(input, options, pool, progress, flags.scene.objects);
+  scene.measure = measuring_in(input, flags.threads);
+  return scene;
+}
+
 std::vector<NamedScene> read_scenes(const Flags& flags) {
   constexpr std::size_t default_points = 2'000'000;
   if (flags.threads < 0 || flags.threads > 1024)
@@ -84,8 +97,7 @@ std::vector<NamedScene> read_scenes(const Flags& flags) {
       scenes.push_back(recording_scene(input));
       continue;
     }
-    scenes.push_back(scene_of(read_export_input(input), options, pool,
-                              [&](std::size_t done, std::size_t all) { bar.show_steps("keyframes", done, all); }));
+    scenes.push_back(shown(read_export_input(input), flags, options, pool, bar));
   }
   bar.clear();
   return scenes;
@@ -123,6 +135,8 @@ void add_view_command(CLI::App& app, Context& context) {
       ->type_name("N");
   command->add_flag("--mesh", flags->scene.mesh, "Surfaces as triangles, too (rgbd)");
   command->add_flag("--octree", flags->scene.octree, "Occupied space as cubes, too (rgbd)");
+  command->add_option("--objects", flags->scene.objects, "Lengths to measure and show, as of 'rastro measure'")
+      ->type_name("FILE");
   command->add_option("--submap", flags->submap, "Submap (default: 0, the first)")->type_name("N|all");
   command->add_option("--threads", flags->threads, "Number of threads (default: all cores)")->type_name("N");
   command->add_flag("--json", flags->json, "Print the address as JSON");

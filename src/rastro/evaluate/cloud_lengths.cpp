@@ -223,6 +223,7 @@ MeasuredLength measured_in(const PointCloud& cloud, const LengthObject& object, 
       std::sqrt(direction.dot((a.covariance + b.covariance) * direction) + shared_sigma_m * shared_sigma_m);
   measured.a = a.point;
   measured.b = b.point;
+  measured.direction = direction;
   measured.points = a.points + b.points;
   return measured;
 }

@@ -83,6 +83,7 @@ Json json_of(const MeasuredLength& one) {
   json["error_m"] = rounded(one.error_m());
   json["a"] = rounded(one.a);
   json["b"] = rounded(one.b);
+  json["direction"] = rounded(one.direction);
   json["keyframes_a"] = one.keyframes_a;
   json["keyframes_b"] = one.keyframes_b;
   json["together"] = one.together;

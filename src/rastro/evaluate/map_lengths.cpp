@@ -390,6 +390,7 @@ class LengthSearch {
     measured.sigma_m = std::sqrt(variance);
     measured.a = a.point;
     measured.b = b.point;
+    measured.direction = *direction;
     measured.keyframes_a = length->seen_a;
     measured.keyframes_b = length->seen_b;
     measured.together = length->together;

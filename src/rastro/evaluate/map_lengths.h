@@ -30,8 +30,9 @@ struct MeasuredLength {
   double sigma_m = 0.0;            ///< Standard deviation: from image, depth, and keyframe poses.
   std::string note;                ///< Doubts about the measurement; empty without any.
   Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = Eigen::Vector3d::Zero();  ///< Their measured positions, in the map.
-  int keyframes_a = 0, keyframes_b = 0, together = 0;  ///< Number that show the feature; that show both.
-  std::int64_t points = 0;                             ///< Depth pixels, or points of the cloud, on the faces.
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< Unit, from a to b: along which the length is measured.
+  int keyframes_a = 0, keyframes_b = 0, together = 0;   ///< Number that show the feature; that show both.
+  std::int64_t points = 0;                              ///< Depth pixels, or points of the cloud, on the faces.
   double support = 0.0;    ///< Share of the pixels facing the faces with their depth: low for glass.
   double scatter_m = 0.0;  ///< Scatter of the single keyframes' measurements.
   LengthImage image;

@@ -106,6 +106,7 @@ void RequestRules::make_list() {
   for (std::size_t index = 0; index < scenes_.size(); ++index) {
     list.push_back({{"index", index}, {"name", scenes_[index]->name}, {"bytes", scenes_[index]->bytes.size()}});
     if (live_) list.back()["live"] = true;
+    if (scenes_[index]->measure) list.back()["measures"] = true;
     if (scenes_[index]->frame_block) list.back()["frames"] = true;
   }
   list_ = std::make_shared<const std::string>(text_of(list));
@@ -191,6 +192,19 @@ ViewReply RequestRules::scene_at(std::string_view number) const {
   return reply;
 }
 
+ViewReply RequestRules::measured_at(std::string_view number, std::string_view query) const {
+  const auto index = parse_uint64(number);
+  if (!index || *index >= scenes_.size()) return refusal(404, "there is no such scene\n");
+  const auto& scene = scenes_[static_cast<std::size_t>(*index)];
+  if (!scene->measure) return refusal(404, "there is no map to measure in\n");
+  const auto answer = std::make_shared<const std::string>(scene->measure(query));
+  ViewReply reply;
+  reply.type = "application/json";
+  reply.body = *answer;
+  reply.kept = answer;
+  return reply;
+}
+
 std::optional<ViewReply> RequestRules::refusal_of(const ViewRequest& request) const {
   if (request.hosts.size() != 1 || !is_host_allowed(request.hosts.front()))
     return refusal(403, "this host is not served: use the address that rastro view printed\n");
@@ -209,7 +223,9 @@ std::optional<ViewReply> RequestRules::refusal_of(const ViewRequest& request) co
 
 ViewReply RequestRules::reply_to(const ViewRequest& request) const {
   if (auto refused = refusal_of(request)) return *std::move(refused);
+  constexpr std::string_view measure_path = "/api/measure/";
   const Target target = parts_of(request.target);
+  if (target.path.starts_with(measure_path)) return measured_at(target.path.substr(measure_path.size()), target.query);
   ViewReply reply = content_at(target.path);
   // What the page asks for later carries the cookie; scripts cannot read it, other sites cannot send it.
   if (!token_.empty() && target.path == "/")

@@ -49,6 +49,7 @@ class RequestRules {
   ViewReply content_at(std::string_view path) const;
   ViewReply scene_at(std::string_view number) const;
   ViewReply frame_at(std::string_view numbers) const;
+  ViewReply measured_at(std::string_view number, std::string_view query) const;
   void make_list();
 
   std::vector<std::shared_ptr<const NamedScene>> scenes_;

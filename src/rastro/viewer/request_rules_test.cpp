@@ -30,6 +30,17 @@ TEST(RequestRules, ServesPageListAndScenes) {
   EXPECT_EQ(rules.reply_to(get("/api/scene/1?x=y")).body, "1234");
 }
 
+TEST(RequestRules, MeasuresWhereThereIsAMap) {
+  std::vector<NamedScene> both = {{"kitchen", "k"}, {"office", "o"}};
+  both[1].measure = [](std::string_view query) { return "{\"asked\":\"" + std::string(query) + "\"}"; };
+  const RequestRules rules(both, "", true, 8420);
+  EXPECT_NE(rules.reply_to(get("/api/scenes")).body.find(R"("bytes":1,"measures":true)"), std::string::npos);
+  EXPECT_EQ(rules.reply_to(get("/api/measure/1?kind=edges")).body, R"({"asked":"kind=edges"})");
+  for (const char* target :
+       {"/api/measure/0", "/api/measure/2", "/api/measure/", "/api/measure/1/", "/api/measure/../1"})
+    EXPECT_EQ(rules.reply_to(get(target)).status, 404) << target;
+}
+
 TEST(RequestRules, ServesNothingElse) {
   const RequestRules rules(scenes, "", true, 8420);
   for (const char* target :

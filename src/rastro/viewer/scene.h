@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -105,6 +106,13 @@ struct SceneImage {
   std::vector<std::uint8_t> jpeg;
 };
 
+/// A measured length with a name.
+struct SceneLength {
+  std::string name;
+  std::array<double, 3> a{}, b{};  ///< Ends of the line that is drawn: as far apart as the length.
+  double length = 0.0, sigma = 0.0;
+};
+
 struct ViewScene {
   std::string title, method;
   std::int64_t revision = 0;
@@ -119,6 +127,7 @@ struct ViewScene {
   SceneKeyframes keyframes;
   std::optional<SceneCamera> camera;
   std::vector<SceneLayer> layers;
+  std::vector<SceneLength> lengths;
   std::vector<SceneImage> images;
 };
 
@@ -126,6 +135,10 @@ struct ViewScene {
 struct NamedScene {
   std::string name;
   std::string bytes;  ///< Of scene_bytes().
+  /// Measures in the map of the scene as a page asks (the query of its request), and answers in JSON; empty where there
+  /// is no map to measure in. Called by one thread at a time; others wait meanwhile, so it takes about a second at
+  /// most.
+  std::function<std::string(std::string_view query)> measure = nullptr;
   /// Of a recording: the block of a frame by its number (frame_block()), read on request; empty where there is none.
   /// Throws Error for a frame that cannot be read. Called by one thread at a time.
   std::function<std::string(std::int64_t frame)> frame_block = nullptr;

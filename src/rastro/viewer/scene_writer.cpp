@@ -96,6 +96,13 @@ Json images_json(const std::vector<SceneImage>& images, Body& body) {
   return json;
 }
 
+Json lengths_json(const std::vector<SceneLength>& lengths) {
+  Json json = Json::array();
+  for (const SceneLength& each : lengths)
+    json.push_back({{"name", each.name}, {"a", each.a}, {"b", each.b}, {"length", each.length}, {"sigma", each.sigma}});
+  return json;
+}
+
 Json camera_json(const SceneCamera& camera) {
   return {{"width", camera.width}, {"height", camera.height}, {"fx", camera.fx},
           {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
@@ -116,6 +123,7 @@ Json header_of(const ViewScene& scene, Body& body) {
   if (scene.camera) json["camera"] = camera_json(*scene.camera);
   json["layers"] = Json::array();
   for (const SceneLayer& layer : scene.layers) json["layers"].push_back(std::visit(LayerWriter{body}, layer));
+  if (!scene.lengths.empty()) json["lengths"] = lengths_json(scene.lengths);
   json["images"] = images_json(scene.images, body);
   return json;
 }
