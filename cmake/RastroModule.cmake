@@ -66,15 +66,19 @@ function(rastro_modules_of entry list)
   set(${list} ${found} PARENT_SCOPE)
 endfunction()
 
-# Several sources as one, as compiled_together.txt has them: RASTRO_GROUP_<path> is the group of a source.
+# Several sources as one, as compiled_together.txt has them: RASTRO_GROUP_<path> is the group of a source, named after its
+# first one, so that a change of the list compiles nothing else again.
 file(STRINGS "${CMAKE_CURRENT_LIST_DIR}/compiled_together.txt" groups REGEX "^[^#]")
+list(FILTER groups EXCLUDE REGEX "^alone ")
 set_property(DIRECTORY "${PROJECT_SOURCE_DIR}" APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${CMAKE_CURRENT_LIST_DIR}/compiled_together.txt")
-set(number 0)
 foreach(group IN LISTS groups)
-  math(EXPR number "${number} + 1")
   string(REPLACE " " ";" paths "${group}")
+  list(GET paths 0 first)
+  cmake_path(GET first STEM name)
+  string(MD5 unique "${first}")
+  string(SUBSTRING ${unique} 0 6 unique)
   foreach(path IN LISTS paths)
-    set(RASTRO_GROUP_${path} ${number})
+    set(RASTRO_GROUP_${path} ${name}_${unique})
   endforeach()
 endforeach()
 function(rastro_compile_together target)
