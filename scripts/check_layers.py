@@ -20,10 +20,10 @@ LICENCE = "// SPDX-License-Identifier: Apache-2.0"
 # Header prefix -> folders of src/rastro whose sources may include it; tests, bench and examples may include anything.
 HOMES = {
     "opencv2/core/utils/logger.hpp": {"cli"},  # the program silences OpenCV
-    "opencv2/": {"dataset", "export", "feature", "map", "synthetic"},
+    "opencv2/": {"calibration", "dataset", "export", "feature", "map", "synthetic"},
     "dlib/": {"feature"},
     "yaml-cpp/": {"base", "camera", "dataset", "evaluate", "export", "cli"},
-    "nlohmann/": {"dataset", "evaluate", "export", "session", "viewer", "cli"},
+    "nlohmann/": {"calibration", "dataset", "evaluate", "export", "session", "viewer", "cli"},
     "boost/": {"viewer"},
     "CLI/": {"cli"},
     "spdlog/": {"cli"},

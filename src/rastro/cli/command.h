@@ -33,6 +33,7 @@ void add_occlude_command(CLI::App& app, Context& context);
 void add_convert_command(CLI::App& app, Context& context);
 void add_info_command(CLI::App& app, Context& context);
 void add_check_command(CLI::App& app, Context& context);
+void add_calibrate_command(CLI::App& app, Context& context);
 void add_vocabulary_command(CLI::App& app, Context& context);
 void add_benchmark_command(CLI::App& app, Context& context);
 void add_options_command(CLI::App& app, Context& context);

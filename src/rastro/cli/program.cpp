@@ -117,6 +117,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_convert_command(app, context);
   add_simulate_command(app, context);
   add_occlude_command(app, context);
+  add_calibrate_command(app, context);
   add_vocabulary_command(app, context);
   add_benchmark_command(app, context);
   add_methods_command(app, context);

@@ -34,7 +34,8 @@ TEST(FrameBlock, HasDepthAsPointsOfTheCameraInTheColorsOfTheImage) {
   EXPECT_EQ(block.header["index"], 7);
   EXPECT_EQ(block.header["width"], 4);
   EXPECT_EQ(block.numbers<float>(block.header.at("points")), (std::vector<float>{0, 0, 2, 4, 0, 4}));
-  EXPECT_EQ(block.numbers<std::uint8_t>(block.header.at("colors")), (std::vector<std::uint8_t>{0, 0, 0, 200, 200, 200}));
+  EXPECT_EQ(block.numbers<std::uint8_t>(block.header.at("colors")),
+            (std::vector<std::uint8_t>{0, 0, 0, 200, 200, 200}));
 }
 
 TEST(FrameBlock, HasTheReturnsOfAScanInTheBodyFrame) {

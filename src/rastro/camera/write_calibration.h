@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rastro/camera/calibration_file.h"
+
+namespace rastro {
+
+/// Calibrations as text; read_calibration() gives the same numbers. Cameras need a size.
+/// ROS's camera_info YAML of one camera: with its rectification and projection, those of a pair where `pair` has two.
+std::string ros_calibration_text(const std::vector<CalibratedCameraEntry>& pair, std::size_t camera);
+/// OpenCV's FileStorage YAML: camera_matrix and distortion_coefficients of one camera; of a pair M1 D1 M2 D2, and R T
+/// (right from left).
+std::string opencv_calibration_text(const std::vector<CalibratedCameraEntry>& cameras);
+/// Kalibr's camchain, each camera relative to the one before.
+std::string kalibr_calibration_text(const std::vector<CalibratedCameraEntry>& cameras);
+
+}  // namespace rastro

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "rastro/base/error.h"
+#include "rastro/base/log.h"
+#include "rastro/calibration/report.h"
+#include "rastro/camera/write_calibration.h"
+#include "rastro/cli/calibrate_input.h"
+#include "rastro/cli/command.h"
+#include "rastro/cli/common_flags.h"
+#include "rastro/cli/interrupt.h"
+#include "rastro/cli/progress_bar.h"
+
+namespace rastro::cli {
+namespace {
+
+constexpr const char* footer =
+    R"(Estimates focal lengths, principal point and distortion from images of a chessboard, with the standard deviation of each,
+and says how far the result can be trusted: the uncertainty of projection over the image, two halves of the images against
+each other, parts of the image and tilts that are missing, a board that is not flat, a model that is too simple.
+20 to 50 sharp images, the board in every corner of the image and tilted by 20 to 45 degrees in each direction.
+
+Files in --out: camera.yaml (ROS; of a pair left.yaml, right.yaml), opencv.yaml, camchain.yaml (Kalibr), calibration.json,
+residuals.png, uncertainty.png, corners.vnl (the corners used, as mrcal reads them). Each YAML can be given to --calibration of the other commands.
+
+Examples:
+  rastro calibrate --make-board chessboard:9x6:0.025 --out board.svg
+  rastro calibrate images/ --board chessboard:9x6:0.025 --out camera
+  rastro calibrate walk.mp4 --every 10 --board chessboard:9x6:0.025 --out camera --model equidistant
+  rastro calibrate 'left*.jpg' --right 'right*.jpg' --board chessboard:9x6:0.025 --out pair --baseline 0.11)";
+
+struct Flags {
+  DataFlags data;
+  std::string board, make_board, right, out, model = "auto";
+  double baseline_m = 0.0;
+  std::size_t most_views = 100;
+  bool force = false;
+};
+
+LensModel model_named(const std::string& name) {
+  for (const LensModel model : {LensModel::pinhole_4, LensModel::pinhole_5, LensModel::equidistant})
+    if (name == lens_model_name(model)) return model;
+  throw Error(fmt::format("no model '{}'", name), "--model", "choose auto, pinhole4, pinhole5 or equidistant");
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) throw Error("cannot be written", path.string(), "is there space, and may you write there?");
+}
+
+void refuse_existing_output(const Flags& flags) {
+  if (flags.out.empty()) throw Error("is missing", "--out", "say where the result goes");
+  if (!flags.force && std::filesystem::exists(flags.out))
+    throw Error("already exists", flags.out, "choose another --out or add --force");
+}
+
+void make_board(const Flags& flags) {
+  const Board board = parse_board(flags.make_board);
+  refuse_existing_output(flags);
+  write_text(flags.out, board_svg(board));
+  if (!flags.data.quiet)
+    fmt::print("{} written: print it at 100 %, glue it to something flat, measure a square\n", flags.out);
+}
+
+void write_files(const CalibrationReport& report, const std::filesystem::path& folder) {
+  const std::vector<CalibratedCameraEntry> cameras = calibrated_cameras(report);
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) throw Error("cannot be made", folder.string(), "may you write there?");
+  for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
+    write_text(folder / (cameras[camera].name + ".yaml"), ros_calibration_text(cameras, camera));
+    const std::string suffix = cameras.size() > 1 ? "_" + cameras[camera].name : "";
+    write_text(folder / ("corners" + suffix + ".vnl"), calibration_corners(report, camera));
+    write_residual_image(report, camera, (folder / ("residuals" + suffix + ".png")).string());
+    write_uncertainty_image(report, camera, (folder / ("uncertainty" + suffix + ".png")).string());
+  }
+  write_text(folder / "opencv.yaml", opencv_calibration_text(cameras));
+  write_text(folder / "camchain.yaml", kalibr_calibration_text(cameras));
+  write_text(folder / "calibration.json", calibration_json(report));
+}
+
+void calibrate(const Flags& flags) {
+  if (flags.data.path.empty()) throw Error("is missing", "DATA", "give images, a video or a recording of a chessboard");
+  if (flags.board.empty())
+    throw Error("is missing", "--board", "give the inner corners and the side of a square: chessboard:9x6:0.025");
+  const Board board = parse_board(flags.board);
+  CalibrationOptions options;
+  if (flags.model != "auto") options.model = model_named(flags.model);
+  refuse_existing_output(flags);
+  catch_interrupts();
+  ProgressBar bar(!flags.data.quiet);
+  BoardImages found = find_boards(flags.data, flags.right, board, flags.most_views, bar);
+  bar.clear();
+  CalibrationReport report;
+  report.calibration = calibrate_camera(found.input, options);
+  report.input = std::move(found.input);
+  report.images = found.images;
+  for (std::size_t camera = 0; camera < (report.input.stereo ? 2U : 1U); ++camera)
+    report.trust.push_back(judge_calibration(report.calibration, camera, report.input.width, report.input.height));
+  if (report.input.stereo) judge_baseline(report.calibration, flags.baseline_m, report.trust.back());
+  write_files(report, flags.out);
+  if (flags.data.json) {
+    fmt::print("{}", calibration_json(report));
+  } else if (!flags.data.quiet) {
+    fmt::print("{}files written to {}\n", calibration_summary(report), flags.out);
+  }
+}
+
+void add_flags(CLI::App& command, Flags& flags) {
+  add_data_flags(command, flags.data);
+  command.get_option("DATA")->required(false);
+  command.add_option("--board", flags.board, "Board: inner corners along x and y, side of a square in meters")
+      ->type_name("chessboard:9x6:0.025");
+  command.add_option("--out", flags.out, "Output folder; with --make-board the SVG file")->type_name("DIR")->required();
+  command.add_option("--right", flags.right, "Images of the right camera of a pair, one for each of DATA")
+      ->type_name("DATA");
+  command
+      .add_option("--baseline", flags.baseline_m,
+                  "Known baseline of the pair in meters: checks the size of the squares, which images alone cannot")
+      ->type_name("METERS")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--model", flags.model, "Lens model: auto, pinhole4 (k1 k2 p1 p2), pinhole5 (with k3), equidistant")
+      ->type_name("MODEL")
+      ->capture_default_str();
+  command.add_option("--most-views", flags.most_views, "Views of the board to use at most, evenly chosen")
+      ->type_name("N")
+      ->check(CLI::Range(3, 1000))
+      ->capture_default_str();
+  command.add_option("--make-board", flags.make_board, "Writes a board to print instead of calibrating")
+      ->type_name("chessboard:9x6:0.025");
+  command.add_flag("--force", flags.force, "Overwrite --out");
+}
+
+}  // namespace
+
+void add_calibrate_command(CLI::App& app, Context& context) {
+  CLI::App* command = app.add_subcommand("calibrate", "Calibrates a camera or a pair from images of a chessboard");
+  const auto flags = std::make_shared<Flags>();
+  add_flags(*command, *flags);
+  command->footer(footer);
+  command->callback([flags, &context] {
+    if (flags->data.quiet) set_log_sink({});
+    if (!flags->make_board.empty()) {
+      make_board(*flags);
+    } else {
+      try {
+        calibrate(*flags);
+      } catch (const Interrupted&) {
+        if (!flags->data.quiet) fmt::print("interrupted: nothing was written\n");
+      }
+    }
+    context.exit_code = done;
+  });
+}
+
+}  // namespace rastro::cli
