@@ -70,7 +70,7 @@ class Breaches(unittest.TestCase):
         self.assert_breach("src/rastro/feature/a.cpp", text.replace("#include <", "// <"), "may not include synthetic")
 
     def test_third_party_away_from_home(self):
-        self.assert_breach("src/rastro/base/a.cpp", LICENCE + "#include <opencv2/core.hpp>\n", "belongs to dataset")
+        self.assert_breach("src/rastro/base/a.cpp", LICENCE + "#include <opencv2/core.hpp>\n", "belongs to calibration")
         self.assert_breach("src/rastro/dataset/a.cpp", LICENCE + "#include <CLI/CLI.hpp>\n", "belongs to cli")
         self.assert_clean("src/rastro/dataset/a.cpp", LICENCE + "#include <opencv2/core.hpp>\n")
 

@@ -253,7 +253,7 @@ view() {
   refused '--token' view "$here/run" --listen 0.0.0.0 --token 'a b'
   refused 'is not an address' view "$here/run" --listen here
   refused '--port' view "$here/run" --port 70000
-  refused 'does not exist' view "$here/none"
+  refused 'no such file or folder' view "$here/none"
   sed -i '3s/,.*/,cut/' "$here/run/stats.csv"
   refused 'stats.csv:3' view "$here/run"
   "$rastro" view "$here/run/map.rastro" "$here/run/trajectory.txt" --port 0 --token s3cret >"$here/address" 2>"$here/stderr" &
