@@ -1,7 +1,7 @@
 # rastro_module(NAME [PUBLIC lib...] [PRIVATE lib...] [PRECOMPILE header...]): the folder src/rastro/NAME as one internal library.
 # Every *.cpp below the folder is a source (main.cpp apart), every *_test.cpp a test, every *_testing.cpp a help to tests; what it may use is read from layers.txt,
-# and configuring stops when a line of that table is not sound. TESTS_IN_ONE_PROCESS filter: its tests that share what is dear to make, such as a
-# flight through the hall; else each would render it again. All modules together make librastro.
+# and configuring stops when a line of that table is not sound. TEST_SHARDS n: its tests are
+# run in n parts, so that none lasts much over 20 s. All modules together make librastro.
 define_property(GLOBAL PROPERTY RASTRO_MODULES BRIEF_DOCS "modules in build order" FULL_DOCS "modules in build order")
 
 # Reads layers.txt once: RASTRO_LAYER_<folder> and RASTRO_USES_<folder> for every folder named there.
@@ -96,7 +96,7 @@ function(rastro_compile_together target)
 endfunction()
 
 function(rastro_module name)
-  cmake_parse_arguments(arg "" "TESTS_IN_ONE_PROCESS" "PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(arg "" "TEST_SHARDS" "PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
   string(REPLACE "/" "_" target rastro_${name})
   rastro_layer_line(${name} line)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
@@ -131,7 +131,7 @@ function(rastro_module name)
     endforeach()
   endforeach()
   set_property(GLOBAL APPEND PROPERTY RASTRO_MODULES ${name})
-  set_property(GLOBAL PROPERTY RASTRO_TESTS_IN_ONE_PROCESS_${name} "${arg_TESTS_IN_ONE_PROCESS}")
+  set_property(GLOBAL PROPERTY RASTRO_TEST_SHARDS_${name} "${arg_TEST_SHARDS}")
 endfunction()
 
 # rastro_method(KIND/NAME [PUBLIC lib...] [PRIVATE lib...]): the folder odometry/NAME or slam/NAME as a module and an entry of the generated list of
@@ -246,9 +246,9 @@ function(rastro_add_module_tests)
          "${PROJECT_SOURCE_DIR}/src/rastro/${name}/*_testing.cpp")
     rastro_without_modules_below("${PROJECT_SOURCE_DIR}/src/rastro/${name}" tests)
     if(tests)
-      get_property(shared GLOBAL PROPERTY RASTRO_TESTS_IN_ONE_PROCESS_${name})
+      get_property(shards GLOBAL PROPERTY RASTRO_TEST_SHARDS_${name})
       string(REPLACE "/" "_" module ${name})
-      rastro_add_test(rastro_${module}_test MODULES ${module} synthetic SOURCES ${tests} ONE_PROCESS ${shared})
+      rastro_add_test(rastro_${module}_test MODULES ${module} synthetic SOURCES ${tests} SHARDS ${shards})
       if(name STREQUAL "export")  # its tests parse MCAP files
         target_compile_definitions(rastro_export_test PRIVATE RASTRO_WITH_MCAP=$<BOOL:${RASTRO_WITH_MCAP}>)
         target_link_libraries(rastro_export_test PRIVATE ZLIB::ZLIB $<$<BOOL:${RASTRO_WITH_MCAP}>:protobuf::libprotobuf>)
@@ -276,10 +276,12 @@ function(rastro_precompile_program target)
   endif()
 endfunction()
 
-# rastro_add_test(TARGET MODULES m... SOURCES f... [LIBRARIES l...] [ONE_PROCESS filter]): a GoogleTest program registered
-# with ctest, one entry per test but for those of the filter, which are one together; with OpenCV at hand as an oracle. Recorded data is found through RASTRO_DATA of the environment ctest runs in.
+# rastro_add_test(TARGET MODULES m... SOURCES f... [LIBRARIES l...] [SHARDS n | EACH]): a GoogleTest program registered with
+# ctest as a whole, in n parts of its tests, or with an entry for each test; with OpenCV at hand as an oracle. A process per test would
+# cost more than the tests, and make anew what the tests of a suite share. Recorded data is found through RASTRO_DATA of the
+# environment ctest runs in.
 function(rastro_add_test target)
-  cmake_parse_arguments(arg "" "ONE_PROCESS" "MODULES;SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(arg "EACH" "SHARDS" "MODULES;SOURCES;LIBRARIES" ${ARGN})
   add_executable(${target} ${arg_SOURCES})
   rastro_compile_together(${target} ${arg_SOURCES})
   list(TRANSFORM arg_MODULES PREPEND rastro_)
@@ -288,12 +290,27 @@ function(rastro_add_test target)
   target_include_directories(${target} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)  # a test is compiled longer than it runs
   rastro_precompile_program(${target})
-  set(filter)
-  if(arg_ONE_PROCESS)
-    add_test(NAME ${arg_ONE_PROCESS} COMMAND ${target} --gtest_filter=${arg_ONE_PROCESS})
-    set_tests_properties(${arg_ONE_PROCESS} PROPERTIES TIMEOUT 600 ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
-    set(filter TEST_FILTER -${arg_ONE_PROCESS})
+  if(arg_EACH)
+    gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${RASTRO_TEST_TIMEOUT}
+      ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
+  else()
+    rastro_register_shards(${target} "${arg_SHARDS}")
   endif()
-  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST ${filter} PROPERTIES TIMEOUT ${RASTRO_TEST_TIMEOUT}
-    ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
+endfunction()
+
+function(rastro_register_shards target shards)
+  if(NOT shards)
+    set(shards 1)
+  endif()
+  math(EXPR last "${shards} - 1")
+  foreach(shard RANGE ${last})
+    set(name ${target})
+    if(shards GREATER 1)
+      math(EXPR number "${shard} + 1")
+      set(name ${target}.${number})
+    endif()
+    add_test(NAME ${name} COMMAND ${target} --gtest_brief=1)
+    set_tests_properties(${name} PROPERTIES TIMEOUT ${RASTRO_TEST_TIMEOUT}
+      ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR};GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${shard}")
+  endforeach()
 endfunction()
