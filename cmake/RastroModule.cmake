@@ -303,6 +303,7 @@ function(rastro_register_shards target shards)
     set(shards 1)
   endif()
   math(EXPR last "${shards} - 1")
+  math(EXPR timeout "5 * ${RASTRO_TEST_TIMEOUT}")  # of many tests together
   foreach(shard RANGE ${last})
     set(name ${target})
     if(shards GREATER 1)
@@ -310,7 +311,7 @@ function(rastro_register_shards target shards)
       set(name ${target}.${number})
     endif()
     add_test(NAME ${name} COMMAND ${target} --gtest_brief=1)
-    set_tests_properties(${name} PROPERTIES TIMEOUT ${RASTRO_TEST_TIMEOUT}
+    set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout}
       ENVIRONMENT "RASTRO_SOURCE_DIR=${PROJECT_SOURCE_DIR};GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${shard}")
   endforeach()
 endfunction()
