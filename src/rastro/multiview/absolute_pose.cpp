@@ -190,12 +190,14 @@ std::optional<AbsolutePose> refine_absolute_pose(std::span<const Eigen::Vector3d
 std::optional<AbsolutePose> estimate_absolute_pose(std::span<const Eigen::Vector3d> points_in_world,
                                                    std::span<const Eigen::Vector2d> points,
                                                    const AbsolutePoseOptions& options,
-                                                   const std::optional<SE3>& initial) {
+                                                   const std::optional<SE3>& initial,
+                                                   std::span<const std::int32_t> weights) {
   RASTRO_CHECK(points_in_world.size() == points.size(), "one pixel per point");
+  RASTRO_CHECK(weights.empty() || weights.size() == points.size(), "one weight per point, or none");
   if (points.size() < 4) return std::nullopt;
   const AbsolutePoseProblem problem(points_in_world, points, options);
   const auto start = initial ? std::optional(problem.from_origin(*initial)) : std::nullopt;
-  const auto found = ransac_of<PoseMatrix>(problem, points.size(), options, start);
+  const auto found = ransac_of<PoseMatrix>(problem, points.size(), options, start, weights);
   if (!found || found->inliers < 4) return std::nullopt;
   const auto limit = static_cast<float>(options.max_error_px * options.max_error_px);
   const auto refined =

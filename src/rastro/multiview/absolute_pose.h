@@ -34,12 +34,14 @@ std::vector<SE3> pose_from_three(std::span<const Eigen::Vector3d, 3> points_in_w
                                  std::span<const Eigen::Vector2d, 3> points);
 
 /// Pose by RANSAC over three points, refined over the inliers (Gauss-Newton with a Huber kernel). `initial`, where
-/// given, is tried before the first sample: a good guess saves samples and a bad one does no harm. nullopt for fewer
-/// than four points or inliers. The same seed gives the same bits.
+/// given, is tried before the first sample: a good guess saves samples and a bad one does no harm. `weights`, where not
+/// empty: how much each point counts, 1 to 1000, in drawing samples and choosing among them. nullopt for fewer than
+/// four points or inliers. The same seed gives the same bits.
 std::optional<AbsolutePose> estimate_absolute_pose(std::span<const Eigen::Vector3d> points_in_world,
                                                    std::span<const Eigen::Vector2d> points,
                                                    const AbsolutePoseOptions& options,
-                                                   const std::optional<SE3>& initial = std::nullopt);
+                                                   const std::optional<SE3>& initial = std::nullopt,
+                                                   std::span<const std::int32_t> weights = {});
 
 /// The refinement alone, from `start`, over all given points; inliers are those within max_error_px afterwards. nullopt
 /// for fewer than three points or if they do not determine the pose.

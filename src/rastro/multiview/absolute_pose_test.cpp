@@ -138,6 +138,24 @@ TEST(EstimateAbsolutePose, TooFewOrRandomPointsGiveNone) {
   EXPECT_FALSE(refine_absolute_pose(one_point, pixels, SE3(), pose_options()));
 }
 
+TEST(EstimateAbsolutePose, WeightsChooseBetweenTwoMotions) {
+  Random random(9);
+  const SE3 one = random_pose(random), other = random_pose(random);
+  const auto many = two_view_scene(random, one, {.count = 70}), few = two_view_scene(random, other, {.count = 30});
+  std::vector<Eigen::Vector3d> points = many.points;
+  std::vector<Eigen::Vector2d> rays = many.b;
+  points.insert(points.end(), few.points.begin(), few.points.end());
+  rays.insert(rays.end(), few.b.begin(), few.b.end());
+  std::vector<std::int32_t> weights(70, 100);
+  weights.resize(100, 1000);
+  const auto by_number = estimate_absolute_pose(points, rays, pose_options());
+  const auto by_weight = estimate_absolute_pose(points, rays, pose_options(), std::nullopt, weights);
+  ASSERT_TRUE(by_number && by_weight);
+  EXPECT_THAT(by_number->camera_from_world, pose_near(one, 1e-6, 1e-6));
+  EXPECT_THAT(by_weight->camera_from_world, pose_near(other, 1e-6, 1e-6));
+  EXPECT_GE(by_weight->inliers, 30);
+}
+
 TEST(RefineAbsolutePose, ConvergesFromAPerturbedStartDespiteAFewOutliers) {
   Random random(8);
   const auto scene = two_view_scene(random, random_pose(random), {.count = 100, .outlier_share = 0.05});

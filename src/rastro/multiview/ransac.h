@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "rastro/base/random.h"
 #include "rastro/multiview/point_pairs.h"
@@ -23,6 +26,30 @@ std::array<std::uint32_t, Count> draw_sample(Random& random, std::uint32_t size)
   return sample;
 }
 
+/// Draws numbers below the size of `weights`, each with the probability of its weight.
+class WeightedDraw {
+ public:
+  explicit WeightedDraw(std::span<const std::int32_t> weights) : sums_(weights.size()) {
+    std::partial_sum(weights.begin(), weights.end(), sums_.begin(),
+                     [](std::int32_t sum, std::int32_t weight) { return sum + std::max(weight, 1); });
+  }
+  /// `Count` different ones; as many weights at least.
+  template <std::size_t Count>
+  std::array<std::uint32_t, Count> sample(Random& random) const {
+    std::array<std::uint32_t, Count> sample{};
+    for (std::size_t i = 0; i < Count; ++i) {
+      do {
+        const auto at = static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(sums_.back())));
+        sample[i] = static_cast<std::uint32_t>(std::upper_bound(sums_.begin(), sums_.end(), at) - sums_.begin());
+      } while (std::find(sample.begin(), sample.begin() + i, sample[i]) != sample.begin() + i);
+    }
+    return sample;
+  }
+
+ private:
+  std::vector<std::int32_t> sums_;  ///< Of the weights so far.
+};
+
 /// Draws needed so that one sample of `sample_size` is free of outliers with `confidence`.
 inline int iterations_needed(double inlier_share, int sample_size, double confidence, int most) {
   const double clean = std::pow(inlier_share, sample_size);
@@ -37,10 +64,12 @@ inline int iterations_needed(double inlier_share, int sample_size, double confid
 ///   sample_size; fit(sample, sink) calls sink(model) for every model of a minimal sample; refit(model, inlier errors)
 ///   -> optional model; errors(model, out): squared errors of all pairs. Costs are summed in integers (1/1024 of the
 ///   threshold), so the order of summation does not matter. `initial`, where given, is tried before the first sample.
-///   `count`: number of pairs.
+///   `count`: number of pairs. `weights`, where not empty: how much the cost of each pair counts and how often it is
+///   drawn, 1 to 1000.
 template <typename Model, typename Problem>
 std::optional<RobustFitOf<Model>> ransac_of(const Problem& problem, std::size_t count, const RansacOptions& options,
-                                            const std::optional<Model>& initial = std::nullopt) {
+                                            const std::optional<Model>& initial = std::nullopt,
+                                            std::span<const std::int32_t> weights = {}) {
   constexpr std::size_t sample_size = Problem::sample_size;
   if (count < sample_size) return std::nullopt;
   const float limit = static_cast<float>(options.max_error_px * options.max_error_px);
@@ -48,38 +77,54 @@ std::optional<RobustFitOf<Model>> ransac_of(const Problem& problem, std::size_t 
   std::vector<float> errors(count);
   const auto cost_of = [&](const Model& model) {
     problem.errors(model, errors.data());
-    std::int32_t cost = 0;
     // Written so that a NaN error counts as an outlier.
-    for (std::size_t i = 0; i < count; ++i) {
-      const float units = errors[i] * to_units;
-      cost += static_cast<std::int32_t>(units < 1024.0F ? units : 1024.0F);
+    const auto units_of = [=](float error) {
+      const float units = error * to_units;
+      return static_cast<std::int32_t>(units < 1024.0F ? units : 1024.0F);
+    };
+    std::int64_t cost = 0;
+    if (weights.empty()) {
+      std::int32_t sum = 0;
+      for (std::size_t i = 0; i < count; ++i) sum += units_of(errors[i]);
+      cost = sum;
+    } else {
+      for (std::size_t i = 0; i < count; ++i) cost += std::int64_t{weights[i]} * units_of(errors[i]);
     }
     return cost;
   };
 
   RobustFitOf<Model> best;
-  std::int32_t best_cost = static_cast<std::int32_t>(count) * 1024;
+  const std::int64_t all = weights.empty() ? static_cast<std::int64_t>(count)
+                                           : std::accumulate(weights.begin(), weights.end(), std::int64_t{0});
+  std::int64_t best_cost = 1024 * all;
   int needed = options.max_iterations;
   const auto consider = [&](const Model& model) {
-    const std::int32_t cost = cost_of(model);
+    const std::int64_t cost = cost_of(model);
     if (cost >= best_cost) return false;
     best_cost = cost;
     best.model = model;
     best.squared_errors = errors;
     best.inliers = static_cast<int>(std::count_if(errors.begin(), errors.end(), [=](float e) { return e <= limit; }));
-    needed = iterations_needed(static_cast<double>(best.inliers) / static_cast<double>(count),
-                               static_cast<int>(sample_size), options.confidence, options.max_iterations);
+    std::int64_t fitting = best.inliers;
+    if (!weights.empty()) {
+      fitting = 0;
+      for (std::size_t i = 0; i < count; ++i) fitting += errors[i] <= limit ? weights[i] : 0;
+    }
+    needed = iterations_needed(static_cast<double>(fitting) / static_cast<double>(all), static_cast<int>(sample_size),
+                               options.confidence, options.max_iterations);
     return true;
   };
 
   Random random(options.seed);
+  const WeightedDraw weighted(weights);
   int iteration = 0;
   if (initial && consider(*initial)) {
     if (const auto refined = problem.refit(best, limit)) consider(*refined);
   }
   for (; iteration < needed; ++iteration) {
     bool improved = false;
-    problem.fit(draw_sample<sample_size>(random, static_cast<std::uint32_t>(count)),
+    problem.fit(weights.empty() ? draw_sample<sample_size>(random, static_cast<std::uint32_t>(count))
+                                : weighted.template sample<sample_size>(random),
                 [&](const Model& model) { improved |= consider(model); });
     if (!improved) continue;
     if (const auto refined = problem.refit(best, limit)) consider(*refined);

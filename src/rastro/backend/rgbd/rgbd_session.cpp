@@ -104,7 +104,7 @@ void RgbdSession::on_pose(const Frame& frame, const RgbdFollow& followed, SlamUp
   if (loss_.lost) update.state = SlamState::relocalized;
   loss_.lost = false;
   loss_.frames = 0;
-  update.score = followed.points > 0 ? static_cast<double>(followed.inliers) / followed.points : 1.0;
+  update.score = followed.points > 0 ? followed.inlier_share : 1.0;
   update.used = followed.inliers + followed.surface_points;
   const SE3& pose = followed.world_from_camera;
   if (!exists()) {

@@ -50,7 +50,7 @@ OdometryUpdate RgbdOdometry::process(const Frame& frame) {
   update.used = follow.state == OdometryState::tracking;
   update.matches = follow.points;
   update.inliers = follow.inliers;
-  update.confidence = follow.points > 0 ? static_cast<double>(follow.inliers) / follow.points : 0.0;
+  update.confidence = follow.points > 0 ? follow.inlier_share : 0.0;
   const int reference = static_cast<int>(state_->follower.reference_poses().size()) - 1;
   const SE3 world_from_reference = reference < 0 ? SE3() : state_->follower.reference_poses().back();
   state_->records.push_back({frame.stamp, reference, world_from_reference.inverse() * follow.world_from_camera});

@@ -14,6 +14,7 @@
 #include "rastro/math/median.h"
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/odometry/frame_check.h"
+#include "rastro/odometry/rgbd_tracking/coverage.h"
 #include "rastro/odometry/rgbd_tracking/feature_tracker.h"
 #include "rastro/odometry/rgbd_tracking/landmark_finder.h"
 #include "rastro/odometry/rgbd_tracking/point_map.h"
@@ -24,6 +25,9 @@ namespace rastro {
 namespace {
 
 constexpr int most_missed = 20;
+// Of the image with features, the part that must fit, and the part above which the features alone say how certain they
+// are.
+constexpr double least_fit = 1.0 / 3.0, most_fit = 0.5;
 constexpr int solver_iterations = 6;
 constexpr double most_depth_offset_s = 0.1;
 constexpr double first_delay_sigma_s = 0.02, most_delay_s = 0.06, delay_step_s = 0.005;
@@ -34,6 +38,10 @@ constexpr double carried_sigma_factor = 2.0;
 // Surfaces: every fourth block for the coarse search, every third for the fine one; search radius in meters.
 constexpr int coarse_step = 4, fine_step = 3, coarse_iterations = 12;
 constexpr double coarse_reach_m = 0.2, fine_reach_m = 0.03;
+// While something moves, surfaces that fit less closely are taken for its own.
+constexpr double close_reach_m = 0.01;
+// A feature further off than this is not there by an error of calibration or by blur: it moves.
+constexpr double moving_px = 10.0;
 constexpr int least_compared = 1500;  // blocks
 // Meters and radians: a pose less certain is lost.
 constexpr double lost_sigma = 0.2;
@@ -45,12 +53,11 @@ constexpr int corners_to_find = 600;
 // neither.
 constexpr double covariance_factor = 4.0;
 
-/// Variance factor of a pose that most features contradict: something large moves, and the pose may follow it.
+/// Variance factor of a pose that most of the image contradicts: something large moves, and the pose may follow it.
 double contradiction(const RgbdFollow& result, int min_points) {
   if (result.points < min_points) return 1.0;
-  constexpr double enough = 0.4, least = 0.1;  // share of the features that fit
-  const double share = static_cast<double>(result.inliers) / std::max(1, result.points);
-  return std::pow(enough / std::clamp(share, least, enough), 3);
+  constexpr double enough = 0.4, least = 0.1;
+  return std::pow(enough / std::clamp(result.inlier_share, least, enough), 3);
 }
 
 double largest_sigma(const Matrix6d& covariance) {
@@ -86,7 +93,9 @@ class RgbdFollower::State {
   std::optional<SE3> pose_from(const std::vector<FoundPoint>& found, const SE3& guess, RgbdFollow& result);
   std::optional<SE3> pose_from_surfaces(const Frame& frame, const SE3& guess);
   void read_depths(const Frame& frame, const Vector6d& velocity);
-  void keep_inliers(const SE3& pose);
+  double leave_out_moving(const SE3& pose);
+  std::vector<std::uint8_t> fitting(const SE3& pose, double within_px) const;
+  double keep_inliers(const SE3& pose);
   bool features_fit(const RgbdFollow& result) const;
   double unshared_error(const PoseSolution& solution) const;
   double excess_variance(const SE3& pose) const;
@@ -122,6 +131,7 @@ class RgbdFollower::State {
   std::int64_t followed_ = 0;
   std::vector<FoundPoint> found_;
   std::vector<PointMeasurement> measured_;
+  ImageParts moving_;                      ///< Of the last frame, in which something moves.
   std::vector<FollowedFeature> features_;  ///< Of the last frame, for those who ask.
 };
 
@@ -165,6 +175,7 @@ void RgbdFollower::State::start(const Frame& frame, RgbdFollow& result) {
   add_reference(frame, pose_);
   result.state = OdometryState::tracking;
   result.points = result.inliers = reference_inliers_;
+  result.inlier_share = 1.0;
   result.new_reference = true;
 }
 
@@ -249,9 +260,11 @@ std::optional<SE3> RgbdFollower::State::pose_from(const std::vector<FoundPoint>&
   options.seed = seed_for(options_.seed, static_cast<std::uint64_t>(followed_));
   options.focal_px = camera_.fx;
   result.points = static_cast<int>(found.size());
-  const auto pose = estimate_absolute_pose(points, rays, options, guess.inverse());
+  const std::vector<std::int32_t> weights = coverage_weights(found, camera_);
+  const auto pose = estimate_absolute_pose(points, rays, options, guess.inverse(), weights);
   result.inliers = pose ? pose->inliers : 0;
-  if (!pose || pose->inliers < options_.min_points || 3 * pose->inliers < result.points) return std::nullopt;
+  result.inlier_share = pose ? weighted_share(weights, pose->is_inlier) : 0.0;
+  if (!features_fit(result)) return std::nullopt;
   return pose->camera_from_world.inverse();
 }
 
@@ -306,18 +319,19 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool i
   const Vector6d velocity = velocity_to(frame.stamp, *first);
   const SE3 camera_from_depth = depth_from_color(frame, velocity).inverse();
   read_depths(frame, velocity);
+  const double reach_m = leave_out_moving(*first);
   surfaces_.choose(map_, *first, camera_from_depth);
   const PoseSolution solution = solve_pose(
       measured_, options_.shared_error_px / camera_.fx, *first, solver_iterations,
-      [&](const SE3& pose, int) { return surfaces_.compare(map_, pose, camera_from_depth, fine_reach_m, fine_step); });
+      [&](const SE3& pose, int) { return surfaces_.compare(map_, pose, camera_from_depth, reach_m, fine_step); });
   SurfaceMatch match;
-  surfaces_.compare(map_, solution.world_from_camera, camera_from_depth, fine_reach_m, coarse_step, &match);
+  surfaces_.compare(map_, solution.world_from_camera, camera_from_depth, reach_m, coarse_step, &match);
   result.points = static_cast<int>(measured_.size());
   const SE3 by_points = solution.by_points_alone();
   const double excess = excess_variance(by_points), against_surfaces = excess_variance(solution.world_from_camera);
-  keep_inliers(by_points);
+  result.inlier_share = keep_inliers(by_points);
   result.inliers = static_cast<int>(found_.size());
-  if (!judge(solution, match, 2 * result.inliers >= result.points ? excess : against_surfaces, result)) return false;
+  if (!judge(solution, match, result.inlier_share >= most_fit ? excess : against_surfaces, result)) return false;
   note_pose(frame.stamp, solution.world_from_camera);
   camera_from_depth_ = camera_from_depth;
   if (options_.learn_delay) learn_delay(solution.world_from_camera);
@@ -336,27 +350,47 @@ void RgbdFollower::State::read_depths(const Frame& frame, const Vector6d& veloci
   }
 }
 
-void RgbdFollower::State::keep_inliers(const SE3& pose) {
+/// Leaves out the surfaces of what moves before the rest, whose motion is `pose`. Returns how closely the others must
+/// fit.
+double RgbdFollower::State::leave_out_moving(const SE3& pose) {
+  moving_ = moving_parts(found_, fitting(pose, moving_px), camera_, moving_);
+  surfaces_.leave_out(moving_);
+  return moving_.any() ? close_reach_m : fine_reach_m;
+}
+
+std::vector<std::uint8_t> RgbdFollower::State::fitting(const SE3& pose, double within_px) const {
   const SE3 camera_from_world = pose.inverse();
+  std::vector<std::uint8_t> fits(measured_.size(), 0);
+  for (std::size_t i = 0; i < measured_.size(); ++i) {
+    const Eigen::Vector3d p = camera_from_world * measured_[i].in_world;
+    fits[i] = p.z() > 0.0 && (p.head<2>() / p.z() - measured_[i].ray).norm() * camera_.fx <= within_px;
+  }
+  return fits;
+}
+
+/// Returns the share of the image with features that fits.
+double RgbdFollower::State::keep_inliers(const SE3& pose) {
+  const std::vector<std::int32_t> weights = coverage_weights(found_, camera_);
+  const std::vector<std::uint8_t> fits = fitting(pose, options_.max_error_px);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < found_.size(); ++i) {
-    const Eigen::Vector3d p = camera_from_world * measured_[i].in_world;
-    if (p.z() > 0.0 && (p.head<2>() / p.z() - measured_[i].ray).norm() * camera_.fx <= options_.max_error_px) {
-      features_.push_back({found_[i].pixel, FollowedFeature::State::inlier});
+    features_.push_back(
+        {found_[i].pixel, fits[i] != 0 ? FollowedFeature::State::inlier : FollowedFeature::State::outlier});
+    if (fits[i] != 0) {
       found_[kept] = found_[i];
       measured_[kept++] = measured_[i];
     } else {
-      features_.push_back({found_[i].pixel, FollowedFeature::State::outlier});
       map_.points[found_[i].point].tracked = false;
       ++map_.points[found_[i].point].missed;
     }
   }
   found_.resize(kept);
   measured_.resize(kept);
+  return weighted_share(weights, fits);
 }
 
 bool RgbdFollower::State::features_fit(const RgbdFollow& result) const {
-  return result.inliers >= options_.min_points && 3 * result.inliers >= result.points;
+  return result.inliers >= options_.min_points && result.inlier_share >= least_fit;
 }
 
 /// Whether features or surfaces determine the pose, and how certain it is.
@@ -480,6 +514,7 @@ double RgbdFollower::State::add_points(const Frame& frame, int number) {
   const std::vector<Descriptor> descriptors = landmark_finder_.describe(tracker_.pyramid(), corners);
   int added = 0;
   for (std::size_t i = 0; i < corners.size() && added < wanted; ++i) {
+    if (moving_.at(static_cast<int>(corners[i].x()), static_cast<int>(corners[i].y()))) continue;
     const auto ray = camera_.unproject(corners[i].cast<double>());
     const auto reading = ray ? read(frame, *ray, velocity_) : std::nullopt;
     if (!reading) continue;
@@ -509,6 +544,7 @@ void RgbdFollower::State::restart(const SE3& world_from_camera) {
   has_pose_ = false;
   found_.clear();
   measured_.clear();
+  moving_ = {};
 }
 
 void RgbdFollower::State::move(const SE3& new_world_from_world) {

@@ -29,6 +29,7 @@ struct RgbdFollow {
   bool new_reference = false;  ///< This frame became the newest reference.
   int points = 0;              ///< Features matched with the local map.
   int inliers = 0;             ///< Of these, consistent with the pose.
+  double inlier_share = 0.0;   ///< 0..1: of the image with features, the part that is consistent with the pose.
   int surface_points = 0;      ///< Depth pixels consistent with the reference's surfaces.
   double texture_share = 0.0;  ///< 0..1: how much of the pose rests on features, the rest on surfaces.
 };

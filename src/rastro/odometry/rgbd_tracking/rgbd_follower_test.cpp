@@ -178,6 +178,54 @@ TEST(RgbdFollower, APoseThatMostFeaturesContradictIsLessCertain) {
   EXPECT_GT(sigma_m, 0.06) << "0.05 m by the disagreement of the features alone";
 }
 
+/// Checks of 12 cm, dark and bright at random.
+bool is_bright(const Eigen::Vector3d& p) {
+  const Eigen::Vector3i cell = (p / 0.12).array().floor().cast<int>();
+  const auto hash = static_cast<unsigned>(cell.x()) * 73856093U ^ static_cast<unsigned>(cell.y()) * 19349663U ^
+                    static_cast<unsigned>(cell.z()) * 83492791U;
+  return (hash >> 7U) % 2U == 0;
+}
+
+/// The room with faint checks, and in it a board of strong, fine texture, 0.6 x 1 m, parallel to the first image.
+Frame frame_with_board(const PaperedRoom& room, int index, const Eigen::Vector3d& middle) {
+  const SE3 pose = PaperedRoom::pose(index);
+  Frame frame = room.frame(index, pose);
+  const Eigen::Matrix3d axes = PaperedRoom::pose(0).rotation().matrix(), rotation = pose.rotation().matrix();
+  const Eigen::Vector3d from = pose.translation(), shift(0.037, 0.041, 0.029);
+  for (int y = 0; y < room.camera.height; ++y) {
+    for (int x = 0; x < room.camera.width; ++x) {
+      const Eigen::Vector3d ray =
+          rotation * Eigen::Vector3d((x - room.camera.cx) / room.camera.fx, (y - room.camera.cy) / room.camera.fy, 1);
+      const Eigen::Vector3d on_wall = from + static_cast<double>(frame.depth.at(x, y)) * ray + shift;
+      frame.image.at(x, y) = is_bright(on_wall) ? 120 : 90;
+      const double depth = (middle - from).dot(axes.col(2)) / ray.dot(axes.col(2));
+      const Eigen::Vector3d on_board = axes.transpose() * (from + depth * ray - middle);
+      if (depth <= 0.0 || std::abs(on_board.x()) > 0.3 || std::abs(on_board.y()) > 0.5) continue;
+      frame.image.at(x, y) = is_bright(2.0 * on_board + shift) ? 210 : 20;
+      frame.depth.at(x, y) = static_cast<float>(depth);
+    }
+  }
+  return frame;
+}
+
+/// Most features are on the board, but not most of the image.
+TEST(RgbdFollower, DoesNotFollowWhatComesTowardsIt) {
+  const PaperedRoom room;
+  RgbdFollower follower({}, room.camera, nullptr);
+  const Eigen::Vector3d forward = PaperedRoom::pose(0).rotation().matrix().col(2);
+  const Eigen::Vector3d start = PaperedRoom::pose(0).translation() + 1.8 * forward;
+  for (int i = 0; i < 12; ++i) {
+    // It stands for six frames, long enough to be taken into the map, then comes at 3 m/s.
+    const Eigen::Vector3d middle = start - 0.1 * std::max(0, i - 6) * forward;
+    const RgbdFollow follow = follower.follow(frame_with_board(room, i, middle));
+            path_error(follow.world_from_camera, i), std::string(name_of(follow.state)).c_str(), follow.points,
+            follow.inliers, follow.inlier_share, follow.surface_points, follow.texture_share,
+            std::sqrt(follow.covariance.trace()));
+            EXPECT_LT(path_error(follow.world_from_camera, i), 0.02) << i;
+            EXPECT_EQ(follow.state, OdometryState::tracking) << i << " " << follow.detail;
+  }
+}
+
 TEST(RgbdFollower, EmptyAndRepeatedFramesAndAFullMaskAreNoError) {
   const PaperedRoom room;
   RgbdFollower follower({}, room.camera, nullptr);

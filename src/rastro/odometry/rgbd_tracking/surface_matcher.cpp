@@ -28,6 +28,15 @@ void SurfaceMatcher::take(const Frame& frame, const Camera& camera) {
   blocks_ = depth_blocks(frame.depth, frame.mask.view(), surface_options_);
 }
 
+void SurfaceMatcher::leave_out(const ImageParts& moving) {
+  for (int y = 0; y < blocks_.height; ++y) {
+    for (int x = 0; x < blocks_.width; ++x) {
+      if (moving.at(x * surface_block_px, y * surface_block_px))
+        blocks_.depth[static_cast<std::size_t>(y * blocks_.width + x)] = 0.0F;
+    }
+  }
+}
+
 void SurfaceMatcher::choose(const PointMap& map, const SE3& pose, const SE3& camera_from_depth) {
   chosen_.clear();
   if (!has_surfaces()) return;

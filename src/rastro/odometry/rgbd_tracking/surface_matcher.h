@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "rastro/odometry/rgbd_tracking/coverage.h"
 #include "rastro/odometry/rgbd_tracking/options.h"
 #include "rastro/odometry/rgbd_tracking/point_map.h"
 #include "rastro/odometry/rgbd_tracking/pose_solver.h"
@@ -25,6 +26,8 @@ class SurfaceMatcher {
 
   /// Sets the next frame. Its surfaces are computed on demand. `camera`: with its size.
   void take(const Frame& frame, const Camera& camera);
+  /// Leaves out parts of the frame, because something moves there.
+  void leave_out(const ImageParts& moving);
   bool has_surfaces() const { return !blocks_.empty(); }
   /// Chooses the map's reference frames to compare with: the one of largest overlap, and the oldest of sufficient
   /// overlap, which keeps drift small.
