@@ -257,7 +257,7 @@ DepthCalibration calibrate_depth(const DepthCalibrationInput& input) {
     result.farthest_m = std::max(result.farthest_m, view.depth);
   }
   result.scale = fit.model.scale;
-  result.scale_sigma = sigmas[0];
+  result.scale_sigma = std::hypot(sigmas[0], result.scale * input.focal_length_sigma);
   result.offset_m = fit.model.offset_m;
   result.offset_sigma_m = sigmas[1];
   result.sigma_m = noise.sigma_m;

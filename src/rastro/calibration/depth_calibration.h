@@ -25,6 +25,9 @@ struct DepthCalibrationInput {
   bool registered = true;
   SE3 color_from_depth;       ///< To begin with: identity where registered, else as measured by hand.
   Eigen::Vector2d low, high;  ///< Where the board is flat and painted, in its own plane; meters.
+  /// Standard deviation of the color camera's focal length as share of it: the distances of all boards have it in
+  /// common.
+  double focal_length_sigma = 0.0;
   std::vector<DepthView> views;
 };
 

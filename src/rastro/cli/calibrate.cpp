@@ -119,6 +119,7 @@ DepthCalibrationInput depth_input(const Flags& flags, const CalibrationReport& r
   input.registered = flags.depth_camera.empty();
   input.depth_camera = input.registered ? camera_of(problem.lenses.front(), report.input.width, report.input.height)
                                         : read_calibration(flags.depth_camera).cameras.at(0).camera;
+  input.focal_length_sigma = report.calibration.lens_sigmas(0)[0] / problem.lenses.front().parameters[0];
   input.low = input.high = problem.board.front();
   for (const Eigen::Vector2d& point : problem.board) {
     input.low = input.low.cwiseMin(point);
