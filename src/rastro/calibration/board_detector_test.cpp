@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "rastro/base/error.h"
+#include "rastro/calibration/board_dictionary.h"
 #include "rastro/calibration/board_rendering_testing.h"
 #include "rastro/calibration/boards_testing.h"
 
@@ -73,6 +75,44 @@ TEST(BoardDetectorTest, BoardsWithTagsAreFoundInPartToo) {
     EXPECT_LT(accuracy.worst_px, 0.6) << text;
     std::printf("%s: %d of %d corners, %.3f px RMS, %.3f px worst\n", text, accuracy.corners, accuracy.expected,
                 accuracy.rms_px, accuracy.worst_px);
+  }
+}
+
+/// A grid of tags as Kalibr prints it: a border of two cells, and all tags turned by `turns` times 90 degrees.
+GrayImage kalibr_grid(const Board& board, int cell, int gap, std::size_t turns, int left, int top) {
+  GrayImage image(640, 480);
+  const auto fill = [&](int x, int y, int size, std::uint8_t value) {
+    for (int row = y; row < y + size; ++row) std::fill(image.row(row) + x, image.row(row) + x + size, value);
+  };
+  for (int y = 0; y < 480; ++y) std::fill(image.row(y), image.row(y) + 640, std::uint8_t{200});
+  const int tag = 10 * cell, step = tag + gap;
+  for (int y = 0; y <= board.rows; ++y)
+    for (int x = 0; x <= board.columns; ++x) fill(left + x * step - gap, top + y * step - gap, gap, 40);
+  for (int id = 0; id < board.columns * board.rows; ++id) {
+    const int x0 = left + id % board.columns * step, y0 = top + (board.rows - 1 - id / board.columns) * step;
+    fill(x0, y0, tag, 40);
+    const auto cells = tag_cells(board.tags, id);
+    for (std::size_t y = 1; y < 7; ++y)
+      for (std::size_t x = 1; x < 7; ++x) {
+        std::size_t u = x, v = y;
+        for (std::size_t k = 0; k < turns; ++k) u = std::exchange(v, 7 - u);
+        if (!cells[v][u]) fill(x0 + cell * static_cast<int>(x + 1), y0 + cell * static_cast<int>(y + 1), cell, 200);
+      }
+  }
+  return image;
+}
+
+TEST(BoardDetectorTest, KalibrsGridsAreFoundHoweverTheirTagsAreTurned) {
+  const Board board = parse_board("apriltag:4x3:0.08:0.024");
+  const std::vector<Eigen::Vector2d> points = board.points();
+  for (const std::size_t turns : {0U, 1U, 2U, 3U}) {
+    const auto found = detect_board(kalibr_grid(board, 8, 24, turns, 120, 90).view(), board);
+    ASSERT_TRUE(found) << turns;
+    EXPECT_EQ(found->corners.size(), points.size());
+    for (std::size_t k = 0; k < found->corners.size(); ++k) {
+      const Eigen::Vector2d& point = points[static_cast<std::size_t>(found->corners[k])];
+      EXPECT_LT((found->pixels[k] - (1000.0 * point + Eigen::Vector2d(119.5, 89.5))).norm(), 0.2) << turns;
+    }
   }
 }
 
