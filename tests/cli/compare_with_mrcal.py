@@ -23,6 +23,7 @@ def calibrate(folder, images, pattern, scratch, result, lens):
     """The same model with mrcal, its board flat where rastro found it flat."""
     command = ["mrcal-calibrate-cameras", "--corners-cache", folder + "/corners.vnl", "--lensmodel", lens, "--focal", "530"]
     command += ["--object-spacing", "0.025", "--object-width-n", "9", "--object-height-n", "6", "--outdir", scratch]
+    command.append("--skip-outlier-rejection")  # The corners are those that were kept.
     if not result["board"]["bowed"]:
         command.append("--skip-calobject-warp-solve")
     run = subprocess.run(command + [pattern], cwd=images, capture_output=True, text=True, check=False)

@@ -127,6 +127,8 @@ class BoardNormal {
     solver.num_threads = 1;
     // A hundredth of a standard deviation changes the cost by 1e-9 of it and more.
     solver.function_tolerance = 1e-11;
+    // Enough damping for directions that the prior alone holds.
+    solver.max_trust_region_radius = 1e8;
     solver.parameter_tolerance = 1e-12;
     solver.gradient_tolerance = 1e-12;
     solver.logging_type = ceres::SILENT;
