@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # What rastro writes, read by the programs it is written for: other_programs_test.sh PROGRAM SCRATCH_FOLDER CASE
-# CASE is make_other (first), models, g2o, grid, clouds, octomap, numbers, tracks_yaml or video. A case whose program is missing ends with 77
+# CASE is make_other (first), models, g2o, grid, clouds, octomap, numbers, tracks_yaml or video; or mrcal. A case whose program is missing ends with 77
 # (skipped) and says which package has it.
 set -euo pipefail
 rastro=$1
@@ -177,9 +177,24 @@ video() {
   done
 }
 
+# The same corners calibrated by mrcal: projections and their uncertainty.
+mrcal() {
+  need mrcal-calibrate-cameras mrcal
+  need_python mrcal python3-mrcal
+  need_python scipy python3-scipy
+  local boards=${RASTRO_DATA:-}/chessboards model
+  [[ -d $boards ]] || { echo "SKIPPED: no chessboards in RASTRO_DATA" >&2; exit 77; }
+  for model in pinhole4 pinhole5; do
+    run calibrate "$boards/left*.jpg" --board chessboard:9x6:0.025 --model $model --out "$here/$model"
+    mkdir -p "$here/mrcal_$model"
+    /usr/bin/python3 "$(dirname "${BASH_SOURCE[0]}")/compare_with_mrcal.py" "$here/$model" "$boards" 'left*.jpg' "$here/mrcal_$model" ||
+      fail "mrcal has another calibration"
+  done
+}
+
 case $case_name in
   make_other) make_other ;;
-  models | g2o | grid | clouds | octomap | numbers | tracks_yaml | video)
+  models | g2o | grid | clouds | octomap | numbers | tracks_yaml | video | mrcal)
     rm -rf "$here" && mkdir -p "$here"
     $case_name "$@"
     ;;

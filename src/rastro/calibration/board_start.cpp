@@ -63,6 +63,10 @@ StartView start_view(const std::vector<Eigen::Vector2d>& board, const BoardView&
 
 }  // namespace
 
+std::optional<SE3> board_pose(const std::vector<Eigen::Vector2d>& board, const BoardView& view, const Lens& lens) {
+  return start_view(board, view, lens).camera_from_board;
+}
+
 BoardStart start_boards(const std::vector<Eigen::Vector2d>& board, const std::vector<const BoardView*>& views,
                         LensModel model, int width, int height) {
   BoardStart best;

@@ -21,4 +21,7 @@ struct BoardStart {
 BoardStart start_boards(const std::vector<Eigen::Vector2d>& board, const std::vector<const BoardView*>& views,
                         LensModel model, int width, int height);
 
+/// The pose that explains a view best with this lens; nullopt where none does.
+std::optional<SE3> board_pose(const std::vector<Eigen::Vector2d>& board, const BoardView& view, const Lens& lens);
+
 }  // namespace rastro

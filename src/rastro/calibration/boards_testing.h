@@ -24,6 +24,7 @@ struct GeneratedOptions {
   bool stereo = false;
   bool only_middle = false;  ///< Every board small, upright and in the middle of the image.
   bool upright = false;
+  Board board = {9, 6, 0.025};
 };
 
 inline Lens generated_lens(LensModel model) {
@@ -60,24 +61,27 @@ inline SE3 generated_pose(const BoardProblem& problem, const GeneratedOptions& o
   return {rotation, ray * distance - rotation * Eigen::Vector3d(middle.x(), middle.y(), 0.0)};
 }
 
-/// Whether every corner is in the image; then `view` has them with noise.
-inline bool generate_view(const BoardProblem& problem, const SE3& camera_from_board, double noise_px, Random& random,
-                          BoardView& view) {
+/// Whether every corner is in the image, or with `in_part` twelve of them; then `view` has them with noise.
+inline bool generate_view(const BoardProblem& problem, const SE3& camera_from_board, double noise_px, bool in_part,
+                          Random& random, BoardView& view) {
   for (int i = 0; i < static_cast<int>(problem.board.size()); ++i) {
     const auto seen =
         problem.lenses[static_cast<std::size_t>(view.camera)].project(camera_from_board * board_point(problem, i));
-    if (!seen || seen->pixel.minCoeff() < 3.0 || seen->pixel.x() > 636.0 || seen->pixel.y() > 476.0) return false;
+    if (!seen || seen->pixel.minCoeff() < 3.0 || seen->pixel.x() > 636.0 || seen->pixel.y() > 476.0) {
+      if (!in_part) return false;
+      continue;
+    }
     view.corners.push_back(i);
     view.pixels.push_back(seen->pixel + noise_px * Eigen::Vector2d(random.normal(), random.normal()));
   }
-  return true;
+  return view.corners.size() >= 12;
 }
 
 inline GeneratedBoards generate_boards(const GeneratedOptions& options) {
   GeneratedBoards made;
   Random random(options.seed);
   BoardProblem& truth = made.truth;
-  truth.board = Board{9, 6, 0.025}.points();
+  truth.board = options.board.points();
   truth.lenses = {generated_lens(options.model)};
   if (options.stereo) {
     truth.lenses.push_back(truth.lenses.front());
@@ -85,11 +89,12 @@ inline GeneratedBoards generate_boards(const GeneratedOptions& options) {
     truth.right_from_left = {SO3::exp({0.004, -0.01, 0.003}), {-0.06, 0.001, 0.0005}};
   }
   truth.shape = options.shape;
+  const bool in_part = options.board.kind != BoardKind::chessboard;
   for (int frame = 0; frame < options.frames;) {
     const SE3 pose = generated_pose(truth, options, random);
     BoardView left{frame, 0, {}, {}}, right{frame, 1, {}, {}};
-    if (!generate_view(truth, pose, options.noise_px, random, left)) continue;
-    if (options.stereo && !generate_view(truth, truth.right_from_left * pose, options.noise_px, random, right))
+    if (!generate_view(truth, pose, options.noise_px, in_part, random, left)) continue;
+    if (options.stereo && !generate_view(truth, truth.right_from_left * pose, options.noise_px, in_part, random, right))
       continue;
     truth.left_from_board.push_back(pose);
     made.input.views.push_back(left);

@@ -152,19 +152,109 @@ void require_views(const BoardProblem& problem) {
   }
 }
 
-BoardSolution robust_fit(const CalibrationInput& input, const CalibrationOptions& options, LensModel model,
-                         CameraCalibration& calibration) {
-  BoardAdjustmentOptions adjust;
-  adjust.free_bow = true;
-  adjust.huber_px = huber_px;
-  BoardSolution solution = adjust_boards(start_problem(input, model), adjust);
+constexpr LensModel all_models[] = {LensModel::pinhole_4, LensModel::pinhole_5, LensModel::equidistant,
+                                    LensModel::pinhole_8};
+
+std::vector<LensModel> models_to_fit(const CalibrationOptions& options) {
+  if (options.compare_models) return {std::begin(all_models), std::end(all_models)};
+  return {options.model.value_or(LensModel::pinhole_5)};
+}
+
+BoardProblem as_model(BoardProblem problem, LensModel model) {
+  for (Lens& lens : problem.lenses) lens = as_model(lens, model);
+  return problem;
+}
+
+BoardAdjustmentOptions robust_options() {
+  BoardAdjustmentOptions robust;
+  robust.free_bow = true;
+  robust.huber_px = huber_px;
+  robust.iterations = 40;
+  return robust;
+}
+
+/// Fits with all views, robust to those that are wrong, from which all others start.
+std::map<LensModel, BoardSolution> first_fits(const CalibrationInput& input, const std::vector<LensModel>& models) {
+  const auto wanted = [&](LensModel model) { return std::find(models.begin(), models.end(), model) != models.end(); };
+  std::map<LensModel, BoardSolution> fits;
+  const auto fit = [&](LensModel model, const BoardProblem& start) {
+    fits.emplace(model, adjust_boards(start, robust_options()));
+  };
+  if (wanted(LensModel::equidistant)) fit(LensModel::equidistant, start_problem(input, LensModel::equidistant));
+  if (models.size() == 1 && models.front() == LensModel::equidistant) return fits;
+  fit(LensModel::pinhole_5, start_problem(input, LensModel::pinhole_5));
+  const BoardProblem& five = fits.at(LensModel::pinhole_5).problem;
+  if (wanted(LensModel::pinhole_8)) fit(LensModel::pinhole_8, as_model(five, LensModel::pinhole_8));
+  return fits;
+}
+
+double typical_error(const BoardSolution& solution) {
+  std::vector<double> errors;
+  for (const auto& residuals : solution.residuals)
+    for (const Eigen::Vector2d& residual : residuals) errors.push_back(residual.norm());
+  return median_of(errors);
+}
+
+/// Poses anew, with the lens that was found, for frames that fit badly: the first lens may have put them on a wrong
+/// side. Returns whether there were any.
+bool restart_bad_frames(BoardSolution& solution, double bad_frame) {
+  std::vector<double> errors;
+  for (const auto& residuals : solution.residuals) errors.push_back(rms_of_view(residuals));
+  const double worst = bad_frame * median_of(errors) + 1e-6;
+  BoardProblem& problem = solution.problem;
+  bool any = false;
+  for (std::size_t v = 0; v < errors.size(); ++v) {
+    if (errors[v] <= worst) continue;
+    const BoardView& view = problem.views[v];
+    const auto pose = board_pose(problem.board, view, problem.lenses[static_cast<std::size_t>(view.camera)]);
+    if (!pose) continue;
+    problem.left_from_board[static_cast<std::size_t>(view.frame)] =
+        view.camera == 0 ? *pose : problem.right_from_left.inverse() * *pose;
+    any = true;
+  }
+  return any;
+}
+
+/// The views that fit. The model that fits best says which, or a lens that a simple model cannot have would cost good
+/// views.
+BoardProblem good_views(const std::map<LensModel, BoardSolution>& fits, const CalibrationOptions& options,
+                        CameraCalibration& calibration) {
+  const auto best = std::min_element(fits.begin(), fits.end(), [](const auto& a, const auto& b) {
+    return typical_error(a.second) < typical_error(b.second);
+  });
+  BoardSolution solution = best->second;
+  for (int round = 0; round < 2 && restart_bad_frames(solution, options.bad_frame); ++round)
+    solution = adjust_boards(solution.problem, robust_options());
   for (int round = 0; round < 5 && leave_out(solution, options, calibration); ++round) {
     require_views(solution.problem);
-    solution = adjust_boards(solution.problem, adjust);
+    solution = adjust_boards(solution.problem, robust_options());
   }
   require_views(solution.problem);
-  adjust.huber_px = 0.0;
-  return adjust_boards(solution.problem, adjust);
+  return solution.problem;
+}
+
+/// Least squares fits of all models to the same good views.
+std::map<LensModel, BoardSolution> fit_models(const CalibrationInput& input, const CalibrationOptions& options,
+                                              CameraCalibration& calibration) {
+  const std::vector<LensModel> models = models_to_fit(options);
+  const std::map<LensModel, BoardSolution> starts = first_fits(input, models);
+  const BoardProblem good = good_views(starts, options, calibration);
+  BoardAdjustmentOptions adjust;
+  adjust.free_bow = true;
+  std::map<LensModel, BoardSolution> fits;
+  for (const LensModel model : models) {
+    const auto own = starts.find(model);
+    BoardProblem problem =
+        own != starts.end() ? own->second.problem : as_model(starts.at(LensModel::pinhole_5).problem, model);
+    std::vector<bool> started(problem.left_from_board.size(), false);
+    for (const BoardView& view : problem.views) started[static_cast<std::size_t>(view.frame)] = true;
+    for (std::size_t frame = 0; frame < started.size(); ++frame)
+      if (!started[frame]) problem.left_from_board[frame] = good.left_from_board[frame];
+    if (good.lenses.front().model == model) problem = good;
+    problem.views = good.views;
+    fits.emplace(model, adjust_boards(problem, adjust));
+  }
+  return fits;
 }
 
 double bayes_criterion(const BoardSolution& solution) {
@@ -227,28 +317,21 @@ double holdout_of(const std::vector<BoardSolution>& halves) {
   return std::sqrt(2.0 * squared / std::max(1, measurements));
 }
 
-/// The simplest model that no other one beats by much: in the frames held out, and by the criterion of Bayes.
-LensModel choose_model(const std::vector<ModelFit>& fits, bool only_of_camera) {
-  const ModelFit* best = nullptr;
-  for (const ModelFit& fit : fits) {
-    if (only_of_camera && fit.model == LensModel::pinhole_8) continue;
-    const bool better = best == nullptr || (fit.bic < best->bic - 10.0 && fit.rms_px < 0.995 * best->rms_px &&
-                                            fit.holdout_px <= best->holdout_px);
-    if (better) best = &fit;
-  }
-  return best->model;
-}
-
-BoardSolution refit_from(const CalibrationInput& input, const BoardSolution& solution, LensModel model) {
-  const bool other_kind =
-      (solution.problem.lenses.front().model == LensModel::equidistant) != (model == LensModel::equidistant);
-  if (!other_kind) return refit(solution, model, true, false);
-  CalibrationInput used = input;
-  used.views = solution.problem.views;
-  BoardAdjustmentOptions robust, adjust;
-  robust.huber_px = huber_px;
-  robust.free_bow = adjust.free_bow = true;
-  return adjust_boards(adjust_boards(start_problem(used, model), robust).problem, adjust);
+/// Fills in the models, simplest first, and chooses the simplest one that no other beats by much: by the criterion of
+/// Bayes, and in the frames held out, which are fitted only where that matters.
+LensModel choose_model(const std::map<LensModel, BoardSolution>& fits, bool compare, std::vector<ModelFit>& models) {
+  models.clear();
+  std::size_t best = 0;
+  const auto hold_out = [&](ModelFit& fit) {
+    if (compare && fit.holdout_px == 0.0) fit.holdout_px = holdout_of(fit_halves(fits.at(fit.model)));
+    return fit.holdout_px;
+  };
+  for (const auto& [model, fit] : fits) models.push_back({model, fit.rms_px(), 0.0, bayes_criterion(fit)});
+  for (std::size_t k = 1; k < models.size(); ++k)
+    if (models[k].bic < models[best].bic - 10.0 && models[k].rms_px < 0.995 * models[best].rms_px &&
+        hold_out(models[k]) <= hold_out(models[best]))
+      best = k;
+  return models[best].model;
 }
 
 /// Whether the freer one of two fits is better beyond chance (F test) and by what matters.
@@ -327,20 +410,17 @@ BoardSolution refit(const BoardSolution& solution, LensModel model, bool free_bo
 CameraCalibration calibrate_camera(const CalibrationInput& input, const CalibrationOptions& options) {
   if (input.width <= 0 || input.height <= 0) throw Error("images without a size", "DATA", "");
   CameraCalibration calibration;
-  const LensModel first = options.model.value_or(LensModel::pinhole_5);
-  const BoardSolution start = robust_fit(input, options, first, calibration);
-  std::map<LensModel, BoardSolution> fits;
-  for (const LensModel model :
-       {LensModel::pinhole_4, LensModel::pinhole_5, LensModel::equidistant, LensModel::pinhole_8}) {
-    if (!options.compare_models && model != first) continue;
-    const BoardSolution fit = model == first ? start : refit_from(input, start, model);
-    const double holdout = options.compare_models ? holdout_of(fit_halves(fit)) : 0.0;
-    calibration.models.push_back({model, fit.rms_px(), holdout, bayes_criterion(fit)});
-    fits.emplace(model, fit);
-  }
-  calibration.best_model = choose_model(calibration.models, false);
-  const LensModel chosen = options.model ? *options.model : choose_model(calibration.models, true);
+  std::map<LensModel, BoardSolution> fits = fit_models(input, options, calibration);
+  calibration.best_model = choose_model(fits, options.compare_models, calibration.models);
   calibration.shape = find_shape(fits.at(calibration.best_model));
+  if (calibration.shape.stretched) {
+    // A lens with more coefficients may only have made up for the board.
+    for (auto& [model, fit] : fits) fit = refit(fit, model, true, true);
+    calibration.best_model = choose_model(fits, options.compare_models, calibration.models);
+    const LensModel best = calibration.best_model;
+    calibration.shape = find_shape(refit(fits.at(best), best, true, false));
+  }
+  const LensModel chosen = options.model.value_or(calibration.best_model);
   calibration.solution = refit(fits.at(chosen), chosen, calibration.shape.bowed, calibration.shape.stretched);
   finish(calibration, options.compare_models);
   return calibration;

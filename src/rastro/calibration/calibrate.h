@@ -19,7 +19,7 @@ struct CalibrationInput {
 };
 
 struct CalibrationOptions {
-  std::optional<LensModel> model;  ///< Not given: the simplest that is good enough, of those that Camera has.
+  std::optional<LensModel> model;  ///< Not given: the simplest that is good enough.
   /// Compares all models, and the halves of the frames with each other; else only the first fit is made.
   bool compare_models = true;
   double outlier_sigmas = 5.0;  ///< A corner farther off than this is left out.
@@ -37,7 +37,7 @@ struct LeftOut {
 struct ModelFit {
   LensModel model = LensModel::pinhole_4;
   double rms_px = 0.0;
-  double holdout_px = 0.0;  ///< Of the frames of the other half; 0 where there are too few.
+  double holdout_px = 0.0;  ///< Of the frames of the other half; 0 where it was not needed, or too few.
   double bic = 0.0;         ///< Schwarz 1978, with the noise from the residuals; smaller is better.
 };
 

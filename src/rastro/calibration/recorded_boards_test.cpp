@@ -30,9 +30,7 @@ CalibrationInput chessboards(const std::string& folder, const std::vector<std::s
       const auto corners =
           detect_board({image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step)}, board);
       if (!corners) continue;
-      BoardView view{static_cast<int>(input.frames.size()), camera, {}, *corners};
-      for (int i = 0; i < board.corner_count(); ++i) view.corners.push_back(i);
-      input.views.push_back(view);
+      input.views.push_back({static_cast<int>(input.frames.size()), camera, corners->corners, corners->pixels});
     }
     input.frames.push_back(name);
   }

@@ -135,6 +135,24 @@ nlohmann::ordered_json models_json(const CameraCalibration& calibration) {
   return models;
 }
 
+nlohmann::ordered_json depth_json(const DepthCalibration& depth) {
+  const Eigen::Vector3d rotation = depth.color_from_depth.rotation().log();
+  const Eigen::Vector3d translation = depth.color_from_depth.translation();
+  return {{"views", depth.views},
+          {"scale", depth.scale},
+          {"scale_sigma", depth.scale_sigma},
+          {"offset_m", depth.offset_m},
+          {"offset_sigma_m", depth.offset_sigma_m},
+          {"sigma_m", depth.sigma_m},
+          {"sigma_per_m2", depth.sigma_per_m2},
+          {"color_from_depth",
+           {{"rotation_rad", std::vector<double>(rotation.data(), rotation.data() + 3)},
+            {"translation_m", std::vector<double>(translation.data(), translation.data() + 3)},
+            {"rotation_sigma_rad", depth.rotation_sigma_rad},
+            {"translation_sigma_m", depth.translation_sigma_m}}},
+          {"doubts", depth.doubts}};
+}
+
 nlohmann::ordered_json shape_json(const ShapeFinding& shape) {
   return {{"bowed", shape.bowed},
           {"bow_x_m", shape.bow_x_m},
@@ -151,12 +169,10 @@ std::vector<CalibratedCameraEntry> calibrated_cameras(const CalibrationReport& r
   std::vector<CalibratedCameraEntry> entries;
   const BoardProblem& problem = report.calibration.solution.problem;
   for (std::size_t camera = 0; camera < problem.lenses.size(); ++camera) {
-    const auto found = camera_of(problem.lenses[camera], report.input.width, report.input.height);
-    if (!found) throw Error("pinhole8 is compared only", "--model", "choose pinhole4, pinhole5 or equidistant");
     CalibratedCameraEntry entry;
     entry.name = camera_name(report, camera);
-    entry.camera = *found;
-    entry.calibration_error = report.calibration.lens_sigmas(camera)[0] / found->fx;
+    entry.camera = camera_of(problem.lenses[camera], report.input.width, report.input.height);
+    entry.calibration_error = report.calibration.lens_sigmas(camera)[0] / entry.camera.fx;
     if (camera == 1) entry.camera_from_previous = problem.right_from_left;
     entries.push_back(entry);
   }
@@ -178,6 +194,7 @@ std::string calibration_summary(const CalibrationReport& report) {
     if (camera == 1) text += pair_lines(report);
     text += trust_lines(report.trust[camera]);
   }
+  if (report.depth) text += depth_summary(*report.depth);
   return text;
 }
 
@@ -204,6 +221,7 @@ std::string calibration_json(const CalibrationReport& report) {
                                {"translation_m", std::vector<double>(translation.data(), translation.data() + 3)},
                                {"sigmas", std::vector<double>(sigmas.data(), sigmas.data() + 6)}};
   }
+  if (report.depth) json["depth"] = depth_json(*report.depth);
   json["models"] = models_json(calibration);
   json["board"] = shape_json(calibration.shape);
   json["frames"] = frames_json(report);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "rastro/calibration/depth_calibration.h"
 #include "rastro/calibration/trust.h"
 #include "rastro/camera/calibration_file.h"
 
@@ -15,10 +17,10 @@ struct CalibrationReport {
   CameraCalibration calibration;
   std::vector<CalibrationTrust> trust;  ///< Per camera.
   int images = 0;                       ///< Searched for the board.
+  std::optional<DepthCalibration> depth = {};
 };
 
-/// The cameras as calibration files have them: "left" and "right" of a pair, else "camera". Error for a model that
-/// Camera does not have.
+/// The cameras as calibration files have them: "left" and "right" of a pair, else "camera".
 std::vector<CalibratedCameraEntry> calibrated_cameras(const CalibrationReport& report);
 
 /// In words, for people: parameters with sigmas, residuals, what was left out, what is missing, the verdict.

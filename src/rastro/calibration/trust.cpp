@@ -31,18 +31,49 @@ double largest_of_map(const ImageMap& map) {
   return largest;
 }
 
-/// Names of the ninths of the image without a corner in most of their cells.
-void name_missing_regions(const std::array<bool, cells_a_side * cells_a_side>& seen, BoardCoverage& coverage) {
-  constexpr const char* names[3][3] = {
-      {"upper left", "top", "upper right"}, {"left", "center", "right"}, {"lower left", "bottom", "lower right"}};
-  for (int y = 0; y < 3; ++y)
-    for (int x = 0; x < 3; ++x) {
+constexpr int ninths = 3;  // A side.
+
+/// Of the ninths of the image, row by row: those without a corner in most of their cells.
+std::array<bool, ninths * ninths> empty_ninths(const std::array<bool, cells_a_side * cells_a_side>& seen) {
+  std::array<bool, ninths * ninths> empty{};
+  for (int y = 0; y < ninths; ++y)
+    for (int x = 0; x < ninths; ++x) {
       int with = 0;
       for (int dy = 0; dy < 2; ++dy)
         for (int dx = 0; dx < 2; ++dx)
           with += seen[static_cast<std::size_t>((2 * y + dy) * cells_a_side + 2 * x + dx)] ? 1 : 0;
-      if (with < 2) coverage.missing.emplace_back(names[y][x]);
+      empty[static_cast<std::size_t>(y * ninths + x)] = with < 2;
     }
+  return empty;
+}
+
+/// Whole sides by one name, the ninths beside them by their own.
+void name_missing_regions(const std::array<bool, cells_a_side * cells_a_side>& seen, BoardCoverage& coverage) {
+  constexpr const char* names[] = {"upper left", "top",        "upper right", "left",       "center",
+                                   "right",      "lower left", "bottom",      "lower right"};
+  struct Side {
+    const char* name;
+    std::array<std::size_t, 3> parts;
+  };
+  constexpr Side sides[] = {{"the whole left side", {0, 3, 6}},
+                            {"the whole right side", {2, 5, 8}},
+                            {"the whole upper side", {0, 1, 2}},
+                            {"the whole lower side", {6, 7, 8}}};
+  const auto empty = empty_ninths(seen);
+  auto unnamed = empty;
+  int whole = 0;
+  for (const auto& [name, parts] : sides) {
+    if (!std::all_of(parts.begin(), parts.end(), [&](std::size_t k) { return empty[k]; })) continue;
+    coverage.missing.emplace_back(name);
+    for (const std::size_t k : parts) unnamed[k] = false;
+    ++whole;
+  }
+  if (whole == 4) {
+    coverage.missing = {unnamed[4] ? "the whole image" : "everything but the center"};
+    unnamed[4] = false;
+  }
+  for (std::size_t k = 0; k < unnamed.size(); ++k)
+    if (unnamed[k]) coverage.missing.emplace_back(names[k]);
 }
 
 void name_missing_tilts(BoardCoverage& coverage) {

@@ -177,7 +177,8 @@ TEST(CalibrationFile, Euroc) {
     EXPECT_EQ(camera.cx, 367.215);
     EXPECT_EQ(camera.cy, 248.375);
     EXPECT_EQ(camera.distortion, Distortion::radial_tangential);
-    EXPECT_THAT(camera.coefficients, ElementsAre(-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05, 0.0));
+    EXPECT_THAT(camera.coefficients,
+                ElementsAre(-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05, 0.0, 0.0, 0.0, 0.0));
     EXPECT_EQ(rate, 20.0);
     EXPECT_FALSE(error);
     EXPECT_FALSE(previous);
@@ -231,7 +232,7 @@ TEST(CalibrationFile, KittiRaw) {
   EXPECT_THAT(read.cameras[1].camera_from_previous->translation(), matrix_near(Eigen::Vector3d(-0.54, 0, 0), 1e-12));
   EXPECT_EQ(read.cameras[3].name, "image_01_raw");
   EXPECT_EQ(read.cameras[3].camera.width, 1392);
-  EXPECT_THAT(read.cameras[3].camera.coefficients, ElementsAre(-0.36, 0.19, 0.001, 0.001, -0.07));
+  EXPECT_THAT(read.cameras[3].camera.coefficients, ElementsAre(-0.36, 0.19, 0.001, 0.001, -0.07, 0.0, 0.0, 0.0));
   EXPECT_FALSE(read.cameras[2].camera_from_previous);
   EXPECT_THAT(read.cameras[3].camera_from_previous->translation(), matrix_near(Eigen::Vector3d(-0.54, 0, 0), 1e-12));
 }
@@ -281,11 +282,16 @@ TEST(CalibrationFile, Ros) {
   EXPECT_EQ(parse(fisheye).cameras.at(0).camera.distortion, Distortion::equidistant);
 }
 
-TEST(CalibrationFile, RosRationalPolynomialOnlyWithoutItsDenominator) {
+TEST(CalibrationFile, RosRationalPolynomial) {
   const std::string rational = with(with(ros, "plumb_bob", "rational_polynomial"), "cols: 5", "cols: 8");
   const Calibration read = parse(with(rational, "0.0005, 0]", "0.0005, 0.01, 0, 0, 0]"));
   EXPECT_EQ(read.cameras.at(0).camera.coefficients[4], 0.01);
-  EXPECT_THAT(error_of(with(rational, "0.0005, 0]", "0.0005, 0.01, 0.3, 0, 0]")),
+  EXPECT_EQ(read.cameras.at(0).camera.distortion, Distortion::radial_tangential);
+  const Calibration whole = parse(with(rational, "0.0005, 0]", "0.0005, 0.01, 0.3, 0, -0.2]"));
+  EXPECT_EQ(whole.cameras.at(0).camera.distortion, Distortion::rational);
+  EXPECT_EQ(whole.cameras.at(0).camera.coefficients[7], -0.2);
+  const std::string prism = with(with(ros, "plumb_bob", "rational_polynomial"), "cols: 5", "cols: 9");
+  EXPECT_THAT(error_of(with(prism, "0.0005, 0]", "0.0005, 0.01, 0.3, 0, 0, 0.1]")),
               AllOf(HasSubstr("calib:9: "), HasSubstr("rational_polynomial"), HasSubstr("plumb_bob")));
 }
 

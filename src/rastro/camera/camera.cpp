@@ -41,6 +41,20 @@ std::optional<Eigen::Vector2d> Camera::unproject(const Eigen::Vector2d& pixel) c
   return undistort(*this, Eigen::Vector2d((pixel.x() - cx) / fx, (pixel.y() - cy) / fy));
 }
 
+std::size_t Camera::coefficient_count() const {
+  switch (distortion) {
+    case Distortion::none:
+      return 0;
+    case Distortion::radial_tangential:
+      return coefficients[4] != 0.0 ? 5 : 4;
+    case Distortion::equidistant:
+      return 4;
+    case Distortion::rational:
+      break;
+  }
+  return 8;
+}
+
 Camera Camera::scaled(double scale) const {
   Camera result = *this;
   result.width = static_cast<int>(std::lround(width * scale));

@@ -13,6 +13,7 @@ enum class Distortion {
   none,
   radial_tangential,  ///< k1 k2 p1 p2 [k3]: Brown 1966, in the order of OpenCV.
   equidistant,        ///< k1 k2 k3 k4: Kannala and Brandt 2006.
+  rational,           ///< k1 k2 p1 p2 k3 k4 k5 k6: radial part (1 + k1.. k3) / (1 + k4.. k6), in the order of OpenCV.
 };
 
 /// Pinhole camera with lens distortion. Camera frame: x right, y down, z forward; pixel centers are at integers.
@@ -21,7 +22,7 @@ struct Camera {
   int height = 0;
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< Pixels.
   Distortion distortion = Distortion::none;
-  std::array<double, 5> coefficients{};
+  std::array<double, 8> coefficients{};  ///< Those that the model does not have are 0.
   /// Of a rolling shutter: seconds from the first row to the last, the middle one at the frame's stamp. 0: all at once.
   double readout_s = 0.0;
 
@@ -33,6 +34,8 @@ struct Camera {
                                          Eigen::Matrix<double, 2, 3>& jacobian) const;
   /// Undistorted normalized ray (x/z, y/z) of a pixel; nullopt if the distortion cannot be inverted there.
   std::optional<Eigen::Vector2d> unproject(const Eigen::Vector2d& pixel) const;
+  /// How many coefficients the model has: 0, 4 (radial-tangential with k3 = 0 too), 5 or 8.
+  std::size_t coefficient_count() const;
   /// The same camera for an image scaled by `scale`.
   Camera scaled(double scale) const;
 };

@@ -45,6 +45,8 @@ const NamedCamera cameras[] = {
      {752, 480, 461.487, 460.152, 362.681, 246.067, Distortion::equidistant, {-0.0270, 0.0116, -0.0123, 0.0044}}},
     {"wide_fisheye",
      {512, 512, 190.978, 190.973, 254.93, 256.897, Distortion::equidistant, {0.00348, 0.000715, -0.00205, 0.000203}}},
+    {"rational_wide",
+     {640, 480, 220.0, 223.0, 322.0, 236.0, Distortion::rational, {0.5, -0.3, 0.0004, -0.0003, 0.3, 0.6, 0.1, 0.3}}},
 };
 
 class CameraModel : public ::testing::TestWithParam<NamedCamera> {
@@ -197,6 +199,20 @@ TEST(Distortion, ARayBeyondAFoldIsRefusedEvenWhereTheModelGrowsAgain) {
   EXPECT_FALSE(camera.project({1.5, 0.0, 1.0}));
 }
 
+TEST(Distortion, TheRationalModelFoldsWhereItsRadiusIsLargestOrItsDenominatorIsZero) {
+  Camera camera = cameras[0].camera;
+  camera.distortion = Distortion::rational;
+  camera.coefficients = {0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0};  // r / (1 + r^2) has its maximum at 1.
+  EXPECT_NEAR(monotonic_radius(camera), 1.0, 1e-12);
+  EXPECT_TRUE(camera.unproject({camera.cx + 0.4999 * camera.fx, camera.cy}));
+  EXPECT_FALSE(camera.unproject({camera.cx + 0.5001 * camera.fx, camera.cy}));
+  camera.coefficients = {0.0, 0.0, 0.0, 0.0, 0.0, -0.25, 0.0, 0.0};  // A pole at 2, and growing beyond it too.
+  EXPECT_NEAR(monotonic_radius(camera), 2.0, 1e-9);
+  EXPECT_FALSE(camera.project({2.5, 0.0, 1.0}));
+  camera.coefficients = {0.1, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0};  // Numerator and denominator are the same.
+  EXPECT_TRUE(std::isinf(monotonic_radius(camera)));
+}
+
 TEST(Distortion, WithoutDistortionNothingFolds) {
   Camera camera = cameras[0].camera;
   EXPECT_TRUE(std::isinf(monotonic_radius(camera)));
@@ -210,7 +226,8 @@ TEST(Distortion, AbsurdCoefficientsNeverHangOrCrash) {
   Random random(11);
   for (int i = 0; i < 3000; ++i) {
     Camera camera = cameras[i % 2].camera;
-    camera.distortion = i % 3 ? Distortion::radial_tangential : Distortion::equidistant;
+    constexpr Distortion models[] = {Distortion::equidistant, Distortion::radial_tangential, Distortion::rational};
+    camera.distortion = models[i % 3];
     const double size = std::pow(10.0, random.uniform(-3.0, i % 50 ? 3.0 : 300.0));
     for (auto& value : camera.coefficients) value = random.uniform(-size, size);
     const Eigen::Vector2d pixel(random.uniform(0.0, 640.0), random.uniform(0.0, 480.0));

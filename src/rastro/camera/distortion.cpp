@@ -2,6 +2,7 @@
 #include "rastro/camera/distortion.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -34,11 +35,57 @@ bool positive_up_to(const Polynomial& p, double end) {
       {1.0, 1.0 + a / 4.0, 1.0 + a / 2.0 + b / 6.0, 1.0 + 0.75 * a + b / 2.0 + c / 4.0, 1.0 + a + b + c + d}, 40);
 }
 
+/// Whether a polynomial of degree 6 with p[0] = 1 is positive on [0, end], as positive_up_to().
+bool sextic_positive(std::array<double, 7> b, int depth) {
+  if (!(b[0] > 0.0) || !(b[6] > 0.0)) return false;
+  if (std::all_of(b.begin(), b.end(), [](double value) { return value > 0.0; })) return true;
+  if (depth == 0) return false;
+  std::array<double, 7> left{};
+  for (std::size_t i = 0; i < 7; ++i) {
+    left[i] = b[0];
+    for (std::size_t j = 0; j < 6 - i; ++j) b[j] = 0.5 * (b[j] + b[j + 1]);
+  }
+  return sextic_positive(left, depth - 1) && sextic_positive(b, depth - 1);
+}
+
+bool sextic_positive_up_to(const std::array<double, 7>& p, double end) {
+  constexpr double choose[7][7] = {
+      {1}, {1, 1}, {1, 2, 1}, {1, 3, 3, 1}, {1, 4, 6, 4, 1}, {1, 5, 10, 10, 5, 1}, {1, 6, 15, 20, 15, 6, 1}};
+  std::array<double, 7> bernstein{};
+  double power = 1.0;
+  for (std::size_t j = 0; j < 7; ++j, power *= end)
+    for (std::size_t i = j; i < 7; ++i) bernstein[i] += choose[i][j] / choose[6][j] * p[j] * power;
+  return sextic_positive(bernstein, 40);
+}
+
 /// Derivative of the distorted radius by the radius (radial-tangential) or by the angle (equidistant), in its square.
 Polynomial growth(const Camera& camera) {
   const auto& k = camera.coefficients;
   if (camera.distortion == Distortion::equidistant) return {1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k[2], 9.0 * k[3]};
   return {1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k[4], 0.0};
+}
+
+/// Of the rational model: 1 + k4 s + k5 s^2 + k6 s^3 in the square s of the radius.
+Polynomial denominator(const Camera& camera) {
+  const auto& k = camera.coefficients;
+  return {1.0, k[5], k[6], k[7], 0.0};
+}
+
+/// Derivative of the rational model's radius, times its denominator squared: N D + 2 s (N' D - N D').
+std::array<double, 7> rational_growth(const Camera& camera) {
+  const auto& k = camera.coefficients;
+  const std::array<double, 4> above = {1.0, k[0], k[1], k[4]}, below = {1.0, k[5], k[6], k[7]};
+  std::array<double, 7> result{};
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 4; ++j)
+      result[i + j] += above[i] * below[j] * (1.0 + 2.0 * (static_cast<double>(i) - static_cast<double>(j)));
+  return result;
+}
+
+/// Whether the distorted radius grows from the axis to this radius (angle of the equidistant model).
+bool grows_up_to(const Camera& camera, double end) {
+  if (camera.distortion != Distortion::rational) return positive_up_to(growth(camera), end * end);
+  return positive_up_to(denominator(camera), end * end) && sextic_positive_up_to(rational_growth(camera), end * end);
 }
 
 double evaluate(const Polynomial& p, double x) { return p[0] + x * (p[1] + x * (p[2] + x * (p[3] + x * p[4]))); }
@@ -54,11 +101,26 @@ struct Distorted {
   Eigen::Matrix2d jacobian;
 };
 
+struct RadialPart {
+  double factor;
+  double slope;  ///< Of the factor by r^2, twice: d(rr)/dx = 2x.
+};
+
+RadialPart radial_part(const Camera& camera, double rr) {
+  const auto& k = camera.coefficients;
+  const double k1 = k[0], k2 = k[1], k3 = k[4];
+  const double above = 1.0 + rr * (k1 + rr * (k2 + rr * k3));
+  const double slope = 2.0 * (k1 + rr * (2.0 * k2 + rr * 3.0 * k3));
+  if (camera.distortion != Distortion::rational) return {above, slope};
+  const double below = 1.0 + rr * (k[5] + rr * (k[6] + rr * k[7]));
+  const double below_slope = 2.0 * (k[5] + rr * (2.0 * k[6] + rr * 3.0 * k[7]));
+  return {above / below, (slope - above / below * below_slope) / below};
+}
+
 Distorted radial_tangential(const Camera& camera, const Eigen::Vector2d& ray) {
-  const auto& [k1, k2, p1, p2, k3] = camera.coefficients;
+  const double p1 = camera.coefficients[2], p2 = camera.coefficients[3];
   const double x = ray.x(), y = ray.y(), xx = x * x, yy = y * y, xy = x * y, rr = xx + yy;
-  const double radial = 1.0 + rr * (k1 + rr * (k2 + rr * k3));
-  const double slope = 2.0 * (k1 + rr * (2.0 * k2 + rr * 3.0 * k3));  // Of `radial` by r^2, twice: d(rr)/dx = 2x.
+  const auto [radial, slope] = radial_part(camera, rr);
   Distorted result;
   result.value << x * radial + 2.0 * p1 * xy + p2 * (rr + 2.0 * xx), y * radial + p1 * (rr + 2.0 * yy) + 2.0 * p2 * xy;
   const double mixed = slope * xy + 2.0 * p1 * x + 2.0 * p2 * y;
@@ -89,7 +151,7 @@ std::optional<Distorted> distort_checked(const Camera& camera, const Eigen::Vect
   if (camera.distortion == Distortion::none) return Distorted{ray, Eigen::Matrix2d::Identity()};
   const bool fisheye = camera.distortion == Distortion::equidistant;
   const double radius = fisheye ? std::atan(ray.norm()) : ray.norm();
-  if (!positive_up_to(growth(camera), radius * radius)) return std::nullopt;
+  if (!grows_up_to(camera, radius)) return std::nullopt;
   const Distorted result = fisheye ? equidistant(camera, ray) : radial_tangential(camera, ray);
   // The tangential part can fold the plane too.
   if (!(result.jacobian.determinant() > 0.0) || !result.value.allFinite()) return std::nullopt;
@@ -98,26 +160,25 @@ std::optional<Distorted> distort_checked(const Camera& camera, const Eigen::Vect
 
 /// Largest radius (or angle) at which the model still grows, by bisection; `end` if it grows up to there.
 double growing_up_to(const Camera& camera, double end) {
-  const Polynomial derivative = growth(camera);
-  if (positive_up_to(derivative, end * end)) return end;
+  if (grows_up_to(camera, end)) return end;
   double low = 0.0, high = end;
   for (int i = 0; i < 100; ++i) {
     const double middle = 0.5 * (low + high);
-    (positive_up_to(derivative, middle * middle) ? low : high) = middle;
+    (grows_up_to(camera, middle) ? low : high) = middle;
   }
   return low;
 }
 
 /// Angle or radius whose distorted value is `wanted`: Newton inside a bracket that bisection shrinks, so it cannot
 /// escape.
-template <typename Value>
-std::optional<double> solve_growing(const Value& value, const Polynomial& derivative, double wanted, double high) {
+template <typename Value, typename Slope>
+std::optional<double> solve_growing(const Value& value, const Slope& slope_at, double wanted, double high) {
   double low = 0.0, x = std::min(wanted, 0.5 * high);
   if (!(value(high) >= wanted)) return std::nullopt;
   for (int i = 0; i < 100; ++i) {
     const double residual = value(x) - wanted;
     (residual > 0.0 ? high : low) = x;
-    const double slope = evaluate(derivative, x * x);
+    const double slope = slope_at(x);
     double next = slope > 0.0 ? x - residual / slope : low - 1.0;
     if (!(next > low && next < high)) next = 0.5 * (low + high);
     if (std::abs(next - x) <= 1e-15 * x) return next;
@@ -133,7 +194,8 @@ std::optional<Eigen::Vector2d> undistort_equidistant(const Camera& camera, const
   const Polynomial derivative = growth(camera);
   double end = right_angle * (1.0 - 1e-12);
   if (!positive_up_to(derivative, end * end)) end = growing_up_to(camera, end);
-  const auto angle = solve_growing([&](double a) { return distorted_angle(camera, a); }, derivative, radius, end);
+  const auto angle = solve_growing([&](double a) { return distorted_angle(camera, a); },
+                                   [&](double a) { return evaluate(derivative, a * a); }, radius, end);
   if (!angle || !(std::abs(distorted_angle(camera, *angle) - radius) <= tolerance_at(radius))) return std::nullopt;
   return distorted * (std::tan(*angle) / radius);
 }
@@ -167,7 +229,7 @@ std::optional<Eigen::Vector2d> newton_radial_tangential(const Camera& camera, co
     if (!nearer) break;  // At the limit of rounding, or stuck: the caller checks the error.
   }
   if (!(error <= tolerance_at(distorted.norm()))) return std::nullopt;
-  if (!positive_up_to(growth(camera), ray.squaredNorm())) return std::nullopt;
+  if (!grows_up_to(camera, ray.norm())) return std::nullopt;
   return ray;
 }
 
@@ -178,11 +240,13 @@ std::optional<Eigen::Vector2d> undistort_radial_tangential(const Camera& camera,
   if (auto ray = newton_radial_tangential(camera, distorted, distorted)) return ray;
   // Starts from the radial part alone, which can always be solved where it can be inverted.
   const double radius = distorted.norm();
-  // Plain names: clang before 16 cannot capture structured bindings.
-  const double k1 = camera.coefficients[0], k2 = camera.coefficients[1], k3 = camera.coefficients[4];
-  const auto radial = [&](double r) { return r * (1.0 + r * r * (k1 + r * r * (k2 + r * r * k3))); };
+  const auto radial = [&](double r) { return r * radial_part(camera, r * r).factor; };
+  const auto slope = [&](double r) {
+    const RadialPart part = radial_part(camera, r * r);
+    return part.factor + r * r * part.slope;
+  };
   const double end = growing_up_to(camera, farthest_radius);
-  const auto undistorted = solve_growing(radial, growth(camera), std::min(radius, radial(end)), end);
+  const auto undistorted = solve_growing(radial, slope, std::min(radius, radial(end)), end);
   if (!undistorted || radius == 0.0) return std::nullopt;
   return newton_radial_tangential(camera, distorted, distorted * (0.999 * *undistorted / radius));
 }
@@ -212,7 +276,7 @@ std::optional<Eigen::Vector2d> undistort(const Camera& camera, const Eigen::Vect
 
 double monotonic_radius(const Camera& camera) {
   if (camera.distortion == Distortion::none) return std::numeric_limits<double>::infinity();
-  if (camera.distortion == Distortion::radial_tangential) {
+  if (camera.distortion != Distortion::equidistant) {
     const double end = growing_up_to(camera, farthest_radius);
     return end < farthest_radius ? end : std::numeric_limits<double>::infinity();
   }

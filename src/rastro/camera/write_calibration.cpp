@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "rastro/base/error.h"
 #include "rastro/camera/stereo_rectification.h"
 
@@ -25,8 +27,13 @@ std::vector<double> row_by_row(const Eigen::MatrixXd& matrix) {
 
 std::vector<double> coefficients_to_write(const Camera& camera) {
   const auto& all = camera.coefficients;
-  const bool four = camera.distortion == Distortion::equidistant || all[4] == 0.0;
-  return {all.begin(), all.begin() + (four ? 4 : 5)};
+  const auto count = static_cast<std::ptrdiff_t>(std::max<std::size_t>(4, camera.coefficient_count()));
+  return {all.begin(), all.begin() + count};
+}
+
+const char* ros_model(Distortion distortion) {
+  if (distortion == Distortion::rational) return "rational_polynomial";
+  return distortion == Distortion::equidistant ? "equidistant" : "plumb_bob";
 }
 
 Eigen::Matrix3d matrix_of(const Camera& camera) {
@@ -82,8 +89,7 @@ std::string ros_calibration_text(const std::vector<CalibratedCameraEntry>& pair,
   const Camera& of = pair[camera].camera;
   const Rectified view = rectified(pair, camera);
   return fmt::format("image_width: {}\nimage_height: {}\ncamera_name: {}\n", of.width, of.height, pair[camera].name) +
-         ros_matrix("camera_matrix", matrix_of(of)) +
-         fmt::format("distortion_model: {}\n", of.distortion == Distortion::equidistant ? "equidistant" : "plumb_bob") +
+         ros_matrix("camera_matrix", matrix_of(of)) + fmt::format("distortion_model: {}\n", ros_model(of.distortion)) +
          ros_matrix("distortion_coefficients", as_row(coefficients_to_write(of))) +
          ros_matrix("rectification_matrix", view.rectification) + ros_matrix("projection_matrix", view.projection) +
          error_line(pair[camera]);
@@ -111,6 +117,8 @@ std::string kalibr_calibration_text(const std::vector<CalibratedCameraEntry>& ca
   std::string text;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const Camera& camera = cameras[i].camera;
+    if (camera.distortion == Distortion::rational)
+      throw Error("Kalibr has no rational lens model", cameras[i].name, "calibrate with another model for Kalibr");
     const std::vector<double> coefficients = coefficients_to_write(camera);
     text += fmt::format(
         "cam{}:\n  camera_model: pinhole\n  distortion_model: {}\n  distortion_coeffs: {}\n  intrinsics: {}\n"

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "rastro/base/error.h"
+
 namespace rastro {
 namespace {
 
@@ -30,6 +32,17 @@ void expect_same(const Camera& read, const Camera& written) {
   EXPECT_EQ(read.cy, written.cy);
   EXPECT_EQ(read.distortion, written.distortion);
   EXPECT_EQ(read.coefficients, written.coefficients);
+}
+
+TEST(WriteCalibrationTest, TheRationalModelIsReadBackFromRosAndOpenCv) {
+  auto pair = pair_of(Distortion::rational, 0.03);
+  pair[0].camera.coefficients[5] = 0.2;
+  pair[0].camera.coefficients[7] = -0.01;
+  const Calibration ros = parse_calibration(ros_calibration_text(pair, 0), "ros.yaml");
+  expect_same(ros.cameras.at(0).camera, pair[0].camera);
+  const Calibration one = parse_calibration(opencv_calibration_text({pair[0]}), "opencv.yaml");
+  expect_same(one.cameras.at(0).camera, pair[0].camera);
+  EXPECT_THROW(kalibr_calibration_text(pair), Error);
 }
 
 TEST(WriteCalibrationTest, EveryFormatIsReadBackWithTheSameNumbers) {

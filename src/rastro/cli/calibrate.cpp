@@ -7,6 +7,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
+#include "rastro/base/text_file.h"
 #include "rastro/calibration/report.h"
 #include "rastro/camera/write_calibration.h"
 #include "rastro/cli/calibrate_input.h"
@@ -14,23 +15,38 @@
 #include "rastro/cli/common_flags.h"
 #include "rastro/cli/interrupt.h"
 #include "rastro/cli/progress_bar.h"
+#include "rastro/dataset/live/live.h"
 
 namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    R"(Estimates focal lengths, principal point and distortion from images of a chessboard, with the standard deviation of each,
+    R"(Estimates focal lengths, principal point and distortion from images of a board, with the standard deviation of each,
 and says how far the result can be trusted: the uncertainty of projection over the image, two halves of the images against
 each other, parts of the image and tilts that are missing, a board that is not flat, a model that is too simple.
 20 to 50 sharp images, the board in every corner of the image and tilted by 20 to 45 degrees in each direction.
 
-Files in --out: camera.yaml (ROS; of a pair left.yaml, right.yaml), opencv.yaml, camchain.yaml (Kalibr), calibration.json,
+Boards, sizes in meters:
+  chessboard:9x6:0.025          inner corners, side of a square; seen whole or not at all
+  charuco:8x6:0.03:0.022        squares (the first is black), side of a square and of a tag; also seen in part.
+                                :DICTIONARY 4x4_50 (default) to 7x7_1000
+  apriltag:6x6:0.03:0.009       tags, side of a tag, gap between two; with black squares between as Kalibr's; also
+                                seen in part. :FAMILY 36h11 (default), 36h10, 25h9, 16h5
+
+Files in --out: camera.yaml (ROS; of a pair left.yaml, right.yaml), opencv.yaml, camchain.yaml (Kalibr; not of pinhole8), calibration.json,
 residuals.png, uncertainty.png, corners.vnl (the corners used, as mrcal reads them). Each YAML can be given to --calibration of the other commands.
+With --depth, camera.yaml also has depth_factor and depth_offset_m, which are used for recordings in TUM layout.
+
+DATA may be live (v4l2:, http:, replay:, ...): hold the board still where it is asked for; views are taken by themselves
+until nothing is missing, or until Ctrl-C.
 
 Examples:
   rastro calibrate --make-board chessboard:9x6:0.025 --out board.svg
+  rastro calibrate --make-board apriltag:6x6:0.03:0.009 --out board.pdf
   rastro calibrate images/ --board chessboard:9x6:0.025 --out camera
   rastro calibrate walk.mp4 --every 10 --board chessboard:9x6:0.025 --out camera --model equidistant
+  rastro calibrate v4l2:/dev/video0 --board charuco:8x6:0.03:0.022 --out camera
+  rastro calibrate room/ --board chessboard:9x6:0.06 --depth --out camera
   rastro calibrate 'left*.jpg' --right 'right*.jpg' --board chessboard:9x6:0.025 --out pair --baseline 0.11)";
 
 struct Flags {
@@ -38,13 +54,17 @@ struct Flags {
   std::string board, make_board, right, out, model = "auto";
   double baseline_m = 0.0;
   std::size_t most_views = 100;
+  bool depth = false;
+  std::string depth_camera;
   bool force = false;
 };
 
 LensModel model_named(const std::string& name) {
-  for (const LensModel model : {LensModel::pinhole_4, LensModel::pinhole_5, LensModel::equidistant})
+  for (const LensModel model :
+       {LensModel::pinhole_4, LensModel::pinhole_5, LensModel::equidistant, LensModel::pinhole_8})
     if (name == lens_model_name(model)) return model;
-  throw Error(fmt::format("no model '{}'", name), "--model", "choose auto, pinhole4, pinhole5 or equidistant");
+  throw Error(fmt::format("no model '{}'", name), "--model",
+              "choose auto, pinhole4, pinhole5, pinhole8 or equidistant");
 }
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
@@ -63,12 +83,14 @@ void refuse_existing_output(const Flags& flags) {
 void make_board(const Flags& flags) {
   const Board board = parse_board(flags.make_board);
   refuse_existing_output(flags);
-  write_text(flags.out, board_svg(board));
+  const bool pdf = flags.out.ends_with(".pdf");
+  if (!pdf && !flags.out.ends_with(".svg")) throw Error("is neither .svg nor .pdf", flags.out, "name the file so");
+  write_text(flags.out, pdf ? board_pdf(board) : board_svg(board));
   if (!flags.data.quiet)
-    fmt::print("{} written: print it at 100 %, glue it to something flat, measure a square\n", flags.out);
+    fmt::print("{} written: print it at 100 %, glue it to something flat, measure it\n", flags.out);
 }
 
-void write_files(const CalibrationReport& report, const std::filesystem::path& folder) {
+void write_files(const CalibrationReport& report, const Board& board, const std::filesystem::path& folder) {
   const std::vector<CalibratedCameraEntry> cameras = calibrated_cameras(report);
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
@@ -76,26 +98,68 @@ void write_files(const CalibrationReport& report, const std::filesystem::path& f
   for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
     write_text(folder / (cameras[camera].name + ".yaml"), ros_calibration_text(cameras, camera));
     const std::string suffix = cameras.size() > 1 ? "_" + cameras[camera].name : "";
-    write_text(folder / ("corners" + suffix + ".vnl"), calibration_corners(report, camera));
+    // mrcal's boards are regular grids.
+    if (board.kind != BoardKind::apriltag)
+      write_text(folder / ("corners" + suffix + ".vnl"), calibration_corners(report, camera));
     write_residual_image(report, camera, (folder / ("residuals" + suffix + ".png")).string());
     write_uncertainty_image(report, camera, (folder / ("uncertainty" + suffix + ".png")).string());
   }
   write_text(folder / "opencv.yaml", opencv_calibration_text(cameras));
-  write_text(folder / "camchain.yaml", kalibr_calibration_text(cameras));
+  // Kalibr has no rational model.
+  if (cameras.front().camera.distortion != Distortion::rational)
+    write_text(folder / "camchain.yaml", kalibr_calibration_text(cameras));
   write_text(folder / "calibration.json", calibration_json(report));
 }
 
+/// The boards of the calibration with their depth.
+DepthCalibrationInput depth_input(const Flags& flags, const CalibrationReport& report,
+                                  const std::vector<DepthImage>& depths) {
+  DepthCalibrationInput input;
+  const BoardProblem& problem = report.calibration.solution.problem;
+  input.registered = flags.depth_camera.empty();
+  input.depth_camera = input.registered ? camera_of(problem.lenses.front(), report.input.width, report.input.height)
+                                        : read_calibration(flags.depth_camera).cameras.at(0).camera;
+  input.focal_length_sigma = report.calibration.lens_sigmas(0)[0] / problem.lenses.front().parameters[0];
+  input.low = input.high = problem.board.front();
+  for (const Eigen::Vector2d& point : problem.board) {
+    input.low = input.low.cwiseMin(point);
+    input.high = input.high.cwiseMax(point);
+  }
+  for (const BoardView& view : problem.views) {
+    const auto frame = static_cast<std::size_t>(view.frame);
+    if (!depths[frame].empty()) input.views.push_back({problem.left_from_board[frame], &depths[frame]});
+  }
+  return input;
+}
+
+void append_depth(const DepthCalibration& depth, double units_per_meter, const std::filesystem::path& path) {
+  write_text(path, read_text_file(path.string()) + depth_calibration_text(depth, units_per_meter));
+}
+
+/// What does not go together.
+void check_flags(const Flags& flags) {
+  const bool live = is_live(flags.data.path);
+  if (live && !flags.right.empty()) throw Error("is for recordings", "--right", "record both cameras first");
+  if (live && flags.depth) throw Error("is for recordings", "--depth", "record the camera first: rastro record");
+  if (flags.depth && !flags.right.empty()) throw Error("is for one camera", "--depth", "omit --right");
+  if (!flags.depth && !flags.depth_camera.empty()) throw Error("is for --depth", "--depth-camera", "add --depth");
+}
+
 void calibrate(const Flags& flags) {
-  if (flags.data.path.empty()) throw Error("is missing", "DATA", "give images, a video or a recording of a chessboard");
+  if (flags.data.path.empty()) throw Error("is missing", "DATA", "give images, a video or a recording of a board");
   if (flags.board.empty())
-    throw Error("is missing", "--board", "give the inner corners and the side of a square: chessboard:9x6:0.025");
+    throw Error("is missing", "--board",
+                "say what it shows: chessboard:9x6:0.025 (inner corners, side of a square); --help has the others");
   const Board board = parse_board(flags.board);
   CalibrationOptions options;
   if (flags.model != "auto") options.model = model_named(flags.model);
+  check_flags(flags);
   refuse_existing_output(flags);
   catch_interrupts();
   ProgressBar bar(!flags.data.quiet);
-  BoardImages found = find_boards(flags.data, flags.right, board, flags.most_views, bar);
+  BoardImages found = is_live(flags.data.path)
+                          ? find_boards_live(flags.data, board, flags.most_views)
+                          : find_boards(flags.data, board, {flags.right, flags.most_views, flags.depth}, bar);
   bar.clear();
   CalibrationReport report;
   report.calibration = calibrate_camera(found.input, options);
@@ -104,7 +168,9 @@ void calibrate(const Flags& flags) {
   for (std::size_t camera = 0; camera < (report.input.stereo ? 2U : 1U); ++camera)
     report.trust.push_back(judge_calibration(report.calibration, camera, report.input.width, report.input.height));
   if (report.input.stereo) judge_baseline(report.calibration, flags.baseline_m, report.trust.back());
-  write_files(report, flags.out);
+  if (flags.depth) report.depth = calibrate_depth(depth_input(flags, report, found.depths));
+  write_files(report, board, flags.out);
+  if (report.depth) append_depth(*report.depth, found.depth_factor, std::filesystem::path(flags.out) / "camera.yaml");
   if (flags.data.json) {
     fmt::print("{}", calibration_json(report));
   } else if (!flags.data.quiet) {
@@ -115,9 +181,11 @@ void calibrate(const Flags& flags) {
 void add_flags(CLI::App& command, Flags& flags) {
   add_data_flags(command, flags.data);
   command.get_option("DATA")->required(false);
-  command.add_option("--board", flags.board, "Board: inner corners along x and y, side of a square in meters")
-      ->type_name("chessboard:9x6:0.025");
-  command.add_option("--out", flags.out, "Output folder; with --make-board the SVG file")->type_name("DIR")->required();
+  command.add_option("--board", flags.board, "The board in the images; sizes in meters")
+      ->type_name("KIND:COLUMNSxROWS:...");
+  command.add_option("--out", flags.out, "Output folder; with --make-board the .svg or .pdf file")
+      ->type_name("DIR")
+      ->required();
   command.add_option("--right", flags.right, "Images of the right camera of a pair, one for each of DATA")
       ->type_name("DATA");
   command
@@ -126,22 +194,30 @@ void add_flags(CLI::App& command, Flags& flags) {
       ->type_name("METERS")
       ->check(CLI::PositiveNumber);
   command
-      .add_option("--model", flags.model, "Lens model: auto, pinhole4 (k1 k2 p1 p2), pinhole5 (with k3), equidistant")
+      .add_option(
+          "--model", flags.model,
+          "Lens model: auto, pinhole4 (k1 k2 p1 p2), pinhole5 (with k3), pinhole8 (rational, k4 k5 k6), equidistant")
       ->type_name("MODEL")
       ->capture_default_str();
+  command.add_flag("--depth", flags.depth,
+                   "Also scale, offset and noise of the depth, and whether it is registered to the image");
+  command
+      .add_option("--depth-camera", flags.depth_camera,
+                  "Calibration of a depth camera whose depth is not registered to the image")
+      ->type_name("FILE");
   command.add_option("--most-views", flags.most_views, "Views of the board to use at most, evenly chosen")
       ->type_name("N")
       ->check(CLI::Range(3, 1000))
       ->capture_default_str();
   command.add_option("--make-board", flags.make_board, "Writes a board to print instead of calibrating")
-      ->type_name("chessboard:9x6:0.025");
+      ->type_name("KIND:COLUMNSxROWS:...");
   command.add_flag("--force", flags.force, "Overwrite --out");
 }
 
 }  // namespace
 
 void add_calibrate_command(CLI::App& app, Context& context) {
-  CLI::App* command = app.add_subcommand("calibrate", "Calibrates a camera or a pair from images of a chessboard");
+  CLI::App* command = app.add_subcommand("calibrate", "Calibrates a camera or a pair from images of a board");
   const auto flags = std::make_shared<Flags>();
   add_flags(*command, *flags);
   command->footer(footer);

@@ -21,15 +21,12 @@ std::string_view distortion_name(Distortion distortion) {
       return "radial-tangential";
     case Distortion::equidistant:
       return "equidistant";
+    case Distortion::rational:
+      return "rational polynomial";
     case Distortion::none:
       break;
   }
   return "none";
-}
-
-std::size_t coefficient_count(const Camera& camera) {
-  if (camera.distortion == Distortion::none) return 0;
-  return camera.distortion == Distortion::radial_tangential && camera.coefficients[4] != 0.0 ? 5 : 4;
 }
 
 void add_line(std::string& text, std::string_view name, const std::string& value) {
@@ -66,7 +63,7 @@ Json camera_fields(const CalibratedCamera& calibrated) {
   fields["distortion"] = distortion_name(camera.distortion);
   fields["coefficients"] =
       std::vector<double>(camera.coefficients.begin(),
-                          camera.coefficients.begin() + static_cast<std::ptrdiff_t>(coefficient_count(camera)));
+                          camera.coefficients.begin() + static_cast<std::ptrdiff_t>(camera.coefficient_count()));
   return fields;
 }
 
@@ -76,7 +73,7 @@ std::string describe_camera(const Camera& camera) {
   auto text = fmt::format("{}x{}, fx fy cx cy = {:g} {:g} {:g} {:g}, ", camera.width, camera.height, camera.fx,
                           camera.fy, camera.cx, camera.cy);
   text += camera.distortion == Distortion::none ? "no distortion" : distortion_name(camera.distortion);
-  for (std::size_t i = 0; i < coefficient_count(camera); ++i) text += fmt::format(" {:g}", camera.coefficients[i]);
+  for (std::size_t i = 0; i < camera.coefficient_count(); ++i) text += fmt::format(" {:g}", camera.coefficients[i]);
   if (camera.readout_s > 0.0) text += fmt::format(", rolling shutter of {:g} ms", 1e3 * camera.readout_s);
   return text;
 }

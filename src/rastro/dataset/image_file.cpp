@@ -126,13 +126,14 @@ Image<std::uint16_t> read_raw_depth(const std::string& path) {
   return raw;
 }
 
-DepthImage depth_in_meters(const Image<std::uint16_t>& raw, double units_per_meter) {
+DepthImage depth_in_meters(const Image<std::uint16_t>& raw, double units_per_meter, double offset_m) {
   DepthImage depth(raw.width(), raw.height());
   const double scale = 1.0 / units_per_meter;
   for (int y = 0; y < raw.height(); ++y) {
     const std::uint16_t* from = raw.row(y);
     float* to = depth.row(y);
-    for (int x = 0; x < raw.width(); ++x) to[x] = from[x] == 65535 ? 0.0f : static_cast<float>(from[x] * scale);
+    for (int x = 0; x < raw.width(); ++x)
+      to[x] = from[x] == 65535 || from[x] == 0 ? 0.0f : std::max(0.0f, static_cast<float>(from[x] * scale + offset_m));
   }
   return depth;
 }

@@ -29,8 +29,8 @@ DecodedImage read_image(const std::string& path, bool want_color = false);
 /// The numbers of a one-channel 16-bit image; errors as above, and for any other kind of image.
 Image<std::uint16_t> read_raw_depth(const std::string& path);
 
-/// Meters from raw numbers: raw / units_per_meter; 0 and 65535 mean no measurement.
-DepthImage depth_in_meters(const Image<std::uint16_t>& raw, double units_per_meter);
+/// Meters from raw numbers: raw / units_per_meter + offset_m; 0 and 65535 mean no measurement.
+DepthImage depth_in_meters(const Image<std::uint16_t>& raw, double units_per_meter, double offset_m = 0.0);
 
 /// Why the bytes of a PNG or JPEG file are not a whole file ("ends early ..."); empty when they are, or for other
 /// kinds. Decoders hand out half-filled images without a word, so this is asked first.

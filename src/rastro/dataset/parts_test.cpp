@@ -96,6 +96,9 @@ TEST(DepthFactor, IsReadOrGuessed) {
   EXPECT_EQ(parse_depth_factor("m_depthShift = 1000", "f"), 1000.0);
   EXPECT_EQ(parse_depth_factor("depth_scale: 0.001 # meters a unit", "f"), 1000.0);
   EXPECT_FALSE(parse_depth_factor("fx: 500", "f"));
+  EXPECT_EQ(parse_depth_offset("depth_factor: 5000\ndepth_offset_m: -0.004\n", "f"), -0.004);
+  EXPECT_EQ(parse_depth_offset("depth_factor: 5000\n", "f"), 0.0);
+  EXPECT_THAT(error_of([] { parse_depth_offset("depth_offset_m: 4", "f.yaml"); }), HasSubstr("f.yaml:1"));
   EXPECT_THAT(error_of([] { parse_depth_factor("\ndepth_factor: -1", "f.yaml"); }),
               HasSubstr("f.yaml:2: the depth factor '-1'"));
 
@@ -121,6 +124,9 @@ TEST(DepthInMeters, ZeroAndSaturationAreNone) {
   EXPECT_EQ(depth.at(0, 0), 0.0f);
   EXPECT_EQ(depth.at(1, 0), 0.0f);
   EXPECT_EQ(depth.at(2, 0), 0.5f);
+  const auto moved = depth_in_meters(raw, 5000.0, 0.25);
+  EXPECT_EQ(moved.at(0, 0), 0.0f);
+  EXPECT_EQ(moved.at(2, 0), 0.75f);
 }
 
 TEST(PublishedTum, GoesByTheFolderName) {

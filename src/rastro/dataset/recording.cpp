@@ -56,7 +56,8 @@ class RecordingSource final : public Source {
       require_same_size(first_size_, size_of(frame.right), "the left one", recorded.right);
     }
     if (options_.want_depth && !recorded.depth.empty()) {
-      frame.depth = depth_in_meters(read_raw_depth(recorded.depth), recording_.info.depth_factor);
+      frame.depth =
+          depth_in_meters(read_raw_depth(recorded.depth), recording_.info.depth_factor, recording_.depth_offset_m);
       frame.depth_stamp = recorded.depth_stamp;
       require_same_size(first_size_, size_of(frame.depth), "the color image", recorded.depth);
     }

@@ -62,11 +62,11 @@ ColmapModel colmap_model(const Camera& camera) {
   model.parameters.insert(model.parameters.end(), k.begin(), k.begin() + 4);
   if (camera.distortion == Distortion::equidistant) {
     model.name = "OPENCV_FISHEYE", model.id = 5;
-  } else if (k[4] == 0.0) {
+  } else if (camera.coefficient_count() == 4) {
     model.name = "OPENCV", model.id = 4;
   } else {
     model.name = "FULL_OPENCV", model.id = 6;
-    model.parameters.insert(model.parameters.end(), {k[4], 0.0, 0.0, 0.0});
+    model.parameters.insert(model.parameters.end(), {k[4], k[5], k[6], k[7]});
   }
   return model;
 }

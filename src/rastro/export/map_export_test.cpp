@@ -211,6 +211,10 @@ TEST(Colmap, HasPixelsAtHalvesAndPointsThatProjectThere) {
   map.cameras[1].intrinsics.coefficients = {0.1, -0.2, 0.001, 0.002, 0.3};
   EXPECT_THAT(colmap_cameras(map.cameras),
               HasSubstr("\n2 FULL_OPENCV 320 240 260 260 160 120 0.1 -0.2 0.001 0.002 0.3 0 0 0"));
+  map.cameras[1].intrinsics.distortion = Distortion::rational;
+  map.cameras[1].intrinsics.coefficients[6] = 0.4;
+  EXPECT_THAT(colmap_cameras(map.cameras),
+              HasSubstr("\n2 FULL_OPENCV 320 240 260 260 160 120 0.1 -0.2 0.001 0.002 0.3 0 0.4 0"));
 }
 
 TEST(CloudImage, ShowsTheRoomFromAboveWithoutItsCeiling) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -34,12 +35,16 @@ std::string camera_text(const std::optional<Camera>& camera) {
   if (!camera) return "camera: {}  # no calibration: ray_x and ray_y are .nan\n";
   const char* model = camera->distortion == Distortion::none                ? "none"
                       : camera->distortion == Distortion::radial_tangential ? "radial_tangential"
+                      : camera->distortion == Distortion::rational          ? "rational"
                                                                             : "equidistant";
+  const std::vector<double> coefficients(
+      camera->coefficients.begin(), camera->coefficients.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(
+                                                                       5, camera->coefficient_count())));
   return fmt::format(
       "camera:\n  width: {}\n  height: {}\n  fx_px: {}\n  fy_px: {}\n  cx_px: {}\n  cy_px: {}\n  distortion: {}\n"
       "  coefficients: [{}]\n",
       camera->width, camera->height, camera->fx, camera->fy, camera->cx, camera->cy, model,
-      fmt::join(camera->coefficients, ", "));
+      fmt::join(coefficients, ", "));
 }
 
 std::string header_text(const TracksHeader& header) {

@@ -68,6 +68,7 @@ struct BoardSolution {
   double rms_px() const;
 };
 
+/// The denominator of the rational model has a weak prior (0.01 px a unit), which residuals and measurements leave out.
 /// Always the same bytes for the same problem. A view must have as many pixels as corners, and at least four.
 BoardSolution adjust_boards(const BoardProblem& problem, const BoardAdjustmentOptions& options);
 

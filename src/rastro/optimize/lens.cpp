@@ -3,7 +3,6 @@
 
 #include <ceres/jet.h>
 
-#include <Eigen/LU>
 #include <array>
 
 #include "rastro/optimize/lens_projection.h"
@@ -31,22 +30,6 @@ std::optional<Lens::Projection> project_with_derivatives(const Eigen::VectorXd& 
   }
   if (!result.pixel.allFinite()) return std::nullopt;
   return result;
-}
-
-/// Newton on the plane z = 1, for the model that Camera does not have.
-std::optional<Eigen::Vector3d> unproject_rational(const Lens& lens, const Eigen::Vector2d& pixel) {
-  const Eigen::VectorXd& p = lens.parameters;
-  Eigen::Vector3d ray((pixel.x() - p[2]) / p[0], (pixel.y() - p[3]) / p[1], 1.0);
-  for (int step = 0; step < 50; ++step) {
-    const auto now = lens.project(ray);
-    if (!now) return std::nullopt;
-    const Eigen::Vector2d error = now->pixel - pixel;
-    if (error.norm() < 1e-9) return ray.normalized();
-    const Eigen::Matrix2d jacobian = now->by_point.leftCols<2>();
-    if (!(jacobian.determinant() > 0.0)) return std::nullopt;
-    ray.head<2>() -= jacobian.inverse() * error;
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -81,9 +64,7 @@ std::optional<Lens::Projection> Lens::project(const Eigen::Vector3d& point_in_ca
 }
 
 std::optional<Eigen::Vector3d> Lens::unproject(const Eigen::Vector2d& pixel) const {
-  const auto camera = camera_of(*this, 0, 0);
-  if (!camera) return unproject_rational(*this, pixel);
-  const auto ray = camera->unproject(pixel);
+  const auto ray = camera_of(*this, 0, 0).unproject(pixel);
   if (!ray) return std::nullopt;
   return Eigen::Vector3d(ray->x(), ray->y(), 1.0).normalized();
 }
@@ -102,11 +83,12 @@ Lens as_model(const Lens& lens, LensModel model) {
   return result;
 }
 
-std::optional<Camera> camera_of(const Lens& lens, int width, int height) {
-  if (lens.model == LensModel::pinhole_8) return std::nullopt;
+Camera camera_of(const Lens& lens, int width, int height) {
   const Eigen::VectorXd& p = lens.parameters;
   Camera camera{width, height, p[0], p[1], p[2], p[3]};
-  camera.distortion = lens.model == LensModel::equidistant ? Distortion::equidistant : Distortion::radial_tangential;
+  camera.distortion = lens.model == LensModel::equidistant ? Distortion::equidistant
+                      : lens.model == LensModel::pinhole_8 ? Distortion::rational
+                                                           : Distortion::radial_tangential;
   for (Eigen::Index i = 4; i < p.size(); ++i) camera.coefficients[static_cast<std::size_t>(i - 4)] = p[i];
   return camera;
 }

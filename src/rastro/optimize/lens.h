@@ -15,7 +15,7 @@ enum class LensModel {
   pinhole_4,    ///< fx fy cx cy k1 k2 p1 p2: Brown 1966.
   pinhole_5,    ///< The same with k3.
   equidistant,  ///< fx fy cx cy k1 k2 k3 k4: Kannala and Brandt 2006.
-  pinhole_8,    ///< fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6: OpenCV's rational polynomial. Camera has no such model.
+  pinhole_8,    ///< fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6: OpenCV's rational polynomial.
 };
 
 /// "pinhole4", "pinhole5", "equidistant", "pinhole8".
@@ -45,7 +45,6 @@ Lens undistorted_lens(LensModel model, double focal_length, const Eigen::Vector2
 /// The lens with the parameters that both models have, further ones 0. Between pinhole models only; between them and
 /// the equidistant one the distortion begins at 0.
 Lens as_model(const Lens& lens, LensModel model);
-/// nullopt for pinhole_8.
-std::optional<Camera> camera_of(const Lens& lens, int width, int height);
+Camera camera_of(const Lens& lens, int width, int height);
 
 }  // namespace rastro

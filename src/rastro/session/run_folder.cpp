@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -96,7 +97,9 @@ Json described(const CalibratedCamera& calibrated) {
   json["calibration_file"] = calibrated.calibration_file;
   json["size_px"] = {camera.width, camera.height};
   json["fx_fy_cx_cy_px"] = {camera.fx, camera.fy, camera.cx, camera.cy};
-  json["distortion"] = camera.coefficients;
+  json["distortion"] = std::vector<double>(
+      camera.coefficients.begin(),
+      camera.coefficients.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(5, camera.coefficient_count())));
   return json;
 }
 

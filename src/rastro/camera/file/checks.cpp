@@ -41,8 +41,10 @@ Model model_of(std::string_view name, const std::string& where) {
     if (known.name == name) return known.model;
     names.emplace_back(known.name);
   }
-  throw Error(fmt::format("distortion model '{}' is not supported", one_line(name, 40)), where,
-              did_you_mean(name, names, "known are none, radial-tangential (radtan, plumb_bob) and equidistant"));
+  throw Error(
+      fmt::format("distortion model '{}' is not supported", one_line(name, 40)), where,
+      did_you_mean(name, names,
+                   "known are none, radial-tangential (radtan, plumb_bob), rational_polynomial and equidistant"));
 }
 
 bool all_zero(std::span<const double> values) {
@@ -68,10 +70,10 @@ void set_distortion(Camera& camera, std::string_view model, std::span<const doub
   camera.coefficients = {};
   if (kind == Model::none || kind == Model::rational) {
     // OpenCV's order: k1 k2 p1 p2 k3, then k4 k5 k6 of the denominator, then thin prism and tilt.
-    const std::size_t understood = kind == Model::none ? 0 : std::min<std::size_t>(coefficients.size(), 5);
+    const std::size_t understood = kind == Model::none ? 0 : std::min<std::size_t>(coefficients.size(), 8);
     if (!all_zero(coefficients.subspan(understood)))
       throw Error(fmt::format("{} of the model '{}' has values beyond {} that are not zero", key, model, understood),
-                  where, "calibrate with the radial-tangential (plumb_bob) or the equidistant model");
+                  where, "calibrate with the radial-tangential (plumb_bob), the rational or the equidistant model");
     coefficients = coefficients.first(understood);
   } else if (kind == Model::equidistant) {
     require_count(coefficients, {4}, model, where, key);
@@ -81,7 +83,9 @@ void set_distortion(Camera& camera, std::string_view model, std::span<const doub
   }
   std::copy(coefficients.begin(), coefficients.end(), camera.coefficients.begin());
   // All zero means no distortion, which is cheaper; an equidistant lens bends rays even then.
-  if (kind != Model::equidistant && !all_zero(coefficients)) camera.distortion = Distortion::radial_tangential;
+  if (kind == Model::equidistant || all_zero(coefficients)) return;
+  const bool divided = coefficients.size() > 5 && !all_zero(coefficients.subspan(5));
+  camera.distortion = divided ? Distortion::rational : Distortion::radial_tangential;
 }
 
 void set_size(Camera& camera, double width, double height, const std::string& where) {

@@ -9,10 +9,11 @@
 namespace rastro {
 namespace {
 
-/// Four of the equidistant model, else five.
+/// Four of the equidistant model, eight of the rational one, else five.
 std::vector<double> coefficients_of(const Camera& camera) {
   const auto& all = camera.coefficients;
-  return {all.begin(), camera.distortion == Distortion::equidistant ? all.begin() + 4 : all.end()};
+  if (camera.distortion == Distortion::rational) return {all.begin(), all.end()};
+  return {all.begin(), all.begin() + (camera.distortion == Distortion::equidistant ? 4 : 5)};
 }
 
 std::string numbers(const std::vector<double>& values) {
@@ -22,6 +23,7 @@ std::string numbers(const std::vector<double>& values) {
 }
 
 const char* model_of(const Camera& camera, const char* radial_tangential) {
+  if (camera.distortion == Distortion::rational) return "rational_polynomial";
   return camera.distortion == Distortion::equidistant ? "equidistant" : radial_tangential;
 }
 

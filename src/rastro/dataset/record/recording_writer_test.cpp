@@ -124,6 +124,7 @@ SourceInfo calibrated_pair(Distortion distortion) {
   CalibratedCamera left;
   left.camera = Camera{64, 48, 50.1234567890123, 51.0, 31.5, 23.25, distortion, {-0.28, 0.07, 1.5e-4, 2e-5, 0.0}, 0.0};
   if (distortion != Distortion::equidistant) left.camera->coefficients[4] = 0.003;
+  if (distortion == Distortion::rational) left.camera->coefficients[7] = -0.02;
   left.body_from_camera = SE3(SO3::exp({0.1, -0.2, 0.3}), {0.01, 0.02, 0.03});
   left.calibration_error = 0.0125;
   CalibratedCamera right = left;
@@ -134,7 +135,7 @@ SourceInfo calibrated_pair(Distortion distortion) {
 }
 
 TEST(RecordingWriter, WritesTheCalibrationThatItReadsBack) {
-  for (const Distortion distortion : {Distortion::radial_tangential, Distortion::equidistant})
+  for (const Distortion distortion : {Distortion::radial_tangential, Distortion::equidistant, Distortion::rational})
     for (const bool depth : {false, true}) {
       const ScratchFolder folder;
       SourceInfo info = calibrated_pair(distortion);

@@ -168,10 +168,11 @@ std::optional<Camera> camera_of(const CameraMessage& message, bool rectified) {
   const bool brown = message.distortion_model == "plumb_bob" && coefficients.size() <= 5;
   const bool equidistant =
       (message.distortion_model == "equidistant" || message.distortion_model == "fisheye") && coefficients.size() == 4;
-  if (!brown && !equidistant) return std::nullopt;
+  const bool rational = message.distortion_model == "rational_polynomial" && coefficients.size() == 8;
+  if (!brown && !equidistant && !rational) return std::nullopt;
   if (!std::all_of(coefficients.begin(), coefficients.end(), [](double value) { return std::isfinite(value); }))
     return std::nullopt;
-  camera.distortion = brown ? Distortion::radial_tangential : Distortion::equidistant;
+  camera.distortion = brown ? Distortion::radial_tangential : rational ? Distortion::rational : Distortion::equidistant;
   std::copy(coefficients.begin(), coefficients.end(), camera.coefficients.begin());
   return camera;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
@@ -77,6 +78,20 @@ std::optional<double> parse_depth_factor(std::string_view text, std::string_view
   return std::nullopt;
 }
 
+double parse_depth_offset(std::string_view text, std::string_view where) {
+  for (const auto& line : content_lines(text)) {
+    const auto separator = line.text.find(':');
+    if (separator == std::string_view::npos || trim(line.text.substr(0, separator)) != "depth_offset_m") continue;
+    const auto value = parse_finite(line.text.substr(separator + 1));
+    if (!value || std::abs(*value) > 1.0)
+      throw Error(fmt::format("the depth offset {} is no number of meters from -1 to 1",
+                              in_quotes(trim(line.text.substr(separator + 1)))),
+                  at_line(where, line.number), "");
+    return *value;
+  }
+  return 0.0;
+}
+
 DepthFactor guess_depth_factor(std::span<const Image<std::uint16_t>> images) {
   RawStatistics raw;
   for (const auto& image : images) raw.add(image);
@@ -93,12 +108,18 @@ DepthFactor guess_depth_factor(std::span<const Image<std::uint16_t>> images) {
           true};
 }
 
+std::optional<DepthFactor> read_depth_factor(const std::filesystem::path& file) {
+  const std::string text = read_text_file(file.string());
+  const auto factor = parse_depth_factor(text, file.string());
+  if (!factor) return std::nullopt;
+  return DepthFactor{*factor, file.string(), false, parse_depth_offset(text, file.string())};
+}
+
 DepthFactor find_depth_factor(const std::filesystem::path& folder, const std::vector<std::string>& depth_files) {
   for (const char* name : files) {
     const auto file = folder / name;
     if (!is_file(file)) continue;
-    if (const auto factor = parse_depth_factor(read_text_file(file.string()), file.string()))
-      return {*factor, file.string(), false};
+    if (auto factor = read_depth_factor(file)) return *factor;
   }
   constexpr std::size_t samples = 5;
   std::vector<Image<std::uint16_t>> images;

@@ -85,15 +85,22 @@ void fill_frames(Recording& recording, const Lists& lists, const fs::path& folde
   }
 }
 
-void set_depth_factor(Recording& recording, const fs::path& folder, bool published) {
+void set_depth_factor(Recording& recording, const fs::path& folder, bool published, const std::string& given) {
   if (!recording.info.has_depth) return;
   recording.info.depth_factor = 5000.0;
+  if (!given.empty())
+    if (const auto factor = read_depth_factor(given)) {
+      recording.info.depth_factor = factor->units_per_meter;
+      recording.depth_offset_m = factor->offset_m;
+      return;
+    }
   if (published) return;
   std::vector<std::string> files;
   for (const auto& frame : recording.frames)
     if (!frame.depth.empty()) files.push_back(frame.depth);
   const auto factor = find_depth_factor(folder, files);
   recording.info.depth_factor = factor.units_per_meter;
+  recording.depth_offset_m = factor.offset_m;
   if (factor.is_a_guess) {
     recording.info.warnings.push_back(fmt::format("depth is assumed to have {:g} units per meter, because {}",
                                                   factor.units_per_meter, factor.reason));
@@ -163,7 +170,7 @@ std::optional<Recording> index_tum_rgbd(const fs::path& path, const OpenOptions&
   fill_frames(recording, lists, path);
 
   const bool published = add_camera(recording.info, path, calibration_is_given(options));
-  set_depth_factor(recording, path, published);
+  set_depth_factor(recording, path, published, options.calibration_file);
 
   const fs::path ground_truth = path / "groundtruth.txt";
   if (is_file(ground_truth)) {

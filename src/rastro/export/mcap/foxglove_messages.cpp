@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/export/mcap/foxglove_messages.h"
 #if RASTRO_WITH_MCAP
+#include <algorithm>
+
 #include "rastro/base/text.h"
 #include "rastro/export/mcap/foxglove_parts.h"
 #include "rastro/export/raw_bytes.h"
@@ -50,6 +52,7 @@ std::string packed_points(const McapRun::Points& points, std::uint32_t stride) {
 }
 
 const char* model_of(Distortion distortion) {
+  if (distortion == Distortion::rational) return "rational_polynomial";
   return distortion == Distortion::equidistant ? "kannala_brandt" : "plumb_bob";
 }
 
@@ -148,7 +151,8 @@ std::string calibration_message(TimeNs time, const McapRun& run) {
   message.set_width(static_cast<std::uint32_t>(camera.width));
   message.set_height(static_cast<std::uint32_t>(camera.height));
   message.set_distortion_model(model_of(camera.distortion));
-  const std::size_t coefficients = camera.distortion == Distortion::equidistant ? 4 : 5;
+  const std::size_t coefficients =
+      camera.distortion == Distortion::equidistant ? 4 : std::max<std::size_t>(5, camera.coefficient_count());
   for (std::size_t k = 0; k < coefficients; ++k) message.add_d(camera.coefficients[k]);
   for (const double each : {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0}) message.add_k(each);
   for (const double each : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) message.add_r(each);

@@ -99,6 +99,17 @@ TEST(Layers, AllTogetherKeepTheirContent) {
     EXPECT_EQ(images_of(*loaded)->read(id), images_of(all())->read(id));
 }
 
+TEST(Layers, ACameraOfTheRationalModelIsKeptWithItsEightCoefficients) {
+  Map map = all();
+  map.cameras[1].intrinsics.distortion = Distortion::rational;
+  map.cameras[1].intrinsics.coefficients = {0.5, -0.3, 0.0004, -0.0003, 0.3, 0.6, 0.1, 0.3};
+  const auto loaded = read_again(map);
+  ASSERT_EQ(loaded->cameras.size(), 2U);
+  EXPECT_EQ(loaded->cameras[0].intrinsics.distortion, all().cameras[0].intrinsics.distortion);
+  EXPECT_EQ(loaded->cameras[1].intrinsics.distortion, Distortion::rational);
+  EXPECT_EQ(loaded->cameras[1].intrinsics.coefficients, map.cameras[1].intrinsics.coefficients);
+}
+
 TEST(Layers, TheGraphOfSeveralRobotsAndCamerasIsKeptToo) {
   const auto loaded = read_again(all());
   ASSERT_EQ(loaded->cameras.size(), 2U);

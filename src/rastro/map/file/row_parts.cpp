@@ -59,12 +59,15 @@ SE3 get_pose(ByteReader& bytes) {
   return {rotation, get_vector(bytes)};
 }
 
+/// Maps of before the rational model have five.
+std::size_t stored_coefficients(Distortion distortion) { return distortion == Distortion::rational ? 8 : 5; }
+
 void put(ByteWriter& bytes, const Camera& camera) {
   bytes.put<std::int32_t>(camera.width);
   bytes.put<std::int32_t>(camera.height);
   for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy}) bytes.put(value);
   bytes.put(static_cast<std::uint8_t>(camera.distortion));
-  for (const double value : camera.coefficients) bytes.put(value);
+  for (std::size_t k = 0; k < stored_coefficients(camera.distortion); ++k) bytes.put(camera.coefficients[k]);
 }
 
 Camera get_camera(ByteReader& bytes) {
@@ -76,9 +79,9 @@ Camera get_camera(ByteReader& bytes) {
   for (double* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *value = bytes.get<double>();
   bytes.check(camera.fx > 0.0 && camera.fy > 0.0);
   const auto distortion = bytes.get<std::uint8_t>();
-  bytes.check(distortion <= static_cast<std::uint8_t>(Distortion::equidistant));
+  bytes.check(distortion <= static_cast<std::uint8_t>(Distortion::rational));
   camera.distortion = static_cast<Distortion>(distortion);
-  for (double& value : camera.coefficients) value = bytes.get<double>();
+  for (std::size_t k = 0; k < stored_coefficients(camera.distortion); ++k) camera.coefficients[k] = bytes.get<double>();
   return camera;
 }
 

@@ -74,9 +74,10 @@ std::string camera_yaml(const Camera& camera, const SE3& body_from_camera, int w
   text += fmt::format("T_BS:\n  cols: 4\n  rows: 4\n  data: [{}]\n", matrix_rows(body_from_camera));
   text += fmt::format("resolution: [{}, {}]\ncamera_model: pinhole\n", width, height);
   text += fmt::format("intrinsics: [{:.12g}, {:.12g}, {:.12g}, {:.12g}]\n", camera.fx, camera.fy, camera.cx, camera.cy);
-  text += fmt::format("distortion_model: {}\n",
-                      camera.distortion == Distortion::equidistant ? "equidistant" : "radial-tangential");
-  const std::size_t count = camera.coefficients[4] != 0.0 ? 5 : 4;
+  text += fmt::format("distortion_model: {}\n", camera.distortion == Distortion::equidistant ? "equidistant"
+                                                : camera.distortion == Distortion::rational  ? "rational_polynomial"
+                                                                                             : "radial-tangential");
+  const std::size_t count = std::max<std::size_t>(4, camera.coefficient_count());
   text += "distortion_coefficients: [";
   for (std::size_t i = 0; i < count; ++i) text += fmt::format("{}{:.12g}", i == 0 ? "" : ", ", camera.coefficients[i]);
   return text + "]\n";
