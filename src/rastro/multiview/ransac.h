@@ -59,11 +59,46 @@ inline int iterations_needed(double inlier_share, int sample_size, double confid
       std::min(static_cast<double>(most), std::ceil(std::log(1.0 - confidence) / std::log1p(-clean))));
 }
 
+/// The truncated squared cost of MSAC in integers (1/1024 of the threshold), so that the order of summation does not
+/// matter, weighted where `weights` is not empty.
+struct TruncatedCost {
+  float limit = 0.0F;  ///< Of squared errors.
+  std::span<const std::int32_t> weights;
+
+  std::int64_t weight(std::size_t i) const { return weights.empty() ? 1 : weights[i]; }
+  /// Of the errors within the limit.
+  std::int64_t fitting(const std::vector<float>& errors) const {
+    std::int64_t sum = 0;
+    for (std::size_t i = 0; i < errors.size(); ++i) sum += errors[i] <= limit ? weight(i) : 0;
+    return sum;
+  }
+  std::int64_t all(std::size_t count) const {
+    return weights.empty() ? static_cast<std::int64_t>(count)
+                           : std::accumulate(weights.begin(), weights.end(), std::int64_t{0});
+  }
+  std::int64_t of(const std::vector<float>& errors) const {
+    const float to_units = 1024.0F / limit;
+    // Written so that a NaN error counts as an outlier.
+    const auto units_of = [=](float error) {
+      const float units = error * to_units;
+      return static_cast<std::int32_t>(units < 1024.0F ? units : 1024.0F);
+    };
+    if (weights.empty()) {  // four at a time
+      std::int32_t sum = 0;
+      for (const float error : errors) sum += units_of(error);
+      return sum;
+    }
+    std::int64_t sum = 0;
+    for (std::size_t i = 0; i < errors.size(); ++i) sum += std::int64_t{weights[i]} * units_of(errors[i]);
+    return sum;
+  }
+};
+
 /// RANSAC (Fischler and Bolles 1981) with the truncated squared cost of MSAC (Torr and Zisserman 2000) and one
 /// least-squares step on the inliers of every new best model (LO-RANSAC, Chum et al. 2003). `Problem` gives:
 ///   sample_size; fit(sample, sink) calls sink(model) for every model of a minimal sample; refit(model, inlier errors)
-///   -> optional model; errors(model, out): squared errors of all pairs. Costs are summed in integers (1/1024 of the
-///   threshold), so the order of summation does not matter. `initial`, where given, is tried before the first sample.
+///   -> optional model; errors(model, out): squared errors of all pairs. `initial`, where given, is tried before the
+///   first sample.
 ///   `count`: number of pairs. `weights`, where not empty: how much the cost of each pair counts and how often it is
 ///   drawn, 1 to 1000.
 template <typename Model, typename Problem>
@@ -73,45 +108,21 @@ std::optional<RobustFitOf<Model>> ransac_of(const Problem& problem, std::size_t 
   constexpr std::size_t sample_size = Problem::sample_size;
   if (count < sample_size) return std::nullopt;
   const float limit = static_cast<float>(options.max_error_px * options.max_error_px);
-  const float to_units = 1024.0F / limit;
+  const TruncatedCost cost{limit, weights};
   std::vector<float> errors(count);
-  const auto cost_of = [&](const Model& model) {
-    problem.errors(model, errors.data());
-    // Written so that a NaN error counts as an outlier.
-    const auto units_of = [=](float error) {
-      const float units = error * to_units;
-      return static_cast<std::int32_t>(units < 1024.0F ? units : 1024.0F);
-    };
-    std::int64_t cost = 0;
-    if (weights.empty()) {
-      std::int32_t sum = 0;
-      for (std::size_t i = 0; i < count; ++i) sum += units_of(errors[i]);
-      cost = sum;
-    } else {
-      for (std::size_t i = 0; i < count; ++i) cost += std::int64_t{weights[i]} * units_of(errors[i]);
-    }
-    return cost;
-  };
-
   RobustFitOf<Model> best;
-  const std::int64_t all = weights.empty() ? static_cast<std::int64_t>(count)
-                                           : std::accumulate(weights.begin(), weights.end(), std::int64_t{0});
-  std::int64_t best_cost = 1024 * all;
+  std::int64_t best_cost = 1024 * cost.all(count);
   int needed = options.max_iterations;
   const auto consider = [&](const Model& model) {
-    const std::int64_t cost = cost_of(model);
-    if (cost >= best_cost) return false;
-    best_cost = cost;
+    problem.errors(model, errors.data());
+    const std::int64_t model_cost = cost.of(errors);
+    if (model_cost >= best_cost) return false;
+    best_cost = model_cost;
     best.model = model;
     best.squared_errors = errors;
     best.inliers = static_cast<int>(std::count_if(errors.begin(), errors.end(), [=](float e) { return e <= limit; }));
-    std::int64_t fitting = best.inliers;
-    if (!weights.empty()) {
-      fitting = 0;
-      for (std::size_t i = 0; i < count; ++i) fitting += errors[i] <= limit ? weights[i] : 0;
-    }
-    needed = iterations_needed(static_cast<double>(fitting) / static_cast<double>(all), static_cast<int>(sample_size),
-                               options.confidence, options.max_iterations);
+    const double share = static_cast<double>(cost.fitting(errors)) / static_cast<double>(cost.all(count));
+    needed = iterations_needed(share, static_cast<int>(sample_size), options.confidence, options.max_iterations);
     return true;
   };
 

@@ -40,18 +40,13 @@ double weighted_share(std::span<const std::int32_t> weights, std::span<const std
   return all > 0 ? static_cast<double>(sum) / static_cast<double>(all) : 0.0;
 }
 
-ImageParts moving_parts(std::span<const FoundPoint> found, std::span<const std::uint8_t> fits, const Camera& camera,
-                        const ImageParts& last) {
+ImageParts moving_parts(std::span<const FoundPoint> found, std::span<const std::uint8_t> fits, const Camera& camera) {
   constexpr int least = 2;
-  constexpr std::uint8_t frames = 10;
   ImageParts parts;
   parts.columns = (camera.width + ImageParts::part_px - 1) / ImageParts::part_px;
   parts.rows = (camera.height + ImageParts::part_px - 1) / ImageParts::part_px;
   const auto size = static_cast<std::size_t>(parts.columns * parts.rows);
   parts.chosen.assign(size, 0);
-  if (last.chosen.size() == size)
-    std::transform(last.chosen.begin(), last.chosen.end(), parts.chosen.begin(),
-                   [](std::uint8_t before) { return before > 0 ? before - 1 : 0; });
   std::vector<int> fitting(size, 0), other(size, 0);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const int x = std::clamp(static_cast<int>(found[i].pixel.x()) / ImageParts::part_px, 0, parts.columns - 1);
@@ -64,7 +59,7 @@ ImageParts moving_parts(std::span<const FoundPoint> found, std::span<const std::
       if (other[at] < least || other[at] <= fitting[at]) continue;
       for (int v = std::max(0, y - 1); v <= std::min(parts.rows - 1, y + 1); ++v)
         for (int u = std::max(0, x - 1); u <= std::min(parts.columns - 1, x + 1); ++u)
-          parts.chosen[static_cast<std::size_t>(v * parts.columns + u)] = frames;
+          parts.chosen[static_cast<std::size_t>(v * parts.columns + u)] = 1;
     }
   }
   return parts;

@@ -22,10 +22,10 @@ double weighted_share(std::span<const std::int32_t> weights, std::span<const std
 struct ImageParts {
   static constexpr int part_px = 32;
   int columns = 0, rows = 0;
-  std::vector<std::uint8_t> chosen;  ///< Row by row: for how many frames yet; 0: not.
+  std::vector<std::uint8_t> chosen;  ///< Row by row.
 
   bool any() const {
-    return std::any_of(chosen.begin(), chosen.end(), [](std::uint8_t frames) { return frames > 0; });
+    return std::any_of(chosen.begin(), chosen.end(), [](std::uint8_t each) { return each != 0; });
   }
   bool at(int x_px, int y_px) const {
     const int x = x_px / part_px, y = y_px / part_px;
@@ -34,9 +34,7 @@ struct ImageParts {
 };
 
 /// Parts of the image in which most features do not fit the motion of the rest, and those beside them: something moves
-/// there. `fits`: one per feature. Parts of the last frame's stay chosen for a while: what moves is lost as features
-/// before it is gone.
-ImageParts moving_parts(std::span<const FoundPoint> found, std::span<const std::uint8_t> fits, const Camera& camera,
-                        const ImageParts& last = {});
+/// there. `fits`: one per feature.
+ImageParts moving_parts(std::span<const FoundPoint> found, std::span<const std::uint8_t> fits, const Camera& camera);
 
 }  // namespace rastro

@@ -40,6 +40,7 @@ constexpr int coarse_step = 4, fine_step = 3, coarse_iterations = 12;
 constexpr double coarse_reach_m = 0.2, fine_reach_m = 0.03;
 // While something moves, surfaces that fit less closely are taken for its own.
 constexpr double close_reach_m = 0.01;
+constexpr int moving_frames = 10;
 // A feature further off than this is not there by an error of calibration or by blur: it moves.
 constexpr double moving_px = 10.0;
 constexpr int least_compared = 1500;  // blocks
@@ -132,6 +133,7 @@ class RgbdFollower::State {
   std::vector<FoundPoint> found_;
   std::vector<PointMeasurement> measured_;
   ImageParts moving_;                      ///< Of the last frame, in which something moves.
+  std::int64_t moved_until_ = 0;           ///< By `followed_`: so long something may still move before the camera.
   std::vector<FollowedFeature> features_;  ///< Of the last frame, for those who ask.
 };
 
@@ -353,9 +355,10 @@ void RgbdFollower::State::read_depths(const Frame& frame, const Vector6d& veloci
 /// Leaves out the surfaces of what moves before the rest, whose motion is `pose`. Returns how closely the others must
 /// fit.
 double RgbdFollower::State::leave_out_moving(const SE3& pose) {
-  moving_ = moving_parts(found_, fitting(pose, moving_px), camera_, moving_);
+  moving_ = moving_parts(found_, fitting(pose, moving_px), camera_);
+  if (moving_.any()) moved_until_ = followed_ + moving_frames;
   surfaces_.leave_out(moving_);
-  return moving_.any() ? close_reach_m : fine_reach_m;
+  return followed_ <= moved_until_ ? close_reach_m : fine_reach_m;
 }
 
 std::vector<std::uint8_t> RgbdFollower::State::fitting(const SE3& pose, double within_px) const {
