@@ -54,11 +54,17 @@ constexpr int corners_to_find = 600;
 // neither.
 constexpr double covariance_factor = 4.0;
 
-/// Variance factor of a pose that most of the image contradicts: something large moves, and the pose may follow it.
+/// Share of the features or of the image that fits, whichever is smaller.
+double certain_share(const RgbdFollow& result) {
+  return std::min(static_cast<double>(result.inliers) / std::max(1, result.points), result.inlier_share);
+}
+
+/// Variance factor of a pose that most features or most of the image contradict: something large moves, and the pose
+/// may follow it.
 double contradiction(const RgbdFollow& result, int min_points) {
   if (result.points < min_points) return 1.0;
   constexpr double enough = 0.4, least = 0.1;
-  return std::pow(enough / std::clamp(result.inlier_share, least, enough), 3);
+  return std::pow(enough / std::clamp(certain_share(result), least, enough), 3);
 }
 
 double largest_sigma(const Matrix6d& covariance) {
@@ -91,7 +97,8 @@ class RgbdFollower::State {
   bool find_pose(const Frame& frame, const SE3& guess, bool image_useful, RgbdFollow& result);
   std::optional<SE3> first_pose(const Frame& frame, const SE3& guess, bool image_useful,
                                 std::vector<FoundPoint>& carried, RgbdFollow& result);
-  std::optional<SE3> pose_from(const std::vector<FoundPoint>& found, const SE3& guess, RgbdFollow& result);
+  std::optional<SE3> pose_from(const std::vector<FoundPoint>& found, const std::vector<std::int32_t>& weights,
+                               const SE3& guess, RgbdFollow& result);
   std::optional<SE3> pose_from_surfaces(const Frame& frame, const SE3& guess);
   void read_depths(const Frame& frame, const Vector6d& velocity);
   double leave_out_moving(const SE3& pose);
@@ -248,7 +255,8 @@ void RgbdFollower::State::learn_delay(const SE3& pose) {
   depth_delay_s_ = delay;
 }
 
-std::optional<SE3> RgbdFollower::State::pose_from(const std::vector<FoundPoint>& found, const SE3& guess,
+std::optional<SE3> RgbdFollower::State::pose_from(const std::vector<FoundPoint>& found,
+                                                  const std::vector<std::int32_t>& weights, const SE3& guess,
                                                   RgbdFollow& result) {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector2d> rays;
@@ -262,7 +270,6 @@ std::optional<SE3> RgbdFollower::State::pose_from(const std::vector<FoundPoint>&
   options.seed = seed_for(options_.seed, static_cast<std::uint64_t>(followed_));
   options.focal_px = camera_.fx;
   result.points = static_cast<int>(found.size());
-  const std::vector<std::int32_t> weights = coverage_weights(found, camera_);
   const auto pose = estimate_absolute_pose(points, rays, options, guess.inverse(), weights);
   result.inliers = pose ? pose->inliers : 0;
   result.inlier_share = pose ? weighted_share(weights, pose->is_inlier) : 0.0;
@@ -276,14 +283,15 @@ std::optional<SE3> RgbdFollower::State::first_pose(const Frame& frame, const SE3
                                                    std::vector<FoundPoint>& carried, RgbdFollow& result) {
   if (image_useful) {
     carried = tracker_.carry_on(map_, guess);
-    if (const auto pose = pose_from(carried, guess, result)) return pose;
+    if (const auto pose = pose_from(carried, coverage_weights(carried, camera_), guess, result)) return pose;
   }
   if (const auto pose = pose_from_surfaces(frame, guess)) return pose;
   if (!image_useful) return std::nullopt;
   carried.clear();
   const std::vector<FoundPoint> anywhere =
       landmark_finder_.find(map_, camera_, tracker_.pyramid(), tracker_.new_corners(frame, {}, corners_to_find));
-  return pose_from(anywhere, guess, result);
+  // What does not fit here is matched wrongly, anywhere in the image.
+  return pose_from(anywhere, std::vector<std::int32_t>(anywhere.size(), 1), guess, result);
 }
 
 std::optional<SE3> RgbdFollower::State::pose_from_surfaces(const Frame& frame, const SE3& guess) {
@@ -333,7 +341,7 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool i
   const double excess = excess_variance(by_points), against_surfaces = excess_variance(solution.world_from_camera);
   result.inlier_share = keep_inliers(by_points);
   result.inliers = static_cast<int>(found_.size());
-  if (!judge(solution, match, result.inlier_share >= most_fit ? excess : against_surfaces, result)) return false;
+  if (!judge(solution, match, certain_share(result) >= most_fit ? excess : against_surfaces, result)) return false;
   note_pose(frame.stamp, solution.world_from_camera);
   camera_from_depth_ = camera_from_depth;
   if (options_.learn_delay) learn_delay(solution.world_from_camera);
