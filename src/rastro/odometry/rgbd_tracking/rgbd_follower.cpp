@@ -28,6 +28,8 @@ constexpr int most_missed = 20;
 // Of the image with features, the part that must fit, and the part above which the features alone say how certain they
 // are.
 constexpr double least_fit = 1.0 / 3.0, most_fit = 0.5;
+// Where fewer of the features agree, there are several motions, and that of most of the image is the camera's.
+constexpr double agreeing_share = 0.7;
 constexpr int solver_iterations = 6;
 constexpr double most_depth_offset_s = 0.1;
 constexpr double first_delay_sigma_s = 0.02, most_delay_s = 0.06, delay_step_s = 0.005;
@@ -270,7 +272,9 @@ std::optional<SE3> RgbdFollower::State::pose_from(const std::vector<FoundPoint>&
   options.seed = seed_for(options_.seed, static_cast<std::uint64_t>(followed_));
   options.focal_px = camera_.fx;
   result.points = static_cast<int>(found.size());
-  const auto pose = estimate_absolute_pose(points, rays, options, guess.inverse(), weights);
+  auto pose = estimate_absolute_pose(points, rays, options, guess.inverse());
+  if (!pose || pose->inliers < agreeing_share * result.points)
+    pose = estimate_absolute_pose(points, rays, options, guess.inverse(), weights);
   result.inliers = pose ? pose->inliers : 0;
   result.inlier_share = pose ? weighted_share(weights, pose->is_inlier) : 0.0;
   if (!features_fit(result)) return std::nullopt;
