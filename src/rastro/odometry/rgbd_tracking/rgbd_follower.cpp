@@ -108,7 +108,7 @@ class RgbdFollower::State {
   double keep_inliers(const SE3& pose);
   bool features_fit(const RgbdFollow& result) const;
   double unshared_error(const PoseSolution& solution) const;
-  double excess_variance(const SE3& pose) const;
+  double excess_variance(const SE3& pose, bool drifts) const;
   bool judge(const PoseSolution& solution, const SurfaceMatch& match, double excess, RgbdFollow& result) const;
   std::vector<PointMeasurement> measurements(const std::vector<FoundPoint>& found) const;
   SE3 depth_from_color(const Frame& frame, const Vector6d& velocity, double later_s = 0.0) const;
@@ -342,10 +342,11 @@ bool RgbdFollower::State::find_pose(const Frame& frame, const SE3& guess, bool i
   surfaces_.compare(map_, solution.world_from_camera, camera_from_depth, reach_m, coarse_step, &match);
   result.points = static_cast<int>(measured_.size());
   const SE3 by_points = solution.by_points_alone();
-  const double excess = excess_variance(by_points), against_surfaces = excess_variance(solution.world_from_camera);
+  const double excess = excess_variance(by_points, true);
+  const double contradicted = excess_variance(solution.world_from_camera, false);
   result.inlier_share = keep_inliers(by_points);
   result.inliers = static_cast<int>(found_.size());
-  if (!judge(solution, match, certain_share(result) >= most_fit ? excess : against_surfaces, result)) return false;
+  if (!judge(solution, match, certain_share(result) >= most_fit ? excess : contradicted, result)) return false;
   note_pose(frame.stamp, solution.world_from_camera);
   camera_from_depth_ = camera_from_depth;
   if (options_.learn_delay) learn_delay(solution.world_from_camera);
@@ -450,15 +451,17 @@ double RgbdFollower::State::unshared_error(const PoseSolution& solution) const {
 }
 
 /// How much larger the features' squared errors are than their noise: by motion blur, a rolling shutter, surfaces that
-/// say otherwise, or people. 1 where there are too few to say.
-double RgbdFollower::State::excess_variance(const SE3& pose) const {
+/// say otherwise, or people. 1 where there are too few to say. `drifts`: with the larger noise of points tracked by
+/// optical flow alone; where most contradict the pose, their drift is no excuse.
+double RgbdFollower::State::excess_variance(const SE3& pose, bool drifts) const {
   constexpr double median_of_noise = 1.386;  // of chi squared with two degrees of freedom
   if (static_cast<int>(measured_.size()) < options_.min_points) return 1.0;
   const SE3 camera_from_world = pose.inverse();
   std::vector<double> squares;
   for (const PointMeasurement& point : measured_) {
     const Eigen::Vector3d p = camera_from_world * point.in_world;
-    squares.push_back((p.head<2>() / p.z() - point.ray).squaredNorm() / (point.ray_sigma * point.ray_sigma));
+    const double sigma = drifts ? point.ray_sigma : options_.pixel_sigma / camera_.fx;
+    squares.push_back((p.head<2>() / p.z() - point.ray).squaredNorm() / (sigma * sigma));
   }
   return std::max(1.0, upper_median(std::move(squares)) / median_of_noise);
 }

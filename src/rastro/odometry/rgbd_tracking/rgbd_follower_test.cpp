@@ -175,7 +175,7 @@ TEST(RgbdFollower, APoseThatMostFeaturesContradictIsLessCertain) {
   const double sigma_m = std::sqrt(follow.covariance.topLeftCorner<3, 3>().trace());
   EXPECT_LT(5 * follow.inliers, 2 * follow.points);
   EXPECT_EQ(follow.state, OdometryState::weak) << follow.detail;
-  EXPECT_GT(sigma_m, 0.045) << "0.032 m by the disagreement of the features alone";
+  EXPECT_GT(sigma_m, 0.06) << "0.05 m by the disagreement of the features alone";
   EXPECT_LT(path_error(follow.world_from_camera, 6), 0.01);
 }
 
