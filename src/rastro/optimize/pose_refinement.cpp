@@ -31,7 +31,19 @@ class PoseProblem {
         mono_{std::sqrt(options.chi2_mono)},
         stereo_{std::sqrt(options.chi2_stereo)},
         squared_(observations.size()),
-        use_(observations.size(), 1) {}
+        use_(observations.size(), 1) {
+    const auto is_uncertain = [](const PoseObservation& seen) { return seen.point_covariance != nullptr; };
+    if (std::any_of(observations.begin(), observations.end(), is_uncertain)) weights_.resize(observations.size());
+  }
+
+  /// Weighs uncertain points as they are seen from this pose. Not in every step: there moving away from the points,
+  /// which makes them more certain, or toward them would be worth something in itself.
+  void weigh_from(const SE3& pose) {
+    if (weights_.empty()) return;
+    const Eigen::Matrix3d rotation = pose.rotation().matrix();
+    for (std::size_t i = 0; i < observations_.size(); ++i)
+      weights_[i] = weight_of(observations_[i], rotation * observations_[i].point + pose.translation(), rotation);
+  }
 
   /// Normal equations for a motion of the camera frame from the left, over the observations in use.
   Normal at(const SE3& pose, bool robust) {
@@ -43,9 +55,9 @@ class PoseProblem {
       if (!(p.z() > least_depth)) {
         normal.cost += robust ? mono_.cost(behind) : behind;
       } else if (std::isnan(observations_[i].right_x)) {
-        add<2>(observations_[i], p, robust, normal);
+        add<2>(i, p, robust, normal);
       } else {
-        add<3>(observations_[i], p, robust, normal);
+        add<3>(i, p, robust, normal);
       }
     }
     return normal;
@@ -80,8 +92,22 @@ class PoseProblem {
   std::vector<std::uint8_t> take_inliers() { return std::move(use_); }
 
  private:
+  /// Inverse square root of the covariance of (ray, right_x) in units of sigma: lower triangular.
+  Eigen::Matrix3d weight_of(const PoseObservation& seen, const Eigen::Vector3d& p,
+                            const Eigen::Matrix3d& rotation) const {
+    if (seen.point_covariance == nullptr || !(p.z() > least_depth)) return Eigen::Matrix3d::Identity();
+    const double unit = 1.0 / (p.z() * seen.sigma);
+    Eigen::Matrix3d by_point;
+    by_point << 1.0, 0.0, -p.x() / p.z(), 0.0, 1.0, -p.y() / p.z(), 1.0, 0.0, (options_.baseline - p.x()) / p.z();
+    by_point = unit * by_point * rotation;
+    const Eigen::Matrix3d covariance =
+        Eigen::Matrix3d::Identity() + by_point * *seen.point_covariance * by_point.transpose();
+    return covariance.llt().matrixL().solve(Eigen::Matrix3d::Identity());
+  }
+
   template <int Rows>
-  void add(const PoseObservation& seen, const Eigen::Vector3d& p, bool robust, Normal& normal) const {
+  void add(std::size_t i, const Eigen::Vector3d& p, bool robust, Normal& normal) const {
+    const PoseObservation& seen = observations_[i];
     const double inverse = 1.0 / p.z(), unit = 1.0 / seen.sigma, x = p.x() * inverse, y = p.y() * inverse;
     Eigen::Matrix<double, Rows, 6> jacobian;
     jacobian.row(0) << inverse, 0.0, -x * inverse, -x * y, 1.0 + x * x, -y;
@@ -95,6 +121,10 @@ class PoseProblem {
       rest[2] = unit * (seen.right_x - right_x);
     }
     jacobian *= unit;
+    if (!weights_.empty()) {
+      jacobian = (weights_[i].topLeftCorner<Rows, Rows>() * jacobian).eval();
+      rest = (weights_[i].topLeftCorner<Rows, Rows>() * rest).eval();
+    }
     const HuberKernel& kernel = Rows == 3 ? stereo_ : mono_;
     const double squared = rest.squaredNorm(), weight = robust ? kernel.weight(squared) : 1.0;
     const Eigen::Matrix<double, 6, Rows> weighted = weight * jacobian.transpose();
@@ -108,10 +138,12 @@ class PoseProblem {
   HuberKernel mono_, stereo_;
   std::vector<double> squared_;
   std::vector<std::uint8_t> use_;
+  std::vector<Eigen::Matrix3d> weights_;  ///< Empty: all points are certain.
 };
 
 /// False if the points in use do not determine the pose.
 bool refine_round(PoseProblem& problem, bool robust, int iterations, SE3& pose, Normal& normal) {
+  problem.weigh_from(pose);
   normal = problem.at(pose, robust);
   double damping = 0.0;
   for (int i = 0; i < iterations; ++i) {

@@ -18,6 +18,8 @@ struct PoseObservation {
   /// x in the right camera, (x - baseline) / z; NaN: unknown.
   double right_x = std::numeric_limits<double>::quiet_NaN();
   double sigma = 1.0 / 500.0;  ///< Standard deviation of each number above.
+  /// Of the point, in the world; null: the point is certain. Uncertain points weigh less, none is an inlier for it.
+  const Eigen::Matrix3d* point_covariance = nullptr;
 };
 
 struct PoseRefinementOptions {
@@ -31,7 +33,7 @@ struct PoseRefinementOptions {
 struct PoseRefinement {
   SE3 camera_from_world;
   /// Of d in true pose = exp(d) * camera_from_world, (translation, rotation) in the camera frame, from the given sigmas
-  /// and the inliers. Zero if the pose is not determined.
+  /// and covariances and the inliers. Zero if the pose is not determined.
   Matrix6d covariance = Matrix6d::Zero();
   std::vector<std::uint8_t> is_inlier;  ///< One per observation.
   int inliers = 0;                      ///< 0: the pose is not determined and stays at the initial value.

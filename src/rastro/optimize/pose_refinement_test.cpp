@@ -79,6 +79,40 @@ TEST(PoseRefinement, CovarianceIsConsistentWithThePoseError) {
   }
 }
 
+/// Points that are wrong along a line each, as those of little parallax are, half of them by much.
+TEST(PoseRefinement, UncertainPointsWeighLessAndCountInTheCovariance) {
+  for (const double stereo_share : {0.0, 1.0}) {
+    Random random(4);
+    PoseRefinementOptions options = stereo_options();
+    options.chi2_mono = options.chi2_stereo = 1e9;
+    double sum = 0.0, squared = 0.0, squared_if_certain = 0.0;
+    constexpr int trials = 200;
+    for (int trial = 0; trial < trials; ++trial) {
+      auto seen = observations_of(ground_truth, random, 60, stereo_share, 0.0);
+      auto if_certain = seen;
+      std::vector<Eigen::Matrix3d> covariances(seen.size());
+      for (std::size_t i = 0; i < seen.size(); ++i) {
+        const double depth = (ground_truth * seen[i].point).z();
+        const Eigen::Vector3d line(random.normal(), random.normal(), random.normal());
+        const Eigen::Vector3d sigma = (i % 2 == 0 ? 0.001 : 0.02) * depth * line;
+        covariances[i] = sigma * sigma.transpose();
+        seen[i].point += random.normal() * sigma;
+        if_certain[i].point = seen[i].point;
+        seen[i].point_covariance = &covariances[i];
+      }
+      const SE3 start = SE3::exp(testing::random_twist(random, 0.02)) * ground_truth;
+      const PoseRefinement refined = refine_pose(start, seen, options);
+      const Vector6d off = (ground_truth * refined.camera_from_world.inverse()).log();
+      sum += off.dot(refined.covariance.ldlt().solve(off));
+      squared += off.squaredNorm();
+      const SE3 certain = refine_pose(start, if_certain, options).camera_from_world;
+      squared_if_certain += (ground_truth * certain.inverse()).log().squaredNorm();
+    }
+    EXPECT_NEAR(sum / trials, 6.0, 0.8) << "chi squared with six degrees of freedom";
+    EXPECT_LT(squared, 0.5 * squared_if_certain);
+  }
+}
+
 TEST(PoseRefinement, NoStepFromTheResultFitsBetter) {
   Random random(3);
   const auto seen = observations_of(ground_truth, random, 50, 0.5, 0.0);

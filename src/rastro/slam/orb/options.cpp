@@ -244,6 +244,15 @@ void add_tracking_options(OptionTable& table, OrbSlamOptions& o) {
              1000,
              {}});
   table.add(
+      {"localization_distance_error",
+       &o.localization_distance_error,
+       "",
+       "standard deviation of a landmark's distance as share of it, at most, to count as one of these inliers; 0: "
+       "all count",
+       0,
+       1,
+       {}});
+  table.add(
       {"min_chance_ratio",
        &o.min_chance_ratio,
        "",

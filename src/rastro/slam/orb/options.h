@@ -60,6 +60,7 @@ struct OrbSlamOptions {
   int min_guess_inliers = 20;
   int min_inliers = 30;
   int localization_inliers = 20;
+  double localization_distance_error = 0.05;
   double min_chance_ratio = 3.0;
   int weak_inliers = 150;
   double weak_share = 0.75;

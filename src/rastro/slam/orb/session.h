@@ -45,7 +45,8 @@ struct OrbSession {
 
   bool mono() const { return sensor.sensor == CameraKind::mono; }
   bool stopped() const { return stop != nullptr && stop->load(); }
-  MapViewOptions view_options() const { return {options.local_keyframes, options.local_landmarks}; }
+  /// The errors of a map that nothing corrects any more are those of the poses in it.
+  MapViewOptions view_options() const { return {options.local_keyframes, options.local_landmarks, !mapping}; }
   /// Inliers that a pose needs: of the map that is being made, or of one that cannot be harmed.
   int min_inliers() const { return mapping ? options.min_inliers : options.localization_inliers; }
   FrameTime frame_time(TimeNs stamp) const { return {frame_number, stamp}; }

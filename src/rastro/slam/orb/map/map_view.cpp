@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/slam/orb/map/map_view.h"
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 namespace rastro {
 namespace {
@@ -35,6 +37,27 @@ void add_keyframe(const MapGraph& graph, std::int64_t id, MapView& view) {
     if (landmark >= 0 && graph.landmark(landmark).observations.size() >= least) ++solid;
   }
   view.keyframes.push_back({id, keyframe.camera_from_world, keyframe.unit, keyframe.submap, solid, keyframe.frame});
+}
+
+/// Of the position, from its observations alone: the keyframes' poses count as certain.
+Eigen::Matrix3d position_covariance(const MapGraph& graph, const MapLandmark& landmark) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (const LandmarkObservation& o : landmark.observations) {
+    const MapKeyframe& keyframe = graph.keyframe(o.keyframe);
+    const Eigen::Vector3d p = keyframe.camera_from_world * landmark.position;
+    const bool has_right = !std::isnan(keyframe.frame->right_pixel(o.feature));
+    Eigen::Matrix3d jacobian;
+    jacobian << 1.0, 0.0, -p.x() / p.z(), 0.0, 1.0, -p.y() / p.z(), 1.0, 0.0, (graph.baseline() - p.x()) / p.z();
+    if (!has_right) jacobian.row(2).setZero();
+    jacobian *= keyframe.camera_from_world.rotation().matrix() / (p.z() * graph.sigma(*keyframe.frame, o.feature));
+    information += jacobian.transpose() * jacobian;
+  }
+  // A point at any distance: seen from one place only.
+  const Eigen::Vector3d at =
+      landmark.position -
+      graph.keyframe(landmark.observations.front().keyframe).camera_from_world.inverse().translation();
+  information += Eigen::Matrix3d::Identity() / at.squaredNorm();
+  return information.inverse();
 }
 
 void add_landmark(const MapLandmark& landmark, MapView& view) {
@@ -85,6 +108,9 @@ std::shared_ptr<const MapView> view_of(const MapGraph& graph, std::int64_t cente
   for (const std::int64_t id : ids) add_keyframe(graph, id, *view);
   view->seen_begin.push_back(0);
   for (const std::int64_t id : landmarks) add_landmark(graph.landmark(id), *view);
+  if (options.covariances) {
+    for (const std::int64_t id : landmarks) view->covariances.push_back(position_covariance(graph, graph.landmark(id)));
+  }
   return view;
 }
 

@@ -30,8 +30,9 @@ struct MapView {
   std::vector<Eigen::Vector3d> positions, directions;
   std::vector<float> min_distances, max_distances;
   std::vector<Descriptor> descriptors;
-  std::vector<std::uint32_t> seen_begin;  ///< One per landmark and one more, into seen_by.
-  std::vector<std::uint32_t> seen_by;     ///< Indices into keyframes.
+  std::vector<Eigen::Matrix3d> covariances;  ///< Of the positions, given the keyframes' poses; empty: not asked for.
+  std::vector<std::uint32_t> seen_begin;     ///< One per landmark and one more, into seen_by.
+  std::vector<std::uint32_t> seen_by;        ///< Indices into keyframes.
 
   std::size_t size() const { return ids.size(); }
   /// Index of a landmark or keyframe; -1: not in the view.
@@ -44,6 +45,7 @@ struct MapView {
 struct MapViewOptions {
   int keyframes = 40;
   int landmarks = 6000;
+  bool covariances = false;
 };
 
 /// The view of a keyframe: those that share landmarks with it, and those that share with these, most first.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "rastro/slam/orb/tracking/jump_check.h"
 #include "rastro/slam/orb/tracking/tracked_frame.h"
 
 namespace rastro {
@@ -140,12 +141,16 @@ void Relocalization::keep(const FramePointer& frame) {
   if (lost_.size() > static_cast<std::size_t>(session_.options.init_frames)) lost_.pop_front();
 }
 
-/// Backward from the first relocalized frame, as far as tracking succeeds.
+/// Backward from the first relocalized frame, as far as tracking succeeds and, in a given map, the motion is plausible.
 void Relocalization::track_lost_frames(FrameTracker backward) {
+  JumpCheck jump_check(session_.mapping || session_.mono() ? 0.0 : session_.options.max_acceleration);
   while (!lost_.empty()) {
     const FeatureFrame& frame = *lost_.back();
+    const SE3 predicted = backward.predicted();
     const TrackingResult tracked = backward.track(lost_.back());
     if (!tracked.ok) break;
+    const TimeNs backward_time = -frame.data().stamp;
+    if (jump_check.jumps(backward_time, predicted, tracked.camera_from_world, tracked.covariance)) break;
     session_.trajectory.add(
         tracked_frame(session_.graph, *backward.view(), frame, tracked, session_.options.pixel_sigma));
     lost_.pop_back();

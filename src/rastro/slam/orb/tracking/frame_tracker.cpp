@@ -96,6 +96,12 @@ FrameTracker::Search FrameTracker::search_in(const FeatureFrame& frame, float ra
   return {GuidedSearch(camera_, frame.grid(), std::move(radii), options), {}};
 }
 
+const Eigen::Matrix3d* FrameTracker::covariance_of(std::int64_t landmark) const {
+  if (view_->covariances.empty()) return nullptr;
+  const std::int64_t at = view_->find(landmark);
+  return at >= 0 ? &view_->covariances[static_cast<std::size_t>(at)] : nullptr;
+}
+
 PoseRefinement FrameTracker::refine(const FeatureFrame& frame, const Search& search,
                                     const std::vector<FeatureMatch>& matches, const SE3& start) const {
   std::vector<PoseObservation> observations;
@@ -106,6 +112,7 @@ PoseRefinement FrameTracker::refine(const FeatureFrame& frame, const Search& sea
     o.ray = frame.ray(match.feature);
     o.right_x = frame.right_ray(match.feature);
     o.sigma = options_.pixel_sigma * level_scales_[frame.level(match.feature)] / camera_.fx;
+    o.point_covariance = covariance_of(search.points[match.subject].landmark);
     observations.push_back(o);
   }
   return refine_pose(start, observations, {.baseline = baseline_});
@@ -201,8 +208,23 @@ TrackingResult FrameTracker::track_local_map(const FeatureFrame& frame, const SE
     points.push_back(search.points[matches[i].subject]);
     points.back().feature = matches[i].feature;
   }
+  result.supporting = supporting(result.camera_from_world, result.points);
   result.reference = reference_of(result.points);
   return result;
+}
+
+/// In a map that nothing corrects any more, far landmarks that were hardly triangulated tell the rotation, but not how
+/// far the camera has come: their errors have one cause, the keyframes that saw them, and do not average out.
+int FrameTracker::supporting(const SE3& camera_from_world, const std::vector<TrackedPoint>& points) const {
+  const Eigen::Vector3d center = camera_from_world.inverse().translation();
+  const auto supports = [&](const TrackedPoint& point) {
+    const Eigen::Matrix3d* covariance = covariance_of(point.landmark);
+    if (covariance == nullptr || options_.localization_distance_error <= 0.0) return true;
+    const Eigen::Vector3d from_camera = point.position - center;
+    const double limit = options_.localization_distance_error * from_camera.squaredNorm();
+    return from_camera.dot(*covariance * from_camera) <= limit * limit;
+  };
+  return static_cast<int>(std::count_if(points.begin(), points.end(), supports));
 }
 
 std::int64_t FrameTracker::reference_of(const std::vector<TrackedPoint>& points) const {
@@ -229,6 +251,7 @@ PoseRefinement FrameTracker::pose_by_tracks(const std::vector<LandmarkTrack>& tr
     o.point = view_->positions[static_cast<std::size_t>(at)];
     o.ray = track.ray;
     o.sigma = options_.pixel_sigma / camera_.fx;
+    o.point_covariance = covariance_of(track.landmark);
     observations.push_back(o);
   }
   return refine_pose(predicted(), observations, {.baseline = baseline_});
@@ -255,7 +278,7 @@ TrackingResult FrameTracker::track(const std::shared_ptr<const FeatureFrame>& fr
   }
   TrackingResult result = track_local_map(*frame, start);
   result.predicted = predicted.inliers;
-  result.ok = result.inliers >= options_.min_inliers && exceeds_chance(*frame, result);
+  result.ok = result.supporting >= options_.min_inliers && exceeds_chance(*frame, result);
   if (result.ok) accept(frame, result);
   return result;
 }
@@ -263,7 +286,7 @@ TrackingResult FrameTracker::track(const std::shared_ptr<const FeatureFrame>& fr
 TrackingResult FrameTracker::track_from(const std::shared_ptr<const FeatureFrame>& frame,
                                         const SE3& camera_from_world) {
   TrackingResult result = track_local_map(*frame, camera_from_world);
-  result.ok = result.inliers >= options_.min_inliers;
+  result.ok = result.supporting >= options_.min_inliers;
   if (result.ok) {
     accept(frame, result);
     velocity_ = SE3();

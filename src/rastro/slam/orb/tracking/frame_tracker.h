@@ -37,6 +37,7 @@ struct TrackingResult {
   Matrix6d covariance = Matrix6d::Zero();  ///< As that of PoseRefinement.
   int matches = 0;                         ///< Including outliers.
   int inliers = 0;                         ///< Those in `points`.
+  int supporting = 0;                      ///< Of these, with a distance known well enough to tell where the camera is.
   int predicted = 0;                       ///< Inliers of the first search.
   double chance_inliers = 0.0;             ///< Inliers that a wrong pose would have, where this had to be known.
   double mean_squared = 0.0;
@@ -52,7 +53,7 @@ class FrameTracker {
  public:
   FrameTracker(const OrbSlamOptions& options, const Camera& camera, CameraKind sensor, double baseline);
 
-  /// How many inliers a pose needs from now on (default: options.min_inliers).
+  /// How many supporting inliers a pose needs from now on (default: options.min_inliers).
   void set_min_inliers(int inliers) { options_.min_inliers = inliers; }
   /// Sets a newer view; the last pose moves with the map.
   void set_view(std::shared_ptr<const MapView> view);
@@ -102,8 +103,11 @@ class FrameTracker {
   Search search_in(const FeatureFrame& frame, float radius_px) const;
   void add_landmarks(const SE3& pose, Search& search, std::vector<std::int64_t>& visible) const;
   void add_depth_points(const SE3& pose, Search& search) const;
+  /// Of a landmark's position; null: certain.
+  const Eigen::Matrix3d* covariance_of(std::int64_t landmark) const;
   PoseRefinement refine(const FeatureFrame& frame, const Search& search, const std::vector<FeatureMatch>& matches,
                         const SE3& start) const;
+  int supporting(const SE3& camera_from_world, const std::vector<TrackedPoint>& points) const;
   std::int64_t reference_of(const std::vector<TrackedPoint>& points) const;
   bool exceeds_chance(const FeatureFrame& frame, TrackingResult& result);
   void accept(const std::shared_ptr<const FeatureFrame>& frame, const TrackingResult& result);

@@ -180,6 +180,49 @@ TEST_P(FrameTrackerTest, TrackedLandmarksReplaceTheSearch) {
 
 INSTANTIATE_TEST_SUITE_P(Sensors, FrameTrackerTest, ::testing::Values(CameraKind::mono, CameraKind::depth));
 
+/// The keyframes are 0.3 m apart, across the viewing direction: a disparity has the errors of its two features.
+TEST(FrameTracker, CovariancesOfLandmarksAreThoseOfTriangulation) {
+  const TrackingBench bench;
+  const auto view = view_of(bench.map.graph, 1, {.covariances = true});
+  ASSERT_EQ(view->covariances.size(), view->size());
+  for (std::size_t i = 0; i < view->size(); ++i) {
+    const MapLandmark& landmark = bench.map.graph.landmark(view->ids[i]);
+    if (landmark.observations.size() < 2) continue;
+    double variance = 0.0;
+    for (const LandmarkObservation& o : landmark.observations) {
+      const double sigma = bench.map.graph.sigma(*bench.map.graph.keyframe(o.keyframe).frame, o.feature);
+      variance += sigma * sigma;
+    }
+    const double depth = landmark.position.z(), expected = std::sqrt(variance) * depth * depth / 0.3;
+    // Less the prior that a point is at any distance at all.
+    EXPECT_NEAR(std::sqrt(view->covariances[i](2, 2)), expected, 0.03 * expected);
+  }
+}
+
+TEST(FrameTracker, LandmarksOfUnknownDistanceDoNotSupportAPoseInAGivenMap) {
+  const TrackingBench bench;
+  const Observed observed = bench.observe(7, near_keyframe());
+  const auto result_with = [&](double distance_error, bool covariances) {
+    OrbSlamOptions options;
+    options.localization_distance_error = distance_error;
+    FrameTracker tracker(options, bench.world.camera, CameraKind::mono, 0.0);
+    tracker.set_view(view_of(bench.map.graph, 1, {.covariances = covariances}));
+    tracker.restart(at(0.3), {}, bench.observe(1, at(0.3)).frame);
+    return tracker.track_from(observed.frame, near_keyframe());
+  };
+  const TrackingResult mapping = result_with(0.05, false);
+  EXPECT_EQ(mapping.supporting, mapping.inliers) << "a map that is being made corrects its landmarks";
+  EXPECT_TRUE(mapping.ok);
+  const TrackingResult all = result_with(0.0, true);
+  EXPECT_EQ(all.supporting, all.inliers);
+  const TrackingResult some = result_with(0.14, true), none = result_with(0.05, true);
+  EXPECT_GT(some.supporting, some.inliers / 5) << "about half: near ones are seen in coarse levels";
+  EXPECT_LT(some.supporting, some.inliers * 4 / 5);
+  EXPECT_EQ(none.supporting, 0);
+  EXPECT_GT(none.inliers, 200);
+  EXPECT_FALSE(none.ok);
+}
+
 TEST(FrameTracker, TheReferenceIsTheKeyframeThatSharesMost) {
   const PointWorld world(300, 5);
   ExactMap map(world, CameraKind::mono, 0.0);

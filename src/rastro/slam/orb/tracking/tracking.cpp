@@ -159,13 +159,20 @@ bool Tracking::jumps_in_given_map(const TrackingResult& tracked, const SE3& pred
   return true;
 }
 
+std::string Tracking::why_lost(const TrackingResult& tracked) const {
+  const int least = session_.min_inliers();
+  if (tracked.inliers < least)
+    return fmt::format("needs at least {} inliers, got {} of {} matches", least, tracked.inliers, tracked.matches);
+  if (tracked.supporting < least)
+    return fmt::format("needs at least {} landmarks whose distance is known to {:.0f} %, got {} of {} inliers", least,
+                       100.0 * session_.options.localization_distance_error, tracked.supporting, tracked.inliers);
+  return fmt::format("only {} inliers where {:.0f} fit a wrong pose by chance", tracked.inliers,
+                     tracked.chance_inliers);
+}
+
 void Tracking::on_lost(const TrackingResult& tracked, SlamUpdate& update) {
   update.reason = SlamReason::few_inliers;
-  update.detail = tracked.inliers < session_.min_inliers()
-                      ? fmt::format("needs at least {} inliers, got {} of {} matches", session_.min_inliers(),
-                                    tracked.inliers, tracked.matches)
-                      : fmt::format("only {} inliers where {:.0f} fit a wrong pose by chance", tracked.inliers,
-                                    tracked.chance_inliers);
+  update.detail = why_lost(tracked);
   update.world_from_body = tracker_.predicted().inverse();
   relocalization_.on_lost();
   jump_check_.reset();

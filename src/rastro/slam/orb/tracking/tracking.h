@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "rastro/odometry/frame_check.h"
@@ -54,6 +55,7 @@ class Tracking {
   void insert_keyframe(const FramePointer& frame, const TrackingResult& tracked, SlamUpdate& update);
   SE3 depth_from_color(const Frame& frame) const;
   bool waits_for_rotation(const FramePointer& frame, SlamUpdate& update);
+  std::string why_lost(const TrackingResult& tracked) const;
   void on_lost(const TrackingResult& tracked, SlamUpdate& update);
   bool jumps_in_given_map(const TrackingResult& tracked, const SE3& predicted, SlamUpdate& update);
   void report_contradiction(const TrackingResult& tracked, SlamUpdate& update) const;
