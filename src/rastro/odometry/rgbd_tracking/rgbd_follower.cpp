@@ -15,6 +15,7 @@
 #include "rastro/multiview/absolute_pose.h"
 #include "rastro/odometry/frame_check.h"
 #include "rastro/odometry/rgbd_tracking/coverage.h"
+#include "rastro/odometry/rgbd_tracking/depth_delay.h"
 #include "rastro/odometry/rgbd_tracking/feature_tracker.h"
 #include "rastro/odometry/rgbd_tracking/landmark_finder.h"
 #include "rastro/odometry/rgbd_tracking/point_map.h"
@@ -32,9 +33,7 @@ constexpr double least_fit = 1.0 / 3.0, most_fit = 0.5;
 constexpr double agreeing_share = 0.7;
 constexpr int solver_iterations = 6;
 constexpr double most_depth_offset_s = 0.1;
-constexpr double first_delay_sigma_s = 0.02, most_delay_s = 0.06, delay_step_s = 0.005;
-// Errors of points in one frame are correlated, and so are errors of consecutive frames.
-constexpr double delay_share = 0.02;
+constexpr double delay_step_s = 0.005;
 // A point tracked by optical flow alone has drifted since its first observation.
 constexpr double carried_sigma_factor = 2.0;
 // Surfaces: every fourth block for the coarse search, every third for the fine one; search radius in meters.
@@ -135,8 +134,7 @@ class RgbdFollower::State {
   TimeNs stamp_ = 0;                      ///< Of the last frame.
   Vector6d velocity_ = Vector6d::Zero();  ///< Per second, in the camera.
   SE3 camera_from_depth_;                 ///< Between the color and the depth of the last frame.
-  double depth_delay_s_ = 0.0;            ///< Estimated delay of depth after its stamps.
-  double delay_information_ = 1.0 / (first_delay_sigma_s * first_delay_sigma_s);
+  DepthDelay depth_delay_;
   int reference_inliers_ = 0;  ///< Inliers of the newest reference.
   std::int64_t followed_ = 0;
   std::vector<FoundPoint> found_;
@@ -230,7 +228,7 @@ Vector6d RgbdFollower::State::velocity_to(TimeNs stamp, const SE3& pose) const {
 }
 
 SE3 RgbdFollower::State::depth_from_color(const Frame& frame, const Vector6d& velocity, double later_s) const {
-  const double offset = to_seconds(frame.depth_stamp - frame.stamp) + depth_delay_s_ + later_s;
+  const double offset = to_seconds(frame.depth_stamp - frame.stamp) + depth_delay_.seconds() + later_s;
   if (std::abs(offset) > most_depth_offset_s) return {};
   return SE3::exp(-offset * velocity);
 }
@@ -250,11 +248,7 @@ void RgbdFollower::State::learn_delay(const SE3& pose) {
   DelayedQuadratic frame = points_with_delay(measured_, pose);
   frame += surfaces_.compare_with_delay(map_, pose, camera_from_depth_, velocity_, fine_reach_m, coarse_step);
   const auto [information, gradient] = delay_alone(frame);
-  delay_information_ += delay_share * information;
-  const double change = delay_share * gradient / delay_information_;
-  const double delay = std::clamp(depth_delay_s_ + change, -most_delay_s, most_delay_s);
-  map_.delay_depths(delay - depth_delay_s_);
-  depth_delay_s_ = delay;
+  map_.delay_depths(depth_delay_.learn(information, gradient));
 }
 
 std::optional<SE3> RgbdFollower::State::pose_from(const std::vector<FoundPoint>& found,
