@@ -187,7 +187,6 @@ slam_refusals() {
   run 0 slam "$here/corridor" --method hector --out "$here/flags" --frames 0:9 --guess none --loop-closing false
   grep -q '^guess: none' "$here/flags/options.yaml" || fail "--guess is not heeded"
   refused "did you mean 'hector'" slam "$here/corridor" --method hektor --out "$here/no"
-  refused '--method' slam "$here/corridor" --out "$here/no"
   refused "no option 'guess'" slam "$here/corridor" --method ekf --out "$here/no" --guess none
   refused 'true' slam "$here/corridor" --method hector --out "$here/no" --loop-closing perhaps
   refused "did you mean 'coverage'" slam "$here/corridor" --method hector --out "$here/no" --require 'covrage>=3'

@@ -17,7 +17,7 @@ constexpr const char* footer = R"(Examples:
 void print_methods() {
   fmt::print("Odometry (trajectory without a map): rastro odometry DATA --method NAME\n{}",
              methods_text(odometry_methods()));
-  fmt::print("SLAM (trajectory and map): rastro slam DATA --method NAME\n{}", methods_text(slam_methods()));
+  fmt::print("SLAM (trajectory and map): rastro slam DATA --method NAME\n{}", methods_text(selectable_slam_methods()));
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ class Settings {
   }
 
   TrackOptions track_;
-  std::vector<std::unique_ptr<SlamMethod>> slam_ = slam_methods();
+  std::vector<std::unique_ptr<SlamMethod>> slam_ = selectable_slam_methods();
   std::vector<std::unique_ptr<OdometryMethod>> odometry_ = odometry_methods();
   std::vector<std::pair<std::string, OptionTable>> tables_;
 };

@@ -70,9 +70,7 @@ SlamContext context_of(const SlamFlags& flags) {
 }
 
 std::unique_ptr<SlamMethod> method_for(const SlamFlags& flags, const SlamContext& context) {
-  if (!context.map && flags.method.empty())
-    throw Error("is required", "--method", "give one, such as --method orb; 'rastro methods' lists them");
-  if (!context.map) return slam_method(flags.method);
+  if (!context.map) return slam_method(flags.method.empty() ? "auto" : flags.method);
   const std::string& maker = context.map->method;
   auto method = slam_method(maker);
   if (!flags.method.empty() && flags.method != maker)

@@ -55,7 +55,7 @@ Examples:
 
 std::string methods_text() {
   std::string text = "Methods:\n";
-  for (const auto& method : slam_methods())
+  for (const auto& method : selectable_slam_methods())
     text += fmt::format("  {:<10} {}\n  {:<10}   input: {}\n", method->name(), method->summary(), "", method->needs());
   return text;
 }
@@ -145,7 +145,7 @@ void add_sensor_flag(CLI::App& command, SlamFlags& flags, const char* group) {
 
 void add_method_flags(CLI::App& command, SlamFlags& flags) {
   const char* group = "SLAM";
-  command.add_option("--method", flags.method, "SLAM method, see below; with --map: that of the map")
+  command.add_option("--method", flags.method, "SLAM method, see below (default: auto; with --map: that of the map)")
       ->type_name("NAME")
       ->group(group);
   command.add_option("--map", flags.map, "With --continue: map file or run folder of orb or rtabmap")

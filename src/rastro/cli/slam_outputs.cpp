@@ -244,6 +244,7 @@ std::string slam_summary(const SlamRunEnd& end, const SlamOutputs& outputs, cons
   const SlamResult& result = end.result;
   std::string text = fmt::format("{}: {} frames, {:.1f} % of the requested ones have a pose{}\n", result.method,
                                  result.frames, result.coverage, result.interrupted ? " (interrupted)" : "");
+  if (!result.method_choice.empty()) text += fmt::format("  method       {}\n", result.method_choice);
   text += states_line(result) + reasons_line(result);
   text += (task == SlamTask::localize ? recall_line(result) : map_line(end, outputs)) + scale_line(result) +
           time_line(result) + live_line(result) + map_memory_line(result.memory.map);

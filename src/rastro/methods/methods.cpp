@@ -5,6 +5,7 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
+#include "rastro/methods/auto_slam.h"
 
 namespace rastro {
 namespace {
@@ -27,6 +28,14 @@ std::unique_ptr<OdometryMethod> odometry_method(const std::string& name) {
   return named(odometry_methods(), name, "odometry method");
 }
 
-std::unique_ptr<SlamMethod> slam_method(const std::string& name) { return named(slam_methods(), name, "SLAM method"); }
+std::vector<std::unique_ptr<SlamMethod>> selectable_slam_methods() {
+  std::vector<std::unique_ptr<SlamMethod>> methods = slam_methods();
+  methods.insert(methods.begin(), auto_slam_method(slam_method));
+  return methods;
+}
+
+std::unique_ptr<SlamMethod> slam_method(const std::string& name) {
+  return named(selectable_slam_methods(), name, "SLAM method");
+}
 
 }  // namespace rastro

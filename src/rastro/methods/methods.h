@@ -15,7 +15,10 @@ namespace rastro {
 std::vector<std::unique_ptr<OdometryMethod>> odometry_methods();
 std::vector<std::unique_ptr<SlamMethod>> slam_methods();
 
-/// A method by name. Error for an unknown name, with the nearest known one.
+/// slam_methods() and, first, `auto`, which chooses among them.
+std::vector<std::unique_ptr<SlamMethod>> selectable_slam_methods();
+
+/// A method by name, `auto` too. Error for an unknown name, with the nearest known one.
 std::unique_ptr<OdometryMethod> odometry_method(const std::string& name);
 std::unique_ptr<SlamMethod> slam_method(const std::string& name);
 

@@ -47,6 +47,7 @@ struct SlamMemory {
 /// The result of a run; the fields of its result.json. Percentages are 0 to 100.
 struct SlamResult {
   std::string method;
+  std::string method_choice;        ///< Of `auto`: the method in use at the end, and why; else empty.
   std::int64_t frames = 0;          ///< Processed.
   std::int64_t skipped_frames = 0;  ///< Could not be read.
   SlamStateCounts states;

@@ -53,7 +53,8 @@ const char* name_of(SlamReason reason);  ///< "none", "first_frame", ...
 
 /// Something worth a line in events.jsonl.
 struct SlamEvent {
-  /// "keyframe", "loop_closed", "map_revised", "landmark", "submap", "joined", "relocalized", "returned", "memory".
+  /// "keyframe", "loop_closed", "map_revised", "landmark", "submap", "joined", "relocalized", "returned", "memory",
+  /// "method".
   std::string kind;
   std::string detail;              ///< One short clause with numbers.
   KeyframeId place = no_keyframe;  ///< Of "relocalized": the keyframe that was recognized.

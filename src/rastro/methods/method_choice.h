@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rastro/image/image.h"
+#include "rastro/sensor/source.h"
+
+namespace rastro {
+
+/// A SLAM method that suits a source, and why.
+struct MethodChoice {
+  std::string method;
+  std::string reason;  ///< One clause: "a depth camera, corners in 87 % of the image".
+};
+
+/// Share of the cells of an image, 8 by 6, that have a corner (FAST-9/16) at `threshold`; 0 for an empty image.
+double texture_of(GrayView image, int threshold);
+
+/// The methods for a source, best first. `texture`: of its first image, see texture_of(). Error where there is none for
+/// what the source has.
+std::vector<MethodChoice> slam_choices(const SourceInfo& source, double texture, double least_texture);
+
+/// The odometry for a source. Error where there is none.
+MethodChoice odometry_choice(const SourceInfo& source);
+
+}  // namespace rastro
