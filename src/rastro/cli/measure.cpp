@@ -14,6 +14,7 @@
 #include "rastro/cli/export_input.h"
 #include "rastro/cli/limits.h"
 #include "rastro/cli/map_path.h"
+#include "rastro/cli/recorded_images.h"
 #include "rastro/evaluate/length_report.h"
 #include "rastro/evaluate/trajectory_input.h"
 #include "rastro/evaluate/trajectory_pairs.h"
@@ -32,7 +33,8 @@ constexpr const char* footer =
     R"(MAP is a map file (map.rastro), a run folder, or a point cloud (.ply, in meters; its sigma is used if present). In a map,
 planes are fitted to the depth images of the keyframes and edges are found with subpixel precision in their color images;
 every keyframe that observes both ends measures the length by itself, keyframes that observe one end count with the
-uncertainty of their poses. In a cloud an edge is where the points end, and sigmas are larger.
+uncertainty of their poses. A map without images (orb, lsd) is measured in those of the recording that it was made of, or that
+of --images. In a cloud an edge is where the points end, and sigmas are larger.
 
 FILE (YAML, meters):
   frame: first_camera        # world of the map (default); or `truth`: frame of the trajectory given with --align
@@ -67,7 +69,7 @@ Examples:
 
 struct Flags {
   std::vector<std::string> maps, between, only, limits;
-  std::string objects, align, out;
+  std::string objects, align, images, out;
   int threads = 0;
   std::uint64_t seed = 1;
   bool json = false, csv = false, quiet = false;
@@ -78,13 +80,16 @@ struct OpenedMap {
   PointCloud cloud;
 };
 
-std::shared_ptr<const Map> load_map_with_images(const fs::path& file) {
+std::shared_ptr<const Map> load_map_with_images(const fs::path& file, const std::string& recording) {
   auto map = load_map(file);
-  if (!map->layer<ImageLayer>()) refuse_without_layer(file.string(), ImageLayer::layer_name, "a length");
-  return map;
+  if (map->layer<ImageLayer>()) return map;
+  RecordingOfRun images = recording_of_run(file);
+  if (!recording.empty()) images.path = recording;
+  if (images.path.empty()) refuse_without_layer(file.string(), ImageLayer::layer_name, "a length");
+  return with_recorded_images(*map, images);
 }
 
-OpenedMap open_map(const std::string& path) {
+OpenedMap open_map(const std::string& path, const std::string& recording) {
   const fs::path file = map_file_of(path);
   std::error_code ignored;
   if (file.extension() == ".ply") return {nullptr, read_cloud_ply(file.string())};
@@ -94,7 +99,7 @@ OpenedMap open_map(const std::string& path) {
       throw Error("has neither map.rastro nor cloud.ply", path, "give the run of a depth camera");
     return {nullptr, read_cloud_ply(cloud.string())};
   }
-  return {load_map_with_images(file), {}};
+  return {load_map_with_images(file, recording), {}};
 }
 
 /// ground_truth_from_map, from poses of equal timestamps.
@@ -193,7 +198,7 @@ int measure(const Flags& flags) {
   options.seed = flags.seed;
   std::vector<MapOfLengths> results;
   for (const std::string& path : flags.maps) {
-    const OpenedMap map = open_map(path);
+    const OpenedMap map = open_map(path, flags.images);
     std::vector<LengthObject> objects = wanted.objects;
     if (wanted.in_frame_of_ground_truth) {
       const SE3 map_from_ground_truth = aligned(map, path, flags.align).inverse();
@@ -235,6 +240,10 @@ void add_measure_command(CLI::App& app, Context& context) {
       ->allow_extra_args(false);
   command->add_option("--align", flags->align, "Ground-truth trajectory, for points given in its frame")
       ->type_name("FILE");
+  command
+      ->add_option("--images", flags->images,
+                   "Recording with the images of a map that has none (default: the recording that the map was made of)")
+      ->type_name("DATA");
   command->add_option("--out", flags->out, "Folder for an image of each length with the measured edges")
       ->type_name("DIR");
   command

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "rastro/cli/keyframe_images.h"
+#include "rastro/map/graph/map.h"
+
+namespace rastro::cli {
+
+/// A map without images, with those of its keyframes read from the recording that it was made of, depth too where that
+/// has it: all are in memory. Error where the recording cannot be read, or lacks frames of keyframes.
+std::shared_ptr<const Map> with_recorded_images(const Map& map, const RecordingOfRun& recording);
+
+}  // namespace rastro::cli
