@@ -33,8 +33,8 @@ constexpr const char* footer =
     R"(MAP is a map file (map.rastro), a run folder, or a point cloud (.ply, in meters; its sigma is used if present). In a map,
 planes are fitted to the depth images of the keyframes and edges are found with subpixel precision in their color images;
 every keyframe that observes both ends measures the length by itself, keyframes that observe one end count with the
-uncertainty of their poses. A map without images (orb, lsd) is measured in those of the recording that it was made of, or that
-of --images. In a cloud an edge is where the points end, and sigmas are larger.
+uncertainty of their poses. A map of a depth camera without images (orb, lsd) is measured in those of the recording that it
+was made of, or that of --images. In a cloud an edge is where the points end, and sigmas are larger.
 
 FILE (YAML, meters):
   frame: first_camera        # world of the map (default); or `truth`: frame of the trajectory given with --align

@@ -14,10 +14,12 @@ namespace rastro::cli {
 namespace {
 
 OpenOptions open_options(const Map& map, const RecordingOfRun& recording) {
+  if (camera_of(map, recording.path).kind != CameraKind::depth)
+    throw Error("is of a map without depth: a length in it would follow from the given points, not from the map",
+                recording.path, "give the map of a depth camera");
   OpenOptions options;
   options.camera = recording.camera;
-  options.want_color = true;
-  options.want_depth = camera_of(map, recording.path).kind == CameraKind::depth;
+  options.want_color = options.want_depth = true;
   return options;
 }
 

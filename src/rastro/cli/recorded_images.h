@@ -8,8 +8,9 @@
 
 namespace rastro::cli {
 
-/// A map without images, with those of its keyframes read from the recording that it was made of, depth too where that
-/// has it: all are in memory. Error where the recording cannot be read, or lacks frames of keyframes.
+/// The map of a depth camera that holds no images, with those of its keyframes read from the recording that it was made
+/// of: all are in memory. Error for the map of another camera, and where the recording cannot be read or lacks
+/// frames of keyframes.
 std::shared_ptr<const Map> with_recorded_images(const Map& map, const RecordingOfRun& recording);
 
 }  // namespace rastro::cli
