@@ -24,6 +24,7 @@ Ctrl-C ends with exit code 0 and "interrupted": true in result.json.
 Examples:
   rastro track hall --out run --images
   rastro track MH_01_easy --out run --match-image 1:29 --video run.avi
+  rastro track MH_01_easy --out paper --preset paper --frames 0:31       as the paper; table.md is its Table I
   rastro track walk.mp4 --fov 70 --out run --set min_distance_px=20 --features 300
   rastro track hall --out run --view                  in a browser, while it runs
   rastro track kitti/00 --frames 0:500 --mask hood.png --out run --require 'coverage>=99'
@@ -43,6 +44,7 @@ void add_setting_flags(CLI::App& command, TrackFlags& flags) {
                   "Geometric verification: homography, epipolar or local (default: homography)")
       ->type_name("MODE")
       ->group(group);
+  add_preset_flag(command, flags, group, "the front-end paper's own steps");
   add_settings_flags(command, flags, group, "rastro options");
   command.add_option("--mask", flags.mask, "Mask image, or folder of one per frame: no features where it is black")
       ->type_name("FILE|FOLDER")
@@ -81,6 +83,10 @@ void add_track_flags(CLI::App& command, TrackFlags& flags) {
   add_view_flags(command, flags);
   add_data_flags(command, flags.data);
   command.footer(footer);
+}
+
+void apply_preset(const TrackFlags& flags, TrackOptions& options) {
+  if (is_preset(flags.preset, "the tracker", track_presets())) set_paper_preset(options);
 }
 
 void apply_settings(const TrackFlags& flags, OptionTable& table) {

@@ -10,6 +10,7 @@
 
 #include "rastro/base/options.h"
 #include "rastro/cli/run_flags.h"
+#include "rastro/track/options.h"
 
 namespace rastro::cli {
 
@@ -25,6 +26,9 @@ struct TrackFlags : RunFlags {
 };
 
 void add_track_flags(CLI::App& command, TrackFlags& flags);
+
+/// The values of --preset. Error for an unknown one.
+void apply_preset(const TrackFlags& flags, TrackOptions& options);
 
 /// Sets the table from the options file, --set and the flags, in this order. Errors name the flag.
 void apply_settings(const TrackFlags& flags, OptionTable& table);
