@@ -400,6 +400,9 @@ options() {
   grep -q '^candidates_factor: 2' "$here/preset/options.yaml" || fail "--preset wins over --set"
   grep -q '^predict: false' "$here/preset/options.yaml" || fail "--preset has no effect"
   refused 'use default or paper' track "$hall" --out "$here/no" --preset papr
+  run 0 track "$hall" --out "$here/table" --frames 0:6 --table 3:5
+  [[ $(grep -cE '^\| [0-9]+ ' "$here/table/table.md") -eq 2 ]] || fail "--table has no effect"
+  refused 'A below B' track "$hall" --out "$here/no" --table 5:3
 }
 
 benchmark() {

@@ -126,6 +126,17 @@ TEST_P(OdometryContract, HeedsItsSettings) {
   EXPECT_EQ(this->method()->options().value_of(0), before) << "one method's settings reach another";
 }
 
+TEST_P(OdometryContract, EveryPresetChangesSettingsAndRuns) {
+  for (const std::string& preset : method()->presets()) {
+    const auto method = this->method();
+    const OptionTable before = method->options();
+    const std::string unset = before.to_yaml();
+    method->set_preset(preset);
+    EXPECT_NE(method->options().to_yaml(), unset) << preset;
+    run(*method->make(DriveWorld::info(), {}), DriveWorld::frames(5));
+  }
+}
+
 TEST_P(OdometryContract, RefusesASourceWithoutImagesOrCalibration) {
   SourceInfo nothing;
   nothing.path = "nothing.log";

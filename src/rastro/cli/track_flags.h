@@ -20,6 +20,7 @@ struct TrackFlags : RunFlags {
   std::string mask;
   bool images = false;
   std::string match_image;  ///< A:B
+  std::string table;        ///< A:B
   std::string video;
   std::vector<std::string> formats = {"yaml", "csv", "jsonl"};
   std::vector<std::string> limits;  ///< --require
@@ -35,5 +36,8 @@ void apply_settings(const TrackFlags& flags, OptionTable& table);
 
 /// The frames of --match-image; nullopt when not given.
 std::optional<std::pair<std::int64_t, std::int64_t>> match_frames(const TrackFlags& flags);
+
+/// First and end of the frames of --table; nullopt when not given.
+std::optional<std::pair<std::int64_t, std::int64_t>> table_frames(const TrackFlags& flags);
 
 }  // namespace rastro::cli

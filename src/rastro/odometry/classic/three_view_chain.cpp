@@ -74,7 +74,12 @@ void ThreeViewChain::locate(View current, OdometryUpdate& update) {
   if (const auto motion = motion_from_points(current, update)) {
     update.state = update.reason == OdometryReason::gap ? OdometryState::weak : OdometryState::tracking;
     accept(*motion, current);
-    if (pair && pair->has_parallax) move_on(std::move(current), *pair);
+    if (pair && pair->has_parallax) {
+      move_on(std::move(current), *pair);
+    } else if (update.reason == OdometryReason::none) {
+      update.reason = pair ? OdometryReason::too_little_parallax : OdometryReason::few_inliers;
+      update.detail = "k-1 stays";
+    }
   } else if (!pair) {
     lose(std::move(current), OdometryReason::few_inliers, inliers_text(update.inliers, update.matches), update);
   } else if (pair->has_parallax) {

@@ -112,6 +112,7 @@ TEST(ThreeViewChain, RestAndRotationOnTheSpotAreSaid) {
   // The points of the pair before place a camera that only rotates, too.
   const OdometryUpdate later = add(chain, world.observed_from(poses[5] * turned));
   EXPECT_EQ(later.state, OdometryState::tracking);
+  EXPECT_EQ(later.reason, OdometryReason::too_little_parallax);
   expect_near(later.world_from_camera, poses[5] * turned, 1e-6);
 }
 
