@@ -47,7 +47,7 @@ CONTRACT = [
     ("backend/rgbd", "Methods/SlamContract.*/rgbd", "Golden/*/rgbd_*"),
     ("slam/hector", "Methods/SlamContract.*/hector", "Golden/*hector*"),
     ("slam/ekf", "Methods/SlamContract.*/ekf", "Golden/*ekf*"),
-    ("odometry", "Methods/SlamContract.*/rgbd", "Golden/*/features*:Golden/*/profiles*:Golden/*/hybrid*:Golden/*/rgbd*"),
+    ("odometry", "Methods/SlamContract.*/rgbd", "Golden/*/features*:Golden/*/classic*:Golden/*/profiles*:Golden/*/hybrid*:Golden/*/rgbd*"),
     ("optimize", "Methods/SlamContract.*/rgbd:Methods/SlamContract.*/orb*:Methods/SlamContract.*/hector", "Golden/*"),
     ("map", "Methods/SlamContract.*", ""),
     ("track", "", "Golden/*/features*:Golden/*/hybrid*"),

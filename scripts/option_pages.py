@@ -15,7 +15,7 @@ TRACKER = {"track": "The tracker: `rastro track`"}
 HEAD = """# Options
 
 Made by `make pages` from the option tables in the program; do not edit. `rastro options METHOD` prints the same, and
-`rastro options METHOD --yaml` prints a file to edit for `--options FILE`. Values are taken in this order: default,
+`rastro options METHOD --yaml` prints a file to edit for `--options FILE`. Values are taken in this order: default, `--preset NAME`,
 `--options FILE`, `--set key=value`. The values in force are written to `options.yaml` of every run.
 """
 

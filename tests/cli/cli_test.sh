@@ -91,7 +91,7 @@ trajectory() {
 
 odometry() {
   local method
-  for method in features profiles hybrid; do
+  for method in features classic profiles hybrid; do
     run 0 odometry "$hall" --out "$here/$method" --method "$method"
     said 'poses written to'
     [[ $(grep -cv '^#' "$here/$method/trajectory.txt") -eq $(grep -cv '^#' "$here/$method/trajectory_online.txt") ]] ||
@@ -122,6 +122,8 @@ evaluate_trajectory() {
   run 0 evaluate trajectory "$here/truth.txt" "$here/short.txt" --json --require 'ate_rmse<=0.001'
   said '"coverage": 50.0'
   run 1 evaluate trajectory "$here/truth.txt" "$here/short.txt" --require 'coverage>=95' --quiet
+  run 0 evaluate trajectory "$here/truth.txt" "$here/short.txt" --align origin --csv "$here/curves.csv"
+  grep -q '^"[^"]*short.txt",0,' "$here/curves.csv" || fail "--csv has no curves: $(head -3 "$here/curves.csv")"
   refused "did you mean 'ate_rmse'" evaluate trajectory "$here/truth.txt" "$here/short.txt" --require 'ate_rms<=1'
   refused 'no KITTI poses' evaluate trajectory "$here/truth.txt" "$here/short.txt" --times "$here/truth.txt"
   refused '.svg or .png' evaluate trajectory "$here/truth.txt" "$here/short.txt" --plot "$here/plot.pdf"
@@ -389,6 +391,17 @@ options() {
   run 0 options track --yaml
   cp "$here/stdout" "$here/options.yaml"
   run 0 track "$hall" --out "$here/run" --frames 0:2 --options "$here/options.yaml"
+  run 0 options track --preset paper
+  said 'candidates_factor = 1'
+  refused 'use default or paper' options track --preset papr
+  refused 'omit it' options features --preset paper
+  run 0 track "$hall" --out "$here/preset" --frames 0:2 --preset paper --set candidates_factor=2
+  grep -q '^candidates_factor: 2' "$here/preset/options.yaml" || fail "--preset wins over --set"
+  grep -q '^predict: false' "$here/preset/options.yaml" || fail "--preset has no effect"
+  refused 'use default or paper' track "$hall" --out "$here/no" --preset papr
+  run 0 track "$hall" --out "$here/table" --frames 0:6 --table 3:5
+  [[ $(grep -cE '^\| [0-9]+ ' "$here/table/table.md") -eq 2 ]] || fail "--table has no effect"
+  refused 'A below B' track "$hall" --out "$here/no" --table 5:3
 }
 
 benchmark() {

@@ -9,11 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
 #include "rastro/base/text.h"
 #include "rastro/cli/trajectory_files.h"
 #include "rastro/evaluate/trajectory_report.h"
+#include "rastro/export/trajectory_curves.h"
 #include "rastro/export/trajectory_plot.h"
 
 namespace rastro::cli {
@@ -29,7 +31,8 @@ and unit of the timestamps are detected.
               most 0.1 s). Of the ground truth of a EuRoC or TUM recording only the part between its first and last frame
               counts. Do not rank estimates of different coverage
   alignment   over all matched positions: none; se3: rotation and translation; sim3: and scale, for one camera; yaw: rotation
-              about the z axis of REF and translation. Everything below is after alignment
+              about the z axis of REF and translation; origin: the first matched pose, for errors that grow from the start, as
+              the curves of publications on odometry show them. Everything below is after alignment
   ATE         absolute trajectory error: distance of the positions, m
   RPE         relative pose error over each --rpe-delta: frames (f), seconds (s) or meters on EST (m), of consecutive pairs or
               of a pair from every pose (--rpe-pairs all)
@@ -40,12 +43,13 @@ and unit of the timestamps are detected.
               for each degree of freedom, 1 is right; and by how much the sigmas would have to be larger to hold 95 %
 A EuRoC reference is of the body. If ../cam0/sensor.yaml lies beside it, or --body-from-camera FILE is given, it is converted to
 poses of the camera, and the output says so; --estimate-of body prevents this. KITTI raw is compared in the frame of its IMU.
-Plots show rotations relative to the first pose of REF about the camera's axes (yaw: y, pitch: x, roll: z), or a body's (z, y, x).
+Plots and CSV have rotations relative to the first pose of REF about the camera's axes (yaw: y, pitch: x, roll: z), or a body's (z, y, x).
 --json prints an object for one EST, an array for several; its rpe_* are those of the first --rpe-delta.
 
 Examples:
   rastro evaluate trajectory groundtruth.txt run --align sim3
   rastro evaluate trajectory 00_gt.txt orb.txt sptam.txt --plot compared.svg
+  rastro evaluate trajectory 2011_09_26_drive_0014 classic hybrid --align origin --plot errors.svg --csv errors.csv
   rastro evaluate trajectory kitti_00 run --align sim3 --segments 10,20,30,40,50 --rpe-delta 10m
   rastro evaluate trajectory MH_01 run --align sim3 --json --require 'ate_rmse<=0.1' --require 'coverage>=95')";
 
@@ -53,7 +57,7 @@ struct Flags {
   std::string reference;
   std::vector<std::string> estimates;
   TrajectoryFileFlags files;
-  std::string align = "se3", rpe_pairs = "consecutive", plot;
+  std::string align = "se3", rpe_pairs = "consecutive", plot, csv;
   std::vector<std::string> rpe_deltas, limits;
   std::vector<double> segments_m;
   double max_dt_s = 0.02;
@@ -108,6 +112,11 @@ TrajectoryPlot plot_of(const ReferenceTrajectory& reference, const std::vector<T
   return plot;
 }
 
+void write_curves(TrajectoryPlot plot, const std::vector<TrajectoryScores>& all, const std::string& file) {
+  for (std::size_t k = 0; k < all.size(); ++k) plot.estimates[k].name = short_name(all[k].estimate);
+  write_whole_file(file, trajectory_curves_as_csv(plot));
+}
+
 int missed_limits(const TrajectoryScores& scores, const std::vector<ScoreLimit>& limits) {
   int code = done;
   for (const ScoreLimit& limit : limits) {
@@ -157,6 +166,7 @@ int evaluate_trajectory(const Flags& flags) {
   }
   require_use_of_times(flags, reference, estimates);
   if (!flags.plot.empty()) write_trajectory_plot(plot_of(reference, all), flags.plot);
+  if (!flags.csv.empty()) write_curves(plot_of(reference, all), all, flags.csv);
   if (flags.json)
     fmt::print("{}", trajectory_scores_as_json(all));
   else if (!flags.quiet)
@@ -189,7 +199,7 @@ void add_input_flags(CLI::App& command, Flags& flags) {
 
 void add_score_flags(CLI::App& command, Flags& flags) {
   command.add_option("--align", flags.align, "Alignment of EST with REF (default: se3)")
-      ->type_name("none|se3|sim3|yaw");
+      ->type_name("none|se3|sim3|yaw|origin");
   command.add_option("--rpe-delta", flags.rpe_deltas, "RPE deltas, such as 10m (default: 1f,1s,1m)")
       ->type_name("LIST")
       ->delimiter(',')
@@ -208,6 +218,8 @@ void add_score_flags(CLI::App& command, Flags& flags) {
       ->type_name("LIMIT")
       ->allow_extra_args(false);
   command.add_option("--plot", flags.plot, "Plot positions, rotations, errors and the path (.svg or .png)")
+      ->type_name("FILE");
+  command.add_option("--csv", flags.csv, "Write positions, rotations and their errors of every matched pose as CSV")
       ->type_name("FILE");
   command.add_flag("--json", flags.json, "Print the result as JSON");
   command.add_flag("--quiet", flags.quiet, "Print errors and warnings only");

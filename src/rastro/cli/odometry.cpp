@@ -97,6 +97,8 @@ std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
   auto run = std::make_unique<Prepared>();
   run->method = odometry_method(flags.method);
   run->table = run->method->options();
+  if (is_preset(flags.preset, fmt::format("the method '{}'", run->method->name()), run->method->presets()))
+    run->method->set_preset(flags.preset);
   apply_settings(flags, run->table);
   run->yaw_reference = yaw_reference(flags, run->table);
   run->scale = scale_source(flags, *run->method);

@@ -29,6 +29,7 @@ Examples:
   rastro odometry kitti/00 --out run --scale camera-height=1.65
   rastro odometry rgbd_dataset_freiburg1_desk --out run --method rgbd
   rastro odometry MH_01_easy --out run --scale reference=groundtruth.txt --set features=600
+  rastro odometry kitti/00 --out run --method classic --preset paper
   rastro odometry kitti/00 --out run --method profiles --calibrate-yaw --reference kitti/poses/00.txt
   rastro evaluate trajectory kitti/poses/00.txt run --align sim3)";
 
@@ -42,8 +43,10 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
       ->type_name("NAME")
       ->group(group);
   command
-      .add_option("--matcher", flags.matcher,
-                  "Feature matching: tracks, sift, orb or surf; method features only (default: tracks)")
+      .add_option(
+          "--matcher", flags.matcher,
+          "Feature matching: tracks, sift, orb or surf; of features (default: tracks) and classic (surf, sift or orb; "
+          "default: surf)")
       ->type_name("MODE")
       ->group(group);
   command.add_flag("--refine", flags.refine, "Local bundle adjustment of the last keyframes (default of features)")
@@ -62,6 +65,7 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
   command.add_option("--reference", flags.reference, "Reference trajectory of the camera, for --calibrate-yaw")
       ->type_name("FILE")
       ->group(group);
+  add_preset_flag(command, flags, group, "classic, profiles, hybrid: the positioning paper's own steps");
   add_settings_flags(command, flags, group, "rastro options METHOD");
   add_disturbance_flag(command, flags);
   add_folder_flags(command, flags);

@@ -12,6 +12,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
 #include "rastro/cli/command.h"
+#include "rastro/cli/run_flags.h"
 #include "rastro/methods/methods.h"
 #include "rastro/track/options.h"
 
@@ -21,7 +22,7 @@ namespace {
 constexpr std::size_t text_width = 100;
 
 constexpr const char* footer =
-    R"(Values are taken in this order: default, --options FILE, --set KEY=VALUE, flags of the command. The values in use are
+    R"(Values are taken in this order: default, --preset, --options FILE, --set KEY=VALUE, flags of the command. The values in use are
 written to options.yaml of every run.
 
 Examples:
@@ -29,6 +30,7 @@ Examples:
   rastro options features                         of an odometry method
   rastro options hector                           of a SLAM method
   rastro options odometry/rgbd                    where odometry and SLAM have a method of the same name (default: SLAM)
+  rastro options track --preset paper             values of the front-end paper
   rastro options --yaml > mine.yaml               a file to edit; omitted options keep their defaults
   rastro track hall --out run --options mine.yaml --set window=60)";
 
@@ -49,7 +51,7 @@ std::string described(const OptionTable& table) {
   std::string text;
   for (std::size_t i = 0; i < table.options().size(); ++i) {
     const Option& option = table.options()[i];
-    text += fmt::format("{} = {}{}", option.name, table.default_of(i), option.unit.empty() ? "" : " " + option.unit);
+    text += fmt::format("{} = {}{}", option.name, table.value_of(i), option.unit.empty() ? "" : " " + option.unit);
     if (const std::string allowed = table.allowed_of(i); !allowed.empty()) text += fmt::format("   ({})", allowed);
     text += "\n" + wrapped(option.why, "    ");
   }
@@ -60,37 +62,51 @@ std::string described(const OptionTable& table) {
 class Settings {
  public:
   Settings() {
-    tables_.emplace_back("track", option_table(track_));
+    entries_.push_back({"track", option_table(track_), track_presets(),
+                        [this](const std::string& /*name*/) { set_paper_preset(track_); }});
     add("slam/", slam_);
     add("odometry/", odometry_);
   }
 
-  /// Of a method by its name, or by kind and name: "odometry/rgbd". Error for an unknown name, naming the nearest.
-  const OptionTable& table(const std::string& wanted) const {
+  /// Of a method by its name, or by kind and name: "odometry/rgbd"; with the values of a preset. Error for an unknown
+  /// name, naming the nearest.
+  const OptionTable& table(const std::string& wanted, const std::string& preset) {
     std::vector<std::string> names;
-    for (const auto& [name, table] : tables_) {
-      const std::string alone = name.substr(name.find('/') + 1);
-      if (wanted == alone || wanted == name) return table;
-      names.push_back(wanted.find('/') == std::string::npos ? alone : name);
+    for (Entry& entry : entries_) {
+      const std::string alone = entry.name.substr(entry.name.find('/') + 1);
+      if (wanted == alone || wanted == entry.name) {
+        if (is_preset(preset, fmt::format("'{}'", alone), entry.presets)) entry.set_preset(preset);
+        return entry.table;
+      }
+      names.push_back(wanted.find('/') == std::string::npos ? alone : entry.name);
     }
     throw Error(fmt::format("'{}' is not a method", wanted), "rastro options", did_you_mean(wanted, names));
   }
 
  private:
+  struct Entry {
+    std::string name;
+    OptionTable table;
+    std::vector<std::string> presets;
+    std::function<void(const std::string&)> set_preset;
+  };
+
   template <typename Method>
   void add(const std::string& kind, const std::vector<std::unique_ptr<Method>>& methods) {
-    for (const auto& method : methods) tables_.emplace_back(kind + method->name(), method->options());
+    for (const auto& method : methods)
+      entries_.push_back({kind + method->name(), method->options(), method->presets(),
+                          [&method](const std::string& name) { method->set_preset(name); }});
   }
 
   TrackOptions track_;
   std::vector<std::unique_ptr<SlamMethod>> slam_ = selectable_slam_methods();
   std::vector<std::unique_ptr<OdometryMethod>> odometry_ = odometry_methods();
-  std::vector<std::pair<std::string, OptionTable>> tables_;
+  std::vector<Entry> entries_;
 };
 
-void print_options(const std::string& method, bool yaml) {
-  const Settings settings;
-  const OptionTable& table = settings.table(method);
+void print_options(const std::string& method, const std::string& preset, bool yaml) {
+  Settings settings;
+  const OptionTable& table = settings.table(method, preset);
   fmt::print("{}", yaml ? table.to_yaml() : described(table));
 }
 
@@ -101,10 +117,13 @@ void add_options_command(CLI::App& app, Context&) {
       app.add_subcommand("options", "Lists the options of a method: name, default, unit, range and meaning");
   const auto method = std::make_shared<std::string>("track");
   const auto yaml = std::make_shared<bool>(false);
+  const auto preset = std::make_shared<std::string>();
   command->add_option("METHOD", *method, "Method, see 'rastro methods' (default: track, the tracker)")->type_name("");
+  command->add_option("--preset", *preset, "Values of a preset of the method, such as paper (default: default)")
+      ->type_name("NAME");
   command->add_flag("--yaml", *yaml, "Print a file for --options");
   command->footer(footer);
-  command->callback([method, yaml] { print_options(*method, *yaml); });
+  command->callback([method, preset, yaml] { print_options(*method, *preset, *yaml); });
 }
 
 }  // namespace rastro::cli

@@ -2,9 +2,13 @@
 #include "rastro/cli/run_flags.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <utility>
 
+#include "rastro/base/error.h"
+#include "rastro/base/text.h"
 #include "rastro/synthetic/disturbance/disturbance.h"
 
 namespace rastro::cli {
@@ -17,6 +21,14 @@ void add_settings_flags(CLI::App& command, RunFlags& flags, const std::string& g
   command.add_option("--set", flags.settings, "Set an option; may be repeated; see '" + options_command + "'")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
+      ->group(group);
+}
+
+void add_preset_flag(CLI::App& command, RunFlags& flags, const std::string& group, const std::string& which) {
+  command
+      .add_option("--preset", flags.preset,
+                  "Values of the settings to begin with: 'default', or 'paper' (" + which + ")")
+      ->type_name("NAME")
       ->group(group);
 }
 
@@ -54,6 +66,13 @@ void add_mcap_flag(CLI::App& command, RunFlags& flags) {
                   "estimated, events, images of keyframes; trajectory and map at the end")
       ->type_name("FILE")
       ->group("Output");
+}
+
+bool is_preset(const std::string& name, const std::string& owner, const std::vector<std::string>& presets) {
+  if (name.empty() || name == "default") return false;
+  if (std::find(presets.begin(), presets.end(), name) != presets.end()) return true;
+  throw Error(fmt::format("{} has no preset '{}'", owner, one_line(name)), "--preset",
+              presets.empty() ? "omit it" : fmt::format("use default or {}", fmt::join(presets, ", ")));
 }
 
 void apply_given_settings(const RunFlags& flags, OptionTable& table) {

@@ -25,6 +25,7 @@ struct RunFlags {
   DataFlags data;
   LiveFlags live;
   std::string out;
+  std::string preset;  ///< Empty: the defaults.
   std::string options_file;
   std::vector<std::string> settings;      ///< --set key=value
   std::vector<std::string> disturbances;  ///< --disturb NAME[=VALUE]
@@ -38,6 +39,8 @@ struct RunFlags {
 /// --options and --set; `options_command` prints the options: "rastro options METHOD".
 void add_settings_flags(CLI::App& command, RunFlags& flags, const std::string& group,
                         const std::string& options_command);
+/// --preset
+void add_preset_flag(CLI::App& command, RunFlags& flags, const std::string& group, const std::string& which);
 /// --disturb, which only `rastro benchmark --help` documents: it makes the input wrong on purpose.
 void add_disturbance_flag(CLI::App& command, RunFlags& flags);
 /// --out and --force.
@@ -50,6 +53,9 @@ void add_mcap_flag(CLI::App& command, RunFlags& flags);
 /// Opens the recording, disturbed as the flags say.
 std::unique_ptr<Source> open_disturbed(const RunFlags& flags, const OpenOptions& options);
 
+/// Whether --preset names one of `presets`; not so where it is empty or "default". Error for any other name; `owner` is
+/// what has the presets: "the tracker".
+bool is_preset(const std::string& name, const std::string& owner, const std::vector<std::string>& presets);
 /// Sets the table from the options file, then from --set.
 void apply_given_settings(const RunFlags& flags, OptionTable& table);
 /// Sets the option `seed` where --seed is given.

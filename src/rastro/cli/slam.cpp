@@ -166,7 +166,7 @@ int run_slam(const SlamFlags& flags) {
   SlamRunEnd end = slam_run(wired(prepared, folder, bar, live.get(), mcap.get()));
   bar.clear();
   finish_recording(prepared.input, end.result.timing.live);
-  end.result.method = prepared.method->name();
+  end.result.method.name = prepared.method->name();
   if (end.result.frames == 0 && !end.result.interrupted) refuse_without_frames(end, folder, flags.data.path);
   const SlamTask task = task_of(prepared.context);
   const SlamOutputs outputs = write_slam_outputs(end, folder, prepared.context, task);

@@ -2,7 +2,6 @@
 #include "rastro/cli/slam_flags.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <numbers>
@@ -91,11 +90,7 @@ Examples:
   rastro localize kitchen_again --map run --out found --initial-pose 1.2,0.4,0,0,-30,0      search there first)";
 
 void add_run_flags(CLI::App& command, SlamFlags& flags, const char* group) {
-  command
-      .add_option("--preset", flags.preset,
-                  "Values of the settings to begin with: 'default', or 'paper' (rtabmap: those of the publication)")
-      ->type_name("NAME")
-      ->group(group);
+  add_preset_flag(command, flags, group, "rtabmap, lsd: those of the publication");
   add_settings_flags(command, flags, group, "rastro options METHOD");
   add_disturbance_flag(command, flags);
   command
@@ -211,12 +206,8 @@ std::optional<SE3> parse_initial_pose(const std::string& text, bool planar) {
 }
 
 void apply_preset(const SlamFlags& flags, SlamMethod& method) {
-  if (flags.preset.empty() || flags.preset == "default") return;
-  const std::vector<std::string> presets = method.presets();
-  if (std::find(presets.begin(), presets.end(), flags.preset) == presets.end())
-    throw Error(fmt::format("the method '{}' has no preset '{}'", method.name(), flags.preset), "--preset",
-                presets.empty() ? "omit it" : fmt::format("use default or {}", fmt::join(presets, ", ")));
-  method.set_preset(flags.preset);
+  if (is_preset(flags.preset, fmt::format("the method '{}'", method.name()), method.presets()))
+    method.set_preset(flags.preset);
 }
 
 void apply_settings(const SlamFlags& flags, const std::string& method, OptionTable& table) {

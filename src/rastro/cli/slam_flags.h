@@ -17,7 +17,6 @@ namespace rastro::cli {
 struct SlamFlags : RunFlags {
   std::string method;   ///< Empty: that of `map`.
   std::string map;      ///< Localize in this map (or that of this run), or continue it; empty: make a new one.
-  std::string preset;   ///< Empty: the method's defaults.
   bool extend = false;  ///< --continue
   std::string mode = "pipelined";
   std::string mask, max_memory, initial_pose;         ///< Empty: not given.

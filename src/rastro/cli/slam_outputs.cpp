@@ -242,9 +242,9 @@ SlamOutputs write_slam_outputs(SlamRunEnd& end, const RunFolder& folder, const S
 
 std::string slam_summary(const SlamRunEnd& end, const SlamOutputs& outputs, const std::string& folder, SlamTask task) {
   const SlamResult& result = end.result;
-  std::string text = fmt::format("{}: {} frames, {:.1f} % of the requested ones have a pose{}\n", result.method,
+  std::string text = fmt::format("{}: {} frames, {:.1f} % of the requested ones have a pose{}\n", result.method.name,
                                  result.frames, result.coverage, result.interrupted ? " (interrupted)" : "");
-  if (!result.method_choice.empty()) text += fmt::format("  method       {}\n", result.method_choice);
+  if (!result.method.choice.empty()) text += fmt::format("  method       {}\n", result.method.choice);
   text += states_line(result) + reasons_line(result);
   text += (task == SlamTask::localize ? recall_line(result) : map_line(end, outputs)) + scale_line(result) +
           time_line(result) + live_line(result) + map_memory_line(result.memory.map);

@@ -68,6 +68,7 @@ struct Prepared {
 std::unique_ptr<Prepared> prepare(const TrackFlags& flags) {
   auto run = std::make_unique<Prepared>();  // the table points into it, so it must not move
   run->table = option_table(run->options);
+  apply_preset(flags, run->options);
   apply_settings(flags, run->table);
   for (const std::string& limit : flags.limits) run->limits.emplace_back(limit);
   check_outputs(flags);

@@ -24,6 +24,7 @@ Ctrl-C ends with exit code 0 and "interrupted": true in result.json.
 Examples:
   rastro track hall --out run --images
   rastro track MH_01_easy --out run --match-image 1:29 --video run.avi
+  rastro track MH_01_easy --out paper --preset paper --frames 0:31 --table 21:31    Table I of the paper
   rastro track walk.mp4 --fov 70 --out run --set min_distance_px=20 --features 300
   rastro track hall --out run --view                  in a browser, while it runs
   rastro track kitti/00 --frames 0:500 --mask hood.png --out run --require 'coverage>=99'
@@ -43,6 +44,7 @@ void add_setting_flags(CLI::App& command, TrackFlags& flags) {
                   "Geometric verification: homography, epipolar or local (default: homography)")
       ->type_name("MODE")
       ->group(group);
+  add_preset_flag(command, flags, group, "the front-end paper's own steps");
   add_settings_flags(command, flags, group, "rastro options");
   command.add_option("--mask", flags.mask, "Mask image, or folder of one per frame: no features where it is black")
       ->type_name("FILE|FOLDER")
@@ -60,6 +62,9 @@ void add_output_flags(CLI::App& command, TrackFlags& flags) {
   command.add_option("--match-image", flags.match_image, "Draw the matches between frames A and B")
       ->type_name("A:B")
       ->group(group);
+  command.add_option("--table", flags.table, "Frames A to B-1 of table.md and its mean (default: all)")
+      ->type_name("A:B")
+      ->group(group);
   command.add_option("--video", flags.video, "Write the drawn frames as a video, .avi or .mp4")
       ->type_name("FILE")
       ->group(group);
@@ -69,6 +74,19 @@ void add_output_flags(CLI::App& command, TrackFlags& flags) {
       ->type_name("LIMIT")
       ->allow_extra_args(false)
       ->group(group);
+}
+
+/// "A:B" with A below B; nullopt for an empty text.
+std::optional<std::pair<std::int64_t, std::int64_t>> frame_pair(const std::string& text, const char* flag,
+                                                                const char* advice) {
+  if (text.empty()) return std::nullopt;
+  const auto ends = split(text, ':');
+  if (ends.size() == 2) {
+    const auto first = parse_int64(ends[0]);
+    const auto second = parse_int64(ends[1]);
+    if (first && second && *first >= 0 && *first < *second) return std::pair(*first, *second);
+  }
+  throw Error(fmt::format("'{}' is not a pair of frames", one_line(text)), flag, advice);
 }
 
 }  // namespace
@@ -81,6 +99,10 @@ void add_track_flags(CLI::App& command, TrackFlags& flags) {
   add_view_flags(command, flags);
   add_data_flags(command, flags.data);
   command.footer(footer);
+}
+
+void apply_preset(const TrackFlags& flags, TrackOptions& options) {
+  if (is_preset(flags.preset, "the tracker", track_presets())) set_paper_preset(options);
 }
 
 void apply_settings(const TrackFlags& flags, OptionTable& table) {
@@ -96,15 +118,11 @@ void apply_settings(const TrackFlags& flags, OptionTable& table) {
 }
 
 std::optional<std::pair<std::int64_t, std::int64_t>> match_frames(const TrackFlags& flags) {
-  if (flags.match_image.empty()) return std::nullopt;
-  const auto ends = split(flags.match_image, ':');
-  if (ends.size() == 2) {
-    const auto first = parse_int64(ends[0]);
-    const auto second = parse_int64(ends[1]);
-    if (first && second && *first >= 0 && *first < *second) return std::pair(*first, *second);
-  }
-  throw Error(fmt::format("'{}' is not a pair of frames", flags.match_image), "--match-image",
-              "give two frame numbers, the earlier one first, such as 1:29");
+  return frame_pair(flags.match_image, "--match-image", "give two frame numbers, the earlier one first, such as 1:29");
+}
+
+std::optional<std::pair<std::int64_t, std::int64_t>> table_frames(const TrackFlags& flags) {
+  return frame_pair(flags.table, "--table", "give A:B with A below B, such as 21:31 for frames 21 to 30");
 }
 
 }  // namespace rastro::cli

@@ -43,6 +43,7 @@ std::vector<TrackSink*> pointers(const std::vector<std::unique_ptr<TrackSink>>& 
 void check_outputs(const TrackFlags& flags) {
   check_formats(flags);
   match_frames(flags);
+  table_frames(flags);
   if (!flags.video.empty()) TrackVideo{flags.video};
 }
 
@@ -64,7 +65,7 @@ void TrackOutputs::add_text(const TrackFlags& flags, const RunFolder& folder, co
     files += "tracks.jsonl ";
   }
   if (!files.empty()) contents_.emplace_back(files, "the tracks");
-  text_.push_back(std::make_unique<TrackTableFile>(folder.file("table.md")));
+  text_.push_back(std::make_unique<TrackTableFile>(folder.file("table.md"), table_frames(flags)));
   contents_.emplace_back("table.md", "features tracked and re-identified per frame");
 }
 

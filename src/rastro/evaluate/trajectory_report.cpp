@@ -122,6 +122,9 @@ std::string alignment_text(const TrajectoryScores& s) {
     case TrajectoryAlignment::yaw:
       text = "yaw: rotation about the reference's z axis and translation, scale 1 (not estimated)";
       break;
+    case TrajectoryAlignment::origin:
+      text = "origin: the first matched pose, scale 1 (not estimated)";
+      break;
   }
   return text + (s.alignment_unique ? "" : "; the positions lie on one line, so the rotation about it is undetermined");
 }

@@ -15,7 +15,7 @@
 namespace rastro {
 namespace {
 
-constexpr std::array<const char*, 4> alignment_names = {"none", "se3", "sim3", "yaw"};
+constexpr std::array<const char*, 5> alignment_names = {"none", "se3", "sim3", "yaw", "origin"};
 constexpr double degrees = 180.0 / std::numbers::pi;
 
 bool by_index(const TrajectoryInput& reference, const TrajectoryInput& estimate) {
@@ -66,8 +66,27 @@ std::vector<Eigen::Vector3d> positions(const std::vector<Eigen::Matrix4d>& poses
   return all;
 }
 
+/// The alignment; the same for all of `poses`.
+void align_with(const Sim3& reference_from_estimate, PairedPoses& poses, TrajectoryScores& scores) {
+  scores.reference_from_estimate = reference_from_estimate;
+  const Eigen::Matrix3d rotation = reference_from_estimate.rotation().matrix();
+  for (Eigen::Matrix4d& pose : poses.estimate) {
+    const Eigen::Vector3d position = pose.topRightCorner<3, 1>();
+    pose.topLeftCorner<3, 3>() = (rotation * pose.topLeftCorner<3, 3>()).eval();
+    pose.topRightCorner<3, 1>() = reference_from_estimate * position;
+  }
+}
+
+Sim3 origin_alignment(const PairedPoses& poses) {
+  return Sim3(SE3::from_matrix(poses.reference.front()) * SE3::from_matrix(poses.estimate.front()).inverse());
+}
+
 void align(PairedPoses& poses, TrajectoryScores& scores) {
   if (scores.alignment == TrajectoryAlignment::none) return;
+  if (scores.alignment == TrajectoryAlignment::origin) {
+    align_with(origin_alignment(poses), poses, scores);
+    return;
+  }
   const AlignmentKind kind = scores.alignment == TrajectoryAlignment::yaw    ? AlignmentKind::yaw
                              : scores.alignment == TrajectoryAlignment::sim3 ? AlignmentKind::similarity
                                                                              : AlignmentKind::rigid;
@@ -76,14 +95,8 @@ void align(PairedPoses& poses, TrajectoryScores& scores) {
     throw Error(fmt::format("cannot be aligned with the reference by --align {}: one of the two does not move",
                             name_of(scores.alignment)),
                 scores.estimate, "use --align se3 or none");
-  scores.reference_from_estimate = found->target_from_source;
   scores.alignment_unique = found->unique;
-  const Eigen::Matrix3d rotation = found->target_from_source.rotation().matrix();
-  for (Eigen::Matrix4d& pose : poses.estimate) {
-    const Eigen::Vector3d position = pose.topRightCorner<3, 1>();
-    pose.topLeftCorner<3, 3>() = (rotation * pose.topLeftCorner<3, 3>()).eval();
-    pose.topRightCorner<3, 1>() = found->target_from_source * position;
-  }
+  align_with(found->target_from_source, poses, scores);
 }
 
 void measure_relative(const PairedPoses& poses, const TrajectoryScoreOptions& options, TrajectoryScores& scores) {
@@ -142,7 +155,7 @@ const char* name_of(TrajectoryAlignment alignment) { return alignment_names[stat
 TrajectoryAlignment parse_alignment(const std::string& name) {
   for (std::size_t k = 0; k < alignment_names.size(); ++k)
     if (name == alignment_names[k]) return static_cast<TrajectoryAlignment>(k);
-  throw Error(in_quotes(name) + " is not an alignment", "--align", "use none, se3, sim3 or yaw");
+  throw Error(in_quotes(name) + " is not an alignment", "--align", "use none, se3, sim3, yaw or origin");
 }
 
 TrajectoryScores score_trajectory(const TrajectoryInput& reference, const TrajectoryInput& estimate,

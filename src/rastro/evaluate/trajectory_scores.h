@@ -18,9 +18,10 @@ namespace rastro {
 /// Alignment of the estimate with the reference before the comparison, over all matched positions (math/alignment.h).
 enum class TrajectoryAlignment : std::uint8_t {
   none,
-  se3,   ///< Rotation and translation.
-  sim3,  ///< Scale too: for one camera, whose scale is arbitrary.
-  yaw,   ///< Rotation about the reference's z axis and translation: for systems with observable gravity.
+  se3,     ///< Rotation and translation.
+  sim3,    ///< Scale too: for one camera, whose scale is arbitrary.
+  yaw,     ///< Rotation about the reference's z axis and translation: for systems with observable gravity.
+  origin,  ///< The first matched pose of both is the same: errors grow from there.
 };
 const char* name_of(TrajectoryAlignment alignment);
 /// Throws Error for any other name.

@@ -76,6 +76,18 @@ TEST(TrajectoryScores, AlignmentsRemoveTheTransformOfTheirKind) {
   EXPECT_NEAR(scores.estimate_path_m, scores.reference_path_m, 1e-9);
 }
 
+TEST(TrajectoryScores, OriginLetsErrorsGrowFromTheFirstPose) {
+  const Trajectory reference = winding();
+  const Sim3 rigid(1.0, SO3::exp({0.5, -1.0, 2.0}), {10, 20, -3});
+  expect_perfect(score(reference, seen_through(reference, rigid), TrajectoryAlignment::origin));
+  Trajectory turned = reference;
+  for (std::size_t k = 60; k < turned.size(); ++k)
+    turned[k].world_from_body = turned[k].world_from_body * SE3(SO3(), {0.0, 3.0, 0.0});
+  const auto scores = score(reference, turned, TrajectoryAlignment::origin);
+  EXPECT_NEAR(scores.ate_m->max, 3.0, 1e-9);
+  EXPECT_NEAR(scores.ate_m->median, 0.0, 1e-9);
+}
+
 TEST(TrajectoryScores, AlignmentsRemoveNothingElse) {
   const Trajectory reference = winding();
   const Sim3 offset(1.0, SO3(), {3, 4, 0});

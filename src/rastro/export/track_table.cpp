@@ -10,7 +10,7 @@ std::string percent_text(std::optional<double> percent) { return percent ? fmt::
 
 }  // namespace
 
-TrackTableFile::TrackTableFile(const std::filesystem::path& path) : file_(path) {
+TrackTableFile::TrackTableFile(const std::filesystem::path& path, const Frames& frames) : file_(path), frames_(frames) {
   file_.append(
       "| frame | KLT | # re-identified | % re-identified | time ms |\n"
       "| ---: | ---: | ---: | ---: | ---: |\n");
@@ -23,6 +23,7 @@ std::optional<double> TrackTableFile::reidentified_percent(const TrackFrame& fra
 }
 
 void TrackTableFile::write(const TrackFrame& frame, GrayView) {
+  if (frames_ && (frame.index < frames_->first || frame.index >= frames_->second)) return;
   const std::optional<double> percent = reidentified_percent(frame);
   file_.append(fmt::format("| {} | {} | {} | {} | {:.2f} |\n", frame.index, frame.tracked, frame.reidentified,
                            percent_text(percent), frame.times.total_ms));

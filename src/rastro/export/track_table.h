@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "rastro/base/append_file.h"
 #include "rastro/track/track_sink.h"
@@ -14,7 +16,10 @@ namespace rastro {
 /// Sistemas SLAM", one row per frame, and at the end the mean over the rows in which a feature was lost.
 class TrackTableFile : public TrackSink {
  public:
-  explicit TrackTableFile(const std::filesystem::path& path);
+  /// First and end of the frames in it, the end not included; nullopt: all.
+  using Frames = std::optional<std::pair<std::int64_t, std::int64_t>>;
+
+  explicit TrackTableFile(const std::filesystem::path& path, const Frames& frames = std::nullopt);
   void write(const TrackFrame& frame, GrayView image) override;
   /// Writes the row of means.
   void finish() override;
@@ -24,6 +29,7 @@ class TrackTableFile : public TrackSink {
 
  private:
   AppendFile file_;
+  Frames frames_;
   int rows_with_loss_ = 0;
   int rows_with_detections_ = 0;  ///< Of those with loss.
   double tracked_ = 0, reidentified_ = 0, percent_ = 0, time_ms_ = 0;

@@ -44,6 +44,18 @@ TEST(TrackTable, RowsWithoutCornersAreLeftOutOfTheMeanPercentage) {
   EXPECT_THAT(text, testing::HasSubstr("| **mean** | 120.0 | 2.5 | 50.00 | 30.00 |\n"));
 }
 
+TEST(TrackTable, HasOnlyTheFramesAskedFor) {
+  const auto path = scratch_folder("table") / "table.md";
+  TrackTableFile table(path, std::pair<std::int64_t, std::int64_t>(1, 3));
+  for (int k = 0; k < 4; ++k) table.write(row(k, 100 + k, 2, 2, 10, 20.0), {});
+  table.finish();
+  const std::string text = read_whole_file(path);
+  EXPECT_THAT(text, testing::HasSubstr("| 1 | 101 |"));
+  EXPECT_THAT(text, testing::HasSubstr("| 2 | 102 |"));
+  EXPECT_THAT(text, testing::Not(testing::AnyOf(testing::HasSubstr("| 0 | 100"), testing::HasSubstr("| 3 | 103"))));
+  EXPECT_THAT(text, testing::HasSubstr("| **mean** | 101.5 |"));
+}
+
 TEST(TrackTable, SaysWhenNothingWasLost) {
   EXPECT_THAT(table_of({row(0, 0, 0, 150, 0, 1.0)}), testing::HasSubstr("there is no mean"));
 }

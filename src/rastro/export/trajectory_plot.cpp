@@ -3,14 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include "rastro/base/error.h"
 #include "rastro/base/text.h"
+#include "rastro/export/trajectory_curves.h"
 #include "rastro/export/trajectory_plot_panel.h"
 #include "rastro/export/trajectory_plot_pen.h"
 
@@ -25,67 +23,11 @@ constexpr std::array<PlotColor, 6> estimate_colors = {
     {{214, 39, 40}, {31, 119, 180}, {44, 160, 44}, {255, 127, 14}, {148, 103, 189}, {23, 190, 207}}};
 constexpr std::array<const char*, 6> row_names = {"x [m]", "y [m]", "z [m]", "roll [deg]", "pitch [deg]", "yaw [deg]"};
 
-/// x, y, z in meters, then roll, pitch, yaw in degrees: the six rows of the plot.
-using Rows = std::array<double, 6>;
-
-double within_180_deg(double degrees) { return std::remainder(degrees, 360.0); }
-
-/// Roll, pitch, yaw in degrees.
-Eigen::Vector3d angles_of(const SO3& rotation, bool camera_axes) {
-  const Eigen::Matrix3d r = rotation.matrix();
-  const auto asin_of = [](double sine) { return std::asin(std::clamp(sine, -1.0, 1.0)); };
-  const Eigen::Vector3d radians =
-      camera_axes ? Eigen::Vector3d(std::atan2(r(1, 0), r(1, 1)), asin_of(-r(1, 2)), std::atan2(r(0, 2), r(2, 2)))
-                  : Eigen::Vector3d(std::atan2(r(2, 1), r(2, 2)), asin_of(-r(2, 0)), std::atan2(r(1, 0), r(0, 0)));
-  return radians * 180.0 / std::numbers::pi;
-}
-
-Rows rows_of(const SE3& pose, const SO3& first_rotation, bool camera_axes) {
-  const Eigen::Vector3d angles = angles_of(first_rotation.inverse() * pose.rotation(), camera_axes);
-  const Eigen::Vector3d& position = pose.translation();
-  return {position.x(), position.y(), position.z(), angles.x(), angles.y(), angles.z()};
-}
-
-/// Of each pose of the reference; angles run on beyond 180 degrees.
-std::vector<Rows> reference_rows(const TrajectoryPlot& plot) {
-  std::vector<Rows> all;
-  for (const SE3& pose : plot.reference) {
-    Rows rows = rows_of(pose, plot.reference.front().rotation(), plot.camera_axes);
-    for (std::size_t k = 3; k < rows.size() && !all.empty(); ++k)
-      rows[k] = all.back()[k] + within_180_deg(rows[k] - all.back()[k]);
-    all.push_back(rows);
-  }
-  return all;
-}
-
-struct EstimateRows {
-  std::vector<Rows> values, errors;
-};
-
-EstimateRows rows_of(const PlottedEstimate& estimate, const TrajectoryPlot& plot, const std::vector<Rows>& reference) {
-  EstimateRows result;
-  for (std::size_t k = 0; k < estimate.poses.size(); ++k) {
-    Rows values = rows_of(estimate.poses[k], plot.reference.front().rotation(), plot.camera_axes);
-    const Rows& ground_truth = reference[estimate.reference_index[k]];
-    Rows errors{};
-    for (std::size_t row = 0; row < values.size(); ++row) {
-      errors[row] = values[row] - ground_truth[row];
-      if (row >= 3) errors[row] = within_180_deg(errors[row]);
-      values[row] = ground_truth[row] + errors[row];
-    }
-    result.values.push_back(values);
-    result.errors.push_back(errors);
-  }
-  return result;
-}
-
 PlotColor color_of(std::size_t estimate) { return estimate_colors[estimate % estimate_colors.size()]; }
 
 class Sheet {
  public:
-  explicit Sheet(const TrajectoryPlot& plot) : plot_(plot), reference_(reference_rows(plot)) {
-    for (const PlottedEstimate& estimate : plot.estimates) estimates_.push_back(rows_of(estimate, plot, reference_));
-  }
+  explicit Sheet(const TrajectoryPlot& plot) : plot_(plot), curves_(curves_of(plot)) {}
 
   void draw(PlotPen& pen) const {
     pen.text(plot_.title, {left_px, 30.0}, TextAnchor::left, 18.0, reference_color);
@@ -107,7 +49,7 @@ class Sheet {
     return panel;
   }
 
-  PlotCurve curve(const std::vector<Rows>& rows, std::size_t row, const PlottedEstimate& estimate,
+  PlotCurve curve(const std::vector<TrajectoryRow>& rows, std::size_t row, const PlottedEstimate& estimate,
                   PlotColor color) const {
     PlotCurve curve{{}, color};
     for (std::size_t k = 0; k < rows.size(); ++k)
@@ -118,11 +60,11 @@ class Sheet {
   PlotPanel values_panel(std::size_t row) const {
     PlotPanel panel = panel_at(row, 0, row_names[row]);
     PlotCurve ground_truth{{}, reference_color};
-    for (std::size_t k = 0; k < reference_.size(); ++k)
-      ground_truth.points.emplace_back(plot_.along[k], reference_[k][row]);
+    for (std::size_t k = 0; k < curves_.reference.size(); ++k)
+      ground_truth.points.emplace_back(plot_.along[k], curves_.reference[k][row]);
     panel.curves.push_back(ground_truth);
-    for (std::size_t k = 0; k < estimates_.size(); ++k)
-      panel.curves.push_back(curve(estimates_[k].values, row, plot_.estimates[k], color_of(k)));
+    for (std::size_t k = 0; k < curves_.estimates.size(); ++k)
+      panel.curves.push_back(curve(curves_.estimates[k].values, row, plot_.estimates[k], color_of(k)));
     return panel;
   }
 
@@ -130,8 +72,8 @@ class Sheet {
     PlotPanel panel = panel_at(row, 1, std::string("error of ") + row_names[row]);
     if (!plot_.along.empty())
       panel.curves.push_back({{{plot_.along.front(), 0.0}, {plot_.along.back(), 0.0}}, reference_color});
-    for (std::size_t k = 0; k < estimates_.size(); ++k)
-      panel.curves.push_back(curve(estimates_[k].errors, row, plot_.estimates[k], color_of(k)));
+    for (std::size_t k = 0; k < curves_.estimates.size(); ++k)
+      panel.curves.push_back(curve(curves_.estimates[k].errors, row, plot_.estimates[k], color_of(k)));
     return panel;
   }
 
@@ -143,15 +85,15 @@ class Sheet {
     panel.title = std::string("the path from above: ") + row_names[up] + " over " + row_names[0];
     panel.x_label = row_names[0];
     panel.equal_axes = true;
-    panel.curves.push_back({path(reference_, up), reference_color});
-    for (std::size_t k = 0; k < estimates_.size(); ++k)
-      panel.curves.push_back({path(estimates_[k].values, up), color_of(k)});
+    panel.curves.push_back({path(curves_.reference, up), reference_color});
+    for (std::size_t k = 0; k < curves_.estimates.size(); ++k)
+      panel.curves.push_back({path(curves_.estimates[k].values, up), color_of(k)});
     return panel;
   }
 
-  static std::vector<Eigen::Vector2d> path(const std::vector<Rows>& rows, std::size_t up) {
+  static std::vector<Eigen::Vector2d> path(const std::vector<TrajectoryRow>& rows, std::size_t up) {
     std::vector<Eigen::Vector2d> points;
-    for (const Rows& row : rows) points.emplace_back(row[0], row[up]);
+    for (const TrajectoryRow& row : rows) points.emplace_back(row[0], row[up]);
     return points;
   }
 
@@ -167,8 +109,7 @@ class Sheet {
   }
 
   const TrajectoryPlot& plot_;
-  std::vector<Rows> reference_;
-  std::vector<EstimateRows> estimates_;
+  TrajectoryCurves curves_;
 };
 
 bool is_svg(const std::string& file) { return std::filesystem::path(file).extension() == ".svg"; }

@@ -9,6 +9,7 @@
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
 #include "rastro/base/scratch_testing.h"
+#include "rastro/export/trajectory_curves.h"
 #include "rastro/export/trajectory_plot_panel.h"
 
 namespace rastro {
@@ -43,6 +44,24 @@ std::vector<Eigen::Vector2d> line_of(const std::string& svg, const std::string& 
   char comma = ' ';
   for (Eigen::Vector2d point; text >> point.x() >> comma >> point.y();) points.push_back(point);
   return points;
+}
+
+TEST(TrajectoryCurves, CsvHasEveryPoseWithItsErrors) {
+  TrajectoryPlot plot = circle();
+  plot.estimates[0].name = "a \"run\", 1";
+  const std::string csv = trajectory_curves_as_csv(plot);
+  std::istringstream lines(csv);
+  std::vector<std::string> rows;
+  for (std::string line; std::getline(lines, line);) rows.push_back(line);
+  ASSERT_EQ(rows.size(), 146u);
+  EXPECT_EQ(rows[0],
+            "estimate,frame,x_m,y_m,z_m,roll_deg,pitch_deg,yaw_deg,error_x_m,error_y_m,error_z_m,error_roll_deg,"
+            "error_pitch_deg,error_yaw_deg");
+  // A quarter of a turn and two turns: yaw runs on, and its error is 0.01 rad.
+  EXPECT_EQ(rows[1 + 36].substr(0, 18), "\"a \"\"run\"\", 1\",36,");
+  EXPECT_THAT(rows[1 + 18], HasSubstr(",18,10.500000,0.000000,0.000000,"));
+  EXPECT_THAT(rows[1 + 144], HasSubstr(",720.572958,"));
+  EXPECT_THAT(rows[1 + 18], HasSubstr(",0.500000,0.000000,0.000000,0.000000,0.000000,0.572958"));
 }
 
 TEST(TrajectoryPlot, SvgHoldsTheCurves) {

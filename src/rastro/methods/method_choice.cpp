@@ -4,23 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "rastro/base/error.h"
-#include "rastro/feature/fast.h"
-#include "rastro/image/padded_image.h"
+#include "rastro/feature/orb.h"
 
 namespace rastro {
 namespace {
 
 constexpr int columns = 8, rows = 6;
-
-PaddedImage padded(GrayView image) {
-  PaddedImage copy;
-  copy.reset(image.width, image.height, fast_padding);
-  for (int y = 0; y < image.height; ++y) std::copy_n(image.row(y), image.width, copy.row(y));
-  copy.fill_padding();
-  return copy;
-}
 
 bool has_calibrated_camera(const SourceInfo& source) {
   return source.has_image && !source.cameras.empty() && source.cameras.front().camera;
@@ -37,17 +29,14 @@ std::vector<MethodChoice> with_depth(double texture, double least_texture) {
 
 double texture_of(GrayView image, int threshold) {
   if (image.width < 8 * columns || image.height < 8 * rows) return 0.0;
-  const PaddedImage copy = padded(image);
-  int with_corner = 0;
-  std::vector<FastCorner> corners;
-  for (int cell = 0; cell < columns * rows; ++cell) {
-    const int x = cell % columns, y = cell / columns;
-    corners.clear();
-    fast_corners(copy, image.width * x / columns, image.width * (x + 1) / columns, image.height * y / rows,
-                 image.height * (y + 1) / rows, threshold, corners);
-    with_corner += corners.empty() ? 0 : 1;
+  const OrbOptions options{.levels = 1, .fast_threshold = threshold, .least_fast_threshold = threshold};
+  std::array<bool, columns * rows> has_corner{};
+  for (const Keypoint& corner : OrbExtractor(options).extract(image).keypoints) {
+    const int x = static_cast<int>(corner.x) * columns / image.width;
+    const int y = static_cast<int>(corner.y) * rows / image.height;
+    has_corner[static_cast<std::size_t>(y * columns + x)] = true;
   }
-  return static_cast<double>(with_corner) / (columns * rows);
+  return static_cast<double>(std::count(has_corner.begin(), has_corner.end(), true)) / (columns * rows);
 }
 
 std::vector<MethodChoice> slam_choices(const SourceInfo& source, double texture, double least_texture) {

@@ -15,7 +15,8 @@ struct MethodChoice {
   std::string reason;  ///< One clause: "a depth camera, corners in 87 % of the image".
 };
 
-/// Share of the cells of an image, 8 by 6, that have a corner (FAST-9/16) at `threshold`; 0 for an empty image.
+/// Share of the cells of an image, 8 by 6, that have an ORB keypoint in the image as it is, with corners of
+/// `threshold` gray levels; 0 for an empty image.
 double texture_of(GrayView image, int threshold);
 
 /// The methods for a source, best first. `texture`: of its first image, see texture_of(). Error where there is none for

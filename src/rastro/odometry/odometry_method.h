@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "rastro/base/options.h"
 #include "rastro/base/task_pool.h"
@@ -25,6 +26,10 @@ class OdometryMethod {
   virtual std::string needs() const = 0;    ///< "images, calibrated".
   /// Points into this object, which must outlive the table.
   virtual OptionTable options() = 0;
+  /// Names of sets of values for the settings, beside the defaults, such as those of the publication.
+  virtual std::vector<std::string> presets() const { return {}; }
+  /// One of presets().
+  virtual void set_preset(const std::string& /*name*/) {}
   /// Whether the method uses depth or the right image of a pair, where the source has them. Depends on the current
   /// settings.
   virtual bool wants_depth() const { return false; }

@@ -70,8 +70,8 @@ std::vector<std::pair<std::string, double>> limit_numbers_of(const SlamResult& r
 }
 
 std::string to_json(const SlamResult& result) {
-  Json json{{"method", result.method}};
-  if (!result.method_choice.empty()) json["method_choice"] = result.method_choice;
+  Json json{{"method", result.method.name}};
+  if (!result.method.choice.empty()) json["method_choice"] = result.method.choice;
   for (const auto& [name, value] : numbers_of(result)) json[name] = number(value);
   if (result.scale)
     json["scale"] = {{"metric", result.scale->metric},

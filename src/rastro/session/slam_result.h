@@ -44,10 +44,14 @@ struct SlamMemory {
   MapMemory map;         ///< Of the map alone at the end, by the method's own count.
 };
 
+struct MethodInUse {
+  std::string name;
+  std::string choice;  ///< Of `auto`: the method that it chose last, and why; else empty.
+};
+
 /// The result of a run; the fields of its result.json. Percentages are 0 to 100.
 struct SlamResult {
-  std::string method;
-  std::string method_choice;        ///< Of `auto`: the method in use at the end, and why; else empty.
+  MethodInUse method;
   std::int64_t frames = 0;          ///< Processed.
   std::int64_t skipped_frames = 0;  ///< Could not be read.
   SlamStateCounts states;

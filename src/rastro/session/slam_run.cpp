@@ -157,7 +157,7 @@ class Runner {
   void note(std::int64_t index, const std::vector<SlamEvent>& events) {
     for (const SlamEvent& event : events) {
       end_.result.loops_closed += event.kind == "loop_closed" ? 1 : 0;
-      if (event.kind == "method") end_.result.method_choice = event.detail;
+      if (event.kind == "method") end_.result.method.choice = event.detail;
       if (run_.folder) run_.folder->add_event(index, event.kind, event.detail);
     }
   }

@@ -286,7 +286,7 @@ TEST(SlamResult, HasEverythingInJson) {
   FakeSource source(10);
   FakeSlam method;
   SlamRunEnd end = slam_run(wired(source, method));
-  end.result.method = "fake";
+  end.result.method.name = "fake";
   const auto json = nlohmann::json::parse(to_json(end.result));
   EXPECT_EQ(json["method"], "fake");
   EXPECT_EQ(json["frames"], 10);

@@ -258,6 +258,23 @@ void add_validation_options(OptionTable& table, TrackOptions& o) {
 
 }  // namespace
 
+std::vector<std::string> track_presets() { return {"paper"}; }
+
+void set_paper_preset(TrackOptions& options) {
+  options.predict = false;
+  options.candidates_factor = 1.0;
+  options.candidates_distance_px = 0.0;
+  options.verify_corners = false;
+  options.align = false;
+  options.min_inlier_share = 0.0;
+  options.max_travel_px = 0.0;
+  options.max_reference_residual = 0.0;
+  options.max_residual_ratio = 100.0;
+  options.max_reprojection_px = 3.0;
+  options.max_epipolar_error_px = 1.0;
+  options.ransac_iterations = 200;
+}
+
 OptionTable option_table(TrackOptions& options) {
   OptionTable table;
   add_method_options(table, options);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "rastro/base/options.h"
 
@@ -65,6 +66,11 @@ struct TrackOptions {
   double min_inlier_share = 0.75;
   int ransac_iterations = 80;
 };
+
+/// Names of sets of values beside the defaults: "paper".
+std::vector<std::string> track_presets();
+/// The paper's own steps and thresholds: what is beyond it is off. Leaves `mode`, `features`, `window` and `seed`.
+void set_paper_preset(TrackOptions& options);
 
 /// The table points into `options`, which must outlive it.
 OptionTable option_table(TrackOptions& options);

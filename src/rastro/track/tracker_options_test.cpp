@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "rastro/track/tracker.h"
@@ -80,6 +82,31 @@ TEST(Tracker, EverySettingOfTheStepsOfTheFlowReachesIt) {
   EXPECT_NE(error_with(&TrackOptions::flow_epsilon_px, 1.0), usual);
   EXPECT_NE(error_with(&TrackOptions::flow_coarse_epsilon_px, 1.0), usual);
   EXPECT_GT(error_with(&TrackOptions::flow_window_px, 5), 1.3 * usual) << "a small window has more of what changes";
+}
+
+/// "The paper's own steps" of docs/benchmarks.md, and nothing else.
+TEST(TrackOptions, ThePaperPresetSetsThePapersStepsAndLeavesTheRest) {
+  const std::map<std::string, std::string> paper = {{"predict", "false"},
+                                                    {"candidates_factor", "1"},
+                                                    {"candidates_distance_px", "0"},
+                                                    {"verify_corners", "false"},
+                                                    {"align", "false"},
+                                                    {"min_inlier_share", "0"},
+                                                    {"max_travel_px", "0"},
+                                                    {"max_reference_residual", "0"},
+                                                    {"max_residual_ratio", "100"},
+                                                    {"max_reprojection_px", "3"},
+                                                    {"max_epipolar_error_px", "1"},
+                                                    {"ransac_iterations", "200"}};
+  TrackOptions options;
+  const OptionTable table = option_table(options);
+  set_paper_preset(options);
+  std::map<std::string, std::string> changed;
+  for (std::size_t i = 0; i < table.options().size(); ++i)
+    if (table.value_of(i) != table.default_of(i)) changed[table.options()[i].name] = table.value_of(i);
+  EXPECT_EQ(changed, paper);
+  EXPECT_EQ(options.features, 150);
+  EXPECT_EQ(options.window, 30);
 }
 
 }  // namespace

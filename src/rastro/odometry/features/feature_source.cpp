@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/odometry/features/feature_source.h"
 
-#include <algorithm>
-
 #include "rastro/feature/descriptor_extractor.h"
-#include "rastro/feature/descriptor_matching.h"
+#include "rastro/odometry/matched_features.h"
 #include "rastro/track/tracker.h"
 
 namespace rastro {
@@ -48,44 +46,23 @@ class TrackedFeatures : public FeatureSource {
   Tracker tracker_;
 };
 
-class MatchedFeatures : public FeatureSource {
+class DescribedFeatures : public FeatureSource {
  public:
-  MatchedFeatures(const FeaturesOptions& options, const Camera& camera, TaskPool* pool) : camera_(camera), pool_(pool) {
-    DescriptorExtractorOptions extraction;
-    extraction.max_keypoints = options.max_keypoints;
-    extractor_ = DescriptorExtractor::create(descriptor_kind(options.matcher, "matcher"), extraction);
-    matching_.max_ratio = options.max_ratio;
-  }
+  DescribedFeatures(const FeaturesOptions& options, const Camera& camera, TaskPool* pool)
+      : features_(matched_options(options), camera, pool) {}
 
-  RayObservations next(const Frame& frame) override {
-    Features current = extractor_->extract(frame.image.view());
-    std::vector<std::int64_t> ids(current.size(), -1);
-    if (last_.size() > 0 && current.size() > 0) {
-      for (const DescriptorMatch& match : match_descriptors(last_, current, matching_, pool_))
-        ids[match.second] = last_ids_[match.first];
-    }
-    RayObservations observations;
-    for (std::size_t i = 0; i < current.size(); ++i) {
-      if (ids[i] < 0) ids[i] = next_id_++;
-      const Keypoint& keypoint = current.keypoints[i];
-      const auto ray = camera_.unproject({static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)});
-      if (ray) observations.push_back({ids[i], *ray});
-    }
-    std::sort(observations.begin(), observations.end(),
-              [](const RayObservation& a, const RayObservation& b) { return a.id < b.id; });
-    last_ = std::move(current);
-    last_ids_ = std::move(ids);
-    return observations;
-  }
+  RayObservations next(const Frame& frame) override { return features_.next(frame.image.view()); }
 
  private:
-  Camera camera_;
-  TaskPool* pool_;
-  std::unique_ptr<DescriptorExtractor> extractor_;
-  DescriptorMatchOptions matching_;
-  Features last_;
-  std::vector<std::int64_t> last_ids_;
-  std::int64_t next_id_ = 0;
+  static MatchedFeatures::Options matched_options(const FeaturesOptions& options) {
+    MatchedFeatures::Options matched;
+    matched.descriptor = options.matcher;
+    matched.extraction.max_keypoints = options.max_keypoints;
+    matched.matching.max_ratio = options.max_ratio;
+    return matched;
+  }
+
+  MatchedFeatures features_;
 };
 
 }  // namespace
@@ -99,7 +76,7 @@ std::vector<std::string> matcher_names() {
 std::unique_ptr<FeatureSource> make_feature_source(const FeaturesOptions& options, const Camera& camera,
                                                    TaskPool* pool) {
   if (options.matcher == "tracks") return std::make_unique<TrackedFeatures>(options, camera, pool);
-  return std::make_unique<MatchedFeatures>(options, camera, pool);
+  return std::make_unique<DescribedFeatures>(options, camera, pool);
 }
 
 }  // namespace rastro

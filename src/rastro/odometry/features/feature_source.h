@@ -7,8 +7,8 @@
 
 #include "rastro/base/task_pool.h"
 #include "rastro/camera/camera.h"
-#include "rastro/odometry/features/local_map.h"
 #include "rastro/odometry/features/options.h"
+#include "rastro/odometry/ray_observations.h"
 #include "rastro/sensor/frame.h"
 
 namespace rastro {

@@ -20,31 +20,6 @@
 #include "rastro/optimize/calibration_check.h"
 
 namespace rastro {
-namespace {
-
-/// Matches of two frames.
-struct SharedRays {
-  std::vector<Eigen::Vector2d> a, b;
-};
-
-SharedRays shared_rays(const RayObservations& first, const RayObservations& second) {
-  SharedRays shared;
-  for (const RayObservation& observation : second) {
-    if (const Eigen::Vector2d* ray = find_ray(first, observation.id)) {
-      shared.a.push_back(*ray);
-      shared.b.push_back(observation.ray);
-    }
-  }
-  return shared;
-}
-
-double median_motion_px(const SharedRays& shared, double focal_px) {
-  std::vector<double> motions;
-  for (std::size_t i = 0; i < shared.a.size(); ++i) motions.push_back(focal_px * (shared.b[i] - shared.a[i]).norm());
-  return upper_median_or(std::move(motions), 0.0);
-}
-
-}  // namespace
 
 class FeaturesOdometry::State {
  public:

@@ -7,13 +7,6 @@
 
 namespace rastro {
 
-const Eigen::Vector2d* find_ray(const RayObservations& observations, std::int64_t id) {
-  const auto found =
-      std::lower_bound(observations.begin(), observations.end(), id,
-                       [](const RayObservation& observation, std::int64_t wanted) { return observation.id < wanted; });
-  return found != observations.end() && found->id == id ? &found->ray : nullptr;
-}
-
 void LocalMap::restart() {
   points_.clear();
   for (Keyframe& keyframe : keyframes_) keyframe.observations.clear();

@@ -11,21 +11,10 @@
 #include "rastro/base/time.h"
 #include "rastro/math/se3.h"
 #include "rastro/odometry/features/options.h"
+#include "rastro/odometry/ray_observations.h"
 #include "rastro/optimize/window_refinement.h"
 
 namespace rastro {
-
-/// A feature in a frame: its id and its undistorted normalized ray.
-struct RayObservation {
-  std::int64_t id = 0;
-  Eigen::Vector2d ray = Eigen::Vector2d::Zero();
-};
-
-/// RayObservations of one frame, in ascending order of id.
-using RayObservations = std::vector<RayObservation>;
-
-/// The ray of a feature in a frame.
-const Eigen::Vector2d* find_ray(const RayObservations& observations, std::int64_t id);
 
 /// The last keyframes and the map points observed in them.
 class LocalMap {

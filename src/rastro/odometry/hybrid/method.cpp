@@ -15,6 +15,8 @@ class HybridMethod : public OdometryMethod {
   }
   std::string needs() const override { return "one calibrated camera"; }
   OptionTable options() override { return option_table(options_); }
+  std::vector<std::string> presets() const override { return {"paper"}; }
+  void set_preset(const std::string& /*name*/) override { set_paper_preset(options_); }
   std::unique_ptr<Odometry> make(const SourceInfo& source, const OdometryContext& context) const override {
     return std::make_unique<HybridOdometry>(options_, calibrated_camera(source), context.pool);
   }

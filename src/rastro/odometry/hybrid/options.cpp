@@ -75,6 +75,11 @@ void add_follow_options(OptionTable& table, HybridOptions& o) {
 
 }  // namespace
 
+void set_paper_preset(HybridOptions& options) {
+  options.min_parallax_px = 0.0;
+  set_paper_preset(options.rotation);
+}
+
 OptionTable option_table(HybridOptions& options) {
   OptionTable table;
   add_start_options(table, options);

@@ -34,6 +34,9 @@ struct HybridOptions {
   FrameCheckOptions check;
 };
 
+/// The paper's own steps: plain profiles, no pitch, every frame moves on.
+void set_paper_preset(HybridOptions& options);
+
 /// The table points into `options`, which must outlive it.
 OptionTable option_table(HybridOptions& options);
 

@@ -15,6 +15,8 @@ class ProfilesMethod : public OdometryMethod {
   }
   std::string needs() const override { return "one calibrated camera"; }
   OptionTable options() override { return option_table(options_); }
+  std::vector<std::string> presets() const override { return {"paper"}; }
+  void set_preset(const std::string& /*name*/) override { set_paper_preset(options_.rotation); }
   std::unique_ptr<Odometry> make(const SourceInfo& source, const OdometryContext& /*context*/) const override {
     return std::make_unique<ProfilesOdometry>(options_, calibrated_camera(source));
   }

@@ -98,6 +98,15 @@ void add_judgment_options(OptionTable& table, RotationOptions& o) {
 
 }  // namespace
 
+void set_paper_preset(RotationOptions& options) {
+  options.profile = "plain";
+  options.equal_angles = false;
+  options.band_top = 0.0;
+  options.band_bottom = 1.0;
+  options.max_expansion = 0.0;
+  options.pitch = false;
+}
+
 void add_options(OptionTable& table, RotationOptions& options) {
   add_profile_options(table, options);
   add_yaw_options(table, options);

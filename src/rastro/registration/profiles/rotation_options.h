@@ -34,6 +34,9 @@ struct RotationOptions {
   double max_rotation_change_deg = 4.0;
 };
 
+/// The paper's own profiles: plain sums of whole columns, no pitch.
+void set_paper_preset(RotationOptions& options);
+
 /// Adds the rows of `options` to a method's table; `options` must outlive it.
 void add_options(OptionTable& table, RotationOptions& options);
 
