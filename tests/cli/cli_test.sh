@@ -106,6 +106,7 @@ odometry() {
   refused 'add --method profiles' odometry "$hall" --out "$here/no" --calibrate-yaw
   refused 'has no depth' odometry "$hall" --out "$here/no" --method rgbd
   refused 'nowhere' odometry "$here/nowhere" --out "$here/no"
+  refused 'nowhere' odometry "$here/nowhere" --out "$here/no" --method auto
   [[ ! -e "$here/no" ]] || fail "a refused run left a folder"
 }
 
@@ -188,6 +189,8 @@ slam_refusals() {
   run 1 slam "$here/corridor" --method hector --out "$here/limit" --frames 0:9 --require 'frames>=10' --quiet
   run 0 slam "$here/corridor" --method hector --out "$here/flags" --frames 0:9 --guess none --loop-closing false
   grep -q '^guess: none' "$here/flags/options.yaml" || fail "--guess is not heeded"
+  run 0 slam "$here/corridor" --frames 0:20 --out "$here/auto"
+  said 'method       hector: laser scans'
   refused "did you mean 'hector'" slam "$here/corridor" --method hektor --out "$here/no"
   refused "no option 'guess'" slam "$here/corridor" --method ekf --out "$here/no" --guess none
   refused 'true' slam "$here/corridor" --method hector --out "$here/no" --loop-closing perhaps

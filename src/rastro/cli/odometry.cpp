@@ -19,8 +19,10 @@
 #include "rastro/cli/program.h"
 #include "rastro/cli/progress_bar.h"
 #include "rastro/cli/yaw_calibration.h"
+#include "rastro/dataset/live/live.h"
 #include "rastro/dataset/open.h"
 #include "rastro/dataset/recording.h"
+#include "rastro/methods/method_choice.h"
 #include "rastro/methods/methods.h"
 #include "rastro/odometry/ground_scale.h"
 #include "rastro/odometry/scale.h"
@@ -93,9 +95,21 @@ Trajectory yaw_reference(const OdometryFlags& flags, const OptionTable& table) {
   return read_trajectory(flags.reference);
 }
 
+/// The method by its name, or of `auto` as the sensors of the recording have it.
+std::unique_ptr<OdometryMethod> method_for(const OdometryFlags& flags) {
+  if (flags.method != "auto") return odometry_method(flags.method);
+  if (is_live(flags.data.path))
+    throw Error("cannot look at a live source beforehand", "--method auto", "give --method features or rgbd");
+  OpenOptions open = open_options(flags.data);
+  open.want_depth = true;
+  const MethodChoice choice = odometry_choice(rastro::open(flags.data.path, open)->info());
+  log_info(fmt::format("method {}: {}", choice.method, choice.reason));
+  return odometry_method(choice.method);
+}
+
 std::unique_ptr<Prepared> prepare(const OdometryFlags& flags) {
   auto run = std::make_unique<Prepared>();
-  run->method = odometry_method(flags.method);
+  run->method = method_for(flags);
   run->table = run->method->options();
   if (is_preset(flags.preset, fmt::format("the method '{}'", run->method->name()), run->method->presets()))
     run->method->set_preset(flags.preset);

@@ -39,7 +39,8 @@ void add_odometry_flags(CLI::App& command, OdometryFlags& flags) {
   const char* group = "Odometry";
   command
       .add_option("--method", flags.method,
-                  fmt::format("{}; see below (default: {})", names_text(odometry_methods()), flags.method))
+                  fmt::format("{}, or auto: by the sensors; see below (default: {})", names_text(odometry_methods()),
+                              flags.method))
       ->type_name("NAME")
       ->group(group);
   command
