@@ -430,6 +430,27 @@ benchmark() {
   refused "did you mean 'swap-stereo'" odometry "$hall" --out "$here/no" --disturb swap-stero
 }
 
+compare() {
+  local out=$here/out
+  run 0 odometry "$hall" --out "$here/theirs" --method profiles --frames 0:12
+  sed -i '/^#/d' "$here/theirs/trajectory.txt"
+  local words=("$hall" --frames 0:12 --methods odometry/profiles,features --import "theirs=$here/theirs/trajectory.txt,sim3" --out "$out")
+  run 0 compare "${words[@]}" --disturb noise
+  said '0 of 2 runs have results'
+  said 'noise=10'
+  said 'Phone video. '
+  grep -q '<svg' "$out/report.html" || fail "no curve in the report"
+  ! grep -q 'http' "$out/report.html" || fail "the report needs a network"
+  grep -q toprule "$out/report.tex" || fail "no LaTeX table"
+  # The same trajectory as a run and as a file: the same errors.
+  ate() { grep "^$(basename "$hall"),$1,0,1,ate_m," "$out/report.csv" | cut -d, -f6; }
+  [[ -n $(ate theirs) && $(ate theirs) == "$(ate profiles)" ]] || fail "the import is judged otherwise: $(ate theirs), $(ate profiles)"
+  run 0 compare "${words[@]}"
+  said '2 of 2 runs have results'
+  refused "did you mean 'features'" compare "$hall" --methods featurs --out "$out"
+  refused "did you mean 'hall'" compare hal --methods all --out "$out"
+}
+
 interrupt() {
   long_recording "$here/data"
   "$rastro" track "$here/data" --out "$here/run" >"$here/stdout" 2>"$here/stderr" &

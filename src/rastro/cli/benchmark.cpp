@@ -3,30 +3,23 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <fstream>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
-#include "rastro/base/hash.h"
 #include "rastro/base/log.h"
 #include "rastro/cli/benchmark/benchmark_list.h"
 #include "rastro/cli/benchmark/benchmark_plan.h"
 #include "rastro/cli/benchmark/benchmark_run.h"
+#include "rastro/cli/benchmark/benchmark_session.h"
 #include "rastro/cli/benchmark/benchmark_table.h"
-#include "rastro/cli/benchmark/run_scores.h"
 #include "rastro/cli/command.h"
-#include "rastro/cli/interrupt.h"
 #include "rastro/synthetic/disturbance/disturbance.h"
 
 namespace rastro::cli {
 namespace {
-
-constexpr const char* this_program = "/proc/self/exe";
 
 struct Flags {
   std::string file, out, data, baseline, save, only;
@@ -73,15 +66,6 @@ Examples:
   rastro benchmark bench/lists/worlds.yaml --out worlds --jobs 2
   rastro benchmark bench/lists/wrong_inputs.yaml --out wrong --only kitti_00)";
 
-std::string hash_of_program() {
-  std::ifstream program(this_program, std::ios::binary);
-  Sha256 hash;
-  std::vector<char> bytes(1 << 20);
-  while (program.read(bytes.data(), static_cast<std::streamsize>(bytes.size())) || program.gcount() > 0)
-    hash.add({bytes.data(), static_cast<std::size_t>(program.gcount())});
-  return hash.finish();
-}
-
 BenchmarkList chosen_entries(const Flags& flags) {
   BenchmarkList list = read_benchmark_list(flags.file);
   const auto is_other = [&](const BenchmarkEntry& entry) { return entry.name.find(flags.only) == std::string::npos; };
@@ -89,55 +73,6 @@ BenchmarkList chosen_entries(const Flags& flags) {
   if (list.entries.empty())
     throw Error("no entry has this in its name: " + flags.only, "--only", "--dry-run lists the entries");
   return list;
-}
-
-std::string data_folder(const Flags& flags) {
-  const char* set = std::getenv("RASTRO_DATA");
-  if (!flags.data.empty()) return flags.data;
-  return set != nullptr && *set != '\0' ? set : "../shared/data";
-}
-
-BenchmarkSetup setup_of(const Flags& flags, const BenchmarkList& list) {
-  if (flags.jobs < 1 || flags.jobs > 256)
-    throw Error(fmt::format("{} is not a number of runs", flags.jobs), "--jobs", "give 1 to 256");
-  if (flags.threads < 0)
-    throw Error(fmt::format("{} is not a number of threads", flags.threads), "--threads", "give 1 or more, or 0");
-  if (flags.out.empty()) throw Error("is required", "--out", "give a folder: --out DIR");
-  BenchmarkSetup setup;
-  setup.out = flags.out;
-  setup.program = hash_of_program();
-  setup.jobs = flags.jobs;
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  setup.threads = flags.threads == 0 && flags.jobs > 1 ? std::max(1, cores / flags.jobs) : flags.threads;
-  setup.keep = list.keep;
-  setup.force = flags.force;
-  return setup;
-}
-
-void show(const BenchmarkResult& result, int done, int count) {
-  const RunScores& scores = result.scores;
-  const std::string seed = result.seed == 0 ? "" : fmt::format(" seed {}", result.seed);
-  const std::string error = scores.ate_m ? fmt::format("{:.4f} m", *scores.ate_m) : "no error to measure";
-  const std::string said =
-      result.failure.empty()
-          ? fmt::format("{}, {} of {} frames tracked, {} false, {:.1f} s{}", error, scores.tracked, scores.frames,
-                        scores.false_poses + scores.false_poses_lost, result.wall_s, scores.warned ? ", warned" : "")
-          : result.failure;
-  fmt::print(stderr, "[{}/{}] {}{}: {}\n", done, count, result.entry, seed, said);
-}
-
-BenchmarkTools tools_of(const Flags& flags, const BenchmarkList& list) {
-  const std::atomic<bool>& stop = catch_interrupts();
-  BenchmarkTools tools;
-  tools.stop = &stop;
-  tools.run = [&stop, timeout_s = list.timeout_s](const std::vector<std::string>& words) {
-    std::vector<std::string> command = {"rastro"};
-    command.insert(command.end(), words.begin(), words.end());
-    return run_child(this_program, command, timeout_s, stop);
-  };
-  tools.score = score_run;
-  if (!flags.quiet) tools.progress = show;
-  return tools;
 }
 
 void print_plan(const BenchmarkPlan& plan) {
@@ -158,16 +93,17 @@ int report(const Flags& flags, const BenchmarkList& list, const std::vector<Benc
 
 int benchmark(const Flags& flags) {
   const BenchmarkList list = chosen_entries(flags);
-  const BenchmarkPlan plan = plan_benchmark(list, data_folder(flags));
+  const BenchmarkPlan plan = plan_benchmark(list, data_folder(flags.data));
   if (flags.dry_run) {
     print_plan(plan);
     return done;
   }
   const BenchmarkRows baseline = flags.baseline.empty() ? BenchmarkRows() : read_benchmark_rows(flags.baseline);
-  const BenchmarkSetup setup = setup_of(flags, list);
+  const BenchmarkSetup setup = benchmark_setup(
+      {.out = flags.out, .jobs = flags.jobs, .threads = flags.threads, .force = flags.force}, list.keep);
   const ResumedBenchmark resumed = resume_benchmark(plan, setup);
   if (!flags.quiet) fmt::print(stderr, "{}\n", resumed.text());
-  const auto results = run_missing(plan, resumed, setup, tools_of(flags, list));
+  const auto results = run_missing(plan, resumed, setup, benchmark_tools(list.timeout_s, flags.quiet));
   if (results.size() < plan.runs.size())
     fmt::print(stderr, "interrupted: {} of {} runs have results; the same command goes on\n", results.size(),
                plan.runs.size());

@@ -36,6 +36,7 @@ void add_check_command(CLI::App& app, Context& context);
 void add_calibrate_command(CLI::App& app, Context& context);
 void add_vocabulary_command(CLI::App& app, Context& context);
 void add_benchmark_command(CLI::App& app, Context& context);
+void add_compare_command(CLI::App& app, Context& context);
 void add_options_command(CLI::App& app, Context& context);
 
 }  // namespace rastro::cli

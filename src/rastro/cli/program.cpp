@@ -120,6 +120,7 @@ void add_commands(CLI::App& app, Context& context) {
   add_calibrate_command(app, context);
   add_vocabulary_command(app, context);
   add_benchmark_command(app, context);
+  add_compare_command(app, context);
   add_methods_command(app, context);
   add_options_command(app, context);
 }

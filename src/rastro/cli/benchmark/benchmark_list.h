@@ -10,10 +10,12 @@ namespace rastro::cli {
 
 /// What a run reads: a recording, or a world simulated with a seed.
 struct BenchmarkInput {
-  std::string data;                   ///< As in the list; empty: `world`.
-  std::string world;                  ///< As of 'rastro simulate'.
-  std::vector<std::string> simulate;  ///< Further words of 'rastro simulate'.
-  std::string frames;                 ///< "A:B"; empty: all.
+  std::string data;                       ///< As in the list; empty: `world`.
+  std::string world;                      ///< As of 'rastro simulate'.
+  std::vector<std::string> simulate;      ///< Further words of 'rastro simulate'.
+  std::string frames;                     ///< "A:B"; empty: all.
+  bool as_scan = false;                   ///< As a laser log, cut out of its depth images...
+  std::vector<std::string> camera_flags;  ///< ... with these further words.
 };
 
 /// How a method runs on it.
@@ -44,8 +46,9 @@ struct BenchmarkEntry {
   std::vector<std::string> disturbances;  ///< NAME or NAME=VALUE; empty: none.
   std::optional<BenchmarkMap> map;        ///< Localization in it.
   Expectation expect = Expectation::none;
-  std::string ground_truth;  ///< Trajectory, or relations of a laser log; empty: that of the recording.
-  std::string alignment;     ///< "se3", "sim3" or "yaw"; empty: yaw in a plane, else as the run claims, metric or not.
+  bool has_ground_truth = true;  ///< False: poses are not judged.
+  std::string ground_truth;      ///< Trajectory, or relations of a laser log; empty: that of the recording.
+  std::string alignment;  ///< "se3", "sim3" or "yaw"; empty: yaw in a plane, else as the run claims, metric or not.
   double false_pose_limit_m = 0.1;  ///< A pose further than this from the ground truth is false.
 };
 

@@ -41,10 +41,11 @@ BenchmarkParts::BenchmarkParts(const BenchmarkPlan& plan, const std::vector<cons
 
 std::vector<std::string> BenchmarkParts::folders_of(const BenchmarkRun& run) const {
   std::vector<std::string> folders;
-  if (!run.recording.empty()) folders.push_back(run.recording);
-  if (run.map.empty()) return folders;
-  if (const std::string& needed = plan_.parts.at(run.map).needs; !needed.empty()) folders.push_back(needed);
-  folders.push_back(run.map);
+  for (const std::string& part : {run.recording, run.map}) {
+    if (part.empty()) continue;
+    if (const std::string& needed = plan_.parts.at(part).needs; !needed.empty()) folders.push_back(needed);
+    folders.push_back(part);
+  }
   return folders;
 }
 

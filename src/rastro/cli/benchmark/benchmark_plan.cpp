@@ -24,6 +24,10 @@ void append_each(std::vector<std::string>& words, const std::string& flag, const
   for (const std::string& value : values) append(words, {flag, value});
 }
 
+bool begins_at_first_frame(const std::string& frames) {
+  return frames.empty() || frames.starts_with(':') || frames.starts_with("0:");
+}
+
 /// The path of a recording, and of the part that makes it where it is simulated.
 struct PlannedInput {
   std::string path, part, ground_truth;
@@ -55,21 +59,23 @@ class Planner {
     run.seed = seed;
     run.may_refuse = !entry.disturbances.empty() || entry.expect == Expectation::lost;
     run.id = as_file_name(entry.input.world.empty() ? entry.name : fmt::format("{} seed {}", entry.name, seed));
-    const PlannedInput input = input_of(entry.input, seed);
+    const PlannedInput input = entry.input.as_scan ? scan_of(entry, seed) : input_of(entry.input, seed);
     run.recording = input.part;
     run.judgment = {.ground_truth = input.ground_truth,
                     .alignment = entry.alignment,
                     .false_pose_limit_m = entry.false_pose_limit_m,
+                    .measures_map = begins_at_first_frame(entry.input.frames) && entry.disturbances.empty(),
                     .localized = entry.map.has_value(),
                     .same_world = !entry.map || entry.map->same_world,
                     .map_ground_truth = {}};
+    if (!entry.has_ground_truth) run.judgment.ground_truth.clear();
     if (!entry.ground_truth.empty()) run.judgment.ground_truth = existing(entry.ground_truth);
     run.words = {entry.map ? "localize" : entry.method.command, input.path};
     if (entry.map)
       add_map(entry, seed, run);
     else
       append(run.words, {"--method", entry.method.method});
-    append_settings(entry.method, entry.input.frames, run.words);
+    append_settings(entry.method, entry.input.as_scan ? "" : entry.input.frames, run.words);
     append_each(run.words, "--disturb", entry.disturbances);
     return run;
   }
@@ -109,6 +115,19 @@ class Planner {
     plan_.parts.emplace(part.folder, part);
     const std::string path = below_out + part.folder;
     return {path, part.folder, path};
+  }
+
+  /// The laser log cut out of the depth images; judged by the poses of the camera.
+  PlannedInput scan_of(const BenchmarkEntry& entry, std::uint64_t seed) {
+    const PlannedInput camera = input_of(entry.input, seed);
+    BenchmarkPart part;
+    part.words = {"convert", camera.path, "--to", "scan"};
+    if (!entry.input.frames.empty()) append(part.words, {"--frames", entry.input.frames});
+    append(part.words, entry.input.camera_flags);
+    part.needs = camera.part;
+    part.folder = "scans/" + as_file_name(fmt::format("{}", fmt::join(part.words, " "))) + ".log";
+    plan_.parts.emplace(part.folder, part);
+    return {below_out + part.folder, part.folder, camera.ground_truth};
   }
 
   std::string existing(const std::string& data) const {

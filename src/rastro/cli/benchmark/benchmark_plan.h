@@ -25,9 +25,10 @@ struct BenchmarkPart {
 
 /// How the poses of a run are judged.
 struct BenchmarkJudgment {
-  std::string ground_truth;  ///< Recording, trajectory or relations.
+  std::string ground_truth;  ///< Recording, trajectory or relations; empty: none, poses are not judged.
   std::string alignment;     ///< "se3", "sim3", "yaw"; empty: yaw in a plane, else as the run claims.
   double false_pose_limit_m = 0.1;
+  bool measures_map = true;      ///< The world of its map is the first camera of the recording.
   bool localized = false;        ///< In the map of `map_folder`: judged in its frame.
   bool same_world = true;        ///< False: every localized pose is false.
   std::string map_ground_truth;  ///< Of the run that made the map.

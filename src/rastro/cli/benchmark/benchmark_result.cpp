@@ -36,6 +36,9 @@ BenchmarkResult from_json(const Json& json) {
   scores.inside_rotation_percent = optional_in(json, "inside_rotation_percent");
   scores.warned = json.at("warned").get<bool>();
   scores.sha256 = json.at("sha256").get<std::string>();
+  scores.alignment = json.at("alignment").get<std::string>();
+  scores.first_loss = json.at("first_loss").get<std::string>();
+  scores.figures = json.at("figures").get<std::map<std::string, double>>();
   result.wall_s = json.at("wall_s").get<double>();
   result.cpu_s = json.at("cpu_s").get<double>();
   result.peak_memory_mb = json.at("peak_memory_mb").get<double>();
@@ -62,6 +65,9 @@ std::string to_json(const BenchmarkResult& result) {
             {"inside_rotation_percent", json_of(scores.inside_rotation_percent)},
             {"warned", scores.warned},
             {"sha256", scores.sha256},
+            {"alignment", scores.alignment},
+            {"first_loss", scores.first_loss},
+            {"figures", scores.figures},
             {"wall_s", result.wall_s},
             {"cpu_s", result.cpu_s},
             {"peak_memory_mb", result.peak_memory_mb}};

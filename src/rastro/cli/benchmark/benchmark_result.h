@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -19,8 +20,11 @@ struct RunScores {
   std::optional<double> ate_m;  ///< Absolute trajectory error, or mean error of relations; none: not to be judged.
   /// Share of the poses inside their ellipse of 95 %; none: the run gives no covariances.
   std::optional<double> inside_position_percent, inside_rotation_percent;
-  bool warned = false;  ///< The program said that something is wrong with the input or the result.
-  std::string sha256;   ///< Of its trajectory and map.
+  bool warned = false;                    ///< The program said that something is wrong with the input or the result.
+  std::string sha256;                     ///< Of its trajectory and map.
+  std::string alignment;                  ///< "se3", "sim3" or "yaw"; empty: none was needed or possible.
+  std::string first_loss;                 ///< "frame 12: few_points"; empty: tracking was never lost.
+  std::map<std::string, double> figures;  ///< Further ones by name and unit, see run_figures.h.
 };
 
 /// The result of one run, kept as one JSON file.

@@ -5,13 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "rastro/base/append_file.h"
 #include "rastro/base/error.h"
-#include "rastro/base/text.h"
 #include "rastro/base/text_file.h"
+#include "rastro/cli/benchmark/run_figures.h"
+#include "rastro/cli/benchmark/run_frames.h"
 #include "rastro/cli/trajectory_files.h"
 #include "rastro/evaluate/relations.h"
 #include "rastro/evaluate/trajectory_pairs.h"
@@ -23,34 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr TimeNs pair_within = 20'000'000;       ///< As 'rastro evaluate trajectory'.
-constexpr TimeNs same_stamp_within = 1'000'000;  ///< Stamps are written with fewer digits than they have.
-constexpr int fewest_pairs = 3;                  ///< Fewer have no alignment.
-
-/// By stamp: whether the run says of the frame that its pose was measured.
-using TrackedFrames = std::map<TimeNs, bool>;
-
-bool is_tracked_state(std::string_view state) {
-  return state == "tracking" || state == "weak" || state == "relocalized";
-}
-
-TrackedFrames tracked_frames(const fs::path& stats_csv) {
-  TrackedFrames frames;
-  const std::string text = read_text_file(stats_csv.string());
-  for (const TextLine& line : content_lines(text)) {
-    const auto cells = split(line.text, ',');
-    if (cells.size() < 3 || cells[0] == "frame") continue;
-    const auto stamp = parse_int64(cells[1]);
-    if (!stamp) throw Error("has no stamp", at_line(stats_csv.string(), line.number), "run it again");
-    frames[*stamp] = is_tracked_state(cells[2]);
-  }
-  return frames;
-}
-
-bool was_tracked(const TrackedFrames& frames, TimeNs stamp) {
-  const auto found = frames.lower_bound(stamp - same_stamp_within);
-  return found != frames.end() && found->first <= stamp + same_stamp_within && found->second;
-}
+constexpr TimeNs pair_within = 20'000'000;  ///< As 'rastro evaluate trajectory'.
+constexpr int fewest_pairs = 3;             ///< Fewer have no alignment.
 
 Json result_of(const fs::path& folder) {
   const fs::path file = folder / "result.json";
@@ -59,13 +34,6 @@ Json result_of(const fs::path& folder) {
   } catch (const Json::exception&) {
     throw Error("is not a result", file.string(), "run it again");
   }
-}
-
-/// The poses of laser logs written by 'rastro simulate' lie beside them.
-std::string ground_truth_of(const std::string& path) {
-  const fs::path beside = fs::path(path) / "groundtruth.txt";
-  std::error_code ignored;
-  return fs::exists(fs::path(path) / "scans.log", ignored) && fs::exists(beside, ignored) ? beside.string() : path;
 }
 
 /// Whether the lengths of the run are in meters, by its own words.
@@ -93,7 +61,7 @@ struct Compared {
 
 Compared compared(const fs::path& folder, const std::string& ground_truth) {
   Compared both;
-  both.reference = read_reference(ground_truth_of(ground_truth), {});
+  both.reference = read_reference(poses_beside(ground_truth), {});
   both.estimate = read_estimate(folder.string(), both.reference, {});
   return both;
 }
@@ -118,7 +86,7 @@ TrajectoryScores aligned(const Compared& both, const std::string& alignment, con
 
 /// Poses of a run in the frame of the ground truth, against it.
 void judge_poses(const Compared& both, const Sim3& reference_from_estimate, const std::vector<PosePair>& pairs,
-                 const TrackedFrames& frames, double limit_m, RunScores& scores) {
+                 const std::vector<RunFrame>& frames, double limit_m, RunScores& scores) {
   double sum = 0.0;
   for (const PosePair& pair : pairs) {
     const StampedPose& pose = both.estimate.poses[pair.estimate];
@@ -135,11 +103,13 @@ std::int64_t count_poses(const fs::path& folder) {
 }
 
 void judge_run(const fs::path& folder, const BenchmarkJudgment& judgment, const Json& result,
-               const TrackedFrames& frames, RunScores& scores) {
+               const std::vector<RunFrame>& frames, RunScores& scores) {
   const Compared both = compared(folder, judgment.ground_truth);
   if (static_cast<int>(both.estimate.poses.size()) < fewest_pairs) return;
   const TrajectoryScores found = aligned(both, judgment.alignment, result);
   judge_poses(both, found.reference_from_estimate, found.pairs, frames, judgment.false_pose_limit_m, scores);
+  scores.alignment = name_of(found.alignment);
+  add_trajectory_figures(found, both.reference.input, claims_meters(result), scores.figures);
   const PoseConsistency consistency =
       consistency_of_run(folder.string(), both.reference, both.estimate, found.scale(), pair_within);
   if (consistency.position) scores.inside_position_percent = consistency.position->inside_percent;
@@ -155,7 +125,7 @@ void judge_relations(const fs::path& folder, const std::string& relations, RunSc
 
 /// In the frame of the map, which the run that made it ties to the ground truth.
 void judge_localized(const fs::path& folder, const BenchmarkJudgment& judgment, const fs::path& map_folder,
-                     const TrackedFrames& frames, RunScores& scores) {
+                     const std::vector<RunFrame>& frames, RunScores& scores) {
   if (!judgment.same_world) {
     const TrajectoryInput estimate = read_trajectory_input((folder / "trajectory.txt").string());
     for (const StampedPose& pose : estimate.poses)
@@ -169,24 +139,38 @@ void judge_localized(const fs::path& folder, const BenchmarkJudgment& judgment, 
   judge_poses(both, map.reference_from_estimate, pairs, frames, judgment.false_pose_limit_m, scores);
 }
 
-}  // namespace
-
-RunScores score_run(const fs::path& folder, const BenchmarkJudgment& judgment, const fs::path& map_folder) {
-  const Json result = result_of(folder);
-  const TrackedFrames frames = tracked_frames(folder / "stats.csv");
-  RunScores scores;
-  scores.frames = result.value("frames", std::int64_t{0}) + result.value("skipped_frames", std::int64_t{0});
-  for (const auto& frame : frames) scores.tracked += frame.second ? 1 : 0;
-  scores.warned = says_a_warning(result);
-  scores.sha256 = result.value("result_sha256", std::string());
-  scores.posed = count_poses(folder);
-  if (scores.posed == 0) return scores;
+void judge(const fs::path& folder, const BenchmarkJudgment& judgment, const fs::path& map_folder, const Json& result,
+           const std::vector<RunFrame>& frames, RunScores& scores) {
   if (judgment.localized)
     judge_localized(folder, judgment, map_folder, frames, scores);
   else if (is_relations(judgment.ground_truth))
     judge_relations(folder, judgment.ground_truth, scores);
   else
     judge_run(folder, judgment, result, frames, scores);
+}
+
+}  // namespace
+
+std::string poses_beside(const std::string& path) {
+  const fs::path beside = fs::path(path) / "groundtruth.txt";
+  std::error_code ignored;
+  return fs::exists(fs::path(path) / "scans.log", ignored) && fs::exists(beside, ignored) ? beside.string() : path;
+}
+
+RunScores score_run(const fs::path& folder, const BenchmarkJudgment& judgment, const fs::path& map_folder) {
+  const Json result = result_of(folder);
+  const std::vector<RunFrame> frames = read_run_frames(folder / "stats.csv");
+  RunScores scores;
+  scores.frames = result.value("frames", std::int64_t{0}) + result.value("skipped_frames", std::int64_t{0});
+  for (const RunFrame& frame : frames) scores.tracked += frame.tracked ? 1 : 0;
+  scores.first_loss = first_loss_of(frames);
+  add_result_figures(result, scores.figures);
+  add_frame_figures(frames, scores.figures);
+  scores.warned = says_a_warning(result);
+  scores.sha256 = result.value("result_sha256", std::string());
+  scores.posed = count_poses(folder);
+  if (scores.posed > 0 && !judgment.ground_truth.empty()) judge(folder, judgment, map_folder, result, frames, scores);
+  std::erase_if(scores.figures, [](const auto& figure) { return !std::isfinite(figure.second); });
   return scores;
 }
 

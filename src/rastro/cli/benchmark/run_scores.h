@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "rastro/cli/benchmark/benchmark_plan.h"
 #include "rastro/cli/benchmark/benchmark_result.h"
@@ -13,5 +14,8 @@ namespace rastro::cli {
 /// ground truth cannot be read.
 RunScores score_run(const std::filesystem::path& folder, const BenchmarkJudgment& judgment,
                     const std::filesystem::path& map_folder);
+
+/// The ground truth itself, or the file of poses that lies in the folder of a laser log by 'rastro simulate'.
+std::string poses_beside(const std::string& ground_truth);
 
 }  // namespace rastro::cli

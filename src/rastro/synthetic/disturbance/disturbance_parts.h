@@ -41,6 +41,9 @@ Change freeze(const Value& frames);
 Change drop(const Value& frames);
 Change noise(const Value& sigma);
 Change color_cast(const Value& factor);
+Change blur(const Value& pixels);
+Change dark(const Value& factor);
+Change crowd(const Value& share);
 
 // The calibrated camera or pair.
 Change swap_stereo(const Value&);

@@ -126,6 +126,62 @@ TEST(Disturbance, NoiseIsTheSameOnEveryRun) {
   EXPECT_EQ(frames_with("noise=0")[1].image.at(1, 1), 101);
 }
 
+TEST(Disturbance, BlurIsTheMeanAlongARow) {
+  // The red of row 0 is 50 throughout, row 1 is black: blur along rows changes neither.
+  EXPECT_EQ(frames_with("blur=4")[0].color.rgb.at(5, 0), 50);
+  EXPECT_EQ(frames_with("blur=4")[0].color.rgb.at(5, 1), 0);
+  class Edge : public EverySensor {
+   public:
+    std::optional<Frame> next() override {
+      auto frame = EverySensor::next();
+      if (frame) frame->image.at(0, 0) = frame->image.at(1, 0) = 0;
+      return frame;
+    }
+  };
+  const auto frame = disturbed(std::make_unique<Edge>(), "blur=2")->next();
+  EXPECT_EQ(frame->image.at(1, 0), 0);
+  EXPECT_EQ(frame->image.at(2, 0), 50) << "half of 0 and half of 100";
+  EXPECT_EQ(frame->image.at(3, 0), 100);
+}
+
+TEST(Disturbance, DarkImagesHaveLessLightAndTheNoiseStays) {
+  const auto frames = frames_with("dark=4"), again = frames_with("dark=4");
+  double sum = 0.0;
+  for (int x = 0; x < image_width; ++x) {
+    sum += frames[2].image.at(x, 1);
+    EXPECT_EQ(frames[2].image.at(x, 1), again[2].image.at(x, 1));
+  }
+  EXPECT_NEAR(sum / image_width, 102.0 / 4.0, 3.0);
+}
+
+TEST(Disturbance, CrowdCoversItsShareInFrontOfEverything) {
+  class Wide : public Source {
+   public:
+    const SourceInfo& info() const override { return info_; }
+    std::optional<Frame> next() override {
+      if (next_ == 200) return std::nullopt;
+      Frame frame;
+      frame.index = next_++;
+      frame.image = GrayImage(100, 4);
+      frame.depth = DepthImage(100, 4);
+      return frame;
+    }
+
+   private:
+    SourceInfo info_;
+    int next_ = 0;
+  };
+  const auto source = disturbed(std::make_unique<Wide>(), "crowd=0.3");
+  double covered = 0.0;
+  while (const auto frame = source->next()) {
+    for (int x = 0; x < 100; ++x) {
+      EXPECT_EQ(frame->image.at(x, 2) > 0, frame->depth.at(x, 2) == 1.0F);
+      covered += frame->depth.at(x, 2) == 1.0F ? 1.0 : 0.0;
+    }
+  }
+  EXPECT_NEAR(covered / 20'000.0, 0.3, 0.08) << "they hide each other where they meet";
+}
+
 TEST(Disturbance, ColorCastScalesRedAlone) {
   const auto frames = frames_with("color-cast=0.5");
   EXPECT_EQ(frames[0].color.rgb.at(3, 0), 25);

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/error.h"
+#include "rastro/cli/command.h"
+#include "rastro/cli/compare/compare_session.h"
+#include "rastro/cli/compare/imports.h"
+#include "rastro/cli/compare/map_figures.h"
+#include "rastro/cli/compare/report_html.h"
+#include "rastro/cli/compare/report_tables.h"
+#include "rastro/cli/compare/report_text.h"
+#include "rastro/cli/compare/strengths.h"
+#include "rastro/cli/program.h"
+
+namespace rastro::cli {
+namespace {
+
+constexpr const char* footer = R"(
+INPUT is a recording or a world of 'rastro simulate', alone or quoted with flags behind it: those of a world are for 'rastro simulate', those
+of a recording for every run on it. Methods run with every sensor that they can use: a recording with depth also as one of one camera
+('orb mono' beside 'orb rgbd'), and as laser scans cut out of the depth images, as if the camera were level ('hector scan').
+A list of 'rastro benchmark' says itself which methods run on what.
+--methods takes NAME, odometry/NAME, and NAME:SENSOR, such as orb:stereo.
+
+--import adds the trajectory of another program (TUM, KITTI or EuRoC format), scored as ours: aligned by se3, or sim3 for one camera;
+its cloud is compared with the surfaces of generated rooms after the same alignment. @INPUT says of which of several inputs it is.
+--disturb makes the input wrong, stronger from run to run, until a method tracks less than 90 % of the frames that it tracked
+without, or its error doubles.
+
+Each run is a process of this program. Its result is one file in --out/results; interrupted with Ctrl-C, the same command goes on
+where it was. Results of another program, or of other flags, are run again. --out gets report.html, a page that needs no network, report.md,
+report.tex (booktabs) and report.csv, a line for each value with its command.
+
+Examples:
+  rastro compare bedroom --methods all --out compared
+  rastro compare tum_fr1_rpy_clip 'kitchen_rgbd --intrinsics 585,585,320,240' --methods orb,rgbd,rtabmap --out compared
+  rastro compare 'loop --stereo --frames 300' --methods orb,lsd --seeds 5 --repeat 3 --jobs 2 --out compared
+  rastro compare bench/lists/quick.yaml --jobs 2 --out quick
+  rastro compare tum_fr1_rpy_clip --methods orb:rgbd --import theirs=theirs.txt --disturb noise,dark --out compared
+)";
+
+std::string disturbances_text() {
+  std::string text = "\nDisturbances with strengths:\n";
+  for (const StrengthLadder& ladder : strength_ladders()) {
+    std::vector<std::string> strengths;
+    for (const double strength : ladder.strengths) strengths.push_back(fmt::format("{:g}", strength));
+    text += fmt::format("  {:<8} {}: {} ({})\n", ladder.name, ladder.title, fmt::join(strengths, ", "), ladder.unit);
+  }
+  return text;
+}
+
+struct Flags {
+  std::vector<std::string> inputs, methods;
+  std::string data, frames, intrinsics, calibration, fov, rate, every;
+  std::uint64_t seeds = 1;
+  int repeats = 1;
+  std::vector<std::string> disturbances, imports;
+  double timeout_s = 3600.0;
+  SessionFlags session;
+  bool dry_run = false, quiet = false;
+};
+
+/// The flags that every run on a recording gets.
+std::vector<std::string> flags_of_recordings(const Flags& flags) {
+  std::vector<std::string> words;
+  for (const auto& [flag, value] :
+       std::vector<std::pair<std::string, std::string>>{{"--intrinsics", flags.intrinsics},
+                                                        {"--calibration", flags.calibration},
+                                                        {"--fov", flags.fov},
+                                                        {"--rate", flags.rate},
+                                                        {"--every", flags.every}})
+    if (!value.empty()) words.insert(words.end(), {flag, value});
+  return words;
+}
+
+/// One list of 'rastro benchmark' in place of inputs and methods.
+bool is_list(const Flags& flags) {
+  const std::string extension = std::filesystem::path(flags.inputs.front()).extension().string();
+  return flags.inputs.size() == 1 && (extension == ".yaml" || extension == ".yml");
+}
+
+CompareTask task_of(const Flags& flags, const std::string& data) {
+  constexpr std::uint64_t most_seeds = 1000;
+  if (flags.seeds < 1 || flags.seeds > most_seeds)
+    throw Error(fmt::format("{} is not a number of worlds", flags.seeds), "--seeds", "give 1 to 1000");
+  if (flags.repeats < 1 || flags.repeats > 1000)
+    throw Error(fmt::format("{} is not a number of repeats", flags.repeats), "--repeat", "give 1 to 1000");
+  CompareTask task;
+  task.repeats = flags.repeats;
+  task.quiet = flags.quiet;
+  if (is_list(flags)) {
+    task.list = read_benchmark_list(flags.inputs.front());
+    return task;
+  }
+  if (flags.methods.empty()) throw Error("is required", "--methods", "give all, or names; 'rastro methods' lists them");
+  task.inputs = parse_compare_inputs(flags.inputs, {flags.frames, flags_of_recordings(flags), flags.seeds, data});
+  task.methods = methods_named(flags.methods);
+  return task;
+}
+
+/// As a benchmark, and the maps too.
+BenchmarkTools tools_of(const Flags& flags) {
+  BenchmarkTools tools = benchmark_tools(flags.timeout_s, flags.quiet);
+  tools.score = [score = tools.score](const std::filesystem::path& folder, const BenchmarkJudgment& judgment,
+                                      const std::filesystem::path& map_folder) {
+    RunScores scores = score(folder, judgment, map_folder);
+    if (scores.alignment == "se3" && judgment.measures_map)
+      add_map_figures(folder, judgment.ground_truth, scores.figures);
+    return scores;
+  };
+  return tools;
+}
+
+void write_reports(const Comparison& comparison, const std::filesystem::path& out) {
+  const Report report = report_of(comparison);
+  write_whole_file(out / "report.html", report_as_html(report, out));
+  write_whole_file(out / "report.md", report_as_markdown(report));
+  write_whole_file(out / "report.tex", report_as_latex(report));
+  write_whole_file(out / "report.csv", report_as_csv(comparison));
+  fmt::print("\n{}", aligned_text(difference_rows(report.differences)));
+  if (!comparison.strengths.empty()) fmt::print("\n{}", aligned_text(strength_rows(comparison)));
+  for (const UseCaseAdvice& advice : report.advice) fmt::print("\n{}. {}\n", advice.title, advice.text);
+  fmt::print("\nreports: {0}/report.html, report.md, report.tex, report.csv\n", out.string());
+}
+
+int compare(const Flags& flags) {
+  const std::string data = data_folder(flags.data);
+  std::vector<Import> imports;
+  for (const std::string& text : flags.imports) imports.push_back(parse_import(text));
+  const std::vector<StrengthLadder> ladders = ladders_named(flags.disturbances);
+  const CompareTask task = task_of(flags, data);
+  const BenchmarkSetup setup = benchmark_setup(flags.session, true);
+  CompareSession session(task, setup, tools_of(flags), data);
+  if (flags.dry_run) {
+    fmt::print("{}", session.plan_text());
+    return done;
+  }
+  std::vector<StrengthCurve> strengths;
+  bool complete = session.run();
+  if (complete && !ladders.empty()) complete = climb_ladders(ladders, session, strengths);
+  Comparison comparison = session.comparison();
+  comparison.strengths = strengths;
+  add_imports(imports, session.recordings(), comparison);
+  comparison.command = command_line();
+  if (!complete)
+    fmt::print(stderr, "interrupted: {} of {} runs have results; the same command goes on\n", comparison.runs.size(),
+               comparison.planned);
+  fmt::print("{}", comparison_as_text(comparison));
+  write_reports(comparison, flags.session.out);
+  return done;
+}
+
+void add_run_flags(CLI::App& command, Flags& flags) {
+  const char* group = "Runs";
+  command.add_option("--seeds", flags.seeds, "Seeds 1 to N of each world (default: 1)")->type_name("N")->group(group);
+  command
+      .add_option("--repeat", flags.repeats,
+                  "Repeat each run with seeds 1 to N of its random numbers, and the first once more for its bytes "
+                  "(default: 1)")
+      ->type_name("N")
+      ->group(group);
+  command.add_option("--jobs", flags.session.jobs, "Runs at the same time; times are best measured with 1")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(group);
+  command.add_option("--threads", flags.session.threads, "Threads of each run (default: all cores divided by --jobs)")
+      ->type_name("N")
+      ->group(group);
+  command.add_option("--timeout", flags.timeout_s, "A run that takes longer is stopped and fails (default: 3600)")
+      ->type_name("S")
+      ->group(group);
+  command.add_flag("--force", flags.session.force, "Run again what has a result")->group(group);
+  command.add_flag("--dry-run", flags.dry_run, "Print the runs and their commands only")->group(group);
+}
+
+void add_input_flags(CLI::App& command, Flags& flags) {
+  const char* group = "Input, of all recordings";
+  command.add_option("--data", flags.data, "Folder of recordings (default: $RASTRO_DATA, else ../shared/data)")
+      ->type_name("DIR")
+      ->group(group);
+  command.add_option("--frames", flags.frames, "Frames A to B-1 only")->type_name("A:B")->group(group);
+  command.add_option("--every", flags.every, "Every N-th frame only")->type_name("N")->group(group);
+  command.add_option("--rate", flags.rate, "Frame rate in Hz for data without timestamps")
+      ->type_name("HZ")
+      ->group(group);
+  command.add_option("--calibration", flags.calibration, "Calibration file")->type_name("FILE")->group(group);
+  command.add_option("--intrinsics", flags.intrinsics, "Pinhole intrinsics in pixels, without distortion")
+      ->type_name("fx,fy,cx,cy")
+      ->group(group);
+  command.add_option("--fov", flags.fov, "Horizontal field of view in degrees")->type_name("DEG")->group(group);
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, Context& context) {
+  CLI::App* command = app.add_subcommand("compare", "Runs all methods on the same inputs and compares their figures");
+  const auto flags = std::make_shared<Flags>();
+  command
+      ->add_option(
+          "INPUT", flags->inputs,
+          "Recordings and worlds, each alone or quoted with its flags; or one list of 'rastro benchmark' (.yaml)")
+      ->type_name("")
+      ->required();
+  command->add_option("--methods", flags->methods, "Methods: all, or names")
+      ->type_name("all|M,M")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command->add_option("--out", flags->session.out, "Folder of the results; kept from call to call")
+      ->type_name("DIR")
+      ->required();
+  add_run_flags(*command, *flags);
+  add_input_flags(*command, *flags);
+  command
+      ->add_option("--import", flags->imports,
+                   "Trajectory of another program as a further column, and its cloud; may be repeated")
+      ->type_name("NAME[@INPUT]=FILE[,cloud.ply][,sim3]")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--disturb", flags->disturbances,
+                   "Find the strength at which each method fails: default (all), or names, see below")
+      ->type_name("default|NAME,NAME")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command->add_flag("--quiet", flags->quiet, "No line after each run");
+  command->footer(footer + disturbances_text());
+  command->callback([flags, &context] { context.exit_code = compare(*flags); });
+}
+
+}  // namespace rastro::cli

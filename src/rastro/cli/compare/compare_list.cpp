@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/compare/compare_list.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+
+namespace rastro::cli {
+namespace {
+
+std::string described(const BenchmarkInput& input) {
+  std::string name = input.world.empty() ? input.data : input.world;
+  if (!input.frames.empty()) name += "@" + input.frames;
+  return name;
+}
+
+/// Short: what tells the inputs of a list apart in most of them.
+std::string name_of(const BenchmarkEntry& entry) {
+  std::string name = described(entry.input);
+  if (entry.map) name += " in " + described(entry.map->input);
+  if (!entry.disturbances.empty()) name += fmt::format(" {}", fmt::join(entry.disturbances, "+"));
+  return name;
+}
+
+/// Everything that entries of one input have in common.
+std::string key_of(const BenchmarkEntry& entry) {
+  std::string key =
+      fmt::format("{} {} seeds {}", name_of(entry), fmt::join(entry.input.simulate, " "), fmt::join(entry.seeds, ","));
+  if (entry.map) key += fmt::format(" map {}", fmt::join(entry.map->input.simulate, " "));
+  return key;
+}
+
+MethodOffer offer_of(const BenchmarkEntry& entry) {
+  MethodOffer offer = methods_named({entry.method.command + "/" + entry.method.method}).front();
+  offer.sensor = entry.method.sensor;
+  if (!offer.sensor.empty()) offer.kind = offer.sensor == "rgbd" ? "depth" : offer.sensor;
+  return offer;
+}
+
+std::string column_of(const BenchmarkEntry& entry, const MethodOffer& offer) {
+  std::string column = offer.name();
+  if (!entry.method.settings.empty()) column += fmt::format(" {}", fmt::join(entry.method.settings, " "));
+  return column;
+}
+
+CompareInput input_of(const BenchmarkEntry& entry, std::string name) {
+  CompareInput input;
+  input.name = std::move(name);
+  input.input = entry.input;
+  input.flags = entry.method.flags;
+  input.seeds = entry.seeds;
+  return input;
+}
+
+}  // namespace
+
+ListedCells cells_of(const BenchmarkList& list) {
+  ListedCells all;
+  std::map<std::string, std::size_t> inputs;
+  std::map<std::string, int> names;
+  for (const BenchmarkEntry& entry : list.entries) {
+    const auto [known, is_new] = inputs.emplace(key_of(entry), all.inputs.size());
+    if (is_new) {
+      const int count = ++names[name_of(entry)];
+      all.inputs.push_back(
+          input_of(entry, count == 1 ? name_of(entry) : fmt::format("{} ({})", name_of(entry), count)));
+    }
+    ListedCell cell{known->second, offer_of(entry), ""};
+    cell.column = column_of(entry, cell.method);
+    const auto same = [&](const ListedCell& other) { return other.input == cell.input && other.column == cell.column; };
+    if (std::any_of(all.cells.begin(), all.cells.end(), same)) cell.column = entry.name;
+    all.cells.push_back(std::move(cell));
+  }
+  return all;
+}
+
+void plan_list(const BenchmarkList& list, const ListedCells& cells, const std::vector<CompareInput>& inputs,
+               int repeats, ComparePlan& plan) {
+  for (std::size_t k = 0; k < list.entries.size(); ++k) {
+    const ListedCell& cell = cells.cells[k];
+    const int seeds = cell.method.has_seed ? repeats : 1;
+    const auto add = [&](int repeat, bool again) {
+      BenchmarkEntry entry = list.entries[k];
+      if (entry.ground_truth.empty()) entry.has_ground_truth = inputs[cell.input].facts.has_ground_truth;
+      if (repeat > 1) {
+        entry.name += fmt::format(" repeat {}", repeat);
+        entry.method.flags.insert(entry.method.flags.end(), {"--seed", fmt::format("{}", repeat)});
+      }
+      if (again) entry.name += " again";
+      plan.list.entries.push_back(std::move(entry));
+      plan.runs.push_back({cell.input, cell.column, repeat, again, ""});
+    };
+    for (int repeat = 1; repeat <= seeds; ++repeat) add(repeat, false);
+    if (repeats > 1) add(1, true);
+  }
+}
+
+}  // namespace rastro::cli

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a comparison says of results: table, differences, advice, reports.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "rastro/base/append_file.h"
+#include "rastro/base/scratch_testing.h"
+#include "rastro/cli/compare/report_html.h"
+#include "rastro/cli/compare/report_tables.h"
+#include "rastro/cli/compare/svg_chart.h"
+
+namespace rastro::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr int frame_count = 40;
+
+std::string poses(double error_m, int from, int every) {
+  std::string text;
+  for (int k = from; k < frame_count; ++k)
+    text += fmt::format("{:.3f} {:.9f} {:.9f} {:.9f} 0 0 0 1\n", 0.1 * k, 0.1 * k + (k % every == 0 ? error_m : 0.0),
+                        std::sin(0.3 * k), 0.02 * k);
+  return text;
+}
+
+/// A run that tracks frames from `from` on and is off by `error_m` in every third.
+FinishedRun run_of(std::size_t input, const std::string& column, std::uint64_t seed, double error_m, int from) {
+  FinishedRun run;
+  run.what.input = input, run.what.column = column;
+  run.seed = seed;
+  run.folder = scratch_folder(fmt::format("{}_{}_{}", input, column, seed));
+  run.ground_truth = (run.folder / "truth.txt").string();
+  write_whole_file(run.ground_truth, poses(0.0, 0, 3));
+  write_whole_file(run.folder / "trajectory.txt", poses(error_m, from, 3));
+  std::string stats = "frame,stamp_ns,state,reason\n";
+  for (int k = 0; k < frame_count; ++k)
+    stats += fmt::format("{},{},{},none\n", k, k * 100'000'000LL, k < from ? "initializing" : "tracking");
+  write_whole_file(run.folder / "stats.csv", stats);
+  run.result.scores.frames = frame_count, run.result.scores.tracked = frame_count - from;
+  run.result.scores.ate_m = error_m, run.result.scores.alignment = "se3";
+  run.result.scores.figures = {{"frame_ms", 20.0}, {"stage/track_ms", 7.0}, {"drift_percent", 1.0}};
+  run.run_command = "rastro slam <a&b> --method " + column;
+  run.evaluate_command = "rastro evaluate trajectory";
+  return run;
+}
+
+/// `good` has a quarter of the error of `poor` on one input with six seeds; `late` the smallest, of half the frames.
+Comparison three_methods() {
+  Comparison comparison;
+  CompareInput input;
+  input.name = "room_1";
+  input.seeds = {1, 2, 3, 4, 5, 6};
+  input.facts.has_image = input.facts.has_depth = input.facts.has_ground_truth = true;
+  input.facts.rate_hz = 10.0;
+  comparison.inputs = {input};
+  for (const std::uint64_t seed : input.seeds) {
+    comparison.runs.push_back(run_of(0, "good", seed, 0.010 + 0.001 * static_cast<double>(seed), 0));
+    comparison.runs.push_back(run_of(0, "poor", seed, 0.040 + 0.004 * static_cast<double>(seed), 0));
+    comparison.runs.push_back(run_of(0, "late", seed, 0.001, frame_count / 2));
+  }
+  comparison.column_kinds = {{"good", "depth"}, {"poor", "depth"}, {"late", "depth"}};
+  comparison.planned = comparison.runs.size();
+  comparison.table = table_of(comparison.inputs, comparison.runs);
+  return comparison;
+}
+
+const PairedDifference& between(const std::vector<PairedDifference>& all, const std::string& a, const std::string& b) {
+  for (const PairedDifference& each : all)
+    if ((each.first == a && each.second == b) || (each.first == b && each.second == a)) return each;
+  throw std::runtime_error("no such pair");
+}
+
+TEST(ResultTable, MedianAndWorstOverSeeds) {
+  const Comparison comparison = three_methods();
+  EXPECT_NEAR(comparison.table.median("room_1", "good", "ate_m").value(), 0.0135, 1e-9);
+  EXPECT_NEAR(comparison.table.worst("room_1", "good", compare_figure("ate_m")).value(), 0.016, 1e-9);
+  EXPECT_NEAR(comparison.table.worst("room_1", "late", compare_figure("completion_percent")).value(), 50.0, 1e-9);
+  EXPECT_FALSE(comparison.table.median("room_1", "good", "length_max_m"));
+  EXPECT_EQ(comparison.table.samples("room_1", "good", "ate_m").front().command, "rastro evaluate trajectory");
+}
+
+TEST(ResultTable, AFailedRunCompletesNothing) {
+  Comparison comparison = three_methods();
+  comparison.runs.front().result.failure = "crashed by signal 11";
+  comparison.table = table_of(comparison.inputs, comparison.runs);
+  EXPECT_EQ(comparison.table.values("room_1", "good", "completion_percent").front(), 0.0);
+  EXPECT_EQ(comparison.table.values("room_1", "good", "ate_m").size(), 5U);
+}
+
+TEST(PairedDifferences, AreOverTheFramesThatBothTracked) {
+  const Comparison comparison = three_methods();
+  const auto differences = paired_differences(traces_of(comparison), comparison.table.columns());
+  const PairedDifference& clear = between(differences, "good", "poor");
+  EXPECT_EQ(clear.first, "good");
+  EXPECT_EQ(clear.pairs, 6);
+  EXPECT_EQ(clear.first_better, 6);
+  EXPECT_NEAR(clear.median_ratio, 0.25, 0.01);
+  EXPECT_NEAR(clear.p_value, 0.03125, 1e-9);
+  EXPECT_NEAR(clear.adjusted_p, 3 * 0.03125, 1e-9) << "three comparisons were made";
+  EXPECT_FALSE(clear.differs_in_completion());
+  EXPECT_TRUE(between(differences, "good", "late").differs_in_completion());
+}
+
+TEST(UseCases, RecommendTheSmallestErrorOfThoseThatComplete) {
+  const Comparison comparison = three_methods();
+  const Report report = report_of(comparison);
+  EXPECT_EQ(report.advice[0].title, "Hand-held depth camera");
+  EXPECT_THAT(report.advice[0].text, HasSubstr("good: of the 3 methods"));
+  EXPECT_THAT(report.advice[0].text, HasSubstr("100 % of the frames"));
+  EXPECT_THAT(report.advice[1].text, HasSubstr("No data for this"));
+  EXPECT_THAT(summary_rows(comparison)[1], testing::Contains("good"));
+}
+
+TEST(UseCases, ACarIsKnownByItsSpeed) {
+  Comparison comparison = three_methods();
+  comparison.inputs[0].facts.has_depth = false;
+  for (auto& [column, kind] : comparison.column_kinds) kind = "stereo";
+  comparison.inputs[0].facts.speed_m_s = 8.0;
+  EXPECT_THAT(use_case_advice(comparison, {})[2].text, HasSubstr("good"));
+  EXPECT_THAT(use_case_advice(comparison, {})[3].text, HasSubstr("No data"));
+  comparison.inputs[0].facts.speed_m_s = 1.0;
+  EXPECT_THAT(use_case_advice(comparison, {})[2].text, HasSubstr("No data"));
+  EXPECT_THAT(use_case_advice(comparison, {})[3].text, HasSubstr("good"));
+}
+
+TEST(Reports, HtmlHoldsEverythingItself) {
+  const Comparison comparison = three_methods();
+  const std::string html = report_as_html(report_of(comparison), scratch_path("report"));
+  EXPECT_THAT(html, HasSubstr("<svg"));
+  EXPECT_THAT(html, HasSubstr("no ranking: completion differs"));
+  EXPECT_THAT(html, HasSubstr("rastro slam &lt;a&amp;b&gt; --method good"));
+  EXPECT_THAT(html, Not(HasSubstr("http")));
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+}
+
+TEST(Reports, TextFormatsSayTheSame) {
+  Comparison comparison = three_methods();
+  comparison.strengths = {
+      {0,
+       "good",
+       "noise",
+       {{10.0, "noise=10", 1.0, 1.1, {}, false, "", ""}, {20.0, "noise=20", 0.5, 1.2, {}, true, "loses track", ""}}}};
+  const Report report = report_of(comparison);
+  EXPECT_THAT(report_as_markdown(report), HasSubstr("| good | 6 | SE3 | 100.0 | 0.0135 (0.0160) |"));
+  EXPECT_THAT(report_as_markdown(report), HasSubstr("| noise=10 | noise=20 | loses track, and warns |"));
+  EXPECT_THAT(report_as_latex(report), HasSubstr("\\caption{room\\_1"));
+  EXPECT_THAT(report_as_latex(report), HasSubstr("good & 6 & SE3 & 100.0 & 0.0135 (0.0160)"));
+  EXPECT_THAT(report_as_csv(comparison), HasSubstr("room_1,good,6,1,ate_m,0.016,rastro evaluate trajectory\n"));
+  EXPECT_THAT(report_as_csv(comparison), HasSubstr("stage/track_ms,7,"));
+}
+
+TEST(SvgChart, TicksAreRoundAndNothingHasNoChart) {
+  EXPECT_THAT(round_ticks(0.0, 10.0), ElementsAre(0.0, 2.0, 4.0, 6.0, 8.0, 10.0));
+  EXPECT_EQ(svg_of({"empty", "x", "y", {}, false, false}), "");
+  Chart chart{"a < b", "x", "y", {{"line", {0.0, 1.0}, {0.0, std::nan("")}, 1, false, true}}, true, false};
+  EXPECT_THAT(svg_of(chart), HasSubstr("a &lt; b"));
+  EXPECT_THAT(svg_of(chart), Not(HasSubstr("nan")));
+}
+
+}  // namespace
+}  // namespace rastro::cli

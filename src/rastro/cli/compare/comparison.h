@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "rastro/cli/benchmark/benchmark_plan.h"
+#include "rastro/cli/benchmark/benchmark_result.h"
+#include "rastro/cli/compare/compare_input.h"
+#include "rastro/cli/compare/compare_plan.h"
+#include "rastro/cli/compare/result_table.h"
+#include "rastro/cli/compare/strength_curve.h"
+
+namespace rastro::cli {
+
+/// A run of the plan with its result.
+struct FinishedRun {
+  CompareRun what;
+  std::uint64_t seed = 0;  ///< Of the world; 0 for a recording.
+  BenchmarkResult result;
+  std::filesystem::path folder;
+  std::string recording;         ///< What it read.
+  std::string ground_truth;      ///< Empty: none.
+  std::string run_command;       ///< As it can be typed.
+  std::string evaluate_command;  ///< Gives the errors; empty where there is no ground truth.
+
+  /// In the table of methods: neither repeated for its bytes nor disturbed.
+  bool is_plain() const { return !what.again && what.disturbance.empty(); }
+  bool failed() const { return !result.failure.empty(); }
+};
+
+/// A trajectory of another program.
+struct ImportedTrajectory {
+  std::size_t input = 0;
+  std::string column;
+  std::uint64_t seed = 0;
+  std::string trajectory, ground_truth, alignment;
+};
+
+/// What all reports are made from.
+struct Comparison {
+  std::vector<CompareInput> inputs;
+  std::vector<std::string> refused;  ///< "kitchen: hector: has no laser scans", one each.
+  std::vector<FinishedRun> runs;     ///< In the order of the plan.
+  std::size_t planned = 0;           ///< More than `runs` where the comparison was interrupted.
+  ResultTable table;
+  std::string command;                              ///< Of the comparison itself.
+  std::map<std::string, std::string> column_kinds;  ///< "mono", "stereo", "depth" or "laser" of each method.
+  std::vector<ImportedTrajectory> imported;
+  std::vector<StrengthCurve> strengths;  ///< Of --disturb; empty without.
+};
+
+/// The results in the order of the plan; `plan`: of `planned.list`.
+std::vector<FinishedRun> finished_runs(const ComparePlan& planned, const BenchmarkPlan& plan,
+                                       const std::vector<BenchmarkResult>& results, const std::filesystem::path& out);
+
+/// The figures of every plain run, and same_bytes_percent of those repeated.
+ResultTable table_of(const std::vector<CompareInput>& inputs, const std::vector<FinishedRun>& runs);
+
+}  // namespace rastro::cli

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/compare/imports.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "rastro/base/error.h"
+#include "rastro/base/text.h"
+#include "rastro/cli/benchmark/run_figures.h"
+#include "rastro/cli/compare/map_figures.h"
+#include "rastro/cli/compare/run_trace.h"
+#include "rastro/export/ply.h"
+
+namespace rastro::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* flag = "--import";
+
+std::size_t input_of(const Import& import, const Comparison& comparison) {
+  if (import.input.empty() && comparison.inputs.size() == 1) return 0;
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < comparison.inputs.size(); ++k) {
+    if (comparison.inputs[k].name == import.input) return k;
+    names.push_back(comparison.inputs[k].name);
+  }
+  if (import.input.empty())
+    throw Error(fmt::format("'{}' does not say of which input it is", import.name), flag,
+                fmt::format("give {}@{}=...", import.name, names.front()));
+  throw Error(in_quotes(import.input) + " is not an input", flag, did_you_mean(import.input, names));
+}
+
+RunTrace read_trace(const Import& import, const std::string& recording) {
+  TraceReader reader;
+  auto trace = reader.read(import.trajectory, recording, import.alignment);
+  if (!trace)
+    throw Error("no pose matches the ground truth of the input", import.trajectory,
+                "are its timestamps those of the recording?");
+  return *trace;
+}
+
+RunFigures figures_of(const Import& import, const RunTrace& trace, const std::string& recording) {
+  RunFigures figures;
+  add_trajectory_figures(trace.scores, trace.reference->input, import.alignment == "se3", figures);
+  figures["completion_percent"] = trace.scores.pairing.coverage_percent;
+  if (import.cloud.empty()) return figures;
+  const SE3& world_from_first_camera = trace.reference->input.poses.front().world_from_body;
+  const Sim3 first_camera_from_world(1.0, world_from_first_camera.inverse().rotation(),
+                                     world_from_first_camera.inverse().translation());
+  add_surface_figures(read_cloud_ply(import.cloud), first_camera_from_world * trace.scores.reference_from_estimate,
+                      recording, figures);
+  return figures;
+}
+
+}  // namespace
+
+Import parse_import(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const auto pieces = split(std::string_view(text).substr(std::min(text.size(), equals + 1)), ',');
+  if (equals == std::string::npos || equals == 0 || pieces.front().empty())
+    throw Error(in_quotes(text) + " is not an import", flag, "give NAME=trajectory.txt[,cloud.ply][,sim3]");
+  Import import;
+  import.name = text.substr(0, equals);
+  if (const std::size_t at = import.name.find('@'); at != std::string::npos)
+    import.input = import.name.substr(at + 1), import.name.resize(at);
+  import.trajectory = pieces.front();
+  for (std::size_t k = 1; k < pieces.size(); ++k) {
+    const std::string piece(pieces[k]);
+    (fs::path(piece).extension() == ".ply" ? import.cloud : import.alignment) = piece;
+  }
+  if (import.alignment != "none") parse_alignment(import.alignment);
+  for (const std::string& file : {import.trajectory, import.cloud}) {
+    std::error_code ignored;
+    if (!file.empty() && !fs::exists(file, ignored)) throw Error("no such file", file, "correct --import");
+  }
+  return import;
+}
+
+void add_imports(const std::vector<Import>& imports, const std::vector<std::string>& recordings,
+                 Comparison& comparison) {
+  for (const Import& import : imports) {
+    const std::size_t input = input_of(import, comparison);
+    const std::string& recording = recordings[input];
+    const RunTrace trace = read_trace(import, recording);
+    const CompareInput& of = comparison.inputs[input];
+    const std::string command =
+        fmt::format("rastro evaluate trajectory {} {} --align {}", recording, import.trajectory, import.alignment);
+    const std::uint64_t seed = of.seeds.empty() ? 0 : of.seeds.front();
+    for (const auto& [figure, value] : figures_of(import, trace, recording))
+      comparison.table.add(of.name, import.name, figure, {value, seed, 1, command});
+    comparison.imported.push_back({input, import.name, seed, import.trajectory, recording, import.alignment});
+  }
+}
+
+}  // namespace rastro::cli

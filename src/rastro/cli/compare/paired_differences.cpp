@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/compare/paired_differences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "rastro/base/error.h"
+#include "rastro/evaluate/paired_significance.h"
+#include "rastro/math/median.h"
+
+namespace rastro::cli {
+namespace {
+
+constexpr double smallest_error_m = 1e-6;  ///< Below it two errors are equal.
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// The values of the pairs of two columns.
+struct Pairs {
+  std::map<std::pair<std::size_t, std::uint64_t>, std::vector<double>> log_ratios;  ///< By input and seed.
+  std::vector<double> first_completions, second_completions;
+};
+
+void add_pair(const ColumnTrace& first, const ColumnTrace& second, Pairs& pairs) {
+  const auto errors = errors_on_common_frames(first.trace, second.trace);
+  if (!errors) return;
+  const double ratio = std::max(errors->first_m, smallest_error_m) / std::max(errors->second_m, smallest_error_m);
+  pairs.log_ratios[{first.input, first.seed}].push_back(std::log(ratio));
+  pairs.first_completions.push_back(first.completion_percent);
+  pairs.second_completions.push_back(second.completion_percent);
+}
+
+Pairs pairs_of(const std::vector<ColumnTrace>& traces, const std::string& first, const std::string& second) {
+  Pairs pairs;
+  for (const ColumnTrace& a : traces) {
+    if (a.column != first) continue;
+    for (const ColumnTrace& b : traces)
+      if (b.column == second && b.input == a.input && b.seed == a.seed && b.repeat == a.repeat) add_pair(a, b, pairs);
+  }
+  return pairs;
+}
+
+PairedDifference difference_of(const Pairs& pairs, const std::string& first, const std::string& second) {
+  std::vector<double> logs;
+  for (const auto& [pair, repeats] : pairs.log_ratios) logs.push_back(median(repeats));
+  PairedDifference difference;
+  difference.first = first, difference.second = second;
+  difference.pairs = static_cast<int>(logs.size());
+  difference.median_ratio = std::exp(median(logs));
+  difference.p_value = signed_rank_p_value(logs);
+  difference.first_better = static_cast<int>(std::count_if(logs.begin(), logs.end(), [](double x) { return x < 0.0; }));
+  difference.first_completion = mean_of(pairs.first_completions);
+  difference.second_completion = mean_of(pairs.second_completions);
+  return difference;
+}
+
+/// The same with the columns exchanged.
+PairedDifference turned(const PairedDifference& difference, const Pairs& pairs) {
+  PairedDifference other = difference;
+  std::swap(other.first, other.second);
+  std::swap(other.first_completion, other.second_completion);
+  other.median_ratio = 1.0 / difference.median_ratio;
+  other.first_better = 0;
+  for (const auto& [pair, repeats] : pairs.log_ratios) other.first_better += median(repeats) > 0.0 ? 1 : 0;
+  return other;
+}
+
+double completion_of(const FinishedRun& run) {
+  const RunScores& scores = run.result.scores;
+  return scores.frames > 0 ? 100.0 * static_cast<double>(scores.tracked) / static_cast<double>(scores.frames) : 0.0;
+}
+
+}  // namespace
+
+bool PairedDifference::differs_in_completion() const {
+  constexpr double points = 5.0;
+  return std::abs(first_completion - second_completion) > points;
+}
+
+std::vector<ColumnTrace> traces_of(const Comparison& comparison) {
+  std::vector<ColumnTrace> traces;
+  TraceReader reader;
+  for (const FinishedRun& run : comparison.runs) {
+    if (!run.is_plain() || run.failed()) continue;
+    try {
+      auto trace = reader.read(run.folder.string(), run.ground_truth, run.result.scores.alignment);
+      if (trace)
+        traces.push_back(
+            {run.what.input, run.what.column, run.seed, run.what.repeat, completion_of(run), std::move(*trace)});
+    } catch (const Error&) {
+      continue;  // a run without any pose
+    }
+  }
+  for (const ImportedTrajectory& import : comparison.imported) {
+    auto trace = reader.read(import.trajectory, import.ground_truth, import.alignment);
+    if (!trace) continue;
+    const double completion = trace->scores.pairing.coverage_percent;
+    traces.push_back({import.input, import.column, import.seed, 1, completion, std::move(*trace)});
+  }
+  return traces;
+}
+
+std::vector<PairedDifference> paired_differences(const std::vector<ColumnTrace>& traces,
+                                                 const std::vector<std::string>& columns) {
+  std::vector<PairedDifference> all;
+  std::vector<double> p_values;
+  for (std::size_t first = 0; first < columns.size(); ++first) {
+    for (std::size_t second = first + 1; second < columns.size(); ++second) {
+      const Pairs pairs = pairs_of(traces, columns[first], columns[second]);
+      if (pairs.log_ratios.empty()) continue;
+      const PairedDifference difference = difference_of(pairs, columns[first], columns[second]);
+      all.push_back(difference.median_ratio > 1.0 ? turned(difference, pairs) : difference);
+      p_values.push_back(difference.p_value);
+    }
+  }
+  const std::vector<double> adjusted = holm_adjusted(p_values);
+  for (std::size_t k = 0; k < all.size(); ++k) all[k].adjusted_p = adjusted[k];
+  return all;
+}
+
+}  // namespace rastro::cli

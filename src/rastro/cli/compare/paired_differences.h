@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rastro/cli/compare/comparison.h"
+#include "rastro/cli/compare/run_trace.h"
+
+namespace rastro::cli {
+
+/// The trace of one run of the table, or of an imported trajectory.
+struct ColumnTrace {
+  std::size_t input = 0;
+  std::string column;
+  std::uint64_t seed = 0;
+  int repeat = 1;
+  double completion_percent = 0.0;
+  RunTrace trace;
+};
+
+/// Of every run and import that has one.
+std::vector<ColumnTrace> traces_of(const Comparison& comparison);
+
+/// The error of one column by that of another over the same inputs, seeds and repeats, and only over the frames that
+/// both tracked: neither gains by giving up early.
+struct PairedDifference {
+  std::string first, second;
+  int pairs = 0;              ///< Inputs and seeds; repeats of one count as their median, as they are not independent.
+  int first_better = 0;       ///< Of these.
+  double median_ratio = 1.0;  ///< ATE of the first by that of the second.
+  double p_value = 1.0;       ///< Wilcoxon's signed-rank test of the logarithms of the ratios.
+  double adjusted_p = 1.0;    ///< After Holm, over all differences of the report.
+  double first_completion = 0.0, second_completion = 0.0;  ///< Mean over the pairs, in percent.
+
+  bool is_significant() const { return adjusted_p < 0.05; }
+  /// Completions are that far apart that the errors alone do not rank the two.
+  bool differs_in_completion() const;
+};
+
+/// Every two columns with at least one pair, the better one first.
+std::vector<PairedDifference> paired_differences(const std::vector<ColumnTrace>& traces,
+                                                 const std::vector<std::string>& columns);
+
+}  // namespace rastro::cli

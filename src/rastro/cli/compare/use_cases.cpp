@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rastro/cli/compare/use_cases.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <set>
+
+namespace rastro::cli {
+namespace {
+
+constexpr double fast_m_s = 3.0;
+constexpr double completion_points = 5.0;
+constexpr double smallest_error_m = 1e-6;
+
+struct UseCase {
+  std::string title, judged_by;
+  std::function<bool(const InputFacts&)> holds;
+  std::set<std::string> kinds;  ///< Of sensors that a method uses.
+};
+
+bool is_slow_camera(const InputFacts& facts) { return facts.has_image && facts.speed_m_s < fast_m_s; }
+
+const std::vector<UseCase>& use_cases() {
+  static const std::vector<UseCase> cases = {
+      {"Hand-held depth camera",
+       "inputs with depth images",
+       [](const InputFacts& f) { return f.has_depth; },
+       {"depth"}},
+      {"Robot with a laser", "inputs with laser scans", [](const InputFacts& f) { return f.has_scan; }, {"laser"}},
+      {"Car",
+       "inputs of cameras without depth that move at 3 m/s or more",
+       [](const InputFacts& f) { return f.has_image && !f.has_depth && f.speed_m_s >= fast_m_s; },
+       {"mono", "stereo"}},
+      {"Drone",
+       "inputs of cameras without depth that move at less than 3 m/s",
+       [](const InputFacts& f) { return is_slow_camera(f) && !f.has_depth; },
+       {"mono", "stereo"}},
+      {"Phone video", "methods of one camera on inputs that move at less than 3 m/s", is_slow_camera, {"mono"}}};
+  return cases;
+}
+
+/// A method over the inputs of a use case.
+struct Candidate {
+  std::string column;
+  double completion = 0.0;  ///< Mean over the inputs of the medians.
+  double log_error = 0.0;   ///< Mean logarithm of the error by the best one's on the input.
+  int judged = 0;           ///< Inputs with an error.
+  std::vector<std::size_t> inputs;
+};
+
+std::optional<double> best_error(const ResultTable& table, const std::string& input,
+                                 const std::vector<std::string>& columns) {
+  std::optional<double> best;
+  for (const std::string& column : columns)
+    if (const auto error = table.median(input, column, "ate_m")) best = std::min(best.value_or(*error), *error);
+  return best;
+}
+
+std::vector<std::string> columns_of(const Comparison& comparison, const UseCase& use) {
+  std::vector<std::string> columns;
+  for (const std::string& column : comparison.table.columns()) {
+    const auto kind = comparison.column_kinds.find(column);
+    if (kind != comparison.column_kinds.end() && use.kinds.contains(kind->second)) columns.push_back(column);
+  }
+  return columns;
+}
+
+Candidate candidate_of(const Comparison& comparison, const std::vector<std::size_t>& inputs,
+                       const std::vector<std::string>& columns, const std::string& column) {
+  Candidate candidate;
+  candidate.column = column;
+  for (const std::size_t input : inputs) {
+    const std::string& name = comparison.inputs[input].name;
+    candidate.completion += comparison.table.median(name, column, "completion_percent").value_or(0.0);
+    const auto error = comparison.table.median(name, column, "ate_m"),
+               best = best_error(comparison.table, name, columns);
+    if (!error || !best) continue;
+    candidate.inputs.push_back(input);
+    candidate.log_error += std::log(std::max(*error, smallest_error_m) / std::max(*best, smallest_error_m));
+    ++candidate.judged;
+  }
+  candidate.completion /= static_cast<double>(inputs.size());
+  if (candidate.judged > 0) candidate.log_error /= candidate.judged;
+  return candidate;
+}
+
+/// Recommended first; then by error, those that complete too little last.
+std::vector<Candidate> ranked(std::vector<Candidate> candidates) {
+  double most = 0.0;
+  for (const Candidate& each : candidates) most = std::max(most, each.completion);
+  const auto is_out = [&](const Candidate& each) {
+    return each.completion < most - completion_points || each.judged == 0;
+  };
+  std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
+    return is_out(a) != is_out(b) ? is_out(b) : a.log_error < b.log_error;
+  });
+  return candidates;
+}
+
+std::string range_text(const Comparison& comparison, const Candidate& candidate, const char* figure_name) {
+  const FigureKind& figure = compare_figure(figure_name);
+  std::optional<double> low, high;
+  for (const std::size_t input : candidate.inputs) {
+    const auto value = comparison.table.median(comparison.inputs[input].name, candidate.column, figure.name);
+    if (!value) continue;
+    low = std::min(low.value_or(*value), *value), high = std::max(high.value_or(*value), *value);
+  }
+  const std::string from = figure_text(figure, low), to = figure_text(figure, high);
+  return from == to ? from : from + " to " + to;
+}
+
+std::string expectation_text(const Comparison& comparison, const Candidate& best) {
+  std::string text = fmt::format(
+      "Expect {:.0f} % of the frames tracked, an ATE of {} m, a drift of {} % of the path, {} ms a frame on this "
+      "machine",
+      best.completion, range_text(comparison, best, "ate_m"), range_text(comparison, best, "drift_percent"),
+      range_text(comparison, best, "frame_ms"));
+  if (const std::string inside = range_text(comparison, best, "inside_position_percent"); inside != "-")
+    text += fmt::format(", and {} % of the positions inside their 95 % ellipse", inside);
+  if (const std::string length = range_text(comparison, best, "length_max_m"); length != "-")
+    text += fmt::format("; the worst of the named lengths is {} m off", length);
+  std::vector<std::string> too_slow;
+  for (const std::size_t input : best.inputs) {
+    const CompareInput& of = comparison.inputs[input];
+    const auto ms = comparison.table.median(of.name, best.column, "frame_ms");
+    if (ms && of.facts.rate_hz > 0.0 && *ms > 1e3 / of.facts.rate_hz)
+      too_slow.push_back(fmt::format("{} ({:.0f} frames a second)", of.name, of.facts.rate_hz));
+  }
+  if (!too_slow.empty()) text += fmt::format("; it does not keep up with {}", fmt::join(too_slow, ", "));
+  return text + ".";
+}
+
+std::string difference_text(const PairedDifference& difference) {
+  return fmt::format(
+      "Over the frames that both track, the error of {} is {:.2f} times that of {} ({} of {} pairs; p = {:.2g}: {})",
+      difference.first, difference.median_ratio, difference.second, difference.first_better, difference.pairs,
+      difference.adjusted_p, difference.is_significant() ? "a difference" : "may be chance");
+}
+
+std::string next_text(const std::vector<Candidate>& candidates, const std::vector<PairedDifference>& differences) {
+  if (candidates.size() < 2 || candidates[1].judged == 0) return "";
+  const std::string &best = candidates[0].column, &next = candidates[1].column;
+  std::string text = fmt::format(" Next is {}, with {:.0f} % tracked.", next, candidates[1].completion);
+  for (const PairedDifference& difference : differences)
+    if ((difference.first == best && difference.second == next) ||
+        (difference.first == next && difference.second == best))
+      text += " " + difference_text(difference) + ", over all inputs of this report.";
+  return text;
+}
+
+std::string advice_on(const Comparison& comparison, const std::vector<std::size_t>& inputs, const UseCase& use,
+                      const std::vector<PairedDifference>& differences) {
+  const std::vector<std::string> columns = columns_of(comparison, use);
+  std::vector<Candidate> candidates;
+  for (const std::string& column : columns) candidates.push_back(candidate_of(comparison, inputs, columns, column));
+  candidates = ranked(std::move(candidates));
+  if (candidates.empty()) return "Inputs of this kind are here, but no method for it was run.";
+  if (candidates.front().judged == 0) return "Inputs of this kind are here, but no run with an error to judge it by.";
+  const Candidate& best = candidates.front();
+  std::vector<std::string> names;
+  for (const std::size_t input : inputs) names.push_back(comparison.inputs[input].name);
+  const double ratio = std::exp(best.log_error);
+  std::string text = fmt::format(
+      "{}: of the {} methods for it, all judged on {}, it has the smallest error among those that complete within "
+      "{:.0f} "
+      "points of the most complete one{}. ",
+      best.column, candidates.size(), fmt::join(names, ", "), completion_points,
+      ratio > 1.005 ? fmt::format(" ({:.2f} times the best on each input)", ratio) : "");
+  return text + expectation_text(comparison, best) + next_text(candidates, differences);
+}
+
+}  // namespace
+
+std::vector<UseCaseAdvice> use_case_advice(const Comparison& comparison,
+                                           const std::vector<PairedDifference>& differences) {
+  std::vector<UseCaseAdvice> all;
+  for (const UseCase& use : use_cases()) {
+    std::vector<std::size_t> inputs;
+    for (std::size_t k = 0; k < comparison.inputs.size(); ++k)
+      if (use.holds(comparison.inputs[k].facts)) inputs.push_back(k);
+    all.push_back({use.title, inputs.empty() ? "No data for this here: it takes " + use.judged_by + "."
+                                             : advice_on(comparison, inputs, use, differences) + " Judged by " +
+                                                   use.judged_by + "."});
+  }
+  return all;
+}
+
+}  // namespace rastro::cli
