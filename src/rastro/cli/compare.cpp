@@ -43,6 +43,7 @@ Examples:
   rastro compare tum_fr1_rpy_clip 'kitchen_rgbd --intrinsics 585,585,320,240' --methods orb,rgbd,rtabmap --out compared
   rastro compare 'loop --stereo --frames 300' --methods orb,lsd --seeds 5 --repeat 3 --jobs 2 --out compared
   rastro compare bench/lists/quick.yaml --jobs 2 --out quick
+  rastro compare --paper --jobs 2 --out paper
   rastro compare tum_fr1_rpy_clip --methods orb:rgbd --import theirs=theirs.txt --disturb noise,dark --out compared
 )";
 
@@ -60,11 +61,12 @@ struct Flags {
   std::vector<std::string> inputs, methods;
   std::string data, frames, intrinsics, calibration, fov, rate, every;
   std::uint64_t seeds = 1;
+  bool seeds_given = false;
   int repeats = 1;
   std::vector<std::string> disturbances, imports;
   double timeout_s = 3600.0;
   SessionFlags session;
-  bool dry_run = false, quiet = false;
+  bool paper = false, dry_run = false, quiet = false;
 };
 
 /// The flags that every run on a recording gets.
@@ -124,18 +126,30 @@ void write_reports(const Comparison& comparison, const std::filesystem::path& ou
   write_whole_file(out / "report.md", report_as_markdown(report));
   write_whole_file(out / "report.tex", report_as_latex(report));
   write_whole_file(out / "report.csv", report_as_csv(comparison));
+  for (const PaperTable& table : report.paper) fmt::print("\n{}\n{}", table.title, aligned_text(table.rows));
+  if (!report.paper.empty()) fmt::print("{}\n", paper_note);
   fmt::print("\n{}", aligned_text(difference_rows(report.differences)));
   if (!comparison.strengths.empty()) fmt::print("\n{}", aligned_text(strength_rows(comparison)));
   for (const UseCaseAdvice& advice : report.advice) fmt::print("\n{}. {}\n", advice.title, advice.text);
   fmt::print("\nreports: {0}/report.html, report.md, report.tex, report.csv\n", out.string());
 }
 
+Flags with_paper_defaults(Flags flags) {
+  constexpr std::uint64_t maps = 5;
+  if (flags.inputs.empty()) flags.inputs = paper_inputs();
+  if (flags.methods.empty()) flags.methods = paper_methods();
+  if (!flags.seeds_given) flags.seeds = maps;
+  return flags;
+}
+
 int compare(const Flags& flags) {
+  if (flags.inputs.empty() && !flags.paper)
+    throw Error("needs an input", "rastro compare", "give a recording, a world, a list (.yaml), or --paper");
   const std::string data = data_folder(flags.data);
   std::vector<Import> imports;
   for (const std::string& text : flags.imports) imports.push_back(parse_import(text));
   const std::vector<StrengthLadder> ladders = ladders_named(flags.disturbances);
-  const CompareTask task = task_of(flags, data);
+  const CompareTask task = task_of(flags.paper ? with_paper_defaults(flags) : flags, data);
   const BenchmarkSetup setup = benchmark_setup(flags.session, true);
   CompareSession session(task, setup, tools_of(flags), data);
   if (flags.dry_run) {
@@ -147,6 +161,7 @@ int compare(const Flags& flags) {
   if (complete && !ladders.empty()) complete = climb_ladders(ladders, session, strengths);
   Comparison comparison = session.comparison();
   comparison.strengths = strengths;
+  comparison.paper = flags.paper;
   add_imports(imports, session.recordings(), comparison);
   comparison.command = command_line();
   if (!complete)
@@ -206,8 +221,9 @@ void add_compare_command(CLI::App& app, Context& context) {
       ->add_option(
           "INPUT", flags->inputs,
           "Recordings and worlds, each alone or quoted with its flags; or one list of 'rastro benchmark' (.yaml)")
-      ->type_name("")
-      ->required();
+      ->type_name("");
+  command->add_flag("--paper", flags->paper,
+                    "Beside the tables of the comparison paper: its rooms, its methods, 5 maps each (--seeds)");
   command->add_option("--methods", flags->methods, "Methods: all, or names")
       ->type_name("all|M,M")
       ->delimiter(',')
@@ -230,7 +246,10 @@ void add_compare_command(CLI::App& app, Context& context) {
       ->allow_extra_args(false);
   command->add_flag("--quiet", flags->quiet, "No line after each run");
   command->footer(footer + disturbances_text());
-  command->callback([flags, &context] { context.exit_code = compare(*flags); });
+  command->callback([command, flags, &context] {
+    flags->seeds_given = command->count("--seeds") > 0;
+    context.exit_code = compare(*flags);
+  });
 }
 
 }  // namespace rastro::cli

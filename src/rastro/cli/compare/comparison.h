@@ -50,6 +50,7 @@ struct Comparison {
   std::map<std::string, std::string> column_kinds;  ///< "mono", "stereo", "depth" or "laser" of each method.
   std::vector<ImportedTrajectory> imported;
   std::vector<StrengthCurve> strengths;  ///< Of --disturb; empty without.
+  bool paper = false;                    ///< Also beside the figures of the comparison paper.
 };
 
 /// The results in the order of the plan; `plan`: of `planned.list`.

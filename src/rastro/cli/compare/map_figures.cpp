@@ -3,6 +3,7 @@
 
 #include "rastro/base/task_pool.h"
 #include "rastro/base/text_file.h"
+#include "rastro/cli/recorded_images.h"
 #include "rastro/evaluate/cloud_agreement.h"
 #include "rastro/evaluate/length_report.h"
 #include "rastro/export/ply.h"
@@ -48,8 +49,12 @@ void add_map_figures(const fs::path& run_folder, const fs::path& recording, RunF
   const fs::path map_file = run_folder / "map.rastro";
   if (!is_file(map_file) || (!is_file(truth) && !is_file(objects))) return;
   TaskPool pool(0);
-  const auto map = load_map(map_file);
-  if (!images_of(*map) || map->keyframes.empty()) return;
+  auto map = load_map(map_file);
+  if (map->keyframes.empty() || map->cameras.empty()) return;
+  if (!images_of(*map)) {
+    if (map->cameras.front().kind != CameraKind::depth) return;
+    map = with_recorded_images(*map, {recording.string(), ""});
+  }
   if (is_file(truth)) add_agreement(build_cloud(*map, cloud_options_for(*map), &pool), truth, pool, figures);
   if (is_file(objects)) add_lengths(*map, objects, pool, figures);
 }

@@ -98,6 +98,13 @@ std::string input_section(const Report& report, std::size_t input, const std::fi
   return html + commands_of(comparison, input);
 }
 
+std::string papers_of(const Report& report) {
+  std::string html;
+  for (const PaperTable& table : report.paper)
+    html += fmt::format("<h2>{}</h2>\n{}", escaped(table.title), html_table(table.rows));
+  return html.empty() ? html : html + fmt::format("<p>{}</p>\n", escaped(paper_note));
+}
+
 std::string strengths_of(const Comparison& comparison) {
   if (comparison.strengths.empty()) return "";
   std::string html =
@@ -152,7 +159,7 @@ std::string report_as_html(const Report& report, const std::filesystem::path& fo
   if (comparison.runs.size() < comparison.planned)
     html +=
         fmt::format("<p>Interrupted: {} of {} runs have results.</p>\n", comparison.runs.size(), comparison.planned);
-  html += advice_of(report) + differences_of(report);
+  html += papers_of(report) + advice_of(report) + differences_of(report);
   for (std::size_t k = 0; k < comparison.inputs.size(); ++k) html += input_section(report, k, folder);
   html += strengths_of(comparison);
   const std::string failures = failures_of(comparison);

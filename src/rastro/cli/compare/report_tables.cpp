@@ -137,9 +137,10 @@ std::vector<std::string> figure_names(const Comparison& comparison) {
 }  // namespace
 
 Report report_of(const Comparison& comparison) {
-  Report report{comparison, traces_of(comparison), {}, {}};
+  Report report{comparison, traces_of(comparison), {}, {}, {}};
   report.differences = paired_differences(report.traces, comparison.table.columns());
   report.advice = use_case_advice(comparison, report.differences);
+  if (comparison.paper) report.paper = paper_tables(comparison);
   return report;
 }
 
@@ -200,6 +201,9 @@ std::string report_as_markdown(const Report& report) {
   std::string text = fmt::format("# Comparison\n\n`{}`\n\n", comparison.command);
   for (const UseCaseAdvice& advice : report.advice) text += fmt::format("**{}.** {}\n\n", advice.title, advice.text);
   text += "## The best of each sensor\n\n" + markdown_table(summary_rows(comparison));
+  for (const PaperTable& table : report.paper)
+    text += fmt::format("## {}\n\n{}", table.title, markdown_table(table.rows));
+  if (!report.paper.empty()) text += fmt::format("{}\n\n", paper_note);
   for (std::size_t k = 0; k < comparison.inputs.size(); ++k) {
     const std::string& name = comparison.inputs[k].name;
     text += fmt::format("## {}\n\n{}", name, markdown_table(rows_on(comparison, k, false)));
@@ -220,6 +224,7 @@ std::string report_as_markdown(const Report& report) {
 std::string report_as_latex(const Report& report) {
   const Comparison& comparison = report.comparison;
   std::string text = "% Needs \\usepackage{booktabs}. " + comparison.command + "\n";
+  for (const PaperTable& table : report.paper) text += latex_table(table.title, table.rows);
   for (std::size_t k = 0; k < comparison.inputs.size(); ++k)
     text += latex_table(comparison.inputs[k].name + ": median over seeds and repeats, worst in parentheses",
                         rows_on(comparison, k, false));

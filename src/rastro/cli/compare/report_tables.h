@@ -6,6 +6,7 @@
 
 #include "rastro/cli/compare/comparison.h"
 #include "rastro/cli/compare/paired_differences.h"
+#include "rastro/cli/compare/paper_tables.h"
 #include "rastro/cli/compare/report_text.h"
 #include "rastro/cli/compare/use_cases.h"
 
@@ -17,6 +18,7 @@ struct Report {
   std::vector<ColumnTrace> traces;
   std::vector<PairedDifference> differences;
   std::vector<UseCaseAdvice> advice;
+  std::vector<PaperTable> paper;  ///< Empty without Comparison::paper.
 };
 
 Report report_of(const Comparison& comparison);
