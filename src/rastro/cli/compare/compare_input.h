@@ -27,6 +27,7 @@ struct CompareInput {
   std::vector<std::string> flags;    ///< Further words of every run on it, such as --intrinsics.
   std::vector<std::uint64_t> seeds;  ///< Of the world; empty for a recording.
   InputFacts facts;
+  bool is_special = false;  ///< Wrong on purpose, or localized in a map: no example of a use case.
 
   bool is_world() const { return !input.world.empty(); }
 };

@@ -51,6 +51,7 @@ CompareInput input_of(const BenchmarkEntry& entry, std::string name) {
   input.input = entry.input;
   input.flags = entry.method.flags;
   input.seeds = entry.seeds;
+  input.is_special = entry.map.has_value() || !entry.disturbances.empty();
   return input;
 }
 

@@ -11,21 +11,20 @@ namespace {
 
 /// Of this kind on the input; empty: none has an error.
 std::string best_column(const Comparison& comparison, const std::string& input, const std::string& kind) {
-  constexpr double completion_points = 5.0;
+  const ResultTable& table = comparison.table;
   std::vector<std::string> columns;
-  double most = 0.0;
-  for (const std::string& column : comparison.table.columns_on(input)) {
+  for (const std::string& column : table.columns_on(input)) {
     const auto known = comparison.column_kinds.find(column);
-    if (known == comparison.column_kinds.end() || known->second != kind) continue;
-    if (!comparison.table.median(input, column, "ate_m")) continue;
-    columns.push_back(column);
-    most = std::max(most, comparison.table.median(input, column, "completion_percent").value_or(0.0));
+    if (known != comparison.column_kinds.end() && known->second == kind && table.median(input, column, "ate_m"))
+      columns.push_back(column);
   }
+  const MarkOnInput mark = mark_on(table, input, columns);
   std::erase_if(columns, [&](const std::string& column) {
-    return comparison.table.median(input, column, "completion_percent").value_or(0.0) < most - completion_points;
+    return table.median(input, column, "completion_percent").value_or(0.0) <
+           mark.completion_percent - completion_points;
   });
   const auto best = std::min_element(columns.begin(), columns.end(), [&](const auto& a, const auto& b) {
-    return comparison.table.median(input, a, "ate_m") < comparison.table.median(input, b, "ate_m");
+    return table.median(input, a, "ate_m") < table.median(input, b, "ate_m");
   });
   return best == columns.end() ? "" : *best;
 }

@@ -67,6 +67,26 @@ std::vector<std::string> ResultTable::columns_on(const std::string& input) const
   return all;
 }
 
+MarkOnInput mark_on(const ResultTable& table, const std::string& input, const std::vector<std::string>& columns) {
+  constexpr double half_percent = 50.0;
+  MarkOnInput mark;
+  for (const double least : {half_percent, 0.0}) {
+    for (const std::string& column : columns) {
+      const auto error = table.median(input, column, "ate_m");
+      if (error && table.median(input, column, "completion_percent").value_or(0.0) >= least)
+        mark.error_m = std::min(mark.error_m.value_or(*error), *error);
+    }
+    if (mark.error_m) break;
+  }
+  for (const std::string& column : columns) {
+    const auto error = table.median(input, column, "ate_m");
+    if (error && *error <= most_error_factor * *mark.error_m)
+      mark.completion_percent =
+          std::max(mark.completion_percent, table.median(input, column, "completion_percent").value_or(0.0));
+  }
+  return mark;
+}
+
 const std::vector<FigureKind>& compare_figures() {
   static const std::vector<FigureKind> figures = {
       {"completion_percent", "complete [%]", 1, true, "Frames in state tracking, weak or relocalized, of all frames."},

@@ -56,6 +56,15 @@ class ResultTable {
   std::map<std::tuple<std::string, std::string, std::string>, std::vector<Sample>> cells_;
 };
 
+/// What methods are measured by on one input: a method with more than twice the smallest error, or one that tracks less
+/// than half of the frames (unless all do), sets no mark for the others, however much it claims to track.
+struct MarkOnInput {
+  std::optional<double> error_m;    ///< The smallest; none where no column has one.
+  double completion_percent = 0.0;  ///< Of the most complete one.
+};
+constexpr double most_error_factor = 2.0, completion_points = 5.0;
+MarkOnInput mark_on(const ResultTable& table, const std::string& input, const std::vector<std::string>& columns);
+
 /// The figures of `rastro compare` in the order of its tables.
 const std::vector<FigureKind>& compare_figures();
 /// One of them.

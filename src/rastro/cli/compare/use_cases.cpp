@@ -14,7 +14,6 @@ namespace rastro::cli {
 namespace {
 
 constexpr double fast_m_s = 3.0;
-constexpr double completion_points = 5.0;
 constexpr double smallest_error_m = 1e-6;
 
 struct UseCase {
@@ -44,22 +43,14 @@ const std::vector<UseCase>& use_cases() {
   return cases;
 }
 
-/// A method over the inputs of a use case.
+/// A method over those inputs of a use case on which it has an error.
 struct Candidate {
   std::string column;
   double completion = 0.0;  ///< Mean over the inputs of the medians.
-  double log_error = 0.0;   ///< Mean logarithm of the error by the best one's on the input.
-  int judged = 0;           ///< Inputs with an error.
+  double missing = 0.0;     ///< Mean of how far that is below the mark of the input, points.
+  double log_error = 0.0;   ///< Mean logarithm of the error by the mark of the input.
   std::vector<std::size_t> inputs;
 };
-
-std::optional<double> best_error(const ResultTable& table, const std::string& input,
-                                 const std::vector<std::string>& columns) {
-  std::optional<double> best;
-  for (const std::string& column : columns)
-    if (const auto error = table.median(input, column, "ate_m")) best = std::min(best.value_or(*error), *error);
-  return best;
-}
 
 std::vector<std::string> columns_of(const Comparison& comparison, const UseCase& use) {
   std::vector<std::string> columns;
@@ -74,27 +65,29 @@ Candidate candidate_of(const Comparison& comparison, const std::vector<std::size
                        const std::vector<std::string>& columns, const std::string& column) {
   Candidate candidate;
   candidate.column = column;
+  const ResultTable& table = comparison.table;
   for (const std::size_t input : inputs) {
     const std::string& name = comparison.inputs[input].name;
-    candidate.completion += comparison.table.median(name, column, "completion_percent").value_or(0.0);
-    const auto error = comparison.table.median(name, column, "ate_m"),
-               best = best_error(comparison.table, name, columns);
-    if (!error || !best) continue;
+    const auto error = table.median(name, column, "ate_m");
+    if (!error) continue;
+    const MarkOnInput mark = mark_on(table, name, columns);
+    const double completion = table.median(name, column, "completion_percent").value_or(0.0);
     candidate.inputs.push_back(input);
-    candidate.log_error += std::log(std::max(*error, smallest_error_m) / std::max(*best, smallest_error_m));
-    ++candidate.judged;
+    candidate.completion += completion;
+    candidate.missing += mark.completion_percent - completion;
+    candidate.log_error += std::log(std::max(*error, smallest_error_m) / std::max(*mark.error_m, smallest_error_m));
   }
-  candidate.completion /= static_cast<double>(inputs.size());
-  if (candidate.judged > 0) candidate.log_error /= candidate.judged;
+  if (candidate.inputs.empty()) return candidate;
+  const auto count = static_cast<double>(candidate.inputs.size());
+  candidate.completion /= count, candidate.missing /= count, candidate.log_error /= count;
   return candidate;
 }
 
 /// Recommended first; then by error, those that complete too little last.
 std::vector<Candidate> ranked(std::vector<Candidate> candidates) {
-  double most = 0.0;
-  for (const Candidate& each : candidates) most = std::max(most, each.completion);
-  const auto is_out = [&](const Candidate& each) {
-    return each.completion < most - completion_points || each.judged == 0;
+  std::erase_if(candidates, [](const Candidate& each) { return each.inputs.empty(); });
+  const auto is_out = [](const Candidate& each) {
+    return each.missing > completion_points || each.log_error > std::log(most_error_factor);
   };
   std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
     return is_out(a) != is_out(b) ? is_out(b) : a.log_error < b.log_error;
@@ -143,7 +136,7 @@ std::string difference_text(const PairedDifference& difference) {
 }
 
 std::string next_text(const std::vector<Candidate>& candidates, const std::vector<PairedDifference>& differences) {
-  if (candidates.size() < 2 || candidates[1].judged == 0) return "";
+  if (candidates.size() < 2) return "";
   const std::string &best = candidates[0].column, &next = candidates[1].column;
   std::string text = fmt::format(" Next is {}, with {:.0f} % tracked.", next, candidates[1].completion);
   for (const PairedDifference& difference : differences)
@@ -159,18 +152,18 @@ std::string advice_on(const Comparison& comparison, const std::vector<std::size_
   std::vector<Candidate> candidates;
   for (const std::string& column : columns) candidates.push_back(candidate_of(comparison, inputs, columns, column));
   candidates = ranked(std::move(candidates));
-  if (candidates.empty()) return "Inputs of this kind are here, but no method for it was run.";
-  if (candidates.front().judged == 0) return "Inputs of this kind are here, but no run with an error to judge it by.";
+  if (columns.empty()) return "Inputs of this kind are here, but no method for it was run.";
+  if (candidates.empty()) return "Inputs of this kind are here, but no run with an error to judge it by.";
   const Candidate& best = candidates.front();
   std::vector<std::string> names;
-  for (const std::size_t input : inputs) names.push_back(comparison.inputs[input].name);
+  for (const std::size_t input : best.inputs) names.push_back(comparison.inputs[input].name);
   const double ratio = std::exp(best.log_error);
   std::string text = fmt::format(
-      "{}: of the {} methods for it, all judged on {}, it has the smallest error among those that complete within "
-      "{:.0f} "
-      "points of the most complete one{}. ",
-      best.column, candidates.size(), fmt::join(names, ", "), completion_points,
-      ratio > 1.005 ? fmt::format(" ({:.2f} times the best on each input)", ratio) : "");
+      "{}: of the {} methods for it, judged on {}, it has the smallest error of those that track about as many frames "
+      "as "
+      "the most complete accurate one (within {:.0f} points; accurate: at most {:.0f} times the smallest error){}. ",
+      best.column, candidates.size(), fmt::join(names, ", "), completion_points, most_error_factor,
+      ratio > 1.005 ? fmt::format(", {:.2f} times the smallest on each input", ratio) : "");
   return text + expectation_text(comparison, best) + next_text(candidates, differences);
 }
 
@@ -182,7 +175,7 @@ std::vector<UseCaseAdvice> use_case_advice(const Comparison& comparison,
   for (const UseCase& use : use_cases()) {
     std::vector<std::size_t> inputs;
     for (std::size_t k = 0; k < comparison.inputs.size(); ++k)
-      if (use.holds(comparison.inputs[k].facts)) inputs.push_back(k);
+      if (!comparison.inputs[k].is_special && use.holds(comparison.inputs[k].facts)) inputs.push_back(k);
     all.push_back({use.title, inputs.empty() ? "No data for this here: it takes " + use.judged_by + "."
                                              : advice_on(comparison, inputs, use, differences) + " Judged by " +
                                                    use.judged_by + "."});
