@@ -120,12 +120,14 @@ landmarks() {
   [[ ! -e $here/run.mcap.images ]] || fail "images of the recording were left beside the file"
   run 0 export "$map" --to colmap-binary --out "$here/colmap"
   [[ -s $here/colmap/points3D.bin ]] || fail "no points3D.bin"
-  refused "no layer 'images'" measure "$here/run" --between 0,0,1 0,0,2
+  cp "$map" "$here/alone.rastro"
+  refused "no layer 'images'" measure "$here/alone.rastro" --between 0,0,1 0,0,2
+  run 0 measure "$here/alone.rastro" --images "$room" --objects "$room/objects.yaml" --only 'blue box width' --require 'max_error_m<=0.01'
+  run 0 measure "$here/run" --objects "$room/objects.yaml" --only 'blue box width' --require 'measured>=1'
   refused "no layer 'images'" export "$here/run" --to mesh --out "$here/no"
   refused 'is metric already' scale "$here/run" --camera-height 1
   refused 'use '"'"'rastro localize' slam "$room" --method orb --map "$map" --out "$here/no"
   refused 'give --map' slam "$room" --method orb --continue --out "$here/no"
-  refused '--method: is required' slam "$room" --out "$here/no"
   [[ ! -e $here/no ]] || fail "a refused run left a folder"
   mono
 }
