@@ -191,6 +191,8 @@ slam_refusals() {
   grep -q '^guess: none' "$here/flags/options.yaml" || fail "--guess is not heeded"
   run 0 slam "$here/corridor" --frames 0:20 --out "$here/auto"
   said 'method       hector: laser scans'
+  run 0 slam "$here/corridor" --frames 0:5 --out "$here/auto_posed" --initial-pose 12.5,3,90
+  refused 'add --method NAME' slam "$here/corridor" --out "$here/no" --sensor mono
   refused "did you mean 'hector'" slam "$here/corridor" --method hektor --out "$here/no"
   refused "no option 'guess'" slam "$here/corridor" --method ekf --out "$here/no" --guess none
   refused 'true' slam "$here/corridor" --method hector --out "$here/no" --loop-closing perhaps

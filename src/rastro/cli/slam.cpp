@@ -27,6 +27,7 @@
 #include "rastro/dataset/recording.h"
 #include "rastro/map/file/growing_map_file.h"
 #include "rastro/map/file/map_file.h"
+#include "rastro/methods/method_choice.h"
 #include "rastro/methods/methods.h"
 #include "rastro/session/slam_run.h"
 
@@ -84,6 +85,12 @@ std::unique_ptr<SlamMethod> method_for(const SlamFlags& flags, const SlamContext
   return method;
 }
 
+/// Of `auto`, the method that it will choose: no choice by texture is between planar ones and others.
+bool is_planar(const SlamMethod& method, const SourceInfo& source) {
+  if (method.name() != "auto") return method.is_planar();
+  return slam_method(slam_choices(source, 1.0, 0.0).front().method)->is_planar();
+}
+
 SlamTask task_of(const SlamContext& context) {
   return context.map && !context.extend_map ? SlamTask::localize : SlamTask::map;
 }
@@ -110,7 +117,7 @@ Prepared prepare(const SlamFlags& flags) {
   if (task_of(run.context) == SlamTask::map)
     run.map_file = std::make_unique<GrowingMapFile>(std::filesystem::path(flags.out) / "map.rastro");
   run.context.archive = run.map_file.get();
-  run.context.initial_pose = parse_initial_pose(flags.initial_pose, run.method->is_planar());
+  run.context.initial_pose = parse_initial_pose(flags.initial_pose, is_planar(*run.method, info));
   run.slam = run.method->make(info, run.context);
   return run;
 }

@@ -70,7 +70,8 @@ void set_from_flag(OptionTable& table, const std::string& name, const std::strin
   if (value.empty()) return;
   if (!has_option(table, name)) {
     throw Error(fmt::format("the method '{}' has no option '{}'", method, name), flag,
-                fmt::format("omit it; 'rastro options {}' lists the options", method));
+                method == "auto" ? "add --method NAME: it is for one method"
+                                 : fmt::format("omit it; 'rastro options {}' lists the options", method));
   }
   table.set(name, value, flag);
 }

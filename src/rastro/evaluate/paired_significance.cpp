@@ -65,12 +65,6 @@ double signed_rank_p_value(const std::vector<double>& differences) {
   return std::min(1.0, 2.0 * share_up_to(all.ranks, std::min(all.positive_sum, total - all.positive_sum)));
 }
 
-double sign_test_p_value(int positive, int negative) {
-  const std::vector<std::size_t> coins(static_cast<std::size_t>(positive + negative), 1);
-  if (coins.empty()) return 1.0;
-  return std::min(1.0, 2.0 * share_up_to(coins, static_cast<std::size_t>(std::min(positive, negative))));
-}
-
 std::vector<double> holm_adjusted(const std::vector<double>& p_values) {
   std::vector<std::size_t> order(p_values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

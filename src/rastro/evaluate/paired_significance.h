@@ -11,9 +11,6 @@ namespace rastro {
 /// differences.
 double signed_rank_p_value(const std::vector<double>& differences);
 
-/// Two-sided p-value of `positive` of `positive + negative` under a fair coin. 1 without any.
-double sign_test_p_value(int positive, int negative);
-
 /// p-values of several tests so that one below a level is a false alarm with at most that probability over all of
 /// them: Holm 1979, "A simple sequentially rejective multiple test procedure". In the order given.
 std::vector<double> holm_adjusted(const std::vector<double>& p_values);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -11,6 +12,14 @@
 
 namespace rastro {
 namespace {
+
+std::unique_ptr<SlamMethod> seeded(std::unique_ptr<SlamMethod> method, std::uint64_t seed) {
+  OptionTable table = method->options();
+  const auto is_seed = [](const Option& option) { return option.name == "seed"; };
+  if (std::any_of(table.options().begin(), table.options().end(), is_seed))
+    table.set("seed", fmt::format("{}", seed), "the seed");
+  return method;
+}
 
 class AutoSlam : public Slam {
  public:
@@ -61,7 +70,7 @@ class AutoSlam : public Slam {
     in_use_ = choice;
     waiting_since_.reset();
     slam_.reset();
-    slam_ = by_name_(choices_[choice].method)->make(source_, context_);
+    slam_ = seeded(by_name_(choices_[choice].method), options_.seed)->make(source_, context_);
     events.push_back({"method", choices_[choice].method + ": " + reason});
   }
 
@@ -93,6 +102,7 @@ class AutoSlamMethod : public SlamMethod {
                {}});
     table.add(
         {"corner_threshold", &options_.corner_threshold, "", "contrast of these corners, gray levels", 1, 255, {}});
+    table.add({"seed", &options_.seed, "", "seed of the random numbers of the method in use", 0, 0, {}});
     table.add({"patience_s",
                &options_.patience_s,
                "s",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -13,6 +14,7 @@ namespace rastro {
 struct AutoSlamOptions {
   double least_texture = 0.25;  ///< Share of the image with corners, below which surfaces are trusted more.
   int corner_threshold = 7;     ///< Gray levels; that of weak corners in keyframe SLAM.
+  std::uint64_t seed = 1;       ///< Of the method in use, where it has random numbers.
   double patience_s = 2.0;      ///< So long a method may give no pose at the start before another one is tried.
 };
 

@@ -103,18 +103,26 @@ class FakeSlam : public Slam {
 
 class FakeMethod : public SlamMethod {
  public:
-  FakeMethod(std::string name, bool finds_pose) : name_(std::move(name)), finds_pose_(finds_pose) {}
+  FakeMethod(std::string name, bool finds_pose, std::uint64_t* seed_made_with = nullptr)
+      : name_(std::move(name)), finds_pose_(finds_pose), seed_made_with_(seed_made_with) {}
   std::string name() const override { return name_; }
   std::string summary() const override { return ""; }
   std::string needs() const override { return ""; }
-  OptionTable options() override { return {}; }
+  OptionTable options() override {
+    OptionTable table;
+    if (seed_made_with_ != nullptr) table.add({"seed", &seed_, "", "seed", 0, 0, {}});
+    return table;
+  }
   std::unique_ptr<Slam> make(const SourceInfo&, const SlamContext&) const override {
+    if (seed_made_with_ != nullptr) *seed_made_with_ = seed_;
     return std::make_unique<FakeSlam>(finds_pose_);
   }
 
  private:
   std::string name_;
   bool finds_pose_;
+  std::uint64_t seed_ = 1;
+  std::uint64_t* seed_made_with_;
 };
 
 std::string methods_in_use(const std::string& blind, int texture, double seconds) {
@@ -141,6 +149,15 @@ TEST(AutoSlam, AMethodWithoutAPoseGivesWayToTheNext) {
   EXPECT_EQ(methods_in_use("orb", 24, 1.9), "orb: a depth camera, corners in 50 % of the image");
   EXPECT_THAT(methods_in_use("orb", 24, 9.0), ::testing::EndsWith("image, rgbd: orb gave no pose for 2.0 s"));
   EXPECT_THAT(methods_in_use("rgbd", 6, 9.0), ::testing::EndsWith("help, orb: rgbd gave no pose for 2.0 s"));
+}
+
+TEST(AutoSlam, TheSeedIsThatOfTheMethodInUse) {
+  std::uint64_t made_with = 0;
+  const auto method =
+      auto_slam_method([&](const std::string& name) { return std::make_unique<FakeMethod>(name, true, &made_with); });
+  method->options().set("seed", "17", "a test");
+  method->make(camera_source(true, false), {})->process(frame_at(0.0, 24));
+  EXPECT_EQ(made_with, 17U);
 }
 
 TEST(AutoSlam, WrongSourcesAreRefusedBeforeTheRun) {

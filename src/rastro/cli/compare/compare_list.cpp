@@ -16,7 +16,7 @@ std::string described(const BenchmarkInput& input) {
   return name;
 }
 
-/// Short: what tells the inputs of a list apart in most of them.
+/// Short: what distinguishes the inputs of most lists.
 std::string name_of(const BenchmarkEntry& entry) {
   std::string name = described(entry.input);
   if (entry.map) name += " in " + described(entry.map->input);

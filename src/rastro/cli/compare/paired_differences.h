@@ -34,7 +34,7 @@ struct PairedDifference {
   double first_completion = 0.0, second_completion = 0.0;  ///< Mean over the pairs, in percent.
 
   bool is_significant() const { return adjusted_p < 0.05; }
-  /// Completions are that far apart that the errors alone do not rank the two.
+  /// Completions differ by so much that the errors alone do not rank the two.
   bool differs_in_completion() const;
 };
 

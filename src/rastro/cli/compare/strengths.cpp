@@ -14,7 +14,7 @@ namespace rastro::cli {
 namespace {
 
 constexpr double least_completion_ratio = 0.9, most_error_ratio = 2.0;
-constexpr double least_error_m = 0.001;  ///< Errors below are not told apart.
+constexpr double least_error_m = 0.001;  ///< Smaller errors count as this.
 
 /// A method that is still on its way up, beside its run without a disturbance.
 struct Climber {

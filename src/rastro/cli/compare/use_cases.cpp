@@ -160,8 +160,7 @@ std::string advice_on(const Comparison& comparison, const std::vector<std::size_
   const double ratio = std::exp(best.log_error);
   std::string text = fmt::format(
       "{}: of the {} methods for it, judged on {}, it has the smallest error of those that track about as many frames "
-      "as "
-      "the most complete accurate one (within {:.0f} points; accurate: at most {:.0f} times the smallest error){}. ",
+      "as the most complete accurate one (within {:.0f} points; accurate: at most {:.0f} times the smallest error){}. ",
       best.column, candidates.size(), fmt::join(names, ", "), completion_points, most_error_factor,
       ratio > 1.005 ? fmt::format(", {:.2f} times the smallest on each input", ratio) : "");
   return text + expectation_text(comparison, best) + next_text(candidates, differences);
