@@ -47,7 +47,7 @@ class Speaker {
 BoardImages find_boards_live(const DataFlags& flags, const Board& board, std::size_t most_views) {
   SteadyClock clock;
   const std::atomic<bool>& stop = catch_interrupts();
-  const std::unique_ptr<LiveSource> source = open_live(flags.path, open_options(flags), {}, clock);
+  const std::unique_ptr<LiveSource> source = open_live(flags.path, open_options(flags), {}, clock, &stop);
   Speaker speaker(flags.quiet);
   BoardImages result;
   std::optional<LiveAssistant> assistant;

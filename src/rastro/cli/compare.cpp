@@ -13,6 +13,8 @@
 #include "rastro/cli/compare/compare_session.h"
 #include "rastro/cli/compare/imports.h"
 #include "rastro/cli/compare/map_figures.h"
+#include "rastro/cli/compare/paper_front_end.h"
+#include "rastro/cli/compare/paper_tables.h"
 #include "rastro/cli/compare/report_html.h"
 #include "rastro/cli/compare/report_tables.h"
 #include "rastro/cli/compare/report_text.h"
@@ -101,9 +103,11 @@ CompareTask task_of(const Flags& flags, const std::string& data) {
     task.list = read_benchmark_list(flags.inputs.front());
     return task;
   }
-  if (flags.methods.empty()) throw Error("is required", "--methods", "give all, or names; 'rastro methods' lists them");
+  task.paper = flags.paper && flags.methods.empty();
+  if (!task.paper && flags.methods.empty())
+    throw Error("is required", "--methods", "give all, or names; 'rastro methods' lists them");
   task.inputs = parse_compare_inputs(flags.inputs, {flags.frames, flags_of_recordings(flags), flags.seeds, data});
-  task.methods = methods_named(flags.methods);
+  if (!task.paper) task.methods = methods_named(flags.methods);
   return task;
 }
 
@@ -126,8 +130,8 @@ void write_reports(const Comparison& comparison, const std::filesystem::path& ou
   write_whole_file(out / "report.md", report_as_markdown(report));
   write_whole_file(out / "report.tex", report_as_latex(report));
   write_whole_file(out / "report.csv", report_as_csv(comparison));
-  for (const PaperTable& table : report.paper) fmt::print("\n{}\n{}", table.title, aligned_text(table.rows));
-  if (!report.paper.empty()) fmt::print("{}\n", paper_note);
+  for (const PaperTable& table : report.paper)
+    fmt::print("\n{}\n{}{}{}", table.title, aligned_text(table.rows), table.note, table.note.empty() ? "" : "\n");
   fmt::print("\n{}", aligned_text(difference_rows(report.differences)));
   if (!comparison.strengths.empty()) fmt::print("\n{}", aligned_text(strength_rows(comparison)));
   for (const UseCaseAdvice& advice : report.advice) fmt::print("\n{}. {}\n", advice.title, advice.text);
@@ -136,20 +140,23 @@ void write_reports(const Comparison& comparison, const std::filesystem::path& ou
 
 Flags with_paper_defaults(Flags flags) {
   constexpr std::uint64_t maps = 5;
-  if (flags.inputs.empty()) flags.inputs = paper_inputs();
-  if (flags.methods.empty()) flags.methods = paper_methods();
+  if (flags.inputs.empty()) {
+    flags.inputs = paper_inputs();
+    if (flags.disturbances.empty()) flags.disturbances = paper_disturbances();
+  }
   if (!flags.seeds_given) flags.seeds = maps;
   return flags;
 }
 
-int compare(const Flags& flags) {
+int compare(const Flags& given) {
+  const Flags flags = given.paper ? with_paper_defaults(given) : given;
   if (flags.inputs.empty() && !flags.paper)
     throw Error("needs an input", "rastro compare", "give a recording, a world, a list (.yaml), or --paper");
   const std::string data = data_folder(flags.data);
   std::vector<Import> imports;
   for (const std::string& text : flags.imports) imports.push_back(parse_import(text));
   const std::vector<StrengthLadder> ladders = ladders_named(flags.disturbances);
-  const CompareTask task = task_of(flags.paper ? with_paper_defaults(flags) : flags, data);
+  const CompareTask task = task_of(flags, data);
   const BenchmarkSetup setup = benchmark_setup(flags.session, true);
   CompareSession session(task, setup, tools_of(flags), data);
   if (flags.dry_run) {
@@ -162,6 +169,7 @@ int compare(const Flags& flags) {
   Comparison comparison = session.comparison();
   comparison.strengths = strengths;
   comparison.paper = flags.paper;
+  if (flags.paper && complete) comparison.front_end = front_end_figures(comparison.inputs, session.recordings());
   add_imports(imports, session.recordings(), comparison);
   comparison.command = command_line();
   if (!complete)
@@ -222,8 +230,10 @@ void add_compare_command(CLI::App& app, Context& context) {
           "INPUT", flags->inputs,
           "Recordings and worlds, each alone or quoted with its flags; or one list of 'rastro benchmark' (.yaml)")
       ->type_name("");
-  command->add_flag("--paper", flags->paper,
-                    "Beside the tables of the comparison paper: its rooms, its methods, 5 maps each (--seeds)");
+  command->add_flag(
+      "--paper", flags->paper,
+      "Beside the papers' tables and figures: rooms (lengths, behavior) and a drive (front-end, odometry) or INPUT, 5 "
+      "seeds each (--seeds)");
   command->add_option("--methods", flags->methods, "Methods: all, or names")
       ->type_name("all|M,M")
       ->delimiter(',')

@@ -76,7 +76,8 @@ RunInput open_run_input(const RunFlags& flags, const OpenOptions& options, const
     return input;
   }
   if (!flags.disturbances.empty()) throw Error("is for recordings", "--disturb", "omit it for a live source");
-  auto source = open_live(flags.data.path, options, {flags.live.speed, flags.live.loop}, steady_clock());
+  auto source =
+      open_live(flags.data.path, options, {flags.live.speed, flags.live.loop}, steady_clock(), &catch_interrupts());
   LiveInputOptions live_options;
   live_options.queue = static_cast<std::size_t>(flags.live.queue);
   live_options.user = user;

@@ -116,7 +116,7 @@ TEST(SceneInput, RefusesWhatHasNothingToShow) {
   TaskPool pool(1);
   EXPECT_THROW(scene_of(input, {}, pool, {}), Error);
   for (const std::int64_t points : {std::int64_t{0}, std::int64_t{-1}, std::int64_t{1} << 40})
-    EXPECT_THROW(scene_options({points, false, false}, 0, 10), Error) << points;
+    EXPECT_THROW(scene_options({points, false, false, {}}, 0, 10), Error) << points;
   EXPECT_EQ(scene_options({}, 0, 10).max_points, 10U);
 }
 

@@ -10,6 +10,23 @@ std::string percent_text(std::optional<double> percent) { return percent ? fmt::
 
 }  // namespace
 
+void TrackTableMeans::add(const TrackFrame& frame) {
+  if (frame.lost == 0) return;
+  ++frames_;
+  tracked_ += frame.tracked;
+  reidentified_ += frame.reidentified;
+  time_ms_ += frame.times.total_ms;
+  if (const auto percent = TrackTableFile::reidentified_percent(frame)) {
+    ++frames_with_detections_;
+    percent_ += *percent;
+  }
+}
+
+std::optional<double> TrackTableMeans::reidentified_percent() const {
+  if (frames_with_detections_ == 0) return std::nullopt;
+  return percent_ / frames_with_detections_;
+}
+
 TrackTableFile::TrackTableFile(const std::filesystem::path& path, const Frames& frames) : file_(path), frames_(frames) {
   file_.append(
       "| frame | KLT | # re-identified | % re-identified | time ms |\n"
@@ -24,33 +41,23 @@ std::optional<double> TrackTableFile::reidentified_percent(const TrackFrame& fra
 
 void TrackTableFile::write(const TrackFrame& frame, GrayView) {
   if (frames_ && (frame.index < frames_->first || frame.index >= frames_->second)) return;
-  const std::optional<double> percent = reidentified_percent(frame);
   file_.append(fmt::format("| {} | {} | {} | {} | {:.2f} |\n", frame.index, frame.tracked, frame.reidentified,
-                           percent_text(percent), frame.times.total_ms));
-  if (frame.lost == 0) return;
-  ++rows_with_loss_;
-  tracked_ += frame.tracked;
-  reidentified_ += frame.reidentified;
-  time_ms_ += frame.times.total_ms;
-  if (percent) {
-    ++rows_with_detections_;
-    percent_ += *percent;
-  }
+                           percent_text(reidentified_percent(frame)), frame.times.total_ms));
+  means_.add(frame);
 }
 
 void TrackTableFile::finish() {
-  if (rows_with_loss_ == 0) {
+  if (means_.frames() == 0) {
     file_.append("\nNo frame lost a feature, so there is no mean.\n");
     return;
   }
-  const auto percent = rows_with_detections_ > 0 ? std::optional(percent_ / rows_with_detections_) : std::nullopt;
-  file_.append(fmt::format("| **mean** | {:.1f} | {:.1f} | {} | {:.2f} |\n", tracked_ / rows_with_loss_,
-                           reidentified_ / rows_with_loss_, percent_text(percent), time_ms_ / rows_with_loss_));
+  file_.append(fmt::format("| **mean** | {:.1f} | {:.1f} | {} | {:.2f} |\n", means_.tracked(), means_.reidentified(),
+                           percent_text(means_.reidentified_percent()), means_.time_ms()));
   file_.append(
       fmt::format("\nKLT: features tracked from the previous frame. %: re-identified, of the corners detected in the "
                   "frame (new and\n"
                   "re-identified). Mean over the {} frames in which a feature was lost.\n",
-                  rows_with_loss_));
+                  means_.frames()));
 }
 
 }  // namespace rastro

@@ -12,6 +12,25 @@
 
 namespace rastro {
 
+/// The last row of the table: means over the frames in which a feature was lost.
+class TrackTableMeans {
+ public:
+  void add(const TrackFrame& frame);
+
+  int frames() const { return frames_; }  ///< In which a feature was lost; the means are 0 without any.
+  double tracked() const { return mean(tracked_); }
+  double reidentified() const { return mean(reidentified_); }
+  double time_ms() const { return mean(time_ms_); }
+  /// Over those of these frames in which a corner was detected; nullopt without any.
+  std::optional<double> reidentified_percent() const;
+
+ private:
+  double mean(double sum) const { return frames_ > 0 ? sum / frames_ : 0.0; }
+
+  int frames_ = 0, frames_with_detections_ = 0;
+  double tracked_ = 0.0, reidentified_ = 0.0, percent_ = 0.0, time_ms_ = 0.0;
+};
+
 /// table.md: the columns of Table I of Galardi, Castro, Pire, "Seguimiento Robusto de Caracteristicas Visuales para
 /// Sistemas SLAM", one row per frame, and at the end the mean over the rows in which a feature was lost.
 class TrackTableFile : public TrackSink {
@@ -30,9 +49,7 @@ class TrackTableFile : public TrackSink {
  private:
   AppendFile file_;
   Frames frames_;
-  int rows_with_loss_ = 0;
-  int rows_with_detections_ = 0;  ///< Of those with loss.
-  double tracked_ = 0, reidentified_ = 0, percent_ = 0, time_ms_ = 0;
+  TrackTableMeans means_;
 };
 
 }  // namespace rastro

@@ -8,6 +8,7 @@
 #include "rastro/base/error.h"
 #include "rastro/cli/benchmark/benchmark_parts.h"
 #include "rastro/cli/compare/compare_list.h"
+#include "rastro/cli/compare/paper_tables.h"
 
 namespace rastro::cli {
 namespace {
@@ -64,7 +65,8 @@ void CompareSession::plan_all_methods() {
   for (std::size_t k = 0; k < task_.inputs.size(); ++k) {
     CompareInput& input = task_.inputs[k];
     const std::string path = look_at(input);
-    const MethodOffers offers = offers_for(path, open_options_of(path, input.flags), task_.methods);
+    const std::vector<MethodOffer> wanted = task_.paper ? methods_named(paper_methods(input.facts)) : task_.methods;
+    const MethodOffers offers = offers_for(path, open_options_of(path, input.flags), wanted);
     for (const std::string& refused : offers.refused) refused_.push_back(input.name + ": " + refused);
     for (const MethodOffer& method : offers.possible) column_kinds_[method.name()] = method.kind;
     offered_.push_back(offers.possible);

@@ -17,6 +17,7 @@ struct CompareTask {
   std::vector<CompareInput> inputs;
   std::vector<MethodOffer> methods;
   std::optional<BenchmarkList> list;  ///< In place of inputs and methods.
+  bool paper = false;                 ///< Each input with the methods of paper_methods() in place of these.
   int repeats = 1;
   bool quiet = false;
 };

@@ -12,6 +12,7 @@
 #include "rastro/cli/compare/compare_plan.h"
 #include "rastro/cli/compare/result_table.h"
 #include "rastro/cli/compare/strength_curve.h"
+#include "rastro/export/track_table.h"
 
 namespace rastro::cli {
 
@@ -39,6 +40,14 @@ struct ImportedTrajectory {
   std::string trajectory, ground_truth, alignment;
 };
 
+/// How one tracker did on one input, as in Table I of the front-end paper.
+struct FrontEndFigures {
+  std::size_t input = 0;
+  std::string tracker;  ///< "klt", "paper", "default".
+  TrackTableMeans means;
+  std::string command;  ///< Writes the same table.
+};
+
 /// What all reports are made from.
 struct Comparison {
   std::vector<CompareInput> inputs;
@@ -50,7 +59,8 @@ struct Comparison {
   std::map<std::string, std::string> column_kinds;  ///< "mono", "stereo", "depth" or "laser" of each method.
   std::vector<ImportedTrajectory> imported;
   std::vector<StrengthCurve> strengths;  ///< Of --disturb; empty without.
-  bool paper = false;                    ///< Also beside the figures of the comparison paper.
+  bool paper = false;                    ///< Also beside the figures of the papers.
+  std::vector<FrontEndFigures> front_end;
 };
 
 /// The results in the order of the plan; `plan`: of `planned.list`.

@@ -105,6 +105,22 @@ std::vector<ColumnTrace> traces_of(const Comparison& comparison) {
   return traces;
 }
 
+std::vector<const ColumnTrace*> median_traces(const std::vector<ColumnTrace>& traces,
+                                              const std::vector<std::string>& columns, std::size_t input) {
+  std::vector<const ColumnTrace*> chosen;
+  for (const std::string& column : columns) {
+    std::vector<const ColumnTrace*> all;
+    for (const ColumnTrace& each : traces)
+      if (each.input == input && each.column == column) all.push_back(&each);
+    if (all.empty()) continue;
+    std::stable_sort(all.begin(), all.end(), [](const ColumnTrace* a, const ColumnTrace* b) {
+      return a->trace.scores.ate_m->rmse < b->trace.scores.ate_m->rmse;
+    });
+    chosen.push_back(all[(all.size() - 1) / 2]);
+  }
+  return chosen;
+}
+
 std::vector<PairedDifference> paired_differences(const std::vector<ColumnTrace>& traces,
                                                  const std::vector<std::string>& columns) {
   std::vector<PairedDifference> all;

@@ -22,6 +22,10 @@ struct ColumnTrace {
 /// Of every run and import that has one.
 std::vector<ColumnTrace> traces_of(const Comparison& comparison);
 
+/// Of each column on the input the trace whose error is the median (of an even number the lower one).
+std::vector<const ColumnTrace*> median_traces(const std::vector<ColumnTrace>& traces,
+                                              const std::vector<std::string>& columns, std::size_t input);
+
 /// The error of one column by that of another over the same inputs, seeds and repeats, and only over the frames that
 /// both tracked: neither gains by giving up early.
 struct PairedDifference {

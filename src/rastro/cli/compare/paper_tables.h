@@ -5,39 +5,18 @@
 #include <vector>
 
 #include "rastro/cli/compare/comparison.h"
-#include "rastro/cli/compare/report_text.h"
+#include "rastro/cli/compare/paired_differences.h"
+#include "rastro/cli/compare/paper_table.h"
 
 namespace rastro::cli {
 
-/// The lengths that the comparison paper measured in maps of a room by hand, its tables 1 and 2.
-struct PublishedLength {
-  std::string world;  ///< Of 'rastro simulate': a room with these lengths.
-  std::string name;   ///< In the objects.yaml of the world.
-  double true_m = 0.0;
-  struct Measured {
-    std::string method;
-    double mean_m = 0.0, max_error_m = 0.0;
-  };
-  std::vector<Measured> measured;  ///< rtabmap, orb, lsd, rgbd.
-};
-const std::vector<PublishedLength>& published_lengths();
+/// The tables of the three papers beside ours, as far as the inputs allow: lengths and behavior of the comparison paper
+/// in rooms, Table I of the front-end paper, figures 9 to 14 of the positioning paper.
+std::vector<PaperTable> paper_tables(const Comparison& comparison, const std::vector<ColumnTrace>& traces);
 
-/// A table of a publication beside ours.
-struct PaperTable {
-  std::string title;
-  TextRows rows;  ///< Head: length, method, maps, mean [m], max error [m], paper's mean [m], paper's max error [m].
-};
-/// One per input that is a world of published_lengths(), over its seeds and repeats.
-std::vector<PaperTable> paper_tables(const Comparison& comparison);
-
-/// The words of 'rastro compare' for the same methods on the same rooms.
+/// What 'rastro compare --paper' compares without being told otherwise: inputs, methods on an input, disturbances.
 std::vector<std::string> paper_inputs();
-std::vector<std::string> paper_methods();
-
-/// What ours and theirs do not have in common.
-constexpr const char* paper_note =
-    "The paper's ORB- and LSD-SLAM saw with one camera, its maps were measured by hand; ours see with the depth "
-    "camera, "
-    "and 'rastro measure' measures. The rooms are generated, with the paper's lengths.";
+std::vector<std::string> paper_methods(const InputFacts& facts);
+std::vector<std::string> paper_disturbances();
 
 }  // namespace rastro::cli

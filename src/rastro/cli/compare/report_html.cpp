@@ -100,9 +100,14 @@ std::string input_section(const Report& report, std::size_t input, const std::fi
 
 std::string papers_of(const Report& report) {
   std::string html;
-  for (const PaperTable& table : report.paper)
+  for (const PaperTable& table : report.paper) {
     html += fmt::format("<h2>{}</h2>\n{}", escaped(table.title), html_table(table.rows));
-  return html.empty() ? html : html + fmt::format("<p>{}</p>\n", escaped(paper_note));
+    if (!table.note.empty()) html += fmt::format("<p>{}</p>\n", escaped(table.note));
+    if (!table.charts.empty()) html += "<div class=\"charts\">";
+    for (const Chart& chart : table.charts) html += svg_of(chart);
+    if (!table.charts.empty()) html += "</div>\n";
+  }
+  return html;
 }
 
 std::string strengths_of(const Comparison& comparison) {

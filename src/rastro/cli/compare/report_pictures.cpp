@@ -29,22 +29,6 @@ std::size_t color_of(const Comparison& comparison, const std::string& column) {
   return static_cast<std::size_t>(std::find(columns.begin(), columns.end(), column) - columns.begin());
 }
 
-/// Of each column on the input the trace whose error is the median (of an even number the lower one).
-std::vector<const ColumnTrace*> median_traces(const Report& report, std::size_t input) {
-  std::vector<const ColumnTrace*> chosen;
-  for (const std::string& column : report.comparison.table.columns()) {
-    std::vector<const ColumnTrace*> all;
-    for (const ColumnTrace& each : report.traces)
-      if (each.input == input && each.column == column) all.push_back(&each);
-    if (all.empty()) continue;
-    std::stable_sort(all.begin(), all.end(), [](const ColumnTrace* a, const ColumnTrace* b) {
-      return a->trace.scores.ate_m->rmse < b->trace.scores.ate_m->rmse;
-    });
-    chosen.push_back(all[(all.size() - 1) / 2]);
-  }
-  return chosen;
-}
-
 /// The run that the chosen trace is of; nullptr for an import.
 const FinishedRun* run_of(const Comparison& comparison, const ColumnTrace& trace) {
   for (const FinishedRun& run : comparison.runs)
@@ -138,7 +122,7 @@ std::string charts_of(const Report& report, std::size_t input) {
   Chart errors{"Error over time", "seconds", "meters", {}, false, true};
   Chart paths{"Trajectories from above, aligned", "meters", "meters", {}, true, false};
   std::array<int, 2> axes{0, 1};
-  for (const ColumnTrace* each : median_traces(report, input)) {
+  for (const ColumnTrace* each : median_traces(report.traces, report.comparison.table.columns(), input)) {
     const RunTrace& trace = each->trace;
     const std::size_t color = color_of(report.comparison, each->column);
     const Trajectory reference = matched_part(trace);
@@ -164,7 +148,7 @@ std::string strength_charts_of(const Comparison& comparison) {
 
 std::string maps_of(const Report& report, std::size_t input, const fs::path& folder) {
   std::string html;
-  for (const ColumnTrace* each : median_traces(report, input)) {
+  for (const ColumnTrace* each : median_traces(report.traces, report.comparison.table.columns(), input)) {
     const FinishedRun* run = run_of(report.comparison, *each);
     if (run == nullptr) continue;
     const std::string image = thumbnail_of((run->folder / "map.png").string(), map_px);

@@ -139,7 +139,7 @@ Report report_of(const Comparison& comparison) {
   Report report{comparison, traces_of(comparison), {}, {}, {}};
   report.differences = paired_differences(report.traces, comparison.table.columns());
   report.advice = use_case_advice(comparison, report.differences);
-  if (comparison.paper) report.paper = paper_tables(comparison);
+  if (comparison.paper) report.paper = paper_tables(comparison, report.traces);
   return report;
 }
 
@@ -200,9 +200,10 @@ std::string report_as_markdown(const Report& report) {
   std::string text = fmt::format("# Comparison\n\n`{}`\n\n", comparison.command);
   for (const UseCaseAdvice& advice : report.advice) text += fmt::format("**{}.** {}\n\n", advice.title, advice.text);
   text += "## The best of each sensor\n\n" + markdown_table(summary_rows(comparison));
-  for (const PaperTable& table : report.paper)
+  for (const PaperTable& table : report.paper) {
     text += fmt::format("## {}\n\n{}", table.title, markdown_table(table.rows));
-  if (!report.paper.empty()) text += fmt::format("{}\n\n", paper_note);
+    if (!table.note.empty()) text += table.note + "\n\n";
+  }
   for (std::size_t k = 0; k < comparison.inputs.size(); ++k) {
     const std::string& name = comparison.inputs[k].name;
     text += fmt::format("## {}\n\n{}", name, markdown_table(rows_on(comparison, k, false)));

@@ -156,6 +156,15 @@ TEST(Pipe, GivesTheImagesOfEitherKindToTheirEnd) {
   EXPECT_GT(files[1].stamp, 1'700'000'000 * ns_per_second) << "a date";
 }
 
+TEST(Pipe, StopsWaitingForAFirstImageWhenAsked) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  SteadyClock clock;
+  const std::atomic<bool> stop = true;
+  EXPECT_THAT(error_of([&] { open_pipe("pipe:", ends[0], {}, clock, &stop); }), HasSubstr("interrupted"));
+  for (const int end : ends) ::close(end);
+}
+
 TEST(Pipe, RefusesWhatIsNeither) {
   const auto refused = [](const std::string& bytes) { return error_of([&] { read_pipe(bytes, {}); }); };
   EXPECT_THAT(refused("RIFF"), HasSubstr("neither Y4M nor MJPEG"));

@@ -22,6 +22,7 @@ struct Request {
   const OpenOptions& options;
   const ReplayOptions& replay;
   Clock& clock;
+  const std::atomic<bool>* stop;
 };
 
 std::unique_ptr<LiveSource> open_replay(const Request& request) {
@@ -44,7 +45,7 @@ std::unique_ptr<LiveSource> open_network(const Request& request) {
 
 std::unique_ptr<LiveSource> open_standard_input(const Request& request) {
   if (!request.rest.empty()) throw Error("reads standard input only", request.address, "give pipe:");
-  return open_pipe(request.address, STDIN_FILENO, request.options, request.clock);
+  return open_pipe(request.address, STDIN_FILENO, request.options, request.clock, request.stop);
 }
 
 std::unique_ptr<LiveSource> refuse_freenect(const Request& request) {
@@ -76,10 +77,10 @@ const char* const live_forms =
 bool is_live(const std::string& address) { return scheme_of(address) != nullptr; }
 
 std::unique_ptr<LiveSource> open_live(const std::string& address, const OpenOptions& options,
-                                      const ReplayOptions& replay, Clock& clock) {
+                                      const ReplayOptions& replay, Clock& clock, const std::atomic<bool>* stop) {
   const Scheme* scheme = scheme_of(address);
   if (!scheme) throw Error("is not a live source", address, std::string("give ") + live_forms);
-  return scheme->open({address, address.substr(scheme->begin.size()), options, replay, clock});
+  return scheme->open({address, address.substr(scheme->begin.size()), options, replay, clock, stop});
 }
 
 }  // namespace rastro

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 
@@ -18,7 +19,7 @@ extern const char* const live_forms;
 bool is_live(const std::string& address);
 
 /// Opens a live source by its address. Throws Error where it cannot be opened, where the build cannot, and for an
-/// address that is malformed. `clock` outlives it.
+/// address that is malformed. `clock` outlives it. Where `stop` is set, waiting for a first image ends, with Error.
 ///
 ///     replay:DATA                        any recording at its own pace, or at `replay.speed` times that
 ///     v4l2:/dev/video0[,1280x720@30]     a camera of Video4Linux2
@@ -26,6 +27,7 @@ bool is_live(const std::string& address);
 ///     http://... https://... rtsp://...  MJPEG or a stream that FFmpeg knows
 ///     pipe:                              Y4M or MJPEG on standard input
 std::unique_ptr<LiveSource> open_live(const std::string& address, const OpenOptions& options,
-                                      const ReplayOptions& replay, Clock& clock);
+                                      const ReplayOptions& replay, Clock& clock,
+                                      const std::atomic<bool>* stop = nullptr);
 
 }  // namespace rastro

@@ -22,16 +22,18 @@ constexpr std::size_t bytes_at_once = std::size_t{1} << 16;
 
 class PipeDevice final : public CameraDevice {
  public:
-  PipeDevice(int descriptor, const OpenOptions& options, Clock& clock)
-      : descriptor_(descriptor), options_(options), clock_(clock), offset_(epoch_offset(clock)) {}
+  PipeDevice(int descriptor, const OpenOptions& options, const std::atomic<bool>* stop, Clock& clock)
+      : descriptor_(descriptor), options_(options), stop_(stop), clock_(clock), offset_(epoch_offset(clock)) {}
 
   /// Waits for the first bytes and finds what they are. Error where they are neither, or do not come.
   void find_format(const std::string& address) {
     std::array<unsigned char, 2> begin{};
     std::size_t have = 0;
     const TimeNs until = clock_.now() + first_bytes_within;
-    while (have < begin.size() && !at_end_ && clock_.now() < until)
+    while (have < begin.size() && !at_end_ && clock_.now() < until) {
+      refuse_if_stopped(address);
       if (wait_for_bytes(ns_per_second / 10)) have += read_some({begin.data() + have, begin.size() - have});
+    }
     if (have < begin.size())
       throw Error(at_end_ ? "has no images" : "sends nothing", address,
                   "pipe them in: 'ffmpeg -i FILE -f yuv4mpegpipe - | rastro slam pipe: ...'");
@@ -59,6 +61,10 @@ class PipeDevice final : public CameraDevice {
   }
 
   bool has_ended() const override { return ended_; }
+
+  void refuse_if_stopped(const std::string& address) const {
+    if (stop_ != nullptr && stop_->load()) throw Error("was interrupted before its first image", address, "");
+  }
 
  private:
   bool wait_for_bytes(TimeNs time) const {
@@ -103,6 +109,7 @@ class PipeDevice final : public CameraDevice {
 
   int descriptor_;
   OpenOptions options_;
+  const std::atomic<bool>* stop_;
   Clock& clock_;
   TimeNs offset_;
   std::variant<JpegStream, Y4mStream> stream_;
@@ -132,12 +139,15 @@ class WithFirst final : public CameraDevice {
 }  // namespace
 
 std::unique_ptr<LiveSource> open_pipe(const std::string& address, int descriptor, const OpenOptions& options,
-                                      Clock& clock) {
-  auto device = std::make_unique<PipeDevice>(descriptor, options, clock);
+                                      Clock& clock, const std::atomic<bool>* stop) {
+  auto device = std::make_unique<PipeDevice>(descriptor, options, stop, clock);
   device->find_format(address);
   std::optional<ArrivedFrame> first;
   const TimeNs until = clock.now() + first_bytes_within;
-  while (!first && !device->has_ended() && clock.now() < until) first = device->next(ns_per_second / 10);
+  while (!first && !device->has_ended() && clock.now() < until) {
+    device->refuse_if_stopped(address);
+    first = device->next(ns_per_second / 10);
+  }
   if (!first) throw Error("has no whole image", address, "");
   const ImageSize size{first->frame.image.width(), first->frame.image.height()};
   SourceInfo info = camera_info(address, "live_pipe", size, options);

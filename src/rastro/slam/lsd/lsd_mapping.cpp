@@ -144,10 +144,9 @@ void LsdMapping::finish(SlamUpdate& update) {
   if (!depths_) return;
   finish_keyframe(update);
   is_finished_ = true;
-  const auto stopped = [this] { return stop_ != nullptr && stop_->load(); };
-  if (stopped() || options_.refine_iterations == 0 || graph_.size() < FinalRefinement::least_keyframes) return;
+  if (is_stopped() || options_.refine_iterations == 0 || graph_.size() < FinalRefinement::least_keyframes) return;
   FinalRefinement refinement(options_, graph_, sensor_);
-  const std::string summary = refinement.run(pools_.tracking, stopped);
+  const std::string summary = refinement.run(pools_.tracking, [this] { return is_stopped(); });
   if (!refinement.is_better()) return;
   graph_.set_poses(refinement.poses());
   update.events.push_back({"map_revised", summary});
@@ -160,7 +159,7 @@ void LsdMapping::finish_keyframe(SlamUpdate& update) {
   const auto finished = depths_->published();
   graph_.replace(finished);
   const BagOfWords words = words_of(finished->image.view(), finished->mask.view());
-  connect(finished->id, words, update);
+  if (!is_stopped()) connect(finished->id, words, update);
   graph_.add_words(finished->id, words);
   update.times.push_back({"constraints", stage.lap_ms()});
 }

@@ -78,6 +78,7 @@ class LsdMapping {
   void finish_keyframe(SlamUpdate& update);
   void connect(std::int64_t id, const BagOfWords& words, SlamUpdate& update);
   void stay_within_budget(SlamUpdate& update);
+  bool is_stopped() const { return stop_ != nullptr && stop_->load(); }
   BagOfWords words_of(GrayView image, GrayView mask);
 
   const LsdOptions& options_;
