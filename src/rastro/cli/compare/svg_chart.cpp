@@ -141,7 +141,7 @@ std::vector<double> round_ticks(double low, double high) {
   for (const double digit : {5.0, 2.0, 1.0})
     if (digit * power >= rough) step = digit * power;
   std::vector<double> ticks;
-  for (double k = std::ceil(low / step); k * step <= high; k += 1.0) ticks.push_back(k * step);
+  for (double k = std::ceil(low / step); k * step <= high; k += 1.0) ticks.push_back(k * step + 0.0);  // no -0
   return ticks;
 }
 

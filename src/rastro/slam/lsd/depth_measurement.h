@@ -36,6 +36,7 @@ class DepthCameraMeasurement {
   SE3 depth_from_color_;
   const LsdSensor& sensor_;
   RgbdOptions reading_;
+  double edge_sigmas_;
 };
 
 }  // namespace rastro

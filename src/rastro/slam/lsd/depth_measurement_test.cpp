@@ -40,6 +40,20 @@ TEST(DepthCameraMeasurement, ReadsDepthsWithTheNoiseOfTheCameraButNoneAtEdges) {
   EXPECT_EQ(measurement.find(32, 20).result, EpipolarResult::outside);
 }
 
+/// A box of 10 cm before a wall: at its edge the window's mean would be too far by 2.5 %.
+TEST(DepthCameraMeasurement, ReadsNoneAtLowSteps) {
+  const LsdSensor sensor = depth_sensor();
+  DepthImage depth(64, 48);
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) depth.at(x, y) = x < 32 ? 2.0F : 2.1F;
+  LsdOptions options;
+  const DepthCameraMeasurement measurement(depth, SE3(), sensor, options);
+  for (const int x : {31, 32}) EXPECT_EQ(measurement.find(x, 20).result, EpipolarResult::outside) << x;
+  for (const int x : {29, 34}) EXPECT_EQ(measurement.find(x, 20).result, EpipolarResult::matched) << x;
+  options.depth_edge_sigmas = 4.0;
+  EXPECT_EQ(DepthCameraMeasurement(depth, SE3(), sensor, options).find(32, 20).result, EpipolarResult::matched);
+}
+
 TEST(DepthCameraMeasurement, DepthsOfAnotherInstantAreMovedToThatOfTheImage) {
   const LsdSensor sensor = depth_sensor();
   const DepthImage depth = step_of_depth();

@@ -35,6 +35,15 @@ void add_sensor_options(OptionTable& table, LsdOptions& o) {
              0.0001,
              1,
              {}});
+  table.add(
+      {"depth_edge_sigmas",
+       &o.depth_edge_sigmas,
+       "sigmas",
+       "rms deviation from a plane, of 5x5 depths, beyond which a pixel lies at an edge and gets no depth from the "
+       "camera: its intensities belong to what is nearer, its depth to either",
+       0.1,
+       100,
+       {}});
   table.add({"min_depth_m", &o.min_depth_m, "m", "depths of a depth camera below this are not used", 0, 100, {}});
   table.add({"max_depth_m", &o.max_depth_m, "m", "depths of a depth camera beyond this are not used", 0.1, 1000, {}});
   table.add({"start_pixels",

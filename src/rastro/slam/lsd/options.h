@@ -19,6 +19,7 @@ struct LsdOptions {
   double stereo_max_disparity_px = 100.0;
   double depth_sigma_m = 0.001;
   double depth_sigma_per_m2 = 0.005;
+  double depth_edge_sigmas = 1.6;
   double min_depth_m = 0.3;
   double max_depth_m = 10.0;
   int start_pixels = 1000;
