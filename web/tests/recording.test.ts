@@ -50,6 +50,7 @@ test('frames are fetched one by one as the timeline comes to them; the newest as
   const served = await serve([{ name: 'corridor', bytes: scene(10), frame }], 'abc');
   const page = await open(sharedBrowser(), `${served.url}?token=abc`, {});
   closing.push(() => page.close(), () => served.close());
+  await page.waitForFunction(() => (window as any).rastro?.ready);
   jpeg = await plainJpeg(page, '#306090');
   const shown = (index: number) => page.waitForFunction((i) => document.querySelector<HTMLElement>('.frame-view')!.dataset.image === `${i}`, index);
   await page.keyboard.press('ArrowRight');
@@ -82,6 +83,7 @@ test('a recording without poses is seen from its camera', async () => {
   const served = await serve([{ name: 'corridor', bytes: scene(0), frame: (index) => block(index, new Uint8Array(3)) }], 'abc');
   const page = await open(sharedBrowser(), `${served.url}?token=abc`, {});
   closing.push(() => page.close(), () => served.close());
+  await page.waitForFunction(() => (window as any).rastro?.ready);
   await until(async () => (await page.locator('.frame-view').innerText()).includes('900 points'), 'the frame');
   await drawn(page);
   await wait(200);
@@ -104,6 +106,7 @@ test('a run of track: features by state with their trails and ids, and the state
   const served = await serve([{ name: 'run', bytes: scene(0, [0, 0, 1]), frame: (index) => tracked(index, jpeg) }], 'abc');
   const page = await open(sharedBrowser(), `${served.url}?token=abc`, {});
   closing.push(() => page.close(), () => served.close());
+  await page.waitForFunction(() => (window as any).rastro?.ready);
   jpeg = await plainJpeg(page, '#306090');
   await page.keyboard.press('ArrowRight');
   await page.keyboard.press('ArrowRight');
