@@ -145,34 +145,50 @@ class TileBuilder {
 
   /// Brings the points that the tile keeps to the begin of the part; returns how many.
   std::size_t sample(const Part& part, double& spacing) {
-    constexpr double finest = 128.0, coarser = 0.8;
-    if (part.count() <= PointTiles::most_points) return part.count();
-    if (part.depth >= deepest) return PointTiles::most_points;
-    double cells = finest;
-    std::size_t kept = 0;
-    for (;;) {
-      kept = bring_first_of_cells(part, static_cast<std::size_t>(cells));
-      if (kept <= PointTiles::most_points) break;
-      cells *= coarser;
-    }
-    spacing = 2 * part.cube.half / std::floor(cells);
-    return kept;
+    constexpr std::size_t most = PointTiles::most_points;
+    if (part.count() <= most) return part.count();
+    if (part.depth >= deepest) return most;
+    if (part.parent < 0) return sample_by_number(part, spacing);
+    return sample_by_place(part, spacing);
   }
 
-  /// Number of cells that hold a point; the order changes only where they are not too many.
-  std::size_t bring_first_of_cells(const Part& part, std::size_t cells_per_axis) {
-    TakenCells cells(part.cube, cells_per_axis);
+  /// Of the whole: as dense as the points are, so that a few that lie far away do not count more than the others.
+  std::size_t sample_by_number(const Part& part, double& spacing) {
+    constexpr std::size_t most = PointTiles::most_points;
+    spacing = 2 * part.cube.half / std::sqrt(static_cast<double>(most));
+    std::size_t chosen = 0;
+    return bring(part, [&](std::size_t k) {
+      const bool is_next = chosen < most && k - part.begin == chosen * part.count() / most;
+      chosen += is_next ? 1 : 0;
+      return is_next;
+    });
+  }
+
+  /// The first of each cell of a raster, as fine as the tile may hold.
+  std::size_t sample_by_place(const Part& part, double& spacing) {
+    constexpr double finest = 128.0, coarser = 0.8;
+    for (double cells_per_axis = finest;; cells_per_axis *= coarser) {
+      TakenCells cells(part.cube, static_cast<std::size_t>(cells_per_axis));
+      const std::size_t kept = bring(part, [&](std::size_t k) { return cells.take(point(order_[k])); });
+      spacing = 2 * part.cube.half / std::floor(cells_per_axis);
+      if (kept <= PointTiles::most_points) return kept;
+    }
+  }
+
+  /// How many the part has of which `is_kept`; the order changes only where the tile may hold as many.
+  template <typename IsKept>
+  std::size_t bring(const Part& part, IsKept is_kept) {
     std::size_t kept = 0, left = 0;
     for (std::size_t k = part.begin; k < part.end; ++k) {
-      const bool is_first = cells.take(point(order_[k]));
-      if (is_first && ++kept > PointTiles::most_points) return kept;
+      const bool keep = is_kept(k);
+      if (keep && ++kept > PointTiles::most_points) return kept;
       // The kept ones from the front, the others from the back: the tile's own size is not known before.
-      if (is_first)
+      if (keep)
         buffer_[part.begin + kept - 1] = order_[k];
       else
         buffer_[part.end - ++left] = order_[k];
     }
-    const auto at = [&](std::vector<std::uint32_t>& all, std::size_t k) {
+    const auto at = [](std::vector<std::uint32_t>& all, std::size_t k) {
       return all.begin() + static_cast<std::ptrdiff_t>(k);
     };
     std::reverse(at(buffer_, part.begin + kept), at(buffer_, part.end));

@@ -13,10 +13,10 @@
 
 namespace rastro {
 
-/// Many points as an octree of tiles with level of detail, made once. A tile with more points than it may hold keeps
-/// the first of each cell of a raster over its cube, and hands the others to the eight cubes inside. So every point is
-/// in exactly one tile, and a cube is seen the finer the deeper one goes. The same tiles for the same points. While it
-/// is built it needs 20 bytes a point beside the points, afterwards none.
+/// Many points as an octree of tiles with level of detail, made once. The root keeps a sample of all; any other tile
+/// with more points than it may hold the first of each cell of a raster over its cube; the others go to the eight cubes
+/// inside. So every point is in exactly one tile, and a cube is seen the finer the deeper one goes. The same tiles for
+/// the same points. While it is built it needs 20 bytes a point beside the points, afterwards none.
 class PointTiles {
  public:
   static constexpr std::size_t most_points = 40'000;  ///< Of a tile.

@@ -61,12 +61,22 @@ TEST(PointTiles, EveryPointIsInOneTileAndInsideItsCube) {
 TEST(PointTiles, TheRootShowsAllOfItEvenly) {
   const PointTiles tiles(room(400'000));
   const ScenePoints root = tiles.tile(0);
-  EXPECT_GT(root.keyframes.size(), PointTiles::most_points / 4);
+  EXPECT_EQ(root.keyframes.size(), PointTiles::most_points);
   std::set<std::pair<int, int>> floor;  // squares of 1 m
   for (std::size_t k = 0; k < root.keyframes.size(); ++k)
     if (root.positions[3 * k + 2] == 0.0F)
       floor.emplace(static_cast<int>(root.positions[3 * k]), static_cast<int>(root.positions[3 * k + 1]));
   EXPECT_EQ(floor.size(), 200U);
+}
+
+TEST(PointTiles, AFewPointsFarAwayTakeNothingFromTheRoot) {
+  ScenePoints points = room(400'000);
+  for (const float far : {-9e4F, 9e4F}) points.positions.insert(points.positions.end(), {far, far, far});
+  points.colors.clear();
+  points.keyframes.clear();
+  const ScenePoints root = PointTiles(points).tile(0);
+  EXPECT_EQ(root.positions.size(), 3 * PointTiles::most_points);
+  EXPECT_LE(std::count_if(root.positions.begin(), root.positions.end(), [](float each) { return each > 100.0F; }), 3);
 }
 
 TEST(PointTiles, PointsInOnePlaceAndPointsThatAreNoneDoNoHarm) {
