@@ -3,6 +3,8 @@
 // scene.
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -11,7 +13,17 @@
 
 namespace {
 
-const std::vector<rastro::NamedScene> scenes = {{"first", "FIRST SCENE"}, {"second", "SECOND SCENE"}};
+std::vector<rastro::NamedScene> make_scenes() {
+  std::vector<rastro::NamedScene> scenes = {{"first", "FIRST SCENE"}, {"second", "SECOND SCENE"}};
+  scenes[1].measure = [](std::string_view query) { return std::string(query); };
+  scenes[1].frame_block = [](std::int64_t frame) { return std::to_string(frame); };
+  scenes[1].tile_block = [](std::uint64_t layer, std::uint64_t tile) -> std::optional<std::string> {
+    return layer < 2 && tile < 9 ? std::optional("TILE") : std::nullopt;
+  };
+  return scenes;
+}
+
+const std::vector<rastro::NamedScene> scenes = make_scenes();
 
 void check(const rastro::detail::RequestRules& rules, std::string_view bytes, bool asks_for_token) {
   const auto reply = rastro::detail::reply_to_bytes(rules, bytes);

@@ -35,7 +35,7 @@ function trajectoryColor(scenes: Scene[]): TrajectoryColor {
 
 /** Few points are drawn larger than many. */
 function pointSize(scenes: Scene[]): number {
-  const points = scenes.flatMap((s) => s.layers).reduce((sum, l) => sum + (l.kind === 'points' ? l.count : 0), 0);
+  const points = scenes.flatMap((s) => s.layers).reduce((sum, l) => sum + (l.kind === 'points' ? l.tiles?.count ?? l.count : 0), 0);
   if (scenes.every((s) => s.planar)) return 2;
   return points < 2e4 ? 4 : points < 5e5 ? 3 : 2;
 }

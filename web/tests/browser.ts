@@ -3,7 +3,7 @@
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { inflateSync } from 'node:zlib';
-import { chromium, type Browser, type Page } from 'playwright-core';
+import { chromium, type Browser, type BrowserContext, type Page } from 'playwright-core';
 
 export const out = resolve('test_out');
 
@@ -32,9 +32,10 @@ export interface Options {
 }
 
 /** A page that fails the test on any error of its script and on any request beyond the file. */
-export async function open(browser: Browser, url: string, options: Options = {}): Promise<Page> {
+export async function open(browser: Browser | BrowserContext, url: string, options: Options = {}): Promise<Page> {
   const { width = 1280, height = 800, dark = true } = options;
-  const page = await browser.newPage({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', hasTouch: width < 500 });
+  const settings = { viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', hasTouch: width < 500 } as const;
+  const page = 'newContext' in browser ? await (browser as Browser).newPage(settings) : await (browser as BrowserContext).newPage();
   const faults: string[] = [];
   page.on('pageerror', (error) => faults.push(String(error)));
   page.on('console', (message) => message.type() === 'error' && faults.push(message.text()));
@@ -52,7 +53,7 @@ export function faultsOf(page: Page): string[] {
 export async function drawn(page: Page): Promise<void> {
   await page.waitForFunction(() => {
     const { rastro } = window as any;
-    return rastro.ready && rastro.stats.completePictureMs !== null && rastro.stats.pointsDrawn === rastro.stats.pointsVisible;
+    return rastro.ready && rastro.stats.completePictureMs !== null && rastro.stats.tilesWaiting === 0 && rastro.stats.pointsDrawn === rastro.stats.pointsVisible;
   }, undefined, { timeout: 15000 });
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 }

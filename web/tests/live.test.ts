@@ -65,7 +65,7 @@ test('features are drawn at their pixels, by color and shape, with counts', () =
   const box = (await page.locator('.frame-view > .pictures canvas').boundingBox())!;
   assert.ok(Math.abs(box.width / box.height - 4 / 3) < 0.02);
   const at = (x: number, y: number, dx = 0, dy = 0) => picture.at(Math.round(box.x + (x * box.width) / 640 + dx), Math.round(box.y + (y * box.height) / 480 + dy));
-  near(at(100, 100), [0x00, 0xb3, 0x86], 12);
+  near(at(100, 100), [0x00, 0x9e, 0x73], 12);
   near(at(320, 240), [0xd5, 0x5e, 0x00], 60);
   near(at(200, 200), [0x20, 0x20, 0x20], 6);
   const legend = await page.locator('.feature-legend button').allInnerTexts();

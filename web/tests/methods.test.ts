@@ -59,11 +59,14 @@ for (const [method, { command, world, layers }] of Object.entries(cases)) {
       for (const key of keys) await switchesThePicture(page, key);
       for (const key of keys) await pointsLieWhereTheMapSays(page, key);
     });
-    await withPage(inCurrentPage(`${folder}/${method}.html`, method), { width: 390, height: 844, dark: false }, async (page) => {
-      await drawn(page);
-      await screenshot(page, `method_${method}_narrow`);
-      assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
-    });
+    for (const [width, height, dark] of [[390, 844, false], [390, 844, true], [1280, 800, false]] as const) {
+      await withPage(inCurrentPage(`${folder}/${method}.html`, method), { width, height, dark }, async (page) => {
+        await drawn(page);
+        const shot = await screenshot(page, `method_${method}_${dark ? 'dark' : 'light'}_${width}`);
+        assert.ok(colors(shot, 20, 120, Math.min(width, 1000), 640).size > 8, 'blank');
+        assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width);
+      });
+    }
   });
 }
 

@@ -8,7 +8,7 @@ import { drawn, faultsOf, open, screenshot } from './browser';
 import { damaged } from './damage';
 import { plainJpeg } from './live_run';
 import { until, wait } from './live_testing';
-import { project, sharedBrowser, useBrowser } from './page_testing';
+import { near, project, sharedBrowser, useBrowser } from './page_testing';
 import { SceneWriter, random } from './scene_writer';
 import { serve } from './serve';
 
@@ -22,7 +22,7 @@ afterEach(async () => {
 
 const frames = 20;
 /** Moves along x by 0.1 a frame; without a pose from frame 10 on, or at all. */
-function scene(posed: number): Uint8Array {
+function scene(posed: number, states?: number[]): Uint8Array {
   const w = new SceneWriter();
   const rows = Array.from({ length: frames }, (_, i) => i);
   return w.finish({
@@ -30,6 +30,7 @@ function scene(posed: number): Uint8Array {
     frames: {
       stamps: w.f64(rows.map((i) => 5 + i / 30)), positions: w.f32(rows.flatMap((i) => (i < posed ? [0.1 * i, 0, 0] : [NaN, NaN, NaN]))),
       orientations: w.f32(rows.flatMap((i) => (i < posed ? [0, 0, 0, 1] : [NaN, NaN, NaN, NaN]))),
+      ...(states ? { states: w.u8(rows.map((i) => states[i] ?? 0)) } : {}),
     },
     layers: [],
   });
@@ -49,6 +50,7 @@ test('frames are fetched one by one as the timeline comes to them; the newest as
   const served = await serve([{ name: 'corridor', bytes: scene(10), frame }], 'abc');
   const page = await open(sharedBrowser(), `${served.url}?token=abc`, {});
   closing.push(() => page.close(), () => served.close());
+  await page.waitForFunction(() => (window as any).rastro?.ready);
   jpeg = await plainJpeg(page, '#306090');
   const shown = (index: number) => page.waitForFunction((i) => document.querySelector<HTMLElement>('.frame-view')!.dataset.image === `${i}`, index);
   await page.keyboard.press('ArrowRight');
@@ -81,6 +83,7 @@ test('a recording without poses is seen from its camera', async () => {
   const served = await serve([{ name: 'corridor', bytes: scene(0), frame: (index) => block(index, new Uint8Array(3)) }], 'abc');
   const page = await open(sharedBrowser(), `${served.url}?token=abc`, {});
   closing.push(() => page.close(), () => served.close());
+  await page.waitForFunction(() => (window as any).rastro?.ready);
   await until(async () => (await page.locator('.frame-view').innerText()).includes('900 points'), 'the frame');
   await drawn(page);
   await wait(200);
@@ -88,6 +91,38 @@ test('a recording without poses is seen from its camera', async () => {
   const [x, y] = (await project(page, [0, 0, 2]))!;
   const seen = [-8, -4, 0, 4, 8].flatMap((dx) => [-8, -4, 0, 4, 8].map((dy) => picture.at(Math.round(x + dx), Math.round(y + dy))[0]));
   assert.ok(Math.max(...seen) > 200, `${seen}`);
+  assert.deepEqual(faultsOf(page), []);
+});
+
+test('a run of track: features by state with their trails and ids, and the state of the frame', async () => {
+  const tracked = (index: number, jpeg: Uint8Array) => {
+    const w = new SceneWriter();
+    return w.finish({
+      type: 'frame', index, name: `${index}.png`, width: 640, height: 480, jpeg: w.u8(jpeg), features: w.f32([320, 240, 100 + index, 100]), feature_states: w.u8([0, 2]),
+      feature_state_names: ['matched', 'new', 're_identified'], feature_ids: w.i32([7, 41]), trail_lengths: w.u8([2, 0]), trails: w.f32([200, 240, 320, 240]),
+    });
+  };
+  let jpeg: Uint8Array = new Uint8Array(0);
+  const served = await serve([{ name: 'run', bytes: scene(0, [0, 0, 1]), frame: (index) => tracked(index, jpeg) }], 'abc');
+  const page = await open(sharedBrowser(), `${served.url}?token=abc`, {});
+  closing.push(() => page.close(), () => served.close());
+  await page.waitForFunction(() => (window as any).rastro?.ready);
+  jpeg = await plainJpeg(page, '#306090');
+  await page.keyboard.press('ArrowRight');
+  await page.keyboard.press('ArrowRight');
+  await page.waitForFunction(() => document.querySelector<HTMLElement>('.frame-view')!.dataset.image === '2');
+  assert.match(await page.locator('.frame-view').innerText(), /Frame 3 of 20\s*weak.*matched\s*1\s*new\s*0\s*re identified\s*1.*2\.png · 2 features/s);
+  const picture = await screenshot(page, 'track_run');
+  const box = (await page.locator('.frame-view canvas').first().boundingBox())!;
+  const at = (x: number, y: number) => picture.at(Math.round(box.x + (x * box.width) / 640), Math.round(box.y + (y * box.height) / 480));
+  // Sky blue along the trail, the image's own blue elsewhere.
+  const trail = [-1, 0, 1].map((dy) => picture.at(Math.round(box.x + (260 * box.width) / 640), Math.round(box.y + box.height / 2) + dy));
+  assert.ok(trail.some(([r, g, b]) => Math.abs(r - 86) < 40 && Math.abs(g - 180) < 40 && Math.abs(b - 233) < 40), `${trail}`);
+  near(at(260, 300), [48, 96, 144], 6);
+  await page.locator('.feature-legend button', { hasText: 'matched' }).click();
+  await wait(100);
+  const hidden = (await screenshot(page, 'track_run_hidden')).at(Math.round(box.x + (260 * box.width) / 640), Math.round(box.y + box.height / 2));
+  near(hidden, [48, 96, 144], 6);
   assert.deepEqual(faultsOf(page), []);
 });
 

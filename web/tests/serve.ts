@@ -18,6 +18,8 @@ export interface ServedScene {
   name: string;
   bytes: Uint8Array;
   frame?: (index: number) => Uint8Array | null;
+  /** Of a scene with a tiled layer. */
+  tile?: (row: number) => Uint8Array | null;
 }
 
 export async function serve(scenes: ServedScene[], token: string): Promise<Served> {
@@ -33,6 +35,11 @@ export async function serve(scenes: ServedScene[], token: string): Promise<Serve
     if (frame) {
       const block = scenes[Number(frame[1])]?.frame?.(Number(frame[2]));
       return block ? response.end(block) : response.writeHead(404).end('this frame cannot be read');
+    }
+    const tile = /^\/api\/tile\/(\d+)\/0\/(\d+)$/.exec(url.pathname);
+    if (tile) {
+      const block = scenes[Number(tile[1])]?.tile?.(Number(tile[2]));
+      return block ? response.end(block) : response.writeHead(404).end();
     }
     if (scene && scenes[Number(scene[1])]) return response.end(scenes[Number(scene[1])].bytes);
     return response.writeHead(404).end();

@@ -34,18 +34,6 @@ LiveFrame live_frame(const TrackFrame& frame) {
   return live;
 }
 
-/// The states in the order of TrackState.
-LiveFeatures live_features(const TrackFrame& frame) {
-  LiveFeatures features;
-  features.state_names = {"matched", "new", "re_identified"};
-  for (const TrackedFeature& feature : frame.features) {
-    features.pixels.insert(features.pixels.end(), {feature.pixel.x(), feature.pixel.y()});
-    features.states.push_back(static_cast<std::uint8_t>(feature.state));
-    features.ids.push_back(static_cast<std::int32_t>(feature.id));
-  }
-  return features;
-}
-
 GrayImage copy_of_view(GrayView view) {
   GrayImage image(view.width, view.height);
   for (int y = 0; y < view.height; ++y) std::copy_n(view.row(y), view.width, image.row(y));
@@ -58,6 +46,17 @@ LiveHello without_poses(LiveHello run) {
 }
 
 }  // namespace
+
+LiveFeatures live_features(const TrackFrame& frame) {
+  LiveFeatures features;
+  features.state_names = {"matched", "new", "re_identified"};
+  for (const TrackedFeature& feature : frame.features) {
+    features.pixels.insert(features.pixels.end(), {feature.pixel.x(), feature.pixel.y()});
+    features.states.push_back(static_cast<std::uint8_t>(feature.state));
+    features.ids.push_back(static_cast<std::int32_t>(feature.id));
+  }
+  return features;
+}
 
 LiveTracks::LiveTracks(const ServerFlags& flags, LiveHello run) : sink_(flags, without_poses(std::move(run))) {}
 

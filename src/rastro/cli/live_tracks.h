@@ -8,6 +8,9 @@
 
 namespace rastro::cli {
 
+/// The features of a frame as the page draws them, the states in the order of TrackState.
+LiveFeatures live_features(const TrackFrame& frame);
+
 /// --view of `rastro track`: each image with its features, and where they were in the frames before.
 class LiveTracks : public TrackSink {
  public:

@@ -9,6 +9,7 @@
 #include "rastro/base/error.h"
 #include "rastro/cli/run_notes.h"
 #include "rastro/cli/scene_lengths.h"
+#include "rastro/viewer/point_tiles.h"
 #include "rastro/viewer/run_record.h"
 #include "rastro/viewer/scene_writer.h"
 
@@ -34,6 +35,13 @@ void guess_up(const Trajectory& trajectory, ViewScene& scene) {
   }
   scene.planar = planar;
   scene.up = up_of(trajectory, planar);
+}
+
+ViewScene whole_scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
+                         const MapProgress& progress, const std::string& objects) {
+  ViewScene scene = view_scene_of(input, notes_of_run(input), options, pool, progress);
+  scene.lengths = lengths_of(input, objects, pool);
+  return scene;
 }
 
 }  // namespace
@@ -71,9 +79,21 @@ ViewScene view_scene_of(const ExportInput& input, RunRecord record, const ViewSc
 
 NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
                     const MapProgress& progress, const std::string& objects) {
-  ViewScene scene = view_scene_of(input, notes_of_run(input), options, pool, progress);
-  scene.lengths = lengths_of(input, objects, pool);
+  const ViewScene scene = whole_scene_of(input, options, pool, progress, objects);
   return {scene.title, scene_bytes(scene)};
+}
+
+NamedScene served_scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
+                           const MapProgress& progress, const std::string& objects) {
+  return in_tiles(whole_scene_of(input, options, pool, progress, objects));
+}
+
+NamedScene in_tiles(ViewScene scene) {
+  constexpr std::size_t most_at_once = 1'000'000;
+  auto tile_block = tile_large_layers(scene, most_at_once);
+  NamedScene named{scene.title, scene_bytes(scene)};
+  named.tile_block = std::move(tile_block);
+  return named;
 }
 
 ViewSceneOptions scene_options(const SceneFlags& flags, int submap, std::size_t default_points) {

@@ -20,6 +20,11 @@ namespace rastro::cli {
 NamedScene scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
                     const MapProgress& progress, const std::string& objects = "");
 
+/// The same for a server: points of layers with more than a million are fetched in tiles.
+NamedScene served_scene_of(const ExportInput& input, const ViewSceneOptions& options, TaskPool& pool,
+                           const MapProgress& progress, const std::string& objects = "");
+NamedScene in_tiles(ViewScene scene);
+
 /// The same as arrays, with the notes of the run (notes_of_run) given.
 ViewScene view_scene_of(const ExportInput& input, RunRecord record, const ViewSceneOptions& options, TaskPool& pool,
                         const MapProgress& progress);

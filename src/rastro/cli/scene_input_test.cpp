@@ -8,7 +8,9 @@
 
 #include "rastro/base/error.h"
 #include "rastro/base/scratch_testing.h"
+#include "rastro/cli/cloud_scene.h"
 #include "rastro/cli/run_notes.h"
+#include "rastro/cli/track_scene.h"
 #include "rastro/map/landmarks/landmark_map_testing.h"
 #include "rastro/viewer/scene_block_testing.h"
 
@@ -39,6 +41,45 @@ std::string refusal(const fs::path& folder) {
     return error.what();
   }
   return "";
+}
+
+TEST(CloudScene, ShowsThePointsOfAFile) {
+  const fs::path file = scratch_folder("cloud") / "wall.ply";
+  std::ofstream(file)
+      << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+         "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+         "0 0 0 255 0 0\n1 0 0 0 255 0\n0 0 2 0 0 255\n";
+  const NamedScene scene = cloud_scene(file.string(), 100);
+  EXPECT_EQ(scene.name, "wall");
+  EXPECT_FALSE(scene.tile_block) << "three points need no tiles";
+  const SceneBlock block(scene.bytes);
+  EXPECT_EQ(block.header["up"], (std::vector<double>{0.0, 0.0, 1.0}));
+  EXPECT_EQ(block.header["planar"], false);
+  EXPECT_EQ(block.numbers<std::uint8_t>(block.layer("cloud")->at("colors")),
+            (std::vector<std::uint8_t>{255, 0, 0, 0, 255, 0, 0, 0, 255}));
+}
+
+TEST(TrackScene, ShowsFeaturesWithTheirTrailsEvenWithoutTheRecording) {
+  const fs::path folder = scratch_folder("tracked");
+  std::ofstream(folder / "about.json") << R"({"input": {"path": "/gone", "cameras": [{"size_px": [64, 48]}]}})";
+  std::ofstream(folder / "tracks.csv") << "frame,stamp_ns,id,x_px,y_px,ray_x,ray_y,age,state,last_seen,frame_features,"
+                                          "frame_lost,frame_masked,frame_health\n"
+                                       << "10,1000000000,7,5,6,nan,nan,1,new,-1,1,0,0,good\n"
+                                       << "12,1100000000,7,8,6,nan,nan,2,tracked,10,1,0,0,few corners\n";
+  ASSERT_TRUE(is_track_run(folder.string()));
+  const NamedScene scene = track_scene(folder.string());
+  const SceneBlock block(scene.bytes);
+  const auto& frames = block.header["frames"];
+  EXPECT_EQ(block.numbers<double>(frames["stamps"]), (std::vector<double>{1.0, 1.1}));
+  EXPECT_EQ(block.header["state_names"][block.numbers<std::uint8_t>(frames["states"])[1]], "weak");
+  EXPECT_EQ(block.header["events"][0]["kind"], "few corners");
+  const std::string bytes = scene.frame_block(1);
+  const SceneBlock frame(bytes);
+  EXPECT_EQ(frame.header["width"], 64);
+  EXPECT_EQ(frame.numbers<std::int32_t>(frame.header["feature_ids"]), (std::vector<std::int32_t>{7}));
+  EXPECT_EQ(frame.numbers<float>(frame.header["trails"]), (std::vector<float>{5, 6, 8, 6}));
+  EXPECT_THROW(scene.frame_block(2), Error);
+  EXPECT_FALSE(is_track_run(scratch_folder("none").string()));
 }
 
 TEST(SceneInput, ReadsWhatARunNoted) {

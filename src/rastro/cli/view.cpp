@@ -11,6 +11,7 @@
 #include "rastro/base/error.h"
 #include "rastro/base/log.h"
 #include "rastro/base/text.h"
+#include "rastro/cli/cloud_scene.h"
 #include "rastro/cli/command.h"
 #include "rastro/cli/interrupt.h"
 #include "rastro/cli/progress_bar.h"
@@ -18,6 +19,7 @@
 #include "rastro/cli/scene_input.h"
 #include "rastro/cli/scene_lengths.h"
 #include "rastro/cli/server_flags.h"
+#include "rastro/cli/track_scene.h"
 #include "rastro/map/file/map_file.h"
 #include "rastro/viewer/view_server.h"
 
@@ -25,11 +27,13 @@ namespace rastro::cli {
 namespace {
 
 constexpr const char* footer =
-    R"(RUN is a run folder, a map file (map.rastro), a trajectory file or a recording; several are laid over each other. Shown are trajectory
-(final and as first estimated, ground truth where the recording has one; by state, error, time or uncertainty), keyframes,
-covisibility and essential graph, constraints and loop closures, landmarks, cloud, semi-dense points, laser scans,
-occupancy grid and covariances, in layers that can be switched. Of a recording: its images, depth of the current frame as
-cloud, laser scans, and the ground truth or wheel odometry as trajectory.
+    R"(RUN is a run folder, a map file (map.rastro), a trajectory file, a cloud (PLY) or a recording; several are laid over
+each other. Shown are trajectory (final and as first estimated, ground truth where the recording has one; by state, error,
+time or uncertainty), keyframes, covisibility and essential graph, constraints and loop closures, landmarks, cloud,
+semi-dense points, laser scans, occupancy grid and covariances, in layers that can be switched. Of a recording: its images,
+depth of the current frame as cloud, laser scans, and the ground truth or wheel odometry as trajectory. Of a run of
+'rastro track': each image with its features by state, their ids and trails. Layers of more than a million points come in
+tiles as the view needs them, so that maps of many millions can be looked at.
 
 Lengths can be measured in the page between points, edges and faces; of a map with depth images the last two are measured
 as 'rastro measure' does. Named lengths are shown of --objects FILE, and of lengths.json in a run folder
@@ -44,6 +48,7 @@ Examples:
   rastro view run                               open the address that it prints
   rastro view monday tuesday                    two runs in one picture
   rastro view run/map.rastro --port 9000
+  rastro view cloud.ply                         points of any program
   rastro view rgbd_dataset_freiburg1_room       a recording, frame by frame
   rastro view run --listen 0.0.0.0              from other machines, with a generated token)";
 
@@ -76,16 +81,21 @@ bool is_run_or_map(const std::string& path) {
   return is_map_file(path) || extension == ".txt" || extension == ".csv" || extension == ".tum";
 }
 
+bool is_cloud(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored) && std::filesystem::path(path).extension() == ".ply";
+}
+
 NamedScene shown(const ExportInput& input, const Flags& flags, const ViewSceneOptions& options, TaskPool& pool,
                  ProgressBar& bar) {
   const auto progress = [&](std::size_t done, std::size_t all) { bar.show_steps("keyframes", done, all); };
-  NamedScene scene = scene_of(input, options, pool, progress, flags.scene.objects);
+  NamedScene scene = served_scene_of(input, options, pool, progress, flags.scene.objects);
   scene.measure = measuring_in(input, flags.threads);
   return scene;
 }
 
 std::vector<NamedScene> read_scenes(const Flags& flags) {
-  constexpr std::size_t default_points = 2'000'000;
+  constexpr std::size_t default_points = 50'000'000;  // as many as there are
   if (flags.threads < 0 || flags.threads > 1024)
     throw Error(fmt::format("{} is out of range", flags.threads), "--threads", "give 0 to 1024");
   const ViewSceneOptions options = scene_options(flags.scene, submap_in(flags), default_points);
@@ -93,11 +103,15 @@ std::vector<NamedScene> read_scenes(const Flags& flags) {
   ProgressBar bar(!flags.quiet);
   std::vector<NamedScene> scenes;
   for (const std::string& input : flags.inputs) {
-    if (!is_run_or_map(input)) {
+    if (is_run_or_map(input)) {
+      scenes.push_back(shown(read_export_input(input), flags, options, pool, bar));
+    } else if (is_track_run(input)) {
+      scenes.push_back(track_scene(input));
+    } else if (is_cloud(input)) {
+      scenes.push_back(cloud_scene(input, options.max_points));
+    } else {
       scenes.push_back(recording_scene(input));
-      continue;
     }
-    scenes.push_back(shown(read_export_input(input), flags, options, pool, bar));
   }
   bar.clear();
   return scenes;
@@ -129,9 +143,9 @@ void run_view(const Flags& flags) {
 void add_view_command(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("view", "Shows runs, maps and recordings in a browser");
   const auto flags = std::make_shared<Flags>();
-  command->add_option("RUN", flags->inputs, "Run folders, map files or recordings")->required()->type_name("");
+  command->add_option("RUN", flags->inputs, "Run folders, map files, clouds or recordings")->required()->type_name("");
   add_server_flags(*command, flags->server, "");
-  command->add_option("--points", flags->scene.points, "Maximum number of points of each layer (default: 2000000)")
+  command->add_option("--points", flags->scene.points, "Maximum number of points of each layer (default: 50000000)")
       ->type_name("N");
   command->add_flag("--mesh", flags->scene.mesh, "Surfaces as triangles, too (rgbd)");
   command->add_flag("--octree", flags->scene.octree, "Occupied space as cubes, too (rgbd)");

@@ -55,6 +55,8 @@ class Body {
     return value_of(raw, kind, size);
   }
 
+  std::size_t size() const { return bytes_.size(); }
+
   [[noreturn]] void refuse(const std::string& what) const {
     throw Error(what, where_, "give a PLY file, such as 'rastro export --to ply' writes");
   }
@@ -207,6 +209,7 @@ class Reader {
     for (const Property& property : element.properties) roles.push_back(role_of(property.name));
     for (const int needed : {0, 1, 2})
       if (std::find(roles.begin(), roles.end(), needed) == roles.end()) refuse("has vertices without x, y, z");
+    cloud.points.reserve(std::min<std::uint64_t>(element.count, body.size()));  // each takes bytes
     for (std::uint64_t k = 0; k < element.count; ++k) {
       std::array<double, 11> values{};
       for (std::size_t p = 0; p < roles.size(); ++p) {

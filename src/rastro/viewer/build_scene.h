@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 #include "rastro/base/task_pool.h"
 #include "rastro/map/cloud/build_cloud.h"
@@ -25,5 +26,8 @@ struct ViewSceneOptions {
 /// The same scene for any pool. Error where images cannot be read.
 ViewScene build_scene(const Map& map, const ViewSceneOptions& options, TaskPool& pool,
                       const MapProgress& progress = {});
+
+/// A cloud as a layer: at most `most` of its points, evenly spread; colors and sigmas where it has some.
+ScenePoints scene_points(PointCloud cloud, std::string name, std::size_t most);
 
 }  // namespace rastro

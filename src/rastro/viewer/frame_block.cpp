@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rastro/viewer/block_writer.h"
+#include "rastro/viewer/feature_block.h"
 #include "rastro/viewer/scene_parts.h"
 #include "rastro/viewer/small_image.h"
 
@@ -55,7 +56,7 @@ FramePoints points_of_scan(const LaserScan& scan) {
 
 }  // namespace
 
-std::string frame_block(const Frame& frame, const SourceInfo& recording) {
+std::string frame_block(const Frame& frame, const SourceInfo& recording, const LiveFeatures* features) {
   constexpr int longest_side_px = 960;
   detail::BlockBody body;
   nlohmann::ordered_json header{{"type", "frame"}, {"index", frame.index}, {"name", frame.name}};
@@ -64,6 +65,7 @@ std::string frame_block(const Frame& frame, const SourceInfo& recording) {
     header["height"] = frame.color.empty() ? frame.image.height() : frame.color.height();
     header["jpeg"] = body.put(detail::small_image(frame, longest_side_px).jpeg);
   }
+  if (features != nullptr) detail::put_features(*features, header, body);
   FramePoints points;
   const bool calibrated = !recording.cameras.empty() && recording.cameras.front().camera;
   if (!frame.depth.empty() && calibrated) points = points_of_depth(frame, *recording.cameras.front().camera);

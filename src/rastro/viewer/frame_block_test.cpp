@@ -54,6 +54,22 @@ TEST(FrameBlock, HasTheReturnsOfAScanInTheBodyFrame) {
   EXPECT_FALSE(block.header.contains("jpeg"));
 }
 
+TEST(FrameBlock, HasTheFeaturesThatWereFoundInTheImage) {
+  Frame frame;
+  frame.image = GrayImage(8, 6);
+  LiveFeatures features;
+  features.pixels = {1.5F, 2.0F};
+  features.states = {1};
+  features.ids = {42};
+  features.state_names = {"matched", "new"};
+  const std::string bytes = frame_block(frame, {}, &features);
+  const SceneBlock block(bytes);
+  EXPECT_EQ(block.numbers<float>(block.header["features"]), features.pixels);
+  EXPECT_EQ(block.numbers<std::int32_t>(block.header["feature_ids"]), features.ids);
+  EXPECT_EQ(block.header["feature_state_names"][1], "new");
+  EXPECT_FALSE(SceneBlock(frame_block(frame, {})).header.contains("features"));
+}
+
 TEST(FrameBlock, IsServedByNumberAlone) {
   const auto block = [](std::int64_t frame) {
     if (frame > 9) throw Error("cannot be read", "frame", "");
@@ -63,7 +79,7 @@ TEST(FrameBlock, IsServedByNumberAlone) {
   scenes.front().frame_block = block;
   const detail::RequestRules rules(scenes, "s3cret", true, 8420);
   const auto reply_to = [&rules](const std::string& target) {
-    return rules.reply_to({"GET", target, {"localhost:8420"}, "", ""});
+    return made(rules.reply_to({"GET", target, {"localhost:8420"}, "", ""}));
   };
   EXPECT_EQ(reply_to("/api/frame/0/7?token=s3cret").body, "FRAME 7");
   EXPECT_EQ(reply_to("/api/frame/0/7").status, 401);

@@ -54,7 +54,7 @@ std::optional<ViewReply> reply_to_bytes(const RequestRules& rules, std::string_v
   if (error) return refusal_of(error);
   if (!parser.is_header_done()) return std::nullopt;
   if (announces_body(parser)) return refusal(413, "requests have no body here\n");
-  return rules.reply_to(request_of(parser));
+  return made(rules.reply_to(request_of(parser)));
 }
 
 }  // namespace rastro::detail

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rastro/viewer/block_writer.h"
+#include "rastro/viewer/feature_block.h"
 #include "rastro/viewer/scene.h"
 
 namespace rastro {
@@ -32,14 +33,7 @@ void put_image(const LiveImage& image, Json& header, detail::BlockBody& body) {
   header["width"] = image.width;
   header["height"] = image.height;
   header["jpeg"] = body.put(image.jpeg);
-  const LiveFeatures& features = image.features;
-  header["features"] = body.put(features.pixels);
-  header["feature_states"] = body.put(features.states);
-  header["feature_state_names"] = features.state_names;
-  body.put_if_any(header, "feature_ids", features.ids);
-  body.put_if_any(header, "trail_lengths", features.trail_lengths);
-  body.put_if_any(header, "trails", features.trails);
-  body.put_if_any(header, "feature_colors", features.colors);
+  detail::put_features(image.features, header, body);
 }
 
 void add_if_any(Json& json, const char* name, const std::string& text) {

@@ -4,6 +4,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 #include <cstdint>
@@ -62,6 +63,10 @@ class LivePage {
     }
   }
   void send(const std::string& text) { socket_.write(boost::asio::buffer(text), error_); }
+  /// Bytes beside the protocol.
+  void send_raw(const std::string& bytes) {
+    boost::asio::write(socket_.next_layer(), boost::asio::buffer(bytes), error_);
+  }
 
  private:
   boost::asio::io_context context_;

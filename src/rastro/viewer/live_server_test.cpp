@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <thread>
 
+#include "rastro/base/random.h"
 #include "rastro/base/stopwatch.h"
 #include "rastro/viewer/live_page_testing.h"
 #include "rastro/viewer/live_view.h"
@@ -133,6 +135,53 @@ TEST(LiveServer, RefusesMoreThanThirtyTwoPages) {
   wait_for_clients(server, 32);
   EXPECT_FALSE(LivePage(server.port()).is_open());
   for (const auto& page : pages) EXPECT_EQ(page->next_of("hello")["title"], "run");
+}
+
+/// Bytes of WebSocket frames that are wrong in one way or another; none is a command.
+std::string malformed_message(Random& random) {
+  const auto any = [&random] { return static_cast<char>(random.below(256)); };
+  const std::string mask(4, '\0');  // leaves the bytes as they are
+  std::string command = R"({"command":"pause"})";
+  command[random.below(static_cast<std::uint32_t>(command.size()))] = any();
+  if (command == R"({"command":"pause"})") command.pop_back();
+  const auto length = static_cast<char>(command.size());
+  switch (random.below(7)) {
+    case 0:  // whole, but no command
+      return std::string{'\x81', static_cast<char>(length | '\x80')} + mask + command;
+    case 1:  // not masked
+      return std::string{'\x81', length} + command;
+    case 2:  // of an absurd length
+      return std::string{'\x82', '\xff'} + std::string(8, any()) + mask + command;
+    case 3:  // goes on with what never began, or has a code that is none
+      return std::string{static_cast<char>(random.below(16)), static_cast<char>(length | '\x80')} + mask + command;
+    case 4:  // a ping that is too long
+      return std::string{'\x89', '\xfe', '\x01', '\x00'} + mask + std::string(256, any());
+    case 5:  // cut
+      return std::string{'\x81', static_cast<char>(length | '\x80')} + mask + command.substr(0, random.below(19));
+    default: {
+      std::string bytes(1 + random.below(60), ' ');
+      std::generate(bytes.begin(), bytes.end(), any);
+      return bytes;
+    }
+  }
+}
+
+TEST(LiveServer, OutlivesMalformedMessages) {
+  constexpr int messages = 10'000;
+  ViewServer server(some_run(), any_port());
+  LivePage good(server.port());
+  wait_for_clients(server, 1);
+  Random random(6);
+  std::optional<LivePage> page;
+  for (int k = 0; k < messages; ++k) {
+    if (!page || !page->is_open() || random.below(4) == 0) page.emplace(server.port());
+    page->send_raw(malformed_message(random));
+    if (k % 100 == 0) server.send(frame_of(k));
+  }
+  good.send(R"({"command":"pause"})");
+  EXPECT_EQ(server.next_command(patience), LiveCommand::pause) << "the only command of all";
+  EXPECT_FALSE(server.next_command(milliseconds(0)));
+  for (int k = 0; k < messages; k += 100) ASSERT_EQ(good.next_of("frame")["index"], k);
 }
 
 TEST(LiveView, WorksForPagesThatWatchAlone) {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rastro/viewer/live_view.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <exception>
 #include <system_error>
@@ -13,18 +10,9 @@
 #include "rastro/base/task_pool.h"
 #include "rastro/viewer/scene_writer.h"
 #include "rastro/viewer/small_image.h"
+#include "rastro/viewer/thread_priority.h"
 
 namespace rastro {
-namespace {
-
-/// The run comes first where cores are few. Where the system refuses, all threads are equal.
-void lower_priority_of_this_thread() {
-  constexpr int nice = 10;
-  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), nice);
-}
-
-}  // namespace
-
 LiveView::LiveView(const ViewServerOptions& server, const LiveHello& run, const ViewSceneOptions& scene,
                    PlaceOf place_of)
     : title_(run.title), scene_options_(scene), place_of_(std::move(place_of)), server_(run, server) {
@@ -81,7 +69,7 @@ void LiveView::put(Slot<Item>& slot, Item item) {
 
 template <typename Item, typename Work>
 void LiveView::serve(Slot<Item>& slot, Work work) {
-  lower_priority_of_this_thread();
+  detail::lower_priority_of_this_thread();
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [&] { return stopping_ || slot.next; });

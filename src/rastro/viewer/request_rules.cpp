@@ -78,6 +78,31 @@ std::optional<std::uint64_t> number_in(std::string_view text) {
   return digits ? parse_uint64(text) : std::nullopt;
 }
 
+/// "1/2" -> 1 and 2, where `count` is 2; nullopt for anything else.
+template <std::size_t count>
+std::optional<std::array<std::uint64_t, count>> numbers_in(std::string_view text) {
+  const auto parts = split(text, '/');
+  if (parts.size() != count) return std::nullopt;
+  std::array<std::uint64_t, count> numbers{};
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto number = number_in(parts[k]);
+    if (!number) return std::nullopt;
+    numbers[k] = *number;
+  }
+  return numbers;
+}
+
+ViewReply content(std::string_view type, std::string body) {
+  const auto kept = std::make_shared<const std::string>(std::move(body));
+  ViewReply reply;
+  reply.type = type;
+  reply.body = *kept;
+  reply.kept = kept;
+  return reply;
+}
+
+constexpr std::string_view binary = "application/octet-stream";
+
 }  // namespace
 
 std::string name_of_machine() {
@@ -139,7 +164,7 @@ bool RequestRules::has_token(const ViewRequest& request) const {
 }
 
 ViewReply RequestRules::content_at(std::string_view path) const {
-  constexpr std::string_view scene_path = "/api/scene/", frame_path = "/api/frame/";
+  constexpr std::string_view scene_path = "/api/scene/", frame_path = "/api/frame/", tile_path = "/api/tile/";
   ViewReply reply;
   if (path == "/") {
     reply.type = "text/html; charset=utf-8";
@@ -154,30 +179,34 @@ ViewReply RequestRules::content_at(std::string_view path) const {
     return reply;
   }
   if (path.starts_with(frame_path)) return frame_at(path.substr(frame_path.size()));
+  if (path.starts_with(tile_path)) return tile_at(path.substr(tile_path.size()));
   if (!path.starts_with(scene_path)) return refusal(404, "there is nothing here\n");
   return scene_at(path.substr(scene_path.size()));
 }
 
 /// "SCENE/FRAME"
-ViewReply RequestRules::frame_at(std::string_view numbers) const {
-  const std::size_t slash = numbers.find('/');
-  const auto scene = number_in(numbers.substr(0, slash));
-  const auto frame = slash == std::string_view::npos ? std::nullopt : number_in(numbers.substr(slash + 1));
+ViewReply RequestRules::frame_at(std::string_view text) const {
   constexpr std::uint64_t most_frames = 1'000'000'000;
-  if (!scene || !frame || *scene >= scenes_.size() || *frame >= most_frames)
+  const auto numbers = numbers_in<2>(text);
+  if (!numbers || (*numbers)[0] >= scenes_.size() || (*numbers)[1] >= most_frames)
     return refusal(404, "there is no such frame\n");
-  const auto& source = scenes_[static_cast<std::size_t>(*scene)];
+  const auto& source = scenes_[static_cast<std::size_t>((*numbers)[0])];
   if (!source->frame_block) return refusal(404, "there are no frames here\n");
-  try {
-    const auto block = std::make_shared<const std::string>(source->frame_block(static_cast<std::int64_t>(*frame)));
-    ViewReply reply;
-    reply.type = "application/octet-stream";
-    reply.body = *block;
-    reply.kept = block;
-    return reply;
-  } catch (const std::exception&) {  // the file may have gone in the meantime
-    return refusal(404, "this frame cannot be read; 'rastro check' lists what is wrong\n");
-  }
+  ViewReply reply;
+  reply.slow = ViewReply::Slow::reading;
+  reply.make = [source, frame = static_cast<std::int64_t>((*numbers)[1])] {
+    return content(binary, source->frame_block(frame));
+  };
+  return reply;
+}
+
+/// "SCENE/LAYER/TILE"
+ViewReply RequestRules::tile_at(std::string_view text) const {
+  const auto numbers = numbers_in<3>(text);
+  if (!numbers || (*numbers)[0] >= scenes_.size()) return refusal(404, "there is no such tile\n");
+  const auto& source = scenes_[static_cast<std::size_t>((*numbers)[0])];
+  auto block = source->tile_block ? source->tile_block((*numbers)[1], (*numbers)[2]) : std::nullopt;
+  return block ? content(binary, *std::move(block)) : refusal(404, "there is no such tile\n");
 }
 
 ViewReply RequestRules::scene_at(std::string_view number) const {
@@ -186,7 +215,7 @@ ViewReply RequestRules::scene_at(std::string_view number) const {
   if (!index || *index >= scenes_.size()) return refusal(404, "there is no such scene\n");
   const auto& scene = scenes_[static_cast<std::size_t>(*index)];
   if (scene->bytes.empty()) return refusal(404, "there is no map yet\n");
-  reply.type = "application/octet-stream";
+  reply.type = binary;
   reply.body = scene->bytes;
   reply.kept = scene;
   return reply;
@@ -197,12 +226,19 @@ ViewReply RequestRules::measured_at(std::string_view number, std::string_view qu
   if (!index || *index >= scenes_.size()) return refusal(404, "there is no such scene\n");
   const auto& scene = scenes_[static_cast<std::size_t>(*index)];
   if (!scene->measure) return refusal(404, "there is no map to measure in\n");
-  const auto answer = std::make_shared<const std::string>(scene->measure(query));
   ViewReply reply;
-  reply.type = "application/json";
-  reply.body = *answer;
-  reply.kept = answer;
+  reply.slow = ViewReply::Slow::measuring;
+  reply.make = [scene, asked = std::string(query)] { return content("application/json", scene->measure(asked)); };
   return reply;
+}
+
+ViewReply made(const ViewReply& reply) {
+  if (!reply.make) return reply;
+  try {
+    return reply.make();
+  } catch (const std::exception&) {  // the file may have gone in the meantime
+    return refusal(404, "this cannot be read; 'rastro check' lists what is wrong\n");
+  }
 }
 
 std::optional<ViewReply> RequestRules::refusal_of(const ViewRequest& request) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,11 +23,17 @@ struct ViewRequest {
 };
 
 struct ViewReply {
+  /// What makes it take long.
+  enum class Slow : std::uint8_t { reading, measuring };
+
   int status = 200;
   std::string_view type = "text/plain; charset=utf-8";
   std::string_view body;             ///< Of the program, or of `kept`.
   std::shared_ptr<const void> kept;  ///< Stays while the reply is sent: scenes are replaced as a run goes on.
   std::vector<std::pair<std::string, std::string>> fields;
+  /// Set where the reply takes long: makes it, in any thread, but one at a time of each kind.
+  std::function<ViewReply()> make = nullptr;
+  Slow slow = Slow::reading;
 };
 
 /// Which request is given what. Touches no file, no socket and no clock. Of one thread.
@@ -49,6 +56,7 @@ class RequestRules {
   ViewReply content_at(std::string_view path) const;
   ViewReply scene_at(std::string_view number) const;
   ViewReply frame_at(std::string_view numbers) const;
+  ViewReply tile_at(std::string_view numbers) const;
   ViewReply measured_at(std::string_view number, std::string_view query) const;
   void make_list();
 
@@ -61,6 +69,9 @@ class RequestRules {
 
 /// As other machines may call it.
 std::string name_of_machine();
+
+/// The reply itself, where it is one that takes long as well. Never throws but for lack of memory.
+ViewReply made(const ViewReply& reply);
 
 /// A reply that only says in one line what is wrong.
 ViewReply refusal(int status, std::string_view line);

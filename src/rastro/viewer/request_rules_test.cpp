@@ -35,7 +35,7 @@ TEST(RequestRules, MeasuresWhereThereIsAMap) {
   both[1].measure = [](std::string_view query) { return "{\"asked\":\"" + std::string(query) + "\"}"; };
   const RequestRules rules(both, "", true, 8420);
   EXPECT_NE(rules.reply_to(get("/api/scenes")).body.find(R"("bytes":1,"measures":true)"), std::string::npos);
-  EXPECT_EQ(rules.reply_to(get("/api/measure/1?kind=edges")).body, R"({"asked":"kind=edges"})");
+  EXPECT_EQ(made(rules.reply_to(get("/api/measure/1?kind=edges"))).body, R"({"asked":"kind=edges"})");
   for (const char* target :
        {"/api/measure/0", "/api/measure/2", "/api/measure/", "/api/measure/1/", "/api/measure/../1"})
     EXPECT_EQ(rules.reply_to(get(target)).status, 404) << target;

@@ -62,12 +62,25 @@ struct SceneEdges {
   std::vector<std::uint32_t> pairs;  ///< Two rows of keyframes each.
 };
 
+/// An octree of tiles of a layer whose points are too many to be sent at once. Each tile is an even sample of what its
+/// cube holds, without the points of its parents; the page fetches those that it needs. Row 0 is the root, whose points
+/// are the layer's own arrays.
+struct SceneTiles {
+  std::uint32_t layer = 0;            ///< Number among the tiled layers of the scene, as tiles are asked for.
+  std::size_t count = 0;              ///< Points of all tiles.
+  std::vector<float> cubes;           ///< Center, and half of the edge: 4 numbers a tile.
+  std::vector<float> spacings;        ///< Distance of neighbors in the sample; 0: nothing finer lies below.
+  std::vector<std::int32_t> parents;  ///< Rows; -1 of the root. A parent comes before its children.
+  std::vector<std::uint32_t> counts;  ///< Points of each.
+};
+
 struct ScenePoints {
   std::string name;
   std::vector<float> positions;
   std::vector<std::uint8_t> colors;      ///< Or empty.
   std::vector<float> sigmas;             ///< Or empty; nan: unknown.
   std::vector<std::uint32_t> keyframes;  ///< Rows; or empty.
+  std::optional<SceneTiles> tiles;       ///< The points are those of the root alone.
 };
 
 struct SceneMesh {
@@ -136,12 +149,15 @@ struct NamedScene {
   std::string name;
   std::string bytes;  ///< Of scene_bytes().
   /// Measures in the map of the scene as a page asks (the query of its request), and answers in JSON; empty where there
-  /// is no map to measure in. Called by one thread at a time; others wait meanwhile, so it takes about a second at
-  /// most.
+  /// is no map to measure in. Called by one thread at a time, beside which the server goes on; it is to end within
+  /// seconds.
   std::function<std::string(std::string_view query)> measure = nullptr;
   /// Of a recording: the block of a frame by its number (frame_block()), read on request; empty where there is none.
   /// Throws Error for a frame that cannot be read. Called by one thread at a time.
   std::function<std::string(std::int64_t frame)> frame_block = nullptr;
+  /// Of a scene with tiled layers: the block of a tile (PointTiles::block()); nullopt where there is no such one. Must
+  /// be quick: the server waits for it.
+  std::function<std::optional<std::string>(std::uint64_t layer, std::uint64_t tile)> tile_block = nullptr;
 };
 
 }  // namespace rastro

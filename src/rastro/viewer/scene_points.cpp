@@ -77,6 +77,17 @@ ScenePoints points_of_layer(const SceneJob& job, const std::string& name, const 
 }
 
 }  // namespace
+}  // namespace rastro::detail
+
+namespace rastro {
+
+ScenePoints scene_points(PointCloud cloud, std::string name, std::size_t most) {
+  return detail::points_of({std::move(cloud), {}}, std::move(name), 0.0, most);
+}
+
+}  // namespace rastro
+
+namespace rastro::detail {
 
 void add_layer_points(const SceneJob& job, ViewScene& scene) {
   for (const auto& [name, layer] : job.map.layers.all()) {

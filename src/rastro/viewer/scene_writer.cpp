@@ -47,7 +47,16 @@ struct LayerWriter {
     body.put_if_any(json, "colors", points.colors);
     body.put_if_any(json, "sigmas", points.sigmas);
     body.put_if_any(json, "keyframes", points.keyframes);
+    if (points.tiles) json["tiles"] = tiles_json(*points.tiles);
     return json;
+  }
+  Json tiles_json(const SceneTiles& tiles) const {
+    return {{"layer", tiles.layer},
+            {"count", tiles.count},
+            {"cubes", body.put(tiles.cubes)},
+            {"spacings", body.put(tiles.spacings)},
+            {"parents", body.put(tiles.parents)},
+            {"counts", body.put(tiles.counts)}};
   }
   Json operator()(const SceneMesh& mesh) const {
     Json json{{"kind", "mesh"}, {"name", mesh.name}, {"positions", body.put(mesh.positions)}};

@@ -22,7 +22,7 @@ ViewScene scene_with_everything() {
   scene.keyframes = {{7}, {1.5}, {1, 2, 3, 0, 0, 0, 1}, {0}, {2}};
   scene.camera = SceneCamera{640, 480, 585.0, 586.0, 320.0, 240.0};
   scene.layers.emplace_back(SceneEdges{"loops", {0, 0}});
-  scene.layers.emplace_back(ScenePoints{"cloud", {1, 2, 3}, {9, 8, 7}, {0.5F}, {0}});
+  scene.layers.emplace_back(ScenePoints{"cloud", {1, 2, 3}, {9, 8, 7}, {0.5F}, {0}, {}});
   scene.layers.emplace_back(SceneMesh{"mesh", {0, 0, 0, 1, 0, 0, 0, 1, 0}, {}, {0, 1, 2}});
   scene.layers.emplace_back(SceneCubes{"octree", {1, 1, 1}, {0.05F}, {}});
   scene.layers.emplace_back(SceneGrid{"grid", 3, 1, 0.05, {-1.0, -2.0}, {0, 254, 255}});

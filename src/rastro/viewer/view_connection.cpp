@@ -2,6 +2,7 @@
 #include "rastro/viewer/view_connection.h"
 
 #include <algorithm>
+#include <boost/asio/post.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/message.hpp>
@@ -80,8 +81,20 @@ class ViewConnection : public std::enable_shared_from_this<ViewConnection> {
     const ViewRequest request = request_of(*parser_);
     if (RequestRules::asks_for_messages(request)) return hand_over(request);
     const ViewReply reply = service_.rules.reply_to(request);
-    write(reply, reply.status < 400 && parser_->keep_alive());
+    if (reply.make) return make(reply);
+    write(reply, is_kept_after(reply));
   }
+
+  /// The connection waits for it, the server goes on.
+  void make(const ViewReply& reply) {
+    stream_.expires_never();
+    service_.workers.start(reply.slow, [self = shared_from_this(), reply] {
+      boost::asio::post(self->stream_.get_executor(),
+                        [self, done = made(reply)] { self->write(done, self->is_kept_after(done)); });
+    });
+  }
+
+  bool is_kept_after(const ViewReply& reply) const { return reply.status < 400 && parser_->keep_alive(); }
 
   /// The rest is the client's.
   void hand_over(const ViewRequest& request) {

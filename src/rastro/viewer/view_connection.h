@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "rastro/viewer/live_clients.h"
+#include "rastro/viewer/reply_workers.h"
 #include "rastro/viewer/request_rules.h"
 #include "rastro/viewer/view_server.h"
 
@@ -18,6 +19,7 @@ class ViewConnection;
 struct ViewService {
   const ViewServerOptions& options;
   const RequestRules& rules;
+  ReplyWorkers& workers;
   LiveClients* live = nullptr;  ///< Null where no run goes on.
 };
 

@@ -109,6 +109,7 @@ class ViewServer::Listener {
     std::call_once(stopped_, [this] {
       context_.stop();
       thread_.join();
+      workers_.stop();
     });
   }
 
@@ -158,7 +159,7 @@ class ViewServer::Listener {
       if (error == asio::error::operation_aborted) return;
       if (error) return accept_later();
       accept();
-      connections_.add(std::move(socket), {options_, *rules_, live_ ? &*live_ : nullptr});
+      connections_.add(std::move(socket), {options_, *rules_, workers_, live_ ? &*live_ : nullptr});
     });
   }
 
@@ -180,6 +181,7 @@ class ViewServer::Listener {
   tcp::acceptor acceptor_;
   tcp::endpoint endpoint_;
   asio::steady_timer pause_;
+  detail::ReplyWorkers workers_;  // Goes before the context: what waits there holds connections.
   std::once_flag stopped_;
   std::thread thread_;
 };

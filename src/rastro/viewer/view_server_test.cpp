@@ -8,7 +8,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
+#include <future>
+#include <memory>
 #include <thread>
 
 #include "rastro/base/error.h"
@@ -107,6 +110,50 @@ TEST(ViewServer, KeepsAConnectionForSeveralRequests) {
   const std::string replies = client.all().value_or("no end");
   EXPECT_THAT(replies, HasSubstr("1234HTTP/1.1 200 OK"));
   EXPECT_THAT(replies, ::testing::EndsWith("1234"));
+}
+
+TEST(ViewServer, MeasuresAndReadsBesideOtherRequests) {
+  std::promise<void> go;
+  const std::shared_future<void> gone = go.get_future().share();
+  std::vector<NamedScene> scenes = two_scenes();
+  scenes[1].measure = [gone](std::string_view) { return gone.wait(), std::string("measured"); };
+  scenes[1].frame_block = [](std::int64_t frame) { return "frame " + std::to_string(frame); };
+  scenes[1].tile_block = [](std::uint64_t layer, std::uint64_t tile) -> std::optional<std::string> {
+    return layer == 0 && tile < 9 ? std::optional("tile " + std::to_string(tile)) : std::nullopt;
+  };
+  const ViewServer server(any_port(), scenes);
+  const Client measuring(server.port());
+  measuring.send("GET /api/measure/1 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  // All of these are answered before the measurement is, which waits for them.
+  EXPECT_EQ(body_in(reply_of(server, "GET /api/scene/1")), "1234");
+  EXPECT_EQ(body_in(reply_of(server, "GET /api/tile/1/0/8")), "tile 8");
+  EXPECT_EQ(body_in(reply_of(server, "GET /api/frame/1/3")), "frame 3");
+  for (const char* none : {"/api/tile/1/0/9", "/api/tile/1/1/0", "/api/tile/0/0/0", "/api/tile/1/0", "/api/tile/1/0/-1",
+                           "/api/tile/1/0/../x"})
+    EXPECT_THAT(reply_of(server, std::string("GET ") + none), StartsWith("HTTP/1.1 404 ")) << none;
+  go.set_value();
+  EXPECT_EQ(body_in(measuring.all().value_or("no end")), "measured");
+}
+
+TEST(ViewServer, StopsWhileMeasurementsWait) {
+  std::vector<NamedScene> scenes = two_scenes();
+  std::promise<void> begun;
+  std::atomic<int> measured = 0;
+  scenes[0].measure = [&](std::string_view) {
+    if (measured++ == 0) begun.set_value();
+    return std::string(100, 'm');
+  };
+  ViewServer server(any_port(), scenes);
+  std::vector<std::unique_ptr<Client>> clients;
+  for (int k = 0; k < 20; ++k) {
+    clients.push_back(std::make_unique<Client>(server.port()));
+    clients.back()->send("GET /api/measure/0 HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  }
+  begun.get_future().wait();
+  server.stop();
+  const int done = measured;
+  EXPECT_LE(done, 20);
+  for (const auto& each : clients) EXPECT_TRUE(each->connected());
 }
 
 TEST(ViewServer, AsksForHostAndToken) {

@@ -13,15 +13,15 @@ const known: Record<string, FeatureStyle> = {
   unmatched: { color: '#c4c9ce', shape: 'dot' },
   matched: { color: okabeIto.skyBlue, shape: 'square' },
   outlier: { color: okabeIto.vermillion, shape: 'cross' },
-  inlier: { color: '#00b386', shape: 'disc' },
+  inlier: { color: okabeIto.green, shape: 'disc' },
   new: { color: okabeIto.yellow, shape: 'triangle' },
   re_identified: { color: okabeIto.purple, shape: 'diamond' },
-  // Visual words, as Labbe and Michaud 2013 color them.
-  known_word: { color: '#e8503a', shape: 'disc' },
+  // Visual words have the hues of Labbe and Michaud 2013, light and dark enough to be told apart by everyone.
+  known_word: { color: '#d62f1f', shape: 'disc' },
   new_word: { color: '#35c24a', shape: 'triangle' },
   repeated_word: { color: '#ffe600', shape: 'square' },
-  previous_word: { color: '#4aa3ff', shape: 'ring' },
-  shared_word: { color: '#ff80e5', shape: 'diamond' },
+  previous_word: { color: '#4a86ff', shape: 'ring' },
+  shared_word: { color: '#ffb8f2', shape: 'diamond' },
 };
 
 const others: FeatureStyle[] = [

@@ -197,21 +197,25 @@ function readPlace(entry: Entry): LivePlace {
 }
 
 function readImage(entry: Entry): LiveImage {
-  const features = entry.arrayOrNull('features', 'f32', 2, null) ?? new Float32Array(0);
-  if (features.length > 2 * mostFeatures) throw entry.error('features', `has ${features.length / 2} features`);
-  const states = features.length ? entry.array('feature_states', 'u8', 1, features.length / 2) : new Uint8Array(0);
   return {
-    type: 'image',
-    index: entry.index('index', largestIndex),
-    width: side(entry, 'width'),
-    height: side(entry, 'height'),
-    jpeg: entry.array('jpeg', 'u8', 1, null),
+    type: 'image', index: entry.index('index', largestIndex), width: side(entry, 'width'), height: side(entry, 'height'),
+    jpeg: entry.array('jpeg', 'u8', 1, null), ...readFeatures(entry),
+  };
+}
+
+/** Of any block with an image. */
+export function readFeatures(entry: Entry): Omit<LiveImage, 'type' | 'index' | 'width' | 'height' | 'jpeg'> {
+  const features = entry.arrayOrNull('features', 'f32', 2, null) ?? new Float32Array(0);
+  const count = features.length / 2;
+  if (count > mostFeatures) throw entry.error('features', `has ${count} features`);
+  if (count === 0) return { features, states: new Uint8Array(0), stateNames: [], ids: null, trails: [], colors: null };
+  return {
     features,
-    states,
-    stateNames: features.length ? texts(entry, 'feature_state_names', 255) : [],
-    ids: features.length ? entry.arrayOrNull('feature_ids', 'i32', 1, features.length / 2) : null,
-    trails: readTrails(entry, features.length / 2),
-    colors: features.length ? entry.arrayOrNull('feature_colors', 'u8', 3, features.length / 2) : null,
+    states: entry.array('feature_states', 'u8', 1, count),
+    stateNames: texts(entry, 'feature_state_names', 255),
+    ids: entry.arrayOrNull('feature_ids', 'i32', 1, count),
+    trails: readTrails(entry, count),
+    colors: entry.arrayOrNull('feature_colors', 'u8', 3, count),
   };
 }
 

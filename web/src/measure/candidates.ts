@@ -2,6 +2,7 @@
 // All that can be clicked to measure: whatever is shown of points, surfaces, occupied cells, keyframes, trajectory.
 import type { App } from '../app';
 import type { GridLayer, Layer } from '../scene/scene';
+import type { PointsLayer } from '../view3d/points_layer';
 import type { Run } from '../view3d/run';
 import type { Candidates } from './pick';
 
@@ -24,16 +25,15 @@ function ofRun(app: App, run: Run): Candidates[] {
   // Layers of the scene are the last of the run's layers, in the same order.
   const objects = run.layers.slice(run.layers.length - layers.length);
   layers.forEach((layer, i) => {
+    if (layer.kind === 'points') return (shown.has(objects[i].key) ? (objects[i] as PointsLayer).shown : []).forEach((data) => add(layer.name, data.positions, 3, data.sigmas, app.state.maxSigma, true));
     const positions = objects[i].object.visible ? positionsOf(layer) : null;
-    const sigmas = layer.kind === 'points' ? layer.sigmas : null;
-    if (positions) add(layer.name, positions, 3, sigmas, app.state.maxSigma, layer.kind !== 'cubes');
+    if (positions) add(layer.name, positions, 3, null, app.state.maxSigma, layer.kind !== 'cubes');
   });
   return result;
 }
 
 function positionsOf(layer: Layer): Float32Array | null {
   switch (layer.kind) {
-    case 'points':
     case 'mesh':
       return layer.positions;
     case 'cubes':

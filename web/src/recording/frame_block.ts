@@ -2,7 +2,7 @@
 // Reads the block of one frame of a recording. Nothing in it may be believed: a bad one throws SceneError and nothing else.
 import { readBlock } from '../scene/parse';
 import { SceneError } from '../scene/scene';
-import type { LiveImage } from '../live/messages';
+import { readFeatures, type LiveImage } from '../live/messages';
 
 export interface RecordedFrame {
   index: number;
@@ -27,9 +27,6 @@ export function readFrameBlock(bytes: Uint8Array): RecordedFrame {
   const side = (key: string) => Math.min(65535, entry.positive(key));
   return {
     index, name: entry.text('name', ''), points, colors: points.length ? entry.arrayOrNull('colors', 'u8', 3, points.length / 3) : null,
-    image: jpeg && {
-      type: 'image', index, width: side('width'), height: side('height'), jpeg, features: new Float32Array(0), states: new Uint8Array(0),
-      stateNames: [], ids: null, trails: [], colors: null,
-    },
+    image: jpeg && { type: 'image', index, width: side('width'), height: side('height'), jpeg, ...readFeatures(entry) },
   };
 }

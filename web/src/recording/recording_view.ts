@@ -2,8 +2,10 @@
 // The panel with the current frame of a recording, which is fetched when it becomes the current one.
 import type { App } from '../app';
 import { FeatureImage } from '../live/feature_image';
+import { FeatureLegend } from '../live/feature_legend';
 import { SceneError } from '../scene/scene';
 import { el } from '../ui/dom';
+import { stateColor } from '../view3d/colors';
 import { readFrameBlock, type RecordedFrame } from './frame_block';
 import { FramePoints } from './frame_points';
 
@@ -13,6 +15,7 @@ export class RecordingView {
   private readonly title = el('summary', { title: 'Image of the current frame' });
   private readonly pictures = el('div', { className: 'pictures', hidden: true });
   private readonly line = el('p', { className: 'facts-line' });
+  private readonly legend = new FeatureLegend(this.image);
   private readonly points: FramePoints;
   private shown = '';
   private busy = false;
@@ -21,7 +24,8 @@ export class RecordingView {
   constructor(private readonly app: App, private readonly recordings: Map<number, number>, private readonly query: string) {
     this.points = new FramePoints(app);
     this.pictures.append(el('figure', {}, this.image.canvas));
-    this.element.append(this.title, this.pictures, this.line);
+    this.element.append(this.title, this.pictures, this.legend.element, this.line);
+    this.element.classList.toggle('whole', !app.frames?.positions.some(Number.isFinite));
     this.image.onDrawn = (image) => (this.element.dataset.image = `${image.index}`);
     app.onChange((changed) => {
       if (changed.has('frame') || changed.has('active')) void this.update();
@@ -70,14 +74,24 @@ export class RecordingView {
     const count = (n: number) => n.toLocaleString('en-US');
     this.title.textContent = `Frame ${count(row + 1)} of ${count(this.app.frames?.count ?? 0)}`;
     this.element.dataset.frame = `${row}`;
+    const state = stateOf(this.app, row);
+    if (state !== '') this.title.append(el('span', { className: 'key' }, el('span', { className: 'swatch', style: `background:${stateColor(state)}` }), state));
     if (typeof frame === 'string') {
       this.line.textContent = frame;
       return;
     }
     this.pictures.hidden = frame.image === null;
     this.image.show(frame.image);
+    this.legend.show(frame.image);
     this.points.show(frame, row);
-    const facts = [frame.name, frame.points.length ? `${count(frame.points.length / 3)} points measured` : ''];
+    const features = frame.image?.states.length ?? 0;
+    const facts = [frame.name, frame.points.length ? `${count(frame.points.length / 3)} points measured` : '', features ? `${count(features)} features` : ''];
     this.line.textContent = facts.filter((t) => t !== '').join(' · ');
   }
+}
+
+/** Empty where the run says nothing of the frame. */
+function stateOf(app: App, row: number): string {
+  const states = app.frames?.states;
+  return states ? app.active?.scene.stateNames[states[row]] ?? '' : '';
 }

@@ -9,6 +9,7 @@ import type {
   Layer,
   MeshLayer,
   PointsLayer,
+  TileIndex,
 } from './scene';
 
 export function parseLayer(entry: Entry, keyframes: number): Layer {
@@ -38,18 +39,29 @@ function parseEdges(entry: Entry, keyframes: number): EdgesLayer {
 }
 
 function parsePoints(entry: Entry, keyframes: number): PointsLayer {
+  const tiles = entry.child('tiles');
+  return { kind: 'points', name: entry.text('name'), ...parsePointArrays(entry, keyframes), tiles: tiles && parseTiles(tiles) };
+}
+
+/** What a layer and a tile of one have in common. */
+export function parsePointArrays(entry: Entry, keyframes: number): Omit<PointsLayer, 'kind' | 'name' | 'tiles'> {
   const positions = entry.array('positions', 'f32', 3, null);
   const count = positions.length / 3;
   const rows = entry.arrayOrNull('keyframes', 'u32', 1, count);
-  if (rows) checkIndices(rows, keyframes, `${entry.where}.keyframes`);
+  if (rows) checkIndices(rows, keyframes, entry.where === '' ? 'keyframes' : `${entry.where}.keyframes`);
+  return { count, positions, colors: entry.arrayOrNull('colors', 'u8', 3, count), sigmas: entry.arrayOrNull('sigmas', 'f32', 1, count), keyframes: rows };
+}
+
+/** Parents come before their children, so that no path in the tree goes around. */
+function parseTiles(entry: Entry): TileIndex {
+  const parents = entry.array('parents', 'i32', 1, null);
+  const rows = parents.length;
+  parents.forEach((parent, row) => {
+    if (row === 0 ? parent !== -1 : parent < 0 || parent >= row) throw entry.error('parents', `has ${parent} at ${row}`);
+  });
   return {
-    kind: 'points',
-    name: entry.text('name'),
-    count,
-    positions,
-    colors: entry.arrayOrNull('colors', 'u8', 3, count),
-    sigmas: entry.arrayOrNull('sigmas', 'f32', 1, count),
-    keyframes: rows,
+    parents, count: entry.index('count', 2 ** 40), layer: entry.index('layer', 2 ** 31), url: null,
+    cubes: entry.array('cubes', 'f32', 4, rows), spacings: entry.array('spacings', 'f32', 1, rows), counts: entry.array('counts', 'u32', 1, rows),
   };
 }
 

@@ -72,6 +72,23 @@ export interface EdgesLayer {
   pairs: Uint32Array;
 }
 
+/** An octree over points that are too many to be sent at once; row 0 is the root, whose points are the layer's own arrays. */
+export interface TileIndex {
+  /** Points of all tiles. */
+  count: number;
+  /** Center, and half of the edge, of each tile. */
+  cubes: Float32Array;
+  /** Distance of neighbors in the sample of each tile; 0: nothing finer lies below. */
+  spacings: Float32Array;
+  parents: Int32Array;
+  /** Points of each. */
+  counts: Uint32Array;
+  /** Its number on the server. */
+  layer: number;
+  /** Where a tile is fetched from; null: nowhere, as in a file. */
+  url: ((row: number) => string) | null;
+}
+
 export interface PointsLayer {
   kind: 'points';
   name: string;
@@ -80,6 +97,8 @@ export interface PointsLayer {
   colors: Uint8Array | null;
   sigmas: Float32Array | null;
   keyframes: Uint32Array | null;
+  /** The points are those of the root alone. */
+  tiles: TileIndex | null;
 }
 
 export interface MeshLayer {

@@ -70,11 +70,17 @@ async function fetchedScene(entry: unknown, i: number, query: string): Promise<L
     const response = await get(`/api/scene/${number}${query}`, live === true);
     if (response.status === 404) return { name: label, scene: emptyScene(label), error: null, live: true, index: number };
     const buffer = await response.arrayBuffer();
-    return { ...load(label, () => new Uint8Array(buffer)), live: live === true, recording: frames === true, index: number };
+    const loaded = load(label, () => new Uint8Array(buffer));
+    for (const layer of loaded.scene?.layers ?? []) if (layer.kind === 'points' && layer.tiles) layer.tiles.url = tileUrl(number, layer.tiles.layer, query);
+    return { ...loaded, live: live === true, recording: frames === true, index: number };
   } catch (error) {
     if (!(error instanceof SceneError)) throw error;
     return { name: label, scene: null, error: error.message };
   }
+}
+
+function tileUrl(scene: number, layer: number, query: string): (row: number) => string {
+  return (row) => `/api/tile/${scene}/${layer}/${row}${query}`;
 }
 
 /** `early`: a run has no map yet at its begin, which is no fault. */

@@ -15,9 +15,12 @@ export function isSoftware(): boolean {
 
 export class Budget {
   points: number;
+  /** Of tiles in a whole picture, which comes when the view rests. */
+  readonly whole: number;
 
   constructor(software: boolean) {
     this.points = software ? 3e5 : 3e6;
+    this.whole = software ? 2e6 : 5e6;
   }
 
   learn(intervalMs: number): void {

@@ -34,7 +34,7 @@ const stateColors: Record<string, string> = {
   weak: okabeIto.orange,
   lost: okabeIto.vermillion,
   relocalized: okabeIto.skyBlue,
-  initializing: okabeIto.gray,
+  initializing: '#a5a5a5', // the palette's own gray is too near to its green without red or green cones
 };
 
 export function stateColor(name: string): string {

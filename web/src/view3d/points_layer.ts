@@ -57,22 +57,32 @@ export class PointsLayer implements LayerObject {
   readonly shownAtFirst = true;
   readonly modes: Set<PointColor>;
   maxSigma = Infinity;
-  private readonly material: THREE.ShaderMaterial;
+  protected readonly material: THREE.ShaderMaterial;
   private readonly parts: THREE.Points[];
   /** A small sample, for pictures while the view moves on a slow computer. */
   private readonly preview: THREE.Points | null;
 
-  constructor(readonly data: PointsData, keyframes: Keyframes | null, runColor: string) {
+  constructor(readonly data: PointsData, protected readonly keyframes: Keyframes | null, runColor: string) {
+    const whole = data.tiles?.url ? data.tiles.count : data.count;
     this.key = `points:${data.name}`;
     this.label = titled(data.name);
-    this.detail = data.count === 0 ? 'empty' : count(data.count, 'point');
+    this.detail = whole === 0 ? 'empty' : count(whole, 'point');
     this.modes = availableModes(data);
     this.material = material(runColor, data.colors !== null);
     this.parts = geometriesOf(data, keyframes).map((geometry) => this.part(geometry));
     this.preview = data.count < smallCount ? null : this.part(geometriesOf(sampleOf(data), keyframes)[0]);
   }
 
-  private part(geometry: THREE.BufferGeometry): THREE.Points {
+  /** What a picture at this view shows of it, whole. */
+  get shown(): PointsData[] {
+    return [this.data];
+  }
+
+  get shownCount(): number {
+    return this.shown.reduce((sum, data) => sum + data.count, 0);
+  }
+
+  protected part(geometry: THREE.BufferGeometry): THREE.Points {
     const points = new THREE.Points(geometry, this.material);
     points.frustumCulled = false;
     points.layers.set(pointsMask);
@@ -153,11 +163,12 @@ function sampleOf(data: PointsData): PointsData {
     colors: data.colors && take(data.colors, 3),
     sigmas: data.sigmas && take(data.sigmas, 1),
     keyframes: data.keyframes && take(data.keyframes, 1),
+    tiles: null,
   };
 }
 
 /** One geometry a class. They share the buffers, which are the scene's own arrays: nothing is copied or sorted. */
-function geometriesOf(data: PointsData, keyframes: Keyframes | null): THREE.BufferGeometry[] {
+export function geometriesOf(data: PointsData, keyframes: Keyframes | null): THREE.BufferGeometry[] {
   const n = data.count < smallCount ? 1 : classes;
   const shared: [string, THREE.InterleavedBuffer, number][] = [];
   const share = (name: string, array: Float32Array | Uint8Array, columns: number) =>

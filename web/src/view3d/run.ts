@@ -9,6 +9,7 @@ import { GridLayer } from './grid_layer';
 import { KeyframesLayer } from './keyframes_layer';
 import { PointsLayer } from './points_layer';
 import type { LayerObject } from './style';
+import { TiledPoints } from './tiled_points';
 import { cubesLayer, meshLayer } from './surface_layers';
 import { TrajectoryLayer, type TrajectoryKind } from './trajectory_layer';
 
@@ -62,7 +63,7 @@ function layerObject(layer: Layer, scene: Scene, color: string): LayerObject {
     case 'edges':
       return new EdgesLayer(layer, scene.keyframes);
     case 'points':
-      return new PointsLayer(layer, scene.keyframes, color);
+      return layer.tiles?.url ? new TiledPoints(layer, scene.keyframes, color) : new PointsLayer(layer, scene.keyframes, color);
     case 'mesh':
       return meshLayer(layer, color);
     case 'cubes':

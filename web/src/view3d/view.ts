@@ -9,16 +9,22 @@ import { classes, PointsLayer } from './points_layer';
 import { Reference } from './reference';
 import type { Run } from './run';
 import { pointsMask, type Style } from './style';
+import { viewOf } from './tile_choice';
+import { TiledPoints } from './tiled_points';
 import { fitDistance, horizontal, nearFar, offCenter } from './viewpoint';
 
 /** The view has to rest this long before points that are missing are added: they would hold up the next movement. */
 const pauseMs = 80;
+/** Points of a tile that lie nearer than this on the screen are fine enough. */
+const enoughPx = 1.5;
 
 export interface Stats {
   /** Points drawn so far since the view last moved. */
   pointsDrawn: number;
   pointsVisible: number;
   frameMs: number;
+  /** Tiles of points that the view needs and that are on their way. */
+  tilesWaiting: number;
   /** Pictures drawn so far; at rest none is added. */
   pictures: number;
   firstPictureMs: number | null;
@@ -32,7 +38,7 @@ export class View3d {
   readonly marks = new THREE.Scene();
   readonly controls: OrbitControls;
   reference: Reference;
-  readonly stats: Stats = { pointsDrawn: 0, pointsVisible: 0, frameMs: 0, pictures: 0, firstPictureMs: null, completePictureMs: null };
+  readonly stats: Stats = { pointsDrawn: 0, pointsVisible: 0, frameMs: 0, tilesWaiting: 0, pictures: 0, firstPictureMs: null, completePictureMs: null };
   /** Called after each picture, for what is laid over the view. */
   onDrawn: () => void = () => {};
   private readonly renderer: THREE.WebGLRenderer;
@@ -66,7 +72,10 @@ export class View3d {
 
   add(run: Run): void {
     this.content.add(run.group);
-    for (const layer of run.layers) if (layer instanceof PointsLayer) this.points.push(layer);
+    for (const layer of run.layers) {
+      if (layer instanceof PointsLayer) this.points.push(layer);
+      if (layer instanceof TiledPoints) layer.onArrival = () => this.schedule();
+    }
   }
 
   remove(run: Run): void {
@@ -209,9 +218,22 @@ export class View3d {
       this.drawnInRow++;
     } else {
       this.drawnInRow = 0;
-      if (this.drawnClasses === classes) return;
+      if (this.drawnClasses === classes) return this.drawArrivals();
     }
     this.schedule();
+  }
+
+  /** Tiles that came after the picture was whole, over it; those that come later ask again. */
+  private drawArrivals(): void {
+    const tiled = this.tiledPoints();
+    for (const layer of this.points) layer.setSlice(classes, classes, false);
+    if (tiled.map((layer) => layer.showFresh()).includes(true)) this.render(false);
+    this.visiblePoints();
+    this.note(1);
+  }
+
+  private tiledPoints(): TiledPoints[] {
+    return this.shownPoints().filter((layer) => layer instanceof TiledPoints);
   }
 
   private shownPoints(): PointsLayer[] {
@@ -219,37 +241,47 @@ export class View3d {
   }
 
   private visiblePoints(): number {
-    this.stats.pointsVisible = this.shownPoints().reduce((sum, p) => sum + p.data.count, 0);
+    this.stats.pointsVisible = this.shownPoints().reduce((sum, p) => sum + p.shownCount, 0);
     return this.stats.pointsVisible;
   }
 
   private drawSlice(from: number, to: number, first: boolean): void {
+    if (first) this.begin();
     for (const layer of this.points) layer.setSlice(from, to, first);
-    if (first) {
-      const { near, far } = nearFar(this.bounds, this.camera.position, this.controls.target);
-      Object.assign(this.camera, { near, far });
-      this.camera.updateProjectionMatrix();
-      this.renderer.clear();
-    } else {
-      this.camera.layers.set(pointsMask);
-    }
+    this.render(first);
+    this.drawnClasses = to;
+    this.note(to / classes);
+  }
+
+  /** A picture from where the eye is now. */
+  private begin(): void {
+    const { near, far } = nearFar(this.bounds, this.camera.position, this.controls.target);
+    Object.assign(this.camera, { near, far });
+    this.camera.updateProjectionMatrix();
+    const ratio = this.pixelRatio();
+    const view = viewOf(this.camera, this.canvas.clientHeight * ratio, enoughPx * ratio, this.budget.whole);
+    for (const layer of this.tiledPoints()) layer.look(view);
+    this.renderer.clear();
+  }
+
+  private render(whole: boolean): void {
+    if (!whole) this.camera.layers.set(pointsMask);
     this.renderer.render(this.content, this.camera);
     this.camera.layers.enableAll();
     this.renderer.render(this.marks, this.camera);
-    this.drawnClasses = to;
     this.stats.pictures++;
-    this.note(to / classes);
     this.onDrawn();
   }
 
   private note(share: number): void {
     this.stats.pointsDrawn = share > 0 ? Math.round(share * this.stats.pointsVisible) : this.shownPoints().reduce((sum, p) => sum + p.previewCount, 0);
-    const waiting = this.stats.firstPictureMs === null || (share === 1 && this.stats.completePictureMs === null);
-    if (!waiting) return;
+    this.stats.tilesWaiting = this.tiledPoints().reduce((sum, layer) => sum + layer.waiting, 0);
+    const complete = share === 1 && this.stats.tilesWaiting === 0;
+    if (this.stats.firstPictureMs !== null && !(complete && this.stats.completePictureMs === null)) return;
     // Reading a pixel waits for the graphics card: the times are those of real pictures.
     const gl = this.renderer.getContext();
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     this.stats.firstPictureMs ??= performance.now();
-    if (share === 1) this.stats.completePictureMs ??= performance.now();
+    if (complete) this.stats.completePictureMs ??= performance.now();
   }
 }
